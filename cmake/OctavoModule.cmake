@@ -1,0 +1,34 @@
+# How every module of src/octavo is built: one static library per folder, the same warnings everywhere.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+
+add_library(octavo_flags INTERFACE)
+target_compile_options(octavo_flags INTERFACE
+  -Wall -Wextra -Wshadow -Wconversion -Wsign-conversion
+  # The model's floating-point training must give the same bytes on every machine.
+  -ffp-contract=off)
+
+# octavo_module(NAME SOURCES a.cpp ... [USES octavo_core ...] [LINKS TBB::tbb ...])
+function(octavo_module name)
+  cmake_parse_arguments(arg "" "" "SOURCES;USES;LINKS" ${ARGN})
+  add_library(octavo_${name} STATIC ${arg_SOURCES})
+  target_include_directories(octavo_${name} PUBLIC
+    $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/src> $<INSTALL_INTERFACE:include>)
+  target_link_libraries(octavo_${name}
+    PUBLIC ${arg_USES} PRIVATE $<BUILD_INTERFACE:octavo_flags> ${arg_LINKS})
+  target_compile_features(octavo_${name} PUBLIC cxx_std_20)
+endfunction()
+
+# octavo_test(NAME TIER SOURCES a.cpp ... USES octavo_core ...): one gtest program, one ctest label.
+function(octavo_test name tier)
+  cmake_parse_arguments(arg "" "" "SOURCES;USES;LINKS" ${ARGN})
+  add_executable(test_${name} ${arg_SOURCES})
+  target_include_directories(test_${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
+  target_link_libraries(test_${name}
+    PRIVATE ${arg_USES} ${arg_LINKS} octavo_flags rapidcheck::rapidcheck GTest::gtest_main)
+  add_test(NAME ${name} COMMAND test_${name})
+  set_tests_properties(${name} PROPERTIES LABELS ${tier} TIMEOUT 600)
+endfunction()

@@ -1,0 +1,80 @@
+// One brick of voxels in, one byte segment per level out, and back.
+//
+// A BrickCodec is a trained model (prediction weights, probability tables) with the procedures that use
+// it. It is immutable: one object serves any number of threads. A file holds one model per group of brick
+// layers; a brick needs nothing but its model, its value range and its segments to be decoded.
+//
+// Segments stand finest first: segments[i] turns the samples of in-brick level i+1 into those of level i.
+// The last one holds the coarsest samples themselves. Decoding level i needs segments i .. last. A brick
+// whose voxels all have one value is uniform: range.min == range.max and every segment is empty.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "octavo/core/levels.h"
+#include "octavo/core/volume.h"
+
+namespace octavo {
+
+using Bytes = std::vector<std::uint8_t>;
+using ByteSpan = std::span<const std::uint8_t>;
+
+/// The voxels of one brick inside a larger array. Strides are in voxels; x is contiguous.
+struct BrickView {
+  const void* voxels = nullptr;
+  VoxelType type = VoxelType::uint8;
+  Size3 size;
+  std::int64_t row_stride = 0;
+  std::int64_t plane_stride = 0;
+};
+
+struct EncodedBrick {
+  ValueRange range;            ///< smallest and largest voxel
+  std::int64_t parent = 0;     ///< the brick's sample at the first level of the next tier
+  std::vector<Bytes> segments; ///< one per in-brick level, finest first; all empty when uniform
+};
+
+class BrickCodec {
+ public:
+  virtual ~BrickCodec() = default;
+
+  virtual VolumeKind kind() const noexcept = 0;
+
+  /// The model as it stands in the file; parse_model gives an equal codec back.
+  virtual Bytes serialized() const = 0;
+
+  /// Encodes one brick. `brick.size` equals shape.size[0].
+  /// Memory  about 16 bytes per voxel of the brick; thread-safe; deterministic on every machine
+  virtual EncodedBrick encode(const BrickShape& shape, const BrickView& brick) const = 0;
+
+  /// Decodes in-brick level `level` into `out`, dense [z][y][x] of shape.size[level], of type `type`.
+  /// segments  one per in-brick level; those finer than `level` are not looked at
+  /// Throws    Error{corrupt} when a segment is too long, too short or inconsistent; never writes outside
+  ///           `out`, never reads outside the segments
+  virtual void decode(const BrickShape& shape, VoxelType type, const ValueRange& range,
+                      std::span<const ByteSpan> segments, int level, void* out) const = 0;
+};
+
+/// A brick to learn from.
+struct TrainingBrick {
+  BrickShape shape;
+  BrickView view;
+};
+
+/// Trains a model on `bricks` (none of them needs to be non-uniform; an empty list gives a usable default).
+/// Deterministic: the same bricks in the same order give the same model on every machine.
+std::unique_ptr<BrickCodec> train_grey_model(VoxelType type, std::span<const TrainingBrick> bricks);
+std::unique_ptr<BrickCodec> train_label_model(VoxelType type, std::span<const TrainingBrick> bricks);
+std::unique_ptr<BrickCodec> train_model(VolumeKind kind, VoxelType type,
+                                        std::span<const TrainingBrick> bricks);
+
+/// The codec of a serialized model. Throws Error{corrupt}.
+std::unique_ptr<BrickCodec> parse_grey_model(VoxelType type, ByteSpan bytes);
+std::unique_ptr<BrickCodec> parse_label_model(VoxelType type, ByteSpan bytes);
+std::unique_ptr<BrickCodec> parse_model(VolumeKind kind, VoxelType type, ByteSpan bytes);
+
+}  // namespace octavo

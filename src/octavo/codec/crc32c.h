@@ -1,0 +1,16 @@
+// CRC-32C (Castagnoli), RFC 3720 appendix B.4: detects all errors of up to 3 bits in 2^31 bits and every
+// burst of up to 32 bits.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace octavo {
+
+/// The checksum of `bytes` continued from `crc` (0 to start). Uses the CPU's instruction where there is one.
+std::uint32_t crc32c(std::span<const std::uint8_t> bytes, std::uint32_t crc = 0) noexcept;
+
+/// The same by table, on every machine.
+std::uint32_t crc32c_portable(std::span<const std::uint8_t> bytes, std::uint32_t crc = 0) noexcept;
+
+}  // namespace octavo

@@ -1,0 +1,62 @@
+// Sizes, indices and half-open boxes on a voxel grid.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+namespace octavo {
+
+/// A position on a voxel grid, x fastest.
+struct Index3 {
+  std::int64_t x = 0;
+  std::int64_t y = 0;
+  std::int64_t z = 0;
+
+  bool operator==(const Index3&) const = default;
+  std::int64_t& operator[](int axis) { return axis == 0 ? x : axis == 1 ? y : z; }
+  std::int64_t operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+};
+
+/// Samples per axis. A size that came from outside is proven by `checked_voxel_count` first.
+struct Size3 {
+  std::int64_t x = 0;
+  std::int64_t y = 0;
+  std::int64_t z = 0;
+
+  bool operator==(const Size3&) const = default;
+  std::int64_t& operator[](int axis) { return axis == 0 ? x : axis == 1 ? y : z; }
+  std::int64_t operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+  std::int64_t voxel_count() const { return x * y * z; }
+};
+
+/// Half-open: lo is inside, hi is not.
+struct Box {
+  Index3 lo;
+  Index3 hi;
+
+  bool operator==(const Box&) const = default;
+  Size3 size() const { return {hi.x - lo.x, hi.y - lo.y, hi.z - lo.z}; }
+  bool is_empty() const { return hi.x <= lo.x || hi.y <= lo.y || hi.z <= lo.z; }
+  bool contains(const Index3& p) const {
+    return p.x >= lo.x && p.x < hi.x && p.y >= lo.y && p.y < hi.y && p.z >= lo.z && p.z < hi.z;
+  }
+  bool contains(const Box& b) const {
+    return b.lo.x >= lo.x && b.hi.x <= hi.x && b.lo.y >= lo.y && b.hi.y <= hi.y &&
+           b.lo.z >= lo.z && b.hi.z <= hi.z;
+  }
+};
+
+/// The box of a whole grid.
+inline Box box_of(const Size3& size) { return {{0, 0, 0}, {size.x, size.y, size.z}}; }
+
+/// The common part of two boxes; empty when they do not meet.
+inline Box intersection(const Box& a, const Box& b) {
+  Box r;
+  for (int axis = 0; axis < 3; ++axis) {
+    r.lo[axis] = std::max(a.lo[axis], b.lo[axis]);
+    r.hi[axis] = std::max(r.lo[axis], std::min(a.hi[axis], b.hi[axis]));
+  }
+  return r;
+}
+
+}  // namespace octavo

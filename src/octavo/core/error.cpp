@@ -1,0 +1,63 @@
+#include "octavo/core/error.h"
+
+#include <utility>
+
+namespace octavo {
+
+namespace {
+
+constexpr std::size_t kMessageTextLimit = 200;
+
+std::string line_of(const std::string& path, const std::string& detail) {
+  return path.empty() ? detail : escaped(path) + ": " + detail;
+}
+
+}  // namespace
+
+std::string_view error_kind_name(ErrorKind kind) noexcept {
+  switch (kind) {
+    case ErrorKind::invalid_argument: return "invalid_argument";
+    case ErrorKind::not_octavo: return "not_octavo";
+    case ErrorKind::unsupported_version: return "unsupported_version";
+    case ErrorKind::corrupt: return "corrupt";
+    case ErrorKind::truncated: return "truncated";
+    case ErrorKind::limit_exceeded: return "limit_exceeded";
+    case ErrorKind::source_rejected: return "source_rejected";
+    case ErrorKind::io: return "io";
+    case ErrorKind::out_of_memory: return "out_of_memory";
+    case ErrorKind::cancelled: return "cancelled";
+    case ErrorKind::internal: return "internal";
+  }
+  return "internal";
+}
+
+std::string escaped(std::string_view text) {
+  constexpr char kHex[] = "0123456789abcdef";
+  std::string out;
+  for (const char c : text) {
+    if (out.size() >= kMessageTextLimit) return out + "...";
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte >= 0x20 && byte < 0x7f) {
+      out += c;
+    } else {
+      out += "\\x";
+      out += kHex[byte >> 4];
+      out += kHex[byte & 15];
+    }
+  }
+  return out;
+}
+
+Error::Error(ErrorKind kind, std::string detail, std::string path,
+             std::optional<std::uint64_t> offset)
+    : std::runtime_error(line_of(path, detail)),
+      kind_(kind),
+      detail_(std::move(detail)),
+      path_(std::move(path)),
+      offset_(offset) {}
+
+Error Error::with_path(const std::string& path) const {
+  return path_.empty() ? Error(kind_, detail_, path, offset_) : *this;
+}
+
+}  // namespace octavo

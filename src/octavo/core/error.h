@@ -1,0 +1,55 @@
+// One exception type for the whole library; the command line maps its kind to an exit code.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace octavo {
+
+enum class ErrorKind {
+  invalid_argument,
+  not_octavo,
+  unsupported_version,
+  corrupt,
+  truncated,
+  limit_exceeded,
+  source_rejected,
+  io,
+  out_of_memory,
+  cancelled,
+  internal,
+};
+
+/// The name of a kind as it stands in JSON output: "corrupt", "source_rejected", ...
+std::string_view error_kind_name(ErrorKind kind) noexcept;
+
+/// `text` with control and non-ASCII-printable bytes escaped as \xNN, cut at 200 bytes.
+/// For every string that comes out of a file or a path before it enters a message.
+std::string escaped(std::string_view text);
+
+/// A failure: what went wrong, in which file, where in it.
+/// what() is one line: "PATH: DETAIL", or the detail alone when no path is known.
+class Error : public std::runtime_error {
+ public:
+  Error(ErrorKind kind, std::string detail, std::string path = {},
+        std::optional<std::uint64_t> offset = {});
+
+  ErrorKind kind() const noexcept { return kind_; }
+  const std::string& detail() const noexcept { return detail_; }
+  const std::string& path() const noexcept { return path_; }
+  std::optional<std::uint64_t> offset() const noexcept { return offset_; }
+
+  /// The same failure with `path` set, when it has none yet.
+  Error with_path(const std::string& path) const;
+
+ private:
+  ErrorKind kind_;
+  std::string detail_;
+  std::string path_;
+  std::optional<std::uint64_t> offset_;
+};
+
+}  // namespace octavo

@@ -1,0 +1,60 @@
+#include "octavo/core/geometry.h"
+
+#include <cmath>
+
+namespace octavo {
+
+namespace {
+
+double determinant(const std::array<double, 9>& m) {
+  return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
+         m[2] * (m[3] * m[7] - m[4] * m[6]);
+}
+
+}  // namespace
+
+Point3 Geometry::to_world(const Point3& index) const {
+  Point3 world = origin_mm;
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      world[row] += direction[row * 3 + axis] * spacing_mm[axis] * index[axis];
+    }
+  }
+  return world;
+}
+
+Point3 Geometry::to_index(const Point3& world_mm) const {
+  // Cramer's rule on direction * u = world - origin.
+  const std::array<double, 9>& m = direction;
+  const double det = determinant(m);
+  Point3 index{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::array<double, 9> replaced = m;
+    for (std::size_t row = 0; row < 3; ++row) {
+      replaced[row * 3 + axis] = world_mm[row] - origin_mm[row];
+    }
+    index[axis] = determinant(replaced) / det / spacing_mm[axis];
+  }
+  return index;
+}
+
+bool is_valid(const Geometry& geometry) noexcept {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!std::isfinite(geometry.origin_mm[axis])) return false;
+    if (!std::isfinite(geometry.spacing_mm[axis]) || geometry.spacing_mm[axis] <= 0) return false;
+  }
+  for (const double v : geometry.direction) {
+    if (!std::isfinite(v)) return false;
+  }
+  return std::abs(determinant(geometry.direction)) > 1e-6;
+}
+
+Geometry cropped(const Geometry& geometry, const Index3& start) {
+  Geometry result = geometry;
+  result.origin_mm =
+      geometry.to_world({static_cast<double>(start.x), static_cast<double>(start.y),
+                         static_cast<double>(start.z)});
+  return result;
+}
+
+}  // namespace octavo

@@ -1,0 +1,23 @@
+// Where the bytes of a file come from: a disk, a URL, memory.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+namespace octavo {
+
+/// Random access to immutable bytes. Thread-safe.
+class ByteSource {
+ public:
+  virtual ~ByteSource() = default;
+  virtual std::uint64_t size() const = 0;
+  /// What to call it in messages: a path or URL.
+  virtual const std::string& name() const = 0;
+  /// Fills `out` with the bytes from `offset` on, or throws: Error{truncated} when the source is shorter,
+  /// Error{io} when reading fails.
+  virtual void read(std::uint64_t offset, std::span<std::uint8_t> out) const = 0;
+};
+
+}  // namespace octavo

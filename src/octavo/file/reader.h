@@ -1,0 +1,85 @@
+// Reads one .8vo file: what it holds, any box at any level, any brick by o-code.
+//
+// Opening costs two reads: the header, and the tail with the root index. Everything that comes from the
+// file is proven (checksum, then ranges) before it is used. A handle serves any number of threads.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "octavo/codec/brick_codec.h"
+#include "octavo/core/levels.h"
+#include "octavo/core/volume.h"
+#include "octavo/file/byte_source.h"
+
+namespace octavo {
+
+struct ReaderOptions {
+  std::uint64_t cache_bytes = std::uint64_t{256} << 20;  ///< decoded bricks kept, at most
+  std::uint64_t max_metadata_bytes = std::uint64_t{16} << 20;
+};
+
+/// One brick as the index knows it.
+struct BrickEntry {
+  int tier = 0;
+  Index3 brick;             ///< position in the tier's brick grid
+  std::uint64_t code = 0;   ///< o-code of that position
+  ValueRange range;
+  bool is_uniform() const { return range.min == range.max; }
+  struct Segment {
+    std::uint64_t offset = 0;
+    std::uint64_t length = 0;
+    std::uint32_t crc = 0;
+  };
+  std::vector<Segment> segments;  ///< one per in-brick level, finest first
+  std::uint32_t model = 0;
+};
+
+/// Sums over the bricks of one level.
+struct LevelSummary {
+  std::int64_t bricks = 0;
+  std::int64_t uniform_bricks = 0;
+  std::uint64_t bytes = 0;
+};
+
+class FileReader {
+ public:
+  /// Throws Error{not_octavo, unsupported_version, truncated, corrupt, limit_exceeded, io}.
+  static std::shared_ptr<FileReader> open(std::shared_ptr<const ByteSource> source,
+                                          const ReaderOptions& options = {});
+  virtual ~FileReader() = default;
+
+  virtual const VolumeDescription& description() const = 0;
+  virtual const Levels& levels() const = 0;
+  virtual std::uint64_t file_bytes() const = 0;
+  virtual std::uint64_t file_id() const = 0;
+  virtual const ByteSource& source() const = 0;
+  /// "1.0"
+  virtual std::string format_version() const = 0;
+  /// Smallest and largest stored voxel.
+  virtual ValueRange range() const = 0;
+  /// The largest difference between a decoded voxel and the source, over all bricks; 0 is lossless.
+  virtual double max_error() const = 0;
+  virtual LevelSummary level_summary(int level) const = 0;
+
+  /// Throws Error{invalid_argument} outside the grid.
+  virtual BrickEntry brick(int tier, const Index3& position) const = 0;
+
+  /// Decodes one brick at one of its levels: dense [z][y][x] of brick_shape(...).size[in-brick level],
+  /// in the volume's type. Uniform bricks are filled without a read.
+  virtual void read_brick(const BrickEntry& entry, int in_brick_level, void* out) const = 0;
+
+  /// Reads `box` (in samples of `level`) into `out`, dense [z][y][x] in the volume's type.
+  /// Goes through the brick cache; decodes on the calling thread.
+  /// Throws Error{invalid_argument} when the box is empty or not inside the level; Error{corrupt} naming
+  /// brick, level and offset.
+  virtual void read(const Box& box, int level, void* out) const = 0;
+
+  /// Raw bytes of a segment after its checksum was proven.
+  virtual Bytes read_segment(const BrickEntry& entry, int in_brick_level) const = 0;
+};
+
+}  // namespace octavo

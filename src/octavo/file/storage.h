@@ -1,0 +1,53 @@
+// The seam to the file system: everything that touches a disk while a file is written or read goes
+// through it, so that tests can make any call fail.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "octavo/file/byte_source.h"
+
+namespace octavo {
+
+/// An open file. Every call throws Error{io} with the path, what was tried and the system's reason.
+class StorageFile {
+ public:
+  virtual ~StorageFile() = default;
+  virtual const std::string& path() const = 0;
+  virtual std::uint64_t size() const = 0;
+  /// Reads exactly out.size() bytes; Error{truncated} when the file ends before.
+  virtual void read(std::uint64_t offset, std::span<std::uint8_t> out) const = 0;
+  /// Writes all of `bytes`; short writes and EINTR are continued.
+  virtual void write(std::uint64_t offset, std::span<const std::uint8_t> bytes) = 0;
+  /// Makes what was written durable. A failure is final: it is never tried again.
+  virtual void sync() = 0;
+  /// Closes and reports what closing found; the destructor closes without a word.
+  virtual void close() = 0;
+};
+
+class Storage {
+ public:
+  virtual ~Storage() = default;
+  virtual std::unique_ptr<StorageFile> open_read(const std::string& path) = 0;
+  /// A new file for reading and writing; Error{io} when the name is taken.
+  virtual std::unique_ptr<StorageFile> create_exclusive(const std::string& path) = 0;
+  /// A nameless scratch file in `folder` that vanishes when closed.
+  virtual std::unique_ptr<StorageFile> create_scratch(const std::string& folder) = 0;
+  virtual bool exists(const std::string& path) = 0;
+  virtual void rename(const std::string& from, const std::string& to) = 0;
+  virtual void remove(const std::string& path) = 0;
+  virtual void sync_folder(const std::string& folder) = 0;
+};
+
+/// The real file system (pread, pwrite, fsync, rename).
+Storage& local_storage();
+
+/// A ByteSource over a file of `storage`.
+std::shared_ptr<ByteSource> open_byte_source(Storage& storage, const std::string& path);
+
+/// A ByteSource over bytes in memory.
+std::shared_ptr<ByteSource> byte_source_of(std::vector<std::uint8_t> bytes, std::string name);
+
+}  // namespace octavo

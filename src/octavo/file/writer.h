@@ -1,0 +1,50 @@
+// Writes one .8vo file: append, then seal.
+//
+// The file grows under a temporary name beside the final one. Level-0 segments are appended as they come;
+// coarser ones wait in a scratch file and follow at the end, level by level. The header says "sealed" only
+// after everything else is on disk; then the file takes its final name. A writer that is destroyed before
+// finish() removes its temporary file: the final name never holds anything but a complete file.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "octavo/codec/brick_codec.h"
+#include "octavo/core/levels.h"
+#include "octavo/core/volume.h"
+#include "octavo/file/storage.h"
+
+namespace octavo {
+
+struct WriterOptions {
+  bool overwrite = false;  ///< replace an existing file at finish(); otherwise Error{io} at once
+};
+
+class FileWriter {
+ public:
+  /// content_hash  of the first voxels, so that two scans alike in everything else get different file ids
+  /// Throws        Error{io} when the target exists (without overwrite), is a folder, or cannot be written
+  static std::unique_ptr<FileWriter> create(Storage& storage, const std::string& path,
+                                            const VolumeDescription& description, const Levels& levels,
+                                            std::uint32_t content_hash, const WriterOptions& options);
+  virtual ~FileWriter() = default;
+
+  /// Appends a model; the bricks that follow use it. Called before the first brick of a group.
+  virtual void add_model(const Bytes& model) = 0;
+
+  /// Appends the next brick of `tier`. Bricks of tier 0 come layer by layer (z), inside a layer in o-code
+  /// order (see layer_order); after all of them those of tier 1 in the same order, and so on.
+  virtual void add_brick(int tier, const EncodedBrick& brick) = 0;
+
+  /// Writes coarse levels, metadata, index and trailer, seals, syncs and renames.
+  /// Throws Error{internal} when bricks are missing.
+  virtual void finish() = 0;
+
+  virtual std::uint64_t bytes_written() const = 0;
+};
+
+/// The (x, y) positions of one brick layer in o-code order.
+std::vector<Index3> layer_order(const Size3& brick_grid);
+
+}  // namespace octavo

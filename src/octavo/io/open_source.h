@@ -1,0 +1,36 @@
+// Opens whatever a user calls a scan: DICOM folder, TIFF stack, PNG folder, NIfTI, NRRD, MetaImage, raw.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "octavo/build/plane_source.h"
+
+namespace octavo {
+
+struct RawLayout {
+  Size3 size;
+  VoxelType type = VoxelType::uint8;
+  bool big_endian = false;
+  std::uint64_t header_bytes = 0;
+};
+
+/// Parses "nx,ny,nz,type" (type may end in ":be"). Throws Error{invalid_argument}.
+RawLayout parse_raw_layout(const std::string& text);
+
+struct SourceOptions {
+  std::optional<RawLayout> raw;           ///< the paths are headerless planes (one file, or one per plane)
+  std::optional<Point3> spacing_mm;       ///< overrides, or supplies what the files lack
+  std::string series;                     ///< DICOM SeriesInstanceUID, when a folder holds several
+  std::uint64_t max_memory_bytes = 0;     ///< 0: none; whole-volume formats beyond it: Error{limit_exceeded}
+};
+
+/// paths   one file or folder, or the files of one stack in any order
+/// Throws  Error{source_rejected} naming the file and both numbers when something does not fit;
+///         Error{io} when it cannot be read; Error{invalid_argument} when options do not apply
+std::unique_ptr<PlaneSource> open_source(const std::vector<std::string>& paths,
+                                         const SourceOptions& options);
+
+}  // namespace octavo
