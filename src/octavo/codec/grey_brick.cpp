@@ -1,0 +1,217 @@
+#include "octavo/codec/grey_brick.h"
+
+#include "octavo/codec/binary_coder.h"
+
+namespace octavo::grey {
+
+namespace {
+
+/// Flags pay when more cells than this are uniform.
+constexpr std::int64_t kFewCells = 8;
+
+/// Dense samples of a brick.
+template <class Sample>
+std::vector<Sample> gather(const BrickView& brick, const SampleScale& scale) {
+  std::vector<Sample> samples(static_cast<std::size_t>(brick.size.voxel_count()));
+  // Keeping the highest 16 bits of a wide range moves the base by the same amount.
+  const int drop = sizeof(Sample) == 2 ? scale.shift() : 0;
+  const std::int64_t zero = scale.range.min;
+  const std::int64_t lowest = std::numeric_limits<Sample>::lowest();
+  with_voxel_type(brick.type, [&](auto tag) {
+    using T = typename decltype(tag)::type;
+    if constexpr (std::is_integral_v<T>) {
+      Sample* out = samples.data();
+      for (std::int64_t z = 0; z < brick.size.z; ++z) {
+        for (std::int64_t y = 0; y < brick.size.y; ++y, out += brick.size.x) {
+          const T* in = static_cast<const T*>(brick.voxels) + z * brick.plane_stride + y * brick.row_stride;
+          for (std::int64_t x = 0; x < brick.size.x; ++x) {
+            out[x] = static_cast<Sample>(((in[x] - zero) >> drop) + lowest);
+          }
+        }
+      }
+    } else {
+      throw Error(ErrorKind::invalid_argument, "float voxels have no grey codec");
+    }
+  });
+  return samples;
+}
+
+/// The number of halvings of `axis` between two in-brick levels.
+int halvings_between(const BrickShape& shape, int from, int to, int axis) {
+  int count = 0;
+  for (int i = from; i < to; ++i) count += shape.halving[static_cast<std::size_t>(i)] >> axis & 1;
+  return count;
+}
+
+/// Marks the cells of level-2 footprint that hold one value.
+template <class Sample>
+UniformCells find_cells(const BrickShape& shape, const std::vector<Sample>& samples) {
+  UniformCells cells{shape.size[2], {}};
+  const Size3& fine = shape.size[0];
+  int shift[3];
+  for (int axis = 0; axis < 3; ++axis) shift[axis] = halvings_between(shape, 0, 2, axis);
+  const auto cell_row = [&](std::int64_t y, std::int64_t z) {
+    return static_cast<std::size_t>(((z >> shift[2]) * cells.size.y + (y >> shift[1])) * cells.size.x);
+  };
+  std::vector<Sample> first(static_cast<std::size_t>(cells.size.voxel_count()));
+  std::vector<std::uint8_t> flags(first.size(), 1);
+  const std::int64_t corner_mask[3] = {(1 << shift[0]) - 1, (1 << shift[1]) - 1, (1 << shift[2]) - 1};
+  const Sample* row = samples.data();
+  for (std::int64_t z = 0; z < fine.z; ++z) {
+    for (std::int64_t y = 0; y < fine.y; ++y, row += fine.x) {
+      const std::size_t at = cell_row(y, z);
+      const bool is_first_row = (y & corner_mask[1]) == 0 && (z & corner_mask[2]) == 0;
+      for (std::int64_t x = 0; x < fine.x; ++x) {
+        const std::size_t cell = at + static_cast<std::size_t>(x >> shift[0]);
+        if (is_first_row && (x & corner_mask[0]) == 0) first[cell] = row[x];
+        flags[cell] = static_cast<std::uint8_t>(flags[cell] & (row[x] == first[cell]));
+      }
+    }
+  }
+  if (std::count(flags.begin(), flags.end(), 1) > kFewCells) cells.flags = std::move(flags);
+  return cells;
+}
+
+/// One adaptive bit per context: which of the cells to the left, above and behind are flagged.
+using CellModels = std::array<AdaptiveBit, 8>;
+
+template <class F>
+void walk_cells(UniformCells& cells, F&& code) {
+  CellModels models;
+  const Size3& size = cells.size;
+  const auto flag = [&](std::int64_t x, std::int64_t y, std::int64_t z) -> unsigned {
+    if (x < 0 || y < 0 || z < 0) return 0;
+    return cells.flags[static_cast<std::size_t>((z * size.y + y) * size.x + x)];
+  };
+  std::size_t at = 0;
+  for (std::int64_t z = 0; z < size.z; ++z) {
+    for (std::int64_t y = 0; y < size.y; ++y) {
+      for (std::int64_t x = 0; x < size.x; ++x, ++at) {
+        const unsigned context = flag(x - 1, y, z) | flag(x, y - 1, z) << 1 | flag(x, y, z - 1) << 2;
+        cells.flags[at] = code(models[context], cells.flags[at]);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Bytes encode_cells(const UniformCells& cells) {
+  Bytes out;
+  if (cells.flags.empty()) return out;
+  BinaryEncoder coder(out);
+  UniformCells copy = cells;
+  walk_cells(copy, [&](AdaptiveBit& model, std::uint8_t flag) {
+    put_adaptive(coder, model, flag != 0);
+    return flag;
+  });
+  coder.finish();
+  return out;
+}
+
+UniformCells decode_cells(ByteSpan bytes, const Size3& size) {
+  UniformCells cells{size, {}};
+  if (bytes.empty()) return cells;
+  cells.flags.resize(static_cast<std::size_t>(size.voxel_count()));
+  BinaryDecoder coder(bytes);
+  walk_cells(cells, [&](AdaptiveBit& model, std::uint8_t) {
+    return static_cast<std::uint8_t>(get_adaptive(coder, model));
+  });
+  if (!coder.is_consumed()) throw Error(ErrorKind::corrupt, "cell flags of a wrong length");
+  return cells;
+}
+
+std::vector<Split> splits_of(const BrickShape& shape, int level) {
+  const auto slot = static_cast<std::size_t>(level);
+  Size3 size = shape.size[slot + 1];
+  std::vector<Split> splits;
+  for (int axis = 2; axis >= 0; --axis) {
+    if ((shape.halving[slot] >> axis & 1) == 0) continue;
+    size[axis] = shape.size[slot][axis];
+    splits.push_back({axis, size});
+  }
+  return splits;
+}
+
+Stage make_stage(const BrickShape& shape, const SampleScale& scale, int level, int axis,
+                 const Size3& fine_size, const UniformCells* cells) {
+  Stage stage;
+  stage.axis = axis;
+  stage.group = level_group(level);
+  stage.set = table_set(level);
+  stage.rounding = rounding_term(axis, shape.first_level + level);
+  stage.pairs = fine_size;
+  stage.pairs[axis] /= 2;
+  stage.min = scale.min_sample();
+  stage.max = scale.max_sample();
+  stage.shift = scale.shift();
+  if (cells == nullptr || level >= 2) return stage;
+  stage.cells = cells;
+  for (int a = 0; a < 3; ++a) {
+    // A pair stands at the coarse resolution along its axis; axes after it are still coarse as well.
+    const bool is_coarse = a <= axis;
+    stage.cell_shift[a] = halvings_between(shape, is_coarse ? level + 1 : level, 2, a);
+  }
+  return stage;
+}
+
+std::int64_t level_detail_count(const BrickShape& shape, const SampleScale& scale, int level,
+                                const UniformCells* cells) {
+  std::int64_t count = 0;
+  for (const Split& split : splits_of(shape, level)) {
+    count += make_stage(shape, scale, level, split.axis, split.fine_size, cells).detail_count();
+  }
+  return count;
+}
+
+ValueRange range_of(const BrickView& brick) {
+  return with_voxel_type(brick.type, [&](auto tag) -> ValueRange {
+    using T = typename decltype(tag)::type;
+    if constexpr (std::is_integral_v<T>) {
+      T min = std::numeric_limits<T>::max();
+      T max = std::numeric_limits<T>::lowest();
+      for (std::int64_t z = 0; z < brick.size.z; ++z) {
+        for (std::int64_t y = 0; y < brick.size.y; ++y) {
+          const T* row = static_cast<const T*>(brick.voxels) + z * brick.plane_stride + y * brick.row_stride;
+          for (std::int64_t x = 0; x < brick.size.x; ++x) {
+            min = std::min(min, row[x]);
+            max = std::max(max, row[x]);
+          }
+        }
+      }
+      return {min, max};
+    } else {
+      throw Error(ErrorKind::invalid_argument, "float voxels have no grey codec");
+    }
+  });
+}
+
+template <class Sample>
+AnalyzedBrick<Sample> analyze(const BrickShape& shape, const BrickView& brick, const ValueRange& range) {
+  AnalyzedBrick<Sample> result;
+  result.scale = SampleScale{range};
+  std::vector<Sample> samples = gather<Sample>(brick, result.scale);
+  if (has_cells(shape)) result.cells = find_cells(shape, samples);
+  result.steps.resize(static_cast<std::size_t>(shape.level_count));
+  for (int level = 0; level < shape.level_count; ++level) {
+    const auto slot = static_cast<std::size_t>(level);
+    const bool is_last = level + 1 == shape.level_count;
+    if (is_last) result.coarsest = samples;
+    Size3 size = shape.size[slot];
+    for (int axis = 0; axis < 3; ++axis) {
+      if ((shape.halving[slot] >> axis & 1) == 0) continue;
+      std::vector<Sample> means =
+          means_along(samples, size, axis, rounding_term(axis, shape.first_level + level));
+      size = halved(size, static_cast<HalvingMask>(1 << axis));
+      if (!is_last) result.steps[slot][static_cast<std::size_t>(axis)] = std::move(samples);
+      samples = std::move(means);
+    }
+  }
+  result.parent = samples.front() + result.scale.base();
+  return result;
+}
+
+template AnalyzedBrick<std::int16_t> analyze(const BrickShape&, const BrickView&, const ValueRange&);
+template AnalyzedBrick<std::int32_t> analyze(const BrickShape&, const BrickView&, const ValueRange&);
+
+}  // namespace octavo::grey

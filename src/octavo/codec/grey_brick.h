@@ -1,0 +1,128 @@
+// The walk through a brick that encoding, decoding and training share.
+//
+// Samples of a brick are its voxels less a base, chosen so that the smallest voxel becomes the smallest
+// sample: 16-bit samples when the brick's range fits, else 32-bit ones. Levels are decoded from the coarsest
+// down; inside a level the splits go z, y, x, along the axes of the level's halving mask.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "octavo/codec/brick_codec.h"
+#include "octavo/codec/byte_io.h"
+#include "octavo/codec/grey_stage.h"
+#include "octavo/codec/octant_transform.h"
+
+namespace octavo::grey {
+
+/// How the voxels of a brick become samples.
+struct SampleScale {
+  ValueRange range;
+
+  bool is_wide() const { return range.max - range.min > 0xffff; }
+  /// voxel = sample + base
+  std::int64_t base() const {
+    return range.min + (is_wide() ? std::int64_t{1} << 31 : std::int64_t{1} << 15);
+  }
+  std::int64_t min_sample() const { return range.min - base(); }
+  std::int64_t max_sample() const { return range.max - base(); }
+  /// Magnitudes are measured in units of 2^shift: 0 for 16-bit samples.
+  int shift() const {
+    const int bits = bit_length(static_cast<std::uint64_t>(range.max - range.min));
+    return bits > 16 ? bits - 16 : 0;
+  }
+  /// Bits of a voxel stored plain.
+  int plain_width() const {
+    return bit_length(static_cast<std::uint64_t>(range.max - range.min));
+  }
+};
+
+/// Calls f(std::int16_t{}) or f(std::int32_t{}): the sample type of the brick.
+template <class F>
+decltype(auto) with_sample_type(const SampleScale& scale, F&& f) {
+  return scale.is_wide() ? f(std::int32_t{}) : f(std::int16_t{});
+}
+
+/// Cells exist where a brick has three levels or more: one per sample of in-brick level 2.
+constexpr bool has_cells(const BrickShape& shape) { return shape.level_count >= 3; }
+
+/// The flags of a brick's cells and their form in the segment of in-brick level 1.
+Bytes encode_cells(const UniformCells& cells);
+/// Throws Error{corrupt}.
+UniformCells decode_cells(ByteSpan bytes, const Size3& size);
+
+/// The split along `axis` at in-brick level `level`; `fine_size` is the size of its result.
+/// cells  nullptr when no cell is flagged
+Stage make_stage(const BrickShape& shape, const SampleScale& scale, int level, int axis,
+                 const Size3& fine_size, const UniformCells* cells);
+
+/// The axes of the splits that lead from level + 1 to level with the sizes they produce, in decoding
+/// order: z, y, x.
+struct Split {
+  int axis;
+  Size3 fine_size;
+};
+std::vector<Split> splits_of(const BrickShape& shape, int level);
+
+/// The work space of the calling thread, made at first use.
+template <class Sample>
+Workspace<Sample>& thread_workspace() {
+  static thread_local const auto workspace = std::make_unique<Workspace<Sample>>();
+  return *workspace;
+}
+
+/// Puts dense samples into the grid the splits start from.
+template <class Sample>
+void load_means(Workspace<Sample>& work, const Sample* samples, const Size3& size) {
+  work.means.set_size(size);
+  for (std::int64_t z = 0; z < size.z; ++z) {
+    for (std::int64_t y = 0; y < size.y; ++y, samples += size.x) {
+      std::copy_n(samples, size.x, work.means.row(y, z));
+    }
+  }
+  work.means.fill_margins();
+}
+
+/// Runs `stage_work(stage, split)` for the splits of a level; before each the fine grid holds the means
+/// repeated, after each its result becomes the next means.
+template <class Sample, class F>
+void run_level(Workspace<Sample>& work, const BrickShape& shape, const SampleScale& scale, int level,
+               const UniformCells* cells, F&& stage_work) {
+  for (auto& grid : work.magnitudes) grid.set_size({0, 0, 0});
+  for (const Split& split : splits_of(shape, level)) {
+    repeat_along(work.means, work.fine, split.axis, split.fine_size);
+    stage_work(make_stage(shape, scale, level, split.axis, split.fine_size, cells), split);
+    work.means.swap(work.fine);
+    work.means.fill_margins();
+  }
+}
+
+/// Details that the segment of a level codes.
+std::int64_t level_detail_count(const BrickShape& shape, const SampleScale& scale, int level,
+                                const UniformCells* cells);
+
+/// Everything an encoder knows of a brick: samples, the inputs of every halving, flagged cells.
+template <class Sample>
+struct AnalyzedBrick {
+  SampleScale scale;
+  /// steps[level][axis]: the samples before the halving along `axis` at `level`; empty when not halved.
+  std::vector<std::array<std::vector<Sample>, 3>> steps;
+  std::vector<Sample> coarsest;  ///< samples of the last in-brick level
+  UniformCells cells;            ///< no flags when too few cells are uniform to pay
+  std::int64_t parent = 0;       ///< voxel value of the brick at the next tier's first level
+
+  const UniformCells* cells_or_null() const { return cells.flags.empty() ? nullptr : &cells; }
+};
+
+/// Smallest and largest voxel of a brick.
+ValueRange range_of(const BrickView& brick);
+
+/// Requires a range of more than one value. When Sample is 16 bits and the range is wider, samples keep
+/// the highest 16 bits (training only).
+template <class Sample>
+AnalyzedBrick<Sample> analyze(const BrickShape& shape, const BrickView& brick, const ValueRange& range);
+
+}  // namespace octavo::grey

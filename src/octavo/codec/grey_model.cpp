@@ -1,0 +1,249 @@
+#include "octavo/codec/grey_model.h"
+
+
+#include "octavo/codec/binary_coder.h"
+#include "octavo/codec/byte_io.h"
+
+namespace octavo::grey {
+
+namespace {
+
+constexpr int kMaxGolombBits = 24;
+
+/// Adaptive Exp-Golomb: the count of significant bits in unary, the leading bits adaptively, the rest plain.
+struct GolombModel {
+  std::array<AdaptiveBit, kMaxGolombBits + 1> length;
+  std::array<AdaptiveBit, kMaxGolombBits + 1> second_bit;
+};
+
+void put_golomb(BinaryEncoder& coder, GolombModel& model, std::uint32_t value) {
+  const int bits = bit_length(value);
+  for (int i = 0; i < kMaxGolombBits; ++i) {
+    put_adaptive(coder, model.length[static_cast<std::size_t>(i)], i == bits);
+    if (i == bits) break;
+  }
+  if (bits < 2) return;
+  put_adaptive(coder, model.second_bit[static_cast<std::size_t>(bits)], value >> (bits - 2) & 1);
+  coder.put_bits(value, bits - 2);
+}
+
+std::uint32_t get_golomb(BinaryDecoder& coder, GolombModel& model) {
+  int bits = 0;
+  while (bits < kMaxGolombBits && !get_adaptive(coder, model.length[static_cast<std::size_t>(bits)])) {
+    ++bits;
+  }
+  if (bits < 2) return static_cast<std::uint32_t>(bits);
+  const auto second = static_cast<std::uint32_t>(
+      get_adaptive(coder, model.second_bit[static_cast<std::size_t>(bits)]));
+  const std::uint32_t rest = coder.get_bits(bits - 2);
+  return (2u | second) << (bits - 2) | rest;
+}
+
+void put_signed(BinaryEncoder& coder, GolombModel& model, std::int32_t value) {
+  put_golomb(coder, model, static_cast<std::uint32_t>(zigzag(value)));
+}
+
+std::int32_t get_signed(BinaryDecoder& coder, GolombModel& model) {
+  return static_cast<std::int32_t>(unzigzag(get_golomb(coder, model)));
+}
+
+/// One walk over all parameters serves both directions: `code(model, value)` puts or gets a number.
+///
+/// The centre tap is not coded: weights sum to zero, so it is minus the sum of the others. Taps near the
+/// centre and far from it have models of their own.
+template <class Params, class Code>
+void walk_weights(Params& p, Code&& code) {
+  GolombModel is_used;
+  std::array<GolombModel, 3 * 3> near_or_far;
+  for (int group = 0; group < kGroups; ++group) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (int cls = 1; cls < kClasses; ++cls) {
+        auto& weights = p.weights[group][axis][cls];
+        code.weight_set(is_used, near_or_far.data() + 3 * axis, weights, axis, p.weight_step);
+      }
+    }
+  }
+}
+
+int tap_distance(int axis, int tap) {
+  // Within a row of 8 the own column stands at offset 3 (rows through the sample itself differ for x).
+  const int column = tap % 8 - 3;
+  if (axis == 0 && tap < 16) return tap >= 6 && tap < 12 ? 0 : 1;
+  return column >= -1 && column <= 1 ? 0 : column >= -2 && column <= 2 ? 1 : 2;
+}
+
+struct WeightPutter {
+  BinaryEncoder& coder;
+  void weight_set(GolombModel& is_used, GolombModel* models, const std::int16_t* weights, int axis,
+                  int step) {
+    bool any = false;
+    for (int tap = 0; tap < tap_count(axis); ++tap) any = any || weights[tap] != 0;
+    put_golomb(coder, is_used, any ? 1 : 0);
+    if (!any) return;
+    for (int tap = 0; tap < tap_count(axis); ++tap) {
+      if (tap == centre_tap(axis)) continue;
+      put_signed(coder, models[tap_distance(axis, tap)], weights[tap] >> step);
+    }
+  }
+};
+
+struct WeightGetter {
+  BinaryDecoder& coder;
+  void weight_set(GolombModel& is_used, GolombModel* models, std::int16_t* weights, int axis, int step) {
+    if (get_golomb(coder, is_used) == 0) return;
+    std::int32_t sum = 0;
+    for (int tap = 0; tap < tap_count(axis); ++tap) {
+      if (tap == centre_tap(axis)) continue;
+      const auto scaled = static_cast<std::uint32_t>(get_signed(coder, models[tap_distance(axis, tap)]));
+      weights[tap] = static_cast<std::int16_t>(scaled << step);
+      sum += weights[tap];
+    }
+    weights[centre_tap(axis)] = static_cast<std::int16_t>(-sum);
+  }
+};
+
+/// Frequencies run from token 0 to the last used one; the escape token takes what is left of 2048.
+/// The model of a frequency is chosen by the size of the one before and of the same token one context down.
+struct FrequencyModels {
+  GolombModel last;
+  std::array<std::array<GolombModel, 4>, 12> by_neighbors;
+  GolombModel& of(std::uint32_t before, std::uint32_t below) {
+    const int below_width = bit_length(below);
+    const std::size_t column = below_width == 0 ? 0u : below_width < 4 ? 1u : below_width < 7 ? 2u : 3u;
+    return by_neighbors[static_cast<std::size_t>(std::min(bit_length(before), 11))][column];
+  }
+};
+
+int last_used_token(const std::array<std::uint16_t, kTokens>& frequencies) {
+  int last = -1;
+  for (int token = 0; token < kEscapeToken; ++token) {
+    if (frequencies[static_cast<std::size_t>(token)] != 0) last = token;
+  }
+  return last;
+}
+
+}  // namespace
+
+Parameters default_parameters() {
+  Parameters p;
+  for (int group = 0; group < kGroups; ++group) {
+    for (int axis = 0; axis < 3; ++axis) {
+      p.context_weights[group][axis][0] = 64;
+      p.context_weights[group][axis][5] = 128;
+      p.context_weights[group][axis][8] = 128;
+    }
+  }
+  for (auto& set : p.frequencies) {
+    for (auto& context : set) {
+      for (int token = 0; token < kEscapeToken; ++token) {
+        context[static_cast<std::size_t>(token)] = token < kDirectTokens ? 48 : 16;
+      }
+      context[kEscapeToken] = kTableSize - 32 * 48 - 31 * 16;
+    }
+  }
+  return p;
+}
+
+void build_tables(Model& model) {
+  for (std::size_t set = 0; set < kTableSets; ++set) {
+    for (std::size_t context = 0; context < kContexts; ++context) {
+      const auto& frequencies = model.parameters.frequencies[set][context];
+      auto& slots = model.tables.slots[set][context];
+      std::uint32_t start = 0;
+      for (std::uint32_t token = 0; token < kTokens; ++token) {
+        const std::uint32_t frequency = frequencies[token];
+        model.tables.starts[set][context][token] = static_cast<std::uint16_t>(start);
+        for (std::uint32_t i = 0; i < frequency; ++i) {
+          slots[start + i] = token | frequency << 6 | i << 18;
+        }
+        start += frequency;
+      }
+    }
+  }
+}
+
+Bytes serialize(const Parameters& parameters) {
+  Bytes out;
+  put_varint(out, static_cast<std::uint64_t>(parameters.activity_threshold));
+  out.push_back(static_cast<std::uint8_t>(parameters.weight_step));
+  BinaryEncoder coder(out);
+  walk_weights(parameters, WeightPutter{coder});
+  GolombModel context_model;
+  for (const auto& group : parameters.context_weights) {
+    for (const auto& axis : group) {
+      for (const std::int32_t weight : axis) {
+        put_golomb(coder, context_model, static_cast<std::uint32_t>(weight));
+      }
+    }
+  }
+  FrequencyModels models;
+  for (const auto& set : parameters.frequencies) {
+    const std::array<std::uint16_t, kTokens>* below = nullptr;
+    for (const auto& context : set) {
+      // An unused context repeats the one below it: code 0.
+      const bool repeats = below != nullptr && context == *below;
+      const int last = last_used_token(context);
+      put_golomb(coder, models.last, repeats ? 0u : static_cast<std::uint32_t>(last + 2));
+      if (!repeats) {
+        std::uint32_t before = 0;
+        for (std::size_t token = 0; token <= static_cast<std::size_t>(last) && last >= 0; ++token) {
+          GolombModel& model = models.of(before, below ? (*below)[token] : 0u);
+          put_golomb(coder, model, context[token]);
+          before = context[token];
+        }
+      }
+      below = &context;
+    }
+  }
+  coder.finish();
+  return out;
+}
+
+Parameters parse_parameters(ByteSpan bytes) {
+  Parameters p;
+  const std::uint64_t threshold = take_varint(bytes);
+  if (threshold < 1 || threshold > 0x3fffffff) throw Error(ErrorKind::corrupt, "model: bad threshold");
+  p.activity_threshold = static_cast<std::int32_t>(threshold);
+  p.weight_step = take_bytes(bytes, 1).front();
+  if (p.weight_step > 8) throw Error(ErrorKind::corrupt, "model: bad weight step");
+  BinaryDecoder coder(bytes);
+  walk_weights(p, WeightGetter{coder});
+  GolombModel context_model;
+  for (auto& group : p.context_weights) {
+    for (auto& axis : group) {
+      for (std::int32_t& weight : axis) {
+        weight = static_cast<std::int32_t>(get_golomb(coder, context_model));
+        if (weight > 8191) throw Error(ErrorKind::corrupt, "model: bad context weight");
+      }
+    }
+  }
+  FrequencyModels models;
+  for (auto& set : p.frequencies) {
+    const std::array<std::uint16_t, kTokens>* below = nullptr;
+    for (auto& context : set) {
+      const std::uint32_t code = get_golomb(coder, models.last);
+      if (code > kTokens || (code == 0 && below == nullptr)) {
+        throw Error(ErrorKind::corrupt, "model: bad table length");
+      }
+      if (code == 0) {
+        context = *below;
+      } else {
+        std::uint32_t left = kTableSize;
+        std::uint32_t before = 0;
+        for (std::size_t token = 0; token + 1 < code; ++token) {
+          const std::uint32_t value = get_golomb(coder, models.of(before, below ? (*below)[token] : 0u));
+          if (value >= left) throw Error(ErrorKind::corrupt, "model: a table exceeds its sum");
+          context[token] = static_cast<std::uint16_t>(value);
+          left -= value;
+          before = value;
+        }
+        context[kEscapeToken] = static_cast<std::uint16_t>(left);
+      }
+      below = &context;
+    }
+  }
+  if (!coder.is_consumed()) throw Error(ErrorKind::corrupt, "model: wrong length");
+  return p;
+}
+
+}  // namespace octavo::grey

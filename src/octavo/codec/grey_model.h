@@ -1,0 +1,103 @@
+// What the grey codec learns from a scan: prediction weights, context weights, probability tables.
+//
+// A detail is predicted by a weighted sum of up to 96 neighbours ("taps"), weights in Q12, one set per
+// level group (0, 1, coarser), split axis and activity class. The size of the remaining residual is
+// foreseen by a non-negative weighted sum of 16 features in Q8; its half-octave, and whether the value
+// range limits the residual, choose one of 60 contexts. A context says how many low bits of a residual
+// are stored plain and how probable the tokens of the rest are.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "octavo/codec/brick_codec.h"
+
+namespace octavo::grey {
+
+inline constexpr int kGroups = 3;
+inline constexpr int kClasses = 5;
+inline constexpr int kMaxTaps = 96;
+inline constexpr int kWeightBits = 12;
+inline constexpr int kFeatures = 16;
+inline constexpr int kMagnitudes = 30;
+inline constexpr int kContexts = 2 * kMagnitudes;
+inline constexpr int kTableSets = 2;
+inline constexpr int kTokens = 64;
+inline constexpr int kDirectTokens = 32;
+inline constexpr int kEscapeToken = 63;
+inline constexpr int kEscapeBits = 20;
+inline constexpr int kTableBits = 11;
+inline constexpr int kTableSize = 1 << kTableBits;
+inline constexpr std::int32_t kMaxFeature = 16383;
+inline constexpr std::int32_t kMaxMagnitude = 2047;
+
+/// Taps of a split along an axis come in rows of 8 neighbours: 10 rows for x, 12 for y and z.
+constexpr int tap_count(int axis) { return axis == 0 ? 80 : 96; }
+/// The tap that stands at the sample itself (the parent's value).
+constexpr int centre_tap(int axis) { return axis == 0 ? 8 : axis == 1 ? 2 * 8 + 3 : 5 * 8 + 3; }
+
+constexpr int level_group(int in_brick_level) { return in_brick_level < 2 ? in_brick_level : 2; }
+constexpr int table_set(int in_brick_level) { return in_brick_level == 0 ? 0 : 1; }
+
+/// Low bits of a residual that a context stores plain.
+constexpr int plain_bits(int context) {
+  const int bits = (context % kMagnitudes) / 2 - 8;
+  return bits > 0 ? bits : 0;
+}
+
+/// Tokens: 0..31 stand for themselves; above, two per octave, followed by plain bits.
+struct Token {
+  int token;
+  int bits;            ///< plain bits that follow
+  std::uint32_t base;  ///< value - base fits in them
+};
+constexpr Token token_shape(int token) {
+  if (token < kDirectTokens) return {token, 0, static_cast<std::uint32_t>(token)};
+  if (token == kEscapeToken) return {token, kEscapeBits, 0};
+  const int bits = 4 + ((token - kDirectTokens) >> 1);
+  return {token, bits, (2u + (static_cast<std::uint32_t>(token) & 1)) << bits};
+}
+constexpr int token_of(std::uint32_t value) {
+  if (value < kDirectTokens) return static_cast<int>(value);
+  const int octave = 31 - __builtin_clz(value);
+  return kDirectTokens + (octave - 5) * 2 + static_cast<int>(value >> (octave - 1) & 1);
+}
+
+/// Token frequencies of every context; each context's sum to 2048, the escape token has at least 1.
+using Frequencies = std::array<std::array<std::array<std::uint16_t, kTokens>, kContexts>, kTableSets>;
+
+struct Parameters {
+  std::int32_t activity_threshold = 8;
+  /// Weights are multiples of 2^weight_step.
+  int weight_step = 3;
+  alignas(64) std::int16_t weights[kGroups][3][kClasses][kMaxTaps] = {};
+  std::int32_t context_weights[kGroups][3][kFeatures] = {};
+  Frequencies frequencies = {};
+};
+
+/// Tables derived from the frequencies.
+struct Tables {
+  /// By context and slot: token | frequency << 6 | (slot - first slot of the token) << 18.
+  std::array<std::array<std::array<std::uint32_t, kTableSize>, kContexts>, kTableSets> slots;
+  /// First slot of each token.
+  Frequencies starts;
+};
+
+struct Model {
+  Parameters parameters;
+  Tables tables;
+};
+
+/// Parameters that suit anything a little: parents' gradients foresee the residual, flat tables.
+Parameters default_parameters();
+
+/// Fills the derived tables. Requires frequencies that sum to 2048 in every context.
+void build_tables(Model& model);
+
+/// Both directions of the model's form in a file (docs/format.md, "Grey model").
+Bytes serialize(const Parameters& parameters);
+/// Throws Error{corrupt}.
+Parameters parse_parameters(ByteSpan bytes);
+
+}  // namespace octavo::grey

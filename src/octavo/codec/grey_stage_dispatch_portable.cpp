@@ -1,0 +1,8 @@
+// Stands in for grey_stage_simd.cpp where the reading half is built without third-party code.
+#include "octavo/codec/grey_stage.h"
+
+namespace octavo::grey {
+
+const StageFunctions& stage_functions() { return portable_stage_functions(); }
+
+}  // namespace octavo::grey

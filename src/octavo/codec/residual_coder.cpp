@@ -1,0 +1,116 @@
+#include "octavo/codec/residual_coder.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace octavo::grey {
+
+namespace {
+
+void put_u16(Bytes& out, std::uint32_t value) {
+  out.push_back(static_cast<std::uint8_t>(value));
+  out.push_back(static_cast<std::uint8_t>(value >> 8));
+}
+
+struct SplitSymbol {
+  int token;
+  int bits;
+  std::uint64_t plain;
+};
+
+/// How a symbol is written under `frequencies`: tokens without a slot go through the escape token.
+SplitSymbol split(const std::array<std::uint16_t, kTokens>& frequencies, const Symbol& symbol, int shift) {
+  const int low = plain_bits(symbol.context) + shift;
+  int token = token_of(static_cast<std::uint32_t>(symbol.value >> low));
+  if (frequencies[static_cast<std::size_t>(token)] == 0) token = kEscapeToken;
+  const int bits = token_shape(token).bits + low;
+  return {token, bits, symbol.value & ((std::uint64_t{1} << bits) - 1)};
+}
+
+}  // namespace
+
+Bytes encode_symbols(const Model& model, int set, const std::vector<Symbol>& symbols, int shift) {
+  const auto table = static_cast<std::size_t>(set);
+  const auto states = static_cast<std::size_t>(state_count(static_cast<std::int64_t>(symbols.size())));
+
+  // Plain bits forwards, tokens backwards: rANS is a stack.
+  Bytes plain;
+  BitWriter bits(plain);
+  std::vector<std::uint8_t> tokens(symbols.size());
+  for (std::size_t i = 0; i < symbols.size(); ++i) {
+    const SplitSymbol s =
+        split(model.parameters.frequencies[table][symbols[i].context], symbols[i], shift);
+    tokens[i] = static_cast<std::uint8_t>(s.token);
+    bits.put(s.plain, s.bits);
+  }
+  bits.finish();
+
+  std::array<std::uint32_t, kMaxStates> state;
+  state.fill(kStateFloor);
+  std::vector<std::uint16_t> words;
+  for (std::size_t i = symbols.size(); i-- > 0;) {
+    const Symbol& symbol = symbols[i];
+    const std::uint32_t frequency = model.parameters.frequencies[table][symbol.context][tokens[i]];
+    const std::uint32_t start = model.tables.starts[table][symbol.context][tokens[i]];
+    std::uint32_t& x = state[symbol.state & (states - 1)];
+    if (x >= std::uint64_t{frequency} << (32 - kTableBits)) {
+      words.push_back(static_cast<std::uint16_t>(x));
+      x >>= 16;
+    }
+    x = ((x / frequency) << kTableBits) + x % frequency + start;
+  }
+
+  Bytes out;
+  put_varint(out, plain.size());
+  out.insert(out.end(), plain.begin(), plain.end());
+  for (std::size_t i = 0; i < states; ++i) {
+    put_u16(out, state[i]);
+    put_u16(out, state[i] >> 16);
+  }
+  for (std::size_t i = words.size(); i-- > 0;) put_u16(out, words[i]);
+  return out;
+}
+
+const SymbolReader::Shapes& SymbolReader::token_shapes() {
+  static const Shapes shapes = [] {
+    Shapes made{};
+    for (int context = 0; context < kContexts; ++context) {
+      for (int token = 0; token < kTokens; ++token) {
+        const Token shape = token_shape(token);
+        const int plain = plain_bits(context);
+        made[static_cast<std::size_t>(context)][static_cast<std::size_t>(token)] =
+            (shape.base << plain) << 5 | static_cast<std::uint32_t>(shape.bits + plain);
+      }
+    }
+    return made;
+  }();
+  return shapes;
+}
+
+SymbolReader::SymbolReader(const Model& model, int set, ByteSpan segment, std::int64_t symbol_count,
+                           int shift)
+    : slots_(&model.tables.slots[static_cast<std::size_t>(set)]),
+      shapes_(token_shapes()),
+      plain_(ByteSpan{}),
+      shift_(shift) {
+  const std::uint64_t plain_bytes = take_varint(segment);
+  plain_ = BitReader(take_bytes(segment, plain_bytes));
+  const auto states = static_cast<std::size_t>(state_count(symbol_count));
+  state_mask_ = states - 1;
+  ByteSpan heads = take_bytes(segment, 4 * states);
+  for (std::size_t i = 0; i < states; ++i) {
+    for (std::size_t byte = 0; byte < 4; ++byte) {
+      states_[i] |= static_cast<std::uint32_t>(heads[4 * i + byte]) << (8 * byte);
+    }
+  }
+  if (segment.size() % 2 != 0) throw Error(ErrorKind::corrupt, "a segment has half a word");
+  words_ = segment;
+}
+
+void SymbolReader::finish() const {
+  bool at_start = word_at_ == words_.size() && plain_.is_consumed();
+  for (std::size_t i = 0; i <= state_mask_; ++i) at_start = at_start && states_[i] == kStateFloor;
+  if (!at_start) throw Error(ErrorKind::corrupt, "a segment does not end where its symbols end");
+}
+
+}  // namespace octavo::grey
