@@ -1,0 +1,265 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include "octavo/codec/brick_codec.h"
+#include "octavo/codec/grey_portable.h"
+#include "octavo/codec/octant_transform.h"
+
+namespace octavo {
+namespace {
+
+enum class Content { smooth, noise, sparse, checkerboard, ramp, two_values };
+
+/// A brick of voxels over the full range of their type where the content allows.
+template <class T>
+std::vector<T> make_voxels(const Size3& size, Content content, std::uint32_t seed) {
+  std::mt19937_64 random(seed);
+  std::vector<T> voxels(static_cast<std::size_t>(size.voxel_count()));
+  const double low = static_cast<double>(std::numeric_limits<T>::lowest());
+  const double high = static_cast<double>(std::numeric_limits<T>::max());
+  std::size_t i = 0;
+  for (std::int64_t z = 0; z < size.z; ++z) {
+    for (std::int64_t y = 0; y < size.y; ++y) {
+      for (std::int64_t x = 0; x < size.x; ++x, ++i) {
+        const double wave = std::sin(0.11 * static_cast<double>(x)) * std::cos(0.07 * static_cast<double>(y)) +
+                            std::sin(0.05 * static_cast<double>(z));
+        switch (content) {
+          case Content::smooth:
+            voxels[i] = static_cast<T>((low + high) / 2 + (high - low) / 8 * wave +
+                                       static_cast<double>(random() % 9));
+            break;
+          case Content::noise: voxels[i] = static_cast<T>(random()); break;
+          case Content::sparse: voxels[i] = wave > 1 ? static_cast<T>(random() % 100) : T{0}; break;
+          case Content::checkerboard:
+            voxels[i] = (x + y + z) % 2 ? std::numeric_limits<T>::max() : std::numeric_limits<T>::lowest();
+            break;
+          case Content::ramp: voxels[i] = static_cast<T>(x + 3 * y + 7 * z); break;
+          case Content::two_values: voxels[i] = wave > 0.3 ? T{100} : T{3}; break;
+        }
+      }
+    }
+  }
+  return voxels;
+}
+
+template <class T>
+BrickView view_of(const std::vector<T>& voxels, const Size3& size) {
+  return {voxels.data(), voxel_type_of<T>(), size, size.x, size.x * size.y};
+}
+
+BrickShape shape_of(const Size3& size, const Point3& spacing = {1, 1, 1}) {
+  const Levels levels(size, choose_halvings(size, spacing));
+  return brick_shape(levels, 0, {0, 0, 0});
+}
+
+std::vector<ByteSpan> spans_of(const EncodedBrick& brick) {
+  return {brick.segments.begin(), brick.segments.end()};
+}
+
+/// The reference pyramid: level `level` of a brick by plain means.
+template <class T>
+std::vector<T> reference_level(const std::vector<T>& voxels, const BrickShape& shape, int level) {
+  std::vector<std::int64_t> samples(voxels.begin(), voxels.end());
+  for (int i = 0; i < level; ++i) {
+    const auto slot = static_cast<std::size_t>(i);
+    samples = coarser_level(samples, shape.size[slot], shape.halving[slot], shape.first_level + i);
+  }
+  return {samples.begin(), samples.end()};
+}
+
+template <class T>
+void expect_every_level(const BrickCodec& codec, const BrickShape& shape, const std::vector<T>& voxels) {
+  const EncodedBrick encoded = codec.encode(shape, view_of(voxels, shape.size[0]));
+  ASSERT_EQ(encoded.segments.size(), static_cast<std::size_t>(shape.level_count));
+  for (int level = 0; level < shape.level_count; ++level) {
+    const auto count = static_cast<std::size_t>(shape.size[static_cast<std::size_t>(level)].voxel_count());
+    std::vector<T> decoded(count);
+    codec.decode(shape, voxel_type_of<T>(), encoded.range, spans_of(encoded), level, decoded.data());
+    ASSERT_EQ(decoded, reference_level(voxels, shape, level)) << "level " << level;
+  }
+}
+
+constexpr Content kContents[] = {Content::smooth, Content::noise,        Content::sparse,
+                                 Content::ramp,   Content::checkerboard, Content::two_values};
+const Size3 kSizes[] = {{64, 64, 64}, {1, 1, 1}, {1, 1, 2}, {3, 1, 1},    {2, 2, 2},
+                        {64, 1, 1},   {1, 37, 1}, {5, 7, 3}, {17, 64, 31}, {63, 2, 64}};
+
+template <class T>
+class GreyCodecOfType : public testing::Test {};
+using IntegerTypes =
+    testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t, std::int32_t, std::uint32_t>;
+TYPED_TEST_SUITE(GreyCodecOfType, IntegerTypes);
+
+TYPED_TEST(GreyCodecOfType, EveryLevelEqualsTheReferencePyramid) {
+  using T = TypeParam;
+  for (const Content content : kContents) {
+    for (const Size3& size : kSizes) {
+      const auto voxels = make_voxels<T>(size, content, 5);
+      const BrickShape shape = shape_of(size);
+      const TrainingBrick lesson{shape, view_of(voxels, size)};
+      const auto codec = train_grey_model(voxel_type_of<T>(), std::span(&lesson, 1));
+      SCOPED_TRACE(testing::Message() << "content " << static_cast<int>(content) << " size " << size.x
+                                      << "x" << size.y << "x" << size.z);
+      expect_every_level(*codec, shape, voxels);
+    }
+  }
+}
+
+TYPED_TEST(GreyCodecOfType, AModelTrainedElsewhereIsLosslessToo) {
+  using T = TypeParam;
+  const Size3 size{32, 48, 64};
+  const BrickShape shape = shape_of(size);
+  const auto quiet = make_voxels<T>(size, Content::two_values, 1);
+  const TrainingBrick lesson{shape, view_of(quiet, size)};
+  const auto trained = train_grey_model(voxel_type_of<T>(), std::span(&lesson, 1));
+  const auto codec = parse_grey_model(voxel_type_of<T>(), trained->serialized());
+  for (const Content content : kContents) {
+    expect_every_level(*codec, shape, make_voxels<T>(size, content, 9));
+  }
+}
+
+TEST(GreyCodec, ThickSlicesHalveTheirAxisLater) {
+  const Size3 size{64, 64, 16};
+  const BrickShape shape = shape_of(size, {1, 1, 4});
+  EXPECT_EQ(shape.halving[0], 3);
+  const auto voxels = make_voxels<std::int16_t>(size, Content::smooth, 2);
+  const TrainingBrick lesson{shape, view_of(voxels, size)};
+  const auto codec = train_grey_model(VoxelType::int16, std::span(&lesson, 1));
+  expect_every_level(*codec, shape, voxels);
+}
+
+TEST(GreyCodec, AnUntrainedModelIsLossless) {
+  const auto codec = train_grey_model(VoxelType::int16, {});
+  const Size3 size{20, 30, 40};
+  expect_every_level(*codec, shape_of(size), make_voxels<std::int16_t>(size, Content::smooth, 3));
+}
+
+TEST(GreyCodec, UniformBricksTakeNoBytes) {
+  const auto codec = train_grey_model(VoxelType::int16, {});
+  const Size3 size{64, 64, 64};
+  const std::vector<std::int16_t> voxels(64 * 64 * 64, -1024);
+  const EncodedBrick encoded = codec->encode(shape_of(size), view_of(voxels, size));
+  EXPECT_EQ(encoded.range, (ValueRange{-1024, -1024}));
+  EXPECT_EQ(encoded.parent, -1024);
+  for (const Bytes& segment : encoded.segments) EXPECT_TRUE(segment.empty());
+}
+
+TEST(GreyCodec, NoiseIsStoredWithoutGrowth) {
+  const Size3 size{64, 64, 64};
+  const auto voxels = make_voxels<std::uint16_t>(size, Content::noise, 4);
+  const TrainingBrick lesson{shape_of(size), view_of(voxels, size)};
+  const auto codec = train_grey_model(VoxelType::uint16, std::span(&lesson, 1));
+  const EncodedBrick encoded = codec->encode(shape_of(size), view_of(voxels, size));
+  std::size_t bytes = 0;
+  for (const Bytes& segment : encoded.segments) bytes += segment.size();
+  EXPECT_LE(bytes, voxels.size() * 2);
+}
+
+TEST(GreyCodec, ParentIsTheNextSampleOfThePyramid) {
+  const Size3 size{64, 64, 64};
+  BrickShape shape = shape_of({128, 64, 64});
+  ASSERT_EQ(shape.level_count, 6);
+  const auto voxels = make_voxels<std::int16_t>(size, Content::smooth, 8);
+  const auto codec = train_grey_model(VoxelType::int16, {});
+  const EncodedBrick encoded = codec->encode(shape, view_of(voxels, size));
+  auto top = reference_level(voxels, shape, 5);
+  std::vector<std::int64_t> samples(top.begin(), top.end());
+  EXPECT_EQ(encoded.parent, coarser_level(samples, shape.size[5], shape.halving[5], 5).front());
+}
+
+TEST(GreyCodec, DispatchedAndPortableStagesGiveTheSameBytes) {
+  using namespace grey;
+  std::mt19937 random(21);
+  Parameters p = default_parameters();
+  for (auto& group : p.weights) {
+    for (auto& axis : group) {
+      for (auto& cls : axis) {
+        for (auto& w : cls) w = static_cast<std::int16_t>(random());
+      }
+    }
+  }
+  for (const Size3& fine : {Size3{64, 64, 64}, Size3{63, 5, 7}, Size3{2, 2, 2}, Size3{33, 64, 9}}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      std::vector<std::int16_t> truth(static_cast<std::size_t>(fine.voxel_count()));
+      for (auto& v : truth) v = static_cast<std::int16_t>(random());
+      const auto means = means_along(truth, fine, axis, 1);
+      const Size3 coarse = halved(fine, static_cast<HalvingMask>(1 << axis));
+      Stage stage;
+      stage.axis = axis;
+      stage.rounding = 1;
+      stage.pairs = fine;
+      stage.pairs[axis] /= 2;
+      stage.min = -32768;
+      stage.max = 32767;
+      std::vector<Symbol> symbols[2];
+      int i = 0;
+      for (const StageFunctions* functions : {&stage_functions(), &portable_stage_functions()}) {
+        Workspace<std::int16_t> work;
+        work.means.set_size(coarse);
+        for (std::int64_t z = 0; z < coarse.z; ++z) {
+          for (std::int64_t y = 0; y < coarse.y; ++y) {
+            std::copy_n(means.data() + (z * coarse.y + y) * coarse.x, coarse.x, work.means.row(y, z));
+          }
+        }
+        work.means.fill_margins();
+        repeat_along(work.means, work.fine, axis, fine);
+        functions->encode16(p, stage, work, {truth.data(), fine}, symbols[i++]);
+      }
+      ASSERT_EQ(symbols[0].size(), symbols[1].size());
+      for (std::size_t k = 0; k < symbols[0].size(); ++k) {
+        ASSERT_EQ(symbols[0][k].value, symbols[1][k].value);
+        ASSERT_EQ(symbols[0][k].context, symbols[1][k].context);
+      }
+    }
+  }
+}
+
+/// Damage gives an error or other voxels, never anything worse (run under sanitizers as well).
+TEST(GreyCodec, DamagedSegmentsAreContained) {
+  const Size3 size{40, 33, 29};
+  const BrickShape shape = shape_of(size);
+  std::mt19937 random(77);
+  for (const Content content : {Content::smooth, Content::sparse, Content::noise}) {
+    const auto voxels = make_voxels<std::int16_t>(size, content, 6);
+    const TrainingBrick lesson{shape, view_of(voxels, size)};
+    const auto codec = train_grey_model(VoxelType::int16, std::span(&lesson, 1));
+    const EncodedBrick good = codec->encode(shape, view_of(voxels, size));
+    std::vector<std::int16_t> out(voxels.size());
+    for (int round = 0; round < 300; ++round) {
+      EncodedBrick bad = good;
+      for (int hits = 0; hits < 3; ++hits) {
+        Bytes& segment = bad.segments[random() % bad.segments.size()];
+        if (segment.empty()) continue;
+        if (random() % 4 == 0) segment.resize(random() % segment.size());
+        else segment[random() % segment.size()] = static_cast<std::uint8_t>(random());
+      }
+      try {
+        codec->decode(shape, VoxelType::int16, good.range, spans_of(bad), 0, out.data());
+      } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::corrupt);
+      }
+    }
+  }
+}
+
+TEST(GreyCodec, EveryTruncationOfASegmentIsNoticed) {
+  const Size3 size{16, 16, 16};
+  const BrickShape shape = shape_of(size);
+  const auto voxels = make_voxels<std::int16_t>(size, Content::smooth, 6);
+  const auto codec = train_grey_model(VoxelType::int16, {});
+  const EncodedBrick good = codec->encode(shape, view_of(voxels, size));
+  std::vector<std::int16_t> out(voxels.size());
+  for (std::size_t i = 0; i < good.segments.size(); ++i) {
+    for (std::size_t length = 0; length < good.segments[i].size(); ++length) {
+      EncodedBrick bad = good;
+      bad.segments[i].resize(length);
+      EXPECT_THROW(codec->decode(shape, VoxelType::int16, good.range, spans_of(bad), 0, out.data()), Error);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace octavo
