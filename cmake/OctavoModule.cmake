@@ -1,4 +1,4 @@
-# How every module of src/octavo is built: one static library per folder, the same warnings everywhere.
+# How every module of src/octavo is built: one static library per folder, the same warnings for all.
 
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
@@ -11,7 +11,10 @@ target_compile_options(octavo_flags INTERFACE
   # The model's floating-point training must give the same bytes on every machine.
   -ffp-contract=off)
 
+include(GNUInstallDirs)
+
 # octavo_module(NAME SOURCES a.cpp ... [USES octavo_core ...] [LINKS TBB::tbb ...])
+# Others see the library as octavo::NAME, in this build and after installation.
 function(octavo_module name)
   cmake_parse_arguments(arg "" "" "SOURCES;USES;LINKS" ${ARGN})
   add_library(octavo_${name} STATIC ${arg_SOURCES})
@@ -20,6 +23,9 @@ function(octavo_module name)
   target_link_libraries(octavo_${name}
     PUBLIC ${arg_USES} PRIVATE $<BUILD_INTERFACE:octavo_flags> ${arg_LINKS})
   target_compile_features(octavo_${name} PUBLIC cxx_std_20)
+  set_target_properties(octavo_${name} PROPERTIES EXPORT_NAME ${name})
+  add_library(octavo::${name} ALIAS octavo_${name})
+  install(TARGETS octavo_${name} EXPORT octavoTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 endfunction()
 
 # octavo_test(NAME TIER SOURCES a.cpp ... USES octavo_core ...): one gtest program, one ctest label.
@@ -28,7 +34,7 @@ function(octavo_test name tier)
   add_executable(test_${name} ${arg_SOURCES})
   target_include_directories(test_${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
   target_link_libraries(test_${name}
-    PRIVATE ${arg_USES} ${arg_LINKS} octavo_flags rapidcheck::rapidcheck GTest::gtest_main)
+    PRIVATE ${arg_USES} ${arg_LINKS} octavo_flags rapidcheck GTest::gtest_main)
   add_test(NAME ${name} COMMAND test_${name})
   set_tests_properties(${name} PROPERTIES LABELS ${tier} TIMEOUT 600)
 endfunction()

@@ -1,9 +1,9 @@
 // Planes in, one sealed file out.
 //
-// Planes fill a group of brick layers; a model is trained on bricks spread over the group; its bricks are
-// encoded, decoded again and compared by all workers while the next group is being read. Memory is that of
-// two groups (a group is the fewest layers that hold 32 MiB), never that of the volume. The file does not
-// depend on the number of threads.
+// Planes fill a group of brick layers; a model is trained on bricks spread over the group; its
+// bricks are encoded, decoded again and compared by all workers while the next group is being read.
+// Memory is that of two groups (a group is the fewest layers that hold 32 MiB), never that of the
+// volume. The file does not depend on the number of threads.
 #pragma once
 
 #include <cstdint>
@@ -18,22 +18,23 @@ namespace octavo {
 struct BuildOptions {
   VolumeKind kind = VolumeKind::grey;
   bool overwrite = false;
-  int threads = 0;                   ///< 0: all cores
-  std::uint64_t max_memory_bytes = 0;///< 0: no limit; otherwise Error{limit_exceeded} before work starts
+  int threads = 0;  ///< 0: all cores
+  /// 0: no limit; otherwise Error{limit_exceeded} before work starts when the need is above it.
+  std::uint64_t max_memory_bytes = 0;
 };
 
 struct BuildResult {
   std::uint64_t file_bytes = 0;
   std::uint64_t raw_bytes = 0;
-  double read_seconds = 0;    ///< time the source took
+  double read_seconds = 0;  ///< time the source took
   double total_seconds = 0;
   int threads = 0;
 };
 
 /// Builds `path` from `source`.
-/// Throws what the source and the storage throw, Error{cancelled}, Error{internal} when a brick does not
-/// decode to its voxels; in every case nothing but a complete file stands under `path`.
-/// Memory  2 groups + about 20 MB per thread
+/// Throws what the source and the storage throw, Error{cancelled}, Error{internal} when a brick
+/// does not decode to its voxels; in every case nothing but a complete file stands under `path`.
+/// Memory  2 groups + 24 MiB per thread + 192 MiB (training, buffers) + what the source holds
 /// Source  thesis 2.4 (Fig. 2.3), 2.6
 BuildResult build_file(PlaneSource& source, Storage& storage, const std::string& path,
                        const BuildOptions& options, Progress& progress);

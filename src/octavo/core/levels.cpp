@@ -10,7 +10,7 @@ namespace octavo {
 
 namespace {
 
-constexpr double kThickRatio = 1.5;
+constexpr double kThickRatio = 2;
 constexpr int kMaxWaitingLevels = 4;
 
 bool is_single(const Size3& size) { return size.x == 1 && size.y == 1 && size.z == 1; }
@@ -54,7 +54,7 @@ std::vector<HalvingMask> choose_halvings(const Size3& size, const Point3& spacin
     const bool may_wait = halvings.size() < kMaxWaitingLevels;
     for (int axis = 0; axis < 3; ++axis) {
       double& step = spacing[static_cast<std::size_t>(axis)];
-      if (may_wait && current[axis] > 1 && step > kThickRatio * finest) continue;
+      if (may_wait && current[axis] > 1 && step >= kThickRatio * finest) continue;
       mask = static_cast<HalvingMask>(mask | 1 << axis);
       step *= 2;
     }

@@ -29,8 +29,8 @@ inline constexpr int kMaxLevels = 32;
 /// x*y*z after proving 1 <= axis <= 2^21. Throws Error{limit_exceeded}.
 std::int64_t checked_voxel_count(const Size3& size);
 
-/// The halved axes of every level for a grid: all axes while spacings are alike; an axis whose
-/// spacing exceeds 1.5 x the finest one waits until the others have caught up (at most 4 levels).
+/// The halved axes of every level for a grid: all axes while spacings are alike; an axis whose spacing is
+/// at least twice the finest one waits until the others have caught up (at most 4 levels).
 /// The result has one mask per level below the root and ends where the size is 1x1x1.
 std::vector<HalvingMask> choose_halvings(const Size3& size, const Point3& spacing_mm);
 

@@ -1,0 +1,34 @@
+# octavo::octavo, the library as one target, and what `cmake --install` puts where.
+
+include(CMakePackageConfigHelpers)
+
+# The program is the target `octavo`, so the library's own name differs until it is exported.
+add_library(octavo_library INTERFACE)
+set_target_properties(octavo_library PROPERTIES EXPORT_NAME octavo)
+foreach(module core codec file build io render)
+  if(TARGET octavo_${module})
+    target_link_libraries(octavo_library INTERFACE octavo_${module})
+  endif()
+endforeach()
+add_library(octavo::octavo ALIAS octavo_library)
+
+# What a static library of ours needs where it is linked; the parts of ITK are those that io names.
+set(OCTAVO_DEPENDENCIES TBB TIFF PNG ZLIB CURL GDCM)
+set(OCTAVO_ITK_COMPONENTS ITKIONIFTI ITKIONRRD ITKIOMeta)
+
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/octavo)
+install(TARGETS octavo_library EXPORT octavoTargets)
+install(EXPORT octavoTargets NAMESPACE octavo:: DESTINATION ${package_folder})
+install(EXPORT octavoReadTargets NAMESPACE octavo:: DESTINATION ${package_folder})
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/src/octavo DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+  FILES_MATCHING PATTERN "*.h")
+if(TARGET octavo)
+  install(TARGETS octavo RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+
+configure_package_config_file(${CMAKE_SOURCE_DIR}/cmake/octavoConfig.cmake.in
+  ${CMAKE_BINARY_DIR}/octavoConfig.cmake INSTALL_DESTINATION ${package_folder})
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/octavoConfigVersion.cmake
+  COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_BINARY_DIR}/octavoConfig.cmake ${CMAKE_BINARY_DIR}/octavoConfigVersion.cmake
+  DESTINATION ${package_folder})

@@ -1,0 +1,31 @@
+// A run of whole planes in memory, and the bricks in it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "octavo/codec/brick_codec.h"
+#include "octavo/core/levels.h"
+
+namespace octavo {
+
+/// Planes first_plane .. first_plane + size.z - 1 of the finest level of a tier, [z][y][x].
+/// The block starts and ends where brick layers do, or where the volume ends.
+struct VoxelBlock {
+  const std::byte* voxels = nullptr;
+  VoxelType type = VoxelType::uint8;
+  Size3 size;
+  std::int64_t first_plane = 0;
+};
+
+/// The voxels of `box` (in the tier's samples), which lies in the block.
+BrickView view_of(const VoxelBlock& block, const Box& box);
+
+/// True when all voxels of the brick have one value. Stops at the first that differs.
+bool is_uniform(const BrickView& brick);
+
+/// The bricks of a block in file order: layer by layer, o-code order inside a layer.
+std::vector<Index3> bricks_of(const Levels& levels, int tier, const VoxelBlock& block);
+
+}  // namespace octavo

@@ -1,0 +1,91 @@
+#include "support/memory_storage.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "octavo/core/error.h"
+
+namespace octavo::testing {
+
+namespace {
+
+class MemoryFile final : public StorageFile {
+ public:
+  MemoryFile(MemoryStorage& storage, FileBytes bytes, std::string path)
+      : storage_(storage), bytes_(std::move(bytes)), path_(std::move(path)) {}
+
+  const std::string& path() const override { return path_; }
+  std::uint64_t size() const override { return bytes_->size(); }
+
+  void read(std::uint64_t offset, std::span<std::uint8_t> out) const override {
+    storage_.call("read", path_);
+    if (offset + out.size() > bytes_->size()) throw Error(ErrorKind::truncated, "ends", path_);
+    std::copy_n(bytes_->begin() + static_cast<std::ptrdiff_t>(offset), out.size(), out.begin());
+  }
+
+  void write(std::uint64_t offset, std::span<const std::uint8_t> bytes) override {
+    try {
+      storage_.call("write", path_);
+    } catch (const Error&) {
+      store(offset, bytes.first(bytes.size() / 2));
+      throw;
+    }
+    store(offset, bytes);
+  }
+
+  void sync() override { storage_.call("sync", path_); }
+  void close() override { storage_.call("close", path_); }
+
+ private:
+  void store(std::uint64_t offset, std::span<const std::uint8_t> bytes) {
+    bytes_->resize(std::max<std::size_t>(bytes_->size(), offset + bytes.size()));
+    std::copy(bytes.begin(), bytes.end(), bytes_->begin() + static_cast<std::ptrdiff_t>(offset));
+  }
+
+  MemoryStorage& storage_;
+  FileBytes bytes_;
+  std::string path_;
+};
+
+}  // namespace
+
+void MemoryStorage::call(const std::string& what, const std::string& path) {
+  calls.push_back(what);
+  if (calls.size() != fail_at) return;
+  has_failed = true;
+  throw Error(ErrorKind::io, "cannot " + what + ": Input/output error", path);
+}
+
+std::unique_ptr<StorageFile> MemoryStorage::open_read(const std::string& path) {
+  call("open", path);
+  const auto found = files.find(path);
+  if (found == files.end()) throw Error(ErrorKind::io, "cannot open: no such file", path);
+  return std::make_unique<MemoryFile>(*this, found->second, path);
+}
+
+std::unique_ptr<StorageFile> MemoryStorage::create_exclusive(const std::string& path) {
+  call("create", path);
+  if (files.count(path) != 0) throw Error(ErrorKind::io, "cannot create: exists", path);
+  files[path] = std::make_shared<std::vector<std::uint8_t>>();
+  return std::make_unique<MemoryFile>(*this, files[path], path);
+}
+
+std::unique_ptr<StorageFile> MemoryStorage::create_scratch(const std::string& folder) {
+  call("create_scratch", folder);
+  return std::make_unique<MemoryFile>(*this, std::make_shared<std::vector<std::uint8_t>>(),
+                                      folder);
+}
+
+bool MemoryStorage::exists(const std::string& path) { return files.count(path) != 0; }
+
+void MemoryStorage::rename(const std::string& from, const std::string& to) {
+  call("rename", to);
+  files[to] = files.at(from);
+  files.erase(from);
+}
+
+void MemoryStorage::remove(const std::string& path) { files.erase(path); }
+
+void MemoryStorage::sync_folder(const std::string& folder) { call("sync_folder", folder); }
+
+}  // namespace octavo::testing

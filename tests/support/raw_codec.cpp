@@ -1,0 +1,83 @@
+// A codec that stores every level as it is: container tests through it depend on no compression.
+// It stands in for the real ones wherever it is linked.
+#include <algorithm>
+#include <cstring>
+
+#include "octavo/codec/brick_codec.h"
+#include "octavo/core/error.h"
+
+namespace octavo {
+
+namespace {
+
+class RawCodec final : public BrickCodec {
+ public:
+  RawCodec(VolumeKind kind, VoxelType type) : kind_(kind), type_(type) {}
+
+  VolumeKind kind() const noexcept override { return kind_; }
+  Bytes serialized() const override { return {'r', 'a', 'w'}; }
+
+  // A coarser sample is the first of its octant.
+  EncodedBrick encode(const BrickShape& shape, const BrickView& brick) const override {
+    const auto bytes = static_cast<std::size_t>(bytes_per_voxel(type_));
+    EncodedBrick result;
+    result.segments.resize(static_cast<std::size_t>(shape.level_count));
+    Size3 step{1, 1, 1};
+    for (std::size_t i = 0; i < result.segments.size(); ++i) {
+      const Size3& size = shape.size[i];
+      Bytes& segment = result.segments[i];
+      for (std::int64_t z = 0; z < size.z; ++z) {
+        for (std::int64_t y = 0; y < size.y; ++y) {
+          for (std::int64_t x = 0; x < size.x; ++x) {
+            const std::int64_t at = z * step.z * brick.plane_stride +
+                                    y * step.y * brick.row_stride + x * step.x;
+            const auto* voxel = static_cast<const std::uint8_t*>(brick.voxels) +
+                                static_cast<std::size_t>(at) * bytes;
+            segment.insert(segment.end(), voxel, voxel + bytes);
+          }
+        }
+      }
+      for (int axis = 0; axis < 3; ++axis) step[axis] <<= shape.halving[i] >> axis & 1;
+    }
+    with_voxel_type(type_, [&](auto tag) {
+      using T = typename decltype(tag)::type;
+      std::vector<T> voxels(result.segments[0].size() / sizeof(T));
+      std::memcpy(voxels.data(), result.segments[0].data(), result.segments[0].size());
+      const auto [low, high] = std::minmax_element(voxels.begin(), voxels.end());
+      result.range = {static_cast<std::int64_t>(*low), static_cast<std::int64_t>(*high)};
+      result.parent = static_cast<std::int64_t>(voxels[0]);
+    });
+    if (result.range.min == result.range.max) {
+      for (Bytes& segment : result.segments) segment.clear();
+    }
+    return result;
+  }
+
+  void decode(const BrickShape& shape, VoxelType type, const ValueRange&,
+              std::span<const ByteSpan> segments, int level, void* out) const override {
+    const auto slot = static_cast<std::size_t>(level);
+    const std::int64_t bytes = shape.size[slot].voxel_count() * bytes_per_voxel(type);
+    if (segments[slot].size() != static_cast<std::size_t>(bytes)) {
+      throw Error(ErrorKind::corrupt, "segment of another size");
+    }
+    std::memcpy(out, segments[slot].data(), segments[slot].size());
+  }
+
+ private:
+  VolumeKind kind_;
+  VoxelType type_;
+};
+
+}  // namespace
+
+std::unique_ptr<BrickCodec> train_model(VolumeKind kind, VoxelType type,
+                                        std::span<const TrainingBrick>) {
+  return std::make_unique<RawCodec>(kind, type);
+}
+
+std::unique_ptr<BrickCodec> parse_model(VolumeKind kind, VoxelType type, ByteSpan bytes) {
+  if (bytes.size() != 3) throw Error(ErrorKind::corrupt, "model of another size");
+  return std::make_unique<RawCodec>(kind, type);
+}
+
+}  // namespace octavo

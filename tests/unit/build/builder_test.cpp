@@ -1,0 +1,181 @@
+#include "octavo/build/builder.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+#include "octavo/build/phantom.h"
+#include "octavo/core/error.h"
+#include "support/built_file.h"
+
+namespace octavo {
+namespace {
+
+using octavo::testing::ScratchFolder;
+
+// Several groups of several layers: 512 x 512 x 2 bytes x 64 planes = one group each.
+PhantomOptions three_groups() {
+  PhantomOptions options;
+  options.size = {512, 512, 150};
+  return options;
+}
+
+PhantomOptions one_group() {
+  PhantomOptions options;
+  options.size = {70, 66, 130};
+  options.noise_sigma = 3;
+  return options;
+}
+
+// A phantom that fails at one plane.
+class FailingSource final : public PlaneSource {
+ public:
+  FailingSource(const PhantomOptions& options, std::int64_t failing_plane)
+      : phantom_(make_phantom(options)), failing_plane_(failing_plane) {}
+  const VolumeDescription& description() const override { return phantom_->description(); }
+  const std::vector<std::string>& warnings() const override { return phantom_->warnings(); }
+  void read_plane(std::span<std::byte> plane) override {
+    if (next_++ == failing_plane_) throw Error(ErrorKind::source_rejected, "torn", "slice.dcm");
+    phantom_->read_plane(plane);
+  }
+
+ private:
+  std::unique_ptr<PlaneSource> phantom_;
+  std::int64_t failing_plane_;
+  std::int64_t next_ = 0;
+};
+
+// Counts what is announced and done; asks to stop after some units.
+class CountingProgress final : public Progress {
+ public:
+  explicit CountingProgress(std::int64_t stop_after = -1) : stop_after_(stop_after) {}
+  void begin(std::string_view, std::int64_t total, std::string_view) override { total_ += total; }
+  void advance(std::int64_t units) override { done_ += units; }
+  void end() override { ++ends_; }
+  bool is_cancelled() const override { return stop_after_ >= 0 && done_ >= stop_after_; }
+
+  std::int64_t stop_after_;
+  std::int64_t total_ = 0;
+  std::atomic<std::int64_t> done_ = 0;
+  int ends_ = 0;
+};
+
+ErrorKind kind_of_failure(PlaneSource& source, const std::string& path, const BuildOptions& options,
+                          Progress& progress) {
+  try {
+    build_file(source, local_storage(), path, options, progress);
+  } catch (const Error& error) {
+    return error.kind();
+  }
+  ADD_FAILURE() << "the build succeeded";
+  return ErrorKind::internal;
+}
+
+TEST(Builder, ASourceThatFailsAtAnyPlaneLeavesNoFile) {
+  const ScratchFolder folder;
+  const std::int64_t planes = three_groups().size.z;
+  for (const std::int64_t k : {std::int64_t{0}, std::int64_t{1}, std::int64_t{63}, std::int64_t{64},
+                               std::int64_t{100}, std::int64_t{128}, planes - 1}) {
+    FailingSource source(three_groups(), k);
+    CountingProgress progress;
+    EXPECT_EQ(kind_of_failure(source, folder.file("a.8vo"), {.threads = 2}, progress),
+              ErrorKind::source_rejected);
+    EXPECT_TRUE(folder.is_empty()) << "plane " << k;
+    EXPECT_EQ(progress.ends_, 1);
+  }
+}
+
+TEST(Builder, ACancelledBuildLeavesNoFile) {
+  const ScratchFolder folder;
+  for (const std::int64_t units : {0, 1, 70, 150, 299}) {
+    const auto source = make_phantom(three_groups());
+    CountingProgress progress(units);
+    EXPECT_EQ(kind_of_failure(*source, folder.file("a.8vo"), {.threads = 2}, progress),
+              ErrorKind::cancelled);
+    EXPECT_TRUE(folder.is_empty()) << units << " units";
+  }
+}
+
+TEST(Builder, ProgressCountsEveryPlaneReadAndEncoded) {
+  const ScratchFolder folder;
+  for (const PhantomOptions& options : {one_group(), three_groups()}) {
+    const auto source = make_phantom(options);
+    CountingProgress progress;
+    build_file(*source, local_storage(), folder.file("a.8vo"), {.overwrite = true}, progress);
+    EXPECT_EQ(progress.total_, 2 * options.size.z);
+    EXPECT_EQ(progress.done_, progress.total_);
+    EXPECT_EQ(progress.ends_, 1);
+  }
+}
+
+TEST(Builder, FileDoesNotDependOnThreads) {
+  const ScratchFolder folder;
+  std::string first;
+  for (const int threads : {1, 2, 3, 8}) {
+    const std::string path = folder.file(std::to_string(threads));
+    NoProgress progress;
+    const auto source = make_phantom(three_groups());
+    const BuildResult result =
+        build_file(*source, local_storage(), path, {.threads = threads}, progress);
+    const std::string bytes = octavo::testing::bytes_of_file(path);
+    EXPECT_EQ(result.file_bytes, bytes.size());
+    EXPECT_EQ(result.raw_bytes, 512u * 512 * 150 * 2);
+    EXPECT_EQ(result.threads, threads);
+    if (first.empty()) first = bytes;
+    EXPECT_TRUE(bytes == first) << threads << " threads";
+  }
+}
+
+TEST(Builder, FloatIsRejectedBeforeAnythingIsRead) {
+  const ScratchFolder folder;
+  octavo::testing::Volume volume;
+  volume.description.type = VoxelType::float32;
+  volume.description.size = {2, 2, 2};
+  volume.voxels.resize(32);
+  const auto source = make_memory_source(volume.description, volume.voxels);
+  CountingProgress progress;
+  EXPECT_EQ(kind_of_failure(*source, folder.file("a.8vo"), {}, progress),
+            ErrorKind::invalid_argument);
+  EXPECT_EQ(progress.total_, 0);
+}
+
+TEST(Builder, AMemoryLimitBelowTheNeedStopsItBeforeItStarts) {
+  const ScratchFolder folder;
+  const auto source = make_phantom(one_group());
+  CountingProgress progress;
+  const std::uint64_t need = build_memory_bytes(source->description(), 1);
+  EXPECT_EQ(kind_of_failure(*source, folder.file("a.8vo"),
+                            {.threads = 1, .max_memory_bytes = need - 1}, progress),
+            ErrorKind::limit_exceeded);
+  EXPECT_EQ(progress.total_, 0);
+  build_file(*source, local_storage(), folder.file("a.8vo"),
+             {.threads = 1, .max_memory_bytes = need}, progress);
+}
+
+TEST(Builder, MemoryIsThatOfTwoGroupsAndTheWorkers) {
+  VolumeDescription description;
+  description.type = VoxelType::int16;
+  description.size = {1024, 1024, 1024};
+  const std::uint64_t mib = 1 << 20;
+  EXPECT_EQ(build_memory_bytes(description, 2), (2 * 128 + 2 * 24 + 192) * mib);
+  description.size = {256, 256, 4096};
+  EXPECT_EQ(build_memory_bytes(description, 1), (2 * 32 + 24 + 192) * mib);
+  description.size = {10, 10, 10};
+  EXPECT_EQ(build_memory_bytes(description, 1), 2 * 2000 + (24 + 192) * mib);
+}
+
+TEST(Builder, AnExistingFileIsKeptUnlessOverwriteIsAsked) {
+  const ScratchFolder folder;
+  const std::string path = folder.file("a.8vo");
+  std::ofstream(path) << "precious";
+  CountingProgress progress;
+  const auto source = make_phantom(one_group());
+  EXPECT_EQ(kind_of_failure(*source, path, {}, progress), ErrorKind::io);
+  EXPECT_EQ(octavo::testing::bytes_of_file(path), "precious");
+  const auto again = make_phantom(one_group());
+  build_file(*again, local_storage(), path, {.overwrite = true}, progress);
+  EXPECT_NE(octavo::testing::bytes_of_file(path), "precious");
+}
+
+}  // namespace
+}  // namespace octavo

@@ -1,0 +1,104 @@
+#include "octavo/build/tier_encoder.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "octavo/core/error.h"
+
+namespace octavo {
+namespace {
+
+// Keeps the voxels as they are; wrong for the brick whose first voxel is `broken`.
+class CopyingCodec final : public BrickCodec {
+ public:
+  explicit CopyingCodec(int broken) : broken_(broken) {}
+  VolumeKind kind() const noexcept override { return VolumeKind::grey; }
+  Bytes serialized() const override { return {}; }
+  EncodedBrick encode(const BrickShape& shape, const BrickView& brick) const override {
+    EncodedBrick encoded;
+    encoded.range = {0, 255};
+    encoded.segments.resize(static_cast<std::size_t>(shape.level_count));
+    const auto* const voxels = static_cast<const std::uint8_t*>(brick.voxels);
+    for (std::int64_t z = 0; z < brick.size.z; ++z)
+      for (std::int64_t y = 0; y < brick.size.y; ++y) {
+        const std::uint8_t* const row = voxels + z * brick.plane_stride + y * brick.row_stride;
+        encoded.segments[0].insert(encoded.segments[0].end(), row, row + brick.size.x);
+      }
+    encoded.parent = voxels[0];
+    if (voxels[0] == broken_) encoded.segments[0].back() ^= 1;
+    return encoded;
+  }
+  void decode(const BrickShape&, VoxelType, const ValueRange&, std::span<const ByteSpan> segments,
+              int, void* out) const override {
+    std::memcpy(out, segments[0].data(), segments[0].size());
+  }
+
+ private:
+  int broken_;
+};
+
+class RecordingWriter final : public FileWriter {
+ public:
+  void add_model(const Bytes&) override {}
+  void add_brick(int, const EncodedBrick& brick) override { parents.push_back(brick.parent); }
+  void finish() override {}
+  std::uint64_t bytes_written() const override { return 0; }
+  std::vector<std::int64_t> parents;
+};
+
+// 3 x 2 x 2 bricks of uint8, each filled with its number in [z][y][x] order, with one odd voxel.
+struct Volume {
+  Levels levels{Size3{150, 100, 70}, std::vector<HalvingMask>(8, kHalveAll)};
+  std::vector<std::uint8_t> voxels;
+  Volume() {
+    for (std::int64_t z = 0; z < 70; ++z)
+      for (std::int64_t y = 0; y < 100; ++y)
+        for (std::int64_t x = 0; x < 150; ++x)
+          voxels.push_back(static_cast<std::uint8_t>((z / 64 * 2 + y / 64) * 3 + x / 64));
+  }
+  VoxelBlock block() const {
+    return {reinterpret_cast<const std::byte*>(voxels.data()), VoxelType::uint8, {150, 100, 70}, 0};
+  }
+};
+
+Model copying_model(int broken) {
+  return {std::make_shared<CopyingCodec>(broken), std::make_shared<CopyingCodec>(broken), {}};
+}
+
+TEST(TierEncoder, BricksArriveInFileOrderAndParentsInVoxelOrder) {
+  const Volume volume;
+  for (const int threads : {1, 2, 5}) {
+    RecordingWriter writer;
+    NoProgress progress;
+    Workers workers(threads);
+    TierEncoder encoder(volume.levels, 0, VoxelType::uint8, workers, writer, progress);
+    encoder.encode(copying_model(-1), volume.block());
+    // O-code order inside a layer: digit 2x + y.
+    EXPECT_EQ(writer.parents, (std::vector<std::int64_t>{0, 3, 1, 4, 2, 5, 6, 9, 7, 10, 8, 11}));
+    const auto parents = encoder.take_parents();
+    ASSERT_EQ(parents.size(), 12u);
+    for (std::size_t i = 0; i < 12; ++i) EXPECT_EQ(static_cast<std::size_t>(parents[i]), i);
+  }
+}
+
+TEST(TierEncoder, ABrickThatDoesNotDecodeToItsVoxelsIsNamed) {
+  const Volume volume;
+  for (const int threads : {1, 4}) {
+    RecordingWriter writer;
+    NoProgress progress;
+    Workers workers(threads);
+    TierEncoder encoder(volume.levels, 0, VoxelType::uint8, workers, writer, progress);
+    try {
+      encoder.encode(copying_model(10), volume.block());
+      FAIL() << "the brick was kept";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::internal);
+      EXPECT_NE(error.detail().find("brick (1, 1, 1) of tier 0"), std::string::npos)
+          << error.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace octavo
