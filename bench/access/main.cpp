@@ -1,0 +1,163 @@
+// Random access to an .8vo file: how many single voxels and boxes a second, nothing cached.
+//
+// usage: bench_access [--commit ID] [--threads N] [--seconds S] FILE.8vo
+//
+// Positions are drawn from a fixed seed. "Cold" means that the reader keeps no decoded bricks:
+// every request reads, checks and decodes its bricks anew (the operating system may hold the file
+// itself). Each operation is run five times for S seconds; the CSV's median_s is the time of one
+// request, bytes are those of the voxels it returns. The first request of each kind is compared
+// with the same voxels cut from a whole brick layer.
+
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <cstring>
+#include <iostream>
+#include <random>
+#include <thread>
+
+#include "bench/common/measure.h"
+#include "octavo/core/error.h"
+#include "octavo/file/reader.h"
+#include "octavo/file/storage.h"
+
+namespace octavo::bench {
+namespace {
+
+constexpr int kRuns = 5;
+
+struct Settings {
+  std::string commit = "unknown";
+  int threads = 1;
+  double seconds = 2;
+  std::string path;
+};
+
+struct Request {
+  const char* operation;
+  std::int64_t side;
+};
+
+/// A box of at most `side` per axis at a random place.
+Box random_box(const Size3& size, std::int64_t side, std::mt19937_64& random) {
+  Box box;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::int64_t length = std::min(side, size[axis]);
+    box.lo[axis] = std::uniform_int_distribution<std::int64_t>(0, size[axis] - length)(random);
+    box.hi[axis] = box.lo[axis] + length;
+  }
+  return box;
+}
+
+Bytes read_box(const FileReader& reader, const Box& box) {
+  const std::int64_t voxel_bytes = bytes_per_voxel(reader.description().type);
+  Bytes out(static_cast<std::size_t>(box.size().voxel_count() * voxel_bytes));
+  reader.read(box, 0, out.data());
+  return out;
+}
+
+/// Proves one random box against the planes it was cut from.
+void prove(const FileReader& reader, std::int64_t side) {
+  std::mt19937_64 random(7);
+  const Size3 size = reader.description().size;
+  const auto voxel_bytes = static_cast<std::size_t>(bytes_per_voxel(reader.description().type));
+  const Box box = random_box(size, side, random);
+  const Bytes cut = read_box(reader, box);
+  const auto row_bytes = static_cast<std::size_t>(box.size().x) * voxel_bytes;
+  const std::uint8_t* row = cut.data();
+  for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+    const Bytes plane = read_box(reader, {{0, 0, z}, {size.x, size.y, z + 1}});
+    for (std::int64_t y = box.lo.y; y < box.hi.y; ++y, row += row_bytes) {
+      const auto first = static_cast<std::size_t>(y * size.x + box.lo.x) * voxel_bytes;
+      if (std::memcmp(row, plane.data() + first, row_bytes) != 0) {
+        throw Error(ErrorKind::internal, "a box differs from the planes it was cut from");
+      }
+    }
+  }
+}
+
+/// Requests done in `seconds` by `threads` threads together.
+std::int64_t requests_done(const FileReader& reader, std::int64_t side, const Settings& settings,
+                           std::uint64_t seed, double& elapsed) {
+  std::atomic<std::int64_t> done = 0;
+  const double start = now_seconds();
+  std::vector<std::thread> threads;
+  for (int i = 0; i < settings.threads; ++i) {
+    threads.emplace_back([&, i] {
+      std::mt19937_64 random(seed + static_cast<std::uint64_t>(i) * 1000003);
+      do {
+        read_box(reader, random_box(reader.description().size, side, random));
+        ++done;
+      } while (now_seconds() - start < settings.seconds);
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  elapsed = now_seconds() - start;
+  return done;
+}
+
+void measure(const FileReader& reader, const Request& request, const Settings& settings) {
+  Row row;
+  row.threads = settings.threads;
+  row.data_set = settings.path.substr(settings.path.find_last_of('/') + 1);
+  row.operation = request.operation;
+  const Size3& size = reader.description().size;
+  row.bytes = static_cast<std::uint64_t>(std::min(request.side, size.x) *
+                                         std::min(request.side, size.y) *
+                                         std::min(request.side, size.z) *
+                                         bytes_per_voxel(reader.description().type));
+  row.raw_bytes = row.bytes;
+  reset_peak_memory();
+  for (std::uint64_t run = 0; run < kRuns; ++run) {
+    double elapsed = 0;
+    const std::int64_t done = requests_done(reader, request.side, settings, run + 1, elapsed);
+    row.seconds.push_back(elapsed / static_cast<double>(done));
+  }
+  row.peak_memory_bytes = peak_memory_bytes();
+  std::cout << csv_line(row, settings.commit) << std::endl;
+  std::fprintf(stderr, "%-20s %10.1f per second\n", request.operation, 1 / median(row.seconds));
+}
+
+Settings parse(int count, char** words) {
+  Settings settings;
+  for (int i = 1; i < count; ++i) {
+    const std::string word = words[i];
+    const bool has_value = i + 1 < count;
+    if (word == "--commit" && has_value) settings.commit = words[++i];
+    else if (word == "--threads" && has_value) settings.threads = std::stoi(words[++i]);
+    else if (word == "--seconds" && has_value) settings.seconds = std::stod(words[++i]);
+    else settings.path = word;
+  }
+  if (settings.path.empty() || settings.threads < 1) {
+    throw Error(ErrorKind::invalid_argument,
+                "usage: bench_access [--commit ID] [--threads N] [--seconds S] FILE.8vo");
+  }
+  return settings;
+}
+
+void run(const Settings& settings) {
+  ReaderOptions options;
+  options.cache_bytes = 0;
+  const auto source = open_byte_source(local_storage(), settings.path);
+  const auto reader = FileReader::open(source, options);
+  constexpr Request kRequests[] = {
+      {"read voxel cold", 1}, {"read box 32 cold", 32}, {"read box 192 cold", 192}};
+  std::cout << csv_header() << "\n";
+  for (const Request& request : kRequests) {
+    prove(*reader, std::min<std::int64_t>(request.side, 32));
+    measure(*reader, request, settings);
+  }
+}
+
+}  // namespace
+}  // namespace octavo::bench
+
+int main(int count, char** words) {
+  try {
+    octavo::bench::run(octavo::bench::parse(count, words));
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "bench_access: %s\n", error.what());
+    return 1;
+  }
+}

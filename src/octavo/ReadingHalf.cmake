@@ -1,0 +1,47 @@
+# octavo::read: the reading half on its own. Bytes in, voxels out: no third-party code, no threads,
+# no files, no writes. It is what is fuzzed and what a browser runs. tools/check_includes.py proves
+# the promise for every header these sources reach.
+set(OCTAVO_READ_SOURCES
+  core/error.cpp
+  core/geometry.cpp
+  core/levels.cpp
+  core/o_code.cpp
+  core/voxel_type.cpp
+  codec/codec_of_kind.cpp
+  codec/crc32c.cpp
+  codec/grey_brick.cpp
+  codec/grey_codec.cpp
+  codec/grey_model.cpp
+  codec/grey_stage_dispatch_portable.cpp
+  codec/grey_stage_portable.cpp
+  codec/label_contexts.cpp
+  codec/label_decoder.cpp
+  codec/label_encoder.cpp
+  codec/label_grid.cpp
+  codec/label_model.cpp
+  codec/label_net.cpp
+  codec/label_octant.cpp
+  codec/label_pyramid.cpp
+  codec/label_start_weights.cpp
+  codec/octant_transform.cpp
+  codec/residual_coder.cpp
+  file/bit_flip.cpp
+  file/byte_source.cpp
+  file/index.cpp
+  file/layer_order.cpp
+  file/layout.cpp
+  file/open_file.cpp
+  file/reader.cpp
+  file/slab_trailer.cpp
+  file/verify.cpp
+)
+list(TRANSFORM OCTAVO_READ_SOURCES PREPEND ${CMAKE_CURRENT_LIST_DIR}/)
+
+add_library(octavo_read STATIC ${OCTAVO_READ_SOURCES})
+target_include_directories(octavo_read PUBLIC
+  $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/src> $<INSTALL_INTERFACE:include>)
+target_link_libraries(octavo_read PRIVATE $<BUILD_INTERFACE:octavo_flags>)
+target_compile_features(octavo_read PUBLIC cxx_std_20)
+set_target_properties(octavo_read PROPERTIES EXPORT_NAME read)
+add_library(octavo::read ALIAS octavo_read)
+install(TARGETS octavo_read EXPORT octavoReadTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})

@@ -1,0 +1,62 @@
+#!/usr/bin/env python3
+"""Proves the limits of length: 600 lines a file, 100 columns a line, 600 lines of parser code.
+
+usage: check_lengths.py [ROOT]
+
+The limit holds for tables, too. The README of a module stays within 40 lines.
+"""
+
+import pathlib
+import sys
+
+MAX_LINES = 600
+MAX_README_LINES = 40
+MAX_COLUMNS = 100
+MAX_PARSER_LINES = 600
+PARSER = ("src/octavo/file/layout.cpp", "src/octavo/file/index.cpp")
+FOLDERS = ("src", "cli", "tests", "bench", "tools", "examples", "cmake", "web/src", "python")
+GENERATED = {"node_modules", "__pycache__"}
+SOURCES = {".h", ".cpp", ".py", ".cmake", ".ts", ".js"}
+
+
+def sources(root: pathlib.Path):
+    for folder in FOLDERS:
+        for path in sorted((root / folder).rglob("*")):
+            is_source = path.suffix in SOURCES or path.name in ("README.md", "CMakeLists.txt")
+            if path.is_file() and is_source and not GENERATED & set(path.relative_to(root).parts):
+                yield path
+
+
+def check_file(path: pathlib.Path, root: pathlib.Path) -> list[str]:
+    name = path.relative_to(root)
+    lines = path.read_text().splitlines()
+    limit = MAX_README_LINES if path.name == "README.md" and "octavo" in name.parts else MAX_LINES
+    errors = []
+    if len(lines) > limit:
+        errors.append(f"{name}: {len(lines)} lines, at most {limit}")
+    if path.name != "README.md":
+        errors += [f"{name}:{number}: {len(line)} columns, at most {MAX_COLUMNS}"
+                   for number, line in enumerate(lines, 1) if len(line) > MAX_COLUMNS]
+    return errors
+
+
+def check_parser(root: pathlib.Path) -> list[str]:
+    """What reads header, index and trailer stays small enough to be reviewed in an hour."""
+    lines = [line.strip() for name in PARSER for line in (root / name).read_text().splitlines()]
+    count = sum(1 for line in lines if line and not line.startswith(("//", "#include")))
+    if count <= MAX_PARSER_LINES:
+        return []
+    return [f"{' + '.join(PARSER)}: {count} lines of code, at most {MAX_PARSER_LINES}"]
+
+
+def main(root: pathlib.Path) -> int:
+    paths = list(sources(root))
+    errors = [error for path in paths for error in check_file(path, root)]
+    errors += check_parser(root)
+    print("\n".join(errors) if errors else f"{len(paths)} files are within the limits")
+    return 1 if errors or not paths else 0
+
+
+if __name__ == "__main__":
+    default = pathlib.Path(__file__).resolve().parent.parent
+    sys.exit(main(pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else default))
