@@ -39,6 +39,17 @@ class BinaryEncoder {
     while (count-- > 0) put(value >> count & 1, kEvenOdds);
   }
 
+  /// As finish, but ends in as many zero bits as a decoder allows and drops zero bytes from the end, at
+  /// most four: a decoder that has taken every decision is 0 to 4 bytes beyond the end.
+  void finish_short() {
+    const std::uint64_t last = low_ + range_ - 1;
+    std::uint64_t mask = 0xffffffffffu;
+    while ((last & ~mask) < low_) mask >>= 1;
+    low_ = last & ~mask;
+    finish();
+    for (int i = 0; i < 4 && !out_.empty() && out_.back() == 0; ++i) out_.pop_back();
+  }
+
   /// Writes what is still held back. Nothing may be put afterwards.
   void finish() {
     for (int i = 0; i < 5; ++i) shift_low();
@@ -103,6 +114,11 @@ class BinaryDecoder {
 
   /// True when exactly all bytes were taken: neither too much nor too little.
   bool is_consumed() const { return position_ == bytes_.size(); }
+
+  /// True when all bytes were taken and no more than finish_short may have dropped.
+  bool is_consumed_short() const {
+    return position_ >= bytes_.size() && position_ <= bytes_.size() + 4;
+  }
 
   /// True when decisions were taken from bytes that are not there.
   bool is_overrun() const { return position_ > bytes_.size(); }

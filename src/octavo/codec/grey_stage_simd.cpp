@@ -117,6 +117,8 @@ const StageFunctions& stage_functions() {
     const char* const asked = std::getenv("OCTAVO_SIMD");
     StageFunctions chosen = portable_stage_functions();
     if (asked != nullptr && std::string_view(asked) == "scalar") return chosen;
+    // Without this the table would still hold the function that detects the machine at every call.
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
     chosen.decode16 = HWY_DYNAMIC_DISPATCH(decode16);
     chosen.encode16 = HWY_DYNAMIC_DISPATCH(encode16);
     return chosen;

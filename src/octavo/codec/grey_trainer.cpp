@@ -15,8 +15,8 @@ namespace octavo::grey {
 namespace {
 
 constexpr std::size_t kTapBricks = 16;         ///< bricks that weights are learnt from
-constexpr std::int64_t kTapSamples = 120000;   ///< per split axis and level group
-constexpr std::int64_t kContextSamples = 60000;
+constexpr std::int64_t kTapSamples = 60000;   ///< per split axis and level group
+constexpr std::int64_t kContextSamples = 20000;
 constexpr std::size_t kFewSamples = 200;       ///< too few to learn weights of a class
 constexpr std::int32_t kMaxDifference = 32000;
 constexpr int kWeightStep = 3;

@@ -15,8 +15,8 @@ class ByteSource {
   virtual std::uint64_t size() const = 0;
   /// What to call it in messages: a path or URL.
   virtual const std::string& name() const = 0;
-  /// Fills `out` with the bytes from `offset` on, or throws: Error{truncated} when the source is shorter,
-  /// Error{io} when reading fails.
+  /// Fills `out` with the bytes from `offset` on, or throws: Error{truncated} when the source is
+  /// shorter, Error{io} when reading fails.
   virtual void read(std::uint64_t offset, std::span<std::uint8_t> out) const = 0;
 };
 

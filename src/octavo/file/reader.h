@@ -1,7 +1,8 @@
 // Reads one .8vo file: what it holds, any box at any level, any brick by o-code.
 //
-// Opening costs two reads: the header, and the tail with the root index. Everything that comes from the
-// file is proven (checksum, then ranges) before it is used. A handle serves any number of threads.
+// Opening costs two reads: the header, and the tail with the root index. Everything that comes from
+// the file is proven (checksum, then ranges) before it is used. A handle serves any number of
+// threads.
 #pragma once
 
 #include <cstdint>
@@ -45,6 +46,9 @@ struct LevelSummary {
   std::uint64_t bytes = 0;
 };
 
+/// Side lengths of a full brick of the level's tier, in samples of `level`.
+Size3 brick_side_at(const Levels& levels, int level);
+
 class FileReader {
  public:
   /// Throws Error{not_octavo, unsupported_version, truncated, corrupt, limit_exceeded, io}.
@@ -68,15 +72,22 @@ class FileReader {
   /// Throws Error{invalid_argument} outside the grid.
   virtual BrickEntry brick(int tier, const Index3& position) const = 0;
 
-  /// Decodes one brick at one of its levels: dense [z][y][x] of brick_shape(...).size[in-brick level],
-  /// in the volume's type. Uniform bricks are filled without a read.
+  /// Decodes one brick at one of its levels: dense [z][y][x] of brick_shape(...).size[in-brick
+  /// level], in the volume's type. Uniform bricks are filled without a read.
   virtual void read_brick(const BrickEntry& entry, int in_brick_level, void* out) const = 0;
 
   /// Reads `box` (in samples of `level`) into `out`, dense [z][y][x] in the volume's type.
   /// Goes through the brick cache; decodes on the calling thread.
-  /// Throws Error{invalid_argument} when the box is empty or not inside the level; Error{corrupt} naming
-  /// brick, level and offset.
+  /// Throws Error{invalid_argument} when the box is empty or not inside the level; Error{corrupt}
+  /// naming brick, level and offset.
   virtual void read(const Box& box, int level, void* out) const = 0;
+
+  /// The same into a part of a larger array: `row_stride` and `plane_stride` in voxels.
+  virtual void read_strided(const Box& box, int level, void* out, std::int64_t row_stride,
+                            std::int64_t plane_stride) const = 0;
+
+  /// The PNG picture of the file; empty when it has none. Throws Error{corrupt}.
+  virtual Bytes thumbnail() const = 0;
 
   /// Raw bytes of a segment after its checksum was proven.
   virtual Bytes read_segment(const BrickEntry& entry, int in_brick_level) const = 0;

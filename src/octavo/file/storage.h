@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "octavo/file/byte_source.h"
 
@@ -27,19 +28,36 @@ class StorageFile {
   virtual void close() = 0;
 };
 
+/// What a path names, links followed.
+enum class PathType { missing, file, folder, other };
+
 class Storage {
  public:
   virtual ~Storage() = default;
   virtual std::unique_ptr<StorageFile> open_read(const std::string& path) = 0;
-  /// A new file for reading and writing; Error{io} when the name is taken.
+  /// A new file for reading and writing, locked while it is open; Error{io} when the name is taken.
   virtual std::unique_ptr<StorageFile> create_exclusive(const std::string& path) = 0;
   /// A nameless scratch file in `folder` that vanishes when closed.
   virtual std::unique_ptr<StorageFile> create_scratch(const std::string& folder) = 0;
   virtual bool exists(const std::string& path) = 0;
+  /// Unless overridden, everything that exists counts as a file.
+  virtual PathType path_type(const std::string& path);
+  /// Puts `from` in the place of `to`, whether that exists or not, in one step.
   virtual void rename(const std::string& from, const std::string& to) = 0;
+  /// The same only when `to` does not exist, else Error{io}; unless overridden, not in one step.
+  virtual void rename_new(const std::string& from, const std::string& to);
   virtual void remove(const std::string& path) = 0;
+  /// Removes the files PREFIX + PID (+ anything) of processes that are gone; unless overridden,
+  /// nothing. Never fails: what cannot be removed stays.
+  virtual void remove_stale(const std::string& prefix) noexcept;
   virtual void sync_folder(const std::string& folder) = 0;
 };
+
+/// The folder a path lies in: "." for a bare name.
+std::string folder_of(const std::string& path);
+
+/// The part of a path after its last slash.
+std::string base_name_of(const std::string& path);
 
 /// The real file system (pread, pwrite, fsync, rename).
 Storage& local_storage();

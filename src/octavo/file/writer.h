@@ -1,9 +1,10 @@
 // Writes one .8vo file: append, then seal.
 //
-// The file grows under a temporary name beside the final one. Level-0 segments are appended as they come;
-// coarser ones wait in a scratch file and follow at the end, level by level. The header says "sealed" only
-// after everything else is on disk; then the file takes its final name. A writer that is destroyed before
-// finish() removes its temporary file: the final name never holds anything but a complete file.
+// The file grows under a temporary name beside the final one. Level-0 segments are appended as they
+// come; coarser ones wait in a scratch file and follow at the end, level by level. The header says
+// "sealed" only after everything else is on disk; then the file takes its final name. A writer that
+// is destroyed before finish() removes its temporary file: the final name never holds anything but
+// a complete file. What a killed process left behind, the next writer of the same name removes.
 #pragma once
 
 #include <cstdint>
@@ -23,18 +24,21 @@ struct WriterOptions {
 
 class FileWriter {
  public:
-  /// content_hash  of the first voxels, so that two scans alike in everything else get different file ids
-  /// Throws        Error{io} when the target exists (without overwrite), is a folder, or cannot be written
+  /// content_hash  of the first voxels, so that two scans alike in everything else get different
+  /// file ids Throws        Error{io} when the target exists (without overwrite), is a folder, or
+  /// cannot be written
   static std::unique_ptr<FileWriter> create(Storage& storage, const std::string& path,
-                                            const VolumeDescription& description, const Levels& levels,
-                                            std::uint32_t content_hash, const WriterOptions& options);
+                                            const VolumeDescription& description,
+                                            const Levels& levels, std::uint32_t content_hash,
+                                            const WriterOptions& options);
   virtual ~FileWriter() = default;
 
   /// Appends a model; the bricks that follow use it. Called before the first brick of a group.
   virtual void add_model(const Bytes& model) = 0;
 
-  /// Appends the next brick of `tier`. Bricks of tier 0 come layer by layer (z), inside a layer in o-code
-  /// order (see layer_order); after all of them those of tier 1 in the same order, and so on.
+  /// Appends the next brick of `tier`. Bricks of tier 0 come layer by layer (z), inside a layer in
+  /// o-code order (see layer_order); after all of them those of tier 1 in the same order, and so
+  /// on.
   virtual void add_brick(int tier, const EncodedBrick& brick) = 0;
 
   /// Writes coarse levels, metadata, index and trailer, seals, syncs and renames.

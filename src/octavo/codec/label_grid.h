@@ -1,0 +1,56 @@
+// The samples of one level while it is coded: what is known of each, with a border of two all around.
+//
+// A cell is 4 * slot + state. A slot is the number of a label in the order in which the brick's labels
+// are first coded.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "octavo/core/levels.h"
+
+namespace octavo {
+
+enum LabelState : std::uint32_t {
+  kOutside = 0,  ///< beyond the border of the brick
+  kParent = 1,   ///< not coded yet: the label of its parent stands in
+  kMixed = 2,    ///< the label is right, some voxel below has another
+  kUniform = 3,  ///< the label is right and that of all voxels below
+};
+
+using LabelCell = std::uint32_t;
+constexpr LabelCell label_cell(std::uint32_t slot, LabelState state) { return slot << 2 | state; }
+constexpr std::uint32_t slot_of(LabelCell cell) { return cell >> 2; }
+constexpr LabelState state_of(LabelCell cell) { return static_cast<LabelState>(cell & 3); }
+
+class LabelGrid {
+ public:
+  static constexpr std::int64_t kBorder = 2;
+
+  explicit LabelGrid(const Size3& size)
+      : size_(size),
+        row_(size.x + 2 * kBorder),
+        plane_(row_ * (size.y + 2 * kBorder)),
+        cells_(static_cast<std::size_t>(plane_ * (size.z + 2 * kBorder)), kOutside) {}
+
+  const Size3& size() const { return size_; }
+  std::ptrdiff_t row_stride() const { return row_; }
+  std::ptrdiff_t plane_stride() const { return plane_; }
+  LabelCell* at(const Index3& p) {
+    return cells_.data() + (p.z + kBorder) * plane_ + (p.y + kBorder) * row_ + p.x + kBorder;
+  }
+  const LabelCell* at(const Index3& p) const { return const_cast<LabelGrid*>(this)->at(p); }
+
+ private:
+  Size3 size_;
+  std::ptrdiff_t row_;
+  std::ptrdiff_t plane_;
+  std::vector<LabelCell> cells_;
+};
+
+/// The level below `parents`: each cell has its parent's label; it is kUniform where its parent is,
+/// kParent elsewhere.
+LabelGrid expanded(const LabelGrid& parents, const Size3& size, HalvingMask mask);
+
+}  // namespace octavo

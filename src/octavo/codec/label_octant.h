@@ -1,0 +1,45 @@
+// The children of an octant inside a brick, under the halving mask of their level.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "octavo/core/levels.h"
+#include "octavo/core/voxel_type.h"
+
+namespace octavo {
+
+/// Whether the children with digit 4z + 2x + y exist at all under `mask`.
+constexpr bool is_child_digit(HalvingMask mask, int digit) {
+  return ((digit >> 1 & 1) == 0 || (mask & 1) != 0) && ((digit & 1) == 0 || (mask & 2) != 0) &&
+         ((digit >> 2 & 1) == 0 || (mask & 4) != 0);
+}
+
+/// The position of the child with `digit` of the octant at `parent`; it may lie outside the level.
+constexpr Index3 child_position(HalvingMask mask, const Index3& parent, int digit) {
+  return {(parent.x << (mask & 1)) + (digit >> 1 & 1), (parent.y << (mask >> 1 & 1)) + (digit & 1),
+          (parent.z << (mask >> 2 & 1)) + (digit >> 2 & 1)};
+}
+
+/// Calls visit(digit, position) for the 1 .. 8 children inside a level of `size`, by rising digit.
+template <class Visit>
+void for_each_child(const Size3& size, HalvingMask mask, const Index3& parent, Visit&& visit) {
+  for (int digit = 0; digit < 8; ++digit) {
+    if (!is_child_digit(mask, digit)) continue;
+    const Index3 child = child_position(mask, parent, digit);
+    if (child.x < size.x && child.y < size.y && child.z < size.z) visit(digit, child);
+  }
+}
+
+inline std::size_t dense_offset(const Size3& size, const Index3& at) {
+  return static_cast<std::size_t>((at.z * size.y + at.y) * size.x + at.x);
+}
+
+/// Throws Error{invalid_argument} unless the levels of `shape` are those of a brick: sides of 1 .. 64,
+/// each level the halved one below, and a single sample after the last halving.
+void check_label_shape(const BrickShape& shape);
+
+/// Throws Error{invalid_argument} for float32.
+void check_label_type(VoxelType type);
+
+}  // namespace octavo

@@ -1,0 +1,268 @@
+#include "octavo/file/index.h"
+
+#include <algorithm>
+#include <string>
+
+#include "octavo/core/checked.h"
+#include "octavo/file/byte_codec.h"
+
+namespace octavo {
+
+namespace {
+
+// The fewest bytes a page takes in the root: length, CRC, two for the range, uniform count, one
+// level.
+constexpr std::uint64_t kMinPageRefBytes = 9;
+constexpr std::uint64_t kMaxSlabTrailerBytes = std::uint64_t{1} << 30;
+
+// Ranges stay inside the bounds at every step, so that no difference can overflow.
+ValueRange take_range(ByteReader& in, const ValueRange& bounds, std::int64_t& previous_min) {
+  const std::int64_t step = in.signed_varint();
+  if (step < bounds.min - previous_min || step > bounds.max - previous_min) {
+    in.fail("a smallest value outside the voxel type");
+  }
+  const std::int64_t min = previous_min + step;
+  const std::uint64_t span = in.varint();
+  if (span > static_cast<std::uint64_t>(bounds.max - min)) {
+    in.fail("a largest value outside the voxel type");
+  }
+  previous_min = min;
+  return {min, min + static_cast<std::int64_t>(span)};
+}
+
+std::int64_t page_count_of(const TierIndex& tier) { return tier.layer_pages * tier.grid.z; }
+
+std::uint64_t take_bounded(ByteReader& in, std::uint64_t limit, const char* what) {
+  const std::uint64_t value = in.varint();
+  if (value > limit) in.fail(std::string(what) + " of " + std::to_string(value) + " bytes");
+  return value;
+}
+
+void parse_models(ByteReader& in, std::int64_t slab_count, IndexRoot& root) {
+  const std::uint64_t count = in.varint();
+  if (count == 0 || count > static_cast<std::uint64_t>(slab_count) || count > in.left() / 6) {
+    in.fail(std::to_string(count) + " models");
+  }
+  root.models.reserve(count);
+  std::uint64_t slab = 0;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const std::uint64_t step = in.varint();
+    if (i == 0 ? step != 0 : step == 0 || step >= static_cast<std::uint64_t>(slab_count) - slab) {
+      in.fail("models out of order");
+    }
+    slab += step;
+    ModelRef model;
+    model.first_slab = static_cast<std::uint32_t>(slab);
+    model.length = static_cast<std::uint32_t>(take_bounded(in, kMaxModelBytes, "a model"));
+    model.crc = in.u32();
+    root.models.push_back(model);
+  }
+}
+
+void parse_page_ref(ByteReader& in, const ValueRange& bounds, int level_count,
+                    std::int64_t& previous_min, TierIndex& tier) {
+  PageRef ref;
+  const std::size_t number = tier.pages.size();
+  ref.length = static_cast<std::uint32_t>(take_bounded(in, kMaxPageBytes, "a page"));
+  ref.crc = in.u32();
+  ref.range = take_range(in, bounds, previous_min);
+  const std::uint64_t uniform = in.varint();
+  if (uniform > static_cast<std::uint64_t>(tier.brick_count(number))) {
+    in.fail("more uniform bricks than bricks");
+  }
+  ref.uniform_count = static_cast<std::uint32_t>(uniform);
+  tier.uniform_count += static_cast<std::int64_t>(uniform);
+  for (std::size_t level = 0; level < static_cast<std::size_t>(level_count); ++level) {
+    ref.segment_start[level] = in.varint();
+    tier.level_bytes[level] =
+        checked_add(tier.level_bytes[level], ref.segment_start[level], "index root: a level");
+  }
+  tier.pages.push_back(ref);
+}
+
+void parse_tier(ByteReader& in, const ValueRange& bounds, int tier_number, int level_count,
+                IndexRoot& root) {
+  TierIndex& tier = root.tiers.back();
+  const auto page_count = static_cast<std::uint64_t>(page_count_of(tier));
+  if (page_count > in.left() / kMinPageRefBytes) in.fail("ends early");
+  tier.pages.reserve(page_count);
+  if (tier_number == 0) root.slab_trailer_bytes.reserve(static_cast<std::size_t>(tier.grid.z));
+  std::int64_t previous_min = 0;
+  for (std::uint64_t page = 0; page < page_count; ++page) {
+    if (tier_number == 0 && tier.first_place(page) == 0) {
+      root.slab_trailer_bytes.push_back(
+          static_cast<std::uint32_t>(take_bounded(in, kMaxSlabTrailerBytes, "a slab trailer")));
+    }
+    parse_page_ref(in, bounds, level_count, previous_min, tier);
+  }
+}
+
+// Turns the total lengths of the pages of one level into offsets.
+void place_level(TierIndex& tier, std::size_t level, std::uint64_t& cursor) {
+  for (PageRef& page : tier.pages) {
+    const std::uint64_t bytes = page.segment_start[level];
+    page.segment_start[level] = cursor;
+    cursor = checked_add(cursor, bytes, "index root: data");
+  }
+  tier.level_end[level] = cursor;
+}
+
+// The same for level 0 of tier 0, which shares its slabs with models and slab trailers.
+void place_slabs(IndexRoot& root, std::uint64_t& cursor) {
+  TierIndex& tier = root.tiers.front();
+  auto model = root.models.begin();
+  for (std::size_t number = 0; number < tier.pages.size(); ++number) {
+    PageRef& page = tier.pages[number];
+    const std::int64_t slab = tier.layer_of(number);
+    if (tier.first_place(number) == 0 && model != root.models.end() && model->first_slab == slab) {
+      model->offset = cursor;
+      cursor = checked_add(cursor, model->length, "index root: data");
+      ++model;
+    }
+    const std::uint64_t bytes = page.segment_start[0];
+    page.segment_start[0] = cursor;
+    cursor = checked_add(cursor, bytes, "index root: data");
+    if (tier.first_place(number) + tier.brick_count(number) == tier.layer_bricks) {
+      tier.level_end[0] = cursor;
+      cursor = checked_add(cursor, root.slab_trailer_bytes[static_cast<std::size_t>(slab)],
+                           "index root: data");
+    }
+  }
+}
+
+void place_pages(IndexRoot& root, const FileHeader& header, const ByteReader& in) {
+  std::uint64_t cursor = header.pages.offset;
+  for (TierIndex& tier : root.tiers) {
+    for (PageRef& page : tier.pages) {
+      page.offset = cursor;
+      cursor += page.length;  // at most 2^40 pages of 1 MiB
+    }
+  }
+  if (cursor != header.pages.end()) in.fail("pages do not fill their section");
+}
+
+}  // namespace
+
+ValueRange index_range(VoxelType type) {
+  constexpr std::int64_t kFloatBound = std::int64_t{1} << 53;
+  return is_integer(type) ? value_range(type) : ValueRange{-kFloatBound, kFloatBound};
+}
+
+TierIndex make_tier_index(const Levels& levels, int tier) {
+  TierIndex index;
+  index.grid = levels.brick_grid(tier);
+  index.layer_bricks = index.grid.x * index.grid.y;
+  index.layer_pages = (index.layer_bricks + kPageBricks - 1) / kPageBricks;
+  return index;
+}
+
+std::uint32_t IndexRoot::model_of_slab(std::int64_t slab) const {
+  const auto after = std::upper_bound(
+      models.begin(), models.end(), slab,
+      [](std::int64_t s, const ModelRef& model) { return s < std::int64_t{model.first_slab}; });
+  return static_cast<std::uint32_t>(after - models.begin() - 1);
+}
+
+std::uint64_t IndexRoot::slab_trailer_offset(std::int64_t slab) const {
+  const TierIndex& tier = tiers.front();
+  if (slab + 1 == tier.grid.z) return tier.level_end[0];
+  const std::uint32_t next_model = model_of_slab(slab + 1);
+  const auto next_page = static_cast<std::size_t>((slab + 1) * tier.layer_pages);
+  const std::uint64_t slab_end = next_model != model_of_slab(slab)
+                                     ? models[next_model].offset
+                                     : tier.pages[next_page].segment_start[0];
+  return slab_end - slab_trailer_bytes[static_cast<std::size_t>(slab)];
+}
+
+std::uint64_t IndexRoot::segment_end(int tier_number, std::size_t page, int level) const {
+  const TierIndex& tier = tiers[static_cast<std::size_t>(tier_number)];
+  const auto l = static_cast<std::size_t>(level);
+  const bool ends_layer = tier.first_place(page) + tier.brick_count(page) == tier.layer_bricks;
+  if (tier_number == 0 && level == 0 && ends_layer) return slab_trailer_offset(tier.layer_of(page));
+  return page + 1 < tier.pages.size() ? tier.pages[page + 1].segment_start[l] : tier.level_end[l];
+}
+
+ValueRange IndexRoot::range() const {
+  ValueRange all = tiers.front().pages.front().range;
+  for (const PageRef& page : tiers.front().pages) {
+    all = {std::min(all.min, page.range.min), std::max(all.max, page.range.max)};
+  }
+  return all;
+}
+
+IndexRoot parse_root(ByteSpan bytes, const Levels& levels, const FileHeader& header) {
+  ByteReader in(bytes, "index root");
+  IndexRoot root;
+  const ValueRange bounds = index_range(header.description.type);
+  parse_models(in, levels.brick_grid(0).z, root);
+  for (int tier = 0; tier < levels.tier_count(); ++tier) {
+    root.tiers.push_back(make_tier_index(levels, tier));
+    parse_tier(in, bounds, tier, levels.tier_level_count(tier), root);
+  }
+  in.expect_end();
+
+  // Lengths become offsets; they must come out at the first page.
+  std::uint64_t cursor = kHeaderBytes;
+  place_slabs(root, cursor);
+  for (int tier = 0; tier < levels.tier_count(); ++tier) {
+    for (int level = tier == 0 ? 1 : 0; level < levels.tier_level_count(tier); ++level) {
+      place_level(root.tiers[static_cast<std::size_t>(tier)], static_cast<std::size_t>(level),
+                  cursor);
+    }
+  }
+  if (cursor != header.pages.offset) in.fail("segments do not fill the data of the file");
+  place_pages(root, header, in);
+  return root;
+}
+
+IndexPage parse_page(ByteSpan bytes, const IndexRoot& root, const Levels& levels, int tier_number,
+                     std::size_t number, VoxelType type) {
+  const TierIndex& tier = root.tiers[static_cast<std::size_t>(tier_number)];
+  const PageRef& ref = tier.pages[number];
+  const auto count = static_cast<std::size_t>(tier.brick_count(number));
+  ByteReader in(bytes, "index page");
+  const std::uint8_t flags = in.u8();
+  if (flags != 0) in.fail("unknown flags " + std::to_string(flags));
+  if (in.left() / 2 < count) in.fail("ends early");
+
+  // Ranges: equal ends mark a uniform brick.
+  IndexPage page;
+  page.level_count = levels.tier_level_count(tier_number);
+  const ValueRange bounds = index_range(type);
+  std::int64_t previous_min = 0;
+  std::uint32_t slot_count = 0;
+  ValueRange all = {bounds.max, bounds.min};
+  for (std::size_t i = 0; i < count; ++i) {
+    const ValueRange range = take_range(in, bounds, previous_min);
+    page.ranges.push_back(range);
+    page.slots.push_back(slot_count);
+    if (range.min != range.max) ++slot_count;
+    all = {std::min(all.min, range.min), std::max(all.max, range.max)};
+  }
+  if (all != ref.range || count - slot_count != ref.uniform_count) {
+    in.fail("contradicts the index root");
+  }
+
+  // Segments: lengths of a level, then checksums of those that are not empty.
+  const auto level_count = static_cast<std::size_t>(page.level_count);
+  page.segments.resize(slot_count * level_count);
+  for (std::size_t level = 0; level < level_count; ++level) {
+    std::uint64_t cursor = ref.segment_start[level];
+    for (std::size_t i = level; i < page.segments.size(); i += level_count) {
+      page.segments[i].offset = cursor;
+      page.segments[i].length =
+          static_cast<std::uint32_t>(take_bounded(in, kMaxSegmentBytes, "a segment"));
+      cursor += page.segments[i].length;
+    }
+    if (cursor != root.segment_end(tier_number, number, static_cast<int>(level))) {
+      in.fail("contradicts the index root");
+    }
+    for (std::size_t i = level; i < page.segments.size(); i += level_count) {
+      if (page.segments[i].length > 0) page.segments[i].crc = in.u32();
+    }
+  }
+  in.expect_end();
+  return page;
+}
+
+}  // namespace octavo

@@ -1,0 +1,121 @@
+// The index of a .8vo file: where every segment stands, and the range of every brick.
+//
+// Two storeys. A page describes up to 1024 bricks of one layer of one tier, in o-code order; the
+// root describes the pages. Neither holds an offset: segments stand one after another in the order
+// of the index, so that offsets are sums of lengths, and the sums must come out at the offsets in
+// the header.
+//
+//   data = slab 0 .. slab n-1, coarse levels
+//   slab = [model] segments of level 0 of the layer's bricks, slab trailer
+//   coarse levels = segments of level 1 of all bricks of tier 0, of level 2, .. 5; then tier 1; ..
+//
+// Invariants
+//   Every page of a layer but the last holds 1024 bricks: the page of a brick is found by division.
+// Consequences
+//   Segments cannot overlap, lie outside the data or leave bytes of it to nobody.
+//   pages <= layers + bricks / 1024, and every brick costs at least two bytes of index: what a
+//   reader allocates is bounded by the bytes of the file before it allocates.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "octavo/core/levels.h"
+#include "octavo/file/layout.h"
+
+namespace octavo {
+
+inline constexpr std::int64_t kPageBricks = 1024;
+inline constexpr std::uint64_t kMaxPageBytes = std::uint64_t{1} << 20;
+
+/// A page as the root knows it.
+struct PageRef {
+  std::uint64_t offset = 0;
+  std::uint32_t length = 0;
+  std::uint32_t crc = 0;
+  ValueRange range;                ///< of all its bricks
+  std::uint32_t uniform_count = 0;
+  /// Where the segments of each in-brick level begin; while a file is written, their total length.
+  std::array<std::uint64_t, kTierLevels> segment_start{};
+};
+
+struct ModelRef {
+  std::uint64_t offset = 0;
+  std::uint32_t length = 0;
+  std::uint32_t crc = 0;
+  std::uint32_t first_slab = 0;    ///< the model stands at the start of this slab
+};
+
+/// The pages of one tier, layer after layer.
+struct TierIndex {
+  Size3 grid;
+  std::int64_t layer_bricks = 0;
+  std::int64_t layer_pages = 0;
+  std::vector<PageRef> pages;
+  std::array<std::uint64_t, kTierLevels> level_bytes{};
+  std::array<std::uint64_t, kTierLevels> level_end{};
+  std::int64_t uniform_count = 0;
+
+  std::int64_t layer_of(std::size_t page) const {
+    return static_cast<std::int64_t>(page) / layer_pages;
+  }
+  /// Place in the layer of a page's first brick, and how many it holds.
+  std::int64_t first_place(std::size_t page) const {
+    return static_cast<std::int64_t>(page) % layer_pages * kPageBricks;
+  }
+  std::int64_t brick_count(std::size_t page) const {
+    return std::min(kPageBricks, layer_bricks - first_place(page));
+  }
+};
+
+/// A tier with its grid filled in and no pages.
+TierIndex make_tier_index(const Levels& levels, int tier);
+
+struct IndexRoot {
+  std::vector<ModelRef> models;
+  std::vector<std::uint32_t> slab_trailer_bytes;  ///< one per layer of tier 0
+  std::vector<TierIndex> tiers;
+
+  /// The model of a layer of tier 0.
+  std::uint32_t model_of_slab(std::int64_t slab) const;
+  /// Where a slab's level-0 segments end and its trailer begins.
+  std::uint64_t slab_trailer_offset(std::int64_t slab) const;
+  /// Where the segments of in-brick level `level` of a page end.
+  std::uint64_t segment_end(int tier, std::size_t page, int level) const;
+  /// Smallest and largest voxel.
+  ValueRange range() const;
+};
+
+/// Throws Error{corrupt} when the bytes do not describe a tiling of the data of `header`.
+IndexRoot parse_root(ByteSpan bytes, const Levels& levels, const FileHeader& header);
+
+/// One segment of a brick: one in-brick level.
+struct SegmentRef {
+  std::uint64_t offset = 0;
+  std::uint32_t length = 0;
+  std::uint32_t crc = 0;
+};
+
+/// What a page says of its bricks, in their order.
+struct IndexPage {
+  int level_count = 0;
+  std::vector<ValueRange> ranges;
+  std::vector<std::uint32_t> slots;     ///< number among the bricks that are not uniform
+  std::vector<SegmentRef> segments;     ///< [slot][in-brick level]
+
+  std::size_t memory_bytes() const {
+    return sizeof(IndexPage) + ranges.size() * (sizeof(ValueRange) + sizeof(std::uint32_t)) +
+           segments.size() * sizeof(SegmentRef);
+  }
+};
+
+/// Page number `page` of `tier`, from its bytes after their checksum was proven.
+/// Throws Error{corrupt} when it contradicts the root or the range of `type`.
+IndexPage parse_page(ByteSpan bytes, const IndexRoot& root, const Levels& levels, int tier,
+                     std::size_t page, VoxelType type);
+
+/// The range samples of `type` can have in an index; float samples are indexed as scaled integers.
+ValueRange index_range(VoxelType type);
+
+}  // namespace octavo

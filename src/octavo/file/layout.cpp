@@ -1,0 +1,352 @@
+#include "octavo/file/layout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "octavo/codec/crc32c.h"
+#include "octavo/core/checked.h"
+#include "octavo/file/byte_codec.h"
+
+namespace octavo {
+
+namespace {
+
+// A high byte catches 7-bit transfers, CR LF and LF catch newline conversion, 0x1a stops a text
+// listing.
+constexpr std::array<std::uint8_t, 8> kMagic = {0x8f, '8', 'V', 'O', 0x0d, 0x0a, 0x1a, 0x0a};
+constexpr std::array<std::uint8_t, 8> kTrailerMagic = {0x8f, '8', 'V', 'O', 'e', 'n', 'd', 0x0a};
+
+// Where the fields of the header stand.
+constexpr std::size_t kMajorAt = 8;
+constexpr std::size_t kMinorAt = 10;
+constexpr std::size_t kKindAt = 12;
+constexpr std::size_t kTypeAt = 13;
+constexpr std::size_t kHalvingCountAt = 14;
+constexpr std::size_t kSealedAt = 15;
+constexpr std::size_t kHalvingsAt = 16;
+constexpr std::size_t kSizeAt = 48;
+constexpr std::size_t kOriginAt = 72;
+constexpr std::size_t kSpacingAt = 96;
+constexpr std::size_t kDirectionAt = 120;
+constexpr std::size_t kSlopeAt = 192;
+constexpr std::size_t kInterceptAt = 200;
+constexpr std::size_t kMaxErrorAt = 208;
+constexpr std::size_t kFileIdAt = 216;
+constexpr std::size_t kFileBytesAt = 224;
+constexpr std::size_t kMetadataAt = 232;
+constexpr std::size_t kPagesAt = 256;
+constexpr std::size_t kRootAt = 280;
+constexpr std::size_t kThumbnailAt = 304;
+constexpr std::size_t kExtensionCountAt = 328;
+constexpr std::size_t kExtensionsAt = 332;
+constexpr std::size_t kHeaderCrcAt = 508;
+
+constexpr std::uint32_t kCriticalExtension = 0x8000;
+
+[[noreturn]] void fail(ErrorKind kind, const std::string& detail, std::size_t offset) {
+  throw Error(kind, detail, {}, offset);
+}
+
+[[noreturn]] void fail_checksum(const char* what, std::uint32_t found, std::uint32_t stored,
+                                std::size_t offset) {
+  char text[96];
+  std::snprintf(text, sizeof text, "%s: checksum %08x, stored %08x", what, found, stored);
+  fail(ErrorKind::corrupt, text, offset);
+}
+
+void put_double(double value, std::uint8_t* out) {
+  std::uint64_t bits;
+  std::memcpy(&bits, &value, sizeof bits);
+  store_little_endian(bits, out);
+}
+
+double get_double(const std::uint8_t* in, const char* what, std::size_t offset) {
+  const auto bits = load_little_endian<std::uint64_t>(in);
+  double value;
+  std::memcpy(&value, &bits, sizeof value);
+  if (!std::isfinite(value)) {
+    fail(ErrorKind::corrupt, std::string("header: ") + what + " is not a finite number", offset);
+  }
+  return value;
+}
+
+template <std::size_t N>
+void put_doubles(const std::array<double, N>& values, std::uint8_t* out) {
+  for (std::size_t i = 0; i < N; ++i) put_double(values[i], out + 8 * i);
+}
+
+template <std::size_t N>
+std::array<double, N> get_doubles(ByteSpan bytes, std::size_t at, const char* what) {
+  std::array<double, N> values{};
+  for (std::size_t i = 0; i < N; ++i) {
+    values[i] = get_double(bytes.data() + at + 8 * i, what, at + 8 * i);
+  }
+  return values;
+}
+
+void put_section(const Section& section, std::uint8_t* out) {
+  store_little_endian(section.offset, out);
+  store_little_endian(section.length, out + 8);
+  store_little_endian(section.crc, out + 16);
+}
+
+Section get_section(ByteSpan bytes, std::size_t at) {
+  Section section;
+  section.offset = load_little_endian<std::uint64_t>(bytes.data() + at);
+  section.length = load_little_endian<std::uint64_t>(bytes.data() + at + 8);
+  section.crc = load_little_endian<std::uint32_t>(bytes.data() + at + 16);
+  if (load_little_endian<std::uint32_t>(bytes.data() + at + 20) != 0) {
+    fail(ErrorKind::corrupt, "header: reserved bytes are not zero", at + 20);
+  }
+  return section;
+}
+
+bool is_zero(ByteSpan bytes) {
+  return std::all_of(bytes.begin(), bytes.end(), [](std::uint8_t byte) { return byte == 0; });
+}
+
+// What must hold before any field can be believed: magic, length, version, checksum, seal.
+void check_envelope(ByteSpan bytes) {
+  const std::size_t present = std::min(bytes.size(), kMagic.size());
+  const bool is_ours = std::equal(kMagic.begin(), kMagic.begin() + present, bytes.begin());
+  if (!is_ours || present == 0) {
+    fail(ErrorKind::not_octavo, "not an 8vo file: it starts with other bytes", 0);
+  }
+  if (bytes.size() < kHeaderBytes) {
+    fail(ErrorKind::truncated,
+         "cut short: " + std::to_string(bytes.size()) + " bytes of a 512-byte header",
+         bytes.size());
+  }
+  const auto major = load_little_endian<std::uint16_t>(bytes.data() + kMajorAt);
+  const auto minor = load_little_endian<std::uint16_t>(bytes.data() + kMinorAt);
+  if (major != kFormatMajor) {
+    fail(ErrorKind::unsupported_version,
+         "format version " + std::to_string(major) + "." + std::to_string(minor) +
+             "; this program reads up to " + std::to_string(kFormatMajor) + "." +
+             std::to_string(kFormatMinor),
+         kMajorAt);
+  }
+  const auto stored = load_little_endian<std::uint32_t>(bytes.data() + kHeaderCrcAt);
+  const std::uint32_t found = crc32c(bytes.first(kHeaderCrcAt));
+  if (found != stored) fail_checksum("header", found, stored, 0);
+  if (bytes[kSealedAt] == 0) {
+    fail(ErrorKind::corrupt, "not sealed: its build was interrupted; build it again", kSealedAt);
+  }
+  if (bytes[kSealedAt] != 1) fail(ErrorKind::corrupt, "header: bad seal", kSealedAt);
+}
+
+// Extensions are (u16 tag, u16 length, bytes); those whose tag has the high bit set must be
+// understood.
+void check_extensions(ByteSpan bytes) {
+  const auto count = load_little_endian<std::uint32_t>(bytes.data() + kExtensionCountAt);
+  std::size_t at = kExtensionsAt;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (kHeaderCrcAt - at < 4) fail(ErrorKind::corrupt, "header: extensions end early", at);
+    const auto tag = load_little_endian<std::uint16_t>(bytes.data() + at);
+    const auto length = load_little_endian<std::uint16_t>(bytes.data() + at + 2);
+    if (tag & kCriticalExtension) {
+      char text[96];
+      std::snprintf(text, sizeof text, "needs extension 0x%04x, which this program does not know",
+                    static_cast<unsigned>(tag));
+      fail(ErrorKind::unsupported_version, text, at);
+    }
+    at += 4;
+    if (kHeaderCrcAt - at < length) fail(ErrorKind::corrupt, "header: extensions end early", at);
+    at += length;
+  }
+  if (!is_zero(bytes.subspan(at, kHeaderCrcAt - at))) {
+    fail(ErrorKind::corrupt, "header: reserved bytes are not zero", at);
+  }
+}
+
+void parse_volume(ByteSpan bytes, FileHeader& header) {
+  VolumeDescription& volume = header.description;
+  volume.kind = static_cast<VolumeKind>(bytes[kKindAt]);
+  if (volume.kind != VolumeKind::grey && volume.kind != VolumeKind::labels) {
+    fail(ErrorKind::corrupt, "header: unknown kind " + std::to_string(bytes[kKindAt]), kKindAt);
+  }
+  volume.type = static_cast<VoxelType>(bytes[kTypeAt]);
+  if (!is_valid(volume.type)) {
+    fail(ErrorKind::corrupt, "header: unknown voxel type " + std::to_string(bytes[kTypeAt]),
+         kTypeAt);
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::size_t at = kSizeAt + 8 * static_cast<std::size_t>(axis);
+    const auto size = load_little_endian<std::uint64_t>(bytes.data() + at);
+    if (size < 1 || size > static_cast<std::uint64_t>(kMaxAxis)) {
+      fail(ErrorKind::limit_exceeded,
+           "header: axis of " + std::to_string(size) + " voxels; 1 to " +
+               std::to_string(kMaxAxis) + " are possible",
+           at);
+    }
+    volume.size[axis] = static_cast<std::int64_t>(size);
+  }
+  volume.geometry.origin_mm = get_doubles<3>(bytes, kOriginAt, "origin");
+  volume.geometry.spacing_mm = get_doubles<3>(bytes, kSpacingAt, "spacing");
+  volume.geometry.direction = get_doubles<9>(bytes, kDirectionAt, "direction");
+  if (!is_valid(volume.geometry)) {
+    fail(ErrorKind::corrupt, "header: spacing is not positive or direction not invertible",
+         kSpacingAt);
+  }
+  volume.rescale.slope = get_doubles<1>(bytes, kSlopeAt, "slope")[0];
+  volume.rescale.intercept = get_doubles<1>(bytes, kInterceptAt, "intercept")[0];
+  header.max_error = get_doubles<1>(bytes, kMaxErrorAt, "max error")[0];
+  if (header.max_error < 0) fail(ErrorKind::corrupt, "header: negative max error", kMaxErrorAt);
+}
+
+void parse_halvings(ByteSpan bytes, FileHeader& header) {
+  const std::size_t count = bytes[kHalvingCountAt];
+  if (count >= kMaxLevels) {
+    fail(ErrorKind::limit_exceeded, "header: " + std::to_string(count + 1) + " levels; at most 32",
+         kHalvingCountAt);
+  }
+  const ByteSpan masks = bytes.subspan(kHalvingsAt, kMaxLevels);
+  header.halvings.assign(masks.begin(), masks.begin() + static_cast<std::ptrdiff_t>(count));
+  if (!is_zero(masks.subspan(count))) {
+    fail(ErrorKind::corrupt, "header: halved axes beyond the last level", kHalvingsAt + count);
+  }
+  const Levels proof(header.description.size, header.halvings);
+}
+
+// Pages, thumbnail, metadata, root and trailer stand one after the other up to the end of the file.
+void check_tiling(const FileHeader& header, std::uint64_t source_bytes) {
+  if (header.file_bytes != source_bytes) {
+    const bool is_short = source_bytes < header.file_bytes;
+    fail(is_short ? ErrorKind::truncated : ErrorKind::corrupt,
+         (is_short ? "cut short: " : "bytes follow its end: ") + std::to_string(source_bytes) +
+             " bytes present, " + std::to_string(header.file_bytes) + " when it was sealed",
+         kFileBytesAt);
+  }
+  std::uint64_t at = header.pages.offset;
+  for (const Section* section :
+       {&header.pages, &header.thumbnail, &header.metadata, &header.root}) {
+    if (section->offset != at || at < kHeaderBytes || at > source_bytes ||
+        section->length > source_bytes - at) {
+      fail(ErrorKind::corrupt, "header: sections do not follow each other inside the file",
+           kMetadataAt);
+    }
+    at += section->length;
+  }
+  if (source_bytes - at != kTrailerBytes) {
+    fail(ErrorKind::corrupt, "header: sections do not end at the trailer", kRootAt);
+  }
+  if (header.metadata.length > kMaxMetadataBytes) {
+    fail(ErrorKind::limit_exceeded,
+         "metadata of " + std::to_string(header.metadata.length) + " bytes; at most 16 MiB",
+         kMetadataAt);
+  }
+  if (header.thumbnail.length > kMaxThumbnailBytes) {
+    fail(ErrorKind::limit_exceeded,
+         "thumbnail of " + std::to_string(header.thumbnail.length) + " bytes; at most 16 MiB",
+         kThumbnailAt);
+  }
+}
+
+}  // namespace
+
+HeaderBlock encode_header(const FileHeader& header) {
+  HeaderBlock block{};
+  std::uint8_t* out = block.data();
+  const VolumeDescription& volume = header.description;
+  std::copy(kMagic.begin(), kMagic.end(), out);
+  store_little_endian(header.major, out + kMajorAt);
+  store_little_endian(header.minor, out + kMinorAt);
+  out[kKindAt] = static_cast<std::uint8_t>(volume.kind);
+  out[kTypeAt] = static_cast<std::uint8_t>(volume.type);
+  out[kHalvingCountAt] = static_cast<std::uint8_t>(header.halvings.size());
+  out[kSealedAt] = header.is_sealed ? 1 : 0;
+  std::copy(header.halvings.begin(), header.halvings.end(), out + kHalvingsAt);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto size = static_cast<std::uint64_t>(volume.size[static_cast<int>(axis)]);
+    store_little_endian(size, out + kSizeAt + 8 * axis);
+  }
+  put_doubles(volume.geometry.origin_mm, out + kOriginAt);
+  put_doubles(volume.geometry.spacing_mm, out + kSpacingAt);
+  put_doubles(volume.geometry.direction, out + kDirectionAt);
+  put_double(volume.rescale.slope, out + kSlopeAt);
+  put_double(volume.rescale.intercept, out + kInterceptAt);
+  put_double(header.max_error, out + kMaxErrorAt);
+  store_little_endian(header.file_id, out + kFileIdAt);
+  store_little_endian(header.file_bytes, out + kFileBytesAt);
+  put_section(header.metadata, out + kMetadataAt);
+  put_section(header.pages, out + kPagesAt);
+  put_section(header.root, out + kRootAt);
+  put_section(header.thumbnail, out + kThumbnailAt);
+  store_little_endian(crc32c({out, kHeaderCrcAt}), out + kHeaderCrcAt);
+  return block;
+}
+
+std::uint32_t load_header_crc(const HeaderBlock& block) {
+  return load_little_endian<std::uint32_t>(block.data() + kHeaderCrcAt);
+}
+
+FileHeader parse_header(ByteSpan bytes, std::uint64_t source_bytes) {
+  check_envelope(bytes);
+  FileHeader header;
+  header.major = load_little_endian<std::uint16_t>(bytes.data() + kMajorAt);
+  header.minor = load_little_endian<std::uint16_t>(bytes.data() + kMinorAt);
+  header.is_sealed = true;
+  check_extensions(bytes);
+  parse_volume(bytes, header);
+  parse_halvings(bytes, header);
+  header.file_id = load_little_endian<std::uint64_t>(bytes.data() + kFileIdAt);
+  header.file_bytes = load_little_endian<std::uint64_t>(bytes.data() + kFileBytesAt);
+  header.metadata = get_section(bytes, kMetadataAt);
+  header.pages = get_section(bytes, kPagesAt);
+  header.root = get_section(bytes, kRootAt);
+  header.thumbnail = get_section(bytes, kThumbnailAt);
+  header.crc = load_little_endian<std::uint32_t>(bytes.data() + kHeaderCrcAt);
+  check_tiling(header, source_bytes);
+  return header;
+}
+
+std::uint64_t make_file_id(const FileHeader& header, std::uint32_t content_hash) {
+  const HeaderBlock block = encode_header(header);
+  std::uint32_t crc = crc32c(ByteSpan(block).subspan(kHalvingsAt, kFileIdAt - kHalvingsAt));
+  crc = crc32c(ByteSpan(block).subspan(kKindAt, kSealedAt - kKindAt), crc);
+  const std::string& text = header.description.metadata_json;
+  crc = crc32c({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, crc);
+  return std::uint64_t{crc} << 32 | content_hash;
+}
+
+TrailerBlock encode_trailer(const FileTrailer& trailer) {
+  TrailerBlock block{};
+  std::uint8_t* out = block.data();
+  std::copy(kTrailerMagic.begin(), kTrailerMagic.end(), out);
+  store_little_endian(trailer.file_id, out + 8);
+  store_little_endian(trailer.file_bytes, out + 16);
+  store_little_endian(trailer.header_crc, out + 24);
+  store_little_endian(trailer.digest, out + 28);
+  store_little_endian(crc32c({out, 60}), out + 60);
+  return block;
+}
+
+FileTrailer parse_trailer(ByteSpan bytes, const FileHeader& header) {
+  const std::uint64_t offset = header.file_bytes - kTrailerBytes;
+  const auto stored = load_little_endian<std::uint32_t>(bytes.data() + 60);
+  const std::uint32_t found = crc32c(bytes.first(60));
+  if (found != stored) fail_checksum("trailer", found, stored, offset);
+  FileTrailer trailer;
+  trailer.file_id = load_little_endian<std::uint64_t>(bytes.data() + 8);
+  trailer.file_bytes = load_little_endian<std::uint64_t>(bytes.data() + 16);
+  trailer.header_crc = load_little_endian<std::uint32_t>(bytes.data() + 24);
+  trailer.digest = load_little_endian<std::uint32_t>(bytes.data() + 28);
+  if (!std::equal(kTrailerMagic.begin(), kTrailerMagic.end(), bytes.begin()) ||
+      !is_zero(bytes.subspan(32, 28)) || trailer.file_id != header.file_id ||
+      trailer.file_bytes != header.file_bytes || trailer.header_crc != header.crc) {
+    fail(ErrorKind::corrupt, "trailer does not belong to the header", offset);
+  }
+  return trailer;
+}
+
+std::uint32_t segment_crc(std::uint64_t file_id, int level, std::uint64_t code, ByteSpan bytes) {
+  std::array<std::uint8_t, 17> prefix{};
+  store_little_endian(file_id, prefix.data());
+  prefix[8] = static_cast<std::uint8_t>(level);
+  store_little_endian(code, prefix.data() + 9);
+  return crc32c(bytes, crc32c(prefix));
+}
+
+}  // namespace octavo

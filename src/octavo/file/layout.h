@@ -1,0 +1,101 @@
+// The fixed parts of a .8vo file: its 512-byte header and its 64-byte trailer.
+//
+//   offset 0                header        512 bytes; one write seals the file
+//          512              slabs         level-0 segments, one slab a layer of bricks
+//                           coarse levels segments of level 1, 2, ... to the root
+//          pages.offset     index pages
+//          thumbnail.offset thumbnail     PNG, may be empty
+//          metadata.offset  metadata      UTF-8 JSON, may end in spaces
+//          root.offset      index root
+//          file_bytes - 64  trailer
+//
+// The parts follow each other without a gap, so that every byte belongs to exactly one of them, and
+// every one has a checksum. Normative text: docs/format.md.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "octavo/codec/brick_codec.h"
+#include "octavo/core/levels.h"
+#include "octavo/core/volume.h"
+
+namespace octavo {
+
+inline constexpr std::uint64_t kHeaderBytes = 512;
+inline constexpr std::uint64_t kTrailerBytes = 64;
+inline constexpr std::uint16_t kFormatMajor = 1;
+inline constexpr std::uint16_t kFormatMinor = 0;
+inline constexpr std::uint64_t kMaxMetadataBytes = std::uint64_t{16} << 20;
+inline constexpr std::uint64_t kMaxThumbnailBytes = std::uint64_t{16} << 20;
+inline constexpr std::uint64_t kMaxModelBytes = std::uint64_t{16} << 20;
+inline constexpr std::uint64_t kMaxSegmentBytes = std::uint64_t{4} << 20;
+
+/// A run of bytes of the file and their CRC-32C.
+struct Section {
+  std::uint64_t offset = 0;
+  std::uint64_t length = 0;
+  std::uint32_t crc = 0;
+  std::uint64_t end() const { return offset + length; }
+};
+
+struct FileHeader {
+  std::uint16_t major = kFormatMajor;
+  std::uint16_t minor = kFormatMinor;
+  bool is_sealed = false;
+  VolumeDescription description;  ///< metadata_json is not part of the header
+  std::vector<HalvingMask> halvings;
+  double max_error = 0;
+  std::uint64_t file_id = 0;
+  std::uint64_t file_bytes = 0;
+  Section metadata;
+  Section pages;
+  Section root;
+  Section thumbnail;
+  std::uint32_t crc = 0;  ///< of the block the header was parsed from
+};
+
+using HeaderBlock = std::array<std::uint8_t, kHeaderBytes>;
+
+/// The block of a header, its CRC included.
+HeaderBlock encode_header(const FileHeader& header);
+
+/// The CRC at the end of a block.
+std::uint32_t load_header_crc(const HeaderBlock& block);
+
+/// The header that stands in `bytes`, the first min(512, source_bytes) bytes of a source that has
+/// `source_bytes` bytes. Everything it says of itself is proven: ranges, the ladder of levels, that
+/// its sections tile the tail of the file. Throws Error{not_octavo, unsupported_version, truncated,
+/// corrupt, limit_exceeded}
+FileHeader parse_header(ByteSpan bytes, std::uint64_t source_bytes);
+
+/// file id: a CRC of what the header says of the volume and of the metadata, then `content_hash`.
+std::uint64_t make_file_id(const FileHeader& header, std::uint32_t content_hash);
+
+struct FileTrailer {
+  std::uint64_t file_id = 0;
+  std::uint64_t file_bytes = 0;
+  std::uint32_t header_crc = 0;  ///< the last four bytes of the header
+  std::uint32_t digest = 0;      ///< CRC-32C of all bytes between header and trailer
+};
+
+using TrailerBlock = std::array<std::uint8_t, kTrailerBytes>;
+
+TrailerBlock encode_trailer(const FileTrailer& trailer);
+
+/// The trailer in `bytes` (64 of them), proven to belong to `header`.
+/// Throws Error{truncated, corrupt}
+FileTrailer parse_trailer(ByteSpan bytes, const FileHeader& header);
+
+/// What a model's checksum takes in place of a level.
+inline constexpr int kModelLevel = 0xff;
+
+/// Checksum of a segment or model: over the file id, its global level and its o-code as well as its
+/// bytes, so that one that was swapped, shifted or taken from another file does not match. level
+/// global level of the segment, or kModelLevel code   o-code of the brick in its tier, or the
+/// number of the model
+std::uint32_t segment_crc(std::uint64_t file_id, int level, std::uint64_t code, ByteSpan bytes);
+
+}  // namespace octavo

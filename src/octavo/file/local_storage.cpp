@@ -1,0 +1,247 @@
+// The real file system, by pread and pwrite: a file that shrinks while it is read is an error, not
+// a signal.
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "octavo/core/error.h"
+#include "octavo/file/storage.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::size_t kMaxCallBytes = std::size_t{1} << 30;
+
+std::string mebibytes(std::uint64_t bytes) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f MiB", static_cast<double>(bytes) / (1 << 20));
+  return text;
+}
+
+[[noreturn]] void fail(const std::string& what, const std::string& path, int code) {
+  throw Error(ErrorKind::io, what + ": " + std::generic_category().message(code), path);
+}
+
+// Calls `f` until no signal interrupts it.
+template <class F>
+auto uninterrupted(F f) {
+  auto result = f();
+  while (result < 0 && errno == EINTR) result = f();
+  return result;
+}
+
+std::string no_space_detail(int descriptor, std::uint64_t needed) {
+  std::string text = "no space left: " + mebibytes(needed) + " more needed";
+  struct statvfs disk {};
+  if (fstatvfs(descriptor, &disk) == 0) {
+    text += ", " + mebibytes(std::uint64_t{disk.f_bavail} * disk.f_frsize) + " free";
+  }
+  return text;
+}
+
+// True when the process whose number starts `pid_text` is gone and nobody, here or on another
+// machine, holds the lock on the file.
+bool is_abandoned(const std::string& path, const std::string& pid_text) {
+  int pid = 0;
+  const char* first = pid_text.data();
+  if (std::from_chars(first, first + pid_text.size(), pid).ec != std::errc{} || pid <= 0)
+    return false;
+  if (::kill(pid, 0) == 0 || errno != ESRCH) return false;
+  const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  if (descriptor < 0) return false;
+  const bool is_free = ::flock(descriptor, LOCK_EX | LOCK_NB) == 0;
+  ::close(descriptor);
+  return is_free;
+}
+
+class LocalFile final : public StorageFile {
+ public:
+  LocalFile(int descriptor, std::string path) : descriptor_(descriptor), path_(std::move(path)) {}
+  LocalFile(const LocalFile&) = delete;
+  LocalFile& operator=(const LocalFile&) = delete;
+  ~LocalFile() override {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+
+  const std::string& path() const override { return path_; }
+
+  std::uint64_t size() const override {
+    struct stat status {};
+    if (fstat(descriptor_, &status) != 0) fail("cannot get its size", path_, errno);
+    return static_cast<std::uint64_t>(status.st_size);
+  }
+
+  void read(std::uint64_t offset, std::span<std::uint8_t> out) const override {
+    while (!out.empty()) {
+      const ssize_t count = uninterrupted([&] {
+        return ::pread(descriptor_, out.data(), std::min(out.size(), kMaxCallBytes),
+                       static_cast<off_t>(offset));
+      });
+      if (count < 0) fail("cannot read at byte " + std::to_string(offset), path_, errno);
+      if (count == 0) {
+        throw Error(ErrorKind::truncated,
+                    "ends at byte " + std::to_string(offset) + ", " + std::to_string(out.size()) +
+                        " bytes too early",
+                    path_, offset);
+      }
+      offset += static_cast<std::uint64_t>(count);
+      out = out.subspan(static_cast<std::size_t>(count));
+    }
+  }
+
+  void write(std::uint64_t offset, std::span<const std::uint8_t> bytes) override {
+    while (!bytes.empty()) {
+      const ssize_t count = uninterrupted([&] {
+        return ::pwrite(descriptor_, bytes.data(), std::min(bytes.size(), kMaxCallBytes),
+                        static_cast<off_t>(offset));
+      });
+      if (count < 0 && errno == ENOSPC) {
+        throw Error(ErrorKind::io, no_space_detail(descriptor_, bytes.size()), path_, offset);
+      }
+      if (count < 0) fail("cannot write at byte " + std::to_string(offset), path_, errno);
+      if (count == 0) fail("cannot write at byte " + std::to_string(offset), path_, EIO);
+      offset += static_cast<std::uint64_t>(count);
+      bytes = bytes.subspan(static_cast<std::size_t>(count));
+    }
+  }
+
+  void sync() override {
+    if (uninterrupted([&] { return ::fsync(descriptor_); }) == 0) return;
+    if (errno == ENOSPC || errno == EDQUOT) {
+      throw Error(ErrorKind::io, no_space_detail(descriptor_, 0), path_);
+    }
+    fail("cannot make what was written durable", path_, errno);
+  }
+
+  void close() override {
+    const int descriptor = std::exchange(descriptor_, -1);
+    if (descriptor < 0) return;
+    if (::close(descriptor) != 0 && errno != EINTR) fail("cannot close", path_, errno);
+  }
+
+ private:
+  int descriptor_;
+  std::string path_;
+};
+
+class LocalStorage final : public Storage {
+ public:
+  std::unique_ptr<StorageFile> open_read(const std::string& path) override {
+    // Without O_NONBLOCK opening a pipe would wait for its other end.
+    const int descriptor =
+        uninterrupted([&] { return ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); });
+    if (descriptor < 0) fail("cannot open", path, errno);
+    auto file = std::make_unique<LocalFile>(descriptor, path);
+    struct stat status {};
+    if (fstat(descriptor, &status) != 0) fail("cannot open", path, errno);
+    if (S_ISDIR(status.st_mode)) fail("cannot open", path, EISDIR);
+    if (!S_ISREG(status.st_mode)) {
+      throw Error(ErrorKind::io, "cannot open: not a regular file", path);
+    }
+    return file;
+  }
+
+  std::unique_ptr<StorageFile> create_exclusive(const std::string& path) override {
+    const int descriptor = uninterrupted([&] {
+      return ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
+    });
+    if (descriptor < 0) fail("cannot create", path, errno);
+    // Tells remove_stale on any machine that a writer lives; file systems without locks do without.
+    ::flock(descriptor, LOCK_EX | LOCK_NB);
+    return std::make_unique<LocalFile>(descriptor, path);
+  }
+
+  std::unique_ptr<StorageFile> create_scratch(const std::string& folder) override {
+    const int descriptor = uninterrupted(
+        [&] { return ::open(folder.c_str(), O_RDWR | O_TMPFILE | O_CLOEXEC, 0600); });
+    const std::string name = folder + " (scratch file)";
+    if (descriptor >= 0) return std::make_unique<LocalFile>(descriptor, name);
+
+    // File systems without nameless files: a named one loses its name at once.
+    std::string path = folder + "/.octavo-scratch-XXXXXX";
+    const int named = ::mkostemp(path.data(), O_CLOEXEC);
+    if (named < 0) fail("cannot create a scratch file", folder, errno);
+    auto file = std::make_unique<LocalFile>(named, name);
+    if (::unlink(path.c_str()) != 0) fail("cannot unlink a scratch file", path, errno);
+    return file;
+  }
+
+  bool exists(const std::string& path) override {
+    struct stat status {};
+    if (lstat(path.c_str(), &status) == 0) return true;
+    if (errno != ENOENT && errno != ENOTDIR) fail("cannot look up", path, errno);
+    return false;
+  }
+
+  PathType path_type(const std::string& path) override {
+    struct stat status {};
+    if (::stat(path.c_str(), &status) != 0) {
+      if (errno != ENOENT && errno != ENOTDIR) fail("cannot look up", path, errno);
+      return exists(path) ? PathType::other : PathType::missing;
+    }
+    if (S_ISREG(status.st_mode)) return PathType::file;
+    return S_ISDIR(status.st_mode) ? PathType::folder : PathType::other;
+  }
+
+  void rename(const std::string& from, const std::string& to) override {
+    if (::rename(from.c_str(), to.c_str()) != 0) fail("cannot take its final name", to, errno);
+  }
+
+  void rename_new(const std::string& from, const std::string& to) override {
+    if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return;
+    if (errno == EINVAL || errno == ENOSYS) return Storage::rename_new(from, to);
+    if (errno == EEXIST) throw Error(ErrorKind::io, "exists already", to);
+    fail("cannot take its final name", to, errno);
+  }
+
+  void remove(const std::string& path) override {
+    if (::unlink(path.c_str()) != 0 && errno != ENOENT) fail("cannot remove", path, errno);
+  }
+
+  void remove_stale(const std::string& prefix) noexcept override {
+    try {
+      const std::string base = base_name_of(prefix);
+      for (const auto& entry : std::filesystem::directory_iterator(folder_of(prefix))) {
+        const std::string name = entry.path().filename().string();
+        if (name.compare(0, base.size(), base) != 0) continue;
+        if (is_abandoned(entry.path().string(), name.substr(base.size()))) {
+          ::unlink(entry.path().c_str());
+        }
+      }
+    } catch (const std::exception&) {
+      // A stale file that stays does no harm.
+    }
+  }
+
+  void sync_folder(const std::string& folder) override {
+    const int descriptor = uninterrupted(
+        [&] { return ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
+    if (descriptor < 0) fail("cannot open", folder, errno);
+    LocalFile file(descriptor, folder);
+    // Some network file systems cannot sync a folder; they order renames themselves.
+    if (::fsync(descriptor) != 0 && errno != EINVAL && errno != ENOTSUP) {
+      fail("cannot make the new name durable", folder, errno);
+    }
+  }
+};
+
+}  // namespace
+
+Storage& local_storage() {
+  static LocalStorage storage;
+  return storage;
+}
+
+}  // namespace octavo

@@ -1,0 +1,57 @@
+#include "octavo/file/parallel_read.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <cstdint>
+
+namespace octavo {
+
+namespace {
+
+// Bricks of a grid that a half-open range of samples meets.
+Index3 first_brick(const Box& box, const Size3& side) {
+  return {box.lo.x / side.x, box.lo.y / side.y, box.lo.z / side.z};
+}
+
+Size3 bricks_met(const Box& box, const Size3& side) {
+  const Index3 first = first_brick(box, side);
+  return {(box.hi.x - 1) / side.x - first.x + 1, (box.hi.y - 1) / side.y - first.y + 1,
+          (box.hi.z - 1) / side.z - first.z + 1};
+}
+
+}  // namespace
+
+ForEach for_each_parallel(int threads) {
+  return [threads](std::int64_t count, const std::function<void(std::int64_t)>& task) {
+    tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+    arena.execute([&] {
+      tbb::parallel_for(std::int64_t{0}, count, [&](std::int64_t i) { task(i); },
+                        tbb::simple_partitioner());
+    });
+  };
+}
+
+void read_parallel(const FileReader& reader, const Box& box, int level, void* out, int threads) {
+  const Levels& levels = reader.levels();
+  const bool is_one_task = threads == 1 || level < 0 || level >= levels.count() ||
+                           box.is_empty() || !box_of(levels.size(level)).contains(box);
+  if (is_one_task) return reader.read(box, level, out);
+  const Size3 side = brick_side_at(levels, level);
+  const Index3 first = first_brick(box, side);
+  const Size3 met = bricks_met(box, side);
+  const Size3 size = box.size();
+  const std::int64_t voxel_bytes = bytes_per_voxel(reader.description().type);
+  for_each_parallel(threads)(met.voxel_count(), [&](std::int64_t i) {
+    const Index3 brick{first.x + i % met.x, first.y + i / met.x % met.y,
+                       first.z + i / (met.x * met.y)};
+    const Index3 lo{brick.x * side.x, brick.y * side.y, brick.z * side.z};
+    const Box part = intersection(box, {lo, {lo.x + side.x, lo.y + side.y, lo.z + side.z}});
+    const std::int64_t at = ((part.lo.z - box.lo.z) * size.y + (part.lo.y - box.lo.y)) * size.x +
+                            (part.lo.x - box.lo.x);
+    reader.read_strided(part, level, static_cast<std::uint8_t*>(out) + at * voxel_bytes, size.x,
+                        size.x * size.y);
+  });
+}
+
+}  // namespace octavo

@@ -1,0 +1,257 @@
+#include "octavo/file/reader.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <utility>
+
+#include "octavo/file/open_file.h"
+
+namespace octavo {
+
+namespace {
+
+// A dense array of voxels [z][y][x], or a part of one.
+struct Target {
+  std::uint8_t* bytes;
+  std::size_t voxel_bytes;
+  std::int64_t row_stride;
+  std::int64_t plane_stride;
+
+  std::uint8_t* row(std::int64_t x, std::int64_t y, std::int64_t z) const {
+    const std::int64_t at = z * plane_stride + y * row_stride + x;
+    return bytes + static_cast<std::size_t>(at) * voxel_bytes;
+  }
+};
+
+// Fills `count` voxels at `out` with one value.
+void fill_voxels(VoxelType type, std::int64_t value, std::int64_t count, void* out) {
+  with_voxel_type(type, [&](auto tag) {
+    using T = typename decltype(tag)::type;
+    std::fill_n(static_cast<T*>(out), count, static_cast<T>(value));
+  });
+}
+
+// The same without requiring that `out` is aligned for the type.
+void fill_row(VoxelType type, std::int64_t value, std::int64_t count, std::uint8_t* out) {
+  with_voxel_type(type, [&](auto tag) {
+    using T = typename decltype(tag)::type;
+    const T voxel = static_cast<T>(value);
+    for (std::int64_t i = 0; i < count; ++i, out += sizeof(T)) {
+      std::memcpy(out, &voxel, sizeof(T));
+    }
+  });
+}
+
+class FileReaderImpl final : public FileReader {
+ public:
+  FileReaderImpl(std::shared_ptr<const ByteSource> source, const ReaderOptions& options)
+      : file_(std::move(source), options), cache_(options.cache_bytes) {}
+
+  const VolumeDescription& description() const override { return file_.description(); }
+  const Levels& levels() const override { return file_.levels(); }
+  std::uint64_t file_bytes() const override { return file_.header().file_bytes; }
+  std::uint64_t file_id() const override { return file_.header().file_id; }
+  const ByteSource& source() const override { return file_.source(); }
+  ValueRange range() const override { return file_.root().range(); }
+  double max_error() const override { return file_.header().max_error; }
+
+  std::string format_version() const override {
+    return std::to_string(file_.header().major) + "." + std::to_string(file_.header().minor);
+  }
+
+  Bytes thumbnail() const override {
+    return file_.read_section(file_.header().thumbnail, "thumbnail");
+  }
+
+  LevelSummary level_summary(int level) const override {
+    check_level(level);
+    const int tier_number = Levels::tier_of(level);
+    const TierIndex& tier = file_.root().tiers[static_cast<std::size_t>(tier_number)];
+    const int in_brick = level - Levels::first_level(tier_number);
+    return {levels().brick_count(tier_number), tier.uniform_count,
+            tier.level_bytes[static_cast<std::size_t>(in_brick)]};
+  }
+
+  BrickEntry brick(int tier, const Index3& position) const override {
+    return file_.entry_at(tier, position);
+  }
+
+  Bytes read_segment(const BrickEntry& entry, int in_brick_level) const override;
+  void read_brick(const BrickEntry& entry, int in_brick_level, void* out) const override;
+
+  void read(const Box& box, int level, void* out) const override {
+    check_box(box, level);
+    const Size3 size = box.size();
+    read_strided(box, level, out, size.x, size.x * size.y);
+  }
+
+  void read_strided(const Box& box, int level, void* out, std::int64_t row_stride,
+                    std::int64_t plane_stride) const override;
+
+ private:
+  void check_level(int level) const;
+  void check_box(const Box& box, int level) const;
+  void check_segment(const BrickEntry& entry, int in_brick_level) const;
+  Piece piece_of(const BrickEntry& entry, int in_brick_level) const;
+  std::shared_ptr<const Bytes> decoded(const BrickEntry& entry, const BrickShape& shape,
+                                       int in_brick_level, bool keep) const;
+  void read_part(const BrickEntry& entry, int level, const Box& box, bool is_large,
+                 const Target& out) const;
+
+  OpenFile file_;
+  mutable LruCache<Bytes> cache_;
+};
+
+void FileReaderImpl::check_level(int level) const {
+  if (level >= 0 && level < levels().count()) return;
+  throw Error(ErrorKind::invalid_argument,
+              "level " + std::to_string(level) + "; the file has levels 0 to " +
+                  std::to_string(levels().count() - 1),
+              source().name());
+}
+
+void FileReaderImpl::check_box(const Box& box, int level) const {
+  check_level(level);
+  const Size3& all = levels().size(level);
+  if (box.is_empty() || !box_of(all).contains(box)) {
+    throw Error(ErrorKind::invalid_argument,
+                "the box is empty or not inside level " + std::to_string(level) + " of " +
+                    std::to_string(all.x) + " x " + std::to_string(all.y) + " x " +
+                    std::to_string(all.z),
+                source().name());
+  }
+}
+
+void FileReaderImpl::check_segment(const BrickEntry& entry, int in_brick_level) const {
+  if (in_brick_level >= 0 && static_cast<std::size_t>(in_brick_level) < entry.segments.size()) {
+    return;
+  }
+  throw Error(ErrorKind::invalid_argument,
+              "no in-brick level " + std::to_string(in_brick_level) + " in tier " +
+                  std::to_string(entry.tier),
+              source().name());
+}
+
+Piece FileReaderImpl::piece_of(const BrickEntry& entry, int in_brick_level) const {
+  const BrickEntry::Segment& segment = entry.segments[static_cast<std::size_t>(in_brick_level)];
+  return {segment.offset, segment.length, segment.crc,
+          Levels::first_level(entry.tier) + in_brick_level, entry.code};
+}
+
+Bytes FileReaderImpl::read_segment(const BrickEntry& entry, int in_brick_level) const {
+  check_segment(entry, in_brick_level);
+  const Piece piece = piece_of(entry, in_brick_level);
+  return piece.length == 0 ? Bytes{} : file_.read_piece(piece);
+}
+
+void FileReaderImpl::read_brick(const BrickEntry& entry, int in_brick_level, void* out) const {
+  check_segment(entry, in_brick_level);
+  const BrickShape shape = brick_shape(levels(), entry.tier, entry.brick);
+  const VoxelType type = description().type;
+  if (entry.is_uniform()) {
+    const Size3& size = shape.size[static_cast<std::size_t>(in_brick_level)];
+    fill_voxels(type, entry.range.min, size.voxel_count(), out);
+    return;
+  }
+  std::array<Bytes, kTierLevels> segments;
+  std::array<ByteSpan, kTierLevels> spans;
+  // A brick without coarsest samples holds all its voxels in the finest segment.
+  const int first = entry.segments.back().length == 0 ? 0 : in_brick_level;
+  for (int i = first; i < shape.level_count; ++i) {
+    const auto slot = static_cast<std::size_t>(i);
+    segments[slot] = read_segment(entry, i);
+    spans[slot] = segments[slot];
+  }
+  const auto codec = file_.codec(entry.model);
+  try {
+    codec->decode(shape, type, entry.range,
+                  std::span(spans).first(static_cast<std::size_t>(shape.level_count)),
+                  in_brick_level, out);
+  } catch (const Error& error) {
+    const Piece piece = piece_of(entry, in_brick_level);
+    throw Error(error.kind(), describe(piece) + ": " + error.detail(), source().name(),
+                piece.offset);
+  }
+}
+
+// The samples of a brick that is not uniform, from the cache where it has them.
+std::shared_ptr<const Bytes> FileReaderImpl::decoded(const BrickEntry& entry,
+                                                     const BrickShape& shape, int in_brick_level,
+                                                     bool keep) const {
+  const auto level = static_cast<std::uint64_t>(shape.first_level + in_brick_level);
+  const LruCache<Bytes>::Key key{level, entry.code};
+  if (auto kept = cache_.find(key)) return kept;
+  const Size3& size = shape.size[static_cast<std::size_t>(in_brick_level)];
+  const std::int64_t bytes = size.voxel_count() * bytes_per_voxel(description().type);
+  auto samples = std::make_shared<Bytes>(static_cast<std::size_t>(bytes));
+  read_brick(entry, in_brick_level, samples->data());
+  if (keep) cache_.insert(key, samples, samples->size() + sizeof(Bytes));
+  return samples;
+}
+
+// Copies what `box` and the brick share.
+void FileReaderImpl::read_part(const BrickEntry& entry, int level, const Box& box, bool is_large,
+                               const Target& out) const {
+  const BrickShape shape = brick_shape(levels(), entry.tier, entry.brick);
+  const int in_brick = level - shape.first_level;
+  const Size3 side = brick_side_at(levels(), level);
+  const Size3& size = shape.size[static_cast<std::size_t>(in_brick)];
+  const Index3 lo{entry.brick.x * side.x, entry.brick.y * side.y, entry.brick.z * side.z};
+  const Box whole{lo, {lo.x + size.x, lo.y + size.y, lo.z + size.z}};
+  const Box part = intersection(box, whole);
+
+  std::shared_ptr<const Bytes> samples;
+  if (!entry.is_uniform()) {
+    samples = decoded(entry, shape, in_brick, !(is_large && part == whole));
+  }
+  const std::size_t row_bytes = static_cast<std::size_t>(part.size().x) * out.voxel_bytes;
+  for (std::int64_t z = part.lo.z; z < part.hi.z; ++z) {
+    for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
+      std::uint8_t* row = out.row(part.lo.x - box.lo.x, y - box.lo.y, z - box.lo.z);
+      if (!samples) {
+        fill_row(description().type, entry.range.min, part.size().x, row);
+        continue;
+      }
+      const std::int64_t at = ((z - lo.z) * size.y + (y - lo.y)) * size.x + (part.lo.x - lo.x);
+      std::memcpy(row, samples->data() + static_cast<std::size_t>(at) * out.voxel_bytes, row_bytes);
+    }
+  }
+}
+
+void FileReaderImpl::read_strided(const Box& box, int level, void* out, std::int64_t row_stride,
+                                  std::int64_t plane_stride) const {
+  check_box(box, level);
+  const auto voxel_bytes = static_cast<std::size_t>(bytes_per_voxel(description().type));
+  const Target target{static_cast<std::uint8_t*>(out), voxel_bytes, row_stride, plane_stride};
+  const bool is_large =
+      static_cast<std::uint64_t>(box.size().voxel_count()) * voxel_bytes > cache_.capacity() / 4;
+  const Size3 side = brick_side_at(levels(), level);
+  const int tier = Levels::tier_of(level);
+  for (std::int64_t z = box.lo.z / side.z; z * side.z < box.hi.z; ++z) {
+    for (std::int64_t y = box.lo.y / side.y; y * side.y < box.hi.y; ++y) {
+      for (std::int64_t x = box.lo.x / side.x; x * side.x < box.hi.x; ++x) {
+        read_part(brick(tier, {x, y, z}), level, box, is_large, target);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Size3 brick_side_at(const Levels& levels, int level) {
+  const int tier = Levels::tier_of(level);
+  Size3 side = levels.brick_side(tier);
+  for (int axis = 0; axis < 3; ++axis) {
+    side[axis] >>= levels.halving_count(level, axis) -
+                   levels.halving_count(Levels::first_level(tier), axis);
+  }
+  return side;
+}
+
+std::shared_ptr<FileReader> FileReader::open(std::shared_ptr<const ByteSource> source,
+                                             const ReaderOptions& options) {
+  return std::make_shared<FileReaderImpl>(std::move(source), options);
+}
+
+}  // namespace octavo

@@ -1,0 +1,31 @@
+// What stands behind the level-0 segments of each layer of bricks: enough to find them again, and
+// to know that the slab is whole, when a build was interrupted before the index was written.
+//
+// The trailer ends in its own length, so that slabs can be walked from their end backwards:
+//
+//   magic "8slb" | u64 file id | varint slab | varint model | varint length of each level-0 segment
+//   | u32 CRC of the slab before the trailer | u32 length of the trailer | u32 CRC of the trailer
+//   so far
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "octavo/codec/brick_codec.h"
+
+namespace octavo {
+
+struct SlabTrailer {
+  std::uint64_t file_id = 0;
+  std::uint64_t slab = 0;
+  std::uint64_t model = 0;
+  std::vector<std::uint64_t> lengths;  ///< of the level-0 segments, in layer order; 0 when uniform
+  std::uint32_t slab_crc = 0;  ///< CRC-32C of the model, if one stands here, and the segments
+};
+
+Bytes encode_slab_trailer(const SlabTrailer& trailer);
+
+/// The trailer of a slab of `brick_count` bricks. Throws Error{corrupt}.
+SlabTrailer parse_slab_trailer(ByteSpan bytes, std::int64_t brick_count);
+
+}  // namespace octavo

@@ -1,0 +1,352 @@
+#include "octavo/file/verify.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+
+#include "octavo/codec/crc32c.h"
+#include "octavo/file/bit_flip.h"
+#include "octavo/file/open_file.h"
+#include "octavo/file/slab_trailer.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::size_t kBlockBytes = std::size_t{1} << 20;
+constexpr std::size_t kMaxListed = 1000;
+
+void run_in_order(std::int64_t count, const std::function<void(std::int64_t)>& task) {
+  for (std::int64_t i = 0; i < count; ++i) task(i);
+}
+
+// Flipped bits are looked for in at most this many bytes.
+constexpr std::uint64_t kMaxSearchedBytes = std::uint64_t{16} << 20;
+
+// Compares two checksums; says what one flipped bit would explain.
+std::optional<Damage> checksum_damage(Damage place, std::uint32_t found, std::uint32_t stored) {
+  if (found == stored) return std::nullopt;
+  place.found = found;
+  place.stored = stored;
+  char text[64];
+  std::snprintf(text, sizeof text, "checksum %08x, stored %08x", found, stored);
+  place.detail = text;
+  if (place.length > kMaxSearchedBytes) return place;
+  if (const auto flip = find_bit_flip(found, stored, place.length)) {
+    place.flipped_byte = place.offset + flip->byte;
+    place.flipped_bit = flip->bit;
+    place.detail += " (one flipped bit, byte " + std::to_string(*place.flipped_byte) + ")";
+  }
+  return place;
+}
+
+// Smallest and largest of `count` voxels.
+ValueRange range_of(VoxelType type, const void* voxels, std::int64_t count) {
+  return with_voxel_type(type, [&](auto tag) -> ValueRange {
+    using T = typename decltype(tag)::type;
+    const T* first = static_cast<const T*>(voxels);
+    const auto [low, high] = std::minmax_element(first, first + count);
+    return {static_cast<std::int64_t>(*low), static_cast<std::int64_t>(*high)};
+  });
+}
+
+class Verifier {
+ public:
+  Verifier(std::shared_ptr<const ByteSource> source, const VerifyOptions& options,
+           Progress& progress)
+      : file_(std::move(source), {}), options_(options), progress_(progress) {
+    if (!options_.for_each) options_.for_each = run_in_order;
+    report_.file_bytes = file_.header().file_bytes;
+  }
+
+  VerifyReport run() {
+    std::uint64_t total = file_.header().file_bytes - kHeaderBytes - kTrailerBytes;
+    for (const TierIndex& tier : file_.root().tiers) {
+      for (const std::uint64_t bytes : tier.level_bytes) total += bytes;
+    }
+    progress_.begin("verifying", static_cast<std::int64_t>(total), "bytes");
+    check_stream();
+    check_thumbnail();
+    check_models();
+    check_slab_trailers();
+    check_bricks();
+    if (lying_slab_trailer_ && report_.damage_count == 0) add(*lying_slab_trailer_);
+    if (report_.damage_count == 0) check_digest();
+    progress_.end();
+    return std::move(report_);
+  }
+
+ private:
+  void add(Damage damage) {
+    ++report_.damage_count;
+    if (report_.damages.size() < kMaxListed) report_.damages.push_back(std::move(damage));
+  }
+
+  void step(std::uint64_t bytes) {
+    progress_.advance(static_cast<std::int64_t>(bytes));
+    if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+  }
+
+  // Reads [begin, end) once, feeding the digest and `crc`.
+  void stream(std::uint64_t begin, std::uint64_t end, std::uint32_t& crc) {
+    for (std::uint64_t at = begin; at < end; at += block_.size()) {
+      block_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kBlockBytes, end - at)));
+      file_.source().read(at, block_);
+      digest_ = crc32c(block_, digest_);
+      crc = crc32c(block_, crc);
+      step(block_.size());
+    }
+  }
+
+  void check_stream();
+  void check_digest();
+  void check_thumbnail();
+  void check_models();
+  void check_slab_trailers();
+  void check_slab_trailer(std::int64_t slab);
+  void check_bricks();
+  void check_page(int tier, std::size_t number);
+  std::vector<Damage> check_brick(const BrickEntry& entry) const;
+  std::optional<Damage> check_voxels(const BrickEntry& entry, Damage place,
+                                     std::span<const ByteSpan> segments) const;
+
+  OpenFile file_;
+  VerifyOptions options_;
+  Progress& progress_;
+  VerifyReport report_;
+  Bytes block_;
+  std::uint32_t digest_ = 0;
+  std::uint32_t pages_crc_ = 0;
+  std::vector<std::uint32_t> slab_crcs_;
+  std::vector<bool> is_model_damaged_;
+  /// A slab whose checksum differs; reported only when none of its segments is found damaged.
+  std::optional<Damage> lying_slab_trailer_;
+};
+
+// One pass over all bytes between header and trailer: the digest, and the checksum of every slab.
+void Verifier::check_stream() {
+  const IndexRoot& root = file_.root();
+  std::uint64_t at = kHeaderBytes;
+  std::uint32_t unused = 0;
+  for (std::size_t slab = 0; slab < root.slab_trailer_bytes.size(); ++slab) {
+    std::uint32_t crc = 0;
+    const std::uint64_t trailer = root.slab_trailer_offset(static_cast<std::int64_t>(slab));
+    stream(at, trailer, crc);
+    slab_crcs_.push_back(crc);
+    at = trailer + root.slab_trailer_bytes[slab];
+    stream(trailer, at, unused);
+  }
+  const Section& pages = file_.header().pages;
+  stream(at, pages.offset, unused);
+  stream(pages.offset, pages.end(), pages_crc_);
+  stream(pages.end(), file_.header().file_bytes - kTrailerBytes, unused);
+}
+
+// What no part of the file explains: bytes changed together with their own checksum.
+void Verifier::check_digest() {
+  const Section& pages = file_.header().pages;
+  Damage place;
+  place.what = "index pages";
+  place.offset = pages.offset;
+  place.length = pages.length;
+  if (auto damage = checksum_damage(place, pages_crc_, pages.crc)) return add(*damage);
+  place.what = "file";
+  place.offset = kHeaderBytes;
+  place.length = file_.header().file_bytes - kHeaderBytes - kTrailerBytes;
+  if (auto damage = checksum_damage(place, digest_, file_.trailer().digest)) add(*damage);
+}
+
+void Verifier::check_thumbnail() {
+  const Section& section = file_.header().thumbnail;
+  Bytes bytes(section.length);
+  file_.source().read(section.offset, bytes);
+  Damage place;
+  place.what = "thumbnail";
+  place.offset = section.offset;
+  place.length = section.length;
+  if (auto damage = checksum_damage(place, crc32c(bytes), section.crc)) add(*damage);
+}
+
+void Verifier::check_models() {
+  const auto& models = file_.root().models;
+  is_model_damaged_.resize(models.size());
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    const Piece piece = file_.model_piece(static_cast<std::uint32_t>(i));
+    Bytes bytes(piece.length);
+    file_.source().read(piece.offset, bytes);
+    Damage place;
+    place.what = "model";
+    place.code = i;
+    place.offset = piece.offset;
+    place.length = piece.length;
+    const std::uint32_t found =
+        segment_crc(file_.header().file_id, piece.level, piece.code, bytes);
+    std::optional<Damage> damage = checksum_damage(place, found, piece.crc);
+    if (!damage) {
+      try {
+        parse_model(file_.description().kind, file_.description().type, bytes);
+      } catch (const Error& error) {
+        place.detail = error.detail();
+        damage = place;
+      }
+    }
+    is_model_damaged_[i] = damage.has_value();
+    if (damage) add(*damage);
+  }
+}
+
+void Verifier::check_slab_trailers() {
+  const std::size_t count = file_.root().slab_trailer_bytes.size();
+  for (std::size_t slab = 0; slab < count; ++slab) {
+    check_slab_trailer(static_cast<std::int64_t>(slab));
+  }
+}
+
+void Verifier::check_slab_trailer(std::int64_t slab) {
+  const IndexRoot& root = file_.root();
+  const TierIndex& tier = root.tiers.front();
+  Damage place;
+  place.what = "slab trailer";
+  place.code = static_cast<std::uint64_t>(slab);
+  place.offset = root.slab_trailer_offset(slab);
+  place.length = root.slab_trailer_bytes[static_cast<std::size_t>(slab)];
+  Bytes bytes(place.length);
+  file_.source().read(place.offset, bytes);
+  try {
+    const SlabTrailer trailer = parse_slab_trailer(bytes, tier.layer_bricks);
+    if (trailer.file_id != file_.header().file_id || trailer.slab != place.code ||
+        trailer.model != root.model_of_slab(slab)) {
+      throw Error(ErrorKind::corrupt, "slab trailer: belongs to another slab");
+    }
+    std::size_t brick = 0;
+    for (std::int64_t p = 0; p < tier.layer_pages; ++p) {
+      const auto number = static_cast<std::size_t>(slab * tier.layer_pages + p);
+      const auto page = file_.page(0, number);
+      for (std::size_t i = 0; i < page->ranges.size(); ++i, ++brick) {
+        const BrickEntry entry =
+            file_.entry_in_page(*page, 0, number, static_cast<std::int64_t>(i));
+        if (trailer.lengths[brick] != entry.segments.front().length) {
+          throw Error(ErrorKind::corrupt, "slab trailer: contradicts the index");
+        }
+      }
+    }
+    const std::uint32_t found = slab_crcs_[static_cast<std::size_t>(slab)];
+    if (found != trailer.slab_crc && !lying_slab_trailer_) {
+      place.detail = "states another checksum of its slab";
+      lying_slab_trailer_ = place;
+    }
+  } catch (const Error& error) {
+    place.detail = error.detail();
+    add(place);
+  }
+}
+
+void Verifier::check_bricks() {
+  const auto& tiers = file_.root().tiers;
+  for (std::size_t tier = 0; tier < tiers.size(); ++tier) {
+    report_.brick_count += file_.levels().brick_count(static_cast<int>(tier));
+    for (std::size_t number = 0; number < tiers[tier].pages.size(); ++number) {
+      check_page(static_cast<int>(tier), number);
+    }
+  }
+}
+
+void Verifier::check_page(int tier, std::size_t number) {
+  std::shared_ptr<const IndexPage> page;
+  const PageRef& ref = file_.root().tiers[static_cast<std::size_t>(tier)].pages[number];
+  Damage place;
+  place.what = "index page";
+  place.tier = tier;
+  place.code = number;
+  place.offset = ref.offset;
+  place.length = ref.length;
+  Bytes bytes(ref.length);
+  file_.source().read(ref.offset, bytes);
+  if (auto damage = checksum_damage(place, crc32c(bytes), ref.crc)) {
+    add(*damage);
+    return;
+  }
+  try {
+    page = file_.page(tier, number);
+  } catch (const Error& error) {
+    place.detail = error.detail();
+    add(place);
+    return;
+  }
+
+  const auto count = static_cast<std::int64_t>(page->ranges.size());
+  std::vector<std::vector<Damage>> damages(page->ranges.size());
+  options_.for_each(count, [&](std::int64_t i) {
+    damages[static_cast<std::size_t>(i)] =
+        check_brick(file_.entry_in_page(*page, tier, number, i));
+  });
+  for (const SegmentRef& segment : page->segments) {
+    if (segment.length > 0) ++report_.segment_count;
+    step(segment.length);
+  }
+  for (const std::vector<Damage>& of_brick : damages) {
+    if (!of_brick.empty()) ++report_.damaged_brick_count;
+    for (const Damage& damage : of_brick) add(damage);
+  }
+}
+
+// Checksums of all segments of a brick; if they hold, its voxels.
+std::vector<Damage> Verifier::check_brick(const BrickEntry& entry) const {
+  std::vector<Damage> damages;
+  if (entry.is_uniform()) return damages;
+  std::array<Bytes, kTierLevels> segments;
+  std::array<ByteSpan, kTierLevels> spans;
+  Damage place;
+  place.what = "brick";
+  place.tier = entry.tier;
+  place.brick = entry.brick;
+  place.code = entry.code;
+  for (std::size_t i = 0; i < entry.segments.size(); ++i) {
+    const BrickEntry::Segment& segment = entry.segments[i];
+    if (segment.length == 0) continue;
+    place.level = Levels::first_level(entry.tier) + static_cast<int>(i);
+    place.offset = segment.offset;
+    place.length = segment.length;
+    segments[i].resize(segment.length);
+    file_.source().read(segment.offset, segments[i]);
+    spans[i] = segments[i];
+    const std::uint32_t found =
+        segment_crc(file_.header().file_id, place.level, entry.code, segments[i]);
+    if (auto damage = checksum_damage(place, found, segment.crc)) damages.push_back(*damage);
+  }
+  if (!damages.empty() || !options_.decode || is_model_damaged_[entry.model]) return damages;
+  place.level = Levels::first_level(entry.tier);
+  place.offset = entry.segments.front().offset;
+  place.length = entry.segments.front().length;
+  const auto all = std::span<const ByteSpan>(spans).first(entry.segments.size());
+  if (auto damage = check_voxels(entry, place, all)) damages.push_back(*damage);
+  return damages;
+}
+
+std::optional<Damage> Verifier::check_voxels(const BrickEntry& entry, Damage place,
+                                             std::span<const ByteSpan> segments) const {
+  const BrickShape shape = brick_shape(file_.levels(), entry.tier, entry.brick);
+  const VoxelType type = file_.description().type;
+  const std::int64_t count = shape.size.front().voxel_count();
+  Bytes voxels(static_cast<std::size_t>(count * bytes_per_voxel(type)));
+  try {
+    file_.codec(entry.model)->decode(shape, type, entry.range, segments, 0, voxels.data());
+  } catch (const Error& error) {
+    place.detail = error.detail();
+    return place;
+  }
+  if (!is_integer(type) || range_of(type, voxels.data(), count) == entry.range) return std::nullopt;
+  place.detail = "its voxels have another range than the index says";
+  return place;
+}
+
+}  // namespace
+
+VerifyReport verify_file(std::shared_ptr<const ByteSource> source, const VerifyOptions& options,
+                         Progress& progress) {
+  return Verifier(std::move(source), options, progress).run();
+}
+
+}  // namespace octavo

@@ -1,0 +1,60 @@
+// Proves a whole file: every checksum, every brick decoded, every promise of the index kept.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "octavo/core/progress.h"
+#include "octavo/file/reader.h"
+
+namespace octavo {
+
+/// Runs `task(0)` .. `task(count - 1)`, in any order, and returns when all are done.
+using ForEach =
+    std::function<void(std::int64_t count, const std::function<void(std::int64_t)>& task)>;
+
+struct VerifyOptions {
+  bool decode = true;   ///< decode every brick and compare its range with the index
+  ForEach for_each;     ///< how to run the bricks of a page; empty: one after another
+};
+
+/// One damaged place.
+struct Damage {
+  std::string what;  ///< "brick", "model", "index page", "index pages", "slab trailer",
+                     ///< "thumbnail", "file"
+  int tier = 0;                     ///< of a brick
+  int level = 0;                    ///< global level of a brick's segment
+  Index3 brick;
+  std::uint64_t code = 0;           ///< o-code of a brick, number of anything else
+  std::uint64_t offset = 0;
+  std::uint64_t length = 0;
+  std::optional<std::uint32_t> stored;        ///< checksums, when they differ
+  std::optional<std::uint32_t> found;
+  std::optional<std::uint64_t>
+      flipped_byte;  ///< offset in the file, when one flipped bit explains it
+  int flipped_bit = 0;
+  std::string detail;               ///< one line for people
+};
+
+struct VerifyReport {
+  std::int64_t brick_count = 0;          ///< in all tiers
+  std::int64_t damaged_brick_count = 0;
+  std::int64_t segment_count = 0;        ///< that hold bytes
+  std::int64_t damage_count = 0;         ///< all damages
+  std::uint64_t file_bytes = 0;
+  std::vector<Damage> damages;           ///< the first 1000 found
+  bool is_sound() const { return damage_count == 0; }
+};
+
+/// Checks all of `source`. A file whose header, trailer, metadata or index root is damaged cannot
+/// be looked into: then it throws what FileReader::open throws. Throws  also Error{io} when reading
+/// fails, Error{cancelled} Memory  that of one index page and one brick per thread; reads the file
+/// twice
+VerifyReport verify_file(std::shared_ptr<const ByteSource> source, const VerifyOptions& options,
+                         Progress& progress);
+
+}  // namespace octavo

@@ -1,0 +1,361 @@
+#include "octavo/file/writer.h"
+
+#include <unistd.h>
+
+#include <utility>
+
+#include "octavo/codec/crc32c.h"
+#include "octavo/core/o_code.h"
+#include "octavo/file/append_file.h"
+#include "octavo/file/index_builder.h"
+#include "octavo/file/layer_order.h"
+#include "octavo/file/slab_trailer.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::size_t kMaxNameBytes = 255;
+constexpr int kMaxNameTries = 100;
+
+// Files above this get room for longer metadata.
+constexpr std::uint64_t kPaddedFileBytes = std::uint64_t{1} << 20;
+constexpr std::size_t kMetadataRoom = 256;
+constexpr std::size_t kMetadataBlock = 512;
+
+[[noreturn]] void misused(const std::string& what) {
+  throw Error(ErrorKind::internal, "file writer: " + what);
+}
+
+// Metadata as it stands in the file: large files can have it edited in place.
+Bytes metadata_bytes(const std::string& json, std::uint64_t file_bytes) {
+  Bytes bytes(json.begin(), json.end());
+  if (file_bytes <= kPaddedFileBytes) return bytes;
+  const std::size_t least = json.size() + kMetadataRoom;
+  bytes.resize((least + kMetadataBlock - 1) / kMetadataBlock * kMetadataBlock, ' ');
+  return bytes;
+}
+
+// Up to the process number: ".NAME.tmp-" beside the target; a long name is cut so that all fits.
+std::string temporary_prefix(const std::string& path) {
+  constexpr std::size_t kLongestEnding = 32;
+  const std::string base = base_name_of(path);
+  std::string name = path.substr(0, path.size() - base.size());
+  name += '.';
+  name += base.substr(0, kMaxNameBytes - kLongestEnding);
+  return name + ".tmp-";
+}
+
+std::pair<std::string, std::unique_ptr<StorageFile>> create_temporary(Storage& storage,
+                                                                      const std::string& path) {
+  const std::string prefix = temporary_prefix(path);
+  storage.remove_stale(prefix);
+  for (int attempt = 0;; ++attempt) {
+    std::string name = prefix + std::to_string(::getpid());
+    if (attempt > 0) name.append("-").append(std::to_string(attempt));
+    if (attempt + 1 < kMaxNameTries && storage.exists(name)) continue;
+    auto file = storage.create_exclusive(name);
+    return {std::move(name), std::move(file)};
+  }
+}
+
+// Throws when `path` cannot become an .8vo file; returns whether a file stands there.
+bool check_target(Storage& storage, const std::string& path, bool overwrite) {
+  if (base_name_of(path).empty()) throw Error(ErrorKind::io, "is not the name of a file", path);
+  if (base_name_of(path).size() > kMaxNameBytes) {
+    throw Error(ErrorKind::io, "its name is longer than 255 bytes", path);
+  }
+  switch (storage.path_type(path)) {
+    case PathType::missing: return false;
+    case PathType::folder: throw Error(ErrorKind::io, "is a folder", path);
+    case PathType::other: throw Error(ErrorKind::io, "exists and is not a regular file", path);
+    case PathType::file: break;
+  }
+  if (!overwrite) throw Error(ErrorKind::io, "exists already; ask to overwrite it", path);
+  return true;
+}
+
+FileHeader make_header(const VolumeDescription& description, const Levels& levels,
+                       std::uint32_t content_hash) {
+  checked_voxel_count(description.size);
+  if (levels.count() == 0 || levels.size(0) != description.size) misused("levels of another size");
+  if (!is_valid(description.type)) misused("unknown voxel type");
+  if (!is_valid(description.geometry)) {
+    throw Error(ErrorKind::invalid_argument,
+                "spacing must be positive and direction invertible, all of them finite");
+  }
+  if (description.metadata_json.size() > kMaxMetadataBytes - kMetadataRoom - kMetadataBlock) {
+    throw Error(ErrorKind::limit_exceeded,
+                "metadata of " + std::to_string(description.metadata_json.size()) +
+                    " bytes; at most 16 MiB");
+  }
+  FileHeader header;
+  header.description = description;
+  header.halvings = levels.halvings();
+  header.file_id = make_file_id(header, content_hash);
+  return header;
+}
+
+class FileWriterImpl final : public FileWriter {
+ public:
+  FileWriterImpl(Storage& storage, std::string path, FileHeader header, const Levels& levels,
+                 const WriterOptions& options)
+      : storage_(storage),
+        path_(std::move(path)),
+        overwrite_(options.overwrite),
+        header_(std::move(header)),
+        levels_(levels),
+        spool_(storage, folder_of(path_), static_cast<std::size_t>(levels.count()) + 1),
+        index_(levels_, spool_, static_cast<std::size_t>(levels.count())) {}
+
+  ~FileWriterImpl() override { abandon(); }
+
+  void start() {
+    replaces_ = check_target(storage_, path_, overwrite_);
+    guarded([&] {
+      auto [name, file] = create_temporary(storage_, path_);
+      temporary_ = std::move(name);
+      out_ = std::make_unique<AppendFile>(std::move(file));
+      out_->write_header(encode_header(header_));
+    });
+  }
+
+  void add_model(const Bytes& model) override {
+    guarded([&] { append_model(model); });
+  }
+
+  void add_brick(int tier, const EncodedBrick& brick) override {
+    guarded([&] { append_brick(tier, brick); });
+  }
+
+  void finish() override {
+    guarded([&] {
+      append_tail();
+      seal();
+      publish();
+    });
+  }
+
+  std::uint64_t bytes_written() const override { return out_ ? out_->size() : final_bytes_; }
+
+ private:
+  // Runs `f`; on any failure nothing of the file is left.
+  template <class F>
+  void guarded(F f) {
+    try {
+      if (is_over_) misused("used after its end");
+      f();
+    } catch (const Error& error) {
+      abandon();
+      throw explained(error);
+    } catch (...) {
+      abandon();
+      throw;
+    }
+  }
+
+  Error explained(const Error& error) const {
+    std::string detail = error.detail();
+    if (is_published_) {
+      detail += "; the new file is complete but may not outlast a power cut";
+    } else if (replaces_) {
+      detail += "; existing " + escaped(base_name_of(path_)) + " unchanged";
+    }
+    const ErrorKind kind = error.kind() == ErrorKind::truncated ? ErrorKind::io : error.kind();
+    return Error(kind, detail, path_, error.offset());
+  }
+
+  void abandon() noexcept {
+    is_over_ = true;
+    out_.reset();
+    const std::string name = std::exchange(temporary_, {});
+    if (name.empty()) return;
+    try {
+      storage_.remove(name);
+    } catch (const std::exception&) {
+      // The failure that led here is the one to report.
+    }
+  }
+
+  void append_model(const Bytes& model);
+  void append_brick(int tier, const EncodedBrick& brick);
+  std::uint64_t next_code(int tier);
+  void advance(int tier);
+  void append_slab_trailer();
+  void append_tail();
+  void seal();
+  void publish();
+
+  Storage& storage_;
+  std::string path_;
+  bool overwrite_;
+  bool replaces_ = false;
+  bool is_over_ = false;
+  bool is_published_ = false;
+  std::string temporary_;
+  std::uint64_t final_bytes_ = 0;
+  std::unique_ptr<AppendFile> out_;
+
+  FileHeader header_;
+  Levels levels_;
+  Spool spool_;  ///< one stream per global level, then the pages
+  IndexBuilder index_;
+
+  // Where the next brick belongs.
+  int tier_ = 0;
+  std::int64_t layer_ = 0;
+  std::int64_t place_ = 0;
+
+  std::vector<std::uint64_t> slab_lengths_;
+  std::uint32_t slab_crc_ = 0;
+};
+
+void FileWriterImpl::append_model(const Bytes& model) {
+  const auto& models = index_.root().models;
+  const auto slab = static_cast<std::uint32_t>(layer_);
+  const bool has_model = !models.empty() && models.back().first_slab == slab;
+  if (tier_ != 0 || place_ != 0 || has_model) misused("a model inside a layer");
+  if (models.empty() && slab != 0) misused("bricks before the first model");
+  if (model.size() > kMaxModelBytes) misused("a model above 16 MiB");
+  ModelRef ref;
+  ref.offset = out_->size();
+  ref.length = static_cast<std::uint32_t>(model.size());
+  ref.crc = segment_crc(header_.file_id, kModelLevel, models.size(), model);
+  ref.first_slab = slab;
+  index_.add_model(ref);
+  out_->append(model);
+  slab_crc_ = crc32c(model, slab_crc_);
+}
+
+// The o-code of the brick that comes next, after proving that one of `tier` may come.
+std::uint64_t FileWriterImpl::next_code(int tier) {
+  if (tier != tier_ || tier >= levels_.tier_count()) misused("a brick out of order");
+  if (index_.root().models.empty()) misused("a brick before the first model");
+  const Size3 grid = levels_.brick_grid(tier);
+  Index3 position = position_in_layer(grid, place_);
+  position.z = layer_;
+  return interleave(position);
+}
+
+void FileWriterImpl::append_brick(int tier, const EncodedBrick& brick) {
+  const std::uint64_t code = next_code(tier);
+  const auto level_count = static_cast<std::size_t>(levels_.tier_level_count(tier));
+  if (brick.segments.size() != level_count) misused("a brick with another number of levels");
+  const ValueRange bounds = index_range(header_.description.type);
+  if (brick.range.min < bounds.min || brick.range.max > bounds.max ||
+      brick.range.min > brick.range.max) {
+    misused("a brick range outside the voxel type");
+  }
+  std::vector<SegmentRef> refs(level_count);
+  for (std::size_t i = 0; i < level_count; ++i) {
+    const Bytes& segment = brick.segments[i];
+    if (brick.range.min == brick.range.max && !segment.empty()) misused("bytes of a uniform brick");
+    if (segment.size() > kMaxSegmentBytes) misused("a segment above 4 MiB");
+    const int level = Levels::first_level(tier) + static_cast<int>(i);
+    refs[i].length = static_cast<std::uint32_t>(segment.size());
+    if (segment.empty()) continue;
+    refs[i].crc = segment_crc(header_.file_id, level, code, segment);
+    if (level == 0) {
+      out_->append(segment);
+      slab_crc_ = crc32c(segment, slab_crc_);
+    } else {
+      spool_.append(static_cast<std::size_t>(level), segment);
+    }
+  }
+  index_.add_brick(tier, brick.range, refs);
+  if (tier == 0) slab_lengths_.push_back(brick.segments.front().size());
+  advance(tier);
+}
+
+void FileWriterImpl::advance(int tier) {
+  const Size3 grid = levels_.brick_grid(tier);
+  if (++place_ < grid.x * grid.y) return;
+  if (tier == 0) append_slab_trailer();
+  place_ = 0;
+  if (++layer_ < grid.z) return;
+  layer_ = 0;
+  ++tier_;
+}
+
+void FileWriterImpl::append_slab_trailer() {
+  SlabTrailer trailer;
+  trailer.file_id = header_.file_id;
+  trailer.slab = static_cast<std::uint64_t>(layer_);
+  trailer.model = index_.root().models.size() - 1;
+  trailer.lengths = std::exchange(slab_lengths_, {});
+  trailer.slab_crc = std::exchange(slab_crc_, 0);
+  const Bytes bytes = encode_slab_trailer(trailer);
+  index_.add_slab_trailer(static_cast<std::uint32_t>(bytes.size()));
+  out_->append(bytes);
+}
+
+void FileWriterImpl::append_tail() {
+  if (tier_ != levels_.tier_count()) misused("finished before the last brick");
+  for (int level = 1; level < levels_.count(); ++level) {
+    spool_.copy(static_cast<std::size_t>(level), [&](ByteSpan bytes) { out_->append(bytes); });
+  }
+  header_.pages = {out_->size(), 0, 0};
+  spool_.copy(static_cast<std::size_t>(levels_.count()), [&](ByteSpan bytes) {
+    header_.pages.crc = crc32c(bytes, header_.pages.crc);
+    out_->append(bytes);
+  });
+  header_.pages.length = out_->size() - header_.pages.offset;
+  header_.thumbnail = out_->append_section({});
+  header_.metadata = out_->append_section(
+      metadata_bytes(header_.description.metadata_json, out_->size()));
+  header_.root = out_->append_section(encode_root(index_.root(), levels_));
+}
+
+void FileWriterImpl::seal() {
+  header_.is_sealed = true;
+  header_.file_bytes = out_->size() + kTrailerBytes;
+  const HeaderBlock block = encode_header(header_);
+  const std::uint32_t header_crc = load_header_crc(block);
+  const TrailerBlock trailer =
+      encode_trailer({header_.file_id, header_.file_bytes, header_crc, out_->digest()});
+  out_->append(trailer);
+
+  // Everything is on disk before the header says so.
+  out_->flush();
+  out_->file().sync();
+  out_->write_header(block);
+  out_->file().sync();
+
+  // What stands there now must be what was meant.
+  HeaderBlock header_read{};
+  TrailerBlock trailer_read{};
+  out_->file().read(0, header_read);
+  out_->file().read(header_.file_bytes - kTrailerBytes, trailer_read);
+  if (header_read != block || trailer_read != trailer) {
+    throw Error(ErrorKind::io, "reads back other bytes than were written: a failing disk?");
+  }
+}
+
+void FileWriterImpl::publish() {
+  out_->file().close();
+  final_bytes_ = header_.file_bytes;
+  out_.reset();
+  if (overwrite_) {
+    storage_.rename(temporary_, path_);
+  } else {
+    storage_.rename_new(temporary_, path_);
+  }
+  temporary_.clear();
+  is_published_ = true;
+  is_over_ = true;
+  storage_.sync_folder(folder_of(path_));
+}
+
+}  // namespace
+
+std::unique_ptr<FileWriter> FileWriter::create(Storage& storage, const std::string& path,
+                                               const VolumeDescription& description,
+                                               const Levels& levels, std::uint32_t content_hash,
+                                               const WriterOptions& options) {
+  auto writer = std::make_unique<FileWriterImpl>(
+      storage, path, make_header(description, levels, content_hash), levels, options);
+  writer->start();
+  return writer;
+}
+
+}  // namespace octavo

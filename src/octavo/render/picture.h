@@ -1,0 +1,32 @@
+// Pixels in memory, and PNG out of them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "octavo/codec/brick_codec.h"
+
+namespace octavo {
+
+using Colour = std::array<std::uint8_t, 3>;
+
+/// 8-bit pixels, rows from the top, channels interleaved.
+struct Picture {
+  std::int64_t width = 0;
+  std::int64_t height = 0;
+  int channels = 1;  ///< 1: grey, 3: red green blue
+  std::vector<std::uint8_t> pixels;
+
+  /// Sets one pixel; outside the picture nothing happens. A grey picture takes the red of `colour`.
+  void set(std::int64_t x, std::int64_t y, const Colour& colour);
+};
+
+/// A black picture.
+Picture make_picture(std::int64_t width, std::int64_t height, int channels);
+
+/// The PNG file of a picture; the same pixels give the same bytes.
+/// Throws Error{invalid_argument} when size, channels and pixels do not fit together.
+Bytes encode_png(const Picture& picture);
+
+}  // namespace octavo

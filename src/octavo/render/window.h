@@ -1,0 +1,36 @@
+// Which real values a grey picture shows: from black to white.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace octavo {
+
+/// Values up to centre - width/2 are black, from centre + width/2 on white. In real units.
+struct Window {
+  double centre = 0;
+  double width = 1;
+  bool operator==(const Window&) const = default;
+
+  /// 0 .. 255; NaN is black.
+  std::uint8_t grey(double value) const;
+};
+
+struct WindowPreset {
+  std::string_view name;
+  Window window;
+};
+
+/// The usual windows of CT, in Hounsfield units.
+std::span<const WindowPreset> window_presets();
+
+std::optional<Window> find_window_preset(std::string_view name);
+
+/// The window from the 0.5th to the 99.5th percentile of `values`, so that a few bright or dark
+/// voxels do not decide; the whole range where those two are equal. Values that are not finite do
+/// not count.
+Window robust_window(std::span<const double> values);
+
+}  // namespace octavo

@@ -1,0 +1,162 @@
+// Files whose checksums fit and whose contents lie. Memory is counted by replacing operator new.
+#include <gtest/gtest.h>
+
+#include <malloc.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "fault/reseal.h"
+#include "octavo/file/index.h"
+#include "octavo/file/verify.h"
+#include "support/sample_file.h"
+
+namespace {
+
+std::atomic<std::size_t> live_bytes = 0;
+std::atomic<std::size_t> peak_bytes = 0;
+
+}  // namespace
+
+__attribute__((noinline)) void* operator new(std::size_t size) {
+  void* block = std::malloc(size);
+  if (!block) throw std::bad_alloc();
+  const std::size_t now = live_bytes += ::malloc_usable_size(block);
+  if (now > peak_bytes) peak_bytes = now;
+  return block;
+}
+
+__attribute__((noinline)) void operator delete(void* block) noexcept {
+  if (block) live_bytes -= ::malloc_usable_size(block);
+  std::free(block);
+}
+
+void operator delete(void* block, std::size_t) noexcept { operator delete(block); }
+
+namespace octavo {
+namespace {
+
+using namespace octavo::testing;
+
+// Opens, verifies and reads `bytes`, none of which may crash, hang or need much memory. Bytes that
+// the reader may hold beyond those of the file itself are bounded.
+void exercise(const std::vector<std::uint8_t>& bytes) {
+  const auto source = byte_source_of(bytes, "hostile.8vo");
+  const std::size_t before = live_bytes;
+  peak_bytes = before;
+  try {
+    const auto reader = FileReader::open(source);
+    const Index3 corner{0, 0, 0};
+    for (int level = 0; level < reader->levels().count(); ++level) {
+      try {
+        read_samples(*reader, {corner, {1, 1, 1}}, level);
+      } catch (const Error&) {
+        continue;
+      }
+    }
+    NoProgress progress;
+    verify_file(source, {}, progress);
+  } catch (const Error&) {
+    // Refused.
+  }
+  ASSERT_LE(peak_bytes - before, (std::size_t{64} << 20) + 2 * bytes.size());
+}
+
+const std::uint64_t kValues[] = {0,
+                                 1,
+                                 std::uint64_t{1} << 21,
+                                 (std::uint64_t{1} << 31) - 1,
+                                 std::uint64_t{1} << 31,
+                                 std::uint64_t{1} << 32,
+                                 std::uint64_t{1} << 63,
+                                 (std::uint64_t{1} << 63) - 1,
+                                 ~std::uint64_t{0} - 1,
+                                 ~std::uint64_t{0}};
+
+SampleVolume sample() { return make_sample({66, 20, 70}, VoxelType::uint8, Pattern::noisy_half); }
+
+TEST(HostileFile, AnyHeaderFieldMayHoldAnything) {
+  SampleVolume volume = sample();
+  const std::vector<std::uint8_t> good = sample_file_bytes(volume);
+  const FileHeader layout = header_of(good);
+  for (std::size_t at = 8; at + 8 <= 508; ++at) {
+    for (const std::uint64_t value : kValues) {
+      std::vector<std::uint8_t> bad = good;
+      store_little_endian(value, bad.data() + at);
+      reseal(bad, layout);
+      exercise(bad);
+    }
+  }
+}
+
+TEST(HostileFile, SectionsOffByOneAreRefused) {
+  SampleVolume volume = sample();
+  const std::vector<std::uint8_t> good = sample_file_bytes(volume);
+  const FileHeader layout = header_of(good);
+  for (const std::size_t field : {224u, 232u, 240u, 256u, 264u, 280u, 288u, 304u, 312u}) {
+    const auto value = load_little_endian<std::uint64_t>(good.data() + field);
+    for (const std::uint64_t step : {std::uint64_t{1}, ~std::uint64_t{0}}) {
+      std::vector<std::uint8_t> bad = good;
+      store_little_endian(value + step, bad.data() + field);
+      reseal(bad, layout);
+      EXPECT_THROW(open_bytes(bad), Error) << "field at " << field;
+    }
+  }
+}
+
+TEST(HostileFile, HugeSizesAreRefusedBeforeMemoryIsAsked) {
+  SampleVolume volume = sample();
+  const std::vector<std::uint8_t> good = sample_file_bytes(volume);
+  const FileHeader layout = header_of(good);
+  FileHeader huge = layout;
+  huge.description.size = {kMaxAxis, kMaxAxis, kMaxAxis};
+  huge.halvings = choose_halvings(huge.description.size, {1, 1, 1});
+  const HeaderBlock block = encode_header(huge);
+  std::vector<std::uint8_t> bad = good;
+  std::copy(block.begin(), block.end(), bad.begin());
+  reseal(bad, layout);
+  EXPECT_THROW(open_bytes(bad), Error);
+  exercise(bad);
+}
+
+TEST(HostileFile, AnyByteOfTheRootMayHoldAnything) {
+  SampleVolume volume = sample();
+  const std::vector<std::uint8_t> good = sample_file_bytes(volume);
+  const FileHeader layout = header_of(good);
+  for (std::uint64_t at = layout.root.offset; at < layout.root.end(); ++at) {
+    for (int value = 0; value < 256; ++value) {
+      std::vector<std::uint8_t> bad = good;
+      bad[at] = static_cast<std::uint8_t>(value);
+      reseal(bad, layout);
+      exercise(bad);
+    }
+  }
+}
+
+TEST(HostileFile, AnyByteOfAPageMayHoldAnything) {
+  SampleVolume volume = sample();
+  const std::vector<std::uint8_t> good = sample_file_bytes(volume);
+  const FileHeader layout = header_of(good);
+  const auto parsed = parse_root(ByteSpan(good).subspan(layout.root.offset, layout.root.length),
+                                 volume.levels, layout);
+  const PageRef page = parsed.tiers[0].pages[1];
+  std::uint8_t old_crc[4];
+  store_little_endian(page.crc, old_crc);
+  const auto crc_at = std::search(good.begin() + static_cast<std::ptrdiff_t>(layout.root.offset),
+                                  good.end(), old_crc, old_crc + 4) -
+                      good.begin();
+  for (std::uint64_t at = page.offset; at < page.offset + page.length; ++at) {
+    for (const int value : {0, 1, 2, 0x7f, 0x80, 0x81, 0xfe, 0xff}) {
+      std::vector<std::uint8_t> bad = good;
+      bad[at] = static_cast<std::uint8_t>(value);
+      const std::uint32_t crc = crc32c(ByteSpan(bad).subspan(page.offset, page.length));
+      store_little_endian(crc, bad.data() + crc_at);
+      reseal(bad, layout);
+      exercise(bad);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace octavo

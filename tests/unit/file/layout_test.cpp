@@ -1,0 +1,179 @@
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "octavo/codec/crc32c.h"
+#include "octavo/file/bit_flip.h"
+#include "octavo/file/byte_codec.h"
+#include "octavo/file/layout.h"
+#include "octavo/file/slab_trailer.h"
+
+namespace octavo {
+namespace {
+
+constexpr std::uint64_t kFileBytes = 10'000;
+
+FileHeader sample_header() {
+  FileHeader header;
+  header.is_sealed = true;
+  header.description.type = VoxelType::int16;
+  header.description.size = {100, 50, 3};
+  header.halvings = choose_halvings(header.description.size, {1, 1, 1});
+  header.file_id = 0x0123456789abcdefu;
+  header.file_bytes = kFileBytes;
+  header.pages = {5000, 1000, 1};
+  header.thumbnail = {6000, 0, 0};
+  header.metadata = {6000, 2000, 2};
+  header.root = {8000, kFileBytes - kTrailerBytes - 8000, 3};
+  return header;
+}
+
+void refresh_crc(HeaderBlock& block) {
+  store_little_endian(crc32c(ByteSpan(block).first(508)), block.data() + 508);
+}
+
+ErrorKind kind_of(const HeaderBlock& block, std::uint64_t source_bytes = kFileBytes) {
+  try {
+    parse_header(block, source_bytes);
+  } catch (const Error& error) {
+    return error.kind();
+  }
+  ADD_FAILURE() << "accepted";
+  return ErrorKind::internal;
+}
+
+TEST(Header, ParsesBackToWhatWasEncoded) {
+  const FileHeader header = sample_header();
+  const HeaderBlock block = encode_header(header);
+  EXPECT_EQ(encode_header(parse_header(block, kFileBytes)), block);
+}
+
+TEST(Header, NamesItsKindOfFailure) {
+  const HeaderBlock good = encode_header(sample_header());
+  HeaderBlock bad = good;
+  bad[0] = 'x';
+  EXPECT_EQ(kind_of(bad), ErrorKind::not_octavo);
+  bad = good;
+  bad[8] = 2;
+  refresh_crc(bad);
+  EXPECT_EQ(kind_of(bad), ErrorKind::unsupported_version);
+  bad = good;
+  bad[15] = 0;
+  refresh_crc(bad);
+  EXPECT_EQ(kind_of(bad), ErrorKind::corrupt);
+  EXPECT_EQ(kind_of(good, kFileBytes - 1), ErrorKind::truncated);
+  EXPECT_EQ(kind_of(good, kFileBytes + 1), ErrorKind::corrupt);
+}
+
+TEST(Header, EveryFlippedBitIsRefused) {
+  const HeaderBlock good = encode_header(sample_header());
+  for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
+    HeaderBlock bad = good;
+    bad[bit / 8] = static_cast<std::uint8_t>(bad[bit / 8] ^ 1 << bit % 8);
+    EXPECT_THROW(parse_header(bad, kFileBytes), Error) << "bit " << bit;
+  }
+}
+
+TEST(Header, UnknownExtensionsAreSkippedUnlessCritical) {
+  HeaderBlock block = encode_header(sample_header());
+  block[328] = 1;
+  block[332] = 9;   // tag 9, length 2
+  block[334] = 2;
+  block[336] = 0xaa;
+  refresh_crc(block);
+  EXPECT_NO_THROW(parse_header(block, kFileBytes));
+  block[333] = 0x80;
+  refresh_crc(block);
+  EXPECT_EQ(kind_of(block), ErrorKind::unsupported_version);
+  block[333] = 0;
+  block[335] = 0xff;  // longer than the header
+  refresh_crc(block);
+  EXPECT_EQ(kind_of(block), ErrorKind::corrupt);
+}
+
+TEST(Header, BytesWithoutMeaningMustBeZero) {
+  for (const std::size_t at : {252u, 340u, 507u, 16u + 31u}) {
+    HeaderBlock block = encode_header(sample_header());
+    block[at] = 1;
+    refresh_crc(block);
+    EXPECT_EQ(kind_of(block), ErrorKind::corrupt) << at;
+  }
+}
+
+TEST(Header, FileIdFollowsDescriptionMetadataAndContent) {
+  const FileHeader header = sample_header();
+  const std::uint64_t id = make_file_id(header, 1);
+  EXPECT_EQ(id, make_file_id(header, 1));
+  EXPECT_NE(id, make_file_id(header, 2));
+  FileHeader other = header;
+  other.description.metadata_json = "{\"a\":1}";
+  EXPECT_NE(id, make_file_id(other, 1));
+  other = header;
+  other.description.rescale.slope = 2;
+  EXPECT_NE(id, make_file_id(other, 1));
+  other = header;
+  other.file_bytes = 1;
+  EXPECT_EQ(id, make_file_id(other, 1));
+}
+
+TEST(Trailer, ParsesBackAndBelongsToItsHeader) {
+  const FileHeader header = parse_header(encode_header(sample_header()), kFileBytes);
+  const TrailerBlock block =
+      encode_trailer({header.file_id, header.file_bytes, header.crc, 0x12345678u});
+  EXPECT_EQ(parse_trailer(block, header).digest, 0x12345678u);
+  FileHeader other = header;
+  other.file_id ^= 1;
+  EXPECT_THROW(parse_trailer(block, other), Error);
+}
+
+TEST(SlabTrailer, ParsesBackAndNoticesEveryFlippedBit) {
+  const SlabTrailer trailer{77, 3, 1, {0, 100, 70'000, 5}, 0xdeadbeefu};
+  const Bytes good = encode_slab_trailer(trailer);
+  const SlabTrailer read = parse_slab_trailer(good, 4);
+  EXPECT_EQ(read.lengths, trailer.lengths);
+  EXPECT_EQ(read.slab_crc, trailer.slab_crc);
+  for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
+    Bytes bad = good;
+    bad[bit / 8] = static_cast<std::uint8_t>(bad[bit / 8] ^ 1 << bit % 8);
+    EXPECT_THROW(parse_slab_trailer(bad, 4), Error) << "bit " << bit;
+  }
+}
+
+TEST(ByteCodec, VarintsRoundTripInTheirShortestForm) {
+  for (const std::uint64_t value : {0ull, 1ull, 127ull, 128ull, 300ull, ~0ull, 1ull << 63}) {
+    Bytes bytes;
+    ByteWriter(bytes).put_varint(value);
+    ByteReader in(bytes, "test");
+    EXPECT_EQ(in.varint(), value);
+    in.expect_end();
+  }
+  const Bytes bad[] = {{0x80, 0x00}, {0x80}, {}, Bytes(11, 0x80),
+                       {255, 255, 255, 255, 255, 255, 255, 255, 255, 2}};
+  for (const Bytes& bytes : bad) EXPECT_THROW(ByteReader(bytes, "test").varint(), Error);
+}
+
+TEST(BitFlip, EverySingleFlipIsFound) {
+  std::mt19937 random(5);
+  Bytes bytes(300);
+  for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
+  const std::uint32_t stored = segment_crc(42, 3, 7, bytes);
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+    bytes[bit / 8] = static_cast<std::uint8_t>(bytes[bit / 8] ^ 1 << bit % 8);
+    const auto flip = find_bit_flip(segment_crc(42, 3, 7, bytes), stored, bytes.size());
+    ASSERT_TRUE(flip);
+    EXPECT_EQ(flip->byte, bit / 8);
+    EXPECT_EQ(flip->bit, static_cast<int>(bit % 8));
+    bytes[bit / 8] = static_cast<std::uint8_t>(bytes[bit / 8] ^ 1 << bit % 8);
+  }
+}
+
+TEST(SegmentCrc, BindsASegmentToItsPlace) {
+  const Bytes bytes = {1, 2, 3};
+  const std::uint32_t crc = segment_crc(42, 3, 7, bytes);
+  EXPECT_NE(crc, segment_crc(43, 3, 7, bytes));
+  EXPECT_NE(crc, segment_crc(42, 4, 7, bytes));
+  EXPECT_NE(crc, segment_crc(42, 3, 8, bytes));
+}
+
+}  // namespace
+}  // namespace octavo

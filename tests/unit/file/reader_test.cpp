@@ -1,0 +1,241 @@
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <random>
+#include <thread>
+
+#include "octavo/core/o_code.h"
+#include "octavo/file/parallel_read.h"
+#include "support/sample_file.h"
+
+namespace octavo {
+namespace {
+
+using namespace octavo::testing;
+
+// Counts the reads that reach the bytes.
+class CountingSource final : public ByteSource {
+ public:
+  explicit CountingSource(std::vector<std::uint8_t> bytes)
+      : inner_(byte_source_of(std::move(bytes), "sample.8vo")) {}
+  std::uint64_t size() const override { return inner_->size(); }
+  const std::string& name() const override { return inner_->name(); }
+  void read(std::uint64_t offset, std::span<std::uint8_t> out) const override {
+    ++reads;
+    inner_->read(offset, out);
+  }
+  mutable std::atomic<int> reads = 0;
+
+ private:
+  std::shared_ptr<ByteSource> inner_;
+};
+
+struct Case {
+  Size3 size;
+  VoxelType type;
+  Pattern pattern;
+  VolumeKind kind;
+};
+
+const Case kCases[] = {
+    {{1, 1, 1}, VoxelType::uint8, Pattern::constant, VolumeKind::grey},
+    {{1, 1, 200}, VoxelType::uint16, Pattern::gradient, VolumeKind::grey},
+    {{130, 70, 65}, VoxelType::int16, Pattern::noisy_half, VolumeKind::grey},
+    {{65, 129, 131}, VoxelType::uint8, Pattern::noisy_half, VolumeKind::labels},
+    {{17, 19, 23}, VoxelType::int32, Pattern::gradient, VolumeKind::grey},
+    {{300, 2, 2}, VoxelType::uint32, Pattern::gradient, VolumeKind::labels},
+};
+
+Box random_box(const Size3& size, std::mt19937& random) {
+  Box box;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::uniform_int_distribution<std::int64_t> position(0, size[axis] - 1);
+    const std::int64_t a = position(random);
+    const std::int64_t b = position(random);
+    box.lo[axis] = std::min(a, b);
+    box.hi[axis] = std::max(a, b) + 1;
+  }
+  return box;
+}
+
+TEST(Reader, EveryLevelComesBackWhole) {
+  for (const Case& c : kCases) {
+    SampleVolume volume = make_sample(c.size, c.type, c.pattern, c.kind);
+    const auto reader = open_bytes(sample_file_bytes(volume));
+    for (int level = 0; level < volume.levels.count(); ++level) {
+      const Box all = box_of(volume.levels.size(level));
+      EXPECT_EQ(read_samples(*reader, all, level), expected_samples(volume, all, level));
+    }
+  }
+}
+
+TEST(Reader, AnyBoxAtAnyLevelEqualsTheCrop) {
+  std::mt19937 random(7);
+  for (const Case& c : kCases) {
+    SampleVolume volume = make_sample(c.size, c.type, c.pattern, c.kind);
+    const auto reader = open_bytes(sample_file_bytes(volume));
+    for (int level = 0; level < volume.levels.count(); ++level) {
+      for (int i = 0; i < 20; ++i) {
+        const Box box = random_box(volume.levels.size(level), random);
+        ASSERT_EQ(read_samples(*reader, box, level), expected_samples(volume, box, level));
+      }
+    }
+  }
+}
+
+TEST(Reader, HalvesOnlyTheAxesOfTheMask) {
+  SampleVolume volume = make_sample({128, 128, 40}, VoxelType::int16, Pattern::noisy_half);
+  volume.description.geometry.spacing_mm = {1, 1, 5};
+  volume.levels = Levels({128, 128, 40}, choose_halvings({128, 128, 40}, {1, 1, 5}));
+  volume.samples.resize(1);
+  for (int level = 1; level < volume.levels.count(); ++level) {
+    volume.samples.emplace_back(
+        static_cast<std::size_t>(volume.levels.size(level).voxel_count() * 2));
+  }
+  const auto reader = open_bytes(sample_file_bytes(volume));
+  EXPECT_NE(reader->levels().halving(0), kHalveAll);
+  for (int level = 0; level < volume.levels.count(); ++level) {
+    const Box all = box_of(volume.levels.size(level));
+    EXPECT_EQ(read_samples(*reader, all, level), expected_samples(volume, all, level));
+  }
+}
+
+TEST(Reader, OpensWithTwoReads) {
+  for (const Case& c : kCases) {
+    SampleVolume volume = make_sample(c.size, c.type, c.pattern, c.kind);
+    const auto source = std::make_shared<CountingSource>(sample_file_bytes(volume));
+    FileReader::open(source);
+    EXPECT_EQ(source->reads, 2);
+  }
+}
+
+TEST(Reader, OpensAFileWithALargeIndexWithTwoReads) {
+  SampleVolume volume = make_sample({kMaxAxis, 1, 1}, VoxelType::uint16, Pattern::gradient);
+  const auto source = std::make_shared<CountingSource>(sample_file_bytes(volume));
+  const auto reader = FileReader::open(source);
+  EXPECT_EQ(source->reads, 2);
+  EXPECT_EQ(reader->description().metadata_json, volume.description.metadata_json);
+
+  // A page, the model, the six segments of the brick.
+  const Box box{{kMaxAxis - 5, 0, 0}, {kMaxAxis, 1, 1}};
+  EXPECT_EQ(read_samples(*reader, box, 0), expected_samples(volume, box, 0));
+  EXPECT_EQ(source->reads, 2 + 1 + 1 + 6);
+  for (int level = 0; level < volume.levels.count(); ++level) {
+    const Box all = box_of(volume.levels.size(level));
+    EXPECT_EQ(read_samples(*reader, all, level), expected_samples(volume, all, level));
+  }
+}
+
+TEST(Reader, UniformBricksNeedNoRead) {
+  SampleVolume volume = make_sample({64, 64, 128}, VoxelType::int16, Pattern::noisy_half);
+  const auto source = std::make_shared<CountingSource>(sample_file_bytes(volume));
+  const auto reader = FileReader::open(source);
+  read_samples(*reader, {{0, 0, 0}, {64, 64, 64}}, 0);
+  EXPECT_EQ(source->reads, 2);
+}
+
+TEST(Reader, ACachedBrickIsNotReadAgain) {
+  SampleVolume volume = make_sample({64, 64, 64}, VoxelType::int16, Pattern::gradient);
+  const auto source = std::make_shared<CountingSource>(sample_file_bytes(volume));
+  const auto reader = FileReader::open(source);
+  read_samples(*reader, {{1, 2, 3}, {9, 9, 9}}, 0);
+  const int reads = source->reads;
+  read_samples(*reader, {{30, 2, 3}, {64, 9, 9}}, 0);
+  EXPECT_EQ(source->reads, reads);
+}
+
+TEST(Reader, GivesTheDescriptionBack) {
+  SampleVolume volume = make_sample({20, 30, 40}, VoxelType::uint16, Pattern::gradient);
+  VolumeDescription& written = volume.description;
+  written.geometry.origin_mm = {-10.5, 3, 1e-3};
+  written.geometry.direction = {0, 1, 0, -1, 0, 0, 0, 0, 1};
+  written.rescale = {0.1, -1024};
+  written.metadata_json = "{\"a\": [1, 2]}";
+  const auto reader = open_bytes(sample_file_bytes(volume));
+  const VolumeDescription& read = reader->description();
+  EXPECT_EQ(read.size, written.size);
+  EXPECT_EQ(read.geometry, written.geometry);
+  EXPECT_EQ(read.rescale, written.rescale);
+  EXPECT_EQ(read.metadata_json, written.metadata_json);
+  EXPECT_EQ(reader->format_version(), "1.0");
+  EXPECT_EQ(reader->range(), (ValueRange{0, 19 + 2 * 29 + 3 * 39}));
+}
+
+TEST(Reader, LevelSummariesAddUpToTheBricks) {
+  SampleVolume volume = make_sample({130, 70, 129}, VoxelType::int16, Pattern::noisy_half);
+  volume.model_layers = 2;
+  const auto reader = open_bytes(sample_file_bytes(volume));
+  for (int level = 0; level < volume.levels.count(); ++level) {
+    const int tier = Levels::tier_of(level);
+    const Size3 grid = volume.levels.brick_grid(tier);
+    LevelSummary sum;
+    for (std::int64_t z = 0; z < grid.z; ++z) {
+      for (Index3 position : layer_order(grid)) {
+        position.z = z;
+        const BrickEntry entry = reader->brick(tier, position);
+        EXPECT_EQ(entry.code, interleave(position));
+        EXPECT_EQ(entry.model, tier == 0 ? static_cast<std::uint32_t>(z / 2) : 0u);
+        ++sum.bricks;
+        sum.uniform_bricks += entry.is_uniform();
+        sum.bytes += entry.segments[static_cast<std::size_t>(level % kTierLevels)].length;
+      }
+    }
+    const LevelSummary told = reader->level_summary(level);
+    EXPECT_EQ(told.bricks, sum.bricks);
+    EXPECT_EQ(told.uniform_bricks, sum.uniform_bricks);
+    EXPECT_EQ(told.bytes, sum.bytes);
+  }
+}
+
+TEST(Reader, RefusesWhatLiesOutside) {
+  SampleVolume volume = make_sample({20, 20, 20}, VoxelType::uint8, Pattern::gradient);
+  const auto reader = open_bytes(sample_file_bytes(volume));
+  std::uint8_t voxel = 0;
+  constexpr std::int64_t kFar = std::numeric_limits<std::int64_t>::max();
+  const Box bad[] = {{{0, 0, 0}, {0, 1, 1}},
+                     {{0, 0, 20}, {1, 1, 21}},
+                     {{-1, 0, 0}, {1, 1, 1}},
+                     {{0, 0, 0}, {kFar, kFar, kFar}}};
+  for (const Box& box : bad) EXPECT_THROW(reader->read(box, 0, &voxel), Error);
+  EXPECT_THROW(reader->read({{0, 0, 0}, {1, 1, 1}}, -1, &voxel), Error);
+  EXPECT_THROW(reader->read({{0, 0, 0}, {1, 1, 1}}, 6, &voxel), Error);
+  EXPECT_THROW(reader->brick(0, {1, 0, 0}), Error);
+  EXPECT_THROW(reader->brick(1, {0, 0, 0}), Error);
+}
+
+TEST(Reader, AnyNumberOfThreadsReadsWhatOneDoes) {
+  SampleVolume volume = make_sample({200, 140, 130}, VoxelType::int16, Pattern::noisy_half);
+  ReaderOptions options;
+  options.cache_bytes = 1 << 20;
+  const auto reader =
+      FileReader::open(byte_source_of(sample_file_bytes(volume), "sample.8vo"), options);
+  std::atomic<int> wrong = 0;
+  const auto work = [&](unsigned seed) {
+    std::mt19937 random(seed);
+    for (int i = 0; i < 40; ++i) {
+      const int level = static_cast<int>(random() % 4);
+      const Box box = random_box(volume.levels.size(level), random);
+      if (read_samples(*reader, box, level) != expected_samples(volume, box, level)) ++wrong;
+    }
+  };
+  std::vector<std::thread> threads;
+  for (unsigned seed = 0; seed < 8; ++seed) threads.emplace_back(work, seed);
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST(Reader, ParallelReadEqualsSerialRead) {
+  SampleVolume volume = make_sample({200, 140, 130}, VoxelType::int16, Pattern::noisy_half);
+  const auto reader = open_bytes(sample_file_bytes(volume));
+  std::mt19937 random(3);
+  for (int i = 0; i < 20; ++i) {
+    const int level = static_cast<int>(random() % 4);
+    const Box box = random_box(volume.levels.size(level), random);
+    Bytes out(static_cast<std::size_t>(box.size().voxel_count() * 2));
+    read_parallel(*reader, box, level, out.data(), 4);
+    ASSERT_EQ(out, expected_samples(volume, box, level));
+  }
+}
+
+}  // namespace
+}  // namespace octavo

@@ -1,0 +1,116 @@
+#include "octavo/render/picture.h"
+
+#include <gtest/gtest.h>
+#include <png.h>
+
+#include <set>
+
+#include "octavo/core/error.h"
+#include "octavo/render/annotation.h"
+#include "octavo/render/label_colour.h"
+#include "octavo/render/window.h"
+
+namespace octavo {
+namespace {
+
+Picture decoded(const Bytes& bytes) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  if (png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()) == 0) return {};
+  const bool is_colour = (image.format & PNG_FORMAT_FLAG_COLOR) != 0;
+  image.format = is_colour ? PNG_FORMAT_RGB : PNG_FORMAT_GRAY;
+  Picture picture = make_picture(image.width, image.height, is_colour ? 3 : 1);
+  png_image_finish_read(&image, nullptr, picture.pixels.data(), 0, nullptr);
+  return picture;
+}
+
+TEST(Picture, PngHoldsThePixels) {
+  for (const int channels : {1, 3}) {
+    Picture picture = make_picture(31, 17, channels);
+    for (std::size_t i = 0; i < picture.pixels.size(); ++i) {
+      picture.pixels[i] = static_cast<std::uint8_t>(i * 37);
+    }
+    const Bytes png = encode_png(picture);
+    EXPECT_EQ(encode_png(picture), png);
+    const Picture found = decoded(png);
+    EXPECT_EQ(found.width, 31);
+    EXPECT_EQ(found.height, 17);
+    EXPECT_EQ(found.pixels, picture.pixels);
+  }
+}
+
+TEST(Picture, ImpossiblePicturesAreRefused) {
+  EXPECT_THROW(encode_png({0, 5, 1, {}}), Error);
+  EXPECT_THROW(encode_png({2, 2, 2, Bytes(8)}), Error);
+  EXPECT_THROW(encode_png({2, 2, 1, Bytes(3)}), Error);
+}
+
+TEST(Window, RunsFromBlackToWhite) {
+  const Window window{40, 80};
+  EXPECT_EQ(window.grey(-1000), 0);
+  EXPECT_EQ(window.grey(0), 0);
+  EXPECT_EQ(window.grey(40), 128);
+  EXPECT_EQ(window.grey(80), 255);
+  EXPECT_EQ(window.grey(3000), 255);
+  EXPECT_EQ(window.grey(std::numeric_limits<double>::quiet_NaN()), 0);
+}
+
+TEST(Window, PresetsAreFoundByName) {
+  EXPECT_EQ(find_window_preset("lung"), (Window{-600, 1500}));
+  EXPECT_FALSE(find_window_preset("knee"));
+}
+
+TEST(Window, AFewOutliersDoNotDecide) {
+  std::vector<double> values;
+  for (int i = 0; i <= 1000; ++i) values.push_back(i);
+  values.push_back(1e9);
+  values.push_back(std::numeric_limits<double>::infinity());
+  const Window window = robust_window(values);
+  EXPECT_NEAR(window.centre, 500, 5);
+  EXPECT_NEAR(window.width, 990, 10);
+  EXPECT_EQ(robust_window(std::vector<double>{3, 3, 3}).grey(3), 0);
+  EXPECT_EQ(robust_window({}), Window{});
+}
+
+TEST(LabelColour, BackgroundIsBlackAndLabelsDiffer) {
+  EXPECT_EQ(label_colour(0), (Colour{0, 0, 0}));
+  std::set<Colour> seen;
+  for (std::int64_t label = 1; label <= 200; ++label) seen.insert(label_colour(label));
+  EXPECT_GE(seen.size(), 198u);
+  for (std::int64_t label = 1; label < 2000; ++label) {
+    const Colour a = label_colour(label);
+    const Colour b = label_colour(label + 1);
+    int difference = 0;
+    for (std::size_t i = 0; i < 3; ++i) difference += std::abs(int{a[i]} - int{b[i]});
+    EXPECT_GT(difference, 100) << label;
+    EXPECT_GT(int{a[0]} + a[1] + a[2], 150) << label;
+  }
+}
+
+TEST(ScaleBar, LengthsAreRound) {
+  EXPECT_DOUBLE_EQ(round_length_mm(64), 50);
+  EXPECT_DOUBLE_EQ(round_length_mm(50), 50);
+  EXPECT_DOUBLE_EQ(round_length_mm(49), 20);
+  EXPECT_DOUBLE_EQ(round_length_mm(0.17), 0.1);
+  EXPECT_EQ(length_text(50), "50 mm");
+  EXPECT_EQ(length_text(0.2), "200 um");
+  EXPECT_EQ(length_text(2000), "2 m");
+  EXPECT_EQ(length_text(5e-6), "5 nm");
+}
+
+TEST(ScaleBar, IsAsLongAsItSays) {
+  Picture picture = make_picture(400, 300, 1);
+  draw_scale_bar(picture, 0.5);  // a quarter is 50 mm: 100 pixels
+  std::int64_t longest = 0;
+  for (std::int64_t y = 0; y < picture.height; ++y) {
+    std::int64_t run = 0;
+    for (std::int64_t x = 0; x < picture.width; ++x) {
+      run = picture.pixels[static_cast<std::size_t>(y * 400 + x)] == 255 ? run + 1 : 0;
+      longest = std::max(longest, run);
+    }
+  }
+  EXPECT_EQ(longest, 100);
+}
+
+}  // namespace
+}  // namespace octavo
