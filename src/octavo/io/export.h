@@ -12,14 +12,14 @@ namespace octavo {
 
 enum class ExportFormat { raw, nrrd, nifti, nifti_gz, meta_image, meta_image_detached, tiff_stack };
 
-/// By extension: .raw .nrrd .nii .nii.gz .mha .mhd; a name ending in '/' or an existing folder, or .tif: a stack.
-/// Throws Error{invalid_argument} listing the known extensions.
+/// By extension: .raw .nrrd .nii .nii.gz .mha .mhd; a name ending in '/' or an existing folder, or
+/// .tif: a stack. Throws Error{invalid_argument} listing the known extensions.
 ExportFormat export_format_of(const std::string& path);
 
 struct ExportOptions {
-  std::optional<Box> box;      ///< in samples of `level`; default the whole level
+  std::optional<Box> box;  ///< in samples of `level`; default the whole level
   int level = 0;
-  bool stored = false;         ///< stored integers even where real units could be written
+  bool stored = false;  ///< stored integers even where real units could be written
   bool overwrite = false;
   int threads = 0;
 };
@@ -32,9 +32,9 @@ struct ExportResult {
 };
 
 /// Exports through brick layers in order: memory is that of one layer of bricks, for every target.
-/// Real units: where slope and intercept are integers and the result fits an integer type, that type;
-/// where the target knows a slope (NIfTI), stored integers with it; otherwise stored integers, and
-/// real_units is false. RAW is always stored.
+/// Real units: where slope and intercept are integers and the result fits an integer type, that
+/// type; where the target knows a slope (NIfTI), stored integers with it; otherwise stored
+/// integers, and real_units is false. RAW is always stored.
 ExportResult export_volume(const FileReader& reader, Storage& storage, const std::string& path,
                            ExportFormat format, const ExportOptions& options, Progress& progress);
 

@@ -1,0 +1,60 @@
+// What every verb shares: the global options, and the two channels it may speak on.
+//
+// Standard output carries the result and nothing else: text for people, or one JSON object with
+// --json. Standard error carries notes, warnings, progress and the one line of a failure.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace octavo::cli {
+
+enum class ProgressMode { automatic, bar, plain, json, none };
+
+/// The global options, and the work the chosen verb left to be done.
+struct Context {
+  bool quiet = false;
+  bool verbose = false;
+  bool json = false;
+  bool force = false;
+  bool strict = false;
+  ProgressMode progress = ProgressMode::automatic;
+  int threads = 0;                     ///< 0: all cores
+  std::uint64_t max_memory_bytes = 0;  ///< 0: no limit
+  std::string verb;
+  std::function<int()> run;            ///< set by the verb that was parsed; returns the exit code
+  std::vector<std::string> warnings;   ///< all that warn() was told, for the JSON result
+
+  /// Writes "octavo: TEXT" to standard error unless --quiet.
+  void note(const std::string& text) const;
+  /// The same with --verbose only.
+  void detail(const std::string& text) const;
+  /// Writes "octavo: warning: TEXT" to standard error and remembers it.
+  /// Throws Error{source_rejected} with --strict.
+  void warn(const std::string& text);
+
+  /// Threads to start: --threads, or the cores of this machine.
+  int thread_count() const;
+};
+
+/// Adds the global options to `app` (the program and every verb have them).
+void add_global_options(CLI::App& app, Context& context);
+
+/// Writes `text` to standard output and proves that it got there.
+/// Throws Error{io} on a full disk or a closed pipe.
+void print(const std::string& text);
+
+/// Prints one JSON object and a newline. Text that is not UTF-8 is replaced, never refused.
+void print_json(const nlohmann::ordered_json& object);
+
+/// `text` for one line of a message: control characters escaped, UTF-8 and length left alone.
+std::string one_line(const std::string& text);
+
+}  // namespace octavo::cli

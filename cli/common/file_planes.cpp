@@ -1,0 +1,56 @@
+#include "common/file_planes.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "octavo/core/error.h"
+#include "octavo/file/parallel_read.h"
+
+namespace octavo::cli {
+
+namespace {
+
+/// The planes of a brick at a level inside its tier.
+std::int64_t layer_planes(const Levels& levels, int level) {
+  const int tier = Levels::tier_of(level);
+  const int halvings =
+      levels.halving_count(level, 2) - levels.halving_count(Levels::first_level(tier), 2);
+  return std::max<std::int64_t>(levels.brick_side(tier).z >> halvings, 1);
+}
+
+}  // namespace
+
+FilePlanes::FilePlanes(std::shared_ptr<const FileReader> reader, int level, int threads)
+    : reader_(std::move(reader)),
+      level_(level),
+      threads_(threads),
+      description_(reader_->description()),
+      layer_planes_(layer_planes(reader_->levels(), level)) {
+  description_.size = reader_->levels().size(level);
+  description_.geometry = reader_->levels().geometry(reader_->description().geometry, level);
+}
+
+void FilePlanes::read_plane(std::span<std::byte> plane) {
+  const Size3& size = description_.size;
+  const auto bytes = static_cast<std::size_t>(size.x * size.y * bytes_per_voxel(description_.type));
+  if (plane.size() != bytes || next_z_ >= size.z) {
+    throw Error(ErrorKind::internal, "a plane of the wrong size or beyond the last was asked for",
+                reader_->source().name());
+  }
+  if (next_z_ >= layer_end_) read_layer();
+  const auto at = static_cast<std::size_t>(next_z_ - layer_z_) * bytes;
+  std::memcpy(plane.data(), layer_.data() + at, bytes);
+  ++next_z_;
+}
+
+void FilePlanes::read_layer() {
+  const Size3& size = description_.size;
+  layer_z_ = layer_end_;
+  layer_end_ = std::min(layer_z_ + layer_planes_, size.z);
+  layer_.resize(static_cast<std::size_t>(size.x * size.y * (layer_end_ - layer_z_) *
+                                         bytes_per_voxel(description_.type)));
+  const Box layer = {{0, 0, layer_z_}, {size.x, size.y, layer_end_}};
+  read_parallel(*reader_, layer, level_, layer_.data(), threads_);
+}
+
+}  // namespace octavo::cli

@@ -1,0 +1,38 @@
+// The planes of one level of an .8vo file, in order.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "octavo/build/plane_source.h"
+#include "octavo/file/reader.h"
+
+namespace octavo::cli {
+
+/// Decodes one brick layer at a time with `threads` threads and hands out its planes.
+/// Memory  one layer of bricks of the level (64 planes or fewer), besides the reader's cache
+class FilePlanes final : public PlaneSource {
+ public:
+  FilePlanes(std::shared_ptr<const FileReader> reader, int level, int threads);
+
+  /// Size and geometry are those of the level.
+  const VolumeDescription& description() const override { return description_; }
+  const std::vector<std::string>& warnings() const override { return warnings_; }
+  void read_plane(std::span<std::byte> plane) override;
+
+ private:
+  void read_layer();
+
+  std::shared_ptr<const FileReader> reader_;
+  int level_;
+  int threads_;
+  VolumeDescription description_;
+  std::vector<std::string> warnings_;
+  std::int64_t layer_planes_;  // of one brick at this level
+  std::int64_t next_z_ = 0;
+  std::int64_t layer_z_ = 0;
+  std::int64_t layer_end_ = 0;
+  std::vector<std::byte> layer_;
+};
+
+}  // namespace octavo::cli

@@ -1,0 +1,112 @@
+#include "common/inputs.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+
+#include "common/file_planes.h"
+#include "common/quantities.h"
+#include "octavo/core/error.h"
+#include "octavo/file/storage.h"
+#include "octavo/io/http_source.h"
+#include "octavo/io/open_source.h"
+
+namespace octavo::cli {
+
+namespace {
+
+/// Passes the warnings of a source on as they come up.
+class WatchedSource final : public PlaneSource {
+ public:
+  WatchedSource(std::unique_ptr<PlaneSource> source, Context& context)
+      : source_(std::move(source)), context_(context) {
+    pass_warnings_on();
+  }
+
+  const VolumeDescription& description() const override { return source_->description(); }
+  const std::vector<std::string>& warnings() const override { return source_->warnings(); }
+  std::uint64_t resident_bytes() const override { return source_->resident_bytes(); }
+
+  void read_plane(std::span<std::byte> plane) override {
+    source_->read_plane(plane);
+    pass_warnings_on();
+  }
+
+ private:
+  void pass_warnings_on() {
+    const std::vector<std::string>& all = source_->warnings();
+    while (passed_ < all.size()) context_.warn(all[passed_++]);
+  }
+
+  std::unique_ptr<PlaneSource> source_;
+  Context& context_;
+  std::size_t passed_ = 0;
+};
+
+SourceOptions source_options(const SourceArguments& arguments, const Context& context) {
+  SourceOptions options;
+  if (!arguments.raw.empty()) options.raw = parse_raw_layout(arguments.raw);
+  if (!arguments.spacing.empty()) {
+    options.spacing_mm = parse_spacing(arguments.spacing, "--spacing");
+  }
+  options.series = arguments.series;
+  options.max_memory_bytes = context.max_memory_bytes;
+  return options;
+}
+
+}  // namespace
+
+void add_source_options(CLI::App& verb, SourceArguments& arguments) {
+  const std::string group = "Reading a source";
+  verb.add_option("--raw", arguments.raw,
+                  "Headerless voxels: nx,ny,nz,TYPE (int16, u8, u16:be ...)")
+      ->type_name("LAYOUT")
+      ->group(group);
+  verb.add_option("--spacing", arguments.spacing, "Voxel distances in mm, x,y,z or one for all")
+      ->type_name("MM")
+      ->group(group);
+  verb.add_option("--series", arguments.series, "SeriesInstanceUID, where a folder holds several")
+      ->type_name("UID")
+      ->group(group);
+}
+
+bool is_octavo_path(const std::string& path) { return is_url(path) || path.ends_with(".8vo"); }
+
+std::shared_ptr<ByteSource> open_bytes(const std::string& path) {
+  return open_any(path);
+}
+
+std::shared_ptr<FileReader> open_octavo(const std::string& path, const Context& context) {
+  ReaderOptions options;
+  if (context.max_memory_bytes != 0) {
+    options.cache_bytes = std::min(options.cache_bytes, context.max_memory_bytes / 2);
+  }
+  return FileReader::open(open_bytes(path), options);
+}
+
+void require_free_output(const std::string& path, const Context& context) {
+  const PathType type = local_storage().path_type(path);
+  if (type == PathType::folder) {
+    throw Error(ErrorKind::io, "is a folder; name the file to write", path);
+  }
+  if (type != PathType::missing && !context.force) {
+    throw Error(ErrorKind::io, "exists already; --force replaces it", path);
+  }
+}
+
+std::unique_ptr<PlaneSource> open_scan(const std::vector<std::string>& paths,
+                                       const SourceArguments& arguments, Context& context) {
+  return std::make_unique<WatchedSource>(open_source(paths, source_options(arguments, context)),
+                                         context);
+}
+
+std::unique_ptr<PlaneSource> open_planes(const std::vector<std::string>& paths,
+                                         const SourceArguments& arguments, Context& context) {
+  if (paths.size() == 1 && is_octavo_path(paths.front())) {
+    return std::make_unique<FilePlanes>(open_octavo(paths.front(), context), 0,
+                                        context.thread_count());
+  }
+  return open_scan(paths, arguments, context);
+}
+
+}  // namespace octavo::cli

@@ -1,0 +1,49 @@
+// Opening what the user names: an .8vo file or URL, or a scan in any format that can be imported.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/context.h"
+#include "octavo/build/plane_source.h"
+#include "octavo/file/reader.h"
+
+namespace CLI {
+class App;
+}
+
+namespace octavo::cli {
+
+/// The options that say how a source is to be read.
+struct SourceArguments {
+  std::string raw;
+  std::string spacing;
+  std::string series;
+};
+
+void add_source_options(CLI::App& verb, SourceArguments& arguments);
+
+/// True when `path` names an .8vo file by its extension or its first bytes, or a URL.
+bool is_octavo_path(const std::string& path);
+
+/// The bytes of a file or of an http(s) URL.
+std::shared_ptr<ByteSource> open_bytes(const std::string& path);
+
+/// Opens an .8vo file or an http(s) URL of one. Throws what FileReader::open throws.
+std::shared_ptr<FileReader> open_octavo(const std::string& path, const Context& context);
+
+/// Throws Error{io} when `path` exists and --force was not given, so that long work is not done in
+/// vain.
+void require_free_output(const std::string& path, const Context& context);
+
+/// Opens a scan and passes its warnings on. With --strict a warning that comes up later, while
+/// planes are read, is an error as well.
+std::unique_ptr<PlaneSource> open_scan(const std::vector<std::string>& paths,
+                                       const SourceArguments& arguments, Context& context);
+
+/// Either of the two as planes of stored voxels.
+std::unique_ptr<PlaneSource> open_planes(const std::vector<std::string>& paths,
+                                         const SourceArguments& arguments, Context& context);
+
+}  // namespace octavo::cli

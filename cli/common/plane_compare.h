@@ -1,0 +1,45 @@
+// Compares two volumes plane by plane.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "octavo/build/plane_source.h"
+#include "octavo/core/progress.h"
+
+namespace octavo::cli {
+
+struct Comparison {
+  bool is_same_size = true;
+  bool is_same_type = true;
+  bool is_same_rescale = true;      ///< to the precision of a float, as NIfTI keeps it
+  double shift_mm = 0;              ///< how far the two grids lie apart at most
+  bool is_place_known = true;       ///< false: one of them does not know its spacing
+  bool is_same_place = true;        ///< the shift is below a thousandth of a voxel
+  bool is_real_units = false;       ///< voxels were compared as real values, not as stored
+  std::int64_t voxels = 0;          ///< compared
+  std::int64_t different = 0;
+  double max_difference = 0;
+  Index3 first;                     ///< the first different voxel in z, y, x order
+  std::array<double, 2> first_values{};
+
+  /// Geometry and voxels alike; number type and rescale may differ when the real values agree.
+  bool is_equal() const { return is_same_size && is_same_place && different == 0; }
+};
+
+/// Voxels count as different when they are more than `tolerance` apart. Sizes that differ end it at
+/// once. When the rescales are the same stored values are compared, otherwise real ones.
+/// Throws  what the sources throw; Error{cancelled}
+/// Memory  two planes besides what the sources hold
+Comparison compare_volumes(PlaneSource& a, PlaneSource& b, double tolerance, Progress& progress);
+
+/// One line per finding for people: size, place, voxels.
+std::vector<std::string> comparison_lines(const Comparison& comparison, const VolumeDescription& a,
+                                          const VolumeDescription& b);
+
+nlohmann::ordered_json comparison_json(const Comparison& comparison);
+
+}  // namespace octavo::cli

@@ -1,0 +1,35 @@
+// What a file says of itself, as JSON and as words.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "octavo/file/reader.h"
+
+namespace octavo::cli {
+
+/// The metadata object; an object with the raw text under "unreadable" when it is no JSON object.
+nlohmann::ordered_json metadata_of(const VolumeDescription& description);
+
+/// "HU" and the like; empty when the metadata names none.
+std::string unit_of(const nlohmann::ordered_json& metadata);
+
+/// False when the source carried no spacing and 1 mm was assumed.
+bool is_spacing_known(const nlohmann::ordered_json& metadata);
+
+/// True when nothing places the volume in a body: as it is for stacks of plain pictures.
+bool is_unplaced(const VolumeDescription& description, const nlohmann::ordered_json& metadata);
+
+/// The object that `info --json` prints.
+nlohmann::ordered_json file_json(const FileReader& reader);
+
+/// "grey" or "labels".
+const char* kind_name(VolumeKind kind);
+
+/// Bytes of the voxels without compression.
+std::uint64_t raw_bytes_of(const VolumeDescription& description);
+
+/// "-1000 HU", or "3" for labels and where no unit is known.
+std::string real_text(const VolumeDescription& description, const std::string& unit, double stored);
+
+}  // namespace octavo::cli

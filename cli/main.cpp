@@ -1,0 +1,83 @@
+// octavo VERB inputs... -o output
+#include <CLI/CLI.hpp>
+#include <sstream>
+#include <string>
+
+#include "common/cancel.h"
+#include "common/context.h"
+#include "common/failure.h"
+#include "verbs.h"
+
+namespace octavo::cli {
+
+namespace {
+
+constexpr const char* kExitCodes =
+    "Exit codes: 0 done; 1 a difference was found; 2 usage; 3 not an 8vo file or a newer version;\n"
+    "4 damaged; 5 input/output failed; 6 limit or memory; 7 source rejected; 8 internal error;\n"
+    "130/143 stopped. 'octavo VERB --help' shows the options of a verb.";
+
+void add_verbs(CLI::App& app, Context& context) {
+  add_build(app, context);
+  add_info(app, context);
+  add_verify(app, context);
+  add_export(app, context);
+  add_extract(app, context);
+  add_slice(app, context);
+  add_probe(app, context);
+  add_compare(app, context);
+  add_codes(app, context);
+  add_phantom(app, context);
+  add_completion(app, context);
+  add_manual(app, context);
+}
+
+/// The verb on the command line, for the hint of a usage error.
+void note_verb(const CLI::App& app, int argc, char** argv, Context& context) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (word == "--json") context.json = true;
+    const auto has_name = [&](const CLI::App* verb) { return verb->get_name() == word; };
+    if (context.verb.empty() && !app.get_subcommands(has_name).empty()) context.verb = word;
+  }
+}
+
+int run_program(int argc, char** argv) {
+  install_signal_handlers();
+  Context context;
+  CLI::App app("Folds a scan into one .8vo file and gets every voxel back, at any level.",
+               "octavo");
+  app.set_version_flag("--version", "octavo " OCTAVO_VERSION);
+  app.get_formatter()->column_width(32);
+  app.footer(kExitCodes);
+  app.require_subcommand(1);
+  add_global_options(app, context);
+  try {
+    add_verbs(app, context);
+    app.parse(argc, argv);
+    return context.run();
+  } catch (const CLI::Success& request) {
+    std::ostringstream text;
+    app.exit(request, text, text);
+    print(text.str());
+    return kExitDone;
+  } catch (const CLI::ParseError& problem) {
+    note_verb(app, argc, argv, context);
+    return report_usage(context, problem.what());
+  } catch (...) {
+    return report_failure(context, std::current_exception());
+  }
+}
+
+}  // namespace
+
+}  // namespace octavo::cli
+
+int main(int argc, char** argv) {
+  try {
+    return octavo::cli::run_program(argc, argv);
+  } catch (...) {
+    // Not even the help could be written.
+    return octavo::cli::report_failure({}, std::current_exception());
+  }
+}

@@ -1,0 +1,85 @@
+// octavo compare: are two volumes the same, in place and in every voxel?
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "common/failure.h"
+#include "common/inputs.h"
+#include "common/plane_compare.h"
+#include "common/progress_line.h"
+#include "common/quantities.h"
+#include "common/verb.h"
+#include "verbs.h"
+
+namespace octavo::cli {
+
+namespace {
+
+constexpr VerbText kText = {
+    "compare", "Compare geometry and voxels of two volumes.",
+    "Either side is an .8vo file, a URL of one, or any source that build reads. Stored values are\n"
+    "compared where the rescales agree, real values otherwise. Exit code 1 when they differ.\n\n"
+    "Examples:\n"
+    "  octavo compare old.8vo new.8vo\n"
+    "  octavo compare head.8vo scans/head/"};
+
+struct Arguments {
+  std::string a;
+  std::string b;
+  std::string tolerance = "0";
+  SourceArguments source;
+};
+
+std::string equal_text(const Comparison& c, const VolumeDescription& a,
+                       const VolumeDescription& b) {
+  std::string text =
+      fmt::format("the same: {} voxels, {}", count_text(c.voxels),
+                  c.is_real_units ? "real values compared" : "stored values compared");
+  if (!c.is_same_type) {
+    text += fmt::format(", {} against {}", voxel_type_name(a.type), voxel_type_name(b.type));
+  }
+  if (!c.is_place_known) text += ", places not compared: a spacing is unknown";
+  else if (c.shift_mm > 0) text += fmt::format(", places within {} mm", number_text(c.shift_mm));
+  return text;
+}
+
+int run_compare(const Arguments& arguments, Context& context) {
+  const double tolerance = parse_number(arguments.tolerance, "--tolerance");
+  const auto a = open_planes({arguments.a}, arguments.source, context);
+  const auto b = open_planes({arguments.b}, arguments.source, context);
+  Comparison result;
+  {
+    ProgressLine progress(context);
+    result = compare_volumes(*a, *b, tolerance, progress);
+  }
+  if (context.json) {
+    print_json(comparison_json(result));
+  } else if (!result.is_equal()) {
+    std::string text = fmt::format("{} and {} differ\n", arguments.a, arguments.b);
+    for (const std::string& line : comparison_lines(result, a->description(), b->description())) {
+      text += "  " + line + "\n";
+    }
+    print(text);
+  } else if (!context.quiet) {
+    print(fmt::format("{} and {} are {}\n", arguments.a, arguments.b,
+                      equal_text(result, a->description(), b->description())));
+  }
+  return result.is_equal() ? kExitDone : kExitDifferent;
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app, Context& context) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& verb = add_verb(app, context, kText,
+                            [arguments, &context] { return run_compare(*arguments, context); });
+  verb.add_option("a", arguments->a, "The first volume")->type_name("VOLUME")->required();
+  verb.add_option("b", arguments->b, "The second volume")->type_name("VOLUME")->required();
+  verb.add_option("--tolerance", arguments->tolerance, "Largest difference that counts as equal")
+      ->type_name("VALUE")
+      ->capture_default_str();
+  add_source_options(verb, arguments->source);
+}
+
+}  // namespace octavo::cli

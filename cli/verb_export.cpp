@@ -1,0 +1,151 @@
+// octavo export and extract: voxels out, in the formats other programs read.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "common/failure.h"
+#include "common/inputs.h"
+#include "common/progress_line.h"
+#include "common/quantities.h"
+#include "common/verb.h"
+#include "octavo/io/export.h"
+#include "verbs.h"
+
+namespace octavo::cli {
+
+namespace {
+
+constexpr VerbText kExportText = {
+    "export", "Write a volume, or a level or box of it, for other programs.",
+    "The format follows the name: .raw .nrrd .nii .nii.gz .mha .mhd, and .tif or a folder\n"
+    "(FOLDER/) for a stack. Values are real units (HU) where the format holds them exactly;\n"
+    "--stored writes the stored integers; .raw is always stored, in C order z, y, x,\n"
+    "little-endian.\n\n"
+    "Examples:\n"
+    "  octavo export head.8vo -o head.nii.gz\n"
+    "  octavo export head.8vo --level 2 -o preview.nrrd\n"
+    "  octavo export head.8vo -o slices/"};
+
+constexpr VerbText kExtractText = {
+    "extract", "Write a box or a level of a volume: export of a part.",
+    "The same as export, but --box, --box-mm or --level must say which part.\n\n"
+    "Examples:\n"
+    "  octavo extract head.8vo --box 64:192,64:192,40:80 -o box.nrrd\n"
+    "  octavo extract head.8vo --level 1 --box :,:,20:21 -o plane.tif\n"
+    "  octavo extract https://example.org/head.8vo --box-mm=-40:40,-40:40,0:60 -o box.nii.gz"};
+
+struct Arguments {
+  std::string input;
+  std::string output;
+  int level = 0;
+  bool level_given = false;
+  std::string box;
+  std::string box_mm;
+  bool stored = false;
+};
+
+ExportOptions export_options(const Arguments& arguments, const FileReader& reader,
+                             const Context& context) {
+  check_level(reader.levels(), arguments.level);
+  const Size3& size = reader.levels().size(arguments.level);
+  ExportOptions options;
+  options.level = arguments.level;
+  options.stored = arguments.stored;
+  options.overwrite = context.force;
+  options.threads = context.thread_count();
+  if (!arguments.box.empty()) options.box = parse_box(arguments.box, size);
+  if (!arguments.box_mm.empty()) {
+    const Geometry geometry =
+        reader.levels().geometry(reader.description().geometry, arguments.level);
+    options.box = parse_box_mm(arguments.box_mm, geometry, size);
+  }
+  return options;
+}
+
+nlohmann::ordered_json result_json(const ExportResult& result, const Box& box, int level) {
+  return {{"files", result.files},
+          {"level", level},
+          {"box", {{box.lo.x, box.hi.x}, {box.lo.y, box.hi.y}, {box.lo.z, box.hi.z}}},
+          {"type", voxel_type_name(result.type)},
+          {"values", result.real_units ? "real" : "stored"},
+          {"bytes", result.bytes}};
+}
+
+std::string result_text(const ExportResult& result, const Box& box, int level) {
+  std::string files = result.files.empty() ? "" : result.files.front();
+  if (result.files.size() == 2) files += " and " + result.files.back();
+  if (result.files.size() > 2) {
+    files += fmt::format(" .. {} ({} files)", result.files.back(), result.files.size());
+  }
+  return fmt::format("{}: {} {} of level {}, {} values, {}\n", files, size_text(box.size()),
+                     voxel_type_name(result.type), level, result.real_units ? "real" : "stored",
+                     bytes_text(result.bytes));
+}
+
+int run_export(const Arguments& arguments, const Context& context) {
+  const ExportFormat format = export_format_of(arguments.output);
+  const auto reader = open_octavo(arguments.input, context);
+  const ExportOptions options = export_options(arguments, *reader, context);
+  ExportResult result;
+  {
+    ProgressLine progress(context);
+    result = export_volume(*reader, local_storage(), arguments.output, format, options, progress);
+  }
+  const Box box = options.box.value_or(box_of(reader->levels().size(options.level)));
+  if (context.json) print_json(result_json(result, box, options.level));
+  else if (!context.quiet) print(result_text(result, box, options.level));
+  return kExitDone;
+}
+
+int run_extract(const Arguments& arguments, const Context& context) {
+  if (arguments.box.empty() && arguments.box_mm.empty() && !arguments.level_given) {
+    throw Error(ErrorKind::invalid_argument,
+                "extract needs --box, --box-mm or --level; export writes the whole volume");
+  }
+  return run_export(arguments, context);
+}
+
+void add_options(CLI::App& verb, const std::shared_ptr<Arguments>& arguments) {
+  verb.add_option("file", arguments->input, "An .8vo file or a URL of one")
+      ->type_name("FILE")
+      ->required();
+  verb.add_option("-o,--output", arguments->output, "The file or folder/ to write")
+      ->type_name("FILE")
+      ->required();
+  verb.add_option_function<int>(
+          "--level",
+          [arguments](int level) {
+            arguments->level = level;
+            arguments->level_given = true;
+          },
+          "Level of detail: 0 is the scan, each level halves it")
+      ->type_name("K")
+      ->default_str("0");
+  CLI::Option* box = verb.add_option("--box", arguments->box,
+                                     "x0:x1,y0:y1,z0:z1 in voxels of the level, half-open");
+  box->type_name("BOX");
+  verb.add_option("--box-mm", arguments->box_mm, "The same in mm: the voxels centred inside")
+      ->type_name("BOX")
+      ->excludes(box);
+  verb.add_flag("--stored", arguments->stored, "Stored integers instead of real units");
+}
+
+}  // namespace
+
+void add_export(CLI::App& app, Context& context) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& verb = add_verb(app, context, kExportText,
+                            [arguments, &context] { return run_export(*arguments, context); });
+  add_options(verb, arguments);
+}
+
+void add_extract(CLI::App& app, Context& context) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& verb = add_verb(app, context, kExtractText,
+                            [arguments, &context] { return run_extract(*arguments, context); });
+  add_options(verb, arguments);
+}
+
+}  // namespace octavo::cli

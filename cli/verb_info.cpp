@@ -1,0 +1,140 @@
+// octavo info: what a file holds, on one screen.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "common/failure.h"
+#include "common/geometry_words.h"
+#include "common/inputs.h"
+#include "common/quantities.h"
+#include "common/verb.h"
+#include "common/volume_json.h"
+#include "verbs.h"
+
+namespace octavo::cli {
+
+namespace {
+
+constexpr VerbText kText = {
+    "info", "Show what a file holds.",
+    "Reads the header and the index only; min and max are stored values in --json.\n\n"
+    "Examples:\n"
+    "  octavo info head.8vo\n"
+    "  octavo info https://example.org/head.8vo --json"};
+
+struct Arguments {
+  std::string input;
+  bool show_metadata = false;
+};
+
+std::string row(const char* name, const std::string& text) {
+  return fmt::format("  {:<12} {}\n", name, text);
+}
+
+std::string geometry_rows(const VolumeDescription& d, const nlohmann::ordered_json& metadata) {
+  if (!is_spacing_known(metadata)) {
+    return row("spacing",
+               "unknown: the source gives none, 1 mm is assumed (build --spacing sets it)");
+  }
+  std::string text =
+      row("spacing", fmt::format("{} mm; field of view {} mm", point_text(d.geometry.spacing_mm),
+                                 point_text(field_of_view_mm(d.geometry, d.size))));
+  if (is_unplaced(d, metadata)) {
+    return text + row("orientation", "not given; axes as in the source");
+  }
+  text += row("orientation", orientation_words(d.geometry));
+  return text + row("origin", point_text(d.geometry.origin_mm, ", ") + " mm (to left, back, head)");
+}
+
+std::string values_row(const FileReader& reader, const std::string& unit) {
+  const VolumeDescription& d = reader.description();
+  const ValueRange range = reader.range();
+  const auto min = static_cast<double>(range.min);
+  const auto max = static_cast<double>(range.max);
+  std::string text =
+      fmt::format("{} to {}{}", number_text(d.rescale.to_real(min)),
+                  number_text(d.rescale.to_real(max)), unit.empty() ? "" : " " + unit);
+  if (!d.rescale.is_identity()) {
+    text += fmt::format(" (stored {} to {}, slope {}, intercept {})", range.min, range.max,
+                        number_text(d.rescale.slope), number_text(d.rescale.intercept));
+  }
+  return row("values", text);
+}
+
+std::string source_row(const nlohmann::ordered_json& metadata) {
+  const auto source = metadata.find("source");
+  if (source == metadata.end() || !source->is_object()) return "";
+  std::string text;
+  const auto format = source->find("format");
+  if (format != source->end() && format->is_string()) text = escaped(format->get<std::string>());
+  const auto files = source->find("files");
+  if (files != source->end()) {
+    const std::int64_t count = files->is_array()     ? static_cast<std::int64_t>(files->size())
+                               : files->is_number_integer() ? files->get<std::int64_t>()
+                                                            : 0;
+    if (count > 0) text += fmt::format(", {} file{}", count_text(count), count == 1 ? "" : "s");
+  }
+  return text.empty() ? "" : row("source", text);
+}
+
+std::string level_table(const FileReader& reader) {
+  std::string text = fmt::format("\n  {:>5}  {:>20}  {:>26}  {:>9}  {:>9}  {:>10}\n", "level",
+                                 "size", "spacing mm", "bricks", "uniform", "bytes");
+  for (int level = 0; level < reader.levels().count(); ++level) {
+    const LevelSummary summary = reader.level_summary(level);
+    const Geometry g = reader.levels().geometry(reader.description().geometry, level);
+    text += fmt::format("  {:>5}  {:>20}  {:>26}  {:>9}  {:>9}  {:>10}\n", level,
+                        size_text(reader.levels().size(level)), point_text(g.spacing_mm),
+                        count_text(summary.bricks), count_text(summary.uniform_bricks),
+                        bytes_text(summary.bytes));
+  }
+  return text;
+}
+
+std::string screen(const FileReader& reader, bool show_metadata) {
+  const VolumeDescription& d = reader.description();
+  const nlohmann::ordered_json metadata = metadata_of(d);
+  const auto file_bytes = static_cast<double>(reader.file_bytes());
+  const std::string loss =
+      reader.max_error() == 0
+          ? "lossless"
+          : "voxels within " + number_text(reader.max_error()) + " of the source";
+  std::string text = reader.source().name() + "\n";
+  text += row("holds", fmt::format("{} voxels of {}, {}, {}", size_text(d.size),
+                                   voxel_type_name(d.type), kind_name(d.kind), loss));
+  text += geometry_rows(d, metadata);
+  text += values_row(reader, unit_of(metadata));
+  text += row("bytes", fmt::format("{} of {} raw: {:.2f}:1, {:.3f} bits per voxel",
+                                   bytes_text(reader.file_bytes()), bytes_text(raw_bytes_of(d)),
+                                   static_cast<double>(raw_bytes_of(d)) / file_bytes,
+                                   file_bytes * 8 / static_cast<double>(d.size.voxel_count())));
+  text += source_row(metadata);
+  text += row("format", "8vo " + reader.format_version());
+  text += level_table(reader);
+  if (show_metadata) {
+    text +=
+        "\n" + metadata.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  }
+  return text;
+}
+
+int run_info(const Arguments& arguments, const Context& context) {
+  const auto reader = open_octavo(arguments.input, context);
+  if (context.json) print_json(file_json(*reader));
+  else print(screen(*reader, arguments.show_metadata));
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, Context& context) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& verb = add_verb(app, context, kText,
+                            [arguments, &context] { return run_info(*arguments, context); });
+  verb.add_option("file", arguments->input, "An .8vo file or a URL of one")
+      ->type_name("FILE")
+      ->required();
+  verb.add_flag("--metadata", arguments->show_metadata, "Show all metadata as well");
+}
+
+}  // namespace octavo::cli

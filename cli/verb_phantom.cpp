@@ -1,0 +1,145 @@
+// octavo phantom: a test scan of any size, made plane by plane.
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "common/building.h"
+#include "common/failure.h"
+#include "common/inputs.h"
+#include "common/plane_writer.h"
+#include "common/progress_line.h"
+#include "common/quantities.h"
+#include "common/verb.h"
+#include "octavo/build/phantom.h"
+#include "verbs.h"
+
+namespace octavo::cli {
+
+namespace {
+
+constexpr VerbText kText = {
+    "phantom", "Make a test scan: a spherical shell with two cylinders inside.",
+    "Writes an .8vo file, or plain voxels as .raw or .mhd (with a .raw beside it). The same\n"
+    "options give the same voxels on every machine.\n\n"
+    "Examples:\n"
+    "  octavo phantom --size 256 --noise 12 -o phantom.8vo\n"
+    "  octavo phantom --size 1024,1024,512 --type uint8 --seed 7 -o planes.mhd"};
+
+struct Arguments {
+  std::string output;
+  std::string size = "256";
+  std::string type = "int16";
+  std::string spacing = "1";
+  std::string radii;
+  std::string densities;
+  double noise = 0;
+  std::uint64_t seed = 1;
+};
+
+Size3 parse_size(const std::string& text) {
+  if (text.find(',') == std::string::npos) {
+    const std::int64_t side = parse_integer(text, "--size");
+    return {side, side, side};
+  }
+  const Index3 sides = parse_index(text, "--size");
+  return {sides.x, sides.y, sides.z};
+}
+
+VoxelType parse_type(const std::string& text) {
+  if (const auto type = parse_voxel_type(text)) return *type;
+  throw Error(ErrorKind::invalid_argument,
+              "--type: '" + escaped(text) + "'; expected int8, uint8, int16 or uint16");
+}
+
+std::vector<double> parse_list(const std::string& text, std::size_t count, const char* what,
+                               const char* form) {
+  std::vector<double> numbers;
+  for (const std::string& part : split(text, ',')) numbers.push_back(parse_number(part, what));
+  if (numbers.size() == count) return numbers;
+  throw Error(ErrorKind::invalid_argument,
+              fmt::format("{}: '{}'; expected {}", what, escaped(text), form));
+}
+
+PhantomOptions phantom_options(const Arguments& arguments) {
+  PhantomOptions options = phantom_options_for(parse_type(arguments.type));
+  options.size = parse_size(arguments.size);
+  options.spacing_mm = parse_spacing(arguments.spacing, "--spacing");
+  options.noise_sigma = arguments.noise;
+  options.seed = arguments.seed;
+  if (!arguments.radii.empty()) {
+    const auto radii = parse_list(arguments.radii, 2, "--radii", "OUTER,INNER");
+    options.outer_radius = radii[0];
+    options.inner_radius = radii[1];
+  }
+  if (!arguments.densities.empty()) {
+    const auto d = parse_list(arguments.densities, 5, "--densities",
+                              "BACKGROUND,SHELL,INSIDE,CYLINDER1,CYLINDER2");
+    options.background = d[0];
+    options.shell = d[1];
+    options.inside = d[2];
+    options.first_cylinder = d[3];
+    options.second_cylinder = d[4];
+  }
+  return options;
+}
+
+int write_planes(PlaneSource& source, const Arguments& arguments, const Context& context) {
+  PlaneWriteResult result;
+  {
+    ProgressLine progress(context);
+    result = write_plain_planes(source, arguments.output, context.force, progress);
+  }
+  const VolumeDescription& d = source.description();
+  if (context.json) {
+    print_json({{"files", result.files}, {"bytes", result.bytes}, {"warnings", context.warnings}});
+  } else if (!context.quiet) {
+    print(fmt::format("{}: {} {}, {}\n", result.files.front(), size_text(d.size),
+                      voxel_type_name(d.type), bytes_text(result.bytes)));
+  }
+  return kExitDone;
+}
+
+int run_phantom(const Arguments& arguments, const Context& context) {
+  require_free_output(arguments.output, context);
+  const auto source = make_phantom(phantom_options(arguments));
+  if (is_plain_path(arguments.output)) return write_planes(*source, arguments, context);
+  if (arguments.output.ends_with(".8vo")) {
+    return build_and_report(*source, VolumeKind::grey, arguments.output, context);
+  }
+  throw Error(ErrorKind::invalid_argument,
+              "a phantom is written as .8vo, .raw or .mhd; export an .8vo file to other formats",
+              arguments.output);
+}
+
+}  // namespace
+
+void add_phantom(CLI::App& app, Context& context) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& verb = add_verb(app, context, kText,
+                            [arguments, &context] { return run_phantom(*arguments, context); });
+  verb.add_option("-o,--output", arguments->output, "The .8vo, .raw or .mhd file to write")
+      ->type_name("FILE")
+      ->required();
+  verb.add_option("--size", arguments->size, "Voxels, x,y,z or one side for a cube")
+      ->type_name("N")
+      ->capture_default_str();
+  verb.add_option("--type", arguments->type, "int8, uint8, int16 or uint16")
+      ->type_name("TYPE")
+      ->capture_default_str();
+  verb.add_option("--spacing", arguments->spacing, "Voxel distances in mm, x,y,z or one for all")
+      ->type_name("MM")
+      ->capture_default_str();
+  verb.add_option("--noise", arguments->noise, "Standard deviation of Gaussian noise")
+      ->type_name("SIGMA")
+      ->capture_default_str();
+  verb.add_option("--seed", arguments->seed, "Of the noise")->type_name("N")->capture_default_str();
+  verb.add_option("--radii", arguments->radii,
+                  "Of the shell, OUTER,INNER in 0 .. 1 (default 0.9,0.8)")
+      ->type_name("R,R");
+  verb.add_option("--densities", arguments->densities,
+                  "BACKGROUND,SHELL,INSIDE,CYLINDER1,CYLINDER2 (default fits the type)")
+      ->type_name("D,D,D,D,D");
+}
+
+}  // namespace octavo::cli

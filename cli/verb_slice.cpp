@@ -1,0 +1,218 @@
+// octavo slice: pictures of planes, for people.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "common/failure.h"
+#include "common/inputs.h"
+#include "common/quantities.h"
+#include "common/verb.h"
+#include "common/volume_json.h"
+#include "octavo/file/storage.h"
+#include "octavo/io/pending_file.h"
+#include "octavo/render/slice_picture.h"
+#include "verbs.h"
+
+namespace octavo::cli {
+
+namespace {
+
+constexpr VerbText kText = {
+    "slice", "Draw a slice as a PNG picture.",
+    "Pixels are square whatever the spacing. The window is CENTRE,WIDTH in real units, a preset\n"
+    "(brain, lung, bone, abdomen) or auto. --axis all writes NAME-x.png, NAME-y.png and\n"
+    "NAME-z.png.\n\n"
+    "Examples:\n"
+    "  octavo slice head.8vo -o head.png --window brain\n"
+    "  octavo slice head.8vo --axis x --mm -12.5 --window 300,1500 -o side.png\n"
+    "  octavo slice head.8vo --axis all --level 2 -o preview.png"};
+
+struct Arguments {
+  std::string input;
+  std::string output;
+  std::string axis = "z";
+  std::string window = "auto";
+  std::string mm;
+  std::optional<std::int64_t> index;
+  int level = 0;
+  std::int64_t least_side = SliceOptions{}.least_side;
+  bool no_scale_bar = false;
+  bool no_sides = false;
+};
+
+struct DrawnSlice {
+  std::string path;
+  int axis = 2;
+  std::int64_t index = 0;
+  SlicePicture slice;
+};
+
+std::string preset_names() {
+  std::string names;
+  for (const WindowPreset& preset : window_presets()) names += fmt::format("{}, ", preset.name);
+  return names + "auto";
+}
+
+std::optional<Window> parse_window(const std::string& text) {
+  if (text == "auto") return std::nullopt;
+  if (const auto preset = find_window_preset(text)) return preset;
+  const std::vector<std::string> parts = split(text, ',');
+  if (parts.size() != 2) {
+    throw Error(ErrorKind::invalid_argument,
+                fmt::format("--window: '{}'; expected CENTRE,WIDTH or one of {}", escaped(text),
+                            preset_names()));
+  }
+  const Window window = {parse_number(parts[0], "--window"), parse_number(parts[1], "--window")};
+  if (window.width > 0) return window;
+  throw Error(ErrorKind::invalid_argument, "--window: the width must be positive");
+}
+
+/// The slice nearest to a position along an axis of the grid, in mm of its dominant body axis.
+std::int64_t index_at_mm(const FileReader& reader, const Arguments& arguments, int axis) {
+  const Geometry g = reader.levels().geometry(reader.description().geometry, arguments.level);
+  const Size3& size = reader.levels().size(arguments.level);
+  std::size_t row = 0;
+  const auto step = [&](std::size_t r) {
+    return g.direction[r * 3 + static_cast<std::size_t>(axis)];
+  };
+  for (std::size_t r = 1; r < 3; ++r) {
+    if (std::abs(step(r)) > std::abs(step(row))) row = r;
+  }
+  // Along the line through the middle of the volume.
+  Point3 middle{};
+  for (int a = 0; a < 3; ++a) {
+    middle[static_cast<std::size_t>(a)] = a == axis ? 0 : static_cast<double>(size[a] - 1) / 2;
+  }
+  const double asked = parse_number(arguments.mm, "--mm");
+  const double spacing = g.spacing_mm[static_cast<std::size_t>(axis)];
+  const double first = g.to_world(middle)[row];
+  const double last = first + step(row) * spacing * static_cast<double>(size[axis] - 1);
+  const double index = std::round((asked - first) / (step(row) * spacing));
+  if (index >= 0 && index < static_cast<double>(size[axis]))
+    return static_cast<std::int64_t>(index);
+  throw Error(ErrorKind::invalid_argument,
+              fmt::format("--mm {}: no slice there; slices across {} run from {} to {} mm",
+                          arguments.mm, "xyz"[axis], number_text(first), number_text(last)));
+}
+
+DrawnSlice draw(const FileReader& reader, const Arguments& arguments, int axis,
+                const Context& context) {
+  const VolumeDescription& d = reader.description();
+  SliceOptions options;
+  options.axis = axis;
+  options.level = arguments.level;
+  options.index = arguments.index.value_or(reader.levels().size(arguments.level)[axis] / 2);
+  if (!arguments.mm.empty()) options.index = index_at_mm(reader, arguments, axis);
+  if (d.kind == VolumeKind::grey) options.window = parse_window(arguments.window);
+  options.scale_bar = !arguments.no_scale_bar;
+  options.sides = !arguments.no_sides && !is_unplaced(d, metadata_of(d));
+  options.least_side = arguments.least_side;
+  options.threads = context.threads;
+  return {arguments.output, axis, *options.index, render_slice(reader, options)};
+}
+
+void write_png(const DrawnSlice& drawn, bool overwrite) {
+  const Bytes png = encode_png(drawn.slice.picture);
+  PendingFile file(local_storage(), drawn.path);
+  file.append(png);
+  file.seal();
+  file.publish(overwrite);
+}
+
+nlohmann::ordered_json slice_json(const DrawnSlice& drawn, int level) {
+  const SlicePicture& s = drawn.slice;
+  return {{"output", drawn.path},
+          {"axis", std::string(1, "xyz"[drawn.axis])},
+          {"index", drawn.index},
+          {"level", level},
+          {"width", s.picture.width},
+          {"height", s.picture.height},
+          {"pixel_mm", s.pixel_mm},
+          {"window", {{"centre", s.window.centre}, {"width", s.window.width}}}};
+}
+
+std::string slice_text(const DrawnSlice& drawn, int level, const FileReader& reader) {
+  const SlicePicture& s = drawn.slice;
+  std::string text =
+      fmt::format("{}: {} x {} pixels of {} mm, slice {} = {} of level {}", drawn.path,
+                  s.picture.width, s.picture.height, number_text(s.pixel_mm), "xyz"[drawn.axis],
+                  drawn.index, level);
+  if (reader.description().kind == VolumeKind::labels) return text + "\n";
+  const std::string unit = unit_of(metadata_of(reader.description()));
+  return text + fmt::format(", window {} to {}{}\n",
+                            number_text(s.window.centre - s.window.width / 2),
+                            number_text(s.window.centre + s.window.width / 2),
+                            unit.empty() ? "" : " " + unit);
+}
+
+std::vector<int> chosen_axes(const Arguments& arguments) {
+  if (arguments.axis == "all") return {0, 1, 2};
+  return {static_cast<int>(std::string("xyz").find(arguments.axis))};
+}
+
+int run_slice(const Arguments& arguments, const Context& context) {
+  const std::vector<int> axes = chosen_axes(arguments);
+  if (!arguments.output.ends_with(".png")) {
+    throw Error(ErrorKind::invalid_argument, "a slice is written as .png", arguments.output);
+  }
+  if (axes.size() > 1 && (arguments.index || !arguments.mm.empty())) {
+    throw Error(ErrorKind::invalid_argument, "--index and --mm go with one --axis, not with all");
+  }
+  const auto reader = open_octavo(arguments.input, context);
+  check_level(reader->levels(), arguments.level);
+  nlohmann::ordered_json slices = nlohmann::ordered_json::array();
+  for (const int axis : axes) {
+    Arguments one = arguments;
+    if (axes.size() > 1) {
+      one.output.insert(one.output.size() - 4, fmt::format("-{}", "xyz"[axis]));
+    }
+    require_free_output(one.output, context);
+    const DrawnSlice drawn = draw(*reader, one, axis, context);
+    write_png(drawn, context.force);
+    if (context.json) slices.push_back(slice_json(drawn, arguments.level));
+    else if (!context.quiet) print(slice_text(drawn, arguments.level, *reader));
+  }
+  if (context.json) print_json({{"slices", slices}});
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_slice(CLI::App& app, Context& context) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& verb = add_verb(app, context, kText,
+                            [arguments, &context] { return run_slice(*arguments, context); });
+  verb.add_option("file", arguments->input, "An .8vo file or a URL of one")
+      ->type_name("FILE")
+      ->required();
+  verb.add_option("-o,--output", arguments->output, "The .png file to write")
+      ->type_name("FILE")
+      ->required();
+  verb.add_option("--axis", arguments->axis, "The axis the slice lies across: x, y, z or all")
+      ->type_name("AXIS")
+      ->check(CLI::IsMember({"x", "y", "z", "all"}))
+      ->capture_default_str();
+  CLI::Option* index = verb.add_option("--index", arguments->index,
+                                       "Slice number on the level (default: the middle)");
+  index->type_name("N");
+  verb.add_option("--mm", arguments->mm, "Slice position in mm (LPS)")
+      ->type_name("MM")
+      ->excludes(index);
+  verb.add_option("--level", arguments->level, "Level of detail")
+      ->type_name("K")
+      ->capture_default_str();
+  verb.add_option("--window", arguments->window, "CENTRE,WIDTH, a preset or auto")
+      ->type_name("WINDOW")
+      ->capture_default_str();
+  verb.add_option("--size", arguments->least_side, "Enlarge pictures smaller than this many pixels")
+      ->type_name("N")
+      ->check(CLI::Range(1, 8192))
+      ->capture_default_str();
+  verb.add_flag("--no-scale-bar", arguments->no_scale_bar, "Leave the scale bar out");
+  verb.add_flag("--no-sides", arguments->no_sides, "Leave the letters R L A P S I out");
+}
+
+}  // namespace octavo::cli

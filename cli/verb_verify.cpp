@@ -1,0 +1,165 @@
+// octavo verify: is a file sound, and does it hold what its source holds?
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "common/failure.h"
+#include "common/file_planes.h"
+#include "common/inputs.h"
+#include "common/plane_compare.h"
+#include "common/progress_line.h"
+#include "common/quantities.h"
+#include "common/verb.h"
+#include "octavo/file/parallel_read.h"
+#include "octavo/file/verify.h"
+#include "verbs.h"
+
+namespace octavo::cli {
+
+namespace {
+
+constexpr VerbText kText = {
+    "verify", "Prove that a file is sound, and that it holds what its source holds.",
+    "Reads every byte, proves every checksum and decodes every brick; damage is exit code 4. With\n"
+    "--against the geometry and every stored voxel are compared with the source as well; a\n"
+    "difference beyond the file's own maximum error is exit code 1.\n\n"
+    "Examples:\n"
+    "  octavo verify head.8vo\n"
+    "  octavo verify head.8vo --against scans/head/"};
+
+struct Arguments {
+  std::string input;
+  std::vector<std::string> against;
+  SourceArguments source;
+};
+
+nlohmann::ordered_json damage_json(const Damage& damage) {
+  nlohmann::ordered_json object = {{"what", damage.what},
+                                   {"offset", damage.offset},
+                                   {"length", damage.length},
+                                   {"detail", damage.detail}};
+  if (damage.what == "brick") {
+    object["tier"] = damage.tier;
+    object["level"] = damage.level;
+    object["brick"] = {damage.brick.x, damage.brick.y, damage.brick.z};
+    object["code"] = damage.code;
+  }
+  if (damage.flipped_byte) object["flipped_byte"] = *damage.flipped_byte;
+  return object;
+}
+
+nlohmann::ordered_json result_json(const std::string& path, const VerifyReport& report,
+                                   const Comparison* comparison) {
+  nlohmann::ordered_json object = {{"file", path},
+                                   {"sound", report.is_sound()},
+                                   {"bricks", report.brick_count},
+                                   {"damaged_bricks", report.damaged_brick_count},
+                                   {"segments", report.segment_count},
+                                   {"file_bytes", report.file_bytes},
+                                   {"damages", nlohmann::ordered_json::array()},
+                                   {"against", nullptr}};
+  for (const Damage& damage : report.damages) object["damages"].push_back(damage_json(damage));
+  if (comparison != nullptr) object["against"] = comparison_json(*comparison);
+  return object;
+}
+
+/// Says what is damaged: the first place as the error, the others with --verbose or in the JSON
+/// result.
+int report_damage(const Arguments& arguments, const VerifyReport& report, const Context& context) {
+  const Damage& first = report.damages.front();
+  if (context.json) print_json(result_json(arguments.input, report, nullptr));
+  for (std::size_t i = 1; i < report.damages.size(); ++i) {
+    context.detail(arguments.input + ": " + report.damages[i].detail);
+  }
+  std::string detail = first.detail;
+  if (report.damaged_brick_count > 0) {
+    detail += fmt::format("; {} of {} bricks damaged, the others can be read",
+                          count_text(report.damaged_brick_count), count_text(report.brick_count));
+  }
+  throw Error(ErrorKind::corrupt, detail, arguments.input, first.offset);
+}
+
+/// verify compares what is stored: rescale and type must be the same as well.
+bool is_faithful(const Comparison& c) {
+  return c.is_equal() && c.is_same_type && c.is_same_rescale;
+}
+
+std::string difference_text(const Arguments& arguments, const Comparison& c,
+                            const VolumeDescription& file, const VolumeDescription& source) {
+  std::string text = fmt::format("{}: sound, but differs from {}\n", arguments.input,
+                                 arguments.against.front());
+  for (const std::string& line : comparison_lines(c, file, source)) text += "  " + line + "\n";
+  if (!c.is_same_type) {
+    text += fmt::format("  type: {} against {}\n", voxel_type_name(file.type),
+                        voxel_type_name(source.type));
+  }
+  return text;
+}
+
+int run_alone(const Arguments& arguments, const VerifyReport& report, const Context& context) {
+  if (context.json) {
+    print_json(result_json(arguments.input, report, nullptr));
+  } else if (!context.quiet) {
+    print(fmt::format("{}: sound; {} bricks, {} read and decoded\n", arguments.input,
+                      count_text(report.brick_count), bytes_text(report.file_bytes)));
+  }
+  return kExitDone;
+}
+
+int run_against(const Arguments& arguments, const VerifyReport& report,
+                const std::shared_ptr<const FileReader>& reader, Context& context) {
+  FilePlanes planes(reader, 0, context.thread_count());
+  const auto source = open_planes(arguments.against, arguments.source, context);
+  Comparison c;
+  {
+    ProgressLine progress(context);
+    c = compare_volumes(planes, *source, reader->max_error(), progress);
+  }
+  const bool is_good = is_faithful(c);
+  if (context.json) {
+    print_json(result_json(arguments.input, report, &c));
+  } else if (!is_good) {
+    print(difference_text(arguments, c, planes.description(), source->description()));
+  } else if (!context.quiet) {
+    print(fmt::format("{}: sound, and {} {} of {} {}; {} bricks checked\n",
+                      arguments.input,
+                      reader->max_error() == 0
+                          ? "equal to every one of the"
+                          : "within " + number_text(reader->max_error()) + " of each of the",
+                      count_text(c.voxels) + " voxels", arguments.against.front(),
+                      c.is_place_known ? "and the geometry" : "(its spacing is unknown)",
+                      count_text(report.brick_count)));
+  }
+  return is_good ? kExitDone : kExitDifferent;
+}
+
+int run_verify(const Arguments& arguments, Context& context) {
+  const std::shared_ptr<ByteSource> bytes = open_bytes(arguments.input);
+  VerifyOptions options;
+  options.for_each = for_each_parallel(context.thread_count());
+  VerifyReport report;
+  {
+    ProgressLine progress(context);
+    report = verify_file(bytes, options, progress);
+  }
+  if (!report.is_sound()) return report_damage(arguments, report, context);
+  if (arguments.against.empty()) return run_alone(arguments, report, context);
+  return run_against(arguments, report, open_octavo(arguments.input, context), context);
+}
+
+}  // namespace
+
+void add_verify(CLI::App& app, Context& context) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& verb = add_verb(app, context, kText,
+                            [arguments, &context] { return run_verify(*arguments, context); });
+  verb.add_option("file", arguments->input, "An .8vo file or a URL of one")
+      ->type_name("FILE")
+      ->required();
+  verb.add_option("--against", arguments->against, "The source it was built from")
+      ->type_name("SOURCE");
+  add_source_options(verb, arguments->source);
+}
+
+}  // namespace octavo::cli

@@ -1,0 +1,22 @@
+// The verbs of the program. Each add_... declares one verb with its options on `app`; when that
+// verb is parsed, it leaves its work in context.run.
+#pragma once
+
+#include "common/context.h"
+
+namespace octavo::cli {
+
+void add_build(CLI::App& app, Context& context);
+void add_phantom(CLI::App& app, Context& context);
+void add_info(CLI::App& app, Context& context);
+void add_verify(CLI::App& app, Context& context);
+void add_export(CLI::App& app, Context& context);
+void add_extract(CLI::App& app, Context& context);
+void add_slice(CLI::App& app, Context& context);
+void add_probe(CLI::App& app, Context& context);
+void add_codes(CLI::App& app, Context& context);
+void add_compare(CLI::App& app, Context& context);
+void add_completion(CLI::App& app, Context& context);
+void add_manual(CLI::App& app, Context& context);
+
+}  // namespace octavo::cli

@@ -1,0 +1,105 @@
+#include "octavo/io/described_source.h"
+
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "octavo/core/checked.h"
+#include "octavo/core/levels.h"
+
+namespace octavo {
+
+using nlohmann::json;
+
+namespace {
+
+std::string settle_spacing(SourceFacts& facts, const SourceOptions& options) {
+  Point3& spacing = facts.description.geometry.spacing_mm;
+  if (options.spacing_mm) {
+    for (const double mm : *options.spacing_mm) {
+      if (std::isfinite(mm) && mm > 0) continue;
+      throw Error(ErrorKind::invalid_argument, "a spacing must be a positive number of millimetres");
+    }
+    spacing = *options.spacing_mm;
+    return "user";
+  }
+  if (facts.spacing_known) return "file";
+  facts.warnings.push_back("spacing is not in the files: 1 mm assumed; give --spacing x,y,z");
+  spacing = {1, 1, 1};
+  return "assumed";
+}
+
+}  // namespace
+
+void settle(SourceFacts& facts, const SourceOptions& options, const std::string& path) {
+  const std::string spacing_source = settle_spacing(facts, options);
+  try {
+    checked_voxel_count(facts.description.size);
+  } catch (const Error& failure) {
+    throw failure.with_path(path);
+  }
+  if (!is_valid(facts.description.geometry)) {
+    throw Error(ErrorKind::source_rejected,
+                "its geometry is not usable: spacings must be positive and axes independent; "
+                "give --spacing or repair the header",
+                path);
+  }
+  if (!std::isfinite(facts.description.rescale.slope) || facts.description.rescale.slope == 0 ||
+      !std::isfinite(facts.description.rescale.intercept)) {
+    throw Error(ErrorKind::source_rejected, "its rescale slope or intercept is not a usable number",
+                path);
+  }
+  json metadata = facts.extra_json.empty() ? json::object() : json::parse(facts.extra_json);
+  metadata["source"] = {{"format", facts.format}, {"files", facts.file_count}};
+  metadata["spacing_known"] = spacing_source != "assumed";
+  metadata["spacing_source"] = spacing_source;
+  if (!facts.unit.empty()) metadata["unit"] = facts.unit;
+  facts.description.metadata_json = metadata.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+void check_memory(std::uint64_t needed, const SourceOptions& options, const std::string& path) {
+  if (options.max_memory_bytes == 0 || needed <= options.max_memory_bytes) return;
+  throw Error(ErrorKind::limit_exceeded,
+              "this format is loaded whole: " + std::to_string(needed) + " bytes needed, " +
+                  std::to_string(options.max_memory_bytes) +
+                  " allowed; raise --max-memory or convert it to a format read by planes",
+              path);
+}
+
+std::uint64_t plane_bytes(const VolumeDescription& description) {
+  return static_cast<std::uint64_t>(description.size.x * description.size.y *
+                                    bytes_per_voxel(description.type));
+}
+
+std::string size_text(std::int64_t x, std::int64_t y) {
+  return std::to_string(x) + " x " + std::to_string(y);
+}
+
+std::string size_text(const Size3& size) {
+  return size_text(size.x, size.y) + " x " + std::to_string(size.z);
+}
+
+std::string number_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.7g", value);
+  return text;
+}
+
+DescribedSource::DescribedSource(SourceFacts facts) : facts_(std::move(facts)) {}
+
+void DescribedSource::require_plane(std::span<const std::byte> plane) const {
+  if (plane.size() == plane_bytes(facts_.description)) return;
+  throw Error(ErrorKind::invalid_argument,
+              "a plane buffer of " + std::to_string(plane.size()) + " bytes, " +
+                  std::to_string(plane_bytes(facts_.description)) + " needed");
+}
+
+std::int64_t DescribedSource::take_plane_index() {
+  if (next_plane_ >= facts_.description.size.z) {
+    throw Error(ErrorKind::invalid_argument, "no plane behind the last one");
+  }
+  return next_plane_++;
+}
+
+}  // namespace octavo

@@ -1,0 +1,78 @@
+// What all sources share: a description, warnings, and one way to settle spacing and metadata.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "octavo/build/plane_source.h"
+#include "octavo/io/open_source.h"
+
+namespace octavo {
+
+/// What an importer found out before the first plane.
+struct SourceFacts {
+  VolumeDescription description;        ///< metadata_json is made by `settle`
+  std::vector<std::string> warnings;
+  std::string format;                   ///< "DICOM", "TIFF", ...
+  std::int64_t file_count = 1;
+  bool spacing_known = false;           ///< the files carry a spacing
+  std::string unit;                     ///< unit of real values, when known
+  std::string extra_json;               ///< an object merged into the metadata, or empty
+};
+
+/// Applies options.spacing_mm, warns when no spacing is known, writes metadata_json and proves size and
+/// geometry. path names the source in messages.
+/// Throws Error{source_rejected} on a bad geometry, Error{limit_exceeded} on a size out of range,
+///        Error{invalid_argument} when options.spacing_mm is not positive and finite.
+void settle(SourceFacts& facts, const SourceOptions& options, const std::string& path);
+
+/// Throws Error{limit_exceeded} when `needed` bytes exceed options.max_memory_bytes (0: no limit).
+void check_memory(std::uint64_t needed, const SourceOptions& options, const std::string& path);
+
+/// Bytes of one plane. Requires a settled description.
+std::uint64_t plane_bytes(const VolumeDescription& description);
+
+/// A stored 64-bit size that came from a file, for messages: "512 x 512".
+std::string size_text(std::int64_t x, std::int64_t y);
+std::string size_text(const Size3& size);
+
+/// A number as people write it: up to 7 significant digits.
+std::string number_text(double value);
+
+/// The base of the sources in this folder. Requires settled facts.
+class DescribedSource : public PlaneSource {
+ public:
+  explicit DescribedSource(SourceFacts facts);
+  const VolumeDescription& description() const override { return facts_.description; }
+  const std::vector<std::string>& warnings() const override { return facts_.warnings; }
+
+ protected:
+  void warn(std::string text) { facts_.warnings.push_back(std::move(text)); }
+  /// Throws Error{invalid_argument} unless `plane` is one plane long.
+  void require_plane(std::span<const std::byte> plane) const;
+  /// The index of the next plane; moves on. Throws Error{invalid_argument} behind the last one.
+  std::int64_t take_plane_index();
+
+ private:
+  SourceFacts facts_;
+  std::int64_t next_plane_ = 0;
+};
+
+/// A source that can deliver any plane, from many threads at once: one file per plane, or pages.
+class IndexedPlaneSource : public DescribedSource {
+ public:
+  using DescribedSource::DescribedSource;
+
+  /// Fills `plane` with plane z. Throws as read_plane. Thread-safe.
+  virtual void read_plane_at(std::int64_t z, std::span<std::byte> plane) const = 0;
+
+  void read_plane(std::span<std::byte> plane) final {
+    require_plane(plane);
+    read_plane_at(take_plane_index(), plane);
+  }
+};
+
+}  // namespace octavo

@@ -1,0 +1,81 @@
+// The data set of a DICOM file, walked element by element and proven complete, without its voxels.
+//
+// The walk depends on nothing but the file's bytes: every length is checked against the end of the file
+// before it is used, so a cut file is found here and no decoder ever sees one. Pixel data are located,
+// not read; encapsulated ones are walked fragment by fragment to their delimiter.
+//
+// Source: DICOM PS3.5 (7 Data Set, A.4 Encapsulation), PS3.10 (7 File Format)
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace octavo {
+
+/// (group << 16) | element.
+using DicomTag = std::uint32_t;
+
+/// "(0028,0010)".
+std::string dicom_tag_text(DicomTag tag);
+
+/// The short values of one data set or item. Values longer than 512 bytes and private groups are left out.
+class DicomSet {
+ public:
+  bool has(DicomTag tag) const;
+  /// Text without padding; empty when absent.
+  std::string text(DicomTag tag) const;
+  /// The backslash-separated numbers of a text value; empty when absent or not numbers.
+  std::vector<double> decimals(DicomTag tag) const;
+  std::optional<double> decimal(DicomTag tag) const;
+  /// A binary unsigned value of 2 or 4 bytes.
+  std::optional<std::int64_t> unsigned_value(DicomTag tag) const;
+  /// The items of a sequence; none when absent.
+  const std::vector<DicomSet>& items(DicomTag tag) const;
+
+  void add_value(DicomTag tag, std::string bytes);
+  void add_item(DicomTag tag, DicomSet item);
+  void set_big_endian(bool big_endian) { big_endian_ = big_endian; }
+
+ private:
+  std::map<DicomTag, std::string> values_;
+  std::map<DicomTag, std::vector<DicomSet>> sequences_;
+  bool big_endian_ = false;
+};
+
+/// A run of bytes in a file.
+struct ByteRun {
+  std::uint64_t offset = 0;
+  std::uint64_t length = 0;
+};
+
+/// Where the voxels stand.
+struct DicomPixels {
+  bool is_present = false;
+  bool is_float = false;             ///< Float or Double Float Pixel Data
+  bool is_encapsulated = false;
+  ByteRun native;                    ///< of a plain value
+  std::vector<std::uint64_t> frame_offsets;  ///< of the basic offset table, when it is there
+  std::vector<ByteRun> fragments;    ///< encapsulated: without the basic offset table
+};
+
+struct DicomFile {
+  std::string path;
+  std::string transfer_syntax;
+  bool big_endian = false;
+  DicomSet data;
+  DicomPixels pixels;
+};
+
+/// True when the file starts as DICOM does: "DICM" behind a preamble, or a first element of group 0002
+/// or 0008 where there is no preamble. Throws Error{io}.
+bool looks_like_dicom(const std::string& path);
+
+/// Walks the whole file. Deflated and private transfer syntaxes are refused by name.
+/// Throws Error{source_rejected} naming the element where the file ends early or makes no sense; Error{io}
+DicomFile read_dicom_file(const std::string& path);
+
+}  // namespace octavo

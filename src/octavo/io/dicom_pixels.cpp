@@ -1,0 +1,199 @@
+#include "octavo/io/dicom_pixels.h"
+
+#include <gdcmImage.h>
+#include <gdcmSequenceOfFragments.h>
+#include <gdcmTrace.h>
+#include <gdcmTransferSyntax.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <mutex>
+
+#include "octavo/core/error.h"
+#include "octavo/io/byte_order.h"
+#include "octavo/io/described_source.h"
+#include "octavo/io/source_file.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr const char* kSegmentation = "1.2.840.10008.5.1.4.1.1.66.4";
+
+[[noreturn]] void reject(const DicomLayout& layout, const std::string& why) {
+  throw Error(ErrorKind::source_rejected, why, layout.path);
+}
+
+void silence_gdcm() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    gdcm::Trace::DebugOff();
+    gdcm::Trace::WarningOff();
+    gdcm::Trace::ErrorOff();
+  });
+}
+
+/// The fragments of one frame: all of a single frame, one each, or those between two table entries.
+std::vector<ByteRun> fragments_of(const DicomLayout& layout, std::int64_t frame) {
+  const std::vector<ByteRun>& all = layout.pixels.fragments;
+  const auto index = static_cast<std::size_t>(frame);
+  if (layout.frames == 1) return all;
+  if (all.size() == static_cast<std::size_t>(layout.frames)) return {all[index]};
+  const std::vector<std::uint64_t>& table = layout.pixels.frame_offsets;
+  // Table entries count from the item tag of the first fragment, 8 bytes before its value.
+  const std::uint64_t base = all.front().offset - 8;
+  const std::uint64_t from = base + table[index];
+  const std::uint64_t to = index + 1 < table.size() ? base + table[index + 1]
+                                                    : std::numeric_limits<std::uint64_t>::max();
+  std::vector<ByteRun> result;
+  for (const ByteRun& run : all) {
+    if (run.offset - 8 >= from && run.offset - 8 < to) result.push_back(run);
+  }
+  return result;
+}
+
+gdcm::Image image_of(const DicomLayout& layout, const std::vector<ByteRun>& fragments) {
+  gdcm::Image image;
+  image.SetNumberOfDimensions(2);
+  image.SetDimension(0, static_cast<unsigned>(layout.columns));
+  image.SetDimension(1, static_cast<unsigned>(layout.rows));
+  image.SetPixelFormat(gdcm::PixelFormat(
+      1, static_cast<unsigned short>(layout.bits_allocated),
+      static_cast<unsigned short>(layout.bits_stored), static_cast<unsigned short>(layout.high_bit),
+      static_cast<unsigned short>(layout.is_signed ? 1 : 0)));
+  image.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
+  image.SetTransferSyntax(gdcm::TransferSyntax::GetTSType(layout.transfer_syntax.c_str()));
+
+  gdcm::SmartPointer<gdcm::SequenceOfFragments> sequence = new gdcm::SequenceOfFragments;
+  const SourceFile file(layout.path);
+  std::vector<std::byte> bytes;
+  for (const ByteRun& run : fragments) {
+    bytes.resize(static_cast<std::size_t>(run.length));
+    file.read_exactly(run.offset, bytes);
+    gdcm::Fragment fragment;
+    fragment.SetByteValue(reinterpret_cast<const char*>(bytes.data()),
+                          static_cast<std::uint32_t>(bytes.size()));
+    sequence->AddFragment(fragment);
+  }
+  gdcm::DataElement pixels(gdcm::Tag(0x7fe0, 0x0010));
+  pixels.SetVR(gdcm::VR::OB);
+  pixels.SetValue(*sequence);
+  image.SetDataElement(pixels);
+  return image;
+}
+
+void decode_frame(const DicomSlice& slice, std::span<std::byte> plane) {
+  silence_gdcm();
+  const DicomLayout& layout = *slice.layout;
+  const gdcm::Image image = image_of(layout, fragments_of(layout, slice.frame));
+  const std::size_t found = image.GetBufferLength();
+  if (found != plane.size()) {
+    reject(layout, "the compressed picture holds " + std::to_string(found) + " bytes, the header says " +
+                       std::to_string(plane.size()));
+  }
+  bool is_decoded = false;
+  try {
+    is_decoded = image.GetBuffer(reinterpret_cast<char*>(plane.data()));
+  } catch (const std::exception&) {
+    is_decoded = false;
+  }
+  if (!is_decoded) {
+    reject(layout, "its compressed picture (transfer syntax " + escaped(layout.transfer_syntax) +
+                       ") cannot be decoded: it is damaged, or of a kind that GDCM does not read");
+  }
+}
+
+void read_native(const DicomSlice& slice, std::span<std::byte> plane) {
+  const DicomLayout& layout = *slice.layout;
+  const std::uint64_t offset = layout.pixels.native.offset +
+                               static_cast<std::uint64_t>(slice.frame) * layout.frame_bytes();
+  SourceFile(layout.path).read_exactly(offset, plane);
+  if (needs_swap(layout.big_endian)) {
+    swap_values(plane, static_cast<std::size_t>(layout.bits_allocated / 8));
+  }
+}
+
+/// Moves the stored bits of every value down to bit 0 and fills the others with the sign, or 0.
+template <class T>
+void keep_stored_bits(std::span<std::byte> plane, int shift_up, int shift_down) {
+  using Unsigned = std::make_unsigned_t<T>;
+  for (std::size_t at = 0; at + sizeof(T) <= plane.size(); at += sizeof(T)) {
+    Unsigned raw;
+    std::memcpy(&raw, plane.data() + at, sizeof raw);
+    const auto lifted = static_cast<T>(static_cast<Unsigned>(raw << shift_up));
+    const auto value = static_cast<T>(lifted >> shift_down);
+    std::memcpy(plane.data() + at, &value, sizeof value);
+  }
+}
+
+void clean_unused_bits(const DicomLayout& layout, std::span<std::byte> plane) {
+  // Decoders put the stored bits at the bottom; native values keep them below the high bit.
+  const std::int64_t high = layout.pixels.is_encapsulated ? layout.bits_stored - 1 : layout.high_bit;
+  const int shift_up = static_cast<int>(layout.bits_allocated - 1 - high);
+  const int shift_down = static_cast<int>(layout.bits_allocated - layout.bits_stored);
+  if (shift_up == 0 && shift_down == 0) return;
+  with_voxel_type(dicom_voxel_type(layout), [&](auto tag) {
+    using T = typename decltype(tag)::type;
+    if constexpr (std::is_integral_v<T>) keep_stored_bits<T>(plane, shift_up, shift_down);
+  });
+}
+
+}  // namespace
+
+VoxelType dicom_voxel_type(const DicomLayout& layout) {
+  if (layout.sop_class == kSegmentation) {
+    reject(layout, "a DICOM segmentation (SEG) is not read; convert it to NIfTI or NRRD labels first");
+  }
+  if (layout.pixels.is_float) {
+    reject(layout, "float DICOM pixel data are not read; convert them to NRRD or NIfTI first");
+  }
+  if (layout.samples != 1 || !layout.photometric.starts_with("MONOCHROME")) {
+    reject(layout, "a colour picture (" + escaped(layout.photometric) + ", " +
+                       std::to_string(layout.samples) + " samples per pixel): grey is read; "
+                       "convert it to grey first");
+  }
+  const std::int64_t bits = layout.bits_allocated;
+  if (bits != 8 && bits != 16 && bits != 32) {
+    reject(layout, std::to_string(bits) + " bits allocated per voxel are not read; 8, 16 and 32 are");
+  }
+  if (layout.bits_stored < 1 || layout.high_bit >= bits || layout.high_bit + 1 < layout.bits_stored) {
+    reject(layout, std::to_string(layout.bits_stored) + " bits stored up to bit " +
+                       std::to_string(layout.high_bit) + " do not fit the " + std::to_string(bits) +
+                       " bits allocated");
+  }
+  if (bits == 8) return layout.is_signed ? VoxelType::int8 : VoxelType::uint8;
+  if (bits == 16) return layout.is_signed ? VoxelType::int16 : VoxelType::uint16;
+  return layout.is_signed ? VoxelType::int32 : VoxelType::uint32;
+}
+
+void check_dicom_pixels(const DicomLayout& layout) {
+  const DicomPixels& pixels = layout.pixels;
+  const auto frames = static_cast<std::uint64_t>(layout.frames);
+  if (!pixels.is_encapsulated) {
+    const std::uint64_t needed = layout.frame_bytes() * frames;
+    if (pixels.native.length >= needed) return;
+    reject(layout, "the pixel data hold " + std::to_string(pixels.native.length) + " bytes, " +
+                       std::to_string(needed) + " are needed for " +
+                       size_text({layout.columns, layout.rows, layout.frames}) + " voxels; the file is cut");
+  }
+  const bool one_each = pixels.fragments.size() == frames;
+  const bool has_table = pixels.frame_offsets.size() == frames;
+  if (pixels.fragments.empty() || (frames > 1 && !one_each && !has_table)) {
+    reject(layout, std::to_string(layout.frames) + " frames, " +
+                       std::to_string(pixels.fragments.size()) +
+                       " compressed fragments and no table that tells which is whose; the file is cut "
+                       "or damaged");
+  }
+}
+
+void read_dicom_frame(const DicomSlice& slice, std::span<std::byte> plane) {
+  if (slice.layout->pixels.is_encapsulated) {
+    decode_frame(slice, plane);
+  } else {
+    read_native(slice, plane);
+  }
+  clean_unused_bits(*slice.layout, plane);
+}
+
+}  // namespace octavo

@@ -1,0 +1,201 @@
+#include "octavo/io/dicom_slice.h"
+
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+
+#include "octavo/core/error.h"
+#include "octavo/io/described_source.h"
+#include "octavo/io/source_file.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr DicomTag kSharedGroups = 0x52009229;
+constexpr DicomTag kPerFrameGroups = 0x52009230;
+constexpr DicomTag kPlanePosition = 0x00209113;
+constexpr DicomTag kPlaneOrientation = 0x00209116;
+constexpr DicomTag kPixelMeasures = 0x00289110;
+constexpr DicomTag kValueTransformation = 0x00289145;
+constexpr std::int64_t kMaxFrames = std::int64_t{1} << 21;
+
+/// Tags that say how the picture was made. None of them names a person, a place, a day or an object.
+struct NamedTag {
+  DicomTag tag;
+  const char* name;
+  bool is_number;
+};
+constexpr NamedTag kAllowed[] = {
+    {0x00080008, "ImageType", false},
+    {0x00080060, "Modality", false},
+    {0x00080070, "Manufacturer", false},
+    {0x00081090, "ManufacturerModelName", false},
+    {0x00180015, "BodyPartExamined", false},
+    {0x00180020, "ScanningSequence", false},
+    {0x00180022, "ScanOptions", false},
+    {0x00180023, "MRAcquisitionType", false},
+    {0x00180050, "SliceThickness", true},
+    {0x00180060, "KVP", true},
+    {0x00180080, "RepetitionTime", true},
+    {0x00180081, "EchoTime", true},
+    {0x00180082, "InversionTime", true},
+    {0x00180087, "MagneticFieldStrength", true},
+    {0x00180088, "SpacingBetweenSlices", true},
+    {0x00181100, "ReconstructionDiameter", true},
+    {0x00181120, "GantryDetectorTilt", true},
+    {0x00181150, "ExposureTime", true},
+    {0x00181151, "XRayTubeCurrent", true},
+    {0x00181152, "Exposure", true},
+    {0x00181160, "FilterType", false},
+    {0x00181210, "ConvolutionKernel", false},
+    {0x00181314, "FlipAngle", true},
+    {0x00185100, "PatientPosition", false},
+    {0x00280004, "PhotometricInterpretation", false},
+    {0x00281050, "WindowCenter", true},
+    {0x00281051, "WindowWidth", true},
+    {0x00281054, "RescaleType", false},
+    {0x00282110, "LossyImageCompression", false},
+    {0x00282112, "LossyImageCompressionRatio", false},
+    {0x00541001, "Units", false},
+};
+
+bool is_lossy_syntax(const std::string& uid) {
+  // JPEG baseline and extended, JPEG-LS near-lossless, JPEG 2000 (which may be either).
+  static const std::set<std::string> kLossy = {"1.2.840.10008.1.2.4.50", "1.2.840.10008.1.2.4.51",
+                                               "1.2.840.10008.1.2.4.81", "1.2.840.10008.1.2.4.91",
+                                               "1.2.840.10008.1.2.4.93"};
+  return kLossy.contains(uid);
+}
+
+[[noreturn]] void reject(const std::string& path, const std::string& why) {
+  throw Error(ErrorKind::source_rejected, why, path);
+}
+
+std::int64_t required(const DicomFile& file, DicomTag tag, const char* name) {
+  const std::optional<std::int64_t> value = file.data.unsigned_value(tag);
+  if (!value) reject(file.path, std::string(name) + " " + dicom_tag_text(tag) + " is missing");
+  return *value;
+}
+
+DicomLayout read_layout(const DicomFile& file) {
+  const DicomSet& data = file.data;
+  DicomLayout layout;
+  layout.path = file.path;
+  layout.transfer_syntax = file.transfer_syntax;
+  layout.big_endian = file.big_endian;
+  layout.sop_class = data.text(0x00080016);
+  layout.series = data.text(0x0020000e);
+  layout.series_description = data.text(0x0008103e);
+  layout.modality = data.text(0x00080060);
+  layout.image_type = data.text(0x00080008);
+  layout.photometric = data.text(0x00280004);
+  layout.rows = required(file, 0x00280010, "Rows");
+  layout.columns = required(file, 0x00280011, "Columns");
+  layout.samples = data.unsigned_value(0x00280002).value_or(1);
+  layout.bits_allocated = required(file, 0x00280100, "Bits Allocated");
+  layout.bits_stored = data.unsigned_value(0x00280101).value_or(layout.bits_allocated);
+  layout.high_bit = data.unsigned_value(0x00280102).value_or(layout.bits_stored - 1);
+  layout.is_signed = data.unsigned_value(0x00280103).value_or(0) == 1;
+  layout.was_lossy = data.text(0x00282110) == "01" || is_lossy_syntax(file.transfer_syntax);
+  layout.slice_thickness_mm = data.decimal(0x00180050);
+  layout.pixels = file.pixels;
+  const double frames = data.decimal(0x00280008).value_or(1);
+  if (!(frames >= 1 && frames <= static_cast<double>(kMaxFrames))) {
+    reject(file.path, "Number of Frames is " + number_text(frames));
+  }
+  layout.frames = static_cast<std::int64_t>(frames);
+  if (layout.rows == 0 || layout.columns == 0) reject(file.path, "a picture without rows or columns");
+  return layout;
+}
+
+/// The first item of a functional group macro: of the frame, else of all frames, else nothing.
+const DicomSet* macro(const DicomSet& shared, const DicomSet& frame, DicomTag tag) {
+  if (!frame.items(tag).empty()) return &frame.items(tag).front();
+  if (!shared.items(tag).empty()) return &shared.items(tag).front();
+  return nullptr;
+}
+
+void take_place(const DicomSet* position, const DicomSet* orientation, const DicomSet* measures,
+                DicomSlice& slice) {
+  if (position != nullptr) {
+    const std::vector<double> mm = position->decimals(0x00200032);
+    if (mm.size() == 3) slice.position_mm = {mm[0], mm[1], mm[2]};
+  }
+  if (orientation != nullptr) {
+    const std::vector<double> v = orientation->decimals(0x00200037);
+    if (v.size() == 6) slice.orientation = {v[0], v[1], v[2], v[3], v[4], v[5]};
+  }
+  if (measures != nullptr) {
+    // Pixel Spacing is "distance of rows \ distance of columns".
+    const std::vector<double> mm = measures->decimals(0x00280030);
+    if (mm.size() == 2) slice.pixel_mm = {mm[1], mm[0]};
+  }
+}
+
+void take_rescale(const DicomSet* set, DicomSlice& slice) {
+  if (set == nullptr) return;
+  slice.rescale.slope = set->decimal(0x00281053).value_or(1);
+  slice.rescale.intercept = set->decimal(0x00281052).value_or(0);
+  slice.rescale_type = set->text(0x00281054);
+}
+
+}  // namespace
+
+std::uint64_t DicomLayout::frame_bytes() const {
+  return static_cast<std::uint64_t>(rows * columns * samples * ((bits_allocated + 7) / 8));
+}
+
+std::string DicomSlice::name() const {
+  const std::string file = escaped(base_name(layout->path));
+  return layout->frames == 1 ? file : file + " frame " + std::to_string(frame + 1);
+}
+
+std::vector<DicomSlice> read_dicom_slices(const std::string& path) {
+  const DicomFile file = read_dicom_file(path);
+  if (!file.pixels.is_present) return {};
+  const auto layout = std::make_shared<const DicomLayout>(read_layout(file));
+  const std::vector<DicomSet>& shared_items = file.data.items(kSharedGroups);
+  const std::vector<DicomSet>& frame_items = file.data.items(kPerFrameGroups);
+  const DicomSet none;
+  const DicomSet& shared = shared_items.empty() ? none : shared_items.front();
+  std::vector<DicomSlice> slices;
+  for (std::int64_t i = 0; i < layout->frames; ++i) {
+    const auto item = static_cast<std::size_t>(i);
+    DicomSlice slice;
+    slice.layout = layout;
+    slice.frame = i;
+    if (!shared_items.empty() || !frame_items.empty()) {
+      const DicomSet& own = item < frame_items.size() ? frame_items[item] : none;
+      take_place(macro(shared, own, kPlanePosition), macro(shared, own, kPlaneOrientation),
+                 macro(shared, own, kPixelMeasures), slice);
+      take_rescale(macro(shared, own, kValueTransformation), slice);
+    } else {
+      // Without functional groups one position cannot be that of several frames.
+      take_place(layout->frames == 1 ? &file.data : nullptr, &file.data, &file.data, slice);
+      take_rescale(&file.data, slice);
+      slice.instance_number = file.data.decimal(0x00200013);
+    }
+    slices.push_back(std::move(slice));
+  }
+  return slices;
+}
+
+std::string dicom_metadata_json(const std::string& path) {
+  const DicomFile file = read_dicom_file(path);
+  nlohmann::json tags = nlohmann::json::object();
+  for (const NamedTag& allowed : kAllowed) {
+    if (!file.data.has(allowed.tag)) continue;
+    const std::vector<double> numbers = file.data.decimals(allowed.tag);
+    if (allowed.is_number && numbers.size() == 1) {
+      tags[allowed.name] = numbers.front();
+    } else if (allowed.is_number && !numbers.empty()) {
+      tags[allowed.name] = numbers;
+    } else if (const std::string text = file.data.text(allowed.tag); !text.empty()) {
+      tags[allowed.name] = text;
+    }
+  }
+  return tags.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace octavo

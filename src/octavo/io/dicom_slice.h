@@ -1,0 +1,67 @@
+// One picture of a DICOM series: what its header says about layout, place and meaning of its voxels.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "octavo/core/geometry.h"
+#include "octavo/core/volume.h"
+#include "octavo/io/dicom_file.h"
+
+namespace octavo {
+
+/// What all frames of one file share.
+struct DicomLayout {
+  std::string path;
+  std::string transfer_syntax;
+  bool big_endian = false;
+  std::string sop_class;
+  std::string series;
+  std::string series_description;
+  std::string modality;
+  std::string image_type;
+  std::string photometric;
+  std::int64_t columns = 0;
+  std::int64_t rows = 0;
+  std::int64_t frames = 1;
+  std::int64_t samples = 1;
+  std::int64_t bits_allocated = 0;
+  std::int64_t bits_stored = 0;
+  std::int64_t high_bit = 0;
+  bool is_signed = false;
+  bool was_lossy = false;        ///< the header or the transfer syntax says that values were changed
+  std::optional<double> slice_thickness_mm;
+  DicomPixels pixels;
+
+  /// Bytes of one frame as stored natively.
+  std::uint64_t frame_bytes() const;
+};
+
+/// One frame.
+struct DicomSlice {
+  std::shared_ptr<const DicomLayout> layout;
+  std::int64_t frame = 0;
+  std::optional<Point3> position_mm;                  ///< of the centre of its first voxel, LPS
+  std::optional<std::array<double, 6>> orientation;   ///< direction of rows, then of columns
+  std::optional<std::array<double, 2>> pixel_mm;      ///< along x (columns), y (rows)
+  Rescale rescale;
+  std::string rescale_type;
+  std::optional<double> instance_number;
+
+  /// The file's name, with the frame where it has several.
+  std::string name() const;
+};
+
+/// The slices of one file in frame order, geometry and rescale from the functional groups where it has
+/// them. None when the file holds no pixel data (reports, directories).
+/// Throws Error{source_rejected} where the file is cut or its header makes no sense; Error{io}
+std::vector<DicomSlice> read_dicom_slices(const std::string& path);
+
+/// The tags of an allow-list as a JSON object: how the picture was made, never who is in it.
+std::string dicom_metadata_json(const std::string& path);
+
+}  // namespace octavo

@@ -1,0 +1,125 @@
+#include "octavo/io/dicom_source.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+
+#include "octavo/io/dicom_pixels.h"
+#include "octavo/io/dicom_series.h"
+#include "octavo/io/source_file.h"
+
+namespace octavo {
+
+namespace {
+
+class DicomSource final : public IndexedPlaneSource {
+ public:
+  DicomSource(SourceFacts facts, std::vector<DicomSlice> slices)
+      : IndexedPlaneSource(std::move(facts)), slices_(std::move(slices)) {}
+
+  void read_plane_at(std::int64_t z, std::span<std::byte> plane) const override {
+    require_plane(plane);
+    read_dicom_frame(slices_[static_cast<std::size_t>(z)], plane);
+  }
+
+ private:
+  std::vector<DicomSlice> slices_;
+};
+
+std::vector<DicomSlice> collect_slices(const std::vector<std::string>& files,
+                                       std::vector<std::string>& warnings) {
+  std::vector<DicomSlice> slices;
+  std::size_t without_picture = 0;
+  for (const std::string& path : files) {
+    if (!looks_like_dicom(path)) {
+      if (files.size() > 1 && !has_ending(path, ".dcm")) continue;
+      throw Error(ErrorKind::source_rejected,
+                  SourceFile(path).size() == 0
+                      ? "the file is empty"
+                      : "not a DICOM file: the DICM mark is missing; remove it from the folder",
+                  path);
+    }
+    std::vector<DicomSlice> found = read_dicom_slices(path);
+    if (found.empty()) ++without_picture;
+    std::move(found.begin(), found.end(), std::back_inserter(slices));
+  }
+  if (without_picture > 0 && !slices.empty()) {
+    warnings.push_back(std::to_string(without_picture) +
+                       " DICOM files without a picture (directories, reports) left out");
+  }
+  return slices;
+}
+
+/// The unit of real values: Hounsfield units for CT unless the file says otherwise.
+std::string unit_of(const DicomSlice& slice) {
+  const std::string& type = slice.rescale_type;
+  if (!type.empty() && type != "US") return type;
+  return slice.layout->modality == "CT" && type != "US" ? "HU" : "";
+}
+
+std::string extra_json(const DicomSlice& slice, bool was_lossy) {
+  nlohmann::json extra;
+  extra["dicom"] = nlohmann::json::parse(dicom_metadata_json(slice.layout->path));
+  if (was_lossy) extra["lossy_source"] = true;
+  return extra.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+SourceFacts describe(const DicomStack& stack) {
+  const DicomSlice& first = stack.slices.front();
+  const DicomLayout& layout = *first.layout;
+  SourceFacts facts;
+  facts.format = "DICOM";
+  facts.description.type = dicom_voxel_type(layout);
+  facts.description.size = {layout.columns, layout.rows,
+                            static_cast<std::int64_t>(stack.slices.size())};
+  facts.description.geometry = stack.geometry;
+  facts.description.rescale = first.rescale;
+  facts.spacing_known = stack.spacing_known;
+  facts.unit = unit_of(first);
+  std::set<std::string> paths;
+  bool was_lossy = false;
+  for (const DicomSlice& slice : stack.slices) {
+    paths.insert(slice.layout->path);
+    was_lossy = was_lossy || slice.layout->was_lossy;
+  }
+  facts.file_count = static_cast<std::int64_t>(paths.size());
+  if (was_lossy) {
+    facts.warnings.push_back(
+        "some slices were compressed with loss before they came here; what is kept is what is left");
+  }
+  if (layout.photometric == "MONOCHROME1") {
+    facts.warnings.push_back("larger values are darker in these files (MONOCHROME1); kept as stored");
+  }
+  if (layout.image_type.find("MOSAIC") != std::string::npos) {
+    facts.warnings.push_back(
+        "a mosaic: each picture holds several slices side by side, which are not taken apart");
+  }
+  facts.extra_json = extra_json(first, was_lossy);
+  return facts;
+}
+
+}  // namespace
+
+std::unique_ptr<PlaneSource> open_dicom_source(const std::vector<std::string>& files,
+                                               const std::string& source,
+                                               const SourceOptions& options) {
+  std::vector<std::string> warnings;
+  std::vector<DicomSlice> slices = collect_slices(files, warnings);
+  if (slices.empty()) {
+    throw Error(ErrorKind::source_rejected, "no DICOM file with a picture found", source);
+  }
+  slices = choose_series(std::move(slices), options.series, source);
+  for (const DicomSlice& slice : slices) {
+    dicom_voxel_type(*slice.layout);
+    check_dicom_pixels(*slice.layout);
+  }
+  DicomStack stack = prove_stack(std::move(slices), options.spacing_mm.has_value());
+  SourceFacts facts = describe(stack);
+  facts.warnings.insert(facts.warnings.begin(), warnings.begin(), warnings.end());
+  facts.warnings.insert(facts.warnings.end(), stack.warnings.begin(), stack.warnings.end());
+  settle(facts, options, source);
+  return std::make_unique<DicomSource>(std::move(facts), std::move(stack.slices));
+}
+
+}  // namespace octavo

@@ -1,0 +1,20 @@
+// A DICOM series: one plane per slice or frame, in spatial order.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "octavo/io/described_source.h"
+
+namespace octavo {
+
+/// files   candidates in any order; those that are not DICOM, or hold no picture, are passed over
+/// source  the name the user gave, for messages about all of them
+/// Every header is read and proven first; voxels stay in the files until their plane is asked for.
+/// Throws Error{source_rejected} as choose_series, prove_stack and dicom_voxel_type do; Error{io}
+std::unique_ptr<PlaneSource> open_dicom_source(const std::vector<std::string>& files,
+                                               const std::string& source,
+                                               const SourceOptions& options);
+
+}  // namespace octavo

@@ -1,0 +1,197 @@
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+
+#include "octavo/io/export_target.h"
+#include "octavo/io/pending_file.h"
+#include "octavo/io/source_file.h"
+#include "octavo/io/tiff_output.h"
+
+namespace octavo {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Above this many voxel bytes a file is a BigTIFF: even expanded by deflate it stays below 2^32
+/// otherwise.
+constexpr std::uint64_t kBigTiffBytes = 4'000'000'000;
+
+/// Calls `take(plane)` for each of the planes.
+template <class F>
+void for_each_plane(const ExportPlan& plan, std::span<const std::uint8_t> planes, F&& take) {
+  const auto step = static_cast<std::size_t>(plan.plane_bytes());
+  for (std::size_t at = 0; at < planes.size(); at += step) take(planes.subspan(at, step));
+}
+
+class TiffPagesTarget final : public ExportTarget {
+ public:
+  TiffPagesTarget(Storage& storage, const std::string& path, const ExportPlan& plan) : plan_(plan) {
+    require_free(storage, path, plan.overwrite);
+    file_ = std::make_unique<PendingFile>(storage, path);
+    tiff_.emplace(file_->file(), plan.voxel_bytes() > kBigTiffBytes);
+  }
+
+  void write_planes(std::span<const std::uint8_t> planes) override {
+    for_each_plane(plan_, planes, [&](std::span<const std::uint8_t> plane) {
+      tiff_->add_page(plan_, deflate_page(plan_, plane),
+                      is_first_ ? tiff_description(plan_, plan_.size.z) : std::string());
+      is_first_ = false;
+    });
+  }
+
+  std::vector<std::string> finish() override {
+    tiff_->finish();
+    file_->seal();
+    file_->publish(plan_.overwrite);
+    return {file_->path()};
+  }
+
+  std::uint64_t bytes() const override { return file_->size(); }
+
+ private:
+  ExportPlan plan_;
+  bool is_first_ = true;
+  std::unique_ptr<PendingFile> file_;
+  std::optional<TiffOutput> tiff_;
+};
+
+constexpr std::string_view kPlanePrefix = "plane_";
+
+/// "plane_0007.tif", with as many digits as the last plane needs, at least four.
+std::string plane_name(std::int64_t z, std::int64_t plane_count) {
+  const std::size_t width = std::max<std::size_t>(4, std::to_string(plane_count - 1).size());
+  const std::string digits = std::to_string(z);
+  return std::string(kPlanePrefix) + std::string(width - digits.size(), '0') + digits + ".tif";
+}
+
+bool is_plane_name(const std::string& name) {
+  if (!name.starts_with(kPlanePrefix) || !name.ends_with(".tif")) return false;
+  const std::string digits =
+      name.substr(kPlanePrefix.size(), name.size() - kPlanePrefix.size() - 4);
+  return !digits.empty() && digits.find_first_not_of("0123456789") == std::string::npos;
+}
+
+[[noreturn]] void fail(const std::string& path, const std::string& doing,
+                       const std::error_code& reason) {
+  throw Error(ErrorKind::io, doing + ": " + reason.message(), path);
+}
+
+/// Proves that `folder` may become the stack: it is absent or empty, or may be replaced and holds
+/// planes of an earlier stack and nothing else. Returns whether there is such an earlier stack.
+bool check_folder(const std::string& folder, bool overwrite) {
+  std::error_code failure;
+  if (!fs::exists(folder, failure)) return false;
+  if (!fs::is_directory(folder, failure)) {
+    throw Error(ErrorKind::io, "is a file; a TIFF stack needs a folder", folder);
+  }
+  bool has_planes = false;
+  fs::directory_iterator it(folder, failure);
+  for (; !failure && it != fs::directory_iterator(); it.increment(failure)) {
+    has_planes = true;
+    if (!overwrite) {
+      throw Error(ErrorKind::io, "the folder is not empty; --force replaces an earlier stack",
+                  folder);
+    }
+    const std::string name = it->path().filename().string();
+    if (!is_plane_name(name)) {
+      throw Error(ErrorKind::io,
+                  "the folder holds " + escaped(name) +
+                      ", which is no plane of a stack; it is not replaced, name another folder",
+                  folder);
+    }
+  }
+  if (failure) fail(folder, "cannot list the folder", failure);
+  return has_planes;
+}
+
+/// The stack grows in a folder beside its own, which takes the name when all planes are on disk.
+class TiffFolderTarget final : public ExportTarget {
+ public:
+  TiffFolderTarget(Storage& storage, std::string folder, const ExportPlan& plan)
+      : storage_(storage), plan_(plan), folder_(std::move(folder)) {
+    check_folder(folder_, plan_.overwrite);
+    temporary_ = temporary_path(folder_);
+    std::error_code failure;
+    if (!fs::create_directory(temporary_, failure)) {
+      if (!failure) failure = std::make_error_code(std::errc::file_exists);
+      fail(temporary_, "cannot make the folder", failure);
+    }
+  }
+
+  ~TiffFolderTarget() override {
+    std::error_code ignored;
+    if (!is_published_) fs::remove_all(temporary_, ignored);
+  }
+
+  void write_planes(std::span<const std::uint8_t> planes) override {
+    for_each_plane(plan_, planes, [&](std::span<const std::uint8_t> plane) { write_file(plane); });
+  }
+
+  std::vector<std::string> finish() override {
+    storage_.sync_folder(temporary_);
+    if (check_folder(folder_, plan_.overwrite)) {
+      replace_earlier();
+    } else {
+      storage_.rename(temporary_, folder_);
+    }
+    is_published_ = true;
+    storage_.sync_folder(folder_of(folder_));
+    std::vector<std::string> files;
+    for (std::int64_t z = 0; z < plan_.size.z; ++z) {
+      files.push_back(folder_ + "/" + plane_name(z, plan_.size.z));
+    }
+    return files;
+  }
+
+  std::uint64_t bytes() const override { return bytes_; }
+
+ private:
+  void write_file(std::span<const std::uint8_t> plane) {
+    const auto file =
+        storage_.create_exclusive(temporary_ + "/" + plane_name(next_plane_++, plan_.size.z));
+    TiffOutput tiff(*file, plan_.plane_bytes() > kBigTiffBytes);
+    tiff.add_page(plan_, deflate_page(plan_, plane), tiff_description(plan_, 1));
+    tiff.finish();
+    bytes_ += file->size();
+    file->sync();
+    file->close();
+  }
+
+  void replace_earlier() {
+    const std::string earlier = temporary_ + "-earlier";
+    storage_.rename(folder_, earlier);
+    try {
+      storage_.rename(temporary_, folder_);
+    } catch (...) {
+      storage_.rename(earlier, folder_);
+      throw;
+    }
+    std::error_code failure;
+    fs::remove_all(earlier, failure);
+    if (failure) fail(earlier, "cannot remove the earlier stack", failure);
+  }
+
+  Storage& storage_;
+  ExportPlan plan_;
+  std::string folder_;
+  std::string temporary_;
+  std::int64_t next_plane_ = 0;
+  std::uint64_t bytes_ = 0;
+  bool is_published_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<ExportTarget> make_tiff_target(Storage& storage, const std::string& path,
+                                               const ExportPlan& plan) {
+  if (!path.ends_with('/') && !is_folder(path) &&
+      (has_ending(path, ".tif") || has_ending(path, ".tiff"))) {
+    return std::make_unique<TiffPagesTarget>(storage, path, plan);
+  }
+  std::string folder = path;
+  while (folder.size() > 1 && folder.ends_with('/')) folder.pop_back();
+  return std::make_unique<TiffFolderTarget>(storage, folder, plan);
+}
+
+}  // namespace octavo

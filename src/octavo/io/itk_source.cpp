@@ -1,0 +1,140 @@
+#include "octavo/io/itk_source.h"
+
+#include <itkGiplImageIO.h>
+#include <itkVTKImageIO.h>
+
+#include <algorithm>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+#include "octavo/core/checked.h"
+#include "octavo/core/levels.h"
+#include "octavo/io/source_file.h"
+#include "octavo/io/voxel_stream.h"
+
+namespace octavo {
+
+namespace {
+
+[[noreturn]] void reject(const std::string& path, const std::string& why) {
+  throw Error(ErrorKind::source_rejected, why, path);
+}
+
+std::optional<VoxelType> voxel_type_of(itk::IOComponentEnum component) {
+  switch (component) {
+    case itk::IOComponentEnum::CHAR: return VoxelType::int8;
+    case itk::IOComponentEnum::UCHAR: return VoxelType::uint8;
+    case itk::IOComponentEnum::SHORT: return VoxelType::int16;
+    case itk::IOComponentEnum::USHORT: return VoxelType::uint16;
+    case itk::IOComponentEnum::INT: return VoxelType::int32;
+    case itk::IOComponentEnum::UINT: return VoxelType::uint32;
+    case itk::IOComponentEnum::FLOAT: return VoxelType::float32;
+    default: return std::nullopt;
+  }
+}
+
+itk::ImageIOBase::Pointer reader_for(const std::string& path) {
+  if (has_ending(path, ".gipl") || has_ending(path, ".gipl.gz")) {
+    return itk::GiplImageIO::New().GetPointer();
+  }
+  return itk::VTKImageIO::New().GetPointer();
+}
+
+/// ITK's first line of an exception.
+std::string reason(const itk::ExceptionObject& failure) {
+  const std::string text = failure.GetDescription();
+  return escaped(text.substr(0, text.find('\n')));
+}
+
+SourceFacts describe(const itk::ImageIOBase& io, const std::string& path) {
+  SourceFacts facts;
+  facts.format = has_ending(path, ".vtk") ? "VTK" : "GIPL";
+  const unsigned dimensions = io.GetNumberOfDimensions();
+  if (dimensions < 2 || dimensions > 3) {
+    reject(path, std::to_string(dimensions) + " dimensions: only volumes of 2 or 3 are read");
+  }
+  if (io.GetNumberOfComponents() != 1 || io.GetPixelType() != itk::IOPixelEnum::SCALAR) {
+    reject(path, std::to_string(io.GetNumberOfComponents()) +
+                     " values per voxel (colour or vectors): one is read; take out one first");
+  }
+  const std::optional<VoxelType> type = voxel_type_of(io.GetComponentType());
+  if (!type) {
+    reject(path, "voxels of type " + itk::ImageIOBase::GetComponentTypeAsString(io.GetComponentType()) +
+                     " are not read; integers of 8, 16 or 32 bits and float are");
+  }
+  VolumeDescription& description = facts.description;
+  description.type = *type;
+  description.size.z = 1;
+  for (unsigned axis = 0; axis < dimensions; ++axis) {
+    description.size[static_cast<int>(axis)] = static_cast<std::int64_t>(io.GetDimensions(axis));
+    description.geometry.spacing_mm[axis] = io.GetSpacing(axis);
+    description.geometry.origin_mm[axis] = io.GetOrigin(axis);
+    const std::vector<double> direction = io.GetDirection(axis);
+    for (unsigned row = 0; row < dimensions; ++row) {
+      description.geometry.direction[row * 3 + axis] = direction[row];
+    }
+  }
+  facts.spacing_known = true;
+  return facts;
+}
+
+class LoadedSource final : public DescribedSource {
+ public:
+  LoadedSource(SourceFacts facts, std::vector<std::byte> voxels)
+      : DescribedSource(std::move(facts)), voxels_(std::move(voxels)) {}
+
+  void read_plane(std::span<std::byte> plane) override {
+    require_plane(plane);
+    const auto z = static_cast<std::size_t>(take_plane_index());
+    std::memcpy(plane.data(), voxels_.data() + z * plane.size(), plane.size());
+  }
+  std::uint64_t resident_bytes() const override { return voxels_.size(); }
+
+ private:
+  std::vector<std::byte> voxels_;
+};
+
+/// ITK fills what a cut file lacks without a word; a binary file must hold its voxels.
+void check_length(const itk::ImageIOBase& io, const std::string& path, std::uint64_t voxel_bytes) {
+  if (io.GetFileType() == itk::IOFileEnum::ASCII) {
+    reject(path, "voxels written as text are not read; convert the file to binary");
+  }
+  if (is_gzip_file(path)) {
+    check_gzip_length(path, voxel_bytes);
+    return;
+  }
+  const std::uint64_t found = SourceFile(path).size();
+  if (found >= voxel_bytes) return;
+  reject(path, "the file is too short: " + std::to_string(voxel_bytes) + " bytes of voxels needed, " +
+                   std::to_string(found) + " found; it is cut");
+}
+
+}  // namespace
+
+bool is_itk_name(const std::string& path) {
+  return has_ending(path, ".vtk") || has_ending(path, ".gipl") || has_ending(path, ".gipl.gz");
+}
+
+std::unique_ptr<PlaneSource> open_itk_source(const std::string& path, const SourceOptions& options) {
+  const SourceFile probe(path);
+  const itk::ImageIOBase::Pointer io = reader_for(path);
+  try {
+    io->SetFileName(path);
+    if (!io->CanReadFile(path.c_str())) reject(path, "ITK does not recognise it: damaged, or another format");
+    io->ReadImageInformation();
+    SourceFacts facts = describe(*io, path);
+    settle(facts, options, path);
+    const std::uint64_t bytes = checked_mul(plane_bytes(facts.description),
+                                            static_cast<std::uint64_t>(facts.description.size.z), "volume");
+    check_memory(bytes, options, path);
+    check_length(*io, path, bytes);
+    std::vector<std::byte> voxels(bytes);
+    io->Read(voxels.data());
+    return std::make_unique<LoadedSource>(std::move(facts), std::move(voxels));
+  } catch (const itk::ExceptionObject& failure) {
+    reject(path, "ITK cannot read it: " + reason(failure));
+  }
+}
+
+}  // namespace octavo

@@ -1,0 +1,195 @@
+#include "octavo/io/meta_source.h"
+
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "octavo/core/levels.h"
+#include "octavo/io/header_text.h"
+#include "octavo/io/source_file.h"
+#include "octavo/io/streamed_source.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 16;
+
+[[noreturn]] void reject(const std::string& path, const std::string& why) {
+  throw Error(ErrorKind::source_rejected, why, path);
+}
+
+/// The fields of a header up to ElementDataFile, and where the bytes behind it start.
+class MetaHeader {
+ public:
+  explicit MetaHeader(const std::string& path) : path_(path) {
+    const std::vector<std::byte> head = file_head(path, kMaxHeaderBytes);
+    const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
+    std::size_t at = 0;
+    while (at < text.size()) {
+      const std::size_t end = std::min(text.find('\n', at), text.size());
+      const std::string_view line = text.substr(at, end - at);
+      at = std::min(end + 1, text.size());
+      const std::size_t equals = line.find('=');
+      if (equals == std::string_view::npos) {
+        if (trimmed(line).empty()) continue;
+        break;
+      }
+      const std::string name(trimmed(line.substr(0, equals)));
+      fields_[name] = trimmed(line.substr(equals + 1));
+      if (name == "ElementDataFile") {
+        data_offset_ = at;
+        return;
+      }
+    }
+    reject(path, "not a MetaImage header: no ElementDataFile line found");
+  }
+
+  const std::string& path() const { return path_; }
+  std::uint64_t data_offset() const { return data_offset_; }
+  bool has(const std::string& name) const { return fields_.contains(name); }
+
+  /// The first of several spellings that is there, as a field; an empty value when none is.
+  FieldText field(std::initializer_list<const char*> names) const {
+    for (const char* name : names) {
+      const auto found = fields_.find(name);
+      if (found != fields_.end()) return {path_, found->first, found->second};
+    }
+    return {path_, *names.begin(), {}};
+  }
+
+  std::string text(const std::string& name) const { return std::string(field({name.c_str()}).value); }
+  bool is_true(std::initializer_list<const char*> names) const {
+    const std::string_view value = field(names).value;
+    return !value.empty() && (value[0] == 'T' || value[0] == 't' || value[0] == '1');
+  }
+
+ private:
+  std::string path_;
+  std::map<std::string, std::string> fields_;
+  std::uint64_t data_offset_ = 0;
+};
+
+VoxelType voxel_type_of(const MetaHeader& header) {
+  static const std::map<std::string, VoxelType> kTypes = {
+      {"MET_CHAR", VoxelType::int8},    {"MET_UCHAR", VoxelType::uint8},
+      {"MET_SHORT", VoxelType::int16},  {"MET_USHORT", VoxelType::uint16},
+      {"MET_INT", VoxelType::int32},    {"MET_UINT", VoxelType::uint32},
+      {"MET_FLOAT", VoxelType::float32}};
+  const std::string name = header.text("ElementType");
+  const auto found = kTypes.find(name);
+  if (found == kTypes.end()) {
+    reject(header.path(), "voxel type \"" + escaped(name) + "\" is not supported; integers of 8, "
+                          "16 or 32 bits or MET_FLOAT are");
+  }
+  return found->second;
+}
+
+Size3 read_size(const MetaHeader& header) {
+  const std::vector<std::int64_t> size = header.field({"DimSize"}).integers();
+  const std::int64_t dimensions = header.field({"NDims"}).integer();
+  if (static_cast<std::int64_t>(size.size()) != dimensions || dimensions < 2) {
+    reject(header.path(), "NDims is " + std::to_string(dimensions) + ", DimSize has " +
+                              std::to_string(size.size()) + " numbers");
+  }
+  if (dimensions > 3) {
+    reject(header.path(), std::to_string(dimensions) +
+                              " dimensions: only volumes of 2 or 3 are read; take out one first");
+  }
+  return {size[0], size[1], dimensions == 3 ? size[2] : 1};
+}
+
+/// Spacing, origin and directions; a 2-D image lies in the plane z = 0.
+bool read_geometry(const MetaHeader& header, std::size_t dimensions, Geometry& geometry) {
+  const FieldText spacing = header.field({"ElementSpacing", "ElementSize"});
+  const FieldText origin = header.field({"Offset", "Position", "Origin"});
+  const FieldText matrix = header.field({"TransformMatrix", "Rotation", "Orientation"});
+  if (!spacing.value.empty()) {
+    const std::vector<double> mm = spacing.numbers(dimensions);
+    for (std::size_t axis = 0; axis < dimensions; ++axis) geometry.spacing_mm[axis] = mm[axis];
+  }
+  if (!origin.value.empty()) {
+    const std::vector<double> mm = origin.numbers(dimensions);
+    for (std::size_t axis = 0; axis < dimensions; ++axis) geometry.origin_mm[axis] = mm[axis];
+  }
+  if (!matrix.value.empty()) {
+    const std::vector<double> rows = matrix.numbers(dimensions * dimensions);
+    for (std::size_t axis = 0; axis < dimensions; ++axis) {
+      for (std::size_t row = 0; row < dimensions; ++row) {
+        geometry.direction[row * 3 + axis] = rows[axis * dimensions + row];
+      }
+    }
+  }
+  return !spacing.value.empty();
+}
+
+void refuse_unreadable(const MetaHeader& header) {
+  const FieldText channels = header.field({"ElementNumberOfChannels"});
+  if (!channels.value.empty() && channels.integer() != 1) {
+    reject(header.path(), std::string(channels.value) +
+                              " channels per voxel (colour, vector or complex): one is read; "
+                              "take out one channel first");
+  }
+  if (header.has("BinaryData") && !header.is_true({"BinaryData"})) {
+    reject(header.path(), "voxels written as text are not read; convert the file to binary");
+  }
+}
+
+VoxelRun locate_voxels(const MetaHeader& header, std::uint64_t voxel_bytes) {
+  VoxelRun run;
+  const std::string data = header.text("ElementDataFile");
+  const std::string lower = lower_case(data);
+  if (lower == "local") {
+    run.path = header.path();
+    run.start_offset = header.data_offset();
+  } else if (lower.starts_with("list") || data.find('%') != std::string::npos) {
+    reject(header.path(), "a MetaImage that lists one file per plane is not read; give the planes "
+                          "with --raw");
+  } else {
+    run.path = sibling_path(header.path(), data);
+  }
+  run.big_endian = header.is_true({"ElementByteOrderMSB", "BinaryDataByteOrderMSB"});
+  if (header.is_true({"CompressedData"})) run.coding = StreamCoding::deflated;
+  const FieldText header_size = header.field({"HeaderSize"});
+  if (header_size.value.empty()) return run;
+  const std::int64_t bytes = header_size.integer();
+  if (bytes == -1 && run.coding == StreamCoding::plain) {
+    const std::uint64_t length = SourceFile(run.path).size();
+    if (length < voxel_bytes) reject(run.path, "the file is shorter than its voxels: it is cut");
+    run.start_offset = length - voxel_bytes;
+  } else if (bytes > 0) {
+    run.start_offset = static_cast<std::uint64_t>(bytes);
+  } else if (bytes < 0) {
+    reject(header.path(), "HeaderSize " + std::to_string(bytes) + " is not usable");
+  }
+  return run;
+}
+
+}  // namespace
+
+std::unique_ptr<PlaneSource> open_meta_source(const std::string& path,
+                                              const SourceOptions& options) {
+  const MetaHeader header(path);
+  refuse_unreadable(header);
+  SourceFacts facts;
+  facts.format = "MetaImage";
+  VolumeDescription& description = facts.description;
+  description.type = voxel_type_of(header);
+  description.size = read_size(header);
+  const std::size_t dimensions = header.field({"DimSize"}).integers().size();
+  facts.spacing_known = read_geometry(header, dimensions, description.geometry);
+  if (header.has("ElementToIntensityFunctionSlope")) {
+    description.rescale.slope = header.field({"ElementToIntensityFunctionSlope"}).numbers(1)[0];
+  }
+  if (header.has("ElementToIntensityFunctionOffset")) {
+    description.rescale.intercept = header.field({"ElementToIntensityFunctionOffset"}).numbers(1)[0];
+  }
+  const std::int64_t voxels = checked_voxel_count(description.size);
+  const VoxelRun run = locate_voxels(
+      header, static_cast<std::uint64_t>(voxels * bytes_per_voxel(description.type)));
+  if (run.path != path) facts.file_count = 2;
+  settle(facts, options, path);
+  return make_streamed_source(std::move(facts), run);
+}
+
+}  // namespace octavo

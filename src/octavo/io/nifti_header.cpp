@@ -1,0 +1,232 @@
+#include "octavo/io/nifti_header.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <span>
+
+#include "octavo/core/error.h"
+#include "octavo/io/byte_order.h"
+#include "octavo/io/source_file.h"
+#include "octavo/io/voxel_stream.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::size_t kHeader1Bytes = 348;
+constexpr std::size_t kHeader2Bytes = 540;
+constexpr double kFormTolerance = 1e-3;
+
+/// Reads values at fixed offsets.
+class FieldReader {
+ public:
+  FieldReader(std::span<const std::byte> bytes, bool big_endian)
+      : bytes_(bytes), swap_(needs_swap(big_endian)) {}
+
+  template <class T>
+  T at(std::size_t offset) const {
+    std::array<std::byte, sizeof(T)> raw{};
+    std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(offset), sizeof(T), raw.begin());
+    if (swap_) std::reverse(raw.begin(), raw.end());
+    T value;
+    std::memcpy(&value, raw.data(), sizeof(T));
+    return value;
+  }
+
+  template <class T, class Array>
+  void fill(std::size_t offset, Array& target) const {
+    for (std::size_t i = 0; i < target.size(); ++i) {
+      target[i] = static_cast<typename Array::value_type>(at<T>(offset + i * sizeof(T)));
+    }
+  }
+
+ private:
+  std::span<const std::byte> bytes_;
+  bool swap_;
+};
+
+NiftiHeader parse_version_1(const FieldReader& read) {
+  NiftiHeader h;
+  read.fill<std::int16_t>(40, h.dim);
+  h.intent = read.at<std::int16_t>(68);
+  h.datatype = read.at<std::int16_t>(70);
+  read.fill<float>(76, h.pixdim);
+  h.voxel_offset = static_cast<std::int64_t>(
+      std::clamp(read.at<float>(108), 0.0F, 1e15F));
+  h.slope = static_cast<double>(read.at<float>(112));
+  h.intercept = static_cast<double>(read.at<float>(116));
+  h.spatial_unit = read.at<std::uint8_t>(123) & 7;
+  h.qform_code = read.at<std::int16_t>(252);
+  h.sform_code = read.at<std::int16_t>(254);
+  read.fill<float>(256, h.quaternion);
+  read.fill<float>(268, h.qoffset);
+  read.fill<float>(280, h.srow);
+  return h;
+}
+
+NiftiHeader parse_version_2(const FieldReader& read) {
+  NiftiHeader h;
+  h.version = 2;
+  h.datatype = read.at<std::int16_t>(12);
+  read.fill<std::int64_t>(16, h.dim);
+  read.fill<double>(104, h.pixdim);
+  h.voxel_offset = read.at<std::int64_t>(168);
+  h.slope = read.at<double>(176);
+  h.intercept = read.at<double>(184);
+  h.qform_code = read.at<std::int32_t>(344);
+  h.sform_code = read.at<std::int32_t>(348);
+  read.fill<double>(352, h.quaternion);
+  read.fill<double>(376, h.qoffset);
+  read.fill<double>(400, h.srow);
+  h.spatial_unit = read.at<std::int32_t>(500) & 7;
+  h.intent = read.at<std::int32_t>(504);
+  return h;
+}
+
+[[noreturn]] void reject(const std::string& path, const std::string& why) {
+  throw Error(ErrorKind::source_rejected, why, path);
+}
+
+/// A 3x4 matrix from index to world in RAS and the header's unit.
+using Affine = std::array<double, 12>;
+
+Affine qform_affine(const NiftiHeader& h) {
+  const auto [b, c, d] = h.quaternion;
+  const double a = std::sqrt(std::max(0.0, 1.0 - (b * b + c * c + d * d)));
+  const double qfac = h.pixdim[0] < 0 ? -1.0 : 1.0;
+  const std::array<double, 9> r = {
+      a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c),
+      2 * (b * c + a * d), a * a + c * c - b * b - d * d, 2 * (c * d - a * b),
+      2 * (b * d - a * c), 2 * (c * d + a * b), a * a + d * d - b * b - c * c};
+  Affine m{};
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double sign = axis == 2 ? qfac : 1.0;
+      m[row * 4 + axis] = r[row * 3 + axis] * sign * std::abs(h.pixdim[axis + 1]);
+    }
+    m[row * 4 + 3] = h.qoffset[row];
+  }
+  return m;
+}
+
+double column_length(const Affine& m, std::size_t axis) {
+  return std::sqrt(m[axis] * m[axis] + m[4 + axis] * m[4 + axis] + m[8 + axis] * m[8 + axis]);
+}
+
+/// True when the axes are independent of one another and perpendicular.
+bool is_perpendicular(const Affine& m) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::size_t b = (a + 1) % 3;
+    const double dot = m[a] * m[b] + m[4 + a] * m[4 + b] + m[8 + a] * m[8 + b];
+    const double scale = column_length(m, a) * column_length(m, b);
+    if (!(scale > 0) || std::abs(dot) > kFormTolerance * scale) return false;
+  }
+  return true;
+}
+
+bool forms_agree(const Affine& s, const Affine& q) {
+  for (std::size_t i = 0; i < 12; ++i) {
+    const double scale = i % 4 == 3 ? std::max(column_length(s, 0), 1e-6) * 10
+                                    : std::max(column_length(s, i % 4), 1e-6);
+    if (std::abs(s[i] - q[i]) > 10 * kFormTolerance * scale) return false;
+  }
+  return true;
+}
+
+void take_affine(const Affine& m, double unit_mm, Geometry& geometry) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double length = column_length(m, axis);
+    geometry.spacing_mm[axis] = length * unit_mm;
+    for (std::size_t row = 0; row < 3; ++row) {
+      const double to_lps = row < 2 ? -1.0 : 1.0;
+      const double value = to_lps * m[row * 4 + axis] / length;
+      geometry.direction[row * 3 + axis] = value == 0 ? 0.0 : value;
+    }
+  }
+  for (std::size_t row = 0; row < 3; ++row) {
+    const double value = (row < 2 ? -1.0 : 1.0) * m[row * 4 + 3] * unit_mm;
+    geometry.origin_mm[row] = value == 0 ? 0.0 : value;
+  }
+}
+
+double unit_in_mm(int spatial_unit) {
+  return spatial_unit == 1 ? 1000.0 : spatial_unit == 3 ? 0.001 : 1.0;
+}
+
+}  // namespace
+
+NiftiHeader read_nifti_header(const std::string& path) {
+  const bool deflated = is_gzip_file(path);
+  VoxelStream stream(path, 0, deflated ? StreamCoding::deflated : StreamCoding::plain);
+  std::array<std::byte, kHeader2Bytes> bytes{};
+  const std::span<std::byte> all(bytes);
+  stream.read(all.first(kHeader1Bytes));
+  for (const bool big_endian : {false, true}) {
+    const FieldReader read(bytes, big_endian);
+    const auto length = read.at<std::int32_t>(0);
+    const std::string_view magic1(reinterpret_cast<const char*>(bytes.data()) + 344, 3);
+    const std::string_view magic2(reinterpret_cast<const char*>(bytes.data()) + 4, 3);
+    NiftiHeader header;
+    if (length == static_cast<std::int32_t>(kHeader1Bytes)) {
+      if (magic1 != "n+1" && magic1 != "ni1") {
+        reject(path, "an Analyze 7.5 header, which does not say where left and right are; convert "
+                     "it to NIfTI with a program that knows its origin");
+      }
+      header = parse_version_1(read);
+      header.is_pair = magic1 == "ni1";
+    } else if (length == static_cast<std::int32_t>(kHeader2Bytes) &&
+               (magic2 == "n+2" || magic2 == "ni2")) {
+      stream.read(all.subspan(kHeader1Bytes));
+      header = parse_version_2(read);
+      header.is_pair = magic2 == "ni2";
+    } else {
+      continue;
+    }
+    header.big_endian = big_endian;
+    return header;
+  }
+  reject(path, "not a NIfTI file: the header length is neither 348 nor 540");
+}
+
+std::string nifti_type_name(std::int64_t datatype) {
+  static const std::map<std::int64_t, std::string> kNames = {
+      {1, "1 bit"},           {32, "complex 64 bit"},    {64, "float 64 bit"},
+      {128, "RGB colour"},    {1024, "int 64 bit"},      {1280, "unsigned int 64 bit"},
+      {1536, "float 128 bit"}, {1792, "complex 128 bit"}, {2048, "complex 256 bit"},
+      {2304, "RGBA colour"}};
+  const auto found = kNames.find(datatype);
+  return found == kNames.end() ? "type code " + std::to_string(datatype) : found->second;
+}
+
+bool nifti_geometry(const NiftiHeader& h, Geometry& geometry, std::string& note) {
+  const double unit_mm = unit_in_mm(h.spatial_unit);
+  const Affine sform = h.srow;
+  const Affine qform = qform_affine(h);
+  const bool sform_usable = h.sform_code > 0 && is_perpendicular(sform);
+  if (h.sform_code > 0 && h.qform_code > 0 && !forms_agree(sform, qform)) {
+    note = sform_usable ? "sform and qform of the header disagree: the sform is used"
+                        : "the sform of the header is sheared: the qform is used";
+  }
+  if (sform_usable || (h.sform_code > 0 && h.qform_code <= 0)) {
+    take_affine(sform, unit_mm, geometry);
+    if (!sform_usable) note = "the axes of the header's sform are not perpendicular";
+    return true;
+  }
+  if (h.qform_code > 0) {
+    take_affine(qform, unit_mm, geometry);
+    return true;
+  }
+  note = "the header does not say where left and right are: the file's axes are taken as LPS";
+  bool known = true;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double mm = std::abs(h.pixdim[axis + 1]) * unit_mm;
+    const bool counts = static_cast<std::int64_t>(axis) < h.dim[0];
+    known = known && (!counts || mm > 0);
+    geometry.spacing_mm[axis] = mm > 0 ? mm : 1;
+  }
+  return known;
+}
+
+}  // namespace octavo

@@ -1,0 +1,42 @@
+// The header of NIfTI-1 and NIfTI-2 files, in one form.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "octavo/core/geometry.h"
+
+namespace octavo {
+
+/// The fields Octavo uses, as the header gives them.
+struct NiftiHeader {
+  int version = 1;
+  bool big_endian = false;
+  bool is_pair = false;                 ///< voxels stand in an .img beside the .hdr
+  std::array<std::int64_t, 8> dim{};    ///< [0]: how many of the others count
+  std::array<double, 8> pixdim{};       ///< [0]: the sign of the third qform axis
+  std::int64_t datatype = 0;
+  std::int64_t voxel_offset = 0;
+  double slope = 0;
+  double intercept = 0;
+  int spatial_unit = 0;                 ///< 1 metre, 2 mm, 3 micrometre, 0 unknown
+  std::int64_t intent = 0;
+  std::int64_t qform_code = 0;
+  std::int64_t sform_code = 0;
+  std::array<double, 3> quaternion{};   ///< b, c, d
+  std::array<double, 3> qoffset{};
+  std::array<double, 12> srow{};        ///< 3 rows of 4
+};
+
+/// Reads the header of `path`, deflated or plain. Throws Error{source_rejected} when it is none, Error{io}.
+NiftiHeader read_nifti_header(const std::string& path);
+
+/// "RGB 24 bit", "complex 64 bit", ...: the type's name for messages.
+std::string nifti_type_name(std::int64_t datatype);
+
+/// Geometry from sform or qform in LPS and millimetres; false when the header carries no spacing.
+/// Adds a sentence to `note` when sform and qform disagree, or neither is set.
+bool nifti_geometry(const NiftiHeader& header, Geometry& geometry, std::string& note);
+
+}  // namespace octavo

@@ -1,0 +1,181 @@
+#include "octavo/io/open_source.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <string_view>
+#include <utility>
+
+#include "octavo/io/dicom_file.h"
+#include "octavo/io/dicom_source.h"
+#include "octavo/io/itk_source.h"
+#include "octavo/io/meta_source.h"
+#include "octavo/io/natural_order.h"
+#include "octavo/io/nifti_source.h"
+#include "octavo/io/nrrd_source.h"
+#include "octavo/io/png_source.h"
+#include "octavo/io/raw_source.h"
+#include "octavo/io/source_file.h"
+#include "octavo/io/tiff_source.h"
+
+namespace octavo {
+
+namespace {
+
+enum class Format { dicom, tiff, png, nifti, nrrd, meta_image, itk, unknown };
+
+/// By the first bytes where they tell, else by the name.
+Format format_of(const std::string& path) {
+  const std::vector<std::byte> head = file_head(path, 132);
+  const std::string_view all(reinterpret_cast<const char*>(head.data()), head.size());
+  const std::string_view text = all.substr(0, 8);
+  // The preamble of a DICOM file may be the start of a TIFF that shows the same picture without its place.
+  if (all.ends_with("DICM") && all.size() == 132) return Format::dicom;
+  using namespace std::string_view_literals;
+  const std::string_view four = text.substr(0, 4);
+  if (four == "II*\0"sv || four == "MM\0*"sv || four == "II+\0"sv || four == "MM\0+"sv) return Format::tiff;
+  if (text == "\x89PNG\r\n\x1a\n"sv) return Format::png;
+  if (text.starts_with("NRRD000")) return Format::nrrd;
+  for (const char* ending : {".nii", ".nii.gz", ".hdr", ".hdr.gz"}) {
+    if (has_ending(path, ending)) return Format::nifti;
+  }
+  if (has_ending(path, ".mha") || has_ending(path, ".mhd")) return Format::meta_image;
+  if (is_itk_name(path)) return Format::itk;
+  if (looks_like_dicom(path) || has_ending(path, ".dcm")) return Format::dicom;
+  if (has_ending(path, ".tif") || has_ending(path, ".tiff")) return Format::tiff;
+  if (has_ending(path, ".png")) return Format::png;
+  if (has_ending(path, ".nrrd") || has_ending(path, ".nhdr")) return Format::nrrd;
+  return Format::unknown;
+}
+
+std::unique_ptr<PlaneSource> open_stack(Format format, const std::vector<std::string>& files,
+                                        const SourceOptions& options) {
+  return format == Format::tiff ? open_tiff_source(files, options) : open_png_source(files, options);
+}
+
+/// Naturally sorted by their full paths.
+std::vector<std::string> sorted(std::vector<std::string> files) {
+  std::sort(files.begin(), files.end(), natural_less);
+  return files;
+}
+
+/// A DICOMDIR stands for the folder it lies in.
+bool is_dicomdir(const std::string& path) { return lower_case(base_name(path)) == "dicomdir"; }
+
+std::unique_ptr<PlaneSource> open_folder(const std::string& folder, const SourceOptions& options) {
+  const std::vector<std::string> all = files_in_folder(folder, true);
+  if (std::any_of(all.begin(), all.end(), looks_like_dicom)) {
+    return open_dicom_source(all, folder, options);
+  }
+  std::vector<std::string> tiffs;
+  std::vector<std::string> pngs;
+  std::vector<std::string> volumes;
+  for (const std::string& path : files_in_folder(folder, false)) {
+    const Format format = format_of(path);
+    if (format == Format::tiff) tiffs.push_back(path);
+    if (format == Format::png) pngs.push_back(path);
+    if (format != Format::tiff && format != Format::png && format != Format::unknown) volumes.push_back(path);
+  }
+  if (!tiffs.empty() && !pngs.empty()) {
+    throw Error(ErrorKind::source_rejected,
+                std::to_string(tiffs.size()) + " TIFF and " + std::to_string(pngs.size()) +
+                    " PNG files in one folder: name the files of one stack",
+                folder);
+  }
+  if (!tiffs.empty()) return open_stack(Format::tiff, tiffs, options);
+  if (!pngs.empty()) return open_stack(Format::png, pngs, options);
+  if (volumes.size() == 1) return open_source(volumes, options);
+  throw Error(ErrorKind::source_rejected,
+              volumes.empty() ? std::string("no DICOM, TIFF, PNG, NIfTI, NRRD or MetaImage files in it")
+                              : std::to_string(volumes.size()) + " volumes in it, among them " +
+                                    escaped(base_name(volumes[0])) + " and " +
+                                    escaped(base_name(volumes[1])) + ": name one of them",
+              folder);
+}
+
+std::unique_ptr<PlaneSource> open_file(const std::string& path, const SourceOptions& options) {
+  if (is_dicomdir(path)) {
+    const std::string folder = std::filesystem::path(path).parent_path().string();
+    return open_folder(folder.empty() ? "." : folder, options);
+  }
+  switch (format_of(path)) {
+    case Format::dicom: return open_dicom_source({path}, path, options);
+    case Format::tiff: return open_tiff_source({path}, options);
+    case Format::png: return open_png_source({path}, options);
+    case Format::nifti: return open_nifti_source(path, options);
+    case Format::nrrd: return open_nrrd_source(path, options);
+    case Format::meta_image: return open_meta_source(path, options);
+    case Format::itk: return open_itk_source(path, options);
+    case Format::unknown: break;
+  }
+  throw Error(ErrorKind::source_rejected,
+              SourceFile(path).size() == 0
+                  ? "the file is empty"
+                  : "not a DICOM, TIFF, PNG, NIfTI, NRRD, MetaImage, VTK or GIPL file; headerless voxels "
+                    "need --raw nx,ny,nz,type",
+              path);
+}
+
+std::unique_ptr<PlaneSource> open_files(const std::vector<std::string>& files, const SourceOptions& options) {
+  const Format format = format_of(files.front());
+  for (const std::string& path : files) {
+    if (format_of(path) == format) continue;
+    throw Error(ErrorKind::source_rejected,
+                "not of the same format as " + escaped(base_name(files.front())) +
+                    "; the files of a stack must be alike",
+                path);
+  }
+  switch (format) {
+    case Format::dicom: return open_dicom_source(files, files.front(), options);
+    case Format::tiff:
+    case Format::png: return open_stack(format, files, options);
+    default: break;
+  }
+  throw Error(ErrorKind::invalid_argument,
+              std::to_string(files.size()) + " files given that are no stack of DICOM, TIFF or PNG "
+              "planes: give one volume");
+}
+
+/// Folders among several paths are replaced by the files in them.
+std::vector<std::string> without_folders(const std::vector<std::string>& paths) {
+  std::vector<std::string> files;
+  for (const std::string& path : paths) {
+    if (!is_folder(path)) {
+      files.push_back(path);
+      continue;
+    }
+    const std::vector<std::string> inside = files_in_folder(path, true);
+    files.insert(files.end(), inside.begin(), inside.end());
+  }
+  return sorted(std::move(files));
+}
+
+std::unique_ptr<PlaneSource> dispatch(const std::vector<std::string>& paths, const SourceOptions& options) {
+  if (options.raw) {
+    const bool is_one_folder = paths.size() == 1 && is_folder(paths.front());
+    return open_raw_source(is_one_folder ? files_in_folder(paths.front(), false) : without_folders(paths),
+                           *options.raw, options);
+  }
+  if (paths.size() == 1) {
+    return is_folder(paths.front()) ? open_folder(paths.front(), options)
+                                    : open_file(paths.front(), options);
+  }
+  const std::vector<std::string> files = without_folders(paths);
+  if (files.empty()) throw Error(ErrorKind::source_rejected, "no files in the folders given");
+  return files.size() == 1 ? open_file(files.front(), options) : open_files(files, options);
+}
+
+}  // namespace
+
+std::unique_ptr<PlaneSource> open_source(const std::vector<std::string>& paths,
+                                         const SourceOptions& options) {
+  if (paths.empty()) throw Error(ErrorKind::invalid_argument, "no source given");
+  std::unique_ptr<PlaneSource> source = dispatch(paths, options);
+  const bool is_dicom =
+      source->description().metadata_json.find("\"format\":\"DICOM\"") != std::string::npos;
+  if (!options.series.empty() && !is_dicom) {
+    throw Error(ErrorKind::invalid_argument, "--series applies to DICOM only", paths.front());
+  }
+  return source;
+}
+
+}  // namespace octavo

@@ -1,0 +1,53 @@
+// A file that takes its name only when it is complete.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "octavo/file/storage.h"
+
+namespace octavo {
+
+/// ".NAME.tmp-PID" beside `path`.
+std::string temporary_path(const std::string& path);
+
+/// Removes a file on the way out of a failure; a second failure is not told.
+void remove_quietly(Storage& storage, const std::string& path) noexcept;
+
+/// Grows under a temporary name beside its own; a destroyed one that was not published leaves
+/// nothing. One thread at a time. Every call throws Error{io}.
+class PendingFile {
+ public:
+  PendingFile(Storage& storage, std::string path);
+  ~PendingFile();
+  PendingFile(const PendingFile&) = delete;
+  PendingFile& operator=(const PendingFile&) = delete;
+
+  const std::string& path() const { return path_; }
+  /// Bytes appended; of a sealed file, its size.
+  std::uint64_t size() const { return size_; }
+  /// For writing at any place. Requires a file that is not sealed.
+  StorageFile& file() { return *file_; }
+
+  /// Appends at the end.
+  void append(std::span<const std::uint8_t> bytes);
+  /// Makes the bytes durable and closes; nothing can be written afterwards.
+  void seal();
+  /// Gives a sealed file its name. A name that was taken meanwhile is replaced only with
+  /// `overwrite`.
+  void publish(bool overwrite);
+
+ private:
+  void discard() noexcept;
+
+  Storage& storage_;
+  std::string path_;
+  std::string temporary_path_;
+  std::unique_ptr<StorageFile> file_;
+  std::uint64_t size_ = 0;
+  bool is_published_ = false;
+};
+
+}  // namespace octavo

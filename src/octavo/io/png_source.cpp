@@ -1,0 +1,179 @@
+#include "octavo/io/png_source.h"
+
+#include <png.h>
+
+#include <algorithm>
+#include <csetjmp>
+#include <cstring>
+#include <utility>
+
+#include "octavo/io/byte_order.h"
+#include "octavo/io/natural_order.h"
+#include "octavo/io/source_file.h"
+
+namespace octavo {
+
+namespace {
+
+/// What libpng's hooks need: where in the file it reads, and what it complained of.
+struct PngInput {
+  explicit PngInput(const std::string& path) : file(path) {}
+  SourceFile file;
+  std::uint64_t offset = 0;
+  std::string message;
+  bool is_io_failure = false;
+};
+
+void read_bytes(png_structp png, png_bytep target, png_size_t count) {
+  auto* input = static_cast<PngInput*>(png_get_io_ptr(png));
+  std::size_t found = 0;
+  try {
+    found = input->file.read_some(input->offset, {reinterpret_cast<std::byte*>(target), count});
+  } catch (const Error& failure) {
+    // libpng is C: the failure crosses it as a message.
+    input->is_io_failure = true;
+    input->message = failure.detail();
+  }
+  input->offset += found;
+  if (found < count) png_error(png, "the file ends early");
+}
+
+[[noreturn]] void keep_error(png_structp png, png_const_charp text) {
+  auto* input = static_cast<PngInput*>(png_get_error_ptr(png));
+  if (input->message.empty()) input->message = text;
+  png_longjmp(png, 1);
+}
+
+void ignore_warning(png_structp, png_const_charp) {}
+
+/// A PNG file read up to its voxels. Every call that can fail is fenced by setjmp; no object with a
+/// destructor lives between a setjmp and the calls it fences.
+class PngFile {
+ public:
+  explicit PngFile(const std::string& path) : input_(path) {
+    png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, &input_, keep_error, ignore_warning);
+    info_ = png_ != nullptr ? png_create_info_struct(png_) : nullptr;
+    if (info_ == nullptr) {
+      png_destroy_read_struct(&png_, nullptr, nullptr);
+      throw Error(ErrorKind::out_of_memory, "no memory for libpng", path);
+    }
+    if (!read_header()) {
+      const Error failure = rejection();
+      png_destroy_read_struct(&png_, &info_, nullptr);
+      throw failure;
+    }
+  }
+  ~PngFile() { png_destroy_read_struct(&png_, &info_, nullptr); }
+  PngFile(const PngFile&) = delete;
+  PngFile& operator=(const PngFile&) = delete;
+
+  std::int64_t width() const { return png_get_image_width(png_, info_); }
+  std::int64_t height() const { return png_get_image_height(png_, info_); }
+  int bit_depth() const { return png_get_bit_depth(png_, info_); }
+  bool is_grey() const { return png_get_color_type(png_, info_) == PNG_COLOR_TYPE_GRAY; }
+
+  /// Requires is_grey() and a plane of width x height values. Throws Error{source_rejected}.
+  void read_voxels(std::span<std::byte> plane) {
+    const std::size_t row_bytes = plane.size() / static_cast<std::size_t>(height());
+    std::vector<png_bytep> rows(static_cast<std::size_t>(height()));
+    for (std::size_t y = 0; y < rows.size(); ++y) {
+      rows[y] = reinterpret_cast<png_bytep>(plane.data() + y * row_bytes);
+    }
+    if (!read_rows(rows.data())) throw rejection();
+  }
+
+ private:
+  bool read_header() {
+    if (setjmp(png_jmpbuf(png_)) != 0) return false;
+    png_set_read_fn(png_, &input_, read_bytes);
+    png_read_info(png_, info_);
+    return true;
+  }
+
+  bool read_rows(png_bytepp rows) {
+    if (setjmp(png_jmpbuf(png_)) != 0) return false;
+    if (bit_depth() < 8) png_set_packing(png_);
+    if (bit_depth() == 16 && needs_swap(true)) png_set_swap(png_);
+    png_set_interlace_handling(png_);
+    png_read_update_info(png_, info_);
+    png_read_image(png_, rows);
+    png_read_end(png_, nullptr);
+    return true;
+  }
+
+  Error rejection() const {
+    return Error(input_.is_io_failure ? ErrorKind::io : ErrorKind::source_rejected,
+                 "not a whole PNG file: " + escaped(input_.message), input_.file.path());
+  }
+
+  PngInput input_;
+  png_structp png_ = nullptr;
+  png_infop info_ = nullptr;
+};
+
+struct PngShape {
+  std::int64_t width = 0;
+  std::int64_t height = 0;
+  VoxelType type = VoxelType::uint8;
+  bool operator==(const PngShape&) const = default;
+};
+
+PngShape shape_of(const PngFile& file, const std::string& path) {
+  if (!file.is_grey()) {
+    throw Error(ErrorKind::source_rejected,
+                "a colour, palette or transparent picture: grey is read; convert it to grey first",
+                path);
+  }
+  return {file.width(), file.height(),
+          file.bit_depth() == 16 ? VoxelType::uint16 : VoxelType::uint8};
+}
+
+std::string shape_text(const PngShape& shape) {
+  return size_text(shape.width, shape.height) + " " + std::string(voxel_type_name(shape.type));
+}
+
+class PngSource final : public IndexedPlaneSource {
+ public:
+  PngSource(SourceFacts facts, std::vector<std::string> files)
+      : IndexedPlaneSource(std::move(facts)), files_(std::move(files)) {}
+
+  void read_plane_at(std::int64_t z, std::span<std::byte> plane) const override {
+    const std::string& path = files_[static_cast<std::size_t>(z)];
+    PngFile file(path);
+    const VolumeDescription& volume = description();
+    if (shape_of(file, path) != PngShape{volume.size.x, volume.size.y, volume.type}) {
+      throw Error(ErrorKind::source_rejected, "the file changed while it was read", path);
+    }
+    file.read_voxels(plane);
+  }
+
+ private:
+  std::vector<std::string> files_;
+};
+
+}  // namespace
+
+std::unique_ptr<PlaneSource> open_png_source(const std::vector<std::string>& files,
+                                             const SourceOptions& options) {
+  const PngShape first = shape_of(PngFile(files.front()), files.front());
+  std::vector<std::string> names;
+  for (const std::string& path : files) {
+    const PngShape shape = shape_of(PngFile(path), path);
+    names.push_back(base_name(path));
+    if (shape == first) continue;
+    throw Error(ErrorKind::source_rejected,
+                "it is " + shape_text(shape) + ", " + escaped(names.front()) + " is " +
+                    shape_text(first) + "; all planes of a stack must have one size and type",
+                path);
+  }
+  SourceFacts facts;
+  facts.format = "PNG";
+  facts.file_count = static_cast<std::int64_t>(files.size());
+  facts.description.type = first.type;
+  facts.description.size = {first.width, first.height, facts.file_count};
+  facts.warnings = number_gaps(names);
+  settle(facts, options, files.front());
+  return std::make_unique<PngSource>(std::move(facts), files);
+}
+
+}  // namespace octavo

@@ -1,0 +1,26 @@
+// What microscopy programs write into a TIFF's description: ImageJ's lines and OME's XML.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace octavo {
+
+/// Counts are 0 and spacings absent where the description is silent.
+struct TiffDescription {
+  bool is_imagej = false;
+  bool is_ome = false;
+  std::int64_t channels = 0;
+  std::int64_t frames = 0;   ///< points in time
+  std::int64_t images = 0;   ///< ImageJ: pages in all
+  std::optional<double> x_mm;
+  std::optional<double> y_mm;
+  std::optional<double> z_mm;
+};
+
+/// x_resolution, y_resolution  pixels per unit from the tags; 0 when absent (ImageJ keeps x and y there)
+TiffDescription parse_tiff_description(const std::string& text, double x_resolution,
+                                       double y_resolution);
+
+}  // namespace octavo

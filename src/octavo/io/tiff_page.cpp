@@ -1,0 +1,233 @@
+#include "octavo/io/tiff_page.h"
+
+#include <tiffio.h>
+
+#include <algorithm>
+#include <cstdarg>
+#include <cstdio>
+#include <cstring>
+#include <optional>
+#include <vector>
+
+#include "octavo/core/checked.h"
+#include "octavo/io/source_file.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::uint64_t kMaxBlockBytes = std::uint64_t{1} << 30;
+
+/// libtiff's error hook: keeps the first message.
+int keep_message(TIFF*, void* user, const char*, const char* format, va_list arguments) {
+  auto* message = static_cast<std::string*>(user);
+  char text[256];
+  std::vsnprintf(text, sizeof text, format, arguments);
+  if (message->empty()) *message = text;
+  return 1;
+}
+
+int ignore_warning(TIFF*, void*, const char*, const char*, va_list) { return 1; }
+
+template <class T>
+T tag_or(TIFF* handle, std::uint32_t tag, T absent) {
+  T value{};
+  return TIFFGetFieldDefaulted(handle, tag, &value) == 1 ? value : absent;
+}
+
+std::optional<VoxelType> voxel_type_of(std::uint16_t bits, std::uint16_t format) {
+  const bool is_signed = format == SAMPLEFORMAT_INT;
+  if (format == SAMPLEFORMAT_IEEEFP) {
+    return bits == 32 ? std::optional(VoxelType::float32) : std::nullopt;
+  }
+  if (format != SAMPLEFORMAT_UINT && format != SAMPLEFORMAT_VOID && !is_signed) return std::nullopt;
+  switch (bits) {
+    case 8: return is_signed ? VoxelType::int8 : VoxelType::uint8;
+    case 16: return is_signed ? VoxelType::int16 : VoxelType::uint16;
+    case 32: return is_signed ? VoxelType::int32 : VoxelType::uint32;
+    default: return std::nullopt;
+  }
+}
+
+bool is_lossy_compression(std::uint16_t compression) {
+  return compression == COMPRESSION_JPEG || compression == COMPRESSION_OJPEG ||
+         compression == COMPRESSION_LERC || compression == COMPRESSION_WEBP;
+}
+
+std::size_t at_voxel(const TiffPage& page, std::int64_t x, std::int64_t y) {
+  return static_cast<std::size_t>((y * page.width + x) * bytes_per_voxel(page.type));
+}
+
+}  // namespace
+
+TiffFile::TiffFile(const std::string& path)
+    : path_(path), message_(std::make_unique<std::string>()) {
+  const SourceFile probe(path);
+  TIFFOpenOptions* options = TIFFOpenOptionsAlloc();
+  TIFFOpenOptionsSetErrorHandlerExtR(options, keep_message, message_.get());
+  TIFFOpenOptionsSetWarningHandlerExtR(options, ignore_warning, nullptr);
+  handle_ = TIFFOpenExt(path.c_str(), "r", options);
+  TIFFOpenOptionsFree(options);
+  if (handle_ == nullptr) reject("libtiff cannot open it");
+}
+
+TiffFile::~TiffFile() {
+  if (handle_ != nullptr) TIFFClose(handle_);
+}
+
+void TiffFile::reject(const std::string& why) const {
+  const std::string cause = message_->empty() ? "" : " (" + escaped(*message_) + ")";
+  throw Error(ErrorKind::source_rejected, why + cause, path_);
+}
+
+TiffPage TiffFile::page() {
+  TiffPage page;
+  page.directory_offset = TIFFCurrentDirOffset(handle_);
+  page.width = tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGEWIDTH, 0);
+  page.height = tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGELENGTH, 0);
+  if (page.width == 0 || page.height == 0) reject("a page without width or height");
+  const auto samples = tag_or<std::uint16_t>(handle_, TIFFTAG_SAMPLESPERPIXEL, 1);
+  if (samples != 1) {
+    reject(std::to_string(samples) + " samples per pixel (colour or channels): grey with one sample "
+           "is read; convert it or take out one channel first");
+  }
+  const auto photometric =
+      tag_or<std::uint16_t>(handle_, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+  page.has_palette = photometric == PHOTOMETRIC_PALETTE;
+  page.is_min_white = photometric == PHOTOMETRIC_MINISWHITE;
+  if (!page.has_palette && !page.is_min_white && photometric != PHOTOMETRIC_MINISBLACK) {
+    reject("photometric interpretation " + std::to_string(photometric) + " is not grey");
+  }
+  const auto bits = tag_or<std::uint16_t>(handle_, TIFFTAG_BITSPERSAMPLE, 1);
+  const auto format = tag_or<std::uint16_t>(handle_, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT);
+  const std::optional<VoxelType> type = voxel_type_of(bits, format);
+  if (!type) {
+    reject(std::to_string(bits) + " bits per sample of format " + std::to_string(format) +
+           " are not read; integers of 8, 16 or 32 bits and float of 32 bits are");
+  }
+  page.type = *type;
+  const auto compression = tag_or<std::uint16_t>(handle_, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
+  page.is_lossy = is_lossy_compression(compression);
+  const auto subfile = tag_or<std::uint32_t>(handle_, TIFFTAG_SUBFILETYPE, 0);
+  page.is_reduced = (subfile & FILETYPE_REDUCEDIMAGE) != 0;
+  page.orientation = tag_or<std::uint16_t>(handle_, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);
+  if (compression == COMPRESSION_NONE && TIFFIsTiled(handle_) == 0 &&
+      TIFFNumberOfStrips(handle_) == 1) {
+    page.is_contiguous = true;
+    page.data_offset = TIFFGetStrileOffset(handle_, 0);
+  }
+  return page;
+}
+
+bool TiffFile::next_page() {
+  message_->clear();
+  if (TIFFReadDirectory(handle_) == 1) return true;
+  if (!message_->empty()) reject("a damaged page");
+  return false;
+}
+
+void TiffFile::go_to(std::uint64_t directory_offset) {
+  message_->clear();
+  if (TIFFSetSubDirectory(handle_, directory_offset) != 1) reject("a page cannot be found again");
+}
+
+void TiffFile::read_voxels(const TiffPage& page, std::span<std::byte> plane) {
+  message_->clear();
+  if (TIFFIsTiled(handle_) != 0) {
+    read_tiles(page, plane);
+  } else {
+    read_strips(page, plane);
+  }
+  if (!message_->empty()) reject("damaged voxel data");
+}
+
+void TiffFile::read_strips(const TiffPage& page, std::span<std::byte> plane) {
+  const std::int64_t rows_per_strip = std::clamp<std::int64_t>(
+      tag_or<std::uint32_t>(handle_, TIFFTAG_ROWSPERSTRIP, 1), 1, page.height);
+  std::uint32_t strip = 0;
+  for (std::int64_t y = 0; y < page.height; y += rows_per_strip, ++strip) {
+    const std::size_t start = at_voxel(page, 0, y);
+    const std::size_t bytes =
+        at_voxel(page, 0, std::min(y + rows_per_strip, page.height)) - start;
+    if (y + rows_per_strip > page.height &&
+        read_padded_strip(strip, y + rows_per_strip, plane.subspan(start, bytes))) {
+      continue;
+    }
+    const tmsize_t found = TIFFReadEncodedStrip(handle_, strip, plane.data() + start,
+                                                static_cast<tmsize_t>(bytes));
+    if (found != static_cast<tmsize_t>(bytes)) {
+      reject("strip " + std::to_string(strip) + " is damaged or cut: " + std::to_string(bytes) +
+             " bytes expected, " + std::to_string(std::max<tmsize_t>(found, 0)) + " found");
+    }
+  }
+}
+
+bool TiffFile::read_padded_strip(std::uint32_t strip, std::int64_t padded_height,
+                                 std::span<std::byte> rows) {
+  const auto compression = tag_or<std::uint16_t>(handle_, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
+  if (compression != COMPRESSION_DEFLATE && compression != COMPRESSION_ADOBE_DEFLATE) return false;
+  const auto height = tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGELENGTH, 0);
+  // A page that claims to be higher gives the strip all its rows.
+  TIFFSetField(handle_, TIFFTAG_IMAGELENGTH, static_cast<std::uint32_t>(padded_height));
+  const tmsize_t padded_bytes = TIFFStripSize(handle_);
+  bool is_padded = false;
+  if (padded_bytes > 0 && static_cast<std::uint64_t>(padded_bytes) <= kMaxBlockBytes) {
+    std::vector<std::byte> padded(static_cast<std::size_t>(padded_bytes));
+    is_padded = TIFFReadEncodedStrip(handle_, strip, padded.data(), padded_bytes) == padded_bytes &&
+                message_->empty();
+    if (is_padded) std::memcpy(rows.data(), padded.data(), rows.size());
+  }
+  message_->clear();
+  TIFFSetField(handle_, TIFFTAG_IMAGELENGTH, height);
+  return is_padded;
+}
+
+void TiffFile::read_tiles(const TiffPage& page, std::span<std::byte> plane) {
+  const std::int64_t tile_width = tag_or<std::uint32_t>(handle_, TIFFTAG_TILEWIDTH, 0);
+  const std::int64_t tile_height = tag_or<std::uint32_t>(handle_, TIFFTAG_TILELENGTH, 0);
+  const auto value_bytes = static_cast<std::size_t>(bytes_per_voxel(page.type));
+  const std::uint64_t tile_bytes =
+      checked_mul(checked_mul(static_cast<std::uint64_t>(tile_width),
+                              static_cast<std::uint64_t>(tile_height), "tile"),
+                  value_bytes, "tile");
+  if (tile_bytes == 0 || tile_bytes > kMaxBlockBytes) {
+    reject("tiles of " + std::to_string(tile_bytes) + " bytes are not read");
+  }
+  std::vector<std::byte> tile(tile_bytes);
+  const std::size_t tile_row_bytes = static_cast<std::size_t>(tile_width) * value_bytes;
+  std::uint32_t number = 0;
+  for (std::int64_t y = 0; y < page.height; y += tile_height) {
+    for (std::int64_t x = 0; x < page.width; x += tile_width, ++number) {
+      const tmsize_t found = TIFFReadEncodedTile(handle_, number, tile.data(),
+                                                 static_cast<tmsize_t>(tile_bytes));
+      if (found != static_cast<tmsize_t>(tile_bytes)) {
+        reject("tile " + std::to_string(number) + " is damaged or cut");
+      }
+      const std::size_t bytes =
+          static_cast<std::size_t>(std::min(tile_width, page.width - x)) * value_bytes;
+      const auto rows = static_cast<std::size_t>(std::min(tile_height, page.height - y));
+      for (std::size_t row = 0; row < rows; ++row) {
+        std::memcpy(plane.data() + at_voxel(page, x, y + static_cast<std::int64_t>(row)),
+                    tile.data() + row * tile_row_bytes, bytes);
+      }
+    }
+  }
+}
+
+std::string TiffFile::image_description() {
+  const char* text = nullptr;
+  if (TIFFGetField(handle_, TIFFTAG_IMAGEDESCRIPTION, &text) != 1 || text == nullptr) return {};
+  return text;
+}
+
+double TiffFile::x_resolution() {
+  return static_cast<double>(tag_or<float>(handle_, TIFFTAG_XRESOLUTION, 0));
+}
+
+double TiffFile::y_resolution() {
+  return static_cast<double>(tag_or<float>(handle_, TIFFTAG_YRESOLUTION, 0));
+}
+
+bool TiffFile::is_big_endian() { return TIFFIsBigEndian(handle_) != 0; }
+
+}  // namespace octavo

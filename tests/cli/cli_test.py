@@ -1,0 +1,368 @@
+#!/usr/bin/env python3
+"""Runs the program as a user does and checks exit codes, messages, files.
+
+usage: cli_test.py OCTAVO [unittest arguments]
+
+A test's name states a law. Everything is generated; nothing but the standard library is needed.
+"""
+
+import array
+import json
+import os
+import pathlib
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+OCTAVO = "octavo"
+
+
+def run(*arguments, cwd=None, **options):
+    command = [OCTAVO, *map(str, arguments)]
+    return subprocess.run(
+        command, cwd=cwd, capture_output=True, text=True, timeout=300, check=False, **options
+    )
+
+
+class InFolder(unittest.TestCase):
+    """Each test works in a fresh folder."""
+
+    def setUp(self):
+        holder = tempfile.TemporaryDirectory()
+        self.addCleanup(holder.cleanup)
+        self.folder = pathlib.Path(holder.name)
+
+    def octavo(self, *arguments, **options):
+        return run(*arguments, cwd=self.folder, **options)
+
+    def expect(self, code, *arguments, **options):
+        result = self.octavo(*arguments, **options)
+        self.assertEqual(result.returncode, code, f"{arguments}\n{result.stderr}")
+        return result
+
+    def expect_refusal(self, code, words, *arguments):
+        """One line on standard error, with `words` in it, and nothing on standard output."""
+        result = self.expect(code, *arguments, "--progress", "none")
+        self.assertEqual(result.stdout, "")
+        self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+        self.assertTrue(result.stderr.startswith("octavo: "), result.stderr)
+        for word in words:
+            self.assertIn(word, result.stderr)
+        return result
+
+    def info(self, name):
+        return json.loads(self.expect(0, "info", name, "--json").stdout)
+
+    def files(self):
+        return sorted(p.name for p in self.folder.rglob("*"))
+
+    def random_raw(self, name, size, code="h", top=1000):
+        numbers = random.Random(3)
+        count = size[0] * size[1] * size[2]
+        voxels = array.array(code, (numbers.randrange(top) for _ in range(count)))
+        (self.folder / name).write_bytes(voxels.tobytes())
+        return f"{size[0]},{size[1]},{size[2]},{'int16' if code == 'h' else 'uint8'}"
+
+
+class Usage(InFolder):
+    def test_usage_errors_are_exit_2_and_point_to_the_help(self):
+        table = [
+            (),
+            ("fold",),
+            ("build",),
+            ("build", "a.raw"),
+            ("info", "a.8vo", "--no-such-option"),
+            ("build", "a", "-o", "b.8vo", "--threads", "0"),
+            ("build", "a", "-o", "b.8vo", "--max-memory", "lots"),
+            ("build", "a", "-o", "b.8vo", "--labels", "--grey"),
+            ("build", "a", "-o", "b.8vo", "--spacing", "1,0,1"),
+            ("phantom", "-o", "p.8vo", "--size", "1,2"),
+            ("phantom", "-o", "p.8vo", "--type", "float32"),
+            ("extract", "a.8vo", "-o", "b.nrrd"),
+        ]
+        for arguments in table:
+            with self.subTest(arguments):
+                self.expect_refusal(2, [], *arguments)
+        self.assertEqual(self.files(), [])
+
+    def test_every_verb_explains_itself_with_an_example(self):
+        main = self.expect(0, "--help").stdout
+        for verb in ["build", "info", "verify", "export", "extract", "slice", "probe", "compare",
+                     "codes", "phantom"]:
+            self.assertIn(verb, main)
+            self.assertIn(f"octavo {verb}", self.expect(0, verb, "--help").stdout)
+
+    def test_completion_and_manual_name_every_verb(self):
+        script = self.expect(0, "completion", "bash").stdout
+        page = self.expect(0, "manual").stdout
+        for verb in ["build", "phantom", "verify"]:
+            self.assertIn(verb, script)
+            self.assertIn(f".SH {verb}", page)
+
+    def test_json_failure_is_one_object_on_standard_error(self):
+        result = self.expect(5, "info", "missing.8vo", "--json")
+        self.assertEqual(result.stdout, "")
+        error = json.loads(result.stderr.splitlines()[-1])["error"]
+        self.assertEqual(error["kind"], "io")
+        self.assertEqual(error["path"], "missing.8vo")
+        self.assertEqual(error["exit_code"], 5)
+
+
+class BadFiles(InFolder):
+    def setUp(self):
+        super().setUp()
+        self.expect(0, "phantom", "--size", "20", "-o", "good.8vo", "-q")
+
+    def test_what_is_no_octavo_file_is_exit_3(self):
+        (self.folder / "text.8vo").write_text("this is no scan, but it is long enough " * 40)
+        (self.folder / "empty.8vo").write_bytes(b"")
+        self.expect_refusal(3, ["text.8vo"], "info", "text.8vo")
+        result = self.octavo("info", "empty.8vo")
+        self.assertIn(result.returncode, (3, 4))
+
+    def test_a_missing_file_is_exit_5(self):
+        for verb in ["info", "verify", "codes"]:
+            self.expect_refusal(5, ["missing.8vo"], verb, "missing.8vo")
+
+    def test_damage_is_exit_4_in_every_verb(self):
+        whole = (self.folder / "good.8vo").read_bytes()
+        (self.folder / "short.8vo").write_bytes(whole[:-10])
+        flipped = bytearray(whole)
+        flipped[600] ^= 8
+        (self.folder / "flip.8vo").write_bytes(flipped)
+        for verb in ["info", "verify"]:
+            self.expect_refusal(4, ["short.8vo"], verb, "short.8vo")
+        self.expect_refusal(4, ["flip.8vo"], "verify", "flip.8vo")
+        self.expect_refusal(4, ["flip.8vo"], "export", "flip.8vo", "-o", "out.raw")
+        self.assertNotIn("out.raw", self.files())
+
+    def test_an_existing_output_is_kept_without_force(self):
+        before = (self.folder / "good.8vo").read_bytes()
+        refused = self.expect_refusal(5, ["good.8vo"], "phantom", "--size", "9", "-o", "good.8vo")
+        self.assertIn("force", refused.stderr)
+        self.assertEqual((self.folder / "good.8vo").read_bytes(), before)
+        self.expect(0, "phantom", "--size", "9", "-o", "good.8vo", "-f")
+        self.assertEqual(self.info("good.8vo")["size"], [9, 9, 9])
+
+    def test_places_outside_the_volume_are_exit_2(self):
+        table = [
+            ("probe", "good.8vo", "--at", "20,0,0"),
+            ("probe", "good.8vo", "--at", "-1,0,0"),
+            ("probe", "good.8vo", "--mm", "1e6,0,0"),
+            ("probe", "good.8vo"),
+            ("extract", "good.8vo", "--box", "0:21,:,:", "-o", "b.raw"),
+            ("extract", "good.8vo", "--box", "5:5,:,:", "-o", "b.raw"),
+            ("extract", "good.8vo", "--level", "99", "-o", "b.raw"),
+            ("export", "good.8vo", "-o", "b.unknown"),
+            ("slice", "good.8vo", "--index", "20", "-o", "b.png"),
+            ("slice", "good.8vo", "--window", "brian", "-o", "b.png"),
+            ("codes", "good.8vo"),
+        ]
+        for arguments in table:
+            with self.subTest(arguments):
+                self.expect_refusal(2, [], *arguments)
+        self.assertEqual(self.files(), ["good.8vo"])
+
+    @unittest.skipUnless(os.path.exists("/dev/full"), "needs /dev/full")
+    def test_a_full_disk_under_standard_output_is_exit_5(self):
+        with open("/dev/full", "w", encoding="utf-8") as full:
+            result = subprocess.run([OCTAVO, "info", "good.8vo"], cwd=self.folder, stdout=full,
+                                    stderr=subprocess.PIPE, text=True, check=False)
+        self.assertEqual(result.returncode, 5)
+        self.assertIn("standard output", result.stderr)
+
+    def test_a_closed_pipe_is_exit_5(self):
+        reading, writing = os.pipe()
+        os.close(reading)
+        result = subprocess.run([OCTAVO, "info", "good.8vo"], cwd=self.folder, stdout=writing,
+                                stderr=subprocess.PIPE, text=True, check=False)
+        os.close(writing)
+        self.assertEqual(result.returncode, 5)
+
+
+class BadSources(InFolder):
+    def test_unfit_raw_is_exit_7_and_leaves_no_file(self):
+        layout = self.random_raw("v.raw", (10, 9, 8))
+        (self.folder / "short.raw").write_bytes((self.folder / "v.raw").read_bytes()[:-1])
+        (self.folder / "empty.raw").write_bytes(b"")
+        before = self.files()
+        for name in ["short.raw", "empty.raw"]:
+            self.expect_refusal(7, [name], "build", name, "--raw", layout, "--spacing", "1", "-o",
+                                "x.8vo")
+        self.assertEqual(self.files(), before)
+
+    def test_what_is_no_scan_is_exit_7_and_leaves_no_file(self):
+        (self.folder / "not.nii.gz").write_text("hello")
+        (self.folder / "not.nrrd").write_text("hello")
+        (self.folder / "empty.dcm").write_bytes(b"")
+        (self.folder / "nothing").mkdir()
+        (self.folder / "dangling.mhd").write_text(
+            "NDims = 3\nDimSize = 2 2 2\nElementType = MET_SHORT\nElementDataFile = gone.raw\n")
+        before = self.files()
+        for name in ["not.nii.gz", "not.nrrd", "empty.dcm", "nothing"]:
+            with self.subTest(name):
+                self.expect_refusal(7, [name], "build", name, "-o", "x.8vo")
+        self.assertIn(self.octavo("build", "dangling.mhd", "-o", "x.8vo").returncode, (5, 7))
+        self.assertIn(self.octavo("build", "missing.mhd", "-o", "x.8vo").returncode, (5, 7))
+        self.assertEqual(self.files(), before)
+
+    def test_strict_makes_a_warning_an_error(self):
+        layout = self.random_raw("v.raw", (10, 9, 8))
+        warned = self.expect(0, "build", "v.raw", "--raw", layout, "-o", "a.8vo")
+        self.assertIn("octavo: warning:", warned.stderr)
+        self.expect_refusal(7, ["--strict"], "build", "v.raw", "--raw", layout, "-o", "b.8vo",
+                            "--strict")
+        self.assertNotIn("b.8vo", self.files())
+
+
+class RoundTrips(InFolder):
+    def test_raw_in_raw_out_is_identity(self):
+        for size in [(1, 1, 1), (1, 7, 1), (65, 65, 65), (130, 3, 2), (17, 31, 70)]:
+            with self.subTest(size):
+                layout = self.random_raw("v.raw", size)
+                source = ["v.raw", "--raw", layout, "--spacing", "0.5"]
+                self.expect(0, "build", *source, "-o", "v.8vo", "-f")
+                self.expect(0, "verify", "v.8vo", "--against", *source)
+                self.expect(0, "export", "v.8vo", "-o", "back.raw", "-f")
+                self.assertEqual((self.folder / "back.raw").read_bytes(),
+                                 (self.folder / "v.raw").read_bytes())
+
+    def test_the_file_does_not_depend_on_threads(self):
+        files = []
+        for threads in [1, 2, 3, 8]:
+            self.expect(0, "phantom", "--size", "70,80,90", "--noise", "5", "-j", threads,
+                        "-o", f"{threads}.8vo")
+            files.append((self.folder / f"{threads}.8vo").read_bytes())
+        self.assertEqual(len(set(files)), 1)
+
+    def test_exported_volumes_compare_equal_to_their_file(self):
+        self.expect(0, "phantom", "--size", "40,50,30", "--noise", "9", "--spacing", "0.5,0.5,1.25",
+                    "-o", "p.8vo")
+        for name in ["p.nrrd", "p.nii", "p.nii.gz", "p.mha", "p.mhd"]:
+            with self.subTest(name):
+                self.expect(0, "export", "p.8vo", "-o", name)
+                result = self.expect(0, "compare", "p.8vo", name, "--json")
+                self.assertTrue(json.loads(result.stdout)["equal"])
+
+    def test_a_difference_is_exit_1_with_its_place(self):
+        layout = self.random_raw("a.raw", (12, 11, 10))
+        voxels = array.array("h", (self.folder / "a.raw").read_bytes())
+        voxels[5 + 12 * (6 + 11 * 7)] += 3
+        (self.folder / "b.raw").write_bytes(voxels.tobytes())
+        source = ["--raw", layout, "--spacing", "1"]
+        self.expect(0, "build", "a.raw", *source, "-o", "a.8vo")
+        for command in [("verify", "a.8vo", "--against", "b.raw"), ("compare", "a.8vo", "b.raw")]:
+            result = self.expect(1, *command, *source, "--json")
+            found = json.loads(result.stdout)
+            found = found.get("against", found)
+            self.assertEqual(found["different"], 1)
+            self.assertEqual(found["max_difference"], 3)
+            self.assertEqual(found["first"]["index"], [5, 6, 7])
+        self.assertIn("5,6,7", self.expect(1, "compare", "a.8vo", "b.raw", *source).stdout)
+
+    def test_a_box_equals_the_crop(self):
+        layout = self.random_raw("v.raw", (20, 19, 18))
+        self.expect(0, "build", "v.raw", "--raw", layout, "--spacing", "1", "-o", "v.8vo")
+        self.expect(0, "extract", "v.8vo", "--box", "3:9,:,10:12", "-o", "box.raw")
+        voxels = array.array("h", (self.folder / "v.raw").read_bytes())
+        crop = array.array("h", (voxels[x + 20 * (y + 19 * z)]
+                                 for z in range(10, 12) for y in range(19) for x in range(3, 9)))
+        self.assertEqual((self.folder / "box.raw").read_bytes(), crop.tobytes())
+        self.expect(0, "extract", "v.8vo", "--box-mm=3:8,0:18,10:11", "-o", "mm.raw")
+        self.assertEqual((self.folder / "mm.raw").read_bytes(), crop.tobytes())
+
+
+class Results(InFolder):
+    def test_info_json_has_the_promised_keys(self):
+        self.expect(0, "phantom", "--size", "40,30,70", "-o", "p.8vo", "-q")
+        info = self.info("p.8vo")
+        for key in ["kind", "type", "size", "spacing_mm", "origin_mm", "direction", "rescale",
+                    "levels", "file_bytes", "raw_bytes", "ratio", "bits_per_voxel", "max_error",
+                    "min", "max", "metadata"]:
+            self.assertIn(key, info)
+        self.assertEqual(info["size"], [40, 30, 70])
+        self.assertEqual(info["raw_bytes"], 40 * 30 * 70 * 2)
+        self.assertEqual(info["file_bytes"], (self.folder / "p.8vo").stat().st_size)
+        self.assertEqual(set(info["levels"][0]),
+                         {"level", "size", "spacing_mm", "bricks", "uniform_bricks", "bytes"})
+
+    def test_info_fits_one_screen(self):
+        self.expect(0, "phantom", "--size", "40,30,70", "-o", "p.8vo", "-q")
+        lines = self.expect(0, "info", "p.8vo").stdout.splitlines()
+        self.assertLessEqual(len(lines), 40)
+        self.assertLessEqual(max(map(len, lines)), 110)
+
+    def test_label_names_are_told_and_grey_overrides_them(self):
+        layout = self.random_raw("head_labels.raw", (20, 20, 20), "B", 5)
+        source = ["head_labels.raw", "--raw", layout, "--spacing", "1"]
+        told = self.expect(0, "build", *source, "-o", "l.8vo")
+        self.assertIn("looks like labels", told.stderr)
+        self.assertIn("--grey", told.stderr)
+        self.assertEqual(self.info("l.8vo")["kind"], "labels")
+        self.expect(0, "build", *source, "-o", "g.8vo", "--grey")
+        self.assertEqual(self.info("g.8vo")["kind"], "grey")
+        self.expect(0, "verify", "l.8vo", "--against", *source)
+
+    def test_codes_cover_the_object_in_either_notation(self):
+        layout = self.random_raw("m_labels.raw", (9, 8, 7), "B", 3)
+        self.expect(0, "build", "m_labels.raw", "--raw", layout, "--spacing", "1", "-o", "m.8vo")
+        voxels = (self.folder / "m_labels.raw").read_bytes()
+        for notation in ["mixed", "linear"]:
+            listed = self.expect(0, "codes", "m.8vo", "--json", "--list", "--notation", notation)
+            found = json.loads(listed.stdout)
+            self.assertEqual(found["voxels"], sum(v != 0 for v in voxels))
+            self.assertEqual(sum(8 ** c["level"] for c in found["codes"]), found["voxels"])
+        one = json.loads(self.expect(0, "codes", "m.8vo", "--json", "--label", "2").stdout)
+        self.assertEqual(one["voxels"], voxels.count(2))
+
+    def test_probe_tells_the_voxel(self):
+        layout = self.random_raw("v.raw", (20, 19, 18))
+        self.expect(0, "build", "v.raw", "--raw", layout, "--spacing", "0.5", "-o", "v.8vo")
+        voxels = array.array("h", (self.folder / "v.raw").read_bytes())
+        told = self.expect(0, "probe", "v.8vo", "--at", "3,4,5", "--json")
+        point = json.loads(told.stdout)["points"][0]
+        self.assertEqual(point["stored"], voxels[3 + 20 * (4 + 19 * 5)])
+        self.assertEqual(point["world_mm"], [1.5, 2.0, 2.5])
+        # x = 00011, y = 00100, z = 00101: digits 4z + 2x + y from the highest bit on.
+        self.assertEqual(point["o_code"]["mixed_octal"], "00526")
+        near = json.loads(self.expect(0, "probe", "v.8vo", "--mm", "1.4,2.1,2.5", "--json").stdout)
+        self.assertEqual(near["points"][0]["index"], [3, 4, 5])
+
+    def test_slices_are_pictures_of_all_three_directions(self):
+        self.expect(0, "phantom", "--size", "40", "-o", "p.8vo", "-q")
+        self.expect(0, "slice", "p.8vo", "--axis", "all", "-o", "s.png")
+        for axis in "xyz":
+            self.assertEqual((self.folder / f"s-{axis}.png").read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+
+    def test_quiet_says_nothing_and_json_progress_is_json(self):
+        quiet = self.expect(0, "phantom", "--size", "70", "-o", "q.8vo", "-q")
+        self.assertEqual((quiet.stdout, quiet.stderr), ("", ""))
+        shown = self.expect(0, "phantom", "--size", "70", "-o", "j.8vo", "--progress", "json",
+                            "--json")
+        json.loads(shown.stdout)
+        last = json.loads(shown.stderr.splitlines()[-1])["progress"]
+        self.assertEqual(last["done"], last["total"])
+
+
+class Stopping(InFolder):
+    def test_signals_stop_a_build_and_leave_nothing(self):
+        for number in [signal.SIGTERM, signal.SIGINT]:
+            with self.subTest(number):
+                process = subprocess.Popen(
+                    [OCTAVO, "phantom", "--size", "700", "--noise", "30", "-o", "big.8vo",
+                     "--progress", "none"], cwd=self.folder, stderr=subprocess.PIPE, text=True)
+                time.sleep(1)
+                process.send_signal(number)
+                _, errors = process.communicate(timeout=120)
+                self.assertEqual(process.returncode, 128 + number, errors)
+                self.assertEqual(errors.count("\n"), 1, errors)
+                self.assertEqual(self.files(), [])
+
+
+if __name__ == "__main__":
+    OCTAVO = os.path.abspath(sys.argv.pop(1))
+    unittest.main()
