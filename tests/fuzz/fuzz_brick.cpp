@@ -1,4 +1,5 @@
-// Segments of arbitrary bytes through the grey and the label decoder, for every type and many shapes.
+// Segments of arbitrary bytes through the grey and the label decoder, for every type and many
+// shapes.
 
 #include <array>
 
@@ -9,8 +10,9 @@ namespace {
 
 using namespace octavo;
 
-constexpr std::array<VoxelType, 6> kTypes = {VoxelType::int8,   VoxelType::uint8, VoxelType::int16,
-                                             VoxelType::uint16, VoxelType::int32, VoxelType::uint32};
+constexpr std::array<VoxelType, 6> kTypes = {VoxelType::int8,  VoxelType::uint8,
+                                             VoxelType::int16, VoxelType::uint16,
+                                             VoxelType::int32, VoxelType::uint32};
 
 /// Sizes that matter: full bricks, odd edges, single rows.
 std::int64_t side_of(std::uint8_t byte) {
@@ -49,9 +51,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     const std::vector<ByteSpan> spans(segments.begin(), segments.end());
     for (int level = shape.level_count - 1; level >= 0; --level) {
-      const auto voxels = static_cast<std::size_t>(shape.size[static_cast<std::size_t>(level)].voxel_count());
-      const auto out =
-          std::make_unique<std::uint8_t[]>(voxels * static_cast<std::size_t>(bytes_per_voxel(type)));
+      const auto voxels =
+          static_cast<std::size_t>(shape.size[static_cast<std::size_t>(level)].voxel_count());
+      const auto out = std::make_unique<std::uint8_t[]>(
+          voxels * static_cast<std::size_t>(bytes_per_voxel(type)));
       codec->decode(shape, type, range, spans, level, out.get());
     }
   });

@@ -1,4 +1,5 @@
-// What all fuzz targets share. A target takes any bytes; only octavo::Error may leave the code under test.
+// What all fuzz targets share. A target takes any bytes; only octavo::Error may leave the code
+// under test.
 #pragma once
 
 #include <cstddef>
@@ -26,10 +27,12 @@ class Input {
     return value;
   }
 
-  /// A copy of the next bytes in a block of exactly their size, so that a sanitizer sees every overrun.
+  /// A copy of the next bytes in a block of exactly their size, so that a sanitizer sees every
+  /// overrun.
   std::vector<std::uint8_t> take_bytes(std::size_t count) {
     count = std::min(count, rest_.size());
-    std::vector<std::uint8_t> bytes(rest_.begin(), rest_.begin() + static_cast<std::ptrdiff_t>(count));
+    std::vector<std::uint8_t> bytes(rest_.begin(),
+                                    rest_.begin() + static_cast<std::ptrdiff_t>(count));
     rest_ = rest_.subspan(count);
     return bytes;
   }

@@ -1,4 +1,5 @@
-// Damaged label segments and models end in Error{corrupt} or in wrong labels, never in anything else.
+// Damaged label segments and models end in Error{corrupt} or in wrong labels, never in anything
+// else.
 #include <gtest/gtest.h>
 
 #include <random>

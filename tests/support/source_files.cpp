@@ -112,13 +112,15 @@ void write_dicom(const std::string& path, const DicomSample& s) {
          element(0x28, 0x10, "US", u16(s.rows)) + element(0x28, 0x11, "US", u16(s.columns));
   if (!s.pixel_spacing.empty()) set += element(0x28, 0x30, "DS", s.pixel_spacing);
   set += element(0x28, 0x100, "US", u16(s.bits_allocated)) +
-         element(0x28, 0x101, "US", u16(s.bits_stored)) + element(0x28, 0x102, "US", u16(s.high_bit)) +
+         element(0x28, 0x101, "US", u16(s.bits_stored)) +
+         element(0x28, 0x102, "US", u16(s.high_bit)) +
          element(0x28, 0x103, "US", u16(s.is_signed)) + element(0x28, 0x1052, "DS", s.intercept) +
          element(0x28, 0x1053, "DS", s.slope);
   const std::size_t bytes = std::size_t{s.rows} * s.columns * s.samples * s.bits_allocated / 8U;
   set += element(0x7fe0, 0x10, "OW", s.voxels.empty() ? std::string(bytes, '\0') : s.voxels);
   write_file(path, std::string(128, '\0') + "DICM" +
-                       element(2, 0, "UL", u32(static_cast<std::uint32_t>(meta.size()))) + meta + set);
+                       element(2, 0, "UL", u32(static_cast<std::uint32_t>(meta.size()))) + meta +
+                       set);
 }
 
 void write_tiff(const std::string& path, const TiffSample& s) {
@@ -132,7 +134,8 @@ void write_tiff(const std::string& path, const TiffSample& s) {
     TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, s.format);
     TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, s.samples);
     TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
-    TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, s.samples == 1 ? PHOTOMETRIC_MINISBLACK : PHOTOMETRIC_RGB);
+    TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC,
+                 s.samples == 1 ? PHOTOMETRIC_MINISBLACK : PHOTOMETRIC_RGB);
     TIFFSetField(tiff, TIFFTAG_COMPRESSION, s.compression);
     if (!s.description.empty()) TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, s.description.c_str());
     if (s.resolution > 0) {
@@ -147,7 +150,8 @@ void write_tiff(const std::string& path, const TiffSample& s) {
         for (std::uint32_t x = 0; x < s.width; x += s.tile) {
           std::string tile(std::size_t{s.tile} * s.tile * value, '\0');
           for (std::uint32_t row = 0; row < std::min(s.tile, s.height - y); ++row) {
-            std::memcpy(tile.data() + row * s.tile * value, page.data() + (y + row) * row_bytes + x * value,
+            std::memcpy(tile.data() + row * s.tile * value,
+                        page.data() + (y + row) * row_bytes + x * value,
                         std::min(s.tile, s.width - x) * value);
           }
           ASSERT_GE(TIFFWriteTile(tiff, tile.data(), x, y, 0, 0), 0);
@@ -186,9 +190,15 @@ void write_png(const std::string& path, std::uint32_t width, std::uint32_t heigh
 
 std::string nifti_header(const NiftiSample& s) {
   std::string h(352, '\0');
-  const auto put = [&](std::size_t at, const std::string& bytes) { h.replace(at, bytes.size(), bytes); };
-  const auto put16 = [&](std::size_t at, std::int16_t v) { put(at, bytes_of<std::int16_t>({v}, s.big_endian)); };
-  const auto put_float = [&](std::size_t at, float v) { put(at, bytes_of<float>({v}, s.big_endian)); };
+  const auto put = [&](std::size_t at, const std::string& bytes) {
+    h.replace(at, bytes.size(), bytes);
+  };
+  const auto put16 = [&](std::size_t at, std::int16_t v) {
+    put(at, bytes_of<std::int16_t>({v}, s.big_endian));
+  };
+  const auto put_float = [&](std::size_t at, float v) {
+    put(at, bytes_of<float>({v}, s.big_endian));
+  };
   put(0, bytes_of<std::int32_t>({348}, s.big_endian));
   put16(40, static_cast<std::int16_t>(s.size.size()));
   for (std::size_t axis = 0; axis < s.size.size(); ++axis) {

@@ -1,4 +1,5 @@
-// Small source files of every format, written into a folder that vanishes, and what was read from them.
+// Small source files of every format, written into a folder that vanishes, and what was read from
+// them.
 #pragma once
 
 #include <array>

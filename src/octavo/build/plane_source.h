@@ -1,4 +1,5 @@
-// Where planes come from. Geometry, type and metadata are known before the first plane is asked for.
+// Where planes come from. Geometry, type and metadata are known before the first plane is asked
+// for.
 #pragma once
 
 #include <cstddef>
@@ -15,17 +16,20 @@ class PlaneSource {
  public:
   virtual ~PlaneSource() = default;
 
-  /// kind is `labels` only when the source itself says so (e.g. a segmentation); see also looks_like_labels.
+  /// kind is `labels` only when the source itself says so (e.g. a segmentation).
   virtual const VolumeDescription& description() const = 0;
 
-  /// Things the user should know that do not stop the import ("spacing is not in the files: 1 mm assumed").
+  /// Things the user should know that do not stop the import ("spacing is not in the files: 1 mm
+  /// assumed").
   virtual const std::vector<std::string>& warnings() const = 0;
 
-  /// Fills `plane` ([y][x], size.x * size.y voxels of the type, native byte order) with the next plane.
+  /// Fills `plane` ([y][x], size.x * size.y voxels of the type, native byte order) with the next
+  /// plane.
   /// Throws Error{source_rejected} naming the file, or Error{io}.
   virtual void read_plane(std::span<std::byte> plane) = 0;
 
-  /// Bytes the source itself holds in memory (0 for plane formats; the volume for whole-volume formats).
+  /// Bytes the source itself holds in memory (0 for plane formats; the volume for whole-volume
+  /// formats).
   virtual std::uint64_t resident_bytes() const { return 0; }
 };
 

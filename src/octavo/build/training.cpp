@@ -15,7 +15,8 @@ std::vector<TrainingBrick> candidates_of(const Levels& levels, int tier, const V
   return candidates;
 }
 
-/// Leaves out the thin bricks of the border, which are not typical, as long as enough others remain.
+/// Leaves out the thin bricks of the border, which are not typical, as long as enough others
+/// remain.
 void drop_slivers(std::vector<TrainingBrick>& candidates, const Size3& full) {
   const auto is_sliver = [&](const TrainingBrick& brick) {
     return 2 * brick.view.size.voxel_count() < full.voxel_count();

@@ -1,8 +1,8 @@
-// Binary arithmetic coding with probabilities given from outside (a carry-less view of the range coder of
-// Martin 1979, in the byte-wise form with carry propagation that LZMA made common).
+// Binary arithmetic coding with probabilities given from outside (a carry-less view of the range
+// coder of Martin 1979, in the byte-wise form with carry propagation that LZMA made common).
 //
-// The stream ends where the decoder's look-ahead ends: a decoder that has taken every decision has consumed
-// exactly the bytes that the encoder wrote, which `is_consumed` proves.
+// The stream ends where the decoder's look-ahead ends: a decoder that has taken every decision has
+// consumed exactly the bytes that the encoder wrote, which `is_consumed` proves.
 #pragma once
 
 #include <cstddef>
@@ -39,8 +39,8 @@ class BinaryEncoder {
     while (count-- > 0) put(value >> count & 1, kEvenOdds);
   }
 
-  /// As finish, but ends in as many zero bits as a decoder allows and drops zero bytes from the end, at
-  /// most four: a decoder that has taken every decision is 0 to 4 bytes beyond the end.
+  /// As finish, but ends in as many zero bits as a decoder allows and drops zero bytes from the
+  /// end, at most four: a decoder that has taken every decision is 0 to 4 bytes beyond the end.
   void finish_short() {
     const std::uint64_t last = low_ + range_ - 1;
     std::uint64_t mask = 0xffffffffffu;

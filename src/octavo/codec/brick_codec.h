@@ -1,12 +1,17 @@
 // One brick of voxels in, one byte segment per level out, and back.
 //
-// A BrickCodec is a trained model (prediction weights, probability tables) with the procedures that use
-// it. It is immutable: one object serves any number of threads. A file holds one model per group of brick
-// layers; a brick needs nothing but its model, its value range and its segments to be decoded.
+// A BrickCodec is a trained model (prediction weights, probability tables) with the procedures that
+// use it. It is immutable: one object serves any number of threads. A file holds one model per
+// group of brick layers; a brick needs nothing but its model, its value range and its segments to
+// be decoded.
 //
-// Segments stand finest first: segments[i] turns the samples of in-brick level i+1 into those of level i.
-// The last one holds the coarsest samples themselves. Decoding level i needs segments i .. last. A brick
-// whose voxels all have one value is uniform: range.min == range.max and every segment is empty.
+// Segments stand finest first: segments[i] turns the samples of in-brick level i+1 into those of
+// level i.
+// The last one holds the coarsest samples themselves. Decoding level i needs segments i .. last.
+//
+// A brick whose voxels all have one value is uniform: range.min == range.max and every segment is
+// empty. A brick that coding would enlarge is stored: segment 0 holds all its voxels, the others are
+// empty, and decoding any level needs segment 0.
 #pragma once
 
 #include <cstddef>
@@ -51,10 +56,12 @@ class BrickCodec {
   /// Memory  about 16 bytes per voxel of the brick; thread-safe; deterministic on every machine
   virtual EncodedBrick encode(const BrickShape& shape, const BrickView& brick) const = 0;
 
-  /// Decodes in-brick level `level` into `out`, dense [z][y][x] of shape.size[level], of type `type`.
-  /// segments  one per in-brick level; those finer than `level` are not looked at
-  /// Throws    Error{corrupt} when a segment is too long, too short or inconsistent; never writes outside
-  ///           `out`, never reads outside the segments
+  /// Decodes in-brick level `level` into `out`, dense [z][y][x] of shape.size[level], of type
+  /// `type`.
+  /// segments  one per in-brick level; those finer than `level` may be empty spans, unless the
+  ///           brick is stored
+  /// Throws    Error{corrupt} when a segment is too long, too short or inconsistent; never writes
+  ///           outside `out`, never reads outside the segments
   virtual void decode(const BrickShape& shape, VoxelType type, const ValueRange& range,
                       std::span<const ByteSpan> segments, int level, void* out) const = 0;
 };
@@ -65,10 +72,12 @@ struct TrainingBrick {
   BrickView view;
 };
 
-/// Trains a model on `bricks` (none of them needs to be non-uniform; an empty list gives a usable default).
+/// Trains a model on `bricks` (none of them needs to be non-uniform; an empty list gives a usable
+/// default).
 /// Deterministic: the same bricks in the same order give the same model on every machine.
 std::unique_ptr<BrickCodec> train_grey_model(VoxelType type, std::span<const TrainingBrick> bricks);
-std::unique_ptr<BrickCodec> train_label_model(VoxelType type, std::span<const TrainingBrick> bricks);
+std::unique_ptr<BrickCodec> train_label_model(VoxelType type,
+                                              std::span<const TrainingBrick> bricks);
 std::unique_ptr<BrickCodec> train_model(VolumeKind kind, VoxelType type,
                                         std::span<const TrainingBrick> bricks);
 

@@ -17,7 +17,8 @@ inline void put_varint(std::vector<std::uint8_t>& out, std::uint64_t value) {
   out.push_back(static_cast<std::uint8_t>(value));
 }
 
-/// Takes a varint off the front of `bytes`. Throws Error{corrupt} at the end of the bytes or above 64 bits.
+/// Takes a varint off the front of `bytes`. Throws Error{corrupt} at the end of the bytes or above
+/// 64 bits.
 inline std::uint64_t take_varint(std::span<const std::uint8_t>& bytes) {
   std::uint64_t value = 0;
   for (unsigned shift = 0; shift < 64; shift += 7) {
@@ -41,7 +42,9 @@ inline std::span<const std::uint8_t> take_bytes(std::span<const std::uint8_t>& b
 }
 
 /// Significant bits of a number; 0 for 0.
-constexpr int bit_length(std::uint64_t value) { return value == 0 ? 0 : 64 - __builtin_clzll(value); }
+constexpr int bit_length(std::uint64_t value) {
+  return value == 0 ? 0 : 64 - __builtin_clzll(value);
+}
 
 /// Maps 0, -1, 1, -2, ... to 0, 1, 2, 3, ...
 constexpr std::uint64_t zigzag(std::int64_t value) {

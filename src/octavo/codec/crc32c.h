@@ -1,5 +1,5 @@
-// CRC-32C (Castagnoli), RFC 3720 appendix B.4: detects all errors of up to 3 bits in 2^31 bits and every
-// burst of up to 32 bits.
+// CRC-32C (Castagnoli), RFC 3720 appendix B.4: detects all errors of up to 3 bits in 2^31 bits and
+// every burst of up to 32 bits.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,8 @@
 
 namespace octavo {
 
-/// The checksum of `bytes` continued from `crc` (0 to start). Uses the CPU's instruction where there is one.
+/// The checksum of `bytes` continued from `crc` (0 to start). Uses the CPU's instruction where
+/// there is one.
 std::uint32_t crc32c(std::span<const std::uint8_t> bytes, std::uint32_t crc = 0) noexcept;
 
 /// The same by table, on every machine.

@@ -23,7 +23,8 @@ std::vector<Sample> gather(const BrickView& brick, const SampleScale& scale) {
       Sample* out = samples.data();
       for (std::int64_t z = 0; z < brick.size.z; ++z) {
         for (std::int64_t y = 0; y < brick.size.y; ++y, out += brick.size.x) {
-          const T* in = static_cast<const T*>(brick.voxels) + z * brick.plane_stride + y * brick.row_stride;
+          const T* in =
+              static_cast<const T*>(brick.voxels) + z * brick.plane_stride + y * brick.row_stride;
           for (std::int64_t x = 0; x < brick.size.x; ++x) {
             out[x] = static_cast<Sample>(((in[x] - zero) >> drop) + lowest);
           }
@@ -51,11 +52,13 @@ UniformCells find_cells(const BrickShape& shape, const std::vector<Sample>& samp
   int shift[3];
   for (int axis = 0; axis < 3; ++axis) shift[axis] = halvings_between(shape, 0, 2, axis);
   const auto cell_row = [&](std::int64_t y, std::int64_t z) {
-    return static_cast<std::size_t>(((z >> shift[2]) * cells.size.y + (y >> shift[1])) * cells.size.x);
+    return static_cast<std::size_t>(((z >> shift[2]) * cells.size.y + (y >> shift[1])) *
+                                    cells.size.x);
   };
   std::vector<Sample> first(static_cast<std::size_t>(cells.size.voxel_count()));
   std::vector<std::uint8_t> flags(first.size(), 1);
-  const std::int64_t corner_mask[3] = {(1 << shift[0]) - 1, (1 << shift[1]) - 1, (1 << shift[2]) - 1};
+  const std::int64_t corner_mask[3] = {(1 << shift[0]) - 1, (1 << shift[1]) - 1,
+                                       (1 << shift[2]) - 1};
   const Sample* row = samples.data();
   for (std::int64_t z = 0; z < fine.z; ++z) {
     for (std::int64_t y = 0; y < fine.y; ++y, row += fine.x) {
@@ -87,7 +90,8 @@ void walk_cells(UniformCells& cells, F&& code) {
   for (std::int64_t z = 0; z < size.z; ++z) {
     for (std::int64_t y = 0; y < size.y; ++y) {
       for (std::int64_t x = 0; x < size.x; ++x, ++at) {
-        const unsigned context = flag(x - 1, y, z) | flag(x, y - 1, z) << 1 | flag(x, y, z - 1) << 2;
+        const unsigned context =
+            flag(x - 1, y, z) | flag(x, y - 1, z) << 1 | flag(x, y, z - 1) << 2;
         cells.flags[at] = code(models[context], cells.flags[at]);
       }
     }
@@ -148,7 +152,8 @@ Stage make_stage(const BrickShape& shape, const SampleScale& scale, int level, i
   if (cells == nullptr || level >= 2) return stage;
   stage.cells = cells;
   for (int a = 0; a < 3; ++a) {
-    // A pair stands at the coarse resolution along its axis; axes after it are still coarse as well.
+    // A pair stands at the coarse resolution along its axis; axes after it are still coarse as
+    // well.
     const bool is_coarse = a <= axis;
     stage.cell_shift[a] = halvings_between(shape, is_coarse ? level + 1 : level, 2, a);
   }
@@ -172,7 +177,8 @@ ValueRange range_of(const BrickView& brick) {
       T max = std::numeric_limits<T>::lowest();
       for (std::int64_t z = 0; z < brick.size.z; ++z) {
         for (std::int64_t y = 0; y < brick.size.y; ++y) {
-          const T* row = static_cast<const T*>(brick.voxels) + z * brick.plane_stride + y * brick.row_stride;
+          const T* row =
+              static_cast<const T*>(brick.voxels) + z * brick.plane_stride + y * brick.row_stride;
           for (std::int64_t x = 0; x < brick.size.x; ++x) {
             min = std::min(min, row[x]);
             max = std::max(max, row[x]);
@@ -187,7 +193,8 @@ ValueRange range_of(const BrickView& brick) {
 }
 
 template <class Sample>
-AnalyzedBrick<Sample> analyze(const BrickShape& shape, const BrickView& brick, const ValueRange& range) {
+AnalyzedBrick<Sample> analyze(const BrickShape& shape, const BrickView& brick,
+                              const ValueRange& range) {
   AnalyzedBrick<Sample> result;
   result.scale = SampleScale{range};
   std::vector<Sample> samples = gather<Sample>(brick, result.scale);
@@ -211,7 +218,9 @@ AnalyzedBrick<Sample> analyze(const BrickShape& shape, const BrickView& brick, c
   return result;
 }
 
-template AnalyzedBrick<std::int16_t> analyze(const BrickShape&, const BrickView&, const ValueRange&);
-template AnalyzedBrick<std::int32_t> analyze(const BrickShape&, const BrickView&, const ValueRange&);
+template AnalyzedBrick<std::int16_t> analyze(const BrickShape&, const BrickView&,
+                                             const ValueRange&);
+template AnalyzedBrick<std::int32_t> analyze(const BrickShape&, const BrickView&,
+                                             const ValueRange&);
 
 }  // namespace octavo::grey

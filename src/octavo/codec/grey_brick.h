@@ -1,8 +1,9 @@
 // The walk through a brick that encoding, decoding and training share.
 //
-// Samples of a brick are its voxels less a base, chosen so that the smallest voxel becomes the smallest
-// sample: 16-bit samples when the brick's range fits, else 32-bit ones. Levels are decoded from the coarsest
-// down; inside a level the splits go z, y, x, along the axes of the level's halving mask.
+// Samples of a brick are its voxels less a base, chosen so that the smallest voxel becomes the
+// smallest sample: 16-bit samples when the brick's range fits, else 32-bit ones. Levels are decoded
+// from the coarsest down; inside a level the splits go z, y, x, along the axes of the level's
+// halving mask.
 #pragma once
 
 #include <algorithm>
@@ -59,8 +60,8 @@ UniformCells decode_cells(ByteSpan bytes, const Size3& size);
 Stage make_stage(const BrickShape& shape, const SampleScale& scale, int level, int axis,
                  const Size3& fine_size, const UniformCells* cells);
 
-/// The axes of the splits that lead from level + 1 to level with the sizes they produce, in decoding
-/// order: z, y, x.
+/// The axes of the splits that lead from level + 1 to level with the sizes they produce, in
+/// decoding order: z, y, x.
 struct Split {
   int axis;
   Size3 fine_size;
@@ -86,11 +87,11 @@ void load_means(Workspace<Sample>& work, const Sample* samples, const Size3& siz
   work.means.fill_margins();
 }
 
-/// Runs `stage_work(stage, split)` for the splits of a level; before each the fine grid holds the means
-/// repeated, after each its result becomes the next means.
+/// Runs `stage_work(stage, split)` for the splits of a level; before each the fine grid holds the
+/// means repeated, after each its result becomes the next means.
 template <class Sample, class F>
-void run_level(Workspace<Sample>& work, const BrickShape& shape, const SampleScale& scale, int level,
-               const UniformCells* cells, F&& stage_work) {
+void run_level(Workspace<Sample>& work, const BrickShape& shape, const SampleScale& scale,
+               int level, const UniformCells* cells, F&& stage_work) {
   for (auto& grid : work.magnitudes) grid.set_size({0, 0, 0});
   for (const Split& split : splits_of(shape, level)) {
     repeat_along(work.means, work.fine, split.axis, split.fine_size);
@@ -108,7 +109,8 @@ std::int64_t level_detail_count(const BrickShape& shape, const SampleScale& scal
 template <class Sample>
 struct AnalyzedBrick {
   SampleScale scale;
-  /// steps[level][axis]: the samples before the halving along `axis` at `level`; empty when not halved.
+  /// steps[level][axis]: the samples before the halving along `axis` at `level`; empty when not
+  /// halved.
   std::vector<std::array<std::vector<Sample>, 3>> steps;
   std::vector<Sample> coarsest;  ///< samples of the last in-brick level
   UniformCells cells;            ///< no flags when too few cells are uniform to pay
@@ -120,9 +122,10 @@ struct AnalyzedBrick {
 /// Smallest and largest voxel of a brick.
 ValueRange range_of(const BrickView& brick);
 
-/// Requires a range of more than one value. When Sample is 16 bits and the range is wider, samples keep
-/// the highest 16 bits (training only).
+/// Requires a range of more than one value. When Sample is 16 bits and the range is wider, samples
+/// keep the highest 16 bits (training only).
 template <class Sample>
-AnalyzedBrick<Sample> analyze(const BrickShape& shape, const BrickView& brick, const ValueRange& range);
+AnalyzedBrick<Sample> analyze(const BrickShape& shape, const BrickView& brick,
+                              const ValueRange& range);
 
 }  // namespace octavo::grey

@@ -52,7 +52,8 @@ void decode_one_stage(const Parameters& p, const Stage& stage, Workspace<Sample>
   else stage_functions().decode32(p, stage, work, symbols);
 }
 
-/// The segment of in-brick level 1 starts with the cell flags: a varint of their length, then the bytes.
+/// The segment of in-brick level 1 starts with the cell flags: a varint of their length, then the
+/// bytes.
 void put_cells(Bytes& segment, const BrickShape& shape, int level, const UniformCells& cells) {
   if (level != 1 || !has_cells(shape)) return;
   const Bytes flags = encode_cells(cells);
@@ -70,7 +71,8 @@ EncodedBrick encode_samples(const Model& model, const BrickShape& shape,
   result.segments.back() = encode_plain(brick.scale, brick.coarsest);
 
   Workspace<Sample>& work = thread_workspace<Sample>();
-  load_means(work, brick.coarsest.data(), shape.size[static_cast<std::size_t>(shape.level_count) - 1]);
+  load_means(work, brick.coarsest.data(),
+             shape.size[static_cast<std::size_t>(shape.level_count) - 1]);
   std::vector<Symbol> symbols;
   for (int level = shape.level_count - 2; level >= 0; --level) {
     const auto slot = static_cast<std::size_t>(level);
@@ -89,7 +91,8 @@ EncodedBrick encode_samples(const Model& model, const BrickShape& shape,
   return result;
 }
 
-/// A brick that coding would enlarge is stored: all voxels plain in segment 0, the other segments empty.
+/// A brick that coding would enlarge is stored: all voxels plain in segment 0, the other segments
+/// empty.
 template <class Sample>
 void store_if_smaller(EncodedBrick& encoded, const BrickShape& shape, const BrickView& view,
                       const AnalyzedBrick<Sample>& brick) {
@@ -99,7 +102,8 @@ void store_if_smaller(EncodedBrick& encoded, const BrickShape& shape, const Bric
   BrickShape flat = shape;
   flat.level_count = 1;
   for (Bytes& segment : encoded.segments) segment.clear();
-  encoded.segments[0] = encode_plain(brick.scale, analyze<Sample>(flat, view, encoded.range).coarsest);
+  encoded.segments[0] =
+      encode_plain(brick.scale, analyze<Sample>(flat, view, encoded.range).coarsest);
 }
 
 template <class T, class Sample>
@@ -109,20 +113,22 @@ void write_out(const Sample* samples, std::int64_t count, const SampleScale& sca
 }
 
 template <class Sample>
-void write_grid(const SampleGrid<Sample>& grid, VoxelType type, const SampleScale& scale, void* out) {
+void write_grid(const SampleGrid<Sample>& grid, VoxelType type, const SampleScale& scale,
+                void* out) {
   with_voxel_type(type, [&](auto tag) {
     using T = typename decltype(tag)::type;
     T* to = static_cast<T*>(out);
     const Size3& size = grid.size();
     for (std::int64_t z = 0; z < size.z; ++z) {
-      for (std::int64_t y = 0; y < size.y; ++y, to += size.x) write_out(grid.row(y, z), size.x, scale, to);
+      for (std::int64_t y = 0; y < size.y; ++y, to += size.x)
+        write_out(grid.row(y, z), size.x, scale, to);
     }
   });
 }
 
 template <class Sample>
-void decode_stored(const BrickShape& shape, VoxelType type, const SampleScale& scale, ByteSpan segment,
-                   int level, void* out) {
+void decode_stored(const BrickShape& shape, VoxelType type, const SampleScale& scale,
+                   ByteSpan segment, int level, void* out) {
   std::vector<Sample> samples = decode_plain<Sample>(scale, segment, shape.size[0]);
   for (int i = 0; i < level; ++i) {
     const auto slot = static_cast<std::size_t>(i);
@@ -131,15 +137,18 @@ void decode_stored(const BrickShape& shape, VoxelType type, const SampleScale& s
   }
   with_voxel_type(type, [&](auto tag) {
     using T = typename decltype(tag)::type;
-    write_out(samples.data(), static_cast<std::int64_t>(samples.size()), scale, static_cast<T*>(out));
+    write_out(samples.data(), static_cast<std::int64_t>(samples.size()), scale,
+              static_cast<T*>(out));
   });
 }
 
 template <class Sample>
 void decode_samples(const Model& model, const BrickShape& shape, VoxelType type,
-                    const SampleScale& scale, std::span<const ByteSpan> segments, int level, void* out) {
+                    const SampleScale& scale, std::span<const ByteSpan> segments, int level,
+                    void* out) {
   const auto last = static_cast<std::size_t>(shape.level_count) - 1;
-  const std::vector<Sample> coarsest = decode_plain<Sample>(scale, segments[last], shape.size[last]);
+  const std::vector<Sample> coarsest =
+      decode_plain<Sample>(scale, segments[last], shape.size[last]);
   Workspace<Sample>& work = thread_workspace<Sample>();
   load_means(work, coarsest.data(), shape.size[last]);
   UniformCells cells;
@@ -152,7 +161,8 @@ void decode_samples(const Model& model, const BrickShape& shape, VoxelType type,
     const UniformCells* flagged = cells.flags.empty() ? nullptr : &cells;
     const std::int64_t details = level_detail_count(shape, scale, at, flagged);
     if (details == 0) {
-      if (!segment.empty()) throw Error(ErrorKind::corrupt, "a segment without details is not empty");
+      if (!segment.empty())
+        throw Error(ErrorKind::corrupt, "a segment without details is not empty");
       run_level(work, shape, scale, at, flagged, [&](const Stage&, const Split&) {});
       continue;
     }

@@ -10,7 +10,8 @@ namespace {
 
 constexpr int kMaxGolombBits = 24;
 
-/// Adaptive Exp-Golomb: the count of significant bits in unary, the leading bits adaptively, the rest plain.
+/// Adaptive Exp-Golomb: the count of significant bits in unary, the leading bits adaptively, the
+/// rest plain.
 struct GolombModel {
   std::array<AdaptiveBit, kMaxGolombBits + 1> length;
   std::array<AdaptiveBit, kMaxGolombBits + 1> second_bit;
@@ -29,7 +30,8 @@ void put_golomb(BinaryEncoder& coder, GolombModel& model, std::uint32_t value) {
 
 std::uint32_t get_golomb(BinaryDecoder& coder, GolombModel& model) {
   int bits = 0;
-  while (bits < kMaxGolombBits && !get_adaptive(coder, model.length[static_cast<std::size_t>(bits)])) {
+  while (bits < kMaxGolombBits &&
+         !get_adaptive(coder, model.length[static_cast<std::size_t>(bits)])) {
     ++bits;
   }
   if (bits < 2) return static_cast<std::uint32_t>(bits);
@@ -49,8 +51,8 @@ std::int32_t get_signed(BinaryDecoder& coder, GolombModel& model) {
 
 /// One walk over all parameters serves both directions: `code(model, value)` puts or gets a number.
 ///
-/// The centre tap is not coded: weights sum to zero, so it is minus the sum of the others. Taps near the
-/// centre and far from it have models of their own.
+/// The centre tap is not coded: weights sum to zero, so it is minus the sum of the others. Taps
+/// near the centre and far from it have models of their own.
 template <class Params, class Code>
 void walk_weights(Params& p, Code&& code) {
   GolombModel is_used;
@@ -66,7 +68,8 @@ void walk_weights(Params& p, Code&& code) {
 }
 
 int tap_distance(int axis, int tap) {
-  // Within a row of 8 the own column stands at offset 3 (rows through the sample itself differ for x).
+  // Within a row of 8 the own column stands at offset 3 (rows through the sample itself differ for
+  // x).
   const int column = tap % 8 - 3;
   if (axis == 0 && tap < 16) return tap >= 6 && tap < 12 ? 0 : 1;
   return column >= -1 && column <= 1 ? 0 : column >= -2 && column <= 2 ? 1 : 2;
@@ -89,12 +92,14 @@ struct WeightPutter {
 
 struct WeightGetter {
   BinaryDecoder& coder;
-  void weight_set(GolombModel& is_used, GolombModel* models, std::int16_t* weights, int axis, int step) {
+  void weight_set(GolombModel& is_used, GolombModel* models, std::int16_t* weights, int axis,
+                  int step) {
     if (get_golomb(coder, is_used) == 0) return;
     std::int32_t sum = 0;
     for (int tap = 0; tap < tap_count(axis); ++tap) {
       if (tap == centre_tap(axis)) continue;
-      const auto scaled = static_cast<std::uint32_t>(get_signed(coder, models[tap_distance(axis, tap)]));
+      const auto scaled =
+          static_cast<std::uint32_t>(get_signed(coder, models[tap_distance(axis, tap)]));
       weights[tap] = static_cast<std::int16_t>(scaled << step);
       sum += weights[tap];
     }
@@ -103,13 +108,17 @@ struct WeightGetter {
 };
 
 /// Frequencies run from token 0 to the last used one; the escape token takes what is left of 2048.
-/// The model of a frequency is chosen by the size of the one before and of the same token one context down.
+/// The model of a frequency is chosen by the size of the one before and of the same token one
+/// context down.
 struct FrequencyModels {
   GolombModel last;
   std::array<std::array<GolombModel, 4>, 12> by_neighbors;
   GolombModel& of(std::uint32_t before, std::uint32_t below) {
     const int below_width = bit_length(below);
-    const std::size_t column = below_width == 0 ? 0u : below_width < 4 ? 1u : below_width < 7 ? 2u : 3u;
+    const std::size_t column = below_width == 0  ? 0u
+                               : below_width < 4 ? 1u
+                               : below_width < 7 ? 2u
+                                                 : 3u;
     return by_neighbors[static_cast<std::size_t>(std::min(bit_length(before), 11))][column];
   }
 };
@@ -202,7 +211,8 @@ Bytes serialize(const Parameters& parameters) {
 Parameters parse_parameters(ByteSpan bytes) {
   Parameters p;
   const std::uint64_t threshold = take_varint(bytes);
-  if (threshold < 1 || threshold > 0x3fffffff) throw Error(ErrorKind::corrupt, "model: bad threshold");
+  if (threshold < 1 || threshold > 0x3fffffff)
+    throw Error(ErrorKind::corrupt, "model: bad threshold");
   p.activity_threshold = static_cast<std::int32_t>(threshold);
   p.weight_step = take_bytes(bytes, 1).front();
   if (p.weight_step > 8) throw Error(ErrorKind::corrupt, "model: bad weight step");
@@ -231,7 +241,8 @@ Parameters parse_parameters(ByteSpan bytes) {
         std::uint32_t left = kTableSize;
         std::uint32_t before = 0;
         for (std::size_t token = 0; token + 1 < code; ++token) {
-          const std::uint32_t value = get_golomb(coder, models.of(before, below ? (*below)[token] : 0u));
+          const std::uint32_t value =
+              get_golomb(coder, models.of(before, below ? (*below)[token] : 0u));
           if (value >= left) throw Error(ErrorKind::corrupt, "model: a table exceeds its sum");
           context[token] = static_cast<std::uint16_t>(value);
           left -= value;

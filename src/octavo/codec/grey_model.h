@@ -1,10 +1,10 @@
 // What the grey codec learns from a scan: prediction weights, context weights, probability tables.
 //
-// A detail is predicted by a weighted sum of up to 96 neighbours ("taps"), weights in Q12, one set per
-// level group (0, 1, coarser), split axis and activity class. The size of the remaining residual is
-// foreseen by a non-negative weighted sum of 16 features in Q8; its half-octave, and whether the value
-// range limits the residual, choose one of 60 contexts. A context says how many low bits of a residual
-// are stored plain and how probable the tokens of the rest are.
+// A detail is predicted by a weighted sum of up to 96 neighbours ("taps"), weights in Q12, one set
+// per level group (0, 1, coarser), split axis and activity class. The size of the remaining
+// residual is foreseen by a non-negative weighted sum of 16 features in Q8; its half-octave, and
+// whether the value range limits the residual, choose one of 60 contexts. A context says how many
+// low bits of a residual are stored plain and how probable the tokens of the rest are.
 #pragma once
 
 #include <array>
@@ -65,7 +65,8 @@ constexpr int token_of(std::uint32_t value) {
 }
 
 /// Token frequencies of every context; each context's sum to 2048, the escape token has at least 1.
-using Frequencies = std::array<std::array<std::array<std::uint16_t, kTokens>, kContexts>, kTableSets>;
+using Frequencies =
+    std::array<std::array<std::array<std::uint16_t, kTokens>, kContexts>, kTableSets>;
 
 struct Parameters {
   std::int32_t activity_threshold = 8;

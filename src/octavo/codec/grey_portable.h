@@ -1,5 +1,5 @@
-// The splits of the grey codec in plain C++: the reference for every instruction set, and what training
-// runs on.
+// The splits of the grey codec in plain C++: the reference for every instruction set, and what
+// training runs on.
 #pragma once
 
 #include <algorithm>

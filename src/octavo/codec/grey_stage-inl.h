@@ -1,5 +1,5 @@
-// The body of a split, compiled once per instruction set. Include inside a namespace of its own after
-// defining `Dot` there (see grey_stage_portable.cpp and grey_stage_simd.cpp).
+// The body of a split, compiled once per instruction set. Include inside a namespace of its own
+// after defining `Dot` there (see grey_stage_portable.cpp and grey_stage_simd.cpp).
 
 template <class Int>
 inline std::int32_t scaled_magnitude(Int value, int shift, std::int32_t most) {
@@ -127,7 +127,8 @@ inline int list_coded(const Stage& stage, const std::uint8_t* cells, RowBuffers<
 
 /// Magnitudes of the row just coded, with the margins that contexts look at.
 template <class Sample>
-inline void keep_magnitudes(std::int16_t* magnitudes, const RowBuffers<Sample>& row, int count, int shift) {
+inline void keep_magnitudes(std::int16_t* magnitudes, const RowBuffers<Sample>& row, int count,
+                            int shift) {
   for (int x = 0; x < count; ++x) {
     magnitudes[x] =
         static_cast<std::int16_t>(scaled_magnitude(row.residual[x], shift, kMaxMagnitude));
@@ -136,9 +137,11 @@ inline void keep_magnitudes(std::int16_t* magnitudes, const RowBuffers<Sample>& 
   magnitudes[count] = magnitudes[count + 1] = magnitudes[count - 1];
 }
 
-/// Runs a split. Mode supplies the residuals of a row (decoding) or learns them (encoding, training):
+/// Runs a split. Mode supplies the residuals of a row (decoding) or learns them (encoding,
+/// training):
 ///   take(row, coded)                 before reconstruction
-///   detail(x, y, z, prediction)      the detail of a coded pair; notes its residual in row.residual[x]
+///   detail(x, y, z, prediction)      the detail of a coded pair; notes its residual in
+///   row.residual[x]
 ///   put(row, coded)                  after reconstruction
 template <int kAxis, class Sample, class Mode>
 void run_split(const Parameters& p, const Stage& stage, Workspace<Sample>& work, Mode& mode) {
@@ -210,8 +213,8 @@ struct Decoding {
 
 /// The true detail of pair (x, y, z) of a split along `axis`.
 template <class Sample>
-inline Wide<Sample> true_detail(const Truth<Sample>& truth, int axis, std::int64_t x, std::int64_t y,
-                                std::int64_t z) {
+inline Wide<Sample> true_detail(const Truth<Sample>& truth, int axis, std::int64_t x,
+                                std::int64_t y, std::int64_t z) {
   const std::int64_t step = axis == 0 ? 1 : axis == 1 ? truth.size.x : truth.size.x * truth.size.y;
   const std::int64_t fx = axis == 0 ? 2 * x : x;
   const std::int64_t fy = axis == 1 ? 2 * y : y;

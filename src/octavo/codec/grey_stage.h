@@ -1,9 +1,9 @@
 // One split of the grey codec: from the means along an axis to the samples, pair by pair.
 //
-// The fine grid starts as the means repeated along the axis and is overwritten in place, row by row, so
-// that a fixed window reads "fine where decoded, mean elsewhere". Per row: features and contexts of all
-// pairs from the means and from residuals of earlier rows; then all residuals of the row; then prediction
-// and reconstruction pair by pair.
+// The fine grid starts as the means repeated along the axis and is overwritten in place, row by
+// row, so that a fixed window reads "fine where decoded, mean elsewhere". Per row: features and
+// contexts of all pairs from the means and from residuals of earlier rows; then all residuals of
+// the row; then prediction and reconstruction pair by pair.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ struct Stage {
   int group = 0;
   int set = 0;
   int rounding = 0;
-  Size3 pairs;                ///< details of this split: pairs along the axis, samples along the others
+  Size3 pairs;  ///< details of this split: pairs along the axis, samples along the others
   std::int64_t min = 0;       ///< value range of the brick, in samples
   std::int64_t max = 0;
   int shift = 0;              ///< magnitudes are measured in units of 2^shift
@@ -49,7 +49,7 @@ struct RowBuffers {
   alignas(64) std::int32_t gradient_along[kLength];   ///< e0: both steps along the axis
   alignas(64) std::int32_t curvature_along[kLength];  ///< e1: their difference
   alignas(64) std::int32_t gradient_across[kLength];  ///< e2: the steps along the other two axes
-  alignas(64) std::int32_t limit[kLength];            ///< |detail| cannot exceed it, in units of 2^shift
+  alignas(64) std::int32_t limit[kLength];  ///< |detail| cannot exceed it, in units of 2^shift
   alignas(64) Wide<Sample> exact_limit[kLength];   ///< the same in samples
   alignas(64) std::uint8_t activity[kLength];
   alignas(64) std::uint8_t context[kLength];
@@ -92,8 +92,8 @@ struct StageFunctions {
                    const Truth<std::int32_t>&, std::vector<Symbol>&);
 };
 
-/// The fastest functions this machine has; OCTAVO_SIMD=scalar in the environment asks for the portable
-/// ones. All give the same results.
+/// The fastest functions this machine has; OCTAVO_SIMD=scalar in the environment asks for the
+/// portable ones. All give the same results.
 const StageFunctions& stage_functions();
 const StageFunctions& portable_stage_functions();
 

@@ -27,13 +27,14 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 /// The weighted sum of the taps around a sample, 8 taps at a time.
 ///
-/// The last 8 samples written to the current row (and to its partner row) are kept in registers: loading
-/// them back so soon after narrow stores would stall.
+/// The last 8 samples written to the current row (and to its partner row) are kept in registers:
+/// loading them back so soon after narrow stores would stall.
 template <int kAxis, class Sample>
 class Dot {
  public:
   explicit Dot(const Sample* first)
-      : written_(hn::LoadU(kTaps, first - 8)), written_partner_(hn::LoadU(kTaps, first + kPartner - 8)) {}
+      : written_(hn::LoadU(kTaps, first - 8)),
+        written_partner_(hn::LoadU(kTaps, first + kPartner - 8)) {}
 
   HWY_INLINE std::int32_t operator()(const Sample* at, const std::int16_t* weights) const {
     const hn::FixedTag<std::int32_t, 4> sums;
@@ -42,10 +43,10 @@ class Dot {
     auto unused = hn::Zero(sums);
     constexpr int kRows = TapRows<Sample>::kCount[kAxis];
     for (int r = 0; r < kRows; r += 2) {
-      even = hn::ReorderWidenMulAccumulate(sums, taps(at, r), hn::Load(kTaps, weights + 8 * r), even,
-                                           unused);
-      odd = hn::ReorderWidenMulAccumulate(sums, taps(at, r + 1), hn::Load(kTaps, weights + 8 * r + 8),
-                                          odd, unused);
+      even = hn::ReorderWidenMulAccumulate(sums, taps(at, r), hn::Load(kTaps, weights + 8 * r),
+                                           even, unused);
+      odd = hn::ReorderWidenMulAccumulate(sums, taps(at, r + 1),
+                                          hn::Load(kTaps, weights + 8 * r + 8), odd, unused);
     }
     return hn::GetLane(hn::SumOfLanes(sums, hn::Add(hn::Add(even, odd), unused)));
   }
@@ -55,7 +56,8 @@ class Dot {
       const auto pair = static_cast<std::uint32_t>(static_cast<std::uint16_t>(a)) |
                         static_cast<std::uint32_t>(static_cast<std::uint16_t>(b)) << 16;
       const hn::FixedTag<std::uint32_t, 4> words;
-      written_ = hn::CombineShiftRightBytes<4>(kTaps, hn::BitCast(kTaps, hn::Set(words, pair)), written_);
+      written_ =
+          hn::CombineShiftRightBytes<4>(kTaps, hn::BitCast(kTaps, hn::Set(words, pair)), written_);
     } else {
       written_ = hn::CombineShiftRightBytes<2>(kTaps, hn::Set(kTaps, a), written_);
       written_partner_ = hn::CombineShiftRightBytes<2>(kTaps, hn::Set(kTaps, b), written_partner_);
@@ -75,7 +77,8 @@ class Dot {
       if (r == kOwnRow) return written_;
     } else {
       // Of a row at -3 the first three samples are written already, the other five still means.
-      if (r == kOwnRow) return hn::CombineShiftRightBytes<10>(kTaps, hn::LoadU(kTaps, at), written_);
+      if (r == kOwnRow)
+        return hn::CombineShiftRightBytes<10>(kTaps, hn::LoadU(kTaps, at), written_);
       // The partner row repeats the same means.
       if (r == kPartnerRow) {
         return hn::CombineShiftRightBytes<10>(kTaps, hn::LoadU(kTaps, at), written_partner_);

@@ -1,5 +1,5 @@
-// Learns a grey model: prediction weights by reweighted least squares, context weights by non-negative
-// least squares, token frequencies by counting.
+// Learns a grey model: prediction weights by reweighted least squares, context weights by
+// non-negative least squares, token frequencies by counting.
 
 #include <tbb/parallel_for.h>
 
@@ -82,8 +82,9 @@ std::int32_t learn_threshold(const std::vector<Lesson>& lessons) {
 class Thinning {
  public:
   Thinning(std::int64_t wanted, std::int64_t total, std::uint32_t seed)
-      : limit_(wanted >= total ? ~0u
-                               : static_cast<std::uint32_t>(wanted * (std::int64_t{1} << 32) / total)),
+      : limit_(wanted >= total
+                   ? ~0u
+                   : static_cast<std::uint32_t>(wanted * (std::int64_t{1} << 32) / total)),
         state_(seed * 2654435761u + 12345u) {}
   bool keeps_next() {
     state_ = state_ * 1664525u + 1013904223u;
@@ -118,8 +119,10 @@ void walk_level(const Parameters& p, const Lesson& lesson, int level, MakeMode&&
             [&](const Stage& stage, const Split& split) {
               if (stage.pairs.voxel_count() == 0) return;
               const auto& samples =
-                  lesson.brick.steps[static_cast<std::size_t>(level)][static_cast<std::size_t>(split.axis)];
-              auto mode = make_mode(stage, Truth<std::int16_t>{samples.data(), split.fine_size}, work);
+                  lesson.brick
+                      .steps[static_cast<std::size_t>(level)][static_cast<std::size_t>(split.axis)];
+              auto mode =
+                  make_mode(stage, Truth<std::int16_t>{samples.data(), split.fine_size}, work);
               portable::run_stage(p, stage, work, mode);
             });
 }
@@ -166,8 +169,8 @@ struct TapMode : TruthMode {
   void put(RowBuffers<std::int16_t>&, int, std::int64_t, std::int64_t) const {}
 };
 
-/// Least squares, then once more with weights 1 / (1 + |residual|): closer to least absolute residuals,
-/// which is what the bits follow.
+/// Least squares, then once more with weights 1 / (1 + |residual|): closer to least absolute
+/// residuals, which is what the bits follow.
 std::vector<double> fit_taps(const TapSamples& samples, int taps) {
   std::vector<float> weights;
   std::vector<double> fitted;
@@ -198,7 +201,8 @@ void set_weights(std::int16_t* weights, const std::vector<double>& fitted, int a
     weights[tap] = static_cast<std::int16_t>(rounded * (1 << step));
     sum += weights[tap];
   }
-  // The centre takes the rest, so that weights sum to zero; what 16 bits cannot hold is not worth having.
+  // The centre takes the rest, so that weights sum to zero; what 16 bits cannot hold is not worth
+  // having.
   if (sum < -32767 || sum > 32767) {
     std::fill_n(weights, kMaxTaps, std::int16_t{0});
     return;
@@ -216,7 +220,8 @@ void learn_weights(Parameters& p, const std::vector<const Lesson*>& lessons, int
       if (level + 1 >= lesson.shape.level_count) break;
       const std::int64_t wanted = kTapSamples / static_cast<std::int64_t>(lessons.size());
       walk_level(p, lesson, level,
-                 [&](const Stage& stage, const Truth<std::int16_t>& truth, Workspace<std::int16_t>& work) {
+                 [&](const Stage& stage, const Truth<std::int16_t>& truth,
+                     Workspace<std::int16_t>& work) {
                    const Thinning thinning(wanted, stage.pairs.voxel_count(),
                                            static_cast<std::uint32_t>(i) + 1);
                    return TapMode{{truth, stage.axis, work.row}, thinning,
@@ -235,7 +240,8 @@ void learn_weights(Parameters& p, const std::vector<const Lesson*>& lessons, int
       s = {};
     }
     if (all.details.size() < kFewSamples) return;
-    set_weights(p.weights[group][axis][activity], fit_taps(all, tap_count(axis)), axis, p.weight_step);
+    set_weights(p.weights[group][axis][activity], fit_taps(all, tap_count(axis)), axis,
+                p.weight_step);
   });
 }
 
@@ -262,8 +268,8 @@ struct ContextMode : TruthMode {
       samples.features.push_back(
           {f(r.gradient_along[x]), f(r.curvature_along[x]), f(r.gradient_across[x]),
            f(near.sibling[0][x]), f(near.sibling[1][x]), 1.0f, f(near.up[x + 2]), f(near.up[x - 2]),
-           f(near.up[x]), f(near.up[x - 1]), f(near.up[x + 1]), f(near.back[x]), f(near.back[x - 1]),
-           f(near.back[x + 1]), f(near.back_up[x]), f(near.back_down[x])});
+           f(near.up[x]), f(near.up[x - 1]), f(near.up[x + 1]), f(near.back[x]),
+           f(near.back[x - 1]), f(near.back[x + 1]), f(near.back_up[x]), f(near.back_down[x])});
       samples.magnitudes.push_back(f(std::min(std::abs(r.residual[x]), kMaxMagnitude)));
     }
   }
@@ -279,7 +285,8 @@ std::vector<double> fit_active(const ContextSamples& samples, const std::vector<
     double weight = 1;
     if (is_weighted) {
       double foreseen = 0;
-      for (std::size_t k = 0; k < kFeatures; ++k) foreseen += current[k] * static_cast<double>(f[k]);
+      for (std::size_t k = 0; k < kFeatures; ++k)
+        foreseen += current[k] * static_cast<double>(f[k]);
       weight = 1 / (foreseen * foreseen + 0.05);
     }
     for (std::size_t k = 0; k < kFeatures; ++k) {
@@ -326,14 +333,15 @@ void learn_contexts(Parameters& p, const std::vector<const Lesson*>& lessons) {
     const Lesson& lesson = *lessons[i];
     for (int level = 0; level + 1 < lesson.shape.level_count; ++level) {
       const std::int64_t wanted = kContextSamples / static_cast<std::int64_t>(lessons.size());
-      walk_level(p, lesson, level,
-                 [&](const Stage& stage, const Truth<std::int16_t>& truth, Workspace<std::int16_t>& work) {
-                   const Thinning thinning(wanted, stage.pairs.voxel_count(),
-                                           static_cast<std::uint32_t>(i) + 77);
-                   auto& samples = by_lesson[i][static_cast<std::size_t>(stage.group)]
-                                            [static_cast<std::size_t>(stage.axis)];
-                   return ContextMode{{truth, stage.axis, work.row}, thinning, samples, work.magnitudes};
-                 });
+      walk_level(
+          p, lesson, level,
+          [&](const Stage& stage, const Truth<std::int16_t>& truth, Workspace<std::int16_t>& work) {
+            const Thinning thinning(wanted, stage.pairs.voxel_count(),
+                                    static_cast<std::uint32_t>(i) + 77);
+            auto& samples = by_lesson[i][static_cast<std::size_t>(stage.group)]
+                                     [static_cast<std::size_t>(stage.axis)];
+            return ContextMode{{truth, stage.axis, work.row}, thinning, samples, work.magnitudes};
+          });
     }
   });
   tbb::parallel_for(0, kGroups * 3, [&](int task) {
@@ -367,7 +375,8 @@ Counts count_tokens(const Parameters& p, const std::vector<Lesson>& lessons) {
                 [&](const Stage& stage, const Split& split) {
                   const auto& samples = lesson.brick.steps[static_cast<std::size_t>(level)]
                                                           [static_cast<std::size_t>(split.axis)];
-                  stage_functions().encode16(p, stage, work, {samples.data(), split.fine_size}, symbols);
+                  stage_functions().encode16(p, stage, work, {samples.data(), split.fine_size},
+                                             symbols);
                 });
       for (const Symbol& s : symbols) {
         const auto token = token_of(static_cast<std::uint32_t>(s.value >> plain_bits(s.context)));
@@ -389,8 +398,8 @@ Counts count_tokens(const Parameters& p, const std::vector<Lesson>& lessons) {
   return counts;
 }
 
-/// Frequencies in proportion to counts: at least 1 for the escape token, for every token seen and for the
-/// tokens next to one seen; the sum is 2048.
+/// Frequencies in proportion to counts: at least 1 for the escape token, for every token seen and
+/// for the tokens next to one seen; the sum is 2048.
 std::array<std::uint16_t, kTokens> frequencies_of(const std::array<std::int64_t, kTokens>& counts) {
   std::int64_t total = 0;
   for (const std::int64_t count : counts) total += count;
@@ -402,7 +411,8 @@ std::array<std::uint16_t, kTokens> frequencies_of(const std::array<std::int64_t,
                          (token + 1 < kEscapeToken && counts[token + 1] > 0);
     if (!is_near && token != kEscapeToken) continue;
     const auto share = (counts[token] * kTableSize + total / 2) / total;
-    frequencies[token] = static_cast<std::uint16_t>(std::clamp<std::int64_t>(share, 1, kTableSize - 1));
+    frequencies[token] =
+        static_cast<std::uint16_t>(std::clamp<std::int64_t>(share, 1, kTableSize - 1));
     sum += frequencies[token];
     if (frequencies[token] > frequencies[most]) most = token;
   }
@@ -435,10 +445,12 @@ void learn_frequencies(Parameters& p, const Counts& counts) {
 
 namespace octavo {
 
-std::unique_ptr<BrickCodec> train_grey_model(VoxelType type, std::span<const TrainingBrick> bricks) {
+std::unique_ptr<BrickCodec> train_grey_model(VoxelType type,
+                                             std::span<const TrainingBrick> bricks) {
   using namespace grey;
   if (!is_integer(type)) {
-    throw Error(ErrorKind::invalid_argument, "float voxels cannot be coded losslessly as grey values");
+    throw Error(ErrorKind::invalid_argument,
+                "float voxels cannot be coded losslessly as grey values");
   }
   Parameters p = default_parameters();
   p.weight_step = kWeightStep;

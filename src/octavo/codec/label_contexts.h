@@ -1,7 +1,8 @@
 // Which samples around a child count as its neighbors, and the labels they propose for it.
 //
-// Neighbors are named as seen from the child's place in its octant: along each axis +1 is away from its
-// siblings, -1 towards them. So one set of weights serves all eight places as far as geometry goes.
+// Neighbors are named as seen from the child's place in its octant: along each axis +1 is away from
+// its siblings, -1 towards them. So one set of weights serves all eight places as far as geometry
+// goes.
 #pragma once
 
 #include <array>
@@ -13,16 +14,17 @@
 
 namespace octavo {
 
-/// Offsets from a child to its neighbors, by digit and neighbor. Neighbors 0 .. 25 are the cube of 3^3
-/// around it, x fastest and -1 before 0 before 1, the centre left out; 26 .. 31 are two steps away: -x,
-/// +x, -y, +y, -z, +z.
+/// Offsets from a child to its neighbors, by digit and neighbor. Neighbors 0 .. 25 are the cube of
+/// 3^3 around it, x fastest and -1 before 0 before 1, the centre left out; 26 .. 31 are two steps
+/// away: -x, +x, -y, +y, -z, +z.
 using LabelNeighborhood = std::array<std::array<std::ptrdiff_t, kLabelNeighbors>, 8>;
 LabelNeighborhood label_neighborhood(std::ptrdiff_t row_stride, std::ptrdiff_t plane_stride);
 
 /// How much a neighbor's label counts as a proposal.
 int label_vote(std::size_t neighbor, LabelState state);
 
-/// The distinct labels proposed for one child, by falling votes; of equal votes, the first proposed.
+/// The distinct labels proposed for one child, by falling votes; of equal votes, the first
+/// proposed.
 class LabelCandidates {
  public:
   void add(std::uint32_t slot, int votes) {

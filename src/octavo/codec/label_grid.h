@@ -1,7 +1,8 @@
-// The samples of one level while it is coded: what is known of each, with a border of two all around.
+// The samples of one level while it is coded: what is known of each, with a border of two all
+// around.
 //
-// A cell is 4 * slot + state. A slot is the number of a label in the order in which the brick's labels
-// are first coded.
+// A cell is 4 * slot + state. A slot is the number of a label in the order in which the brick's
+// labels are first coded.
 #pragma once
 
 #include <cstddef>

@@ -29,7 +29,8 @@ void put_number(BinaryEncoder& coder, NumberBits& bits, std::uint64_t number) {
 
 std::uint64_t get_number(BinaryDecoder& coder, NumberBits& bits) {
   int length = 0;
-  while (length < kMaxPrefix && get_adaptive(coder, bits.prefix[static_cast<std::size_t>(length)])) {
+  while (length < kMaxPrefix &&
+         get_adaptive(coder, bits.prefix[static_cast<std::size_t>(length)])) {
     ++length;
   }
   std::uint64_t value = 1;
@@ -54,7 +55,8 @@ void put_steps(BinaryEncoder& coder, StepBits& bits, int steps) {
 int get_steps(BinaryDecoder& coder, StepBits& bits) {
   if (!get_adaptive(coder, bits.is_changed)) return 0;
   const bool is_negative = get_adaptive(coder, bits.is_negative);
-  const auto size = static_cast<int>(std::min<std::uint64_t>(get_number(coder, bits.size), 255)) + 1;
+  const auto size =
+      static_cast<int>(std::min<std::uint64_t>(get_number(coder, bits.size), 255)) + 1;
   return is_negative ? -size : size;
 }
 

@@ -1,8 +1,9 @@
 // What a brick of labels needs besides its segments: the palette and the weights of three networks.
 //
-// Serialized: one stream of the binary coder. Numbers are Exp-Golomb codes with adaptive bits: the palette
-// as a count and rising differences; then, network by network, each weight's difference to its start
-// weight in steps of kLabelWeightStep, most of them 0. The stream ends as finish_short ends it.
+// Serialized: one stream of the binary coder. Numbers are Exp-Golomb codes with adaptive bits: the
+// palette as a count and rising differences; then, network by network, each weight's difference to
+// its start weight in steps of kLabelWeightStep, most of them 0. The stream ends as finish_short
+// ends it.
 #pragma once
 
 #include <array>

@@ -1,15 +1,17 @@
-// The probability of a yes/no question about a label, from the labels around it: a two-layer network in
-// integers.
+// The probability of a yes/no question about a label, from the labels around it: a two-layer
+// network in integers.
 //
 //      32 neighbors x 6 states --+
-//      2 categories -------------+--> sum of int8 rows --> 16 x max(0, .) --> weighted sum --> logit
+//      2 categories -------------+--> sum of int8 rows --> 16 x max(0, .) --> weighted sum -->
+//      logit
 //
-// Every neighbor adds one row of 16 weights, chosen by what is known of it and whether it has the label
-// asked for; so do two categories (position and history of the child, level). No input is multiplied: the
-// first layer is 34 additions of 16 lanes. Rows, sums and the logit are integers, equal on every machine.
+// Every neighbor adds one row of 16 weights, chosen by what is known of it and whether it has the
+// label asked for; so do two categories (position and history of the child, level). No input is
+// multiplied: the first layer is 34 additions of 16 lanes. Rows, sums and the logit are integers,
+// equal on every machine.
 //
-// Ranges: a row entry is at most 127 in size, so a sum of 34 fits in 16 bits; the logit is clamped to
-// +-kLogitLimit, in units of 1/256, before it becomes a probability.
+// Ranges: a row entry is at most 127 in size, so a sum of 34 fits in 16 bits; the logit is clamped
+// to +-kLogitLimit, in units of 1/256, before it becomes a probability.
 #pragma once
 
 #include <algorithm>
@@ -33,18 +35,20 @@ inline constexpr int kLabelWeights = (kLabelRows + 1) * kLabelHidden;
 
 inline constexpr int kLogitLimit = 11 * 256;
 
-/// What a network is asked about. neighbor[i] = 2 * state + equal, state 0 (outside the brick) .. 3.
+/// What a network is asked about. neighbor[i] = 2 * state + equal, state 0 (outside the brick) ..
+/// 3.
 struct LabelQuestion {
   std::array<std::uint8_t, kLabelNeighbors> neighbor;
   std::uint8_t first = 0;
   std::uint8_t second = 0;
 };
 
-/// Weights as the format has them: row (6 * neighbor + 2 * (state - 1) + equal), then the rows of the first
-/// and of the second category, then the row of output weights.
+/// Weights as the format has them: row (6 * neighbor + 2 * (state - 1) + equal), then the rows of
+/// the first and of the second category, then the row of output weights.
 using LabelWeights = std::array<std::int8_t, kLabelWeights>;
 
-/// Units of the weights: a hidden sum of kLabelUnit times an output weight of kLabelUnit is a logit of 1.
+/// Units of the weights: a hidden sum of kLabelUnit times an output weight of kLabelUnit is a logit
+/// of 1.
 inline constexpr int kLabelUnit = 16;
 
 class LabelNet {

@@ -24,7 +24,8 @@ bool is_label_shape(const BrickShape& shape) {
 
 void check_label_shape(const BrickShape& shape) {
   if (is_label_shape(shape)) return;
-  throw Error(ErrorKind::invalid_argument, "the levels of this brick do not lead to a single sample");
+  throw Error(ErrorKind::invalid_argument,
+              "the levels of this brick do not lead to a single sample");
 }
 
 void check_label_type(VoxelType type) {

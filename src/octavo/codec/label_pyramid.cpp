@@ -18,8 +18,8 @@ void check(const BrickShape& shape, const BrickView& brick) {
   }
 }
 
-/// The distinct labels of a brick and, in `order_met`, the number of each voxel's label in the order in
-/// which labels are first met. Open addressing; the table stays at most half full.
+/// The distinct labels of a brick and, in `order_met`, the number of each voxel's label in the
+/// order in which labels are first met. Open addressing; the table stays at most half full.
 class LabelSet {
  public:
   LabelSet() : table_(64, kEmpty) {}
@@ -184,7 +184,8 @@ LabelPyramid build_label_pyramid(const BrickShape& shape, const BrickView& brick
   });
   rank_labels(set, pyramid);
   for (int i = 0; i < shape.level_count; ++i) {
-    pyramid.levels.push_back(condensed(pyramid.levels.back(), shape.halving[static_cast<std::size_t>(i)]));
+    pyramid.levels.push_back(
+        condensed(pyramid.levels.back(), shape.halving[static_cast<std::size_t>(i)]));
   }
   return pyramid;
 }

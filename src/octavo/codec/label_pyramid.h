@@ -7,13 +7,16 @@
 //      7 7 | 7 7
 //      7 7 | 7 7
 //
-// Labels are kept as ranks among the distinct labels of the brick, so that ranks compare as labels do.
+// Labels are kept as ranks among the distinct labels of the brick, so that ranks compare as labels
+// do.
 //
 // Invariants
 // - labels is sorted without repeats; every rank is below its size.
-// - levels holds one more level than the shape: the root, a single sample that stands for the brick at the
+// - levels holds one more level than the shape: the root, a single sample that stands for the brick
+// at the
 //   first level of the next tier.
-// - is_uniform says that all voxels below a sample have its label; at level 0 it always holds. A sample
+// - is_uniform says that all voxels below a sample have its label; at level 0 it always holds. A
+// sample
 //   that is not uniform has, somewhere below it, a voxel with another label.
 //
 // Source: thesis 2.4 (condensation), with a vote where siblings differ.
@@ -41,8 +44,8 @@ struct LabelPyramid {
 };
 
 /// The pyramid over one brick.
-/// Throws   Error{invalid_argument} for float32 voxels, a view whose size is not that of the shape, or a
-///          shape whose levels do not end in a single sample
+/// Throws   Error{invalid_argument} for float32 voxels, a view whose size is not that of the shape,
+///          or a shape whose levels do not end in a single sample
 /// Memory   about 9 bytes per voxel
 LabelPyramid build_label_pyramid(const BrickShape& shape, const BrickView& brick);
 

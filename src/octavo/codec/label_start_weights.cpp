@@ -1,5 +1,5 @@
-// The table behind label_start_weights: two hexadecimal digits per weight (two's complement), in the order
-// in which LabelWeights and LabelWeightSet have them.
+// The table behind label_start_weights: two hexadecimal digits per weight (two's complement), in
+// the order in which LabelWeights and LabelWeightSet have them.
 #include "octavo/codec/label_start_weights.h"
 
 namespace octavo {

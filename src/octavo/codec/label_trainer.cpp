@@ -44,8 +44,8 @@ struct ActiveRows {
   void add(std::size_t i) { row[count++] = static_cast<std::uint16_t>(i); }
 };
 
-/// Stochastic gradient descent after Kingma and Ba 2015 (Adam), each step followed by a soft threshold
-/// towards the start weights, which leaves most of them where they are.
+/// Stochastic gradient descent after Kingma and Ba 2015 (Adam), each step followed by a soft
+/// threshold towards the start weights, which leaves most of them where they are.
 class Trainer {
  public:
   Trainer(const LabelWeights& start, float threshold) : threshold_(threshold) {

@@ -30,9 +30,11 @@ class LabelSamples {
   std::uint64_t stride_ = 1;
 };
 
-/// `start` moved to answer `samples` better, every weight by a whole number of `step`s. A weight moves
-/// only where the bits it saves on all samples seen outweigh those that storing its move costs.
-/// Deterministic on every machine: IEEE float additions, products, quotients and roots in a fixed order.
+/// `start` moved to answer `samples` better, every weight by a whole number of `step`s. A weight
+/// moves only where the bits it saves on all samples seen outweigh those that storing its move
+/// costs.
+/// Deterministic on every machine: IEEE float additions, products, quotients and roots in a fixed
+/// order.
 /// Time    about 2 us per sample kept
 LabelWeights trained(const LabelWeights& start, const LabelSamples& samples, int step);
 

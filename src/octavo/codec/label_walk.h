@@ -1,12 +1,14 @@
 // The one walk over the octants of a brick's level that encoder, decoder and training share.
 //
-// It makes level i from level i+1. Every sample starts as its parent's label; where the parent is mixed the
-// octant is visited: for each child, by rising digit, "is it its parent's label?", if not which label, and
-// above level 0 "is it uniform?". The Io answers: an encoder writes the truth, a decoder reads it.
+// It makes level i from level i+1. Every sample starts as its parent's label; where the parent is
+// mixed the octant is visited: for each child, by rising digit, "is it its parent's label?", if not
+// which label, and above level 0 "is it uniform?". The Io answers: an encoder writes the truth, a
+// decoder reads it.
 // Neighbors already visited are seen as they are, the others as their parents.
 //
-// Answers that follow from what a parent is (the most frequent label below; mixed, so not all alike) are
-// not asked. They follow from the answers alone, so that both sides agree whatever the bytes are.
+// Answers that follow from what a parent is (the most frequent label below; mixed, so not all
+// alike) are not asked. They follow from the answers alone, so that both sides agree whatever the
+// bytes are.
 #pragma once
 
 #include <algorithm>
@@ -31,8 +33,10 @@ enum class LabelAsk : std::uint8_t { same, uniform, candidate, known, fresh };
 
 /// What the Io of a walk must offer (Io is a template parameter, not a base: it is called per bit):
 ///   bool ask(LabelAsk, bool truth, Probability yes)    the answer
-///   void observe(LabelAsk, const LabelQuestion&, bool) the answer to a network's question, for training
-///   bool is_plain()                                    whether the encoder wants the next level plain
+///   void observe(LabelAsk, const LabelQuestion&, bool) the answer to a network's question, for
+///   training
+///   bool is_plain()                                    whether the encoder wants the next level
+///   plain
 ///   bool is_pair()                                     the brick has two labels in all
 ///   TrueSample truth(const Index3& child)              what an encoder knows; a decoder returns {}
 ///   void met(std::int64_t label, std::uint32_t slot)   a label got its slot
@@ -184,7 +188,8 @@ class LabelWalk {
 
   static int other_votes(const Octant& octant) {
     int others = 0;
-    for (int i = 0; i < octant.other_count; ++i) others += octant.votes[static_cast<std::size_t>(i)];
+    for (int i = 0; i < octant.other_count; ++i)
+      others += octant.votes[static_cast<std::size_t>(i)];
     return others;
   }
 
@@ -227,8 +232,8 @@ class LabelWalk {
     octant.votes[k] = 1;
   }
 
-  /// Which label, when it is not the parent's: one of the neighbors' by falling votes, else one known in
-  /// the brick, else a fresh one.
+  /// Which label, when it is not the parent's: one of the neighbors' by falling votes, else one
+  /// known in the brick, else a fresh one.
   std::uint32_t code_other(const LabelCell* cell, const Octant& octant, int digit,
                            const TrueSample& truth) {
     if (state_.is_pair) return 1 - octant.parent;
@@ -256,8 +261,8 @@ class LabelWalk {
   std::uint32_t code_distant(std::uint32_t true_slot, std::int64_t true_label) {
     const bool is_fresh = ask_adaptive(LabelAsk::fresh, state_.is_fresh, true_slot == kNoLabelSlot);
     if (is_fresh) return slot_for(code_fresh(true_label));
-    return static_cast<std::uint32_t>(
-        code_uniform(LabelAsk::known, true_slot == kNoLabelSlot ? 0 : true_slot, state_.slots.size()));
+    return static_cast<std::uint32_t>(code_uniform(
+        LabelAsk::known, true_slot == kNoLabelSlot ? 0 : true_slot, state_.slots.size()));
   }
 
   /// A label from the palette within the brick's range, else any value of the range.

@@ -10,8 +10,9 @@ constexpr int kMaxUnknowns = 96;
 constexpr int kLane = 8;
 
 /// matrix += weight * features * features^T (from the diagonal's block of 8 columns on).
-__attribute__((always_inline)) inline void add_sample(NormalEquations& equations, const float* features,
-                                                      float target, float weight) {
+__attribute__((always_inline)) inline void add_sample(NormalEquations& equations,
+                                                      const float* features, float target,
+                                                      float weight) {
   const int n = equations.n;
   for (int k = 0; k < n; ++k) {
     const float scaled = features[k] * weight;

@@ -1,7 +1,7 @@
 // Weighted linear least squares by normal equations, for a few dozen unknowns and many samples.
 //
-// Sums run in the order of the samples with plain IEEE operations (no fused multiply-add, no reordering),
-// so that a model trained anywhere is the same to the last bit.
+// Sums run in the order of the samples with plain IEEE operations (no fused multiply-add, no
+// reordering), so that a model trained anywhere is the same to the last bit.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,8 @@ struct NormalEquations {
 void accumulate(NormalEquations& equations, std::span<const std::int16_t> features,
                 std::span<const std::int32_t> targets, std::span<const float> sample_weights);
 
-/// The unknowns. `ridge` is added to the diagonal relative to itself; singular systems give finite values.
+/// The unknowns. `ridge` is added to the diagonal relative to itself; singular systems give finite
+/// values.
 std::vector<double> solve(const NormalEquations& equations, double ridge);
 
 /// Solves a dense symmetric system in place by elimination; `right` becomes the unknowns.

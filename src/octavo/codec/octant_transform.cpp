@@ -34,7 +34,8 @@ std::vector<Sample> means_along(const std::vector<Sample>& fine, const Size3& si
 }
 
 template <class Sample>
-std::vector<Sample> coarser_level(std::vector<Sample> fine, Size3 size, HalvingMask mask, int level) {
+std::vector<Sample> coarser_level(std::vector<Sample> fine, Size3 size, HalvingMask mask,
+                                  int level) {
   for (int axis = 0; axis < 3; ++axis) {
     if ((mask >> axis & 1) == 0) continue;
     fine = means_along(fine, size, axis, rounding_term(axis, level));
@@ -43,11 +44,17 @@ std::vector<Sample> coarser_level(std::vector<Sample> fine, Size3 size, HalvingM
   return fine;
 }
 
-template std::vector<std::int16_t> means_along(const std::vector<std::int16_t>&, const Size3&, int, int);
-template std::vector<std::int32_t> means_along(const std::vector<std::int32_t>&, const Size3&, int, int);
-template std::vector<std::int64_t> means_along(const std::vector<std::int64_t>&, const Size3&, int, int);
-template std::vector<std::int16_t> coarser_level(std::vector<std::int16_t>, Size3, HalvingMask, int);
-template std::vector<std::int32_t> coarser_level(std::vector<std::int32_t>, Size3, HalvingMask, int);
-template std::vector<std::int64_t> coarser_level(std::vector<std::int64_t>, Size3, HalvingMask, int);
+template std::vector<std::int16_t> means_along(const std::vector<std::int16_t>&, const Size3&, int,
+                                               int);
+template std::vector<std::int32_t> means_along(const std::vector<std::int32_t>&, const Size3&, int,
+                                               int);
+template std::vector<std::int64_t> means_along(const std::vector<std::int64_t>&, const Size3&, int,
+                                               int);
+template std::vector<std::int16_t> coarser_level(std::vector<std::int16_t>, Size3, HalvingMask,
+                                                 int);
+template std::vector<std::int32_t> coarser_level(std::vector<std::int32_t>, Size3, HalvingMask,
+                                                 int);
+template std::vector<std::int64_t> coarser_level(std::vector<std::int64_t>, Size3, HalvingMask,
+                                                 int);
 
 }  // namespace octavo

@@ -1,12 +1,12 @@
 // The reversible octant transform: means and details along one axis at a time.
 //
-// A pair (a, b) becomes its rounded mean m = floor((a + b + r) / 2) and its detail d = a - b. The parity
-// of a + b is that of d, so m and d give the pair back exactly. The rounding term r is 0 or 1 and alternates
-// with axis and level, so that roundings up and down balance: without it the means would drift by about
-// half a unit per level. A detail of 16-bit samples needs 17 bits.
+// A pair (a, b) becomes its rounded mean m = floor((a + b + r) / 2) and its detail d = a - b. The
+// parity of a + b is that of d, so m and d give the pair back exactly. The rounding term r is 0 or
+// 1 and alternates with axis and level, so that roundings up and down balance: without it the means
+// would drift by about half a unit per level. A detail of 16-bit samples needs 17 bits.
 //
-// An octant is transformed along x, then y, then z (the axes of its level's halving mask); the lone sample
-// at an odd edge is its own mean and has no detail.
+// An octant is transformed along x, then y, then z (the axes of its level's halving mask); the lone
+// sample at an odd edge is its own mean and has no detail.
 #pragma once
 
 #include <cstdint>
@@ -45,6 +45,7 @@ std::vector<Sample> means_along(const std::vector<Sample>& fine, const Size3& si
 /// The samples of the next coarser level: means along the axes of `mask`, x first.
 /// level  global level of `fine`
 template <class Sample>
-std::vector<Sample> coarser_level(std::vector<Sample> fine, Size3 size, HalvingMask mask, int level);
+std::vector<Sample> coarser_level(std::vector<Sample> fine, Size3 size, HalvingMask mask,
+                                  int level);
 
 }  // namespace octavo

@@ -19,7 +19,8 @@ struct SplitSymbol {
 };
 
 /// How a symbol is written under `frequencies`: tokens without a slot go through the escape token.
-SplitSymbol split(const std::array<std::uint16_t, kTokens>& frequencies, const Symbol& symbol, int shift) {
+SplitSymbol split(const std::array<std::uint16_t, kTokens>& frequencies, const Symbol& symbol,
+                  int shift) {
   const int low = plain_bits(symbol.context) + shift;
   int token = token_of(static_cast<std::uint32_t>(symbol.value >> low));
   if (frequencies[static_cast<std::size_t>(token)] == 0) token = kEscapeToken;
@@ -31,7 +32,8 @@ SplitSymbol split(const std::array<std::uint16_t, kTokens>& frequencies, const S
 
 Bytes encode_symbols(const Model& model, int set, const std::vector<Symbol>& symbols, int shift) {
   const auto table = static_cast<std::size_t>(set);
-  const auto states = static_cast<std::size_t>(state_count(static_cast<std::int64_t>(symbols.size())));
+  const auto states =
+      static_cast<std::size_t>(state_count(static_cast<std::int64_t>(symbols.size())));
 
   // Plain bits forwards, tokens backwards: rANS is a stack.
   Bytes plain;

@@ -4,9 +4,10 @@
 //     varint  length of the plain bits, in bytes
 //     plain bits, lowest bit first
 //     S states, u32 each; then u16 words to the end
-// rANS (Duda 2013) with 32-bit states, 16-bit renormalisation and tables of 2048 slots. The j-th coded
-// symbol of a row uses state j mod S; S grows with the number of symbols (see state_count). A decoder that
-// took every symbol has all states back at 2^16, has read all words and all plain bits: a check for free.
+// rANS (Duda 2013) with 32-bit states, 16-bit renormalisation and tables of 2048 slots. The j-th
+// coded symbol of a row uses state j mod S; S grows with the number of symbols (see state_count). A
+// decoder that took every symbol has all states back at 2^16, has read all words and all plain
+// bits: a check for free.
 #pragma once
 
 #include <array>
@@ -42,10 +43,11 @@ class SymbolReader {
   /// Throws Error{corrupt} when the segment is too short for its own head.
   SymbolReader(const Model& model, int set, ByteSpan segment, std::int64_t symbol_count, int shift);
 
-  /// Residuals of a row: `contexts[order[i]]` is the context and `residuals[order[i]]` the result of
-  /// the i-th coded symbol.
+  /// Residuals of a row: `contexts[order[i]]` is the context and `residuals[order[i]]` the result
+  /// of the i-th coded symbol.
   template <class Int>
-  void take_row(const std::uint8_t* contexts, const std::uint8_t* order, int count, Int* residuals) {
+  void take_row(const std::uint8_t* contexts, const std::uint8_t* order, int count,
+                Int* residuals) {
     for (int i = 0; i < count; ++i) {
       const int x = order[i];
       std::uint32_t& state = states_[static_cast<std::size_t>(i) & state_mask_];

@@ -1,12 +1,13 @@
 // The ladder of levels over a volume: sizes, halved axes, and how levels group into bricks.
 //
-// Level 0 is the scan. A level is made from the one below by halving some axes (a mask of three bits);
-// the size along a halved axis becomes ceil(size / 2). The ladder ends at the first level of size 1x1x1.
+// Level 0 is the scan. A level is made from the one below by halving some axes (a mask of three
+// bits); the size along a halved axis becomes ceil(size / 2). The ladder ends at the first level of
+// size 1x1x1.
 //
-// Six levels form a tier. A brick of tier t is the subtree over one sample of level 6t+6: it holds the
-// samples of levels 6t .. 6t+5 above it. With all axes halved it covers 64^3 samples of level 6t; an axis
-// that some of the six levels leave alone makes it flatter. The samples of level 6t+6 are cut into the
-// bricks of tier t+1 in the same way.
+// Six levels form a tier. A brick of tier t is the subtree over one sample of level 6t+6: it holds
+// the samples of levels 6t .. 6t+5 above it. With all axes halved it covers 64^3 samples of level
+// 6t; an axis that some of the six levels leave alone makes it flatter. The samples of level 6t+6
+// are cut into the bricks of tier t+1 in the same way.
 #pragma once
 
 #include <array>
@@ -29,8 +30,9 @@ inline constexpr int kMaxLevels = 32;
 /// x*y*z after proving 1 <= axis <= 2^21. Throws Error{limit_exceeded}.
 std::int64_t checked_voxel_count(const Size3& size);
 
-/// The halved axes of every level for a grid: all axes while spacings are alike; an axis whose spacing is
-/// at least twice the finest one waits until the others have caught up (at most 4 levels).
+/// The halved axes of every level for a grid: all axes while spacings are alike; an axis whose
+/// spacing is at least twice the finest one waits until the others have caught up (at most 4
+/// levels).
 /// The result has one mask per level below the root and ends where the size is 1x1x1.
 std::vector<HalvingMask> choose_halvings(const Size3& size, const Point3& spacing_mm);
 
@@ -38,9 +40,9 @@ std::vector<HalvingMask> choose_halvings(const Size3& size, const Point3& spacin
 class Levels {
  public:
   Levels() = default;
-  /// Throws Error{limit_exceeded} on a bad size; Error{corrupt} when the masks do not lead from `size` to
-  /// 1x1x1 exactly at their end, halve nothing in a step, or a tier leaves an axis with fewer than 2
-  /// halvings while it is longer than 4.
+  /// Throws Error{limit_exceeded} on a bad size; Error{corrupt} when the masks do not lead from
+  /// `size` to 1x1x1 exactly at their end, halve nothing in a step, or a tier leaves an axis with
+  /// fewer than 2 halvings while it is longer than 4.
   Levels(const Size3& size, std::vector<HalvingMask> halvings);
 
   /// Levels 0 .. count-1; level count-1 is a single sample.
@@ -81,8 +83,9 @@ struct BrickShape {
   int first_level = 0;                            ///< global level of its finest samples
   int level_count = 0;                            ///< levels inside, 1..6
   std::array<Size3, kTierLevels> size{};          ///< size[i] at level first_level + i
-  std::array<HalvingMask, kTierLevels> halving{}; ///< halving[i] from first_level+i to the next; the one
-                                                  ///< of the last level leads to the next tier, 0 at the root
+  std::array<HalvingMask, kTierLevels>
+      halving{};  ///< halving[i] from first_level+i to the next; the one
+                  ///< of the last level leads to the next tier, 0 at the root
 };
 
 /// The shape of brick `brick` of `tier`.

@@ -31,8 +31,9 @@ struct VolumeDescription {
   Size3 size;
   Geometry geometry;
   Rescale rescale;
-  /// UTF-8 JSON object. Keys of every importer: "source" {"format", "files", ...}, "unit" ("HU", ...),
-  /// "spacing_known" (false when the source carries no spacing and 1 mm was assumed), "dicom" {...}.
+  /// UTF-8 JSON object. Keys of every importer: "source" {"format", "files", ...}, "unit" ("HU",
+  /// ...), "spacing_known" (false when the source carries no spacing and 1 mm was assumed), "dicom"
+  /// {...}.
   std::string metadata_json = "{}";
 };
 

@@ -19,7 +19,8 @@ std::string settle_spacing(SourceFacts& facts, const SourceOptions& options) {
   if (options.spacing_mm) {
     for (const double mm : *options.spacing_mm) {
       if (std::isfinite(mm) && mm > 0) continue;
-      throw Error(ErrorKind::invalid_argument, "a spacing must be a positive number of millimetres");
+      throw Error(ErrorKind::invalid_argument,
+                  "a spacing must be a positive number of millimetres");
     }
     spacing = *options.spacing_mm;
     return "user";

@@ -23,8 +23,8 @@ struct SourceFacts {
   std::string extra_json;               ///< an object merged into the metadata, or empty
 };
 
-/// Applies options.spacing_mm, warns when no spacing is known, writes metadata_json and proves size and
-/// geometry. path names the source in messages.
+/// Applies options.spacing_mm, warns when no spacing is known, writes metadata_json and proves size
+/// and geometry. path names the source in messages.
 /// Throws Error{source_rejected} on a bad geometry, Error{limit_exceeded} on a size out of range,
 ///        Error{invalid_argument} when options.spacing_mm is not positive and finite.
 void settle(SourceFacts& facts, const SourceOptions& options, const std::string& path);

@@ -293,7 +293,8 @@ bool looks_like_dicom(const std::string& path) {
   const std::vector<std::byte> head = file_head(path, 132);
   const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
   if (text.size() == 132 && text.substr(128) == "DICM") return true;
-  if (text.size() < 16 || (text[0] != 2 && text[0] != 8) || text[1] != 0 || text[3] != 0) return false;
+  if (text.size() < 16 || (text[0] != 2 && text[0] != 8) || text[1] != 0 || text[3] != 0)
+    return false;
   const bool short_length = text[6] == 0 && text[7] == 0;
   return is_vr(std::string(text.substr(4, 2))) || (short_length && text[2] <= 0x16);
 }

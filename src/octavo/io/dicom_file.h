@@ -1,8 +1,8 @@
 // The data set of a DICOM file, walked element by element and proven complete, without its voxels.
 //
-// The walk depends on nothing but the file's bytes: every length is checked against the end of the file
-// before it is used, so a cut file is found here and no decoder ever sees one. Pixel data are located,
-// not read; encapsulated ones are walked fragment by fragment to their delimiter.
+// The walk depends on nothing but the file's bytes: every length is checked against the end of the
+// file before it is used, so a cut file is found here and no decoder ever sees one. Pixel data are
+// located, not read; encapsulated ones are walked fragment by fragment to their delimiter.
 //
 // Source: DICOM PS3.5 (7 Data Set, A.4 Encapsulation), PS3.10 (7 File Format)
 #pragma once
@@ -22,7 +22,8 @@ using DicomTag = std::uint32_t;
 /// "(0028,0010)".
 std::string dicom_tag_text(DicomTag tag);
 
-/// The short values of one data set or item. Values longer than 512 bytes and private groups are left out.
+/// The short values of one data set or item. Values longer than 512 bytes and private groups are
+/// left out.
 class DicomSet {
  public:
   bool has(DicomTag tag) const;
@@ -70,12 +71,13 @@ struct DicomFile {
   DicomPixels pixels;
 };
 
-/// True when the file starts as DICOM does: "DICM" behind a preamble, or a first element of group 0002
-/// or 0008 where there is no preamble. Throws Error{io}.
+/// True when the file starts as DICOM does: "DICM" behind a preamble, or a first element of group
+/// 0002 or 0008 where there is no preamble. Throws Error{io}.
 bool looks_like_dicom(const std::string& path);
 
 /// Walks the whole file. Deflated and private transfer syntaxes are refused by name.
-/// Throws Error{source_rejected} naming the element where the file ends early or makes no sense; Error{io}
+/// Throws Error{source_rejected} naming the element where the file ends early or makes no sense;
+/// Error{io}
 DicomFile read_dicom_file(const std::string& path);
 
 }  // namespace octavo

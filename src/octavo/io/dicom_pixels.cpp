@@ -89,8 +89,8 @@ void decode_frame(const DicomSlice& slice, std::span<std::byte> plane) {
   const gdcm::Image image = image_of(layout, fragments_of(layout, slice.frame));
   const std::size_t found = image.GetBufferLength();
   if (found != plane.size()) {
-    reject(layout, "the compressed picture holds " + std::to_string(found) + " bytes, the header says " +
-                       std::to_string(plane.size()));
+    reject(layout, "the compressed picture holds " + std::to_string(found) +
+                       " bytes, the header says " + std::to_string(plane.size()));
   }
   bool is_decoded = false;
   try {
@@ -129,7 +129,8 @@ void keep_stored_bits(std::span<std::byte> plane, int shift_up, int shift_down) 
 
 void clean_unused_bits(const DicomLayout& layout, std::span<std::byte> plane) {
   // Decoders put the stored bits at the bottom; native values keep them below the high bit.
-  const std::int64_t high = layout.pixels.is_encapsulated ? layout.bits_stored - 1 : layout.high_bit;
+  const std::int64_t high =
+      layout.pixels.is_encapsulated ? layout.bits_stored - 1 : layout.high_bit;
   const int shift_up = static_cast<int>(layout.bits_allocated - 1 - high);
   const int shift_down = static_cast<int>(layout.bits_allocated - layout.bits_stored);
   if (shift_up == 0 && shift_down == 0) return;
@@ -143,7 +144,8 @@ void clean_unused_bits(const DicomLayout& layout, std::span<std::byte> plane) {
 
 VoxelType dicom_voxel_type(const DicomLayout& layout) {
   if (layout.sop_class == kSegmentation) {
-    reject(layout, "a DICOM segmentation (SEG) is not read; convert it to NIfTI or NRRD labels first");
+    reject(layout,
+           "a DICOM segmentation (SEG) is not read; convert it to NIfTI or NRRD labels first");
   }
   if (layout.pixels.is_float) {
     reject(layout, "float DICOM pixel data are not read; convert them to NRRD or NIfTI first");
@@ -155,9 +157,11 @@ VoxelType dicom_voxel_type(const DicomLayout& layout) {
   }
   const std::int64_t bits = layout.bits_allocated;
   if (bits != 8 && bits != 16 && bits != 32) {
-    reject(layout, std::to_string(bits) + " bits allocated per voxel are not read; 8, 16 and 32 are");
+    reject(layout,
+           std::to_string(bits) + " bits allocated per voxel are not read; 8, 16 and 32 are");
   }
-  if (layout.bits_stored < 1 || layout.high_bit >= bits || layout.high_bit + 1 < layout.bits_stored) {
+  if (layout.bits_stored < 1 || layout.high_bit >= bits ||
+      layout.high_bit + 1 < layout.bits_stored) {
     reject(layout, std::to_string(layout.bits_stored) + " bits stored up to bit " +
                        std::to_string(layout.high_bit) + " do not fit the " + std::to_string(bits) +
                        " bits allocated");
@@ -175,15 +179,16 @@ void check_dicom_pixels(const DicomLayout& layout) {
     if (pixels.native.length >= needed) return;
     reject(layout, "the pixel data hold " + std::to_string(pixels.native.length) + " bytes, " +
                        std::to_string(needed) + " are needed for " +
-                       size_text({layout.columns, layout.rows, layout.frames}) + " voxels; the file is cut");
+                       size_text({layout.columns, layout.rows, layout.frames}) +
+                       " voxels; the file is cut");
   }
   const bool one_each = pixels.fragments.size() == frames;
   const bool has_table = pixels.frame_offsets.size() == frames;
   if (pixels.fragments.empty() || (frames > 1 && !one_each && !has_table)) {
-    reject(layout, std::to_string(layout.frames) + " frames, " +
-                       std::to_string(pixels.fragments.size()) +
-                       " compressed fragments and no table that tells which is whose; the file is cut "
-                       "or damaged");
+    reject(layout,
+           std::to_string(layout.frames) + " frames, " + std::to_string(pixels.fragments.size()) +
+               " compressed fragments and no table that tells which is whose; the file is cut "
+               "or damaged");
   }
 }
 

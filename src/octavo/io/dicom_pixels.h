@@ -10,7 +10,8 @@
 namespace octavo {
 
 /// The voxel type of a layout: 8, 16 or 32 bits allocated, signed or not.
-/// Throws Error{source_rejected} naming what cannot be read: colour, palettes, 1 bit, float, segmentations.
+/// Throws Error{source_rejected} naming what cannot be read: colour, palettes, 1 bit, float,
+/// segmentations.
 VoxelType dicom_voxel_type(const DicomLayout& layout);
 
 /// Proves that the located pixel data can hold all frames.

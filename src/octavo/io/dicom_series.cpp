@@ -47,11 +47,11 @@ double tolerance_mm(double step_mm) {
   throw Error(ErrorKind::source_rejected, why, slice.layout->path);
 }
 
-void require_same(const DicomSlice& a, const DicomSlice& b, const char* what, const std::string& in_a,
-                  const std::string& in_b) {
+void require_same(const DicomSlice& a, const DicomSlice& b, const char* what,
+                  const std::string& in_a, const std::string& in_b) {
   if (in_a == in_b) return;
-  reject(b, std::string(what) + " is " + escaped(in_b) + " in " + b.name() + " and " + escaped(in_a) +
-                " in " + a.name() + "; the slices of a volume must agree");
+  reject(b, std::string(what) + " is " + escaped(in_b) + " in " + b.name() + " and " +
+                escaped(in_a) + " in " + a.name() + "; the slices of a volume must agree");
 }
 
 std::string type_text(const DicomLayout& l) {
@@ -91,7 +91,8 @@ void require_alike(const DicomSlice& a, const DicomSlice& b) {
                number_text(a.rescale.slope) + " x + " + number_text(a.rescale.intercept),
                number_text(b.rescale.slope) + " x + " + number_text(b.rescale.intercept));
   if (a.rescale == b.rescale) return;
-  reject(b, "the rescale differs between " + b.name() + " and " + a.name() + " beyond the digits shown");
+  reject(b, "the rescale differs between " + b.name() + " and " + a.name() +
+                " beyond the digits shown");
 }
 
 /// Unit vectors along rows and columns, and their normal.
@@ -118,7 +119,9 @@ Axes axes_of(const DicomSlice& slice) {
   return axes;
 }
 
-std::string pair_text(const DicomSlice& a, const DicomSlice& b) { return a.name() + " and " + b.name(); }
+std::string pair_text(const DicomSlice& a, const DicomSlice& b) {
+  return a.name() + " and " + b.name();
+}
 
 /// Positions along the normal of sorted slices.
 std::vector<double> heights(const std::vector<DicomSlice>& slices, const Normal& normal) {
@@ -138,7 +141,8 @@ double median_step(const std::vector<double>& height) {
 /// Refuses two slices at one place.
 void refuse_duplicate(const std::vector<DicomSlice>& slices, const std::vector<double>& height) {
   double widest = 0;
-  for (std::size_t i = 1; i < height.size(); ++i) widest = std::max(widest, height[i] - height[i - 1]);
+  for (std::size_t i = 1; i < height.size(); ++i)
+    widest = std::max(widest, height[i] - height[i - 1]);
   for (std::size_t i = 1; i < height.size(); ++i) {
     if (height[i] - height[i - 1] > kRelativeTolerance * widest) continue;
     reject(slices[i], pair_text(slices[i - 1], slices[i]) + " lie at the same position, " +
@@ -148,7 +152,8 @@ void refuse_duplicate(const std::vector<DicomSlice>& slices, const std::vector<d
 }
 
 /// A step that differs from the usual one; empty when all are even.
-std::string find_uneven_step(const std::vector<DicomSlice>& slices, const std::vector<double>& height) {
+std::string find_uneven_step(const std::vector<DicomSlice>& slices,
+                             const std::vector<double>& height) {
   const double usual = median_step(height);
   for (std::size_t i = 1; i < height.size(); ++i) {
     const double step = height[i] - height[i - 1];
@@ -172,9 +177,10 @@ std::string find_shear(const std::vector<DicomSlice>& slices, const Normal& norm
   const double sideways = length(cross(way, normal));
   if (along > 0 && sideways > std::max(kLengthToleranceMm, kRelativeTolerance * along)) {
     const double degrees = std::atan2(sideways, along) * 180 / std::numbers::pi;
-    return "the slices are sheared (gantry tilt): from " + pair_text(slices.front(), slices.back()) +
-           " they shift " + mm_text(sideways) + " sideways over " + mm_text(along) +
-           ", an angle of " + number_text(std::round(degrees * 100) / 100) + " degrees";
+    return "the slices are sheared (gantry tilt): from " +
+           pair_text(slices.front(), slices.back()) + " they shift " + mm_text(sideways) +
+           " sideways over " + mm_text(along) + ", an angle of " +
+           number_text(std::round(degrees * 100) / 100) + " degrees";
   }
   for (std::size_t i = 1; i < slices.size(); ++i) {
     const Point3 step = minus(*slices[i].position_mm, *slices[i - 1].position_mm);
@@ -240,7 +246,8 @@ bool has_geometry(const DicomSlice& slice) {
 void order_by_number(std::vector<DicomSlice>& slices) {
   for (const DicomSlice& slice : slices) {
     if (slice.instance_number || slice.layout == slices.front().layout) continue;
-    reject(slice, "no geometry: neither a position nor an instance number tells its place in the stack");
+    reject(slice,
+           "no geometry: neither a position nor an instance number tells its place in the stack");
   }
   std::stable_sort(slices.begin(), slices.end(), [](const DicomSlice& a, const DicomSlice& b) {
     return a.instance_number.value_or(0) < b.instance_number.value_or(0);
@@ -276,10 +283,11 @@ std::vector<DicomSlice> choose_series(std::vector<DicomSlice> slices, const std:
     return slices;
   }
   std::string list;
-  for (const auto& [uid, summary] : found) list += (list.empty() ? "" : "; ") + summary_text(uid, summary);
-  const std::string start = series.empty()
-                                ? std::to_string(found.size()) + " series found, give --series UID: "
-                                : "no series " + escaped(series) + " here; there are: ";
+  for (const auto& [uid, summary] : found)
+    list += (list.empty() ? "" : "; ") + summary_text(uid, summary);
+  const std::string start =
+      series.empty() ? std::to_string(found.size()) + " series found, give --series UID: "
+                     : "no series " + escaped(series) + " here; there are: ";
   throw Error(ErrorKind::source_rejected, start + list, source);
 }
 
@@ -294,10 +302,12 @@ DicomStack prove_stack(std::vector<DicomSlice> slices, bool may_lack_geometry) {
   }
   if (!may_lack_geometry) {
     reject(*lacking, "no geometry: position, orientation or pixel spacing is missing in " +
-                         lacking->name() + "; give --spacing x,y,z to take the slices in their order");
+                         lacking->name() +
+                         "; give --spacing x,y,z to take the slices in their order");
   }
   order_by_number(stack.slices);
-  stack.warnings.push_back("positions are not in the files: slices taken in the order of their numbers");
+  stack.warnings.push_back(
+      "positions are not in the files: slices taken in the order of their numbers");
   return stack;
 }
 

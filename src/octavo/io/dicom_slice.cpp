@@ -20,7 +20,8 @@ constexpr DicomTag kPixelMeasures = 0x00289110;
 constexpr DicomTag kValueTransformation = 0x00289145;
 constexpr std::int64_t kMaxFrames = std::int64_t{1} << 21;
 
-/// Tags that say how the picture was made. None of them names a person, a place, a day or an object.
+/// Tags that say how the picture was made. None of them names a person, a place, a day or an
+/// object.
 struct NamedTag {
   DicomTag tag;
   const char* name;
@@ -105,7 +106,8 @@ DicomLayout read_layout(const DicomFile& file) {
     reject(file.path, "Number of Frames is " + number_text(frames));
   }
   layout.frames = static_cast<std::int64_t>(frames);
-  if (layout.rows == 0 || layout.columns == 0) reject(file.path, "a picture without rows or columns");
+  if (layout.rows == 0 || layout.columns == 0)
+    reject(file.path, "a picture without rows or columns");
   return layout;
 }
 

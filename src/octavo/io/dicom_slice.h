@@ -1,4 +1,5 @@
-// One picture of a DICOM series: what its header says about layout, place and meaning of its voxels.
+// One picture of a DICOM series: what its header says about layout, place and meaning of its
+// voxels.
 #pragma once
 
 #include <array>
@@ -33,7 +34,7 @@ struct DicomLayout {
   std::int64_t bits_stored = 0;
   std::int64_t high_bit = 0;
   bool is_signed = false;
-  bool was_lossy = false;        ///< the header or the transfer syntax says that values were changed
+  bool was_lossy = false;  ///< the header or the transfer syntax says that values were changed
   std::optional<double> slice_thickness_mm;
   DicomPixels pixels;
 
@@ -56,8 +57,8 @@ struct DicomSlice {
   std::string name() const;
 };
 
-/// The slices of one file in frame order, geometry and rescale from the functional groups where it has
-/// them. None when the file holds no pixel data (reports, directories).
+/// The slices of one file in frame order, geometry and rescale from the functional groups where it
+/// has them. None when the file holds no pixel data (reports, directories).
 /// Throws Error{source_rejected} where the file is cut or its header makes no sense; Error{io}
 std::vector<DicomSlice> read_dicom_slices(const std::string& path);
 

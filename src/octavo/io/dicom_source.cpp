@@ -86,10 +86,12 @@ SourceFacts describe(const DicomStack& stack) {
   facts.file_count = static_cast<std::int64_t>(paths.size());
   if (was_lossy) {
     facts.warnings.push_back(
-        "some slices were compressed with loss before they came here; what is kept is what is left");
+        "some slices were compressed with loss before they came here; what is kept is what is "
+        "left");
   }
   if (layout.photometric == "MONOCHROME1") {
-    facts.warnings.push_back("larger values are darker in these files (MONOCHROME1); kept as stored");
+    facts.warnings.push_back(
+        "larger values are darker in these files (MONOCHROME1); kept as stored");
   }
   if (layout.image_type.find("MOSAIC") != std::string::npos) {
     facts.warnings.push_back(

@@ -60,7 +60,8 @@ SourceFacts describe(const itk::ImageIOBase& io, const std::string& path) {
   }
   const std::optional<VoxelType> type = voxel_type_of(io.GetComponentType());
   if (!type) {
-    reject(path, "voxels of type " + itk::ImageIOBase::GetComponentTypeAsString(io.GetComponentType()) +
+    reject(path, "voxels of type " +
+                     itk::ImageIOBase::GetComponentTypeAsString(io.GetComponentType()) +
                      " are not read; integers of 8, 16 or 32 bits and float are");
   }
   VolumeDescription& description = facts.description;
@@ -106,8 +107,8 @@ void check_length(const itk::ImageIOBase& io, const std::string& path, std::uint
   }
   const std::uint64_t found = SourceFile(path).size();
   if (found >= voxel_bytes) return;
-  reject(path, "the file is too short: " + std::to_string(voxel_bytes) + " bytes of voxels needed, " +
-                   std::to_string(found) + " found; it is cut");
+  reject(path, "the file is too short: " + std::to_string(voxel_bytes) +
+                   " bytes of voxels needed, " + std::to_string(found) + " found; it is cut");
 }
 
 }  // namespace
@@ -116,17 +117,20 @@ bool is_itk_name(const std::string& path) {
   return has_ending(path, ".vtk") || has_ending(path, ".gipl") || has_ending(path, ".gipl.gz");
 }
 
-std::unique_ptr<PlaneSource> open_itk_source(const std::string& path, const SourceOptions& options) {
+std::unique_ptr<PlaneSource> open_itk_source(const std::string& path,
+                                             const SourceOptions& options) {
   const SourceFile probe(path);
   const itk::ImageIOBase::Pointer io = reader_for(path);
   try {
     io->SetFileName(path);
-    if (!io->CanReadFile(path.c_str())) reject(path, "ITK does not recognise it: damaged, or another format");
+    if (!io->CanReadFile(path.c_str()))
+      reject(path, "ITK does not recognise it: damaged, or another format");
     io->ReadImageInformation();
     SourceFacts facts = describe(*io, path);
     settle(facts, options, path);
-    const std::uint64_t bytes = checked_mul(plane_bytes(facts.description),
-                                            static_cast<std::uint64_t>(facts.description.size.z), "volume");
+    const std::uint64_t bytes =
+        checked_mul(plane_bytes(facts.description),
+                    static_cast<std::uint64_t>(facts.description.size.z), "volume");
     check_memory(bytes, options, path);
     check_length(*io, path, bytes);
     std::vector<std::byte> voxels(bytes);

@@ -58,7 +58,9 @@ class MetaHeader {
     return {path_, *names.begin(), {}};
   }
 
-  std::string text(const std::string& name) const { return std::string(field({name.c_str()}).value); }
+  std::string text(const std::string& name) const {
+    return std::string(field({name.c_str()}).value);
+  }
   bool is_true(std::initializer_list<const char*> names) const {
     const std::string_view value = field(names).value;
     return !value.empty() && (value[0] == 'T' || value[0] == 't' || value[0] == '1');
@@ -182,7 +184,8 @@ std::unique_ptr<PlaneSource> open_meta_source(const std::string& path,
     description.rescale.slope = header.field({"ElementToIntensityFunctionSlope"}).numbers(1)[0];
   }
   if (header.has("ElementToIntensityFunctionOffset")) {
-    description.rescale.intercept = header.field({"ElementToIntensityFunctionOffset"}).numbers(1)[0];
+    description.rescale.intercept =
+        header.field({"ElementToIntensityFunctionOffset"}).numbers(1)[0];
   }
   const std::int64_t voxels = checked_voxel_count(description.size);
   const VoxelRun run = locate_voxels(

@@ -29,7 +29,8 @@ struct NiftiHeader {
   std::array<double, 12> srow{};        ///< 3 rows of 4
 };
 
-/// Reads the header of `path`, deflated or plain. Throws Error{source_rejected} when it is none, Error{io}.
+/// Reads the header of `path`, deflated or plain. Throws Error{source_rejected} when it is none,
+/// Error{io}.
 NiftiHeader read_nifti_header(const std::string& path);
 
 /// "RGB 24 bit", "complex 64 bit", ...: the type's name for messages.

@@ -26,7 +26,8 @@ class NrrdHeader {
   explicit NrrdHeader(const std::string& path) : path_(path) {
     const std::vector<std::byte> head = file_head(path, kMaxHeaderBytes);
     const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
-    if (!text.starts_with("NRRD000")) reject(path, "not a NRRD header: it does not start with NRRD000");
+    if (!text.starts_with("NRRD000"))
+      reject(path, "not a NRRD header: it does not start with NRRD000");
     for (std::size_t at = 0; at < text.size();) {
       const std::size_t end = std::min(text.find('\n', at), text.size());
       const std::string_view line = trimmed(text.substr(at, end - at));
@@ -178,7 +179,8 @@ bool read_spacings(const NrrdHeader& header, std::size_t dimension, Geometry& ge
                               std::to_string(mm.size()) + " found");
   }
   if (std::any_of(mm.begin(), mm.end(), [](double v) { return !std::isfinite(v); })) return false;
-  for (std::size_t axis = 0; axis < dimension; ++axis) geometry.spacing_mm[axis] = std::abs(mm[axis]);
+  for (std::size_t axis = 0; axis < dimension; ++axis)
+    geometry.spacing_mm[axis] = std::abs(mm[axis]);
   return true;
 }
 
@@ -207,7 +209,8 @@ VoxelRun locate_voxels(const NrrdHeader& header) {
   return run;
 }
 
-/// "byte skip": before the voxels, behind decompression; -1 counts them from the end of a plain file.
+/// "byte skip": before the voxels, behind decompression; -1 counts them from the end of a plain
+/// file.
 void apply_byte_skip(const NrrdHeader& header, std::uint64_t voxel_bytes, VoxelRun& run) {
   if (!header.has("byte skip")) return;
   const std::int64_t skip = header.field("byte skip").integer();

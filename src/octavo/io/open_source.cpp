@@ -28,11 +28,13 @@ Format format_of(const std::string& path) {
   const std::vector<std::byte> head = file_head(path, 132);
   const std::string_view all(reinterpret_cast<const char*>(head.data()), head.size());
   const std::string_view text = all.substr(0, 8);
-  // The preamble of a DICOM file may be the start of a TIFF that shows the same picture without its place.
+  // The preamble of a DICOM file may be the start of a TIFF that shows the same picture without its
+  // place.
   if (all.ends_with("DICM") && all.size() == 132) return Format::dicom;
   using namespace std::string_view_literals;
   const std::string_view four = text.substr(0, 4);
-  if (four == "II*\0"sv || four == "MM\0*"sv || four == "II+\0"sv || four == "MM\0+"sv) return Format::tiff;
+  if (four == "II*\0"sv || four == "MM\0*"sv || four == "II+\0"sv || four == "MM\0+"sv)
+    return Format::tiff;
   if (text == "\x89PNG\r\n\x1a\n"sv) return Format::png;
   if (text.starts_with("NRRD000")) return Format::nrrd;
   for (const char* ending : {".nii", ".nii.gz", ".hdr", ".hdr.gz"}) {
@@ -49,7 +51,8 @@ Format format_of(const std::string& path) {
 
 std::unique_ptr<PlaneSource> open_stack(Format format, const std::vector<std::string>& files,
                                         const SourceOptions& options) {
-  return format == Format::tiff ? open_tiff_source(files, options) : open_png_source(files, options);
+  return format == Format::tiff ? open_tiff_source(files, options)
+                                : open_png_source(files, options);
 }
 
 /// Naturally sorted by their full paths.
@@ -73,7 +76,8 @@ std::unique_ptr<PlaneSource> open_folder(const std::string& folder, const Source
     const Format format = format_of(path);
     if (format == Format::tiff) tiffs.push_back(path);
     if (format == Format::png) pngs.push_back(path);
-    if (format != Format::tiff && format != Format::png && format != Format::unknown) volumes.push_back(path);
+    if (format != Format::tiff && format != Format::png && format != Format::unknown)
+      volumes.push_back(path);
   }
   if (!tiffs.empty() && !pngs.empty()) {
     throw Error(ErrorKind::source_rejected,
@@ -85,10 +89,11 @@ std::unique_ptr<PlaneSource> open_folder(const std::string& folder, const Source
   if (!pngs.empty()) return open_stack(Format::png, pngs, options);
   if (volumes.size() == 1) return open_source(volumes, options);
   throw Error(ErrorKind::source_rejected,
-              volumes.empty() ? std::string("no DICOM, TIFF, PNG, NIfTI, NRRD or MetaImage files in it")
-                              : std::to_string(volumes.size()) + " volumes in it, among them " +
-                                    escaped(base_name(volumes[0])) + " and " +
-                                    escaped(base_name(volumes[1])) + ": name one of them",
+              volumes.empty()
+                  ? std::string("no DICOM, TIFF, PNG, NIfTI, NRRD or MetaImage files in it")
+                  : std::to_string(volumes.size()) + " volumes in it, among them " +
+                        escaped(base_name(volumes[0])) + " and " + escaped(base_name(volumes[1])) +
+                        ": name one of them",
               folder);
 }
 
@@ -107,15 +112,17 @@ std::unique_ptr<PlaneSource> open_file(const std::string& path, const SourceOpti
     case Format::itk: return open_itk_source(path, options);
     case Format::unknown: break;
   }
-  throw Error(ErrorKind::source_rejected,
-              SourceFile(path).size() == 0
-                  ? "the file is empty"
-                  : "not a DICOM, TIFF, PNG, NIfTI, NRRD, MetaImage, VTK or GIPL file; headerless voxels "
-                    "need --raw nx,ny,nz,type",
-              path);
+  throw Error(
+      ErrorKind::source_rejected,
+      SourceFile(path).size() == 0
+          ? "the file is empty"
+          : "not a DICOM, TIFF, PNG, NIfTI, NRRD, MetaImage, VTK or GIPL file; headerless voxels "
+            "need --raw nx,ny,nz,type",
+      path);
 }
 
-std::unique_ptr<PlaneSource> open_files(const std::vector<std::string>& files, const SourceOptions& options) {
+std::unique_ptr<PlaneSource> open_files(const std::vector<std::string>& files,
+                                        const SourceOptions& options) {
   const Format format = format_of(files.front());
   for (const std::string& path : files) {
     if (format_of(path) == format) continue;
@@ -149,11 +156,13 @@ std::vector<std::string> without_folders(const std::vector<std::string>& paths) 
   return sorted(std::move(files));
 }
 
-std::unique_ptr<PlaneSource> dispatch(const std::vector<std::string>& paths, const SourceOptions& options) {
+std::unique_ptr<PlaneSource> dispatch(const std::vector<std::string>& paths,
+                                      const SourceOptions& options) {
   if (options.raw) {
     const bool is_one_folder = paths.size() == 1 && is_folder(paths.front());
-    return open_raw_source(is_one_folder ? files_in_folder(paths.front(), false) : without_folders(paths),
-                           *options.raw, options);
+    return open_raw_source(
+        is_one_folder ? files_in_folder(paths.front(), false) : without_folders(paths),
+        *options.raw, options);
   }
   if (paths.size() == 1) {
     return is_folder(paths.front()) ? open_folder(paths.front(), options)

@@ -1,4 +1,5 @@
-// Opens whatever a user calls a scan: DICOM folder, TIFF stack, PNG folder, NIfTI, NRRD, MetaImage, raw.
+// Opens whatever a user calls a scan: DICOM folder, TIFF stack, PNG folder, NIfTI, NRRD, MetaImage,
+// raw.
 #pragma once
 
 #include <memory>
@@ -21,10 +22,11 @@ struct RawLayout {
 RawLayout parse_raw_layout(const std::string& text);
 
 struct SourceOptions {
-  std::optional<RawLayout> raw;           ///< the paths are headerless planes (one file, or one per plane)
+  std::optional<RawLayout> raw;  ///< the paths are headerless planes (one file, or one per plane)
   std::optional<Point3> spacing_mm;       ///< overrides, or supplies what the files lack
   std::string series;                     ///< DICOM SeriesInstanceUID, when a folder holds several
-  std::uint64_t max_memory_bytes = 0;     ///< 0: none; whole-volume formats beyond it: Error{limit_exceeded}
+  std::uint64_t max_memory_bytes =
+      0;  ///< 0: none; whole-volume formats beyond it: Error{limit_exceeded}
 };
 
 /// paths   one file or folder, or the files of one stack in any order

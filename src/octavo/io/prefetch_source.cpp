@@ -17,7 +17,8 @@ namespace {
 
 constexpr std::int64_t kSlotsPerThread = 3;
 
-/// Plane z is read into slot z mod slot count, and only when plane z - slot count has been consumed:
+/// Plane z is read into slot z mod slot count, and only when plane z - slot count has been
+/// consumed:
 /// every slot belongs to one plane at a time, and the planes held are those next in order.
 class PrefetchSource final : public PlaneSource {
  public:
@@ -32,8 +33,8 @@ class PrefetchSource final : public PlaneSource {
     const auto bytes = static_cast<std::int64_t>(plane_bytes(source_->description()));
     const auto limit = static_cast<std::int64_t>(
         std::min<std::uint64_t>(options.max_bytes, std::uint64_t{1} << 40));
-    const std::int64_t slot_count =
-        std::clamp<std::int64_t>(limit / bytes, 2, std::max<std::int64_t>(2, kSlotsPerThread * thread_count));
+    const std::int64_t slot_count = std::clamp<std::int64_t>(
+        limit / bytes, 2, std::max<std::int64_t>(2, kSlotsPerThread * thread_count));
     slots_.resize(static_cast<std::size_t>(slot_count));
     for (Slot& slot : slots_) slot.plane.resize(static_cast<std::size_t>(bytes));
     for (std::int64_t i = 0; i < thread_count; ++i) threads_.emplace_back([this] { work(); });

@@ -134,7 +134,8 @@ std::string sibling_path(const std::string& header, const std::string& name) {
   std::error_code failure;
   if (!fs::exists(path, failure)) {
     throw Error(ErrorKind::source_rejected,
-                "its data file \"" + escaped(name) + "\" is missing: the two belong together", header);
+                "its data file \"" + escaped(name) + "\" is missing: the two belong together",
+                header);
   }
   return path.string();
 }

@@ -23,10 +23,12 @@ class SourceFile {
   const std::string& path() const { return path_; }
   std::uint64_t size() const { return size_; }
 
-  /// Reads up to bytes.size() bytes at `offset`; returns how many there were. Throws Error{io}. Thread-safe.
+  /// Reads up to bytes.size() bytes at `offset`; returns how many there were. Throws Error{io}.
+  /// Thread-safe.
   std::size_t read_some(std::uint64_t offset, std::span<std::byte> bytes) const;
 
-  /// Fills `bytes` from `offset`. Throws Error{source_rejected} when the file ends earlier, Error{io}.
+  /// Fills `bytes` from `offset`. Throws Error{source_rejected} when the file ends earlier,
+  /// Error{io}.
   /// Thread-safe.
   void read_exactly(std::uint64_t offset, std::span<std::byte> bytes) const;
 
@@ -39,7 +41,8 @@ class SourceFile {
 /// The first bytes of a file, at most `count`. Throws Error{io}.
 std::vector<std::byte> file_head(const std::string& path, std::size_t count);
 
-/// Regular files in a folder in natural order of their paths; links to files count, hidden names do not.
+/// Regular files in a folder in natural order of their paths; links to files count, hidden names do
+/// not.
 /// recursive  goes into sub-folders, never through links to folders
 /// Throws     Error{io} when the folder cannot be listed
 std::vector<std::string> files_in_folder(const std::string& folder, bool recursive);

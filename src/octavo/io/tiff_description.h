@@ -19,7 +19,8 @@ struct TiffDescription {
   std::optional<double> z_mm;
 };
 
-/// x_resolution, y_resolution  pixels per unit from the tags; 0 when absent (ImageJ keeps x and y there)
+/// x_resolution, y_resolution  pixels per unit from the tags; 0 when absent (ImageJ keeps x and y
+/// there)
 TiffDescription parse_tiff_description(const std::string& text, double x_resolution,
                                        double y_resolution);
 

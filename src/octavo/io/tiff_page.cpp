@@ -88,7 +88,8 @@ TiffPage TiffFile::page() {
   if (page.width == 0 || page.height == 0) reject("a page without width or height");
   const auto samples = tag_or<std::uint16_t>(handle_, TIFFTAG_SAMPLESPERPIXEL, 1);
   if (samples != 1) {
-    reject(std::to_string(samples) + " samples per pixel (colour or channels): grey with one sample "
+    reject(std::to_string(samples) +
+           " samples per pixel (colour or channels): grey with one sample "
            "is read; convert it or take out one channel first");
   }
   const auto photometric =

@@ -37,10 +37,11 @@ class TiffFile {
   TiffFile(const TiffFile&) = delete;
   TiffFile& operator=(const TiffFile&) = delete;
 
-  /// The page the file stands at. Throws Error{source_rejected} on colour, several samples or a type that
-  /// is no voxel type.
+  /// The page the file stands at. Throws Error{source_rejected} on colour, several samples or a
+  /// type that is no voxel type.
   TiffPage page();
-  /// Goes to the next page; false behind the last one. Throws Error{source_rejected} on a damaged one.
+  /// Goes to the next page; false behind the last one. Throws Error{source_rejected} on a damaged
+  /// one.
   bool next_page();
   /// Goes to the page at an offset. Throws Error{source_rejected}.
   void go_to(std::uint64_t directory_offset);
@@ -59,9 +60,11 @@ class TiffFile {
   [[noreturn]] void reject(const std::string& why) const;
   void read_strips(const TiffPage& page, std::span<std::byte> plane);
   /// Some programs fill the last strip with rows behind the page. libtiff, where it inflates with
-  /// libdeflate, then leaves the end of the strip unset without a word; so all rows are asked for first.
+  /// libdeflate, then leaves the end of the strip unset without a word; so all rows are asked for
+  /// first.
   /// rows  what is wanted of it; false and untouched when the strip holds no more than that
-  bool read_padded_strip(std::uint32_t strip, std::int64_t padded_height, std::span<std::byte> rows);
+  bool read_padded_strip(std::uint32_t strip, std::int64_t padded_height,
+                         std::span<std::byte> rows);
   void read_tiles(const TiffPage& page, std::span<std::byte> plane);
 
   std::string path_;

@@ -39,9 +39,9 @@ void require_alike(const TiffStack& stack, const TiffPlane& plane, std::size_t i
   const std::string& path = stack.files[plane.file];
   if (plane.page.width != first.page.width || plane.page.height != first.page.height) {
     throw Error(ErrorKind::source_rejected,
-                place(stack, plane, index) + " is " + size_text(plane.page.width, plane.page.height) +
-                    ", " + place(stack, first, 0) + " is " +
-                    size_text(first.page.width, first.page.height) +
+                place(stack, plane, index) + " is " +
+                    size_text(plane.page.width, plane.page.height) + ", " + place(stack, first, 0) +
+                    " is " + size_text(first.page.width, first.page.height) +
                     "; all planes of a stack must have one size",
                 path);
   }
@@ -167,7 +167,8 @@ void add_warnings(const TiffStack& stack, SourceFacts& facts) {
   if (first.has_palette) {
     facts.warnings.push_back("the colour table was left out; voxels are the stored numbers");
   }
-  if (first.is_min_white) facts.warnings.push_back("white is 0 in these files; values kept as stored");
+  if (first.is_min_white)
+    facts.warnings.push_back("white is 0 in these files; values kept as stored");
   if (first.orientation != 1) {
     facts.warnings.push_back("orientation tag " + std::to_string(first.orientation) +
                              " left out; rows and columns are in stored order");

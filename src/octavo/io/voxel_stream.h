@@ -1,4 +1,5 @@
-// Reads a run of bytes from front to back out of a plain or deflated file, and proves that it is whole.
+// Reads a run of bytes from front to back out of a plain or deflated file, and proves that it is
+// whole.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +10,8 @@
 
 namespace octavo {
 
-/// How the bytes stand in the file. `deflated` is zlib or gzip (one member or several); which is seen.
+/// How the bytes stand in the file. `deflated` is zlib or gzip (one member or several); which is
+/// seen.
 enum class StreamCoding { plain, deflated };
 
 /// A byte stream that starts somewhere in a file. One thread at a time.
@@ -31,8 +33,8 @@ class VoxelStream {
   /// Passes over `count` bytes. Throws as read does.
   void skip(std::uint64_t count);
 
-  /// Reads to the end of a deflated stream so that its checksums and lengths are proven; returns the
-  /// number of bytes that were left. Throws as read does.
+  /// Reads to the end of a deflated stream so that its checksums and lengths are proven; returns
+  /// the number of bytes that were left. Throws as read does.
   std::uint64_t finish();
 
  private:

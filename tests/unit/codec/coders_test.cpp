@@ -46,7 +46,9 @@ TEST(BinaryCoder, DecisionsComeBackAndAllBytesAreConsumed) {
     std::vector<bool> bits(count);
     std::vector<Probability> odds(count);
     for (std::size_t i = 0; i < count; ++i) {
-      odds[i] = seed % 3 == 0 ? static_cast<Probability>(1 + random() % 65535) : seed % 3 == 1 ? 65535 : 1;
+      odds[i] = seed % 3 == 0   ? static_cast<Probability>(1 + random() % 65535)
+                : seed % 3 == 1 ? 65535
+                                : 1;
       bits[i] = random() % 65536 < odds[i];
       if (seed % 7 == 0) bits[i] = !bits[i];
     }

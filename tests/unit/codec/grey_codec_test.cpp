@@ -24,8 +24,9 @@ std::vector<T> make_voxels(const Size3& size, Content content, std::uint32_t see
   for (std::int64_t z = 0; z < size.z; ++z) {
     for (std::int64_t y = 0; y < size.y; ++y) {
       for (std::int64_t x = 0; x < size.x; ++x, ++i) {
-        const double wave = std::sin(0.11 * static_cast<double>(x)) * std::cos(0.07 * static_cast<double>(y)) +
-                            std::sin(0.05 * static_cast<double>(z));
+        const double wave =
+            std::sin(0.11 * static_cast<double>(x)) * std::cos(0.07 * static_cast<double>(y)) +
+            std::sin(0.05 * static_cast<double>(z));
         switch (content) {
           case Content::smooth:
             voxels[i] = static_cast<T>((low + high) / 2 + (high - low) / 8 * wave +
@@ -34,7 +35,8 @@ std::vector<T> make_voxels(const Size3& size, Content content, std::uint32_t see
           case Content::noise: voxels[i] = static_cast<T>(random()); break;
           case Content::sparse: voxels[i] = wave > 1 ? static_cast<T>(random() % 100) : T{0}; break;
           case Content::checkerboard:
-            voxels[i] = (x + y + z) % 2 ? std::numeric_limits<T>::max() : std::numeric_limits<T>::lowest();
+            voxels[i] =
+                (x + y + z) % 2 ? std::numeric_limits<T>::max() : std::numeric_limits<T>::lowest();
             break;
           case Content::ramp: voxels[i] = static_cast<T>(x + 3 * y + 7 * z); break;
           case Content::two_values: voxels[i] = wave > 0.3 ? T{100} : T{3}; break;
@@ -71,13 +73,16 @@ std::vector<T> reference_level(const std::vector<T>& voxels, const BrickShape& s
 }
 
 template <class T>
-void expect_every_level(const BrickCodec& codec, const BrickShape& shape, const std::vector<T>& voxels) {
+void expect_every_level(const BrickCodec& codec, const BrickShape& shape,
+                        const std::vector<T>& voxels) {
   const EncodedBrick encoded = codec.encode(shape, view_of(voxels, shape.size[0]));
   ASSERT_EQ(encoded.segments.size(), static_cast<std::size_t>(shape.level_count));
   for (int level = 0; level < shape.level_count; ++level) {
-    const auto count = static_cast<std::size_t>(shape.size[static_cast<std::size_t>(level)].voxel_count());
+    const auto count =
+        static_cast<std::size_t>(shape.size[static_cast<std::size_t>(level)].voxel_count());
     std::vector<T> decoded(count);
-    codec.decode(shape, voxel_type_of<T>(), encoded.range, spans_of(encoded), level, decoded.data());
+    codec.decode(shape, voxel_type_of<T>(), encoded.range, spans_of(encoded), level,
+                 decoded.data());
     ASSERT_EQ(decoded, reference_level(voxels, shape, level)) << "level " << level;
   }
 }
@@ -89,8 +94,8 @@ const Size3 kSizes[] = {{64, 64, 64}, {1, 1, 1}, {1, 1, 2}, {3, 1, 1},    {2, 2,
 
 template <class T>
 class GreyCodecOfType : public testing::Test {};
-using IntegerTypes =
-    testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t, std::int32_t, std::uint32_t>;
+using IntegerTypes = testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t,
+                                    std::int32_t, std::uint32_t>;
 TYPED_TEST_SUITE(GreyCodecOfType, IntegerTypes);
 
 TYPED_TEST(GreyCodecOfType, EveryLevelEqualsTheReferencePyramid) {
@@ -101,8 +106,8 @@ TYPED_TEST(GreyCodecOfType, EveryLevelEqualsTheReferencePyramid) {
       const BrickShape shape = shape_of(size);
       const TrainingBrick lesson{shape, view_of(voxels, size)};
       const auto codec = train_grey_model(voxel_type_of<T>(), std::span(&lesson, 1));
-      SCOPED_TRACE(testing::Message() << "content " << static_cast<int>(content) << " size " << size.x
-                                      << "x" << size.y << "x" << size.z);
+      SCOPED_TRACE(testing::Message() << "content " << static_cast<int>(content) << " size "
+                                      << size.x << "x" << size.y << "x" << size.z);
       expect_every_level(*codec, shape, voxels);
     }
   }
@@ -201,7 +206,8 @@ TEST(GreyCodec, DispatchedAndPortableStagesGiveTheSameBytes) {
         work.means.set_size(coarse);
         for (std::int64_t z = 0; z < coarse.z; ++z) {
           for (std::int64_t y = 0; y < coarse.y; ++y) {
-            std::copy_n(means.data() + (z * coarse.y + y) * coarse.x, coarse.x, work.means.row(y, z));
+            std::copy_n(means.data() + (z * coarse.y + y) * coarse.x, coarse.x,
+                        work.means.row(y, z));
           }
         }
         work.means.fill_margins();
@@ -256,7 +262,8 @@ TEST(GreyCodec, EveryTruncationOfASegmentIsNoticed) {
     for (std::size_t length = 0; length < good.segments[i].size(); ++length) {
       EncodedBrick bad = good;
       bad.segments[i].resize(length);
-      EXPECT_THROW(codec->decode(shape, VoxelType::int16, good.range, spans_of(bad), 0, out.data()), Error);
+      EXPECT_THROW(codec->decode(shape, VoxelType::int16, good.range, spans_of(bad), 0, out.data()),
+                   Error);
     }
   }
 }

@@ -33,7 +33,8 @@ struct Sample {
 
 /// Nested balls, so that every octant kind occurs.
 template <class T>
-Sample<T> balls(const Size3& size, const std::vector<T>& labels, const Point3& spacing = {1, 1, 1}) {
+Sample<T> balls(const Size3& size, const std::vector<T>& labels,
+                const Point3& spacing = {1, 1, 1}) {
   Sample<T> sample(size, spacing);
   std::size_t at = 0;
   for (std::int64_t z = 0; z < size.z; ++z) {
@@ -87,9 +88,10 @@ std::vector<T> voted(const std::vector<T>& fine, const Size3& size, HalvingMask 
   }
   std::vector<T> result;
   for (const auto& count : counts) {
-    const auto most = std::max_element(count.begin(), count.end(), [](const auto& a, const auto& b) {
-      return a.second < b.second;  // of equal counts the first, which is the smallest
-    });
+    const auto most =
+        std::max_element(count.begin(), count.end(), [](const auto& a, const auto& b) {
+          return a.second < b.second;  // of equal counts the first, which is the smallest
+        });
     result.push_back(most->first);
   }
   return result;

@@ -44,23 +44,27 @@ TEST(OctantTransform, ThesisExampleOfFourSamples) {
 
 TEST(OctantTransform, LoneSampleAtAnOddEdgeIsItsOwnMean) {
   const std::vector<std::int16_t> samples = {1, 2, 10, 4, 5, 20, 7, 8, 30};
-  EXPECT_EQ(means_along(samples, {3, 3, 1}, 0, 0), (std::vector<std::int16_t>{1, 10, 4, 20, 7, 30}));
+  EXPECT_EQ(means_along(samples, {3, 3, 1}, 0, 0),
+            (std::vector<std::int16_t>{1, 10, 4, 20, 7, 30}));
   EXPECT_EQ(means_along(samples, {3, 3, 1}, 1, 0), (std::vector<std::int16_t>{2, 3, 15, 7, 8, 30}));
 }
 
 TEST(OctantTransform, AxesOutsideTheMaskStay) {
   const std::vector<std::int16_t> samples = {1, 3, 5, 7};
-  EXPECT_EQ(coarser_level(samples, {2, 1, 2}, HalvingMask{1}, 0), (std::vector<std::int16_t>{2, 6}));
+  EXPECT_EQ(coarser_level(samples, {2, 1, 2}, HalvingMask{1}, 0),
+            (std::vector<std::int16_t>{2, 6}));
 }
 
-/// Means over six levels of noise stay within 1.5 of the true mean and, where values spread over more than
-/// a few integers, do not drift. (Noise of 0 and 1 has true means of 0.5 that no integer meets.)
+/// Means over six levels of noise stay within 1.5 of the true mean and, where values spread over
+/// more than a few integers, do not drift. (Noise of 0 and 1 has true means of 0.5 that no integer
+/// meets.)
 TEST(OctantTransform, MeansStayNearTheTrueMeanAtEveryLevel) {
   std::mt19937 random(7);
   for (const int amplitude : {1, 2, 3, 255, 40000}) {
     Size3 size{64, 64, 64};
     std::vector<std::int32_t> level(64 * 64 * 64);
-    for (auto& v : level) v = static_cast<std::int32_t>(random() % static_cast<unsigned>(amplitude + 1));
+    for (auto& v : level)
+      v = static_cast<std::int32_t>(random() % static_cast<unsigned>(amplitude + 1));
     std::vector<double> truth(level.begin(), level.end());
     for (int k = 0; k < 6; ++k) {
       level = coarser_level(level, size, kHalveAll, k);

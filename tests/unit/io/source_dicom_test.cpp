@@ -32,7 +32,8 @@ DicomSample slice(int z, double mm_per_slice = 2) {
 /// Slices 0 .. count-1 under names whose order is not that of space, one of them in a sub-folder.
 void write_series(const TempFolder& folder, int count) {
   for (int z = 0; z < count; ++z) {
-    const std::string name = (z == 1 ? "deep/er/" : "") + std::string("IM") + std::to_string(97 - z);
+    const std::string name =
+        (z == 1 ? "deep/er/" : "") + std::string("IM") + std::to_string(97 - z);
     write_dicom(folder.file(name), slice(z));
   }
 }
@@ -133,7 +134,8 @@ TEST(SourceDicom, SeveralSeriesAreListedAndOneIsChosenByItsUid) {
   write_dicom(folder.file("other"), other);
   const Error error = source_error({folder.path()});
   EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
-  for (const char* part : {"2 series", "1.2.3: 3 slices of 4 x 3, CT", "9.9.9: 1 slice", "--series"}) {
+  for (const char* part :
+       {"2 series", "1.2.3: 3 slices of 4 x 3, CT", "9.9.9: 1 slice", "--series"}) {
     EXPECT_TRUE(contains(error.what(), part)) << error.what();
   }
   SourceOptions options;
@@ -161,27 +163,54 @@ TEST_P(SourceDicomFlaw, IsRefusedWithBothValues) {
   }
   const Error error = source_error({folder.path()});
   EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
-  for (const std::string& word : GetParam().words) EXPECT_TRUE(contains(error.what(), word)) << error.what();
+  for (const std::string& word : GetParam().words)
+    EXPECT_TRUE(contains(error.what(), word)) << error.what();
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Slices, SourceDicomFlaw,
     ::testing::Values(
-        Flaw{"Size", [](DicomSample& s) { s.rows = 4; s.voxels.clear(); }, {"s2", "s0", "4 x 4", "4 x 3"}},
+        Flaw{"Size",
+             [](DicomSample& s) {
+               s.rows = 4;
+               s.voxels.clear();
+             },
+             {"s2", "s0", "4 x 4", "4 x 3"}},
         Flaw{"Type", [](DicomSample& s) { s.is_signed = 0; }, {"s2", "s0", "signed", "unsigned"}},
-        Flaw{"Orientation", [](DicomSample& s) { s.orientation = "0.8\\0.6\\0\\-0.6\\0.8\\0"; },
+        Flaw{"Orientation",
+             [](DicomSample& s) { s.orientation = "0.8\\0.6\\0\\-0.6\\0.8\\0"; },
              {"s2", "s0", "orientation", "0.6"}},
-        Flaw{"PixelSpacing", [](DicomSample& s) { s.pixel_spacing = "0.5\\0.3"; }, {"s2", "s0", "0.3", "0.25"}},
+        Flaw{"PixelSpacing",
+             [](DicomSample& s) { s.pixel_spacing = "0.5\\0.3"; },
+             {"s2", "s0", "0.3", "0.25"}},
         Flaw{"Rescale", [](DicomSample& s) { s.slope = "1.5"; }, {"s2", "s0", "1.5 x", "1 x"}},
-        Flaw{"Photometric", [](DicomSample& s) { s.photometric = "MONOCHROME1"; },
+        Flaw{"Photometric",
+             [](DicomSample& s) { s.photometric = "MONOCHROME1"; },
              {"s2", "s0", "MONOCHROME1", "MONOCHROME2"}},
-        Flaw{"Duplicate", [](DicomSample& s) { s.position = "-10\\20\\7"; }, {"s1", "s2", "same position", "7 mm"}},
-        Flaw{"Gap", [](DicomSample& s) { s.position = "-10\\20\\13"; }, {"s3", "s2", "4 mm", "2 mm", "missing"}},
+        Flaw{"Duplicate",
+             [](DicomSample& s) { s.position = "-10\\20\\7"; },
+             {"s1", "s2", "same position", "7 mm"}},
+        Flaw{"Gap",
+             [](DicomSample& s) { s.position = "-10\\20\\13"; },
+             {"s3", "s2", "4 mm", "2 mm", "missing"}},
         Flaw{"Uneven", [](DicomSample& s) { s.position = "-10\\20\\9.5"; }, {"s1", "s2", "2.5 mm"}},
-        Flaw{"SidewaysShift", [](DicomSample& s) { s.position = "-9\\20\\9"; }, {"sideways", "1 mm"}},
+        Flaw{"SidewaysShift",
+             [](DicomSample& s) { s.position = "-9\\20\\9"; },
+             {"sideways", "1 mm"}},
         Flaw{"NoGeometry", [](DicomSample& s) { s.position.reset(); }, {"s2"}},
-        Flaw{"Colour", [](DicomSample& s) { s.samples = 3; s.photometric = "RGB"; s.voxels.clear(); }, {"colour", "RGB"}},
-        Flaw{"BadUnit", [](DicomSample& s) { s.bits_allocated = 64; s.voxels.clear(); }, {"64 bits"}},
+        Flaw{"Colour",
+             [](DicomSample& s) {
+               s.samples = 3;
+               s.photometric = "RGB";
+               s.voxels.clear();
+             },
+             {"colour", "RGB"}},
+        Flaw{"BadUnit",
+             [](DicomSample& s) {
+               s.bits_allocated = 64;
+               s.voxels.clear();
+             },
+             {"64 bits"}},
         Flaw{"ShortVoxels", [](DicomSample& s) { s.voxels.resize(20); }, {"s2", "20 bytes", "24"}}),
     [](const auto& row) { return std::string(row.param.name); });
 

@@ -1,5 +1,5 @@
-// The shared volumes against the digests and geometry that other readers found, and the awkward ones
-// against what a good reader does with each.
+// The shared volumes against the digests and geometry that other readers found, and the awkward
+// ones against what a good reader does with each.
 #include <gtest/gtest.h>
 #include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
@@ -20,7 +20,8 @@ namespace {
 
 std::string digest_of(PlaneSource& source) {
   const VolumeDescription& d = source.description();
-  std::vector<std::byte> plane(static_cast<std::size_t>(d.size.x * d.size.y * bytes_per_voxel(d.type)));
+  std::vector<std::byte> plane(
+      static_cast<std::size_t>(d.size.x * d.size.y * bytes_per_voxel(d.type)));
   Sha256 digest;
   for (std::int64_t z = 0; z < d.size.z; ++z) {
     source.read_plane(plane);
@@ -61,14 +62,17 @@ void expect_itk_geometry(itk::ImageIOBase& io, const std::string& path) {
 TEST(SourceShared, GeometryIsThatOfItk) {
   const auto root = shared_data();
   if (!root) GTEST_SKIP() << missing_shared_file("mr");
-  for (const char* name : {"mr/chris_t1.nii.gz", "mr/chris_MRA.nii.gz", "labels/aal.nii.gz", "labels/totalseg_ct.nii.gz",
-                           "labels/mouse_head_35um_labels.nii.gz", "microct_mouse_head/C57BL6_J_.nii.gz",
-                           "awkward/oblique_fmri_pitch.nii.gz", "awkward/bigendian_anatomical.nii",
-                           "awkward/orientations/avg152T1_LR_LIP.nii.gz", "awkward/orientations/avg152T1_LR_PSR.nii.gz",
-                           "awkward/orientations/avg152T1_LR_RAS.nii.gz"}) {
+  for (const char* name :
+       {"mr/chris_t1.nii.gz", "mr/chris_MRA.nii.gz", "labels/aal.nii.gz",
+        "labels/totalseg_ct.nii.gz", "labels/mouse_head_35um_labels.nii.gz",
+        "microct_mouse_head/C57BL6_J_.nii.gz", "awkward/oblique_fmri_pitch.nii.gz",
+        "awkward/bigendian_anatomical.nii", "awkward/orientations/avg152T1_LR_LIP.nii.gz",
+        "awkward/orientations/avg152T1_LR_PSR.nii.gz",
+        "awkward/orientations/avg152T1_LR_RAS.nii.gz"}) {
     expect_itk_geometry(*itk::NiftiImageIO::New(), (*root / name).string());
   }
-  expect_itk_geometry(*itk::NrrdImageIO::New(), (*root / "microct_rock_berea/berea400.nrrd").string());
+  expect_itk_geometry(*itk::NrrdImageIO::New(),
+                      (*root / "microct_rock_berea/berea400.nrrd").string());
   expect_itk_geometry(*itk::MetaImageIO::New(), (*root / "cranium/cranium.mhd").string());
 }
 
@@ -111,12 +115,15 @@ TEST(SourceShared, AwkwardSourcesAreRefusedByName) {
     const Error error = source_error({(*root / "awkward" / row.path).string()});
     EXPECT_EQ(error.kind(), ErrorKind::source_rejected) << error.what();
     for (const std::string& word : row.words) {
-      EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << word << " in: " << error.what();
+      EXPECT_NE(std::string(error.what()).find(word), std::string::npos)
+          << word << " in: " << error.what();
     }
   }
 }
 
-std::string voxels_at(const std::filesystem::path& path) { return voxels_of(*open_source({path.string()}, {})); }
+std::string voxels_at(const std::filesystem::path& path) {
+  return voxels_of(*open_source({path.string()}, {}));
+}
 
 TEST(SourceShared, LosslessCodecsAndByteOrdersGiveEqualVoxels) {
   const auto root = shared_data();
@@ -136,13 +143,16 @@ TEST(SourceShared, LosslessCodecsAndByteOrdersGiveEqualVoxels) {
 TEST(SourceShared, AwkwardButSoundSourcesAreReadWithTheirGeometry) {
   const auto root = shared_data();
   if (!root) GTEST_SKIP() << missing_shared_file("awkward");
-  const auto open = [&](const char* name) { return open_source({(*root / "awkward" / name).string()}, {}); };
+  const auto open = [&](const char* name) {
+    return open_source({(*root / "awkward" / name).string()}, {});
+  };
   for (const char* name : {"dicomdir_noext", "dicomdir_noext/DICOMDIR", "dicomdir_noext/IMAGES"}) {
     EXPECT_EQ(open(name)->description().size.z, 4) << name;
     EXPECT_EQ(open(name)->description().geometry.spacing_mm[2], 8) << name;
   }
   EXPECT_EQ(open("pet_float_rescale")->description().rescale.slope, 2.0222414);
-  EXPECT_EQ(open("tiff_anisotropic_mri_head.tif")->description().geometry.spacing_mm, (Point3{0.5, 0.5, 7}));
+  EXPECT_EQ(open("tiff_anisotropic_mri_head.tif")->description().geometry.spacing_mm,
+            (Point3{0.5, 0.5, 7}));
   EXPECT_EQ(open("tiff names with spaces")->description().size.z, 8);
   EXPECT_EQ(open("eCT_Supplemental.dcm")->description().geometry.spacing_mm[2], 10);
   const auto stripes = open("12bitSigned_0x0F0F.dcm");

@@ -15,16 +15,29 @@ bool contains(const std::string& text, const std::string& part) {
 
 std::string counted(std::size_t bytes, int start) {
   std::string text;
-  for (std::size_t i = 0; i < bytes; ++i) text += static_cast<char>((start + static_cast<int>(i) * 7) % 251);
+  for (std::size_t i = 0; i < bytes; ++i)
+    text += static_cast<char>((start + static_cast<int>(i) * 7) % 251);
   return text;
 }
 
 TEST(SourceStack, NaturalOrderIsThatOfTheNumbers) {
-  std::vector<std::string> names = {"b 10", "b 9", "a2", "a10", "b 010", "a", "b 100000000000000000000001",
+  std::vector<std::string> names = {"b 10",
+                                    "b 9",
+                                    "a2",
+                                    "a10",
+                                    "b 010",
+                                    "a",
+                                    "b 100000000000000000000001",
                                     "b 100000000000000000000000"};
   std::sort(names.begin(), names.end(), natural_less);
-  const std::vector<std::string> expected = {"a", "a2", "a10", "b 9", "b 010", "b 10",
-                                             "b 100000000000000000000000", "b 100000000000000000000001"};
+  const std::vector<std::string> expected = {"a",
+                                             "a2",
+                                             "a10",
+                                             "b 9",
+                                             "b 010",
+                                             "b 10",
+                                             "b 100000000000000000000000",
+                                             "b 100000000000000000000001"};
   EXPECT_EQ(names, expected);
 }
 
@@ -97,7 +110,8 @@ INSTANTIATE_TEST_SUITE_P(
         Layout{"I32Tiled", 32, 2, COMPRESSION_NONE, 16, 0, false, VoxelType::int32},
         Layout{"U32Big", 32, 1, COMPRESSION_NONE, 0, 7, true, VoxelType::uint32},
         Layout{"F32", 32, 3, COMPRESSION_NONE, 0, 0, false, VoxelType::float32},
-        Layout{"U16TiledDeflateBig", 16, 1, COMPRESSION_ADOBE_DEFLATE, 16, 0, true, VoxelType::uint16},
+        Layout{"U16TiledDeflateBig", 16, 1, COMPRESSION_ADOBE_DEFLATE, 16, 0, true,
+               VoxelType::uint16},
         Layout{"U8PackBits", 8, 1, COMPRESSION_PACKBITS, 0, 3, false, VoxelType::uint8}),
     [](const auto& row) { return std::string(row.param.name); });
 
@@ -114,14 +128,16 @@ TEST(SourceStack, ImageJSpacingIsUsed) {
   EXPECT_TRUE(source->warnings().empty());
   SourceOptions options;
   options.spacing_mm = Point3{3, 4, 5};
-  EXPECT_EQ(open_source({folder.file("a.tif")}, options)->description().geometry.spacing_mm, (Point3{3, 4, 5}));
+  EXPECT_EQ(open_source({folder.file("a.tif")}, options)->description().geometry.spacing_mm,
+            (Point3{3, 4, 5}));
 }
 
 TEST(SourceStack, OmeSpacingIsUsed) {
   const TempFolder folder;
   TiffSample sample;
-  sample.description = "<?xml version=\"1.0\"?><OME><Image><Pixels SizeC=\"1\" SizeT=\"1\" PhysicalSizeX=\"0.5\" "
-                       "PhysicalSizeY=\"0.5\" PhysicalSizeZ=\"2\" PhysicalSizeZUnit=\"um\"></Pixels></Image></OME>";
+  sample.description =
+      "<?xml version=\"1.0\"?><OME><Image><Pixels SizeC=\"1\" SizeT=\"1\" PhysicalSizeX=\"0.5\" "
+      "PhysicalSizeY=\"0.5\" PhysicalSizeZ=\"2\" PhysicalSizeZUnit=\"um\"></Pixels></Image></OME>";
   sample.pages = {counted(12, 0), counted(12, 1)};
   write_tiff(folder.file("a.ome.tif"), sample);
   EXPECT_EQ(open_source({folder.file("a.ome.tif")}, {})->description().geometry.spacing_mm,
@@ -158,7 +174,8 @@ TEST(SourceStack, AnOddPlaneIsNamedWithBothSizesOrTypes) {
   write_tiff(folder.file("a2.tif"), sample);
   Error error = source_error({folder.path()});
   EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
-  EXPECT_TRUE(contains(error.what(), "a2.tif is 6 x 3") && contains(error.what(), "4 x 3")) << error.what();
+  EXPECT_TRUE(contains(error.what(), "a2.tif is 6 x 3") && contains(error.what(), "4 x 3"))
+      << error.what();
   sample.width = 4;
   sample.bits = 16;
   sample.pages = {counted(24, 0)};
@@ -173,7 +190,8 @@ TEST(SourceStack, ATiffLargerThanItsTagsSayIsUnfoldedAsImageJWroteIt) {
   sample.description = "ImageJ=1.53t\nimages=3\nslices=3\n";
   sample.pages = {std::string(12, '\x5a')};
   write_tiff(folder.file("a.tif"), sample);
-  // ImageJ puts the tags before the voxels; here the file grows until the planes fit behind the first one.
+  // ImageJ puts the tags before the voxels; here the file grows until the planes fit behind the
+  // first one.
   std::string bytes = read_file(folder.file("a.tif"));
   const std::size_t start = bytes.find(sample.pages[0]);
   if (bytes.size() < start + 36) bytes.resize(start + 36, '\x11');
@@ -234,9 +252,11 @@ TEST(SourceStack, RawPlanesInOneFileOrMany) {
 }
 
 TEST(SourceStack, RawLayoutsThatMakeNoSenseAreRefused) {
-  for (const char* text : {"", "1,2,3", "1,2,3,4,5", "0,2,3,uint8", "-1,2,3,uint8", "2,2,2,float64", "2,2,2097153,u8",
-                           "2,2,x,u8", "2,2,2,u8:xx", "99999999999999999999,1,1,u8"}) {
-    EXPECT_EQ(error_of([&] { parse_raw_layout(text); }).kind(), ErrorKind::invalid_argument) << text;
+  for (const char* text :
+       {"", "1,2,3", "1,2,3,4,5", "0,2,3,uint8", "-1,2,3,uint8", "2,2,2,float64", "2,2,2097153,u8",
+        "2,2,x,u8", "2,2,2,u8:xx", "99999999999999999999,1,1,u8"}) {
+    EXPECT_EQ(error_of([&] { parse_raw_layout(text); }).kind(), ErrorKind::invalid_argument)
+        << text;
   }
 }
 

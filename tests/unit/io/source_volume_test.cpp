@@ -67,7 +67,8 @@ TEST(SourceVolume, ASiblingIsNeverReadInsteadOfTheFileNamed) {
 TEST(SourceVolume, NiftiThatIsNoScalarVolumeIsRefusedByName) {
   const TempFolder folder;
   const std::vector<std::pair<std::int16_t, std::string>> types = {
-      {128, "RGB"}, {2304, "RGBA"}, {32, "complex"}, {64, "float 64"}, {1024, "int 64"}, {1, "1 bit"}, {77, "77"}};
+      {128, "RGB"},     {2304, "RGBA"}, {32, "complex"}, {64, "float 64"},
+      {1024, "int 64"}, {1, "1 bit"},   {77, "77"}};
   for (const auto& [datatype, word] : types) {
     NiftiSample sample;
     sample.datatype = datatype;
@@ -82,10 +83,12 @@ TEST(SourceVolume, NiftiThatIsNoScalarVolumeIsRefusedByName) {
   EXPECT_TRUE(contains(source_error({folder.file("a.nii")}).what(), "5 volumes"));
 }
 
-void expect_every_truncation_refused(const TempFolder& folder, const std::string& name, const std::string& whole) {
+void expect_every_truncation_refused(const TempFolder& folder, const std::string& name,
+                                     const std::string& whole) {
   for (std::size_t length = 0; length < whole.size(); ++length) {
     write_file(folder.file(name), whole.substr(0, length));
-    EXPECT_EQ(source_error({folder.file(name)}).kind(), ErrorKind::source_rejected) << name << " " << length;
+    EXPECT_EQ(source_error({folder.file(name)}).kind(), ErrorKind::source_rejected)
+        << name << " " << length;
   }
 }
 
@@ -94,10 +97,12 @@ TEST(SourceVolume, EveryTruncationIsRefused) {
   const std::string nifti = nifti_header({}) + bytes_of(kValues);
   expect_every_truncation_refused(folder, "a.nii", nifti);
   expect_every_truncation_refused(folder, "a.nii.gz", gzip(nifti));
-  const std::string nrrd = "NRRD0004\ntype: short\ndimension: 3\nsizes: 4 3 2\nendian: little\nencoding: ";
+  const std::string nrrd =
+      "NRRD0004\ntype: short\ndimension: 3\nsizes: 4 3 2\nendian: little\nencoding: ";
   expect_every_truncation_refused(folder, "a.nrrd", nrrd + "raw\n\n" + bytes_of(kValues));
   expect_every_truncation_refused(folder, "b.nrrd", nrrd + "gzip\n\n" + gzip(bytes_of(kValues)));
-  const std::string meta = "NDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\nElementDataFile = LOCAL\n";
+  const std::string meta =
+      "NDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\nElementDataFile = LOCAL\n";
   expect_every_truncation_refused(folder, "a.mha", meta + bytes_of(kValues));
 }
 
@@ -139,7 +144,8 @@ TEST(SourceVolume, NrrdSpacesAreTurnedToLps) {
        std::vector<std::pair<std::string, Point3>>{{"left-posterior-superior", {10, 20, 30}},
                                                    {"right-anterior-superior", {-10, -20, 30}},
                                                    {"LAS", {10, -20, 30}}}) {
-    write_file(folder.file("a.nrrd"), "NRRD0004\n# a remark\nspace: " + space + "\n" + rest + "\n" + bytes_of(kValues, true));
+    write_file(folder.file("a.nrrd"), "NRRD0004\n# a remark\nspace: " + space + "\n" + rest + "\n" +
+                                          bytes_of(kValues, true));
     const auto source = open_source({folder.file("a.nrrd")}, {});
     EXPECT_EQ(source->description().geometry.origin_mm, origin);
     EXPECT_EQ(source->description().geometry.spacing_mm, (Point3{2, 3, 4}));
@@ -149,16 +155,24 @@ TEST(SourceVolume, NrrdSpacesAreTurnedToLps) {
 
 TEST(SourceVolume, HeadersThatAskForTheUnreadableAreRefused) {
   const TempFolder folder;
-  const std::string good = "NRRD0004\ntype: short\ndimension: 3\nsizes: 4 3 2\nendian: little\nencoding: raw\n";
+  const std::string good =
+      "NRRD0004\ntype: short\ndimension: 3\nsizes: 4 3 2\nendian: little\nencoding: raw\n";
   const std::vector<std::pair<std::string, std::string>> changes = {
-      {"encoding: raw", "encoding: bzip2"}, {"encoding: raw", "encoding: ascii"}, {"type: short", "type: double"},
-      {"sizes: 4 3 2", "sizes: 4 3"},       {"sizes: 4 3 2", "sizes: 4 -3 2"},    {"sizes: 4 3 2", "sizes: 4 3 9999999999"},
-      {"sizes: 4 3 2", "sizes: 4 3 2\nkinds: RGB-color domain domain"},           {"endian: little\n", ""},
+      {"encoding: raw", "encoding: bzip2"},
+      {"encoding: raw", "encoding: ascii"},
+      {"type: short", "type: double"},
+      {"sizes: 4 3 2", "sizes: 4 3"},
+      {"sizes: 4 3 2", "sizes: 4 -3 2"},
+      {"sizes: 4 3 2", "sizes: 4 3 9999999999"},
+      {"sizes: 4 3 2", "sizes: 4 3 2\nkinds: RGB-color domain domain"},
+      {"endian: little\n", ""},
       {"sizes: 4 3 2", "sizes: 4 3 2\nspace directions: none (1,0,0) (0,1,0)"},
       {"sizes: 4 3 2", "sizes: 4 3 2\nspace directions: (1,0,0) (1,0,0) (0,0,1)"},
       {"sizes: 4 3 2", "sizes: 4 3 2\nspacings: 1 2 x"},
-      {"encoding: raw", "encoding: raw\ndata file: ../a.raw"}, {"encoding: raw", "encoding: raw\ndata file: /etc/passwd"},
-      {"encoding: raw", "encoding: raw\ndata file: LIST"},     {"encoding: raw", "encoding: raw\nbyte skip: -7"}};
+      {"encoding: raw", "encoding: raw\ndata file: ../a.raw"},
+      {"encoding: raw", "encoding: raw\ndata file: /etc/passwd"},
+      {"encoding: raw", "encoding: raw\ndata file: LIST"},
+      {"encoding: raw", "encoding: raw\nbyte skip: -7"}};
   for (const auto& [from, to] : changes) {
     std::string header = good;
     header.replace(header.find(from), from.size(), to);
@@ -171,16 +185,21 @@ TEST(SourceVolume, HeadersThatAskForTheUnreadableAreRefused) {
 std::string zlib_of(const std::string& bytes) {
   uLongf length = compressBound(static_cast<uLong>(bytes.size()));
   std::string out(length, '\0');
-  EXPECT_EQ(compress(reinterpret_cast<Bytef*>(out.data()), &length, reinterpret_cast<const Bytef*>(bytes.data()),
-                     static_cast<uLong>(bytes.size())), Z_OK);
+  EXPECT_EQ(
+      compress(reinterpret_cast<Bytef*>(out.data()), &length,
+               reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size())),
+      Z_OK);
   return out.substr(0, length);
 }
 
 TEST(SourceVolume, MetaImageInsideDetachedAndCompressed) {
   const TempFolder folder;
-  const std::string header = "ObjectType = Image\nNDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\n"
-                             "ElementSpacing = 2 3 4\nOffset = 10 20 30\nTransformMatrix = 0 1 0 -1 0 0 0 0 1\n";
-  write_file(folder.file("a.mha"), header + "BinaryDataByteOrderMSB = True\nElementDataFile = LOCAL\n" + bytes_of(kValues, true));
+  const std::string header =
+      "ObjectType = Image\nNDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\n"
+      "ElementSpacing = 2 3 4\nOffset = 10 20 30\nTransformMatrix = 0 1 0 -1 0 0 0 0 1\n";
+  write_file(folder.file("a.mha"), header +
+                                       "BinaryDataByteOrderMSB = True\nElementDataFile = LOCAL\n" +
+                                       bytes_of(kValues, true));
   write_file(folder.file("b.mhd"), header + "ElementDataFile = data/b.raw\n");
   write_file(folder.file("data/b.raw"), bytes_of(kValues));
   write_file(folder.file("c.mhd"), header + "CompressedData = True\nElementDataFile = c.zraw\n");
@@ -190,7 +209,9 @@ TEST(SourceVolume, MetaImageInsideDetachedAndCompressed) {
   for (const char* name : {"a.mha", "b.mhd", "c.mhd", "d.mhd"}) {
     const auto source = open_source({folder.file(name)}, {});
     EXPECT_EQ(source->description().geometry.origin_mm, (Point3{10, 20, 30})) << name;
-    EXPECT_EQ(source->description().geometry.direction, (std::array<double, 9>{0, -1, 0, 1, 0, 0, 0, 0, 1})) << name;
+    EXPECT_EQ(source->description().geometry.direction,
+              (std::array<double, 9>{0, -1, 0, 1, 0, 0, 0, 0, 1}))
+        << name;
     EXPECT_EQ(voxels_of(*source), bytes_of(kValues)) << name;
     EXPECT_EQ(source->resident_bytes(), 0U);
   }
@@ -198,12 +219,17 @@ TEST(SourceVolume, MetaImageInsideDetachedAndCompressed) {
 
 TEST(SourceVolume, MetaImagesThatAreNoScalarVolumeAreRefused) {
   const TempFolder folder;
-  const std::string good = "NDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\nElementDataFile = ";
+  const std::string good =
+      "NDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\nElementDataFile = ";
   for (const std::string& header :
-       {good + "../b.raw\n", good + "/etc/passwd\n", good + "b%03d.raw 1 2 1\n", good + "LIST\na\nb\n", good + "missing.raw\n",
-        "ElementNumberOfChannels = 3\n" + good + "LOCAL\n", "BinaryData = False\n" + good + "LOCAL\n",
-        std::string("NDims = 3\nDimSize = 4 3 2\nElementType = MET_DOUBLE\nElementDataFile = LOCAL\n"),
-        std::string("NDims = 4\nDimSize = 4 3 2 2\nElementType = MET_SHORT\nElementDataFile = LOCAL\n"),
+       {good + "../b.raw\n", good + "/etc/passwd\n", good + "b%03d.raw 1 2 1\n",
+        good + "LIST\na\nb\n", good + "missing.raw\n",
+        "ElementNumberOfChannels = 3\n" + good + "LOCAL\n",
+        "BinaryData = False\n" + good + "LOCAL\n",
+        std::string(
+            "NDims = 3\nDimSize = 4 3 2\nElementType = MET_DOUBLE\nElementDataFile = LOCAL\n"),
+        std::string(
+            "NDims = 4\nDimSize = 4 3 2 2\nElementType = MET_SHORT\nElementDataFile = LOCAL\n"),
         std::string("NDims = 3\nDimSize = 4 3 2\n")}) {
     write_file(folder.file("a.mha"), header + std::string(500, '\0'));
     EXPECT_EQ(source_error({folder.file("a.mha")}).kind(), ErrorKind::source_rejected) << header;
@@ -213,8 +239,10 @@ TEST(SourceVolume, MetaImagesThatAreNoScalarVolumeAreRefused) {
 TEST(SourceVolume, ItkFormatsAreLoadedWholeWithinTheMemoryAllowed) {
   const TempFolder folder;
   write_file(folder.file("a.vtk"),
-             "# vtk DataFile Version 3.0\nx\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS 4 3 2\nSPACING 2 3 4\n"
-             "ORIGIN 1 2 3\nPOINT_DATA 24\nSCALARS s short 1\nLOOKUP_TABLE default\n" + bytes_of(kValues, true));
+             "# vtk DataFile Version 3.0\nx\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS 4 3 "
+             "2\nSPACING 2 3 4\n"
+             "ORIGIN 1 2 3\nPOINT_DATA 24\nSCALARS s short 1\nLOOKUP_TABLE default\n" +
+                 bytes_of(kValues, true));
   const auto source = open_source({folder.file("a.vtk")}, {});
   EXPECT_EQ(source->resident_bytes(), 48U);
   EXPECT_EQ(source->description().geometry.spacing_mm, (Point3{2, 3, 4}));
