@@ -134,6 +134,8 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
   check_memory(build_memory_bytes(description, result.threads) + source.resident_bytes(),
                options.max_memory_bytes);
 
+  check_target(storage, path, options.overwrite);
+
   const ProgressScope scope(progress, 2 * description.size.z);
   Build work(description, levels, result.threads, progress);
   std::vector<std::byte> parents;

@@ -130,7 +130,7 @@ void check_envelope(ByteSpan bytes) {
   }
   const auto stored = load_little_endian<std::uint32_t>(bytes.data() + kHeaderCrcAt);
   const std::uint32_t found = crc32c(bytes.first(kHeaderCrcAt));
-  if (found != stored) fail_checksum("header", found, stored, 0);
+  if (!checksum_matches(found, stored)) fail_checksum("header", found, stored, 0);
   if (bytes[kSealedAt] == 0) {
     fail(ErrorKind::corrupt, "not sealed: its build was interrupted; build it again", kSealedAt);
   }
@@ -327,7 +327,7 @@ FileTrailer parse_trailer(ByteSpan bytes, const FileHeader& header) {
   const std::uint64_t offset = header.file_bytes - kTrailerBytes;
   const auto stored = load_little_endian<std::uint32_t>(bytes.data() + 60);
   const std::uint32_t found = crc32c(bytes.first(60));
-  if (found != stored) fail_checksum("trailer", found, stored, offset);
+  if (!checksum_matches(found, stored)) fail_checksum("trailer", found, stored, offset);
   FileTrailer trailer;
   trailer.file_id = load_little_endian<std::uint64_t>(bytes.data() + 8);
   trailer.file_bytes = load_little_endian<std::uint64_t>(bytes.data() + 16);
@@ -335,7 +335,7 @@ FileTrailer parse_trailer(ByteSpan bytes, const FileHeader& header) {
   trailer.digest = load_little_endian<std::uint32_t>(bytes.data() + 28);
   if (!std::equal(kTrailerMagic.begin(), kTrailerMagic.end(), bytes.begin()) ||
       !is_zero(bytes.subspan(32, 28)) || trailer.file_id != header.file_id ||
-      trailer.file_bytes != header.file_bytes || trailer.header_crc != header.crc) {
+      trailer.file_bytes != header.file_bytes || !checksum_matches(trailer.header_crc, header.crc)) {
     fail(ErrorKind::corrupt, "trailer does not belong to the header", offset);
   }
   return trailer;

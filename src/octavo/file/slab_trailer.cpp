@@ -41,7 +41,9 @@ SlabTrailer parse_slab_trailer(ByteSpan bytes, std::int64_t brick_count) {
   if (in.left() != kEndBytes) in.fail("is not as long as its contents");
   trailer.slab_crc = in.u32();
   if (in.u32() != bytes.size()) in.fail("states another length");
-  if (in.u32() != crc32c(bytes.first(bytes.size() - 4))) in.fail("checksum does not match");
+  if (!checksum_matches(crc32c(bytes.first(bytes.size() - 4)), in.u32())) {
+    in.fail("checksum does not match");
+  }
   return trailer;
 }
 

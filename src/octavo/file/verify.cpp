@@ -27,7 +27,7 @@ constexpr std::uint64_t kMaxSearchedBytes = std::uint64_t{16} << 20;
 
 // Compares two checksums; says what one flipped bit would explain.
 std::optional<Damage> checksum_damage(Damage place, std::uint32_t found, std::uint32_t stored) {
-  if (found == stored) return std::nullopt;
+  if (checksum_matches(found, stored)) return std::nullopt;
   place.found = found;
   place.stored = stored;
   char text[64];

@@ -59,22 +59,6 @@ std::pair<std::string, std::unique_ptr<StorageFile>> create_temporary(Storage& s
   }
 }
 
-// Throws when `path` cannot become an .8vo file; returns whether a file stands there.
-bool check_target(Storage& storage, const std::string& path, bool overwrite) {
-  if (base_name_of(path).empty()) throw Error(ErrorKind::io, "is not the name of a file", path);
-  if (base_name_of(path).size() > kMaxNameBytes) {
-    throw Error(ErrorKind::io, "its name is longer than 255 bytes", path);
-  }
-  switch (storage.path_type(path)) {
-    case PathType::missing: return false;
-    case PathType::folder: throw Error(ErrorKind::io, "is a folder", path);
-    case PathType::other: throw Error(ErrorKind::io, "exists and is not a regular file", path);
-    case PathType::file: break;
-  }
-  if (!overwrite) throw Error(ErrorKind::io, "exists already; ask to overwrite it", path);
-  return true;
-}
-
 FileHeader make_header(const VolumeDescription& description, const Levels& levels,
                        std::uint32_t content_hash) {
   checked_voxel_count(description.size);
@@ -347,6 +331,21 @@ void FileWriterImpl::publish() {
 }
 
 }  // namespace
+
+bool check_target(Storage& storage, const std::string& path, bool overwrite) {
+  if (base_name_of(path).empty()) throw Error(ErrorKind::io, "is not the name of a file", path);
+  if (base_name_of(path).size() > kMaxNameBytes) {
+    throw Error(ErrorKind::io, "its name is longer than 255 bytes", path);
+  }
+  switch (storage.path_type(path)) {
+    case PathType::missing: return false;
+    case PathType::folder: throw Error(ErrorKind::io, "is a folder", path);
+    case PathType::other: throw Error(ErrorKind::io, "exists and is not a regular file", path);
+    case PathType::file: break;
+  }
+  if (!overwrite) throw Error(ErrorKind::io, "exists already; ask to overwrite it", path);
+  return true;
+}
 
 std::unique_ptr<FileWriter> FileWriter::create(Storage& storage, const std::string& path,
                                                const VolumeDescription& description,

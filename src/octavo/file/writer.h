@@ -48,6 +48,12 @@ class FileWriter {
   virtual std::uint64_t bytes_written() const = 0;
 };
 
+/// Proves that `path` can become an .8vo file: a writable name that is free, or a file that may be
+/// replaced. For asking before long work; FileWriter::create asks again.
+/// Returns  whether a file stands there
+/// Throws   Error{io}
+bool check_target(Storage& storage, const std::string& path, bool overwrite);
+
 /// The (x, y) positions of one brick layer in o-code order.
 std::vector<Index3> layer_order(const Size3& brick_grid);
 

@@ -1,0 +1,119 @@
+// Writes inputs for the fuzz targets to start from: small valid files, and bricks of every kind with their
+// models in the form that fuzz_brick takes apart.
+//
+// usage: make_fuzz_seeds FOLDER        fills FOLDER/files and FOLDER/bricks
+
+#include <array>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <random>
+
+#include "octavo/build/builder.h"
+#include "octavo/build/memory_source.h"
+#include "octavo/codec/brick_codec.h"
+
+namespace {
+
+using namespace octavo;
+
+constexpr std::array<std::int64_t, 8> kSides = {1, 2, 3, 5, 8, 17, 33, 64};
+constexpr std::array<VoxelType, 6> kTypes = {VoxelType::int8,   VoxelType::uint8, VoxelType::int16,
+                                             VoxelType::uint16, VoxelType::int32, VoxelType::uint32};
+
+/// A soft shape with some noise, or two labels; half of it uniform.
+Bytes make_voxels(const Size3& size, VoxelType type, VolumeKind kind) {
+  std::mt19937 random(static_cast<std::uint32_t>(size.x * 7 + size.y));
+  const std::int64_t width = bytes_per_voxel(type);
+  Bytes bytes(static_cast<std::size_t>(size.voxel_count() * width));
+  std::size_t at = 0;
+  for (std::int64_t z = 0; z < size.z; ++z) {
+    for (std::int64_t y = 0; y < size.y; ++y) {
+      for (std::int64_t x = 0; x < size.x; ++x, at += static_cast<std::size_t>(width)) {
+        const bool is_inside = x + y > size.y / 2;
+        const auto noise = static_cast<std::int32_t>(random() % 9);
+        const std::int32_t value = !is_inside ? 3 : kind == VolumeKind::labels ? 5 : 40 + noise;
+        std::memcpy(bytes.data() + at, &value, static_cast<std::size_t>(width));
+      }
+    }
+  }
+  return bytes;
+}
+
+void save(const std::filesystem::path& path, const Bytes& bytes) {
+  std::ofstream out(path, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  if (!out.flush()) throw Error(ErrorKind::io, "cannot be written", path.string());
+}
+
+template <class Int>
+void put(Bytes& out, Int value) {
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(&value);
+  out.insert(out.end(), bytes, bytes + sizeof value);
+}
+
+/// The mirror image of what fuzz_brick.cpp reads.
+Bytes brick_input(std::uint8_t type, VolumeKind kind, std::uint8_t side) {
+  const Size3 size{kSides[side], kSides[side], kSides[side]};
+  const Bytes voxels = make_voxels(size, kTypes[type], kind);
+  const BrickView view{voxels.data(), kTypes[type], size, size.x, size.x * size.y};
+  const Levels levels(size, choose_halvings(size, {1, 1, 1}));
+  const BrickShape shape = brick_shape(levels, 0, {0, 0, 0});
+  const TrainingBrick lesson{shape, view};
+  const auto codec = train_model(kind, kTypes[type], std::span(&lesson, 1));
+  const EncodedBrick brick = codec->encode(shape, view);
+  const Bytes model = codec->serialized();
+  Bytes out = {static_cast<std::uint8_t>(type | (kind == VolumeKind::labels ? 0x80 : 0)), side, side,
+               side};
+  put(out, static_cast<std::uint16_t>(model.size()));
+  out.insert(out.end(), model.begin(), model.end());
+  const std::int64_t lowest = value_range(kTypes[type]).min;
+  put(out, static_cast<std::uint32_t>(brick.range.min - lowest));
+  put(out, static_cast<std::uint32_t>(brick.range.max - lowest));
+  for (std::size_t i = 0; i < brick.segments.size(); ++i) {
+    if (i + 1 < brick.segments.size()) put(out, static_cast<std::uint16_t>(brick.segments[i].size()));
+    out.insert(out.end(), brick.segments[i].begin(), brick.segments[i].end());
+  }
+  return out;
+}
+
+void write_file_seed(const std::filesystem::path& path, VolumeKind kind, VoxelType type,
+                     const Size3& size) {
+  const Bytes voxels = make_voxels(size, type, kind);
+  VolumeDescription description;
+  description.kind = kind;
+  description.type = type;
+  description.size = size;
+  const auto source = make_memory_source(description, std::as_bytes(std::span(voxels)));
+  NoProgress progress;
+  BuildOptions options;
+  options.kind = kind;
+  options.overwrite = true;
+  options.threads = 1;
+  build_file(*source, local_storage(), path.string(), options, progress);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::cerr << "usage: make_fuzz_seeds FOLDER\n";
+    return 2;
+  }
+  const std::filesystem::path folder = argv[1];
+  std::filesystem::create_directories(folder / "files");
+  std::filesystem::create_directories(folder / "bricks");
+  int number = 0;
+  for (const VolumeKind kind : {VolumeKind::grey, VolumeKind::labels}) {
+    for (std::uint8_t type = 0; type < kTypes.size(); ++type) {
+      for (const std::uint8_t side : {0, 2, 4, 5}) {
+        save(folder / "bricks" / std::to_string(number++), brick_input(type, kind, side));
+      }
+      for (const Size3& size : {Size3{1, 1, 1}, Size3{9, 5, 3}, Size3{16, 16, 16}, Size3{70, 3, 66}}) {
+        const std::string name = std::to_string(number++) + ".8vo";
+        write_file_seed(folder / "files" / name, kind, kTypes[type], size);
+      }
+    }
+  }
+}
