@@ -10,6 +10,7 @@
 #include "octavo/file/storage.h"
 #include "octavo/io/http_source.h"
 #include "octavo/io/open_source.h"
+#include "octavo/io/prefetch_source.h"
 
 namespace octavo::cli {
 
@@ -96,8 +97,12 @@ void require_free_output(const std::string& path, const Context& context) {
 
 std::unique_ptr<PlaneSource> open_scan(const std::vector<std::string>& paths,
                                        const SourceArguments& arguments, Context& context) {
-  return std::make_unique<WatchedSource>(open_source(paths, source_options(arguments, context)),
-                                         context);
+  auto source = open_source(paths, source_options(arguments, context));
+  // What a source loaded whole has nothing to decode ahead.
+  if (source->resident_bytes() == 0) {
+    source = make_prefetch_source(std::move(source), {.threads = context.thread_count()});
+  }
+  return std::make_unique<WatchedSource>(std::move(source), context);
 }
 
 std::unique_ptr<PlaneSource> open_planes(const std::vector<std::string>& paths,

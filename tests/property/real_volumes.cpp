@@ -1,6 +1,6 @@
-// The laws of the file on real scans: every voxel and level comes back, levels are means (or most frequent
-// labels), the file does not depend on threads. The CT head comes from Debian's invesalius-examples;
-// the shared volumes take part where they are present.
+// The laws of the file on real scans: every voxel and level comes back, levels are means (or most
+// frequent labels), the file does not depend on threads. The CT head comes from Debian's
+// invesalius-examples; the shared volumes take part where they are present.
 
 #include <gtest/gtest.h>
 
@@ -120,9 +120,10 @@ Sums sum_below(const Sums& fine, const Size3& size, HalvingMask mask) {
   return result;
 }
 
-/// Every sample is within 1.5 of the mean of the voxels below it, and their mean deviation below 0.25.
-/// At odd edges the pyramid weighs the lone samples more than a plain mean does, so only samples over
-/// complete octants are judged.
+/// Every sample is within 1.5 of the mean of the voxels below it, and their mean deviation below
+/// 0.25.
+/// At odd edges the pyramid weighs the lone samples more than a plain mean does, so only samples
+/// over complete octants are judged.
 void expect_means(const std::vector<std::int32_t>& samples, const Sums& truth, double full_count,
                   int level) {
   double worst = 0;
@@ -173,7 +174,8 @@ void expect_boxes(const FileReader& reader, const RealVolume& volume) {
     for (int axis = 0; axis < 3; ++axis) {
       const auto extent = static_cast<std::uint64_t>(size[axis]);
       box.lo[axis] = static_cast<std::int64_t>(random() % extent);
-      const auto room = static_cast<std::uint64_t>(std::min<std::int64_t>(70, size[axis] - box.lo[axis]));
+      const auto room =
+          static_cast<std::uint64_t>(std::min<std::int64_t>(70, size[axis] - box.lo[axis]));
       box.hi[axis] = box.lo[axis] + 1 + static_cast<std::int64_t>(random() % room);
     }
     ASSERT_TRUE(read_box(reader, box, 0) == crop(volume.bytes, size, width, box));
@@ -200,7 +202,8 @@ TEST(RealVolumes, CtHeadKeepsEveryLaw) {
   const ScratchFolder folder;
   const std::string header = folder.file("head.mhd");
   const std::string convert = std::string("python3 ") + OCTAVO_SOURCE_FOLDER +
-                              "/tools/inv3_to_mhd.py " + kHeadProject + " " + header + " > /dev/null";
+                              "/tools/inv3_to_mhd.py " + kHeadProject + " " + header +
+                              " > /dev/null";
   ASSERT_EQ(std::system(convert.c_str()), 0);
   expect_laws(header, VolumeKind::grey);
   const RealVolume volume = load(header, VolumeKind::grey);

@@ -10,8 +10,8 @@
 // The last one holds the coarsest samples themselves. Decoding level i needs segments i .. last.
 //
 // A brick whose voxels all have one value is uniform: range.min == range.max and every segment is
-// empty. A brick that coding would enlarge is stored: segment 0 holds all its voxels, the others are
-// empty, and decoding any level needs segment 0.
+// empty. A brick that coding would enlarge is stored: segment 0 holds all its voxels, the others
+// are empty, and decoding any level needs segment 0.
 #pragma once
 
 #include <cstddef>

@@ -14,8 +14,8 @@ std::uint32_t crc32c(std::span<const std::uint8_t> bytes, std::uint32_t crc = 0)
 /// The same by table, on every machine.
 std::uint32_t crc32c_portable(std::span<const std::uint8_t> bytes, std::uint32_t crc = 0) noexcept;
 
-/// Whether the checksum of some bytes is the one stored with them. Fuzz builds (OCTAVO_FUZZING) take
-/// every checksum for right, so that mutants reach what lies behind.
+/// Whether the checksum of some bytes is the one stored with them. Fuzz builds (OCTAVO_FUZZING)
+/// take every checksum for right, so that mutants reach what lies behind.
 inline bool checksum_matches([[maybe_unused]] std::uint32_t found,
                              [[maybe_unused]] std::uint32_t stored) noexcept {
 #if defined(OCTAVO_FUZZING)

@@ -335,7 +335,8 @@ FileTrailer parse_trailer(ByteSpan bytes, const FileHeader& header) {
   trailer.digest = load_little_endian<std::uint32_t>(bytes.data() + 28);
   if (!std::equal(kTrailerMagic.begin(), kTrailerMagic.end(), bytes.begin()) ||
       !is_zero(bytes.subspan(32, 28)) || trailer.file_id != header.file_id ||
-      trailer.file_bytes != header.file_bytes || !checksum_matches(trailer.header_crc, header.crc)) {
+      trailer.file_bytes != header.file_bytes ||
+      !checksum_matches(trailer.header_crc, header.crc)) {
     fail(ErrorKind::corrupt, "trailer does not belong to the header", offset);
   }
   return trailer;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstring>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "octavo/core/checked.h"
@@ -16,6 +17,9 @@
 namespace octavo {
 
 namespace {
+
+constexpr std::uint64_t kGiplHeaderBytes = 256;
+constexpr std::size_t kMaxVtkHeaderBytes = 4096;
 
 [[noreturn]] void reject(const std::string& path, const std::string& why) {
   throw Error(ErrorKind::source_rejected, why, path);
@@ -96,19 +100,34 @@ class LoadedSource final : public DescribedSource {
   std::vector<std::byte> voxels_;
 };
 
-/// ITK fills what a cut file lacks without a word; a binary file must hold its voxels.
+/// Where the voxels start: behind the header of a GIPL file, behind the last line of a VTK header.
+std::uint64_t voxel_offset(const std::string& path) {
+  if (!has_ending(path, ".vtk")) return kGiplHeaderBytes;
+  const std::vector<std::byte> head = file_head(path, kMaxVtkHeaderBytes);
+  const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
+  const std::size_t scalars = std::min(text.find("SCALARS"), text.size());
+  const std::size_t table = text.find("LOOKUP_TABLE", scalars);
+  const std::size_t line_end = text.find('\n', table != std::string_view::npos ? table : scalars);
+  if (line_end == std::string_view::npos) {
+    reject(path, "its header has no SCALARS line: volumes of one scalar per point are read");
+  }
+  return line_end + 1;
+}
+
+/// ITK leaves unset what a cut file lacks, without a word; a binary file must hold its voxels.
 void check_length(const itk::ImageIOBase& io, const std::string& path, std::uint64_t voxel_bytes) {
   if (io.GetFileType() == itk::IOFileEnum::ASCII) {
     reject(path, "voxels written as text are not read; convert the file to binary");
   }
   if (is_gzip_file(path)) {
-    check_gzip_length(path, voxel_bytes);
+    check_gzip_length(path, checked_add(kGiplHeaderBytes, voxel_bytes, "stream length"));
     return;
   }
+  const std::uint64_t needed = checked_add(voxel_offset(path), voxel_bytes, "file length");
   const std::uint64_t found = SourceFile(path).size();
-  if (found >= voxel_bytes) return;
-  reject(path, "the file is too short: " + std::to_string(voxel_bytes) +
-                   " bytes of voxels needed, " + std::to_string(found) + " found; it is cut");
+  if (found >= needed) return;
+  reject(path, "the file is too short: " + std::to_string(needed) + " bytes needed, " +
+                   std::to_string(found) + " found; it is cut");
 }
 
 }  // namespace
@@ -133,6 +152,11 @@ std::unique_ptr<PlaneSource> open_itk_source(const std::string& path,
                     static_cast<std::uint64_t>(facts.description.size.z), "volume");
     check_memory(bytes, options, path);
     check_length(*io, path, bytes);
+    itk::ImageIORegion region(io->GetNumberOfDimensions());
+    for (unsigned axis = 0; axis < io->GetNumberOfDimensions(); ++axis) {
+      region.SetSize(axis, io->GetDimensions(axis));
+    }
+    io->SetIORegion(region);
     std::vector<std::byte> voxels(bytes);
     io->Read(voxels.data());
     return std::make_unique<LoadedSource>(std::move(facts), std::move(voxels));

@@ -3,6 +3,7 @@
 #include <tiffio.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
@@ -10,7 +11,6 @@
 #include <vector>
 
 #include "octavo/core/checked.h"
-#include "octavo/io/source_file.h"
 
 namespace octavo {
 
@@ -61,8 +61,7 @@ std::size_t at_voxel(const TiffPage& page, std::int64_t x, std::int64_t y) {
 }  // namespace
 
 TiffFile::TiffFile(const std::string& path)
-    : path_(path), message_(std::make_unique<std::string>()) {
-  const SourceFile probe(path);
+    : path_(path), file_(path), message_(std::make_unique<std::string>()) {
   TIFFOpenOptions* options = TIFFOpenOptionsAlloc();
   TIFFOpenOptionsSetErrorHandlerExtR(options, keep_message, message_.get());
   TIFFOpenOptionsSetWarningHandlerExtR(options, ignore_warning, nullptr);
@@ -83,6 +82,7 @@ void TiffFile::reject(const std::string& why) const {
 TiffPage TiffFile::page() {
   TiffPage page;
   page.directory_offset = TIFFCurrentDirOffset(handle_);
+  require_whole_directory(page.directory_offset);
   page.width = tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGEWIDTH, 0);
   page.height = tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGELENGTH, 0);
   if (page.width == 0 || page.height == 0) reject("a page without width or height");
@@ -118,6 +118,27 @@ TiffPage TiffFile::page() {
     page.data_offset = TIFFGetStrileOffset(handle_, 0);
   }
   return page;
+}
+
+void TiffFile::require_whole_directory(std::uint64_t offset) const {
+  const bool big_endian = TIFFIsBigEndian(handle_) != 0;
+  const auto read_count = [&](std::uint64_t at, std::size_t width) {
+    std::array<std::byte, 8> raw{};
+    file_.read_exactly(at, std::span(raw).first(width));
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; i < width; ++i) {
+      value = value << 8 | std::to_integer<std::uint64_t>(raw[big_endian ? i : width - 1 - i]);
+    }
+    return value;
+  };
+  // Entries of 12 bytes between a count of 2 and a link of 4; in BigTIFF 20, 8 and 8.
+  const bool is_big_tiff = read_count(2, 2) == 43;
+  const std::uint64_t count = read_count(offset, is_big_tiff ? 8 : 2);
+  const std::uint64_t entries = std::min<std::uint64_t>(count, std::uint64_t{1} << 16);
+  const std::uint64_t end = offset + (is_big_tiff ? 16 + 20 * entries : 6 + 12 * entries);
+  if (end <= file_.size()) return;
+  reject("the file ends early: its directory needs bytes to " + std::to_string(end) +
+         ", the file has " + std::to_string(file_.size()) + "; copy it again from its origin");
 }
 
 bool TiffFile::next_page() {

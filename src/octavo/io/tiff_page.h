@@ -8,6 +8,7 @@
 #include <string>
 
 #include "octavo/core/voxel_type.h"
+#include "octavo/io/source_file.h"
 
 struct tiff;
 
@@ -58,6 +59,9 @@ class TiffFile {
 
  private:
   [[noreturn]] void reject(const std::string& why) const;
+  /// libtiff takes a directory that is cut before its link for the last one, and the pages behind
+  /// it are lost. Throws Error{source_rejected} for such a directory.
+  void require_whole_directory(std::uint64_t offset) const;
   void read_strips(const TiffPage& page, std::span<std::byte> plane);
   /// Some programs fill the last strip with rows behind the page. libtiff, where it inflates with
   /// libdeflate, then leaves the end of the strip unset without a word; so all rows are asked for
@@ -68,6 +72,7 @@ class TiffFile {
   void read_tiles(const TiffPage& page, std::span<std::byte> plane);
 
   std::string path_;
+  SourceFile file_;
   std::unique_ptr<std::string> message_;
   tiff* handle_ = nullptr;
 };

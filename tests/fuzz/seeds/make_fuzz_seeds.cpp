@@ -1,5 +1,5 @@
-// Writes inputs for the fuzz targets to start from: small valid files, and bricks of every kind with their
-// models in the form that fuzz_brick takes apart.
+// Writes inputs for the fuzz targets to start from: small valid files, and bricks of every kind
+// with their models in the form that fuzz_brick takes apart.
 //
 // usage: make_fuzz_seeds FOLDER        fills FOLDER/files and FOLDER/bricks
 
@@ -19,8 +19,9 @@ namespace {
 using namespace octavo;
 
 constexpr std::array<std::int64_t, 8> kSides = {1, 2, 3, 5, 8, 17, 33, 64};
-constexpr std::array<VoxelType, 6> kTypes = {VoxelType::int8,   VoxelType::uint8, VoxelType::int16,
-                                             VoxelType::uint16, VoxelType::int32, VoxelType::uint32};
+constexpr std::array<VoxelType, 6> kTypes = {VoxelType::int8,  VoxelType::uint8,
+                                             VoxelType::int16, VoxelType::uint16,
+                                             VoxelType::int32, VoxelType::uint32};
 
 /// A soft shape with some noise, or two labels; half of it uniform.
 Bytes make_voxels(const Size3& size, VoxelType type, VolumeKind kind) {
@@ -43,7 +44,8 @@ Bytes make_voxels(const Size3& size, VoxelType type, VolumeKind kind) {
 
 void save(const std::filesystem::path& path, const Bytes& bytes) {
   std::ofstream out(path, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  out.write(reinterpret_cast<const char*>(bytes.data()),
+            static_cast<std::streamsize>(bytes.size()));
   if (!out.flush()) throw Error(ErrorKind::io, "cannot be written", path.string());
 }
 
@@ -64,15 +66,16 @@ Bytes brick_input(std::uint8_t type, VolumeKind kind, std::uint8_t side) {
   const auto codec = train_model(kind, kTypes[type], std::span(&lesson, 1));
   const EncodedBrick brick = codec->encode(shape, view);
   const Bytes model = codec->serialized();
-  Bytes out = {static_cast<std::uint8_t>(type | (kind == VolumeKind::labels ? 0x80 : 0)), side, side,
-               side};
+  Bytes out = {static_cast<std::uint8_t>(type | (kind == VolumeKind::labels ? 0x80 : 0)), side,
+               side, side};
   put(out, static_cast<std::uint16_t>(model.size()));
   out.insert(out.end(), model.begin(), model.end());
   const std::int64_t lowest = value_range(kTypes[type]).min;
   put(out, static_cast<std::uint32_t>(brick.range.min - lowest));
   put(out, static_cast<std::uint32_t>(brick.range.max - lowest));
   for (std::size_t i = 0; i < brick.segments.size(); ++i) {
-    if (i + 1 < brick.segments.size()) put(out, static_cast<std::uint16_t>(brick.segments[i].size()));
+    if (i + 1 < brick.segments.size())
+      put(out, static_cast<std::uint16_t>(brick.segments[i].size()));
     out.insert(out.end(), brick.segments[i].begin(), brick.segments[i].end());
   }
   return out;
@@ -110,7 +113,8 @@ int main(int argc, char** argv) {
       for (const std::uint8_t side : {0, 2, 4, 5}) {
         save(folder / "bricks" / std::to_string(number++), brick_input(type, kind, side));
       }
-      for (const Size3& size : {Size3{1, 1, 1}, Size3{9, 5, 3}, Size3{16, 16, 16}, Size3{70, 3, 66}}) {
+      for (const Size3& size :
+           {Size3{1, 1, 1}, Size3{9, 5, 3}, Size3{16, 16, 16}, Size3{70, 3, 66}}) {
         const std::string name = std::to_string(number++) + ".8vo";
         write_file_seed(folder / "files" / name, kind, kTypes[type], size);
       }

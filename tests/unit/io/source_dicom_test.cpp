@@ -192,7 +192,7 @@ INSTANTIATE_TEST_SUITE_P(
              {"s1", "s2", "same position", "7 mm"}},
         Flaw{"Gap",
              [](DicomSample& s) { s.position = "-10\\20\\13"; },
-             {"s3", "s2", "4 mm", "2 mm", "missing"}},
+             {"s1", "s3", "4 mm", "2 mm", "missing"}},
         Flaw{"Uneven", [](DicomSample& s) { s.position = "-10\\20\\9.5"; }, {"s1", "s2", "2.5 mm"}},
         Flaw{"SidewaysShift",
              [](DicomSample& s) { s.position = "-9\\20\\9"; },

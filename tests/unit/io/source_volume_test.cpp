@@ -106,14 +106,19 @@ TEST(SourceVolume, EveryTruncationIsRefused) {
   expect_every_truncation_refused(folder, "a.mha", meta + bytes_of(kValues));
 }
 
-TEST(SourceVolume, DamageInAGzipStreamIsRefused) {
+TEST(SourceVolume, DamageInAGzipStreamNeverChangesAVoxel) {
   const TempFolder folder;
   const std::string whole = gzip(nifti_header({}) + bytes_of(kValues));
   for (std::size_t at = 10; at < whole.size(); ++at) {
     std::string damaged = whole;
     damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
     write_file(folder.file("a.nii.gz"), damaged);
-    EXPECT_EQ(source_error({folder.file("a.nii.gz")}).kind(), ErrorKind::source_rejected) << at;
+    try {
+      // Some bits of a stream can change without changing what it inflates to.
+      EXPECT_EQ(voxels_of(*open_source({folder.file("a.nii.gz")}, {})), bytes_of(kValues)) << at;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::source_rejected) << at;
+    }
   }
 }
 
