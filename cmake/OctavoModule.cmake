@@ -7,7 +7,7 @@ set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 
 add_library(octavo_flags INTERFACE)
 target_compile_options(octavo_flags INTERFACE
-  -Wall -Wextra -Wno-restrict -Wshadow -Wconversion -Wsign-conversion
+  -Wall -Wextra $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> -Wshadow -Wconversion -Wsign-conversion
   # -Wrestrict: GCC 12 warns of overlaps inside its own std::string.
   # The model's floating-point training must give the same bytes on every machine.
   -ffp-contract=off)

@@ -53,7 +53,7 @@ void check_memory(std::uint64_t needed_bytes, std::uint64_t limit_bytes) {
 class ProgressScope {
  public:
   ProgressScope(Progress& progress, std::int64_t planes) : progress_(progress) {
-    progress_.begin("build", planes, "planes");
+    progress_.begin("build", planes, "planes read or coded");
   }
   ~ProgressScope() { progress_.end(); }
   ProgressScope(const ProgressScope&) = delete;

@@ -110,7 +110,7 @@ int main(int argc, char** argv) {
   int number = 0;
   for (const VolumeKind kind : {VolumeKind::grey, VolumeKind::labels}) {
     for (std::uint8_t type = 0; type < kTypes.size(); ++type) {
-      for (const std::uint8_t side : {0, 2, 4, 5}) {
+      for (const std::uint8_t side : std::to_array<std::uint8_t>({0, 2, 4, 5})) {
         save(folder / "bricks" / std::to_string(number++), brick_input(type, kind, side));
       }
       for (const Size3& size :
