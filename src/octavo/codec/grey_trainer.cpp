@@ -275,44 +275,61 @@ struct ContextMode : TruthMode {
   }
 };
 
-/// One weighted least-squares fit with the inactive features held at zero.
-std::vector<double> fit_active(const ContextSamples& samples, const std::vector<double>& current,
-                               const std::array<bool, kFeatures>& is_active, bool is_weighted) {
-  std::vector<double> matrix(kFeatures * kFeatures);
-  std::vector<double> right(kFeatures);
+/// Normal equations of all features, in double precision.
+struct ContextEquations {
+  std::vector<double> matrix = std::vector<double>(kFeatures * kFeatures);
+  std::vector<double> right = std::vector<double>(kFeatures);
+};
+
+/// With `foresight` (not null) a sample weighs 1 / (what these weights foresee)^2: relative errors
+/// count.
+ContextEquations accumulate_contexts(const ContextSamples& samples,
+                                     const std::vector<double>* foresight) {
+  ContextEquations equations;
   for (std::size_t i = 0; i < samples.magnitudes.size(); ++i) {
-    const auto& f = samples.features[i];
+    std::array<double, kFeatures> f;
+    for (std::size_t k = 0; k < kFeatures; ++k) f[k] = static_cast<double>(samples.features[i][k]);
     double weight = 1;
-    if (is_weighted) {
+    if (foresight != nullptr) {
       double foreseen = 0;
-      for (std::size_t k = 0; k < kFeatures; ++k)
-        foreseen += current[k] * static_cast<double>(f[k]);
+      for (std::size_t k = 0; k < kFeatures; ++k) foreseen += (*foresight)[k] * f[k];
       weight = 1 / (foreseen * foreseen + 0.05);
     }
     for (std::size_t k = 0; k < kFeatures; ++k) {
-      if (!is_active[k]) continue;
-      const double scaled = static_cast<double>(f[k]) * weight;
-      right[k] += scaled * static_cast<double>(samples.magnitudes[i]);
+      const double scaled = f[k] * weight;
+      if (scaled == 0) continue;
+      equations.right[k] += scaled * static_cast<double>(samples.magnitudes[i]);
       for (std::size_t j = 0; j < kFeatures; ++j) {
-        if (is_active[j]) matrix[k * kFeatures + j] += scaled * static_cast<double>(f[j]);
+        equations.matrix[k * kFeatures + j] += scaled * f[j];
       }
     }
   }
+  return equations;
+}
+
+/// The solution with the inactive features held at zero.
+std::vector<double> solve_active(ContextEquations equations,
+                                 const std::array<bool, kFeatures>& is_active) {
   for (std::size_t k = 0; k < kFeatures; ++k) {
-    if (!is_active[k]) matrix[k * kFeatures + k] = 1;
+    if (!is_active[k]) equations.right[k] = 0;
+    for (std::size_t j = 0; j < kFeatures; ++j) {
+      if (is_active[k] && is_active[j]) continue;
+      equations.matrix[k * kFeatures + j] = k == j ? 1 : 0;
+    }
   }
-  eliminate(kFeatures, matrix, right, kContextRidge);
-  return right;
+  eliminate(kFeatures, equations.matrix, equations.right, kContextRidge);
+  return equations.right;
 }
 
 /// Non-negative weights that foresee the magnitude: features whose weight turns negative drop out.
 std::vector<double> fit_contexts(const ContextSamples& samples) {
   std::vector<double> weights(kFeatures, 0.0);
   for (int round = 0; round < 3; ++round) {
+    const ContextEquations equations = accumulate_contexts(samples, round > 0 ? &weights : nullptr);
     std::array<bool, kFeatures> is_active;
     is_active.fill(true);
     for (int attempt = 0; attempt < kFeatures; ++attempt) {
-      const std::vector<double> fitted = fit_active(samples, weights, is_active, round > 0);
+      const std::vector<double> fitted = solve_active(equations, is_active);
       bool dropped = false;
       for (std::size_t k = 0; k < kFeatures; ++k) {
         if (!is_active[k] || fitted[k] >= 0) continue;
