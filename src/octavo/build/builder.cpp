@@ -49,11 +49,11 @@ void check_memory(std::uint64_t needed_bytes, std::uint64_t limit_bytes) {
                   " MiB; raise the limit or use fewer threads");
 }
 
-// Announces the work, and its end however it comes.
+// Announces the work, and its end however it comes. Every plane passes twice: read, then coded.
 class ProgressScope {
  public:
   ProgressScope(Progress& progress, std::int64_t planes) : progress_(progress) {
-    progress_.begin("build", planes, "planes read or coded");
+    progress_.begin("build", planes, "plane passes");
   }
   ~ProgressScope() { progress_.end(); }
   ProgressScope(const ProgressScope&) = delete;
