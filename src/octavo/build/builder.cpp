@@ -129,8 +129,9 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
   const Levels levels = levels_of(description);
   BuildResult result;
   result.threads = thread_count(options.threads);
-  result.raw_bytes = static_cast<std::uint64_t>(description.size.voxel_count() *
-                                                bytes_per_voxel(description.type));
+  result.raw_bytes =
+      checked_mul(static_cast<std::uint64_t>(description.size.voxel_count()),
+                  static_cast<std::uint64_t>(bytes_per_voxel(description.type)), "the volume");
   check_memory(build_memory_bytes(description, result.threads) + source.resident_bytes(),
                options.max_memory_bytes);
 

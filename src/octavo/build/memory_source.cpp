@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "octavo/core/checked.h"
 #include "octavo/core/error.h"
 #include "octavo/core/levels.h"
 
@@ -40,8 +41,9 @@ class MemorySource final : public PlaneSource {
 
 std::unique_ptr<PlaneSource> make_memory_source(const VolumeDescription& description,
                                                 std::span<const std::byte> voxels) {
-  const auto bytes = static_cast<std::uint64_t>(checked_voxel_count(description.size)) *
-                     static_cast<std::uint64_t>(bytes_per_voxel(description.type));
+  const std::uint64_t bytes =
+      checked_mul(static_cast<std::uint64_t>(checked_voxel_count(description.size)),
+                  static_cast<std::uint64_t>(bytes_per_voxel(description.type)), "the volume");
   if (voxels.size() != bytes) {
     throw Error(ErrorKind::invalid_argument, std::to_string(voxels.size()) +
                                                  " bytes in memory; the description asks for " +

@@ -17,8 +17,8 @@ inline void put_varint(std::vector<std::uint8_t>& out, std::uint64_t value) {
   out.push_back(static_cast<std::uint8_t>(value));
 }
 
-/// Takes a varint off the front of `bytes`. Throws Error{corrupt} at the end of the bytes or above
-/// 64 bits.
+/// Takes a varint off the front of `bytes`. Throws Error{corrupt} at the end of the bytes, above
+/// 64 bits, or when fewer bytes would have held it.
 inline std::uint64_t take_varint(std::span<const std::uint8_t>& bytes) {
   std::uint64_t value = 0;
   for (unsigned shift = 0; shift < 64; shift += 7) {
@@ -27,6 +27,7 @@ inline std::uint64_t take_varint(std::span<const std::uint8_t>& bytes) {
     bytes = bytes.subspan(1);
     if (shift == 63 && byte > 1) break;
     value |= static_cast<std::uint64_t>(byte & 0x7f) << shift;
+    if (byte == 0 && shift > 0) throw Error(ErrorKind::corrupt, "a number is longer than needed");
     if (byte < 0x80) return value;
   }
   throw Error(ErrorKind::corrupt, "a number exceeds 64 bits");

@@ -212,6 +212,10 @@ void GreyCodec::decode(const BrickShape& shape, VoxelType type, const ValueRange
   with_sample_type(scale, [&](auto sample) {
     using Sample = decltype(sample);
     const bool is_stored = shape.level_count > 1 && segments.back().empty();
+    const auto holds_bytes = [](ByteSpan segment) { return !segment.empty(); };
+    if (is_stored && std::any_of(segments.begin() + 1, segments.end(), holds_bytes)) {
+      throw Error(ErrorKind::corrupt, "a stored brick has more than one segment");
+    }
     if (is_stored) decode_stored<Sample>(shape, type, scale, segments[0], level, out);
     else decode_samples<Sample>(*model_, shape, type, scale, segments, level, out);
   });

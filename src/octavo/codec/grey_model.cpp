@@ -1,5 +1,6 @@
 #include "octavo/codec/grey_model.h"
 
+#include <algorithm>
 
 #include "octavo/codec/binary_coder.h"
 #include "octavo/codec/byte_io.h"

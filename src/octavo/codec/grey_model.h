@@ -96,7 +96,7 @@ Parameters default_parameters();
 /// Fills the derived tables. Requires frequencies that sum to 2048 in every context.
 void build_tables(Model& model);
 
-/// Both directions of the model's form in a file (docs/format.md, "Grey model").
+/// Both directions of the model's form in a file (docs/format-grey.md, section 11).
 Bytes serialize(const Parameters& parameters);
 /// Throws Error{corrupt}.
 Parameters parse_parameters(ByteSpan bytes);

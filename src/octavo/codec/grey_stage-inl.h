@@ -29,25 +29,29 @@ void row_features(const Parameters& p, const Stage& stage, const SampleGrid<Samp
   const auto max = static_cast<Int>(stage.max);
   const std::int32_t threshold = p.activity_threshold;
   const int count = static_cast<int>(stage.pairs.x);
-  const auto step = [shift](Int d) { return static_cast<std::int32_t>((d < 0 ? -d : d) >> shift); };
+  const auto step = [shift](Int d) { return (d < 0 ? -d : d) >> shift; };
+  const auto feature = [](Int sum) {
+    return static_cast<std::int32_t>(sum < kMaxFeature ? sum : kMaxFeature);
+  };
   for (int x = 0; x < count; ++x) {
     const Int c = m[x];
     const Int before = m[x - along] - c;
     const Int after = m[x + along] - c;
-    const std::int32_t e0 = step(before) + step(after);
-    const std::int32_t e1 = step(before + after);
-    const std::int32_t e2 = step(m[x - across1] - c) + step(m[x + across1] - c) +
-                            step(m[x - across2] - c) + step(m[x + across2] - c);
-    const std::int32_t g = e0 + e2;
+    // A damaged stream makes wide samples whose steps only Int can sum.
+    const Int e0 = step(before) + step(after);
+    const Int e1 = step(before + after);
+    const Int e2 = step(m[x - across1] - c) + step(m[x + across1] - c) +
+                   step(m[x - across2] - c) + step(m[x + across2] - c);
+    const Int g = e0 + e2;
     row.activity[x] = static_cast<std::uint8_t>((g > 0) + (g >= threshold / 4) + (g >= threshold) +
                                                 (g / 4 >= threshold));
     const Int room = c - min < max - c ? c - min : max - c;
     const Int limit = room > 0 ? 2 * room + 1 : 1;
     row.exact_limit[x] = limit;
     row.limit[x] = static_cast<std::int32_t>(limit >> shift);
-    row.gradient_along[x] = e0 < kMaxFeature ? e0 : kMaxFeature;
-    row.curvature_along[x] = e1 < kMaxFeature ? e1 : kMaxFeature;
-    row.gradient_across[x] = e2 < kMaxFeature ? e2 : kMaxFeature;
+    row.gradient_along[x] = feature(e0);
+    row.curvature_along[x] = feature(e1);
+    row.gradient_across[x] = feature(e2);
   }
 }
 
@@ -140,8 +144,7 @@ inline void keep_magnitudes(std::int16_t* magnitudes, const RowBuffers<Sample>& 
 /// Runs a split. Mode supplies the residuals of a row (decoding) or learns them (encoding,
 /// training):
 ///   take(row, coded)                 before reconstruction
-///   detail(x, y, z, prediction)      the detail of a coded pair; notes its residual in
-///   row.residual[x]
+///   detail(x, y, z, prediction, ..)  the detail of a coded pair; notes its residual in the row
 ///   put(row, coded)                  after reconstruction
 template <int kAxis, class Sample, class Mode>
 void run_split(const Parameters& p, const Stage& stage, Workspace<Sample>& work, Mode& mode) {

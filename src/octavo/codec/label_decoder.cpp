@@ -90,7 +90,7 @@ void LabelCodec::decode(const BrickShape& shape, VoxelType type, const ValueRang
 }
 
 std::unique_ptr<BrickCodec> parse_label_model(VoxelType type, ByteSpan bytes) {
-  check_label_type(type);
+  if (!is_integer(type)) throw Error(ErrorKind::corrupt, "a label model for float voxels");
   return std::make_unique<LabelCodec>(type, parse_label_weights(type, bytes));
 }
 

@@ -15,7 +15,7 @@
 //   A cube is condensed exactly when it lies inside the volume and all its voxels are homogeneous:
 //   max - min <= flat, none of them or all of them background.
 // Consequences
-//   Memory is that of two source planes and their coarser ones (below 30 bytes per voxel of a
+//   Memory is that of two source planes and their coarser ones (below 40 bytes per voxel of a
 //   plane) besides the leaves; it does not depend on the number of planes.
 //   An octant that reaches outside the volume is never condensed, so sizes need not be powers of
 //   two. The octree is sorted, linear and complete, and no eight sibling leaves are homogeneous.

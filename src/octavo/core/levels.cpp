@@ -1,6 +1,8 @@
 #include "octavo/core/levels.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -29,6 +31,9 @@ std::int64_t checked_voxel_count(const Size3& size) {
                       std::to_string(size.z) + "; every axis must be between 1 and " +
                       std::to_string(kMaxAxis));
     }
+  }
+  if (size == Size3{kMaxAxis, kMaxAxis, kMaxAxis}) {
+    throw Error(ErrorKind::limit_exceeded, "2^63 voxels; there must be fewer");
   }
   return size.voxel_count();
 }

@@ -27,7 +27,7 @@ inline constexpr int kTierLevels = 6;
 inline constexpr std::int64_t kMaxAxis = std::int64_t{1} << 21;
 inline constexpr int kMaxLevels = 32;
 
-/// x*y*z after proving 1 <= axis <= 2^21. Throws Error{limit_exceeded}.
+/// x*y*z after proving 1 <= axis <= 2^21 and fewer than 2^63 voxels. Throws Error{limit_exceeded}.
 std::int64_t checked_voxel_count(const Size3& size);
 
 /// The halved axes of every level for a grid: all axes while spacings are alike; an axis whose

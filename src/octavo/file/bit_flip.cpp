@@ -4,6 +4,7 @@ namespace octavo {
 
 std::optional<BitFlip> find_bit_flip(std::uint32_t found, std::uint32_t stored,
                                      std::uint64_t length) noexcept {
+  if (length > kMaxSearchedBytes) return std::nullopt;
   constexpr std::uint32_t kReversedPolynomial = 0x82f63b78u;
   const std::uint32_t difference = found ^ stored;
   std::uint32_t state = 1;

@@ -32,6 +32,14 @@ ValueRange take_range(ByteReader& in, const ValueRange& bounds, std::int64_t& pr
 
 std::int64_t page_count_of(const TierIndex& tier) { return tier.layer_pages * tier.grid.z; }
 
+// A page is a byte and at least two for each brick: without room for them nothing is allocated.
+void check_page_room(const ByteReader& in, const TierIndex& tier, std::uint64_t pages_bytes) {
+  const auto bricks = static_cast<std::uint64_t>(tier.layer_bricks * tier.grid.z);
+  if (static_cast<std::uint64_t>(page_count_of(tier)) + 2 * bricks > pages_bytes) {
+    in.fail("pages too short for the bricks of the volume");
+  }
+}
+
 std::uint64_t take_bounded(ByteReader& in, std::uint64_t limit, const char* what) {
   const std::uint64_t value = in.varint();
   if (value > limit) in.fail(std::string(what) + " of " + std::to_string(value) + " bytes");
@@ -197,6 +205,7 @@ IndexRoot parse_root(ByteSpan bytes, const Levels& levels, const FileHeader& hea
   parse_models(in, levels.brick_grid(0).z, root);
   for (int tier = 0; tier < levels.tier_count(); ++tier) {
     root.tiers.push_back(make_tier_index(levels, tier));
+    check_page_room(in, root.tiers.back(), header.pages.length);
     parse_tier(in, bounds, tier, levels.tier_level_count(tier), root);
   }
   in.expect_end();

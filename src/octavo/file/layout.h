@@ -86,16 +86,16 @@ using TrailerBlock = std::array<std::uint8_t, kTrailerBytes>;
 TrailerBlock encode_trailer(const FileTrailer& trailer);
 
 /// The trailer in `bytes` (64 of them), proven to belong to `header`.
-/// Throws Error{truncated, corrupt}
+/// Throws Error{corrupt}
 FileTrailer parse_trailer(ByteSpan bytes, const FileHeader& header);
 
 /// What a model's checksum takes in place of a level.
 inline constexpr int kModelLevel = 0xff;
 
 /// Checksum of a segment or model: over the file id, its global level and its o-code as well as its
-/// bytes, so that one that was swapped, shifted or taken from another file does not match. level
-/// global level of the segment, or kModelLevel code   o-code of the brick in its tier, or the
-/// number of the model
+/// bytes, so that one that was swapped, shifted or taken from another file does not match.
+/// level  global level of the segment, or kModelLevel
+/// code   o-code of the brick in its tier, or the number of the model
 std::uint32_t segment_crc(std::uint64_t file_id, int level, std::uint64_t code, ByteSpan bytes);
 
 }  // namespace octavo

@@ -23,7 +23,7 @@ struct Piece {
 /// "brick o-code 0x1a3 level 5 at byte 81920", or "model 2 at byte 512".
 std::string describe(const Piece& piece);
 
-/// Reads of a whole file that are not larger than this are done at once when it is opened.
+/// The index pages are read with the tail when both together are not larger than this.
 inline constexpr std::uint64_t kTailBytes = std::uint64_t{1} << 20;
 
 /// Immutable but for its caches; serves any number of threads.

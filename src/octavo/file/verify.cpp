@@ -22,9 +22,6 @@ void run_in_order(std::int64_t count, const std::function<void(std::int64_t)>& t
   for (std::int64_t i = 0; i < count; ++i) task(i);
 }
 
-// Flipped bits are looked for in at most this many bytes.
-constexpr std::uint64_t kMaxSearchedBytes = std::uint64_t{16} << 20;
-
 // Compares two checksums; says what one flipped bit would explain.
 std::optional<Damage> checksum_damage(Damage place, std::uint32_t found, std::uint32_t stored) {
   if (checksum_matches(found, stored)) return std::nullopt;
@@ -33,7 +30,6 @@ std::optional<Damage> checksum_damage(Damage place, std::uint32_t found, std::ui
   char text[64];
   std::snprintf(text, sizeof text, "checksum %08x, stored %08x", found, stored);
   place.detail = text;
-  if (place.length > kMaxSearchedBytes) return place;
   if (const auto flip = find_bit_flip(found, stored, place.length)) {
     place.flipped_byte = place.offset + flip->byte;
     place.flipped_bit = flip->bit;

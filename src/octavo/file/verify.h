@@ -51,9 +51,9 @@ struct VerifyReport {
 };
 
 /// Checks all of `source`. A file whose header, trailer, metadata or index root is damaged cannot
-/// be looked into: then it throws what FileReader::open throws. Throws  also Error{io} when reading
-/// fails, Error{cancelled} Memory  that of one index page and one brick per thread; reads the file
-/// twice
+/// be looked into: then it throws what FileReader::open throws.
+/// Throws  also Error{io} when reading fails, Error{cancelled}
+/// Memory  that of one index page and one brick per thread; reads the file twice
 VerifyReport verify_file(std::shared_ptr<const ByteSource> source, const VerifyOptions& options,
                          Progress& progress);
 

@@ -25,8 +25,9 @@ struct WriterOptions {
 class FileWriter {
  public:
   /// content_hash  of the first voxels, so that two scans alike in everything else get different
-  /// file ids Throws        Error{io} when the target exists (without overwrite), is a folder, or
-  /// cannot be written
+  ///               file ids
+  /// Throws        Error{io} when the target exists (without overwrite), is a folder, or cannot be
+  ///               written
   static std::unique_ptr<FileWriter> create(Storage& storage, const std::string& path,
                                             const VolumeDescription& description,
                                             const Levels& levels, std::uint32_t content_hash,

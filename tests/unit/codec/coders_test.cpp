@@ -84,6 +84,7 @@ TEST(Varint, EveryLengthComesBack) {
 TEST(Varint, TruncatedAndOversizedAreRejected) {
   for (const std::vector<std::uint8_t>& bytes :
        {std::vector<std::uint8_t>{}, std::vector<std::uint8_t>{0x80},
+        std::vector<std::uint8_t>{0x81, 0x00},
         std::vector<std::uint8_t>(11, 0xff)}) {
     std::span<const std::uint8_t> rest = bytes;
     EXPECT_THROW(take_varint(rest), Error);

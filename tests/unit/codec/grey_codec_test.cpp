@@ -251,6 +251,49 @@ TEST(GreyCodec, DamagedSegmentsAreContained) {
   }
 }
 
+/// The same for 32-bit samples, with a range just above 16 bits and arbitrary bytes as segments:
+/// damaged details may then leave the range and wrap.
+TEST(GreyCodec, DamagedWideSegmentsAreContained) {
+  std::mt19937 random(78);
+  const auto codec = train_grey_model(VoxelType::int32, {});
+  for (int round = 0; round < 2000; ++round) {
+    const auto side = [&] { return static_cast<std::int64_t>(1 + random() % 9); };
+    const Size3 size{side(), side(), side()};
+    const BrickShape shape = shape_of(size);
+    const auto last = static_cast<std::size_t>(shape.level_count) - 1;
+    const ValueRange range{0, 0x10000 + static_cast<std::int64_t>(random() % 3)};
+    EncodedBrick bad;
+    bad.segments.resize(last + 1);
+    for (Bytes& segment : bad.segments) {
+      segment.resize(64 + random() % 2000);
+      for (auto& byte : segment) byte = static_cast<std::uint8_t>(random());
+      segment.front() = static_cast<std::uint8_t>(random() % 60);
+    }
+    // Coarsest samples at the lowest value.
+    const std::int64_t bits = shape.size[last].voxel_count() * 17;
+    bad.segments[last].assign(static_cast<std::size_t>((bits + 7) / 8), 0);
+    std::vector<std::int32_t> out(static_cast<std::size_t>(size.voxel_count()));
+    try {
+      codec->decode(shape, VoxelType::int32, range, spans_of(bad), 0, out.data());
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::corrupt);
+    }
+  }
+}
+
+TEST(GreyCodec, AStoredBrickHasNoOtherSegments) {
+  const Size3 size{8, 8, 8};
+  const BrickShape shape = shape_of(size);
+  const auto voxels = make_voxels<std::uint16_t>(size, Content::noise, 4);
+  const auto codec = train_grey_model(VoxelType::uint16, {});
+  EncodedBrick brick = codec->encode(shape, view_of(voxels, size));
+  ASSERT_TRUE(brick.segments.back().empty());
+  brick.segments[1] = {1, 2, 3};
+  std::vector<std::uint16_t> out(voxels.size());
+  EXPECT_THROW(
+      codec->decode(shape, VoxelType::uint16, brick.range, spans_of(brick), 0, out.data()), Error);
+}
+
 TEST(GreyCodec, EveryTruncationOfASegmentIsNoticed) {
   const Size3 size{16, 16, 16};
   const BrickShape shape = shape_of(size);
