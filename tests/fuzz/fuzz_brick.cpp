@@ -28,6 +28,23 @@ ValueRange range_of(fuzz::Input& input, VoxelType type) {
   return {std::min(a, b), std::max(a, b)};
 }
 
+/// The codec of a model; the last one is kept, because building its tables takes longer than
+/// decoding.
+std::shared_ptr<const BrickCodec> codec_of(VolumeKind kind, VoxelType type, const Bytes& model) {
+  static VolumeKind kept_kind;
+  static VoxelType kept_type;
+  static Bytes kept_model;
+  static std::shared_ptr<const BrickCodec> kept;
+  if (!kept || kind != kept_kind || type != kept_type || model != kept_model) {
+    kept.reset();
+    kept = parse_model(kind, type, model);
+    kept_kind = kind;
+    kept_type = type;
+    kept_model = model;
+  }
+  return kept;
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -43,7 +60,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const Levels levels(extent, choose_halvings(extent, {1, 1, thickness}));
     const BrickShape shape = brick_shape(levels, 0, {0, 0, 0});
     const ValueRange range = range_of(input, type);
-    const auto codec = parse_model(kind, type, model_bytes);
+    const auto codec = codec_of(kind, type, model_bytes);
     std::vector<std::vector<std::uint8_t>> segments;
     for (int i = 0; i < shape.level_count; ++i) {
       const bool is_last = i + 1 == shape.level_count;

@@ -23,7 +23,8 @@ constexpr std::array<VoxelType, 6> kTypes = {VoxelType::int8,  VoxelType::uint8,
                                              VoxelType::int16, VoxelType::uint16,
                                              VoxelType::int32, VoxelType::uint32};
 
-/// A soft shape with some noise, or two labels; half of it uniform.
+/// A soft shape with some noise, or two labels; half of it uniform. 32-bit types span more than 16
+/// bits.
 Bytes make_voxels(const Size3& size, VoxelType type, VolumeKind kind) {
   std::mt19937 random(static_cast<std::uint32_t>(size.x * 7 + size.y));
   const std::int64_t width = bytes_per_voxel(type);
@@ -35,7 +36,8 @@ Bytes make_voxels(const Size3& size, VoxelType type, VolumeKind kind) {
         const bool is_inside = x + y > size.y / 2;
         const auto noise = static_cast<std::int32_t>(random() % 9);
         const std::int32_t value = !is_inside ? 3 : kind == VolumeKind::labels ? 5 : 40 + noise;
-        std::memcpy(bytes.data() + at, &value, static_cast<std::size_t>(width));
+        const std::int32_t stored = width == 4 ? value * 40000 : value;
+        std::memcpy(bytes.data() + at, &stored, static_cast<std::size_t>(width));
       }
     }
   }
