@@ -63,6 +63,10 @@ int run_program(int argc, char** argv) {
     return kExitDone;
   } catch (const CLI::ParseError& problem) {
     note_verb(app, argc, argv, context);
+    const bool has_word = argc > 1 && argv[1][0] != '-' && argv[1][0] != '\0';
+    if (context.verb.empty() && has_word) {
+      return report_usage(context, "no verb '" + escaped(argv[1]) + "'");
+    }
     return report_usage(context, problem.what());
   } catch (...) {
     return report_failure(context, std::current_exception());

@@ -1,6 +1,7 @@
 // octavo phantom: a test scan of any size, made plane by plane.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -38,11 +39,16 @@ struct Arguments {
 };
 
 Size3 parse_size(const std::string& text) {
+  Index3 sides;
   if (text.find(',') == std::string::npos) {
-    const std::int64_t side = parse_integer(text, "--size");
-    return {side, side, side};
+    sides.x = sides.y = sides.z = parse_integer(text, "--size");
+  } else {
+    sides = parse_index(text, "--size");
   }
-  const Index3 sides = parse_index(text, "--size");
+  if (std::min({sides.x, sides.y, sides.z}) < 1) {
+    throw Error(ErrorKind::invalid_argument,
+                fmt::format("--size: '{}'; must be 1 or more", escaped(text)));
+  }
   return {sides.x, sides.y, sides.z};
 }
 

@@ -122,16 +122,20 @@ void write_png(const DrawnSlice& drawn, bool overwrite) {
   file.publish(overwrite);
 }
 
-nlohmann::ordered_json slice_json(const DrawnSlice& drawn, int level) {
+nlohmann::ordered_json slice_json(const DrawnSlice& drawn, int level, VolumeKind kind) {
   const SlicePicture& s = drawn.slice;
-  return {{"output", drawn.path},
-          {"axis", std::string(1, "xyz"[drawn.axis])},
-          {"index", drawn.index},
-          {"level", level},
-          {"width", s.picture.width},
-          {"height", s.picture.height},
-          {"pixel_mm", s.pixel_mm},
-          {"window", {{"centre", s.window.centre}, {"width", s.window.width}}}};
+  nlohmann::ordered_json object = {{"output", drawn.path},
+                                   {"axis", std::string(1, "xyz"[drawn.axis])},
+                                   {"index", drawn.index},
+                                   {"level", level},
+                                   {"width", s.picture.width},
+                                   {"height", s.picture.height},
+                                   {"pixel_mm", s.pixel_mm},
+                                   {"window", nullptr}};
+  if (kind == VolumeKind::grey) {
+    object["window"] = {{"centre", s.window.centre}, {"width", s.window.width}};
+  }
+  return object;
 }
 
 std::string slice_text(const DrawnSlice& drawn, int level, const FileReader& reader) {
@@ -163,16 +167,20 @@ int run_slice(const Arguments& arguments, const Context& context) {
   }
   const auto reader = open_octavo(arguments.input, context);
   check_level(reader->levels(), arguments.level);
-  nlohmann::ordered_json slices = nlohmann::ordered_json::array();
+  std::vector<Arguments> pictures;
   for (const int axis : axes) {
-    Arguments one = arguments;
+    Arguments& one = pictures.emplace_back(arguments);
     if (axes.size() > 1) {
       one.output.insert(one.output.size() - 4, fmt::format("-{}", "xyz"[axis]));
     }
     require_free_output(one.output, context);
-    const DrawnSlice drawn = draw(*reader, one, axis, context);
+  }
+  nlohmann::ordered_json slices = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const DrawnSlice drawn = draw(*reader, pictures[i], axes[i], context);
     write_png(drawn, context.force);
-    if (context.json) slices.push_back(slice_json(drawn, arguments.level));
+    const VolumeKind kind = reader->description().kind;
+    if (context.json) slices.push_back(slice_json(drawn, arguments.level, kind));
     else if (!context.quiet) print(slice_text(drawn, arguments.level, *reader));
   }
   if (context.json) print_json({{"slices", slices}});

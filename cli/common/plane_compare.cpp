@@ -113,7 +113,7 @@ std::vector<std::string> comparison_lines(const Comparison& c, const VolumeDescr
         point_text(b.geometry.origin_mm, ", "), point_text(a.geometry.spacing_mm),
         point_text(b.geometry.spacing_mm)));
   }
-  if (!c.is_same_rescale) {
+  if (!c.is_same_rescale && c.different > 0) {
     lines.push_back(fmt::format("rescale: slope {}, intercept {} against slope {}, intercept {}",
                                 number_text(a.rescale.slope), number_text(a.rescale.intercept),
                                 number_text(b.rescale.slope), number_text(b.rescale.intercept)));

@@ -37,6 +37,8 @@ bool is_spacing_known(const nlohmann::ordered_json& metadata) {
 }
 
 bool is_unplaced(const VolumeDescription& description, const nlohmann::ordered_json& metadata) {
+  const auto known = metadata.find("place_known");
+  if (known != metadata.end() && known->is_boolean()) return !known->get<bool>();
   return description.geometry.origin_mm == Point3{} &&
          description.geometry.direction == Geometry{}.direction && !metadata.contains("dicom");
 }

@@ -13,7 +13,7 @@ namespace octavo {
 struct DicomStack {
   std::vector<DicomSlice> slices;
   Geometry geometry;
-  bool spacing_known = false;
+  bool spacing_known = false;  ///< as is the place; false: slices taken by their numbers
   std::vector<std::string> warnings;
 };
 

@@ -46,7 +46,8 @@ std::vector<DicomSlice> collect_slices(const std::vector<std::string>& files,
   }
   if (without_picture > 0 && !slices.empty()) {
     warnings.push_back(std::to_string(without_picture) +
-                       " DICOM files without a picture (directories, reports) left out");
+                       (without_picture == 1 ? " DICOM file" : " DICOM files") +
+                       " without a picture (directories, reports) left out");
   }
   return slices;
 }
@@ -58,8 +59,9 @@ std::string unit_of(const DicomSlice& slice) {
   return slice.layout->modality == "CT" && type != "US" ? "HU" : "";
 }
 
-std::string extra_json(const DicomSlice& slice, bool was_lossy) {
+std::string extra_json(const DicomSlice& slice, bool was_lossy, bool is_placed) {
   nlohmann::json extra;
+  if (!is_placed) extra["place_known"] = false;
   extra["dicom"] = nlohmann::json::parse(dicom_metadata_json(slice.layout->path));
   if (was_lossy) extra["lossy_source"] = true;
   return extra.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
@@ -97,7 +99,7 @@ SourceFacts describe(const DicomStack& stack) {
     facts.warnings.push_back(
         "a mosaic: each picture holds several slices side by side, which are not taken apart");
   }
-  facts.extra_json = extra_json(first, was_lossy);
+  facts.extra_json = extra_json(first, was_lossy, stack.spacing_known);
   return facts;
 }
 

@@ -115,7 +115,7 @@ class TiffFolderTarget final : public ExportTarget {
     std::error_code failure;
     if (!fs::create_directory(temporary_, failure)) {
       if (!failure) failure = std::make_error_code(std::errc::file_exists);
-      fail(temporary_, "cannot make the folder", failure);
+      fail(folder_, "cannot make the folder", failure);
     }
   }
 

@@ -56,6 +56,12 @@ class NrrdHeader {
   void take_line(std::string_view line) {
     if (line.starts_with('#')) return;
     const std::size_t colon = line.find(": ");
+    // A key of its own program's choice keeps its sign, so that it is never taken for a field.
+    const std::size_t key_end = line.find(":=");
+    if (key_end < colon) {
+      fields_[std::string(line.substr(0, key_end + 2))] = trimmed(line.substr(key_end + 2));
+      return;
+    }
     if (colon == std::string_view::npos) return;
     std::string name = lower_case(std::string(line.substr(0, colon)));
     if (name == "datafile") name = "data file";
@@ -225,6 +231,15 @@ void apply_byte_skip(const NrrdHeader& header, std::uint64_t voxel_bytes, VoxelR
   run.start_offset = length - voxel_bytes;
 }
 
+/// The slope and intercept that the export of stored values notes as keys.
+Rescale read_rescale(const NrrdHeader& header) {
+  Rescale rescale;
+  if (header.has("rescale_slope:=")) rescale.slope = header.field("rescale_slope:=").numbers(1)[0];
+  if (header.has("rescale_intercept:="))
+    rescale.intercept = header.field("rescale_intercept:=").numbers(1)[0];
+  return rescale;
+}
+
 }  // namespace
 
 std::unique_ptr<PlaneSource> open_nrrd_source(const std::string& path,
@@ -235,6 +250,7 @@ std::unique_ptr<PlaneSource> open_nrrd_source(const std::string& path,
   VolumeDescription& description = facts.description;
   description.type = voxel_type_of(header);
   description.size = read_size(header);
+  description.rescale = read_rescale(header);
   check_kinds(header);
   const std::size_t dimension = header.field("sizes").integers().size();
   facts.spacing_known = header.has("space directions")

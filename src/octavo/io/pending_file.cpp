@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "octavo/core/error.h"
+
 namespace octavo {
 
 std::string temporary_path(const std::string& path) {
@@ -22,7 +24,13 @@ void remove_quietly(Storage& storage, const std::string& path) noexcept {
 
 PendingFile::PendingFile(Storage& storage, std::string path)
     : storage_(storage), path_(std::move(path)), temporary_path_(temporary_path(path_)) {
-  file_ = storage_.create_exclusive(temporary_path_);
+  try {
+    file_ = storage_.create_exclusive(temporary_path_);
+  } catch (const Error& failure) {
+    // The name that was asked for says more, unless the temporary one is what stands in the way.
+    if (storage_.exists(temporary_path_)) throw;
+    throw Error(failure.kind(), failure.detail(), path_);
+  }
 }
 
 PendingFile::~PendingFile() { discard(); }
