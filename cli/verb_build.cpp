@@ -1,4 +1,5 @@
 // octavo build: a scan in, one .8vo file out.
+#include <filesystem>
 #include <memory>
 
 #include "common/building.h"
@@ -47,8 +48,18 @@ VolumeKind choose_kind(const Arguments& arguments, const VolumeDescription& desc
   return VolumeKind::grey;
 }
 
+/// A build never replaces the scan it reads, not even with --force; an .8vo file may be built anew.
+void require_no_input(const std::string& output, const std::vector<std::string>& inputs) {
+  std::error_code none;
+  for (const std::string& input : inputs) {
+    if (is_octavo_path(input) || !std::filesystem::equivalent(output, input, none)) continue;
+    throw Error(ErrorKind::invalid_argument, "is the source itself; name another output", output);
+  }
+}
+
 int run_build(const Arguments& arguments, Context& context) {
   require_free_output(arguments.output, context);
+  require_no_input(arguments.output, arguments.inputs);
   const auto source = open_planes(arguments.inputs, arguments.source, context);
   const VolumeKind kind = choose_kind(arguments, source->description(), context);
   return build_and_report(*source, kind, arguments.output, context);
