@@ -71,7 +71,7 @@ class RawCodec final : public BrickCodec {
 }  // namespace
 
 std::unique_ptr<BrickCodec> train_model(VolumeKind kind, VoxelType type,
-                                        std::span<const TrainingBrick>) {
+                                        std::span<const TrainingBrick>, const CodecSettings&) {
   return std::make_unique<RawCodec>(kind, type);
 }
 

@@ -37,9 +37,23 @@ struct BrickView {
   std::int64_t plane_stride = 0;
 };
 
+/// What a grey model is made for. Both presets are read without any option.
+enum class Preset {
+  small,  ///< prediction from up to 96 neighbours: the fewest bytes
+  fast    ///< prediction from the means alone: several times faster
+};
+
+struct CodecSettings {
+  Preset preset = Preset::small;
+  /// No decoded voxel differs from its source by more, in voxel units; 0: lossless. Grey only.
+  std::int64_t max_error = 0;
+};
+
 struct EncodedBrick {
-  ValueRange range;            ///< smallest and largest voxel
+  /// Bounds of the decoded voxels; the smallest and largest of them when lossless.
+  ValueRange range;
   std::int64_t parent = 0;     ///< the brick's sample at the first level of the next tier
+  std::int64_t max_error = 0;  ///< largest |voxel - decoded voxel|
   std::vector<Bytes> segments; ///< one per in-brick level, finest first; all empty when uniform
 };
 
@@ -75,11 +89,14 @@ struct TrainingBrick {
 /// Trains a model on `bricks` (none of them needs to be non-uniform; an empty list gives a usable
 /// default).
 /// Deterministic: the same bricks in the same order give the same model on every machine.
-std::unique_ptr<BrickCodec> train_grey_model(VoxelType type, std::span<const TrainingBrick> bricks);
+/// Throws Error{invalid_argument} for settings that the kind does not have.
+std::unique_ptr<BrickCodec> train_grey_model(VoxelType type, std::span<const TrainingBrick> bricks,
+                                             const CodecSettings& settings = {});
 std::unique_ptr<BrickCodec> train_label_model(VoxelType type,
                                               std::span<const TrainingBrick> bricks);
 std::unique_ptr<BrickCodec> train_model(VolumeKind kind, VoxelType type,
-                                        std::span<const TrainingBrick> bricks);
+                                        std::span<const TrainingBrick> bricks,
+                                        const CodecSettings& settings = {});
 
 /// The codec of a serialized model. Throws Error{corrupt}.
 std::unique_ptr<BrickCodec> parse_grey_model(VoxelType type, ByteSpan bytes);

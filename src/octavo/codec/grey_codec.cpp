@@ -187,7 +187,7 @@ GreyCodec::GreyCodec(const Parameters& parameters) {
 EncodedBrick GreyCodec::encode(const BrickShape& shape, const BrickView& view) const {
   const ValueRange range = range_of(view);
   if (range.min == range.max) {
-    return {range, range.min, std::vector<Bytes>(static_cast<std::size_t>(shape.level_count))};
+    return {range, range.min, 0, std::vector<Bytes>(static_cast<std::size_t>(shape.level_count))};
   }
   return with_sample_type(SampleScale{range}, [&](auto sample) {
     using Sample = decltype(sample);

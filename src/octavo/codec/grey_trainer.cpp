@@ -462,8 +462,8 @@ void learn_frequencies(Parameters& p, const Counts& counts) {
 
 namespace octavo {
 
-std::unique_ptr<BrickCodec> train_grey_model(VoxelType type,
-                                             std::span<const TrainingBrick> bricks) {
+std::unique_ptr<BrickCodec> train_grey_model(VoxelType type, std::span<const TrainingBrick> bricks,
+                                             const CodecSettings&) {
   using namespace grey;
   if (!is_integer(type)) {
     throw Error(ErrorKind::invalid_argument,
