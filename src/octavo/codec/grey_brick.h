@@ -88,18 +88,35 @@ void load_means(Workspace<Sample>& work, const Sample* samples, const Size3& siz
 }
 
 /// Runs `stage_work(stage, split)` for the splits of a level; before each the fine grid holds the
-/// means repeated, after each its result becomes the next means.
+/// means repeated, unless it is written without being read; after each its result becomes the next
+/// means.
 template <class Sample, class F>
 void run_level(Workspace<Sample>& work, const BrickShape& shape, const SampleScale& scale,
-               int level, const UniformCells* cells, F&& stage_work) {
+               Predictor predictor, int level, const UniformCells* cells, F&& stage_work) {
   for (auto& grid : work.magnitudes) grid.set_size({0, 0, 0});
   for (const Split& split : splits_of(shape, level)) {
-    repeat_along(work.means, work.fine, split.axis, split.fine_size);
+    if (predictor == Predictor::neighbours) {
+      repeat_along(work.means, work.fine, split.axis, split.fine_size);
+    } else {
+      work.fine.set_size(split.fine_size);
+    }
     stage_work(make_stage(shape, scale, level, split.axis, split.fine_size, cells), split);
+    if (predictor == Predictor::means) copy_lone(work.means, work.fine, split.axis);
     work.means.swap(work.fine);
     work.means.fill_margins();
   }
 }
+
+/// True samples of a split, dense [z][y][x].
+template <class Sample>
+struct Truth {
+  const Sample* samples = nullptr;
+  Size3 size;
+};
+
+/// Puts the true details of a split into work.residuals, 0 in uniform cells.
+template <class Sample>
+void load_details(Workspace<Sample>& work, const Stage& stage, const Truth<Sample>& truth);
 
 /// Details that the segment of a level codes.
 std::int64_t level_detail_count(const BrickShape& shape, const SampleScale& scale, int level,

@@ -38,20 +38,6 @@ std::vector<Sample> decode_plain(const SampleScale& scale, ByteSpan bytes, const
   return samples;
 }
 
-template <class Sample>
-void encode_one_stage(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
-                      const Truth<Sample>& truth, std::vector<Symbol>& symbols) {
-  if constexpr (sizeof(Sample) == 2) stage_functions().encode16(p, stage, work, truth, symbols);
-  else stage_functions().encode32(p, stage, work, truth, symbols);
-}
-
-template <class Sample>
-void decode_one_stage(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
-                      SymbolReader& symbols) {
-  if constexpr (sizeof(Sample) == 2) stage_functions().decode16(p, stage, work, symbols);
-  else stage_functions().decode32(p, stage, work, symbols);
-}
-
 /// The segment of in-brick level 1 starts with the cell flags: a varint of their length, then the
 /// bytes.
 void put_cells(Bytes& segment, const BrickShape& shape, int level, const UniformCells& cells) {
@@ -77,11 +63,13 @@ EncodedBrick encode_samples(const Model& model, const BrickShape& shape,
   for (int level = shape.level_count - 2; level >= 0; --level) {
     const auto slot = static_cast<std::size_t>(level);
     symbols.clear();
-    run_level(work, shape, brick.scale, level, brick.cells_or_null(),
+    run_level(work, shape, brick.scale, model.parameters.predictor, level, brick.cells_or_null(),
               [&](const Stage& stage, const Split& split) {
                 const auto& samples = brick.steps[slot][static_cast<std::size_t>(split.axis)];
-                encode_one_stage(model.parameters, stage, work,
-                                 Truth<Sample>{samples.data(), split.fine_size}, symbols);
+                const StagePasses<Sample>& passes = stage_functions().of<Sample>();
+                load_details(work, stage, Truth<Sample>{samples.data(), split.fine_size});
+                passes.predict(model.parameters, stage, work);
+                passes.list_symbols(model.parameters, stage, work, symbols);
               });
     put_cells(result.segments[slot], shape, level, brick.cells);
     if (symbols.empty()) continue;
@@ -108,8 +96,17 @@ void store_if_smaller(EncodedBrick& encoded, const BrickShape& shape, const Bric
 
 template <class T, class Sample>
 void write_out(const Sample* samples, std::int64_t count, const SampleScale& scale, T* out) {
-  const std::int64_t base = scale.base();
-  for (std::int64_t i = 0; i < count; ++i) out[i] = static_cast<T>(samples[i] + base);
+  if constexpr (std::is_integral_v<T> && sizeof(T) <= sizeof(Sample)) {
+    // Voxels are sums modulo their type.
+    using Unsigned = std::make_unsigned_t<T>;
+    const auto base = static_cast<Unsigned>(scale.base());
+    for (std::int64_t i = 0; i < count; ++i) {
+      out[i] = static_cast<T>(static_cast<Unsigned>(static_cast<Unsigned>(samples[i]) + base));
+    }
+  } else {
+    const std::int64_t base = scale.base();
+    for (std::int64_t i = 0; i < count; ++i) out[i] = static_cast<T>(samples[i] + base);
+  }
 }
 
 template <class Sample>
@@ -163,12 +160,14 @@ void decode_samples(const Model& model, const BrickShape& shape, VoxelType type,
     if (details == 0) {
       if (!segment.empty())
         throw Error(ErrorKind::corrupt, "a segment without details is not empty");
-      run_level(work, shape, scale, at, flagged, [&](const Stage&, const Split&) {});
+      run_level(work, shape, scale, Predictor::neighbours, at, flagged,
+                [&](const Stage&, const Split&) {});
       continue;
     }
     SymbolReader symbols(model, table_set(at), segment, details, scale.shift());
-    run_level(work, shape, scale, at, flagged, [&](const Stage& stage, const Split&) {
-      decode_one_stage(model.parameters, stage, work, symbols);
+    run_level(work, shape, scale, model.parameters.predictor, at, flagged,
+              [&](const Stage& stage, const Split&) {
+      stage_functions().of<Sample>().decode(model.parameters, stage, work, symbols);
     });
     symbols.finish();
   }

@@ -57,6 +57,14 @@ std::int32_t get_signed(BinaryDecoder& coder, GolombModel& model) {
 template <class Params, class Code>
 void walk_weights(Params& p, Code&& code) {
   GolombModel is_used;
+  if (p.predictor == Predictor::means) {
+    for (auto& group : p.mean_weights) {
+      for (auto& axis : group) {
+        for (int cls = 1; cls < kClasses; ++cls) code.mean_weight(is_used, axis[cls]);
+      }
+    }
+    return;
+  }
   std::array<GolombModel, 3 * 3> near_or_far;
   for (int group = 0; group < kGroups; ++group) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -78,6 +86,7 @@ int tap_distance(int axis, int tap) {
 
 struct WeightPutter {
   BinaryEncoder& coder;
+  void mean_weight(GolombModel& model, std::int32_t weight) { put_signed(coder, model, weight); }
   void weight_set(GolombModel& is_used, GolombModel* models, const std::int16_t* weights, int axis,
                   int step) {
     bool any = false;
@@ -93,6 +102,12 @@ struct WeightPutter {
 
 struct WeightGetter {
   BinaryDecoder& coder;
+  void mean_weight(GolombModel& model, std::int32_t& weight) {
+    weight = get_signed(coder, model);
+    if (weight < -kMaxMeanWeight || weight > kMaxMeanWeight) {
+      throw Error(ErrorKind::corrupt, "model: bad weight of the means");
+    }
+  }
   void weight_set(GolombModel& is_used, GolombModel* models, std::int16_t* weights, int axis,
                   int step) {
     if (get_golomb(coder, is_used) == 0) return;
@@ -174,6 +189,7 @@ void build_tables(Model& model) {
 
 Bytes serialize(const Parameters& parameters) {
   Bytes out;
+  out.push_back(static_cast<std::uint8_t>(parameters.predictor));
   put_varint(out, static_cast<std::uint64_t>(parameters.activity_threshold));
   out.push_back(static_cast<std::uint8_t>(parameters.weight_step));
   BinaryEncoder coder(out);
@@ -211,8 +227,11 @@ Bytes serialize(const Parameters& parameters) {
 
 Parameters parse_parameters(ByteSpan bytes) {
   Parameters p;
+  const std::uint8_t predictor = take_bytes(bytes, 1).front();
+  if (predictor > 1) throw Error(ErrorKind::corrupt, "model: unknown predictor");
+  p.predictor = static_cast<Predictor>(predictor);
   const std::uint64_t threshold = take_varint(bytes);
-  if (threshold < 1 || threshold > 0x3fffffff)
+  if (threshold < 1 || threshold > kMaxThreshold)
     throw Error(ErrorKind::corrupt, "model: bad threshold");
   p.activity_threshold = static_cast<std::int32_t>(threshold);
   p.weight_step = take_bytes(bytes, 1).front();

@@ -29,6 +29,9 @@ inline constexpr int kEscapeToken = 63;
 inline constexpr int kEscapeBits = 20;
 inline constexpr int kTableBits = 11;
 inline constexpr int kTableSize = 1 << kTableBits;
+/// Fourfold, it fits in 16 bits.
+inline constexpr std::int32_t kMaxThreshold = 16383;
+inline constexpr std::int32_t kMaxMeanWeight = 8191;
 inline constexpr std::int32_t kMaxFeature = 16383;
 inline constexpr std::int32_t kMaxMagnitude = 2047;
 
@@ -40,10 +43,12 @@ constexpr int centre_tap(int axis) { return axis == 0 ? 8 : axis == 1 ? 2 * 8 + 
 constexpr int level_group(int in_brick_level) { return in_brick_level < 2 ? in_brick_level : 2; }
 constexpr int table_set(int in_brick_level) { return in_brick_level == 0 ? 0 : 1; }
 
-/// Low bits of a residual that a context stores plain.
+/// Low bits of a residual that a context stores plain: few enough that tokens from
+/// kDirectTokens on are rare, and at most kMaxPlainBits.
+inline constexpr int kMaxPlainBits = 7;
 constexpr int plain_bits(int context) {
-  const int bits = (context % kMagnitudes) / 2 - 8;
-  return bits > 0 ? bits : 0;
+  const int bits = (context % kMagnitudes) / 2 - 6;
+  return bits > kMaxPlainBits ? kMaxPlainBits : bits > 0 ? bits : 0;
 }
 
 /// Tokens: 0..31 stand for themselves; above, two per octave, followed by plain bits.
@@ -68,11 +73,20 @@ constexpr int token_of(std::uint32_t value) {
 using Frequencies =
     std::array<std::array<std::array<std::uint16_t, kTokens>, kContexts>, kTableSets>;
 
+/// What a detail is predicted from.
+enum class Predictor : std::uint8_t {
+  neighbours = 0,  ///< up to 96 taps, decoded samples among them
+  means = 1        ///< the step between the two means beside the pair
+};
+
 struct Parameters {
+  Predictor predictor = Predictor::neighbours;
   std::int32_t activity_threshold = 8;
   /// Weights are multiples of 2^weight_step.
   int weight_step = 3;
   alignas(64) std::int16_t weights[kGroups][3][kClasses][kMaxTaps] = {};
+  /// Of the step between the means before and after, Q12.
+  std::int32_t mean_weights[kGroups][3][kClasses] = {};
   std::int32_t context_weights[kGroups][3][kFeatures] = {};
   Frequencies frequencies = {};
 };

@@ -1,5 +1,5 @@
-// The splits of the grey codec in plain C++: the reference for every instruction set, and what
-// training runs on.
+// The passes of a split in plain C++: the reference for every instruction set, and what wide
+// samples run on.
 #pragma once
 
 #include <algorithm>
@@ -25,28 +25,193 @@ struct TapRows {
        2 * P - R - 3, 2 * P - 3, 2 * P + R - 3}};
 };
 
-namespace portable {
+/// The distance between the two samples of a pair, and between neighbouring pairs of a row.
+template <class Sample>
+constexpr std::int64_t pair_step(int axis) {
+  return axis == 0 ? 1 : axis == 1 ? SampleGrid<Sample>::kRow : SampleGrid<Sample>::kPlane;
+}
+constexpr std::int64_t pair_stretch(int axis) { return axis == 0 ? 2 : 1; }
 
-/// The weighted sum of the taps around a sample; 16-bit samples sum modulo 2^32.
-template <int kAxis, class Sample>
-class Dot {
- public:
-  explicit Dot(const Sample*) {}
-  Wide<Sample> operator()(const Sample* at, const std::int16_t* weights) const {
-    using Sum = std::make_unsigned_t<Wide<Sample>>;
-    Sum sum = 0;
-    for (int r = 0; r < TapRows<Sample>::kCount[kAxis]; ++r) {
-      const Sample* taps = at + TapRows<Sample>::kOffsets[kAxis][r];
-      for (int i = 0; i < 8; ++i) {
-        sum += static_cast<Sum>(Wide<Sample>{taps[i]} * weights[8 * r + i]);
+/// The first sample of the first pair of a row.
+template <class Sample>
+Sample* first_of_row(SampleGrid<Sample>& fine, int axis, std::int64_t y, std::int64_t z) {
+  return fine.row(axis == 1 ? 2 * y : y, axis == 2 ? 2 * z : z);
+}
+
+/// Lists the coded pairs of a row.
+inline int list_coded(const Stage& stage, const std::uint8_t* cells, std::uint8_t* order) {
+  const int count = static_cast<int>(stage.pairs.x);
+  int coded = 0;
+  for (int x = 0; x < count; ++x) {
+    order[coded] = static_cast<std::uint8_t>(x);
+    coded += cells == nullptr || cells[x >> stage.cell_shift[0]] == 0;
+  }
+  return coded;
+}
+
+/// Details of uniform cells are known: a limit of 0 makes their predictions and details 0.
+template <class Limit>
+void close_cells(const Stage& stage, const std::uint8_t* cells, Limit* limits) {
+  if (cells == nullptr) return;
+  for (std::int64_t x = 0; x < stage.pairs.x; ++x) {
+    if (cells[x >> stage.cell_shift[0]] != 0) limits[x] = 0;
+  }
+}
+
+/// The margins of a row of magnitudes that contexts look at.
+inline void fill_margins(std::int16_t* magnitudes, std::int64_t count) {
+  magnitudes[-1] = magnitudes[-2] = magnitudes[0];
+  magnitudes[count] = magnitudes[count + 1] = magnitudes[count - 1];
+}
+
+/// The passes built on a Kernel, which has
+///   row_features(p, stage, work, y, z)    fills work.row, and the activities and limits of the row
+///   row_contexts(p, stage, near, row, contexts)
+///   take_row(symbols, contexts, order, coded, count, residuals)
+///   keep_magnitudes(residuals, count, shift, magnitudes)
+///   reconstruct_row<is_encoding>(p, stage, work, y, z)   from means: residuals to samples, or
+///                                              details to residuals and samples
+///   reconstruct<is_encoding>(p, stage, work)   the same from neighbours, for all rows
+template <class Sample, class Kernel>
+struct Passes {
+  using Int = Wide<Sample>;
+
+  static void set_sizes(const Stage& stage, Workspace<Sample>& work) {
+    work.magnitudes[stage.axis].set_size(stage.pairs);
+    work.residuals.set_size(stage.pairs);
+    work.limits.set_size(stage.pairs);
+    work.activities.set_size(stage.pairs);
+    work.contexts.set_size(stage.pairs);
+  }
+
+  static void features(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                       std::int64_t y, std::int64_t z) {
+    Kernel::row_features(p, stage, work, y, z);
+    close_cells(stage, row_cells(stage, y, z), work.limits.row(y, z));
+  }
+
+  static void contexts(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                       std::int64_t y, std::int64_t z) {
+    const MagnitudeRows near = magnitude_rows(work.magnitudes, p.predictor, stage.axis, y, z,
+                                              work.row.zeros + 8);
+    Kernel::row_contexts(p, stage, near, work.row, work.contexts.row(y, z));
+  }
+
+  static void take(const Stage& stage, Workspace<Sample>& work, std::int64_t y, std::int64_t z,
+                   SymbolReader& symbols) {
+    const int count = static_cast<int>(stage.pairs.x);
+    const std::uint8_t* const cells = row_cells(stage, y, z);
+    const int coded = cells == nullptr ? count : list_coded(stage, cells, work.row.order);
+    Int* const residuals = work.residuals.row(y, z);
+    if (coded < count) std::fill_n(residuals, count, Int{0});
+    if (coded > 0) {
+      Kernel::take_row(symbols, work.contexts.row(y, z), work.row.order, coded, count, residuals);
+    }
+    std::int16_t* const magnitudes = work.magnitudes[stage.axis].row(y, z);
+    Kernel::keep_magnitudes(residuals, count, stage.shift, magnitudes);
+    fill_margins(magnitudes, count);
+  }
+
+  static void decode(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                     SymbolReader& symbols) {
+    set_sizes(stage, work);
+    if (stage.pairs.voxel_count() == 0) return;
+    if (p.predictor == Predictor::means) {
+      // No row needs another one of its plane: the machine may overlap them.
+      for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
+        for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
+          features(p, stage, work, y, z);
+          contexts(p, stage, work, y, z);
+        }
+        for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
+          take(stage, work, y, z, symbols);
+          Kernel::template reconstruct_row<false>(p, stage, work, y, z);
+        }
+      }
+      return;
+    }
+    for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
+      for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
+        features(p, stage, work, y, z);
+        contexts(p, stage, work, y, z);
+        take(stage, work, y, z, symbols);
       }
     }
-    return static_cast<Wide<Sample>>(sum);
+    Kernel::template reconstruct<false>(p, stage, work);
   }
-  void advance(Sample, Sample) {}
+
+  static void predict(const Parameters& p, const Stage& stage, Workspace<Sample>& work) {
+    set_sizes(stage, work);
+    if (stage.pairs.voxel_count() == 0) return;
+    for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
+      for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
+        features(p, stage, work, y, z);
+        if (p.predictor == Predictor::means) {
+          Kernel::template reconstruct_row<true>(p, stage, work, y, z);
+        }
+      }
+    }
+    if (p.predictor == Predictor::neighbours) Kernel::template reconstruct<true>(p, stage, work);
+  }
+
+  static void list_symbols(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                           std::vector<Symbol>& symbols) {
+    if (stage.pairs.voxel_count() == 0) return;
+    const int count = static_cast<int>(stage.pairs.x);
+    for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
+      for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
+        const Int* const residuals = work.residuals.row(y, z);
+        std::int16_t* const magnitudes = work.magnitudes[stage.axis].row(y, z);
+        Kernel::keep_magnitudes(residuals, count, stage.shift, magnitudes);
+        fill_margins(magnitudes, count);
+        const int coded = list_coded(stage, row_cells(stage, y, z), work.row.order);
+        if (coded == 0) continue;
+        features(p, stage, work, y, z);
+        contexts(p, stage, work, y, z);
+        const std::uint16_t* const context = work.contexts.row(y, z);
+        for (int i = 0; i < coded; ++i) {
+          const int x = work.row.order[i];
+          symbols.push_back({zigzag(residuals[x]), static_cast<std::uint8_t>(context[x] & 0xff),
+                             static_cast<std::uint8_t>(i % kMaxStates)});
+        }
+      }
+    }
+  }
+
+  static constexpr StagePasses<Sample> functions() { return {decode, predict, list_symbols}; }
 };
 
-#include "octavo/codec/grey_stage-inl.h"
+/// Plain loops in raster order.
+template <class Sample>
+struct PortableKernel {
+  using Int = Wide<Sample>;
 
-}  // namespace portable
+  static void row_features(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                           std::int64_t y, std::int64_t z);
+  static void row_contexts(const Parameters& p, const Stage& stage, const MagnitudeRows& near,
+                           const RowBuffers& row, std::uint16_t* contexts);
+  static void take_row(SymbolReader& symbols, std::uint16_t* contexts, const std::uint8_t* order,
+                       int coded, int count, Int* residuals) {
+    for (int i = 0; i < coded; ++i) {
+      const int x = coded < count ? order[i] : i;
+      residuals[x] = static_cast<Int>(symbols.take(i, contexts[x] & 0xff));
+    }
+    symbols.expect_inside();
+  }
+  static void keep_magnitudes(const Int* residuals, int count, int shift,
+                              std::int16_t* magnitudes) {
+    for (int x = 0; x < count; ++x) {
+      const Int magnitude = (residuals[x] < 0 ? -residuals[x] : residuals[x]) >> shift;
+      magnitudes[x] = static_cast<std::int16_t>(std::min<Int>(magnitude, kMaxMagnitude));
+    }
+  }
+  template <bool kIsEncoding>
+  static void reconstruct_row(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                              std::int64_t y, std::int64_t z);
+  template <bool kIsEncoding>
+  static void reconstruct(const Parameters& p, const Stage& stage, Workspace<Sample>& work);
+};
+
+extern template struct PortableKernel<std::int16_t>;
+
 }  // namespace octavo::grey

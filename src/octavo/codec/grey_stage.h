@@ -1,12 +1,19 @@
 // One split of the grey codec: from the means along an axis to the samples, pair by pair.
 //
-// The fine grid starts as the means repeated along the axis and is overwritten in place, row by
-// row, so that a fixed window reads "fine where decoded, mean elsewhere". Per row: features and
-// contexts of all pairs from the means and from residuals of earlier rows; then all residuals of
-// the row; then prediction and reconstruction pair by pair.
+// Contexts and tokens need the means and the residuals of earlier rows, never a reconstructed
+// sample. So a split is decoded in two passes: all residuals row by row, then all samples. Encoding
+// takes the same passes in the other order: predict, then contexts.
+//
+// The fine grid starts as the means repeated along the axis and is overwritten in place, so that a
+// fixed window reads "fine where decoded, mean elsewhere". A pair looks at rows y-1 .. y+1 of pairs
+// in the planes z-1 .. z+1 and must find them as if rows were done in the order z, y. Any schedule
+// that does row (y + 1, z - 1) before row (y, z) and row (y - 1, z + 1) after it gives the same
+// bytes: planes can go side by side, each two rows behind the one before.
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -38,23 +45,42 @@ struct Stage {
   std::int64_t detail_count() const;    ///< coded details, those of uniform cells left out
 };
 
+/// The cell flags along a row of pairs, or nullptr when every pair is coded.
+const std::uint8_t* row_cells(const Stage& stage, std::int64_t y, std::int64_t z);
+
 /// Integers wide enough for sums and differences of samples.
 template <class Sample>
 using Wide = std::conditional_t<sizeof(Sample) == 2, std::int32_t, std::int64_t>;
 
-/// Buffers of one row; index 0 is the first pair.
+/// Holds 2 * room + 1 for any room in a sample's range.
 template <class Sample>
+using Limit = std::conditional_t<sizeof(Sample) == 2, std::uint16_t, std::int64_t>;
+
+/// A number per pair of a split, dense [z][y][x] with rows padded to a multiple of 8.
+template <class T>
+class PairGrid {
+ public:
+  PairGrid() : values_(static_cast<std::size_t>(kBrickSide * kBrickSide * kBrickSide / 2 + 64)) {}
+  void set_size(const Size3& pairs) {
+    row_ = (pairs.x + 7) & ~std::int64_t{7};
+    plane_ = row_ * pairs.y;
+  }
+  T* row(std::int64_t y, std::int64_t z) { return values_.data() + z * plane_ + y * row_; }
+
+ private:
+  std::int64_t row_ = 0;
+  std::int64_t plane_ = 0;
+  std::vector<T> values_;
+};
+
+/// Buffers of one row; index 0 is the first pair.
 struct RowBuffers {
-  static constexpr int kLength = static_cast<int>(kBrickSide) + 16;
-  alignas(64) std::int32_t gradient_along[kLength];   ///< e0: both steps along the axis
-  alignas(64) std::int32_t curvature_along[kLength];  ///< e1: their difference
-  alignas(64) std::int32_t gradient_across[kLength];  ///< e2: the steps along the other two axes
-  alignas(64) std::int32_t limit[kLength];  ///< |detail| cannot exceed it, in units of 2^shift
-  alignas(64) Wide<Sample> exact_limit[kLength];   ///< the same in samples
-  alignas(64) std::uint8_t activity[kLength];
-  alignas(64) std::uint8_t context[kLength];
-  alignas(64) std::uint8_t order[kLength];            ///< coded pairs
-  alignas(64) Wide<Sample> residual[kLength];
+  static constexpr int kLength = static_cast<int>(kBrickSide) + 32;
+  alignas(64) std::uint16_t gradient_along[kLength];   ///< e0: both steps along the axis
+  alignas(64) std::uint16_t curvature_along[kLength];  ///< e1: their difference
+  alignas(64) std::uint16_t gradient_across[kLength];  ///< e2: the steps along the other two axes
+  alignas(64) std::uint16_t limit[kLength];  ///< |detail| cannot exceed it, in units of 2^shift
+  alignas(64) std::uint8_t order[kLength];             ///< coded pairs
   alignas(64) std::int16_t zeros[kLength];
 };
 
@@ -67,34 +93,52 @@ struct MagnitudeRows {
   const std::int16_t* back_down;
 };
 
+/// The rows of magnitudes around row (y, z) of the split along `axis`. A model that predicts from
+/// means alone does not look at the row above, nor anywhere in the own plane.
+MagnitudeRows magnitude_rows(const SampleGrid<std::int16_t>* magnitudes, Predictor predictor,
+                             int axis, std::int64_t y, std::int64_t z, const std::int16_t* zeros);
+
 template <class Sample>
 struct Workspace {
   SampleGrid<Sample> means;  ///< input of a split
   SampleGrid<Sample> fine;   ///< output of a split
   SampleGrid<std::int16_t> magnitudes[3];
-  RowBuffers<Sample> row{};
+  PairGrid<Wide<Sample>> residuals;    ///< true details before `predict`, residuals after it
+  PairGrid<Limit<Sample>> limits;      ///< no |detail| is larger; 0 in uniform cells
+  PairGrid<std::uint8_t> activities;
+  PairGrid<std::uint16_t> contexts;    ///< context | plain bits << 8
+  RowBuffers row{};
 };
 
-/// True samples of a split, dense [z][y][x].
+/// The passes of a split for samples of 16 bits (sums wrap at 32 bits) and of 32 bits (64).
 template <class Sample>
-struct Truth {
-  const Sample* samples = nullptr;
-  Size3 size;
+struct StagePasses {
+  /// Takes the residuals off `symbols` and completes the fine grid.
+  void (*decode)(const Parameters&, const Stage&, Workspace<Sample>&, SymbolReader&);
+  /// Turns the details in `residuals` into residuals and completes the fine grid.
+  void (*predict)(const Parameters&, const Stage&, Workspace<Sample>&);
+  /// Appends the residuals of coded pairs with their contexts.
+  void (*list_symbols)(const Parameters&, const Stage&, Workspace<Sample>&, std::vector<Symbol>&);
 };
 
-/// The splits for samples of 16 bits (Int = int32_t, wrapping) and 32 bits (Int = int64_t).
 struct StageFunctions {
-  void (*decode16)(const Parameters&, const Stage&, Workspace<std::int16_t>&, SymbolReader&);
-  void (*encode16)(const Parameters&, const Stage&, Workspace<std::int16_t>&,
-                   const Truth<std::int16_t>&, std::vector<Symbol>&);
-  void (*decode32)(const Parameters&, const Stage&, Workspace<std::int32_t>&, SymbolReader&);
-  void (*encode32)(const Parameters&, const Stage&, Workspace<std::int32_t>&,
-                   const Truth<std::int32_t>&, std::vector<Symbol>&);
+  StagePasses<std::int16_t> narrow;
+  StagePasses<std::int32_t> wide;
+
+  template <class Sample>
+  const StagePasses<Sample>& of() const {
+    if constexpr (sizeof(Sample) == 2) return narrow;
+    else return wide;
+  }
 };
 
-/// The fastest functions this machine has; OCTAVO_SIMD=scalar in the environment asks for the
-/// portable ones. All give the same results.
+/// The fastest functions this machine has. OCTAVO_SIMD in the environment asks for others: scalar,
+/// sse4, avx2, avx512, neon (ignored when the machine lacks it). All give the same results.
 const StageFunctions& stage_functions();
+
+/// The functions of one instruction set, named as above; nothing when the machine lacks it.
+std::optional<StageFunctions> stage_functions_of(std::string_view level);
+
 const StageFunctions& portable_stage_functions();
 
 }  // namespace octavo::grey

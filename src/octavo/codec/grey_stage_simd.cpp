@@ -1,6 +1,8 @@
-// The splits of the grey codec for every instruction set that Highway knows, chosen at run time.
+// The passes of a split over 16-bit samples for every instruction set that Highway knows, chosen at
+// run time. Wide samples run on the portable passes.
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <cstring>
 #include <string_view>
@@ -13,97 +15,64 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+// clang-format off
+#include "octavo/codec/grey_rows-inl.h"
+#include "octavo/codec/grey_waves-inl.h"
+// clang-format on
+
 HWY_BEFORE_NAMESPACE();
 namespace octavo::grey {
 namespace HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR
 
-using portable::Dot;
+StagePasses<std::int16_t> narrow_passes() { return portable_stage_functions().narrow; }
 
 #else
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-/// The weighted sum of the taps around a sample, 8 taps at a time.
-///
-/// The last 8 samples written to the current row (and to its partner row) are kept in registers:
-/// loading them back so soon after narrow stores would stall.
-template <int kAxis, class Sample>
-class Dot {
- public:
-  explicit Dot(const Sample* first)
-      : written_(hn::LoadU(kTaps, first - 8)),
-        written_partner_(hn::LoadU(kTaps, first + kPartner - 8)) {}
-
-  HWY_INLINE std::int32_t operator()(const Sample* at, const std::int16_t* weights) const {
-    const hn::FixedTag<std::int32_t, 4> sums;
-    auto even = hn::Zero(sums);
-    auto odd = hn::Zero(sums);
-    auto unused = hn::Zero(sums);
-    constexpr int kRows = TapRows<Sample>::kCount[kAxis];
-    for (int r = 0; r < kRows; r += 2) {
-      even = hn::ReorderWidenMulAccumulate(sums, taps(at, r), hn::Load(kTaps, weights + 8 * r),
-                                           even, unused);
-      odd = hn::ReorderWidenMulAccumulate(sums, taps(at, r + 1),
-                                          hn::Load(kTaps, weights + 8 * r + 8), odd, unused);
-    }
-    return hn::GetLane(hn::SumOfLanes(sums, hn::Add(hn::Add(even, odd), unused)));
+struct Kernel {
+  static void row_features(const Parameters& p, const Stage& stage,
+                           Workspace<std::int16_t>& work, std::int64_t y, std::int64_t z) {
+    features_of_row(p, stage, work, y, z);
   }
-
-  HWY_INLINE void advance(Sample a, Sample b) {
-    if constexpr (kAxis == 0) {
-      const auto pair = static_cast<std::uint32_t>(static_cast<std::uint16_t>(a)) |
-                        static_cast<std::uint32_t>(static_cast<std::uint16_t>(b)) << 16;
-      const hn::FixedTag<std::uint32_t, 4> words;
-      written_ =
-          hn::CombineShiftRightBytes<4>(kTaps, hn::BitCast(kTaps, hn::Set(words, pair)), written_);
+  static void row_contexts(const Parameters& p, const Stage& stage, const MagnitudeRows& near,
+                           const RowBuffers& row, std::uint16_t* contexts) {
+    const std::int32_t* const weights = p.context_weights[stage.group][stage.axis];
+    const int count = static_cast<int>(stage.pairs.x);
+    if (p.predictor == Predictor::means) contexts_of_row<false>(weights, count, near, row, contexts);
+    else contexts_of_row<true>(weights, count, near, row, contexts);
+  }
+  static void take_row(SymbolReader& symbols, std::uint16_t* contexts, const std::uint8_t* order,
+                       int coded, int count, std::int32_t* residuals) {
+    if (symbols.state_mask + 1 < hn::MaxLanes(kWords)) {
+      PortableKernel<std::int16_t>::take_row(symbols, contexts, order, coded, count, residuals);
     } else {
-      written_ = hn::CombineShiftRightBytes<2>(kTaps, hn::Set(kTaps, a), written_);
-      written_partner_ = hn::CombineShiftRightBytes<2>(kTaps, hn::Set(kTaps, b), written_partner_);
+      take_residuals(symbols, contexts, order, coded, count, residuals);
     }
   }
-
- private:
-  static constexpr hn::FixedTag<std::int16_t, 8> kTaps{};
-  using Vector = hn::Vec<hn::FixedTag<std::int16_t, 8>>;
-  static constexpr std::int64_t kPartner =
-      kAxis == 0 ? 0 : kAxis == 1 ? SampleGrid<Sample>::kRow : SampleGrid<Sample>::kPlane;
-  static constexpr int kOwnRow = kAxis == 0 ? 0 : centre_tap(kAxis) / 8;
-  static constexpr int kPartnerRow = kAxis == 0 ? -1 : kAxis == 1 ? 3 : 8;
-
-  HWY_INLINE Vector taps(const Sample* at, int r) const {
-    if constexpr (kAxis == 0) {
-      if (r == kOwnRow) return written_;
-    } else {
-      // Of a row at -3 the first three samples are written already, the other five still means.
-      if (r == kOwnRow)
-        return hn::CombineShiftRightBytes<10>(kTaps, hn::LoadU(kTaps, at), written_);
-      // The partner row repeats the same means.
-      if (r == kPartnerRow) {
-        return hn::CombineShiftRightBytes<10>(kTaps, hn::LoadU(kTaps, at), written_partner_);
-      }
-    }
-    return hn::LoadU(kTaps, at + TapRows<Sample>::kOffsets[kAxis][r]);
+  static void keep_magnitudes(const std::int32_t* residuals, int count, int,
+                              std::int16_t* magnitudes) {
+    magnitudes_of_row(residuals, count, magnitudes);
   }
-
-  Vector written_;
-  Vector written_partner_;
+  template <bool kIsEncoding>
+  static void reconstruct_row(const Parameters& p, const Stage& stage,
+                              Workspace<std::int16_t>& work, std::int64_t y, std::int64_t z) {
+    if (stage.axis == 0) reconstruct_from_means<0, kIsEncoding>(p, stage, work, y, z);
+    else if (stage.axis == 1) reconstruct_from_means<1, kIsEncoding>(p, stage, work, y, z);
+    else reconstruct_from_means<2, kIsEncoding>(p, stage, work, y, z);
+  }
+  template <bool kIsEncoding>
+  static void reconstruct(const Parameters& p, const Stage& stage,
+                          Workspace<std::int16_t>& work) {
+    if (stage.axis == 0) reconstruct_waves<0, kIsEncoding>(p, stage, work);
+    else if (stage.axis == 1) reconstruct_waves<1, kIsEncoding>(p, stage, work);
+    else reconstruct_waves<2, kIsEncoding>(p, stage, work);
+  }
 };
 
+StagePasses<std::int16_t> narrow_passes() { return Passes<std::int16_t, Kernel>::functions(); }
+
 #endif
-
-#include "octavo/codec/grey_stage-inl.h"
-
-void decode16(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
-              SymbolReader& symbols) {
-  decode_stage(p, stage, work, symbols);
-}
-
-void encode16(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
-              const Truth<std::int16_t>& truth, std::vector<Symbol>& symbols) {
-  encode_stage(p, stage, work, truth, symbols);
-}
 
 }  // namespace HWY_NAMESPACE
 }  // namespace octavo::grey
@@ -112,19 +81,44 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace octavo::grey {
 
-HWY_EXPORT(decode16);
-HWY_EXPORT(encode16);
+HWY_EXPORT(narrow_passes);
+
+namespace {
+
+/// The targets of a name that this machine has; 0 when there is none.
+std::int64_t targets_of(std::string_view level) {
+  constexpr std::pair<std::string_view, std::int64_t> kNames[] = {
+      {"sse4", HWY_SSE4},       {"avx2", HWY_AVX2}, {"avx512", HWY_AVX3},
+      {"avx512", HWY_AVX3_DL},  {"neon", HWY_NEON}, {"wasm", HWY_WASM}};
+  std::int64_t targets = 0;
+  for (const auto& [name, target] : kNames) {
+    if (name == level) targets |= target;
+  }
+  return targets & HWY_TARGETS & hwy::SupportedTargets();
+}
+
+StageFunctions functions_of(std::int64_t targets) {
+  StageFunctions functions = portable_stage_functions();
+  hwy::GetChosenTarget().Update(targets);
+  functions.narrow = HWY_DYNAMIC_DISPATCH(narrow_passes)();
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  return functions;
+}
+
+}  // namespace
+
+std::optional<StageFunctions> stage_functions_of(std::string_view level) {
+  if (level == "scalar") return portable_stage_functions();
+  const std::int64_t targets = targets_of(level);
+  if (targets == 0) return std::nullopt;
+  return functions_of(targets);
+}
 
 const StageFunctions& stage_functions() {
   static const StageFunctions functions = [] {
     const char* const asked = std::getenv("OCTAVO_SIMD");
-    StageFunctions chosen = portable_stage_functions();
-    if (asked != nullptr && std::string_view(asked) == "scalar") return chosen;
-    // Without this the table would still hold the function that detects the machine at every call.
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    chosen.decode16 = HWY_DYNAMIC_DISPATCH(decode16);
-    chosen.encode16 = HWY_DYNAMIC_DISPATCH(encode16);
-    return chosen;
+    const auto named = asked != nullptr ? stage_functions_of(asked) : std::nullopt;
+    return named ? *named : functions_of(hwy::SupportedTargets());
   }();
   return functions;
 }

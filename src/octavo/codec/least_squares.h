@@ -12,10 +12,11 @@ namespace octavo {
 
 /// The normal equations of targets[i] ~ sum_k w[k] * features[i * n + k].
 struct NormalEquations {
+  /// unknowns  a multiple of 16
   explicit NormalEquations(int unknowns);
   int n;
-  std::vector<float> matrix;  ///< n x n, row-major, upper triangle
-  std::vector<float> right;   ///< n
+  std::vector<double> matrix;  ///< n x n, row-major, upper triangle
+  std::vector<double> right;   ///< n
 };
 
 /// Adds samples with the given weights (empty: all 1). features: count x n int16.

@@ -1,11 +1,15 @@
 #include "octavo/codec/residual_coder.h"
 
 #include <algorithm>
-#include <iterator>
 
 namespace octavo::grey {
 
 namespace {
+
+/// A row has at most 64 symbols, each taking at most one word and 42 plain bits; vectors read ahead
+/// by 16 bytes.
+constexpr std::size_t kWordPadding = 64 * 2 + 32;
+constexpr std::size_t kPlainPadding = 64 * 42 / 8 + 32;
 
 void put_u16(Bytes& out, std::uint32_t value) {
   out.push_back(static_cast<std::uint8_t>(value));
@@ -73,46 +77,38 @@ Bytes encode_symbols(const Model& model, int set, const std::vector<Symbol>& sym
   return out;
 }
 
-const SymbolReader::Shapes& SymbolReader::token_shapes() {
-  static const Shapes shapes = [] {
-    Shapes made{};
-    for (int context = 0; context < kContexts; ++context) {
-      for (int token = 0; token < kTokens; ++token) {
-        const Token shape = token_shape(token);
-        const int plain = plain_bits(context);
-        made[static_cast<std::size_t>(context)][static_cast<std::size_t>(token)] =
-            (shape.base << plain) << 5 | static_cast<std::uint32_t>(shape.bits + plain);
-      }
-    }
-    return made;
-  }();
-  return shapes;
-}
-
 SymbolReader::SymbolReader(const Model& model, int set, ByteSpan segment, std::int64_t symbol_count,
-                           int shift)
-    : slots_(&model.tables.slots[static_cast<std::size_t>(set)]),
-      shapes_(token_shapes()),
-      plain_(ByteSpan{}),
-      shift_(shift) {
+                           int low_shift)
+    : slots(model.tables.slots[static_cast<std::size_t>(set)].data()->data()), shift(low_shift) {
   const std::uint64_t plain_bytes = take_varint(segment);
-  plain_ = BitReader(take_bytes(segment, plain_bytes));
-  const auto states = static_cast<std::size_t>(state_count(symbol_count));
-  state_mask_ = states - 1;
-  ByteSpan heads = take_bytes(segment, 4 * states);
-  for (std::size_t i = 0; i < states; ++i) {
+  const ByteSpan plain_span = take_bytes(segment, plain_bytes);
+  const auto state_total = static_cast<std::size_t>(state_count(symbol_count));
+  state_mask = state_total - 1;
+  const ByteSpan heads = take_bytes(segment, 4 * state_total);
+  for (std::size_t i = 0; i < state_total; ++i) {
     for (std::size_t byte = 0; byte < 4; ++byte) {
-      states_[i] |= static_cast<std::uint32_t>(heads[4 * i + byte]) << (8 * byte);
+      states[i] |= static_cast<std::uint32_t>(heads[4 * i + byte]) << (8 * byte);
     }
   }
   if (segment.size() % 2 != 0) throw Error(ErrorKind::corrupt, "a segment has half a word");
-  words_ = segment;
+  padded_.resize(segment.size() + kWordPadding + plain_span.size() + kPlainPadding);
+  std::copy(segment.begin(), segment.end(), padded_.begin());
+  words = padded_.data();
+  words_end = words + segment.size();
+  std::uint8_t* const plain_copy = padded_.data() + segment.size() + kWordPadding;
+  std::copy(plain_span.begin(), plain_span.end(), plain_copy);
+  plain = plain_copy;
+  plain_end = 8 * plain_span.size();
 }
 
 void SymbolReader::finish() const {
-  bool at_start = word_at_ == words_.size() && plain_.is_consumed();
-  for (std::size_t i = 0; i <= state_mask_; ++i) at_start = at_start && states_[i] == kStateFloor;
+  bool at_start = words == words_end && (plain_at + 7) / 8 == plain_end / 8;
+  for (std::size_t i = 0; i <= state_mask; ++i) at_start = at_start && states[i] == kStateFloor;
   if (!at_start) throw Error(ErrorKind::corrupt, "a segment does not end where its symbols end");
+}
+
+void SymbolReader::fail_short() {
+  throw Error(ErrorKind::corrupt, "a segment ends before its symbols do");
 }
 
 }  // namespace octavo::grey

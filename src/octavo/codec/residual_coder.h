@@ -11,7 +11,9 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 #include "octavo/codec/byte_io.h"
@@ -37,54 +39,73 @@ struct Symbol {
 /// The bytes of one segment. shift: low bits of every value that are always plain (wide samples).
 Bytes encode_symbols(const Model& model, int set, const std::vector<Symbol>& symbols, int shift);
 
-/// Takes residuals off a segment, row by row.
+/// Takes residuals off a segment, row by row. The members are open to the vectorised copies of
+/// `take_row`; the streams are followed by enough zero bytes for one row beyond their ends.
 class SymbolReader {
  public:
   /// Throws Error{corrupt} when the segment is too short for its own head.
   SymbolReader(const Model& model, int set, ByteSpan segment, std::int64_t symbol_count, int shift);
 
   /// Residuals of a row: `contexts[order[i]]` is the context and `residuals[order[i]]` the result
-  /// of the i-th coded symbol.
+  /// of the i-th coded symbol. Throws Error{corrupt} when the segment ends before the row.
   template <class Int>
-  void take_row(const std::uint8_t* contexts, const std::uint8_t* order, int count,
+  void take_row(const std::uint16_t* contexts, const std::uint8_t* order, int count,
                 Int* residuals) {
     for (int i = 0; i < count; ++i) {
-      const int x = order[i];
-      std::uint32_t& state = states_[static_cast<std::size_t>(i) & state_mask_];
-      const unsigned context = contexts[x];
-      const std::uint32_t entry = (*slots_)[context][state & (kTableSize - 1)];
-      state = (entry >> 6 & 0xfff) * (state >> kTableBits) + (entry >> 18);
-      const std::uint32_t low = state < kStateFloor;
-      const std::uint32_t word = word_at_ < words_.size() ? load_word() : 0u;
-      state = low ? state << 16 | word : state;
-      word_at_ += 2 * low;
-      const std::uint32_t shape = shapes_[context][entry & 63];
-      const int bits = static_cast<int>(shape & 31) + shift_;
-      std::uint64_t value = static_cast<std::uint64_t>(shape >> 5) << shift_;
-      if (bits > 0) value += plain_.get(bits);
-      residuals[x] = static_cast<Int>(unzigzag(value));
+      residuals[order[i]] = static_cast<Int>(take(i, contexts[order[i]]));
     }
+    expect_inside();
+  }
+
+  /// The residual of the i-th coded symbol of a row.
+  std::int64_t take(int i, unsigned context) {
+    std::uint32_t& state = states[static_cast<std::size_t>(i) & state_mask];
+    const std::uint32_t entry = slots[(context << kTableBits) + (state & (kTableSize - 1))];
+    state = (entry >> 6 & 0xfff) * (state >> kTableBits) + (entry >> 18);
+    if (state < kStateFloor) {
+      state = state << 16 | static_cast<std::uint32_t>(words[0] | words[1] << 8);
+      words += 2;
+    }
+    return value_of(static_cast<int>(entry & 63), plain_bits(static_cast<int>(context)) + shift);
+  }
+
+  /// The residual of a token, `low` plain bits below it.
+  std::int64_t value_of(int token, int low) {
+    const Token shape = token_shape(token);
+    return unzigzag((std::uint64_t{shape.base} << low) + take_plain(shape.bits + low));
+  }
+
+  std::uint64_t take_plain(int count) {
+    std::uint64_t word;
+    std::memcpy(&word, plain + (plain_at >> 3), 8);
+    if constexpr (std::endian::native == std::endian::big) word = __builtin_bswap64(word);
+    word >>= plain_at & 7;
+    plain_at += static_cast<std::size_t>(count);
+    return word & ((std::uint64_t{1} << count) - 1);
+  }
+
+  /// Throws Error{corrupt} when more was taken than the segment holds.
+  void expect_inside() const {
+    if (words > words_end || plain_at > plain_end) fail_short();
   }
 
   /// Throws Error{corrupt} unless the segment was taken exactly.
   void finish() const;
 
+  alignas(64) std::uint32_t states[kMaxStates] = {};
+  std::size_t state_mask = 0;
+  const std::uint32_t* slots;        ///< of the table set, by context and slot
+  const std::uint8_t* words;         ///< next word
+  const std::uint8_t* words_end;
+  const std::uint8_t* plain;         ///< first byte of the plain bits
+  std::size_t plain_at = 0;          ///< next plain bit
+  std::size_t plain_end;
+  int shift;
+
  private:
-  using Shapes = std::array<std::array<std::uint32_t, kTokens>, kContexts>;
-  static const Shapes& token_shapes();
+  [[noreturn]] static void fail_short();
 
-  std::uint32_t load_word() const {
-    return static_cast<std::uint32_t>(words_[word_at_] | words_[word_at_ + 1] << 8);
-  }
-
-  const std::array<std::array<std::uint32_t, kTableSize>, kContexts>* slots_;
-  const Shapes& shapes_;
-  std::array<std::uint32_t, kMaxStates> states_{};
-  std::size_t state_mask_ = 0;
-  ByteSpan words_;
-  std::size_t word_at_ = 0;
-  BitReader plain_;
-  int shift_;
+  Bytes padded_;
 };
 
 }  // namespace octavo::grey

@@ -95,4 +95,20 @@ void repeat_along(const SampleGrid<Sample>& coarse, SampleGrid<Sample>& fine, in
   fine.fill_margins();
 }
 
+/// Copies the samples that have no partner along `axis`: the last ones of an odd size.
+template <class Sample>
+void copy_lone(const SampleGrid<Sample>& coarse, SampleGrid<Sample>& fine, int axis) {
+  const Size3& fine_size = fine.size();
+  if (fine_size[axis] % 2 == 0) return;
+  Box lone{{0, 0, 0}, {fine_size.x, fine_size.y, fine_size.z}};
+  lone.lo[axis] = fine_size[axis] - 1;
+  for (std::int64_t z = lone.lo.z; z < lone.hi.z; ++z) {
+    for (std::int64_t y = lone.lo.y; y < lone.hi.y; ++y) {
+      const Sample* in = coarse.row(axis == 1 ? y / 2 : y, axis == 2 ? z / 2 : z);
+      Sample* out = fine.row(y, z);
+      for (std::int64_t x = lone.lo.x; x < lone.hi.x; ++x) out[x] = in[axis == 0 ? x / 2 : x];
+    }
+  }
+}
+
 }  // namespace octavo

@@ -175,54 +175,6 @@ TEST(GreyCodec, ParentIsTheNextSampleOfThePyramid) {
   EXPECT_EQ(encoded.parent, coarser_level(samples, shape.size[5], shape.halving[5], 5).front());
 }
 
-TEST(GreyCodec, DispatchedAndPortableStagesGiveTheSameBytes) {
-  using namespace grey;
-  std::mt19937 random(21);
-  Parameters p = default_parameters();
-  for (auto& group : p.weights) {
-    for (auto& axis : group) {
-      for (auto& cls : axis) {
-        for (auto& w : cls) w = static_cast<std::int16_t>(random());
-      }
-    }
-  }
-  for (const Size3& fine : {Size3{64, 64, 64}, Size3{63, 5, 7}, Size3{2, 2, 2}, Size3{33, 64, 9}}) {
-    for (int axis = 0; axis < 3; ++axis) {
-      std::vector<std::int16_t> truth(static_cast<std::size_t>(fine.voxel_count()));
-      for (auto& v : truth) v = static_cast<std::int16_t>(random());
-      const auto means = means_along(truth, fine, axis, 1);
-      const Size3 coarse = halved(fine, static_cast<HalvingMask>(1 << axis));
-      Stage stage;
-      stage.axis = axis;
-      stage.rounding = 1;
-      stage.pairs = fine;
-      stage.pairs[axis] /= 2;
-      stage.min = -32768;
-      stage.max = 32767;
-      std::vector<Symbol> symbols[2];
-      int i = 0;
-      for (const StageFunctions* functions : {&stage_functions(), &portable_stage_functions()}) {
-        Workspace<std::int16_t> work;
-        work.means.set_size(coarse);
-        for (std::int64_t z = 0; z < coarse.z; ++z) {
-          for (std::int64_t y = 0; y < coarse.y; ++y) {
-            std::copy_n(means.data() + (z * coarse.y + y) * coarse.x, coarse.x,
-                        work.means.row(y, z));
-          }
-        }
-        work.means.fill_margins();
-        repeat_along(work.means, work.fine, axis, fine);
-        functions->encode16(p, stage, work, {truth.data(), fine}, symbols[i++]);
-      }
-      ASSERT_EQ(symbols[0].size(), symbols[1].size());
-      for (std::size_t k = 0; k < symbols[0].size(); ++k) {
-        ASSERT_EQ(symbols[0][k].value, symbols[1][k].value);
-        ASSERT_EQ(symbols[0][k].context, symbols[1][k].context);
-      }
-    }
-  }
-}
-
 /// Damage gives an error or other voxels, never anything worse (run under sanitizers as well).
 TEST(GreyCodec, DamagedSegmentsAreContained) {
   const Size3 size{40, 33, 29};

@@ -1,0 +1,45 @@
+#include <tbb/parallel_for.h>
+
+#include "octavo/codec/grey_training.h"
+
+namespace octavo::grey {
+
+std::vector<Lesson> make_lessons(std::span<const TrainingBrick> bricks) {
+  std::vector<Lesson> lessons(bricks.size());
+  tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
+    const ValueRange range = range_of(bricks[i].view);
+    if (range.min == range.max) return;
+    lessons[i] = {bricks[i].shape, analyze<std::int16_t>(bricks[i].shape, bricks[i].view, range)};
+    const SampleScale scale{range};
+    if (scale.is_wide()) {
+      lessons[i].brick.scale = SampleScale{{0, (range.max - range.min) >> scale.shift()}};
+    }
+  });
+  std::erase_if(lessons, [](const Lesson& lesson) { return lesson.shape.level_count < 2; });
+  return lessons;
+}
+
+std::vector<const Lesson*> spread(const std::vector<Lesson>& lessons, std::size_t count) {
+  count = std::min(count, lessons.size());
+  std::vector<const Lesson*> chosen;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint64_t jitter = i * 2654435769u & 0xffffffffu;  // multiples of the golden ratio
+    chosen.push_back(&lessons[((i << 32) + jitter) * lessons.size() / count >> 32]);
+  }
+  return chosen;
+}
+
+void load_level(Workspace<std::int16_t>& work, const Lesson& lesson, int level) {
+  const auto next = static_cast<std::size_t>(level) + 1;
+  const Size3& size = lesson.shape.size[next];
+  const std::vector<std::int16_t>* means = &lesson.brick.coarsest;
+  if (static_cast<int>(next) + 1 < lesson.shape.level_count) {
+    for (int axis = 2; axis >= 0; --axis) {
+      const auto& step = lesson.brick.steps[next][static_cast<std::size_t>(axis)];
+      if (!step.empty()) means = &step;
+    }
+  }
+  load_means(work, means->data(), size);
+}
+
+}  // namespace octavo::grey

@@ -1,0 +1,421 @@
+// The row pass of a split, vectorised: features, contexts, and residuals off the rANS streams.
+// Included once per instruction set by grey_stage_simd.cpp.
+
+#if defined(OCTAVO_CODEC_GREY_ROWS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef OCTAVO_CODEC_GREY_ROWS_INL_H
+#undef OCTAVO_CODEC_GREY_ROWS_INL_H
+#else
+#define OCTAVO_CODEC_GREY_ROWS_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include "octavo/codec/grey_portable.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace octavo::grey {
+namespace HWY_NAMESPACE {
+
+#if HWY_TARGET != HWY_SCALAR
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// 16 lanes at most, so that a row's padding suffices; their sums are in 32-bit lanes, half as many.
+constexpr hn::CappedTag<std::uint16_t, 16> kHalves{};
+constexpr hn::RebindToSigned<decltype(kHalves)> kSignedHalves{};
+constexpr hn::RepartitionToWide<decltype(kHalves)> kSums{};
+constexpr hn::RebindToSigned<decltype(kSums)> kSignedSums{};
+constexpr hn::RebindToFloat<decltype(kSums)> kFloats{};
+constexpr hn::CappedTag<std::uint32_t, 8> kWords{};
+using Words = hn::Vec<decltype(kWords)>;
+using Halves = hn::Vec<decltype(kHalves)>;
+using SignedHalves = hn::Vec<decltype(kSignedHalves)>;
+using SignedSums = hn::Vec<decltype(kSignedSums)>;
+
+/// |a - b|, exact for any two samples.
+HWY_INLINE Halves distance(SignedHalves a, SignedHalves b) {
+  return hn::Sub(hn::BitCast(kHalves, hn::Max(a, b)), hn::BitCast(kHalves, hn::Min(a, b)));
+}
+
+/// Whether a >= b, as 1 or 0.
+HWY_INLINE Halves is_at_least(Halves a, Halves b) {
+  return hn::ShiftRight<15>(hn::VecFromMask(kHalves, hn::Eq(hn::Max(a, b), a)));
+}
+
+inline void features_of_row(const Parameters& p, const Stage& stage,
+                            Workspace<std::int16_t>& work, std::int64_t y, std::int64_t z) {
+  const std::int64_t along = pair_step<std::int16_t>(stage.axis);
+  const std::int64_t across1 = pair_step<std::int16_t>(stage.axis == 0 ? 1 : 0);
+  const std::int64_t across2 = pair_step<std::int16_t>(stage.axis == 2 ? 1 : 2);
+  const std::int16_t* m = work.means.row(y, z);
+  std::uint8_t* const activities = work.activities.row(y, z);
+  std::uint16_t* const limits = work.limits.row(y, z);
+  RowBuffers& row = work.row;
+  const auto set = [](std::int64_t value) {
+    return hn::Set(kHalves, static_cast<std::uint16_t>(value));
+  };
+  const Halves quarter = set(p.activity_threshold / 4);
+  const Halves threshold = set(p.activity_threshold);
+  const Halves fourfold = set(4 * p.activity_threshold);
+  const Halves flip = set(0x8000);
+  const Halves min = hn::Xor(set(stage.min), flip);
+  const Halves max = hn::Xor(set(stage.max), flip);
+  const Halves most = set(kMaxFeature);
+  const Halves one = set(1);
+  const auto sample = [&](std::int64_t at) { return hn::LoadU(kSignedHalves, m + at); };
+  constexpr int kLanes = static_cast<int>(hn::MaxLanes(kHalves));
+  for (int x = 0; x < stage.pairs.x; x += kLanes) {
+    const SignedHalves c = sample(x);
+    const SignedHalves before = sample(x - along);
+    const SignedHalves after = sample(x + along);
+    const Halves down = distance(before, c);
+    const Halves up = distance(after, c);
+    const Halves e0 = hn::SaturatedAdd(down, up);
+    // Steps of one sign add up in the curvature, others cancel.
+    const auto is_one_sign = hn::Eq(hn::VecFromMask(kSignedHalves, hn::Lt(before, c)),
+                                    hn::VecFromMask(kSignedHalves, hn::Lt(after, c)));
+    const Halves e1 = hn::IfThenElse(hn::RebindMask(kHalves, is_one_sign), e0,
+                                     hn::Sub(hn::Max(down, up), hn::Min(down, up)));
+    const Halves e2 = hn::SaturatedAdd(
+        hn::SaturatedAdd(distance(sample(x - across1), c), distance(sample(x + across1), c)),
+        hn::SaturatedAdd(distance(sample(x - across2), c), distance(sample(x + across2), c)));
+    const Halves g = hn::SaturatedAdd(e0, e2);
+    const Halves activity = hn::Add(hn::Add(is_at_least(g, one), is_at_least(g, quarter)),
+                                    hn::Add(is_at_least(g, threshold), is_at_least(g, fourfold)));
+    const Halves level = hn::Xor(hn::BitCast(kHalves, c), flip);
+    const Halves room = hn::Min(hn::SaturatedSub(level, min), hn::SaturatedSub(max, level));
+    const Halves limit = hn::Add(hn::Add(room, room), one);
+    const hn::Rebind<std::uint8_t, decltype(kHalves)> bytes;
+    hn::StoreU(hn::DemoteTo(bytes, hn::BitCast(kSignedHalves, activity)), bytes, activities + x);
+    hn::StoreU(limit, kHalves, row.limit + x);
+    hn::StoreU(limit, kHalves, limits + x);
+    hn::StoreU(hn::Min(e0, most), kHalves, row.gradient_along + x);
+    hn::StoreU(hn::Min(e1, most), kHalves, row.curvature_along + x);
+    hn::StoreU(hn::Min(e2, most), kHalves, row.gradient_across + x);
+  }
+}
+
+/// sums += a0 * b0 + a1 * b1 for the two 16-bit numbers in each 32-bit lane.
+HWY_INLINE SignedSums add_products(SignedHalves a, SignedHalves b, SignedSums sums) {
+#if HWY_ARCH_X86
+  // On x86 this adds the products of neighbouring lanes; `unused` stays 0.
+  SignedSums unused = hn::Zero(kSignedSums);
+  return hn::ReorderWidenMulAccumulate(kSignedSums, a, b, sums, unused);
+#else
+  const auto pair_a = hn::BitCast(kSignedSums, a);
+  const auto pair_b = hn::BitCast(kSignedSums, b);
+  const auto low = [](SignedSums v) { return hn::ShiftRight<16>(hn::ShiftLeft<16>(v)); };
+  const auto high = [](SignedSums v) { return hn::ShiftRight<16>(v); };
+  return hn::Add(hn::Add(sums, hn::Mul(low(pair_a), low(pair_b))),
+                 hn::Mul(high(pair_a), high(pair_b)));
+#endif
+}
+
+/// Foreseen magnitudes (Q8) to contexts with their plain bits, see the portable `context_of`.
+HWY_INLINE SignedSums contexts_of(SignedSums foreseen, SignedSums limit) {
+  const auto set = [](std::int32_t value) { return hn::Set(kSignedSums, value); };
+  const auto is_limited =
+      hn::Gt(foreseen, hn::ShiftLeft<7>(hn::Sub(limit, set(1))));
+  foreseen = hn::Min(foreseen, hn::ShiftLeft<8>(limit));
+  const auto value = hn::ConvertTo(kFloats, hn::Add(foreseen, set(8)));
+  const auto half_octave =
+      hn::Min(hn::Sub(hn::ShiftRight<22>(hn::BitCast(kSignedSums, value)), set(260)),
+              set(kMagnitudes - 1));
+  const auto plain = hn::Min(hn::Max(hn::Sub(hn::ShiftRight<1>(half_octave), set(6)), set(0)),
+                             set(kMaxPlainBits));
+  return hn::Add(hn::Add(half_octave, hn::IfThenElseZero(is_limited, set(kMagnitudes))),
+                 hn::ShiftLeft<8>(plain));
+}
+
+/// kLooksUp: whether the row above counts.
+template <bool kLooksUp>
+void contexts_of_row(const std::int32_t* w, int count, const MagnitudeRows& near,
+                     const RowBuffers& row, std::uint16_t* out) {
+  const auto pair = [w](int k) {
+    const auto low = static_cast<std::uint32_t>(w[k]);
+    const auto high = static_cast<std::uint32_t>(w[k + 1]) << 16;
+    return hn::BitCast(kSignedHalves, hn::Set(kSums, low | high));
+  };
+  const SignedHalves w01 = pair(0), w23 = pair(2), w45 = pair(4), w67 = pair(6), w89 = pair(8),
+                     w1011 = pair(10), w1213 = pair(12), w1415 = pair(14);
+  const SignedHalves w011 =
+      hn::BitCast(kSignedHalves, hn::Set(kSums, static_cast<std::uint32_t>(w[11]) << 16));
+  const SignedHalves one = hn::Set(kSignedHalves, 1);
+  constexpr int kLanes = static_cast<int>(hn::MaxLanes(kHalves));
+  const auto feature = [](const std::uint16_t* at) {
+    return hn::BitCast(kSignedHalves, hn::LoadU(kHalves, at));
+  };
+  const auto magnitude = [](const std::int16_t* at) { return hn::LoadU(kSignedHalves, at); };
+  for (int x = 0; x < count; x += kLanes) {
+    SignedSums lower = hn::Zero(kSignedSums);
+    SignedSums upper = hn::Zero(kSignedSums);
+    const auto add = [&](SignedHalves a, SignedHalves b, SignedHalves weights) HWY_ATTR {
+      lower = add_products(hn::InterleaveLower(kSignedHalves, a, b), weights, lower);
+      upper = add_products(hn::InterleaveUpper(kSignedHalves, a, b), weights, upper);
+    };
+    add(feature(row.gradient_along + x), feature(row.curvature_along + x), w01);
+    add(feature(row.gradient_across + x), magnitude(near.sibling[0] + x), w23);
+    add(magnitude(near.sibling[1] + x), one, w45);
+    if constexpr (kLooksUp) {
+      add(magnitude(near.up + x + 2), magnitude(near.up + x - 2), w67);
+      add(magnitude(near.up + x), magnitude(near.up + x - 1), w89);
+      add(magnitude(near.up + x + 1), magnitude(near.back + x), w1011);
+    } else {
+      add(one, magnitude(near.back + x), w011);
+    }
+    add(magnitude(near.back + x - 1), magnitude(near.back + x + 1), w1213);
+    add(magnitude(near.back_up + x), magnitude(near.back_down + x), w1415);
+    const Halves limit = hn::LoadU(kHalves, row.limit + x);
+    const Halves zero = hn::Zero(kHalves);
+    const auto wide = [&](Halves v) HWY_ATTR { return hn::BitCast(kSignedSums, v); };
+    const auto contexts = hn::ReorderDemote2To(
+        kSignedHalves,
+        contexts_of(lower, wide(hn::InterleaveLower(kHalves, limit, zero))),
+        contexts_of(upper, wide(hn::InterleaveUpper(kHalves, limit, zero))));
+    hn::StoreU(hn::BitCast(kHalves, contexts), kHalves, out + x);
+  }
+}
+
+/// For every set of lanes that need a word: which of the next words each of them gets.
+struct WordPlaces {
+  static constexpr std::size_t kLanes = hn::MaxLanes(kWords);
+  alignas(64) std::uint32_t places[std::size_t{1} << kLanes][kLanes];
+};
+inline const WordPlaces& word_places() {
+  static const WordPlaces table = [] {
+    WordPlaces made{};
+    for (std::size_t set = 0; set < std::size(made.places); ++set) {
+      std::uint32_t next = 0;
+      for (std::size_t lane = 0; lane < WordPlaces::kLanes; ++lane) {
+        made.places[set][lane] = next;
+        next += set >> lane & 1;
+      }
+    }
+    return made;
+  }();
+  return table;
+}
+
+/// The four bytes at `from` + kStep * index of every lane. Single loads overlap better than a
+/// gather instruction where that is microcode.
+template <std::size_t kStep, class T>
+HWY_INLINE Words load_each(const T* from, Words index) {
+  alignas(64) std::uint32_t places[hn::MaxLanes(kWords)];
+  hn::Store(index, kWords, places);
+#if HWY_COMPILER_GCC || HWY_COMPILER_CLANG
+  // Reloading is cheaper than taking lanes out of the vector, which compilers would make of it.
+  __asm__("" : "+m"(places));
+#endif
+  const auto* const bytes = reinterpret_cast<const std::uint8_t*>(from);
+  const hn::FixedTag<std::uint32_t, 1> single;
+  const hn::FixedTag<std::uint32_t, 4> quad;
+  const hn::FixedTag<std::uint64_t, 2> pairs;
+  const auto one = [&](std::size_t lane) HWY_ATTR {
+    std::uint32_t value;
+    std::memcpy(&value, bytes + kStep * places[lane], 4);
+    return hn::Vec<decltype(quad)>{hn::Load(single, &value).raw};
+  };
+  const auto four = [&](std::size_t lane) HWY_ATTR {
+    const auto low = hn::InterleaveLower(quad, one(lane), one(lane + 1));
+    const auto high = hn::InterleaveLower(quad, one(lane + 2), one(lane + 3));
+    return hn::BitCast(quad, hn::InterleaveLower(pairs, hn::BitCast(pairs, low),
+                                                 hn::BitCast(pairs, high)));
+  };
+#if HWY_MAX_BYTES >= 32
+  return hn::Combine(kWords, four(4), four(0));
+#else
+  return four(0);
+#endif
+}
+
+/// Contexts of coded pairs in order, and where their residuals go, when some pairs are not coded.
+inline void gather_coded(std::uint16_t* contexts, const std::uint8_t* order, int coded) {
+  for (int i = 0; i < coded; ++i) contexts[i] = contexts[order[i]];
+}
+inline void scatter_coded(const std::uint8_t* order, int coded, int count,
+                          std::int32_t* residuals) {
+  int next = coded - 1;
+  for (int x = count - 1; x >= 0; --x) {
+    const bool is_coded = next >= 0 && order[next] == x;
+    residuals[x] = is_coded ? residuals[next--] : 0;
+  }
+}
+
+/// Magnitudes of a row of residuals.
+inline void magnitudes_of_row(const std::int32_t* residuals, int count, std::int16_t* magnitudes) {
+  const hn::RebindToSigned<decltype(kWords)> signed_words;
+  const hn::Rebind<std::int16_t, decltype(kWords)> short_words;
+  constexpr int kLanes = static_cast<int>(hn::MaxLanes(kWords));
+  for (int x = 0; x < count; x += kLanes) {
+    const auto magnitude = hn::Min(hn::Abs(hn::LoadU(signed_words, residuals + x)),
+                                   hn::Set(signed_words, kMaxMagnitude));
+    hn::StoreU(hn::DemoteTo(short_words, magnitude), short_words, magnitudes + x);
+  }
+}
+
+/// Prediction from means: a row of residuals to samples, or of details to residuals and samples.
+template <int kAxis, bool kIsEncoding>
+void reconstruct_from_means(const Parameters& p, const Stage& stage,
+                            Workspace<std::int16_t>& work, std::int64_t y, std::int64_t z) {
+  const hn::RebindToSigned<decltype(kWords)> ints;
+  const hn::Rebind<std::int16_t, decltype(kWords)> shorts;
+  const hn::Rebind<std::uint16_t, decltype(kWords)> unsigned_shorts;
+  const hn::Rebind<std::uint8_t, decltype(kWords)> bytes;
+  constexpr std::int64_t kStep = pair_step<std::int16_t>(kAxis);
+  constexpr int kLanes = static_cast<int>(hn::MaxLanes(kWords));
+  // Four classes have weights; lane k of the table is class k + 1.
+  alignas(64) std::int32_t class_weights[8] = {};
+  for (int k = 1; k < kClasses; ++k) {
+    class_weights[(k - 1) % kLanes] = p.mean_weights[stage.group][kAxis][k];
+  }
+  const auto weights = hn::Load(ints, class_weights);
+  const auto set = [&](std::int32_t value) HWY_ATTR { return hn::Set(ints, value); };
+  const std::uint8_t* const activities = work.activities.row(y, z);
+  const std::uint16_t* const limits = work.limits.row(y, z);
+  std::int32_t* const residuals = work.residuals.row(y, z);
+  std::int16_t* const first = first_of_row(work.fine, kAxis, y, z);
+  const std::int16_t* const means = work.means.row(y, z);
+  const auto widen = [&](const std::int16_t* from) HWY_ATTR {
+    return hn::PromoteTo(ints, hn::LoadU(shorts, from));
+  };
+  for (int x = 0; x < stage.pairs.x; x += kLanes) {
+    const auto mean = widen(means + x);
+    const auto gradient = hn::Sub(widen(means + x - kStep), widen(means + x + kStep));
+    const auto activity = hn::PromoteTo(ints, hn::LoadU(bytes, activities + x));
+    const auto place = hn::And(hn::Sub(activity, set(1)), set(3));
+    const auto weight =
+        hn::IfThenElseZero(hn::Gt(activity, hn::Zero(ints)),
+                           hn::TableLookupLanes(weights, hn::IndicesFromVec(ints, place)));
+    const auto limit = hn::PromoteTo(ints, hn::LoadU(unsigned_shorts, limits + x));
+    const auto lowest = hn::Neg(limit);
+    const auto sum = hn::Add(hn::Mul(gradient, weight), set(1 << (kWeightBits - 1)));
+    const auto prediction = hn::Min(hn::Max(hn::ShiftRight<kWeightBits>(sum), lowest), limit);
+    auto detail = hn::LoadU(ints, residuals + x);
+    if constexpr (kIsEncoding) {
+      hn::StoreU(hn::Sub(detail, prediction), ints, residuals + x);
+    } else {
+      detail = hn::Min(hn::Max(hn::Add(prediction, detail), lowest), limit);
+    }
+    const auto round = set(stage.rounding);
+    const auto total = hn::Add(hn::Sub(hn::Add(mean, mean), round),
+                               hn::And(hn::Add(detail, round), set(1)));
+    const auto a = hn::ShiftRight<1>(hn::Add(total, detail));
+    const auto b = hn::ShiftRight<1>(hn::Sub(total, detail));
+    if constexpr (kAxis == 0) {
+      const auto both = hn::Or(hn::And(a, set(0xffff)), hn::ShiftLeft<16>(b));
+      // The margin holds what the last vector writes beyond the row.
+      alignas(64) std::int32_t out[8];
+      hn::Store(both, ints, out);
+      std::memcpy(first + 2 * x, out, sizeof(std::int32_t) * static_cast<std::size_t>(kLanes));
+    } else {
+      hn::StoreU(hn::DemoteTo(shorts, a), shorts, first + x);
+      hn::StoreU(hn::DemoteTo(shorts, b), shorts, first + kStep + x);
+    }
+  }
+}
+
+/// The plain bits of as many symbols as there are lanes, `bits` each, off `plain` at bit `at`.
+HWY_INLINE Words take_plain(const std::uint8_t* plain, std::size_t& at, Words bits) {
+  const hn::Rebind<std::uint8_t, decltype(kWords)> bytes;
+  std::uint64_t word;
+  std::memcpy(&word, plain + (at >> 3), 8);
+  word >>= at & 7;
+#if HWY_ARCH_X86_64 && HWY_TARGET <= HWY_AVX2
+  // At most 8 * 7 bits: a byte of the result has as many as its byte of the mask.
+  const auto masks = hn::U8FromU32(
+      hn::Sub(hn::Shl(hn::Set(kWords, 1), bits), hn::Set(kWords, 1)));
+  std::uint64_t mask;
+  alignas(8) std::uint8_t packed[8];
+  hn::Store(masks, bytes, packed);
+  std::memcpy(&mask, packed, 8);
+  at += static_cast<std::size_t>(__builtin_popcountll(mask));
+  const std::uint64_t spread = _pdep_u64(word, mask);
+  std::memcpy(packed, &spread, 8);
+  return hn::PromoteTo(kWords, hn::Load(bytes, packed));
+#else
+  alignas(64) std::uint32_t values[hn::MaxLanes(kWords)];
+  alignas(64) std::uint32_t counts[hn::MaxLanes(kWords)];
+  hn::Store(bits, kWords, counts);
+  for (std::size_t lane = 0; lane < hn::MaxLanes(kWords); ++lane) {
+    values[lane] = static_cast<std::uint32_t>(word) & ((1u << counts[lane]) - 1);
+    word >>= counts[lane];
+    at += counts[lane];
+  }
+  return hn::Load(kWords, values);
+#endif
+}
+
+/// Residuals of a row off the streams: PortableKernel::take_row for at least as many states as
+/// lanes.
+inline void take_residuals(SymbolReader& symbols, std::uint16_t* contexts,
+                           const std::uint8_t* order, int coded, int count,
+                           std::int32_t* residuals) {
+  constexpr int kLanes = static_cast<int>(hn::MaxLanes(kWords));
+  const hn::RebindToSigned<decltype(kWords)> ints;
+  const hn::Rebind<std::uint16_t, decltype(kWords)> short_words;
+  const WordPlaces& places = word_places();
+  const std::uint8_t* words = symbols.words;
+  std::size_t plain_at = symbols.plain_at;
+  const auto set = [](std::uint32_t value) HWY_ATTR { return hn::Set(kWords, value); };
+  if (coded < count) gather_coded(contexts, order, coded);
+  int i = 0;
+  for (; i + kLanes <= coded; i += kLanes) {
+    std::uint32_t* const states =
+        symbols.states + (static_cast<std::size_t>(i) & symbols.state_mask);
+    const Words packed = hn::PromoteTo(kWords, hn::LoadU(short_words, contexts + i));
+    const Words context = hn::And(packed, set(0xff));
+    const Words low_bits = hn::ShiftRight<8>(packed);
+    const Words old_state = hn::Load(kWords, states);
+    const Words slot = hn::Or(hn::ShiftLeft<kTableBits>(context),
+                              hn::And(old_state, set(kTableSize - 1)));
+    const Words entry = load_each<4>(symbols.slots, slot);
+    const Words state = hn::Add(hn::Mul(hn::And(hn::ShiftRight<6>(entry), set(0xfff)),
+                                        hn::ShiftRight<kTableBits>(old_state)),
+                                hn::ShiftRight<18>(entry));
+    const auto is_low = hn::Eq(hn::ShiftRight<16>(state), hn::Zero(kWords));
+    std::uint8_t low_lanes[8];
+    hn::StoreMaskBits(kWords, is_low, low_lanes);
+    const Words next = hn::PromoteTo(
+        kWords, hn::LoadU(short_words, reinterpret_cast<const std::uint16_t*>(words)));
+    const Words spread = hn::TableLookupLanes(
+        next, hn::IndicesFromVec(kWords, hn::Load(kWords, places.places[low_lanes[0]])));
+    hn::Store(hn::IfThenElse(is_low, hn::Or(hn::ShiftLeft<16>(state), spread), state), kWords,
+              states);
+    words += 2 * __builtin_popcount(low_lanes[0]);
+
+    const Words token = hn::And(entry, set(63));
+    const auto is_big = hn::TestBit(hn::BitCast(ints, token), hn::Set(ints, kDirectTokens));
+    if (HWY_LIKELY(hn::AllFalse(ints, is_big))) {
+      const Words value =
+          hn::Add(hn::Shl(token, low_bits), take_plain(symbols.plain, plain_at, low_bits));
+      const Words residual = hn::Xor(hn::ShiftRight<1>(value),
+                                     hn::Sub(hn::Zero(kWords), hn::And(value, set(1))));
+      hn::StoreU(hn::BitCast(ints, residual), ints, residuals + i);
+      continue;
+    }
+    alignas(64) std::uint32_t tokens[8], bits[8];
+    hn::Store(token, kWords, tokens);
+    hn::Store(low_bits, kWords, bits);
+    symbols.plain_at = plain_at;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      residuals[i + lane] = static_cast<std::int32_t>(
+          symbols.value_of(static_cast<int>(tokens[lane]), static_cast<int>(bits[lane])));
+    }
+    plain_at = symbols.plain_at;
+  }
+  symbols.words = words;
+  symbols.plain_at = plain_at;
+  for (; i < coded; ++i) {
+    residuals[i] = static_cast<std::int32_t>(symbols.take(i, contexts[i] & 0xff));
+  }
+  symbols.expect_inside();
+  if (coded < count) scatter_coded(order, coded, count, residuals);
+}
+
+#endif  // HWY_TARGET != HWY_SCALAR
+
+}  // namespace HWY_NAMESPACE
+}  // namespace octavo::grey
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,76 @@
+// What the parts of the grey trainer share: training bricks, their walk, and the parts themselves.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "octavo/codec/grey_brick.h"
+
+namespace octavo::grey {
+
+inline constexpr std::size_t kFewSamples = 200;  ///< too few to learn the weights of a class
+
+/// A training brick as 16-bit samples; of a wider range the highest 16 bits.
+struct Lesson {
+  BrickShape shape;
+  AnalyzedBrick<std::int16_t> brick;
+};
+
+/// The non-uniform ones of `bricks`.
+std::vector<Lesson> make_lessons(std::span<const TrainingBrick> bricks);
+
+/// At most `count` lessons, spread evenly but out of step with the brick grid.
+std::vector<const Lesson*> spread(const std::vector<Lesson>& lessons, std::size_t count);
+
+/// A reproducible thinning: keeps about `wanted` of `total` items.
+class Thinning {
+ public:
+  Thinning(std::int64_t wanted, std::int64_t total, std::uint32_t seed)
+      : limit_(wanted >= total
+                   ? ~0u
+                   : static_cast<std::uint32_t>(wanted * (std::int64_t{1} << 32) / total)),
+        state_(seed * 2654435761u + 12345u) {}
+  bool keeps_next() {
+    state_ = state_ * 1664525u + 1013904223u;
+    return (state_ ^ state_ >> 15) <= limit_;
+  }
+
+ private:
+  std::uint32_t limit_;
+  std::uint32_t state_;
+};
+
+/// The samples of the level above `level` as the encoder's walk has them, ready in the work space.
+void load_level(Workspace<std::int16_t>& work, const Lesson& lesson, int level);
+
+/// Runs a level of a lesson through its splits as the encoder does; `learn(stage, work)` is called
+/// after each, when work.residuals holds the residuals of all pairs and work.fine the samples.
+template <class Learn>
+void walk_level(const Parameters& p, const Lesson& lesson, int level, Learn&& learn) {
+  Workspace<std::int16_t>& work = thread_workspace<std::int16_t>();
+  load_level(work, lesson, level);
+  run_level(work, lesson.shape, lesson.brick.scale, p.predictor, level, lesson.brick.cells_or_null(),
+            [&](const Stage& stage, const Split& split) {
+              const auto& samples =
+                  lesson.brick
+                      .steps[static_cast<std::size_t>(level)][static_cast<std::size_t>(split.axis)];
+              if (stage.pairs.voxel_count() == 0) return;
+              load_details(work, stage,
+                           Truth<std::int16_t>{samples.data(), split.fine_size});
+              stage_functions().narrow.predict(p, stage, work);
+              learn(stage, work);
+            });
+}
+
+/// In-brick levels whose details use the weights of a group.
+constexpr int levels_of_group(int group) { return group < 2 ? 1 : kTierLevels; }
+
+/// Learns p.context_weights; needs the weights of the prediction.
+void learn_contexts(Parameters& p, const std::vector<const Lesson*>& lessons);
+
+/// Learns p.frequencies; needs all weights.
+void learn_frequencies(Parameters& p, const std::vector<Lesson>& lessons);
+
+}  // namespace octavo::grey

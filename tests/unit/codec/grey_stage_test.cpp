@@ -1,0 +1,201 @@
+// The passes of a split: every instruction set of this machine against the portable one.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "octavo/codec/grey_stage.h"
+#include "octavo/codec/octant_transform.h"
+
+namespace octavo::grey {
+namespace {
+
+/// A split with everything about it drawn at random, also what no trained model would hold.
+struct RandomSplit {
+  Model model;
+  Stage stage;
+  UniformCells cells;
+  Size3 fine;
+  std::vector<std::int16_t> means;
+  std::vector<std::int32_t> details;
+};
+
+RandomSplit make_split(std::mt19937& random, const Size3& fine, int axis, Predictor predictor,
+                       int bits, bool has_cells) {
+  RandomSplit s;
+  const auto below = [&](std::uint32_t n) { return static_cast<std::int32_t>(random() % n); };
+  Parameters& p = s.model.parameters;
+  p = default_parameters();
+  p.predictor = predictor;
+  p.activity_threshold = 1 + below(1u << bits) % kMaxThreshold;
+  for (auto& group : p.weights) {
+    for (auto& along : group) {
+      for (int cls = 1; cls < kClasses; ++cls) {
+        for (auto& w : along[cls]) w = static_cast<std::int16_t>(below(bits == 16 ? 65536 : 800) - 400);
+      }
+    }
+  }
+  for (auto& group : p.mean_weights) {
+    for (auto& along : group) {
+      for (int cls = 1; cls < kClasses; ++cls) along[cls] = below(16383) - kMaxMeanWeight;
+    }
+  }
+  for (auto& group : p.context_weights) {
+    for (auto& along : group) {
+      for (auto& w : along) w = below(4) == 0 ? below(8192) : below(60);
+    }
+  }
+  build_tables(s.model);
+
+  s.fine = fine;
+  const std::int32_t range = (1 << bits) - 1;
+  std::vector<std::int16_t> truth(static_cast<std::size_t>(fine.voxel_count()));
+  for (auto& v : truth) {
+    v = static_cast<std::int16_t>(-32768 + (below(3) == 0 ? below(2) * range : below(1u << bits)));
+  }
+  s.stage.axis = axis;
+  s.stage.group = below(kGroups);
+  s.stage.set = below(kTableSets);
+  s.stage.rounding = below(2);
+  s.stage.pairs = fine;
+  s.stage.pairs[axis] /= 2;
+  s.stage.min = -32768;
+  s.stage.max = -32768 + range;
+  const auto coded = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+    if (!has_cells) return true;
+    const Size3& n = s.cells.size;
+    return s.cells.flags[static_cast<std::size_t>(((z >> 1) * n.y + (y >> 1)) * n.x + (x >> 1))] == 0;
+  };
+  if (has_cells) {
+    s.cells.size = {fine.x / 2 + 1, fine.y / 2 + 1, fine.z / 2 + 1};
+    s.cells.flags.resize(static_cast<std::size_t>(s.cells.size.voxel_count()));
+    for (auto& flag : s.cells.flags) flag = static_cast<std::uint8_t>(below(2));
+    for (int& shift : s.stage.cell_shift) shift = 1;
+  }
+  // Both samples of a pair in a uniform cell are alike.
+  const std::int64_t steps[3] = {1, fine.x, fine.x * fine.y};
+  for (std::int64_t z = 0; z < s.stage.pairs.z; ++z) {
+    for (std::int64_t y = 0; y < s.stage.pairs.y; ++y) {
+      for (std::int64_t x = 0; x < s.stage.pairs.x; ++x) {
+        const Index3 at{axis == 0 ? 2 * x : x, axis == 1 ? 2 * y : y, axis == 2 ? 2 * z : z};
+        std::int16_t* const a =
+            truth.data() + at.z * fine.x * fine.y + at.y * fine.x + at.x;
+        if (!coded(x, y, z)) a[steps[axis]] = a[0];
+        s.details.push_back(a[0] - a[steps[axis]]);
+      }
+    }
+  }
+  s.means = means_along(truth, fine, axis, s.stage.rounding);
+  return s;
+}
+
+struct Results {
+  std::vector<std::int32_t> residuals;
+  std::vector<Symbol> symbols;
+  std::vector<std::int16_t> samples;
+
+  bool operator==(const Results& other) const {
+    return residuals == other.residuals && samples == other.samples &&
+           std::ranges::equal(symbols, other.symbols, [](const Symbol& a, const Symbol& b) {
+             return a.value == b.value && a.context == b.context && a.state == b.state;
+           });
+  }
+};
+
+void load(Workspace<std::int16_t>& work, const RandomSplit& s) {
+  Size3 coarse = s.fine;
+  coarse[s.stage.axis] = (coarse[s.stage.axis] + 1) / 2;
+  work.means.set_size(coarse);
+  const std::int16_t* from = s.means.data();
+  for (std::int64_t z = 0; z < coarse.z; ++z) {
+    for (std::int64_t y = 0; y < coarse.y; ++y, from += coarse.x) {
+      std::copy_n(from, coarse.x, work.means.row(y, z));
+    }
+  }
+  work.means.fill_margins();
+  repeat_along(work.means, work.fine, s.stage.axis, s.fine);
+  for (auto& grid : work.magnitudes) grid.set_size({0, 0, 0});
+  work.residuals.set_size(s.stage.pairs);
+}
+
+std::vector<std::int16_t> pairs_of(Workspace<std::int16_t>& work, const RandomSplit& s) {
+  std::vector<std::int16_t> samples;
+  Size3 size = s.fine;
+  size[s.stage.axis] -= size[s.stage.axis] % 2;
+  for (std::int64_t z = 0; z < size.z; ++z) {
+    for (std::int64_t y = 0; y < size.y; ++y) {
+      samples.insert(samples.end(), work.fine.row(y, z), work.fine.row(y, z) + size.x);
+    }
+  }
+  return samples;
+}
+
+/// Encodes a split and decodes its segment again.
+Results run(const StageFunctions& functions, RandomSplit& s, bool has_cells) {
+  Workspace<std::int16_t> work;
+  Results results;
+  s.stage.cells = has_cells ? &s.cells : nullptr;
+  load(work, s);
+  const Size3& pairs = s.stage.pairs;
+  const std::int32_t* from = s.details.data();
+  for (std::int64_t z = 0; z < pairs.z; ++z) {
+    for (std::int64_t y = 0; y < pairs.y; ++y, from += pairs.x) {
+      std::copy_n(from, pairs.x, work.residuals.row(y, z));
+    }
+  }
+  functions.narrow.predict(s.model.parameters, s.stage, work);
+  for (std::int64_t z = 0; z < pairs.z; ++z) {
+    for (std::int64_t y = 0; y < pairs.y; ++y) {
+      const std::int32_t* const row = work.residuals.row(y, z);
+      results.residuals.insert(results.residuals.end(), row, row + pairs.x);
+    }
+  }
+  functions.narrow.list_symbols(s.model.parameters, s.stage, work, results.symbols);
+  results.samples = pairs_of(work, s);
+
+  const Bytes segment = encode_symbols(s.model, s.stage.set, results.symbols, 0);
+  const auto count = static_cast<std::int64_t>(results.symbols.size());
+  EXPECT_EQ(count, s.stage.detail_count());
+  load(work, s);
+  SymbolReader symbols(s.model, s.stage.set, segment, count, 0);
+  functions.narrow.decode(s.model.parameters, s.stage, work, symbols);
+  if (count > 0) symbols.finish();
+  EXPECT_EQ(pairs_of(work, s), results.samples);
+  return results;
+}
+
+class StagesOf : public testing::TestWithParam<std::string> {};
+
+TEST_P(StagesOf, GiveWhatThePortableOnesGive) {
+  const auto functions = stage_functions_of(GetParam());
+  if (!functions) GTEST_SKIP() << "this machine has no " << GetParam();
+  std::mt19937 random(21);
+  const Size3 sizes[] = {{64, 64, 64}, {63, 5, 7}, {2, 2, 2}, {33, 64, 9}, {48, 21, 64}, {8, 3, 40}};
+  for (const Size3& fine : sizes) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const Predictor predictor : {Predictor::neighbours, Predictor::means}) {
+        for (const int bits : {1, 5, 12, 16}) {
+          for (const bool has_cells : {false, true}) {
+            SCOPED_TRACE(testing::Message()
+                         << fine.x << "x" << fine.y << "x" << fine.z << " axis " << axis
+                         << " predictor " << static_cast<int>(predictor) << " bits " << bits
+                         << " cells " << has_cells);
+            RandomSplit split = make_split(random, fine, axis, predictor, bits, has_cells);
+            const Results expected = run(portable_stage_functions(), split, has_cells);
+            ASSERT_TRUE(run(*functions, split, has_cells) == expected);
+          }
+        }
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryInstructionSet, StagesOf,
+                         testing::Values("scalar", "sse4", "avx2", "avx512", "neon"),
+                         [](const auto& test) { return test.param; });
+
+}  // namespace
+}  // namespace octavo::grey
