@@ -11,6 +11,7 @@ set(OCTAVO_READ_SOURCES
   codec/crc32c.cpp
   codec/grey_brick.cpp
   codec/grey_codec.cpp
+  codec/grey_corrections.cpp
   codec/grey_model.cpp
   codec/grey_stage_dispatch_portable.cpp
   codec/grey_stage_portable.cpp

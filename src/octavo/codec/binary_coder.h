@@ -138,10 +138,11 @@ class BinaryDecoder {
 };
 
 /// A probability that learns from the decisions it codes: fast at first, then by 1/2^kRate.
-class AdaptiveBit {
+template <int kRate>
+class AdaptiveBitOf {
  public:
-  AdaptiveBit() = default;
-  explicit AdaptiveBit(Probability one) : one_(static_cast<std::uint16_t>(one)) {}
+  AdaptiveBitOf() = default;
+  explicit AdaptiveBitOf(Probability one) : one_(static_cast<std::uint16_t>(one)) {}
 
   Probability probability() const { return one_; }
 
@@ -153,7 +154,6 @@ class AdaptiveBit {
   }
 
  private:
-  static constexpr int kRate = 5;
   static constexpr int kFloor = 32;
   static constexpr int kCeiling = 65536 - 32;
 
@@ -161,12 +161,16 @@ class AdaptiveBit {
   std::uint8_t count_ = 0;
 };
 
-inline void put_adaptive(BinaryEncoder& coder, AdaptiveBit& model, bool bit) {
+using AdaptiveBit = AdaptiveBitOf<5>;
+
+template <int kRate>
+void put_adaptive(BinaryEncoder& coder, AdaptiveBitOf<kRate>& model, bool bit) {
   coder.put(bit, model.probability());
   model.update(bit);
 }
 
-inline bool get_adaptive(BinaryDecoder& coder, AdaptiveBit& model) {
+template <int kRate>
+bool get_adaptive(BinaryDecoder& coder, AdaptiveBitOf<kRate>& model) {
   const bool bit = coder.get(model.probability());
   model.update(bit);
   return bit;

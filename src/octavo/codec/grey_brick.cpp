@@ -25,6 +25,13 @@ std::vector<Sample> gather(const BrickView& brick, const SampleScale& scale) {
         for (std::int64_t y = 0; y < brick.size.y; ++y, out += brick.size.x) {
           const T* in =
               static_cast<const T*>(brick.voxels) + z * brick.plane_stride + y * brick.row_stride;
+          if (scale.voxel_step > 1) {
+            for (std::int64_t x = 0; x < brick.size.x; ++x) {
+              const std::int64_t code = SampleScale::code_of(in[x], scale.voxel_step);
+              out[x] = static_cast<Sample>(((code - zero) >> drop) + lowest);
+            }
+            continue;
+          }
           for (std::int64_t x = 0; x < brick.size.x; ++x) {
             out[x] = static_cast<Sample>(((in[x] - zero) >> drop) + lowest);
           }
@@ -137,8 +144,8 @@ std::vector<Split> splits_of(const BrickShape& shape, int level) {
   return splits;
 }
 
-Stage make_stage(const BrickShape& shape, const SampleScale& scale, int level, int axis,
-                 const Size3& fine_size, const UniformCells* cells) {
+Stage make_stage(const BrickShape& shape, const SampleScale& scale, const Quantizer& quantizer,
+                 int level, int axis, const Size3& fine_size, const UniformCells* cells) {
   Stage stage;
   stage.axis = axis;
   stage.group = level_group(level);
@@ -149,6 +156,11 @@ Stage make_stage(const BrickShape& shape, const SampleScale& scale, int level, i
   stage.min = scale.min_sample();
   stage.max = scale.max_sample();
   stage.shift = scale.shift();
+  if (quantizer.detail_step > 0) {
+    stage.step = detail_step_of(quantizer, level, axis);
+    stage.odd_room = stage.step > 1 ? 0 : 1;
+    stage.step_bits = bit_length(static_cast<std::uint64_t>(stage.step)) - 1;
+  }
   if (cells == nullptr || level >= 2) return stage;
   stage.cells = cells;
   for (int a = 0; a < 3; ++a) {
@@ -164,7 +176,7 @@ std::int64_t level_detail_count(const BrickShape& shape, const SampleScale& scal
                                 const UniformCells* cells) {
   std::int64_t count = 0;
   for (const Split& split : splits_of(shape, level)) {
-    count += make_stage(shape, scale, level, split.axis, split.fine_size, cells).detail_count();
+    count += make_stage(shape, scale, {}, level, split.axis, split.fine_size, cells).detail_count();
   }
   return count;
 }
@@ -218,9 +230,9 @@ ValueRange range_of(const BrickView& brick) {
 
 template <class Sample>
 AnalyzedBrick<Sample> analyze(const BrickShape& shape, const BrickView& brick,
-                              const ValueRange& range) {
+                              const SampleScale& scale) {
   AnalyzedBrick<Sample> result;
-  result.scale = SampleScale{range};
+  result.scale = scale;
   std::vector<Sample> samples = gather<Sample>(brick, result.scale);
   if (has_cells(shape)) result.cells = find_cells(shape, samples);
   result.steps.resize(static_cast<std::size_t>(shape.level_count));
@@ -243,8 +255,8 @@ AnalyzedBrick<Sample> analyze(const BrickShape& shape, const BrickView& brick,
 }
 
 template AnalyzedBrick<std::int16_t> analyze(const BrickShape&, const BrickView&,
-                                             const ValueRange&);
+                                             const SampleScale&);
 template AnalyzedBrick<std::int32_t> analyze(const BrickShape&, const BrickView&,
-                                             const ValueRange&);
+                                             const SampleScale&);
 
 }  // namespace octavo::grey

@@ -19,12 +19,23 @@
 
 namespace octavo::grey {
 
-/// How the voxels of a brick become samples.
+/// How the voxels of a brick become samples: voxels to codes (the nearest multiple of the step,
+/// divided by it; the voxels themselves when lossless), codes to samples.
 struct SampleScale {
-  ValueRange range;
+  ValueRange range;             ///< of the codes
+  std::int64_t voxel_step = 1;  ///< odd
+
+  static SampleScale of_voxels(const ValueRange& voxels, std::int64_t voxel_step) {
+    return {{code_of(voxels.min, voxel_step), code_of(voxels.max, voxel_step)}, voxel_step};
+  }
+  static std::int64_t code_of(std::int64_t voxel, std::int64_t voxel_step) {
+    const std::int64_t above = voxel + (voxel_step - 1) / 2;
+    const std::int64_t quotient = above / voxel_step;
+    return quotient - (above % voxel_step < 0);
+  }
 
   bool is_wide() const { return range.max - range.min > 0xffff; }
-  /// voxel = sample + base
+  /// code = sample + base
   std::int64_t base() const {
     return range.min + (is_wide() ? std::int64_t{1} << 31 : std::int64_t{1} << 15);
   }
@@ -35,7 +46,7 @@ struct SampleScale {
     const int bits = bit_length(static_cast<std::uint64_t>(range.max - range.min));
     return bits > 16 ? bits - 16 : 0;
   }
-  /// Bits of a voxel stored plain.
+  /// Bits of a code stored plain.
   int plain_width() const {
     return bit_length(static_cast<std::uint64_t>(range.max - range.min));
   }
@@ -57,8 +68,8 @@ UniformCells decode_cells(ByteSpan bytes, const Size3& size);
 
 /// The split along `axis` at in-brick level `level`; `fine_size` is the size of its result.
 /// cells  nullptr when no cell is flagged
-Stage make_stage(const BrickShape& shape, const SampleScale& scale, int level, int axis,
-                 const Size3& fine_size, const UniformCells* cells);
+Stage make_stage(const BrickShape& shape, const SampleScale& scale, const Quantizer& quantizer,
+                 int level, int axis, const Size3& fine_size, const UniformCells* cells);
 
 /// The axes of the splits that lead from level + 1 to level with the sizes they produce, in
 /// decoding order: z, y, x.
@@ -92,16 +103,17 @@ void load_means(Workspace<Sample>& work, const Sample* samples, const Size3& siz
 /// means.
 template <class Sample, class F>
 void run_level(Workspace<Sample>& work, const BrickShape& shape, const SampleScale& scale,
-               Predictor predictor, int level, const UniformCells* cells, F&& stage_work) {
+               const Parameters& p, int level, const UniformCells* cells, F&& stage_work) {
   for (auto& grid : work.magnitudes) grid.set_size({0, 0, 0});
   for (const Split& split : splits_of(shape, level)) {
-    if (predictor == Predictor::neighbours) {
+    if (p.predictor == Predictor::neighbours) {
       repeat_along(work.means, work.fine, split.axis, split.fine_size);
     } else {
       work.fine.set_size(split.fine_size);
     }
-    stage_work(make_stage(shape, scale, level, split.axis, split.fine_size, cells), split);
-    if (predictor == Predictor::means) copy_lone(work.means, work.fine, split.axis);
+    stage_work(make_stage(shape, scale, p.quantizer, level, split.axis, split.fine_size, cells),
+               split);
+    if (p.predictor == Predictor::means) copy_lone(work.means, work.fine, split.axis);
     work.means.swap(work.fine);
     work.means.fill_margins();
   }
@@ -113,6 +125,16 @@ struct Truth {
   const Sample* samples = nullptr;
   Size3 size;
 };
+
+/// The true detail of pair (x, y, z) of a split along `axis`.
+template <class Sample>
+Wide<Sample> true_detail(const Truth<Sample>& truth, int axis, std::int64_t x, std::int64_t y,
+                         std::int64_t z) {
+  const std::int64_t steps[3] = {1, truth.size.x, truth.size.x * truth.size.y};
+  const Sample* a = truth.samples + (axis == 2 ? 2 * z : z) * steps[2] +
+                    (axis == 1 ? 2 * y : y) * steps[1] + (axis == 0 ? 2 * x : x);
+  return static_cast<Wide<Sample>>(a[0]) - a[steps[axis]];
+}
 
 /// Puts the true details of a split into work.residuals, 0 in uniform cells.
 template <class Sample>
@@ -131,7 +153,7 @@ struct AnalyzedBrick {
   std::vector<std::array<std::vector<Sample>, 3>> steps;
   std::vector<Sample> coarsest;  ///< samples of the last in-brick level
   UniformCells cells;            ///< no flags when too few cells are uniform to pay
-  std::int64_t parent = 0;       ///< voxel value of the brick at the next tier's first level
+  std::int64_t parent = 0;       ///< code of the brick at the next tier's first level
 
   const UniformCells* cells_or_null() const { return cells.flags.empty() ? nullptr : &cells; }
 };
@@ -139,10 +161,10 @@ struct AnalyzedBrick {
 /// Smallest and largest voxel of a brick.
 ValueRange range_of(const BrickView& brick);
 
-/// Requires a range of more than one value. When Sample is 16 bits and the range is wider, samples
+/// Requires a range of more than one code. When Sample is 16 bits and the range is wider, samples
 /// keep the highest 16 bits (training only).
 template <class Sample>
 AnalyzedBrick<Sample> analyze(const BrickShape& shape, const BrickView& brick,
-                              const ValueRange& range);
+                              const SampleScale& scale);
 
 }  // namespace octavo::grey

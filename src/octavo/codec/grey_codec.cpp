@@ -1,6 +1,12 @@
 #include "octavo/codec/grey_codec.h"
 
+#include <algorithm>
+#include <cstdlib>
+#include <limits>
+#include <type_traits>
+
 #include "octavo/codec/grey_brick.h"
+#include "octavo/codec/grey_corrections.h"
 
 namespace octavo::grey {
 
@@ -38,6 +44,48 @@ std::vector<Sample> decode_plain(const SampleScale& scale, ByteSpan bytes, const
   return samples;
 }
 
+/// The voxel of a sample: a code times the voxel step, within the brick's range.
+struct VoxelScale {
+  ValueRange range;
+  std::int64_t base;
+  std::int64_t step;
+
+  VoxelScale(const SampleScale& scale, const ValueRange& voxels)
+      : range(voxels), base(scale.base()), step(scale.voxel_step) {}
+  std::int64_t operator()(std::int64_t sample) const {
+    return std::clamp((sample + base) * step, range.min, range.max);
+  }
+};
+
+/// The values that a voxel of a type can have.
+ValueRange limits_of(VoxelType type) {
+  return with_voxel_type(type, [](auto tag) -> ValueRange {
+    using T = typename decltype(tag)::type;
+    if constexpr (std::is_integral_v<T>) {
+      return {std::numeric_limits<T>::lowest(), std::numeric_limits<T>::max()};
+    } else {
+      throw Error(ErrorKind::invalid_argument, "float voxels have no grey codec");
+    }
+  });
+}
+
+/// Calls f(voxel) for the voxels of a brick in the order z, y, x.
+template <class F>
+void for_each_voxel(const BrickView& brick, F&& f) {
+  with_voxel_type(brick.type, [&](auto tag) {
+    using T = typename decltype(tag)::type;
+    if constexpr (std::is_integral_v<T>) {
+      for (std::int64_t z = 0; z < brick.size.z; ++z) {
+        for (std::int64_t y = 0; y < brick.size.y; ++y) {
+          const T* row =
+              static_cast<const T*>(brick.voxels) + z * brick.plane_stride + y * brick.row_stride;
+          for (std::int64_t x = 0; x < brick.size.x; ++x) f(std::int64_t{row[x]});
+        }
+      }
+    }
+  });
+}
+
 /// The segment of in-brick level 1 starts with the cell flags: a varint of their length, then the
 /// bytes.
 void put_cells(Bytes& segment, const BrickShape& shape, int level, const UniformCells& cells) {
@@ -47,15 +95,15 @@ void put_cells(Bytes& segment, const BrickShape& shape, int level, const Uniform
   segment.insert(segment.end(), flags.begin(), flags.end());
 }
 
+/// Segments of a brick; leaves the samples of level 0, as a decoder will have them, in the thread's
+/// work space.
 template <class Sample>
-EncodedBrick encode_samples(const Model& model, const BrickShape& shape,
-                            const AnalyzedBrick<Sample>& brick) {
-  EncodedBrick result;
-  result.range = brick.scale.range;
-  result.parent = brick.parent;
-  result.segments.resize(static_cast<std::size_t>(shape.level_count));
-  result.segments.back() = encode_plain(brick.scale, brick.coarsest);
+std::vector<Bytes> encode_samples(const Model& model, const BrickShape& shape,
+                                  const AnalyzedBrick<Sample>& brick) {
+  std::vector<Bytes> segments(static_cast<std::size_t>(shape.level_count));
+  segments.back() = encode_plain(brick.scale, brick.coarsest);
 
+  const StagePasses<Sample>& passes = stage_functions().of<Sample>();
   Workspace<Sample>& work = thread_workspace<Sample>();
   load_means(work, brick.coarsest.data(),
              shape.size[static_cast<std::size_t>(shape.level_count) - 1]);
@@ -63,40 +111,112 @@ EncodedBrick encode_samples(const Model& model, const BrickShape& shape,
   for (int level = shape.level_count - 2; level >= 0; --level) {
     const auto slot = static_cast<std::size_t>(level);
     symbols.clear();
-    run_level(work, shape, brick.scale, model.parameters.predictor, level, brick.cells_or_null(),
+    run_level(work, shape, brick.scale, model.parameters, level, brick.cells_or_null(),
               [&](const Stage& stage, const Split& split) {
                 const auto& samples = brick.steps[slot][static_cast<std::size_t>(split.axis)];
-                const StagePasses<Sample>& passes = stage_functions().of<Sample>();
                 load_details(work, stage, Truth<Sample>{samples.data(), split.fine_size});
                 passes.predict(model.parameters, stage, work);
                 passes.list_symbols(model.parameters, stage, work, symbols);
               });
-    put_cells(result.segments[slot], shape, level, brick.cells);
+    put_cells(segments[slot], shape, level, brick.cells);
     if (symbols.empty()) continue;
     const Bytes coded = encode_symbols(model, table_set(level), symbols, brick.scale.shift());
-    result.segments[slot].insert(result.segments[slot].end(), coded.begin(), coded.end());
+    segments[slot].insert(segments[slot].end(), coded.begin(), coded.end());
   }
-  return result;
+  return segments;
+}
+
+/// Puts the corrections that a quantised brick needs before its segment 0 and notes the error that
+/// is left; false when a correction would be too large.
+template <class Sample>
+bool put_corrections(EncodedBrick& encoded, const BrickView& view, const SampleScale& scale,
+                     std::int64_t step) {
+  const SampleGrid<Sample>& grid = thread_workspace<Sample>().means;
+  const VoxelScale voxel_of(scale, encoded.range);
+  const Size3& size = view.size;
+  Corrections corrections;
+  corrections.reserve(static_cast<std::size_t>(size.voxel_count()));
+  Index3 at{0, 0, 0};
+  bool fits = true;
+  for_each_voxel(view, [&](std::int64_t voxel) {
+    const std::int64_t decoded = voxel_of(grid.row(at.y, at.z)[at.x]);
+    const std::int64_t correction = SampleScale::code_of(voxel - decoded, step);
+    fits = fits && correction >= -kMaxCorrection && correction <= kMaxCorrection;
+    corrections.push_back(static_cast<std::int8_t>(correction));
+    const std::int64_t corrected =
+        std::clamp(decoded + correction * step, encoded.range.min, encoded.range.max);
+    encoded.max_error = std::max(encoded.max_error, std::abs(voxel - corrected));
+    if (++at.x == size.x) at = {0, at.y + 1, at.z};
+    if (at.y == size.y) at = {0, 0, at.z + 1};
+  });
+  Bytes segment;
+  const Bytes coded = encode_corrections(corrections, size);
+  put_varint(segment, coded.size());
+  segment.insert(segment.end(), coded.begin(), coded.end());
+  Bytes& finest = encoded.segments[0];
+  finest.insert(finest.begin(), segment.begin(), segment.end());
+  return fits;
+}
+
+/// The largest error that rounding to the voxel step leaves.
+std::int64_t rounding_error(const BrickView& view, const SampleScale& scale,
+                            const ValueRange& range) {
+  if (scale.voxel_step == 1) return 0;
+  std::int64_t most = 0;
+  for_each_voxel(view, [&](std::int64_t voxel) {
+    const std::int64_t code = SampleScale::code_of(voxel, scale.voxel_step);
+    const std::int64_t decoded = std::clamp(code * scale.voxel_step, range.min, range.max);
+    most = std::max(most, std::abs(voxel - decoded));
+  });
+  return most;
 }
 
 /// A brick that coding would enlarge is stored: all voxels plain in segment 0, the other segments
 /// empty.
 template <class Sample>
-void store_if_smaller(EncodedBrick& encoded, const BrickShape& shape, const BrickView& view,
-                      const AnalyzedBrick<Sample>& brick) {
-  std::uint64_t coded = 0;
-  for (const Bytes& segment : encoded.segments) coded += segment.size();
-  if (shape.level_count == 1 || coded < stored_bytes(brick.scale, shape.size[0])) return;
+void store(EncodedBrick& encoded, const BrickShape& shape, const BrickView& view,
+           const SampleScale& scale) {
   BrickShape flat = shape;
   flat.level_count = 1;
   for (Bytes& segment : encoded.segments) segment.clear();
-  encoded.segments[0] =
-      encode_plain(brick.scale, analyze<Sample>(flat, view, encoded.range).coarsest);
+  encoded.segments[0] = encode_plain(scale, analyze<Sample>(flat, view, scale).coarsest);
+  encoded.max_error = rounding_error(view, scale, encoded.range);
+}
+
+template <class Sample>
+EncodedBrick encode_brick(const Model& model, const BrickShape& shape, const BrickView& view,
+                          const ValueRange& voxels, const SampleScale& scale) {
+  const auto brick = analyze<Sample>(shape, view, scale);
+  const Quantizer& quantizer = model.parameters.quantizer;
+  const ValueRange possible = limits_of(view.type);
+  EncodedBrick encoded;
+  encoded.range = voxels;
+  if (quantizer.voxel_step > 1) {
+    encoded.range = {std::max(scale.range.min * scale.voxel_step, possible.min),
+                     std::min(scale.range.max * scale.voxel_step, possible.max)};
+  }
+  encoded.parent = std::clamp(brick.parent * scale.voxel_step, encoded.range.min,
+                              encoded.range.max);
+  encoded.segments = encode_samples(model, shape, brick);
+  bool is_possible = true;
+  if (quantizer.correction_step > 0 && shape.level_count > 1) {
+    is_possible = put_corrections<Sample>(encoded, view, scale, quantizer.correction_step);
+  } else {
+    encoded.max_error = rounding_error(view, scale, encoded.range);
+  }
+  std::uint64_t coded = 0;
+  for (const Bytes& segment : encoded.segments) coded += segment.size();
+  const bool is_larger = shape.level_count > 1 && coded >= stored_bytes(scale, shape.size[0]);
+  if (is_larger || !is_possible) store<Sample>(encoded, shape, view, scale);
+  return encoded;
 }
 
 template <class T, class Sample>
-void write_out(const Sample* samples, std::int64_t count, const SampleScale& scale, T* out) {
-  if constexpr (std::is_integral_v<T> && sizeof(T) <= sizeof(Sample)) {
+void write_out(const Sample* samples, std::int64_t count, const SampleScale& scale,
+               const VoxelScale* clamping, T* out) {
+  if (clamping != nullptr) {
+    for (std::int64_t i = 0; i < count; ++i) out[i] = static_cast<T>((*clamping)(samples[i]));
+  } else if constexpr (std::is_integral_v<T> && sizeof(T) <= sizeof(Sample)) {
     // Voxels are sums modulo their type.
     using Unsigned = std::make_unsigned_t<T>;
     const auto base = static_cast<Unsigned>(scale.base());
@@ -109,69 +229,112 @@ void write_out(const Sample* samples, std::int64_t count, const SampleScale& sca
   }
 }
 
+/// What a decoder needs to know of a brick.
+struct Source {
+  const Model& model;
+  const BrickShape& shape;
+  VoxelType type;
+  ValueRange range;
+  SampleScale scale;
+  std::span<const ByteSpan> segments;
+  int level;
+
+  bool is_lossless() const { return model.parameters.quantizer.is_lossless(); }
+};
+
 template <class Sample>
-void write_grid(const SampleGrid<Sample>& grid, VoxelType type, const SampleScale& scale,
-                void* out) {
-  with_voxel_type(type, [&](auto tag) {
+void write_grid(const Source& source, const SampleGrid<Sample>& grid, void* out) {
+  const VoxelScale voxel_of(source.scale, source.range);
+  with_voxel_type(source.type, [&](auto tag) {
     using T = typename decltype(tag)::type;
     T* to = static_cast<T*>(out);
     const Size3& size = grid.size();
     for (std::int64_t z = 0; z < size.z; ++z) {
-      for (std::int64_t y = 0; y < size.y; ++y, to += size.x)
-        write_out(grid.row(y, z), size.x, scale, to);
+      for (std::int64_t y = 0; y < size.y; ++y, to += size.x) {
+        write_out(grid.row(y, z), size.x, source.scale,
+                  source.is_lossless() ? nullptr : &voxel_of, to);
+      }
     }
   });
 }
 
 template <class Sample>
-void decode_stored(const BrickShape& shape, VoxelType type, const SampleScale& scale,
-                   ByteSpan segment, int level, void* out) {
-  std::vector<Sample> samples = decode_plain<Sample>(scale, segment, shape.size[0]);
-  for (int i = 0; i < level; ++i) {
+void decode_stored(const Source& source, void* out) {
+  const BrickShape& shape = source.shape;
+  std::vector<Sample> samples =
+      decode_plain<Sample>(source.scale, source.segments[0], shape.size[0]);
+  for (int i = 0; i < source.level; ++i) {
     const auto slot = static_cast<std::size_t>(i);
     samples = coarser_level(std::move(samples), shape.size[slot], shape.halving[slot],
                             shape.first_level + i);
   }
+  const VoxelScale voxel_of(source.scale, source.range);
+  with_voxel_type(source.type, [&](auto tag) {
+    using T = typename decltype(tag)::type;
+    write_out(samples.data(), static_cast<std::int64_t>(samples.size()), source.scale,
+              source.is_lossless() ? nullptr : &voxel_of, static_cast<T*>(out));
+  });
+}
+
+/// Takes the corrections off the front of segment 0.
+Corrections take_corrections(ByteSpan& segment, const Size3& size) {
+  const std::uint64_t length = take_varint(segment);
+  return decode_corrections(take_bytes(segment, length), size);
+}
+
+void apply(const Corrections& corrections, std::int64_t step, VoxelType type,
+           const ValueRange& range, void* out) {
   with_voxel_type(type, [&](auto tag) {
     using T = typename decltype(tag)::type;
-    write_out(samples.data(), static_cast<std::int64_t>(samples.size()), scale,
-              static_cast<T*>(out));
+    T* const voxels = static_cast<T*>(out);
+    for (std::size_t i = 0; i < corrections.size(); ++i) {
+      if (corrections[i] == 0) continue;
+      const auto moved = static_cast<std::int64_t>(voxels[i]) + corrections[i] * step;
+      voxels[i] = static_cast<T>(std::clamp(moved, range.min, range.max));
+    }
   });
 }
 
 template <class Sample>
-void decode_samples(const Model& model, const BrickShape& shape, VoxelType type,
-                    const SampleScale& scale, std::span<const ByteSpan> segments, int level,
-                    void* out) {
+void decode_samples(const Source& source, void* out) {
+  const BrickShape& shape = source.shape;
+  const Parameters& parameters = source.model.parameters;
   const auto last = static_cast<std::size_t>(shape.level_count) - 1;
   const std::vector<Sample> coarsest =
-      decode_plain<Sample>(scale, segments[last], shape.size[last]);
+      decode_plain<Sample>(source.scale, source.segments[last], shape.size[last]);
   Workspace<Sample>& work = thread_workspace<Sample>();
   load_means(work, coarsest.data(), shape.size[last]);
   UniformCells cells;
-  for (int at = static_cast<int>(last) - 1; at >= level; --at) {
-    ByteSpan segment = segments[static_cast<std::size_t>(at)];
+  Corrections corrections;
+  for (int at = static_cast<int>(last) - 1; at >= source.level; --at) {
+    ByteSpan segment = source.segments[static_cast<std::size_t>(at)];
+    if (at == 0 && parameters.quantizer.correction_step > 0) {
+      corrections = take_corrections(segment, shape.size[0]);
+    }
     if (at == 1 && has_cells(shape)) {
       const std::uint64_t length = take_varint(segment);
       cells = decode_cells(take_bytes(segment, length), shape.size[2]);
     }
     const UniformCells* flagged = cells.flags.empty() ? nullptr : &cells;
-    const std::int64_t details = level_detail_count(shape, scale, at, flagged);
+    const std::int64_t details = level_detail_count(shape, source.scale, at, flagged);
     if (details == 0) {
       if (!segment.empty())
         throw Error(ErrorKind::corrupt, "a segment without details is not empty");
-      run_level(work, shape, scale, Predictor::neighbours, at, flagged,
+      run_level(work, shape, source.scale, Parameters{}, at, flagged,
                 [&](const Stage&, const Split&) {});
       continue;
     }
-    SymbolReader symbols(model, table_set(at), segment, details, scale.shift());
-    run_level(work, shape, scale, model.parameters.predictor, at, flagged,
+    SymbolReader symbols(source.model, table_set(at), segment, details, source.scale.shift());
+    run_level(work, shape, source.scale, parameters, at, flagged,
               [&](const Stage& stage, const Split&) {
-      stage_functions().of<Sample>().decode(model.parameters, stage, work, symbols);
-    });
+                stage_functions().of<Sample>().decode(parameters, stage, work, symbols);
+              });
     symbols.finish();
   }
-  write_grid(work.means, type, scale, out);
+  write_grid(source, work.means, out);
+  if (source.level == 0) {
+    apply(corrections, parameters.quantizer.correction_step, source.type, source.range, out);
+  }
 }
 
 }  // namespace
@@ -184,22 +347,23 @@ GreyCodec::GreyCodec(const Parameters& parameters) {
 }
 
 EncodedBrick GreyCodec::encode(const BrickShape& shape, const BrickView& view) const {
-  const ValueRange range = range_of(view);
-  if (range.min == range.max) {
-    return {range, range.min, 0, std::vector<Bytes>(static_cast<std::size_t>(shape.level_count))};
+  const Quantizer& quantizer = model_->parameters.quantizer;
+  const ValueRange voxels = range_of(view);
+  const std::int64_t allowed =
+      (std::max<std::int64_t>({quantizer.voxel_step, quantizer.correction_step, 1}) - 1) / 2;
+  if (voxels.max - voxels.min <= 2 * allowed) {
+    const std::int64_t middle = voxels.min + (voxels.max - voxels.min) / 2;
+    return {{middle, middle}, middle, voxels.max - middle,
+            std::vector<Bytes>(static_cast<std::size_t>(shape.level_count))};
   }
-  return with_sample_type(SampleScale{range}, [&](auto sample) {
-    using Sample = decltype(sample);
-    const auto brick = analyze<Sample>(shape, view, range);
-    EncodedBrick encoded = encode_samples(*model_, shape, brick);
-    store_if_smaller(encoded, shape, view, brick);
-    return encoded;
+  const SampleScale scale = SampleScale::of_voxels(voxels, quantizer.voxel_step);
+  return with_sample_type(scale, [&](auto sample) {
+    return encode_brick<decltype(sample)>(*model_, shape, view, voxels, scale);
   });
 }
 
 void GreyCodec::decode(const BrickShape& shape, VoxelType type, const ValueRange& range,
                        std::span<const ByteSpan> segments, int level, void* out) const {
-  const SampleScale scale{range};
   const std::int64_t count = shape.size[static_cast<std::size_t>(level)].voxel_count();
   if (range.min == range.max) {
     with_voxel_type(type, [&](auto tag) {
@@ -208,15 +372,20 @@ void GreyCodec::decode(const BrickShape& shape, VoxelType type, const ValueRange
     });
     return;
   }
-  with_sample_type(scale, [&](auto sample) {
+  const Quantizer& quantizer = model_->parameters.quantizer;
+  const Source source{*model_,  shape,
+                      type,     range,
+                      SampleScale::of_voxels(range, quantizer.voxel_step),
+                      segments, level};
+  with_sample_type(source.scale, [&](auto sample) {
     using Sample = decltype(sample);
     const bool is_stored = shape.level_count > 1 && segments.back().empty();
     const auto holds_bytes = [](ByteSpan segment) { return !segment.empty(); };
     if (is_stored && std::any_of(segments.begin() + 1, segments.end(), holds_bytes)) {
       throw Error(ErrorKind::corrupt, "a stored brick has more than one segment");
     }
-    if (is_stored) decode_stored<Sample>(shape, type, scale, segments[0], level, out);
-    else decode_samples<Sample>(*model_, shape, type, scale, segments, level, out);
+    if (is_stored) decode_stored<Sample>(source, out);
+    else decode_samples<Sample>(source, out);
   });
 }
 

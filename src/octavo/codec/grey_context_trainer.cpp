@@ -133,11 +133,11 @@ Counts count_tokens(const Parameters& p, const std::vector<Lesson>& lessons) {
     std::vector<Symbol> symbols;
     for (int level = 0; level + 1 < lesson.shape.level_count; ++level) {
       symbols.clear();
-      walk_level(p, lesson, level, [&](const Stage& stage, Workspace<std::int16_t>& work) {
+      walk_level(p, lesson, level, [&](const Stage& stage, Workspace<std::int16_t>& work, const auto&) {
         stage_functions().narrow.list_symbols(p, stage, work, symbols);
       });
       for (const Symbol& s : symbols) {
-        const auto token = token_of(static_cast<std::uint32_t>(s.value >> plain_bits(s.context)));
+        const auto token = token_of(static_cast<std::uint32_t>(s.value >> s.low_bits));
         ++by_lesson[i][static_cast<std::size_t>(table_set(level))][s.context]
                    [static_cast<std::size_t>(token)];
       }
@@ -193,7 +193,7 @@ void learn_contexts(Parameters& p, const std::vector<const Lesson*>& lessons) {
     const Lesson& lesson = *lessons[i];
     std::vector<Symbol> symbols;
     for (int level = 0; level + 1 < lesson.shape.level_count; ++level) {
-      walk_level(p, lesson, level, [&](const Stage& stage, Workspace<std::int16_t>& work) {
+      walk_level(p, lesson, level, [&](const Stage& stage, Workspace<std::int16_t>& work, const auto&) {
         // Listing leaves the magnitudes that features look at.
         symbols.clear();
         stage_functions().narrow.list_symbols(p, stage, work, symbols);

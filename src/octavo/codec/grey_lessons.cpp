@@ -4,15 +4,15 @@
 
 namespace octavo::grey {
 
-std::vector<Lesson> make_lessons(std::span<const TrainingBrick> bricks) {
+std::vector<Lesson> make_lessons(std::span<const TrainingBrick> bricks, std::int64_t voxel_step) {
   std::vector<Lesson> lessons(bricks.size());
   tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
-    const ValueRange range = range_of(bricks[i].view);
-    if (range.min == range.max) return;
-    lessons[i] = {bricks[i].shape, analyze<std::int16_t>(bricks[i].shape, bricks[i].view, range)};
-    const SampleScale scale{range};
+    const SampleScale scale = SampleScale::of_voxels(range_of(bricks[i].view), voxel_step);
+    if (scale.range.min == scale.range.max) return;
+    lessons[i] = {bricks[i].shape, analyze<std::int16_t>(bricks[i].shape, bricks[i].view, scale)};
     if (scale.is_wide()) {
-      lessons[i].brick.scale = SampleScale{{0, (range.max - range.min) >> scale.shift()}};
+      lessons[i].brick.scale =
+          SampleScale{{0, (scale.range.max - scale.range.min) >> scale.shift()}, 1};
     }
   });
   std::erase_if(lessons, [](const Lesson& lesson) { return lesson.shape.level_count < 2; });

@@ -9,6 +9,7 @@ namespace octavo::grey {
 
 namespace {
 
+constexpr std::uint8_t kLossyFlag = 2;
 constexpr int kMaxGolombBits = 24;
 
 /// Adaptive Exp-Golomb: the count of significant bits in unary, the leading bits adaptively, the
@@ -189,7 +190,14 @@ void build_tables(Model& model) {
 
 Bytes serialize(const Parameters& parameters) {
   Bytes out;
-  out.push_back(static_cast<std::uint8_t>(parameters.predictor));
+  const Quantizer& quantizer = parameters.quantizer;
+  const std::uint8_t is_lossy = quantizer.is_lossless() ? 0 : kLossyFlag;
+  out.push_back(static_cast<std::uint8_t>(static_cast<std::uint8_t>(parameters.predictor) | is_lossy));
+  if (is_lossy != 0) {
+    put_varint(out, static_cast<std::uint64_t>(quantizer.voxel_step));
+    put_varint(out, static_cast<std::uint64_t>(quantizer.detail_step));
+    put_varint(out, static_cast<std::uint64_t>(quantizer.correction_step));
+  }
   put_varint(out, static_cast<std::uint64_t>(parameters.activity_threshold));
   out.push_back(static_cast<std::uint8_t>(parameters.weight_step));
   BinaryEncoder coder(out);
@@ -225,9 +233,30 @@ Bytes serialize(const Parameters& parameters) {
   return out;
 }
 
+namespace {
+
+/// A model with a maximum error rounds voxels, or rounds details and corrects voxels.
+Quantizer parse_quantizer(ByteSpan& bytes) {
+  const std::uint64_t voxel_step = take_varint(bytes);
+  const std::uint64_t detail_step = take_varint(bytes);
+  const std::uint64_t correction_step = take_varint(bytes);
+  const bool rounds_voxels = voxel_step > 1;
+  if (voxel_step > kMaxVoxelStep || voxel_step % 2 == 0 || detail_step > kMaxDetailStep ||
+      correction_step > kMaxVoxelStep || rounds_voxels == (detail_step > 0) ||
+      (correction_step > 0) != (detail_step > 0)) {
+    throw Error(ErrorKind::corrupt, "model: bad steps");
+  }
+  return {static_cast<std::int64_t>(voxel_step), static_cast<std::int32_t>(detail_step),
+          static_cast<std::int64_t>(correction_step)};
+}
+
+}  // namespace
+
 Parameters parse_parameters(ByteSpan bytes) {
   Parameters p;
-  const std::uint8_t predictor = take_bytes(bytes, 1).front();
+  const std::uint8_t kind = take_bytes(bytes, 1).front();
+  if ((kind & kLossyFlag) != 0) p.quantizer = parse_quantizer(bytes);
+  const std::uint8_t predictor = kind & ~kLossyFlag;
   if (predictor > 1) throw Error(ErrorKind::corrupt, "model: unknown predictor");
   p.predictor = static_cast<Predictor>(predictor);
   const std::uint64_t threshold = take_varint(bytes);

@@ -43,11 +43,12 @@ constexpr int centre_tap(int axis) { return axis == 0 ? 8 : axis == 1 ? 2 * 8 + 
 constexpr int level_group(int in_brick_level) { return in_brick_level < 2 ? in_brick_level : 2; }
 constexpr int table_set(int in_brick_level) { return in_brick_level == 0 ? 0 : 1; }
 
-/// Low bits of a residual that a context stores plain: few enough that tokens from
+/// Low bits of a residual that a context stores plain, when residuals come in steps of 2^step_bits
+/// or more: few enough that tokens from
 /// kDirectTokens on are rare, and at most kMaxPlainBits.
 inline constexpr int kMaxPlainBits = 7;
-constexpr int plain_bits(int context) {
-  const int bits = (context % kMagnitudes) / 2 - 6;
+constexpr int plain_bits(int context, int step_bits) {
+  const int bits = (context % kMagnitudes) / 2 - 6 - step_bits;
   return bits > kMaxPlainBits ? kMaxPlainBits : bits > 0 ? bits : 0;
 }
 
@@ -79,8 +80,32 @@ enum class Predictor : std::uint8_t {
   means = 1        ///< the step between the two means beside the pair
 };
 
+/// How a model with a maximum error leaves out precision. All off: lossless.
+struct Quantizer {
+  /// Voxels are first brought to the nearest multiple of this odd number.
+  std::int64_t voxel_step = 1;
+  /// Step of a coefficient of the orthonormal transform, Q8; 0: details are exact.
+  std::int32_t detail_step = 0;
+  /// Decoded voxels are corrected by multiples of this; 0: never.
+  std::int64_t correction_step = 0;
+
+  bool is_lossless() const { return voxel_step == 1 && detail_step == 0; }
+};
+inline constexpr std::int64_t kMaxVoxelStep = (std::int64_t{1} << 32) - 1;
+inline constexpr std::int32_t kMaxDetailStep = 1 << 23;
+
+/// The step of details of the split along `axis` at an in-brick level: a detail is sqrt(2) times
+/// its coefficient, which weighs sqrt(2) more with every split from the finest on.
+constexpr std::int32_t detail_step_of(const Quantizer& quantizer, int in_brick_level, int axis) {
+  const int split = 3 * in_brick_level + axis;
+  const std::int64_t factor = (split % 2 == 0 ? 46341 : 32768) >> split / 2;  // Q15
+  const std::int64_t step = (quantizer.detail_step * factor + (1 << 22)) >> 23;
+  return step < 1 ? 1 : static_cast<std::int32_t>(step);
+}
+
 struct Parameters {
   Predictor predictor = Predictor::neighbours;
+  Quantizer quantizer;
   std::int32_t activity_threshold = 8;
   /// Weights are multiples of 2^weight_step.
   int weight_step = 3;

@@ -58,6 +58,9 @@ void close_cells(const Stage& stage, const std::uint8_t* cells, Limit* limits) {
   }
 }
 
+/// What is added to a residual's magnitude before it is cut down to a multiple of the step.
+constexpr std::int32_t rounding_bias(std::int32_t step) { return step * 3 / 8; }
+
 /// The margins of a row of magnitudes that contexts look at.
 inline void fill_margins(std::int16_t* magnitudes, std::int64_t count) {
   magnitudes[-1] = magnitudes[-2] = magnitudes[0];
@@ -106,6 +109,13 @@ struct Passes {
     if (coded < count) std::fill_n(residuals, count, Int{0});
     if (coded > 0) {
       Kernel::take_row(symbols, work.contexts.row(y, z), work.row.order, coded, count, residuals);
+    }
+    if (stage.step > 1) {
+      using Unsigned = std::make_unsigned_t<Int>;
+      for (int x = 0; x < count; ++x) {
+        residuals[x] = static_cast<Int>(static_cast<Unsigned>(residuals[x]) *
+                                        static_cast<Unsigned>(stage.step));
+      }
     }
     std::int16_t* const magnitudes = work.magnitudes[stage.axis].row(y, z);
     Kernel::keep_magnitudes(residuals, count, stage.shift, magnitudes);
@@ -171,7 +181,9 @@ struct Passes {
         const std::uint16_t* const context = work.contexts.row(y, z);
         for (int i = 0; i < coded; ++i) {
           const int x = work.row.order[i];
-          symbols.push_back({zigzag(residuals[x]), static_cast<std::uint8_t>(context[x] & 0xff),
+          const Int value = stage.step > 1 ? residuals[x] / stage.step : residuals[x];
+          symbols.push_back({zigzag(value), static_cast<std::uint8_t>(context[x] & 0xff),
+                             static_cast<std::uint8_t>(context[x] >> 8),
                              static_cast<std::uint8_t>(i % kMaxStates)});
         }
       }
@@ -194,7 +206,7 @@ struct PortableKernel {
                        int coded, int count, Int* residuals) {
     for (int i = 0; i < coded; ++i) {
       const int x = coded < count ? order[i] : i;
-      residuals[x] = static_cast<Int>(symbols.take(i, contexts[x] & 0xff));
+      residuals[x] = static_cast<Int>(symbols.take(i, contexts[x]));
     }
     symbols.expect_inside();
   }

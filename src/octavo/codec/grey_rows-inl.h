@@ -62,6 +62,7 @@ inline void features_of_row(const Parameters& p, const Stage& stage,
   const Halves max = hn::Xor(set(stage.max), flip);
   const Halves most = set(kMaxFeature);
   const Halves one = set(1);
+  const Halves odd_room = set(stage.odd_room);
   const auto sample = [&](std::int64_t at) { return hn::LoadU(kSignedHalves, m + at); };
   constexpr int kLanes = static_cast<int>(hn::MaxLanes(kHalves));
   for (int x = 0; x < stage.pairs.x; x += kLanes) {
@@ -84,7 +85,7 @@ inline void features_of_row(const Parameters& p, const Stage& stage,
                                     hn::Add(is_at_least(g, threshold), is_at_least(g, fourfold)));
     const Halves level = hn::Xor(hn::BitCast(kHalves, c), flip);
     const Halves room = hn::Min(hn::SaturatedSub(level, min), hn::SaturatedSub(max, level));
-    const Halves limit = hn::Add(hn::Add(room, room), one);
+    const Halves limit = hn::Add(hn::Add(room, room), odd_room);
     const hn::Rebind<std::uint8_t, decltype(kHalves)> bytes;
     hn::StoreU(hn::DemoteTo(bytes, hn::BitCast(kSignedHalves, activity)), bytes, activities + x);
     hn::StoreU(limit, kHalves, row.limit + x);
@@ -112,7 +113,7 @@ HWY_INLINE SignedSums add_products(SignedHalves a, SignedHalves b, SignedSums su
 }
 
 /// Foreseen magnitudes (Q8) to contexts with their plain bits, see the portable `context_of`.
-HWY_INLINE SignedSums contexts_of(SignedSums foreseen, SignedSums limit) {
+HWY_INLINE SignedSums contexts_of(SignedSums foreseen, SignedSums limit, SignedSums free_bits) {
   const auto set = [](std::int32_t value) { return hn::Set(kSignedSums, value); };
   const auto is_limited =
       hn::Gt(foreseen, hn::ShiftLeft<7>(hn::Sub(limit, set(1))));
@@ -121,7 +122,7 @@ HWY_INLINE SignedSums contexts_of(SignedSums foreseen, SignedSums limit) {
   const auto half_octave =
       hn::Min(hn::Sub(hn::ShiftRight<22>(hn::BitCast(kSignedSums, value)), set(260)),
               set(kMagnitudes - 1));
-  const auto plain = hn::Min(hn::Max(hn::Sub(hn::ShiftRight<1>(half_octave), set(6)), set(0)),
+  const auto plain = hn::Min(hn::Max(hn::Sub(hn::ShiftRight<1>(half_octave), free_bits), set(0)),
                              set(kMaxPlainBits));
   return hn::Add(hn::Add(half_octave, hn::IfThenElseZero(is_limited, set(kMagnitudes))),
                  hn::ShiftLeft<8>(plain));
@@ -129,8 +130,10 @@ HWY_INLINE SignedSums contexts_of(SignedSums foreseen, SignedSums limit) {
 
 /// kLooksUp: whether the row above counts.
 template <bool kLooksUp>
-void contexts_of_row(const std::int32_t* w, int count, const MagnitudeRows& near,
+void contexts_of_row(const std::int32_t* w, const Stage& stage, const MagnitudeRows& near,
                      const RowBuffers& row, std::uint16_t* out) {
+  const int count = static_cast<int>(stage.pairs.x);
+  const SignedSums free_bits = hn::Set(kSignedSums, 6 + stage.step_bits);
   const auto pair = [w](int k) {
     const auto low = static_cast<std::uint32_t>(w[k]);
     const auto high = static_cast<std::uint32_t>(w[k + 1]) << 16;
@@ -170,11 +173,35 @@ void contexts_of_row(const std::int32_t* w, int count, const MagnitudeRows& near
     const auto wide = [&](Halves v) HWY_ATTR { return hn::BitCast(kSignedSums, v); };
     const auto contexts = hn::ReorderDemote2To(
         kSignedHalves,
-        contexts_of(lower, wide(hn::InterleaveLower(kHalves, limit, zero))),
-        contexts_of(upper, wide(hn::InterleaveUpper(kHalves, limit, zero))));
+        contexts_of(lower, wide(hn::InterleaveLower(kHalves, limit, zero)), free_bits),
+        contexts_of(upper, wide(hn::InterleaveUpper(kHalves, limit, zero)), free_bits));
     hn::StoreU(hn::BitCast(kHalves, contexts), kHalves, out + x);
   }
 }
+
+/// Residuals to multiples of a step, see the portable `quantized`.
+template <class D>
+class StepQuantizer {
+ public:
+  explicit HWY_INLINE StepQuantizer(std::int32_t step)
+      : step_(step),
+        inverse_(hn::Set(kReals, 1.0f / static_cast<float>(step))),
+        bias_(hn::Set(D(), rounding_bias(step))) {}
+
+  HWY_INLINE hn::Vec<D> operator()(hn::Vec<D> residual) const {
+    if (step_ == 1) return residual;
+    const auto magnitude = hn::Add(hn::Abs(residual), bias_);
+    const auto count = hn::ConvertTo(D(), hn::Mul(hn::ConvertTo(kReals, magnitude), inverse_));
+    const auto multiple = hn::Mul(count, hn::Set(D(), step_));
+    return hn::IfThenElse(hn::Lt(residual, hn::Zero(D())), hn::Neg(multiple), multiple);
+  }
+
+ private:
+  static constexpr hn::RebindToFloat<D> kReals{};
+  std::int32_t step_;
+  hn::Vec<hn::RebindToFloat<D>> inverse_;
+  hn::Vec<D> bias_;
+};
 
 /// For every set of lanes that need a word: which of the next words each of them gets.
 struct WordPlaces {
@@ -278,6 +305,7 @@ void reconstruct_from_means(const Parameters& p, const Stage& stage,
   const auto widen = [&](const std::int16_t* from) HWY_ATTR {
     return hn::PromoteTo(ints, hn::LoadU(shorts, from));
   };
+  const StepQuantizer<decltype(ints)> quantizer(stage.step);
   for (int x = 0; x < stage.pairs.x; x += kLanes) {
     const auto mean = widen(means + x);
     const auto gradient = hn::Sub(widen(means + x - kStep), widen(means + x + kStep));
@@ -292,7 +320,12 @@ void reconstruct_from_means(const Parameters& p, const Stage& stage,
     const auto prediction = hn::Min(hn::Max(hn::ShiftRight<kWeightBits>(sum), lowest), limit);
     auto detail = hn::LoadU(ints, residuals + x);
     if constexpr (kIsEncoding) {
-      hn::StoreU(hn::Sub(detail, prediction), ints, residuals + x);
+      detail = hn::Min(hn::Max(detail, lowest), limit);
+      const auto residual = quantizer(hn::Sub(detail, prediction));
+      hn::StoreU(residual, ints, residuals + x);
+      if (stage.step > 1) {
+        detail = hn::Min(hn::Max(hn::Add(prediction, residual), lowest), limit);
+      }
     } else {
       detail = hn::Min(hn::Max(hn::Add(prediction, detail), lowest), limit);
     }
@@ -406,7 +439,7 @@ inline void take_residuals(SymbolReader& symbols, std::uint16_t* contexts,
   symbols.words = words;
   symbols.plain_at = plain_at;
   for (; i < coded; ++i) {
-    residuals[i] = static_cast<std::int32_t>(symbols.take(i, contexts[i] & 0xff));
+    residuals[i] = static_cast<std::int32_t>(symbols.take(i, contexts[i]));
   }
   symbols.expect_inside();
   if (coded < count) scatter_coded(order, coded, count, residuals);

@@ -39,6 +39,11 @@ struct Stage {
   std::int64_t min = 0;       ///< value range of the brick, in samples
   std::int64_t max = 0;
   int shift = 0;              ///< magnitudes are measured in units of 2^shift
+  std::int32_t step = 1;      ///< residuals are multiples of it
+  /// A detail is at most twice the room between the mean and the range, and this more. True details
+  /// need 1; quantised ones would leave the range by one.
+  int odd_room = 1;
+  int step_bits = 0;          ///< the logarithm of step, rounded down
   const UniformCells* cells = nullptr;  ///< nullptr: every pair is coded
   int cell_shift[3] = {0, 0, 0};        ///< pair coordinate >> shift = cell coordinate
 
@@ -115,7 +120,8 @@ template <class Sample>
 struct StagePasses {
   /// Takes the residuals off `symbols` and completes the fine grid.
   void (*decode)(const Parameters&, const Stage&, Workspace<Sample>&, SymbolReader&);
-  /// Turns the details in `residuals` into residuals and completes the fine grid.
+  /// Turns the details in `residuals` into residuals, brought to multiples of the step, and
+  /// completes the fine grid as a decoder will have it.
   void (*predict)(const Parameters&, const Stage&, Workspace<Sample>&);
   /// Appends the residuals of coded pairs with their contexts.
   void (*list_symbols)(const Parameters&, const Stage&, Workspace<Sample>&, std::vector<Symbol>&);

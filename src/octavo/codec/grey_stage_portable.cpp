@@ -50,6 +50,16 @@ Wide<Sample> predict_from_means(const Sample* means, std::int64_t along, std::in
   return rounded_weights<Int>(gradient * weight);
 }
 
+/// The multiple of a step closest to a residual, with a bias towards 0: small ones cost less.
+template <class Int>
+Int quantized(Int residual, std::int32_t step) {
+  using Real = std::conditional_t<sizeof(Int) == 4, float, double>;
+  const Int magnitude = residual < 0 ? -residual : residual;
+  const auto count = static_cast<Int>(static_cast<Real>(magnitude + rounding_bias(step)) *
+                                      (Real{1} / static_cast<Real>(step)));
+  return residual < 0 ? -count * step : count * step;
+}
+
 template <int kAxis, bool kIsEncoding, class Sample>
 void reconstruct_row_along(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
                            std::int64_t y, std::int64_t z) {
@@ -73,8 +83,13 @@ void reconstruct_row_along(const Parameters& p, const Stage& stage, Workspace<Sa
     const Int expected = std::clamp<Int>(prediction, -limit, limit);
     Int detail;
     if constexpr (kIsEncoding) {
-      detail = residuals[x];
+      // The means of quantised details leave other room than the true ones.
+      detail = std::clamp<Int>(residuals[x], -limit, limit);
       residuals[x] = detail - expected;
+      if (stage.step > 1) {
+        residuals[x] = quantized(residuals[x], stage.step);
+        detail = std::clamp<Int>(expected + residuals[x], -limit, limit);
+      }
     } else {
       // A true detail is within the limit; a damaged one is brought there, so that nothing
       // overflows.
@@ -118,7 +133,7 @@ void PortableKernel<Sample>::row_features(const Parameters& p, const Stage& stag
     activities[x] = static_cast<std::uint8_t>((g > 0) + (g >= threshold / 4) + (g >= threshold) +
                                               (g >= 4 * threshold));
     const Int room = std::max<Int>(std::min(c - min, max - c), 0);
-    limits[x] = static_cast<Limit<Sample>>(2 * room + 1);
+    limits[x] = static_cast<Limit<Sample>>(2 * room + stage.odd_room);
     work.row.limit[x] = static_cast<std::uint16_t>(limits[x] >> shift);
     work.row.gradient_along[x] = feature(e0);
     work.row.curvature_along[x] = feature(step(before + after));
@@ -140,7 +155,7 @@ void PortableKernel<Sample>::row_contexts(const Parameters& p, const Stage& stag
         w[12] * near.back[x - 1] + w[13] * near.back[x + 1] + w[14] * near.back_up[x] +
         w[15] * near.back_down[x];
     const int context = context_of(foreseen, row.limit[x]);
-    contexts[x] = static_cast<std::uint16_t>(context | plain_bits(context) << 8);
+    contexts[x] = static_cast<std::uint16_t>(context | plain_bits(context, stage.step_bits) << 8);
   }
 }
 

@@ -38,9 +38,8 @@ struct Kernel {
   static void row_contexts(const Parameters& p, const Stage& stage, const MagnitudeRows& near,
                            const RowBuffers& row, std::uint16_t* contexts) {
     const std::int32_t* const weights = p.context_weights[stage.group][stage.axis];
-    const int count = static_cast<int>(stage.pairs.x);
-    if (p.predictor == Predictor::means) contexts_of_row<false>(weights, count, near, row, contexts);
-    else contexts_of_row<true>(weights, count, near, row, contexts);
+    if (p.predictor == Predictor::means) contexts_of_row<false>(weights, stage, near, row, contexts);
+    else contexts_of_row<true>(weights, stage, near, row, contexts);
   }
   static void take_row(SymbolReader& symbols, std::uint16_t* contexts, const std::uint8_t* order,
                        int coded, int count, std::int32_t* residuals) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string_view>
 
 #include "octavo/codec/grey_codec.h"
@@ -22,6 +23,9 @@ constexpr std::int64_t kTapSamples[kGroups] = {60000, 30000, 15000};
 constexpr std::int32_t kMaxDifference = 32000;
 constexpr int kWeightStep = 3;
 constexpr double kTapRidge = 1e-4;
+constexpr std::size_t kTrialBricks = 8;  ///< bricks that ways to quantise are compared on
+/// Steps of an orthonormal coefficient to try, in tenths of the maximum error.
+constexpr int kDetailSteps[] = {14, 16, 18, 22};
 
 /// Six times the median non-zero step between neighbours along x.
 std::int32_t learn_threshold(const std::vector<Lesson>& lessons) {
@@ -62,8 +66,8 @@ TapRowState state_of(int axis, int r) {
 }
 
 /// Takes about `wanted` samples from a split whose samples are known.
-void take_samples(const Stage& stage, Workspace<std::int16_t>& work, Thinning thinning,
-                  ClassSamples& samples) {
+void take_samples(const Stage& stage, Workspace<std::int16_t>& work,
+                  const Truth<std::int16_t>& truth, Thinning thinning, ClassSamples& samples) {
   static thread_local SampleGrid<std::int16_t> ahead;
   repeat_along(work.means, ahead, stage.axis, work.fine.size());
   const int axis = stage.axis;
@@ -89,7 +93,7 @@ void take_samples(const Stage& stage, Workspace<std::int16_t>& work, Thinning th
                 std::clamp(tap - mean, -kMaxDifference, kMaxDifference)));
           }
         }
-        s.details.push_back(decoded[0] - decoded[pair_step<std::int16_t>(axis)]);
+        s.details.push_back(true_detail(truth, axis, x, y, z));
       }
     }
   }
@@ -156,8 +160,9 @@ void learn_weights(Parameters& p, const std::vector<const Lesson*>& lessons, int
     const std::int64_t wanted = kTapSamples[group] / static_cast<std::int64_t>(lessons.size());
     for (int level = group; level < group + levels_of_group(group); ++level) {
       if (level + 1 >= lesson.shape.level_count) break;
-      walk_level(p, lesson, level, [&](const Stage& stage, Workspace<std::int16_t>& work) {
-        take_samples(stage, work,
+      walk_level(p, lesson, level, [&](const Stage& stage, Workspace<std::int16_t>& work,
+                                   const Truth<std::int16_t>& truth) {
+        take_samples(stage, work, truth,
                      Thinning(wanted, stage.pairs.voxel_count(), static_cast<std::uint32_t>(i) + 1),
                      by_lesson[i][static_cast<std::size_t>(stage.axis)]);
       });
@@ -184,54 +189,106 @@ struct MeanSums {
   double step_squares = 0;
   double products = 0;
 };
-using ClassMeanSums = std::array<std::array<std::array<MeanSums, kClasses>, 3>, kGroups>;
+using ClassMeanSums = std::array<std::array<MeanSums, kClasses>, 3>;
 
 /// Details weigh 1 / (1 + step): large steps would decide alone.
-void add_means(const Stage& stage, Workspace<std::int16_t>& work, ClassMeanSums& sums) {
+void add_means(const Stage& stage, Workspace<std::int16_t>& work,
+               const Truth<std::int16_t>& truth, ClassMeanSums& sums) {
   const std::int64_t along = pair_step<std::int16_t>(stage.axis);
-  auto& of_classes =
-      sums[static_cast<std::size_t>(stage.group)][static_cast<std::size_t>(stage.axis)];
+  auto& of_classes = sums[static_cast<std::size_t>(stage.axis)];
   for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
     for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
-      const std::int16_t* const fine = first_of_row(work.fine, stage.axis, y, z);
       const std::int16_t* const means = work.means.row(y, z);
       const std::uint8_t* const activities = work.activities.row(y, z);
       for (std::int64_t x = 0; x < stage.pairs.x; ++x) {
-        const std::int64_t at = pair_stretch(stage.axis) * x;
         const double step = means[x - along] - means[x + along];
         const double weight = 1 / (1 + std::fabs(step));
         MeanSums& s = of_classes[activities[x]];
         s.step_squares += weight * step * step;
-        s.products += weight * step * (fine[at] - fine[at + along]);
+        s.products += weight * step * true_detail(truth, stage.axis, x, y, z);
       }
     }
   }
 }
 
-void learn_mean_weights(Parameters& p, const std::vector<const Lesson*>& lessons) {
+void learn_mean_weights(Parameters& p, const std::vector<const Lesson*>& lessons, int group) {
   std::vector<ClassMeanSums> by_lesson(lessons.size());
   tbb::parallel_for(std::size_t{0}, lessons.size(), [&](std::size_t i) {
-    for (int level = 0; level + 1 < lessons[i]->shape.level_count; ++level) {
-      walk_level(p, *lessons[i], level, [&](const Stage& stage, Workspace<std::int16_t>& work) {
-        add_means(stage, work, by_lesson[i]);
+    for (int level = group; level < group + levels_of_group(group); ++level) {
+      if (level + 1 >= lessons[i]->shape.level_count) break;
+      walk_level(p, *lessons[i], level, [&](const Stage& stage, Workspace<std::int16_t>& work,
+                                       const Truth<std::int16_t>& truth) {
+        add_means(stage, work, truth, by_lesson[i]);
       });
     }
   });
-  for (std::size_t group = 0; group < kGroups; ++group) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      for (std::size_t activity = 1; activity < kClasses; ++activity) {
-        MeanSums sum;
-        for (const ClassMeanSums& one : by_lesson) {
-          sum.step_squares += one[group][axis][activity].step_squares;
-          sum.products += one[group][axis][activity].products;
-        }
-        if (sum.step_squares < 1) continue;
-        const double weight = sum.products / sum.step_squares * (1 << kWeightBits);
-        p.mean_weights[group][axis][activity] = static_cast<std::int32_t>(
-            std::lround(std::clamp<double>(weight, -kMaxMeanWeight, kMaxMeanWeight)));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (std::size_t activity = 1; activity < kClasses; ++activity) {
+      MeanSums sum;
+      for (const ClassMeanSums& one : by_lesson) {
+        sum.step_squares += one[axis][activity].step_squares;
+        sum.products += one[axis][activity].products;
       }
+      if (sum.step_squares < 1) continue;
+      const double weight = sum.products / sum.step_squares * (1 << kWeightBits);
+      p.mean_weights[group][axis][activity] = static_cast<std::int32_t>(
+          std::lround(std::clamp<double>(weight, -kMaxMeanWeight, kMaxMeanWeight)));
     }
   }
+}
+
+/// What a model is learnt from, and how well it does.
+struct School {
+  std::span<const TrainingBrick> bricks;
+  CodecSettings settings;
+};
+
+Parameters learn(const School& school, const Quantizer& quantizer) {
+  Parameters p = default_parameters();
+  p.predictor = school.settings.preset == Preset::fast ? Predictor::means : Predictor::neighbours;
+  p.quantizer = quantizer;
+  p.weight_step = kWeightStep;
+  const std::vector<Lesson> lessons = make_lessons(school.bricks, quantizer.voxel_step);
+  if (lessons.empty()) return p;
+  p.activity_threshold = learn_threshold(lessons);
+  const std::vector<const Lesson*> few = spread(lessons, kTapBricks);
+  // Coarse groups first: quantised levels are learnt on what the coarser ones leave.
+  for (int group = kGroups - 1; group >= 0; --group) {
+    if (p.predictor == Predictor::means) learn_mean_weights(p, few, group);
+    else learn_weights(p, few, group);
+  }
+  learn_contexts(p, few);
+  learn_frequencies(p, lessons);
+  return p;
+}
+
+/// Bytes that a model and a few of the training bricks take.
+std::uint64_t cost(const School& school, const Parameters& parameters) {
+  const GreyCodec codec(parameters);
+  const std::size_t count = std::min(school.bricks.size(), kTrialBricks);
+  std::vector<std::uint64_t> bytes(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    const TrainingBrick& brick = school.bricks[i * school.bricks.size() / count];
+    for (const Bytes& segment : codec.encode(brick.shape, brick.view).segments) {
+      bytes[i] += segment.size();
+    }
+  });
+  return std::accumulate(bytes.begin(), bytes.end(), std::uint64_t{0});
+}
+
+/// The ways to keep within a maximum error: rounding the voxels; or rounding the details, with
+/// several steps, and correcting the voxels that end up beyond it.
+std::vector<Quantizer> quantizers_for(std::int64_t max_error) {
+  const std::int64_t step = 2 * max_error + 1;
+  std::vector<Quantizer> all = {{step, 0, 0}};
+  if (max_error == 0) return all;
+  for (const int tenths : kDetailSteps) {
+    const std::int64_t detail_step = max_error * tenths * 256 / 10;
+    if (detail_step <= kMaxDetailStep) {
+      all.push_back({1, static_cast<std::int32_t>(detail_step), step});
+    }
+  }
+  return all;
 }
 
 }  // namespace
@@ -243,26 +300,23 @@ namespace octavo {
 std::unique_ptr<BrickCodec> train_grey_model(VoxelType type, std::span<const TrainingBrick> bricks,
                                              const CodecSettings& settings) {
   using namespace grey;
-  if (!is_integer(type)) {
-    throw Error(ErrorKind::invalid_argument,
-                "float voxels cannot be coded losslessly as grey values");
+  if (!is_integer(type)) throw Error(ErrorKind::invalid_argument, "float voxels have no grey codec");
+  if (settings.max_error < 0 || 2 * settings.max_error + 1 > kMaxVoxelStep) {
+    throw Error(ErrorKind::invalid_argument, "the maximum error is out of range");
   }
-  Parameters p = default_parameters();
-  p.predictor = settings.preset == Preset::fast ? Predictor::means : Predictor::neighbours;
-  p.weight_step = kWeightStep;
-  const std::vector<Lesson> lessons = make_lessons(bricks);
-  if (!lessons.empty()) {
-    p.activity_threshold = learn_threshold(lessons);
-    const std::vector<const Lesson*> few = spread(lessons, kTapBricks);
-    if (p.predictor == Predictor::means) {
-      learn_mean_weights(p, few);
-    } else {
-      for (int group = 0; group < kGroups; ++group) learn_weights(p, few, group);
+  const School school{bricks, settings};
+  Parameters best;
+  std::uint64_t least = ~std::uint64_t{0};
+  for (const Quantizer& quantizer : quantizers_for(settings.max_error)) {
+    const Parameters p = learn(school, quantizer);
+    if (settings.max_error == 0) return std::make_unique<GreyCodec>(p);
+    const std::uint64_t bytes = cost(school, p);
+    if (bytes < least) {
+      least = bytes;
+      best = p;
     }
-    learn_contexts(p, few);
-    learn_frequencies(p, lessons);
   }
-  return std::make_unique<GreyCodec>(p);
+  return std::make_unique<GreyCodec>(best);
 }
 
 }  // namespace octavo

@@ -18,8 +18,8 @@ struct Lesson {
   AnalyzedBrick<std::int16_t> brick;
 };
 
-/// The non-uniform ones of `bricks`.
-std::vector<Lesson> make_lessons(std::span<const TrainingBrick> bricks);
+/// Those of `bricks` that hold more than one code.
+std::vector<Lesson> make_lessons(std::span<const TrainingBrick> bricks, std::int64_t voxel_step);
 
 /// At most `count` lessons, spread evenly but out of step with the brick grid.
 std::vector<const Lesson*> spread(const std::vector<Lesson>& lessons, std::size_t count);
@@ -45,23 +45,28 @@ class Thinning {
 /// The samples of the level above `level` as the encoder's walk has them, ready in the work space.
 void load_level(Workspace<std::int16_t>& work, const Lesson& lesson, int level);
 
-/// Runs a level of a lesson through its splits as the encoder does; `learn(stage, work)` is called
-/// after each, when work.residuals holds the residuals of all pairs and work.fine the samples.
+/// Runs a level of a lesson through its splits as the encoder does; `learn(stage, work, truth)` is
+/// called after each, when work.residuals holds the residuals of all pairs and work.fine the
+/// samples as a decoder has them. When details are quantised the coarser levels are run first.
 template <class Learn>
 void walk_level(const Parameters& p, const Lesson& lesson, int level, Learn&& learn) {
   Workspace<std::int16_t>& work = thread_workspace<std::int16_t>();
-  load_level(work, lesson, level);
-  run_level(work, lesson.shape, lesson.brick.scale, p.predictor, level, lesson.brick.cells_or_null(),
-            [&](const Stage& stage, const Split& split) {
-              const auto& samples =
-                  lesson.brick
-                      .steps[static_cast<std::size_t>(level)][static_cast<std::size_t>(split.axis)];
-              if (stage.pairs.voxel_count() == 0) return;
-              load_details(work, stage,
-                           Truth<std::int16_t>{samples.data(), split.fine_size});
-              stage_functions().narrow.predict(p, stage, work);
-              learn(stage, work);
-            });
+  const bool is_exact = p.quantizer.detail_step == 0;
+  const int coarsest = lesson.shape.level_count - 2;
+  load_level(work, lesson, is_exact ? level : coarsest);
+  for (int at = is_exact ? level : coarsest; at >= level; --at) {
+    run_level(work, lesson.shape, lesson.brick.scale, p, at, lesson.brick.cells_or_null(),
+              [&](const Stage& stage, const Split& split) {
+                const auto& samples =
+                    lesson.brick
+                        .steps[static_cast<std::size_t>(at)][static_cast<std::size_t>(split.axis)];
+                const Truth<std::int16_t> truth{samples.data(), split.fine_size};
+                if (stage.pairs.voxel_count() == 0) return;
+                load_details(work, stage, truth);
+                stage_functions().narrow.predict(p, stage, work);
+                if (at == level) learn(stage, work, truth);
+              });
+  }
 }
 
 /// In-brick levels whose details use the weights of a group.

@@ -13,6 +13,7 @@
 #include <hwy/highway.h>
 
 #include "octavo/codec/grey_portable.h"
+#include "octavo/codec/grey_rows-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace octavo::grey {
@@ -176,12 +177,14 @@ HWY_INLINE void store_pair(std::int16_t* at, std::int32_t both) {
 
 /// Four rows in step. weights: those of class 0; the others follow.
 template <int kAxis, bool kIsEncoding>
-void run_waves(const std::int16_t* weights, int rounding, const WaveRow* rows, int count,
+void run_waves(const std::int16_t* weights, const Stage& stage, const WaveRow* rows,
                WaveBuffers& woven) {
+  const int count = static_cast<int>(stage.pairs.x);
+  const StepQuantizer<decltype(kQuad)> quantizer(stage.step);
   weave(rows, count, woven);
   Chain<kAxis> c0(rows[0].at), c1(rows[1].at), c2(rows[2].at), c3(rows[3].at);
   const Quad half = hn::Set(kQuad, 1 << (kWeightBits - 1));
-  const Quad round = hn::Set(kQuad, rounding);
+  const Quad round = hn::Set(kQuad, stage.rounding);
   const Quad one = hn::Set(kQuad, 1);
   const Quad low_half = hn::Set(kQuad, 0xffff);
   const auto weights_of = [&](const WaveRow& row, int x) {
@@ -201,8 +204,12 @@ void run_waves(const std::int16_t* weights, int rounding, const WaveRow* rows, i
         hn::Min(hn::Max(hn::ShiftRight<kWeightBits>(hn::Add(sum, half)), lowest), limit);
     Quad detail;
     if constexpr (kIsEncoding) {
-      detail = given;
-      hn::Store(hn::Sub(detail, prediction), kQuad, woven.residuals + 4 * x);
+      detail = hn::Min(hn::Max(given, lowest), limit);
+      const Quad residual = quantizer(hn::Sub(detail, prediction));
+      hn::Store(residual, kQuad, woven.residuals + 4 * x);
+      if (stage.step > 1) {
+        detail = hn::Min(hn::Max(hn::Add(prediction, residual), lowest), limit);
+      }
     } else {
       detail = hn::Min(hn::Max(hn::Add(prediction, given), lowest), limit);
     }
@@ -273,14 +280,16 @@ void reconstruct_waves(const Parameters& p, const Stage& stage, Workspace<std::i
       if (y + 1 == pairs.y) plane[wave] += kWaves;
       const std::uint16_t* const limits = work.limits.row(y, z);
       const bool is_coded = std::any_of(limits, limits + pairs.x, [](auto v) { return v != 0; });
-      if (!is_coded) continue;
+      if (!is_coded) {
+        if constexpr (kIsEncoding) std::fill_n(work.residuals.row(y, z), pairs.x, 0);
+        continue;
+      }
       any = true;
       rows[wave] = {first_of_row(work.fine, kAxis, y, z), work.means.row(y, z),
                     work.activities.row(y, z), limits, work.residuals.row(y, z)};
     }
     if (!any) continue;
-    run_waves<kAxis, kIsEncoding>(p.weights[stage.group][kAxis][0], stage.rounding, rows,
-                                  static_cast<int>(pairs.x), woven);
+    run_waves<kAxis, kIsEncoding>(p.weights[stage.group][kAxis][0], stage, rows, woven);
   }
 }
 

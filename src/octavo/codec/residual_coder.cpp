@@ -25,7 +25,7 @@ struct SplitSymbol {
 /// How a symbol is written under `frequencies`: tokens without a slot go through the escape token.
 SplitSymbol split(const std::array<std::uint16_t, kTokens>& frequencies, const Symbol& symbol,
                   int shift) {
-  const int low = plain_bits(symbol.context) + shift;
+  const int low = symbol.low_bits + shift;
   int token = token_of(static_cast<std::uint32_t>(symbol.value >> low));
   if (frequencies[static_cast<std::size_t>(token)] == 0) token = kEscapeToken;
   const int bits = token_shape(token).bits + low;

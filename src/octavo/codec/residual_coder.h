@@ -33,6 +33,7 @@ constexpr int state_count(std::int64_t symbols) {
 struct Symbol {
   std::uint64_t value;  ///< zigzag residual
   std::uint8_t context;
+  std::uint8_t low_bits;  ///< lowest bits stored plain
   std::uint8_t state;
 };
 
@@ -46,19 +47,9 @@ class SymbolReader {
   /// Throws Error{corrupt} when the segment is too short for its own head.
   SymbolReader(const Model& model, int set, ByteSpan segment, std::int64_t symbol_count, int shift);
 
-  /// Residuals of a row: `contexts[order[i]]` is the context and `residuals[order[i]]` the result
-  /// of the i-th coded symbol. Throws Error{corrupt} when the segment ends before the row.
-  template <class Int>
-  void take_row(const std::uint16_t* contexts, const std::uint8_t* order, int count,
-                Int* residuals) {
-    for (int i = 0; i < count; ++i) {
-      residuals[order[i]] = static_cast<Int>(take(i, contexts[order[i]]));
-    }
-    expect_inside();
-  }
-
-  /// The residual of the i-th coded symbol of a row.
-  std::int64_t take(int i, unsigned context) {
+  /// The residual of the i-th coded symbol of a row. packed: context | plain bits << 8
+  std::int64_t take(int i, unsigned packed) {
+    const unsigned context = packed & 0xff;
     std::uint32_t& state = states[static_cast<std::size_t>(i) & state_mask];
     const std::uint32_t entry = slots[(context << kTableBits) + (state & (kTableSize - 1))];
     state = (entry >> 6 & 0xfff) * (state >> kTableBits) + (entry >> 18);
@@ -66,7 +57,7 @@ class SymbolReader {
       state = state << 16 | static_cast<std::uint32_t>(words[0] | words[1] << 8);
       words += 2;
     }
-    return value_of(static_cast<int>(entry & 63), plain_bits(static_cast<int>(context)) + shift);
+    return value_of(static_cast<int>(entry & 63), static_cast<int>(packed >> 8) + shift);
   }
 
   /// The residual of a token, `low` plain bits below it.
