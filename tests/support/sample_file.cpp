@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "octavo/codec/crc32c.h"
+#include "octavo/file/layer_order.h"
 
 namespace octavo::testing {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "octavo/file/writer.h"
+#include "octavo/file/layer_order.h"
 
 namespace octavo {
 
