@@ -29,6 +29,7 @@ set(OCTAVO_READ_SOURCES
   file/bit_flip.cpp
   file/byte_source.cpp
   file/index.cpp
+  file/index_root.cpp
   file/layer_order.cpp
   file/layout.cpp
   file/open_file.cpp

@@ -19,6 +19,13 @@ BrickView view_of(const VoxelBlock& block, const Box& box) {
   return view;
 }
 
+BrickView float_view_of(const VoxelBlock& block, const Box& box) {
+  VoxelBlock floats = block;
+  floats.voxels = reinterpret_cast<const std::byte*>(block.floats);
+  floats.type = VoxelType::float32;
+  return view_of(floats, box);
+}
+
 bool is_uniform(const BrickView& brick) {
   const auto* const voxels = static_cast<const std::byte*>(brick.voxels);
   const std::int64_t width = bytes_per_voxel(brick.type);

@@ -48,7 +48,7 @@ ValueRange range_of(VoxelType type, const void* voxels, std::int64_t count) {
   });
 }
 
-// A page or brick that cannot be read because the disk fails is no damage; passes that on.
+// What cannot be read because the disk fails is no damage; passes that on.
 void require_damage(const Error& error) {
   if (error.kind() == ErrorKind::corrupt || error.kind() == ErrorKind::limit_exceeded) return;
   throw error;
@@ -356,13 +356,15 @@ std::optional<Damage> Verifier::check_voxels(const BrickEntry& entry, Damage pla
   try {
     file_.codec(entry.model)->decode(shape, type, entry.range, segments, 0, voxels.data());
   } catch (const Error& error) {
+    require_damage(error);
     place.detail = error.detail();
     return place;
   }
   const ValueRange found = range_of(type, voxels.data(), count);
   const bool is_inside = found.min >= entry.range.min && found.max <= entry.range.max;
   // With a max error the index may hold bounds that are wider than the voxels.
-  if (has_errors(file_.header(), entry.tier) ? is_inside : found == entry.range) return std::nullopt;
+  const bool may_be_wider = has_errors(file_.header(), entry.tier);
+  if (found == entry.range || (may_be_wider && is_inside)) return std::nullopt;
   place.detail = "its voxels have another range than the index says";
   return place;
 }
