@@ -77,21 +77,59 @@ double rounded(double value, int digits) {
   return result;
 }
 
-// The scales between two bounds, the likeliest first.
-std::vector<double> likely_scales(double low, double high) {
+struct Interval {
+  double low;
+  double high;
+  double middle() const { return low + (high - low) / 2; }
+  bool contains(double value) const { return value >= low && value <= high; }
+};
+
+struct Fraction {
+  double numerator;
+  double denominator;
+};
+
+// The fraction with the smallest denominator between two positive bounds (Stern-Brocot).
+Fraction simplest_fraction(Interval between, int depth = 40) {
+  const double whole = std::floor(between.low);
+  if (between.low == whole) return {whole, 1};
+  if (whole + 1 <= between.high || depth == 0) return {whole + 1, 1};
+  const Fraction rest = simplest_fraction(
+      {1 / (between.high - whole), 1 / (between.low - whole)}, depth - 1);
+  return {whole * rest.numerator + rest.denominator, rest.numerator};
+}
+
+// Numbers between two positive bounds, those that people and headers would write first.
+std::vector<double> likely_numbers(const Interval& between) {
   constexpr int kFewDigits = 5;
   constexpr int kAllDigits = 17;
-  const double middle = low + (high - low) / 2;
-  std::vector<double> scales;
-  const auto offer = [&](double scale) {
-    if (scale >= low && scale <= high) scales.push_back(scale);
+  constexpr double kChance = 1e-3;
+  const double middle = between.middle();
+  std::vector<double> numbers;
+  const auto offer = [&](double number) {
+    if (between.contains(number)) numbers.push_back(number);
   };
   for (int digits = 1; digits <= kFewDigits; ++digits) offer(rounded(middle, digits));
-  offer(1 / std::round(1 / middle));
+  // Between any two numbers lies some fraction; a simple one between close bounds is no chance.
+  const Fraction fraction = simplest_fraction(between);
+  const double width = (between.high - between.low) / middle;
+  if (fraction.numerator * fraction.denominator * width < kChance) {
+    offer(fraction.numerator / fraction.denominator);
+  }
   offer(static_cast<double>(static_cast<float>(middle)));
   for (int digits = kFewDigits + 1; digits <= kAllDigits; ++digits) offer(rounded(middle, digits));
   offer(middle);
-  return scales;
+  return numbers;
+}
+
+// The numbers that round to a float.
+Interval preimage_of(float v) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const double value = v;
+  const double below = std::nextafter(v, -kInfinity);
+  const double above = std::nextafter(v, kInfinity);
+  return {std::isfinite(below) ? (value + below) / 2 : value,
+          std::isfinite(above) ? (value + above) / 2 : value};
 }
 
 // value = code * scale: the steps from 0, then the scales that give all bits back.
@@ -107,55 +145,84 @@ std::optional<SampleCoding> multiples(std::span<const float> values) {
   if (step == 0) return std::nullopt;
 
   // A value stands for all numbers that round to it; divided by its code they bound the scale.
-  double low = 0;
-  double high = std::numeric_limits<double>::infinity();
-  for (const auto& [d, error] : distances) {
-    const auto v = static_cast<float>(d);
-    const double code = std::round(d / step);
-    const double below = std::nextafter(v, 0.0f);
-    const double above = std::nextafter(v, std::numeric_limits<float>::infinity());
-    low = std::max(low, (d + below) / 2 / code);
-    if (std::isfinite(above)) high = std::min(high, (d + above) / 2 / code);
+  Interval scales{0, std::numeric_limits<double>::infinity()};
+  for (const Measured& d : distances) {
+    const double code = std::round(d.value / step);
+    const Interval numbers = preimage_of(static_cast<float>(d.value));
+    scales = {std::max(scales.low, numbers.low / code), std::min(scales.high, numbers.high / code)};
   }
-  if (!(low <= high) || !std::isfinite(high)) return std::nullopt;
-  for (const double scale : likely_scales(low, high)) {
+  if (!(scales.low <= scales.high) || !(scales.low > 0)) return std::nullopt;
+  for (const double scale : likely_numbers(scales)) {
     const SampleCoding coding{VoxelType::int32, scale, 0};
     if (holds_all(coding, values)) return coding;
   }
   return std::nullopt;
 }
 
-struct Line {
-  double slope;
-  double intercept;
+// Values with their codes, of which a line value = code * scale + offset shall pass all.
+struct CodedValue {
+  double code;
+  Interval numbers;
 };
 
-// Least squares through (code, value).
-Line fit(std::span<const float> values, double step) {
-  const auto n = static_cast<double>(values.size());
-  const double first = values.front();
-  double mean_code = 0;
-  double mean_value = 0;
-  for (const float v : values) {
-    mean_code += std::round((v - first) / step) / n;
-    mean_value += (v - first) / n;
+// The offsets with which a scale passes all values; low > high when there is none.
+Interval offsets_of(const std::vector<CodedValue>& values, double scale) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Interval offsets{-kInfinity, kInfinity};
+  for (const CodedValue& v : values) {
+    offsets.low = std::max(offsets.low, v.numbers.low - v.code * scale);
+    offsets.high = std::min(offsets.high, v.numbers.high - v.code * scale);
   }
-  double covariance = 0;
-  double variance = 0;
-  for (const float v : values) {
-    const double code = std::round((v - first) / step) - mean_code;
-    covariance += code * (v - first - mean_value);
-    variance += code * code;
-  }
-  const double slope = covariance / variance;
-  return {slope, first + mean_value - slope * mean_code};
+  return offsets;
 }
 
-// value = code * scale + offset, where both have few digits.
+// The scales that pass all values with some offset. The room for offsets is a concave function of
+// the scale: its peak is searched, then where it ends on both sides.
+std::optional<Interval> scales_of(const std::vector<CodedValue>& values, double step) {
+  constexpr double kAround = 1e-3;
+  constexpr int kHalvings = 100;
+  const auto room = [&](double scale) {
+    const Interval offsets = offsets_of(values, scale);
+    return offsets.high - offsets.low;
+  };
+  Interval search{step * (1 - kAround), step * (1 + kAround)};
+  for (int i = 0; i < kHalvings; ++i) {
+    const double third = (search.high - search.low) / 3;
+    if (room(search.low + third) < room(search.high - third)) search.low += third;
+    else search.high -= third;
+  }
+  const double peak = search.middle();
+  if (room(peak) < 0) return std::nullopt;
+  const auto edge = [&](double inside, double outside) {
+    for (int i = 0; i < kHalvings; ++i) {
+      const double middle = inside + (outside - inside) / 2;
+      (room(middle) >= 0 ? inside : outside) = middle;
+    }
+    return inside;
+  };
+  return Interval{edge(peak, step * (1 - kAround)), edge(peak, step * (1 + kAround))};
+}
+
+// An offset that people would write, of those that differ by whole scales from an interval's.
+std::vector<double> likely_offsets(const Interval& offsets, double scale) {
+  constexpr int kDecimals = 9;
+  const double shift = std::round(offsets.middle() / scale) * scale;
+  const Interval near{offsets.low - shift, offsets.high - shift};
+  std::vector<double> numbers;
+  for (int decimals = 0; decimals <= kDecimals; ++decimals) {
+    const double unit = std::pow(10.0, decimals);
+    const double offset = std::round(near.middle() * unit) / unit;
+    if (near.contains(offset)) numbers.push_back(offset);
+  }
+  numbers.push_back(near.middle());
+  numbers.push_back(offsets.middle());
+  return numbers;
+}
+
+// value = code * scale + offset: the steps between values, then a line through all of them.
 std::optional<SampleCoding> shifted_multiples(std::span<const float> values) {
   constexpr std::size_t kFewest = 3;
-  constexpr int kScaleDigits = 7;
-  constexpr int kDecimals = 9;
+  constexpr std::size_t kMostOnLine = 4096;
   if (values.size() < kFewest) return std::nullopt;
   const double first = values.front();
   const double largest = std::max(std::abs(first), std::abs(static_cast<double>(values.back())));
@@ -165,14 +232,16 @@ std::optional<SampleCoding> shifted_multiples(std::span<const float> values) {
   const double step = step_of(distances);
   if (step == 0) return std::nullopt;
 
-  const Line line = fit(values, step);
-  for (int digits = 1; digits <= kScaleDigits; ++digits) {
-    const double scale = rounded(line.slope, digits);
-    if (!(scale > 0)) continue;
-    const double offset = line.intercept - std::round(line.intercept / scale) * scale;
-    for (int decimals = 0; decimals <= kDecimals; ++decimals) {
-      const double unit = std::pow(10.0, decimals);
-      const SampleCoding coding{VoxelType::int32, scale, std::round(offset * unit) / unit};
+  std::vector<CodedValue> coded;
+  const std::size_t stride = values.size() / kMostOnLine + 1;
+  for (std::size_t i = 0; i < values.size(); i += stride) {
+    coded.push_back({std::round((values[i] - first) / step), preimage_of(values[i])});
+  }
+  const auto scales = scales_of(coded, step);
+  if (!scales) return std::nullopt;
+  for (const double scale : likely_numbers(*scales)) {
+    for (const double offset : likely_offsets(offsets_of(coded, scale), scale)) {
+      const SampleCoding coding{VoxelType::int32, scale, offset};
       if (holds_all(coding, values)) return coding;
     }
   }

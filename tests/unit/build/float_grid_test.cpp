@@ -35,7 +35,8 @@ TEST(FloatGrid, TheScaleIsFoundAndHoldsForValuesNotSeenBefore) {
   };
   const Case cases[] = {{0.1, 0, 3000},     {0.001, 0, 100'000}, {1.0 / 3, 0, 5000},
                         {1.0 / 255, 0, 255}, {1.0 / 4095, 0, 9000}, {slope, 0, 32'000},
-                        {0.5, -1000.3, 2000}, {0.25, 0.1, 500},   {2.5e-7, 0, 30'000},
+                        {0.5, -1000.3, 2000}, {0.25, 0.1, 500},   {1 / 3.7, -0.25, 3000},
+                        {slope, 17.5, 4000},   {2.5e-7, 0, 30'000},
                         {0x1p-20, 0, 32'000}, {1e30, 0, 1000},    {1e-40, 0, 1000}};
   for (const Case& c : cases) {
     const auto coding = find_coding(sorted(values_of(c.scale, c.offset, c.codes)), {});
