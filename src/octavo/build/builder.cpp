@@ -214,7 +214,8 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
     const std::int64_t first_planes = group_planes(levels, description.type);
     floats.emplace(source, FloatSettings{result.max_error, options.repair, first_planes}, progress);
     description.coding = result.coding = floats->coding();
-    bound = {floats->codec_error(), result.max_error, floats->coding()};
+    bound = {floats->codec_error(), result.max_error, floats->coding(),
+             floats->roomier_error() * std::abs(description.rescale.slope)};
   }
 
   Build work(description, levels, result.threads, progress, options.preset, bound,

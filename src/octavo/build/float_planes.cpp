@@ -162,6 +162,7 @@ bool FloatPlanes::choose_step(const SampleCoding& coding, double largest) {
   if (!(steps >= 0) || largest / coding.scale > kLargestCode / 2) return false;
   coding_ = coding;
   codec_error_ = static_cast<std::int64_t>(steps);
+  roomier_error_ = (steps + 0.9) * coding.scale;
   slack_ = e;
   if (codec_error_ == 0) return true;
   rounding_ = rounding;
@@ -187,6 +188,8 @@ void FloatPlanes::choose_within(std::span<const float> values) {
   codec_error_ = has_room ? static_cast<std::int64_t>(std::floor(e / coding_.scale - 0.5))
                           : static_cast<std::int64_t>(kStepsPerError) - 1;
   slack_ = e - static_cast<double>(codec_error_) * coding_.scale;
+  // That many steps exactly: 31 of them are left to the codec whatever the values are.
+  roomier_error_ = kStepsPerError * coding_.scale;
 }
 
 // The next plane of the source, repaired and proven finite.

@@ -59,6 +59,9 @@ class FloatPlanes final : public PlaneSource {
   double max_error() const { return settings_.max_error; }
   /// By how much a codec may change a code.
   std::int64_t codec_error() const { return codec_error_; }
+  /// A max error, voxel units, to propose where values later in the volume are so large that
+  /// rounding to float32 takes them beyond this one.
+  double roomier_error() const { return roomier_error_; }
 
   /// The codes of the next plane. Throws as the constructor does.
   void read_plane(std::span<std::byte> codes) override;
@@ -84,6 +87,7 @@ class FloatPlanes final : public PlaneSource {
   std::int64_t codec_error_ = 0;
   double noise_error_ = 0;                // to propose; in voxel units
   double rounding_ = 0;                   // of floats where a codec changes codes of the scale
+  double roomier_error_ = 0;
   double slack_ = 0;                      // how far a code alone may lie from its voxel
   std::deque<std::vector<float>> ahead_;  // planes read for the coding; one float: all alike
   std::vector<float> plane_;

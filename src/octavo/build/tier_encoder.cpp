@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <string>
 
@@ -90,6 +91,12 @@ double float_error(const BrickView& floats, const std::vector<std::byte>& dense,
     }
   });
   return largest;
+}
+
+std::string short_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", value);
+  return text;
 }
 
 // The error of float voxels as the index holds it: in 1024ths of the bound, rounded up.
@@ -196,9 +203,8 @@ EncodedBrick TierEncoder::encode_checked(const Model& model, const VoxelBlock& b
   const double found = float_error(floats, dense, *bound_.coding);
   if (!(found <= bound_.voxels)) {
     throw Error(ErrorKind::source_rejected,
-                name_of(tier_, brick) +
-                    " holds values so large that float32 cannot keep them within the max error; "
-                    "double it");
+                name_of(tier_, brick) + " holds values so large that float32 cannot keep them " +
+                    "within the max error; --max-error " + short_text(bound_.proposal) + " can");
   }
   encoded.max_error = float_error_steps(found, bound_.voxels);
   return encoded;

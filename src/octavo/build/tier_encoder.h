@@ -32,6 +32,7 @@ struct ErrorBound {
   std::int64_t codes = 0;              ///< of the integers that bricks hold; 0: none may differ
   double voxels = 0;                   ///< of float voxels, where the block has them
   std::optional<SampleCoding> coding;  ///< that turns integers into those float voxels
+  double proposal = 0;                 ///< real units, for when float32 cannot keep the bound
 };
 
 class TierEncoder {

@@ -202,6 +202,36 @@ TEST(FloatPlanes, NoCodeWithinTheCodecsErrorLeavesTheBound) {
   }
 }
 
+TEST(FloatPlanes, TheRoomierErrorHoldsForValuesThatNoFirstPlaneAnnounced) {
+  std::mt19937 random(3);
+  std::normal_distribution<float> noise(0, 10);
+  Floats floats(6, [&](std::size_t) { return noise(random); });
+  FloatSettings settings{.max_error = 0.9, .first_planes = 2};
+  floats.voxels[170] = 3e7f;
+  floats.voxels[171] = 1e6f + 0.0625f;
+  NoProgress progress;
+  const auto source = floats.source();
+  settings.max_error = FloatPlanes(*source, settings, progress).roomier_error();
+  EXPECT_EQ(settings.max_error, 0.5);
+  const Outcome outcome = run(floats, settings);
+  ASSERT_EQ(outcome.refusal, "");
+  for (std::size_t i = 0; i < floats.voxels.size(); ++i) {
+    for (std::int64_t d = -outcome.codec_error; d <= outcome.codec_error; ++d) {
+      const double back = outcome.coding.voxel_of(outcome.codes[i] + d);
+      ASSERT_LE(std::abs(back - static_cast<double>(floats.voxels[i])), settings.max_error);
+    }
+  }
+}
+
+TEST(FloatPlanes, ProposalsAreInRealUnits) {
+  Floats floats(9, tenth);
+  floats.voxels[250] = 0.123f;
+  const double stored = proposed(run(floats, {.first_planes = 4}).refusal);
+  floats.description.rescale.slope = -20;
+  const double real = proposed(run(floats, {.first_planes = 4}).refusal);
+  EXPECT_NEAR(real, 20 * stored, 2 * stored);
+}
+
 TEST(FloatPlanes, ScaledIntegersKeepTheirScaleWithinAnError) {
   const Floats floats(9, tenth);
   const Outcome outcome = run(floats, {.max_error = 0.55, .first_planes = 4});

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <random>
 
+#include "octavo/core/error.h"
 #include "octavo/file/verify.h"
 #include "support/built_file.h"
 
@@ -146,6 +147,30 @@ TEST(LossyBuild, FloatVoxelsStayWithinAnyError) {
     EXPECT_EQ(reader->max_error(), e);
     EXPECT_TRUE(is_sound(path));
   }
+}
+
+TEST(LossyBuild, SpikesThatRoundBeyondTheBoundAreRefusedWithAnErrorThatWorks) {
+  const ScratchFolder folder;
+  std::mt19937 random(9);
+  std::normal_distribution<float> noise(0, 100);
+  // The spike comes behind the first group: 512 x 512 x 64 planes of 4 bytes.
+  const Size3 size{512, 512, 66};
+  std::vector<float> voxels(static_cast<std::size_t>(size.voxel_count()));
+  for (float& v : voxels) v = noise(random);
+  for (std::size_t i = 0; i < 600; ++i) {
+    voxels[512 * 512 * 65 + i] = 3e7f + 2 * static_cast<float>(i);
+  }
+  const Volume volume = make_volume(size, voxels);
+  try {
+    build(volume, {.max_error = 1.9}, folder.file("a"));
+    FAIL() << "the bound was kept";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
+    EXPECT_NE(error.detail().find("--max-error 1 can"), std::string::npos) << error.what();
+  }
+  EXPECT_TRUE(folder.is_empty());
+  const auto reader = build(volume, {.max_error = 1}, folder.file("b"));
+  EXPECT_LE(found_error<float>(*reader, volume, box_of(size)), 1);
 }
 
 TEST(LossyBuild, WhatWasAskedForStandsInTheMetadata) {

@@ -141,7 +141,7 @@ TEST(TierEncoder, FloatVoxelsAreComparedThemselves) {
     NoProgress progress;
     Workers workers(2);
     TierEncoder encoder(volume.levels, 0, VoxelType::uint8, workers, writer, progress,
-                        {.codes = 0, .voxels = bound, .coding = coding});
+                        {.codes = 0, .voxels = bound, .coding = coding, .proposal = 1});
     if (bound < 0.125) {
       EXPECT_THROW(encoder.encode(copying_model(-1), block), Error);
       continue;
