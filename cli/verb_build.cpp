@@ -1,10 +1,13 @@
 // octavo build: a scan in, one .8vo file out.
+#include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "common/building.h"
 #include "common/inputs.h"
 #include "common/label_hint.h"
+#include "common/quantities.h"
 #include "common/verb.h"
 #include "verbs.h"
 
@@ -13,20 +16,30 @@ namespace octavo::cli {
 namespace {
 
 constexpr VerbText kText = {
-    "build", "Fold a scan into one .8vo file, losslessly.",
+    "build", "Fold a scan into one .8vo file, losslessly or with a maximum error.",
     "A source is a DICOM folder, a TIFF or PNG stack, a NIfTI, NRRD or MetaImage file, raw\n"
-    "voxels or another .8vo file. Stored voxels are kept as they are.\n\n"
+    "voxels or another .8vo file. Stored voxels are kept as they are, unless --max-error E allows\n"
+    "each to end up to E away, in real units; every brick is decoded again and proven.\n\n"
+    "float32 voxels are kept bit by bit where all are whole multiples of one number (plus\n"
+    "another), as they mostly are; elsewhere they need --max-error. NaN and infinities are\n"
+    "refused unless --nan and --inf say what takes their place. float64 is not read.\n\n"
     "Examples:\n"
     "  octavo build scans/head/ -o head.8vo\n"
     "  octavo build slices/*.tif --spacing 0.0195 -o bone.8vo\n"
     "  octavo build volume.raw --raw 512,512,300,int16 --spacing 0.8,0.8,1 -o volume.8vo\n"
-    "  octavo build aal.nii.gz --labels -o aal.8vo"};
+    "  octavo build aal.nii.gz --labels -o aal.8vo\n"
+    "  octavo build scans/head/ --max-error 2 -o small.8vo\n"
+    "  octavo build density.nii --max-error 0.001 --nan 0 -o density.8vo"};
 
 struct Arguments {
   std::vector<std::string> inputs;
   std::string output;
   bool labels = false;
   bool grey = false;
+  std::string preset = "small";
+  std::string max_error = "0";
+  std::string nan;
+  std::string infinity;
   SourceArguments source;
 };
 
@@ -57,12 +70,42 @@ void require_no_input(const std::string& output, const std::vector<std::string>&
   }
 }
 
+std::optional<float> parse_float(const std::string& text, const std::string& what) {
+  if (text.empty()) return std::nullopt;
+  const auto value = static_cast<float>(parse_number(text, what));
+  if (std::isfinite(value)) return value;
+  throw Error(ErrorKind::invalid_argument, what + ": '" + escaped(text) + "' is beyond float32");
+}
+
+BuildOptions build_options(const Arguments& arguments) {
+  BuildOptions options;
+  options.preset = arguments.preset == "fast" ? Preset::fast : Preset::small;
+  options.max_error = parse_number(arguments.max_error, "--max-error");
+  if (options.max_error < 0) {
+    throw Error(ErrorKind::invalid_argument, "--max-error: must not be negative");
+  }
+  options.repair.nan = parse_float(arguments.nan, "--nan");
+  options.repair.infinity = parse_float(arguments.infinity, "--inf");
+  return options;
+}
+
 int run_build(const Arguments& arguments, Context& context) {
+  BuildOptions options = build_options(arguments);
+  if (!arguments.output.ends_with(".8vo")) {
+    throw Error(ErrorKind::invalid_argument,
+                "a build writes .8vo files; export turns one into other formats",
+                arguments.output);
+  }
   require_free_output(arguments.output, context);
   require_no_input(arguments.output, arguments.inputs);
   const auto source = open_planes(arguments.inputs, arguments.source, context);
-  const VolumeKind kind = choose_kind(arguments, source->description(), context);
-  return build_and_report(*source, kind, arguments.output, context);
+  options.kind = choose_kind(arguments, source->description(), context);
+  try {
+    return build_and_report(*source, options, arguments.output, context);
+  } catch (const Error& error) {
+    const bool names_nothing = error.kind() == ErrorKind::source_rejected && error.path().empty();
+    throw names_nothing ? error.with_path(arguments.inputs.front()) : error;
+  }
 }
 
 }  // namespace
@@ -82,6 +125,19 @@ void add_build(CLI::App& app, Context& context) {
   verb.add_flag("--grey", arguments->grey,
                 "Measured values (default; labels are told by their name)")
       ->excludes(labels);
+  verb.add_option("--preset", arguments->preset, "small: fewest bytes; fast: several times faster")
+      ->type_name("NAME")
+      ->check(CLI::IsMember({"small", "fast"}))
+      ->capture_default_str();
+  verb.add_option("--max-error", arguments->max_error,
+                  "How far a voxel may end up from its source, real units; 0: lossless")
+      ->type_name("E")
+      ->capture_default_str();
+  verb.add_option("--nan", arguments->nan, "float32: what takes the place of NaN")
+      ->type_name("VALUE");
+  verb.add_option("--inf", arguments->infinity,
+                  "float32: what takes the place of +infinity; of -infinity its negative")
+      ->type_name("VALUE");
   add_source_options(verb, arguments->source);
 }
 

@@ -97,40 +97,59 @@ Selection choose(const Arguments& arguments, const VolumeDescription& d) {
         "with --labels if its numbers are names",
         arguments.input);
   }
+  if (!is_integer(d.type) && arguments.range.empty()) {
+    throw Error(ErrorKind::invalid_argument, "holds float32 voxels, no labels; give --range LO:HI",
+                arguments.input);
+  }
   return selection;
 }
 
-/// Turns voxels outside the selection into background; a range leaves a mask of ones.
+/// Turns voxels outside the selection into background.
 void apply(const Selection& selection, VoxelType type, std::span<std::byte> plane) {
-  if (selection.labels.empty() && !selection.makes_mask()) return;
+  if (selection.labels.empty()) return;
   with_voxel_type(type, [&](auto tag) {
     using T = typename decltype(tag)::type;
     for (std::size_t at = 0; at < plane.size(); at += sizeof(T)) {
       T voxel;
       std::memcpy(&voxel, plane.data() + at, sizeof(T));
-      const bool is_inside = selection.holds(static_cast<double>(voxel));
-      const T kept = is_inside ? selection.makes_mask() ? T{1} : voxel : T{0};
+      const T kept = selection.holds(static_cast<double>(voxel)) ? voxel : T{0};
       std::memcpy(plane.data() + at, &kept, sizeof(T));
+    }
+  });
+}
+
+/// A byte for each voxel: 1 inside the range, else 0.
+void mark(const Selection& selection, VoxelType type, std::span<const std::byte> plane,
+          std::span<std::byte> mask) {
+  with_voxel_type(type, [&](auto tag) {
+    using T = typename decltype(tag)::type;
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+      T voxel;
+      std::memcpy(&voxel, plane.data() + i * sizeof(T), sizeof(T));
+      mask[i] = std::byte{selection.holds(static_cast<double>(voxel))};
     }
   });
 }
 
 LinearOctree condense_planes(PlaneSource& planes, const Selection& selection, Progress& progress) {
   const VolumeDescription& d = planes.description();
-  if (!is_integer(d.type)) {
-    throw Error(ErrorKind::invalid_argument, "float voxels have no o-codes");
-  }
   CondenseOptions options;
   options.background = 0;
   PlaneCondenser condenser(d.size, options);
   std::vector<std::byte> plane(
       static_cast<std::size_t>(d.size.x * d.size.y * bytes_per_voxel(d.type)));
+  std::vector<std::byte> mask(static_cast<std::size_t>(d.size.x * d.size.y));
   progress.begin("condensing", d.size.z, "planes");
   for (std::int64_t z = 0; z < d.size.z; ++z) {
     if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped on request");
     planes.read_plane(plane);
-    apply(selection, d.type, plane);
-    condenser.add_plane(d.type, plane);
+    if (selection.makes_mask()) {
+      mark(selection, d.type, plane, mask);
+      condenser.add_plane(VoxelType::uint8, mask);
+    } else {
+      apply(selection, d.type, plane);
+      condenser.add_plane(d.type, plane);
+    }
     progress.advance(1);
   }
   progress.end();

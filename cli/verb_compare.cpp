@@ -22,12 +22,13 @@ constexpr VerbText kText = {
     "compared where the rescales agree, real values otherwise. Exit code 1 when they differ.\n\n"
     "Examples:\n"
     "  octavo compare old.8vo new.8vo\n"
-    "  octavo compare head.8vo scans/head/"};
+    "  octavo compare head.8vo scans/head/\n"
+    "  octavo compare small.8vo scans/head/ --max-error 2"};
 
 struct Arguments {
   std::string a;
   std::string b;
-  std::string tolerance = "0";
+  std::string max_error = "0";
   SourceArguments source;
 };
 
@@ -36,6 +37,9 @@ std::string equal_text(const Comparison& c, const VolumeDescription& a,
   std::string text =
       fmt::format("the same: {} voxels, {}", count_text(c.voxels),
                   c.is_real_units ? "real values compared" : "stored values compared");
+  if (c.max_difference > 0) {
+    text += fmt::format(", largest difference {}", number_text(c.max_difference));
+  }
   if (!c.is_same_type) {
     text += fmt::format(", {} against {}", voxel_type_name(a.type), voxel_type_name(b.type));
   }
@@ -45,13 +49,14 @@ std::string equal_text(const Comparison& c, const VolumeDescription& a,
 }
 
 int run_compare(const Arguments& arguments, Context& context) {
-  const double tolerance = parse_number(arguments.tolerance, "--tolerance");
+  const double max_error = parse_number(arguments.max_error, "--max-error");
   const auto a = open_planes({arguments.a}, arguments.source, context);
   const auto b = open_planes({arguments.b}, arguments.source, context);
   Comparison result;
   {
     ProgressLine progress(context);
-    result = compare_volumes(*a, *b, tolerance, progress);
+    result = compare_volumes(
+        *a, *b, compared_tolerance(a->description(), b->description(), max_error), progress);
   }
   if (context.json) {
     print_json(comparison_json(result));
@@ -76,8 +81,9 @@ void add_compare(CLI::App& app, Context& context) {
                             [arguments, &context] { return run_compare(*arguments, context); });
   verb.add_option("a", arguments->a, "The first volume")->type_name("VOLUME")->required();
   verb.add_option("b", arguments->b, "The second volume")->type_name("VOLUME")->required();
-  verb.add_option("--tolerance", arguments->tolerance, "Largest difference that counts as equal")
-      ->type_name("VALUE")
+  verb.add_option("--max-error,--tolerance", arguments->max_error,
+                  "Largest difference, in real units, that counts as equal")
+      ->type_name("E")
       ->capture_default_str();
   add_source_options(verb, arguments->source);
 }

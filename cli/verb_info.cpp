@@ -17,7 +17,9 @@ namespace {
 
 constexpr VerbText kText = {
     "info", "Show what a file holds.",
-    "Reads the header and the index only; min and max are stored values in --json.\n\n"
+    "Reads the header and the index only; min and max are stored values in --json. A max error\n"
+    "is shown in real units: what the file promises, and the largest difference found when it\n"
+    "was built.\n\n"
     "Examples:\n"
     "  octavo info head.8vo\n"
     "  octavo info https://example.org/head.8vo --json"};
@@ -49,16 +51,48 @@ std::string geometry_rows(const VolumeDescription& d, const nlohmann::ordered_js
 std::string values_row(const FileReader& reader, const std::string& unit) {
   const VolumeDescription& d = reader.description();
   const ValueRange range = reader.range();
-  const auto min = static_cast<double>(range.min);
-  const auto max = static_cast<double>(range.max);
+  const double min = d.voxel_of(range.min);
+  const double max = d.voxel_of(range.max);
   std::string text =
       fmt::format("{} to {}{}", number_text(d.rescale.to_real(min)),
                   number_text(d.rescale.to_real(max)), unit.empty() ? "" : " " + unit);
   if (!d.rescale.is_identity()) {
-    text += fmt::format(" (stored {} to {}, slope {}, intercept {})", range.min, range.max,
-                        number_text(d.rescale.slope), number_text(d.rescale.intercept));
+    text += fmt::format(" (stored {} to {}, slope {}, intercept {})", number_text(min),
+                        number_text(max), number_text(d.rescale.slope),
+                        number_text(d.rescale.intercept));
   }
   return row("values", text);
+}
+
+/// How the voxels of the file relate to those of its source, in a few words.
+std::string loss_words(const FileReader& reader, const nlohmann::ordered_json& metadata) {
+  if (reader.max_error() > 0) return "with a max error";
+  return was_source_lossy(metadata) ? "as the source holds them" : "lossless";
+}
+
+std::string loss_rows(const FileReader& reader, const nlohmann::ordered_json& metadata) {
+  const VolumeDescription& d = reader.description();
+  const std::string unit = unit_of(metadata);
+  std::string text;
+  if (reader.max_error() > 0) {
+    text += row("max error", fmt::format("{} promised, {} found when it was built",
+                                         distance_text(d, unit, reader.max_error()),
+                                         distance_text(d, unit, reader.achieved_error())));
+  }
+  if (const double error = source_max_error(metadata); error > 0) {
+    text += row("source loss", fmt::format("its source lay within {}{} of its own source",
+                                           number_text(error), unit.empty() ? "" : " " + unit));
+  } else if (was_source_lossy(metadata)) {
+    text += row("source loss", "the source had been compressed with loss before");
+  }
+  if (d.coding) {
+    const std::string offset =
+        d.coding->offset == 0 ? "" : " + " + number_text(d.coding->offset);
+    text += row("stored as",
+                fmt::format("{} codes; voxel = code * {}{}", voxel_type_name(d.coding->type),
+                            number_text(d.coding->scale), offset));
+  }
+  return text;
 }
 
 std::string source_row(const nlohmann::ordered_json& metadata) {
@@ -95,15 +129,13 @@ std::string screen(const FileReader& reader, bool show_metadata) {
   const VolumeDescription& d = reader.description();
   const nlohmann::ordered_json metadata = metadata_of(d);
   const auto file_bytes = static_cast<double>(reader.file_bytes());
-  const std::string loss =
-      reader.max_error() == 0
-          ? "lossless"
-          : "voxels within " + number_text(reader.max_error()) + " of the source";
   std::string text = reader.source().name() + "\n";
   text += row("holds", fmt::format("{} voxels of {}, {}, {}", size_text(d.size),
-                                   voxel_type_name(d.type), kind_name(d.kind), loss));
+                                   voxel_type_name(d.type), kind_name(d.kind),
+                                   loss_words(reader, metadata)));
   text += geometry_rows(d, metadata);
   text += values_row(reader, unit_of(metadata));
+  text += loss_rows(reader, metadata);
   text += row("bytes", fmt::format("{} of {} raw: {:.2f}:1, {:.3f} bits per voxel",
                                    bytes_text(reader.file_bytes()), bytes_text(raw_bytes_of(d)),
                                    static_cast<double>(raw_bytes_of(d)) / file_bytes,

@@ -110,8 +110,9 @@ nlohmann::ordered_json probe_json(const Probe& p, const VolumeDescription& d) {
             {"position", {p.brick.brick.x, p.brick.brick.y, p.brick.brick.z}},
             {"code", p.brick.code},
             {"uniform", p.brick.is_uniform()},
-            {"min", p.brick.range.min},
-            {"max", p.brick.range.max}}}};
+            {"min", d.voxel_of(p.brick.range.min)},
+            {"max", d.voxel_of(p.brick.range.max)},
+            {"max_error", p.brick.max_error}}}};
 }
 
 std::string probe_text(const Probe& p, const VolumeDescription& d, const std::string& unit) {
@@ -122,11 +123,12 @@ std::string probe_text(const Probe& p, const VolumeDescription& d, const std::st
       "voxel {},{},{} of level {} at {} mm\n"
       "  value   {}\n"
       "  o-code  {} (hierarchical {}, root level {})\n"
-      "  brick   {},{},{} of tier {}{}, stored values {} to {}\n",
+      "  brick   {},{},{} of tier {}{}, stored values {} to {}{}\n",
       p.index.x, p.index.y, p.index.z, p.code.level, point_text(p.world_mm, ", "), value,
       to_mixed_octal(p.code, p.root_level), to_hierarchical(p.code, p.root_level), p.root_level,
-      b.brick.x, b.brick.y, b.brick.z, b.tier, b.is_uniform() ? ", uniform" : "", b.range.min,
-      b.range.max);
+      b.brick.x, b.brick.y, b.brick.z, b.tier, b.is_uniform() ? ", uniform" : "",
+      number_text(d.voxel_of(b.range.min)), number_text(d.voxel_of(b.range.max)),
+      b.max_error > 0 ? ", within " + distance_text(d, unit, b.max_error) + " of the source" : "");
 }
 
 int run_probe(const Arguments& arguments, const Context& context) {

@@ -11,6 +11,8 @@
 #include "common/progress_line.h"
 #include "common/quantities.h"
 #include "common/verb.h"
+#include "common/volume_json.h"
+#include "octavo/build/float_planes.h"
 #include "octavo/file/parallel_read.h"
 #include "octavo/file/verify.h"
 #include "verbs.h"
@@ -23,7 +25,8 @@ constexpr VerbText kText = {
     "verify", "Prove that a file is sound, and that it holds what its source holds.",
     "Reads every byte, proves every checksum and decodes every brick; damage is exit code 4. With\n"
     "--against the geometry and every stored voxel are compared with the source as well; a\n"
-    "difference beyond the file's own maximum error is exit code 1.\n\n"
+    "difference beyond what the file says of itself is exit code 1. NaN and infinities that\n"
+    "were replaced are replaced in the source, too.\n\n"
     "Examples:\n"
     "  octavo verify head.8vo\n"
     "  octavo verify head.8vo --against scans/head/"};
@@ -110,11 +113,14 @@ int run_alone(const Arguments& arguments, const VerifyReport& report, const Cont
 int run_against(const Arguments& arguments, const VerifyReport& report,
                 const std::shared_ptr<const FileReader>& reader, Context& context) {
   FilePlanes planes(reader, 0, context.thread_count());
-  const auto source = open_planes(arguments.against, arguments.source, context);
+  const auto read = open_planes(arguments.against, arguments.source, context);
+  const auto source = make_repaired_source(*read, repair_of(metadata_of(reader->description())));
+  // The largest difference found by the build: it is at most the promised one.
+  const double error = reader->achieved_error();
   Comparison c;
   {
     ProgressLine progress(context);
-    c = compare_volumes(planes, *source, reader->max_error(), progress);
+    c = compare_volumes(planes, *source, error, progress);
   }
   const bool is_good = is_faithful(c);
   if (context.json) {
@@ -124,9 +130,11 @@ int run_against(const Arguments& arguments, const VerifyReport& report,
   } else if (!context.quiet) {
     print(fmt::format("{}: sound, and {} {} of {} {}; {} bricks checked\n",
                       arguments.input,
-                      reader->max_error() == 0
-                          ? "equal to every one of the"
-                          : "within " + number_text(reader->max_error()) + " of each of the",
+                      error == 0 ? "equal to every one of the"
+                                 : "within " + distance_text(planes.description(),
+                                                             unit_of(metadata_of(
+                                                                 planes.description())),
+                                                             error) + " of each of the",
                       count_text(c.voxels) + " voxels", arguments.against.front(),
                       c.is_place_known ? "and the geometry" : "(its spacing is unknown)",
                       count_text(report.brick_count)));

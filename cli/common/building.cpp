@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
 #include "common/progress_line.h"
 #include "common/quantities.h"
 #include "common/volume_json.h"
-#include "octavo/build/builder.h"
 
 namespace octavo::cli {
 
@@ -27,8 +27,16 @@ double ratio_of(const BuildResult& result) {
          static_cast<double>(std::max<std::uint64_t>(result.file_bytes, 1));
 }
 
+/// What the file promises: nothing to add for a lossless one.
+std::string promise_text(const BuildResult& result, const VolumeDescription& volume) {
+  if (result.max_error == 0) return "";
+  return ", every voxel within " +
+         distance_text(volume, unit_of(metadata_of(volume)), result.max_error);
+}
+
 nlohmann::ordered_json result_json(const BuildResult& result, VolumeKind kind,
-                                   const std::string& output, const Context& context) {
+                                   const VolumeDescription& volume, const std::string& output,
+                                   const Context& context) {
   return {{"output", output},
           {"kind", kind_name(kind)},
           {"file_bytes", result.file_bytes},
@@ -38,37 +46,46 @@ nlohmann::ordered_json result_json(const BuildResult& result, VolumeKind kind,
           {"read_seconds", result.read_seconds},
           {"mb_per_s", mb_per_second(result)},
           {"threads", result.threads},
+          {"max_error", result.max_error},
+          {"max_error_real", result.max_error * std::abs(volume.rescale.slope)},
+          {"coding", coding_json(result.coding)},
           {"warnings", context.warnings}};
 }
 
 }  // namespace
 
-int build_and_report(PlaneSource& source, VolumeKind kind, const std::string& output,
+int build_and_report(PlaneSource& source, BuildOptions options, const std::string& output,
                      const Context& context) {
   const VolumeDescription& volume = source.description();
-  BuildOptions options;
-  options.kind = kind;
+  const VolumeKind kind = options.kind;
   options.overwrite = context.force;
   options.threads = context.threads;
   options.max_memory_bytes = context.max_memory_bytes;
   context.detail(fmt::format(
       "{} voxels of {}, {} needed in memory, {} of them by the source", size_text(volume.size),
       voxel_type_name(volume.type),
-      bytes_text(build_memory_bytes(volume, context.thread_count()) + source.resident_bytes()),
+      bytes_text(build_memory_bytes(volume, context.thread_count(), options.max_error) +
+                 source.resident_bytes()),
       bytes_text(source.resident_bytes())));
   BuildResult result;
   {
     ProgressLine progress(context);
     result = build_file(source, local_storage(), output, options, progress);
   }
+  if (options.max_error > 0 && result.max_error == 0) {
+    context.note(fmt::format("--max-error {} is below one stored step ({}): built without loss",
+                             number_text(options.max_error),
+                             number_text(std::abs(volume.rescale.slope))));
+  }
   if (context.json) {
-    print_json(result_json(result, kind, output, context));
+    print_json(result_json(result, kind, volume, output, context));
   } else if (!context.quiet) {
     const double bits = static_cast<double>(result.file_bytes) * 8 /
                         static_cast<double>(volume.size.voxel_count());
-    print(fmt::format("{}: {} {} {}, {} from {} ({:.2f}:1, {:.2f} bits per voxel) in {} "
+    print(fmt::format("{}: {} {} {}{}, {} from {} ({:.2f}:1, {:.2f} bits per voxel) in {} "
                       "({:.0f} MB/s, {} thread{})\n",
                       output, size_text(volume.size), voxel_type_name(volume.type), kind_name(kind),
+                      promise_text(result, volume),
                       bytes_text(result.file_bytes), bytes_text(result.raw_bytes), ratio_of(result),
                       bits, duration_text(result.total_seconds), mb_per_second(result),
                       result.threads, result.threads == 1 ? "" : "s"));

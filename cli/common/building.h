@@ -4,12 +4,13 @@
 #include <string>
 
 #include "common/context.h"
-#include "octavo/build/plane_source.h"
+#include "octavo/build/builder.h"
 
 namespace octavo::cli {
 
 /// Builds `output` with progress and prints the result. Returns the exit code.
-int build_and_report(PlaneSource& source, VolumeKind kind, const std::string& output,
+/// options  what to build; overwrite, threads and memory are those of `context`
+int build_and_report(PlaneSource& source, BuildOptions options, const std::string& output,
                      const Context& context);
 
 }  // namespace octavo::cli

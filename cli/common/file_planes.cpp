@@ -1,8 +1,10 @@
 #include "common/file_planes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
+#include "common/volume_json.h"
 #include "octavo/core/error.h"
 #include "octavo/file/parallel_read.h"
 
@@ -18,6 +20,19 @@ std::int64_t layer_planes(const Levels& levels, int level) {
   return std::max<std::int64_t>(levels.brick_side(tier).z >> halvings, 1);
 }
 
+/// The metadata for a file that is built from this one: how it was coded is over, what it lost is
+/// not.
+std::string passed_on(const FileReader& reader) {
+  const VolumeDescription& d = reader.description();
+  nlohmann::ordered_json metadata = metadata_of(d);
+  const double loss =
+      source_max_error(metadata) + reader.achieved_error() * std::abs(d.rescale.slope);
+  if (loss == 0 && !metadata.contains("coding")) return d.metadata_json;
+  metadata.erase("coding");
+  if (loss > 0) metadata["source_max_error"] = loss;
+  return metadata.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
 }  // namespace
 
 FilePlanes::FilePlanes(std::shared_ptr<const FileReader> reader, int level, int threads)
@@ -26,6 +41,7 @@ FilePlanes::FilePlanes(std::shared_ptr<const FileReader> reader, int level, int 
       threads_(threads),
       description_(reader_->description()),
       layer_planes_(layer_planes(reader_->levels(), level)) {
+  description_.metadata_json = passed_on(*reader_);
   description_.size = reader_->levels().size(level);
   description_.geometry = reader_->levels().geometry(reader_->description().geometry, level);
 }

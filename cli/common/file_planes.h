@@ -15,7 +15,7 @@ class FilePlanes final : public PlaneSource {
  public:
   FilePlanes(std::shared_ptr<const FileReader> reader, int level, int threads);
 
-  /// Size and geometry are those of the level.
+  /// Size and geometry are those of the level; the metadata are for a file built from this one.
   const VolumeDescription& description() const override { return description_; }
   const std::vector<std::string>& warnings() const override { return warnings_; }
   void read_plane(std::span<std::byte> plane) override;

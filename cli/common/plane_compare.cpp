@@ -58,18 +58,25 @@ void compare_plane(Side& a, Side& b, std::int64_t z, double tolerance, Compariso
   fill_values(b, result.is_real_units);
   const std::int64_t width = a.source.description().size.x;
   for (std::size_t i = 0; i < a.values.size(); ++i) {
-    if (!is_different(a.values[i], b.values[i], tolerance)) continue;
     const double distance = std::abs(a.values[i] - b.values[i]);
+    if (distance > result.max_difference) result.max_difference = distance;
+    if (!is_different(a.values[i], b.values[i], tolerance)) continue;
     if (result.different++ == 0) {
       const auto at = static_cast<std::int64_t>(i);
       result.first = {at % width, at / width, z};
       result.first_values = {a.values[i], b.values[i]};
     }
-    if (!(distance <= result.max_difference)) result.max_difference = distance;
+    if (std::isnan(distance)) result.max_difference = distance;
   }
 }
 
 }  // namespace
+
+double compared_tolerance(const VolumeDescription& a, const VolumeDescription& b, double real) {
+  constexpr double kDivisionRounding = 1e-12;
+  if (!is_same(a.rescale, b.rescale) || a.rescale.slope == 0) return real;
+  return real / std::abs(a.rescale.slope) * (1 + kDivisionRounding);
+}
 
 Comparison compare_volumes(PlaneSource& a, PlaneSource& b, double tolerance, Progress& progress) {
   const VolumeDescription& da = a.description();

@@ -22,7 +22,7 @@ struct Comparison {
   bool is_real_units = false;       ///< voxels were compared as real values, not as stored
   std::int64_t voxels = 0;          ///< compared
   std::int64_t different = 0;
-  double max_difference = 0;
+  double max_difference = 0;        ///< of all voxels compared
   Index3 first;                     ///< the first different voxel in z, y, x order
   std::array<double, 2> first_values{};
 
@@ -30,8 +30,12 @@ struct Comparison {
   bool is_equal() const { return is_same_size && is_same_place && different == 0; }
 };
 
+/// A tolerance in real units as compare_volumes takes it for these two volumes.
+double compared_tolerance(const VolumeDescription& a, const VolumeDescription& b, double real);
+
 /// Voxels count as different when they are more than `tolerance` apart. Sizes that differ end it at
-/// once. When the rescales are the same stored values are compared, otherwise real ones.
+/// once. When the rescales are the same stored values are compared, otherwise real ones;
+/// `tolerance` is in the units that are compared.
 /// Throws  what the sources throw; Error{cancelled}
 /// Memory  two planes besides what the sources hold
 Comparison compare_volumes(PlaneSource& a, PlaneSource& b, double tolerance, Progress& progress);

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
+#include "octavo/build/float_planes.h"
 #include "octavo/file/reader.h"
 
 namespace octavo::cli {
@@ -28,6 +30,22 @@ const char* kind_name(VolumeKind kind);
 
 /// Bytes of the voxels without compression.
 std::uint64_t raw_bytes_of(const VolumeDescription& description);
+
+/// "0.5 HU": a difference of stored voxels in real units.
+std::string distance_text(const VolumeDescription& description, const std::string& unit,
+                          double stored);
+
+/// {"type", "scale", "offset"}, or null.
+nlohmann::ordered_json coding_json(const std::optional<SampleCoding>& coding);
+
+/// How far the source of a file lay from its own source, real units; 0 when nothing is known.
+double source_max_error(const nlohmann::ordered_json& metadata);
+
+/// True when the source had lost something before it came here.
+bool was_source_lossy(const nlohmann::ordered_json& metadata);
+
+/// What took the place of NaN and infinities when the file was built.
+FloatRepair repair_of(const nlohmann::ordered_json& metadata);
 
 /// "-1000 HU", or "3" for labels and where no unit is known.
 std::string real_text(const VolumeDescription& description, const std::string& unit, double stored);

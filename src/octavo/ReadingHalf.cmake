@@ -6,6 +6,7 @@ set(OCTAVO_READ_SOURCES
   core/geometry.cpp
   core/levels.cpp
   core/o_code.cpp
+  core/sample_coding.cpp
   core/voxel_type.cpp
   codec/codec_of_kind.cpp
   codec/crc32c.cpp
@@ -29,6 +30,7 @@ set(OCTAVO_READ_SOURCES
   file/bit_flip.cpp
   file/byte_source.cpp
   file/index.cpp
+  file/index_root.cpp
   file/layer_order.cpp
   file/layout.cpp
   file/open_file.cpp

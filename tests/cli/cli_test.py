@@ -219,6 +219,24 @@ class BadSources(InFolder):
         self.assertNotIn("b.8vo", self.files())
 
 
+class Outputs(InFolder):
+    def test_a_build_writes_8vo_files_only(self):
+        layout = self.random_raw("v.raw", (10, 9, 8))
+        for name in ["out.nrrd", "out", "out.8VO.raw"]:
+            self.expect_refusal(2, [name, ".8vo"], "build", "v.raw", "--raw", layout, "-o", name)
+        self.assertEqual(self.files(), ["v.raw"])
+
+    def test_a_build_refuses_an_output_that_is_its_input(self):
+        layout = self.random_raw("v.raw", (10, 9, 8))
+        before = (self.folder / "v.raw").read_bytes()
+        os.link(self.folder / "v.raw", self.folder / "same.8vo")
+        os.symlink("v.raw", self.folder / "link.8vo")
+        for name in ["same.8vo", "link.8vo"]:
+            self.expect_refusal(2, [name, "source itself"], "build", "v.raw", "--raw", layout,
+                                "--spacing", "1", "-o", name, "--force")
+        self.assertEqual((self.folder / "v.raw").read_bytes(), before)
+
+
 class RoundTrips(InFolder):
     def test_raw_in_raw_out_is_identity(self):
         for size in [(1, 1, 1), (1, 7, 1), (65, 65, 65), (130, 3, 2), (17, 31, 70)]:
@@ -274,6 +292,147 @@ class RoundTrips(InFolder):
         self.assertEqual((self.folder / "box.raw").read_bytes(), crop.tobytes())
         self.expect(0, "extract", "v.8vo", "--box-mm=3:8,0:18,10:11", "-o", "mm.raw")
         self.assertEqual((self.folder / "mm.raw").read_bytes(), crop.tobytes())
+
+
+class Floats(InFolder):
+    SIZE = (20, 19, 18)
+
+    def raw_floats(self, name, values):
+        (self.folder / name).write_bytes(array.array("f", values).tobytes())
+        return [name, "--raw", ",".join(map(str, self.SIZE)) + ",float32", "--spacing", "0.5"]
+
+    def tenths(self):
+        numbers = random.Random(4)
+        return [numbers.randrange(-500, 900) * 0.1 for _ in range(20 * 19 * 18)]
+
+    def noise(self):
+        numbers = random.Random(4)
+        return [numbers.gauss(0, 50) for _ in range(20 * 19 * 18)]
+
+    def test_scaled_integers_are_lossless(self):
+        source = self.raw_floats("v.raw", self.tenths())
+        self.expect(0, "build", *source, "-o", "v.8vo")
+        info = self.info("v.8vo")
+        self.assertEqual(info["type"], "float32")
+        self.assertEqual(info["coding"], {"type": "int32", "scale": 0.1, "offset": 0.0})
+        self.assertTrue(info["lossless"])
+        self.expect(0, "verify", "v.8vo", "--against", *source)
+        self.expect(0, "export", "v.8vo", "-o", "back.raw")
+        self.assertEqual((self.folder / "back.raw").read_bytes(),
+                         (self.folder / "v.raw").read_bytes())
+
+    def test_every_format_carries_floats_there_and_back(self):
+        self.expect(0, "build", *self.raw_floats("v.raw", self.tenths()), "-o", "v.8vo")
+        for name in ["v.nrrd", "v.nii", "v.nii.gz", "v.mha", "v.mhd", "v.tif", "stack/"]:
+            with self.subTest(name):
+                if name == "v.mhd":
+                    (self.folder / "v.raw").unlink()
+                self.expect(0, "export", "v.8vo", "-o", name)
+                self.expect(0, "build", name, "--spacing", "0.5", "-o", "again.8vo", "-f")
+                self.assertEqual(self.info("again.8vo")["type"], "float32")
+                self.expect(0, "export", "again.8vo", "-o", "again.raw", "-f")
+                self.expect(0, "export", "v.8vo", "-o", "first.raw", "-f")
+                self.assertEqual((self.folder / "again.raw").read_bytes(),
+                                 (self.folder / "first.raw").read_bytes())
+
+    def test_big_endian_floats_are_read(self):
+        values = array.array("f", self.tenths())
+        source = self.raw_floats("v.raw", values)
+        values.byteswap()
+        swapped = self.raw_floats("b.raw", [])
+        (self.folder / "b.raw").write_bytes(values.tobytes())
+        swapped[2] += ":be"
+        self.expect(0, "build", *swapped, "-o", "b.8vo")
+        self.expect(0, "verify", "b.8vo", "--against", *source)
+
+    def test_noise_needs_a_max_error_and_the_one_proposed_does(self):
+        source = self.raw_floats("n.raw", self.noise())
+        refused = self.expect_refusal(7, ["n.raw", "--max-error"], "build", *source, "-o", "n.8vo")
+        self.assertEqual(self.files(), ["n.raw"])
+        error = refused.stderr.split("--max-error ")[1].split()[0]
+        self.expect(0, "build", *source, "-o", "n.8vo", "--max-error", error)
+        self.expect(0, "verify", "n.8vo", "--against", *source)
+        self.expect(0, "compare", "n.8vo", *source, "--max-error", error)
+        self.expect(1, "compare", "n.8vo", *source)
+        info = self.info("n.8vo")
+        self.assertEqual(info["max_error"], float(error))
+        self.assertLessEqual(info["achieved_error"], info["max_error"])
+        self.assertFalse(info["lossless"])
+        self.assertEqual(info["metadata"]["coding"]["max_error"], float(error))
+        self.assertIn("promised", self.expect(0, "info", "n.8vo").stdout)
+        point = json.loads(self.expect(0, "probe", "n.8vo", "--at", "3,4,5", "--json").stdout)
+        self.assertAlmostEqual(point["points"][0]["stored"], self.noise()[3 + 20 * (4 + 19 * 5)],
+                               delta=float(error))
+        self.expect(0, "slice", "n.8vo", "-o", "n.png")
+        mask = json.loads(self.expect(0, "codes", "n.8vo", "--range", "0:", "--json").stdout)
+        self.assertTrue(0 < mask["voxels"] < 20 * 19 * 18)
+
+    def test_what_is_no_number_is_counted_or_replaced(self):
+        values = self.tenths()
+        values[3 + 20 * (4 + 19 * 5)] = float("nan")
+        values[0] = values[-1] = float("inf")
+        source = self.raw_floats("v.raw", values)
+        self.expect_refusal(7, ["1 NaN and 2 infinite", "0,0,0"], "build", *source, "-o", "v.8vo")
+        self.expect_refusal(7, ["2 infinite", "--inf"], "build", *source, "-o", "v.8vo",
+                            "--nan", "0")
+        self.expect(0, "build", *source, "-o", "v.8vo", "--nan", "0", "--inf", "99.9")
+        self.assertEqual(self.info("v.8vo")["max"], array.array("f", [99.9])[0])
+        self.expect(0, "verify", "v.8vo", "--against", *source)
+
+    def test_a_copy_of_a_lossy_file_is_not_called_lossless(self):
+        source = self.raw_floats("n.raw", self.noise())
+        self.expect(0, "build", *source, "-o", "n.8vo", "--max-error", "1")
+        self.expect(0, "build", "n.8vo", "-o", "copy.8vo")
+        self.expect(0, "verify", "copy.8vo", "--against", "n.8vo")
+        info = self.info("copy.8vo")
+        self.assertTrue(info["source_lossy"])
+        self.assertEqual(info["metadata"]["source_max_error"], self.info("n.8vo")["achieved_error"])
+        self.assertNotIn("coding", info["metadata"])
+        self.assertNotIn("lossless", self.expect(0, "info", "copy.8vo").stdout)
+
+    def test_options_that_make_no_sense_are_exit_2(self):
+        source = self.raw_floats("v.raw", self.tenths())
+        for wrong in [("--max-error", "-1"), ("--max-error", "much"), ("--labels",),
+                      ("--preset", "tiny"), ("--nan", "nan"), ("--inf", "1e39"),
+                      ("--labels", "--max-error", "1")]:
+            with self.subTest(wrong):
+                self.expect_refusal(2, [], "build", *source, "-o", "v.8vo", *wrong)
+        self.assertEqual(self.files(), ["v.raw"])
+
+
+class MaxErrors(InFolder):
+    def test_integers_stay_within_whole_steps(self):
+        layout = self.random_raw("v.raw", (70, 19, 18))
+        source = ["v.raw", "--raw", layout, "--spacing", "0.5"]
+        for preset in ["small", "fast"]:
+            self.expect(0, "build", *source, "-o", "v.8vo", "--max-error", "3.7", "--preset",
+                        preset, "-f")
+            info = self.info("v.8vo")
+            self.assertEqual(info["max_error"], 3)
+            self.assertLessEqual(info["achieved_error"], 3)
+            self.expect(0, "verify", "v.8vo", "--against", *source)
+            self.expect(0, "compare", "v.8vo", *source, "--max-error", "3")
+            for name in ["v.nrrd", "v.nii.gz"]:
+                self.expect(0, "export", "v.8vo", "-o", name, "-f")
+                self.expect(0, "compare", "v.8vo", name)
+
+    def test_an_error_below_one_step_is_told_to_be_lossless(self):
+        layout = self.random_raw("v.raw", (20, 19, 18))
+        told = self.expect(0, "build", "v.raw", "--raw", layout, "--spacing", "1", "-o", "v.8vo",
+                           "--max-error", "0.5")
+        self.assertIn("without loss", told.stderr)
+        self.assertTrue(self.info("v.8vo")["lossless"])
+
+    def test_the_largest_difference_is_told(self):
+        layout = self.random_raw("a.raw", (12, 11, 10))
+        voxels = array.array("h", (self.folder / "a.raw").read_bytes())
+        voxels[9] += 3
+        (self.folder / "b.raw").write_bytes(voxels.tobytes())
+        source = ["--raw", layout, "--spacing", "1"]
+        self.expect(0, "compare", "a.raw", "b.raw", *source, "--max-error", "3")
+        told = self.expect(0, "compare", "a.raw", "b.raw", *source, "--tolerance", "4", "--json")
+        self.assertEqual(json.loads(told.stdout)["max_difference"], 3)
+        self.expect(1, "compare", "a.raw", "b.raw", *source, "--max-error", "2.9")
 
 
 class Results(InFolder):

@@ -9,6 +9,7 @@
 
 #include "fault/reseal.h"
 #include "octavo/file/index.h"
+#include "octavo/file/index_builder.h"
 #include "octavo/file/verify.h"
 #include "support/sample_file.h"
 
@@ -120,8 +121,57 @@ TEST(HostileFile, HugeSizesAreRefusedBeforeMemoryIsAsked) {
   exercise(bad);
 }
 
-TEST(HostileFile, AnyByteOfTheRootMayHoldAnything) {
+TEST(HostileFile, TheCodingOfFloatsAndTheMaxErrorMayHoldAnything) {
+  SampleVolume volume = make_lossy_float_sample();
+  const std::vector<std::uint8_t> good = sample_file_bytes(volume);
+  const FileHeader layout = header_of(good);
+  for (const std::size_t first : {208u, 328u}) {
+    for (std::size_t at = first; at < first + 32; ++at) {
+      for (const std::uint64_t value : kValues) {
+        std::vector<std::uint8_t> bad = good;
+        store_little_endian(value, bad.data() + at);
+        reseal(bad, layout);
+        exercise(bad);
+      }
+    }
+  }
+}
+
+TEST(HostileFile, PagesWithoutBytesAreRefused) {
   SampleVolume volume = sample();
+  const std::vector<std::uint8_t> good = sample_file_bytes(volume);
+  FileHeader header = header_of(good);
+  const ByteSpan bytes(good);
+  const auto root = bytes.subspan(header.root.offset, header.root.length);
+  const IndexRoot index = parse_root(root, volume.levels, header);
+  const auto with_page_lengths = [&](bool are_zero) {
+    IndexRoot lie = index;
+    for (int tier = 0; tier < volume.levels.tier_count(); ++tier) {
+      auto& pages = lie.tiers[static_cast<std::size_t>(tier)].pages;
+      for (std::size_t i = 0; i < pages.size(); ++i) {
+        if (are_zero) pages[i].length = 0;
+        // A root that is written holds totals.
+        for (int level = 0; level < volume.levels.tier_level_count(tier); ++level) {
+          auto& start = pages[i].segment_start[static_cast<std::size_t>(level)];
+          start = index.segment_end(tier, i, level) - start;
+        }
+      }
+    }
+    return encode_root(lie, volume.levels, header);
+  };
+  // The root differs in nothing but the lengths of the pages, which fill their section.
+  EXPECT_NO_THROW(parse_root(with_page_lengths(false), volume.levels, header));
+  header.pages.length = 0;
+  try {
+    parse_root(with_page_lengths(true), volume.levels, header);
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::corrupt);
+    EXPECT_NE(error.detail().find("pages too short"), std::string::npos) << error.detail();
+  }
+}
+
+void exercise_root(SampleVolume volume) {
   const std::vector<std::uint8_t> good = sample_file_bytes(volume);
   const FileHeader layout = header_of(good);
   for (std::uint64_t at = layout.root.offset; at < layout.root.end(); ++at) {
@@ -134,8 +184,12 @@ TEST(HostileFile, AnyByteOfTheRootMayHoldAnything) {
   }
 }
 
-TEST(HostileFile, AnyByteOfAPageMayHoldAnything) {
-  SampleVolume volume = sample();
+TEST(HostileFile, AnyByteOfTheRootMayHoldAnything) {
+  exercise_root(sample());
+  exercise_root(make_lossy_float_sample());
+}
+
+void exercise_page(SampleVolume volume) {
   const std::vector<std::uint8_t> good = sample_file_bytes(volume);
   const FileHeader layout = header_of(good);
   const auto parsed = parse_root(ByteSpan(good).subspan(layout.root.offset, layout.root.length),
@@ -156,6 +210,11 @@ TEST(HostileFile, AnyByteOfAPageMayHoldAnything) {
       exercise(bad);
     }
   }
+}
+
+TEST(HostileFile, AnyByteOfAPageMayHoldAnything) {
+  exercise_page(sample());
+  exercise_page(make_lossy_float_sample());
 }
 
 }  // namespace

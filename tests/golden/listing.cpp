@@ -143,7 +143,7 @@ std::string annotated_listing(const std::vector<std::uint8_t>& bytes) {
   const IndexRoot root =
       parse_root(all.subspan(header.root.offset, header.root.length), levels, header);
   const IndexPage page = parse_page(all.subspan(header.pages.offset, header.pages.length), root,
-                                    levels, 0, 0, header.description.type);
+                                    levels, 0, 0, header);
   Listing out(bytes);
   list_header(out);
   list_slab(out, root, page);

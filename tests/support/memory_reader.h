@@ -30,6 +30,7 @@ class MemoryReader final : public FileReader {
   std::string format_version() const override { return "1.0"; }
   ValueRange range() const override { return range_; }
   double max_error() const override { return 0; }
+  double achieved_error() const override { return 0; }
   LevelSummary level_summary(int) const override { return {}; }
   Bytes thumbnail() const override { return {}; }
   BrickEntry brick(int, const Index3&) const override { has_none(); }

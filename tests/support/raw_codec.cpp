@@ -1,4 +1,5 @@
 // A codec that stores every level as it is: container tests through it depend on no compression.
+// With a max error e it stores voxels as far away as it may: rounded down to multiples of e + 1.
 // It stands in for the real ones wherever it is linked.
 #include <algorithm>
 #include <cstring>
@@ -12,7 +13,8 @@ namespace {
 
 class RawCodec final : public BrickCodec {
  public:
-  RawCodec(VolumeKind kind, VoxelType type) : kind_(kind), type_(type) {}
+  RawCodec(VolumeKind kind, VoxelType type, std::int64_t max_error = 0)
+      : kind_(kind), type_(type), max_error_(max_error) {}
 
   VolumeKind kind() const noexcept override { return kind_; }
   Bytes serialized() const override { return {'r', 'a', 'w'}; }
@@ -42,6 +44,7 @@ class RawCodec final : public BrickCodec {
     with_voxel_type(type_, [&](auto tag) {
       using T = typename decltype(tag)::type;
       std::vector<T> voxels(result.segments[0].size() / sizeof(T));
+      for (Bytes& segment : result.segments) coarsen<T>(segment);
       std::memcpy(voxels.data(), result.segments[0].data(), result.segments[0].size());
       const auto [low, high] = std::minmax_element(voxels.begin(), voxels.end());
       result.range = {static_cast<std::int64_t>(*low), static_cast<std::int64_t>(*high)};
@@ -64,15 +67,33 @@ class RawCodec final : public BrickCodec {
   }
 
  private:
+  // Multiples of e + 1 that the type holds.
+  template <class T>
+  void coarsen(Bytes& segment) const {
+    if (max_error_ == 0) return;
+    for (std::size_t at = 0; at < segment.size(); at += sizeof(T)) {
+      T voxel;
+      std::memcpy(&voxel, segment.data() + at, sizeof voxel);
+      const auto value = static_cast<std::int64_t>(voxel);
+      const std::int64_t step = max_error_ + 1;
+      const std::int64_t below = value - ((value % step) + step) % step;
+      const auto kept = static_cast<std::int64_t>(static_cast<T>(below)) == below ? below : value;
+      voxel = static_cast<T>(kept);
+      std::memcpy(segment.data() + at, &voxel, sizeof voxel);
+    }
+  }
+
   VolumeKind kind_;
   VoxelType type_;
+  std::int64_t max_error_;
 };
 
 }  // namespace
 
 std::unique_ptr<BrickCodec> train_model(VolumeKind kind, VoxelType type,
-                                        std::span<const TrainingBrick>, const CodecSettings&) {
-  return std::make_unique<RawCodec>(kind, type);
+                                        std::span<const TrainingBrick>,
+                                        const CodecSettings& settings) {
+  return std::make_unique<RawCodec>(kind, type, settings.max_error);
 }
 
 std::unique_ptr<BrickCodec> parse_model(VolumeKind kind, VoxelType type, ByteSpan bytes) {

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "octavo/codec/crc32c.h"
+#include "octavo/file/layer_order.h"
 
 namespace octavo::testing {
 
@@ -35,7 +36,7 @@ struct TierWork {
 
   int first_level() const { return Levels::first_level(tier); }
   std::size_t voxel_bytes() const {
-    return static_cast<std::size_t>(bytes_per_voxel(volume.description.type));
+    return static_cast<std::size_t>(bytes_per_voxel(volume.description.coded_type()));
   }
   Bytes& samples(int level) { return volume.samples[static_cast<std::size_t>(level)]; }
 
@@ -45,7 +46,7 @@ struct TierWork {
     BrickView result;
     result.voxels = samples(first_level()).data() +
                     flat(size, box.lo.x, box.lo.y, box.lo.z) * voxel_bytes();
-    result.type = volume.description.type;
+    result.type = volume.description.coded_type();
     result.size = box.size();
     result.row_stride = size.x;
     result.plane_stride = size.x * size.y;
@@ -63,7 +64,8 @@ struct TierWork {
       if (encoded.range.min == encoded.range.max) {
         put_all(decoded, encoded.range.min);
       } else {
-        codec.decode(shape, volume.description.type, encoded.range, spans, i, decoded.data());
+        codec.decode(shape, volume.description.coded_type(), encoded.range, spans, i,
+                     decoded.data());
       }
       const Size3 side = brick_side_at(volume.levels, level);
       const Size3& all = volume.levels.size(level);
@@ -93,6 +95,13 @@ struct TierWork {
   }
 };
 
+// Bricks of a lossy float sample tell half of the max error.
+EncodedBrick with_error_steps(const SampleVolume& volume, int tier, EncodedBrick encoded) {
+  constexpr std::int64_t kHalf = 512;
+  encoded.max_error = tier == 0 && volume.max_error > 0 ? kHalf : 0;
+  return encoded;
+}
+
 std::unique_ptr<BrickCodec> train_on_layer(TierWork& work, std::int64_t layer) {
   std::vector<TrainingBrick> bricks;
   for (Index3 brick : layer_order(work.volume.levels.brick_grid(0))) {
@@ -100,7 +109,8 @@ std::unique_ptr<BrickCodec> train_on_layer(TierWork& work, std::int64_t layer) {
     bricks.push_back({brick_shape(work.volume.levels, 0, brick), work.view(brick)});
   }
   const VolumeDescription& description = work.volume.description;
-  return train_model(description.kind, description.type, bricks);
+  return train_model(description.kind, description.coded_type(), bricks,
+                     {Preset::small, work.volume.codec_error});
 }
 
 }  // namespace
@@ -137,12 +147,17 @@ void write_sample(Storage& storage, const std::string& path, SampleVolume& volum
                   bool overwrite) {
   WriterOptions options;
   options.overwrite = overwrite;
+  options.max_error = volume.max_error;
   const auto writer = FileWriter::create(storage, path, volume.description, volume.levels,
                                          crc32c(volume.samples[0]), options);
   std::unique_ptr<BrickCodec> first_codec;
   std::unique_ptr<BrickCodec> codec;
   for (int tier = 0; tier < volume.levels.tier_count(); ++tier) {
     TierWork work{volume, tier};
+    if (tier == 1 && volume.codec_error > 0) {
+      first_codec = train_model(volume.description.kind, volume.description.coded_type(), {});
+      writer->add_model(first_codec->serialized());
+    }
     const Size3 grid = volume.levels.brick_grid(tier);
     std::vector<std::pair<Index3, std::int64_t>> parents;
     for (std::int64_t layer = 0; layer < grid.z; ++layer) {
@@ -156,7 +171,7 @@ void write_sample(Storage& storage, const std::string& path, SampleVolume& volum
         brick.z = layer;
         const EncodedBrick encoded =
             used.encode(brick_shape(volume.levels, tier, brick), work.view(brick));
-        writer->add_brick(tier, encoded);
+        writer->add_brick(tier, with_error_steps(volume, tier, encoded));
         work.keep_levels(used, brick, encoded);
         parents.emplace_back(brick, encoded.parent);
       }
@@ -169,6 +184,15 @@ void write_sample(Storage& storage, const std::string& path, SampleVolume& volum
     }
   }
   writer->finish();
+}
+
+SampleVolume make_lossy_float_sample() {
+  SampleVolume volume = make_sample({66, 20, 70}, VoxelType::uint8, Pattern::noisy_half);
+  volume.description.type = VoxelType::float32;
+  volume.description.coding = SampleCoding{VoxelType::uint8, 0.5, -1};
+  volume.codec_error = 3;
+  volume.max_error = 1.5;
+  return volume;
 }
 
 std::vector<std::uint8_t> sample_file_bytes(SampleVolume& volume) {

@@ -19,6 +19,8 @@ struct SampleVolume {
   std::vector<Bytes>
       samples;  ///< of every level, dense [z][y][x]; filled by write_sample for levels > 0
   std::int64_t model_layers = 1;  ///< a new model every so many layers
+  double max_error = 0;           ///< of the file, voxel units
+  std::int64_t codec_error = 0;   ///< what its bricks are coded with; samples are codes then
 };
 
 /// How the voxels of a sample vary.
@@ -32,6 +34,9 @@ SampleVolume make_sample(const Size3& size, VoxelType type, Pattern pattern,
 /// levels with what the codec gives back in memory, without any file.
 void write_sample(Storage& storage, const std::string& path, SampleVolume& volume,
                   bool overwrite = false);
+
+/// A float32 file of small codes with a max error of 3 codes, of two slabs.
+SampleVolume make_lossy_float_sample();
 
 /// The bytes of the file of `volume`.
 std::vector<std::uint8_t> sample_file_bytes(SampleVolume& volume);

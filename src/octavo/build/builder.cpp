@@ -1,7 +1,9 @@
 #include "octavo/build/builder.h"
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
+#include <cmath>
 #include <new>
 #include <optional>
 #include <span>
@@ -34,11 +36,53 @@ Levels levels_of(const VolumeDescription& description) {
   return {description.size, choose_halvings(description.size, description.geometry.spacing_mm)};
 }
 
-void check_type(const VolumeDescription& description) {
-  if (is_integer(description.type)) return;
-  throw Error(
-      ErrorKind::invalid_argument,
-      "voxel type float32 is not supported by the codec; rescale the volume to integers first");
+void check_options(const VolumeDescription& description, const BuildOptions& options) {
+  if (!std::isfinite(options.max_error) || options.max_error < 0) {
+    throw Error(ErrorKind::invalid_argument, "a max error must be a number and not below 0");
+  }
+  if (options.max_error > 0 && description.rescale.slope == 0) {
+    throw Error(ErrorKind::invalid_argument, "a max error needs a rescale slope other than 0");
+  }
+  if (description.kind != VolumeKind::labels) return;
+  if (options.max_error > 0) {
+    throw Error(ErrorKind::invalid_argument, "label maps are always lossless; leave the max error");
+  }
+  if (!is_integer(description.type)) {
+    throw Error(ErrorKind::invalid_argument, "labels are integers; these voxels are float32");
+  }
+}
+
+// What integers may be changed by: whole stored units. A quotient that misses a whole number by
+// the rounding of the division alone counts as that number.
+std::int64_t whole_units(double max_error, VoxelType type) {
+  constexpr double kDivisionRounding = 1e-12;
+  const ValueRange range = value_range(type);
+  const double units = std::floor(max_error * (1 + kDivisionRounding));
+  return static_cast<std::int64_t>(std::min(units, static_cast<double>(range.max - range.min)));
+}
+
+std::string number_text(double value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
+// The metadata of the source with what was asked for, where that is not the default.
+std::string recorded(const VolumeDescription& description, const BuildOptions& options) {
+  const std::string& metadata = description.metadata_json;
+  const bool is_float = !is_integer(description.type);
+  std::string record;
+  const auto add = [&](const std::string& name, const std::string& value) {
+    record += (record.empty() ? "\"" : ",\"") + name + "\":" + value;
+  };
+  if (options.preset == Preset::fast) add("preset", "\"fast\"");
+  if (options.max_error > 0) add("max_error", number_text(options.max_error));
+  if (is_float && options.repair.nan) add("nan", number_text(*options.repair.nan));
+  if (is_float && options.repair.infinity) add("inf", number_text(*options.repair.infinity));
+  const std::size_t end = metadata.rfind('}');
+  if (record.empty() || end == std::string::npos) return metadata;
+  const std::size_t last = metadata.find_last_not_of(" \t\r\n", end - 1);
+  const bool is_empty = last == std::string::npos || metadata[last] == '{';
+  return metadata.substr(0, end) + (is_empty ? "" : ",") + "\"coding\":{" + record + "}}";
 }
 
 void check_memory(std::uint64_t needed_bytes, std::uint64_t limit_bytes) {
@@ -72,8 +116,16 @@ std::uint32_t content_hash_of(const VoxelBlock& block) {
 // One build: the groups of tier 0, then the tiers made of parents.
 class Build {
  public:
-  Build(const VolumeDescription& description, const Levels& levels, int threads, Progress& progress)
-      : description_(description), levels_(levels), workers_(threads), progress_(progress) {}
+  /// max_error  that the header promises, voxel units
+  Build(const VolumeDescription& description, const Levels& levels, int threads, Progress& progress,
+        Preset preset, const ErrorBound& bound, double max_error)
+      : description_(description),
+        levels_(levels),
+        workers_(threads),
+        progress_(progress),
+        preset_(preset),
+        bound_(bound),
+        max_error_(max_error) {}
 
   /// Encodes all groups; the writer is created once the first one is known. Returns the parents.
   std::vector<std::byte> encode_groups(GroupReader& reader, Storage& storage,
@@ -83,11 +135,12 @@ class Build {
       const VoxelBlock group = reader.next();
       if (!writer_) {
         writer_ = FileWriter::create(storage, path, description_, levels_, content_hash_of(group),
-                                     {.overwrite = overwrite});
-        encoder.emplace(levels_, 0, description_.type, workers_, *writer_, progress_);
+                                     {.overwrite = overwrite, .max_error = max_error_});
+        encoder.emplace(levels_, 0, group.type, workers_, *writer_, progress_, bound_);
       }
       Model model = workers_.run([&] {
-        return make_model(train_on(levels_, 0, group, description_.kind), description_.type);
+        return make_model(train_on(levels_, 0, group, description_.kind, {preset_, bound_.codes}),
+                          group.type);
       });
       writer_->add_model(model.serialized);
       encoder->encode(model, group);
@@ -96,12 +149,18 @@ class Build {
     return encoder->take_parents();
   }
 
-  /// Encodes the tiers above tier 0, all with the first group's model.
+  /// Encodes the tiers above tier 0 exactly, all with the first group's model or, where that one
+  /// changes voxels, with an untrained one: they are too small to learn from.
   void encode_tiers(std::vector<std::byte> samples) {
+    const VoxelType type = description_.coded_type();
+    if (bound_.codes > 0 && levels_.tier_count() > 1) {
+      first_model_ = make_model(train_model(description_.kind, type, {}, {preset_, 0}), type);
+      writer_->add_model(first_model_->serialized);
+    }
     for (int tier = 1; tier < levels_.tier_count(); ++tier) {
       const Size3& size = levels_.size(Levels::first_level(tier));
-      TierEncoder encoder(levels_, tier, description_.type, workers_, *writer_, progress_);
-      encoder.encode(*first_model_, {samples.data(), description_.type, size, 0});
+      TierEncoder encoder(levels_, tier, type, workers_, *writer_, progress_);
+      encoder.encode(*first_model_, {samples.data(), type, size, 0});
       samples = encoder.take_parents();
     }
   }
@@ -116,6 +175,9 @@ class Build {
   const Levels& levels_;
   Workers workers_;
   Progress& progress_;
+  Preset preset_;
+  ErrorBound bound_;
+  double max_error_;
   std::unique_ptr<FileWriter> writer_;
   std::optional<Model> first_model_;
 };
@@ -125,23 +187,43 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
   const auto start = std::chrono::steady_clock::now();
   VolumeDescription description = source.description();
   description.kind = options.kind;
-  check_type(description);
+  description.metadata_json = recorded(description, options);
+  description.coding.reset();
+  check_options(description, options);
   const Levels levels = levels_of(description);
   BuildResult result;
   result.threads = thread_count(options.threads);
   result.raw_bytes =
       checked_mul(static_cast<std::uint64_t>(description.size.voxel_count()),
                   static_cast<std::uint64_t>(bytes_per_voxel(description.type)), "the volume");
-  check_memory(build_memory_bytes(description, result.threads) + source.resident_bytes(),
+  check_memory(build_memory_bytes(description, result.threads, options.max_error) +
+                   source.resident_bytes(),
                options.max_memory_bytes);
 
   check_target(storage, path, options.overwrite);
 
   const ProgressScope scope(progress, 2 * description.size.z);
-  Build work(description, levels, result.threads, progress);
+  ErrorBound bound;
+  std::optional<FloatPlanes> floats;
+  result.max_error = options.max_error / std::abs(description.rescale.slope);
+  if (is_integer(description.type)) {
+    bound.codes = options.max_error == 0 ? 0 : whole_units(result.max_error, description.type);
+    result.max_error = static_cast<double>(bound.codes);
+  } else {
+    if (options.max_error == 0) result.max_error = 0;
+    const std::int64_t first_planes = group_planes(levels, description.type);
+    floats.emplace(source, FloatSettings{result.max_error, options.repair, first_planes}, progress);
+    description.coding = result.coding = floats->coding();
+    bound = {floats->codec_error(), result.max_error, floats->coding(),
+             floats->roomier_error() * std::abs(description.rescale.slope)};
+  }
+
+  Build work(description, levels, result.threads, progress, options.preset, bound,
+             result.max_error);
   std::vector<std::byte> parents;
   {
-    GroupReader reader(source, levels, progress);
+    GroupReader reader(floats ? static_cast<PlaneSource&>(*floats) : source, levels, progress,
+                       floats && result.max_error > 0 ? &*floats : nullptr);
     parents = work.encode_groups(reader, storage, path, options.overwrite);
     result.read_seconds = reader.read_seconds();
   }
@@ -167,12 +249,15 @@ BuildResult build_file(PlaneSource& source, Storage& storage, const std::string&
   }
 }
 
-std::uint64_t build_memory_bytes(const VolumeDescription& description, int threads) {
+std::uint64_t build_memory_bytes(const VolumeDescription& description, int threads,
+                                 double max_error) {
   const Levels levels = levels_of(description);
   const auto planes = static_cast<std::uint64_t>(group_planes(levels, description.type));
   const auto plane_bytes = static_cast<std::uint64_t>(description.size.x * description.size.y *
                                                       bytes_per_voxel(description.type));
-  const std::uint64_t groups = checked_mul(2 * planes, plane_bytes, "the memory of two groups");
+  // float32: the planes read for the coding; with a max error the voxels beside their codes.
+  const std::uint64_t count = is_integer(description.type) ? 2 : max_error > 0 ? 5 : 3;
+  const std::uint64_t groups = checked_mul(count * planes, plane_bytes, "the memory of groups");
   const auto workers = static_cast<std::uint64_t>(thread_count(threads)) * kThreadBytes;
   return checked_add(groups, workers + kFixedBytes, "the memory of a build");
 }

@@ -7,9 +7,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
+#include "octavo/build/float_planes.h"
 #include "octavo/build/plane_source.h"
+#include "octavo/codec/brick_codec.h"
 #include "octavo/core/progress.h"
 #include "octavo/file/storage.h"
 
@@ -17,6 +20,11 @@ namespace octavo {
 
 struct BuildOptions {
   VolumeKind kind = VolumeKind::grey;
+  Preset preset = Preset::small;
+  /// No voxel ends up further from its source, in real units (|slope| * stored units). 0: lossless.
+  /// Integer volumes round it down to whole stored units.
+  double max_error = 0;
+  FloatRepair repair = {};  ///< of NaN and infinities in float32 volumes
   bool overwrite = false;
   int threads = 0;  ///< 0: all cores
   /// 0: no limit; otherwise Error{limit_exceeded} before work starts when the need is above it.
@@ -29,17 +37,23 @@ struct BuildResult {
   double read_seconds = 0;  ///< time the source took
   double total_seconds = 0;
   int threads = 0;
+  double max_error = 0;      ///< the bound that the file promises, voxel units
+  std::optional<SampleCoding> coding;  ///< of a float32 volume
 };
 
 /// Builds `path` from `source`.
 /// Throws what the source and the storage throw, Error{cancelled}, Error{internal} when a brick
-/// does not decode to its voxels; in every case nothing but a complete file stands under `path`.
-/// Memory  2 groups + 24 MiB per thread + 192 MiB (training, buffers) + what the source holds
+/// does not decode to its voxels, Error{source_rejected} where float32 voxels do not allow what was
+/// asked for, Error{invalid_argument} for labels with a max error or of type float32; in every case
+/// nothing but a complete file stands under `path`.
+/// Memory  2 groups (float32: 3, with a max error 5) + 24 MiB per thread + 192 MiB (training,
+///         buffers) + what the source holds
 /// Source  thesis 2.4 (Fig. 2.3), 2.6
 BuildResult build_file(PlaneSource& source, Storage& storage, const std::string& path,
                        const BuildOptions& options, Progress& progress);
 
 /// Memory build_file will need for a volume, bytes.
-std::uint64_t build_memory_bytes(const VolumeDescription& description, int threads);
+std::uint64_t build_memory_bytes(const VolumeDescription& description, int threads,
+                                 double max_error = 0);
 
 }  // namespace octavo

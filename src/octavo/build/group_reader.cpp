@@ -18,9 +18,11 @@ std::int64_t group_planes(const Levels& levels, VoxelType type) {
   return std::min(layers * layer_planes, size.z);
 }
 
-GroupReader::GroupReader(PlaneSource& source, const Levels& levels, Progress& progress)
+GroupReader::GroupReader(PlaneSource& source, const Levels& levels, Progress& progress,
+                         const FloatPlanes* floats)
     : source_(source),
       progress_(progress),
+      floats_(floats),
       size_(levels.size(0)),
       type_(source.description().type),
       planes_per_group_(group_planes(levels, type_)) {
@@ -35,7 +37,8 @@ GroupReader::~GroupReader() {
 VoxelBlock GroupReader::next() {
   reading_.get();
   std::swap(taken_, filling_);
-  VoxelBlock block{taken_.data(), type_, size_, next_plane_};
+  VoxelBlock block{taken_.voxels.data(), type_, size_, next_plane_};
+  if (floats_ != nullptr) block.floats = taken_.floats.data();
   next_plane_ = std::min(next_plane_ + planes_per_group_, size_.z);
   block.size.z = next_plane_ - block.first_plane;
   if (!is_done()) start(next_plane_);
@@ -44,17 +47,21 @@ VoxelBlock GroupReader::next() {
 
 void GroupReader::start(std::int64_t first_plane) {
   const std::int64_t end = std::min(first_plane + planes_per_group_, size_.z);
-  reading_ = std::async(std::launch::async,
-                        [this, first_plane, end] { read(first_plane, end, filling_); });
+  reading_ = std::async(std::launch::async, [this, first_plane, end] { read(first_plane, end); });
 }
 
-void GroupReader::read(std::int64_t first_plane, std::int64_t end, std::vector<std::byte>& buffer) {
+void GroupReader::read(std::int64_t first_plane, std::int64_t end) {
   const auto plane_bytes = static_cast<std::size_t>(size_.x * size_.y * bytes_per_voxel(type_));
-  buffer.resize(static_cast<std::size_t>(end - first_plane) * plane_bytes);
+  filling_.voxels.resize(static_cast<std::size_t>(end - first_plane) * plane_bytes);
+  filling_.floats.clear();
   const auto start = std::chrono::steady_clock::now();
-  for (std::size_t offset = 0; offset < buffer.size() && !is_stopped_; offset += plane_bytes) {
+  for (std::size_t at = 0; at < filling_.voxels.size() && !is_stopped_; at += plane_bytes) {
     if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped while reading planes");
-    source_.read_plane(std::span(buffer).subspan(offset, plane_bytes));
+    source_.read_plane(std::span(filling_.voxels).subspan(at, plane_bytes));
+    if (floats_ != nullptr) {
+      const auto plane = floats_->voxels();
+      filling_.floats.insert(filling_.floats.end(), plane.begin(), plane.end());
+    }
     progress_.advance(1);
   }
   read_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -9,6 +9,7 @@
 #include <future>
 #include <vector>
 
+#include "octavo/build/float_planes.h"
 #include "octavo/build/plane_source.h"
 #include "octavo/build/voxel_block.h"
 #include "octavo/core/progress.h"
@@ -22,8 +23,10 @@ std::int64_t group_planes(const Levels& levels, VoxelType type);
 
 class GroupReader {
  public:
-  /// All three must outlive the reader. Starts to read the first group.
-  GroupReader(PlaneSource& source, const Levels& levels, Progress& progress);
+  /// All must outlive the reader. Starts to read the first group.
+  /// floats  the source itself when blocks shall hold the float voxels beside their codes
+  GroupReader(PlaneSource& source, const Levels& levels, Progress& progress,
+              const FloatPlanes* floats = nullptr);
 
   /// Stops at the next plane and joins the reading thread.
   ~GroupReader();
@@ -44,16 +47,23 @@ class GroupReader {
 
  private:
   void start(std::int64_t first_plane);
-  void read(std::int64_t first_plane, std::int64_t end, std::vector<std::byte>& buffer);
+  void read(std::int64_t first_plane, std::int64_t end);
+
+  /// Planes of a group: as the bricks hold them, and as floats where those differ.
+  struct Buffer {
+    std::vector<std::byte> voxels;
+    std::vector<float> floats;
+  };
 
   PlaneSource& source_;
   Progress& progress_;
+  const FloatPlanes* floats_;
   Size3 size_;
   VoxelType type_;
   std::int64_t planes_per_group_;
   std::int64_t next_plane_ = 0;  // first plane of the group that next() gives
-  std::vector<std::byte> taken_;
-  std::vector<std::byte> filling_;
+  Buffer taken_;
+  Buffer filling_;
   std::atomic<bool> is_stopped_ = false;
   double read_seconds_ = 0;  // written by the reading thread, read after it was waited for
   std::future<void> reading_;

@@ -2,6 +2,9 @@
 
 #include <tbb/parallel_pipeline.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <string>
 
@@ -13,41 +16,93 @@ namespace {
 
 constexpr std::size_t kBricksPerThread = 4;
 
-template <class T>
-bool all_equal(const BrickView& brick, std::int64_t value) {
+// The voxels that the reader's codec makes of what was encoded, dense [z][y][x].
+std::vector<std::byte> decoded_voxels(const BrickCodec& decoder, const BrickShape& shape,
+                                      const EncodedBrick& encoded, const BrickView& brick) {
+  const auto count = static_cast<std::size_t>(brick.size.voxel_count());
+  std::vector<std::byte> dense(count * static_cast<std::size_t>(bytes_per_voxel(brick.type)));
+  if (encoded.range.min != encoded.range.max) {
+    const std::vector<ByteSpan> segments(encoded.segments.begin(), encoded.segments.end());
+    decoder.decode(shape, brick.type, encoded.range, segments, 0, dense.data());
+    return dense;
+  }
+  with_voxel_type(brick.type, [&](auto id) {
+    using T = typename decltype(id)::type;
+    std::fill_n(reinterpret_cast<T*>(dense.data()), count, static_cast<T>(encoded.range.min));
+  });
+  return dense;
+}
+
+// Calls `take(row of the brick, dense row)` for every row.
+template <class T, class F>
+void for_each_row(const BrickView& brick, const void* dense, const F& take) {
   const auto* const voxels = static_cast<const T*>(brick.voxels);
-  return is_uniform(brick) && static_cast<std::int64_t>(*voxels) == value;
-}
-
-bool holds_only(const BrickView& brick, std::int64_t value) {
-  return with_voxel_type(
-      brick.type, [&](auto id) { return all_equal<typename decltype(id)::type>(brick, value); });
-}
-
-bool equals_dense(const BrickView& brick, const std::vector<std::byte>& dense) {
-  const std::int64_t width = bytes_per_voxel(brick.type);
-  const auto* const voxels = static_cast<const std::byte*>(brick.voxels);
-  const std::int64_t row_bytes = brick.size.x * width;
-  const std::byte* row = dense.data();
+  const auto* row = static_cast<const T*>(dense);
   for (std::int64_t z = 0; z < brick.size.z; ++z) {
-    for (std::int64_t y = 0; y < brick.size.y; ++y, row += row_bytes) {
-      const std::byte* const source =
-          voxels + (z * brick.plane_stride + y * brick.row_stride) * width;
-      if (std::memcmp(source, row, static_cast<std::size_t>(row_bytes)) != 0) return false;
+    for (std::int64_t y = 0; y < brick.size.y; ++y, row += brick.size.x) {
+      take(voxels + z * brick.plane_stride + y * brick.row_stride, row);
     }
   }
-  return true;
 }
 
-// True when the reader's codec makes exactly the brick's voxels of what was encoded.
-bool decodes_to(const BrickCodec& decoder, const BrickShape& shape, const EncodedBrick& encoded,
-                const BrickView& brick) {
-  if (encoded.range.min == encoded.range.max) return holds_only(brick, encoded.range.min);
-  const std::vector<ByteSpan> segments(encoded.segments.begin(), encoded.segments.end());
-  std::vector<std::byte> dense(
-      static_cast<std::size_t>(brick.size.voxel_count() * bytes_per_voxel(brick.type)));
-  decoder.decode(shape, brick.type, encoded.range, segments, 0, dense.data());
-  return equals_dense(brick, dense);
+bool is_same(const BrickView& brick, const std::vector<std::byte>& dense) {
+  return with_voxel_type(brick.type, [&](auto id) {
+    using T = typename decltype(id)::type;
+    const auto row_bytes = static_cast<std::size_t>(brick.size.x) * sizeof(T);
+    bool same = true;
+    for_each_row<T>(brick, dense.data(), [&](const T* source, const T* found) {
+      same = same && std::memcmp(source, found, row_bytes) == 0;
+    });
+    return same;
+  });
+}
+
+// The largest difference between a voxel and what it became, or nothing when one lies outside
+// `range`: readers skip bricks by their range.
+std::optional<std::int64_t> integer_error(const BrickView& brick,
+                                          const std::vector<std::byte>& dense,
+                                          const ValueRange& range) {
+  return with_voxel_type(brick.type, [&](auto id) -> std::optional<std::int64_t> {
+    using T = typename decltype(id)::type;
+    std::int64_t largest = 0;
+    bool is_inside = true;
+    for_each_row<T>(brick, dense.data(), [&](const T* source, const T* found) {
+      for (std::int64_t x = 0; x < brick.size.x; ++x) {
+        const auto was = static_cast<std::int64_t>(source[x]);
+        const auto is = static_cast<std::int64_t>(found[x]);
+        largest = std::max(largest, was > is ? was - is : is - was);
+        is_inside = is_inside && is >= range.min && is <= range.max;
+      }
+    });
+    return is_inside ? std::optional(largest) : std::nullopt;
+  });
+}
+
+// The largest difference between float voxels and those that the codes in `dense` stand for.
+double float_error(const BrickView& floats, const std::vector<std::byte>& dense,
+                   const SampleCoding& coding) {
+  std::vector<float> voxels(static_cast<std::size_t>(floats.size.voxel_count()));
+  decode_samples(coding, dense.data(), voxels);
+  double largest = 0;
+  for_each_row<float>(floats, voxels.data(), [&](const float* source, const float* found) {
+    for (std::int64_t x = 0; x < floats.size.x; ++x) {
+      const double difference = static_cast<double>(source[x]) - static_cast<double>(found[x]);
+      largest = std::max(largest, std::abs(difference));
+    }
+  });
+  return largest;
+}
+
+std::string short_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", value);
+  return text;
+}
+
+// The error of float voxels as the index holds it: in 1024ths of the bound, rounded up.
+std::int64_t float_error_steps(double error, double bound) {
+  constexpr double kSteps = 1024;
+  return static_cast<std::int64_t>(std::min(std::ceil(error / (bound / kSteps)), kSteps));
 }
 
 std::string name_of(int tier, const Index3& brick) {
@@ -75,13 +130,14 @@ Model make_model(std::unique_ptr<BrickCodec> codec, VoxelType type) {
 }
 
 TierEncoder::TierEncoder(const Levels& levels, int tier, VoxelType type, Workers& workers,
-                         FileWriter& writer, Progress& progress)
+                         FileWriter& writer, Progress& progress, const ErrorBound& bound)
     : levels_(levels),
       tier_(tier),
       type_(type),
       workers_(workers),
       writer_(writer),
       progress_(progress),
+      bound_(bound),
       parents_(static_cast<std::size_t>(levels.brick_count(tier) * bytes_per_voxel(type))) {}
 
 void TierEncoder::encode(const Model& model, const VoxelBlock& block) {
@@ -127,13 +183,30 @@ EncodedBrick TierEncoder::encode_checked(const Model& model, const VoxelBlock& b
   const BrickShape shape = brick_shape(levels_, tier_, brick);
   const BrickView view = view_of(block, levels_.brick_box(tier_, brick));
   EncodedBrick encoded = model.encoder->encode(shape, view);
-  bool is_same = false;
+  std::vector<std::byte> dense;
   try {
-    is_same = decodes_to(*model.decoder, shape, encoded, view);
+    dense = decoded_voxels(*model.decoder, shape, encoded, view);
   } catch (const Error& error) {
     fail_brick(tier_, brick, " (" + error.detail() + ")");
   }
-  if (!is_same) fail_brick(tier_, brick, "");
+  encoded.max_error = 0;
+  if (bound_.codes > 0) {
+    const auto error = integer_error(view, dense, encoded.range);
+    if (!error || *error > bound_.codes) fail_brick(tier_, brick, "");
+    encoded.max_error = *error;
+  } else if (!is_same(view, dense)) {
+    fail_brick(tier_, brick, "");
+  }
+  if (block.floats == nullptr) return encoded;
+
+  const BrickView floats = float_view_of(block, levels_.brick_box(tier_, brick));
+  const double found = float_error(floats, dense, *bound_.coding);
+  if (!(found <= bound_.voxels)) {
+    throw Error(ErrorKind::source_rejected,
+                name_of(tier_, brick) + " holds values so large that float32 cannot keep them " +
+                    "within the max error; --max-error " + short_text(bound_.proposal) + " can");
+  }
+  encoded.max_error = float_error_steps(found, bound_.voxels);
   return encoded;
 }
 

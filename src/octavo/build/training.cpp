@@ -29,10 +29,12 @@ void drop_slivers(std::vector<TrainingBrick>& candidates, const Size3& full) {
 }  // namespace
 
 std::unique_ptr<BrickCodec> train_on(const Levels& levels, int tier, const VoxelBlock& block,
-                                     VolumeKind kind) {
+                                     VolumeKind kind, const CodecSettings& settings) {
   std::vector<TrainingBrick> candidates = candidates_of(levels, tier, block);
   if (candidates.size() > kTrainingBricks) drop_slivers(candidates, levels.brick_side(tier));
-  if (candidates.size() <= kTrainingBricks) return train_model(kind, block.type, candidates);
+  if (candidates.size() <= kTrainingBricks) {
+    return train_model(kind, block.type, candidates, settings);
+  }
   std::vector<TrainingBrick> chosen;
   for (std::size_t i = 0; i < kTrainingBricks; ++i) {
     // One brick out of each of 32 equal parts, at multiples of the golden ratio inside it: out of
@@ -40,7 +42,7 @@ std::unique_ptr<BrickCodec> train_on(const Levels& levels, int tier, const Voxel
     const std::uint64_t inside = i * 2654435769u & 0xffffffffu;
     chosen.push_back(candidates[((i << 32) + inside) * candidates.size() / kTrainingBricks >> 32]);
   }
-  return train_model(kind, block.type, chosen);
+  return train_model(kind, block.type, chosen, settings);
 }
 
 }  // namespace octavo

@@ -13,6 +13,6 @@ inline constexpr std::size_t kTrainingBricks = 32;
 /// those that are not uniform and, while enough others remain, not slivers at the border.
 /// Depends on the voxels alone.
 std::unique_ptr<BrickCodec> train_on(const Levels& levels, int tier, const VoxelBlock& block,
-                                     VolumeKind kind);
+                                     VolumeKind kind, const CodecSettings& settings);
 
 }  // namespace octavo

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "octavo/file/writer.h"
+#include "octavo/file/layer_order.h"
 
 namespace octavo {
 
@@ -17,6 +17,13 @@ BrickView view_of(const VoxelBlock& block, const Box& box) {
   view.row_stride = block.size.x;
   view.plane_stride = block.size.x * block.size.y;
   return view;
+}
+
+BrickView float_view_of(const VoxelBlock& block, const Box& box) {
+  VoxelBlock floats = block;
+  floats.voxels = reinterpret_cast<const std::byte*>(block.floats);
+  floats.type = VoxelType::float32;
+  return view_of(floats, box);
 }
 
 bool is_uniform(const BrickView& brick) {

@@ -17,10 +17,14 @@ struct VoxelBlock {
   VoxelType type = VoxelType::uint8;
   Size3 size;
   std::int64_t first_plane = 0;
+  /// The float voxels that the integers stand for, [z][y][x], where these do not say all of them.
+  const float* floats = nullptr;
 };
 
 /// The voxels of `box` (in the tier's samples), which lies in the block.
 BrickView view_of(const VoxelBlock& block, const Box& box);
+/// The same of block.floats.
+BrickView float_view_of(const VoxelBlock& block, const Box& box);
 
 /// True when all voxels of the brick have one value. Stops at the first that differs.
 bool is_uniform(const BrickView& brick);

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "octavo/core/box.h"
 #include "octavo/core/geometry.h"
+#include "octavo/core/sample_coding.h"
 #include "octavo/core/voxel_type.h"
 
 namespace octavo {
@@ -31,10 +33,23 @@ struct VolumeDescription {
   Size3 size;
   Geometry geometry;
   Rescale rescale;
-  /// UTF-8 JSON object. Keys of every importer: "source" {"format", "files", ...}, "unit" ("HU",
-  /// ...), "spacing_known" (false when the source carries no spacing and 1 mm was assumed), "dicom"
-  /// {...}.
+  /// UTF-8 JSON object. Keys of every importer: "source" {"format", "files"}, "spacing_known"
+  /// (false: the source carries no spacing and 1 mm was assumed), "spacing_source" ("file", "user",
+  /// "assumed"), "unit" ("HU", ...; where known). Of some: "dicom" {...}, "place_known" (false:
+  /// origin and direction mean nothing), "lossy_source" (true: an earlier compression changed
+  /// values). A build adds "coding" where it was not told to keep everything as it is: "preset",
+  /// "max_error", "nan", "inf", in real units; and where its source was an .8vo file with a maximum
+  /// error, "source_max_error".
   std::string metadata_json = "{}";
+  /// Of a float32 volume in a file: how its bricks hold it. What other sources give is a hint.
+  std::optional<SampleCoding> coding;
+
+  /// The type of the numbers in bricks and index.
+  VoxelType coded_type() const { return coding ? coding->type : type; }
+  /// The voxel that a number in bricks and index stands for.
+  double voxel_of(std::int64_t code) const {
+    return coding ? static_cast<double>(coding->voxel_of(code)) : static_cast<double>(code);
+  }
 };
 
 }  // namespace octavo

@@ -83,18 +83,11 @@ class ByteReader {
   }
 
   std::uint64_t varint() {
-    std::uint64_t value = 0;
-    for (int shift = 0; shift < 64; shift += 7) {
-      const std::uint8_t byte = u8();
-      const std::uint64_t bits = byte & 0x7f;
-      if (shift == 63 && bits > 1) fail("holds a number beyond 64 bits");
-      value |= bits << shift;
-      if (byte < 0x80) {
-        if (byte == 0 && shift > 0) fail("holds a number in more bytes than it needs");
-        return value;
-      }
+    try {
+      return take_varint(bytes_);
+    } catch (const Error& error) {
+      fail(error.detail());
     }
-    fail("holds a number beyond 64 bits");
   }
 
   std::int64_t signed_varint() { return unzigzag(varint()); }

@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace octavo {
 
@@ -19,5 +20,8 @@ class ByteSource {
   /// shorter, Error{io} when reading fails.
   virtual void read(std::uint64_t offset, std::span<std::uint8_t> out) const = 0;
 };
+
+/// A ByteSource over bytes in memory.
+std::shared_ptr<ByteSource> byte_source_of(std::vector<std::uint8_t> bytes, std::string name);
 
 }  // namespace octavo

@@ -46,16 +46,17 @@ std::uint64_t take_bounded(ByteReader& in, std::uint64_t limit, const char* what
   return value;
 }
 
-void parse_models(ByteReader& in, std::int64_t slab_count, IndexRoot& root) {
+// `last_slab` may be the one behind all: that of the model of the other tiers.
+void parse_models(ByteReader& in, std::int64_t last_slab, IndexRoot& root) {
   const std::uint64_t count = in.varint();
-  if (count == 0 || count > static_cast<std::uint64_t>(slab_count) || count > in.left() / 6) {
+  if (count == 0 || count - 1 > static_cast<std::uint64_t>(last_slab) || count > in.left() / 6) {
     in.fail(std::to_string(count) + " models");
   }
   root.models.reserve(count);
   std::uint64_t slab = 0;
   for (std::uint64_t i = 0; i < count; ++i) {
     const std::uint64_t step = in.varint();
-    if (i == 0 ? step != 0 : step == 0 || step >= static_cast<std::uint64_t>(slab_count) - slab) {
+    if (i == 0 ? step != 0 : step == 0 || step > static_cast<std::uint64_t>(last_slab) - slab) {
       in.fail("models out of order");
     }
     slab += step;
@@ -67,20 +68,40 @@ void parse_models(ByteReader& in, std::int64_t slab_count, IndexRoot& root) {
   }
 }
 
-void parse_page_ref(ByteReader& in, const ValueRange& bounds, int level_count,
-                    std::int64_t& previous_min, TierIndex& tier) {
+// What all pages of a tier are parsed with.
+struct TierRules {
+  ValueRange bounds;
+  std::uint64_t max_error_steps = 0;
+  bool has_errors = false;
+  int level_count = 0;
+};
+
+TierRules rules_of(const FileHeader& header, const Levels& levels, int tier) {
+  return {value_range(header.description.coded_type()), max_error_steps(header),
+          has_errors(header, tier), levels.tier_level_count(tier)};
+}
+
+std::uint64_t take_error(ByteReader& in, const TierRules& rules) {
+  const std::uint64_t steps = in.varint();
+  if (steps > rules.max_error_steps) in.fail("an error beyond the max error");
+  return steps;
+}
+
+void parse_page_ref(ByteReader& in, const TierRules& rules, std::int64_t& previous_min,
+                    TierIndex& tier) {
   PageRef ref;
   const std::size_t number = tier.pages.size();
   ref.length = static_cast<std::uint32_t>(take_bounded(in, kMaxPageBytes, "a page"));
   ref.crc = in.u32();
-  ref.range = take_range(in, bounds, previous_min);
+  ref.range = take_range(in, rules.bounds, previous_min);
+  if (rules.has_errors) ref.error_steps = take_error(in, rules);
   const std::uint64_t uniform = in.varint();
   if (uniform > static_cast<std::uint64_t>(tier.brick_count(number))) {
     in.fail("more uniform bricks than bricks");
   }
   ref.uniform_count = static_cast<std::uint32_t>(uniform);
   tier.uniform_count += static_cast<std::int64_t>(uniform);
-  for (std::size_t level = 0; level < static_cast<std::size_t>(level_count); ++level) {
+  for (std::size_t level = 0; level < static_cast<std::size_t>(rules.level_count); ++level) {
     ref.segment_start[level] = in.varint();
     tier.level_bytes[level] =
         checked_add(tier.level_bytes[level], ref.segment_start[level], "index root: a level");
@@ -88,8 +109,7 @@ void parse_page_ref(ByteReader& in, const ValueRange& bounds, int level_count,
   tier.pages.push_back(ref);
 }
 
-void parse_tier(ByteReader& in, const ValueRange& bounds, int tier_number, int level_count,
-                IndexRoot& root) {
+void parse_tier(ByteReader& in, const TierRules& rules, int tier_number, IndexRoot& root) {
   TierIndex& tier = root.tiers.back();
   const auto page_count = static_cast<std::uint64_t>(page_count_of(tier));
   if (page_count > in.left() / kMinPageRefBytes) in.fail("ends early");
@@ -101,7 +121,7 @@ void parse_tier(ByteReader& in, const ValueRange& bounds, int tier_number, int l
       root.slab_trailer_bytes.push_back(
           static_cast<std::uint32_t>(take_bounded(in, kMaxSlabTrailerBytes, "a slab trailer")));
     }
-    parse_page_ref(in, bounds, level_count, previous_min, tier);
+    parse_page_ref(in, rules, previous_min, tier);
   }
 }
 
@@ -136,6 +156,9 @@ void place_slabs(IndexRoot& root, std::uint64_t& cursor) {
                            "index root: data");
     }
   }
+  if (model == root.models.end()) return;
+  model->offset = cursor;
+  cursor = checked_add(cursor, model->length, "index root: data");
 }
 
 void place_pages(IndexRoot& root, const FileHeader& header, const ByteReader& in) {
@@ -151,62 +174,14 @@ void place_pages(IndexRoot& root, const FileHeader& header, const ByteReader& in
 
 }  // namespace
 
-ValueRange index_range(VoxelType type) {
-  constexpr std::int64_t kFloatBound = std::int64_t{1} << 53;
-  return is_integer(type) ? value_range(type) : ValueRange{-kFloatBound, kFloatBound};
-}
-
-TierIndex make_tier_index(const Levels& levels, int tier) {
-  TierIndex index;
-  index.grid = levels.brick_grid(tier);
-  index.layer_bricks = index.grid.x * index.grid.y;
-  index.layer_pages = (index.layer_bricks + kPageBricks - 1) / kPageBricks;
-  return index;
-}
-
-std::uint32_t IndexRoot::model_of_slab(std::int64_t slab) const {
-  const auto after = std::upper_bound(
-      models.begin(), models.end(), slab,
-      [](std::int64_t s, const ModelRef& model) { return s < std::int64_t{model.first_slab}; });
-  return static_cast<std::uint32_t>(after - models.begin() - 1);
-}
-
-std::uint64_t IndexRoot::slab_trailer_offset(std::int64_t slab) const {
-  const TierIndex& tier = tiers.front();
-  if (slab + 1 == tier.grid.z) return tier.level_end[0];
-  const std::uint32_t next_model = model_of_slab(slab + 1);
-  const auto next_page = static_cast<std::size_t>((slab + 1) * tier.layer_pages);
-  const std::uint64_t slab_end = next_model != model_of_slab(slab)
-                                     ? models[next_model].offset
-                                     : tier.pages[next_page].segment_start[0];
-  return slab_end - slab_trailer_bytes[static_cast<std::size_t>(slab)];
-}
-
-std::uint64_t IndexRoot::segment_end(int tier_number, std::size_t page, int level) const {
-  const TierIndex& tier = tiers[static_cast<std::size_t>(tier_number)];
-  const auto l = static_cast<std::size_t>(level);
-  const bool ends_layer = tier.first_place(page) + tier.brick_count(page) == tier.layer_bricks;
-  if (tier_number == 0 && level == 0 && ends_layer) return slab_trailer_offset(tier.layer_of(page));
-  return page + 1 < tier.pages.size() ? tier.pages[page + 1].segment_start[l] : tier.level_end[l];
-}
-
-ValueRange IndexRoot::range() const {
-  ValueRange all = tiers.front().pages.front().range;
-  for (const PageRef& page : tiers.front().pages) {
-    all = {std::min(all.min, page.range.min), std::max(all.max, page.range.max)};
-  }
-  return all;
-}
-
 IndexRoot parse_root(ByteSpan bytes, const Levels& levels, const FileHeader& header) {
   ByteReader in(bytes, "index root");
   IndexRoot root;
-  const ValueRange bounds = index_range(header.description.type);
-  parse_models(in, levels.brick_grid(0).z, root);
+  parse_models(in, levels.brick_grid(0).z - (levels.tier_count() > 1 ? 0 : 1), root);
   for (int tier = 0; tier < levels.tier_count(); ++tier) {
     root.tiers.push_back(make_tier_index(levels, tier));
     check_page_room(in, root.tiers.back(), header.pages.length);
-    parse_tier(in, bounds, tier, levels.tier_level_count(tier), root);
+    parse_tier(in, rules_of(header, levels, tier), tier, root);
   }
   in.expect_end();
 
@@ -225,7 +200,7 @@ IndexRoot parse_root(ByteSpan bytes, const Levels& levels, const FileHeader& hea
 }
 
 IndexPage parse_page(ByteSpan bytes, const IndexRoot& root, const Levels& levels, int tier_number,
-                     std::size_t number, VoxelType type) {
+                     std::size_t number, const FileHeader& header) {
   const TierIndex& tier = root.tiers[static_cast<std::size_t>(tier_number)];
   const PageRef& ref = tier.pages[number];
   const auto count = static_cast<std::size_t>(tier.brick_count(number));
@@ -234,21 +209,27 @@ IndexPage parse_page(ByteSpan bytes, const IndexRoot& root, const Levels& levels
   if (flags != 0) in.fail("unknown flags " + std::to_string(flags));
   if (in.left() / 2 < count) in.fail("ends early");
 
-  // Ranges: equal ends mark a uniform brick.
+  // Ranges and errors: equal ends mark a uniform brick.
   IndexPage page;
-  page.level_count = levels.tier_level_count(tier_number);
-  const ValueRange bounds = index_range(type);
+  const TierRules rules = rules_of(header, levels, tier_number);
+  page.level_count = rules.level_count;
   std::int64_t previous_min = 0;
   std::uint32_t slot_count = 0;
-  ValueRange all = {bounds.max, bounds.min};
+  std::uint64_t error_steps = 0;
+  ValueRange all = {rules.bounds.max, rules.bounds.min};
   for (std::size_t i = 0; i < count; ++i) {
-    const ValueRange range = take_range(in, bounds, previous_min);
+    const ValueRange range = take_range(in, rules.bounds, previous_min);
+    if (rules.has_errors) {
+      page.error_steps.push_back(take_error(in, rules));
+      error_steps = std::max(error_steps, page.error_steps.back());
+    }
     page.ranges.push_back(range);
     page.slots.push_back(slot_count);
     if (range.min != range.max) ++slot_count;
     all = {std::min(all.min, range.min), std::max(all.max, range.max)};
   }
-  if (all != ref.range || count - slot_count != ref.uniform_count) {
+  if (all != ref.range || error_steps != ref.error_steps ||
+      count - slot_count != ref.uniform_count) {
     in.fail("contradicts the index root");
   }
 

@@ -5,7 +5,7 @@
 // of the index, so that offsets are sums of lengths, and the sums must come out at the offsets in
 // the header.
 //
-//   data = slab 0 .. slab n-1, coarse levels
+//   data = slab 0 .. slab n-1, [model of the other tiers], coarse levels
 //   slab = [model] segments of level 0 of the layer's bricks, slab trailer
 //   coarse levels = segments of level 1 of all bricks of tier 0, of level 2, .. 5; then tier 1; ..
 //
@@ -35,6 +35,7 @@ struct PageRef {
   std::uint32_t length = 0;
   std::uint32_t crc = 0;
   ValueRange range;                ///< of all its bricks
+  std::uint64_t error_steps = 0;   ///< the largest of its bricks
   std::uint32_t uniform_count = 0;
   /// Where the segments of each in-brick level begin; while a file is written, their total length.
   std::array<std::uint64_t, kTierLevels> segment_start{};
@@ -44,7 +45,7 @@ struct ModelRef {
   std::uint64_t offset = 0;
   std::uint32_t length = 0;
   std::uint32_t crc = 0;
-  std::uint32_t first_slab = 0;    ///< the model stands at the start of this slab
+  std::uint32_t first_slab = 0;    ///< the model stands at the start of this slab, or behind all
 };
 
 /// The pages of one tier, layer after layer.
@@ -79,12 +80,16 @@ struct IndexRoot {
 
   /// The model of a layer of tier 0.
   std::uint32_t model_of_slab(std::int64_t slab) const;
+  /// The model of the tiers above tier 0: the one behind the slabs if there is one, else model 0.
+  std::uint32_t coarse_model() const;
   /// Where a slab's level-0 segments end and its trailer begins.
   std::uint64_t slab_trailer_offset(std::int64_t slab) const;
   /// Where the segments of in-brick level `level` of a page end.
   std::uint64_t segment_end(int tier, std::size_t page, int level) const;
   /// Smallest and largest voxel.
   ValueRange range() const;
+  /// The largest error of a brick, in steps of the header.
+  std::uint64_t error_steps() const;
 };
 
 /// Throws Error{corrupt} when the bytes do not describe a tiling of the data of `header`.
@@ -101,21 +106,22 @@ struct SegmentRef {
 struct IndexPage {
   int level_count = 0;
   std::vector<ValueRange> ranges;
+  std::vector<std::uint64_t> error_steps;  ///< of tier 0 in files with a max error, else empty
   std::vector<std::uint32_t> slots;     ///< number among the bricks that are not uniform
   std::vector<SegmentRef> segments;     ///< [slot][in-brick level]
 
   std::size_t memory_bytes() const {
     return sizeof(IndexPage) + ranges.size() * (sizeof(ValueRange) + sizeof(std::uint32_t)) +
-           segments.size() * sizeof(SegmentRef);
+           segments.size() * sizeof(SegmentRef) + error_steps.size() * sizeof(std::uint64_t);
   }
 };
 
 /// Page number `page` of `tier`, from its bytes after their checksum was proven.
-/// Throws Error{corrupt} when it contradicts the root or the range of `type`.
+/// Throws Error{corrupt} when it contradicts the root, the coded type or the max error of `header`.
 IndexPage parse_page(ByteSpan bytes, const IndexRoot& root, const Levels& levels, int tier,
-                     std::size_t page, VoxelType type);
+                     std::size_t page, const FileHeader& header);
 
-/// The range samples of `type` can have in an index; float samples are indexed as scaled integers.
-ValueRange index_range(VoxelType type);
+/// True when the bricks of a tier have an error in the index: those of tier 0 in a lossy file.
+bool has_errors(const FileHeader& header, int tier);
 
 }  // namespace octavo

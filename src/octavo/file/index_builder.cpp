@@ -17,7 +17,7 @@ void put_range(ByteWriter& out, const ValueRange& range, std::int64_t& previous_
 
 }  // namespace
 
-Bytes encode_root(const IndexRoot& root, const Levels& levels) {
+Bytes encode_root(const IndexRoot& root, const Levels& levels, const FileHeader& header) {
   Bytes bytes;
   ByteWriter out(bytes);
   out.put_varint(root.models.size());
@@ -40,6 +40,7 @@ Bytes encode_root(const IndexRoot& root, const Levels& levels) {
       out.put_varint(page.length);
       out.put_u32(page.crc);
       put_range(out, page.range, previous_min);
+      if (has_errors(header, static_cast<int>(t))) out.put_varint(page.error_steps);
       out.put_varint(page.uniform_count);
       for (std::size_t level = 0; level < level_count; ++level) {
         out.put_varint(page.segment_start[level]);
@@ -54,7 +55,10 @@ Bytes encode_page(const IndexPage& page) {
   ByteWriter out(bytes);
   out.put_u8(0);
   std::int64_t previous_min = 0;
-  for (const ValueRange& range : page.ranges) put_range(out, range, previous_min);
+  for (std::size_t i = 0; i < page.ranges.size(); ++i) {
+    put_range(out, page.ranges[i], previous_min);
+    if (!page.error_steps.empty()) out.put_varint(page.error_steps[i]);
+  }
   const auto levels = static_cast<std::size_t>(page.level_count);
   for (std::size_t level = 0; level < levels; ++level) {
     for (std::size_t i = level; i < page.segments.size(); i += levels) {
@@ -67,18 +71,20 @@ Bytes encode_page(const IndexPage& page) {
   return bytes;
 }
 
-IndexBuilder::IndexBuilder(const Levels& levels, Spool& spool, std::size_t page_stream)
-    : levels_(levels), spool_(spool), page_stream_(page_stream) {
+IndexBuilder::IndexBuilder(const Levels& levels, const FileHeader& header, Spool& spool,
+                           std::size_t page_stream)
+    : levels_(levels), header_(header), spool_(spool), page_stream_(page_stream) {
   for (int tier = 0; tier < levels.tier_count(); ++tier) {
     root_.tiers.push_back(make_tier_index(levels, tier));
   }
 }
 
-void IndexBuilder::add_brick(int tier_number, const ValueRange& range,
+void IndexBuilder::add_brick(int tier_number, const ValueRange& range, std::uint64_t error_steps,
                              const std::vector<SegmentRef>& segments) {
   const TierIndex& tier = root_.tiers[static_cast<std::size_t>(tier_number)];
   page_.level_count = levels_.tier_level_count(tier_number);
   page_.ranges.push_back(range);
+  if (has_errors(header_, tier_number)) page_.error_steps.push_back(error_steps);
   if (range.min != range.max) {
     page_.segments.insert(page_.segments.end(), segments.begin(), segments.end());
   }
@@ -96,6 +102,9 @@ void IndexBuilder::finish_page(int tier_number) {
   for (const ValueRange& range : page_.ranges) {
     ref.range = {std::min(ref.range.min, range.min), std::max(ref.range.max, range.max)};
     if (range.min == range.max) ++ref.uniform_count;
+  }
+  for (const std::uint64_t steps : page_.error_steps) {
+    ref.error_steps = std::max(ref.error_steps, steps);
   }
   const auto levels = static_cast<std::size_t>(page_.level_count);
   for (std::size_t i = 0; i < page_.segments.size(); ++i) {

@@ -9,7 +9,7 @@
 namespace octavo {
 
 /// The bytes of a root whose PageRefs hold totals.
-Bytes encode_root(const IndexRoot& root, const Levels& levels);
+Bytes encode_root(const IndexRoot& root, const Levels& levels, const FileHeader& header);
 
 /// The bytes of a page; the offsets of its segments are not looked at.
 Bytes encode_page(const IndexPage& page);
@@ -17,14 +17,17 @@ Bytes encode_page(const IndexPage& page);
 /// Memory  that of the page in work, and about 90 bytes per finished page
 class IndexBuilder {
  public:
-  /// Pages go to stream `page_stream` of `spool`, which outlives this.
-  IndexBuilder(const Levels& levels, Spool& spool, std::size_t page_stream);
+  /// Pages go to stream `page_stream` of `spool`; all three references outlive this.
+  IndexBuilder(const Levels& levels, const FileHeader& header, Spool& spool,
+               std::size_t page_stream);
 
   void add_model(const ModelRef& model) { root_.models.push_back(model); }
   void add_slab_trailer(std::uint32_t bytes) { root_.slab_trailer_bytes.push_back(bytes); }
 
   /// The next brick of `tier`; one segment per in-brick level, offsets not needed.
-  void add_brick(int tier, const ValueRange& range, const std::vector<SegmentRef>& segments);
+  /// error_steps  0 unless the tier has errors
+  void add_brick(int tier, const ValueRange& range, std::uint64_t error_steps,
+                 const std::vector<SegmentRef>& segments);
 
   const IndexRoot& root() const { return root_; }
 
@@ -32,6 +35,7 @@ class IndexBuilder {
   void finish_page(int tier);
 
   const Levels& levels_;
+  const FileHeader& header_;
   Spool& spool_;
   std::size_t page_stream_;
   IndexRoot root_;

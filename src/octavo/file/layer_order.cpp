@@ -1,6 +1,6 @@
 #include "octavo/file/layer_order.h"
 
-#include "octavo/file/writer.h"
+#include <algorithm>
 
 namespace octavo {
 

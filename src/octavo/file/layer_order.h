@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "octavo/core/box.h"
 
@@ -19,5 +20,8 @@ std::int64_t place_in_layer(const Size3& brick_grid, const Index3& position);
 
 /// The (x, y) position with that place, z = 0. Requires 0 <= place < grid.x * grid.y.
 Index3 position_in_layer(const Size3& brick_grid, std::int64_t place);
+
+/// The (x, y) positions of one brick layer in o-code order, z = 0.
+std::vector<Index3> layer_order(const Size3& brick_grid);
 
 }  // namespace octavo

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <string>
 
 #include "octavo/codec/crc32c.h"
@@ -44,6 +45,14 @@ constexpr std::size_t kExtensionsAt = 332;
 constexpr std::size_t kHeaderCrcAt = 508;
 
 constexpr std::uint32_t kCriticalExtension = 0x8000;
+
+// The coding of float32 voxels: u8 type, f64 scale, f64 offset.
+constexpr std::uint16_t kCodingTag = 0x8001;
+constexpr std::uint16_t kCodingBytes = 17;
+
+// The errors of float32 bricks are counted in this part of the max error.
+constexpr std::uint64_t kFloatErrorSteps = 1024;
+constexpr double kLargestIntegerError = 4294967295.0;
 
 [[noreturn]] void fail(ErrorKind kind, const std::string& detail, std::size_t offset) {
   throw Error(kind, detail, {}, offset);
@@ -137,16 +146,27 @@ void check_envelope(ByteSpan bytes) {
   if (bytes[kSealedAt] != 1) fail(ErrorKind::corrupt, "header: bad seal", kSealedAt);
 }
 
+SampleCoding get_coding(ByteSpan bytes, std::size_t at, std::size_t length) {
+  if (length != kCodingBytes) fail(ErrorKind::corrupt, "header: coding of another length", at);
+  SampleCoding coding;
+  coding.type = static_cast<VoxelType>(bytes[at]);
+  coding.scale = get_double(bytes.data() + at + 1, "scale", at + 1);
+  coding.offset = get_double(bytes.data() + at + 9, "offset", at + 9);
+  if (!is_valid(coding)) fail(ErrorKind::corrupt, "header: unusable coding of float32", at);
+  return coding;
+}
+
 // Extensions are (u16 tag, u16 length, bytes); those whose tag has the high bit set must be
 // understood.
-void check_extensions(ByteSpan bytes) {
+void parse_extensions(ByteSpan bytes, FileHeader& header) {
+  std::optional<SampleCoding>& coding = header.description.coding;
   const auto count = load_little_endian<std::uint32_t>(bytes.data() + kExtensionCountAt);
   std::size_t at = kExtensionsAt;
   for (std::uint32_t i = 0; i < count; ++i) {
     if (kHeaderCrcAt - at < 4) fail(ErrorKind::corrupt, "header: extensions end early", at);
     const auto tag = load_little_endian<std::uint16_t>(bytes.data() + at);
     const auto length = load_little_endian<std::uint16_t>(bytes.data() + at + 2);
-    if (tag & kCriticalExtension) {
+    if (tag & kCriticalExtension && (tag != kCodingTag || coding)) {
       char text[96];
       std::snprintf(text, sizeof text, "needs extension 0x%04x, which this program does not know",
                     static_cast<unsigned>(tag));
@@ -154,10 +174,22 @@ void check_extensions(ByteSpan bytes) {
     }
     at += 4;
     if (kHeaderCrcAt - at < length) fail(ErrorKind::corrupt, "header: extensions end early", at);
+    if (tag == kCodingTag) coding = get_coding(bytes, at, length);
     at += length;
   }
   if (!is_zero(bytes.subspan(at, kHeaderCrcAt - at))) {
     fail(ErrorKind::corrupt, "header: reserved bytes are not zero", at);
+  }
+}
+
+void check_max_error(const FileHeader& header) {
+  const double e = header.max_error;
+  if (e < 0) fail(ErrorKind::corrupt, "header: negative max error", kMaxErrorAt);
+  if (e > 0 && header.description.kind == VolumeKind::labels) {
+    fail(ErrorKind::corrupt, "header: labels with a max error", kMaxErrorAt);
+  }
+  if (is_integer(header.description.type) && (e != std::floor(e) || e > kLargestIntegerError)) {
+    fail(ErrorKind::corrupt, "header: a max error that integers cannot have", kMaxErrorAt);
   }
 }
 
@@ -171,6 +203,9 @@ void parse_volume(ByteSpan bytes, FileHeader& header) {
   if (!is_valid(volume.type)) {
     fail(ErrorKind::corrupt, "header: unknown voxel type " + std::to_string(bytes[kTypeAt]),
          kTypeAt);
+  }
+  if (volume.kind == VolumeKind::labels && !is_integer(volume.type)) {
+    fail(ErrorKind::corrupt, "header: labels of type float32", kTypeAt);
   }
   for (int axis = 0; axis < 3; ++axis) {
     const std::size_t at = kSizeAt + 8 * static_cast<std::size_t>(axis);
@@ -193,7 +228,17 @@ void parse_volume(ByteSpan bytes, FileHeader& header) {
   volume.rescale.slope = get_doubles<1>(bytes, kSlopeAt, "slope")[0];
   volume.rescale.intercept = get_doubles<1>(bytes, kInterceptAt, "intercept")[0];
   header.max_error = get_doubles<1>(bytes, kMaxErrorAt, "max error")[0];
-  if (header.max_error < 0) fail(ErrorKind::corrupt, "header: negative max error", kMaxErrorAt);
+  check_max_error(header);
+}
+
+void put_coding(const SampleCoding& coding, std::uint8_t* block) {
+  store_little_endian(std::uint32_t{1}, block + kExtensionCountAt);
+  std::uint8_t* out = block + kExtensionsAt;
+  store_little_endian(kCodingTag, out);
+  store_little_endian(kCodingBytes, out + 2);
+  out[4] = static_cast<std::uint8_t>(coding.type);
+  put_double(coding.scale, out + 5);
+  put_double(coding.offset, out + 13);
 }
 
 void parse_halvings(ByteSpan bytes, FileHeader& header) {
@@ -274,6 +319,7 @@ HeaderBlock encode_header(const FileHeader& header) {
   put_section(header.pages, out + kPagesAt);
   put_section(header.root, out + kRootAt);
   put_section(header.thumbnail, out + kThumbnailAt);
+  if (volume.coding) put_coding(*volume.coding, out);
   store_little_endian(crc32c({out, kHeaderCrcAt}), out + kHeaderCrcAt);
   return block;
 }
@@ -288,8 +334,11 @@ FileHeader parse_header(ByteSpan bytes, std::uint64_t source_bytes) {
   header.major = load_little_endian<std::uint16_t>(bytes.data() + kMajorAt);
   header.minor = load_little_endian<std::uint16_t>(bytes.data() + kMinorAt);
   header.is_sealed = true;
-  check_extensions(bytes);
+  parse_extensions(bytes, header);
   parse_volume(bytes, header);
+  if (header.description.coding.has_value() == is_integer(header.description.type)) {
+    fail(ErrorKind::corrupt, "header: float32 and its coding do not go together", kTypeAt);
+  }
   parse_halvings(bytes, header);
   header.file_id = load_little_endian<std::uint64_t>(bytes.data() + kFileIdAt);
   header.file_bytes = load_little_endian<std::uint64_t>(bytes.data() + kFileBytesAt);
@@ -300,6 +349,17 @@ FileHeader parse_header(ByteSpan bytes, std::uint64_t source_bytes) {
   header.crc = load_little_endian<std::uint32_t>(bytes.data() + kHeaderCrcAt);
   check_tiling(header, source_bytes);
   return header;
+}
+
+double error_step(const FileHeader& header) {
+  if (is_integer(header.description.type)) return 1;
+  return header.max_error / static_cast<double>(kFloatErrorSteps);
+}
+
+std::uint64_t max_error_steps(const FileHeader& header) {
+  if (header.max_error == 0) return 0;
+  if (is_integer(header.description.type)) return static_cast<std::uint64_t>(header.max_error);
+  return kFloatErrorSteps;
 }
 
 std::uint64_t make_file_id(const FileHeader& header, std::uint32_t content_hash) {

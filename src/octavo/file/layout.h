@@ -47,7 +47,7 @@ struct FileHeader {
   bool is_sealed = false;
   VolumeDescription description;  ///< metadata_json is not part of the header
   std::vector<HalvingMask> halvings;
-  double max_error = 0;
+  double max_error = 0;           ///< in voxel units, whole for integer types; 0 is lossless
   std::uint64_t file_id = 0;
   std::uint64_t file_bytes = 0;
   Section metadata;
@@ -56,6 +56,13 @@ struct FileHeader {
   Section thumbnail;
   std::uint32_t crc = 0;  ///< of the block the header was parsed from
 };
+
+/// What the errors in the index count, in voxel units: 1 for integer types, a 1024th of the max
+/// error for float32.
+double error_step(const FileHeader& header);
+
+/// The largest error that may stand in the index, in steps.
+std::uint64_t max_error_steps(const FileHeader& header);
 
 using HeaderBlock = std::array<std::uint8_t, kHeaderBytes>;
 

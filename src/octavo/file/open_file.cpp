@@ -112,7 +112,7 @@ std::shared_ptr<const IndexPage> OpenFile::page(int tier, std::size_t number) co
                                                   section.length);
     check_section(bytes, section, "index page");
     auto page = std::make_shared<const IndexPage>(
-        parse_page(bytes, root_, levels_, tier, number, description().type));
+        parse_page(bytes, root_, levels_, tier, number, header_));
     page_cache_.insert(key, page, page->memory_bytes());
     return page;
   } catch (const Error& error) {
@@ -134,7 +134,7 @@ std::shared_ptr<const BrickCodec> OpenFile::codec(std::uint32_t model) const {
   const Bytes bytes = read_piece(piece);
   try {
     const std::shared_ptr<const BrickCodec> codec =
-        parse_model(description().kind, description().type, bytes);
+        parse_model(description().kind, description().coded_type(), bytes);
     codec_cache_.insert(key, codec, 1);
     return codec;
   } catch (const Error& error) {
@@ -176,7 +176,10 @@ BrickEntry OpenFile::entry_in_page(const IndexPage& page, int tier_number, std::
   entry.brick.z = tier.layer_of(number);
   entry.code = interleave(entry.brick);
   entry.range = page.ranges[at];
-  entry.model = tier_number == 0 ? root_.model_of_slab(entry.brick.z) : 0;
+  if (!page.error_steps.empty()) {
+    entry.max_error = static_cast<double>(page.error_steps[at]) * error_step(header_);
+  }
+  entry.model = tier_number == 0 ? root_.model_of_slab(entry.brick.z) : root_.coarse_model();
   entry.segments.resize(static_cast<std::size_t>(page.level_count));
   if (entry.is_uniform()) return entry;
   const std::size_t first = page.slots[at] * entry.segments.size();

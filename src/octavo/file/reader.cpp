@@ -24,19 +24,12 @@ struct Target {
   }
 };
 
-// Fills `count` voxels at `out` with one value.
-void fill_voxels(VoxelType type, std::int64_t value, std::int64_t count, void* out) {
-  with_voxel_type(type, [&](auto tag) {
+// Fills `count` voxels at `out`, aligned or not, with that of one code.
+void fill_voxels(const VolumeDescription& volume, std::int64_t code, std::int64_t count,
+                 std::uint8_t* out) {
+  with_voxel_type(volume.type, [&](auto tag) {
     using T = typename decltype(tag)::type;
-    std::fill_n(static_cast<T*>(out), count, static_cast<T>(value));
-  });
-}
-
-// The same without requiring that `out` is aligned for the type.
-void fill_row(VoxelType type, std::int64_t value, std::int64_t count, std::uint8_t* out) {
-  with_voxel_type(type, [&](auto tag) {
-    using T = typename decltype(tag)::type;
-    const T voxel = static_cast<T>(value);
+    const T voxel = static_cast<T>(volume.voxel_of(code));
     for (std::int64_t i = 0; i < count; ++i, out += sizeof(T)) {
       std::memcpy(out, &voxel, sizeof(T));
     }
@@ -55,6 +48,9 @@ class FileReaderImpl final : public FileReader {
   const ByteSource& source() const override { return file_.source(); }
   ValueRange range() const override { return file_.root().range(); }
   double max_error() const override { return file_.header().max_error; }
+  double achieved_error() const override {
+    return static_cast<double>(file_.root().error_steps()) * error_step(file_.header());
+  }
 
   std::string format_version() const override {
     return std::to_string(file_.header().major) + "." + std::to_string(file_.header().minor);
@@ -148,10 +144,9 @@ Bytes FileReaderImpl::read_segment(const BrickEntry& entry, int in_brick_level) 
 void FileReaderImpl::read_brick(const BrickEntry& entry, int in_brick_level, void* out) const {
   check_segment(entry, in_brick_level);
   const BrickShape shape = brick_shape(levels(), entry.tier, entry.brick);
-  const VoxelType type = description().type;
+  const std::int64_t count = shape.size[static_cast<std::size_t>(in_brick_level)].voxel_count();
   if (entry.is_uniform()) {
-    const Size3& size = shape.size[static_cast<std::size_t>(in_brick_level)];
-    fill_voxels(type, entry.range.min, size.voxel_count(), out);
+    fill_voxels(description(), entry.range.min, count, static_cast<std::uint8_t*>(out));
     return;
   }
   std::array<Bytes, kTierLevels> segments;
@@ -165,13 +160,16 @@ void FileReaderImpl::read_brick(const BrickEntry& entry, int in_brick_level, voi
   }
   const auto codec = file_.codec(entry.model);
   try {
-    codec->decode(shape, type, entry.range,
+    codec->decode(shape, description().coded_type(), entry.range,
                   std::span(spans).first(static_cast<std::size_t>(shape.level_count)),
                   in_brick_level, out);
   } catch (const Error& error) {
     const Piece piece = piece_of(entry, in_brick_level);
     throw Error(error.kind(), describe(piece) + ": " + error.detail(), source().name(),
                 piece.offset);
+  }
+  if (const auto& coding = description().coding) {
+    decode_samples(*coding, out, {static_cast<float*>(out), static_cast<std::size_t>(count)});
   }
 }
 
@@ -210,7 +208,7 @@ void FileReaderImpl::read_part(const BrickEntry& entry, int level, const Box& bo
     for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
       std::uint8_t* row = out.row(part.lo.x - box.lo.x, y - box.lo.y, z - box.lo.z);
       if (!samples) {
-        fill_row(description().type, entry.range.min, part.size().x, row);
+        fill_voxels(description(), entry.range.min, part.size().x, row);
         continue;
       }
       const std::int64_t at = ((z - lo.z) * size.y + (y - lo.y)) * size.x + (part.lo.x - lo.x);

@@ -28,7 +28,8 @@ struct BrickEntry {
   int tier = 0;
   Index3 brick;             ///< position in the tier's brick grid
   std::uint64_t code = 0;   ///< o-code of that position
-  ValueRange range;
+  ValueRange range;         ///< of its voxels; of their codes for float32. Bounds where lossy
+  double max_error = 0;     ///< largest |voxel - source voxel| at level 0, voxel units
   bool is_uniform() const { return range.min == range.max; }
   struct Segment {
     std::uint64_t offset = 0;
@@ -63,10 +64,13 @@ class FileReader {
   virtual const ByteSource& source() const = 0;
   /// "1.0"
   virtual std::string format_version() const = 0;
-  /// Smallest and largest stored voxel.
+  /// Smallest and largest stored voxel; for float32 those of the codes, which
+  /// description().voxel_of turns into voxels. In a lossy file these are bounds.
   virtual ValueRange range() const = 0;
-  /// The largest difference between a decoded voxel and the source, over all bricks; 0 is lossless.
+  /// The promise: no voxel of level 0 differs from its source by more, voxel units; 0 is lossless.
   virtual double max_error() const = 0;
+  /// The largest difference that was measured when the file was built; at most max_error().
+  virtual double achieved_error() const = 0;
   virtual LevelSummary level_summary(int level) const = 0;
 
   /// Throws Error{invalid_argument} outside the grid.

@@ -65,7 +65,4 @@ Storage& local_storage();
 /// A ByteSource over a file of `storage`.
 std::shared_ptr<ByteSource> open_byte_source(Storage& storage, const std::string& path);
 
-/// A ByteSource over bytes in memory.
-std::shared_ptr<ByteSource> byte_source_of(std::vector<std::uint8_t> bytes, std::string name);
-
 }  // namespace octavo

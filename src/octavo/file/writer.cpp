@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <cmath>
 #include <utility>
 
 #include "octavo/codec/crc32c.h"
@@ -60,10 +61,20 @@ std::pair<std::string, std::unique_ptr<StorageFile>> create_temporary(Storage& s
 }
 
 FileHeader make_header(const VolumeDescription& description, const Levels& levels,
-                       std::uint32_t content_hash) {
+                       std::uint32_t content_hash, double max_error) {
   checked_voxel_count(description.size);
   if (levels.count() == 0 || levels.size(0) != description.size) misused("levels of another size");
   if (!is_valid(description.type)) misused("unknown voxel type");
+  if (description.coding.has_value() == is_integer(description.type) ||
+      (description.coding && !is_valid(*description.coding))) {
+    misused("float32 without a usable coding, or integers with one");
+  }
+  const bool is_grey = description.kind == VolumeKind::grey;
+  if (!is_grey && !is_integer(description.type)) misused("labels of type float32");
+  if (!std::isfinite(max_error) || max_error < 0 || (max_error > 0 && !is_grey) ||
+      (is_integer(description.type) && max_error != std::floor(max_error))) {
+    misused("a max error that the voxels cannot have");
+  }
   if (!is_valid(description.geometry)) {
     throw Error(ErrorKind::invalid_argument,
                 "spacing must be positive and direction invertible, all of them finite");
@@ -76,6 +87,7 @@ FileHeader make_header(const VolumeDescription& description, const Levels& level
   FileHeader header;
   header.description = description;
   header.halvings = levels.halvings();
+  header.max_error = max_error;
   header.file_id = make_file_id(header, content_hash);
   return header;
 }
@@ -90,7 +102,7 @@ class FileWriterImpl final : public FileWriter {
         header_(std::move(header)),
         levels_(levels),
         spool_(storage, folder_of(path_), static_cast<std::size_t>(levels.count()) + 1),
-        index_(levels_, spool_, static_cast<std::size_t>(levels.count())) {}
+        index_(levels_, header_, spool_, static_cast<std::size_t>(levels.count())) {}
 
   ~FileWriterImpl() override { abandon(); }
 
@@ -196,9 +208,10 @@ class FileWriterImpl final : public FileWriter {
 
 void FileWriterImpl::append_model(const Bytes& model) {
   const auto& models = index_.root().models;
-  const auto slab = static_cast<std::uint32_t>(layer_);
+  const bool is_coarse = tier_ == 1 && layer_ == 0 && tier_ < levels_.tier_count();
+  const auto slab = static_cast<std::uint32_t>(is_coarse ? levels_.brick_grid(0).z : layer_);
   const bool has_model = !models.empty() && models.back().first_slab == slab;
-  if (tier_ != 0 || place_ != 0 || has_model) misused("a model inside a layer");
+  if ((tier_ != 0 && !is_coarse) || place_ != 0 || has_model) misused("a model inside a layer");
   if (models.empty() && slab != 0) misused("bricks before the first model");
   if (model.size() > kMaxModelBytes) misused("a model above 16 MiB");
   ModelRef ref;
@@ -208,7 +221,7 @@ void FileWriterImpl::append_model(const Bytes& model) {
   ref.first_slab = slab;
   index_.add_model(ref);
   out_->append(model);
-  slab_crc_ = crc32c(model, slab_crc_);
+  if (!is_coarse) slab_crc_ = crc32c(model, slab_crc_);
 }
 
 // The o-code of the brick that comes next, after proving that one of `tier` may come.
@@ -225,10 +238,14 @@ void FileWriterImpl::append_brick(int tier, const EncodedBrick& brick) {
   const std::uint64_t code = next_code(tier);
   const auto level_count = static_cast<std::size_t>(levels_.tier_level_count(tier));
   if (brick.segments.size() != level_count) misused("a brick with another number of levels");
-  const ValueRange bounds = index_range(header_.description.type);
+  const ValueRange bounds = value_range(header_.description.coded_type());
   if (brick.range.min < bounds.min || brick.range.max > bounds.max ||
       brick.range.min > brick.range.max) {
     misused("a brick range outside the voxel type");
+  }
+  const std::uint64_t most_error = tier == 0 ? max_error_steps(header_) : 0;
+  if (brick.max_error < 0 || static_cast<std::uint64_t>(brick.max_error) > most_error) {
+    misused("a brick beyond the max error");
   }
   std::vector<SegmentRef> refs(level_count);
   for (std::size_t i = 0; i < level_count; ++i) {
@@ -246,7 +263,7 @@ void FileWriterImpl::append_brick(int tier, const EncodedBrick& brick) {
       spool_.append(static_cast<std::size_t>(level), segment);
     }
   }
-  index_.add_brick(tier, brick.range, refs);
+  index_.add_brick(tier, brick.range, static_cast<std::uint64_t>(brick.max_error), refs);
   if (tier == 0) slab_lengths_.push_back(brick.segments.front().size());
   advance(tier);
 }
@@ -287,7 +304,7 @@ void FileWriterImpl::append_tail() {
   header_.thumbnail = out_->append_section({});
   header_.metadata = out_->append_section(
       metadata_bytes(header_.description.metadata_json, out_->size()));
-  header_.root = out_->append_section(encode_root(index_.root(), levels_));
+  header_.root = out_->append_section(encode_root(index_.root(), levels_, header_));
 }
 
 void FileWriterImpl::seal() {
@@ -352,7 +369,8 @@ std::unique_ptr<FileWriter> FileWriter::create(Storage& storage, const std::stri
                                                const Levels& levels, std::uint32_t content_hash,
                                                const WriterOptions& options) {
   auto writer = std::make_unique<FileWriterImpl>(
-      storage, path, make_header(description, levels, content_hash), levels, options);
+      storage, path, make_header(description, levels, content_hash, options.max_error), levels,
+      options);
   writer->start();
   return writer;
 }

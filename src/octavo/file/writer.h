@@ -20,12 +20,15 @@ namespace octavo {
 
 struct WriterOptions {
   bool overwrite = false;  ///< replace an existing file at finish(); otherwise Error{io} at once
+  /// No voxel of tier 0 lies further from its source, in voxel units; whole for integer types.
+  double max_error = 0;
 };
 
 class FileWriter {
  public:
   /// content_hash  of the first voxels, so that two scans alike in everything else get different
   ///               file ids
+  /// description   that of a float32 volume holds its coding; range and parent of bricks are codes
   /// Throws        Error{io} when the target exists (without overwrite), is a folder, or cannot be
   ///               written
   static std::unique_ptr<FileWriter> create(Storage& storage, const std::string& path,
@@ -34,12 +37,15 @@ class FileWriter {
                                             const WriterOptions& options);
   virtual ~FileWriter() = default;
 
-  /// Appends a model; the bricks that follow use it. Called before the first brick of a group.
+  /// Appends a model; the bricks that follow use it. Called before the first brick of a group; a
+  /// model before the first brick of tier 1 is that of all tiers above tier 0, which otherwise use
+  /// the first one.
   virtual void add_model(const Bytes& model) = 0;
 
   /// Appends the next brick of `tier`. Bricks of tier 0 come layer by layer (z), inside a layer in
   /// o-code order (see layer_order); after all of them those of tier 1 in the same order, and so
   /// on.
+  /// brick.max_error  in steps of the header (error_step); 0 above tier 0
   virtual void add_brick(int tier, const EncodedBrick& brick) = 0;
 
   /// Writes coarse levels, metadata, index and trailer, seals, syncs and renames.
@@ -54,8 +60,5 @@ class FileWriter {
 /// Returns  whether a file stands there
 /// Throws   Error{io}
 bool check_target(Storage& storage, const std::string& path, bool overwrite);
-
-/// The (x, y) positions of one brick layer in o-code order.
-std::vector<Index3> layer_order(const Size3& brick_grid);
 
 }  // namespace octavo

@@ -84,7 +84,7 @@ Bytes brick_input(std::uint8_t type, VolumeKind kind, std::uint8_t side) {
 }
 
 void write_file_seed(const std::filesystem::path& path, VolumeKind kind, VoxelType type,
-                     const Size3& size) {
+                     const Size3& size, double max_error = 0) {
   const Bytes voxels = make_voxels(size, type, kind);
   VolumeDescription description;
   description.kind = kind;
@@ -94,6 +94,7 @@ void write_file_seed(const std::filesystem::path& path, VolumeKind kind, VoxelTy
   NoProgress progress;
   BuildOptions options;
   options.kind = kind;
+  options.max_error = max_error;
   options.overwrite = true;
   options.threads = 1;
   build_file(*source, local_storage(), path.string(), options, progress);
@@ -122,4 +123,12 @@ int main(int argc, char** argv) {
       }
     }
   }
+  // The voxels are read as floats by their bits: tiny multiples of the smallest one.
+  for (const double max_error : {0.0, 1e-41}) {
+    const std::string name = std::to_string(number++) + ".8vo";
+    write_file_seed(folder / "files" / name, VolumeKind::grey, VoxelType::float32, {70, 3, 66},
+                    max_error);
+  }
+  write_file_seed(folder / "files" / (std::to_string(number) + ".8vo"), VolumeKind::grey,
+                  VoxelType::int16, {70, 3, 66}, 2);
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cmath>
 
 #include "octavo/build/phantom.h"
 #include "octavo/core/error.h"
@@ -126,17 +127,65 @@ TEST(Builder, FileDoesNotDependOnThreads) {
   }
 }
 
-TEST(Builder, FloatIsRejectedBeforeAnythingIsRead) {
+TEST(Builder, WhatCannotBeBuiltIsRejectedBeforeAnythingIsRead) {
   const ScratchFolder folder;
   octavo::testing::Volume volume;
   volume.description.type = VoxelType::float32;
   volume.description.size = {2, 2, 2};
   volume.voxels.resize(32);
+  const BuildOptions refused[] = {{.kind = VolumeKind::labels},
+                                  {.kind = VolumeKind::labels, .max_error = 1},
+                                  {.max_error = -1},
+                                  {.max_error = HUGE_VAL},
+                                  {.max_error = NAN}};
+  for (const BuildOptions& options : refused) {
+    const auto source = make_memory_source(volume.description, volume.voxels);
+    CountingProgress progress;
+    EXPECT_EQ(kind_of_failure(*source, folder.file("a.8vo"), options, progress),
+              ErrorKind::invalid_argument);
+    EXPECT_EQ(progress.total_, 0);
+  }
+}
+
+TEST(Builder, FloatVoxelsComeBackBitByBitAtAnySizeAndBox) {
+  const ScratchFolder folder;
+  for (const Size3& size : {Size3{1, 1, 1}, Size3{1, 7, 1}, Size3{65, 1, 66}, Size3{70, 66, 65}}) {
+    octavo::testing::Volume volume;
+    volume.description.type = VoxelType::float32;
+    volume.description.size = size;
+    for (std::int64_t i = 0; i < size.voxel_count(); ++i) {
+      const auto voxel = static_cast<float>(static_cast<double>(i * i % 1013 - 500) * 0.3);
+      const auto* const bytes = reinterpret_cast<const std::byte*>(&voxel);
+      volume.voxels.insert(volume.voxels.end(), bytes, bytes + sizeof voxel);
+    }
+    const std::string path = folder.file("f.8vo");
+    std::filesystem::remove(path);
+    octavo::testing::build_volume(volume, path, 2);
+    const auto reader = octavo::testing::open_file(path);
+    EXPECT_EQ(reader->description().type, VoxelType::float32);
+    const Box whole = box_of(size);
+    EXPECT_EQ(octavo::testing::read_box(*reader, whole, 0), volume.voxels);
+    const Box last{{size.x - 1, size.y - 1, size.z - 1}, {size.x, size.y, size.z}};
+    EXPECT_EQ(octavo::testing::read_box(*reader, last, 0),
+              octavo::testing::crop(volume.voxels, size, 4, last));
+  }
+}
+
+TEST(Builder, ABrokenFloatSourceLeavesNoFile) {
+  const ScratchFolder folder;
+  octavo::testing::Volume volume;
+  volume.description.type = VoxelType::float32;
+  volume.description.size = {512, 512, 70};
+  std::vector<float> voxels(512 * 512 * 70);
+  for (std::size_t i = 0; i < voxels.size(); ++i) voxels[i] = static_cast<float>(i % 100);
+  voxels[512 * 512 * 69 + 1] = 0.3f;
+  const auto* const bytes = reinterpret_cast<const std::byte*>(voxels.data());
+  volume.voxels.assign(bytes, bytes + voxels.size() * sizeof(float));
   const auto source = make_memory_source(volume.description, volume.voxels);
   CountingProgress progress;
   EXPECT_EQ(kind_of_failure(*source, folder.file("a.8vo"), {}, progress),
-            ErrorKind::invalid_argument);
-  EXPECT_EQ(progress.total_, 0);
+            ErrorKind::source_rejected);
+  EXPECT_TRUE(folder.is_empty());
 }
 
 TEST(Builder, AMemoryLimitBelowTheNeedStopsItBeforeItStarts) {

@@ -9,10 +9,11 @@
 namespace octavo {
 namespace {
 
-// Keeps the voxels as they are; wrong for the brick whose first voxel is `broken`.
+// Keeps the voxels as they are; off by `error` for the last voxel of the brick whose first voxel is
+// `broken`.
 class CopyingCodec final : public BrickCodec {
  public:
-  explicit CopyingCodec(int broken) : broken_(broken) {}
+  explicit CopyingCodec(int broken, int error = 1) : broken_(broken), error_(error) {}
   VolumeKind kind() const noexcept override { return VolumeKind::grey; }
   Bytes serialized() const override { return {}; }
   EncodedBrick encode(const BrickShape& shape, const BrickView& brick) const override {
@@ -26,7 +27,9 @@ class CopyingCodec final : public BrickCodec {
         encoded.segments[0].insert(encoded.segments[0].end(), row, row + brick.size.x);
       }
     encoded.parent = voxels[0];
-    if (voxels[0] == broken_) encoded.segments[0].back() ^= 1;
+    if (voxels[0] == broken_) {
+      encoded.segments[0].back() = static_cast<std::uint8_t>(encoded.segments[0].back() + error_);
+    }
     return encoded;
   }
   void decode(const BrickShape&, VoxelType, const ValueRange&, std::span<const ByteSpan> segments,
@@ -36,15 +39,20 @@ class CopyingCodec final : public BrickCodec {
 
  private:
   int broken_;
+  int error_;
 };
 
 class RecordingWriter final : public FileWriter {
  public:
   void add_model(const Bytes&) override {}
-  void add_brick(int, const EncodedBrick& brick) override { parents.push_back(brick.parent); }
+  void add_brick(int, const EncodedBrick& brick) override {
+    parents.push_back(brick.parent);
+    errors.push_back(brick.max_error);
+  }
   void finish() override {}
   std::uint64_t bytes_written() const override { return 0; }
   std::vector<std::int64_t> parents;
+  std::vector<std::int64_t> errors;
 };
 
 // 3 x 2 x 2 bricks of uint8, each filled with its number in [z][y][x] order, with one odd voxel.
@@ -62,8 +70,10 @@ struct Volume {
   }
 };
 
-Model copying_model(int broken) {
-  return {std::make_shared<CopyingCodec>(broken), std::make_shared<CopyingCodec>(broken), {}};
+Model copying_model(int broken, int error = 1) {
+  return {std::make_shared<CopyingCodec>(broken, error),
+          std::make_shared<CopyingCodec>(broken, error),
+          {}};
 }
 
 TEST(TierEncoder, BricksArriveInFileOrderAndParentsInVoxelOrder) {
@@ -97,6 +107,48 @@ TEST(TierEncoder, ABrickThatDoesNotDecodeToItsVoxelsIsNamed) {
       EXPECT_NE(error.detail().find("brick (1, 1, 1) of tier 0"), std::string::npos)
           << error.what();
     }
+  }
+}
+
+TEST(TierEncoder, ErrorsWithinTheBoundAreMeasuredAndOthersRefused) {
+  const Volume volume;
+  for (const int error : {1, 2, 3}) {
+    RecordingWriter writer;
+    NoProgress progress;
+    Workers workers(2);
+    ErrorBound bound;
+    bound.codes = 2;
+    TierEncoder encoder(volume.levels, 0, VoxelType::uint8, workers, writer, progress, bound);
+    if (error > 2) {
+      EXPECT_THROW(encoder.encode(copying_model(4, error), volume.block()), Error);
+      continue;
+    }
+    encoder.encode(copying_model(4, error), volume.block());
+    // Brick 4 is the fourth of the first layer.
+    EXPECT_EQ(writer.errors, (std::vector<std::int64_t>{0, 0, 0, error, 0, 0, 0, 0, 0, 0, 0, 0}));
+  }
+}
+
+TEST(TierEncoder, FloatVoxelsAreComparedThemselves) {
+  const Volume volume;
+  const SampleCoding coding{VoxelType::uint8, 0.5, 0};
+  std::vector<float> floats;
+  for (const std::uint8_t code : volume.voxels) floats.push_back(0.5f * code + 0.125f);
+  VoxelBlock block = volume.block();
+  block.floats = floats.data();
+  for (const double bound : {0.2, 0.124}) {
+    RecordingWriter writer;
+    NoProgress progress;
+    Workers workers(2);
+    TierEncoder encoder(volume.levels, 0, VoxelType::uint8, workers, writer, progress,
+                        {.codes = 0, .voxels = bound, .coding = coding, .proposal = 1});
+    if (bound < 0.125) {
+      EXPECT_THROW(encoder.encode(copying_model(-1), block), Error);
+      continue;
+    }
+    encoder.encode(copying_model(-1), block);
+    // 0.125 / 0.2 in 1024ths, rounded up.
+    EXPECT_EQ(writer.errors, std::vector<std::int64_t>(12, 640));
   }
 }
 

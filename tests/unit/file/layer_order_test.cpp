@@ -2,7 +2,6 @@
 
 #include "octavo/core/o_code.h"
 #include "octavo/file/layer_order.h"
-#include "octavo/file/writer.h"
 
 namespace octavo {
 namespace {

@@ -48,6 +48,63 @@ TEST(Header, ParsesBackToWhatWasEncoded) {
   EXPECT_EQ(encode_header(parse_header(block, kFileBytes)), block);
 }
 
+FileHeader float_header() {
+  FileHeader header = sample_header();
+  header.description.type = VoxelType::float32;
+  header.description.coding = SampleCoding{VoxelType::int16, 0.1, -3};
+  header.max_error = 0.25;
+  return header;
+}
+
+TEST(Header, KeepsTheCodingOfFloats) {
+  const FileHeader header = float_header();
+  const FileHeader read = parse_header(encode_header(header), kFileBytes);
+  EXPECT_EQ(read.description.coding, header.description.coding);
+  EXPECT_EQ(read.max_error, 0.25);
+  EXPECT_EQ(read.description.coded_type(), VoxelType::int16);
+  EXPECT_EQ(error_step(read), 0.25 / 1024);
+}
+
+TEST(Header, FloatsWithoutAUsableCodingAreRefused) {
+  const HeaderBlock good = encode_header(float_header());
+  const auto expect_corrupt = [&](auto change) {
+    HeaderBlock bad = good;
+    change(bad);
+    refresh_crc(bad);
+    EXPECT_EQ(kind_of(bad), ErrorKind::corrupt);
+  };
+  expect_corrupt([](HeaderBlock& b) { b[12] = 2; });                  // labels
+  expect_corrupt([](HeaderBlock& b) { b[13] = 3; });                  // integers with a coding
+  expect_corrupt([](HeaderBlock& b) { b[334] = 16; });                // length
+  expect_corrupt([](HeaderBlock& b) { b[336] = 7; });                 // codes of type float32
+  expect_corrupt([](HeaderBlock& b) { b[336] = 0; });
+  expect_corrupt([](HeaderBlock& b) { b[337 + 7] = 0xbf; });          // a negative scale
+  expect_corrupt([](HeaderBlock& b) { b[345 + 6] = b[345 + 7] = 0xff; });  // offset NaN
+  expect_corrupt([](HeaderBlock& b) { std::fill(b.begin() + 328, b.begin() + 508, 0); });
+}
+
+TEST(Header, ASecondCodingIsRefused) {
+  HeaderBlock block = encode_header(float_header());
+  std::copy_n(block.begin() + 332, 21, block.begin() + 353);
+  block[328] = 2;
+  refresh_crc(block);
+  EXPECT_EQ(kind_of(block), ErrorKind::unsupported_version);
+}
+
+TEST(Header, AMaxErrorFitsItsVoxels) {
+  const auto with = [](VolumeKind kind, double max_error) {
+    FileHeader header = sample_header();
+    header.description.kind = kind;
+    header.max_error = max_error;
+    return encode_header(header);
+  };
+  EXPECT_EQ(parse_header(with(VolumeKind::grey, 7), kFileBytes).max_error, 7);
+  for (const double e : {-1.0, 0.5, 1e10}) {
+    EXPECT_EQ(kind_of(with(VolumeKind::grey, e)), ErrorKind::corrupt) << e;
+  }
+  EXPECT_EQ(kind_of(with(VolumeKind::labels, 1)), ErrorKind::corrupt);
+}
+
 TEST(Header, NamesItsKindOfFailure) {
   const HeaderBlock good = encode_header(sample_header());
   HeaderBlock bad = good;

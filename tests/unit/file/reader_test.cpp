@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "octavo/core/o_code.h"
+#include "octavo/file/layer_order.h"
 #include "octavo/file/parallel_read.h"
 #include "support/sample_file.h"
 

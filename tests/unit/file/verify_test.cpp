@@ -1,5 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <atomic>
+
+#include "octavo/core/error.h"
+#include "octavo/file/layout.h"
 #include "octavo/file/parallel_read.h"
 #include "octavo/file/verify.h"
 #include "support/sample_file.h"
@@ -67,6 +71,75 @@ TEST(Verify, ReportsTheSameForAnyNumberOfThreads) {
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(one.damages[i].offset, four.damages[i].offset);
     EXPECT_EQ(one.damages[i].detail, four.damages[i].detail);
+  }
+}
+
+TEST(Verify, ALossyFloatFileIsSoundAndTellsItsErrors) {
+  SampleVolume volume = make_lossy_float_sample();
+  const std::vector<std::uint8_t> bytes = sample_file_bytes(volume);
+  EXPECT_TRUE(verify_bytes(bytes).is_sound());
+  const auto reader = open_bytes(bytes);
+  EXPECT_EQ(reader->max_error(), 1.5);
+  EXPECT_EQ(reader->achieved_error(), 0.75);
+  EXPECT_EQ(reader->brick(0, {1, 0, 1}).max_error, 0.75);
+  EXPECT_EQ(reader->brick(1, {0, 0, 0}).max_error, 0);
+  // The voxels are what the coding makes of the codes, at every level.
+  for (int level = 0; level < volume.levels.count(); ++level) {
+    const Box all = box_of(volume.levels.size(level));
+    const auto count = static_cast<std::size_t>(all.size().voxel_count());
+    std::vector<float> voxels(count);
+    reader->read(all, level, voxels.data());
+    const Bytes& codes = volume.samples[static_cast<std::size_t>(level)];
+    for (std::size_t i = 0; i < count; ++i) {
+      ASSERT_EQ(voxels[i], static_cast<float>(codes[i] * 0.5 - 1)) << "level " << level;
+    }
+  }
+}
+
+TEST(Verify, ADamagedIndexPageIsReportedOnce) {
+  SampleVolume volume = make_sample({130, 70, 129}, VoxelType::int16, Pattern::gradient);
+  std::vector<std::uint8_t> bytes = sample_file_bytes(volume);
+  const FileHeader header = parse_header(ByteSpan(bytes).first(kHeaderBytes), bytes.size());
+  bytes[header.pages.offset + 3] ^= 4;
+  const VerifyReport report = verify_bytes(bytes);
+  ASSERT_EQ(report.damage_count, 1);
+  EXPECT_EQ(report.damages.front().what, "index page");
+}
+
+/// Bytes in memory whose read number `failing` ends in an io error; reads are counted.
+class FailingSource final : public ByteSource {
+ public:
+  FailingSource(std::vector<std::uint8_t> bytes, int failing)
+      : bytes_(byte_source_of(std::move(bytes), "sample.8vo")), failing_(failing) {}
+  std::uint64_t size() const override { return bytes_->size(); }
+  const std::string& name() const override { return bytes_->name(); }
+  void read(std::uint64_t offset, std::span<std::uint8_t> out) const override {
+    if (reads_++ == failing_) throw Error(ErrorKind::io, "the disk fails", name());
+    bytes_->read(offset, out);
+  }
+  int reads() const { return reads_; }
+
+ private:
+  std::shared_ptr<ByteSource> bytes_;
+  int failing_;
+  mutable std::atomic<int> reads_ = 0;
+};
+
+TEST(Verify, AFailingDiskIsNeverReportedAsDamage) {
+  // Pages above 1 MiB would be read one by one; here every read of the one tail may fail, too.
+  SampleVolume volume = make_sample({66, 20, 70}, VoxelType::int16, Pattern::gradient);
+  const std::vector<std::uint8_t> bytes = sample_file_bytes(volume);
+  const auto whole = std::make_shared<FailingSource>(bytes, -1);
+  NoProgress progress;
+  ASSERT_TRUE(verify_file(whole, {}, progress).is_sound());
+  ASSERT_GT(whole->reads(), 20);
+  for (int k = 0; k < whole->reads(); ++k) {
+    try {
+      verify_file(std::make_shared<FailingSource>(bytes, k), {}, progress);
+      ADD_FAILURE() << "read " << k << " failed unnoticed";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::io) << "read " << k << ": " << error.what();
+    }
   }
 }
 

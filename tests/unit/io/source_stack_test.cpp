@@ -100,6 +100,19 @@ TEST_P(SourceTiffLayout, GivesTheStoredVoxels) {
   EXPECT_EQ(voxels_of(*source), sample.pages[0] + sample.pages[1] + sample.pages[2]);
 }
 
+TEST(SourceStack, JpegInATiffIsToldAsALoss) {
+  const TempFolder folder;
+  TiffSample sample;
+  sample.width = 16;
+  sample.height = 16;
+  sample.compression = COMPRESSION_JPEG;
+  sample.rows_per_strip = 16;
+  sample.pages = {counted(256, 1)};
+  write_tiff(folder.file("a.tif"), sample);
+  const auto source = open_source({folder.file("a.tif")}, {});
+  EXPECT_TRUE(contains(source->description().metadata_json, "\"lossy_source\":true"));
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Tiff, SourceTiffLayout,
     ::testing::Values(

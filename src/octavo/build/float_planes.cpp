@@ -1,0 +1,325 @@
+#include "octavo/build/float_planes.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+
+#include "octavo/build/float_grid.h"
+#include "octavo/core/error.h"
+
+namespace octavo {
+
+namespace {
+
+// A coding seen in fewer values than this may be chance: a max error then does without it.
+constexpr std::size_t kEnoughValues = 64;
+constexpr double kStepsPerError = 32;
+constexpr double kFloatSteps = 1 << 24;
+constexpr double kLargestCode = std::numeric_limits<std::int32_t>::max();
+constexpr double kLeastError = 1e-290;
+// Values yet to come may be so much larger than those of the first planes.
+constexpr double kGrowth = 4;
+constexpr const char* kNoiseWords = " (from the noise between neighbours and the largest value)";
+
+std::string text_of(double value, int digits = 9) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
+  return text;
+}
+
+std::string text_of(float value) { return text_of(static_cast<double>(value)); }
+
+void repair_voxels(std::span<float> voxels, const FloatRepair& repair) {
+  for (float& v : voxels) {
+    if (std::isfinite(v)) continue;
+    if (std::isnan(v) && repair.nan) v = *repair.nan;
+    if (std::isinf(v) && repair.infinity) v = std::copysign(1.0f, v) * *repair.infinity;
+  }
+}
+
+bool is_finite(std::span<const float> voxels) {
+  // A sum of zeros unless one is not finite; no branch in the loop.
+  float sum = 0;
+  for (const float v : voxels) sum += v * 0.0f;
+  return sum == 0;
+}
+
+bool is_constant(std::span<const float> voxels) {
+  return std::memcmp(voxels.data(), voxels.data() + 1, (voxels.size() - 1) * sizeof(float)) == 0;
+}
+
+// Rounded to the nearest integer, ties to even. Requires |value| < 2^51.
+double to_integer(double value) {
+  constexpr double kShift = 6755399441055744.0;  // 1.5 * 2^52
+  return value + kShift - kShift;
+}
+
+// One leading digit, downwards: a number to propose.
+double one_digit(double value) {
+  if (!(value > 0)) return 0;
+  const double unit = std::pow(10.0, std::floor(std::log10(value)));
+  return std::strtod(text_of(std::max(1.0, std::floor(value / unit)) * unit, 1).c_str(), nullptr);
+}
+
+class RepairedSource final : public PlaneSource {
+ public:
+  RepairedSource(PlaneSource& source, const FloatRepair& repair)
+      : source_(source), repair_(repair) {}
+  const VolumeDescription& description() const override { return source_.description(); }
+  const std::vector<std::string>& warnings() const override { return source_.warnings(); }
+  std::uint64_t resident_bytes() const override { return source_.resident_bytes(); }
+
+  void read_plane(std::span<std::byte> plane) override {
+    source_.read_plane(plane);
+    if (is_integer(description().type)) return;
+    voxels_.resize(plane.size() / sizeof(float));
+    std::memcpy(voxels_.data(), plane.data(), plane.size());
+    repair_voxels(voxels_, repair_);
+    std::memcpy(plane.data(), voxels_.data(), plane.size());
+  }
+
+ private:
+  PlaneSource& source_;
+  FloatRepair repair_;
+  std::vector<float> voxels_;
+};
+
+// Numbers that the source's header would have multiplied its integers by.
+std::vector<SampleCoding> hints_of(const VolumeDescription& source) {
+  std::vector<SampleCoding> hints;
+  if (source.coding) hints.push_back(*source.coding);
+  hints.push_back({VoxelType::int32, 1, 0});
+  const Rescale& rescale = source.rescale;
+  if (!rescale.is_identity()) {
+    hints.push_back({VoxelType::int32, std::abs(rescale.slope), rescale.intercept});
+    hints.push_back({VoxelType::int32, std::abs(rescale.slope), 0});
+  }
+  return hints;
+}
+
+}  // namespace
+
+std::unique_ptr<PlaneSource> make_repaired_source(PlaneSource& source, const FloatRepair& repair) {
+  return std::make_unique<RepairedSource>(source, repair);
+}
+
+FloatPlanes::FloatPlanes(PlaneSource& source, const FloatSettings& settings, Progress& progress)
+    : source_(source),
+      settings_(settings),
+      progress_(progress),
+      description_(source.description()),
+      plane_(static_cast<std::size_t>(description_.size.x * description_.size.y)) {
+  if (settings.max_error > 0 && settings.max_error < kLeastError) {
+    throw Error(ErrorKind::invalid_argument, "a max error above 0 must be at least 1e-290");
+  }
+  description_.type = VoxelType::int32;
+  description_.coding.reset();
+  read_ahead();
+}
+
+// Reads planes until enough of them are not constant, and chooses the coding.
+void FloatPlanes::read_ahead() {
+  DistinctValues distinct;
+  std::int64_t telling = 0;
+  while (telling < settings_.first_planes && planes_read_ < description_.size.z) {
+    next_voxels();
+    distinct.add(plane_);
+    const bool is_alike = is_constant(plane_);
+    if (!is_alike) ++telling;
+    ahead_.push_back(is_alike ? std::vector<float>(1, plane_.front()) : plane_);
+  }
+  const std::vector<float> values = distinct.sorted();
+  noise_error_ = noise_proposal();
+  if (settings_.max_error == 0) choose_exact(values);
+  else choose_within(values);
+}
+
+void FloatPlanes::choose_exact(std::span<const float> values) {
+  const auto coding = find_coding(values, hints_of(source_.description()));
+  if (!coding) {
+    throw Error(ErrorKind::source_rejected,
+                "its float voxels are no whole multiples of one number and cannot be kept bit by "
+                "bit; " + proposal(noise_error_) + kNoiseWords);
+  }
+  coding_ = *coding;
+}
+
+// Takes a coding when the max error leaves room for its roundings.
+bool FloatPlanes::choose_step(const SampleCoding& coding, double largest) {
+  const double e = settings_.max_error;
+  // So fine a scale has nothing to offer, and would bound the values yet to come.
+  if (coding.scale * 2 * kStepsPerError < e) return false;
+  int exponent = 0;
+  const bool is_binary = std::frexp(coding.scale, &exponent) == 0.5 && coding.offset == 0;
+  const double reach = kGrowth * (largest + e);
+  // Half a float step at the largest value, on both sides of a difference.
+  const double rounding =
+      is_binary && reach < kFloatSteps * coding.scale ? 0 : reach / kFloatSteps;
+  const double steps = std::floor((e - rounding) / coding.scale);
+  if (!(steps >= 0) || largest / coding.scale > kLargestCode / 2) return false;
+  coding_ = coding;
+  codec_error_ = static_cast<std::int64_t>(steps);
+  roomier_error_ = (steps + 0.9) * coding.scale;
+  slack_ = e;
+  if (codec_error_ == 0) return true;
+  rounding_ = rounding;
+  slack_ = std::max(0.0, e - rounding - steps * coding.scale);
+  return true;
+}
+
+void FloatPlanes::choose_within(std::span<const float> values) {
+  const double e = settings_.max_error;
+  const double largest = values.empty() ? 0
+                                        : std::max(std::abs(static_cast<double>(values.front())),
+                                                   std::abs(static_cast<double>(values.back())));
+  if (values.size() >= kEnoughValues) {
+    const auto coding = find_coding(values, hints_of(source_.description()));
+    if (coding && choose_step(*coding, largest)) return;
+  }
+  int exponent = 0;
+  std::frexp(e / kStepsPerError, &exponent);
+  coding_ = {VoxelType::int32, std::ldexp(1.0, exponent - 1), 0};
+  // Half a step is left to the code itself; where floats are coarser than steps, only 31 steps are
+  // sure to be rounded to at most 32.
+  const bool has_room = kGrowth * (largest + e) < kFloatSteps * coding_.scale;
+  codec_error_ = has_room ? static_cast<std::int64_t>(std::floor(e / coding_.scale - 0.5))
+                          : static_cast<std::int64_t>(kStepsPerError) - 1;
+  slack_ = e - static_cast<double>(codec_error_) * coding_.scale;
+  // That many steps exactly: 31 of them are left to the codec whatever the values are.
+  roomier_error_ = kStepsPerError * coding_.scale;
+}
+
+// The next plane of the source, repaired and proven finite.
+void FloatPlanes::next_voxels() {
+  if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped while reading planes");
+  source_.read_plane(std::as_writable_bytes(std::span(plane_)));
+  const std::int64_t z = planes_read_++;
+  if (is_finite(plane_)) return;
+  repair_voxels(plane_, settings_.repair);
+  if (!is_finite(plane_)) count_and_refuse(z);
+}
+
+void FloatPlanes::count_and_refuse(std::int64_t z) {
+  const auto bad = std::find_if(plane_.begin(), plane_.end(), [](float v) {
+    return !std::isfinite(v);
+  });
+  const std::int64_t at = bad - plane_.begin();
+  const std::int64_t width = description_.size.x;
+  const std::string first = text_of(*bad) + " at x,y,z = " + std::to_string(at % width) + "," +
+                            std::to_string(at / width) + "," + std::to_string(z);
+  std::int64_t nans = 0;
+  std::int64_t infinities = 0;
+  for (;;) {
+    nans += std::count_if(plane_.begin(), plane_.end(), [](float v) { return std::isnan(v); });
+    infinities +=
+        std::count_if(plane_.begin(), plane_.end(), [](float v) { return std::isinf(v); });
+    if (planes_read_ == description_.size.z) break;
+    if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped while reading planes");
+    source_.read_plane(std::as_writable_bytes(std::span(plane_)));
+    ++planes_read_;
+    repair_voxels(plane_, settings_.repair);
+  }
+  std::string what;
+  if (nans > 0) what = std::to_string(nans) + " NaN";
+  if (infinities > 0) {
+    what += (what.empty() ? "" : " and ") + std::to_string(infinities) + " infinite";
+  }
+  std::string help = nans > 0 ? "--nan VALUE" : "";
+  if (infinities > 0) help += std::string(help.empty() ? "" : " and ") + "--inf VALUE";
+  throw Error(ErrorKind::source_rejected,
+              "holds " + what + " voxels, the first " + first + "; replace them by " + help);
+}
+
+void FloatPlanes::read_plane(std::span<std::byte> codes) {
+  if (codes.size() != plane_.size() * sizeof(std::int32_t) ||
+      planes_given_ == description_.size.z) {
+    throw Error(ErrorKind::invalid_argument, "a plane of another size, or behind the last one");
+  }
+  if (ahead_.empty()) {
+    next_voxels();
+  } else if (ahead_.front().size() == 1) {
+    std::fill(plane_.begin(), plane_.end(), ahead_.front().front());
+  } else {
+    plane_ = std::move(ahead_.front());
+  }
+  if (!ahead_.empty()) ahead_.pop_front();
+  const std::int64_t z = planes_given_++;
+
+  const bool is_exact = settings_.max_error == 0;
+  const double limit = kLargestCode - static_cast<double>(codec_error_);
+  for (std::size_t i = 0; i < plane_.size(); ++i) {
+    const float v = plane_[i];
+    const double steps = (static_cast<double>(v) - coding_.offset) / coding_.scale;
+    if (!(std::abs(steps) < limit)) refuse_voxel(z, i, true);
+    const auto code = static_cast<std::int32_t>(to_integer(steps));
+    const float back = coding_.voxel_of(code);
+    const bool is_good =
+        is_exact ? std::bit_cast<std::uint32_t>(back) == std::bit_cast<std::uint32_t>(v)
+                 : std::abs(static_cast<double>(back) - static_cast<double>(v)) <= slack_;
+    if (!is_good) refuse_voxel(z, i, false);
+    std::memcpy(codes.data() + i * sizeof code, &code, sizeof code);
+  }
+}
+
+void FloatPlanes::refuse_voxel(std::int64_t z, std::size_t at, bool is_too_large) const {
+  const float v = plane_[at];
+  const std::int64_t width = description_.size.x;
+  const std::string place = "plane " + std::to_string(z) + ": the voxel at x,y = " +
+                            std::to_string(static_cast<std::int64_t>(at) % width) + "," +
+                            std::to_string(static_cast<std::int64_t>(at) / width) + " is " +
+                            text_of(v);
+  const std::string steps = text_of(coding_.scale) +
+                            (coding_.offset == 0 ? "" : " + " + text_of(coding_.offset));
+  const double magnitude = std::abs(static_cast<double>(v));
+  if (is_too_large) {
+    const double enough = magnitude / (kLargestCode / 2) * kStepsPerError * 2;
+    const std::string why = settings_.max_error > 0
+                                ? ", too large for so small a max error; "
+                                : ", too large to be a multiple of " + steps + " in 32 bits; ";
+    throw Error(ErrorKind::source_rejected, place + why + proposal(enough));
+  }
+  const double next_error = (static_cast<double>(codec_error_) + 0.5) * coding_.scale +
+                            2 * rounding_ + 2 * (magnitude + coding_.scale) / kFloatSteps;
+  const std::string why = v == 0 && std::signbit(v)
+                              ? ", and integers have no -0; "
+                              : ", no whole multiple of " + steps + " like the planes before; ";
+  // Steps far below the noise were chance, and half of one is nothing to propose.
+  const bool is_chance = settings_.max_error == 0 && 16 * coding_.scale < noise_error_;
+  throw Error(ErrorKind::source_rejected,
+              place + why + (is_chance ? proposal(noise_error_) + kNoiseWords
+                                       : proposal(next_error)));
+}
+
+// `max_error` in voxel units; people give it in real ones.
+std::string FloatPlanes::proposal(double max_error) const {
+  const double real = max_error * std::abs(source_.description().rescale.slope);
+  // Two digits, upwards, so that what is proposed is enough.
+  const double unit = std::pow(10.0, std::floor(std::log10(real)) - 1);
+  const std::string text = text_of(std::ceil(real / unit - 1e-6) * unit, 2);
+  return "--max-error " + text + " keeps every voxel within " + text + " of its source";
+}
+
+// A quarter of the standard deviation that neighbours along x suggest; in voxel units.
+double FloatPlanes::noise_proposal() const {
+  constexpr std::size_t kMost = 1 << 20;
+  constexpr double kMedianOfDifference = 0.954;  // of two normal numbers of deviation 1
+  std::vector<double> differences;
+  double largest = 0;
+  for (const std::vector<float>& plane : ahead_) {
+    for (std::size_t i = 1; i < plane.size(); ++i) {
+      const double d = std::abs(static_cast<double>(plane[i]) - static_cast<double>(plane[i - 1]));
+      largest = std::max(largest, std::abs(static_cast<double>(plane[i])));
+      if (d > 0 && differences.size() < kMost) differences.push_back(d);
+    }
+  }
+  if (differences.empty()) return one_digit(largest / 1e6);
+  const auto middle =
+      differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+  std::nth_element(differences.begin(), middle, differences.end());
+  return one_digit(std::max(*middle / kMedianOfDifference / 4, largest / kFloatSteps));
+}
+
+}  // namespace octavo

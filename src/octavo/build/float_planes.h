@@ -1,0 +1,98 @@
+// The planes of a float32 source as the integers that bricks hold.
+//
+// Exactly (max error 0): the coding is found in the first planes and proven voxel by voxel in every
+// plane that follows. With a max error E > 0 voxels may be changed:
+//
+//     |voxel' - voxel| <= codec_error * scale + half a scale + rounding to float32 <= E
+//
+// where the scale is that of an exact coding if the first planes have one, and else the power of
+// two in (E/64, E/32]. A power of two keeps roundings away: below 2^24 scales a code is a float as
+// it stands, and above that every float is a whole number of scales.
+//
+// NaN and infinities have no code. They are replaced by values that were asked for, or refused once
+// the whole volume has been counted.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "octavo/build/plane_source.h"
+#include "octavo/core/progress.h"
+
+namespace octavo {
+
+/// What takes the place of voxels that are no numbers.
+struct FloatRepair {
+  std::optional<float> nan = {};
+  std::optional<float> infinity = {};  ///< of +inf; -inf becomes its negative
+
+  bool operator==(const FloatRepair&) const = default;
+};
+
+/// The planes of `source`, repaired; other voxel types pass as they are. `source` must outlive it.
+std::unique_ptr<PlaneSource> make_repaired_source(PlaneSource& source, const FloatRepair& repair);
+
+struct FloatSettings {
+  double max_error = 0;  ///< in voxel units; 0: bit by bit
+  FloatRepair repair = {};
+  std::int64_t first_planes = 1;  ///< planes that differ in themselves to find the coding in
+};
+
+class FloatPlanes final : public PlaneSource {
+ public:
+  /// Reads the first planes of `source` (float32), which must outlive this, and finds the coding.
+  /// Throws Error{source_rejected} when the voxels do not allow what the settings ask for, with the
+  ///        place and a max error that would do; Error{cancelled}; what the source throws
+  /// Memory first_planes planes; planes of one value cost nothing
+  FloatPlanes(PlaneSource& source, const FloatSettings& settings, Progress& progress);
+
+  /// That of the source, but the type is that of the codes.
+  const VolumeDescription& description() const override { return description_; }
+  const std::vector<std::string>& warnings() const override { return source_.warnings(); }
+  std::uint64_t resident_bytes() const override { return source_.resident_bytes(); }
+
+  const SampleCoding& coding() const { return coding_; }
+  double max_error() const { return settings_.max_error; }
+  /// By how much a codec may change a code.
+  std::int64_t codec_error() const { return codec_error_; }
+  /// A max error, voxel units, to propose where values later in the volume are so large that
+  /// rounding to float32 takes them beyond this one.
+  double roomier_error() const { return roomier_error_; }
+
+  /// The codes of the next plane. Throws as the constructor does.
+  void read_plane(std::span<std::byte> codes) override;
+  /// The float voxels of the plane that was read last.
+  std::span<const float> voxels() const { return plane_; }
+
+ private:
+  void read_ahead();
+  void choose_exact(std::span<const float> values);
+  void choose_within(std::span<const float> values);
+  bool choose_step(const SampleCoding& coding, double largest);
+  void next_voxels();
+  [[noreturn]] void count_and_refuse(std::int64_t z);
+  [[noreturn]] void refuse_voxel(std::int64_t z, std::size_t at, bool is_too_large) const;
+  std::string proposal(double max_error) const;
+  double noise_proposal() const;
+
+  PlaneSource& source_;
+  FloatSettings settings_;
+  Progress& progress_;
+  VolumeDescription description_;
+  SampleCoding coding_;
+  std::int64_t codec_error_ = 0;
+  double noise_error_ = 0;                // to propose; in voxel units
+  double rounding_ = 0;                   // of floats where a codec changes codes of the scale
+  double roomier_error_ = 0;
+  double slack_ = 0;                      // how far a code alone may lie from its voxel
+  std::deque<std::vector<float>> ahead_;  // planes read for the coding; one float: all alike
+  std::vector<float> plane_;
+  std::int64_t planes_read_ = 0;   // from the source
+  std::int64_t planes_given_ = 0;
+};
+
+}  // namespace octavo

@@ -1,0 +1,34 @@
+// How the integers that bricks hold become the voxels of a float32 volume.
+//
+//     voxel = float(clamp(code * scale + offset))      every step in binary64, one rounding each
+//
+// The codecs, the levels of detail and the index work on codes; floats are made where voxels leave
+// a file. No step is fused with another, so the same codes give the same bits on every machine.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "octavo/core/voxel_type.h"
+
+namespace octavo {
+
+struct SampleCoding {
+  VoxelType type = VoxelType::int32;  ///< of the codes: an integer type
+  double scale = 1;                   ///< positive
+  double offset = 0;
+
+  bool operator==(const SampleCoding&) const = default;
+
+  /// The voxel of a code; values beyond the range of a float become its largest ones.
+  float voxel_of(std::int64_t code) const;
+};
+
+/// An integer code type, a positive scale, both numbers finite.
+bool is_valid(const SampleCoding& coding) noexcept;
+
+/// Turns codes of coding.type into voxels. `codes` and `voxels` may start at the same address.
+/// Requires a code of coding.type for each voxel.
+void decode_samples(const SampleCoding& coding, const void* codes, std::span<float> voxels);
+
+}  // namespace octavo

@@ -1,0 +1,63 @@
+// What is asked of an index root once it is parsed, or while it is made.
+#include <algorithm>
+
+#include "octavo/file/index.h"
+
+namespace octavo {
+
+bool has_errors(const FileHeader& header, int tier) { return tier == 0 && header.max_error > 0; }
+
+TierIndex make_tier_index(const Levels& levels, int tier) {
+  TierIndex index;
+  index.grid = levels.brick_grid(tier);
+  index.layer_bricks = index.grid.x * index.grid.y;
+  index.layer_pages = (index.layer_bricks + kPageBricks - 1) / kPageBricks;
+  return index;
+}
+
+std::uint32_t IndexRoot::model_of_slab(std::int64_t slab) const {
+  const auto after = std::upper_bound(
+      models.begin(), models.end(), slab,
+      [](std::int64_t s, const ModelRef& model) { return s < std::int64_t{model.first_slab}; });
+  return static_cast<std::uint32_t>(after - models.begin() - 1);
+}
+
+std::uint32_t IndexRoot::coarse_model() const {
+  const bool is_behind_slabs = std::int64_t{models.back().first_slab} == tiers.front().grid.z;
+  return is_behind_slabs ? static_cast<std::uint32_t>(models.size() - 1) : 0;
+}
+
+std::uint64_t IndexRoot::slab_trailer_offset(std::int64_t slab) const {
+  const TierIndex& tier = tiers.front();
+  if (slab + 1 == tier.grid.z) return tier.level_end[0];
+  const std::uint32_t next_model = model_of_slab(slab + 1);
+  const auto next_page = static_cast<std::size_t>((slab + 1) * tier.layer_pages);
+  const std::uint64_t slab_end = next_model != model_of_slab(slab)
+                                     ? models[next_model].offset
+                                     : tier.pages[next_page].segment_start[0];
+  return slab_end - slab_trailer_bytes[static_cast<std::size_t>(slab)];
+}
+
+std::uint64_t IndexRoot::segment_end(int tier_number, std::size_t page, int level) const {
+  const TierIndex& tier = tiers[static_cast<std::size_t>(tier_number)];
+  const auto l = static_cast<std::size_t>(level);
+  const bool ends_layer = tier.first_place(page) + tier.brick_count(page) == tier.layer_bricks;
+  if (tier_number == 0 && level == 0 && ends_layer) return slab_trailer_offset(tier.layer_of(page));
+  return page + 1 < tier.pages.size() ? tier.pages[page + 1].segment_start[l] : tier.level_end[l];
+}
+
+ValueRange IndexRoot::range() const {
+  ValueRange all = tiers.front().pages.front().range;
+  for (const PageRef& page : tiers.front().pages) {
+    all = {std::min(all.min, page.range.min), std::max(all.max, page.range.max)};
+  }
+  return all;
+}
+
+std::uint64_t IndexRoot::error_steps() const {
+  std::uint64_t largest = 0;
+  for (const PageRef& page : tiers.front().pages) largest = std::max(largest, page.error_steps);
+  return largest;
+}
+
+}  // namespace octavo

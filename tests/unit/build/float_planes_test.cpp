@@ -1,0 +1,252 @@
+#include "octavo/build/float_planes.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+
+#include "octavo/build/memory_source.h"
+#include "octavo/core/error.h"
+
+namespace octavo {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+// 8 x 4 x planes voxels, each from its number.
+struct Floats {
+  VolumeDescription description;
+  std::vector<float> voxels;
+
+  explicit Floats(std::int64_t planes, const std::function<float(std::size_t)>& voxel) {
+    description.type = VoxelType::float32;
+    description.size = {8, 4, planes};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(32 * planes); ++i) {
+      voxels.push_back(voxel(i));
+    }
+  }
+  std::unique_ptr<PlaneSource> source() const {
+    return make_memory_source(description, std::as_bytes(std::span(voxels)));
+  }
+};
+
+// What a run over all planes gives: the codes, or the refusal.
+struct Outcome {
+  SampleCoding coding;
+  std::int64_t codec_error = 0;
+  std::vector<std::int32_t> codes;
+  std::string refusal;
+};
+
+Outcome run(const Floats& floats, const FloatSettings& settings) {
+  Outcome outcome;
+  NoProgress progress;
+  const auto source = floats.source();
+  try {
+    FloatPlanes planes(*source, settings, progress);
+    outcome.coding = planes.coding();
+    outcome.codec_error = planes.codec_error();
+    std::vector<std::int32_t> codes(32);
+    for (std::int64_t z = 0; z < floats.description.size.z; ++z) {
+      planes.read_plane(std::as_writable_bytes(std::span(codes)));
+      outcome.codes.insert(outcome.codes.end(), codes.begin(), codes.end());
+    }
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
+    outcome.refusal = error.detail();
+  }
+  return outcome;
+}
+
+void expect_bits_back(const Floats& floats, const Outcome& outcome) {
+  ASSERT_EQ(outcome.codes.size(), floats.voxels.size()) << outcome.refusal;
+  for (std::size_t i = 0; i < floats.voxels.size(); ++i) {
+    ASSERT_EQ(std::bit_cast<std::uint32_t>(outcome.coding.voxel_of(outcome.codes[i])),
+              std::bit_cast<std::uint32_t>(floats.voxels[i]));
+  }
+}
+
+void expect_words(const std::string& text, std::initializer_list<const char*> words) {
+  for (const char* word : words) {
+    EXPECT_NE(text.find(word), std::string::npos) << word << ": " << text;
+  }
+}
+
+float tenth(std::size_t i) { return static_cast<float>(static_cast<double>(i % 97) * 0.1); }
+
+// The max error that a refusal proposes.
+double proposed(const std::string& refusal) {
+  const std::string mark = "--max-error ";
+  const std::size_t at = refusal.find(mark);
+  EXPECT_NE(at, std::string::npos) << refusal;
+  return at == std::string::npos ? 0 : std::stod(refusal.substr(at + mark.size()));
+}
+
+TEST(FloatPlanes, MultiplesComeBackBitByBit) {
+  const Floats floats(9, tenth);
+  const Outcome outcome = run(floats, {.first_planes = 4});
+  EXPECT_EQ(outcome.coding.scale, 0.1);
+  expect_bits_back(floats, outcome);
+}
+
+TEST(FloatPlanes, ConstantPlanesDoNotHideTheScaleOfThoseBehindThem) {
+  const Floats floats(40, [](std::size_t i) { return i < 32 * 30 ? 0.0f : tenth(i); });
+  const Outcome outcome = run(floats, {.first_planes = 2});
+  EXPECT_EQ(outcome.coding.scale, 0.1);
+  expect_bits_back(floats, outcome);
+}
+
+TEST(FloatPlanes, ALaterPlaneThatBreaksTheScaleIsNamedAndTheProposalWorks) {
+  Floats floats(9, tenth);
+  floats.voxels[7 * 32 + 2 * 8 + 5] = 0.123f;
+  FloatSettings settings{.first_planes = 4};
+  const Outcome refused = run(floats, settings);
+  expect_words(refused.refusal, {"plane 7", "x,y = 5,2", "0.123", "multiple of 0.1"});
+  settings.max_error = proposed(refused.refusal);
+  EXPECT_LE(settings.max_error, 0.06);
+  EXPECT_EQ(run(floats, settings).refusal, "");
+}
+
+TEST(FloatPlanes, MinusZeroIsRefusedBitByBitAndZeroWithinAnError) {
+  Floats floats(3, [](std::size_t i) { return static_cast<float>(i); });
+  floats.voxels[40] = -0.0f;
+  const Outcome refused = run(floats, {});
+  expect_words(refused.refusal, {"plane 1", "x,y = 0,1", "-0"});
+  const Outcome within =
+      run(floats, {.max_error = proposed(refused.refusal), .first_planes = 3});
+  ASSERT_EQ(within.refusal, "");
+  EXPECT_EQ(within.coding.voxel_of(within.codes[40]), 0);
+  EXPECT_EQ(within.codec_error, 0);
+}
+
+TEST(FloatPlanes, NoiseIsRefusedWithAProposalThatWorks) {
+  std::mt19937 random(5);
+  std::normal_distribution<float> noise(0, 8);
+  const Floats floats(20, [&](std::size_t) { return noise(random); });
+  const Outcome refused = run(floats, {.first_planes = 8});
+  const double e = proposed(refused.refusal);
+  EXPECT_GE(e, 1);
+  EXPECT_LE(e, 4);
+  EXPECT_EQ(run(floats, {.max_error = e, .first_planes = 8}).refusal, "");
+}
+
+TEST(FloatPlanes, WhatIsNoNumberIsCountedOverTheWholeScan) {
+  Floats floats(12, tenth);
+  floats.voxels[3 * 32 + 9] = kNan;
+  floats.voxels[11 * 32] = kNan;
+  floats.voxels[5 * 32] = -kInfinity;
+  const Outcome all = run(floats, {.first_planes = 12});
+  expect_words(all.refusal, {"2 NaN and 1 infinite", "x,y,z = 1,1,3", "--nan", "--inf"});
+  EXPECT_EQ(run(floats, {.first_planes = 1}).refusal, all.refusal);
+  const Outcome some = run(floats, {.repair = {.nan = 0.0f, .infinity = {}}});
+  expect_words(some.refusal, {"1 infinite", "0,0,5", "--inf"});
+  EXPECT_EQ(some.refusal.find("NaN"), std::string::npos) << some.refusal;
+}
+
+TEST(FloatPlanes, WhatIsNoNumberIsReplacedAsAsked) {
+  Floats floats(2, tenth);
+  floats.voxels[1] = kNan;
+  floats.voxels[2] = kInfinity;
+  floats.voxels[33] = -kInfinity;
+  const FloatRepair repair{.nan = 0.3f, .infinity = 9.6f};
+  const Outcome outcome = run(floats, {.repair = repair});
+  floats.voxels[1] = 0.3f;
+  floats.voxels[2] = 9.6f;
+  floats.voxels[33] = -9.6f;
+  expect_bits_back(floats, outcome);
+}
+
+TEST(FloatPlanes, ARepairedSourceGivesTheSameVoxels) {
+  Floats floats(1, tenth);
+  floats.voxels[3] = kNan;
+  const auto source = floats.source();
+  const auto repaired = make_repaired_source(*source, {.nan = -2.0f, .infinity = {}});
+  std::vector<float> plane(32);
+  repaired->read_plane(std::as_writable_bytes(std::span(plane)));
+  floats.voxels[3] = -2;
+  EXPECT_EQ(plane, floats.voxels);
+}
+
+// The bound must hold for every code that the codec may turn a code into.
+TEST(FloatPlanes, NoCodeWithinTheCodecsErrorLeavesTheBound) {
+  std::mt19937 random(11);
+  const auto any_bits = [&](float low, float high) {
+    float v;
+    do v = std::bit_cast<float>(static_cast<std::uint32_t>(random()));
+    while (!(std::abs(v) >= low && std::abs(v) <= high));
+    return v;
+  };
+  struct Case {
+    double max_error;
+    float low;
+    float high;
+  };
+  const Case cases[] = {{0.5, 0, 1000},      {0.5, 1e5f, 1.2e6f},   {1, 1e6f, 3e7f},
+                        {0.37, 1e3f, 1e6f},  {1e-3, 1e-30f, 1},     {1e-42, 0, 1e-36f},
+                        {1e30, 0, 3e37f},    {3e38, 1e30f, 3.4e38f}, {0.0077, 4000, 30'000}};
+  for (const Case& c : cases) {
+    Floats floats(6, [&](std::size_t) { return any_bits(c.low, c.high); });
+    const Outcome outcome = run(floats, {.max_error = c.max_error, .first_planes = 6});
+    ASSERT_EQ(outcome.refusal, "") << c.max_error;
+    for (std::size_t i = 0; i < floats.voxels.size(); ++i) {
+      for (std::int64_t d = -outcome.codec_error; d <= outcome.codec_error; ++d) {
+        const double back = outcome.coding.voxel_of(outcome.codes[i] + d);
+        ASSERT_LE(std::abs(back - static_cast<double>(floats.voxels[i])), c.max_error)
+            << floats.voxels[i] << " + " << d << " codes";
+      }
+    }
+  }
+}
+
+TEST(FloatPlanes, TheRoomierErrorHoldsForValuesThatNoFirstPlaneAnnounced) {
+  std::mt19937 random(3);
+  std::normal_distribution<float> noise(0, 10);
+  Floats floats(6, [&](std::size_t) { return noise(random); });
+  FloatSettings settings{.max_error = 0.9, .first_planes = 2};
+  floats.voxels[170] = 3e7f;
+  floats.voxels[171] = 1e6f + 0.0625f;
+  NoProgress progress;
+  const auto source = floats.source();
+  settings.max_error = FloatPlanes(*source, settings, progress).roomier_error();
+  EXPECT_EQ(settings.max_error, 0.5);
+  const Outcome outcome = run(floats, settings);
+  ASSERT_EQ(outcome.refusal, "");
+  for (std::size_t i = 0; i < floats.voxels.size(); ++i) {
+    for (std::int64_t d = -outcome.codec_error; d <= outcome.codec_error; ++d) {
+      const double back = outcome.coding.voxel_of(outcome.codes[i] + d);
+      ASSERT_LE(std::abs(back - static_cast<double>(floats.voxels[i])), settings.max_error);
+    }
+  }
+}
+
+TEST(FloatPlanes, ProposalsAreInRealUnits) {
+  Floats floats(9, tenth);
+  floats.voxels[250] = 0.123f;
+  const double stored = proposed(run(floats, {.first_planes = 4}).refusal);
+  floats.description.rescale.slope = -20;
+  const double real = proposed(run(floats, {.first_planes = 4}).refusal);
+  EXPECT_NEAR(real, 20 * stored, 2 * stored);
+}
+
+TEST(FloatPlanes, ScaledIntegersKeepTheirScaleWithinAnError) {
+  const Floats floats(9, tenth);
+  const Outcome outcome = run(floats, {.max_error = 0.55, .first_planes = 4});
+  EXPECT_EQ(outcome.coding.scale, 0.1);
+  EXPECT_EQ(outcome.codec_error, 5);
+}
+
+TEST(FloatPlanes, ValuesTooLargeForTheErrorAreRefusedWithOneThatWorks) {
+  Floats floats(2, tenth);
+  floats.voxels[50] = 1e12f;
+  floats.voxels[51] = 0.777f;
+  const Outcome refused = run(floats, {.max_error = 0.01});
+  expect_words(refused.refusal, {"plane 1", "9.99999996e+11", "too large"});
+  EXPECT_EQ(run(floats, {.max_error = proposed(refused.refusal)}).refusal, "");
+}
+
+}  // namespace
+}  // namespace octavo
