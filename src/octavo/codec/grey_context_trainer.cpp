@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "octavo/codec/grey_portable.h"
 #include "octavo/codec/grey_training.h"
@@ -124,7 +125,8 @@ std::vector<double> fit_contexts(const ContextSamples& samples) {
   return weights;
 }
 
-using Counts = std::array<std::array<std::array<std::int64_t, kTokens>, kContexts>, kTableSets>;
+using TokenCounts = std::array<std::int64_t, kTokens>;
+using Counts = std::array<std::array<TokenCounts, kContexts>, kTableSets>;
 
 Counts count_tokens(const Parameters& p, const std::vector<Lesson>& lessons) {
   std::vector<Counts> by_lesson(lessons.size());
@@ -158,7 +160,7 @@ Counts count_tokens(const Parameters& p, const std::vector<Lesson>& lessons) {
 
 /// Frequencies in proportion to counts: at least 1 for the escape token, for every token seen and
 /// for the tokens next to one seen; the sum is 2048.
-std::array<std::uint16_t, kTokens> frequencies_of(const std::array<std::int64_t, kTokens>& counts) {
+std::array<std::uint16_t, kTokens> frequencies_of(const TokenCounts& counts) {
   std::int64_t total = 0;
   for (const std::int64_t count : counts) total += count;
   std::array<std::uint16_t, kTokens> frequencies{};
@@ -185,12 +187,51 @@ std::array<std::uint16_t, kTokens> frequencies_of(const std::array<std::int64_t,
   return frequencies;
 }
 
+std::int64_t total_of(const TokenCounts& counts) {
+  return std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
+}
+
+/// Logarithms to base 2 of 1 .. 2048 in units of 1/65536, by integer arithmetic alone.
+const std::array<std::int64_t, kTableSize + 1>& logarithms() {
+  static const auto table = [] {
+    std::array<std::int64_t, kTableSize + 1> made{};
+    for (std::uint64_t n = 1; n <= kTableSize; ++n) {
+      const int whole = bit_length(n) - 1;
+      std::uint64_t mantissa = n << (31 - whole);  // 1 .. 2 in Q31
+      std::int64_t fraction = 0;
+      for (int bit = 15; bit >= 0; --bit) {
+        mantissa = mantissa * mantissa >> 31;
+        if (mantissa >> 32 == 0) continue;
+        mantissa >>= 1;
+        fraction |= std::int64_t{1} << bit;
+      }
+      made[n] = (std::int64_t{whole} << 16) + fraction;
+    }
+    return made;
+  }();
+  return table;
+}
+
+/// Bits, in units of 1/65536, of counted tokens under their own table and of the table.
+std::int64_t cost_of(const TokenCounts& counts) {
+  constexpr std::int64_t kBitsPerFrequency = 5;
+  const auto frequencies = frequencies_of(counts);
+  std::int64_t bits = 0;
+  std::int64_t last = 0;
+  for (std::size_t token = 0; token < kTokens; ++token) {
+    if (counts[token] == 0) continue;
+    bits += counts[token] * ((std::int64_t{kTableBits} << 16) - logarithms()[frequencies[token]]);
+    if (token != kEscapeToken) last = static_cast<std::int64_t>(token) + 1;
+  }
+  return bits + ((last + 1) * kBitsPerFrequency << 16);
+}
+
 }  // namespace
 
-void learn_contexts(Parameters& p, const std::vector<const Lesson*>& lessons) {
+void learn_contexts(Parameters& p, const std::vector<Lesson>& lessons) {
   std::vector<std::array<std::array<ContextSamples, 3>, kGroups>> by_lesson(lessons.size());
   tbb::parallel_for(std::size_t{0}, lessons.size(), [&](std::size_t i) {
-    const Lesson& lesson = *lessons[i];
+    const Lesson& lesson = lessons[i];
     std::vector<Symbol> symbols;
     for (int level = 0; level + 1 < lesson.shape.level_count; ++level) {
       walk_level(p, lesson, level, [&](const Stage& stage, Workspace<std::int16_t>& work, const auto&) {
@@ -223,15 +264,28 @@ void learn_contexts(Parameters& p, const std::vector<const Lesson*>& lessons) {
   });
 }
 
-/// A context never met repeats the one below it; below the first met one, the default.
+/// Learns the tables: neighbouring contexts share one while a second costs more than it saves. A
+/// context never met repeats the one below it; below the first met one, the default.
 void learn_frequencies(Parameters& p, const std::vector<Lesson>& lessons) {
   const Counts counts = count_tokens(p, lessons);
   for (std::size_t set = 0; set < kTableSets; ++set) {
+    std::size_t first = 0;  // of the contexts that share the table being made
+    TokenCounts shared{};
     for (std::size_t context = 0; context < kContexts; ++context) {
-      std::int64_t total = 0;
-      for (const std::int64_t count : counts[set][context]) total += count;
-      if (total > 0) p.frequencies[set][context] = frequencies_of(counts[set][context]);
-      else if (context > 0) p.frequencies[set][context] = p.frequencies[set][context - 1];
+      const TokenCounts& own = counts[set][context];
+      TokenCounts joined = shared;
+      for (std::size_t token = 0; token < kTokens; ++token) joined[token] += own[token];
+      if (total_of(own) == 0 || total_of(shared) == 0 ||
+          cost_of(joined) <= cost_of(shared) + cost_of(own)) {
+        if (total_of(shared) == 0 && total_of(own) > 0) first = context;
+        shared = joined;
+      } else {
+        first = context;
+        shared = own;
+      }
+      if (total_of(shared) == 0) continue;
+      const auto frequencies = frequencies_of(shared);
+      for (std::size_t of = first; of <= context; ++of) p.frequencies[set][of] = frequencies;
     }
   }
 }

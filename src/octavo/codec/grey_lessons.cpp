@@ -19,16 +19,6 @@ std::vector<Lesson> make_lessons(std::span<const TrainingBrick> bricks, std::int
   return lessons;
 }
 
-std::vector<const Lesson*> spread(const std::vector<Lesson>& lessons, std::size_t count) {
-  count = std::min(count, lessons.size());
-  std::vector<const Lesson*> chosen;
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint64_t jitter = i * 2654435769u & 0xffffffffu;  // multiples of the golden ratio
-    chosen.push_back(&lessons[((i << 32) + jitter) * lessons.size() / count >> 32]);
-  }
-  return chosen;
-}
-
 void load_level(Workspace<std::int16_t>& work, const Lesson& lesson, int level) {
   const auto next = static_cast<std::size_t>(level) + 1;
   const Size3& size = lesson.shape.size[next];

@@ -17,9 +17,9 @@ namespace octavo::grey {
 
 namespace {
 
-constexpr std::size_t kTapBricks = 16;  ///< bricks that weights are learnt from
-/// Per split axis, by level group.
-constexpr std::int64_t kTapSamples[kGroups] = {60000, 30000, 15000};
+/// Samples by level group and split axis: more where there are more details.
+constexpr std::int64_t kTapSamples[kGroups][3] = {
+    {120000, 60000, 30000}, {60000, 30000, 15000}, {30000, 15000, 15000}};
 constexpr std::int32_t kMaxDifference = 32000;
 constexpr int kWeightStep = 3;
 constexpr double kTapRidge = 1e-4;
@@ -153,15 +153,16 @@ void set_weights(std::int16_t* weights, const std::vector<double>& fitted, int a
   weights[centre_tap(axis)] = static_cast<std::int16_t>(-sum);
 }
 
-void learn_weights(Parameters& p, const std::vector<const Lesson*>& lessons, int group) {
+void learn_weights(Parameters& p, const std::vector<Lesson>& lessons, int group) {
   std::vector<std::array<ClassSamples, 3>> by_lesson(lessons.size());
   tbb::parallel_for(std::size_t{0}, lessons.size(), [&](std::size_t i) {
-    const Lesson& lesson = *lessons[i];
-    const std::int64_t wanted = kTapSamples[group] / static_cast<std::int64_t>(lessons.size());
+    const Lesson& lesson = lessons[i];
     for (int level = group; level < group + levels_of_group(group); ++level) {
       if (level + 1 >= lesson.shape.level_count) break;
       walk_level(p, lesson, level, [&](const Stage& stage, Workspace<std::int16_t>& work,
                                    const Truth<std::int16_t>& truth) {
+        const std::int64_t wanted =
+            kTapSamples[group][stage.axis] / static_cast<std::int64_t>(lessons.size());
         take_samples(stage, work, truth,
                      Thinning(wanted, stage.pairs.voxel_count(), static_cast<std::uint32_t>(i) + 1),
                      by_lesson[i][static_cast<std::size_t>(stage.axis)]);
@@ -211,12 +212,12 @@ void add_means(const Stage& stage, Workspace<std::int16_t>& work,
   }
 }
 
-void learn_mean_weights(Parameters& p, const std::vector<const Lesson*>& lessons, int group) {
+void learn_mean_weights(Parameters& p, const std::vector<Lesson>& lessons, int group) {
   std::vector<ClassMeanSums> by_lesson(lessons.size());
   tbb::parallel_for(std::size_t{0}, lessons.size(), [&](std::size_t i) {
     for (int level = group; level < group + levels_of_group(group); ++level) {
-      if (level + 1 >= lessons[i]->shape.level_count) break;
-      walk_level(p, *lessons[i], level, [&](const Stage& stage, Workspace<std::int16_t>& work,
+      if (level + 1 >= lessons[i].shape.level_count) break;
+      walk_level(p, lessons[i], level, [&](const Stage& stage, Workspace<std::int16_t>& work,
                                        const Truth<std::int16_t>& truth) {
         add_means(stage, work, truth, by_lesson[i]);
       });
@@ -251,13 +252,12 @@ Parameters learn(const School& school, const Quantizer& quantizer) {
   const std::vector<Lesson> lessons = make_lessons(school.bricks, quantizer.voxel_step);
   if (lessons.empty()) return p;
   p.activity_threshold = learn_threshold(lessons);
-  const std::vector<const Lesson*> few = spread(lessons, kTapBricks);
   // Coarse groups first: quantised levels are learnt on what the coarser ones leave.
   for (int group = kGroups - 1; group >= 0; --group) {
-    if (p.predictor == Predictor::means) learn_mean_weights(p, few, group);
-    else learn_weights(p, few, group);
+    if (p.predictor == Predictor::means) learn_mean_weights(p, lessons, group);
+    else learn_weights(p, lessons, group);
   }
-  learn_contexts(p, few);
+  learn_contexts(p, lessons);
   learn_frequencies(p, lessons);
   return p;
 }

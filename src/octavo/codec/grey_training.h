@@ -21,9 +21,6 @@ struct Lesson {
 /// Those of `bricks` that hold more than one code.
 std::vector<Lesson> make_lessons(std::span<const TrainingBrick> bricks, std::int64_t voxel_step);
 
-/// At most `count` lessons, spread evenly but out of step with the brick grid.
-std::vector<const Lesson*> spread(const std::vector<Lesson>& lessons, std::size_t count);
-
 /// A reproducible thinning: keeps about `wanted` of `total` items.
 class Thinning {
  public:
@@ -73,7 +70,7 @@ void walk_level(const Parameters& p, const Lesson& lesson, int level, Learn&& le
 constexpr int levels_of_group(int group) { return group < 2 ? 1 : kTierLevels; }
 
 /// Learns p.context_weights; needs the weights of the prediction.
-void learn_contexts(Parameters& p, const std::vector<const Lesson*>& lessons);
+void learn_contexts(Parameters& p, const std::vector<Lesson>& lessons);
 
 /// Learns p.frequencies; needs all weights.
 void learn_frequencies(Parameters& p, const std::vector<Lesson>& lessons);
