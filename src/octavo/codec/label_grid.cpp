@@ -31,7 +31,8 @@ void LabelGrid::reset(const Size3& size) {
   size_ = size;
   row_ = size.x + 2 * kBorder;
   plane_ = row_ * (size.y + 2 * kBorder);
-  cells_.assign(static_cast<std::size_t>(plane_ * (size.z + 2 * kBorder)), kOutside);
+  // One plane and one row more: SIMD also reads around children that do not exist.
+  cells_.assign(static_cast<std::size_t>(plane_ * (size.z + 2 * kBorder + 1) + row_), kOutside);
 }
 
 void expand(const LabelGrid& parents, const Size3& size, HalvingMask mask, LabelGrid& children) {

@@ -47,18 +47,27 @@ LabelNet::LabelNet(const LabelWeights& weights) {
       }
     }
   }
-  std::copy(weights.begin() + kLabelHidden * kLabelStates * kLabelNeighbors, weights.end(),
-            rows_.begin() + kFirstAt);
+  const std::int8_t* first = weights.data() + kLabelHidden * kLabelStates * kLabelNeighbors;
+  const std::int8_t* second = first + kLabelHidden * kLabelFirstCategories;
+  std::int16_t* sum = rows_.data() + kCategoriesAt;
+  for (std::size_t a = 0; a < kLabelFirstCategories; ++a) {
+    for (std::size_t b = 0; b < kLabelSecondCategories; ++b) {
+      for (std::size_t j = 0; j < kLabelHidden; ++j) {
+        *sum++ = static_cast<std::int16_t>(first[kLabelHidden * a + j] +
+                                           second[kLabelHidden * b + j]);
+      }
+    }
+  }
+  std::copy(weights.end() - kLabelHidden, weights.end(), rows_.begin() + kOutAt);
 }
 
 int label_logit(const LabelNet& net, const LabelQuestion& question) {
-  // First layer: one row per pair of neighbors and per category.
+  // First layer: one row for the categories and one per pair of neighbors.
   std::array<int, kLabelHidden> sum{};
   const auto add = [&](const std::int16_t* row) {
     for (std::size_t j = 0; j < kLabelHidden; ++j) sum[j] += row[j];
   };
-  add(net.first(question.first));
-  add(net.second(question.second));
+  add(net.categories(question.first, question.second));
   for (std::size_t k = 0; k < kLabelPairs; ++k) {
     add(net.pairs() +
         LabelNet::pair_offset(k, question.neighbor[2 * k], question.neighbor[2 * k + 1]));

@@ -11,7 +11,7 @@
 // equal on every machine and in every order.
 //
 // Rows of neighbors 2k and 2k+1 are added when a model is made, for each of the 8 x 8 things known
-// of both, so that a question adds 16 rows instead of 32.
+// of both, and so are those of the categories: a question adds 17 rows instead of 34.
 //
 // Ranges: a row entry is at most 127 in size, so a sum of 34 fits in 16 bits; the logit is clamped
 // to +-kLogitLimit, in units of 1/256, before it becomes a probability.
@@ -62,11 +62,10 @@ class LabelNet {
 
   /// Rows of 16 weights. That of pair k with codes a and b starts at pair_offset(k, a, b).
   const std::int16_t* pairs() const { return rows_.data(); }
-  const std::int16_t* first(std::size_t category) const {
-    return rows_.data() + kFirstAt + kLabelHidden * category;
-  }
-  const std::int16_t* second(std::size_t category) const {
-    return rows_.data() + kSecondAt + kLabelHidden * category;
+  /// The sum of the rows of two categories.
+  const std::int16_t* categories(std::size_t first, std::size_t second) const {
+    return rows_.data() + kCategoriesAt +
+           kLabelHidden * (kLabelSecondCategories * first + second);
   }
   const std::int16_t* out() const { return rows_.data() + kOutAt; }
 
@@ -75,9 +74,9 @@ class LabelNet {
   }
 
  private:
-  static constexpr std::size_t kFirstAt = kLabelHidden * 64 * kLabelPairs;
-  static constexpr std::size_t kSecondAt = kFirstAt + kLabelHidden * kLabelFirstCategories;
-  static constexpr std::size_t kOutAt = kSecondAt + kLabelHidden * kLabelSecondCategories;
+  static constexpr std::size_t kCategoriesAt = kLabelHidden * 64 * kLabelPairs;
+  static constexpr std::size_t kOutAt =
+      kCategoriesAt + kLabelHidden * kLabelFirstCategories * kLabelSecondCategories;
 
   alignas(64) std::array<std::int16_t, kOutAt + kLabelHidden> rows_{};
 };

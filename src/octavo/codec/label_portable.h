@@ -14,16 +14,20 @@ namespace octavo::portable {
 
 class Around {
  public:
-  Around(const LabelCell*, std::ptrdiff_t, std::ptrdiff_t) {}
-  void see(const LabelCell* cell, const LabelNeighborhood& offsets, std::size_t digit) {
-    for (std::size_t i = 0; i < kLabelNeighbors; ++i) near_[i] = cell[offsets[digit][i]];
+  Around(const LabelCell*, const LabelNeighborhood& offsets, std::uint32_t parent)
+      : offsets_(offsets), parent_(parent) {}
+  void see(const LabelCell* cell, std::size_t digit) {
+    for (std::size_t i = 0; i < kLabelNeighbors; ++i) near_[i] = cell[offsets_[digit][i]];
+    aim(parent_);
   }
-  void settle(std::size_t, LabelCell) {}
   void aim(std::uint32_t slot) {
     for (std::size_t i = 0; i < kLabelNeighbors; ++i) {
       const bool is_equal = slot_of(near_[i]) == slot;
       question_.neighbor[i] = static_cast<std::uint8_t>(2 * state_of(near_[i]) + is_equal);
     }
+  }
+  void flip() {
+    for (std::uint8_t& code : question_.neighbor) code ^= 1;
   }
   int logit(const LabelNet& net, std::size_t first, std::size_t second) const {
     LabelQuestion question = question_;
@@ -31,17 +35,20 @@ class Around {
     question.second = static_cast<std::uint8_t>(second);
     return label_logit(net, question);
   }
-  void propose(std::uint32_t slot, LabelCandidates& candidates) const {
+  void propose(LabelCandidates& candidates) const {
     for (std::size_t i = 0; i < kLabelNeighbors; ++i) {
-      if (state_of(near_[i]) == kOutside || slot_of(near_[i]) == slot) continue;
+      if (state_of(near_[i]) == kOutside || slot_of(near_[i]) == parent_) continue;
       candidates.add(slot_of(near_[i]), label_vote(i, state_of(near_[i])));
     }
   }
+  void settle(std::size_t, LabelCell) {}
   void tell(LabelQuestion& question) const { question.neighbor = question_.neighbor; }
 
  private:
-  std::array<LabelCell, kLabelNeighbors> near_;
-  LabelQuestion question_;
+  const LabelNeighborhood& offsets_;
+  std::uint32_t parent_;
+  std::array<LabelCell, kLabelNeighbors> near_{};
+  LabelQuestion question_{};
 };
 
 }  // namespace octavo::portable

@@ -1,13 +1,15 @@
 // The body of a label walk, compiled once per instruction set. Include inside a namespace of its
 // own after defining there
 //   class Around          what is known around the children of an octant:
-//     Around(const LabelCell* first, row stride, plane stride)
-//     void see(const LabelCell* cell, const LabelNeighborhood&, std::size_t digit)
-//     void aim(std::uint32_t slot)      to which label neighbors are compared
+//     Around(const LabelCell* first, const LabelNeighborhood&, std::uint32_t parent_slot)
+//     void see(const LabelCell* cell, std::size_t digit)   turns to a child; neighbors are compared
+//                                                          to the parent's label
+//     void aim(std::uint32_t slot)                         neighbors are compared to another label
+//     void flip()                                          the other label of a brick with two
 //     int logit(const LabelNet&, std::size_t first, std::size_t second) const
-//     void propose(std::uint32_t slot, LabelCandidates&) const   labels other than slot
-//     void settle(std::size_t digit, LabelCell)                  a child got its label
-//     void tell(LabelQuestion&) const   the neighbors of the question
+//     void propose(LabelCandidates&)                       labels other than the parent's
+//     void settle(std::size_t digit, LabelCell)            the child got its label
+//     void tell(LabelQuestion&) const                      the neighbors of the question
 //
 // An Io offers
 //   bool ask(bool truth, Probability yes)              the answer
@@ -75,7 +77,7 @@ class LabelWalk {
   void visit(const Index3& parent, std::uint32_t parent_slot) {
     LabelGrid& grid = work_.grid;
     LabelCell* first = grid.at(child_position(mask_, parent, 0));
-    Around around(first, grid.row_stride(), grid.plane_stride());
+    Around around(first, neighborhood_, parent_slot);
     std::uint32_t digits = child_digits(grid.size(), mask_, parent);
     LabelOctant octant(parent_slot, std::popcount(digits), work_.labels);
     for (; digits != 0; digits &= digits - 1) {
@@ -90,12 +92,12 @@ class LabelWalk {
 
   LabelCell visit_child(Around& around, const LabelCell* cell, LabelOctant& octant,
                         std::size_t digit, const TrueSample& truth) {
-    around.see(cell, neighborhood_, digit);
-    around.aim(octant.parent());
+    around.see(cell, digit);
     std::uint32_t slot = octant.parent();
     if (!ask_same(around, octant, digit, truth)) {
       slot = code_other(around, octant, truth);
-      if (level_ > 0) around.aim(slot);
+      if (work_.is_pair) around.flip();
+      else if (level_ > 0) around.aim(slot);
     }
     const bool is_uniform = level_ == 0 || ask_uniform(around, octant, digit, slot, truth);
     octant.leave(slot, is_uniform);
@@ -135,7 +137,7 @@ class LabelWalk {
   std::uint32_t code_other(Around& around, const LabelOctant& octant, const TrueSample& truth) {
     if (work_.is_pair) return 1 - octant.parent();
     LabelCandidates candidates;
-    around.propose(octant.parent(), candidates);
+    around.propose(candidates);
     candidates.drop_if([&](std::uint32_t slot) { return octant.is_excluded(slot); });
     candidates.sort();
     for (std::size_t j = 0; j < candidates.count(); ++j) {
