@@ -1,7 +1,5 @@
 #include "octavo/codec/label_contexts.h"
 
-#include <algorithm>
-
 namespace octavo {
 
 namespace {
@@ -43,19 +41,6 @@ LabelNeighborhood label_neighborhood(std::ptrdiff_t row_stride, std::ptrdiff_t p
     }
   }
   return result;
-}
-
-void LabelCandidates::sort_many() {
-  std::sort(list_.begin(), list_.begin() + static_cast<std::ptrdiff_t>(count_),
-            [](const Candidate& a, const Candidate& b) {
-              return a.votes > b.votes || (a.votes == b.votes && a.slot < b.slot);
-            });
-}
-
-int LabelCandidates::share(std::size_t i) const {
-  int left = 0;
-  for (std::size_t j = i; j < count_; ++j) left += list_[j].votes;
-  return std::min(8 * list_[i].votes / left, 7);
 }
 
 }  // namespace octavo

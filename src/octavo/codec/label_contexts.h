@@ -5,6 +5,7 @@
 // goes.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -62,22 +63,35 @@ class LabelCandidates {
   }
 
   void sort() {
-    if (count_ > 1) sort_many();
+    for (std::size_t i = 1; i < count_; ++i) {
+      const Candidate candidate = list_[i];
+      std::size_t place = i;
+      for (; place > 0 && is_before(candidate, list_[place - 1]); --place) {
+        list_[place] = list_[place - 1];
+      }
+      list_[place] = candidate;
+    }
   }
 
   std::size_t count() const { return count_; }
   std::uint32_t slot(std::size_t i) const { return list_[i].slot; }
 
   /// The share of candidate i in the votes of those from i on, in eighths, 7 for all of them.
-  int share(std::size_t i) const;
+  int share(std::size_t i) const {
+    int left = 0;
+    for (std::size_t j = i; j < count_; ++j) left += list_[j].votes;
+    return std::min(8 * list_[i].votes / left, 7);
+  }
 
  private:
-  void sort_many();
-
   struct Candidate {
     std::uint32_t slot;
     int votes;
   };
+
+  static bool is_before(const Candidate& a, const Candidate& b) {
+    return a.votes > b.votes || (a.votes == b.votes && a.slot < b.slot);
+  }
 
   std::array<Candidate, kLabelNeighbors> list_;  // only the first count_ hold anything
   std::size_t count_ = 0;

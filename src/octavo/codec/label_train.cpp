@@ -39,7 +39,8 @@ std::unique_ptr<BrickCodec> train_label_model(VoxelType type,
   }
   if (labels.size() > kMaxPalette) labels.clear();
   for (std::size_t net = 0; net < kLabelNets; ++net) {
-    set[net] = trained(set[net], samples.of(net), kLabelWeightStep);
+    const LabelSamples& kept = samples.of(net);
+    set[net] = trained(set[net], kept.list(), kept.seen_count(), {.step = kLabelWeightStep});
   }
   std::vector<std::int64_t> palette(labels.begin(), labels.end());
   return std::make_unique<LabelCodec>(type, LabelModel(std::move(palette), set));

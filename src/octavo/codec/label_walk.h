@@ -67,4 +67,7 @@ struct LabelWalkFunctions {
 const LabelWalkFunctions& label_walk_functions();
 const LabelWalkFunctions& portable_label_walk_functions();
 
+/// Those of every instruction set that this machine has, for tests. Not thread-safe.
+std::vector<LabelWalkFunctions> all_label_walk_functions();
+
 }  // namespace octavo

@@ -5,4 +5,8 @@ namespace octavo {
 
 const LabelWalkFunctions& label_walk_functions() { return portable_label_walk_functions(); }
 
+std::vector<LabelWalkFunctions> all_label_walk_functions() {
+  return {portable_label_walk_functions()};
+}
+
 }  // namespace octavo

@@ -28,8 +28,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 /// Where the neighbors of a child lie among the 64 cells around its octant, and their votes.
 ///
-/// The cells at -1 .. 2 along z, y and x from the first child form four planes of four rows of four.
-/// The codes of a plane are 16 bytes: those of rows 0 and 2 alternate, then those of rows 1 and 3.
+/// The cells at -1 .. 2 along z, y and x from the first child form four planes of four rows of
+/// four. The codes of a plane are 16 bytes: those of rows 0 and 2 alternate, then those of rows 1 and 3.
 struct Layout {
   /// Bytes for neighbors 0 .. 15 (low) and 16 .. 31 (high): from the plane towards the siblings,
   /// the child's own, the one away from them and the one beyond the siblings; from the cells two
@@ -367,19 +367,36 @@ HWY_EXPORT(decode_labels);
 HWY_EXPORT(encode_labels);
 HWY_EXPORT(observe_labels);
 
+namespace {
+
+/// The functions for the best instruction set among those that Highway is told of.
+LabelWalkFunctions chosen_functions() {
+  // Without this the table would still hold the function that detects the machine at every call.
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  return {HWY_DYNAMIC_DISPATCH(decode_labels), HWY_DYNAMIC_DISPATCH(encode_labels),
+          HWY_DYNAMIC_DISPATCH(observe_labels)};
+}
+
+}  // namespace
+
 const LabelWalkFunctions& label_walk_functions() {
   static const LabelWalkFunctions functions = [] {
     const char* const asked = std::getenv("OCTAVO_SIMD");
-    LabelWalkFunctions chosen = portable_label_walk_functions();
-    if (asked != nullptr && std::string_view(asked) == "scalar") return chosen;
-    // Without this the table would still hold the function that detects the machine at every call.
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    chosen.decode = HWY_DYNAMIC_DISPATCH(decode_labels);
-    chosen.encode = HWY_DYNAMIC_DISPATCH(encode_labels);
-    chosen.observe = HWY_DYNAMIC_DISPATCH(observe_labels);
-    return chosen;
+    const bool is_scalar = asked != nullptr && std::string_view(asked) == "scalar";
+    return is_scalar ? portable_label_walk_functions() : chosen_functions();
   }();
   return functions;
+}
+
+std::vector<LabelWalkFunctions> all_label_walk_functions() {
+  std::vector<LabelWalkFunctions> all = {portable_label_walk_functions()};
+  for (const auto target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    all.push_back(chosen_functions());
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  return all;
 }
 
 }  // namespace octavo
