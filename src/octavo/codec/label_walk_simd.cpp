@@ -29,7 +29,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 /// Where the neighbors of a child lie among the 64 cells around its octant, and their votes.
 ///
 /// The cells at -1 .. 2 along z, y and x from the first child form four planes of four rows of
-/// four. The codes of a plane are 16 bytes: those of rows 0 and 2 alternate, then those of rows 1 and 3.
+/// four. The codes of a plane are 16 bytes: those of rows 0 and 2 alternate, then those of rows 1
+/// and 3.
 struct Layout {
   /// Bytes for neighbors 0 .. 15 (low) and 16 .. 31 (high): from the plane towards the siblings,
   /// the child's own, the one away from them and the one beyond the siblings; from the cells two
