@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "octavo/codec/label_start_weights.h"
@@ -95,8 +96,11 @@ TEST(LabelWalk, EveryInstructionSetWritesAndReadsTheSameBytes) {
     SCOPED_TRACE(::testing::Message() << size.x << ' ' << size.y << ' ' << size.z);
     expect_all_alike(testing::balls<std::int16_t>(size, {9, -3, 100, 4, 2000, 0}));
     expect_all_alike(testing::balls<std::uint8_t>(size, {1, 0}));
-    expect_all_alike(testing::noise<std::uint8_t>(size, 1, 2));
-    expect_all_alike(testing::noise<std::uint32_t>(size, 2, 40));
+    // Noise asks many more questions than regions do.
+    const Size3 less = {std::min<std::int64_t>(size.x, 20), std::min<std::int64_t>(size.y, 20),
+                        std::min<std::int64_t>(size.z, 20)};
+    expect_all_alike(testing::noise<std::uint8_t>(less, 1, 2));
+    expect_all_alike(testing::noise<std::uint32_t>(less, 2, 40));
   }
 }
 
