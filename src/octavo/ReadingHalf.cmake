@@ -25,6 +25,9 @@ set(OCTAVO_READ_SOURCES
   codec/label_octant.cpp
   codec/label_pyramid.cpp
   codec/label_start_weights.cpp
+  codec/label_stored.cpp
+  codec/label_walk_dispatch_portable.cpp
+  codec/label_walk_portable.cpp
   codec/octant_transform.cpp
   codec/residual_coder.cpp
   file/bit_flip.cpp

@@ -18,7 +18,7 @@ inline constexpr Probability kEvenOdds = 1u << 15;
 
 class BinaryEncoder {
  public:
-  explicit BinaryEncoder(std::vector<std::uint8_t>& out) : out_(out) {}
+  explicit BinaryEncoder(std::vector<std::uint8_t>& out) : out_(&out) {}
 
   void put(bool bit, Probability one) {
     const std::uint32_t bound = (range_ >> 16) * one;
@@ -47,7 +47,7 @@ class BinaryEncoder {
     while ((last & ~mask) < low_) mask >>= 1;
     low_ = last & ~mask;
     finish();
-    for (int i = 0; i < 4 && !out_.empty() && out_.back() == 0; ++i) out_.pop_back();
+    for (int i = 0; i < 4 && !out_->empty() && out_->back() == 0; ++i) out_->pop_back();
   }
 
   /// Writes what is still held back. Nothing may be put afterwards.
@@ -62,9 +62,9 @@ class BinaryEncoder {
     if (low_ < 0xff000000u || low_ > 0xffffffffu) {
       const auto carry = static_cast<std::uint8_t>(low_ >> 32);
       // The very first byte is always 0 and is not written.
-      if (has_first_) out_.push_back(static_cast<std::uint8_t>(cache_ + carry));
+      if (has_first_) out_->push_back(static_cast<std::uint8_t>(cache_ + carry));
       has_first_ = true;
-      for (; pending_ > 0; --pending_) out_.push_back(static_cast<std::uint8_t>(0xff + carry));
+      for (; pending_ > 0; --pending_) out_->push_back(static_cast<std::uint8_t>(0xff + carry));
       cache_ = static_cast<std::uint8_t>(low_ >> 24);
     } else {
       ++pending_;
@@ -72,7 +72,7 @@ class BinaryEncoder {
     low_ = (low_ & 0x00ffffffu) << 8;
   }
 
-  std::vector<std::uint8_t>& out_;
+  std::vector<std::uint8_t>* out_;
   std::uint64_t low_ = 0;
   std::uint32_t range_ = 0xffffffffu;
   std::uint64_t pending_ = 0;

@@ -1,33 +1,22 @@
 #include <algorithm>
+#include <cstring>
 
 #include "octavo/codec/label_codec.h"
+#include "octavo/codec/label_octant.h"
+#include "octavo/codec/label_pyramid.h"
+#include "octavo/codec/label_stored.h"
 #include "octavo/codec/label_walk.h"
 
 namespace octavo {
 
 namespace {
 
-/// Reads the answers; knows no truth.
-class DecodingIo {
- public:
-  void attach(BinaryDecoder& coder) { coder_ = &coder; }
-
-  bool ask(LabelAsk, bool, Probability yes) { return coder_->get(yes); }
-  void observe(LabelAsk, const LabelQuestion&, bool) {}
-  bool is_plain() const { return false; }
-  bool is_pair() const { return false; }
-  TrueSample truth(const Index3&) const { return {}; }
-  void met(std::int64_t, std::uint32_t) {}
-
- private:
-  BinaryDecoder* coder_ = nullptr;
-};
-
 template <class T>
 void fill(const Size3& size, std::int64_t value, void* out) {
   std::fill_n(static_cast<T*>(out), size.voxel_count(), static_cast<T>(value));
 }
 
+/// Rows of labels from rows of cells; four alike cells in a row are usual.
 template <class T>
 void write_labels(const LabelGrid& grid, const std::vector<std::int64_t>& labels, void* out) {
   std::vector<T> value(labels.size());
@@ -36,11 +25,51 @@ void write_labels(const LabelGrid& grid, const std::vector<std::int64_t>& labels
   const Size3& size = grid.size();
   T* to = static_cast<T*>(out);
   for (std::int64_t z = 0; z < size.z; ++z) {
-    for (std::int64_t y = 0; y < size.y; ++y) {
+    for (std::int64_t y = 0; y < size.y; ++y, to += size.x) {
       const LabelCell* row = grid.at({0, y, z});
-      for (std::int64_t x = 0; x < size.x; ++x) *to++ = value[slot_of(row[x])];
+      std::int64_t x = 0;
+      for (; x + 4 <= size.x; x += 4) {
+        std::uint64_t four;
+        std::memcpy(&four, row + x, sizeof four);
+        if (four == row[x] * 0x0001000100010001u) {
+          std::fill_n(to + x, 4, value[slot_of(row[x])]);
+        } else {
+          for (std::int64_t i = x; i < x + 4; ++i) to[i] = value[slot_of(row[i])];
+        }
+      }
+      for (; x < size.x; ++x) to[x] = value[slot_of(row[x])];
     }
   }
+}
+
+template <class T>
+void decode_stored(const BrickShape& shape, const ValueRange& range, ByteSpan segment, int level,
+                   T* out) {
+  const Size3& size = shape.size[0];
+  const auto labels = decode_stored_labels(segment, range, size.voxel_count());
+  if (level == 0) {
+    std::transform(labels.begin(), labels.end(), out,
+                   [](std::int64_t label) { return static_cast<T>(label); });
+    return;
+  }
+  std::vector<T> voxels(labels.size());
+  std::transform(labels.begin(), labels.end(), voxels.begin(),
+                 [](std::int64_t label) { return static_cast<T>(label); });
+  const LabelPyramid pyramid = build_label_pyramid(
+      shape, {voxels.data(), voxel_type_of<T>(), size, size.x, size.x * size.y});
+  const LabelPyramid::Level& wanted = pyramid.levels[static_cast<std::size_t>(level)];
+  std::transform(wanted.rank.begin(), wanted.rank.end(), out, [&](std::uint32_t rank) {
+    return static_cast<T>(pyramid.labels[rank]);
+  });
+}
+
+bool is_stored(const BrickShape& shape, std::span<const ByteSpan> segments) {
+  if (shape.level_count == 1 || !segments.back().empty()) return false;
+  const auto holds_bytes = [](ByteSpan segment) { return !segment.empty(); };
+  if (std::any_of(segments.begin() + 1, segments.end(), holds_bytes)) {
+    throw Error(ErrorKind::corrupt, "a stored brick has more than one segment");
+  }
+  return true;
 }
 
 void check(const BrickShape& shape, VoxelType type, const ValueRange& range,
@@ -71,21 +100,17 @@ void LabelCodec::decode(const BrickShape& shape, VoxelType type, const ValueRang
     });
     return;
   }
-  DecodingIo io;
-  LabelWalk<DecodingIo> walk(model_, range, io);
-  LabelGrid grid({1, 1, 1});
-  for (int i = shape.level_count - 1; i >= level; --i) {
-    BinaryDecoder coder(segments[static_cast<std::size_t>(i)]);
-    io.attach(coder);
-    if (i == shape.level_count - 1) grid = walk.root();
-    grid = walk.descend(grid, shape, i);
-    if (!coder.is_consumed_short()) {
-      throw Error(ErrorKind::corrupt, "brick: the length of level " + std::to_string(i) +
-                                          " does not fit its labels");
-    }
+  if (is_stored(shape, segments)) {
+    with_voxel_type(type, [&](auto t) {
+      using T = typename decltype(t)::type;
+      decode_stored<T>(shape, range, segments[0], level, static_cast<T*>(out));
+    });
+    return;
   }
+  LabelWork& work = thread_label_work();
+  label_walk_functions().decode(model_, shape, range, segments, level, work);
   with_voxel_type(type, [&](auto t) {
-    write_labels<typename decltype(t)::type>(grid, walk.labels(), out);
+    write_labels<typename decltype(t)::type>(work.grid, work.labels, out);
   });
 }
 

@@ -1,6 +1,7 @@
 #include "octavo/codec/label_grid.h"
 
 #include <algorithm>
+#include <cstring>
 
 namespace octavo {
 
@@ -8,7 +9,8 @@ namespace {
 
 /// What a child knows before it is visited: a mixed parent's label is only a stand-in.
 LabelCell inherited(LabelCell parent) {
-  return state_of(parent) == kUniform ? parent : label_cell(slot_of(parent), kParent);
+  const auto stand_in = static_cast<LabelCell>((parent & ~3) | kParent);
+  return state_of(parent) == kUniform ? parent : stand_in;
 }
 
 void expand_row(const LabelCell* parents, std::int64_t size, bool is_halved, LabelCell* children) {
@@ -16,16 +18,25 @@ void expand_row(const LabelCell* parents, std::int64_t size, bool is_halved, Lab
     for (std::int64_t x = 0; x < size; ++x) children[x] = inherited(parents[x]);
     return;
   }
-  for (std::int64_t x = 0; x + 1 < size; x += 2) {
-    children[x] = children[x + 1] = inherited(parents[x >> 1]);
+  for (std::int64_t x = 0; x < size / 2; ++x) {
+    const std::uint32_t twice = inherited(parents[x]) * 0x10001u;
+    std::memcpy(children + 2 * x, &twice, sizeof twice);
   }
   if (size & 1) children[size - 1] = inherited(parents[size >> 1]);
 }
 
 }  // namespace
 
-LabelGrid expanded(const LabelGrid& parents, const Size3& size, HalvingMask mask) {
-  LabelGrid children(size);
+void LabelGrid::reset(const Size3& size) {
+  size_ = size;
+  row_ = size.x + 2 * kBorder;
+  plane_ = row_ * (size.y + 2 * kBorder);
+  // One plane and one row more: SIMD also reads around children that do not exist.
+  cells_.assign(static_cast<std::size_t>(plane_ * (size.z + 2 * kBorder + 1) + row_), kOutside);
+}
+
+void expand(const LabelGrid& parents, const Size3& size, HalvingMask mask, LabelGrid& children) {
+  children.reset(size);
   const int half_y = mask >> 1 & 1;
   const int half_z = mask >> 2 & 1;
   for (std::int64_t z = 0; z < size.z; ++z) {
@@ -40,7 +51,6 @@ LabelGrid expanded(const LabelGrid& parents, const Size3& size, HalvingMask mask
       }
     }
   }
-  return children;
 }
 
 }  // namespace octavo

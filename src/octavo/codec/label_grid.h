@@ -13,27 +13,29 @@
 
 namespace octavo {
 
-enum LabelState : std::uint32_t {
-  kOutside = 0,  ///< beyond the border of the brick
+enum LabelState : std::uint16_t {
+  kOutside = 0,  ///< beyond the border of the brick; the cell is 0
   kParent = 1,   ///< not coded yet: the label of its parent stands in
   kMixed = 2,    ///< the label is right, some voxel below has another
   kUniform = 3,  ///< the label is right and that of all voxels below
 };
 
-using LabelCell = std::uint32_t;
-constexpr LabelCell label_cell(std::uint32_t slot, LabelState state) { return slot << 2 | state; }
-constexpr std::uint32_t slot_of(LabelCell cell) { return cell >> 2; }
+using LabelCell = std::uint16_t;
+/// Slots are smaller than this; a brick of more labels is stored, not coded.
+inline constexpr std::size_t kMaxLabelSlots = std::size_t{1} << 14;
+
+constexpr LabelCell label_cell(std::uint32_t slot, LabelState state) {
+  return static_cast<LabelCell>(slot << 2 | state);
+}
+constexpr std::uint32_t slot_of(LabelCell cell) { return static_cast<std::uint32_t>(cell >> 2); }
 constexpr LabelState state_of(LabelCell cell) { return static_cast<LabelState>(cell & 3); }
 
 class LabelGrid {
  public:
   static constexpr std::int64_t kBorder = 2;
 
-  explicit LabelGrid(const Size3& size)
-      : size_(size),
-        row_(size.x + 2 * kBorder),
-        plane_(row_ * (size.y + 2 * kBorder)),
-        cells_(static_cast<std::size_t>(plane_ * (size.z + 2 * kBorder)), kOutside) {}
+  /// Makes it a grid of `size` whose cells are all kOutside.
+  void reset(const Size3& size);
 
   const Size3& size() const { return size_; }
   std::ptrdiff_t row_stride() const { return row_; }
@@ -45,13 +47,13 @@ class LabelGrid {
 
  private:
   Size3 size_;
-  std::ptrdiff_t row_;
-  std::ptrdiff_t plane_;
+  std::ptrdiff_t row_ = 0;
+  std::ptrdiff_t plane_ = 0;
   std::vector<LabelCell> cells_;
 };
 
-/// The level below `parents`: each cell has its parent's label; it is kUniform where its parent is,
-/// kParent elsewhere.
-LabelGrid expanded(const LabelGrid& parents, const Size3& size, HalvingMask mask);
+/// Makes `children` the level of `size` below `parents`: each cell has its parent's label; it is
+/// kUniform where its parent is, kParent elsewhere.
+void expand(const LabelGrid& parents, const Size3& size, HalvingMask mask, LabelGrid& children);
 
 }  // namespace octavo

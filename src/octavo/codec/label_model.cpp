@@ -2,41 +2,14 @@
 
 #include <algorithm>
 
-#include "octavo/codec/binary_coder.h"
+#include "octavo/codec/golomb.h"
 
 namespace octavo {
 
 namespace {
 
-constexpr int kMaxPrefix = 32;
-
-/// Adaptive bits of one kind of number.
-struct NumberBits {
-  std::array<AdaptiveBit, kMaxPrefix + 1> prefix;
-};
-
-/// Exp-Golomb: the length of number + 1 in unary, then its bits below the highest.
-void put_number(BinaryEncoder& coder, NumberBits& bits, std::uint64_t number) {
-  const std::uint64_t value = number + 1;
-  int length = 0;
-  while (value >> (length + 1) != 0) ++length;
-  for (int i = 0; i < kMaxPrefix; ++i) {
-    put_adaptive(coder, bits.prefix[static_cast<std::size_t>(i)], i < length);
-    if (i >= length) break;
-  }
-  for (int i = length - 1; i >= 0; --i) coder.put((value >> i & 1) != 0, kEvenOdds);
-}
-
-std::uint64_t get_number(BinaryDecoder& coder, NumberBits& bits) {
-  int length = 0;
-  while (length < kMaxPrefix &&
-         get_adaptive(coder, bits.prefix[static_cast<std::size_t>(length)])) {
-    ++length;
-  }
-  std::uint64_t value = 1;
-  for (int i = 0; i < length; ++i) value = value << 1 | (coder.get(kEvenOdds) ? 1u : 0u);
-  return value - 1;
-}
+/// Palette gaps have up to 32 bits.
+using NumberBits = GolombModel<33>;
 
 /// Steps between a weight and its start weight, as a sign and a size.
 struct StepBits {
@@ -49,14 +22,14 @@ void put_steps(BinaryEncoder& coder, StepBits& bits, int steps) {
   put_adaptive(coder, bits.is_changed, steps != 0);
   if (steps == 0) return;
   put_adaptive(coder, bits.is_negative, steps < 0);
-  put_number(coder, bits.size, static_cast<std::uint64_t>(std::abs(steps)) - 1);
+  put_golomb(coder, bits.size, static_cast<std::uint64_t>(std::abs(steps)) - 1);
 }
 
 int get_steps(BinaryDecoder& coder, StepBits& bits) {
   if (!get_adaptive(coder, bits.is_changed)) return 0;
   const bool is_negative = get_adaptive(coder, bits.is_negative);
   const auto size =
-      static_cast<int>(std::min<std::uint64_t>(get_number(coder, bits.size), 255)) + 1;
+      static_cast<int>(std::min<std::uint64_t>(get_golomb(coder, bits.size), 255)) + 1;
   return is_negative ? -size : size;
 }
 
@@ -67,12 +40,12 @@ int get_steps(BinaryDecoder& coder, StepBits& bits) {
 std::vector<std::int64_t> get_palette(BinaryDecoder& coder, const ValueRange& range) {
   NumberBits count_bits;
   NumberBits bits;
-  const std::uint64_t count = get_number(coder, count_bits);
+  const std::uint64_t count = get_golomb(coder, count_bits);
   if (count > kMaxPalette) reject("the palette is longer than 4096 labels");
   std::vector<std::int64_t> palette;
   std::int64_t next = range.min;
   for (std::uint64_t i = 0; i < count; ++i) {
-    const std::uint64_t gap = get_number(coder, bits);
+    const std::uint64_t gap = get_golomb(coder, bits);
     if (next > range.max || gap > static_cast<std::uint64_t>(range.max - next)) {
       reject("a palette entry is outside the voxel type");
     }
@@ -94,10 +67,10 @@ Bytes serialize(const LabelModel& model, VoxelType type) {
   BinaryEncoder coder(bytes);
   NumberBits count_bits;
   NumberBits gap_bits;
-  put_number(coder, count_bits, model.palette.size());
+  put_golomb(coder, count_bits, model.palette.size());
   std::int64_t next = value_range(type).min;
   for (const std::int64_t label : model.palette) {
-    put_number(coder, gap_bits, static_cast<std::uint64_t>(label - next));
+    put_golomb(coder, gap_bits, static_cast<std::uint64_t>(label - next));
     next = label + 1;
   }
   for (std::size_t net = 0; net < kLabelNets; ++net) {

@@ -32,15 +32,51 @@ constexpr std::array<std::uint16_t, 2 * kLogitLimit + 1> interpolated() {
 }  // namespace
 
 LabelNet::LabelNet(const LabelWeights& weights) {
-  const std::int8_t* from = weights.data();
-  const auto take = [&](Row& row) {
-    for (std::int16_t& entry : row) entry = *from++;
+  // The weight of a neighbor's code, 0 outside the brick.
+  const auto weight = [&](std::size_t neighbor, std::size_t code, std::size_t j) {
+    const std::size_t row = kLabelStates * neighbor + code - 2;
+    return code < 2 ? 0 : int{weights[kLabelHidden * row + j]};
   };
-  for (std::size_t i = 0; i < kLabelNeighbors; ++i) {
-    for (std::size_t state = 2; state < 8; ++state) take(neighbor_[8 * i + state]);
+  for (std::size_t pair = 0; pair < kLabelPairs; ++pair) {
+    for (std::size_t a = 0; a < 8; ++a) {
+      for (std::size_t b = 0; b < 8; ++b) {
+        for (std::size_t j = 0; j < kLabelHidden; ++j) {
+          rows_[pair_offset(pair, a, b) + j] = static_cast<std::int16_t>(
+              weight(2 * pair, a, j) + weight(2 * pair + 1, b, j));
+        }
+      }
+    }
   }
-  for (Row& row : category_) take(row);
-  take(out_);
+  const std::int8_t* first = weights.data() + kLabelHidden * kLabelStates * kLabelNeighbors;
+  const std::int8_t* second = first + kLabelHidden * kLabelFirstCategories;
+  std::int16_t* sum = rows_.data() + kCategoriesAt;
+  for (std::size_t a = 0; a < kLabelFirstCategories; ++a) {
+    for (std::size_t b = 0; b < kLabelSecondCategories; ++b) {
+      for (std::size_t j = 0; j < kLabelHidden; ++j) {
+        *sum++ = static_cast<std::int16_t>(first[kLabelHidden * a + j] +
+                                           second[kLabelHidden * b + j]);
+      }
+    }
+  }
+  std::copy(weights.end() - kLabelHidden, weights.end(), rows_.begin() + kOutAt);
+}
+
+int label_logit(const LabelNet& net, const LabelQuestion& question) {
+  // First layer: one row for the categories and one per pair of neighbors.
+  std::array<int, kLabelHidden> sum{};
+  const auto add = [&](const std::int16_t* row) {
+    for (std::size_t j = 0; j < kLabelHidden; ++j) sum[j] += row[j];
+  };
+  add(net.categories(question.first, question.second));
+  for (std::size_t k = 0; k < kLabelPairs; ++k) {
+    add(net.pairs() +
+        LabelNet::pair_offset(k, question.neighbor[2 * k], question.neighbor[2 * k + 1]));
+  }
+
+  // Second layer.
+  int total = 0;
+  for (std::size_t j = 0; j < kLabelHidden; ++j) total += std::max(sum[j], 0) * net.out()[j];
+  return total;
 }
 
 namespace detail {

@@ -7,8 +7,11 @@
 //
 // Every neighbor adds one row of 16 weights, chosen by what is known of it and whether it has the
 // label asked for; so do two categories (position and history of the child, level). No input is
-// multiplied: the first layer is 34 additions of 16 lanes. Rows, sums and the logit are integers,
-// equal on every machine.
+// multiplied: the first layer is additions of 16 lanes. Rows, sums and the logit are integers,
+// equal on every machine and in every order.
+//
+// Rows of neighbors 2k and 2k+1 are added when a model is made, for each of the 8 x 8 things known
+// of both, and so are those of the categories: a question adds 17 rows instead of 34.
 //
 // Ranges: a row entry is at most 127 in size, so a sum of 34 fits in 16 bits; the logit is clamped
 // to +-kLogitLimit, in units of 1/256, before it becomes a probability.
@@ -23,15 +26,16 @@
 
 namespace octavo {
 
-inline constexpr int kLabelNeighbors = 32;
-inline constexpr int kLabelHidden = 16;
-inline constexpr int kLabelFirstCategories = 40;
-inline constexpr int kLabelSecondCategories = 4;
+inline constexpr std::size_t kLabelNeighbors = 32;
+inline constexpr std::size_t kLabelPairs = kLabelNeighbors / 2;
+inline constexpr std::size_t kLabelHidden = 16;
+inline constexpr std::size_t kLabelFirstCategories = 40;
+inline constexpr std::size_t kLabelSecondCategories = 4;
 /// Known states of a neighbor, each with "has the label" and "has not".
-inline constexpr int kLabelStates = 6;
-inline constexpr int kLabelRows =
+inline constexpr std::size_t kLabelStates = 6;
+inline constexpr std::size_t kLabelRows =
     kLabelNeighbors * kLabelStates + kLabelFirstCategories + kLabelSecondCategories;
-inline constexpr int kLabelWeights = (kLabelRows + 1) * kLabelHidden;
+inline constexpr std::size_t kLabelWeights = (kLabelRows + 1) * kLabelHidden;
 
 inline constexpr int kLogitLimit = 11 * 256;
 
@@ -50,50 +54,46 @@ using LabelWeights = std::array<std::int8_t, kLabelWeights>;
 /// Units of the weights: a hidden sum of kLabelUnit times an output weight of kLabelUnit is a logit
 /// of 1.
 inline constexpr int kLabelUnit = 16;
+static_assert(kLabelUnit * kLabelUnit == 256, "a weighted sum is a logit without scaling");
 
 class LabelNet {
  public:
   explicit LabelNet(const LabelWeights& weights);
 
-  /// The logit of "yes", in units of 1/256.
-  int logit(const LabelQuestion& question) const;
+  /// Rows of 16 weights. That of pair k with codes a and b starts at pair_offset(k, a, b).
+  const std::int16_t* pairs() const { return rows_.data(); }
+  /// The sum of the rows of two categories.
+  const std::int16_t* categories(std::size_t first, std::size_t second) const {
+    return rows_.data() + kCategoriesAt +
+           kLabelHidden * (kLabelSecondCategories * first + second);
+  }
+  const std::int16_t* out() const { return rows_.data() + kOutAt; }
+
+  static constexpr std::size_t pair_offset(std::size_t pair, std::size_t a, std::size_t b) {
+    return kLabelHidden * (64 * pair + 8 * a + b);
+  }
 
  private:
-  using Row = std::array<std::int16_t, kLabelHidden>;
+  static constexpr std::size_t kCategoriesAt = kLabelHidden * 64 * kLabelPairs;
+  static constexpr std::size_t kOutAt =
+      kCategoriesAt + kLabelHidden * kLabelFirstCategories * kLabelSecondCategories;
 
-  /// Row 8 * neighbor + state code; those of state 0 are zero.
-  alignas(32) std::array<Row, kLabelNeighbors * 8> neighbor_{};
-  alignas(32) std::array<Row, kLabelFirstCategories + kLabelSecondCategories> category_{};
-  alignas(32) Row out_{};
+  alignas(64) std::array<std::int16_t, kOutAt + kLabelHidden> rows_{};
 };
+
+/// The logit of "yes", in units of 1/256: the reference.
+int label_logit(const LabelNet& net, const LabelQuestion& question);
 
 namespace detail {
 /// Entry logit + kLogitLimit.
 extern const std::array<std::uint16_t, 2 * kLogitLimit + 1> kProbability;
 }
 
-/// 65536 / (1 + exp(-logit / 256)), by a table and linear interpolation, within 16 .. 65520.
-/// Requires a logit within +-kLogitLimit.
+/// 65536 / (1 + exp(-logit / 256)), by a table and linear interpolation, within 16 .. 65520; a
+/// logit beyond +-kLogitLimit counts as this limit.
 inline Probability probability_of(int logit) {
-  return detail::kProbability[static_cast<std::size_t>(logit + kLogitLimit)];
-}
-
-inline int LabelNet::logit(const LabelQuestion& question) const {
-  // First layer: one row per input.
-  Row sum = category_[question.first];
-  const auto add = [&](const Row& row) {
-    for (std::size_t j = 0; j < kLabelHidden; ++j) {
-      sum[j] = static_cast<std::int16_t>(sum[j] + row[j]);
-    }
-  };
-  add(category_[kLabelFirstCategories + std::size_t{question.second}]);
-  for (std::size_t i = 0; i < kLabelNeighbors; ++i) add(neighbor_[8 * i + question.neighbor[i]]);
-
-  // Second layer.
-  std::int32_t total = 0;
-  for (std::size_t j = 0; j < kLabelHidden; ++j) total += std::max<int>(sum[j], 0) * out_[j];
-  static_assert(256 % (kLabelUnit * kLabelUnit) == 0);
-  return std::clamp(total * (256 / (kLabelUnit * kLabelUnit)), -kLogitLimit, kLogitLimit);
+  const int within = std::clamp(logit, -kLogitLimit, kLogitLimit);
+  return detail::kProbability[static_cast<std::size_t>(within + kLogitLimit)];
 }
 
 }  // namespace octavo

@@ -31,6 +31,15 @@ void for_each_child(const Size3& size, HalvingMask mask, const Index3& parent, V
   }
 }
 
+/// The digits of the children inside a level of `size`, bit d for digit d.
+constexpr std::uint32_t child_digits(const Size3& size, HalvingMask mask, const Index3& parent) {
+  const auto has_both = [&](int axis) {
+    return (mask >> axis & 1) != 0 && 2 * parent[axis] + 1 < size[axis];
+  };
+  return (has_both(0) ? 0xffu : 0x33u) & (has_both(1) ? 0xffu : 0x55u) &
+         (has_both(2) ? 0xffu : 0x0fu);
+}
+
 inline std::size_t dense_offset(const Size3& size, const Index3& at) {
   return static_cast<std::size_t>((at.z * size.y + at.y) * size.x + at.x);
 }

@@ -15,14 +15,10 @@ constexpr std::size_t kRows = kLabelRows;
 constexpr std::size_t kOut = kRows;  // the output weights stand behind the rows
 constexpr std::size_t kLanes = kLabelHidden;
 constexpr std::size_t kBatch = 64;
-constexpr int kEpochs = 2;
-constexpr float kRate = 0.008f;
 constexpr float kLastRate = 0.00005f;
 constexpr float kMeanDecay = 0.9f;
 constexpr float kSquareDecay = 0.995f;
 constexpr float kSmallest = 1e-4f;
-/// Cost of moving a weight by 1, in natural units of information over all samples.
-constexpr float kMoveCost = 12;
 constexpr std::size_t kFewest = 500;
 
 using Row = std::array<float, kLanes>;
@@ -158,28 +154,29 @@ std::vector<std::uint32_t> shuffled(std::size_t count) {
 
 void LabelSamples::add(const LabelQuestion& question, bool answer) {
   if (seen_count_++ % stride_ != 0) return;
-  if (list_.size() == kCapacity) {
-    for (std::size_t i = 0; i < kCapacity / 2; ++i) list_[i] = list_[2 * i];
-    list_.resize(kCapacity / 2);
+  if (list_.size() == capacity_) {
+    for (std::size_t i = 0; i < capacity_ / 2; ++i) list_[i] = list_[2 * i];
+    list_.resize(capacity_ / 2);
     stride_ *= 2;
   }
   list_.push_back({question, answer});
 }
 
-LabelWeights trained(const LabelWeights& start, const LabelSamples& samples, int step) {
-  const std::vector<Sample>& list = samples.list();
-  if (list.size() < kFewest) return start;
+LabelWeights trained(const LabelWeights& start, std::span<const Sample> samples,
+                     std::uint64_t seen_count, const LabelTraining& training) {
+  if (samples.size() < kFewest) return start;
   const auto trainer =
-      std::make_unique<Trainer>(start, kMoveCost / static_cast<float>(samples.seen_count()));
-  const std::vector<std::uint32_t> order = shuffled(list.size());
-  const std::size_t batches = list.size() / kBatch;
-  const float last = static_cast<float>(batches * kEpochs);
-  for (std::size_t batch = 0; batch < batches * kEpochs; ++batch) {
+      std::make_unique<Trainer>(start, training.move_cost / static_cast<float>(seen_count));
+  const std::vector<std::uint32_t> order = shuffled(samples.size());
+  const std::size_t batches = samples.size() / kBatch;
+  const std::size_t steps = batches * static_cast<std::size_t>(training.epochs);
+  for (std::size_t batch = 0; batch < steps; ++batch) {
     const std::size_t first = batch % batches * kBatch;
-    for (std::size_t i = first; i < first + kBatch; ++i) trainer->learn(list[order[i]]);
-    trainer->step(kRate * (1 - static_cast<float>(batch) / last) + kLastRate);
+    for (std::size_t i = first; i < first + kBatch; ++i) trainer->learn(samples[order[i]]);
+    const float done = static_cast<float>(batch) / static_cast<float>(steps);
+    trainer->step(training.rate * (1 - done) + kLastRate);
   }
-  return trainer->quantised(step);
+  return trainer->quantised(training.step);
 }
 
 }  // namespace octavo

@@ -3,72 +3,18 @@
 #include <algorithm>
 #include <limits>
 #include <map>
-#include <random>
 
-#include "octavo/codec/brick_codec.h"
 #include "octavo/codec/label_pyramid.h"
 #include "octavo/core/error.h"
+#include "support/label_brick.h"
 
 namespace octavo {
 namespace {
 
-/// One brick with dense voxels of type T.
-template <class T>
-struct Sample {
-  Levels levels;
-  BrickShape shape;
-  std::vector<T> voxels;
-
-  explicit Sample(const Size3& size, const Point3& spacing = {1, 1, 1})
-      : levels(size, choose_halvings(size, spacing)),
-        shape(brick_shape(levels, 0, {0, 0, 0})),
-        voxels(static_cast<std::size_t>(size.voxel_count())) {}
-
-  BrickView view() const {
-    const Size3& size = shape.size[0];
-    return {voxels.data(), voxel_type_of<T>(), size, size.x, size.x * size.y};
-  }
-  TrainingBrick training() const { return {shape, view()}; }
-};
-
-/// Nested balls, so that every octant kind occurs.
-template <class T>
-Sample<T> balls(const Size3& size, const std::vector<T>& labels,
-                const Point3& spacing = {1, 1, 1}) {
-  Sample<T> sample(size, spacing);
-  std::size_t at = 0;
-  for (std::int64_t z = 0; z < size.z; ++z) {
-    for (std::int64_t y = 0; y < size.y; ++y) {
-      for (std::int64_t x = 0; x < size.x; ++x) {
-        const std::int64_t r2 = (x - 20) * (x - 20) + (y - 25) * (y - 25) + (z - 15) * (z - 15);
-        const auto shell = static_cast<std::size_t>(r2 / 200);
-        sample.voxels[at++] = labels[std::min(shell, labels.size() - 1)];
-      }
-    }
-  }
-  return sample;
-}
-
-template <class T>
-Sample<T> noise(const Size3& size, std::uint64_t seed) {
-  Sample<T> sample(size);
-  std::mt19937_64 random(seed);
-  for (T& voxel : sample.voxels) voxel = static_cast<T>(random());
-  return sample;
-}
-
-std::vector<ByteSpan> spans(const EncodedBrick& brick) {
-  return {brick.segments.begin(), brick.segments.end()};
-}
-
-template <class T>
-std::vector<T> decoded(const BrickCodec& codec, const Sample<T>& sample, const EncodedBrick& brick,
-                       int level) {
-  const Size3& size = sample.shape.size[static_cast<std::size_t>(level)];
-  std::vector<T> out(static_cast<std::size_t>(size.voxel_count()));
-  codec.decode(sample.shape, voxel_type_of<T>(), brick.range, spans(brick), level, out.data());
-  return out;
-}
+using testing::balls;
+using testing::decoded;
+using testing::LabelBrick;
+using testing::noise;
 
 /// The most frequent label of every octant, by counting in a map.
 template <class T>
@@ -98,7 +44,7 @@ std::vector<T> voted(const std::vector<T>& fine, const Size3& size, HalvingMask 
 }
 
 template <class T>
-void expect_round_trip(const BrickCodec& codec, const Sample<T>& sample) {
+void expect_round_trip(const BrickCodec& codec, const LabelBrick<T>& sample) {
   const EncodedBrick brick = codec.encode(sample.shape, sample.view());
   std::vector<T> expected = sample.voxels;
   for (int level = 0; level < sample.shape.level_count; ++level) {
@@ -111,9 +57,9 @@ void expect_round_trip(const BrickCodec& codec, const Sample<T>& sample) {
 }
 
 template <class T>
-class LabelCodecOfType : public testing::Test {};
-using LabelTypes = testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t,
-                                  std::int32_t, std::uint32_t>;
+class LabelCodecOfType : public ::testing::Test {};
+using LabelTypes = ::testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t,
+                                    std::int32_t, std::uint32_t>;
 TYPED_TEST_SUITE(LabelCodecOfType, LabelTypes);
 
 TYPED_TEST(LabelCodecOfType, EveryLevelIsTheVoteAndLevelZeroTheVoxels) {
@@ -141,7 +87,7 @@ TEST(LabelCodec, OddAndFlatShapesComeBack) {
   for (const Size3& size : {Size3{1, 1, 1}, Size3{1, 1, 2}, Size3{1, 3, 1}, Size3{64, 1, 1},
                             Size3{2, 2, 64}, Size3{5, 7, 11}, Size3{63, 1, 33}}) {
     expect_round_trip(*codec, balls<std::uint8_t>(size, {1, 2, 3}));
-    Sample<std::uint8_t> bits = noise<std::uint8_t>(size, 2);
+    LabelBrick<std::uint8_t> bits = noise<std::uint8_t>(size, 2);
     for (std::uint8_t& voxel : bits.voxels) voxel &= 1;
     expect_round_trip(*codec, bits);
   }
@@ -190,28 +136,13 @@ TEST(LabelCodec, LabelsUnknownToTheModelComeBack) {
   expect_round_trip(*codec, balls<std::uint16_t>({32, 32, 32}, {10, 15, 65535, 20}));
 }
 
-TEST(LabelCodec, RandomVoxelsGrowByLessThanAnEighth) {
-  const auto sample = noise<std::uint8_t>({32, 32, 32}, 3);
-  for (const bool is_trained : {false, true}) {
-    std::vector<TrainingBrick> bricks;
-    if (is_trained) bricks.push_back(sample.training());
-    const auto codec = train_label_model(VoxelType::uint8, bricks);
-    std::size_t bytes = 0;
-    for (const Bytes& segment : codec->encode(sample.shape, sample.view()).segments) {
-      bytes += segment.size();
-    }
-    EXPECT_LT(bytes, sample.voxels.size() * 9 / 8);
-    RecordProperty(is_trained ? "bytes_trained" : "bytes", static_cast<int>(bytes));
-  }
-}
-
 TEST(LabelCodec, FloatVoxelsAreRejected) {
   EXPECT_THROW(train_label_model(VoxelType::float32, {}), Error);
   EXPECT_THROW(parse_label_model(VoxelType::float32, {}), Error);
 }
 
 TEST(LabelPyramid, OfEquallyFrequentLabelsTheSmallestWins) {
-  Sample<std::int8_t> sample({2, 2, 2});
+  LabelBrick<std::int8_t> sample({2, 2, 2});
   sample.voxels = {5, 5, -3, -3, 5, 4, -3, 4};
   const LabelPyramid pyramid = build_label_pyramid(sample.shape, sample.view());
   EXPECT_EQ(pyramid.labels[pyramid.root().rank[0]], -3);

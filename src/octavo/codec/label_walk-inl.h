@@ -1,0 +1,341 @@
+// The body of a label walk, compiled once per instruction set. Include inside a namespace of its
+// own after defining there
+//   class Around          what is known around the children of an octant:
+//     Around(const LabelCell* first, const LabelNeighborhood&, std::uint32_t parent_slot)
+//     void see(const LabelCell* cell, std::size_t digit)   turns to a child; neighbors are compared
+//                                                          to the parent's label
+//     void aim(std::uint32_t slot)                         neighbors are compared to another label
+//     void flip()                                          the other label of a brick with two
+//     int logit(const LabelNet&, std::size_t first, std::size_t second) const
+//     void propose(LabelCandidates&)                       labels other than the parent's
+//     void settle(std::size_t digit, LabelCell)            the child got its label
+//     void tell(LabelQuestion&) const                      the neighbors of the question
+//
+// An Io offers
+//   bool ask(bool truth, Probability yes)              the answer
+//   void observe(LabelAsk, const Around&, first, second, answer)
+//   TrueSample truth(mask, parent, digit)              what an encoder knows; a decoder returns {}
+//   void met(std::int64_t label, std::uint32_t slot)   a label got its slot
+
+inline constexpr std::uint32_t kNoLabelSlot = 0xffffffffu;
+
+struct TrueSample {
+  std::int64_t label = 0;
+  std::uint32_t slot = kNoLabelSlot;  ///< kNoLabelSlot while the label has none
+  bool is_uniform = false;
+};
+
+template <class Io>
+class LabelWalk {
+ public:
+  LabelWalk(const LabelModel& model, const ValueRange& range, Io& io, LabelWork& work)
+      : model_(model), range_(range), io_(io), work_(work), fresh_(model.palette, range) {}
+
+  /// The brick's root: its label, mixed.
+  void root(bool is_pair) {
+    work_.start();
+    const std::int64_t label = io_.truth(0, {0, 0, 0}, 0).label;
+    work_.is_pair = io_.ask(is_pair, kEvenOdds);
+    if (work_.is_pair) {
+      const bool is_low = io_.ask(label == range_.min, kEvenOdds);
+      slot_for(is_low ? range_.min : range_.max);
+      slot_for(is_low ? range_.max : range_.min);
+    } else {
+      slot_for(code_fresh(label));
+    }
+    work_.grid.reset({1, 1, 1});
+    *work_.grid.at({0, 0, 0}) = label_cell(0, kMixed);
+  }
+
+  /// Level `level` of the shape from the one above it.
+  void descend(const BrickShape& shape, int level) {
+    const auto i = static_cast<std::size_t>(level);
+    std::swap(work_.parents, work_.grid);
+    const LabelGrid& parents = work_.parents;
+    LabelGrid& grid = work_.grid;
+    expand(parents, shape.size[i], shape.halving[i], grid);
+    level_ = level;
+    level_category_ = std::min(i, kLabelSecondCategories - 1);
+    mask_ = shape.halving[i];
+    neighborhood_ = label_neighborhood(grid.row_stride(), grid.plane_stride());
+    for (std::size_t digit = 0; digit < 8; ++digit) {
+      place_[digit] = grid.at(child_position(mask_, {0, 0, 0}, static_cast<int>(digit))) -
+                      grid.at({0, 0, 0});
+    }
+    const Size3& size = parents.size();
+    for (std::int64_t z = 0; z < size.z; ++z) {
+      for (std::int64_t y = 0; y < size.y; ++y) {
+        const LabelCell* row = parents.at({0, y, z});
+        for (std::int64_t x = 0; x < size.x; ++x) {
+          if (state_of(row[x]) == kMixed) visit({x, y, z}, slot_of(row[x]));
+        }
+      }
+    }
+  }
+
+ private:
+  void visit(const Index3& parent, std::uint32_t parent_slot) {
+    LabelGrid& grid = work_.grid;
+    LabelCell* first = grid.at(child_position(mask_, parent, 0));
+    Around around(first, neighborhood_, parent_slot);
+    std::uint32_t digits = child_digits(grid.size(), mask_, parent);
+    LabelOctant octant(parent_slot, std::popcount(digits), work_.labels);
+    for (; digits != 0; digits &= digits - 1) {
+      const auto digit = static_cast<std::size_t>(std::countr_zero(digits));
+      octant.enter();
+      const TrueSample truth = io_.truth(mask_, parent, static_cast<int>(digit));
+      LabelCell* cell = first + place_[digit];
+      *cell = visit_child(around, cell, octant, digit, truth);
+      around.settle(digit, *cell);
+    }
+  }
+
+  LabelCell visit_child(Around& around, const LabelCell* cell, LabelOctant& octant,
+                        std::size_t digit, const TrueSample& truth) {
+    around.see(cell, digit);
+    std::uint32_t slot = octant.parent();
+    if (!ask_same(around, octant, digit, truth)) {
+      slot = code_other(around, octant, truth);
+      if (work_.is_pair) around.flip();
+      else if (level_ > 0) around.aim(slot);
+    }
+    const bool is_uniform = level_ == 0 || ask_uniform(around, octant, digit, slot, truth);
+    octant.leave(slot, is_uniform);
+    return label_cell(slot, is_uniform ? kUniform : kMixed);
+  }
+
+  bool ask_same(const Around& around, const LabelOctant& octant, std::size_t digit,
+                const TrueSample& truth) {
+    // A mixed parent has two labels below it; with a single child they are further down.
+    if (octant.is_one() && octant.left() == 0 && level_ == 0 && octant.room() > 0) return false;
+    if (octant.must_be_same()) return true;
+    if (work_.is_pair && octant.is_excluded(1 - octant.parent())) return true;
+    const auto others = static_cast<std::size_t>(std::min(octant.other_votes(), 4));
+    return ask_network(LabelAsk::same, around, digit * 5 + others, level_category_,
+                       truth.slot == octant.parent());
+  }
+
+  bool ask_uniform(const Around& around, const LabelOctant& octant, std::size_t digit,
+                   std::uint32_t slot, const TrueSample& truth) {
+    const bool is_same = slot == octant.parent();
+    if (octant.is_one() && octant.left() == 0 && is_same) return false;
+    const std::size_t history = !is_same ? 0 : octant.is_one() ? 1 : 2;
+    return ask_network(LabelAsk::uniform, around, digit * 5 + history, level_category_,
+                       truth.is_uniform);
+  }
+
+  bool ask_network(LabelAsk kind, const Around& around, std::size_t first, std::size_t second,
+                   bool truth) {
+    const int logit = around.logit(model_.nets[static_cast<std::size_t>(kind)], first, second);
+    const bool answer = io_.ask(truth, probability_of(logit));
+    io_.observe(kind, around, first, second, answer);
+    return answer;
+  }
+
+  /// Which label, when it is not the parent's: one of the neighbors' by falling votes, else one
+  /// known in the brick, else a fresh one.
+  std::uint32_t code_other(Around& around, const LabelOctant& octant, const TrueSample& truth) {
+    if (work_.is_pair) return 1 - octant.parent();
+    LabelCandidates candidates;
+    around.propose(candidates);
+    candidates.drop_if([&](std::uint32_t slot) { return octant.is_excluded(slot); });
+    candidates.sort();
+    for (std::size_t j = 0; j < candidates.count(); ++j) {
+      const std::uint32_t slot = candidates.slot(j);
+      around.aim(slot);
+      const std::size_t first =
+          8 * std::min<std::size_t>(j, 3) + static_cast<std::size_t>(candidates.share(j));
+      const std::size_t second = std::min<std::size_t>(candidates.count() - 1 - j, 3);
+      if (ask_network(LabelAsk::candidate, around, first, second, truth.slot == slot)) return slot;
+    }
+    return code_distant(truth.slot, truth.label);
+  }
+
+  std::uint32_t code_distant(std::uint32_t true_slot, std::int64_t true_label) {
+    const bool is_fresh = ask_adaptive(work_.is_fresh, true_slot == kNoLabelSlot);
+    if (is_fresh) return slot_for(code_fresh(true_label));
+    return static_cast<std::uint32_t>(
+        code_uniform(true_slot == kNoLabelSlot ? 0 : true_slot, work_.labels.size()));
+  }
+
+  /// A label from the palette within the brick's range, else any value of the range.
+  std::int64_t code_fresh(std::int64_t label) {
+    if (fresh_.count > 0) {
+      const std::int64_t rank = fresh_.rank_of(label);
+      if (ask_adaptive(work_.in_palette, rank >= 0)) {
+        const auto number = static_cast<std::uint64_t>(std::max<std::int64_t>(rank, 0));
+        return fresh_.first[code_uniform(number, fresh_.count)];
+      }
+    }
+    const auto span = static_cast<std::uint64_t>(range_.max - range_.min) + 1;
+    const auto offset = static_cast<std::uint64_t>(label - range_.min);
+    return range_.min + static_cast<std::int64_t>(code_uniform(offset, span));
+  }
+
+  /// A number below `count` (at most 2^32), all alike.
+  std::uint64_t code_uniform(std::uint64_t number, std::uint64_t count) {
+    std::uint64_t low = 0;
+    while (count > 1) {
+      const std::uint64_t half = count >> 1;
+      const auto upper = static_cast<Probability>(((count - half) << 16) / count);
+      if (io_.ask(number >= low + half, upper)) {
+        low += half;
+        count -= half;
+      } else {
+        count = half;
+      }
+    }
+    return low;
+  }
+
+  bool ask_adaptive(AdaptiveBit& bit, bool truth) {
+    const bool answer = io_.ask(truth, bit.probability());
+    bit.update(answer);
+    return answer;
+  }
+
+  /// A new slot for `label`.
+  std::uint32_t slot_for(std::int64_t label) {
+    const auto slot = static_cast<std::uint32_t>(work_.labels.size());
+    if (slot == kMaxLabelSlots) {
+      throw Error(ErrorKind::corrupt, "brick: it has more labels than a coded brick may have");
+    }
+    work_.labels.push_back(label);
+    io_.met(label, slot);
+    return slot;
+  }
+
+  const LabelModel& model_;
+  ValueRange range_;
+  Io& io_;
+  LabelWork& work_;
+  LabelPaletteRange fresh_;
+  LabelNeighborhood neighborhood_{};
+  std::array<std::ptrdiff_t, 8> place_{};  ///< of the children of an octant, from the first
+  int level_ = 0;
+  std::size_t level_category_ = 0;
+  HalvingMask mask_ = 0;
+};
+
+/// Reads the answers; knows no truth.
+class DecodingIo {
+ public:
+  explicit DecodingIo(ByteSpan segment) : coder_(segment) {}
+
+  bool ask(bool, Probability yes) { return coder_.get(yes); }
+  void observe(LabelAsk, const Around&, std::size_t, std::size_t, bool) {}
+  TrueSample truth(HalvingMask, const Index3&, int) const { return {}; }
+  void met(std::int64_t, std::uint32_t) {}
+
+  void next(ByteSpan segment) { coder_ = BinaryDecoder(segment); }
+  bool is_consumed() const { return coder_.is_consumed_short(); }
+
+ private:
+  BinaryDecoder coder_;
+};
+
+/// The answers of a pyramid.
+class TruthIo {
+ public:
+  explicit TruthIo(const LabelPyramid& pyramid)
+      : pyramid_(pyramid),
+        level_(&pyramid.root()),
+        slot_of_rank_(pyramid.labels.size(), kNoLabelSlot) {}
+
+  void enter(int level) { level_ = &pyramid_.levels[static_cast<std::size_t>(level)]; }
+
+  TrueSample truth(HalvingMask mask, const Index3& parent, int digit) const {
+    const std::size_t at = dense_offset(level_->size, child_position(mask, parent, digit));
+    const std::uint32_t rank = level_->rank[at];
+    return {pyramid_.labels[rank], slot_of_rank_[rank], level_->is_uniform[at] != 0};
+  }
+
+  void met(std::int64_t label, std::uint32_t slot) {
+    const auto& labels = pyramid_.labels;
+    const auto rank = std::lower_bound(labels.begin(), labels.end(), label) - labels.begin();
+    slot_of_rank_[static_cast<std::size_t>(rank)] = slot;
+  }
+
+ private:
+  const LabelPyramid& pyramid_;
+  const LabelPyramid::Level* level_;
+  std::vector<std::uint32_t> slot_of_rank_;
+};
+
+class EncodingIo : public TruthIo {
+ public:
+  EncodingIo(const LabelPyramid& pyramid, Bytes& bytes) : TruthIo(pyramid), coder_(bytes) {}
+
+  bool ask(bool truth, Probability yes) {
+    coder_.put(truth, yes);
+    return truth;
+  }
+  void observe(LabelAsk, const Around&, std::size_t, std::size_t, bool) {}
+
+  BinaryEncoder& coder() { return coder_; }
+
+ private:
+  BinaryEncoder coder_;
+};
+
+class ObservingIo : public TruthIo {
+ public:
+  ObservingIo(const LabelPyramid& pyramid, LabelObserver& observer)
+      : TruthIo(pyramid), observer_(observer) {}
+
+  bool ask(bool truth, Probability) { return truth; }
+  void observe(LabelAsk kind, const Around& around, std::size_t first, std::size_t second,
+               bool answer) {
+    around.tell(question_);
+    question_.first = static_cast<std::uint8_t>(first);
+    question_.second = static_cast<std::uint8_t>(second);
+    observer_.observe(kind, question_, answer);
+  }
+
+ private:
+  LabelObserver& observer_;
+  LabelQuestion question_{};
+};
+
+void decode_labels(const LabelModel& model, const BrickShape& shape, const ValueRange& range,
+                   std::span<const ByteSpan> segments, int level, LabelWork& work) {
+  DecodingIo io(segments.back());
+  LabelWalk<DecodingIo> walk(model, range, io, work);
+  walk.root(false);
+  for (int i = shape.level_count - 1;; --i) {
+    walk.descend(shape, i);
+    if (!io.is_consumed()) {
+      throw Error(ErrorKind::corrupt, "brick: the length of level " + std::to_string(i) +
+                                          " does not fit its labels");
+    }
+    if (i == level) return;
+    io.next(segments[static_cast<std::size_t>(i - 1)]);
+  }
+}
+
+void encode_labels(const LabelModel& model, const BrickShape& shape, const LabelPyramid& pyramid,
+                   std::vector<Bytes>& segments, LabelWork& work) {
+  Bytes bytes;
+  EncodingIo io(pyramid, bytes);
+  LabelWalk<EncodingIo> walk(model, {pyramid.labels.front(), pyramid.labels.back()}, io, work);
+  walk.root(pyramid.labels.size() == 2);
+  for (int i = shape.level_count - 1; i >= 0; --i) {
+    io.enter(i);
+    walk.descend(shape, i);
+    io.coder().finish_short();
+    segments[static_cast<std::size_t>(i)] = bytes;
+    bytes.clear();
+    io.coder() = BinaryEncoder(bytes);
+  }
+}
+
+void observe_labels(const LabelModel& model, const BrickShape& shape, const LabelPyramid& pyramid,
+                    LabelObserver& observer, LabelWork& work) {
+  ObservingIo io(pyramid, observer);
+  LabelWalk<ObservingIo> walk(model, {pyramid.labels.front(), pyramid.labels.back()}, io, work);
+  walk.root(pyramid.labels.size() == 2);
+  for (int i = shape.level_count - 1; i >= 0; --i) {
+    io.enter(i);
+    walk.descend(shape, i);
+  }
+}
