@@ -214,7 +214,7 @@ const std::array<std::int64_t, kTableSize + 1>& logarithms() {
 
 /// Bits, in units of 1/65536, of counted tokens under their own table and of the table.
 std::int64_t cost_of(const TokenCounts& counts) {
-  constexpr std::int64_t kBitsPerFrequency = 3;
+  constexpr std::int64_t kBitsPerFrequency = 6;
   const auto frequencies = frequencies_of(counts);
   std::int64_t bits = 0;
   std::int64_t last = 0;

@@ -13,8 +13,8 @@ namespace {
 using SlowBit = AdaptiveBitOf<7>;
 
 /// Whether a voxel is corrected depends on how many of the 18 voxels around it that come before it
-/// are (two to the left, five above, the nine behind and their neighbours), and on the one to the
-/// left; its sign on theirs.
+/// are (two to the left, five above, eleven behind), and on the one to the left; its sign on the
+/// sum of theirs.
 struct CorrectionModels {
   std::array<std::array<SlowBit, 2>, 19> is_corrected;
   std::array<SlowBit, 3> is_negative;

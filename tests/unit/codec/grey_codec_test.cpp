@@ -113,6 +113,66 @@ TYPED_TEST(GreyCodecOfType, EveryLevelEqualsTheReferencePyramid) {
   }
 }
 
+TYPED_TEST(GreyCodecOfType, TheFastPresetIsLosslessAtEveryLevelToo) {
+  using T = TypeParam;
+  for (const Content content : kContents) {
+    for (const Size3& size : kSizes) {
+      const auto voxels = make_voxels<T>(size, content, 3);
+      const BrickShape shape = shape_of(size);
+      const TrainingBrick lesson{shape, view_of(voxels, size)};
+      const auto trained =
+          train_grey_model(voxel_type_of<T>(), std::span(&lesson, 1), {Preset::fast, 0});
+      const auto codec = parse_grey_model(voxel_type_of<T>(), trained->serialized());
+      expect_every_level(*codec, shape, voxels);
+    }
+  }
+}
+
+/// Encodes with a maximum error and looks at every voxel.
+template <class T>
+void expect_within(const BrickCodec& codec, const BrickShape& shape, const std::vector<T>& voxels,
+                   std::int64_t max_error) {
+  const EncodedBrick encoded = codec.encode(shape, view_of(voxels, shape.size[0]));
+  std::vector<T> decoded(voxels.size());
+  codec.decode(shape, voxel_type_of<T>(), encoded.range, spans_of(encoded), 0, decoded.data());
+  std::int64_t largest = 0;
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    const auto voxel = static_cast<std::int64_t>(decoded[i]);
+    largest = std::max(largest, std::abs(voxel - static_cast<std::int64_t>(voxels[i])));
+    ASSERT_GE(voxel, encoded.range.min);
+    ASSERT_LE(voxel, encoded.range.max);
+  }
+  ASSERT_LE(largest, max_error);
+  ASSERT_EQ(largest, encoded.max_error);
+}
+
+TYPED_TEST(GreyCodecOfType, EveryVoxelStaysWithinTheMaximumError) {
+  using T = TypeParam;
+  const Size3 sizes[] = {{40, 33, 29}, {1, 1, 1}, {1, 1, 2}, {5, 7, 3}};
+  const std::int64_t errors[] = {1, 40, std::int64_t{1} << 30};
+  for (const Preset preset : {Preset::small, Preset::fast}) {
+    for (const std::int64_t max_error : errors) {
+      for (const Content content : kContents) {
+        for (const Size3& size : sizes) {
+          SCOPED_TRACE(testing::Message() << "error " << max_error << " content "
+                                          << static_cast<int>(content) << " x " << size.x);
+          const auto voxels = make_voxels<T>(size, content, 8);
+          const BrickShape shape = shape_of(size);
+          const TrainingBrick lesson{shape, view_of(voxels, size)};
+          const auto trained =
+              train_grey_model(voxel_type_of<T>(), std::span(&lesson, 1), {preset, max_error});
+          const auto codec = parse_grey_model(voxel_type_of<T>(), trained->serialized());
+          ASSERT_EQ(codec->serialized(), trained->serialized());
+          expect_within(*codec, shape, voxels, max_error);
+          // What it was not trained on keeps to it as well.
+          expect_within(*codec, shape, make_voxels<T>(size, Content::noise, 4), max_error);
+          expect_within(*codec, shape, make_voxels<T>(size, Content::checkerboard, 4), max_error);
+        }
+      }
+    }
+  }
+}
+
 TYPED_TEST(GreyCodecOfType, AModelTrainedElsewhereIsLosslessToo) {
   using T = TypeParam;
   const Size3 size{32, 48, 64};
