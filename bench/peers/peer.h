@@ -35,8 +35,8 @@ using Peers = std::vector<std::unique_ptr<Peer>>;
 /// Stops with Error{internal} naming the peer when `ok` is false.
 void require(bool ok, const char* what);
 
-// One function per source file; each appends its codecs. Those with a bound keep every decoded voxel
-// within `max_error` of its source, in voxel units; 0 is lossless.
+// One function per source file; each appends its codecs. Those with a bound keep every decoded
+// voxel within `max_error` of its source, in voxel units; 0 is lossless.
 void add_general_peers(Peers& peers);                            // gzip, zstd, blosc
 void add_jpeg_ls_peer(Peers& peers, std::int64_t max_error);     // CharLS
 void add_jpeg2000_peer(Peers& peers);                            // OpenJPEG 5/3
