@@ -102,10 +102,11 @@ void measure(const FileReader& reader, const Request& request, const Settings& s
   row.data_set = settings.path.substr(settings.path.find_last_of('/') + 1);
   row.operation = request.operation;
   const Size3& size = reader.description().size;
-  row.bytes = static_cast<std::uint64_t>(std::min(request.side, size.x) *
-                                         std::min(request.side, size.y) *
-                                         std::min(request.side, size.z) *
-                                         bytes_per_voxel(reader.description().type));
+  row.voxel_count = static_cast<std::uint64_t>(std::min(request.side, size.x) *
+                                               std::min(request.side, size.y) *
+                                               std::min(request.side, size.z));
+  row.bytes = row.voxel_count *
+              static_cast<std::uint64_t>(bytes_per_voxel(reader.description().type));
   row.raw_bytes = row.bytes;
   reset_peak_memory();
   for (std::uint64_t run = 0; run < kRuns; ++run) {

@@ -49,6 +49,11 @@ std::uint64_t peak_memory_bytes() {
   return kilobytes.empty() ? 0 : std::stoull(kilobytes) * 1024;
 }
 
+std::uint64_t resident_memory_bytes() {
+  const std::string kilobytes = proc_value("/proc/self/status", "VmRSS");
+  return kilobytes.empty() ? 0 : std::stoull(kilobytes) * 1024;
+}
+
 std::string machine_name() {
   std::string name = proc_value("/proc/cpuinfo", "model name");
   std::replace(name.begin(), name.end(), ',', ' ');
@@ -64,7 +69,7 @@ double median(std::vector<double> values) {
 
 std::string csv_header() {
   return "commit,machine,threads,data_set,operation,runs,median_s,spread_s,bytes,raw_bytes,ratio,"
-         "MB_per_s,peak_memory_bytes";
+         "MB_per_s,Mvoxel_per_s,peak_memory_bytes";
 }
 
 std::string csv_line(const Row& row, const std::string& commit) {
@@ -73,12 +78,13 @@ std::string csv_line(const Row& row, const std::string& commit) {
   const double time = median(row.seconds);
   const auto raw = static_cast<double>(row.raw_bytes);
   std::array<char, 512> text{};
-  std::snprintf(text.data(), text.size(), ",%d,%s,%s,%zu,%.6f,%.6f,%llu,%llu,%.4f,%.2f,%llu",
+  std::snprintf(text.data(), text.size(), ",%d,%s,%s,%zu,%.6f,%.6f,%llu,%llu,%.4f,%.2f,%.2f,%llu",
                 row.threads, row.data_set.c_str(), row.operation.c_str(), row.seconds.size(), time,
                 spread, static_cast<unsigned long long>(row.bytes),
                 static_cast<unsigned long long>(row.raw_bytes),
                 row.bytes > 0 ? raw / static_cast<double>(row.bytes) : 0,
                 time > 0 ? raw / time / 1e6 : 0,
+                time > 0 ? static_cast<double>(row.voxel_count) / time / 1e6 : 0,
                 static_cast<unsigned long long>(row.peak_memory_bytes));
   return commit + "," + machine_name() + text.data();
 }

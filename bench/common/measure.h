@@ -20,6 +20,9 @@ bool reset_peak_memory();
 /// Peak resident memory of this process since reset_peak_memory, bytes.
 std::uint64_t peak_memory_bytes();
 
+/// Resident memory of this process now, bytes.
+std::uint64_t resident_memory_bytes();
+
 /// The CPU's name and the number of its cores.
 std::string machine_name();
 
@@ -31,6 +34,7 @@ struct Row {
   std::vector<double> seconds;      ///< one entry per run
   std::uint64_t bytes = 0;          ///< size of the result: compressed bytes, or bytes read
   std::uint64_t raw_bytes = 0;      ///< voxels that went through, in bytes
+  std::uint64_t voxel_count = 0;    ///< voxels that went through
   std::uint64_t peak_memory_bytes = 0;
 };
 
@@ -40,7 +44,7 @@ double median(std::vector<double> values);
 std::string csv_header();
 
 /// spread_s is the slowest run less the fastest; ratio is raw_bytes / bytes; MB are 10^6 bytes of
-/// voxels.
+/// voxels, Mvoxel 10^6 voxels.
 std::string csv_line(const Row& row, const std::string& commit);
 
 }  // namespace octavo::bench

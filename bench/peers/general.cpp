@@ -58,11 +58,17 @@ class Zstandard final : public Peer {
   int level_;
 };
 
-/// blosc with byte shuffle and Zstandard over chunks of 64^3 voxels, clipped at the border.
+/// blosc over chunks of 64^3 voxels, clipped at the border.
 class BloscChunks final : public Peer {
  public:
-  explicit BloscChunks(int level) : level_(level) {}
-  std::string name() const override { return "blosc-zstd-shuffle-" + std::to_string(level_); }
+  /// coder    "zstd" or "lz4"
+  /// shuffle  BLOSC_SHUFFLE (bytes) or BLOSC_BITSHUFFLE
+  BloscChunks(const char* coder, int shuffle, int level)
+      : coder_(coder), shuffle_(shuffle), level_(level) {}
+  std::string name() const override {
+    const char* order = shuffle_ == BLOSC_SHUFFLE ? "shuffle" : "bitshuffle";
+    return std::string("blosc-") + coder_ + "-" + order + "-" + std::to_string(level_);
+  }
 
   Encoded encode(const RawVolume& volume) override {
     Encoded encoded;
@@ -74,8 +80,8 @@ class BloscChunks final : public Peer {
       });
       out.resize(chunk.size() + BLOSC_MAX_OVERHEAD);
       const int written = blosc_compress_ctx(
-          level_, BLOSC_SHUFFLE, static_cast<std::size_t>(volume.voxel_bytes()), chunk.size(),
-          chunk.data(), out.data(), out.size(), "zstd", 0, 1);
+          level_, shuffle_, static_cast<std::size_t>(volume.voxel_bytes()), chunk.size(),
+          chunk.data(), out.data(), out.size(), coder_, 0, 1);
       require(written > 0, "blosc_compress_ctx");
       encoded.pieces.emplace_back(out.begin(), out.begin() + written);
     });
@@ -127,6 +133,8 @@ class BloscChunks final : public Peer {
     }
   }
 
+  const char* coder_;
+  int shuffle_;
   int level_;
 };
 
@@ -136,8 +144,10 @@ void add_general_peers(Peers& peers) {
   peers.push_back(std::make_unique<Gzip>());
   peers.push_back(std::make_unique<Zstandard>(3));
   peers.push_back(std::make_unique<Zstandard>(19));
-  peers.push_back(std::make_unique<BloscChunks>(5));
-  peers.push_back(std::make_unique<BloscChunks>(9));
+  peers.push_back(std::make_unique<BloscChunks>("lz4", BLOSC_SHUFFLE, 5));
+  peers.push_back(std::make_unique<BloscChunks>("zstd", BLOSC_SHUFFLE, 5));
+  peers.push_back(std::make_unique<BloscChunks>("zstd", BLOSC_BITSHUFFLE, 5));
+  peers.push_back(std::make_unique<BloscChunks>("zstd", BLOSC_SHUFFLE, 9));
 }
 
 }  // namespace octavo::bench

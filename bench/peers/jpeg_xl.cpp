@@ -87,6 +87,9 @@ class JpegXl final : public SlicePeer {
 
 }  // namespace
 
-void add_jpeg_xl_peer(Peers& peers) { peers.push_back(std::make_unique<JpegXl>(7)); }
+void add_jpeg_xl_peers(Peers& peers) {
+  peers.push_back(std::make_unique<JpegXl>(3));
+  peers.push_back(std::make_unique<JpegXl>(7));
+}
 
 }  // namespace octavo::bench

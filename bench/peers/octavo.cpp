@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <span>
@@ -39,15 +40,30 @@ BrickView view_of(const RawVolume& volume, const Box& box) {
           volume.size.x, volume.size.x * volume.size.y};
 }
 
+const char* name_of(Preset preset) { return preset == Preset::small ? "small" : "fast"; }
+
+/// Labels have one preset and no error.
+bool kind_has(VolumeKind kind, const CodecSettings& settings) {
+  return kind == VolumeKind::grey ||
+         (settings.preset == Preset::small && settings.max_error == 0);
+}
+
 /// One model for the volume, trained on bricks spread over it; every brick of tier 0 in memory.
 class Bricks final : public Peer {
  public:
-  std::string name() const override { return "octavo-bricks"; }
+  explicit Bricks(const CodecSettings& settings) : settings_(settings) {}
+  std::string name() const override {
+    return std::string("octavo-bricks-") + name_of(settings_.preset);
+  }
+  bool supports(const RawVolume& volume) const override {
+    return kind_has(volume.kind, settings_);
+  }
 
   Encoded encode(const RawVolume& volume) override {
     const Levels levels = levels_of(volume);
     const std::vector<Index3> bricks = bricks_of(levels);
-    const auto codec = train_model(volume.kind, volume.type, samples(volume, levels, bricks));
+    const auto codec =
+        train_model(volume.kind, volume.type, samples(volume, levels, bricks), settings_);
     Encoded encoded;
     encoded.pieces.push_back(codec->serialized());
     ranges_.clear();
@@ -85,18 +101,44 @@ class Bricks final : public Peer {
 
  private:
   static constexpr std::size_t kChecksumBytes = 4;
-  static constexpr std::size_t kTrainingBricks = 16;
+  static constexpr std::size_t kMaxTrainingBricks = 32;
 
   static std::vector<TrainingBrick> samples(const RawVolume& volume, const Levels& levels,
                                             const std::vector<Index3>& bricks) {
+    std::vector<Index3> uneven;
+    for (const Index3& brick : bricks) {
+      if (!is_uniform(volume, levels.brick_box(0, brick))) uneven.push_back(brick);
+    }
     std::vector<TrainingBrick> training;
-    const std::size_t count = std::min(kTrainingBricks, bricks.size());
+    const std::size_t count = std::min(kMaxTrainingBricks, uneven.size());
     for (std::size_t i = 0; i < count; ++i) {
-      const Index3& brick = bricks[(2 * i + 1) * bricks.size() / (2 * count)];
+      const Index3& brick = uneven[(2 * i + 1) * uneven.size() / (2 * count)];
       training.push_back({brick_shape(levels, 0, brick),
                           view_of(volume, levels.brick_box(0, brick))});
     }
     return training;
+  }
+
+  static bool is_uniform(const RawVolume& volume, const Box& box) {
+    const auto voxel_bytes = static_cast<std::size_t>(volume.voxel_bytes());
+    const auto row = static_cast<std::size_t>(box.size().x) * voxel_bytes;
+    const std::uint8_t* first = row_at(volume, box, box.lo.y, box.lo.z);
+    for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+      for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
+        const std::uint8_t* voxels = row_at(volume, box, y, z);
+        if (std::memcmp(voxels, first, voxel_bytes) != 0 ||
+            std::memcmp(voxels, voxels + voxel_bytes, row - voxel_bytes) != 0) {
+          return false;
+        }
+      }
+    }
+    return true;
+  }
+
+  static const std::uint8_t* row_at(const RawVolume& volume, const Box& box, std::int64_t y,
+                                    std::int64_t z) {
+    return volume.voxels.data() +
+           ((z * volume.size.y + y) * volume.size.x + box.lo.x) * volume.voxel_bytes();
   }
 
   static void fill(Bytes& dense, VoxelType type, std::int64_t value) {
@@ -119,6 +161,7 @@ class Bricks final : public Peer {
     }
   }
 
+  CodecSettings settings_;
   std::vector<ValueRange> ranges_;
 };
 
@@ -149,14 +192,21 @@ class VolumePlanes final : public PlaneSource {
 /// all of level 0 read through the reader on one thread.
 class WholeFile final : public Peer {
  public:
-  WholeFile()
-      : path_(std::filesystem::temp_directory_path() /
-              ("octavo-bench-" + std::to_string(getpid()) + ".8vo")) {}
+  explicit WholeFile(const CodecSettings& settings)
+      : settings_(settings),
+        path_(std::filesystem::temp_directory_path() /
+              ("octavo-bench-" + std::to_string(getpid()) + "-" + name_of(settings.preset) +
+               ".8vo")) {}
   ~WholeFile() override {
     std::error_code ignored;
     std::filesystem::remove(path_, ignored);
   }
-  std::string name() const override { return "octavo-file"; }
+  std::string name() const override {
+    return std::string("octavo-file-") + name_of(settings_.preset);
+  }
+  bool supports(const RawVolume& volume) const override {
+    return kind_has(volume.kind, settings_);
+  }
 
   Encoded encode(const RawVolume& volume) override {
     VolumePlanes planes(volume);
@@ -164,6 +214,8 @@ class WholeFile final : public Peer {
     options.kind = volume.kind;
     options.overwrite = true;
     options.threads = 1;
+    options.preset = settings_.preset;
+    options.max_error = static_cast<double>(settings_.max_error);
     NoProgress progress;
     return {{}, build_file(planes, local_storage(), path_, options, progress).file_bytes};
   }
@@ -174,14 +226,18 @@ class WholeFile final : public Peer {
   }
 
  private:
+  CodecSettings settings_;
   std::string path_;
 };
 
 }  // namespace
 
-void add_octavo_peers(Peers& peers) {
-  peers.push_back(std::make_unique<Bricks>());
-  peers.push_back(std::make_unique<WholeFile>());
+void add_octavo_peers(Peers& peers, std::int64_t max_error) {
+  for (const Preset preset : {Preset::small, Preset::fast}) {
+    const CodecSettings settings{preset, max_error};
+    peers.push_back(std::make_unique<Bricks>(settings));
+    peers.push_back(std::make_unique<WholeFile>(settings));
+  }
 }
 
 }  // namespace octavo::bench

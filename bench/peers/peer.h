@@ -20,8 +20,10 @@ class Peer {
  public:
   virtual ~Peer() = default;
   virtual std::string name() const = 0;
-  /// False when the codec cannot hold the volume without loss.
+  /// False when the codec cannot hold the volume within its bound.
   virtual bool supports(const RawVolume&) const { return true; }
+  /// Chooses what depends on the volume; called once before its first run, never timed.
+  virtual void prepare(const RawVolume&) {}
   virtual Encoded encode(const RawVolume& volume) = 0;
   /// Fills the voxels of `volume`; its other members are set and its voxels have their final
   /// length.
@@ -33,13 +35,15 @@ using Peers = std::vector<std::unique_ptr<Peer>>;
 /// Stops with Error{internal} naming the peer when `ok` is false.
 void require(bool ok, const char* what);
 
-// One function per source file; each appends its codecs.
-void add_general_peers(Peers& peers);   // gzip, zstd, blosc
-void add_jpeg_ls_peer(Peers& peers);    // CharLS
-void add_jpeg2000_peer(Peers& peers);   // OpenJPEG 5/3
-void add_htj2k_peer(Peers& peers);      // OpenJPH 5/3
-void add_jpeg_xl_peer(Peers& peers);    // libjxl, effort 7
-void add_octavo_peers(Peers& peers);    // brick codec in memory, and a whole file
+// One function per source file; each appends its codecs. Those with a bound keep every decoded
+// voxel within `max_error` of its source, in voxel units; 0 is lossless.
+void add_general_peers(Peers& peers);                            // gzip, zstd, blosc
+void add_jpeg_ls_peer(Peers& peers, std::int64_t max_error);     // CharLS
+void add_jpeg2000_peer(Peers& peers);                            // OpenJPEG 5/3
+void add_htj2k_peer(Peers& peers);                               // OpenJPH 5/3
+void add_jpeg_xl_peers(Peers& peers);                            // libjxl, efforts 3 and 7
+void add_zfp_peer(Peers& peers, std::int64_t max_error);         // zfp over the whole volume
+void add_octavo_peers(Peers& peers, std::int64_t max_error);     // bricks in memory, whole files
 
 /// A codec of two-dimensional slices of 8 to 16 bit samples: one piece per slice, counted from the
 /// smallest voxel so that signed and unsigned volumes are treated alike.

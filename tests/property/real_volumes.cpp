@@ -156,7 +156,7 @@ void expect_levels(const FileReader& reader, const RealVolume& volume) {
     if (is_grey && level > 0) expect_means(samples, truth, full_count, level);
     const HalvingMask mask = levels.halving(level);
     if (is_grey) {
-      reference = coarser_level(reference, size, mask, level);
+      reference = coarser_level(reference, size, mask, level, reader.axis_order());
       truth = sum_below(truth, size, mask);
       full_count *= 1 << __builtin_popcount(mask);
     } else {

@@ -32,6 +32,7 @@ class MemoryReader final : public FileReader {
   double max_error() const override { return 0; }
   double achieved_error() const override { return 0; }
   LevelSummary level_summary(int) const override { return {}; }
+  AxisOrder axis_order() const override { return kStraightOrder; }
   Bytes thumbnail() const override { return {}; }
   BrickEntry brick(int, const Index3&) const override { has_none(); }
   void read_brick(const BrickEntry&, int, void*) const override { has_none(); }

@@ -110,7 +110,7 @@ std::unique_ptr<BrickCodec> train_on_layer(TierWork& work, std::int64_t layer) {
   }
   const VolumeDescription& description = work.volume.description;
   return train_model(description.kind, description.coded_type(), bricks,
-                     {Preset::small, work.volume.codec_error});
+                     {Preset::small, work.volume.codec_error, kStraightOrder});
 }
 
 }  // namespace

@@ -123,7 +123,7 @@ class Build {
         levels_(levels),
         workers_(threads),
         progress_(progress),
-        preset_(preset),
+        settings_{preset, bound.codes},
         bound_(bound),
         max_error_(max_error) {}
 
@@ -139,9 +139,9 @@ class Build {
         encoder.emplace(levels_, 0, group.type, workers_, *writer_, progress_, bound_);
       }
       Model model = workers_.run([&] {
-        return make_model(train_on(levels_, 0, group, description_.kind, {preset_, bound_.codes}),
-                          group.type);
+        return make_model(train_on(levels_, 0, group, description_.kind, settings_), group.type);
       });
+      settings_.axis_order = model.encoder->axis_order();
       writer_->add_model(model.serialized);
       encoder->encode(model, group);
       if (!first_model_) first_model_ = std::move(model);
@@ -154,7 +154,9 @@ class Build {
   void encode_tiers(std::vector<std::byte> samples) {
     const VoxelType type = description_.coded_type();
     if (bound_.codes > 0 && levels_.tier_count() > 1) {
-      first_model_ = make_model(train_model(description_.kind, type, {}, {preset_, 0}), type);
+      CodecSettings exact = settings_;
+      exact.max_error = 0;
+      first_model_ = make_model(train_model(description_.kind, type, {}, exact), type);
       writer_->add_model(first_model_->serialized);
     }
     for (int tier = 1; tier < levels_.tier_count(); ++tier) {
@@ -175,7 +177,7 @@ class Build {
   const Levels& levels_;
   Workers workers_;
   Progress& progress_;
-  Preset preset_;
+  CodecSettings settings_;
   ErrorBound bound_;
   double max_error_;
   std::unique_ptr<FileWriter> writer_;

@@ -14,9 +14,11 @@
 // are empty, and decoding any level needs segment 0.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -43,10 +45,17 @@ enum class Preset {
   fast    ///< prediction from the means alone: several times faster
 };
 
+/// The axes in the order in which a codec halves them; its splits go the other way. Which is best
+/// depends on the scan: 0 = x.
+using AxisOrder = std::array<std::uint8_t, 3>;
+inline constexpr AxisOrder kStraightOrder = {0, 1, 2};
+
 struct CodecSettings {
   Preset preset = Preset::small;
   /// No decoded voxel differs from its source by more, in voxel units; 0: lossless. Grey only.
   std::int64_t max_error = 0;
+  /// Chosen by trial when absent. All models of a file have the same. Grey only.
+  std::optional<AxisOrder> axis_order = std::nullopt;
 };
 
 struct EncodedBrick {
@@ -62,6 +71,9 @@ class BrickCodec {
   virtual ~BrickCodec() = default;
 
   virtual VolumeKind kind() const noexcept = 0;
+
+  /// The order in which the axes of a level are halved.
+  virtual AxisOrder axis_order() const noexcept { return kStraightOrder; }
 
   /// The model as it stands in the file; parse_model gives an equal codec back.
   virtual Bytes serialized() const = 0;

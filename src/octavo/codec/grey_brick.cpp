@@ -11,7 +11,8 @@ constexpr std::int64_t kFewCells = 8;
 
 /// Dense samples of a brick.
 template <class Sample>
-std::vector<Sample> gather(const BrickView& brick, const SampleScale& scale) {
+std::vector<Sample> gather(const BrickView& brick, const SampleScale& scale,
+                           const AxisOrder& order) {
   std::vector<Sample> samples(static_cast<std::size_t>(brick.size.voxel_count()));
   // Keeping the highest 16 bits of a wide range moves the base by the same amount.
   const int drop = sizeof(Sample) == 2 ? scale.shift() : 0;
@@ -21,19 +22,20 @@ std::vector<Sample> gather(const BrickView& brick, const SampleScale& scale) {
     using T = typename decltype(tag)::type;
     if constexpr (std::is_integral_v<T>) {
       Sample* out = samples.data();
-      for (std::int64_t z = 0; z < brick.size.z; ++z) {
-        for (std::int64_t y = 0; y < brick.size.y; ++y, out += brick.size.x) {
-          const T* in =
-              static_cast<const T*>(brick.voxels) + z * brick.plane_stride + y * brick.row_stride;
+      const Size3 size = in_order(brick.size, order);
+      const Size3 steps = in_order(Size3{1, brick.row_stride, brick.plane_stride}, order);
+      for (std::int64_t z = 0; z < size.z; ++z) {
+        for (std::int64_t y = 0; y < size.y; ++y, out += size.x) {
+          const T* in = static_cast<const T*>(brick.voxels) + z * steps.z + y * steps.y;
           if (scale.voxel_step > 1) {
-            for (std::int64_t x = 0; x < brick.size.x; ++x) {
-              const std::int64_t code = SampleScale::code_of(in[x], scale.voxel_step);
+            for (std::int64_t x = 0; x < size.x; ++x) {
+              const std::int64_t code = SampleScale::code_of(in[x * steps.x], scale.voxel_step);
               out[x] = static_cast<Sample>(((code - zero) >> drop) + lowest);
             }
             continue;
           }
-          for (std::int64_t x = 0; x < brick.size.x; ++x) {
-            out[x] = static_cast<Sample>(((in[x] - zero) >> drop) + lowest);
+          for (std::int64_t x = 0; x < size.x; ++x) {
+            out[x] = static_cast<Sample>(((in[x * steps.x] - zero) >> drop) + lowest);
           }
         }
       }
@@ -144,23 +146,15 @@ std::vector<Split> splits_of(const BrickShape& shape, int level) {
   return splits;
 }
 
-Stage make_stage(const BrickShape& shape, const SampleScale& scale, const Quantizer& quantizer,
-                 int level, int axis, const Size3& fine_size, const UniformCells* cells) {
+namespace {
+
+/// The pairs of a split and which of them are coded.
+Stage pairs_of(const BrickShape& shape, int level, int axis, const Size3& fine_size,
+               const UniformCells* cells) {
   Stage stage;
   stage.axis = axis;
-  stage.group = level_group(level);
-  stage.set = table_set(level);
-  stage.rounding = rounding_term(axis, shape.first_level + level);
   stage.pairs = fine_size;
   stage.pairs[axis] /= 2;
-  stage.min = scale.min_sample();
-  stage.max = scale.max_sample();
-  stage.shift = scale.shift();
-  if (quantizer.detail_step > 0) {
-    stage.step = detail_step_of(quantizer, level, axis);
-    stage.odd_room = stage.step > 1 ? 0 : 1;
-    stage.step_bits = bit_length(static_cast<std::uint64_t>(stage.step)) - 1;
-  }
   if (cells == nullptr || level >= 2) return stage;
   stage.cells = cells;
   for (int a = 0; a < 3; ++a) {
@@ -172,11 +166,43 @@ Stage make_stage(const BrickShape& shape, const SampleScale& scale, const Quanti
   return stage;
 }
 
-std::int64_t level_detail_count(const BrickShape& shape, const SampleScale& scale, int level,
-                                const UniformCells* cells) {
+}  // namespace
+
+BrickShape in_order(const BrickShape& shape, const AxisOrder& order) {
+  BrickShape result = shape;
+  for (std::size_t i = 0; i < shape.size.size(); ++i) {
+    result.size[i] = in_order(shape.size[i], order);
+    result.halving[i] = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const int bit = shape.halving[i] >> order[static_cast<std::size_t>(axis)] & 1;
+      result.halving[i] = static_cast<HalvingMask>(result.halving[i] | bit << axis);
+    }
+  }
+  return result;
+}
+
+Stage make_stage(const BrickShape& shape, const SampleScale& scale, const Parameters& p, int level,
+                 int axis, const Size3& fine_size, const UniformCells* cells) {
+  Stage stage = pairs_of(shape, level, axis, fine_size, cells);
+  stage.group = level_group(level);
+  stage.set = table_set(level);
+  stage.rounding = rounding_term(p.axis_order[static_cast<std::size_t>(axis)],
+                                 shape.first_level + level);
+  stage.min = scale.min_sample();
+  stage.max = scale.max_sample();
+  stage.shift = scale.shift();
+  if (p.quantizer.detail_step > 0) {
+    stage.step = detail_step_of(p.quantizer, level, axis);
+    stage.odd_room = stage.step > 1 ? 0 : 1;
+    stage.step_bits = bit_length(static_cast<std::uint64_t>(stage.step)) - 1;
+  }
+  return stage;
+}
+
+std::int64_t level_detail_count(const BrickShape& shape, int level, const UniformCells* cells) {
   std::int64_t count = 0;
   for (const Split& split : splits_of(shape, level)) {
-    count += make_stage(shape, scale, {}, level, split.axis, split.fine_size, cells).detail_count();
+    count += pairs_of(shape, level, split.axis, split.fine_size, cells).detail_count();
   }
   return count;
 }
@@ -230,10 +256,10 @@ ValueRange range_of(const BrickView& brick) {
 
 template <class Sample>
 AnalyzedBrick<Sample> analyze(const BrickShape& shape, const BrickView& brick,
-                              const SampleScale& scale) {
+                              const SampleScale& scale, const AxisOrder& order) {
   AnalyzedBrick<Sample> result;
   result.scale = scale;
-  std::vector<Sample> samples = gather<Sample>(brick, result.scale);
+  std::vector<Sample> samples = gather<Sample>(brick, result.scale, order);
   if (has_cells(shape)) result.cells = find_cells(shape, samples);
   result.steps.resize(static_cast<std::size_t>(shape.level_count));
   for (int level = 0; level < shape.level_count; ++level) {
@@ -244,7 +270,9 @@ AnalyzedBrick<Sample> analyze(const BrickShape& shape, const BrickView& brick,
     for (int axis = 0; axis < 3; ++axis) {
       if ((shape.halving[slot] >> axis & 1) == 0) continue;
       std::vector<Sample> means =
-          means_along(samples, size, axis, rounding_term(axis, shape.first_level + level));
+          means_along(samples, size, axis,
+                      rounding_term(order[static_cast<std::size_t>(axis)],
+                                    shape.first_level + level));
       size = halved(size, static_cast<HalvingMask>(1 << axis));
       if (!is_last) result.steps[slot][static_cast<std::size_t>(axis)] = std::move(samples);
       samples = std::move(means);
@@ -255,8 +283,8 @@ AnalyzedBrick<Sample> analyze(const BrickShape& shape, const BrickView& brick,
 }
 
 template AnalyzedBrick<std::int16_t> analyze(const BrickShape&, const BrickView&,
-                                             const SampleScale&);
+                                             const SampleScale&, const AxisOrder&);
 template AnalyzedBrick<std::int32_t> analyze(const BrickShape&, const BrickView&,
-                                             const SampleScale&);
+                                             const SampleScale&, const AxisOrder&);
 
 }  // namespace octavo::grey

@@ -1,5 +1,9 @@
 // The walk through a brick that encoding, decoding and training share.
 //
+// A model's axis order says which axis of the brick is the codec's x, y and z: shapes, samples and
+// splits here are in the codec's axes, and only reading voxels in and writing them out knows of the
+// brick's. That way one set of kernels serves every order.
+//
 // Samples of a brick are its voxels less a base, chosen so that the smallest voxel becomes the
 // smallest sample: 16-bit samples when the brick's range fits, else 32-bit ones. Levels are decoded
 // from the coarsest down; inside a level the splits go z, y, x, along the axes of the level's
@@ -58,6 +62,12 @@ decltype(auto) with_sample_type(const SampleScale& scale, F&& f) {
   return scale.is_wide() ? f(std::int32_t{}) : f(std::int16_t{});
 }
 
+/// A size or a shape in the codec's axes.
+inline Size3 in_order(const Size3& size, const AxisOrder& order) {
+  return {size[order[0]], size[order[1]], size[order[2]]};
+}
+BrickShape in_order(const BrickShape& shape, const AxisOrder& order);
+
 /// Cells exist where a brick has three levels or more: one per sample of in-brick level 2.
 constexpr bool has_cells(const BrickShape& shape) { return shape.level_count >= 3; }
 
@@ -68,8 +78,8 @@ UniformCells decode_cells(ByteSpan bytes, const Size3& size);
 
 /// The split along `axis` at in-brick level `level`; `fine_size` is the size of its result.
 /// cells  nullptr when no cell is flagged
-Stage make_stage(const BrickShape& shape, const SampleScale& scale, const Quantizer& quantizer,
-                 int level, int axis, const Size3& fine_size, const UniformCells* cells);
+Stage make_stage(const BrickShape& shape, const SampleScale& scale, const Parameters& p, int level,
+                 int axis, const Size3& fine_size, const UniformCells* cells);
 
 /// The axes of the splits that lead from level + 1 to level with the sizes they produce, in
 /// decoding order: z, y, x.
@@ -111,8 +121,7 @@ void run_level(Workspace<Sample>& work, const BrickShape& shape, const SampleSca
     } else {
       work.fine.set_size(split.fine_size);
     }
-    stage_work(make_stage(shape, scale, p.quantizer, level, split.axis, split.fine_size, cells),
-               split);
+    stage_work(make_stage(shape, scale, p, level, split.axis, split.fine_size, cells), split);
     if (p.predictor == Predictor::means) copy_lone(work.means, work.fine, split.axis);
     work.means.swap(work.fine);
     work.means.fill_margins();
@@ -141,8 +150,7 @@ template <class Sample>
 void load_details(Workspace<Sample>& work, const Stage& stage, const Truth<Sample>& truth);
 
 /// Details that the segment of a level codes.
-std::int64_t level_detail_count(const BrickShape& shape, const SampleScale& scale, int level,
-                                const UniformCells* cells);
+std::int64_t level_detail_count(const BrickShape& shape, int level, const UniformCells* cells);
 
 /// Everything an encoder knows of a brick: samples, the inputs of every halving, flagged cells.
 template <class Sample>
@@ -162,9 +170,9 @@ struct AnalyzedBrick {
 ValueRange range_of(const BrickView& brick);
 
 /// Requires a range of more than one code. When Sample is 16 bits and the range is wider, samples
-/// keep the highest 16 bits (training only).
+/// keep the highest 16 bits (training only). shape: in the codec's axes
 template <class Sample>
 AnalyzedBrick<Sample> analyze(const BrickShape& shape, const BrickView& brick,
-                              const SampleScale& scale);
+                              const SampleScale& scale, const AxisOrder& order);
 
 }  // namespace octavo::grey

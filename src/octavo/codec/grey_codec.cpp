@@ -130,8 +130,9 @@ std::vector<Bytes> encode_samples(const Model& model, const BrickShape& shape,
 /// is left; false when a correction would be too large.
 template <class Sample>
 bool put_corrections(EncodedBrick& encoded, const BrickView& view, const SampleScale& scale,
-                     std::int64_t step) {
+                     const Parameters& p) {
   const SampleGrid<Sample>& grid = thread_workspace<Sample>().means;
+  const std::int64_t step = p.quantizer.correction_step;
   const VoxelScale voxel_of(scale, encoded.range);
   const Size3& size = view.size;
   Corrections corrections;
@@ -139,7 +140,8 @@ bool put_corrections(EncodedBrick& encoded, const BrickView& view, const SampleS
   Index3 at{0, 0, 0};
   bool fits = true;
   for_each_voxel(view, [&](std::int64_t voxel) {
-    const std::int64_t decoded = voxel_of(grid.row(at.y, at.z)[at.x]);
+    const auto in = [&](int axis) { return at[p.axis_order[static_cast<std::size_t>(axis)]]; };
+    const std::int64_t decoded = voxel_of(grid.row(in(1), in(2))[in(0)]);
     const std::int64_t correction = SampleScale::code_of(voxel - decoded, step);
     fits = fits && correction >= -kMaxCorrection && correction <= kMaxCorrection;
     corrections.push_back(static_cast<std::int8_t>(correction));
@@ -175,18 +177,19 @@ std::int64_t rounding_error(const BrickView& view, const SampleScale& scale,
 /// empty.
 template <class Sample>
 void store(EncodedBrick& encoded, const BrickShape& shape, const BrickView& view,
-           const SampleScale& scale) {
+           const SampleScale& scale, const AxisOrder& order) {
   BrickShape flat = shape;
   flat.level_count = 1;
   for (Bytes& segment : encoded.segments) segment.clear();
-  encoded.segments[0] = encode_plain(scale, analyze<Sample>(flat, view, scale).coarsest);
+  encoded.segments[0] = encode_plain(scale, analyze<Sample>(flat, view, scale, order).coarsest);
   encoded.max_error = rounding_error(view, scale, encoded.range);
 }
 
 template <class Sample>
 EncodedBrick encode_brick(const Model& model, const BrickShape& shape, const BrickView& view,
                           const ValueRange& voxels, const SampleScale& scale) {
-  const auto brick = analyze<Sample>(shape, view, scale);
+  const AxisOrder& order = model.parameters.axis_order;
+  const auto brick = analyze<Sample>(shape, view, scale, order);
   const Quantizer& quantizer = model.parameters.quantizer;
   const ValueRange possible = limits_of(view.type);
   EncodedBrick encoded;
@@ -200,21 +203,28 @@ EncodedBrick encode_brick(const Model& model, const BrickShape& shape, const Bri
   encoded.segments = encode_samples(model, shape, brick);
   bool is_possible = true;
   if (quantizer.correction_step > 0 && shape.level_count > 1) {
-    is_possible = put_corrections<Sample>(encoded, view, scale, quantizer.correction_step);
+    is_possible = put_corrections<Sample>(encoded, view, scale, model.parameters);
   } else {
     encoded.max_error = rounding_error(view, scale, encoded.range);
   }
   std::uint64_t coded = 0;
   for (const Bytes& segment : encoded.segments) coded += segment.size();
   const bool is_larger = shape.level_count > 1 && coded >= stored_bytes(scale, shape.size[0]);
-  if (is_larger || !is_possible) store<Sample>(encoded, shape, view, scale);
+  if (is_larger || !is_possible) store<Sample>(encoded, shape, view, scale, order);
   return encoded;
 }
 
+/// Voxels of a row of samples, `step` apart in `out`.
 template <class T, class Sample>
 void write_out(const Sample* samples, std::int64_t count, const SampleScale& scale,
-               const VoxelScale* clamping, T* out) {
-  if (clamping != nullptr) {
+               const VoxelScale* clamping, std::int64_t step, T* out) {
+  if (step != 1) {
+    const std::int64_t base = scale.base();
+    for (std::int64_t i = 0; i < count; ++i) {
+      out[i * step] = static_cast<T>(clamping != nullptr ? (*clamping)(samples[i])
+                                                         : samples[i] + base);
+    }
+  } else if (clamping != nullptr) {
     for (std::int64_t i = 0; i < count; ++i) out[i] = static_cast<T>((*clamping)(samples[i]));
   } else if constexpr (std::is_integral_v<T> && sizeof(T) <= sizeof(Sample)) {
     // Voxels are sums modulo their type.
@@ -232,7 +242,8 @@ void write_out(const Sample* samples, std::int64_t count, const SampleScale& sca
 /// What a decoder needs to know of a brick.
 struct Source {
   const Model& model;
-  const BrickShape& shape;
+  const BrickShape& shape;  ///< in the codec's axes
+  const Size3& brick_size;  ///< of level 0, in the brick's
   VoxelType type;
   ValueRange range;
   SampleScale scale;
@@ -242,17 +253,28 @@ struct Source {
   bool is_lossless() const { return model.parameters.quantizer.is_lossless(); }
 };
 
-template <class Sample>
-void write_grid(const Source& source, const SampleGrid<Sample>& grid, void* out) {
+/// Writes the voxels of a level in the brick's own axes; `row_of(y, z)` gives rows of samples in the
+/// codec's.
+template <class Sample, class RowOf>
+void write_level(const Source& source, RowOf&& row_of, void* out) {
+  const AxisOrder& order = source.model.parameters.axis_order;
   const VoxelScale voxel_of(source.scale, source.range);
+  const VoxelScale* const clamping = source.is_lossless() ? nullptr : &voxel_of;
+  const Size3& size = source.shape.size[static_cast<std::size_t>(source.level)];
+  // Steps of the dense result along the codec's axes.
+  Size3 dense{1, 1, 1};
+  std::int64_t step = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto at = std::ranges::find(order, axis) - order.begin();
+    dense[static_cast<int>(at)] = step;
+    step *= size[static_cast<int>(at)];
+  }
   with_voxel_type(source.type, [&](auto tag) {
     using T = typename decltype(tag)::type;
-    T* to = static_cast<T*>(out);
-    const Size3& size = grid.size();
     for (std::int64_t z = 0; z < size.z; ++z) {
-      for (std::int64_t y = 0; y < size.y; ++y, to += size.x) {
-        write_out(grid.row(y, z), size.x, source.scale,
-                  source.is_lossless() ? nullptr : &voxel_of, to);
+      for (std::int64_t y = 0; y < size.y; ++y) {
+        write_out(row_of(y, z), size.x, source.scale, clamping, dense.x,
+                  static_cast<T*>(out) + y * dense.y + z * dense.z);
       }
     }
   });
@@ -265,15 +287,19 @@ void decode_stored(const Source& source, void* out) {
       decode_plain<Sample>(source.scale, source.segments[0], shape.size[0]);
   for (int i = 0; i < source.level; ++i) {
     const auto slot = static_cast<std::size_t>(i);
-    samples = coarser_level(std::move(samples), shape.size[slot], shape.halving[slot],
-                            shape.first_level + i);
+    Size3 size = shape.size[slot];
+    for (int axis = 0; axis < 3; ++axis) {
+      if ((shape.halving[slot] >> axis & 1) == 0) continue;
+      const int real = source.model.parameters.axis_order[static_cast<std::size_t>(axis)];
+      samples = means_along(samples, size, axis, rounding_term(real, shape.first_level + i));
+      size = halved(size, static_cast<HalvingMask>(1 << axis));
+    }
   }
-  const VoxelScale voxel_of(source.scale, source.range);
-  with_voxel_type(source.type, [&](auto tag) {
-    using T = typename decltype(tag)::type;
-    write_out(samples.data(), static_cast<std::int64_t>(samples.size()), source.scale,
-              source.is_lossless() ? nullptr : &voxel_of, static_cast<T*>(out));
-  });
+  const Size3& size = shape.size[static_cast<std::size_t>(source.level)];
+  write_level<Sample>(
+      source,
+      [&](std::int64_t y, std::int64_t z) { return samples.data() + (z * size.y + y) * size.x; },
+      out);
 }
 
 /// Takes the corrections off the front of segment 0.
@@ -309,14 +335,14 @@ void decode_samples(const Source& source, void* out) {
   for (int at = static_cast<int>(last) - 1; at >= source.level; --at) {
     ByteSpan segment = source.segments[static_cast<std::size_t>(at)];
     if (at == 0 && parameters.quantizer.correction_step > 0) {
-      corrections = take_corrections(segment, shape.size[0]);
+      corrections = take_corrections(segment, source.brick_size);
     }
     if (at == 1 && has_cells(shape)) {
       const std::uint64_t length = take_varint(segment);
       cells = decode_cells(take_bytes(segment, length), shape.size[2]);
     }
     const UniformCells* flagged = cells.flags.empty() ? nullptr : &cells;
-    const std::int64_t details = level_detail_count(shape, source.scale, at, flagged);
+    const std::int64_t details = level_detail_count(shape, at, flagged);
     if (details == 0) {
       if (!segment.empty())
         throw Error(ErrorKind::corrupt, "a segment without details is not empty");
@@ -331,7 +357,8 @@ void decode_samples(const Source& source, void* out) {
               });
     symbols.finish();
   }
-  write_grid(source, work.means, out);
+  write_level<Sample>(
+      source, [&](std::int64_t y, std::int64_t z) { return work.means.row(y, z); }, out);
   if (source.level == 0) {
     apply(corrections, parameters.quantizer.correction_step, source.type, source.range, out);
   }
@@ -357,8 +384,9 @@ EncodedBrick GreyCodec::encode(const BrickShape& shape, const BrickView& view) c
             std::vector<Bytes>(static_cast<std::size_t>(shape.level_count))};
   }
   const SampleScale scale = SampleScale::of_voxels(voxels, quantizer.voxel_step);
+  const BrickShape inner = in_order(shape, model_->parameters.axis_order);
   return with_sample_type(scale, [&](auto sample) {
-    return encode_brick<decltype(sample)>(*model_, shape, view, voxels, scale);
+    return encode_brick<decltype(sample)>(*model_, inner, view, voxels, scale);
   });
 }
 
@@ -373,10 +401,15 @@ void GreyCodec::decode(const BrickShape& shape, VoxelType type, const ValueRange
     return;
   }
   const Quantizer& quantizer = model_->parameters.quantizer;
-  const Source source{*model_,  shape,
-                      type,     range,
+  const BrickShape inner = in_order(shape, model_->parameters.axis_order);
+  const Source source{*model_,
+                      inner,
+                      shape.size[0],
+                      type,
+                      range,
                       SampleScale::of_voxels(range, quantizer.voxel_step),
-                      segments, level};
+                      segments,
+                      level};
   with_sample_type(source.scale, [&](auto sample) {
     using Sample = decltype(sample);
     const bool is_stored = shape.level_count > 1 && segments.back().empty();

@@ -13,6 +13,7 @@ class GreyCodec final : public BrickCodec {
   explicit GreyCodec(const Parameters& parameters);
 
   VolumeKind kind() const noexcept override { return VolumeKind::grey; }
+  AxisOrder axis_order() const noexcept override { return model_->parameters.axis_order; }
   Bytes serialized() const override { return serialize(model_->parameters); }
   EncodedBrick encode(const BrickShape& shape, const BrickView& brick) const override;
   void decode(const BrickShape& shape, VoxelType type, const ValueRange& range,

@@ -4,12 +4,14 @@
 
 namespace octavo::grey {
 
-std::vector<Lesson> make_lessons(std::span<const TrainingBrick> bricks, std::int64_t voxel_step) {
+std::vector<Lesson> make_lessons(std::span<const TrainingBrick> bricks, std::int64_t voxel_step,
+                                 const AxisOrder& order) {
   std::vector<Lesson> lessons(bricks.size());
   tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
     const SampleScale scale = SampleScale::of_voxels(range_of(bricks[i].view), voxel_step);
     if (scale.range.min == scale.range.max) return;
-    lessons[i] = {bricks[i].shape, analyze<std::int16_t>(bricks[i].shape, bricks[i].view, scale)};
+    const BrickShape shape = in_order(bricks[i].shape, order);
+    lessons[i] = {shape, analyze<std::int16_t>(shape, bricks[i].view, scale, order)};
     if (scale.is_wide()) {
       lessons[i].brick.scale =
           SampleScale{{0, (scale.range.max - scale.range.min) >> scale.shift()}, 1};

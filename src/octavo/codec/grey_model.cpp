@@ -10,6 +10,7 @@ namespace octavo::grey {
 namespace {
 
 constexpr std::uint8_t kLossyFlag = 2;
+constexpr int kOrderShift = 2;
 constexpr int kMaxGolombBits = 24;
 
 /// Adaptive Exp-Golomb: the count of significant bits in unary, the leading bits adaptively, the
@@ -192,7 +193,9 @@ Bytes serialize(const Parameters& parameters) {
   Bytes out;
   const Quantizer& quantizer = parameters.quantizer;
   const std::uint8_t is_lossy = quantizer.is_lossless() ? 0 : kLossyFlag;
-  out.push_back(static_cast<std::uint8_t>(static_cast<std::uint8_t>(parameters.predictor) | is_lossy));
+  const auto order = std::ranges::find(kAxisOrders, parameters.axis_order) - kAxisOrders.begin();
+  out.push_back(static_cast<std::uint8_t>(static_cast<int>(parameters.predictor) | is_lossy |
+                                          static_cast<int>(order) << kOrderShift));
   if (is_lossy != 0) {
     put_varint(out, static_cast<std::uint64_t>(quantizer.voxel_step));
     put_varint(out, static_cast<std::uint64_t>(quantizer.detail_step));
@@ -256,9 +259,10 @@ Parameters parse_parameters(ByteSpan bytes) {
   Parameters p;
   const std::uint8_t kind = take_bytes(bytes, 1).front();
   if ((kind & kLossyFlag) != 0) p.quantizer = parse_quantizer(bytes);
-  const std::uint8_t predictor = kind & ~kLossyFlag;
-  if (predictor > 1) throw Error(ErrorKind::corrupt, "model: unknown predictor");
-  p.predictor = static_cast<Predictor>(predictor);
+  const std::size_t order = kind >> kOrderShift;
+  if (order >= kAxisOrders.size()) throw Error(ErrorKind::corrupt, "model: unknown axis order");
+  p.axis_order = kAxisOrders[order];
+  p.predictor = static_cast<Predictor>(kind & 1);
   const std::uint64_t threshold = take_varint(bytes);
   if (threshold < 1 || threshold > kMaxThreshold)
     throw Error(ErrorKind::corrupt, "model: bad threshold");

@@ -74,6 +74,10 @@ constexpr int token_of(std::uint32_t value) {
 using Frequencies =
     std::array<std::array<std::array<std::uint16_t, kTokens>, kContexts>, kTableSets>;
 
+/// Every order of the axes, by its number in a file.
+inline constexpr std::array<AxisOrder, 6> kAxisOrders = {
+    {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
+
 /// What a detail is predicted from.
 enum class Predictor : std::uint8_t {
   neighbours = 0,  ///< up to 96 taps, decoded samples among them
@@ -106,6 +110,7 @@ constexpr std::int32_t detail_step_of(const Quantizer& quantizer, int in_brick_l
 struct Parameters {
   Predictor predictor = Predictor::neighbours;
   Quantizer quantizer;
+  AxisOrder axis_order = kStraightOrder;
   std::int32_t activity_threshold = 8;
   /// Weights are multiples of 2^weight_step.
   int weight_step = 3;

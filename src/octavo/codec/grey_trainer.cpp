@@ -23,7 +23,9 @@ constexpr std::int64_t kTapSamples[kGroups][3] = {
 constexpr std::int32_t kMaxDifference = 32000;
 constexpr int kWeightStep = 3;
 constexpr double kTapRidge = 1e-4;
-constexpr std::size_t kTrialBricks = 8;  ///< bricks that ways to quantise are compared on
+constexpr std::size_t kTrialBricks = 8;  ///< bricks that orders and ways to quantise are tried on
+constexpr std::int64_t kTrialShare = 6;  ///< one in so many samples when an order is tried
+constexpr double kWorthwhile = 0.002;    ///< what another order must save
 /// Steps of an orthonormal coefficient to try, in tenths of the maximum error.
 constexpr int kDetailSteps[] = {14, 16, 18, 22};
 
@@ -153,7 +155,9 @@ void set_weights(std::int16_t* weights, const std::vector<double>& fitted, int a
   weights[centre_tap(axis)] = static_cast<std::int16_t>(-sum);
 }
 
-void learn_weights(Parameters& p, const std::vector<Lesson>& lessons, int group) {
+/// share: of the usual number of samples, one in that many.
+void learn_weights(Parameters& p, const std::vector<Lesson>& lessons, int group,
+                   std::int64_t share = 1) {
   std::vector<std::array<ClassSamples, 3>> by_lesson(lessons.size());
   tbb::parallel_for(std::size_t{0}, lessons.size(), [&](std::size_t i) {
     const Lesson& lesson = lessons[i];
@@ -162,7 +166,7 @@ void learn_weights(Parameters& p, const std::vector<Lesson>& lessons, int group)
       walk_level(p, lesson, level, [&](const Stage& stage, Workspace<std::int16_t>& work,
                                    const Truth<std::int16_t>& truth) {
         const std::int64_t wanted =
-            kTapSamples[group][stage.axis] / static_cast<std::int64_t>(lessons.size());
+            kTapSamples[group][stage.axis] / share / static_cast<std::int64_t>(lessons.size());
         take_samples(stage, work, truth,
                      Thinning(wanted, stage.pairs.voxel_count(), static_cast<std::uint32_t>(i) + 1),
                      by_lesson[i][static_cast<std::size_t>(stage.axis)]);
@@ -244,12 +248,13 @@ struct School {
   CodecSettings settings;
 };
 
-Parameters learn(const School& school, const Quantizer& quantizer) {
+Parameters learn(const School& school, const Quantizer& quantizer, const AxisOrder& order) {
   Parameters p = default_parameters();
+  p.axis_order = order;
   p.predictor = school.settings.preset == Preset::fast ? Predictor::means : Predictor::neighbours;
   p.quantizer = quantizer;
   p.weight_step = kWeightStep;
-  const std::vector<Lesson> lessons = make_lessons(school.bricks, quantizer.voxel_step);
+  const std::vector<Lesson> lessons = make_lessons(school.bricks, quantizer.voxel_step, order);
   if (lessons.empty()) return p;
   p.activity_threshold = learn_threshold(lessons);
   // Coarse groups first: quantised levels are learnt on what the coarser ones leave.
@@ -260,6 +265,56 @@ Parameters learn(const School& school, const Quantizer& quantizer) {
   learn_contexts(p, lessons);
   learn_frequencies(p, lessons);
   return p;
+}
+
+/// The bits that details of level 0 need, up to a factor and a constant, when predicted by weights
+/// learnt from these lessons.
+double detail_cost(const std::vector<Lesson>& lessons, const AxisOrder& order) {
+  Parameters p = default_parameters();
+  p.axis_order = order;
+  p.weight_step = kWeightStep;
+  p.activity_threshold = learn_threshold(lessons);
+  learn_weights(p, lessons, 0, kTrialShare);
+  std::vector<double> costs(lessons.size());
+  tbb::parallel_for(std::size_t{0}, lessons.size(), [&](std::size_t i) {
+    walk_level(p, lessons[i], 0,
+               [&](const Stage& stage, Workspace<std::int16_t>& work, const auto&) {
+                 for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
+                   for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
+                     const std::int32_t* const residuals = work.residuals.row(y, z);
+                     for (std::int64_t x = 0; x < stage.pairs.x; ++x) {
+                       costs[i] += std::log2(1.0 + std::abs(residuals[x]));
+                     }
+                   }
+                 }
+               });
+  });
+  return std::accumulate(costs.begin(), costs.end(), 0.0);
+}
+
+/// The order of the axes whose details come out smallest on a few bricks.
+AxisOrder learn_order(const School& school) {
+  if (school.settings.axis_order) return *school.settings.axis_order;
+  if (school.settings.preset == Preset::fast) return kStraightOrder;
+  std::vector<TrainingBrick> few;
+  const std::size_t count = std::min(school.bricks.size(), kTrialBricks);
+  for (std::size_t i = 0; i < count; ++i) {
+    few.push_back(school.bricks[(2 * i + 1) * school.bricks.size() / (2 * count)]);
+  }
+  AxisOrder best = kStraightOrder;
+  double least = 0;
+  for (const AxisOrder& order : kAxisOrders) {
+    const std::vector<Lesson> lessons = make_lessons(few, 1, order);
+    if (lessons.empty()) return kStraightOrder;
+    double cost = detail_cost(lessons, order);
+    // The straight order is the fastest; another one must be worth it.
+    if (order == kStraightOrder) cost *= 1 - kWorthwhile;
+    if (order == kStraightOrder || cost < least) {
+      least = cost;
+      best = order;
+    }
+  }
+  return best;
 }
 
 /// Bytes that a model and a few of the training bricks take.
@@ -307,8 +362,9 @@ std::unique_ptr<BrickCodec> train_grey_model(VoxelType type, std::span<const Tra
   const School school{bricks, settings};
   Parameters best;
   std::uint64_t least = ~std::uint64_t{0};
+  const AxisOrder order = learn_order(school);
   for (const Quantizer& quantizer : quantizers_for(settings.max_error)) {
-    const Parameters p = learn(school, quantizer);
+    const Parameters p = learn(school, quantizer, order);
     if (settings.max_error == 0) return std::make_unique<GreyCodec>(p);
     const std::uint64_t bytes = cost(school, p);
     if (bytes < least) {

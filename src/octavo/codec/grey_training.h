@@ -14,12 +14,13 @@ inline constexpr std::size_t kFewSamples = 200;  ///< too few to learn the weigh
 
 /// A training brick as 16-bit samples; of a wider range the highest 16 bits.
 struct Lesson {
-  BrickShape shape;
+  BrickShape shape;  ///< in the codec's axes
   AnalyzedBrick<std::int16_t> brick;
 };
 
 /// Those of `bricks` that hold more than one code.
-std::vector<Lesson> make_lessons(std::span<const TrainingBrick> bricks, std::int64_t voxel_step);
+std::vector<Lesson> make_lessons(std::span<const TrainingBrick> bricks, std::int64_t voxel_step,
+                                 const AxisOrder& order);
 
 /// A reproducible thinning: keeps about `wanted` of `total` items.
 class Thinning {

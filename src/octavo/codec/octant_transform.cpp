@@ -34,9 +34,9 @@ std::vector<Sample> means_along(const std::vector<Sample>& fine, const Size3& si
 }
 
 template <class Sample>
-std::vector<Sample> coarser_level(std::vector<Sample> fine, Size3 size, HalvingMask mask,
-                                  int level) {
-  for (int axis = 0; axis < 3; ++axis) {
+std::vector<Sample> coarser_level(std::vector<Sample> fine, Size3 size, HalvingMask mask, int level,
+                                  const AxisOrder& order) {
+  for (const int axis : order) {
     if ((mask >> axis & 1) == 0) continue;
     fine = means_along(fine, size, axis, rounding_term(axis, level));
     size = halved(size, static_cast<HalvingMask>(1 << axis));
@@ -51,10 +51,10 @@ template std::vector<std::int32_t> means_along(const std::vector<std::int32_t>&,
 template std::vector<std::int64_t> means_along(const std::vector<std::int64_t>&, const Size3&, int,
                                                int);
 template std::vector<std::int16_t> coarser_level(std::vector<std::int16_t>, Size3, HalvingMask,
-                                                 int);
+                                                 int, const AxisOrder&);
 template std::vector<std::int32_t> coarser_level(std::vector<std::int32_t>, Size3, HalvingMask,
-                                                 int);
+                                                 int, const AxisOrder&);
 template std::vector<std::int64_t> coarser_level(std::vector<std::int64_t>, Size3, HalvingMask,
-                                                 int);
+                                                 int, const AxisOrder&);
 
 }  // namespace octavo

@@ -5,13 +5,14 @@
 // 1 and alternates with axis and level, so that roundings up and down balance: without it the means
 // would drift by about half a unit per level. A detail of 16-bit samples needs 17 bits.
 //
-// An octant is transformed along x, then y, then z (the axes of its level's halving mask); the lone
-// sample at an odd edge is its own mean and has no detail.
+// An octant is transformed along the axes of its level's halving mask, one after the other: x, y, z
+// unless a model says otherwise. The lone sample at an odd edge is its own mean and has no detail.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "octavo/codec/brick_codec.h"
 #include "octavo/core/levels.h"
 
 namespace octavo {
@@ -42,10 +43,10 @@ template <class Sample>
 std::vector<Sample> means_along(const std::vector<Sample>& fine, const Size3& size, int axis,
                                 int rounding);
 
-/// The samples of the next coarser level: means along the axes of `mask`, x first.
+/// The samples of the next coarser level: means along the axes of `mask`, in the given order.
 /// level  global level of `fine`
 template <class Sample>
-std::vector<Sample> coarser_level(std::vector<Sample> fine, Size3 size, HalvingMask mask,
-                                  int level);
+std::vector<Sample> coarser_level(std::vector<Sample> fine, Size3 size, HalvingMask mask, int level,
+                                  const AxisOrder& order = kStraightOrder);
 
 }  // namespace octavo

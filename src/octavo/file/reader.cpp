@@ -48,6 +48,7 @@ class FileReaderImpl final : public FileReader {
   const ByteSource& source() const override { return file_.source(); }
   ValueRange range() const override { return file_.root().range(); }
   double max_error() const override { return file_.header().max_error; }
+  AxisOrder axis_order() const override { return file_.codec(0)->axis_order(); }
   double achieved_error() const override {
     return static_cast<double>(file_.root().error_steps()) * error_step(file_.header());
   }

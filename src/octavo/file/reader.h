@@ -72,6 +72,8 @@ class FileReader {
   /// The largest difference that was measured when the file was built; at most max_error().
   virtual double achieved_error() const = 0;
   virtual LevelSummary level_summary(int level) const = 0;
+  /// The order in which the axes of a level are halved. Throws Error{corrupt} for a damaged model.
+  virtual AxisOrder axis_order() const = 0;
 
   /// Throws Error{invalid_argument} outside the grid.
   virtual BrickEntry brick(int tier, const Index3& position) const = 0;

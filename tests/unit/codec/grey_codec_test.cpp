@@ -63,11 +63,13 @@ std::vector<ByteSpan> spans_of(const EncodedBrick& brick) {
 
 /// The reference pyramid: level `level` of a brick by plain means.
 template <class T>
-std::vector<T> reference_level(const std::vector<T>& voxels, const BrickShape& shape, int level) {
+std::vector<T> reference_level(const std::vector<T>& voxels, const BrickShape& shape, int level,
+                               const AxisOrder& order) {
   std::vector<std::int64_t> samples(voxels.begin(), voxels.end());
   for (int i = 0; i < level; ++i) {
     const auto slot = static_cast<std::size_t>(i);
-    samples = coarser_level(samples, shape.size[slot], shape.halving[slot], shape.first_level + i);
+    samples = coarser_level(samples, shape.size[slot], shape.halving[slot], shape.first_level + i,
+                            order);
   }
   return {samples.begin(), samples.end()};
 }
@@ -83,7 +85,7 @@ void expect_every_level(const BrickCodec& codec, const BrickShape& shape,
     std::vector<T> decoded(count);
     codec.decode(shape, voxel_type_of<T>(), encoded.range, spans_of(encoded), level,
                  decoded.data());
-    ASSERT_EQ(decoded, reference_level(voxels, shape, level)) << "level " << level;
+    ASSERT_EQ(decoded, reference_level(voxels, shape, level, codec.axis_order())) << "level " << level;
   }
 }
 
@@ -230,9 +232,10 @@ TEST(GreyCodec, ParentIsTheNextSampleOfThePyramid) {
   const auto voxels = make_voxels<std::int16_t>(size, Content::smooth, 8);
   const auto codec = train_grey_model(VoxelType::int16, {});
   const EncodedBrick encoded = codec->encode(shape, view_of(voxels, size));
-  auto top = reference_level(voxels, shape, 5);
+  const AxisOrder order = codec->axis_order();
+  auto top = reference_level(voxels, shape, 5, order);
   std::vector<std::int64_t> samples(top.begin(), top.end());
-  EXPECT_EQ(encoded.parent, coarser_level(samples, shape.size[5], shape.halving[5], 5).front());
+  EXPECT_EQ(encoded.parent, coarser_level(samples, shape.size[5], shape.halving[5], 5, order).front());
 }
 
 /// Damage gives an error or other voxels, never anything worse (run under sanitizers as well).
