@@ -4,6 +4,7 @@
 
 #include "octavo/codec/binary_coder.h"
 #include "octavo/codec/byte_io.h"
+#include "octavo/codec/golomb.h"
 
 namespace octavo::grey {
 
@@ -11,38 +12,7 @@ namespace {
 
 constexpr std::uint8_t kLossyFlag = 2;
 constexpr int kOrderShift = 2;
-constexpr int kMaxGolombBits = 24;
-
-/// Adaptive Exp-Golomb: the count of significant bits in unary, the leading bits adaptively, the
-/// rest plain.
-struct GolombModel {
-  std::array<AdaptiveBit, kMaxGolombBits + 1> length;
-  std::array<AdaptiveBit, kMaxGolombBits + 1> second_bit;
-};
-
-void put_golomb(BinaryEncoder& coder, GolombModel& model, std::uint32_t value) {
-  const int bits = bit_length(value);
-  for (int i = 0; i < kMaxGolombBits; ++i) {
-    put_adaptive(coder, model.length[static_cast<std::size_t>(i)], i == bits);
-    if (i == bits) break;
-  }
-  if (bits < 2) return;
-  put_adaptive(coder, model.second_bit[static_cast<std::size_t>(bits)], value >> (bits - 2) & 1);
-  coder.put_bits(value, bits - 2);
-}
-
-std::uint32_t get_golomb(BinaryDecoder& coder, GolombModel& model) {
-  int bits = 0;
-  while (bits < kMaxGolombBits &&
-         !get_adaptive(coder, model.length[static_cast<std::size_t>(bits)])) {
-    ++bits;
-  }
-  if (bits < 2) return static_cast<std::uint32_t>(bits);
-  const auto second = static_cast<std::uint32_t>(
-      get_adaptive(coder, model.second_bit[static_cast<std::size_t>(bits)]));
-  const std::uint32_t rest = coder.get_bits(bits - 2);
-  return (2u | second) << (bits - 2) | rest;
-}
+using GolombModel = octavo::GolombModel<24>;
 
 void put_signed(BinaryEncoder& coder, GolombModel& model, std::int32_t value) {
   put_golomb(coder, model, static_cast<std::uint32_t>(zigzag(value)));

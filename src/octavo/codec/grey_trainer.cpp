@@ -23,9 +23,10 @@ constexpr std::int64_t kTapSamples[kGroups][3] = {
 constexpr std::int32_t kMaxDifference = 32000;
 constexpr int kWeightStep = 3;
 constexpr double kTapRidge = 1e-4;
-constexpr std::size_t kTrialBricks = 8;  ///< bricks that orders and ways to quantise are tried on
+constexpr std::size_t kOrderBricks = 8;  ///< bricks that orders are tried on
+constexpr std::size_t kTrialBricks = 8;  ///< bricks that ways to quantise are tried on
 constexpr std::int64_t kTrialShare = 6;  ///< one in so many samples when an order is tried
-constexpr double kWorthwhile = 0.002;    ///< what another order must save
+constexpr double kWorthwhile = 0.0005;   ///< what another order must save
 /// Steps of an orthonormal coefficient to try, in tenths of the maximum error.
 constexpr int kDetailSteps[] = {14, 16, 18, 22};
 
@@ -67,11 +68,16 @@ TapRowState state_of(int axis, int r) {
   return state == 'd' ? TapRowState::decoded : state == 'a' ? TapRowState::ahead : TapRowState::own;
 }
 
+std::int16_t difference(std::int32_t tap, std::int32_t mean) {
+  return static_cast<std::int16_t>(std::clamp(tap - mean, -kMaxDifference, kMaxDifference));
+}
+
 /// Takes about `wanted` samples from a split whose samples are known.
 void take_samples(const Stage& stage, Workspace<std::int16_t>& work,
                   const Truth<std::int16_t>& truth, Thinning thinning, ClassSamples& samples) {
   static thread_local SampleGrid<std::int16_t> ahead;
   repeat_along(work.means, ahead, stage.axis, work.fine.size());
+  copy_margins(ahead, work.fine);
   const int axis = stage.axis;
   for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
     for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
@@ -85,15 +91,19 @@ void take_samples(const Stage& stage, Workspace<std::int16_t>& work,
         const std::int16_t* const means = ahead_row + pair_stretch(axis) * x;
         const std::int32_t mean = *means;
         TapSamples& s = samples[activities[x]];
+        const std::size_t length = s.features.size();
+        s.features.resize(length + static_cast<std::size_t>(tap_count(axis)));
+        std::int16_t* feature = s.features.data() + length;
         for (int r = 0; r < TapRows<std::int16_t>::kCount[axis]; ++r) {
           const std::int64_t offset = TapRows<std::int16_t>::kOffsets[axis][r];
           const TapRowState state = state_of(axis, r);
-          const int known = state == TapRowState::decoded ? 8 : state == TapRowState::own ? 3 : 0;
-          for (int i = 0; i < 8; ++i) {
-            const std::int32_t tap = i < known ? decoded[offset + i] : means[offset + i];
-            s.features.push_back(static_cast<std::int16_t>(
-                std::clamp(tap - mean, -kMaxDifference, kMaxDifference)));
+          const std::int16_t* const taps =
+              (state == TapRowState::decoded ? decoded : means) + offset;
+          for (int i = 0; i < 8; ++i) feature[i] = difference(taps[i], mean);
+          if (state == TapRowState::own) {
+            for (int i = 0; i < 3; ++i) feature[i] = difference(decoded[offset + i], mean);
           }
+          feature += 8;
         }
         s.details.push_back(true_detail(truth, axis, x, y, z));
       }
@@ -123,16 +133,21 @@ std::vector<float> weights_by_residual(const TapSamples& samples,
 }
 
 /// Least squares on a part of the samples, then weighted by its residuals on all of them.
-std::vector<double> fit_taps(const TapSamples& samples, int taps) {
-  const std::size_t count = samples.details.size();
-  const std::size_t part = std::min(count, std::max<std::size_t>(count / 3, 2000));
+std::vector<double> fit_taps(const std::vector<const TapSamples*>& samples, std::size_t count,
+                             int taps) {
+  std::size_t part = std::min(count, std::max<std::size_t>(count / 3, 2000));
   NormalEquations first(taps);
-  const std::span<const std::int16_t> features(samples.features);
-  const std::span<const std::int32_t> details(samples.details);
-  accumulate(first, features.first(part * static_cast<std::size_t>(taps)), details.first(part), {});
+  for (const TapSamples* s : samples) {
+    const std::size_t taken = std::min(part, s->details.size());
+    part -= taken;
+    accumulate(first, std::span(s->features).first(taken * static_cast<std::size_t>(taps)),
+               std::span(s->details).first(taken), {});
+  }
+  const std::vector<double> fitted = solve(first, kTapRidge);
   NormalEquations second(taps);
-  accumulate(second, features, details,
-             weights_by_residual(samples, solve(first, kTapRidge)));
+  for (const TapSamples* s : samples) {
+    accumulate(second, s->features, s->details, weights_by_residual(*s, fitted));
+  }
   return solve(second, kTapRidge);
 }
 
@@ -159,11 +174,14 @@ void set_weights(std::int16_t* weights, const std::vector<double>& fitted, int a
 void learn_weights(Parameters& p, const std::vector<Lesson>& lessons, int group,
                    std::int64_t share = 1) {
   std::vector<std::array<ClassSamples, 3>> by_lesson(lessons.size());
+  // Samples are exact whatever predicts them, so the cheap predictor will do on the way.
+  Parameters gathering = p;
+  if (p.quantizer.detail_step == 0) gathering.predictor = Predictor::means;
   tbb::parallel_for(std::size_t{0}, lessons.size(), [&](std::size_t i) {
     const Lesson& lesson = lessons[i];
     for (int level = group; level < group + levels_of_group(group); ++level) {
       if (level + 1 >= lesson.shape.level_count) break;
-      walk_level(p, lesson, level, [&](const Stage& stage, Workspace<std::int16_t>& work,
+      walk_level(gathering, lesson, level, [&](const Stage& stage, Workspace<std::int16_t>& work,
                                    const Truth<std::int16_t>& truth) {
         const std::int64_t wanted =
             kTapSamples[group][stage.axis] / share / static_cast<std::int64_t>(lessons.size());
@@ -176,15 +194,15 @@ void learn_weights(Parameters& p, const std::vector<Lesson>& lessons, int group,
   tbb::parallel_for(0, 3 * (kClasses - 1), [&](int task) {
     const int axis = task % 3;
     const int activity = 1 + task / 3;
-    TapSamples all;
-    for (auto& lesson : by_lesson) {
-      TapSamples& s = lesson[static_cast<std::size_t>(axis)][static_cast<std::size_t>(activity)];
-      all.features.insert(all.features.end(), s.features.begin(), s.features.end());
-      all.details.insert(all.details.end(), s.details.begin(), s.details.end());
-      s = {};
+    std::vector<const TapSamples*> all;
+    std::size_t count = 0;
+    for (const auto& lesson : by_lesson) {
+      all.push_back(
+          &lesson[static_cast<std::size_t>(axis)][static_cast<std::size_t>(activity)]);
+      count += all.back()->details.size();
     }
-    if (all.details.size() < kFewSamples) return;
-    set_weights(p.weights[group][axis][activity], fit_taps(all, tap_count(axis)), axis,
+    if (count < kFewSamples) return;
+    set_weights(p.weights[group][axis][activity], fit_taps(all, count, tap_count(axis)), axis,
                 p.weight_step);
   });
 }
@@ -297,7 +315,7 @@ AxisOrder learn_order(const School& school) {
   if (school.settings.axis_order) return *school.settings.axis_order;
   if (school.settings.preset == Preset::fast) return kStraightOrder;
   std::vector<TrainingBrick> few;
-  const std::size_t count = std::min(school.bricks.size(), kTrialBricks);
+  const std::size_t count = std::min(school.bricks.size(), kOrderBricks);
   for (std::size_t i = 0; i < count; ++i) {
     few.push_back(school.bricks[(2 * i + 1) * school.bricks.size() / (2 * count)]);
   }

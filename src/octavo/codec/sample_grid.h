@@ -7,6 +7,7 @@
 // A grid over 64^3 int16 samples takes 740 kB.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <vector>
@@ -93,6 +94,23 @@ void repeat_along(const SampleGrid<Sample>& coarse, SampleGrid<Sample>& fine, in
     }
   }
   fine.fill_margins();
+}
+
+/// Gives `to` the margins of `from`, a grid of the same size.
+template <class Sample>
+void copy_margins(const SampleGrid<Sample>& from, SampleGrid<Sample>& to) {
+  constexpr std::int64_t kX = SampleGrid<Sample>::kMarginX;
+  constexpr std::int64_t kYZ = SampleGrid<Sample>::kMargin;
+  const Size3& size = from.size();
+  for (std::int64_t z = -kYZ; z < size.z + kYZ; ++z) {
+    for (std::int64_t y = -kYZ; y < size.y + kYZ; ++y) {
+      const Sample* in = from.row(y, z);
+      Sample* out = to.row(y, z);
+      const bool is_inside = y >= 0 && y < size.y && z >= 0 && z < size.z;
+      std::copy(in - kX, in + (is_inside ? 0 : size.x), out - kX);
+      std::copy(in + size.x, in + size.x + kX, out + size.x);
+    }
+  }
 }
 
 /// Copies the samples that have no partner along `axis`: the last ones of an odd size.
