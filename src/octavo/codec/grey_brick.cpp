@@ -186,8 +186,7 @@ Stage make_stage(const BrickShape& shape, const SampleScale& scale, const Parame
   Stage stage = pairs_of(shape, level, axis, fine_size, cells);
   stage.group = level_group(level);
   stage.set = table_set(level);
-  stage.rounding = rounding_term(p.axis_order[static_cast<std::size_t>(axis)],
-                                 shape.first_level + level);
+  stage.rounding = rounding_term(axis, shape.first_level + level);
   stage.min = scale.min_sample();
   stage.max = scale.max_sample();
   stage.shift = scale.shift();
@@ -270,9 +269,7 @@ AnalyzedBrick<Sample> analyze(const BrickShape& shape, const BrickView& brick,
     for (int axis = 0; axis < 3; ++axis) {
       if ((shape.halving[slot] >> axis & 1) == 0) continue;
       std::vector<Sample> means =
-          means_along(samples, size, axis,
-                      rounding_term(order[static_cast<std::size_t>(axis)],
-                                    shape.first_level + level));
+          means_along(samples, size, axis, rounding_term(axis, shape.first_level + level));
       size = halved(size, static_cast<HalvingMask>(1 << axis));
       if (!is_last) result.steps[slot][static_cast<std::size_t>(axis)] = std::move(samples);
       samples = std::move(means);

@@ -253,8 +253,8 @@ struct Source {
   bool is_lossless() const { return model.parameters.quantizer.is_lossless(); }
 };
 
-/// Writes the voxels of a level in the brick's own axes; `row_of(y, z)` gives rows of samples in the
-/// codec's.
+/// Writes the voxels of a level in the brick's own axes; `row_of(y, z)` gives rows of samples in
+/// the codec's.
 template <class Sample, class RowOf>
 void write_level(const Source& source, RowOf&& row_of, void* out) {
   const AxisOrder& order = source.model.parameters.axis_order;
@@ -287,13 +287,8 @@ void decode_stored(const Source& source, void* out) {
       decode_plain<Sample>(source.scale, source.segments[0], shape.size[0]);
   for (int i = 0; i < source.level; ++i) {
     const auto slot = static_cast<std::size_t>(i);
-    Size3 size = shape.size[slot];
-    for (int axis = 0; axis < 3; ++axis) {
-      if ((shape.halving[slot] >> axis & 1) == 0) continue;
-      const int real = source.model.parameters.axis_order[static_cast<std::size_t>(axis)];
-      samples = means_along(samples, size, axis, rounding_term(real, shape.first_level + i));
-      size = halved(size, static_cast<HalvingMask>(1 << axis));
-    }
+    samples = coarser_level(std::move(samples), shape.size[slot], shape.halving[slot],
+                            shape.first_level + i);
   }
   const Size3& size = shape.size[static_cast<std::size_t>(source.level)];
   write_level<Sample>(

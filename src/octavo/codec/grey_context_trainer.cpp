@@ -135,9 +135,10 @@ Counts count_tokens(const Parameters& p, const std::vector<Lesson>& lessons) {
     std::vector<Symbol> symbols;
     for (int level = 0; level + 1 < lesson.shape.level_count; ++level) {
       symbols.clear();
-      walk_level(p, lesson, level, [&](const Stage& stage, Workspace<std::int16_t>& work, const auto&) {
-        stage_functions().narrow.list_symbols(p, stage, work, symbols);
-      });
+      walk_level(p, lesson, level,
+                 [&](const Stage& stage, Workspace<std::int16_t>& work, const auto&) {
+                   stage_functions().narrow.list_symbols(p, stage, work, symbols);
+                 });
       for (const Symbol& s : symbols) {
         const auto token = token_of(static_cast<std::uint32_t>(s.value >> s.low_bits));
         ++by_lesson[i][static_cast<std::size_t>(table_set(level))][s.context]
@@ -234,18 +235,19 @@ void learn_contexts(Parameters& p, const std::vector<Lesson>& lessons) {
     const Lesson& lesson = lessons[i];
     std::vector<Symbol> symbols;
     for (int level = 0; level + 1 < lesson.shape.level_count; ++level) {
-      walk_level(p, lesson, level, [&](const Stage& stage, Workspace<std::int16_t>& work, const auto&) {
-        // Listing leaves the magnitudes that features look at.
-        symbols.clear();
-        stage_functions().narrow.list_symbols(p, stage, work, symbols);
-        const auto group = static_cast<std::size_t>(stage.group);
-        const std::int64_t wanted =
-            kContextSamples[group] / static_cast<std::int64_t>(lessons.size());
-        take_samples(p, stage, work,
-                     Thinning(wanted, stage.pairs.voxel_count(),
-                              static_cast<std::uint32_t>(i) + 77),
-                     by_lesson[i][group][static_cast<std::size_t>(stage.axis)]);
-      });
+      walk_level(
+          p, lesson, level, [&](const Stage& stage, Workspace<std::int16_t>& work, const auto&) {
+            // Listing leaves the magnitudes that features look at.
+            symbols.clear();
+            stage_functions().narrow.list_symbols(p, stage, work, symbols);
+            const auto group = static_cast<std::size_t>(stage.group);
+            const std::int64_t wanted =
+                kContextSamples[group] / static_cast<std::int64_t>(lessons.size());
+            take_samples(
+                p, stage, work,
+                Thinning(wanted, stage.pairs.voxel_count(), static_cast<std::uint32_t>(i) + 77),
+                by_lesson[i][group][static_cast<std::size_t>(stage.axis)]);
+          });
     }
   });
   tbb::parallel_for(0, kGroups * 3, [&](int task) {

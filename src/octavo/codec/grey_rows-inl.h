@@ -20,7 +20,8 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// 16 lanes at most, so that a row's padding suffices; their sums are in 32-bit lanes, half as many.
+/// 16 lanes at most, so that a row's padding suffices; their sums are in 32-bit lanes, half as
+/// many.
 constexpr hn::CappedTag<std::uint16_t, 16> kHalves{};
 constexpr hn::RebindToSigned<decltype(kHalves)> kSignedHalves{};
 constexpr hn::RepartitionToWide<decltype(kHalves)> kSums{};

@@ -174,7 +174,8 @@ template <bool kIsEncoding>
 void PortableKernel<Sample>::reconstruct(const Parameters& p, const Stage& stage,
                                          Workspace<Sample>& work) {
   for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
-    for (std::int64_t y = 0; y < stage.pairs.y; ++y) reconstruct_row<kIsEncoding>(p, stage, work, y, z);
+    for (std::int64_t y = 0; y < stage.pairs.y; ++y)
+      reconstruct_row<kIsEncoding>(p, stage, work, y, z);
   }
 }
 

@@ -38,7 +38,8 @@ struct Kernel {
   static void row_contexts(const Parameters& p, const Stage& stage, const MagnitudeRows& near,
                            const RowBuffers& row, std::uint16_t* contexts) {
     const std::int32_t* const weights = p.context_weights[stage.group][stage.axis];
-    if (p.predictor == Predictor::means) contexts_of_row<false>(weights, stage, near, row, contexts);
+    if (p.predictor == Predictor::means)
+      contexts_of_row<false>(weights, stage, near, row, contexts);
     else contexts_of_row<true>(weights, stage, near, row, contexts);
   }
   static void take_row(SymbolReader& symbols, std::uint16_t* contexts, const std::uint8_t* order,

@@ -373,7 +373,8 @@ namespace octavo {
 std::unique_ptr<BrickCodec> train_grey_model(VoxelType type, std::span<const TrainingBrick> bricks,
                                              const CodecSettings& settings) {
   using namespace grey;
-  if (!is_integer(type)) throw Error(ErrorKind::invalid_argument, "float voxels have no grey codec");
+  if (!is_integer(type))
+    throw Error(ErrorKind::invalid_argument, "float voxels have no grey codec");
   if (settings.max_error < 0 || 2 * settings.max_error + 1 > kMaxVoxelStep) {
     throw Error(ErrorKind::invalid_argument, "the maximum error is out of range");
   }

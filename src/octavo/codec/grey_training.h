@@ -62,6 +62,7 @@ void walk_level(const Parameters& p, const Lesson& lesson, int level, Learn&& le
                 if (stage.pairs.voxel_count() == 0) return;
                 load_details(work, stage, truth);
                 stage_functions().narrow.predict(p, stage, work);
+                if (p.predictor == Predictor::means) copy_lone(work.means, work.fine, stage.axis);
                 if (at == level) learn(stage, work, truth);
               });
   }

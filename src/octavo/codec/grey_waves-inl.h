@@ -61,8 +61,9 @@ class Chain {
     auto unused = hn::Zero(octet);
 #pragma GCC unroll 6
     for (int r = 0; r < kRows; r += 4) {
-      even = hn::ReorderWidenMulAccumulate(octet, hn::Combine(kTapRows, taps(at, r + 1), taps(at, r)),
-                                           hn::LoadU(kTapRows, weights + 8 * r), even, unused);
+      even =
+          hn::ReorderWidenMulAccumulate(octet, hn::Combine(kTapRows, taps(at, r + 1), taps(at, r)),
+                                        hn::LoadU(kTapRows, weights + 8 * r), even, unused);
       if (r + 2 < kRows) {
         odd = hn::ReorderWidenMulAccumulate(
             octet, hn::Combine(kTapRows, taps(at, r + 3), taps(at, r + 2)),

@@ -36,9 +36,10 @@ std::vector<Sample> means_along(const std::vector<Sample>& fine, const Size3& si
 template <class Sample>
 std::vector<Sample> coarser_level(std::vector<Sample> fine, Size3 size, HalvingMask mask, int level,
                                   const AxisOrder& order) {
-  for (const int axis : order) {
+  for (int place = 0; place < 3; ++place) {
+    const int axis = order[static_cast<std::size_t>(place)];
     if ((mask >> axis & 1) == 0) continue;
-    fine = means_along(fine, size, axis, rounding_term(axis, level));
+    fine = means_along(fine, size, axis, rounding_term(place, level));
     size = halved(size, static_cast<HalvingMask>(1 << axis));
   }
   return fine;

@@ -2,8 +2,9 @@
 //
 // A pair (a, b) becomes its rounded mean m = floor((a + b + r) / 2) and its detail d = a - b. The
 // parity of a + b is that of d, so m and d give the pair back exactly. The rounding term r is 0 or
-// 1 and alternates with axis and level, so that roundings up and down balance: without it the means
-// would drift by about half a unit per level. A detail of 16-bit samples needs 17 bits.
+// 1 and alternates from axis to axis and level to level, so that roundings up and down balance:
+// without it the means would drift by about half a unit per level. A detail of 16-bit samples needs
+// 17 bits.
 //
 // An octant is transformed along the axes of its level's halving mask, one after the other: x, y, z
 // unless a model says otherwise. The lone sample at an odd edge is its own mean and has no detail.
@@ -17,8 +18,9 @@
 
 namespace octavo {
 
-/// The rounding term of a mean along `axis` (0 = x) from `level` (global) to the next coarser one.
-constexpr int rounding_term(int axis, int level) { return (axis + level + 1) & 1; }
+/// The rounding term of the means along the axis at `place` of the axis order, from `level`
+/// (global) to the next coarser one.
+constexpr int rounding_term(int place, int level) { return (place + level + 1) & 1; }
 
 /// The rounded mean of a pair. No overflow for samples of up to 33 bits held in 64-bit integers.
 template <class Int>

@@ -85,7 +85,8 @@ void expect_every_level(const BrickCodec& codec, const BrickShape& shape,
     std::vector<T> decoded(count);
     codec.decode(shape, voxel_type_of<T>(), encoded.range, spans_of(encoded), level,
                  decoded.data());
-    ASSERT_EQ(decoded, reference_level(voxels, shape, level, codec.axis_order())) << "level " << level;
+    ASSERT_EQ(decoded, reference_level(voxels, shape, level, codec.axis_order()))
+        << "level " << level;
   }
 }
 
@@ -235,7 +236,8 @@ TEST(GreyCodec, ParentIsTheNextSampleOfThePyramid) {
   const AxisOrder order = codec->axis_order();
   auto top = reference_level(voxels, shape, 5, order);
   std::vector<std::int64_t> samples(top.begin(), top.end());
-  EXPECT_EQ(encoded.parent, coarser_level(samples, shape.size[5], shape.halving[5], 5, order).front());
+  EXPECT_EQ(encoded.parent,
+            coarser_level(samples, shape.size[5], shape.halving[5], 5, order).front());
 }
 
 /// Damage gives an error or other voxels, never anything worse (run under sanitizers as well).

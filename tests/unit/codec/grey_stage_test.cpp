@@ -34,7 +34,8 @@ RandomSplit make_split(std::mt19937& random, const Size3& fine, int axis, Predic
   for (auto& group : p.weights) {
     for (auto& along : group) {
       for (int cls = 1; cls < kClasses; ++cls) {
-        for (auto& w : along[cls]) w = static_cast<std::int16_t>(below(bits == 16 ? 65536 : 800) - 400);
+        for (auto& w : along[cls])
+          w = static_cast<std::int16_t>(below(bits == 16 ? 65536 : 800) - 400);
       }
     }
   }
@@ -67,7 +68,8 @@ RandomSplit make_split(std::mt19937& random, const Size3& fine, int axis, Predic
   const auto coded = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
     if (!has_cells) return true;
     const Size3& n = s.cells.size;
-    return s.cells.flags[static_cast<std::size_t>(((z >> 1) * n.y + (y >> 1)) * n.x + (x >> 1))] == 0;
+    return s.cells.flags[static_cast<std::size_t>(((z >> 1) * n.y + (y >> 1)) * n.x + (x >> 1))] ==
+           0;
   };
   if (has_cells) {
     s.cells.size = {fine.x / 2 + 1, fine.y / 2 + 1, fine.z / 2 + 1};
@@ -173,7 +175,8 @@ TEST_P(StagesOf, GiveWhatThePortableOnesGive) {
   const auto functions = stage_functions_of(GetParam());
   if (!functions) GTEST_SKIP() << "this machine has no " << GetParam();
   std::mt19937 random(21);
-  const Size3 sizes[] = {{64, 64, 64}, {63, 5, 7}, {2, 2, 2}, {33, 64, 9}, {48, 21, 64}, {8, 3, 40}};
+  const Size3 sizes[] = {{64, 64, 64}, {63, 5, 7},   {2, 2, 2},
+                         {33, 64, 9},  {48, 21, 64}, {8, 3, 40}};
   for (const Size3& fine : sizes) {
     for (int axis = 0; axis < 3; ++axis) {
       for (const Predictor predictor : {Predictor::neighbours, Predictor::means}) {
