@@ -84,7 +84,17 @@ struct Passes {
     work.residuals.set_size(stage.pairs);
     work.limits.set_size(stage.pairs);
     work.activities.set_size(stage.pairs);
-    work.contexts.set_size(stage.pairs);
+    work.contexts.set_plane_size(stage.pairs);
+  }
+
+  /// Without rows that look at other planes' details a plane's numbers are done with at its end;
+  /// small buffers leave the cache to the tables.
+  static void set_plane_sizes(const Stage& stage, Workspace<Sample>& work) {
+    work.magnitudes[stage.axis].set_size(stage.pairs);
+    work.residuals.set_plane_size(stage.pairs);
+    work.limits.set_plane_size(stage.pairs);
+    work.activities.set_plane_size(stage.pairs);
+    work.contexts.set_plane_size(stage.pairs);
   }
 
   static void features(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
@@ -124,7 +134,8 @@ struct Passes {
 
   static void decode(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
                      SymbolReader& symbols) {
-    set_sizes(stage, work);
+    if (p.predictor == Predictor::means) set_plane_sizes(stage, work);
+    else set_sizes(stage, work);
     if (stage.pairs.voxel_count() == 0) return;
     if (p.predictor == Predictor::means) {
       // No row needs another one of its plane: the machine may overlap them.

@@ -70,6 +70,11 @@ class PairGrid {
     row_ = (pairs.x + 7) & ~std::int64_t{7};
     plane_ = row_ * pairs.y;
   }
+  /// Keeps one plane at a time: every plane stands in the same place.
+  void set_plane_size(const Size3& pairs) {
+    set_size(pairs);
+    plane_ = 0;
+  }
   T* row(std::int64_t y, std::int64_t z) { return values_.data() + z * plane_ + y * row_; }
 
  private:
