@@ -38,24 +38,31 @@ Sample* first_of_row(SampleGrid<Sample>& fine, int axis, std::int64_t y, std::in
   return fine.row(axis == 1 ? 2 * y : y, axis == 2 ? 2 * z : z);
 }
 
+/// Calls f(first, last, is_uniform) for the runs of pairs of a row that lie in one cell.
+template <class F>
+void for_each_cell(const Stage& stage, const std::uint8_t* cells, F&& f) {
+  const std::int64_t side = std::int64_t{1} << stage.cell_shift[0];
+  for (std::int64_t x = 0; x < stage.pairs.x; x += side, ++cells) {
+    f(x, std::min(x + side, stage.pairs.x), *cells != 0);
+  }
+}
+
 /// Lists the coded pairs of a row.
 inline int list_coded(const Stage& stage, const std::uint8_t* cells, std::uint8_t* order) {
-  const int count = static_cast<int>(stage.pairs.x);
   int coded = 0;
-  for (int x = 0; x < count; ++x) {
-    order[coded] = static_cast<std::uint8_t>(x);
-    coded += cells == nullptr || cells[x >> stage.cell_shift[0]] == 0;
-  }
+  for_each_cell(stage, cells, [&](std::int64_t first, std::int64_t last, bool is_uniform) {
+    if (is_uniform) return;
+    for (std::int64_t x = first; x < last; ++x) order[coded++] = static_cast<std::uint8_t>(x);
+  });
   return coded;
 }
 
 /// Details of uniform cells are known: a limit of 0 makes their predictions and details 0.
 template <class Limit>
 void close_cells(const Stage& stage, const std::uint8_t* cells, Limit* limits) {
-  if (cells == nullptr) return;
-  for (std::int64_t x = 0; x < stage.pairs.x; ++x) {
-    if (cells[x >> stage.cell_shift[0]] != 0) limits[x] = 0;
-  }
+  for_each_cell(stage, cells, [&](std::int64_t first, std::int64_t last, bool is_uniform) {
+    if (is_uniform) std::fill(limits + first, limits + last, Limit{0});
+  });
 }
 
 /// What is added to a residual's magnitude before it is cut down to a multiple of the step.
@@ -100,7 +107,8 @@ struct Passes {
   static void features(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
                        std::int64_t y, std::int64_t z) {
     Kernel::row_features(p, stage, work, y, z);
-    close_cells(stage, row_cells(stage, y, z), work.limits.row(y, z));
+    const std::uint8_t* const cells = row_cells(stage, y, z);
+    if (cells != nullptr) close_cells(stage, cells, work.limits.row(y, z));
   }
 
   static void contexts(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
@@ -185,13 +193,14 @@ struct Passes {
         std::int16_t* const magnitudes = work.magnitudes[stage.axis].row(y, z);
         Kernel::keep_magnitudes(residuals, count, stage.shift, magnitudes);
         fill_margins(magnitudes, count);
-        const int coded = list_coded(stage, row_cells(stage, y, z), work.row.order);
+        const std::uint8_t* const cells = row_cells(stage, y, z);
+        const int coded = cells == nullptr ? count : list_coded(stage, cells, work.row.order);
         if (coded == 0) continue;
         features(p, stage, work, y, z);
         contexts(p, stage, work, y, z);
         const std::uint16_t* const context = work.contexts.row(y, z);
         for (int i = 0; i < coded; ++i) {
-          const int x = work.row.order[i];
+          const int x = cells == nullptr ? i : work.row.order[i];
           const Int value = stage.step > 1 ? residuals[x] / stage.step : residuals[x];
           symbols.push_back({zigzag(value), static_cast<std::uint8_t>(context[x] & 0xff),
                              static_cast<std::uint8_t>(context[x] >> 8),

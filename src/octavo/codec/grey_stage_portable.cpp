@@ -185,8 +185,12 @@ template struct PortableKernel<std::int32_t>;
 const std::uint8_t* row_cells(const Stage& stage, std::int64_t y, std::int64_t z) {
   if (stage.cells == nullptr) return nullptr;
   const Size3& size = stage.cells->size;
-  return stage.cells->flags.data() +
-         ((z >> stage.cell_shift[2]) * size.y + (y >> stage.cell_shift[1])) * size.x;
+  const std::uint8_t* const flags =
+      stage.cells->flags.data() +
+      ((z >> stage.cell_shift[2]) * size.y + (y >> stage.cell_shift[1])) * size.x;
+  const std::int64_t used = ((stage.pairs.x - 1) >> stage.cell_shift[0]) + 1;
+  const bool any = std::any_of(flags, flags + used, [](std::uint8_t flag) { return flag != 0; });
+  return any ? flags : nullptr;
 }
 
 std::int64_t Stage::detail_count() const {
@@ -195,7 +199,13 @@ std::int64_t Stage::detail_count() const {
   for (std::int64_t z = 0; z < pairs.z; ++z) {
     for (std::int64_t y = 0; y < pairs.y; ++y) {
       const std::uint8_t* flags = row_cells(*this, y, z);
-      for (std::int64_t x = 0; x < pairs.x; ++x) count += flags[x >> cell_shift[0]] == 0;
+      if (flags == nullptr) {
+        count += pairs.x;
+        continue;
+      }
+      for_each_cell(*this, flags, [&](std::int64_t first, std::int64_t last, bool is_uniform) {
+        if (!is_uniform) count += last - first;
+      });
     }
   }
   return count;
