@@ -1,0 +1,233 @@
+// Kept files of every feature of the format: today's reader gives back what they were made of.
+//
+// tests/golden/v1/levels.txt lists them: file, level, CRC-32C of the level's voxels (little-endian,
+// [z][y][x]); a reader in another language checks itself against the same list. Run with
+// OCTAVO_WRITE_GOLDEN=1 to make files and list anew before a format is frozen.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "octavo/build/builder.h"
+#include "octavo/build/memory_source.h"
+#include "octavo/codec/crc32c.h"
+#include "octavo/core/progress.h"
+#include "octavo/file/reader.h"
+#include "octavo/file/writer.h"
+#include "support/memory_storage.h"
+#include "support/sample_file.h"
+
+namespace octavo {
+namespace {
+
+using namespace octavo::testing;
+
+const std::string kFolder = std::string(OCTAVO_SOURCE_DIR) + "/tests/golden/v1/";
+
+/// A reproducible number for a place, 0 .. 65535.
+std::uint32_t noise_at(const Index3& p) {
+  auto h = static_cast<std::uint32_t>(p.x * 73856093 ^ p.y * 19349663 ^ p.z * 83492791);
+  h ^= h >> 13;
+  h *= 0x5bd1e995u;
+  h ^= h >> 15;
+  return h & 0xffff;
+}
+
+/// Two balls, one inside the other, that rise along x, on a ground of 0; `grain` values of noise.
+std::int64_t scan_at(const Index3& p, std::int64_t scale, std::int64_t grain) {
+  const auto distance = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+    return (p.x - x) * (p.x - x) + (p.y - y) * (p.y - y) + (p.z - z) * (p.z - z);
+  };
+  if (distance(20, 16, 12) > 300) return 0;
+  const std::int64_t base = distance(18, 15, 12) < 90 ? 9 * scale : 4 * scale + p.x * scale / 8;
+  return base + static_cast<std::int64_t>(noise_at(p)) * grain / 65536;
+}
+
+std::int64_t label_at(const Index3& p) {
+  return p.x / 9 + p.y / 11 > 4 ? 0 : 3 + (p.x + p.z / 2) / 9 * 4 + p.y / 12;
+}
+
+struct Feature {
+  std::string name;
+  Size3 size;
+  VoxelType type;
+  double (*voxel)(const Index3&);
+  BuildOptions options = {};
+  Point3 spacing = {1, 1, 1};
+};
+
+template <std::int64_t kScale, std::int64_t kGrain>
+double scan(const Index3& p) {
+  return static_cast<double>(scan_at(p, kScale, kGrain));
+}
+double signed_scan(const Index3& p) { return scan<100, 24>(p) - 1024; }
+double wide_scan(const Index3& p) { return scan<90000000, 4000>(p) - 1000000000; }
+double white_noise(const Index3& p) { return noise_at(p) & 0xff; }
+double labels(const Index3& p) { return static_cast<double>(label_at(p)); }
+double many_labels(const Index3& p) { return noise_at(p) * 7.0; }
+double scaled_scan(const Index3& p) { return 0.25 * scan<100, 24>(p) - 100; }
+double smooth_floats(const Index3& p) {
+  return static_cast<double>(scan_at(p, 1000, 90)) / 1237.0;
+}
+/// Steep along x, nearly alike along z: another axis order than the usual one pays.
+double streaks(const Index3& p) {
+  return static_cast<double>(noise_at({p.x, p.y, p.z / 16}) & 0xfff);
+}
+
+std::vector<Feature> features() {
+  const auto with = [](Preset preset, double max_error) {
+    BuildOptions options;
+    options.preset = preset;
+    options.max_error = max_error;
+    return options;
+  };
+  BuildOptions as_labels;
+  as_labels.kind = VolumeKind::labels;
+  const Size3 size{41, 33, 26};
+  return {
+      {"small-int16", size, VoxelType::int16, signed_scan},
+      {"small-uint8-thick", {41, 33, 12}, VoxelType::uint8, scan<20, 5>, {}, {1, 1, 4}},
+      {"small-int32-wide", {20, 18, 17}, VoxelType::int32, wide_scan},
+      {"small-axis-order", {40, 24, 32}, VoxelType::uint16, streaks},
+      {"small-two-tiers", {70, 40, 9}, VoxelType::int8, scan<9, 3>},
+      {"stored-uint8", {20, 18, 17}, VoxelType::uint8, white_noise},
+      {"fast-int16", size, VoxelType::int16, signed_scan, with(Preset::fast, 0)},
+      {"fast-int32-wide", {20, 18, 17}, VoxelType::int32, wide_scan, with(Preset::fast, 0)},
+      {"max-error-rounded", size, VoxelType::int16, signed_scan, with(Preset::small, 2)},
+      {"max-error-quantised", size, VoxelType::uint16, scan<1000, 90>, with(Preset::small, 60)},
+      {"max-error-fast", size, VoxelType::uint16, scan<1000, 90>, with(Preset::fast, 60)},
+      {"float32-scaled", size, VoxelType::float32, scaled_scan},
+      {"float32-max-error", size, VoxelType::float32, smooth_floats, with(Preset::small, 0.05)},
+      {"labels-uint8", size, VoxelType::uint8, labels, as_labels},
+      {"labels-stored-uint32", {20, 18, 17}, VoxelType::uint32, many_labels, as_labels},
+  };
+}
+
+std::vector<std::byte> voxels_of(const Feature& feature) {
+  std::vector<std::byte> voxels(static_cast<std::size_t>(feature.size.voxel_count() *
+                                                         bytes_per_voxel(feature.type)));
+  with_voxel_type(feature.type, [&](auto tag) {
+    using T = typename decltype(tag)::type;
+    std::byte* out = voxels.data();
+    for (std::int64_t z = 0; z < feature.size.z; ++z) {
+      for (std::int64_t y = 0; y < feature.size.y; ++y) {
+        for (std::int64_t x = 0; x < feature.size.x; ++x, out += sizeof(T)) {
+          const auto voxel = static_cast<T>(feature.voxel({x, y, z}));
+          std::memcpy(out, &voxel, sizeof voxel);
+        }
+      }
+    }
+  });
+  return voxels;
+}
+
+std::vector<std::uint8_t> build(const Feature& feature) {
+  VolumeDescription description;
+  description.size = feature.size;
+  description.type = feature.type;
+  description.kind = feature.options.kind;
+  description.geometry.spacing_mm = feature.spacing;
+  const auto voxels = voxels_of(feature);
+  const auto source = make_memory_source(description, voxels);
+  MemoryStorage storage;
+  NoProgress progress;
+  build_file(*source, storage, "golden.8vo", feature.options, progress);
+  return *storage.files.at("golden.8vo");
+}
+
+std::vector<std::uint8_t> kept(const std::string& name) {
+  std::ifstream in(kFolder + name + ".8vo", std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::vector<std::uint8_t> level_of(const FileReader& reader, int level) {
+  const Size3 size = reader.levels().size(level);
+  std::vector<std::uint8_t> voxels(static_cast<std::size_t>(
+      size.voxel_count() * bytes_per_voxel(reader.description().type)));
+  reader.read(box_of(size), level, voxels.data());
+  return voxels;
+}
+
+std::string crc_text(const std::vector<std::uint8_t>& bytes) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%08x", crc32c(bytes));
+  return text;
+}
+
+/// The lines of levels.txt for one file.
+std::string lines_for(const Feature& feature, const FileReader& reader) {
+  std::string lines;
+  for (int level = 0; level < reader.levels().count(); ++level) {
+    lines += feature.name + ".8vo " + std::to_string(level) + " " +
+             crc_text(level_of(reader, level)) + "\n";
+  }
+  return lines;
+}
+
+void write_anew() {
+  std::ofstream list(kFolder + "levels.txt", std::ios::binary);
+  for (const Feature& feature : features()) {
+    const std::vector<std::uint8_t> bytes = build(feature);
+    std::ofstream(kFolder + feature.name + ".8vo", std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size()));
+    list << lines_for(feature, *open_bytes(bytes));
+  }
+}
+
+class FeatureFile : public ::testing::TestWithParam<Feature> {
+ protected:
+  static void SetUpTestSuite() {
+    static const bool is_written = [] {
+      const bool is_asked = std::getenv("OCTAVO_WRITE_GOLDEN") != nullptr;
+      if (is_asked) write_anew();
+      return is_asked;
+    }();
+    (void)is_written;
+  }
+};
+
+TEST_P(FeatureFile, GivesBackWhatItWasMadeOf) {
+  const Feature& feature = GetParam();
+  const auto reader = open_bytes(kept(feature.name));
+  const std::vector<std::uint8_t> found = level_of(*reader, 0);
+  const std::vector<std::byte> expected = voxels_of(feature);
+  ASSERT_EQ(found.size(), expected.size());
+  with_voxel_type(feature.type, [&](auto tag) {
+    using T = typename decltype(tag)::type;
+    double most = 0;
+    for (std::size_t at = 0; at < found.size(); at += sizeof(T)) {
+      T a, b;
+      std::memcpy(&a, found.data() + at, sizeof a);
+      std::memcpy(&b, expected.data() + at, sizeof b);
+      most = std::max(most, std::abs(static_cast<double>(a) - static_cast<double>(b)));
+    }
+    EXPECT_LE(most, feature.options.max_error);
+  });
+}
+
+TEST_P(FeatureFile, EveryLevelIsAsListed) {
+  std::ifstream list(kFolder + "levels.txt");
+  std::string listed;
+  for (std::string line; std::getline(list, line);) {
+    if (line.starts_with(GetParam().name + ".8vo ")) listed += line + "\n";
+  }
+  EXPECT_EQ(lines_for(GetParam(), *open_bytes(kept(GetParam().name))), listed);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kept, FeatureFile, ::testing::ValuesIn(features()),
+                         [](const auto& test) {
+                           std::string name = test.param.name;
+                           std::ranges::replace(name, '-', '_');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace octavo
