@@ -59,7 +59,8 @@ struct CodecSettings {
 };
 
 struct EncodedBrick {
-  /// Bounds of the decoded voxels; the smallest and largest of them when lossless.
+  /// Smallest and largest voxel; decoded ones stay between them. One value in its place when all
+  /// voxels lie within the maximum error of it.
   ValueRange range;
   std::int64_t parent = 0;     ///< the brick's sample at the first level of the next tier
   std::int64_t max_error = 0;  ///< largest |voxel - decoded voxel|

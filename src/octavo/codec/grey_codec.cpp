@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <limits>
 #include <type_traits>
 
 #include "octavo/codec/grey_brick.h"
@@ -56,18 +55,6 @@ struct VoxelScale {
     return std::clamp((sample + base) * step, range.min, range.max);
   }
 };
-
-/// The values that a voxel of a type can have.
-ValueRange limits_of(VoxelType type) {
-  return with_voxel_type(type, [](auto tag) -> ValueRange {
-    using T = typename decltype(tag)::type;
-    if constexpr (std::is_integral_v<T>) {
-      return {std::numeric_limits<T>::lowest(), std::numeric_limits<T>::max()};
-    } else {
-      throw Error(ErrorKind::invalid_argument, "float voxels have no grey codec");
-    }
-  });
-}
 
 /// Calls f(voxel) for the voxels of a brick in the order z, y, x.
 template <class F>
@@ -191,13 +178,8 @@ EncodedBrick encode_brick(const Model& model, const BrickShape& shape, const Bri
   const AxisOrder& order = model.parameters.axis_order;
   const auto brick = analyze<Sample>(shape, view, scale, order);
   const Quantizer& quantizer = model.parameters.quantizer;
-  const ValueRange possible = limits_of(view.type);
   EncodedBrick encoded;
   encoded.range = voxels;
-  if (quantizer.voxel_step > 1) {
-    encoded.range = {std::max(scale.range.min * scale.voxel_step, possible.min),
-                     std::min(scale.range.max * scale.voxel_step, possible.max)};
-  }
   encoded.parent = std::clamp(brick.parent * scale.voxel_step, encoded.range.min,
                               encoded.range.max);
   encoded.segments = encode_samples(model, shape, brick);

@@ -254,7 +254,7 @@ Parameters parse_parameters(ByteSpan bytes) {
   for (auto& set : p.frequencies) {
     const std::array<std::uint16_t, kTokens>* below = nullptr;
     for (auto& context : set) {
-      const std::uint32_t code = get_golomb(coder, models.last);
+      const auto code = static_cast<std::uint32_t>(get_golomb(coder, models.last));
       if (code > kTokens || (code == 0 && below == nullptr)) {
         throw Error(ErrorKind::corrupt, "model: bad table length");
       }
@@ -264,8 +264,8 @@ Parameters parse_parameters(ByteSpan bytes) {
         std::uint32_t left = kTableSize;
         std::uint32_t before = 0;
         for (std::size_t token = 0; token + 1 < code; ++token) {
-          const std::uint32_t value =
-              get_golomb(coder, models.of(before, below ? (*below)[token] : 0u));
+          const auto value = static_cast<std::uint32_t>(
+              get_golomb(coder, models.of(before, below ? (*below)[token] : 0u)));
           if (value >= left) throw Error(ErrorKind::corrupt, "model: a table exceeds its sum");
           context[token] = static_cast<std::uint16_t>(value);
           left -= value;
