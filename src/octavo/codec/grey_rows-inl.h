@@ -236,18 +236,16 @@ HWY_INLINE Words load_each(const T* from, Words index) {
 #endif
   const auto* const bytes = reinterpret_cast<const std::uint8_t*>(from);
   const hn::FixedTag<std::uint32_t, 1> single;
+  const hn::FixedTag<std::uint32_t, 2> two;
   const hn::FixedTag<std::uint32_t, 4> quad;
-  const hn::FixedTag<std::uint64_t, 2> pairs;
   const auto one = [&](std::size_t lane) HWY_ATTR {
     std::uint32_t value;
     std::memcpy(&value, bytes + kStep * places[lane], 4);
-    return hn::Vec<decltype(quad)>{hn::Load(single, &value).raw};
+    return hn::Load(single, &value);
   };
   const auto four = [&](std::size_t lane) HWY_ATTR {
-    const auto low = hn::InterleaveLower(quad, one(lane), one(lane + 1));
-    const auto high = hn::InterleaveLower(quad, one(lane + 2), one(lane + 3));
-    return hn::BitCast(quad, hn::InterleaveLower(pairs, hn::BitCast(pairs, low),
-                                                 hn::BitCast(pairs, high)));
+    return hn::Combine(quad, hn::Combine(two, one(lane + 3), one(lane + 2)),
+                       hn::Combine(two, one(lane + 1), one(lane)));
   };
 #if HWY_MAX_BYTES >= 32
   return hn::Combine(kWords, four(4), four(0));

@@ -10,6 +10,8 @@
 
 #include "octavo/codec/grey_portable.h"
 
+#include "octavo/codec/simd_targets.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "octavo/codec/grey_stage_simd.cpp"
 #include <hwy/foreach_target.h>

@@ -9,6 +9,8 @@
 
 #include "octavo/codec/label_portable.h"
 
+#include "octavo/codec/simd_targets.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "octavo/codec/label_walk_simd.cpp"
 #include <hwy/foreach_target.h>

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "octavo/codec/simd_targets.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "octavo/codec/least_squares.cpp"
 #include <hwy/foreach_target.h>

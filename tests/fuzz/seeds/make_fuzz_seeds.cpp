@@ -58,14 +58,15 @@ void put(Bytes& out, Int value) {
 }
 
 /// The mirror image of what fuzz_brick.cpp reads.
-Bytes brick_input(std::uint8_t type, VolumeKind kind, std::uint8_t side) {
+Bytes brick_input(std::uint8_t type, VolumeKind kind, std::uint8_t side,
+                  const CodecSettings& settings = {}) {
   const Size3 size{kSides[side], kSides[side], kSides[side]};
   const Bytes voxels = make_voxels(size, kTypes[type], kind);
   const BrickView view{voxels.data(), kTypes[type], size, size.x, size.x * size.y};
   const Levels levels(size, choose_halvings(size, {1, 1, 1}));
   const BrickShape shape = brick_shape(levels, 0, {0, 0, 0});
   const TrainingBrick lesson{shape, view};
-  const auto codec = train_model(kind, kTypes[type], std::span(&lesson, 1));
+  const auto codec = train_model(kind, kTypes[type], std::span(&lesson, 1), settings);
   const EncodedBrick brick = codec->encode(shape, view);
   const Bytes model = codec->serialized();
   Bytes out = {static_cast<std::uint8_t>(type | (kind == VolumeKind::labels ? 0x80 : 0)), side,
@@ -115,6 +116,13 @@ int main(int argc, char** argv) {
     for (std::uint8_t type = 0; type < kTypes.size(); ++type) {
       for (const std::uint8_t side : std::to_array<std::uint8_t>({0, 2, 4, 5})) {
         save(folder / "bricks" / std::to_string(number++), brick_input(type, kind, side));
+      }
+      if (kind == VolumeKind::grey) {
+        // Prediction from means; rounded voxels; quantised details with corrections.
+        for (const CodecSettings& settings :
+             {CodecSettings{Preset::fast, 0}, {Preset::small, 1}, {Preset::fast, 25}}) {
+          save(folder / "bricks" / std::to_string(number++), brick_input(type, kind, 4, settings));
+        }
       }
       for (const Size3& size :
            {Size3{1, 1, 1}, Size3{9, 5, 3}, Size3{16, 16, 16}, Size3{70, 3, 66}}) {
