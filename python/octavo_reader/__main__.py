@@ -19,7 +19,7 @@ def _describe(file: OctavoFile) -> None:
 
 def main() -> int:
     parser = argparse.ArgumentParser(prog="octavo_reader", description="Reads .8vo files.")
-    parser.add_argument("file", metavar="FILE", help="an .8vo file; without --level it is described")
+    parser.add_argument("file", metavar="FILE", help="an .8vo file, described without --level")
     parser.add_argument("--level", type=int, metavar="K", help="read level K; 0 is the scan")
     parser.add_argument("-o", "--output", metavar="OUT", help="array [z][y][x]: .npy, else raw")
     options = parser.parse_args()

@@ -84,10 +84,9 @@ class ByteCursor:
 def unpack_bits(data: bytes, width: int, count: int, name: str) -> np.ndarray:
     """`count` fields of `width` bits (at most 32), lowest bit first, as int64 of shape (count,).
 
-    Raises OctavoError "corrupt" when `data` has another length or its padding is not zero.
+    Raises OctavoError "corrupt" when `data` has another length than these take.
     """
     require(len(data) == (count * width + 7) // 8, f"{name} has a wrong length")
     bits = np.unpackbits(np.frombuffer(data, np.uint8), bitorder="little").astype(np.int64)
-    require(not bits[count * width :].any(), f"{name} is not padded with zeros")
     fields = bits[: count * width].reshape(count, width)
     return (fields << np.arange(width, dtype=np.int64)).sum(axis=1, dtype=np.int64)

@@ -87,11 +87,11 @@ class OctavoFile:
         size = tuple(min(n - (i << h), 1 << h) for n, i, h in
                      zip(header.level_size(first), at, header.brick_shifts(tier)))
         halvings = list(header.halvings[first : first + len(segments)])
-        halvings += [7] * (len(segments) - len(halvings))
+        halvings += [7] * (len(segments) - len(halvings))  # beyond the last level
         model = self._model(self._root.model_number(tier, at[2], header.bricks(0)[2]))
         if header.kind == "labels":
-            codes = decode_label_brick(model, brick.smallest, brick.largest, segments, size, halvings,
-                                       level - first)
+            codes = decode_label_brick(model, brick.smallest, brick.largest, segments, size,
+                                       halvings, level - first)
         else:
             codes = decode_grey_brick(model, brick.smallest, brick.largest, segments, size,
                                       halvings[:-1], first, level - first)

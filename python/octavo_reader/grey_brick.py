@@ -19,7 +19,7 @@ def decode_grey_brick(model: GreyModel, smallest: int, largest: int, segments: l
                       place: int) -> np.ndarray:
     """The samples of one level of a brick that is not uniform, as int64 of shape [z][y][x].
 
-    segments     one per level of the brick, finest first; those finer than `place` are not looked at
+    segments     one per level of the brick, finest first; those finer than `place` are unused
     size         x, y, z of the brick's finest level
     halvings     per level of the brick the mask of axes halved to the next
     first_level  global level of the brick's finest level
@@ -110,8 +110,9 @@ class _Brick:
             decoder = BinaryDecoder(data)
             states = [AdaptiveBit() for _ in range(8)]
             for z, y, x in np.ndindex(nz, ny, nx):
-                left, above, behind = flags[z + 1, y + 1, x], flags[z + 1, y, x + 1], flags[z, y + 1, x + 1]
-                flags[z + 1, y + 1, x + 1] = decoder.adaptive(states[left + 2 * above + 4 * behind])
+                near = flags[z : z + 2, y : y + 2, x : x + 2]
+                state = states[near[1, 1, 0] + 2 * near[1, 0, 1] + 4 * near[0, 1, 1]]
+                near[1, 1, 1] = decoder.adaptive(state)
             require(decoder.at == len(data), "cell flags do not end where they should")
         return flags[1:, 1:, 1:]
 
@@ -130,8 +131,8 @@ class _Brick:
                 splits.append((axis, flagged))
         coded_count = sum(int((~flagged).sum()) for _, flagged in splits)
         stream = DetailStream(data, coded_count)
-        decoder = DetailDecoder(self.model, level, stream, mask, self.low, self.low + self.range, self.shift,
-                                self.is_narrow)
+        decoder = DetailDecoder(self.model, level, stream, self.low, self.low + self.range,
+                                self.shift, self.is_narrow)
         for axis, flagged in splits:
             rounding = (axis + self.first_level + level + 1) & 1
             samples = decoder.split(samples, axis, self.sizes[level][axis], flagged, rounding)
@@ -153,7 +154,7 @@ class _Brick:
 
 
 def decode_corrections(data: bytes, shape: tuple[int, int, int]) -> np.ndarray:
-    """Corrections of the voxels of level 0, within +-31, of shape [z][y][x] along the brick's own axes.
+    """Corrections of the voxels of level 0, within +-31, [z][y][x] along the brick's own axes.
 
     Source  docs/format-grey.md, section 12
     """
@@ -170,9 +171,10 @@ def decode_corrections(data: bytes, shape: tuple[int, int, int]) -> np.ndarray:
             fives = np.stack([c[z, y - 1], c[z - 1, y]])
             threes = np.stack([c[z - 1, y - 1], c[z - 1, y + 1]])
             if threes.any() or fives.any():
-                numbers = np.correlate((fives != 0).sum(0), five) + np.correlate((threes != 0).sum(0), three)[1:-1]
-                sums = np.correlate(fives.sum(0), five) + np.correlate(threes.sum(0), three)[1:-1]
-                numbers, sums = numbers.tolist(), sums.tolist()
+                numbers = (np.correlate((fives != 0).sum(0), five)
+                           + np.correlate((threes != 0).sum(0), three)[1:-1]).tolist()
+                sums = (np.correlate(fives.sum(0), five)
+                        + np.correlate(threes.sum(0), three)[1:-1]).tolist()
             else:
                 numbers = sums = [0] * nx
             row = [0] * nx

@@ -30,7 +30,7 @@ def detail_step(model: GreyModel, axis: int, level: int) -> int:
     return max(1, (model.detail_step * scale + (1 << 22)) >> 23)
 
 
-def wrapped(value):
+def wrapped(value: int | np.ndarray) -> int | np.ndarray:
     """Modulo 2^32, read as two's complement; of a number or an array."""
     return ((value + (1 << 31)) & 0xFFFFFFFF) - (1 << 31)
 
@@ -67,7 +67,8 @@ class DetailStream:
             state = states[j % state_count]
             slot = state & _SLOT_MASK
             token = tokens_of[context][slot]
-            state = frequencies[context][token] * (state >> PROBABILITY_BITS) + slot - firsts[context][token]
+            state = frequencies[context][token] * (state >> PROBABILITY_BITS)
+            state += slot - firsts[context][token]
             if state < _STATE_START:
                 require(self._word_at < len(words), "details end too early")
                 state = state << 16 | words[self._word_at]
@@ -96,8 +97,6 @@ class DetailStream:
         require(all(state == _STATE_START for state in self._states)
                 and self._word_at == len(self._words), "details do not end where they should")
         require((self._plain_at + 7) // 8 == len(self._plain), "plain bits have a wrong length")
-        if self._plain_at & 7:
-            require(self._plain[-1] >> (self._plain_at & 7) == 0, "plain bits are not padded with zeros")
 
 
 class TokenTables:
@@ -113,17 +112,16 @@ class TokenTables:
 class DetailDecoder:
     """Decodes the splits of one level of a brick, in the order z, y, x.
 
-    mask          the axes halved from this level to the next
     lowest, highest  the samples of the brick's smallest and largest voxel
+    shift, is_narrow as in docs/format-grey.md, section 1
     """
 
-    def __init__(self, model: GreyModel, level: int, stream: DetailStream, mask: int, lowest: int,
+    def __init__(self, model: GreyModel, level: int, stream: DetailStream, lowest: int,
                  highest: int, shift: int, is_narrow: bool) -> None:
         self._model = model
         self._level = level
         self._group = min(level, 2)
         self._stream = stream
-        self._mask = mask
         self._lowest = lowest
         self._highest = highest
         self._shift = shift
@@ -149,7 +147,8 @@ class DetailDecoder:
         e0, e1, e2, slope = e0[inside], e1[inside], e2[inside], slope[inside]
         weights = self._model.context_weights[self._group][axis]
         t = sum(w * np.minimum(e, 16383) for w, e in zip(weights, (e0, e1, e2))) + weights[5]
-        t = t + weights[3] * self._earlier(axis, pairs, 0) + weights[4] * self._earlier(axis, pairs, 1)
+        for which in (0, 1):
+            t = t + weights[3 + which] * self._earlier(axis, pairs, which)
         residuals = self._residuals(axis, flagged, limit, t, step)
 
         threshold = self._model.threshold
@@ -163,7 +162,7 @@ class DetailDecoder:
             return _merge(means, axis, length, details, rounding)
         return self._predicted(means, axis, length, classes, limit, residuals, rounding)
 
-    def _earlier(self, axis: int, pairs: tuple[int, int, int], which: int):
+    def _earlier(self, axis: int, pairs: tuple[int, int, int], which: int) -> np.ndarray | int:
         """Magnitudes at the same places in a split of this level done before, or 0.
 
         which  0: the y split for x, the z split for y; 1: the z split for x
@@ -175,8 +174,8 @@ class DetailDecoder:
         places = []
         for a, count in zip((2, 1, 0), pairs):
             at = np.arange(count)
-            if axis < a <= source and self._mask >> a & 1:
-                at = at >> 1
+            if axis < a <= source:
+                at = at >> 1  # also where this axis is not halved
             places.append(np.minimum(at, magnitudes.shape[2 - a] - 1))
         return magnitudes[np.ix_(*places)]
 
@@ -190,7 +189,8 @@ class DetailDecoder:
         bound = limit >> self._shift
         least_upper = 128 * (bound - 1)
         most = bound << 8
-        extra = [min(7, max(0, h // 2 - 6 - step.bit_length() + 1)) + self._shift for h in range(30)] * 2
+        extra = [min(7, max(0, h // 2 - 5 - step.bit_length())) + self._shift for h in range(30)]
+        extra *= 2
         residuals = np.zeros(flagged.shape, np.int64)
         # Rows with two more magnitudes at both ends.
         rows = np.zeros((nz, ny, nx + 4), np.int64)
@@ -208,12 +208,14 @@ class DetailDecoder:
                 sums = (t[z, y] + np.correlate(above, above_weights)
                         + np.correlate(behind, behind_weights)
                         + w[14] * upper[2:-2] + w[15] * lower[2:-2])
-                context = _half_octaves(np.minimum(sums, most[z, y])) + 30 * (sums > least_upper[z, y])
+                context = _half_octaves(np.minimum(sums, most[z, y]))
+                context += 30 * (sums > least_upper[z, y])
                 coded = ~flagged[z, y]
                 numbers = self._stream.row(self._tables, context[coded].tolist(), extra)
                 if numbers:
                     u = np.array(numbers, np.int64)
-                    residuals[z, y, coded] = wrapped(step * np.where(u & 1, -(u >> 1) - 1, u >> 1))
+                    row = step * np.where(u & 1, -(u >> 1) - 1, u >> 1)
+                    residuals[z, y, coded] = wrapped(row) if self._is_narrow else row
                 row = np.minimum(np.abs(residuals[z, y]) >> self._shift, 2047)
                 rows[z, y, 2:-2] = row
                 rows[z, y, :2] = row[0]
@@ -229,54 +231,44 @@ class DetailDecoder:
         repeated = np.repeat(means, 2, array_axis).take(range(length), array_axis)
         v = np.pad(repeated, ((2, 2), (2, 2), (8, 8)), mode="edge")
         weights = self._model.tap_weights[self._group][axis]
-        steps = [1, 1, 1]
-        steps[axis] = 2
-        own = [(row, start[0]) for row, start in enumerate(TAP_ROWS[axis])
-               if start[1:] == (0, 0) or (axis > 0 and start[1 + (axis == 2)] == 1
-                                          and start[2 - (axis == 2)] == 0)]
-        # Taps at the samples that pairs to the left have overwritten: weights by class, per
-        # distance of the pair its first and second sample.
-        left = _left_taps(axis, own, weights)
-        taps = [(8 * row + tap, start[0] + tap, start[1], start[2])
-                for row, start in enumerate(TAP_ROWS[axis]) for tap in range(8)]
-        for z in range(nz):
-            for y in range(ny):
-                if not classes[z, y].any():
-                    sums = np.zeros(nx, np.int64)
-                else:
-                    chosen = weights[classes[z, y]]
-                    z0, y0 = 2 + steps[2] * z, 2 + steps[1] * y
-                    sums = np.zeros(nx, np.int64)
-                    for place, dx, dy, dz in taps:
-                        first = 8 + dx
-                        line = v[z0 + dz, y0 + dy, first : first + steps[0] * (nx - 1) + 1 : steps[0]]
-                        sums += chosen[:, place] * line
-                pairs = _decode_row(sums.tolist(), classes[z, y].tolist(), limit[z, y].tolist(),
-                                    residuals[z, y].tolist(), means[z, y, :nx].tolist(), left,
-                                    rounding, self._is_narrow)
-                a, b = np.array(pairs, np.int64).T
-                z0, y0 = 2 + steps[2] * z, 2 + steps[1] * y
-                if axis == 0:
-                    v[z0, y0, 8 : 8 + 2 * nx : 2] = a
-                    v[z0, y0, 9 : 9 + 2 * nx : 2] = b
-                else:
-                    v[z0, y0, 8 : 8 + nx] = a
-                    v[z0 + (axis == 2), y0 + (axis == 1), 8 : 8 + nx] = b
+        left = _left_taps(axis, weights)
+        taps = [(8 * row + tap, (x0 + tap, y0, z0))
+                for row, (x0, y0, z0) in enumerate(TAP_ROWS[axis]) for tap in range(8)]
+        stride_x, stride_y, stride_z = (2 if axis == a else 1 for a in range(3))
+
+        def line(x: int, y: int, z: int) -> np.ndarray:
+            """Samples as far as x, y, z from the first ones of a row's pairs."""
+            first = 8 + x
+            return v[2 + z, 2 + y, first : first + stride_x * (nx - 1) + 1 : stride_x]
+
+        for z, y in np.ndindex(nz, ny):
+            sums = np.zeros(nx, np.int64)
+            if classes[z, y].any():
+                chosen = weights[classes[z, y]]
+                for place, (tap_x, tap_y, tap_z) in taps:
+                    at = line(tap_x, stride_y * y + tap_y, stride_z * z + tap_z)
+                    sums += chosen[:, place] * at
+            pairs = _decode_row(sums.tolist(), classes[z, y].tolist(), limit[z, y].tolist(),
+                                residuals[z, y].tolist(), means[z, y, :nx].tolist(), left,
+                                rounding, self._is_narrow)
+            first, second = np.array(pairs, np.int64).T
+            line(0, stride_y * y, stride_z * z)[:] = first
+            line(axis == 0, stride_y * y + (axis == 1), stride_z * z + (axis == 2))[:] = second
         return v[2:-2, 2:-2, 8:-8]
 
 
-def _left_taps(axis: int, own: list[tuple[int, int]], weights: np.ndarray) -> list[list[list[int]]]:
-    """[class][distance - 1] -> weights of the first and second sample of the pair that far left."""
-    result = []
-    for row in weights.tolist():
-        if axis == 0:
-            # Tap 8 is the pair's first sample; the pair at distance n lies 2n to the left.
-            result.append([[row[8 - 2 * n], row[9 - 2 * n]] for n in range(1, 5)])
-        else:
-            (first, start), (second, _) = own
-            result.append([[row[8 * first - start - n], row[8 * second - start - n]]
-                           for n in range(1, 4)])
-    return result
+def _left_taps(axis: int, weights: np.ndarray) -> list[list[list[int]]]:
+    """Weights of the taps that pairs decoded before in the same row have overwritten.
+
+    [class][distance - 1] -> weights of the first and second sample of the pair that far left
+    """
+    # Of the x split one row of taps follows the other; of the others these two hold the pairs.
+    second = [int(a == axis) for a in (1, 2)]
+    rows = [8 * TAP_ROWS[axis].index((-3, 0, 0)) + 3, 8 * TAP_ROWS[axis].index((-3, *second)) + 3
+            ] if axis > 0 else [8, 9]
+    stride, reach = (1, 3) if axis > 0 else (2, 4)
+    return [[[row[at - stride * n] for at in rows] for n in range(1, reach + 1)]
+            for row in weights.tolist()]
 
 
 def _decode_row(sums: list[int], classes: list[int], limits: list[int], residuals: list[int],

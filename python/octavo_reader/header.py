@@ -11,7 +11,8 @@ from .errors import OctavoError, require
 HEADER_LENGTH = 512
 MAGIC = b"\x8f8VO\r\n\x1a\n"
 LEVELS_PER_TIER = 6
-VOXEL_TYPES = {1: "int8", 2: "uint8", 3: "int16", 4: "uint16", 5: "int32", 6: "uint32", 7: "float32"}
+VOXEL_TYPES = {1: "int8", 2: "uint8", 3: "int16", 4: "uint16", 5: "int32", 6: "uint32",
+               7: "float32"}
 KINDS = {1: "grey", 2: "labels"}
 _CODING_TAG = 0x8001
 
@@ -78,7 +79,7 @@ class Header:
         return size
 
     def brick_shifts(self, tier: int) -> tuple[int, int, int]:
-        """Along each axis the halvings h in a tier: its bricks cover 2^h samples of its first level."""
+        """Along each axis h; bricks of a tier cover 2^h samples of its first level."""
         first = LEVELS_PER_TIER * tier
         masks = self.halvings[first : first + LEVELS_PER_TIER]
         missing = LEVELS_PER_TIER - len(masks)
@@ -170,7 +171,8 @@ def _extensions(cursor: ByteCursor) -> tuple[int, float, float] | None:
 
 
 def _prove(header: Header) -> None:
-    require(header.level_size(len(header.halvings)) == (1, 1, 1), "the last level is not one sample")
+    last_size = header.level_size(header.level_count - 1)
+    require(last_size == (1, 1, 1), "the last level is not one sample")
     require(all(step > 0 for step in header.spacing), "spacing is not positive")
     determinant = np.linalg.det(np.array(header.direction).reshape(3, 3))
     require(abs(determinant) > 1e-6, "direction is singular")

@@ -105,7 +105,8 @@ def parse_root(data: bytes, header: Header) -> Root:
                 page_offset += page.length
                 pages[tier][layer].append(page)
     cursor.end()
-    require(page_offset == header.pages.offset + header.pages.length, "the pages have a wrong length")
+    require(page_offset == header.pages.offset + header.pages.length,
+            "the pages have a wrong length")
     return Root(_place(header, models, trailers, pages), pages)
 
 
@@ -160,7 +161,10 @@ def _place(header: Header, models: list[tuple[int, int, int]], trailers: list[in
 
 
 def parse_page(data: bytes, page: Page, header: Header) -> list[Brick]:
-    """The bricks of a page, in brick order. Raises OctavoError "corrupt" where the root disagrees."""
+    """The bricks of a page, in brick order.
+
+    Raises  OctavoError "corrupt", also where the root disagrees
+    """
     cursor = ByteCursor(data, "index page")
     require(cursor.u8() == 0, "an index page has unknown flags")
     has_errors = page.tier == 0 and header.max_error > 0

@@ -72,10 +72,8 @@ def _decode_stored(segment: bytes, smallest: int, largest: int,
 
 def most_frequent(labels: np.ndarray, mask: int) -> np.ndarray:
     """The next level: of each octant the most frequent label, of several the smallest."""
-    padded = np.pad(labels, [(0, n & 1 if mask >> (2 - a) & 1 else 0) for a, n in enumerate(labels.shape)])
-    inside = np.pad(np.ones(labels.shape, bool), [(0, p - n) for p, n in zip(padded.shape, labels.shape)])
-    parts = [slice(None)]
-    children, known = [padded], [inside]
+    margins = [(0, n & (mask >> (2 - axis)) & 1) for axis, n in enumerate(labels.shape)]
+    children, known = [np.pad(labels, margins)], [np.pad(np.ones(labels.shape, bool), margins)]
     for array_axis in range(3):
         if mask >> (2 - array_axis) & 1:
             parts = [slice(0, None, 2), slice(1, None, 2)]
