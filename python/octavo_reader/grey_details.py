@@ -47,7 +47,7 @@ class DetailStream:
         if coded_count == 0:
             require(not data, "a level without details has bytes")
             return
-        cursor = ByteCursor(data, "details")
+        cursor = ByteCursor(data, "a level of details")
         self._plain = cursor.take(cursor.varint())
         counts = ((16384, 32), (1024, 8), (128, 2), (1, 1))
         state_count = next(states for least, states in counts if coded_count >= least)
