@@ -1,0 +1,178 @@
+"""A file that is open: docs/format.md, section 10."""
+
+import json
+import os
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .byte_cursor import crc32c
+from .errors import OctavoError, require
+from .grey_brick import decode_grey_brick
+from .grey_model import parse_grey_model
+from .header import HEADER_LENGTH, LEVELS_PER_TIER, Header, Section, parse_header
+from .index import BRICKS_PER_PAGE, Brick, Page, brick_order, o_code, parse_page, parse_root
+from .label_brick import decode_label_brick
+from .label_model import parse_label_model
+
+_TRAILER_LENGTH = 64
+_TRAILER_MAGIC = b"\x8f8VOend\n"
+_MODEL_LEVEL = 255
+
+
+class OctavoFile:
+    """Reads a file; nothing it gives out is uncovered by a checksum.
+
+    header    sizes, geometry and types
+    metadata  the JSON object that builds write
+    A file is a context manager; not thread-safe.
+    """
+
+    def __init__(self, path: str | os.PathLike) -> None:
+        """Opens a file. Raises OctavoError when it is none or damaged, OSError as open does."""
+        self._file = Path(path).open("rb")
+        try:
+            self.header = parse_header(self._file.read(HEADER_LENGTH))
+            self._prove_trailer()
+            self._root = parse_root(self._section(self.header.root, "index root"), self.header)
+            self.metadata = self._read_metadata()
+        except BaseException:
+            self._file.close()
+            raise
+        self._page = lru_cache(maxsize=64)(self._read_page)
+        self._model = lru_cache(maxsize=4)(self._read_model)
+
+    def __enter__(self) -> "OctavoFile":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        self._file.close()
+
+    def read_level(self, level: int) -> np.ndarray:
+        """All samples of a level, of the voxel type of the file and shape [z][y][x].
+
+        Raises  OctavoError "invalid_argument" if there is no such level, "corrupt" on damage
+        """
+        header = self.header
+        if not 0 <= level < header.level_count:
+            raise OctavoError("invalid_argument",
+                              f"there is no level {level}, only 0 to {header.level_count - 1}")
+        tier = level // LEVELS_PER_TIER
+        shifts = header.brick_shifts(tier)
+        masks = header.halvings[LEVELS_PER_TIER * tier : level]
+        sides = [1 << h - sum(mask >> axis & 1 for mask in masks) for axis, h in enumerate(shifts)]
+        samples = np.empty(header.level_size(level)[::-1], header.voxel_type)
+        bricks_x, bricks_y, layers = header.bricks(tier)
+        for k in range(layers):
+            for place, (i, j) in enumerate(brick_order(bricks_x, bricks_y)):
+                box = self._read_brick(tier, level, (i, j, k), place)
+                x, y, z = (n * side for n, side in zip((i, j, k), sides))
+                samples[z : z + sides[2], y : y + sides[1], x : x + sides[0]] = box
+        return samples
+
+    def _read_brick(self, tier: int, level: int, at: tuple[int, int, int], place: int) -> Any:
+        """The samples of one level of a brick, or the one value that all of them have."""
+        header = self.header
+        page = self._root.pages[tier][at[2]][place // BRICKS_PER_PAGE]
+        brick = self._page(tier, at[2], place // BRICKS_PER_PAGE)[place % BRICKS_PER_PAGE]
+        if brick.smallest == brick.largest:
+            return self._voxels(np.array(brick.smallest))
+        first = LEVELS_PER_TIER * tier
+        segments = self._segments(page, brick, level - first, o_code(*at))
+        size = tuple(min(n - (i << h), 1 << h) for n, i, h in
+                     zip(header.level_size(first), at, header.brick_shifts(tier)))
+        halvings = list(header.halvings[first : first + len(segments)])
+        halvings += [7] * (len(segments) - len(halvings))  # beyond the last level
+        model = self._model(self._root.model_number(tier, at[2], header.bricks(0)[2]))
+        if header.kind == "labels":
+            codes = decode_label_brick(model, brick.smallest, brick.largest, segments, size,
+                                       halvings, level - first)
+        else:
+            codes = decode_grey_brick(model, brick.smallest, brick.largest, segments, size,
+                                      halvings[:-1], first, level - first)
+        return self._voxels(codes)
+
+    def _segments(self, page: Page, brick: Brick, place: int, code: int) -> list[bytes]:
+        """The segments of a brick that its level `place` takes; the others are left empty."""
+        is_stored = brick.segments[-1][1] == 0
+        segments = []
+        for i, (offset, length, crc) in enumerate(brick.segments):
+            if length == 0 or (i < place and not is_stored):
+                segments.append(b"")
+                continue
+            level = LEVELS_PER_TIER * page.tier + i
+            segments.append(self._piece(offset, length, crc, level, code, "a segment"))
+        return segments
+
+    def _voxels(self, codes: np.ndarray) -> np.ndarray:
+        """Codes as voxels of the type of the file."""
+        header = self.header
+        if header.voxel_type != "float32":
+            return codes.astype(header.voxel_type)
+        most = float(np.finfo(np.float32).max)
+        values = codes.astype(np.float64) * header.code_scale + header.code_offset
+        return values.clip(-most, most).astype(np.float32)
+
+    def _prove_trailer(self) -> None:
+        header = self.header
+        self._file.seek(0, os.SEEK_END)
+        if self._file.tell() < header.file_length:
+            raise OctavoError("truncated", f"{header.file_length} bytes are due, "
+                                           f"{self._file.tell()} are there")
+        require(self._file.tell() == header.file_length, "there is something behind the trailer")
+        data = self._read(header.file_length - _TRAILER_LENGTH, _TRAILER_LENGTH)
+        require(data[:8] == _TRAILER_MAGIC and not any(data[32:60]), "the trailer is none")
+        require(_u32(data, 60) == crc32c(data[:60]), "the trailer's checksum is wrong")
+        require(int.from_bytes(data[8:16], "little") == header.file_id
+                and int.from_bytes(data[16:24], "little") == header.file_length
+                and _u32(data, 24) == header.crc, "header and trailer disagree")
+
+    def _read_metadata(self) -> dict:
+        data = self._section(self.header.metadata, "metadata")
+        try:
+            metadata = json.loads(data)
+        except ValueError:
+            metadata = None
+        require(isinstance(metadata, dict), "the metadata is no JSON object")
+        return metadata
+
+    def _read_page(self, tier: int, layer: int, number: int) -> list[Brick]:
+        page = self._root.pages[tier][layer][number]
+        data = self._read(page.offset, page.length)
+        require(crc32c(data) == page.crc, "the checksum of an index page is wrong")
+        return parse_page(data, page, self.header)
+
+    def _read_model(self, number: int) -> Any:
+        model = self._root.models[number]
+        data = self._piece(model.offset, model.length, model.crc, _MODEL_LEVEL, number, "a model")
+        if self.header.kind == "labels":
+            return parse_label_model(data, self.header.voxel_type)
+        return parse_grey_model(data)
+
+    def _section(self, section: Section, name: str) -> bytes:
+        data = self._read(section.offset, section.length)
+        require(crc32c(data) == section.crc, f"the checksum of the {name} is wrong")
+        return data
+
+    def _piece(self, offset: int, length: int, crc: int, level: int, code: int, name: str) -> bytes:
+        data = self._read(offset, length)
+        before = (self.header.file_id.to_bytes(8, "little") + bytes([level])
+                  + code.to_bytes(8, "little"))
+        require(crc32c(data, before) == crc, f"the checksum of {name} at {offset} is wrong")
+        return data
+
+    def _read(self, offset: int, length: int) -> bytes:
+        self._file.seek(offset)
+        data = self._file.read(length)
+        if len(data) < length:
+            raise OctavoError("truncated", f"{length} bytes are due at {offset}")
+        return data
+
+
+def _u32(data: bytes, at: int) -> int:
+    return int.from_bytes(data[at : at + 4], "little")

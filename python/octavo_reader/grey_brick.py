@@ -1,0 +1,196 @@
+"""Grey bricks: docs/format-grey.md, sections 1 to 5 and 12.
+
+Arrays are indexed [z][y][x]. Inside a brick x, y and z are the axes of the model's order, except in
+`decode_grey_brick`, which gets and gives the brick's own.
+"""
+
+import numpy as np
+
+from .binary_coder import AdaptiveBit, BinaryDecoder
+from .byte_cursor import ByteCursor, unpack_bits
+from .errors import require
+from .grey_details import DetailDecoder, DetailStream, means_along
+from .grey_model import GreyModel
+from .header import halved
+
+
+def decode_grey_brick(model: GreyModel, smallest: int, largest: int, segments: list[bytes],
+                      size: tuple[int, int, int], halvings: list[int], first_level: int,
+                      place: int) -> np.ndarray:
+    """The samples of one level of a brick that is not uniform, as int64 of shape [z][y][x].
+
+    segments     one per level of the brick, finest first; those finer than `place` are unused
+    size         x, y, z of the brick's finest level
+    halvings     per level of the brick the mask of axes halved to the next
+    first_level  global level of the brick's finest level
+    place        which level of the brick, 0 the finest
+    Raises       OctavoError "corrupt"
+    """
+    order = model.axis_order
+    ordered_size = tuple(size[axis] for axis in order)
+    ordered_halvings = [_ordered_mask(mask, order) for mask in halvings]
+    brick = _Brick(model, smallest, largest, ordered_size, ordered_halvings, first_level)
+    if len(segments) > 1 and not segments[-1]:
+        require(not any(segments[1:]), "a stored brick has a second segment")
+        samples, corrections = brick.decode_stored(segments[0], place), None
+    else:
+        samples, corrections = brick.decode_levels(segments, place)
+    own = np.transpose(samples, [2 - order.index(axis) for axis in (2, 1, 0)])
+    return brick.to_voxels(own, corrections)
+
+
+def _ordered_mask(mask: int, order: tuple[int, int, int]) -> int:
+    return sum((mask >> axis & 1) << place for place, axis in enumerate(order))
+
+
+class _Brick:
+    """The numbers that all steps of decoding a brick need; samples are codes less `base`."""
+
+    def __init__(self, model: GreyModel, smallest: int, largest: int, size: tuple[int, int, int],
+                 halvings: list[int], first_level: int) -> None:
+        half = (model.voxel_step - 1) // 2
+        self.model = model
+        self.smallest = smallest
+        self.largest = largest
+        self.low_code = (smallest + half) // model.voxel_step
+        self.range = (largest + half) // model.voxel_step - self.low_code
+        self.is_narrow = self.range <= 65535
+        self.shift = 0 if self.is_narrow else self.range.bit_length() - 16
+        self.low = -(1 << 15) if self.is_narrow else -(1 << 31)
+        self.first_level = first_level
+        self.halvings = halvings
+        self.sizes = [size]
+        for mask in halvings:
+            self.sizes.append(halved(self.sizes[-1], mask))
+
+    def decode_stored(self, segment: bytes, place: int) -> np.ndarray:
+        samples = self._plain(segment, self.sizes[0])
+        for level in range(place):
+            for axis in range(3):
+                if self.halvings[level] >> axis & 1:
+                    rounding = (axis + self.first_level + level + 1) & 1
+                    samples = means_along(samples, 2 - axis, rounding)
+        return samples
+
+    def decode_levels(self, segments: list[bytes], place: int) -> tuple[np.ndarray, bytes | None]:
+        """Samples of level `place`, and the bytes of their corrections if they may have some."""
+        last = len(segments) - 1
+        samples = self._plain(segments[last], self.sizes[last])
+        corrections = None
+        flags = None
+        for level in range(last - 1, place - 1, -1):
+            cursor = ByteCursor(segments[level], "a grey segment")
+            if level == 0 and self.model.correction_step > 0:
+                corrections = cursor.take(cursor.varint())
+            if level == 1 and last >= 2:
+                flags = self._cell_flags(cursor.take(cursor.varint()))
+            samples = self._finer(samples, level, flags if level < 2 else None, cursor.rest())
+        return samples, corrections
+
+    def to_voxels(self, samples: np.ndarray, corrections: bytes | None) -> np.ndarray:
+        """Voxels of samples; both along the brick's own axes."""
+        voxels = (samples - self.low + self.low_code) * self.model.voxel_step
+        if self.model.is_lossy:
+            voxels = voxels.clip(self.smallest, self.largest)
+        if corrections:
+            steps = decode_corrections(corrections, voxels.shape) * self.model.correction_step
+            voxels = (voxels + steps).clip(self.smallest, self.largest)
+        return voxels
+
+    def _plain(self, segment: bytes, size: tuple[int, int, int]) -> np.ndarray:
+        count = size[0] * size[1] * size[2]
+        fields = unpack_bits(segment, self.range.bit_length(), count, "a segment of plain samples")
+        return np.minimum(fields, self.range).reshape(size[::-1]) + self.low
+
+    def _cell_flags(self, data: bytes) -> np.ndarray:
+        """One flag per sample of level 2, bool of shape [z][y][x]."""
+        nx, ny, nz = self.sizes[2]
+        flags = np.zeros((nz + 1, ny + 1, nx + 1), bool)
+        if data:
+            decoder = BinaryDecoder(data)
+            states = [AdaptiveBit() for _ in range(8)]
+            for z, y, x in np.ndindex(nz, ny, nx):
+                near = flags[z : z + 2, y : y + 2, x : x + 2]
+                state = states[near[1, 1, 0] + 2 * near[1, 0, 1] + 4 * near[0, 1, 1]]
+                near[1, 1, 1] = decoder.adaptive(state)
+            require(decoder.at == len(data), "cell flags do not end where they should")
+        return flags[1:, 1:, 1:]
+
+    def _finer(self, samples: np.ndarray, level: int, flags: np.ndarray | None,
+               data: bytes) -> np.ndarray:
+        """Level `level` of the brick from the level above it and the bytes of its details."""
+        mask = self.halvings[level]
+        size = list(self.sizes[level + 1])
+        splits = []
+        for axis in (2, 1, 0):
+            if mask >> axis & 1:
+                pairs = list(size)
+                pairs[axis] = self.sizes[level][axis] // 2
+                size[axis] = self.sizes[level][axis]
+                flagged = self._flagged_pairs(flags, level, axis, tuple(pairs))
+                splits.append((axis, flagged))
+        coded_count = sum(int((~flagged).sum()) for _, flagged in splits)
+        stream = DetailStream(data, coded_count)
+        decoder = DetailDecoder(self.model, level, stream, self.low, self.low + self.range,
+                                self.shift, self.is_narrow)
+        for axis, flagged in splits:
+            rounding = (axis + self.first_level + level + 1) & 1
+            samples = decoder.split(samples, axis, self.sizes[level][axis], flagged, rounding)
+        stream.end()
+        return samples
+
+    def _flagged_pairs(self, flags: np.ndarray | None, level: int, axis: int,
+                       pairs: tuple[int, int, int]) -> np.ndarray:
+        """Which pairs of a split lie in flagged cells, bool of shape [z][y][x]."""
+        if flags is None:
+            return np.zeros(pairs[::-1], bool)
+        places = []
+        for a in range(3):
+            # Axes split before (z, y, x) count samples of this level, the others of the next.
+            first = level if a > axis else level + 1
+            halvings = sum(self.halvings[i] >> a & 1 for i in range(first, 2))
+            places.append(np.arange(pairs[a]) >> halvings)
+        return flags[np.ix_(places[2], places[1], places[0])]
+
+
+def decode_corrections(data: bytes, shape: tuple[int, int, int]) -> np.ndarray:
+    """Corrections of the voxels of level 0, within +-31, [z][y][x] along the brick's own axes.
+
+    Source  docs/format-grey.md, section 12
+    """
+    nz, ny, nx = shape
+    decoder = BinaryDecoder(data)
+    corrected = [[AdaptiveBit(most=7) for _ in range(2)] for _ in range(19)]
+    negative = [AdaptiveBit(most=7) for _ in range(3)]
+    larger = AdaptiveBit(most=7)
+    # Margins of zeros: one plane behind, a row above and below, two voxels left and right.
+    c = np.zeros((nz + 1, ny + 2, nx + 4), np.int64)
+    three, five = np.ones(3, np.int64), np.ones(5, np.int64)
+    for z in range(1, nz + 1):
+        for y in range(1, ny + 1):
+            fives = np.stack([c[z, y - 1], c[z - 1, y]])
+            threes = np.stack([c[z - 1, y - 1], c[z - 1, y + 1]])
+            if threes.any() or fives.any():
+                numbers = (np.correlate((fives != 0).sum(0), five)
+                           + np.correlate((threes != 0).sum(0), three)[1:-1]).tolist()
+                sums = (np.correlate(fives.sum(0), five)
+                        + np.correlate(threes.sum(0), three)[1:-1]).tolist()
+            else:
+                numbers = sums = [0] * nx
+            row = [0] * nx
+            left = left2 = 0
+            for x in range(nx):
+                number = numbers[x] + (left != 0) + (left2 != 0)
+                value = 0
+                if decoder.adaptive(corrected[number][left != 0]):
+                    total = sums[x] + left + left2
+                    sign = -1 if decoder.adaptive(negative[(total > 0) - (total < 0) + 1]) else 1
+                    value = 1
+                    while value < 31 and decoder.adaptive(larger):
+                        value += 1
+                    value *= sign
+                row[x] = value
+                left2, left = left, value
+            c[z, y, 2:-2] = row
+    require(decoder.at == len(data), "corrections do not end where they should")
+    return c[1:, 1:-1, 2:-2]

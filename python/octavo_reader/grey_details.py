@@ -1,0 +1,338 @@
+"""Details of grey bricks: docs/format-grey.md, sections 2, 4 and 6 to 8.
+
+Arrays are indexed [z][y][x]; x, y, z are axes 0, 1, 2, so that array axis = 2 - axis.
+"""
+
+import numpy as np
+
+from .byte_cursor import ByteCursor
+from .errors import require
+from .grey_model import CONTEXTS, PROBABILITY_BITS, TAP_ROWS, TOKENS, GreyModel
+
+_STATE_START = 65536
+_SLOT_MASK = (1 << PROBABILITY_BITS) - 1
+
+
+def means_along(samples: np.ndarray, array_axis: int, rounding: int) -> np.ndarray:
+    """Samples of the next level along one axis; a last sample without a partner stays."""
+    lines = np.moveaxis(samples, array_axis, 0)
+    pairs = len(lines) // 2
+    means = (lines[0 : 2 * pairs : 2] + lines[1 : 2 * pairs : 2] + rounding) >> 1
+    return np.moveaxis(np.concatenate([means, lines[2 * pairs :]]), 0, array_axis)
+
+
+def detail_step(model: GreyModel, axis: int, level: int) -> int:
+    """The step D of a split, which its details are multiples of."""
+    if model.detail_step == 0:
+        return 1
+    j = 3 * level + axis
+    scale = (32768 if j & 1 else 46341) >> (j // 2)
+    return max(1, (model.detail_step * scale + (1 << 22)) >> 23)
+
+
+def wrapped(value: int | np.ndarray) -> int | np.ndarray:
+    """Modulo 2^32, read as two's complement; of a number or an array."""
+    return ((value + (1 << 31)) & 0xFFFFFFFF) - (1 << 31)
+
+
+class DetailStream:
+    """The coded details of one level, taken row by row. `coded_count` is their number."""
+
+    def __init__(self, data: bytes, coded_count: int) -> None:
+        self._plain = b""
+        self._plain_at = 0
+        self._states: list[int] = []
+        self._words: list[int] = []
+        self._word_at = 0
+        if coded_count == 0:
+            require(not data, "a level without details has bytes")
+            return
+        cursor = ByteCursor(data, "a level of details")
+        self._plain = cursor.take(cursor.varint())
+        counts = ((16384, 32), (1024, 8), (128, 2), (1, 1))
+        state_count = next(states for least, states in counts if coded_count >= least)
+        self._states = list(cursor.unpack(f"{state_count}I"))
+        require(min(self._states) >= _STATE_START, "a state of the details is too small")
+        words = cursor.rest()
+        require(len(words) % 2 == 0, "details end in half a word")
+        self._words = np.frombuffer(words, "<u2").tolist()
+
+    def row(self, tables: "TokenTables", contexts: list[int], extra_bits: list[int]) -> list[int]:
+        """The numbers u of one row; `extra_bits` holds k of each context."""
+        states, words, tokens_of = self._states, self._words, tables.tokens
+        frequencies, firsts = tables.frequencies, tables.firsts
+        state_count = len(states)
+        numbers = []
+        for j, context in enumerate(contexts):
+            state = states[j % state_count]
+            slot = state & _SLOT_MASK
+            token = tokens_of[context][slot]
+            state = frequencies[context][token] * (state >> PROBABILITY_BITS)
+            state += slot - firsts[context][token]
+            if state < _STATE_START:
+                require(self._word_at < len(words), "details end too early")
+                state = state << 16 | words[self._word_at]
+                self._word_at += 1
+            states[j % state_count] = state
+            k = extra_bits[context]
+            if token < 32:
+                numbers.append(token << k | self._bits(k))
+            elif token < 63:
+                length = 4 + (token - 32) // 2 + k
+                numbers.append((2 + (token & 1)) << length | self._bits(length))
+            else:
+                numbers.append(self._bits(20 + k))
+        return numbers
+
+    def _bits(self, count: int) -> int:
+        if count == 0:
+            return 0
+        at = self._plain_at
+        self._plain_at = at + count
+        window = int.from_bytes(self._plain[at >> 3 : (at + count + 7) >> 3], "little")
+        return window >> (at & 7) & ((1 << count) - 1)
+
+    def end(self) -> None:
+        """Raises OctavoError "corrupt" unless everything was taken."""
+        require(all(state == _STATE_START for state in self._states)
+                and self._word_at == len(self._words), "details do not end where they should")
+        require((self._plain_at + 7) // 8 == len(self._plain), "plain bits have a wrong length")
+
+
+class TokenTables:
+    """Of each context the token of each slot, and of each token its frequency and first slot."""
+
+    def __init__(self, frequencies: np.ndarray) -> None:
+        self.frequencies = frequencies.tolist()
+        self.firsts = (np.cumsum(frequencies, axis=1) - frequencies).tolist()
+        tokens = np.arange(TOKENS, dtype=np.uint8)
+        self.tokens = [bytes(np.repeat(tokens, row)) for row in frequencies]
+
+
+class DetailDecoder:
+    """Decodes the splits of one level of a brick, in the order z, y, x.
+
+    lowest, highest  the samples of the brick's smallest and largest voxel
+    shift, is_narrow as in docs/format-grey.md, section 1
+    """
+
+    def __init__(self, model: GreyModel, level: int, stream: DetailStream, lowest: int,
+                 highest: int, shift: int, is_narrow: bool) -> None:
+        self._model = model
+        self._level = level
+        self._group = min(level, 2)
+        self._stream = stream
+        self._lowest = lowest
+        self._highest = highest
+        self._shift = shift
+        self._is_narrow = is_narrow
+        self._tables = TokenTables(model.frequencies[min(level, 1)])
+        self._magnitudes: dict[int, np.ndarray] = {}
+
+    def split(self, means: np.ndarray, axis: int, length: int, flagged: np.ndarray,
+              rounding: int) -> np.ndarray:
+        """The samples whose means are `means`: `length` of them along `axis`.
+
+        flagged  which pairs lie in flagged cells, [z][y][x]
+        """
+        pairs = flagged.shape
+        if 0 in pairs:
+            return means
+        inside = tuple(slice(0, n) for n in pairs)
+        m = means[inside]
+        step = detail_step(self._model, axis, self._level)
+        room = np.minimum(m - self._lowest, self._highest - m).clip(0)
+        limit = np.where(flagged, 0, 2 * room + (0 if step > 1 else 1))
+        e0, e1, e2, slope = _activities(means, axis, self._shift)
+        e0, e1, e2, slope = e0[inside], e1[inside], e2[inside], slope[inside]
+        weights = self._model.context_weights[self._group][axis]
+        t = sum(w * np.minimum(e, 16383) for w, e in zip(weights, (e0, e1, e2))) + weights[5]
+        for which in (0, 1):
+            t = t + weights[3 + which] * self._earlier(axis, pairs, which)
+        residuals = self._residuals(axis, flagged, limit, t, step)
+
+        threshold = self._model.threshold
+        activity = e0 + e2
+        classes = ((activity > 0).astype(np.int64) + (activity >= threshold // 4)
+                   + (activity >= threshold) + (activity >= 4 * threshold))
+        if self._model.predictor == 1:
+            w = self._model.mean_weights[self._group][axis][classes]
+            prediction = ((slope * w + 2048) >> 12).clip(-limit, limit)
+            details = (prediction + residuals).clip(-limit, limit)
+            return _merge(means, axis, length, details, rounding)
+        return self._predicted(means, axis, length, classes, limit, residuals, rounding)
+
+    def _earlier(self, axis: int, pairs: tuple[int, int, int], which: int) -> np.ndarray | int:
+        """Magnitudes at the same places in a split of this level done before, or 0.
+
+        which  0: the y split for x, the z split for y; 1: the z split for x
+        """
+        source = axis + 1 + which
+        magnitudes = self._magnitudes.get(source)
+        if magnitudes is None:
+            return 0
+        places = []
+        for a, count in zip((2, 1, 0), pairs):
+            at = np.arange(count)
+            if axis < a <= source:
+                at = at >> 1  # also where this axis is not halved
+            places.append(np.minimum(at, magnitudes.shape[2 - a] - 1))
+        return magnitudes[np.ix_(*places)]
+
+    def _residuals(self, axis: int, flagged: np.ndarray, limit: np.ndarray, t: np.ndarray,
+                   step: int) -> np.ndarray:
+        """Decodes the residuals of a split and keeps their magnitudes."""
+        nz, ny, nx = flagged.shape
+        w = self._model.context_weights[self._group][axis]
+        above_weights = np.array([w[7], w[9], w[8], w[10], w[6]])
+        behind_weights = np.array([0, w[12], w[11], w[13], 0])
+        bound = limit >> self._shift
+        least_upper = 128 * (bound - 1)
+        most = bound << 8
+        extra = [min(7, max(0, h // 2 - 5 - step.bit_length())) + self._shift for h in range(30)]
+        extra *= 2
+        residuals = np.zeros(flagged.shape, np.int64)
+        # Rows with two more magnitudes at both ends.
+        rows = np.zeros((nz, ny, nx + 4), np.int64)
+        zeros = np.zeros(nx + 4, np.int64)
+        for z in range(nz):
+            for y in range(ny):
+                behind = rows[z - 1, y] if z > 0 else None
+                above = rows[z, y - 1] if y > 0 else behind
+                if above is None or self._model.predictor == 1:
+                    above = zeros
+                if behind is None:
+                    behind = above
+                upper = rows[z - 1, y - 1] if z > 0 and y > 0 else behind
+                lower = rows[z - 1, y + 1] if z > 0 and y + 1 < ny else behind
+                sums = (t[z, y] + np.correlate(above, above_weights)
+                        + np.correlate(behind, behind_weights)
+                        + w[14] * upper[2:-2] + w[15] * lower[2:-2])
+                context = _half_octaves(np.minimum(sums, most[z, y]))
+                context += 30 * (sums > least_upper[z, y])
+                coded = ~flagged[z, y]
+                numbers = self._stream.row(self._tables, context[coded].tolist(), extra)
+                if numbers:
+                    u = np.array(numbers, np.int64)
+                    row = step * np.where(u & 1, -(u >> 1) - 1, u >> 1)
+                    residuals[z, y, coded] = wrapped(row) if self._is_narrow else row
+                row = np.minimum(np.abs(residuals[z, y]) >> self._shift, 2047)
+                rows[z, y, 2:-2] = row
+                rows[z, y, :2] = row[0]
+                rows[z, y, -2:] = row[-1]
+        self._magnitudes[axis] = rows[:, :, 2:-2]
+        return residuals
+
+    def _predicted(self, means: np.ndarray, axis: int, length: int, classes: np.ndarray,
+                   limit: np.ndarray, residuals: np.ndarray, rounding: int) -> np.ndarray:
+        """Predictor 0: each pair from the pairs before it and the means of those behind."""
+        nz, ny, nx = classes.shape
+        array_axis = 2 - axis
+        repeated = np.repeat(means, 2, array_axis).take(range(length), array_axis)
+        v = np.pad(repeated, ((2, 2), (2, 2), (8, 8)), mode="edge")
+        weights = self._model.tap_weights[self._group][axis]
+        left = _left_taps(axis, weights)
+        taps = [(8 * row + tap, (x0 + tap, y0, z0))
+                for row, (x0, y0, z0) in enumerate(TAP_ROWS[axis]) for tap in range(8)]
+        stride_x, stride_y, stride_z = (2 if axis == a else 1 for a in range(3))
+
+        def line(x: int, y: int, z: int) -> np.ndarray:
+            """Samples as far as x, y, z from the first ones of a row's pairs."""
+            first = 8 + x
+            return v[2 + z, 2 + y, first : first + stride_x * (nx - 1) + 1 : stride_x]
+
+        for z, y in np.ndindex(nz, ny):
+            sums = np.zeros(nx, np.int64)
+            if classes[z, y].any():
+                chosen = weights[classes[z, y]]
+                for place, (tap_x, tap_y, tap_z) in taps:
+                    at = line(tap_x, stride_y * y + tap_y, stride_z * z + tap_z)
+                    sums += chosen[:, place] * at
+            pairs = _decode_row(sums.tolist(), classes[z, y].tolist(), limit[z, y].tolist(),
+                                residuals[z, y].tolist(), means[z, y, :nx].tolist(), left,
+                                rounding, self._is_narrow)
+            first, second = np.array(pairs, np.int64).T
+            line(0, stride_y * y, stride_z * z)[:] = first
+            line(axis == 0, stride_y * y + (axis == 1), stride_z * z + (axis == 2))[:] = second
+        return v[2:-2, 2:-2, 8:-8]
+
+
+def _left_taps(axis: int, weights: np.ndarray) -> list[list[list[int]]]:
+    """Weights of the taps that pairs decoded before in the same row have overwritten.
+
+    [class][distance - 1] -> weights of the first and second sample of the pair that far left
+    """
+    # Of the x split one row of taps follows the other; of the others these two hold the pairs.
+    second = [int(a == axis) for a in (1, 2)]
+    rows = [8 * TAP_ROWS[axis].index((-3, 0, 0)) + 3, 8 * TAP_ROWS[axis].index((-3, *second)) + 3
+            ] if axis > 0 else [8, 9]
+    stride, reach = (1, 3) if axis > 0 else (2, 4)
+    return [[[row[at - stride * n] for at in rows] for n in range(1, reach + 1)]
+            for row in weights.tolist()]
+
+
+def _decode_row(sums: list[int], classes: list[int], limits: list[int], residuals: list[int],
+                means: list[int], left: list[list[list[int]]], rounding: int,
+                is_narrow: bool) -> list[tuple[int, int]]:
+    """The pairs of one row; `sums` takes the means for the row's own samples."""
+    reach = len(left[0])
+    pairs = []
+    changes: list[tuple[int, int]] = []
+    for x, (total, kind, limit, residual, m) in enumerate(
+            zip(sums, classes, limits, residuals, means)):
+        prediction = 0
+        if kind:
+            for distance in range(1, min(reach, x) + 1):
+                (wa, wb), (da, db) = left[kind][distance - 1], changes[x - distance]
+                total += wa * da + wb * db
+            total += 2048
+            prediction = (wrapped(total) if is_narrow else total) >> 12
+            prediction = max(-limit, min(limit, prediction))
+        d = max(-limit, min(limit, prediction + residual))
+        s = 2 * m - rounding + ((d + rounding) & 1)
+        a, b = (s + d) >> 1, (s - d) >> 1
+        pairs.append((a, b))
+        changes.append((a - m, b - m))
+    return pairs
+
+
+def _activities(means: np.ndarray, axis: int, shift: int) -> tuple[np.ndarray, ...]:
+    """e0, e1, e2 of section 7, and M before - M after; of the shape of `means`."""
+    padded = np.pad(means, 1, mode="edge")
+
+    def neighbour(array_axis: int, distance: int) -> np.ndarray:
+        at = [slice(1, -1)] * 3
+        at[array_axis] = slice(1 + distance, padded.shape[array_axis] - 1 + distance)
+        return padded[tuple(at)]
+
+    array_axis = 2 - axis
+    before, after = neighbour(array_axis, -1), neighbour(array_axis, 1)
+    e0 = (np.abs(before - means) >> shift) + (np.abs(after - means) >> shift)
+    e1 = np.abs(before - means + after - means) >> shift
+    e2 = np.zeros_like(e0)
+    for other in range(3):
+        if other != array_axis:
+            for distance in (-1, 1):
+                e2 += np.abs(neighbour(other, distance) - means) >> shift
+    return e0, e1, e2, before - after
+
+
+def _half_octaves(t: np.ndarray) -> np.ndarray:
+    """2 * floor(log2(t + 8)) + the next bit, less 6, at most 29."""
+    value = t + 8
+    exponents = np.frexp(value.astype(np.float64))[1].astype(np.int64) - 1
+    return np.minimum(2 * exponents + (value >> (exponents - 1) & 1) - 6, 29)
+
+
+def _merge(means: np.ndarray, axis: int, length: int, details: np.ndarray,
+           rounding: int) -> np.ndarray:
+    """Samples from means and details; a mean without a detail is a sample."""
+    array_axis = 2 - axis
+    m = np.moveaxis(means, array_axis, 0)
+    d = np.moveaxis(details, array_axis, 0)
+    s = 2 * m[: len(d)] - rounding + ((d + rounding) & 1)
+    out = np.empty((length,) + m.shape[1:], np.int64)
+    out[0 : 2 * len(d) : 2] = (s + d) >> 1
+    out[1 : 2 * len(d) : 2] = (s - d) >> 1
+    out[2 * len(d) :] = m[len(d) :]
+    return np.moveaxis(out, 0, array_axis)

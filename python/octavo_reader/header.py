@@ -1,0 +1,193 @@
+"""The header of a file: docs/format.md, sections 2 and 4."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from .byte_cursor import ByteCursor, crc32c
+from .errors import OctavoError, require
+
+HEADER_LENGTH = 512
+MAGIC = b"\x8f8VO\r\n\x1a\n"
+LEVELS_PER_TIER = 6
+VOXEL_TYPES = {1: "int8", 2: "uint8", 3: "int16", 4: "uint16", 5: "int32", 6: "uint32",
+               7: "float32"}
+KINDS = {1: "grey", 2: "labels"}
+_CODING_TAG = 0x8001
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of the file: offset and length in bytes, CRC of its bytes."""
+
+    offset: int
+    length: int
+    crc: int
+
+
+@dataclass(frozen=True)
+class Header:
+    """What the first 512 bytes say.
+
+    kind             "grey" or "labels"
+    voxel_type       NumPy's name of the type of the voxels
+    code_type        NumPy's name of the type of the integers that bricks hold
+    code_scale       float32 only: a voxel is code * code_scale + code_offset
+    halvings         per step from level k to k+1 the halved axes: bit 0 x, bit 1 y, bit 2 z
+    size             voxels along x, y, z
+    origin, spacing  mm, LPS
+    direction        row-major 3 x 3; column a is the unit vector of index axis a
+    slope, intercept real value = slope * voxel + intercept
+    max_error        no voxel differs from its source by more; 0: lossless
+    """
+
+    kind: str
+    voxel_type: str
+    code_type: str
+    code_scale: float
+    code_offset: float
+    halvings: tuple[int, ...]
+    size: tuple[int, int, int]
+    origin: tuple[float, float, float]
+    spacing: tuple[float, float, float]
+    direction: tuple[float, ...]
+    slope: float
+    intercept: float
+    max_error: float
+    file_id: int
+    file_length: int
+    metadata: Section
+    pages: Section
+    root: Section
+    thumbnail: Section
+    crc: int
+
+    @property
+    def level_count(self) -> int:
+        return len(self.halvings) + 1
+
+    @property
+    def tier_count(self) -> int:
+        return (self.level_count + LEVELS_PER_TIER - 1) // LEVELS_PER_TIER
+
+    def level_size(self, level: int) -> tuple[int, int, int]:
+        """Samples of a level along x, y, z."""
+        size = self.size
+        for mask in self.halvings[:level]:
+            size = halved(size, mask)
+        return size
+
+    def brick_shifts(self, tier: int) -> tuple[int, int, int]:
+        """Along each axis h; bricks of a tier cover 2^h samples of its first level."""
+        first = LEVELS_PER_TIER * tier
+        masks = self.halvings[first : first + LEVELS_PER_TIER]
+        missing = LEVELS_PER_TIER - len(masks)
+        return tuple(sum(mask >> axis & 1 for mask in masks) + missing for axis in range(3))
+
+    def bricks(self, tier: int) -> tuple[int, int, int]:
+        """Bricks of a tier along x, y, z."""
+        size = self.level_size(LEVELS_PER_TIER * tier)
+        return tuple(-(-n >> h) for n, h in zip(size, self.brick_shifts(tier)))
+
+    def tier_levels(self, tier: int) -> range:
+        """The levels that bricks of a tier hold."""
+        first = LEVELS_PER_TIER * tier
+        return range(first, min(first + LEVELS_PER_TIER, self.level_count))
+
+
+def halved(size: tuple[int, int, int], mask: int) -> tuple[int, int, int]:
+    """The size x, y, z of the next level when the axes of `mask` are halved."""
+    return tuple((n + 1) // 2 if mask >> axis & 1 else n for axis, n in enumerate(size))
+
+
+def parse_header(data: bytes) -> Header:
+    """Reads and proves the first 512 bytes of a file.
+
+    Raises  OctavoError "not_octavo", "unsupported_version", "truncated" or "corrupt"
+    """
+    if data[:8] != MAGIC:
+        raise OctavoError("not_octavo", "the file does not begin as .8vo files do")
+    if len(data) < HEADER_LENGTH:
+        raise OctavoError("truncated", "the file is shorter than a header")
+    cursor = ByteCursor(data[:HEADER_LENGTH], "header")
+    cursor.take(8)
+    major, _ = cursor.unpack("HH")
+    if major != 1:
+        raise OctavoError("unsupported_version", f"format version {major}, this reader knows 1")
+    crc = int.from_bytes(data[508:512], "little")
+    require(crc32c(data[:508]) == crc, "the header's checksum is wrong")
+    kind, voxel_type, halving_count, sealed = cursor.unpack("4B")
+    masks = cursor.take(32)
+    size = cursor.unpack("3Q")
+    numbers = cursor.unpack("18d")
+    file_id, file_length = cursor.unpack("QQ")
+    sections = [_section(cursor) for _ in range(4)]
+    coding = _extensions(cursor)
+
+    require(sealed == 1, "the file was never finished")
+    require(kind in KINDS and voxel_type in VOXEL_TYPES, "unknown kind or voxel type")
+    require(KINDS[kind] == "grey" or voxel_type != 7, "labels cannot be float32")
+    require((voxel_type == 7) == (coding is not None), "float32 and coding do not go together")
+    require(halving_count <= 31 and not any(masks[halving_count:]), "halving masks are wrong")
+    require(all(0 < mask < 8 for mask in masks[:halving_count]), "halving masks are wrong")
+    require(all(1 <= n <= 1 << 21 for n in size) and math.prod(size) < 1 << 63, "size is wrong")
+    require(all(map(math.isfinite, numbers)), "a number is not finite")
+    code_type, code_scale, code_offset = coding or (voxel_type, 1.0, 0.0)
+    header = Header(
+        KINDS[kind], VOXEL_TYPES[voxel_type], VOXEL_TYPES[code_type], code_scale, code_offset,
+        tuple(masks[:halving_count]), size, numbers[0:3], numbers[3:6], numbers[6:15],
+        numbers[15], numbers[16], numbers[17], file_id, file_length, *sections, crc,
+    )
+    _prove(header)
+    return header
+
+
+def _section(cursor: ByteCursor) -> Section:
+    offset, length, crc, zero = cursor.unpack("QQII")
+    require(zero == 0, "a section of the header is wrong")
+    return Section(offset, length, crc)
+
+
+def _extensions(cursor: ByteCursor) -> tuple[int, float, float] | None:
+    """The coding (type, scale, offset) if the header has one."""
+    coding = None
+    count = cursor.u32()
+    extensions = ByteCursor(cursor.take(176), "extensions")
+    for _ in range(count):
+        tag, length = extensions.unpack("HH")
+        body = ByteCursor(extensions.take(length), "an extension")
+        if tag == _CODING_TAG:
+            require(coding is None, "there are two codings")
+            coding = body.unpack("Bdd")
+            body.end()
+            code_type, scale, offset = coding
+            require(1 <= code_type <= 6, "unknown type of codes")
+            require(math.isfinite(offset) and 0 < scale < math.inf, "the coding is wrong")
+        elif tag >= 0x8000:
+            raise OctavoError("unsupported_version", f"unknown extension {tag:#x}")
+    require(not any(extensions.rest()), "there is something behind the extensions")
+    return coding
+
+
+def _prove(header: Header) -> None:
+    last_size = header.level_size(header.level_count - 1)
+    require(last_size == (1, 1, 1), "the last level is not one sample")
+    require(all(step > 0 for step in header.spacing), "spacing is not positive")
+    determinant = np.linalg.det(np.array(header.direction).reshape(3, 3))
+    require(abs(determinant) > 1e-6, "direction is singular")
+    require(header.max_error >= 0, "max error is negative")
+    if header.kind == "labels":
+        require(header.max_error == 0, "labels have a max error")
+    if header.voxel_type != "float32":
+        require(header.max_error == int(header.max_error) < 1 << 32, "max error is not whole")
+    for tier in range(header.tier_count - 1):
+        size = header.level_size(LEVELS_PER_TIER * tier)
+        shifts = header.brick_shifts(tier)
+        require(all(n <= 4 or h >= 2 for n, h in zip(size, shifts)), "a brick is too flat")
+    at = header.pages.offset
+    for section in (header.pages, header.thumbnail, header.metadata, header.root):
+        require(section.offset == at, "the sections leave a gap")
+        at += section.length
+    require(at + 64 == header.file_length and header.pages.offset >= HEADER_LENGTH,
+            "the sections do not fill the file")

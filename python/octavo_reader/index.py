@@ -1,0 +1,211 @@
+"""Index root and pages: docs/format.md, section 6."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .byte_cursor import ByteCursor
+from .errors import require
+from .header import HEADER_LENGTH, Header
+
+BRICKS_PER_PAGE = 1024
+_MODEL_LIMIT = 16 << 20
+_PAGE_LIMIT = 1 << 20
+_SEGMENT_LIMIT = 4 << 20
+
+
+@dataclass(frozen=True)
+class Model:
+    """Where a model lies; `slab` is the layer of tier 0 before which it stands, or their number."""
+
+    slab: int
+    offset: int
+    length: int
+    crc: int
+
+
+@dataclass
+class Page:
+    """What the root says of up to 1024 bricks of one layer.
+
+    level_bytes, level_offsets  per level of the tier: length of the page's segments, their place
+    """
+
+    tier: int
+    layer: int
+    brick_count: int
+    offset: int
+    length: int
+    crc: int
+    smallest: int
+    largest: int
+    error: int
+    uniform_count: int
+    level_bytes: list[int]
+    level_offsets: list[int] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Brick:
+    """Range of a brick's codes and per level of its tier (offset, length, CRC) of its segment."""
+
+    smallest: int
+    largest: int
+    segments: list[tuple[int, int, int]]
+
+
+@dataclass(frozen=True)
+class Root:
+    """The models and pages of a file; pages[tier][layer] in brick order."""
+
+    models: list[Model]
+    pages: list[list[list[Page]]]
+
+    def model_number(self, tier: int, layer: int, slab_count: int) -> int:
+        """The number of the model of the bricks of a layer."""
+        if tier > 0:
+            last = len(self.models) - 1
+            return last if self.models[last].slab == slab_count else 0
+        return max(n for n, model in enumerate(self.models) if model.slab <= layer)
+
+
+def parse_root(data: bytes, header: Header) -> Root:
+    """Reads and proves the index root. Raises OctavoError "corrupt"."""
+    cursor = ByteCursor(data, "index root")
+    slab_count = header.bricks(0)[2]
+    model_count = cursor.varint()
+    require(1 <= model_count <= slab_count + 1, "the number of models is wrong")
+    models = []
+    slab = 0
+    for number in range(model_count):
+        step = cursor.varint()
+        require((step == 0) == (number == 0), "the models are out of order")
+        slab += step
+        length, crc = cursor.varint(), cursor.u32()
+        require(length <= _MODEL_LIMIT, "a model is too long")
+        require(slab < slab_count or (slab == slab_count and header.tier_count > 1),
+                "a model begins behind the slabs")
+        models.append((slab, length, crc))
+
+    trailers = []
+    pages = []
+    page_offset = header.pages.offset
+    for tier in range(header.tier_count):
+        bricks_x, bricks_y, layers = header.bricks(tier)
+        pages.append([])
+        before = 0
+        for layer in range(layers):
+            if tier == 0:
+                trailers.append(cursor.varint())
+            pages[tier].append([])
+            for first in range(0, bricks_x * bricks_y, BRICKS_PER_PAGE):
+                count = min(BRICKS_PER_PAGE, bricks_x * bricks_y - first)
+                page = _parse_page_entry(cursor, header, tier, layer, count, page_offset, before)
+                before = page.smallest
+                page_offset += page.length
+                pages[tier][layer].append(page)
+    cursor.end()
+    require(page_offset == header.pages.offset + header.pages.length,
+            "the pages have a wrong length")
+    return Root(_place(header, models, trailers, pages), pages)
+
+
+def _parse_page_entry(cursor: ByteCursor, header: Header, tier: int, layer: int, count: int,
+                      offset: int, before: int) -> Page:
+    length, crc = cursor.varint(), cursor.u32()
+    smallest = before + cursor.zigzag()
+    largest = smallest + cursor.varint()
+    error = cursor.varint() if tier == 0 and header.max_error > 0 else 0
+    uniform_count = cursor.varint()
+    level_bytes = [cursor.varint() for _ in header.tier_levels(tier)]
+    require(length <= _PAGE_LIMIT and uniform_count <= count, "the root describes a page wrongly")
+    _prove_range(header, smallest, largest)
+    return Page(tier, layer, count, offset, length, crc, smallest, largest, error, uniform_count,
+                level_bytes)
+
+
+def _prove_range(header: Header, smallest: int, largest: int) -> None:
+    limits = np.iinfo(header.code_type)
+    require(limits.min <= smallest <= largest <= limits.max, "a range leaves the voxel type")
+
+
+def _place(header: Header, models: list[tuple[int, int, int]], trailers: list[int],
+           pages: list[list[list[Page]]]) -> list[Model]:
+    """Gives each model and the segments of each page their offsets, in the order of section 3."""
+    placed = []
+    cursor = HEADER_LENGTH
+
+    def place_model(slab: int) -> None:
+        nonlocal cursor
+        if len(placed) < len(models) and models[len(placed)][0] == slab:
+            _, length, crc = models[len(placed)]
+            placed.append(Model(slab, cursor, length, crc))
+            cursor += length
+
+    for slab, layer in enumerate(pages[0]):
+        place_model(slab)
+        for page in layer:
+            page.level_offsets.append(cursor)
+            cursor += page.level_bytes[0]
+        cursor += trailers[slab]
+    place_model(len(pages[0]))
+    for tier, layers in enumerate(pages):
+        for place in range(len(header.tier_levels(tier))):
+            if tier == 0 and place == 0:
+                continue
+            for page in (page for layer in layers for page in layer):
+                page.level_offsets.append(cursor)
+                cursor += page.level_bytes[place]
+    require(cursor == header.pages.offset, "the lengths of the pieces do not reach the index")
+    return placed
+
+
+def parse_page(data: bytes, page: Page, header: Header) -> list[Brick]:
+    """The bricks of a page, in brick order.
+
+    Raises  OctavoError "corrupt", also where the root disagrees
+    """
+    cursor = ByteCursor(data, "index page")
+    require(cursor.u8() == 0, "an index page has unknown flags")
+    has_errors = page.tier == 0 and header.max_error > 0
+    ranges = []
+    errors = [0]
+    before = 0
+    for _ in range(page.brick_count):
+        before += cursor.zigzag()
+        ranges.append((before, before + cursor.varint()))
+        _prove_range(header, *ranges[-1])
+        if has_errors:
+            errors.append(cursor.varint())
+    require(min(low for low, _ in ranges) == page.smallest
+            and max(high for _, high in ranges) == page.largest and max(errors) == page.error,
+            "a page and the root disagree on its ranges")
+    uniform = [low == high for low, high in ranges]
+    require(sum(uniform) == page.uniform_count, "a page and the root disagree on uniform bricks")
+
+    segments: list[list[tuple[int, int, int]]] = [[] for _ in ranges]
+    for level_bytes, offset in zip(page.level_bytes, page.level_offsets):
+        lengths = [0 if is_uniform else cursor.varint() for is_uniform in uniform]
+        require(sum(lengths) == level_bytes, "a page and the root disagree on the segments")
+        require(max(lengths) <= _SEGMENT_LIMIT, "a segment is too long")
+        for place, length in enumerate(lengths):
+            crc = cursor.u32() if length > 0 else 0
+            segments[place].append((offset, length, crc))
+            offset += length
+    cursor.end()
+    return [Brick(low, high, parts) for (low, high), parts in zip(ranges, segments)]
+
+
+def o_code(x: int, y: int, z: int) -> int:
+    """The digits 4z + 2x + y, one per bit of the coordinates, highest bit first."""
+    code = 0
+    for bit in range(21):
+        digit = (z >> bit & 1) << 2 | (x >> bit & 1) << 1 | (y >> bit & 1)
+        code |= digit << (3 * bit)
+    return code
+
+
+def brick_order(bricks_x: int, bricks_y: int) -> list[tuple[int, int]]:
+    """The places (x, y) of the bricks of a layer in brick order."""
+    places = [(x, y) for y in range(bricks_y) for x in range(bricks_x)]
+    return sorted(places, key=lambda place: o_code(place[0], place[1], 0))
