@@ -22,6 +22,9 @@ constexpr std::int64_t kTapSamples[kGroups][3] = {
     {120000, 60000, 30000}, {60000, 30000, 15000}, {30000, 15000, 15000}};
 constexpr std::int32_t kMaxDifference = 32000;
 constexpr int kWeightStep = 3;
+constexpr int kCoarseWeightStep = 5;         ///< for models that count beside what they code
+constexpr std::size_t kFewBricks = 32;       ///< fewer are the whole group
+constexpr std::uint64_t kLittleBytes = 1 << 18;
 constexpr double kTapRidge = 1e-4;
 constexpr std::size_t kOrderBricks = 8;  ///< bricks that orders are tried on
 constexpr std::size_t kTrialBricks = 8;  ///< bricks that ways to quantise are tried on
@@ -266,13 +269,20 @@ struct School {
   CodecSettings settings;
 };
 
-Parameters learn(const School& school, const Quantizer& quantizer, const AxisOrder& order) {
+/// A kind of model.
+struct Plan {
+  Predictor predictor;
+  Quantizer quantizer = {};
+  int weight_step = kWeightStep;
+};
+
+Parameters learn(const School& school, const Plan& plan, const AxisOrder& order) {
   Parameters p = default_parameters();
   p.axis_order = order;
-  p.predictor = school.settings.preset == Preset::fast ? Predictor::means : Predictor::neighbours;
-  p.quantizer = quantizer;
-  p.weight_step = kWeightStep;
-  const std::vector<Lesson> lessons = make_lessons(school.bricks, quantizer.voxel_step, order);
+  p.predictor = plan.predictor;
+  p.quantizer = plan.quantizer;
+  p.weight_step = plan.weight_step;
+  const std::vector<Lesson> lessons = make_lessons(school.bricks, p.quantizer.voxel_step, order);
   if (lessons.empty()) return p;
   p.activity_threshold = learn_threshold(lessons);
   // Coarse groups first: quantised levels are learnt on what the coarser ones leave.
@@ -336,9 +346,9 @@ AxisOrder learn_order(const School& school) {
 }
 
 /// Bytes that a model and a few of the training bricks take.
-std::uint64_t cost(const School& school, const Parameters& parameters) {
+std::uint64_t cost(const School& school, const Parameters& parameters, std::size_t count) {
   const GreyCodec codec(parameters);
-  const std::size_t count = std::min(school.bricks.size(), kTrialBricks);
+  count = std::min(school.bricks.size(), count);
   std::vector<std::uint64_t> bytes(count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     const TrainingBrick& brick = school.bricks[i * school.bricks.size() / count];
@@ -346,7 +356,7 @@ std::uint64_t cost(const School& school, const Parameters& parameters) {
       bytes[i] += segment.size();
     }
   });
-  return std::accumulate(bytes.begin(), bytes.end(), std::uint64_t{0});
+  return std::accumulate(bytes.begin(), bytes.end(), codec.serialized().size());
 }
 
 /// The ways to keep within a maximum error: rounding the voxels; or rounding the details, with
@@ -379,17 +389,31 @@ std::unique_ptr<BrickCodec> train_grey_model(VoxelType type, std::span<const Tra
     throw Error(ErrorKind::invalid_argument, "the maximum error is out of range");
   }
   const School school{bricks, settings};
-  Parameters best;
-  std::uint64_t least = ~std::uint64_t{0};
   const AxisOrder order = learn_order(school);
+  const Predictor predictor =
+      settings.preset == Preset::fast ? Predictor::means : Predictor::neighbours;
+  std::vector<Plan> others;
   for (const Quantizer& quantizer : quantizers_for(settings.max_error)) {
-    const Parameters p = learn(school, quantizer, order);
-    if (settings.max_error == 0) return std::make_unique<GreyCodec>(p);
-    const std::uint64_t bytes = cost(school, p);
-    if (bytes < least) {
-      least = bytes;
-      best = p;
+    others.push_back({predictor, quantizer});
+  }
+  std::size_t trial = kTrialBricks;
+  Parameters best = learn(school, others.front(), order);
+  others.erase(others.begin());
+  if (settings.max_error == 0 && settings.preset == Preset::small && bricks.size() < kFewBricks) {
+    // These bricks are all there are: where they take little, the model counts.
+    trial = bricks.size();
+    if (cost(school, best, trial) < kLittleBytes) {
+      others = {{Predictor::means}, {Predictor::neighbours, {}, kCoarseWeightStep}};
     }
+  }
+  if (others.empty()) return std::make_unique<GreyCodec>(best);
+  std::uint64_t least = cost(school, best, trial);
+  for (const Plan& plan : others) {
+    const Parameters p = learn(school, plan, order);
+    const std::uint64_t bytes = cost(school, p, trial);
+    if (bytes >= least) continue;
+    least = bytes;
+    best = p;
   }
   return std::make_unique<GreyCodec>(best);
 }
