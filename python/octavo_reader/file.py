@@ -2,20 +2,20 @@
 
 import json
 import os
+from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from .byte_cursor import crc32c
 from .errors import OctavoError, require
 from .grey_brick import decode_grey_brick
-from .grey_model import parse_grey_model
+from .grey_model import GreyModel, parse_grey_model
 from .header import HEADER_LENGTH, LEVELS_PER_TIER, Header, Section, parse_header
-from .index import BRICKS_PER_PAGE, Brick, Page, brick_order, o_code, parse_page, parse_root
+from .index import BRICKS_PER_PAGE, Brick, brick_order, o_code, parse_page, parse_root
 from .label_brick import decode_label_brick
-from .label_model import parse_label_model
+from .label_model import LabelModel, parse_label_model
 
 _TRAILER_LENGTH = 64
 _TRAILER_MAGIC = b"\x8f8VOend\n"
@@ -42,7 +42,7 @@ class OctavoFile:
             self._file.close()
             raise
         self._page = lru_cache(maxsize=64)(self._read_page)
-        self._model = lru_cache(maxsize=4)(self._read_model)
+        self._parsed_model = lru_cache(maxsize=4)(self._read_model)
 
     def __enter__(self) -> "OctavoFile":
         return self
@@ -52,6 +52,20 @@ class OctavoFile:
 
     def close(self) -> None:
         self._file.close()
+
+    @property
+    def model_count(self) -> int:
+        return len(self._root.models)
+
+    def model(self, number: int) -> GreyModel | LabelModel:
+        """One of the models, numbered as they stand in the file. Raises OctavoError "corrupt"."""
+        return self._parsed_model(number)
+
+    def bricks(self, tier: int) -> Iterator[Brick]:
+        """The bricks of a tier, layer by layer in brick order. Raises OctavoError "corrupt"."""
+        for layer, pages in enumerate(self._root.pages[tier]):
+            for number in range(len(pages)):
+                yield from self._page(tier, layer, number)
 
     def read_level(self, level: int) -> np.ndarray:
         """All samples of a level, of the voxel type of the file and shape [z][y][x].
@@ -75,20 +89,21 @@ class OctavoFile:
                 samples[z : z + sides[2], y : y + sides[1], x : x + sides[0]] = box
         return samples
 
-    def _read_brick(self, tier: int, level: int, at: tuple[int, int, int], place: int) -> Any:
+    def _read_brick(self, tier: int, level: int, at: tuple[int, int, int],
+                    place: int) -> np.ndarray:
         """The samples of one level of a brick, or the one value that all of them have."""
         header = self.header
-        page = self._root.pages[tier][at[2]][place // BRICKS_PER_PAGE]
-        brick = self._page(tier, at[2], place // BRICKS_PER_PAGE)[place % BRICKS_PER_PAGE]
+        number = place // BRICKS_PER_PAGE
+        brick = self._page(tier, at[2], number)[place % BRICKS_PER_PAGE]
         if brick.smallest == brick.largest:
             return self._voxels(np.array(brick.smallest))
         first = LEVELS_PER_TIER * tier
-        segments = self._segments(page, brick, level - first, o_code(*at))
+        segments = self._segments(tier, brick, level - first, o_code(*at))
         size = tuple(min(n - (i << h), 1 << h) for n, i, h in
                      zip(header.level_size(first), at, header.brick_shifts(tier)))
         halvings = list(header.halvings[first : first + len(segments)])
         halvings += [7] * (len(segments) - len(halvings))  # beyond the last level
-        model = self._model(self._root.model_number(tier, at[2], header.bricks(0)[2]))
+        model = self.model(self._root.model_number(tier, at[2], header.bricks(0)[2]))
         if header.kind == "labels":
             codes = decode_label_brick(model, brick.smallest, brick.largest, segments, size,
                                        halvings, level - first)
@@ -97,7 +112,7 @@ class OctavoFile:
                                       halvings[:-1], first, level - first)
         return self._voxels(codes)
 
-    def _segments(self, page: Page, brick: Brick, place: int, code: int) -> list[bytes]:
+    def _segments(self, tier: int, brick: Brick, place: int, code: int) -> list[bytes]:
         """The segments of a brick that its level `place` takes; the others are left empty."""
         is_stored = brick.segments[-1][1] == 0
         segments = []
@@ -105,7 +120,7 @@ class OctavoFile:
             if length == 0 or (i < place and not is_stored):
                 segments.append(b"")
                 continue
-            level = LEVELS_PER_TIER * page.tier + i
+            level = LEVELS_PER_TIER * tier + i
             segments.append(self._piece(offset, length, crc, level, code, "a segment"))
         return segments
 
@@ -147,7 +162,7 @@ class OctavoFile:
         require(crc32c(data) == page.crc, "the checksum of an index page is wrong")
         return parse_page(data, page, self.header)
 
-    def _read_model(self, number: int) -> Any:
+    def _read_model(self, number: int) -> GreyModel | LabelModel:
         model = self._root.models[number]
         data = self._piece(model.offset, model.length, model.crc, _MODEL_LEVEL, number, "a model")
         if self.header.kind == "labels":

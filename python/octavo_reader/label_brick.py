@@ -56,7 +56,7 @@ def _decode_stored(segment: bytes, smallest: int, largest: int,
     cursor = ByteCursor(segment, "a stored brick")
     count = cursor.varint()
     voxels = size[0] * size[1] * size[2]
-    require(count <= min(voxels, largest - smallest + 1), "a stored brick has too many labels")
+    require(count <= largest - smallest + 1, "a stored brick has too many labels")
     labels = []
     next_label = smallest
     for _ in range(count):

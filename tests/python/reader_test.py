@@ -1,0 +1,170 @@
+#!/usr/bin/env python3
+"""Compares python/octavo_reader with the program and with the golden files.
+
+usage: reader_test.py OCTAVO [unittest arguments]
+
+The package was written from docs/format.md alone, so that a difference is a fault of the program,
+of the package or of the document. Exits with 77, which means skipped, where NumPy is missing.
+"""
+
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+from unittest import mock
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "python"), str(pathlib.Path(__file__).parent)]
+
+try:
+    import numpy as np
+except ImportError:
+    print(f"skipped: {sys.executable} has no numpy; tools/setup installs python3-numpy")
+    sys.exit(77)
+
+import volumes  # noqa: E402
+from octavo_reader import OctavoError, OctavoFile, grey_brick  # noqa: E402
+from octavo_reader.byte_cursor import crc32c  # noqa: E402
+
+OCTAVO = "octavo"
+GOLDEN = ROOT / "tests" / "golden" / "v1"
+
+
+class InFolder(unittest.TestCase):
+    """Each test works in a fresh folder."""
+
+    def setUp(self):
+        holder = tempfile.TemporaryDirectory()
+        self.addCleanup(holder.cleanup)
+        self.folder = pathlib.Path(holder.name)
+
+    def octavo(self, *arguments):
+        command = [OCTAVO, *map(str, arguments), "--quiet", "--force"]
+        result = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+        self.assertEqual(result.returncode, 0, f"{command}\n{result.stderr}")
+
+    def build(self, case):
+        """The path of the file that the program makes of a case."""
+        path = self.folder / "volume.8vo"
+        if case.voxels.dtype == np.float32:
+            source = self.folder / "volume.nii"
+            source.write_bytes(volumes.nifti(case.voxels))
+            layout = []
+        else:
+            source = self.folder / "volume.raw"
+            case.voxels.tofile(source)
+            size = ",".join(map(str, case.voxels.shape[::-1]))
+            layout = ["--raw", f"{size},{case.voxels.dtype}", "--spacing", case.spacing]
+        self.octavo("build", source, *layout, *case.options, "-o", path)
+        return path
+
+
+class AgreesWithTheProgram(InFolder):
+    def test_every_level_is_that_of_the_program_and_lossless_ones_begin_with_the_source(self):
+        for case in volumes.cases():
+            with self.subTest(case.name), OctavoFile(self.build(case)) as file:
+                self.assertTrue(case.uses(file), "the file does not use what this case is for")
+                for level in range(file.header.level_count):
+                    raw = self.folder / "level.raw"
+                    self.octavo("export", self.folder / "volume.8vo", "--level", level,
+                                "--stored", "-o", raw)
+                    samples = file.read_level(level)
+                    self.assertEqual(samples.shape[::-1], file.header.level_size(level))
+                    self.assertTrue(samples.tobytes() == raw.read_bytes(), f"level {level}")
+                    if level == 0 and file.header.max_error == 0:
+                        self.assertTrue(np.array_equal(samples, case.voxels))
+
+    def test_cells_of_one_value_are_flagged(self):
+        case = next(case for case in volumes.cases() if case.name == "cells")
+        seen = []
+        inner = grey_brick._Brick._cell_flags
+
+        def cell_flags(brick, data):
+            seen.append(inner(brick, data))
+            return seen[-1]
+
+        with (mock.patch.object(grey_brick._Brick, "_cell_flags", cell_flags),
+              OctavoFile(self.build(case)) as file):
+            self.assertTrue(np.array_equal(file.read_level(0), case.voxels))
+        self.assertTrue(any(flags.any() for flags in seen))
+
+
+class GoldenFiles(unittest.TestCase):
+    def test_every_level_has_the_checksum_noted_beside_the_file(self):
+        lines = [line.split() for line in (GOLDEN / "levels.txt").read_text().splitlines()]
+        self.assertGreater(len(lines), 0)
+        for name, level, checksum in lines:
+            with self.subTest(f"{name} {level}"), OctavoFile(GOLDEN / name) as file:
+                samples = file.read_level(int(level))
+                self.assertEqual(f"{crc32c(samples.tobytes()):08x}", checksum)
+
+
+class Damage(InFolder):
+    """Of a file with one byte changed or missing no wrong voxel comes out."""
+
+    def read_all(self, data):
+        """All levels, or None when the file is refused."""
+        path = self.folder / "damaged.8vo"
+        path.write_bytes(data)
+        try:
+            with OctavoFile(path) as file:
+                return [file.read_level(k).tobytes() for k in range(file.header.level_count)]
+        except OctavoError:
+            return None
+
+    def test_a_changed_byte_is_refused_or_changes_nothing(self):
+        data = (GOLDEN / "minimal.8vo").read_bytes()
+        sound = self.read_all(data)
+        refused = 0
+        for at in range(len(data)):
+            changed = self.read_all(data[:at] + bytes([data[at] ^ 1 << at % 8]) + data[at + 1 :])
+            refused += changed is None
+            self.assertIn(changed, (None, sound), f"byte {at}")
+        # The trailer of the slab and the checksum over everything are for repair alone.
+        self.assertGreater(refused, len(data) * 9 // 10)
+
+    def test_every_truncation_is_refused(self):
+        data = (GOLDEN / "minimal.8vo").read_bytes()
+        for length in range(len(data)):
+            self.assertIsNone(self.read_all(data[:length]), f"{length} bytes")
+
+    def test_changed_segments_and_models_are_refused(self):
+        for name in ("small-int16.8vo", "labels-uint8.8vo"):
+            data = (GOLDEN / name).read_bytes()
+            with OctavoFile(GOLDEN / name) as file:
+                pages = file.header.pages.offset
+                lengths = sum(length for brick in file.bricks(0) for _, length, _ in brick.segments)
+            self.assertGreater(lengths, 0)
+            for at in range(pages - lengths, pages, lengths // 20):
+                changed = bytearray(data)
+                changed[at] ^= 16
+                is_in_trailer = data.find(b"8slb") <= at < data.find(b"8slb") + 64
+                if not is_in_trailer:
+                    self.assertIsNone(self.read_all(bytes(changed)), f"{name}, byte {at}")
+
+
+class CommandLine(InFolder):
+    def run_reader(self, *arguments):
+        environment = {**os.environ, "PYTHONPATH": str(ROOT / "python")}
+        return subprocess.run([sys.executable, "-m", "octavo_reader", *map(str, arguments)],
+                              env=environment, capture_output=True, text=True, check=False)
+
+    def test_a_level_becomes_an_array(self):
+        path, out = GOLDEN / "small-int16.8vo", self.folder / "level.npy"
+        self.assertEqual(self.run_reader(path, "--level", 3, "-o", out).returncode, 0)
+        with OctavoFile(path) as file:
+            self.assertTrue(np.array_equal(np.load(out), file.read_level(3)))
+
+    def test_other_files_and_levels_are_refused_in_one_line(self):
+        for path, level in ((__file__, 0), (GOLDEN / "minimal.8vo", 2)):
+            result = self.run_reader(path, "--level", level, "-o", self.folder / "out.npy")
+            self.assertEqual((result.returncode, result.stderr.count("\n")), (1, 1), result.stderr)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
+    OCTAVO = sys.argv.pop(1)
+    unittest.main()

@@ -1,0 +1,132 @@
+"""Small volumes, and the files of them that together use every feature of the format."""
+
+import dataclasses
+import struct
+from collections.abc import Callable
+
+import numpy as np
+from octavo_reader import OctavoFile
+
+
+@dataclasses.dataclass
+class Case:
+    """A volume and how the program builds it.
+
+    uses  tells whether an open file uses what the case is for
+    """
+
+    name: str
+    voxels: np.ndarray
+    options: tuple[str, ...]
+    uses: Callable[[OctavoFile], bool]
+    spacing: str = "1"
+
+
+def waves(size, amplitude, noise):
+    """A smooth volume with Gaussian noise, float64 of shape `size` = (z, y, x)."""
+    z, y, x = np.meshgrid(*[np.linspace(0, 3, n) for n in size], indexing="ij")
+    random = np.random.default_rng(sum(size))
+    return amplitude * np.sin(2 * x + y) * np.cos(z + 1.5 * y) + random.normal(0, noise, size)
+
+
+def blocks(size, side, low, high):
+    """Cubes of equal numbers in [low, high)."""
+    grid = np.random.default_rng(3).integers(low, high, [n // side + 1 for n in size])
+    for axis in range(3):
+        grid = grid.repeat(side, axis)
+    return grid[: size[0], : size[1], : size[2]]
+
+
+def object_in_air(size):
+    """A noisy block within zeros."""
+    voxels = np.zeros(size)
+    inside = tuple(slice(n // 4, 3 * n // 4) for n in size)
+    voxels[inside] = waves(voxels[inside].shape, 300, 2)
+    return voxels
+
+
+def nifti(voxels):
+    """The bytes of a NIfTI file of float32 voxels in the scanner's axes, 1 mm apart."""
+    header = bytearray(352)
+    struct.pack_into("<i", header, 0, 348)
+    struct.pack_into("<8h", header, 40, 3, *voxels.shape[::-1], 1, 1, 1, 1)
+    struct.pack_into("<hh", header, 70, 16, 32)
+    struct.pack_into("<8f", header, 76, 1, 1, 1, 1, 0, 0, 0, 0)
+    struct.pack_into("<ff", header, 108, 352, 1)
+    struct.pack_into("<h", header, 254, 1)
+    struct.pack_into("<12f", header, 280, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0)
+    header[344:348] = b"n+1\0"
+    return bytes(header) + voxels.astype("<f4").tobytes()
+
+
+def predicts(number):
+    return lambda file: file.model(0).predictor == number
+
+
+def is_wide(file):
+    return any(brick.largest - brick.smallest > 65535 for brick in file.bricks(0))
+
+
+def is_rounded(file):
+    return file.model(0).voxel_step > 1
+
+
+def is_corrected(file):
+    return file.model(0).correction_step > 0
+
+
+def is_stored(file):
+    return any(brick.segments[0][1] > 0 and brick.segments[-1][1] == 0
+               for brick in file.bricks(0))
+
+
+def is_coded(file):
+    return any(brick.segments[-1][1] > 0 for brick in file.bricks(0))
+
+
+def has_uniform_brick(file):
+    return any(brick.smallest == brick.largest for brick in file.bricks(0))
+
+
+def is_thick_along(axis):
+    return lambda file: not file.header.halvings[0] >> axis & 1
+
+
+def cases():
+    noise = np.random.default_rng(1).integers
+    return [
+        Case("small", waves((27, 34, 41), 300, 2).astype("int16"), (), predicts(0)),
+        Case("fast", waves((27, 34, 41), 300, 2).astype("uint16") // 2,
+             ("--preset", "fast"), predicts(1)),
+        Case("two tiers", waves((9, 30, 70), 50, 1).astype("int8"), (),
+             lambda file: file.header.tier_count > 1 and len(list(file.bricks(0))) > 1),
+        Case("thick x", waves((33, 30, 9), 300, 2).astype("int16"), (), is_thick_along(0), "4,1,1"),
+        Case("thick y", waves((33, 9, 30), 300, 2).astype("int16"), (), is_thick_along(1), "1,4,1"),
+        Case("thick z", waves((9, 33, 30), 99, 2).astype("uint8"), (), is_thick_along(2), "1,1,4"),
+        Case("wide", waves((20, 21, 22), 1.5e9, 1e3).astype("int32"), (), is_wide),
+        Case("wide steps", np.where(waves((20, 21, 22), 1, 0) > 0, 2**31 - 1, -(2**31))
+             .astype("int32") ^ noise(0, 8, (20, 21, 22), "int32"),
+             ("--preset", "fast"), is_wide),
+        Case("cells", object_in_air((40, 41, 42)).astype("int16"), (), is_coded),
+        Case("uniform bricks", np.pad(waves((20, 20, 20), 300, 2), ((0, 0), (0, 0), (0, 60)))
+             .astype("int16"), ("--preset", "fast"), has_uniform_brick),
+        Case("one plane", waves((1, 50, 41), 300, 2).astype("uint16") // 3, (), is_coded),
+        Case("noise", noise(0, 256, (9, 10, 11)).astype("uint8"), (), is_stored),
+        Case("one value", np.full((5, 6, 7), -3, "int16"), (), has_uniform_brick),
+        Case("rounded", waves((27, 34, 41), 300, 20).astype("int16"),
+             ("--max-error", "3"), is_rounded),
+        Case("corrected", object_in_air((50, 60, 70)).astype("int16"),
+             ("--max-error", "6"), is_corrected),
+        Case("float32 of steps", (np.round(waves((20, 21, 22), 800, 2)) + 5000)
+             .astype("float32") * np.float32(0.125), (), predicts(0)),
+        Case("float32 with an error", waves((20, 21, 22), 7, 0.1).astype("float32"),
+             ("--max-error", "0.01"), is_rounded),
+        Case("labels", blocks((30, 31, 70), 7, 0, 9).astype("uint8"), ("--labels",), is_coded),
+        Case("many labels", blocks((23, 24, 25), 5, -400000, 400000).astype("int32"),
+             ("--labels",), is_coded),
+        Case("mask", (waves((30, 31, 32), 9, 0) > 3).astype("uint8"), ("--labels",), is_coded),
+        Case("thick labels", blocks((9, 30, 31), 4, 0, 5).astype("int16"), ("--labels",),
+             is_thick_along(2), "1,1,4"),
+        Case("stored labels", noise(0, 1 << 32, (20, 18, 17)).astype("uint32"), ("--labels",),
+             is_stored),
+    ]
