@@ -86,22 +86,18 @@ template <class Sample, class Kernel>
 struct Passes {
   using Int = Wide<Sample>;
 
-  static void set_sizes(const Stage& stage, Workspace<Sample>& work) {
-    work.magnitudes[stage.axis].set_size(stage.pairs);
-    work.residuals.set_size(stage.pairs);
-    work.limits.set_size(stage.pairs);
-    work.activities.set_size(stage.pairs);
+  /// keeps_planes: whether the numbers of all planes are needed at once; small buffers leave the
+  /// cache to the tables.
+  static void set_sizes(const Stage& stage, bool keeps_planes, Workspace<Sample>& work) {
+    const auto set = [&](auto& grid) {
+      if (keeps_planes) grid.set_size(stage.pairs);
+      else grid.set_plane_size(stage.pairs);
+    };
+    set(work.residuals);
+    set(work.limits);
+    set(work.activities);
     work.contexts.set_plane_size(stage.pairs);
-  }
-
-  /// Without rows that look at other planes' details a plane's numbers are done with at its end;
-  /// small buffers leave the cache to the tables.
-  static void set_plane_sizes(const Stage& stage, Workspace<Sample>& work) {
     work.magnitudes[stage.axis].set_size(stage.pairs);
-    work.residuals.set_plane_size(stage.pairs);
-    work.limits.set_plane_size(stage.pairs);
-    work.activities.set_plane_size(stage.pairs);
-    work.contexts.set_plane_size(stage.pairs);
   }
 
   static void features(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
@@ -142,8 +138,8 @@ struct Passes {
 
   static void decode(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
                      SymbolReader& symbols) {
-    if (p.predictor == Predictor::means) set_plane_sizes(stage, work);
-    else set_sizes(stage, work);
+    // From means alone, a plane's details are done with at its end.
+    set_sizes(stage, p.predictor == Predictor::neighbours, work);
     if (stage.pairs.voxel_count() == 0) return;
     if (p.predictor == Predictor::means) {
       // No row needs another one of its plane: the machine may overlap them.
@@ -170,7 +166,7 @@ struct Passes {
   }
 
   static void predict(const Parameters& p, const Stage& stage, Workspace<Sample>& work) {
-    set_sizes(stage, work);
+    set_sizes(stage, true, work);
     if (stage.pairs.voxel_count() == 0) return;
     for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
       for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
@@ -233,8 +229,11 @@ struct PortableKernel {
   static void keep_magnitudes(const Int* residuals, int count, int shift,
                               std::int16_t* magnitudes) {
     for (int x = 0; x < count; ++x) {
-      const Int magnitude = (residuals[x] < 0 ? -residuals[x] : residuals[x]) >> shift;
-      magnitudes[x] = static_cast<std::int16_t>(std::min<Int>(magnitude, kMaxMagnitude));
+      // A damaged residual may be the lowest number of its type, which has no opposite.
+      const auto bits = static_cast<std::make_unsigned_t<Int>>(residuals[x]);
+      const auto magnitude = (residuals[x] < 0 ? 0 - bits : bits) >> shift;
+      magnitudes[x] = static_cast<std::int16_t>(
+          std::min<std::make_unsigned_t<Int>>(magnitude, kMaxMagnitude));
     }
   }
   template <bool kIsEncoding>

@@ -273,8 +273,10 @@ inline void magnitudes_of_row(const std::int32_t* residuals, int count, std::int
   const hn::Rebind<std::int16_t, decltype(kWords)> short_words;
   constexpr int kLanes = static_cast<int>(hn::MaxLanes(kWords));
   for (int x = 0; x < count; x += kLanes) {
-    const auto magnitude = hn::Min(hn::Abs(hn::LoadU(signed_words, residuals + x)),
-                                   hn::Set(signed_words, kMaxMagnitude));
+    // As unsigned numbers: a damaged residual may be the lowest one, which is its own opposite.
+    const Words size = hn::BitCast(kWords, hn::Abs(hn::LoadU(signed_words, residuals + x)));
+    const auto magnitude =
+        hn::BitCast(signed_words, hn::Min(size, hn::Set(kWords, kMaxMagnitude)));
     hn::StoreU(hn::DemoteTo(short_words, magnitude), short_words, magnitudes + x);
   }
 }
