@@ -196,6 +196,42 @@ TEST_P(StagesOf, GiveWhatThePortableOnesGive) {
   }
 }
 
+/// Times a step, a damaged residual can become the lowest 32-bit number, which has no opposite: its
+/// magnitude must stay one that contexts can be made of.
+TEST_P(StagesOf, BoundTheMagnitudeOfTheLowestResidual) {
+  const auto functions = stage_functions_of(GetParam());
+  if (!functions) GTEST_SKIP() << "this machine has no " << GetParam();
+  std::mt19937 random(3);
+  for (const Predictor predictor : {Predictor::neighbours, Predictor::means}) {
+    RandomSplit split = make_split(random, {64, 2, 2}, 1, predictor, 12, false);
+    split.stage.step = 4096;
+    split.stage.step_bits = 12;
+    split.stage.odd_room = 0;
+    Workspace<std::int16_t> work;
+    load(work, split);
+    functions->narrow.predict(split.model.parameters, split.stage, work);
+    std::vector<Symbol> symbols;
+    for (std::int64_t z = 0; z < split.stage.pairs.z; ++z) {
+      std::fill_n(work.residuals.row(0, z), split.stage.pairs.x, 0);
+    }
+    functions->narrow.list_symbols(split.model.parameters, split.stage, work, symbols);
+    // Of the first plane, whose contexts depend on means alone.
+    for (std::size_t i = 0; i < 64; ++i) symbols[i].value = zigzag(-(std::int64_t{1} << 19));
+    const Bytes segment = encode_symbols(split.model, split.stage.set, symbols, 0);
+    load(work, split);
+    SymbolReader reader(split.model, split.stage.set, segment,
+                        static_cast<std::int64_t>(symbols.size()), 0);
+    try {
+      functions->narrow.decode(split.model.parameters, split.stage, work, reader);
+    } catch (const Error& error) {
+      // The second plane has other contexts now and may take more than there is.
+      EXPECT_EQ(error.kind(), ErrorKind::corrupt);
+    }
+    const std::int16_t* const magnitudes = work.magnitudes[1].row(0, 0);
+    for (int x = 0; x < 64; ++x) ASSERT_EQ(magnitudes[x], kMaxMagnitude) << x;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(EveryInstructionSet, StagesOf,
                          testing::Values("scalar", "sse4", "avx2", "avx512", "neon"),
                          [](const auto& test) { return test.param; });
