@@ -1,16 +1,18 @@
-"""Grey bricks: docs/format-grey.md, sections 1 to 5 and 12.
+"""Grey bricks: docs/format-grey.md, sections 1 to 5, 12 and 13.
 
 Arrays are indexed [z][y][x]. Inside a brick x, y and z are the axes of the model's order, except in
 `decode_grey_brick`, which gets and gives the brick's own.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 
 from .binary_coder import AdaptiveBit, BinaryDecoder
 from .byte_cursor import ByteCursor, unpack_bits
 from .errors import require
-from .grey_details import DetailDecoder, DetailStream, means_along
-from .grey_model import GreyModel
+from .grey_details import DetailDecoder, DetailStream, ValueGaps, means_along
+from .grey_model import GreyModel, ValueMap
 from .header import halved
 
 
@@ -29,9 +31,15 @@ def decode_grey_brick(model: GreyModel, smallest: int, largest: int, segments: l
     order = model.axis_order
     ordered_size = tuple(size[axis] for axis in order)
     ordered_halvings = [_ordered_mask(mask, order) for mask in halvings]
-    brick = _Brick(model, smallest, largest, ordered_size, ordered_halvings, first_level)
-    if len(segments) > 1 and not segments[-1]:
-        require(not any(segments[1:]), "a stored brick has a second segment")
+    is_stored = len(segments) > 1 and not segments[-1]
+    require(not is_stored or not any(segments[1:]), "a stored brick has a second segment")
+    values = _BrickValues(model.voxel_step, 0, None)
+    if model.value_map is not None:
+        segments = list(segments)
+        plain = 0 if is_stored else -1
+        values, segments[plain] = _take_values(model.value_map, smallest, segments[plain])
+    brick = _Brick(model, values, smallest, largest, ordered_size, ordered_halvings, first_level)
+    if is_stored:
         samples, corrections = brick.decode_stored(segments[0], place), None
     else:
         samples, corrections = brick.decode_levels(segments, place)
@@ -43,17 +51,44 @@ def _ordered_mask(mask: int, order: tuple[int, int, int]) -> int:
     return sum((mask >> axis & 1) << place for place, axis in enumerate(order))
 
 
+@dataclass(frozen=True)
+class _BrickValues:
+    """Voxels are codes * step + offset; `codes` are those that occur, None where all may."""
+
+    step: int
+    offset: int
+    codes: frozenset[int] | None
+
+    def code(self, voxel: int) -> int:
+        return (voxel - self.offset + (self.step - 1) // 2) // self.step
+
+
+def _take_values(value_map: ValueMap, smallest: int, segment: bytes) -> tuple[_BrickValues, bytes]:
+    """The map at the start of a segment, and what follows it (section 13)."""
+    cursor = ByteCursor(segment, "a brick's map")
+    flags = cursor.u8()
+    has_gaps = bool(flags & 2)
+    require(flags < 4 and (not has_gaps or bool(value_map.codes)), "a brick's map is wrong")
+    step, offset = (value_map.step, value_map.offset) if flags & 1 else (1, 0)
+    codes = None
+    if has_gaps:
+        low = _BrickValues(step, offset, None).code(smallest)
+        codes = value_map.codes | {low + extra for extra in cursor.take(cursor.u8())}
+    return _BrickValues(step, offset, codes), cursor.rest()
+
+
 class _Brick:
     """The numbers that all steps of decoding a brick need; samples are codes less `base`."""
 
-    def __init__(self, model: GreyModel, smallest: int, largest: int, size: tuple[int, int, int],
-                 halvings: list[int], first_level: int) -> None:
-        half = (model.voxel_step - 1) // 2
+    def __init__(self, model: GreyModel, values: _BrickValues, smallest: int, largest: int,
+                 size: tuple[int, int, int], halvings: list[int], first_level: int) -> None:
         self.model = model
+        self.values = values
         self.smallest = smallest
         self.largest = largest
-        self.low_code = (smallest + half) // model.voxel_step
-        self.range = (largest + half) // model.voxel_step - self.low_code
+        self.low_code = values.code(smallest)
+        self.range = values.code(largest) - self.low_code
+        require(values.codes is None or self.range < 256, "a brick with gaps has too many codes")
         self.is_narrow = self.range <= 65535
         self.shift = 0 if self.is_narrow else self.range.bit_length() - 16
         self.low = -(1 << 15) if self.is_narrow else -(1 << 31)
@@ -89,7 +124,8 @@ class _Brick:
 
     def to_voxels(self, samples: np.ndarray, corrections: bytes | None) -> np.ndarray:
         """Voxels of samples; both along the brick's own axes."""
-        voxels = (samples - self.low + self.low_code) * self.model.voxel_step
+        codes = samples - self.low + self.low_code
+        voxels = codes * self.values.step + self.values.offset
         if self.model.is_lossy:
             voxels = voxels.clip(self.smallest, self.largest)
         if corrections:
@@ -135,9 +171,17 @@ class _Brick:
                                 self.shift, self.is_narrow)
         for axis, flagged in splits:
             rounding = (axis + self.first_level + level + 1) & 1
-            samples = decoder.split(samples, axis, self.sizes[level][axis], flagged, rounding)
+            gaps = None
+            if level == 0 and axis == splits[-1][0] and self.values.codes is not None:
+                gaps = ValueGaps(self._used_samples(), self.low, self.low + self.range, rounding)
+            samples = decoder.split(samples, axis, self.sizes[level][axis], flagged, rounding,
+                                    gaps)
         stream.end()
         return samples
+
+    def _used_samples(self) -> list[int]:
+        inside = range(self.low_code, self.low_code + self.range + 1)
+        return [code - self.low_code + self.low for code in inside if code in self.values.codes]
 
     def _flagged_pairs(self, flags: np.ndarray | None, level: int, axis: int,
                        pairs: tuple[int, int, int]) -> np.ndarray:

@@ -1,7 +1,9 @@
-"""Details of grey bricks: docs/format-grey.md, sections 2, 4 and 6 to 8.
+"""Details of grey bricks: docs/format-grey.md, sections 2, 4, 6 to 8 and 13.
 
 Arrays are indexed [z][y][x]; x, y, z are axes 0, 1, 2, so that array axis = 2 - axis.
 """
+
+from bisect import bisect_left
 
 import numpy as np
 
@@ -109,6 +111,34 @@ class TokenTables:
         self.tokens = [bytes(np.repeat(tokens, row)) for row in frequencies]
 
 
+class ValueGaps:
+    """The details that pairs may have where only some samples occur (section 13).
+
+    used             the samples that occur, ascending
+    lowest, highest  the samples of the brick's smallest and largest voxel
+    """
+
+    def __init__(self, used: list[int], lowest: int, highest: int, rounding: int) -> None:
+        self._lowest = lowest
+        self._highest = highest
+        self._details: dict[int, list[int]] = {}
+        for a in used:
+            for b in used:
+                self._details.setdefault((a + b + rounding) >> 1, []).append(a - b)
+        for possible in self._details.values():
+            possible.sort()
+
+    def detail(self, m: int, prediction: int, residual: int) -> int:
+        possible = self._details.get(max(self._lowest, min(self._highest, m)))
+        if possible is None:
+            return 0
+        near = bisect_left(possible, prediction)
+        if near == len(possible) or (
+                near > 0 and prediction - possible[near - 1] <= possible[near] - prediction):
+            near -= 1
+        return possible[max(0, min(len(possible) - 1, near + residual))]
+
+
 class DetailDecoder:
     """Decodes the splits of one level of a brick, in the order z, y, x.
 
@@ -130,10 +160,11 @@ class DetailDecoder:
         self._magnitudes: dict[int, np.ndarray] = {}
 
     def split(self, means: np.ndarray, axis: int, length: int, flagged: np.ndarray,
-              rounding: int) -> np.ndarray:
+              rounding: int, gaps: "ValueGaps | None" = None) -> np.ndarray:
         """The samples whose means are `means`: `length` of them along `axis`.
 
         flagged  which pairs lie in flagged cells, [z][y][x]
+        gaps     of the split that makes voxels, where some values do not occur
         """
         pairs = flagged.shape
         if 0 in pairs:
@@ -158,9 +189,12 @@ class DetailDecoder:
         if self._model.predictor == 1:
             w = self._model.mean_weights[self._group][axis][classes]
             prediction = ((slope * w + 2048) >> 12).clip(-limit, limit)
-            details = (prediction + residuals).clip(-limit, limit)
+            if gaps is None:
+                details = (prediction + residuals).clip(-limit, limit)
+            else:
+                details = np.vectorize(gaps.detail, otypes=[np.int64])(m, prediction, residuals)
             return _merge(means, axis, length, details, rounding)
-        return self._predicted(means, axis, length, classes, limit, residuals, rounding)
+        return self._predicted(means, axis, length, classes, limit, residuals, rounding, gaps)
 
     def _earlier(self, axis: int, pairs: tuple[int, int, int], which: int) -> np.ndarray | int:
         """Magnitudes at the same places in a split of this level done before, or 0.
@@ -174,8 +208,8 @@ class DetailDecoder:
         places = []
         for a, count in zip((2, 1, 0), pairs):
             at = np.arange(count)
-            if axis < a <= source:
-                at = at >> 1  # also where this axis is not halved
+            if axis < a <= source and a in self._magnitudes:
+                at = at >> 1
             places.append(np.minimum(at, magnitudes.shape[2 - a] - 1))
         return magnitudes[np.ix_(*places)]
 
@@ -224,7 +258,8 @@ class DetailDecoder:
         return residuals
 
     def _predicted(self, means: np.ndarray, axis: int, length: int, classes: np.ndarray,
-                   limit: np.ndarray, residuals: np.ndarray, rounding: int) -> np.ndarray:
+                   limit: np.ndarray, residuals: np.ndarray, rounding: int,
+                   gaps: "ValueGaps | None") -> np.ndarray:
         """Predictor 0: each pair from the pairs before it and the means of those behind."""
         nz, ny, nx = classes.shape
         array_axis = 2 - axis
@@ -250,7 +285,7 @@ class DetailDecoder:
                     sums += chosen[:, place] * at
             pairs = _decode_row(sums.tolist(), classes[z, y].tolist(), limit[z, y].tolist(),
                                 residuals[z, y].tolist(), means[z, y, :nx].tolist(), left,
-                                rounding, self._is_narrow)
+                                rounding, self._is_narrow, gaps)
             first, second = np.array(pairs, np.int64).T
             line(0, stride_y * y, stride_z * z)[:] = first
             line(axis == 0, stride_y * y + (axis == 1), stride_z * z + (axis == 2))[:] = second
@@ -273,7 +308,7 @@ def _left_taps(axis: int, weights: np.ndarray) -> list[list[list[int]]]:
 
 def _decode_row(sums: list[int], classes: list[int], limits: list[int], residuals: list[int],
                 means: list[int], left: list[list[list[int]]], rounding: int,
-                is_narrow: bool) -> list[tuple[int, int]]:
+                is_narrow: bool, gaps: "ValueGaps | None") -> list[tuple[int, int]]:
     """The pairs of one row; `sums` takes the means for the row's own samples."""
     reach = len(left[0])
     pairs = []
@@ -288,7 +323,10 @@ def _decode_row(sums: list[int], classes: list[int], limits: list[int], residual
             total += 2048
             prediction = (wrapped(total) if is_narrow else total) >> 12
             prediction = max(-limit, min(limit, prediction))
-        d = max(-limit, min(limit, prediction + residual))
+        if gaps is None:
+            d = max(-limit, min(limit, prediction + residual))
+        else:
+            d = gaps.detail(m, prediction, residual)
         s = 2 * m - rounding + ((d + rounding) & 1)
         a, b = (s + d) >> 1, (s - d) >> 1
         pairs.append((a, b))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .binary_coder import AdaptiveNumber, BinaryDecoder
-from .byte_cursor import ByteCursor
+from .byte_cursor import ByteCursor, unpack_bits
 from .errors import require
 
 GROUPS = 3
@@ -30,12 +30,25 @@ CENTRES = (8, 19, 43)
 
 
 @dataclass(frozen=True)
+class ValueMap:
+    """Which values occur: multiples of `step` plus `offset`, and of their codes those in `codes`.
+
+    codes  empty: not known
+    """
+
+    step: int
+    offset: int
+    codes: frozenset[int]
+
+
+@dataclass(frozen=True)
 class GreyModel:
     """What the grey bricks of some layers share.
 
     predictor        0: taps around a pair; 1: the means before and after it
     axis_order       the axes (0 x, 1 y, 2 z) that take the parts of x, y, z
     voxel_step       q: a code stands for q voxels
+    value_map        None, or which values occur
     detail_step      Q8; correction_step in voxel units; both 0 unless details are quantised
     threshold        T of the activity class
     tap_weights      predictor 0: [group][axis], shape (CLASSES, taps), in 4096ths
@@ -50,6 +63,7 @@ class GreyModel:
     voxel_step: int
     detail_step: int
     correction_step: int
+    value_map: "ValueMap | None"
     threshold: int
     tap_weights: list[list[np.ndarray]]
     mean_weights: list[list[np.ndarray]]
@@ -61,8 +75,8 @@ def parse_grey_model(data: bytes) -> GreyModel:
     """Reads a model. Raises OctavoError "corrupt"."""
     cursor = ByteCursor(data, "grey model")
     flags = cursor.u8()
-    predictor, is_lossy, order = flags & 1, bool(flags & 2), flags >> 2
-    require(order < len(_AXIS_ORDERS), "a grey model has unknown flags")
+    predictor, is_lossy, order = flags & 1, bool(flags & 2), flags >> 2 & 7
+    require(order < len(_AXIS_ORDERS) and flags < 64, "a grey model has unknown flags")
     voxel_step, detail_step, correction_step = 1, 0, 0
     if is_lossy:
         voxel_step, detail_step, correction_step = (cursor.varint() for _ in range(3))
@@ -70,6 +84,8 @@ def parse_grey_model(data: bytes) -> GreyModel:
                 and correction_step < 1 << 32, "the steps of a grey model are wrong")
         require((voxel_step > 1) == (detail_step == 0) == (correction_step == 0),
                 "the steps of a grey model exclude each other")
+    value_map = _value_map(cursor) if flags & 32 else None
+    require(value_map is None or not is_lossy, "a lossy grey model has a value map")
     threshold = cursor.varint()
     weight_step = cursor.u8()
     require(1 <= threshold <= 16383 and weight_step <= 8, "a number of a grey model is wrong")
@@ -86,7 +102,19 @@ def parse_grey_model(data: bytes) -> GreyModel:
     frequencies = _frequencies(decoder)
     require(decoder.at == len(body), "a grey model does not end where it should")
     return GreyModel(predictor, _AXIS_ORDERS[order], is_lossy, voxel_step, detail_step,
-                     correction_step, threshold, taps, means, contexts, frequencies)
+                     correction_step, value_map, threshold, taps, means, contexts, frequencies)
+
+
+def _value_map(cursor: ByteCursor) -> ValueMap:
+    step, offset, count = (cursor.varint() for _ in range(3))
+    require(1 <= step < 1 << 32 and offset < step and count <= 256, "a value map is wrong")
+    require(step > 1 or count > 0, "a value map says nothing")
+    if count == 0:
+        return ValueMap(step, offset, frozenset())
+    number = cursor.varint()
+    first = number >> 1 ^ -(number & 1)
+    flags = unpack_bits(cursor.take((count + 7) // 8), 1, count, "a value map")
+    return ValueMap(step, offset, frozenset(first + i for i in range(count) if flags[i]))
 
 
 def _distance(axis: int, tap: int) -> int:

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -69,6 +70,23 @@ double scan(const Index3& p) {
 }
 double signed_scan(const Index3& p) { return scan<100, 24>(p) - 1024; }
 double wide_scan(const Index3& p) { return scan<90000000, 4000>(p) - 1000000000; }
+double multiples(const Index3& p) { return scan<50, 9>(p) * 16 + 3; }
+double spread(const Index3& p) {
+  return static_cast<double>(scan_at(p, 8, 5) % 100 * 255 / 100);
+}
+/// Quiet waves in a box of air: quantised details need few corrections.
+double waves(const Index3& p) {
+  const bool is_inside = p.x > 8 && p.x < 50 && p.y > 6 && p.y < 40 && p.z > 5 && p.z < 30;
+  const double x = static_cast<double>(p.x) / 20;
+  const double y = static_cast<double>(p.y) / 17;
+  return is_inside ? 2000 + std::floor(600 * std::sin(2 * x + y)) + (noise_at(p) & 7) : 0;
+}
+/// Waves a few voxels long: what is decoded tells more than the means.
+double ripples(const Index3& p) {
+  const double near = static_cast<double>(p.x) / 2 + static_cast<double>(p.y) / 3;
+  const double far = static_cast<double>(p.z) / 2 - static_cast<double>(p.y) / 4;
+  return std::floor(700 * std::sin(near) * std::cos(far)) + (noise_at(p) & 7) - 300;
+}
 double white_noise(const Index3& p) { return noise_at(p) & 0xff; }
 double labels(const Index3& p) { return static_cast<double>(label_at(p)); }
 double many_labels(const Index3& p) { return noise_at(p) * 7.0; }
@@ -92,16 +110,18 @@ std::vector<Feature> features() {
   as_labels.kind = VolumeKind::labels;
   const Size3 size{41, 33, 26};
   return {
-      {"small-int16", size, VoxelType::int16, signed_scan},
+      {"small-int16", {60, 48, 36}, VoxelType::int16, ripples},
       {"small-uint8-thick", {41, 33, 12}, VoxelType::uint8, scan<20, 5>, {}, {1, 1, 4}},
       {"small-int32-wide", {20, 18, 17}, VoxelType::int32, wide_scan},
       {"small-axis-order", {40, 24, 32}, VoxelType::uint16, streaks},
       {"small-two-tiers", {70, 40, 9}, VoxelType::int8, scan<9, 3>},
+      {"small-lattice", size, VoxelType::uint16, multiples},
+      {"small-gaps", size, VoxelType::uint8, spread},
       {"stored-uint8", {20, 18, 17}, VoxelType::uint8, white_noise},
       {"fast-int16", size, VoxelType::int16, signed_scan, with(Preset::fast, 0)},
       {"fast-int32-wide", {20, 18, 17}, VoxelType::int32, wide_scan, with(Preset::fast, 0)},
       {"max-error-rounded", size, VoxelType::int16, signed_scan, with(Preset::small, 2)},
-      {"max-error-quantised", size, VoxelType::uint16, scan<1000, 90>, with(Preset::small, 60)},
+      {"max-error-quantised", {60, 48, 36}, VoxelType::uint16, waves, with(Preset::small, 12)},
       {"max-error-fast", size, VoxelType::uint16, scan<1000, 90>, with(Preset::fast, 60)},
       {"float32-scaled", size, VoxelType::float32, scaled_scan},
       {"float32-max-error", size, VoxelType::float32, smooth_floats, with(Preset::small, 0.05)},

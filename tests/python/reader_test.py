@@ -101,6 +101,12 @@ class GoldenFiles(unittest.TestCase):
                 self.assertEqual(f"{crc32c(samples.tobytes()):08x}", checksum)
 
 
+    def test_files_use_what_they_are_named_for(self):
+        for name, uses in volumes.GOLDEN_USES.items():
+            with self.subTest(name), OctavoFile(GOLDEN / f"{name}.8vo") as file:
+                self.assertTrue(uses(file))
+
+
 class Damage(InFolder):
     """Of a file with one byte changed or missing no wrong voxel comes out."""
 

@@ -75,6 +75,16 @@ def is_corrected(file):
     return file.model(0).correction_step > 0
 
 
+def is_on_lattice(file):
+    value_map = file.model(0).value_map
+    return value_map is not None and value_map.step > 1
+
+
+def has_gaps(file):
+    value_map = file.model(0).value_map
+    return value_map is not None and bool(value_map.codes)
+
+
 def is_stored(file):
     return any(brick.segments[0][1] > 0 and brick.segments[-1][1] == 0
                for brick in file.bricks(0))
@@ -90,6 +100,23 @@ def has_uniform_brick(file):
 
 def is_thick_along(axis):
     return lambda file: not file.header.halvings[0] >> axis & 1
+
+
+GOLDEN_USES = {
+    "small-int16": predicts(0),
+    "small-int32-wide": is_wide,
+    "small-axis-order": lambda file: file.model(0).axis_order != (0, 1, 2),
+    "small-two-tiers": lambda file: file.header.tier_count > 1,
+    "small-uint8-thick": is_thick_along(2),
+    "small-lattice": is_on_lattice,
+    "small-gaps": has_gaps,
+    "stored-uint8": is_stored,
+    "fast-int16": predicts(1),
+    "fast-int32-wide": is_wide,
+    "max-error-rounded": is_rounded,
+    "max-error-quantised": is_corrected,
+    "max-error-fast": predicts(1),
+}
 
 
 def cases():
@@ -111,6 +138,16 @@ def cases():
         Case("uniform bricks", np.pad(waves((20, 20, 20), 300, 2), ((0, 0), (0, 0), (0, 60)))
              .astype("int16"), ("--preset", "fast"), has_uniform_brick),
         Case("one plane", waves((1, 50, 41), 300, 2).astype("uint16") // 3, (), is_coded),
+        Case("multiples", waves((27, 34, 41), 200, 2).astype("uint16") // 5 * 16 + 3, (),
+             is_on_lattice),
+        Case("multiples, fast", waves((27, 34, 41), 200, 2).astype("int16") // 5 * 257,
+             ("--preset", "fast"), is_on_lattice),
+        Case("gaps", (np.abs(waves((27, 34, 41), 60, 2)).astype("int64") % 70 * 255 // 70)
+             .astype("uint8"), (), has_gaps),
+        Case("gaps, thick x", (np.abs(waves((27, 34, 23), 60, 2)).astype("int64") % 70 * 255 // 70)
+             .astype("uint8"), (), has_gaps, "4,1,1"),
+        Case("two values", np.where(waves((27, 34, 41), 60, 2) > 0, 255, 0).astype("uint8"), (),
+             has_gaps),
         Case("noise", noise(0, 256, (9, 10, 11)).astype("uint8"), (), is_stored),
         Case("one value", np.full((5, 6, 7), -3, "int16"), (), has_uniform_brick),
         Case("rounded", waves((27, 34, 41), 300, 20).astype("int16"),

@@ -27,9 +27,9 @@ std::vector<Sample> gather(const BrickView& brick, const SampleScale& scale,
       for (std::int64_t z = 0; z < size.z; ++z) {
         for (std::int64_t y = 0; y < size.y; ++y, out += size.x) {
           const T* in = static_cast<const T*>(brick.voxels) + z * steps.z + y * steps.y;
-          if (scale.voxel_step > 1) {
+          if (scale.codes.step > 1) {
             for (std::int64_t x = 0; x < size.x; ++x) {
-              const std::int64_t code = SampleScale::code_of(in[x * steps.x], scale.voxel_step);
+              const std::int64_t code = scale.codes.code_of(in[x * steps.x]);
               out[x] = static_cast<Sample>(((code - zero) >> drop) + lowest);
             }
             continue;
@@ -168,6 +168,29 @@ Stage pairs_of(const BrickShape& shape, int level, int axis, const Size3& fine_s
 
 }  // namespace
 
+namespace {
+
+/// The axis of the split that makes the samples of level 0.
+int finest_axis(const BrickShape& shape) { return std::countr_zero(shape.halving[0]); }
+
+}  // namespace
+
+std::unique_ptr<const ValueGaps> gaps_of(const ValueMap& map, const BrickMap& brick,
+                                         const BrickShape& shape, const SampleScale& scale) {
+  if (!brick.has_gaps || shape.level_count < 2) return nullptr;
+  if (scale.range.max - scale.range.min >= static_cast<std::int64_t>(kMaxMappedCodes)) {
+    throw Error(ErrorKind::corrupt, "a brick with gaps has too many values");
+  }
+  return std::make_unique<const ValueGaps>(
+      make_gaps(map, brick, scale.range.min, scale.range.max, scale.min_sample(),
+                rounding_term(finest_axis(shape), shape.first_level)));
+}
+
+CodeScale code_scale(const Parameters& p, const BrickMap& map) {
+  if (!p.quantizer.is_lossless()) return {p.quantizer.voxel_step, 0};
+  return map.scale(p.value_map);
+}
+
 BrickShape in_order(const BrickShape& shape, const AxisOrder& order) {
   BrickShape result = shape;
   for (std::size_t i = 0; i < shape.size.size(); ++i) {
@@ -182,8 +205,9 @@ BrickShape in_order(const BrickShape& shape, const AxisOrder& order) {
 }
 
 Stage make_stage(const BrickShape& shape, const SampleScale& scale, const Parameters& p, int level,
-                 int axis, const Size3& fine_size, const UniformCells* cells) {
-  Stage stage = pairs_of(shape, level, axis, fine_size, cells);
+                 int axis, const Size3& fine_size, const BrickHints& hints) {
+  Stage stage = pairs_of(shape, level, axis, fine_size, hints.cells);
+  if (level == 0 && axis == finest_axis(shape)) stage.gaps = hints.gaps;
   stage.group = level_group(level);
   stage.set = table_set(level);
   stage.rounding = rounding_term(axis, shape.first_level + level);

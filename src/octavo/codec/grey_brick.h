@@ -23,19 +23,13 @@
 
 namespace octavo::grey {
 
-/// How the voxels of a brick become samples: voxels to codes (the nearest multiple of the step,
-/// divided by it; the voxels themselves when lossless), codes to samples.
+/// How the voxels of a brick become samples: voxels to codes, codes to samples.
 struct SampleScale {
-  ValueRange range;             ///< of the codes
-  std::int64_t voxel_step = 1;  ///< odd
+  ValueRange range;  ///< of the codes
+  CodeScale codes = {};
 
-  static SampleScale of_voxels(const ValueRange& voxels, std::int64_t voxel_step) {
-    return {{code_of(voxels.min, voxel_step), code_of(voxels.max, voxel_step)}, voxel_step};
-  }
-  static std::int64_t code_of(std::int64_t voxel, std::int64_t voxel_step) {
-    const std::int64_t above = voxel + (voxel_step - 1) / 2;
-    const std::int64_t quotient = above / voxel_step;
-    return quotient - (above % voxel_step < 0);
+  static SampleScale of_voxels(const ValueRange& voxels, const CodeScale& codes) {
+    return {{codes.code_of(voxels.min), codes.code_of(voxels.max)}, codes};
   }
 
   bool is_wide() const { return range.max - range.min > 0xffff; }
@@ -76,10 +70,19 @@ Bytes encode_cells(const UniformCells& cells);
 /// Throws Error{corrupt}.
 UniformCells decode_cells(ByteSpan bytes, const Size3& size);
 
+/// What is known of a brick's samples before its details are.
+struct BrickHints {
+  const UniformCells* cells = nullptr;  ///< nullptr when no cell is flagged
+  const ValueGaps* gaps = nullptr;      ///< nullptr when all values occur
+};
+
 /// The split along `axis` at in-brick level `level`; `fine_size` is the size of its result.
-/// cells  nullptr when no cell is flagged
 Stage make_stage(const BrickShape& shape, const SampleScale& scale, const Parameters& p, int level,
-                 int axis, const Size3& fine_size, const UniformCells* cells);
+                 int axis, const Size3& fine_size, const BrickHints& hints);
+
+/// The gaps between the values of a brick; nothing where its map knows of none.
+std::unique_ptr<const ValueGaps> gaps_of(const ValueMap& map, const BrickMap& brick,
+                                         const BrickShape& shape, const SampleScale& scale);
 
 /// The axes of the splits that lead from level + 1 to level with the sizes they produce, in
 /// decoding order: z, y, x.
@@ -113,7 +116,7 @@ void load_means(Workspace<Sample>& work, const Sample* samples, const Size3& siz
 /// means.
 template <class Sample, class F>
 void run_level(Workspace<Sample>& work, const BrickShape& shape, const SampleScale& scale,
-               const Parameters& p, int level, const UniformCells* cells, F&& stage_work) {
+               const Parameters& p, int level, const BrickHints& hints, F&& stage_work) {
   for (auto& grid : work.magnitudes) grid.set_size({0, 0, 0});
   for (const Split& split : splits_of(shape, level)) {
     if (p.predictor == Predictor::neighbours) {
@@ -121,7 +124,7 @@ void run_level(Workspace<Sample>& work, const BrickShape& shape, const SampleSca
     } else {
       work.fine.set_size(split.fine_size);
     }
-    stage_work(make_stage(shape, scale, p, level, split.axis, split.fine_size, cells), split);
+    stage_work(make_stage(shape, scale, p, level, split.axis, split.fine_size, hints), split);
     if (p.predictor == Predictor::means) copy_lone(work.means, work.fine, split.axis);
     work.means.swap(work.fine);
     work.means.fill_margins();
@@ -161,9 +164,10 @@ struct AnalyzedBrick {
   std::vector<std::array<std::vector<Sample>, 3>> steps;
   std::vector<Sample> coarsest;  ///< samples of the last in-brick level
   UniformCells cells;            ///< no flags when too few cells are uniform to pay
+  std::unique_ptr<const ValueGaps> gaps;
   std::int64_t parent = 0;       ///< code of the brick at the next tier's first level
 
-  const UniformCells* cells_or_null() const { return cells.flags.empty() ? nullptr : &cells; }
+  BrickHints hints() const { return {cells.flags.empty() ? nullptr : &cells, gaps.get()}; }
 };
 
 /// Smallest and largest voxel of a brick.
@@ -174,5 +178,8 @@ ValueRange range_of(const BrickView& brick);
 template <class Sample>
 AnalyzedBrick<Sample> analyze(const BrickShape& shape, const BrickView& brick,
                               const SampleScale& scale, const AxisOrder& order);
+
+/// The codes that a model makes of voxels, those of a brick with a map.
+CodeScale code_scale(const Parameters& p, const BrickMap& map);
 
 }  // namespace octavo::grey

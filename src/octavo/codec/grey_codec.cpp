@@ -6,6 +6,7 @@
 
 #include "octavo/codec/grey_brick.h"
 #include "octavo/codec/grey_corrections.h"
+#include "octavo/codec/voxel_walk.h"
 
 namespace octavo::grey {
 
@@ -43,35 +44,18 @@ std::vector<Sample> decode_plain(const SampleScale& scale, ByteSpan bytes, const
   return samples;
 }
 
-/// The voxel of a sample: a code times the voxel step, within the brick's range.
+/// The voxel of a sample, within the brick's range.
 struct VoxelScale {
   ValueRange range;
   std::int64_t base;
-  std::int64_t step;
+  CodeScale codes;
 
   VoxelScale(const SampleScale& scale, const ValueRange& voxels)
-      : range(voxels), base(scale.base()), step(scale.voxel_step) {}
+      : range(voxels), base(scale.base()), codes(scale.codes) {}
   std::int64_t operator()(std::int64_t sample) const {
-    return std::clamp((sample + base) * step, range.min, range.max);
+    return std::clamp(codes.voxel_of(sample + base), range.min, range.max);
   }
 };
-
-/// Calls f(voxel) for the voxels of a brick in the order z, y, x.
-template <class F>
-void for_each_voxel(const BrickView& brick, F&& f) {
-  with_voxel_type(brick.type, [&](auto tag) {
-    using T = typename decltype(tag)::type;
-    if constexpr (std::is_integral_v<T>) {
-      for (std::int64_t z = 0; z < brick.size.z; ++z) {
-        for (std::int64_t y = 0; y < brick.size.y; ++y) {
-          const T* row =
-              static_cast<const T*>(brick.voxels) + z * brick.plane_stride + y * brick.row_stride;
-          for (std::int64_t x = 0; x < brick.size.x; ++x) f(std::int64_t{row[x]});
-        }
-      }
-    }
-  });
-}
 
 /// The segment of in-brick level 1 starts with the cell flags: a varint of their length, then the
 /// bytes.
@@ -98,7 +82,7 @@ std::vector<Bytes> encode_samples(const Model& model, const BrickShape& shape,
   for (int level = shape.level_count - 2; level >= 0; --level) {
     const auto slot = static_cast<std::size_t>(level);
     symbols.clear();
-    run_level(work, shape, brick.scale, model.parameters, level, brick.cells_or_null(),
+    run_level(work, shape, brick.scale, model.parameters, level, brick.hints(),
               [&](const Stage& stage, const Split& split) {
                 const auto& samples = brick.steps[slot][static_cast<std::size_t>(split.axis)];
                 load_details(work, stage, Truth<Sample>{samples.data(), split.fine_size});
@@ -129,7 +113,7 @@ bool put_corrections(EncodedBrick& encoded, const BrickView& view, const SampleS
   for_each_voxel(view, [&](std::int64_t voxel) {
     const auto in = [&](int axis) { return at[p.axis_order[static_cast<std::size_t>(axis)]]; };
     const std::int64_t decoded = voxel_of(grid.row(in(1), in(2))[in(0)]);
-    const std::int64_t correction = SampleScale::code_of(voxel - decoded, step);
+    const std::int64_t correction = CodeScale{step}.code_of(voxel - decoded);
     fits = fits && correction >= -kMaxCorrection && correction <= kMaxCorrection;
     corrections.push_back(static_cast<std::int8_t>(correction));
     const std::int64_t corrected =
@@ -150,11 +134,11 @@ bool put_corrections(EncodedBrick& encoded, const BrickView& view, const SampleS
 /// The largest error that rounding to the voxel step leaves.
 std::int64_t rounding_error(const BrickView& view, const SampleScale& scale,
                             const ValueRange& range) {
-  if (scale.voxel_step == 1) return 0;
+  if (scale.codes.step == 1) return 0;
   std::int64_t most = 0;
   for_each_voxel(view, [&](std::int64_t voxel) {
-    const std::int64_t code = SampleScale::code_of(voxel, scale.voxel_step);
-    const std::int64_t decoded = std::clamp(code * scale.voxel_step, range.min, range.max);
+    const std::int64_t decoded =
+        std::clamp(scale.codes.voxel_of(scale.codes.code_of(voxel)), range.min, range.max);
     most = std::max(most, std::abs(voxel - decoded));
   });
   return most;
@@ -174,13 +158,15 @@ void store(EncodedBrick& encoded, const BrickShape& shape, const BrickView& view
 
 template <class Sample>
 EncodedBrick encode_brick(const Model& model, const BrickShape& shape, const BrickView& view,
-                          const ValueRange& voxels, const SampleScale& scale) {
+                          const ValueRange& voxels, const SampleScale& scale,
+                          const BrickMap& map) {
   const AxisOrder& order = model.parameters.axis_order;
-  const auto brick = analyze<Sample>(shape, view, scale, order);
+  auto brick = analyze<Sample>(shape, view, scale, order);
+  brick.gaps = gaps_of(model.parameters.value_map, map, shape, scale);
   const Quantizer& quantizer = model.parameters.quantizer;
   EncodedBrick encoded;
   encoded.range = voxels;
-  encoded.parent = std::clamp(brick.parent * scale.voxel_step, encoded.range.min,
+  encoded.parent = std::clamp(scale.codes.voxel_of(brick.parent), encoded.range.min,
                               encoded.range.max);
   encoded.segments = encode_samples(model, shape, brick);
   bool is_possible = true;
@@ -193,6 +179,13 @@ EncodedBrick encode_brick(const Model& model, const BrickShape& shape, const Bri
   for (const Bytes& segment : encoded.segments) coded += segment.size();
   const bool is_larger = shape.level_count > 1 && coded >= stored_bytes(scale, shape.size[0]);
   if (is_larger || !is_possible) store<Sample>(encoded, shape, view, scale, order);
+  if (!model.parameters.value_map.is_empty()) {
+    Bytes& plain = encoded.segments.back().empty() ? encoded.segments.front()
+                                                   : encoded.segments.back();
+    Bytes start;
+    put_brick_map(start, map);
+    plain.insert(plain.begin(), start.begin(), start.end());
+  }
   return encoded;
 }
 
@@ -203,11 +196,20 @@ void write_out(const Sample* samples, std::int64_t count, const SampleScale& sca
   if (step != 1) {
     const std::int64_t base = scale.base();
     for (std::int64_t i = 0; i < count; ++i) {
-      out[i * step] = static_cast<T>(clamping != nullptr ? (*clamping)(samples[i])
-                                                         : samples[i] + base);
+      out[i * step] = static_cast<T>(clamping != nullptr
+                                         ? (*clamping)(samples[i])
+                                         : scale.codes.voxel_of(samples[i] + base));
     }
   } else if (clamping != nullptr) {
     for (std::int64_t i = 0; i < count; ++i) out[i] = static_cast<T>((*clamping)(samples[i]));
+  } else if (scale.codes.step > 1) {
+    // Voxels are sums modulo their type.
+    static_assert(sizeof(T) <= sizeof(std::uint32_t));
+    const auto factor = static_cast<std::uint32_t>(scale.codes.step);
+    const auto base = static_cast<std::uint32_t>(scale.codes.voxel_of(scale.base()));
+    for (std::int64_t i = 0; i < count; ++i) {
+      out[i] = static_cast<T>(static_cast<std::uint32_t>(samples[i]) * factor + base);
+    }
   } else if constexpr (std::is_integral_v<T> && sizeof(T) <= sizeof(Sample)) {
     // Voxels are sums modulo their type.
     using Unsigned = std::make_unsigned_t<T>;
@@ -229,6 +231,7 @@ struct Source {
   VoxelType type;
   ValueRange range;
   SampleScale scale;
+  BrickMap map;
   std::span<const ByteSpan> segments;
   int level;
 
@@ -307,6 +310,7 @@ void decode_samples(const Source& source, void* out) {
       decode_plain<Sample>(source.scale, source.segments[last], shape.size[last]);
   Workspace<Sample>& work = thread_workspace<Sample>();
   load_means(work, coarsest.data(), shape.size[last]);
+  const auto gaps = gaps_of(parameters.value_map, source.map, shape, source.scale);
   UniformCells cells;
   Corrections corrections;
   for (int at = static_cast<int>(last) - 1; at >= source.level; --at) {
@@ -318,17 +322,18 @@ void decode_samples(const Source& source, void* out) {
       const std::uint64_t length = take_varint(segment);
       cells = decode_cells(take_bytes(segment, length), shape.size[2]);
     }
-    const UniformCells* flagged = cells.flags.empty() ? nullptr : &cells;
-    const std::int64_t details = level_detail_count(shape, at, flagged);
+    const BrickHints hints{cells.flags.empty() ? nullptr : &cells, gaps.get()};
+    const std::int64_t details = level_detail_count(shape, at, hints.cells);
     if (details == 0) {
       if (!segment.empty())
         throw Error(ErrorKind::corrupt, "a segment without details is not empty");
-      run_level(work, shape, source.scale, Parameters{}, at, flagged,
+      static const Parameters kRepeating{};
+      run_level(work, shape, source.scale, kRepeating, at, hints,
                 [&](const Stage&, const Split&) {});
       continue;
     }
     SymbolReader symbols(source.model, table_set(at), segment, details, source.scale.shift());
-    run_level(work, shape, source.scale, parameters, at, flagged,
+    run_level(work, shape, source.scale, parameters, at, hints,
               [&](const Stage& stage, const Split&) {
                 stage_functions().of<Sample>().decode(parameters, stage, work, symbols);
               });
@@ -360,10 +365,12 @@ EncodedBrick GreyCodec::encode(const BrickShape& shape, const BrickView& view) c
     return {{middle, middle}, middle, voxels.max - middle,
             std::vector<Bytes>(static_cast<std::size_t>(shape.level_count))};
   }
-  const SampleScale scale = SampleScale::of_voxels(voxels, quantizer.voxel_step);
-  const BrickShape inner = in_order(shape, model_->parameters.axis_order);
+  const Parameters& parameters = model_->parameters;
+  const BrickMap map = map_brick(parameters.value_map, view, voxels, shape.first_level == 0);
+  const SampleScale scale = SampleScale::of_voxels(voxels, code_scale(parameters, map));
+  const BrickShape inner = in_order(shape, parameters.axis_order);
   return with_sample_type(scale, [&](auto sample) {
-    return encode_brick<decltype(sample)>(*model_, inner, view, voxels, scale);
+    return encode_brick<decltype(sample)>(*model_, inner, view, voxels, scale, map);
   });
 }
 
@@ -377,23 +384,22 @@ void GreyCodec::decode(const BrickShape& shape, VoxelType type, const ValueRange
     });
     return;
   }
-  const Quantizer& quantizer = model_->parameters.quantizer;
-  const BrickShape inner = in_order(shape, model_->parameters.axis_order);
-  const Source source{*model_,
-                      inner,
-                      shape.size[0],
-                      type,
-                      range,
-                      SampleScale::of_voxels(range, quantizer.voxel_step),
-                      segments,
-                      level};
+  const bool is_stored = shape.level_count > 1 && segments.back().empty();
+  const auto holds_bytes = [](ByteSpan segment) { return !segment.empty(); };
+  if (is_stored && std::any_of(segments.begin() + 1, segments.end(), holds_bytes)) {
+    throw Error(ErrorKind::corrupt, "a stored brick has more than one segment");
+  }
+  const Parameters& parameters = model_->parameters;
+  std::vector<ByteSpan> parts(segments.begin(), segments.end());
+  BrickMap map;
+  if (!parameters.value_map.is_empty()) {
+    map = take_brick_map(parameters.value_map, is_stored ? parts.front() : parts.back());
+  }
+  const BrickShape inner = in_order(shape, parameters.axis_order);
+  const SampleScale scale = SampleScale::of_voxels(range, code_scale(parameters, map));
+  const Source source{*model_, inner, shape.size[0], type, range, scale, map, parts, level};
   with_sample_type(source.scale, [&](auto sample) {
     using Sample = decltype(sample);
-    const bool is_stored = shape.level_count > 1 && segments.back().empty();
-    const auto holds_bytes = [](ByteSpan segment) { return !segment.empty(); };
-    if (is_stored && std::any_of(segments.begin() + 1, segments.end(), holds_bytes)) {
-      throw Error(ErrorKind::corrupt, "a stored brick has more than one segment");
-    }
     if (is_stored) decode_stored<Sample>(source, out);
     else decode_samples<Sample>(source, out);
   });

@@ -4,18 +4,22 @@
 
 namespace octavo::grey {
 
-std::vector<Lesson> make_lessons(std::span<const TrainingBrick> bricks, std::int64_t voxel_step,
-                                 const AxisOrder& order) {
+std::vector<Lesson> make_lessons(std::span<const TrainingBrick> bricks, const Parameters& p) {
+  const AxisOrder& order = p.axis_order;
   std::vector<Lesson> lessons(bricks.size());
   tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
-    const SampleScale scale = SampleScale::of_voxels(range_of(bricks[i].view), voxel_step);
+    const ValueRange range = range_of(bricks[i].view);
+    const BrickMap map =
+        map_brick(p.value_map, bricks[i].view, range, bricks[i].shape.first_level == 0);
+    const SampleScale scale = SampleScale::of_voxels(range, code_scale(p, map));
     if (scale.range.min == scale.range.max) return;
     const BrickShape shape = in_order(bricks[i].shape, order);
     lessons[i] = {shape, analyze<std::int16_t>(shape, bricks[i].view, scale, order)};
     if (scale.is_wide()) {
       lessons[i].brick.scale =
-          SampleScale{{0, (scale.range.max - scale.range.min) >> scale.shift()}, 1};
+          SampleScale{{0, (scale.range.max - scale.range.min) >> scale.shift()}};
     }
+    lessons[i].brick.gaps = gaps_of(p.value_map, map, shape, scale);
   });
   std::erase_if(lessons, [](const Lesson& lesson) { return lesson.shape.level_count < 2; });
   return lessons;

@@ -12,6 +12,8 @@ namespace {
 
 constexpr std::uint8_t kLossyFlag = 2;
 constexpr int kOrderShift = 2;
+constexpr std::uint8_t kOrderMask = 7;
+constexpr std::uint8_t kMapFlag = 32;
 using GolombModel = octavo::GolombModel<24>;
 
 void put_signed(BinaryEncoder& coder, GolombModel& model, std::int32_t value) {
@@ -165,12 +167,14 @@ Bytes serialize(const Parameters& parameters) {
   const std::uint8_t is_lossy = quantizer.is_lossless() ? 0 : kLossyFlag;
   const auto order = std::ranges::find(kAxisOrders, parameters.axis_order) - kAxisOrders.begin();
   out.push_back(static_cast<std::uint8_t>(static_cast<int>(parameters.predictor) | is_lossy |
+                                          (parameters.value_map.is_empty() ? 0 : kMapFlag) |
                                           static_cast<int>(order) << kOrderShift));
   if (is_lossy != 0) {
     put_varint(out, static_cast<std::uint64_t>(quantizer.voxel_step));
     put_varint(out, static_cast<std::uint64_t>(quantizer.detail_step));
     put_varint(out, static_cast<std::uint64_t>(quantizer.correction_step));
   }
+  if (!parameters.value_map.is_empty()) put_value_map(out, parameters.value_map);
   put_varint(out, static_cast<std::uint64_t>(parameters.activity_threshold));
   out.push_back(static_cast<std::uint8_t>(parameters.weight_step));
   BinaryEncoder coder(out);
@@ -229,8 +233,16 @@ Parameters parse_parameters(ByteSpan bytes) {
   Parameters p;
   const std::uint8_t kind = take_bytes(bytes, 1).front();
   if ((kind & kLossyFlag) != 0) p.quantizer = parse_quantizer(bytes);
-  const std::size_t order = kind >> kOrderShift;
-  if (order >= kAxisOrders.size()) throw Error(ErrorKind::corrupt, "model: unknown axis order");
+  if ((kind & kMapFlag) != 0) {
+    p.value_map = take_value_map(bytes);
+    if (p.value_map.is_empty() || !p.quantizer.is_lossless()) {
+      throw Error(ErrorKind::corrupt, "model: a map of values that says nothing");
+    }
+  }
+  const std::size_t order = kind >> kOrderShift & kOrderMask;
+  if (order >= kAxisOrders.size() || kind >= 2 * kMapFlag) {
+    throw Error(ErrorKind::corrupt, "model: unknown flags");
+  }
   p.axis_order = kAxisOrders[order];
   p.predictor = static_cast<Predictor>(kind & 1);
   const std::uint64_t threshold = take_varint(bytes);

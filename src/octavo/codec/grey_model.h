@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "octavo/codec/brick_codec.h"
+#include "octavo/codec/value_map.h"
 
 namespace octavo::grey {
 
@@ -110,6 +111,7 @@ constexpr std::int32_t detail_step_of(const Quantizer& quantizer, int in_brick_l
 struct Parameters {
   Predictor predictor = Predictor::neighbours;
   Quantizer quantizer;
+  ValueMap value_map;  ///< empty when the quantizer leaves out precision
   AxisOrder axis_order = kStraightOrder;
   std::int32_t activity_threshold = 8;
   /// Weights are multiples of 2^weight_step.

@@ -74,6 +74,9 @@ inline void fill_margins(std::int16_t* magnitudes, std::int64_t count) {
   magnitudes[count] = magnitudes[count + 1] = magnitudes[count - 1];
 }
 
+template <class Sample>
+struct PortableKernel;
+
 /// The passes built on a Kernel, which has
 ///   row_features(p, stage, work, y, z)    fills work.row, and the activities and limits of the row
 ///   row_contexts(p, stage, near, row, contexts)
@@ -136,6 +139,21 @@ struct Passes {
     fill_margins(magnitudes, count);
   }
 
+  /// Only plain loops know of gaps between values.
+  template <bool kIsEncoding>
+  static void reconstruct_row(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                              std::int64_t y, std::int64_t z) {
+    using Plain = PortableKernel<Sample>;
+    if (stage.gaps != nullptr) Plain::template reconstruct_row<kIsEncoding>(p, stage, work, y, z);
+    else Kernel::template reconstruct_row<kIsEncoding>(p, stage, work, y, z);
+  }
+  template <bool kIsEncoding>
+  static void reconstruct(const Parameters& p, const Stage& stage, Workspace<Sample>& work) {
+    using Plain = PortableKernel<Sample>;
+    if (stage.gaps != nullptr) Plain::template reconstruct<kIsEncoding>(p, stage, work);
+    else Kernel::template reconstruct<kIsEncoding>(p, stage, work);
+  }
+
   static void decode(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
                      SymbolReader& symbols) {
     // From means alone, a plane's details are done with at its end.
@@ -150,7 +168,7 @@ struct Passes {
         }
         for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
           take(stage, work, y, z, symbols);
-          Kernel::template reconstruct_row<false>(p, stage, work, y, z);
+          reconstruct_row<false>(p, stage, work, y, z);
         }
       }
       return;
@@ -162,7 +180,7 @@ struct Passes {
         take(stage, work, y, z, symbols);
       }
     }
-    Kernel::template reconstruct<false>(p, stage, work);
+    reconstruct<false>(p, stage, work);
   }
 
   static void predict(const Parameters& p, const Stage& stage, Workspace<Sample>& work) {
@@ -172,11 +190,11 @@ struct Passes {
       for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
         features(p, stage, work, y, z);
         if (p.predictor == Predictor::means) {
-          Kernel::template reconstruct_row<true>(p, stage, work, y, z);
+          reconstruct_row<true>(p, stage, work, y, z);
         }
       }
     }
-    if (p.predictor == Predictor::neighbours) Kernel::template reconstruct<true>(p, stage, work);
+    if (p.predictor == Predictor::neighbours) reconstruct<true>(p, stage, work);
   }
 
   static void list_symbols(const Parameters& p, const Stage& stage, Workspace<Sample>& work,

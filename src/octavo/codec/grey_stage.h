@@ -45,6 +45,8 @@ struct Stage {
   int odd_room = 1;
   int step_bits = 0;          ///< the logarithm of step, rounded down
   const UniformCells* cells = nullptr;  ///< nullptr: every pair is coded
+  /// Of the split that makes voxels, where some values do not occur: residuals count details.
+  const ValueGaps* gaps = nullptr;
   int cell_shift[3] = {0, 0, 0};        ///< pair coordinate >> shift = cell coordinate
 
   std::int64_t detail_count() const;    ///< coded details, those of uniform cells left out

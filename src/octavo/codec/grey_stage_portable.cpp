@@ -82,7 +82,16 @@ void reconstruct_row_along(const Parameters& p, const Stage& stage, Workspace<Sa
                       : rounded_weights(weighted_sum<kAxis>(at, weights[activity]));
     const Int expected = std::clamp<Int>(prediction, -limit, limit);
     Int detail;
-    if constexpr (kIsEncoding) {
+    if (stage.gaps != nullptr) {
+      const int nearest = stage.gaps->nearest(means[x], expected);
+      if constexpr (kIsEncoding) {
+        detail = residuals[x];
+        residuals[x] = stage.gaps->nearest(means[x], detail) - nearest;
+      } else {
+        const std::int64_t number = std::int64_t{nearest} + residuals[x];
+        detail = static_cast<Int>(stage.gaps->detail(means[x], number));
+      }
+    } else if constexpr (kIsEncoding) {
       // The means of quantised details leave other room than the true ones.
       detail = std::clamp<Int>(residuals[x], -limit, limit);
       residuals[x] = detail - expected;
@@ -182,6 +191,16 @@ void PortableKernel<Sample>::reconstruct(const Parameters& p, const Stage& stage
 template struct PortableKernel<std::int16_t>;
 template struct PortableKernel<std::int32_t>;
 
+// What the vectorised passes do in plain loops.
+using Narrow = PortableKernel<std::int16_t>;
+using NarrowWorkspace = Workspace<std::int16_t>;
+template void Narrow::reconstruct<false>(const Parameters&, const Stage&, NarrowWorkspace&);
+template void Narrow::reconstruct<true>(const Parameters&, const Stage&, NarrowWorkspace&);
+template void Narrow::reconstruct_row<false>(const Parameters&, const Stage&, NarrowWorkspace&,
+                                             std::int64_t, std::int64_t);
+template void Narrow::reconstruct_row<true>(const Parameters&, const Stage&, NarrowWorkspace&,
+                                            std::int64_t, std::int64_t);
+
 const std::uint8_t* row_cells(const Stage& stage, std::int64_t y, std::int64_t z) {
   if (stage.cells == nullptr) return nullptr;
   const Size3& size = stage.cells->size;
@@ -221,8 +240,9 @@ MagnitudeRows magnitude_rows(const SampleGrid<std::int16_t>* magnitudes, Predict
   MagnitudeRows near{{zeros, zeros}, nullptr, nullptr, nullptr, nullptr};
   if (axis == 1) near.sibling[0] = sibling(2, y, z / 2);
   if (axis == 0) {
+    const bool is_y_halved = magnitudes[1].size().voxel_count() > 0;
     near.sibling[0] = sibling(1, y / 2, z);
-    near.sibling[1] = sibling(2, y / 2, z / 2);
+    near.sibling[1] = sibling(2, is_y_halved ? y / 2 : y, z / 2);
   }
   const SampleGrid<std::int16_t>& own = magnitudes[axis];
   near.up = predictor == Predictor::means ? zeros

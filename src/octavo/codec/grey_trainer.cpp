@@ -267,6 +267,7 @@ void learn_mean_weights(Parameters& p, const std::vector<Lesson>& lessons, int g
 struct School {
   std::span<const TrainingBrick> bricks;
   CodecSettings settings;
+  ValueMap value_map = {};
 };
 
 /// A kind of model.
@@ -282,7 +283,8 @@ Parameters learn(const School& school, const Plan& plan, const AxisOrder& order)
   p.predictor = plan.predictor;
   p.quantizer = plan.quantizer;
   p.weight_step = plan.weight_step;
-  const std::vector<Lesson> lessons = make_lessons(school.bricks, p.quantizer.voxel_step, order);
+  p.value_map = school.value_map;
+  const std::vector<Lesson> lessons = make_lessons(school.bricks, p);
   if (lessons.empty()) return p;
   p.activity_threshold = learn_threshold(lessons);
   // Coarse groups first: quantised levels are learnt on what the coarser ones leave.
@@ -332,7 +334,10 @@ AxisOrder learn_order(const School& school) {
   AxisOrder best = kStraightOrder;
   double least = 0;
   for (const AxisOrder& order : kAxisOrders) {
-    const std::vector<Lesson> lessons = make_lessons(few, 1, order);
+    Parameters p = default_parameters();
+    p.axis_order = order;
+    p.value_map = school.value_map;
+    const std::vector<Lesson> lessons = make_lessons(few, p);
     if (lessons.empty()) return kStraightOrder;
     double cost = detail_cost(lessons, order);
     // The straight order is the fastest; another one must be worth it.
@@ -388,7 +393,11 @@ std::unique_ptr<BrickCodec> train_grey_model(VoxelType type, std::span<const Tra
   if (settings.max_error < 0 || 2 * settings.max_error + 1 > kMaxVoxelStep) {
     throw Error(ErrorKind::invalid_argument, "the maximum error is out of range");
   }
-  const School school{bricks, settings};
+  School school{bricks, settings};
+  // A scan that may change has no values of its own.
+  if (settings.max_error == 0) {
+    school.value_map = learn_value_map(bricks, settings.preset == Preset::small);
+  }
   const AxisOrder order = learn_order(school);
   const Predictor predictor =
       settings.preset == Preset::fast ? Predictor::means : Predictor::neighbours;

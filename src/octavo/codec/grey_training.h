@@ -18,9 +18,8 @@ struct Lesson {
   AnalyzedBrick<std::int16_t> brick;
 };
 
-/// Those of `bricks` that hold more than one code.
-std::vector<Lesson> make_lessons(std::span<const TrainingBrick> bricks, std::int64_t voxel_step,
-                                 const AxisOrder& order);
+/// Those of `bricks` that hold more than one code of the quantizer, value map and axis order of p.
+std::vector<Lesson> make_lessons(std::span<const TrainingBrick> bricks, const Parameters& p);
 
 /// A reproducible thinning: keeps about `wanted` of `total` items.
 class Thinning {
@@ -53,7 +52,7 @@ void walk_level(const Parameters& p, const Lesson& lesson, int level, Learn&& le
   const int coarsest = lesson.shape.level_count - 2;
   load_level(work, lesson, is_exact ? level : coarsest);
   for (int at = is_exact ? level : coarsest; at >= level; --at) {
-    run_level(work, lesson.shape, lesson.brick.scale, p, at, lesson.brick.cells_or_null(),
+    run_level(work, lesson.shape, lesson.brick.scale, p, at, lesson.brick.hints(),
               [&](const Stage& stage, const Split& split) {
                 const auto& samples =
                     lesson.brick

@@ -237,32 +237,99 @@ TEST(GreyCodec, ParentIsTheNextSampleOfThePyramid) {
             coarser_level(samples, shape.size[5], shape.halving[5], 5, order).front());
 }
 
+/// Values that lie 16 apart are coded as multiples: so are the means.
+TEST(GreyCodec, MeansOfValuesOnALatticeStayOnIt) {
+  const Size3 size{40, 33, 29};
+  const BrickShape shape = shape_of(size);
+  const auto multiples = make_voxels<std::uint8_t>(size, Content::smooth, 6);
+  std::vector<std::uint16_t> voxels;
+  for (const std::uint8_t value : multiples)
+    voxels.push_back(static_cast<std::uint16_t>(16 * value + 5));
+  const TrainingBrick lesson{shape, view_of(voxels, size)};
+  for (const Preset preset : {Preset::small, Preset::fast}) {
+    const auto trained = train_grey_model(VoxelType::uint16, std::span(&lesson, 1), {preset, 0});
+    const auto codec = parse_grey_model(VoxelType::uint16, trained->serialized());
+    const EncodedBrick encoded = codec->encode(shape, view_of(voxels, size));
+    for (int level = 0; level < shape.level_count; ++level) {
+      auto expected = reference_level(multiples, shape, level, codec->axis_order());
+      std::vector<std::uint16_t> decoded(expected.size());
+      codec->decode(shape, VoxelType::uint16, encoded.range, spans_of(encoded), level,
+                    decoded.data());
+      for (std::size_t i = 0; i < decoded.size(); ++i) ASSERT_EQ(decoded[i], 16 * expected[i] + 5);
+    }
+    // Voxels beside the lattice keep the means they have.
+    expect_every_level(*codec, shape, make_voxels<std::uint16_t>(size, Content::smooth, 7));
+    expect_every_level(*codec, shape, make_voxels<std::uint16_t>(size, Content::noise, 7));
+  }
+}
+
+/// A scan of few values, spread over 8 bits: unused ones cost nothing, and means stay means.
+std::vector<std::uint8_t> spread_values(const Size3& size, unsigned seed) {
+  auto voxels = make_voxels<std::uint8_t>(size, Content::smooth, seed);
+  for (auto& voxel : voxels) voxel = static_cast<std::uint8_t>(voxel * 100 / 255 * 255 / 100);
+  return voxels;
+}
+
+TEST(GreyCodec, ValuesThatDoNotOccurCostNothing) {
+  for (const Size3& size : {Size3{64, 48, 40}, Size3{41, 33, 29}}) {
+    const BrickShape shape = shape_of(size);
+    const auto voxels = spread_values(size, 6);
+    const TrainingBrick lesson{shape, view_of(voxels, size)};
+    const auto trained = train_grey_model(VoxelType::uint8, std::span(&lesson, 1));
+    const auto codec = parse_grey_model(VoxelType::uint8, trained->serialized());
+    ASSERT_EQ(codec->serialized(), trained->serialized());
+    expect_every_level(*codec, shape, voxels);
+    expect_every_level(*codec, shape, make_voxels<std::uint8_t>(size, Content::sparse, 7));
+    const auto bytes_of = [&](const std::vector<std::uint8_t>& brick) {
+      std::size_t bytes = 0;
+      for (const Bytes& s : codec->encode(shape, view_of(brick, size)).segments) bytes += s.size();
+      return bytes;
+    };
+    auto other = voxels;
+    // A few values that the model does not know are listed with the brick.
+    other[0] = 1;
+    other[97] = 81;
+    expect_every_level(*codec, shape, other);
+    EXPECT_LT(bytes_of(other), bytes_of(voxels) * 105 / 100);
+    // More of them are not.
+    for (std::size_t i = 0; i < 200; ++i) other[97 * i] = static_cast<std::uint8_t>(i + 1);
+    expect_every_level(*codec, shape, other);
+    EXPECT_GT(bytes_of(other), bytes_of(voxels) * 110 / 100);
+  }
+}
+
 /// Damage gives an error or other voxels, never anything worse (run under sanitizers as well).
+template <class T>
+void expect_contained(const BrickShape& shape, const std::vector<T>& voxels, std::mt19937& random) {
+  const TrainingBrick lesson{shape, view_of(voxels, shape.size[0])};
+  const auto codec = train_grey_model(voxel_type_of<T>(), std::span(&lesson, 1));
+  const EncodedBrick good = codec->encode(shape, lesson.view);
+  std::vector<T> out(voxels.size());
+  for (int round = 0; round < 300; ++round) {
+    EncodedBrick bad = good;
+    for (int hits = 0; hits < 3; ++hits) {
+      Bytes& segment = bad.segments[random() % bad.segments.size()];
+      if (segment.empty()) continue;
+      if (random() % 4 == 0) segment.resize(random() % segment.size());
+      else segment[random() % segment.size()] = static_cast<std::uint8_t>(random());
+    }
+    try {
+      codec->decode(shape, voxel_type_of<T>(), good.range, spans_of(bad), 0, out.data());
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::corrupt);
+    }
+  }
+}
+
 TEST(GreyCodec, DamagedSegmentsAreContained) {
   const Size3 size{40, 33, 29};
   const BrickShape shape = shape_of(size);
   std::mt19937 random(77);
   for (const Content content : {Content::smooth, Content::sparse, Content::noise}) {
     const auto voxels = make_voxels<std::int16_t>(size, content, 6);
-    const TrainingBrick lesson{shape, view_of(voxels, size)};
-    const auto codec = train_grey_model(VoxelType::int16, std::span(&lesson, 1));
-    const EncodedBrick good = codec->encode(shape, view_of(voxels, size));
-    std::vector<std::int16_t> out(voxels.size());
-    for (int round = 0; round < 300; ++round) {
-      EncodedBrick bad = good;
-      for (int hits = 0; hits < 3; ++hits) {
-        Bytes& segment = bad.segments[random() % bad.segments.size()];
-        if (segment.empty()) continue;
-        if (random() % 4 == 0) segment.resize(random() % segment.size());
-        else segment[random() % segment.size()] = static_cast<std::uint8_t>(random());
-      }
-      try {
-        codec->decode(shape, VoxelType::int16, good.range, spans_of(bad), 0, out.data());
-      } catch (const Error& error) {
-        EXPECT_EQ(error.kind(), ErrorKind::corrupt);
-      }
-    }
+    expect_contained(shape, voxels, random);
   }
+  expect_contained(shape, spread_values(size, 6), random);
 }
 
 /// The same for 32-bit samples, with a range just above 16 bits and arbitrary bytes as segments:
