@@ -12,6 +12,7 @@ from .binary_coder import AdaptiveBit, BinaryDecoder
 from .byte_cursor import ByteCursor, unpack_bits
 from .errors import require
 from .grey_details import DetailDecoder, DetailStream, ValueGaps, means_along
+from .grey_edges import EdgeStates, EdgeStream
 from .grey_model import GreyModel, ValueMap
 from .header import halved
 
@@ -92,6 +93,7 @@ class _Brick:
         self.is_narrow = self.range <= 65535
         self.shift = 0 if self.is_narrow else self.range.bit_length() - 16
         self.low = -(1 << 15) if self.is_narrow else -(1 << 31)
+        self.edge_states = EdgeStates()
         self.first_level = first_level
         self.halvings = halvings
         self.sizes = [size]
@@ -166,9 +168,17 @@ class _Brick:
                 flagged = self._flagged_pairs(flags, level, axis, tuple(pairs))
                 splits.append((axis, flagged))
         coded_count = sum(int((~flagged).sum()) for _, flagged in splits)
+        edges = None
+        if self.model.has_edges and coded_count > 0:
+            cursor = ByteCursor(data, "a level of details")
+            edge_count = cursor.varint()
+            edges = EdgeStream(cursor.take(cursor.varint()), self.edge_states)
+            coded_count -= edge_count
+            require(coded_count >= 0, "a level has too many edges")
+            data = cursor.rest()
         stream = DetailStream(data, coded_count)
         decoder = DetailDecoder(self.model, level, stream, self.low, self.low + self.range,
-                                self.shift, self.is_narrow)
+                                self.shift, self.is_narrow, edges)
         for axis, flagged in splits:
             rounding = (axis + self.first_level + level + 1) & 1
             gaps = None
@@ -177,6 +187,8 @@ class _Brick:
             samples = decoder.split(samples, axis, self.sizes[level][axis], flagged, rounding,
                                     gaps)
         stream.end()
+        if edges is not None:
+            edges.end(edge_count)
         return samples
 
     def _used_samples(self) -> list[int]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from .byte_cursor import ByteCursor
 from .errors import require
+from .grey_edges import EdgeStream
 from .grey_model import CONTEXTS, PROBABILITY_BITS, TAP_ROWS, TOKENS, GreyModel
 
 _STATE_START = 65536
@@ -144,10 +145,12 @@ class DetailDecoder:
 
     lowest, highest  the samples of the brick's smallest and largest voxel
     shift, is_narrow as in docs/format-grey.md, section 1
+    edges            where pairs at the edge of the background are told apart
     """
 
     def __init__(self, model: GreyModel, level: int, stream: DetailStream, lowest: int,
-                 highest: int, shift: int, is_narrow: bool) -> None:
+                 highest: int, shift: int, is_narrow: bool, edges: EdgeStream | None) -> None:
+        self._edges = edges
         self._model = model
         self._level = level
         self._group = min(level, 2)
@@ -171,6 +174,11 @@ class DetailDecoder:
             return means
         inside = tuple(slice(0, n) for n in pairs)
         m = means[inside]
+        details_of_edges = np.zeros(pairs, np.int64)
+        if self._edges is not None:
+            details_of_edges = self._edges.split(means, axis, flagged, self._lowest,
+                                                 self._highest, rounding)
+            flagged = flagged | (details_of_edges != 0)
         step = detail_step(self._model, axis, self._level)
         room = np.minimum(m - self._lowest, self._highest - m).clip(0)
         limit = np.where(flagged, 0, 2 * room + (0 if step > 1 else 1))
@@ -193,8 +201,10 @@ class DetailDecoder:
                 details = (prediction + residuals).clip(-limit, limit)
             else:
                 details = np.vectorize(gaps.detail, otypes=[np.int64])(m, prediction, residuals)
+            details = np.where(details_of_edges != 0, details_of_edges, details)
             return _merge(means, axis, length, details, rounding)
-        return self._predicted(means, axis, length, classes, limit, residuals, rounding, gaps)
+        return self._predicted(means, axis, length, classes, limit, residuals, rounding, gaps,
+                               details_of_edges)
 
     def _earlier(self, axis: int, pairs: tuple[int, int, int], which: int) -> np.ndarray | int:
         """Magnitudes at the same places in a split of this level done before, or 0.
@@ -259,7 +269,7 @@ class DetailDecoder:
 
     def _predicted(self, means: np.ndarray, axis: int, length: int, classes: np.ndarray,
                    limit: np.ndarray, residuals: np.ndarray, rounding: int,
-                   gaps: "ValueGaps | None") -> np.ndarray:
+                   gaps: "ValueGaps | None", details_of_edges: np.ndarray) -> np.ndarray:
         """Predictor 0: each pair from the pairs before it and the means of those behind."""
         nz, ny, nx = classes.shape
         array_axis = 2 - axis
@@ -285,7 +295,7 @@ class DetailDecoder:
                     sums += chosen[:, place] * at
             pairs = _decode_row(sums.tolist(), classes[z, y].tolist(), limit[z, y].tolist(),
                                 residuals[z, y].tolist(), means[z, y, :nx].tolist(), left,
-                                rounding, self._is_narrow, gaps)
+                                rounding, self._is_narrow, gaps, details_of_edges[z, y].tolist())
             first, second = np.array(pairs, np.int64).T
             line(0, stride_y * y, stride_z * z)[:] = first
             line(axis == 0, stride_y * y + (axis == 1), stride_z * z + (axis == 2))[:] = second
@@ -308,13 +318,17 @@ def _left_taps(axis: int, weights: np.ndarray) -> list[list[list[int]]]:
 
 def _decode_row(sums: list[int], classes: list[int], limits: list[int], residuals: list[int],
                 means: list[int], left: list[list[list[int]]], rounding: int,
-                is_narrow: bool, gaps: "ValueGaps | None") -> list[tuple[int, int]]:
-    """The pairs of one row; `sums` takes the means for the row's own samples."""
+                is_narrow: bool, gaps: "ValueGaps | None",
+                details_of_edges: list[int]) -> list[tuple[int, int]]:
+    """The pairs of one row; `sums` takes the means for the row's own samples.
+
+    details_of_edges  0 for pairs that are none
+    """
     reach = len(left[0])
     pairs = []
     changes: list[tuple[int, int]] = []
-    for x, (total, kind, limit, residual, m) in enumerate(
-            zip(sums, classes, limits, residuals, means)):
+    for x, (total, kind, limit, residual, m, edge) in enumerate(
+            zip(sums, classes, limits, residuals, means, details_of_edges)):
         prediction = 0
         if kind:
             for distance in range(1, min(reach, x) + 1):
@@ -323,7 +337,9 @@ def _decode_row(sums: list[int], classes: list[int], limits: list[int], residual
             total += 2048
             prediction = (wrapped(total) if is_narrow else total) >> 12
             prediction = max(-limit, min(limit, prediction))
-        if gaps is None:
+        if edge:
+            d = edge
+        elif gaps is None:
             d = max(-limit, min(limit, prediction + residual))
         else:
             d = gaps.detail(m, prediction, residual)

@@ -49,6 +49,7 @@ class GreyModel:
     axis_order       the axes (0 x, 1 y, 2 z) that take the parts of x, y, z
     voxel_step       q: a code stands for q voxels
     value_map        None, or which values occur
+    has_edges        whether pairs at the edge of the background are told apart
     detail_step      Q8; correction_step in voxel units; both 0 unless details are quantised
     threshold        T of the activity class
     tap_weights      predictor 0: [group][axis], shape (CLASSES, taps), in 4096ths
@@ -64,6 +65,7 @@ class GreyModel:
     detail_step: int
     correction_step: int
     value_map: "ValueMap | None"
+    has_edges: bool
     threshold: int
     tap_weights: list[list[np.ndarray]]
     mean_weights: list[list[np.ndarray]]
@@ -76,7 +78,7 @@ def parse_grey_model(data: bytes) -> GreyModel:
     cursor = ByteCursor(data, "grey model")
     flags = cursor.u8()
     predictor, is_lossy, order = flags & 1, bool(flags & 2), flags >> 2 & 7
-    require(order < len(_AXIS_ORDERS) and flags < 64, "a grey model has unknown flags")
+    require(order < len(_AXIS_ORDERS) and flags < 128, "a grey model has unknown flags")
     voxel_step, detail_step, correction_step = 1, 0, 0
     if is_lossy:
         voxel_step, detail_step, correction_step = (cursor.varint() for _ in range(3))
@@ -85,7 +87,9 @@ def parse_grey_model(data: bytes) -> GreyModel:
         require((voxel_step > 1) == (detail_step == 0) == (correction_step == 0),
                 "the steps of a grey model exclude each other")
     value_map = _value_map(cursor) if flags & 32 else None
-    require(value_map is None or not is_lossy, "a lossy grey model has a value map")
+    has_edges = bool(flags & 64)
+    require(not is_lossy or (value_map is None and not has_edges),
+            "a lossy grey model has what only lossless ones have")
     threshold = cursor.varint()
     weight_step = cursor.u8()
     require(1 <= threshold <= 16383 and weight_step <= 8, "a number of a grey model is wrong")
@@ -102,7 +106,8 @@ def parse_grey_model(data: bytes) -> GreyModel:
     frequencies = _frequencies(decoder)
     require(decoder.at == len(body), "a grey model does not end where it should")
     return GreyModel(predictor, _AXIS_ORDERS[order], is_lossy, voxel_step, detail_step,
-                     correction_step, value_map, threshold, taps, means, contexts, frequencies)
+                     correction_step, value_map, has_edges, threshold, taps, means,
+                     contexts, frequencies)
 
 
 def _value_map(cursor: ByteCursor) -> ValueMap:

@@ -74,6 +74,9 @@ double multiples(const Index3& p) { return scan<50, 9>(p) * 16 + 3; }
 double spread(const Index3& p) {
   return static_cast<double>(scan_at(p, 8, 5) % 100 * 255 / 100);
 }
+double sparse(const Index3& p) {
+  return noise_at(p) < 1500 ? static_cast<double>(20 + (noise_at(p) & 127)) : 0;
+}
 /// Quiet waves in a box of air: quantised details need few corrections.
 double waves(const Index3& p) {
   const bool is_inside = p.x > 8 && p.x < 50 && p.y > 6 && p.y < 40 && p.z > 5 && p.z < 30;
@@ -110,12 +113,13 @@ std::vector<Feature> features() {
   as_labels.kind = VolumeKind::labels;
   const Size3 size{41, 33, 26};
   return {
-      {"small-int16", {60, 48, 36}, VoxelType::int16, ripples},
+      {"small-int16", {44, 36, 30}, VoxelType::int16, ripples},
       {"small-uint8-thick", {41, 33, 12}, VoxelType::uint8, scan<20, 5>, {}, {1, 1, 4}},
       {"small-int32-wide", {20, 18, 17}, VoxelType::int32, wide_scan},
       {"small-axis-order", {40, 24, 32}, VoxelType::uint16, streaks},
       {"small-two-tiers", {70, 40, 9}, VoxelType::int8, scan<9, 3>},
       {"small-lattice", size, VoxelType::uint16, multiples},
+      {"small-edges", size, VoxelType::uint8, sparse},
       {"small-gaps", size, VoxelType::uint8, spread},
       {"stored-uint8", {20, 18, 17}, VoxelType::uint8, white_noise},
       {"fast-int16", size, VoxelType::int16, signed_scan, with(Preset::fast, 0)},

@@ -45,6 +45,14 @@ def object_in_air(size):
     return voxels
 
 
+def speckles(size, amplitude):
+    """Small bright things on a ground of 0."""
+    random = np.random.default_rng(4)
+    bright = random.integers(amplitude // 4, amplitude, size)
+    voxels = np.where(random.random(size) < 0.01, bright, 0)
+    return np.maximum(voxels, np.roll(voxels, 1, 2) // 2)
+
+
 def nifti(voxels):
     """The bytes of a NIfTI file of float32 voxels in the scanner's axes, 1 mm apart."""
     header = bytearray(352)
@@ -85,6 +93,10 @@ def has_gaps(file):
     return value_map is not None and bool(value_map.codes)
 
 
+def has_edges(file):
+    return file.model(0).has_edges
+
+
 def is_stored(file):
     return any(brick.segments[0][1] > 0 and brick.segments[-1][1] == 0
                for brick in file.bricks(0))
@@ -110,6 +122,7 @@ GOLDEN_USES = {
     "small-uint8-thick": is_thick_along(2),
     "small-lattice": is_on_lattice,
     "small-gaps": has_gaps,
+    "small-edges": has_edges,
     "stored-uint8": is_stored,
     "fast-int16": predicts(1),
     "fast-int32-wide": is_wide,
@@ -148,6 +161,10 @@ def cases():
              .astype("uint8"), (), has_gaps, "4,1,1"),
         Case("two values", np.where(waves((27, 34, 41), 60, 2) > 0, 255, 0).astype("uint8"), (),
              has_gaps),
+        Case("edges", speckles((30, 29, 28), 300).astype("int16") - 5, (), has_edges),
+        Case("edges, fast", speckles((22, 30, 29), 200).astype("uint8"), ("--preset", "fast"),
+             has_edges),
+        Case("wide edges", speckles((22, 20, 29), 1 << 20).astype("int32"), (), has_edges),
         Case("noise", noise(0, 256, (9, 10, 11)).astype("uint8"), (), is_stored),
         Case("one value", np.full((5, 6, 7), -3, "int16"), (), has_uniform_brick),
         Case("rounded", waves((27, 34, 41), 300, 20).astype("int16"),

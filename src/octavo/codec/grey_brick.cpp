@@ -208,12 +208,14 @@ Stage make_stage(const BrickShape& shape, const SampleScale& scale, const Parame
                  int axis, const Size3& fine_size, const BrickHints& hints) {
   Stage stage = pairs_of(shape, level, axis, fine_size, hints.cells);
   if (level == 0 && axis == finest_axis(shape)) stage.gaps = hints.gaps;
+  stage.has_edges = hints.has_edges;
   stage.group = level_group(level);
   stage.set = table_set(level);
   stage.rounding = rounding_term(axis, shape.first_level + level);
   stage.min = scale.min_sample();
   stage.max = scale.max_sample();
   stage.shift = scale.shift();
+  stage.odd_room = scale.is_cut ? 0 : 1;
   if (p.quantizer.detail_step > 0) {
     stage.step = detail_step_of(p.quantizer, level, axis);
     stage.odd_room = stage.step > 1 ? 0 : 1;

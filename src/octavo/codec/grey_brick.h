@@ -27,6 +27,8 @@ namespace octavo::grey {
 struct SampleScale {
   ValueRange range;  ///< of the codes
   CodeScale codes = {};
+  /// Samples stand for several codes (training only): a detail of 1 is as good as none.
+  bool is_cut = false;
 
   static SampleScale of_voxels(const ValueRange& voxels, const CodeScale& codes) {
     return {{codes.code_of(voxels.min), codes.code_of(voxels.max)}, codes};
@@ -74,6 +76,7 @@ UniformCells decode_cells(ByteSpan bytes, const Size3& size);
 struct BrickHints {
   const UniformCells* cells = nullptr;  ///< nullptr when no cell is flagged
   const ValueGaps* gaps = nullptr;      ///< nullptr when all values occur
+  bool has_edges = false;
 };
 
 /// The split along `axis` at in-brick level `level`; `fine_size` is the size of its result.
@@ -167,7 +170,9 @@ struct AnalyzedBrick {
   std::unique_ptr<const ValueGaps> gaps;
   std::int64_t parent = 0;       ///< code of the brick at the next tier's first level
 
-  BrickHints hints() const { return {cells.flags.empty() ? nullptr : &cells, gaps.get()}; }
+  BrickHints hints(const Parameters& p) const {
+    return {cells.flags.empty() ? nullptr : &cells, gaps.get(), p.has_edges};
+  }
 };
 
 /// Smallest and largest voxel of a brick.

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <type_traits>
 
+#include "octavo/codec/edge_pairs.h"
 #include "octavo/codec/grey_brick.h"
 #include "octavo/codec/grey_corrections.h"
 #include "octavo/codec/voxel_walk.h"
@@ -79,17 +80,32 @@ std::vector<Bytes> encode_samples(const Model& model, const BrickShape& shape,
   load_means(work, brick.coarsest.data(),
              shape.size[static_cast<std::size_t>(shape.level_count) - 1]);
   std::vector<Symbol> symbols;
+  EdgeModels edge_models;
   for (int level = shape.level_count - 2; level >= 0; --level) {
     const auto slot = static_cast<std::size_t>(level);
     symbols.clear();
-    run_level(work, shape, brick.scale, model.parameters, level, brick.hints(),
+    Bytes edges;
+    BinaryEncoder edge_coder(edges);
+    std::int64_t edge_count = 0;
+    run_level(work, shape, brick.scale, model.parameters, level, brick.hints(model.parameters),
               [&](const Stage& stage, const Split& split) {
                 const auto& samples = brick.steps[slot][static_cast<std::size_t>(split.axis)];
                 load_details(work, stage, Truth<Sample>{samples.data(), split.fine_size});
+                if (stage.has_edges) {
+                  edge_count += mark_edges(stage, work);
+                  put_edges(stage, work, edge_coder, edge_models);
+                }
                 passes.predict(model.parameters, stage, work);
                 passes.list_symbols(model.parameters, stage, work, symbols);
               });
     put_cells(segments[slot], shape, level, brick.cells);
+    if (symbols.empty() && edge_count == 0) continue;
+    if (model.parameters.has_edges) {
+      edge_coder.finish();
+      put_varint(segments[slot], static_cast<std::uint64_t>(edge_count));
+      put_varint(segments[slot], edges.size());
+      segments[slot].insert(segments[slot].end(), edges.begin(), edges.end());
+    }
     if (symbols.empty()) continue;
     const Bytes coded = encode_symbols(model, table_set(level), symbols, brick.scale.shift());
     segments[slot].insert(segments[slot].end(), coded.begin(), coded.end());
@@ -288,6 +304,30 @@ Corrections take_corrections(ByteSpan& segment, const Size3& size) {
   return decode_corrections(take_bytes(segment, length), size);
 }
 
+/// The edges of a level, before its details: a varint of their number, one of the length, bytes.
+struct EdgeSection {
+  std::int64_t count = 0;
+  std::int64_t taken = 0;
+  BinaryDecoder coder{{}};
+
+  EdgeSection(const Parameters& p, ByteSpan& segment) {
+    if (!p.has_edges) return;
+    count = static_cast<std::int64_t>(
+        std::min<std::uint64_t>(take_varint(segment), std::numeric_limits<std::int32_t>::max()));
+    const std::uint64_t length = take_varint(segment);
+    coder = BinaryDecoder(take_bytes(segment, length));
+    is_coded = true;
+  }
+  void finish() const {
+    if (taken != count || (is_coded && !coder.is_consumed())) {
+      throw Error(ErrorKind::corrupt, "a level has other edges than it says");
+    }
+  }
+
+ private:
+  bool is_coded = false;
+};
+
 void apply(const Corrections& corrections, std::int64_t step, VoxelType type,
            const ValueRange& range, void* out) {
   with_voxel_type(type, [&](auto tag) {
@@ -313,6 +353,7 @@ void decode_samples(const Source& source, void* out) {
   const auto gaps = gaps_of(parameters.value_map, source.map, shape, source.scale);
   UniformCells cells;
   Corrections corrections;
+  EdgeModels models;
   for (int at = static_cast<int>(last) - 1; at >= source.level; --at) {
     ByteSpan segment = source.segments[static_cast<std::size_t>(at)];
     if (at == 0 && parameters.quantizer.correction_step > 0) {
@@ -322,8 +363,9 @@ void decode_samples(const Source& source, void* out) {
       const std::uint64_t length = take_varint(segment);
       cells = decode_cells(take_bytes(segment, length), shape.size[2]);
     }
-    const BrickHints hints{cells.flags.empty() ? nullptr : &cells, gaps.get()};
-    const std::int64_t details = level_detail_count(shape, at, hints.cells);
+    const BrickHints hints{cells.flags.empty() ? nullptr : &cells, gaps.get(),
+                           parameters.has_edges};
+    std::int64_t details = level_detail_count(shape, at, hints.cells);
     if (details == 0) {
       if (!segment.empty())
         throw Error(ErrorKind::corrupt, "a segment without details is not empty");
@@ -332,11 +374,16 @@ void decode_samples(const Source& source, void* out) {
                 [&](const Stage&, const Split&) {});
       continue;
     }
+    EdgeSection edges(parameters, segment);
+    if (edges.count > details) throw Error(ErrorKind::corrupt, "a level has too many edges");
+    details -= edges.count;
     SymbolReader symbols(source.model, table_set(at), segment, details, source.scale.shift());
     run_level(work, shape, source.scale, parameters, at, hints,
               [&](const Stage& stage, const Split&) {
+                if (stage.has_edges) edges.taken += take_edges(stage, work, edges.coder, models);
                 stage_functions().of<Sample>().decode(parameters, stage, work, symbols);
               });
+    edges.finish();
     symbols.finish();
   }
   write_level<Sample>(

@@ -33,12 +33,10 @@ void take_samples(const Parameters& p, const Stage& stage, Workspace<std::int16_
   std::vector<int> chosen;
   for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
     for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
-      const std::uint8_t* const cells = row_cells(stage, y, z);
-      const int count = static_cast<int>(stage.pairs.x);
-      const int coded = cells == nullptr ? count : list_coded(stage, cells, work.row.order);
+      const int coded = list_coded(stage, work, y, z);
       chosen.clear();
       for (int i = 0; i < coded; ++i) {
-        if (thinning.keeps_next()) chosen.push_back(cells == nullptr ? i : r.order[i]);
+        if (thinning.keeps_next()) chosen.push_back(coded == stage.pairs.x ? i : r.order[i]);
       }
       if (chosen.empty()) continue;
       PortableKernel<std::int16_t>::row_features(p, stage, work, y, z);

@@ -17,7 +17,7 @@ std::vector<Lesson> make_lessons(std::span<const TrainingBrick> bricks, const Pa
     lessons[i] = {shape, analyze<std::int16_t>(shape, bricks[i].view, scale, order)};
     if (scale.is_wide()) {
       lessons[i].brick.scale =
-          SampleScale{{0, (scale.range.max - scale.range.min) >> scale.shift()}};
+          SampleScale{{0, (scale.range.max - scale.range.min) >> scale.shift()}, {}, true};
     }
     lessons[i].brick.gaps = gaps_of(p.value_map, map, shape, scale);
   });

@@ -14,6 +14,7 @@ constexpr std::uint8_t kLossyFlag = 2;
 constexpr int kOrderShift = 2;
 constexpr std::uint8_t kOrderMask = 7;
 constexpr std::uint8_t kMapFlag = 32;
+constexpr std::uint8_t kEdgesFlag = 64;
 using GolombModel = octavo::GolombModel<24>;
 
 void put_signed(BinaryEncoder& coder, GolombModel& model, std::int32_t value) {
@@ -168,6 +169,7 @@ Bytes serialize(const Parameters& parameters) {
   const auto order = std::ranges::find(kAxisOrders, parameters.axis_order) - kAxisOrders.begin();
   out.push_back(static_cast<std::uint8_t>(static_cast<int>(parameters.predictor) | is_lossy |
                                           (parameters.value_map.is_empty() ? 0 : kMapFlag) |
+                                          (parameters.has_edges ? kEdgesFlag : 0) |
                                           static_cast<int>(order) << kOrderShift));
   if (is_lossy != 0) {
     put_varint(out, static_cast<std::uint64_t>(quantizer.voxel_step));
@@ -240,7 +242,9 @@ Parameters parse_parameters(ByteSpan bytes) {
     }
   }
   const std::size_t order = kind >> kOrderShift & kOrderMask;
-  if (order >= kAxisOrders.size() || kind >= 2 * kMapFlag) {
+  p.has_edges = (kind & kEdgesFlag) != 0;
+  if (order >= kAxisOrders.size() || kind >= 2 * kEdgesFlag ||
+      (p.has_edges && !p.quantizer.is_lossless())) {
     throw Error(ErrorKind::corrupt, "model: unknown flags");
   }
   p.axis_order = kAxisOrders[order];

@@ -111,6 +111,7 @@ constexpr std::int32_t detail_step_of(const Quantizer& quantizer, int in_brick_l
 struct Parameters {
   Predictor predictor = Predictor::neighbours;
   Quantizer quantizer;
+  bool has_edges = false;  ///< pairs at the edge of the background are told apart (edge_pairs.h)
   ValueMap value_map;  ///< empty when the quantizer leaves out precision
   AxisOrder axis_order = kStraightOrder;
   std::int32_t activity_threshold = 8;

@@ -47,13 +47,20 @@ void for_each_cell(const Stage& stage, const std::uint8_t* cells, F&& f) {
   }
 }
 
-/// Lists the coded pairs of a row.
-inline int list_coded(const Stage& stage, const std::uint8_t* cells, std::uint8_t* order) {
+/// The number of coded pairs of a row; they are listed in work.row.order unless it is all.
+template <class Sample>
+int list_coded(const Stage& stage, Workspace<Sample>& work, std::int64_t y, std::int64_t z) {
+  const std::uint8_t* const cells = row_cells(stage, y, z);
+  if (cells == nullptr && !stage.has_edges) return static_cast<int>(stage.pairs.x);
   int coded = 0;
-  for_each_cell(stage, cells, [&](std::int64_t first, std::int64_t last, bool is_uniform) {
-    if (is_uniform) return;
-    for (std::int64_t x = first; x < last; ++x) order[coded++] = static_cast<std::uint8_t>(x);
-  });
+  const auto list = [&](std::int64_t first, std::int64_t last, bool is_uniform) {
+    for (std::int64_t x = first; x < last && !is_uniform; ++x) {
+      if (stage.has_edges && work.edges.row(y, z)[x] != Edge::none) continue;
+      work.row.order[coded++] = static_cast<std::uint8_t>(x);
+    }
+  };
+  if (cells == nullptr) list(0, stage.pairs.x, false);
+  else for_each_cell(stage, cells, list);
   return coded;
 }
 
@@ -63,6 +70,13 @@ void close_cells(const Stage& stage, const std::uint8_t* cells, Limit* limits) {
   for_each_cell(stage, cells, [&](std::int64_t first, std::int64_t last, bool is_uniform) {
     if (is_uniform) std::fill(limits + first, limits + last, Limit{0});
   });
+}
+
+template <class Limit>
+void close_edges(const Edge* edges, std::int64_t count, Limit* limits) {
+  for (std::int64_t x = 0; x < count; ++x) {
+    if (edges[x] != Edge::none) limits[x] = 0;
+  }
 }
 
 /// What is added to a residual's magnitude before it is cut down to a multiple of the step.
@@ -108,6 +122,9 @@ struct Passes {
     Kernel::row_features(p, stage, work, y, z);
     const std::uint8_t* const cells = row_cells(stage, y, z);
     if (cells != nullptr) close_cells(stage, cells, work.limits.row(y, z));
+    if (stage.has_edges) {
+      close_edges(work.edges.row(y, z), stage.pairs.x, work.limits.row(y, z));
+    }
   }
 
   static void contexts(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
@@ -120,8 +137,7 @@ struct Passes {
   static void take(const Stage& stage, Workspace<Sample>& work, std::int64_t y, std::int64_t z,
                    SymbolReader& symbols) {
     const int count = static_cast<int>(stage.pairs.x);
-    const std::uint8_t* const cells = row_cells(stage, y, z);
-    const int coded = cells == nullptr ? count : list_coded(stage, cells, work.row.order);
+    const int coded = list_coded(stage, work, y, z);
     Int* const residuals = work.residuals.row(y, z);
     if (coded < count) std::fill_n(residuals, count, Int{0});
     if (coded > 0) {
@@ -139,18 +155,20 @@ struct Passes {
     fill_margins(magnitudes, count);
   }
 
-  /// Only plain loops know of gaps between values.
+  /// Only plain loops know of gaps between values and of edges.
+  static bool needs_plain(const Stage& stage) { return stage.gaps != nullptr || stage.has_edges; }
+
   template <bool kIsEncoding>
   static void reconstruct_row(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
                               std::int64_t y, std::int64_t z) {
     using Plain = PortableKernel<Sample>;
-    if (stage.gaps != nullptr) Plain::template reconstruct_row<kIsEncoding>(p, stage, work, y, z);
+    if (needs_plain(stage)) Plain::template reconstruct_row<kIsEncoding>(p, stage, work, y, z);
     else Kernel::template reconstruct_row<kIsEncoding>(p, stage, work, y, z);
   }
   template <bool kIsEncoding>
   static void reconstruct(const Parameters& p, const Stage& stage, Workspace<Sample>& work) {
     using Plain = PortableKernel<Sample>;
-    if (stage.gaps != nullptr) Plain::template reconstruct<kIsEncoding>(p, stage, work);
+    if (needs_plain(stage)) Plain::template reconstruct<kIsEncoding>(p, stage, work);
     else Kernel::template reconstruct<kIsEncoding>(p, stage, work);
   }
 
@@ -207,14 +225,13 @@ struct Passes {
         std::int16_t* const magnitudes = work.magnitudes[stage.axis].row(y, z);
         Kernel::keep_magnitudes(residuals, count, stage.shift, magnitudes);
         fill_margins(magnitudes, count);
-        const std::uint8_t* const cells = row_cells(stage, y, z);
-        const int coded = cells == nullptr ? count : list_coded(stage, cells, work.row.order);
+        const int coded = list_coded(stage, work, y, z);
         if (coded == 0) continue;
         features(p, stage, work, y, z);
         contexts(p, stage, work, y, z);
         const std::uint16_t* const context = work.contexts.row(y, z);
         for (int i = 0; i < coded; ++i) {
-          const int x = cells == nullptr ? i : work.row.order[i];
+          const int x = coded == count ? i : work.row.order[i];
           const Int value = stage.step > 1 ? residuals[x] / stage.step : residuals[x];
           symbols.push_back({zigzag(value), static_cast<std::uint8_t>(context[x] & 0xff),
                              static_cast<std::uint8_t>(context[x] >> 8),

@@ -47,6 +47,8 @@ struct Stage {
   const UniformCells* cells = nullptr;  ///< nullptr: every pair is coded
   /// Of the split that makes voxels, where some values do not occur: residuals count details.
   const ValueGaps* gaps = nullptr;
+  /// Edges are marked in the work space: they are neither predicted nor coded as residuals.
+  bool has_edges = false;
   int cell_shift[3] = {0, 0, 0};        ///< pair coordinate >> shift = cell coordinate
 
   std::int64_t detail_count() const;    ///< coded details, those of uniform cells left out
@@ -110,6 +112,9 @@ struct MagnitudeRows {
 MagnitudeRows magnitude_rows(const SampleGrid<std::int16_t>* magnitudes, Predictor predictor,
                              int axis, std::int64_t y, std::int64_t z, const std::int16_t* zeros);
 
+/// Which sample of a pair is background while the other is not (edge_pairs.h).
+enum class Edge : std::uint8_t { none, first, second };
+
 template <class Sample>
 struct Workspace {
   SampleGrid<Sample> means;  ///< input of a split
@@ -119,6 +124,8 @@ struct Workspace {
   PairGrid<Limit<Sample>> limits;      ///< no |detail| is larger; 0 in uniform cells
   PairGrid<std::uint8_t> activities;
   PairGrid<std::uint16_t> contexts;    ///< context | plain bits << 8
+  PairGrid<Edge> edges;                ///< only of stages that have edges, as the details
+  PairGrid<Wide<Sample>> edge_details;
   RowBuffers row{};
 };
 

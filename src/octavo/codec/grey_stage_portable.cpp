@@ -71,6 +71,8 @@ void reconstruct_row_along(const Parameters& p, const Stage& stage, Workspace<Sa
   const std::uint8_t* const activities = work.activities.row(y, z);
   const Limit<Sample>* const limits = work.limits.row(y, z);
   Int* const residuals = work.residuals.row(y, z);
+  const Edge* const edges = stage.has_edges ? work.edges.row(y, z) : nullptr;
+  const Int* const edge_details = work.edge_details.row(y, z);
   Sample* const first = first_of_row(work.fine, kAxis, y, z);
   const Sample* const means = work.means.row(y, z);
   for (std::int64_t x = 0; x < stage.pairs.x; ++x) {
@@ -82,7 +84,10 @@ void reconstruct_row_along(const Parameters& p, const Stage& stage, Workspace<Sa
                       : rounded_weights(weighted_sum<kAxis>(at, weights[activity]));
     const Int expected = std::clamp<Int>(prediction, -limit, limit);
     Int detail;
-    if (stage.gaps != nullptr) {
+    if (edges != nullptr && edges[x] != Edge::none) {
+      detail = edge_details[x];
+      residuals[x] = 0;
+    } else if (stage.gaps != nullptr) {
       const int nearest = stage.gaps->nearest(means[x], expected);
       if constexpr (kIsEncoding) {
         detail = residuals[x];

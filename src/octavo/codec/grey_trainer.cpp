@@ -12,6 +12,7 @@
 #include "octavo/codec/grey_portable.h"
 #include "octavo/codec/grey_training.h"
 #include "octavo/codec/least_squares.h"
+#include "octavo/codec/voxel_walk.h"
 
 namespace octavo::grey {
 
@@ -29,6 +30,8 @@ constexpr double kTapRidge = 1e-4;
 constexpr std::size_t kOrderBricks = 8;  ///< bricks that orders are tried on
 constexpr std::size_t kTrialBricks = 8;  ///< bricks that ways to quantise are tried on
 constexpr std::int64_t kTrialShare = 6;  ///< one in so many samples when an order is tried
+constexpr double kMuchBackground = 0.4;  ///< of the voxels, where edges are tried
+constexpr std::uint64_t kEdgeHandicap = 3;  ///< percent that edges must save
 constexpr double kWorthwhile = 0.0005;   ///< what another order must save
 /// Steps of an orthonormal coefficient to try, in tenths of the maximum error.
 constexpr int kDetailSteps[] = {14, 16, 18, 22};
@@ -275,6 +278,7 @@ struct Plan {
   Predictor predictor;
   Quantizer quantizer = {};
   int weight_step = kWeightStep;
+  bool has_edges = false;
 };
 
 Parameters learn(const School& school, const Plan& plan, const AxisOrder& order) {
@@ -284,6 +288,7 @@ Parameters learn(const School& school, const Plan& plan, const AxisOrder& order)
   p.quantizer = plan.quantizer;
   p.weight_step = plan.weight_step;
   p.value_map = school.value_map;
+  p.has_edges = plan.has_edges;
   const std::vector<Lesson> lessons = make_lessons(school.bricks, p);
   if (lessons.empty()) return p;
   p.activity_threshold = learn_threshold(lessons);
@@ -364,6 +369,18 @@ std::uint64_t cost(const School& school, const Parameters& parameters, std::size
   return std::accumulate(bytes.begin(), bytes.end(), codec.serialized().size());
 }
 
+/// Which part of the voxels of these bricks holds the smallest value of its brick.
+double background_share(std::span<const TrainingBrick> bricks) {
+  std::int64_t background = 0;
+  std::int64_t voxels = 0;
+  for (const TrainingBrick& brick : bricks) {
+    const std::int64_t min = range_of(brick.view).min;
+    for_each_voxel(brick.view, [&](std::int64_t voxel) { background += voxel == min; });
+    voxels += brick.view.size.voxel_count();
+  }
+  return static_cast<double>(background) / static_cast<double>(std::max<std::int64_t>(voxels, 1));
+}
+
 /// The ways to keep within a maximum error: rounding the voxels; or rounding the details, with
 /// several steps, and correcting the voxels that end up beyond it.
 std::vector<Quantizer> quantizers_for(std::int64_t max_error) {
@@ -415,11 +432,17 @@ std::unique_ptr<BrickCodec> train_grey_model(VoxelType type, std::span<const Tra
       others = {{Predictor::means}, {Predictor::neighbours, {}, kCoarseWeightStep}};
     }
   }
+  if (settings.max_error == 0 && background_share(bricks) >= kMuchBackground) {
+    others.push_back({predictor, {}, kWeightStep, true});
+    if (predictor != Predictor::means) others.push_back({Predictor::means, {}, kWeightStep, true});
+  }
   if (others.empty()) return std::make_unique<GreyCodec>(best);
   std::uint64_t least = cost(school, best, trial);
   for (const Plan& plan : others) {
     const Parameters p = learn(school, plan, order);
-    const std::uint64_t bytes = cost(school, p, trial);
+    std::uint64_t bytes = cost(school, p, trial);
+    // Edges make decoding slower.
+    if (plan.has_edges) bytes += bytes * kEdgeHandicap / 100;
     if (bytes >= least) continue;
     least = bytes;
     best = p;

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "octavo/codec/edge_pairs.h"
 #include "octavo/codec/grey_brick.h"
 
 namespace octavo::grey {
@@ -52,7 +53,7 @@ void walk_level(const Parameters& p, const Lesson& lesson, int level, Learn&& le
   const int coarsest = lesson.shape.level_count - 2;
   load_level(work, lesson, is_exact ? level : coarsest);
   for (int at = is_exact ? level : coarsest; at >= level; --at) {
-    run_level(work, lesson.shape, lesson.brick.scale, p, at, lesson.brick.hints(),
+    run_level(work, lesson.shape, lesson.brick.scale, p, at, lesson.brick.hints(p),
               [&](const Stage& stage, const Split& split) {
                 const auto& samples =
                     lesson.brick
@@ -60,6 +61,7 @@ void walk_level(const Parameters& p, const Lesson& lesson, int level, Learn&& le
                 const Truth<std::int16_t> truth{samples.data(), split.fine_size};
                 if (stage.pairs.voxel_count() == 0) return;
                 load_details(work, stage, truth);
+                if (stage.has_edges) mark_edges(stage, work);
                 stage_functions().narrow.predict(p, stage, work);
                 if (p.predictor == Predictor::means) copy_lone(work.means, work.fine, stage.axis);
                 if (at == level) learn(stage, work, truth);

@@ -35,6 +35,7 @@ SplitSymbol split(const std::array<std::uint16_t, kTokens>& frequencies, const S
 }  // namespace
 
 Bytes encode_symbols(const Model& model, int set, const std::vector<Symbol>& symbols, int shift) {
+  if (symbols.empty()) return {};
   const auto table = static_cast<std::size_t>(set);
   const auto states =
       static_cast<std::size_t>(state_count(static_cast<std::int64_t>(symbols.size())));
@@ -80,6 +81,14 @@ Bytes encode_symbols(const Model& model, int set, const std::vector<Symbol>& sym
 SymbolReader::SymbolReader(const Model& model, int set, ByteSpan segment, std::int64_t symbol_count,
                            int low_shift)
     : slots(model.tables.slots[static_cast<std::size_t>(set)].data()->data()), shift(low_shift) {
+  if (symbol_count == 0) {
+    if (!segment.empty()) throw Error(ErrorKind::corrupt, "a segment without symbols is not empty");
+    states[0] = kStateFloor;
+    padded_.resize(kWordPadding + kPlainPadding);
+    words = words_end = plain = padded_.data();
+    plain_end = 0;
+    return;
+  }
   const std::uint64_t plain_bytes = take_varint(segment);
   const ByteSpan plain_span = take_bytes(segment, plain_bytes);
   const auto state_total = static_cast<std::size_t>(state_count(symbol_count));
