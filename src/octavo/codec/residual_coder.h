@@ -37,7 +37,8 @@ struct Symbol {
   std::uint8_t state;
 };
 
-/// The bytes of one segment; none without symbols. shift: low bits of every value that are always plain (wide samples).
+/// The bytes of one segment; none without symbols. shift: low bits of every value that are always
+/// plain (wide samples).
 Bytes encode_symbols(const Model& model, int set, const std::vector<Symbol>& symbols, int shift);
 
 /// Takes residuals off a segment, row by row. The members are open to the vectorised copies of
