@@ -78,6 +78,8 @@ inline void fill_margins(std::int16_t* magnitudes, std::int64_t count) {
 ///   row_features(p, stage, work, y, z)    fills work.row, and the activities and limits of the row
 ///   row_contexts(p, stage, near, row, contexts)
 ///   take_row(symbols, contexts, order, coded, count, residuals)
+///   takes_planes(p, stage)                     whether take_plane knows this split from means
+///   take_plane(p, stage, work, z, symbols)     all of a plane: contexts, residuals and samples
 ///   keep_magnitudes(residuals, count, shift, magnitudes)
 ///   reconstruct_row<is_encoding>(p, stage, work, y, z)   from means: residuals to samples, or
 ///                                              details to residuals and samples
@@ -96,6 +98,7 @@ struct Passes {
     set(work.residuals);
     set(work.limits);
     set(work.activities);
+    set(work.predictions);
     work.contexts.set_plane_size(stage.pairs);
     work.magnitudes[stage.axis].set_size(stage.pairs);
   }
@@ -141,6 +144,12 @@ struct Passes {
     // From means alone, a plane's details are done with at its end.
     set_sizes(stage, p.predictor == Predictor::neighbours, work);
     if (stage.pairs.voxel_count() == 0) return;
+    if (p.predictor == Predictor::means && Kernel::takes_planes(p, stage)) {
+      for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
+        Kernel::take_plane(p, stage, work, z, symbols);
+      }
+      return;
+    }
     if (p.predictor == Predictor::means) {
       // No row needs another one of its plane: the machine may overlap them.
       for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
@@ -226,6 +235,9 @@ struct PortableKernel {
     }
     symbols.expect_inside();
   }
+  static bool takes_planes(const Parameters&, const Stage&) { return false; }
+  static void take_plane(const Parameters&, const Stage&, Workspace<Sample>&, std::int64_t,
+                         SymbolReader&) {}
   static void keep_magnitudes(const Int* residuals, int count, int shift,
                               std::int16_t* magnitudes) {
     for (int x = 0; x < count; ++x) {

@@ -49,7 +49,12 @@ class SymbolReader {
 
   /// The residual of the i-th coded symbol of a row. packed: context | plain bits << 8
   std::int64_t take(int i, unsigned packed) {
-    const unsigned context = packed & 0xff;
+    const int token = take_token(i, packed & 0xff);
+    return value_of(token, static_cast<int>(packed >> 8) + shift);
+  }
+
+  /// The token of the i-th coded symbol of a row.
+  int take_token(int i, unsigned context) {
     std::uint32_t& state = states[static_cast<std::size_t>(i) & state_mask];
     const std::uint32_t entry = slots[(context << kTableBits) + (state & (kTableSize - 1))];
     state = (entry >> 6 & 0xfff) * (state >> kTableBits) + (entry >> 18);
@@ -57,7 +62,7 @@ class SymbolReader {
       state = state << 16 | static_cast<std::uint32_t>(words[0] | words[1] << 8);
       words += 2;
     }
-    return value_of(static_cast<int>(entry & 63), static_cast<int>(packed >> 8) + shift);
+    return static_cast<int>(entry & 63);
   }
 
   /// The residual of a token, `low` plain bits below it.
