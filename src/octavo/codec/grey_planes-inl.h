@@ -195,13 +195,40 @@ void settle_row(const Stage& stage, Workspace<std::int16_t>& work, const std::in
   }
 }
 
+/// Whether the rows of a plane are one long row to the streams: none of it is left out, and every
+/// row starts with the first state.
+inline bool is_one_row(const Stage& stage, const SymbolReader& symbols, std::int64_t z) {
+  if (stage.pairs.x % (static_cast<std::int64_t>(symbols.state_mask) + 1) != 0) return false;
+  if (stage.pairs.x % 8 != 0) return false;
+  if (stage.cells == nullptr) return true;
+  for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
+    if (row_cells(stage, y, z) != nullptr) return false;
+  }
+  return true;
+}
+
 /// Decodes a plane of pairs: all contexts, then all residuals and samples.
 template <int kAxis>
 void decode_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
                   std::int64_t z, SymbolReader& symbols) {
-  alignas(64) std::int16_t residuals[kBrickSide + 16];
   const int count = static_cast<int>(stage.pairs.x);
   foresee_plane<kAxis>(p, stage, work, z);
+  const auto settle = [&](const std::int16_t* residuals, std::int64_t y) {
+    settle_row<kAxis>(stage, work, residuals, y, z);
+    fill_margins(work.magnitudes[kAxis].row(y, z), count);
+  };
+  if (is_one_row(stage, symbols, z)) {
+    alignas(64) std::int16_t residuals[kMaxUnchecked + 16];
+    const std::int64_t most = kMaxUnchecked / count;
+    for (std::int64_t y = 0; y < stage.pairs.y; y += most) {
+      const std::int64_t rows = std::min(most, stage.pairs.y - y);
+      const int coded = static_cast<int>(rows) * count;
+      take_residuals(symbols, work.contexts.row(y, z), nullptr, coded, coded, residuals);
+      for (std::int64_t k = 0; k < rows; ++k) settle(residuals + k * count, y + k);
+    }
+    return;
+  }
+  alignas(64) std::int16_t residuals[kBrickSide + 16];
   for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
     const std::uint8_t* const cells = row_cells(stage, y, z);
     int coded = count;
@@ -214,8 +241,7 @@ void decode_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_
     } else {
       std::fill_n(residuals, count, std::int16_t{0});
     }
-    settle_row<kAxis>(stage, work, residuals, y, z);
-    fill_margins(work.magnitudes[kAxis].row(y, z), count);
+    settle(residuals, y);
   }
 }
 

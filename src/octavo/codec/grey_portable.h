@@ -74,6 +74,33 @@ inline void fill_margins(std::int16_t* magnitudes, std::int64_t count) {
   magnitudes[count] = magnitudes[count + 1] = magnitudes[count - 1];
 }
 
+/// The rows of magnitudes around row (y, z) of the split along `axis`. A model that predicts from
+/// means alone does not look at the row above, nor anywhere in the own plane.
+inline MagnitudeRows magnitude_rows(const SampleGrid<std::int16_t>* magnitudes, Predictor predictor,
+                                    int axis, std::int64_t y, std::int64_t z,
+                                    const std::int16_t* zeros) {
+  const auto sibling = [&](int other, std::int64_t yy, std::int64_t zz) {
+    const SampleGrid<std::int16_t>& grid = magnitudes[other];
+    if (grid.size().voxel_count() == 0) return zeros;
+    return grid.row(std::min(yy, grid.size().y - 1), std::min(zz, grid.size().z - 1));
+  };
+  MagnitudeRows near{{zeros, zeros}, nullptr, nullptr, nullptr, nullptr};
+  if (axis == 1) near.sibling[0] = sibling(2, y, z / 2);
+  if (axis == 0) {
+    near.sibling[0] = sibling(1, y / 2, z);
+    near.sibling[1] = sibling(2, y / 2, z / 2);
+  }
+  const SampleGrid<std::int16_t>& own = magnitudes[axis];
+  near.up = predictor == Predictor::means ? zeros
+            : y > 0                       ? own.row(y - 1, z)
+            : z > 0                       ? own.row(y, z - 1)
+                                          : zeros;
+  near.back = z > 0 ? own.row(y, z - 1) : near.up;
+  near.back_up = z > 0 && y > 0 ? own.row(y - 1, z - 1) : near.back;
+  near.back_down = z > 0 && y + 1 < own.size().y ? own.row(y + 1, z - 1) : near.back;
+  return near;
+}
+
 /// The passes built on a Kernel, which has
 ///   row_features(p, stage, work, y, z)    fills work.row, and the activities and limits of the row
 ///   row_contexts(p, stage, near, row, contexts)

@@ -103,11 +103,6 @@ struct MagnitudeRows {
   const std::int16_t* back_down;
 };
 
-/// The rows of magnitudes around row (y, z) of the split along `axis`. A model that predicts from
-/// means alone does not look at the row above, nor anywhere in the own plane.
-MagnitudeRows magnitude_rows(const SampleGrid<std::int16_t>* magnitudes, Predictor predictor,
-                             int axis, std::int64_t y, std::int64_t z, const std::int16_t* zeros);
-
 template <class Sample>
 struct Workspace {
   SampleGrid<Sample> means;  ///< input of a split

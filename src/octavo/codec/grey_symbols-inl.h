@@ -84,6 +84,11 @@ HWY_INLINE Words spread_words(const std::uint8_t* words, std::uint8_t lanes) {
   return hn::TableLookupLanes(next, hn::IndicesFromVec(kWords, places));
 }
 
+HWY_INLINE void store_tokens(Words token, std::uint16_t* tokens) {
+  const hn::RebindToSigned<decltype(kWords)> ints;
+  hn::StoreU(hn::DemoteTo(kShortWords, hn::BitCast(ints, token)), kShortWords, tokens);
+}
+
 /// One step of as many states as there are lanes; gives their tokens.
 HWY_INLINE Words step_states(const std::uint32_t* slots, Words context, Words& state,
                              const std::uint8_t*& words) {
@@ -104,10 +109,50 @@ HWY_INLINE Words step_states(const std::uint32_t* slots, Words context, Words& s
   return hn::And(entry, set(63));
 }
 
-/// The tokens of a row's coded pairs; gives whether plain bits follow any of them beyond those of
-/// its context.
+/// The tokens of a multiple of 32 symbols off 32 states, which stay in registers.
+inline Words take_tokens_of_all_states(SymbolReader& symbols, const std::uint16_t* contexts,
+                                       int count, std::uint16_t* tokens) {
+  constexpr int kVectors = kMaxStates / kStateLanes;
+  const std::uint32_t* const slots = symbols.slots;
+  const std::uint8_t* words = symbols.words;
+  Words states[kVectors];
+  for (int k = 0; k < kVectors; ++k) {
+    states[k] = hn::Load(kWords, symbols.states + k * kStateLanes);
+  }
+  Words all = hn::Zero(kWords);
+  for (int i = 0; i < count; i += kMaxStates) {
+#if HWY_COMPILER_GCC || HWY_COMPILER_CLANG
+#pragma GCC unroll 8
+#endif
+    for (int k = 0; k < kVectors; ++k) {
+      const int at = i + k * kStateLanes;
+      const Words packed = hn::PromoteTo(kWords, hn::LoadU(kShortWords, contexts + at));
+      const Words token =
+          step_states(slots, hn::And(packed, hn::Set(kWords, 0xff)), states[k], words);
+      all = hn::Or(all, token);
+      store_tokens(token, tokens + at);
+    }
+  }
+  for (int k = 0; k < kVectors; ++k) {
+    hn::Store(states[k], kWords, symbols.states + k * kStateLanes);
+  }
+  symbols.words = words;
+  return all;
+}
+
+/// Whether any token has bits of its own, beyond the plain bits of its context.
+HWY_INLINE bool is_any_big(Words tokens) {
+  const hn::RebindToSigned<decltype(kWords)> ints;
+  return !hn::AllFalse(
+      ints, hn::TestBit(hn::BitCast(ints, tokens), hn::Set(ints, kDirectTokens)));
+}
+
+/// The tokens of a row's coded pairs; gives whether any is big.
 inline bool take_tokens(SymbolReader& symbols, const std::uint16_t* contexts, int coded,
                         std::uint16_t* tokens) {
+  if (symbols.state_mask + 1 == kMaxStates && coded % kMaxStates == 0) {
+    return is_any_big(take_tokens_of_all_states(symbols, contexts, coded, tokens));
+  }
   int i = 0;
   std::uint32_t any = 0;
   if (symbols.state_mask + 1 >= kStateLanes) {
@@ -123,14 +168,10 @@ inline bool take_tokens(SymbolReader& symbols, const std::uint16_t* contexts, in
           step_states(slots, hn::And(packed, hn::Set(kWords, 0xff)), state, words);
       hn::Store(state, kWords, states);
       all = hn::Or(all, token);
-      hn::StoreU(hn::DemoteTo(kShortWords, hn::BitCast(hn::RebindToSigned<decltype(kWords)>(),
-                                                       token)),
-                 kShortWords, tokens + i);
+      store_tokens(token, tokens + i);
     }
     symbols.words = words;
-    const hn::RebindToSigned<decltype(kWords)> ints;
-    const auto is_big = hn::TestBit(hn::BitCast(ints, all), hn::Set(ints, kDirectTokens));
-    any = hn::AllFalse(ints, is_big) ? 0 : kDirectTokens;
+    any = is_any_big(all) ? kDirectTokens : 0;
   }
   for (; i < coded; ++i) {
     const int token = symbols.take_token(i, contexts[i] & 0xff);
@@ -225,12 +266,12 @@ void finish_residuals(SymbolReader& symbols, const std::uint16_t* contexts,
   symbols.plain_at = at;
 }
 
-/// Residuals of a row off the streams: PortableKernel::take_row. Rows of residuals are padded to a
-/// multiple of 8.
+/// Residuals of a row, or of more when none is left out, off the streams: PortableKernel::take_row.
+/// Residuals are padded to a multiple of 8; at most kMaxUnchecked.
 template <class Residual>
 void take_residuals(SymbolReader& symbols, std::uint16_t* contexts, const std::uint8_t* order,
                     int coded, int count, Residual* residuals) {
-  alignas(64) std::uint16_t tokens[kBrickSide + kChunk];
+  alignas(64) std::uint16_t tokens[kMaxUnchecked + kChunk];
   if (coded < count) {
     for (int i = 0; i < coded; ++i) contexts[i] = contexts[order[i]];
   }

@@ -6,10 +6,9 @@ namespace octavo::grey {
 
 namespace {
 
-/// A row has at most 64 symbols, each taking at most one word and 42 plain bits; vectors read ahead
-/// by 16 bytes.
-constexpr std::size_t kWordPadding = 64 * 2 + 32;
-constexpr std::size_t kPlainPadding = 64 * 42 / 8 + 32;
+/// A symbol takes at most one word and 42 plain bits; vectors read ahead by 16 bytes.
+constexpr std::size_t kWordPadding = kMaxUnchecked * 2 + 32;
+constexpr std::size_t kPlainPadding = kMaxUnchecked * 42 / 8 + 32;
 
 void put_u16(Bytes& out, std::uint32_t value) {
   out.push_back(static_cast<std::uint8_t>(value));
@@ -91,12 +90,17 @@ SymbolReader::SymbolReader(const Model& model, int set, ByteSpan segment, std::i
     }
   }
   if (segment.size() % 2 != 0) throw Error(ErrorKind::corrupt, "a segment has half a word");
-  padded_.resize(segment.size() + kWordPadding + plain_span.size() + kPlainPadding);
-  std::copy(segment.begin(), segment.end(), padded_.begin());
-  words = padded_.data();
+  // Every byte is set here: clearing them all first would cost as much again.
+  padded_ = std::make_unique_for_overwrite<std::uint8_t[]>(segment.size() + kWordPadding +
+                                                           plain_span.size() + kPlainPadding);
+  const auto copy_padded = [](ByteSpan bytes, std::size_t padding, std::uint8_t* to) {
+    std::fill_n(std::copy(bytes.begin(), bytes.end(), to), padding, std::uint8_t{0});
+  };
+  words = padded_.get();
   words_end = words + segment.size();
-  std::uint8_t* const plain_copy = padded_.data() + segment.size() + kWordPadding;
-  std::copy(plain_span.begin(), plain_span.end(), plain_copy);
+  copy_padded(segment, kWordPadding, padded_.get());
+  std::uint8_t* const plain_copy = padded_.get() + segment.size() + kWordPadding;
+  copy_padded(plain_span, kPlainPadding, plain_copy);
   plain = plain_copy;
   plain_end = 8 * plain_span.size();
 }

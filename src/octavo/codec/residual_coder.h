@@ -14,6 +14,7 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <memory>
 #include <vector>
 
 #include "octavo/codec/byte_io.h"
@@ -40,8 +41,12 @@ struct Symbol {
 /// The bytes of one segment. shift: low bits of every value that are always plain (wide samples).
 Bytes encode_symbols(const Model& model, int set, const std::vector<Symbol>& symbols, int shift);
 
+/// Symbols that may be taken off a segment from one check that it holds them to the next.
+inline constexpr int kMaxUnchecked = 512;
+
 /// Takes residuals off a segment, row by row. The members are open to the vectorised copies of
-/// `take_row`; the streams are followed by enough zero bytes for one row beyond their ends.
+/// `take_row`; the streams are followed by enough zero bytes for kMaxUnchecked symbols beyond their
+/// ends.
 class SymbolReader {
  public:
   /// Throws Error{corrupt} when the segment is too short for its own head.
@@ -101,7 +106,7 @@ class SymbolReader {
  private:
   [[noreturn]] static void fail_short();
 
-  Bytes padded_;
+  std::unique_ptr<std::uint8_t[]> padded_;
 };
 
 }  // namespace octavo::grey
