@@ -94,7 +94,8 @@ std::vector<Bytes> encode_samples(const Model& model, const BrickShape& shape,
   Workspace<Sample>& work = thread_workspace<Sample>();
   load_means(work, brick.coarsest.data(),
              shape.size[static_cast<std::size_t>(shape.level_count) - 1]);
-  std::vector<Symbol> symbols;
+  // Kept from brick to brick: fresh memory costs more than filling it.
+  static thread_local std::vector<Symbol> symbols;
   for (int level = shape.level_count - 2; level >= 0; --level) {
     const auto slot = static_cast<std::size_t>(level);
     symbols.clear();
@@ -102,8 +103,7 @@ std::vector<Bytes> encode_samples(const Model& model, const BrickShape& shape,
               [&](const Stage& stage, const Split& split) {
                 const auto& samples = brick.steps[slot][static_cast<std::size_t>(split.axis)];
                 load_details(work, stage, Truth<Sample>{samples.data(), split.fine_size});
-                passes.predict(model.parameters, stage, work);
-                passes.list_symbols(model.parameters, stage, work, symbols);
+                passes.encode(model.parameters, stage, work, symbols);
               });
     put_cells(segments[slot], shape, level, brick.cells);
     if (symbols.empty()) continue;

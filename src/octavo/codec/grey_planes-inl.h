@@ -148,50 +148,103 @@ void foresee_plane(const Parameters& p, const Stage& stage, Workspace<std::int16
   }
 }
 
+/// A row of pairs once its details are known.
+template <int kAxis>
+class PairRow {
+ public:
+  HWY_INLINE PairRow(const Stage& stage, Workspace<std::int16_t>& work, std::int64_t y,
+                     std::int64_t z)
+      : means_(work.means.row(y, z)),
+        predictions_(work.predictions.row(y, z)),
+        limits_(work.limits.row(y, z)),
+        magnitudes_(work.magnitudes[kAxis].row(y, z)),
+        first_(first_of_row(work.fine, kAxis, y, z)),
+        up_(hn::Set(kSignedHalves, static_cast<std::int16_t>(1 - stage.rounding))) {}
+
+  HWY_INLINE SignedHalves prediction(int x) const {
+    return hn::LoadU(kSignedHalves, predictions_ + x);
+  }
+  HWY_INLINE SignedHalves within_limit(int x, SignedHalves detail) const {
+    const SignedHalves limit = hn::BitCast(kSignedHalves, hn::LoadU(kHalves, limits_ + x));
+    return hn::Min(hn::Max(detail, hn::Neg(limit)), limit);
+  }
+
+  HWY_INLINE void keep_magnitudes(int x, SignedHalves residual) const {
+    // The lowest number has no opposite; saturation finds one.
+    const SignedHalves size =
+        hn::Max(residual, hn::SaturatedSub(hn::Zero(kSignedHalves), residual));
+    hn::StoreU(hn::Min(size, hn::Set(kSignedHalves, kMaxMagnitude)), kSignedHalves,
+               magnitudes_ + x);
+  }
+
+  /// pair_of, in other words: half of an odd detail is rounded as the mean was not.
+  HWY_INLINE void put_samples(int x, SignedHalves detail) const {
+    const SignedHalves mean = hn::LoadU(kSignedHalves, means_ + x);
+    const SignedHalves a = hn::Add(mean, hn::ShiftRight<1>(hn::Add(detail, up_)));
+    const SignedHalves b = hn::Sub(a, detail);
+    if constexpr (kAxis == 0) {
+      hn::StoreInterleaved2(a, b, kSignedHalves, first_ + 2 * x);
+    } else {
+      hn::StoreU(a, kSignedHalves, first_ + x);
+      hn::StoreU(b, kSignedHalves, first_ + pair_step<std::int16_t>(kAxis) + x);
+    }
+  }
+
+ private:
+  const std::int16_t* means_;
+  const std::int16_t* predictions_;
+  const std::uint16_t* limits_;
+  std::int16_t* magnitudes_;
+  std::int16_t* first_;
+  SignedHalves up_;
+};
+
 /// Residuals of a row to samples and magnitudes.
 template <int kAxis>
 void settle_row(const Stage& stage, Workspace<std::int16_t>& work, const std::int16_t* residuals,
                 std::int64_t y, std::int64_t z) {
-  constexpr std::int64_t kStep = pair_step<std::int16_t>(kAxis);
-  const std::int16_t* const means = work.means.row(y, z);
-  const std::int16_t* const predictions = work.predictions.row(y, z);
-  const std::uint16_t* const limits = work.limits.row(y, z);
-  std::int16_t* const magnitudes = work.magnitudes[kAxis].row(y, z);
-  std::int16_t* const first = first_of_row(work.fine, kAxis, y, z);
-  const auto load = [](const std::int16_t* from) HWY_ATTR {
-    return hn::LoadU(kSignedHalves, from);
-  };
-  const SignedHalves up = hn::Set(kSignedHalves, static_cast<std::int16_t>(1 - stage.rounding));
-  const SignedHalves most = hn::Set(kSignedHalves, kMaxMagnitude);
+  const PairRow<kAxis> row(stage, work, y, z);
   for (int x = 0; x < stage.pairs.x; x += kHalfLanes) {
-    const SignedHalves residual = load(residuals + x);
-    // The lowest number has no opposite; saturation finds one.
-    const SignedHalves size =
-        hn::Max(residual, hn::SaturatedSub(hn::Zero(kSignedHalves), residual));
-    hn::StoreU(hn::Min(size, most), kSignedHalves, magnitudes + x);
-    const SignedHalves limit = hn::BitCast(kSignedHalves, hn::LoadU(kHalves, limits + x));
-    const SignedHalves detail = hn::Min(
-        hn::Max(hn::SaturatedAdd(load(predictions + x), residual), hn::Neg(limit)), limit);
-    // pair_of, in other words: half of an odd detail is rounded as the mean was not.
-    const SignedHalves a = hn::Add(load(means + x), hn::ShiftRight<1>(hn::Add(detail, up)));
-    const SignedHalves b = hn::Sub(a, detail);
-    if constexpr (kAxis == 0) {
-      // Interleaved within blocks of 8, the blocks put in order by the stores.
-      const SignedHalves lower = hn::InterleaveLower(kSignedHalves, a, b);
-      const SignedHalves upper = hn::InterleaveUpper(kSignedHalves, a, b);
-      std::int16_t* const out = first + 2 * x;
-#if HWY_MAX_BYTES >= 32
-      hn::StoreU(hn::ConcatLowerLower(kSignedHalves, upper, lower), kSignedHalves, out);
-      hn::StoreU(hn::ConcatUpperUpper(kSignedHalves, upper, lower), kSignedHalves,
-                 out + kHalfLanes);
-#else
-      hn::StoreU(lower, kSignedHalves, out);
-      hn::StoreU(upper, kSignedHalves, out + kHalfLanes);
-#endif
-    } else {
-      hn::StoreU(a, kSignedHalves, first + x);
-      hn::StoreU(b, kSignedHalves, first + kStep + x);
-    }
+    const SignedHalves residual = hn::LoadU(kSignedHalves, residuals + x);
+    row.keep_magnitudes(x, residual);
+    row.put_samples(x, row.within_limit(x, hn::SaturatedAdd(row.prediction(x), residual)));
+  }
+}
+
+/// The details in work.residuals to residuals, samples and magnitudes.
+template <int kAxis>
+void predict_row(const Stage& stage, Workspace<std::int16_t>& work, std::int64_t y,
+                 std::int64_t z) {
+  const PairRow<kAxis> row(stage, work, y, z);
+  std::int32_t* const details = work.residuals.row(y, z);
+  constexpr int kSumLanes = kHalfLanes / 2;
+  alignas(64) std::int16_t residuals[kHalfLanes];
+  for (int x = 0; x < stage.pairs.x; x += kHalfLanes) {
+    const auto narrowed = [&](const std::int32_t* from) HWY_ATTR {
+      return hn::DemoteTo(hn::Half<decltype(kSignedHalves)>(), hn::LoadU(kSignedSums, from));
+    };
+    const SignedHalves given = hn::Combine(kSignedHalves, narrowed(details + x + kSumLanes),
+                                           narrowed(details + x));
+    const SignedHalves detail = row.within_limit(x, given);
+    const SignedHalves residual = hn::Sub(detail, row.within_limit(x, row.prediction(x)));
+    row.keep_magnitudes(x, residual);
+    row.put_samples(x, detail);
+    hn::Store(residual, kSignedHalves, residuals);
+    const int last = static_cast<int>(std::min<std::int64_t>(stage.pairs.x - x, kHalfLanes));
+    for (int k = 0; k < last; ++k) details[x + k] = residuals[k];
+  }
+}
+
+/// Turns the details of a plane into residuals, samples and magnitudes; leaves the contexts.
+template <int kAxis>
+void predict_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
+                   std::int64_t z) {
+  foresee_plane<kAxis>(p, stage, work, z);
+  for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
+    const std::uint8_t* const cells = row_cells(stage, y, z);
+    if (cells != nullptr) close_cells(stage, cells, work.limits.row(y, z));
+    predict_row<kAxis>(stage, work, y, z);
+    fill_margins(work.magnitudes[kAxis].row(y, z), stage.pairs.x);
   }
 }
 

@@ -107,6 +107,8 @@ inline MagnitudeRows magnitude_rows(const SampleGrid<std::int16_t>* magnitudes, 
 ///   take_row(symbols, contexts, order, coded, count, residuals)
 ///   takes_planes(p, stage)                     whether take_plane knows this split from means
 ///   take_plane(p, stage, work, z, symbols)     all of a plane: contexts, residuals and samples
+///   give_plane(p, stage, work, z)              details of a plane to contexts, residuals, samples
+///                                              and magnitudes
 ///   keep_magnitudes(residuals, count, shift, magnitudes)
 ///   reconstruct_row<is_encoding>(p, stage, work, y, z)   from means: residuals to samples, or
 ///                                              details to residuals and samples
@@ -161,9 +163,7 @@ struct Passes {
                                         static_cast<Unsigned>(stage.step));
       }
     }
-    std::int16_t* const magnitudes = work.magnitudes[stage.axis].row(y, z);
-    Kernel::keep_magnitudes(residuals, count, stage.shift, magnitudes);
-    fill_margins(magnitudes, count);
+    keep_magnitudes(stage, work, y, z);
   }
 
   static void decode(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
@@ -215,34 +215,80 @@ struct Passes {
     if (p.predictor == Predictor::neighbours) Kernel::template reconstruct<true>(p, stage, work);
   }
 
-  static void list_symbols(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
-                           std::vector<Symbol>& symbols) {
+  /// Calls prepare_plane(z) for every plane, and prepare_row(y, z, coded pairs) for every row,
+  /// before their residuals and contexts are listed.
+  template <class PreparePlane, class PrepareRow>
+  static void list(const Stage& stage, Workspace<Sample>& work, std::vector<Symbol>& symbols,
+                   PreparePlane&& prepare_plane, PrepareRow&& prepare_row) {
     if (stage.pairs.voxel_count() == 0) return;
-    const int count = static_cast<int>(stage.pairs.x);
+    const std::size_t listed = symbols.size();
+    symbols.resize(listed + static_cast<std::size_t>(stage.pairs.voxel_count()));
+    Symbol* next = symbols.data() + listed;
     for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
+      prepare_plane(z);
       for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
-        const Int* const residuals = work.residuals.row(y, z);
-        std::int16_t* const magnitudes = work.magnitudes[stage.axis].row(y, z);
-        Kernel::keep_magnitudes(residuals, count, stage.shift, magnitudes);
-        fill_margins(magnitudes, count);
         const std::uint8_t* const cells = row_cells(stage, y, z);
-        const int coded = cells == nullptr ? count : list_coded(stage, cells, work.row.order);
-        if (coded == 0) continue;
-        features(p, stage, work, y, z);
-        contexts(p, stage, work, y, z);
-        const std::uint16_t* const context = work.contexts.row(y, z);
-        for (int i = 0; i < coded; ++i) {
-          const int x = cells == nullptr ? i : work.row.order[i];
-          const Int value = stage.step > 1 ? residuals[x] / stage.step : residuals[x];
-          symbols.push_back({zigzag(value), static_cast<std::uint8_t>(context[x] & 0xff),
-                             static_cast<std::uint8_t>(context[x] >> 8),
-                             static_cast<std::uint8_t>(i % kMaxStates)});
-        }
+        int coded = static_cast<int>(stage.pairs.x);
+        if (cells != nullptr) coded = list_coded(stage, cells, work.row.order);
+        prepare_row(y, z, coded);
+        next = list_row(stage, work, coded, y, z, next);
       }
     }
+    symbols.resize(static_cast<std::size_t>(next - symbols.data()));
   }
 
-  static constexpr StagePasses<Sample> functions() { return {decode, predict, list_symbols}; }
+  static void list_symbols(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                           std::vector<Symbol>& symbols) {
+    list(stage, work, symbols, [](std::int64_t) {},
+         [&](std::int64_t y, std::int64_t z, int coded) {
+           keep_magnitudes(stage, work, y, z);
+           if (coded == 0) return;
+           features(p, stage, work, y, z);
+           contexts(p, stage, work, y, z);
+         });
+  }
+
+  static void encode(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                     std::vector<Symbol>& symbols) {
+    if (p.predictor != Predictor::means || !Kernel::takes_planes(p, stage)) {
+      predict(p, stage, work);
+      list_symbols(p, stage, work, symbols);
+      return;
+    }
+    set_sizes(stage, false, work);
+    work.residuals.set_size(stage.pairs);
+    list(stage, work, symbols, [&](std::int64_t z) { Kernel::give_plane(p, stage, work, z); },
+         [](std::int64_t, std::int64_t, int) {});
+  }
+
+  static void keep_magnitudes(const Stage& stage, Workspace<Sample>& work, std::int64_t y,
+                              std::int64_t z) {
+    const int count = static_cast<int>(stage.pairs.x);
+    std::int16_t* const magnitudes = work.magnitudes[stage.axis].row(y, z);
+    Kernel::keep_magnitudes(work.residuals.row(y, z), count, stage.shift, magnitudes);
+    fill_margins(magnitudes, count);
+  }
+
+  /// Lists the coded pairs of a row; gives where the next row's go.
+  static Symbol* list_row(const Stage& stage, Workspace<Sample>& work, int coded, std::int64_t y,
+                          std::int64_t z, Symbol* to) {
+    const Int* const residuals = work.residuals.row(y, z);
+    const std::uint16_t* const context = work.contexts.row(y, z);
+    if (coded == stage.pairs.x && stage.step == 1) {
+      for (int x = 0; x < coded; ++x) to[x] = Symbol(zigzag(residuals[x]), context[x], x);
+      return to + coded;
+    }
+    for (int i = 0; i < coded; ++i) {
+      const int x = coded == stage.pairs.x ? i : work.row.order[i];
+      const Int value = stage.step > 1 ? residuals[x] / stage.step : residuals[x];
+      to[i] = Symbol(zigzag(value), context[x], i);
+    }
+    return to + coded;
+  }
+
+  static constexpr StagePasses<Sample> functions() {
+    return {decode, predict, list_symbols, encode};
+  }
 };
 
 /// Plain loops in raster order.
@@ -265,6 +311,7 @@ struct PortableKernel {
   static bool takes_planes(const Parameters&, const Stage&) { return false; }
   static void take_plane(const Parameters&, const Stage&, Workspace<Sample>&, std::int64_t,
                          SymbolReader&) {}
+  static void give_plane(const Parameters&, const Stage&, Workspace<Sample>&, std::int64_t) {}
   static void keep_magnitudes(const Int* residuals, int count, int shift,
                               std::int16_t* magnitudes) {
     for (int x = 0; x < count; ++x) {

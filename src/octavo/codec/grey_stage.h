@@ -126,6 +126,9 @@ struct StagePasses {
   void (*predict)(const Parameters&, const Stage&, Workspace<Sample>&);
   /// Appends the residuals of coded pairs with their contexts.
   void (*list_symbols)(const Parameters&, const Stage&, Workspace<Sample>&, std::vector<Symbol>&);
+  /// Both at once. The fine grid and the magnitudes are as a decoder will have them; the residuals
+  /// are not kept.
+  void (*encode)(const Parameters&, const Stage&, Workspace<Sample>&, std::vector<Symbol>&);
 };
 
 struct StageFunctions {

@@ -59,6 +59,12 @@ struct Kernel {
     else if (stage.axis == 1) decode_plane<1>(p, stage, work, z, symbols);
     else decode_plane<2>(p, stage, work, z, symbols);
   }
+  static void give_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
+                         std::int64_t z) {
+    if (stage.axis == 0) predict_plane<0>(p, stage, work, z);
+    else if (stage.axis == 1) predict_plane<1>(p, stage, work, z);
+    else predict_plane<2>(p, stage, work, z);
+  }
   static void keep_magnitudes(const std::int32_t* residuals, int count, int,
                               std::int16_t* magnitudes) {
     magnitudes_of_row(residuals, count, magnitudes);

@@ -30,12 +30,23 @@ constexpr int state_count(std::int64_t symbols) {
   return symbols >= 16384 ? kMaxStates : symbols >= 1024 ? 8 : symbols >= 128 ? 2 : 1;
 }
 
-/// A residual waiting to be written.
-struct Symbol {
-  std::uint64_t value;  ///< zigzag residual
-  std::uint8_t context;
-  std::uint8_t low_bits;  ///< lowest bits stored plain
-  std::uint8_t state;
+/// A residual waiting to be written, in 8 bytes: lists of them pass through memory twice.
+class Symbol {
+ public:
+  Symbol() = default;
+  /// packed: context | plain bits << 8; place: among the coded pairs of its row
+  Symbol(std::uint64_t zigzag_residual, unsigned packed, int place)
+      : bits_(zigzag_residual << 24 | std::uint64_t{packed} |
+              std::uint64_t{static_cast<unsigned>(place) % kMaxStates} << 16) {}
+
+  std::uint64_t value() const { return bits_ >> 24; }  ///< zigzag residual
+  std::size_t context() const { return bits_ & 0xff; }
+  int low_bits() const { return bits_ >> 8 & 0xff; }   ///< lowest bits stored plain
+  std::size_t state() const { return bits_ >> 16 & 0xff; }
+  bool operator==(const Symbol&) const = default;
+
+ private:
+  std::uint64_t bits_ = 0;
 };
 
 /// The bytes of one segment. shift: low bits of every value that are always plain (wide samples).
