@@ -71,12 +71,15 @@ UniformCells find_cells(const BrickShape& shape, const std::vector<Sample>& samp
   const Sample* row = samples.data();
   for (std::int64_t z = 0; z < fine.z; ++z) {
     for (std::int64_t y = 0; y < fine.y; ++y, row += fine.x) {
-      const std::size_t at = cell_row(y, z);
+      const auto at = static_cast<std::int64_t>(cell_row(y, z));
       const bool is_first_row = (y & corner_mask[1]) == 0 && (z & corner_mask[2]) == 0;
-      for (std::int64_t x = 0; x < fine.x; ++x) {
-        const std::size_t cell = at + static_cast<std::size_t>(x >> shift[0]);
-        if (is_first_row && (x & corner_mask[0]) == 0) first[cell] = row[x];
-        flags[cell] = static_cast<std::uint8_t>(flags[cell] & (row[x] == first[cell]));
+      for (std::int64_t x = 0, cell = at; x < fine.x; x += corner_mask[0] + 1, ++cell) {
+        const auto own = static_cast<std::size_t>(cell);
+        if (is_first_row) first[own] = row[x];
+        if (flags[own] == 0) continue;
+        const auto differs = [&](Sample s) { return s != first[own]; };
+        const std::int64_t end = std::min(x + corner_mask[0] + 1, fine.x);
+        if (std::any_of(row + x, row + end, differs)) flags[own] = 0;
       }
     }
   }

@@ -130,7 +130,8 @@ void run_level(Workspace<Sample>& work, const BrickShape& shape, const SampleSca
     stage_work(make_stage(shape, scale, p, level, split.axis, split.fine_size, hints), split);
     if (p.predictor == Predictor::means) copy_lone(work.means, work.fine, split.axis);
     work.means.swap(work.fine);
-    work.means.fill_margins();
+    if (p.predictor == Predictor::means) work.means.fill_nearest_margins();
+    else work.means.fill_margins();
   }
 }
 

@@ -79,7 +79,8 @@ std::vector<Bytes> encode_samples(const Model& model, const BrickShape& shape,
   Workspace<Sample>& work = thread_workspace<Sample>();
   load_means(work, brick.coarsest.data(),
              shape.size[static_cast<std::size_t>(shape.level_count) - 1]);
-  std::vector<Symbol> symbols;
+  // Kept from brick to brick: fresh memory costs more than filling it.
+  static thread_local std::vector<Symbol> symbols;
   EdgeModels edge_models;
   for (int level = shape.level_count - 2; level >= 0; --level) {
     const auto slot = static_cast<std::size_t>(level);
@@ -95,8 +96,7 @@ std::vector<Bytes> encode_samples(const Model& model, const BrickShape& shape,
                   edge_count += mark_edges(stage, work);
                   put_edges(stage, work, edge_coder, edge_models);
                 }
-                passes.predict(model.parameters, stage, work);
-                passes.list_symbols(model.parameters, stage, work, symbols);
+                passes.encode(model.parameters, stage, work, symbols);
               });
     put_cells(segments[slot], shape, level, brick.cells);
     if (symbols.empty() && edge_count == 0) continue;

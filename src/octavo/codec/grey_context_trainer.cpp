@@ -140,8 +140,8 @@ Counts count_tokens(const Parameters& p, const std::vector<Lesson>& lessons) {
                    stage_functions().narrow.list_symbols(p, stage, work, symbols);
                  });
       for (const Symbol& s : symbols) {
-        const auto token = token_of(static_cast<std::uint32_t>(s.value >> s.low_bits));
-        ++by_lesson[i][static_cast<std::size_t>(table_set(level))][s.context]
+        const auto token = token_of(static_cast<std::uint32_t>(s.value() >> s.low_bits()));
+        ++by_lesson[i][static_cast<std::size_t>(table_set(level))][s.context()]
                    [static_cast<std::size_t>(token)];
       }
     }

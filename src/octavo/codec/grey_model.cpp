@@ -144,15 +144,26 @@ Parameters default_parameters() {
   return p;
 }
 
+Encoder encoder_of(std::uint32_t frequency, std::uint32_t start) {
+  const auto rest = static_cast<std::uint16_t>(kTableSize - frequency);
+  if (frequency == 0) return {};
+  // 2^64 itself has no place in 64 bits: one less gives a quotient one too low, which the bias
+  // makes up for.
+  if (frequency == 1) return {~std::uint64_t{0}, start + rest, 1, rest};
+  return {~std::uint64_t{0} / frequency + 1, start, static_cast<std::uint16_t>(frequency), rest};
+}
+
 void build_tables(Model& model) {
   for (std::size_t set = 0; set < kTableSets; ++set) {
     for (std::size_t context = 0; context < kContexts; ++context) {
       const auto& frequencies = model.parameters.frequencies[set][context];
       auto& slots = model.tables.slots[set][context];
+      model.tables.used[set][context] = 0;
       std::uint32_t start = 0;
       for (std::uint32_t token = 0; token < kTokens; ++token) {
         const std::uint32_t frequency = frequencies[token];
-        model.tables.starts[set][context][token] = static_cast<std::uint16_t>(start);
+        if (frequency > 0) model.tables.used[set][context] |= std::uint64_t{1} << token;
+        model.tables.encoders[set][context * kTokens + token] = encoder_of(frequency, start);
         for (std::uint32_t i = 0; i < frequency; ++i) {
           slots[start + i] = token | frequency << 6 | i << 18;
         }

@@ -124,12 +124,30 @@ struct Parameters {
   Frequencies frequencies = {};
 };
 
+/// How a token of a context is pushed onto a rANS state.
+struct Encoder {
+  std::uint64_t reciprocal = 0;  ///< 2^64 / frequency, rounded up
+  std::uint32_t bias = 0;
+  std::uint16_t frequency = 0;
+  std::uint16_t rest = 0;        ///< 2048 - frequency
+
+  /// (x / frequency << 11) + x % frequency + first slot, without a division: 2^64 is so far above
+  /// any x times frequency that the quotient is exact.
+  std::uint32_t pushed(std::uint32_t x) const {
+    __extension__ using Wide = unsigned __int128;
+    const auto quotient = static_cast<std::uint32_t>(Wide{reciprocal} * x >> 64);
+    return x + bias + quotient * rest;
+  }
+};
+
 /// Tables derived from the frequencies.
 struct Tables {
   /// By context and slot: token | frequency << 6 | (slot - first slot of the token) << 18.
   std::array<std::array<std::array<std::uint32_t, kTableSize>, kContexts>, kTableSets> slots;
-  /// First slot of each token.
-  Frequencies starts;
+  /// By context: bit t tells whether token t has slots.
+  std::array<std::array<std::uint64_t, kContexts>, kTableSets> used;
+  /// By context and token.
+  std::array<std::array<Encoder, kContexts * kTokens>, kTableSets> encoders;
 };
 
 struct Model {

@@ -91,10 +91,42 @@ inline void fill_margins(std::int16_t* magnitudes, std::int64_t count) {
 template <class Sample>
 struct PortableKernel;
 
+/// The rows of magnitudes around row (y, z) of the split along `axis`. A model that predicts from
+/// means alone does not look at the row above, nor anywhere in the own plane.
+inline MagnitudeRows magnitude_rows(const SampleGrid<std::int16_t>* magnitudes, Predictor predictor,
+                                    int axis, std::int64_t y, std::int64_t z,
+                                    const std::int16_t* zeros) {
+  const auto sibling = [&](int other, std::int64_t yy, std::int64_t zz) {
+    const SampleGrid<std::int16_t>& grid = magnitudes[other];
+    if (grid.size().voxel_count() == 0) return zeros;
+    return grid.row(std::min(yy, grid.size().y - 1), std::min(zz, grid.size().z - 1));
+  };
+  MagnitudeRows near{{zeros, zeros}, nullptr, nullptr, nullptr, nullptr};
+  if (axis == 1) near.sibling[0] = sibling(2, y, z / 2);
+  if (axis == 0) {
+    const bool is_y_halved = magnitudes[1].size().voxel_count() > 0;
+    near.sibling[0] = sibling(1, y / 2, z);
+    near.sibling[1] = sibling(2, is_y_halved ? y / 2 : y, z / 2);
+  }
+  const SampleGrid<std::int16_t>& own = magnitudes[axis];
+  near.up = predictor == Predictor::means ? zeros
+            : y > 0                       ? own.row(y - 1, z)
+            : z > 0                       ? own.row(y, z - 1)
+                                          : zeros;
+  near.back = z > 0 ? own.row(y, z - 1) : near.up;
+  near.back_up = z > 0 && y > 0 ? own.row(y - 1, z - 1) : near.back;
+  near.back_down = z > 0 && y + 1 < own.size().y ? own.row(y + 1, z - 1) : near.back;
+  return near;
+}
+
 /// The passes built on a Kernel, which has
 ///   row_features(p, stage, work, y, z)    fills work.row, and the activities and limits of the row
 ///   row_contexts(p, stage, near, row, contexts)
 ///   take_row(symbols, contexts, order, coded, count, residuals)
+///   takes_planes(p, stage)                     whether take_plane knows this split from means
+///   take_plane(p, stage, work, z, symbols)     all of a plane: contexts, residuals and samples
+///   give_plane(p, stage, work, z)              details of a plane to contexts, residuals, samples
+///                                              and magnitudes
 ///   keep_magnitudes(residuals, count, shift, magnitudes)
 ///   reconstruct_row<is_encoding>(p, stage, work, y, z)   from means: residuals to samples, or
 ///                                              details to residuals and samples
@@ -113,6 +145,7 @@ struct Passes {
     set(work.residuals);
     set(work.limits);
     set(work.activities);
+    set(work.predictions);
     work.contexts.set_plane_size(stage.pairs);
     work.magnitudes[stage.axis].set_size(stage.pairs);
   }
@@ -150,13 +183,14 @@ struct Passes {
                                         static_cast<Unsigned>(stage.step));
       }
     }
-    std::int16_t* const magnitudes = work.magnitudes[stage.axis].row(y, z);
-    Kernel::keep_magnitudes(residuals, count, stage.shift, magnitudes);
-    fill_margins(magnitudes, count);
+    keep_magnitudes(stage, work, y, z);
   }
 
   /// Only plain loops know of gaps between values and of edges.
   static bool needs_plain(const Stage& stage) { return stage.gaps != nullptr || stage.has_edges; }
+  static bool takes_planes(const Parameters& p, const Stage& stage) {
+    return p.predictor == Predictor::means && !needs_plain(stage) && Kernel::takes_planes(p, stage);
+  }
 
   template <bool kIsEncoding>
   static void reconstruct_row(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
@@ -177,6 +211,12 @@ struct Passes {
     // From means alone, a plane's details are done with at its end.
     set_sizes(stage, p.predictor == Predictor::neighbours, work);
     if (stage.pairs.voxel_count() == 0) return;
+    if (takes_planes(p, stage)) {
+      for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
+        Kernel::take_plane(p, stage, work, z, symbols);
+      }
+      return;
+    }
     if (p.predictor == Predictor::means) {
       // No row needs another one of its plane: the machine may overlap them.
       for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
@@ -215,33 +255,78 @@ struct Passes {
     if (p.predictor == Predictor::neighbours) reconstruct<true>(p, stage, work);
   }
 
-  static void list_symbols(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
-                           std::vector<Symbol>& symbols) {
+  /// Calls prepare_plane(z) for every plane, and prepare_row(y, z, coded pairs) for every row,
+  /// before their residuals and contexts are listed.
+  template <class PreparePlane, class PrepareRow>
+  static void list(const Stage& stage, Workspace<Sample>& work, std::vector<Symbol>& symbols,
+                   PreparePlane&& prepare_plane, PrepareRow&& prepare_row) {
     if (stage.pairs.voxel_count() == 0) return;
-    const int count = static_cast<int>(stage.pairs.x);
+    const std::size_t listed = symbols.size();
+    symbols.resize(listed + static_cast<std::size_t>(stage.pairs.voxel_count()));
+    Symbol* next = symbols.data() + listed;
     for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
+      prepare_plane(z);
       for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
-        const Int* const residuals = work.residuals.row(y, z);
-        std::int16_t* const magnitudes = work.magnitudes[stage.axis].row(y, z);
-        Kernel::keep_magnitudes(residuals, count, stage.shift, magnitudes);
-        fill_margins(magnitudes, count);
         const int coded = list_coded(stage, work, y, z);
-        if (coded == 0) continue;
-        features(p, stage, work, y, z);
-        contexts(p, stage, work, y, z);
-        const std::uint16_t* const context = work.contexts.row(y, z);
-        for (int i = 0; i < coded; ++i) {
-          const int x = coded == count ? i : work.row.order[i];
-          const Int value = stage.step > 1 ? residuals[x] / stage.step : residuals[x];
-          symbols.push_back({zigzag(value), static_cast<std::uint8_t>(context[x] & 0xff),
-                             static_cast<std::uint8_t>(context[x] >> 8),
-                             static_cast<std::uint8_t>(i % kMaxStates)});
-        }
+        prepare_row(y, z, coded);
+        next = list_row(stage, work, coded, y, z, next);
       }
     }
+    symbols.resize(static_cast<std::size_t>(next - symbols.data()));
   }
 
-  static constexpr StagePasses<Sample> functions() { return {decode, predict, list_symbols}; }
+  static void list_symbols(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                           std::vector<Symbol>& symbols) {
+    list(stage, work, symbols, [](std::int64_t) {},
+         [&](std::int64_t y, std::int64_t z, int coded) {
+           keep_magnitudes(stage, work, y, z);
+           if (coded == 0) return;
+           features(p, stage, work, y, z);
+           contexts(p, stage, work, y, z);
+         });
+  }
+
+  static void encode(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                     std::vector<Symbol>& symbols) {
+    if (!takes_planes(p, stage)) {
+      predict(p, stage, work);
+      list_symbols(p, stage, work, symbols);
+      return;
+    }
+    set_sizes(stage, false, work);
+    work.residuals.set_size(stage.pairs);
+    list(stage, work, symbols, [&](std::int64_t z) { Kernel::give_plane(p, stage, work, z); },
+         [](std::int64_t, std::int64_t, int) {});
+  }
+
+  static void keep_magnitudes(const Stage& stage, Workspace<Sample>& work, std::int64_t y,
+                              std::int64_t z) {
+    const int count = static_cast<int>(stage.pairs.x);
+    std::int16_t* const magnitudes = work.magnitudes[stage.axis].row(y, z);
+    Kernel::keep_magnitudes(work.residuals.row(y, z), count, stage.shift, magnitudes);
+    fill_margins(magnitudes, count);
+  }
+
+  /// Lists the coded pairs of a row; gives where the next row's go.
+  static Symbol* list_row(const Stage& stage, Workspace<Sample>& work, int coded, std::int64_t y,
+                          std::int64_t z, Symbol* to) {
+    const Int* const residuals = work.residuals.row(y, z);
+    const std::uint16_t* const context = work.contexts.row(y, z);
+    if (coded == stage.pairs.x && stage.step == 1) {
+      for (int x = 0; x < coded; ++x) to[x] = Symbol(zigzag(residuals[x]), context[x], x);
+      return to + coded;
+    }
+    for (int i = 0; i < coded; ++i) {
+      const int x = coded == stage.pairs.x ? i : work.row.order[i];
+      const Int value = stage.step > 1 ? residuals[x] / stage.step : residuals[x];
+      to[i] = Symbol(zigzag(value), context[x], i);
+    }
+    return to + coded;
+  }
+
+  static constexpr StagePasses<Sample> functions() {
+    return {decode, predict, list_symbols, encode};
+  }
 };
 
 /// Plain loops in raster order.
@@ -261,6 +346,10 @@ struct PortableKernel {
     }
     symbols.expect_inside();
   }
+  static bool takes_planes(const Parameters&, const Stage&) { return false; }
+  static void take_plane(const Parameters&, const Stage&, Workspace<Sample>&, std::int64_t,
+                         SymbolReader&) {}
+  static void give_plane(const Parameters&, const Stage&, Workspace<Sample>&, std::int64_t) {}
   static void keep_magnitudes(const Int* residuals, int count, int shift,
                               std::int16_t* magnitudes) {
     for (int x = 0; x < count; ++x) {

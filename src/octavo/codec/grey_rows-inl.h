@@ -1,4 +1,4 @@
-// The row pass of a split, vectorised: features, contexts, and residuals off the rANS streams.
+// The row pass of a split, vectorised: features, contexts, samples from means.
 // Included once per instruction set by grey_stage_simd.cpp.
 
 #if defined(OCTAVO_CODEC_GREY_ROWS_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -11,6 +11,7 @@
 #include <hwy/highway.h>
 
 #include "octavo/codec/grey_portable.h"
+#include "octavo/codec/grey_symbols-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace octavo::grey {
@@ -27,8 +28,6 @@ constexpr hn::RebindToSigned<decltype(kHalves)> kSignedHalves{};
 constexpr hn::RepartitionToWide<decltype(kHalves)> kSums{};
 constexpr hn::RebindToSigned<decltype(kSums)> kSignedSums{};
 constexpr hn::RebindToFloat<decltype(kSums)> kFloats{};
-constexpr hn::CappedTag<std::uint32_t, 8> kWords{};
-using Words = hn::Vec<decltype(kWords)>;
 using Halves = hn::Vec<decltype(kHalves)>;
 using SignedHalves = hn::Vec<decltype(kSignedHalves)>;
 using SignedSums = hn::Vec<decltype(kSignedSums)>;
@@ -204,69 +203,6 @@ class StepQuantizer {
   hn::Vec<D> bias_;
 };
 
-/// For every set of lanes that need a word: which of the next words each of them gets.
-struct WordPlaces {
-  static constexpr std::size_t kLanes = hn::MaxLanes(kWords);
-  alignas(64) std::uint32_t places[std::size_t{1} << kLanes][kLanes];
-};
-inline const WordPlaces& word_places() {
-  static const WordPlaces table = [] {
-    WordPlaces made{};
-    for (std::size_t set = 0; set < std::size(made.places); ++set) {
-      std::uint32_t next = 0;
-      for (std::size_t lane = 0; lane < WordPlaces::kLanes; ++lane) {
-        made.places[set][lane] = next;
-        next += set >> lane & 1;
-      }
-    }
-    return made;
-  }();
-  return table;
-}
-
-/// The four bytes at `from` + kStep * index of every lane. Single loads overlap better than a
-/// gather instruction where that is microcode.
-template <std::size_t kStep, class T>
-HWY_INLINE Words load_each(const T* from, Words index) {
-  alignas(64) std::uint32_t places[hn::MaxLanes(kWords)];
-  hn::Store(index, kWords, places);
-#if HWY_COMPILER_GCC || HWY_COMPILER_CLANG
-  // Reloading is cheaper than taking lanes out of the vector, which compilers would make of it.
-  __asm__("" : "+m"(places));
-#endif
-  const auto* const bytes = reinterpret_cast<const std::uint8_t*>(from);
-  const hn::FixedTag<std::uint32_t, 1> single;
-  const hn::FixedTag<std::uint32_t, 2> two;
-  const hn::FixedTag<std::uint32_t, 4> quad;
-  const auto one = [&](std::size_t lane) HWY_ATTR {
-    std::uint32_t value;
-    std::memcpy(&value, bytes + kStep * places[lane], 4);
-    return hn::Load(single, &value);
-  };
-  const auto four = [&](std::size_t lane) HWY_ATTR {
-    return hn::Combine(quad, hn::Combine(two, one(lane + 3), one(lane + 2)),
-                       hn::Combine(two, one(lane + 1), one(lane)));
-  };
-#if HWY_MAX_BYTES >= 32
-  return hn::Combine(kWords, four(4), four(0));
-#else
-  return four(0);
-#endif
-}
-
-/// Contexts of coded pairs in order, and where their residuals go, when some pairs are not coded.
-inline void gather_coded(std::uint16_t* contexts, const std::uint8_t* order, int coded) {
-  for (int i = 0; i < coded; ++i) contexts[i] = contexts[order[i]];
-}
-inline void scatter_coded(const std::uint8_t* order, int coded, int count,
-                          std::int32_t* residuals) {
-  int next = coded - 1;
-  for (int x = count - 1; x >= 0; --x) {
-    const bool is_coded = next >= 0 && order[next] == x;
-    residuals[x] = is_coded ? residuals[next--] : 0;
-  }
-}
-
 /// Magnitudes of a row of residuals.
 inline void magnitudes_of_row(const std::int32_t* residuals, int count, std::int16_t* magnitudes) {
   const hn::RebindToSigned<decltype(kWords)> signed_words;
@@ -346,104 +282,6 @@ void reconstruct_from_means(const Parameters& p, const Stage& stage,
       hn::StoreU(hn::DemoteTo(shorts, b), shorts, first + kStep + x);
     }
   }
-}
-
-/// The plain bits of as many symbols as there are lanes, `bits` each, off `plain` at bit `at`.
-HWY_INLINE Words take_plain(const std::uint8_t* plain, std::size_t& at, Words bits) {
-  const hn::Rebind<std::uint8_t, decltype(kWords)> bytes;
-  std::uint64_t word;
-  std::memcpy(&word, plain + (at >> 3), 8);
-  word >>= at & 7;
-#if HWY_ARCH_X86_64 && HWY_TARGET <= HWY_AVX2
-  // At most 8 * 7 bits: a byte of the result has as many as its byte of the mask.
-  const auto masks = hn::U8FromU32(
-      hn::Sub(hn::Shl(hn::Set(kWords, 1), bits), hn::Set(kWords, 1)));
-  std::uint64_t mask;
-  alignas(8) std::uint8_t packed[8];
-  hn::Store(masks, bytes, packed);
-  std::memcpy(&mask, packed, 8);
-  at += static_cast<std::size_t>(__builtin_popcountll(mask));
-  const std::uint64_t spread = _pdep_u64(word, mask);
-  std::memcpy(packed, &spread, 8);
-  return hn::PromoteTo(kWords, hn::Load(bytes, packed));
-#else
-  alignas(64) std::uint32_t values[hn::MaxLanes(kWords)];
-  alignas(64) std::uint32_t counts[hn::MaxLanes(kWords)];
-  hn::Store(bits, kWords, counts);
-  for (std::size_t lane = 0; lane < hn::MaxLanes(kWords); ++lane) {
-    values[lane] = static_cast<std::uint32_t>(word) & ((1u << counts[lane]) - 1);
-    word >>= counts[lane];
-    at += counts[lane];
-  }
-  return hn::Load(kWords, values);
-#endif
-}
-
-/// Residuals of a row off the streams: PortableKernel::take_row for at least as many states as
-/// lanes.
-inline void take_residuals(SymbolReader& symbols, std::uint16_t* contexts,
-                           const std::uint8_t* order, int coded, int count,
-                           std::int32_t* residuals) {
-  constexpr int kLanes = static_cast<int>(hn::MaxLanes(kWords));
-  const hn::RebindToSigned<decltype(kWords)> ints;
-  const hn::Rebind<std::uint16_t, decltype(kWords)> short_words;
-  const WordPlaces& places = word_places();
-  const std::uint8_t* words = symbols.words;
-  std::size_t plain_at = symbols.plain_at;
-  const auto set = [](std::uint32_t value) HWY_ATTR { return hn::Set(kWords, value); };
-  if (coded < count) gather_coded(contexts, order, coded);
-  int i = 0;
-  for (; i + kLanes <= coded; i += kLanes) {
-    std::uint32_t* const states =
-        symbols.states + (static_cast<std::size_t>(i) & symbols.state_mask);
-    const Words packed = hn::PromoteTo(kWords, hn::LoadU(short_words, contexts + i));
-    const Words context = hn::And(packed, set(0xff));
-    const Words low_bits = hn::ShiftRight<8>(packed);
-    const Words old_state = hn::Load(kWords, states);
-    const Words slot = hn::Or(hn::ShiftLeft<kTableBits>(context),
-                              hn::And(old_state, set(kTableSize - 1)));
-    const Words entry = load_each<4>(symbols.slots, slot);
-    const Words state = hn::Add(hn::Mul(hn::And(hn::ShiftRight<6>(entry), set(0xfff)),
-                                        hn::ShiftRight<kTableBits>(old_state)),
-                                hn::ShiftRight<18>(entry));
-    const auto is_low = hn::Eq(hn::ShiftRight<16>(state), hn::Zero(kWords));
-    std::uint8_t low_lanes[8];
-    hn::StoreMaskBits(kWords, is_low, low_lanes);
-    const Words next = hn::PromoteTo(
-        kWords, hn::LoadU(short_words, reinterpret_cast<const std::uint16_t*>(words)));
-    const Words spread = hn::TableLookupLanes(
-        next, hn::IndicesFromVec(kWords, hn::Load(kWords, places.places[low_lanes[0]])));
-    hn::Store(hn::IfThenElse(is_low, hn::Or(hn::ShiftLeft<16>(state), spread), state), kWords,
-              states);
-    words += 2 * __builtin_popcount(low_lanes[0]);
-
-    const Words token = hn::And(entry, set(63));
-    const auto is_big = hn::TestBit(hn::BitCast(ints, token), hn::Set(ints, kDirectTokens));
-    if (HWY_LIKELY(hn::AllFalse(ints, is_big))) {
-      const Words value =
-          hn::Add(hn::Shl(token, low_bits), take_plain(symbols.plain, plain_at, low_bits));
-      const Words residual = hn::Xor(hn::ShiftRight<1>(value),
-                                     hn::Sub(hn::Zero(kWords), hn::And(value, set(1))));
-      hn::StoreU(hn::BitCast(ints, residual), ints, residuals + i);
-      continue;
-    }
-    alignas(64) std::uint32_t tokens[8], bits[8];
-    hn::Store(token, kWords, tokens);
-    hn::Store(low_bits, kWords, bits);
-    symbols.plain_at = plain_at;
-    for (int lane = 0; lane < kLanes; ++lane) {
-      residuals[i + lane] = static_cast<std::int32_t>(
-          symbols.value_of(static_cast<int>(tokens[lane]), static_cast<int>(bits[lane])));
-    }
-    plain_at = symbols.plain_at;
-  }
-  symbols.words = words;
-  symbols.plain_at = plain_at;
-  for (; i < coded; ++i) {
-    residuals[i] = static_cast<std::int32_t>(symbols.take(i, contexts[i]));
-  }
-  symbols.expect_inside();
-  if (coded < count) scatter_coded(order, coded, count, residuals);
 }
 
 #endif  // HWY_TARGET != HWY_SCALAR

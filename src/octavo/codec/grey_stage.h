@@ -107,11 +107,6 @@ struct MagnitudeRows {
   const std::int16_t* back_down;
 };
 
-/// The rows of magnitudes around row (y, z) of the split along `axis`. A model that predicts from
-/// means alone does not look at the row above, nor anywhere in the own plane.
-MagnitudeRows magnitude_rows(const SampleGrid<std::int16_t>* magnitudes, Predictor predictor,
-                             int axis, std::int64_t y, std::int64_t z, const std::int16_t* zeros);
-
 /// Which sample of a pair is background while the other is not (edge_pairs.h).
 enum class Edge : std::uint8_t { none, first, second };
 
@@ -123,6 +118,7 @@ struct Workspace {
   PairGrid<Wide<Sample>> residuals;    ///< true details before `predict`, residuals after it
   PairGrid<Limit<Sample>> limits;      ///< no |detail| is larger; 0 in uniform cells
   PairGrid<std::uint8_t> activities;
+  PairGrid<std::int16_t> predictions;  ///< kept by passes that foresee a plane at a time
   PairGrid<std::uint16_t> contexts;    ///< context | plain bits << 8
   PairGrid<Edge> edges;                ///< only of stages that have edges, as the details
   PairGrid<Wide<Sample>> edge_details;
@@ -139,6 +135,9 @@ struct StagePasses {
   void (*predict)(const Parameters&, const Stage&, Workspace<Sample>&);
   /// Appends the residuals of coded pairs with their contexts.
   void (*list_symbols)(const Parameters&, const Stage&, Workspace<Sample>&, std::vector<Symbol>&);
+  /// Both at once. The fine grid and the magnitudes are as a decoder will have them; the residuals
+  /// are not kept.
+  void (*encode)(const Parameters&, const Stage&, Workspace<Sample>&, std::vector<Symbol>&);
 };
 
 struct StageFunctions {

@@ -235,31 +235,6 @@ std::int64_t Stage::detail_count() const {
   return count;
 }
 
-MagnitudeRows magnitude_rows(const SampleGrid<std::int16_t>* magnitudes, Predictor predictor,
-                             int axis, std::int64_t y, std::int64_t z, const std::int16_t* zeros) {
-  const auto sibling = [&](int other, std::int64_t yy, std::int64_t zz) {
-    const SampleGrid<std::int16_t>& grid = magnitudes[other];
-    if (grid.size().voxel_count() == 0) return zeros;
-    return grid.row(std::min(yy, grid.size().y - 1), std::min(zz, grid.size().z - 1));
-  };
-  MagnitudeRows near{{zeros, zeros}, nullptr, nullptr, nullptr, nullptr};
-  if (axis == 1) near.sibling[0] = sibling(2, y, z / 2);
-  if (axis == 0) {
-    const bool is_y_halved = magnitudes[1].size().voxel_count() > 0;
-    near.sibling[0] = sibling(1, y / 2, z);
-    near.sibling[1] = sibling(2, is_y_halved ? y / 2 : y, z / 2);
-  }
-  const SampleGrid<std::int16_t>& own = magnitudes[axis];
-  near.up = predictor == Predictor::means ? zeros
-            : y > 0                       ? own.row(y - 1, z)
-            : z > 0                       ? own.row(y, z - 1)
-                                          : zeros;
-  near.back = z > 0 ? own.row(y, z - 1) : near.up;
-  near.back_up = z > 0 && y > 0 ? own.row(y - 1, z - 1) : near.back;
-  near.back_down = z > 0 && y + 1 < own.size().y ? own.row(y + 1, z - 1) : near.back;
-  return near;
-}
-
 const StageFunctions& portable_stage_functions() {
   static constexpr StageFunctions kFunctions = {
       Passes<std::int16_t, PortableKernel<std::int16_t>>::functions(),

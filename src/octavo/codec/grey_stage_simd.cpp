@@ -18,7 +18,9 @@
 #include <hwy/highway.h>
 
 // clang-format off
+#include "octavo/codec/grey_symbols-inl.h"
 #include "octavo/codec/grey_rows-inl.h"
+#include "octavo/codec/grey_planes-inl.h"
 #include "octavo/codec/grey_waves-inl.h"
 // clang-format on
 
@@ -46,11 +48,22 @@ struct Kernel {
   }
   static void take_row(SymbolReader& symbols, std::uint16_t* contexts, const std::uint8_t* order,
                        int coded, int count, std::int32_t* residuals) {
-    if (symbols.state_mask + 1 < hn::MaxLanes(kWords)) {
-      PortableKernel<std::int16_t>::take_row(symbols, contexts, order, coded, count, residuals);
-    } else {
-      take_residuals(symbols, contexts, order, coded, count, residuals);
-    }
+    take_residuals(symbols, contexts, order, coded, count, residuals);
+  }
+  static bool takes_planes(const Parameters& p, const Stage& stage) {
+    return suits_planes(p, stage);
+  }
+  static void take_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
+                         std::int64_t z, SymbolReader& symbols) {
+    if (stage.axis == 0) decode_plane<0>(p, stage, work, z, symbols);
+    else if (stage.axis == 1) decode_plane<1>(p, stage, work, z, symbols);
+    else decode_plane<2>(p, stage, work, z, symbols);
+  }
+  static void give_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
+                         std::int64_t z) {
+    if (stage.axis == 0) predict_plane<0>(p, stage, work, z);
+    else if (stage.axis == 1) predict_plane<1>(p, stage, work, z);
+    else predict_plane<2>(p, stage, work, z);
   }
   static void keep_magnitudes(const std::int32_t* residuals, int count, int,
                               std::int16_t* magnitudes) {

@@ -14,6 +14,7 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <memory>
 #include <vector>
 
 #include "octavo/codec/byte_io.h"
@@ -29,20 +30,35 @@ constexpr int state_count(std::int64_t symbols) {
   return symbols >= 16384 ? kMaxStates : symbols >= 1024 ? 8 : symbols >= 128 ? 2 : 1;
 }
 
-/// A residual waiting to be written.
-struct Symbol {
-  std::uint64_t value;  ///< zigzag residual
-  std::uint8_t context;
-  std::uint8_t low_bits;  ///< lowest bits stored plain
-  std::uint8_t state;
+/// A residual waiting to be written, in 8 bytes: lists of them pass through memory twice.
+class Symbol {
+ public:
+  Symbol() = default;
+  /// packed: context | plain bits << 8; place: among the coded pairs of its row
+  Symbol(std::uint64_t zigzag_residual, unsigned packed, int place)
+      : bits_(zigzag_residual << 24 | std::uint64_t{packed} |
+              std::uint64_t{static_cast<unsigned>(place) % kMaxStates} << 16) {}
+
+  std::uint64_t value() const { return bits_ >> 24; }  ///< zigzag residual
+  std::size_t context() const { return bits_ & 0xff; }
+  int low_bits() const { return bits_ >> 8 & 0xff; }   ///< lowest bits stored plain
+  std::size_t state() const { return bits_ >> 16 & 0xff; }
+  bool operator==(const Symbol&) const = default;
+
+ private:
+  std::uint64_t bits_ = 0;
 };
 
 /// The bytes of one segment; none without symbols. shift: low bits of every value that are always
 /// plain (wide samples).
 Bytes encode_symbols(const Model& model, int set, const std::vector<Symbol>& symbols, int shift);
 
+/// Symbols that may be taken off a segment from one check that it holds them to the next.
+inline constexpr int kMaxUnchecked = 512;
+
 /// Takes residuals off a segment, row by row. The members are open to the vectorised copies of
-/// `take_row`; the streams are followed by enough zero bytes for one row beyond their ends.
+/// `take_row`; the streams are followed by enough zero bytes for kMaxUnchecked symbols beyond their
+/// ends.
 class SymbolReader {
  public:
   /// Throws Error{corrupt} when the segment is too short for its own head.
@@ -50,7 +66,12 @@ class SymbolReader {
 
   /// The residual of the i-th coded symbol of a row. packed: context | plain bits << 8
   std::int64_t take(int i, unsigned packed) {
-    const unsigned context = packed & 0xff;
+    const int token = take_token(i, packed & 0xff);
+    return value_of(token, static_cast<int>(packed >> 8) + shift);
+  }
+
+  /// The token of the i-th coded symbol of a row.
+  int take_token(int i, unsigned context) {
     std::uint32_t& state = states[static_cast<std::size_t>(i) & state_mask];
     const std::uint32_t entry = slots[(context << kTableBits) + (state & (kTableSize - 1))];
     state = (entry >> 6 & 0xfff) * (state >> kTableBits) + (entry >> 18);
@@ -58,7 +79,7 @@ class SymbolReader {
       state = state << 16 | static_cast<std::uint32_t>(words[0] | words[1] << 8);
       words += 2;
     }
-    return value_of(static_cast<int>(entry & 63), static_cast<int>(packed >> 8) + shift);
+    return static_cast<int>(entry & 63);
   }
 
   /// The residual of a token, `low` plain bits below it.
@@ -97,7 +118,7 @@ class SymbolReader {
  private:
   [[noreturn]] static void fail_short();
 
-  Bytes padded_;
+  std::unique_ptr<std::uint8_t[]> padded_;
 };
 
 }  // namespace octavo::grey

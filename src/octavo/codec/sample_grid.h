@@ -40,21 +40,9 @@ class SampleGrid {
   }
 
   /// Repeats the border samples into the margins.
-  void fill_margins() {
-    for (std::int64_t z = 0; z < size_.z; ++z) {
-      for (std::int64_t y = 0; y < size_.y; ++y) fill_row_margins(row(y, z));
-      for (std::int64_t k = 1; k <= kMargin; ++k) {
-        copy_row(-k, z, 0, z);
-        copy_row(size_.y - 1 + k, z, size_.y - 1, z);
-      }
-    }
-    for (std::int64_t k = 1; k <= kMargin; ++k) {
-      for (std::int64_t y = -kMargin; y < size_.y + kMargin; ++y) {
-        copy_row(y, -k, y, 0);
-        copy_row(y, size_.z - 1 + k, y, size_.z - 1);
-      }
-    }
-  }
+  void fill_margins() { fill_margins<kMarginX, kMargin>(); }
+  /// The same for those margins alone that lie next to samples.
+  void fill_nearest_margins() { fill_margins<1, 1>(); }
 
   void swap(SampleGrid& other) noexcept {
     samples_.swap(other.samples_);
@@ -62,8 +50,25 @@ class SampleGrid {
   }
 
  private:
+  template <std::int64_t kReachX, std::int64_t kReach>
+  void fill_margins() {
+    for (std::int64_t z = 0; z < size_.z; ++z) {
+      for (std::int64_t y = 0; y < size_.y; ++y) fill_row_margins<kReachX>(row(y, z));
+      for (std::int64_t k = 1; k <= kReach; ++k) {
+        copy_row(-k, z, 0, z);
+        copy_row(size_.y - 1 + k, z, size_.y - 1, z);
+      }
+    }
+    for (std::int64_t k = 1; k <= kReach; ++k) {
+      for (std::int64_t y = -kReach; y < size_.y + kReach; ++y) {
+        copy_row(y, -k, y, 0);
+        copy_row(y, size_.z - 1 + k, y, size_.z - 1);
+      }
+    }
+  }
+  template <std::int64_t kReachX>
   void fill_row_margins(Sample* samples) {
-    for (std::int64_t i = 1; i <= kMarginX; ++i) {
+    for (std::int64_t i = 1; i <= kReachX; ++i) {
       samples[-i] = samples[0];
       samples[size_.x - 1 + i] = samples[size_.x - 1];
     }

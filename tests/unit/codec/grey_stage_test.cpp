@@ -41,7 +41,11 @@ RandomSplit make_split(std::mt19937& random, const Size3& fine, int axis, Predic
   }
   for (auto& group : p.mean_weights) {
     for (auto& along : group) {
-      for (int cls = 1; cls < kClasses; ++cls) along[cls] = below(16383) - kMaxMeanWeight;
+      // Weights below 1 have passes of their own.
+      const std::int32_t most = below(2) == 0 ? kMaxMeanWeight : 4095;
+      for (int cls = 1; cls < kClasses; ++cls) {
+        along[cls] = below(static_cast<std::uint32_t>(2 * most + 1)) - most;
+      }
     }
   }
   for (auto& group : p.context_weights) {
@@ -100,10 +104,7 @@ struct Results {
   std::vector<std::int16_t> samples;
 
   bool operator==(const Results& other) const {
-    return residuals == other.residuals && samples == other.samples &&
-           std::ranges::equal(symbols, other.symbols, [](const Symbol& a, const Symbol& b) {
-             return a.value == b.value && a.context == b.context && a.state == b.state;
-           });
+    return residuals == other.residuals && samples == other.samples && symbols == other.symbols;
   }
 };
 
@@ -135,11 +136,7 @@ std::vector<std::int16_t> pairs_of(Workspace<std::int16_t>& work, const RandomSp
   return samples;
 }
 
-/// Encodes a split and decodes its segment again.
-Results run(const StageFunctions& functions, RandomSplit& s, bool has_cells) {
-  Workspace<std::int16_t> work;
-  Results results;
-  s.stage.cells = has_cells ? &s.cells : nullptr;
+void load_with_details(Workspace<std::int16_t>& work, const RandomSplit& s) {
   load(work, s);
   const Size3& pairs = s.stage.pairs;
   const std::int32_t* from = s.details.data();
@@ -148,6 +145,15 @@ Results run(const StageFunctions& functions, RandomSplit& s, bool has_cells) {
       std::copy_n(from, pairs.x, work.residuals.row(y, z));
     }
   }
+}
+
+/// Encodes a split and decodes its segment again.
+Results run(const StageFunctions& functions, RandomSplit& s, bool has_cells) {
+  Workspace<std::int16_t> work;
+  Results results;
+  s.stage.cells = has_cells ? &s.cells : nullptr;
+  const Size3& pairs = s.stage.pairs;
+  load_with_details(work, s);
   functions.narrow.predict(s.model.parameters, s.stage, work);
   for (std::int64_t z = 0; z < pairs.z; ++z) {
     for (std::int64_t y = 0; y < pairs.y; ++y) {
@@ -157,6 +163,12 @@ Results run(const StageFunctions& functions, RandomSplit& s, bool has_cells) {
   }
   functions.narrow.list_symbols(s.model.parameters, s.stage, work, results.symbols);
   results.samples = pairs_of(work, s);
+
+  std::vector<Symbol> at_once;
+  load_with_details(work, s);
+  functions.narrow.encode(s.model.parameters, s.stage, work, at_once);
+  EXPECT_TRUE(at_once == results.symbols);
+  EXPECT_EQ(pairs_of(work, s), results.samples);
 
   const Bytes segment = encode_symbols(s.model, s.stage.set, results.symbols, 0);
   const auto count = static_cast<std::int64_t>(results.symbols.size());
@@ -216,7 +228,12 @@ TEST_P(StagesOf, BoundTheMagnitudeOfTheLowestResidual) {
     }
     functions->narrow.list_symbols(split.model.parameters, split.stage, work, symbols);
     // Of the first plane, whose contexts depend on means alone.
-    for (std::size_t i = 0; i < 64; ++i) symbols[i].value = zigzag(-(std::int64_t{1} << 19));
+    for (int i = 0; i < 64; ++i) {
+      Symbol& symbol = symbols[static_cast<std::size_t>(i)];
+      const auto packed = static_cast<unsigned>(symbol.context()) |
+                          static_cast<unsigned>(symbol.low_bits()) << 8;
+      symbol = Symbol(zigzag(-(std::int64_t{1} << 19)), packed, i);
+    }
     const Bytes segment = encode_symbols(split.model, split.stage.set, symbols, 0);
     load(work, split);
     SymbolReader reader(split.model, split.stage.set, segment,
