@@ -286,13 +286,15 @@ double detail_cost(Parameters p, const std::vector<Lesson>& lessons) {
                    for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
                      const std::int32_t* const residuals = work.residuals.row(y, z);
                      for (std::int64_t x = 0; x < stage.pairs.x; ++x) {
-                       costs[i] += logarithm(1u + static_cast<std::uint32_t>(std::abs(residuals[x])));
+                       const std::int32_t magnitude = std::abs(residuals[x]);
+                       costs[i] += logarithm(1u + static_cast<std::uint32_t>(magnitude));
                      }
                    }
                  }
                });
   });
-  return static_cast<double>(std::accumulate(costs.begin(), costs.end(), std::uint64_t{0}));
+  const std::uint64_t cost = std::accumulate(costs.begin(), costs.end(), std::uint64_t{0});
+  return static_cast<double>(cost);
 }
 
 void learn_mean_weights(Parameters& p, const std::vector<Lesson>& lessons, int group) {
