@@ -101,9 +101,9 @@ void take_samples(const Stage& stage, Workspace<std::int16_t>& work,
   }
 }
 
-/// The samples of the levels of a group, by axis and class, in the order of the lessons.
+/// The samples of the levels of a group that each lesson gives, by axis and class.
 /// share  of the usual number of samples, one in that many
-AxisSamples gather(const Parameters& p, const std::vector<Lesson>& lessons, int group,
+std::vector<AxisSamples> gather(const Parameters& p, const std::vector<Lesson>& lessons, int group,
                    std::int64_t share) {
   std::vector<AxisSamples> by_lesson(lessons.size());
   // Samples are exact whatever predicts them, so the cheap predictor will do on the way.
@@ -122,16 +122,7 @@ AxisSamples gather(const Parameters& p, const std::vector<Lesson>& lessons, int 
       });
     }
   });
-  AxisSamples all;
-  tbb::parallel_for(std::size_t{0}, 3 * std::size_t{kClasses}, [&](std::size_t task) {
-    TapSamples& joined = all[task % 3][task / 3];
-    for (const AxisSamples& one : by_lesson) {
-      const TapSamples& s = one[task % 3][task / 3];
-      joined.features.insert(joined.features.end(), s.features.begin(), s.features.end());
-      joined.details.insert(joined.details.end(), s.details.begin(), s.details.end());
-    }
-  });
-  return all;
+  return by_lesson;
 }
 
 /// The magnitude of a sample's residual under the fitted weights.
@@ -171,35 +162,38 @@ std::vector<float> sample_weights(const TapSamples& samples, std::size_t taps,
   return weights;
 }
 
-/// One in `every` of the samples.
-TapSamples thinned(const TapSamples& samples, std::size_t taps, std::size_t every) {
+/// One in `every` of the samples, from the first on.
+TapSamples thinned(const TapSamples& samples, std::size_t taps, std::size_t first,
+                   std::size_t every) {
   TapSamples few;
-  for (std::size_t i = every / 2; i < samples.details.size(); i += every) {
-    const auto first = samples.features.begin() + static_cast<std::ptrdiff_t>(i * taps);
-    few.features.insert(few.features.end(), first, first + static_cast<std::ptrdiff_t>(taps));
+  for (std::size_t i = first; i < samples.details.size(); i += every) {
+    const auto from = samples.features.begin() + static_cast<std::ptrdiff_t>(i * taps);
+    few.features.insert(few.features.end(), from, from + static_cast<std::ptrdiff_t>(taps));
     few.details.push_back(samples.details[i]);
   }
   return few;
 }
 
-std::vector<double> fit_round(const TapSamples& samples, int taps,
-                              const std::vector<double>* fitted) {
-  NormalEquations equations(taps);
-  accumulate(equations, samples.features, samples.details,
-             sample_weights(samples, static_cast<std::size_t>(taps), fitted));
-  return solve(equations, kTapRidge);
-}
-
-std::vector<double> fit_taps(const TapSamples& samples, int taps,
-                             std::span<const std::size_t> rounds) {
+std::vector<double> fit_taps(const std::vector<const TapSamples*>& samples, std::size_t count,
+                             int taps, std::span<const std::size_t> rounds) {
   std::vector<double> fitted;
+  const auto n = static_cast<std::size_t>(taps);
   for (const std::size_t round : rounds) {
-    const std::size_t every =
-        std::clamp<std::size_t>(samples.details.size() / kFewInRound, 1, round);
+    const std::size_t every = std::clamp<std::size_t>(count / kFewInRound, 1, round);
     const std::vector<double>* const last = fitted.empty() ? nullptr : &fitted;
-    fitted = every == 1 ? fit_round(samples, taps, last)
-                        : fit_round(thinned(samples, static_cast<std::size_t>(taps), every), taps,
-                                    last);
+    NormalEquations equations(taps);
+    std::size_t first = every / 2;
+    for (const TapSamples* s : samples) {
+      if (every == 1) {
+        accumulate(equations, s->features, s->details, sample_weights(*s, n, last));
+        continue;
+      }
+      const TapSamples few = thinned(*s, n, first, every);
+      accumulate(equations, few.features, few.details, sample_weights(few, n, last));
+      // The next lesson goes on where this one ends.
+      first += few.details.size() * every - s->details.size();
+    }
+    fitted = solve(equations, kTapRidge);
   }
   return fitted;
 }
@@ -224,16 +218,20 @@ void set_weights(std::int16_t* weights, const std::vector<double>& fitted, int a
 }
 
 /// Learns p.weights of a group from its samples.
-void fit_weights(Parameters& p, const AxisSamples& samples, int group,
+void fit_weights(Parameters& p, const std::vector<AxisSamples>& by_lesson, int group,
                  std::span<const std::size_t> rounds) {
   tbb::parallel_for(0, 3 * (kClasses - 1), [&](int task) {
     const int axis = task % 3;
     const int activity = 1 + task / 3;
-    const TapSamples& own =
-        samples[static_cast<std::size_t>(axis)][static_cast<std::size_t>(activity)];
-    if (own.details.size() < kFewSamples) return;
-    set_weights(p.weights[group][axis][activity], fit_taps(own, tap_count(axis), rounds), axis,
-                p.weight_step);
+    std::vector<const TapSamples*> all;
+    std::size_t count = 0;
+    for (const AxisSamples& one : by_lesson) {
+      all.push_back(&one[static_cast<std::size_t>(axis)][static_cast<std::size_t>(activity)]);
+      count += all.back()->details.size();
+    }
+    if (count < kFewSamples) return;
+    set_weights(p.weights[group][axis][activity], fit_taps(all, count, tap_count(axis), rounds),
+                axis, p.weight_step);
   });
 }
 

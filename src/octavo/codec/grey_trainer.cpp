@@ -109,18 +109,23 @@ AxisOrder learn_order(std::span<const TrainingBrick> bricks, const CodecSettings
   if (settings.axis_order) return *settings.axis_order;
   if (settings.preset == Preset::fast) return kStraightOrder;
   const std::vector<TrainingBrick> few = some_of(bricks, kOrderBricks);
-  std::array<double, kAxisOrders.size()> costs{};
-  tbb::parallel_for(std::size_t{0}, costs.size(), [&](std::size_t i) {
+  AxisOrder best = kStraightOrder;
+  double least = 0;
+  for (const AxisOrder& order : kAxisOrders) {
     Parameters p = default_parameters();
-    p.axis_order = kAxisOrders[i];
-    const std::vector<Lesson> lessons = make_lessons(few, 1, p.axis_order);
-    if (lessons.empty()) return;
+    p.axis_order = order;
+    const std::vector<Lesson> lessons = make_lessons(few, 1, order);
+    if (lessons.empty()) return kStraightOrder;
     p.activity_threshold = learn_threshold(lessons);
-    costs[i] = detail_cost(p, lessons);
-  });
-  // The straight order is the first and the fastest; another one must be worth it.
-  costs[0] *= 1 - kWorthwhile;
-  return kAxisOrders[static_cast<std::size_t>(std::ranges::min_element(costs) - costs.begin())];
+    double cost = detail_cost(p, lessons);
+    // The straight order is the fastest; another one must be worth it.
+    if (order == kStraightOrder) cost *= 1 - kWorthwhile;
+    if (order == kStraightOrder || cost < least) {
+      least = cost;
+      best = order;
+    }
+  }
+  return best;
 }
 
 /// Bytes that a model and bricks take.
