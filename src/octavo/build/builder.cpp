@@ -127,7 +127,8 @@ class Build {
         bound_(bound),
         max_error_(max_error) {}
 
-  /// Encodes all groups; the writer is created once the first one is known. Returns the parents.
+  /// Encodes all groups; the writer is created once the first one is known. While a group is being
+  /// encoded the next one is read and trained on. Returns the parents.
   std::vector<std::byte> encode_groups(GroupReader& reader, Storage& storage,
                                        const std::string& path, bool overwrite) {
     std::optional<TierEncoder> encoder;
@@ -138,14 +139,15 @@ class Build {
                                      {.overwrite = overwrite, .max_error = max_error_});
         encoder.emplace(levels_, 0, group.type, workers_, *writer_, progress_, bound_);
       }
-      Model model = workers_.run([&] {
+      encoder->check();
+      const Model model = workers_.run([&] {
         return make_model(train_on(levels_, 0, group, description_.kind, settings_), group.type);
       });
       settings_.axis_order = model.encoder->axis_order();
-      writer_->add_model(model.serialized);
-      encoder->encode(model, group);
-      if (!first_model_) first_model_ = std::move(model);
+      if (!first_model_) first_model_ = model;
+      encoder->start(model, group, true, [&reader] { reader.release(); });
     }
+    encoder->finish();
     return encoder->take_parents();
   }
 

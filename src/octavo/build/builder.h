@@ -1,7 +1,8 @@
 // Planes in, one sealed file out.
 //
 // Planes fill a group of brick layers; a model is trained on bricks spread over the group; its
-// bricks are encoded, decoded again and compared by all workers while the next group is being read.
+// bricks are encoded, decoded again and compared by all workers while the next group is read and
+// trained on, so that its bricks follow without a pause.
 // Memory is that of two groups (a group is the fewest layers that hold 32 MiB), never that of the
 // volume. The file does not depend on the number of threads.
 #pragma once

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <span>
-#include <utility>
 
 #include "octavo/core/error.h"
 
@@ -25,42 +24,70 @@ GroupReader::GroupReader(PlaneSource& source, const Levels& levels, Progress& pr
       floats_(floats),
       size_(levels.size(0)),
       type_(source.description().type),
-      planes_per_group_(group_planes(levels, type_)) {
-  start(0);
-}
+      planes_per_group_(group_planes(levels, type_)),
+      thread_([this] { read_groups(); }) {}
 
 GroupReader::~GroupReader() {
   is_stopped_ = true;
-  if (reading_.valid()) reading_.wait();
+  {
+    const std::lock_guard lock(mutex_);
+    changed_.notify_all();
+  }
+  thread_.join();
 }
 
 VoxelBlock GroupReader::next() {
-  reading_.get();
-  std::swap(taken_, filling_);
-  VoxelBlock block{taken_.voxels.data(), type_, size_, next_plane_};
-  if (floats_ != nullptr) block.floats = taken_.floats.data();
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return read_ > taken_ || failure_ != nullptr; });
+  if (read_ == taken_) std::rethrow_exception(failure_);
+  const Buffer& buffer = buffers_[taken_++ % buffers_.size()];
+  VoxelBlock block{buffer.voxels.data(), type_, size_, next_plane_};
+  if (floats_ != nullptr) block.floats = buffer.floats.data();
   next_plane_ = std::min(next_plane_ + planes_per_group_, size_.z);
   block.size.z = next_plane_ - block.first_plane;
-  if (!is_done()) start(next_plane_);
   return block;
 }
 
-void GroupReader::start(std::int64_t first_plane) {
-  const std::int64_t end = std::min(first_plane + planes_per_group_, size_.z);
-  reading_ = std::async(std::launch::async, [this, first_plane, end] { read(first_plane, end); });
+void GroupReader::release() {
+  const std::lock_guard lock(mutex_);
+  ++released_;
+  changed_.notify_all();
 }
 
-void GroupReader::read(std::int64_t first_plane, std::int64_t end) {
+void GroupReader::read_groups() {
+  try {
+    std::size_t group = 0;
+    for (std::int64_t at = 0; at < size_.z; at += planes_per_group_, ++group) {
+      if (!wait_for_room(group)) return;
+      fill(buffers_[group % buffers_.size()], std::min(planes_per_group_, size_.z - at));
+      const std::lock_guard lock(mutex_);
+      read_ = group + 1;
+      changed_.notify_all();
+    }
+  } catch (...) {
+    const std::lock_guard lock(mutex_);
+    failure_ = std::current_exception();
+    changed_.notify_all();
+  }
+}
+
+bool GroupReader::wait_for_room(std::size_t group) {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return group < released_ + buffers_.size() || is_stopped_; });
+  return !is_stopped_;
+}
+
+void GroupReader::fill(Buffer& buffer, std::int64_t planes) {
   const auto plane_bytes = static_cast<std::size_t>(size_.x * size_.y * bytes_per_voxel(type_));
-  filling_.voxels.resize(static_cast<std::size_t>(end - first_plane) * plane_bytes);
-  filling_.floats.clear();
+  buffer.voxels.resize(static_cast<std::size_t>(planes) * plane_bytes);
+  buffer.floats.clear();
   const auto start = std::chrono::steady_clock::now();
-  for (std::size_t at = 0; at < filling_.voxels.size() && !is_stopped_; at += plane_bytes) {
+  for (std::size_t at = 0; at < buffer.voxels.size() && !is_stopped_; at += plane_bytes) {
     if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped while reading planes");
-    source_.read_plane(std::span(filling_.voxels).subspan(at, plane_bytes));
+    source_.read_plane(std::span(buffer.voxels).subspan(at, plane_bytes));
     if (floats_ != nullptr) {
       const auto plane = floats_->voxels();
-      filling_.floats.insert(filling_.floats.end(), plane.begin(), plane.end());
+      buffer.floats.insert(buffer.floats.end(), plane.begin(), plane.end());
     }
     progress_.advance(1);
   }

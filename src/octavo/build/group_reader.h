@@ -1,12 +1,17 @@
 // Reads the planes of one group ahead, on a thread of its own.
 //
-// A group is the fewest brick layers whose voxels reach 32 MiB. Two group buffers exist: one is
-// being encoded while the other is filled.
+// A group is the fewest brick layers whose voxels reach 32 MiB. Two group buffers exist: while one
+// is being encoded the other is filled and trained on; the next group is read as soon as one of
+// them is free, whoever waits.
 #pragma once
 
+#include <array>
 #include <atomic>
+#include <condition_variable>
 #include <cstddef>
-#include <future>
+#include <exception>
+#include <mutex>
+#include <thread>
 #include <vector>
 
 #include "octavo/build/float_planes.h"
@@ -37,23 +42,27 @@ class GroupReader {
   /// True when all groups were taken.
   bool is_done() const { return next_plane_ == size_.z; }
 
-  /// Waits for the next group and starts to read the one after it. The block stays valid until the
-  /// next call.
-  /// Throws what the source throws; Error{cancelled}. Requires that is_done() is false.
+  /// Waits for the next group. The block stays valid until it is released.
+  /// Throws what the source throws; Error{cancelled}. Requires that is_done() is false and that at
+  /// most one block is not released.
   VoxelBlock next();
 
-  /// Time spent in the source so far.
+  /// Gives back the oldest block, so that another group can be read in its place. From any thread.
+  void release();
+
+  /// Time spent in the source. Requires is_done().
   double read_seconds() const { return read_seconds_; }
 
  private:
-  void start(std::int64_t first_plane);
-  void read(std::int64_t first_plane, std::int64_t end);
-
   /// Planes of a group: as the bricks hold them, and as floats where those differ.
   struct Buffer {
     std::vector<std::byte> voxels;
     std::vector<float> floats;
   };
+
+  void read_groups();
+  bool wait_for_room(std::size_t group);
+  void fill(Buffer& buffer, std::int64_t planes);
 
   PlaneSource& source_;
   Progress& progress_;
@@ -62,11 +71,17 @@ class GroupReader {
   VoxelType type_;
   std::int64_t planes_per_group_;
   std::int64_t next_plane_ = 0;  // first plane of the group that next() gives
-  Buffer taken_;
-  Buffer filling_;
+  std::size_t taken_ = 0;        // groups that next() gave
+  std::array<Buffer, 2> buffers_;
   std::atomic<bool> is_stopped_ = false;
-  double read_seconds_ = 0;  // written by the reading thread, read after it was waited for
-  std::future<void> reading_;
+  double read_seconds_ = 0;  // written by the reading thread before it notes a group as read
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::size_t read_ = 0;      // groups in buffers or past, guarded by mutex_
+  std::size_t released_ = 0;  // guarded by mutex_
+  std::exception_ptr failure_;  // guarded by mutex_
+  std::thread thread_;
 };
 
 }  // namespace octavo

@@ -1,7 +1,5 @@
 #include "octavo/build/tier_encoder.h"
 
-#include <tbb/parallel_pipeline.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -138,44 +136,105 @@ TierEncoder::TierEncoder(const Levels& levels, int tier, VoxelType type, Workers
       writer_(writer),
       progress_(progress),
       bound_(bound),
-      parents_(static_cast<std::size_t>(levels.brick_count(tier) * bytes_per_voxel(type))) {}
+      parents_(static_cast<std::size_t>(levels.brick_count(tier) * bytes_per_voxel(type))),
+      slots_(kBricksPerThread * static_cast<std::size_t>(workers.count())) {}
+
+TierEncoder::~TierEncoder() {
+  std::unique_lock lock(mutex_);
+  if (!works_.empty() && !failure_) {
+    failure_ = std::make_exception_ptr(Error(ErrorKind::cancelled, "left before the end"));
+  }
+  changed_.wait(lock, [&] { return running_ == 0; });
+}
+
+void TierEncoder::start(const Model& model, const VoxelBlock& block, bool brings_model,
+                        std::function<void()> when_done) {
+  Work work{model, block, brings_model, std::move(when_done), bricks_of(levels_, tier_, block)};
+  const std::lock_guard lock(mutex_);
+  works_.push_back(std::move(work));
+  take_bricks();
+  release_if_failed();
+}
+
+void TierEncoder::check() {
+  const std::lock_guard lock(mutex_);
+  if (failure_) std::rethrow_exception(failure_);
+}
+
+void TierEncoder::finish() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return running_ == 0 && (works_.empty() || failure_ != nullptr); });
+  if (failure_) std::rethrow_exception(failure_);
+}
 
 void TierEncoder::encode(const Model& model, const VoxelBlock& block) {
-  const std::vector<Index3> bricks = bricks_of(levels_, tier_, block);
-  // Planes of tier 0 count as work done; the tiers above it are too small to count.
-  const std::int64_t planes = tier_ == 0 ? block.size.z : 0;
-  const auto count = static_cast<std::int64_t>(bricks.size());
-  std::int64_t kept = 0;
-  // Bricks between their worker and the writer. As many numbers are under way as there are slots,
-  // and they end in order, so no two of them share one.
-  std::vector<EncodedBrick> slots(kBricksPerThread * static_cast<std::size_t>(workers_.count()));
-  std::size_t next = 0;
+  start(model, block, false, {});
+  finish();
+}
 
-  const auto give = [&](tbb::flow_control& flow) -> std::size_t {
-    if (next == bricks.size()) flow.stop();
-    return next < bricks.size() ? next++ : next;
-  };
-  const auto encode_one = [&](std::size_t number) {
+void TierEncoder::take_bricks() {
+  for (Work& work : works_) {
+    while (work.taken < work.bricks.size()) {
+      const bool is_full = taken_ - kept_ == slots_.size() || running_ == workers_.count();
+      if (is_full || failure_) return;
+      const Index3 brick = work.bricks[work.taken++];
+      const std::size_t number = taken_++;
+      ++running_;
+      workers_.start([this, &work, brick, number] { work_on(work, brick, number); });
+    }
+  }
+}
+
+void TierEncoder::work_on(const Work& work, const Index3& brick, std::size_t number) {
+  Slot slot{.is_ready = true, .encoded = {}, .failure = nullptr};
+  try {
     if (progress_.is_cancelled()) {
       throw Error(ErrorKind::cancelled, "stopped while encoding bricks");
     }
-    slots[number % slots.size()] = encode_checked(model, block, bricks[number]);
-    return number;
-  };
-  const auto keep_one = [&](std::size_t number) {
-    keep(bricks[number], std::exchange(slots[number % slots.size()], {}));
-    ++kept;
-    const std::int64_t units = kept * planes / count - (kept - 1) * planes / count;
-    if (units > 0) progress_.advance(units);
-  };
-  workers_.run([&] {
-    using tbb::filter_mode;
-    tbb::parallel_pipeline(
-        slots.size(),
-        tbb::make_filter<void, std::size_t>(filter_mode::serial_in_order, give) &
-            tbb::make_filter<std::size_t, std::size_t>(filter_mode::parallel, encode_one) &
-            tbb::make_filter<std::size_t, void>(filter_mode::serial_in_order, keep_one));
-  });
+    slot.encoded = encode_checked(work.model, work.block, brick);
+  } catch (...) {
+    slot.failure = std::current_exception();
+  }
+  std::unique_lock lock(mutex_);
+  slots_[number % slots_.size()] = std::move(slot);
+  if (!is_keeping_) keep_ready(lock);
+  --running_;
+  take_bricks();
+  release_if_failed();
+  changed_.notify_all();
+}
+
+void TierEncoder::keep_ready(std::unique_lock<std::mutex>& lock) {
+  is_keeping_ = true;
+  while (!failure_ && slots_[kept_ % slots_.size()].is_ready) {
+    Work& work = works_.front();
+    Slot slot = std::exchange(slots_[kept_ % slots_.size()], {});
+    lock.unlock();
+    std::exception_ptr failure;
+    try {
+      keep(work, std::move(slot));
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    lock.lock();
+    failure_ = failure_ ? failure_ : failure;
+    if (failure) break;
+    ++kept_;
+    if (++work.kept == work.bricks.size()) {
+      const std::function<void()> when_done = std::move(work.when_done);
+      works_.pop_front();
+      if (when_done) when_done();
+    }
+    take_bricks();
+  }
+  is_keeping_ = false;
+}
+
+void TierEncoder::release_if_failed() {
+  if (!failure_ || running_ > 0) return;
+  for (Work& work : works_) {
+    if (const auto when_done = std::exchange(work.when_done, {})) when_done();
+  }
 }
 
 EncodedBrick TierEncoder::encode_checked(const Model& model, const VoxelBlock& block,
@@ -210,15 +269,24 @@ EncodedBrick TierEncoder::encode_checked(const Model& model, const VoxelBlock& b
   return encoded;
 }
 
-void TierEncoder::keep(const Index3& brick, const EncodedBrick& encoded) {
-  writer_.add_brick(tier_, encoded);
+void TierEncoder::keep(Work& work, Slot slot) {
+  if (slot.failure) std::rethrow_exception(slot.failure);
+  if (work.brings_model && work.kept == 0) writer_.add_model(work.model.serialized);
+  writer_.add_brick(tier_, slot.encoded);
+  const Index3& brick = work.bricks[work.kept];
   const Size3 grid = levels_.brick_grid(tier_);
   const std::int64_t at = (brick.z * grid.y + brick.y) * grid.x + brick.x;
   with_voxel_type(type_, [&](auto id) {
-    const auto value = static_cast<typename decltype(id)::type>(encoded.parent);
+    const auto value = static_cast<typename decltype(id)::type>(slot.encoded.parent);
     std::memcpy(parents_.data() + at * static_cast<std::int64_t>(sizeof value), &value,
                 sizeof value);
   });
+  // Planes of tier 0 count as work done; the tiers above it are too small to count.
+  const std::int64_t planes = tier_ == 0 ? work.block.size.z : 0;
+  const auto count = static_cast<std::int64_t>(work.bricks.size());
+  const auto kept = static_cast<std::int64_t>(work.kept);
+  const std::int64_t units = (kept + 1) * planes / count - kept * planes / count;
+  if (units > 0) progress_.advance(units);
 }
 
 }  // namespace octavo

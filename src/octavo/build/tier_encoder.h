@@ -1,11 +1,18 @@
-// Encodes the bricks of a block with all workers and hands them to the writer in file order.
+// Encodes the bricks of blocks with all workers and hands them to the writer in file order.
 //
+// Bricks of the next block follow those of the last without a pause: no worker waits for another.
+// Each brick is work of its own, so that training for the next block finds threads in between.
 // Every brick is decoded again, with a codec parsed from the model's bytes, and compared before it
 // is kept: it must be the same, or within the bound with its largest difference measured. At most
 // four bricks per thread are held encoded; the writer is called by one thread at a time.
 #pragma once
 
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -41,18 +48,59 @@ class TierEncoder {
   TierEncoder(const Levels& levels, int tier, VoxelType type, Workers& workers, FileWriter& writer,
               Progress& progress, const ErrorBound& bound = {});
 
-  /// Encodes the next block of the tier. Throws Error{internal} naming the first brick that does
-  /// not decode to its voxels, within the bound; Error{source_rejected} when the float voxels of a
-  /// brick are too large for the bound; Error{cancelled}; what the writer throws.
+  /// Waits for the bricks that are being encoded and drops the rest.
+  ~TierEncoder();
+
+  TierEncoder(const TierEncoder&) = delete;
+  TierEncoder& operator=(const TierEncoder&) = delete;
+
+  /// Starts to encode the next block of the tier, behind those started before.
+  /// brings_model  gives the model to the writer before the block's first brick
+  /// when_done     called once, from any thread, when the block is not looked at any more
+  void start(const Model& model, const VoxelBlock& block, bool brings_model,
+             std::function<void()> when_done);
+
+  /// Throws as finish() what has gone wrong so far.
+  void check();
+
+  /// Waits until the writer has the bricks of all blocks. Throws Error{internal} naming the first
+  /// brick that does not decode to its voxels, within the bound; Error{source_rejected} when the
+  /// float voxels of a brick are too large for the bound; Error{cancelled}; what the writer throws.
+  void finish();
+
+  /// Encodes the next block with a model that the writer has, and waits for it.
   void encode(const Model& model, const VoxelBlock& block);
 
   /// The samples of the next tier, [z][y][x] of the volume's type, once all blocks are encoded.
   std::vector<std::byte> take_parents() { return std::move(parents_); }
 
  private:
+  struct Work {
+    Model model;
+    VoxelBlock block;
+    bool brings_model;
+    std::function<void()> when_done;
+    std::vector<Index3> bricks;
+    std::size_t taken = 0;
+    std::size_t kept = 0;
+  };
+
+  /// A brick between its worker and the writer.
+  struct Slot {
+    bool is_ready = false;
+    EncodedBrick encoded;
+    std::exception_ptr failure;
+  };
+
+  // These run under the lock; the last one leaves it while it is with the writer.
+  void take_bricks();
+  void release_if_failed();
+  void keep_ready(std::unique_lock<std::mutex>& lock);
+
+  void work_on(const Work& work, const Index3& brick, std::size_t number);
   EncodedBrick encode_checked(const Model& model, const VoxelBlock& block,
                               const Index3& brick) const;
-  void keep(const Index3& brick, const EncodedBrick& encoded);
+  void keep(Work& work, Slot slot);
 
   const Levels& levels_;
   int tier_;
@@ -62,6 +110,16 @@ class TierEncoder {
   Progress& progress_;
   ErrorBound bound_;
   std::vector<std::byte> parents_;
+
+  std::mutex mutex_;  // guards what follows
+  std::condition_variable changed_;
+  std::deque<Work> works_;   // blocks with bricks that are not kept, in order
+  std::vector<Slot> slots_;  // by number modulo their count: at most as many are under way
+  std::size_t taken_ = 0;    // bricks given to workers
+  std::size_t kept_ = 0;     // bricks the writer has
+  int running_ = 0;          // bricks with a worker
+  bool is_keeping_ = false;  // a worker is with the writer
+  std::exception_ptr failure_;
 };
 
 }  // namespace octavo

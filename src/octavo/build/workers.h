@@ -5,16 +5,17 @@
 #include <tbb/task_arena.h>
 
 #include <cstddef>
+#include <utility>
 
 namespace octavo {
 
-/// A number of threads that parallel work is confined to, the calling thread among them. The number
-/// may exceed the cores of the machine.
+/// A number of threads that parallel work is confined to; a thread that waits in `run` lends its
+/// place to one of them. The number may exceed the cores of the machine.
 class Workers {
  public:
   explicit Workers(int threads)
-      : limit_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)),
-        arena_(threads),
+      : limit_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads) + 1),
+        arena_(threads, 0),
         threads_(threads) {}
 
   int count() const { return threads_; }
@@ -24,6 +25,13 @@ class Workers {
   template <class F>
   auto run(F&& work) {
     return arena_.execute(work);
+  }
+
+  /// Has one of the threads run `work`, which must not throw, and does not wait for it. Work starts
+  /// in the order it was given in, before idle threads help with what runs in parallel.
+  template <class F>
+  void start(F&& work) {
+    arena_.enqueue(std::forward<F>(work));
   }
 
  private:

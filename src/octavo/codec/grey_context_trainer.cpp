@@ -19,6 +19,11 @@ namespace {
 constexpr std::int64_t kContextSamples[kGroups] = {20000, 10000, 6000};
 constexpr double kContextRidge = 1e-4;
 
+/// One in so many lessons is enough.
+std::size_t part_of(const std::vector<Lesson>& lessons) {
+  return lessons.size() >= kManyBricks ? 2 : 1;
+}
+
 /// Features and residual magnitudes that contexts are learnt from.
 struct ContextSamples {
   std::vector<std::array<float, kFeatures>> features;
@@ -129,8 +134,10 @@ using TokenCounts = std::array<std::int64_t, kTokens>;
 using Counts = std::array<std::array<TokenCounts, kContexts>, kTableSets>;
 
 Counts count_tokens(const Parameters& p, const std::vector<Lesson>& lessons) {
+  const std::size_t every = part_of(lessons);
   std::vector<Counts> by_lesson(lessons.size());
   tbb::parallel_for(std::size_t{0}, lessons.size(), [&](std::size_t i) {
+    if (i % every != 0) return;
     const Lesson& lesson = lessons[i];
     std::vector<Symbol> symbols;
     for (int level = 0; level + 1 < lesson.shape.level_count; ++level) {
@@ -230,8 +237,10 @@ std::int64_t cost_of(const TokenCounts& counts) {
 }  // namespace
 
 void learn_contexts(Parameters& p, const std::vector<Lesson>& lessons) {
+  const std::size_t every = part_of(lessons);
   std::vector<std::array<std::array<ContextSamples, 3>, kGroups>> by_lesson(lessons.size());
   tbb::parallel_for(std::size_t{0}, lessons.size(), [&](std::size_t i) {
+    if (i % every != every - 1) return;
     const Lesson& lesson = lessons[i];
     std::vector<Symbol> symbols;
     for (int level = 0; level + 1 < lesson.shape.level_count; ++level) {
@@ -242,7 +251,7 @@ void learn_contexts(Parameters& p, const std::vector<Lesson>& lessons) {
             stage_functions().narrow.list_symbols(p, stage, work, symbols);
             const auto group = static_cast<std::size_t>(stage.group);
             const std::int64_t wanted =
-                kContextSamples[group] / static_cast<std::int64_t>(lessons.size());
+                kContextSamples[group] / static_cast<std::int64_t>(lessons.size() / every);
             take_samples(
                 p, stage, work,
                 Thinning(wanted, stage.pairs.voxel_count(), static_cast<std::uint32_t>(i) + 77),

@@ -13,6 +13,9 @@ namespace octavo::grey {
 
 inline constexpr std::size_t kFewSamples = 200;  ///< too few to learn the weights of a class
 
+/// As many are a sample of a larger group; fewer may be all there is.
+inline constexpr std::size_t kManyBricks = 32;
+
 /// A training brick as 16-bit samples; of a wider range the highest 16 bits.
 struct Lesson {
   BrickShape shape;  ///< in the codec's axes
@@ -71,6 +74,16 @@ void walk_level(const Parameters& p, const Lesson& lesson, int level, Learn&& le
 
 /// In-brick levels whose details use the weights of a group.
 constexpr int levels_of_group(int group) { return group < 2 ? 1 : kTierLevels; }
+
+/// Learns p.weights of a level group; needs those of the coarser groups when details are quantised.
+void learn_weights(Parameters& p, const std::vector<Lesson>& lessons, int group);
+
+/// Learns p.mean_weights of a level group, as above.
+void learn_mean_weights(Parameters& p, const std::vector<Lesson>& lessons, int group);
+
+/// The bits that the details of level 0 need, up to a factor and a constant, when predicted by
+/// weights learnt from a few of them; compares orders of the axes.
+double detail_cost(Parameters p, const std::vector<Lesson>& lessons);
 
 /// Learns p.context_weights; needs the weights of the prediction.
 void learn_contexts(Parameters& p, const std::vector<Lesson>& lessons);

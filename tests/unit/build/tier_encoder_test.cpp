@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <atomic>
 #include <cstring>
 
 #include "octavo/core/error.h"
@@ -44,7 +46,7 @@ class CopyingCodec final : public BrickCodec {
 
 class RecordingWriter final : public FileWriter {
  public:
-  void add_model(const Bytes&) override {}
+  void add_model(const Bytes&) override { models_before.push_back(parents.size()); }
   void add_brick(int, const EncodedBrick& brick) override {
     parents.push_back(brick.parent);
     errors.push_back(brick.max_error);
@@ -53,6 +55,7 @@ class RecordingWriter final : public FileWriter {
   std::uint64_t bytes_written() const override { return 0; }
   std::vector<std::int64_t> parents;
   std::vector<std::int64_t> errors;
+  std::vector<std::size_t> models_before;  ///< bricks that came before each model
 };
 
 // 3 x 2 x 2 bricks of uint8, each filled with its number in [z][y][x] order, with one odd voxel.
@@ -107,6 +110,53 @@ TEST(TierEncoder, ABrickThatDoesNotDecodeToItsVoxelsIsNamed) {
       EXPECT_NE(error.detail().find("brick (1, 1, 1) of tier 0"), std::string::npos)
           << error.what();
     }
+  }
+}
+
+// The two brick layers of a volume as blocks.
+std::array<VoxelBlock, 2> layers_of(const Volume& volume) {
+  std::array<VoxelBlock, 2> layers{volume.block(), volume.block()};
+  layers[0].size.z = 64;
+  layers[1] = {layers[0].voxels + 150 * 100 * 64, VoxelType::uint8, {150, 100, 6}, 64};
+  return layers;
+}
+
+TEST(TierEncoder, BlocksStartedTogetherArriveInOrderEachBehindItsModel) {
+  const Volume volume;
+  const auto layers = layers_of(volume);
+  for (const int threads : {1, 2, 5}) {
+    RecordingWriter writer;
+    NoProgress progress;
+    Workers workers(threads);
+    std::atomic<int> done = 0;
+    TierEncoder encoder(volume.levels, 0, VoxelType::uint8, workers, writer, progress);
+    for (const VoxelBlock& layer : layers) {
+      encoder.start(copying_model(-1), layer, true, [&] { ++done; });
+    }
+    encoder.finish();
+    EXPECT_EQ(done, 2);
+    EXPECT_EQ(writer.models_before, (std::vector<std::size_t>{0, 6}));
+    EXPECT_EQ(writer.parents, (std::vector<std::int64_t>{0, 3, 1, 4, 2, 5, 6, 9, 7, 10, 8, 11}));
+  }
+}
+
+TEST(TierEncoder, BlocksAreGivenBackAfterAFailureToo) {
+  const Volume volume;
+  const auto layers = layers_of(volume);
+  for (const int threads : {1, 4}) {
+    RecordingWriter writer;
+    NoProgress progress;
+    Workers workers(threads);
+    std::atomic<int> done = 0;
+    TierEncoder encoder(volume.levels, 0, VoxelType::uint8, workers, writer, progress);
+    for (const VoxelBlock& layer : layers) {
+      encoder.start(copying_model(4), layer, true, [&] { ++done; });
+    }
+    EXPECT_THROW(encoder.finish(), Error);
+    EXPECT_EQ(done, 2);
+    EXPECT_THROW(encoder.check(), Error);
+    // Bricks before the broken one are kept, none behind it.
+    EXPECT_EQ(writer.parents, (std::vector<std::int64_t>{0, 3, 1}));
   }
 }
 
