@@ -21,24 +21,25 @@ std::vector<Sample> gather(const BrickView& brick, const SampleScale& scale,
   with_voxel_type(brick.type, [&](auto tag) {
     using T = typename decltype(tag)::type;
     if constexpr (std::is_integral_v<T>) {
-      Sample* out = samples.data();
       const Size3 size = in_order(brick.size, order);
       const Size3 steps = in_order(Size3{1, brick.row_stride, brick.plane_stride}, order);
-      for (std::int64_t z = 0; z < size.z; ++z) {
-        for (std::int64_t y = 0; y < size.y; ++y, out += size.x) {
-          const T* in = static_cast<const T*>(brick.voxels) + z * steps.z + y * steps.y;
-          if (scale.codes.step > 1) {
-            for (std::int64_t x = 0; x < size.x; ++x) {
-              const std::int64_t code = scale.codes.code_of(in[x * steps.x]);
-              out[x] = static_cast<Sample>(((code - zero) >> drop) + lowest);
-            }
-            continue;
-          }
-          for (std::int64_t x = 0; x < size.x; ++x) {
-            out[x] = static_cast<Sample>(((in[x * steps.x] - zero) >> drop) + lowest);
-          }
+      const auto sample_of = [&](T voxel) {
+        const std::int64_t code = scale.codes.step > 1 ? scale.codes.code_of(voxel)
+                                                       : static_cast<std::int64_t>(voxel);
+        return static_cast<Sample>(((code - zero) >> drop) + lowest);
+      };
+      for_each_tile(size, steps, [&](std::int64_t y, std::int64_t z, int axis, int count) {
+        const T* const in = static_cast<const T*>(brick.voxels) + z * steps.z + y * steps.y;
+        Sample* const out = samples.data() + (z * size.y + y) * size.x;
+        if (axis == 0) {
+          for (std::int64_t x = 0; x < size.x; ++x) out[x] = sample_of(in[x]);
+          return;
         }
-      }
+        const std::int64_t next_row = axis == 1 ? size.x : size.x * size.y;
+        for (std::int64_t x = 0; x < size.x; ++x) {
+          for (int k = 0; k < count; ++k) out[k * next_row + x] = sample_of(in[x * steps.x + k]);
+        }
+      });
     } else {
       throw Error(ErrorKind::invalid_argument, "float voxels have no grey codec");
     }

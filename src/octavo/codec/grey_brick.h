@@ -64,6 +64,25 @@ inline Size3 in_order(const Size3& size, const AxisOrder& order) {
 }
 BrickShape in_order(const BrickShape& shape, const AxisOrder& order);
 
+inline constexpr int kTileRows = 16;
+
+/// Walks the rows along x of a volume whose voxels are `steps` apart in memory. Calls
+/// f(y, z, axis, count) for row (y, z) and the next `count` - 1 along `axis`, the axis whose voxels
+/// lie side by side: single rows where that is x, tiles of up to kTileRows rows else, so that
+/// memory is met in runs whatever the order of the axes.
+template <class F>
+void for_each_tile(const Size3& size, const Size3& steps, F&& f) {
+  const int axis = steps.x == 1 ? 0 : steps.y == 1 ? 1 : 2;
+  const std::int64_t rows_y = axis == 1 ? kTileRows : 1;
+  const std::int64_t rows_z = axis == 2 ? kTileRows : 1;
+  for (std::int64_t z = 0; z < size.z; z += rows_z) {
+    for (std::int64_t y = 0; y < size.y; y += rows_y) {
+      const std::int64_t left = axis == 0 ? 1 : axis == 1 ? size.y - y : size.z - z;
+      f(y, z, axis, static_cast<int>(std::min<std::int64_t>(left, kTileRows)));
+    }
+  }
+}
+
 /// Cells exist where a brick has three levels or more: one per sample of in-brick level 2.
 constexpr bool has_cells(const BrickShape& shape) { return shape.level_count >= 3; }
 

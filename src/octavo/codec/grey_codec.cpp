@@ -205,18 +205,11 @@ EncodedBrick encode_brick(const Model& model, const BrickShape& shape, const Bri
   return encoded;
 }
 
-/// Voxels of a row of samples, `step` apart in `out`.
+/// Voxels of a row of samples.
 template <class T, class Sample>
 void write_out(const Sample* samples, std::int64_t count, const SampleScale& scale,
-               const VoxelScale* clamping, std::int64_t step, T* out) {
-  if (step != 1) {
-    const std::int64_t base = scale.base();
-    for (std::int64_t i = 0; i < count; ++i) {
-      out[i * step] = static_cast<T>(clamping != nullptr
-                                         ? (*clamping)(samples[i])
-                                         : scale.codes.voxel_of(samples[i] + base));
-    }
-  } else if (clamping != nullptr) {
+               const VoxelScale* clamping, T* out) {
+  if (clamping != nullptr) {
     for (std::int64_t i = 0; i < count; ++i) out[i] = static_cast<T>((*clamping)(samples[i]));
   } else if (scale.codes.step > 1) {
     // Voxels are sums modulo their type.
@@ -272,12 +265,22 @@ void write_level(const Source& source, RowOf&& row_of, void* out) {
   }
   with_voxel_type(source.type, [&](auto tag) {
     using T = typename decltype(tag)::type;
-    for (std::int64_t z = 0; z < size.z; ++z) {
-      for (std::int64_t y = 0; y < size.y; ++y) {
-        write_out(row_of(y, z), size.x, source.scale, clamping, dense.x,
-                  static_cast<T*>(out) + y * dense.y + z * dense.z);
+    T* const voxels = static_cast<T*>(out);
+    for_each_tile(size, dense, [&](std::int64_t y, std::int64_t z, int axis, int count) {
+      T* const first = voxels + y * dense.y + z * dense.z;
+      if (dense.x == 1) {
+        write_out(row_of(y, z), size.x, source.scale, clamping, first);
+        return;
       }
-    }
+      T tile[kTileRows][kBrickSide];
+      for (int k = 0; k < count; ++k) {
+        write_out(row_of(y + (axis == 1 ? k : 0), z + (axis == 2 ? k : 0)), size.x, source.scale,
+                  clamping, tile[k]);
+      }
+      for (std::int64_t x = 0; x < size.x; ++x) {
+        for (int k = 0; k < count; ++k) first[x * dense.x + k] = tile[k][x];
+      }
+    });
   });
 }
 
