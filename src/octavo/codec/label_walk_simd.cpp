@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstdlib>
 #include <cstring>
 #include <string>
 #include <string_view>
 
 #include "octavo/codec/label_portable.h"
+#include "octavo/codec/simd_level.h"
 
 #include "octavo/codec/simd_targets.h"
 
@@ -372,10 +372,10 @@ HWY_EXPORT(observe_labels);
 
 namespace {
 
-/// The functions for the best instruction set among those that Highway is told of.
-LabelWalkFunctions chosen_functions() {
-  // Without this the table would still hold the function that detects the machine at every call.
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+/// Those for the best of `targets`; the portable ones for none.
+LabelWalkFunctions functions_of(std::int64_t targets) {
+  if (targets == 0) return portable_label_walk_functions();
+  const SimdTargetsInUse in_use(targets);
   return {HWY_DYNAMIC_DISPATCH(decode_labels), HWY_DYNAMIC_DISPATCH(encode_labels),
           HWY_DYNAMIC_DISPATCH(observe_labels)};
 }
@@ -383,23 +383,15 @@ LabelWalkFunctions chosen_functions() {
 }  // namespace
 
 const LabelWalkFunctions& label_walk_functions() {
-  static const LabelWalkFunctions functions = [] {
-    const char* const asked = std::getenv("OCTAVO_SIMD");
-    const bool is_scalar = asked != nullptr && std::string_view(asked) == "scalar";
-    return is_scalar ? portable_label_walk_functions() : chosen_functions();
-  }();
+  static const LabelWalkFunctions functions = functions_of(chosen_simd_targets());
   return functions;
 }
 
-std::vector<LabelWalkFunctions> all_label_walk_functions() {
-  std::vector<LabelWalkFunctions> all = {portable_label_walk_functions()};
-  for (const auto target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    all.push_back(chosen_functions());
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  return all;
+std::optional<LabelWalkFunctions> label_walk_functions_of(std::string_view level) {
+  if (level == "scalar") return portable_label_walk_functions();
+  const std::int64_t targets = simd_targets_of(level);
+  if (targets == 0) return std::nullopt;
+  return functions_of(targets);
 }
 
 }  // namespace octavo
