@@ -101,9 +101,11 @@ struct Results {
 
   bool operator==(const Results& other) const {
     return residuals == other.residuals && samples == other.samples &&
-           std::ranges::equal(symbols, other.symbols, [](const Symbol& a, const Symbol& b) {
-             return a.value == b.value && a.context == b.context && a.state == b.state;
-           });
+           std::equal(symbols.begin(), symbols.end(), other.symbols.begin(), other.symbols.end(),
+                      [](const Symbol& a, const Symbol& b) {
+                        return a.value == b.value && a.context == b.context &&
+                               a.state == b.state;
+                      });
   }
 };
 
