@@ -5,6 +5,13 @@ the documents say enough. It reads whole levels, one brick after another, and is
 """
 
 from .errors import OctavoError
-from .file import OctavoFile
 
 __all__ = ["OctavoError", "OctavoFile"]
+
+
+def __getattr__(name: str):
+    # NumPy is imported only here, so that the command line can say that it is missing.
+    if name != "OctavoFile":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from .file import OctavoFile
+    return OctavoFile

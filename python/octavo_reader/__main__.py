@@ -3,9 +3,12 @@
 import argparse
 import sys
 
-import numpy as np
+try:
+    import numpy as np
+except ModuleNotFoundError:
+    sys.exit(f"octavo_reader: NumPy is missing for {sys.executable}; install python3-numpy")
 
-from . import OctavoError, OctavoFile
+from . import OctavoError, OctavoFile  # noqa: E402
 
 
 def _describe(file: OctavoFile) -> None:

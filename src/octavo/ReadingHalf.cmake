@@ -43,6 +43,13 @@ set(OCTAVO_READ_SOURCES
 )
 list(TRANSFORM OCTAVO_READ_SOURCES PREPEND ${CMAKE_CURRENT_LIST_DIR}/)
 
+# The same with vectorised decoders, for those who have Highway.
+set(OCTAVO_READ_SIMD_SOURCES
+  codec/grey_stage_simd.cpp codec/label_walk_simd.cpp codec/simd_level.cpp)
+list(TRANSFORM OCTAVO_READ_SIMD_SOURCES PREPEND ${CMAKE_CURRENT_LIST_DIR}/)
+list(APPEND OCTAVO_READ_SIMD_SOURCES ${OCTAVO_READ_SOURCES})
+list(FILTER OCTAVO_READ_SIMD_SOURCES EXCLUDE REGEX _dispatch_portable)
+
 add_library(octavo_read STATIC ${OCTAVO_READ_SOURCES})
 target_include_directories(octavo_read PUBLIC
   $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/src> $<INSTALL_INTERFACE:include>)

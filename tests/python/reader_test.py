@@ -152,8 +152,8 @@ class Damage(InFolder):
 
 
 class CommandLine(InFolder):
-    def run_reader(self, *arguments):
-        environment = {**os.environ, "PYTHONPATH": str(ROOT / "python")}
+    def run_reader(self, *arguments, before=""):
+        environment = {**os.environ, "PYTHONPATH": before + str(ROOT / "python")}
         return subprocess.run([sys.executable, "-m", "octavo_reader", *map(str, arguments)],
                               env=environment, capture_output=True, text=True, check=False)
 
@@ -167,6 +167,13 @@ class CommandLine(InFolder):
         for path, level in ((__file__, 0), (GOLDEN / "minimal.8vo", 2)):
             result = self.run_reader(path, "--level", level, "-o", self.folder / "out.npy")
             self.assertEqual((result.returncode, result.stderr.count("\n")), (1, 1), result.stderr)
+
+    def test_a_missing_numpy_is_named_in_one_line(self):
+        text = "raise ModuleNotFoundError('No module named numpy', name='numpy')\n"
+        (self.folder / "numpy.py").write_text(text)
+        result = self.run_reader(GOLDEN / "small-int16.8vo", before=f"{self.folder}:")
+        self.assertEqual((result.returncode, result.stderr.count("\n")), (1, 1), result.stderr)
+        self.assertIn("NumPy is missing", result.stderr)
 
 
 if __name__ == "__main__":

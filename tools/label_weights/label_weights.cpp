@@ -74,19 +74,6 @@ LabelMap turned(const LabelMap& map) {
   return result;
 }
 
-class Collector final : public LabelObserver {
- public:
-  void observe(LabelAsk kind, const LabelQuestion& question, bool answer) override {
-    samples_[static_cast<std::size_t>(kind)].add(question, answer);
-  }
-  const LabelSamples& of(std::size_t net) const { return samples_[net]; }
-
- private:
-  std::array<LabelSamples, kLabelNets> samples_{LabelSamples(kQuestionsPerMap),
-                                                LabelSamples(kQuestionsPerMap),
-                                                LabelSamples(kQuestionsPerMap)};
-};
-
 void ask(const LabelMap& map, LabelObserver& observer) {
   const LabelModel model({}, label_start_weights());
   const Levels levels(map.size, choose_halvings(map.size, {1, 1, 1}));
@@ -151,7 +138,7 @@ int main(int argc, char** argv) try {
   std::array<std::vector<LabelSamples::Sample>, kLabelNets> samples;
   for (const LabelMap& map : read_maps(argv[1])) {
     for (const bool is_turned : {false, true}) {
-      Collector collector;
+      LabelSampleCollector collector(kQuestionsPerMap);
       ask(is_turned ? turned(map) : map, collector);
       for (std::size_t net = 0; net < kLabelNets; ++net) {
         const auto& list = collector.of(net).list();

@@ -259,7 +259,7 @@ void write_level(const Source& source, RowOf&& row_of, void* out) {
   Size3 dense{1, 1, 1};
   std::int64_t step = 1;
   for (int axis = 0; axis < 3; ++axis) {
-    const auto at = std::ranges::find(order, axis) - order.begin();
+    const auto at = std::find(order.begin(), order.end(), axis) - order.begin();
     dense[static_cast<int>(at)] = step;
     step *= size[static_cast<int>(at)];
   }

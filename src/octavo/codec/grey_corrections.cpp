@@ -56,7 +56,7 @@ void walk_corrections(Corrections& corrections, const Size3& size, Code&& code) 
   for (std::int64_t z = 0; z < size.z; ++z) {
     for (std::int64_t y = 0; y < size.y; ++y, out += size.x) {
       std::int8_t* const c = padded.at(y, z);
-      std::ranges::fill(counts, std::uint8_t{0});
+      std::fill(counts.begin(), counts.end(), std::uint8_t{0});
       for (const std::int64_t offset : above) {
         const std::int8_t* const from = c + offset;
         for (std::size_t x = 0; x < counts.size(); ++x) {
@@ -91,7 +91,8 @@ void walk_corrections(Corrections& corrections, const Size3& size, Code&& code) 
 
 Bytes encode_corrections(const Corrections& corrections, const Size3& size) {
   Bytes out;
-  if (std::ranges::all_of(corrections, [](std::int8_t c) { return c == 0; })) return out;
+  const auto is_zero = [](std::int8_t c) { return c == 0; };
+  if (std::all_of(corrections.begin(), corrections.end(), is_zero)) return out;
   BinaryEncoder coder(out);
   Corrections copy = corrections;
   walk_corrections(copy, size, [&](SlowBit& model, bool bit) {

@@ -177,7 +177,9 @@ Bytes serialize(const Parameters& parameters) {
   Bytes out;
   const Quantizer& quantizer = parameters.quantizer;
   const std::uint8_t is_lossy = quantizer.is_lossless() ? 0 : kLossyFlag;
-  const auto order = std::ranges::find(kAxisOrders, parameters.axis_order) - kAxisOrders.begin();
+  const auto order =
+      std::find(kAxisOrders.begin(), kAxisOrders.end(), parameters.axis_order) -
+      kAxisOrders.begin();
   out.push_back(static_cast<std::uint8_t>(static_cast<int>(parameters.predictor) | is_lossy |
                                           (parameters.value_map.is_empty() ? 0 : kMapFlag) |
                                           (parameters.has_edges ? kEdgesFlag : 0) |

@@ -151,11 +151,12 @@ struct StageFunctions {
   }
 };
 
-/// The fastest functions this machine has. OCTAVO_SIMD in the environment asks for others: scalar,
-/// sse4, avx2, avx512, neon (ignored when the machine lacks it). All give the same results.
+/// The fastest functions this machine has, or those that OCTAVO_SIMD asks for (simd_level.h). All
+/// give the same results.
 const StageFunctions& stage_functions();
 
-/// The functions of one instruction set, named as above; nothing when the machine lacks it.
+/// The functions of one instruction set, "scalar" for the portable ones (others: simd_level.h);
+/// nothing when the machine lacks it.
 std::optional<StageFunctions> stage_functions_of(std::string_view level);
 
 const StageFunctions& portable_stage_functions();

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <cstring>
 #include <string_view>
 #include <type_traits>
 
 #include "octavo/codec/grey_portable.h"
+#include "octavo/codec/simd_level.h"
 
 #include "octavo/codec/simd_targets.h"
 
@@ -100,23 +100,12 @@ HWY_EXPORT(narrow_passes);
 
 namespace {
 
-/// The targets of a name that this machine has; 0 when there is none.
-std::int64_t targets_of(std::string_view level) {
-  constexpr std::pair<std::string_view, std::int64_t> kNames[] = {
-      {"sse4", HWY_SSE4},       {"avx2", HWY_AVX2}, {"avx512", HWY_AVX3},
-      {"avx512", HWY_AVX3_DL},  {"neon", HWY_NEON}, {"wasm", HWY_WASM}};
-  std::int64_t targets = 0;
-  for (const auto& [name, target] : kNames) {
-    if (name == level) targets |= target;
-  }
-  return targets & HWY_TARGETS & hwy::SupportedTargets();
-}
-
+/// Those for the best of `targets`; the portable ones for none.
 StageFunctions functions_of(std::int64_t targets) {
   StageFunctions functions = portable_stage_functions();
-  hwy::GetChosenTarget().Update(targets);
+  if (targets == 0) return functions;
+  const SimdTargetsInUse in_use(targets);
   functions.narrow = HWY_DYNAMIC_DISPATCH(narrow_passes)();
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
   return functions;
 }
 
@@ -124,17 +113,13 @@ StageFunctions functions_of(std::int64_t targets) {
 
 std::optional<StageFunctions> stage_functions_of(std::string_view level) {
   if (level == "scalar") return portable_stage_functions();
-  const std::int64_t targets = targets_of(level);
+  const std::int64_t targets = simd_targets_of(level);
   if (targets == 0) return std::nullopt;
   return functions_of(targets);
 }
 
 const StageFunctions& stage_functions() {
-  static const StageFunctions functions = [] {
-    const char* const asked = std::getenv("OCTAVO_SIMD");
-    const auto named = asked != nullptr ? stage_functions_of(asked) : std::nullopt;
-    return named ? *named : functions_of(hwy::SupportedTargets());
-  }();
+  static const StageFunctions functions = functions_of(chosen_simd_targets());
   return functions;
 }
 

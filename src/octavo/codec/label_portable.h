@@ -35,11 +35,12 @@ class Around {
     question.second = static_cast<std::uint8_t>(second);
     return label_logit(net, question);
   }
-  void propose(LabelCandidates& candidates) const {
+  bool propose(LabelCandidates& candidates) const {
     for (std::size_t i = 0; i < kLabelNeighbors; ++i) {
       if (state_of(near_[i]) == kOutside || slot_of(near_[i]) == parent_) continue;
       candidates.add(slot_of(near_[i]), label_vote(i, state_of(near_[i])));
     }
+    return candidates.count() == 1;
   }
   void settle(std::size_t, LabelCell) {}
   void tell(LabelQuestion& question) const { question.neighbor = question_.neighbor; }

@@ -8,29 +8,13 @@
 
 namespace octavo {
 
-namespace {
-
-/// Keeps the networks' questions.
-class SampleCollector final : public LabelObserver {
- public:
-  void observe(LabelAsk kind, const LabelQuestion& question, bool answer) override {
-    samples_[static_cast<std::size_t>(kind)].add(question, answer);
-  }
-  const LabelSamples& of(std::size_t net) const { return samples_[net]; }
-
- private:
-  std::array<LabelSamples, kLabelNets> samples_;
-};
-
-}  // namespace
-
 std::unique_ptr<BrickCodec> train_label_model(VoxelType type,
                                               std::span<const TrainingBrick> bricks) {
   check_label_type(type);
   LabelWeightSet set = label_start_weights();
   const LabelModel start({}, set);
   std::set<std::int64_t> labels;
-  SampleCollector samples;
+  LabelSampleCollector samples;
   for (const TrainingBrick& brick : bricks) {
     const LabelPyramid pyramid = build_label_pyramid(brick.shape, brick.view);
     if (labels.size() <= kMaxPalette) labels.insert(pyramid.labels.begin(), pyramid.labels.end());

@@ -1,12 +1,15 @@
 // Fits the networks of a label model to sample questions.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "octavo/codec/label_model.h"
 #include "octavo/codec/label_net.h"
+#include "octavo/codec/label_walk.h"
 
 namespace octavo {
 
@@ -31,6 +34,22 @@ class LabelSamples {
   std::vector<Sample> list_;
   std::uint64_t seen_count_ = 0;
   std::uint64_t stride_ = 1;
+};
+
+/// Keeps the questions of every network, at most `capacity` of each.
+class LabelSampleCollector final : public LabelObserver {
+ public:
+  explicit LabelSampleCollector(std::size_t capacity = std::size_t{1} << 16) {
+    samples_.fill(LabelSamples(capacity));
+  }
+
+  void observe(LabelAsk kind, const LabelQuestion& question, bool answer) override {
+    samples_[static_cast<std::size_t>(kind)].add(question, answer);
+  }
+  const LabelSamples& of(std::size_t net) const { return samples_[net]; }
+
+ private:
+  std::array<LabelSamples, kLabelNets> samples_;
 };
 
 struct LabelTraining {

@@ -5,9 +5,12 @@
 //     void see(const LabelCell* cell, std::size_t digit)   turns to a child; neighbors are compared
 //                                                          to the parent's label
 //     void aim(std::uint32_t slot)                         neighbors are compared to another label
-//     void flip()                                          the other label of a brick with two
+//     void flip()                                          neighbors that had the label have not
+//                                                          and those that had not have
 //     int logit(const LabelNet&, std::size_t first, std::size_t second) const
-//     void propose(LabelCandidates&)                       labels other than the parent's
+//     bool propose(LabelCandidates&)                       labels other than the parent's; true
+//                                                          where there is just one, so that flip
+//                                                          aims at it: its votes count for nothing
 //     void settle(std::size_t digit, LabelCell)            the child got its label
 //     void tell(LabelQuestion&) const                      the neighbors of the question
 //
@@ -96,8 +99,6 @@ class LabelWalk {
     std::uint32_t slot = octant.parent();
     if (!ask_same(around, octant, digit, truth)) {
       slot = code_other(around, octant, truth);
-      if (work_.is_pair) around.flip();
-      else if (level_ > 0) around.aim(slot);
     }
     const bool is_uniform = level_ == 0 || ask_uniform(around, octant, digit, slot, truth);
     octant.leave(slot, is_uniform);
@@ -133,22 +134,28 @@ class LabelWalk {
   }
 
   /// Which label, when it is not the parent's: one of the neighbors' by falling votes, else one
-  /// known in the brick, else a fresh one.
+  /// known in the brick, else a fresh one. Above level 0, neighbors are compared to it afterwards.
   std::uint32_t code_other(Around& around, const LabelOctant& octant, const TrueSample& truth) {
-    if (work_.is_pair) return 1 - octant.parent();
+    if (work_.is_pair) {
+      around.flip();
+      return 1 - octant.parent();
+    }
     LabelCandidates candidates;
-    around.propose(candidates);
+    const bool is_single = around.propose(candidates);
     candidates.drop_if([&](std::uint32_t slot) { return octant.is_excluded(slot); });
-    candidates.sort();
+    if (!is_single) candidates.sort();
     for (std::size_t j = 0; j < candidates.count(); ++j) {
       const std::uint32_t slot = candidates.slot(j);
-      around.aim(slot);
+      if (is_single) around.flip();
+      else around.aim(slot);
       const std::size_t first =
           8 * std::min<std::size_t>(j, 3) + static_cast<std::size_t>(candidates.share(j));
       const std::size_t second = std::min<std::size_t>(candidates.count() - 1 - j, 3);
       if (ask_network(LabelAsk::candidate, around, first, second, truth.slot == slot)) return slot;
     }
-    return code_distant(truth.slot, truth.label);
+    const std::uint32_t slot = code_distant(truth.slot, truth.label);
+    if (level_ > 0) around.aim(slot);
+    return slot;
   }
 
   std::uint32_t code_distant(std::uint32_t true_slot, std::int64_t true_label) {

@@ -16,7 +16,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "octavo/codec/label_grid.h"
@@ -62,12 +64,14 @@ struct LabelWalkFunctions {
                   LabelWork& work);
 };
 
-/// The fastest functions this machine has; OCTAVO_SIMD=scalar in the environment asks for the
-/// portable ones. All give the same results.
+/// The fastest functions this machine has, or those that OCTAVO_SIMD asks for (simd_level.h). All
+/// give the same results.
 const LabelWalkFunctions& label_walk_functions();
-const LabelWalkFunctions& portable_label_walk_functions();
 
-/// Those of every instruction set that this machine has, for tests. Not thread-safe.
-std::vector<LabelWalkFunctions> all_label_walk_functions();
+/// The functions of one instruction set, "scalar" for the portable ones (others: simd_level.h);
+/// nothing when the machine lacks it.
+std::optional<LabelWalkFunctions> label_walk_functions_of(std::string_view level);
+
+const LabelWalkFunctions& portable_label_walk_functions();
 
 }  // namespace octavo

@@ -5,8 +5,9 @@ namespace octavo {
 
 const LabelWalkFunctions& label_walk_functions() { return portable_label_walk_functions(); }
 
-std::vector<LabelWalkFunctions> all_label_walk_functions() {
-  return {portable_label_walk_functions()};
+std::optional<LabelWalkFunctions> label_walk_functions_of(std::string_view level) {
+  if (level == "scalar") return portable_label_walk_functions();
+  return std::nullopt;
 }
 
 }  // namespace octavo

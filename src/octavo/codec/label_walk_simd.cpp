@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstdlib>
 #include <cstring>
 #include <string>
 #include <string_view>
 
 #include "octavo/codec/label_portable.h"
+#include "octavo/codec/simd_level.h"
 
 #include "octavo/codec/simd_targets.h"
 
@@ -92,6 +92,8 @@ struct RowLayout {
   alignas(16) std::uint8_t along[16];   ///< bytes of the own row as neighbors 12 .. 15
   alignas(16) std::uint8_t across[16];  ///< bytes of those far along y and z as neighbors 28 .. 31
   alignas(16) LabelCell votes[5][8];    ///< of exactly known cells; 0 in lanes without a neighbor
+  alignas(16) LabelCell halved[5][8];   ///< of cells that stand in for their parents
+  alignas(16) LabelCell used[5][8];     ///< 0xffff in lanes with a neighbor
 };
 
 constexpr RowLayout row_layout(bool is_upper) {
@@ -108,10 +110,14 @@ constexpr RowLayout row_layout(bool is_upper) {
     result.across[k] = static_cast<std::uint8_t>(k < 12 ? 0x80 : 8 + 2 * (k - 12));
   }
   for (std::size_t i = 0; i < kLabelNeighbors; ++i) {
-    const auto vote = static_cast<LabelCell>(label_vote(i, kUniform));
     const std::size_t k = i & 15;
-    if (k < 12) result.votes[i / 16 * 2 + k / 6][result.rows[k] % 8 / 2 + 4 * (k / 3 & 1)] = vote;
-    else result.votes[4][i < 16 ? result.along[k] / 2 : result.across[k] / 2] = vote;
+    const std::size_t row = k < 12 ? i / 16 * 2 + k / 6 : 4;
+    const int lane = k < 12   ? result.rows[k] % 8 / 2 + 4 * (k / 3 & 1)
+                     : i < 16 ? result.along[k] / 2
+                              : result.across[k] / 2;
+    result.votes[row][lane] = static_cast<LabelCell>(label_vote(i, kUniform));
+    result.halved[row][lane] = static_cast<LabelCell>(label_vote(i, kParent));
+    result.used[row][lane] = 0xffff;
   }
   return result;
 }
@@ -176,7 +182,7 @@ class Around {
     planes_[z] = hn::Or(hn::AndNot(child, planes_[z]), hn::And(child, hn::Set(kBytes, code)));
   }
 
-  /// As aim at the other label of a brick that has two.
+  /// As aim at the other label, where the neighbors have two.
   HWY_INLINE void flip() {
     for (std::size_t k = 0; k < kLabelPairs; k += 8) {
       const auto is_equal = hn::Set(kCells, LabelNet::pair_offset(0, 1, 1));
@@ -215,33 +221,43 @@ class Around {
     return hn::GetLane(hn::SumOfLanes(sums, hn::Add(total, unused)));
   }
 
-  HWY_INLINE void propose(LabelCandidates& candidates) {
+  HWY_INLINE bool propose(LabelCandidates& candidates) {
     gather();
     const RowLayout& layout = kRowLayouts[digit_ >> 1 & 1];
     const auto own = hn::Set(kCells, static_cast<LabelCell>(parent_));
-    const auto one = hn::Set(kCells, 1);
-    const auto zero = hn::Zero(kCells);
+    // The complement of the label, which is not 0, of cells that propose something else than the
+    // parent's; 0 in all other lanes.
+    Cells open[5];
+    for (std::size_t i = 0; i < 5; ++i) {
+      const auto label = hn::ShiftRight<2>(cells_[i]);
+      const auto is_closed = hn::Or(hn::Eq(cells_[i], hn::Zero(kCells)), hn::Eq(label, own));
+      const auto proposed = hn::AndNot(label, hn::Load(kCells, layout.used[i]));
+      open[i] = hn::IfThenZeroElse(is_closed, proposed);
+    }
+    LabelCell found = any_of(open);
+    if (found == 0) return false;
+    Cells rest[5];
+    without(open, found, rest);
+    LabelCell next = any_of(rest);
+    if (next == 0) {
+      candidates.append(label_of(found), 1);
+      return true;
+    }
+
     Cells votes[5];
-    // Cells that propose something else, 0 in all other lanes.
-    alignas(16) LabelCell open[40];
     for (std::size_t i = 0; i < 5; ++i) {
       const auto state = hn::And(cells_[i], hn::Set(kCells, 3));
-      const auto exact = hn::Load(kCells, layout.votes[i]);
-      const auto halved = hn::ShiftRight<1>(hn::Add(exact, one));
-      const auto is_own = hn::Eq(hn::ShiftRight<2>(cells_[i]), own);
-      const auto is_closed = hn::Or(hn::Eq(exact, zero), hn::Or(hn::Eq(state, zero), is_own));
-      votes[i] = hn::IfThenElse(hn::Eq(state, one), halved, exact);
-      hn::Store(hn::IfThenZeroElse(is_closed, cells_[i]), kCells, open + 8 * i);
+      votes[i] = hn::IfThenElse(hn::Eq(state, hn::Set(kCells, kParent)),
+                                hn::Load(kCells, layout.halved[i]),
+                                hn::Load(kCells, layout.votes[i]));
     }
-    for (std::size_t i = 0; i < 40; i += 4) {
-      std::uint64_t four;
-      while (std::memcpy(&four, open + i, sizeof four), four != 0) {
-        std::size_t first = i;
-        while (open[first] == 0) ++first;
-        const std::uint32_t found = slot_of(open[first]);
-        candidates.append(found, taken(found, votes, open));
-      }
-    }
+    candidates.append(label_of(found), votes_for(found, open, votes));
+    do {
+      candidates.append(label_of(next), votes_for(next, rest, votes));
+      without(rest, next, rest);
+      next = any_of(rest);
+    } while (next != 0);
+    return false;
   }
 
   void tell(LabelQuestion& question) const {
@@ -325,23 +341,37 @@ class Around {
     asm("" : "+m"(pair_));
   }
 
-  /// The votes for `slot`, whose cells are closed.
-  static HWY_INLINE int taken(std::uint32_t slot, const Cells* votes, LabelCell* open) {
-    const hn::FixedTag<std::int16_t, 8> signed_votes;
-    const hn::FixedTag<std::int32_t, 4> sums;
-    const auto own = hn::Set(kCells, static_cast<LabelCell>(slot));
+  static std::uint32_t label_of(LabelCell proposed) {
+    return static_cast<LabelCell>(~proposed);
+  }
+
+  /// One of the proposals; 0 where there is none.
+  static HWY_INLINE LabelCell any_of(const Cells* open) {
+    const hn::FixedTag<std::uint64_t, 2> halves;
+    const auto most = hn::Max(hn::Max(hn::Max(open[0], open[1]), hn::Max(open[2], open[3])),
+                              open[4]);
+    const auto four = hn::BitCast(halves, most);
+    const std::uint64_t low = hn::GetLane(four);
+    const std::uint64_t found = low != 0 ? low : hn::ExtractLane(four, 1);
+    return static_cast<LabelCell>(found >> (std::countr_zero(found | 1ull << 63) & 0x30));
+  }
+
+  static HWY_INLINE void without(const Cells* open, LabelCell proposed, Cells* rest) {
+    const auto gone = hn::Set(kCells, proposed);
+    for (std::size_t i = 0; i < 5; ++i) {
+      rest[i] = hn::IfThenZeroElse(hn::Eq(open[i], gone), open[i]);
+    }
+  }
+
+  static HWY_INLINE int votes_for(LabelCell proposed, const Cells* open, const Cells* votes) {
+    const auto wanted = hn::Set(kCells, proposed);
     auto total = hn::Zero(kCells);
     for (std::size_t i = 0; i < 5; ++i) {
-      const auto cells = hn::Load(kCells, open + 8 * i);
-      const auto is_own = hn::And(hn::Eq(hn::ShiftRight<2>(cells), own),
-                                  hn::Ne(cells, hn::Zero(kCells)));
-      total = hn::Add(total, hn::IfThenElseZero(is_own, votes[i]));
-      hn::Store(hn::IfThenZeroElse(is_own, cells), kCells, open + 8 * i);
+      total = hn::Add(total, hn::IfThenElseZero(hn::Eq(open[i], wanted), votes[i]));
     }
-    auto odd = hn::Zero(sums);
-    const auto even = hn::ReorderWidenMulAccumulate(
-        sums, hn::BitCast(signed_votes, total), hn::Set(signed_votes, 1), hn::Zero(sums), odd);
-    return hn::GetLane(hn::SumOfLanes(sums, hn::Add(even, odd)));
+    // Five votes of at most 12 fit in the lower byte of a lane.
+    const auto sums = hn::SumsOf8(hn::BitCast(kBytes, total));
+    return static_cast<int>(hn::GetLane(sums) + hn::ExtractLane(sums, 1));
   }
 
   const LabelNeighborhood& offsets_;
@@ -372,10 +402,10 @@ HWY_EXPORT(observe_labels);
 
 namespace {
 
-/// The functions for the best instruction set among those that Highway is told of.
-LabelWalkFunctions chosen_functions() {
-  // Without this the table would still hold the function that detects the machine at every call.
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+/// Those for the best of `targets`; the portable ones for none.
+LabelWalkFunctions functions_of(std::int64_t targets) {
+  if (targets == 0) return portable_label_walk_functions();
+  const SimdTargetsInUse in_use(targets);
   return {HWY_DYNAMIC_DISPATCH(decode_labels), HWY_DYNAMIC_DISPATCH(encode_labels),
           HWY_DYNAMIC_DISPATCH(observe_labels)};
 }
@@ -383,23 +413,15 @@ LabelWalkFunctions chosen_functions() {
 }  // namespace
 
 const LabelWalkFunctions& label_walk_functions() {
-  static const LabelWalkFunctions functions = [] {
-    const char* const asked = std::getenv("OCTAVO_SIMD");
-    const bool is_scalar = asked != nullptr && std::string_view(asked) == "scalar";
-    return is_scalar ? portable_label_walk_functions() : chosen_functions();
-  }();
+  static const LabelWalkFunctions functions = functions_of(chosen_simd_targets());
   return functions;
 }
 
-std::vector<LabelWalkFunctions> all_label_walk_functions() {
-  std::vector<LabelWalkFunctions> all = {portable_label_walk_functions()};
-  for (const auto target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    all.push_back(chosen_functions());
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  return all;
+std::optional<LabelWalkFunctions> label_walk_functions_of(std::string_view level) {
+  if (level == "scalar") return portable_label_walk_functions();
+  const std::int64_t targets = simd_targets_of(level);
+  if (targets == 0) return std::nullopt;
+  return functions_of(targets);
 }
 
 }  // namespace octavo

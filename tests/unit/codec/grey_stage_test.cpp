@@ -250,7 +250,8 @@ TEST_P(StagesOf, BoundTheMagnitudeOfTheLowestResidual) {
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryInstructionSet, StagesOf,
-                         testing::Values("scalar", "sse4", "avx2", "avx512", "neon"),
+                         testing::Values("scalar", "ssse3", "sse4", "avx2", "avx512", "neon",
+                                         "wasm"),
                          [](const auto& test) { return test.param; });
 
 }  // namespace

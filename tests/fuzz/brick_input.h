@@ -1,0 +1,83 @@
+// A brick for the decoders, made of arbitrary bytes: of any type and many shapes, grey or labels.
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+#include "fuzz/fuzz_target.h"
+#include "octavo/codec/brick_codec.h"
+
+namespace octavo::fuzz {
+
+struct BrickInput {
+  VolumeKind kind = VolumeKind::grey;
+  VoxelType type = VoxelType::uint8;
+  Bytes model;
+  BrickShape shape;
+  ValueRange range;
+  std::vector<std::vector<std::uint8_t>> segments;
+
+  std::vector<ByteSpan> spans() const { return {segments.begin(), segments.end()}; }
+  std::size_t level_bytes(int level) const {
+    return static_cast<std::size_t>(shape.size[static_cast<std::size_t>(level)].voxel_count() *
+                                    bytes_per_voxel(type));
+  }
+};
+
+inline constexpr std::array<VoxelType, 6> kTypes = {VoxelType::int8,  VoxelType::uint8,
+                                                    VoxelType::int16, VoxelType::uint16,
+                                                    VoxelType::int32, VoxelType::uint32};
+
+/// Sizes that matter: full bricks, odd edges, single rows.
+inline std::int64_t side_of(std::uint8_t byte) {
+  constexpr std::array<std::int64_t, 8> kSides = {1, 2, 3, 5, 8, 17, 33, 64};
+  return kSides[byte % kSides.size()];
+}
+
+inline ValueRange range_of(Input& input, VoxelType type) {
+  const ValueRange all = value_range(type);
+  const auto width = static_cast<std::uint64_t>(all.max - all.min) + 1;
+  const auto a = static_cast<std::int64_t>(input.take<std::uint32_t>() % width) + all.min;
+  const auto b = static_cast<std::int64_t>(input.take<std::uint32_t>() % width) + all.min;
+  return {std::min(a, b), std::max(a, b)};
+}
+
+/// Throws Error for a shape that no file can have.
+inline BrickInput take_brick(Input& input) {
+  BrickInput brick;
+  const auto choice = input.take<std::uint8_t>();
+  brick.type = kTypes[choice % kTypes.size()];
+  brick.kind = choice & 0x80 ? VolumeKind::labels : VolumeKind::grey;
+  Size3 extent;
+  for (int axis = 0; axis < 3; ++axis) extent[axis] = side_of(input.take<std::uint8_t>());
+  const double thickness = choice & 0x40 ? 4 : 1;
+  brick.model = input.take_bytes(input.take<std::uint16_t>());
+  const Levels levels(extent, choose_halvings(extent, {1, 1, thickness}));
+  brick.shape = brick_shape(levels, 0, {0, 0, 0});
+  brick.range = range_of(input, brick.type);
+  for (int i = 0; i < brick.shape.level_count; ++i) {
+    const bool is_last = i + 1 == brick.shape.level_count;
+    brick.segments.push_back(
+        input.take_bytes(is_last ? input.left() : input.take<std::uint16_t>()));
+  }
+  return brick;
+}
+
+/// The codec of a brick's model; the last one is kept, because building its tables takes longer
+/// than decoding. Throws Error{corrupt}.
+inline std::shared_ptr<const BrickCodec> codec_of(const BrickInput& brick) {
+  static VolumeKind kept_kind;
+  static VoxelType kept_type;
+  static Bytes kept_model;
+  static std::shared_ptr<const BrickCodec> kept;
+  if (!kept || brick.kind != kept_kind || brick.type != kept_type || brick.model != kept_model) {
+    kept.reset();
+    kept = parse_model(brick.kind, brick.type, brick.model);
+    kept_kind = brick.kind;
+    kept_type = brick.type;
+    kept_model = brick.model;
+  }
+  return kept;
+}
+
+}  // namespace octavo::fuzz
