@@ -10,6 +10,7 @@ set(OCTAVO_READ_SOURCES
   core/voxel_type.cpp
   codec/codec_of_kind.cpp
   codec/crc32c.cpp
+  codec/edge_pairs.cpp
   codec/grey_brick.cpp
   codec/grey_codec.cpp
   codec/grey_corrections.cpp
@@ -30,6 +31,7 @@ set(OCTAVO_READ_SOURCES
   codec/label_walk_portable.cpp
   codec/octant_transform.cpp
   codec/residual_coder.cpp
+  codec/value_map.cpp
   file/bit_flip.cpp
   file/byte_source.cpp
   file/index.cpp
