@@ -180,8 +180,9 @@ class DetailDecoder:
                                                  self._highest, rounding)
             flagged = flagged | (details_of_edges != 0)
         step = detail_step(self._model, axis, self._level)
-        room = np.minimum(m - self._lowest, self._highest - m).clip(0)
-        limit = np.where(flagged, 0, 2 * room + (0 if step > 1 else 1))
+        odd_low, odd_high = (0, 0) if step > 1 else (1 - rounding, rounding)
+        limit = np.minimum(2 * (m - self._lowest) + odd_low, 2 * (self._highest - m) + odd_high)
+        limit = np.where(flagged, 0, limit)
         e0, e1, e2, slope = _activities(means, axis, self._shift)
         e0, e1, e2, slope = e0[inside], e1[inside], e2[inside], slope[inside]
         weights = self._model.context_weights[self._group][axis]
@@ -201,6 +202,7 @@ class DetailDecoder:
                 details = (prediction + residuals).clip(-limit, limit)
             else:
                 details = np.vectorize(gaps.detail, otypes=[np.int64])(m, prediction, residuals)
+                details = np.where(limit > 0, details, 0)
             details = np.where(details_of_edges != 0, details_of_edges, details)
             return _merge(means, axis, length, details, rounding)
         return self._predicted(means, axis, length, classes, limit, residuals, rounding, gaps,
@@ -339,7 +341,7 @@ def _decode_row(sums: list[int], classes: list[int], limits: list[int], residual
             prediction = max(-limit, min(limit, prediction))
         if edge:
             d = edge
-        elif gaps is None:
+        elif gaps is None or limit == 0:
             d = max(-limit, min(limit, prediction + residual))
         else:
             d = gaps.detail(m, prediction, residual)

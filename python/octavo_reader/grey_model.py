@@ -118,7 +118,9 @@ def _value_map(cursor: ByteCursor) -> ValueMap:
         return ValueMap(step, offset, frozenset())
     number = cursor.varint()
     first = number >> 1 ^ -(number & 1)
+    require(abs(first) < 1 << 32, "a value map has a code out of range")
     flags = unpack_bits(cursor.take((count + 7) // 8), 1, count, "a value map")
+    require(bool(flags[0]) and bool(flags[-1]), "a value map begins or ends with a gap")
     return ValueMap(step, offset, frozenset(first + i for i in range(count) if flags[i]))
 
 

@@ -46,7 +46,7 @@ inline ValueRange range_of(Input& input, VoxelType type) {
 inline BrickInput take_brick(Input& input) {
   BrickInput brick;
   const auto choice = input.take<std::uint8_t>();
-  brick.type = kTypes[choice % kTypes.size()];
+  brick.type = kTypes[(choice & 0x3f) % kTypes.size()];
   brick.kind = choice & 0x80 ? VolumeKind::labels : VolumeKind::grey;
   Size3 extent;
   for (int axis = 0; axis < 3; ++axis) extent[axis] = side_of(input.take<std::uint8_t>());

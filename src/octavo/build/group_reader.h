@@ -43,8 +43,8 @@ class GroupReader {
   bool is_done() const { return next_plane_ == size_.z; }
 
   /// Waits for the next group. The block stays valid until it is released.
-  /// Throws what the source throws; Error{cancelled}. Requires that is_done() is false and that at
-  /// most one block is not released.
+  /// Two blocks may be out at a time: it waits for one of them to be released as well.
+  /// Throws what the source throws; Error{cancelled}. Requires that is_done() is false.
   VoxelBlock next();
 
   /// Gives back the oldest block, so that another group can be read in its place. From any thread.

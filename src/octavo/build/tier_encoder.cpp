@@ -33,7 +33,7 @@ std::vector<std::byte> decoded_voxels(const BrickCodec& decoder, const BrickShap
 
 // Calls `take(row of the brick, dense row)` for every row.
 template <class T, class F>
-void for_each_row(const BrickView& brick, const void* dense, const F& take) {
+void for_each_row_pair(const BrickView& brick, const void* dense, const F& take) {
   const auto* const voxels = static_cast<const T*>(brick.voxels);
   const auto* row = static_cast<const T*>(dense);
   for (std::int64_t z = 0; z < brick.size.z; ++z) {
@@ -48,7 +48,7 @@ bool is_same(const BrickView& brick, const std::vector<std::byte>& dense) {
     using T = typename decltype(id)::type;
     const auto row_bytes = static_cast<std::size_t>(brick.size.x) * sizeof(T);
     bool same = true;
-    for_each_row<T>(brick, dense.data(), [&](const T* source, const T* found) {
+    for_each_row_pair<T>(brick, dense.data(), [&](const T* source, const T* found) {
       same = same && std::memcmp(source, found, row_bytes) == 0;
     });
     return same;
@@ -64,7 +64,7 @@ std::optional<std::int64_t> integer_error(const BrickView& brick,
     using T = typename decltype(id)::type;
     std::int64_t largest = 0;
     bool is_inside = true;
-    for_each_row<T>(brick, dense.data(), [&](const T* source, const T* found) {
+    for_each_row_pair<T>(brick, dense.data(), [&](const T* source, const T* found) {
       for (std::int64_t x = 0; x < brick.size.x; ++x) {
         const auto was = static_cast<std::int64_t>(source[x]);
         const auto is = static_cast<std::int64_t>(found[x]);
@@ -82,7 +82,7 @@ double float_error(const BrickView& floats, const std::vector<std::byte>& dense,
   std::vector<float> voxels(static_cast<std::size_t>(floats.size.voxel_count()));
   decode_samples(coding, dense.data(), voxels);
   double largest = 0;
-  for_each_row<float>(floats, voxels.data(), [&](const float* source, const float* found) {
+  for_each_row_pair<float>(floats, voxels.data(), [&](const float* source, const float* found) {
     for (std::int64_t x = 0; x < floats.size.x; ++x) {
       const double difference = static_cast<double>(source[x]) - static_cast<double>(found[x]);
       largest = std::max(largest, std::abs(difference));
@@ -179,8 +179,13 @@ void TierEncoder::take_bricks() {
       if (is_full || failure_) return;
       const Index3 brick = work.bricks[work.taken++];
       const std::size_t number = taken_++;
+      try {
+        workers_.start([this, &work, brick, number] { work_on(work, brick, number); });
+      } catch (...) {
+        failure_ = std::current_exception();
+        return;
+      }
       ++running_;
-      workers_.start([this, &work, brick, number] { work_on(work, brick, number); });
     }
   }
 }
@@ -273,14 +278,21 @@ void TierEncoder::keep(Work& work, Slot slot) {
   if (slot.failure) std::rethrow_exception(slot.failure);
   if (work.brings_model && work.kept == 0) writer_.add_model(work.model.serialized);
   writer_.add_brick(tier_, slot.encoded);
-  const Index3& brick = work.bricks[work.kept];
+  store_parent(work.bricks[work.kept], slot.encoded.parent);
+  count_progress(work);
+}
+
+void TierEncoder::store_parent(const Index3& brick, std::int64_t parent) {
   const Size3 grid = levels_.brick_grid(tier_);
   const std::int64_t at = (brick.z * grid.y + brick.y) * grid.x + brick.x;
   with_voxel_type(type_, [&](auto id) {
-    const auto value = static_cast<typename decltype(id)::type>(slot.encoded.parent);
+    const auto value = static_cast<typename decltype(id)::type>(parent);
     std::memcpy(parents_.data() + at * static_cast<std::int64_t>(sizeof value), &value,
                 sizeof value);
   });
+}
+
+void TierEncoder::count_progress(const Work& work) {
   // Planes of tier 0 count as work done; the tiers above it are too small to count.
   const std::int64_t planes = tier_ == 0 ? work.block.size.z : 0;
   const auto count = static_cast<std::int64_t>(work.bricks.size());

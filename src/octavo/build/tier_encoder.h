@@ -101,6 +101,8 @@ class TierEncoder {
   EncodedBrick encode_checked(const Model& model, const VoxelBlock& block,
                               const Index3& brick) const;
   void keep(Work& work, Slot slot);
+  void store_parent(const Index3& brick, std::int64_t parent);
+  void count_progress(const Work& work);
 
   const Levels& levels_;
   int tier_;

@@ -1,6 +1,7 @@
 #include "octavo/codec/grey_brick.h"
 
 #include "octavo/codec/binary_coder.h"
+#include "octavo/codec/voxel_walk.h"
 
 namespace octavo::grey {
 
@@ -170,10 +171,6 @@ Stage pairs_of(const BrickShape& shape, int level, int axis, const Size3& fine_s
   return stage;
 }
 
-}  // namespace
-
-namespace {
-
 /// The axis of the split that makes the samples of level 0.
 int finest_axis(const BrickShape& shape) { return std::countr_zero(shape.halving[0]); }
 
@@ -182,11 +179,8 @@ int finest_axis(const BrickShape& shape) { return std::countr_zero(shape.halving
 std::unique_ptr<const ValueGaps> gaps_of(const ValueMap& map, const BrickMap& brick,
                                          const BrickShape& shape, const SampleScale& scale) {
   if (!brick.has_gaps || shape.level_count < 2) return nullptr;
-  if (scale.range.max - scale.range.min >= static_cast<std::int64_t>(kMaxMappedCodes)) {
-    throw Error(ErrorKind::corrupt, "a brick with gaps has too many values");
-  }
   return std::make_unique<const ValueGaps>(
-      make_gaps(map, brick, scale.range.min, scale.range.max, scale.min_sample(),
+      make_gaps(map, brick, scale.range, scale.min_sample(),
                 rounding_term(finest_axis(shape), shape.first_level)));
 }
 
@@ -219,11 +213,13 @@ Stage make_stage(const BrickShape& shape, const SampleScale& scale, const Parame
   stage.min = scale.min_sample();
   stage.max = scale.max_sample();
   stage.shift = scale.shift();
-  stage.odd_room = scale.is_cut ? 0 : 1;
   if (p.quantizer.detail_step > 0) {
     stage.step = detail_step_of(p.quantizer, level, axis);
-    stage.odd_room = stage.step > 1 ? 0 : 1;
     stage.step_bits = bit_length(static_cast<std::uint64_t>(stage.step)) - 1;
+  }
+  if (stage.step == 1 && !scale.is_cut) {
+    stage.odd_low = 1 - stage.rounding;
+    stage.odd_high = stage.rounding;
   }
   return stage;
 }
@@ -261,26 +257,17 @@ template void load_details(Workspace<std::int16_t>&, const Stage&, const Truth<s
 template void load_details(Workspace<std::int32_t>&, const Stage&, const Truth<std::int32_t>&);
 
 ValueRange range_of(const BrickView& brick) {
-  return with_voxel_type(brick.type, [&](auto tag) -> ValueRange {
-    using T = typename decltype(tag)::type;
-    if constexpr (std::is_integral_v<T>) {
-      T min = std::numeric_limits<T>::max();
-      T max = std::numeric_limits<T>::lowest();
-      for (std::int64_t z = 0; z < brick.size.z; ++z) {
-        for (std::int64_t y = 0; y < brick.size.y; ++y) {
-          const T* row =
-              static_cast<const T*>(brick.voxels) + z * brick.plane_stride + y * brick.row_stride;
-          for (std::int64_t x = 0; x < brick.size.x; ++x) {
-            min = std::min(min, row[x]);
-            max = std::max(max, row[x]);
-          }
-        }
-      }
-      return {min, max};
-    } else {
-      throw Error(ErrorKind::invalid_argument, "float voxels have no grey codec");
-    }
+  if (!is_integer(brick.type)) {
+    throw Error(ErrorKind::invalid_argument, "float voxels have no grey codec");
+  }
+  ValueRange range{std::numeric_limits<std::int64_t>::max(),
+                   std::numeric_limits<std::int64_t>::min()};
+  for_each_row(brick, [&](const auto* row) {
+    const auto [least, most] = std::minmax_element(row, row + brick.size.x);
+    range.min = std::min<std::int64_t>(range.min, *least);
+    range.max = std::max<std::int64_t>(range.max, *most);
   });
+  return range;
 }
 
 template <class Sample>

@@ -353,7 +353,8 @@ void decode_samples(const Source& source, void* out) {
       decode_plain<Sample>(source.scale, source.segments[last], shape.size[last]);
   Workspace<Sample>& work = thread_workspace<Sample>();
   load_means(work, coarsest.data(), shape.size[last]);
-  const auto gaps = gaps_of(parameters.value_map, source.map, shape, source.scale);
+  std::unique_ptr<const ValueGaps> gaps;
+  if (source.level == 0) gaps = gaps_of(parameters.value_map, source.map, shape, source.scale);
   UniformCells cells;
   Corrections corrections;
   EdgeModels models;
@@ -443,7 +444,7 @@ void GreyCodec::decode(const BrickShape& shape, VoxelType type, const ValueRange
   std::vector<ByteSpan> parts(segments.begin(), segments.end());
   BrickMap map;
   if (!parameters.value_map.is_empty()) {
-    map = take_brick_map(parameters.value_map, is_stored ? parts.front() : parts.back());
+    map = take_brick_map(parameters.value_map, range, is_stored ? parts.front() : parts.back());
   }
   const BrickShape inner = in_order(shape, parameters.axis_order);
   const SampleScale scale = SampleScale::of_voxels(range, code_scale(parameters, map));

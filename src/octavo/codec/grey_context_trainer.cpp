@@ -15,6 +15,24 @@ namespace octavo::grey {
 
 namespace {
 
+/// A reproducible thinning: keeps about `wanted` of `total` items.
+class Thinning {
+ public:
+  Thinning(std::int64_t wanted, std::int64_t total, std::uint32_t seed)
+      : limit_(wanted >= total
+                   ? ~0u
+                   : static_cast<std::uint32_t>(wanted * (std::int64_t{1} << 32) / total)),
+        state_(seed * 2654435761u + 12345u) {}
+  bool keeps_next() {
+    state_ = state_ * 1664525u + 1013904223u;
+    return (state_ ^ state_ >> 15) <= limit_;
+  }
+
+ private:
+  std::uint32_t limit_;
+  std::uint32_t state_;
+};
+
 /// Per split axis, by level group.
 constexpr std::int64_t kContextSamples[kGroups] = {20000, 10000, 6000};
 constexpr double kContextRidge = 1e-4;

@@ -140,6 +140,9 @@ struct Encoder {
   }
 };
 
+/// Of a token with that frequency, 1 .. 2048 or 0 where it has no slots, and first slot.
+Encoder encoder_of(std::uint32_t frequency, std::uint32_t start);
+
 /// Tables derived from the frequencies.
 struct Tables {
   /// By context and slot: token | frequency << 6 | (slot - first slot of the token) << 18.

@@ -37,7 +37,7 @@ inline bool suits_planes(const Parameters& p, const Stage& stage) {
 struct PlaneConstants {
   Halves thresholds[kClasses - 1];  ///< rising; the class is the number of those reached
   SignedHalves class_weights[kClasses];
-  SignedHalves min, max, odd_room;
+  SignedHalves min, max, odd_low, odd_high;
   SignedHalves pairs[kFeatures / 2];  ///< context weights, two by two
   SignedSums constant;
   SignedSums free_bits;
@@ -54,7 +54,8 @@ struct PlaneConstants {
     }
     min = set(stage.min);
     max = set(stage.max);
-    odd_room = set(stage.odd_room);
+    odd_low = set(stage.odd_low);
+    odd_high = set(stage.odd_high);
     const std::int32_t* const w = p.context_weights[stage.group][stage.axis];
     constexpr int kPairs[][2] = {{0, 1}, {2, 3}, {4, 11}, {12, 13}, {14, 15}, {2, 11}};
     for (std::size_t k = 0; k < std::size(kPairs); ++k) {
@@ -105,9 +106,10 @@ void foresee_plane(const Parameters& p, const Stage& stage, Workspace<std::int16
         weight = hn::IfThenElse(hn::RebindMask(kSignedHalves, is_reached),
                                 constants.class_weights[k], weight);
       }
-      const SignedHalves room = hn::Max(
-          hn::Min(hn::Sub(c, constants.min), hn::Sub(constants.max, c)), hn::Zero(kSignedHalves));
-      const SignedHalves limit = hn::Add(hn::Add(room, room), constants.odd_room);
+      const SignedHalves low = hn::Sub(c, constants.min);
+      const SignedHalves high = hn::Sub(constants.max, c);
+      const SignedHalves limit = hn::Min(hn::Add(hn::Add(low, low), constants.odd_low),
+                                         hn::Add(hn::Add(high, high), constants.odd_high));
       const SignedHalves free = hn::MulFixedPoint15(hn::Sub(before, after), weight);
       hn::StoreU(hn::Min(hn::Max(free, hn::Neg(limit)), limit), kSignedHalves, predictions + x);
       hn::StoreU(hn::BitCast(kHalves, limit), kHalves, limits + x);

@@ -62,7 +62,8 @@ inline void features_of_row(const Parameters& p, const Stage& stage,
   const Halves max = hn::Xor(set(stage.max), flip);
   const Halves most = set(kMaxFeature);
   const Halves one = set(1);
-  const Halves odd_room = set(stage.odd_room);
+  const Halves odd_low = set(stage.odd_low);
+  const Halves odd_high = set(stage.odd_high);
   const auto sample = [&](std::int64_t at) { return hn::LoadU(kSignedHalves, m + at); };
   constexpr int kLanes = static_cast<int>(hn::MaxLanes(kHalves));
   for (int x = 0; x < stage.pairs.x; x += kLanes) {
@@ -84,8 +85,11 @@ inline void features_of_row(const Parameters& p, const Stage& stage,
     const Halves activity = hn::Add(hn::Add(is_at_least(g, one), is_at_least(g, quarter)),
                                     hn::Add(is_at_least(g, threshold), is_at_least(g, fourfold)));
     const Halves level = hn::Xor(hn::BitCast(kHalves, c), flip);
-    const Halves room = hn::Min(hn::SaturatedSub(level, min), hn::SaturatedSub(max, level));
-    const Halves limit = hn::Add(hn::Add(room, room), odd_room);
+    const Halves low = hn::Sub(level, min);
+    const Halves high = hn::Sub(max, level);
+    // The smaller one of the two fits in 16 bits.
+    const Halves limit = hn::Min(hn::SaturatedAdd(hn::SaturatedAdd(low, low), odd_low),
+                                 hn::SaturatedAdd(hn::SaturatedAdd(high, high), odd_high));
     const hn::Rebind<std::uint8_t, decltype(kHalves)> bytes;
     hn::StoreU(hn::DemoteTo(bytes, hn::BitCast(kSignedHalves, activity)), bytes, activities + x);
     hn::StoreU(limit, kHalves, row.limit + x);

@@ -40,9 +40,11 @@ struct Stage {
   std::int64_t max = 0;
   int shift = 0;              ///< magnitudes are measured in units of 2^shift
   std::int32_t step = 1;      ///< residuals are multiples of it
-  /// A detail is at most twice the room between the mean and the range, and this more. True details
-  /// need 1; quantised ones would leave the range by one.
-  int odd_room = 1;
+  /// A detail is at most twice the room between the mean and the smallest sample, and this more,
+  /// and likewise to the largest: one of the two is 1, as the mean was rounded. 0 for quantised
+  /// details.
+  int odd_low = 0;
+  int odd_high = 0;
   int step_bits = 0;          ///< the logarithm of step, rounded down
   const UniformCells* cells = nullptr;  ///< nullptr: every pair is coded
   /// Of the split that makes voxels, where some values do not occur: residuals count details.
@@ -61,7 +63,7 @@ const std::uint8_t* row_cells(const Stage& stage, std::int64_t y, std::int64_t z
 template <class Sample>
 using Wide = std::conditional_t<sizeof(Sample) == 2, std::int32_t, std::int64_t>;
 
-/// Holds 2 * room + 1 for any room in a sample's range.
+/// Holds the limit of any detail.
 template <class Sample>
 using Limit = std::conditional_t<sizeof(Sample) == 2, std::uint16_t, std::int64_t>;
 

@@ -87,7 +87,7 @@ void reconstruct_row_along(const Parameters& p, const Stage& stage, Workspace<Sa
     if (edges != nullptr && edges[x] != Edge::none) {
       detail = edge_details[x];
       residuals[x] = 0;
-    } else if (stage.gaps != nullptr) {
+    } else if (stage.gaps != nullptr && limit > 0) {
       const int nearest = stage.gaps->nearest(means[x], expected);
       if constexpr (kIsEncoding) {
         detail = residuals[x];
@@ -146,8 +146,8 @@ void PortableKernel<Sample>::row_features(const Parameters& p, const Stage& stag
     const Int g = e0 + e2;
     activities[x] = static_cast<std::uint8_t>((g > 0) + (g >= threshold / 4) + (g >= threshold) +
                                               (g >= 4 * threshold));
-    const Int room = std::max<Int>(std::min(c - min, max - c), 0);
-    limits[x] = static_cast<Limit<Sample>>(2 * room + stage.odd_room);
+    limits[x] = static_cast<Limit<Sample>>(
+        std::min<Int>(2 * (c - min) + stage.odd_low, 2 * (max - c) + stage.odd_high));
     work.row.limit[x] = static_cast<std::uint16_t>(limits[x] >> shift);
     work.row.gradient_along[x] = feature(e0);
     work.row.curvature_along[x] = feature(step(before + after));

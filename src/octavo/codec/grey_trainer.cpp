@@ -195,11 +195,11 @@ Parameters learn_lossless(School& school, Predictor predictor) {
   Parameters best = learn(school, {predictor});
   const bool is_small = predictor == Predictor::neighbours;
   const bool is_sparse = background_share(school.bricks()) >= kMuchBackground;
-  const bool is_all = is_small && school.bricks().size() < kManyBricks;
-  if (!is_sparse && !is_all) return best;
+  const bool may_be_all = school.bricks().size() < kManyBricks;
+  if (!is_sparse && !(is_small && may_be_all)) return best;
   std::uint64_t least = cost(school.bricks(), best);
   std::vector<Plan> others;
-  if (is_all && least < kLittleBytes) {
+  if (is_small && may_be_all && least < kLittleBytes) {
     // These bricks are all there are, and the model counts beside them.
     others = {{Predictor::means}, {predictor, {}, kCoarseWeightStep}};
   }

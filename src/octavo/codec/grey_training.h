@@ -25,24 +25,6 @@ struct Lesson {
 /// Those of `bricks` that hold more than one code of the quantizer, value map and axis order of p.
 std::vector<Lesson> make_lessons(std::span<const TrainingBrick> bricks, const Parameters& p);
 
-/// A reproducible thinning: keeps about `wanted` of `total` items.
-class Thinning {
- public:
-  Thinning(std::int64_t wanted, std::int64_t total, std::uint32_t seed)
-      : limit_(wanted >= total
-                   ? ~0u
-                   : static_cast<std::uint32_t>(wanted * (std::int64_t{1} << 32) / total)),
-        state_(seed * 2654435761u + 12345u) {}
-  bool keeps_next() {
-    state_ = state_ * 1664525u + 1013904223u;
-    return (state_ ^ state_ >> 15) <= limit_;
-  }
-
- private:
-  std::uint32_t limit_;
-  std::uint32_t state_;
-};
-
 /// The samples of the level above `level` as the encoder's walk has them, ready in the work space.
 void load_level(Workspace<std::int16_t>& work, const Lesson& lesson, int level);
 

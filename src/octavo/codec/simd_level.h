@@ -1,5 +1,5 @@
-// Which instruction set the codecs run on: the best one this machine has, or the one that the
-// environment variable OCTAVO_SIMD names. The results are the same for all.
+// Which instruction set encoders and decoders run on: the best one this machine has, or the one
+// that the environment variable OCTAVO_SIMD names. The results are the same for all.
 #pragma once
 
 #include <cstdint>

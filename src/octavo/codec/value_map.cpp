@@ -139,9 +139,15 @@ ValueMap take_value_map(ByteSpan& bytes) {
   map.lattice = {static_cast<std::int64_t>(step), static_cast<std::int64_t>(offset)};
   if (count == 0) return map;
   map.first = unzigzag(take_varint(bytes));
+  if (map.first < -kMaxLatticeStep || map.first > kMaxLatticeStep) {
+    throw Error(ErrorKind::corrupt, "model: a code out of range");
+  }
   BitReader bits(take_bytes(bytes, (count + 7) / 8));
   for (std::uint64_t i = 0; i < count; ++i) {
     map.used.push_back(static_cast<std::uint8_t>(bits.get(1)));
+  }
+  if (map.used.front() == 0 || map.used.back() == 0) {
+    throw Error(ErrorKind::corrupt, "model: a value map that begins or ends with a gap");
   }
   return map;
 }
@@ -188,7 +194,7 @@ void put_brick_map(Bytes& out, const BrickMap& brick) {
   out.insert(out.end(), brick.extras.begin(), brick.extras.end());
 }
 
-BrickMap take_brick_map(const ValueMap& map, ByteSpan& bytes) {
+BrickMap take_brick_map(const ValueMap& map, const ValueRange& range, ByteSpan& bytes) {
   BrickMap brick;
   const std::uint8_t flags = take_bytes(bytes, 1).front();
   brick.is_on_lattice = (flags & kLatticeFlag) != 0;
@@ -199,6 +205,11 @@ BrickMap take_brick_map(const ValueMap& map, ByteSpan& bytes) {
   if (!brick.has_gaps) return brick;
   const ByteSpan extras = take_bytes(bytes, take_bytes(bytes, 1).front());
   brick.extras.assign(extras.begin(), extras.end());
+  const CodeScale scale = brick.scale(map);
+  if (scale.code_of(range.max) - scale.code_of(range.min) >=
+      static_cast<std::int64_t>(kMaxMappedCodes)) {
+    throw Error(ErrorKind::corrupt, "a brick with gaps has too many values");
+  }
   return brick;
 }
 
@@ -236,11 +247,11 @@ std::int64_t ValueGaps::detail(std::int64_t mean, std::int64_t number) const {
   return details[static_cast<std::size_t>(std::clamp<std::int64_t>(number, 0, last))];
 }
 
-ValueGaps make_gaps(const ValueMap& map, const BrickMap& brick, std::int64_t lowest,
-                    std::int64_t highest, std::int64_t lowest_sample, int rounding) {
-  std::vector<std::uint8_t> used(static_cast<std::size_t>(highest - lowest + 1));
+ValueGaps make_gaps(const ValueMap& map, const BrickMap& brick, const ValueRange& codes,
+                    std::int64_t lowest_sample, int rounding) {
+  std::vector<std::uint8_t> used(static_cast<std::size_t>(codes.max - codes.min + 1));
   for (std::size_t i = 0; i < used.size(); ++i) {
-    const std::int64_t place = lowest + static_cast<std::int64_t>(i) - map.first;
+    const std::int64_t place = codes.min + static_cast<std::int64_t>(i) - map.first;
     if (place >= 0 && place < static_cast<std::int64_t>(map.used.size())) {
       used[i] = map.used[static_cast<std::size_t>(place)];
     }

@@ -68,8 +68,9 @@ BrickMap map_brick(const ValueMap& map, const BrickView& brick, const ValueRange
 
 /// Both directions of its form in a brick (docs/format-grey.md, section 13).
 void put_brick_map(Bytes& out, const BrickMap& brick);
+/// range  of the voxels of the brick
 /// Throws Error{corrupt}.
-BrickMap take_brick_map(const ValueMap& map, ByteSpan& bytes);
+BrickMap take_brick_map(const ValueMap& map, const ValueRange& range, ByteSpan& bytes);
 
 /// The details that a pair of a mean may have when both its samples are values that occur. Details
 /// are known by their number among them, smallest first.
@@ -101,9 +102,9 @@ class ValueGaps {
   std::vector<Row> rows_;  ///< by mean
 };
 
-/// The gaps of a brick whose codes run from `lowest` to `highest`.
-/// lowest_sample  the sample of the code `lowest`
-ValueGaps make_gaps(const ValueMap& map, const BrickMap& brick, std::int64_t lowest,
-                    std::int64_t highest, std::int64_t lowest_sample, int rounding);
+/// The gaps of a brick with such codes, at most kMaxMappedCodes.
+/// lowest_sample  the sample of the smallest code
+ValueGaps make_gaps(const ValueMap& map, const BrickMap& brick, const ValueRange& codes,
+                    std::int64_t lowest_sample, int rounding);
 
 }  // namespace octavo::grey

@@ -1,5 +1,5 @@
 // Writes inputs for the fuzz targets to start from: small valid files, and bricks of every kind
-// with their models in the form that fuzz_brick takes apart.
+// with their models in the form that brick_input.h takes apart.
 //
 // usage: make_fuzz_seeds FOLDER        fills FOLDER/files and FOLDER/bricks
 
@@ -10,6 +10,7 @@
 #include <iostream>
 #include <random>
 
+#include "fuzz/brick_input.h"
 #include "octavo/build/builder.h"
 #include "octavo/build/memory_source.h"
 #include "octavo/codec/brick_codec.h"
@@ -18,14 +19,28 @@ namespace {
 
 using namespace octavo;
 
-constexpr std::array<std::int64_t, 8> kSides = {1, 2, 3, 5, 8, 17, 33, 64};
-constexpr std::array<VoxelType, 6> kTypes = {VoxelType::int8,  VoxelType::uint8,
-                                             VoxelType::int16, VoxelType::uint16,
-                                             VoxelType::int32, VoxelType::uint32};
+using fuzz::kTypes;
+using fuzz::side_of;
 
-/// A soft shape with some noise, or two labels; half of it uniform. 32-bit types span more than 16
-/// bits.
-Bytes make_voxels(const Size3& size, VoxelType type, VolumeKind kind) {
+enum class Content {
+  shape,      ///< a soft shape with some noise; half of it uniform; 32-bit types: a wide range
+  multiples,  ///< the same, all values a step apart
+  speckles    ///< few voxels on a ground of one value
+};
+
+std::int32_t value_at(Content content, std::int64_t width, bool is_inside, std::uint32_t random) {
+  const auto noise = static_cast<std::int32_t>(random % 9);
+  const std::int32_t value = !is_inside ? 3 : 40 + noise;
+  if (content == Content::speckles) {
+    return random % 50 != 0 ? 3 : width == 4 ? static_cast<std::int32_t>(random / 8) : 9 + noise;
+  }
+  if (content == Content::multiples) return 3 * value;
+  return width == 4 ? value * 40000 + noise % 3 : value;
+}
+
+/// Voxels of a content, or two labels.
+Bytes make_voxels(const Size3& size, VoxelType type, VolumeKind kind,
+                  Content content = Content::shape) {
   std::mt19937 random(static_cast<std::uint32_t>(size.x * 7 + size.y));
   const std::int64_t width = bytes_per_voxel(type);
   Bytes bytes(static_cast<std::size_t>(size.voxel_count() * width));
@@ -34,9 +49,9 @@ Bytes make_voxels(const Size3& size, VoxelType type, VolumeKind kind) {
     for (std::int64_t y = 0; y < size.y; ++y) {
       for (std::int64_t x = 0; x < size.x; ++x, at += static_cast<std::size_t>(width)) {
         const bool is_inside = x + y > size.y / 2;
-        const auto noise = static_cast<std::int32_t>(random() % 9);
-        const std::int32_t value = !is_inside ? 3 : kind == VolumeKind::labels ? 5 : 40 + noise;
-        const std::int32_t stored = width == 4 ? value * 40000 : value;
+        const std::int32_t stored = kind == VolumeKind::labels
+                                        ? (is_inside ? 5 : 3)
+                                        : value_at(content, width, is_inside, random());
         std::memcpy(bytes.data() + at, &stored, static_cast<std::size_t>(width));
       }
     }
@@ -57,11 +72,11 @@ void put(Bytes& out, Int value) {
   out.insert(out.end(), bytes, bytes + sizeof value);
 }
 
-/// The mirror image of what fuzz_brick.cpp reads.
+/// The mirror image of fuzz::take_brick.
 Bytes brick_input(std::uint8_t type, VolumeKind kind, std::uint8_t side,
-                  const CodecSettings& settings = {}) {
-  const Size3 size{kSides[side], kSides[side], kSides[side]};
-  const Bytes voxels = make_voxels(size, kTypes[type], kind);
+                  const CodecSettings& settings = {}, Content content = Content::shape) {
+  const Size3 size{side_of(side), side_of(side), side_of(side)};
+  const Bytes voxels = make_voxels(size, kTypes[type], kind, content);
   const BrickView view{voxels.data(), kTypes[type], size, size.x, size.x * size.y};
   const Levels levels(size, choose_halvings(size, {1, 1, 1}));
   const BrickShape shape = brick_shape(levels, 0, {0, 0, 0});
@@ -118,6 +133,12 @@ int main(int argc, char** argv) {
         save(folder / "bricks" / std::to_string(number++), brick_input(type, kind, side));
       }
       if (kind == VolumeKind::grey) {
+        for (const Content content : {Content::multiples, Content::speckles}) {
+          for (const Preset preset : {Preset::small, Preset::fast}) {
+            save(folder / "bricks" / std::to_string(number++),
+                 brick_input(type, kind, 5, {preset, 0}, content));
+          }
+        }
         // Prediction from means; rounded voxels; quantised details with corrections.
         for (const CodecSettings& settings :
              {CodecSettings{Preset::fast, 0}, {Preset::small, 1}, {Preset::fast, 25}}) {

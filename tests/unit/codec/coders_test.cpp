@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "octavo/codec/binary_coder.h"
@@ -113,6 +114,22 @@ TEST(Tokens, EveryValueFitsItsToken) {
     ASSERT_GE(value, token.base);
     ASSERT_LT(value - token.base, 1u << token.bits);
     ASSERT_NE(token.token, grey::kEscapeToken);
+  }
+}
+
+/// Every frequency, at states around the multiples of it and at the ends of what it is pushed onto.
+TEST(Encoder, PushesAsADivisionWould) {
+  for (std::uint32_t frequency = 1; frequency <= grey::kTableSize; ++frequency) {
+    const std::uint32_t first = frequency < grey::kTableSize ? 1 : 0;
+    const grey::Encoder encoder = grey::encoder_of(frequency, first);
+    const std::uint64_t end = std::uint64_t{frequency} << 21;
+    for (const std::uint64_t near : {std::uint64_t{1} << 16, end, end / 2, end - end / 3}) {
+      for (std::uint64_t x = near - std::min<std::uint64_t>(near, 3); x < std::min(near + 3, end);
+           ++x) {
+        const std::uint64_t expected = (x / frequency << 11) + x % frequency + first;
+        ASSERT_EQ(encoder.pushed(static_cast<std::uint32_t>(x)), expected) << frequency << " " << x;
+      }
+    }
   }
 }
 

@@ -299,6 +299,42 @@ TEST(GreyCodec, ValuesThatDoNotOccurCostNothing) {
 }
 
 /// Damage gives an error or other voxels, never anything worse (run under sanitizers as well).
+/// Few voxels of any value on a ground of 3.
+template <class T>
+std::vector<T> speckles(const Size3& size) {
+  std::mt19937 random(9);
+  std::vector<T> voxels(static_cast<std::size_t>(size.voxel_count()), T{3});
+  for (T& voxel : voxels) {
+    if (random() % 50 == 0) voxel = static_cast<T>(random() & std::numeric_limits<T>::max());
+  }
+  return voxels;
+}
+
+TEST(GreyCodec, EdgesOfTheBackgroundAreToldApart) {
+  const Size3 size{41, 33, 29};
+  const BrickShape shape = shape_of(size);
+  const auto voxels = speckles<std::uint16_t>(size);
+  const TrainingBrick lesson{shape, view_of(voxels, size)};
+  for (const Preset preset : {Preset::small, Preset::fast}) {
+    const auto trained = train_grey_model(VoxelType::uint16, std::span(&lesson, 1), {preset, 0});
+    const Bytes model = trained->serialized();
+    EXPECT_NE(model[0] & 64, 0) << "the model does not tell edges apart";
+    const auto codec = parse_grey_model(VoxelType::uint16, model);
+    expect_every_level(*codec, shape, voxels);
+    expect_every_level(*codec, shape, make_voxels<std::uint16_t>(size, Content::smooth, 7));
+    // A pair and nothing else: all details of the brick are edges.
+    expect_every_level(*codec, shape_of({2, 1, 1}), std::vector<std::uint16_t>{7, 900});
+
+    EncodedBrick other = codec->encode(shape, view_of(voxels, size));
+    // Segment 0 starts with the number of edges.
+    other.segments[0][0] = static_cast<std::uint8_t>(other.segments[0][0] ^ 1);
+    std::vector<std::uint16_t> out(voxels.size());
+    EXPECT_THROW(
+        codec->decode(shape, VoxelType::uint16, other.range, spans_of(other), 0, out.data()),
+        Error);
+  }
+}
+
 template <class T>
 void expect_contained(const BrickShape& shape, const std::vector<T>& voxels, std::mt19937& random) {
   const TrainingBrick lesson{shape, view_of(voxels, shape.size[0])};
@@ -330,6 +366,8 @@ TEST(GreyCodec, DamagedSegmentsAreContained) {
     expect_contained(shape, voxels, random);
   }
   expect_contained(shape, spread_values(size, 6), random);
+  expect_contained(shape, speckles<std::uint8_t>(size), random);
+  expect_contained(shape, speckles<std::int32_t>(size), random);
 }
 
 /// The same for 32-bit samples, with a range just above 16 bits and arbitrary bytes as segments:

@@ -3,10 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
 
+#include "octavo/codec/edge_pairs.h"
 #include "octavo/codec/grey_stage.h"
 #include "octavo/codec/octant_transform.h"
 
@@ -18,13 +21,22 @@ struct RandomSplit {
   Model model;
   Stage stage;
   UniformCells cells;
+  std::shared_ptr<const ValueGaps> gaps;
   Size3 fine;
   std::vector<std::int16_t> means;
   std::vector<std::int32_t> details;
 };
 
+/// What the samples of a split are like.
+enum class Samples {
+  any,
+  sparse,  ///< mostly the smallest one: the split has edges
+  gapped,  ///< multiples of 3: the split has gaps
+  both
+};
+
 RandomSplit make_split(std::mt19937& random, const Size3& fine, int axis, Predictor predictor,
-                       int bits, bool has_cells) {
+                       int bits, bool has_cells, Samples kind = Samples::any) {
   RandomSplit s;
   const auto below = [&](std::uint32_t n) { return static_cast<std::int32_t>(random() % n); };
   Parameters& p = s.model.parameters;
@@ -57,18 +69,32 @@ RandomSplit make_split(std::mt19937& random, const Size3& fine, int axis, Predic
 
   s.fine = fine;
   const std::int32_t range = (1 << bits) - 1;
+  const bool is_sparse = kind == Samples::sparse || kind == Samples::both;
+  const bool has_gaps = kind == Samples::gapped || kind == Samples::both;
   std::vector<std::int16_t> truth(static_cast<std::size_t>(fine.voxel_count()));
   for (auto& v : truth) {
-    v = static_cast<std::int16_t>(-32768 + (below(3) == 0 ? below(2) * range : below(1u << bits)));
+    std::int32_t above = below(3) == 0 ? below(2) * range : below(1u << bits);
+    if (is_sparse && below(4) != 0) above = 0;
+    if (has_gaps) above = above / 3 * 3;
+    v = static_cast<std::int16_t>(-32768 + above);
   }
   s.stage.axis = axis;
   s.stage.group = below(kGroups);
   s.stage.set = below(kTableSets);
   s.stage.rounding = below(2);
+  s.stage.odd_low = 1 - s.stage.rounding;
+  s.stage.odd_high = s.stage.rounding;
   s.stage.pairs = fine;
   s.stage.pairs[axis] /= 2;
   s.stage.min = -32768;
   s.stage.max = -32768 + range;
+  s.stage.has_edges = is_sparse;
+  if (has_gaps) {
+    std::vector<std::uint8_t> used(static_cast<std::size_t>(range + 1));
+    for (std::size_t i = 0; i < used.size(); i += 3) used[i] = 1;
+    s.gaps = std::make_shared<const ValueGaps>(s.stage.min, used, s.stage.rounding);
+    s.stage.gaps = s.gaps.get();
+  }
   const auto coded = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
     if (!has_cells) return true;
     const Size3& n = s.cells.size;
@@ -147,6 +173,23 @@ void load_with_details(Workspace<std::int16_t>& work, const RandomSplit& s) {
   }
 }
 
+std::int64_t encode_edges(Workspace<std::int16_t>& work, const Stage& stage, Bytes& bytes) {
+  const std::int64_t count = mark_edges(stage, work);
+  BinaryEncoder coder(bytes);
+  EdgeModels models;
+  put_edges(stage, work, coder, models);
+  coder.finish();
+  return count;
+}
+
+std::int64_t decode_edges(Workspace<std::int16_t>& work, const Stage& stage, ByteSpan bytes) {
+  BinaryDecoder coder(bytes);
+  EdgeModels models;
+  const std::int64_t count = take_edges(stage, work, coder, models);
+  EXPECT_TRUE(coder.is_consumed());
+  return count;
+}
+
 /// Encodes a split and decodes its segment again.
 Results run(const StageFunctions& functions, RandomSplit& s, bool has_cells) {
   Workspace<std::int16_t> work;
@@ -154,6 +197,8 @@ Results run(const StageFunctions& functions, RandomSplit& s, bool has_cells) {
   s.stage.cells = has_cells ? &s.cells : nullptr;
   const Size3& pairs = s.stage.pairs;
   load_with_details(work, s);
+  Bytes edges;
+  const std::int64_t edge_count = s.stage.has_edges ? encode_edges(work, s.stage, edges) : 0;
   functions.narrow.predict(s.model.parameters, s.stage, work);
   for (std::int64_t z = 0; z < pairs.z; ++z) {
     for (std::int64_t y = 0; y < pairs.y; ++y) {
@@ -166,17 +211,21 @@ Results run(const StageFunctions& functions, RandomSplit& s, bool has_cells) {
 
   std::vector<Symbol> at_once;
   load_with_details(work, s);
+  if (s.stage.has_edges) mark_edges(s.stage, work);
   functions.narrow.encode(s.model.parameters, s.stage, work, at_once);
   EXPECT_TRUE(at_once == results.symbols);
   EXPECT_EQ(pairs_of(work, s), results.samples);
 
   const Bytes segment = encode_symbols(s.model, s.stage.set, results.symbols, 0);
   const auto count = static_cast<std::int64_t>(results.symbols.size());
-  EXPECT_EQ(count, s.stage.detail_count());
+  EXPECT_EQ(count + edge_count, s.stage.detail_count());
   load(work, s);
+  if (s.stage.has_edges) {
+    EXPECT_EQ(decode_edges(work, s.stage, edges), edge_count);
+  }
   SymbolReader symbols(s.model, s.stage.set, segment, count, 0);
   functions.narrow.decode(s.model.parameters, s.stage, work, symbols);
-  if (count > 0) symbols.finish();
+  symbols.finish();
   EXPECT_EQ(pairs_of(work, s), results.samples);
   return results;
 }
@@ -208,6 +257,71 @@ TEST_P(StagesOf, GiveWhatThePortableOnesGive) {
   }
 }
 
+TEST_P(StagesOf, GiveTheSameAroundEdgesAndGaps) {
+  const auto functions = stage_functions_of(GetParam());
+  if (!functions) GTEST_SKIP() << "this machine has no " << GetParam();
+  std::mt19937 random(22);
+  for (const Size3& fine : {Size3{33, 64, 9}, Size3{63, 5, 7}, Size3{2, 2, 2}}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const Predictor predictor : {Predictor::neighbours, Predictor::means}) {
+        for (const Samples kind : {Samples::sparse, Samples::gapped, Samples::both}) {
+          for (const bool has_cells : {false, true}) {
+            SCOPED_TRACE(testing::Message() << fine.x << "x" << fine.y << "x" << fine.z << " axis "
+                                            << axis << " predictor " << static_cast<int>(predictor)
+                                            << " samples " << static_cast<int>(kind) << " cells "
+                                            << has_cells);
+            RandomSplit split = make_split(random, fine, axis, predictor, 7, has_cells, kind);
+            const Results expected = run(portable_stage_functions(), split, has_cells);
+            ASSERT_TRUE(run(*functions, split, has_cells) == expected);
+          }
+        }
+      }
+    }
+  }
+}
+
+/// Decodes a stream that nobody encoded; nothing when it ends too early.
+std::optional<std::vector<std::int16_t>> decode_any(const StageFunctions& functions,
+                                                    const RandomSplit& s, ByteSpan segment) {
+  Workspace<std::int16_t> work;
+  load(work, s);
+  SymbolReader symbols(s.model, s.stage.set, segment, s.stage.detail_count(), 0);
+  try {
+    functions.narrow.decode(s.model.parameters, s.stage, work, symbols);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+  return pairs_of(work, s);
+}
+
+TEST_P(StagesOf, MakeTheSameOfAnyStream) {
+  const auto functions = stage_functions_of(GetParam());
+  if (!functions) GTEST_SKIP() << "this machine has no " << GetParam();
+  std::mt19937 random(23);
+  int complete = 0;
+  for (int round = 0; round < 60; ++round) {
+    const Size3 fine{static_cast<std::int64_t>(2 + random() % 63), 8, 6};
+    const auto predictor = round % 2 == 0 ? Predictor::neighbours : Predictor::means;
+    const int bits = 1 + static_cast<int>(random() % 16);
+    RandomSplit split = make_split(random, fine, round % 3, predictor, bits, false);
+    // Long enough for every symbol, plain bits and words alike.
+    Bytes segment(60001);
+    for (auto& byte : segment) byte = static_cast<std::uint8_t>(random());
+    Bytes length;
+    put_varint(length, 20000);
+    std::copy(length.begin(), length.end(), segment.begin());
+    const auto expected = decode_any(portable_stage_functions(), split, segment);
+    ASSERT_EQ(decode_any(*functions, split, segment), expected) << round;
+    if (!expected) continue;
+    ++complete;
+    for (const std::int16_t sample : *expected) {
+      ASSERT_GE(sample, split.stage.min);
+      ASSERT_LE(sample, split.stage.max);
+    }
+  }
+  EXPECT_GT(complete, 30);
+}
+
 /// Times a step, a damaged residual can become the lowest 32-bit number, which has no opposite: its
 /// magnitude must stay one that contexts can be made of.
 TEST_P(StagesOf, BoundTheMagnitudeOfTheLowestResidual) {
@@ -218,7 +332,7 @@ TEST_P(StagesOf, BoundTheMagnitudeOfTheLowestResidual) {
     RandomSplit split = make_split(random, {64, 2, 2}, 1, predictor, 12, false);
     split.stage.step = 4096;
     split.stage.step_bits = 12;
-    split.stage.odd_room = 0;
+    split.stage.odd_low = split.stage.odd_high = 0;
     Workspace<std::int16_t> work;
     load(work, split);
     functions->narrow.predict(split.model.parameters, split.stage, work);

@@ -73,6 +73,56 @@ TEST(ValueMap, ComesBackFromItsBytes) {
   }
 }
 
+TEST(ValueMap, NegativeValuesHaveAnOffsetToo) {
+  std::vector<std::int16_t> voxels(static_cast<std::size_t>(kSize.voxel_count()));
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    voxels[i] = static_cast<std::int16_t>(-1000 + 7 * static_cast<int>(i % 200));
+  }
+  const TrainingBrick brick{
+      {}, {voxels.data(), VoxelType::int16, kSize, kSize.x, kSize.x * kSize.y}};
+  const ValueMap map = learn_value_map(std::span(&brick, 1), true);
+  EXPECT_EQ(map.lattice.step, 7);
+  EXPECT_EQ(map.lattice.offset, 1);  // -1000 = 7 * -143 + 1
+  for (const std::int64_t voxel : {-1000, -993, 393}) {
+    EXPECT_EQ(map.lattice.voxel_of(map.lattice.code_of(voxel)), voxel);
+  }
+}
+
+/// A map as bytes: step, offset, number of codes, first code, flags.
+Bytes map_bytes(std::uint64_t step, std::uint64_t offset, std::uint64_t count, std::int64_t first,
+                std::uint8_t flags) {
+  Bytes bytes;
+  for (const std::uint64_t value : {step, offset, count, zigzag(first)}) put_varint(bytes, value);
+  bytes.push_back(flags);
+  return bytes;
+}
+
+TEST(ValueMap, ImpossibleOnesAreDamage) {
+  const auto take = [](const Bytes& bytes) {
+    ByteSpan left = bytes;
+    return take_value_map(left);
+  };
+  EXPECT_EQ(take(map_bytes(5, 4, 3, -9, 5)).used, (std::vector<std::uint8_t>{1, 0, 1}));
+  constexpr std::int64_t kFar = std::int64_t{1} << 62;
+  for (const Bytes& bytes :
+       {map_bytes(0, 0, 3, 0, 5), map_bytes(5, 5, 3, 0, 5),
+        map_bytes(std::uint64_t{1} << 32, 0, 3, 0, 5), map_bytes(5, 4, 257, 0, 5),
+        map_bytes(5, 4, 3, kFar, 5), map_bytes(5, 4, 3, -kFar, 5), map_bytes(5, 4, 3, 0, 4),
+        map_bytes(5, 4, 3, 0, 1), map_bytes(5, 4, 3, 0, 0)}) {
+    EXPECT_THROW(take(bytes), Error);
+  }
+}
+
+TEST(BrickMap, AGappedBrickOfTooManyValuesIsDamage) {
+  const ValueMap map = map_of(voxels_on(255, 0, 2));
+  Bytes bytes;
+  put_brick_map(bytes, {.is_on_lattice = false, .has_gaps = true, .extras = {}});
+  ByteSpan left = bytes;
+  EXPECT_NO_THROW(take_brick_map(map, {0, 255}, left));
+  left = bytes;
+  EXPECT_THROW(take_brick_map(map, {0, 256}, left), Error);
+}
+
 TEST(BrickMap, BricksOffTheLatticeAreCodedAsTheyAre) {
   const ValueMap map = map_of(voxels_on(16, 32, 1000));
   const auto on = voxels_on(16, 64, 20);
@@ -93,11 +143,11 @@ TEST(BrickMap, ValuesThatTheModelDoesNotKnowAreListed) {
   Bytes bytes;
   put_brick_map(bytes, brick);
   ByteSpan left = bytes;
-  EXPECT_EQ(take_brick_map(map, left).extras, brick.extras);
+  EXPECT_EQ(take_brick_map(map, {0, 255}, left).extras, brick.extras);
   EXPECT_TRUE(left.empty());
   const ValueMap none;
   left = bytes;
-  EXPECT_THROW(take_brick_map(none, left), Error);
+  EXPECT_THROW(take_brick_map(none, {0, 255}, left), Error);
 }
 
 TEST(ValueGaps, NumberEveryPossibleDetailAndNoOther) {
