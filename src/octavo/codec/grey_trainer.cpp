@@ -20,7 +20,6 @@ constexpr int kWeightStep = 3;
 constexpr int kCoarseWeightStep = 5;         ///< for models that count beside what they code
 constexpr std::uint64_t kLittleBytes = 1 << 18;
 constexpr std::size_t kOrderBricks = 16;  ///< bricks that orders are tried on
-constexpr std::size_t kTrialBricks = 8;  ///< bricks that ways to quantise are tried on
 constexpr double kWorthwhile = 0.0005;   ///< what another order must save
 constexpr double kMuchBackground = 0.4;  ///< of the voxels, where edges are tried
 constexpr std::uint64_t kEdgePercent = 3;  ///< what edges must save: they make decoding slower
@@ -164,19 +163,6 @@ std::vector<Plan> plans_for(Predictor predictor, std::int64_t max_error) {
   return plans;
 }
 
-/// The plan whose model, learnt from the bricks of the school, codes them best.
-Plan best_of(School& school, const std::vector<Plan>& plans) {
-  Plan best = plans.front();
-  std::uint64_t least = ~std::uint64_t{0};
-  for (const Plan& plan : plans) {
-    const std::uint64_t bytes = cost(school.bricks(), learn(school, plan));
-    if (bytes >= least) continue;
-    least = bytes;
-    best = plan;
-  }
-  return best;
-}
-
 /// Which part of the voxels of these bricks holds the smallest value of its brick.
 double background_share(std::span<const TrainingBrick> bricks) {
   std::int64_t background = 0;
@@ -218,15 +204,18 @@ Parameters learn_lossless(School& school, Predictor predictor) {
   return best;
 }
 
-/// Learns a model that keeps within a maximum error. The way to do so is chosen on a few bricks.
+/// Learns a model that keeps within a maximum error, in the way that codes these bricks best.
 Parameters learn_lossy(School& school, Predictor predictor, std::int64_t max_error) {
-  std::vector<Plan> plans = plans_for(predictor, max_error);
-  if (plans.size() > 1) {
-    const std::vector<TrainingBrick> few = some_of(school.bricks(), kTrialBricks);
-    School trial(few, school.start().axis_order, school.start().value_map);
-    plans = {best_of(trial, plans)};
+  Parameters best;
+  std::uint64_t least = ~std::uint64_t{0};
+  for (const Plan& plan : plans_for(predictor, max_error)) {
+    const Parameters p = learn(school, plan);
+    const std::uint64_t bytes = cost(school.bricks(), p);
+    if (bytes >= least) continue;
+    least = bytes;
+    best = p;
   }
-  return learn(school, plans.front());
+  return best;
 }
 
 }  // namespace
