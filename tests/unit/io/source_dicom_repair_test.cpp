@@ -356,6 +356,19 @@ TEST(SourceDicomSegmentation, PlanesWithoutAFrameAreEmptyWhenFilled) {
   }
 }
 
+TEST(SourceDicomSegmentation, ATiltedOneKeepsItsLabels) {
+  const TempFolder folder;
+  SegmentationSample sample = segmentation({0, 2, 4});
+  // 0.4 rows of 0.5 mm per frame: shifts of 0, 0.4 and 0.8 rows.
+  sample.positions = {"0\\0\\0", "0\\0.2\\2", "0\\0.4\\4"};
+  write_segmentation(folder.file("seg.dcm"), sample);
+  const auto source = open_source({folder.file("seg.dcm")}, upright());
+  ASSERT_EQ(source->description().size, (Size3{5, 4, 3}));
+  const std::string empty_row(5, '\0');
+  EXPECT_EQ(voxels_of(*source), labels_of(sample, 0) + empty_row + labels_of(sample, 1) +
+                                    empty_row + empty_row + labels_of(sample, 2));
+}
+
 TEST(SourceDicomSegmentation, WhatIsNoPlainMaskIsRefused) {
   const TempFolder folder;
   SegmentationSample sample = segmentation({0, 2});
