@@ -23,11 +23,16 @@ constexpr VerbText kText = {
     "float32 voxels are kept bit by bit where all are whole multiples of one number (plus\n"
     "another), as they mostly are; elsewhere they need --max-error. NaN and infinities are\n"
     "refused unless --nan and --inf say what takes their place. float64 is not read.\n\n"
+    "The slices of a DICOM series must make an even, upright stack. Where they do not, --on-gap\n"
+    "fill interpolates the planes that an even grid lacks (left empty in a segmentation),\n"
+    "--on-gap resample makes planes at the smallest regular step, and --untilt moves the slices\n"
+    "of a tilted gantry upright. What was done is told, and kept in the metadata.\n\n"
     "Examples:\n"
     "  octavo build scans/head/ -o head.8vo\n"
     "  octavo build slices/*.tif --spacing 0.0195 -o bone.8vo\n"
     "  octavo build volume.raw --raw 512,512,300,int16 --spacing 0.8,0.8,1 -o volume.8vo\n"
     "  octavo build aal.nii.gz --labels -o aal.8vo\n"
+    "  octavo build scans/tilted/ --untilt --on-gap resample -o upright.8vo\n"
     "  octavo build scans/head/ --max-error 2 -o small.8vo\n"
     "  octavo build density.nii --max-error 0.001 --nan 0 -o density.8vo"};
 

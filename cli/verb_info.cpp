@@ -6,6 +6,7 @@
 #include "common/failure.h"
 #include "common/geometry_words.h"
 #include "common/inputs.h"
+#include "common/preparation_words.h"
 #include "common/quantities.h"
 #include "common/verb.h"
 #include "common/volume_json.h"
@@ -67,7 +68,8 @@ std::string values_row(const FileReader& reader, const std::string& unit) {
 /// How the voxels of the file relate to those of its source, in a few words.
 std::string loss_words(const FileReader& reader, const nlohmann::ordered_json& metadata) {
   if (reader.max_error() > 0) return "with a max error";
-  return was_source_lossy(metadata) ? "as the source holds them" : "lossless";
+  if (was_source_lossy(metadata)) return "as the source holds them";
+  return was_resampled(metadata) ? "lossless from its prepared planes" : "lossless";
 }
 
 std::string loss_rows(const FileReader& reader, const nlohmann::ordered_json& metadata) {
@@ -141,6 +143,9 @@ std::string screen(const FileReader& reader, bool show_metadata) {
                                    static_cast<double>(raw_bytes_of(d)) / file_bytes,
                                    file_bytes * 8 / static_cast<double>(d.size.voxel_count())));
   text += source_row(metadata);
+  if (const std::string words = preparation_words(metadata); !words.empty()) {
+    text += row("prepared", words);
+  }
   text += row("format", "8vo " + reader.format_version());
   text += level_table(reader);
   if (show_metadata) {

@@ -51,6 +51,10 @@ SourceOptions source_options(const SourceArguments& arguments, const Context& co
     options.spacing_mm = parse_spacing(arguments.spacing, "--spacing");
   }
   options.series = arguments.series;
+  if (arguments.on_gap == "fill") options.on_gap = GapPolicy::fill;
+  if (arguments.on_gap == "resample") options.on_gap = GapPolicy::resample;
+  options.drop_duplicates = arguments.drop_duplicates;
+  options.untilt = arguments.untilt;
   options.max_memory_bytes = context.max_memory_bytes;
   return options;
 }
@@ -68,6 +72,18 @@ void add_source_options(CLI::App& verb, SourceArguments& arguments) {
       ->group(group);
   verb.add_option("--series", arguments.series, "SeriesInstanceUID, where a folder holds several")
       ->type_name("UID")
+      ->group(group);
+  verb.add_option("--on-gap", arguments.on_gap,
+                  "DICOM slices missing or uneven: refuse, fill an even grid, or resample all")
+      ->type_name("HOW")
+      ->check(CLI::IsMember({"error", "fill", "resample"}))
+      ->capture_default_str()
+      ->group(group);
+  verb.add_flag("--drop-duplicates", arguments.drop_duplicates,
+                "DICOM slices at one position with the same voxels: keep one")
+      ->group(group);
+  verb.add_flag("--untilt", arguments.untilt,
+                "DICOM slices sheared by a gantry tilt: resample upright")
       ->group(group);
 }
 

@@ -20,6 +20,9 @@ struct SourceArguments {
   std::string raw;
   std::string spacing;
   std::string series;
+  std::string on_gap = "error";
+  bool drop_duplicates = false;
+  bool untilt = false;
 };
 
 void add_source_options(CLI::App& verb, SourceArguments& arguments);

@@ -72,9 +72,20 @@ struct DicomSample {
   std::string slope = "1";
   std::string intercept = "-1024";
   std::string patient_name = "Nobody^Nemo";
+  std::optional<std::int16_t> padding;
+  int frames = 1;
   std::string voxels;                       ///< native bytes; empty: zeros
 };
 void write_dicom(const std::string& path, const DicomSample& sample);
+
+/// A DICOM segmentation of 5 x 3 voxels of 1 bit, with its geometry in functional groups.
+struct SegmentationSample {
+  std::string type = "BINARY";
+  std::vector<std::string> positions;   ///< of each frame, "x\\y\\z"
+  std::vector<std::uint16_t> segments;  ///< of each frame; empty: all of segment 1
+  std::vector<bool> voxels;             ///< of all frames, one behind the other
+};
+void write_segmentation(const std::string& path, const SegmentationSample& sample);
 
 /// A single-page TIFF part: voxels of 8 or 16 bits.
 struct TiffSample {

@@ -28,7 +28,8 @@ constexpr DicomTag kSequenceEnd = 0xfffee0dd;
 /// Sequences worth keeping; in implicit VR a length alone does not tell a sequence from a value.
 bool is_kept_sequence(DicomTag tag) {
   static const std::set<DicomTag> kKept = {0x52009229, 0x52009230, 0x00209113, 0x00209116,
-                                           0x00289110, 0x00289145, 0x00209111, 0x00283010};
+                                           0x00289110, 0x00289145, 0x00209111, 0x00283010,
+                                           0x00620002, 0x0062000a};
   return kKept.contains(tag);
 }
 

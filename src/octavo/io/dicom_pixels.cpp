@@ -19,8 +19,6 @@ namespace octavo {
 
 namespace {
 
-constexpr const char* kSegmentation = "1.2.840.10008.5.1.4.1.1.66.4";
-
 [[noreturn]] void reject(const DicomLayout& layout, const std::string& why) {
   throw Error(ErrorKind::source_rejected, why, layout.path);
 }
@@ -104,6 +102,20 @@ void decode_frame(const DicomSlice& slice, std::span<std::byte> plane) {
   }
 }
 
+/// Voxels of 1 bit, the lowest bit of a byte first; frames follow one another without a gap.
+void read_native_bits(const DicomSlice& slice, std::span<std::byte> plane) {
+  const DicomPixels& pixels = slice.layout->pixels;
+  const std::uint64_t first_bit = static_cast<std::uint64_t>(slice.frame) * plane.size();
+  const std::uint64_t first_byte = first_bit / 8;
+  std::vector<std::byte> packed(
+      static_cast<std::size_t>((first_bit + plane.size() + 7) / 8 - first_byte));
+  SourceFile(slice.layout->path).read_exactly(pixels.native.offset + first_byte, packed);
+  for (std::size_t i = 0; i < plane.size(); ++i) {
+    const std::size_t bit = static_cast<std::size_t>(first_bit % 8) + i;
+    plane[i] = packed[bit / 8] >> (bit % 8) & std::byte{1};
+  }
+}
+
 void read_native(const DicomSlice& slice, std::span<std::byte> plane) {
   const DicomLayout& layout = *slice.layout;
   const std::uint64_t offset = layout.pixels.native.offset +
@@ -143,9 +155,18 @@ void clean_unused_bits(const DicomLayout& layout, std::span<std::byte> plane) {
 }  // namespace
 
 VoxelType dicom_voxel_type(const DicomLayout& layout) {
-  if (layout.sop_class == kSegmentation) {
-    reject(layout,
-           "a DICOM segmentation (SEG) is not read; convert it to NIfTI or NRRD labels first");
+  if (layout.is_segmentation()) {
+    if (layout.bits_allocated == 1 && layout.segmentation_type == "BINARY" &&
+        layout.samples == 1 && !layout.pixels.is_encapsulated && !layout.pixels.is_float) {
+      return VoxelType::uint8;
+    }
+    reject(layout, "a DICOM segmentation (SEG) of type " +
+                       escaped(layout.segmentation_type.empty() ? "unknown"
+                                                                : layout.segmentation_type) +
+                       " with " + std::to_string(layout.bits_allocated) + " bits per voxel" +
+                       (layout.pixels.is_encapsulated ? ", compressed," : "") +
+                       " is not read; plain BINARY ones of 1 bit are. Convert it to NIfTI or NRRD "
+                       "labels first");
   }
   if (layout.pixels.is_float) {
     reject(layout, "float DICOM pixel data are not read; convert them to NRRD or NIfTI first");
@@ -175,7 +196,7 @@ void check_dicom_pixels(const DicomLayout& layout) {
   const DicomPixels& pixels = layout.pixels;
   const auto frames = static_cast<std::uint64_t>(layout.frames);
   if (!pixels.is_encapsulated) {
-    const std::uint64_t needed = layout.frame_bytes() * frames;
+    const std::uint64_t needed = layout.native_bytes();
     if (pixels.native.length >= needed) return;
     reject(layout, "the pixel data hold " + std::to_string(pixels.native.length) + " bytes, " +
                        std::to_string(needed) + " are needed for " +
@@ -193,6 +214,10 @@ void check_dicom_pixels(const DicomLayout& layout) {
 }
 
 void read_dicom_frame(const DicomSlice& slice, std::span<std::byte> plane) {
+  if (slice.layout->bits_allocated == 1) {
+    read_native_bits(slice, plane);
+    return;
+  }
   if (slice.layout->pixels.is_encapsulated) {
     decode_frame(slice, plane);
   } else {

@@ -2,46 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
-#include <numbers>
 #include <utility>
 
 #include "octavo/core/error.h"
 #include "octavo/io/described_source.h"
+#include "octavo/io/dicom_pixels.h"
 
 namespace octavo {
 
 namespace {
 
 constexpr double kRelativeTolerance = 1e-3;
-constexpr double kLengthToleranceMm = 0.01;
-
-using Normal = Point3;
-
-double dot(const Point3& a, const Point3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-double length(const Point3& a) { return std::sqrt(dot(a, a)); }
-Point3 minus(const Point3& a, const Point3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Point3 cross(const Point3& a, const Point3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-std::string mm_text(double mm) { return number_text(std::round(mm * 1e4) / 1e4) + " mm"; }
-
-template <std::size_t n>
-std::string list_text(const std::array<double, n>& values) {
-  std::string text;
-  for (const double value : values) {
-    if (!text.empty()) text += '\\';
-    text += number_text(value);
-  }
-  return text;
-}
-
-/// A length may differ by a thousandth, or by 0.01 mm where that is little beside it.
-double tolerance_mm(double step_mm) {
-  return std::max(kRelativeTolerance * step_mm, std::min(kLengthToleranceMm, 0.05 * step_mm));
-}
+constexpr std::size_t kMaxListedSegments = 8;
 
 [[noreturn]] void reject(const DicomSlice& slice, const std::string& why) {
   throw Error(ErrorKind::source_rejected, why, slice.layout->path);
@@ -95,112 +68,68 @@ void require_alike(const DicomSlice& a, const DicomSlice& b) {
                 " beyond the digits shown");
 }
 
-/// Unit vectors along rows and columns, and their normal.
-struct Axes {
-  Point3 row;
-  Point3 column;
-  Normal normal;
-};
-
-Axes axes_of(const DicomSlice& slice) {
-  const std::array<double, 6>& o = *slice.orientation;
-  Axes axes{{o[0], o[1], o[2]}, {o[3], o[4], o[5]}, {}};
-  const double r = length(axes.row);
-  const double c = length(axes.column);
-  if (std::abs(r - 1) > 0.01 || std::abs(c - 1) > 0.01 ||
-      std::abs(dot(axes.row, axes.column)) > kRelativeTolerance) {
-    reject(slice, "its orientation " + list_text(o) + " is no pair of perpendicular unit vectors");
-  }
-  for (std::size_t i = 0; i < 3; ++i) {
-    axes.row[i] /= r;
-    axes.column[i] /= c;
-  }
-  axes.normal = cross(axes.row, axes.column);
-  return axes;
-}
-
 std::string pair_text(const DicomSlice& a, const DicomSlice& b) {
   return a.name() + " and " + b.name();
 }
 
-/// Positions along the normal of sorted slices.
-std::vector<double> heights(const std::vector<DicomSlice>& slices, const Normal& normal) {
-  std::vector<double> result;
-  for (const DicomSlice& slice : slices) result.push_back(dot(*slice.position_mm, normal));
-  return result;
+std::vector<std::byte> voxels_of(const DicomSlice& slice) {
+  const DicomLayout& layout = *slice.layout;
+  std::vector<std::byte> voxels(static_cast<std::size_t>(
+      layout.columns * layout.rows * bytes_per_voxel(dicom_voxel_type(layout))));
+  read_dicom_frame(slice, voxels);
+  return voxels;
 }
 
-double median_step(const std::vector<double>& height) {
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < height.size(); ++i) steps.push_back(height[i] - height[i - 1]);
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
-}
-
-/// Refuses two slices at one place.
-void refuse_duplicate(const std::vector<DicomSlice>& slices, const std::vector<double>& height) {
-  double widest = 0;
-  for (std::size_t i = 1; i < height.size(); ++i)
-    widest = std::max(widest, height[i] - height[i - 1]);
-  for (std::size_t i = 1; i < height.size(); ++i) {
-    if (height[i] - height[i - 1] > kRelativeTolerance * widest) continue;
-    reject(slices[i], pair_text(slices[i - 1], slices[i]) + " lie at the same position, " +
-                          mm_text(height[i - 1]) + " and " + mm_text(height[i]) +
-                          " along the normal; remove one of them");
+/// Refuses a slice at the height of the one kept before it, unless it is its copy at the same
+/// place and copies may go.
+void require_copy(const DicomSlice& kept, const DicomSlice& slice, double sideways_mm,
+                  bool may_drop) {
+  const std::string pair = pair_text(kept, slice);
+  if (sideways_mm > tolerance_mm(std::min((*slice.pixel_mm)[0], (*slice.pixel_mm)[1]))) {
+    reject(slice, pair + " lie at the same height along the normal, " + mm_text(sideways_mm) +
+                      " apart sideways; remove one of them");
   }
+  const Point3& at = *kept.position_mm;
+  const std::string place = pair + " lie at the same position (" + number_text(at[0]) + ", " +
+                            number_text(at[1]) + ", " + mm_text(at[2]) + ")";
+  if (!may_drop) {
+    reject(slice,
+           place + "; remove one of them, or give --drop-duplicates to have copies left out");
+  }
+  if (voxels_of(kept) == voxels_of(slice)) return;
+  reject(slice, place + ", but their voxels differ: neither is a copy of the other; remove one of "
+                        "them");
 }
 
-/// A step that differs from the usual one; empty when all are even.
-std::string find_uneven_step(const std::vector<DicomSlice>& slices,
-                             const std::vector<double>& height) {
-  const double usual = median_step(height);
-  for (std::size_t i = 1; i < height.size(); ++i) {
-    const double step = height[i] - height[i - 1];
-    if (std::abs(step - usual) <= tolerance_mm(usual)) continue;
-    const double missing = std::round(step / usual) - 1;
-    const bool is_gap = missing >= 1 && std::abs(step - (missing + 1) * usual) <=
-                                            (missing + 1) * tolerance_mm(usual);
-    return "the step between " + pair_text(slices[i - 1], slices[i]) + " is " + mm_text(step) +
-           ", the usual step is " + mm_text(usual) +
-           (is_gap ? ": " + number_text(missing) + (missing > 1 ? " slices are" : " slice is") +
-                         " missing"
-                   : ": the slices are uneven");
+/// Leaves one slice at each height. Returns the places of those that stay.
+SlicePlaces settle_duplicates(DicomStack& stack, const SlicePlaces& all, bool may_drop) {
+  const double same_mm = same_height_mm(all);
+  SlicePlaces places{all.axes, {}, {}};
+  std::vector<DicomSlice> kept;
+  std::string example;
+  for (std::size_t i = 0; i < all.count(); ++i) {
+    DicomSlice& slice = stack.slices[i];
+    if (!kept.empty() && all.height_mm[i] - places.height_mm.back() <= same_mm) {
+      const double sideways = std::hypot(all.shift_mm[i][0] - places.shift_mm.back()[0],
+                                         all.shift_mm[i][1] - places.shift_mm.back()[1]);
+      require_copy(kept.back(), slice, sideways, may_drop);
+      if (example.empty()) example = slice.name() + " of " + kept.back().name();
+      ++stack.dropped_duplicates;
+      continue;
+    }
+    places.height_mm.push_back(all.height_mm[i]);
+    places.shift_mm.push_back(all.shift_mm[i]);
+    kept.push_back(std::move(slice));
   }
-  return {};
-}
-
-/// Gantry tilt: slices that shift sideways as they go along; empty when they do not.
-std::string find_shear(const std::vector<DicomSlice>& slices, const Normal& normal) {
-  const Point3 way = minus(*slices.back().position_mm, *slices.front().position_mm);
-  const double along = std::abs(dot(way, normal));
-  const double sideways = length(cross(way, normal));
-  if (along > 0 && sideways > std::max(kLengthToleranceMm, kRelativeTolerance * along)) {
-    const double degrees = std::atan2(sideways, along) * 180 / std::numbers::pi;
-    return "the slices are sheared (gantry tilt): from " +
-           pair_text(slices.front(), slices.back()) + " they shift " + mm_text(sideways) +
-           " sideways over " + mm_text(along) + ", an angle of " +
-           number_text(std::round(degrees * 100) / 100) + " degrees";
+  stack.slices = std::move(kept);
+  if (stack.dropped_duplicates > 0) {
+    const bool is_one = stack.dropped_duplicates == 1;
+    stack.warnings.push_back(std::to_string(stack.dropped_duplicates) +
+                             (is_one ? " copy of a slice" : " copies of slices") +
+                             " left out (same position, same voxels): " + example +
+                             (is_one ? "" : " and others"));
   }
-  for (std::size_t i = 1; i < slices.size(); ++i) {
-    const Point3 step = minus(*slices[i].position_mm, *slices[i - 1].position_mm);
-    const double shift = length(cross(step, normal));
-    const double forward = dot(step, normal);
-    if (shift <= tolerance_mm(forward) + kRelativeTolerance * forward) continue;
-    return "between " + pair_text(slices[i - 1], slices[i]) + " the picture shifts " +
-           mm_text(shift) + " sideways in a step of " + mm_text(forward);
-  }
-  return {};
-}
-
-void prove_positions(const std::vector<DicomSlice>& slices, const Normal& normal) {
-  const std::vector<double> height = heights(slices, normal);
-  refuse_duplicate(slices, height);
-  const std::string uneven = find_uneven_step(slices, height);
-  const std::string sheared = find_shear(slices, normal);
-  if (uneven.empty() && sheared.empty()) return;
-  reject(slices.front(), sheared + (uneven.empty() || sheared.empty() ? "" : "; also ") + uneven +
-                             "; complete or resample the series first");
+  return places;
 }
 
 /// The distance of planes of a single slice cannot be measured.
@@ -213,33 +142,49 @@ double lone_spacing(const DicomSlice& slice, DicomStack& stack) {
   return is_usable ? *thickness : 1.0;
 }
 
-void place_stack(DicomStack& stack) {
-  std::vector<DicomSlice>& slices = stack.slices;
-  const Axes axes = axes_of(slices.front());
-  std::stable_sort(slices.begin(), slices.end(), [&](const DicomSlice& a, const DicomSlice& b) {
-    return dot(*a.position_mm, axes.normal) < dot(*b.position_mm, axes.normal);
-  });
-  double step = 0;
-  if (slices.size() > 1) {
-    prove_positions(slices, axes.normal);
-    const Point3 way = minus(*slices.back().position_mm, *slices.front().position_mm);
-    step = dot(way, axes.normal) / static_cast<double>(slices.size() - 1);
-  } else {
-    step = lone_spacing(slices.front(), stack);
+void place_stack(DicomStack& stack, const SourceOptions& options) {
+  const SlicePlaces all = sort_along_normal(stack.slices);
+  const SlicePlaces places = settle_duplicates(stack, all, options.drop_duplicates);
+  const DicomSlice& first = stack.slices.front();
+  const std::array<double, 2>& pixel = *first.pixel_mm;
+  if (!(pixel[0] > 0 && pixel[1] > 0)) {
+    reject(first, "its pixel spacing " + list_text(pixel) + " is not positive");
   }
-  const std::array<double, 2>& pixel = *slices.front().pixel_mm;
-  stack.geometry.origin_mm = *slices.front().position_mm;
-  stack.geometry.spacing_mm = {pixel[0], pixel[1], step};
+  stack.geometry.origin_mm = *first.position_mm;
+  stack.geometry.spacing_mm = {pixel[0], pixel[1], 1};
   for (std::size_t i = 0; i < 3; ++i) {
-    stack.geometry.direction[i * 3] = axes.row[i];
-    stack.geometry.direction[i * 3 + 1] = axes.column[i];
-    stack.geometry.direction[i * 3 + 2] = axes.normal[i];
+    stack.geometry.direction[i * 3] = places.axes.row[i];
+    stack.geometry.direction[i * 3 + 1] = places.axes.column[i];
+    stack.geometry.direction[i * 3 + 2] = places.axes.normal[i];
   }
   stack.spacing_known = true;
+  if (stack.slices.size() > 1) {
+    plan_planes(stack, places, options);
+  } else {
+    stack.geometry.spacing_mm[2] = lone_spacing(first, stack);
+    stack.planes = {PlaneOrigin{}};
+  }
 }
 
 bool has_geometry(const DicomSlice& slice) {
   return slice.position_mm && slice.orientation && slice.pixel_mm;
+}
+
+/// A voxel of a segmentation may belong to several segments, that of a volume has one value.
+void require_one_segment(const std::vector<DicomSlice>& slices) {
+  const DicomSlice& first = slices.front();
+  for (const DicomSlice& slice : slices) {
+    if (slice.segment == first.segment) continue;
+    std::string list;
+    const std::vector<DicomSegment>& segments = first.layout->segments;
+    for (std::size_t i = 0; i < std::min(segments.size(), kMaxListedSegments); ++i) {
+      list += (i == 0 ? "" : ", ") + std::to_string(segments[i].number) + " " +
+              escaped(segments[i].label);
+    }
+    if (segments.size() > kMaxListedSegments) list += " ...";
+    reject(slice, "a segmentation (SEG) of several segments (" + list + "): one is read; split it "
+                  "into a file for each first, as segimage2itkimage does");
+  }
 }
 
 /// Without positions the order is that of the instance numbers, or of the frames of one file.
@@ -291,21 +236,24 @@ std::vector<DicomSlice> choose_series(std::vector<DicomSlice> slices, const std:
   throw Error(ErrorKind::source_rejected, start + list, source);
 }
 
-DicomStack prove_stack(std::vector<DicomSlice> slices, bool may_lack_geometry) {
+DicomStack prove_stack(std::vector<DicomSlice> slices, const SourceOptions& options) {
   DicomStack stack;
   stack.slices = std::move(slices);
+  stack.holds_labels = stack.slices.front().layout->is_segmentation();
+  if (stack.holds_labels) require_one_segment(stack.slices);
   for (const DicomSlice& slice : stack.slices) require_alike(stack.slices.front(), slice);
   const auto lacking = std::find_if_not(stack.slices.begin(), stack.slices.end(), has_geometry);
   if (lacking == stack.slices.end()) {
-    place_stack(stack);
+    place_stack(stack, options);
     return stack;
   }
-  if (!may_lack_geometry) {
+  if (!options.spacing_mm) {
     reject(*lacking, "no geometry: position, orientation or pixel spacing is missing in " +
                          lacking->name() +
                          "; give --spacing x,y,z to take the slices in their order");
   }
   order_by_number(stack.slices);
+  for (std::size_t i = 0; i < stack.slices.size(); ++i) stack.planes.push_back({i});
   stack.warnings.push_back(
       "positions are not in the files: slices taken in the order of their numbers");
   return stack;

@@ -18,6 +18,9 @@ constexpr DicomTag kPlanePosition = 0x00209113;
 constexpr DicomTag kPlaneOrientation = 0x00209116;
 constexpr DicomTag kPixelMeasures = 0x00289110;
 constexpr DicomTag kValueTransformation = 0x00289145;
+constexpr DicomTag kSegmentIdentification = 0x0062000a;
+constexpr DicomTag kSegmentSequence = 0x00620002;
+constexpr const char* kSegmentation = "1.2.840.10008.5.1.4.1.1.66.4";
 constexpr std::int64_t kMaxFrames = std::int64_t{1} << 21;
 
 /// Tags that say how the picture was made. None of them names a person, a place, a day or an
@@ -79,6 +82,15 @@ std::int64_t required(const DicomFile& file, DicomTag tag, const char* name) {
   return *value;
 }
 
+/// Pixel Padding Value as a stored value: unused bits masked and the sign extended, as in voxels.
+std::optional<std::int64_t> read_padding(const DicomLayout& layout,
+                                         std::optional<std::int64_t> raw) {
+  if (!raw || layout.bits_stored < 1 || layout.bits_stored > 32) return std::nullopt;
+  const std::int64_t span = std::int64_t{1} << layout.bits_stored;
+  const std::int64_t value = *raw & (span - 1);
+  return layout.is_signed && value >= span / 2 ? value - span : value;
+}
+
 DicomLayout read_layout(const DicomFile& file) {
   const DicomSet& data = file.data;
   DicomLayout layout;
@@ -101,6 +113,12 @@ DicomLayout read_layout(const DicomFile& file) {
   layout.was_lossy = data.text(0x00282110) == "01" || is_lossy_syntax(file.transfer_syntax);
   layout.slice_thickness_mm = data.decimal(0x00180050);
   layout.pixels = file.pixels;
+  layout.padding_value = read_padding(layout, data.unsigned_value(0x00280120));
+  layout.segmentation_type = data.text(0x00620001);
+  for (const DicomSet& segment : data.items(kSegmentSequence)) {
+    layout.segments.push_back(
+        {segment.unsigned_value(0x00620004).value_or(0), segment.text(0x00620005)});
+  }
   const double frames = data.decimal(0x00280008).value_or(1);
   if (!(frames >= 1 && frames <= static_cast<double>(kMaxFrames))) {
     reject(file.path, "Number of Frames is " + number_text(frames));
@@ -148,6 +166,23 @@ std::uint64_t DicomLayout::frame_bytes() const {
   return static_cast<std::uint64_t>(rows * columns * samples * ((bits_allocated + 7) / 8));
 }
 
+std::uint64_t DicomLayout::native_bytes() const {
+  const auto count = static_cast<std::uint64_t>(frames);
+  if (bits_allocated != 1) return frame_bytes() * count;
+  return (static_cast<std::uint64_t>(rows * columns * samples) * count + 7) / 8;
+}
+
+bool DicomLayout::is_segmentation() const { return sop_class == kSegmentation; }
+
+std::string list_text(std::span<const double> values) {
+  std::string text;
+  for (const double value : values) {
+    if (!text.empty()) text += '\\';
+    text += number_text(value);
+  }
+  return text;
+}
+
 std::string DicomSlice::name() const {
   const std::string file = escaped(base_name(layout->path));
   return layout->frames == 1 ? file : file + " frame " + std::to_string(frame + 1);
@@ -172,6 +207,9 @@ std::vector<DicomSlice> read_dicom_slices(const std::string& path) {
       take_place(macro(shared, own, kPlanePosition), macro(shared, own, kPlaneOrientation),
                  macro(shared, own, kPixelMeasures), slice);
       take_rescale(macro(shared, own, kValueTransformation), slice);
+      if (const DicomSet* segment = macro(shared, own, kSegmentIdentification)) {
+        slice.segment = segment->unsigned_value(0x0062000b).value_or(0);
+      }
     } else {
       // Without functional groups one position cannot be that of several frames.
       take_place(layout->frames == 1 ? &file.data : nullptr, &file.data, &file.data, slice);

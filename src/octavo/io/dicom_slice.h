@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,11 @@
 #include "octavo/io/dicom_file.h"
 
 namespace octavo {
+
+struct DicomSegment {
+  std::int64_t number = 0;
+  std::string label;
+};
 
 /// What all frames of one file share.
 struct DicomLayout {
@@ -34,12 +40,19 @@ struct DicomLayout {
   std::int64_t bits_stored = 0;
   std::int64_t high_bit = 0;
   bool is_signed = false;
+  std::optional<std::int64_t> padding_value;  ///< a stored value that is no measurement
+  std::string segmentation_type;              ///< of a SEG: BINARY or FRACTIONAL
+  std::vector<DicomSegment> segments;         ///< of a SEG
   bool was_lossy = false;  ///< the header or the transfer syntax says that values were changed
   std::optional<double> slice_thickness_mm;
   DicomPixels pixels;
 
-  /// Bytes of one frame as stored natively.
+  /// A DICOM segmentation.
+  bool is_segmentation() const;
+  /// Bytes of one frame as stored natively; those of 1-bit voxels share bytes and have none.
   std::uint64_t frame_bytes() const;
+  /// Bytes of all frames as stored natively.
+  std::uint64_t native_bytes() const;
 };
 
 /// One frame.
@@ -52,10 +65,14 @@ struct DicomSlice {
   Rescale rescale;
   std::string rescale_type;
   std::optional<double> instance_number;
+  std::int64_t segment = 0;  ///< of a SEG: the number of the segment that the frame belongs to
 
   /// The file's name, with the frame where it has several.
   std::string name() const;
 };
+
+/// "1\0\0": numbers as DICOM lists them.
+std::string list_text(std::span<const double> values);
 
 /// The slices of one file in frame order, geometry and rescale from the functional groups where it
 /// has them. None when the file holds no pixel data (reports, directories).

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "octavo/io/dicom_pixels.h"
+#include "octavo/io/dicom_plane.h"
 #include "octavo/io/dicom_series.h"
 #include "octavo/io/source_file.h"
 
@@ -15,16 +16,16 @@ namespace {
 
 class DicomSource final : public IndexedPlaneSource {
  public:
-  DicomSource(SourceFacts facts, std::vector<DicomSlice> slices)
-      : IndexedPlaneSource(std::move(facts)), slices_(std::move(slices)) {}
+  DicomSource(SourceFacts facts, DicomStack stack)
+      : IndexedPlaneSource(std::move(facts)), stack_(std::move(stack)) {}
 
   void read_plane_at(std::int64_t z, std::span<std::byte> plane) const override {
     require_plane(plane);
-    read_dicom_frame(slices_[static_cast<std::size_t>(z)], plane);
+    read_stack_plane(stack_, z, plane);
   }
 
  private:
-  std::vector<DicomSlice> slices_;
+  DicomStack stack_;
 };
 
 std::vector<DicomSlice> collect_slices(const std::vector<std::string>& files,
@@ -59,11 +60,13 @@ std::string unit_of(const DicomSlice& slice) {
   return slice.layout->modality == "CT" && type != "US" ? "HU" : "";
 }
 
-std::string extra_json(const DicomSlice& slice, bool was_lossy, bool is_placed) {
+std::string extra_json(const DicomStack& stack, bool was_lossy) {
   nlohmann::json extra;
-  if (!is_placed) extra["place_known"] = false;
-  extra["dicom"] = nlohmann::json::parse(dicom_metadata_json(slice.layout->path));
+  if (!stack.spacing_known) extra["place_known"] = false;
+  extra["dicom"] = nlohmann::json::parse(dicom_metadata_json(stack.slices.front().layout->path));
   if (was_lossy) extra["lossy_source"] = true;
+  const std::string preparation = preparation_json(stack);
+  if (!preparation.empty()) extra["prepared"] = nlohmann::json::parse(preparation);
   return extra.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
@@ -73,8 +76,8 @@ SourceFacts describe(const DicomStack& stack) {
   SourceFacts facts;
   facts.format = "DICOM";
   facts.description.type = dicom_voxel_type(layout);
-  facts.description.size = {layout.columns, layout.rows,
-                            static_cast<std::int64_t>(stack.slices.size())};
+  facts.description.size = stack.size();
+  if (stack.holds_labels) facts.description.kind = VolumeKind::labels;
   facts.description.geometry = stack.geometry;
   facts.description.rescale = first.rescale;
   facts.spacing_known = stack.spacing_known;
@@ -99,7 +102,7 @@ SourceFacts describe(const DicomStack& stack) {
     facts.warnings.push_back(
         "a mosaic: each picture holds several slices side by side, which are not taken apart");
   }
-  facts.extra_json = extra_json(first, was_lossy, stack.spacing_known);
+  facts.extra_json = extra_json(stack, was_lossy);
   return facts;
 }
 
@@ -118,12 +121,12 @@ std::unique_ptr<PlaneSource> open_dicom_source(const std::vector<std::string>& f
     dicom_voxel_type(*slice.layout);
     check_dicom_pixels(*slice.layout);
   }
-  DicomStack stack = prove_stack(std::move(slices), options.spacing_mm.has_value());
+  DicomStack stack = prove_stack(std::move(slices), options);
   SourceFacts facts = describe(stack);
   facts.warnings.insert(facts.warnings.begin(), warnings.begin(), warnings.end());
   facts.warnings.insert(facts.warnings.end(), stack.warnings.begin(), stack.warnings.end());
   settle(facts, options, source);
-  return std::make_unique<DicomSource>(std::move(facts), std::move(stack.slices));
+  return std::make_unique<DicomSource>(std::move(facts), std::move(stack));
 }
 
 }  // namespace octavo

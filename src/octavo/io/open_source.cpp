@@ -175,14 +175,21 @@ std::unique_ptr<PlaneSource> dispatch(const std::vector<std::string>& paths,
 
 }  // namespace
 
+std::string SourceOptions::dicom_option() const {
+  if (!series.empty()) return "--series";
+  if (on_gap != GapPolicy::error) return "--on-gap";
+  if (drop_duplicates) return "--drop-duplicates";
+  return untilt ? "--untilt" : "";
+}
+
 std::unique_ptr<PlaneSource> open_source(const std::vector<std::string>& paths,
                                          const SourceOptions& options) {
   if (paths.empty()) throw Error(ErrorKind::invalid_argument, "no source given");
   std::unique_ptr<PlaneSource> source = dispatch(paths, options);
   const bool is_dicom =
       source->description().metadata_json.find("\"format\":\"DICOM\"") != std::string::npos;
-  if (!options.series.empty() && !is_dicom) {
-    throw Error(ErrorKind::invalid_argument, "--series applies to DICOM only", paths.front());
+  if (const std::string option = options.dicom_option(); !option.empty() && !is_dicom) {
+    throw Error(ErrorKind::invalid_argument, option + " applies to DICOM only", paths.front());
   }
   return source;
 }

@@ -21,12 +21,25 @@ struct RawLayout {
 /// Parses "nx,ny,nz,type" (type may end in ":be"). Throws Error{invalid_argument}.
 RawLayout parse_raw_layout(const std::string& text);
 
+/// What happens where slices of a series are missing or lie unevenly.
+enum class GapPolicy {
+  error,     ///< the series is refused
+  fill,      ///< planes missing on an even grid are interpolated between their neighbours
+  resample,  ///< planes at the smallest regular step are interpolated along the normal
+};
+
 struct SourceOptions {
   std::optional<RawLayout> raw;  ///< the paths are headerless planes (one file, or one per plane)
   std::optional<Point3> spacing_mm;       ///< overrides, or supplies what the files lack
   std::string series;                     ///< DICOM SeriesInstanceUID, when a folder holds several
+  GapPolicy on_gap = GapPolicy::error;    ///< DICOM
+  bool drop_duplicates = false;           ///< DICOM: of equal slices at one place one is taken
+  bool untilt = false;                    ///< DICOM: slices sheared by a tilt are put upright
   std::uint64_t max_memory_bytes =
       0;  ///< 0: none; whole-volume formats beyond it: Error{limit_exceeded}
+
+  /// The first option set here that only DICOM sources understand, as "--untilt"; or nothing.
+  std::string dicom_option() const;
 };
 
 /// paths   one file or folder, or the files of one stack in any order

@@ -86,17 +86,17 @@ TEST(SourceShared, AwkwardSourcesAreRefusedByName) {
   const auto root = shared_data();
   if (!root) GTEST_SKIP() << missing_shared_file("awkward");
   const std::vector<Awkward> rows = {
-      {"tilt_uneven_ge", {"18.5 degrees", "tilt", "uneven", "14.dcm", "15.dcm"}},
-      {"missing_slice", {"04.dcm", "06.dcm", "16 mm", "8 mm", "missing"}},
+      {"tilt_uneven_ge",
+       {"18.5 degrees", "tilt", "uneven", "14.dcm", "15.dcm", "--untilt", "--on-gap resample"}},
+      {"missing_slice", {"04.dcm", "06.dcm", "16 mm", "8 mm", "missing", "--on-gap fill"}},
       {"truncated_slice", {"03.dcm", "ends early"}},
-      {"duplicate_slice", {"01.dcm", "02.dcm", "same position", "120 mm"}},
+      {"duplicate_slice", {"01.dcm", "02.dcm", "same position", "120 mm", "--drop-duplicates"}},
       {"mixed_series", {"2 series", "--series", "512 x 512", "128 x 128"}},
       {"codecs_ct2", {"series"}},
       {"MR_truncated.dcm", {"MR_truncated.dcm", "ends early"}},
       {"emri_small.dcm", {"no geometry", "--spacing"}},
       {"emri_small_j2k_too_short.dcm", {"ends early"}},
       {"parametric_map_float.dcm", {"float DICOM"}},
-      {"seg_1bit_liver.dcm", {"SEG"}},
       {"seg_deflated_liver.dcm", {"1.2.840.10008.1.2.8.1"}},
       {"SC_rgb_16bit.dcm", {"colour", "RGB"}},
       {"rgba_CIT168.nii.gz", {"RGBA"}},
@@ -138,6 +138,55 @@ TEST(SourceShared, LosslessCodecsAndByteOrdersGiveEqualVoxels) {
     const auto source = open_source({(awkward / "codecs_ct2" / name).string()}, {});
     EXPECT_NE(source->description().metadata_json.find("lossy_source"), std::string::npos) << name;
   }
+}
+
+TEST(SourceShared, AwkwardSeriesAreMadeEvenAndUprightWhenAsked) {
+  const auto root = shared_data();
+  if (!root) GTEST_SKIP() << missing_shared_file("awkward");
+  SourceOptions options;
+  options.untilt = true;
+  options.on_gap = GapPolicy::resample;
+  options.drop_duplicates = true;
+  const auto open = [&](const char* name) {
+    return open_source({(*root / "awkward" / name).string()}, options);
+  };
+  const auto tilted = open("tilt_uneven_ge");
+  EXPECT_EQ(tilted->description().size, (Size3{512, 611, 37}));
+  EXPECT_NEAR(tilted->description().geometry.spacing_mm[2], 4.22 * 0.9483237, 1e-4);
+  EXPECT_EQ(open("duplicate_slice")->description().size, (Size3{512, 512, 2}));
+  options.on_gap = GapPolicy::fill;
+  const auto filled = open("missing_slice");
+  EXPECT_EQ(filled->description().size, (Size3{512, 512, 7}));
+  EXPECT_EQ(filled->description().geometry.spacing_mm[2], 8);
+  // Each slice stands unchanged at its place, and the plane made lies between its neighbours.
+  const std::string all = voxels_of(*filled);
+  const std::size_t plane = all.size() / 7;
+  for (const std::size_t z : {0U, 1U, 2U, 3U, 5U, 6U}) {
+    const std::string name = "0" + std::to_string(z + 1) + ".dcm";
+    EXPECT_EQ(all.substr(z * plane, plane),
+              voxels_of(*open_source({(*root / "awkward/missing_slice" / name).string()}, {})));
+  }
+  std::vector<std::uint16_t> values(all.size() / 2);
+  std::memcpy(values.data(), all.data(), all.size());
+  for (std::size_t i = 4 * plane / 2; i < 5 * plane / 2; ++i) {
+    const double mean = (values[i - plane / 2] + values[i + plane / 2]) / 2.0;
+    ASSERT_NEAR(values[i], mean, 0.5);
+  }
+}
+
+TEST(SourceShared, SegmentationsAreLabelsAndFramesWithoutGeometryTakeASpacing) {
+  const auto root = shared_data();
+  if (!root) GTEST_SKIP() << missing_shared_file("awkward");
+  const auto liver = open_source({(*root / "awkward/seg_1bit_liver.dcm").string()}, {});
+  EXPECT_EQ(liver->description().kind, VolumeKind::labels);
+  EXPECT_EQ(liver->description().size, (Size3{512, 512, 3}));
+  const std::string labels = voxels_of(*liver);
+  EXPECT_EQ(std::count(labels.begin(), labels.end(), '\1'), 107098);
+  EXPECT_EQ(std::count(labels.begin(), labels.end(), '\0'), 512 * 512 * 3 - 107098);
+  SourceOptions options;
+  options.spacing_mm = Point3{1, 1, 1.2};
+  const auto mr = open_source({(*root / "awkward/emri_small.dcm").string()}, options);
+  EXPECT_EQ(mr->description().size, (Size3{64, 64, 10}));
 }
 
 TEST(SourceShared, AwkwardButSoundSourcesAreReadWithTheirGeometry) {

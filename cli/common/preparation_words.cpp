@@ -1,0 +1,56 @@
+#include "common/preparation_words.h"
+
+#include <fmt/format.h>
+
+#include "common/quantities.h"
+
+namespace octavo::cli {
+
+namespace {
+
+/// A member of an object, or null.
+const nlohmann::ordered_json& member(const nlohmann::ordered_json& object, const char* name) {
+  static const nlohmann::ordered_json kNull;
+  if (!object.is_object()) return kNull;
+  const auto found = object.find(name);
+  return found == object.end() ? kNull : *found;
+}
+
+std::int64_t count_in(const nlohmann::ordered_json& object, const char* name) {
+  const nlohmann::ordered_json& value = member(object, name);
+  return value.is_number_integer() ? value.get<std::int64_t>() : 0;
+}
+
+void add(std::string& text, const std::string& words) {
+  text += (text.empty() ? "" : "; ") + words;
+}
+
+}  // namespace
+
+std::string preparation_words(const nlohmann::ordered_json& metadata) {
+  const nlohmann::ordered_json& prepared = member(metadata, "prepared");
+  std::string text;
+  if (const std::int64_t count = count_in(prepared, "dropped_duplicates"); count > 0) {
+    add(text, fmt::format("{} {} left out", count_text(count),
+                          count == 1 ? "copy of a slice" : "copies of slices"));
+  }
+  const nlohmann::ordered_json& gaps = member(prepared, "gaps");
+  if (const std::int64_t count = count_in(gaps, "made_plane_count"); count > 0) {
+    const bool is_empty = member(gaps, "method") == "background";
+    add(text, fmt::format("{} plane{} {}", count_text(count), count == 1 ? "" : "s",
+                          is_empty ? "without a slice left empty"
+                                   : "interpolated between slices"));
+  }
+  if (const nlohmann::ordered_json& angle = member(member(prepared, "tilt"), "angle_degrees");
+      angle.is_number()) {
+    add(text, fmt::format("gantry tilt of {:.4g} degrees removed", angle.get<double>()));
+  }
+  return text;
+}
+
+bool was_resampled(const nlohmann::ordered_json& metadata) {
+  const nlohmann::ordered_json& prepared = member(metadata, "prepared");
+  return member(prepared, "gaps").is_object() || member(prepared, "tilt").is_object();
+}
+
+}  // namespace octavo::cli

@@ -1,0 +1,16 @@
+// What was done to the slices of a source before they were folded, in words.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace octavo::cli {
+
+/// "gantry tilt of 18.5 degrees removed; 23 planes interpolated between slices"; empty when the
+/// metadata names nothing. The metadata may come from any file.
+std::string preparation_words(const nlohmann::ordered_json& metadata);
+
+/// True when voxels were interpolated or moved, so that they are not those of the source.
+bool was_resampled(const nlohmann::ordered_json& metadata);
+
+}  // namespace octavo::cli
