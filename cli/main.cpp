@@ -2,10 +2,12 @@
 #include <CLI/CLI.hpp>
 #include <sstream>
 #include <string>
+#include <string_view>
 
 #include "common/cancel.h"
 #include "common/context.h"
 #include "common/failure.h"
+#include "octavo/io/import_worker.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -78,6 +80,9 @@ int run_program(int argc, char** argv) {
 }  // namespace octavo::cli
 
 int main(int argc, char** argv) {
+  // What this program starts itself as, to read scans in; not a verb that people type.
+  const bool is_worker_name = argc == 2 && std::string_view(argv[1]) == "import-worker";
+  if (is_worker_name && octavo::has_import_request()) octavo::run_import_worker();
   try {
     return octavo::cli::run_program(argc, argv);
   } catch (...) {

@@ -3,12 +3,15 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <sstream>
 
+#include "common/cancel.h"
 #include "common/file_planes.h"
 #include "common/quantities.h"
 #include "octavo/core/error.h"
 #include "octavo/file/storage.h"
 #include "octavo/io/http_source.h"
+#include "octavo/io/isolated_source.h"
 #include "octavo/io/open_source.h"
 #include "octavo/io/prefetch_source.h"
 
@@ -59,6 +62,19 @@ SourceOptions source_options(const SourceArguments& arguments, const Context& co
   return options;
 }
 
+/// This program reads scans in another run of itself.
+IsolationOptions isolation_options(const Context& context) {
+  IsolationOptions options;
+  options.command = {"/proc/self/exe", "import-worker"};
+  options.threads = context.thread_count();
+  options.is_cancelled = is_cancel_requested;
+  options.on_output = [&context](const std::string& output) {
+    std::istringstream lines(output);
+    for (std::string line; std::getline(lines, line);) context.detail("reader: " + line);
+  };
+  return options;
+}
+
 }  // namespace
 
 void add_source_options(CLI::App& verb, SourceArguments& arguments) {
@@ -84,6 +100,9 @@ void add_source_options(CLI::App& verb, SourceArguments& arguments) {
       ->group(group);
   verb.add_flag("--untilt", arguments.untilt,
                 "DICOM slices sheared by a gantry tilt: resample upright")
+      ->group(group);
+  verb.add_flag("--no-isolation", arguments.no_isolation,
+                "Run libtiff, libpng, GDCM and ITK in this process (to debug them)")
       ->group(group);
 }
 
@@ -113,10 +132,16 @@ void require_free_output(const std::string& path, const Context& context) {
 
 std::unique_ptr<PlaneSource> open_scan(const std::vector<std::string>& paths,
                                        const SourceArguments& arguments, Context& context) {
-  auto source = open_source(paths, source_options(arguments, context));
-  // What a source loaded whole has nothing to decode ahead.
-  if (source->resident_bytes() == 0) {
-    source = make_prefetch_source(std::move(source), {.threads = context.thread_count()});
+  const SourceOptions options = source_options(arguments, context);
+  std::unique_ptr<PlaneSource> source;
+  if (!arguments.no_isolation && needs_isolation(paths, options)) {
+    source = open_isolated_source(paths, options, isolation_options(context));
+  } else {
+    source = open_source(paths, options);
+    // What a source loaded whole has nothing to decode ahead.
+    if (source->resident_bytes() == 0) {
+      source = make_prefetch_source(std::move(source), {.threads = context.thread_count()});
+    }
   }
   return std::make_unique<WatchedSource>(std::move(source), context);
 }

@@ -23,6 +23,7 @@ struct SourceArguments {
   std::string on_gap = "error";
   bool drop_duplicates = false;
   bool untilt = false;
+  bool no_isolation = false;
 };
 
 void add_source_options(CLI::App& verb, SourceArguments& arguments);
@@ -40,7 +41,8 @@ std::shared_ptr<FileReader> open_octavo(const std::string& path, const Context& 
 /// vain.
 void require_free_output(const std::string& path, const Context& context);
 
-/// Opens a scan and passes its warnings on. With --strict a warning that comes up later, while
+/// Opens a scan, in a process of its own where libraries of others read it, and passes its warnings
+/// on. With --strict a warning that comes up later, while
 /// planes are read, is an error as well.
 std::unique_ptr<PlaneSource> open_scan(const std::vector<std::string>& paths,
                                        const SourceArguments& arguments, Context& context);

@@ -194,4 +194,20 @@ std::unique_ptr<PlaneSource> open_source(const std::vector<std::string>& paths,
   return source;
 }
 
+bool needs_isolation(const std::vector<std::string>& paths, const SourceOptions& options) {
+  if (options.raw) return false;
+  if (paths.size() != 1 || is_folder(paths.front()) || is_dicomdir(paths.front())) return true;
+  switch (format_of(paths.front())) {
+    case Format::dicom:
+    case Format::tiff:
+    case Format::png:
+    case Format::itk: return true;
+    case Format::nifti:
+    case Format::nrrd:
+    case Format::meta_image:
+    case Format::unknown: return false;
+  }
+  return true;
+}
+
 }  // namespace octavo

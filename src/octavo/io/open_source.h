@@ -48,4 +48,9 @@ struct SourceOptions {
 std::unique_ptr<PlaneSource> open_source(const std::vector<std::string>& paths,
                                          const SourceOptions& options);
 
+/// True when code of others (GDCM, libtiff, libpng, ITK) may get to see these files: DICOM, TIFF,
+/// PNG, VTK, GIPL, folders and lists of files. isolated_source.h reads such in another process.
+/// Throws Error{io} when the only path cannot be read
+bool needs_isolation(const std::vector<std::string>& paths, const SourceOptions& options);
+
 }  // namespace octavo

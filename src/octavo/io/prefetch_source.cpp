@@ -10,6 +10,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/io/described_source.h"
+#include "octavo/io/reader_notes.h"
 
 namespace octavo {
 
@@ -99,6 +100,7 @@ class PrefetchSource final : public PlaneSource {
     for (std::int64_t z = take_ticket(); z < plane_count_; z = take_ticket()) {
       Slot& slot = slot_of(z);
       std::exception_ptr failure;
+      note_plane(z);
       try {
         if (indexed_ != nullptr) {
           indexed_->read_plane_at(z, slot.plane);

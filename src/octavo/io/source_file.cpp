@@ -13,6 +13,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/io/natural_order.h"
+#include "octavo/io/reader_notes.h"
 
 namespace octavo {
 
@@ -39,6 +40,7 @@ void collect_files(const std::string& folder, std::vector<std::string>& files) {
 }  // namespace
 
 SourceFile::SourceFile(const std::string& path) : path_(path) {
+  note_file(path);
   descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor_ < 0) throw system_failure(path, "cannot open");
   struct stat status {};

@@ -1,0 +1,119 @@
+#!/usr/bin/env python3
+"""Runs builds whose sources are read by another process, and ends either process.
+
+usage: isolation_test.py OCTAVO [unittest arguments]
+"""
+
+import os
+import pathlib
+import random
+import signal
+import struct
+import subprocess
+import sys
+import time
+import unittest
+
+import cli_test
+from cli_test import InFolder
+
+
+def write_tiff(path, width, height, voxels):
+    """An uncompressed grey TIFF of 8 bits in one strip."""
+    fields = [(256, 4, width), (257, 4, height), (258, 3, 8), (259, 3, 1), (262, 3, 1),
+              (273, 4, 8), (277, 3, 1), (278, 4, height), (279, 4, len(voxels))]
+    head = struct.pack("<2sHI", b"II", 42, 8 + len(voxels) + len(voxels) % 2)
+    table = struct.pack("<H", len(fields))
+    for tag, kind, value in fields:
+        table += struct.pack("<HHII", tag, kind, 1, value)
+    path.write_bytes(head + voxels + bytes(len(voxels) % 2) + table + struct.pack("<I", 0))
+
+
+def children_of(process):
+    """The processes that `process` started and that have not ended."""
+    found = []
+    for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
+        try:
+            state, parent = stat.read_text().rsplit(")", 1)[1].split()[:2]
+        except OSError:
+            continue
+        if int(parent) == process and state not in "ZX":
+            found.append(int(stat.parent.name))
+    return found
+
+
+def is_running(process):
+    try:
+        text = pathlib.Path(f"/proc/{process}/stat").read_text()
+    except OSError:
+        return False
+    return text.rsplit(")", 1)[1].split()[0] not in "ZX"
+
+
+class Isolation(InFolder):
+    def write_stack(self, name, side, count):
+        (self.folder / name).mkdir()
+        numbers = random.Random(5)
+        for z in range(count):
+            write_tiff(self.folder / name / f"{z}.tif", side, side, numbers.randbytes(side * side))
+
+    def start_build(self):
+        """A build of the folder `stack` that takes seconds, and the process that reads for it."""
+        process = subprocess.Popen(
+            [cli_test.OCTAVO, "build", "stack", "-o", "x.8vo", "--spacing", "1", "--progress",
+             "none"], cwd=self.folder, stderr=subprocess.PIPE, text=True)
+        workers = []
+        while not workers and process.poll() is None:
+            workers = children_of(process.pid)
+            time.sleep(0.001)
+        self.assertEqual(len(workers), 1)
+        return process, workers[0]
+
+    def test_isolation_changes_no_byte_and_no_word(self):
+        self.write_stack("stack", 40, 5)
+        for option, output in [([], "a.8vo"), (["--no-isolation"], "b.8vo")]:
+            self.expect(0, "build", "stack", "-o", output, "--spacing", "1", *option)
+        self.assertEqual((self.folder / "a.8vo").read_bytes(),
+                         (self.folder / "b.8vo").read_bytes())
+        bad = self.folder / "stack" / "3.tif"
+        bad.write_bytes(bad.read_bytes()[:-60])
+        told = [self.expect_refusal(7, ["3.tif"], "build", "stack", "-o", "c.8vo", *option).stderr
+                for option in ([], ["--no-isolation"])]
+        self.assertEqual(told[0], told[1])
+        self.assertNotIn("c.8vo", self.files())
+
+    def test_the_worker_is_no_verb(self):
+        self.expect_refusal(2, ["import-worker"], "import-worker")
+        self.assertNotIn("import-worker", self.expect(0, "--help").stdout)
+
+    def test_the_worker_ends_with_the_program(self):
+        self.write_stack("stack", 400, 400)
+        for number in [signal.SIGKILL, signal.SIGTERM, signal.SIGINT]:
+            with self.subTest(number):
+                process, worker = self.start_build()
+                time.sleep(0.3)
+                self.assertTrue(is_running(worker))
+                process.send_signal(number)
+                _, errors = process.communicate(timeout=120)
+                code = -number if number == signal.SIGKILL else 128 + number
+                self.assertEqual(process.returncode, code, errors)
+                for _ in range(500):
+                    if not is_running(worker):
+                        break
+                    time.sleep(0.01)
+                self.assertFalse(is_running(worker))
+
+    def test_a_worker_that_is_killed_is_exit_7_and_leaves_no_file(self):
+        self.write_stack("stack", 400, 400)
+        process, worker = self.start_build()
+        os.kill(worker, signal.SIGKILL)
+        _, errors = process.communicate(timeout=120)
+        self.assertEqual(process.returncode, 7, errors)
+        self.assertEqual(errors.count("\n"), 1, errors)
+        self.assertIn("stopped by signal 9", errors)
+        self.assertEqual([p.name for p in self.folder.iterdir()], ["stack"])
+
+
+if __name__ == "__main__":
+    cli_test.OCTAVO = os.path.abspath(sys.argv.pop(1))
+    unittest.main()
