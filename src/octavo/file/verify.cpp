@@ -344,6 +344,11 @@ void Verifier::check_page(int tier, std::size_t number) {
     damages[static_cast<std::size_t>(i)] =
         check_brick(file_.entry_in_page(*page, tier, number, i));
   });
+  for (std::int64_t i = 0; i < count; ++i) {
+    if (!damages[static_cast<std::size_t>(i)].empty()) continue;
+    const BrickEntry entry = file_.entry_in_page(*page, tier, number, i);
+    if (!entry.is_uniform() && is_model_damaged_[entry.model]) ++report_.unreachable_brick_count;
+  }
   for (const SegmentRef& segment : page->segments) {
     if (segment.length > 0) ++report_.segment_count;
     step(segment.length);

@@ -43,7 +43,8 @@ struct Damage {
 struct VerifyReport {
   std::int64_t brick_count = 0;          ///< in all tiers
   std::int64_t damaged_brick_count = 0;
-  std::int64_t unreachable_brick_count = 0;  ///< those listed in damaged index pages
+  /// Whole themselves, but listed in a damaged index page or coded with a damaged model.
+  std::int64_t unreachable_brick_count = 0;
   std::int64_t segment_count = 0;        ///< that hold bytes
   std::int64_t damage_count = 0;         ///< all damages
   std::uint64_t file_bytes = 0;
