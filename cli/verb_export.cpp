@@ -9,6 +9,7 @@
 #include "common/inputs.h"
 #include "common/progress_line.h"
 #include "common/quantities.h"
+#include "common/salvaging.h"
 #include "common/verb.h"
 #include "octavo/io/export.h"
 #include "verbs.h"
@@ -22,11 +23,13 @@ constexpr VerbText kExportText = {
     "The format follows the name: .raw .nrrd .nii .nii.gz .mha .mhd, and .tif or a folder\n"
     "(FOLDER/) for a stack. Values are real units (HU) where the format holds them exactly;\n"
     "--stored writes the stored integers; .raw is always stored, in C order z, y, x,\n"
-    "little-endian.\n\n"
+    "little-endian. A damaged file is refused (exit code 4), unless --salvage says how to fill\n"
+    "what is damaged; everything else then equals the original.\n\n"
     "Examples:\n"
     "  octavo export head.8vo -o head.nii.gz\n"
     "  octavo export head.8vo --level 2 -o preview.nrrd\n"
-    "  octavo export head.8vo -o slices/"};
+    "  octavo export head.8vo -o slices/\n"
+    "  octavo export damaged.8vo --salvage coarse -o rescued.nii.gz"};
 
 constexpr VerbText kExtractText = {
     "extract", "Write a box or a level of a volume: export of a part.",
@@ -44,6 +47,7 @@ struct Arguments {
   std::string box;
   std::string box_mm;
   bool stored = false;
+  SalvageArguments salvage;
 };
 
 ExportOptions export_options(const Arguments& arguments, const FileReader& reader,
@@ -64,13 +68,15 @@ ExportOptions export_options(const Arguments& arguments, const FileReader& reade
   return options;
 }
 
-nlohmann::ordered_json result_json(const ExportResult& result, const Box& box, int level) {
+nlohmann::ordered_json result_json(const ExportResult& result, const Box& box, int level,
+                                   const FileReader& reader) {
   return {{"files", result.files},
           {"level", level},
           {"box", {{box.lo.x, box.hi.x}, {box.lo.y, box.hi.y}, {box.lo.z, box.hi.z}}},
           {"type", voxel_type_name(result.type)},
           {"values", result.real_units ? "real" : "stored"},
-          {"bytes", result.bytes}};
+          {"bytes", result.bytes},
+          {"salvaged", salvaged_json(reader)}};
 }
 
 std::string result_text(const ExportResult& result, const Box& box, int level) {
@@ -84,22 +90,24 @@ std::string result_text(const ExportResult& result, const Box& box, int level) {
                      bytes_text(result.bytes));
 }
 
-int run_export(const Arguments& arguments, const Context& context) {
+int run_export(const Arguments& arguments, Context& context) {
   const ExportFormat format = export_format_of(arguments.output);
-  const auto reader = open_octavo(arguments.input, context);
+  const auto reader =
+      salvaging(open_octavo(arguments.input, context), arguments.salvage, context);
   const ExportOptions options = export_options(arguments, *reader, context);
   ExportResult result;
-  {
+  read_or_hint(arguments.salvage, context, [&] {
     ProgressLine progress(context);
     result = export_volume(*reader, local_storage(), arguments.output, format, options, progress);
-  }
+  });
+  warn_of_salvaged(*reader, context);
   const Box box = options.box.value_or(box_of(reader->levels().size(options.level)));
-  if (context.json) print_json(result_json(result, box, options.level));
+  if (context.json) print_json(result_json(result, box, options.level, *reader));
   else if (!context.quiet) print(result_text(result, box, options.level));
   return kExitDone;
 }
 
-int run_extract(const Arguments& arguments, const Context& context) {
+int run_extract(const Arguments& arguments, Context& context) {
   if (arguments.box.empty() && arguments.box_mm.empty() && !arguments.level_given) {
     throw Error(ErrorKind::invalid_argument,
                 "extract needs --box, --box-mm or --level; export writes the whole volume");
@@ -130,6 +138,7 @@ void add_options(CLI::App& verb, const std::shared_ptr<Arguments>& arguments) {
       ->type_name("BOX")
       ->excludes(box);
   verb.add_flag("--stored", arguments->stored, "Stored integers instead of real units");
+  add_salvage_option(verb, arguments->salvage);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "common/failure.h"
 #include "common/inputs.h"
 #include "common/quantities.h"
+#include "common/salvaging.h"
 #include "common/verb.h"
 #include "common/volume_json.h"
 #include "octavo/file/storage.h"
@@ -41,6 +42,7 @@ struct Arguments {
   std::int64_t least_side = SliceOptions{}.least_side;
   bool no_scale_bar = false;
   bool no_sides = false;
+  SalvageArguments salvage;
 };
 
 struct DrawnSlice {
@@ -157,7 +159,7 @@ std::vector<int> chosen_axes(const Arguments& arguments) {
   return {static_cast<int>(std::string("xyz").find(arguments.axis))};
 }
 
-int run_slice(const Arguments& arguments, const Context& context) {
+int run_slice(const Arguments& arguments, Context& context) {
   const std::vector<int> axes = chosen_axes(arguments);
   if (!arguments.output.ends_with(".png")) {
     throw Error(ErrorKind::invalid_argument, "a slice is written as .png", arguments.output);
@@ -165,7 +167,8 @@ int run_slice(const Arguments& arguments, const Context& context) {
   if (axes.size() > 1 && (arguments.index || !arguments.mm.empty())) {
     throw Error(ErrorKind::invalid_argument, "--index and --mm go with one --axis, not with all");
   }
-  const auto reader = open_octavo(arguments.input, context);
+  const auto reader =
+      salvaging(open_octavo(arguments.input, context), arguments.salvage, context);
   check_level(reader->levels(), arguments.level);
   std::vector<Arguments> pictures;
   for (const int axis : axes) {
@@ -175,15 +178,22 @@ int run_slice(const Arguments& arguments, const Context& context) {
     }
     require_free_output(one.output, context);
   }
+  // All are drawn before the first is written: damage leaves nothing behind.
+  std::vector<DrawnSlice> drawn;
+  read_or_hint(arguments.salvage, context, [&] {
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      drawn.push_back(draw(*reader, pictures[i], axes[i], context));
+    }
+  });
   nlohmann::ordered_json slices = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    const DrawnSlice drawn = draw(*reader, pictures[i], axes[i], context);
-    write_png(drawn, context.force);
+  for (const DrawnSlice& one : drawn) {
+    write_png(one, context.force);
     const VolumeKind kind = reader->description().kind;
-    if (context.json) slices.push_back(slice_json(drawn, arguments.level, kind));
-    else if (!context.quiet) print(slice_text(drawn, arguments.level, *reader));
+    if (context.json) slices.push_back(slice_json(one, arguments.level, kind));
+    else if (!context.quiet) print(slice_text(one, arguments.level, *reader));
   }
-  if (context.json) print_json({{"slices", slices}});
+  warn_of_salvaged(*reader, context);
+  if (context.json) print_json({{"slices", slices}, {"salvaged", salvaged_json(*reader)}});
   return kExitDone;
 }
 
@@ -221,6 +231,7 @@ void add_slice(CLI::App& app, Context& context) {
       ->capture_default_str();
   verb.add_flag("--no-scale-bar", arguments->no_scale_bar, "Leave the scale bar out");
   verb.add_flag("--no-sides", arguments->no_sides, "Leave the letters R L A P S I out");
+  add_salvage_option(verb, arguments->salvage);
 }
 
 }  // namespace octavo::cli

@@ -23,10 +23,12 @@ namespace {
 
 constexpr VerbText kText = {
     "verify", "Prove that a file is sound, and that it holds what its source holds.",
-    "Reads every byte, proves every checksum and decodes every brick; damage is exit code 4. With\n"
-    "--against the geometry and every stored voxel are compared with the source as well; a\n"
-    "difference beyond what the file says of itself is exit code 1. NaN and infinities that\n"
-    "were replaced are replaced in the source, too.\n\n"
+    "Reads every byte, proves every checksum and decodes every brick. Damage is exit code 4: each\n"
+    "damaged brick is named with its place in the file, and whether one flipped bit explains it;\n"
+    "--json lists the same. What is whole, export --salvage writes. With --against the geometry\n"
+    "and every stored voxel are compared with the source as well; a difference beyond what the\n"
+    "file says of itself is exit code 1. NaN and infinities that were replaced are replaced in\n"
+    "the source, too.\n\n"
     "Examples:\n"
     "  octavo verify head.8vo\n"
     "  octavo verify head.8vo --against scans/head/"};
@@ -47,8 +49,16 @@ nlohmann::ordered_json damage_json(const Damage& damage) {
     object["level"] = damage.level;
     object["brick"] = {damage.brick.x, damage.brick.y, damage.brick.z};
     object["code"] = damage.code;
+  } else if (damage.what == "index page") {
+    object["tier"] = damage.tier;
+    object["page"] = damage.code;
   }
-  if (damage.flipped_byte) object["flipped_byte"] = *damage.flipped_byte;
+  if (damage.stored) object["stored_checksum"] = fmt::format("{:08x}", *damage.stored);
+  if (damage.found) object["found_checksum"] = fmt::format("{:08x}", *damage.found);
+  if (damage.flipped_byte) {
+    object["flipped_byte"] = *damage.flipped_byte;
+    object["flipped_bit"] = damage.flipped_bit;
+  }
   return object;
 }
 
@@ -58,8 +68,10 @@ nlohmann::ordered_json result_json(const std::string& path, const VerifyReport& 
                                    {"sound", report.is_sound()},
                                    {"bricks", report.brick_count},
                                    {"damaged_bricks", report.damaged_brick_count},
+                                   {"unreachable_bricks", report.unreachable_brick_count},
                                    {"segments", report.segment_count},
                                    {"file_bytes", report.file_bytes},
+                                   {"damage_count", report.damage_count},
                                    {"damages", nlohmann::ordered_json::array()},
                                    {"against", nullptr}};
   for (const Damage& damage : report.damages) object["damages"].push_back(damage_json(damage));
@@ -67,20 +79,36 @@ nlohmann::ordered_json result_json(const std::string& path, const VerifyReport& 
   return object;
 }
 
-/// Says what is damaged: the first place as the error, the others with --verbose or in the JSON
-/// result.
+/// "3 of 40 bricks damaged, the others can be read; export --salvage writes them"
+std::string extent_text(const VerifyReport& report) {
+  const std::int64_t lost = report.damaged_brick_count + report.unreachable_brick_count;
+  if (lost == 0) return "";
+  return fmt::format("; {} of {} bricks damaged{}", count_text(lost),
+                     count_text(report.brick_count),
+                     lost < report.brick_count
+                         ? ", the others can be read; export --salvage writes them"
+                         : "");
+}
+
+/// Says what is damaged: a line for each place, and the error last. A single place is the error.
 int report_damage(const Arguments& arguments, const VerifyReport& report, const Context& context) {
   const Damage& first = report.damages.front();
   if (context.json) print_json(result_json(arguments.input, report, nullptr));
-  for (std::size_t i = 1; i < report.damages.size(); ++i) {
-    context.detail(arguments.input + ": " + report.damages[i].detail);
+  if (report.damage_count == 1) {
+    throw Error(ErrorKind::corrupt, first.detail + extent_text(report), arguments.input,
+                first.offset);
   }
-  std::string detail = first.detail;
-  if (report.damaged_brick_count > 0) {
-    detail += fmt::format("; {} of {} bricks damaged, the others can be read",
-                          count_text(report.damaged_brick_count), count_text(report.brick_count));
+  for (const Damage& damage : report.damages) {
+    context.note(escaped(arguments.input) + ": " + damage.detail);
   }
-  throw Error(ErrorKind::corrupt, detail, arguments.input, first.offset);
+  const auto listed = static_cast<std::int64_t>(report.damages.size());
+  const std::string named =
+      listed < report.damage_count ? fmt::format(" (the first {} are named)", count_text(listed))
+                                   : "";
+  throw Error(ErrorKind::corrupt,
+              fmt::format("{} damaged places{}{}", count_text(report.damage_count), named,
+                          extent_text(report)),
+              arguments.input, first.offset);
 }
 
 /// verify compares what is stored: rescale and type must be the same as well.

@@ -3,7 +3,8 @@
 
 namespace octavo::cli {
 
-/// Takes over SIGINT and SIGTERM and ignores SIGPIPE. A signal ends the program at once with
+/// Takes over SIGINT and SIGTERM and ignores SIGPIPE and SIGXFSZ, which become errors of the write
+/// that met them. A signal ends the program at once with
 /// 128 + signal, except while a CancellableWork lives: then the first one only asks the work to
 /// stop.
 void install_signal_handlers();

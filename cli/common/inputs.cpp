@@ -10,6 +10,7 @@
 #include "common/quantities.h"
 #include "octavo/core/error.h"
 #include "octavo/file/storage.h"
+#include "octavo/file/temporary.h"
 #include "octavo/io/http_source.h"
 #include "octavo/io/isolated_source.h"
 #include "octavo/io/open_source.h"
@@ -121,9 +122,15 @@ std::shared_ptr<FileReader> open_octavo(const std::string& path, const Context& 
 }
 
 void require_free_output(const std::string& path, const Context& context) {
+  if (base_name_of(path).size() > kMaxNameBytes) {
+    throw Error(ErrorKind::io, "its name is longer than 255 bytes", path);
+  }
   const PathType type = local_storage().path_type(path);
   if (type == PathType::folder) {
     throw Error(ErrorKind::io, "is a folder; name the file to write", path);
+  }
+  if (type == PathType::other) {
+    throw Error(ErrorKind::io, "exists and is not a regular file; choose another name", path);
   }
   if (type != PathType::missing && !context.force) {
     throw Error(ErrorKind::io, "exists already; --force replaces it", path);

@@ -37,8 +37,8 @@ std::shared_ptr<ByteSource> open_bytes(const std::string& path);
 /// Opens an .8vo file or an http(s) URL of one. Throws what FileReader::open throws.
 std::shared_ptr<FileReader> open_octavo(const std::string& path, const Context& context);
 
-/// Throws Error{io} when `path` exists and --force was not given, so that long work is not done in
-/// vain.
+/// Throws Error{io} when `path` exists and --force was not given, or is no file that could be
+/// replaced, so that long work is not done in vain.
 void require_free_output(const std::string& path, const Context& context);
 
 /// Opens a scan, in a process of its own where libraries of others read it, and passes its warnings

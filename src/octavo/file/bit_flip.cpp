@@ -1,5 +1,8 @@
 #include "octavo/file/bit_flip.h"
 
+#include <bit>
+#include <cstdio>
+
 namespace octavo {
 
 std::optional<BitFlip> find_bit_flip(std::uint32_t found, std::uint32_t stored,
@@ -15,6 +18,29 @@ std::optional<BitFlip> find_bit_flip(std::uint32_t found, std::uint32_t stored,
     }
   }
   return std::nullopt;
+}
+
+std::optional<BitFlip> locate_bit_flip(std::uint32_t found, std::uint32_t stored,
+                                       const CheckedBytes& place) noexcept {
+  const std::uint32_t difference = found ^ stored;
+  if (place.checksum_offset && std::has_single_bit(difference)) {
+    const int bit = std::countr_zero(difference);
+    return BitFlip{*place.checksum_offset + static_cast<std::uint64_t>(bit / 8), bit % 8};
+  }
+  auto flip = find_bit_flip(found, stored, place.length);
+  if (flip) flip->byte += place.offset;
+  return flip;
+}
+
+std::string describe_checksums(std::uint32_t found, std::uint32_t stored,
+                               const CheckedBytes& place) {
+  char text[64];
+  std::snprintf(text, sizeof text, "checksum %08x, stored %08x", found, stored);
+  std::string line = text;
+  if (const auto flip = locate_bit_flip(found, stored, place)) {
+    line += " (one flipped bit, byte " + std::to_string(flip->byte) + ")";
+  }
+  return line;
 }
 
 }  // namespace octavo

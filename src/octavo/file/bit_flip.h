@@ -1,8 +1,9 @@
-// Which single bit of a damaged run of bytes explains a wrong CRC-32C.
+// Which single bit of damaged bytes explains a wrong CRC-32C, and how that is told.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 namespace octavo {
 
@@ -20,5 +21,23 @@ inline constexpr std::uint64_t kMaxSearchedBytes = std::uint64_t{16} << 20;
 ///             what a single bit, pushed on by the bytes that follow it, becomes
 std::optional<BitFlip> find_bit_flip(std::uint32_t found, std::uint32_t stored,
                                      std::uint64_t length) noexcept;
+
+/// Bytes of a file and the checksum kept for them.
+struct CheckedBytes {
+  std::uint64_t offset = 0;
+  std::uint64_t length = 0;
+  /// Where the checksum itself stands, when nothing else vouches for it.
+  std::optional<std::uint64_t> checksum_offset = {};
+};
+
+/// The one flipped bit that explains both checksums, in the bytes or in the checksum itself; its
+/// `byte` is an offset in the file.
+std::optional<BitFlip> locate_bit_flip(std::uint32_t found, std::uint32_t stored,
+                                       const CheckedBytes& place) noexcept;
+
+/// "checksum 9f3c1d22, stored 9f3c1d23", with " (one flipped bit, byte 83001)" where one explains
+/// it.
+std::string describe_checksums(std::uint32_t found, std::uint32_t stored,
+                               const CheckedBytes& place);
 
 }  // namespace octavo

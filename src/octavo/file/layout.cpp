@@ -8,6 +8,7 @@
 
 #include "octavo/codec/crc32c.h"
 #include "octavo/core/checked.h"
+#include "octavo/file/bit_flip.h"
 #include "octavo/file/byte_codec.h"
 
 namespace octavo {
@@ -44,6 +45,9 @@ constexpr std::size_t kExtensionCountAt = 328;
 constexpr std::size_t kExtensionsAt = 332;
 constexpr std::size_t kHeaderCrcAt = 508;
 
+// Where the trailer's own checksum stands in it.
+constexpr std::size_t kTrailerCrcAt = 60;
+
 constexpr std::uint32_t kCriticalExtension = 0x8000;
 
 // The coding of float32 voxels: u8 type, f64 scale, f64 offset.
@@ -58,11 +62,9 @@ constexpr double kLargestIntegerError = 4294967295.0;
   throw Error(kind, detail, {}, offset);
 }
 
-[[noreturn]] void fail_checksum(const char* what, std::uint32_t found, std::uint32_t stored,
-                                std::size_t offset) {
-  char text[96];
-  std::snprintf(text, sizeof text, "%s: checksum %08x, stored %08x", what, found, stored);
-  fail(ErrorKind::corrupt, text, offset);
+[[noreturn]] void fail_checksum(const std::string& what, std::uint32_t found, std::uint32_t stored,
+                                const CheckedBytes& place) {
+  fail(ErrorKind::corrupt, what + ": " + describe_checksums(found, stored, place), place.offset);
 }
 
 void put_double(double value, std::uint8_t* out) {
@@ -139,7 +141,9 @@ void check_envelope(ByteSpan bytes) {
   }
   const auto stored = load_little_endian<std::uint32_t>(bytes.data() + kHeaderCrcAt);
   const std::uint32_t found = crc32c(bytes.first(kHeaderCrcAt));
-  if (!checksum_matches(found, stored)) fail_checksum("header", found, stored, 0);
+  if (!checksum_matches(found, stored)) {
+    fail_checksum("header", found, stored, {0, kHeaderCrcAt, kHeaderCrcAt});
+  }
   if (bytes[kSealedAt] == 0) {
     fail(ErrorKind::corrupt, "not sealed: its build was interrupted; build it again", kSealedAt);
   }
@@ -379,15 +383,18 @@ TrailerBlock encode_trailer(const FileTrailer& trailer) {
   store_little_endian(trailer.file_bytes, out + 16);
   store_little_endian(trailer.header_crc, out + 24);
   store_little_endian(trailer.digest, out + 28);
-  store_little_endian(crc32c({out, 60}), out + 60);
+  store_little_endian(crc32c({out, kTrailerCrcAt}), out + kTrailerCrcAt);
   return block;
 }
 
 FileTrailer parse_trailer(ByteSpan bytes, const FileHeader& header) {
   const std::uint64_t offset = header.file_bytes - kTrailerBytes;
-  const auto stored = load_little_endian<std::uint32_t>(bytes.data() + 60);
-  const std::uint32_t found = crc32c(bytes.first(60));
-  if (!checksum_matches(found, stored)) fail_checksum("trailer", found, stored, offset);
+  const auto stored = load_little_endian<std::uint32_t>(bytes.data() + kTrailerCrcAt);
+  const std::uint32_t found = crc32c(bytes.first(kTrailerCrcAt));
+  if (!checksum_matches(found, stored)) {
+    fail_checksum("trailer at byte " + std::to_string(offset), found, stored,
+                  {offset, kTrailerCrcAt, offset + kTrailerCrcAt});
+  }
   FileTrailer trailer;
   trailer.file_id = load_little_endian<std::uint64_t>(bytes.data() + 8);
   trailer.file_bytes = load_little_endian<std::uint64_t>(bytes.data() + 16);

@@ -16,19 +16,10 @@ namespace {
 constexpr std::uint64_t kPageCacheBytes = std::uint64_t{16} << 20;
 constexpr std::uint64_t kCodecCacheCount = 64;
 
-std::string hex32(std::uint32_t value) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%08x", value);
-  return text;
-}
-
 [[noreturn]] void fail_checksum(const std::string& what, std::uint32_t found, std::uint32_t stored,
                                 std::uint64_t offset, std::uint64_t length) {
-  std::string text = what + ": checksum " + hex32(found) + ", stored " + hex32(stored);
-  if (const auto flip = find_bit_flip(found, stored, length)) {
-    text += " (one flipped bit, byte " + std::to_string(offset + flip->byte) + ")";
-  }
-  throw Error(ErrorKind::corrupt, text, {}, offset);
+  const std::string checksums = describe_checksums(found, stored, {offset, length});
+  throw Error(ErrorKind::corrupt, what + ": " + checksums, {}, offset);
 }
 
 void check_section(ByteSpan bytes, const Section& section, const char* what) {

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <cstring>
 #include <utility>
 
 #include "octavo/codec/crc32c.h"
 #include "octavo/file/bit_flip.h"
+#include "octavo/file/byte_codec.h"
 #include "octavo/file/open_file.h"
 #include "octavo/file/slab_trailer.h"
 
@@ -22,20 +22,43 @@ void run_in_order(std::int64_t count, const std::function<void(std::int64_t)>& t
   for (std::int64_t i = 0; i < count; ++i) task(i);
 }
 
+// "brick o-code 0x1a3 level 5 at byte 81920", "index page 3 of tier 0 at byte 4711", ..
+std::string place_text(const Damage& place) {
+  if (place.what == "brick") {
+    return describe(Piece{place.offset, place.length, 0, place.level, place.code});
+  }
+  const bool is_numbered = place.what != "thumbnail" && place.what != "file" &&
+                           place.what != "index pages";
+  std::string text = place.what;
+  if (is_numbered) text += " " + std::to_string(place.code);
+  if (place.what == "index page") text += " of tier " + std::to_string(place.tier);
+  return text + " at byte " + std::to_string(place.offset);
+}
+
+// `place` with what is wrong there; parsers name the part themselves, which is said once.
+Damage damaged(Damage place, const std::string& problem) {
+  const std::string name = place.what + ": ";
+  const bool has_name = problem.compare(0, name.size(), name) == 0;
+  place.detail = place_text(place) + ": " + (has_name ? problem.substr(name.size()) : problem);
+  return place;
+}
+
 // Compares two checksums; says what one flipped bit would explain.
-std::optional<Damage> checksum_damage(Damage place, std::uint32_t found, std::uint32_t stored) {
+std::optional<Damage> checksum_damage(Damage place, std::uint32_t found, std::uint32_t stored,
+                                      const CheckedBytes& checked) {
   if (checksum_matches(found, stored)) return std::nullopt;
   place.found = found;
   place.stored = stored;
-  char text[64];
-  std::snprintf(text, sizeof text, "checksum %08x, stored %08x", found, stored);
-  place.detail = text;
-  if (const auto flip = find_bit_flip(found, stored, place.length)) {
-    place.flipped_byte = place.offset + flip->byte;
+  if (const auto flip = locate_bit_flip(found, stored, checked)) {
+    place.flipped_byte = flip->byte;
     place.flipped_bit = flip->bit;
-    place.detail += " (one flipped bit, byte " + std::to_string(*place.flipped_byte) + ")";
   }
-  return place;
+  return damaged(std::move(place), describe_checksums(found, stored, checked));
+}
+
+std::optional<Damage> checksum_damage(const Damage& place, std::uint32_t found,
+                                      std::uint32_t stored) {
+  return checksum_damage(place, found, stored, {place.offset, place.length});
 }
 
 // Smallest and largest of `count` voxels.
@@ -108,6 +131,7 @@ class Verifier {
   void check_models();
   void check_slab_trailers();
   void check_slab_trailer(std::int64_t slab);
+  static std::optional<Damage> slab_checksum_damage(const Damage& place, ByteSpan bytes);
   void check_slab_lengths(const SlabTrailer& trailer, std::int64_t slab) const;
   std::shared_ptr<const IndexPage> sound_page(int tier, std::size_t number) const;
   void check_bricks();
@@ -170,7 +194,10 @@ void Verifier::check_thumbnail() {
   place.what = "thumbnail";
   place.offset = section.offset;
   place.length = section.length;
-  if (auto damage = checksum_damage(place, crc32c(bytes), section.crc)) add(*damage);
+  if (auto damage = checksum_damage(place, crc32c(bytes), section.crc)) {
+    damage->detail += "; no voxel depends on it";
+    add(*damage);
+  }
 }
 
 void Verifier::check_models() {
@@ -192,12 +219,13 @@ void Verifier::check_models() {
       try {
         parse_model(file_.description().kind, file_.description().coded_type(), bytes);
       } catch (const Error& error) {
-        place.detail = error.detail();
-        damage = place;
+        damage = damaged(place, error.detail());
       }
     }
     is_model_damaged_[i] = damage.has_value();
-    if (damage) add(*damage);
+    if (!damage) continue;
+    damage->detail += "; the bricks coded with it cannot be read";
+    add(*damage);
   }
 }
 
@@ -206,6 +234,18 @@ void Verifier::check_slab_trailers() {
   for (std::size_t slab = 0; slab < count; ++slab) {
     check_slab_trailer(static_cast<std::int64_t>(slab));
   }
+}
+
+// A slab trailer ends in its own checksum.
+std::optional<Damage> Verifier::slab_checksum_damage(const Damage& place, ByteSpan bytes) {
+  constexpr std::size_t kChecksumBytes = 4;
+  if (bytes.size() < kChecksumBytes) return std::nullopt;
+  const ByteSpan checked = bytes.first(bytes.size() - kChecksumBytes);
+  const auto stored = load_little_endian<std::uint32_t>(bytes.data() + checked.size());
+  auto damage = checksum_damage(place, crc32c(checked), stored,
+                                {place.offset, checked.size(), place.offset + checked.size()});
+  if (damage) damage->detail += "; no voxel depends on it";
+  return damage;
 }
 
 void Verifier::check_slab_trailer(std::int64_t slab) {
@@ -218,6 +258,7 @@ void Verifier::check_slab_trailer(std::int64_t slab) {
   place.length = root.slab_trailer_bytes[static_cast<std::size_t>(slab)];
   Bytes bytes(place.length);
   file_.source().read(place.offset, bytes);
+  if (auto damage = slab_checksum_damage(place, bytes)) return add(*damage);
   try {
     const SlabTrailer trailer = parse_slab_trailer(bytes, tier.layer_bricks);
     if (trailer.file_id != file_.header().file_id || trailer.slab != place.code ||
@@ -227,13 +268,11 @@ void Verifier::check_slab_trailer(std::int64_t slab) {
     check_slab_lengths(trailer, slab);
     const std::uint32_t found = slab_crcs_[static_cast<std::size_t>(slab)];
     if (found != trailer.slab_crc && !lying_slab_trailer_) {
-      place.detail = "states another checksum of its slab";
-      lying_slab_trailer_ = place;
+      lying_slab_trailer_ = damaged(place, "states another checksum of its slab");
     }
   } catch (const Error& error) {
     require_damage(error);
-    place.detail = error.detail();
-    add(place);
+    add(damaged(place, error.detail()));
   }
 }
 
@@ -285,17 +324,18 @@ void Verifier::check_page(int tier, std::size_t number) {
   place.length = ref.length;
   Bytes bytes(ref.length);
   file_.source().read(ref.offset, bytes);
-  if (auto damage = checksum_damage(place, crc32c(bytes), ref.crc)) {
-    add(*damage);
-    return;
-  }
+  const std::int64_t lost = file_.root().tiers[static_cast<std::size_t>(tier)].brick_count(number);
+  const auto add_page = [&](Damage damage) {
+    report_.unreachable_brick_count += lost;
+    damage.detail += "; the bricks it lists cannot be read: " + std::to_string(lost);
+    add(std::move(damage));
+  };
+  if (auto damage = checksum_damage(place, crc32c(bytes), ref.crc)) return add_page(*damage);
   try {
     page = file_.page(tier, number);
   } catch (const Error& error) {
     require_damage(error);
-    place.detail = error.detail();
-    add(place);
-    return;
+    return add_page(damaged(place, error.detail()));
   }
 
   const auto count = static_cast<std::int64_t>(page->ranges.size());
@@ -304,6 +344,11 @@ void Verifier::check_page(int tier, std::size_t number) {
     damages[static_cast<std::size_t>(i)] =
         check_brick(file_.entry_in_page(*page, tier, number, i));
   });
+  for (std::int64_t i = 0; i < count; ++i) {
+    if (!damages[static_cast<std::size_t>(i)].empty()) continue;
+    const BrickEntry entry = file_.entry_in_page(*page, tier, number, i);
+    if (!entry.is_uniform() && is_model_damaged_[entry.model]) ++report_.unreachable_brick_count;
+  }
   for (const SegmentRef& segment : page->segments) {
     if (segment.length > 0) ++report_.segment_count;
     step(segment.length);
@@ -357,16 +402,14 @@ std::optional<Damage> Verifier::check_voxels(const BrickEntry& entry, Damage pla
     file_.codec(entry.model)->decode(shape, type, entry.range, segments, 0, voxels.data());
   } catch (const Error& error) {
     require_damage(error);
-    place.detail = error.detail();
-    return place;
+    return damaged(std::move(place), error.detail());
   }
   const ValueRange found = range_of(type, voxels.data(), count);
   const bool is_inside = found.min >= entry.range.min && found.max <= entry.range.max;
   // With a max error the index may hold bounds that are wider than the voxels.
   const bool may_be_wider = has_errors(file_.header(), entry.tier);
   if (found == entry.range || (may_be_wider && is_inside)) return std::nullopt;
-  place.detail = "its voxels have another range than the index says";
-  return place;
+  return damaged(std::move(place), "its voxels have another range than the index says");
 }
 
 }  // namespace

@@ -37,12 +37,14 @@ struct Damage {
   std::optional<std::uint64_t>
       flipped_byte;  ///< offset in the file, when one flipped bit explains it
   int flipped_bit = 0;
-  std::string detail;               ///< one line for people
+  std::string detail;               ///< one line for people: the place, then what is wrong
 };
 
 struct VerifyReport {
   std::int64_t brick_count = 0;          ///< in all tiers
   std::int64_t damaged_brick_count = 0;
+  /// Whole themselves, but listed in a damaged index page or coded with a damaged model.
+  std::int64_t unreachable_brick_count = 0;
   std::int64_t segment_count = 0;        ///< that hold bytes
   std::int64_t damage_count = 0;         ///< all damages
   std::uint64_t file_bytes = 0;

@@ -1,7 +1,5 @@
 #include "octavo/file/writer.h"
 
-#include <unistd.h>
-
 #include <cmath>
 #include <utility>
 
@@ -11,13 +9,11 @@
 #include "octavo/file/index_builder.h"
 #include "octavo/file/layer_order.h"
 #include "octavo/file/slab_trailer.h"
+#include "octavo/file/temporary.h"
 
 namespace octavo {
 
 namespace {
-
-constexpr std::size_t kMaxNameBytes = 255;
-constexpr int kMaxNameTries = 100;
 
 // Files above this get room for longer metadata.
 constexpr std::uint64_t kPaddedFileBytes = std::uint64_t{1} << 20;
@@ -35,29 +31,6 @@ Bytes metadata_bytes(const std::string& json, std::uint64_t file_bytes) {
   const std::size_t least = json.size() + kMetadataRoom;
   bytes.resize((least + kMetadataBlock - 1) / kMetadataBlock * kMetadataBlock, ' ');
   return bytes;
-}
-
-// Up to the process number: ".NAME.tmp-" beside the target; a long name is cut so that all fits.
-std::string temporary_prefix(const std::string& path) {
-  constexpr std::size_t kLongestEnding = 32;
-  const std::string base = base_name_of(path);
-  std::string name = path.substr(0, path.size() - base.size());
-  name += '.';
-  name += base.substr(0, kMaxNameBytes - kLongestEnding);
-  return name + ".tmp-";
-}
-
-std::pair<std::string, std::unique_ptr<StorageFile>> create_temporary(Storage& storage,
-                                                                      const std::string& path) {
-  const std::string prefix = temporary_prefix(path);
-  storage.remove_stale(prefix);
-  for (int attempt = 0;; ++attempt) {
-    std::string name = prefix + std::to_string(::getpid());
-    if (attempt > 0) name.append("-").append(std::to_string(attempt));
-    if (attempt + 1 < kMaxNameTries && storage.exists(name)) continue;
-    auto file = storage.create_exclusive(name);
-    return {std::move(name), std::move(file)};
-  }
 }
 
 FileHeader make_header(const VolumeDescription& description, const Levels& levels,
@@ -109,9 +82,9 @@ class FileWriterImpl final : public FileWriter {
   void start() {
     replaces_ = check_target(storage_, path_, overwrite_);
     guarded([&] {
-      auto [name, file] = create_temporary(storage_, path_);
-      temporary_ = std::move(name);
-      out_ = std::make_unique<AppendFile>(std::move(file));
+      TemporaryFile temporary = create_temporary(storage_, path_);
+      temporary_ = std::move(temporary.path);
+      out_ = std::make_unique<AppendFile>(std::move(temporary.file));
       out_->write_header(encode_header(header_));
     });
   }

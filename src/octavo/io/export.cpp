@@ -4,6 +4,7 @@
 
 #include "octavo/io/export_stream.h"
 #include "octavo/io/export_target.h"
+#include "octavo/io/pending_file.h"
 #include "octavo/io/source_file.h"
 
 namespace octavo {
@@ -32,9 +33,14 @@ ExportResult run_export(const FileReader& reader, Storage& storage, const std::s
                         Progress& progress) {
   const auto target = make_target(storage, path, format, plan);
   progress.begin("exporting", plan.size.z, "planes");
-  stream_planes(reader, plan, threads, *target, progress);
   ExportResult result;
-  result.files = target->finish();
+  try {
+    stream_planes(reader, plan, threads, *target, progress);
+    result.files = target->finish();
+  } catch (const Error& error) {
+    // Of a stack, libtiff and the planes know the temporary name only.
+    throw with_final_name(error, path.substr(0, path.find_last_not_of('/') + 1));
+  }
   result.type = plan.type;
   result.real_units = plan.real_units;
   result.bytes = target->bytes();

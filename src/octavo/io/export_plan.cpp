@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "octavo/core/checked.h"
+#include "octavo/file/temporary.h"
 
 namespace octavo {
 
@@ -129,6 +130,9 @@ std::string exact_text(double value) {
 }
 
 void require_free(Storage& storage, const std::string& path, bool overwrite) {
+  if (base_name_of(path).size() > kMaxNameBytes) {
+    throw Error(ErrorKind::io, "its name is longer than 255 bytes", path);
+  }
   const PathType type = storage.path_type(path);
   if (type == PathType::missing) return;
   if (type != PathType::file)

@@ -4,14 +4,17 @@
 
 #include <utility>
 
-#include "octavo/core/error.h"
+#include "octavo/file/temporary.h"
 
 namespace octavo {
 
 std::string temporary_path(const std::string& path) {
-  const std::string name = base_name_of(path);
-  return path.substr(0, path.size() - name.size()) + "." + name + ".tmp-" +
-         std::to_string(::getpid());
+  return temporary_prefix(path) + std::to_string(::getpid());
+}
+
+Error with_final_name(const Error& error, const std::string& path) {
+  if (error.path().rfind(temporary_prefix(path), 0) != 0) return error;
+  return Error(error.kind(), error.detail(), path, error.offset());
 }
 
 void remove_quietly(Storage& storage, const std::string& path) noexcept {
@@ -23,13 +26,13 @@ void remove_quietly(Storage& storage, const std::string& path) noexcept {
 }
 
 PendingFile::PendingFile(Storage& storage, std::string path)
-    : storage_(storage), path_(std::move(path)), temporary_path_(temporary_path(path_)) {
+    : storage_(storage), path_(std::move(path)) {
   try {
-    file_ = storage_.create_exclusive(temporary_path_);
+    TemporaryFile temporary = create_temporary(storage_, path_);
+    temporary_path_ = std::move(temporary.path);
+    file_ = std::move(temporary.file);
   } catch (const Error& failure) {
-    // The name that was asked for says more, unless the temporary one is what stands in the way.
-    if (storage_.exists(temporary_path_)) throw;
-    throw Error(failure.kind(), failure.detail(), path_);
+    throw with_final_name(failure, path_);
   }
 }
 
@@ -41,15 +44,26 @@ void PendingFile::discard() noexcept {
   remove_quietly(storage_, temporary_path_);
 }
 
+template <class F>
+void PendingFile::named(F f) const {
+  try {
+    f();
+  } catch (const Error& error) {
+    throw with_final_name(error, path_);
+  }
+}
+
 void PendingFile::append(std::span<const std::uint8_t> bytes) {
-  file_->write(size_, bytes);
+  named([&] { file_->write(size_, bytes); });
   size_ += bytes.size();
 }
 
 void PendingFile::seal() {
-  size_ = file_->size();
-  file_->sync();
-  file_->close();
+  named([&] {
+    size_ = file_->size();
+    file_->sync();
+    file_->close();
+  });
   file_.reset();
 }
 

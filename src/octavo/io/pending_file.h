@@ -6,18 +6,23 @@
 #include <span>
 #include <string>
 
+#include "octavo/core/error.h"
 #include "octavo/file/storage.h"
 
 namespace octavo {
 
-/// ".NAME.tmp-PID" beside `path`.
+/// ".NAME.tmp-PID" beside `path`; a long name is cut.
 std::string temporary_path(const std::string& path);
+
+/// `error` with the name that was asked for, where it carries the temporary one of `path`.
+Error with_final_name(const Error& error, const std::string& path);
 
 /// Removes a file on the way out of a failure; a second failure is not told.
 void remove_quietly(Storage& storage, const std::string& path) noexcept;
 
 /// Grows under a temporary name beside its own; a destroyed one that was not published leaves
-/// nothing. One thread at a time. Every call throws Error{io}.
+/// nothing. What killed processes left behind for the same name goes first. One thread at a time.
+/// Every call throws Error{io} that names `path`.
 class PendingFile {
  public:
   PendingFile(Storage& storage, std::string path);
@@ -41,6 +46,8 @@ class PendingFile {
 
  private:
   void discard() noexcept;
+  template <class F>
+  void named(F f) const;
 
   Storage& storage_;
   std::string path_;

@@ -96,6 +96,22 @@ TEST(Verify, ALossyFloatFileIsSoundAndTellsItsErrors) {
   }
 }
 
+TEST(Verify, BricksBehindADamagedModelOrPageAreCounted) {
+  SampleVolume volume = make_sample({130, 70, 129}, VoxelType::int16, Pattern::gradient);
+  const std::vector<std::uint8_t> good = sample_file_bytes(volume);
+  const FileHeader header = parse_header(ByteSpan(good).first(kHeaderBytes), good.size());
+  std::vector<std::uint8_t> bytes = good;
+  // The first of three models stands there: that of the first layer and of the brick above.
+  bytes[kHeaderBytes] ^= 1;
+  VerifyReport report = verify_bytes(bytes);
+  EXPECT_EQ(report.damages.front().what, "model");
+  EXPECT_EQ(report.unreachable_brick_count, 6 + 1);
+  bytes = good;
+  bytes[header.pages.offset + 3] ^= 4;
+  report = verify_bytes(bytes);
+  EXPECT_EQ(report.unreachable_brick_count, 6);
+}
+
 TEST(Verify, ADamagedIndexPageIsReportedOnce) {
   SampleVolume volume = make_sample({130, 70, 129}, VoxelType::int16, Pattern::gradient);
   std::vector<std::uint8_t> bytes = sample_file_bytes(volume);

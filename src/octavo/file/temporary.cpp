@@ -1,0 +1,36 @@
+#include "octavo/file/temporary.h"
+
+#include <unistd.h>
+
+#include <utility>
+
+namespace octavo {
+
+namespace {
+
+constexpr int kMaxNameTries = 100;
+
+}  // namespace
+
+std::string temporary_prefix(const std::string& path) {
+  constexpr std::size_t kLongestEnding = 32;
+  const std::string base = base_name_of(path);
+  std::string name = path.substr(0, path.size() - base.size());
+  name += '.';
+  name += base.substr(0, kMaxNameBytes - kLongestEnding);
+  return name + ".tmp-";
+}
+
+TemporaryFile create_temporary(Storage& storage, const std::string& path) {
+  const std::string prefix = temporary_prefix(path);
+  storage.remove_stale(prefix);
+  for (int attempt = 0;; ++attempt) {
+    std::string name = prefix + std::to_string(::getpid());
+    if (attempt > 0) name.append("-").append(std::to_string(attempt));
+    if (attempt + 1 < kMaxNameTries && storage.exists(name)) continue;
+    auto file = storage.create_exclusive(name);
+    return {std::move(name), std::move(file)};
+  }
+}
+
+}  // namespace octavo

@@ -1,0 +1,28 @@
+// The names under which files grow until they are complete: ".NAME.tmp-PID" beside the final name.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "octavo/file/storage.h"
+
+namespace octavo {
+
+/// File systems allow no longer names.
+inline constexpr std::size_t kMaxNameBytes = 255;
+
+/// The part before the process number: ".NAME.tmp-" in the folder of `path`. A long name is cut so
+/// that the whole fits into kMaxNameBytes.
+std::string temporary_prefix(const std::string& path);
+
+struct TemporaryFile {
+  std::string path;
+  std::unique_ptr<StorageFile> file;
+};
+
+/// A new file for what will be `path`. Those that killed processes left behind for the same name
+/// are removed first.
+/// Throws Error{io}
+TemporaryFile create_temporary(Storage& storage, const std::string& path);
+
+}  // namespace octavo

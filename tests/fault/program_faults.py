@@ -1,0 +1,384 @@
+#!/usr/bin/env python3
+"""Kills the program, takes its disk away, gives it odd targets: what stands under a name is whole.
+
+usage: program_faults.py OCTAVO [unittest arguments]
+
+OCTAVO_KILL_MOMENTS is the number of random moments at which builds are ended (40 unless set). What
+needs the right to mount is skipped without it. Everything is generated.
+"""
+
+import array
+import json
+import os
+import pathlib
+import random
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+OCTAVO = "octavo"
+MOMENTS = int(os.environ.get("OCTAVO_KILL_MOMENTS", "40"))
+SECONDS_TO_STOP = 2
+
+
+def mounts(folder, *options):
+    """True when `folder` could be mounted over; the caller unmounts."""
+    return subprocess.run(["mount", *options, folder], capture_output=True, check=False
+                          ).returncode == 0
+
+
+class InFolder(unittest.TestCase):
+    def setUp(self):
+        holder = tempfile.TemporaryDirectory()
+        self.addCleanup(holder.cleanup)
+        self.folder = pathlib.Path(holder.name)
+
+    def start(self, *arguments, **options):
+        return subprocess.Popen([OCTAVO, *map(str, arguments)], cwd=self.folder,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
+
+    def octavo(self, *arguments, **options):
+        return subprocess.run([OCTAVO, *map(str, arguments)], cwd=self.folder, timeout=120,
+                              capture_output=True, text=True, check=False, **options)
+
+    def expect(self, code, *arguments, **options):
+        result = self.octavo(*arguments, **options)
+        self.assertEqual(result.returncode, code, f"{arguments}\n{result.stderr}")
+        return result
+
+    def expect_refusal(self, code, words, *arguments, **options):
+        """One line on standard error with `words` in it, and nothing on standard output."""
+        result = self.expect(code, *arguments, "--progress", "none", **options)
+        self.assertEqual(result.stdout, "")
+        self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+        self.assertTrue(result.stderr.startswith("octavo: "), result.stderr)
+        for word in words:
+            self.assertIn(word, result.stderr)
+
+    def names(self):
+        return sorted(p.name for p in self.folder.iterdir())
+
+    def noisy_raw(self, name, x, y, z):
+        numbers = random.Random(5)
+        voxels = array.array("h", (numbers.randrange(-200, 200) for _ in range(x * y * z)))
+        (self.folder / name).write_bytes(voxels.tobytes())
+        return [name, "--raw", f"{x},{y},{z},int16", "--spacing", "1"]
+
+
+class Kills(InFolder):
+    def check_moments(self, command, target, count):
+        """Ends `command` at `count` random moments; `target` holds its old or its new content."""
+        numbers = random.Random(6)
+        path = self.folder / target
+        old = path.read_bytes()
+        began = time.monotonic()
+        self.expect(0, *command)
+        seconds = time.monotonic() - began
+        new = path.read_bytes()
+        self.assertNotEqual(old, new)
+        own = self.names()
+        kept = finished = 0
+        for moment in range(count):
+            path.write_bytes(old)
+            process = self.start(*command, "--progress", "none")
+            time.sleep(numbers.uniform(0, 1.05 * seconds))
+            how = [signal.SIGKILL, signal.SIGTERM, signal.SIGKILL, signal.SIGINT][moment % 4]
+            process.send_signal(how)
+            asked = time.monotonic()
+            _, said = process.communicate(timeout=30)
+            self.assertLess(time.monotonic() - asked, SECONDS_TO_STOP, how)
+            # Before the program took its signals over, they end it as they end any other.
+            self.assertIn(process.returncode, (0, -how, 128 + how), said)
+            now = path.read_bytes()
+            self.assertIn(now, (old, new), f"moment {moment}, {how}")
+            kept += now == old
+            finished += now == new
+            left = [name for name in self.names() if name not in own]
+            self.assertLessEqual(len(left), 1, left)
+            for name in left:
+                self.assertTrue(name.startswith(f".{target}.tmp-"), name)
+            if how != signal.SIGKILL and process.returncode > 0:
+                self.assertNotIn(f".{target}.tmp-{process.pid}", left)
+        self.expect(0, *command)
+        self.assertEqual(self.names(), own)
+        self.assertEqual(path.read_bytes(), new)
+        print(f"{command[0]}: {count} moments, old file kept {kept} times, replaced {finished}")
+        self.assertGreater(kept, 0)
+
+    def test_a_killed_build_leaves_the_old_file_or_a_whole_one(self):
+        source = self.noisy_raw("v.raw", 100, 90, 80)
+        self.expect(0, "phantom", "--size", "30", "-o", "out.8vo")
+        self.check_moments(["build", *source, "-o", "out.8vo", "--force"], "out.8vo", MOMENTS)
+        self.expect(0, "verify", "out.8vo", "--against", *source)
+
+    def test_a_killed_export_leaves_the_old_file_or_a_whole_one(self):
+        self.expect(0, "phantom", "--size", "100", "--noise", "20", "-o", "p.8vo")
+        for target in ["out.nrrd", "out.nii.gz"]:
+            (self.folder / target).write_bytes(b"old")
+            self.check_moments(["export", "p.8vo", "-o", target, "--force"], target, MOMENTS // 4)
+            self.expect(0, "compare", "p.8vo", target)
+
+
+class Salvage(InFolder):
+    # Three bricks of the same size, which fill most of the file.
+    SIZE = (192, 64, 20)
+    COUNT = 192 * 64 * 20
+
+    def setUp(self):
+        super().setUp()
+        self.source = self.noisy_raw("v.raw", *self.SIZE)
+        self.expect(0, "build", *self.source, "-o", "good.8vo")
+
+    def damage(self, *fractions):
+        """bad.8vo: good.8vo with a flipped bit at each fraction of its length."""
+        damaged = bytearray((self.folder / "good.8vo").read_bytes())
+        places = [int(len(damaged) * fraction) for fraction in fractions]
+        for place in places:
+            damaged[place] ^= 4
+        (self.folder / "bad.8vo").write_bytes(damaged)
+        return places
+
+    def report(self):
+        return json.loads(self.expect(4, "verify", "bad.8vo", "--json").stdout)
+
+    def voxels(self, name):
+        return array.array("h", (self.folder / name).read_bytes())
+
+    def outside(self, voxels, bricks):
+        """The voxels that lie in none of `bricks`, which stand side by side along x."""
+        damaged = [brick[0] for brick in bricks]
+        return [v for i, v in enumerate(voxels) if i % self.SIZE[0] // 64 not in damaged]
+
+    def test_verify_names_the_brick_and_the_flipped_bit(self):
+        place, = self.damage(0.2)
+        self.expect_refusal(4, ["bad.8vo: brick o-code 0x", " level 0 at byte ", "checksum ",
+                                f"(one flipped bit, byte {place})", "bricks damaged", "--salvage"],
+                            "verify", "bad.8vo")
+        report = self.report()
+        self.assertFalse(report["sound"])
+        self.assertEqual(report["damaged_bricks"], 1)
+        damage, = report["damages"]
+        self.assertEqual(damage["what"], "brick")
+        self.assertEqual((damage["flipped_byte"], damage["flipped_bit"]), (place, 2))
+
+    def test_verify_names_every_damaged_place(self):
+        places = self.damage(0.15, 0.45, 0.75)
+        result = self.expect(4, "verify", "bad.8vo", "--progress", "none")
+        lines = result.stderr.splitlines()
+        self.assertEqual(len(lines), 4, result.stderr)
+        for place in places:
+            self.assertTrue(any(f"byte {place})" in line for line in lines[:3]), result.stderr)
+        self.assertIn("bad.8vo: 3 damaged places", lines[3])
+        quiet = self.expect(4, "verify", "bad.8vo", "-q", "--progress", "none")
+        self.assertEqual(quiet.stderr, lines[3] + "\n")
+
+    def test_damage_is_refused_unless_asked_otherwise(self):
+        self.damage(0.2)
+        for command in [("export", "bad.8vo", "-o", "x.raw"),
+                        ("extract", "bad.8vo", "--box", ":,:,0:9", "-o", "x.raw"),
+                        ("slice", "bad.8vo", "--axis", "all", "-o", "x.png")]:
+            self.expect_refusal(4, ["bad.8vo: brick o-code", "--salvage"], *command)
+            self.expect_refusal(4, ["bad.8vo: brick o-code", "--strict"], *command, "--salvage",
+                                "--strict")
+        self.assertEqual([n for n in self.names() if n.startswith(("x", "."))], [])
+
+    def test_everything_outside_damaged_bricks_is_the_original(self):
+        self.damage(0.15, 0.75)
+        bricks = [damage["brick"] for damage in self.report()["damages"]]
+        original = self.outside(self.voxels("v.raw"), bricks)
+        self.assertTrue(0 < len(original) < self.COUNT)
+        for fill in [["--salvage"], ["--salvage", "coarse"], ["--salvage=-777"]]:
+            with self.subTest(fill):
+                result = self.expect(0, "export", "bad.8vo", "-o", "x.raw", "--force", *fill)
+                warnings = [line for line in result.stderr.splitlines() if "warning" in line]
+                self.assertEqual(len(warnings), 2, result.stderr)
+                for warning in warnings:
+                    self.assertIn("octavo: warning: bad.8vo: brick o-code 0x", warning)
+                    self.assertIn("filled ", warning)
+                found = self.voxels("x.raw")
+                self.assertEqual(self.outside(found, bricks), original)
+                if fill == ["--salvage=-777"]:
+                    self.assertEqual(found.count(-777), self.COUNT - len(original))
+                if fill[-1] == "coarse":
+                    self.assertIn("from level 1", result.stderr)
+                    inside = self.voxels("v.raw")
+                    worst = max(abs(a - b) for a, b in zip(found, inside))
+                    self.assertLess(worst, 400)
+        result = self.expect(0, "slice", "bad.8vo", "-o", "x.png", "--salvage", "--json")
+        self.assertLessEqual(json.loads(result.stdout)["salvaged"]["bricks"], 2)
+
+    def test_warnings_end_after_ten(self):
+        self.expect(0, "phantom", "--size", "320,320,10", "--noise", "20", "-o", "good.8vo",
+                    "--force")
+        self.damage(*(0.02 + 0.025 * i for i in range(30)))
+        damaged = self.report()["damaged_bricks"]
+        self.assertGreater(damaged, 11)
+        result = self.expect(0, "export", "bad.8vo", "-o", "x.raw", "--salvage", "--json",
+                             "--progress", "none")
+        lines = result.stderr.splitlines()
+        self.assertEqual(len(lines), 11, result.stderr)
+        self.assertIn("more damaged places", lines[-1])
+        salvaged = json.loads(result.stdout)["salvaged"]
+        self.assertEqual(salvaged["bricks"], damaged)
+
+    def test_a_fill_that_is_no_voxel_is_exit_2(self):
+        self.damage(0.2)
+        for words, fill in [(["-32768 to 32767"], "40000"), (["neither"], "high"),
+                            (["neither"], "nan")]:
+            self.expect_refusal(2, words, "export", "bad.8vo", "-o", "x.raw", "--salvage", fill)
+        self.expect_refusal(2, ["name the file before"], "export", "--salvage", "bad.8vo", "-o",
+                            "x.raw")
+        self.assertNotIn("x.raw", self.names())
+
+
+class Disks(InFolder):
+    def setUp(self):
+        super().setUp()
+        self.source = self.noisy_raw("v.raw", 64, 64, 40)
+        self.expect(0, "build", *self.source, "-o", "good.8vo")
+        (self.folder / "out").mkdir()
+
+    def commands(self, folder):
+        """Every way to write a file, with the name of what it writes."""
+        for name in ["x.nrrd", "x.raw", "x.nii", "x.nii.gz", "x.mha", "x.mhd", "x.tif", "stack/"]:
+            # The voxels of an .mhd stand in a .raw beside it, which is written first.
+            first = {"x.mhd": "x.raw"}.get(name, name.rstrip("/"))
+            yield ["export", "good.8vo", "-o", f"{folder}/{name}"], f"{folder}/{first}"
+        yield ["slice", "good.8vo", "-o", f"{folder}/x.png"], f"{folder}/x.png"
+        yield ["build", *self.source, "-o", f"{folder}/x.8vo"], f"{folder}/x.8vo"
+
+    def expect_clean_failures(self, words, **options):
+        for command, path in self.commands("out"):
+            with self.subTest(path):
+                self.expect_refusal(5, [f"octavo: {path}", *words], *command, **options)
+                self.assertEqual(os.listdir(self.folder / "out"), [])
+
+    def test_a_full_disk_is_exit_5_and_leaves_nothing(self):
+        out = self.folder / "out"
+        if not mounts(out, "-t", "tmpfs", "-o", "size=4k", "none"):
+            self.skipTest("needs the right to mount a tmpfs")
+        try:
+            self.expect_clean_failures(["no space left"])
+        finally:
+            subprocess.run(["umount", out], check=True)
+
+    def test_a_limit_of_file_size_is_exit_5_and_leaves_nothing(self):
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+
+        self.expect_clean_failures(["File too large"], preexec_fn=limit)
+
+    def test_a_read_only_disk_is_exit_5_and_leaves_nothing(self):
+        out = self.folder / "out"
+        if not mounts(out, "-t", "tmpfs", "-o", "ro", "none"):
+            self.skipTest("needs the right to mount a tmpfs")
+        try:
+            self.expect_clean_failures(["Read-only file system"])
+        finally:
+            subprocess.run(["umount", out], check=True)
+
+    def test_an_old_file_outlives_a_full_disk(self):
+        out = self.folder / "out"
+        if not mounts(out, "-t", "tmpfs", "-o", "size=64k", "none"):
+            self.skipTest("needs the right to mount a tmpfs")
+        try:
+            for command, path in self.commands("out"):
+                if path.endswith(("stack", ".png")):
+                    continue
+                (self.folder / path).write_bytes(b"old")
+                self.expect(5, *command, "--force")
+                self.assertEqual((self.folder / path).read_bytes(), b"old")
+                os.unlink(self.folder / path)
+                self.assertEqual(os.listdir(out), [])
+        finally:
+            subprocess.run(["umount", out], check=True)
+
+
+class Targets(InFolder):
+    def setUp(self):
+        super().setUp()
+        self.expect(0, "phantom", "--size", "20", "-o", "good.8vo")
+        self.before = self.names()
+
+    def commands(self, stem):
+        yield ["phantom", "--size", "9", "-o", f"{stem}.8vo"], f"{stem}.8vo"
+        for ending in ["nrrd", "nii.gz", "mhd", "tif"]:
+            yield ["export", "good.8vo", "-o", f"{stem}.{ending}"], f"{stem}.{ending}"
+        yield ["slice", "good.8vo", "-o", f"{stem}.png"], f"{stem}.png"
+
+    def expect_refused(self, stem, code, words, make=None, force=True):
+        for command, name in self.commands(stem):
+            with self.subTest(name):
+                if make:
+                    make(self.folder / name)
+                names = self.names()
+                self.expect_refusal(code, words, *command, *(["--force"] if force else []))
+                self.assertEqual(self.names(), names)
+
+    def test_a_missing_folder_is_exit_5(self):
+        self.expect_refused("nowhere/x", 5, ["nowhere/x", "No such file or directory"])
+        self.assertEqual(self.names(), self.before)
+
+    def test_a_file_taken_for_a_folder_is_exit_5(self):
+        self.expect_refused("good.8vo/x", 5, ["good.8vo/x", "Not a directory"])
+        self.assertEqual(self.names(), self.before)
+
+    def test_a_folder_is_never_replaced_by_a_file(self):
+        for command, name in self.commands("folder"):
+            if command[0] == "export":
+                continue  # There a folder asks for a stack.
+            (self.folder / name).mkdir()
+            with self.subTest(name):
+                self.expect_refusal(5, [name], *command, "--force")
+                self.assertEqual(os.listdir(self.folder / name), [])
+
+    def test_a_pipe_is_refused_and_not_waited_for(self):
+        self.expect_refused("pipe", 5, ["pipe", "not a"], make=os.mkfifo)
+
+    def test_a_device_is_refused(self):
+        self.expect_refused("device", 5, ["device", "not a"],
+                            make=lambda path: os.symlink("/dev/full", path))
+
+    def test_a_link_to_nowhere_is_refused(self):
+        self.expect_refused("link", 5, ["link", "not a"],
+                            make=lambda path: os.symlink("gone", path))
+        self.assertNotIn("gone", self.names())
+
+    def test_what_a_link_points_to_is_left_alone(self):
+        (self.folder / "behind").write_text("kept")
+        for command, name in self.commands("link"):
+            with self.subTest(name):
+                os.symlink("behind", self.folder / name)
+                self.expect_refusal(5, [name, "exists already"], *command)
+                self.expect(0, *command, "--force")
+                self.assertEqual((self.folder / "behind").read_text(), "kept")
+
+    def test_a_line_end_in_a_name_is_written_and_escaped(self):
+        self.expect_refused("no\nfolder/x", 5, [r"no\x0afolder/x"])
+        for command, name in self.commands("two\nlines"):
+            with self.subTest(name):
+                self.expect(0, *command)
+                self.assertIn(name, self.names())
+                self.expect_refusal(5, [r"two\x0alines", "exists already"], *command)
+
+    def test_the_longest_name_is_written_and_a_longer_one_refused(self):
+        for ending_length, code in [(255, 0), (256, 5)]:
+            for command, name in self.commands("x"):
+                stem = "x" * (ending_length - len(name) + 1)
+                command = [part if part != name else name.replace("x", stem, 1)
+                           for part in command]
+                with self.subTest(command[-1][-8:]):
+                    result = self.expect(code, *command)
+                    if code:
+                        self.assertIn("octavo: xxxx", result.stderr)
+                        self.assertIn("longer than 255 bytes", result.stderr)
+        self.assertEqual([n for n in self.names() if n.startswith(".")], [])
+
+
+if __name__ == "__main__":
+    OCTAVO = os.path.abspath(sys.argv.pop(1))
+    unittest.main()
