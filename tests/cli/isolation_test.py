@@ -58,7 +58,7 @@ class Isolation(InFolder):
             write_tiff(self.folder / name / f"{z}.tif", side, side, numbers.randbytes(side * side))
 
     def start_build(self):
-        """A build of the folder `stack` that takes seconds, and the process that reads for it."""
+        """A build of the folder `stack`, and the process that reads for it."""
         process = subprocess.Popen(
             [cli_test.OCTAVO, "build", "stack", "-o", "x.8vo", "--spacing", "1", "--progress",
              "none"], cwd=self.folder, stderr=subprocess.PIPE, text=True)
@@ -91,9 +91,12 @@ class Isolation(InFolder):
         for number in [signal.SIGKILL, signal.SIGTERM, signal.SIGINT]:
             with self.subTest(number):
                 process, worker = self.start_build()
+                # Stopped, the program takes no planes: the worker cannot come to its end.
+                process.send_signal(signal.SIGSTOP)
                 time.sleep(0.3)
                 self.assertTrue(is_running(worker))
                 process.send_signal(number)
+                process.send_signal(signal.SIGCONT)
                 _, errors = process.communicate(timeout=120)
                 code = -number if number == signal.SIGKILL else 128 + number
                 self.assertEqual(process.returncode, code, errors)
