@@ -77,6 +77,14 @@ bool has_long_length(const std::string& vr) {
   return kLong.contains(vr);
 }
 
+/// How messages call an element.
+std::string element_name(DicomTag tag) {
+  const bool is_pixels = tag == kPixelData || tag == kFloatPixelData || tag == kDoublePixelData;
+  const char* name = is_pixels ? "the picture" : tag == kItem ? "a part of the picture or of a list"
+                                                              : "element";
+  return std::string(name) + " " + dicom_tag_text(tag);
+}
+
 bool is_vr(const std::string& text) {
   return text.size() == 2 && text[0] >= 'A' && text[0] <= 'Z' && text[1] >= 'A' && text[1] <= 'Z';
 }
@@ -225,7 +233,7 @@ class Walker {
   }
 
   ElementHead read_head(std::uint64_t at, std::uint64_t end, Syntax syntax) {
-    need(at, 8, end, "an element");
+    need(at, 8, end, "the next element");
     ElementHead head;
     head.tag = read_u16(at, syntax.big_endian) << 16 | read_u16(at + 2, syntax.big_endian);
     const bool is_delimiter = head.tag >> 16 == 0xfffe;
@@ -243,7 +251,7 @@ class Walker {
       head.length = read_u16(at + 6, syntax.big_endian);
       return head;
     }
-    need(at, 12, end, dicom_tag_text(head.tag));
+    need(at, 12, end, element_name(head.tag));
     head.length = read_u32(at + 8, syntax.big_endian);
     head.value_offset = at + 12;
     return head;
@@ -254,18 +262,19 @@ class Walker {
     if (head.length == kUndefinedLength) {
       reject("element " + dicom_tag_text(head.tag) + " has no length", head.value_offset);
     }
-    need(head.value_offset, head.length, end, dicom_tag_text(head.tag));
+    need(head.value_offset, head.length, end, element_name(head.tag));
     return head.value_offset + head.length;
   }
 
   void need(std::uint64_t at, std::uint64_t count, std::uint64_t end, const std::string& what) {
     if (at <= end && count <= end - at) return;
-    const std::string bytes = std::to_string(count) + " bytes at offset " + std::to_string(at);
     if (end == window_.size()) {
-      reject("the file ends early: " + what + " needs " + bytes + ", the file has " +
-                 std::to_string(end) + " bytes; copy it again from its origin", at);
+      reject("the file ends early: " + what + " reaches to byte " + std::to_string(at + count) +
+                 ", the file has " + std::to_string(end) +
+                 " bytes; copy it again from its origin", at);
     }
-    reject(what + " needs " + bytes + ", its sequence ends at " + std::to_string(end), at);
+    reject(what + " reaches to byte " + std::to_string(at + count) + ", its sequence ends at " +
+               std::to_string(end) + ": the file is damaged; copy it again from its origin", at);
   }
 
   std::uint32_t read_u16(std::uint64_t at, bool big_endian) {

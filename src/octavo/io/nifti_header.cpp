@@ -162,6 +162,10 @@ NiftiHeader read_nifti_header(const std::string& path) {
   VoxelStream stream(path, 0, deflated ? StreamCoding::deflated : StreamCoding::plain);
   std::array<std::byte, kHeader2Bytes> bytes{};
   const std::span<std::byte> all(bytes);
+  if (const std::uint64_t size = SourceFile(path).size(); !deflated && size < kHeader1Bytes) {
+    reject(path, "not a NIfTI file: its header alone takes 348 bytes, the file has " +
+                     std::to_string(size) + "; check what it is, or copy it again from its origin");
+  }
   stream.read(all.first(kHeader1Bytes));
   for (const bool big_endian : {false, true}) {
     const FieldReader read(bytes, big_endian);
@@ -187,7 +191,8 @@ NiftiHeader read_nifti_header(const std::string& path) {
     header.big_endian = big_endian;
     return header;
   }
-  reject(path, "not a NIfTI file: the header length is neither 348 nor 540");
+  reject(path, "not a NIfTI file: the header says it is neither 348 nor 540 bytes long; check "
+               "what the file is");
 }
 
 std::string nifti_type_name(std::int64_t datatype) {

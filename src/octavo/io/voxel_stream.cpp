@@ -86,7 +86,14 @@ class VoxelStream::Impl {
 
   void refill() {
     const std::size_t count = file_.read_some(file_offset_, input_);
-    if (count == 0) reject("the compressed stream ends before its trailer: the file is cut");
+    if (count == 0) {
+      throw Error(ErrorKind::source_rejected,
+                  "the compressed stream ends early: the file of " +
+                      std::to_string(file_.size()) + " bytes is cut after " +
+                      std::to_string(delivered_) +
+                      " bytes of its content; copy it again from its origin",
+                  path(), file_offset_);
+    }
     file_offset_ += count;
     zlib_.next_in = reinterpret_cast<Bytef*>(input_.data());
     zlib_.avail_in = static_cast<uInt>(count);
@@ -105,7 +112,8 @@ class VoxelStream::Impl {
 
   [[noreturn]] void reject(const std::string& why) {
     throw Error(ErrorKind::source_rejected,
-                "damaged compressed data after " + std::to_string(delivered_) + " bytes: " + why,
+                "damaged compressed data after " + std::to_string(delivered_) + " bytes: " + why +
+                    "; copy it again from its origin",
                 path(), file_offset_);
   }
 
