@@ -110,6 +110,8 @@ std::string source_row(const nlohmann::ordered_json& metadata) {
                                                             : 0;
     if (count > 0) text += fmt::format(", {} file{}", count_text(count), count == 1 ? "" : "s");
   }
+  const std::string chosen = choice_words(metadata);
+  if (!text.empty() && !chosen.empty()) text += ", " + chosen;
   return text.empty() ? "" : row("source", text);
 }
 

@@ -59,6 +59,8 @@ SourceOptions source_options(const SourceArguments& arguments, const Context& co
   if (arguments.on_gap == "resample") options.on_gap = GapPolicy::resample;
   options.drop_duplicates = arguments.drop_duplicates;
   options.untilt = arguments.untilt;
+  options.channel = arguments.channel;
+  if (!arguments.time.empty()) options.time = parse_integer(arguments.time, "--time");
   options.max_memory_bytes = context.max_memory_bytes;
   return options;
 }
@@ -86,6 +88,13 @@ void add_source_options(CLI::App& verb, SourceArguments& arguments) {
       ->group(group);
   verb.add_option("--spacing", arguments.spacing, "Voxel distances in mm, x,y,z or one for all")
       ->type_name("MM")
+      ->group(group);
+  verb.add_option("--channel", arguments.channel,
+                  "Of several values at each voxel take one: a number from 0, or a name (red)")
+      ->type_name("N|NAME")
+      ->group(group);
+  verb.add_option("--time", arguments.time, "Of several volumes in time take one, counted from 0")
+      ->type_name("N")
       ->group(group);
   verb.add_option("--series", arguments.series, "SeriesInstanceUID, where a folder holds several")
       ->type_name("UID")

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "common/quantities.h"
+#include "octavo/core/error.h"
 
 namespace octavo::cli {
 
@@ -26,6 +27,20 @@ void add(std::string& text, const std::string& words) {
 }
 
 }  // namespace
+
+std::string choice_words(const nlohmann::ordered_json& metadata) {
+  std::string text;
+  for (const char* what : {"channel", "time"}) {
+    const nlohmann::ordered_json& choice = member(member(metadata, "chosen"), what);
+    if (!member(choice, "index").is_number_integer()) continue;
+    const nlohmann::ordered_json& name = member(choice, "name");
+    text += (text.empty() ? "" : ", ") + std::string(what) + " " +
+            (name.is_string() ? escaped(name.get<std::string>())
+                              : std::to_string(count_in(choice, "index"))) +
+            " of " + count_text(count_in(choice, "count"));
+  }
+  return text;
+}
 
 std::string preparation_words(const nlohmann::ordered_json& metadata) {
   const nlohmann::ordered_json& prepared = member(metadata, "prepared");

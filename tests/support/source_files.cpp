@@ -123,8 +123,9 @@ void write_dicom(const std::string& path, const DicomSample& s) {
                     element(0x20, 0x0e, "UI", s.series);
   if (s.position) set += element(0x20, 0x32, "DS", *s.position);
   if (s.position) set += element(0x20, 0x37, "DS", s.orientation);
-  set += element(0x28, 0x02, "US", u16(s.samples)) + element(0x28, 0x04, "CS", s.photometric) +
-         element(0x28, 0x10, "US", u16(s.rows)) + element(0x28, 0x11, "US", u16(s.columns));
+  set += element(0x28, 0x02, "US", u16(s.samples)) + element(0x28, 0x04, "CS", s.photometric);
+  if (s.samples > 1) set += element(0x28, 0x06, "US", u16(s.planar));
+  set += element(0x28, 0x10, "US", u16(s.rows)) + element(0x28, 0x11, "US", u16(s.columns));
   if (!s.pixel_spacing.empty()) set += element(0x28, 0x30, "DS", s.pixel_spacing);
   if (s.frames > 1) set += element(0x28, 0x08, "IS", std::to_string(s.frames));
   if (s.padding) set += element(0x28, 0x120, "SS", bytes_of<std::int16_t>({*s.padding}));
@@ -170,45 +171,58 @@ void write_segmentation(const std::string& path, const SegmentationSample& s) {
           element(0x5200, 0x9230, "SQ", frames) + element(0x7fe0, 0x10, "OB", packed));
 }
 
+/// value  bytes of one pixel in this plane of samples
+static void write_tiles(TIFF* tiff, const TiffSample& s, const std::string& voxels,
+                        std::size_t value, std::uint16_t plane) {
+  for (std::uint32_t y = 0; y < s.height; y += s.tile) {
+    for (std::uint32_t x = 0; x < s.width; x += s.tile) {
+      std::string tile(std::size_t{s.tile} * s.tile * value, '\0');
+      for (std::uint32_t row = 0; row < std::min(s.tile, s.height - y); ++row) {
+        std::memcpy(tile.data() + row * s.tile * value,
+                    voxels.data() + (std::size_t{y + row} * s.width + x) * value,
+                    std::min(s.tile, s.width - x) * value);
+      }
+      ASSERT_GE(TIFFWriteTile(tiff, tile.data(), x, y, 0, plane), 0);
+    }
+  }
+}
+
 void write_tiff(const std::string& path, const TiffSample& s) {
   TIFF* tiff = TIFFOpen(path.c_str(), s.big ? "w8" : "w");
   ASSERT_NE(tiff, nullptr);
-  const std::size_t row_bytes = std::size_t{s.width} * s.samples * s.bits / 8;
+  const std::size_t planes = s.separate ? s.samples : 1;
+  const std::size_t value = s.bits / 8U * (s.samples / planes);
+  const std::size_t row_bytes = std::size_t{s.width} * value;
   for (const std::string& page : s.pages) {
     TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, s.width);
     TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, s.height);
     TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, s.bits);
     TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, s.format);
     TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, s.samples);
-    TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
+    TIFFSetField(tiff, TIFFTAG_PLANARCONFIG,
+                 s.separate ? PLANARCONFIG_SEPARATE : PLANARCONFIG_CONTIG);
     TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC,
-                 s.samples == 1 ? PHOTOMETRIC_MINISBLACK : PHOTOMETRIC_RGB);
+                 s.samples < 3 ? PHOTOMETRIC_MINISBLACK : PHOTOMETRIC_RGB);
     TIFFSetField(tiff, TIFFTAG_COMPRESSION, s.compression);
     if (!s.description.empty()) TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, s.description.c_str());
     if (s.resolution > 0) {
       TIFFSetField(tiff, TIFFTAG_XRESOLUTION, static_cast<double>(s.resolution));
       TIFFSetField(tiff, TIFFTAG_YRESOLUTION, static_cast<double>(s.resolution));
+      TIFFSetField(tiff, TIFFTAG_RESOLUTIONUNIT, s.resolution_unit);
     }
     if (s.tile > 0) {
       TIFFSetField(tiff, TIFFTAG_TILEWIDTH, s.tile);
       TIFFSetField(tiff, TIFFTAG_TILELENGTH, s.tile);
-      const std::size_t value = s.bits / 8U;
-      for (std::uint32_t y = 0; y < s.height; y += s.tile) {
-        for (std::uint32_t x = 0; x < s.width; x += s.tile) {
-          std::string tile(std::size_t{s.tile} * s.tile * value, '\0');
-          for (std::uint32_t row = 0; row < std::min(s.tile, s.height - y); ++row) {
-            std::memcpy(tile.data() + row * s.tile * value,
-                        page.data() + (y + row) * row_bytes + x * value,
-                        std::min(s.tile, s.width - x) * value);
-          }
-          ASSERT_GE(TIFFWriteTile(tiff, tile.data(), x, y, 0, 0), 0);
-        }
+      for (std::size_t plane = 0; plane < planes; ++plane) {
+        write_tiles(tiff, s, page.substr(plane * row_bytes * s.height), value,
+                    static_cast<std::uint16_t>(plane));
       }
     } else {
       TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, s.rows_per_strip > 0 ? s.rows_per_strip : s.height);
-      for (std::uint32_t y = 0; y < s.height; ++y) {
-        std::string row = page.substr(y * row_bytes, row_bytes);
-        ASSERT_EQ(TIFFWriteScanline(tiff, row.data(), y, 0), 1);
+      for (std::size_t row = 0; row < planes * s.height; ++row) {
+        std::string bytes = page.substr(row * row_bytes, row_bytes);
+        ASSERT_EQ(TIFFWriteScanline(tiff, bytes.data(), static_cast<std::uint32_t>(row % s.height),
+                                    static_cast<std::uint16_t>(row / s.height)), 1);
       }
     }
     ASSERT_EQ(TIFFWriteDirectory(tiff), 1);

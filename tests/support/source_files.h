@@ -65,6 +65,7 @@ struct DicomSample {
   std::uint16_t high_bit = 15;
   std::uint16_t is_signed = 1;
   std::uint16_t samples = 1;
+  std::uint16_t planar = 0;                 ///< 1: samples stand in planes of their own
   std::string photometric = "MONOCHROME2";
   std::optional<std::string> position;      ///< "x\\y\\z"
   std::string orientation = "1\\0\\0\\0\\1\\0";
@@ -93,13 +94,15 @@ struct TiffSample {
   std::uint32_t height = 3;
   std::uint16_t bits = 8;
   std::uint16_t format = 1;       ///< 1 unsigned, 2 signed, 3 float
-  std::uint16_t samples = 1;
+  std::uint16_t samples = 1;      ///< 3 and more are written as RGB
+  bool separate = false;          ///< samples in planes of their own, one behind the other
   std::uint16_t compression = 1;
   std::uint32_t tile = 0;         ///< side of tiles; 0: strips
   std::uint32_t rows_per_strip = 0;
   bool big = false;
   std::string description;
   float resolution = 0;
+  std::uint16_t resolution_unit = 1;  ///< 1 none, 2 inch, 3 cm
   std::vector<std::string> pages; ///< native bytes
 };
 void write_tiff(const std::string& path, const TiffSample& sample);

@@ -34,6 +34,7 @@ std::string settle_spacing(SourceFacts& facts, const SourceOptions& options) {
 }  // namespace
 
 void settle(SourceFacts& facts, const SourceOptions& options, const std::string& path) {
+  facts.choice = choose_component(facts.components, options, path);
   const std::string spacing_source = settle_spacing(facts, options);
   try {
     checked_voxel_count(facts.description.size);
@@ -56,6 +57,9 @@ void settle(SourceFacts& facts, const SourceOptions& options, const std::string&
   metadata["spacing_known"] = spacing_source != "assumed";
   metadata["spacing_source"] = spacing_source;
   if (!facts.unit.empty()) metadata["unit"] = facts.unit;
+  if (const std::string chosen = choice_json(facts.components, facts.choice); !chosen.empty()) {
+    metadata["chosen"] = json::parse(chosen);
+  }
   facts.description.metadata_json = metadata.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "octavo/build/plane_source.h"
+#include "octavo/io/component_choice.h"
 #include "octavo/io/open_source.h"
 
 namespace octavo {
@@ -21,12 +22,15 @@ struct SourceFacts {
   bool spacing_known = false;           ///< the files carry a spacing
   std::string unit;                     ///< unit of real values, when known
   std::string extra_json;               ///< an object merged into the metadata, or empty
+  Components components;                ///< what stands at each voxel
+  ComponentChoice choice;               ///< which of them is taken; made by `settle`
 };
 
-/// Applies options.spacing_mm, warns when no spacing is known, writes metadata_json and proves size
-/// and geometry. path names the source in messages.
+/// Chooses a channel and a time, applies options.spacing_mm, warns when no spacing is known, writes
+/// metadata_json and proves size and geometry. path names the source in messages.
 /// Throws Error{source_rejected} on a bad geometry, Error{limit_exceeded} on a size out of range,
-///        Error{invalid_argument} when options.spacing_mm is not positive and finite.
+///        Error{invalid_argument} when options.spacing_mm is not positive and finite;
+///        as choose_component does
 void settle(SourceFacts& facts, const SourceOptions& options, const std::string& path);
 
 /// Throws Error{limit_exceeded} when `needed` bytes exceed options.max_memory_bytes (0: no limit).
@@ -50,6 +54,7 @@ class DescribedSource : public PlaneSource {
   const std::vector<std::string>& warnings() const override { return facts_.warnings; }
 
  protected:
+  const ComponentChoice& choice() const { return facts_.choice; }
   void warn(std::string text) { facts_.warnings.push_back(std::move(text)); }
   /// Throws Error{invalid_argument} unless `plane` is one plane long.
   void require_plane(std::span<const std::byte> plane) const;

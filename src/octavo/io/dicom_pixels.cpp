@@ -116,11 +116,35 @@ void read_native_bits(const DicomSlice& slice, std::span<std::byte> plane) {
   }
 }
 
+/// One sample of each pixel of a colour picture.
+void read_native_sample(const DicomSlice& slice, std::uint64_t offset,
+                        std::span<std::byte> plane) {
+  const DicomLayout& layout = *slice.layout;
+  const SourceFile file(layout.path);
+  const auto channel = static_cast<std::size_t>(slice.channel);
+  if (layout.is_planar) {
+    file.read_exactly(offset + channel * plane.size(), plane);
+    return;
+  }
+  const auto value_bytes = static_cast<std::size_t>(layout.bits_allocated / 8);
+  const std::size_t stride = value_bytes * static_cast<std::size_t>(layout.samples);
+  std::vector<std::byte> all(static_cast<std::size_t>(layout.frame_bytes()));
+  file.read_exactly(offset, all);
+  const std::byte* from = all.data() + channel * value_bytes;
+  for (std::size_t at = 0; at < plane.size(); at += value_bytes, from += stride) {
+    std::memcpy(plane.data() + at, from, value_bytes);
+  }
+}
+
 void read_native(const DicomSlice& slice, std::span<std::byte> plane) {
   const DicomLayout& layout = *slice.layout;
   const std::uint64_t offset = layout.pixels.native.offset +
                                static_cast<std::uint64_t>(slice.frame) * layout.frame_bytes();
-  SourceFile(layout.path).read_exactly(offset, plane);
+  if (layout.samples > 1) {
+    read_native_sample(slice, offset, plane);
+  } else {
+    SourceFile(layout.path).read_exactly(offset, plane);
+  }
   if (needs_swap(layout.big_endian)) {
     swap_values(plane, static_cast<std::size_t>(layout.bits_allocated / 8));
   }
@@ -171,10 +195,14 @@ VoxelType dicom_voxel_type(const DicomLayout& layout) {
   if (layout.pixels.is_float) {
     reject(layout, "float DICOM pixel data are not read; convert them to NRRD or NIfTI first");
   }
-  if (layout.samples != 1 || !layout.photometric.starts_with("MONOCHROME")) {
-    reject(layout, "a colour picture (" + escaped(layout.photometric) + ", " +
-                       std::to_string(layout.samples) + " samples per pixel): grey is read; "
-                       "convert it to grey first");
+  const bool is_grey = layout.samples == 1 && layout.photometric.starts_with("MONOCHROME");
+  const bool is_rgb = layout.samples == 3 && layout.photometric == "RGB";
+  if (!is_grey && (!is_rgb || layout.pixels.is_encapsulated)) {
+    reject(layout, std::string("a ") + (layout.pixels.is_encapsulated ? "compressed " : "") +
+                       "colour picture (" + escaped(layout.photometric) + ", " +
+                       std::to_string(layout.samples) + " samples per pixel) is not read; grey "
+                       "and uncompressed RGB (of which --channel takes one) are. Convert it first, "
+                       "as gdcmconv --raw does");
   }
   const std::int64_t bits = layout.bits_allocated;
   if (bits != 8 && bits != 16 && bits != 32) {

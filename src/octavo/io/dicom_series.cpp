@@ -30,7 +30,7 @@ void require_same(const DicomSlice& a, const DicomSlice& b, const char* what,
 std::string type_text(const DicomLayout& l) {
   return std::to_string(l.bits_allocated) + " bits allocated, " + std::to_string(l.bits_stored) +
          " stored, " + (l.is_signed ? "signed" : "unsigned") + ", " + std::to_string(l.samples) +
-         " samples";
+         (l.samples == 1 ? " sample" : " samples");
 }
 
 template <std::size_t n>

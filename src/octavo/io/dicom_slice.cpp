@@ -106,6 +106,7 @@ DicomLayout read_layout(const DicomFile& file) {
   layout.rows = required(file, 0x00280010, "Rows");
   layout.columns = required(file, 0x00280011, "Columns");
   layout.samples = data.unsigned_value(0x00280002).value_or(1);
+  layout.is_planar = data.unsigned_value(0x00280006).value_or(0) == 1;
   layout.bits_allocated = required(file, 0x00280100, "Bits Allocated");
   layout.bits_stored = data.unsigned_value(0x00280101).value_or(layout.bits_allocated);
   layout.high_bit = data.unsigned_value(0x00280102).value_or(layout.bits_stored - 1);

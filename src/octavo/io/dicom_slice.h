@@ -36,6 +36,7 @@ struct DicomLayout {
   std::int64_t rows = 0;
   std::int64_t frames = 1;
   std::int64_t samples = 1;
+  bool is_planar = false;  ///< samples stand in planes of their own, else they alternate
   std::int64_t bits_allocated = 0;
   std::int64_t bits_stored = 0;
   std::int64_t high_bit = 0;
@@ -65,6 +66,7 @@ struct DicomSlice {
   Rescale rescale;
   std::string rescale_type;
   std::optional<double> instance_number;
+  std::int64_t channel = 0;  ///< of a colour picture: the sample that is taken
   std::int64_t segment = 0;  ///< of a SEG: the number of the segment that the frame belongs to
 
   /// The file's name, with the frame where it has several.

@@ -117,14 +117,20 @@ std::unique_ptr<PlaneSource> open_dicom_source(const std::vector<std::string>& f
     throw Error(ErrorKind::source_rejected, "no DICOM file with a picture found", source);
   }
   slices = choose_series(std::move(slices), options.series, source);
+  Components components;
+  components.channels = slices.front().layout->samples;
+  components.channel_names = colour_names(components.channels);
   for (const DicomSlice& slice : slices) {
     dicom_voxel_type(*slice.layout);
     check_dicom_pixels(*slice.layout);
   }
+  const ComponentChoice choice = choose_component(components, options, slices.front().layout->path);
+  for (DicomSlice& slice : slices) slice.channel = choice.channel;
   DicomStack stack = prove_stack(std::move(slices), options);
   SourceFacts facts = describe(stack);
   facts.warnings.insert(facts.warnings.begin(), warnings.begin(), warnings.end());
   facts.warnings.insert(facts.warnings.end(), stack.warnings.begin(), stack.warnings.end());
+  facts.components = std::move(components);
   settle(facts, options, source);
   return std::make_unique<DicomSource>(std::move(facts), std::move(stack));
 }

@@ -1,9 +1,11 @@
 #include "octavo/io/meta_source.h"
 
+#include <algorithm>
 #include <map>
 #include <utility>
 #include <vector>
 
+#include "octavo/core/checked.h"
 #include "octavo/core/levels.h"
 #include "octavo/io/header_text.h"
 #include "octavo/io/source_file.h"
@@ -94,30 +96,41 @@ Size3 read_size(const MetaHeader& header) {
     reject(header.path(), "NDims is " + std::to_string(dimensions) + ", DimSize has " +
                               std::to_string(size.size()) + " numbers");
   }
-  if (dimensions > 3) {
+  if (dimensions > 4) {
     reject(header.path(), std::to_string(dimensions) +
-                              " dimensions: only volumes of 2 or 3 are read; take out one first");
+                              " dimensions: 2, 3 and, with time, 4 are read; take out one first");
   }
-  return {size[0], size[1], dimensions == 3 ? size[2] : 1};
+  return {size[0], size[1], dimensions >= 3 ? size[2] : 1};
 }
 
-/// Spacing, origin and directions; a 2-D image lies in the plane z = 0.
+/// A fourth axis is time; channels alternate.
+Components components_of(const MetaHeader& header) {
+  Components components;
+  const FieldText channels = header.field({"ElementNumberOfChannels"});
+  if (!channels.value.empty()) components.channels = channels.integer();
+  const std::vector<std::int64_t> size = header.field({"DimSize"}).integers();
+  if (size.size() == 4) components.times = size[3];
+  return components;
+}
+
+/// Spacing, origin and directions; a 2-D image lies in the plane z = 0. Of time nothing is taken.
 bool read_geometry(const MetaHeader& header, std::size_t dimensions, Geometry& geometry) {
   const FieldText spacing = header.field({"ElementSpacing", "ElementSize"});
   const FieldText origin = header.field({"Offset", "Position", "Origin"});
   const FieldText matrix = header.field({"TransformMatrix", "Rotation", "Orientation"});
+  const std::size_t axes = std::min<std::size_t>(dimensions, 3);
   if (!spacing.value.empty()) {
     const std::vector<double> mm = spacing.numbers(dimensions);
-    for (std::size_t axis = 0; axis < dimensions; ++axis) geometry.spacing_mm[axis] = mm[axis];
+    for (std::size_t axis = 0; axis < axes; ++axis) geometry.spacing_mm[axis] = mm[axis];
   }
   if (!origin.value.empty()) {
     const std::vector<double> mm = origin.numbers(dimensions);
-    for (std::size_t axis = 0; axis < dimensions; ++axis) geometry.origin_mm[axis] = mm[axis];
+    for (std::size_t axis = 0; axis < axes; ++axis) geometry.origin_mm[axis] = mm[axis];
   }
   if (!matrix.value.empty()) {
     const std::vector<double> rows = matrix.numbers(dimensions * dimensions);
-    for (std::size_t axis = 0; axis < dimensions; ++axis) {
-      for (std::size_t row = 0; row < dimensions; ++row) {
+    for (std::size_t axis = 0; axis < axes; ++axis) {
+      for (std::size_t row = 0; row < axes; ++row) {
         geometry.direction[row * 3 + axis] = rows[axis * dimensions + row];
       }
     }
@@ -126,12 +139,6 @@ bool read_geometry(const MetaHeader& header, std::size_t dimensions, Geometry& g
 }
 
 void refuse_unreadable(const MetaHeader& header) {
-  const FieldText channels = header.field({"ElementNumberOfChannels"});
-  if (!channels.value.empty() && channels.integer() != 1) {
-    reject(header.path(), std::string(channels.value) +
-                              " channels per voxel (colour, vector or complex): one is read; "
-                              "take out one channel first");
-  }
   if (header.has("BinaryData") && !header.is_true({"BinaryData"})) {
     reject(header.path(), "voxels written as text are not read; convert the file to binary");
   }
@@ -188,8 +195,16 @@ std::unique_ptr<PlaneSource> open_meta_source(const std::string& path,
         header.field({"ElementToIntensityFunctionOffset"}).numbers(1)[0];
   }
   const std::int64_t voxels = checked_voxel_count(description.size);
-  const VoxelRun run = locate_voxels(
-      header, static_cast<std::uint64_t>(voxels * bytes_per_voxel(description.type)));
+  const auto volume_bytes = static_cast<std::uint64_t>(voxels * bytes_per_voxel(description.type));
+  facts.components = components_of(header);
+  facts.choice = choose_component(facts.components, options, path);
+  const auto channels = static_cast<std::uint64_t>(facts.components.channels);
+  const auto times = static_cast<std::uint64_t>(facts.components.times);
+  VoxelRun run = locate_voxels(
+      header, checked_mul(checked_mul(volume_bytes, channels, "volume"), times, "volumes"));
+  run.values_per_voxel = facts.components.channels;
+  run.value_index = facts.choice.channel;
+  run.take_volume(facts.choice.time, facts.components.times, volume_bytes);
   if (run.path != path) facts.file_count = 2;
   settle(facts, options, path);
   return make_streamed_source(std::move(facts), run);

@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "octavo/core/checked.h"
 #include "octavo/io/nifti_header.h"
 #include "octavo/io/source_file.h"
 #include "octavo/io/streamed_source.h"
@@ -18,15 +19,20 @@ constexpr std::int64_t kIntentLabel = 1002;
   throw Error(ErrorKind::source_rejected, why, path);
 }
 
+constexpr std::int64_t kRgb = 128;
+constexpr std::int64_t kRgba = 2304;
+
 VoxelType voxel_type_of(const NiftiHeader& header, const std::string& path) {
   static const std::map<std::int64_t, VoxelType> kTypes = {
+      {kRgb, VoxelType::uint8}, {kRgba, VoxelType::uint8},
       {2, VoxelType::uint8},   {4, VoxelType::int16},    {8, VoxelType::int32},
       {16, VoxelType::float32}, {256, VoxelType::int8},  {512, VoxelType::uint16},
       {768, VoxelType::uint32}};
   const auto found = kTypes.find(header.datatype);
   if (found == kTypes.end()) {
     reject(path, "voxels of " + nifti_type_name(header.datatype) +
-                     " are not read; integers of 8, 16 or 32 bits and float 32 bit are");
+                     " are not read; integers of 8, 16 or 32 bits, float 32 bit, RGB and RGBA are. "
+                     "Convert it to one of these first");
   }
   return found->second;
 }
@@ -43,13 +49,52 @@ Size3 read_size(const NiftiHeader& header, const std::string& path) {
     }
     if (axis < 3) {
       size[static_cast<int>(axis)] = length;
-    } else if (length > 1) {
-      reject(path, std::to_string(length) + (axis == 3 ? " volumes in time" : " values per voxel") +
-                       std::string(" (axis ") + std::to_string(axis + 1) +
-                       "): one volume is read; take out one first");
+    } else if (length > 1 && axis > 4) {
+      reject(path, "an axis " + std::to_string(axis + 1) + " of length " + std::to_string(length) +
+                       " (behind space, time and channels) is not read; take out one part first");
     }
   }
   return size;
+}
+
+std::int64_t length_of(const NiftiHeader& header, std::size_t axis) {
+  return static_cast<std::int64_t>(axis) <= header.dim[0] ? header.dim[axis] : 1;
+}
+
+/// Axis 4 is time, axis 5 counts the values of a voxel, as does a colour.
+Components components_of(const NiftiHeader& header, const std::string& path) {
+  Components components;
+  components.times = length_of(header, 4);
+  components.channels = length_of(header, 5);
+  const std::int64_t colours = header.datatype == kRgb ? 3 : header.datatype == kRgba ? 4 : 1;
+  if (colours == 1) return components;
+  if (components.channels > 1) {
+    reject(path, std::to_string(components.channels) + " channels of " +
+                     nifti_type_name(header.datatype) + " are not read; take out one first");
+  }
+  components.channels = colours;
+  components.channel_names = colour_names(colours);
+  return components;
+}
+
+/// Colours alternate; volumes of other channels and times stand behind one another.
+void take_component(const NiftiHeader& header, const SourceFacts& facts, VoxelRun& run) {
+  const VolumeDescription& volume = facts.description;
+  const std::uint64_t bytes = checked_mul(
+      plane_bytes(volume), static_cast<std::uint64_t>(volume.size.z), "volume");
+  const Components& components = facts.components;
+  const ComponentChoice& choice = facts.choice;
+  if (header.datatype == kRgb || header.datatype == kRgba) {
+    run.values_per_voxel = components.channels;
+    run.value_index = choice.channel;
+    run.take_volume(choice.time, components.times, bytes);
+    return;
+  }
+  const std::uint64_t volumes = checked_mul(static_cast<std::uint64_t>(components.channels),
+                                            static_cast<std::uint64_t>(components.times),
+                                            "volumes");
+  run.take_volume(choice.channel * components.times + choice.time,
+                  static_cast<std::int64_t>(volumes), bytes);
 }
 
 Rescale read_rescale(const NiftiHeader& header) {
@@ -81,6 +126,7 @@ std::unique_ptr<PlaneSource> open_nifti_source(const std::string& path,
   VolumeDescription& description = facts.description;
   description.size = read_size(header, path);
   description.type = voxel_type_of(header, path);
+  facts.components = components_of(header, path);
   description.rescale = read_rescale(header);
   if (header.intent == kIntentLabel && is_integer(description.type)) {
     description.kind = VolumeKind::labels;
@@ -100,6 +146,7 @@ std::unique_ptr<PlaneSource> open_nifti_source(const std::string& path,
                      ", inside the header of " + std::to_string(least) + " bytes");
   }
   run.skip_bytes = static_cast<std::uint64_t>(header.voxel_offset);
+  take_component(header, facts, run);
   return make_streamed_source(std::move(facts), run);
 }
 

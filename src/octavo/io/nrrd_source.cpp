@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "octavo/core/checked.h"
 #include "octavo/io/header_text.h"
 #include "octavo/io/source_file.h"
 #include "octavo/io/streamed_source.h"
@@ -15,6 +17,7 @@ namespace octavo {
 namespace {
 
 constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 20;
+constexpr std::int64_t kMaxValuesPerVoxel = std::int64_t{1} << 16;
 
 [[noreturn]] void reject(const std::string& path, const std::string& why) {
   throw Error(ErrorKind::source_rejected, why, path);
@@ -100,28 +103,156 @@ VoxelType voxel_type_of(const NrrdHeader& header) {
   return found->second;
 }
 
-Size3 read_size(const NrrdHeader& header) {
-  const std::vector<std::int64_t> sizes = header.field("sizes").integers();
-  const std::int64_t dimension = header.field("dimension").integer();
-  if (static_cast<std::int64_t>(sizes.size()) != dimension) {
-    reject(header.path(), "dimension is " + std::to_string(dimension) + ", sizes has " +
-                              std::to_string(sizes.size()) + " numbers");
+/// What each axis of the file is: directions in space stand together, with channels or time before
+/// them (these alternate) or behind them (these follow one another).
+struct NrrdAxes {
+  std::vector<std::int64_t> sizes;     ///< of all axes, the fastest first
+  std::vector<std::size_t> space;      ///< axes that are directions in space
+  std::optional<std::size_t> channel;
+  std::optional<std::size_t> time;
+  Components components;
+
+  bool is_before_space(std::size_t axis) const { return axis < space.front(); }
+};
+
+std::string axis_text(std::size_t axis) { return "axis " + std::to_string(axis + 1); }
+
+/// The words of "space directions", one for each axis: "none" or a vector without its blanks.
+std::vector<std::string> direction_words(const NrrdHeader& header) {
+  std::string text;
+  int depth = 0;
+  for (const char c : header.text("space directions")) {
+    depth += c == '(' ? 1 : c == ')' ? -1 : 0;
+    const bool is_blank = c == ' ' || c == '\t';
+    if (is_blank && depth > 0) continue;
+    text += c;
+    if (c == ')') text += ' ';
   }
-  if (dimension != 2 && dimension != 3) {
-    reject(header.path(), std::to_string(dimension) +
-                              " dimensions (colour, vectors or time): only volumes of 2 or 3 are "
-                              "read; take out one first");
-  }
-  return {sizes[0], sizes[1], dimension == 3 ? sizes[2] : 1};
+  return words(text);
 }
 
-/// Refuses an axis that is not a direction in space.
-void check_kinds(const NrrdHeader& header) {
-  for (const std::string& kind : words(lower_case(header.text("kinds")))) {
-    if (kind == "domain" || kind == "space" || kind == "???" || kind == "none") continue;
-    reject(header.path(), "an axis of kind \"" + escaped(kind) +
-                              "\" is no direction in space; take out one component first");
+bool is_space_kind(const std::string& kind) { return kind == "domain" || kind == "space"; }
+bool is_unknown_kind(const std::string& kind) { return kind == "???" || kind == "none"; }
+
+/// The kind of each axis in lower case; "" where the header is silent.
+std::vector<std::string> axis_kinds(const NrrdHeader& header, std::size_t count) {
+  std::vector<std::string> kinds = words(lower_case(header.text("kinds")));
+  if (!kinds.empty() && kinds.size() != count) {
+    reject(header.path(), "kinds has " + std::to_string(kinds.size()) + " words for " +
+                              std::to_string(count) + " axes");
   }
+  kinds.resize(count);
+  for (std::string& kind : kinds) {
+    if (is_unknown_kind(kind)) kind.clear();
+    if (!kind.starts_with("complex")) continue;
+    reject(header.path(), "complex numbers (an axis of kind \"complex\") are not read; take out "
+                          "their magnitude or phase first");
+  }
+  return kinds;
+}
+
+/// Which axes are directions in space: those with a vector, else those of such a kind, else all.
+std::vector<bool> find_space(const NrrdHeader& header, const std::vector<std::string>& kinds) {
+  const std::size_t count = kinds.size();
+  std::vector<bool> is_space(count, true);
+  if (header.has("space directions")) {
+    const std::vector<std::string> directions = direction_words(header);
+    if (directions.size() != count) {
+      reject(header.path(), "space directions: a vector or \"none\" for each of " +
+                                std::to_string(count) + " axes expected, " +
+                                std::to_string(directions.size()) + " found");
+    }
+    for (std::size_t i = 0; i < count; ++i) is_space[i] = lower_case(directions[i]) != "none";
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (kinds[i].empty() || is_space_kind(kinds[i]) == is_space[i]) continue;
+    if (header.has("space directions")) {
+      reject(header.path(), axis_text(i) + " is of kind \"" + escaped(kinds[i]) + "\" and has " +
+                                (is_space[i] ? "a" : "no") + " direction in space: the header "
+                                "contradicts itself");
+    }
+    is_space[i] = false;
+  }
+  return is_space;
+}
+
+std::vector<std::string> names_of_kind(const std::string& kind, std::int64_t channels) {
+  return kind.find("rgb") == std::string::npos ? std::vector<std::string>{}
+                                               : colour_names(channels);
+}
+
+void take_other_axis(const NrrdHeader& header, const std::string& kind, std::size_t axis,
+                     NrrdAxes& axes) {
+  const bool is_time = kind == "time";
+  std::optional<std::size_t>& place = is_time ? axes.time : axes.channel;
+  if (place) {
+    reject(header.path(), axis_text(*place) + " and " + axis_text(axis) + " both are " +
+                              (is_time ? "times" : "channels") + "; take out one part first");
+  }
+  place = axis;
+  (is_time ? axes.components.times : axes.components.channels) = axes.sizes[axis];
+  if (!is_time) axes.components.channel_names = names_of_kind(kind, axes.sizes[axis]);
+}
+
+NrrdAxes read_axes(const NrrdHeader& header) {
+  NrrdAxes axes;
+  axes.sizes = header.field("sizes").integers();
+  const std::int64_t dimension = header.field("dimension").integer();
+  if (static_cast<std::int64_t>(axes.sizes.size()) != dimension) {
+    reject(header.path(), "dimension is " + std::to_string(dimension) + ", sizes has " +
+                              std::to_string(axes.sizes.size()) + " numbers");
+  }
+  const std::vector<std::string> kinds = axis_kinds(header, axes.sizes.size());
+  const std::vector<bool> is_space = find_space(header, kinds);
+  for (std::size_t i = 0; i < is_space.size(); ++i) {
+    if (is_space[i]) {
+      axes.space.push_back(i);
+    } else {
+      take_other_axis(header, kinds[i], i, axes);
+    }
+  }
+  const std::size_t count = axes.space.size();
+  if (count != 2 && count != 3) {
+    reject(header.path(), std::to_string(count) + " directions in space: 2 or 3 are read" +
+                              (count > 3 ? "; \"kinds\" or \"space directions\" must say which "
+                                           "axis is time or channels"
+                                         : ""));
+  }
+  if (axes.space.back() - axes.space.front() + 1 != count) {
+    reject(header.path(), "channels or times stand between the directions in space; put them "
+                          "first or last");
+  }
+  return axes;
+}
+
+Size3 size_of(const NrrdAxes& axes) {
+  const auto at = [&](std::size_t i) { return axes.sizes[axes.space[i]]; };
+  return {at(0), at(1), axes.space.size() == 3 ? at(2) : 1};
+}
+
+/// Points `run` at the voxels of one channel and time. The first of two axes on one side of space
+/// is the faster one.
+void take_component(const NrrdAxes& axes, const ComponentChoice& choice,
+                    std::uint64_t volume_bytes, VoxelRun& run) {
+  std::int64_t index_behind = 0;
+  std::int64_t count_behind = 1;
+  for (std::size_t axis = 0; axis < axes.sizes.size(); ++axis) {
+    const bool is_time = axes.time == axis;
+    if (!is_time && axes.channel != axis) continue;
+    const std::int64_t index = is_time ? choice.time : choice.channel;
+    const bool before = axes.is_before_space(axis);
+    std::int64_t& place = before ? run.value_index : index_behind;
+    std::int64_t& count = before ? run.values_per_voxel : count_behind;
+    place += index * count;
+    count = static_cast<std::int64_t>(checked_mul(static_cast<std::uint64_t>(count),
+                                                  static_cast<std::uint64_t>(axes.sizes[axis]),
+                                                  "channels and times"));
+  }
+  if (run.values_per_voxel > kMaxValuesPerVoxel) {
+    reject(run.path, std::to_string(run.values_per_voxel) + " values at each voxel are too many; "
+                     "65536 are read");
+  }
+  run.take_volume(index_behind, count_behind, volume_bytes);
 }
 
 /// +1 or -1 per world axis: what turns the named space into LPS.
@@ -135,15 +266,14 @@ Point3 signs_to_lps(const std::string& space) {
   return found == kSigns.end() ? Point3{1, 1, 1} : found->second;
 }
 
-/// The vectors "(a,b,c) (d,e,f) ..." of a field; "none" is refused.
+/// The vectors "(a,b,c) none (d,e,f) ..." of a field; "none" is passed over.
 std::vector<Point3> vectors(const FieldText& field) {
   std::string flat(field.value);
   const auto count = static_cast<std::size_t>(std::count(flat.begin(), flat.end(), '('));
   std::replace_if(
       flat.begin(), flat.end(), [](char c) { return c == '(' || c == ')' || c == ','; }, ' ');
-  if (flat.find("none") != std::string::npos) {
-    reject(field.path, "an axis without direction (colour, vector or time): take out one "
-                       "component first");
+  for (std::size_t at = 0; (at = lower_case(flat).find("none")) != std::string::npos;) {
+    flat.replace(at, 4, 4, ' ');
   }
   const std::vector<double> numbers = FieldText{field.path, field.name, flat}.numbers(count * 3);
   std::vector<Point3> result;
@@ -177,16 +307,19 @@ bool read_space_directions(const NrrdHeader& header, std::size_t dimension, Geom
 }
 
 /// Old headers: spacings only; "nan" says that an axis has none.
-bool read_spacings(const NrrdHeader& header, std::size_t dimension, Geometry& geometry) {
+bool read_spacings(const NrrdHeader& header, const NrrdAxes& axes, Geometry& geometry) {
   if (!header.has("spacings")) return false;
   const std::vector<double> mm = header.field("spacings").numbers();
-  if (mm.size() != dimension) {
-    reject(header.path(), "spacings: " + std::to_string(dimension) + " numbers expected, " +
-                              std::to_string(mm.size()) + " found");
+  if (mm.size() != axes.sizes.size()) {
+    reject(header.path(), "spacings: " + std::to_string(axes.sizes.size()) +
+                              " numbers expected, " + std::to_string(mm.size()) + " found");
   }
-  if (std::any_of(mm.begin(), mm.end(), [](double v) { return !std::isfinite(v); })) return false;
-  for (std::size_t axis = 0; axis < dimension; ++axis)
-    geometry.spacing_mm[axis] = std::abs(mm[axis]);
+  for (const std::size_t axis : axes.space) {
+    if (!std::isfinite(mm[axis])) return false;
+  }
+  for (std::size_t i = 0; i < axes.space.size(); ++i) {
+    geometry.spacing_mm[i] = std::abs(mm[axes.space[i]]);
+  }
   return true;
 }
 
@@ -215,13 +348,13 @@ VoxelRun locate_voxels(const NrrdHeader& header) {
   return run;
 }
 
-/// "byte skip": before the voxels, behind decompression; -1 counts them from the end of a plain
-/// file.
+/// "byte skip": before the first voxel, behind decompression; -1 says that the file ends with the
+/// `voxel_bytes` of all voxels.
 void apply_byte_skip(const NrrdHeader& header, std::uint64_t voxel_bytes, VoxelRun& run) {
   if (!header.has("byte skip")) return;
   const std::int64_t skip = header.field("byte skip").integer();
   if (skip >= 0) {
-    run.skip_bytes = static_cast<std::uint64_t>(skip);
+    run.skip_bytes = checked_add(run.skip_bytes, static_cast<std::uint64_t>(skip), "byte skip");
     return;
   }
   const std::uint64_t length = SourceFile(run.path).size();
@@ -249,20 +382,30 @@ std::unique_ptr<PlaneSource> open_nrrd_source(const std::string& path,
   facts.format = "NRRD";
   VolumeDescription& description = facts.description;
   description.type = voxel_type_of(header);
-  description.size = read_size(header);
+  const NrrdAxes axes = read_axes(header);
+  description.size = size_of(axes);
+  facts.components = axes.components;
   description.rescale = read_rescale(header);
-  check_kinds(header);
-  const std::size_t dimension = header.field("sizes").integers().size();
   facts.spacing_known = header.has("space directions")
-                            ? read_space_directions(header, dimension, description.geometry)
-                            : read_spacings(header, dimension, description.geometry);
+                            ? read_space_directions(header, axes.space.size(),
+                                                    description.geometry)
+                            : read_spacings(header, axes, description.geometry);
   VoxelRun run = locate_voxels(header);
   if (run.path != path) facts.file_count = 2;
   if (bytes_per_voxel(description.type) > 1 && !header.has("endian")) {
     reject(path, "the header does not say the byte order (endian)");
   }
   settle(facts, options, path);
-  apply_byte_skip(header, plane_bytes(description) * static_cast<std::uint64_t>(description.size.z),
+  const std::uint64_t volume_bytes =
+      plane_bytes(description) * static_cast<std::uint64_t>(description.size.z);
+  take_component(axes, facts.choice, volume_bytes, run);
+  const std::uint64_t bytes_before = run.skip_bytes;
+  apply_byte_skip(header,
+                  checked_add(checked_add(bytes_before, run.bytes_behind, "volumes"),
+                              checked_mul(volume_bytes,
+                                          static_cast<std::uint64_t>(run.values_per_voxel),
+                                          "volume"),
+                              "volumes"),
                   run);
   return make_streamed_source(std::move(facts), run);
 }

@@ -35,6 +35,8 @@ struct SourceOptions {
   GapPolicy on_gap = GapPolicy::error;    ///< DICOM
   bool drop_duplicates = false;           ///< DICOM: of equal slices at one place one is taken
   bool untilt = false;                    ///< DICOM: slices sheared by a tilt are put upright
+  std::string channel;  ///< a number from 0 or a name, where a voxel has several values
+  std::optional<std::int64_t> time;  ///< from 0, where there are several volumes in time
   std::uint64_t max_memory_bytes =
       0;  ///< 0: none; whole-volume formats beyond it: Error{limit_exceeded}
 

@@ -70,19 +70,37 @@ class PngFile {
   std::int64_t width() const { return png_get_image_width(png_, info_); }
   std::int64_t height() const { return png_get_image_height(png_, info_); }
   int bit_depth() const { return png_get_bit_depth(png_, info_); }
-  bool is_grey() const { return png_get_color_type(png_, info_) == PNG_COLOR_TYPE_GRAY; }
+  bool has_palette() const { return png_get_color_type(png_, info_) == PNG_COLOR_TYPE_PALETTE; }
+  /// 1 grey, 2 with alpha, 3 RGB, 4 with alpha.
+  std::int64_t channels() const { return png_get_channels(png_, info_); }
 
-  /// Requires is_grey() and a plane of width x height values. Throws Error{source_rejected}.
-  void read_voxels(std::span<std::byte> plane) {
-    const std::size_t row_bytes = plane.size() / static_cast<std::size_t>(height());
+  /// The values of one channel. Requires a picture without palette and a plane of width x height
+  /// values. Throws Error{source_rejected}.
+  void read_voxels(std::int64_t channel, std::span<std::byte> plane) {
+    if (channels() == 1) {
+      read_all(plane);
+      return;
+    }
+    const std::size_t value_bytes = bit_depth() == 16 ? 2 : 1;
+    const std::size_t stride = value_bytes * static_cast<std::size_t>(channels());
+    std::vector<std::byte> all(plane.size() * static_cast<std::size_t>(channels()));
+    read_all(all);
+    const std::byte* from = all.data() + static_cast<std::size_t>(channel) * value_bytes;
+    for (std::size_t at = 0; at < plane.size(); at += value_bytes, from += stride) {
+      std::memcpy(plane.data() + at, from, value_bytes);
+    }
+  }
+
+ private:
+  void read_all(std::span<std::byte> values) {
+    const std::size_t row_bytes = values.size() / static_cast<std::size_t>(height());
     std::vector<png_bytep> rows(static_cast<std::size_t>(height()));
     for (std::size_t y = 0; y < rows.size(); ++y) {
-      rows[y] = reinterpret_cast<png_bytep>(plane.data() + y * row_bytes);
+      rows[y] = reinterpret_cast<png_bytep>(values.data() + y * row_bytes);
     }
     if (!read_rows(rows.data())) throw rejection();
   }
 
- private:
   bool read_header() {
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
     png_set_read_fn(png_, &input_, read_bytes);
@@ -115,40 +133,44 @@ struct PngShape {
   std::int64_t width = 0;
   std::int64_t height = 0;
   VoxelType type = VoxelType::uint8;
+  std::int64_t channels = 1;
   bool operator==(const PngShape&) const = default;
 };
 
 PngShape shape_of(const PngFile& file, const std::string& path) {
-  if (!file.is_grey()) {
+  if (file.has_palette()) {
     throw Error(ErrorKind::source_rejected,
-                "a colour, palette or transparent picture: grey is read; convert it to grey first",
+                "a colour picture with a palette is not read; convert it to grey or RGB first",
                 path);
   }
   return {file.width(), file.height(),
-          file.bit_depth() == 16 ? VoxelType::uint16 : VoxelType::uint8};
+          file.bit_depth() == 16 ? VoxelType::uint16 : VoxelType::uint8, file.channels()};
 }
 
 std::string shape_text(const PngShape& shape) {
-  return size_text(shape.width, shape.height) + " " + std::string(voxel_type_name(shape.type));
+  const std::string channels =
+      shape.channels == 1 ? "" : std::to_string(shape.channels) + " channels of ";
+  return size_text(shape.width, shape.height) + " " + channels +
+         std::string(voxel_type_name(shape.type));
 }
 
 class PngSource final : public IndexedPlaneSource {
  public:
-  PngSource(SourceFacts facts, std::vector<std::string> files)
-      : IndexedPlaneSource(std::move(facts)), files_(std::move(files)) {}
+  PngSource(SourceFacts facts, std::vector<std::string> files, const PngShape& shape)
+      : IndexedPlaneSource(std::move(facts)), files_(std::move(files)), shape_(shape) {}
 
   void read_plane_at(std::int64_t z, std::span<std::byte> plane) const override {
     const std::string& path = files_[static_cast<std::size_t>(z)];
     PngFile file(path);
-    const VolumeDescription& volume = description();
-    if (shape_of(file, path) != PngShape{volume.size.x, volume.size.y, volume.type}) {
+    if (shape_of(file, path) != shape_) {
       throw Error(ErrorKind::source_rejected, "the file changed while it was read", path);
     }
-    file.read_voxels(plane);
+    file.read_voxels(choice().channel, plane);
   }
 
  private:
   std::vector<std::string> files_;
+  PngShape shape_;
 };
 
 }  // namespace
@@ -172,8 +194,11 @@ std::unique_ptr<PlaneSource> open_png_source(const std::vector<std::string>& fil
   facts.description.type = first.type;
   facts.description.size = {first.width, first.height, facts.file_count};
   facts.warnings = number_gaps(names);
+  facts.components.channels = first.channels;
+  facts.components.channel_names = first.channels == 2 ? std::vector<std::string>{"grey", "alpha"}
+                                                       : colour_names(first.channels);
   settle(facts, options, files.front());
-  return std::make_unique<PngSource>(std::move(facts), files);
+  return std::make_unique<PngSource>(std::move(facts), files, first);
 }
 
 }  // namespace octavo

@@ -1,5 +1,5 @@
 // A volume whose stored voxels follow one another in one file, x fastest: raw, MetaImage, NRRD,
-// NIfTI.
+// NIfTI. Other channels may stand between them, other volumes before and behind them.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +18,12 @@ struct VoxelRun {
   std::uint64_t skip_bytes = 0;    ///< before the voxels, counted behind decompression
   StreamCoding coding = StreamCoding::plain;
   bool big_endian = false;
+  std::int64_t values_per_voxel = 1;  ///< channels that alternate
+  std::int64_t value_index = 0;       ///< which of them is taken
+  std::uint64_t bytes_behind = 0;     ///< of other volumes, behind the last voxel
+
+  /// Volume `index` of `count` that follow one another, each of `volume_bytes` of one channel.
+  void take_volume(std::int64_t index, std::int64_t count, std::uint64_t volume_bytes);
 };
 
 /// Delivers the planes of `run` one after the other; memory is that of a read buffer.

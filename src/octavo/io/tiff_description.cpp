@@ -53,6 +53,7 @@ void read_imagej(std::string_view text, double x_resolution, double y_resolution
                  TiffDescription& result) {
   auto fields = imagej_fields(text);
   result.is_imagej = true;
+  result.order = "CZT";
   result.channels = count_of(fields["channels"]);
   result.frames = count_of(fields["frames"]);
   result.images = count_of(fields["images"]);
@@ -89,6 +90,9 @@ void read_ome(std::string_view text, TiffDescription& result) {
   result.is_ome = true;
   result.channels = count_of(attribute(pixels, "SizeC"));
   result.frames = count_of(attribute(pixels, "SizeT"));
+  result.slices = count_of(attribute(pixels, "SizeZ"));
+  const std::string_view order = attribute(pixels, "DimensionOrder");
+  if (order.starts_with("XY")) result.order = order.substr(2);
   result.x_mm = ome_length(pixels, "X");
   result.y_mm = ome_length(pixels, "Y");
   result.z_mm = ome_length(pixels, "Z");

@@ -13,6 +13,8 @@ struct TiffDescription {
   bool is_ome = false;
   std::int64_t channels = 0;
   std::int64_t frames = 0;   ///< points in time
+  std::int64_t slices = 0;   ///< OME: planes of one channel and time
+  std::string order;         ///< of pages: "CZT" where channels change fastest; OME has others
   std::int64_t images = 0;   ///< ImageJ: pages in all
   std::optional<double> x_mm;
   std::optional<double> y_mm;

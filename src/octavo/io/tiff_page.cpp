@@ -58,6 +58,17 @@ std::size_t at_voxel(const TiffPage& page, std::int64_t x, std::int64_t y) {
   return static_cast<std::size_t>((y * page.width + x) * bytes_per_voxel(page.type));
 }
 
+/// Copies the values of one sample out of values that alternate.
+void take_sample(const TiffPage& page, std::int64_t sample, std::span<const std::byte> several,
+                 std::span<std::byte> values) {
+  const auto value_bytes = static_cast<std::size_t>(bytes_per_voxel(page.type));
+  const std::size_t stride = value_bytes * static_cast<std::size_t>(page.samples);
+  const std::byte* from = several.data() + static_cast<std::size_t>(sample) * value_bytes;
+  for (std::size_t at = 0; at < values.size(); at += value_bytes, from += stride) {
+    std::memcpy(values.data() + at, from, value_bytes);
+  }
+}
+
 }  // namespace
 
 TiffFile::TiffFile(const std::string& path)
@@ -86,18 +97,21 @@ TiffPage TiffFile::page() {
   page.width = tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGEWIDTH, 0);
   page.height = tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGELENGTH, 0);
   if (page.width == 0 || page.height == 0) reject("a page without width or height");
-  const auto samples = tag_or<std::uint16_t>(handle_, TIFFTAG_SAMPLESPERPIXEL, 1);
-  if (samples != 1) {
-    reject(std::to_string(samples) +
-           " samples per pixel (colour or channels): grey with one sample "
-           "is read; convert it or take out one channel first");
-  }
+  page.samples = tag_or<std::uint16_t>(handle_, TIFFTAG_SAMPLESPERPIXEL, 1);
+  if (page.samples == 0) reject("a page without samples");
+  page.is_separate = page.samples > 1 && tag_or<std::uint16_t>(handle_, TIFFTAG_PLANARCONFIG,
+                                                               PLANARCONFIG_CONTIG) ==
+                                             PLANARCONFIG_SEPARATE;
   const auto photometric =
       tag_or<std::uint16_t>(handle_, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
   page.has_palette = photometric == PHOTOMETRIC_PALETTE;
   page.is_min_white = photometric == PHOTOMETRIC_MINISWHITE;
-  if (!page.has_palette && !page.is_min_white && photometric != PHOTOMETRIC_MINISBLACK) {
-    reject("photometric interpretation " + std::to_string(photometric) + " is not grey");
+  page.is_rgb = photometric == PHOTOMETRIC_RGB && page.samples >= 3;
+  if (!page.has_palette && !page.is_min_white && !page.is_rgb &&
+      photometric != PHOTOMETRIC_MINISBLACK) {
+    reject("a picture of photometric interpretation " + std::to_string(photometric) + " with " +
+           std::to_string(page.samples) + " samples per pixel is not read; grey and RGB (of which "
+           "--channel takes one) are. Convert it first");
   }
   const auto bits = tag_or<std::uint16_t>(handle_, TIFFTAG_BITSPERSAMPLE, 1);
   const auto format = tag_or<std::uint16_t>(handle_, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT);
@@ -112,7 +126,7 @@ TiffPage TiffFile::page() {
   const auto subfile = tag_or<std::uint32_t>(handle_, TIFFTAG_SUBFILETYPE, 0);
   page.is_reduced = (subfile & FILETYPE_REDUCEDIMAGE) != 0;
   page.orientation = tag_or<std::uint16_t>(handle_, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);
-  if (compression == COMPRESSION_NONE && TIFFIsTiled(handle_) == 0 &&
+  if (page.samples == 1 && compression == COMPRESSION_NONE && TIFFIsTiled(handle_) == 0 &&
       TIFFNumberOfStrips(handle_) == 1) {
     page.is_contiguous = true;
     page.data_offset = TIFFGetStrileOffset(handle_, 0);
@@ -153,34 +167,46 @@ void TiffFile::go_to(std::uint64_t directory_offset) {
   if (TIFFSetSubDirectory(handle_, directory_offset) != 1) reject("a page cannot be found again");
 }
 
-void TiffFile::read_voxels(const TiffPage& page, std::span<std::byte> plane) {
+void TiffFile::read_voxels(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane) {
   message_->clear();
   if (TIFFIsTiled(handle_) != 0) {
-    read_tiles(page, plane);
+    read_tiles(page, sample, plane);
   } else {
-    read_strips(page, plane);
+    read_strips(page, sample, plane);
   }
   if (!message_->empty()) reject("damaged voxel data");
 }
 
-void TiffFile::read_strips(const TiffPage& page, std::span<std::byte> plane) {
+void TiffFile::read_strips(const TiffPage& page, std::int64_t sample,
+                           std::span<std::byte> plane) {
   const std::int64_t rows_per_strip = std::clamp<std::int64_t>(
       tag_or<std::uint32_t>(handle_, TIFFTAG_ROWSPERSTRIP, 1), 1, page.height);
-  std::uint32_t strip = 0;
+  const bool alternates = page.samples > 1 && !page.is_separate;
+  const std::int64_t strips_per_plane = (page.height + rows_per_strip - 1) / rows_per_strip;
+  auto strip = static_cast<std::uint32_t>(page.is_separate ? sample * strips_per_plane : 0);
+  const auto stride = static_cast<std::size_t>(alternates ? page.samples : 1);
+  std::vector<std::byte> several;
   for (std::int64_t y = 0; y < page.height; y += rows_per_strip, ++strip) {
     const std::size_t start = at_voxel(page, 0, y);
     const std::size_t bytes =
         at_voxel(page, 0, std::min(y + rows_per_strip, page.height)) - start;
-    if (y + rows_per_strip > page.height &&
-        read_padded_strip(strip, y + rows_per_strip, plane.subspan(start, bytes))) {
-      continue;
+    std::span<std::byte> rows = plane.subspan(start, bytes);
+    if (alternates) {
+      const std::uint64_t strip_bytes = checked_mul(bytes, stride, "strip");
+      if (strip_bytes > kMaxBlockBytes) reject("strips of more than 1 GiB are not read");
+      several.resize(static_cast<std::size_t>(strip_bytes));
+      rows = several;
     }
-    const tmsize_t found = TIFFReadEncodedStrip(handle_, strip, plane.data() + start,
-                                                static_cast<tmsize_t>(bytes));
-    if (found != static_cast<tmsize_t>(bytes)) {
-      reject("strip " + std::to_string(strip) + " is damaged or cut: " + std::to_string(bytes) +
-             " bytes expected, " + std::to_string(std::max<tmsize_t>(found, 0)) + " found");
+    if (y + rows_per_strip <= page.height ||
+        !read_padded_strip(strip, y + rows_per_strip, rows)) {
+      const auto wanted = static_cast<tmsize_t>(rows.size());
+      const tmsize_t found = TIFFReadEncodedStrip(handle_, strip, rows.data(), wanted);
+      if (found != wanted) {
+        reject("strip " + std::to_string(strip) + " is damaged or cut: " + std::to_string(wanted) +
+               " bytes expected, " + std::to_string(std::max<tmsize_t>(found, 0)) + " found");
+      }
     }
+    if (alternates) take_sample(page, sample, several, plane.subspan(start, bytes));
   }
 }
 
@@ -204,20 +230,25 @@ bool TiffFile::read_padded_strip(std::uint32_t strip, std::int64_t padded_height
   return is_padded;
 }
 
-void TiffFile::read_tiles(const TiffPage& page, std::span<std::byte> plane) {
+void TiffFile::read_tiles(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane) {
   const std::int64_t tile_width = tag_or<std::uint32_t>(handle_, TIFFTAG_TILEWIDTH, 0);
   const std::int64_t tile_height = tag_or<std::uint32_t>(handle_, TIFFTAG_TILELENGTH, 0);
+  if (tile_width <= 0 || tile_height <= 0) reject("tiles without width or height");
   const auto value_bytes = static_cast<std::size_t>(bytes_per_voxel(page.type));
+  const std::int64_t alternating = page.is_separate ? 1 : page.samples;
   const std::uint64_t tile_bytes =
       checked_mul(checked_mul(static_cast<std::uint64_t>(tile_width),
                               static_cast<std::uint64_t>(tile_height), "tile"),
-                  value_bytes, "tile");
-  if (tile_bytes == 0 || tile_bytes > kMaxBlockBytes) {
+                  value_bytes * static_cast<std::size_t>(alternating), "tile");
+  if (tile_bytes > kMaxBlockBytes) {
     reject("tiles of " + std::to_string(tile_bytes) + " bytes are not read");
   }
   std::vector<std::byte> tile(tile_bytes);
-  const std::size_t tile_row_bytes = static_cast<std::size_t>(tile_width) * value_bytes;
-  std::uint32_t number = 0;
+  const std::size_t tile_row_bytes = static_cast<std::size_t>(tile_width * alternating) *
+                                     value_bytes;
+  const std::int64_t tiles_per_plane = ((page.width + tile_width - 1) / tile_width) *
+                                       ((page.height + tile_height - 1) / tile_height);
+  auto number = static_cast<std::uint32_t>(page.is_separate ? sample * tiles_per_plane : 0);
   for (std::int64_t y = 0; y < page.height; y += tile_height) {
     for (std::int64_t x = 0; x < page.width; x += tile_width, ++number) {
       const tmsize_t found = TIFFReadEncodedTile(handle_, number, tile.data(),
@@ -229,8 +260,14 @@ void TiffFile::read_tiles(const TiffPage& page, std::span<std::byte> plane) {
           static_cast<std::size_t>(std::min(tile_width, page.width - x)) * value_bytes;
       const auto rows = static_cast<std::size_t>(std::min(tile_height, page.height - y));
       for (std::size_t row = 0; row < rows; ++row) {
-        std::memcpy(plane.data() + at_voxel(page, x, y + static_cast<std::int64_t>(row)),
-                    tile.data() + row * tile_row_bytes, bytes);
+        const std::size_t at = at_voxel(page, x, y + static_cast<std::int64_t>(row));
+        const std::span<const std::byte> tile_row =
+            std::span<const std::byte>(tile).subspan(row * tile_row_bytes);
+        if (alternating == 1) {
+          std::memcpy(plane.data() + at, tile_row.data(), bytes);
+        } else {
+          take_sample(page, sample, tile_row, plane.subspan(at, bytes));
+        }
       }
     }
   }

@@ -20,6 +20,9 @@ struct TiffPage {
   std::int64_t width = 0;
   std::int64_t height = 0;
   VoxelType type = VoxelType::uint8;
+  std::int64_t samples = 1;       ///< of each pixel: colours or channels
+  bool is_separate = false;       ///< samples stand in planes of their own, else they alternate
+  bool is_rgb = false;            ///< the first three samples are red, green and blue
   bool is_min_white = false;      ///< smaller values are brighter
   bool has_palette = false;       ///< values are numbers of colours
   bool is_reduced = false;        ///< a thumbnail of another page
@@ -38,17 +41,17 @@ class TiffFile {
   TiffFile(const TiffFile&) = delete;
   TiffFile& operator=(const TiffFile&) = delete;
 
-  /// The page the file stands at. Throws Error{source_rejected} on colour, several samples or a
-  /// type that is no voxel type.
+  /// The page the file stands at. Throws Error{source_rejected} on colour that is not RGB or a type
+  /// that is no voxel type.
   TiffPage page();
   /// Goes to the next page; false behind the last one. Throws Error{source_rejected} on a damaged
   /// one.
   bool next_page();
   /// Goes to the page at an offset. Throws Error{source_rejected}.
   void go_to(std::uint64_t directory_offset);
-  /// Decodes the current page, rows of `page.width` values in native order.
+  /// Decodes one sample of the current page, rows of `page.width` values in native order.
   /// Throws Error{source_rejected} when data are missing or damaged.
-  void read_voxels(const TiffPage& page, std::span<std::byte> plane);
+  void read_voxels(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane);
 
   /// ImageDescription of the current page, or nothing.
   std::string image_description();
@@ -62,14 +65,14 @@ class TiffFile {
   /// libtiff takes a directory that is cut before its link for the last one, and the pages behind
   /// it are lost. Throws Error{source_rejected} for such a directory.
   void require_whole_directory(std::uint64_t offset) const;
-  void read_strips(const TiffPage& page, std::span<std::byte> plane);
+  void read_strips(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane);
   /// Some programs fill the last strip with rows behind the page. libtiff, where it inflates with
   /// libdeflate, then leaves the end of the strip unset without a word; so all rows are asked for
   /// first.
   /// rows  what is wanted of it; false and untouched when the strip holds no more than that
   bool read_padded_strip(std::uint32_t strip, std::int64_t padded_height,
                          std::span<std::byte> rows);
-  void read_tiles(const TiffPage& page, std::span<std::byte> plane);
+  void read_tiles(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane);
 
   std::string path_;
   SourceFile file_;

@@ -27,7 +27,18 @@ struct TiffStack {
   TiffDescription description;   ///< of the first page
   bool is_big_endian = false;    ///< of the first file
   std::int64_t reduced_pages = 0;
+  std::int64_t sample = 0;       ///< the one of each pixel that is taken
 };
+
+/// "uint8", "RGB uint16 (white is 0)", "4 samples of uint8".
+std::string type_text(const TiffPage& page) {
+  std::string text(voxel_type_name(page.type));
+  if (page.is_rgb) text = "RGB " + text;
+  if (page.samples > (page.is_rgb ? 3 : 1)) {
+    text = std::to_string(page.samples) + " samples of " + text;
+  }
+  return text + (page.is_min_white ? " (white is 0)" : "");
+}
 
 std::string place(const TiffStack& stack, const TiffPlane& plane, std::size_t index) {
   const std::string name = escaped(base_name(stack.files[plane.file]));
@@ -45,14 +56,10 @@ void require_alike(const TiffStack& stack, const TiffPlane& plane, std::size_t i
                     "; all planes of a stack must have one size",
                 path);
   }
-  if (plane.page.type != first.page.type || plane.page.is_min_white != first.page.is_min_white) {
+  if (type_text(plane.page) != type_text(first.page)) {
     throw Error(ErrorKind::source_rejected,
-                place(stack, plane, index) + " holds " +
-                    std::string(voxel_type_name(plane.page.type)) +
-                    (plane.page.is_min_white ? " (white is 0)" : "") + ", " +
-                    place(stack, first, 0) + " holds " +
-                    std::string(voxel_type_name(first.page.type)) +
-                    (first.page.is_min_white ? " (white is 0)" : "") +
+                place(stack, plane, index) + " holds " + type_text(plane.page) + ", " +
+                    place(stack, first, 0) + " holds " + type_text(first.page) +
                     "; all planes of a stack must have one type",
                 path);
   }
@@ -89,22 +96,86 @@ TiffStack examine(std::vector<std::string> files) {
   return stack;
 }
 
-void refuse_hyperstack(const TiffStack& stack) {
-  const std::string program = stack.description.is_ome ? "OME" : "ImageJ";
-  if (stack.description.channels > 1) {
-    throw Error(ErrorKind::source_rejected,
-                "its " + program + " description says " +
-                    std::to_string(stack.description.channels) + " channels in " +
-                    std::to_string(stack.planes.size()) + " pages: one channel is read; save one "
-                    "channel as its own file first",
-                stack.files.front());
+[[noreturn]] void reject(const TiffStack& stack, const std::string& why) {
+  throw Error(ErrorKind::source_rejected, why, stack.files.front());
+}
+
+std::string program_of(const TiffStack& stack) { return stack.description.is_ome ? "OME" : "ImageJ"; }
+
+/// How many pages a channel and a point in time have. Channels stand in the samples of a page or in
+/// pages of their own, never in both.
+struct PageCounts {
+  std::int64_t channels = 1;
+  std::int64_t slices = 1;
+  std::int64_t times = 1;
+};
+
+PageCounts count_pages(const TiffStack& stack) {
+  const TiffDescription& text = stack.description;
+  const std::int64_t samples = stack.planes.front().page.samples;
+  PageCounts counts;
+  counts.channels = std::max<std::int64_t>(text.channels, 1);
+  counts.times = std::max<std::int64_t>(text.frames, 1);
+  // OME counts the samples of a page as channels.
+  if (text.is_ome && counts.channels % samples == 0) counts.channels /= samples;
+  if (samples > 1 && counts.channels > 1) {
+    reject(stack, "its " + program_of(stack) + " description says " +
+                      std::to_string(text.channels) + " channels in pages of " +
+                      std::to_string(samples) + " samples each; save one channel as its own file");
   }
-  if (stack.description.frames > 1) {
-    throw Error(ErrorKind::source_rejected,
-                "its " + program + " description says " + std::to_string(stack.description.frames) +
-                    " points in time: one volume is read; save one as its own file first",
-                stack.files.front());
+  const auto pages = static_cast<std::int64_t>(stack.planes.size());
+  const std::int64_t parts = static_cast<std::int64_t>(
+      checked_mul(static_cast<std::uint64_t>(counts.channels),
+                  static_cast<std::uint64_t>(counts.times), "channels and times"));
+  const bool is_one_file = stack.files.size() == 1;
+  counts.slices = is_one_file && text.slices > 0 ? text.slices : std::max(pages / parts, INT64_C(1));
+  const bool fits = parts <= pages && pages % parts == 0 && counts.slices == pages / parts;
+  if (fits && (is_one_file || parts == 1)) return counts;
+  reject(stack, "its " + program_of(stack) + " description says " +
+                    std::to_string(counts.channels) + " channels of " +
+                    std::to_string(counts.slices) + " slices at " + std::to_string(counts.times) +
+                    " points in time, found are " + std::to_string(pages) + " pages in " +
+                    std::to_string(stack.files.size()) +
+                    (is_one_file ? " file; it is cut, or part of a set of files"
+                                 : " files; save one channel and time as its own stack"));
+}
+
+Components components_of(const TiffStack& stack, const PageCounts& counts) {
+  const TiffPage& first = stack.planes.front().page;
+  Components components;
+  components.times = counts.times;
+  components.channels = std::max(counts.channels, first.samples);
+  if (first.is_rgb) components.channel_names = colour_names(first.samples);
+  return components;
+}
+
+/// Keeps the pages of one channel and time.
+void keep_pages(TiffStack& stack, const PageCounts& counts, const ComponentChoice& choice) {
+  if (stack.planes.front().page.samples > 1) stack.sample = choice.channel;
+  if (counts.channels == 1 && counts.times == 1) return;
+  const std::int64_t channel = counts.channels > 1 ? choice.channel : 0;
+  const std::string& order = stack.description.order;
+  const bool has_all = order.find('C') != std::string::npos &&
+                       order.find('Z') != std::string::npos &&
+                       order.find('T') != std::string::npos;
+  if (order.size() != 3 || !has_all) {
+    reject(stack, "its description gives the order of pages as \"" + escaped(order) +
+                      "\", which does not name each of C, Z and T once");
   }
+  std::int64_t stride = 1;
+  std::int64_t slice_stride = 1;
+  std::int64_t first = 0;
+  for (const char axis : order) {
+    if (axis == 'Z') slice_stride = stride;
+    if (axis == 'C') first += channel * stride;
+    if (axis == 'T') first += choice.time * stride;
+    stride *= axis == 'Z' ? counts.slices : axis == 'C' ? counts.channels : counts.times;
+  }
+  std::vector<TiffPlane> kept;
+  for (std::int64_t z = 0; z < counts.slices; ++z) {
+    kept.push_back(stack.planes[static_cast<std::size_t>(first + z * slice_stride)]);
+  }
+  stack.planes = std::move(kept);
 }
 
 /// ImageJ writes stacks of 4 GB and more as one page, the other planes following without tags.
@@ -149,10 +220,10 @@ class TiffSource final : public IndexedPlaneSource {
     file.go_to(from.page.directory_offset);
     const TiffPage page = file.page();
     if (page.width != from.page.width || page.height != from.page.height ||
-        page.type != from.page.type) {
+        type_text(page) != type_text(from.page)) {
       throw Error(ErrorKind::source_rejected, "the file changed while it was read", path);
     }
-    file.read_voxels(page, plane);
+    file.read_voxels(page, stack_.sample, plane);
   }
 
  private:
@@ -209,8 +280,10 @@ SourceFacts describe(const TiffStack& stack) {
 std::unique_ptr<PlaneSource> open_tiff_source(const std::vector<std::string>& files,
                                               const SourceOptions& options) {
   TiffStack stack = examine(files);
-  refuse_hyperstack(stack);
   unfold_huge_imagej(stack);
+  const PageCounts counts = count_pages(stack);
+  const Components components = components_of(stack, counts);
+  keep_pages(stack, counts, choose_component(components, options, files.front()));
   const TiffPage& first = stack.planes.front().page;
   if (first.has_palette && !stack.description.is_imagej) {
     throw Error(ErrorKind::source_rejected,
@@ -218,6 +291,7 @@ std::unique_ptr<PlaneSource> open_tiff_source(const std::vector<std::string>& fi
                 files.front());
   }
   SourceFacts facts = describe(stack);
+  facts.components = components;
   settle(facts, options, files.front());
   return std::make_unique<TiffSource>(std::move(facts), std::move(stack));
 }

@@ -204,7 +204,7 @@ INSTANTIATE_TEST_SUITE_P(
                s.photometric = "RGB";
                s.voxels.clear();
              },
-             {"colour", "RGB"}},
+             {"3 samples", "1 sample"}},
         Flaw{"BadUnit",
              [](DicomSample& s) {
                s.bits_allocated = 64;

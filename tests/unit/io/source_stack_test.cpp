@@ -174,7 +174,7 @@ TEST(SourceStack, TiffsThatAreNoVolumeAreRefused) {
   sample.samples = 3;
   sample.pages = {counted(36, 0)};
   write_tiff(folder.file("rgb.tif"), sample);
-  EXPECT_TRUE(contains(source_error({folder.file("rgb.tif")}).what(), "3 samples per pixel"));
+  EXPECT_TRUE(contains(source_error({folder.file("rgb.tif")}).what(), "3 channels (red, green"));
 }
 
 TEST(SourceStack, AnOddPlaneIsNamedWithBothSizesOrTypes) {
@@ -241,7 +241,7 @@ TEST(SourceStack, PngsThatAreNoStackAreRefused) {
   write_png(folder.file("a2.png"), 2, 2, 8, 0, counted(4, 0));
   EXPECT_TRUE(contains(source_error({folder.path()}).what(), "2 x 2"));
   write_png(folder.file("rgb.png"), 2, 2, 8, 2, counted(12, 0));
-  EXPECT_TRUE(contains(source_error({folder.file("rgb.png")}).what(), "colour"));
+  EXPECT_TRUE(contains(source_error({folder.file("rgb.png")}).what(), "3 channels"));
   const std::string whole = read_file(folder.file("a1.png"));
   for (std::size_t length = 8; length < whole.size(); ++length) {
     write_file(folder.file("cut.png"), whole.substr(0, length));

@@ -67,7 +67,7 @@ TEST(SourceVolume, ASiblingIsNeverReadInsteadOfTheFileNamed) {
 TEST(SourceVolume, NiftiThatIsNoScalarVolumeIsRefusedByName) {
   const TempFolder folder;
   const std::vector<std::pair<std::int16_t, std::string>> types = {
-      {128, "RGB"},     {2304, "RGBA"}, {32, "complex"}, {64, "float 64"},
+      {128, "3 channels (red, green, blue)"}, {2304, "alpha"}, {32, "complex"}, {64, "float 64"},
       {1024, "int 64"}, {1, "1 bit"},   {77, "77"}};
   for (const auto& [datatype, word] : types) {
     NiftiSample sample;
@@ -80,7 +80,7 @@ TEST(SourceVolume, NiftiThatIsNoScalarVolumeIsRefusedByName) {
   NiftiSample sample;
   sample.size = {4, 3, 2, 5};
   write_file(folder.file("a.nii"), nifti_header(sample) + std::string(1000, '\0'));
-  EXPECT_TRUE(contains(source_error({folder.file("a.nii")}).what(), "5 volumes"));
+  EXPECT_TRUE(contains(source_error({folder.file("a.nii")}).what(), "5 points in time"));
 }
 
 void expect_every_truncation_refused(const TempFolder& folder, const std::string& name,

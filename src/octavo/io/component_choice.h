@@ -1,0 +1,39 @@
+// Which channel and which point in time of a source becomes the volume: a voxel has one value.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace octavo {
+
+struct SourceOptions;
+
+/// What a source holds at one place. Counts are at least 1.
+struct Components {
+  std::int64_t channels = 1;
+  std::vector<std::string> channel_names;  ///< one for each channel, or none
+  std::int64_t times = 1;
+};
+
+/// The one that is taken, counted from 0.
+struct ComponentChoice {
+  std::int64_t channel = 0;
+  std::int64_t time = 0;
+  bool operator==(const ComponentChoice&) const = default;
+};
+
+/// "red", "green", "blue" and "alpha" for 3 or 4 channels of colour; nothing for other counts.
+std::vector<std::string> colour_names(std::int64_t channels);
+
+/// What options.channel (a number from 0 or a name) and options.time say.
+/// Throws Error{source_rejected} with the counts where there are several and none is chosen;
+///        Error{invalid_argument} where the one chosen is not there
+ComponentChoice choose_component(const Components& components, const SourceOptions& options,
+                                 const std::string& path);
+
+/// The choice as a JSON object for the metadata; empty where there was none to make.
+std::string choice_json(const Components& components, const ComponentChoice& choice);
+
+}  // namespace octavo
