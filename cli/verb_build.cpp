@@ -27,7 +27,7 @@ constexpr VerbText kText = {
     "fill interpolates the planes that an even grid lacks (left empty in a segmentation),\n"
     "--on-gap resample makes planes at the smallest regular step, and --untilt moves the slices\n"
     "of a tilted gantry upright. What was done is told, and kept in the metadata.\n\n"
-    "A voxel has one value: of colours, channels and volumes in time --channel and --time take one.\n"
+    "A voxel has one value: --channel and --time take one of colours, channels and times.\n"
     "Both count from 0, as do all positions here; colours also have names.\n\n"
     "Examples:\n"
     "  octavo build scans/head/ -o head.8vo\n"

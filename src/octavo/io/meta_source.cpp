@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "octavo/core/checked.h"
 #include "octavo/core/levels.h"
 #include "octavo/io/header_text.h"
+#include "octavo/io/length_unit.h"
 #include "octavo/io/source_file.h"
 #include "octavo/io/streamed_source.h"
 
@@ -113,19 +115,33 @@ Components components_of(const MetaHeader& header) {
   return components;
 }
 
+/// Millimetres in the unit of lengths; 1 where the header names none.
+double unit_of(const MetaHeader& header, const SourceOptions& options) {
+  const std::string unit = header.text("DistanceUnits");
+  if (unit.empty() || unit == "?") return 1;
+  const std::optional<double> factor = unit_in_mm(unit);
+  if (!factor && !options.spacing_mm) {
+    reject(header.path(), "DistanceUnits is \"" + escaped(unit) +
+                              "\", which is no unit that is known here (" + kUnitsRead +
+                              "); give --spacing in mm");
+  }
+  return factor.value_or(1);
+}
+
 /// Spacing, origin and directions; a 2-D image lies in the plane z = 0. Of time nothing is taken.
-bool read_geometry(const MetaHeader& header, std::size_t dimensions, Geometry& geometry) {
+bool read_geometry(const MetaHeader& header, std::size_t dimensions, double unit_mm,
+                   Geometry& geometry) {
   const FieldText spacing = header.field({"ElementSpacing", "ElementSize"});
   const FieldText origin = header.field({"Offset", "Position", "Origin"});
   const FieldText matrix = header.field({"TransformMatrix", "Rotation", "Orientation"});
   const std::size_t axes = std::min<std::size_t>(dimensions, 3);
   if (!spacing.value.empty()) {
     const std::vector<double> mm = spacing.numbers(dimensions);
-    for (std::size_t axis = 0; axis < axes; ++axis) geometry.spacing_mm[axis] = mm[axis];
+    for (std::size_t axis = 0; axis < axes; ++axis) geometry.spacing_mm[axis] = mm[axis] * unit_mm;
   }
   if (!origin.value.empty()) {
     const std::vector<double> mm = origin.numbers(dimensions);
-    for (std::size_t axis = 0; axis < axes; ++axis) geometry.origin_mm[axis] = mm[axis];
+    for (std::size_t axis = 0; axis < axes; ++axis) geometry.origin_mm[axis] = mm[axis] * unit_mm;
   }
   if (!matrix.value.empty()) {
     const std::vector<double> rows = matrix.numbers(dimensions * dimensions);
@@ -186,7 +202,8 @@ std::unique_ptr<PlaneSource> open_meta_source(const std::string& path,
   description.type = voxel_type_of(header);
   description.size = read_size(header);
   const std::size_t dimensions = header.field({"DimSize"}).integers().size();
-  facts.spacing_known = read_geometry(header, dimensions, description.geometry);
+  facts.spacing_known =
+      read_geometry(header, dimensions, unit_of(header, options), description.geometry);
   if (header.has("ElementToIntensityFunctionSlope")) {
     description.rescale.slope = header.field({"ElementToIntensityFunctionSlope"}).numbers(1)[0];
   }

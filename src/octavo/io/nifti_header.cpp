@@ -8,6 +8,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/io/byte_order.h"
+#include "octavo/io/described_source.h"
 #include "octavo/io/source_file.h"
 #include "octavo/io/voxel_stream.h"
 
@@ -18,6 +19,10 @@ namespace {
 constexpr std::size_t kHeader1Bytes = 348;
 constexpr std::size_t kHeader2Bytes = 540;
 constexpr double kFormTolerance = 1e-3;
+constexpr double kFormDegrees = 0.1;
+constexpr int kMetre = 1;
+constexpr int kMillimetre = 2;
+constexpr int kMicrometre = 3;
 
 /// Reads values at fixed offsets.
 class FieldReader {
@@ -126,15 +131,6 @@ bool is_perpendicular(const Affine& m) {
   return true;
 }
 
-bool forms_agree(const Affine& s, const Affine& q) {
-  for (std::size_t i = 0; i < 12; ++i) {
-    const double scale = i % 4 == 3 ? std::max(column_length(s, 0), 1e-6) * 10
-                                    : std::max(column_length(s, i % 4), 1e-6);
-    if (std::abs(s[i] - q[i]) > 10 * kFormTolerance * scale) return false;
-  }
-  return true;
-}
-
 void take_affine(const Affine& m, double unit_mm, Geometry& geometry) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double length = column_length(m, axis);
@@ -151,8 +147,54 @@ void take_affine(const Affine& m, double unit_mm, Geometry& geometry) {
   }
 }
 
+/// The factor to millimetres; an unknown unit counts as one.
 double unit_in_mm(int spatial_unit) {
-  return spatial_unit == 1 ? 1000.0 : spatial_unit == 3 ? 0.001 : 1.0;
+  return spatial_unit == kMetre ? 1000.0 : spatial_unit == kMicrometre ? 0.001 : 1.0;
+}
+
+/// The largest angle between axes of the same number, in degrees.
+double largest_angle(const Geometry& a, const Geometry& b) {
+  double largest = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    double dot = 0;
+    for (std::size_t row = 0; row < 3; ++row) {
+      dot += a.direction[row * 3 + axis] * b.direction[row * 3 + axis];
+    }
+    largest = std::max(largest, std::acos(std::clamp(dot, -1.0, 1.0)));
+  }
+  return largest * 180 / 3.14159265358979323846;
+}
+
+std::string point_text(const Point3& point) {
+  return number_text(point[0]) + ", " + number_text(point[1]) + ", " + number_text(point[2]);
+}
+
+/// What two geometries say differently, the values of both; empty where they agree.
+std::string difference(const Geometry& sform, const Geometry& qform) {
+  bool spacing_differs = false;
+  bool origin_differs = false;
+  const double least = *std::min_element(sform.spacing_mm.begin(), sform.spacing_mm.end());
+  const double origin_mm = std::max(kFormTolerance * least, std::min(0.01, 0.1 * least));
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double s = sform.spacing_mm[i];
+    spacing_differs = spacing_differs || std::abs(s - qform.spacing_mm[i]) > kFormTolerance * s;
+    origin_differs =
+        origin_differs || std::abs(sform.origin_mm[i] - qform.origin_mm[i]) > origin_mm;
+  }
+  std::string text;
+  if (spacing_differs) {
+    text += "spacing " + point_text(sform.spacing_mm) + " mm by the sform, " +
+            point_text(qform.spacing_mm) + " mm by the qform";
+  }
+  if (const double degrees = largest_angle(sform, qform); degrees > kFormDegrees) {
+    text += (text.empty() ? "" : "; ") + std::string("axes ") + number_text(degrees) +
+            " degrees apart";
+  }
+  if (origin_differs) {
+    text += (text.empty() ? "" : "; ") + std::string("origin ") + point_text(sform.origin_mm) +
+            " mm by the sform, " + point_text(qform.origin_mm) + " mm by the qform (LPS)";
+  }
+  return text;
 }
 
 }  // namespace
@@ -205,25 +247,36 @@ std::string nifti_type_name(std::int64_t datatype) {
   return found == kNames.end() ? "type code " + std::to_string(datatype) : found->second;
 }
 
-bool nifti_geometry(const NiftiHeader& h, Geometry& geometry, std::string& note) {
-  const double unit_mm = unit_in_mm(h.spatial_unit);
-  const Affine sform = h.srow;
-  const Affine qform = qform_affine(h);
-  const bool sform_usable = h.sform_code > 0 && is_perpendicular(sform);
-  if (h.sform_code > 0 && h.qform_code > 0 && !forms_agree(sform, qform)) {
-    note = sform_usable ? "sform and qform of the header disagree: the sform is used"
-                        : "the sform of the header is sheared: the qform is used";
+bool nifti_geometry(const NiftiHeader& h, Geometry& geometry, std::vector<std::string>& notes) {
+  if (h.spatial_unit != kMetre && h.spatial_unit != kMillimetre && h.spatial_unit != kMicrometre) {
+    notes.push_back("the header does not name the unit of its lengths, millimetres are assumed; "
+                    "--spacing sets another spacing");
   }
-  if (sform_usable || (h.sform_code > 0 && h.qform_code <= 0)) {
-    take_affine(sform, unit_mm, geometry);
-    if (!sform_usable) note = "the axes of the header's sform are not perpendicular";
+  const double unit_mm = unit_in_mm(h.spatial_unit);
+  const bool sform_usable = h.sform_code > 0 && is_perpendicular(h.srow);
+  Geometry sform;
+  Geometry qform;
+  take_affine(h.srow, unit_mm, sform);
+  take_affine(qform_affine(h), unit_mm, qform);
+  if (sform_usable && h.qform_code > 0) {
+    if (const std::string what = difference(sform, qform); !what.empty()) {
+      notes.push_back("sform and qform of the header disagree (" + what + "): the sform is used");
+    }
+  } else if (h.sform_code > 0 && h.qform_code > 0) {
+    notes.push_back("the sform of the header is sheared: the qform is used");
+  } else if (h.sform_code > 0 && !sform_usable) {
+    notes.push_back("the axes of the header's sform are not perpendicular");
+  }
+  if (h.sform_code > 0 && (sform_usable || h.qform_code <= 0)) {
+    geometry = sform;
     return true;
   }
   if (h.qform_code > 0) {
-    take_affine(qform, unit_mm, geometry);
+    geometry = qform;
     return true;
   }
-  note = "the header does not say where left and right are: the file's axes are taken as LPS";
+  notes.push_back(
+      "the header does not say where left and right are: the file's axes are taken as LPS");
   bool known = true;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double mm = std::abs(h.pixdim[axis + 1]) * unit_mm;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "octavo/core/geometry.h"
 
@@ -37,7 +38,9 @@ NiftiHeader read_nifti_header(const std::string& path);
 std::string nifti_type_name(std::int64_t datatype);
 
 /// Geometry from sform or qform in LPS and millimetres; false when the header carries no spacing.
-/// Adds a sentence to `note` when sform and qform disagree, or neither is set.
-bool nifti_geometry(const NiftiHeader& header, Geometry& geometry, std::string& note);
+/// Adds a sentence to `notes` when sform and qform disagree beyond a thousandth or 0.01 mm, with
+/// both values; when neither is set; and when the unit of lengths is not named.
+bool nifti_geometry(const NiftiHeader& header, Geometry& geometry,
+                    std::vector<std::string>& notes);
 
 }  // namespace octavo

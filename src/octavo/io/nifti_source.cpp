@@ -131,9 +131,9 @@ std::unique_ptr<PlaneSource> open_nifti_source(const std::string& path,
   if (header.intent == kIntentLabel && is_integer(description.type)) {
     description.kind = VolumeKind::labels;
   }
-  std::string note;
-  facts.spacing_known = nifti_geometry(header, description.geometry, note);
-  if (!note.empty()) facts.warnings.push_back(note + ": " + escaped(path));
+  std::vector<std::string> notes;
+  facts.spacing_known = nifti_geometry(header, description.geometry, notes);
+  for (const std::string& note : notes) facts.warnings.push_back(note + ": " + escaped(path));
   settle(facts, options, path);
 
   VoxelRun run;

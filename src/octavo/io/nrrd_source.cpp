@@ -9,6 +9,7 @@
 
 #include "octavo/core/checked.h"
 #include "octavo/io/header_text.h"
+#include "octavo/io/length_unit.h"
 #include "octavo/io/source_file.h"
 #include "octavo/io/streamed_source.h"
 
@@ -283,20 +284,59 @@ std::vector<Point3> vectors(const FieldText& field) {
   return result;
 }
 
-bool read_space_directions(const NrrdHeader& header, std::size_t dimension, Geometry& geometry) {
+/// The quoted words of "units" or "space units".
+std::vector<std::string> quoted_words(std::string_view text) {
+  std::vector<std::string> result;
+  while (true) {
+    const std::size_t start = text.find('"');
+    const std::size_t end = start == std::string_view::npos ? start : text.find('"', start + 1);
+    if (end == std::string_view::npos) return result;
+    result.emplace_back(trimmed(text.substr(start + 1, end - start - 1)));
+    text.remove_prefix(end + 1);
+  }
+}
+
+/// Millimetres in each unit of a field, of which `count` are expected; 1 where none is named.
+std::vector<double> units_in_mm(const NrrdHeader& header, const std::string& field,
+                                std::size_t count, const SourceOptions& options) {
+  std::vector<double> factors(count, 1.0);
+  if (!header.has(field)) return factors;
+  const std::vector<std::string> units = quoted_words(header.text(field));
+  if (units.size() != count) {
+    reject(header.path(), "\"" + field + "\" names " + std::to_string(units.size()) +
+                              " units in quotes, " + std::to_string(count) + " expected");
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (units[i].empty() || units[i] == "???") continue;
+    const std::optional<double> factor = unit_in_mm(units[i]);
+    if (!factor && !options.spacing_mm) {
+      reject(header.path(), "\"" + field + "\" names \"" + escaped(units[i]) +
+                                "\", which is no unit that is known here (" + kUnitsRead +
+                                "); give --spacing in mm");
+    }
+    factors[i] = factor.value_or(1.0);
+  }
+  return factors;
+}
+
+bool read_space_directions(const NrrdHeader& header, std::size_t dimension,
+                           const SourceOptions& options, Geometry& geometry) {
   const std::vector<Point3> axes = vectors(header.field("space directions"));
   if (axes.size() != dimension || dimension != 3) {
     reject(header.path(), "space directions: " + std::to_string(dimension) +
                               " vectors of 3 numbers expected, " + std::to_string(axes.size()) +
                               " found");
   }
-  const Point3 signs = signs_to_lps(lower_case(header.text("space")));
+  Point3 signs = signs_to_lps(lower_case(header.text("space")));
+  const std::vector<double> units = units_in_mm(header, "space units", 3, options);
+  for (std::size_t row = 0; row < 3; ++row) signs[row] *= units[row];
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const Point3& v = axes[axis];
+    const Point3 v = {signs[0] * axes[axis][0], signs[1] * axes[axis][1],
+                      signs[2] * axes[axis][2]};
     const double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     geometry.spacing_mm[axis] = length;
     for (std::size_t row = 0; row < 3; ++row) {
-      geometry.direction[row * 3 + axis] = signs[row] * v[row] / length;
+      geometry.direction[row * 3 + axis] = v[row] / length;
     }
   }
   if (!header.has("space origin")) return true;
@@ -307,7 +347,8 @@ bool read_space_directions(const NrrdHeader& header, std::size_t dimension, Geom
 }
 
 /// Old headers: spacings only; "nan" says that an axis has none.
-bool read_spacings(const NrrdHeader& header, const NrrdAxes& axes, Geometry& geometry) {
+bool read_spacings(const NrrdHeader& header, const NrrdAxes& axes, const SourceOptions& options,
+                   Geometry& geometry) {
   if (!header.has("spacings")) return false;
   const std::vector<double> mm = header.field("spacings").numbers();
   if (mm.size() != axes.sizes.size()) {
@@ -317,8 +358,9 @@ bool read_spacings(const NrrdHeader& header, const NrrdAxes& axes, Geometry& geo
   for (const std::size_t axis : axes.space) {
     if (!std::isfinite(mm[axis])) return false;
   }
+  const std::vector<double> units = units_in_mm(header, "units", axes.sizes.size(), options);
   for (std::size_t i = 0; i < axes.space.size(); ++i) {
-    geometry.spacing_mm[i] = std::abs(mm[axes.space[i]]);
+    geometry.spacing_mm[i] = std::abs(mm[axes.space[i]]) * units[axes.space[i]];
   }
   return true;
 }
@@ -330,7 +372,8 @@ VoxelRun locate_voxels(const NrrdHeader& header) {
   if (header.has("data file")) {
     const std::string data = header.text("data file");
     if (lower_case(data).starts_with("list") || data.find('%') != std::string::npos) {
-      reject(header.path(), "a NRRD that lists several data files is not read; join them first");
+      reject(header.path(), "a NRRD that lists several data files is not read; join them into one "
+                            "first, as unu save does, or give the planes with --raw");
     }
     run.path = sibling_path(header.path(), data);
     run.start_offset = 0;
@@ -387,9 +430,9 @@ std::unique_ptr<PlaneSource> open_nrrd_source(const std::string& path,
   facts.components = axes.components;
   description.rescale = read_rescale(header);
   facts.spacing_known = header.has("space directions")
-                            ? read_space_directions(header, axes.space.size(),
+                            ? read_space_directions(header, axes.space.size(), options,
                                                     description.geometry)
-                            : read_spacings(header, axes, description.geometry);
+                            : read_spacings(header, axes, options, description.geometry);
   VoxelRun run = locate_voxels(header);
   if (run.path != path) facts.file_count = 2;
   if (bytes_per_voxel(description.type) > 1 && !header.has("endian")) {

@@ -37,6 +37,16 @@ void collect_files(const std::string& folder, std::vector<std::string>& files) {
   if (failure) throw Error(ErrorKind::io, "cannot list the folder: " + failure.message(), folder);
 }
 
+/// Where all links are followed, `path` lies in `folder` or in a folder of it.
+bool is_beneath(const fs::path& folder, const fs::path& path) {
+  std::error_code failure;
+  const fs::path root = fs::canonical(folder.empty() ? "." : folder, failure);
+  if (failure) return false;
+  const fs::path real = fs::canonical(path, failure);
+  if (failure) return false;
+  return std::mismatch(root.begin(), root.end(), real.begin(), real.end()).first == root.end();
+}
+
 }  // namespace
 
 SourceFile::SourceFile(const std::string& path) : path_(path) {
@@ -132,12 +142,24 @@ std::string sibling_path(const std::string& header, const std::string& name) {
                     "\" is not beneath the folder of the header; move the two together",
                 header);
   }
-  const fs::path path = fs::path(header).parent_path() / relative;
+  const fs::path folder = fs::path(header).parent_path();
+  const fs::path path = folder / relative;
   std::error_code failure;
   if (!fs::exists(path, failure)) {
     throw Error(ErrorKind::source_rejected,
                 "its data file \"" + escaped(name) + "\" is missing: the two belong together",
                 header);
+  }
+  if (!is_beneath(folder, path)) {
+    throw Error(ErrorKind::source_rejected,
+                "its data file \"" + escaped(name) +
+                    "\" is a link that leads out of the folder of the header; put the file itself "
+                    "there",
+                header);
+  }
+  if (!fs::is_regular_file(path, failure)) {
+    throw Error(ErrorKind::source_rejected,
+                "its data file \"" + escaped(name) + "\" is not a regular file", header);
   }
   return path.string();
 }

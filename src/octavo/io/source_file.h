@@ -58,8 +58,9 @@ std::string lower_case(std::string text);
 /// True when the lower-case name ends in `ending` (given in lower case, with its dot).
 bool has_ending(const std::string& path, const std::string& ending);
 
-/// The path of the data file `name`, resolved beneath the folder of `header`.
-/// Throws Error{source_rejected} when `name` is absolute, empty, climbs with "..", or is not there.
+/// The path of the data file `name`, beneath the folder of `header` also where links are followed.
+/// Throws Error{source_rejected} when `name` is absolute, empty, climbs with "..", leads out of the
+/// folder by a link, is not there, or is no regular file.
 std::string sibling_path(const std::string& header, const std::string& name);
 
 }  // namespace octavo

@@ -6,22 +6,11 @@
 #include <string_view>
 
 #include "octavo/io/header_text.h"
-#include "octavo/io/source_file.h"
+#include "octavo/io/length_unit.h"
 
 namespace octavo {
 
 namespace {
-
-/// Millimetres in a unit; nothing for pixels and unknown units.
-std::optional<double> unit_in_mm(std::string_view unit) {
-  static const std::map<std::string, double, std::less<>> kUnits = {
-      {"mm", 1},       {"millimeter", 1},  {"cm", 10},       {"m", 1000},
-      {"nm", 1e-6},    {"um", 1e-3},       {"micron", 1e-3}, {"microns", 1e-3},
-      {"\\u00b5m", 1e-3}, {"\xc2\xb5m", 1e-3}, {"\xce\xbcm", 1e-3}, {"\xb5m", 1e-3},
-      {"inch", 25.4},  {"in", 25.4}};
-  const auto found = kUnits.find(lower_case(std::string(unit)));
-  return found == kUnits.end() ? std::nullopt : std::optional(found->second);
-}
 
 std::optional<double> number(std::string_view text) {
   double value = 0;

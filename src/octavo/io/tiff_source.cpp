@@ -100,7 +100,9 @@ TiffStack examine(std::vector<std::string> files) {
   throw Error(ErrorKind::source_rejected, why, stack.files.front());
 }
 
-std::string program_of(const TiffStack& stack) { return stack.description.is_ome ? "OME" : "ImageJ"; }
+std::string program_of(const TiffStack& stack) {
+  return stack.description.is_ome ? "OME" : "ImageJ";
+}
 
 /// How many pages a channel and a point in time have. Channels stand in the samples of a page or in
 /// pages of their own, never in both.
@@ -128,7 +130,8 @@ PageCounts count_pages(const TiffStack& stack) {
       checked_mul(static_cast<std::uint64_t>(counts.channels),
                   static_cast<std::uint64_t>(counts.times), "channels and times"));
   const bool is_one_file = stack.files.size() == 1;
-  counts.slices = is_one_file && text.slices > 0 ? text.slices : std::max(pages / parts, INT64_C(1));
+  counts.slices =
+      is_one_file && text.slices > 0 ? text.slices : std::max<std::int64_t>(pages / parts, 1);
   const bool fits = parts <= pages && pages % parts == 0 && counts.slices == pages / parts;
   if (fits && (is_one_file || parts == 1)) return counts;
   reject(stack, "its " + program_of(stack) + " description says " +

@@ -72,7 +72,8 @@ void expect_components(const std::string& path, int channels, int times,
       EXPECT_EQ(voxels_of(*open_source({path}, choose(name, when))), volume(channel, time));
     }
   }
-  const std::optional<std::int64_t> first = times > 1 ? std::optional<std::int64_t>(0) : std::nullopt;
+  std::optional<std::int64_t> first;
+  if (times > 1) first = 0;
   for (const char* wrong : {"9", "-1", "purple", "1x"}) {
     EXPECT_EQ(source_error({path}, choose(wrong, first)).kind(), ErrorKind::invalid_argument);
   }
