@@ -34,13 +34,20 @@ std::string row(const char* name, const std::string& text) {
   return fmt::format("  {:<12} {}\n", name, text);
 }
 
+/// True when the user gave the spacing to the build.
+bool is_spacing_given(const nlohmann::ordered_json& metadata) {
+  const auto source = metadata.find("spacing_source");
+  return source != metadata.end() && source->is_string() && *source == "user";
+}
+
 std::string geometry_rows(const VolumeDescription& d, const nlohmann::ordered_json& metadata) {
   if (!is_spacing_known(metadata)) {
     return row("spacing",
                "unknown: the source gives none, 1 mm is assumed (build --spacing sets it)");
   }
   std::string text =
-      row("spacing", fmt::format("{} mm; field of view {} mm", point_text(d.geometry.spacing_mm),
+      row("spacing", fmt::format("{} mm{}; field of view {} mm", point_text(d.geometry.spacing_mm),
+                                 is_spacing_given(metadata) ? " (given by --spacing)" : "",
                                  point_text(field_of_view_mm(d.geometry, d.size))));
   if (is_unplaced(d, metadata)) {
     return text + row("orientation", "not given; axes as in the source");

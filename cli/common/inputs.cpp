@@ -56,9 +56,11 @@ SourceOptions source_options(const SourceArguments& arguments, const Context& co
   }
   options.series = arguments.series;
   if (arguments.on_gap == "fill") options.on_gap = GapPolicy::fill;
+  if (arguments.on_gap == "ignore") options.on_gap = GapPolicy::ignore;
   if (arguments.on_gap == "resample") options.on_gap = GapPolicy::resample;
   options.drop_duplicates = arguments.drop_duplicates;
   options.untilt = arguments.untilt;
+  options.segment = arguments.segment;
   options.channel = arguments.channel;
   if (!arguments.time.empty()) options.time = parse_integer(arguments.time, "--time");
   options.max_memory_bytes = context.max_memory_bytes;
@@ -99,10 +101,15 @@ void add_source_options(CLI::App& verb, SourceArguments& arguments) {
   verb.add_option("--series", arguments.series, "SeriesInstanceUID, where a folder holds several")
       ->type_name("UID")
       ->group(group);
+  verb.add_option("--segment", arguments.segment,
+                  "Of several segments of a DICOM SEG take one: its number or its label")
+      ->type_name("N|LABEL")
+      ->group(group);
   verb.add_option("--on-gap", arguments.on_gap,
-                  "DICOM slices missing or uneven: refuse, fill an even grid, or resample all")
+                  "DICOM slices missing or uneven: refuse, fill an even grid, or resample all; "
+                  "numbered files whose numbers skip: refuse or ignore")
       ->type_name("HOW")
-      ->check(CLI::IsMember({"error", "fill", "resample"}))
+      ->check(CLI::IsMember({"error", "fill", "resample", "ignore"}))
       ->capture_default_str()
       ->group(group);
   verb.add_flag("--drop-duplicates", arguments.drop_duplicates,

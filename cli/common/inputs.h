@@ -23,6 +23,7 @@ struct SourceArguments {
   std::string on_gap = "error";
   bool drop_duplicates = false;
   bool untilt = false;
+  std::string segment;
   std::string channel;
   std::string time;
   bool no_isolation = false;

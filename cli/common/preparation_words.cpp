@@ -39,6 +39,12 @@ std::string choice_words(const nlohmann::ordered_json& metadata) {
                               : std::to_string(count_in(choice, "index"))) +
             " of " + count_text(count_in(choice, "count"));
   }
+  if (const nlohmann::ordered_json& segment = member(metadata, "segment"); segment.is_object()) {
+    const nlohmann::ordered_json& label = member(segment, "label");
+    text += (text.empty() ? "" : ", ") + std::string("segment ") +
+            std::to_string(count_in(segment, "number")) +
+            (label.is_string() ? " " + escaped(label.get<std::string>()) : "");
+  }
   return text;
 }
 
@@ -48,6 +54,10 @@ std::string preparation_words(const nlohmann::ordered_json& metadata) {
   if (const std::int64_t count = count_in(prepared, "dropped_duplicates"); count > 0) {
     add(text, fmt::format("{} {} left out", count_text(count),
                           count == 1 ? "copy of a slice" : "copies of slices"));
+  }
+  if (const std::int64_t count = count_in(prepared, "ignored_number_gaps"); count > 0) {
+    add(text, fmt::format("{} gap{} in the numbers of its files passed over", count_text(count),
+                          count == 1 ? "" : "s"));
   }
   const nlohmann::ordered_json& gaps = member(prepared, "gaps");
   if (const std::int64_t count = count_in(gaps, "made_plane_count"); count > 0) {

@@ -6,8 +6,8 @@
 
 namespace octavo::cli {
 
-/// The channel and the time that were taken of the source, "channel red of 4"; empty when it had
-/// one of each.
+/// The channel, time and segment that were taken of the source, "channel red of 4"; empty when it
+/// had one of each.
 std::string choice_words(const nlohmann::ordered_json& metadata);
 
 /// "gantry tilt of 18.5 degrees removed; 23 planes interpolated between slices"; empty when the

@@ -7,6 +7,8 @@
 
 #include "octavo/core/checked.h"
 #include "octavo/core/levels.h"
+#include "octavo/io/natural_order.h"
+#include "octavo/io/source_file.h"
 
 namespace octavo {
 
@@ -56,11 +58,37 @@ void settle(SourceFacts& facts, const SourceOptions& options, const std::string&
   metadata["source"] = {{"format", facts.format}, {"files", facts.file_count}};
   metadata["spacing_known"] = spacing_source != "assumed";
   metadata["spacing_source"] = spacing_source;
+  if (facts.ignored_number_gaps > 0) {
+    metadata["prepared"]["ignored_number_gaps"] = facts.ignored_number_gaps;
+  }
   if (!facts.unit.empty()) metadata["unit"] = facts.unit;
   if (const std::string chosen = choice_json(facts.components, facts.choice); !chosen.empty()) {
     metadata["chosen"] = json::parse(chosen);
   }
   facts.description.metadata_json = metadata.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+void settle_number_gaps(const std::vector<std::string>& files, const SourceOptions& options,
+                        SourceFacts& facts) {
+  std::vector<std::string> names;
+  for (const std::string& file : files) names.push_back(base_name(file));
+  const std::vector<NumberGap> gaps = number_gaps(names);
+  if (gaps.empty()) return;
+  const NumberGap& first = gaps.front();
+  const std::string one = first.missing == 1 ? "1 file is" : std::to_string(first.missing) +
+                                                                 " files are";
+  const std::string found =
+      escaped(names[first.before]) + " is followed by " + escaped(names[first.before + 1]) + ": " +
+      (first.missing > 0 ? one + " missing by their numbers" : "the numbers are uneven") +
+      (gaps.size() > 1 ? " (and " + std::to_string(gaps.size() - 1) + " more such places)" : "");
+  if (options.on_gap != GapPolicy::ignore) {
+    throw Error(ErrorKind::source_rejected,
+                found + "; complete the stack, or give --on-gap ignore to take the files as "
+                        "neighbours",
+                files[first.before + 1]);
+  }
+  facts.ignored_number_gaps = gaps.size();
+  facts.warnings.push_back(found + "; taken as neighbours");
 }
 
 void check_memory(std::uint64_t needed, const SourceOptions& options, const std::string& path) {

@@ -22,6 +22,7 @@ struct SourceFacts {
   bool spacing_known = false;           ///< the files carry a spacing
   std::string unit;                     ///< unit of real values, when known
   std::string extra_json;               ///< an object merged into the metadata, or empty
+  std::size_t ignored_number_gaps = 0;  ///< of a stack of numbered files
   Components components;                ///< what stands at each voxel
   ComponentChoice choice;               ///< which of them is taken; made by `settle`
 };
@@ -32,6 +33,13 @@ struct SourceFacts {
 ///        Error{invalid_argument} when options.spacing_mm is not positive and finite;
 ///        as choose_component does
 void settle(SourceFacts& facts, const SourceOptions& options, const std::string& path);
+
+/// Refuses a stack of numbered files whose numbers skip: a plane is probably missing. With
+/// GapPolicy::ignore the files are taken as neighbours, with a warning and a note in the metadata.
+/// files   in plane order
+/// Throws  Error{source_rejected} naming the two files of the first gap
+void settle_number_gaps(const std::vector<std::string>& files, const SourceOptions& options,
+                        SourceFacts& facts);
 
 /// Throws Error{limit_exceeded} when `needed` bytes exceed options.max_memory_bytes (0: no limit).
 void check_memory(std::uint64_t needed, const SourceOptions& options, const std::string& path);

@@ -4,13 +4,9 @@
 #include <cstdint>
 #include <optional>
 
-#include "octavo/core/error.h"
-
 namespace octavo {
 
 namespace {
-
-constexpr std::size_t kMaxGapsTold = 4;
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
@@ -88,7 +84,7 @@ bool natural_less(std::string_view a, std::string_view b) noexcept {
   return order != 0 ? order < 0 : a < b;
 }
 
-std::vector<std::string> number_gaps(const std::vector<std::string>& sorted_names) {
+std::vector<NumberGap> number_gaps(const std::vector<std::string>& sorted_names) {
   std::vector<std::uint64_t> steps;
   for (std::size_t i = 1; i < sorted_names.size(); ++i) {
     const std::optional<std::uint64_t> step = number_step(sorted_names[i - 1], sorted_names[i]);
@@ -97,15 +93,10 @@ std::vector<std::string> number_gaps(const std::vector<std::string>& sorted_name
   }
   if (steps.empty()) return {};
   const std::uint64_t usual = *std::min_element(steps.begin(), steps.end());
-  std::vector<std::string> gaps;
-  std::size_t gap_count = 0;
+  std::vector<NumberGap> gaps;
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    if (steps[i] == usual || ++gap_count > kMaxGapsTold) continue;
-    gaps.push_back("the numbers skip from " + escaped(sorted_names[i]) + " to " +
-                   escaped(sorted_names[i + 1]) + ": a plane may be missing");
-  }
-  if (gap_count > kMaxGapsTold) {
-    gaps.push_back(std::to_string(gap_count - kMaxGapsTold) + " more gaps in the numbers");
+    if (steps[i] == usual) continue;
+    gaps.push_back({i, steps[i] % usual == 0 ? steps[i] / usual - 1 : 0});
   }
   return gaps;
 }

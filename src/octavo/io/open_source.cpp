@@ -177,8 +177,10 @@ std::unique_ptr<PlaneSource> dispatch(const std::vector<std::string>& paths,
 
 std::string SourceOptions::dicom_option() const {
   if (!series.empty()) return "--series";
-  if (on_gap != GapPolicy::error) return "--on-gap";
+  if (on_gap == GapPolicy::fill) return "--on-gap fill";
+  if (on_gap == GapPolicy::resample) return "--on-gap resample";
   if (drop_duplicates) return "--drop-duplicates";
+  if (!segment.empty()) return "--segment";
   return untilt ? "--untilt" : "";
 }
 
@@ -190,6 +192,14 @@ std::unique_ptr<PlaneSource> open_source(const std::vector<std::string>& paths,
       source->description().metadata_json.find("\"format\":\"DICOM\"") != std::string::npos;
   if (const std::string option = options.dicom_option(); !option.empty() && !is_dicom) {
     throw Error(ErrorKind::invalid_argument, option + " applies to DICOM only", paths.front());
+  }
+  const std::string& metadata = source->description().metadata_json;
+  const bool is_stack = metadata.find("\"format\":\"TIFF\"") != std::string::npos ||
+                        metadata.find("\"format\":\"PNG\"") != std::string::npos;
+  if (options.on_gap == GapPolicy::ignore && !is_stack) {
+    throw Error(ErrorKind::invalid_argument,
+                "--on-gap ignore applies to stacks of numbered TIFF or PNG files only",
+                paths.front());
   }
   return source;
 }

@@ -25,6 +25,7 @@ RawLayout parse_raw_layout(const std::string& text);
 enum class GapPolicy {
   error,     ///< the series is refused
   fill,      ///< planes missing on an even grid are interpolated between their neighbours
+  ignore,    ///< a stack of numbered files is taken as it is
   resample,  ///< planes at the smallest regular step are interpolated along the normal
 };
 
@@ -32,9 +33,10 @@ struct SourceOptions {
   std::optional<RawLayout> raw;  ///< the paths are headerless planes (one file, or one per plane)
   std::optional<Point3> spacing_mm;       ///< overrides, or supplies what the files lack
   std::string series;                     ///< DICOM SeriesInstanceUID, when a folder holds several
-  GapPolicy on_gap = GapPolicy::error;    ///< DICOM
+  GapPolicy on_gap = GapPolicy::error;    ///< ignore: TIFF and PNG stacks; the others: DICOM
   bool drop_duplicates = false;           ///< DICOM: of equal slices at one place one is taken
   bool untilt = false;                    ///< DICOM: slices sheared by a tilt are put upright
+  std::string segment;  ///< DICOM SEG: the number or the label of the segment that is taken
   std::string channel;  ///< a number from 0 or a name, where a voxel has several values
   std::optional<std::int64_t> time;  ///< from 0, where there are several volumes in time
   std::uint64_t max_memory_bytes =

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "octavo/io/byte_order.h"
-#include "octavo/io/natural_order.h"
 #include "octavo/io/source_file.h"
 
 namespace octavo {
@@ -178,13 +177,11 @@ class PngSource final : public IndexedPlaneSource {
 std::unique_ptr<PlaneSource> open_png_source(const std::vector<std::string>& files,
                                              const SourceOptions& options) {
   const PngShape first = shape_of(PngFile(files.front()), files.front());
-  std::vector<std::string> names;
   for (const std::string& path : files) {
     const PngShape shape = shape_of(PngFile(path), path);
-    names.push_back(base_name(path));
     if (shape == first) continue;
     throw Error(ErrorKind::source_rejected,
-                "it is " + shape_text(shape) + ", " + escaped(names.front()) + " is " +
+                "it is " + shape_text(shape) + ", " + escaped(base_name(files.front())) + " is " +
                     shape_text(first) + "; all planes of a stack must have one size and type",
                 path);
   }
@@ -193,7 +190,7 @@ std::unique_ptr<PlaneSource> open_png_source(const std::vector<std::string>& fil
   facts.file_count = static_cast<std::int64_t>(files.size());
   facts.description.type = first.type;
   facts.description.size = {first.width, first.height, facts.file_count};
-  facts.warnings = number_gaps(names);
+  settle_number_gaps(files, options, facts);
   facts.components.channels = first.channels;
   facts.components.channel_names = first.channels == 2 ? std::vector<std::string>{"grey", "alpha"}
                                                        : colour_names(first.channels);

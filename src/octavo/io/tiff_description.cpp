@@ -7,6 +7,7 @@
 
 #include "octavo/io/header_text.h"
 #include "octavo/io/length_unit.h"
+#include "octavo/io/source_file.h"
 
 namespace octavo {
 
@@ -38,6 +39,26 @@ std::map<std::string, std::string, std::less<>> imagej_fields(std::string_view t
   return fields;
 }
 
+using Fields = std::map<std::string, std::string, std::less<>>;
+
+/// ImageJ's function 0 is c0 + c1 * v; the others are no straight lines.
+void read_calibration(Fields& fields, TiffDescription& result) {
+  const std::optional<double> function = number(fields["cf"]);
+  if (!function || *function < 0) return;
+  const std::optional<double> intercept = number(fields["c0"]);
+  const std::optional<double> slope = number(fields["c1"]);
+  if (*function == 0 && intercept && slope && *slope != 0) {
+    result.rescale = Rescale{*slope, *intercept};
+    const std::string unit = fields["vunit"];
+    if (lower_case(unit) != "gray value" && lower_case(unit) != "grey value") {
+      result.value_unit = unit;
+    }
+  } else {
+    result.other_function = count_of(fields["cf"]);
+    result.has_other_function = true;
+  }
+}
+
 void read_imagej(std::string_view text, double x_resolution, double y_resolution,
                  TiffDescription& result) {
   auto fields = imagej_fields(text);
@@ -46,7 +67,12 @@ void read_imagej(std::string_view text, double x_resolution, double y_resolution
   result.channels = count_of(fields["channels"]);
   result.frames = count_of(fields["frames"]);
   result.images = count_of(fields["images"]);
+  read_calibration(fields, result);
   const std::optional<double> unit = unit_in_mm(fields["unit"]);
+  const std::string unit_name = lower_case(fields["unit"]);
+  if (!unit && !unit_name.empty() && !unit_name.starts_with("pixel")) {
+    result.unknown_unit = fields["unit"];
+  }
   if (!unit) return;
   const std::optional<double> spacing = number(fields["spacing"]);
   if (x_resolution > 0) result.x_mm = *unit / x_resolution;

@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "octavo/core/volume.h"
+
 namespace octavo {
 
 /// Counts are 0 and spacings absent where the description is silent.
@@ -16,6 +18,11 @@ struct TiffDescription {
   std::int64_t slices = 0;   ///< OME: planes of one channel and time
   std::string order;         ///< of pages: "CZT" where channels change fastest; OME has others
   std::int64_t images = 0;   ///< ImageJ: pages in all
+  std::optional<Rescale> rescale;  ///< ImageJ: a calibration that is a straight line
+  std::string value_unit;          ///< of calibrated values; empty where there is none
+  bool has_other_function = false; ///< ImageJ: a calibration that is no straight line
+  std::int64_t other_function = 0; ///< the number that ImageJ gives it
+  std::string unknown_unit;        ///< of lengths; the spacings are absent then
   std::optional<double> x_mm;
   std::optional<double> y_mm;
   std::optional<double> z_mm;

@@ -287,6 +287,11 @@ double TiffFile::y_resolution() {
   return static_cast<double>(tag_or<float>(handle_, TIFFTAG_YRESOLUTION, 0));
 }
 
+double TiffFile::resolution_unit_mm() {
+  const auto unit = tag_or<std::uint16_t>(handle_, TIFFTAG_RESOLUTIONUNIT, RESUNIT_NONE);
+  return unit == RESUNIT_INCH ? 25.4 : unit == RESUNIT_CENTIMETER ? 10 : 0;
+}
+
 bool TiffFile::is_big_endian() { return TIFFIsBigEndian(handle_) != 0; }
 
 }  // namespace octavo

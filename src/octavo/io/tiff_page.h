@@ -58,6 +58,8 @@ class TiffFile {
   /// Pixels per unit along x and y of the current page; 0 when the tag is absent.
   double x_resolution();
   double y_resolution();
+  /// Millimetres of the unit that the resolution counts in; 0 where there is none.
+  double resolution_unit_mm();
   bool is_big_endian();
 
  private:

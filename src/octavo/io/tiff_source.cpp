@@ -5,7 +5,7 @@
 
 #include "octavo/core/checked.h"
 #include "octavo/io/byte_order.h"
-#include "octavo/io/natural_order.h"
+#include "octavo/io/length_unit.h"
 #include "octavo/io/source_file.h"
 #include "octavo/io/tiff_description.h"
 #include "octavo/io/tiff_page.h"
@@ -25,6 +25,8 @@ struct TiffStack {
   std::vector<std::string> files;
   std::vector<TiffPlane> planes;
   TiffDescription description;   ///< of the first page
+  double tag_x_mm = 0;           ///< pixels by the resolution tags of the first page; 0: none
+  double tag_y_mm = 0;
   bool is_big_endian = false;    ///< of the first file
   std::int64_t reduced_pages = 0;
   std::int64_t sample = 0;       ///< the one of each pixel that is taken
@@ -74,6 +76,10 @@ TiffStack examine(std::vector<std::string> files) {
       stack.description = parse_tiff_description(file.image_description(), file.x_resolution(),
                                                  file.y_resolution());
       stack.is_big_endian = file.is_big_endian();
+      if (file.x_resolution() > 0 && file.y_resolution() > 0) {
+        stack.tag_x_mm = file.resolution_unit_mm() / file.x_resolution();
+        stack.tag_y_mm = file.resolution_unit_mm() / file.y_resolution();
+      }
     }
     std::size_t page_count = 0;
     do {
@@ -252,10 +258,39 @@ void add_warnings(const TiffStack& stack, SourceFacts& facts) {
     facts.warnings.push_back("the voxels were compressed with loss (JPEG) before they came here");
     facts.extra_json = R"({"lossy_source":true})";
   }
-  if (stack.files.size() < 2) return;
-  std::vector<std::string> names;
-  for (const std::string& file : stack.files) names.push_back(base_name(file));
-  for (std::string& gap : number_gaps(names)) facts.warnings.push_back(std::move(gap));
+}
+
+/// What the first page says of the size of voxels. Resolution tags alone are no spacing: they lack
+/// the distance of planes, and many programs write those of a screen.
+void take_spacing(const TiffStack& stack, SourceFacts& facts) {
+  const TiffDescription& text = stack.description;
+  if (text.x_mm && text.y_mm && (text.z_mm || stack.planes.size() == 1)) {
+    facts.spacing_known = true;
+    facts.description.geometry.spacing_mm = {*text.x_mm, *text.y_mm, text.z_mm.value_or(1)};
+    return;
+  }
+  const std::string no_distance = " mm but no distance of planes";
+  if (!text.unknown_unit.empty()) {
+    facts.warnings.push_back("its ImageJ description counts lengths in \"" +
+                             escaped(text.unknown_unit) + "\", which is no unit known here (" +
+                             kUnitsRead + ")");
+  } else if (text.x_mm && text.y_mm) {
+    facts.warnings.push_back("the file gives pixels of " + number_text(*text.x_mm) + " x " +
+                             number_text(*text.y_mm) + no_distance);
+  } else if (stack.tag_x_mm > 0 && stack.tag_y_mm > 0) {
+    facts.warnings.push_back("the resolution tags give pixels of " + number_text(stack.tag_x_mm) +
+                             " x " + number_text(stack.tag_y_mm) + no_distance +
+                             "; they may be those of a screen or printer and are not used");
+  }
+}
+
+void take_calibration(const TiffDescription& text, SourceFacts& facts) {
+  if (text.rescale) facts.description.rescale = *text.rescale;
+  facts.unit = text.value_unit;
+  if (!text.has_other_function) return;
+  facts.warnings.push_back("its ImageJ calibration (function " +
+                           std::to_string(text.other_function) +
+                           ") is no straight line and was left out: values are those stored");
 }
 
 SourceFacts describe(const TiffStack& stack) {
@@ -266,14 +301,8 @@ SourceFacts describe(const TiffStack& stack) {
   facts.description.type = first.type;
   facts.description.size = {first.width, first.height,
                             static_cast<std::int64_t>(stack.planes.size())};
-  const TiffDescription& text = stack.description;
-  if (text.x_mm && text.y_mm && (text.z_mm || stack.planes.size() == 1)) {
-    facts.spacing_known = true;
-    facts.description.geometry.spacing_mm = {*text.x_mm, *text.y_mm, text.z_mm.value_or(1)};
-  } else if (text.x_mm && text.y_mm) {
-    facts.warnings.push_back("the file gives pixels of " + number_text(*text.x_mm) + " x " +
-                             number_text(*text.y_mm) + " mm but no distance of planes");
-  }
+  take_spacing(stack, facts);
+  take_calibration(stack.description, facts);
   add_warnings(stack, facts);
   return facts;
 }
@@ -295,6 +324,7 @@ std::unique_ptr<PlaneSource> open_tiff_source(const std::vector<std::string>& fi
   }
   SourceFacts facts = describe(stack);
   facts.components = components;
+  settle_number_gaps(stack.files, options, facts);
   settle(facts, options, files.front());
   return std::make_unique<TiffSource>(std::move(facts), std::move(stack));
 }

@@ -83,8 +83,8 @@ class Reader : public ByteReader {
 // Naming all members at once lets the compiler refuse a member that is not sent.
 
 void put_options(Writer& out, const SourceOptions& options) {
-  const auto& [raw, spacing_mm, series, on_gap, drop_duplicates, untilt, channel, time,
-               max_memory_bytes] = options;
+  const auto& [raw, spacing_mm, series, on_gap, drop_duplicates, untilt, segment, channel,
+               time, max_memory_bytes] = options;
   out.put_u8(raw ? 1 : 0);
   if (raw) {
     const auto& [size, type, big_endian, header_bytes] = *raw;
@@ -101,6 +101,7 @@ void put_options(Writer& out, const SourceOptions& options) {
   out.put_u8(static_cast<std::uint8_t>(on_gap));
   out.put_u8(drop_duplicates ? 1 : 0);
   out.put_u8(untilt ? 1 : 0);
+  out.put_text(segment);
   out.put_text(channel);
   out.put_u8(time ? 1 : 0);
   if (time) out.put_signed(*time);
@@ -124,6 +125,7 @@ SourceOptions take_options(Reader& in) {
   if (options.on_gap > GapPolicy::resample) in.fail("no such way to treat gaps");
   options.drop_duplicates = in.flag();
   options.untilt = in.flag();
+  options.segment = in.text();
   options.channel = in.text();
   if (in.flag()) options.time = in.signed_varint();
   options.max_memory_bytes = in.u64();

@@ -189,5 +189,56 @@ TEST(SourceGeometry, OfMetaImageIsInTheUnitOfItsHeader) {
   EXPECT_TRUE(contains(source_error({path}).what(), "parsec"));
 }
 
+/// What stands in the metadata under "spacing_source".
+std::string spacing_source(PlaneSource& source) {
+  const std::string& metadata = source.description().metadata_json;
+  for (const char* kind : {"file", "user", "assumed"}) {
+    if (contains(metadata, std::string("\"spacing_source\":\"") + kind + "\"")) return kind;
+  }
+  return "nothing";
+}
+
+TEST(SourceGeometry, ThatIsMissingIsToldAskedForAndRecordedInEveryFormat) {
+  const TempFolder folder;
+  const std::string voxels(24, '\1');
+  std::string nifti = with_forms({.pixdim = {0, 0, 0, 0}, .qform = 0});
+  nifti.replace(254, 2, std::string(2, '\0'));
+  write_file(folder.file("a.nii"), nifti);
+  write_file(folder.file("a.nrrd"),
+             "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 3 2\nencoding: raw\n\n" + voxels);
+  write_file(folder.file("nan.nrrd"),
+             "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 3 2\nencoding: raw\n"
+             "spacings: nan nan nan\n\n" + voxels);
+  write_file(folder.file("a.mha"), "NDims = 3\nDimSize = 4 3 2\nElementType = MET_UCHAR\n"
+                                   "ElementDataFile = LOCAL\n" + voxels);
+  TiffSample tiff;
+  tiff.pages = {std::string(12, '\1'), std::string(12, '\1')};
+  write_tiff(folder.file("a.tif"), tiff);
+  write_png(folder.file("png/1.png"), 4, 3, 8, 0, std::string(12, '\1'));
+  write_png(folder.file("png/2.png"), 4, 3, 8, 0, std::string(12, '\1'));
+  write_file(folder.file("a.raw"), voxels);
+  for (const char* name : {"a.nii", "a.nrrd", "nan.nrrd", "a.mha", "a.tif", "png", "a.raw"}) {
+    SCOPED_TRACE(name);
+    SourceOptions options;
+    if (std::string(name) == "a.raw") options.raw = parse_raw_layout("4,3,2,uint8");
+    const auto assumed = open_source({folder.file(name)}, options);
+    EXPECT_EQ(spacing_source(*assumed), "assumed");
+    EXPECT_TRUE(contains(all_of(assumed->warnings()),
+                         "spacing is not in the files: 1 mm assumed; give --spacing"));
+    EXPECT_EQ(assumed->description().geometry.spacing_mm, (Point3{1, 1, 1}));
+    options.spacing_mm = Point3{0.5, 0.6, 0.7};
+    const auto given = open_source({folder.file(name)}, options);
+    EXPECT_EQ(spacing_source(*given), "user");
+    EXPECT_FALSE(contains(all_of(given->warnings()), "assumed; give"));
+    EXPECT_EQ(given->description().geometry.spacing_mm, (Point3{0.5, 0.6, 0.7}));
+  }
+  DicomSample slice;
+  write_dicom(folder.file("a.dcm"), slice);
+  EXPECT_TRUE(contains(source_error({folder.file("a.dcm")}).what(), "give --spacing"));
+  slice.position = "0\\0\\0";
+  write_dicom(folder.file("a.dcm"), slice);
+  EXPECT_EQ(spacing_source(*open_source({folder.file("a.dcm")}, {})), "file");
+}
+
 }  // namespace
 }  // namespace octavo::testing

@@ -45,9 +45,41 @@ TEST(SourceStack, GapsInTheNumbersAreTold) {
   EXPECT_TRUE(number_gaps({"s1", "s2", "s3"}).empty());
   EXPECT_TRUE(number_gaps({"s10", "s20", "s30"}).empty());
   EXPECT_TRUE(number_gaps({"left", "right"}).empty());
-  const std::vector<std::string> gaps = number_gaps({"s1", "s2", "s4"});
-  ASSERT_EQ(gaps.size(), 1U);
-  EXPECT_TRUE(contains(gaps[0], "s2") && contains(gaps[0], "s4"));
+  EXPECT_TRUE(number_gaps({"s1", "s01", "s001"}).empty());
+  const std::vector<NumberGap> gaps = number_gaps({"s1", "s2", "s4", "s5", "s9"});
+  ASSERT_EQ(gaps.size(), 2U);
+  EXPECT_EQ(gaps[0].before, 1U);
+  EXPECT_EQ(gaps[0].missing, 1U);
+  EXPECT_EQ(gaps[1].before, 3U);
+  EXPECT_EQ(gaps[1].missing, 3U);
+}
+
+TEST(SourceStack, NumbersThatSkipAreRefusedWithBothNamesOrIgnored) {
+  for (const bool is_tiff : {true, false}) {
+    const TempFolder folder;
+    std::string expected;
+    for (const int number : {8, 9, 11, 12}) {
+      const std::string name = "half MB_ " + std::to_string(number);
+      TiffSample sample;
+      sample.pages = {counted(12, number)};
+      expected += sample.pages[0];
+      if (is_tiff) write_tiff(folder.file(name + ".tif"), sample);
+      if (!is_tiff) write_png(folder.file(name + ".png"), 4, 3, 8, 0, sample.pages[0]);
+    }
+    const Error error = source_error({folder.path()});
+    EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
+    for (const char* word : {"half MB_ 9.", "half MB_ 11.", "1 file is missing", "--on-gap"}) {
+      EXPECT_TRUE(contains(error.what(), word)) << error.what();
+    }
+    SourceOptions options;
+    options.on_gap = GapPolicy::ignore;
+    const auto source = open_source({folder.path()}, options);
+    EXPECT_EQ(voxels_of(*source), expected);
+    EXPECT_TRUE(contains(source->description().metadata_json, "\"ignored_number_gaps\":1"));
+    EXPECT_TRUE(contains(source->warnings()[0], "half MB_ 11."));
+    options.on_gap = GapPolicy::fill;
+    EXPECT_EQ(source_error({folder.path()}, options).kind(), ErrorKind::source_rejected);
+  }
 }
 
 TEST(SourceStack, TiffFilesAreTakenInNaturalOrder) {
@@ -143,6 +175,68 @@ TEST(SourceStack, ImageJSpacingIsUsed) {
   options.spacing_mm = Point3{3, 4, 5};
   EXPECT_EQ(open_source({folder.file("a.tif")}, options)->description().geometry.spacing_mm,
             (Point3{3, 4, 5}));
+}
+
+/// A stack of two pages with a description.
+std::unique_ptr<PlaneSource> described_tiff(const TempFolder& folder, const std::string& text,
+                                            float resolution = 0, std::uint16_t unit = 1) {
+  TiffSample sample;
+  sample.description = text;
+  sample.resolution = resolution;
+  sample.resolution_unit = unit;
+  sample.pages = {counted(12, 0), counted(12, 1)};
+  write_tiff(folder.file("a.tif"), sample);
+  return open_source({folder.file("a.tif")}, {});
+}
+
+TEST(SourceStack, ImageJSpacingIsInItsUnit) {
+  const TempFolder folder;
+  for (const auto& [unit, mm] : std::vector<std::pair<std::string, double>>{
+           {"micron", 1e-3}, {"\\u00B5m", 1e-3}, {"um", 1e-3}, {"mm", 1}, {"cm", 10},
+           {"inch", 25.4}, {"nm", 1e-6}}) {
+    const auto source =
+        described_tiff(folder, "ImageJ=1.53t\nimages=2\nunit=" + unit + "\nspacing=2.5\n", 4);
+    EXPECT_DOUBLE_EQ(source->description().geometry.spacing_mm[0], mm / 4) << unit;
+    EXPECT_DOUBLE_EQ(source->description().geometry.spacing_mm[2], mm * 2.5) << unit;
+  }
+  for (const std::string unit : {"pixel", "pixels", ""}) {
+    const auto source =
+        described_tiff(folder, "ImageJ=1.53t\nimages=2\nunit=" + unit + "\nspacing=2.5\n", 4);
+    ASSERT_EQ(source->warnings().size(), 1U);
+    EXPECT_TRUE(contains(source->warnings()[0], "--spacing"));
+  }
+  const auto odd = described_tiff(folder, "ImageJ=1.53t\nunit=furlong\nspacing=2.5\n", 4);
+  ASSERT_EQ(odd->warnings().size(), 2U);
+  EXPECT_TRUE(contains(odd->warnings()[0], "furlong"));
+}
+
+TEST(SourceStack, ResolutionTagsAloneAreToldAndNotUsed) {
+  const TempFolder folder;
+  for (const auto& [unit, words] : std::vector<std::pair<std::uint16_t, std::string>>{
+           {std::uint16_t{2}, "0.3527778 x 0.3527778 mm"}, {std::uint16_t{3}, "0.1388889"}}) {
+    const auto source = described_tiff(folder, "", 72, unit);
+    ASSERT_EQ(source->warnings().size(), 2U);
+    EXPECT_TRUE(contains(source->warnings()[0], words)) << source->warnings()[0];
+    EXPECT_TRUE(contains(source->warnings()[1], "--spacing"));
+    EXPECT_EQ(source->description().geometry.spacing_mm, (Point3{1, 1, 1}));
+  }
+}
+
+TEST(SourceStack, ImageJCalibrationThatIsALineIsTheRescale) {
+  const TempFolder folder;
+  const std::string start = "ImageJ=1.53t\nimages=2\nunit=mm\nspacing=2\n";
+  const auto signed_values =
+      described_tiff(folder, start + "cf=0\nc0=-32768.0\nc1=1.0\nvunit=Gray Value\n", 1);
+  EXPECT_EQ(signed_values->description().rescale, (Rescale{1, -32768}));
+  EXPECT_FALSE(contains(signed_values->description().metadata_json, "unit\":"));
+  const auto hounsfield =
+      described_tiff(folder, start + "cf=0\nc0=-1024\nc1=0.25\nvunit=HU\n", 1);
+  EXPECT_EQ(hounsfield->description().rescale, (Rescale{0.25, -1024}));
+  EXPECT_TRUE(contains(hounsfield->description().metadata_json, "\"unit\":\"HU\""));
+  const auto curve = described_tiff(folder, start + "cf=4\nc0=1\nc1=2\nc2=3\n", 1);
+  EXPECT_EQ(curve->description().rescale, Rescale{});
+  ASSERT_EQ(curve->warnings().size(), 1U);
+  EXPECT_TRUE(contains(curve->warnings()[0], "function 4"));
 }
 
 TEST(SourceStack, OmeSpacingIsUsed) {

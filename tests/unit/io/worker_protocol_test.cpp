@@ -17,6 +17,7 @@ ImportRequest sample_request() {
   request.options.on_gap = GapPolicy::resample;
   request.options.drop_duplicates = true;
   request.options.untilt = true;
+  request.options.segment = "liver";
   request.options.channel = "green";
   request.options.time = 3;
   request.options.max_memory_bytes = std::uint64_t{1} << 63;
@@ -57,6 +58,7 @@ TEST(WorkerProtocol, ARequestComesBackAsItWas) {
   EXPECT_EQ(got.options.on_gap, sent.options.on_gap);
   EXPECT_EQ(got.options.drop_duplicates, sent.options.drop_duplicates);
   EXPECT_EQ(got.options.untilt, sent.options.untilt);
+  EXPECT_EQ(got.options.segment, sent.options.segment);
   EXPECT_EQ(got.options.channel, sent.options.channel);
   EXPECT_EQ(got.options.time, sent.options.time);
   EXPECT_EQ(got.options.max_memory_bytes, sent.options.max_memory_bytes);
