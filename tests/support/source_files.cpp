@@ -155,6 +155,9 @@ void write_segmentation(const std::string& path, const SegmentationSample& s) {
   for (std::size_t i = 0; i < s.voxels.size(); ++i) {
     if (s.voxels[i]) packed[i / 8] = static_cast<char>(packed[i / 8] | 1 << i % 8);
   }
+  const std::uint16_t bits = s.fractions.empty() ? 1 : 8;
+  std::string more = s.fractions.empty() ? "" : element(0x62, 0x0e, "US", u16(200));
+  if (!s.overlap.empty()) more += element(0x62, 0x13, "CS", s.overlap);
   write_part_10(
       path,
       element(8, 0x16, "UI", "1.2.840.10008.5.1.4.1.1.66.4") + element(8, 0x60, "CS", "SEG") +
@@ -162,13 +165,15 @@ void write_segmentation(const std::string& path, const SegmentationSample& s) {
           element(0x28, 0x04, "CS", "MONOCHROME2") +
           element(0x28, 0x08, "IS", std::to_string(s.positions.size())) +
           element(0x28, 0x10, "US", u16(3)) + element(0x28, 0x11, "US", u16(5)) +
-          element(0x28, 0x100, "US", u16(1)) + element(0x28, 0x101, "US", u16(1)) +
-          element(0x28, 0x102, "US", u16(0)) + element(0x28, 0x103, "US", u16(0)) +
-          element(0x62, 0x01, "CS", s.type) + element(0x62, 0x02, "SQ", segments) +
+          element(0x28, 0x100, "US", u16(bits)) + element(0x28, 0x101, "US", u16(bits)) +
+          element(0x28, 0x102, "US", u16(static_cast<std::uint16_t>(bits - 1))) +
+          element(0x28, 0x103, "US", u16(0)) +
+          element(0x62, 0x01, "CS", s.type) + element(0x62, 0x02, "SQ", segments) + more +
           sequence(0x5200, 0x9229,
                    sequence(0x20, 0x9116, element(0x20, 0x37, "DS", "1\\0\\0\\0\\1\\0")) +
                        sequence(0x28, 0x9110, element(0x28, 0x30, "DS", "0.5\\0.5"))) +
-          element(0x5200, 0x9230, "SQ", frames) + element(0x7fe0, 0x10, "OB", packed));
+          element(0x5200, 0x9230, "SQ", frames) +
+          element(0x7fe0, 0x10, "OB", s.fractions.empty() ? packed : s.fractions));
 }
 
 /// value  bytes of one pixel in this plane of samples

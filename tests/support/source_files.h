@@ -85,6 +85,8 @@ struct SegmentationSample {
   std::vector<std::string> positions;   ///< of each frame, "x\\y\\z"
   std::vector<std::uint16_t> segments;  ///< of each frame; empty: all of segment 1
   std::vector<bool> voxels;             ///< of all frames, one behind the other
+  std::string fractions;                ///< instead of them 8 bits each, of at most 200
+  std::string overlap;                  ///< "YES", "NO" or nothing
 };
 void write_segmentation(const std::string& path, const SegmentationSample& sample);
 

@@ -102,10 +102,17 @@ void decode_frame(const DicomSlice& slice, std::span<std::byte> plane) {
   }
 }
 
+std::string segment_text(const DicomLayout& layout, std::int64_t number) {
+  for (const DicomSegment& segment : layout.segments) {
+    if (segment.number == number) return std::to_string(number) + " " + escaped(segment.label);
+  }
+  return std::to_string(number);
+}
+
 /// Voxels of 1 bit, the lowest bit of a byte first; frames follow one another without a gap.
-void read_native_bits(const DicomSlice& slice, std::span<std::byte> plane) {
+void read_native_bits(const DicomSlice& slice, std::int64_t frame, std::span<std::byte> plane) {
   const DicomPixels& pixels = slice.layout->pixels;
-  const std::uint64_t first_bit = static_cast<std::uint64_t>(slice.frame) * plane.size();
+  const std::uint64_t first_bit = static_cast<std::uint64_t>(frame) * plane.size();
   const std::uint64_t first_byte = first_bit / 8;
   std::vector<std::byte> packed(
       static_cast<std::size_t>((first_bit + plane.size() + 7) / 8 - first_byte));
@@ -133,6 +140,27 @@ void read_native_sample(const DicomSlice& slice, std::uint64_t offset,
   const std::byte* from = all.data() + channel * value_bytes;
   for (std::size_t at = 0; at < plane.size(); at += value_bytes, from += stride) {
     std::memcpy(plane.data() + at, from, value_bytes);
+  }
+}
+
+/// The frames of several segments as one plane of labels.
+void read_labels(const DicomSlice& slice, std::span<std::byte> plane) {
+  const DicomLayout& layout = *slice.layout;
+  std::fill(plane.begin(), plane.end(), std::byte{0});
+  std::vector<std::byte> bits(plane.size());
+  for (const LabelFrame& part : slice.label_frames) {
+    read_native_bits(slice, part.frame, bits);
+    for (std::size_t i = 0; i < plane.size(); ++i) {
+      if (bits[i] == std::byte{0}) continue;
+      if (plane[i] != std::byte{0}) {
+        reject(layout, "segments " +
+                           segment_text(layout, std::to_integer<std::int64_t>(plane[i])) + " and " +
+                           segment_text(layout, part.label) + " overlap in frame " +
+                           std::to_string(part.frame + 1) +
+                           ", and a voxel has one label; give --segment to take one of them");
+      }
+      plane[i] = static_cast<std::byte>(part.label);
+    }
   }
 }
 
@@ -184,13 +212,17 @@ VoxelType dicom_voxel_type(const DicomLayout& layout) {
         layout.samples == 1 && !layout.pixels.is_encapsulated && !layout.pixels.is_float) {
       return VoxelType::uint8;
     }
+    const bool is_fractional = layout.segmentation_type == "FRACTIONAL" &&
+                               layout.bits_allocated == 8 && layout.samples == 1 &&
+                               !layout.is_signed && !layout.pixels.is_float;
+    if (is_fractional) return VoxelType::uint8;
     reject(layout, "a DICOM segmentation (SEG) of type " +
                        escaped(layout.segmentation_type.empty() ? "unknown"
                                                                 : layout.segmentation_type) +
                        " with " + std::to_string(layout.bits_allocated) + " bits per voxel" +
                        (layout.pixels.is_encapsulated ? ", compressed," : "") +
-                       " is not read; plain BINARY ones of 1 bit are. Convert it to NIfTI or NRRD "
-                       "labels first");
+                       " is not read; plain BINARY ones of 1 bit and FRACTIONAL ones of 8 bits "
+                       "are. Convert it to NIfTI or NRRD labels first");
   }
   if (layout.pixels.is_float) {
     reject(layout, "float DICOM pixel data are not read; convert them to NRRD or NIfTI first");
@@ -243,7 +275,11 @@ void check_dicom_pixels(const DicomLayout& layout) {
 
 void read_dicom_frame(const DicomSlice& slice, std::span<std::byte> plane) {
   if (slice.layout->bits_allocated == 1) {
-    read_native_bits(slice, plane);
+    if (slice.label_frames.empty()) {
+      read_native_bits(slice, slice.frame, plane);
+    } else {
+      read_labels(slice, plane);
+    }
     return;
   }
   if (slice.layout->pixels.is_encapsulated) {

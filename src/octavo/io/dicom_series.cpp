@@ -14,7 +14,6 @@ namespace octavo {
 namespace {
 
 constexpr double kRelativeTolerance = 1e-3;
-constexpr std::size_t kMaxListedSegments = 8;
 
 [[noreturn]] void reject(const DicomSlice& slice, const std::string& why) {
   throw Error(ErrorKind::source_rejected, why, slice.layout->path);
@@ -170,23 +169,6 @@ bool has_geometry(const DicomSlice& slice) {
   return slice.position_mm && slice.orientation && slice.pixel_mm;
 }
 
-/// A voxel of a segmentation may belong to several segments, that of a volume has one value.
-void require_one_segment(const std::vector<DicomSlice>& slices) {
-  const DicomSlice& first = slices.front();
-  for (const DicomSlice& slice : slices) {
-    if (slice.segment == first.segment) continue;
-    std::string list;
-    const std::vector<DicomSegment>& segments = first.layout->segments;
-    for (std::size_t i = 0; i < std::min(segments.size(), kMaxListedSegments); ++i) {
-      list += (i == 0 ? "" : ", ") + std::to_string(segments[i].number) + " " +
-              escaped(segments[i].label);
-    }
-    if (segments.size() > kMaxListedSegments) list += " ...";
-    reject(slice, "a segmentation (SEG) of several segments (" + list + "): one is read; split it "
-                  "into a file for each first, as segimage2itkimage does");
-  }
-}
-
 /// Without positions the order is that of the instance numbers, or of the frames of one file.
 void order_by_number(std::vector<DicomSlice>& slices) {
   for (const DicomSlice& slice : slices) {
@@ -239,8 +221,8 @@ std::vector<DicomSlice> choose_series(std::vector<DicomSlice> slices, const std:
 DicomStack prove_stack(std::vector<DicomSlice> slices, const SourceOptions& options) {
   DicomStack stack;
   stack.slices = std::move(slices);
-  stack.holds_labels = stack.slices.front().layout->is_segmentation();
-  if (stack.holds_labels) require_one_segment(stack.slices);
+  stack.leaves_out_empty = stack.slices.front().layout->is_segmentation();
+  stack.holds_labels = stack.slices.front().layout->is_binary_segmentation();
   for (const DicomSlice& slice : stack.slices) require_alike(stack.slices.front(), slice);
   const auto lacking = std::find_if_not(stack.slices.begin(), stack.slices.end(), has_geometry);
   if (lacking == stack.slices.end()) {

@@ -116,6 +116,8 @@ DicomLayout read_layout(const DicomFile& file) {
   layout.pixels = file.pixels;
   layout.padding_value = read_padding(layout, data.unsigned_value(0x00280120));
   layout.segmentation_type = data.text(0x00620001);
+  layout.segments_overlap = data.text(0x00620013) == "YES";
+  layout.max_fraction = data.unsigned_value(0x0062000e).value_or(layout.max_fraction);
   for (const DicomSet& segment : data.items(kSegmentSequence)) {
     layout.segments.push_back(
         {segment.unsigned_value(0x00620004).value_or(0), segment.text(0x00620005)});
@@ -174,6 +176,10 @@ std::uint64_t DicomLayout::native_bytes() const {
 }
 
 bool DicomLayout::is_segmentation() const { return sop_class == kSegmentation; }
+
+bool DicomLayout::is_binary_segmentation() const {
+  return is_segmentation() && segmentation_type != "FRACTIONAL";
+}
 
 std::string list_text(std::span<const double> values) {
   std::string text;

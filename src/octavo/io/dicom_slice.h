@@ -21,6 +21,12 @@ struct DicomSegment {
   std::string label;
 };
 
+/// A frame of 1-bit voxels, and the value that its set voxels have in the volume.
+struct LabelFrame {
+  std::int64_t frame = 0;
+  std::int64_t label = 1;
+};
+
 /// What all frames of one file share.
 struct DicomLayout {
   std::string path;
@@ -44,12 +50,16 @@ struct DicomLayout {
   std::optional<std::int64_t> padding_value;  ///< a stored value that is no measurement
   std::string segmentation_type;              ///< of a SEG: BINARY or FRACTIONAL
   std::vector<DicomSegment> segments;         ///< of a SEG
+  bool segments_overlap = false;              ///< of a SEG that says so
+  std::int64_t max_fraction = 255;            ///< of a SEG: the stored value of a whole voxel
   bool was_lossy = false;  ///< the header or the transfer syntax says that values were changed
   std::optional<double> slice_thickness_mm;
   DicomPixels pixels;
 
   /// A DICOM segmentation.
   bool is_segmentation() const;
+  /// A segmentation whose voxels are in a segment or not, else they are so by a fraction.
+  bool is_binary_segmentation() const;
   /// Bytes of one frame as stored natively; those of 1-bit voxels share bytes and have none.
   std::uint64_t frame_bytes() const;
   /// Bytes of all frames as stored natively.
@@ -68,6 +78,7 @@ struct DicomSlice {
   std::optional<double> instance_number;
   std::int64_t channel = 0;  ///< of a colour picture: the sample that is taken
   std::int64_t segment = 0;  ///< of a SEG: the number of the segment that the frame belongs to
+  std::vector<LabelFrame> label_frames;  ///< of a SEG of several segments: all at this place
 
   /// The file's name, with the frame where it has several.
   std::string name() const;

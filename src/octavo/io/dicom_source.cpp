@@ -7,6 +7,7 @@
 
 #include "octavo/io/dicom_pixels.h"
 #include "octavo/io/dicom_plane.h"
+#include "octavo/io/dicom_segments.h"
 #include "octavo/io/dicom_series.h"
 #include "octavo/io/source_file.h"
 
@@ -60,8 +61,10 @@ std::string unit_of(const DicomSlice& slice) {
   return slice.layout->modality == "CT" && type != "US" ? "HU" : "";
 }
 
-std::string extra_json(const DicomStack& stack, bool was_lossy) {
+std::string extra_json(const DicomStack& stack, const SourceOptions& options, bool was_lossy) {
   nlohmann::json extra;
+  const std::string segments = segments_json(stack.slices, options);
+  if (!segments.empty()) extra = nlohmann::json::parse(segments);
   if (!stack.spacing_known) extra["place_known"] = false;
   extra["dicom"] = nlohmann::json::parse(dicom_metadata_json(stack.slices.front().layout->path));
   if (was_lossy) extra["lossy_source"] = true;
@@ -70,7 +73,7 @@ std::string extra_json(const DicomStack& stack, bool was_lossy) {
   return extra.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-SourceFacts describe(const DicomStack& stack) {
+SourceFacts describe(const DicomStack& stack, const SourceOptions& options) {
   const DicomSlice& first = stack.slices.front();
   const DicomLayout& layout = *first.layout;
   SourceFacts facts;
@@ -102,7 +105,7 @@ SourceFacts describe(const DicomStack& stack) {
     facts.warnings.push_back(
         "a mosaic: each picture holds several slices side by side, which are not taken apart");
   }
-  facts.extra_json = extra_json(stack, was_lossy);
+  facts.extra_json = extra_json(stack, options, was_lossy);
   return facts;
 }
 
@@ -124,10 +127,17 @@ std::unique_ptr<PlaneSource> open_dicom_source(const std::vector<std::string>& f
     dicom_voxel_type(*slice.layout);
     check_dicom_pixels(*slice.layout);
   }
+  if (options.on_gap == GapPolicy::ignore) {
+    throw Error(ErrorKind::invalid_argument,
+                "--on-gap ignore is for numbered files; DICOM slices say where they lie: give fill "
+                "or resample",
+                source);
+  }
+  slices = choose_segments(std::move(slices), options);
   const ComponentChoice choice = choose_component(components, options, slices.front().layout->path);
   for (DicomSlice& slice : slices) slice.channel = choice.channel;
   DicomStack stack = prove_stack(std::move(slices), options);
-  SourceFacts facts = describe(stack);
+  SourceFacts facts = describe(stack, options);
   facts.warnings.insert(facts.warnings.begin(), warnings.begin(), warnings.end());
   facts.warnings.insert(facts.warnings.end(), stack.warnings.begin(), stack.warnings.end());
   facts.components = std::move(components);

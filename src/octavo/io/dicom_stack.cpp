@@ -43,7 +43,7 @@ std::optional<double> missing_planes(const SlicePlaces& places) {
 
 /// More planes than there are slices are not made up, but may well be left empty.
 bool is_fillable(const DicomStack& stack, double missing) {
-  return missing <= (stack.holds_labels ? kMaxPlaneGrowth : 1) *
+  return missing <= (stack.leaves_out_empty ? kMaxPlaneGrowth : 1) *
                         static_cast<double>(stack.slices.size());
 }
 
@@ -65,7 +65,7 @@ void require_even(const DicomStack& stack, const SlicePlaces& places,
       !uneven.empty() && options.on_gap == GapPolicy::error) {
     const std::optional<double> missing = missing_planes(places);
     const bool can_fill = missing && is_fillable(stack, *missing);
-    const char* fill = stack.holds_labels
+    const char* fill = stack.leaves_out_empty
                            ? "--on-gap fill to have planes without a frame left empty"
                            : "--on-gap fill to have missing planes made from their neighbours";
     faults += (faults.empty() ? "" : "; also ") + uneven;
@@ -101,7 +101,7 @@ double fill_gaps(DicomStack& stack, const SlicePlaces& places) {
     const auto count = static_cast<std::int64_t>(std::round(places.step_mm(i + 1) / *step));
     for (std::int64_t k = 0; k < count; ++k) {
       const double weight = static_cast<double>(k) / static_cast<double>(count);
-      stack.planes.push_back({i, weight, k > 0 && stack.holds_labels});
+      stack.planes.push_back({i, weight, k > 0 && stack.leaves_out_empty});
     }
   }
   stack.planes.push_back({places.count() - 1});
@@ -139,8 +139,8 @@ void tell_of_gaps(DicomStack& stack, double step_mm) {
   std::string text;
   if (stack.gaps.policy == GapPolicy::fill) {
     text = count_text(made, "missing plane") +
-           (stack.holds_labels ? " left empty" : " interpolated between the neighbours") + "; " +
-           count_text(kept, "plane") + " as in the slices";
+           (stack.leaves_out_empty ? " left empty" : " interpolated between the neighbours") +
+           "; " + count_text(kept, "plane") + " as in the slices";
   } else {
     text = "uneven slices resampled to a step of " + mm_text(step_mm) + ": " +
            count_text(made, "plane") + " made from two slices each, " + count_text(kept, "plane") +
@@ -157,7 +157,7 @@ void tell_of_gaps(DicomStack& stack, double step_mm) {
 double outside_value(const DicomStack& stack) {
   const DicomSlice& slice = stack.slices.front();
   const DicomLayout& layout = *slice.layout;
-  if (stack.holds_labels) return 0;
+  if (stack.leaves_out_empty) return 0;
   if (layout.padding_value) return static_cast<double>(*layout.padding_value);
   const double value =
       layout.modality == "CT"
@@ -251,7 +251,7 @@ void plan_planes(DicomStack& stack, const SlicePlaces& places, const SourceOptio
   } else {
     // What a segmentation leaves out is empty, not something between its neighbours.
     const bool fills = options.on_gap == GapPolicy::fill ||
-                       (stack.holds_labels && grid_step_mm(places).has_value());
+                       (stack.leaves_out_empty && grid_step_mm(places).has_value());
     stack.gaps.policy = fills ? GapPolicy::fill : GapPolicy::resample;
     step = fills ? fill_gaps(stack, places) : resample_heights(stack, places);
     tell_of_gaps(stack, step);
@@ -267,7 +267,7 @@ std::string preparation_json(const DicomStack& stack) {
     const bool fills = stack.gaps.policy == GapPolicy::fill;
     nlohmann::json& gaps = changes["gaps"];
     gaps = {{"on_gap", fills ? "fill" : "resample"},
-            {"method", fills && stack.holds_labels ? "background" : method},
+            {"method", fills && stack.leaves_out_empty ? "background" : method},
             {"slices", stack.slices.size()},
             {"step_mm", stack.geometry.spacing_mm[2]},
             {"made_plane_count", stack.made_plane_count()}};

@@ -45,6 +45,7 @@ struct DicomStack {
   GapRepair gaps;
   std::optional<TiltRemoval> tilt;
   std::size_t dropped_duplicates = 0;
+  bool leaves_out_empty = false;  ///< planes without a slice are empty, as in a segmentation
   bool holds_labels = false;   ///< nothing is interpolated: the nearest voxel counts
   Geometry geometry;
   bool spacing_known = false;  ///< as is the place; false: slices taken by their numbers
