@@ -6,6 +6,7 @@
 
 #include "common/building.h"
 #include "common/inputs.h"
+#include "common/isotropic_option.h"
 #include "common/label_hint.h"
 #include "common/quantities.h"
 #include "common/verb.h"
@@ -27,12 +28,17 @@ constexpr VerbText kText = {
     "fill interpolates the planes that an even grid lacks (left empty in a segmentation),\n"
     "--on-gap resample makes planes at the smallest regular step, and --untilt moves the slices\n"
     "of a tilted gantry upright. What was done is told, and kept in the metadata.\n\n"
+    "Where slices lie further apart than the pixels, --isotropic makes planes in between until\n"
+    "voxels are cubes: linear (or cubic, which is smoother and may overshoot at edges) between\n"
+    "grey slices, rounded to stored values; by the shapes of the labels between label slices.\n"
+    "It makes planes along z only, and none behind the last slice.\n\n"
     "Examples:\n"
     "  octavo build scans/head/ -o head.8vo\n"
     "  octavo build slices/*.tif --spacing 0.0195 -o bone.8vo\n"
     "  octavo build volume.raw --raw 512,512,300,int16 --spacing 0.8,0.8,1 -o volume.8vo\n"
     "  octavo build aal.nii.gz --labels -o aal.8vo\n"
     "  octavo build scans/tilted/ --untilt --on-gap resample -o upright.8vo\n"
+    "  octavo build scans/thick/ --isotropic -o cubes.8vo\n"
     "  octavo build scans/head/ --max-error 2 -o small.8vo\n"
     "  octavo build density.nii --max-error 0.001 --nan 0 -o density.8vo"};
 
@@ -45,6 +51,7 @@ struct Arguments {
   std::string max_error = "0";
   std::string nan;
   std::string infinity;
+  std::string isotropic;
   SourceArguments source;
 };
 
@@ -103,9 +110,11 @@ int run_build(const Arguments& arguments, Context& context) {
   }
   require_free_output(arguments.output, context);
   require_no_input(arguments.output, arguments.inputs);
-  const auto source = open_planes(arguments.inputs, arguments.source, context);
+  auto source = open_planes(arguments.inputs, arguments.source, context);
   options.kind = choose_kind(arguments, source->description(), context);
   try {
+    source = make_isotropic(arguments.inputs.front(), std::move(source), arguments.isotropic,
+                            options.kind, context);
     return build_and_report(*source, options, arguments.output, context);
   } catch (const Error& error) {
     const bool names_nothing = error.kind() == ErrorKind::source_rejected && error.path().empty();
@@ -143,6 +152,7 @@ void add_build(CLI::App& app, Context& context) {
   verb.add_option("--inf", arguments->infinity,
                   "float32: what takes the place of +infinity; of -infinity its negative")
       ->type_name("VALUE");
+  add_isotropic_option(verb, arguments->isotropic);
   add_source_options(verb, arguments->source);
 }
 

@@ -43,6 +43,8 @@ struct VolumeDescription {
   std::string metadata_json = "{}";
   /// Of a float32 volume in a file: how its bricks hold it. What other sources give is a hint.
   std::optional<SampleCoding> coding;
+  /// Of a source: a stored value that is no measurement. Files do not hold it.
+  std::optional<std::int64_t> padding;
 
   /// The type of the numbers in bricks and index.
   VoxelType coded_type() const { return coding ? coding->type : type; }

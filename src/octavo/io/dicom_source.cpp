@@ -80,6 +80,7 @@ SourceFacts describe(const DicomStack& stack) {
   if (stack.holds_labels) facts.description.kind = VolumeKind::labels;
   facts.description.geometry = stack.geometry;
   facts.description.rescale = first.rescale;
+  facts.description.padding = layout.padding_value;
   facts.spacing_known = stack.spacing_known;
   facts.unit = unit_of(first);
   std::set<std::string> paths;

@@ -126,7 +126,7 @@ SourceOptions take_options(Reader& in) {
 }
 
 void put_description(Writer& out, const VolumeDescription& description) {
-  const auto& [kind, type, size, geometry, rescale, metadata_json, coding] = description;
+  const auto& [kind, type, size, geometry, rescale, metadata_json, coding, padding] = description;
   const auto& [origin_mm, spacing_mm, direction] = geometry;
   out.put_u8(static_cast<std::uint8_t>(kind));
   out.put_u8(static_cast<std::uint8_t>(type));
@@ -143,6 +143,8 @@ void put_description(Writer& out, const VolumeDescription& description) {
     out.put_double(coding->scale);
     out.put_double(coding->offset);
   }
+  out.put_u8(padding ? 1 : 0);
+  if (padding) out.put_signed(*padding);
 }
 
 void prove(const VolumeDescription& description, const Reader& in) {
@@ -175,6 +177,7 @@ VolumeDescription take_description(Reader& in) {
     coding.scale = in.number();
     coding.offset = in.number();
   }
+  if (in.flag()) description.padding = in.signed_varint();
   prove(description, in);
   return description;
 }

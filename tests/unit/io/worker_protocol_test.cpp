@@ -34,6 +34,7 @@ SourceReport sample_report() {
   report.description.rescale = {-2.0222414, 1e-9};
   report.description.metadata_json = R"({"a": 1})";
   report.description.coding = SampleCoding{VoxelType::int32, 0.5, -7};
+  report.description.padding = -2000;
   report.warnings = {"one", "", "three"};
   report.resident_bytes = 42;
   return report;
@@ -71,6 +72,7 @@ TEST(WorkerProtocol, AReportComesBackAsItWas) {
   EXPECT_EQ(got.description.rescale, sent.description.rescale);
   EXPECT_EQ(got.description.metadata_json, sent.description.metadata_json);
   EXPECT_EQ(got.description.coding, sent.description.coding);
+  EXPECT_EQ(got.description.padding, sent.description.padding);
   EXPECT_EQ(got.warnings, sent.warnings);
   EXPECT_EQ(got.resident_bytes, sent.resident_bytes);
 }
