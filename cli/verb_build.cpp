@@ -32,6 +32,9 @@ constexpr VerbText kText = {
     "voxels are cubes: linear (or cubic, which is smoother and may overshoot at edges) between\n"
     "grey slices, rounded to stored values; by the shapes of the labels between label slices.\n"
     "It makes planes along z only, and none behind the last slice.\n\n"
+    "Names, dates, identifiers and free text of the source stay out of the file, as do names of\n"
+    "files; info --metadata lists what was dropped. --keep-identity puts them into the metadata:\n"
+    "of DICOM the attributes of the first slice that are text. Exports never hold them.\n\n"
     "Examples:\n"
     "  octavo build scans/head/ -o head.8vo\n"
     "  octavo build slices/*.tif --spacing 0.0195 -o bone.8vo\n"
@@ -152,6 +155,8 @@ void add_build(CLI::App& app, Context& context) {
   verb.add_option("--inf", arguments->infinity,
                   "float32: what takes the place of +infinity; of -infinity its negative")
       ->type_name("VALUE");
+  verb.add_flag("--keep-identity", arguments->source.keep_identity,
+                "Keep names, dates and free text of the source in the metadata");
   add_isotropic_option(verb, arguments->isotropic);
   add_source_options(verb, arguments->source);
 }

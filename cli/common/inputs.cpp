@@ -59,6 +59,7 @@ SourceOptions source_options(const SourceArguments& arguments, const Context& co
   if (arguments.on_gap == "resample") options.on_gap = GapPolicy::resample;
   options.drop_duplicates = arguments.drop_duplicates;
   options.untilt = arguments.untilt;
+  options.keep_identity = arguments.keep_identity;
   options.max_memory_bytes = context.max_memory_bytes;
   return options;
 }
@@ -157,7 +158,7 @@ std::unique_ptr<PlaneSource> open_planes(const std::vector<std::string>& paths,
                                          const SourceArguments& arguments, Context& context) {
   if (paths.size() == 1 && is_octavo_path(paths.front())) {
     return std::make_unique<FilePlanes>(open_octavo(paths.front(), context), 0,
-                                        context.thread_count());
+                                        context.thread_count(), arguments.keep_identity);
   }
   return open_scan(paths, arguments, context);
 }

@@ -24,6 +24,7 @@ struct SourceArguments {
   bool drop_duplicates = false;
   bool untilt = false;
   bool no_isolation = false;
+  bool keep_identity = false;  ///< asked for by build alone
 };
 
 void add_source_options(CLI::App& verb, SourceArguments& arguments);

@@ -7,6 +7,7 @@
 
 #include "octavo/core/checked.h"
 #include "octavo/core/levels.h"
+#include "octavo/io/source_file.h"
 
 namespace octavo {
 
@@ -56,6 +57,10 @@ void settle(SourceFacts& facts, const SourceOptions& options, const std::string&
   metadata["spacing_known"] = spacing_source != "assumed";
   metadata["spacing_source"] = spacing_source;
   if (!facts.unit.empty()) metadata["unit"] = facts.unit;
+  if (options.keep_identity) facts.identity.note("FileName", base_name(path));
+  if (!facts.identity.is_empty()) {
+    metadata["identity"] = json::parse(facts.identity.json_text(options.keep_identity));
+  }
   facts.description.metadata_json = metadata.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 

@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "octavo/io/dicom_identity.h"
 #include "octavo/io/dicom_pixels.h"
 #include "octavo/io/dicom_plane.h"
 #include "octavo/io/dicom_series.h"
@@ -103,6 +104,7 @@ SourceFacts describe(const DicomStack& stack) {
     facts.warnings.push_back(
         "a mosaic: each picture holds several slices side by side, which are not taken apart");
   }
+  facts.identity = dicom_identity(stack);
   facts.extra_json = extra_json(stack, was_lossy);
   return facts;
 }

@@ -35,6 +35,7 @@ struct SourceOptions {
   GapPolicy on_gap = GapPolicy::error;    ///< DICOM
   bool drop_duplicates = false;           ///< DICOM: of equal slices at one place one is taken
   bool untilt = false;                    ///< DICOM: slices sheared by a tilt are put upright
+  bool keep_identity = false;             ///< names, dates, free text enter the metadata
   std::uint64_t max_memory_bytes =
       0;  ///< 0: none; whole-volume formats beyond it: Error{limit_exceeded}
 

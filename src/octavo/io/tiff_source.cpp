@@ -27,6 +27,7 @@ struct TiffStack {
   TiffDescription description;   ///< of the first page
   bool is_big_endian = false;    ///< of the first file
   std::int64_t reduced_pages = 0;
+  SourceIdentity identity;       ///< of all pages
 };
 
 std::string place(const TiffStack& stack, const TiffPlane& plane, std::size_t index) {
@@ -71,6 +72,7 @@ TiffStack examine(std::vector<std::string> files) {
     std::size_t page_count = 0;
     do {
       const TiffPage page = file.page();
+      file.note_identity(stack.identity);
       if (page.is_reduced && !stack.planes.empty()) {
         ++stack.reduced_pages;
         continue;
@@ -188,6 +190,7 @@ SourceFacts describe(const TiffStack& stack) {
   const TiffPage& first = stack.planes.front().page;
   SourceFacts facts;
   facts.format = "TIFF";
+  facts.identity = stack.identity;
   facts.file_count = static_cast<std::int64_t>(stack.files.size());
   facts.description.type = first.type;
   facts.description.size = {first.width, first.height,

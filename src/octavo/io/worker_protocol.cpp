@@ -83,8 +83,8 @@ class Reader : public ByteReader {
 // Naming all members at once lets the compiler refuse a member that is not sent.
 
 void put_options(Writer& out, const SourceOptions& options) {
-  const auto& [raw, spacing_mm, series, on_gap, drop_duplicates, untilt, max_memory_bytes] =
-      options;
+  const auto& [raw, spacing_mm, series, on_gap, drop_duplicates, untilt, keep_identity,
+               max_memory_bytes] = options;
   out.put_u8(raw ? 1 : 0);
   if (raw) {
     const auto& [size, type, big_endian, header_bytes] = *raw;
@@ -101,6 +101,7 @@ void put_options(Writer& out, const SourceOptions& options) {
   out.put_u8(static_cast<std::uint8_t>(on_gap));
   out.put_u8(drop_duplicates ? 1 : 0);
   out.put_u8(untilt ? 1 : 0);
+  out.put_u8(keep_identity ? 1 : 0);
   out.put_u64(max_memory_bytes);
 }
 
@@ -121,6 +122,7 @@ SourceOptions take_options(Reader& in) {
   if (options.on_gap > GapPolicy::resample) in.fail("no such way to treat gaps");
   options.drop_duplicates = in.flag();
   options.untilt = in.flag();
+  options.keep_identity = in.flag();
   options.max_memory_bytes = in.u64();
   return options;
 }

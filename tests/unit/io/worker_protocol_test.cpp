@@ -17,6 +17,7 @@ ImportRequest sample_request() {
   request.options.on_gap = GapPolicy::resample;
   request.options.drop_duplicates = true;
   request.options.untilt = true;
+  request.options.keep_identity = true;
   request.options.max_memory_bytes = std::uint64_t{1} << 63;
   request.threads = 7;
   request.memory_bytes = 123456789;
@@ -56,6 +57,7 @@ TEST(WorkerProtocol, ARequestComesBackAsItWas) {
   EXPECT_EQ(got.options.on_gap, sent.options.on_gap);
   EXPECT_EQ(got.options.drop_duplicates, sent.options.drop_duplicates);
   EXPECT_EQ(got.options.untilt, sent.options.untilt);
+  EXPECT_EQ(got.options.keep_identity, sent.options.keep_identity);
   EXPECT_EQ(got.options.max_memory_bytes, sent.options.max_memory_bytes);
   EXPECT_EQ(got.threads, sent.threads);
   EXPECT_EQ(got.memory_bytes, sent.memory_bytes);
