@@ -1,12 +1,16 @@
 // octavo VERB inputs... -o output
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "common/cancel.h"
 #include "common/context.h"
 #include "common/failure.h"
+#include "common/isotropic_option.h"
 #include "octavo/io/import_worker.h"
 #include "verbs.h"
 
@@ -56,7 +60,9 @@ int run_program(int argc, char** argv) {
   add_global_options(app, context);
   try {
     add_verbs(app, context);
-    app.parse(argc, argv);
+    std::vector<std::string> words = with_isotropic_method(argc - 1, argv + 1);
+    std::reverse(words.begin(), words.end());
+    app.parse(std::move(words));
     return context.run();
   } catch (const CLI::Success& request) {
     std::ostringstream text;

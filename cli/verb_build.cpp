@@ -6,6 +6,7 @@
 
 #include "common/building.h"
 #include "common/inputs.h"
+#include "common/isotropic_option.h"
 #include "common/label_hint.h"
 #include "common/quantities.h"
 #include "common/verb.h"
@@ -30,6 +31,13 @@ constexpr VerbText kText = {
     "or PNG files whose numbers skip are refused; --on-gap ignore takes them as neighbours.\n\n"
     "A voxel has one value: --channel and --time take one of colours, channels and times.\n"
     "Both count from 0, as do all positions here; colours also have names.\n\n"
+    "Where slices lie further apart than the pixels, --isotropic makes planes in between until\n"
+    "voxels are cubes: linear (or cubic, which is smoother and may overshoot at edges) between\n"
+    "grey slices, rounded to stored values; by the shapes of the labels between label slices.\n"
+    "It makes planes along z only, and none behind the last slice.\n\n"
+    "Names, dates, identifiers and free text of the source stay out of the file, as do names of\n"
+    "files; info --metadata lists what was dropped. --keep-identity puts them into the metadata:\n"
+    "of DICOM the attributes of the first slice that are text. Exports never hold them.\n\n"
     "Examples:\n"
     "  octavo build scans/head/ -o head.8vo\n"
     "  octavo build slices/*.tif --spacing 0.0195 -o bone.8vo\n"
@@ -37,6 +45,7 @@ constexpr VerbText kText = {
     "  octavo build aal.nii.gz --labels -o aal.8vo\n"
     "  octavo build cells.tif --channel 1 --time 0 -o cells.8vo\n"
     "  octavo build scans/tilted/ --untilt --on-gap resample -o upright.8vo\n"
+    "  octavo build scans/thick/ --isotropic -o cubes.8vo\n"
     "  octavo build scans/head/ --max-error 2 -o small.8vo\n"
     "  octavo build density.nii --max-error 0.001 --nan 0 -o density.8vo"};
 
@@ -49,6 +58,7 @@ struct Arguments {
   std::string max_error = "0";
   std::string nan;
   std::string infinity;
+  std::string isotropic;
   SourceArguments source;
 };
 
@@ -107,9 +117,11 @@ int run_build(const Arguments& arguments, Context& context) {
   }
   require_free_output(arguments.output, context);
   require_no_input(arguments.output, arguments.inputs);
-  const auto source = open_planes(arguments.inputs, arguments.source, context);
+  auto source = open_planes(arguments.inputs, arguments.source, context);
   options.kind = choose_kind(arguments, source->description(), context);
   try {
+    source = make_isotropic(arguments.inputs.front(), std::move(source), arguments.isotropic,
+                            options.kind, context);
     return build_and_report(*source, options, arguments.output, context);
   } catch (const Error& error) {
     const bool names_nothing = error.kind() == ErrorKind::source_rejected && error.path().empty();
@@ -147,6 +159,9 @@ void add_build(CLI::App& app, Context& context) {
   verb.add_option("--inf", arguments->infinity,
                   "float32: what takes the place of +infinity; of -infinity its negative")
       ->type_name("VALUE");
+  verb.add_flag("--keep-identity", arguments->source.keep_identity,
+                "Keep names, dates and free text of the source in the metadata");
+  add_isotropic_option(verb, arguments->isotropic);
   add_source_options(verb, arguments->source);
 }
 

@@ -5,6 +5,7 @@
 
 #include "common/failure.h"
 #include "common/geometry_words.h"
+#include "common/identity_words.h"
 #include "common/inputs.h"
 #include "common/preparation_words.h"
 #include "common/quantities.h"
@@ -20,9 +21,11 @@ constexpr VerbText kText = {
     "info", "Show what a file holds.",
     "Reads the header and the index only; min and max are stored values in --json. A max error\n"
     "is shown in real units: what the file promises, and the largest difference found when it\n"
-    "was built.\n\n"
+    "was built. --metadata lists what was kept of the identity of the source and what was\n"
+    "dropped, by name and how often it was there; --json holds the same.\n\n"
     "Examples:\n"
     "  octavo info head.8vo\n"
+    "  octavo info head.8vo --metadata\n"
     "  octavo info https://example.org/head.8vo --json"};
 
 struct Arguments {
@@ -155,9 +158,13 @@ std::string screen(const FileReader& reader, bool show_metadata) {
   if (const std::string words = preparation_words(metadata); !words.empty()) {
     text += row("prepared", words);
   }
+  if (const std::string words = identity_words(metadata); !words.empty()) {
+    text += row("identity", words);
+  }
   text += row("format", "8vo " + reader.format_version());
   text += level_table(reader);
   if (show_metadata) {
+    text += identity_lines(metadata);
     text +=
         "\n" + metadata.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace) + "\n";
   }

@@ -7,6 +7,7 @@
 #include "common/failure.h"
 #include "common/file_planes.h"
 #include "common/inputs.h"
+#include "common/isotropic_option.h"
 #include "common/plane_compare.h"
 #include "common/progress_line.h"
 #include "common/quantities.h"
@@ -28,7 +29,7 @@ constexpr VerbText kText = {
     "--json lists the same. What is whole, export --salvage writes. With --against the geometry\n"
     "and every stored voxel are compared with the source as well; a difference beyond what the\n"
     "file says of itself is exit code 1. NaN and infinities that were replaced are replaced in\n"
-    "the source, too.\n\n"
+    "the source, too, and planes that --isotropic made are made again.\n\n"
     "Examples:\n"
     "  octavo verify head.8vo\n"
     "  octavo verify head.8vo --against scans/head/"};
@@ -141,8 +142,13 @@ int run_alone(const Arguments& arguments, const VerifyReport& report, const Cont
 int run_against(const Arguments& arguments, const VerifyReport& report,
                 const std::shared_ptr<const FileReader>& reader, Context& context) {
   FilePlanes planes(reader, 0, context.thread_count());
-  const auto read = open_planes(arguments.against, arguments.source, context);
-  const auto source = make_repaired_source(*read, repair_of(metadata_of(reader->description())));
+  const nlohmann::ordered_json metadata = metadata_of(reader->description());
+  auto opened = open_planes(arguments.against, arguments.source, context);
+  const Size3 opened_size = opened->description().size;
+  const auto read =
+      repeat_isotropic(arguments.against.front(), std::move(opened), metadata, context);
+  const bool is_same_source = read->description().size == opened_size;
+  const auto source = make_repaired_source(*read, repair_of(metadata));
   // The largest difference found by the build: it is at most the promised one.
   const double error = reader->achieved_error();
   Comparison c;
@@ -163,7 +169,8 @@ int run_against(const Arguments& arguments, const VerifyReport& report,
                                                              unit_of(metadata_of(
                                                                  planes.description())),
                                                              error) + " of each of the",
-                      count_text(c.voxels) + " voxels", arguments.against.front(),
+                      count_text(c.voxels) + " voxels",
+                      arguments.against.front() + (is_same_source ? "" : " with planes in between"),
                       c.is_place_known ? "and the geometry" : "(its spacing is unknown)",
                       count_text(report.brick_count)));
   }

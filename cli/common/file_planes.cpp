@@ -7,6 +7,7 @@
 #include "common/volume_json.h"
 #include "octavo/core/error.h"
 #include "octavo/file/parallel_read.h"
+#include "octavo/io/source_identity.h"
 
 namespace octavo::cli {
 
@@ -22,12 +23,17 @@ std::int64_t layer_planes(const Levels& levels, int level) {
 
 /// The metadata for a file that is built from this one: how it was coded is over, what it lost is
 /// not.
-std::string passed_on(const FileReader& reader) {
+std::string passed_on(const FileReader& reader, bool keep_identity) {
   const VolumeDescription& d = reader.description();
   nlohmann::ordered_json metadata = metadata_of(d);
   const double loss =
       source_max_error(metadata) + reader.achieved_error() * std::abs(d.rescale.slope);
-  if (loss == 0 && !metadata.contains("coding")) return d.metadata_json;
+  const bool drops_identity = !keep_identity && metadata.contains("identity");
+  if (loss == 0 && !metadata.contains("coding") && !drops_identity) return d.metadata_json;
+  if (drops_identity) {
+    metadata["identity"] =
+        nlohmann::ordered_json::parse(without_identity(metadata["identity"].dump()));
+  }
   metadata.erase("coding");
   if (loss > 0) metadata["source_max_error"] = loss;
   return metadata.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
@@ -35,13 +41,14 @@ std::string passed_on(const FileReader& reader) {
 
 }  // namespace
 
-FilePlanes::FilePlanes(std::shared_ptr<const FileReader> reader, int level, int threads)
+FilePlanes::FilePlanes(std::shared_ptr<const FileReader> reader, int level, int threads,
+                       bool keep_identity)
     : reader_(std::move(reader)),
       level_(level),
       threads_(threads),
       description_(reader_->description()),
       layer_planes_(layer_planes(reader_->levels(), level)) {
-  description_.metadata_json = passed_on(*reader_);
+  description_.metadata_json = passed_on(*reader_, keep_identity);
   description_.size = reader_->levels().size(level);
   description_.geometry = reader_->levels().geometry(reader_->description().geometry, level);
 }

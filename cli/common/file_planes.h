@@ -13,9 +13,11 @@ namespace octavo::cli {
 /// Memory  one layer of bricks of the level (64 planes or fewer), besides the reader's cache
 class FilePlanes final : public PlaneSource {
  public:
-  FilePlanes(std::shared_ptr<const FileReader> reader, int level, int threads);
+  FilePlanes(std::shared_ptr<const FileReader> reader, int level, int threads,
+             bool keep_identity = false);
 
-  /// Size and geometry are those of the level; the metadata are for a file built from this one.
+  /// Size and geometry are those of the level; the metadata are for a file built from this one:
+  /// without what it kept of the identity of its source, unless keep_identity.
   const VolumeDescription& description() const override { return description_; }
   const std::vector<std::string>& warnings() const override { return warnings_; }
   void read_plane(std::span<std::byte> plane) override;

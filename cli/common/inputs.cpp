@@ -63,6 +63,7 @@ SourceOptions source_options(const SourceArguments& arguments, const Context& co
   options.segment = arguments.segment;
   options.channel = arguments.channel;
   if (!arguments.time.empty()) options.time = parse_integer(arguments.time, "--time");
+  options.keep_identity = arguments.keep_identity;
   options.max_memory_bytes = context.max_memory_bytes;
   return options;
 }
@@ -173,7 +174,7 @@ std::unique_ptr<PlaneSource> open_planes(const std::vector<std::string>& paths,
                                          const SourceArguments& arguments, Context& context) {
   if (paths.size() == 1 && is_octavo_path(paths.front())) {
     return std::make_unique<FilePlanes>(open_octavo(paths.front(), context), 0,
-                                        context.thread_count());
+                                        context.thread_count(), arguments.keep_identity);
   }
   return open_scan(paths, arguments, context);
 }

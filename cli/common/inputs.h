@@ -27,6 +27,7 @@ struct SourceArguments {
   std::string channel;
   std::string time;
   bool no_isolation = false;
+  bool keep_identity = false;  ///< asked for by build alone
 };
 
 void add_source_options(CLI::App& verb, SourceArguments& arguments);

@@ -70,12 +70,20 @@ std::string preparation_words(const nlohmann::ordered_json& metadata) {
       angle.is_number()) {
     add(text, fmt::format("gantry tilt of {:.4g} degrees removed", angle.get<double>()));
   }
+  const nlohmann::ordered_json& isotropic = member(prepared, "isotropic");
+  if (const std::int64_t count = count_in(isotropic, "made_plane_count"); count > 0) {
+    const nlohmann::ordered_json& method = member(isotropic, "method");
+    add(text, fmt::format("{} plane{} made between thick slices ({})", count_text(count),
+                          count == 1 ? "" : "s",
+                          method.is_string() ? escaped(method.get<std::string>()) : "unknown way"));
+  }
   return text;
 }
 
 bool was_resampled(const nlohmann::ordered_json& metadata) {
   const nlohmann::ordered_json& prepared = member(metadata, "prepared");
-  return member(prepared, "gaps").is_object() || member(prepared, "tilt").is_object();
+  return member(prepared, "gaps").is_object() || member(prepared, "tilt").is_object() ||
+         member(prepared, "isotropic").is_object();
 }
 
 }  // namespace octavo::cli

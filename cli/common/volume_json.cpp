@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "common/identity_words.h"
 #include "common/quantities.h"
 
 namespace octavo::cli {
@@ -137,6 +138,7 @@ nlohmann::ordered_json file_json(const FileReader& reader) {
           {"coding", coding_json(d.coding)},
           {"min", voxel_json(d, range.min)},
           {"max", voxel_json(d, range.max)},
+          {"identity", identity_state(metadata)},
           {"metadata", metadata}};
 }
 

@@ -34,15 +34,17 @@ struct VolumeDescription {
   Geometry geometry;
   Rescale rescale;
   /// UTF-8 JSON object. Keys of every importer: "source" {"format", "files"}, "spacing_known"
-  /// (false: the source has no spacing, 1 mm was assumed), "spacing_source" ("file", "user",
-  /// "assumed"), "unit" ("HU", ...; where known). Of some: "dicom" {...}, "place_known" (false:
-  /// origin and direction mean nothing), "prepared" {...} (what was interpolated, moved, left out),
-  /// "lossy_source" (true: an earlier compression changed values). A build adds "coding" where not
-  /// everything is as by default: "preset", "max_error", "nan", "inf", in real units; and where its
-  /// source was an .8vo file with a maximum error, "source_max_error".
+  /// (false: the source has none, 1 mm was assumed), "spacing_source" ("file", "user", "assumed"),
+  /// "unit" ("HU", ...; where known). Of some: "dicom" {...}, "identity" {...} (kept or dropped),
+  /// "place_known" (false: origin and direction mean nothing), "prepared" {...} (what was
+  /// interpolated, moved, left out), "lossy_source" (true: compression had changed values). A
+  /// build adds "coding" where not all is as by default: "preset", "max_error", "nan", "inf",
+  /// in real units; and where its source was an .8vo file with a maximum error, "source_max_error".
   std::string metadata_json = "{}";
   /// Of a float32 volume in a file: how its bricks hold it. What other sources give is a hint.
   std::optional<SampleCoding> coding;
+  /// Of a source: a stored value that is no measurement. Files do not hold it.
+  std::optional<std::int64_t> padding;
 
   /// The type of the numbers in bricks and index.
   VoxelType coded_type() const { return coding ? coding->type : type; }

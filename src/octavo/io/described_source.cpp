@@ -65,6 +65,10 @@ void settle(SourceFacts& facts, const SourceOptions& options, const std::string&
   if (const std::string chosen = choice_json(facts.components, facts.choice); !chosen.empty()) {
     metadata["chosen"] = json::parse(chosen);
   }
+  if (options.keep_identity) facts.identity.note("FileName", base_name(path));
+  if (!facts.identity.is_empty()) {
+    metadata["identity"] = json::parse(facts.identity.json_text(options.keep_identity));
+  }
   facts.description.metadata_json = metadata.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 

@@ -10,6 +10,7 @@
 #include "octavo/build/plane_source.h"
 #include "octavo/io/component_choice.h"
 #include "octavo/io/open_source.h"
+#include "octavo/io/source_identity.h"
 
 namespace octavo {
 
@@ -21,6 +22,7 @@ struct SourceFacts {
   std::int64_t file_count = 1;
   bool spacing_known = false;           ///< the files carry a spacing
   std::string unit;                     ///< unit of real values, when known
+  SourceIdentity identity;              ///< what tells who, where or when
   std::string extra_json;               ///< an object merged into the metadata, or empty
   std::size_t ignored_number_gaps = 0;  ///< of a stack of numbered files
   Components components;                ///< what stands at each voxel
@@ -28,7 +30,8 @@ struct SourceFacts {
 };
 
 /// Chooses a channel and a time, applies options.spacing_mm, warns when no spacing is known, writes
-/// metadata_json and proves size and geometry. path names the source in messages.
+/// metadata_json and proves size and geometry. path names the source in messages, and in the
+/// metadata with options.keep_identity.
 /// Throws Error{source_rejected} on a bad geometry, Error{limit_exceeded} on a size out of range,
 ///        Error{invalid_argument} when options.spacing_mm is not positive and finite;
 ///        as choose_component does

@@ -104,6 +104,8 @@ class Walker {
     file.big_endian = syntax.big_endian;
     file.data.set_big_endian(syntax.big_endian);
     walk_set(at, window_.size(), syntax, 0, &file.data, &file.pixels);
+    file.element_counts = std::move(element_counts_);
+    file.private_count = private_count_;
     return file;
   }
 
@@ -115,6 +117,7 @@ class Walker {
       if (window_.bytes(at, 2) != std::string("\2\0", 2)) break;
       const ElementHead head = read_head(at, window_.size(), syntax);
       const std::uint64_t end = value_end(head, window_.size());
+      count(head.tag);
       if (head.tag == kTransferSyntax && head.length <= kStoredValueLimit) {
         DicomSet meta;
         meta.add_value(head.tag, window_.bytes(head.value_offset, head.length));
@@ -162,14 +165,21 @@ class Walker {
         at = walk_sequence(head, end, inner, depth, is_kept_sequence(head.tag) ? kept : nullptr);
       } else {
         const std::uint64_t next = value_end(head, end);
-        const bool is_private = (head.tag >> 16 & 1) != 0;
-        if (kept != nullptr && !is_private && head.length <= kStoredValueLimit) {
+        count(head.tag);
+        if (kept != nullptr && !is_private(head.tag) && head.length <= kStoredValueLimit) {
           kept->add_value(head.tag, window_.bytes(head.value_offset, head.length));
         }
         at = next;
       }
     }
     return at;
+  }
+
+  static bool is_private(DicomTag tag) { return (tag >> 16 & 1) != 0; }
+
+  void count(DicomTag tag) {
+    if (is_private(tag)) ++private_count_;
+    else ++element_counts_[tag];
   }
 
   static bool is_sequence(const ElementHead& head, Syntax syntax) {
@@ -295,6 +305,8 @@ class Walker {
   }
 
   Window window_;
+  std::map<DicomTag, std::int64_t> element_counts_;
+  std::int64_t private_count_ = 0;
 };
 
 }  // namespace

@@ -69,6 +69,9 @@ struct DicomFile {
   bool big_endian = false;
   DicomSet data;
   DicomPixels pixels;
+  /// How often every element is there, in sequences as well; private groups are counted in one.
+  std::map<DicomTag, std::int64_t> element_counts;
+  std::int64_t private_count = 0;
 };
 
 /// True when the file starts as DICOM does: "DICM" behind a preamble, or a first element of group

@@ -4,12 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <optional>
-#include <type_traits>
 #include <vector>
 
 #include "octavo/core/voxel_type.h"
 #include "octavo/io/dicom_pixels.h"
+#include "octavo/io/plane_mixing.h"
 
 namespace octavo {
 
@@ -27,24 +26,13 @@ void put_voxel(std::span<std::byte> voxels, std::int64_t index, T value) {
   std::memcpy(voxels.data() + static_cast<std::size_t>(index) * sizeof(T), &value, sizeof(T));
 }
 
-/// How values are mixed.
-struct Mixing {
-  bool takes_nearest = false;            ///< labels
-  std::optional<std::int64_t> padding;   ///< a stored value that is no measurement
-
-  template <class T>
-  bool is_padding(T value) const {
-    return padding && static_cast<std::int64_t>(value) == *padding;
-  }
-};
+template <class T>
+bool is_padding(const Mixing& mixing, T value) {
+  return mixing.padding && static_cast<std::int64_t>(value) == *mixing.padding;
+}
 
 Mixing mixing_of(const DicomStack& stack) {
   return {stack.holds_labels, stack.slices.front().layout->padding_value};
-}
-
-template <class T>
-T nearest_integer(double value) {
-  return static_cast<T>(std::floor(value + 0.5));
 }
 
 /// Where a voxel of the canvas comes from along one axis: between `low` and `high`.
@@ -85,13 +73,13 @@ T sample(std::span<const std::byte> slice, std::int64_t columns, const Tap& x, c
                               voxel_at<T>(slice, y.high * columns + x.low),
                               voxel_at<T>(slice, y.high * columns + x.high)};
   for (const T value : v)
-    if (mixing.is_padding(value)) return nearest;
+    if (is_padding(mixing, value)) return nearest;
   const auto mix = [](double a, double b, double weight_b) {
     return (1 - weight_b) * a + weight_b * b;
   };
   const double low = mix(static_cast<double>(v[0]), static_cast<double>(v[1]), x.weight_high);
   const double high = mix(static_cast<double>(v[2]), static_cast<double>(v[3]), x.weight_high);
-  return nearest_integer<T>(mix(low, high, y.weight_high));
+  return nearest_value<T>(mix(low, high, y.weight_high));
 }
 
 template <class T>
@@ -102,7 +90,7 @@ void move_slice(const DicomStack& stack, std::size_t index, std::span<const std:
   const Mixing mixing = mixing_of(stack);
   const std::vector<Tap> across = taps_of(tilt.columns, layout.columns, tilt.shift[index][0]);
   const std::vector<Tap> down = taps_of(tilt.rows, layout.rows, tilt.shift[index][1]);
-  const T outside = nearest_integer<T>(tilt.outside);
+  const T outside = nearest_value<T>(tilt.outside);
   std::int64_t at = 0;
   for (const Tap& y : down) {
     for (const Tap& x : across) {
@@ -129,22 +117,6 @@ void read_placed(const DicomStack& stack, std::size_t index, std::span<std::byte
   });
 }
 
-/// Mixes `above` into `plane`.
-template <class T>
-void mix_planes(std::span<std::byte> plane, std::span<const std::byte> above, double weight,
-                const Mixing& mixing) {
-  const auto count = static_cast<std::int64_t>(plane.size() / sizeof(T));
-  for (std::int64_t i = 0; i < count; ++i) {
-    const T a = voxel_at<T>(plane, i);
-    const T b = voxel_at<T>(above, i);
-    if (a == b) continue;
-    const bool takes_nearest = mixing.takes_nearest || mixing.is_padding(a) || mixing.is_padding(b);
-    const double mixed = (1 - weight) * static_cast<double>(a) + weight * static_cast<double>(b);
-    const T nearest = weight < 0.5 ? a : b;
-    put_voxel<T>(plane, i, takes_nearest ? nearest : nearest_integer<T>(mixed));
-  }
-}
-
 }  // namespace
 
 void read_stack_plane(const DicomStack& stack, std::int64_t z, std::span<std::byte> plane) {
@@ -157,9 +129,9 @@ void read_stack_plane(const DicomStack& stack, std::int64_t z, std::span<std::by
   if (origin.weight_above == 0) return;
   std::vector<std::byte> above(plane.size());
   read_placed(stack, origin.below + 1, above);
-  with_voxel_type(dicom_voxel_type(*stack.slices[origin.below].layout), [&](auto tag) {
-    mix_planes<typename decltype(tag)::type>(plane, above, origin.weight_above, mixing_of(stack));
-  });
+  const double weight = origin.weight_above;
+  mix_planes(dicom_voxel_type(*stack.slices[origin.below].layout),
+             {.planes = {plane, above}, .weights = {1 - weight, weight}}, mixing_of(stack), plane);
 }
 
 }  // namespace octavo

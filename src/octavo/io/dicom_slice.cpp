@@ -1,5 +1,7 @@
 #include "octavo/io/dicom_slice.h"
 
+#include <algorithm>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
@@ -114,6 +116,8 @@ DicomLayout read_layout(const DicomFile& file) {
   layout.was_lossy = data.text(0x00282110) == "01" || is_lossy_syntax(file.transfer_syntax);
   layout.slice_thickness_mm = data.decimal(0x00180050);
   layout.pixels = file.pixels;
+  layout.elements.assign(file.element_counts.begin(), file.element_counts.end());
+  layout.private_elements = file.private_count;
   layout.padding_value = read_padding(layout, data.unsigned_value(0x00280120));
   layout.segmentation_type = data.text(0x00620001);
   layout.segments_overlap = data.text(0x00620013) == "YES";
@@ -243,6 +247,11 @@ std::string dicom_metadata_json(const std::string& path) {
     }
   }
   return tags.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+bool is_dicom_metadata(DicomTag tag) {
+  return std::any_of(std::begin(kAllowed), std::end(kAllowed),
+                     [&](const NamedTag& allowed) { return allowed.tag == tag; });
 }
 
 }  // namespace octavo

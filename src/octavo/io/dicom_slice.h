@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "octavo/core/geometry.h"
@@ -55,6 +56,8 @@ struct DicomLayout {
   bool was_lossy = false;  ///< the header or the transfer syntax says that values were changed
   std::optional<double> slice_thickness_mm;
   DicomPixels pixels;
+  std::vector<std::pair<DicomTag, std::int64_t>> elements;  ///< and how often each is there
+  std::int64_t private_elements = 0;
 
   /// A DICOM segmentation.
   bool is_segmentation() const;
@@ -94,5 +97,8 @@ std::vector<DicomSlice> read_dicom_slices(const std::string& path);
 
 /// The tags of an allow-list as a JSON object: how the picture was made, never who is in it.
 std::string dicom_metadata_json(const std::string& path);
+
+/// True for the tags of that list.
+bool is_dicom_metadata(DicomTag tag);
 
 }  // namespace octavo

@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "octavo/io/dicom_identity.h"
 #include "octavo/io/dicom_pixels.h"
 #include "octavo/io/dicom_plane.h"
 #include "octavo/io/dicom_segments.h"
@@ -83,6 +84,7 @@ SourceFacts describe(const DicomStack& stack, const SourceOptions& options) {
   if (stack.holds_labels) facts.description.kind = VolumeKind::labels;
   facts.description.geometry = stack.geometry;
   facts.description.rescale = first.rescale;
+  facts.description.padding = layout.padding_value;
   facts.spacing_known = stack.spacing_known;
   facts.unit = unit_of(first);
   std::set<std::string> paths;
@@ -105,6 +107,7 @@ SourceFacts describe(const DicomStack& stack, const SourceOptions& options) {
     facts.warnings.push_back(
         "a mosaic: each picture holds several slices side by side, which are not taken apart");
   }
+  facts.identity = dicom_identity(stack);
   facts.extra_json = extra_json(stack, options, was_lossy);
   return facts;
 }

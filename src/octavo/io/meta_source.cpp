@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -62,6 +63,19 @@ class MetaHeader {
     return {path_, *names.begin(), {}};
   }
 
+  /// What says nothing of the voxels.
+  SourceIdentity identity() const {
+    SourceIdentity identity;
+    for (const auto& [name, value] : fields_) {
+      if (name == "Comment" || name == "Name" || name == "AcquisitionDate") {
+        identity.note(name, value);
+      } else if (!is_of_the_format(name)) {
+        identity.note("other field", name + " = " + value);
+      }
+    }
+    return identity;
+  }
+
   std::string text(const std::string& name) const {
     return std::string(field({name.c_str()}).value);
   }
@@ -71,6 +85,19 @@ class MetaHeader {
   }
 
  private:
+  static bool is_of_the_format(const std::string& name) {
+    static const std::set<std::string> kNames = {
+        "AnatomicalOrientation", "BinaryData", "BinaryDataByteOrderMSB", "CenterOfRotation",
+        "Color", "CompressedData", "CompressedDataSize", "CompressionLevel", "DimSize",
+        "DistanceUnits", "ElementByteOrderMSB", "ElementDataFile", "ElementMax", "ElementMin",
+        "ElementNBits", "ElementNumberOfChannels", "ElementSize", "ElementSpacing",
+        "ElementToIntensityFunctionOffset", "ElementToIntensityFunctionSlope", "ElementType",
+        "HeaderSize", "ID", "Modality", "NDims", "ObjectSubType", "ObjectType", "Offset",
+        "Orientation", "Origin", "ParentID", "Position", "Rotation", "SequenceID",
+        "TransformMatrix", "TransformType"};
+    return kNames.contains(name);
+  }
+
   std::string path_;
   std::map<std::string, std::string> fields_;
   std::uint64_t data_offset_ = 0;
@@ -198,6 +225,7 @@ std::unique_ptr<PlaneSource> open_meta_source(const std::string& path,
   refuse_unreadable(header);
   SourceFacts facts;
   facts.format = "MetaImage";
+  facts.identity = header.identity();
   VolumeDescription& description = facts.description;
   description.type = voxel_type_of(header);
   description.size = read_size(header);

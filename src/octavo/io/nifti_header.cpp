@@ -47,6 +47,12 @@ class FieldReader {
     }
   }
 
+  void take_text(std::size_t offset, std::size_t length, const char* name, NiftiHeader& h) const {
+    std::string text(reinterpret_cast<const char*>(bytes_.data()) + offset, length);
+    text.resize(std::min(text.find('\0'), length));
+    if (text.find_first_not_of(' ') != std::string::npos) h.texts[name] = text;
+  }
+
  private:
   std::span<const std::byte> bytes_;
   bool swap_;
@@ -68,6 +74,11 @@ NiftiHeader parse_version_1(const FieldReader& read) {
   read.fill<float>(256, h.quaternion);
   read.fill<float>(268, h.qoffset);
   read.fill<float>(280, h.srow);
+  read.take_text(4, 10, "data_type", h);
+  read.take_text(14, 18, "db_name", h);
+  read.take_text(148, 80, "descrip", h);
+  read.take_text(228, 24, "aux_file", h);
+  read.take_text(328, 16, "intent_name", h);
   return h;
 }
 
@@ -87,6 +98,9 @@ NiftiHeader parse_version_2(const FieldReader& read) {
   read.fill<double>(400, h.srow);
   h.spatial_unit = read.at<std::int32_t>(500) & 7;
   h.intent = read.at<std::int32_t>(504);
+  read.take_text(240, 80, "descrip", h);
+  read.take_text(320, 24, "aux_file", h);
+  read.take_text(508, 16, "intent_name", h);
   return h;
 }
 

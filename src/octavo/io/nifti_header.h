@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,7 @@ struct NiftiHeader {
   std::array<double, 3> quaternion{};   ///< b, c, d
   std::array<double, 3> qoffset{};
   std::array<double, 12> srow{};        ///< 3 rows of 4
+  std::map<std::string, std::string> texts;  ///< "descrip", "aux_file", ...: those not empty
 };
 
 /// Reads the header of `path`, deflated or plain. Throws Error{source_rejected} when it is none,

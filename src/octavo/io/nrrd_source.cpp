@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -55,14 +56,20 @@ class NrrdHeader {
     return {path_, found->first, found->second};
   }
   std::string text(const std::string& name) const { return std::string(field(name).value); }
+  /// What says nothing of the voxels.
+  const SourceIdentity& identity() const { return identity_; }
 
  private:
   void take_line(std::string_view line) {
-    if (line.starts_with('#')) return;
+    if (line.starts_with('#')) {
+      identity_.note("comment", std::string(trimmed(line.substr(1))));
+      return;
+    }
     const std::size_t colon = line.find(": ");
     // A key of its own program's choice keeps its sign, so that it is never taken for a field.
     const std::size_t key_end = line.find(":=");
     if (key_end < colon) {
+      identity_.note("key/value pair", std::string(line));
       fields_[std::string(line.substr(0, key_end + 2))] = trimmed(line.substr(key_end + 2));
       return;
     }
@@ -72,9 +79,24 @@ class NrrdHeader {
     if (name == "lineskip") name = "line skip";
     if (name == "byteskip") name = "byte skip";
     fields_[name] = trimmed(line.substr(colon + 2));
+    if (name == "content" || name == "labels") identity_.note(name, fields_[name]);
+    else if (!is_of_the_format(name)) identity_.note("other field", std::string(line));
+  }
+
+  static bool is_of_the_format(const std::string& name) {
+    static const std::set<std::string> kNames = {
+        "axis maxs",   "axis mins",   "axismaxs",     "axismins",        "block size",
+        "blocksize",   "byte skip",   "centerings",   "centers",         "data file",
+        "dimension",   "encoding",    "endian",       "kinds",           "line skip",
+        "max",         "min",         "number",       "measurement frame", "old max",
+        "old min",     "oldmax",      "oldmin",       "sample units",    "sampleunits",
+        "sizes",       "space",       "space dimension", "space directions", "space origin",
+        "space units", "spacings",    "thicknesses",  "type",            "units"};
+    return kNames.contains(name);
   }
 
   std::string path_;
+  SourceIdentity identity_;
   std::map<std::string, std::string> fields_;
   std::uint64_t data_offset_ = 0;
 };
@@ -423,6 +445,7 @@ std::unique_ptr<PlaneSource> open_nrrd_source(const std::string& path,
   const NrrdHeader header(path);
   SourceFacts facts;
   facts.format = "NRRD";
+  facts.identity = header.identity();
   VolumeDescription& description = facts.description;
   description.type = voxel_type_of(header);
   const NrrdAxes axes = read_axes(header);

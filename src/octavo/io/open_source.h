@@ -39,6 +39,7 @@ struct SourceOptions {
   std::string segment;  ///< DICOM SEG: the number or the label of the segment that is taken
   std::string channel;  ///< a number from 0 or a name, where a voxel has several values
   std::optional<std::int64_t> time;  ///< from 0, where there are several volumes in time
+  bool keep_identity = false;             ///< names, dates, free text enter the metadata
   std::uint64_t max_memory_bytes =
       0;  ///< 0: none; whole-volume formats beyond it: Error{limit_exceeded}
 

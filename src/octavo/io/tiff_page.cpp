@@ -54,6 +54,14 @@ bool is_lossy_compression(std::uint16_t compression) {
          compression == COMPRESSION_LERC || compression == COMPRESSION_WEBP;
 }
 
+/// Tags of cameras and programs that hold records of their own.
+bool is_record(std::uint32_t tag) {
+  constexpr std::array<std::uint32_t, 5> kRecords = {TIFFTAG_XMLPACKET, TIFFTAG_RICHTIFFIPTC,
+                                                     TIFFTAG_PHOTOSHOP, TIFFTAG_EXIFIFD,
+                                                     TIFFTAG_GPSIFD};
+  return std::find(kRecords.begin(), kRecords.end(), tag) != kRecords.end();
+}
+
 std::size_t at_voxel(const TiffPage& page, std::int64_t x, std::int64_t y) {
   return static_cast<std::size_t>((y * page.width + x) * bytes_per_voxel(page.type));
 }
@@ -277,6 +285,22 @@ std::string TiffFile::image_description() {
   const char* text = nullptr;
   if (TIFFGetField(handle_, TIFFTAG_IMAGEDESCRIPTION, &text) != 1 || text == nullptr) return {};
   return text;
+}
+
+void TiffFile::note_identity(SourceIdentity& identity) {
+  const int count = TIFFGetTagListCount(handle_);
+  for (int i = 0; i < count; ++i) {
+    const std::uint32_t tag = TIFFGetTagListEntry(handle_, i);
+    const TIFFField* field = TIFFFindField(handle_, tag, TIFF_ANY);
+    if (field == nullptr) continue;
+    const std::string name = TIFFFieldName(field);
+    const char* text = nullptr;
+    if (TIFFFieldDataType(field) == TIFF_ASCII && TIFFFieldPassCount(field) == 0) {
+      if (TIFFGetField(handle_, tag, &text) == 1 && text != nullptr) identity.note(name, text);
+    } else if (is_record(tag) || name.starts_with("Tag ")) {
+      identity.note_lost(name);
+    }
+  }
 }
 
 double TiffFile::x_resolution() {

@@ -9,6 +9,7 @@
 
 #include "octavo/core/voxel_type.h"
 #include "octavo/io/source_file.h"
+#include "octavo/io/source_identity.h"
 
 struct tiff;
 
@@ -55,6 +56,8 @@ class TiffFile {
 
   /// ImageDescription of the current page, or nothing.
   std::string image_description();
+  /// Adds the texts of the current page and the names of tags that are not of the picture.
+  void note_identity(SourceIdentity& identity);
   /// Pixels per unit along x and y of the current page; 0 when the tag is absent.
   double x_resolution();
   double y_resolution();

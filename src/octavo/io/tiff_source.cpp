@@ -30,6 +30,7 @@ struct TiffStack {
   bool is_big_endian = false;    ///< of the first file
   std::int64_t reduced_pages = 0;
   std::int64_t sample = 0;       ///< the one of each pixel that is taken
+  SourceIdentity identity;       ///< of all pages
 };
 
 /// "uint8", "RGB uint16 (white is 0)", "4 samples of uint8".
@@ -84,6 +85,7 @@ TiffStack examine(std::vector<std::string> files) {
     std::size_t page_count = 0;
     do {
       const TiffPage page = file.page();
+      file.note_identity(stack.identity);
       if (page.is_reduced && !stack.planes.empty()) {
         ++stack.reduced_pages;
         continue;
@@ -297,6 +299,7 @@ SourceFacts describe(const TiffStack& stack) {
   const TiffPage& first = stack.planes.front().page;
   SourceFacts facts;
   facts.format = "TIFF";
+  facts.identity = stack.identity;
   facts.file_count = static_cast<std::int64_t>(stack.files.size());
   facts.description.type = first.type;
   facts.description.size = {first.width, first.height,

@@ -84,7 +84,7 @@ class Reader : public ByteReader {
 
 void put_options(Writer& out, const SourceOptions& options) {
   const auto& [raw, spacing_mm, series, on_gap, drop_duplicates, untilt, segment, channel,
-               time, max_memory_bytes] = options;
+               time, keep_identity, max_memory_bytes] = options;
   out.put_u8(raw ? 1 : 0);
   if (raw) {
     const auto& [size, type, big_endian, header_bytes] = *raw;
@@ -105,6 +105,7 @@ void put_options(Writer& out, const SourceOptions& options) {
   out.put_text(channel);
   out.put_u8(time ? 1 : 0);
   if (time) out.put_signed(*time);
+  out.put_u8(keep_identity ? 1 : 0);
   out.put_u64(max_memory_bytes);
 }
 
@@ -128,12 +129,13 @@ SourceOptions take_options(Reader& in) {
   options.segment = in.text();
   options.channel = in.text();
   if (in.flag()) options.time = in.signed_varint();
+  options.keep_identity = in.flag();
   options.max_memory_bytes = in.u64();
   return options;
 }
 
 void put_description(Writer& out, const VolumeDescription& description) {
-  const auto& [kind, type, size, geometry, rescale, metadata_json, coding] = description;
+  const auto& [kind, type, size, geometry, rescale, metadata_json, coding, padding] = description;
   const auto& [origin_mm, spacing_mm, direction] = geometry;
   out.put_u8(static_cast<std::uint8_t>(kind));
   out.put_u8(static_cast<std::uint8_t>(type));
@@ -150,6 +152,8 @@ void put_description(Writer& out, const VolumeDescription& description) {
     out.put_double(coding->scale);
     out.put_double(coding->offset);
   }
+  out.put_u8(padding ? 1 : 0);
+  if (padding) out.put_signed(*padding);
 }
 
 void prove(const VolumeDescription& description, const Reader& in) {
@@ -182,6 +186,7 @@ VolumeDescription take_description(Reader& in) {
     coding.scale = in.number();
     coding.offset = in.number();
   }
+  if (in.flag()) description.padding = in.signed_varint();
   prove(description, in);
   return description;
 }

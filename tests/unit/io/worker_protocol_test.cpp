@@ -20,6 +20,7 @@ ImportRequest sample_request() {
   request.options.segment = "liver";
   request.options.channel = "green";
   request.options.time = 3;
+  request.options.keep_identity = true;
   request.options.max_memory_bytes = std::uint64_t{1} << 63;
   request.threads = 7;
   request.memory_bytes = 123456789;
@@ -37,6 +38,7 @@ SourceReport sample_report() {
   report.description.rescale = {-2.0222414, 1e-9};
   report.description.metadata_json = R"({"a": 1})";
   report.description.coding = SampleCoding{VoxelType::int32, 0.5, -7};
+  report.description.padding = -2000;
   report.warnings = {"one", "", "three"};
   report.resident_bytes = 42;
   return report;
@@ -61,6 +63,7 @@ TEST(WorkerProtocol, ARequestComesBackAsItWas) {
   EXPECT_EQ(got.options.segment, sent.options.segment);
   EXPECT_EQ(got.options.channel, sent.options.channel);
   EXPECT_EQ(got.options.time, sent.options.time);
+  EXPECT_EQ(got.options.keep_identity, sent.options.keep_identity);
   EXPECT_EQ(got.options.max_memory_bytes, sent.options.max_memory_bytes);
   EXPECT_EQ(got.threads, sent.threads);
   EXPECT_EQ(got.memory_bytes, sent.memory_bytes);
@@ -77,6 +80,7 @@ TEST(WorkerProtocol, AReportComesBackAsItWas) {
   EXPECT_EQ(got.description.rescale, sent.description.rescale);
   EXPECT_EQ(got.description.metadata_json, sent.description.metadata_json);
   EXPECT_EQ(got.description.coding, sent.description.coding);
+  EXPECT_EQ(got.description.padding, sent.description.padding);
   EXPECT_EQ(got.warnings, sent.warnings);
   EXPECT_EQ(got.resident_bytes, sent.resident_bytes);
 }
