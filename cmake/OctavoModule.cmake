@@ -12,6 +12,15 @@ target_compile_options(octavo_flags INTERFACE
   # The model's floating-point training must give the same bytes on every machine.
   -ffp-contract=off)
 
+# Hardening of everything that is optimised and carries no sanitizer, which brings its own checks.
+include(CheckPIESupported)
+check_pie_supported()
+set(octavo_hardened $<AND:$<CONFIG:Release>,$<NOT:$<BOOL:${EMSCRIPTEN}>>>)
+target_compile_options(octavo_flags INTERFACE
+  "$<${octavo_hardened}:-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=2;-D_GLIBCXX_ASSERTIONS;-fstack-protector-strong>")
+target_link_options(octavo_flags INTERFACE
+  "$<${octavo_hardened}:LINKER:-z,relro,-z,now,-z,noexecstack>")
+
 include(GNUInstallDirs)
 
 # octavo_module(NAME SOURCES a.cpp ... [USES octavo_core ...] [LINKS TBB::tbb ...])
