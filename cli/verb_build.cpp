@@ -27,6 +27,9 @@ constexpr VerbText kText = {
     "fill interpolates the planes that an even grid lacks (left empty in a segmentation),\n"
     "--on-gap resample makes planes at the smallest regular step, and --untilt moves the slices\n"
     "of a tilted gantry upright. What was done is told, and kept in the metadata.\n\n"
+    "With --resume a build that was interrupted (a signal, a full disk, a power cut) continues\n"
+    "behind the last whole group of planes. The scan is read again and must be the same; so is\n"
+    "the finished file, byte for byte. Give --resume from the start where work may not be lost.\n\n"
     "Examples:\n"
     "  octavo build scans/head/ -o head.8vo\n"
     "  octavo build slices/*.tif --spacing 0.0195 -o bone.8vo\n"
@@ -41,6 +44,7 @@ struct Arguments {
   std::string output;
   bool labels = false;
   bool grey = false;
+  bool resume = false;
   std::string preset = "small";
   std::string max_error = "0";
   std::string nan;
@@ -105,6 +109,9 @@ int run_build(const Arguments& arguments, Context& context) {
   require_no_input(arguments.output, arguments.inputs);
   const auto source = open_planes(arguments.inputs, arguments.source, context);
   options.kind = choose_kind(arguments, source->description(), context);
+  options.interrupted = arguments.resume ? Interrupted::resume
+                        : context.force  ? Interrupted::discard
+                                         : Interrupted::refuse;
   try {
     return build_and_report(*source, options, arguments.output, context);
   } catch (const Error& error) {
@@ -143,6 +150,8 @@ void add_build(CLI::App& app, Context& context) {
   verb.add_option("--inf", arguments->infinity,
                   "float32: what takes the place of +infinity; of -infinity its negative")
       ->type_name("VALUE");
+  verb.add_flag("--resume", arguments->resume,
+                "Continue an interrupted build of FILE, and keep this one if it is interrupted");
   add_source_options(verb, arguments->source);
 }
 
