@@ -235,6 +235,34 @@ class Resume(InFolder):
         self.assertNotIn("continued", self.expect(0, *command, "--force").stderr)
         self.assertEqual(self.left(), [])
 
+    def test_repair_seals_the_whole_planes_and_says_which_are_missing(self):
+        self.interrupt([*self.build, "-o", "out.8vo"], signal.SIGKILL)
+        left = {name: (self.folder / name).read_bytes() for name in self.check_left()}
+        growing = min(left)
+        self.expect_refusal(4, [growing, "not sealed", "--resume", "repair"], "info", growing)
+        said = self.expect(0, "repair", "out.8vo", "-o", "rescued.8vo").stdout
+        result = json.loads(self.expect(0, "repair", growing, "-o", "rescued.8vo", "--force",
+                                        "--json").stdout)
+        first, last = result["missing_planes"]
+        self.assertEqual((result["planes"], last), (150, 149))
+        missing = f"planes {first} to 149 are missing"
+        self.assertIn(f"planes 0 to {first - 1} of 150 are whole; {missing}", said)
+        self.assertIn(missing, self.expect(0, "verify", "rescued.8vo").stdout)
+        self.assertIn(missing, self.expect(0, "info", "rescued.8vo").stdout)
+        self.expect(0, "export", "rescued.8vo", "-o", "rescued.raw")
+        voxels = (self.folder / "rescued.raw").read_bytes()
+        original = (self.folder / "v.raw").read_bytes()
+        whole = first * 2 * self.SIZE[0] * self.SIZE[1]
+        self.assertEqual(voxels[:whole], original[:whole])
+        low = min(array.array("h", original[:whole]))
+        self.assertEqual(set(array.array("h", voxels[whole:])), {low})
+        for name, content in left.items():
+            self.assertEqual((self.folder / name).read_bytes(), content)
+        self.expect_refusal(5, ["nothing.8vo: no such file, and no interrupted build"], "repair",
+                            "nothing.8vo", "-o", "x.8vo")
+        self.assertIn("continued behind",
+                      self.expect(0, *self.build, "-o", "out.8vo", "--resume").stderr)
+
     def test_a_full_disk_keeps_what_is_whole(self):
         out = self.folder / "out"
         out.mkdir()
@@ -307,6 +335,24 @@ class Salvage(InFolder):
         self.assertIn("bad.8vo: 3 damaged places", lines[3])
         quiet = self.expect(4, "verify", "bad.8vo", "-q", "--progress", "none")
         self.assertEqual(quiet.stderr, lines[3] + "\n")
+
+    def test_repair_turns_flipped_bits_back_and_refuses_the_rest(self):
+        good = (self.folder / "good.8vo").read_bytes()
+        places = self.damage(0.0001, 0.15, 0.45, 0.9999)
+        result = self.expect(0, "repair", "bad.8vo", "-o", "mended.8vo", "--json")
+        self.assertEqual([flip["byte"] for flip in json.loads(result.stdout)["flipped_bits"]],
+                         places)
+        self.assertEqual((self.folder / "mended.8vo").read_bytes(), good)
+        self.damage(0.2, 0.21)
+        self.expect_refusal(4, ["bad.8vo: brick o-code 0x", "more than one flipped bit",
+                                "--salvage"], "repair", "bad.8vo", "-o", "x.8vo")
+        (self.folder / "bad.8vo").write_bytes(good[:-9])
+        self.expect_refusal(4, ["cut short", "cannot mend"], "repair", "bad.8vo", "-o", "x.8vo")
+        self.expect_refusal(2, ["is sound"], "repair", "good.8vo", "-o", "x.8vo")
+        self.expect_refusal(2, ["is the file to repair"], "repair", "good.8vo", "-o", "good.8vo",
+                            "--force")
+        self.expect_refusal(3, ["not an 8vo file"], "repair", "v.raw", "-o", "x.8vo")
+        self.assertEqual([name for name in self.names() if name.startswith(("x", "."))], [])
 
     def test_damage_is_refused_unless_asked_otherwise(self):
         self.damage(0.2)

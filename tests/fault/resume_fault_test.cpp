@@ -12,47 +12,13 @@
 #include "octavo/codec/crc32c.h"
 #include "octavo/file/interrupted.h"
 #include "octavo/file/temporary.h"
+#include "support/recording_writer.h"
 #include "support/sample_file.h"
 
 namespace octavo {
 namespace {
 
 using namespace octavo::testing;
-
-// What a build gives to its writer, to be given again.
-class Recording final : public FileWriter {
- public:
-  void add_model(const Bytes& model) override {
-    calls_.push_back([model](FileWriter& writer) { writer.add_model(model); });
-  }
-  void add_brick(int tier, const EncodedBrick& brick) override {
-    calls_.push_back([tier, brick](FileWriter& writer) { writer.add_brick(tier, brick); });
-    if (tier == 0) bricks_.push_back(calls_.size());
-  }
-  void end_group(std::uint32_t) override {}
-  const std::vector<JournalGroup>& resumed() const override { return none_; }
-  Bytes first_model() const override { return {}; }
-  std::int64_t kept_layers() const override { return 0; }
-  void finish() override {}
-  std::uint64_t bytes_written() const override { return 0; }
-
-  // The calls behind the first `layers` layers of tier 0; each of those that come is a group.
-  void replay(FileWriter& writer, std::size_t layers, std::size_t layer_bricks) const {
-    std::size_t at = layers == 0 ? 0 : bricks_[layers * layer_bricks - 1];
-    for (std::size_t next = layers * layer_bricks; at < calls_.size(); ++at) {
-      calls_[at](writer);
-      if (next >= bricks_.size() || bricks_[next] != at + 1) continue;
-      if (++next % layer_bricks == 0) {
-        writer.end_group(static_cast<std::uint32_t>(next / layer_bricks));
-      }
-    }
-  }
-
- private:
-  std::vector<std::function<void(FileWriter&)>> calls_;
-  std::vector<std::size_t> bricks_;  ///< calls up to and with each brick of tier 0
-  std::vector<JournalGroup> none_;
-};
 
 struct Attempt {
   std::size_t resumed = 0;
@@ -90,7 +56,7 @@ class Resume : public ::testing::Test {
         EXPECT_EQ(writer->resumed()[i].voxels_crc, i + 1);
         EXPECT_EQ(writer->resumed()[i].parents.size(), 2u);
       }
-      recording_.replay(*writer, attempt.resumed, 2);
+      recording_.replay(*writer, 2, attempt.resumed);
       writer->finish();
     } catch (const Error& error) {
       attempt.failure = error.what();
@@ -136,7 +102,7 @@ class Resume : public ::testing::Test {
   }
 
   SampleVolume volume_ = make_sample({70, 20, 230}, VoxelType::int16, Pattern::noisy_half);
-  Recording recording_;
+  RecordingWriter recording_;
   std::vector<std::uint8_t> reference_;
 };
 
@@ -301,13 +267,13 @@ TEST_F(Resume, AFileWithALivingWriterIsNotTaken) {
   const auto neighbour = create();
   EXPECT_TRUE(neighbour->resumed().empty());
   EXPECT_EQ(local_storage().list(folder + "/").size(), 4u);
-  recording_.replay(*living, 0, 2);
+  recording_.replay(*living, 2, 0, kLayers);
   EXPECT_EQ(living->kept_layers(), 4);
   living.reset();
   EXPECT_EQ(local_storage().list(folder + "/").size(), 4u);
   const auto heir = create();
   EXPECT_EQ(heir->resumed().size(), kLayers);
-  recording_.replay(*heir, kLayers, 2);
+  recording_.replay(*heir, 2, kLayers);
   heir->finish();
   EXPECT_EQ(local_storage().list(folder + "/").size(), 3u);
   EXPECT_EQ(local_storage().open_read(path)->size(), reference_.size());
