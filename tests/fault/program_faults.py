@@ -205,7 +205,8 @@ class Resume(InFolder):
         code, said, refusal = self.interrupt(command, signal.SIGINT)
         self.assertEqual(code, 130)
         self.assertEqual(said.count("\n"), 1, said)
-        for word in ["octavo: ", "planes 0 to ", " of 150 are kept for out.8vo", "--resume"]:
+        for word in ["octavo: out.8vo: stopped while ", "planes 0 to ",
+                     " of 150 are kept for out.8vo", "--resume"]:
             self.assertIn(word, said)
         for word in ["out.8vo: an interrupted build", "--resume", "--force"]:
             self.assertIn(word, refusal)

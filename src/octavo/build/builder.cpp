@@ -267,10 +267,12 @@ Error out_of_memory(const std::string& path) {
 Error with_kept(const Error& error, std::int64_t planes, std::int64_t count,
                 const std::string& path) {
   if (planes == 0) return error;
+  // Whose source it was that failed, the caller knows.
+  const bool is_ours = error.path().empty() && error.kind() != ErrorKind::source_rejected;
   return {error.kind(),
           error.detail() + "; " + planes_text(0, planes, count) + " are kept for " +
               escaped(base_name_of(path)) + ": the same command with --resume goes on behind them",
-          error.path(), error.offset()};
+          is_ours ? path : error.path(), error.offset()};
 }
 
 BuildResult build(PlaneSource& source, Storage& storage, const std::string& path,
