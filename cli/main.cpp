@@ -27,6 +27,7 @@ void add_verbs(CLI::App& app, Context& context) {
   add_build(app, context);
   add_info(app, context);
   add_verify(app, context);
+  add_repair(app, context);
   add_export(app, context);
   add_extract(app, context);
   add_slice(app, context);

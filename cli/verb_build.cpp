@@ -38,6 +38,9 @@ constexpr VerbText kText = {
     "Names, dates, identifiers and free text of the source stay out of the file, as do names of\n"
     "files; info --metadata lists what was dropped. --keep-identity puts them into the metadata:\n"
     "of DICOM the attributes of the first slice that are text. Exports never hold them.\n\n"
+    "With --resume a build that was interrupted (a signal, a full disk, a power cut) continues\n"
+    "behind the last whole group of planes. The scan is read again and must be the same; so is\n"
+    "the finished file, byte for byte. Give --resume from the start where work may not be lost.\n\n"
     "Examples:\n"
     "  octavo build scans/head/ -o head.8vo\n"
     "  octavo build slices/*.tif --spacing 0.0195 -o bone.8vo\n"
@@ -54,6 +57,7 @@ struct Arguments {
   std::string output;
   bool labels = false;
   bool grey = false;
+  bool resume = false;
   std::string preset = "small";
   std::string max_error = "0";
   std::string nan;
@@ -119,6 +123,9 @@ int run_build(const Arguments& arguments, Context& context) {
   require_no_input(arguments.output, arguments.inputs);
   auto source = open_planes(arguments.inputs, arguments.source, context);
   options.kind = choose_kind(arguments, source->description(), context);
+  options.interrupted = arguments.resume ? Interrupted::resume
+                        : context.force  ? Interrupted::discard
+                                         : Interrupted::refuse;
   try {
     source = make_isotropic(arguments.inputs.front(), std::move(source), arguments.isotropic,
                             options.kind, context);
@@ -162,6 +169,8 @@ void add_build(CLI::App& app, Context& context) {
   verb.add_flag("--keep-identity", arguments->source.keep_identity,
                 "Keep names, dates and free text of the source in the metadata");
   add_isotropic_option(verb, arguments->isotropic);
+  verb.add_flag("--resume", arguments->resume,
+                "Continue an interrupted build of FILE, and keep this one if it is interrupted");
   add_source_options(verb, arguments->source);
 }
 

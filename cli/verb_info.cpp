@@ -78,6 +78,7 @@ std::string values_row(const FileReader& reader, const std::string& unit) {
 /// How the voxels of the file relate to those of its source, in a few words.
 std::string loss_words(const FileReader& reader, const nlohmann::ordered_json& metadata) {
   if (reader.max_error() > 0) return "with a max error";
+  if (!missing_words(metadata).empty()) return "lossless where it is whole";
   if (was_source_lossy(metadata)) return "as the source holds them";
   return was_resampled(metadata) ? "lossless from its prepared planes" : "lossless";
 }
@@ -160,6 +161,9 @@ std::string screen(const FileReader& reader, bool show_metadata) {
   }
   if (const std::string words = identity_words(metadata); !words.empty()) {
     text += row("identity", words);
+  }
+  if (const std::string words = missing_words(metadata); !words.empty()) {
+    text += row("missing", words + "; filled");
   }
   text += row("format", "8vo " + reader.format_version());
   text += level_table(reader);

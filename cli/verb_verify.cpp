@@ -9,6 +9,7 @@
 #include "common/inputs.h"
 #include "common/isotropic_option.h"
 #include "common/plane_compare.h"
+#include "common/preparation_words.h"
 #include "common/progress_line.h"
 #include "common/quantities.h"
 #include "common/verb.h"
@@ -129,12 +130,14 @@ std::string difference_text(const Arguments& arguments, const Comparison& c,
   return text;
 }
 
-int run_alone(const Arguments& arguments, const VerifyReport& report, const Context& context) {
+int run_alone(const Arguments& arguments, const VerifyReport& report,
+              const std::string& missing, const Context& context) {
   if (context.json) {
     print_json(result_json(arguments.input, report, nullptr));
   } else if (!context.quiet) {
-    print(fmt::format("{}: sound; {} bricks, {} read and decoded\n", arguments.input,
-                      count_text(report.brick_count), bytes_text(report.file_bytes)));
+    print(fmt::format("{}: sound; {} bricks, {} read and decoded{}\n", arguments.input,
+                      count_text(report.brick_count), bytes_text(report.file_bytes),
+                      missing.empty() ? "" : "; but " + missing));
   }
   return kExitDone;
 }
@@ -187,8 +190,10 @@ int run_verify(const Arguments& arguments, Context& context) {
     report = verify_file(bytes, options, progress);
   }
   if (!report.is_sound()) return report_damage(arguments, report, context);
-  if (arguments.against.empty()) return run_alone(arguments, report, context);
-  return run_against(arguments, report, open_octavo(arguments.input, context), context);
+  const auto reader = open_octavo(arguments.input, context);
+  if (!arguments.against.empty()) return run_against(arguments, report, reader, context);
+  const std::string missing = missing_words(metadata_of(reader->description()));
+  return run_alone(arguments, report, missing, context);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@ void add_build(CLI::App& app, Context& context);
 void add_phantom(CLI::App& app, Context& context);
 void add_info(CLI::App& app, Context& context);
 void add_verify(CLI::App& app, Context& context);
+void add_repair(CLI::App& app, Context& context);
 void add_export(CLI::App& app, Context& context);
 void add_extract(CLI::App& app, Context& context);
 void add_slice(CLI::App& app, Context& context);

@@ -46,6 +46,7 @@ nlohmann::ordered_json result_json(const BuildResult& result, VolumeKind kind,
           {"read_seconds", result.read_seconds},
           {"mb_per_s", mb_per_second(result)},
           {"threads", result.threads},
+          {"resumed_planes", result.resumed_planes},
           {"max_error", result.max_error},
           {"max_error_real", result.max_error * std::abs(volume.rescale.slope)},
           {"coding", coding_json(result.coding)},
@@ -71,6 +72,10 @@ int build_and_report(PlaneSource& source, BuildOptions options, const std::strin
   {
     ProgressLine progress(context);
     result = build_file(source, local_storage(), output, options, progress);
+  }
+  if (result.resumed_planes > 0) {
+    context.note(fmt::format("{}: continued behind plane {} of {}", output,
+                             result.resumed_planes - 1, volume.size.z));
   }
   if (options.max_error > 0 && result.max_error == 0) {
     context.note(fmt::format("--max-error {} is below one stored step ({}): built without loss",

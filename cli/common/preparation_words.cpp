@@ -80,6 +80,15 @@ std::string preparation_words(const nlohmann::ordered_json& metadata) {
   return text;
 }
 
+std::string missing_words(const nlohmann::ordered_json& metadata) {
+  const nlohmann::ordered_json& planes = member(member(metadata, "repaired"), "missing_planes");
+  const bool is_pair = planes.is_array() && planes.size() == 2 && planes[0].is_number_integer() &&
+                       planes[1].is_number_integer();
+  if (!is_pair) return "";
+  return fmt::format("planes {} to {} are missing: their build was interrupted",
+                     planes[0].get<std::int64_t>(), planes[1].get<std::int64_t>());
+}
+
 bool was_resampled(const nlohmann::ordered_json& metadata) {
   const nlohmann::ordered_json& prepared = member(metadata, "prepared");
   return member(prepared, "gaps").is_object() || member(prepared, "tilt").is_object() ||

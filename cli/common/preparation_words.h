@@ -14,6 +14,9 @@ std::string choice_words(const nlohmann::ordered_json& metadata);
 /// metadata names nothing. The metadata may come from any file.
 std::string preparation_words(const nlohmann::ordered_json& metadata);
 
+/// "planes 128 to 259 are missing: their build was interrupted"; empty for a whole file.
+std::string missing_words(const nlohmann::ordered_json& metadata);
+
 /// True when voxels were interpolated or moved, so that they are not those of the source.
 bool was_resampled(const nlohmann::ordered_json& metadata);
 

@@ -123,6 +123,167 @@ class Kills(InFolder):
             self.expect(0, "compare", "p.8vo", target)
 
 
+class Resume(InFolder):
+    # Three groups; noise in one column of bricks, so that a build takes seconds, not minutes.
+    SIZE = (512, 512, 150)
+
+    def setUp(self):
+        super().setUp()
+        x, y, z = self.SIZE
+        numbers = random.Random(7)
+        with open(self.folder / "v.raw", "wb") as raw:
+            for _ in range(z):
+                rows = (numbers.randbytes(128) + bytes(2 * x - 128) for _ in range(60))
+                raw.write(b"".join(rows) + bytes(2 * x * (y - 60)))
+        self.build = ["build", "v.raw", "--raw", f"{x},{y},{z},int16", "--spacing", "1"]
+        began = time.monotonic()
+        self.expect(0, *self.build, "-o", "reference.8vo")
+        self.seconds = time.monotonic() - began
+        self.own = self.names() + ["out.8vo"]
+
+    def left(self):
+        return [name for name in self.names() if name not in self.own]
+
+    def end(self, command, how, seconds):
+        """Ends `command` after `seconds`; returns its exit code and what it said."""
+        process = self.start(*command, "--progress", "none")
+        time.sleep(seconds)
+        process.send_signal(how)
+        _, said = process.communicate(timeout=60)
+        return process.returncode, said.decode()
+
+    def check_left(self):
+        """At most one growing file, with its journal."""
+        left = self.left()
+        for name in left:
+            self.assertTrue(name.startswith(".out.8vo.tmp-"), left)
+        self.assertLessEqual(sum(not name.endswith(".journal") for name in left), 1, left)
+        self.assertLessEqual(len(left), 2, left)
+        return left
+
+    def test_a_build_killed_again_and_again_ends_in_the_same_bytes(self):
+        numbers = random.Random(8)
+        command = [*self.build, "-o", "out.8vo", "--resume"]
+        ends = spared = 0
+        for moment in range(max(4, MOMENTS // 4)):
+            how = [signal.SIGKILL, signal.SIGINT, signal.SIGKILL, signal.SIGTERM][moment % 4]
+            code, said = self.end(command, how, numbers.uniform(0.2, 1.0) * self.seconds)
+            self.assertIn(code, (0, -how, 128 + how), said)
+            spared += "continued behind plane" in said
+            left = self.check_left()
+            if code == 0:
+                self.assertEqual(left, [])
+                self.assertEqual((self.folder / "out.8vo").read_bytes(),
+                                 (self.folder / "reference.8vo").read_bytes())
+                os.unlink(self.folder / "out.8vo")
+                ends += 1
+                continue
+            self.assertFalse((self.folder / "out.8vo").exists())
+            if code == 128 + how:
+                self.assertEqual("--resume" in said, len(left) == 2, said)
+        said = self.expect(0, *command).stderr
+        self.assertEqual(self.left(), [])
+        self.assertEqual((self.folder / "out.8vo").read_bytes(),
+                         (self.folder / "reference.8vo").read_bytes())
+        print(f"build --resume: ended {ends} times in between, {spared} continued builds ended")
+
+    def interrupt(self, command, how):
+        """Ends `command` at moments that come later until it leaves something to continue."""
+        for tenth in range(3, 30):
+            code, said = self.end(command, how, tenth / 10 * self.seconds)
+            if code == 0:
+                os.unlink(self.folder / "out.8vo")
+                continue
+            resumable = self.octavo(*self.build, "-o", "out.8vo", "--progress", "none")
+            if resumable.returncode == 5:
+                return code, said, resumable.stderr
+            os.unlink(self.folder / "out.8vo")
+        self.fail("no moment leaves a whole group")
+
+    def test_an_interrupted_build_is_told_and_kept_and_others_are_refused(self):
+        command = [*self.build, "-o", "out.8vo", "--resume"]
+        code, said, refusal = self.interrupt(command, signal.SIGINT)
+        self.assertEqual(code, 130)
+        self.assertEqual(said.count("\n"), 1, said)
+        for word in ["octavo: out.8vo: stopped while ", "planes 0 to ",
+                     " of 150 are kept for out.8vo", "--resume"]:
+            self.assertIn(word, said)
+        for word in ["out.8vo: an interrupted build", "--resume", "--force"]:
+            self.assertIn(word, refusal)
+        self.expect_refusal(2, ["another preset: small there, fast now"], *command,
+                            "--preset", "fast")
+        voxels = bytearray((self.folder / "v.raw").read_bytes())
+        voxels[1000] ^= 1
+        (self.folder / "v.raw").write_bytes(voxels)
+        self.expect_refusal(7, ["the first planes hold other voxels"], *command)
+        voxels[1000] ^= 1
+        (self.folder / "v.raw").write_bytes(voxels)
+        self.assertEqual(len(self.check_left()), 2)
+        result = self.expect(0, *command, "--json", "--progress", "none")
+        self.assertGreaterEqual(json.loads(result.stdout)["resumed_planes"], 64)
+        self.assertEqual((self.folder / "out.8vo").read_bytes(),
+                         (self.folder / "reference.8vo").read_bytes())
+
+    def test_a_killed_build_that_did_not_ask_can_be_continued_or_started_anew(self):
+        command = [*self.build, "-o", "out.8vo"]
+        self.interrupt(command, signal.SIGKILL)
+        self.assertEqual(len(self.check_left()), 2)
+        self.assertIn("continued behind", self.expect(0, *command, "--resume").stderr)
+        self.assertEqual((self.folder / "out.8vo").read_bytes(),
+                         (self.folder / "reference.8vo").read_bytes())
+        os.unlink(self.folder / "out.8vo")
+        self.interrupt(command, signal.SIGKILL)
+        self.assertNotIn("continued", self.expect(0, *command, "--force").stderr)
+        self.assertEqual(self.left(), [])
+
+    def test_repair_seals_the_whole_planes_and_says_which_are_missing(self):
+        self.interrupt([*self.build, "-o", "out.8vo"], signal.SIGKILL)
+        left = {name: (self.folder / name).read_bytes() for name in self.check_left()}
+        growing = min(left)
+        self.expect_refusal(4, [growing, "not sealed", "--resume", "repair"], "info", growing)
+        said = self.expect(0, "repair", "out.8vo", "-o", "rescued.8vo").stdout
+        result = json.loads(self.expect(0, "repair", growing, "-o", "rescued.8vo", "--force",
+                                        "--json").stdout)
+        first, last = result["missing_planes"]
+        self.assertEqual((result["planes"], last), (150, 149))
+        missing = f"planes {first} to 149 are missing"
+        self.assertIn(f"planes 0 to {first - 1} of 150 are whole; {missing}", said)
+        self.assertIn(missing, self.expect(0, "verify", "rescued.8vo").stdout)
+        self.assertIn(missing, self.expect(0, "info", "rescued.8vo").stdout)
+        self.expect(0, "export", "rescued.8vo", "-o", "rescued.raw")
+        voxels = (self.folder / "rescued.raw").read_bytes()
+        original = (self.folder / "v.raw").read_bytes()
+        whole = first * 2 * self.SIZE[0] * self.SIZE[1]
+        self.assertEqual(voxels[:whole], original[:whole])
+        low = min(array.array("h", original[:whole]))
+        self.assertEqual(set(array.array("h", voxels[whole:])), {low})
+        for name, content in left.items():
+            self.assertEqual((self.folder / name).read_bytes(), content)
+        self.expect_refusal(5, ["nothing.8vo: no such file, and no interrupted build"], "repair",
+                            "nothing.8vo", "-o", "x.8vo")
+        self.assertIn("continued behind",
+                      self.expect(0, *self.build, "-o", "out.8vo", "--resume").stderr)
+
+    def test_a_full_disk_keeps_what_is_whole(self):
+        out = self.folder / "out"
+        out.mkdir()
+        size = (self.folder / "reference.8vo").stat().st_size
+        kib = size * 3 // 4 // 1024
+        if not mounts(out, "-t", "tmpfs", "-o", f"size={kib}k", "none"):
+            self.skipTest("needs the right to mount a tmpfs")
+        try:
+            command = [*self.build, "-o", "out/x.8vo", "--resume"]
+            self.expect_refusal(5, ["no space left", "are kept for x.8vo", "--resume"], *command)
+            self.assertEqual(len(os.listdir(out)), 2)
+            subprocess.run(["mount", "-o", f"remount,size={8 * kib}k", out], check=True)
+            self.assertIn("continued behind", self.expect(0, *command).stderr)
+            self.assertEqual(os.listdir(out), ["x.8vo"])
+            self.assertEqual((out / "x.8vo").read_bytes(),
+                             (self.folder / "reference.8vo").read_bytes())
+        finally:
+            subprocess.run(["umount", out], check=True)
+
+
 class Salvage(InFolder):
     # Three bricks of the same size, which fill most of the file.
     SIZE = (192, 64, 20)
@@ -175,6 +336,24 @@ class Salvage(InFolder):
         self.assertIn("bad.8vo: 3 damaged places", lines[3])
         quiet = self.expect(4, "verify", "bad.8vo", "-q", "--progress", "none")
         self.assertEqual(quiet.stderr, lines[3] + "\n")
+
+    def test_repair_turns_flipped_bits_back_and_refuses_the_rest(self):
+        good = (self.folder / "good.8vo").read_bytes()
+        places = self.damage(0.0001, 0.15, 0.45, 0.9999)
+        result = self.expect(0, "repair", "bad.8vo", "-o", "mended.8vo", "--json")
+        self.assertEqual([flip["byte"] for flip in json.loads(result.stdout)["flipped_bits"]],
+                         places)
+        self.assertEqual((self.folder / "mended.8vo").read_bytes(), good)
+        self.damage(0.2, 0.21)
+        self.expect_refusal(4, ["bad.8vo: brick o-code 0x", "more than one flipped bit",
+                                "--salvage"], "repair", "bad.8vo", "-o", "x.8vo")
+        (self.folder / "bad.8vo").write_bytes(good[:-9])
+        self.expect_refusal(4, ["cut short", "cannot mend"], "repair", "bad.8vo", "-o", "x.8vo")
+        self.expect_refusal(2, ["is sound"], "repair", "good.8vo", "-o", "x.8vo")
+        self.expect_refusal(2, ["is the file to repair"], "repair", "good.8vo", "-o", "good.8vo",
+                            "--force")
+        self.expect_refusal(3, ["not an 8vo file"], "repair", "v.raw", "-o", "x.8vo")
+        self.assertEqual([name for name in self.names() if name.startswith(("x", "."))], [])
 
     def test_damage_is_refused_unless_asked_otherwise(self):
         self.damage(0.2)

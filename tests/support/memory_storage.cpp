@@ -27,10 +27,15 @@ class MemoryFile final : public StorageFile {
     try {
       storage_.call("write", path_);
     } catch (const Error&) {
-      store(offset, bytes.first(bytes.size() / 2));
+      if (storage_.calls.size() == storage_.fail_at) store(offset, bytes.first(bytes.size() / 2));
       throw;
     }
     store(offset, bytes);
+  }
+
+  void truncate(std::uint64_t size) override {
+    storage_.call("truncate", path_);
+    if (size < bytes_->size()) bytes_->resize(size);
   }
 
   void sync() override { storage_.call("sync", path_); }
@@ -49,9 +54,18 @@ class MemoryFile final : public StorageFile {
 
 }  // namespace
 
+std::map<std::string, FileBytes> copied(const std::map<std::string, FileBytes>& files) {
+  std::map<std::string, FileBytes> copy;
+  for (const auto& [name, bytes] : files) {
+    copy[name] = std::make_shared<std::vector<std::uint8_t>>(*bytes);
+  }
+  return copy;
+}
+
 void MemoryStorage::call(const std::string& what, const std::string& path) {
   calls.push_back(what);
-  if (calls.size() != fail_at) return;
+  const bool is_dead = is_dying && fail_at > 0 && calls.size() > fail_at;
+  if (calls.size() != fail_at && !is_dead) return;
   has_failed = true;
   throw Error(ErrorKind::io, "cannot " + what + ": Input/output error", path);
 }
@@ -70,6 +84,13 @@ std::unique_ptr<StorageFile> MemoryStorage::create_exclusive(const std::string& 
   return std::make_unique<MemoryFile>(*this, files[path], path);
 }
 
+std::unique_ptr<StorageFile> MemoryStorage::open_update(const std::string& path) {
+  call("open_update", path);
+  const auto found = files.find(path);
+  if (found == files.end()) throw Error(ErrorKind::io, "cannot open: no such file", path);
+  return std::make_unique<MemoryFile>(*this, found->second, path);
+}
+
 std::unique_ptr<StorageFile> MemoryStorage::create_scratch(const std::string& folder) {
   call("create_scratch", folder);
   return std::make_unique<MemoryFile>(*this, std::make_shared<std::vector<std::uint8_t>>(),
@@ -84,7 +105,23 @@ void MemoryStorage::rename(const std::string& from, const std::string& to) {
   files.erase(from);
 }
 
-void MemoryStorage::remove(const std::string& path) { files.erase(path); }
+void MemoryStorage::remove(const std::string& path) {
+  if (is_dying && has_failed) call("remove", path);
+  files.erase(path);
+}
+
+void MemoryStorage::remove_stale(const std::string& prefix) noexcept {
+  if (is_dying && has_failed) return;
+  for (const std::string& path : list(prefix)) files.erase(path);
+}
+
+std::vector<std::string> MemoryStorage::list(const std::string& prefix) {
+  std::vector<std::string> paths;
+  for (const auto& [path, bytes] : files) {
+    if (path.starts_with(prefix)) paths.push_back(path);
+  }
+  return paths;
+}
 
 void MemoryStorage::sync_folder(const std::string& folder) { call("sync_folder", folder); }
 

@@ -150,13 +150,18 @@ void write_sample(Storage& storage, const std::string& path, SampleVolume& volum
   options.max_error = volume.max_error;
   const auto writer = FileWriter::create(storage, path, volume.description, volume.levels,
                                          crc32c(volume.samples[0]), options);
+  encode_sample(*writer, volume);
+  writer->finish();
+}
+
+void encode_sample(FileWriter& writer, SampleVolume& volume) {
   std::unique_ptr<BrickCodec> first_codec;
   std::unique_ptr<BrickCodec> codec;
   for (int tier = 0; tier < volume.levels.tier_count(); ++tier) {
     TierWork work{volume, tier};
     if (tier == 1 && volume.codec_error > 0) {
       first_codec = train_model(volume.description.kind, volume.description.coded_type(), {});
-      writer->add_model(first_codec->serialized());
+      writer.add_model(first_codec->serialized());
     }
     const Size3 grid = volume.levels.brick_grid(tier);
     std::vector<std::pair<Index3, std::int64_t>> parents;
@@ -164,14 +169,14 @@ void write_sample(Storage& storage, const std::string& path, SampleVolume& volum
       if (tier == 0 && layer % volume.model_layers == 0) {
         if (layer > 0 && !first_codec) first_codec = std::move(codec);
         codec = train_on_layer(work, layer);
-        writer->add_model(codec->serialized());
+        writer.add_model(codec->serialized());
       }
       const BrickCodec& used = tier > 0 && first_codec ? *first_codec : *codec;
       for (Index3 brick : layer_order(grid)) {
         brick.z = layer;
         const EncodedBrick encoded =
             used.encode(brick_shape(volume.levels, tier, brick), work.view(brick));
-        writer->add_brick(tier, with_error_steps(volume, tier, encoded));
+        writer.add_brick(tier, with_error_steps(volume, tier, encoded));
         work.keep_levels(used, brick, encoded);
         parents.emplace_back(brick, encoded.parent);
       }
@@ -183,7 +188,6 @@ void write_sample(Storage& storage, const std::string& path, SampleVolume& volum
                      value);
     }
   }
-  writer->finish();
 }
 
 SampleVolume make_lossy_float_sample() {

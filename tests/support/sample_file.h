@@ -35,6 +35,9 @@ SampleVolume make_sample(const Size3& size, VoxelType type, Pattern pattern,
 void write_sample(Storage& storage, const std::string& path, SampleVolume& volume,
                   bool overwrite = false);
 
+/// Encodes all bricks of `volume` and gives them to `writer`, which is not finished.
+void encode_sample(FileWriter& writer, SampleVolume& volume);
+
 /// A float32 file of small codes with a max error of 3 codes, of two slabs.
 SampleVolume make_lossy_float_sample();
 

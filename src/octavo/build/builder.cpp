@@ -4,17 +4,21 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <new>
 #include <optional>
 #include <span>
 #include <thread>
 
+#include "octavo/build/coarse_tiers.h"
 #include "octavo/build/group_reader.h"
+#include "octavo/build/metadata_member.h"
 #include "octavo/build/tier_encoder.h"
 #include "octavo/build/training.h"
 #include "octavo/codec/crc32c.h"
 #include "octavo/core/checked.h"
 #include "octavo/core/error.h"
+#include "octavo/file/interrupted.h"
 #include "octavo/file/writer.h"
 
 namespace octavo {
@@ -78,11 +82,7 @@ std::string recorded(const VolumeDescription& description, const BuildOptions& o
   if (options.max_error > 0) add("max_error", number_text(options.max_error));
   if (is_float && options.repair.nan) add("nan", number_text(*options.repair.nan));
   if (is_float && options.repair.infinity) add("inf", number_text(*options.repair.infinity));
-  const std::size_t end = metadata.rfind('}');
-  if (record.empty() || end == std::string::npos) return metadata;
-  const std::size_t last = metadata.find_last_not_of(" \t\r\n", end - 1);
-  const bool is_empty = last == std::string::npos || metadata[last] == '{';
-  return metadata.substr(0, end) + (is_empty ? "" : ",") + "\"coding\":{" + record + "}}";
+  return record.empty() ? metadata : with_member(metadata, "coding", "{" + record + "}");
 }
 
 void check_memory(std::uint64_t needed_bytes, std::uint64_t limit_bytes) {
@@ -107,66 +107,86 @@ class ProgressScope {
   Progress& progress_;
 };
 
-std::uint32_t content_hash_of(const VoxelBlock& block) {
-  const auto bytes =
-      static_cast<std::size_t>(block.size.voxel_count() * bytes_per_voxel(block.type));
-  return crc32c({reinterpret_cast<const std::uint8_t*>(block.voxels), bytes});
+// How the bricks are made, as far as the header does not say it.
+std::string settings_text(const BuildOptions& options) {
+  std::string text = "program: " OCTAVO_VERSION "\n";
+  text += std::string("preset: ") + (options.preset == Preset::fast ? "fast" : "small") + "\n";
+  text += "--max-error: " + number_text(options.max_error) + "\n";
+  const auto repair = [](const std::optional<float>& value) {
+    return value ? number_text(*value) : std::string("not given");
+  };
+  text += "--nan: " + repair(options.repair.nan) + "\n";
+  return text + "--inf: " + repair(options.repair.infinity) + "\n";
+}
+
+std::string crc_text(std::uint32_t crc) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%08x", crc);
+  return text;
+}
+
+// Refuses to lose what an interrupted build has encoded.
+void check_interrupted(Storage& storage, const std::string& path, const Levels& levels) {
+  std::int64_t layers = 0;
+  for (const InterruptedBuild& build : find_interrupted(storage, path)) {
+    const auto groups = read_journal_groups(*build.journal);
+    if (!groups.empty()) layers = std::max(layers, groups.back().group.end_layer);
+  }
+  if (layers == 0) return;
+  const std::int64_t count = levels.size(0).z;
+  throw Error(ErrorKind::io,
+              "an interrupted build of it is here (" +
+                  planes_text(0, std::min(planes_in(levels, layers), count), count) +
+                  "); continue it with --resume, or start anew with --force",
+              path);
 }
 
 // One build: the groups of tier 0, then the tiers made of parents.
 class Build {
  public:
-  /// max_error  that the header promises, voxel units
   Build(const VolumeDescription& description, const Levels& levels, int threads, Progress& progress,
-        Preset preset, const ErrorBound& bound, double max_error)
+        Preset preset, const ErrorBound& bound)
       : description_(description),
         levels_(levels),
         workers_(threads),
         progress_(progress),
         settings_{preset, bound.codes},
-        bound_(bound),
-        max_error_(max_error) {}
+        bound_(bound) {}
 
   /// Encodes all groups; the writer is created once the first one is known. While a group is being
   /// encoded the next one is read and trained on. Returns the parents.
   std::vector<std::byte> encode_groups(GroupReader& reader, Storage& storage,
-                                       const std::string& path, bool overwrite) {
+                                       const std::string& path, const WriterOptions& options) {
     std::optional<TierEncoder> encoder;
-    while (!reader.is_done()) {
+    for (std::size_t number = 0; !reader.is_done(); ++number) {
       const VoxelBlock group = reader.next();
       if (!writer_) {
         writer_ = FileWriter::create(storage, path, description_, levels_, content_hash_of(group),
-                                     {.overwrite = overwrite, .max_error = max_error_});
+                                     options);
         encoder.emplace(levels_, 0, group.type, workers_, *writer_, progress_, bound_);
       }
       encoder->check();
-      const Model model = workers_.run([&] {
-        return make_model(train_on(levels_, 0, group, description_.kind, settings_), group.type);
-      });
-      settings_.axis_order = model.encoder->axis_order();
-      if (!first_model_) first_model_ = model;
-      encoder->start(model, group, true, [&reader] { reader.release(); });
+      const bool is_encoded = number < writer_->resumed().size();
+      if (is_encoded) check_group(group, writer_->resumed()[number]);
+      if (!is_encoded || number == 0) train(group);
+      if (is_encoded) {
+        if (number == 0) check_model();
+        encoder->restore_parents(writer_->resumed()[number].parents);
+        resumed_planes_ += group.size.z;
+        progress_.advance(group.size.z);
+        reader.release();
+      } else {
+        encoder->start(model_, group, true, [&reader] { reader.release(); });
+      }
     }
     encoder->finish();
     return encoder->take_parents();
   }
 
-  /// Encodes the tiers above tier 0 exactly, all with the first group's model or, where that one
-  /// changes voxels, with an untrained one: they are too small to learn from.
+  /// Encodes the tiers above tier 0.
   void encode_tiers(std::vector<std::byte> samples) {
-    const VoxelType type = description_.coded_type();
-    if (bound_.codes > 0 && levels_.tier_count() > 1) {
-      CodecSettings exact = settings_;
-      exact.max_error = 0;
-      first_model_ = make_model(train_model(description_.kind, type, {}, exact), type);
-      writer_->add_model(first_model_->serialized);
-    }
-    for (int tier = 1; tier < levels_.tier_count(); ++tier) {
-      const Size3& size = levels_.size(Levels::first_level(tier));
-      TierEncoder encoder(levels_, tier, type, workers_, *writer_, progress_);
-      encoder.encode(*first_model_, {samples.data(), type, size, 0});
-      samples = encoder.take_parents();
-    }
+    encode_coarse_tiers({description_, levels_, workers_, *writer_, progress_}, *first_model_,
+                        settings_, std::move(samples));
   }
 
   std::uint64_t finish() {
@@ -174,17 +194,86 @@ class Build {
     return writer_->bytes_written();
   }
 
+  std::int64_t resumed_planes() const { return resumed_planes_; }
+
+  /// The planes that the same build can continue behind when this one ends now.
+  std::int64_t kept_planes() const {
+    return writer_ && !is_other_ ? planes_in(levels_, writer_->kept_layers()) : 0;
+  }
+
  private:
+  // As the header says of all voxels, before the first brick.
+  std::uint32_t content_hash_of(const VoxelBlock& block) const {
+    if (block.floats == nullptr) return block.crc;
+    const auto bytes =
+        static_cast<std::size_t>(block.size.voxel_count() * bytes_per_voxel(block.type));
+    return crc32c({reinterpret_cast<const std::uint8_t*>(block.voxels), bytes});
+  }
+
+  void train(const VoxelBlock& group) {
+    model_ = workers_.run([&] {
+      return make_model(train_on(levels_, 0, group, description_.kind, settings_), group.type);
+    });
+    settings_.axis_order = model_.encoder->axis_order();
+    if (!first_model_) first_model_ = model_;
+  }
+
+  // Proves that a group which an interrupted build encoded has the voxels it had then.
+  void check_group(const VoxelBlock& group, const JournalGroup& stored) {
+    is_other_ = true;
+    const std::int64_t end = group.first_plane + group.size.z;
+    if (planes_in(levels_, stored.end_layer) != end) {
+      throw Error(ErrorKind::invalid_argument,
+                  "the interrupted build was made by another version of the program; to start "
+                  "anew leave --resume and use --force");
+    }
+    is_other_ = stored.voxels_crc != group.crc;
+    if (!is_other_) return;
+    throw Error(ErrorKind::source_rejected,
+                planes_text(group.first_plane, end, description_.size.z) +
+                    " are not those of the interrupted build (checksum " +
+                    crc_text(stored.voxels_crc) + " there, " + crc_text(group.crc) +
+                    " now); to start anew leave --resume and use --force");
+  }
+
+  // Proves that the same voxels still give the same model.
+  void check_model() {
+    is_other_ = writer_->first_model() != model_.serialized;
+    if (!is_other_) return;
+    throw Error(ErrorKind::invalid_argument,
+                "the interrupted build was made by another version of the program; to start anew "
+                "leave --resume and use --force");
+  }
+
   const VolumeDescription& description_;
   const Levels& levels_;
   Workers workers_;
   Progress& progress_;
   CodecSettings settings_;
   ErrorBound bound_;
-  double max_error_;
   std::unique_ptr<FileWriter> writer_;
+  Model model_;  ///< of the group that was trained on last
   std::optional<Model> first_model_;
+  std::int64_t resumed_planes_ = 0;
+  bool is_other_ = false;  ///< than the interrupted build that it was to continue
 };
+
+Error out_of_memory(const std::string& path) {
+  return {ErrorKind::out_of_memory,
+          "out of memory while building; use fewer threads (about 24 MiB each)", path};
+}
+
+// The failure, and how to go on where something is kept.
+Error with_kept(const Error& error, std::int64_t planes, std::int64_t count,
+                const std::string& path) {
+  if (planes == 0) return error;
+  // Whose source it was that failed, the caller knows.
+  const bool is_ours = error.path().empty() && error.kind() != ErrorKind::source_rejected;
+  return {error.kind(),
+          error.detail() + "; " + planes_text(0, planes, count) + " are kept for " +
+              escaped(base_name_of(path)) + ": the same command with --resume goes on behind them",
+          is_ours ? path : error.path(), error.offset()};
+}
 
 BuildResult build(PlaneSource& source, Storage& storage, const std::string& path,
                   const BuildOptions& options, Progress& progress) {
@@ -205,6 +294,7 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
                options.max_memory_bytes);
 
   check_target(storage, path, options.overwrite);
+  if (options.interrupted == Interrupted::refuse) check_interrupted(storage, path, levels);
 
   const ProgressScope scope(progress, 2 * description.size.z);
   ErrorBound bound;
@@ -222,17 +312,30 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
              floats->roomier_error() * std::abs(description.rescale.slope)};
   }
 
-  Build work(description, levels, result.threads, progress, options.preset, bound,
-             result.max_error);
-  std::vector<std::byte> parents;
-  {
-    GroupReader reader(floats ? static_cast<PlaneSource&>(*floats) : source, levels, progress,
-                       floats && result.max_error > 0 ? &*floats : nullptr);
-    parents = work.encode_groups(reader, storage, path, options.overwrite);
-    result.read_seconds = reader.read_seconds();
+  Build work(description, levels, result.threads, progress, options.preset, bound);
+  WriterOptions writing;
+  writing.overwrite = options.overwrite;
+  writing.max_error = result.max_error;
+  writing.is_resuming = options.interrupted == Interrupted::resume;
+  const bool is_one_group = group_planes(levels, description.coded_type()) == description.size.z;
+  writing.has_journal = writing.is_resuming || !is_one_group;
+  writing.settings = settings_text(options);
+  try {
+    std::vector<std::byte> parents;
+    {
+      GroupReader reader(floats ? static_cast<PlaneSource&>(*floats) : source, levels, progress,
+                         floats && result.max_error > 0 ? &*floats : nullptr);
+      parents = work.encode_groups(reader, storage, path, writing);
+      result.read_seconds = reader.read_seconds();
+    }
+    work.encode_tiers(std::move(parents));
+    result.file_bytes = work.finish();
+  } catch (const std::bad_alloc&) {
+    throw with_kept(out_of_memory(path), work.kept_planes(), description.size.z, path);
+  } catch (const Error& error) {
+    throw with_kept(error, work.kept_planes(), description.size.z, path);
   }
-  work.encode_tiers(std::move(parents));
-  result.file_bytes = work.finish();
+  result.resumed_planes = work.resumed_planes();
   result.total_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
@@ -245,8 +348,7 @@ BuildResult build_file(PlaneSource& source, Storage& storage, const std::string&
   try {
     return build(source, storage, path, options, progress);
   } catch (const std::bad_alloc&) {
-    throw Error(ErrorKind::out_of_memory,
-                "out of memory while building; use fewer threads (about 24 MiB each)", path);
+    throw out_of_memory(path);
   } catch (const Error& error) {
     if (error.kind() == ErrorKind::internal) throw error.with_path(path);
     throw;

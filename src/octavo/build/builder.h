@@ -19,6 +19,13 @@
 
 namespace octavo {
 
+/// What becomes of an interrupted build of the same file.
+enum class Interrupted {
+  discard,  ///< it is removed
+  refuse,   ///< Error{io} when some of it is whole, before anything is read
+  resume    ///< it is continued; and this build, when it fails, is kept to be continued
+};
+
 struct BuildOptions {
   VolumeKind kind = VolumeKind::grey;
   Preset preset = Preset::small;
@@ -27,6 +34,7 @@ struct BuildOptions {
   double max_error = 0;
   FloatRepair repair = {};  ///< of NaN and infinities in float32 volumes
   bool overwrite = false;
+  Interrupted interrupted = Interrupted::discard;
   int threads = 0;  ///< 0: all cores
   /// 0: no limit; otherwise Error{limit_exceeded} before work starts when the need is above it.
   std::uint64_t max_memory_bytes = 0;
@@ -39,14 +47,20 @@ struct BuildResult {
   double total_seconds = 0;
   int threads = 0;
   double max_error = 0;      ///< the bound that the file promises, voxel units
+  std::int64_t resumed_planes = 0;  ///< that an interrupted build had encoded
   std::optional<SampleCoding> coding;  ///< of a float32 volume
 };
 
 /// Builds `path` from `source`.
+/// A build of more than one group keeps a journal beside the growing file: should the program be
+/// killed, a build with Interrupted::resume continues it. The source is read again from its start,
+/// and every group that was encoded before must have the voxels it had then. The bytes of the file
+/// are those of a build without a break.
 /// Throws what the source and the storage throw, Error{cancelled}, Error{internal} when a brick
 /// does not decode to its voxels, Error{source_rejected} where float32 voxels do not allow what was
-/// asked for, Error{invalid_argument} for labels with a max error or of type float32; in every case
-/// nothing but a complete file stands under `path`.
+/// asked for, Error{invalid_argument} for labels with a max error or of type float32, or where an
+/// interrupted build is of something else (Error{source_rejected} when its voxels are others); in
+/// every case nothing but a complete file stands under `path`.
 /// Memory  2 groups (float32: 3, with a max error 5) + 24 MiB per thread + 192 MiB (training,
 ///         buffers) + what the source holds
 /// Source  thesis 2.4 (Fig. 2.3), 2.6

@@ -4,9 +4,18 @@
 #include <chrono>
 #include <span>
 
+#include "octavo/codec/crc32c.h"
 #include "octavo/core/error.h"
 
 namespace octavo {
+
+namespace {
+
+ByteSpan bytes_of(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()};
+}
+
+}  // namespace
 
 std::int64_t group_planes(const Levels& levels, VoxelType type) {
   const Size3& size = levels.size(0);
@@ -45,6 +54,7 @@ VoxelBlock GroupReader::next() {
   if (floats_ != nullptr) block.floats = buffer.floats.data();
   next_plane_ = std::min(next_plane_ + planes_per_group_, size_.z);
   block.size.z = next_plane_ - block.first_plane;
+  block.crc = buffer.crc;
   return block;
 }
 
@@ -81,13 +91,18 @@ void GroupReader::fill(Buffer& buffer, std::int64_t planes) {
   const auto plane_bytes = static_cast<std::size_t>(size_.x * size_.y * bytes_per_voxel(type_));
   buffer.voxels.resize(static_cast<std::size_t>(planes) * plane_bytes);
   buffer.floats.clear();
+  buffer.crc = 0;
   const auto start = std::chrono::steady_clock::now();
   for (std::size_t at = 0; at < buffer.voxels.size() && !is_stopped_; at += plane_bytes) {
     if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped while reading planes");
-    source_.read_plane(std::span(buffer.voxels).subspan(at, plane_bytes));
+    const auto voxels = std::span(buffer.voxels).subspan(at, plane_bytes);
+    source_.read_plane(voxels);
     if (floats_ != nullptr) {
       const auto plane = floats_->voxels();
       buffer.floats.insert(buffer.floats.end(), plane.begin(), plane.end());
+      buffer.crc = crc32c(bytes_of(std::as_bytes(plane)), buffer.crc);
+    } else {
+      buffer.crc = crc32c(bytes_of(voxels), buffer.crc);
     }
     progress_.advance(1);
   }

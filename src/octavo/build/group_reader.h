@@ -58,6 +58,7 @@ class GroupReader {
   struct Buffer {
     std::vector<std::byte> voxels;
     std::vector<float> floats;
+    std::uint32_t crc = 0;
   };
 
   void read_groups();

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "octavo/core/error.h"
+#include "octavo/file/layer_order.h"
 
 namespace octavo {
 
@@ -147,6 +148,16 @@ TierEncoder::~TierEncoder() {
   changed_.wait(lock, [&] { return running_ == 0; });
 }
 
+void TierEncoder::restore_parents(std::span<const std::int64_t> parents) {
+  const std::vector<Index3> layer = layer_order(levels_.brick_grid(tier_));
+  for (const std::int64_t parent : parents) {
+    Index3 brick = layer[restored_ % layer.size()];
+    brick.z = static_cast<std::int64_t>(restored_ / layer.size());
+    store_parent(brick, parent);
+    ++restored_;
+  }
+}
+
 void TierEncoder::start(const Model& model, const VoxelBlock& block, bool brings_model,
                         std::function<void()> when_done) {
   Work work{model, block, brings_model, std::move(when_done), bricks_of(levels_, tier_, block)};
@@ -279,6 +290,7 @@ void TierEncoder::keep(Work& work, Slot slot) {
   if (work.brings_model && work.kept == 0) writer_.add_model(work.model.serialized);
   writer_.add_brick(tier_, slot.encoded);
   store_parent(work.bricks[work.kept], slot.encoded.parent);
+  if (work.brings_model && work.kept + 1 == work.bricks.size()) writer_.end_group(work.block.crc);
   count_progress(work);
 }
 

@@ -14,6 +14,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -54,8 +55,12 @@ class TierEncoder {
   TierEncoder(const TierEncoder&) = delete;
   TierEncoder& operator=(const TierEncoder&) = delete;
 
+  /// Takes the samples of bricks that need no encoding, the first ones of the tier in file order.
+  void restore_parents(std::span<const std::int64_t> parents);
+
   /// Starts to encode the next block of the tier, behind those started before.
-  /// brings_model  gives the model to the writer before the block's first brick
+  /// brings_model  gives the model to the writer before the block's first brick, and ends a group
+  ///               behind its last
   /// when_done     called once, from any thread, when the block is not looked at any more
   void start(const Model& model, const VoxelBlock& block, bool brings_model,
              std::function<void()> when_done);
@@ -112,6 +117,7 @@ class TierEncoder {
   Progress& progress_;
   ErrorBound bound_;
   std::vector<std::byte> parents_;
+  std::size_t restored_ = 0;  // bricks that need no encoding
 
   std::mutex mutex_;  // guards what follows
   std::condition_variable changed_;

@@ -19,6 +19,7 @@ struct VoxelBlock {
   std::int64_t first_plane = 0;
   /// The float voxels that the integers stand for, [z][y][x], where these do not say all of them.
   const float* floats = nullptr;
+  std::uint32_t crc = 0;  ///< CRC-32C of the floats if there are any, else of the voxels
 };
 
 /// The voxels of `box` (in the tier's samples), which lies in the block.

@@ -15,6 +15,10 @@ class AppendFile {
  public:
   explicit AppendFile(std::unique_ptr<StorageFile> file) : file_(std::move(file)) {}
 
+  /// Continues a file of `size` bytes whose CRC behind the header is `digest`.
+  AppendFile(std::unique_ptr<StorageFile> file, std::uint64_t size, std::uint32_t digest)
+      : file_(std::move(file)), written_(size), digest_(digest) {}
+
   /// Bytes of the file once everything appended is written, the header's room included.
   std::uint64_t size() const { return written_ + buffer_.size(); }
 

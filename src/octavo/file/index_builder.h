@@ -29,6 +29,9 @@ class IndexBuilder {
   void add_brick(int tier, const ValueRange& range, std::uint64_t error_steps,
                  const std::vector<SegmentRef>& segments);
 
+  /// Takes over a page of tier 0 whose bytes stand in the spool.
+  void restore_page(const PageRef& page) { root_.tiers.front().pages.push_back(page); }
+
   const IndexRoot& root() const { return root_; }
 
  private:

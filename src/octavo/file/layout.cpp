@@ -144,8 +144,14 @@ void check_envelope(ByteSpan bytes) {
   if (!checksum_matches(found, stored)) {
     fail_checksum("header", found, stored, {0, kHeaderCrcAt, kHeaderCrcAt});
   }
+}
+
+void check_seal(ByteSpan bytes) {
   if (bytes[kSealedAt] == 0) {
-    fail(ErrorKind::corrupt, "not sealed: its build was interrupted; build it again", kSealedAt);
+    fail(ErrorKind::corrupt,
+         "not sealed: its build was interrupted; build --resume continues it, repair seals what is "
+         "whole",
+         kSealedAt);
   }
   if (bytes[kSealedAt] != 1) fail(ErrorKind::corrupt, "header: bad seal", kSealedAt);
 }
@@ -259,6 +265,22 @@ void parse_halvings(ByteSpan bytes, FileHeader& header) {
   const Levels proof(header.description.size, header.halvings);
 }
 
+// What is known of a file before it is sealed.
+FileHeader parse_description(ByteSpan bytes) {
+  FileHeader header;
+  header.major = load_little_endian<std::uint16_t>(bytes.data() + kMajorAt);
+  header.minor = load_little_endian<std::uint16_t>(bytes.data() + kMinorAt);
+  parse_extensions(bytes, header);
+  parse_volume(bytes, header);
+  if (header.description.coding.has_value() == is_integer(header.description.type)) {
+    fail(ErrorKind::corrupt, "header: float32 and its coding do not go together", kTypeAt);
+  }
+  parse_halvings(bytes, header);
+  header.file_id = load_little_endian<std::uint64_t>(bytes.data() + kFileIdAt);
+  header.crc = load_little_endian<std::uint32_t>(bytes.data() + kHeaderCrcAt);
+  return header;
+}
+
 // Pages, thumbnail, metadata, root and trailer stand one after the other up to the end of the file.
 void check_tiling(const FileHeader& header, std::uint64_t source_bytes) {
   if (header.file_bytes != source_bytes) {
@@ -334,25 +356,21 @@ std::uint32_t load_header_crc(const HeaderBlock& block) {
 
 FileHeader parse_header(ByteSpan bytes, std::uint64_t source_bytes) {
   check_envelope(bytes);
-  FileHeader header;
-  header.major = load_little_endian<std::uint16_t>(bytes.data() + kMajorAt);
-  header.minor = load_little_endian<std::uint16_t>(bytes.data() + kMinorAt);
+  check_seal(bytes);
+  FileHeader header = parse_description(bytes);
   header.is_sealed = true;
-  parse_extensions(bytes, header);
-  parse_volume(bytes, header);
-  if (header.description.coding.has_value() == is_integer(header.description.type)) {
-    fail(ErrorKind::corrupt, "header: float32 and its coding do not go together", kTypeAt);
-  }
-  parse_halvings(bytes, header);
-  header.file_id = load_little_endian<std::uint64_t>(bytes.data() + kFileIdAt);
   header.file_bytes = load_little_endian<std::uint64_t>(bytes.data() + kFileBytesAt);
   header.metadata = get_section(bytes, kMetadataAt);
   header.pages = get_section(bytes, kPagesAt);
   header.root = get_section(bytes, kRootAt);
   header.thumbnail = get_section(bytes, kThumbnailAt);
-  header.crc = load_little_endian<std::uint32_t>(bytes.data() + kHeaderCrcAt);
   check_tiling(header, source_bytes);
   return header;
+}
+
+FileHeader parse_unsealed_header(const HeaderBlock& block) {
+  check_envelope(block);
+  return parse_description(block);
 }
 
 double error_step(const FileHeader& header) {

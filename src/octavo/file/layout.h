@@ -78,6 +78,10 @@ std::uint32_t load_header_crc(const HeaderBlock& block);
 /// corrupt, limit_exceeded}
 FileHeader parse_header(ByteSpan bytes, std::uint64_t source_bytes);
 
+/// The header of a file that is still being written, or whose build was interrupted: everything but
+/// its length and sections, which are not known yet. Throws as parse_header does.
+FileHeader parse_unsealed_header(const HeaderBlock& block);
+
 /// file id: a CRC of what the header says of the volume and of the metadata, then `content_hash`.
 std::uint64_t make_file_id(const FileHeader& header, std::uint32_t content_hash);
 

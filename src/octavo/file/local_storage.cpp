@@ -17,6 +17,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/file/storage.h"
+#include "octavo/file/temporary.h"
 
 namespace octavo {
 
@@ -51,19 +52,26 @@ std::string no_space_detail(int descriptor, std::uint64_t needed) {
   return text;
 }
 
-// True when the process whose number starts `pid_text` is gone and nobody, here or on another
-// machine, holds the lock on the file.
+// True when nobody, here or on another machine, holds the lock on a file.
+bool is_unlocked(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  if (descriptor < 0) return false;
+  const bool is_free = ::flock(descriptor, LOCK_EX | LOCK_NB) == 0;
+  ::close(descriptor);
+  return is_free;
+}
+
+// True when the process whose number starts `pid_text` is gone and no other has taken its file
+// over.
 bool is_abandoned(const std::string& path, const std::string& pid_text) {
   int pid = 0;
   const char* first = pid_text.data();
   if (std::from_chars(first, first + pid_text.size(), pid).ec != std::errc{} || pid <= 0)
     return false;
   if (::kill(pid, 0) == 0 || errno != ESRCH) return false;
-  const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
-  if (descriptor < 0) return false;
-  const bool is_free = ::flock(descriptor, LOCK_EX | LOCK_NB) == 0;
-  ::close(descriptor);
-  return is_free;
+  // A file that is closed but not yet renamed still has its journal locked.
+  const std::string journal = path + kJournalEnding;
+  return is_unlocked(path) && (::access(journal.c_str(), F_OK) != 0 || is_unlocked(journal));
 }
 
 class LocalFile final : public StorageFile {
@@ -117,6 +125,13 @@ class LocalFile final : public StorageFile {
     }
   }
 
+  void truncate(std::uint64_t size) override {
+    if (size >= this->size()) return;
+    if (uninterrupted([&] { return ::ftruncate(descriptor_, static_cast<off_t>(size)); }) != 0) {
+      fail("cannot cut it to " + std::to_string(size) + " bytes", path_, errno);
+    }
+  }
+
   void sync() override {
     if (uninterrupted([&] { return ::fsync(descriptor_); }) == 0) return;
     if (errno == ENOSPC || errno == EDQUOT) {
@@ -161,6 +176,24 @@ class LocalStorage final : public Storage {
     // Tells remove_stale on any machine that a writer lives; file systems without locks do without.
     ::flock(descriptor, LOCK_EX | LOCK_NB);
     return std::make_unique<LocalFile>(descriptor, path);
+  }
+
+  std::unique_ptr<StorageFile> open_update(const std::string& path) override {
+    const int descriptor = uninterrupted([&] {
+      return ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    });
+    if (descriptor < 0) fail("cannot open", path, errno);
+    auto file = std::make_unique<LocalFile>(descriptor, path);
+    struct stat status {};
+    if (fstat(descriptor, &status) != 0) fail("cannot open", path, errno);
+    if (!S_ISREG(status.st_mode)) {
+      throw Error(ErrorKind::io, "cannot open: not a regular file", path);
+    }
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) return nullptr;
+    // Whoever had the lock may have renamed or removed the file before letting go of it.
+    struct stat named {};
+    if (::lstat(path.c_str(), &named) != 0 || named.st_ino != status.st_ino) return nullptr;
+    return file;
   }
 
   std::unique_ptr<StorageFile> create_scratch(const std::string& folder) override {
@@ -223,6 +256,24 @@ class LocalStorage final : public Storage {
     } catch (const std::exception&) {
       // A stale file that stays does no harm.
     }
+  }
+
+  std::vector<std::string> list(const std::string& prefix) override {
+    std::vector<std::string> paths;
+    const std::string base = base_name_of(prefix);
+    const std::string folder = prefix.substr(0, prefix.size() - base.size());
+    std::error_code code;
+    for (std::filesystem::directory_iterator at(folder_of(prefix), code), end;
+         !code && at != end; at.increment(code)) {
+      const std::string name = at->path().filename().string();
+      if (name.compare(0, base.size(), base) == 0) paths.push_back(folder + name);
+    }
+    if (code && code != std::errc::no_such_file_or_directory &&
+        code != std::errc::not_a_directory) {
+      throw Error(ErrorKind::io, "cannot list the folder: " + code.message(), folder_of(prefix));
+    }
+    std::sort(paths.begin(), paths.end());
+    return paths;
   }
 
   void sync_folder(const std::string& folder) override {

@@ -22,6 +22,8 @@ class StorageFile {
   virtual void read(std::uint64_t offset, std::span<std::uint8_t> out) const = 0;
   /// Writes all of `bytes`; short writes and EINTR are continued.
   virtual void write(std::uint64_t offset, std::span<const std::uint8_t> bytes) = 0;
+  /// Cuts off what stands from `size` on; a shorter file stays as it is.
+  virtual void truncate(std::uint64_t size) = 0;
   /// Makes what was written durable. A failure is final: it is never tried again.
   virtual void sync() = 0;
   /// Closes and reports what closing found; the destructor closes without a word.
@@ -37,6 +39,9 @@ class Storage {
   virtual std::unique_ptr<StorageFile> open_read(const std::string& path) = 0;
   /// A new file for reading and writing, locked while it is open; Error{io} when the name is taken.
   virtual std::unique_ptr<StorageFile> create_exclusive(const std::string& path) = 0;
+  /// An existing file for reading and writing, locked while it is open; null when somebody else has
+  /// the lock, or when the file system has no locks to tell.
+  virtual std::unique_ptr<StorageFile> open_update(const std::string& path) = 0;
   /// A nameless scratch file in `folder` that vanishes when closed.
   virtual std::unique_ptr<StorageFile> create_scratch(const std::string& folder) = 0;
   virtual bool exists(const std::string& path) = 0;
@@ -50,6 +55,8 @@ class Storage {
   /// Removes the files PREFIX + PID (+ anything) of processes that are gone; unless overridden,
   /// nothing. Never fails: what cannot be removed stays.
   virtual void remove_stale(const std::string& prefix) noexcept;
+  /// The files whose path starts with `prefix`, in the order of their names.
+  virtual std::vector<std::string> list(const std::string& prefix) = 0;
   virtual void sync_folder(const std::string& folder) = 0;
 };
 

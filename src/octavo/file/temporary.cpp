@@ -27,7 +27,8 @@ TemporaryFile create_temporary(Storage& storage, const std::string& path) {
   for (int attempt = 0;; ++attempt) {
     std::string name = prefix + std::to_string(::getpid());
     if (attempt > 0) name.append("-").append(std::to_string(attempt));
-    if (attempt + 1 < kMaxNameTries && storage.exists(name)) continue;
+    const bool is_taken = storage.exists(name) || storage.exists(name + kJournalEnding);
+    if (attempt + 1 < kMaxNameTries && is_taken) continue;
     auto file = storage.create_exclusive(name);
     return {std::move(name), std::move(file)};
   }

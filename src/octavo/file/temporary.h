@@ -1,4 +1,5 @@
-// The names under which files grow until they are complete: ".NAME.tmp-PID" beside the final name.
+// The names under which files grow until they are complete: ".NAME.tmp-PID" beside the final name,
+// with ".NAME.tmp-PID.journal" where a build keeps a journal.
 #pragma once
 
 #include <memory>
@@ -10,6 +11,8 @@ namespace octavo {
 
 /// File systems allow no longer names.
 inline constexpr std::size_t kMaxNameBytes = 255;
+
+inline constexpr const char* kJournalEnding = ".journal";
 
 /// The part before the process number: ".NAME.tmp-" in the folder of `path`. A long name is cut so
 /// that the whole fits into kMaxNameBytes.

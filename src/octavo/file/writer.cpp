@@ -7,6 +7,7 @@
 #include "octavo/core/o_code.h"
 #include "octavo/file/append_file.h"
 #include "octavo/file/index_builder.h"
+#include "octavo/file/interrupted.h"
 #include "octavo/file/layer_order.h"
 #include "octavo/file/slab_trailer.h"
 #include "octavo/file/temporary.h"
@@ -71,7 +72,7 @@ class FileWriterImpl final : public FileWriter {
                  const WriterOptions& options)
       : storage_(storage),
         path_(std::move(path)),
-        overwrite_(options.overwrite),
+        options_(options),
         header_(std::move(header)),
         levels_(levels),
         spool_(storage, folder_of(path_), static_cast<std::size_t>(levels.count()) + 1),
@@ -80,12 +81,9 @@ class FileWriterImpl final : public FileWriter {
   ~FileWriterImpl() override { abandon(); }
 
   void start() {
-    replaces_ = check_target(storage_, path_, overwrite_);
+    replaces_ = check_target(storage_, path_, options_.overwrite);
     guarded([&] {
-      TemporaryFile temporary = create_temporary(storage_, path_);
-      temporary_ = std::move(temporary.path);
-      out_ = std::make_unique<AppendFile>(std::move(temporary.file));
-      out_->write_header(encode_header(header_));
+      if (!options_.is_resuming || !resume()) begin();
     });
   }
 
@@ -95,6 +93,23 @@ class FileWriterImpl final : public FileWriter {
 
   void add_brick(int tier, const EncodedBrick& brick) override {
     guarded([&] { append_brick(tier, brick); });
+  }
+
+  void end_group(std::uint32_t voxels_crc) override {
+    if (journal_) guarded([&] { append_group(voxels_crc); });
+  }
+
+  const std::vector<JournalGroup>& resumed() const override { return resumed_; }
+
+  Bytes first_model() const override {
+    const ModelRef& model = index_.root().models.at(0);
+    Bytes bytes(model.length);
+    out_->file().read(model.offset, bytes);
+    return bytes;
+  }
+
+  std::int64_t kept_layers() const override {
+    return options_.is_resuming && !is_published_ ? whole_.end_layer : 0;
   }
 
   void finish() override {
@@ -108,7 +123,7 @@ class FileWriterImpl final : public FileWriter {
   std::uint64_t bytes_written() const override { return out_ ? out_->size() : final_bytes_; }
 
  private:
-  // Runs `f`; on any failure nothing of the file is left.
+  // Runs `f`; on any failure nothing of the file is left but what can be resumed.
   template <class F>
   void guarded(F f) {
     try {
@@ -134,18 +149,34 @@ class FileWriterImpl final : public FileWriter {
     return Error(kind, detail, path_, error.offset());
   }
 
+  // What goes wrong in here is not told: the failure that led here is the one to report.
   void abandon() noexcept {
     is_over_ = true;
-    out_.reset();
     const std::string name = std::exchange(temporary_, {});
-    if (name.empty()) return;
     try {
-      storage_.remove(name);
+      if (kept_layers() > 0) {
+        if (!name.empty()) cut_back();
+      } else if (!name.empty()) {
+        storage_.remove(name);
+        if (options_.has_journal) storage_.remove(name + kJournalEnding);
+      }
     } catch (const std::exception&) {
-      // The failure that led here is the one to report.
     }
+    out_.reset();
+    if (!is_published_) journal_.reset();
   }
 
+  // Leaves nothing but the whole groups.
+  void cut_back() {
+    if (journal_) journal_->file().truncate(whole_.journal_bytes);
+    if (out_) out_->file().truncate(whole_.file_bytes);
+  }
+
+  void begin();
+  bool resume();
+  void take_over(InterruptedBuild build, std::vector<WholeGroup> groups);
+  JournalHead journal_head() const;
+  void append_group(std::uint32_t voxels_crc);
   void append_model(const Bytes& model);
   void append_brick(int tier, const EncodedBrick& brick);
   std::uint64_t next_code(int tier);
@@ -157,7 +188,7 @@ class FileWriterImpl final : public FileWriter {
 
   Storage& storage_;
   std::string path_;
-  bool overwrite_;
+  WriterOptions options_;
   bool replaces_ = false;
   bool is_over_ = false;
   bool is_published_ = false;
@@ -177,7 +208,113 @@ class FileWriterImpl final : public FileWriter {
 
   std::vector<std::uint64_t> slab_lengths_;
   std::uint32_t slab_crc_ = 0;
+
+  // What the journal says is whole, and what it does not know yet.
+  struct Whole {
+    std::int64_t end_layer = 0;
+    std::uint64_t file_bytes = 0;
+    std::uint64_t journal_bytes = 0;
+  };
+  std::unique_ptr<Journal> journal_;
+  std::vector<JournalGroup> resumed_;
+  Whole whole_;
+  std::vector<std::int64_t> group_parents_;
 };
+
+void FileWriterImpl::begin() {
+  discard_interrupted(storage_, path_);
+  TemporaryFile temporary = create_temporary(storage_, path_);
+  temporary_ = std::move(temporary.path);
+  out_ = std::make_unique<AppendFile>(std::move(temporary.file));
+  out_->write_header(encode_header(header_));
+  if (!options_.has_journal) return;
+  journal_ = std::make_unique<Journal>(storage_.create_exclusive(temporary_ + kJournalEnding),
+                                       journal_head());
+  spool_.keep_in(*journal_);
+}
+
+JournalHead FileWriterImpl::journal_head() const {
+  return {settings_of(header_) + options_.settings, encode_header(header_),
+          header_.description.metadata_json};
+}
+
+// Takes over the interrupted build that got furthest. Returns false when there is none.
+bool FileWriterImpl::resume() {
+  const JournalHead now = journal_head();
+  std::optional<InterruptedBuild> best;
+  std::vector<WholeGroup> best_groups;
+  std::optional<Error> difference;
+  for (InterruptedBuild& build : find_interrupted(storage_, path_)) {
+    if (auto found = difference_of(build.head, now)) {
+      if (!read_journal_groups(*build.journal).empty()) difference = std::move(found);
+      continue;
+    }
+    std::vector<WholeGroup> groups = proven_groups(*build.file, *build.journal, levels_);
+    if (groups.size() <= best_groups.size()) continue;
+    best = std::move(build);
+    best_groups = std::move(groups);
+  }
+  if (best) {
+    take_over(std::move(*best), std::move(best_groups));
+    return true;
+  }
+  if (!difference) return false;
+  throw Error(difference->kind(),
+              difference->detail() +
+                  "; leave --resume and use --force to start anew (the interrupted build is kept)");
+}
+
+void FileWriterImpl::take_over(InterruptedBuild build, std::vector<WholeGroup> groups) {
+  const auto& [last, last_blocks, journal_bytes] = groups.back();
+  temporary_ = build.file->path();
+  whole_ = {last.end_layer, last.file_bytes, journal_bytes};
+  journal_ = std::make_unique<Journal>(std::move(build.journal), journal_bytes);
+  spool_.keep_in(*journal_);
+  build.file->truncate(last.file_bytes);
+  out_ = std::make_unique<AppendFile>(std::move(build.file), last.file_bytes, last.digest);
+  out_->write_header(encode_header(header_));
+  layer_ = last.end_layer;
+  if (layer_ == levels_.brick_grid(0).z) {
+    layer_ = 0;
+    tier_ = 1;
+  }
+  for (WholeGroup& whole : groups) {
+    for (const ModelRef& model : whole.group.models) index_.add_model(model);
+    for (const auto bytes : whole.group.slab_trailer_bytes) index_.add_slab_trailer(bytes);
+    for (const PageRef& page : whole.group.pages) index_.restore_page(page);
+    for (const JournalBlock& block : whole.blocks) spool_.restore(block);
+    resumed_.push_back(std::move(whole.group));
+  }
+}
+
+// The growing file is on disk before the journal says so.
+void FileWriterImpl::append_group(std::uint32_t voxels_crc) {
+  if (place_ != 0 || tier_ > 1 || (tier_ == 1 && layer_ != 0)) misused("a group without its end");
+  spool_.flush();
+  out_->flush();
+  const IndexRoot& root = index_.root();
+  const std::vector<PageRef>& pages = root.tiers.front().pages;
+  JournalGroup group;
+  group.end_layer = tier_ == 0 ? layer_ : levels_.brick_grid(0).z;
+  group.voxels_crc = voxels_crc;
+  group.file_bytes = out_->size();
+  group.digest = out_->digest();
+  for (const ModelRef& model : root.models) {
+    if (model.first_slab >= whole_.end_layer) group.models.push_back(model);
+  }
+  group.slab_trailer_bytes.assign(root.slab_trailer_bytes.begin() + whole_.end_layer,
+                                  root.slab_trailer_bytes.end());
+  group.pages.assign(pages.begin() + whole_.end_layer * root.tiers.front().layer_pages,
+                     pages.end());
+  group.parents = std::exchange(group_parents_, {});
+  if (options_.is_resuming) {
+    if (whole_.end_layer == 0) storage_.sync_folder(folder_of(path_));
+    out_->file().sync();
+  }
+  journal_->append_group(group);
+  if (options_.is_resuming) journal_->file().sync();
+  whole_ = {group.end_layer, group.file_bytes, journal_->size()};
+}
 
 void FileWriterImpl::append_model(const Bytes& model) {
   const auto& models = index_.root().models;
@@ -238,6 +375,7 @@ void FileWriterImpl::append_brick(int tier, const EncodedBrick& brick) {
   }
   index_.add_brick(tier, brick.range, static_cast<std::uint64_t>(brick.max_error), refs);
   if (tier == 0) slab_lengths_.push_back(brick.segments.front().size());
+  if (tier == 0 && journal_) group_parents_.push_back(brick.parent);
   advance(tier);
 }
 
@@ -309,14 +447,16 @@ void FileWriterImpl::publish() {
   out_->file().close();
   final_bytes_ = header_.file_bytes;
   out_.reset();
-  if (overwrite_) {
+  if (options_.overwrite) {
     storage_.rename(temporary_, path_);
   } else {
     storage_.rename_new(temporary_, path_);
   }
-  temporary_.clear();
+  const std::string journal = std::exchange(temporary_, {}) + kJournalEnding;
   is_published_ = true;
   is_over_ = true;
+  if (journal_) storage_.remove(journal);
+  journal_.reset();
   storage_.sync_folder(folder_of(path_));
 }
 

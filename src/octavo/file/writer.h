@@ -1,10 +1,13 @@
 // Writes one .8vo file: append, then seal.
 //
 // The file grows under a temporary name beside the final one. Level-0 segments are appended as they
-// come; coarser ones wait in a scratch file and follow at the end, level by level. The header says
-// "sealed" only after everything else is on disk; then the file takes its final name. A writer that
-// is destroyed before finish() removes its temporary file: the final name never holds anything but
-// a complete file. What a killed process left behind, the next writer of the same name removes.
+// come; coarser ones wait in a scratch file, or in a journal, and follow at the end, level by
+// level. The header says "sealed" only after everything else is on disk; then the file takes its
+// final name. That name never holds anything but a complete file.
+//
+// A writer that is destroyed before finish() removes what it wrote. What a killed process left
+// behind, the next writer of the same name removes. Writers that resume do neither: they keep the
+// groups that are whole, and take over those that an earlier writer left.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +17,7 @@
 #include "octavo/codec/brick_codec.h"
 #include "octavo/core/levels.h"
 #include "octavo/core/volume.h"
+#include "octavo/file/journal.h"
 #include "octavo/file/storage.h"
 
 namespace octavo {
@@ -22,6 +26,13 @@ struct WriterOptions {
   bool overwrite = false;  ///< replace an existing file at finish(); otherwise Error{io} at once
   /// No voxel of tier 0 lies further from its source, in voxel units; whole for integer types.
   double max_error = 0;
+  /// Keeps a journal beside the growing file, so that a later writer can continue it.
+  bool has_journal = false;
+  /// Continues what is left of an interrupted build of the same volume, if there is any; makes
+  /// every group durable, and keeps the whole ones when it fails. Needs a journal.
+  bool is_resuming = false;
+  /// How the bricks are made, lines "NAME: VALUE": writers of other settings do not continue.
+  std::string settings = {};
 };
 
 class FileWriter {
@@ -30,7 +41,8 @@ class FileWriter {
   ///               file ids
   /// description   that of a float32 volume holds its coding; range and parent of bricks are codes
   /// Throws        Error{io} when the target exists (without overwrite), is a folder, or cannot be
-  ///               written
+  ///               written; where it shall resume Error{invalid_argument} or, for other voxels,
+  ///               Error{source_rejected} when the interrupted builds are of something else
   static std::unique_ptr<FileWriter> create(Storage& storage, const std::string& path,
                                             const VolumeDescription& description,
                                             const Levels& levels, std::uint32_t content_hash,
@@ -47,6 +59,20 @@ class FileWriter {
   /// on.
   /// brick.max_error  in steps of the header (error_step); 0 above tier 0
   virtual void add_brick(int tier, const EncodedBrick& brick) = 0;
+
+  /// Ends a group of whole layers of tier 0: a later writer can continue behind it. Without a
+  /// journal it does nothing.
+  /// voxels_crc  CRC-32C of the group's voxels, by which they are known again
+  virtual void end_group(std::uint32_t voxels_crc) = 0;
+
+  /// The groups that were taken over; the bricks of the next layer come first.
+  virtual const std::vector<JournalGroup>& resumed() const = 0;
+
+  /// The bytes of the first model of a resumed file. Throws Error{io}.
+  virtual Bytes first_model() const = 0;
+
+  /// Brick layers of tier 0 that are kept for a later writer when this one ends now.
+  virtual std::int64_t kept_layers() const = 0;
 
   /// Writes coarse levels, metadata, index and trailer, seals, syncs and renames.
   /// Throws Error{internal} when bricks are missing.

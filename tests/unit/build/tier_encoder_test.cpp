@@ -51,11 +51,19 @@ class RecordingWriter final : public FileWriter {
     parents.push_back(brick.parent);
     errors.push_back(brick.max_error);
   }
+  void end_group(std::uint32_t) override { groups_before.push_back(parents.size()); }
+  const std::vector<JournalGroup>& resumed() const override { return none_; }
+  Bytes first_model() const override { return {}; }
+  std::int64_t kept_layers() const override { return 0; }
   void finish() override {}
   std::uint64_t bytes_written() const override { return 0; }
   std::vector<std::int64_t> parents;
   std::vector<std::int64_t> errors;
   std::vector<std::size_t> models_before;  ///< bricks that came before each model
+  std::vector<std::size_t> groups_before;  ///< bricks that came before each end of a group
+
+ private:
+  std::vector<JournalGroup> none_;
 };
 
 // 3 x 2 x 2 bricks of uint8, each filled with its number in [z][y][x] order, with one odd voxel.

@@ -1,0 +1,158 @@
+// octavo repair: what an interrupted build left, or a damaged file, made whole as far as it can be.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "common/failure.h"
+#include "common/inputs.h"
+#include "common/progress_line.h"
+#include "common/quantities.h"
+#include "common/verb.h"
+#include "octavo/build/repair.h"
+#include "octavo/file/mend.h"
+#include "octavo/file/parallel_read.h"
+#include "verbs.h"
+
+namespace octavo::cli {
+
+namespace {
+
+constexpr VerbText kText = {
+    "repair", "Make a whole file of an interrupted build, or of a file with flipped bits.",
+    "FILE is what was being built, or the .NAME.tmp-PID that is left of it: its whole planes go\n"
+    "into a file of full size, all others hold the lowest value among them (labels: 0), and the\n"
+    "metadata say which are missing. Where the scan is at hand, build --resume gives all of it.\n"
+    "Or FILE is a damaged .8vo file: bits that alone explain a wrong checksum are turned back,\n"
+    "and every checksum of the result is proven. Other damage is refused (exit code 4): export\n"
+    "--salvage writes what is whole. FILE itself is never changed.\n\n"
+    "Examples:\n"
+    "  octavo repair scan.8vo -o rescued.8vo\n"
+    "  octavo repair .scan.8vo.tmp-4711 -o rescued.8vo"};
+
+struct Arguments {
+  std::string input;
+  std::string output;
+};
+
+nlohmann::ordered_json seal_json(const Arguments& arguments, const SealResult& result) {
+  nlohmann::ordered_json object = {{"input", result.input},
+                                   {"output", arguments.output},
+                                   {"how", "sealed"},
+                                   {"file_bytes", result.file_bytes},
+                                   {"planes", result.plane_count},
+                                   {"whole_planes", result.whole_planes},
+                                   {"missing_planes", nullptr},
+                                   {"fill", nullptr}};
+  if (result.whole_planes < result.plane_count) {
+    object["missing_planes"] = {result.whole_planes, result.plane_count - 1};
+    object["fill"] = result.fill;
+  }
+  return object;
+}
+
+std::string seal_text(const Arguments& arguments, const SealResult& result) {
+  if (result.whole_planes == result.plane_count) {
+    return fmt::format("{}: all {} planes of the interrupted build are whole\n", arguments.output,
+                       count_text(result.plane_count));
+  }
+  return fmt::format(
+      "{}: planes 0 to {} of {} are whole; planes {} to {} are missing and hold {}\n",
+      arguments.output, result.whole_planes - 1, result.plane_count, result.whole_planes,
+      result.plane_count - 1, number_text(result.fill));
+}
+
+nlohmann::ordered_json mend_json(const Arguments& arguments, const MendResult& result) {
+  nlohmann::ordered_json object = {{"input", arguments.input},
+                                   {"output", arguments.output},
+                                   {"how", "mended"},
+                                   {"file_bytes", result.file_bytes},
+                                   {"flipped_bits", nlohmann::ordered_json::array()}};
+  for (const BitFlip& flip : result.flips) {
+    object["flipped_bits"].push_back({{"byte", flip.byte}, {"bit", flip.bit}});
+  }
+  return object;
+}
+
+std::string mend_text(const Arguments& arguments, const MendResult& result) {
+  std::string places;
+  constexpr std::size_t kNamed = 5;
+  for (std::size_t i = 0; i < std::min(kNamed, result.flips.size()); ++i) {
+    places += fmt::format("{}{}", i == 0 ? "" : ", ", result.flips[i].byte);
+  }
+  if (result.flips.size() > kNamed) places += ", ...";
+  return fmt::format("{}: {} flipped bit{} turned back (byte {}); every checksum matches\n",
+                     arguments.output, count_text(static_cast<std::int64_t>(result.flips.size())),
+                     result.flips.size() == 1 ? "" : "s", places);
+}
+
+MendResult mend(const Arguments& arguments, const Context& context) {
+  MendOptions options;
+  options.overwrite = context.force;
+  options.for_each = for_each_parallel(context.thread_count());
+  ProgressLine progress(context);
+  try {
+    return mend_file(local_storage(), arguments.input, arguments.output, options, progress);
+  } catch (const Error& error) {
+    const bool is_damage =
+        error.kind() == ErrorKind::corrupt || error.kind() == ErrorKind::truncated;
+    if (!is_damage || error.detail().find("--salvage") != std::string::npos) throw;
+    throw Error(error.kind(),
+                error.detail() + "; more than one bit: nothing can be found in such a file, and "
+                                 "repair cannot mend it",
+                error.path(), error.offset());
+  }
+}
+
+int run_repair(const Arguments& arguments, const Context& context) {
+  if (!arguments.output.ends_with(".8vo")) {
+    throw Error(ErrorKind::invalid_argument, "repair writes .8vo files; name one",
+                arguments.output);
+  }
+  std::error_code none;
+  if (std::filesystem::equivalent(arguments.input, arguments.output, none)) {
+    throw Error(ErrorKind::invalid_argument, "is the file to repair; name another output",
+                arguments.output);
+  }
+  require_free_output(arguments.output, context);
+  const bool is_growing = std::filesystem::exists(arguments.input + ".journal", none);
+  if (!std::filesystem::exists(arguments.input, none) || is_growing ||
+      arguments.input.ends_with(".journal")) {
+    std::optional<SealResult> result;
+    {
+      ProgressLine progress(context);
+      result = seal_interrupted(local_storage(), arguments.input, arguments.output,
+                                {context.force, context.threads}, progress);
+    }
+    if (result && context.json) print_json(seal_json(arguments, *result));
+    if (result && !context.json && !context.quiet) print(seal_text(arguments, *result));
+    if (result) return kExitDone;
+    throw Error(ErrorKind::io, "no such file, and no interrupted build of it", arguments.input);
+  }
+  const MendResult result = mend(arguments, context);
+  if (result.flips.empty()) {
+    throw Error(ErrorKind::invalid_argument, "is sound: there is nothing to repair",
+                arguments.input);
+  }
+  if (context.json) print_json(mend_json(arguments, result));
+  else if (!context.quiet) print(mend_text(arguments, result));
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_repair(CLI::App& app, Context& context) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& verb = add_verb(app, context, kText,
+                            [arguments, &context] { return run_repair(*arguments, context); });
+  verb.add_option("file", arguments->input, "What was being built, what is left of it, or a "
+                                            "damaged .8vo file")
+      ->type_name("FILE")
+      ->required();
+  verb.add_option("-o,--output", arguments->output, "The file to write")
+      ->type_name("FILE")
+      ->required();
+}
+
+}  // namespace octavo::cli

@@ -1,0 +1,168 @@
+#include "octavo/build/repair.h"
+
+#include <algorithm>
+#include <charconv>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "octavo/build/coarse_tiers.h"
+#include "octavo/build/metadata_member.h"
+#include "octavo/core/error.h"
+#include "octavo/file/temporary.h"
+#include "octavo/file/whole_bricks.h"
+#include "octavo/file/writer.h"
+
+namespace octavo {
+
+namespace {
+
+std::string without_ending(const std::string& path, const std::string& ending) {
+  return path.ends_with(ending) ? path.substr(0, path.size() - ending.size()) : path;
+}
+
+// The name of the file that a growing one was to become: without the dot and ".tmp-PID".
+std::string target_of(const std::string& growing) {
+  const std::string base = base_name_of(growing);
+  const std::size_t end = base.rfind(".tmp-");
+  if (base.empty() || base.front() != '.' || end == std::string::npos) return growing;
+  return growing.substr(0, growing.size() - base.size()) + base.substr(1, end - 1);
+}
+
+// The interrupted build of that name which got furthest.
+std::optional<InterruptedBuild> find_build(Storage& storage, const std::string& input) {
+  const std::string growing = without_ending(input, kJournalEnding);
+  const bool is_growing = storage.exists(growing + kJournalEnding);
+  std::optional<InterruptedBuild> best;
+  std::int64_t most = -1;
+  const std::string target = is_growing ? target_of(growing) : input;
+  for (InterruptedBuild& build : find_interrupted(storage, target)) {
+    if (is_growing && base_name_of(build.file->path()) != base_name_of(growing)) continue;
+    const auto groups = read_journal_groups(*build.journal);
+    const std::int64_t layers = groups.empty() ? 0 : groups.back().group.end_layer;
+    if (layers <= most) continue;
+    most = layers;
+    best = std::move(build);
+  }
+  if (best || !is_growing) return best;
+  throw Error(ErrorKind::io, "is being built by a program that still runs", growing);
+}
+
+std::string number_text(double value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
+// Tells the file from the one that the build would have made, and from less whole ones.
+std::uint32_t content_hash_of(const FileHeader& header, std::int64_t planes) {
+  return static_cast<std::uint32_t>(header.file_id) ^ static_cast<std::uint32_t>(planes);
+}
+
+// Puts the samples of the bricks of a tier in voxel order.
+class Parents {
+ public:
+  Parents(const Levels& levels, TierEncoder& encoder) : encoder_(encoder) {
+    layer_bricks_ = levels.brick_grid(0).x * levels.brick_grid(0).y;
+  }
+  void add(std::int64_t parent) {
+    layer_.push_back(parent);
+    if (static_cast<std::int64_t>(layer_.size()) < layer_bricks_) return;
+    encoder_.restore_parents(layer_);
+    layer_.clear();
+  }
+
+ private:
+  TierEncoder& encoder_;
+  std::int64_t layer_bricks_;
+  std::vector<std::int64_t> layer_;
+};
+
+class ProgressScope {
+ public:
+  ProgressScope(Progress& progress, std::int64_t layers) : progress_(progress) {
+    progress_.begin("repair", layers, "layers");
+  }
+  ~ProgressScope() { progress_.end(); }
+  ProgressScope(const ProgressScope&) = delete;
+  ProgressScope& operator=(const ProgressScope&) = delete;
+
+ private:
+  Progress& progress_;
+};
+
+SealResult seal(InterruptedBuild build, Storage& storage, const std::string& output,
+                const SealOptions& options, Progress& progress) {
+  SealResult result;
+  result.input = build.file->path();
+  WholeBricks bricks(std::move(build));
+  const Levels& levels = bricks.levels();
+  const Size3 grid = levels.brick_grid(0);
+  VolumeDescription description = bricks.header().description;
+  const bool is_grey = description.kind == VolumeKind::grey;
+  const std::int64_t low = is_grey ? bricks.range().min : 0;
+  result.plane_count = description.size.z;
+  result.whole_planes = planes_in(levels, bricks.layer_count());
+  result.fill = description.voxel_of(low);
+  if (result.whole_planes < result.plane_count) {
+    description.metadata_json = with_member(
+        description.metadata_json, "repaired",
+        "{\"missing_planes\":[" + std::to_string(result.whole_planes) + "," +
+            std::to_string(result.plane_count - 1) + "],\"fill\":" + number_text(result.fill) +
+            "}");
+  }
+
+  // The whole layers, then uniform ones.
+  const ProgressScope scope(progress, grid.z);
+  WriterOptions writing;
+  writing.overwrite = options.overwrite;
+  writing.max_error = bricks.header().max_error;
+  const auto writer =
+      FileWriter::create(storage, output, description, levels,
+                         content_hash_of(bricks.header(), result.whole_planes), writing);
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  Workers workers(options.threads > 0 ? options.threads : cores);
+  const VoxelType type = description.coded_type();
+  TierEncoder encoder(levels, 0, type, workers, *writer, progress);
+  Parents parents(levels, encoder);
+  EncodedBrick missing{{low, low}, low, 0, {}};
+  missing.segments.resize(static_cast<std::size_t>(levels.tier_level_count(0)));
+  std::optional<Model> first_model;
+  for (std::int64_t layer = 0; layer < grid.z; ++layer) {
+    const bool is_whole = layer < bricks.layer_count();
+    for (std::int64_t place = 0; place < grid.x * grid.y; ++place) {
+      if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped while repairing");
+      if (is_whole && bricks.has_model()) {
+        const Bytes model = bricks.model();
+        if (!first_model) {
+          first_model = make_model(parse_model(description.kind, type, model), type);
+        }
+        writer->add_model(model);
+      }
+      const EncodedBrick brick = is_whole ? bricks.next() : missing;
+      writer->add_brick(0, brick);
+      parents.add(brick.parent);
+    }
+    progress.advance(1);
+  }
+
+  CodecSettings settings;
+  settings.axis_order = first_model->encoder->axis_order();
+  settings.max_error = bricks.header().max_error > 0 ? 1 : 0;
+  encode_coarse_tiers({description, levels, workers, *writer, progress}, *first_model, settings,
+                      encoder.take_parents());
+  writer->finish();
+  result.file_bytes = writer->bytes_written();
+  return result;
+}
+
+}  // namespace
+
+std::optional<SealResult> seal_interrupted(Storage& storage, const std::string& input,
+                                           const std::string& output, const SealOptions& options,
+                                           Progress& progress) {
+  auto build = find_build(storage, input);
+  if (!build) return std::nullopt;
+  return seal(std::move(*build), storage, output, options, progress);
+}
+
+}  // namespace octavo

@@ -1,0 +1,230 @@
+// Interrupted builds, continued: the bytes of a build without a break.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+
+#include "octavo/build/builder.h"
+#include "octavo/core/error.h"
+#include "support/built_file.h"
+#include "support/memory_storage.h"
+
+namespace octavo {
+namespace {
+
+using octavo::testing::copied;
+using octavo::testing::MemoryStorage;
+
+constexpr Size3 kSize = {512, 512, 150};
+constexpr std::int64_t kGroupPlanes = 64;  // 32 MiB of 16 bits
+
+struct Kind {
+  const char* name;
+  VoxelType type;
+  VolumeKind kind = VolumeKind::grey;
+  double max_error = 0;
+  Preset preset = Preset::small;
+};
+
+// Mostly uniform, so that large volumes are built fast; one column of bricks holds a texture that
+// is another in every group.
+class TextureSource final : public PlaneSource {
+ public:
+  explicit TextureSource(const Kind& kind, std::int64_t failing_plane = -1)
+      : failing_plane_(failing_plane) {
+    description_.type = kind.type;
+    description_.kind = kind.kind;
+    description_.size = kSize;
+  }
+  const VolumeDescription& description() const override { return description_; }
+  const std::vector<std::string>& warnings() const override { return warnings_; }
+  void read_plane(std::span<std::byte> plane) override {
+    if (z_ == failing_plane_) throw Error(ErrorKind::source_rejected, "torn", "slice.dcm");
+    std::ranges::fill(plane, std::byte{0});
+    with_voxel_type(description_.type, [&](auto tag) {
+      using T = typename decltype(tag)::type;
+      for (std::int64_t y = 0; y < 50; ++y) {
+        for (std::int64_t x = 0; x < 60; ++x) {
+          state_ = state_ * 1664525u + 1013904223u;
+          const std::uint32_t noise = state_ >> (z_ < kGroupPlanes ? 29 : 27);
+          const auto value = static_cast<T>(static_cast<std::uint32_t>(x + 2 * z_) / 4 + noise);
+          const auto at = static_cast<std::size_t>(y * kSize.x + x) * sizeof(T);
+          std::memcpy(plane.data() + at, &value, sizeof value);
+        }
+      }
+      if (z_ == changed_plane) plane.back() = std::byte{1};
+    });
+    ++z_;
+  }
+
+  VolumeDescription& mutable_description() { return description_; }
+  std::int64_t changed_plane = -1;
+
+ private:
+  VolumeDescription description_;
+  std::vector<std::string> warnings_;
+  std::int64_t failing_plane_;
+  std::int64_t z_ = 0;
+  std::uint32_t state_ = 1;
+};
+
+BuildOptions options_of(const Kind& kind, Interrupted interrupted, int threads = 2) {
+  BuildOptions options;
+  options.kind = kind.kind;
+  options.max_error = kind.max_error;
+  options.preset = kind.preset;
+  options.interrupted = interrupted;
+  options.threads = threads;
+  return options;
+}
+
+BuildResult build(PlaneSource& source, MemoryStorage& storage, const BuildOptions& options) {
+  NoProgress progress;
+  return build_file(source, storage, "a.8vo", options, progress);
+}
+
+std::string failure_of(PlaneSource& source, MemoryStorage& storage, const BuildOptions& options,
+                       ErrorKind kind) {
+  try {
+    build(source, storage, options);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), kind) << error.what();
+    return error.what();
+  }
+  ADD_FAILURE() << "the build succeeded";
+  return {};
+}
+
+std::vector<std::uint8_t> built(const Kind& kind) {
+  TextureSource source(kind);
+  MemoryStorage storage;
+  build(source, storage, options_of(kind, Interrupted::discard));
+  EXPECT_EQ(std::count(storage.calls.begin(), storage.calls.end(), "create_scratch"), 0);
+  return *storage.files.at("a.8vo");
+}
+
+constexpr Kind kGrey = {"grey", VoxelType::int16};
+
+// What a build of kGrey leaves that dies when the third of its groups is to be made durable.
+std::map<std::string, octavo::testing::FileBytes> interrupted_grey() {
+  static const auto files = [] {
+    const BuildOptions options = options_of(kGrey, Interrupted::resume);
+    TextureSource whole(kGrey);
+    MemoryStorage storage;
+    build(whole, storage, options);
+    // Two calls make a group durable: one for the growing file, one for the journal.
+    auto call = storage.calls.begin();
+    for (int syncs = 0; syncs < 5; ++call) syncs += *call == "sync";
+    TextureSource source(kGrey);
+    MemoryStorage dying;
+    dying.fail_at = static_cast<std::size_t>(call - storage.calls.begin());
+    dying.is_dying = true;
+    failure_of(source, dying, options, ErrorKind::io);
+    EXPECT_EQ(dying.files.size(), 2u);
+    return dying.files;
+  }();
+  return files;
+}
+
+TEST(ResumedBuild, HasTheBytesOfABuildWithoutABreak) {
+  const Kind kinds[] = {kGrey,
+                        {"fast", VoxelType::int16, VolumeKind::grey, 0, Preset::fast},
+                        {"lossy", VoxelType::int16, VolumeKind::grey, 2},
+                        {"labels", VoxelType::uint16, VolumeKind::labels},
+                        {"float", VoxelType::float32},
+                        {"lossy float", VoxelType::float32, VolumeKind::grey, 0.25}};
+  for (const Kind& kind : kinds) {
+    SCOPED_TRACE(kind.name);
+    const auto reference = built(kind);
+    MemoryStorage storage;
+    std::int64_t resumed = 0;
+    int threads = 1;
+    for (const std::int64_t plane : {std::int64_t{70}, std::int64_t{149}}) {
+      TextureSource torn(kind, plane);
+      const BuildOptions options = options_of(kind, Interrupted::resume, threads++);
+      const std::string message =
+          failure_of(torn, storage, options, ErrorKind::source_rejected);
+      const bool is_kept = storage.files.size() == 2;
+      EXPECT_EQ(message.find("--resume") != std::string::npos, is_kept) << message;
+      EXPECT_EQ(storage.files.count("a.8vo"), 0u);
+    }
+    TextureSource whole(kind);
+    resumed = build(whole, storage, options_of(kind, Interrupted::resume, 4)).resumed_planes;
+    EXPECT_GE(resumed, 64) << "nothing was kept";
+    EXPECT_TRUE(*storage.files.at("a.8vo") == reference);
+    EXPECT_EQ(storage.files.size(), 1u);
+  }
+}
+
+TEST(ResumedBuild, NamesThePlanesThatChanged) {
+  const auto files = interrupted_grey();
+  const struct {
+    std::int64_t plane;
+    std::string words;
+  } changes[] = {{3, "the first planes hold other voxels"},
+                 {100, "planes 64 to 127 of 150 are not those of the interrupted build"}};
+  for (const auto& change : changes) {
+    MemoryStorage storage;
+    storage.files = copied(files);
+    TextureSource source(kGrey);
+    source.changed_plane = change.plane;
+    const std::string message = failure_of(source, storage, options_of(kGrey, Interrupted::resume),
+                                           ErrorKind::source_rejected);
+    EXPECT_NE(message.find(change.words), std::string::npos) << message;
+    EXPECT_EQ(storage.files.size(), 2u);
+  }
+  MemoryStorage storage;
+  storage.files = copied(files);
+  TextureSource source(kGrey);
+  EXPECT_EQ(build(source, storage, options_of(kGrey, Interrupted::resume)).resumed_planes, 128);
+}
+
+TEST(ResumedBuild, NamesTheSettingThatChanged) {
+  const auto files = interrupted_grey();
+  const auto refuse = [&](PlaneSource& source, const BuildOptions& options,
+                          const std::string& words) {
+    MemoryStorage storage;
+    storage.files = copied(files);
+    const std::string message = failure_of(source, storage, options, ErrorKind::invalid_argument);
+    EXPECT_NE(message.find(words), std::string::npos) << message;
+    EXPECT_EQ(storage.files.size(), 2u);
+  };
+  TextureSource source(kGrey);
+  BuildOptions options = options_of(kGrey, Interrupted::resume);
+  options.preset = Preset::fast;
+  refuse(source, options, "another preset: small there, fast now");
+  TextureSource again(kGrey);
+  options = options_of(kGrey, Interrupted::resume);
+  options.max_error = 3;
+  refuse(again, options, "another max error: 0 there, 3 now");
+  TextureSource moved(kGrey);
+  moved.mutable_description().geometry.origin_mm[0] = 5;
+  refuse(moved, options_of(kGrey, Interrupted::resume), "another origin: 0 0 0 there, 5 0 0 now");
+}
+
+TEST(ResumedBuild, IsRefusedOrDiscardedWhereNobodyAskedForIt) {
+  const auto files = interrupted_grey();
+  MemoryStorage storage;
+  storage.files = copied(files);
+  TextureSource source(kGrey);
+  const std::string message =
+      failure_of(source, storage, options_of(kGrey, Interrupted::refuse), ErrorKind::io);
+  EXPECT_NE(message.find("planes 0 to 127 of 150"), std::string::npos) << message;
+  EXPECT_NE(message.find("--resume"), std::string::npos) << message;
+  EXPECT_EQ(storage.files.size(), 2u);
+  build(source, storage, options_of(kGrey, Interrupted::discard));
+  EXPECT_EQ(storage.files.size(), 1u);
+}
+
+TEST(ResumedBuild, NothingIsKeptOfABuildThatDidNotAskForIt) {
+  TextureSource source(kGrey, 140);
+  MemoryStorage storage;
+  const std::string message = failure_of(source, storage, options_of(kGrey, Interrupted::refuse),
+                                         ErrorKind::source_rejected);
+  EXPECT_EQ(message.find("kept"), std::string::npos) << message;
+  EXPECT_TRUE(storage.files.empty());
+}
+
+}  // namespace
+}  // namespace octavo
