@@ -12,13 +12,6 @@ namespace {
 // Side of a child of a cube of `rank`, voxels.
 std::int64_t child_side(int rank) { return std::int64_t{1} << 2 * (rank + 1); }
 
-// The box of the child at `bit`, among children of `side` whose cube starts at `corner`.
-Box child_box(const Index3& corner, int bit, std::int64_t side) {
-  const Index3 at = deinterleave(static_cast<std::uint64_t>(bit));
-  const Index3 lo{corner.x + at.x * side, corner.y + at.y * side, corner.z + at.z * side};
-  return {lo, {lo.x + side, lo.y + side, lo.z + side}};
-}
-
 // The tree of a box, made top-down: only cubes that the faces of the box cut are entered.
 class BoxTree {
  public:
@@ -151,6 +144,12 @@ std::uint64_t MaskTree::memory_bytes() const noexcept {
   std::uint64_t bytes = arrays_.words.capacity() * sizeof(std::uint64_t);
   for (const auto& rank : arrays_.cubes) bytes += rank.capacity() * sizeof(MaskCube);
   return bytes;
+}
+
+Box child_box(const Index3& corner, int bit, std::int64_t side) noexcept {
+  const Index3 at = deinterleave(static_cast<std::uint64_t>(bit));
+  const Index3 lo{corner.x + at.x * side, corner.y + at.y * side, corner.z + at.z * side};
+  return {lo, {lo.x + side, lo.y + side, lo.z + side}};
 }
 
 bool is_valid(const MaskTree& tree) {

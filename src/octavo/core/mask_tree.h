@@ -112,6 +112,10 @@ class MaskTree {
   MaskArrays arrays_;
 };
 
+/// The box of the child at `bit` of a cube that starts at `corner`, its children `side` voxels
+/// long.
+Box child_box(const Index3& corner, int bit, std::int64_t side) noexcept;
+
 /// The 8 octants of a word that are full: bit 8 * octant of the result is set.
 constexpr std::uint64_t full_octants(std::uint64_t word) noexcept {
   word &= word >> 1;
