@@ -131,10 +131,12 @@ bool MaskTree::contains(const Index3& voxel) const noexcept {
 
 std::uint64_t MaskTree::voxel_count() const noexcept {
   std::uint64_t count = 0;
-  for (const std::uint64_t word : arrays_.words) count += static_cast<unsigned>(std::popcount(word));
+  for (const std::uint64_t word : arrays_.words)
+    count += static_cast<unsigned>(std::popcount(word));
   for (int rank = 0; rank < rank_count(); ++rank) {
     std::uint64_t full = 0;
-    for (const MaskCube& cube : cubes(rank)) full += static_cast<unsigned>(std::popcount(cube.full));
+    for (const MaskCube& cube : cubes(rank))
+      full += static_cast<unsigned>(std::popcount(cube.full));
     count += full << 6 * (rank + 1);
   }
   return count;

@@ -194,7 +194,8 @@ class Components::Linker {
       const std::uint32_t after = link_of(next).load(std::memory_order_relaxed);
       // Shortens the way for the next one; a link that became smaller meanwhile is left alone.
       std::uint32_t seen = next;
-      if (after != next) link_of(part).compare_exchange_weak(seen, after, std::memory_order_relaxed);
+      if (after != next)
+        link_of(part).compare_exchange_weak(seen, after, std::memory_order_relaxed);
       part = after;
     }
   }

@@ -66,7 +66,8 @@ class Components {
   /// entry at the end of each.
   std::vector<std::vector<std::uint32_t>> first_parts_;
   std::vector<std::uint64_t> parts_;    ///< the bits of each part
-  std::vector<std::uint32_t> labels_;   ///< of each part; while linking, an earlier part joined to it
+  std::vector<std::uint32_t>
+      labels_;  ///< of each part; while linking, an earlier part joined to it
   std::vector<Component> components_;
 };
 

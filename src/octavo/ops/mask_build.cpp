@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <type_traits>
 #include <utility>
 
@@ -36,25 +38,46 @@ constexpr int row_shift(int y, int z) {
   return 32 * (z >> 1) + 4 * (z & 1) + 8 * (y >> 1) + (y & 1);
 }
 
-// Bit i says whether row[i] is in the window; count <= 64.
+// Bit i says whether lowest <= row[i] <= highest; count <= 64.
 template <class T>
-std::uint64_t bits_in_window(const T* row, std::int64_t count, T lowest, T span) {
-  using Unsigned = std::make_unsigned_t<T>;
+std::uint64_t bits_in_window(const T* row, std::int64_t count, T lowest, T highest) {
   alignas(64) std::array<std::uint8_t, kRun> inside{};
   for (std::int64_t i = 0; i < count; ++i) {
-    const auto above = static_cast<Unsigned>(static_cast<Unsigned>(row[i]) -
-                                             static_cast<Unsigned>(lowest));
-    inside[static_cast<std::size_t>(i)] = above <= static_cast<Unsigned>(span) ? 1 : 0;
+    inside[static_cast<std::size_t>(i)] = row[i] >= lowest && row[i] <= highest ? 1 : 0;
   }
+  // Eight bytes of 0 or 1 become eight bits: byte i is moved to bit 56 + i, all at once.
+  constexpr std::uint64_t kGather = 0x0102040810204080u;
   std::uint64_t bits = 0;
   for (std::size_t byte = 0; byte < 8; ++byte) {
-    std::uint64_t eight = 0;
-    for (std::size_t i = 0; i < 8; ++i) {
-      eight |= static_cast<std::uint64_t>(inside[8 * byte + i]) << i;
-    }
-    bits |= eight << 8 * byte;
+    std::uint64_t eight;
+    std::memcpy(&eight, inside.data() + 8 * byte, sizeof eight);
+    bits |= (eight * kGather >> 56) << 8 * byte;
   }
   return bits;
+}
+
+// The window as bounds of the type; false when no value of the type is in it.
+template <class T>
+bool bounds_in(const ValueWindow& window, VoxelType type, T& lowest, T& highest) {
+  if (!(window.lowest <= window.highest)) return false;
+  if constexpr (std::is_floating_point_v<T>) {
+    // Rounded inwards, so that float comparisons decide as double ones do.
+    lowest = static_cast<T>(window.lowest);
+    highest = static_cast<T>(window.highest);
+    constexpr T kInfinity = std::numeric_limits<T>::infinity();
+    if (static_cast<double>(lowest) < window.lowest) lowest = std::nextafter(lowest, kInfinity);
+    if (static_cast<double>(highest) > window.highest) {
+      highest = std::nextafter(highest, -kInfinity);
+    }
+  } else {
+    const ValueRange range = value_range(type);
+    const double low = std::max(std::ceil(window.lowest), static_cast<double>(range.min));
+    const double high = std::min(std::floor(window.highest), static_cast<double>(range.max));
+    if (!(low <= high)) return false;
+    lowest = static_cast<T>(low);
+    highest = static_cast<T>(high);
+  }
+  return lowest <= highest;
 }
 
 // The word at x = 4 * i of 64 x 4 x 4 voxels, whose 16 rows are given as bits.
@@ -141,20 +164,14 @@ void MaskBuilder::add_block(const Index3& corner, const BrickView& block,
   require_block({corner, {corner.x + size.x, corner.y + size.y, corner.z + size.z}});
   with_voxel_type(block.type, [&](auto id) {
     using T = typename decltype(id)::type;
-    if constexpr (std::is_floating_point_v<T>) {
-      throw Error(ErrorKind::invalid_argument, "a mask is made of integer voxels");
-    } else {
-      const ValueRange range = value_range(block.type);
-      const std::int64_t lowest = std::max(window.lowest, range.min);
-      const std::int64_t highest = std::min(window.highest, range.max);
-      if (lowest > highest) return;
-      const auto low = static_cast<T>(lowest);
-      const auto span = static_cast<T>(static_cast<std::make_unsigned_t<T>>(highest - lowest));
-      for (std::int64_t z = 0; z < size.z; z += 4) {
-        for (std::int64_t y = 0; y < size.y; y += 4) {
-          for (std::int64_t x = 0; x < size.x; x += kRun) {
-            add_rows<T>({corner.x + x, corner.y + y, corner.z + z}, block, {x, y, z}, low, span);
-          }
+    T lowest;
+    T highest;
+    if (!bounds_in(window, block.type, lowest, highest)) return;
+    for (std::int64_t z = 0; z < size.z; z += 4) {
+      for (std::int64_t y = 0; y < size.y; y += 4) {
+        for (std::int64_t x = 0; x < size.x; x += kRun) {
+          add_rows<T>({corner.x + x, corner.y + y, corner.z + z}, block, {x, y, z}, lowest,
+                      highest);
         }
       }
     }
@@ -163,7 +180,7 @@ void MaskBuilder::add_block(const Index3& corner, const BrickView& block,
 
 template <class T>
 void MaskBuilder::add_rows(const Index3& voxel, const BrickView& block, const Index3& at, T lowest,
-                           T span) {
+                           T highest) {
   const std::int64_t count = std::min(kRun, block.size.x - at.x);
   std::array<std::uint64_t, 16> rows{};
   std::uint64_t any = 0;
@@ -171,14 +188,14 @@ void MaskBuilder::add_rows(const Index3& voxel, const BrickView& block, const In
     for (std::int64_t y = at.y; y < std::min(at.y + 4, block.size.y); ++y) {
       const T* const row = static_cast<const T*>(block.voxels) + z * block.plane_stride +
                            y * block.row_stride + at.x;
-      const std::uint64_t bits = bits_in_window(row, count, lowest, span);
+      const std::uint64_t bits = bits_in_window(row, count, lowest, highest);
       rows[static_cast<std::size_t>(4 * (z - at.z) + y - at.y)] = bits;
       any |= bits;
     }
   }
   if (any == 0) return;
   for (std::int64_t i = 0; 4 * i < count; ++i) {
-    word_at({voxel.x + 4 * i, voxel.y, voxel.z}) = word_of_rows(rows, i);
+    word_at({voxel.x + 4 * i, voxel.y, voxel.z}) |= word_of_rows(rows, i);
   }
 }
 
@@ -195,14 +212,15 @@ void MaskBuilder::fill_block(const Box& box) {
             if (box.contains(Index3{x + at.x, y + at.y, z + at.z})) word |= std::uint64_t{1} << bit;
           }
         }
-        word_at({x, y, z}) = word;
+        word_at({x, y, z}) |= word;
       }
     }
   }
 }
 
 void MaskBuilder::finish_layer() {
-  if (layer_ == cubes_.z) throw Error(ErrorKind::invalid_argument, "more layers than the volume has");
+  if (layer_ == cubes_.z)
+    throw Error(ErrorKind::invalid_argument, "more layers than the volume has");
   std::vector<MaskPart> parts(static_cast<std::size_t>(cubes_.x * cubes_.y));
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
     const auto at = static_cast<std::int64_t>(i);
@@ -220,7 +238,8 @@ void MaskBuilder::finish_layer() {
 }
 
 MaskTree MaskBuilder::finish() {
-  if (layer_ != cubes_.z) throw Error(ErrorKind::invalid_argument, "finished before the last layer");
+  if (layer_ != cubes_.z)
+    throw Error(ErrorKind::invalid_argument, "finished before the last layer");
   std::sort(parts_.begin(), parts_.end(), [](const MaskPart& a, const MaskPart& b) {
     return a.pieces.front().code < b.pieces.front().code;
   });

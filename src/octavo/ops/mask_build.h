@@ -14,12 +14,13 @@
 
 namespace octavo {
 
-/// Voxels of which a mask is made: those with lowest <= value <= highest.
+/// Voxels of which a mask is made: those with lowest <= value <= highest, in stored units. Every
+/// integer voxel is exact in a double; NaN is in no window.
 struct ValueWindow {
-  std::int64_t lowest = 0;
-  std::int64_t highest = 0;
+  double lowest = 0;
+  double highest = 0;
 
-  bool contains(std::int64_t value) const { return lowest <= value && value <= highest; }
+  bool contains(double value) const { return lowest <= value && value <= highest; }
 };
 
 /// Takes the blocks of a volume layer by layer and gives its tree. One thread at a time, but for
@@ -32,11 +33,11 @@ class MaskBuilder {
   /// Throws Error{limit_exceeded} on a bad size.
   explicit MaskBuilder(const Size3& size);
 
-  /// Takes the voxels of a block, of an integer type, whose first one is at `corner`.
+  /// Adds the voxels of a block that are in the window; its first voxel is at `corner`.
   /// corner  multiples of 4; the block lies inside the layer that is being filled and its sizes are
   ///         multiples of 4 but at the end of the volume
   /// Thread-safe for blocks that do not overlap.
-  /// Throws Error{invalid_argument} on other blocks and on float voxels.
+  /// Throws Error{invalid_argument} on other blocks.
   void add_block(const Index3& corner, const BrickView& block, const ValueWindow& window);
 
   /// Every voxel of `box`, placed as a block is, is in the mask.
@@ -53,7 +54,8 @@ class MaskBuilder {
   // The voxels at `at` of the block, a run of 64 x 4 x 4 or fewer; the first is `voxel` of the
   // volume.
   template <class T>
-  void add_rows(const Index3& voxel, const BrickView& block, const Index3& at, T lowest, T span);
+  void add_rows(const Index3& voxel, const BrickView& block, const Index3& at, T lowest,
+                T highest);
   std::uint64_t& word_at(const Index3& voxel);
 
   Size3 size_;

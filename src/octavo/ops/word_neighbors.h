@@ -1,7 +1,8 @@
 // Neighborhoods inside words of 4 x 4 x 4 children in o-code order, many at a time by shifts.
 //
-// Bit c stands at z, x, y whose bits are interleaved in c (z1 x1 y1 z0 x0 y0), so a step of one along
-// an axis moves bits by two distances: from even to odd within an octant, from odd to even across.
+// Bit c stands at z, x, y whose bits are interleaved in c (z1 x1 y1 z0 x0 y0), so a step of one
+// along an axis moves bits by two distances: from even to odd inside an octant, from odd to even
+// across.
 #pragma once
 
 #include <array>
@@ -25,7 +26,8 @@ constexpr std::array<std::array<std::uint64_t, 4>, 3> kSlabs = [] {
   for (int axis = 0; axis < 3; ++axis) {
     for (int bit = 0; bit < 64; ++bit) {
       const int at = (bit >> kLow[axis] & 1) + 2 * (bit >> kHigh[axis] & 1);
-      slabs[static_cast<std::size_t>(axis)][static_cast<std::size_t>(at)] |= std::uint64_t{1} << bit;
+      slabs[static_cast<std::size_t>(axis)][static_cast<std::size_t>(at)] |= std::uint64_t{1}
+                                                                             << bit;
     }
   }
   return slabs;

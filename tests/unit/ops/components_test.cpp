@@ -83,7 +83,8 @@ void expect_components(const DenseMask& mask, Connectivity connectivity) {
     EXPECT_EQ(found.components()[i].voxel_count, expected.components[i].voxel_count);
     EXPECT_EQ(found.components()[i].box, expected.components[i].box);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      EXPECT_NEAR(found.components()[i].centroid[axis], expected.components[i].centroid[axis], 1e-9);
+      EXPECT_NEAR(found.components()[i].centroid[axis], expected.components[i].centroid[axis],
+                  1e-9);
     }
   }
   std::vector<std::uint32_t> labels(mask.voxels.size());
