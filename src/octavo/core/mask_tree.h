@@ -139,6 +139,10 @@ LinearOctree to_linear_octree(const MaskTree& tree, std::int64_t value = 1);
 template <class Visit>
 void for_each_leaf(const MaskTree& tree, Visit&& visit);
 
+/// Writes 1 or 0 for every voxel of `box` to `voxels`, [z][y][x] without gaps. Thread-safe.
+/// Requires a box inside the volume
+void fill_voxels(const MaskTree& tree, const Box& box, std::uint8_t* voxels);
+
 /// The tree of all voxels of a box in a volume of `size`; the box is clipped to the volume.
 MaskTree box_mask(const Size3& size, const Box& box);
 

@@ -53,6 +53,30 @@ TEST(MaskTree, HoldsNothingOutsideTheVolume) {
   }
 }
 
+TEST(MaskTree, FillsAnyBoxWithItsVoxels) {
+  std::mt19937 random(6);
+  for (const Size3& size : testing::odd_sizes()) {
+    const DenseMask mask = testing::random_mask(size, random);
+    const MaskTree tree = testing::tree_of(mask);
+    for (int turn = 0; turn < 10; ++turn) {
+      Box box;
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto length = static_cast<unsigned>(size[axis]);
+        box.lo[axis] = static_cast<std::int64_t>(random() % length);
+        box.hi[axis] =
+            size[axis] -
+            static_cast<std::int64_t>(random() % static_cast<unsigned>(size[axis] - box.lo[axis]));
+      }
+      std::vector<std::uint8_t> voxels(static_cast<std::size_t>(box.size().voxel_count()), 7);
+      fill_voxels(tree, box, voxels.data());
+      std::size_t i = 0;
+      testing::for_each_voxel(box.size(), [&](const Index3& p) {
+        ASSERT_EQ(voxels[i++], mask.at({box.lo.x + p.x, box.lo.y + p.y, box.lo.z + p.z}));
+      });
+    }
+  }
+}
+
 TEST(BoxMask, IsTheMaskOfTheBox) {
   std::mt19937 random(3);
   for (const Size3& size : testing::odd_sizes()) {
