@@ -34,6 +34,10 @@ void add_verbs(CLI::App& app, Context& context) {
   add_probe(app, context);
   add_compare(app, context);
   add_codes(app, context);
+  add_threshold(app, context);
+  add_combine(app, context);
+  add_components(app, context);
+  add_measure(app, context);
   add_phantom(app, context);
   add_completion(app, context);
   add_manual(app, context);

@@ -1,0 +1,56 @@
+// Masks in and out of .8vo files: what the verbs that work on octrees share.
+#pragma once
+
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "common/context.h"
+#include "octavo/build/builder.h"
+#include "octavo/core/mask_tree.h"
+#include "octavo/file/reader.h"
+#include "octavo/ops/mask_build.h"
+
+namespace octavo::cli {
+
+/// A mask and the file it came from, whose grid it shares.
+struct OpenedMask {
+  std::string path;
+  std::shared_ptr<const FileReader> reader;
+  MaskTree tree;
+
+  const VolumeDescription& volume() const { return reader->description(); }
+};
+
+/// Opens the label map `path`; its mask is every voxel that is not 0.
+/// Throws what FileReader::open and mask_of_file throw; Error{invalid_argument} for grey volumes
+OpenedMask open_mask(const std::string& path, const Context& context);
+
+/// mask_of_file with progress, on the threads of `context`.
+MaskTree read_mask(const FileReader& reader, int level, const std::vector<ValueWindow>& windows,
+                   const Context& context);
+
+/// Runs `work` on the threads of `context`.
+void on_threads(const Context& context, const std::function<void()>& work);
+
+/// The description of a label map on the grid of `volume`, with the number type given.
+/// made_by  what the metadata say of its origin under "made_by"
+VolumeDescription label_description(const VolumeDescription& volume, VoxelType type,
+                                    const nlohmann::ordered_json& made_by);
+
+/// Writes a mask as the label map `output`: 1 inside, 0 outside.
+BuildResult write_mask(const MaskTree& mask, const VolumeDescription& volume,
+                       const nlohmann::ordered_json& made_by, const std::string& output,
+                       const Context& context);
+
+/// Builds the label map that `source` gives, with progress.
+BuildResult write_labels(PlaneSource& source, const std::string& output, const Context& context);
+
+/// Volume of one voxel, mm3.
+double voxel_mm3(const Geometry& geometry);
+
+/// "1,234,567 voxels, 123.4 cm3", or mm3 where that reads better; voxels alone where the spacing is
+/// not known.
+std::string volume_text(std::uint64_t voxels, const VolumeDescription& volume);
+
+}  // namespace octavo::cli

@@ -1,0 +1,145 @@
+// octavo combine: set operations on masks.
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "common/failure.h"
+#include "common/geometry_words.h"
+#include "common/inputs.h"
+#include "common/masks.h"
+#include "common/quantities.h"
+#include "common/verb.h"
+#include "octavo/ops/set_operations.h"
+#include "verbs.h"
+
+namespace octavo::cli {
+
+namespace {
+
+constexpr VerbText kText = {
+    "combine", "Unite, intersect or subtract masks.",
+    "A mask is every voxel of a label map that is not 0. The volumes must share one grid: size,\n"
+    "spacing, origin and direction. Three and more masks are taken from left to right.\n\n"
+    "Examples:\n"
+    "  octavo combine skull.8vo teeth.8vo --subtract -o bare.8vo\n"
+    "  octavo combine left.8vo right.8vo --union -o both.8vo\n"
+    "  octavo combine bone.8vo --complement -o rest.8vo"};
+
+struct Arguments {
+  std::vector<std::string> inputs;
+  std::string output;
+  bool is_union = false;
+  bool is_intersection = false;
+  bool is_difference = false;
+  bool is_xor = false;
+  bool is_complement = false;
+};
+
+std::optional<SetOperation> operation_of(const Arguments& arguments) {
+  if (arguments.is_union) return SetOperation::unite;
+  if (arguments.is_intersection) return SetOperation::intersect;
+  if (arguments.is_difference) return SetOperation::subtract;
+  if (arguments.is_xor) return SetOperation::exclusive_or;
+  return std::nullopt;
+}
+
+const char* name_of(const Arguments& arguments) {
+  return arguments.is_union          ? "union"
+         : arguments.is_intersection ? "intersect"
+         : arguments.is_difference   ? "subtract"
+         : arguments.is_xor          ? "xor"
+                                     : "complement";
+}
+
+void check_arguments(const Arguments& arguments) {
+  if (!arguments.is_complement && !operation_of(arguments)) {
+    throw Error(ErrorKind::invalid_argument,
+                "combine needs one of --union, --intersect, --subtract, --xor and --complement");
+  }
+  if (arguments.is_complement && arguments.inputs.size() != 1) {
+    throw Error(ErrorKind::invalid_argument,
+                fmt::format("--complement takes one mask, got {}", arguments.inputs.size()));
+  }
+  if (!arguments.is_complement && arguments.inputs.size() < 2) {
+    throw Error(ErrorKind::invalid_argument,
+                fmt::format("--{} takes two masks or more, got one", name_of(arguments)));
+  }
+}
+
+/// Throws Error{invalid_argument} that says how the grids of two volumes differ.
+void require_same_grid(const OpenedMask& a, const OpenedMask& b) {
+  const VolumeDescription& of_a = a.volume();
+  const VolumeDescription& of_b = b.volume();
+  if (of_a.size != of_b.size) {
+    throw Error(ErrorKind::invalid_argument,
+                fmt::format("has {} voxels, {} has {}; masks are combined on one grid",
+                            size_text(of_b.size), escaped(a.path), size_text(of_a.size)),
+                b.path);
+  }
+  const double shift = largest_shift_mm(of_a.geometry, of_b.geometry, of_a.size);
+  if (shift <= shift_tolerance_mm(of_a.geometry)) return;
+  throw Error(ErrorKind::invalid_argument,
+              fmt::format("lies up to {} mm from {}: origin {} against {} mm, spacing {} against "
+                          "{} mm; masks are combined on one grid",
+                          number_text(shift), escaped(a.path),
+                          point_text(of_b.geometry.origin_mm, ", "),
+                          point_text(of_a.geometry.origin_mm, ", "),
+                          point_text(of_b.geometry.spacing_mm),
+                          point_text(of_a.geometry.spacing_mm)),
+              b.path);
+}
+
+int run_combine(const Arguments& arguments, Context& context) {
+  check_arguments(arguments);
+  require_free_output(arguments.output, context);
+  OpenedMask first = open_mask(arguments.inputs.front(), context);
+  MaskTree result = std::move(first.tree);
+  if (arguments.is_complement) {
+    on_threads(context, [&] { result = complement(result); });
+  }
+  for (std::size_t i = 1; i < arguments.inputs.size(); ++i) {
+    const OpenedMask next = open_mask(arguments.inputs[i], context);
+    require_same_grid(first, next);
+    on_threads(context, [&] { result = combine(result, next.tree, *operation_of(arguments)); });
+  }
+  const std::uint64_t voxels = result.voxel_count();
+  const nlohmann::ordered_json made_by = {{"operation", name_of(arguments)},
+                                          {"masks", arguments.inputs.size()}};
+  const BuildResult built =
+      write_mask(result, first.volume(), made_by, arguments.output, context);
+  if (context.json) {
+    print_json({{"output", arguments.output},
+                {"operation", name_of(arguments)},
+                {"voxels", voxels},
+                {"mm3", static_cast<double>(voxels) * voxel_mm3(first.volume().geometry)},
+                {"file_bytes", built.file_bytes},
+                {"warnings", context.warnings}});
+  } else if (!context.quiet) {
+    print(fmt::format("{}: {}\n", arguments.output, volume_text(voxels, first.volume())));
+  }
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_combine(CLI::App& app, Context& context) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& verb = add_verb(app, context, kText,
+                            [arguments, &context] { return run_combine(*arguments, context); });
+  verb.add_option("masks", arguments->inputs, "Label maps, .8vo")->type_name("FILE")->required();
+  verb.add_option("-o,--output", arguments->output, "The .8vo mask to write")
+      ->type_name("FILE")
+      ->required();
+  CLI::Option_group* const operation = verb.add_option_group("Operation", "One of");
+  operation->add_flag("--union", arguments->is_union, "Voxels that are in any mask");
+  operation->add_flag("--intersect", arguments->is_intersection, "Voxels that are in all masks");
+  operation->add_flag("--subtract", arguments->is_difference,
+                      "Voxels of the first mask that are in no other");
+  operation->add_flag("--xor", arguments->is_xor, "Voxels that are in an odd number of masks");
+  operation->add_flag("--complement", arguments->is_complement, "Voxels that are not in the mask");
+  operation->require_option(1);
+}
+
+}  // namespace octavo::cli

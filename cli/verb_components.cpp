@@ -1,0 +1,180 @@
+// octavo components: what is connected in a mask, as a label map and a table.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "common/failure.h"
+#include "common/inputs.h"
+#include "common/masks.h"
+#include "common/quantities.h"
+#include "common/verb.h"
+#include "octavo/build/computed_source.h"
+#include "octavo/ops/components.h"
+#include "verbs.h"
+
+namespace octavo::cli {
+
+namespace {
+
+constexpr VerbText kText = {
+    "components", "Find the connected parts of a mask.",
+    "A mask is every voxel of a label map that is not 0. Parts are numbered from 1, the largest\n"
+    "first. The label map written with -o is a mask for other verbs as well.\n\n"
+    "Examples:\n"
+    "  octavo components bone.8vo\n"
+    "  octavo components bone.8vo --keep-largest 1 -o skull.8vo\n"
+    "  octavo components pores.8vo --connectivity 26 --min-mm3 0.5 -o pores-labels.8vo --json"};
+
+struct Arguments {
+  std::string input;
+  std::string output;
+  int connectivity = 6;
+  std::int64_t keep_largest = 0;
+  double min_mm3 = 0;
+  std::size_t rows = 20;
+};
+
+/// How many components, the largest first, are kept.
+std::size_t kept_count(const Components& found, const Arguments& arguments, double mm3) {
+  const auto& all = found.components();
+  const auto end = std::find_if(all.begin(), all.end(), [&](const Component& component) {
+    return static_cast<double>(component.voxel_count) * mm3 < arguments.min_mm3;
+  });
+  const auto large = static_cast<std::size_t>(end - all.begin());
+  if (arguments.keep_largest == 0) return large;
+  return std::min(large, static_cast<std::size_t>(arguments.keep_largest));
+}
+
+VoxelType label_type(std::size_t count) {
+  return count <= 0xff ? VoxelType::uint8 : count <= 0xffff ? VoxelType::uint16 : VoxelType::uint32;
+}
+
+BuildResult write_components(const Components& found, std::size_t kept,
+                             const VolumeDescription& volume, const Arguments& arguments,
+                             const Context& context) {
+  nlohmann::ordered_json made_by = {{"operation", "components"},
+                                    {"connectivity", arguments.connectivity}};
+  if (arguments.keep_largest > 0) made_by["keep_largest"] = arguments.keep_largest;
+  if (arguments.min_mm3 > 0) made_by["min_mm3"] = arguments.min_mm3;
+  const VoxelType type = label_type(kept);
+  std::vector<std::uint32_t> labels;
+  const auto source = make_computed_source(
+      label_description(volume, type, made_by), [&](const Box& box, std::byte* voxels) {
+        labels.resize(static_cast<std::size_t>(box.size().voxel_count()));
+        found.fill_labels(box, labels.data());
+        with_voxel_type(type, [&](auto id) {
+          using T = typename decltype(id)::type;
+          for (std::size_t i = 0; i < labels.size(); ++i) {
+            const T label = labels[i] <= kept ? static_cast<T>(labels[i]) : T{0};
+            std::memcpy(voxels + i * sizeof label, &label, sizeof label);
+          }
+        });
+      });
+  return write_labels(*source, arguments.output, context);
+}
+
+Point3 centre_mm(const Component& component, const Geometry& geometry) {
+  return geometry.to_world(component.centroid);
+}
+
+nlohmann::ordered_json objects_json(const Components& found, std::size_t kept,
+                                    const Geometry& geometry) {
+  nlohmann::ordered_json objects = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < kept; ++i) {
+    const Component& c = found.components()[i];
+    objects.push_back({{"label", i + 1},
+                       {"voxels", c.voxel_count},
+                       {"mm3", static_cast<double>(c.voxel_count) * voxel_mm3(geometry)},
+                       {"centroid_mm", centre_mm(c, geometry)},
+                       {"box",
+                        {{c.box.lo.x, c.box.hi.x}, {c.box.lo.y, c.box.hi.y},
+                         {c.box.lo.z, c.box.hi.z}}}});
+  }
+  return objects;
+}
+
+std::string table_text(const Components& found, std::size_t kept, const Arguments& arguments,
+                       const Geometry& geometry) {
+  const std::size_t count = found.components().size();
+  std::string text = fmt::format("{}: {} component{}, {} kept\n", arguments.input,
+                                 count_text(static_cast<std::int64_t>(count)),
+                                 count == 1 ? "" : "s",
+                                 count_text(static_cast<std::int64_t>(kept)));
+  const std::size_t rows = std::min(kept, arguments.rows);
+  if (rows > 0) {
+    text += fmt::format("{:>7} {:>14} {:>14}  {:<26} {}\n", "label", "voxels", "mm3",
+                        "centroid mm (x, y, z)", "box");
+  }
+  for (std::size_t i = 0; i < rows; ++i) {
+    const Component& c = found.components()[i];
+    const Point3 centre = centre_mm(c, geometry);
+    text += fmt::format(
+        "{:>7} {:>14} {:>14}  {:<26} {}:{},{}:{},{}:{}\n", i + 1,
+        count_text(static_cast<std::int64_t>(c.voxel_count)),
+        fmt::format("{:.2f}", static_cast<double>(c.voxel_count) * voxel_mm3(geometry)),
+        fmt::format("{:.1f}, {:.1f}, {:.1f}", centre[0], centre[1], centre[2]), c.box.lo.x,
+        c.box.hi.x, c.box.lo.y, c.box.hi.y, c.box.lo.z, c.box.hi.z);
+  }
+  if (rows < kept) {
+    text += fmt::format("... {} more; --rows {} shows all\n",
+                        count_text(static_cast<std::int64_t>(kept - rows)), kept);
+  }
+  return text;
+}
+
+int run_components(const Arguments& arguments, Context& context) {
+  if (!arguments.output.empty()) require_free_output(arguments.output, context);
+  const OpenedMask mask = open_mask(arguments.input, context);
+  const Geometry& geometry = mask.volume().geometry;
+  std::optional<Components> found;
+  on_threads(context, [&] {
+    found.emplace(mask.tree, static_cast<Connectivity>(arguments.connectivity));
+  });
+  const std::size_t kept = kept_count(*found, arguments, voxel_mm3(geometry));
+  nlohmann::ordered_json result = {{"components", found->components().size()},
+                                   {"kept", kept},
+                                   {"objects", objects_json(*found, kept, geometry)}};
+  if (!arguments.output.empty()) {
+    const BuildResult built = write_components(*found, kept, mask.volume(), arguments, context);
+    result["output"] = arguments.output;
+    result["file_bytes"] = built.file_bytes;
+  }
+  result["warnings"] = context.warnings;
+  if (context.json) {
+    print_json(result);
+  } else if (!context.quiet) {
+    print(table_text(*found, kept, arguments, geometry));
+  }
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_components(CLI::App& app, Context& context) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& verb = add_verb(app, context, kText,
+                            [arguments, &context] { return run_components(*arguments, context); });
+  verb.add_option("mask", arguments->input, "A label map, .8vo")->type_name("FILE")->required();
+  verb.add_option("-o,--output", arguments->output, "The .8vo label map to write")
+      ->type_name("FILE");
+  verb.add_option("--connectivity", arguments->connectivity,
+                  "Voxels are connected by faces (6), edges (18) or corners (26)")
+      ->type_name("N")
+      ->check(CLI::IsMember({6, 18, 26}))
+      ->capture_default_str();
+  verb.add_option("--keep-largest", arguments->keep_largest, "Keep only the N largest")
+      ->type_name("N")
+      ->check(CLI::PositiveNumber);
+  verb.add_option("--min-mm3", arguments->min_mm3, "Keep only those of this volume or more")
+      ->type_name("V")
+      ->check(CLI::NonNegativeNumber);
+  verb.add_option("--rows", arguments->rows, "Rows of the table, at most")
+      ->type_name("N")
+      ->capture_default_str();
+}
+
+}  // namespace octavo::cli

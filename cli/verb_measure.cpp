@@ -1,0 +1,241 @@
+// octavo measure: volumes, places, shapes and grey values of labelled regions.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "common/failure.h"
+#include "common/geometry_words.h"
+#include "common/inputs.h"
+#include "common/masks.h"
+#include "common/progress_line.h"
+#include "common/quantities.h"
+#include "common/verb.h"
+#include "common/volume_json.h"
+#include "octavo/ops/measure.h"
+#include "verbs.h"
+
+namespace octavo::cli {
+
+namespace {
+
+constexpr VerbText kText = {
+    "measure", "Measure the regions of a label map, and the grey values beneath them.",
+    "For each label but 0: voxels, mm3, surface voxels (with a face on something else),\n"
+    "centroid, bounding box, principal moments and axes; with --of also mean, standard\n"
+    "deviation, least, greatest, integrated value (sum times mm3) and percentiles of the grey\n"
+    "volume, in its real units (HU). Positions are in mm (LPS), boxes in voxels, half-open.\n\n"
+    "Examples:\n"
+    "  octavo measure skull.8vo\n"
+    "  octavo measure organs.8vo --of ct.8vo --csv > organs.csv\n"
+    "  octavo measure organs.8vo --of ct.8vo --percentile 1 --percentile 99 --json"};
+
+struct Arguments {
+  std::string input;
+  std::string grey;
+  std::vector<double> percentiles;
+  bool csv = false;
+};
+
+/// Grey statistics in real units.
+GreyStatistics real_statistics(const GreyStatistics& stored, const Rescale& rescale,
+                               std::uint64_t voxels) {
+  GreyStatistics real;
+  real.mean = rescale.to_real(stored.mean);
+  real.deviation = std::abs(rescale.slope) * stored.deviation;
+  real.least = rescale.to_real(stored.least);
+  real.greatest = rescale.to_real(stored.greatest);
+  if (rescale.slope < 0) std::swap(real.least, real.greatest);
+  real.sum = rescale.slope * stored.sum + rescale.intercept * static_cast<double>(voxels);
+  for (const double value : stored.percentiles) real.percentiles.push_back(rescale.to_real(value));
+  return real;
+}
+
+/// One region with all that is said of it.
+struct Row {
+  RegionMeasure region;
+  double mm3 = 0;
+  Point3 centroid_mm{};
+  PrincipalAxes axes;
+};
+
+std::vector<Row> rows_of(std::vector<RegionMeasure> regions, const VolumeDescription& labels,
+                         const VolumeDescription* grey) {
+  std::vector<Row> rows;
+  for (RegionMeasure& region : regions) {
+    Row row;
+    row.mm3 = static_cast<double>(region.voxel_count) * voxel_mm3(labels.geometry);
+    row.centroid_mm = labels.geometry.to_world(region.centroid);
+    row.axes = principal_axes(region, labels.geometry);
+    if (region.grey) {
+      region.grey = real_statistics(*region.grey, grey->rescale, region.voxel_count);
+    }
+    row.region = std::move(region);
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+/// The percentiles from low to high, of values on a falling scale as well.
+std::vector<double> asked_percentiles(const Arguments& arguments) {
+  std::vector<double> percentiles =
+      arguments.percentiles.empty() ? MeasureOptions().percentiles : arguments.percentiles;
+  std::sort(percentiles.begin(), percentiles.end());
+  percentiles.erase(std::unique(percentiles.begin(), percentiles.end()), percentiles.end());
+  return percentiles;
+}
+
+nlohmann::ordered_json row_json(const Row& row, const std::vector<double>& percentiles,
+                                double mm3_per_voxel) {
+  const RegionMeasure& r = row.region;
+  nlohmann::ordered_json object = {
+      {"label", r.label},
+      {"voxels", r.voxel_count},
+      {"mm3", row.mm3},
+      {"surface_voxels", r.surface_voxel_count},
+      {"centroid_mm", row.centroid_mm},
+      {"box", {{r.box.lo.x, r.box.hi.x}, {r.box.lo.y, r.box.hi.y}, {r.box.lo.z, r.box.hi.z}}},
+      {"principal_moments_mm2", row.axes.moments_mm2},
+      {"principal_axes", row.axes.axes}};
+  if (!r.grey) return object;
+  object["mean"] = r.grey->mean;
+  object["sd"] = r.grey->deviation;
+  object["min"] = r.grey->least;
+  object["max"] = r.grey->greatest;
+  object["integrated_mm3"] = r.grey->sum * mm3_per_voxel;
+  nlohmann::ordered_json& of_percent = object["percentiles"];
+  for (std::size_t i = 0; i < percentiles.size(); ++i) {
+    of_percent[number_text(percentiles[i])] = r.grey->percentiles[i];
+  }
+  return object;
+}
+
+/// The objects as a table with one column per number.
+std::string csv_text(const nlohmann::ordered_json& objects) {
+  std::string text;
+  for (const auto& object : objects) {
+    const nlohmann::ordered_json flat = object.flatten();
+    const bool is_first = text.empty();
+    std::string names;
+    std::string values;
+    for (const auto& [pointer, value] : flat.items()) {
+      std::string name = pointer.substr(1);
+      for (char& c : name) c = c == '/' ? '_' : c;
+      names += (names.empty() ? "" : ",") + name;
+      values += (values.empty() ? "" : ",") + value.dump();
+    }
+    if (is_first) text += names + "\n";
+    text += values + "\n";
+  }
+  return text;
+}
+
+std::string table_text(const std::vector<Row>& rows, const std::string& unit) {
+  const bool has_grey = !rows.empty() && rows.front().region.grey.has_value();
+  std::string text = fmt::format("{:>10} {:>14} {:>14} {:>12}  {:<26} {:<24}", "label", "voxels",
+                                 "mm3", "surface", "centroid mm (x, y, z)", "principal sd mm");
+  if (has_grey) {
+    text += fmt::format(" {:>10} {:>9} {:>9} {:>9}", "mean", "sd", "min", "max");
+    if (!unit.empty()) text += "  " + unit;
+  }
+  text += "\n";
+  for (const Row& row : rows) {
+    const RegionMeasure& r = row.region;
+    const auto& c = row.centroid_mm;
+    const auto& m = row.axes.moments_mm2;
+    text += fmt::format(
+        "{:>10} {:>14} {:>14.2f} {:>12}  {:<26} {:<24}", r.label,
+        count_text(static_cast<std::int64_t>(r.voxel_count)), row.mm3,
+        count_text(static_cast<std::int64_t>(r.surface_voxel_count)),
+        fmt::format("{:.1f}, {:.1f}, {:.1f}", c[0], c[1], c[2]),
+        fmt::format("{:.2f}, {:.2f}, {:.2f}", std::sqrt(m[0]), std::sqrt(m[1]), std::sqrt(m[2])));
+    if (has_grey) {
+      text += fmt::format(" {:>10.2f} {:>9.2f} {:>9} {:>9}", r.grey->mean, r.grey->deviation,
+                          number_text(r.grey->least), number_text(r.grey->greatest));
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+/// Throws Error{invalid_argument} unless both volumes lie on one grid.
+void require_grid(const FileReader& labels, const FileReader& grey, const Arguments& arguments) {
+  const VolumeDescription& of_labels = labels.description();
+  const VolumeDescription& of_grey = grey.description();
+  if (of_labels.size != of_grey.size) {
+    throw Error(ErrorKind::invalid_argument,
+                fmt::format("has {} voxels, the labels have {}; both must share one grid",
+                            size_text(of_grey.size), size_text(of_labels.size)),
+                arguments.grey);
+  }
+  const double shift = largest_shift_mm(of_labels.geometry, of_grey.geometry, of_labels.size);
+  if (shift <= shift_tolerance_mm(of_labels.geometry)) return;
+  throw Error(ErrorKind::invalid_argument,
+              fmt::format("lies up to {} mm from the labels; both must share one grid",
+                          number_text(shift)),
+              arguments.grey);
+}
+
+int run_measure(const Arguments& arguments, Context& context) {
+  const std::shared_ptr<const FileReader> labels = open_octavo(arguments.input, context);
+  if (labels->description().kind != VolumeKind::labels) {
+    throw Error(ErrorKind::invalid_argument,
+                "holds grey values, not labels; 'octavo threshold' makes labels of it",
+                arguments.input);
+  }
+  std::shared_ptr<const FileReader> grey;
+  if (!arguments.grey.empty()) {
+    grey = open_octavo(arguments.grey, context);
+    require_grid(*labels, *grey, arguments);
+  }
+  const std::vector<double> percentiles = asked_percentiles(arguments);
+  MeasureOptions options;
+  options.percentiles = percentiles;
+  // On a falling scale the p-th percentile is the (100 - p)-th stored one.
+  if (grey && grey->description().rescale.slope < 0) {
+    for (double& percent : options.percentiles) percent = 100 - percent;
+  }
+  std::vector<RegionMeasure> regions;
+  {
+    ProgressLine progress(context);
+    on_threads(context, [&] {
+      regions = measure_regions(*labels, grey.get(), options, progress);
+    });
+  }
+  const std::vector<Row> rows =
+      rows_of(std::move(regions), labels->description(), grey ? &grey->description() : nullptr);
+  nlohmann::ordered_json objects = nlohmann::ordered_json::array();
+  for (const Row& row : rows) {
+    objects.push_back(row_json(row, percentiles, voxel_mm3(labels->description().geometry)));
+  }
+  const std::string unit = grey ? unit_of(metadata_of(grey->description())) : "";
+  if (context.json) {
+    print_json({{"objects", objects}, {"unit", unit}, {"warnings", context.warnings}});
+  } else if (arguments.csv) {
+    print(csv_text(objects));
+  } else if (!context.quiet) {
+    print(table_text(rows, unit));
+  }
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_measure(CLI::App& app, Context& context) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& verb = add_verb(app, context, kText,
+                            [arguments, &context] { return run_measure(*arguments, context); });
+  verb.add_option("labels", arguments->input, "A label map, .8vo")->type_name("FILE")->required();
+  verb.add_option("--of", arguments->grey, "The grey volume to measure under the labels, .8vo")
+      ->type_name("GREY");
+  verb.add_option("--percentile", arguments->percentiles,
+                  "A percentile, 0 to 100 (default 5, 25, 50, 75, 95)")
+      ->type_name("P")
+      ->allow_extra_args(false)
+      ->check(CLI::Range(0.0, 100.0));
+  verb.add_flag("--csv", arguments->csv, "One line per region, comma-separated");
+}
+
+}  // namespace octavo::cli

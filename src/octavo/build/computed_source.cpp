@@ -1,0 +1,59 @@
+#include "octavo/build/computed_source.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "octavo/core/error.h"
+#include "octavo/core/levels.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::int64_t kPlanesAtOnce = 16;
+
+class ComputedSource final : public PlaneSource {
+ public:
+  ComputedSource(const VolumeDescription& description, FillBox fill)
+      : description_(description), fill_(std::move(fill)) {
+    checked_voxel_count(description.size);
+  }
+
+  const VolumeDescription& description() const override { return description_; }
+  const std::vector<std::string>& warnings() const override { return warnings_; }
+
+  void read_plane(std::span<std::byte> plane) override {
+    const Size3& size = description_.size;
+    const auto bytes =
+        static_cast<std::size_t>(size.x * size.y * bytes_per_voxel(description_.type));
+    if (next_ == size.z || plane.size() != bytes) {
+      throw Error(ErrorKind::invalid_argument, "no such plane");
+    }
+    if (next_ == end_) {
+      end_ = std::min(size.z, next_ + kPlanesAtOnce);
+      first_ = next_;
+      voxels_.resize(bytes * static_cast<std::size_t>(end_ - first_));
+      fill_({{0, 0, first_}, {size.x, size.y, end_}}, voxels_.data());
+    }
+    const auto at = static_cast<std::ptrdiff_t>(bytes) * (next_++ - first_);
+    std::copy_n(voxels_.begin() + at, bytes, plane.begin());
+  }
+
+ private:
+  VolumeDescription description_;
+  FillBox fill_;
+  std::vector<std::string> warnings_;
+  std::vector<std::byte> voxels_;  // of planes first_ .. end_
+  std::int64_t first_ = 0;
+  std::int64_t end_ = 0;
+  std::int64_t next_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<PlaneSource> make_computed_source(const VolumeDescription& description,
+                                                  FillBox fill) {
+  return std::make_unique<ComputedSource>(description, std::move(fill));
+}
+
+}  // namespace octavo

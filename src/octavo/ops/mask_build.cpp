@@ -1,0 +1,268 @@
+#include "octavo/ops/mask_build.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <type_traits>
+#include <utility>
+
+#include "octavo/core/error.h"
+#include "octavo/core/levels.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::int64_t kCubeSide = 64;
+constexpr std::size_t kWordsPerCube = 4096;
+// Voxels of a row that are tested at once.
+constexpr std::int64_t kRun = 64;
+
+// The four bits of a row of a word, x = 0..3, at their places in the word.
+constexpr std::array<std::uint64_t, 16> kRowPlaces = [] {
+  std::array<std::uint64_t, 16> places{};
+  for (std::uint64_t bits = 0; bits < 16; ++bits) {
+    for (std::uint64_t x = 0; x < 4; ++x) {
+      if ((bits >> x & 1) != 0) places[bits] |= std::uint64_t{1} << (16 * (x >> 1) + 2 * (x & 1));
+    }
+  }
+  return places;
+}();
+
+// How far the row (y, z) of a word is from its first one.
+constexpr int row_shift(int y, int z) {
+  return 32 * (z >> 1) + 4 * (z & 1) + 8 * (y >> 1) + (y & 1);
+}
+
+// Bit i says whether lowest <= row[i] <= highest; count <= 64.
+template <class T>
+std::uint64_t bits_in_window(const T* row, std::int64_t count, T lowest, T highest) {
+  alignas(64) std::array<std::uint8_t, kRun> inside{};
+  for (std::int64_t i = 0; i < count; ++i) {
+    inside[static_cast<std::size_t>(i)] = row[i] >= lowest && row[i] <= highest ? 1 : 0;
+  }
+  // Eight bytes of 0 or 1 become eight bits: byte i is moved to bit 56 + i, all at once.
+  constexpr std::uint64_t kGather = 0x0102040810204080u;
+  std::uint64_t bits = 0;
+  for (std::size_t byte = 0; byte < 8; ++byte) {
+    std::uint64_t eight;
+    std::memcpy(&eight, inside.data() + 8 * byte, sizeof eight);
+    bits |= (eight * kGather >> 56) << 8 * byte;
+  }
+  return bits;
+}
+
+// The window as bounds of the type; false when no value of the type is in it.
+template <class T>
+bool bounds_in(const ValueWindow& window, VoxelType type, T& lowest, T& highest) {
+  if (!(window.lowest <= window.highest)) return false;
+  if constexpr (std::is_floating_point_v<T>) {
+    // Rounded inwards, so that float comparisons decide as double ones do.
+    lowest = static_cast<T>(window.lowest);
+    highest = static_cast<T>(window.highest);
+    constexpr T kInfinity = std::numeric_limits<T>::infinity();
+    if (static_cast<double>(lowest) < window.lowest) lowest = std::nextafter(lowest, kInfinity);
+    if (static_cast<double>(highest) > window.highest) {
+      highest = std::nextafter(highest, -kInfinity);
+    }
+  } else {
+    const ValueRange range = value_range(type);
+    const double low = std::max(std::ceil(window.lowest), static_cast<double>(range.min));
+    const double high = std::min(std::floor(window.highest), static_cast<double>(range.max));
+    if (!(low <= high)) return false;
+    lowest = static_cast<T>(low);
+    highest = static_cast<T>(high);
+  }
+  return lowest <= highest;
+}
+
+// The word at x = 4 * i of 64 x 4 x 4 voxels, whose 16 rows are given as bits.
+std::uint64_t word_of_rows(const std::array<std::uint64_t, 16>& rows, std::int64_t i) {
+  std::uint64_t word = 0;
+  for (int z = 0; z < 4; ++z) {
+    for (int y = 0; y < 4; ++y) {
+      const std::uint64_t four = rows[static_cast<std::size_t>(4 * z + y)] >> 4 * i & 15;
+      word |= kRowPlaces[four] << row_shift(y, z);
+    }
+  }
+  return word;
+}
+
+// Folds the words of a cube of 16^3 and keeps the mixed ones.
+MaskCube fold_words(const std::uint64_t* words, std::vector<std::uint64_t>& kept) {
+  MaskCube cube{0, 0, kept.size()};
+  std::array<std::uint64_t, 64> mixed;
+  std::size_t count = 0;
+  for (int bit = 0; bit < 64; ++bit) {
+    const std::uint64_t word = words[bit];
+    const std::uint64_t is_full = word == kFullWord ? 1 : 0;
+    const std::uint64_t is_mixed = word != 0 && word != kFullWord ? 1 : 0;
+    mixed[count] = word;
+    count += is_mixed;
+    cube.full |= is_full << bit;
+    cube.mixed |= is_mixed << bit;
+  }
+  kept.insert(kept.end(), mixed.begin(), mixed.begin() + static_cast<std::ptrdiff_t>(count));
+  return cube;
+}
+
+// Folds the words of a cube of 64^3.
+MaskPart fold_cube(const std::uint64_t* words, std::uint64_t code) {
+  MaskPart part;
+  part.below = arrays_below(1);
+  MaskCube cube;
+  for (int bit = 0; bit < 64; ++bit) {
+    const MaskCube child = fold_words(words + 64 * bit, part.below.words);
+    if (child.is_full()) {
+      cube.full |= std::uint64_t{1} << bit;
+    } else if (!child.is_empty()) {
+      cube.mixed |= std::uint64_t{1} << bit;
+      part.below.cubes[0].push_back(child);
+    }
+  }
+  part.below.words.shrink_to_fit();
+  part.below.cubes[0].shrink_to_fit();
+  part.pieces.push_back({code, cube});
+  return part;
+}
+
+bool is_aligned(std::int64_t lo, std::int64_t hi, std::int64_t size) {
+  return lo % 4 == 0 && (hi % 4 == 0 || hi == size);
+}
+
+}  // namespace
+
+MaskBuilder::MaskBuilder(const Size3& size) : size_(size) {
+  checked_voxel_count(size);
+  for (int axis = 0; axis < 3; ++axis) cubes_[axis] = (size[axis] + kCubeSide - 1) / kCubeSide;
+  words_.resize(static_cast<std::size_t>(cubes_.x * cubes_.y) * kWordsPerCube);
+}
+
+void MaskBuilder::require_block(const Box& box) const {
+  const Box layer{{0, 0, layer_ * kLayerPlanes},
+                  {size_.x, size_.y, std::min(size_.z, (layer_ + 1) * kLayerPlanes)}};
+  bool is_placed = !box.is_empty() && layer.contains(box);
+  for (int axis = 0; axis < 3; ++axis) {
+    is_placed = is_placed && is_aligned(box.lo[axis], box.hi[axis], size_[axis]);
+  }
+  if (!is_placed) throw Error(ErrorKind::invalid_argument, "a block outside the layer or its grid");
+}
+
+std::uint64_t& MaskBuilder::word_at(const Index3& voxel) {
+  const std::int64_t cube = voxel.y / kCubeSide * cubes_.x + voxel.x / kCubeSide;
+  const std::uint64_t code = interleave({voxel.x >> 2 & 15, voxel.y >> 2 & 15, voxel.z >> 2 & 15});
+  return words_[static_cast<std::size_t>(cube) * kWordsPerCube + code];
+}
+
+void MaskBuilder::add_block(const Index3& corner, const BrickView& block,
+                            const ValueWindow& window) {
+  const Size3& size = block.size;
+  require_block({corner, {corner.x + size.x, corner.y + size.y, corner.z + size.z}});
+  with_voxel_type(block.type, [&](auto id) {
+    using T = typename decltype(id)::type;
+    T lowest;
+    T highest;
+    if (!bounds_in(window, block.type, lowest, highest)) return;
+    for (std::int64_t z = 0; z < size.z; z += 4) {
+      for (std::int64_t y = 0; y < size.y; y += 4) {
+        for (std::int64_t x = 0; x < size.x; x += kRun) {
+          add_rows<T>({corner.x + x, corner.y + y, corner.z + z}, block, {x, y, z}, lowest,
+                      highest);
+        }
+      }
+    }
+  });
+}
+
+template <class T>
+void MaskBuilder::add_rows(const Index3& voxel, const BrickView& block, const Index3& at, T lowest,
+                           T highest) {
+  const std::int64_t count = std::min(kRun, block.size.x - at.x);
+  std::array<std::uint64_t, 16> rows{};
+  std::uint64_t any = 0;
+  for (std::int64_t z = at.z; z < std::min(at.z + 4, block.size.z); ++z) {
+    for (std::int64_t y = at.y; y < std::min(at.y + 4, block.size.y); ++y) {
+      const T* const row = static_cast<const T*>(block.voxels) + z * block.plane_stride +
+                           y * block.row_stride + at.x;
+      const std::uint64_t bits = bits_in_window(row, count, lowest, highest);
+      rows[static_cast<std::size_t>(4 * (z - at.z) + y - at.y)] = bits;
+      any |= bits;
+    }
+  }
+  if (any == 0) return;
+  for (std::int64_t i = 0; 4 * i < count; ++i) {
+    word_at({voxel.x + 4 * i, voxel.y, voxel.z}) |= word_of_rows(rows, i);
+  }
+}
+
+void MaskBuilder::fill_block(const Box& box) {
+  require_block(box);
+  for (std::int64_t z = box.lo.z; z < box.hi.z; z += 4) {
+    for (std::int64_t y = box.lo.y; y < box.hi.y; y += 4) {
+      for (std::int64_t x = box.lo.x; x < box.hi.x; x += 4) {
+        std::uint64_t word = kFullWord;
+        if (x + 4 > box.hi.x || y + 4 > box.hi.y || z + 4 > box.hi.z) {
+          word = 0;
+          for (std::uint64_t bit = 0; bit < 64; ++bit) {
+            const Index3 at = deinterleave(bit);
+            if (box.contains(Index3{x + at.x, y + at.y, z + at.z})) word |= std::uint64_t{1} << bit;
+          }
+        }
+        word_at({x, y, z}) |= word;
+      }
+    }
+  }
+}
+
+void MaskBuilder::finish_layer() {
+  if (layer_ == cubes_.z)
+    throw Error(ErrorKind::invalid_argument, "more layers than the volume has");
+  std::vector<MaskPart> parts(static_cast<std::size_t>(cubes_.x * cubes_.y));
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+    const auto at = static_cast<std::int64_t>(i);
+    std::uint64_t* const words = words_.data() + i * kWordsPerCube;
+    if (std::all_of(words, words + kWordsPerCube, [](std::uint64_t word) { return word == 0; })) {
+      return;
+    }
+    parts[i] = fold_cube(words, interleave({at % cubes_.x, at / cubes_.x, layer_}));
+    std::memset(words, 0, kWordsPerCube * sizeof *words);
+  });
+  for (MaskPart& part : parts) {
+    if (!part.pieces.empty()) parts_.push_back(std::move(part));
+  }
+  ++layer_;
+}
+
+MaskTree MaskBuilder::finish() {
+  if (layer_ != cubes_.z)
+    throw Error(ErrorKind::invalid_argument, "finished before the last layer");
+  std::sort(parts_.begin(), parts_.end(), [](const MaskPart& a, const MaskPart& b) {
+    return a.pieces.front().code < b.pieces.front().code;
+  });
+  MaskTree tree = assemble(size_, 1, parts_);
+  parts_.clear();
+  return tree;
+}
+
+MaskTree make_mask(const BrickView& volume, const ValueWindow& window) {
+  MaskBuilder builder(volume.size);
+  const std::int64_t voxel_bytes = bytes_per_voxel(volume.type);
+  for (std::int64_t z = 0; z < volume.size.z; z += MaskBuilder::kLayerPlanes) {
+    const std::int64_t planes = std::min(MaskBuilder::kLayerPlanes, volume.size.z - z);
+    tbb::parallel_for(std::int64_t{0}, (volume.size.y + 3) / 4, [&](std::int64_t row) {
+      BrickView block = volume;
+      block.size = {volume.size.x, std::min<std::int64_t>(4, volume.size.y - 4 * row), planes};
+      block.voxels = static_cast<const std::byte*>(volume.voxels) +
+                     (z * volume.plane_stride + 4 * row * volume.row_stride) * voxel_bytes;
+      builder.add_block({0, 4 * row, z}, block, window);
+    });
+    builder.finish_layer();
+  }
+  return builder.finish();
+}
+
+}  // namespace octavo

@@ -1,0 +1,468 @@
+#include "octavo/ops/measure.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "octavo/core/error.h"
+
+namespace octavo {
+
+namespace {
+
+// Bricks whose sums are held until they are added in order.
+constexpr std::int64_t kBricksAtOnce = 64;
+
+// Sums over the voxels of one region, from the corner of a brick or of the volume.
+struct Sums {
+  std::uint64_t count = 0;
+  std::uint64_t surface = 0;
+  Box box{{std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::max(),
+           std::numeric_limits<std::int64_t>::max()},
+          {0, 0, 0}};
+  std::array<__int128, 3> first{};   // x, y, z
+  std::array<__int128, 6> second{};  // xx, yy, zz, xy, xz, yz
+  // Of the grey voxels less `Bins::least`: exact for integers, in order for floats.
+  double least = std::numeric_limits<double>::infinity();
+  double greatest = -std::numeric_limits<double>::infinity();
+  __int128 whole_sum = 0;
+  __int128 whole_squares = 0;
+  long double sum = 0;
+  long double squares = 0;
+  std::vector<std::uint64_t> bins;
+};
+
+// Sum of i, and of i * i, for lo <= i < hi.
+__int128 sum_of(std::int64_t lo, std::int64_t hi) {
+  return static_cast<__int128>(hi - lo) * (lo + hi - 1) / 2;
+}
+__int128 squares_below(std::int64_t n) {
+  return n <= 0 ? 0 : static_cast<__int128>(n - 1) * n * (2 * n - 1) / 6;
+}
+__int128 squares_of(std::int64_t lo, std::int64_t hi) {
+  return squares_below(hi) - squares_below(lo);
+}
+
+// Adds the voxels of a box, whose corners are not below 0.
+void add_box(const Box& box, Sums& sums) {
+  const Size3 size = box.size();
+  const auto count = static_cast<std::uint64_t>(size.voxel_count());
+  sums.count += count;
+  std::array<__int128, 3> along;  // sum of the coordinate over one line
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    sums.box.lo[axis] = std::min(sums.box.lo[axis], box.lo[axis]);
+    sums.box.hi[axis] = std::max(sums.box.hi[axis], box.hi[axis]);
+    const auto lines = static_cast<__int128>(size.voxel_count() / size[axis]);
+    along[a] = sum_of(box.lo[axis], box.hi[axis]);
+    sums.first[a] += along[a] * lines;
+    sums.second[a] += squares_of(box.lo[axis], box.hi[axis]) * lines;
+  }
+  sums.second[3] += along[0] * along[1] * size.z;
+  sums.second[4] += along[0] * along[2] * size.y;
+  sums.second[5] += along[1] * along[2] * size.x;
+}
+
+// How grey values fall into bins: the k-th holds those from least + k * width on. Sums count from
+// the least value as well, so that a small spread far from 0 is not lost.
+struct Bins {
+  double least = 0;
+  double width = 1;
+  std::size_t count = 1;
+  bool is_wanted = false;
+
+  std::size_t bin_of(double value) const {
+    const double at = std::floor((value - least) / width);
+    return static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(count - 1)));
+  }
+};
+
+Bins bins_of(const FileReader& grey) {
+  const VolumeDescription& description = grey.description();
+  const double a = description.voxel_of(grey.range().min);
+  const double b = description.voxel_of(grey.range().max);
+  Bins bins{std::min(a, b), 1, 1};
+  const double range = std::abs(b - a);
+  if (is_integer(description.type) && range < static_cast<double>(kPercentileBins)) {
+    bins.count = static_cast<std::size_t>(range) + 1;
+  } else if (range > 0) {
+    bins.count = static_cast<std::size_t>(kPercentileBins);
+    bins.width = range / static_cast<double>(kPercentileBins);
+  }
+  return bins;
+}
+
+template <class T>
+void add_grey(T value, const Bins& bins, Sums& sums) {
+  const auto v = static_cast<double>(value);
+  sums.least = std::min(sums.least, v);
+  sums.greatest = std::max(sums.greatest, v);
+  if constexpr (std::is_integral_v<T>) {
+    const auto above = static_cast<std::int64_t>(value) - static_cast<std::int64_t>(bins.least);
+    sums.whole_sum += above;
+    sums.whole_squares += static_cast<__int128>(above) * above;
+  } else {
+    const long double above = v - bins.least;
+    sums.sum += above;
+    sums.squares += above * above;
+  }
+  if (!bins.is_wanted) return;
+  if (sums.bins.empty()) sums.bins.resize(bins.count);
+  ++sums.bins[bins.bin_of(v)];
+}
+
+using SumsByLabel = std::map<std::int64_t, Sums>;
+
+void add(const Sums& from, Sums& to) {
+  to.count += from.count;
+  to.surface += from.surface;
+  for (int axis = 0; axis < 3; ++axis) {
+    to.box.lo[axis] = std::min(to.box.lo[axis], from.box.lo[axis]);
+    to.box.hi[axis] = std::max(to.box.hi[axis], from.box.hi[axis]);
+  }
+  for (std::size_t i = 0; i < 3; ++i) to.first[i] += from.first[i];
+  for (std::size_t i = 0; i < 6; ++i) to.second[i] += from.second[i];
+  to.least = std::min(to.least, from.least);
+  to.greatest = std::max(to.greatest, from.greatest);
+  to.whole_sum += from.whole_sum;
+  to.whole_squares += from.whole_squares;
+  to.sum += from.sum;
+  to.squares += from.squares;
+  if (from.bins.empty()) return;
+  if (to.bins.empty()) to.bins.resize(from.bins.size());
+  for (std::size_t i = 0; i < from.bins.size(); ++i) to.bins[i] += from.bins[i];
+}
+
+// Labels of a box with one voxel around it, -1 standing for what is outside the volume.
+class LabelBlock {
+ public:
+  LabelBlock(const FileReader& reader, const Box& box) : box_(box) {
+    const Size3& volume = reader.levels().size(0);
+    const Box wide{{box.lo.x - 1, box.lo.y - 1, box.lo.z - 1},
+                   {box.hi.x + 1, box.hi.y + 1, box.hi.z + 1}};
+    const Box part = intersection(wide, box_of(volume));
+    const Size3 size = wide.size();
+    row_ = size.x;
+    plane_ = size.x * size.y;
+    labels_.assign(static_cast<std::size_t>(size.voxel_count()), -1);
+    with_voxel_type(reader.description().type, [&](auto id) {
+      using T = typename decltype(id)::type;
+      const Size3 read = part.size();
+      std::vector<T> voxels(static_cast<std::size_t>(read.voxel_count()));
+      reader.read(part, 0, voxels.data());
+      for (std::int64_t z = 0; z < read.z; ++z) {
+        for (std::int64_t y = 0; y < read.y; ++y) {
+          const T* const from = voxels.data() + (z * read.y + y) * read.x;
+          std::int64_t* const to = row(y + part.lo.y - box.lo.y, z + part.lo.z - box.lo.z) +
+                                   part.lo.x - box.lo.x;
+          for (std::int64_t x = 0; x < read.x; ++x) to[x] = static_cast<std::int64_t>(from[x]);
+        }
+      }
+    });
+  }
+
+  /// The row at (y, z) of the box, from x = 0; one voxel more on every side may be looked at.
+  std::int64_t* row(std::int64_t y, std::int64_t z) {
+    return labels_.data() + (z + 1) * plane_ + (y + 1) * row_ + 1;
+  }
+
+  /// How many voxels lo <= x < hi of a row, all of one label, have a face neighbor of another.
+  std::uint64_t surface_of(std::int64_t lo, std::int64_t hi, std::int64_t y, std::int64_t z) {
+    const std::int64_t* const here = row(y, z);
+    const std::int64_t label = here[lo];
+    std::uint64_t count = 0;
+    for (std::int64_t x = lo; x < hi; ++x) {
+      const bool is_surface = here[x - 1] != label || here[x + 1] != label ||
+                              here[x - row_] != label || here[x + row_] != label ||
+                              here[x - plane_] != label || here[x + plane_] != label;
+      count += is_surface ? 1 : 0;
+    }
+    return count;
+  }
+
+ private:
+  Box box_;
+  std::int64_t row_ = 0;
+  std::int64_t plane_ = 0;
+  std::vector<std::int64_t> labels_;
+};
+
+class Measurement {
+ public:
+  Measurement(const FileReader& labels, const FileReader* grey, const MeasureOptions& options)
+      : labels_(labels), grey_(grey), options_(options), grid_(labels.levels().brick_grid(0)) {
+    if (grey == nullptr) return;
+    bins_ = bins_of(*grey);
+    bins_.is_wanted = !options.percentiles.empty();
+  }
+
+  std::vector<RegionMeasure> take(Progress& progress) {
+    const std::int64_t count = grid_.voxel_count();
+    progress.begin("measure", count, "bricks");
+    for (std::int64_t first = 0; first < count; first += kBricksAtOnce) {
+      const std::int64_t end = std::min(count, first + kBricksAtOnce);
+      std::vector<SumsByLabel> of_bricks(static_cast<std::size_t>(end - first));
+      tbb::parallel_for(first, end, [&](std::int64_t i) {
+        if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped while measuring");
+        of_bricks[static_cast<std::size_t>(i - first)] = brick_sums(
+            {i % grid_.x, i / grid_.x % grid_.y, i / (grid_.x * grid_.y)});
+        progress.advance(1);
+      });
+      for (const SumsByLabel& of_brick : of_bricks) {
+        for (const auto& [label, sums] : of_brick) add(sums, totals_[label]);
+      }
+    }
+    progress.end();
+    std::vector<RegionMeasure> regions;
+    for (const auto& [label, sums] : totals_) regions.push_back(region_of(label, sums));
+    return regions;
+  }
+
+ private:
+  // The label of a brick of one label only.
+  std::optional<std::int64_t> single_label(const Index3& brick) const {
+    const BrickEntry entry = labels_.brick(0, brick);
+    if (!entry.is_uniform()) return std::nullopt;
+    return entry.range.min;
+  }
+
+  // Whether no voxel of a brick of one label touches another label or the border of the volume.
+  bool is_enclosed(const Index3& brick, std::int64_t label) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const std::int64_t step : {-1, 1}) {
+        Index3 beside = brick;
+        beside[axis] += step;
+        if (beside[axis] < 0 || beside[axis] >= grid_[axis]) return false;
+        if (single_label(beside) != label) return false;
+      }
+    }
+    return true;
+  }
+
+  SumsByLabel brick_sums(const Index3& brick) const {
+    const Box box = labels_.levels().brick_box(0, brick);
+    const auto label = single_label(brick);
+    SumsByLabel sums;
+    if (label == 0) return sums;
+    if (label && is_enclosed(brick, *label)) {
+      add_box(box, sums[*label]);
+      add_grey_of(box, sums[*label]);
+      return sums;
+    }
+    LabelBlock block(labels_, box);
+    if (grey_ == nullptr) {
+      add_runs(box, block, sums,
+               [](std::int64_t, std::int64_t, std::int64_t, std::int64_t, Sums&) {});
+      return sums;
+    }
+    with_voxel_type(grey_->description().type, [&](auto id) {
+      using T = typename decltype(id)::type;
+      const std::vector<T> values = grey_voxels<T>(box);
+      const Size3 size = box.size();
+      add_runs(box, block, sums,
+               [&](std::int64_t lo, std::int64_t hi, std::int64_t y, std::int64_t z, Sums& to) {
+                 const T* const row = values.data() + (z * size.y + y) * size.x;
+                 for (std::int64_t x = lo; x < hi; ++x) add_grey(row[x], bins_, to);
+               });
+    });
+    return sums;
+  }
+
+  // The runs of one label in the rows of a brick.
+  template <class TakeRun>
+  void add_runs(const Box& box, LabelBlock& block, SumsByLabel& sums, TakeRun take_run) const {
+    const Size3 size = box.size();
+    std::int64_t last_label = 0;
+    Sums* last = nullptr;
+    for (std::int64_t z = 0; z < size.z; ++z) {
+      for (std::int64_t y = 0; y < size.y; ++y) {
+        const std::int64_t* const row = block.row(y, z);
+        for (std::int64_t lo = 0; lo < size.x;) {
+          const std::int64_t label = row[lo];
+          std::int64_t hi = lo + 1;
+          while (hi < size.x && row[hi] == label) ++hi;
+          if (label != 0) {
+            if (last == nullptr || label != last_label) last = &sums[last_label = label];
+            add_box({{box.lo.x + lo, box.lo.y + y, box.lo.z + z},
+                     {box.lo.x + hi, box.lo.y + y + 1, box.lo.z + z + 1}},
+                    *last);
+            last->surface += block.surface_of(lo, hi, y, z);
+            take_run(lo, hi, y, z, *last);
+          }
+          lo = hi;
+        }
+      }
+    }
+  }
+
+  template <class T>
+  std::vector<T> grey_voxels(const Box& box) const {
+    std::vector<T> values(static_cast<std::size_t>(box.size().voxel_count()));
+    grey_->read(box, 0, values.data());
+    return values;
+  }
+
+  // All grey voxels of a box of one label.
+  void add_grey_of(const Box& box, Sums& sums) const {
+    if (grey_ == nullptr) return;
+    with_voxel_type(grey_->description().type, [&](auto id) {
+      using T = typename decltype(id)::type;
+      for (const T value : grey_voxels<T>(box)) add_grey(value, bins_, sums);
+    });
+  }
+
+  RegionMeasure region_of(std::int64_t label, const Sums& sums) const {
+    RegionMeasure region;
+    region.label = label;
+    region.voxel_count = sums.count;
+    region.surface_voxel_count = sums.surface;
+    region.box = sums.box;
+    const auto count = static_cast<long double>(sums.count);
+    std::array<long double, 3> mean{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      mean[axis] = static_cast<long double>(sums.first[axis]) / count;
+      region.centroid[axis] = static_cast<double>(mean[axis]);
+    }
+    constexpr std::size_t kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
+    for (std::size_t i = 0; i < 6; ++i) {
+      const long double product = static_cast<long double>(sums.second[i]) / count;
+      region.covariance[i] =
+          static_cast<double>(product - mean[kPairs[i][0]] * mean[kPairs[i][1]]);
+    }
+    if (grey_ != nullptr) region.grey = grey_of(sums);
+    return region;
+  }
+
+  GreyStatistics grey_of(const Sums& sums) const {
+    GreyStatistics grey;
+    const bool is_whole = is_integer(grey_->description().type);
+    const auto count = static_cast<long double>(sums.count);
+    const long double sum = is_whole ? static_cast<long double>(sums.whole_sum) : sums.sum;
+    const long double squares =
+        is_whole ? static_cast<long double>(sums.whole_squares) : sums.squares;
+    const long double mean = sum / count;
+    grey.least = sums.least;
+    grey.greatest = sums.greatest;
+    grey.mean = static_cast<double>(mean + bins_.least);
+    grey.sum = static_cast<double>(sum + count * bins_.least);
+    grey.deviation =
+        static_cast<double>(std::sqrt(std::max(0.0L, squares / count - mean * mean)));
+    for (const double percent : options_.percentiles) {
+      grey.percentiles.push_back(percentile(sums, percent));
+    }
+    return grey;
+  }
+
+  // The least value that at least `percent` of the voxels do not exceed, as far as bins tell.
+  double percentile(const Sums& sums, double percent) const {
+    const double wanted = percent / 100 * static_cast<double>(sums.count);
+    std::uint64_t seen = 0;
+    for (std::size_t bin = 0; bin < sums.bins.size(); ++bin) {
+      seen += sums.bins[bin];
+      if (seen > 0 && static_cast<double>(seen) >= wanted) {
+        const double value = bins_.least + static_cast<double>(bin) * bins_.width;
+        return std::clamp(value, sums.least, sums.greatest);
+      }
+    }
+    return sums.greatest;
+  }
+
+  const FileReader& labels_;
+  const FileReader* grey_;
+  const MeasureOptions& options_;
+  Size3 grid_;
+  Bins bins_;
+  SumsByLabel totals_;
+};
+
+// Diagonalises a symmetric matrix by Jacobi rotations; columns of `vectors` become its axes.
+void diagonalise(double (&m)[3][3], double (&vectors)[3][3]) {
+  constexpr int kSweeps = 32;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) vectors[i][j] = i == j ? 1 : 0;
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (int p = 0; p < 2; ++p) {
+      for (int q = p + 1; q < 3; ++q) {
+        if (m[p][q] == 0) continue;
+        const double theta = (m[q][q] - m[p][p]) / (2 * m[p][q]);
+        const double t = (theta >= 0 ? 1 : -1) / (std::abs(theta) + std::hypot(theta, 1));
+        const double c = 1 / std::hypot(t, 1);
+        const double s = t * c;
+        for (int k = 0; k < 3; ++k) {
+          const double kp = m[k][p];
+          const double kq = m[k][q];
+          m[k][p] = c * kp - s * kq;
+          m[k][q] = s * kp + c * kq;
+        }
+        for (int k = 0; k < 3; ++k) {
+          const double pk = m[p][k];
+          const double qk = m[q][k];
+          m[p][k] = c * pk - s * qk;
+          m[q][k] = s * pk + c * qk;
+        }
+        for (int k = 0; k < 3; ++k) {
+          const double kp = vectors[k][p];
+          const double kq = vectors[k][q];
+          vectors[k][p] = c * kp - s * kq;
+          vectors[k][q] = s * kp + c * kq;
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<RegionMeasure> measure_regions(const FileReader& labels, const FileReader* grey,
+                                           const MeasureOptions& options, Progress& progress) {
+  if (labels.description().kind != VolumeKind::labels) {
+    throw Error(ErrorKind::invalid_argument, "holds grey values, not labels",
+                labels.source().name());
+  }
+  if (grey != nullptr && grey->levels().size(0) != labels.levels().size(0)) {
+    throw Error(ErrorKind::invalid_argument, "has another size than the labels",
+                grey->source().name());
+  }
+  return Measurement(labels, grey, options).take(progress);
+}
+
+PrincipalAxes principal_axes(const RegionMeasure& region, const Geometry& geometry) {
+  const auto& c = region.covariance;
+  const double index[3][3] = {{c[0], c[3], c[4]}, {c[3], c[1], c[5]}, {c[4], c[5], c[2]}};
+  // world = D S index S D^T
+  double to_mm[3][3];
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j)
+      to_mm[i][j] = geometry.direction[3 * i + j] * geometry.spacing_mm[j];
+  double world[3][3] = {};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 3; ++k)
+        for (int l = 0; l < 3; ++l) world[i][j] += to_mm[i][k] * index[k][l] * to_mm[j][l];
+  double vectors[3][3];
+  diagonalise(world, vectors);
+  std::array<int, 3> order = {0, 1, 2};
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return world[a][a] > world[b][b]; });
+  PrincipalAxes axes;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const int column = order[i];
+    axes.moments_mm2[i] = std::max(0.0, world[column][column]);
+    Point3& axis = axes.axes[i];
+    std::size_t largest = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      axis[k] = vectors[k][column];
+      if (std::abs(axis[k]) > std::abs(axis[largest]) + 1e-9) largest = k;
+    }
+    if (axis[largest] < 0)
+      for (double& part : axis) part = -part;
+  }
+  return axes;
+}
+
+}  // namespace octavo

@@ -1,0 +1,68 @@
+// What the regions of a label map measure, and what a grey volume holds beneath them.
+//
+// Bricks are taken in file order. A brick of one label among bricks of the same label, over grey
+// voxels of one value, is settled from the index; others are decoded once, run by run along x.
+// Sums are exact where voxels are integers, and are added in file order, so the result does not
+// depend on the number of threads.
+//
+// Source  thesis 1.2
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "octavo/core/progress.h"
+#include "octavo/file/reader.h"
+
+namespace octavo {
+
+/// The grey voxels of one region, in stored units.
+struct GreyStatistics {
+  double mean = 0;
+  double deviation = 0;  ///< of the population
+  double least = 0;
+  double greatest = 0;
+  double sum = 0;
+  /// As many as were asked for: the least value that this share of the voxels does not exceed.
+  /// Exact for integers where the volume's range is below kPercentileBins, else within a
+  /// kPercentileBins-th of that range.
+  std::vector<double> percentiles;
+};
+
+inline constexpr std::int64_t kPercentileBins = 8192;
+
+/// One region. Positions and moments are in index space: x, y, z of voxel centres.
+struct RegionMeasure {
+  std::int64_t label = 0;
+  std::uint64_t voxel_count = 0;
+  std::uint64_t surface_voxel_count = 0;  ///< of which a face neighbor is not in the region
+  Box box;
+  std::array<double, 3> centroid{};
+  std::array<double, 6> covariance{};     ///< xx, yy, zz, xy, xz, yz
+  std::optional<GreyStatistics> grey;
+};
+
+/// The spread of a region along its own axes, in mm and world space.
+struct PrincipalAxes {
+  std::array<double, 3> moments_mm2{};  ///< variances, the largest first
+  std::array<Point3, 3> axes{};         ///< unit vectors, largest component positive
+};
+
+struct MeasureOptions {
+  std::vector<double> percentiles = {5, 25, 50, 75, 95};  ///< of 0 .. 100
+};
+
+/// All labels but 0, ascending. Uses the threads of the calling task arena.
+/// grey  nullptr, or a volume on the same grid
+/// Throws what the readers throw, Error{cancelled}; Error{invalid_argument} for a grey volume in
+///        place of labels, or of another size
+/// Memory  64 bricks, and 64 KiB per label with percentiles
+std::vector<RegionMeasure> measure_regions(const FileReader& labels, const FileReader* grey,
+                                           const MeasureOptions& options, Progress& progress);
+
+/// The principal axes of a region on a grid.
+PrincipalAxes principal_axes(const RegionMeasure& region, const Geometry& geometry);
+
+}  // namespace octavo
