@@ -16,8 +16,9 @@ target_compile_options(octavo_flags INTERFACE
 include(CheckPIESupported)
 check_pie_supported()
 set(octavo_hardened $<AND:$<CONFIG:Release>,$<NOT:$<BOOL:${EMSCRIPTEN}>>>)
-target_compile_options(octavo_flags INTERFACE
-  "$<${octavo_hardened}:-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=2;-D_GLIBCXX_ASSERTIONS;-fstack-protector-strong>")
+set(octavo_checks
+  -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2 -D_GLIBCXX_ASSERTIONS -fstack-protector-strong)
+target_compile_options(octavo_flags INTERFACE "$<${octavo_hardened}:${octavo_checks}>")
 target_link_options(octavo_flags INTERFACE
   "$<${octavo_hardened}:LINKER:-z,relro,-z,now,-z,noexecstack>")
 

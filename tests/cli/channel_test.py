@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Builds from colours, series in time and numbered files that skip, as a user does.
 
-usage: components_test.py OCTAVO [unittest arguments]
+usage: channel_test.py OCTAVO [unittest arguments]
 
 The sources are generated: PNG pictures (read by the worker process) and NIfTI files.
 """

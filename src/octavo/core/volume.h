@@ -37,10 +37,11 @@ struct VolumeDescription {
   /// (false: the source has none, 1 mm was assumed), "spacing_source" ("file", "user", "assumed"),
   /// "unit" ("HU", ...; where known). Of some: "dicom" {...}, "identity" {...} (kept or dropped),
   /// "place_known" (false: origin and direction mean nothing), "prepared" {...} (what was
-  /// interpolated, moved, left out), "lossy_source" (true: compression had changed values),
-  /// "chosen" {...} (of channels, times, segments), "made_by" {...} (the operation that made a mask
-  /// or labels), "repaired" {...} (planes that an interrupted build lacks). A build adds "coding" where not all is as by default: "preset", "max_error", "nan", "inf",
-  /// in real units; and where its source was an .8vo file with a maximum error, "source_max_error".
+  /// interpolated, moved, left out), "chosen" {...} (of channels, times, segments), "lossy_source"
+  /// (true: compression had changed values). A build adds "coding" where not all is as by default:
+  /// "preset", "max_error", "nan", "inf", in real units; and where its source was an .8vo file with
+  /// a maximum error, "source_max_error". Masks and labels that were computed have "made_by"
+  /// {"operation", ...}; a repaired build has "repaired" {...} (the planes that it lacks).
   std::string metadata_json = "{}";
   /// Of a float32 volume in a file: how its bricks hold it. What other sources give is a hint.
   std::optional<SampleCoding> coding;
