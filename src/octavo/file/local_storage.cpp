@@ -52,9 +52,12 @@ std::string no_space_detail(int descriptor, std::uint64_t needed) {
   return text;
 }
 
-// True when nobody, here or on another machine, holds the lock on a file.
+// True when nobody, here or on another machine, holds the lock on a file or folder.
 bool is_unlocked(const std::string& path) {
-  const int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  if (descriptor < 0 && errno == EISDIR) {
+    descriptor = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
+  }
   if (descriptor < 0) return false;
   const bool is_free = ::flock(descriptor, LOCK_EX | LOCK_NB) == 0;
   ::close(descriptor);
@@ -239,6 +242,21 @@ class LocalStorage final : public Storage {
     fail("cannot take its final name", to, errno);
   }
 
+  bool exchange(const std::string& a, const std::string& b) override {
+    if (::renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0) return true;
+    if (errno == EINVAL || errno == ENOSYS) return false;
+    fail("cannot take its final name", b, errno);
+  }
+
+  std::unique_ptr<StorageFile> create_folder(const std::string& path) override {
+    if (::mkdir(path.c_str(), 0777) != 0) fail("cannot make the folder", path, errno);
+    const int descriptor = uninterrupted(
+        [&] { return ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW); });
+    if (descriptor < 0) fail("cannot open", path, errno);
+    ::flock(descriptor, LOCK_EX | LOCK_NB);
+    return std::make_unique<LocalFile>(descriptor, path);
+  }
+
   void remove(const std::string& path) override {
     if (::unlink(path.c_str()) != 0 && errno != ENOENT) fail("cannot remove", path, errno);
   }
@@ -250,7 +268,8 @@ class LocalStorage final : public Storage {
         const std::string name = entry.path().filename().string();
         if (name.compare(0, base.size(), base) != 0) continue;
         if (is_abandoned(entry.path().string(), name.substr(base.size()))) {
-          ::unlink(entry.path().c_str());
+          std::error_code ignored;
+          std::filesystem::remove_all(entry.path(), ignored);
         }
       }
     } catch (const std::exception&) {

@@ -35,6 +35,12 @@ void Storage::rename_new(const std::string& from, const std::string& to) {
   rename(from, to);
 }
 
+bool Storage::exchange(const std::string&, const std::string&) { return false; }
+
+std::unique_ptr<StorageFile> Storage::create_folder(const std::string& path) {
+  throw Error(ErrorKind::io, "cannot make the folder: this storage has none", path);
+}
+
 void Storage::remove_stale(const std::string&) noexcept {}
 
 std::string folder_of(const std::string& path) {

@@ -51,9 +51,15 @@ class Storage {
   virtual void rename(const std::string& from, const std::string& to) = 0;
   /// The same only when `to` does not exist, else Error{io}; unless overridden, not in one step.
   virtual void rename_new(const std::string& from, const std::string& to);
+  /// Lets two names change places in one step; false where the file system cannot, which is so
+  /// unless overridden.
+  virtual bool exchange(const std::string& a, const std::string& b);
   virtual void remove(const std::string& path) = 0;
-  /// Removes the files PREFIX + PID (+ anything) of processes that are gone; unless overridden,
-  /// nothing. Never fails: what cannot be removed stays.
+  /// A new folder, locked while what is returned lives; Error{io} when the name is taken and unless
+  /// overridden.
+  virtual std::unique_ptr<StorageFile> create_folder(const std::string& path);
+  /// Removes the files and folders PREFIX + PID (+ anything) of processes that are gone; unless
+  /// overridden, nothing. Never fails: what cannot be removed stays.
   virtual void remove_stale(const std::string& prefix) noexcept;
   /// The files whose path starts with `prefix`, in the order of their names.
   virtual std::vector<std::string> list(const std::string& prefix) = 0;

@@ -21,7 +21,11 @@ std::string temporary_prefix(const std::string& path) {
   return name + ".tmp-";
 }
 
-TemporaryFile create_temporary(Storage& storage, const std::string& path) {
+namespace {
+
+using Make = std::unique_ptr<StorageFile> (Storage::*)(const std::string&);
+
+TemporaryFile create(Storage& storage, const std::string& path, Make make) {
   const std::string prefix = temporary_prefix(path);
   storage.remove_stale(prefix);
   for (int attempt = 0;; ++attempt) {
@@ -29,9 +33,19 @@ TemporaryFile create_temporary(Storage& storage, const std::string& path) {
     if (attempt > 0) name.append("-").append(std::to_string(attempt));
     const bool is_taken = storage.exists(name) || storage.exists(name + kJournalEnding);
     if (attempt + 1 < kMaxNameTries && is_taken) continue;
-    auto file = storage.create_exclusive(name);
+    auto file = (storage.*make)(name);
     return {std::move(name), std::move(file)};
   }
+}
+
+}  // namespace
+
+TemporaryFile create_temporary(Storage& storage, const std::string& path) {
+  return create(storage, path, &Storage::create_exclusive);
+}
+
+TemporaryFile create_temporary_folder(Storage& storage, const std::string& path) {
+  return create(storage, path, &Storage::create_folder);
 }
 
 }  // namespace octavo

@@ -18,6 +18,7 @@ inline constexpr const char* kJournalEnding = ".journal";
 /// that the whole fits into kMaxNameBytes.
 std::string temporary_prefix(const std::string& path);
 
+/// A file or folder that grows, locked while `file` lives.
 struct TemporaryFile {
   std::string path;
   std::unique_ptr<StorageFile> file;
@@ -27,5 +28,8 @@ struct TemporaryFile {
 /// are removed first.
 /// Throws Error{io}
 TemporaryFile create_temporary(Storage& storage, const std::string& path);
+
+/// The same with a new folder.
+TemporaryFile create_temporary_folder(Storage& storage, const std::string& path);
 
 }  // namespace octavo

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "octavo/file/temporary.h"
 #include "octavo/io/export_target.h"
 #include "octavo/io/pending_file.h"
 #include "octavo/io/source_file.h"
@@ -111,11 +112,12 @@ class TiffFolderTarget final : public ExportTarget {
   TiffFolderTarget(Storage& storage, std::string folder, const ExportPlan& plan)
       : storage_(storage), plan_(plan), folder_(std::move(folder)) {
     check_folder(folder_, plan_.overwrite);
-    temporary_ = temporary_path(folder_);
-    std::error_code failure;
-    if (!fs::create_directory(temporary_, failure)) {
-      if (!failure) failure = std::make_error_code(std::errc::file_exists);
-      fail(folder_, "cannot make the folder", failure);
+    try {
+      TemporaryFile temporary = create_temporary_folder(storage, folder_);
+      temporary_ = std::move(temporary.path);
+      lock_ = std::move(temporary.file);
+    } catch (const Error& error) {
+      throw error.with_path(folder_);
     }
   }
 
@@ -158,24 +160,40 @@ class TiffFolderTarget final : public ExportTarget {
     file->close();
   }
 
+  // The earlier stack ends up under the temporary name.
   void replace_earlier() {
-    const std::string earlier = temporary_ + "-earlier";
-    storage_.rename(folder_, earlier);
+    if (storage_.exchange(temporary_, folder_)) {
+      remove_earlier(temporary_);
+    } else {
+      replace_in_two_steps();
+    }
+  }
+
+  // For file systems without an exchange. The name given meanwhile is not one that counts as left
+  // behind: until the second step it is all there is.
+  void replace_in_two_steps() {
+    const std::string earlier = folder_ + ".earlier";
+    storage_.rename_new(folder_, earlier);
     try {
       storage_.rename(temporary_, folder_);
     } catch (...) {
       storage_.rename(earlier, folder_);
       throw;
     }
+    remove_earlier(earlier);
+  }
+
+  static void remove_earlier(const std::string& folder) {
     std::error_code failure;
-    fs::remove_all(earlier, failure);
-    if (failure) fail(earlier, "cannot remove the earlier stack", failure);
+    fs::remove_all(folder, failure);
+    if (failure) fail(folder, "cannot remove the earlier stack", failure);
   }
 
   Storage& storage_;
   ExportPlan plan_;
   std::string folder_;
   std::string temporary_;
+  std::unique_ptr<StorageFile> lock_;  ///< says that `temporary_` is not left behind
   std::int64_t next_plane_ = 0;
   std::uint64_t bytes_ = 0;
   bool is_published_ = false;

@@ -1,16 +1,10 @@
 #include "octavo/io/pending_file.h"
 
-#include <unistd.h>
-
 #include <utility>
 
 #include "octavo/file/temporary.h"
 
 namespace octavo {
-
-std::string temporary_path(const std::string& path) {
-  return temporary_prefix(path) + std::to_string(::getpid());
-}
 
 Error with_final_name(const Error& error, const std::string& path) {
   if (error.path().rfind(temporary_prefix(path), 0) != 0) return error;

@@ -11,9 +11,6 @@
 
 namespace octavo {
 
-/// ".NAME.tmp-PID" beside `path`; a long name is cut.
-std::string temporary_path(const std::string& path);
-
 /// `error` with the name that was asked for, where it carries the temporary one of `path`.
 Error with_final_name(const Error& error, const std::string& path);
 

@@ -1,8 +1,12 @@
 // What other programs read in the files that export writes.
 #include "octavo/io/export.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
+#include <sys/wait.h>
 #include <tiffio.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <functional>
@@ -381,6 +385,82 @@ TEST(Export, AFolderThatHoldsOtherFilesIsNeverReplaced) {
   replace.overwrite = true;
   EXPECT_EQ(kind_of([&] { built.export_as("photos", replace); }), ErrorKind::io);
   EXPECT_TRUE(fs::exists(built.folder.file("photos/holiday.tif")));
+  EXPECT_EQ(built.entry_count(), 2u);
+}
+
+TEST(Export, AnUnfinishedStackStaysOnlyWhileItsWriterLives) {
+  Built built(make_volume(VoxelType::uint8, {9, 9, 9}));
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(0);
+  ::waitpid(child, nullptr, 0);
+  const auto unfinished = [&](const std::string& ending) {
+    const std::string name = built.folder.file(".stack.tmp-" + ending);
+    fs::create_directory(name);
+    std::ofstream(name + "/plane_0000.tif") << "x";
+    return name;
+  };
+  const std::string of_dead = unfinished(std::to_string(child));
+  const std::string of_living = unfinished(std::to_string(::getppid()));
+  // The number of a process that is gone here, but whose lock on another machine still stands.
+  const std::string of_far = unfinished(std::to_string(child) + "-1");
+  const int lock = ::open(of_far.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  ASSERT_EQ(::flock(lock, LOCK_EX | LOCK_NB), 0);
+  built.export_as("stack/");
+  EXPECT_FALSE(fs::exists(of_dead));
+  EXPECT_TRUE(fs::exists(of_living));
+  EXPECT_TRUE(fs::exists(of_far));
+  ::close(lock);
+}
+
+/// A file system that lets no two names change places.
+class StorageWithoutExchange final : public Storage {
+ public:
+  std::unique_ptr<StorageFile> open_read(const std::string& path) override {
+    return local_storage().open_read(path);
+  }
+  std::unique_ptr<StorageFile> create_exclusive(const std::string& path) override {
+    return local_storage().create_exclusive(path);
+  }
+  std::unique_ptr<StorageFile> open_update(const std::string& path) override {
+    return local_storage().open_update(path);
+  }
+  std::unique_ptr<StorageFile> create_scratch(const std::string& folder) override {
+    return local_storage().create_scratch(folder);
+  }
+  std::unique_ptr<StorageFile> create_folder(const std::string& path) override {
+    return local_storage().create_folder(path);
+  }
+  bool exists(const std::string& path) override { return local_storage().exists(path); }
+  void rename(const std::string& from, const std::string& to) override {
+    if (refuses_final && base_name_of(to) == "stack" && base_name_of(from).front() == '.') {
+      refuses_final = false;
+      throw Error(ErrorKind::io, "refused", to);
+    }
+    local_storage().rename(from, to);
+  }
+  void remove(const std::string& path) override { local_storage().remove(path); }
+  std::vector<std::string> list(const std::string& prefix) override {
+    return local_storage().list(prefix);
+  }
+  void sync_folder(const std::string& folder) override { local_storage().sync_folder(folder); }
+
+  bool refuses_final = false;
+};
+
+TEST(Export, AStackIsReplacedAsAWholeWhereNamesCannotBeExchanged) {
+  Built built(make_volume(VoxelType::uint8, {9, 9, 9}));
+  StorageWithoutExchange storage;
+  built.export_as("stack/", {}, storage);
+  std::ofstream(built.folder.file("stack/plane_0099.tif")) << "of the earlier stack";
+  ExportOptions replace;
+  replace.overwrite = true;
+  storage.refuses_final = true;
+  EXPECT_EQ(kind_of([&] { built.export_as("stack/", replace, storage); }), ErrorKind::io);
+  EXPECT_TRUE(fs::exists(built.folder.file("stack/plane_0099.tif")));
+  EXPECT_EQ(built.entry_count(), 2u);
+  built.export_as("stack/", replace, storage);
+  EXPECT_FALSE(fs::exists(built.folder.file("stack/plane_0099.tif")));
+  EXPECT_TRUE(fs::exists(built.folder.file("stack/plane_0008.tif")));
   EXPECT_EQ(built.entry_count(), 2u);
 }
 
