@@ -1,5 +1,6 @@
 // The real file system, by pread and pwrite: a file that shrinks while it is read is an error, not
 // a signal.
+#include <dirent.h>
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -11,7 +12,6 @@
 #include <charconv>
 #include <csignal>
 #include <cstdio>
-#include <filesystem>
 #include <system_error>
 #include <utility>
 
@@ -66,14 +66,41 @@ bool is_abandoned(const std::string& path, const std::string& pid_text) {
   return is_free;
 }
 
+// Removes what killed processes left under names that start with `prefix`, among the entries of its
+// folder.
+void remove_abandoned(DIR* entries, const std::string& prefix) {
+  const std::string base = base_name_of(prefix);
+  while (const dirent* entry = ::readdir(entries)) {
+    const std::string name = entry->d_name;
+    if (name.compare(0, base.size(), base) != 0) continue;
+    const std::string path = folder_of(prefix) + "/" + name;
+    if (is_abandoned(path, name.substr(base.size()))) ::unlink(path.c_str());
+  }
+}
+
 class LocalFile final : public StorageFile {
  public:
-  LocalFile(int descriptor, std::string path) : descriptor_(descriptor), path_(std::move(path)) {}
+  explicit LocalFile(std::string path) : path_(std::move(path)) {}
   LocalFile(const LocalFile&) = delete;
   LocalFile& operator=(const LocalFile&) = delete;
   ~LocalFile() override {
     if (descriptor_ >= 0) ::close(descriptor_);
   }
+
+  // Opens `name`; false with errno set when that fails. Needs no memory, so that nothing that was
+  // opened is ever without an owner.
+  bool open(const std::string& name, int flags, mode_t mode = 0) noexcept {
+    descriptor_ = uninterrupted([&] { return ::open(name.c_str(), flags | O_CLOEXEC, mode); });
+    return descriptor_ >= 0;
+  }
+
+  // The same with a new file whose name is made from the pattern in `name`.
+  bool open_unique(std::string& name) noexcept {
+    descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
+    return descriptor_ >= 0;
+  }
+
+  int descriptor() const { return descriptor_; }
 
   const std::string& path() const override { return path_; }
 
@@ -132,20 +159,18 @@ class LocalFile final : public StorageFile {
   }
 
  private:
-  int descriptor_;
+  int descriptor_ = -1;
   std::string path_;
 };
 
 class LocalStorage final : public Storage {
  public:
   std::unique_ptr<StorageFile> open_read(const std::string& path) override {
+    auto file = std::make_unique<LocalFile>(path);
     // Without O_NONBLOCK opening a pipe would wait for its other end.
-    const int descriptor =
-        uninterrupted([&] { return ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); });
-    if (descriptor < 0) fail("cannot open", path, errno);
-    auto file = std::make_unique<LocalFile>(descriptor, path);
+    if (!file->open(path, O_RDONLY | O_NONBLOCK)) fail("cannot open", path, errno);
     struct stat status {};
-    if (fstat(descriptor, &status) != 0) fail("cannot open", path, errno);
+    if (fstat(file->descriptor(), &status) != 0) fail("cannot open", path, errno);
     if (S_ISDIR(status.st_mode)) fail("cannot open", path, EISDIR);
     if (!S_ISREG(status.st_mode)) {
       throw Error(ErrorKind::io, "cannot open: not a regular file", path);
@@ -154,26 +179,22 @@ class LocalStorage final : public Storage {
   }
 
   std::unique_ptr<StorageFile> create_exclusive(const std::string& path) override {
-    const int descriptor = uninterrupted([&] {
-      return ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
-    });
-    if (descriptor < 0) fail("cannot create", path, errno);
+    auto file = std::make_unique<LocalFile>(path);
+    if (!file->open(path, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW, 0666)) {
+      fail("cannot create", path, errno);
+    }
     // Tells remove_stale on any machine that a writer lives; file systems without locks do without.
-    ::flock(descriptor, LOCK_EX | LOCK_NB);
-    return std::make_unique<LocalFile>(descriptor, path);
+    ::flock(file->descriptor(), LOCK_EX | LOCK_NB);
+    return file;
   }
 
   std::unique_ptr<StorageFile> create_scratch(const std::string& folder) override {
-    const int descriptor = uninterrupted(
-        [&] { return ::open(folder.c_str(), O_RDWR | O_TMPFILE | O_CLOEXEC, 0600); });
-    const std::string name = folder + " (scratch file)";
-    if (descriptor >= 0) return std::make_unique<LocalFile>(descriptor, name);
+    auto file = std::make_unique<LocalFile>(folder + " (scratch file)");
+    if (file->open(folder, O_RDWR | O_TMPFILE, 0600)) return file;
 
     // File systems without nameless files: a named one loses its name at once.
     std::string path = folder + "/.octavo-scratch-XXXXXX";
-    const int named = ::mkostemp(path.data(), O_CLOEXEC);
-    if (named < 0) fail("cannot create a scratch file", folder, errno);
-    auto file = std::make_unique<LocalFile>(named, name);
+    if (!file->open_unique(path)) fail("cannot create a scratch file", folder, errno);
     if (::unlink(path.c_str()) != 0) fail("cannot unlink a scratch file", path, errno);
     return file;
   }
@@ -212,26 +233,20 @@ class LocalStorage final : public Storage {
 
   void remove_stale(const std::string& prefix) noexcept override {
     try {
-      const std::string base = base_name_of(prefix);
-      for (const auto& entry : std::filesystem::directory_iterator(folder_of(prefix))) {
-        const std::string name = entry.path().filename().string();
-        if (name.compare(0, base.size(), base) != 0) continue;
-        if (is_abandoned(entry.path().string(), name.substr(base.size()))) {
-          ::unlink(entry.path().c_str());
-        }
-      }
+      // By readdir: std::filesystem's iterator ends the process when its own memory is refused.
+      const std::unique_ptr<DIR, int (*)(DIR*)> entries(::opendir(folder_of(prefix).c_str()),
+                                                        ::closedir);
+      if (entries) remove_abandoned(entries.get(), prefix);
     } catch (const std::exception&) {
       // A stale file that stays does no harm.
     }
   }
 
   void sync_folder(const std::string& folder) override {
-    const int descriptor = uninterrupted(
-        [&] { return ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
-    if (descriptor < 0) fail("cannot open", folder, errno);
-    LocalFile file(descriptor, folder);
+    LocalFile file(folder);
+    if (!file.open(folder, O_RDONLY | O_DIRECTORY)) fail("cannot open", folder, errno);
     // Some network file systems cannot sync a folder; they order renames themselves.
-    if (::fsync(descriptor) != 0 && errno != EINVAL && errno != ENOTSUP) {
+    if (::fsync(file.descriptor()) != 0 && errno != EINVAL && errno != ENOTSUP) {
       fail("cannot make the new name durable", folder, errno);
     }
   }

@@ -1,0 +1,39 @@
+"""The goals that tools/nightly runs, and how."""
+
+import dataclasses
+
+
+@dataclasses.dataclass
+class Step:
+    """One command. What it prints as "goal NAME: ..." is the figure of the goal NAME."""
+    name: str
+    command: list             # {build}, {seconds} and {share} are filled in
+    target: str = ""          # built before
+    counts: dict = dataclasses.field(default_factory=dict)  # variables: full numbers of cases
+    environment: dict = dataclasses.field(default_factory=dict)
+    seconds: float = 0        # a limit of its own; 0: that of its loops, and room around them
+
+    def limit(self, loop_seconds):
+        return self.seconds or 20 * loop_seconds + 600
+
+
+@dataclasses.dataclass
+class Goal:
+    name: str
+    what: str
+    steps: list
+
+
+def gtest(folder, name, pattern="*", **options):
+    """A gtest program of tests/`folder`."""
+    return Step(f"{name} {pattern}".removesuffix(" *"),
+                ["{build}/tests/" + f"{folder}/test_{name}", f"--gtest_filter={pattern}"],
+                target=f"test_{name}", **options)
+
+
+GOALS = [
+    Goal("C1", "hostile headers: open ends within 100 ms, memory within 64 MiB + 2 x file",
+         [gtest("fault", "hostile_header")]),
+    Goal("C3", "memory that runs out at any allocation: an error, no leak, the old file",
+         [gtest("fault", "allocation")]),
+]
