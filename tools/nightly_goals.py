@@ -31,9 +31,23 @@ def gtest(folder, name, pattern="*", **options):
                 target=f"test_{name}", **options)
 
 
+def program_faults(cases, **options):
+    """Test cases of tests/fault/program_faults.py."""
+    return Step(f"program_faults {cases}",
+                ["python3", "tests/fault/program_faults.py", "{build}/octavo", "-v", cases],
+                target="octavo", **options)
+
+
 GOALS = [
     Goal("C1", "hostile headers: open ends within 100 ms, memory within 64 MiB + 2 x file",
          [gtest("fault", "hostile_header")]),
     Goal("C3", "memory that runs out at any allocation: an error, no leak, the old file",
          [gtest("fault", "allocation")]),
+    Goal("D2", "power cuts at every change, by a model of the disk: the old file or the new one",
+         [gtest("fault", "power_cut")]),
+    Goal("D3", "full disks: exit 5, the old file intact, nothing left",
+         [gtest("fault", "storage_faults", "*Fu*:*Limit*"),
+          program_faults("Disks")]),
+    Goal("D4", "system calls that fail, stop short or are interrupted",
+         [gtest("fault", "system_calls"), gtest("fault", "storage_faults", "*Failing*:*Scratch*")]),
 ]

@@ -246,7 +246,8 @@ class LocalStorage final : public Storage {
     LocalFile file(folder);
     if (!file.open(folder, O_RDONLY | O_DIRECTORY)) fail("cannot open", folder, errno);
     // Some network file systems cannot sync a folder; they order renames themselves.
-    if (::fsync(file.descriptor()) != 0 && errno != EINVAL && errno != ENOTSUP) {
+    const int result = uninterrupted([&] { return ::fsync(file.descriptor()); });
+    if (result != 0 && errno != EINVAL && errno != ENOTSUP) {
       fail("cannot make the new name durable", folder, errno);
     }
   }
