@@ -9,7 +9,6 @@ class Step:
     name: str
     command: list             # {build}, {seconds} and {share} are filled in
     target: str = ""          # built before
-    counts: dict = dataclasses.field(default_factory=dict)  # variables: full numbers of cases
     environment: dict = dataclasses.field(default_factory=dict)
     seconds: float = 0        # a limit of its own; 0: that of its loops, and room around them
 
@@ -38,11 +37,32 @@ def program_faults(cases, **options):
                 target="octavo", **options)
 
 
+def fuzz(*targets):
+    """Fuzz targets, each for the seconds that a loop of cases may take."""
+    return Step(f"fuzz {' '.join(targets)}", ["tools/fuzz", "{seconds}", *targets])
+
+
 GOALS = [
+    Goal("A1", "fuzz: header and index parser under ASan and UBSan", [fuzz("open")]),
+    Goal("A2", "fuzz: brick decoders, portable and vectorised", [fuzz("brick", "simd")]),
+    Goal("A3", "fuzz: the whole reader, verify and partial reads", [fuzz("reader")]),
+    Goal("B1", "every flipped bit of every golden file is found, no wrong voxel is given",
+         [gtest("fault", "golden_damage", "*FlippedBit*"),
+          gtest("fault", "damage_coded", "*FlippedBit*:*PartialRead*")]),
+    Goal("B2", "every shortened golden file is refused",
+         [gtest("fault", "golden_damage", "*EveryLength*"),
+          gtest("fault", "damage_coded", "*Truncation*")]),
+    Goal("B3", "every other sort of damage is found",
+         [gtest("fault", "golden_damage", "*EverySort*"),
+          gtest("fault", "damage_coded", "*Swapped*:*Another*:*Coarse*:*Appended*")]),
+    Goal("B4", "verify names the damaged brick and its bit; all other bricks are salvaged",
+         [gtest("fault", "golden_damage", "*Named*:*Names*"), gtest("fault", "salvage")]),
     Goal("C1", "hostile headers: open ends within 100 ms, memory within 64 MiB + 2 x file",
          [gtest("fault", "hostile_header")]),
     Goal("C3", "memory that runs out at any allocation: an error, no leak, the old file",
          [gtest("fault", "allocation")]),
+    Goal("D1", "kill -9, SIGTERM and SIGINT at random moments: the old file or a new one",
+         [program_faults("Kills", seconds=4 * 3600)]),
     Goal("D2", "power cuts at every change, by a model of the disk: the old file or the new one",
          [gtest("fault", "power_cut")]),
     Goal("D3", "full disks: exit 5, the old file intact, nothing left",
@@ -50,4 +70,8 @@ GOALS = [
           program_faults("Disks")]),
     Goal("D4", "system calls that fail, stop short or are interrupted",
          [gtest("fault", "system_calls"), gtest("fault", "storage_faults", "*Failing*:*Scratch*")]),
+    Goal("D5", "odd targets: folders, pipes, devices, links, long names and line ends",
+         [program_faults("Targets")]),
+    Goal("F1", "no voxel of 10^10 is further away than the max error",
+         [gtest("property", "property_error_bounds")]),
 ]

@@ -44,10 +44,15 @@ class GoalCases {
 
   /// True when one more case is to be run, which then counts as done.
   bool next() {
-    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start_;
-    if (done_ == count_ || (seconds_ > 0 && spent.count() > seconds_)) return false;
+    if (done_ == count_ || !is_in_time()) return false;
     ++done_;
     return true;
+  }
+
+  /// False once OCTAVO_NIGHTLY_SECONDS have passed.
+  bool is_in_time() const {
+    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start_;
+    return seconds_ <= 0 || spent.count() <= seconds_;
   }
 
   std::uint64_t done() const { return done_; }
