@@ -72,6 +72,12 @@ GOALS = [
          [gtest("fault", "system_calls"), gtest("fault", "storage_faults", "*Failing*:*Scratch*")]),
     Goal("D5", "odd targets: folders, pipes, devices, links, long names and line ends",
          [program_faults("Targets")]),
+    Goal("E1", "the same bytes for any threads, instruction set, compiler and optimisation",
+         [Step("same_bytes", ["tools/same_bytes", "{build}"], target="file_hashes")]),
+    Goal("E2", "no data race under ThreadSanitizer in the tests of everything threaded",
+         [Step("race_free", ["tools/race_free"])]),
+    Goal("E4", "readers at once on one handle, and processes on a file that is replaced",
+         [gtest("property", "property_concurrent_readers")]),
     Goal("F1", "no voxel of 10^10 is further away than the max error",
          [gtest("property", "property_error_bounds")]),
 ]

@@ -3,8 +3,8 @@
 
 usage: program_faults.py OCTAVO [unittest arguments]
 
-Builds are ended at 40 random moments, under tools/nightly at its share of 1000. What needs the right
-to mount is skipped without it. Everything is generated.
+Builds are ended at 40 random moments, under tools/nightly at its share of 1000. What needs the
+right to mount is skipped without it. Everything is generated.
 """
 
 import array

@@ -1,5 +1,5 @@
-// The system calls of file/local_storage, which fail, stop short or are interrupted on demand. Holds
-// for every program that links failing_system.cpp.
+// The system calls of file/local_storage, which fail, stop short or are interrupted on demand.
+// Holds for every program that links failing_system.cpp.
 #pragma once
 
 #include <cstdint>
