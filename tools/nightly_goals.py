@@ -80,4 +80,8 @@ GOALS = [
          [gtest("property", "property_concurrent_readers")]),
     Goal("F1", "no voxel of 10^10 is further away than the max error",
          [gtest("property", "property_error_bounds")]),
+    Goal("G1", "sources cut to 1000 lengths and flipped gzip bits: exit 7, never a file",
+         [gtest("fault", "damaged_source", "*CutSource*:*Gzip*")]),
+    Goal("G2", "10,000 mutated DICOM files: voxels or a refusal, the program never crashes",
+         [gtest("fault", "damaged_source", "*Mutated*"), gtest("unit/io", "io_isolation")]),
 ]

@@ -105,7 +105,7 @@ void print_hash(const Sample& sample, int threads) {
 
 int main(int count, char** arguments) {
   try {
-    if (count == 2 && std::strcmp(arguments[1], "--levels") == 0) {
+    if (count > 1 && std::strcmp(arguments[1], "--levels") == 0) {
       std::puts("scalar");
       for (const char* level : {"ssse3", "sse4", "avx2", "avx512", "neon", "wasm"}) {
         if (octavo::simd_targets_of(level) != 0) std::puts(level);
