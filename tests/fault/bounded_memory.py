@@ -45,7 +45,7 @@ def needed_mib(octavo, side, folder):
 
 
 def address_space_at_start(octavo):
-    """What the program and its libraries occupy before they do anything, bytes: found by halving."""
+    """Bytes that the program and its libraries occupy before they do anything, by halving."""
     low, high = 1, 4096
     while low < high:
         middle = (low + high) // 2

@@ -65,7 +65,8 @@ TEST(ChecksumCost, IsWithinThreePercentOfDecodingAndAFifthOfAPercentOfTheFile) {
     double checking = 1e9;
     GoalCases cases("B5", "interleaved timings", case_count(3, 15));
     while (cases.next()) {
-      decoding = std::min(decoding, seconds_of([&] { read_box(*reader, box_of(phantom.size), 0); }));
+      const Box all = box_of(phantom.size);
+      decoding = std::min(decoding, seconds_of([&] { read_box(*reader, all, 0); }));
       checking = std::min(checking, seconds_of([&] {
         volatile std::uint32_t crc = crc32c(bytes);
         static_cast<void>(crc);
