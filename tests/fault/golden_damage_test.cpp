@@ -1,12 +1,9 @@
 // Damage of every sort to the kept files of tests/golden: all of it is found, none of it gives a
 // wrong voxel, and verify tells where it is.
-//
-// OCTAVO_FAULT_CASES=N makes N cases of each sort for each file; the smallest files are always
-// tried exhaustively, the others with N at least the number of their bits.
+// The smallest files are always tried exhaustively, all others under tools/nightly.
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -16,6 +13,7 @@
 #include "octavo/file/index.h"
 #include "octavo/file/salvage.h"
 #include "octavo/file/verify.h"
+#include "support/goal_cases.h"
 #include "support/sample_file.h"
 
 namespace octavo {
@@ -26,11 +24,6 @@ using namespace octavo::testing;
 using FileContent = std::vector<std::uint8_t>;
 
 constexpr std::size_t kExhaustiveBytes = 1000;
-
-std::size_t cases_or(std::size_t usual) {
-  const char* text = std::getenv("OCTAVO_FAULT_CASES");
-  return text == nullptr ? usual : std::strtoull(text, nullptr, 10);
-}
 
 struct Golden {
   std::string name;
@@ -145,13 +138,16 @@ TEST(GoldenDamage, EveryFlippedBitOfTheSmallFilesIsFound) {
 }
 
 TEST(GoldenDamage, FlippedBitsOfTheOtherFilesAreFound) {
-  const std::size_t cases = cases_or(120);
+  const std::uint64_t most = case_count(120, 300'000);
+  std::uint64_t all = 0;
+  for (const Golden& golden : goldens()) all += std::min(most, 8 * golden.bytes.size());
+  GoalCases goal("B1", "flipped bits found", all);
   std::mt19937_64 random(21);
   for (const Golden& golden : goldens()) {
     FileContent bytes = golden.bytes;
     const std::size_t bits = 8 * bytes.size();
-    for (std::size_t i = 0; i < std::min(cases, bits); ++i) {
-      const std::size_t bit = cases >= bits ? i : random() % bits;
+    for (std::size_t i = 0; i < std::min(most, bits) && goal.next(); ++i) {
+      const std::size_t bit = most >= bits ? i : random() % bits;
       bytes[bit / 8] ^= static_cast<std::uint8_t>(1 << bit % 8);
       ASSERT_TRUE(is_noticed(bytes, false)) << golden.name << " bit " << bit;
       if (i % 16 == 0) {
@@ -163,10 +159,18 @@ TEST(GoldenDamage, FlippedBitsOfTheOtherFilesAreFound) {
 }
 
 TEST(GoldenDamage, EveryLengthButTheWholeIsRefused) {
-  const std::size_t cases = cases_or(2000);
+  const std::uint64_t cases = case_count(2000, 30'000);
+  const auto step_of = [&](const Golden& golden) {
+    return std::max<std::size_t>(1, golden.bytes.size() / cases);
+  };
+  std::uint64_t all = 0;
   for (const Golden& golden : goldens()) {
-    const std::size_t step = std::max<std::size_t>(1, golden.bytes.size() / cases);
-    for (std::size_t length = 0; length < golden.bytes.size(); length += step) {
+    all += (golden.bytes.size() + step_of(golden) - 1) / step_of(golden);
+  }
+  GoalCases goal("B2", "lengths refused", all);
+  for (const Golden& golden : goldens()) {
+    for (std::size_t length = 0; length < golden.bytes.size() && goal.next();
+         length += step_of(golden)) {
       const auto end = golden.bytes.begin() + static_cast<std::ptrdiff_t>(length);
       try {
         open_bytes({golden.bytes.begin(), end});
@@ -286,23 +290,30 @@ constexpr Sort kSorts[] = {{"bytes set", set_run},
                            {"stretch copied", double_stretch}};
 
 TEST(GoldenDamage, DamageOfEverySortIsFound) {
-  const std::size_t cases = cases_or(12);
+  const std::uint64_t cases = case_count(12, 600);
+  GoalCases goal("B3", "damages of nine sorts found",
+                 std::size(kSorts) * goldens().size() * cases);
+  std::uint64_t changed_nothing = 0;
   Random random(22);
   for (const Sort& sort : kSorts) {
     std::size_t damaged = 0;
     for (const Golden& golden : goldens()) {
-      for (std::size_t i = 0; i < cases; ++i) {
+      for (std::size_t i = 0; i < cases && goal.next(); ++i) {
         FileContent bytes = golden.bytes;
         sort.damage(golden, bytes, random);
-        if (bytes == golden.bytes) continue;
+        if (bytes == golden.bytes) {
+          ++changed_nothing;
+          continue;
+        }
         ++damaged;
         ASSERT_TRUE(is_noticed(bytes, true)) << golden.name << ": " << sort.name << " case " << i;
         ASSERT_FALSE(gives_wrong_voxels(bytes, golden))
             << golden.name << ": " << sort.name << " case " << i;
       }
     }
-    EXPECT_GT(damaged, cases) << sort.name;
+    EXPECT_TRUE(damaged > cases || !goal.is_in_time()) << sort.name;
   }
+  goal.tell("of which " + std::to_string(changed_nothing) + " changed no byte");
 }
 
 // The golden's voxels and `salvaged` agree outside the damaged brick, at every level; a brick
@@ -335,11 +346,16 @@ void expect_equal_outside(const Golden& golden, const Place& place, int level,
 }
 
 TEST(GoldenDamage, VerifyNamesTheBrickAndTheOthersAreSalvaged) {
-  const std::size_t cases = cases_or(12);
+  const std::uint64_t cases = case_count(12, 600);
+  std::uint64_t count = 0;
+  for (const Golden& golden : goldens()) {
+    count += std::min(cases, segments_of(*golden.reader).size());
+  }
+  GoalCases goal("B4", "damaged bricks named and all others salvaged", count);
   Random random(23);
   for (const Golden& golden : goldens()) {
     const std::vector<Place> places = segments_of(*golden.reader);
-    for (std::size_t i = 0; i < std::min(cases, places.size()); ++i) {
+    for (std::size_t i = 0; i < std::min(cases, places.size()) && goal.next(); ++i) {
       const Place& place = cases >= places.size() ? places[i] : places[random() % places.size()];
       FileContent bytes = golden.bytes;
       const std::uint64_t at = place.segment.offset + random() % place.segment.length;

@@ -1,39 +1,12 @@
-// Files whose checksums fit and whose contents lie. Memory is counted by replacing operator new.
+// Files whose checksums fit and whose contents lie. Memory is counted.
 #include <gtest/gtest.h>
-
-#include <malloc.h>
-
-#include <atomic>
-#include <cstdlib>
-#include <new>
 
 #include "fault/reseal.h"
 #include "octavo/file/index.h"
 #include "octavo/file/index_builder.h"
 #include "octavo/file/verify.h"
+#include "support/counted_memory.h"
 #include "support/sample_file.h"
-
-namespace {
-
-std::atomic<std::size_t> live_bytes = 0;
-std::atomic<std::size_t> peak_bytes = 0;
-
-}  // namespace
-
-__attribute__((noinline)) void* operator new(std::size_t size) {
-  void* block = std::malloc(size);
-  if (!block) throw std::bad_alloc();
-  const std::size_t now = live_bytes += ::malloc_usable_size(block);
-  if (now > peak_bytes) peak_bytes = now;
-  return block;
-}
-
-__attribute__((noinline)) void operator delete(void* block) noexcept {
-  if (block) live_bytes -= ::malloc_usable_size(block);
-  std::free(block);
-}
-
-void operator delete(void* block, std::size_t) noexcept { operator delete(block); }
 
 namespace octavo {
 namespace {
@@ -44,8 +17,8 @@ using namespace octavo::testing;
 // the reader may hold beyond those of the file itself are bounded.
 void exercise(const std::vector<std::uint8_t>& bytes) {
   const auto source = byte_source_of(bytes, "hostile.8vo");
-  const std::size_t before = live_bytes;
-  peak_bytes = before;
+  const std::size_t before = live_bytes();
+  reset_peak();
   try {
     const auto reader = FileReader::open(source);
     const Index3 corner{0, 0, 0};
@@ -61,7 +34,7 @@ void exercise(const std::vector<std::uint8_t>& bytes) {
   } catch (const Error&) {
     // Refused.
   }
-  ASSERT_LE(peak_bytes - before, (std::size_t{64} << 20) + 2 * bytes.size());
+  ASSERT_LE(peak_bytes() - before, (std::size_t{64} << 20) + 2 * bytes.size());
 }
 
 const std::uint64_t kValues[] = {0,

@@ -3,8 +3,8 @@
 
 usage: program_faults.py OCTAVO [unittest arguments]
 
-OCTAVO_KILL_MOMENTS is the number of random moments at which builds are ended (40 unless set). What
-needs the right to mount is skipped without it. Everything is generated.
+Builds are ended at 40 random moments, under tools/nightly at its share of 1000. What needs the
+right to mount is skipped without it. Everything is generated.
 """
 
 import array
@@ -21,7 +21,7 @@ import time
 import unittest
 
 OCTAVO = "octavo"
-MOMENTS = int(os.environ.get("OCTAVO_KILL_MOMENTS", "40"))
+MOMENTS = max(40, int(1000 * float(os.environ.get("OCTAVO_NIGHTLY_SHARE", "0"))))
 SECONDS_TO_STOP = 2
 
 
@@ -106,7 +106,8 @@ class Kills(InFolder):
         self.expect(0, *command)
         self.assertEqual(self.names(), own)
         self.assertEqual(path.read_bytes(), new)
-        print(f"{command[0]}: {count} moments, old file kept {kept} times, replaced {finished}")
+        print(f"goal D1: {count} of {count} ends of a running {command[0]}, old file kept {kept} "
+              f"times, replaced {finished} times", flush=True)
         self.assertGreater(kept, 0)
 
     def test_a_killed_build_leaves_the_old_file_or_a_whole_one(self):

@@ -1,23 +1,24 @@
 // The maximum error holds for every voxel, whatever the voxels are.
 //
 // Random bricks of every type, scans and adversaries, coded with models learnt from other bricks,
-// with every preset and random bounds. OCTAVO_BOUND_VOXELS in the environment asks for another
-// number of voxels than the short run's.
+// with every preset and random bounds.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <limits>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "octavo/codec/brick_codec.h"
+#include "support/goal_cases.h"
 
 namespace octavo {
 namespace {
 
+using octavo::testing::case_count;
+using octavo::testing::GoalCases;
 using Random = std::mt19937_64;
 
 std::int64_t below(Random& random, std::int64_t n) {
@@ -59,15 +60,10 @@ std::int64_t voxel_of(const Recipe& r, const Index3& p, Random& random) {
 }
 
 template <class T>
-class BoundsOf : public testing::Test {};
-using Types = testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t, std::int32_t,
+class BoundsOf : public ::testing::Test {};
+using Types = ::testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t, std::int32_t,
                              std::uint32_t>;
 TYPED_TEST_SUITE(BoundsOf, Types);
-
-std::int64_t wanted_voxels() {
-  const char* const asked = std::getenv("OCTAVO_BOUND_VOXELS");
-  return asked != nullptr ? std::stoll(asked) : 6'000'000;
-}
 
 template <class T>
 struct Brick {
@@ -121,8 +117,11 @@ TYPED_TEST(BoundsOf, NoVoxelBreaksTheBound) {
   using T = TypeParam;
   Random random(sizeof(T) * 2 + std::numeric_limits<T>::is_signed);
   const std::int64_t highest = std::numeric_limits<T>::max();
-  std::int64_t voxels = 0;
-  while (voxels < wanted_voxels() / 6) {
+  constexpr std::uint64_t kMillion = 1'000'000;
+  // A sixth of all, for each type.
+  GoalCases goal("F1", "million voxels within the bound", case_count(1, 1700));
+  std::uint64_t voxels = 0;
+  while (true) {
     const CodecSettings settings{below(random, 2) == 0 ? Preset::small : Preset::fast,
                                  below(random, 5) == 0 ? 0 : (highest >> below(random, 31)) / 2};
     const Brick<T> lesson(random);
@@ -132,10 +131,12 @@ TYPED_TEST(BoundsOf, NoVoxelBreaksTheBound) {
     for (int i = 0; i < 12; ++i) {
       const Brick<T> brick(random);
       ASSERT_LE(largest_error(*codec, brick), settings.max_error) << "after " << voxels;
-      voxels += brick.shape.size[0].voxel_count();
+      voxels += brick.voxels.size();
+    }
+    while (goal.done() < voxels / kMillion) {
+      if (!goal.next()) return;
     }
   }
-  this->RecordProperty("voxels", std::to_string(voxels));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // The real file system, by pread and pwrite: a file that shrinks while it is read is an error, not
 // a signal.
+#include <dirent.h>
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -12,8 +13,11 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
+#include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "octavo/core/error.h"
 #include "octavo/file/storage.h"
@@ -77,14 +81,46 @@ bool is_abandoned(const std::string& path, const std::string& pid_text) {
   return is_unlocked(path) && (::access(journal.c_str(), F_OK) != 0 || is_unlocked(journal));
 }
 
+// The names in the folder of `prefix` that start with its last part, or errno where the folder
+// cannot be listed. By readdir: std::filesystem's iterator ends the process when its own memory is
+// refused.
+int list_names(const std::string& prefix, std::vector<std::string>& names) {
+  const std::string base = base_name_of(prefix);
+  const std::unique_ptr<DIR, int (*)(DIR*)> entries(::opendir(folder_of(prefix).c_str()),
+                                                    ::closedir);
+  if (!entries) return errno;
+  for (;;) {
+    errno = 0;
+    const dirent* const entry = ::readdir(entries.get());
+    if (entry == nullptr) return errno;
+    const std::string name = entry->d_name;
+    if (name.compare(0, base.size(), base) == 0) names.push_back(name);
+  }
+}
+
 class LocalFile final : public StorageFile {
  public:
-  LocalFile(int descriptor, std::string path) : descriptor_(descriptor), path_(std::move(path)) {}
+  explicit LocalFile(std::string path) : path_(std::move(path)) {}
   LocalFile(const LocalFile&) = delete;
   LocalFile& operator=(const LocalFile&) = delete;
   ~LocalFile() override {
     if (descriptor_ >= 0) ::close(descriptor_);
   }
+
+  // Opens `name`; false with errno set when that fails. Needs no memory, so that nothing that was
+  // opened is ever without an owner.
+  bool open(const std::string& name, int flags, mode_t mode = 0) noexcept {
+    descriptor_ = uninterrupted([&] { return ::open(name.c_str(), flags | O_CLOEXEC, mode); });
+    return descriptor_ >= 0;
+  }
+
+  // The same with a new file whose name is made from the pattern in `name`.
+  bool open_unique(std::string& name) noexcept {
+    descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
+    return descriptor_ >= 0;
+  }
+
+  int descriptor() const { return descriptor_; }
 
   const std::string& path() const override { return path_; }
 
@@ -150,20 +186,18 @@ class LocalFile final : public StorageFile {
   }
 
  private:
-  int descriptor_;
+  int descriptor_ = -1;
   std::string path_;
 };
 
 class LocalStorage final : public Storage {
  public:
   std::unique_ptr<StorageFile> open_read(const std::string& path) override {
+    auto file = std::make_unique<LocalFile>(path);
     // Without O_NONBLOCK opening a pipe would wait for its other end.
-    const int descriptor =
-        uninterrupted([&] { return ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); });
-    if (descriptor < 0) fail("cannot open", path, errno);
-    auto file = std::make_unique<LocalFile>(descriptor, path);
+    if (!file->open(path, O_RDONLY | O_NONBLOCK)) fail("cannot open", path, errno);
     struct stat status {};
-    if (fstat(descriptor, &status) != 0) fail("cannot open", path, errno);
+    if (fstat(file->descriptor(), &status) != 0) fail("cannot open", path, errno);
     if (S_ISDIR(status.st_mode)) fail("cannot open", path, EISDIR);
     if (!S_ISREG(status.st_mode)) {
       throw Error(ErrorKind::io, "cannot open: not a regular file", path);
@@ -172,27 +206,24 @@ class LocalStorage final : public Storage {
   }
 
   std::unique_ptr<StorageFile> create_exclusive(const std::string& path) override {
-    const int descriptor = uninterrupted([&] {
-      return ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
-    });
-    if (descriptor < 0) fail("cannot create", path, errno);
+    auto file = std::make_unique<LocalFile>(path);
+    if (!file->open(path, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW, 0666)) {
+      fail("cannot create", path, errno);
+    }
     // Tells remove_stale on any machine that a writer lives; file systems without locks do without.
-    ::flock(descriptor, LOCK_EX | LOCK_NB);
-    return std::make_unique<LocalFile>(descriptor, path);
+    ::flock(file->descriptor(), LOCK_EX | LOCK_NB);
+    return file;
   }
 
   std::unique_ptr<StorageFile> open_update(const std::string& path) override {
-    const int descriptor = uninterrupted([&] {
-      return ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
-    });
-    if (descriptor < 0) fail("cannot open", path, errno);
-    auto file = std::make_unique<LocalFile>(descriptor, path);
+    auto file = std::make_unique<LocalFile>(path);
+    if (!file->open(path, O_RDWR | O_NOFOLLOW | O_NONBLOCK)) fail("cannot open", path, errno);
     struct stat status {};
-    if (fstat(descriptor, &status) != 0) fail("cannot open", path, errno);
+    if (fstat(file->descriptor(), &status) != 0) fail("cannot open", path, errno);
     if (!S_ISREG(status.st_mode)) {
       throw Error(ErrorKind::io, "cannot open: not a regular file", path);
     }
-    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) return nullptr;
+    if (::flock(file->descriptor(), LOCK_EX | LOCK_NB) != 0) return nullptr;
     // Whoever had the lock may have renamed or removed the file before letting go of it.
     struct stat named {};
     if (::lstat(path.c_str(), &named) != 0 || named.st_ino != status.st_ino) return nullptr;
@@ -200,16 +231,12 @@ class LocalStorage final : public Storage {
   }
 
   std::unique_ptr<StorageFile> create_scratch(const std::string& folder) override {
-    const int descriptor = uninterrupted(
-        [&] { return ::open(folder.c_str(), O_RDWR | O_TMPFILE | O_CLOEXEC, 0600); });
-    const std::string name = folder + " (scratch file)";
-    if (descriptor >= 0) return std::make_unique<LocalFile>(descriptor, name);
+    auto file = std::make_unique<LocalFile>(folder + " (scratch file)");
+    if (file->open(folder, O_RDWR | O_TMPFILE, 0600)) return file;
 
     // File systems without nameless files: a named one loses its name at once.
     std::string path = folder + "/.octavo-scratch-XXXXXX";
-    const int named = ::mkostemp(path.data(), O_CLOEXEC);
-    if (named < 0) fail("cannot create a scratch file", folder, errno);
-    auto file = std::make_unique<LocalFile>(named, name);
+    if (!file->open_unique(path)) fail("cannot create a scratch file", folder, errno);
     if (::unlink(path.c_str()) != 0) fail("cannot unlink a scratch file", path, errno);
     return file;
   }
@@ -249,12 +276,11 @@ class LocalStorage final : public Storage {
   }
 
   std::unique_ptr<StorageFile> create_folder(const std::string& path) override {
+    auto file = std::make_unique<LocalFile>(path);
     if (::mkdir(path.c_str(), 0777) != 0) fail("cannot make the folder", path, errno);
-    const int descriptor = uninterrupted(
-        [&] { return ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW); });
-    if (descriptor < 0) fail("cannot open", path, errno);
-    ::flock(descriptor, LOCK_EX | LOCK_NB);
-    return std::make_unique<LocalFile>(descriptor, path);
+    if (!file->open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW)) fail("cannot open", path, errno);
+    ::flock(file->descriptor(), LOCK_EX | LOCK_NB);
+    return file;
   }
 
   void remove(const std::string& path) override {
@@ -263,14 +289,15 @@ class LocalStorage final : public Storage {
 
   void remove_stale(const std::string& prefix) noexcept override {
     try {
-      const std::string base = base_name_of(prefix);
-      for (const auto& entry : std::filesystem::directory_iterator(folder_of(prefix))) {
-        const std::string name = entry.path().filename().string();
-        if (name.compare(0, base.size(), base) != 0) continue;
-        if (is_abandoned(entry.path().string(), name.substr(base.size()))) {
-          std::error_code ignored;
-          std::filesystem::remove_all(entry.path(), ignored);
-        }
+      const std::size_t base_length = base_name_of(prefix).size();
+      std::vector<std::string> names;
+      list_names(prefix, names);
+      for (const std::string& name : names) {
+        const std::string path = folder_of(prefix) + "/" + name;
+        if (!is_abandoned(path, name.substr(base_length))) continue;
+        if (::unlink(path.c_str()) == 0 || errno != EISDIR) continue;
+        std::error_code ignored;
+        std::filesystem::remove_all(path, ignored);
       }
     } catch (const std::exception&) {
       // A stale file that stays does no harm.
@@ -279,29 +306,22 @@ class LocalStorage final : public Storage {
 
   std::vector<std::string> list(const std::string& prefix) override {
     std::vector<std::string> paths;
-    const std::string base = base_name_of(prefix);
-    const std::string folder = prefix.substr(0, prefix.size() - base.size());
-    std::error_code code;
-    for (std::filesystem::directory_iterator at(folder_of(prefix), code), end;
-         !code && at != end; at.increment(code)) {
-      const std::string name = at->path().filename().string();
-      if (name.compare(0, base.size(), base) == 0) paths.push_back(folder + name);
+    const int code = list_names(prefix, paths);
+    if (code != 0 && code != ENOENT && code != ENOTDIR) {
+      fail("cannot list the folder", folder_of(prefix), code);
     }
-    if (code && code != std::errc::no_such_file_or_directory &&
-        code != std::errc::not_a_directory) {
-      throw Error(ErrorKind::io, "cannot list the folder: " + code.message(), folder_of(prefix));
-    }
+    const std::string folder = prefix.substr(0, prefix.size() - base_name_of(prefix).size());
+    for (std::string& path : paths) path.insert(0, folder);
     std::sort(paths.begin(), paths.end());
     return paths;
   }
 
   void sync_folder(const std::string& folder) override {
-    const int descriptor = uninterrupted(
-        [&] { return ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
-    if (descriptor < 0) fail("cannot open", folder, errno);
-    LocalFile file(descriptor, folder);
+    LocalFile file(folder);
+    if (!file.open(folder, O_RDONLY | O_DIRECTORY)) fail("cannot open", folder, errno);
     // Some network file systems cannot sync a folder; they order renames themselves.
-    if (::fsync(descriptor) != 0 && errno != EINVAL && errno != ENOTSUP) {
+    const int result = uninterrupted([&] { return ::fsync(file.descriptor()); });
+    if (result != 0 && errno != EINVAL && errno != ENOTSUP) {
       fail("cannot make the new name durable", folder, errno);
     }
   }
