@@ -112,21 +112,33 @@ nlohmann::ordered_json row_json(const Row& row, const std::vector<double>& perce
   return object;
 }
 
-/// The objects as a table with one column per number.
+/// The objects as a table with one column per number: what is a list in JSON has a column each.
 std::string csv_text(const nlohmann::ordered_json& objects) {
+  const auto name_of = [](std::string pointer) {
+    // Where a list is one of axes, its places are called by them.
+    constexpr const char* kAxes[] = {"_x", "_y", "_z"};
+    constexpr const char* kEnds[] = {"_lo", "_hi"};
+    std::vector<std::string> parts = split(pointer.substr(1), '/');
+    const auto place = [&](std::size_t i) { return static_cast<std::size_t>(parts[i][0] - '0'); };
+    if (parts[0] == "centroid_mm") return std::string("centroid") + kAxes[place(1)] + "_mm";
+    if (parts[0] == "box") return std::string("box") + kAxes[place(1)] + kEnds[place(2)];
+    if (parts[0] == "principal_axes") {
+      return fmt::format("principal_axis_{}{}", place(1) + 1, kAxes[place(2)]);
+    }
+    if (parts[0] == "principal_moments_mm2") {
+      return fmt::format("principal_moment_{}_mm2", place(1) + 1);
+    }
+    return parts.size() == 2 ? "p" + parts[1] : parts[0];
+  };
   std::string text;
   for (const auto& object : objects) {
-    const nlohmann::ordered_json flat = object.flatten();
-    const bool is_first = text.empty();
     std::string names;
     std::string values;
-    for (const auto& [pointer, value] : flat.items()) {
-      std::string name = pointer.substr(1);
-      for (char& c : name) c = c == '/' ? '_' : c;
-      names += (names.empty() ? "" : ",") + name;
+    for (const auto& [pointer, value] : object.flatten().items()) {
+      names += (names.empty() ? "" : ",") + name_of(pointer);
       values += (values.empty() ? "" : ",") + value.dump();
     }
-    if (is_first) text += names + "\n";
+    if (text.empty()) text = names + "\n";
     text += values + "\n";
   }
   return text;

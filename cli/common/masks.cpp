@@ -50,7 +50,7 @@ VolumeDescription label_description(const VolumeDescription& volume, VoxelType t
   labels.rescale = {};
   labels.coding.reset();
   nlohmann::ordered_json metadata = metadata_of(volume);
-  for (const char* name : {"unit", "coding", "source_max_error", "lossy_source"}) {
+  for (const char* name : {"unit", "coding", "source_max_error", "lossy_source", "identity"}) {
     metadata.erase(name);
   }
   metadata["made_by"] = made_by;

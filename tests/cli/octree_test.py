@@ -148,7 +148,12 @@ class Masks(cli_test.InFolder):
         table = self.expect(0, "measure", "l.8vo", "--of", "v.8vo", "--csv").stdout.splitlines()
         self.assertEqual(len(table), 4)
         self.assertEqual(len({line.count(",") for line in table}), 1)
-        self.assertTrue(table[0].startswith("label,voxels,mm3"))
+        row = dict(zip(table[0].split(","), table[2].split(",")))
+        wanted = {"label": "2", "voxels": "800", "centroid_z_mm": "127.0", "box_z_hi": "68",
+                  "mean": "90.0", "p50": "90.0"}
+        self.assertEqual({name: row[name] for name in wanted}, wanted)
+        self.assertIn("principal_axis_3_z", row)
+        self.assertIn("principal_moment_1_mm2", row)
 
     def test_refusals_name_the_reason(self):
         self.threshold("m.8vo", "40:")
