@@ -134,7 +134,8 @@ std::string csv_text(const nlohmann::ordered_json& objects) {
   for (const auto& object : objects) {
     std::string names;
     std::string values;
-    for (const auto& [pointer, value] : object.flatten().items()) {
+    const nlohmann::ordered_json flat = object.flatten();
+    for (const auto& [pointer, value] : flat.items()) {
       names += (names.empty() ? "" : ",") + name_of(pointer);
       values += (values.empty() ? "" : ",") + value.dump();
     }

@@ -94,6 +94,7 @@ int list_names(const std::string& prefix, std::vector<std::string>& names) {
     const dirent* const entry = ::readdir(entries.get());
     if (entry == nullptr) return errno;
     const std::string name = entry->d_name;
+    if (name == "." || name == "..") continue;
     if (name.compare(0, base.size(), base) == 0) names.push_back(name);
   }
 }

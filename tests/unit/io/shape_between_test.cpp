@@ -22,7 +22,7 @@ TEST(SiteDistance, IsThatOfASearchOverAllSites) {
     const auto columns = static_cast<std::int64_t>(1 + numbers() % 17);
     const auto rows = static_cast<std::int64_t>(1 + numbers() % 17);
     std::vector<std::uint8_t> mask(static_cast<std::size_t>(columns * rows));
-    const std::uint32_t rarity = 1 + numbers() % 40;
+    const auto rarity = 1 + numbers() % 40;
     for (auto& mark : mask) mark = numbers() % rarity == 0 ? 1 : 0;
     mask[numbers() % mask.size()] = 1;
     SiteDistance distance(columns, rows);
@@ -125,7 +125,9 @@ TEST(ShapeBetween, PixelsWithOneLabelInBothPlanesKeepIt) {
   for (auto& label : above) label = static_cast<std::uint16_t>(numbers() % 4);
   for (const Plane& plane : planes_between(below, above, 5)) {
     for (std::size_t i = 0; i < plane.size(); ++i) {
-      if (below[i] == above[i]) ASSERT_EQ(plane[i], below[i]);
+      if (below[i] == above[i]) {
+        ASSERT_EQ(plane[i], below[i]);
+      }
     }
   }
 }
@@ -156,8 +158,8 @@ TEST(ShapeBetween, ALabelThatEndsShrinksToNothingHalfWay) {
   std::int64_t last = count_of(disc, 1);
   for (std::size_t k = 0; k < planes.size(); ++k) {
     const std::int64_t count = count_of(planes[k], 1);
-    if (k < 3) EXPECT_TRUE(count > 0 && count < last) << k;
-    if (k > 3) EXPECT_EQ(count, 0) << k;
+    EXPECT_TRUE(k >= 3 || (count > 0 && count < last)) << k;
+    EXPECT_TRUE(k <= 3 || count == 0) << k;
     last = count;
   }
 }
@@ -174,7 +176,9 @@ TEST(ShapeBetween, WhereThinLabelsTakeTurnsTheSurroundingsComeBetween) {
   }
   for (const Plane& plane : planes_between(below, above, 3)) {
     for (std::size_t i = 0; i < plane.size(); ++i) {
-      if (below[i] == above[i]) EXPECT_EQ(plane[i], 5);
+      if (below[i] == above[i]) {
+        EXPECT_EQ(plane[i], 5);
+      }
     }
   }
   const Plane middle = half_way(below, above);

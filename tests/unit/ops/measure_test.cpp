@@ -43,7 +43,8 @@ Scene make_scene() {
     if (std::hypot(p.x - 30, p.y - 90, p.z - 100) < 20) label = -2;
     if (random() % 4000 == 0) label = 30000;
     scene.labels.push_back(label);
-    scene.grey.push_back(static_cast<std::int16_t>(label * 0.1 + 20 * (p.z % 9) + random() % 50));
+    const auto noise = static_cast<std::int64_t>(random() % 50);
+    scene.grey.push_back(static_cast<std::int16_t>(label / 10 + 20 * (p.z % 9) + noise));
   });
   return scene;
 }
