@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "common/failure.h"
-#include "common/geometry_words.h"
 #include "common/inputs.h"
 #include "common/masks.h"
 #include "common/quantities.h"
@@ -68,29 +67,6 @@ void check_arguments(const Arguments& arguments) {
   }
 }
 
-/// Throws Error{invalid_argument} that says how the grids of two volumes differ.
-void require_same_grid(const OpenedMask& a, const OpenedMask& b) {
-  const VolumeDescription& of_a = a.volume();
-  const VolumeDescription& of_b = b.volume();
-  if (of_a.size != of_b.size) {
-    throw Error(ErrorKind::invalid_argument,
-                fmt::format("has {} voxels, {} has {}; masks are combined on one grid",
-                            size_text(of_b.size), escaped(a.path), size_text(of_a.size)),
-                b.path);
-  }
-  const double shift = largest_shift_mm(of_a.geometry, of_b.geometry, of_a.size);
-  if (shift <= shift_tolerance_mm(of_a.geometry)) return;
-  throw Error(ErrorKind::invalid_argument,
-              fmt::format("lies up to {} mm from {}: origin {} against {} mm, spacing {} against "
-                          "{} mm; masks are combined on one grid",
-                          number_text(shift), escaped(a.path),
-                          point_text(of_b.geometry.origin_mm, ", "),
-                          point_text(of_a.geometry.origin_mm, ", "),
-                          point_text(of_b.geometry.spacing_mm),
-                          point_text(of_a.geometry.spacing_mm)),
-              b.path);
-}
-
 int run_combine(const Arguments& arguments, Context& context) {
   check_arguments(arguments);
   require_free_output(arguments.output, context);
@@ -101,7 +77,7 @@ int run_combine(const Arguments& arguments, Context& context) {
   }
   for (std::size_t i = 1; i < arguments.inputs.size(); ++i) {
     const OpenedMask next = open_mask(arguments.inputs[i], context);
-    require_same_grid(first, next);
+    require_same_grid(first.volume(), first.path, next.volume(), next.path);
     on_threads(context, [&] { result = combine(result, next.tree, *operation_of(arguments)); });
   }
   const std::uint64_t voxels = result.voxel_count();
@@ -113,7 +89,7 @@ int run_combine(const Arguments& arguments, Context& context) {
     print_json({{"output", arguments.output},
                 {"operation", name_of(arguments)},
                 {"voxels", voxels},
-                {"mm3", static_cast<double>(voxels) * voxel_mm3(first.volume().geometry)},
+                {"mm3", mm3_json(voxels, first.volume())},
                 {"file_bytes", built.file_bytes},
                 {"warnings", context.warnings}});
   } else if (!context.quiet) {

@@ -39,10 +39,16 @@ struct Arguments {
 };
 
 /// How many components, the largest first, are kept.
-std::size_t kept_count(const Components& found, const Arguments& arguments, double mm3) {
+std::size_t kept_count(const Components& found, const Arguments& arguments,
+                       const VolumeDescription& volume) {
   const auto& all = found.components();
+  const auto mm3 = voxel_mm3(volume);
+  if (arguments.min_mm3 > 0 && !mm3) {
+    throw Error(ErrorKind::invalid_argument,
+                "--min-mm3 needs a known spacing; build it again with --spacing", arguments.input);
+  }
   const auto end = std::find_if(all.begin(), all.end(), [&](const Component& component) {
-    return static_cast<double>(component.voxel_count) * mm3 < arguments.min_mm3;
+    return mm3 && static_cast<double>(component.voxel_count) * *mm3 < arguments.min_mm3;
   });
   const auto large = static_cast<std::size_t>(end - all.begin());
   if (arguments.keep_largest == 0) return large;
@@ -77,28 +83,27 @@ BuildResult write_components(const Components& found, std::size_t kept,
   return write_labels(*source, arguments.output, context);
 }
 
-Point3 centre_mm(const Component& component, const Geometry& geometry) {
-  return geometry.to_world(component.centroid);
-}
-
 nlohmann::ordered_json objects_json(const Components& found, std::size_t kept,
-                                    const Geometry& geometry) {
+                                    const VolumeDescription& volume) {
+  const bool is_placed = voxel_mm3(volume).has_value();
   nlohmann::ordered_json objects = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < kept; ++i) {
     const Component& c = found.components()[i];
     objects.push_back({{"label", i + 1},
                        {"voxels", c.voxel_count},
-                       {"mm3", static_cast<double>(c.voxel_count) * voxel_mm3(geometry)},
-                       {"centroid_mm", centre_mm(c, geometry)},
+                       {"mm3", mm3_json(c.voxel_count, volume)},
+                       {"centroid_mm", nullptr},
                        {"box",
                         {{c.box.lo.x, c.box.hi.x}, {c.box.lo.y, c.box.hi.y},
                          {c.box.lo.z, c.box.hi.z}}}});
+    if (is_placed) objects.back()["centroid_mm"] = volume.geometry.to_world(c.centroid);
   }
   return objects;
 }
 
 std::string table_text(const Components& found, std::size_t kept, const Arguments& arguments,
-                       const Geometry& geometry) {
+                       const VolumeDescription& volume) {
+  const auto mm3 = voxel_mm3(volume);
   const std::size_t count = found.components().size();
   std::string text = fmt::format("{}: {} component{}, {} kept\n", arguments.input,
                                  count_text(static_cast<std::int64_t>(count)),
@@ -107,15 +112,15 @@ std::string table_text(const Components& found, std::size_t kept, const Argument
   const std::size_t rows = std::min(kept, arguments.rows);
   if (rows > 0) {
     text += fmt::format("{:>7} {:>14} {:>14}  {:<26} {}\n", "label", "voxels", "mm3",
-                        "centroid mm (x, y, z)", "box");
+                        mm3 ? "centroid mm (x, y, z)" : "centroid voxels", "box");
   }
   for (std::size_t i = 0; i < rows; ++i) {
     const Component& c = found.components()[i];
-    const Point3 centre = centre_mm(c, geometry);
+    const Point3 centre = mm3 ? volume.geometry.to_world(c.centroid) : c.centroid;
     text += fmt::format(
         "{:>7} {:>14} {:>14}  {:<26} {}:{},{}:{},{}:{}\n", i + 1,
         count_text(static_cast<std::int64_t>(c.voxel_count)),
-        fmt::format("{:.2f}", static_cast<double>(c.voxel_count) * voxel_mm3(geometry)),
+        mm3 ? fmt::format("{:.2f}", static_cast<double>(c.voxel_count) * *mm3) : "-",
         fmt::format("{:.1f}, {:.1f}, {:.1f}", centre[0], centre[1], centre[2]), c.box.lo.x,
         c.box.hi.x, c.box.lo.y, c.box.hi.y, c.box.lo.z, c.box.hi.z);
   }
@@ -129,17 +134,19 @@ std::string table_text(const Components& found, std::size_t kept, const Argument
 int run_components(const Arguments& arguments, Context& context) {
   if (!arguments.output.empty()) require_free_output(arguments.output, context);
   const OpenedMask mask = open_mask(arguments.input, context);
-  const Geometry& geometry = mask.volume().geometry;
+  const VolumeDescription& volume = mask.volume();
+  // Parts and their numbers, about as much again as the mask has.
+  require_memory(3 * mask.tree.memory_bytes(), "the components", context);
   std::optional<Components> found;
   on_threads(context, [&] {
     found.emplace(mask.tree, static_cast<Connectivity>(arguments.connectivity));
   });
-  const std::size_t kept = kept_count(*found, arguments, voxel_mm3(geometry));
+  const std::size_t kept = kept_count(*found, arguments, volume);
   nlohmann::ordered_json result = {{"components", found->components().size()},
                                    {"kept", kept},
-                                   {"objects", objects_json(*found, kept, geometry)}};
+                                   {"objects", objects_json(*found, kept, volume)}};
   if (!arguments.output.empty()) {
-    const BuildResult built = write_components(*found, kept, mask.volume(), arguments, context);
+    const BuildResult built = write_components(*found, kept, volume, arguments, context);
     result["output"] = arguments.output;
     result["file_bytes"] = built.file_bytes;
   }
@@ -147,7 +154,7 @@ int run_components(const Arguments& arguments, Context& context) {
   if (context.json) {
     print_json(result);
   } else if (!context.quiet) {
-    print(table_text(*found, kept, arguments, geometry));
+    print(table_text(*found, kept, arguments, volume));
   }
   return kExitDone;
 }

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "common/failure.h"
-#include "common/geometry_words.h"
 #include "common/inputs.h"
 #include "common/masks.h"
 #include "common/progress_line.h"
@@ -56,17 +56,18 @@ GreyStatistics real_statistics(const GreyStatistics& stored, const Rescale& resc
 /// One region with all that is said of it.
 struct Row {
   RegionMeasure region;
-  double mm3 = 0;
+  std::optional<double> mm3;  ///< nothing, as all in mm, where the spacing is not known
   Point3 centroid_mm{};
   PrincipalAxes axes;
 };
 
 std::vector<Row> rows_of(std::vector<RegionMeasure> regions, const VolumeDescription& labels,
                          const VolumeDescription* grey) {
+  const auto mm3_of_one = voxel_mm3(labels);
   std::vector<Row> rows;
   for (RegionMeasure& region : regions) {
     Row row;
-    row.mm3 = static_cast<double>(region.voxel_count) * voxel_mm3(labels.geometry);
+    if (mm3_of_one) row.mm3 = static_cast<double>(region.voxel_count) * *mm3_of_one;
     row.centroid_mm = labels.geometry.to_world(region.centroid);
     row.axes = principal_axes(region, labels.geometry);
     if (region.grey) {
@@ -87,24 +88,26 @@ std::vector<double> asked_percentiles(const Arguments& arguments) {
   return percentiles;
 }
 
-nlohmann::ordered_json row_json(const Row& row, const std::vector<double>& percentiles,
-                                double mm3_per_voxel) {
+nlohmann::ordered_json row_json(const Row& row, const std::vector<double>& percentiles) {
   const RegionMeasure& r = row.region;
+  const auto in_mm = [&](const nlohmann::ordered_json& value) {
+    return row.mm3 ? value : nlohmann::ordered_json(nullptr);
+  };
   nlohmann::ordered_json object = {
       {"label", r.label},
       {"voxels", r.voxel_count},
-      {"mm3", row.mm3},
+      {"mm3", in_mm(row.mm3.value_or(0))},
       {"surface_voxels", r.surface_voxel_count},
-      {"centroid_mm", row.centroid_mm},
+      {"centroid_mm", in_mm(row.centroid_mm)},
       {"box", {{r.box.lo.x, r.box.hi.x}, {r.box.lo.y, r.box.hi.y}, {r.box.lo.z, r.box.hi.z}}},
-      {"principal_moments_mm2", row.axes.moments_mm2},
-      {"principal_axes", row.axes.axes}};
+      {"principal_moments_mm2", in_mm(row.axes.moments_mm2)},
+      {"principal_axes", in_mm(row.axes.axes)}};
   if (!r.grey) return object;
   object["mean"] = r.grey->mean;
   object["sd"] = r.grey->deviation;
   object["min"] = r.grey->least;
   object["max"] = r.grey->greatest;
-  object["integrated_mm3"] = r.grey->sum * mm3_per_voxel;
+  object["integrated_mm3"] = in_mm(r.grey->mean * row.mm3.value_or(0));
   nlohmann::ordered_json& of_percent = object["percentiles"];
   for (std::size_t i = 0; i < percentiles.size(); ++i) {
     of_percent[number_text(percentiles[i])] = r.grey->percentiles[i];
@@ -159,11 +162,14 @@ std::string table_text(const std::vector<Row>& rows, const std::string& unit) {
     const auto& c = row.centroid_mm;
     const auto& m = row.axes.moments_mm2;
     text += fmt::format(
-        "{:>10} {:>14} {:>14.2f} {:>12}  {:<26} {:<24}", r.label,
-        count_text(static_cast<std::int64_t>(r.voxel_count)), row.mm3,
+        "{:>10} {:>14} {:>14} {:>12}  {:<26} {:<24}", r.label,
+        count_text(static_cast<std::int64_t>(r.voxel_count)),
+        row.mm3 ? fmt::format("{:.2f}", *row.mm3) : "-",
         count_text(static_cast<std::int64_t>(r.surface_voxel_count)),
-        fmt::format("{:.1f}, {:.1f}, {:.1f}", c[0], c[1], c[2]),
-        fmt::format("{:.2f}, {:.2f}, {:.2f}", std::sqrt(m[0]), std::sqrt(m[1]), std::sqrt(m[2])));
+        row.mm3 ? fmt::format("{:.1f}, {:.1f}, {:.1f}", c[0], c[1], c[2]) : "-",
+        row.mm3 ? fmt::format("{:.2f}, {:.2f}, {:.2f}", std::sqrt(m[0]), std::sqrt(m[1]),
+                              std::sqrt(m[2]))
+                : "-");
     if (has_grey) {
       text += fmt::format(" {:>10.2f} {:>9.2f} {:>9} {:>9}", r.grey->mean, r.grey->deviation,
                           number_text(r.grey->least), number_text(r.grey->greatest));
@@ -171,24 +177,6 @@ std::string table_text(const std::vector<Row>& rows, const std::string& unit) {
     text += "\n";
   }
   return text;
-}
-
-/// Throws Error{invalid_argument} unless both volumes lie on one grid.
-void require_grid(const FileReader& labels, const FileReader& grey, const Arguments& arguments) {
-  const VolumeDescription& of_labels = labels.description();
-  const VolumeDescription& of_grey = grey.description();
-  if (of_labels.size != of_grey.size) {
-    throw Error(ErrorKind::invalid_argument,
-                fmt::format("has {} voxels, the labels have {}; both must share one grid",
-                            size_text(of_grey.size), size_text(of_labels.size)),
-                arguments.grey);
-  }
-  const double shift = largest_shift_mm(of_labels.geometry, of_grey.geometry, of_labels.size);
-  if (shift <= shift_tolerance_mm(of_labels.geometry)) return;
-  throw Error(ErrorKind::invalid_argument,
-              fmt::format("lies up to {} mm from the labels; both must share one grid",
-                          number_text(shift)),
-              arguments.grey);
 }
 
 int run_measure(const Arguments& arguments, Context& context) {
@@ -201,7 +189,7 @@ int run_measure(const Arguments& arguments, Context& context) {
   std::shared_ptr<const FileReader> grey;
   if (!arguments.grey.empty()) {
     grey = open_octavo(arguments.grey, context);
-    require_grid(*labels, *grey, arguments);
+    require_same_grid(labels->description(), arguments.input, grey->description(), arguments.grey);
   }
   const std::vector<double> percentiles = asked_percentiles(arguments);
   MeasureOptions options;
@@ -209,6 +197,9 @@ int run_measure(const Arguments& arguments, Context& context) {
   // On a falling scale the p-th percentile is the (100 - p)-th stored one.
   if (grey && grey->description().rescale.slope < 0) {
     for (double& percent : options.percentiles) percent = 100 - percent;
+  }
+  if (!voxel_mm3(labels->description())) {
+    context.warn("the spacing is not known, so nothing is given in mm; build with --spacing");
   }
   std::vector<RegionMeasure> regions;
   {
@@ -221,7 +212,7 @@ int run_measure(const Arguments& arguments, Context& context) {
       rows_of(std::move(regions), labels->description(), grey ? &grey->description() : nullptr);
   nlohmann::ordered_json objects = nlohmann::ordered_json::array();
   for (const Row& row : rows) {
-    objects.push_back(row_json(row, percentiles, voxel_mm3(labels->description().geometry)));
+    objects.push_back(row_json(row, percentiles));
   }
   const std::string unit = grey ? unit_of(metadata_of(grey->description())) : "";
   if (context.json) {

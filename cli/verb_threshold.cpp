@@ -1,6 +1,7 @@
 // octavo threshold: a mask, or classes, from the values of a volume.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -29,8 +30,8 @@ constexpr VerbText kText = {
     "and tissues add up. --class makes a label map of several classes in one pass; where\n"
     "classes overlap the one named first counts. Bricks whose least and greatest value decide\n"
     "are not decoded.\n\n"
-    "Tissues, in HU: air (below -900), lung (-900:-500), fat (-190:-30), soft (-30:225),\n"
-    "contrast (130:600), bone (from 226).\n\n"
+    "Tissues, in HU, ends included: air (:-900), lung (-900:-500), fat (-190:-30),\n"
+    "soft (-30:225), contrast (130:600), bone (226:).\n\n"
     "Examples:\n"
     "  octavo threshold head.8vo --range 226: -o bone.8vo\n"
     "  octavo threshold chest.8vo --tissue lung --tissue air -o gas.8vo\n"
@@ -43,7 +44,6 @@ struct Tissue {
   double highest;
 };
 
-// Between fat and contrast the ranges meet without a gap for whole HU.
 constexpr std::array<Tissue, 6> kTissues = {{{"air", -kInfinity, -900},
                                              {"lung", -900, -500},
                                              {"fat", -190, -30},
@@ -97,12 +97,14 @@ Range tissue_range(const std::string& name, const VolumeDescription& volume) {
   throw Error(ErrorKind::internal, "a tissue without a range");
 }
 
-/// The smallest stored integer whose real value is at least `real`, for a positive slope.
-double first_stored(const Rescale& rescale, double real) {
-  double stored = std::ceil((real - rescale.intercept) / rescale.slope);
-  if (!std::isfinite(stored)) return stored;
-  while (rescale.to_real(stored - 1) >= real) --stored;
-  while (rescale.to_real(stored) < real) ++stored;
+/// The smallest stored integer of first .. last whose real value is at least `real`, for a positive
+/// slope; last + 1 where there is none.
+double first_stored(const Rescale& rescale, double real, double first, double last) {
+  const double quotient = std::ceil((real - rescale.intercept) / rescale.slope);
+  double stored = std::clamp(quotient, first, last + 1);
+  // The quotient may have been rounded past a whole number.
+  while (stored > first && rescale.to_real(stored - 1) >= real) --stored;
+  while (stored <= last && rescale.to_real(stored) < real) ++stored;
   return stored;
 }
 
@@ -126,7 +128,11 @@ ValueWindow stored_window(const Range& range, const VolumeDescription& volume, b
   // The greatest stored value at or below `high` is the negative of the smallest at or above it
   // in a mirrored scale.
   const Rescale mirrored{rising.slope, -rising.intercept};
-  return {first_stored(rising, low), -first_stored(mirrored, -high)};
+  const ValueRange values = value_range(volume.type);
+  const auto least = static_cast<double>(values.min);
+  const auto greatest = static_cast<double>(values.max);
+  return {first_stored(rising, low, least, greatest),
+          -first_stored(mirrored, -high, -greatest, -least)};
 }
 
 nlohmann::ordered_json end_json(double value) {
@@ -222,7 +228,7 @@ void report(const Arguments& arguments, const VolumeDescription& volume,
         100 * static_cast<double>(counts[label]) / static_cast<double>(volume.size.voxel_count());
     objects.push_back({{"label", label},
                        {"voxels", counts[label]},
-                       {"mm3", static_cast<double>(counts[label]) * voxel_mm3(volume.geometry)}});
+                       {"mm3", mm3_json(counts[label], volume)}});
     const std::string name = arguments.classes.empty() ? "" : fmt::format("label {}: ", label);
     text += fmt::format("{}: {}{} ({:.3g} % of the volume)\n", arguments.output, name,
                         volume_text(counts[label], volume), share);
@@ -286,7 +292,8 @@ void add_threshold(CLI::App& app, Context& context) {
       ->allow_extra_args(false)
       ->excludes(range)
       ->excludes(tissue);
-  verb.add_flag("--stored", arguments->stored, "Ranges are stored values instead of real ones");
+  verb.add_flag("--stored", arguments->stored, "Ranges are stored values instead of real ones")
+      ->excludes(tissue);
 }
 
 }  // namespace octavo::cli

@@ -7,6 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "common/geometry_words.h"
 #include "common/inputs.h"
 #include "common/progress_line.h"
 #include "common/quantities.h"
@@ -26,7 +27,9 @@ MaskTree read_mask(const FileReader& reader, int level, const std::vector<ValueW
   MaskTree mask;
   ProgressLine progress(context);
   progress.begin("mask", reader.levels().size(level).z, "planes");
-  on_threads(context, [&] { mask = mask_of_file(reader, level, windows, progress); });
+  on_threads(context, [&] {
+    mask = mask_of_file(reader, level, windows, progress, context.max_memory_bytes);
+  });
   progress.end();
   return mask;
 }
@@ -50,7 +53,9 @@ VolumeDescription label_description(const VolumeDescription& volume, VoxelType t
   labels.rescale = {};
   labels.coding.reset();
   nlohmann::ordered_json metadata = metadata_of(volume);
-  for (const char* name : {"unit", "coding", "source_max_error", "lossy_source", "identity"}) {
+  // What is said of the values, of the names of labels and of people is not so of these.
+  for (const char* name : {"unit", "coding", "source_max_error", "lossy_source", "identity",
+                           "segments", "segment", "chosen"}) {
     metadata.erase(name);
   }
   metadata["made_by"] = made_by;
@@ -80,14 +85,49 @@ BuildResult write_mask(const MaskTree& mask, const VolumeDescription& volume,
   return write_labels(*source, output, context);
 }
 
-double voxel_mm3(const Geometry& geometry) {
-  return geometry.spacing_mm[0] * geometry.spacing_mm[1] * geometry.spacing_mm[2];
+std::optional<double> voxel_mm3(const VolumeDescription& volume) {
+  if (!is_spacing_known(metadata_of(volume))) return std::nullopt;
+  const Point3& spacing = volume.geometry.spacing_mm;
+  return spacing[0] * spacing[1] * spacing[2];
+}
+
+nlohmann::ordered_json mm3_json(std::uint64_t voxels, const VolumeDescription& volume) {
+  const auto mm3 = voxel_mm3(volume);
+  return mm3 ? nlohmann::ordered_json(static_cast<double>(voxels) * *mm3) : nullptr;
+}
+
+void require_same_grid(const VolumeDescription& volume, const std::string& name,
+                       const VolumeDescription& other, const std::string& path) {
+  if (volume.size != other.size) {
+    throw Error(ErrorKind::invalid_argument,
+                fmt::format("has {} voxels, {} has {}; both must share one grid",
+                            size_text(other.size), escaped(name), size_text(volume.size)),
+                path);
+  }
+  const double shift = largest_shift_mm(volume.geometry, other.geometry, volume.size);
+  if (shift <= shift_tolerance_mm(volume.geometry)) return;
+  throw Error(
+      ErrorKind::invalid_argument,
+      fmt::format("lies up to {} mm from {}: origin {} against {} mm, spacing {} against {} mm; "
+                  "both must share one grid",
+                  number_text(shift), escaped(name), point_text(other.geometry.origin_mm, ", "),
+                  point_text(volume.geometry.origin_mm, ", "),
+                  point_text(other.geometry.spacing_mm), point_text(volume.geometry.spacing_mm)),
+      path);
+}
+
+void require_memory(std::uint64_t bytes, const char* what, const Context& context) {
+  if (context.max_memory_bytes == 0 || bytes <= context.max_memory_bytes) return;
+  throw Error(ErrorKind::limit_exceeded,
+              fmt::format("{} need about {} of memory; the limit is {}; raise --max-memory", what,
+                          bytes_text(bytes), bytes_text(context.max_memory_bytes)));
 }
 
 std::string volume_text(std::uint64_t voxels, const VolumeDescription& volume) {
   const std::string count = count_text(static_cast<std::int64_t>(voxels)) + " voxels";
-  if (!is_spacing_known(metadata_of(volume))) return count + " (spacing unknown)";
-  const double mm3 = static_cast<double>(voxels) * voxel_mm3(volume.geometry);
+  const auto of_one = voxel_mm3(volume);
+  if (!of_one) return count + " (spacing unknown)";
+  const double mm3 = static_cast<double>(voxels) * *of_one;
   if (mm3 >= 1000) return fmt::format("{}, {:.2f} cm3", count, mm3 / 1000);
   return fmt::format("{}, {} mm3", count, number_text(mm3));
 }

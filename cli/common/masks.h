@@ -1,8 +1,10 @@
 // Masks in and out of .8vo files: what the verbs that work on octrees share.
 #pragma once
 
+#include <functional>
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "common/context.h"
@@ -46,8 +48,19 @@ BuildResult write_mask(const MaskTree& mask, const VolumeDescription& volume,
 /// Builds the label map that `source` gives, with progress.
 BuildResult write_labels(PlaneSource& source, const std::string& output, const Context& context);
 
-/// Volume of one voxel, mm3.
-double voxel_mm3(const Geometry& geometry);
+/// Volume of one voxel, mm3; nothing where the spacing is not known.
+std::optional<double> voxel_mm3(const VolumeDescription& volume);
+
+/// The volume of so many voxels, mm3, or null where the spacing is not known.
+nlohmann::ordered_json mm3_json(std::uint64_t voxels, const VolumeDescription& volume);
+
+/// Throws Error{invalid_argument} that says how the grids of two volumes differ: in size, or in
+/// where their voxels lie. The error is about `path`, the file of `other`.
+void require_same_grid(const VolumeDescription& volume, const std::string& name,
+                       const VolumeDescription& other, const std::string& path);
+
+/// Throws Error{limit_exceeded} when `bytes` are above --max-memory.
+void require_memory(std::uint64_t bytes, const char* what, const Context& context);
 
 /// "1,234,567 voxels, 123.4 cm3", or mm3 where that reads better; voxels alone where the spacing is
 /// not known.

@@ -88,9 +88,29 @@ class Masks(cli_test.InFolder):
         (self.folder / "n.nii").write_bytes(header + voxels)
         self.expect(0, "build", "n.nii", "-o", "n.8vo", "-q", "--preset", "fast")
         for ranges, expected in [(["--range=-920:-920"], 8000), (["--range=-921.9:-920.1"], 0),
+                                 (["--range=-920:1e300"], 8000 + 800 + 576 + 1),
+                                 (["--range=-1e18:-920"], None), (["--range=1e17:"], 0),
                                  (["--range", "40:40", "--stored"], 8000)]:
             made = self.json("threshold", "n.8vo", *ranges, "-o", "a.8vo", "-f")
+            if expected is None:
+                expected = SIZE[0] * SIZE[1] * SIZE[2] - 800 - 576 - 1
             self.assertEqual(made["objects"][0]["voxels"], expected)
+
+    def test_nothing_is_said_in_mm_where_the_spacing_is_unknown(self):
+        header = struct.pack("<i36x8h", 348, 3, *SIZE, 1, 1, 1, 1) + bytes(14)
+        header += struct.pack("<hhh8ffff", 4, 16, 0, 1, 0, 0, 0, 0, 0, 0, 0, 352, 1, 0)
+        header = header.ljust(344, b"\0") + b"n+1\0" + bytes(4)
+        (self.folder / "n.nii").write_bytes(header + (self.folder / "v.raw").read_bytes())
+        self.expect(0, "build", "n.nii", "-o", "n.8vo", "-q", "--preset", "fast")
+        made = self.json("threshold", "n.8vo", "--range", "40:", "-o", "a.8vo")
+        self.assertIsNone(made["objects"][0]["mm3"])
+        found = self.json("components", "a.8vo")
+        self.assertIsNone(found["objects"][0]["mm3"])
+        self.assertIsNone(found["objects"][0]["centroid_mm"])
+        told = self.expect(0, "measure", "a.8vo", "--json")
+        self.assertIn("spacing is not known", told.stderr)
+        self.assertIsNone(json.loads(told.stdout)["objects"][0]["principal_moments_mm2"])
+        self.expect_refusal(2, ["--min-mm3", "--spacing"], "components", "a.8vo", "--min-mm3", "1")
 
     def test_set_operations_are_those_on_every_voxel(self):
         self.threshold("a.8vo", "40:90")
@@ -177,6 +197,7 @@ class Masks(cli_test.InFolder):
              ["combine", "m.8vo", "s.8vo", "--union", "-o", "x.8vo"]),
             (["far.8vo", "spacing 1 x 1 x 1 against 0.5 x 0.5 x 2"],
              ["combine", "m.8vo", "far.8vo", "--union", "-o", "x.8vo"]),
+            (["--tissue"], ["threshold", "v.8vo", "--tissue", "bone", "--stored", "-o", "x.8vo"]),
             (["s.8vo", "one grid"], ["measure", "m.8vo", "--of", "s.8vo"]),
         ]:
             self.expect_refusal(2, words, *arguments)

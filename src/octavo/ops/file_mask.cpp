@@ -28,11 +28,12 @@ Verdict judge(double lowest, double highest, std::span<const ValueWindow> window
 class FileMask {
  public:
   FileMask(const FileReader& reader, int level, std::span<const ValueWindow> windows,
-           Progress& progress)
+           Progress& progress, std::uint64_t max_bytes)
       : reader_(reader),
         level_(level),
         windows_(windows),
         progress_(progress),
+        max_bytes_(max_bytes),
         size_(reader.levels().size(level)),
         builder_(size_) {}
 
@@ -52,12 +53,20 @@ class FileMask {
         level_ == 0 ? take_brick(box, side) : take_box(box);
       });
       builder_.finish_layer();
+      check_memory();
       progress_.advance(end - z);
     }
     return builder_.finish();
   }
 
  private:
+  void check_memory() const {
+    if (max_bytes_ == 0 || builder_.memory_bytes() <= max_bytes_) return;
+    throw Error(ErrorKind::limit_exceeded,
+                "the mask needs more than " + std::to_string(max_bytes_ >> 20) +
+                    " MiB of memory, the limit; raise the limit, or take a coarser level");
+  }
+
   void take_brick(const Box& box, const Size3& side) {
     const BrickEntry entry = reader_.brick(
         0, {box.lo.x / side.x, box.lo.y / side.y, box.lo.z / side.z});
@@ -91,6 +100,7 @@ class FileMask {
   int level_;
   std::span<const ValueWindow> windows_;
   Progress& progress_;
+  std::uint64_t max_bytes_;
   Size3 size_;
   MaskBuilder builder_;
 };
@@ -98,11 +108,11 @@ class FileMask {
 }  // namespace
 
 MaskTree mask_of_file(const FileReader& reader, int level, std::span<const ValueWindow> windows,
-                      Progress& progress) {
+                      Progress& progress, std::uint64_t max_bytes) {
   if (level < 0 || level >= reader.levels().count()) {
     throw Error(ErrorKind::invalid_argument, "there is no level " + std::to_string(level));
   }
-  return FileMask(reader, level, windows, progress).make();
+  return FileMask(reader, level, windows, progress, max_bytes).make();
 }
 
 }  // namespace octavo

@@ -232,9 +232,17 @@ void MaskBuilder::finish_layer() {
     std::memset(words, 0, kWordsPerCube * sizeof *words);
   });
   for (MaskPart& part : parts) {
-    if (!part.pieces.empty()) parts_.push_back(std::move(part));
+    if (part.pieces.empty()) continue;
+    part_bytes_ += sizeof part + sizeof(MaskPiece) +
+                   part.below.words.size() * sizeof(std::uint64_t) +
+                   part.below.cubes[0].size() * sizeof(MaskCube);
+    parts_.push_back(std::move(part));
   }
   ++layer_;
+}
+
+std::uint64_t MaskBuilder::memory_bytes() const {
+  return words_.size() * sizeof(std::uint64_t) + 2 * part_bytes_;
 }
 
 MaskTree MaskBuilder::finish() {

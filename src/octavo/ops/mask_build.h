@@ -46,6 +46,9 @@ class MaskBuilder {
   /// Folds the layer; the next 64 planes follow.
   void finish_layer();
 
+  /// Bytes of the layer being filled and of all that was folded, twice over: `finish` copies it.
+  std::uint64_t memory_bytes() const;
+
   /// The tree of all layers. Call it once, after the last layer.
   MaskTree finish();
 
@@ -63,6 +66,7 @@ class MaskBuilder {
   std::int64_t layer_ = 0;
   std::vector<std::uint64_t> words_;  // of the layer: cube by cube [y][x], in o-code order inside
   std::vector<MaskPart> parts_;       // a cube of 64^3 each
+  std::uint64_t part_bytes_ = 0;
 };
 
 /// The mask of a volume in memory. Uses the threads of the calling task arena.

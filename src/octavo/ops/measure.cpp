@@ -18,6 +18,48 @@ namespace {
 // Bricks whose sums are held until they are added in order.
 constexpr std::int64_t kBricksAtOnce = 64;
 
+// How many voxels fell into each bin. A few are kept one by one: most regions of a brick, and many
+// of a volume, have fewer voxels than there are bins.
+class Histogram {
+ public:
+  void add(std::size_t bin) {
+    if (counts_.empty() && few_.size() < kFew) {
+      few_.push_back(static_cast<std::uint16_t>(bin));
+    } else {
+      spread();
+      ++counts_[bin];
+    }
+  }
+
+  void add(const Histogram& other) {
+    if (other.counts_.empty()) {
+      for (const std::uint16_t bin : other.few_) add(bin);
+      return;
+    }
+    spread();
+    for (std::size_t bin = 0; bin < counts_.size(); ++bin) counts_[bin] += other.counts_[bin];
+  }
+
+  /// The count of every bin.
+  std::vector<std::uint64_t> counts() const {
+    Histogram all = *this;
+    all.spread();
+    return all.counts_;
+  }
+
+ private:
+  static constexpr std::size_t kFew = 4 * static_cast<std::size_t>(kPercentileBins);
+
+  void spread() {
+    if (!counts_.empty()) return;
+    counts_.resize(static_cast<std::size_t>(kPercentileBins));
+    for (const std::uint16_t bin : std::exchange(few_, {})) ++counts_[bin];
+  }
+
+  std::vector<std::uint16_t> few_;
+  std::vector<std::uint64_t> counts_;
+};
+
 // Sums over the voxels of one region, from the corner of a brick or of the volume.
 struct Sums {
   std::uint64_t count = 0;
@@ -34,7 +76,7 @@ struct Sums {
   __int128 whole_squares = 0;
   long double sum = 0;
   long double squares = 0;
-  std::vector<std::uint64_t> bins;
+  Histogram histogram;
 };
 
 // Sum of i, and of i * i, for lo <= i < hi.
@@ -111,9 +153,7 @@ void add_grey(T value, const Bins& bins, Sums& sums) {
     sums.sum += above;
     sums.squares += above * above;
   }
-  if (!bins.is_wanted) return;
-  if (sums.bins.empty()) sums.bins.resize(bins.count);
-  ++sums.bins[bins.bin_of(v)];
+  if (bins.is_wanted) sums.histogram.add(bins.bin_of(v));
 }
 
 using SumsByLabel = std::map<std::int64_t, Sums>;
@@ -133,15 +173,13 @@ void add(const Sums& from, Sums& to) {
   to.whole_squares += from.whole_squares;
   to.sum += from.sum;
   to.squares += from.squares;
-  if (from.bins.empty()) return;
-  if (to.bins.empty()) to.bins.resize(from.bins.size());
-  for (std::size_t i = 0; i < from.bins.size(); ++i) to.bins[i] += from.bins[i];
+  to.histogram.add(from.histogram);
 }
 
-// Labels of a box with one voxel around it, -1 standing for what is outside the volume.
+// Labels of a box with one voxel around it; what is outside the volume has a label of no voxel.
 class LabelBlock {
  public:
-  LabelBlock(const FileReader& reader, const Box& box) : box_(box) {
+  LabelBlock(const FileReader& reader, const Box& box) {
     const Size3& volume = reader.levels().size(0);
     const Box wide{{box.lo.x - 1, box.lo.y - 1, box.lo.z - 1},
                    {box.hi.x + 1, box.hi.y + 1, box.hi.z + 1}};
@@ -149,7 +187,7 @@ class LabelBlock {
     const Size3 size = wide.size();
     row_ = size.x;
     plane_ = size.x * size.y;
-    labels_.assign(static_cast<std::size_t>(size.voxel_count()), -1);
+    labels_.assign(static_cast<std::size_t>(size.voxel_count()), kOutside);
     with_voxel_type(reader.description().type, [&](auto id) {
       using T = typename decltype(id)::type;
       const Size3 read = part.size();
@@ -186,7 +224,8 @@ class LabelBlock {
   }
 
  private:
-  Box box_;
+  static constexpr std::int64_t kOutside = std::numeric_limits<std::int64_t>::min();
+
   std::int64_t row_ = 0;
   std::int64_t plane_ = 0;
   std::vector<std::int64_t> labels_;
@@ -352,18 +391,21 @@ class Measurement {
     grey.sum = static_cast<double>(sum + count * bins_.least);
     grey.deviation =
         static_cast<double>(std::sqrt(std::max(0.0L, squares / count - mean * mean)));
+    if (options_.percentiles.empty()) return grey;
+    const std::vector<std::uint64_t> counts = sums.histogram.counts();
     for (const double percent : options_.percentiles) {
-      grey.percentiles.push_back(percentile(sums, percent));
+      grey.percentiles.push_back(percentile(sums, counts, percent));
     }
     return grey;
   }
 
   // The least value that at least `percent` of the voxels do not exceed, as far as bins tell.
-  double percentile(const Sums& sums, double percent) const {
+  double percentile(const Sums& sums, const std::vector<std::uint64_t>& counts,
+                    double percent) const {
     const double wanted = percent / 100 * static_cast<double>(sums.count);
     std::uint64_t seen = 0;
-    for (std::size_t bin = 0; bin < sums.bins.size(); ++bin) {
-      seen += sums.bins[bin];
+    for (std::size_t bin = 0; bin < counts.size(); ++bin) {
+      seen += counts[bin];
       if (seen > 0 && static_cast<double>(seen) >= wanted) {
         const double value = bins_.least + static_cast<double>(bin) * bins_.width;
         return std::clamp(value, sums.least, sums.greatest);

@@ -58,7 +58,8 @@ struct MeasureOptions {
 /// grey  nullptr, or a volume on the same grid
 /// Throws what the readers throw, Error{cancelled}; Error{invalid_argument} for a grey volume in
 ///        place of labels, or of another size
-/// Memory  64 bricks, and 64 KiB per label with percentiles
+/// Memory  64 bricks and their sums; per label 200 bytes, and with percentiles 2 bytes per voxel of
+///         it up to 64 KiB
 std::vector<RegionMeasure> measure_regions(const FileReader& labels, const FileReader* grey,
                                            const MeasureOptions& options, Progress& progress);
 

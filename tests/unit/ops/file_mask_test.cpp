@@ -108,6 +108,17 @@ TEST(MaskOfFile, IsTheWindowOfLabels) {
   expect_masks(ball<std::uint8_t>({100, 90, 70}, 1), options, windows());
 }
 
+TEST(MaskOfFile, StopsAtTheLimitOfMemory) {
+  const testing::ScratchFolder folder;
+  testing::build_volume(ball<std::uint8_t>({70, 70, 70}, 1), folder.file("v.8vo"), 1);
+  const auto reader = testing::open_file(folder.file("v.8vo"));
+  NoProgress progress;
+  const std::vector<ValueWindow> windows = {{60, kInfinity}};
+  const MaskTree mask = mask_of_file(*reader, 0, windows, progress);
+  EXPECT_EQ(mask_of_file(*reader, 0, windows, progress, 1 << 20), mask);
+  EXPECT_THROW(mask_of_file(*reader, 0, windows, progress, 1 << 10), Error);
+}
+
 TEST(MaskOfFile, RefusesALevelThatIsNotThere) {
   const testing::ScratchFolder folder;
   testing::build_volume(ball<std::uint8_t>({9, 9, 9}, 1), folder.file("v.8vo"), 1);

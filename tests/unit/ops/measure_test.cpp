@@ -154,6 +154,22 @@ TEST(MeasureRegions, AgreesWithEveryVoxel) {
   }
 }
 
+TEST(MeasureRegions, CountsTheBorderOfTheVolumeAsSurfaceForEveryLabel) {
+  const Size3 size{5, 4, 3};
+  const testing::ScratchFolder folder;
+  for (const std::int16_t label : std::initializer_list<std::int16_t>{-1, 1, -32768}) {
+    const std::vector<std::int16_t> labels(static_cast<std::size_t>(size.voxel_count()), label);
+    const std::string name = std::to_string(label) + ".8vo";
+    const auto file = testing::open_file(
+        built(folder, size, VoxelType::int16, labels.data(), VolumeKind::labels, name));
+    NoProgress progress;
+    const auto regions = measure_regions(*file, nullptr, {}, progress);
+    ASSERT_EQ(regions.size(), 1u);
+    EXPECT_EQ(regions[0].voxel_count, 60u);
+    EXPECT_EQ(regions[0].surface_voxel_count, 60u - 3 * 2 * 1);
+  }
+}
+
 TEST(MeasureRegions, TakesFloats) {
   const Scene& scene = measured().scene;
   std::vector<float> values;
