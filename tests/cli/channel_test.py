@@ -105,7 +105,7 @@ class Components(cli_test.InFolder):
             (self.folder / "stack" / f"slice {z}.png").write_bytes(png([z]))
         self.refuse(7, ["slice 2.png", "slice 4.png", "1 file is missing", "--on-gap ignore"],
                     "stack")
-        self.refuse(7, ["slice 2.png"], "stack", "--on-gap", "fill")
+        self.refuse(2, ["--on-gap fill applies to DICOM only"], "stack", "--on-gap", "fill")
         told = self.build("stack", "--on-gap", "ignore")
         self.assertIn("warning: slice 2.png is followed by slice 4.png", told.stderr)
         self.assertEqual(self.info("a.8vo")["size"], [COLUMNS, ROWS, 4])

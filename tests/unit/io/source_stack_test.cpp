@@ -78,7 +78,7 @@ TEST(SourceStack, NumbersThatSkipAreRefusedWithBothNamesOrIgnored) {
     EXPECT_TRUE(contains(source->description().metadata_json, "\"ignored_number_gaps\":1"));
     EXPECT_TRUE(contains(source->warnings()[0], "half MB_ 11."));
     options.on_gap = GapPolicy::fill;
-    EXPECT_EQ(source_error({folder.path()}, options).kind(), ErrorKind::source_rejected);
+    EXPECT_EQ(source_error({folder.path()}, options).kind(), ErrorKind::invalid_argument);
   }
 }
 
