@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <csetjmp>
-#include <cstring>
 #include <set>
 #include <utility>
 
+#include "octavo/io/alternating_values.h"
 #include "octavo/io/byte_order.h"
 #include "octavo/io/source_file.h"
 
@@ -83,13 +83,9 @@ class PngFile {
       return;
     }
     const std::size_t value_bytes = bit_depth() == 16 ? 2 : 1;
-    const std::size_t stride = value_bytes * static_cast<std::size_t>(channels());
     std::vector<std::byte> all(plane.size() * static_cast<std::size_t>(channels()));
     read_all(all);
-    const std::byte* from = all.data() + static_cast<std::size_t>(channel) * value_bytes;
-    for (std::size_t at = 0; at < plane.size(); at += value_bytes, from += stride) {
-      std::memcpy(plane.data() + at, from, value_bytes);
-    }
+    take_alternating({value_bytes, channels(), channel}, all, plane);
   }
 
  private:
