@@ -50,8 +50,9 @@ std::string equal_text(const Comparison& c, const VolumeDescription& a,
 
 int run_compare(const Arguments& arguments, Context& context) {
   const double max_error = parse_number(arguments.max_error, "--max-error");
-  const auto a = open_planes({arguments.a}, arguments.source, context);
-  const auto b = open_planes({arguments.b}, arguments.source, context);
+  require_scan_for_options({arguments.a, arguments.b}, arguments.source);
+  const auto a = open_planes({arguments.a}, arguments.source, context, OptionsOf::any_source);
+  const auto b = open_planes({arguments.b}, arguments.source, context, OptionsOf::any_source);
   Comparison result;
   {
     ProgressLine progress(context);

@@ -68,6 +68,19 @@ SourceOptions source_options(const SourceArguments& arguments, const Context& co
   return options;
 }
 
+/// The first option set here that says how a scan is read; or nothing. --keep-identity is none.
+std::string scan_option(const SourceArguments& arguments) {
+  if (!arguments.raw.empty()) return "--raw";
+  if (!arguments.spacing.empty()) return "--spacing";
+  if (!arguments.channel.empty()) return "--channel";
+  if (!arguments.time.empty()) return "--time";
+  if (!arguments.series.empty()) return "--series";
+  if (!arguments.segment.empty()) return "--segment";
+  if (arguments.on_gap != "error") return "--on-gap";
+  if (arguments.drop_duplicates) return "--drop-duplicates";
+  return arguments.untilt ? "--untilt" : "";
+}
+
 /// This program reads scans in another run of itself.
 IsolationOptions isolation_options(const Context& context) {
   IsolationOptions options;
@@ -138,6 +151,15 @@ std::shared_ptr<FileReader> open_octavo(const std::string& path, const Context& 
   return FileReader::open(open_bytes(path), options);
 }
 
+void require_scan_for_options(const std::vector<std::string>& paths,
+                              const SourceArguments& arguments) {
+  const std::string option = scan_option(arguments);
+  if (option.empty() || !std::all_of(paths.begin(), paths.end(), is_octavo_path)) return;
+  throw Error(ErrorKind::invalid_argument,
+              option + " says how a scan is read and changes nothing in an .8vo file; leave it out",
+              paths.front());
+}
+
 void require_free_output(const std::string& path, const Context& context) {
   if (base_name_of(path).size() > kMaxNameBytes) {
     throw Error(ErrorKind::io, "its name is longer than 255 bytes", path);
@@ -171,8 +193,10 @@ std::unique_ptr<PlaneSource> open_scan(const std::vector<std::string>& paths,
 }
 
 std::unique_ptr<PlaneSource> open_planes(const std::vector<std::string>& paths,
-                                         const SourceArguments& arguments, Context& context) {
+                                         const SourceArguments& arguments, Context& context,
+                                         OptionsOf which) {
   if (paths.size() == 1 && is_octavo_path(paths.front())) {
+    if (which == OptionsOf::this_source) require_scan_for_options(paths, arguments);
     return std::make_unique<FilePlanes>(open_octavo(paths.front(), context), 0,
                                         context.thread_count(), arguments.keep_identity);
   }

@@ -51,8 +51,19 @@ void require_free_output(const std::string& path, const Context& context);
 std::unique_ptr<PlaneSource> open_scan(const std::vector<std::string>& paths,
                                        const SourceArguments& arguments, Context& context);
 
+/// Whose options they are: with several sources those of the scans among them.
+enum class OptionsOf { this_source, any_source };
+
+/// Throws Error{invalid_argument} naming the option when one says how a scan is read and all of
+/// `paths` are .8vo files, which would ignore it.
+void require_scan_for_options(const std::vector<std::string>& paths,
+                              const SourceArguments& arguments);
+
 /// Either of the two as planes of stored voxels.
+/// Throws Error{invalid_argument} as require_scan_for_options does, unless the options are those
+///        of any source
 std::unique_ptr<PlaneSource> open_planes(const std::vector<std::string>& paths,
-                                         const SourceArguments& arguments, Context& context);
+                                         const SourceArguments& arguments, Context& context,
+                                         OptionsOf which = OptionsOf::this_source);
 
 }  // namespace octavo::cli

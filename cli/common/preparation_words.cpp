@@ -40,10 +40,8 @@ std::string choice_words(const nlohmann::ordered_json& metadata) {
             " of " + count_text(count_in(choice, "count"));
   }
   if (const nlohmann::ordered_json& segment = member(metadata, "segment"); segment.is_object()) {
-    const nlohmann::ordered_json& label = member(segment, "label");
     text += (text.empty() ? "" : ", ") + std::string("segment ") +
-            std::to_string(count_in(segment, "number")) +
-            (label.is_string() ? " " + escaped(label.get<std::string>()) : "");
+            std::to_string(count_in(segment, "number"));
   }
   return text;
 }

@@ -17,12 +17,15 @@ import cli_test
 COLUMNS, ROWS = 6, 5
 
 
-def png(colours):
-    """A picture whose pixels all have these values; 1 grey, 2 with alpha, 3 RGB, 4 with alpha."""
+def png(colours, before=(), behind=()):
+    """A picture whose pixels all have these values; 1 grey, 2 with alpha, 3 RGB, 4 with alpha.
+
+    before, behind: (name, bytes) of chunks on either side of the picture's.
+    """
     kind = {1: 0, 2: 4, 3: 2, 4: 6}[len(colours)]
     row = b"\0" + bytes(colours) * COLUMNS
     parts = [(b"IHDR", struct.pack(">IIBBBBB", COLUMNS, ROWS, 8, kind, 0, 0, 0)),
-             (b"IDAT", zlib.compress(row * ROWS)), (b"IEND", b"")]
+             *before, (b"IDAT", zlib.compress(row * ROWS)), *behind, (b"IEND", b"")]
     return b"\x89PNG\r\n\x1a\n" + b"".join(
         struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
         for name, data in parts)
@@ -102,7 +105,7 @@ class Components(cli_test.InFolder):
             (self.folder / "stack" / f"slice {z}.png").write_bytes(png([z]))
         self.refuse(7, ["slice 2.png", "slice 4.png", "1 file is missing", "--on-gap ignore"],
                     "stack")
-        self.refuse(7, ["slice 2.png"], "stack", "--on-gap", "fill")
+        self.refuse(2, ["--on-gap fill applies to DICOM only"], "stack", "--on-gap", "fill")
         told = self.build("stack", "--on-gap", "ignore")
         self.assertIn("warning: slice 2.png is followed by slice 4.png", told.stderr)
         self.assertEqual(self.info("a.8vo")["size"], [COLUMNS, ROWS, 4])

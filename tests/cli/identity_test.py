@@ -6,11 +6,13 @@ usage: identity_test.py OCTAVO [unittest arguments]
 The sources are generated with secrets in them; the bytes of what is built are searched for each.
 """
 
+import gzip
 import os
 import struct
 import sys
 import unittest
 
+import channel_test
 import cli_test
 from dicom_series_test import COLUMNS, ROWS
 
@@ -239,6 +241,50 @@ class Identity(cli_test.InFolder):
                  "HostComputer"]
         self.check_format("SECRET.tif", tiff(texts), dict.fromkeys(names, 1),
                           dict(zip(names, texts.values())))
+
+    def check_dropped(self, names, dropped):
+        self.build(*names, "--spacing", "1", "--keep-identity")
+        self.assertEqual(self.info("a.8vo")["metadata"]["identity"]["dropped"], dropped)
+        self.build(*names, "--spacing", "1")
+        self.assert_no_secret(["SECRET"])
+        self.assertEqual(self.info("a.8vo")["metadata"]["identity"]["dropped"], dropped)
+
+    def test_png_chunks_before_and_behind_the_picture(self):
+        chunks = [(b"tEXt", b"Author\0SECRET"), (b"tIME", bytes([7, 239, 4, 17, 1, 2, 3])),
+                  (b"seCr", b"SECRET")]
+        late = [(b"iTXt", b"Title\0\0\0\0\0SECRET"), (b"tEXt", b"Title\0SECRET")]
+        (self.folder / "1.png").write_bytes(channel_test.png([9], chunks, late))
+        (self.folder / "2.png").write_bytes(channel_test.png([9], [], late))
+        self.check_dropped(["1.png", "2.png"], {"iTXt": 2, "private": 1, "tEXt": 3, "tIME": 1})
+
+    def test_vtk_title_and_gipl_text(self):
+        head = ("# vtk DataFile Version 3.0\nSECRET title\nBINARY\nDATASET STRUCTURED_POINTS\n"
+                "DIMENSIONS 4 3 2\nSPACING 1 1 1\nORIGIN 0 0 0\nPOINT_DATA 24\n"
+                "SCALARS voxels unsigned_char 1\nLOOKUP_TABLE default\n")
+        self.check_format("SECRET.vtk", head.encode() + bytes(range(24)), {"title": 1},
+                          {"title": "SECRET title"})
+        gipl = bytearray(256)
+        struct.pack_into(">4HH4f", gipl, 0, 4, 3, 2, 1, 8, 1, 1, 1, 1)
+        gipl[26:37] = b"SECRET text"
+        struct.pack_into(">I", gipl, 252, 719555000)
+        self.check_format("SECRET.gipl", bytes(gipl) + bytes(range(24)), {"text": 1},
+                          {"text": "SECRET text"})
+
+    def test_nifti_extensions_beside_a_separate_picture(self):
+        header = bytearray(nifti({})[:352])
+        header[344:348] = b"ni1\0"
+        struct.pack_into("<f", header, 108, 0)
+        (self.folder / "pair.img").write_bytes(bytes(range(24)))
+        header[348] = 1
+        extended = bytes(header) + struct.pack("<2i", 32, 6) + b"SECRET comment" + bytes(10)
+        for name, pack in [("pair.hdr", bytes), ("pair.hdr.gz", gzip.compress)]:
+            if name.endswith(".gz"):
+                (self.folder / "pair.img.gz").write_bytes(gzip.compress(bytes(range(24))))
+            (self.folder / name).write_bytes(pack(extended))
+            self.check_dropped([name], {"header extension": 1})
+            (self.folder / name).write_bytes(pack(bytes(header[:348])))
+            self.build(name, "--spacing", "1")
+            self.assertNotIn("identity", self.info("a.8vo")["metadata"])
 
     def test_sources_that_say_nothing_have_no_entry(self):
         layout = self.random_raw("v.raw", (4, 3, 2))

@@ -78,6 +78,20 @@ class Isotropic(cli_test.InFolder):
         self.assertIn("cubes already", again.stderr)
         self.expect(0, "verify", "again.8vo", "--against", "cubes.8vo")
 
+    def test_options_of_scans_are_refused_for_an_octavo_file(self):
+        self.build(*self.THICK, output="thick.8vo")
+        for option in ["--raw 1,1,1,u8", "--spacing 1", "--channel 0", "--time 0", "--series 1.2",
+                       "--segment 1", "--on-gap fill", "--drop-duplicates", "--untilt"]:
+            name, *value = option.split()
+            words = ["thick.8vo", name, "leave it out"]
+            self.expect_refusal(2, words, "build", "thick.8vo", "-o", "x.8vo", name, *value)
+            self.expect_refusal(2, words, "compare", "thick.8vo", "thick.8vo", name, *value)
+            self.expect_refusal(2, words, "verify", "thick.8vo", "--against", "thick.8vo", name,
+                                *value)
+        self.expect(0, "compare", "thick.8vo", "thick.raw", *self.THICK)
+        self.expect(0, "compare", "thick.raw", "thick.8vo", *self.THICK)
+        self.assertNotIn("x.8vo", self.files())
+
     def test_labels_are_interpolated_by_shape_and_none_is_made_up(self):
         side = 20
         labels = array.array("h", (

@@ -5,8 +5,8 @@
 
 namespace octavo {
 
-/// The JSON object `metadata` with the member `name` behind all others; as it is when it is no
-/// object.
+/// The JSON object `metadata` with the member `name` behind all others, in place of one of
+/// that name; as it is when it is no object.
 /// value  JSON
 std::string with_member(const std::string& metadata, const std::string& name,
                         const std::string& value);

@@ -16,6 +16,15 @@ inline std::uint64_t checked_mul(std::uint64_t a, std::uint64_t b, const char* w
   return product;
 }
 
+/// a * b of a count; throws Error{limit_exceeded} naming `what` when it does not fit in int64_t.
+inline std::int64_t checked_count(std::int64_t a, std::int64_t b, const char* what) {
+  std::int64_t product = 0;
+  if (__builtin_mul_overflow(a, b, &product)) {
+    throw Error(ErrorKind::limit_exceeded, std::string(what) + " exceed 63 bits");
+  }
+  return product;
+}
+
 /// a + b; throws Error{limit_exceeded} naming `what` when it does not fit in 64 bits.
 inline std::uint64_t checked_add(std::uint64_t a, std::uint64_t b, const char* what) {
   std::uint64_t sum = 0;

@@ -4,6 +4,7 @@
 #include <gdcmDicts.h>
 #include <gdcmGlobal.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -12,6 +13,7 @@ namespace octavo {
 namespace {
 
 constexpr DicomTag kCharacterSet = 0x00080005;
+constexpr DicomTag kSegmentLabel = 0x00620005;
 
 const gdcm::Dict& dictionary() {
   static const gdcm::Dict& all = gdcm::Global::GetInstance().GetDicts().GetPublicDict();
@@ -80,6 +82,20 @@ std::string widened(const std::string& text) {
   return wide;
 }
 
+std::int64_t labels_of(const DicomLayout& layout) {
+  return std::count_if(layout.segments.begin(), layout.segments.end(),
+                       [](const DicomSegment& segment) { return !segment.label.empty(); });
+}
+
+/// "1 liver", "2 tumour": the labels could be kept with the numbers that they name.
+void note_segments(const DicomLayout& layout, bool is_latin, SourceIdentity& identity) {
+  for (const DicomSegment& segment : layout.segments) {
+    if (segment.label.empty()) continue;
+    identity.note(keyword_of(kSegmentLabel), std::to_string(segment.number) + " " +
+                      (is_latin ? widened(segment.label) : segment.label));
+  }
+}
+
 }  // namespace
 
 SourceIdentity dicom_identity(const DicomStack& stack) {
@@ -93,7 +109,10 @@ SourceIdentity dicom_identity(const DicomStack& stack) {
   }
   const DicomFile first = read_dicom_file(stack.slices.front().layout->path);
   const bool is_latin = first.data.text(kCharacterSet).find("ISO_IR 100") != std::string::npos;
+  const DicomLayout& layout = *stack.slices.front().layout;
+  note_segments(layout, is_latin, identity);
   for (auto& [tag, count] : counts) {
+    if (tag == kSegmentLabel) count -= labels_of(layout);
     if (is_layout(tag) || is_dicom_metadata(tag)) continue;
     const std::string known = keyword_of(tag);
     const std::string keyword = known.empty() ? dicom_tag_text(tag) : known;

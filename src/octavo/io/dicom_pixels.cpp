@@ -11,6 +11,7 @@
 #include <mutex>
 
 #include "octavo/core/error.h"
+#include "octavo/io/alternating_values.h"
 #include "octavo/io/byte_order.h"
 #include "octavo/io/described_source.h"
 #include "octavo/io/source_file.h"
@@ -128,19 +129,14 @@ void read_native_sample(const DicomSlice& slice, std::uint64_t offset,
                         std::span<std::byte> plane) {
   const DicomLayout& layout = *slice.layout;
   const SourceFile file(layout.path);
-  const auto channel = static_cast<std::size_t>(slice.channel);
   if (layout.is_planar) {
-    file.read_exactly(offset + channel * plane.size(), plane);
+    file.read_exactly(offset + static_cast<std::size_t>(slice.channel) * plane.size(), plane);
     return;
   }
   const auto value_bytes = static_cast<std::size_t>(layout.bits_allocated / 8);
-  const std::size_t stride = value_bytes * static_cast<std::size_t>(layout.samples);
   std::vector<std::byte> all(static_cast<std::size_t>(layout.frame_bytes()));
   file.read_exactly(offset, all);
-  const std::byte* from = all.data() + channel * value_bytes;
-  for (std::size_t at = 0; at < plane.size(); at += value_bytes, from += stride) {
-    std::memcpy(plane.data() + at, from, value_bytes);
-  }
+  take_alternating({value_bytes, layout.samples, slice.channel}, all, plane);
 }
 
 /// The frames of several segments as one plane of labels.

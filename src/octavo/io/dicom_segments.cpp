@@ -117,16 +117,14 @@ std::string segments_json(const std::vector<DicomSlice>& slices, const SourceOpt
   const DicomSlice& first = slices.front();
   nlohmann::json all = nlohmann::json::array();
   for (const DicomSegment& segment : first.layout->segments) {
-    const nlohmann::json one = {{"number", segment.number}, {"label", segment.label}};
+    const nlohmann::json one = {{"number", segment.number}};
     if (!options.segment.empty() && segment.number == first.segment) {
-      return nlohmann::json{{"segment", one}}.dump(-1, ' ', false,
-                                                   nlohmann::json::error_handler_t::replace);
+      return nlohmann::json{{"segment", one}}.dump();
     }
     all.push_back(one);
   }
   if (first.label_frames.empty()) return "";
-  return nlohmann::json{{"segments", all}}.dump(-1, ' ', false,
-                                                nlohmann::json::error_handler_t::replace);
+  return nlohmann::json{{"segments", all}}.dump();
 }
 
 }  // namespace octavo

@@ -18,7 +18,8 @@ namespace octavo {
 std::vector<DicomSlice> choose_segments(std::vector<DicomSlice> slices,
                                         const SourceOptions& options);
 
-/// {"segments": [...]} or {"segment": {...}} for the metadata; empty for a file of one segment.
+/// {"segments": [...]} or {"segment": {...}} with their numbers for the metadata; empty for a file
+/// of one segment. Labels are free text, which belongs to the identity (dicom_identity.h).
 std::string segments_json(const std::vector<DicomSlice>& slices, const SourceOptions& options);
 
 }  // namespace octavo

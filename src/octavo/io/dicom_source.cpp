@@ -11,6 +11,7 @@
 #include "octavo/io/dicom_segments.h"
 #include "octavo/io/dicom_series.h"
 #include "octavo/io/source_file.h"
+#include "octavo/io/value_unit.h"
 
 namespace octavo {
 
@@ -58,7 +59,7 @@ std::vector<DicomSlice> collect_slices(const std::vector<std::string>& files,
 /// The unit of real values: Hounsfield units for CT unless the file says otherwise.
 std::string unit_of(const DicomSlice& slice) {
   const std::string& type = slice.rescale_type;
-  if (!type.empty() && type != "US") return type;
+  if (!type.empty() && type != "US") return known_value_unit(type);
   return slice.layout->modality == "CT" && type != "US" ? "HU" : "";
 }
 

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <deque>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -22,6 +23,7 @@ namespace {
 /// Lengths that agree so well are one length.
 constexpr double kTolerance = 1e-3;
 constexpr double kMostSteps = 256;
+constexpr std::size_t kMostListedRuns = 1000;  // of planes, in the metadata
 
 using nlohmann::json;
 
@@ -62,6 +64,79 @@ PlanePlace place_of(const IsotropicPlan& plan, std::int64_t z) {
   if (std::abs(height - nearest) <= kTolerance) return {static_cast<std::int64_t>(nearest), {0, 1}};
   const double below = std::floor(height);
   return {static_cast<std::int64_t>(below), {height - below, 1}};
+}
+
+/// First and last plane, or slice, of some that follow one another.
+using Run = std::pair<std::int64_t, std::int64_t>;
+
+/// The slices that plane z is made of.
+Run slices_of(const IsotropicPlan& plan, std::int64_t z) {
+  const PlanePlace place = place_of(plan, z);
+  if (place.way.part == 0) return {place.below, place.below};
+  if (plan.method != PlaneInterpolation::cubic) return {place.below, place.below + 1};
+  return {std::max<std::int64_t>(place.below - 1, 0),
+          std::min(place.below + 2, plan.slices - 1)};
+}
+
+/// [[first, last], ...] in metadata, rising and within the slices; nothing when it is none.
+std::optional<std::vector<Run>> read_runs(const json& list, std::int64_t slices) {
+  if (!list.is_array()) return std::nullopt;
+  std::vector<Run> runs;
+  for (const json& pair : list) {
+    if (!pair.is_array() || pair.size() != 2 || !pair[0].is_number_integer() ||
+        !pair[1].is_number_integer()) {
+      return std::nullopt;
+    }
+    const Run run = {pair[0].get<std::int64_t>(), pair[1].get<std::int64_t>()};
+    const std::int64_t least = runs.empty() ? 0 : runs.back().second + 1;
+    if (run.first < least || run.second < run.first || run.second >= slices) return std::nullopt;
+    runs.push_back(run);
+  }
+  return runs;
+}
+
+/// The planes that are made of one of these slices, wholly or in part.
+std::vector<Run> planes_made_of(const IsotropicPlan& plan, const std::vector<Run>& slices) {
+  std::vector<Run> planes;
+  for (std::int64_t z = 0; z < plan.planes; ++z) {
+    const Run used = slices_of(plan, z);
+    const auto run = std::lower_bound(
+        slices.begin(), slices.end(), used.first,
+        [](const Run& some, std::int64_t slice) { return some.second < slice; });
+    if (run == slices.end() || run->first > used.second) continue;
+    if (!planes.empty() && planes.back().second == z - 1) {
+      planes.back().second = z;
+    } else {
+      planes.emplace_back(z, z);
+    }
+  }
+  return planes;
+}
+
+/// What the metadata say of single slices, said of planes. What cannot be said so is left out.
+void renumber_planes(const IsotropicPlan& plan, json& metadata) {
+  const auto prepared = metadata.find("prepared");
+  const bool has_gaps = prepared != metadata.end() && prepared->is_object() &&
+                        prepared->contains("gaps") && (*prepared)["gaps"].is_object();
+  if (has_gaps && (*prepared)["gaps"].contains("made_planes")) {
+    json& gaps = (*prepared)["gaps"];
+    const auto made = read_runs(gaps["made_planes"], plan.slices);
+    const std::vector<Run> planes = made ? planes_made_of(plan, *made) : std::vector<Run>{};
+    gaps["made_planes"] = planes;
+    if (!made || planes.size() > kMostListedRuns) gaps.erase("made_planes");
+  }
+  const auto repaired = metadata.find("repaired");
+  if (repaired == metadata.end()) return;
+  const bool is_known = repaired->is_object() && repaired->contains("missing_planes");
+  const auto missing = is_known
+                           ? read_runs(json::array({(*repaired)["missing_planes"]}), plan.slices)
+                           : std::nullopt;
+  const std::vector<Run> planes = missing ? planes_made_of(plan, *missing) : std::vector<Run>{};
+  if (planes.empty()) {
+    metadata.erase(repaired);
+  } else {
+    (*repaired)["missing_planes"] = Run{planes.front().first, planes.back().second};
+  }
 }
 
 /// Weights of the slices below - 1 to below + 2. With `part` and `whole` whole numbers all are.
@@ -106,7 +181,10 @@ class IsotropicSource final : public PlaneSource {
     description_.size.z = plan_.planes;
     description_.geometry.spacing_mm[2] = plan_.plane_mm;
     json metadata = metadata_of(description_);
-    metadata["prepared"]["isotropic"] = record();
+    renumber_planes(plan_, metadata);
+    json& prepared = metadata["prepared"];
+    if (!prepared.is_object()) prepared = json::object();
+    prepared["isotropic"] = record();
     description_.metadata_json = metadata.dump(-1, ' ', false, json::error_handler_t::replace);
   }
 

@@ -54,7 +54,8 @@ struct IsotropicPlan {
 IsotropicPlan plan_isotropic(const VolumeDescription& description, PlaneInterpolation method);
 
 /// The planes of `source` as planned for its description, which gets their number and distance and
-/// a "prepared" entry "isotropic" in its metadata. Requires plan.is_needed.
+/// a "prepared" entry "isotropic" in its metadata, where numbers of slices become those of planes.
+/// Requires plan.is_needed.
 /// Memory  two slices (linear), four (cubic), or two and ShapeBetween::memory_bytes (shape): part
 ///         of resident_bytes()
 std::unique_ptr<PlaneSource> make_isotropic_source(std::unique_ptr<PlaneSource> source,

@@ -4,6 +4,7 @@
 #include <itkVTKImageIO.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <optional>
 #include <string_view>
@@ -11,6 +12,7 @@
 
 #include "octavo/core/checked.h"
 #include "octavo/core/levels.h"
+#include "octavo/io/header_text.h"
 #include "octavo/io/source_file.h"
 #include "octavo/io/voxel_stream.h"
 
@@ -84,6 +86,28 @@ SourceFacts describe(const itk::ImageIOBase& io, const std::string& path) {
   return facts;
 }
 
+/// The second line of a VTK file, or the text of 80 characters in the header of a GIPL file.
+void note_title(const std::string& path, SourceIdentity& identity) {
+  constexpr std::size_t kGiplTextOffset = 26;
+  constexpr std::size_t kGiplTextBytes = 80;
+  constexpr std::size_t kMaxVtkTitleBytes = 256;
+  if (has_ending(path, ".vtk")) {
+    const std::vector<std::byte> head = file_head(path, kMaxVtkHeaderBytes);
+    std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
+    text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+    const std::size_t end = std::min({text.find('\n'), text.size(), kMaxVtkTitleBytes});
+    identity.note("title", std::string(trimmed(text.substr(0, end))));
+    return;
+  }
+  std::array<std::byte, kGiplTextOffset + kGiplTextBytes> head{};
+  VoxelStream stream(path, 0,
+                     is_gzip_file(path) ? StreamCoding::deflated : StreamCoding::plain);
+  stream.read(head);
+  const std::string_view text(reinterpret_cast<const char*>(head.data()) + kGiplTextOffset,
+                              kGiplTextBytes);
+  identity.note("text", std::string(trimmed(text.substr(0, text.find('\0')))));
+}
+
 class LoadedSource final : public DescribedSource {
  public:
   LoadedSource(SourceFacts facts, std::vector<std::byte> voxels)
@@ -146,6 +170,7 @@ std::unique_ptr<PlaneSource> open_itk_source(const std::string& path,
       reject(path, "ITK does not recognise it: damaged, or another format");
     io->ReadImageInformation();
     SourceFacts facts = describe(*io, path);
+    note_title(path, facts.identity);
     settle(facts, options, path);
     const std::uint64_t bytes =
         checked_mul(plane_bytes(facts.description),

@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::size_t kHeader1Bytes = 348;
 constexpr std::size_t kHeader2Bytes = 540;
+constexpr std::uint64_t kExtenderBytes = 4;  // behind the header: whether extensions follow
 constexpr double kFormTolerance = 1e-3;
 constexpr double kFormDegrees = 0.1;
 constexpr int kMetre = 1;
@@ -245,6 +246,11 @@ NiftiHeader read_nifti_header(const std::string& path) {
       continue;
     }
     header.big_endian = big_endian;
+    if (header.is_pair) {
+      const auto taken = static_cast<std::uint64_t>(length);
+      const std::uint64_t left = deflated ? stream.finish() : SourceFile(path).size() - taken;
+      header.is_extended = left > kExtenderBytes;
+    }
     return header;
   }
   reject(path, "not a NIfTI file: the header says it is neither 348 nor 540 bytes long; check "

@@ -16,6 +16,7 @@ struct NiftiHeader {
   int version = 1;
   bool big_endian = false;
   bool is_pair = false;                 ///< voxels stand in an .img beside the .hdr
+  bool is_extended = false;             ///< of a pair: something stands behind the header
   std::array<std::int64_t, 8> dim{};    ///< [0]: how many of the others count
   std::array<double, 8> pixdim{};       ///< [0]: the sign of the third qform axis
   std::int64_t datatype = 0;

@@ -90,11 +90,8 @@ void take_component(const NiftiHeader& header, const SourceFacts& facts, VoxelRu
     run.take_volume(choice.time, components.times, bytes);
     return;
   }
-  const std::uint64_t volumes = checked_mul(static_cast<std::uint64_t>(components.channels),
-                                            static_cast<std::uint64_t>(components.times),
-                                            "volumes");
-  run.take_volume(choice.channel * components.times + choice.time,
-                  static_cast<std::int64_t>(volumes), bytes);
+  const std::int64_t volumes = checked_count(components.channels, components.times, "volumes");
+  run.take_volume(choice.channel * components.times + choice.time, volumes, bytes);
 }
 
 Rescale read_rescale(const NiftiHeader& header) {
@@ -136,7 +133,7 @@ std::unique_ptr<PlaneSource> open_nifti_source(const std::string& path,
   for (const std::string& note : notes) facts.warnings.push_back(note + ": " + escaped(path));
   for (const auto& [name, text] : header.texts) facts.identity.note(name, text);
   const std::int64_t plain_offset = header.version == 1 ? 352 : 544;
-  if (!header.is_pair && header.voxel_offset > plain_offset) {
+  if (header.is_pair ? header.is_extended : header.voxel_offset > plain_offset) {
     facts.identity.note_lost("header extension");
   }
   settle(facts, options, path);

@@ -266,10 +266,10 @@ void take_component(const NrrdAxes& axes, const ComponentChoice& choice,
     const bool before = axes.is_before_space(axis);
     std::int64_t& place = before ? run.value_index : index_behind;
     std::int64_t& count = before ? run.values_per_voxel : count_behind;
+    // index < sizes[axis], so that place + index * count stays below the product.
+    const std::int64_t product = checked_count(count, axes.sizes[axis], "channels and times");
     place += index * count;
-    count = static_cast<std::int64_t>(checked_mul(static_cast<std::uint64_t>(count),
-                                                  static_cast<std::uint64_t>(axes.sizes[axis]),
-                                                  "channels and times"));
+    count = product;
   }
   if (run.values_per_voxel > kMaxValuesPerVoxel) {
     reject(run.path, std::to_string(run.values_per_voxel) + " values at each voxel are too many; "

@@ -49,8 +49,21 @@ Format format_of(const std::string& path) {
   return Format::unknown;
 }
 
+/// Refuses options that no reader of this format takes. path names the source in the message.
+void require_fitting(Format format, const SourceOptions& options, const std::string& path) {
+  if (const std::string option = options.dicom_option();
+      !option.empty() && format != Format::dicom) {
+    throw Error(ErrorKind::invalid_argument, option + " applies to DICOM only", path);
+  }
+  if (options.on_gap == GapPolicy::ignore && format != Format::tiff && format != Format::png) {
+    throw Error(ErrorKind::invalid_argument,
+                "--on-gap ignore applies to stacks of numbered TIFF or PNG files only", path);
+  }
+}
+
 std::unique_ptr<PlaneSource> open_stack(Format format, const std::vector<std::string>& files,
-                                        const SourceOptions& options) {
+                                        const std::string& path, const SourceOptions& options) {
+  require_fitting(format, options, path);
   return format == Format::tiff ? open_tiff_source(files, options)
                                 : open_png_source(files, options);
 }
@@ -67,6 +80,7 @@ bool is_dicomdir(const std::string& path) { return lower_case(base_name(path)) =
 std::unique_ptr<PlaneSource> open_folder(const std::string& folder, const SourceOptions& options) {
   const std::vector<std::string> all = files_in_folder(folder, true);
   if (std::any_of(all.begin(), all.end(), looks_like_dicom)) {
+    require_fitting(Format::dicom, options, folder);
     return open_dicom_source(all, folder, options);
   }
   std::vector<std::string> tiffs;
@@ -85,8 +99,8 @@ std::unique_ptr<PlaneSource> open_folder(const std::string& folder, const Source
                     " PNG files in one folder: name the files of one stack",
                 folder);
   }
-  if (!tiffs.empty()) return open_stack(Format::tiff, tiffs, options);
-  if (!pngs.empty()) return open_stack(Format::png, pngs, options);
+  if (!tiffs.empty()) return open_stack(Format::tiff, tiffs, folder, options);
+  if (!pngs.empty()) return open_stack(Format::png, pngs, folder, options);
   if (volumes.size() == 1) return open_source(volumes, options);
   throw Error(ErrorKind::source_rejected,
               volumes.empty()
@@ -102,7 +116,9 @@ std::unique_ptr<PlaneSource> open_file(const std::string& path, const SourceOpti
     const std::string folder = std::filesystem::path(path).parent_path().string();
     return open_folder(folder.empty() ? "." : folder, options);
   }
-  switch (format_of(path)) {
+  const Format format = format_of(path);
+  if (format != Format::unknown) require_fitting(format, options, path);
+  switch (format) {
     case Format::dicom: return open_dicom_source({path}, path, options);
     case Format::tiff: return open_tiff_source({path}, options);
     case Format::png: return open_png_source({path}, options);
@@ -132,9 +148,11 @@ std::unique_ptr<PlaneSource> open_files(const std::vector<std::string>& files,
                 path);
   }
   switch (format) {
-    case Format::dicom: return open_dicom_source(files, files.front(), options);
+    case Format::dicom:
+      require_fitting(format, options, files.front());
+      return open_dicom_source(files, files.front(), options);
     case Format::tiff:
-    case Format::png: return open_stack(format, files, options);
+    case Format::png: return open_stack(format, files, files.front(), options);
     default: break;
   }
   throw Error(ErrorKind::invalid_argument,
@@ -159,6 +177,7 @@ std::vector<std::string> without_folders(const std::vector<std::string>& paths) 
 std::unique_ptr<PlaneSource> dispatch(const std::vector<std::string>& paths,
                                       const SourceOptions& options) {
   if (options.raw) {
+    require_fitting(Format::unknown, options, paths.front());
     const bool is_one_folder = paths.size() == 1 && is_folder(paths.front());
     return open_raw_source(
         is_one_folder ? files_in_folder(paths.front(), false) : without_folders(paths),
@@ -187,21 +206,7 @@ std::string SourceOptions::dicom_option() const {
 std::unique_ptr<PlaneSource> open_source(const std::vector<std::string>& paths,
                                          const SourceOptions& options) {
   if (paths.empty()) throw Error(ErrorKind::invalid_argument, "no source given");
-  std::unique_ptr<PlaneSource> source = dispatch(paths, options);
-  const bool is_dicom =
-      source->description().metadata_json.find("\"format\":\"DICOM\"") != std::string::npos;
-  if (const std::string option = options.dicom_option(); !option.empty() && !is_dicom) {
-    throw Error(ErrorKind::invalid_argument, option + " applies to DICOM only", paths.front());
-  }
-  const std::string& metadata = source->description().metadata_json;
-  const bool is_stack = metadata.find("\"format\":\"TIFF\"") != std::string::npos ||
-                        metadata.find("\"format\":\"PNG\"") != std::string::npos;
-  if (options.on_gap == GapPolicy::ignore && !is_stack) {
-    throw Error(ErrorKind::invalid_argument,
-                "--on-gap ignore applies to stacks of numbered TIFF or PNG files only",
-                paths.front());
-  }
-  return source;
+  return dispatch(paths, options);
 }
 
 bool needs_isolation(const std::vector<std::string>& paths, const SourceOptions& options) {

@@ -3,10 +3,12 @@
 #include <png.h>
 
 #include <algorithm>
+#include <array>
 #include <csetjmp>
-#include <cstring>
+#include <set>
 #include <utility>
 
+#include "octavo/io/alternating_values.h"
 #include "octavo/io/byte_order.h"
 #include "octavo/io/source_file.h"
 
@@ -81,13 +83,9 @@ class PngFile {
       return;
     }
     const std::size_t value_bytes = bit_depth() == 16 ? 2 : 1;
-    const std::size_t stride = value_bytes * static_cast<std::size_t>(channels());
     std::vector<std::byte> all(plane.size() * static_cast<std::size_t>(channels()));
     read_all(all);
-    const std::byte* from = all.data() + static_cast<std::size_t>(channel) * value_bytes;
-    for (std::size_t at = 0; at < plane.size(); at += value_bytes, from += stride) {
-      std::memcpy(plane.data() + at, from, value_bytes);
-    }
+    take_alternating({value_bytes, channels(), channel}, all, plane);
   }
 
  private:
@@ -153,6 +151,27 @@ std::string shape_text(const PngShape& shape) {
          std::string(voxel_type_name(shape.type));
 }
 
+/// Counts the chunks of a file that say more than the picture: its texts, its time, what cameras
+/// and others put there. libpng passes over them.
+void note_chunks(const std::string& path, SourceIdentity& identity) {
+  constexpr std::uint64_t kSignatureBytes = 8;
+  constexpr std::uint64_t kHeadBytes = 8;
+  constexpr std::uint64_t kChecksumBytes = 4;
+  constexpr char kPrivateBit = 0x20;
+  static const std::set<std::string> kTelling = {"tEXt", "zTXt", "iTXt", "eXIf", "tIME", "iCCP"};
+  const SourceFile file(path);
+  std::array<std::byte, kHeadBytes> head{};
+  for (std::uint64_t at = kSignatureBytes; file.read_some(at, head) == head.size();) {
+    std::uint64_t length = 0;
+    for (std::size_t i = 0; i < 4; ++i) length = length << 8 | std::to_integer<unsigned>(head[i]);
+    const std::string name(reinterpret_cast<const char*>(head.data()) + 4, 4);
+    if (name == "IEND") return;
+    if (kTelling.contains(name)) identity.note_lost(name);
+    if ((name[1] & kPrivateBit) != 0) identity.note_lost("private");
+    at += kHeadBytes + length + kChecksumBytes;
+  }
+}
+
 class PngSource final : public IndexedPlaneSource {
  public:
   PngSource(SourceFacts facts, std::vector<std::string> files, const PngShape& shape)
@@ -194,6 +213,7 @@ std::unique_ptr<PlaneSource> open_png_source(const std::vector<std::string>& fil
   facts.components.channels = first.channels;
   facts.components.channel_names = first.channels == 2 ? std::vector<std::string>{"grey", "alpha"}
                                                        : colour_names(first.channels);
+  for (const std::string& path : files) note_chunks(path, facts.identity);
   settle(facts, options, files.front());
   return std::make_unique<PngSource>(std::move(facts), files, first);
 }

@@ -1,11 +1,11 @@
 #include "octavo/io/streamed_source.h"
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
 #include <vector>
 
 #include "octavo/core/checked.h"
+#include "octavo/io/alternating_values.h"
 #include "octavo/io/byte_order.h"
 #include "octavo/io/source_file.h"
 
@@ -42,15 +42,14 @@ class StreamedSource final : public DescribedSource {
  private:
   void read_one_of_several(std::span<std::byte> plane, std::size_t value_bytes) {
     const std::size_t voxel_bytes = value_bytes * static_cast<std::size_t>(run_.values_per_voxel);
-    const std::size_t first = value_bytes * static_cast<std::size_t>(run_.value_index);
+    const Alternation one = {value_bytes, run_.values_per_voxel, run_.value_index};
     const std::size_t chunk_voxels = std::max<std::size_t>(kChunkBytes / voxel_bytes, 1);
     std::vector<std::byte> chunk(chunk_voxels * voxel_bytes);
     for (std::size_t at = 0; at < plane.size();) {
       const std::size_t count = std::min(chunk_voxels, (plane.size() - at) / value_bytes);
       stream_.read(std::span(chunk).first(count * voxel_bytes));
-      for (std::size_t i = 0; i < count; ++i, at += value_bytes) {
-        std::memcpy(plane.data() + at, chunk.data() + i * voxel_bytes + first, value_bytes);
-      }
+      take_alternating(one, chunk, plane.subspan(at, count * value_bytes));
+      at += count * value_bytes;
     }
   }
 

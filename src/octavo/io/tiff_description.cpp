@@ -8,6 +8,7 @@
 #include "octavo/io/header_text.h"
 #include "octavo/io/length_unit.h"
 #include "octavo/io/source_file.h"
+#include "octavo/io/value_unit.h"
 
 namespace octavo {
 
@@ -49,10 +50,7 @@ void read_calibration(Fields& fields, TiffDescription& result) {
   const std::optional<double> slope = number(fields["c1"]);
   if (*function == 0 && intercept && slope && *slope != 0) {
     result.rescale = Rescale{*slope, *intercept};
-    const std::string unit = fields["vunit"];
-    if (lower_case(unit) != "gray value" && lower_case(unit) != "grey value") {
-      result.value_unit = unit;
-    }
+    result.value_unit = known_value_unit(fields["vunit"]);
   } else {
     result.other_function = count_of(fields["cf"]);
     result.has_other_function = true;

@@ -19,7 +19,7 @@ struct TiffDescription {
   std::string order;         ///< of pages: "CZT" where channels change fastest; OME has others
   std::int64_t images = 0;   ///< ImageJ: pages in all
   std::optional<Rescale> rescale;  ///< ImageJ: a calibration that is a straight line
-  std::string value_unit;          ///< of calibrated values; empty where there is none
+  std::string value_unit;          ///< of calibrated values; empty where none is known
   bool has_other_function = false; ///< ImageJ: a calibration that is no straight line
   std::int64_t other_function = 0; ///< the number that ImageJ gives it
   std::string unknown_unit;        ///< of lengths; the spacings are absent then

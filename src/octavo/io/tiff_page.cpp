@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "octavo/core/checked.h"
+#include "octavo/io/alternating_values.h"
 
 namespace octavo {
 
@@ -66,15 +67,8 @@ std::size_t at_voxel(const TiffPage& page, std::int64_t x, std::int64_t y) {
   return static_cast<std::size_t>((y * page.width + x) * bytes_per_voxel(page.type));
 }
 
-/// Copies the values of one sample out of values that alternate.
-void take_sample(const TiffPage& page, std::int64_t sample, std::span<const std::byte> several,
-                 std::span<std::byte> values) {
-  const auto value_bytes = static_cast<std::size_t>(bytes_per_voxel(page.type));
-  const std::size_t stride = value_bytes * static_cast<std::size_t>(page.samples);
-  const std::byte* from = several.data() + static_cast<std::size_t>(sample) * value_bytes;
-  for (std::size_t at = 0; at < values.size(); at += value_bytes, from += stride) {
-    std::memcpy(values.data() + at, from, value_bytes);
-  }
+Alternation one_of(const TiffPage& page, std::int64_t sample) {
+  return {static_cast<std::size_t>(bytes_per_voxel(page.type)), page.samples, sample};
 }
 
 }  // namespace
@@ -214,7 +208,7 @@ void TiffFile::read_strips(const TiffPage& page, std::int64_t sample,
                " bytes expected, " + std::to_string(std::max<tmsize_t>(found, 0)) + " found");
       }
     }
-    if (alternates) take_sample(page, sample, several, plane.subspan(start, bytes));
+    if (alternates) take_alternating(one_of(page, sample), several, plane.subspan(start, bytes));
   }
 }
 
@@ -274,7 +268,7 @@ void TiffFile::read_tiles(const TiffPage& page, std::int64_t sample, std::span<s
         if (alternating == 1) {
           std::memcpy(plane.data() + at, tile_row.data(), bytes);
         } else {
-          take_sample(page, sample, tile_row, plane.subspan(at, bytes));
+          take_alternating(one_of(page, sample), tile_row, plane.subspan(at, bytes));
         }
       }
     }

@@ -206,6 +206,42 @@ TEST(IsotropicSource, PlaceAndMetadataAreThoseOfTheSource) {
   EXPECT_EQ(metadata["prepared"]["isotropic"], expected);
 }
 
+/// The metadata behind --isotropic of 4 slices that become 13 planes.
+nlohmann::json metadata_behind(const std::string& before, PlaneInterpolation method) {
+  const Volume<std::int16_t> volume = noise<std::int16_t>({3, 3, 4}, {0.5, 0.5, 2});
+  VolumeDescription description = description_of(volume);
+  description.metadata_json = before;
+  const auto source = make_isotropic_source(
+      make_memory_source(description, std::as_bytes(std::span(volume.voxels))),
+      plan_isotropic(description, method));
+  return nlohmann::json::parse(source->description().metadata_json);
+}
+
+TEST(IsotropicSource, NumbersOfSlicesInTheMetadataBecomeThoseOfPlanes) {
+  const std::string before = R"({"prepared":{"gaps":{"made_planes":[[0,0],[3,3]]}},)"
+                             R"("repaired":{"missing_planes":[3,3],"fill":7}})";
+  const nlohmann::json lines = metadata_behind(before, linear);
+  EXPECT_EQ(lines["prepared"]["gaps"]["made_planes"], nlohmann::json({{0, 3}, {9, 12}}));
+  EXPECT_EQ(lines["repaired"], nlohmann::json({{"missing_planes", {9, 12}}, {"fill", 7}}));
+  const nlohmann::json curves = metadata_behind(before, cubic);
+  EXPECT_EQ(curves["prepared"]["gaps"]["made_planes"],
+            nlohmann::json({{0, 3}, {5, 7}, {9, 12}}));
+  EXPECT_EQ(curves["repaired"]["missing_planes"], nlohmann::json({5, 12}));
+}
+
+TEST(IsotropicSource, MetadataOfAnyShapeAreTaken) {
+  for (const char* before :
+       {R"({"prepared":5})", R"({"prepared":{"gaps":[1],"x":1}})", R"({"prepared":null})",
+        R"({"prepared":{"gaps":{"made_planes":[[2,1]]}}})", R"({"repaired":[]})",
+        R"({"prepared":{"gaps":{"made_planes":[[0,4],["a",1]]}}})",
+        R"({"repaired":{"missing_planes":[0,18446744073709551615]}})"}) {
+    const nlohmann::json after = metadata_behind(before, linear);
+    EXPECT_EQ(after["prepared"]["isotropic"]["slices"], 4) << before;
+    EXPECT_FALSE(after.contains("repaired")) << before;
+    EXPECT_EQ(after.dump().find("made_planes"), std::string::npos) << before;
+  }
+}
+
 /// Counts the slices that were read.
 class CountedSource final : public PlaneSource {
  public:

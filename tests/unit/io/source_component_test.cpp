@@ -179,6 +179,16 @@ TEST(SourceComponents, OfNrrdThatAreNotToldApartAreRefused) {
   }
 }
 
+TEST(SourceComponents, OfMoreTimesThanCountsHoldAreRefused) {
+  const TempFolder folder;
+  const std::int64_t times = std::int64_t{1} << 62;
+  write_file(folder.file("a.nrrd"), nrrd("4 3 2 3 " + std::to_string(times),
+                                         "space space space list time", "", "voxels"));
+  const Error error = source_error({folder.file("a.nrrd")}, choose("2", times - 1));
+  EXPECT_EQ(error.kind(), ErrorKind::limit_exceeded);
+  EXPECT_TRUE(contains(error.what(), "channels and times exceed 63 bits")) << error.what();
+}
+
 TEST(SourceComponents, OfMetaImageAlternateOrFollowInTime) {
   const TempFolder folder;
   const std::string path = folder.file("a.mha");

@@ -410,8 +410,26 @@ TEST(SourceDicomSegments, OfOneFileBecomeTheLabelsOfOneVolume) {
   EXPECT_EQ(source->description().size, (Size3{5, 3, 2}));
   EXPECT_EQ(voxels_of(*source), plane_pair({{3, 1}, {7, 2}, {15, 1}, {29, 2}}));
   const auto metadata = nlohmann::json::parse(source->description().metadata_json);
-  EXPECT_EQ(metadata["segments"][1]["label"], "part 2");
-  EXPECT_EQ(metadata["segments"][1]["number"], 2);
+  EXPECT_EQ(metadata["segments"], nlohmann::json({{{"number", 1}}, {{"number", 2}}}));
+}
+
+TEST(SourceDicomSegments, KeepTheirLabelsOnlyWhereThatIsAskedFor) {
+  const TempFolder folder;
+  write_segmentation(folder.file("seg.dcm"), two_segments(false));
+  SourceOptions options;
+  for (const char* segment : {"", "part 2"}) {
+    options.segment = segment;
+    options.keep_identity = false;
+    const std::string dropped =
+        open_source({folder.file("seg.dcm")}, options)->description().metadata_json;
+    EXPECT_FALSE(contains(dropped, "part ")) << dropped;
+    EXPECT_EQ(nlohmann::json::parse(dropped)["identity"]["dropped"]["SegmentLabel"], 2);
+    options.keep_identity = true;
+    const auto kept = nlohmann::json::parse(
+        open_source({folder.file("seg.dcm")}, options)->description().metadata_json);
+    EXPECT_EQ(kept["identity"]["attributes"]["SegmentLabel"], "1 part 1\n2 part 2");
+    EXPECT_FALSE(kept["identity"]["dropped"].contains("SegmentLabel"));
+  }
 }
 
 TEST(SourceDicomSegments, AreTakenOneByOneByNumberOrLabel) {
@@ -427,7 +445,7 @@ TEST(SourceDicomSegments, AreTakenOneByOneByNumberOrLabel) {
     options.segment = name;
     const auto source = open_source({folder.file("seg.dcm")}, options);
     EXPECT_EQ(voxels_of(*source), voxels) << name;
-    EXPECT_TRUE(contains(source->description().metadata_json, "\"segment\":{\"label\":\"part"));
+    EXPECT_TRUE(contains(source->description().metadata_json, "\"segment\":{\"number\":"));
   }
   SourceOptions wrong;
   wrong.segment = "liver";

@@ -78,7 +78,7 @@ TEST(SourceStack, NumbersThatSkipAreRefusedWithBothNamesOrIgnored) {
     EXPECT_TRUE(contains(source->description().metadata_json, "\"ignored_number_gaps\":1"));
     EXPECT_TRUE(contains(source->warnings()[0], "half MB_ 11."));
     options.on_gap = GapPolicy::fill;
-    EXPECT_EQ(source_error({folder.path()}, options).kind(), ErrorKind::source_rejected);
+    EXPECT_EQ(source_error({folder.path()}, options).kind(), ErrorKind::invalid_argument);
   }
 }
 
@@ -233,6 +233,10 @@ TEST(SourceStack, ImageJCalibrationThatIsALineIsTheRescale) {
       described_tiff(folder, start + "cf=0\nc0=-1024\nc1=0.25\nvunit=HU\n", 1);
   EXPECT_EQ(hounsfield->description().rescale, (Rescale{0.25, -1024}));
   EXPECT_TRUE(contains(hounsfield->description().metadata_json, "\"unit\":\"HU\""));
+  const auto words =
+      described_tiff(folder, start + "cf=0\nc0=-1024\nc1=0.25\nvunit=SECRET name\n", 1);
+  EXPECT_FALSE(contains(words->description().metadata_json, "unit\":"));
+  EXPECT_FALSE(contains(words->description().metadata_json, "SECRET"));
   const auto curve = described_tiff(folder, start + "cf=4\nc0=1\nc1=2\nc2=3\n", 1);
   EXPECT_EQ(curve->description().rescale, Rescale{});
   ASSERT_EQ(curve->warnings().size(), 1U);

@@ -1,0 +1,28 @@
+#include "octavo/build/metadata_member.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace octavo {
+namespace {
+
+TEST(MetadataMember, StandsBehindAllOthersAndOnce) {
+  // Before, after "x" became 1.
+  const std::array<std::array<const char*, 2>, 10> rows = {{
+      {R"({})", R"({"x":1})"},
+      {R"({"a":2})", R"({"a":2,"x":1})"},
+      {R"({"x":2})", R"({"x":1})"},
+      {R"({"x":2,"a":3})", R"({"a":3,"x":1})"},
+      {R"({"a":3,"x":{"x":[1,2,"}"]}})", R"({"a":3,"x":1})"},
+      {R"({"a":3,"x":[4,5],"b":6,"x":7})", R"({"a":3,"b":6,"x":1})"},
+      {R"({"a":{"x":2},"b":"x","c":["x"]})", R"({"a":{"x":2},"b":"x","c":["x"],"x":1})"},
+      {R"({"a":"\"x\":,{","x":"\\"})", R"({"a":"\"x\":,{","x":1})"},
+      {R"({"a":"\"x\":2,\"x"})", R"({"a":"\"x\":2,\"x","x":1})"},
+      {"no object", "no object"},
+  }};
+  for (const auto& [before, after] : rows) EXPECT_EQ(with_member(before, "x", "1"), after);
+}
+
+}  // namespace
+}  // namespace octavo
