@@ -117,7 +117,7 @@ class TiffFolderTarget final : public ExportTarget {
       temporary_ = std::move(temporary.path);
       lock_ = std::move(temporary.file);
     } catch (const Error& error) {
-      throw error.with_path(folder_);
+      throw with_final_name(error, folder_);
     }
   }
 
