@@ -124,9 +124,7 @@ int run_build(const Arguments& arguments, Context& context) {
   require_no_input(arguments.output, arguments.inputs);
   auto source = open_planes(arguments.inputs, arguments.source, context);
   options.kind = choose_kind(arguments, source->description(), context);
-  options.interrupted = arguments.resume ? Interrupted::resume
-                        : context.force  ? Interrupted::discard
-                                         : Interrupted::refuse;
+  if (arguments.resume) options.interrupted = Interrupted::resume;
   try {
     source = make_isotropic(arguments.inputs.front(), std::move(source), arguments.isotropic,
                             options.kind, context);

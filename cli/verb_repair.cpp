@@ -97,7 +97,10 @@ MendResult mend(const Arguments& arguments, const Context& context) {
   } catch (const Error& error) {
     const bool is_damage =
         error.kind() == ErrorKind::corrupt || error.kind() == ErrorKind::truncated;
-    if (!is_damage || error.detail().find("--salvage") != std::string::npos) throw;
+    const auto says = [&](const char* words) {
+      return error.detail().find(words) != std::string::npos;
+    };
+    if (!is_damage || says("--salvage") || says("build it again")) throw;
     throw Error(error.kind(),
                 error.detail() + "; more than one bit: nothing can be found in such a file, and "
                                  "repair cannot mend it",
@@ -116,9 +119,8 @@ int run_repair(const Arguments& arguments, const Context& context) {
                 arguments.output);
   }
   require_free_output(arguments.output, context);
-  const bool is_growing = std::filesystem::exists(arguments.input + ".journal", none);
-  if (!std::filesystem::exists(arguments.input, none) || is_growing ||
-      arguments.input.ends_with(".journal")) {
+  const bool is_there = std::filesystem::exists(arguments.input, none);
+  if (!is_there || is_growing_name(arguments.input)) {
     std::optional<SealResult> result;
     {
       ProgressLine progress(context);
@@ -128,6 +130,8 @@ int run_repair(const Arguments& arguments, const Context& context) {
     if (result && context.json) print_json(seal_json(arguments, *result));
     if (result && !context.json && !context.quiet) print(seal_text(arguments, *result));
     if (result) return kExitDone;
+  }
+  if (!is_there) {
     throw Error(ErrorKind::io, "no such file, and no interrupted build of it", arguments.input);
   }
   const MendResult result = mend(arguments, context);

@@ -60,6 +60,8 @@ int build_and_report(PlaneSource& source, BuildOptions options, const std::strin
   const VolumeDescription& volume = source.description();
   const VolumeKind kind = options.kind;
   options.overwrite = context.force;
+  const bool is_resuming = options.interrupted == Interrupted::resume;
+  if (context.force && !is_resuming) options.interrupted = Interrupted::discard;
   options.threads = context.threads;
   options.max_memory_bytes = context.max_memory_bytes;
   context.detail(fmt::format(
@@ -76,6 +78,10 @@ int build_and_report(PlaneSource& source, BuildOptions options, const std::strin
   if (result.resumed_planes > 0) {
     context.note(fmt::format("{}: continued behind plane {} of {}", output,
                              result.resumed_planes - 1, volume.size.z));
+  }
+  if (is_resuming && result.resumed_planes == 0) {
+    context.note(fmt::format("{}: no interrupted build of it to continue; built from plane 0 on",
+                             output));
   }
   if (options.max_error > 0 && result.max_error == 0) {
     context.note(fmt::format("--max-error {} is below one stored step ({}): built without loss",

@@ -80,7 +80,9 @@ void add_global_options(CLI::App& app, Context& context) {
          "Refuse work that needs more memory than this (500M, 2G)")
       ->type_name("BYTES")
       ->group(group);
-  app.add_flag("-f,--force", context.force, "Replace output files that exist")->group(group);
+  app.add_flag("-f,--force", context.force,
+               "Replace output files that exist or whose build was interrupted")
+      ->group(group);
   app.add_flag("--strict", context.strict, "Treat warnings as errors")->group(group);
 }
 

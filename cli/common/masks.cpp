@@ -68,6 +68,7 @@ BuildResult write_labels(PlaneSource& source, const std::string& output, const C
   BuildOptions options;
   options.kind = VolumeKind::labels;
   options.overwrite = context.force;
+  options.interrupted = context.force ? Interrupted::discard : Interrupted::refuse;
   options.threads = context.threads;
   options.max_memory_bytes = context.max_memory_bytes;
   ProgressLine progress(context);

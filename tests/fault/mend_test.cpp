@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "octavo/file/layout.h"
 #include "support/sample_file.h"
 
 namespace octavo {
@@ -56,6 +59,24 @@ TEST(Mend, AnyFlippedBitIsTurnedBack) {
       ASSERT_TRUE(*storage.files.at("bad.8vo") == bad);
       ASSERT_EQ(storage.files.size(), 2u);
     }
+  }
+}
+
+TEST(Mend, AGrowingFileIsRefusedAsSuch) {
+  const FileContent good = two_tiers();
+  HeaderBlock block{};
+  std::copy_n(good.begin(), block.size(), block.begin());
+  block = encode_header(parse_unsealed_header(block));
+  for (const std::size_t length : {std::size_t{kHeaderBytes}, good.size() / 2}) {
+    FileContent growing(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(length));
+    std::copy(block.begin(), block.end(), growing.begin());
+    MemoryStorage storage;
+    put(storage, "bad.8vo", growing);
+    const Outcome outcome = mend(storage);
+    EXPECT_EQ(outcome.kind, ErrorKind::corrupt);
+    EXPECT_NE(outcome.failure.find("bad.8vo: not sealed"), std::string::npos) << outcome.failure;
+    EXPECT_NE(outcome.failure.find("build it again"), std::string::npos) << outcome.failure;
+    EXPECT_EQ(storage.files.size(), 1u);
   }
 }
 

@@ -262,6 +262,17 @@ class Resume(InFolder):
             self.assertEqual((self.folder / name).read_bytes(), content)
         self.expect_refusal(5, ["nothing.8vo: no such file, and no interrupted build"], "repair",
                             "nothing.8vo", "-o", "x.8vo")
+        # No other verb loses what is left, nor does a file that happens to be called a journal.
+        self.expect(0, "phantom", "--size", "9", "-o", "p.8vo")
+        (self.folder / "p.8vo.journal").write_text("something else")
+        self.expect_refusal(2, ["p.8vo: is sound"], "repair", "p.8vo", "-o", "x.8vo")
+        for command in [("phantom", "--size", "9"), ("threshold", "p.8vo", "--range=-5000:5000")]:
+            self.expect_refusal(5, ["out.8vo: an interrupted build", "--force"], *command, "-o",
+                                "out.8vo")
+        # Without its journal nobody knows what is whole.
+        (self.folder / "copy.8vo").write_bytes(left[growing])
+        self.expect_refusal(4, ["copy.8vo: not sealed", "build it again"], "repair",
+                            "copy.8vo", "-o", "x.8vo")
         self.assertIn("continued behind",
                       self.expect(0, *self.build, "-o", "out.8vo", "--resume").stderr)
 
@@ -283,6 +294,14 @@ class Resume(InFolder):
                              (self.folder / "reference.8vo").read_bytes())
         finally:
             subprocess.run(["umount", out], check=True)
+
+
+class NothingToResume(InFolder):
+    def test_it_is_told_and_built(self):
+        source = self.noisy_raw("v.raw", 9, 8, 7)
+        said = self.expect(0, "build", *source, "-o", "a.8vo", "--resume").stderr
+        self.assertIn("a.8vo: no interrupted build of it to continue", said)
+        self.expect(0, "verify", "a.8vo", "--against", *source)
 
 
 class Salvage(InFolder):

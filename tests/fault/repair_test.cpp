@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <stdlib.h>
+
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 
 #include "octavo/core/error.h"
 #include "octavo/file/interrupted.h"
@@ -140,6 +143,95 @@ TEST(Repair, TheGrowingFileAndTheJournalNameItToo) {
   EXPECT_FALSE(ended.seal("b.8vo").has_value());
 }
 
+TEST(Repair, OnlyNamesOfGrowingFilesCountAsSuch) {
+  for (const char* name : {".a.8vo.tmp-1", "there/.a.8vo.tmp-1.journal", ".a.tmp-8vo.tmp-3-2"}) {
+    EXPECT_TRUE(is_growing_name(name)) << name;
+  }
+  for (const char* name : {"a.8vo", "a.8vo.journal", "a.8vo.tmp-1", ".a.8vo", ".tmp-1", ""}) {
+    EXPECT_FALSE(is_growing_name(name)) << name;
+  }
+}
+
+// The reason why `input` in `storage` is not sealed.
+std::string refusal_of(Storage& storage, const std::string& input, ErrorKind kind,
+                       bool overwrite = true) {
+  NoProgress progress;
+  try {
+    seal_interrupted(storage, input, "out.8vo", {.overwrite = overwrite, .threads = 1}, progress);
+    ADD_FAILURE() << "it was sealed";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), kind) << error.what();
+    return error.what();
+  }
+  return {};
+}
+
+TEST(Repair, WhatHasNothingWholeIsNotTakenForABuildThatRuns) {
+  const Ended ended(four_layers(VoxelType::uint8), 1);
+  const std::string journal = ended.growing + kJournalEnding;
+  MemoryStorage torn;
+  torn.files = copied(ended.storage.files);
+  torn.files.at(journal)->at(4) ^= 8;
+  MemoryStorage alone;
+  alone.files = copied(ended.storage.files);
+  alone.files.erase(ended.growing);
+  for (const std::string& input : {std::string("a.8vo"), ended.growing, journal}) {
+    const std::string damaged = refusal_of(torn, input, ErrorKind::corrupt);
+    EXPECT_NE(damaged.find("the start of its journal is damaged"), std::string::npos) << damaged;
+    const std::string gone = refusal_of(alone, input, ErrorKind::io);
+    EXPECT_NE(gone.find("is gone"), std::string::npos) << gone;
+  }
+}
+
+TEST(Repair, ABuildThatRunsIsLeftAlone) {
+  const Ended ended(four_layers(VoxelType::uint8), 1);
+  std::string folder = "/tmp/octavo-repair-XXXXXX";
+  ASSERT_NE(::mkdtemp(folder.data()), nullptr);
+  for (const auto& [name, bytes] : ended.storage.files) {
+    local_storage().create_exclusive(folder + "/" + name)->write(0, *bytes);
+  }
+  {
+    const auto held = local_storage().open_update(folder + "/" + ended.growing + kJournalEnding);
+    for (const std::string& input : {std::string("a.8vo"), ended.growing}) {
+      const std::string message =
+          refusal_of(local_storage(), folder + "/" + input, ErrorKind::io);
+      EXPECT_NE(message.find("still runs"), std::string::npos) << message;
+    }
+  }
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Repair, TheBuildOfWhichMostIsProvenIsTaken) {
+  const Ended more(four_layers(VoxelType::uint8), 3);
+  const Ended less(four_layers(VoxelType::uint8), 1);
+  MemoryStorage storage;
+  storage.files = copied(more.storage.files);
+  storage.files.at(more.growing)->at(kHeaderBytes + 3) ^= 1;
+  const auto files = copied(less.storage.files);
+  storage.files[".a.8vo.tmp-5"] = files.at(less.growing);
+  storage.files[".a.8vo.tmp-5.journal"] = files.at(less.growing + kJournalEnding);
+  const auto result = Ended::seal_in(storage, "a.8vo");
+  ASSERT_TRUE(result.has_value());
+  EXPECT_EQ(result->input, ".a.8vo.tmp-5");
+  EXPECT_EQ(result->whole_planes, 64);
+}
+
+TEST(Repair, AnInterruptedBuildOfTheOutputIsNotLostUnasked) {
+  const Ended ended(four_layers(VoxelType::uint8), 2);
+  MemoryStorage storage;
+  storage.files = copied(ended.storage.files);
+  const auto others = copied(ended.storage.files);
+  storage.files[".out.8vo.tmp-5"] = others.at(ended.growing);
+  storage.files[".out.8vo.tmp-5.journal"] = others.at(ended.growing + kJournalEnding);
+  const std::string message = refusal_of(storage, "a.8vo", ErrorKind::io, false);
+  EXPECT_NE(message.find("out.8vo: an interrupted build of it is here (planes 0 to 127 of 230)"),
+            std::string::npos)
+      << message;
+  EXPECT_EQ(storage.files.size(), 4u);
+  EXPECT_TRUE(Ended::seal_in(storage, "a.8vo").has_value());
+  EXPECT_EQ(storage.files.count(".out.8vo.tmp-5"), 0u);
+}
+
 TEST(Repair, WithoutAWholePlaneItIsRefused) {
   Ended ended(four_layers(VoxelType::uint8), 1);
   ended.storage.files.at(ended.growing)->resize(600);
@@ -161,7 +253,7 @@ TEST(Repair, DamageCostsLayersAndNeverGivesAWrongVoxel) {
       storage.files.at(name)->at(at) ^= 8;
       try {
         const auto result = Ended::seal_in(storage, "a.8vo");
-        if (!result) continue;  // the head of the journal
+        ASSERT_TRUE(result.has_value());
         const auto reader = open_bytes(*storage.files.at("out.8vo"));
         const Box there = planes(ended.volume, 0, result->whole_planes);
         EXPECT_EQ(read_samples(*reader, there, 0), expected_samples(ended.volume, there, 0));

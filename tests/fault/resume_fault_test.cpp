@@ -4,14 +4,17 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "octavo/codec/crc32c.h"
 #include "octavo/file/interrupted.h"
 #include "octavo/file/temporary.h"
+#include "support/recording_storage.h"
 #include "support/recording_writer.h"
 #include "support/sample_file.h"
 
@@ -251,34 +254,97 @@ TEST_F(Resume, ABuildThatDoesNotContinueRemovesWhatIsLeft) {
   EXPECT_TRUE(*storage.files.at("a.8vo") == reference_);
 }
 
-TEST_F(Resume, AFileWithALivingWriterIsNotTaken) {
-  std::string folder = "/tmp/octavo-resume-XXXXXX";
-  ASSERT_NE(::mkdtemp(folder.data()), nullptr);
-  const std::string path = folder + "/a.8vo";
-  const auto create = [&] {
-    return FileWriter::create(local_storage(), path, volume_.description, volume_.levels, 1,
-                              {.overwrite = true, .has_journal = true, .is_resuming = true});
-  };
-  auto first = create();
-  first.reset();
-  EXPECT_TRUE(local_storage().list(folder + "/").empty());
+TEST_F(Resume, TheJournalGoesAfterTheNewNameIsOnDisk) {
+  RecordingStorage storage;
+  const auto writer =
+      FileWriter::create(storage, "a.8vo", volume_.description, volume_.levels, 1,
+                         {.overwrite = true, .has_journal = true, .is_resuming = true});
+  recording_.replay(*writer, 2, 0);
+  writer->finish();
+  ASSERT_GE(storage.changes.size(), 3u);
+  const std::span last = std::span(storage.changes).last(3);
+  EXPECT_EQ(last[0].new_name, "a.8vo");
+  EXPECT_EQ(last[1].what, Change::What::sync_folder);
+  EXPECT_EQ(last[2].what, Change::What::remove);
+  EXPECT_TRUE(last[2].name.ends_with(kJournalEnding)) << last[2].name;
+}
 
-  auto living = create();
-  const auto neighbour = create();
-  EXPECT_TRUE(neighbour->resumed().empty());
-  EXPECT_EQ(local_storage().list(folder + "/").size(), 4u);
+TEST(TemporaryNames, OfLongNamesAreTheirOwnAndFit) {
+  const std::string common(230, 'n');
+  const std::string a = temporary_prefix("there/" + common + "a.8vo");
+  const std::string b = temporary_prefix("there/" + common + "b.8vo");
+  EXPECT_NE(a, b);
+  EXPECT_LE(base_name_of(a).size() + std::string("4194304-99.journal").size(), kMaxNameBytes);
+  // What such a file was to become is known by its own name alone.
+  const std::string cut = base_name_of(a).substr(1, base_name_of(a).rfind(".tmp-") - 1);
+  EXPECT_EQ(temporary_prefix("there/" + cut), a);
+}
+
+class ResumeOnDisk : public Resume {
+ protected:
+  void SetUp() override {
+    Resume::SetUp();
+    ASSERT_NE(::mkdtemp(folder_.data()), nullptr);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::unique_ptr<FileWriter> create(bool is_resuming) const {
+    return FileWriter::create(
+        local_storage(), path_of("a.8vo"), volume_.description, volume_.levels, 1,
+        {.overwrite = true, .has_journal = true, .is_resuming = is_resuming});
+  }
+
+  std::string path_of(const std::string& name) const { return folder_ + "/" + name; }
+  std::size_t file_count() const { return local_storage().list(folder_ + "/").size(); }
+
+  std::string folder_ = "/tmp/octavo-resume-XXXXXX";
+};
+
+TEST_F(ResumeOnDisk, AFileWithALivingWriterIsNotTaken) {
+  auto first = create(true);
+  first.reset();
+  EXPECT_EQ(file_count(), 0u);
+
+  auto living = create(true);
   recording_.replay(*living, 2, 0, kLayers);
   EXPECT_EQ(living->kept_layers(), 4);
+  EXPECT_EQ(file_count(), 2u);
+  try {
+    create(true);
+    ADD_FAILURE() << "a second build began beside the one to be continued";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::io);
+    EXPECT_NE(std::string(error.what()).find("another program works on "), std::string::npos)
+        << error.what();
+  }
+  EXPECT_EQ(file_count(), 2u);
+  auto neighbour = create(false);
+  EXPECT_TRUE(neighbour->resumed().empty());
+  EXPECT_EQ(file_count(), 4u);
+  neighbour.reset();
   living.reset();
-  EXPECT_EQ(local_storage().list(folder + "/").size(), 4u);
-  const auto heir = create();
+  EXPECT_EQ(file_count(), 2u);
+  const auto heir = create(true);
   EXPECT_EQ(heir->resumed().size(), kLayers);
   recording_.replay(*heir, 2, kLayers);
   heir->finish();
-  EXPECT_EQ(local_storage().list(folder + "/").size(), 3u);
-  EXPECT_EQ(local_storage().open_read(path)->size(), reference_.size());
-  for (const std::string& name : local_storage().list(folder + "/")) local_storage().remove(name);
-  ::rmdir(folder.c_str());
+  EXPECT_EQ(file_count(), 1u);
+  EXPECT_EQ(local_storage().open_read(path_of("a.8vo"))->size(), reference_.size());
+}
+
+// Process 1 always lives, so that nothing of it counts as left behind.
+TEST_F(ResumeOnDisk, ATemporaryThatCannotBeOpenedStopsNoBuild) {
+  std::filesystem::create_directory(path_of(".a.8vo.tmp-1"));
+  std::filesystem::create_directory(path_of(".a.8vo.tmp-1.journal"));
+  std::filesystem::create_symlink("gone", path_of(".a.8vo.tmp-1-1"));
+  std::filesystem::create_symlink("gone", path_of(".a.8vo.tmp-1-1.journal"));
+  EXPECT_EQ(local_storage().open_update(path_of(".a.8vo.tmp-1-2.journal")), nullptr);
+  const auto writer = create(false);
+  recording_.replay(*writer, 2, 0);
+  writer->finish();
+  EXPECT_EQ(local_storage().open_read(path_of("a.8vo"))->size(), reference_.size());
+  EXPECT_EQ(file_count(), 5u);
+  EXPECT_THROW(create(true), Error);
 }
 
 }  // namespace

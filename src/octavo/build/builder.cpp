@@ -125,22 +125,6 @@ std::string crc_text(std::uint32_t crc) {
   return text;
 }
 
-// Refuses to lose what an interrupted build has encoded.
-void check_interrupted(Storage& storage, const std::string& path, const Levels& levels) {
-  std::int64_t layers = 0;
-  for (const InterruptedBuild& build : find_interrupted(storage, path)) {
-    const auto groups = read_journal_groups(*build.journal);
-    if (!groups.empty()) layers = std::max(layers, groups.back().group.end_layer);
-  }
-  if (layers == 0) return;
-  const std::int64_t count = levels.size(0).z;
-  throw Error(ErrorKind::io,
-              "an interrupted build of it is here (" +
-                  planes_text(0, std::min(planes_in(levels, layers), count), count) +
-                  "); continue it with --resume, or start anew with --force",
-              path);
-}
-
 // One build: the groups of tier 0, then the tiers made of parents.
 class Build {
  public:
@@ -294,7 +278,7 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
                options.max_memory_bytes);
 
   check_target(storage, path, options.overwrite);
-  if (options.interrupted == Interrupted::refuse) check_interrupted(storage, path, levels);
+  if (options.interrupted == Interrupted::refuse) refuse_interrupted(storage, path);
 
   const ProgressScope scope(progress, 2 * description.size.z);
   ErrorBound bound;

@@ -34,7 +34,7 @@ struct BuildOptions {
   double max_error = 0;
   FloatRepair repair = {};  ///< of NaN and infinities in float32 volumes
   bool overwrite = false;
-  Interrupted interrupted = Interrupted::discard;
+  Interrupted interrupted = Interrupted::refuse;
   int threads = 0;  ///< 0: all cores
   /// 0: no limit; otherwise Error{limit_exceeded} before work starts when the need is above it.
   std::uint64_t max_memory_bytes = 0;

@@ -21,31 +21,67 @@ std::string without_ending(const std::string& path, const std::string& ending) {
   return path.ends_with(ending) ? path.substr(0, path.size() - ending.size()) : path;
 }
 
-// The name of the file that a growing one was to become: without the dot and ".tmp-PID".
-std::string target_of(const std::string& growing) {
+// The name of the file that a growing one was to become: without the dot and ".tmp-PID". Nothing
+// when it is the name of no growing file.
+std::optional<std::string> target_of(const std::string& growing) {
   const std::string base = base_name_of(growing);
   const std::size_t end = base.rfind(".tmp-");
-  if (base.empty() || base.front() != '.' || end == std::string::npos) return growing;
+  if (!base.starts_with('.') || end == std::string::npos || end == 0) return std::nullopt;
   return growing.substr(0, growing.size() - base.size()) + base.substr(1, end - 1);
+}
+
+// Says why none of the growing files and journals in `names` can be read.
+void explain_unread(Storage& storage, const std::vector<std::string>& names,
+                    const std::vector<std::string>& held) {
+  if (!held.empty()) {
+    throw Error(ErrorKind::io,
+                "is being built by a program that still runs, or may not be locked and written by "
+                "this one",
+                held.front());
+  }
+  for (const std::string& name : names) {
+    if (!name.ends_with(kJournalEnding)) continue;
+    const std::string growing = without_ending(name, kJournalEnding);
+    if (storage.exists(growing)) {
+      throw Error(ErrorKind::corrupt,
+                  "the start of its journal is damaged, and nothing else tells what is whole; "
+                  "build it again from its source",
+                  growing);
+    }
+    throw Error(ErrorKind::io, "the file that the journal belongs to is gone; nothing can be "
+                               "repaired", growing);
+  }
+}
+
+std::int64_t whole_layers(const InterruptedBuild& build) {
+  const auto groups = proven_groups(build);
+  return groups.empty() ? 0 : groups.back().group.end_layer;
 }
 
 // The interrupted build of that name which got furthest.
 std::optional<InterruptedBuild> find_build(Storage& storage, const std::string& input) {
   const std::string growing = without_ending(input, kJournalEnding);
-  const bool is_growing = storage.exists(growing + kJournalEnding);
-  std::optional<InterruptedBuild> best;
-  std::int64_t most = -1;
-  const std::string target = is_growing ? target_of(growing) : input;
-  for (InterruptedBuild& build : find_interrupted(storage, target)) {
-    if (is_growing && base_name_of(build.file->path()) != base_name_of(growing)) continue;
-    const auto groups = read_journal_groups(*build.journal);
-    const std::int64_t layers = groups.empty() ? 0 : groups.back().group.end_layer;
-    if (layers <= most) continue;
-    most = layers;
-    best = std::move(build);
+  const auto named_target = target_of(growing);
+  const std::string target = named_target.value_or(input);
+  const auto is_other = [&](const std::string& name) {
+    const std::string base = base_name_of(without_ending(name, kJournalEnding));
+    return named_target && base != base_name_of(growing);
+  };
+  std::vector<std::string> held;
+  std::vector<InterruptedBuild> builds = find_interrupted(storage, target, &held);
+  std::erase_if(builds, [&](const auto& build) { return is_other(build.file->path()); });
+  if (builds.empty()) {
+    std::vector<std::string> names = storage.list(temporary_prefix(target));
+    std::erase_if(held, is_other);
+    std::erase_if(names, is_other);
+    explain_unread(storage, names, held);
+    return std::nullopt;
   }
-  if (best || !is_growing) return best;
-  throw Error(ErrorKind::io, "is being built by a program that still runs", growing);
+  if (builds.size() == 1) return std::move(builds.front());
+  std::vector<std::int64_t> layers;
+  for (const InterruptedBuild& build : builds) layers.push_back(whole_layers(build));
+  return std::move(builds[static_cast<std::size_t>(std::ranges::max_element(layers) -
+                                                   layers.begin())]);
 }
 
 std::string number_text(double value) {
@@ -92,6 +128,7 @@ class ProgressScope {
 
 SealResult seal(InterruptedBuild build, Storage& storage, const std::string& output,
                 const SealOptions& options, Progress& progress) {
+  if (!options.overwrite) refuse_interrupted(storage, output);
   SealResult result;
   result.input = build.file->path();
   WholeBricks bricks(std::move(build));
@@ -156,6 +193,10 @@ SealResult seal(InterruptedBuild build, Storage& storage, const std::string& out
 }
 
 }  // namespace
+
+bool is_growing_name(const std::string& path) {
+  return target_of(without_ending(path, kJournalEnding)).has_value();
+}
 
 std::optional<SealResult> seal_interrupted(Storage& storage, const std::string& input,
                                            const std::string& output, const SealOptions& options,

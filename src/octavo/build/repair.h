@@ -11,7 +11,7 @@
 namespace octavo {
 
 struct SealOptions {
-  bool overwrite = false;
+  bool overwrite = false;  ///< an existing file, and what an interrupted build of it left
   int threads = 0;  ///< 0: all cores
 };
 
@@ -23,13 +23,17 @@ struct SealResult {
   std::uint64_t file_bytes = 0;
 };
 
+/// True for the name that a file has while it grows, and that of its journal.
+bool is_growing_name(const std::string& path);
+
 /// Writes `output`, of the size of the whole volume: the planes that an interrupted build finished
 /// hold what they would hold, all others the lowest value among them (labels: 0). The metadata say
 /// so: "repaired" {"missing_planes": [first, last], "fill"}. What was left stays as it is.
 /// input    what was being built, the growing file, or its journal
 /// Returns  nothing when no interrupted build is found by that name
-/// Throws   Error{corrupt} when no plane is whole, Error{io}, Error{cancelled}; then nothing but
-///          what stood there before stands under `output`
+/// Throws   Error{corrupt} when no plane is whole; Error{io}, also when the build still runs or the
+///          growing file is gone; Error{cancelled}; then nothing but what stood there before stands
+///          under `output`
 /// Memory   24 MiB per thread, and as FileWriter and WholeBricks
 std::optional<SealResult> seal_interrupted(Storage& storage, const std::string& input,
                                            const std::string& output, const SealOptions& options,

@@ -92,7 +92,8 @@ Error other_setting(std::string_view name, const std::string& stored, const std:
 
 }  // namespace
 
-std::vector<InterruptedBuild> find_interrupted(Storage& storage, const std::string& path) {
+std::vector<InterruptedBuild> find_interrupted(Storage& storage, const std::string& path,
+                                               std::vector<std::string>* held) {
   std::vector<InterruptedBuild> found;
   const std::string ending = kJournalEnding;
   for (const std::string& name : storage.list(temporary_prefix(path))) {
@@ -101,9 +102,12 @@ std::vector<InterruptedBuild> find_interrupted(Storage& storage, const std::stri
     if (!storage.exists(file)) continue;
     InterruptedBuild build;
     build.journal = storage.open_update(name);
-    if (!build.journal) continue;
-    build.file = storage.open_update(file);
-    if (!build.file) continue;
+    if (build.journal) build.file = storage.open_update(file);
+    if (!build.file) {
+      const bool is_there = storage.exists(name) && storage.exists(file);
+      if (held != nullptr && is_there) held->push_back(file);
+      continue;
+    }
     auto head = read_journal_head(*build.journal);
     if (!head) continue;
     build.head = std::move(*head);
@@ -140,6 +144,32 @@ std::vector<WholeGroup> proven_groups(const StorageFile& file, const StorageFile
   }
   groups.erase(groups.begin() + static_cast<std::ptrdiff_t>(whole), groups.end());
   return groups;
+}
+
+std::vector<WholeGroup> proven_groups(const InterruptedBuild& build) {
+  try {
+    const FileHeader header = parse_unsealed_header(build.head.header);
+    const Levels levels(header.description.size, header.halvings);
+    return proven_groups(*build.file, *build.journal, levels);
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::io || error.kind() == ErrorKind::out_of_memory) throw;
+    return {};
+  }
+}
+
+void refuse_interrupted(Storage& storage, const std::string& path) {
+  for (const InterruptedBuild& build : find_interrupted(storage, path)) {
+    const auto groups = proven_groups(build);
+    if (groups.empty()) continue;
+    const FileHeader header = parse_unsealed_header(build.head.header);
+    const Levels levels(header.description.size, header.halvings);
+    throw Error(ErrorKind::io,
+                "an interrupted build of it is here (" +
+                    planes_text(0, planes_in(levels, groups.back().group.end_layer),
+                                levels.size(0).z) +
+                    "); continue it with build --resume, or give it up with --force",
+                path);
+  }
 }
 
 std::string settings_of(const FileHeader& header) {

@@ -26,8 +26,11 @@ struct InterruptedBuild {
 
 /// The interrupted builds of what was to be `path`, of which at least a head is whole. Those of
 /// programs that still run are left out, as are growing files without a journal.
-/// Throws Error{io}
-std::vector<InterruptedBuild> find_interrupted(Storage& storage, const std::string& path);
+/// held    when given, gets the growing files that another program has locked, or that this one may
+///         not lock and write
+/// Throws  Error{io}
+std::vector<InterruptedBuild> find_interrupted(Storage& storage, const std::string& path,
+                                               std::vector<std::string>* held = nullptr);
 
 /// Removes the interrupted builds of `path`. What cannot be removed stays.
 void discard_interrupted(Storage& storage, const std::string& path) noexcept;
@@ -37,6 +40,13 @@ void discard_interrupted(Storage& storage, const std::string& path) noexcept;
 /// Throws  Error{io}
 std::vector<WholeGroup> proven_groups(const StorageFile& file, const StorageFile& journal,
                                       const Levels& levels);
+
+/// The same, with the levels of the build itself; none where its header cannot be understood.
+std::vector<WholeGroup> proven_groups(const InterruptedBuild& build);
+
+/// Refuses to lose what interrupted builds of `path` have encoded.
+/// Throws  Error{io} when some of it is whole
+void refuse_interrupted(Storage& storage, const std::string& path);
 
 /// Lines "NAME: VALUE" of what a header says of the volume, for JournalHead::settings.
 std::string settings_of(const FileHeader& header);

@@ -28,6 +28,7 @@ namespace octavo {
 namespace {
 
 constexpr std::size_t kMaxCallBytes = std::size_t{1} << 30;
+constexpr int kMaxCreateTries = 10;
 
 std::string mebibytes(std::uint64_t bytes) {
   char text[32];
@@ -54,6 +55,35 @@ std::string no_space_detail(int descriptor, std::uint64_t needed) {
     text += ", " + mebibytes(std::uint64_t{disk.f_bavail} * disk.f_frsize) + " free";
   }
   return text;
+}
+
+// True when `path` names the open file or folder, and not another one that took its place.
+bool is_named(int descriptor, const std::string& path) {
+  struct stat opened {};
+  if (fstat(descriptor, &opened) != 0) fail("cannot look up", path, errno);
+  struct stat named {};
+  if (::lstat(path.c_str(), &named) != 0) {
+    if (errno == ENOENT) return false;
+    fail("cannot look up", path, errno);
+  }
+  return named.st_dev == opened.st_dev && named.st_ino == opened.st_ino;
+}
+
+// Locks what was just created, which tells remove_stale on any machine that a writer lives; file
+// systems without locks do without. Returns false when somebody who had the lock first, taking the
+// new file for one that was left behind, has removed it.
+bool lock_created(int descriptor, const std::string& path) {
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return is_named(descriptor, path);
+  if (errno != EWOULDBLOCK) return true;
+  uninterrupted([&] { return ::flock(descriptor, LOCK_EX); });
+  return is_named(descriptor, path);
+}
+
+// True for the reasons why a file cannot be opened that lie in the file, not in the system: it is
+// gone, somebody else's, or no file.
+bool is_not_ours(int code) {
+  constexpr int kReasons[] = {ENOENT, EACCES, EPERM, ELOOP, EISDIR, ENXIO};
+  return std::ranges::find(kReasons, code) != std::end(kReasons);
 }
 
 // True when nobody, here or on another machine, holds the lock on a file or folder.
@@ -207,27 +237,28 @@ class LocalStorage final : public Storage {
   }
 
   std::unique_ptr<StorageFile> create_exclusive(const std::string& path) override {
-    auto file = std::make_unique<LocalFile>(path);
-    if (!file->open(path, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW, 0666)) {
-      fail("cannot create", path, errno);
+    for (int attempt = 0; attempt < kMaxCreateTries; ++attempt) {
+      auto file = std::make_unique<LocalFile>(path);
+      if (!file->open(path, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW, 0666)) {
+        fail("cannot create", path, errno);
+      }
+      if (lock_created(file->descriptor(), path)) return file;
     }
-    // Tells remove_stale on any machine that a writer lives; file systems without locks do without.
-    ::flock(file->descriptor(), LOCK_EX | LOCK_NB);
-    return file;
+    throw Error(ErrorKind::io, "cannot create: another program removes it again and again", path);
   }
 
   std::unique_ptr<StorageFile> open_update(const std::string& path) override {
     auto file = std::make_unique<LocalFile>(path);
-    if (!file->open(path, O_RDWR | O_NOFOLLOW | O_NONBLOCK)) fail("cannot open", path, errno);
+    if (!file->open(path, O_RDWR | O_NOFOLLOW | O_NONBLOCK)) {
+      if (is_not_ours(errno)) return nullptr;
+      fail("cannot open", path, errno);
+    }
     struct stat status {};
     if (fstat(file->descriptor(), &status) != 0) fail("cannot open", path, errno);
-    if (!S_ISREG(status.st_mode)) {
-      throw Error(ErrorKind::io, "cannot open: not a regular file", path);
-    }
+    if (!S_ISREG(status.st_mode)) return nullptr;
     if (::flock(file->descriptor(), LOCK_EX | LOCK_NB) != 0) return nullptr;
     // Whoever had the lock may have renamed or removed the file before letting go of it.
-    struct stat named {};
-    if (::lstat(path.c_str(), &named) != 0 || named.st_ino != status.st_ino) return nullptr;
+    if (!is_named(file->descriptor(), path)) return nullptr;
     return file;
   }
 
@@ -277,11 +308,14 @@ class LocalStorage final : public Storage {
   }
 
   std::unique_ptr<StorageFile> create_folder(const std::string& path) override {
-    auto file = std::make_unique<LocalFile>(path);
-    if (::mkdir(path.c_str(), 0777) != 0) fail("cannot make the folder", path, errno);
-    if (!file->open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW)) fail("cannot open", path, errno);
-    ::flock(file->descriptor(), LOCK_EX | LOCK_NB);
-    return file;
+    for (int attempt = 0; attempt < kMaxCreateTries; ++attempt) {
+      auto file = std::make_unique<LocalFile>(path);
+      if (::mkdir(path.c_str(), 0777) != 0) fail("cannot make the folder", path, errno);
+      if (!file->open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW)) fail("cannot open", path, errno);
+      if (lock_created(file->descriptor(), path)) return file;
+    }
+    throw Error(ErrorKind::io, "cannot make the folder: another program removes it again and again",
+                path);
   }
 
   void remove(const std::string& path) override {

@@ -8,6 +8,7 @@
 #include "octavo/codec/crc32c.h"
 #include "octavo/core/error.h"
 #include "octavo/file/byte_codec.h"
+#include "octavo/file/interrupted.h"
 #include "octavo/file/layout.h"
 #include "octavo/file/temporary.h"
 #include "octavo/file/writer.h"
@@ -62,13 +63,24 @@ void mend_section(const ByteSource& source, const Section& section, std::vector<
   if (flip) flips.push_back(*flip);
 }
 
+// Refuses the header of a file that was still growing.
+void refuse_growing(const HeaderBlock& block, const std::string& input) {
+  if (encode_header(parse_unsealed_header(block)) != block) return;
+  throw Error(ErrorKind::corrupt,
+              "not sealed, and without the journal of its build, in which its coarse levels stood: "
+              "nothing can be repaired; build it again from its source",
+              input);
+}
+
 // The flips without which nothing in the file can be found: in header, trailer, metadata and root.
 std::vector<BitFlip> envelope_flips(const std::shared_ptr<const ByteSource>& source) {
   std::vector<BitFlip> flips;
-  if (source->size() < kHeaderBytes + kTrailerBytes) return flips;
+  if (source->size() < kHeaderBytes) return flips;
   mend_block(*source, 0, kHeaderBytes, flips);
   HeaderBlock block{};
   FlippedSource(source, flips).read(0, block);
+  refuse_growing(block, source->name());
+  if (source->size() < kHeaderBytes + kTrailerBytes) return flips;
   const FileHeader header = parse_header(block, source->size());
   mend_block(*source, source->size() - kTrailerBytes, kTrailerBytes, flips);
   mend_section(*source, header.metadata, flips);
@@ -123,6 +135,7 @@ void copy(const ByteSource& source, StorageFile& out) {
 MendResult mend_file(Storage& storage, const std::string& input, const std::string& output,
                      const MendOptions& options, Progress& progress) {
   check_target(storage, output, options.overwrite);
+  if (!options.overwrite) refuse_interrupted(storage, output);
   const std::shared_ptr<const ByteSource> source = open_byte_source(storage, input);
   MendResult result;
   result.file_bytes = source->size();

@@ -40,7 +40,7 @@ class Storage {
   /// A new file for reading and writing, locked while it is open; Error{io} when the name is taken.
   virtual std::unique_ptr<StorageFile> create_exclusive(const std::string& path) = 0;
   /// An existing file for reading and writing, locked while it is open; null when somebody else has
-  /// the lock, or when the file system has no locks to tell.
+  /// the lock, when the file system has none, and when there is no file that may be written.
   virtual std::unique_ptr<StorageFile> open_update(const std::string& path) = 0;
   /// A nameless scratch file in `folder` that vanishes when closed.
   virtual std::unique_ptr<StorageFile> create_scratch(const std::string& folder) = 0;

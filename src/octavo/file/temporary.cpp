@@ -2,22 +2,36 @@
 
 #include <unistd.h>
 
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
 #include <utility>
+
+#include "octavo/codec/crc32c.h"
 
 namespace octavo {
 
 namespace {
 
 constexpr int kMaxNameTries = 100;
+constexpr std::size_t kLongestEnding = 32;
+constexpr std::size_t kKeptNameBytes = kMaxNameBytes - kLongestEnding;
+
+// A name of kKeptNameBytes; names that differ only behind its end get others.
+std::string shortened(const std::string& name) {
+  char ending[16];
+  std::snprintf(ending, sizeof ending, "~%08x",
+                crc32c({reinterpret_cast<const std::uint8_t*>(name.data()), name.size()}));
+  return name.substr(0, kKeptNameBytes - std::strlen(ending)) + ending;
+}
 
 }  // namespace
 
 std::string temporary_prefix(const std::string& path) {
-  constexpr std::size_t kLongestEnding = 32;
   const std::string base = base_name_of(path);
   std::string name = path.substr(0, path.size() - base.size());
   name += '.';
-  name += base.substr(0, kMaxNameBytes - kLongestEnding);
+  name += base.size() <= kKeptNameBytes ? base : shortened(base);
   return name + ".tmp-";
 }
 

@@ -15,7 +15,7 @@ inline constexpr std::size_t kMaxNameBytes = 255;
 inline constexpr const char* kJournalEnding = ".journal";
 
 /// The part before the process number: ".NAME.tmp-" in the folder of `path`. A long name is cut so
-/// that the whole fits into kMaxNameBytes.
+/// that the whole fits into kMaxNameBytes, and ends in a checksum of all of it.
 std::string temporary_prefix(const std::string& path);
 
 /// A file or folder that grows, locked while `file` lives.

@@ -141,7 +141,8 @@ class FileWriterImpl final : public FileWriter {
   Error explained(const Error& error) const {
     std::string detail = error.detail();
     if (is_published_) {
-      detail += "; the new file is complete but may not outlast a power cut";
+      detail += "; the new file is complete";
+      if (!is_durable_) detail += " but may not outlast a power cut";
     } else if (replaces_) {
       detail += "; existing " + escaped(base_name_of(path_)) + " unchanged";
     }
@@ -185,6 +186,7 @@ class FileWriterImpl final : public FileWriter {
   void append_tail();
   void seal();
   void publish();
+  void remove_journal(const std::string& path);
 
   Storage& storage_;
   std::string path_;
@@ -192,6 +194,7 @@ class FileWriterImpl final : public FileWriter {
   bool replaces_ = false;
   bool is_over_ = false;
   bool is_published_ = false;
+  bool is_durable_ = false;  ///< under its final name
   std::string temporary_;
   std::uint64_t final_bytes_ = 0;
   std::unique_ptr<AppendFile> out_;
@@ -222,7 +225,7 @@ class FileWriterImpl final : public FileWriter {
 };
 
 void FileWriterImpl::begin() {
-  discard_interrupted(storage_, path_);
+  if (!options_.is_resuming) discard_interrupted(storage_, path_);
   TemporaryFile temporary = create_temporary(storage_, path_);
   temporary_ = std::move(temporary.path);
   out_ = std::make_unique<AppendFile>(std::move(temporary.file));
@@ -238,13 +241,22 @@ JournalHead FileWriterImpl::journal_head() const {
           header_.description.metadata_json};
 }
 
-// Takes over the interrupted build that got furthest. Returns false when there is none.
+// Takes over the interrupted build that got furthest. Returns false when there is none. One that
+// cannot be looked into may be what is to be continued.
 bool FileWriterImpl::resume() {
   const JournalHead now = journal_head();
   std::optional<InterruptedBuild> best;
   std::vector<WholeGroup> best_groups;
   std::optional<Error> difference;
-  for (InterruptedBuild& build : find_interrupted(storage_, path_)) {
+  std::vector<std::string> held;
+  std::vector<InterruptedBuild> builds = find_interrupted(storage_, path_, &held);
+  if (!held.empty()) {
+    throw Error(ErrorKind::io,
+                "cannot be continued: another program works on " +
+                    escaped(base_name_of(held.front())) +
+                    ", or this one may not lock and write it; wait for its end, or leave --resume");
+  }
+  for (InterruptedBuild& build : builds) {
     if (auto found = difference_of(build.head, now)) {
       if (!read_journal_groups(*build.journal).empty()) difference = std::move(found);
       continue;
@@ -455,9 +467,24 @@ void FileWriterImpl::publish() {
   const std::string journal = std::exchange(temporary_, {}) + kJournalEnding;
   is_published_ = true;
   is_over_ = true;
-  if (journal_) storage_.remove(journal);
+  // Until the new name is on disk, a power cut can bring back the growing one: with its journal.
+  try {
+    storage_.sync_folder(folder_of(path_));
+  } catch (const Error&) {
+    try {
+      remove_journal(journal);
+    } catch (const Error&) {
+      // The failure that led here is the one to report.
+    }
+    throw;
+  }
+  is_durable_ = true;
+  remove_journal(journal);
+}
+
+void FileWriterImpl::remove_journal(const std::string& path) {
+  if (journal_) storage_.remove(path);
   journal_.reset();
-  storage_.sync_folder(folder_of(path_));
 }
 
 }  // namespace

@@ -29,7 +29,8 @@ struct WriterOptions {
   /// Keeps a journal beside the growing file, so that a later writer can continue it.
   bool has_journal = false;
   /// Continues what is left of an interrupted build of the same volume, if there is any; makes
-  /// every group durable, and keeps the whole ones when it fails. Needs a journal.
+  /// every group durable, and keeps the whole ones when it fails. Needs a journal. Never discards
+  /// what has a whole group, and refuses to begin beside a build that another program works on.
   bool is_resuming = false;
   /// How the bricks are made, lines "NAME: VALUE": writers of other settings do not continue.
   std::string settings = {};
@@ -41,8 +42,9 @@ class FileWriter {
   ///               file ids
   /// description   that of a float32 volume holds its coding; range and parent of bricks are codes
   /// Throws        Error{io} when the target exists (without overwrite), is a folder, or cannot be
-  ///               written; where it shall resume Error{invalid_argument} or, for other voxels,
-  ///               Error{source_rejected} when the interrupted builds are of something else
+  ///               written, and where it shall resume what another program works on; then also
+  ///               Error{invalid_argument} or, for other voxels, Error{source_rejected} when the
+  ///               interrupted builds are of something else
   static std::unique_ptr<FileWriter> create(Storage& storage, const std::string& path,
                                             const VolumeDescription& description,
                                             const Levels& levels, std::uint32_t content_hash,

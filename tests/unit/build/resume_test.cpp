@@ -213,7 +213,19 @@ TEST(ResumedBuild, IsRefusedOrDiscardedWhereNobodyAskedForIt) {
   EXPECT_NE(message.find("planes 0 to 127 of 150"), std::string::npos) << message;
   EXPECT_NE(message.find("--resume"), std::string::npos) << message;
   EXPECT_EQ(storage.files.size(), 2u);
+  EXPECT_EQ(failure_of(source, storage, {}, ErrorKind::io), message);
   build(source, storage, options_of(kGrey, Interrupted::discard));
+  EXPECT_EQ(storage.files.size(), 1u);
+}
+
+TEST(ResumedBuild, NothingIsRefusedForTheSakeOfGroupsThatAreNotWhole) {
+  MemoryStorage storage;
+  storage.files = copied(interrupted_grey());
+  for (const auto& [name, bytes] : storage.files) {
+    if (!name.ends_with(".journal")) bytes->at(700) ^= 1;
+  }
+  TextureSource source(kGrey);
+  build(source, storage, options_of(kGrey, Interrupted::refuse));
   EXPECT_EQ(storage.files.size(), 1u);
 }
 
