@@ -264,9 +264,9 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
   const auto start = std::chrono::steady_clock::now();
   VolumeDescription description = source.description();
   description.kind = options.kind;
+  check_options(description, options);
   description.metadata_json = recorded(description, options);
   description.coding.reset();
-  check_options(description, options);
   const Levels levels = levels_of(description);
   BuildResult result;
   result.threads = thread_count(options.threads);
