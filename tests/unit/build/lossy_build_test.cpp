@@ -186,7 +186,7 @@ TEST(LossyBuild, WhatWasAskedForStandsInTheMetadata) {
   EXPECT_EQ(text({.preset = Preset::fast}), R"({"coding":{"preset":"fast"}})");
   volume.description.metadata_json = R"({"unit":"HU" })";
   EXPECT_EQ(text({.max_error = 0.5, .repair = {.nan = -1.5f, .infinity = 9.0f}}),
-            R"({"unit":"HU" ,"coding":{"max_error":0.5,"nan":-1.5,"inf":9}})");
+            R"({"unit":"HU","coding":{"max_error":0.5,"nan":-1.5,"inf":9}})");
 }
 
 TEST(LossyBuild, TheFileDoesNotDependOnThreads) {
