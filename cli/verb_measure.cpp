@@ -201,6 +201,10 @@ int run_measure(const Arguments& arguments, Context& context) {
   if (!voxel_mm3(labels->description())) {
     context.warn("the spacing is not known, so nothing is given in mm; build with --spacing");
   }
+  // A brick with its labels widened per thread, and the sums of 64 bricks.
+  constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
+  require_memory((64 + 12 * static_cast<std::uint64_t>(context.thread_count())) * kMiB,
+                 "measurements", context);
   std::vector<RegionMeasure> regions;
   {
     ProgressLine progress(context);

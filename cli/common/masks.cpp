@@ -26,11 +26,10 @@ MaskTree read_mask(const FileReader& reader, int level, const std::vector<ValueW
                    const Context& context) {
   MaskTree mask;
   ProgressLine progress(context);
-  progress.begin("mask", reader.levels().size(level).z, "planes");
+  const ProgressScope scope(progress, "mask", reader.levels().size(level).z, "planes");
   on_threads(context, [&] {
     mask = mask_of_file(reader, level, windows, progress, context.max_memory_bytes);
   });
-  progress.end();
   return mask;
 }
 

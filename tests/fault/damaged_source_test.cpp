@@ -2,9 +2,6 @@
 // file, and never an .8vo file of what was left.
 //
 // Formats that only our own code reads are read here, all others by a worker process.
-#include <gdcmImageChangeTransferSyntax.h>
-#include <gdcmImageReader.h>
-#include <gdcmImageWriter.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -14,6 +11,7 @@
 
 #include "octavo/build/builder.h"
 #include "octavo/io/isolated_source.h"
+#include "support/coded_dicom.h"
 #include "support/goal_cases.h"
 #include "support/source_files.h"
 
@@ -176,33 +174,6 @@ TEST(DamagedSource, NoFlippedBitOfAGzipStreamChangesAVoxel) {
   EXPECT_GT(refused, cases.done() * 9 / 10);
 }
 
-// A slice in the given transfer syntax.
-std::string coded_slice(const TempFolder& folder, gdcm::TransferSyntax::TSType syntax) {
-  DicomSample sample;
-  sample.columns = 32;
-  sample.rows = 32;
-  sample.position = "0\\0\\0";
-  std::vector<std::int16_t> values(1024);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    values[i] = static_cast<std::int16_t>(i * i % 997);
-  }
-  sample.voxels = bytes_of(values);
-  write_dicom(folder.file("plain.dcm"), sample);
-  gdcm::ImageReader reader;
-  reader.SetFileName(folder.file("plain.dcm").c_str());
-  EXPECT_TRUE(reader.Read());
-  gdcm::ImageChangeTransferSyntax change;
-  change.SetTransferSyntax(syntax);
-  change.SetInput(reader.GetImage());
-  EXPECT_TRUE(change.Change());
-  gdcm::ImageWriter writer;
-  writer.SetFile(reader.GetFile());
-  writer.SetImage(change.GetOutput());
-  writer.SetFileName(folder.file("coded.dcm").c_str());
-  EXPECT_TRUE(writer.Write());
-  return read_file(folder.file("coded.dcm"));
-}
-
 // A few changes of the kinds that break readers.
 std::string mutated(std::string bytes, std::mt19937_64& random) {
   for (std::uint64_t count = 1 + random() % 4; count > 0 && !bytes.empty(); --count) {
@@ -229,9 +200,11 @@ TEST(DamagedSource, MutatedDicomFilesAreVoxelsOrRefusals) {
   const TempFolder folder;
   const std::string path = folder.file("mutated.dcm");
   std::vector<std::string> whole;
+  DicomSample sample;
+  sample.position = "0\\0\\0";
   for (const auto syntax : {Syntax::RLELossless, Syntax::JPEGLosslessProcess14_1,
                             Syntax::JPEG2000Lossless, Syntax::JPEGLSLossless}) {
-    whole.push_back(coded_slice(folder, syntax));
+    whole.push_back(coded_slice(folder, sample, syntax));
   }
   GoalCases cases("G2", "mutated DICOM files survived", case_count(60, 10'000));
   std::uint64_t read = 0;

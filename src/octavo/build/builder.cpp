@@ -1,7 +1,6 @@
 #include "octavo/build/builder.h"
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -18,6 +17,7 @@
 #include "octavo/codec/crc32c.h"
 #include "octavo/core/checked.h"
 #include "octavo/core/error.h"
+#include "octavo/core/exact_text.h"
 #include "octavo/file/interrupted.h"
 #include "octavo/file/writer.h"
 
@@ -65,11 +65,6 @@ std::int64_t whole_units(double max_error, VoxelType type) {
   return static_cast<std::int64_t>(std::min(units, static_cast<double>(range.max - range.min)));
 }
 
-std::string number_text(double value) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, value).ptr};
-}
-
 // The metadata of the source with what was asked for, where that is not the default.
 std::string recorded(const VolumeDescription& description, const BuildOptions& options) {
   const std::string& metadata = description.metadata_json;
@@ -79,9 +74,9 @@ std::string recorded(const VolumeDescription& description, const BuildOptions& o
     record += (record.empty() ? "\"" : ",\"") + name + "\":" + value;
   };
   if (options.preset == Preset::fast) add("preset", "\"fast\"");
-  if (options.max_error > 0) add("max_error", number_text(options.max_error));
-  if (is_float && options.repair.nan) add("nan", number_text(*options.repair.nan));
-  if (is_float && options.repair.infinity) add("inf", number_text(*options.repair.infinity));
+  if (options.max_error > 0) add("max_error", exact_text(options.max_error));
+  if (is_float && options.repair.nan) add("nan", exact_text(*options.repair.nan));
+  if (is_float && options.repair.infinity) add("inf", exact_text(*options.repair.infinity));
   return record.empty() ? metadata : with_member(metadata, "coding", "{" + record + "}");
 }
 
@@ -93,27 +88,13 @@ void check_memory(std::uint64_t needed_bytes, std::uint64_t limit_bytes) {
                   " MiB; raise the limit or use fewer threads");
 }
 
-// Announces the work, and its end however it comes. Every plane passes twice: read, then coded.
-class ProgressScope {
- public:
-  ProgressScope(Progress& progress, std::int64_t planes) : progress_(progress) {
-    progress_.begin("build", planes, "plane passes");
-  }
-  ~ProgressScope() { progress_.end(); }
-  ProgressScope(const ProgressScope&) = delete;
-  ProgressScope& operator=(const ProgressScope&) = delete;
-
- private:
-  Progress& progress_;
-};
-
 // How the bricks are made, as far as the header does not say it.
 std::string settings_text(const BuildOptions& options) {
   std::string text = "program: " OCTAVO_VERSION "\n";
   text += std::string("preset: ") + (options.preset == Preset::fast ? "fast" : "small") + "\n";
-  text += "--max-error: " + number_text(options.max_error) + "\n";
+  text += "--max-error: " + exact_text(options.max_error) + "\n";
   const auto repair = [](const std::optional<float>& value) {
-    return value ? number_text(*value) : std::string("not given");
+    return value ? exact_text(*value) : std::string("not given");
   };
   text += "--nan: " + repair(options.repair.nan) + "\n";
   return text + "--inf: " + repair(options.repair.infinity) + "\n";
@@ -280,7 +261,8 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
   check_target(storage, path, options.overwrite);
   if (options.interrupted == Interrupted::refuse) refuse_interrupted(storage, path);
 
-  const ProgressScope scope(progress, 2 * description.size.z);
+  // Every plane passes twice: read, then coded.
+  const ProgressScope scope(progress, "build", 2 * description.size.z, "plane passes");
   ErrorBound bound;
   std::optional<FloatPlanes> floats;
   result.max_error = options.max_error / std::abs(description.rescale.slope);

@@ -1,13 +1,13 @@
 #include "octavo/build/phantom.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <string>
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/core/exact_text.h"
 #include "octavo/core/levels.h"
 
 namespace octavo {
@@ -40,11 +40,6 @@ std::uint64_t counter_of(const Index3& voxel) noexcept {
          static_cast<std::uint64_t>(voxel.x);
 }
 
-std::string number(double value) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, value).ptr};
-}
-
 std::string describe(const PhantomOptions& o) {
   std::string json = "{\"source\":{\"format\":\"phantom\"";
   const std::pair<const char*, double> numbers[] = {{"outer_radius", o.outer_radius},
@@ -56,7 +51,7 @@ std::string describe(const PhantomOptions& o) {
                                                     {"second_cylinder", o.second_cylinder},
                                                     {"noise_sigma", o.noise_sigma}};
   for (const auto& [name, value] : numbers) {
-    json += std::string(",\"") + name + "\":" + number(value);
+    json += std::string(",\"") + name + "\":" + exact_text(value);
   }
   // As text: JSON readers keep 53 bits of a number.
   return json + ",\"seed\":\"" + std::to_string(o.seed) + "\"},\"spacing_known\":true}";
@@ -72,17 +67,17 @@ void check(const PhantomOptions& o) {
                                             "; use int8, uint8, int16 or uint16");
   for (const double spacing : o.spacing_mm) {
     require(std::isfinite(spacing) && spacing > 0,
-            "spacing " + number(spacing) + "; it must be above 0");
+            "spacing " + exact_text(spacing) + "; it must be above 0");
   }
   require(o.inner_radius >= 0 && o.inner_radius < o.outer_radius && o.outer_radius <= 1,
-          "radii " + number(o.inner_radius) + " and " + number(o.outer_radius) +
+          "radii " + exact_text(o.inner_radius) + " and " + exact_text(o.outer_radius) +
               "; 0 <= inner < outer <= 1 must hold");
   require(o.noise_sigma >= 0 && o.noise_sigma <= 1e6,
-          "noise sigma " + number(o.noise_sigma) + "; it must be between 0 and 1e6");
+          "noise sigma " + exact_text(o.noise_sigma) + "; it must be between 0 and 1e6");
   for (const double density :
        {o.background, o.shell, o.inside, o.first_cylinder, o.second_cylinder}) {
     require(std::abs(density) <= 1e6,
-            "density " + number(density) + "; it must be within 1e6 of 0");
+            "density " + exact_text(density) + "; it must be within 1e6 of 0");
   }
 }
 

@@ -1,7 +1,6 @@
 #include "octavo/build/repair.h"
 
 #include <algorithm>
-#include <charconv>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -9,6 +8,7 @@
 #include "octavo/build/coarse_tiers.h"
 #include "octavo/build/metadata_member.h"
 #include "octavo/core/error.h"
+#include "octavo/core/exact_text.h"
 #include "octavo/file/temporary.h"
 #include "octavo/file/whole_bricks.h"
 #include "octavo/file/writer.h"
@@ -84,11 +84,6 @@ std::optional<InterruptedBuild> find_build(Storage& storage, const std::string& 
                                                    layers.begin())]);
 }
 
-std::string number_text(double value) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, value).ptr};
-}
-
 // Tells the file from the one that the build would have made, and from less whole ones.
 std::uint32_t content_hash_of(const FileHeader& header, std::int64_t planes) {
   return static_cast<std::uint32_t>(header.file_id) ^ static_cast<std::uint32_t>(planes);
@@ -113,19 +108,6 @@ class Parents {
   std::vector<std::int64_t> layer_;
 };
 
-class ProgressScope {
- public:
-  ProgressScope(Progress& progress, std::int64_t layers) : progress_(progress) {
-    progress_.begin("repair", layers, "layers");
-  }
-  ~ProgressScope() { progress_.end(); }
-  ProgressScope(const ProgressScope&) = delete;
-  ProgressScope& operator=(const ProgressScope&) = delete;
-
- private:
-  Progress& progress_;
-};
-
 SealResult seal(InterruptedBuild build, Storage& storage, const std::string& output,
                 const SealOptions& options, Progress& progress) {
   if (!options.overwrite) refuse_interrupted(storage, output);
@@ -144,12 +126,12 @@ SealResult seal(InterruptedBuild build, Storage& storage, const std::string& out
     description.metadata_json = with_member(
         description.metadata_json, "repaired",
         "{\"missing_planes\":[" + std::to_string(result.whole_planes) + "," +
-            std::to_string(result.plane_count - 1) + "],\"fill\":" + number_text(result.fill) +
+            std::to_string(result.plane_count - 1) + "],\"fill\":" + exact_text(result.fill) +
             "}");
   }
 
   // The whole layers, then uniform ones.
-  const ProgressScope scope(progress, grid.z);
+  const ProgressScope scope(progress, "repair", grid.z, "layers");
   WriterOptions writing;
   writing.overwrite = options.overwrite;
   writing.max_error = bricks.header().max_error;

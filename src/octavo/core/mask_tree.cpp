@@ -9,9 +9,6 @@ namespace octavo {
 
 namespace {
 
-// Side of a child of a cube of `rank`, voxels.
-std::int64_t child_side(int rank) { return std::int64_t{1} << 2 * (rank + 1); }
-
 // The tree of a box, made top-down: only cubes that the faces of the box cut are entered.
 class BoxTree {
  public:
@@ -60,45 +57,6 @@ class BoxTree {
 
   Box box_;
   MaskArrays arrays_;
-};
-
-// Writes the voxels of a tree into a box, cube by cube.
-class Filler {
- public:
-  Filler(const MaskTree& tree, const Box& box, std::uint8_t* voxels)
-      : tree_(tree), box_(box), size_(box.size()), voxels_(voxels) {}
-
-  // A cube, or a word at rank -1.
-  void fill(int rank, std::uint64_t place, const Index3& corner) {
-    const std::int64_t side = child_side(rank);
-    const std::uint64_t full = rank < 0 ? tree_.words()[place] : tree_.cubes(rank)[place].full;
-    for (std::uint64_t left = full; left != 0; left &= left - 1) {
-      set(intersection(child_box(corner, std::countr_zero(left), side), box_));
-    }
-    if (rank < 0) return;
-    const MaskCube& cube = tree_.cubes(rank)[place];
-    for (std::uint64_t left = cube.mixed; left != 0; left &= left - 1) {
-      const int bit = std::countr_zero(left);
-      const Box child = child_box(corner, bit, side);
-      if (!intersection(child, box_).is_empty()) fill(rank - 1, cube.place_of(bit), child.lo);
-    }
-  }
-
- private:
-  void set(const Box& box) {
-    for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
-      for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
-        std::uint8_t* const row =
-            voxels_ + ((z - box_.lo.z) * size_.y + y - box_.lo.y) * size_.x - box_.lo.x;
-        std::fill(row + box.lo.x, row + box.hi.x, std::uint8_t{1});
-      }
-    }
-  }
-
-  const MaskTree& tree_;
-  Box box_;
-  Size3 size_;
-  std::uint8_t* voxels_;
 };
 
 // Proves the sub-tree of `cube`; `ends` holds, by rank of children + 1, where the next children
@@ -237,7 +195,10 @@ LinearOctree to_linear_octree(const MaskTree& tree, std::int64_t value) {
 
 void fill_voxels(const MaskTree& tree, const Box& box, std::uint8_t* voxels) {
   std::fill_n(voxels, box.size().voxel_count(), std::uint8_t{0});
-  Filler(tree, box, voxels).fill(tree.rank_count() - 1, 0, {0, 0, 0});
+  visit_items(tree, box, [&](int rank, std::uint64_t place, const Index3& corner) {
+    const std::uint64_t full = rank < 0 ? tree.words()[place] : tree.cubes(rank)[place].full;
+    fill_children(full, rank, corner, box, std::uint8_t{1}, voxels);
+  });
 }
 
 MaskTree box_mask(const Size3& size, const Box& box) {

@@ -33,7 +33,7 @@
 //         1989
 #pragma once
 
-#include <array>
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <span>
@@ -112,6 +112,9 @@ class MaskTree {
   MaskArrays arrays_;
 };
 
+/// Side of the children of a cube of `rank`, voxels; rank -1: of those of a word.
+constexpr std::int64_t child_side(int rank) noexcept { return std::int64_t{1} << 2 * (rank + 1); }
+
 /// The box of the child at `bit` of a cube that starts at `corner`, its children `side` voxels
 /// long.
 Box child_box(const Index3& corner, int bit, std::int64_t side) noexcept;
@@ -139,6 +142,17 @@ LinearOctree to_linear_octree(const MaskTree& tree, std::int64_t value = 1);
 template <class Visit>
 void for_each_leaf(const MaskTree& tree, Visit&& visit);
 
+/// Calls visit(rank, place, corner) for every stored cube that meets `box`, parents first, and with
+/// rank -1 for every stored word; corner is the first voxel.
+template <class Visit>
+void visit_items(const MaskTree& tree, const Box& box, Visit&& visit);
+
+/// Writes `value` for those children of a cube (rank -1: of a word) at `corner` whose bits are set,
+/// as far as they lie in `box`, to voxels [z][y][x] of the box.
+template <class T>
+void fill_children(std::uint64_t bits, int rank, const Index3& corner, const Box& box, T value,
+                   T* voxels);
+
 /// Writes 1 or 0 for every voxel of `box` to `voxels`, [z][y][x] without gaps. Thread-safe.
 /// Requires a box inside the volume
 void fill_voxels(const MaskTree& tree, const Box& box, std::uint8_t* voxels);
@@ -146,7 +160,7 @@ void fill_voxels(const MaskTree& tree, const Box& box, std::uint8_t* voxels);
 /// The tree of all voxels of a box in a volume of `size`; the box is clipped to the volume.
 MaskTree box_mask(const Size3& size, const Box& box);
 
-// ---- implementation of for_each_leaf
+// ---- implementation of the templates
 
 namespace mask_tree_detail {
 
@@ -195,7 +209,42 @@ void visit_cube(const MaskTree& tree, int rank, const MaskCube& cube, std::uint6
   }
 }
 
+template <class Visit>
+void visit_item(const MaskTree& tree, const Box& box, int rank, std::uint64_t place,
+                const Index3& corner, Visit& visit) {
+  visit(rank, place, corner);
+  if (rank < 0) return;
+  const MaskCube& cube = tree.cubes(rank)[place];
+  for (std::uint64_t left = cube.mixed; left != 0; left &= left - 1) {
+    const int bit = std::countr_zero(left);
+    const Box child = child_box(corner, bit, child_side(rank));
+    if (intersection(child, box).is_empty()) continue;
+    visit_item(tree, box, rank - 1, cube.place_of(bit), child.lo, visit);
+  }
+}
+
 }  // namespace mask_tree_detail
+
+template <class Visit>
+void visit_items(const MaskTree& tree, const Box& box, Visit&& visit) {
+  mask_tree_detail::visit_item(tree, box, tree.rank_count() - 1, 0, {0, 0, 0}, visit);
+}
+
+template <class T>
+void fill_children(std::uint64_t bits, int rank, const Index3& corner, const Box& box, T value,
+                   T* voxels) {
+  const Size3 size = box.size();
+  for (; bits != 0; bits &= bits - 1) {
+    const Box child = child_box(corner, std::countr_zero(bits), child_side(rank));
+    const Box part = intersection(child, box);
+    for (std::int64_t z = part.lo.z; z < part.hi.z; ++z) {
+      for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
+        T* const row = voxels + ((z - box.lo.z) * size.y + y - box.lo.y) * size.x - box.lo.x;
+        std::fill(row + part.lo.x, row + part.hi.x, value);
+      }
+    }
+  }
+}
 
 template <class Visit>
 void for_each_leaf(const MaskTree& tree, Visit&& visit) {

@@ -18,6 +18,22 @@ class Progress {
   virtual bool is_cancelled() const = 0;
 };
 
+/// Announces work, and its end however it comes.
+class ProgressScope {
+ public:
+  ProgressScope(Progress& progress, std::string_view what, std::int64_t total,
+                std::string_view unit)
+      : progress_(progress) {
+    progress_.begin(what, total, unit);
+  }
+  ~ProgressScope() { progress_.end(); }
+  ProgressScope(const ProgressScope&) = delete;
+  ProgressScope& operator=(const ProgressScope&) = delete;
+
+ private:
+  Progress& progress_;
+};
+
 /// Watches nothing, never cancels.
 class NoProgress final : public Progress {
  public:

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <string_view>
 #include <utility>
 
 #include "octavo/codec/crc32c.h"
+#include "octavo/core/exact_text.h"
 #include "octavo/file/temporary.h"
 
 namespace octavo {
@@ -16,15 +16,10 @@ namespace {
 constexpr std::size_t kReadBytes = std::size_t{1} << 20;
 constexpr std::uint32_t kMaxBlockBytes = std::uint32_t{1} << 20;
 
-std::string number_text(double value) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, value).ptr};
-}
-
 template <class Numbers>
 std::string numbers_text(const Numbers& numbers) {
   std::string text;
-  for (const double number : numbers) text += (text.empty() ? "" : " ") + number_text(number);
+  for (const double number : numbers) text += (text.empty() ? "" : " ") + exact_text(number);
   return text;
 }
 
@@ -167,7 +162,8 @@ void refuse_interrupted(Storage& storage, const std::string& path) {
                 "an interrupted build of it is here (" +
                     planes_text(0, planes_in(levels, groups.back().group.end_layer),
                                 levels.size(0).z) +
-                    "); continue it with build --resume, or give it up with --force",
+                    "); continue it with build --resume where a scan was being built, or give it "
+                    "up with --force",
                 path);
   }
 }
@@ -186,13 +182,13 @@ std::string settings_of(const FileHeader& header) {
   add("spacing", numbers_text(volume.geometry.spacing_mm));
   add("origin", numbers_text(volume.geometry.origin_mm));
   add("direction", numbers_text(volume.geometry.direction));
-  add("slope", number_text(volume.rescale.slope));
-  add("intercept", number_text(volume.rescale.intercept));
-  add("max error", number_text(header.max_error));
+  add("slope", exact_text(volume.rescale.slope));
+  add("intercept", exact_text(volume.rescale.intercept));
+  add("max error", exact_text(header.max_error));
   if (volume.coding) {
     add("float coding", std::string(voxel_type_name(volume.coding->type)) + " * " +
-                            number_text(volume.coding->scale) + " + " +
-                            number_text(volume.coding->offset));
+                            exact_text(volume.coding->scale) + " + " +
+                            exact_text(volume.coding->offset));
   }
   return lines;
 }

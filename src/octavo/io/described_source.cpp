@@ -117,6 +117,13 @@ std::string size_text(const Size3& size) {
   return size_text(size.x, size.y) + " x " + std::to_string(size.z);
 }
 
+bool is_spacing_known(const std::string& metadata_json) {
+  const auto metadata = json::parse(metadata_json, nullptr, false);
+  if (!metadata.is_object()) return true;
+  const auto found = metadata.find("spacing_known");
+  return found == metadata.end() || !found->is_boolean() || found->get<bool>();
+}
+
 std::string number_text(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.7g", value);

@@ -54,6 +54,9 @@ std::uint64_t plane_bytes(const VolumeDescription& description);
 std::string size_text(std::int64_t x, std::int64_t y);
 std::string size_text(const Size3& size);
 
+/// False when a volume's metadata say that its source has no spacing.
+bool is_spacing_known(const std::string& metadata_json);
+
 /// A number as people write it: up to 7 significant digits.
 std::string number_text(double value);
 

@@ -1,3 +1,4 @@
+#include "octavo/core/exact_text.h"
 #include "octavo/io/export_target.h"
 
 namespace octavo {

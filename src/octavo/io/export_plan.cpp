@@ -1,14 +1,13 @@
 #include "octavo/io/export_plan.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <initializer_list>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "octavo/core/checked.h"
 #include "octavo/file/temporary.h"
+#include "octavo/io/described_source.h"
 
 namespace octavo {
 
@@ -85,13 +84,6 @@ bool plan_real_integers(ExportPlan& plan, const ValueRange& stored) {
   return true;
 }
 
-bool is_spacing_known(const std::string& metadata_json) {
-  const auto metadata = nlohmann::json::parse(metadata_json, nullptr, false);
-  if (!metadata.is_object()) return true;
-  const auto found = metadata.find("spacing_known");
-  return found == metadata.end() || !found->is_boolean() || found->get<bool>();
-}
-
 }  // namespace
 
 std::uint64_t ExportPlan::plane_bytes() const {
@@ -121,12 +113,6 @@ ExportPlan plan_export(const FileReader& reader, ExportFormat format,
   plan.real_units = plan.rescale.is_identity() ||
                     (may_map && (plan_real_integers(plan, reader.range()) || is_nifti));
   return plan;
-}
-
-std::string exact_text(double value) {
-  char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
-  return std::string(text, end);
 }
 
 void require_free(Storage& storage, const std::string& path, bool overwrite) {

@@ -37,9 +37,6 @@ struct ExportPlan {
 /// Throws Error{invalid_argument} when the level does not exist or the box is empty or outside it.
 ExportPlan plan_export(const FileReader& reader, ExportFormat format, const ExportOptions& options);
 
-/// The shortest text that reads back as the same number.
-std::string exact_text(double value);
-
 /// Throws Error{io} when `path` is taken and may not be replaced, or is no file.
 void require_free(Storage& storage, const std::string& path, bool overwrite);
 

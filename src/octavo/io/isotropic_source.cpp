@@ -32,12 +32,6 @@ json metadata_of(const VolumeDescription& description) {
   return metadata.is_object() ? metadata : json::object();
 }
 
-bool is_spacing_known(const VolumeDescription& description) {
-  const json metadata = metadata_of(description);
-  const auto known = metadata.find("spacing_known");
-  return known == metadata.end() || !known->is_boolean() || known->get<bool>();
-}
-
 std::string count_text(std::int64_t count, const char* noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
@@ -362,7 +356,7 @@ const char* interpolation_name(PlaneInterpolation method) {
 }
 
 IsotropicPlan plan_isotropic(const VolumeDescription& description, PlaneInterpolation method) {
-  if (!is_spacing_known(description)) {
+  if (!is_spacing_known(description.metadata_json)) {
     throw Error(ErrorKind::invalid_argument,
                 "--isotropic needs the distances of the voxels, and the source gives none: give "
                 "--spacing x,y,z");

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/core/exact_text.h"
 
 namespace octavo {
 

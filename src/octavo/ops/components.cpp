@@ -415,22 +415,22 @@ class Components::Selection {
 
   MaskCube cube(int rank, std::uint64_t place) {
     const MaskCube& from = all_.mask_.cubes(rank)[place];
-    std::vector<MaskCube>* const below =
-        rank > 0 ? &out_.cubes[static_cast<std::size_t>(rank) - 1] : nullptr;
-    MaskCube made{kept_bits(rank, place), 0, below ? below->size() : out_.words.size()};
-    for (std::uint64_t left = from.mixed; left != 0; left &= left - 1) {
-      const std::uint64_t child = from.place_of(std::countr_zero(left));
-      bool is_kept = false;
-      if (below != nullptr) {
-        const MaskCube kept = cube(rank - 1, child);
-        is_kept = !kept.is_empty();
-        if (is_kept) below->push_back(kept);
-      } else {
-        const std::uint64_t word = kept_bits(-1, child);
-        is_kept = word != 0;
-        if (is_kept) out_.words.push_back(word);
+    if (rank == 0) {
+      WordCube words;
+      for (std::uint64_t left = from.mixed; left != 0; left &= left - 1) {
+        const int bit = std::countr_zero(left);
+        words.add(bit, kept_bits(-1, from.place_of(bit)));
       }
-      if (is_kept) made.mixed |= left & (~left + 1);
+      MaskCube made = words.finish(out_.words);
+      made.full |= kept_bits(0, place);
+      return made;
+    }
+    std::vector<MaskCube>& below = out_.cubes[static_cast<std::size_t>(rank) - 1];
+    MaskCube made{kept_bits(rank, place), 0, below.size()};
+    for (std::uint64_t left = from.mixed; left != 0; left &= left - 1) {
+      const int bit = std::countr_zero(left);
+      const MaskCube child = cube(rank - 1, from.place_of(bit));
+      add_child(child, bit, made, below);
     }
     return made;
   }
@@ -440,54 +440,18 @@ class Components::Selection {
   MaskArrays out_;
 };
 
-// Writes labels into a box, cube by cube.
-class Components::Painter {
- public:
-  Painter(const Components& all, const Box& box, std::uint32_t* labels)
-      : all_(all), box_(box), size_(box.size()), labels_(labels) {}
-
-  void paint(int rank, std::uint64_t place, const Index3& corner) {
-    const std::int64_t side = std::int64_t{1} << 2 * (rank + 1);
-    const std::uint32_t end = all_.first_part(rank, place + 1);
-    for (std::uint32_t part = all_.first_part(rank, place); part < end; ++part) {
-      for (std::uint64_t left = all_.parts_[part]; left != 0; left &= left - 1) {
-        fill(child_box(corner, std::countr_zero(left), side), all_.labels_[part]);
-      }
-    }
-    if (rank < 0) return;
-    const MaskCube& cube = all_.mask_.cubes(rank)[place];
-    for (std::uint64_t left = cube.mixed; left != 0; left &= left - 1) {
-      const int bit = std::countr_zero(left);
-      const Box child = child_box(corner, bit, side);
-      if (!intersection(child, box_).is_empty()) paint(rank - 1, cube.place_of(bit), child.lo);
-    }
-  }
-
- private:
-  void fill(const Box& cube, std::uint32_t label) {
-    const Box part = intersection(cube, box_);
-    for (std::int64_t z = part.lo.z; z < part.hi.z; ++z) {
-      for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
-        std::uint32_t* const row =
-            labels_ + ((z - box_.lo.z) * size_.y + y - box_.lo.y) * size_.x - box_.lo.x;
-        std::fill(row + part.lo.x, row + part.hi.x, label);
-      }
-    }
-  }
-
-  const Components& all_;
-  Box box_;
-  Size3 size_;
-  std::uint32_t* labels_;
-};
-
 MaskTree Components::select(const std::vector<bool>& keep) const {
   return Selection(*this, keep).make();
 }
 
 void Components::fill_labels(const Box& box, std::uint32_t* labels) const {
   std::fill_n(labels, box.size().voxel_count(), 0);
-  Painter(*this, box, labels).paint(mask_.rank_count() - 1, 0, {0, 0, 0});
+  visit_items(mask_, box, [&](int rank, std::uint64_t place, const Index3& corner) {
+    const std::uint32_t end = first_part(rank, place + 1);
+    for (std::uint32_t part = first_part(rank, place); part < end; ++part) {
+      fill_children(parts_[part], rank, corner, box, labels_[part], labels);
+    }
+  });
 }
 
 }  // namespace octavo

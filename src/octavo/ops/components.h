@@ -52,7 +52,6 @@ class Components {
   class Linker;
   class Census;
   class Selection;
-  class Painter;
 
   std::uint32_t first_part(int rank, std::uint64_t place) const {
     return first_parts_[static_cast<std::size_t>(rank + 1)][place];

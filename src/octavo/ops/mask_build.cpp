@@ -92,37 +92,15 @@ std::uint64_t word_of_rows(const std::array<std::uint64_t, 16>& rows, std::int64
   return word;
 }
 
-// Folds the words of a cube of 16^3 and keeps the mixed ones.
-MaskCube fold_words(const std::uint64_t* words, std::vector<std::uint64_t>& kept) {
-  MaskCube cube{0, 0, kept.size()};
-  std::array<std::uint64_t, 64> mixed;
-  std::size_t count = 0;
-  for (int bit = 0; bit < 64; ++bit) {
-    const std::uint64_t word = words[bit];
-    const std::uint64_t is_full = word == kFullWord ? 1 : 0;
-    const std::uint64_t is_mixed = word != 0 && word != kFullWord ? 1 : 0;
-    mixed[count] = word;
-    count += is_mixed;
-    cube.full |= is_full << bit;
-    cube.mixed |= is_mixed << bit;
-  }
-  kept.insert(kept.end(), mixed.begin(), mixed.begin() + static_cast<std::ptrdiff_t>(count));
-  return cube;
-}
-
 // Folds the words of a cube of 64^3.
 MaskPart fold_cube(const std::uint64_t* words, std::uint64_t code) {
   MaskPart part;
   part.below = arrays_below(1);
   MaskCube cube;
   for (int bit = 0; bit < 64; ++bit) {
-    const MaskCube child = fold_words(words + 64 * bit, part.below.words);
-    if (child.is_full()) {
-      cube.full |= std::uint64_t{1} << bit;
-    } else if (!child.is_empty()) {
-      cube.mixed |= std::uint64_t{1} << bit;
-      part.below.cubes[0].push_back(child);
-    }
+    WordCube child;
+    for (int inner = 0; inner < 64; ++inner) child.add(inner, words[64 * bit + inner]);
+    add_child(child.finish(part.below.words), bit, cube, part.below.cubes[0]);
   }
   part.below.words.shrink_to_fit();
   part.below.cubes[0].shrink_to_fit();

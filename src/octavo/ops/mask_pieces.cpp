@@ -37,14 +37,8 @@ class Roof {
     const int shift = 6 * (rank - 1 - rank_);
     while (next_ < pieces_.size() && pieces_[next_].code >> shift >> 6 == code) {
       const std::uint64_t child_code = pieces_[next_].code >> shift;
-      const std::uint64_t here = std::uint64_t{1} << (child_code & 63);
       const MaskCube child = cube(rank - 1, child_code);
-      if (child.is_full()) {
-        made.full |= here;
-      } else if (!child.is_empty()) {
-        below.push_back(child);
-        made.mixed |= here;
-      }
+      add_child(child, static_cast<int>(child_code & 63), made, below);
     }
     return made;
   }

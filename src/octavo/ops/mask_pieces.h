@@ -1,6 +1,8 @@
 // Masks made in pieces: sub-trees on many threads, put together in o-code order.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -21,6 +23,47 @@ struct MaskPart {
   std::vector<MaskPiece> pieces;  ///< empty ones may be left out
   MaskArrays below;               ///< of all lower ranks
 };
+
+/// Makes a cube of words: full ones are noted, mixed ones kept for the array below.
+class WordCube {
+ public:
+  /// The next child, at `bit`; bits ascend.
+  void add(int bit, std::uint64_t word) {
+    const std::uint64_t is_full = word == kFullWord ? 1 : 0;
+    const std::uint64_t is_mixed = word != 0 && word != kFullWord ? 1 : 0;
+    mixed_words_[count_] = word;
+    count_ += is_mixed;
+    full_ |= is_full << bit;
+    mixed_ |= is_mixed << bit;
+  }
+
+  /// The cube, after appending its mixed words.
+  MaskCube finish(std::vector<std::uint64_t>& words) const {
+    const MaskCube cube{full_, mixed_, words.size()};
+    words.insert(words.end(), mixed_words_.begin(),
+                 mixed_words_.begin() + static_cast<std::ptrdiff_t>(count_));
+    return cube;
+  }
+
+ private:
+  std::uint64_t full_ = 0;
+  std::uint64_t mixed_ = 0;
+  std::size_t count_ = 0;
+  std::array<std::uint64_t, 64> mixed_words_;
+};
+
+/// Takes a cube as the child of `parent` at `bit`: kept in `below`, the array of its rank, when it
+/// is mixed.
+inline void add_child(const MaskCube& child, int bit, MaskCube& parent,
+                      std::vector<MaskCube>& below) {
+  const std::uint64_t here = std::uint64_t{1} << bit;
+  if (child.is_full()) {
+    parent.full |= here;
+  } else if (!child.is_empty()) {
+    below.push_back(child);
+    parent.mixed |= here;
+  }
+}
 
 /// Arrays for what lies below a cube of `rank`.
 MaskArrays arrays_below(int rank);

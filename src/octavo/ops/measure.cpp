@@ -242,7 +242,7 @@ class Measurement {
 
   std::vector<RegionMeasure> take(Progress& progress) {
     const std::int64_t count = grid_.voxel_count();
-    progress.begin("measure", count, "bricks");
+    const ProgressScope scope(progress, "measure", count, "bricks");
     for (std::int64_t first = 0; first < count; first += kBricksAtOnce) {
       const std::int64_t end = std::min(count, first + kBricksAtOnce);
       std::vector<SumsByLabel> of_bricks(static_cast<std::size_t>(end - first));
@@ -256,7 +256,6 @@ class Measurement {
         for (const auto& [label, sums] : of_brick) add(sums, totals_[label]);
       }
     }
-    progress.end();
     std::vector<RegionMeasure> regions;
     for (const auto& [label, sums] : totals_) regions.push_back(region_of(label, sums));
     return regions;

@@ -33,6 +33,9 @@ struct Verdicts {
   std::uint64_t invert_a;
   std::uint64_t invert_b;
   std::uint64_t both;  ///< to be walked into
+
+  /// As they are or inverted.
+  std::uint64_t copied() const { return copy_a | copy_b | invert_a | invert_b; }
 };
 
 template <SetOperation kOperation>
@@ -69,28 +72,16 @@ class Combiner {
  private:
   MaskCube combine_words(const MaskCube& a, const MaskCube& b) {
     const Verdicts verdicts = judge<kOperation>(a, b);
-    const std::uint64_t kept = verdicts.copy_a | verdicts.copy_b | verdicts.invert_a |
-                               verdicts.invert_b | verdicts.both;
-    MaskCube made{verdicts.full, 0, out_.words.size()};
-    if (kept == 0) return made;
-    const std::uint64_t* words_a = a_.words().data();
-    const std::uint64_t* words_b = b_.words().data();
-    std::array<std::uint64_t, 64> results;
-    std::size_t count = 0;
+    const std::uint64_t* const words_a = a_.words().data();
+    const std::uint64_t* const words_b = b_.words().data();
+    WordCube words;
+    const std::uint64_t kept = verdicts.copied() | verdicts.both;
     for (std::uint64_t left = kept; left != 0; left &= left - 1) {
       const int bit = std::countr_zero(left);
-      const std::uint64_t word_a = child_word(words_a, a, bit);
-      const std::uint64_t word_b = child_word(words_b, b, bit);
-      const std::uint64_t word = apply<kOperation>(word_a, word_b);
-      const std::uint64_t is_full = word == kFullWord ? 1 : 0;
-      const std::uint64_t is_mixed = word != 0 && word != kFullWord ? 1 : 0;
-      results[count] = word;
-      count += is_mixed;
-      made.full |= is_full << bit;
-      made.mixed |= is_mixed << bit;
+      words.add(bit, apply<kOperation>(child_word(words_a, a, bit), child_word(words_b, b, bit)));
     }
-    out_.words.insert(out_.words.end(), results.begin(),
-                      results.begin() + static_cast<std::ptrdiff_t>(count));
+    MaskCube made = words.finish(out_.words);
+    made.full |= verdicts.full;
     return made;
   }
 
@@ -103,8 +94,7 @@ class Combiner {
     const Verdicts verdicts = judge<kOperation>(a, b);
     auto& below = out_.cubes[static_cast<std::size_t>(rank) - 1];
     MaskCube made{verdicts.full, 0, below.size()};
-    const std::uint64_t copied =
-        verdicts.copy_a | verdicts.copy_b | verdicts.invert_a | verdicts.invert_b;
+    const std::uint64_t copied = verdicts.copied();
     for (std::uint64_t left = copied | verdicts.both; left != 0; left &= left - 1) {
       const int bit = std::countr_zero(left);
       const std::uint64_t here = std::uint64_t{1} << bit;
@@ -119,12 +109,7 @@ class Combiner {
       }
       const MaskCube child = combine(rank - 1, a_.cubes(rank - 1)[a.place_of(bit)],
                                      b_.cubes(rank - 1)[b.place_of(bit)]);
-      if (child.is_full()) {
-        made.full |= here;
-      } else if (!child.is_empty()) {
-        below.push_back(child);
-        made.mixed |= here;
-      }
+      add_child(child, bit, made, below);
     }
     return made;
   }

@@ -1,7 +1,4 @@
 // Readers that crash, hang, eat memory or lie, and sound ones, in a process of their own.
-#include <gdcmImageChangeTransferSyntax.h>
-#include <gdcmImageReader.h>
-#include <gdcmImageWriter.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -10,6 +7,7 @@
 
 #include "octavo/io/isolated_source.h"
 #include "octavo/io/worker_protocol.h"
+#include "support/coded_dicom.h"
 #include "support/shared_data.h"
 #include "support/source_files.h"
 
@@ -273,28 +271,7 @@ TEST(IsolatedSource, ASourceLeftEarlyLeavesNoProcess) {
 // --- Damaged DICOM files
 
 std::string jpeg_ls_slice(const TempFolder& folder) {
-  DicomSample sample = slice(1);
-  sample.rows = 32;
-  sample.columns = 32;
-  std::vector<std::int16_t> voxels(1024);
-  for (std::size_t i = 0; i < voxels.size(); ++i) {
-    voxels[i] = static_cast<std::int16_t>(i * i % 997);
-  }
-  sample.voxels = bytes_of(voxels);
-  write_dicom(folder.file("plain.dcm"), sample);
-  gdcm::ImageReader reader;
-  reader.SetFileName(folder.file("plain.dcm").c_str());
-  EXPECT_TRUE(reader.Read());
-  gdcm::ImageChangeTransferSyntax change;
-  change.SetTransferSyntax(gdcm::TransferSyntax::JPEGLSLossless);
-  change.SetInput(reader.GetImage());
-  EXPECT_TRUE(change.Change());
-  gdcm::ImageWriter writer;
-  writer.SetFile(reader.GetFile());
-  writer.SetImage(change.GetOutput());
-  writer.SetFileName(folder.file("coded.dcm").c_str());
-  EXPECT_TRUE(writer.Write());
-  return read_file(folder.file("coded.dcm"));
+  return coded_slice(folder, slice(1), gdcm::TransferSyntax::JPEGLSLossless);
 }
 
 TEST(IsolatedSource, EveryCutDicomFileIsRefusedByName) {
