@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/ops/moment_sums.h"
 
 namespace octavo {
 
@@ -60,15 +61,10 @@ class Histogram {
   std::vector<std::uint64_t> counts_;
 };
 
-// Sums over the voxels of one region, from the corner of a brick or of the volume.
+// Sums over the voxels of one region.
 struct Sums {
-  std::uint64_t count = 0;
+  MomentSums moments;
   std::uint64_t surface = 0;
-  Box box{{std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::max(),
-           std::numeric_limits<std::int64_t>::max()},
-          {0, 0, 0}};
-  std::array<__int128, 3> first{};   // x, y, z
-  std::array<__int128, 6> second{};  // xx, yy, zz, xy, xz, yz
   // Of the grey voxels less `Bins::least`: exact for integers, in order for floats.
   double least = std::numeric_limits<double>::infinity();
   double greatest = -std::numeric_limits<double>::infinity();
@@ -78,37 +74,6 @@ struct Sums {
   long double squares = 0;
   Histogram histogram;
 };
-
-// Sum of i, and of i * i, for lo <= i < hi.
-__int128 sum_of(std::int64_t lo, std::int64_t hi) {
-  return static_cast<__int128>(hi - lo) * (lo + hi - 1) / 2;
-}
-__int128 squares_below(std::int64_t n) {
-  return n <= 0 ? 0 : static_cast<__int128>(n - 1) * n * (2 * n - 1) / 6;
-}
-__int128 squares_of(std::int64_t lo, std::int64_t hi) {
-  return squares_below(hi) - squares_below(lo);
-}
-
-// Adds the voxels of a box, whose corners are not below 0.
-void add_box(const Box& box, Sums& sums) {
-  const Size3 size = box.size();
-  const auto count = static_cast<std::uint64_t>(size.voxel_count());
-  sums.count += count;
-  std::array<__int128, 3> along;  // sum of the coordinate over one line
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto a = static_cast<std::size_t>(axis);
-    sums.box.lo[axis] = std::min(sums.box.lo[axis], box.lo[axis]);
-    sums.box.hi[axis] = std::max(sums.box.hi[axis], box.hi[axis]);
-    const auto lines = static_cast<__int128>(size.voxel_count() / size[axis]);
-    along[a] = sum_of(box.lo[axis], box.hi[axis]);
-    sums.first[a] += along[a] * lines;
-    sums.second[a] += squares_of(box.lo[axis], box.hi[axis]) * lines;
-  }
-  sums.second[3] += along[0] * along[1] * size.z;
-  sums.second[4] += along[0] * along[2] * size.y;
-  sums.second[5] += along[1] * along[2] * size.x;
-}
 
 // How grey values fall into bins: the k-th holds those from least + k * width on. Sums count from
 // the least value as well, so that a small spread far from 0 is not lost.
@@ -159,14 +124,8 @@ void add_grey(T value, const Bins& bins, Sums& sums) {
 using SumsByLabel = std::map<std::int64_t, Sums>;
 
 void add(const Sums& from, Sums& to) {
-  to.count += from.count;
+  to.moments.add(from.moments);
   to.surface += from.surface;
-  for (int axis = 0; axis < 3; ++axis) {
-    to.box.lo[axis] = std::min(to.box.lo[axis], from.box.lo[axis]);
-    to.box.hi[axis] = std::max(to.box.hi[axis], from.box.hi[axis]);
-  }
-  for (std::size_t i = 0; i < 3; ++i) to.first[i] += from.first[i];
-  for (std::size_t i = 0; i < 6; ++i) to.second[i] += from.second[i];
   to.least = std::min(to.least, from.least);
   to.greatest = std::max(to.greatest, from.greatest);
   to.whole_sum += from.whole_sum;
@@ -288,7 +247,7 @@ class Measurement {
     SumsByLabel sums;
     if (label == 0) return sums;
     if (label && is_enclosed(brick, *label)) {
-      add_box(box, sums[*label]);
+      sums[*label].moments.add_box(box);
       add_grey_of(box, sums[*label]);
       return sums;
     }
@@ -326,9 +285,8 @@ class Measurement {
           while (hi < size.x && row[hi] == label) ++hi;
           if (label != 0) {
             if (last == nullptr || label != last_label) last = &sums[last_label = label];
-            add_box({{box.lo.x + lo, box.lo.y + y, box.lo.z + z},
-                     {box.lo.x + hi, box.lo.y + y + 1, box.lo.z + z + 1}},
-                    *last);
+            last->moments.add_box({{box.lo.x + lo, box.lo.y + y, box.lo.z + z},
+                                   {box.lo.x + hi, box.lo.y + y + 1, box.lo.z + z + 1}});
             last->surface += block.surface_of(lo, hi, y, z);
             take_run(lo, hi, y, z, *last);
           }
@@ -357,21 +315,11 @@ class Measurement {
   RegionMeasure region_of(std::int64_t label, const Sums& sums) const {
     RegionMeasure region;
     region.label = label;
-    region.voxel_count = sums.count;
+    region.voxel_count = sums.moments.count;
     region.surface_voxel_count = sums.surface;
-    region.box = sums.box;
-    const auto count = static_cast<long double>(sums.count);
-    std::array<long double, 3> mean{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      mean[axis] = static_cast<long double>(sums.first[axis]) / count;
-      region.centroid[axis] = static_cast<double>(mean[axis]);
-    }
-    constexpr std::size_t kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
-    for (std::size_t i = 0; i < 6; ++i) {
-      const long double product = static_cast<long double>(sums.second[i]) / count;
-      region.covariance[i] =
-          static_cast<double>(product - mean[kPairs[i][0]] * mean[kPairs[i][1]]);
-    }
+    region.box = sums.moments.box;
+    region.centroid = sums.moments.centroid();
+    region.covariance = sums.moments.covariance();
     if (grey_ != nullptr) region.grey = grey_of(sums);
     return region;
   }
@@ -379,7 +327,7 @@ class Measurement {
   GreyStatistics grey_of(const Sums& sums) const {
     GreyStatistics grey;
     const bool is_whole = is_integer(grey_->description().type);
-    const auto count = static_cast<long double>(sums.count);
+    const auto count = static_cast<long double>(sums.moments.count);
     const long double sum = is_whole ? static_cast<long double>(sums.whole_sum) : sums.sum;
     const long double squares =
         is_whole ? static_cast<long double>(sums.whole_squares) : sums.squares;
@@ -401,7 +349,7 @@ class Measurement {
   // The least value that at least `percent` of the voxels do not exceed, as far as bins tell.
   double percentile(const Sums& sums, const std::vector<std::uint64_t>& counts,
                     double percent) const {
-    const double wanted = percent / 100 * static_cast<double>(sums.count);
+    const double wanted = percent / 100 * static_cast<double>(sums.moments.count);
     std::uint64_t seen = 0;
     for (std::size_t bin = 0; bin < counts.size(); ++bin) {
       seen += counts[bin];

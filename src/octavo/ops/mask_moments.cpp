@@ -1,0 +1,221 @@
+#include "octavo/ops/mask_moments.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include <bit>
+#include <vector>
+
+// A counter of bits is an instruction where the processor has one.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+#define OCTAVO_COUNTS_BITS __attribute__((target_clones("popcnt", "default")))
+#else
+#define OCTAVO_COUNTS_BITS
+#endif
+
+namespace octavo {
+
+namespace {
+
+// Sums over bits by their coordinates 0..3, or over voxels near a corner.
+struct SmallSums {
+  std::int64_t count = 0;
+  std::array<std::int64_t, 3> first{};
+  std::array<std::int64_t, 6> second{};
+};
+
+// The bits of a word whose index has bit k.
+constexpr std::uint64_t kHas[6] = {0xaaaaaaaaaaaaaaaa, 0xcccccccccccccccc, 0xf0f0f0f0f0f0f0f0,
+                                   0xff00ff00ff00ff00, 0xffff0000ffff0000, 0xffffffff00000000};
+// Where the bits of a coordinate stand in the index of a bit.
+constexpr std::size_t kLow[3] = {1, 0, 2};
+constexpr std::size_t kHigh[3] = {4, 3, 5};
+
+inline __attribute__((always_inline)) SmallSums sums_of_bits(std::uint64_t word) {
+  const auto under = [word](std::uint64_t mask) {
+    return static_cast<std::int64_t>(std::popcount(word & mask));
+  };
+  SmallSums sums;
+  sums.count = under(~std::uint64_t{0});
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::int64_t low = under(kHas[kLow[a]]);
+    const std::int64_t high = under(kHas[kHigh[a]]);
+    sums.first[a] = low + 2 * high;
+    sums.second[a] = low + 4 * high + 4 * under(kHas[kLow[a]] & kHas[kHigh[a]]);
+  }
+  for (std::size_t i = 3; i < 6; ++i) {
+    const std::size_t a = MomentSums::kPairs[i][0];
+    const std::size_t b = MomentSums::kPairs[i][1];
+    sums.second[i] = under(kHas[kLow[a]] & kHas[kLow[b]]) +
+                     2 * under(kHas[kLow[a]] & kHas[kHigh[b]]) +
+                     2 * under(kHas[kHigh[a]] & kHas[kLow[b]]) +
+                     4 * under(kHas[kHigh[a]] & kHas[kHigh[b]]);
+  }
+  return sums;
+}
+
+// The same voxels counted from a corner that lies `by` before.
+template <class Sums, class Integer>
+void move(Sums& sums, const std::array<Integer, 3>& by) {
+  const auto count = static_cast<Integer>(sums.count);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const std::size_t a = MomentSums::kPairs[i][0];
+    const std::size_t b = MomentSums::kPairs[i][1];
+    sums.second[i] += by[a] * sums.first[b] + by[b] * sums.first[a] + by[a] * by[b] * count;
+  }
+  for (std::size_t a = 0; a < 3; ++a) sums.first[a] += by[a] * count;
+}
+
+// The sums of all words of a cube of 16^3, from its corner.
+OCTAVO_COUNTS_BITS SmallSums sums_of_words(std::uint64_t mixed, const std::uint64_t* words) {
+  SmallSums all;
+  for (std::uint64_t left = mixed; left != 0; left &= left - 1) {
+    const auto bit = static_cast<std::size_t>(std::countr_zero(left));
+    SmallSums sums = sums_of_bits(*words++);
+    std::array<std::int64_t, 3> by;
+    for (std::size_t a = 0; a < 3; ++a) {
+      by[a] = static_cast<std::int64_t>(4 * (bit >> kLow[a] & 1) + 8 * (bit >> kHigh[a] & 1));
+    }
+    move(sums, by);
+    all.count += sums.count;
+    for (std::size_t a = 0; a < 3; ++a) all.first[a] += sums.first[a];
+    for (std::size_t i = 0; i < 6; ++i) all.second[i] += sums.second[i];
+  }
+  return all;
+}
+
+// Adds sums counted from `corner`.
+void add(const SmallSums& sums, const Index3& corner, MomentSums& to) {
+  MomentSums wide;
+  wide.count = static_cast<std::uint64_t>(sums.count);
+  for (std::size_t a = 0; a < 3; ++a) wide.first[a] = sums.first[a];
+  for (std::size_t i = 0; i < 6; ++i) wide.second[i] = sums.second[i];
+  move(wide, std::array<__int128, 3>{corner.x, corner.y, corner.z});
+  to.add(wide);
+}
+
+// Adds the children of side `side` whose bits are set.
+void add_children(std::uint64_t bits, std::int64_t side, const Index3& corner, MomentSums& to) {
+  if (bits == 0) return;
+  const SmallSums cells = sums_of_bits(bits);
+  const __int128 s = side;
+  const __int128 line = MomentSums::sum_below(side);  // of the offsets inside a child
+  const __int128 squares = MomentSums::squares_below(side);
+  MomentSums wide;
+  wide.count = static_cast<std::uint64_t>(cells.count * side * side * side);
+  for (std::size_t a = 0; a < 3; ++a) {
+    const __int128 sum = cells.first[a];
+    wide.first[a] = s * s * (s * s * sum + line * cells.count);
+    wide.second[a] =
+        s * s * (s * s * s * cells.second[a] + 2 * s * line * sum + squares * cells.count);
+  }
+  for (std::size_t i = 3; i < 6; ++i) {
+    const __int128 sum = cells.first[MomentSums::kPairs[i][0]] +
+                         cells.first[MomentSums::kPairs[i][1]];
+    wide.second[i] =
+        s * (s * s * s * s * cells.second[i] + s * s * line * sum + line * line * cells.count);
+  }
+  move(wide, std::array<__int128, 3>{corner.x, corner.y, corner.z});
+  to.add(wide);
+}
+
+// The children of side `side` that are set, as the smallest box of whole children.
+Box box_of_bits(std::uint64_t bits, std::int64_t side, const Index3& corner) {
+  Box box;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    const std::uint64_t low = kHas[kLow[a]];
+    const std::uint64_t high = kHas[kHigh[a]];
+    const std::uint64_t slabs[4] = {bits & ~low & ~high, bits & low & ~high, bits & ~low & high,
+                                    bits & low & high};
+    std::int64_t first = 0;
+    while (slabs[first] == 0) ++first;
+    std::int64_t last = 3;
+    while (slabs[last] == 0) --last;
+    box.lo[axis] = corner[axis] + first * side;
+    box.hi[axis] = corner[axis] + (last + 1) * side;
+  }
+  return box;
+}
+
+// A stored cube and where it starts.
+struct Place {
+  std::uint64_t place = 0;
+  Index3 corner;
+};
+
+class Walk {
+ public:
+  explicit Walk(const MaskTree& mask) : mask_(mask) {}
+
+  void add_cube(int rank, std::uint64_t place, const Index3& corner, MomentSums& sums) const {
+    const MaskCube& cube = mask_.cubes(rank)[place];
+    const std::int64_t side = child_side(rank);
+    add_children(cube.full, side, corner, sums);
+    if (cube.full != 0) sums.widen(box_of_bits(cube.full, side, corner));
+    if (rank > 0) {
+      for (std::uint64_t left = cube.mixed; left != 0; left &= left - 1) {
+        const int bit = std::countr_zero(left);
+        add_cube(rank - 1, cube.place_of(bit), child_box(corner, bit, side).lo, sums);
+      }
+      return;
+    }
+    const std::uint64_t* words = mask_.words().data() + cube.first;
+    add(sums_of_words(cube.mixed, words), corner, sums);
+    if (cube.mixed == 0 || sums.box.contains(box_of_bits(cube.mixed, side, corner))) return;
+    for (std::uint64_t left = cube.mixed; left != 0; left &= left - 1) {
+      const Index3 at = child_box(corner, std::countr_zero(left), side).lo;
+      sums.widen(box_of_bits(*words++, 1, at));
+    }
+  }
+
+  // The stored cubes of rank 1; the full children above them go into `sums`.
+  std::vector<Place> gather(MomentSums& sums) const {
+    std::vector<Place> places;
+    gather(mask_.rank_count() - 1, 0, {0, 0, 0}, sums, places);
+    return places;
+  }
+
+ private:
+  void gather(int rank, std::uint64_t place, const Index3& corner, MomentSums& sums,
+              std::vector<Place>& places) const {
+    if (rank == 1) {
+      places.push_back({place, corner});
+      return;
+    }
+    const MaskCube& cube = mask_.cubes(rank)[place];
+    const std::int64_t side = child_side(rank);
+    add_children(cube.full, side, corner, sums);
+    if (cube.full != 0) sums.widen(box_of_bits(cube.full, side, corner));
+    for (std::uint64_t left = cube.mixed; left != 0; left &= left - 1) {
+      const int bit = std::countr_zero(left);
+      gather(rank - 1, cube.place_of(bit), child_box(corner, bit, side).lo, sums, places);
+    }
+  }
+
+  const MaskTree& mask_;
+};
+
+}  // namespace
+
+MomentSums mask_moments(const MaskTree& mask) {
+  const Walk walk(mask);
+  MomentSums above;
+  const std::vector<Place> places = walk.gather(above);
+  const MomentSums below = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, places.size(), 4), MomentSums{},
+      [&](const tbb::blocked_range<std::size_t>& range, MomentSums sums) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+          walk.add_cube(1, places[i].place, places[i].corner, sums);
+        }
+        return sums;
+      },
+      [](MomentSums a, const MomentSums& b) {
+        a.add(b);
+        return a;
+      });
+  above.add(below);
+  return above;
+}
+
+}  // namespace octavo
