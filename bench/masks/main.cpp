@@ -10,6 +10,7 @@
 // all must give the same number of voxels, components and hits. Column bytes: those of the mask.
 
 #include <itkMultiThreaderBase.h>
+#include <malloc.h>
 #include <tbb/global_control.h>
 
 #include <cmath>
@@ -98,8 +99,9 @@ MaskVolume shell_volume(std::int64_t side) {
   for (std::int64_t z = 0; z < side; ++z) {
     for (std::int64_t y = 0; y < side; ++y) {
       for (std::int64_t x = 0; x < side; ++x, ++at) {
-        const double r = std::hypot(static_cast<double>(x) - centre, static_cast<double>(y) - centre,
-                                    static_cast<double>(z) - centre);
+        const double r =
+            std::hypot(static_cast<double>(x) - centre, static_cast<double>(y) - centre,
+                       static_cast<double>(z) - centre);
         volume.voxels[at] = std::abs(r - 0.4 * static_cast<double>(side)) < 3 ? 1 : 0;
       }
     }
@@ -138,12 +140,13 @@ struct Contest {
 
 void run_once(Contest& contest, std::map<std::string, std::uint64_t>& results) {
   if (contest.operation.prepare) contest.operation.prepare();
+  malloc_trim(0);  // memory that was freed before would hide what is needed
   const std::uint64_t before = resident_memory_bytes();
   reset_peak_memory();
   std::uint64_t result = 0;
   contest.row.seconds.push_back(seconds_of([&] { result = contest.operation.run(); }));
-  contest.row.peak_memory_bytes =
-      std::max(contest.row.peak_memory_bytes, peak_memory_bytes() - std::min(before, peak_memory_bytes()));
+  contest.row.peak_memory_bytes = std::max(contest.row.peak_memory_bytes,
+                                           std::max(peak_memory_bytes(), before) - before);
   const auto [known, is_new] = results.emplace(contest.operation.name, result);
   if (!is_new && known->second != result) {
     throw Error(ErrorKind::internal, contest.row.operation + " gives " + std::to_string(result) +

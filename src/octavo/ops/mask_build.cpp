@@ -12,6 +12,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/levels.h"
+#include "octavo/ops/mask_kernels.h"
 
 namespace octavo {
 
@@ -19,9 +20,6 @@ namespace {
 
 constexpr std::int64_t kCubeSide = 64;
 constexpr std::size_t kWordsPerCube = 4096;
-// Voxels of a row that are tested at once.
-constexpr std::int64_t kRun = 64;
-
 // The four bits of a row of a word, x = 0..3, at their places in the word.
 constexpr std::array<std::uint64_t, 16> kRowPlaces = [] {
   std::array<std::uint64_t, 16> places{};
@@ -36,24 +34,6 @@ constexpr std::array<std::uint64_t, 16> kRowPlaces = [] {
 // How far the row (y, z) of a word is from its first one.
 constexpr int row_shift(int y, int z) {
   return 32 * (z >> 1) + 4 * (z & 1) + 8 * (y >> 1) + (y & 1);
-}
-
-// Bit i says whether lowest <= row[i] <= highest; count <= 64.
-template <class T>
-std::uint64_t bits_in_window(const T* row, std::int64_t count, T lowest, T highest) {
-  alignas(64) std::array<std::uint8_t, kRun> inside{};
-  for (std::int64_t i = 0; i < count; ++i) {
-    inside[static_cast<std::size_t>(i)] = row[i] >= lowest && row[i] <= highest ? 1 : 0;
-  }
-  // Eight bytes of 0 or 1 become eight bits: byte i is moved to bit 56 + i, all at once.
-  constexpr std::uint64_t kGather = 0x0102040810204080u;
-  std::uint64_t bits = 0;
-  for (std::size_t byte = 0; byte < 8; ++byte) {
-    std::uint64_t eight;
-    std::memcpy(&eight, inside.data() + 8 * byte, sizeof eight);
-    bits |= (eight * kGather >> 56) << 8 * byte;
-  }
-  return bits;
 }
 
 // The window as bounds of the type; false when no value of the type is in it.
@@ -145,35 +125,36 @@ void MaskBuilder::add_block(const Index3& corner, const BrickView& block,
     T lowest;
     T highest;
     if (!bounds_in(window, block.type, lowest, highest)) return;
+    BrickView run = block;
     for (std::int64_t z = 0; z < size.z; z += 4) {
       for (std::int64_t y = 0; y < size.y; y += 4) {
-        for (std::int64_t x = 0; x < size.x; x += kRun) {
-          add_rows<T>({corner.x + x, corner.y + y, corner.z + z}, block, {x, y, z}, lowest,
-                      highest);
+        for (std::int64_t x = 0; x < size.x; x += kMaskRun) {
+          run.voxels = static_cast<const T*>(block.voxels) + z * block.plane_stride +
+                       y * block.row_stride + x;
+          run.size = {std::min(kMaskRun, size.x - x), std::min<std::int64_t>(4, size.y - y),
+                      std::min<std::int64_t>(4, size.z - z)};
+          add_run({corner.x + x, corner.y + y, corner.z + z}, run, &lowest, &highest);
         }
       }
     }
   });
 }
 
-template <class T>
-void MaskBuilder::add_rows(const Index3& voxel, const BrickView& block, const Index3& at, T lowest,
-                           T highest) {
-  const std::int64_t count = std::min(kRun, block.size.x - at.x);
-  std::array<std::uint64_t, 16> rows{};
+void MaskBuilder::add_run(const Index3& voxel, const BrickView& run, const void* lowest,
+                          const void* highest) {
+  std::array<std::uint64_t, 16> rows;
+  rows_in_window(run, lowest, highest, rows);
   std::uint64_t any = 0;
-  for (std::int64_t z = at.z; z < std::min(at.z + 4, block.size.z); ++z) {
-    for (std::int64_t y = at.y; y < std::min(at.y + 4, block.size.y); ++y) {
-      const T* const row = static_cast<const T*>(block.voxels) + z * block.plane_stride +
-                           y * block.row_stride + at.x;
-      const std::uint64_t bits = bits_in_window(row, count, lowest, highest);
-      rows[static_cast<std::size_t>(4 * (z - at.z) + y - at.y)] = bits;
-      any |= bits;
-    }
+  std::uint64_t all = ~std::uint64_t{0};
+  for (const std::uint64_t row : rows) {
+    any |= row;
+    all &= row;
   }
-  if (any == 0) return;
-  for (std::int64_t i = 0; 4 * i < count; ++i) {
-    word_at({voxel.x + 4 * i, voxel.y, voxel.z}) |= word_of_rows(rows, i);
+  // Most runs lie wholly in or out of the mask, and most words of the others do.
+  for (std::int64_t i = 0; 4 * i < run.size.x; ++i) {
+    if ((any >> 4 * i & 15) == 0) continue;
+    const bool is_full = (all >> 4 * i & 15) == 15;
+    word_at({voxel.x + 4 * i, voxel.y, voxel.z}) |= is_full ? kFullWord : word_of_rows(rows, i);
   }
 }
 

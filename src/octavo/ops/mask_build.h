@@ -54,11 +54,9 @@ class MaskBuilder {
 
  private:
   void require_block(const Box& box) const;
-  // The voxels at `at` of the block, a run of 64 x 4 x 4 or fewer; the first is `voxel` of the
-  // volume.
-  template <class T>
-  void add_rows(const Index3& voxel, const BrickView& block, const Index3& at, T lowest,
-                T highest);
+  // A run of at most 64 x 4 x 4 voxels; the first is `voxel` of the volume.
+  void add_run(const Index3& voxel, const BrickView& run, const void* lowest,
+               const void* highest);
   std::uint64_t& word_at(const Index3& voxel);
 
   Size3 size_;

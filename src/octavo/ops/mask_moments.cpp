@@ -6,23 +6,11 @@
 #include <bit>
 #include <vector>
 
-// A counter of bits is an instruction where the processor has one.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define OCTAVO_COUNTS_BITS __attribute__((target_clones("popcnt", "default")))
-#else
-#define OCTAVO_COUNTS_BITS
-#endif
+#include "octavo/ops/mask_kernels.h"
 
 namespace octavo {
 
 namespace {
-
-// Sums over bits by their coordinates 0..3, or over voxels near a corner.
-struct SmallSums {
-  std::int64_t count = 0;
-  std::array<std::int64_t, 3> first{};
-  std::array<std::int64_t, 6> second{};
-};
 
 // The bits of a word whose index has bit k.
 constexpr std::uint64_t kHas[6] = {0xaaaaaaaaaaaaaaaa, 0xcccccccccccccccc, 0xf0f0f0f0f0f0f0f0,
@@ -31,33 +19,10 @@ constexpr std::uint64_t kHas[6] = {0xaaaaaaaaaaaaaaaa, 0xcccccccccccccccc, 0xf0f
 constexpr std::size_t kLow[3] = {1, 0, 2};
 constexpr std::size_t kHigh[3] = {4, 3, 5};
 
-inline __attribute__((always_inline)) SmallSums sums_of_bits(std::uint64_t word) {
-  const auto under = [word](std::uint64_t mask) {
-    return static_cast<std::int64_t>(std::popcount(word & mask));
-  };
-  SmallSums sums;
-  sums.count = under(~std::uint64_t{0});
-  for (std::size_t a = 0; a < 3; ++a) {
-    const std::int64_t low = under(kHas[kLow[a]]);
-    const std::int64_t high = under(kHas[kHigh[a]]);
-    sums.first[a] = low + 2 * high;
-    sums.second[a] = low + 4 * high + 4 * under(kHas[kLow[a]] & kHas[kHigh[a]]);
-  }
-  for (std::size_t i = 3; i < 6; ++i) {
-    const std::size_t a = MomentSums::kPairs[i][0];
-    const std::size_t b = MomentSums::kPairs[i][1];
-    sums.second[i] = under(kHas[kLow[a]] & kHas[kLow[b]]) +
-                     2 * under(kHas[kLow[a]] & kHas[kHigh[b]]) +
-                     2 * under(kHas[kHigh[a]] & kHas[kLow[b]]) +
-                     4 * under(kHas[kHigh[a]] & kHas[kHigh[b]]);
-  }
-  return sums;
-}
-
-// The same voxels counted from a corner that lies `by` before.
-template <class Sums, class Integer>
-void move(Sums& sums, const std::array<Integer, 3>& by) {
-  const auto count = static_cast<Integer>(sums.count);
+// The voxels of `sums`, counted from `corner`, counted from the volume's first voxel.
+void move(MomentSums& sums, const Index3& corner) {
+  const std::array<__int128, 3> by = {corner.x, corner.y, corner.z};
+  const auto count = static_cast<__int128>(sums.count);
   for (std::size_t i = 0; i < 6; ++i) {
     const std::size_t a = MomentSums::kPairs[i][0];
     const std::size_t b = MomentSums::kPairs[i][1];
@@ -66,31 +31,13 @@ void move(Sums& sums, const std::array<Integer, 3>& by) {
   for (std::size_t a = 0; a < 3; ++a) sums.first[a] += by[a] * count;
 }
 
-// The sums of all words of a cube of 16^3, from its corner.
-OCTAVO_COUNTS_BITS SmallSums sums_of_words(std::uint64_t mixed, const std::uint64_t* words) {
-  SmallSums all;
-  for (std::uint64_t left = mixed; left != 0; left &= left - 1) {
-    const auto bit = static_cast<std::size_t>(std::countr_zero(left));
-    SmallSums sums = sums_of_bits(*words++);
-    std::array<std::int64_t, 3> by;
-    for (std::size_t a = 0; a < 3; ++a) {
-      by[a] = static_cast<std::int64_t>(4 * (bit >> kLow[a] & 1) + 8 * (bit >> kHigh[a] & 1));
-    }
-    move(sums, by);
-    all.count += sums.count;
-    for (std::size_t a = 0; a < 3; ++a) all.first[a] += sums.first[a];
-    for (std::size_t i = 0; i < 6; ++i) all.second[i] += sums.second[i];
-  }
-  return all;
-}
-
 // Adds sums counted from `corner`.
 void add(const SmallSums& sums, const Index3& corner, MomentSums& to) {
   MomentSums wide;
   wide.count = static_cast<std::uint64_t>(sums.count);
   for (std::size_t a = 0; a < 3; ++a) wide.first[a] = sums.first[a];
   for (std::size_t i = 0; i < 6; ++i) wide.second[i] = sums.second[i];
-  move(wide, std::array<__int128, 3>{corner.x, corner.y, corner.z});
+  move(wide, corner);
   to.add(wide);
 }
 
@@ -115,7 +62,7 @@ void add_children(std::uint64_t bits, std::int64_t side, const Index3& corner, M
     wide.second[i] =
         s * (s * s * s * s * cells.second[i] + s * s * line * sum + line * line * cells.count);
   }
-  move(wide, std::array<__int128, 3>{corner.x, corner.y, corner.z});
+  move(wide, corner);
   to.add(wide);
 }
 
