@@ -3,16 +3,21 @@
 // usage: bench_masks [--commit ID] [--rounds N] [--threads N] [--growth] VOLUME...
 //
 // VOLUME    NAME=PATH,nx,ny,nz,LOWEST: a headerless file of int16, the mask is what is not below
-//           LOWEST; or phantom=SIDE, the phantom of the thesis, its shell and denser cylinder
+//           LOWEST
 // --growth  no peers: shells and a bundle of thin tubes in volumes of growing size
 //
 // The second mask of set operations is the first, moved by 10, 10, 5 voxels. Libraries take turns;
-// all must give the same number of voxels, components and hits. Column bytes: those of the mask.
+// all must give the same number of voxels, components and hits. Column bytes: those of the mask;
+// peak memory is measured with one thread only, in a process of its own.
 
 #include <itkMultiThreaderBase.h>
 #include <malloc.h>
+#include <sys/wait.h>
 #include <tbb/global_control.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -22,11 +27,14 @@
 
 #include "bench/common/measure.h"
 #include "bench/masks/engine.h"
-#include "octavo/build/phantom.h"
 #include "octavo/core/error.h"
 
 namespace octavo::bench {
 namespace {
+
+void require(bool ok, const std::string& what) {
+  if (!ok) throw Error(ErrorKind::internal, "failed: " + what);
+}
 
 struct Settings {
   std::string commit = "unknown";
@@ -41,30 +49,11 @@ MaskVolume empty_volume(const std::string& name, const Size3& size, std::int16_t
           lowest};
 }
 
-MaskVolume phantom_volume(std::int64_t side) {
-  PhantomOptions options;
-  options.size = {side, side, side};
-  MaskVolume volume = empty_volume("phantom-" + std::to_string(side), options.size, 226);
-  const auto source = make_phantom(options);
-  const auto plane = static_cast<std::size_t>(side * side);
-  for (std::int64_t z = 0; z < side; ++z) {
-    const std::span planes(volume.voxels);
-    source->read_plane(
-        std::as_writable_bytes(planes.subspan(static_cast<std::size_t>(z) * plane, plane)));
-  }
-  return volume;
-}
-
 MaskVolume load_volume(const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos) throw Error(ErrorKind::invalid_argument, "no volume: " + text);
   const std::string name = text.substr(0, equals);
   std::stringstream rest(text.substr(equals + 1));
-  if (name == "phantom") {
-    std::int64_t side = 0;
-    rest >> side;
-    return phantom_volume(side);
-  }
   std::string words[5];
   for (std::string& word : words) std::getline(rest, word, ',');
   MaskVolume volume =
@@ -138,15 +127,35 @@ struct Contest {
   MaskOperation operation;
 };
 
+/// Growth of resident memory during one run, in a child of its own.
+/// Requires that this process has no other thread.
+std::uint64_t memory_of(const MaskOperation& operation) {
+  std::array<int, 2> ends{};
+  require(pipe(ends.data()) == 0, "pipe");
+  malloc_trim(0);  // memory that was freed before would hide what is needed
+  const pid_t child = fork();
+  require(child >= 0, "fork");
+  if (child == 0) {
+    if (operation.prepare) operation.prepare();
+    reset_peak_memory();
+    const std::uint64_t before = resident_memory_bytes();
+    operation.run();
+    const std::uint64_t grown = std::max(peak_memory_bytes(), before) - before;
+    _exit(write(ends[1], &grown, sizeof grown) == sizeof grown ? 0 : 1);
+  }
+  close(ends[1]);
+  std::uint64_t grown = 0;
+  const bool is_whole = read(ends[0], &grown, sizeof grown) == sizeof grown;
+  close(ends[0]);
+  waitpid(child, nullptr, 0);
+  require(is_whole, operation.name);
+  return grown;
+}
+
 void run_once(Contest& contest, std::map<std::string, std::uint64_t>& results) {
   if (contest.operation.prepare) contest.operation.prepare();
-  malloc_trim(0);  // memory that was freed before would hide what is needed
-  const std::uint64_t before = resident_memory_bytes();
-  reset_peak_memory();
   std::uint64_t result = 0;
   contest.row.seconds.push_back(seconds_of([&] { result = contest.operation.run(); }));
-  contest.row.peak_memory_bytes = std::max(contest.row.peak_memory_bytes,
-                                           std::max(peak_memory_bytes(), before) - before);
   const auto [known, is_new] = results.emplace(contest.operation.name, result);
   if (!is_new && known->second != result) {
     throw Error(ErrorKind::internal, contest.row.operation + " gives " + std::to_string(result) +
@@ -172,6 +181,7 @@ void contest(const MaskVolume& volume, const Settings& settings) {
       row.bytes = engine->memory_bytes();
       row.raw_bytes = volume.voxels.size() * sizeof(std::int16_t);
       row.voxel_count = volume.voxels.size();
+      if (settings.threads == 1) row.peak_memory_bytes = memory_of(operation);
       contests.push_back({row, std::move(operation)});
     }
   }
