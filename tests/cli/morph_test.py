@@ -1,0 +1,112 @@
+#!/usr/bin/env python3
+"""Asks of masks what touches, as a user does.
+
+usage: morph_test.py OCTAVO [unittest arguments]
+
+Everything is generated; what is expected comes from a walk over every voxel.
+"""
+
+import itertools
+import json
+import sys
+
+import cli_test
+
+SIZE = (70, 40, 66)
+SPACING = (0.5, 0.75, 2.0)
+
+
+def indices():
+    return itertools.product(range(SIZE[2]), range(SIZE[1]), range(SIZE[0]))
+
+
+class Boxes(dict):
+    """Labels by (z, y, x); what is not in it is 0."""
+
+    def fill(self, x, y, z, label=1):
+        for p in itertools.product(range(*z), range(*y), range(*x)):
+            self[p] = label
+        return self
+
+    def raw(self):
+        return bytes(self.get(p, 0) for p in indices())
+
+
+class Masks(cli_test.InFolder):
+    def build(self, name, boxes, *arguments):
+        size = ",".join(map(str, SIZE))
+        spacing = ",".join(map(str, SPACING))
+        (self.folder / "v.raw").write_bytes(boxes.raw())
+        self.expect(0, "build", "v.raw", "--raw", f"{size},uint8", "--spacing", spacing, "--labels",
+                    "-o", name, "-q", "-f", *arguments)
+
+    def json(self, *arguments):
+        return json.loads(self.expect(0, *arguments, "--json", "--progress", "none").stdout)
+
+    def voxels_of(self, name):
+        self.expect(0, "export", name, "-o", "out.raw", "-f", "-q")
+        return (self.folder / "out.raw").read_bytes()
+
+
+class Touch(Masks):
+    def test_objects_overlap_touch_or_lie_apart(self):
+        self.build("a.8vo", Boxes().fill((4, 24), (4, 24), (4, 24)))
+        self.build("b.8vo", Boxes().fill((24, 60), (8, 12), (8, 10)))
+        self.build("c.8vo", Boxes().fill((20, 60), (8, 12), (8, 10)))
+        self.build("d.8vo", Boxes().fill((24, 30), (24, 30), (8, 9)))
+        touching = self.json("touch", "a.8vo", "b.8vo")
+        self.assertEqual(touching["relation"], "touch")
+        self.assertEqual(touching["overlap"],
+                         {"voxels": 0, "mm3": 0, "box": None, "box_mm": None})
+        self.assertEqual(touching["faces"], 8)
+        self.assertAlmostEqual(touching["area_mm2"], 8 * 0.75 * 2)
+        self.assertEqual(touching["contact_a"]["box"], [[23, 24], [8, 12], [8, 10]])
+        self.assertEqual(touching["contact_b"]["box"], [[24, 25], [8, 12], [8, 10]])
+        in_mm = [[11.75, 12.25], [5.625, 8.625], [15, 19]]
+        self.assertEqual(touching["contact_b"]["box_mm"], in_mm)
+        overlapping = self.json("touch", "a.8vo", "c.8vo")
+        self.assertEqual(overlapping["relation"], "overlap")
+        self.assertEqual(overlapping["overlap"]["voxels"], 4 * 4 * 2)
+        self.assertEqual(overlapping["overlap"]["mm3"], 4 * 4 * 2 * 0.75)
+        self.assertEqual(overlapping["overlap"]["box"], [[20, 24], [8, 12], [8, 10]])
+        self.assertEqual(overlapping["contact_a"]["voxels"], 0)
+        self.assertEqual(self.json("touch", "a.8vo", "d.8vo")["relation"], "apart")
+        by_edges = self.json("touch", "a.8vo", "d.8vo", "--connectivity", "18")
+        self.assertEqual((by_edges["relation"], by_edges["faces"]), ("touch", 0))
+        self.assertEqual(by_edges["contact_b"]["box"], [[24, 25], [24, 25], [8, 9]])
+        self.assertIn("do not touch", self.expect(0, "touch", "a.8vo", "d.8vo").stdout)
+        text = self.expect(0, "touch", "a.8vo", "b.8vo").stdout
+        self.assertIn("8 faces, 12 mm2", text)
+        self.assertIn("box 23:24,8:12,8:10", text)
+
+    def test_labels_that_touch_are_listed_in_pairs(self):
+        labels = Boxes().fill((4, 24), (4, 24), (4, 24), 3).fill((24, 60), (8, 12), (8, 10), 7)
+        labels.fill((60, 66), (12, 14), (8, 10), 200)
+        self.build("l.8vo", labels)
+        pairs = self.json("touch", "l.8vo")["pairs"]
+        self.assertEqual(pairs, [{"labels": [3, 7], "faces": 8, "area_mm2": 12, "voxel_pairs": 8}])
+        pairs = self.json("touch", "l.8vo", "--connectivity", "18")["pairs"]
+        self.assertEqual([p["labels"] for p in pairs], [[3, 7], [7, 200]])
+        self.assertEqual((pairs[1]["faces"], pairs[1]["voxel_pairs"]), (0, 2))
+        text = self.expect(0, "touch", "l.8vo", "--connectivity", "26").stdout
+        self.assertEqual(len(text.splitlines()), 4)
+        self.assertIn("2 pairs of labels touch", text)
+
+    def test_refusals_name_the_reason(self):
+        self.build("a.8vo", Boxes().fill((4, 24), (4, 24), (4, 24)))
+        (self.folder / "s.raw").write_bytes(bytes(8))
+        for kind in ["--labels", "--grey"]:
+            self.expect(0, "build", "s.raw", "--raw", "2,2,2,uint8", "--spacing", "1", kind, "-o",
+                        f"s{kind[2]}.8vo", "-q")
+        for words, arguments in [
+            (["sg.8vo", "octavo threshold"], ["touch", "sg.8vo"]),
+            (["sg.8vo", "octavo threshold"], ["touch", "a.8vo", "sg.8vo"]),
+            (["sl.8vo", "2 x 2 x 2", "70 x 40 x 66"], ["touch", "a.8vo", "sl.8vo"]),
+            (["--connectivity"], ["touch", "a.8vo", "--connectivity", "7"]),
+        ]:
+            self.expect_refusal(2, words, *arguments)
+
+
+if __name__ == "__main__":
+    cli_test.OCTAVO = cli_test.os.path.abspath(sys.argv.pop(1))
+    cli_test.unittest.main()
