@@ -39,6 +39,7 @@ void add_verbs(CLI::App& app, Context& context) {
   add_components(app, context);
   add_measure(app, context);
   add_touch(app, context);
+  add_fill_holes(app, context);
   add_phantom(app, context);
   add_completion(app, context);
   add_manual(app, context);

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Asks of masks what touches, as a user does.
+"""Asks of masks what touches and fills their holes, as a user does.
 
 usage: morph_test.py OCTAVO [unittest arguments]
 
@@ -105,6 +105,55 @@ class Touch(Masks):
             (["--connectivity"], ["touch", "a.8vo", "--connectivity", "7"]),
         ]:
             self.expect_refusal(2, words, *arguments)
+
+
+class FillHoles(Masks):
+    def setUp(self):
+        super().setUp()
+        # A hollow box with a slit along an edge of its wall, a solid one with two closed pores.
+        self.boxes = Boxes().fill((2, 12), (2, 12), (2, 12)).fill((30, 60), (10, 30), (10, 30))
+        self.boxes.fill((3, 11), (3, 11), (3, 11), 0).fill((2, 3), (2, 3), (3, 11), 0)
+        self.boxes.fill((40, 42), (20, 21), (15, 17), 0).fill((50, 51), (20, 21), (15, 16), 0)
+        self.build("m.8vo", self.boxes)
+
+    def filled(self, *boxes):
+        voxels = Boxes(self.boxes)
+        for box in boxes:
+            voxels.fill(*box)
+        return voxels.raw()
+
+    def test_what_does_not_reach_the_border_is_filled(self):
+        hollow = ((3, 11), (3, 11), (3, 11))
+        large, small = ((40, 42), (20, 21), (15, 17)), ((50, 51), (20, 21), (15, 16))
+        for arguments, holes, boxes in [
+            ([], 3, [hollow, large, small]),
+            (["--connectivity", "18"], 3, [hollow, large, small]),
+            (["--connectivity", "6"], 2, [large, small]),
+            (["--max-mm3", "0.75"], 1, [small]),
+            (["--max-mm3", "3"], 2, [large, small]),
+            (["--max-mm3", "0.7"], 0, []),
+        ]:
+            made = self.json("fill-holes", "m.8vo", *arguments, "-o", "f.8vo", "-f")
+            expected = self.filled(*boxes)
+            self.assertEqual(made["holes"], holes, arguments)
+            self.assertEqual(made["voxels"], sum(expected))
+            self.assertEqual(made["hole_voxels"], sum(expected) - sum(self.boxes.raw()))
+            self.assertEqual(self.voxels_of("f.8vo"), expected, arguments)
+        made_by = self.info("f.8vo")["metadata"]["made_by"]
+        self.assertEqual(made_by, {"operation": "fill-holes", "connectivity": 26, "max_mm3": 0.7})
+        text = self.expect(0, "fill-holes", "m.8vo", "--max-mm3", "3", "-o", "t.8vo").stdout
+        self.assertIn("2 holes filled (5 voxels, 3.75 mm3); 1 larger left", text)
+
+    def test_refusals_name_the_reason(self):
+        for words, arguments in [(["octavo threshold"], ["g.8vo", "-o", "x.8vo"]),
+                                 (["--output"], ["m.8vo"]),
+                                 (["--max-mm3"], ["m.8vo", "-o", "x.8vo", "--max-mm3", "-1"])]:
+            if "g.8vo" in arguments:
+                (self.folder / "s.raw").write_bytes(bytes(8))
+                self.expect(0, "build", "s.raw", "--raw", "2,2,2,uint8", "--grey", "-o", "g.8vo",
+                            "--spacing", "1", "-q")
+            self.expect_refusal(2, words, "fill-holes", *arguments)
+            self.assertFalse((self.folder / "x.8vo").exists())
 
 
 if __name__ == "__main__":
