@@ -36,12 +36,21 @@ struct Arguments {
   std::string input;
   std::string output;
   int connectivity = 26;
-  std::optional<double> max_mm3;
+  std::string max_mm3;
 };
 
+std::optional<double> asked_max_mm3(const Arguments& arguments) {
+  if (arguments.max_mm3.empty()) return std::nullopt;
+  const double mm3 = parse_number(arguments.max_mm3, "--max-mm3");
+  if (mm3 >= 0) return mm3;
+  throw Error(ErrorKind::invalid_argument,
+              fmt::format("--max-mm3: '{}'; must be 0 or more", escaped(arguments.max_mm3)));
+}
+
 /// The largest hole that is filled, in voxels.
-std::uint64_t max_voxels(const Arguments& arguments, const VolumeDescription& volume) {
-  if (!arguments.max_mm3) return std::numeric_limits<std::uint64_t>::max();
+std::uint64_t max_voxels(std::optional<double> max_mm3, const Arguments& arguments,
+                         const VolumeDescription& volume) {
+  if (!max_mm3) return std::numeric_limits<std::uint64_t>::max();
   const auto mm3 = voxel_mm3(volume);
   if (!mm3) {
     throw Error(ErrorKind::invalid_argument,
@@ -49,7 +58,7 @@ std::uint64_t max_voxels(const Arguments& arguments, const VolumeDescription& vo
   }
   // A volume of whole voxels is not lost to a rounded quotient.
   constexpr double kRoundingSlack = 1e-9;
-  const double voxels = *arguments.max_mm3 / *mm3 * (1 + kRoundingSlack);
+  const double voxels = *max_mm3 / *mm3 * (1 + kRoundingSlack);
   return static_cast<std::uint64_t>(std::min(std::floor(voxels), 1e18));
 }
 
@@ -67,10 +76,11 @@ std::string holes_text(const FilledHoles& filled, const VolumeDescription& volum
 }
 
 int run_fill_holes(const Arguments& arguments, Context& context) {
+  const std::optional<double> max_mm3 = asked_max_mm3(arguments);
   require_free_output(arguments.output, context);
   const OpenedMask mask = open_mask(arguments.input, context);
   const VolumeDescription& volume = mask.volume();
-  const std::uint64_t largest = max_voxels(arguments, volume);
+  const std::uint64_t largest = max_voxels(max_mm3, arguments, volume);
   // The complement, its components, those selected and the result.
   require_memory(6 * mask.tree.memory_bytes(), "the holes", context);
   FilledHoles filled;
@@ -79,7 +89,7 @@ int run_fill_holes(const Arguments& arguments, Context& context) {
   });
   nlohmann::ordered_json made_by = {{"operation", "fill-holes"},
                                     {"connectivity", arguments.connectivity}};
-  if (arguments.max_mm3) made_by["max_mm3"] = *arguments.max_mm3;
+  if (max_mm3) made_by["max_mm3"] = *max_mm3;
   const BuildResult built = write_mask(filled.mask, volume, made_by, arguments.output, context);
   const std::uint64_t voxels = filled.mask.voxel_count();
   if (context.json) {
@@ -116,8 +126,7 @@ void add_fill_holes(CLI::App& app, Context& context) {
       ->check(CLI::IsMember({6, 18, 26}))
       ->capture_default_str();
   verb.add_option("--max-mm3", arguments->max_mm3, "Fill only holes of this volume or less")
-      ->type_name("V")
-      ->check(CLI::NonNegativeNumber);
+      ->type_name("V");
 }
 
 }  // namespace octavo::cli

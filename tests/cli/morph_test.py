@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Asks of masks what touches and fills their holes, as a user does.
+"""Asks of masks what touches, fills their holes and grows and shrinks them, as a user does.
 
 usage: morph_test.py OCTAVO [unittest arguments]
 
@@ -147,13 +147,77 @@ class FillHoles(Masks):
     def test_refusals_name_the_reason(self):
         for words, arguments in [(["octavo threshold"], ["g.8vo", "-o", "x.8vo"]),
                                  (["--output"], ["m.8vo"]),
-                                 (["--max-mm3"], ["m.8vo", "-o", "x.8vo", "--max-mm3", "-1"])]:
+                                 (["--max-mm3"], ["m.8vo", "-o", "x.8vo", "--max-mm3", "-1"]),
+                                 (["--max-mm3"], ["m.8vo", "-o", "x.8vo", "--max-mm3", "nan"])]:
             if "g.8vo" in arguments:
                 (self.folder / "s.raw").write_bytes(bytes(8))
                 self.expect(0, "build", "s.raw", "--raw", "2,2,2,uint8", "--grey", "-o", "g.8vo",
                             "--spacing", "1", "-q")
             self.expect_refusal(2, words, "fill-holes", *arguments)
             self.assertFalse((self.folder / "x.8vo").exists())
+
+
+class Morphology(Masks):
+    def setUp(self):
+        super().setUp()
+        # Across the borders of cubes of 64^3, and cut off by the border of the volume.
+        self.boxes = Boxes().fill((56, 70), (0, 9), (58, 66)).fill((20, 40), (20, 24), (10, 11))
+        self.boxes.fill((30, 31), (24, 30), (10, 11)).fill((5, 6), (5, 6), (63, 64))
+        self.build("m.8vo", self.boxes)
+
+    def grown(self, voxels, steps):
+        """The voxels of the volume that are a step away from one of `voxels`."""
+        sums = ((z + dz, y + dy, x + dx) for (z, y, x) in voxels for dz, dy, dx in steps)
+        ends = tuple(reversed(SIZE))
+        return {p for p in sums if all(0 <= at < end for at, end in zip(p, ends))}
+
+    def shrunk(self, voxels, steps):
+        """Those that the background is no step away from; its voxels beside them are enough."""
+        faces = [(0, 0, 1), (0, 0, -1), (0, 1, 0), (0, -1, 0), (1, 0, 0), (-1, 0, 0)]
+        return voxels - self.grown(self.grown(voxels, faces) - voxels, steps)
+
+    def expect_morphology(self, arguments, steps):
+        before = {p for p, label in self.boxes.items() if label}
+        grown = self.grown(before, steps)
+        shrunk = self.shrunk(before, steps)
+        for verb, expected in [("dilate", grown), ("erode", shrunk),
+                               ("open", self.grown(shrunk, steps)),
+                               ("close", self.shrunk(grown, steps))]:
+            made = self.json(verb, "m.8vo", *arguments, "-o", "r.8vo", "-f")
+            self.assertEqual(made["voxels"], len(expected), (verb, arguments))
+            self.assertEqual(made["voxels_before"], len(before))
+            voxels = self.voxels_of("r.8vo")
+            self.assertEqual({p for p, v in zip(indices(), voxels) if v}, expected, verb)
+            self.assertEqual(self.info("r.8vo")["metadata"]["made_by"]["operation"], verb)
+
+    def test_balls_are_measured_in_mm(self):
+        span = range(-3, 4)
+        steps = [s for s in itertools.product(span, span, span)
+                 if sum((n * mm) ** 2 for n, mm in zip(s, reversed(SPACING))) <= 1.5**2]
+        self.expect_morphology(["--mm", "1.5"], steps)
+
+    def test_steps_go_from_voxel_to_neighbor(self):
+        span = range(-2, 3)
+        cube = list(itertools.product(span, span, span))
+        diamond = [s for s in cube if sum(map(abs, s)) <= 2]
+        self.expect_morphology(["--voxels", "2"], diamond)
+        self.expect_morphology(["--voxels", "2", "--connectivity", "26"], cube)
+
+    def test_refusals_name_the_reason(self):
+        for words, arguments in [
+            (["--mm", "--voxels"], []),
+            (["--mm", "--voxels"], ["--mm", "1", "--voxels", "2"]),
+            (["--connectivity"], ["--mm", "1", "--connectivity", "26"]),
+            (["--mm"], ["--mm", "-1"]),
+            (["--mm"], ["--mm", "nan"]),
+            (["--mm"], ["--mm", "inf"]),
+            (["--mm", "two"], ["--mm", "two"]),
+            (["--voxels"], ["--voxels", "-1"]),
+            (["--voxels"], ["--voxels", "1.5"]),
+        ]:
+            for verb in ["dilate", "erode", "open", "close"]:
+                self.expect_refusal(2, words, verb, "m.8vo", "-o", "x.8vo", *arguments)
+                self.assertFalse((self.folder / "x.8vo").exists())
 
 
 if __name__ == "__main__":
