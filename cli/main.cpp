@@ -38,6 +38,12 @@ void add_verbs(CLI::App& app, Context& context) {
   add_combine(app, context);
   add_components(app, context);
   add_measure(app, context);
+  add_touch(app, context);
+  add_fill_holes(app, context);
+  add_dilate(app, context);
+  add_erode(app, context);
+  add_open(app, context);
+  add_close(app, context);
   add_phantom(app, context);
   add_completion(app, context);
   add_manual(app, context);

@@ -13,6 +13,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/levels.h"
 #include "octavo/ops/mask_kernels.h"
+#include "octavo/ops/word_rows.h"
 
 namespace octavo {
 
@@ -20,21 +21,6 @@ namespace {
 
 constexpr std::int64_t kCubeSide = 64;
 constexpr std::size_t kWordsPerCube = 4096;
-// The four bits of a row of a word, x = 0..3, at their places in the word.
-constexpr std::array<std::uint64_t, 16> kRowPlaces = [] {
-  std::array<std::uint64_t, 16> places{};
-  for (std::uint64_t bits = 0; bits < 16; ++bits) {
-    for (std::uint64_t x = 0; x < 4; ++x) {
-      if ((bits >> x & 1) != 0) places[bits] |= std::uint64_t{1} << (16 * (x >> 1) + 2 * (x & 1));
-    }
-  }
-  return places;
-}();
-
-// How far the row (y, z) of a word is from its first one.
-constexpr int row_shift(int y, int z) {
-  return 32 * (z >> 1) + 4 * (z & 1) + 8 * (y >> 1) + (y & 1);
-}
 
 // The window as bounds of the type; false when no value of the type is in it.
 template <class T>
@@ -58,34 +44,6 @@ bool bounds_in(const ValueWindow& window, VoxelType type, T& lowest, T& highest)
     highest = static_cast<T>(high);
   }
   return lowest <= highest;
-}
-
-// The word at x = 4 * i of 64 x 4 x 4 voxels, whose 16 rows are given as bits.
-std::uint64_t word_of_rows(const std::array<std::uint64_t, 16>& rows, std::int64_t i) {
-  std::uint64_t word = 0;
-  for (int z = 0; z < 4; ++z) {
-    for (int y = 0; y < 4; ++y) {
-      const std::uint64_t four = rows[static_cast<std::size_t>(4 * z + y)] >> 4 * i & 15;
-      word |= kRowPlaces[four] << row_shift(y, z);
-    }
-  }
-  return word;
-}
-
-// Folds the words of a cube of 64^3.
-MaskPart fold_cube(const std::uint64_t* words, std::uint64_t code) {
-  MaskPart part;
-  part.below = arrays_below(1);
-  MaskCube cube;
-  for (int bit = 0; bit < 64; ++bit) {
-    WordCube child;
-    for (int inner = 0; inner < 64; ++inner) child.add(inner, words[64 * bit + inner]);
-    add_child(child.finish(part.below.words), bit, cube, part.below.cubes[0]);
-  }
-  part.below.words.shrink_to_fit();
-  part.below.cubes[0].shrink_to_fit();
-  part.pieces.push_back({code, cube});
-  return part;
 }
 
 bool is_aligned(std::int64_t lo, std::int64_t hi, std::int64_t size) {

@@ -76,6 +76,21 @@ MaskArrays arrays_below(int rank) {
   return arrays;
 }
 
+MaskPart fold_cube(const std::uint64_t* words, std::uint64_t code) {
+  MaskPart part;
+  part.below = arrays_below(1);
+  MaskCube cube;
+  for (int bit = 0; bit < 64; ++bit) {
+    WordCube child;
+    for (int inner = 0; inner < 64; ++inner) child.add(inner, words[64 * bit + inner]);
+    add_child(child.finish(part.below.words), bit, cube, part.below.cubes[0]);
+  }
+  part.below.words.shrink_to_fit();
+  part.below.cubes[0].shrink_to_fit();
+  part.pieces.push_back({code, cube});
+  return part;
+}
+
 MaskTree assemble(const Size3& size, int rank, std::span<const MaskPart> parts) {
   const int rank_count = MaskTree::rank_count_for(size);
   MaskArrays out = arrays_below(rank_count);

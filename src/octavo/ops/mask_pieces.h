@@ -68,6 +68,9 @@ inline void add_child(const MaskCube& child, int bit, MaskCube& parent,
 /// Arrays for what lies below a cube of `rank`.
 MaskArrays arrays_below(int rank);
 
+/// The cube of 64^3 voxels with that code, of its 4096 words in o-code order.
+MaskPart fold_cube(const std::uint64_t* words, std::uint64_t code);
+
 /// The tree of parts whose codes ascend from one part to the next.
 /// rank  of the pieces
 /// Requires that every piece lies in the volume.

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/ops/label_block.h"
 #include "octavo/ops/moment_sums.h"
 
 namespace octavo {
@@ -134,61 +135,6 @@ void add(const Sums& from, Sums& to) {
   to.squares += from.squares;
   to.histogram.add(from.histogram);
 }
-
-// Labels of a box with one voxel around it; what is outside the volume has a label of no voxel.
-class LabelBlock {
- public:
-  LabelBlock(const FileReader& reader, const Box& box) {
-    const Size3& volume = reader.levels().size(0);
-    const Box wide{{box.lo.x - 1, box.lo.y - 1, box.lo.z - 1},
-                   {box.hi.x + 1, box.hi.y + 1, box.hi.z + 1}};
-    const Box part = intersection(wide, box_of(volume));
-    const Size3 size = wide.size();
-    row_ = size.x;
-    plane_ = size.x * size.y;
-    labels_.assign(static_cast<std::size_t>(size.voxel_count()), kOutside);
-    with_voxel_type(reader.description().type, [&](auto id) {
-      using T = typename decltype(id)::type;
-      const Size3 read = part.size();
-      std::vector<T> voxels(static_cast<std::size_t>(read.voxel_count()));
-      reader.read(part, 0, voxels.data());
-      for (std::int64_t z = 0; z < read.z; ++z) {
-        for (std::int64_t y = 0; y < read.y; ++y) {
-          const T* const from = voxels.data() + (z * read.y + y) * read.x;
-          std::int64_t* const to = row(y + part.lo.y - box.lo.y, z + part.lo.z - box.lo.z) +
-                                   part.lo.x - box.lo.x;
-          for (std::int64_t x = 0; x < read.x; ++x) to[x] = static_cast<std::int64_t>(from[x]);
-        }
-      }
-    });
-  }
-
-  /// The row at (y, z) of the box, from x = 0; one voxel more on every side may be looked at.
-  std::int64_t* row(std::int64_t y, std::int64_t z) {
-    return labels_.data() + (z + 1) * plane_ + (y + 1) * row_ + 1;
-  }
-
-  /// How many voxels lo <= x < hi of a row, all of one label, have a face neighbor of another.
-  std::uint64_t surface_of(std::int64_t lo, std::int64_t hi, std::int64_t y, std::int64_t z) {
-    const std::int64_t* const here = row(y, z);
-    const std::int64_t label = here[lo];
-    std::uint64_t count = 0;
-    for (std::int64_t x = lo; x < hi; ++x) {
-      const bool is_surface = here[x - 1] != label || here[x + 1] != label ||
-                              here[x - row_] != label || here[x + row_] != label ||
-                              here[x - plane_] != label || here[x + plane_] != label;
-      count += is_surface ? 1 : 0;
-    }
-    return count;
-  }
-
- private:
-  static constexpr std::int64_t kOutside = std::numeric_limits<std::int64_t>::min();
-
-  std::int64_t row_ = 0;
-  std::int64_t plane_ = 0;
-  std::vector<std::int64_t> labels_;
-};
 
 class Measurement {
  public:

@@ -1,0 +1,254 @@
+// octavo touch: do two objects overlap or touch, and which labels of a label map lie side by side.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "common/failure.h"
+#include "common/inputs.h"
+#include "common/masks.h"
+#include "common/progress_line.h"
+#include "common/quantities.h"
+#include "common/verb.h"
+#include "octavo/ops/interference.h"
+#include "octavo/ops/label_adjacency.h"
+#include "verbs.h"
+
+namespace octavo::cli {
+
+namespace {
+
+constexpr VerbText kText = {
+    "touch", "Tell whether two masks overlap or touch, or which labels of one file do.",
+    "A mask is every voxel of a label map that is not 0. With two files, A and B: how many voxels\n"
+    "are in both and where; and how many voxels of A alone are neighbors of voxels of B alone,\n"
+    "and the other way round, with the faces between them and their area. With one file: every\n"
+    "pair of its labels (0 is background) that are neighbors, with the faces they share.\n"
+    "--connectivity says which voxels are neighbors; faces and areas do not depend on it.\n"
+    "Boxes are half-open in voxels; in mm (LPS) they enclose the voxels, not their centres.\n"
+    "The exit code is 0 whatever is found; programs read \"relation\" with --json.\n\n"
+    "Examples:\n"
+    "  octavo touch implant.8vo nerve.8vo\n"
+    "  octavo touch implant.8vo nerve.8vo --connectivity 26 --json\n"
+    "  octavo touch atlas.8vo"};
+
+struct Arguments {
+  std::vector<std::string> inputs;
+  int connectivity = 6;
+
+  Connectivity neighbors() const { return static_cast<Connectivity>(connectivity); }
+};
+
+struct BoxMm {
+  Point3 lo;
+  Point3 hi;
+};
+
+/// The world box around the voxels of `box`, from outer face to outer face.
+BoxMm world_box(const Box& box, const Geometry& geometry) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  BoxMm world{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+  for (int corner = 0; corner < 8; ++corner) {
+    Point3 index{};
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::int64_t end = (corner >> axis & 1) != 0 ? box.hi[axis] : box.lo[axis];
+      index[static_cast<std::size_t>(axis)] = static_cast<double>(end) - 0.5;
+    }
+    const Point3 at = geometry.to_world(index);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      world.lo[axis] = std::min(world.lo[axis], at[axis]);
+      world.hi[axis] = std::max(world.hi[axis], at[axis]);
+    }
+  }
+  return world;
+}
+
+/// The area of faces across x, y and z, mm2.
+double area_mm2(const std::array<std::uint64_t, 3>& faces, const Geometry& geometry) {
+  const Point3& s = geometry.spacing_mm;
+  return static_cast<double>(faces[0]) * s[1] * s[2] + static_cast<double>(faces[1]) * s[0] * s[2] +
+         static_cast<double>(faces[2]) * s[0] * s[1];
+}
+
+std::uint64_t count_of(const std::array<std::uint64_t, 3>& faces) {
+  return faces[0] + faces[1] + faces[2];
+}
+
+nlohmann::ordered_json area_json(const std::array<std::uint64_t, 3>& faces,
+                                 const VolumeDescription& volume) {
+  if (!voxel_mm3(volume)) return nullptr;
+  return area_mm2(faces, volume.geometry);
+}
+
+std::string faces_text(const std::array<std::uint64_t, 3>& faces,
+                       const VolumeDescription& volume) {
+  const std::uint64_t count = count_of(faces);
+  const std::string text =
+      fmt::format("{} face{}", count_text(static_cast<std::int64_t>(count)), count == 1 ? "" : "s");
+  if (!voxel_mm3(volume)) return text;
+  return text + fmt::format(", {} mm2", number_text(area_mm2(faces, volume.geometry)));
+}
+
+nlohmann::ordered_json extent_json(const VoxelExtent& extent, const VolumeDescription& volume) {
+  nlohmann::ordered_json object = {{"voxels", extent.voxel_count},
+                                   {"mm3", mm3_json(extent.voxel_count, volume)},
+                                   {"box", nullptr},
+                                   {"box_mm", nullptr}};
+  if (extent.voxel_count == 0) return object;
+  const Box& box = extent.box;
+  object["box"] = {{box.lo.x, box.hi.x}, {box.lo.y, box.hi.y}, {box.lo.z, box.hi.z}};
+  if (!voxel_mm3(volume)) return object;
+  const BoxMm world = world_box(box, volume.geometry);
+  object["box_mm"] = {{world.lo[0], world.hi[0]}, {world.lo[1], world.hi[1]},
+                      {world.lo[2], world.hi[2]}};
+  return object;
+}
+
+/// "box 4:24,4:24,4:24, 2:12,2:12,8:48 mm"
+std::string where_text(const Box& box, const VolumeDescription& volume) {
+  std::string text = fmt::format("box {}:{},{}:{},{}:{}", box.lo.x, box.hi.x, box.lo.y, box.hi.y,
+                                 box.lo.z, box.hi.z);
+  if (!voxel_mm3(volume)) return text;
+  const BoxMm world = world_box(box, volume.geometry);
+  text += "; ";
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    text += fmt::format("{}{:.2f}:{:.2f}", axis == 0 ? "" : ",", world.lo[axis], world.hi[axis]);
+  }
+  return text + " mm";
+}
+
+const char* relation_of(const Interference& found) {
+  return found.is_overlap() ? "overlap" : found.is_contact() ? "touch" : "apart";
+}
+
+std::string interference_text(const Interference& found, const Arguments& arguments,
+                              const VolumeDescription& volume) {
+  const std::string a = escaped(arguments.inputs[0]);
+  const std::string b = escaped(arguments.inputs[1]);
+  std::string text = fmt::format("{} and {} {}\n", a, b,
+                                 found.is_overlap()   ? "overlap"
+                                 : found.is_contact() ? "touch"
+                                                      : "do not touch");
+  if (found.is_overlap()) {
+    text += fmt::format("  in both:    {}; {}\n", volume_text(found.overlap.voxel_count, volume),
+                        where_text(found.overlap.box, volume));
+  }
+  if (found.is_contact()) {
+    for (const auto& [name, extent] : {std::pair{&a, &found.contact_a}, {&b, &found.contact_b}}) {
+      text += fmt::format("  touching:   {} voxels of {} alone; {}\n",
+                          count_text(static_cast<std::int64_t>(extent->voxel_count)), *name,
+                          where_text(extent->box, volume));
+    }
+    text += fmt::format("  in between: {}\n", faces_text(found.face_pairs, volume));
+  }
+  return text;
+}
+
+int touch_masks(const Arguments& arguments, Context& context) {
+  const OpenedMask a = open_mask(arguments.inputs[0], context);
+  const OpenedMask b = open_mask(arguments.inputs[1], context);
+  require_same_grid(a.volume(), a.path, b.volume(), b.path);
+  Interference found;
+  on_threads(context, [&] { found = interference(a.tree, b.tree, arguments.neighbors()); });
+  const VolumeDescription& volume = a.volume();
+  if (context.json) {
+    print_json({{"masks", arguments.inputs},
+                {"relation", relation_of(found)},
+                {"connectivity", arguments.connectivity},
+                {"overlap", extent_json(found.overlap, volume)},
+                {"contact_a", extent_json(found.contact_a, volume)},
+                {"contact_b", extent_json(found.contact_b, volume)},
+                {"faces", count_of(found.face_pairs)},
+                {"area_mm2", area_json(found.face_pairs, volume)},
+                {"warnings", context.warnings}});
+  } else if (!context.quiet) {
+    print(interference_text(found, arguments, volume));
+  }
+  return kExitDone;
+}
+
+std::string table_text(const std::vector<LabelContact>& contacts, const Arguments& arguments,
+                       const VolumeDescription& volume) {
+  std::string text = fmt::format("{}: {} pair{} of labels touch{}\n", escaped(arguments.inputs[0]),
+                                 contacts.size(), contacts.size() == 1 ? "" : "s",
+                                 contacts.size() == 1 ? "es" : "");
+  if (contacts.empty()) return text;
+  const bool is_faces = arguments.connectivity == 6;
+  const bool is_placed = voxel_mm3(volume).has_value();
+  text += fmt::format("{:>10} {:>10} {:>14} {:>14}{}\n", "label", "label", "faces", "mm2",
+                      is_faces ? "" : fmt::format(" {:>14}", "voxel pairs"));
+  for (const LabelContact& contact : contacts) {
+    text += fmt::format(
+        "{:>10} {:>10} {:>14} {:>14}{}\n", contact.first, contact.second,
+        count_text(static_cast<std::int64_t>(count_of(contact.face_pairs))),
+        is_placed ? fmt::format("{:.2f}", area_mm2(contact.face_pairs, volume.geometry)) : "-",
+        is_faces ? ""
+                 : fmt::format(" {:>14}",
+                               count_text(static_cast<std::int64_t>(contact.voxel_pairs))));
+  }
+  return text;
+}
+
+int touch_labels(const Arguments& arguments, Context& context) {
+  const std::shared_ptr<const FileReader> labels = open_octavo(arguments.inputs[0], context);
+  const VolumeDescription& volume = labels->description();
+  if (volume.kind != VolumeKind::labels) {
+    throw Error(ErrorKind::invalid_argument,
+                "holds grey values, not labels; 'octavo threshold' makes labels of it",
+                arguments.inputs[0]);
+  }
+  // A brick per thread, with its labels widened.
+  constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
+  require_memory(12 * kMiB * static_cast<std::uint64_t>(context.thread_count()), "labels",
+                 context);
+  std::vector<LabelContact> contacts;
+  {
+    ProgressLine progress(context);
+    on_threads(context,
+               [&] { contacts = label_contacts(*labels, arguments.neighbors(), progress); });
+  }
+  if (context.json) {
+    nlohmann::ordered_json pairs = nlohmann::ordered_json::array();
+    for (const LabelContact& contact : contacts) {
+      pairs.push_back({{"labels", {contact.first, contact.second}},
+                       {"faces", count_of(contact.face_pairs)},
+                       {"area_mm2", area_json(contact.face_pairs, volume)},
+                       {"voxel_pairs", contact.voxel_pairs}});
+    }
+    print_json({{"labels", arguments.inputs[0]},
+                {"connectivity", arguments.connectivity},
+                {"pairs", pairs},
+                {"warnings", context.warnings}});
+  } else if (!context.quiet) {
+    print(table_text(contacts, arguments, volume));
+  }
+  return kExitDone;
+}
+
+int run_touch(const Arguments& arguments, Context& context) {
+  return arguments.inputs.size() == 1 ? touch_labels(arguments, context)
+                                      : touch_masks(arguments, context);
+}
+
+}  // namespace
+
+void add_touch(CLI::App& app, Context& context) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& verb = add_verb(app, context, kText,
+                            [arguments, &context] { return run_touch(*arguments, context); });
+  verb.add_option("inputs", arguments->inputs, "Two masks, or one label map, .8vo")
+      ->type_name("FILE")
+      ->required()
+      ->expected(1, 2);
+  verb.add_option("--connectivity", arguments->connectivity,
+                  "Neighbors share a face (6), a face or an edge (18), a corner as well (26)")
+      ->type_name("N")
+      ->check(CLI::IsMember({6, 18, 26}))
+      ->capture_default_str();
+}
+
+}  // namespace octavo::cli
