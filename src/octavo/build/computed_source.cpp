@@ -10,17 +10,21 @@ namespace octavo {
 
 namespace {
 
-constexpr std::int64_t kPlanesAtOnce = 16;
-
 class ComputedSource final : public PlaneSource {
  public:
-  ComputedSource(const VolumeDescription& description, FillBox fill)
-      : description_(description), fill_(std::move(fill)) {
+  ComputedSource(const VolumeDescription& description, FillBox fill, std::int64_t planes_at_once)
+      : description_(description), fill_(std::move(fill)), planes_at_once_(planes_at_once) {
     checked_voxel_count(description.size);
   }
 
   const VolumeDescription& description() const override { return description_; }
   const std::vector<std::string>& warnings() const override { return warnings_; }
+
+  std::uint64_t resident_bytes() const override {
+    const Size3& size = description_.size;
+    return static_cast<std::uint64_t>(size.x * size.y * std::min(size.z, planes_at_once_) *
+                                      bytes_per_voxel(description_.type));
+  }
 
   void read_plane(std::span<std::byte> plane) override {
     const Size3& size = description_.size;
@@ -30,7 +34,7 @@ class ComputedSource final : public PlaneSource {
       throw Error(ErrorKind::invalid_argument, "no such plane");
     }
     if (next_ == end_) {
-      end_ = std::min(size.z, next_ + kPlanesAtOnce);
+      end_ = std::min(size.z, next_ + planes_at_once_);
       first_ = next_;
       voxels_.resize(bytes * static_cast<std::size_t>(end_ - first_));
       fill_({{0, 0, first_}, {size.x, size.y, end_}}, voxels_.data());
@@ -42,6 +46,7 @@ class ComputedSource final : public PlaneSource {
  private:
   VolumeDescription description_;
   FillBox fill_;
+  std::int64_t planes_at_once_;
   std::vector<std::string> warnings_;
   std::vector<std::byte> voxels_;  // of planes first_ .. end_
   std::int64_t first_ = 0;
@@ -52,8 +57,8 @@ class ComputedSource final : public PlaneSource {
 }  // namespace
 
 std::unique_ptr<PlaneSource> make_computed_source(const VolumeDescription& description,
-                                                  FillBox fill) {
-  return std::make_unique<ComputedSource>(description, std::move(fill));
+                                                  FillBox fill, std::int64_t planes_at_once) {
+  return std::make_unique<ComputedSource>(description, std::move(fill), planes_at_once);
 }
 
 }  // namespace octavo
