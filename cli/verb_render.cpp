@@ -10,6 +10,7 @@
 #include "common/inputs.h"
 #include "common/quantities.h"
 #include "common/render_scene.h"
+#include "common/render_transparency.h"
 #include "common/value_ranges.h"
 #include "common/verb.h"
 #include "common/volume_json.h"
@@ -80,6 +81,9 @@ Colour asked_background(const std::string& text) {
 
 std::unique_ptr<RenderScene> make_scene(const std::shared_ptr<const FileReader>& reader,
                                         const RenderArguments& arguments, Context& context) {
+  if (arguments.mode == "transparency") {
+    return make_transparency_scene(reader, arguments, context);
+  }
   return make_cube_scene(reader, arguments, context);
 }
 
@@ -142,7 +146,7 @@ Drawn draw_pictures(const RenderScene& scene, const std::vector<std::string>& pa
   ViewFrame frame = asked_frame(arguments);
   for (std::size_t i = 0; i < paths.size(); ++i) {
     const double degrees = 360 * static_cast<double>(i) / static_cast<double>(paths.size());
-    viewpoints.push_back(turned(first, degrees));
+    viewpoints.push_back(scene.seen_from(turned(first, degrees)));
     frame.pixel_mm = std::max(
         frame.pixel_mm.value_or(0),
         fitting_pixel_mm(geometry, scene.shown(), viewpoints.back(), frame));
@@ -253,9 +257,9 @@ void add_render(CLI::App& app, Context& context) {
   verb.add_option("-o,--output", arguments->output, "The .png file to write")
       ->type_name("FILE")
       ->required();
-  verb.add_option("--mode", arguments->mode, "What is drawn: cubes or surface")
+  verb.add_option("--mode", arguments->mode, "What is drawn: cubes, surface or transparency")
       ->type_name("MODE")
-      ->check(CLI::IsMember({"cubes", "surface"}))
+      ->check(CLI::IsMember({"cubes", "surface", "transparency"}))
       ->capture_default_str();
   verb.add_option("--range", arguments->ranges, "Values, or labels, to draw")
       ->type_name("LOW:HIGH")
@@ -270,6 +274,7 @@ void add_render(CLI::App& app, Context& context) {
   verb.add_option("--cut", arguments->cuts, "Keep the voxels on one side: AXIS<N or AXIS>N")
       ->type_name("PLANE")
       ->allow_extra_args(false);
+  add_transparency_options(verb, *arguments);
   add_view_options(verb, *arguments);
 }
 

@@ -32,6 +32,8 @@ struct RenderArguments {
   int level = 0;
   int turntable = 0;
   double fade = 0.5;
+  bool is_average = false;  ///< of mode transparency
+  std::string window;       ///< of mode transparency; none: automatic
   bool no_scale_bar = false;
   bool no_sides = false;
   bool no_legend = false;
@@ -43,6 +45,8 @@ class RenderScene {
   virtual ~RenderScene() = default;
   /// The samples of the level that the picture is fitted to.
   virtual Box shown() const = 0;
+  /// The viewpoint nearest to `viewpoint` from which the scene can be drawn.
+  virtual Viewpoint seen_from(const Viewpoint& viewpoint) const { return viewpoint; }
   /// Draws one picture of three channels, without annotations.
   virtual Picture draw(const View& view, const Colour& background) const = 0;
   virtual std::vector<LegendRow> legend() const { return {}; }
