@@ -11,7 +11,7 @@ namespace octavo {
 namespace {
 
 constexpr double kFilledShare = 0.9;  // of the picture, by what is shown
-constexpr double kFarthest = double(1 << 30);
+constexpr double kFarthest = double(1 << 30);  // units
 constexpr int kMostFractionBits = 24;
 
 double dot(const Point3& a, const Point3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -218,11 +218,12 @@ View make_view(const Geometry& geometry, const Size3& size, const Box& shown,
 
   // Round, as finely as the numbers allow.
   const double most = farthest(origin, axes, size);
-  if (!(most < kFarthest)) {
+  if (!(most * 2 < kFarthest)) {
     throw Error(ErrorKind::limit_exceeded,
-                "the zoom is too large; the volume would be 2^30 pixels long");
+                "the zoom is too large; the volume would be 2^29 pixels long");
   }
-  double units = 1;
+  double units = 2;
+  view.fraction_bits = 1;
   while (view.fraction_bits < kMostFractionBits && most * units * 2 < kFarthest) {
     units *= 2;
     ++view.fraction_bits;

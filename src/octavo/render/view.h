@@ -78,7 +78,7 @@ struct View {
   Point3 right{};   ///< unit vectors in world space
   Point3 up{};
   Point3 toward{};
-  int fraction_bits = 0;
+  int fraction_bits = 1;    ///< at least 1: the middle of a pixel is a whole number
   Place origin;                ///< of the lowest corner of voxel (0, 0, 0)
   std::array<Place, 3> axes;   ///< one voxel along each index axis
   std::array<int, 3> nearness{};  ///< -1, 0 or 1: towards the viewer, by index axis
@@ -95,7 +95,7 @@ double fitting_pixel_mm(const Geometry& geometry, const Box& shown, const Viewpo
 /// Looks at a volume of `size` voxels; the middle of `shown`, a box in it, is the picture's middle.
 /// Throws Error{invalid_argument} on a frame without pixels, with sides above kLongestSide or a
 ///        zoom or pixel that is not positive, and when a voxel is too small or too flat to be seen;
-///        Error{limit_exceeded} when the volume would be 2^30 pixels long.
+///        Error{limit_exceeded} when the volume would be 2^29 pixels long.
 View make_view(const Geometry& geometry, const Size3& size, const Box& shown,
                const Viewpoint& viewpoint, const ViewFrame& frame);
 
