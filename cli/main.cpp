@@ -31,6 +31,7 @@ void add_verbs(CLI::App& app, Context& context) {
   add_export(app, context);
   add_extract(app, context);
   add_slice(app, context);
+  add_render(app, context);
   add_probe(app, context);
   add_compare(app, context);
   add_codes(app, context);
@@ -44,6 +45,7 @@ void add_verbs(CLI::App& app, Context& context) {
   add_erode(app, context);
   add_open(app, context);
   add_close(app, context);
+  add_shell(app, context);
   add_phantom(app, context);
   add_completion(app, context);
   add_manual(app, context);

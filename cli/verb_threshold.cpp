@@ -14,6 +14,7 @@
 #include "common/inputs.h"
 #include "common/masks.h"
 #include "common/quantities.h"
+#include "common/value_ranges.h"
 #include "common/verb.h"
 #include "common/volume_json.h"
 #include "verbs.h"
@@ -21,8 +22,6 @@
 namespace octavo::cli {
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 constexpr VerbText kText = {
     "threshold", "Make a mask of the voxels whose value lies in a range.",
@@ -38,19 +37,6 @@ constexpr VerbText kText = {
     "  octavo threshold head.8vo --class 1=:-300 --class 2=-300:225 --class 3=226: -o classes.8vo\n"
     "  octavo threshold atlas.8vo --range 17:17 -o region.8vo"};
 
-struct Tissue {
-  const char* name;
-  double lowest;
-  double highest;
-};
-
-constexpr std::array<Tissue, 6> kTissues = {{{"air", -kInfinity, -900},
-                                             {"lung", -900, -500},
-                                             {"fat", -190, -30},
-                                             {"soft", -30, 225},
-                                             {"contrast", 130, 600},
-                                             {"bone", 226, kInfinity}}};
-
 struct Arguments {
   std::string input;
   std::string output;
@@ -60,85 +46,6 @@ struct Arguments {
   bool stored = false;
 };
 
-/// A range of real values, or of stored ones with --stored.
-struct Range {
-  double lowest = -kInfinity;
-  double highest = kInfinity;
-};
-
-Range parse_range(const std::string& text, const char* option) {
-  const std::vector<std::string> ends = split(text, ':');
-  if (ends.size() != 2 || (ends[0].empty() && ends[1].empty())) {
-    throw Error(ErrorKind::invalid_argument,
-                fmt::format("{}: '{}'; expected LOW:HIGH, one of which may be left out", option,
-                            escaped(text)));
-  }
-  Range range;
-  if (!ends[0].empty()) range.lowest = parse_number(ends[0], option);
-  if (!ends[1].empty()) range.highest = parse_number(ends[1], option);
-  if (range.lowest > range.highest) {
-    throw Error(ErrorKind::invalid_argument,
-                fmt::format("{}: '{}'; the lower end comes first", option, escaped(text)));
-  }
-  return range;
-}
-
-Range tissue_range(const std::string& name, const VolumeDescription& volume) {
-  const std::string unit = unit_of(metadata_of(volume));
-  if (unit != "HU") {
-    throw Error(ErrorKind::invalid_argument,
-                fmt::format("--tissue {}: tissues are ranges in HU, and this volume is in {}; give "
-                            "--range LOW:HIGH",
-                            escaped(name), unit.empty() ? "no known unit" : unit));
-  }
-  for (const Tissue& tissue : kTissues) {
-    if (name == tissue.name) return {tissue.lowest, tissue.highest};
-  }
-  throw Error(ErrorKind::internal, "a tissue without a range");
-}
-
-/// The smallest stored integer of first .. last whose real value is at least `real`, for a positive
-/// slope; last + 1 where there is none.
-double first_stored(const Rescale& rescale, double real, double first, double last) {
-  const double quotient = std::ceil((real - rescale.intercept) / rescale.slope);
-  double stored = std::clamp(quotient, first, last + 1);
-  // The quotient may have been rounded past a whole number.
-  while (stored > first && rescale.to_real(stored - 1) >= real) --stored;
-  while (stored <= last && rescale.to_real(stored) < real) ++stored;
-  return stored;
-}
-
-/// Whole stored values whose real ones lie in the range; for float32 the quotients.
-ValueWindow stored_window(const Range& range, const VolumeDescription& volume, bool is_stored) {
-  const Rescale& rescale = volume.rescale;
-  if (is_stored || rescale.is_identity()) return {range.lowest, range.highest};
-  if (rescale.slope == 0) {
-    throw Error(ErrorKind::invalid_argument,
-                "the volume's rescale slope is 0; give the range with --stored");
-  }
-  // A falling scale is a rising one of mirrored ends.
-  const bool is_falling = rescale.slope < 0;
-  const double low = is_falling ? -range.highest : range.lowest;
-  const double high = is_falling ? -range.lowest : range.highest;
-  const Rescale rising{std::abs(rescale.slope),
-                       is_falling ? -rescale.intercept : rescale.intercept};
-  if (!is_integer(volume.type)) {
-    return {(low - rising.intercept) / rising.slope, (high - rising.intercept) / rising.slope};
-  }
-  // The greatest stored value at or below `high` is the negative of the smallest at or above it
-  // in a mirrored scale.
-  const Rescale mirrored{rising.slope, -rising.intercept};
-  const ValueRange values = value_range(volume.type);
-  const auto least = static_cast<double>(values.min);
-  const auto greatest = static_cast<double>(values.max);
-  return {first_stored(rising, low, least, greatest),
-          -first_stored(mirrored, -high, -greatest, -least)};
-}
-
-nlohmann::ordered_json end_json(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-}
-
 struct Class {
   std::int64_t label = 1;
   ValueWindow window;
@@ -147,10 +54,11 @@ struct Class {
 std::vector<Class> asked_classes(const Arguments& arguments, const VolumeDescription& volume,
                                  nlohmann::ordered_json& made_by) {
   std::vector<Class> classes;
-  const auto add = [&](std::int64_t label, const Range& range) {
+  const auto add = [&](std::int64_t label, const AskedRange& range) {
     classes.push_back({label, stored_window(range, volume, arguments.stored)});
-    made_by["ranges"].push_back(
-        {{"label", label}, {"low", end_json(range.lowest)}, {"high", end_json(range.highest)}});
+    made_by["ranges"].push_back({{"label", label},
+                                 {"low", range_end_json(range.lowest)},
+                                 {"high", range_end_json(range.highest)}});
   };
   for (const std::string& text : arguments.ranges) add(1, parse_range(text, "--range"));
   for (const std::string& name : arguments.tissues) add(1, tissue_range(name, volume));
@@ -281,12 +189,10 @@ void add_threshold(CLI::App& app, Context& context) {
   verb.add_option("-o,--output", arguments->output, "The .8vo mask to write")
       ->type_name("FILE")
       ->required();
-  std::vector<std::string> names;
-  for (const Tissue& tissue : kTissues) names.emplace_back(tissue.name);
   CLI::Option* range = verb.add_option("--range", arguments->ranges, "Values LOW:HIGH to take");
   range->type_name("LOW:HIGH")->allow_extra_args(false);
   CLI::Option* tissue = verb.add_option("--tissue", arguments->tissues, "A range by name");
-  tissue->type_name("NAME")->allow_extra_args(false)->check(CLI::IsMember(names));
+  tissue->type_name("NAME")->allow_extra_args(false)->check(CLI::IsMember(tissue_names()));
   verb.add_option("--class", arguments->classes, "Values that get a label: LABEL=LOW:HIGH")
       ->type_name("N=LOW:HIGH")
       ->allow_extra_args(false)

@@ -30,16 +30,44 @@ constexpr Glyph kGlyphs[] = {
     {'7', {"#####", "    #", "   # ", "  #  ", "  #  ", "  #  ", "  #  "}},
     {'8', {" ### ", "#   #", "#   #", " ### ", "#   #", "#   #", " ### "}},
     {'9', {" ### ", "#   #", "#   #", " ####", "    #", "   # ", " ##  "}},
+    {'+', {"     ", "  #  ", "  #  ", "#####", "  #  ", "  #  ", "     "}},
+    {'-', {"     ", "     ", "     ", "#####", "     ", "     ", "     "}},
     {'.', {"     ", "     ", "     ", "     ", "     ", " ##  ", " ##  "}},
+    {':', {"     ", " ##  ", " ##  ", "     ", " ##  ", " ##  ", "     "}},
     {'A', {" ### ", "#   #", "#   #", "#####", "#   #", "#   #", "#   #"}},
+    {'H', {"#   #", "#   #", "#   #", "#####", "#   #", "#   #", "#   #"}},
     {'I', {" ### ", "  #  ", "  #  ", "  #  ", "  #  ", "  #  ", " ### "}},
     {'L', {"#    ", "#    ", "#    ", "#    ", "#    ", "#    ", "#####"}},
     {'P', {"#### ", "#   #", "#   #", "#### ", "#    ", "#    ", "#    "}},
     {'R', {"#### ", "#   #", "#   #", "#### ", "# #  ", "#  # ", "#   #"}},
     {'S', {" ####", "#    ", "#    ", " ### ", "    #", "    #", "#### "}},
+    {'U', {"#   #", "#   #", "#   #", "#   #", "#   #", "#   #", " ### "}},
+    {'a', {"     ", "     ", " ### ", "    #", " ####", "#   #", " ####"}},
+    {'b', {"#    ", "#    ", "#### ", "#   #", "#   #", "#   #", "#### "}},
+    {'c', {"     ", "     ", " ### ", "#    ", "#    ", "#   #", " ### "}},
+    {'d', {"    #", "    #", " ####", "#   #", "#   #", "#   #", " ####"}},
+    {'e', {"     ", "     ", " ### ", "#   #", "#####", "#    ", " ### "}},
+    {'f', {"  ## ", " #  #", " #   ", "###  ", " #   ", " #   ", " #   "}},
+    {'g', {"     ", " ####", "#   #", "#   #", " ####", "    #", " ### "}},
+    {'h', {"#    ", "#    ", "# ## ", "##  #", "#   #", "#   #", "#   #"}},
+    {'i', {"  #  ", "     ", " ##  ", "  #  ", "  #  ", "  #  ", " ### "}},
+    {'j', {"   # ", "     ", "  ## ", "   # ", "   # ", "#  # ", " ##  "}},
+    {'k', {"#    ", "#    ", "#  # ", "# #  ", "##   ", "# #  ", "#  # "}},
+    {'l', {" ##  ", "  #  ", "  #  ", "  #  ", "  #  ", "  #  ", " ### "}},
     {'m', {"     ", "     ", "## # ", "# # #", "# # #", "# # #", "# # #"}},
     {'n', {"     ", "     ", "#### ", "#   #", "#   #", "#   #", "#   #"}},
+    {'o', {"     ", "     ", " ### ", "#   #", "#   #", "#   #", " ### "}},
+    {'p', {"     ", "     ", "#### ", "#   #", "#### ", "#    ", "#    "}},
+    {'q', {"     ", "     ", " ## #", "#  ##", " ####", "    #", "    #"}},
+    {'r', {"     ", "     ", "# ## ", "##  #", "#    ", "#    ", "#    "}},
+    {'s', {"     ", "     ", " ### ", "#    ", " ### ", "    #", "#### "}},
+    {'t', {" #   ", " #   ", "###  ", " #   ", " #   ", " #  #", "  ## "}},
     {'u', {"     ", "     ", "#   #", "#   #", "#   #", "#  ##", "## # "}},
+    {'v', {"     ", "     ", "#   #", "#   #", "#   #", " # # ", "  #  "}},
+    {'w', {"     ", "     ", "#   #", "#   #", "# # #", "# # #", " # # "}},
+    {'x', {"     ", "     ", "#   #", " # # ", "  #  ", " # # ", "#   #"}},
+    {'y', {"     ", "     ", "#   #", "#   #", " ####", "    #", " ### "}},
+    {'z', {"     ", "     ", "#####", "   # ", "  #  ", " #   ", "#####"}},
 };
 
 const Glyph* glyph_of(char letter) {
@@ -121,16 +149,42 @@ void draw_scale_bar(Picture& picture, double pixel_mm) {
 }
 
 void draw_sides(Picture& picture, const SliceOrientation& orientation) {
+  draw_sides(picture, {std::string(1, orientation.left), std::string(1, orientation.right),
+                       std::string(1, orientation.top), std::string(1, orientation.bottom)});
+}
+
+void draw_sides(Picture& picture, const EdgeLetters& letters) {
   if (!has_room(picture)) return;
   const std::int64_t dot = dot_of(picture);
-  const std::int64_t far_x = picture.width - (kGlyphWidth + 4) * dot;
+  const auto width_of = [&](const std::string& text) {
+    return (static_cast<std::int64_t>(text.size()) * (kGlyphWidth + 1) - 1) * dot;
+  };
+  const auto centred = [&](const std::string& text) {
+    return (picture.width - width_of(text)) / 2;
+  };
+  const std::int64_t far_x = picture.width - width_of(letters.right) - 4 * dot;
   const std::int64_t far_y = picture.height - (kGlyphHeight + 4) * dot;
-  const std::int64_t middle_x = (picture.width - kGlyphWidth * dot) / 2;
   const std::int64_t middle_y = (picture.height - kGlyphHeight * dot) / 2;
-  draw_text(picture, 4 * dot, middle_y, std::string_view(&orientation.left, 1), dot);
-  draw_text(picture, far_x, middle_y, std::string_view(&orientation.right, 1), dot);
-  draw_text(picture, middle_x, 4 * dot, std::string_view(&orientation.top, 1), dot);
-  draw_text(picture, middle_x, far_y, std::string_view(&orientation.bottom, 1), dot);
+  draw_text(picture, 4 * dot, middle_y, letters.left, dot);
+  draw_text(picture, far_x, middle_y, letters.right, dot);
+  draw_text(picture, centred(letters.top), 4 * dot, letters.top, dot);
+  draw_text(picture, centred(letters.bottom), far_y, letters.bottom, dot);
+}
+
+void draw_legend(Picture& picture, std::span<const LegendRow> rows) {
+  if (!has_room(picture)) return;
+  const std::int64_t dot = dot_of(picture);
+  const std::int64_t pitch = (kGlyphHeight + 4) * dot;
+  const std::int64_t lowest = picture.height / 2 - 2 * pitch;  // above the letters at the left edge
+  std::int64_t y = 4 * dot;
+  for (const LegendRow& row : rows) {
+    if (y > lowest) return;
+    const std::int64_t side = kGlyphHeight * dot;
+    fill(picture, 4 * dot - 1, y - 1, side + 2, side + 2, kBlack);
+    fill(picture, 4 * dot, y, side, side, row.colour);
+    draw_text(picture, 4 * dot + side + 3 * dot, y, row.text, dot);
+    y += pitch;
+  }
 }
 
 }  // namespace octavo

@@ -1,16 +1,18 @@
 // Writing on pictures: a small font, the scale bar, the letters at the edges.
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 
 #include "octavo/render/picture.h"
 #include "octavo/render/slice_orientation.h"
+#include "octavo/render/view.h"
 
 namespace octavo {
 
 /// Draws text in white with a black outline, its upper left corner at (x, y). Letters are 5 x 7
-/// dots of `dot` pixels, 6 dots apart. Known are digits, the letters of units and sides, and ". ".
+/// dots of `dot` pixels, 6 dots apart. Known are digits, small letters, some capitals and ". :+-".
 void draw_text(Picture& picture, std::int64_t x, std::int64_t y, std::string_view text,
                std::int64_t dot);
 
@@ -28,5 +30,15 @@ void draw_scale_bar(Picture& picture, double pixel_mm);
 
 /// Draws the patient's sides at the four edges. Does nothing when the picture has no room for them.
 void draw_sides(Picture& picture, const SliceOrientation& orientation);
+void draw_sides(Picture& picture, const EdgeLetters& letters);
+
+/// What one colour of a picture stands for.
+struct LegendRow {
+  Colour colour{};
+  std::string text;
+};
+
+/// Draws a square of each colour with its text at the upper left, as many as have room.
+void draw_legend(Picture& picture, std::span<const LegendRow> rows);
 
 }  // namespace octavo

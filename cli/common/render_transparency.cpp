@@ -1,0 +1,239 @@
+#include "common/render_transparency.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "common/failure.h"
+#include "common/masks.h"
+#include "common/progress_line.h"
+#include "common/quantities.h"
+#include "common/value_ranges.h"
+#include "common/volume_json.h"
+#include "octavo/render/label_colour.h"
+#include "octavo/render/transparency.h"
+
+namespace octavo::cli {
+
+namespace {
+
+constexpr double kUsualOpacity = 0.05;
+constexpr double kToldDegrees = 0.05;
+
+struct TissueLook {
+  const char* name;
+  Colour colour;
+  double opacity;
+};
+
+constexpr TissueLook kTissueLooks[] = {
+    {"air", {90, 110, 160}, 0.002}, {"lung", {120, 190, 255}, 0.004},
+    {"fat", {255, 214, 160}, 0.01}, {"soft", {224, 96, 74}, 0.01},
+    {"contrast", {255, 60, 40}, 0.08}, {"bone", {255, 250, 235}, 0.08}};
+
+[[noreturn]] void refuse_range(const std::string& text) {
+  throw Error(ErrorKind::invalid_argument,
+              fmt::format("--range: '{}'; expected LOW:HIGH[=COLOUR[:OPACITY]], an opacity of 0 to "
+                          "1, a colour as #rrggbb or one of {}",
+                          escaped(text), colour_names()));
+}
+
+double parse_opacity(const std::string& text, const std::string& range) {
+  const double opacity = parse_number(text, "--range");
+  if (!(opacity >= 0 && opacity <= 1)) refuse_range(range);
+  return opacity;
+}
+
+/// LOW:HIGH[=COLOUR[:OPACITY]]; `colour` where none is given.
+DensityRange parse_look(const std::string& text, const Colour& colour) {
+  const std::vector<std::string> halves = split(text, '=');
+  if (halves.size() > 2) refuse_range(text);
+  const AskedRange ends = parse_range(halves.front(), "--range");
+  DensityRange range{ends.lowest, ends.highest, colour, kUsualOpacity};
+  if (halves.size() == 1) return range;
+  const std::vector<std::string> look = split(halves.back(), ':');
+  const auto named = find_colour(look.front());
+  if (!named || look.size() > 2) refuse_range(text);
+  range.colour = *named;
+  if (look.size() == 2) range.opacity = parse_opacity(look.back(), text);
+  return range;
+}
+
+DensityRange tissue_look(const std::string& name, const VolumeDescription& volume) {
+  const AskedRange ends = tissue_range(name, volume);
+  const auto look = std::find_if(std::begin(kTissueLooks), std::end(kTissueLooks),
+                                 [&](const TissueLook& one) { return name == one.name; });
+  if (look == std::end(kTissueLooks)) return {ends.lowest, ends.highest, {}, kUsualOpacity};
+  return {ends.lowest, ends.highest, look->colour, look->opacity};
+}
+
+std::string range_text(const DensityRange& range, const std::string& unit) {
+  const auto end = [](double value) { return std::isfinite(value) ? number_text(value) : ""; };
+  return fmt::format("{}:{}{}", end(range.lowest), end(range.highest),
+                     unit.empty() ? "" : " " + unit);
+}
+
+std::optional<Window> asked_window(const std::string& text, bool is_average) {
+  if (text.empty()) return std::nullopt;
+  if (is_average) {
+    throw Error(ErrorKind::invalid_argument, "--window is for sums, not for --average");
+  }
+  const std::vector<std::string> parts = split(text, ',');
+  if (parts.size() == 2) {
+    const Window window{parse_number(parts[0], "--window"), parse_number(parts[1], "--window")};
+    if (window.width > 0) return window;
+  }
+  throw Error(ErrorKind::invalid_argument,
+              fmt::format("--window: '{}'; expected CENTRE,WIDTH of the sums, a width above 0",
+                          escaped(text)));
+}
+
+class TransparencyScene final : public RenderScene {
+ public:
+  TransparencyScene(std::shared_ptr<const FileReader> reader, const RenderArguments& arguments,
+                    Context& context)
+      : reader_(std::move(reader)), context_(context) {
+    const VolumeDescription& volume = reader_->description();
+    if (volume.kind == VolumeKind::labels) {
+      throw Error(ErrorKind::invalid_argument,
+                  "--mode transparency draws grey values, and this is a label map; draw it with "
+                  "--mode surface",
+                  arguments.input);
+    }
+    unit_ = unit_of(metadata_of(volume));
+    options_.level = arguments.level;
+    options_.is_average = arguments.is_average;
+    options_.window = asked_window(arguments.window, arguments.is_average);
+    if (!arguments.cuts.empty()) {
+      options_.kept = kept_box(arguments.cuts, *reader_, arguments.level);
+    }
+    choose_ranges(arguments);
+  }
+
+  Box shown() const override {
+    return options_.kept.value_or(box_of(reader_->levels().size(options_.level)));
+  }
+
+  Viewpoint seen_from(const Viewpoint& viewpoint) const override {
+    const Geometry geometry =
+        reader_->levels().geometry(reader_->description().geometry, options_.level);
+    const auto [steps, degrees] = nearest_lines(geometry, viewpoint.toward);
+    if (degrees > kToldDegrees) {
+      context_.note(fmt::format("transparency looks along lines of voxels; the nearest, "
+                                "--direction {},{},{}, is {} degrees from what was asked for",
+                                steps.x, steps.y, steps.z, number_text(std::round(degrees * 10) /
+                                                                       10)));
+    }
+    return viewpoint_along(geometry, {double(steps.x), double(steps.y), double(steps.z)});
+  }
+
+  Picture draw(const View& view, const Colour& background) const override {
+    TransparencyOptions options = options_;
+    options.background = background;
+    if (!options.is_average && window_) options.window = window_;
+    TransparencyPicture drawn;
+    ProgressLine progress(context_);
+    on_threads(context_, [&] {
+      drawn = render_transparency(*reader_, view, options, progress);
+    });
+    // All pictures of a series are equally bright.
+    if (!options.is_average) window_ = drawn.window;
+    counts_ = drawn.counts;
+    return std::move(drawn.picture);
+  }
+
+  std::vector<LegendRow> legend() const override {
+    std::vector<LegendRow> rows;
+    for (const DensityRange& range : options_.ranges) {
+      rows.push_back({range.colour, range_text(range, unit_)});
+    }
+    if (rows.empty() && options_.is_average) {
+      const Rescale& rescale = reader_->description().rescale;
+      for (const double end : {options_.ramp.high, options_.ramp.low}) {
+        const std::uint8_t grey = end == options_.ramp.high ? 255 : 0;
+        const std::string unit = unit_.empty() ? "" : " " + unit_;
+        rows.push_back({{grey, grey, grey}, number_text(rescale.to_real(end)) + unit});
+      }
+    }
+    return rows;
+  }
+
+  nlohmann::ordered_json counts_json() const override {
+    nlohmann::ordered_json ranges = nlohmann::ordered_json::array();
+    for (const DensityRange& range : options_.ranges) {
+      ranges.push_back({{"low", range_end_json(range.lowest)},
+                        {"high", range_end_json(range.highest)},
+                        {"colour", range.colour},
+                        {"opacity", range.opacity}});
+    }
+    nlohmann::ordered_json json = {{"leaves", counts_.leaves},
+                                   {"decoded_bricks", counts_.decoded_bricks},
+                                   {"average", options_.is_average},
+                                   {"ranges", ranges},
+                                   {"ramp", nullptr},
+                                   {"window", nullptr}};
+    if (options_.ranges.empty()) {
+      const Rescale& rescale = reader_->description().rescale;
+      json["ramp"] = {rescale.to_real(options_.ramp.low), rescale.to_real(options_.ramp.high)};
+    }
+    if (window_) json["window"] = {{"centre", window_->centre}, {"width", window_->width}};
+    return json;
+  }
+
+  std::string counts_text() const override {
+    const std::string text = fmt::format(
+        "{} leaves, {} bricks decoded", count_text(counts_.leaves),
+        count_text(counts_.decoded_bricks));
+    if (!window_) return text;
+    return text + fmt::format(", window {},{}", number_text(window_->centre),
+                              number_text(window_->width));
+  }
+
+ private:
+  void choose_ranges(const RenderArguments& arguments) {
+    const VolumeDescription& volume = reader_->description();
+    const auto& spacing = volume.geometry.spacing_mm;
+    const double finest = *std::min_element(spacing.begin(), spacing.end());
+    for (const std::string& text : arguments.ranges) {
+      const auto number = static_cast<std::int64_t>(options_.ranges.size()) + 1;
+      options_.ranges.push_back(parse_look(text, label_colour(number)));
+    }
+    for (const std::string& name : arguments.tissues) {
+      DensityRange range = tissue_look(name, volume);
+      range.opacity = 1 - std::pow(1 - range.opacity, finest);
+      options_.ranges.push_back(range);
+    }
+    if (!options_.ranges.empty()) return;
+    if (unit_ == "HU") options_.ranges = hounsfield_ranges(finest, options_.is_average);
+    else options_.ramp = robust_ramp(*reader_, !arguments.is_average);
+  }
+
+  std::shared_ptr<const FileReader> reader_;
+  Context& context_;
+  TransparencyOptions options_;
+  std::string unit_;
+  mutable std::optional<Window> window_;  // of the first picture
+  mutable LineCounts counts_;
+};
+
+}  // namespace
+
+void add_transparency_options(CLI::App& verb, RenderArguments& arguments) {
+  CLI::Option* average = verb.add_flag("--average", arguments.is_average,
+                                       "transparency: what is in front veils what is behind");
+  verb.add_option("--window", arguments.window, "transparency: which sums are shown, CENTRE,WIDTH")
+      ->type_name("C,W")
+      ->excludes(average);
+}
+
+std::unique_ptr<RenderScene> make_transparency_scene(
+    const std::shared_ptr<const FileReader>& reader, const RenderArguments& arguments,
+    Context& context) {
+  return std::make_unique<TransparencyScene>(reader, arguments, context);
+}
+
+}  // namespace octavo::cli

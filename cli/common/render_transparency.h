@@ -1,0 +1,27 @@
+// Mode transparency of `octavo render`: what lies inside shines through what lies around it.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "common/context.h"
+#include "common/render_scene.h"
+#include "octavo/file/reader.h"
+
+namespace CLI {
+class App;
+}
+
+namespace octavo::cli {
+
+void add_transparency_options(CLI::App& verb, RenderArguments& arguments);
+
+/// Looks along the lines of voxels that are nearest to the direction asked for, and says so where
+/// that is another.
+/// Throws Error{invalid_argument} for labels and for ranges, colours or a window that make no
+/// sense.
+std::unique_ptr<RenderScene> make_transparency_scene(
+    const std::shared_ptr<const FileReader>& reader, const RenderArguments& arguments,
+    Context& context);
+
+}  // namespace octavo::cli

@@ -1,0 +1,114 @@
+#include "common/value_ranges.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "common/quantities.h"
+#include "common/volume_json.h"
+#include "octavo/core/error.h"
+
+namespace octavo::cli {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+struct Tissue {
+  const char* name;
+  double lowest;
+  double highest;
+};
+
+constexpr std::array<Tissue, 6> kTissues = {{{"air", -kInfinity, -900},
+                                             {"lung", -900, -500},
+                                             {"fat", -190, -30},
+                                             {"soft", -30, 225},
+                                             {"contrast", 130, 600},
+                                             {"bone", 226, kInfinity}}};
+
+/// The smallest stored integer of first .. last whose real value is at least `real`, for a positive
+/// slope; last + 1 where there is none.
+double first_stored(const Rescale& rescale, double real, double first, double last) {
+  const double quotient = std::ceil((real - rescale.intercept) / rescale.slope);
+  double stored = std::clamp(quotient, first, last + 1);
+  // The quotient may have been rounded past a whole number.
+  while (stored > first && rescale.to_real(stored - 1) >= real) --stored;
+  while (stored <= last && rescale.to_real(stored) < real) ++stored;
+  return stored;
+}
+
+}  // namespace
+
+AskedRange parse_range(const std::string& text, const char* option) {
+  const std::vector<std::string> ends = split(text, ':');
+  if (ends.size() != 2 || (ends[0].empty() && ends[1].empty())) {
+    throw Error(ErrorKind::invalid_argument,
+                fmt::format("{}: '{}'; expected LOW:HIGH, one of which may be left out", option,
+                            escaped(text)));
+  }
+  AskedRange range;
+  if (!ends[0].empty()) range.lowest = parse_number(ends[0], option);
+  if (!ends[1].empty()) range.highest = parse_number(ends[1], option);
+  if (range.lowest > range.highest) {
+    throw Error(ErrorKind::invalid_argument,
+                fmt::format("{}: '{}'; the lower end comes first", option, escaped(text)));
+  }
+  return range;
+}
+
+std::vector<std::string> tissue_names() {
+  std::vector<std::string> names;
+  for (const Tissue& tissue : kTissues) names.emplace_back(tissue.name);
+  return names;
+}
+
+AskedRange tissue_range(const std::string& name, const VolumeDescription& volume) {
+  const std::string unit = unit_of(metadata_of(volume));
+  if (unit != "HU") {
+    throw Error(ErrorKind::invalid_argument,
+                fmt::format("--tissue {}: tissues are ranges in HU, and this volume is in {}; give "
+                            "--range LOW:HIGH",
+                            escaped(name), unit.empty() ? "no known unit" : unit));
+  }
+  for (const Tissue& tissue : kTissues) {
+    if (name == tissue.name) return {tissue.lowest, tissue.highest};
+  }
+  throw Error(ErrorKind::internal, "a tissue without a range");
+}
+
+ValueWindow stored_window(const AskedRange& range, const VolumeDescription& volume,
+                          bool is_stored) {
+  const Rescale& rescale = volume.rescale;
+  if (is_stored || rescale.is_identity()) return {range.lowest, range.highest};
+  if (rescale.slope == 0) {
+    throw Error(ErrorKind::invalid_argument,
+                "the volume's rescale slope is 0; give the range with --stored");
+  }
+  // A falling scale is a rising one of mirrored ends.
+  const bool is_falling = rescale.slope < 0;
+  const double low = is_falling ? -range.highest : range.lowest;
+  const double high = is_falling ? -range.lowest : range.highest;
+  const Rescale rising{std::abs(rescale.slope),
+                       is_falling ? -rescale.intercept : rescale.intercept};
+  if (!is_integer(volume.type)) {
+    return {(low - rising.intercept) / rising.slope, (high - rising.intercept) / rising.slope};
+  }
+  // The greatest stored value at or below `high` is the negative of the smallest at or above it
+  // in a mirrored scale.
+  const Rescale mirrored{rising.slope, -rising.intercept};
+  const ValueRange values = value_range(volume.type);
+  const auto least = static_cast<double>(values.min);
+  const auto greatest = static_cast<double>(values.max);
+  return {first_stored(rising, low, least, greatest),
+          -first_stored(mirrored, -high, -greatest, -least)};
+}
+
+nlohmann::ordered_json range_end_json(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+
+}  // namespace octavo::cli

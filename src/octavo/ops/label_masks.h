@@ -1,0 +1,34 @@
+// The masks of all labels of a file, in one pass over its bricks.
+//
+// Cubes of 64^3 voxels are taken one by one: each gives a sub-tree for every label in it, so that
+// memory is that of the trees and a cube per thread, however many labels there are.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "octavo/core/mask_tree.h"
+#include "octavo/core/progress.h"
+#include "octavo/file/reader.h"
+#include "octavo/ops/mask_build.h"
+
+namespace octavo {
+
+struct LabelMask {
+  std::int64_t label = 0;
+  MaskTree tree;
+};
+
+inline constexpr std::size_t kMostLabelMasks = 65536;
+
+/// The masks of the labels of a level that lie in one of `windows`, all but 0, in ascending order.
+/// At level 0 bricks of one label are not decoded. Uses the threads of the calling task arena.
+/// max_bytes  0: no limit; otherwise Error{limit_exceeded} when the masks grow beyond it
+/// Throws what the reader throws, Error{cancelled}; Error{invalid_argument} for a level that is not
+///        there and for a grey volume; Error{limit_exceeded} above kMostLabelMasks labels
+std::vector<LabelMask> masks_of_labels(const FileReader& reader, int level,
+                                       std::span<const ValueWindow> windows, Progress& progress,
+                                       std::uint64_t max_bytes = 0);
+
+}  // namespace octavo

@@ -1,0 +1,43 @@
+#include "octavo/render/colour_names.h"
+
+#include <charconv>
+
+namespace octavo {
+
+namespace {
+
+struct Named {
+  std::string_view name;
+  Colour colour;
+};
+
+constexpr Named kNamed[] = {{"black", {0, 0, 0}},      {"white", {255, 255, 255}},
+                            {"grey", {128, 128, 128}}, {"red", {220, 40, 40}},
+                            {"green", {40, 160, 60}},  {"blue", {50, 90, 220}},
+                            {"navy", {12, 18, 48}},    {"sand", {236, 226, 204}}};
+
+}  // namespace
+
+std::optional<Colour> find_colour(std::string_view text) {
+  for (const Named& named : kNamed) {
+    if (named.name == text) return named.colour;
+  }
+  if (text.size() != 7 || text[0] != '#') return std::nullopt;
+  Colour colour{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const char* const begin = text.data() + 1 + 2 * i;
+    const auto read = std::from_chars(begin, begin + 2, colour[i], 16);
+    if (read.ec != std::errc() || read.ptr != begin + 2) return std::nullopt;
+  }
+  return colour;
+}
+
+std::string colour_names() {
+  std::string names;
+  for (const Named& named : kNamed) {
+    names += (names.empty() ? "" : ", ") + std::string(named.name);
+  }
+  return names;
+}
+
+}  // namespace octavo

@@ -1,0 +1,157 @@
+#include "octavo/render/cube_picture.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "octavo/render/cube_walk.h"
+#include "octavo/render/face_raster.h"
+
+namespace octavo {
+
+namespace {
+
+// Rows that one walk over the masks draws.
+constexpr std::int64_t kBandRows = 64;
+
+std::uint32_t packed(const Colour& colour) {
+  return std::uint32_t{colour[0]} | std::uint32_t{colour[1]} << 8 | std::uint32_t{colour[2]} << 16;
+}
+
+/// A colour times a number of 256ths.
+std::uint32_t dimmed(std::uint32_t pixel, std::uint32_t by) {
+  const std::uint32_t red_and_blue = ((pixel & 0xff00ff) * by >> 8) & 0xff00ff;
+  const std::uint32_t green = ((pixel & 0x00ff00) * by >> 8) & 0x00ff00;
+  return red_and_blue | green;
+}
+
+/// How bright the faces across an index axis are, 0 .. 1: light falls from the upper left, over the
+/// viewer's shoulder.
+double brightness(const View& view, std::size_t axis) {
+  const auto in_mm = [&](std::size_t a) {
+    // The step along an index axis in the picture's own axes.
+    const Place& p = view.axes[a];
+    return Point3{static_cast<double>(p.x), -static_cast<double>(p.y),
+                  static_cast<double>(p.depth)};
+  };
+  const Point3 b = in_mm((axis + 1) % 3);
+  const Point3 c = in_mm((axis + 2) % 3);
+  Point3 normal{b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]};
+  const double length = std::hypot(normal[0], normal[1], normal[2]);
+  const double towards = normal[2] < 0 ? -1 : 1;
+  constexpr Point3 kLight = {-0.40, 0.64, 0.66};
+  double cosine = 0;
+  for (std::size_t i = 0; i < 3; ++i) cosine += kLight[i] * normal[i] * towards / length;
+  constexpr double kAmbient = 0.4;
+  return kAmbient + (1 - kAmbient) * std::max(cosine, 0.0);
+}
+
+/// What all bands share.
+class Scene {
+ public:
+  Scene(std::span<const PaintedMask> masks, const View& view, const CubeStyle& style)
+      : view_(view) {
+    for (const PaintedMask& mask : masks) {
+      trees_.push_back(mask.tree);
+      colours_.push_back(packed(mask.colour));
+    }
+    const int top = masks.empty() ? 0 : 2 * (masks.front().tree->rank_count() + 1);
+    for (int level = 0; level <= top; ++level) shapes_.push_back(cube_shape(view, level));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (view.nearness[axis] != 0) shades_[axis] = 256 * brightness(view, axis);
+    }
+    set_depths(style);
+  }
+
+  const View& view() const { return view_; }
+  std::span<const MaskTree* const> trees() const { return trees_; }
+  const CubeShape& shape(int level) const { return shapes_[static_cast<std::size_t>(level)]; }
+
+  std::uint32_t pixel(std::size_t mask, const Face& face, std::int64_t depth) const {
+    const double near = std::clamp(static_cast<double>(depth - farthest_) * per_depth_, 0.0, 1.0);
+    const double share = shades_[static_cast<std::size_t>(face.axis)] * (least_ + near * fade_);
+    return dimmed(colours_[mask], static_cast<std::uint32_t>(share));
+  }
+
+ private:
+  void set_depths(const CubeStyle& style) {
+    Place nearest = view_.place_of(style.shown.lo);
+    Place farthest = nearest;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Place across =
+          view_.axes[static_cast<std::size_t>(axis)] * style.shown.size()[axis];
+      (across.depth > 0 ? nearest : farthest).depth += across.depth;
+    }
+    farthest_ = farthest.depth;
+    per_depth_ = 1 / static_cast<double>(std::max<std::int64_t>(1, nearest.depth - farthest.depth));
+    fade_ = std::clamp(style.fade, 0.0, 1.0);
+    least_ = 1 - fade_;
+  }
+
+  View view_;
+  std::vector<const MaskTree*> trees_;
+  std::vector<std::uint32_t> colours_;
+  std::vector<CubeShape> shapes_;  ///< by level
+  std::array<double, 3> shades_{};  ///< by axis, 256 is as bright as the mask's colour
+  std::int64_t farthest_ = 0;
+  double per_depth_ = 0;
+  double least_ = 1;
+  double fade_ = 0;
+};
+
+/// Draws the leaves into some rows.
+class BandPainter {
+ public:
+  BandPainter(const Scene& scene, PixelRows& rows) : scene_(scene), rows_(rows) {}
+
+  bool misses(const Place& corner, int level) const {
+    return rows_.misses(scene_.shape(level), corner);
+  }
+
+  void draw(std::size_t mask, const Place& corner, int level) {
+    const CubeShape& shape = scene_.shape(level);
+    if (rows_.misses(shape, corner)) return;
+    for (int i = 0; i < shape.face_count; ++i) {
+      const Face& face = shape.faces[static_cast<std::size_t>(i)];
+      rows_.fill(face, corner, scene_.pixel(mask, face, corner.depth + face.depth));
+    }
+  }
+
+ private:
+  const Scene& scene_;
+  PixelRows& rows_;
+};
+
+void copy_rows(const PixelRows& rows, Picture& picture) {
+  for (std::int64_t y = rows.begin(); y < rows.end(); ++y) {
+    const std::uint32_t* const from = rows.row(y);
+    std::uint8_t* to = picture.pixels.data() + y * picture.width * 3;
+    for (std::int64_t x = 0; x < picture.width; ++x) {
+      *to++ = static_cast<std::uint8_t>(from[x]);
+      *to++ = static_cast<std::uint8_t>(from[x] >> 8);
+      *to++ = static_cast<std::uint8_t>(from[x] >> 16);
+    }
+  }
+}
+
+}  // namespace
+
+Picture draw_cubes(std::span<const PaintedMask> masks, const View& view, const CubeStyle& style) {
+  const Scene scene(masks, view, style);
+  Picture picture = make_picture(view.width, view.height, 3);
+  const std::int64_t bands = (view.height + kBandRows - 1) / kBandRows;
+  tbb::parallel_for(std::int64_t{0}, bands, [&](std::int64_t band) {
+    const std::int64_t begin = band * kBandRows;
+    PixelRows rows(view, begin, std::min(view.height, begin + kBandRows),
+                   packed(style.background));
+    BandPainter painter(scene, rows);
+    CubeWalk(scene.trees(), view, painter).run();
+    copy_rows(rows, picture);
+  });
+  return picture;
+}
+
+}  // namespace octavo

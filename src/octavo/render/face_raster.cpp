@@ -1,0 +1,117 @@
+#include "octavo/render/face_raster.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace octavo {
+
+namespace {
+
+// Products of a slope and a distance are off by less, in units.
+constexpr double kDoubt = 1.0 / 1024;
+
+PlanePoint flat(const Place& place) { return {place.x, place.y}; }
+
+PlanePoint sum(const PlanePoint& a, const PlanePoint& b) { return {a.x + b.x, a.y + b.y}; }
+
+double slope_of(const PlanePoint& edge) {
+  return edge.y == 0 ? 0 : static_cast<double>(edge.x) / static_cast<double>(edge.y);
+}
+
+/// Lets an edge lead down, or to the right where it is level.
+void turn_down(PlanePoint& top, PlanePoint& edge) {
+  if (edge.y > 0 || (edge.y == 0 && edge.x > 0)) return;
+  top = sum(top, edge);
+  edge = {-edge.x, -edge.y};
+}
+
+Face face_across(const View& view, int axis, std::int64_t side) {
+  const auto a = static_cast<std::size_t>(axis);
+  const Place along_b = view.axes[(a + 1) % 3] * side;
+  const Place along_c = view.axes[(a + 2) % 3] * side;
+  const Place corner = view.nearness[a] > 0 ? view.axes[a] * side : Place{};
+  Face face;
+  face.axis = axis;
+  face.top = flat(corner);
+  face.depth = corner.depth + (along_b.depth + along_c.depth) / 2;
+  face.left = flat(along_b);
+  face.right = flat(along_c);
+  turn_down(face.top, face.left);
+  turn_down(face.top, face.right);
+  if (face.left.x * face.right.y > face.right.x * face.left.y) std::swap(face.left, face.right);
+  face.left_slope = slope_of(face.left);
+  face.right_slope = slope_of(face.right);
+  return face;
+}
+
+std::int64_t divided_up(std::int64_t dividend, std::int64_t divisor) {
+  const std::int64_t quotient = dividend / divisor;
+  return quotient + (dividend % divisor > 0 ? 1 : 0);
+}
+
+}  // namespace
+
+CubeShape cube_shape(const View& view, int level) {
+  CubeShape shape;
+  const std::int64_t side = std::int64_t{1} << level;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    const PlanePoint edge = flat(view.axes[a] * side);
+    shape.lowest = sum(shape.lowest, {std::min<std::int64_t>(edge.x, 0),
+                                      std::min<std::int64_t>(edge.y, 0)});
+    shape.highest = sum(shape.highest, {std::max<std::int64_t>(edge.x, 0),
+                                        std::max<std::int64_t>(edge.y, 0)});
+    if (view.nearness[a] != 0) {
+      shape.faces[static_cast<std::size_t>(shape.face_count++)] = face_across(view, axis, side);
+    }
+  }
+  return shape;
+}
+
+PixelRows::PixelRows(const View& view, std::int64_t begin, std::int64_t end, std::uint32_t pixel)
+    : width_(view.width),
+      begin_(begin),
+      end_(end),
+      bits_(view.fraction_bits),
+      half_(std::int64_t{1} << (bits_ - 1)),
+      pixels_per_unit_(std::ldexp(1.0, -bits_)),
+      first_centre_x_(half_),
+      last_centre_x_(((width_ - 1) << bits_) + half_),
+      first_centre_y_((begin << bits_) + half_),
+      last_centre_y_(((end - 1) << bits_) + half_),
+      pixels_(static_cast<std::size_t>(width_ * (end - begin)), pixel) {}
+
+std::int64_t PixelRows::crossing(const PlanePoint& from, const PlanePoint& edge, double slope,
+                                 std::int64_t centre) const {
+  const std::int64_t down = centre - from.y;
+  const double x = static_cast<double>(from.x - half_) + static_cast<double>(down) * slope;
+  const double pixel = std::ceil(x * pixels_per_unit_);
+  // A crossing so close to a pixel centre that rounding may have moved it is divided exactly.
+  const double beyond = pixel / pixels_per_unit_ - x;
+  if (beyond > kDoubt && beyond < 1 / pixels_per_unit_ - kDoubt) {
+    return static_cast<std::int64_t>(pixel);
+  }
+  return pixel_from(from.x + divided_up(down * edge.x, edge.y));
+}
+
+void PixelRows::fill(const Face& face, const Place& corner, std::uint32_t pixel) {
+  const PlanePoint top = sum(face.top, {corner.x, corner.y});
+  const PlanePoint at_left = sum(top, face.left);
+  const PlanePoint at_right = sum(top, face.right);
+  const std::int64_t begin = std::max(begin_, pixel_from(top.y));
+  const std::int64_t end = std::min(end_, pixel_from(at_left.y + face.right.y));
+  for (std::int64_t y = begin; y < end; ++y) {
+    const std::int64_t centre = (y << bits_) + half_;
+    const std::int64_t left = centre < at_left.y
+                                  ? crossing(top, face.left, face.left_slope, centre)
+                                  : crossing(at_left, face.right, face.right_slope, centre);
+    const std::int64_t right = centre < at_right.y
+                                   ? crossing(top, face.right, face.right_slope, centre)
+                                   : crossing(at_right, face.left, face.left_slope, centre);
+    std::uint32_t* const row = pixels_.data() + (y - begin_) * width_;
+    const std::int64_t last = std::min(right, width_);
+    for (std::int64_t x = std::max<std::int64_t>(left, 0); x < last; ++x) row[x] = pixel;
+  }
+}
+
+}  // namespace octavo

@@ -1,0 +1,356 @@
+#include "octavo/render/transparency.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numbers>
+#include <string>
+
+#include "octavo/core/error.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kLightUnit = double(1 << 20);  // of a voxel with an opacity of 1
+constexpr std::int64_t kJudgedSamples = std::int64_t{1} << 21;
+
+double dot(const Point3& a, const Point3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+// Steps along the index axes as a way through the world, mm.
+Point3 way_mm(const Geometry& geometry, const Direction& steps) {
+  const double along[3] = {steps.x * geometry.spacing_mm[0], steps.y * geometry.spacing_mm[1],
+                           steps.z * geometry.spacing_mm[2]};
+  Point3 way{};
+  for (std::size_t r = 0; r < 3; ++r) {
+    for (std::size_t a = 0; a < 3; ++a) way[r] += geometry.direction[3 * r + a] * along[a];
+  }
+  return way;
+}
+
+double finest_mm(const Geometry& geometry) {
+  return *std::min_element(geometry.spacing_mm.begin(), geometry.spacing_mm.end());
+}
+
+// A place on the picture, pixels.
+struct Spot {
+  double x = 0;
+  double y = 0;
+};
+
+// The lattice of lines on a picture: (u, v) lies at origin + u * across + v * down.
+struct Lattice {
+  Spot origin;
+  Spot across;
+  Spot down;
+
+  double area() const { return across.x * down.y - across.y * down.x; }
+};
+
+Spot spot_of(const View& view, const Place& place, double scale = 1) {
+  const double unit = scale / std::ldexp(1, view.fraction_bits);
+  return {static_cast<double>(place.x) * unit, static_cast<double>(place.y) * unit};
+}
+
+Lattice lattice_on(const View& view, const VoxelLines& lines) {
+  Lattice lattice;
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (lines.u_step[a] != 0 && lines.v_step[a] == 0) {
+      lattice.across = spot_of(view, view.axes[a], lines.u_step[a]);
+    }
+    if (lines.v_step[a] != 0 && lines.u_step[a] == 0) {
+      lattice.down = spot_of(view, view.axes[a], lines.v_step[a]);
+    }
+  }
+  // The middle of voxel (0, 0, 0), which is on line (u_start, v_start).
+  lattice.origin = spot_of(view, view.origin);
+  const auto u0 = static_cast<double>(lines.u_start);
+  const auto v0 = static_cast<double>(lines.v_start);
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Spot half = spot_of(view, view.axes[a], 0.5);
+    lattice.origin.x += half.x;
+    lattice.origin.y += half.y;
+  }
+  lattice.origin.x -= u0 * lattice.across.x + v0 * lattice.down.x;
+  lattice.origin.y -= u0 * lattice.across.y + v0 * lattice.down.y;
+  // All voxels of a line must fall on one spot, to half a pixel over the volume.
+  const Direction& d = lines.along;
+  const Place step = view.axes[0] * d.x + view.axes[1] * d.y + view.axes[2] * d.z;
+  const Spot drift = spot_of(
+      view, step, static_cast<double>(std::max({lines.size.x, lines.size.y, lines.size.z})));
+  if (!(std::max(std::abs(drift.x), std::abs(drift.y)) <= 0.5) || lattice.area() == 0) {
+    throw Error(ErrorKind::invalid_argument, "the view does not look along lines of voxels");
+  }
+  return lattice;
+}
+
+// Colours between lines; a line that does not exist leaves the background as it is.
+class LineField {
+ public:
+  LineField(const VoxelLines& lines, std::vector<LineColour> colours)
+      : lines_(lines), colours_(std::move(colours)) {}
+
+  LineColour at(double u, double v) const {
+    const double u0 = std::floor(u);
+    const double v0 = std::floor(v);
+    const auto i = static_cast<std::int64_t>(u0);
+    const auto j = static_cast<std::int64_t>(v0);
+    const auto fu = static_cast<float>(u - u0);
+    const auto fv = static_cast<float>(v - v0);
+    // Lines across a corner stand in triangles; their cells are halved along the shorter diagonal.
+    const float both = lines_.axes == 3 ? std::min(fu, fv) : fu * fv;
+    const LineColour a = line(i, j);
+    const LineColour b = line(i + 1, j);
+    const LineColour c = line(i, j + 1);
+    const LineColour d = line(i + 1, j + 1);
+    LineColour mixed;
+    for (std::size_t k = 0; k < 4; ++k) {
+      mixed[k] = a[k] * (1 - fu - fv + both) + b[k] * (fu - both) + c[k] * (fv - both) +
+                 d[k] * both;
+    }
+    return mixed;
+  }
+
+ private:
+  LineColour line(std::int64_t u, std::int64_t v) const {
+    if (u < 0 || v < 0 || u >= lines_.width || v >= lines_.height) return {0, 0, 0, 1};
+    return colours_[static_cast<std::size_t>(v * lines_.width + u)];
+  }
+
+  const VoxelLines& lines_;
+  std::vector<LineColour> colours_;
+};
+
+std::uint8_t channel_of(double share) {
+  return static_cast<std::uint8_t>(std::lround(255 * std::clamp(share, 0.0, 1.0)));
+}
+
+// Draws the lattice; a pixel is the mean of as many points as it covers lines, or of one.
+Picture draw_lattice(const LineField& field, const Lattice& lattice, const View& view,
+                     const Colour& background) {
+  Picture picture = make_picture(view.width, view.height, 3);
+  const double area = lattice.area();
+  const double u_x = lattice.down.y / area, u_y = -lattice.down.x / area;
+  const double v_x = -lattice.across.y / area, v_y = lattice.across.x / area;
+  const double lines_per_pixel = std::max({std::hypot(u_x, v_x), std::hypot(u_y, v_y)});
+  const int points = static_cast<int>(std::clamp(std::ceil(lines_per_pixel), 1.0, 8.0));
+  tbb::parallel_for(std::int64_t{0}, view.height, [&](std::int64_t y) {
+    for (std::int64_t x = 0; x < view.width; ++x) {
+      std::array<double, 4> sum{};
+      for (int i = 0; i < points * points; ++i) {
+        const double px = static_cast<double>(x) + (i % points + 0.5) / points - lattice.origin.x;
+        const double py = static_cast<double>(y) + (i / points + 0.5) / points - lattice.origin.y;
+        const LineColour colour = field.at(px * u_x + py * u_y, px * v_x + py * v_y);
+        for (std::size_t k = 0; k < 4; ++k) sum[k] += static_cast<double>(colour[k]);
+      }
+      std::uint8_t* const out =
+          picture.pixels.data() + static_cast<std::size_t>(3 * (y * view.width + x));
+      for (std::size_t k = 0; k < 3; ++k) {
+        out[k] = channel_of((sum[k] + sum[3] * background[k] / 255) / (points * points));
+      }
+    }
+  });
+  return picture;
+}
+
+ToneMap tones_of(const VolumeDescription& volume, const TransparencyOptions& options) {
+  if (!options.ranges.empty()) return ToneMap::of_ranges(volume, options.ranges);
+  const auto& [low, high] = options.ramp;
+  const double span = high - low;
+  const bool is_exact = is_integer(volume.type) && span == std::floor(span);
+  const int steps = is_exact && span <= 65535 ? static_cast<int>(std::max(1.0, span)) : 65535;
+  return ToneMap::ramp(volume, low, high, steps);
+}
+
+// How many layers of the finest spacing one voxel on a line is thick.
+double layers_per_voxel(const FileReader& reader, const LineView& view) {
+  const Geometry& geometry = reader.description().geometry;
+  const Point3 way = way_mm(reader.levels().geometry(geometry, view.level), view.along);
+  return std::sqrt(dot(way, way)) / finest_mm(geometry);
+}
+
+// Sums as shares of the brightest, through a window.
+class SumDisplay {
+ public:
+  /// unit  what a sum of 1 is in the window's units
+  SumDisplay(const LineSums& sums, double unit, const std::optional<Window>& asked)
+      : sums_(sums), unit_(unit), window_(asked ? *asked : automatic()) {
+    if (!(window_.width > 0)) {
+      throw Error(ErrorKind::invalid_argument, "the window's width must be greater than 0");
+    }
+  }
+
+  const Window& window() const { return window_; }
+
+  std::vector<LineColour> colours() const {
+    const auto channels = static_cast<std::size_t>(sums_.channels);
+    std::vector<LineColour> colours(sums_.sums.size() / channels, LineColour{0, 0, 0, 1});
+    for (std::size_t i = 0; i < colours.size(); ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double sum = static_cast<double>(sums_.sums[i * channels + k % channels]) * unit_;
+        const double share = (sum - window_.centre) / window_.width + 0.5;
+        colours[i][k] = static_cast<float>(std::max(0.0, share));
+      }
+      const float most = std::max({colours[i][0], colours[i][1], colours[i][2]});
+      colours[i][3] = std::max(0.0F, 1 - most);
+    }
+    return colours;
+  }
+
+ private:
+  // Colours start at nothing, so that their hues stay.
+  Window automatic() const {
+    std::vector<double> lit;
+    const auto channels = static_cast<std::size_t>(sums_.channels);
+    for (std::size_t i = 0; i < sums_.sums.size(); i += channels) {
+      const auto first = sums_.sums.begin() + static_cast<std::ptrdiff_t>(i);
+      const std::int64_t most = *std::max_element(first, first + sums_.channels);
+      if (most > 0) lit.push_back(static_cast<double>(most) * unit_);
+    }
+    if (lit.empty()) return {};
+    const Window window = robust_window(lit);
+    const double high = window.centre + window.width / 2;
+    const double low = sums_.channels == 1 ? window.centre - window.width / 2 : 0;
+    return high > low ? Window{(low + high) / 2, high - low} : window;
+  }
+
+  const LineSums& sums_;
+  double unit_;
+  Window window_;
+};
+
+// What a voxel of each tone gives: grey by the ramp, colours by opacity.
+std::vector<std::int32_t> light_of(const ToneMap& tones, const TransparencyOptions& options) {
+  std::vector<std::int32_t> light;
+  if (options.ranges.empty()) {
+    for (std::size_t tone = 0; tone < tones.count(); ++tone) {
+      light.push_back(static_cast<std::int32_t>(tone));
+    }
+    return light;
+  }
+  light.assign(3, 0);
+  for (const DensityRange& range : options.ranges) {
+    for (const std::uint8_t channel : range.colour) {
+      const double share = range.opacity * channel / 255;
+      light.push_back(static_cast<std::int32_t>(std::lround(kLightUnit * share)));
+    }
+  }
+  return light;
+}
+
+std::vector<ToneVeil> veils_of(const ToneMap& tones, const TransparencyOptions& options,
+                               double layers) {
+  const auto veil = [&](double opacity) {
+    return static_cast<float>(1 - std::pow(1 - std::clamp(opacity, 0.0, 1.0), layers));
+  };
+  std::vector<ToneVeil> veils(1);
+  for (const DensityRange& range : options.ranges) {
+    ToneVeil& one = veils.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) one.colour[k] = static_cast<float>(range.colour[k]) / 255;
+    one.opacity = veil(range.opacity);
+  }
+  while (veils.size() < tones.count()) {
+    const double share =
+        static_cast<double>(veils.size()) / static_cast<double>(tones.count() - 1);
+    const auto grey = static_cast<float>(share);
+    veils.push_back({{grey, grey, grey}, veil(options.ramp_opacity * share)});
+  }
+  return veils;
+}
+
+}  // namespace
+
+NearestLines nearest_lines(const Geometry& geometry, const Point3& toward) {
+  NearestLines nearest;
+  double best = -kInfinity;
+  for (const Direction& steps : kDirections) {
+    const Point3 way = way_mm(geometry, steps);
+    const double cosine = dot(way, toward) / std::sqrt(dot(way, way) * dot(toward, toward));
+    if (!(cosine > best)) continue;
+    best = cosine;
+    nearest = {steps, std::acos(std::min(1.0, cosine)) * 180 / std::numbers::pi};
+  }
+  return nearest;
+}
+
+ValueRamp robust_ramp(const FileReader& reader, bool is_open) {
+  const Levels& levels = reader.levels();
+  int level = 0;
+  while (levels.size(level).voxel_count() > kJudgedSamples) ++level;
+  const Size3 size = levels.size(level);
+  const VolumeDescription& volume = reader.description();
+  const auto count = static_cast<std::size_t>(size.voxel_count());
+  std::vector<std::byte> samples(count * static_cast<std::size_t>(bytes_per_voxel(volume.type)));
+  reader.read(box_of(size), level, samples.data());
+  std::vector<double> values(count);
+  with_voxel_type(volume.type, [&](auto id) {
+    using T = typename decltype(id)::type;
+    for (std::size_t i = 0; i < count; ++i) {
+      T value;
+      std::memcpy(&value, samples.data() + i * sizeof value, sizeof value);
+      values[i] = static_cast<double>(value);
+    }
+  });
+  const Window window = robust_window(values);
+  ValueRamp ramp{window.centre - window.width / 2, window.centre + window.width / 2};
+  if (is_open) {
+    const auto [least, greatest] = std::minmax(
+        {volume.voxel_of(reader.range().min), volume.voxel_of(reader.range().max)});
+    ramp.high = std::max({ramp.high, least, greatest});
+  }
+  return ramp;
+}
+
+std::vector<DensityRange> hounsfield_ranges(double finest_mm, bool is_average) {
+  // Opacities of a layer of 1 mm. What veils must be thinner than what only adds.
+  const double flesh = is_average ? 0.004 : 0.015;
+  const double bone = is_average ? 0.04 : 0.1;
+  std::vector<DensityRange> ranges = {{-250, -30, {255, 214, 160}, flesh},
+                                      {-29, 225, {224, 96, 74}, flesh},
+                                      {226, kInfinity, {255, 250, 235}, bone}};
+  for (DensityRange& range : ranges) range.opacity = 1 - std::pow(1 - range.opacity, finest_mm);
+  return ranges;
+}
+
+TransparencyPicture render_transparency(const FileReader& reader, const View& view,
+                                        const TransparencyOptions& options, Progress& progress) {
+  const VolumeDescription& volume = reader.description();
+  const Levels& levels = reader.levels();
+  if (options.level < 0 || options.level >= levels.count()) {
+    throw Error(ErrorKind::invalid_argument,
+                "there is no level " + std::to_string(options.level));
+  }
+  const NearestLines nearest =
+      nearest_lines(levels.geometry(volume.geometry, options.level), view.toward);
+  const LineView lines{options.level, nearest.toward.reversed(), options.kept};
+  const Lattice lattice = lattice_on(view, voxel_lines(levels.size(options.level), lines.along));
+  const ToneMap tones = tones_of(volume, options);
+  const double layers = layers_per_voxel(reader, lines);
+  TransparencyPicture result;
+  if (options.is_average) {
+    LineAverages averages = average_along_lines(
+        reader, lines, tones, veils_of(tones, options, layers), progress);
+    result.counts = averages.counts;
+    const LineField field(averages.lines, std::move(averages.colours));
+    result.picture = draw_lattice(field, lattice, view, options.background);
+    return result;
+  }
+  const bool is_grey = options.ranges.empty();
+  const LineSums sums =
+      sum_along_lines(reader, lines, tones, light_of(tones, options), is_grey ? 1 : 3, progress);
+  const double step = (options.ramp.high - options.ramp.low) /
+                      static_cast<double>(tones.count() - 1);
+  const double unit = is_grey ? layers * finest_mm(volume.geometry) * step : layers / kLightUnit;
+  const SumDisplay display(sums, unit, options.window);
+  result.window = display.window();
+  result.counts = sums.counts;
+  const LineField field(sums.lines, display.colours());
+  result.picture = draw_lattice(field, lattice, view, options.background);
+  return result;
+}
+
+}  // namespace octavo

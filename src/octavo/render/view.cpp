@@ -1,0 +1,242 @@
+#include "octavo/render/view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "octavo/core/error.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr double kFilledShare = 0.9;  // of the picture, by what is shown
+constexpr double kFarthest = double(1 << 30);  // units
+constexpr int kMostFractionBits = 24;
+
+double dot(const Point3& a, const Point3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+Point3 cross(const Point3& a, const Point3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+Point3 scaled(const Point3& a, double by) { return {a[0] * by, a[1] * by, a[2] * by}; }
+
+Point3 unit(const Point3& a) { return scaled(a, 1 / std::sqrt(dot(a, a))); }
+
+/// One voxel along an index axis, mm.
+Point3 step_mm(const Geometry& geometry, std::size_t axis) {
+  const auto& d = geometry.direction;
+  return scaled({d[axis], d[3 + axis], d[6 + axis]}, geometry.spacing_mm[axis]);
+}
+
+/// Up is the head, or the front of the body when one looks along it.
+Viewpoint upright(const Point3& toward) {
+  constexpr Point3 kHead = {0, 0, 1};
+  constexpr Point3 kFront = {0, -1, 0};
+  constexpr double kLeastSine = 1e-3;
+  const Point3 side = cross(kHead, toward);
+  const Point3 right = dot(side, side) > kLeastSine * kLeastSine ? side : cross(kFront, toward);
+  return {toward, unit(cross(toward, unit(right)))};
+}
+
+Point3 right_of(const Viewpoint& viewpoint) { return cross(viewpoint.up, viewpoint.toward); }
+
+void check_frame(const ViewFrame& frame) {
+  const bool has_pixels = frame.width > 0 && frame.height > 0 &&
+                          std::max(frame.width, frame.height) <= ViewFrame::kLongestSide;
+  if (!has_pixels) {
+    throw Error(ErrorKind::invalid_argument,
+                "a picture of " + std::to_string(frame.width) + " x " +
+                    std::to_string(frame.height) + " pixels; sides must be between 1 and " +
+                    std::to_string(ViewFrame::kLongestSide));
+  }
+  const auto is_length = [](double value) { return std::isfinite(value) && value > 0; };
+  if (!is_length(frame.zoom) || !is_length(frame.pixel_mm.value_or(1))) {
+    throw Error(ErrorKind::invalid_argument, "the zoom must be greater than 0");
+  }
+}
+
+/// A place in pixels, before it is rounded.
+struct Spot {
+  double x = 0;
+  double y = 0;
+  double depth = 0;
+
+  Spot plus(const Spot& s, double times) const {
+    return {x + s.x * times, y + s.y * times, depth + s.depth * times};
+  }
+};
+
+/// The farthest that a corner of the volume lies from the picture's upper left, pixels.
+double farthest(const Spot& origin, const std::array<Spot, 3>& axes, const Size3& size) {
+  double most = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    Spot at = origin;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto length = static_cast<double>(size[axis]);
+      at = at.plus(axes[static_cast<std::size_t>(axis)], (corner >> axis & 1) != 0 ? length : 0);
+    }
+    most = std::max({most, std::abs(at.x), std::abs(at.y), std::abs(at.depth)});
+  }
+  return most;
+}
+
+Place rounded(const Spot& spot, double unit) {
+  return {std::llround(spot.x * unit), std::llround(spot.y * unit),
+          std::llround(spot.depth * unit)};
+}
+
+int sign_of(std::int64_t value) { return value > 0 ? 1 : value < 0 ? -1 : 0; }
+
+/// The direction in index space that falls on one point of the picture, towards the viewer.
+std::array<int, 3> nearness_of(const std::array<Place, 3>& axes) {
+  std::array<int, 3> signs{};
+  double depth = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Place& b = axes[(axis + 1) % 3];
+    const Place& c = axes[(axis + 2) % 3];
+    const std::int64_t component = b.x * c.y - c.x * b.y;
+    signs[axis] = sign_of(component);
+    depth += static_cast<double>(component) * static_cast<double>(axes[axis].depth);
+  }
+  if (!(depth != 0)) {
+    throw Error(ErrorKind::invalid_argument,
+                "voxels would be too small or too flat to be seen; take a larger picture");
+  }
+  if (depth < 0) {
+    for (int& sign : signs) sign = -sign;
+  }
+  return signs;
+}
+
+/// The sides of the body in a direction, the nearest first.
+std::string letters_of(const Point3& direction) {
+  constexpr double kClear = 0.38;  // the sine of 22 degrees
+  std::array<std::size_t, 3> order = {0, 1, 2};
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    const double of_a = std::abs(direction[a]);
+    const double of_b = std::abs(direction[b]);
+    return of_a != of_b ? of_a > of_b : a < b;
+  });
+  std::string letters;
+  for (const std::size_t axis : order) {
+    if (!letters.empty() && std::abs(direction[axis]) < kClear) break;
+    letters += direction[axis] < 0 ? "RAI"[axis] : "LPS"[axis];
+  }
+  return letters;
+}
+
+}  // namespace
+
+Viewpoint viewpoint_along(const Geometry& geometry, const Point3& steps) {
+  Point3 toward{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Point3 step = step_mm(geometry, axis);
+    for (std::size_t i = 0; i < 3; ++i) toward[i] += step[i] * steps[axis];
+  }
+  const double length = std::sqrt(dot(toward, toward));
+  if (!std::isfinite(length) || length == 0) {
+    throw Error(ErrorKind::invalid_argument, "a direction needs a step along one axis at least");
+  }
+  return upright(scaled(toward, 1 / length));
+}
+
+std::optional<Viewpoint> find_viewpoint(std::string_view name) {
+  struct Named {
+    std::string_view name;
+    Point3 toward;
+  };
+  constexpr Named kNamed[] = {{"front", {0, -1, 0}}, {"back", {0, 1, 0}}, {"left", {1, 0, 0}},
+                              {"right", {-1, 0, 0}}, {"top", {0, 0, 1}},  {"bottom", {0, 0, -1}}};
+  for (const Named& named : kNamed) {
+    if (named.name == name) return upright(named.toward);
+  }
+  return std::nullopt;
+}
+
+Viewpoint viewpoint_at(double azimuth_degrees, double elevation_degrees) {
+  if (!std::isfinite(azimuth_degrees) || !std::isfinite(elevation_degrees)) {
+    throw Error(ErrorKind::invalid_argument, "azimuth and elevation must be finite");
+  }
+  const double azimuth = azimuth_degrees * std::numbers::pi / 180;
+  const double elevation = elevation_degrees * std::numbers::pi / 180;
+  const double level = std::cos(elevation);
+  const double rise = std::sin(elevation);
+  return {{std::sin(azimuth) * level, -std::cos(azimuth) * level, rise},
+          {-std::sin(azimuth) * rise, std::cos(azimuth) * rise, level}};
+}
+
+Viewpoint turned(const Viewpoint& viewpoint, double degrees) {
+  const double angle = degrees * std::numbers::pi / 180;
+  const auto turn = [&](const Point3& p) {
+    return Point3{p[0] * std::cos(angle) - p[1] * std::sin(angle),
+                  p[0] * std::sin(angle) + p[1] * std::cos(angle), p[2]};
+  };
+  return {turn(viewpoint.toward), turn(viewpoint.up)};
+}
+
+double fitting_pixel_mm(const Geometry& geometry, const Box& shown, const Viewpoint& viewpoint,
+                        const ViewFrame& frame) {
+  check_frame(frame);
+  const Point3 right = right_of(viewpoint);
+  double width_mm = 0;
+  double height_mm = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Point3 step = step_mm(geometry, static_cast<std::size_t>(axis));
+    const auto count = static_cast<double>(shown.size()[axis]);
+    width_mm += std::abs(dot(step, right)) * count;
+    height_mm += std::abs(dot(step, viewpoint.up)) * count;
+  }
+  return std::max(width_mm / static_cast<double>(frame.width),
+                  height_mm / static_cast<double>(frame.height)) /
+         kFilledShare;
+}
+
+View make_view(const Geometry& geometry, const Size3& size, const Box& shown,
+               const Viewpoint& viewpoint, const ViewFrame& frame) {
+  check_frame(frame);
+  View view;
+  view.width = frame.width;
+  view.height = frame.height;
+  view.right = right_of(viewpoint);
+  view.up = viewpoint.up;
+  view.toward = viewpoint.toward;
+  view.pixel_mm =
+      frame.pixel_mm.value_or(fitting_pixel_mm(geometry, shown, viewpoint, frame)) / frame.zoom;
+
+  // Project the axes, and put the middle of what is shown into the middle of the picture.
+  std::array<Spot, 3> axes;
+  Spot origin{static_cast<double>(frame.width) / 2, static_cast<double>(frame.height) / 2, 0};
+  for (int axis = 0; axis < 3; ++axis) {
+    const Point3 step = step_mm(geometry, static_cast<std::size_t>(axis));
+    Spot& spot = axes[static_cast<std::size_t>(axis)];
+    spot = {dot(step, view.right) / view.pixel_mm, -dot(step, view.up) / view.pixel_mm,
+            dot(step, view.toward) / view.pixel_mm};
+    origin = origin.plus(spot, -static_cast<double>(shown.lo[axis] + shown.hi[axis]) / 2);
+  }
+
+  // Round, as finely as the numbers allow.
+  const double most = farthest(origin, axes, size);
+  if (!(most * 2 < kFarthest)) {
+    throw Error(ErrorKind::limit_exceeded,
+                "the zoom is too large; the volume would be 2^29 pixels long");
+  }
+  double units = 2;
+  view.fraction_bits = 1;
+  while (view.fraction_bits < kMostFractionBits && most * units * 2 < kFarthest) {
+    units *= 2;
+    ++view.fraction_bits;
+  }
+  view.origin = rounded(origin, units);
+  for (std::size_t axis = 0; axis < 3; ++axis) view.axes[axis] = rounded(axes[axis], units);
+  view.nearness = nearness_of(view.axes);
+  return view;
+}
+
+EdgeLetters edge_letters(const View& view) {
+  return {letters_of(scaled(view.right, -1)), letters_of(view.right), letters_of(view.up),
+          letters_of(scaled(view.up, -1))};
+}
+
+}  // namespace octavo
