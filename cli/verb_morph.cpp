@@ -60,8 +60,8 @@ using Operation = MaskTree (*)(const MaskTree&, const Reach&, Progress&, std::ui
 struct Arguments {
   std::string input;
   std::string output;
-  std::string mm;
-  std::string voxels;
+  std::optional<std::string> mm;
+  std::optional<std::string> voxels;
   std::optional<int> connectivity;
 
   Connectivity neighbors() const { return static_cast<Connectivity>(connectivity.value_or(6)); }
@@ -79,17 +79,17 @@ Distance asked_distance(const Arguments& arguments) {
                 fmt::format("{}: '{}'; must be 0 or more", option, escaped(text)));
   };
   Distance distance;
-  if (arguments.mm.empty()) {
-    distance.steps = parse_integer(arguments.voxels, "--voxels");
-    require_length(distance.steps >= 0, "--voxels", arguments.voxels);
+  if (!arguments.mm) {
+    distance.steps = parse_integer(*arguments.voxels, "--voxels");
+    require_length(distance.steps >= 0, "--voxels", *arguments.voxels);
     return distance;
   }
   if (arguments.connectivity) {
     throw Error(ErrorKind::invalid_argument,
                 "--connectivity says how --voxels counts; with --mm it says nothing");
   }
-  distance.mm = parse_number(arguments.mm, "--mm");
-  require_length(*distance.mm >= 0, "--mm", arguments.mm);
+  distance.mm = parse_number(*arguments.mm, "--mm");
+  require_length(*distance.mm >= 0, "--mm", *arguments.mm);
   return distance;
 }
 
