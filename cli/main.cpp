@@ -38,6 +38,7 @@ void add_verbs(CLI::App& app, Context& context) {
   add_combine(app, context);
   add_components(app, context);
   add_measure(app, context);
+  add_transform(app, context);
   add_phantom(app, context);
   add_completion(app, context);
   add_manual(app, context);

@@ -11,6 +11,7 @@ void add_threshold(CLI::App& app, Context& context);
 void add_combine(CLI::App& app, Context& context);
 void add_components(CLI::App& app, Context& context);
 void add_measure(CLI::App& app, Context& context);
+void add_transform(CLI::App& app, Context& context);
 void add_phantom(CLI::App& app, Context& context);
 void add_info(CLI::App& app, Context& context);
 void add_verify(CLI::App& app, Context& context);
