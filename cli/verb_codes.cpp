@@ -18,6 +18,7 @@
 #include "common/verb.h"
 #include "common/volume_json.h"
 #include "octavo/core/condense.h"
+#include "octavo/core/neighbors.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -28,10 +29,13 @@ constexpr VerbText kText = {
     "codes", "Show a mask or label map as the leaves of an octree: o-codes and counts.",
     "Background (0) gets no leaf. A grey file needs --range, which makes a mask of it. With\n"
     "--list every leaf is printed as CODE VALUE (mixed: in post-order) or LEVEL CODE VALUE\n"
-    "(linear: level by level; the root has no digits and is shown as -).\n\n"
+    "(linear: level by level; the root has no digits and is shown as -). --neighbors prints what\n"
+    "lies beside one cube in the 26 directions: the leaf of the same or a larger size, 'smaller'\n"
+    "where there are only smaller leaves, 'background' or 'outside'.\n\n"
     "Examples:\n"
     "  octavo codes aal.8vo\n"
     "  octavo codes aal.8vo --label 37 --list --notation linear\n"
+    "  octavo codes aal.8vo --neighbors 20465788\n"
     "  octavo codes head.8vo --range 300:3000"};
 
 constexpr std::size_t kPrintBytes = std::size_t{1} << 16;
@@ -42,6 +46,7 @@ struct Arguments {
   std::vector<std::int64_t> labels;
   std::string range;
   std::string notation = "mixed";
+  std::string neighbors;
   bool list = false;
   bool counts = false;
 };
@@ -251,6 +256,65 @@ void print_list(const LinearOctree& octree, bool is_mixed) {
   print(text);
 }
 
+/// The cube that --neighbors names, in the notation of the list.
+OCode asked_cube(const Arguments& arguments, const LinearOctree& octree) {
+  const int n = octree.root_level;
+  const std::string& text = arguments.neighbors;
+  if (arguments.notation == "linear") return parse_hierarchical(text == "-" ? "" : text, n);
+  const OCode cube = parse_mixed_octal(text);
+  if (text.size() == static_cast<std::size_t>(n)) return cube;
+  throw Error(ErrorKind::invalid_argument,
+              fmt::format("--neighbors {}: has {} digits; the codes of this volume have {}", text,
+                          text.size(), n));
+}
+
+std::string code_text(const OCode& cube, const LinearOctree& octree, const Arguments& arguments) {
+  const std::string code = arguments.notation == "mixed"
+                               ? to_mixed_octal(cube, octree.root_level)
+                               : to_hierarchical(cube, octree.root_level);
+  return code.empty() ? "-" : code;
+}
+
+constexpr std::array<const char*, 4> kNeighborKinds = {"outside", "background", "smaller", "leaf"};
+
+void print_neighbors(const LinearOctree& octree, const Arguments& arguments,
+                     const Context& context) {
+  const OCode cube = asked_cube(arguments, octree);
+  const std::array<Neighbor, 26> neighbors = neighbors_in(octree, cube);
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  std::string text = fmt::format("{}: level {}, side {}\n  {:>2} {:>2} {:>2}  {:<{}}  {:>5}  {}\n",
+                                 code_text(cube, octree, arguments), cube.level,
+                                 cube_side(cube.level), "x", "y", "z", "neighbor",
+                                 std::max(octree.root_level, 10), "level", "value");
+  for (std::size_t i = 0; i < neighbors.size(); ++i) {
+    const Direction& d = kDirections[i];
+    const Neighbor& neighbor = neighbors[i];
+    const char* const kind = kNeighborKinds[static_cast<std::size_t>(neighbor.kind)];
+    rows.push_back({{"direction", {d.x, d.y, d.z}}, {"kind", kind}});
+    text += fmt::format("  {:>2} {:>2} {:>2}  ", d.x, d.y, d.z);
+    if (neighbor.kind != NeighborKind::leaf) {
+      text += fmt::format("{}\n", kind);
+      continue;
+    }
+    const Leaf& leaf = neighbor.leaf;
+    const std::string code = code_text(leaf.cube, octree, arguments);
+    rows.back()["level"] = leaf.cube.level;
+    rows.back()["code"] = code;
+    rows.back()["value"] = leaf.value;
+    text += fmt::format("{:<{}}  {:>5}  {}\n", code, std::max(octree.root_level, 10),
+                        leaf.cube.level, leaf.value);
+  }
+  if (context.json) {
+    print_json({{"root_level", octree.root_level},
+                {"notation", arguments.notation},
+                {"code", code_text(cube, octree, arguments)},
+                {"level", cube.level},
+                {"neighbors", rows}});
+  } else {
+    print(text);
+  }
+}
+
 nlohmann::ordered_json result_json(const LinearOctree& octree, const Arguments& arguments) {
   nlohmann::ordered_json levels = nlohmann::ordered_json::array();
   for (int level = 0; level <= octree.root_level; ++level) {
@@ -293,6 +357,10 @@ int run_codes(const Arguments& arguments, const Context& context) {
     ProgressLine progress(context);
     octree = condense_planes(planes, selection, progress);
   }
+  if (!arguments.neighbors.empty()) {
+    print_neighbors(octree, arguments, context);
+    return kExitDone;
+  }
   if (context.json) {
     print_json(result_json(octree, arguments));
     return kExitDone;
@@ -321,9 +389,14 @@ void add_codes(CLI::App& app, Context& context) {
   verb.add_option("--level", arguments->level, "Level of detail whose samples are condensed")
       ->type_name("K")
       ->capture_default_str();
-  verb.add_flag("--list", arguments->list, "Print every leaf");
-  verb.add_flag("--counts", arguments->counts, "Count leaves by label and level");
-  verb.add_option("--notation", arguments->notation, "Of --list: mixed (mixed-octal) or linear")
+  CLI::Option* list = verb.add_flag("--list", arguments->list, "Print every leaf");
+  CLI::Option* counts =
+      verb.add_flag("--counts", arguments->counts, "Count leaves by label and level");
+  verb.add_option("--neighbors", arguments->neighbors, "Print what lies beside this cube")
+      ->type_name("CODE")
+      ->excludes(list)
+      ->excludes(counts);
+  verb.add_option("--notation", arguments->notation, "Of codes: mixed (mixed-octal) or linear")
       ->type_name("NAME")
       ->check(CLI::IsMember({"mixed", "linear"}))
       ->capture_default_str();

@@ -20,10 +20,12 @@ namespace {
 constexpr VerbText kText = {
     "combine", "Unite, intersect or subtract masks.",
     "A mask is every voxel of a label map that is not 0. The volumes must share one grid: size,\n"
-    "spacing, origin and direction. Three and more masks are taken from left to right.\n\n"
+    "spacing, origin and direction; --resample brings every further mask onto the grid of the\n"
+    "first, by nearest voxels. Three and more masks are taken from left to right.\n\n"
     "Examples:\n"
     "  octavo combine skull.8vo teeth.8vo --subtract -o bare.8vo\n"
     "  octavo combine left.8vo right.8vo --union -o both.8vo\n"
+    "  octavo combine tumour.8vo tumour-mr.8vo --resample --intersect -o agreed.8vo\n"
     "  octavo combine bone.8vo --complement -o rest.8vo"};
 
 struct Arguments {
@@ -34,6 +36,7 @@ struct Arguments {
   bool is_difference = false;
   bool is_xor = false;
   bool is_complement = false;
+  bool is_resampling = false;
 };
 
 std::optional<SetOperation> operation_of(const Arguments& arguments) {
@@ -61,10 +64,31 @@ void check_arguments(const Arguments& arguments) {
     throw Error(ErrorKind::invalid_argument,
                 fmt::format("--complement takes one mask, got {}", arguments.inputs.size()));
   }
+  if (arguments.is_complement && arguments.is_resampling) {
+    throw Error(ErrorKind::invalid_argument,
+                "--resample changes nothing with --complement, which takes one mask");
+  }
   if (!arguments.is_complement && arguments.inputs.size() < 2) {
     throw Error(ErrorKind::invalid_argument,
                 fmt::format("--{} takes two masks or more, got one", name_of(arguments)));
   }
+}
+
+/// A further mask on the grid of the first.
+MaskTree further_mask(const std::string& path, const OpenedMask& first, const Arguments& arguments,
+                      std::vector<std::string>& resampled, const Context& context) {
+  if (!arguments.is_resampling) {
+    OpenedMask next = open_mask(path, context);
+    require_same_grid(first.volume(), first.path, next.volume(), next.path,
+                      "--resample brings it onto that of the first");
+    return std::move(next.tree);
+  }
+  MaskOnGrid next = open_mask_on(first.volume(), path, context);
+  if (next.is_resampled) {
+    resampled.push_back(path);
+    context.note(path + ": brought onto the grid of " + first.path + " by nearest voxels");
+  }
+  return std::move(next.tree);
 }
 
 int run_combine(const Arguments& arguments, Context& context) {
@@ -72,17 +96,19 @@ int run_combine(const Arguments& arguments, Context& context) {
   require_free_output(arguments.output, context);
   OpenedMask first = open_mask(arguments.inputs.front(), context);
   MaskTree result = std::move(first.tree);
+  std::vector<std::string> resampled;
   if (arguments.is_complement) {
     on_threads(context, [&] { result = complement(result); });
   }
   for (std::size_t i = 1; i < arguments.inputs.size(); ++i) {
-    const OpenedMask next = open_mask(arguments.inputs[i], context);
-    require_same_grid(first.volume(), first.path, next.volume(), next.path);
-    on_threads(context, [&] { result = combine(result, next.tree, *operation_of(arguments)); });
+    const MaskTree next =
+        further_mask(arguments.inputs[i], first, arguments, resampled, context);
+    on_threads(context, [&] { result = combine(result, next, *operation_of(arguments)); });
   }
   const std::uint64_t voxels = result.voxel_count();
-  const nlohmann::ordered_json made_by = {{"operation", name_of(arguments)},
-                                          {"masks", arguments.inputs.size()}};
+  nlohmann::ordered_json made_by = {{"operation", name_of(arguments)},
+                                    {"masks", arguments.inputs.size()}};
+  if (!resampled.empty()) made_by["resampled"] = resampled.size();
   const BuildResult built =
       write_mask(result, first.volume(), made_by, arguments.output, context);
   if (context.json) {
@@ -90,6 +116,7 @@ int run_combine(const Arguments& arguments, Context& context) {
                 {"operation", name_of(arguments)},
                 {"voxels", voxels},
                 {"mm3", mm3_json(voxels, first.volume())},
+                {"resampled", resampled},
                 {"file_bytes", built.file_bytes},
                 {"warnings", context.warnings}});
   } else if (!context.quiet) {
@@ -108,6 +135,8 @@ void add_combine(CLI::App& app, Context& context) {
   verb.add_option("-o,--output", arguments->output, "The .8vo mask to write")
       ->type_name("FILE")
       ->required();
+  verb.add_flag("--resample", arguments->is_resampling,
+                "Bring further masks onto the grid of the first");
   CLI::Option_group* const operation = verb.add_option_group("Operation", "One of");
   operation->add_flag("--union", arguments->is_union, "Voxels that are in any mask");
   operation->add_flag("--intersect", arguments->is_intersection, "Voxels that are in all masks");

@@ -15,8 +15,31 @@
 #include "octavo/build/computed_source.h"
 #include "octavo/core/error.h"
 #include "octavo/ops/file_mask.h"
+#include "octavo/ops/resample.h"
 
 namespace octavo::cli {
+
+namespace {
+
+/// Every label but 0.
+std::vector<ValueWindow> any_label() {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  return {{-kInfinity, -1}, {1, kInfinity}};
+}
+
+std::shared_ptr<const FileReader> open_labels(const std::string& path, const Context& context) {
+  std::shared_ptr<const FileReader> reader = open_octavo(path, context);
+  if (reader->description().kind == VolumeKind::labels) return reader;
+  throw Error(ErrorKind::invalid_argument,
+              "holds grey values, not a mask; 'octavo threshold' makes one of it", path);
+}
+
+bool is_same_grid(const VolumeDescription& a, const VolumeDescription& b) {
+  return a.size == b.size &&
+         largest_shift_mm(a.geometry, b.geometry, a.size) <= shift_tolerance_mm(a.geometry);
+}
+
+}  // namespace
 
 void on_threads(const Context& context, const std::function<void()>& work) {
   tbb::task_arena(context.thread_count()).execute(work);
@@ -34,14 +57,27 @@ MaskTree read_mask(const FileReader& reader, int level, const std::vector<ValueW
 }
 
 OpenedMask open_mask(const std::string& path, const Context& context) {
-  std::shared_ptr<const FileReader> reader = open_octavo(path, context);
-  if (reader->description().kind != VolumeKind::labels) {
-    throw Error(ErrorKind::invalid_argument,
-                "holds grey values, not a mask; 'octavo threshold' makes one of it", path);
-  }
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  MaskTree tree = read_mask(*reader, 0, {{-kInfinity, -1}, {1, kInfinity}}, context);
+  std::shared_ptr<const FileReader> reader = open_labels(path, context);
+  MaskTree tree = read_mask(*reader, 0, any_label(), context);
   return {path, std::move(reader), std::move(tree)};
+}
+
+MaskOnGrid open_mask_on(const VolumeDescription& volume, const std::string& path,
+                        const Context& context) {
+  const std::shared_ptr<const FileReader> reader = open_labels(path, context);
+  const VolumeDescription& labels = reader->description();
+  if (is_same_grid(volume, labels)) return {read_mask(*reader, 0, any_label(), context), false};
+  const std::optional<Affine> to_index = inverse(index_to_world(labels.geometry));
+  if (!to_index) throw Error(ErrorKind::invalid_argument, "its direction is flat", path);
+  MaskOnGrid mask{MaskTree(), true};
+  ProgressLine progress(context);
+  const ProgressScope scope(progress, "resample", volume.size.z, "planes");
+  on_threads(context, [&] {
+    mask.tree =
+        resampled_mask(*reader, chained(index_to_world(volume.geometry), *to_index), volume.size,
+                       any_label(), progress, context.max_memory_bytes);
+  });
+  return mask;
 }
 
 VolumeDescription label_description(const VolumeDescription& volume, VoxelType type,
@@ -97,11 +133,12 @@ nlohmann::ordered_json mm3_json(std::uint64_t voxels, const VolumeDescription& v
 }
 
 void require_same_grid(const VolumeDescription& volume, const std::string& name,
-                       const VolumeDescription& other, const std::string& path) {
+                       const VolumeDescription& other, const std::string& path,
+                       const char* advice) {
   if (volume.size != other.size) {
     throw Error(ErrorKind::invalid_argument,
-                fmt::format("has {} voxels, {} has {}; both must share one grid",
-                            size_text(other.size), escaped(name), size_text(volume.size)),
+                fmt::format("has {} voxels, {} has {}; {}", size_text(other.size), escaped(name),
+                            size_text(volume.size), advice),
                 path);
   }
   const double shift = largest_shift_mm(volume.geometry, other.geometry, volume.size);
@@ -109,10 +146,11 @@ void require_same_grid(const VolumeDescription& volume, const std::string& name,
   throw Error(
       ErrorKind::invalid_argument,
       fmt::format("lies up to {} mm from {}: origin {} against {} mm, spacing {} against {} mm; "
-                  "both must share one grid",
+                  "{}",
                   number_text(shift), escaped(name), point_text(other.geometry.origin_mm, ", "),
                   point_text(volume.geometry.origin_mm, ", "),
-                  point_text(other.geometry.spacing_mm), point_text(volume.geometry.spacing_mm)),
+                  point_text(other.geometry.spacing_mm), point_text(volume.geometry.spacing_mm),
+                  advice),
       path);
 }
 

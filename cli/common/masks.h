@@ -28,6 +28,18 @@ struct OpenedMask {
 /// Throws what FileReader::open and mask_of_file throw; Error{invalid_argument} for grey volumes
 OpenedMask open_mask(const std::string& path, const Context& context);
 
+/// A mask on the grid of another volume.
+struct MaskOnGrid {
+  MaskTree tree;
+  bool is_resampled = false;  ///< its own grid is another one
+};
+
+/// The mask of the label map `path` on the grid of `volume`. Where the grids differ, it is every
+/// voxel whose nearest voxel of the label map is not 0.
+/// Throws as open_mask
+MaskOnGrid open_mask_on(const VolumeDescription& volume, const std::string& path,
+                        const Context& context);
+
 /// mask_of_file with progress, on the threads of `context`.
 MaskTree read_mask(const FileReader& reader, int level, const std::vector<ValueWindow>& windows,
                    const Context& context);
@@ -56,8 +68,10 @@ nlohmann::ordered_json mm3_json(std::uint64_t voxels, const VolumeDescription& v
 
 /// Throws Error{invalid_argument} that says how the grids of two volumes differ: in size, or in
 /// where their voxels lie. The error is about `path`, the file of `other`.
+/// advice  what to do, the end of the message
 void require_same_grid(const VolumeDescription& volume, const std::string& name,
-                       const VolumeDescription& other, const std::string& path);
+                       const VolumeDescription& other, const std::string& path,
+                       const char* advice = "both must share one grid");
 
 /// Throws Error{limit_exceeded} when `bytes` are above --max-memory.
 void require_memory(std::uint64_t bytes, const char* what, const Context& context);

@@ -92,7 +92,7 @@ class Usage(InFolder):
     def test_every_verb_explains_itself_with_an_example(self):
         main = self.expect(0, "--help").stdout
         for verb in ["build", "info", "verify", "export", "extract", "slice", "probe", "compare",
-                     "codes", "phantom", "repair"]:
+                     "codes", "phantom", "repair", "transform"]:
             self.assertIn(verb, main)
             self.assertIn(f"octavo {verb}", self.expect(0, verb, "--help").stdout)
 

@@ -40,7 +40,7 @@ struct VolumeDescription {
   /// interpolated, moved, left out), "chosen" {...} (of channels, times, segments), "lossy_source"
   /// (true: compression had changed values). A build adds "coding" where not all is as by default:
   /// "preset", "max_error", "nan", "inf", in real units; and where its source was an .8vo file with
-  /// a maximum error, "source_max_error". Masks and labels that were computed have "made_by"
+  /// a maximum error, "source_max_error". Volumes that were computed have "made_by"
   /// {"operation", ...}; a repaired build has "repaired" {...} (the planes that it lacks).
   std::string metadata_json = "{}";
   /// Of a float32 volume in a file: how its bricks hold it. What other sources give is a hint.

@@ -144,11 +144,19 @@ MaskTree turned_universe(const MaskTree& mask, const AxisTurn& turn) {
 using Eight = std::array<std::uint64_t, 8>;
 
 // The 4 slabs from slab `from` (0..4) on of two words that follow each other on an axis.
-std::uint64_t joined(std::uint64_t low, std::uint64_t high, int axis, std::int64_t from) {
-  if (from == 0) return low;
-  for (std::int64_t i = 0; i < from; ++i) low = step_down(low, axis);
-  for (std::int64_t i = from; i < 4; ++i) high = step_up(high, axis);
-  return low | high;
+inline std::uint64_t joined(std::uint64_t low, std::uint64_t high, int axis, std::int64_t from) {
+  constexpr std::array<int, 3> kTwoSteps = {16, 8, 32};
+  const int whole = word_detail::kWhole[index(axis)];  // three steps
+  switch (from) {
+    case 0: return low;
+    case 1: return step_down(low, axis) | (high & slab_of(axis, 0)) << whole;
+    case 2: {
+      const std::uint64_t lower = slab_of(axis, 0) | slab_of(axis, 1);
+      return (low & ~lower) >> kTwoSteps[index(axis)] | (high & lower) << kTwoSteps[index(axis)];
+    }
+    case 3: return (low & slab_of(axis, 3)) >> whole | step_up(high, axis);
+    default: return high;
+  }
 }
 
 // The word that begins at `from`, 0..4 on each axis.
@@ -181,6 +189,7 @@ class Shifter {
     const Index3 first{offset.x / side, offset.y / side, offset.z / side};
     const Index3 rest{offset.x % side, offset.y % side, offset.z % side};
     const auto [full, some] = judge(window, first, rest);
+    if (full == kFullWord || some == 0) return {full, 0, 0};
     if (rank == 0) return cube_of_words(window, first, rest, full, some);
 
     auto& below = out_.cubes[index(rank - 1)];
@@ -236,18 +245,23 @@ class Shifter {
 
   // The first source child of the child at `bit`, 0..7 over two cubes on each axis.
   static Index3 place(const Index3& first, int bit) {
-    const Index3 at = deinterleave(static_cast<std::uint64_t>(bit));
-    return {first.x + at.x, first.y + at.y, first.z + at.z};
+    // Bits z1 x1 y1 z0 x0 y0, as deinterleave reads them.
+    return {first.x + ((bit >> 1 & 1) | (bit >> 3 & 2)), first.y + ((bit & 1) | (bit >> 2 & 2)),
+            first.z + ((bit >> 2 & 1) | (bit >> 4 & 2))};
   }
 
   // The cube of the window, and the child of it, that hold the i-th neighbour of `at`.
   static std::size_t half(const Index3& at, int i) {
     const Index3 p = beyond(at, i);
-    return static_cast<std::size_t>(4 * (p.z / 4) + 2 * (p.x / 4) + p.y / 4);
+    return static_cast<std::size_t>((p.z >> 2) << 2 | (p.x >> 2) << 1 | p.y >> 2);
   }
   static int child_bit(const Index3& at, int i) {
     const Index3 p = beyond(at, i);
-    return static_cast<int>(interleave({p.x % 4, p.y % 4, p.z % 4}));
+    // Two bits of a coordinate, as interleave spreads them.
+    constexpr std::array<int, 4> kSpread = {0, 1, 8, 9};
+    return kSpread[static_cast<std::size_t>(p.z & 3)] << 2 |
+           kSpread[static_cast<std::size_t>(p.x & 3)] << 1 |
+           kSpread[static_cast<std::size_t>(p.y & 3)];
   }
 
   MaskCube child(int rank, const MaskCube& parent, const Index3& at, int i) const {
