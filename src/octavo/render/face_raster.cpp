@@ -75,6 +75,7 @@ PixelRows::PixelRows(const View& view, std::int64_t begin, std::int64_t end, std
       bits_(view.fraction_bits),
       half_(std::int64_t{1} << (bits_ - 1)),
       pixels_per_unit_(std::ldexp(1.0, -bits_)),
+      doubt_(kDoubt * pixels_per_unit_),
       first_centre_x_(half_),
       last_centre_x_(((width_ - 1) << bits_) + half_),
       first_centre_y_((begin << bits_) + half_),
@@ -85,12 +86,12 @@ std::int64_t PixelRows::crossing(const PlanePoint& from, const PlanePoint& edge,
                                  std::int64_t centre) const {
   const std::int64_t down = centre - from.y;
   const double x = static_cast<double>(from.x - half_) + static_cast<double>(down) * slope;
-  const double pixel = std::ceil(x * pixels_per_unit_);
+  const double pixels = x * pixels_per_unit_;
+  const auto below = static_cast<std::int64_t>(pixels);
+  const std::int64_t pixel = below + (pixels > static_cast<double>(below) ? 1 : 0);
   // A crossing so close to a pixel centre that rounding may have moved it is divided exactly.
-  const double beyond = pixel / pixels_per_unit_ - x;
-  if (beyond > kDoubt && beyond < 1 / pixels_per_unit_ - kDoubt) {
-    return static_cast<std::int64_t>(pixel);
-  }
+  const double short_of = static_cast<double>(pixel) - pixels;
+  if (short_of > doubt_ && short_of < 1 - doubt_) return pixel;
   return pixel_from(from.x + divided_up(down * edge.x, edge.y));
 }
 

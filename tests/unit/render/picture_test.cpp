@@ -1,7 +1,6 @@
 #include "octavo/render/picture.h"
 
 #include <gtest/gtest.h>
-#include <png.h>
 
 #include <set>
 
@@ -9,20 +8,10 @@
 #include "octavo/render/annotation.h"
 #include "octavo/render/label_colour.h"
 #include "octavo/render/window.h"
+#include "support/read_png.h"
 
 namespace octavo {
 namespace {
-
-Picture decoded(const Bytes& bytes) {
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  if (png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()) == 0) return {};
-  const bool is_colour = (image.format & PNG_FORMAT_FLAG_COLOR) != 0;
-  image.format = is_colour ? PNG_FORMAT_RGB : PNG_FORMAT_GRAY;
-  Picture picture = make_picture(image.width, image.height, is_colour ? 3 : 1);
-  png_image_finish_read(&image, nullptr, picture.pixels.data(), 0, nullptr);
-  return picture;
-}
 
 TEST(Picture, PngHoldsThePixels) {
   for (const int channels : {1, 3}) {
@@ -32,7 +21,7 @@ TEST(Picture, PngHoldsThePixels) {
     }
     const Bytes png = encode_png(picture);
     EXPECT_EQ(encode_png(picture), png);
-    const Picture found = decoded(png);
+    const Picture found = testing::read_png(png);
     EXPECT_EQ(found.width, 31);
     EXPECT_EQ(found.height, 17);
     EXPECT_EQ(found.pixels, picture.pixels);
