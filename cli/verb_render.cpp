@@ -24,7 +24,8 @@ namespace {
 constexpr VerbText kText = {
     "render", "Draw the leaves of an octree as a PNG picture.",
     "Modes: cubes draws every leaf of a mask as a cube with three shades, back to front; surface\n"
-    "draws those leaves alone that are not hidden among others: the same picture, sooner.\n\n"
+    "draws those alone that are not hidden among others: the same picture of fewer leaves. The\n"
+    "picture is fitted to what is drawn.\n\n"
     "A label map has one colour per label; --range chooses labels. A grey volume needs --range or\n"
     "--tissue (air, lung, fat, soft, contrast, bone, as in octavo threshold); several are several\n"
     "colours, and where they overlap the one named first counts.\n\n"
