@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace octavo {
 
@@ -25,15 +26,16 @@ void turn_down(PlanePoint& top, PlanePoint& edge) {
   edge = {-edge.x, -edge.y};
 }
 
+PlanePoint times(const PlanePoint& p, std::int64_t n) { return {p.x * n, p.y * n}; }
+
 Face face_across(const View& view, int axis, std::int64_t side) {
   const auto a = static_cast<std::size_t>(axis);
-  const Place along_b = view.axes[(a + 1) % 3] * side;
-  const Place along_c = view.axes[(a + 2) % 3] * side;
-  const Place corner = view.nearness[a] > 0 ? view.axes[a] * side : Place{};
+  const Place& along_b = view.axes[(a + 1) % 3];
+  const Place& along_c = view.axes[(a + 2) % 3];
+  const Place corner = view.nearness[a] > 0 ? view.axes[a] : Place{};
   Face face;
   face.axis = axis;
   face.top = flat(corner);
-  face.depth = corner.depth + (along_b.depth + along_c.depth) / 2;
   face.left = flat(along_b);
   face.right = flat(along_c);
   turn_down(face.top, face.left);
@@ -41,6 +43,11 @@ Face face_across(const View& view, int axis, std::int64_t side) {
   if (face.left.x * face.right.y > face.right.x * face.left.y) std::swap(face.left, face.right);
   face.left_slope = slope_of(face.left);
   face.right_slope = slope_of(face.right);
+  // The face of a voxel, enlarged.
+  face.top = times(face.top, side);
+  face.left = times(face.left, side);
+  face.right = times(face.right, side);
+  face.depth = corner.depth * side + (along_b.depth + along_c.depth) * side / 2;
   return face;
 }
 
