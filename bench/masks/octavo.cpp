@@ -1,4 +1,5 @@
 #include "bench/masks/engine.h"
+#include "octavo/core/mask_accessor.h"
 #include "octavo/ops/components.h"
 #include "octavo/ops/mask_build.h"
 #include "octavo/ops/mask_moments.h"
@@ -37,8 +38,9 @@ class OctavoMasks : public MaskEngine {
             {"random voxels",
              [this] {
                std::uint64_t hits = 0;
+               const MaskAccessor accessor(a_);
                for_random_voxels(a_.size(), [&](std::int64_t x, std::int64_t y, std::int64_t z) {
-                 hits += a_.contains({x, y, z}) ? 1u : 0u;
+                 hits += accessor.contains({x, y, z}) ? 1u : 0u;
                });
                return hits;
              },
