@@ -25,9 +25,10 @@ namespace {
 constexpr VerbText kText = {
     "render", "Draw the leaves of an octree as a PNG picture.",
     "Modes: cubes draws every leaf of a mask as a cube with three shades, back to front; surface\n"
-    "draws those leaves alone that are not hidden among others: the same picture, sooner.\n"
-    "transparency lets what lies inside a grey volume shine through what lies around it, summed\n"
-    "or averaged along the lines of voxels that are nearest to the view: one of 26 directions.\n\n"
+    "draws those alone that are not hidden among others: the same picture of fewer leaves; both\n"
+    "are fitted to what is drawn. transparency lets what lies inside a grey volume shine through\n"
+    "what lies around it, summed or averaged along the lines of voxels that are nearest to the\n"
+    "view: one of 26 directions.\n\n"
     "A label map has one colour per label; --range chooses labels. A grey volume needs --range or\n"
     "--tissue (air, lung, fat, soft, contrast, bone, as in octavo threshold); several are several\n"
     "colours, and where they overlap the one named first counts. For transparency a\n"
@@ -65,6 +66,7 @@ ViewFrame asked_frame(const RenderArguments& arguments) {
   return frame;
 }
 
+/// geometry  of level 0: steps are voxels, whatever the level that is drawn
 Viewpoint asked_viewpoint(const RenderArguments& arguments, const Geometry& geometry) {
   if (arguments.azimuth || arguments.elevation) {
     return viewpoint_at(arguments.azimuth.value_or(0), arguments.elevation.value_or(0));
@@ -141,7 +143,7 @@ Drawn draw_pictures(const RenderScene& scene, const std::vector<std::string>& pa
   const VolumeDescription& volume = reader.description();
   const Geometry geometry = reader.levels().geometry(volume.geometry, arguments.level);
   const Size3& size = reader.levels().size(arguments.level);
-  const Viewpoint first = asked_viewpoint(arguments, geometry);
+  const Viewpoint first = asked_viewpoint(arguments, volume.geometry);
   const Colour background = asked_background(arguments.background);
   const nlohmann::ordered_json metadata = metadata_of(volume);
   const Captions captions{!arguments.no_scale_bar && is_spacing_known(metadata),
@@ -206,18 +208,25 @@ int run_render(const RenderArguments& arguments, Context& context) {
   for (const std::string& path : paths) require_free_output(path, context);
   asked_background(arguments.background);
   const ViewFrame frame = asked_frame(arguments);
-  asked_viewpoint(arguments, {});
+  fitting_pixel_mm({}, {{0, 0, 0}, {1, 1, 1}}, asked_viewpoint(arguments, {}), frame);
   check_transparency_options(arguments);
   const std::shared_ptr<const FileReader> reader = open_octavo(arguments.input, context);
   check_level(reader->levels(), arguments.level);
   const Box whole = box_of(reader->levels().size(arguments.level));
-  const Geometry geometry =
-      reader->levels().geometry(reader->description().geometry, arguments.level);
-  fitting_pixel_mm(geometry, whole, asked_viewpoint(arguments, geometry), frame);
+  const VolumeDescription& volume = reader->description();
+  const Geometry geometry = reader->levels().geometry(volume.geometry, arguments.level);
+  make_view(geometry, reader->levels().size(arguments.level), whole,
+            asked_viewpoint(arguments, volume.geometry), frame);
+  const bool is_of_patient = arguments.azimuth || arguments.elevation || arguments.turntable > 0 ||
+                             find_viewpoint(arguments.direction).has_value();
+  if (is_of_patient && is_unplaced(volume, metadata_of(volume))) {
+    context.note("the file does not say how the patient lies; x is taken to run to the left, y to "
+                 "the back and z to the head");
+  }
 
   const auto scene = make_scene(reader, arguments, context);
   const Drawn drawn = draw_pictures(*scene, paths, arguments, *reader, context);
-  report(*scene, paths, drawn, arguments, reader->description(), context);
+  report(*scene, paths, drawn, arguments, volume, context);
   return kExitDone;
 }
 

@@ -55,9 +55,8 @@ class CubeScene final : public RenderScene {
       : parts_(std::move(parts)),
         context_(context),
         is_surface_(arguments.mode == "surface"),
-        fade_(arguments.fade) {
-    set_shown(whole);
-  }
+        fade_(arguments.fade),
+        shown_(whole) {}
 
   /// Keeps what lies in a box.
   void cut(const Box& kept) {
@@ -71,6 +70,7 @@ class CubeScene final : public RenderScene {
   /// Counts the leaves, and drops the hidden ones where only the surface is drawn.
   void finish() {
     const auto start = std::chrono::steady_clock::now();
+    set_shown();
     for (const Part& part : parts_) leaves_ += leaf_count(part.tree);
     drawn_ = leaves_;
     if (!is_surface_) return;
@@ -120,8 +120,8 @@ class CubeScene final : public RenderScene {
   }
 
  private:
-  void set_shown(const Box& whole) {
-    shown_ = whole;
+  /// What the masks fill; the whole level where they are empty.
+  void set_shown() {
     bool is_first = true;
     for (const Part& part : parts_) {
       const Box box = bounding_box(part.tree);

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "octavo/ops/word_neighbors.h"
+#include "octavo/core/word_steps.h"
 
 namespace octavo {
 

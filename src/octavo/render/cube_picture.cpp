@@ -111,11 +111,13 @@ class BandPainter {
     return rows_.misses(scene_.shape(level), corner);
   }
 
-  void draw(std::size_t mask, const Place& corner, int level) {
+  /// Leaves out the faces that others will cover.
+  void draw(std::size_t mask, const Place& corner, int level, unsigned faces) {
     const CubeShape& shape = scene_.shape(level);
-    if (rows_.misses(shape, corner)) return;
+    if (faces == 0 || rows_.misses(shape, corner)) return;
     for (int i = 0; i < shape.face_count; ++i) {
       const Face& face = shape.faces[static_cast<std::size_t>(i)];
+      if ((faces >> face.axis & 1) == 0) continue;
       rows_.fill(face, corner, scene_.pixel(mask, face, corner.depth + face.depth));
     }
   }

@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "octavo/core/mask_tree.h"
+#include "octavo/core/word_steps.h"
 #include "octavo/render/view.h"
 
 namespace octavo {
@@ -42,14 +43,20 @@ constexpr std::array<int, 8> octants_back_to_front(const std::array<int, 3>& nea
 ///
 /// A painter has
 ///   bool misses(const Place& corner, int level)   whether nothing in this cube is wanted
-///   void draw(std::size_t mask, const Place& corner, int level)   takes a leaf
-/// where corner is the place of the cube's lowest corner and 2^level its side.
+///   void draw(std::size_t mask, const Place& corner, int level, unsigned faces)   takes a leaf
+///
+/// where corner is the place of the cube's lowest corner and 2^level its side. Bit a of `faces` is
+/// 0 when leaves that come later cover all of the face that is turned to the viewer across axis a,
+/// as far as that shows among the 64 children of one cube.
 /// Requires masks of one size that do not overlap.
 template <class Painter>
 class CubeWalk {
  public:
   CubeWalk(std::span<const MaskTree* const> masks, const View& view, Painter& painter)
-      : masks_(masks), painter_(painter), order_(octants_back_to_front(view.nearness)) {
+      : masks_(masks),
+        painter_(painter),
+        nearness_(view.nearness),
+        order_(octants_back_to_front(view.nearness)) {
     for (unsigned byte = 0; byte < 256; ++byte) {
       for (std::size_t i = 0; i < 8; ++i) {
         const unsigned is_set = byte >> order_[i] & 1;
@@ -76,7 +83,7 @@ class CubeWalk {
     for (std::size_t mask = 0; mask < masks_.size(); ++mask) {
       const MaskCube& root = masks_[mask]->root();
       if (root.is_full()) {
-        painter_.draw(mask, origin_, level_of_children(rank) + 2);
+        painter_.draw(mask, origin_, level_of_children(rank) + 2, kAllFaces);
         return;
       }
       if (!root.is_empty()) mixed_.push_back({mask, 0});
@@ -90,6 +97,33 @@ class CubeWalk {
     std::size_t mask;
     std::uint64_t place;
   };
+
+  static constexpr unsigned kAllFaces = 7;
+
+  /// By axis the children that none of the same cube covers from the viewer's side.
+  struct BareFaces {
+    std::array<std::uint64_t, 3> bits;
+
+    unsigned of_child(int bit) const {
+      return static_cast<unsigned>((bits[0] >> bit & 1) | (bits[1] >> bit & 1) << 1 |
+                                   (bits[2] >> bit & 1) << 2);
+    }
+    unsigned of_octant(int octant) const {
+      return (byte_of(bits[0], octant) != 0 ? 1u : 0u) | (byte_of(bits[1], octant) != 0 ? 2u : 0u) |
+             (byte_of(bits[2], octant) != 0 ? 4u : 0u);
+    }
+  };
+
+  BareFaces bare_faces(std::uint64_t full) const {
+    BareFaces bare{};
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      if (nearness_[a] == 0) continue;
+      bare.bits[a] =
+          full & ~(nearness_[a] > 0 ? step_down(full, axis) : step_up(full, axis));
+    }
+    return bare;
+  }
 
   static int level_of_children(int rank) { return 2 * (rank + 1); }
   static unsigned byte_of(std::uint64_t bits, int octant) {
@@ -130,14 +164,15 @@ class CubeWalk {
   }
 
   void visit_word(std::size_t mask, std::uint64_t word, const Place& corner) {
+    const BareFaces bare = bare_faces(word);
     for (const int octant : order_) {
       const unsigned byte = byte_of(word, octant);
       if (byte == 0xff) {
-        painter_.draw(mask, corner + child_place(-1, 8 * octant), 1);
+        painter_.draw(mask, corner + child_place(-1, 8 * octant), 1, bare.of_octant(octant));
         continue;
       }
       for_each_in_order(byte, octant, [&](int bit) {
-        painter_.draw(mask, corner + child_place(-1, bit), 0);
+        painter_.draw(mask, corner + child_place(-1, bit), 0, bare.of_child(bit));
       });
     }
   }
@@ -145,16 +180,18 @@ class CubeWalk {
   void visit_cube(std::size_t mask, int rank, const MaskCube& here, const Place& corner) {
     const int level = level_of_children(rank);
     const MaskTree& tree = *masks_[mask];
+    const BareFaces bare = bare_faces(here.full);
     for (const int octant : order_) {
       const unsigned full = byte_of(here.full, octant);
       if (full == 0xff) {
-        painter_.draw(mask, corner + child_place(rank, 8 * octant), level + 1);
+        painter_.draw(mask, corner + child_place(rank, 8 * octant), level + 1,
+                      bare.of_octant(octant));
         continue;
       }
       for_each_in_order(full | byte_of(here.mixed, octant), octant, [&](int bit) {
         const Place place = corner + child_place(rank, bit);
         if ((here.full >> bit & 1) != 0) {
-          painter_.draw(mask, place, level);
+          painter_.draw(mask, place, level, bare.of_child(bit));
         } else if (!painter_.misses(place, level)) {
           const std::uint64_t below = here.place_of(bit);
           if (rank == 0) {
@@ -172,6 +209,9 @@ class CubeWalk {
     const auto word = [&](std::size_t i) {
       return masks_[mixed_[i].mask]->words()[mixed_[i].place];
     };
+    std::uint64_t all = 0;
+    for (std::size_t i = first; i < end; ++i) all |= word(i);
+    const BareFaces bare = bare_faces(all);
     for (const int octant : order_) {
       unsigned any = 0;
       std::size_t full = end;
@@ -181,13 +221,14 @@ class CubeWalk {
         if (byte == 0xff) full = i;
       }
       if (full != end) {
-        painter_.draw(mixed_[full].mask, corner + child_place(-1, 8 * octant), 1);
+        painter_.draw(mixed_[full].mask, corner + child_place(-1, 8 * octant), 1,
+                      bare.of_octant(octant));
         continue;
       }
       for_each_in_order(any, octant, [&](int bit) {
         std::size_t owner = first;
         while ((word(owner) >> bit & 1) == 0) ++owner;
-        painter_.draw(mixed_[owner].mask, corner + child_place(-1, bit), 0);
+        painter_.draw(mixed_[owner].mask, corner + child_place(-1, bit), 0, bare.of_child(bit));
       });
     }
   }
@@ -195,6 +236,9 @@ class CubeWalk {
   void visit_cubes(int rank, std::size_t first, const Place& corner) {
     const std::size_t end = mixed_.size();
     const int level = level_of_children(rank);
+    std::uint64_t all = 0;
+    for (std::size_t i = first; i < end; ++i) all |= cube(rank, mixed_[i]).full;
+    const BareFaces bare = bare_faces(all);
     for (const int octant : order_) {
       unsigned any = 0;
       std::size_t full = end;
@@ -204,23 +248,25 @@ class CubeWalk {
         if (byte_of(here.full, octant) == 0xff) full = i;
       }
       if (full != end) {
-        painter_.draw(mixed_[full].mask, corner + child_place(rank, 8 * octant), level + 1);
+        painter_.draw(mixed_[full].mask, corner + child_place(rank, 8 * octant), level + 1,
+                      bare.of_octant(octant));
         continue;
       }
       for_each_in_order(any, octant, [&](int bit) {
-        visit_child(rank, first, end, bit, corner + child_place(rank, bit));
+        visit_child(rank, first, end, bit, corner + child_place(rank, bit), bare.of_child(bit));
       });
     }
   }
 
   /// The child at `bit` of the cubes at [first, end) of the stack.
-  void visit_child(int rank, std::size_t first, std::size_t end, int bit, const Place& place) {
+  void visit_child(int rank, std::size_t first, std::size_t end, int bit, const Place& place,
+                   unsigned faces) {
     const int level = level_of_children(rank);
     bool is_missed = false;
     for (std::size_t i = first; i < end && !is_missed; ++i) {
       const MaskCube& here = cube(rank, mixed_[i]);
       if ((here.full >> bit & 1) != 0) {
-        painter_.draw(mixed_[i].mask, place, level);
+        painter_.draw(mixed_[i].mask, place, level, faces);
         return;
       }
       if ((here.mixed >> bit & 1) == 0) continue;
@@ -233,6 +279,7 @@ class CubeWalk {
 
   std::span<const MaskTree* const> masks_;
   Painter& painter_;
+  std::array<int, 3> nearness_;
   std::array<int, 8> order_;
   std::array<std::uint8_t, 256> in_order_{};  ///< the bits of a byte, moved into drawing order
   std::vector<std::array<Place, 64>> children_;  ///< [rank + 1]: from the corner of the parent

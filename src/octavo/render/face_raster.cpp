@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace octavo {
 
@@ -25,15 +26,16 @@ void turn_down(PlanePoint& top, PlanePoint& edge) {
   edge = {-edge.x, -edge.y};
 }
 
+PlanePoint times(const PlanePoint& p, std::int64_t n) { return {p.x * n, p.y * n}; }
+
 Face face_across(const View& view, int axis, std::int64_t side) {
   const auto a = static_cast<std::size_t>(axis);
-  const Place along_b = view.axes[(a + 1) % 3] * side;
-  const Place along_c = view.axes[(a + 2) % 3] * side;
-  const Place corner = view.nearness[a] > 0 ? view.axes[a] * side : Place{};
+  const Place& along_b = view.axes[(a + 1) % 3];
+  const Place& along_c = view.axes[(a + 2) % 3];
+  const Place corner = view.nearness[a] > 0 ? view.axes[a] : Place{};
   Face face;
   face.axis = axis;
   face.top = flat(corner);
-  face.depth = corner.depth + (along_b.depth + along_c.depth) / 2;
   face.left = flat(along_b);
   face.right = flat(along_c);
   turn_down(face.top, face.left);
@@ -41,6 +43,11 @@ Face face_across(const View& view, int axis, std::int64_t side) {
   if (face.left.x * face.right.y > face.right.x * face.left.y) std::swap(face.left, face.right);
   face.left_slope = slope_of(face.left);
   face.right_slope = slope_of(face.right);
+  // The face of a voxel, enlarged.
+  face.top = times(face.top, side);
+  face.left = times(face.left, side);
+  face.right = times(face.right, side);
+  face.depth = corner.depth * side + (along_b.depth + along_c.depth) * side / 2;
   return face;
 }
 
@@ -75,6 +82,7 @@ PixelRows::PixelRows(const View& view, std::int64_t begin, std::int64_t end, std
       bits_(view.fraction_bits),
       half_(std::int64_t{1} << (bits_ - 1)),
       pixels_per_unit_(std::ldexp(1.0, -bits_)),
+      doubt_(kDoubt * pixels_per_unit_),
       first_centre_x_(half_),
       last_centre_x_(((width_ - 1) << bits_) + half_),
       first_centre_y_((begin << bits_) + half_),
@@ -85,12 +93,12 @@ std::int64_t PixelRows::crossing(const PlanePoint& from, const PlanePoint& edge,
                                  std::int64_t centre) const {
   const std::int64_t down = centre - from.y;
   const double x = static_cast<double>(from.x - half_) + static_cast<double>(down) * slope;
-  const double pixel = std::ceil(x * pixels_per_unit_);
+  const double pixels = x * pixels_per_unit_;
+  const auto below = static_cast<std::int64_t>(pixels);
+  const std::int64_t pixel = below + (pixels > static_cast<double>(below) ? 1 : 0);
   // A crossing so close to a pixel centre that rounding may have moved it is divided exactly.
-  const double beyond = pixel / pixels_per_unit_ - x;
-  if (beyond > kDoubt && beyond < 1 / pixels_per_unit_ - kDoubt) {
-    return static_cast<std::int64_t>(pixel);
-  }
+  const double short_of = static_cast<double>(pixel) - pixels;
+  if (short_of > doubt_ && short_of < 1 - doubt_) return pixel;
   return pixel_from(from.x + divided_up(down * edge.x, edge.y));
 }
 

@@ -88,6 +88,7 @@ class PixelRows {
   int bits_;
   std::int64_t half_;
   double pixels_per_unit_;
+  double doubt_;  // pixels: a crossing this close to a centre needs exact division
   std::int64_t first_centre_x_;
   std::int64_t last_centre_x_;
   std::int64_t first_centre_y_;

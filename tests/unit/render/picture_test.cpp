@@ -1,28 +1,21 @@
 #include "octavo/render/picture.h"
 
 #include <gtest/gtest.h>
-#include <png.h>
 
+#include <array>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "octavo/core/error.h"
 #include "octavo/render/annotation.h"
+#include "octavo/render/colour_names.h"
 #include "octavo/render/label_colour.h"
 #include "octavo/render/window.h"
+#include "support/read_png.h"
 
 namespace octavo {
 namespace {
-
-Picture decoded(const Bytes& bytes) {
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  if (png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()) == 0) return {};
-  const bool is_colour = (image.format & PNG_FORMAT_FLAG_COLOR) != 0;
-  image.format = is_colour ? PNG_FORMAT_RGB : PNG_FORMAT_GRAY;
-  Picture picture = make_picture(image.width, image.height, is_colour ? 3 : 1);
-  png_image_finish_read(&image, nullptr, picture.pixels.data(), 0, nullptr);
-  return picture;
-}
 
 TEST(Picture, PngHoldsThePixels) {
   for (const int channels : {1, 3}) {
@@ -32,7 +25,7 @@ TEST(Picture, PngHoldsThePixels) {
     }
     const Bytes png = encode_png(picture);
     EXPECT_EQ(encode_png(picture), png);
-    const Picture found = decoded(png);
+    const Picture found = testing::read_png(png);
     EXPECT_EQ(found.width, 31);
     EXPECT_EQ(found.height, 17);
     EXPECT_EQ(found.pixels, picture.pixels);
@@ -110,6 +103,50 @@ TEST(ScaleBar, IsAsLongAsItSays) {
     }
   }
   EXPECT_EQ(longest, 100);
+}
+
+std::int64_t drawn_in(const Picture& picture, std::int64_t x0, std::int64_t x1, std::int64_t y0,
+                      std::int64_t y1) {
+  std::int64_t count = 0;
+  for (std::int64_t y = y0; y < y1; ++y) {
+    for (std::int64_t x = x0; x < x1; ++x) {
+      count += picture.pixels[static_cast<std::size_t>((y * picture.width + x) * 3)] != 0 ? 1 : 0;
+    }
+  }
+  return count;
+}
+
+TEST(Annotation, LettersOfAnEdgeStayInsideThePicture) {
+  Picture one = make_picture(200, 150, 3);
+  Picture three = make_picture(200, 150, 3);
+  draw_sides(one, EdgeLetters{"R", "L", "S", "I"});
+  draw_sides(three, EdgeLetters{"RAS", "LPI", "SRA", "ILP"});
+  for (const auto& [x0, x1, y0, y1] : std::vector<std::array<std::int64_t, 4>>{
+           {0, 30, 60, 90}, {170, 200, 60, 90}, {85, 115, 0, 20}, {85, 115, 130, 150}}) {
+    EXPECT_GT(drawn_in(one, x0, x1, y0, y1), 5);
+    EXPECT_GT(drawn_in(three, x0, x1, y0, y1), 2 * drawn_in(one, x0, x1, y0, y1));
+  }
+  EXPECT_EQ(drawn_in(three, 198, 200, 0, 150), 0);
+}
+
+TEST(Annotation, LegendsShowTheColoursThatHaveRoom) {
+  const std::vector<LegendRow> rows(40, {{250, 10, 20}, "226:"});
+  Picture picture = make_picture(160, 160, 3);
+  draw_legend(picture, rows);
+  EXPECT_GT(drawn_in(picture, 0, 60, 0, 40), 100);
+  EXPECT_EQ(drawn_in(picture, 0, 160, 70, 160), 0);
+  Picture small = make_picture(20, 20, 3);
+  draw_legend(small, rows);
+  EXPECT_EQ(drawn_in(small, 0, 20, 0, 20), 0);
+}
+
+TEST(ColourNames, AreNamesOrSixDigits) {
+  EXPECT_EQ(find_colour("white"), (Colour{255, 255, 255}));
+  EXPECT_EQ(find_colour("#0a10Ff"), (Colour{10, 16, 255}));
+  for (const char* text : {"", "whit", "#12", "#12345g", "123456", "#1234567", "# 12345"}) {
+    EXPECT_FALSE(find_colour(text)) << text;
+  }
+  EXPECT_NE(colour_names().find("white, "), std::string::npos);
 }
 
 }  // namespace

@@ -1,0 +1,154 @@
+#include "octavo/render/view.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "octavo/core/error.h"
+
+namespace octavo {
+namespace {
+
+constexpr Size3 kSize = {60, 50, 40};
+
+View look(const Viewpoint& viewpoint, const Geometry& geometry = {}, const ViewFrame& frame = {}) {
+  return make_view(geometry, kSize, box_of(kSize), viewpoint, frame);
+}
+
+Index3 corner_of_volume(int corner) {
+  return {(corner & 1) * kSize.x, (corner >> 1 & 1) * kSize.y, (corner >> 2 & 1) * kSize.z};
+}
+
+TEST(View, LettersNameThePatientsSides) {
+  const auto letters = [](const Viewpoint& viewpoint) { return edge_letters(look(viewpoint)); };
+  EXPECT_EQ(letters(*find_viewpoint("front")), (EdgeLetters{"R", "L", "S", "I"}));
+  EXPECT_EQ(letters(*find_viewpoint("back")), (EdgeLetters{"L", "R", "S", "I"}));
+  EXPECT_EQ(letters(*find_viewpoint("left")), (EdgeLetters{"A", "P", "S", "I"}));
+  EXPECT_EQ(letters(*find_viewpoint("right")), (EdgeLetters{"P", "A", "S", "I"}));
+  EXPECT_EQ(letters(*find_viewpoint("top")), (EdgeLetters{"L", "R", "A", "P"}));
+  EXPECT_EQ(letters(*find_viewpoint("bottom")), (EdgeLetters{"R", "L", "A", "P"}));
+  EXPECT_EQ(letters(viewpoint_at(0, 0)), (EdgeLetters{"R", "L", "S", "I"}));
+  EXPECT_EQ(letters(viewpoint_at(90, 0)), (EdgeLetters{"A", "P", "S", "I"}));
+  EXPECT_EQ(letters(viewpoint_at(30, 0)), (EdgeLetters{"RA", "LP", "S", "I"}));
+  EXPECT_EQ(letters(viewpoint_at(0, 40)), (EdgeLetters{"R", "L", "SP", "IA"}));
+  EXPECT_FALSE(find_viewpoint("above"));
+}
+
+TEST(View, DirectionsAreStepsAlongTheAxesOfTheGrid) {
+  Geometry geometry;
+  geometry.spacing_mm = {1, 2, 5};
+  geometry.direction = {0, 0, 1, -1, 0, 0, 0, 1, 0};  // x runs to the front, y up, z to the left
+  const Viewpoint viewpoint = viewpoint_along(geometry, {1, 1, 1});
+  const double length = std::sqrt(30.0);
+  const Point3 expected = {5 / length, -1 / length, 2 / length};
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(viewpoint.toward[i], expected[i], 1e-12);
+  EXPECT_EQ(edge_letters(look(viewpoint_along(geometry, {1, 0, 0}), geometry)),
+            edge_letters(look(*find_viewpoint("front"))));
+}
+
+TEST(View, WhatIsAlongTheDirectionFallsOnOnePointAndComesNearer) {
+  Geometry geometry;
+  geometry.spacing_mm = {0.7, 1.3, 3};
+  for (const Point3& steps : std::vector<Point3>{{1, 1, 1}, {-1, 1, 0}, {2, -3, 1}, {0, 0, -1}}) {
+    const View view = look(viewpoint_along(geometry, steps), geometry);
+    Place moved;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      moved = moved + view.axes[axis] * static_cast<std::int64_t>(steps[axis]);
+      if (steps[axis] == 0) continue;
+      EXPECT_EQ(view.nearness[axis], steps[axis] > 0 ? 1 : -1);
+    }
+    EXPECT_LE(std::abs(moved.x), 4);
+    EXPECT_LE(std::abs(moved.y), 4);
+    EXPECT_GT(moved.depth, 1000);
+  }
+}
+
+TEST(View, VoxelsAreDrawnTrueInSize) {
+  Geometry geometry;
+  geometry.spacing_mm = {0.5, 1, 2};
+  const View view = look(*find_viewpoint("front"), geometry);
+  EXPECT_NEAR(static_cast<double>(view.axes[0].x) / static_cast<double>(-view.axes[2].y), 0.25,
+              1e-4);
+  EXPECT_EQ(view.axes[0].y, 0);
+  const double pixel = std::ldexp(1, view.fraction_bits);
+  EXPECT_NEAR(static_cast<double>(view.axes[0].x) / pixel, 0.5 / view.pixel_mm, 1e-4);
+}
+
+TEST(View, ShownBoxesFitAndFillThePicture) {
+  ViewFrame frame;
+  frame.width = 300;
+  frame.height = 200;
+  for (const double azimuth : {0.0, 33.0, 145.0, 290.0}) {
+    const View view = look(viewpoint_at(azimuth, 20), {}, frame);
+    const double pixel = std::ldexp(1, view.fraction_bits);
+    double width = 0;
+    double height = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Place place = view.place_of(corner_of_volume(corner));
+      width = std::max(width, std::abs(static_cast<double>(place.x) / pixel - 150) * 2);
+      height = std::max(height, std::abs(static_cast<double>(place.y) / pixel - 100) * 2);
+    }
+    EXPECT_LE(width, 300);
+    EXPECT_LE(height, 200);
+    EXPECT_TRUE(width > 260 || height > 170);
+  }
+}
+
+TEST(View, ZoomEnlargesAroundTheMiddle) {
+  ViewFrame frame;
+  const View plain = look(viewpoint_at(20, 10), {}, frame);
+  frame.zoom = 4;
+  const View large = look(viewpoint_at(20, 10), {}, frame);
+  EXPECT_NEAR(plain.pixel_mm, 4 * large.pixel_mm, 1e-12);
+  const Place middle = large.place_of({kSize.x / 2, kSize.y / 2, kSize.z / 2});
+  EXPECT_NEAR(std::ldexp(static_cast<double>(middle.x), -large.fraction_bits), 512, 0.01);
+  EXPECT_NEAR(std::ldexp(static_cast<double>(middle.y), -large.fraction_bits), 512, 0.01);
+}
+
+TEST(View, ATurnGoesAroundThePatient) {
+  const Viewpoint front = viewpoint_at(0, 15);
+  for (const double degrees : {0.0, 60.0, 200.0}) {
+    const Viewpoint found = turned(front, degrees);
+    const Viewpoint expected = viewpoint_at(degrees, 15);
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_NEAR(found.toward[i], expected.toward[i], 1e-12);
+      EXPECT_NEAR(found.up[i], expected.up[i], 1e-12);
+    }
+  }
+}
+
+TEST(View, NumbersStayBelowTheirBound) {
+  for (const double zoom : {1e-3, 1.0, 50.0, 1e4}) {
+    ViewFrame frame;
+    frame.zoom = zoom;
+    const View view = look(viewpoint_at(77, -31), {}, frame);
+    EXPECT_GE(view.fraction_bits, 1);
+    for (int corner = 0; corner < 8; ++corner) {
+      const Place place = view.place_of(corner_of_volume(corner));
+      EXPECT_LT(std::abs(place.x), 1 << 30);
+      EXPECT_LT(std::abs(place.y), 1 << 30);
+      EXPECT_LT(std::abs(place.depth), 1 << 30);
+    }
+  }
+}
+
+TEST(View, WhatCannotBeDrawnIsRefused) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(viewpoint_along({}, {0, 0, 0}), Error);
+  EXPECT_THROW(viewpoint_along({}, {kNaN, 0, 1}), Error);
+  EXPECT_THROW(viewpoint_at(kNaN, 0), Error);
+  const auto refuses = [](const ViewFrame& frame) {
+    EXPECT_THROW(look(viewpoint_at(0, 0), {}, frame), Error);
+  };
+  refuses({0, 10, 1, {}});
+  refuses({10, ViewFrame::kLongestSide + 1, 1, {}});
+  refuses({10, 10, 0, {}});
+  refuses({10, 10, kNaN, {}});
+  refuses({10, 10, 1, -1.0});
+  refuses({10, 10, 1e9, {}});
+}
+
+}  // namespace
+}  // namespace octavo
