@@ -35,6 +35,7 @@ void add_verbs(CLI::App& app, Context& context) {
   add_probe(app, context);
   add_compare(app, context);
   add_codes(app, context);
+  add_condense(app, context);
   add_threshold(app, context);
   add_combine(app, context);
   add_components(app, context);

@@ -25,11 +25,15 @@ namespace {
 constexpr VerbText kText = {
     "render", "Draw the leaves of an octree as a PNG picture.",
     "Modes: cubes draws every leaf of a mask as a cube with three shades, back to front; surface\n"
-    "draws those alone that are not hidden among others: the same picture of fewer leaves. The\n"
-    "picture is fitted to what is drawn.\n\n"
+    "draws those alone that are not hidden among others: the same picture of fewer leaves; both\n"
+    "are fitted to what is drawn. transparency lets what lies inside a grey volume shine through\n"
+    "what lies around it, summed or averaged along the lines of voxels that are nearest to the\n"
+    "view: one of 26 directions.\n\n"
     "A label map has one colour per label; --range chooses labels. A grey volume needs --range or\n"
     "--tissue (air, lung, fat, soft, contrast, bone, as in octavo threshold); several are several\n"
-    "colours, and where they overlap the one named first counts.\n\n"
+    "colours, and where they overlap the one named first counts. For transparency a\n"
+    "range may have a colour and the opacity of one voxel, LOW:HIGH=COLOUR:OPACITY; without any,\n"
+    "a volume in HU is drawn as flesh and bone, another one in grey.\n\n"
     "--direction says where the viewer stands: front, back, left, right, top, bottom of the\n"
     "patient, or X,Y,Z in voxels along the axes of the grid. --azimuth 0 is the front, 90 the\n"
     "patient's left; --elevation 90 is above the head. --cut 'x<120' keeps the voxels below 120.\n"
@@ -38,7 +42,10 @@ constexpr VerbText kText = {
     "  octavo render head.8vo --tissue bone --direction front -o skull.png\n"
     "  octavo render skull.8vo --mode surface --azimuth 30 --elevation 20 -o skull.png\n"
     "  octavo render head.8vo --range -300:225 --range 226: --cut 'x<128' -o half.png\n"
-    "  octavo render atlas.8vo --direction left --size 800x600 --background white -o atlas.png"};
+    "  octavo render atlas.8vo --direction left --size 800x600 --background white -o atlas.png\n"
+    "  octavo render head.8vo --mode transparency --direction front -o head.png\n"
+    "  octavo render rock.8vo --mode transparency --range 90:120=sand:0.01 --range 200:=red:0.2 "
+    "-o ores.png"};
 
 using Clock = std::chrono::steady_clock;
 
@@ -202,6 +209,7 @@ int run_render(const RenderArguments& arguments, Context& context) {
   asked_background(arguments.background);
   const ViewFrame frame = asked_frame(arguments);
   fitting_pixel_mm({}, {{0, 0, 0}, {1, 1, 1}}, asked_viewpoint(arguments, {}), frame);
+  check_transparency_options(arguments);
   const std::shared_ptr<const FileReader> reader = open_octavo(arguments.input, context);
   check_level(reader->levels(), arguments.level);
   const Box whole = box_of(reader->levels().size(arguments.level));

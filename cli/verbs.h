@@ -30,6 +30,7 @@ void add_render(CLI::App& app, Context& context);
 void add_probe(CLI::App& app, Context& context);
 void add_codes(CLI::App& app, Context& context);
 void add_compare(CLI::App& app, Context& context);
+void add_condense(CLI::App& app, Context& context);
 void add_completion(CLI::App& app, Context& context);
 void add_manual(CLI::App& app, Context& context);
 

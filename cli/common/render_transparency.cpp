@@ -23,6 +23,7 @@ namespace {
 
 constexpr double kUsualOpacity = 0.05;
 constexpr double kToldDegrees = 0.05;
+constexpr int kMostTurns = 8;
 
 struct TissueLook {
   const char* name;
@@ -148,8 +149,8 @@ class TransparencyScene final : public RenderScene {
 
   std::vector<LegendRow> legend() const override {
     std::vector<LegendRow> rows;
-    for (const DensityRange& range : options_.ranges) {
-      rows.push_back({range.colour, range_text(range, unit_)});
+    for (std::size_t i = 0; i < names_.size(); ++i) {
+      rows.push_back({options_.ranges[i].colour, names_[i]});
     }
     if (rows.empty() && options_.is_average) {
       const Rescale& rescale = reader_->description().rescale;
@@ -198,24 +199,28 @@ class TransparencyScene final : public RenderScene {
     const VolumeDescription& volume = reader_->description();
     const auto& spacing = volume.geometry.spacing_mm;
     const double finest = *std::min_element(spacing.begin(), spacing.end());
-    for (const std::string& text : arguments.ranges) {
-      const auto number = static_cast<std::int64_t>(options_.ranges.size()) + 1;
-      options_.ranges.push_back(parse_look(text, label_colour(number)));
-    }
     for (const std::string& name : arguments.tissues) {
       DensityRange range = tissue_look(name, volume);
       range.opacity = 1 - std::pow(1 - range.opacity, finest);
+      names_.push_back(name + " " + range_text(range, unit_));
       options_.ranges.push_back(range);
+    }
+    std::int64_t number = 0;
+    for (const std::string& text : arguments.ranges) {
+      options_.ranges.push_back(parse_look(text, label_colour(++number)));
+      names_.push_back(range_text(options_.ranges.back(), unit_));
     }
     if (!options_.ranges.empty()) return;
     if (unit_ == "HU") options_.ranges = hounsfield_ranges(finest, options_.is_average);
     else options_.ramp = robust_ramp(*reader_, !arguments.is_average);
+    for (const DensityRange& range : options_.ranges) names_.push_back(range_text(range, unit_));
   }
 
   std::shared_ptr<const FileReader> reader_;
   Context& context_;
   TransparencyOptions options_;
   std::string unit_;
+  std::vector<std::string> names_;  // of the ranges, for the legend
   mutable std::optional<Window> window_;  // of the first picture
   mutable LineCounts counts_;
 };
@@ -223,11 +228,30 @@ class TransparencyScene final : public RenderScene {
 }  // namespace
 
 void add_transparency_options(CLI::App& verb, RenderArguments& arguments) {
-  CLI::Option* average = verb.add_flag("--average", arguments.is_average,
-                                       "transparency: what is in front veils what is behind");
-  verb.add_option("--window", arguments.window, "transparency: which sums are shown, CENTRE,WIDTH")
+  CLI::Option* average = verb.add_flag(
+      "--average", arguments.is_average,
+      "transparency: what is in front veils what is behind, in place of the sum");
+  verb.add_option("--window", arguments.window,
+                  "transparency: the sums from black to white (default: from the sums)")
       ->type_name("C,W")
       ->excludes(average);
+}
+
+void check_transparency_options(const RenderArguments& arguments) {
+  const bool is_asked = arguments.is_average || !arguments.window.empty();
+  if (arguments.mode != "transparency") {
+    if (!is_asked) return;
+    throw Error(ErrorKind::invalid_argument,
+                fmt::format("--average and --window are for --mode transparency, not for {}",
+                            arguments.mode));
+  }
+  asked_window(arguments.window, arguments.is_average);
+  if (arguments.turntable > kMostTurns) {
+    throw Error(ErrorKind::invalid_argument,
+                fmt::format("--turntable {}: transparency looks along lines of voxels; there are "
+                            "{} directions around a body",
+                            arguments.turntable, kMostTurns));
+  }
 }
 
 std::unique_ptr<RenderScene> make_transparency_scene(

@@ -16,6 +16,10 @@ namespace octavo::cli {
 
 void add_transparency_options(CLI::App& verb, RenderArguments& arguments);
 
+/// Throws Error{invalid_argument} when an option of this mode is given with another, or when there
+/// are more pictures in a turntable than directions around a body.
+void check_transparency_options(const RenderArguments& arguments);
+
 /// Looks along the lines of voxels that are nearest to the direction asked for, and says so where
 /// that is another.
 /// Throws Error{invalid_argument} for labels and for ranges, colours or a window that make no

@@ -27,8 +27,8 @@ void ToneBlock::flag_pairs() {
     for (std::int64_t y = 0; y + 1 < size_.y; y += 2) {
       std::uint32_t rows[4][kPairs];
       for (std::int64_t i = 0; i < 4; ++i) {
-        const std::size_t from = static_cast<std::size_t>(((z + i / 2) * kSide + y + i % 2) * kSide);
-        std::memcpy(rows[i], tones_.data() + from, sizeof rows[i]);
+        const std::int64_t row = (z + i / 2) * kSide + y + i % 2;
+        std::memcpy(rows[i], tones_.data() + row * kSide, sizeof rows[i]);
       }
       std::uint8_t* const out = flags.data() + (z / 2 * kPairs + y / 2) * kPairs;
       for (std::int64_t x = 0; x < size_.x / 2; ++x) {

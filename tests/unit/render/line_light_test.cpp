@@ -105,6 +105,22 @@ std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Index3>> walk_lines(
   return walked;
 }
 
+/// Calls visit(voxel, line) for all voxels, those of a line from the farthest to the nearest.
+template <class Visit>
+void visit_farthest_first(const VoxelLines& lines, Visit visit) {
+  const Size3& s = lines.size;
+  const Direction d = lines.along;
+  for (std::int64_t k = 0; k < s.z; ++k) {
+    for (std::int64_t j = 0; j < s.y; ++j) {
+      for (std::int64_t i = 0; i < s.x; ++i) {
+        const Index3 v{d.x > 0 ? s.x - 1 - i : i, d.y > 0 ? s.y - 1 - j : j,
+                       d.z > 0 ? s.z - 1 - k : k};
+        visit(v, static_cast<std::size_t>(lines.v_of(v) * lines.width + lines.u_of(v)));
+      }
+    }
+  }
+}
+
 const std::vector<Scene>& scenes() {
   static const std::vector<Scene> all = {
       {{1, 1, 1}, VoxelType::uint8, {1, 1, 1}, 0},
@@ -235,14 +251,11 @@ TEST(LineLight, TheStraightSumIsThatOfEveryVoxelInAll26Directions) {
       const LineSums found =
           sum_along_lines(*reader, {0, along, {}}, tones, light, 3, progress);
       std::vector<std::int64_t> expected(found.sums.size(), 0);
-      for (const auto& [place, line] : walk_lines(found.lines)) {
-        const auto at = static_cast<std::size_t>(place.second * found.lines.width + place.first);
-        for (const Index3& v : line) {
-          for (std::size_t c = 0; c < 3; ++c) {
-            expected[at * 3 + c] += light[static_cast<std::size_t>(cube.at(v)) * 3 + c];
-          }
+      visit_farthest_first(found.lines, [&, &values = cube](const Index3& v, std::size_t line) {
+        for (std::size_t c = 0; c < 3; ++c) {
+          expected[line * 3 + c] += light[static_cast<std::size_t>(values.at(v)) * 3 + c];
         }
-      }
+      });
       ASSERT_EQ(found.sums, expected) << along.x << along.y << along.z;
     }
   }
@@ -257,21 +270,20 @@ TEST(LineLight, TheAverageIsThatOfEveryVoxelInAll26Directions) {
       NoProgress progress;
       const LineAverages found =
           average_along_lines(*reader, {0, along, {}}, tones, veils, progress);
-      double worst = 0;
-      for (const auto& [place, line] : walk_lines(found.lines)) {
-        std::array<double, 4> expected{0, 0, 0, 1};
-        for (const Index3& v : line) {
-          const ToneVeil& veil = veils[static_cast<std::size_t>(cube.at(v))];
-          const double a = static_cast<double>(veil.opacity);
-          for (std::size_t c = 0; c < 3; ++c) {
-            expected[c] = expected[c] * (1 - a) + static_cast<double>(veil.colour[c]) * a;
-          }
-          expected[3] *= 1 - a;
+      std::vector<std::array<double, 4>> expected(found.colours.size(), {0, 0, 0, 1});
+      visit_farthest_first(found.lines, [&, &values = cube](const Index3& v, std::size_t line) {
+        const ToneVeil& veil = veils[static_cast<std::size_t>(values.at(v))];
+        const double a = static_cast<double>(veil.opacity);
+        for (std::size_t c = 0; c < 3; ++c) {
+          expected[line][c] = expected[line][c] * (1 - a) + static_cast<double>(veil.colour[c]) * a;
         }
-        const auto at = static_cast<std::size_t>(place.second * found.lines.width + place.first);
+        expected[line][3] *= 1 - a;
+      });
+      double worst = 0;
+      for (std::size_t i = 0; i < expected.size(); ++i) {
         for (std::size_t c = 0; c < 4; ++c) {
-          worst = std::max(worst,
-                           std::abs(static_cast<double>(found.colours[at][c]) - expected[c]));
+          const double difference = static_cast<double>(found.colours[i][c]) - expected[i][c];
+          worst = std::max(worst, std::abs(difference));
         }
       }
       ASSERT_LE(worst, 1e-5) << along.x << along.y << along.z;
@@ -307,14 +319,11 @@ TEST(LineLight, WhatIsCutAwayGivesNothing) {
     const Direction along{1, -1, 0};
     const LineSums found =
         sum_along_lines(*reader, {0, along, kept}, tones, light, 1, progress);
-    for (const auto& [place, line] : walk_lines(found.lines)) {
-      std::int64_t expected = 0;
-      for (const Index3& v : line) {
-        if (kept.contains(v)) expected += light[static_cast<std::size_t>(cube.at(v))];
-      }
-      const auto at = static_cast<std::size_t>(place.second * found.lines.width + place.first);
-      ASSERT_EQ(found.sums[at], expected);
-    }
+    std::vector<std::int64_t> expected(found.sums.size(), 0);
+    visit_farthest_first(found.lines, [&, &values = cube](const Index3& v, std::size_t line) {
+      if (kept.contains(v)) expected[line] += light[static_cast<std::size_t>(values.at(v))];
+    });
+    EXPECT_EQ(found.sums, expected);
   }
 }
 
@@ -356,7 +365,7 @@ TEST(LineLight, TheNumberOfThreadsChangesNothing) {
 }
 
 TEST(LineLight, BricksOfOneRangeAreNotDecoded) {
-  const Scene scene{{192, 64, 64}, VoxelType::uint8, {1, 1, 1}, 0};
+  const Scene scene{{192, 64, 20}, VoxelType::uint8, {1, 1, 1}, 0};
   const ScratchFolder folder;
   Volume volume;
   volume.description.type = VoxelType::uint8;

@@ -1,9 +1,12 @@
 #include "octavo/render/transparency.h"
 
 #include <gtest/gtest.h>
+#include <png.h>
 #include <tbb/task_arena.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
 #include <random>
 
 #include "octavo/build/phantom.h"
@@ -230,6 +233,62 @@ TEST(Transparency, TheInnerCylindersOfThePhantomShineThroughItsShell) {
       EXPECT_GT(seen[1], 40);
     }
   }
+}
+
+Picture read_png(const std::string& path) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  if (png_image_begin_read_from_file(&image, path.c_str()) == 0) return {};
+  image.format = PNG_FORMAT_RGB;
+  Picture picture = make_picture(image.width, image.height, 3);
+  png_image_finish_read(&image, nullptr, picture.pixels.data(), 0, nullptr);
+  return picture;
+}
+
+/// Compares with a kept picture by eye's measure: hardly any pixel differs, none by much.
+/// OCTAVO_PICTURES names a folder that gets what was drawn, to be looked at.
+void expect_like(const std::string& name, const Picture& picture) {
+  if (const char* const folder = std::getenv("OCTAVO_PICTURES")) {
+    const Bytes png = encode_png(picture);
+    std::ofstream(std::string(folder) + "/" + name, std::ios::binary)
+        .write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
+  }
+  const Picture kept = read_png(std::string(OCTAVO_SOURCE_DIR "/tests/unit/render/golden/") + name);
+  ASSERT_EQ(kept.pixels.size(), picture.pixels.size()) << name;
+  double sum = 0;
+  int most = 0;
+  for (std::size_t i = 0; i < kept.pixels.size(); ++i) {
+    const int difference = std::abs(int{kept.pixels[i]} - int{picture.pixels[i]});
+    sum += difference;
+    most = std::max(most, difference);
+  }
+  EXPECT_LE(sum / static_cast<double>(kept.pixels.size()), 0.5) << name;
+  EXPECT_LE(most, 12) << name;
+}
+
+TEST(Transparency, ThePhantomLooksAsItDid) {
+  const ScratchFolder folder;
+  PhantomOptions phantom;
+  phantom.size = {40, 40, 40};
+  phantom.spacing_mm = {1, 1, 1.5};
+  NoProgress progress;
+  const auto source = make_phantom(phantom);
+  build_file(*source, local_storage(), folder.file("p.8vo"), {}, progress);
+  const auto reader = testing::open_file(folder.file("p.8vo"));
+  TransparencyOptions options;
+  options.ranges = {{300, 300, {255, 130, 0}, 0.08},
+                    {-100, -100, {0, 200, 255}, 0.08},
+                    {900, 900, {255, 255, 255}, 0.02}};
+  expect_like("sum-corner.png",
+              drawn(*reader, view_toward(*reader, {1, 1, 1}, 64), options).picture);
+  options.is_average = true;
+  options.background = {12, 18, 48};
+  expect_like("average-edge.png",
+              drawn(*reader, view_toward(*reader, {0, -1, 1}, 64), options).picture);
+  options = {};
+  options.ramp = robust_ramp(*reader, true);
+  expect_like("ramp-axis.png",
+              drawn(*reader, view_toward(*reader, {0, -1, 0}, 64), options).picture);
 }
 
 TEST(Transparency, TheNumberOfThreadsChangesNoPixel) {

@@ -1,0 +1,36 @@
+// The region octree of a grey volume: cubes that hardly vary become their mean.
+//
+// A cube of the octree (up to the root) that lies inside the volume and whose voxels differ by at
+// most `flat` takes their mean, halves rounded up; the largest such cubes count. Written as a grey
+// file, these are the uniform cubes of its octree.
+//
+// Invariants
+//   No voxel differs from its source by more than `flat`.
+// Consequences
+//   Which cubes above 64^3 are flat follows from the index; only those that are flat, and lossy
+//   files, are decoded twice.
+//   Memory is that of one layer of 64 planes, and 48 bytes per 64^3 voxels.
+//
+// Source  thesis 2.4 (Fig. 2.2)
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "octavo/build/plane_source.h"
+#include "octavo/file/reader.h"
+
+namespace octavo {
+
+/// A source of the planes of `reader` with its flat cubes evened out.
+/// description  what the source says of itself; size and type are those of the file
+/// flat         in stored units; with 0 the voxels are those of the file
+/// threads      0: all cores
+/// Throws  Error{invalid_argument} for labels and float32, and on flat < 0 or so large that the
+///         mean of the volume's cube is beyond 64-bit sums (flat >= 2^62 / 8^n); what reading
+///         throws
+std::unique_ptr<PlaneSource> make_flat_cubes(std::shared_ptr<const FileReader> reader,
+                                             const VolumeDescription& description,
+                                             std::int64_t flat, int threads);
+
+}  // namespace octavo

@@ -1,0 +1,143 @@
+#include "octavo/build/flat_cubes.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "octavo/core/error.h"
+#include "support/built_file.h"
+#include "support/recursive_octree.h"
+
+namespace octavo {
+namespace {
+
+using testing::DenseVolume;
+using testing::ScratchFolder;
+using testing::Volume;
+
+struct Scene {
+  Size3 size;
+  VoxelType type;
+  Point3 spacing{1, 1, 1};
+  int noise;        ///< everywhere
+  int texture;      ///< in a part of the volume
+};
+
+/// A gentle slope with noise, and a part where neighbours differ strongly.
+DenseVolume dense_volume(const Scene& scene) {
+  std::mt19937 random(5);
+  const auto draw = [&](int most) {
+    return most > 0 ? static_cast<std::int64_t>(random() % static_cast<unsigned>(most + 1)) : 0;
+  };
+  DenseVolume dense{scene.size, {}};
+  for (std::int64_t i = 0; i < scene.size.voxel_count(); ++i) {
+    const std::int64_t x = i % scene.size.x;
+    const std::int64_t z = i / (scene.size.x * scene.size.y);
+    const bool is_rough = x < scene.size.x / 3 && z < scene.size.z / 2;
+    dense.voxels.push_back(20 + x / 40 + draw(scene.noise) + (is_rough ? draw(scene.texture) : 0));
+  }
+  return dense;
+}
+
+std::shared_ptr<FileReader> file_of(const ScratchFolder& folder, const Scene& scene,
+                                    const DenseVolume& dense, double max_error = 0) {
+  Volume volume;
+  volume.description.type = scene.type;
+  volume.description.size = scene.size;
+  volume.description.geometry.spacing_mm = scene.spacing;
+  const auto width = static_cast<std::size_t>(bytes_per_voxel(scene.type));
+  volume.voxels.resize(dense.voxels.size() * width);
+  with_voxel_type(scene.type, [&](auto id) {
+    for (std::size_t i = 0; i < dense.voxels.size(); ++i) {
+      const auto value = static_cast<typename decltype(id)::type>(dense.voxels[i]);
+      std::memcpy(volume.voxels.data() + i * width, &value, width);
+    }
+  });
+  const auto source = make_memory_source(volume.description, volume.voxels);
+  NoProgress progress;
+  BuildOptions options;
+  options.preset = Preset::fast;
+  options.max_error = max_error;
+  build_file(*source, local_storage(), folder.file("v.8vo"), options, progress);
+  return testing::open_file(folder.file("v.8vo"));
+}
+
+std::vector<std::int64_t> values_of(const std::vector<std::byte>& bytes, VoxelType type) {
+  std::vector<std::int64_t> values;
+  with_voxel_type(type, [&](auto id) {
+    typename decltype(id)::type value;
+    for (std::size_t i = 0; i < bytes.size(); i += sizeof value) {
+      std::memcpy(&value, bytes.data() + i, sizeof value);
+      values.push_back(static_cast<std::int64_t>(value));
+    }
+  });
+  return values;
+}
+
+std::vector<std::int64_t> planes_of(PlaneSource& source) {
+  const VolumeDescription& d = source.description();
+  std::vector<std::byte> plane(
+      static_cast<std::size_t>(d.size.x * d.size.y * bytes_per_voxel(d.type)));
+  std::vector<std::byte> all;
+  for (std::int64_t z = 0; z < d.size.z; ++z) {
+    source.read_plane(plane);
+    all.insert(all.end(), plane.begin(), plane.end());
+  }
+  return values_of(all, d.type);
+}
+
+const std::vector<Scene>& scenes() {
+  static const std::vector<Scene> all = {
+      {{1, 1, 1}, VoxelType::uint8, {1, 1, 1}, 0, 0},
+      {{7, 5, 9}, VoxelType::int16, {1, 1, 1}, 3, 9},
+      {{67, 34, 130}, VoxelType::uint16, {1, 1, 1}, 2, 30},
+      {{130, 128, 128}, VoxelType::uint8, {1, 1, 1}, 1, 0},
+      {{70, 66, 40}, VoxelType::int32, {0.5, 0.5, 2}, 1, 40},
+  };
+  return all;
+}
+
+TEST(FlatCubes, TheyAreThoseOfTheRecursiveProcedure) {
+  for (const Scene& scene : scenes()) {
+    const ScratchFolder folder;
+    const DenseVolume dense = dense_volume(scene);
+    const auto reader = file_of(folder, scene, dense);
+    const bool is_large = scene.size.voxel_count() > 1'000'000;
+    for (const std::int64_t flat : is_large ? std::vector<std::int64_t>{1, 6}
+                                            : std::vector<std::int64_t>{0, 1, 3, 6, 200}) {
+      const auto octree = testing::recursive_octree(dense, {std::nullopt, flat});
+      const int threads = flat == 6 ? 2 : 1;
+      const auto source = make_flat_cubes(reader, reader->description(), flat, threads);
+      ASSERT_EQ(planes_of(*source), expand(octree, scene.size, -1))
+          << scene.size.x << " flat " << flat;
+    }
+  }
+}
+
+TEST(FlatCubes, OfALossyFileTheyAreThoseOfItsVoxels) {
+  const Scene& scene = scenes()[2];
+  const ScratchFolder folder;
+  const auto reader = file_of(folder, scene, dense_volume(scene), 2);
+  ASSERT_GT(reader->max_error(), 0);
+  DenseVolume decoded{scene.size, {}};
+  decoded.voxels = values_of(testing::read_box(*reader, box_of(scene.size), 0), scene.type);
+  const auto octree = testing::recursive_octree(decoded, {std::nullopt, 3});
+  const auto source = make_flat_cubes(reader, reader->description(), 3, 1);
+  EXPECT_EQ(planes_of(*source), expand(octree, scene.size, -1));
+}
+
+TEST(FlatCubes, WhatHasNoMeanIsRefused) {
+  Scene scene = scenes()[1];
+  scene.type = VoxelType::float32;
+  const ScratchFolder folder;
+  const auto floats = file_of(folder, scene, dense_volume(scene));
+  EXPECT_THROW(make_flat_cubes(floats, floats->description(), 1, 1), Error);
+  const ScratchFolder other;
+  scene.type = VoxelType::int16;
+  const auto whole = file_of(other, scene, dense_volume(scene));
+  EXPECT_THROW(make_flat_cubes(whole, whole->description(), -1, 1), Error);
+  EXPECT_THROW(make_flat_cubes(whole, whole->description(), std::int64_t{1} << 60, 1), Error);
+}
+
+}  // namespace
+}  // namespace octavo
