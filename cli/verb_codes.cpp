@@ -27,7 +27,8 @@ namespace {
 
 constexpr VerbText kText = {
     "codes", "Show a mask or label map as the leaves of an octree: o-codes and counts.",
-    "Background (0) gets no leaf. A grey file needs --range, which makes a mask of it. With\n"
+    "Background (0) gets no leaf. A grey file needs --range, which makes a mask of it, unless\n"
+    "octavo condense made it: then every cube is a leaf, its value as it is stored. With\n"
     "--list every leaf is printed as CODE VALUE (mixed: in post-order) or LEVEL CODE VALUE\n"
     "(linear: level by level; the root has no digits and is shown as -). --neighbors prints what\n"
     "lies beside one cube in the 26 directions: the leaf of the same or a larger size, 'smaller'\n"
@@ -56,6 +57,7 @@ struct Selection {
   std::vector<std::int64_t> labels;  // sorted; empty: all but 0
   std::optional<std::array<double, 2>> real_range;
   Rescale rescale;
+  bool has_background = true;  // 0 gets no leaf
 
   bool makes_mask() const { return real_range.has_value(); }
 
@@ -85,6 +87,14 @@ std::array<double, 2> parse_range(const std::string& text) {
   return range;
 }
 
+/// Whether `octavo condense` made the volume.
+bool is_condensed(const VolumeDescription& d) {
+  const auto metadata = metadata_of(d);
+  const auto made_by = metadata.find("made_by");
+  return made_by != metadata.end() && made_by->is_object() &&
+         made_by->value("operation", nlohmann::ordered_json()) == "condense";
+}
+
 Selection choose(const Arguments& arguments, const VolumeDescription& d) {
   Selection selection;
   selection.rescale = d.rescale;
@@ -96,10 +106,12 @@ Selection choose(const Arguments& arguments, const VolumeDescription& d) {
   }
   const bool is_plain_grey = d.kind == VolumeKind::grey && arguments.range.empty();
   if (is_plain_grey && selection.labels.empty()) {
+    selection.has_background = false;
+    if (is_condensed(d)) return selection;
     throw Error(
         ErrorKind::invalid_argument,
         "holds grey values, which do not condense; give --range LO:HI (real units), or build it "
-        "with --labels if its numbers are names",
+        "with --labels if its numbers are names, or make cubes of it with octavo condense",
         arguments.input);
   }
   if (!is_integer(d.type) && arguments.range.empty()) {
@@ -139,7 +151,7 @@ void mark(const Selection& selection, VoxelType type, std::span<const std::byte>
 LinearOctree condense_planes(PlaneSource& planes, const Selection& selection, Progress& progress) {
   const VolumeDescription& d = planes.description();
   CondenseOptions options;
-  options.background = 0;
+  if (selection.has_background) options.background = 0;
   PlaneCondenser condenser(d.size, options);
   std::vector<std::byte> plane(
       static_cast<std::size_t>(d.size.x * d.size.y * bytes_per_voxel(d.type)));

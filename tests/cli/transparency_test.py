@@ -136,6 +136,17 @@ class Condense(cli_test.InFolder):
         self.assertEqual(self.info("c.8vo")["metadata"]["made_by"],
                          {"operation": "condense", "flat": 30})
 
+    def test_cubes_have_codes(self):
+        self.expect_refusal(2, ["p.8vo", "octavo condense"], "codes", "p.8vo")
+        self.expect(0, "condense", "p.8vo", "--flat", "30", "-o", "c.8vo", "-q")
+        told = json.loads(self.expect(0, "codes", "c.8vo", "--list", "--json", "--notation",
+                                      "linear", "--progress", "none").stdout)
+        self.assertEqual(told["voxels"], 40 ** 3)
+        self.assertLess(told["leaves"], 40 ** 3 / 1.5)
+        voxels = self.voxels("c.8vo")
+        total = sum(cube["value"] * 8 ** cube["level"] for cube in told["codes"])
+        self.assertEqual(total, sum(voxels))
+
     def test_what_has_no_mean_is_refused(self):
         self.expect(0, "threshold", "p.8vo", "--range", "800:", "-o", "m.8vo", "-q")
         self.expect_refusal(2, ["m.8vo", "labels"], "condense", "m.8vo", "--flat", "1", "-o",
