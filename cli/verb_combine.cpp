@@ -93,7 +93,7 @@ MaskTree further_mask(const std::string& path, const OpenedMask& first, const Ar
 
 int run_combine(const Arguments& arguments, Context& context) {
   check_arguments(arguments);
-  require_free_output(arguments.output, context);
+  require_computed_output(arguments.output, arguments.inputs, context);
   OpenedMask first = open_mask(arguments.inputs.front(), context);
   MaskTree result = std::move(first.tree);
   std::vector<std::string> resampled;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -43,6 +44,9 @@ std::size_t kept_count(const Components& found, const Arguments& arguments,
                        const VolumeDescription& volume) {
   const auto& all = found.components();
   const auto mm3 = voxel_mm3(volume);
+  if (!(arguments.min_mm3 >= 0 && std::isfinite(arguments.min_mm3))) {
+    throw Error(ErrorKind::invalid_argument, "--min-mm3: must be 0 or more");
+  }
   if (arguments.min_mm3 > 0 && !mm3) {
     throw Error(ErrorKind::invalid_argument,
                 "--min-mm3 needs a known spacing; build it again with --spacing", arguments.input);
@@ -132,7 +136,8 @@ std::string table_text(const Components& found, std::size_t kept, const Argument
 }
 
 int run_components(const Arguments& arguments, Context& context) {
-  if (!arguments.output.empty()) require_free_output(arguments.output, context);
+  if (!arguments.output.empty())
+    require_computed_output(arguments.output, {arguments.input}, context);
   const OpenedMask mask = open_mask(arguments.input, context);
   const VolumeDescription& volume = mask.volume();
   // Parts and their numbers, about as much again as the mask has.

@@ -32,6 +32,7 @@ constexpr VerbText kText = {
 struct Arguments {
   std::string input;
   std::string output;
+  std::string flat_text;
   double flat = 0;
 };
 
@@ -43,8 +44,13 @@ std::int64_t stored_flat(double flat, const Rescale& rescale) {
   return static_cast<std::int64_t>(std::min(kMost, std::floor(flat / slope * (1 + kRounding))));
 }
 
-int run_condense(const Arguments& arguments, Context& context) {
-  require_free_output(arguments.output, context);
+int run_condense(Arguments& arguments, Context& context) {
+  arguments.flat = parse_number(arguments.flat_text, "--flat");
+  if (arguments.flat < 0) {
+    throw Error(ErrorKind::invalid_argument,
+                "--flat " + arguments.flat_text + ": must not be negative");
+  }
+  require_computed_output(arguments.output, {arguments.input}, context);
   const std::shared_ptr<const FileReader> reader = open_octavo(arguments.input, context);
   const VolumeDescription& volume = reader->description();
   if (volume.kind == VolumeKind::labels) {
@@ -78,11 +84,10 @@ void add_condense(CLI::App& app, Context& context) {
   verb.add_option("-o,--output", arguments->output, "The .8vo file to write")
       ->type_name("FILE")
       ->required();
-  verb.add_option("--flat", arguments->flat,
+  verb.add_option("--flat", arguments->flat_text,
                   "The most by which the voxels of a cube may differ, real units")
       ->type_name("T")
-      ->required()
-      ->check(CLI::NonNegativeNumber);
+      ->required();
 }
 
 }  // namespace octavo::cli

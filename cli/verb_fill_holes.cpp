@@ -77,7 +77,7 @@ std::string holes_text(const FilledHoles& filled, const VolumeDescription& volum
 
 int run_fill_holes(const Arguments& arguments, Context& context) {
   const std::optional<double> max_mm3 = asked_max_mm3(arguments);
-  require_free_output(arguments.output, context);
+  require_computed_output(arguments.output, {arguments.input}, context);
   const OpenedMask mask = open_mask(arguments.input, context);
   const VolumeDescription& volume = mask.volume();
   const std::uint64_t largest = max_voxels(max_mm3, arguments, volume);

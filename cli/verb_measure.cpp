@@ -83,6 +83,10 @@ std::vector<Row> rows_of(std::vector<RegionMeasure> regions, const VolumeDescrip
 std::vector<double> asked_percentiles(const Arguments& arguments) {
   std::vector<double> percentiles =
       arguments.percentiles.empty() ? MeasureOptions().percentiles : arguments.percentiles;
+  for (const double percent : percentiles) {
+    if (percent >= 0 && percent <= 100) continue;
+    throw Error(ErrorKind::invalid_argument, "--percentile: must be 0 to 100");
+  }
   std::sort(percentiles.begin(), percentiles.end());
   percentiles.erase(std::unique(percentiles.begin(), percentiles.end()), percentiles.end());
   return percentiles;

@@ -119,7 +119,7 @@ nlohmann::ordered_json made_by_json(const char* name, const Distance& distance,
 int run_morph(const char* name, Operation operation, const Arguments& arguments,
               Context& context) {
   const Distance distance = asked_distance(arguments);
-  require_free_output(arguments.output, context);
+  require_computed_output(arguments.output, {arguments.input}, context);
   const OpenedMask mask = open_mask(arguments.input, context);
   const VolumeDescription& volume = mask.volume();
   const Reach reach = reach_of(distance, arguments, volume);

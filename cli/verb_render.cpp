@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "common/cancel.h"
 #include "common/failure.h"
 #include "common/inputs.h"
 #include "common/quantities.h"
@@ -31,12 +32,14 @@ constexpr VerbText kText = {
     "view: one of 26 directions.\n\n"
     "A label map has one colour per label; --range chooses labels. A grey volume needs --range or\n"
     "--tissue (air, lung, fat, soft, contrast, bone, as in octavo threshold); several are several\n"
-    "colours, and where they overlap the one named first counts. For transparency a\n"
+    "colours; where they overlap tissues go before ranges, then the one named first. For\n"
+    "transparency a\n"
     "range may have a colour and the opacity of one voxel, LOW:HIGH=COLOUR:OPACITY; without any,\n"
     "a volume in HU is drawn as flesh and bone, another one in grey.\n\n"
     "--direction says where the viewer stands: front, back, left, right, top, bottom of the\n"
     "patient, or X,Y,Z in voxels along the axes of the grid. --azimuth 0 is the front, 90 the\n"
-    "patient's left; --elevation 90 is above the head. --cut 'x<120' keeps the voxels below 120.\n"
+    "patient's left; --elevation 90 is above the head. --cut 'x<120' keeps the voxels below 120,\n"
+    "'x>120' those above.\n"
     "--turntable 36 writes NAME-000.png to NAME-035.png, once around the patient.\n\n"
     "Examples:\n"
     "  octavo render head.8vo --tissue bone --direction front -o skull.png\n"
@@ -162,8 +165,11 @@ Drawn draw_pictures(const RenderScene& scene, const std::vector<std::string>& pa
   }
 
   Drawn drawn;
+  // Until all have their names, a signal must not leave temporary files behind.
+  const CancellableWork work;
   std::vector<std::unique_ptr<PendingFile>> files;
   for (std::size_t i = 0; i < paths.size(); ++i) {
+    if (is_cancel_requested()) throw Error(ErrorKind::cancelled, "stopped while drawing");
     const View view = make_view(geometry, size, scene.shown(), viewpoints[i], frame);
     const Clock::time_point start = Clock::now();
     Picture picture = scene.draw(view, background);
@@ -253,10 +259,10 @@ void add_view_options(CLI::App& verb, RenderArguments& arguments) {
   verb.add_option("--background", arguments.background, "Its colour: a name, or #rrggbb")
       ->type_name("COLOUR")
       ->capture_default_str();
-  verb.add_option("--fade", arguments.fade, "How much darker the farthest is than the nearest")
+  verb.add_option("--fade", arguments.fade, "How much darker the farthest is than the nearest;\n"
+                                             "default 0.5; not for transparency")
       ->type_name("0..1")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
+      ->check(CLI::Range(0.0, 1.0));
   verb.add_flag("--no-scale-bar", arguments.no_scale_bar, "Leave the scale bar out");
   verb.add_flag("--no-sides", arguments.no_sides, "Leave the letters R L A P S I out");
   verb.add_flag("--no-legend", arguments.no_legend, "Leave the legend out");

@@ -31,7 +31,9 @@ struct Arguments {
 };
 
 int run_shell(const Arguments& arguments, Context& context) {
-  if (!arguments.output.empty()) require_free_output(arguments.output, context);
+  if (!arguments.output.empty()) {
+    require_computed_output(arguments.output, {arguments.input}, context);
+  }
   const OpenedMask mask = open_mask(arguments.input, context);
   require_memory(3 * mask.tree.memory_bytes(), "the mask and its shell", context);
   std::optional<MaskTree> made;

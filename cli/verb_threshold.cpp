@@ -152,7 +152,7 @@ void report(const Arguments& arguments, const VolumeDescription& volume,
 }
 
 int run_threshold(const Arguments& arguments, Context& context) {
-  require_free_output(arguments.output, context);
+  require_computed_output(arguments.output, {arguments.input}, context);
   const std::shared_ptr<const FileReader> reader = open_octavo(arguments.input, context);
   const VolumeDescription& volume = reader->description();
   nlohmann::ordered_json made_by = {{"operation", "threshold"},

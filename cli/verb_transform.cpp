@@ -90,6 +90,8 @@ struct Plan {
   std::optional<Index3> shift;
   Interpolation interpolation = Interpolation::nearest;
   double outside = 0;
+  /// The metadata of another file's grid that say where its spacing is from.
+  nlohmann::ordered_json spacing_facts = nlohmann::ordered_json::object();
   bool is_placed = false;  ///< the grid is known to lie in a body, whatever is known of the input
 };
 
@@ -373,6 +375,15 @@ Plan resampling(const Arguments& arguments, const FileReader& reader, Context& c
     plan.geometry = other->description().geometry;
     plan.is_placed = !is_unplaced(other->description(), metadata_of(other->description()));
     plan.said += ", on the grid of " + arguments.grid_of;
+    const nlohmann::ordered_json grid_facts = metadata_of(other->description());
+    plan.spacing_facts["spacing_known"] = is_spacing_known(grid_facts);
+    plan.spacing_facts["spacing_source"] = grid_facts.value("spacing_source", "file");
+    if (is_spacing_known(grid_facts) != is_spacing_known(metadata_of(volume))) {
+      const bool is_grid_known = is_spacing_known(grid_facts);
+      context.warn((is_grid_known ? arguments.input : arguments.grid_of) +
+                   ": its spacing is not known and is taken for 1 mm, so that the two grids may "
+                   "not fit together; build it with --spacing");
+    }
   }
   plan.made_by["interpolation"] = kInterpolations[static_cast<std::size_t>(plan.interpolation)];
   plan.made_by["outside"] = volume.kind == VolumeKind::labels
@@ -413,6 +424,9 @@ VolumeDescription new_description(const std::shared_ptr<const FileReader>& reade
   const VolumeDescription& input = reader->description();
   if (!plan.is_placed && is_unplaced(input, metadata_of(input))) {
     volume.metadata_json = with_member(volume.metadata_json, "place_known", "false");
+  }
+  for (const auto& [name, value] : plan.spacing_facts.items()) {
+    volume.metadata_json = with_member(volume.metadata_json, name, value.dump());
   }
   volume.metadata_json = with_member(volume.metadata_json, "made_by", plan.made_by.dump());
   return volume;
@@ -504,7 +518,7 @@ void report(const Arguments& arguments, const Plan& plan, const VolumeDescriptio
 }
 
 int run_transform(const Arguments& arguments, Context& context) {
-  require_free_output(arguments.output, context);
+  require_computed_output(arguments.output, {arguments.input}, context);
   const std::shared_ptr<const FileReader> reader = open_octavo(arguments.input, context);
   const Plan plan = make_plan(arguments, *reader, context);
   const VolumeDescription volume = new_description(reader, plan);

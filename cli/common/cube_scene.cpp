@@ -24,6 +24,7 @@ namespace {
 
 constexpr Colour kIvory = {244, 232, 206};
 constexpr std::size_t kMostLegendRows = 24;
+constexpr double kUsualFade = 0.5;
 
 struct NamedColour {
   const char* name;
@@ -55,7 +56,7 @@ class CubeScene final : public RenderScene {
       : parts_(std::move(parts)),
         context_(context),
         is_surface_(arguments.mode == "surface"),
-        fade_(arguments.fade),
+        fade_(arguments.fade.value_or(kUsualFade)),
         shown_(whole) {}
 
   /// Keeps what lies in a box.

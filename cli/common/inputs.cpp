@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <sstream>
 
 #include "common/cancel.h"
@@ -173,6 +174,20 @@ void require_free_output(const std::string& path, const Context& context) {
   }
   if (type != PathType::missing && !context.force) {
     throw Error(ErrorKind::io, "exists already; --force replaces it", path);
+  }
+}
+
+void require_computed_output(const std::string& path, const std::vector<std::string>& inputs,
+                             const Context& context) {
+  if (!is_octavo_path(path)) {
+    throw Error(ErrorKind::invalid_argument,
+                "the result is an .8vo file; octavo export turns one into other formats", path);
+  }
+  require_free_output(path, context);
+  std::error_code none;
+  for (const std::string& input : inputs) {
+    if (!std::filesystem::equivalent(path, input, none)) continue;
+    throw Error(ErrorKind::invalid_argument, "is the input itself; name another output", path);
   }
 }
 

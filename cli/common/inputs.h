@@ -45,6 +45,11 @@ std::shared_ptr<FileReader> open_octavo(const std::string& path, const Context& 
 /// replaced, so that long work is not done in vain.
 void require_free_output(const std::string& path, const Context& context);
 
+/// require_free_output for a file that is computed from others. Throws Error{invalid_argument} when
+/// `path` does not end in .8vo, or is one of `inputs`, even with --force.
+void require_computed_output(const std::string& path, const std::vector<std::string>& inputs,
+                             const Context& context);
+
 /// Opens a scan, in a process of its own where libraries of others read it, and passes its warnings
 /// on. With --strict a warning that comes up later, while
 /// planes are read, is an error as well.

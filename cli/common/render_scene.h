@@ -31,7 +31,7 @@ struct RenderArguments {
   std::vector<std::string> cuts;
   int level = 0;
   int turntable = 0;
-  double fade = 0.5;
+  std::optional<double> fade;
   bool is_average = false;  ///< of mode transparency
   std::string window;       ///< of mode transparency; none: automatic
   bool no_scale_bar = false;
@@ -61,7 +61,7 @@ std::unique_ptr<RenderScene> make_cube_scene(const std::shared_ptr<const FileRea
                                              const RenderArguments& arguments, Context& context);
 
 /// The samples of a level that the planes of --cut leave: "x<120" keeps those below 120, "x>120"
-/// those from 120 on, in samples of level 0.
+/// those above it, in samples of level 0.
 /// Throws Error{invalid_argument} when a text is no plane or nothing is left.
 Box kept_box(const std::vector<std::string>& cuts, const FileReader& reader, int level);
 

@@ -16,6 +16,7 @@
 #include "common/volume_json.h"
 #include "octavo/render/label_colour.h"
 #include "octavo/render/transparency.h"
+#include "octavo/render/voxel_lines.h"
 
 namespace octavo::cli {
 
@@ -137,6 +138,7 @@ class TransparencyScene final : public RenderScene {
     options.background = background;
     if (!options.is_average && window_) options.window = window_;
     TransparencyPicture drawn;
+    require_memory(memory_bytes(view), "light along lines of voxels", context_);
     ProgressLine progress(context_);
     on_threads(context_, [&] {
       drawn = render_transparency(*reader_, view, options, progress);
@@ -145,6 +147,18 @@ class TransparencyScene final : public RenderScene {
     if (!options.is_average) window_ = drawn.window;
     counts_ = drawn.counts;
     return std::move(drawn.picture);
+  }
+
+  // Of the light of all lines, and of the picture.
+  std::uint64_t memory_bytes(const View& view) const {
+    const Geometry geometry =
+        reader_->levels().geometry(reader_->description().geometry, options_.level);
+    const VoxelLines lines = voxel_lines(reader_->levels().size(options_.level),
+                                         nearest_lines(geometry, view.toward).toward.reversed());
+    constexpr std::uint64_t kLineBytes = 48;
+    return static_cast<std::uint64_t>(lines.width) * static_cast<std::uint64_t>(lines.height) *
+               kLineBytes +
+           static_cast<std::uint64_t>(view.width * view.height) * 3;
   }
 
   std::vector<LegendRow> legend() const override {
@@ -238,6 +252,9 @@ void add_transparency_options(CLI::App& verb, RenderArguments& arguments) {
 }
 
 void check_transparency_options(const RenderArguments& arguments) {
+  if (arguments.mode == "transparency" && arguments.fade) {
+    throw Error(ErrorKind::invalid_argument, "--fade is for --mode cubes and surface");
+  }
   const bool is_asked = arguments.is_average || !arguments.window.empty();
   if (arguments.mode != "transparency") {
     if (!is_asked) return;

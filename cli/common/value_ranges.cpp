@@ -86,7 +86,8 @@ ValueWindow stored_window(const AskedRange& range, const VolumeDescription& volu
   if (is_stored || rescale.is_identity()) return {range.lowest, range.highest};
   if (rescale.slope == 0) {
     throw Error(ErrorKind::invalid_argument,
-                "the volume's rescale slope is 0; give the range with --stored");
+                "the volume's rescale slope is 0: all its voxels have one real value, which no "
+                "range tells apart");
   }
   // A falling scale is a rising one of mirrored ends.
   const bool is_falling = rescale.slope < 0;

@@ -96,6 +96,11 @@ class FlatCubes final : public PlaneSource {
   const VolumeDescription& description() const override { return description_; }
   const std::vector<std::string>& warnings() const override { return warnings_; }
 
+  std::uint64_t resident_bytes() const override {
+    return static_cast<std::uint64_t>(size_.x * size_.y * std::min(size_.z, kSide) *
+                                      bytes_per_voxel(description_.type));
+  }
+
   void read_plane(std::span<std::byte> plane) override {
     const auto bytes =
         static_cast<std::size_t>(size_.x * size_.y * bytes_per_voxel(description_.type));

@@ -39,6 +39,10 @@ T voxel_of(double value) {
   }
 }
 
+// The voxel at or before a point. Its neighbors are counted from it: a point moved by whole voxels
+// may round to another one.
+std::int64_t voxel_at(double point) { return static_cast<std::int64_t>(std::floor(point)); }
+
 // Where a map takes the centres of a box: the least and the greatest coordinate on each axis.
 struct Extent {
   Point3 lo{};
@@ -168,8 +172,7 @@ class Resampler::Tile {
 
   // How far a voxel lies from the first one that was read, on one axis; those outside the source
   // are the ones at its border.
-  std::int64_t distance(int axis, double at) const {
-    const auto voxel = static_cast<std::int64_t>(std::floor(at));
+  std::int64_t distance(int axis, std::int64_t voxel) const {
     const Size3 size = needed_.size();
     const std::int64_t stride = axis == 0 ? 1 : axis == 1 ? size.x : size.x * size.y;
     return stride * (std::clamp(voxel, needed_.lo[axis], needed_.hi[axis] - 1) - needed_.lo[axis]);
@@ -229,7 +232,7 @@ class Resampler::Tile {
       if (follows != axis) continue;
       const double p = of_.to_source_.offset[static_cast<std::size_t>(s)] + m[axis] * at;
       if (!is_inside(p, of_.size_[s])) return {};
-      sum += distance(s, p + 0.5 + kRoundingSlack);
+      sum += distance(s, voxel_at(p + 0.5 + kRoundingSlack));
     }
     return sum;
   }
@@ -256,7 +259,8 @@ class Resampler::Tile {
   void copy_nearest(const T* source) const {
     constexpr double kHalf = 0.5 + kRoundingSlack;
     for_each_inside<T>([&](T& voxel, double x, double y, double z) {
-      voxel = source[distance(0, x + kHalf) + distance(1, y + kHalf) + distance(2, z + kHalf)];
+      voxel = source[distance(0, voxel_at(x + kHalf)) + distance(1, voxel_at(y + kHalf)) +
+                     distance(2, voxel_at(z + kHalf))];
     });
   }
 
@@ -275,36 +279,42 @@ class Resampler::Tile {
 
   template <class T>
   double linear_at(const T* source, double x, double y, double z) const {
-    const double tx = x - std::floor(x);
-    const double ty = y - std::floor(y);
-    const double tz = z - std::floor(z);
-    const std::int64_t x0 = distance(0, x);
-    const std::int64_t x1 = distance(0, x + 1);
+    const std::int64_t vx = voxel_at(x);
+    const std::int64_t vy = voxel_at(y);
+    const std::int64_t vz = voxel_at(z);
+    const double tx = x - as_double(vx);
+    const double ty = y - as_double(vy);
+    const double tz = z - as_double(vz);
+    const std::int64_t x0 = distance(0, vx);
+    const std::int64_t x1 = distance(0, vx + 1);
     const auto along_x = [&](std::int64_t at) {
       return as_value(source[at + x0]) * (1 - tx) + as_value(source[at + x1]) * tx;
     };
-    const std::int64_t y0 = distance(1, y);
-    const std::int64_t y1 = distance(1, y + 1);
+    const std::int64_t y0 = distance(1, vy);
+    const std::int64_t y1 = distance(1, vy + 1);
     const auto along_y = [&](std::int64_t at) {
       return along_x(at + y0) * (1 - ty) + along_x(at + y1) * ty;
     };
-    return along_y(distance(2, z)) * (1 - tz) + along_y(distance(2, z + 1)) * tz;
+    return along_y(distance(2, vz)) * (1 - tz) + along_y(distance(2, vz + 1)) * tz;
   }
 
   template <class T>
   double cubic_at(const T* source, double x, double y, double z) const {
-    const std::array<double, 4> wx = cubic_weights(x - std::floor(x));
-    const std::array<double, 4> wy = cubic_weights(y - std::floor(y));
-    const std::array<double, 4> wz = cubic_weights(z - std::floor(z));
+    const std::int64_t vx = voxel_at(x);
+    const std::int64_t vy = voxel_at(y);
+    const std::int64_t vz = voxel_at(z);
+    const std::array<double, 4> wx = cubic_weights(x - as_double(vx));
+    const std::array<double, 4> wy = cubic_weights(y - as_double(vy));
+    const std::array<double, 4> wz = cubic_weights(z - as_double(vz));
     std::array<std::int64_t, 4> dx{};
     std::array<std::int64_t, 4> dy{};
-    for (std::size_t i = 0; i < 4; ++i) {
-      dx[i] = distance(0, x + static_cast<double>(i) - 1);
-      dy[i] = distance(1, y + static_cast<double>(i) - 1);
+    for (std::int64_t i = 0; i < 4; ++i) {
+      dx[as_index(i)] = distance(0, vx + i - 1);
+      dy[as_index(i)] = distance(1, vy + i - 1);
     }
     double sum = 0;
     for (std::size_t k = 0; k < 4; ++k) {
-      const T* const plane = source + distance(2, z + static_cast<double>(k) - 1);
+      const T* const plane = source + distance(2, vz + static_cast<std::int64_t>(k) - 1);
       double of_plane = 0;
       for (std::size_t j = 0; j < 4; ++j) {
         const T* const row = plane + dy[j];

@@ -309,8 +309,9 @@ std::vector<DensityRange> hounsfield_ranges(double finest_mm, bool is_average) {
   // Opacities of a layer of 1 mm. What veils must be thinner than what only adds.
   const double flesh = is_average ? 0.004 : 0.015;
   const double bone = is_average ? 0.04 : 0.1;
+  const double below_bone = std::nextafter(226.0, 0.0);
   std::vector<DensityRange> ranges = {{-250, -30, {255, 214, 160}, flesh},
-                                      {-29, 225, {224, 96, 74}, flesh},
+                                      {-30, below_bone, {224, 96, 74}, flesh},
                                       {226, kInfinity, {255, 250, 235}, bone}};
   for (DensityRange& range : ranges) range.opacity = 1 - std::pow(1 - range.opacity, finest_mm);
   return ranges;

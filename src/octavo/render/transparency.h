@@ -66,7 +66,7 @@ struct TransparencyPicture {
 /// Runs on the threads of the calling task arena; the picture does not depend on how many.
 /// Throws Error{invalid_argument} when the view is of another grid or does not look along one of
 /// the 26 directions, or the ramp or a window has no width; and what sum_along_lines throws.
-/// Memory  40 bytes per line of voxels and 3 per pixel, besides that of line_light.h
+/// Memory  up to 48 bytes per line of voxels and 3 per pixel, besides that of line_light.h
 TransparencyPicture render_transparency(const FileReader& reader, const View& view,
                                         const TransparencyOptions& options, Progress& progress);
 

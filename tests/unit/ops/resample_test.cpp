@@ -201,6 +201,21 @@ TEST(Resampler, GivesWhatTheDefinitionSaysForAnyMap) {
   }
 }
 
+// One whole voxel more may round a point to the voxel behind the next.
+TEST(Resampler, CountsNeighborsFromTheVoxelBeforeAPoint) {
+  const Opened opened(wave<std::int16_t>({20, 3, 2}));
+  const double points[] = {-1e-17, -5e-17, std::nextafter(2.0, 0), std::nextafter(4.0, 0),
+                           std::nextafter(8.0, 0), std::nextafter(16.0, 0)};
+  for (const double first : points) {
+    for (const Interpolation way : kAll) {
+      Affine map;
+      map.linear[0] = 0.5;
+      map.offset[0] = first;
+      expect_resampled(*opened.reader, 0, map, {40, 3, 2}, way, 5);
+    }
+  }
+}
+
 TEST(Resampler, GivesCoarserLevelsAndEveryType) {
   std::mt19937 random(2);
   const Size3 grid{30, 20, 37};
