@@ -175,6 +175,37 @@ class Masks(cli_test.InFolder):
         self.assertIn("principal_axis_3_z", row)
         self.assertIn("principal_moment_1_mm2", row)
 
+    def test_an_input_is_never_the_output(self):
+        self.threshold("a.8vo", "40:")
+        before = {name: (self.folder / name).read_bytes() for name in ("a.8vo", "v.8vo")}
+        for arguments in [
+            ("threshold", "v.8vo", "--range", "40:", "-o", "./v.8vo"),
+            ("condense", "v.8vo", "--flat", "5", "-o", "v.8vo"),
+            ("transform", "v.8vo", "--mirror", "x", "-o", "v.8vo"),
+            ("combine", "a.8vo", "a.8vo", "--union", "-o", "a.8vo"),
+            ("components", "a.8vo", "-o", "a.8vo"),
+            ("fill-holes", "a.8vo", "-o", "a.8vo"),
+            ("dilate", "a.8vo", "--mm", "1", "-o", "a.8vo"),
+            ("shell", "a.8vo", "-o", "a.8vo"),
+        ]:
+            told = self.expect(2, *arguments, "--force")
+            self.assertIn("is the input itself", told.stderr)
+        for name, whole in before.items():
+            self.assertEqual((self.folder / name).read_bytes(), whole)
+
+    def test_results_are_octavo_files(self):
+        told = self.expect(2, "threshold", "v.8vo", "--range", "40:", "-o", "mask.nrrd")
+        self.assertIn("octavo export", told.stderr)
+        self.assertFalse((self.folder / "mask.nrrd").exists())
+
+    def test_numbers_that_are_none_are_refused(self):
+        self.threshold("a.8vo", "40:")
+        for arguments in [("components", "a.8vo", "--min-mm3", "nan"),
+                          ("measure", "a.8vo", "--of", "v.8vo", "--percentile", "nan"),
+                          ("condense", "v.8vo", "--flat", "nan", "-o", "c.8vo"),
+                          ("condense", "v.8vo", "--flat=-1", "-o", "c.8vo")]:
+            self.expect(2, *arguments)
+
     def test_refusals_name_the_reason(self):
         self.threshold("m.8vo", "40:")
         voxels = bytes(8)
