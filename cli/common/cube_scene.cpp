@@ -31,9 +31,9 @@ struct NamedColour {
   Colour colour;
 };
 
-constexpr NamedColour kTissueColours[] = {
-    {"air", {150, 190, 235}},  {"lung", {215, 165, 175}},    {"fat", {240, 205, 110}},
-    {"soft", {205, 110, 90}},  {"contrast", {220, 50, 50}},  {"bone", kIvory}};
+constexpr NamedColour kTissueColours[] = {{"air", {150, 190, 235}},    {"lung", {215, 165, 175}},
+                                          {"fat", {240, 205, 110}},    {"soft", {205, 110, 90}},
+                                          {"contrast", {220, 50, 50}}, {"bone", kIvory}};
 
 Colour tissue_colour(const std::string& name) {
   for (const NamedColour& tissue : kTissueColours) {
@@ -90,8 +90,7 @@ class CubeScene final : public RenderScene {
     std::vector<PaintedMask> masks;
     for (const Part& part : parts_) masks.push_back({&part.tree, part.colour});
     Picture picture;
-    on_threads(context_,
-               [&] { picture = draw_cubes(masks, view, {background, fade_, shown_}); });
+    on_threads(context_, [&] { picture = draw_cubes(masks, view, {background, fade_, shown_}); });
     return picture;
   }
 
@@ -114,8 +113,8 @@ class CubeScene final : public RenderScene {
   std::string counts_text() const override {
     if (!is_surface_) return fmt::format("{} leaves", count_text(leaves_));
     const std::int64_t removed = leaves_ - drawn_;
-    const double share = leaves_ == 0 ? 0 : 100 * static_cast<double>(removed) /
-                                                static_cast<double>(leaves_);
+    const double share =
+        leaves_ == 0 ? 0 : 100 * static_cast<double>(removed) / static_cast<double>(leaves_);
     return fmt::format("{} of {} leaves, {} hidden ones removed ({:.1f} %)", count_text(drawn_),
                        count_text(leaves_), count_text(removed), share);
   }
@@ -123,16 +122,9 @@ class CubeScene final : public RenderScene {
  private:
   /// What the masks fill; the whole level where they are empty.
   void set_shown() {
-    bool is_first = true;
-    for (const Part& part : parts_) {
-      const Box box = bounding_box(part.tree);
-      if (box.is_empty()) continue;
-      for (int axis = 0; axis < 3; ++axis) {
-        shown_.lo[axis] = is_first ? box.lo[axis] : std::min(shown_.lo[axis], box.lo[axis]);
-        shown_.hi[axis] = is_first ? box.hi[axis] : std::max(shown_.hi[axis], box.hi[axis]);
-      }
-      is_first = false;
-    }
+    Box filled;
+    for (const Part& part : parts_) filled = united(filled, bounding_box(part.tree));
+    if (!filled.is_empty()) shown_ = filled;
   }
 
   std::vector<Part> parts_;
@@ -236,9 +228,8 @@ Box kept_box(const std::vector<std::string>& cuts, const FileReader& reader, int
     const auto a = static_cast<int>(axis);
     const std::int64_t voxels = levels.size(0)[a];
     if (index < 0 || index >= voxels) {
-      throw Error(ErrorKind::invalid_argument,
-                  fmt::format("--cut: '{}'; {} runs from 0 to {}", escaped(text), text[0],
-                              voxels - 1));
+      throw Error(ErrorKind::invalid_argument, fmt::format("--cut: '{}'; {} runs from 0 to {}",
+                                                           escaped(text), text[0], voxels - 1));
     }
     const int halvings = levels.halving_count(level, a);
     if (text[1] == '<') {

@@ -147,13 +147,10 @@ class FlatCubes final : public PlaneSource {
   template <class Visit>
   void visit_bricks(const Box& block, Visit visit) const {
     const Size3 side = reader_->levels().brick_side(0);
-    for (std::int64_t z = block.lo.z / side.z; z * side.z < block.hi.z; ++z) {
-      for (std::int64_t y = block.lo.y / side.y; y * side.y < block.hi.y; ++y) {
-        for (std::int64_t x = block.lo.x / side.x; x * side.x < block.hi.x; ++x) {
-          visit(reader_->brick(0, {x, y, z}), reader_->levels().brick_box(0, {x, y, z}));
-        }
-      }
-    }
+    visit_cells(block, side, [&](const Index3& brick) {
+      visit(reader_->brick(0, brick), reader_->levels().brick_box(0, brick));
+      return true;
+    });
   }
 
   Block decoded(const Index3& place) const {
@@ -170,8 +167,8 @@ class FlatCubes final : public PlaneSource {
         using T = typename decltype(id)::type;
         const std::byte* from = voxels.data();
         for (std::int64_t i = 0; i < size.y * size.z; ++i) {
-          std::int64_t* const row = block.row(part.lo.y - box.lo.y + i % size.y,
-                                              part.lo.z - box.lo.z + i / size.y);
+          std::int64_t* const row =
+              block.row(part.lo.y - box.lo.y + i % size.y, part.lo.z - box.lo.z + i / size.y);
           for (std::int64_t x = 0; x < size.x; ++x, from += sizeof(T)) {
             T value;
             std::memcpy(&value, from, sizeof value);
@@ -265,8 +262,8 @@ class FlatCubes final : public PlaneSource {
 
   void make_layer(std::int64_t z) {
     const std::int64_t planes = std::min(kSide, size_.z - z * kSide);
-    layer_.resize(static_cast<std::size_t>(size_.x * size_.y * planes *
-                                           bytes_per_voxel(description_.type)));
+    layer_.resize(
+        static_cast<std::size_t>(size_.x * size_.y * planes * bytes_per_voxel(description_.type)));
     for_each_(grid_.x * grid_.y, [&](std::int64_t i) {
       const Index3 cell{i % grid_.x, i / grid_.x, z};
       const std::int64_t mean = means_[place(grid_, cell)];
@@ -309,7 +306,7 @@ class FlatCubes final : public PlaneSource {
   Size3 grid_;                       // of blocks
   std::vector<std::int64_t> means_;  // of each block's large cube, or kNone
   std::vector<std::string> warnings_;
-  std::vector<std::byte> layer_;     // 64 planes
+  std::vector<std::byte> layer_;  // 64 planes
   std::int64_t next_ = 0;
 };
 

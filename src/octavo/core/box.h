@@ -41,8 +41,8 @@ struct Box {
     return p.x >= lo.x && p.x < hi.x && p.y >= lo.y && p.y < hi.y && p.z >= lo.z && p.z < hi.z;
   }
   bool contains(const Box& b) const {
-    return b.lo.x >= lo.x && b.hi.x <= hi.x && b.lo.y >= lo.y && b.hi.y <= hi.y &&
-           b.lo.z >= lo.z && b.hi.z <= hi.z;
+    return b.lo.x >= lo.x && b.hi.x <= hi.x && b.lo.y >= lo.y && b.hi.y <= hi.y && b.lo.z >= lo.z &&
+           b.hi.z <= hi.z;
   }
 };
 
@@ -57,6 +57,31 @@ inline Box intersection(const Box& a, const Box& b) {
     r.hi[axis] = std::max(r.lo[axis], std::min(a.hi[axis], b.hi[axis]));
   }
   return r;
+}
+
+/// The smallest box around two; an empty one counts for nothing.
+inline Box united(const Box& a, const Box& b) {
+  if (a.is_empty()) return b;
+  if (b.is_empty()) return a;
+  Box r;
+  for (int axis = 0; axis < 3; ++axis) {
+    r.lo[axis] = std::min(a.lo[axis], b.lo[axis]);
+    r.hi[axis] = std::max(a.hi[axis], b.hi[axis]);
+  }
+  return r;
+}
+
+/// Calls visit(place) for the cells of a grid that a box meets, x fastest, until it gives false.
+/// side  of a cell; the first one begins at 0
+template <class Visit>
+void visit_cells(const Box& box, const Size3& side, Visit&& visit) {
+  for (std::int64_t z = box.lo.z / side.z; z * side.z < box.hi.z; ++z) {
+    for (std::int64_t y = box.lo.y / side.y; y * side.y < box.hi.y; ++y) {
+      for (std::int64_t x = box.lo.x / side.x; x * side.x < box.hi.x; ++x) {
+        if (!visit(Index3{x, y, z})) return;
+      }
+    }
+  }
 }
 
 }  // namespace octavo

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "octavo/core/levels.h"
+#include "octavo/core/word_steps.h"
 
 namespace octavo {
 
@@ -82,9 +83,8 @@ bool is_valid_cube(const MaskTree& tree, int rank, const MaskCube& cube,
 bool lies_in_volume(const MaskTree& tree) {
   const Box volume = box_of(tree.size());
   bool is_inside = true;
-  for_each_leaf(tree, [&](const OCode& leaf) {
-    is_inside = is_inside && volume.contains(box_of(leaf));
-  });
+  for_each_leaf(tree,
+                [&](const OCode& leaf) { is_inside = is_inside && volume.contains(box_of(leaf)); });
   return is_inside;
 }
 
@@ -149,6 +149,20 @@ Box child_box(const Index3& corner, int bit, std::int64_t side) noexcept {
   const Index3 at = deinterleave(static_cast<std::uint64_t>(bit));
   const Index3 lo{corner.x + at.x * side, corner.y + at.y * side, corner.z + at.z * side};
   return {lo, {lo.x + side, lo.y + side, lo.z + side}};
+}
+
+Box box_of_children(std::uint64_t bits, const Index3& corner, std::int64_t side) noexcept {
+  Box box;
+  if (bits == 0) return box;
+  for (int axis = 0; axis < 3; ++axis) {
+    int lowest = 0;
+    int highest = 3;
+    while ((bits & slab_of(axis, lowest)) == 0) ++lowest;
+    while ((bits & slab_of(axis, highest)) == 0) --highest;
+    box.lo[axis] = corner[axis] + lowest * side;
+    box.hi[axis] = corner[axis] + (highest + 1) * side;
+  }
+  return box;
 }
 
 bool is_valid(const MaskTree& tree) {

@@ -119,6 +119,9 @@ constexpr std::int64_t child_side(int rank) noexcept { return std::int64_t{1} <<
 /// long.
 Box child_box(const Index3& corner, int bit, std::int64_t side) noexcept;
 
+/// The smallest box around the children whose bits are set; empty when none is.
+Box box_of_children(std::uint64_t bits, const Index3& corner, std::int64_t side) noexcept;
+
 /// The 8 octants of a word that are full: bit 8 * octant of the result is set.
 constexpr std::uint64_t full_octants(std::uint64_t word) noexcept {
   word &= word >> 1;

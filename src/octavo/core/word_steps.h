@@ -11,19 +11,19 @@
 
 namespace octavo {
 
+/// Where bits 0 and 1 of x, y and z stand in the number of a bit.
+inline constexpr std::array<int, 3> kLowPlace = {1, 0, 2};
+inline constexpr std::array<int, 3> kHighPlace = {4, 3, 5};
+
 namespace word_detail {
 
 // The bits at which an axis has a coordinate, [axis][0..3].
 constexpr std::array<std::array<std::uint64_t, 4>, 3> kSlabs = [] {
-  // Where bits 0 and 1 of a coordinate stand in the index of a bit.
-  constexpr int kLow[3] = {1, 0, 2};
-  constexpr int kHigh[3] = {4, 3, 5};
   std::array<std::array<std::uint64_t, 4>, 3> slabs{};
-  for (int axis = 0; axis < 3; ++axis) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
     for (int bit = 0; bit < 64; ++bit) {
-      const int at = (bit >> kLow[axis] & 1) + 2 * (bit >> kHigh[axis] & 1);
-      slabs[static_cast<std::size_t>(axis)][static_cast<std::size_t>(at)] |= std::uint64_t{1}
-                                                                             << bit;
+      const int at = (bit >> kLowPlace[axis] & 1) + 2 * (bit >> kHighPlace[axis] & 1);
+      slabs[axis][static_cast<std::size_t>(at)] |= std::uint64_t{1} << bit;
     }
   }
   return slabs;
@@ -45,8 +45,8 @@ constexpr std::uint64_t slab_of(int axis, int at) noexcept {
 constexpr std::uint64_t step_up(std::uint64_t word, int axis) noexcept {
   const auto a = static_cast<std::size_t>(axis);
   const std::uint64_t even = slab_of(axis, 0) | slab_of(axis, 2);
-  return (word & even) << word_detail::kStep[a] |
-         (word & slab_of(axis, 1)) << word_detail::kAcross[a];
+  return (word & even) << word_detail::kStep[a] | (word & slab_of(axis, 1))
+                                                      << word_detail::kAcross[a];
 }
 
 /// Every bit one step down an axis; those at 0 fall out.

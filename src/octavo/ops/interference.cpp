@@ -14,21 +14,9 @@ namespace octavo {
 
 namespace {
 
-void include(const Box& more, Box& box) {
-  if (more.is_empty()) return;
-  if (box.is_empty()) {
-    box = more;
-    return;
-  }
-  for (int axis = 0; axis < 3; ++axis) {
-    box.lo[axis] = std::min(box.lo[axis], more.lo[axis]);
-    box.hi[axis] = std::max(box.hi[axis], more.hi[axis]);
-  }
-}
-
 void add(const VoxelExtent& from, VoxelExtent& to) {
   to.voxel_count += from.voxel_count;
-  include(from.box, to.box);
+  to.box = united(to.box, from.box);
 }
 
 // Adds 64 children of `side` voxels, of which those with set bits count.
@@ -36,16 +24,7 @@ void add_children(std::uint64_t bits, const Index3& corner, std::int64_t side, V
   if (bits == 0) return;
   to.voxel_count += static_cast<std::uint64_t>(std::popcount(bits)) *
                     static_cast<std::uint64_t>(side * side * side);
-  Box box;
-  for (int axis = 0; axis < 3; ++axis) {
-    int lowest = 0;
-    int highest = 3;
-    while ((bits & slab_of(axis, lowest)) == 0) ++lowest;
-    while ((bits & slab_of(axis, highest)) == 0) --highest;
-    box.lo[axis] = corner[axis] + lowest * side;
-    box.hi[axis] = corner[axis] + (highest + 1) * side;
-  }
-  include(box, to.box);
+  to.box = united(to.box, box_of_children(bits, corner, side));
 }
 
 Interference sum(Interference a, const Interference& b) {
@@ -89,8 +68,7 @@ class Meeting {
     if (rank == 0) {
       for (std::uint64_t left = entered; left != 0; left &= left - 1) {
         const int bit = std::countr_zero(left);
-        meet_words(child_box(corner, bit, side).lo,
-                   words_around_child(a_, a, bit, connectivity_),
+        meet_words(child_box(corner, bit, side).lo, words_around_child(a_, a, bit, connectivity_),
                    words_around_child(b_, b, bit, connectivity_), found);
       }
       return found;

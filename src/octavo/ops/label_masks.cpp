@@ -94,8 +94,7 @@ class CubeLabels {
           labels_.data() + ((at.z * kCubeSide + at.y) * kCubeSide + at.x) * 4;
       std::uint64_t left = kFullWord;
       while (left != 0) {
-        const std::int64_t label =
-            first[kPlaces[static_cast<std::size_t>(std::countr_zero(left))]];
+        const std::int64_t label = first[kPlaces[static_cast<std::size_t>(std::countr_zero(left))]];
         std::uint64_t bits = 0;
         for (std::uint64_t look = left; look != 0; look &= look - 1) {
           const auto bit = static_cast<std::size_t>(std::countr_zero(look));
@@ -105,9 +104,8 @@ class CubeLabels {
         left &= ~bits;
       }
     }
-    std::stable_sort(words_.begin(), words_.end(), [](const LabelWord& a, const LabelWord& b) {
-      return a.label < b.label;
-    });
+    std::stable_sort(words_.begin(), words_.end(),
+                     [](const LabelWord& a, const LabelWord& b) { return a.label < b.label; });
     return words_;
   }
 
@@ -177,8 +175,8 @@ class LabelMasks {
 
   std::vector<LabelPart> parts_of(const Index3& cube) {
     const Index3 lo{cube.x * kCubeSide, cube.y * kCubeSide, cube.z * kCubeSide};
-    const Box box = intersection(box_of(size_), {lo, {lo.x + kCubeSide, lo.y + kCubeSide,
-                                                      lo.z + kCubeSide}});
+    const Box box =
+        intersection(box_of(size_), {lo, {lo.x + kCubeSide, lo.y + kCubeSide, lo.z + kCubeSide}});
     const std::optional<std::int64_t> only = only_label(box);
     if (only == 0) return {};
     CubeLabels& labels = labels_.local();
@@ -210,16 +208,12 @@ class LabelMasks {
     if (level_ != 0) return std::nullopt;
     const Size3 side = reader_.levels().brick_side(0);
     std::optional<std::int64_t> only;
-    for (std::int64_t z = box.lo.z; z < box.hi.z; z += side.z) {
-      for (std::int64_t y = box.lo.y; y < box.hi.y; y += side.y) {
-        for (std::int64_t x = box.lo.x; x < box.hi.x; x += side.x) {
-          const BrickEntry entry = reader_.brick(0, {x / side.x, y / side.y, z / side.z});
-          if (entry.range.min != entry.range.max) return std::nullopt;
-          if (only && *only != entry.range.min) return std::nullopt;
-          only = entry.range.min;
-        }
-      }
-    }
+    visit_cells(box, side, [&](const Index3& brick) {
+      const ValueRange range = reader_.brick(0, brick).range;
+      const bool is_same = range.min == range.max && range.min == only.value_or(range.min);
+      only = is_same ? std::optional(range.min) : std::nullopt;
+      return is_same;
+    });
     return only;
   }
 
@@ -237,9 +231,9 @@ class LabelMasks {
     std::vector<LabelMask> masks;
     for (std::size_t begin = 0; begin < parts_.size();) {
       if (masks.size() == kMostLabelMasks) {
-        throw Error(ErrorKind::limit_exceeded,
-                    "there are more than " + std::to_string(kMostLabelMasks) +
-                        " labels; choose some of them by a range");
+        throw Error(ErrorKind::limit_exceeded, "there are more than " +
+                                                   std::to_string(kMostLabelMasks) +
+                                                   " labels; choose some of them by a range");
       }
       const std::int64_t label = parts_[begin].label;
       std::vector<MaskPart> parts;

@@ -5,12 +5,13 @@
 #include <cstddef>
 #include <cstring>
 
+#include "octavo/codec/simd_targets.h"
 #include "octavo/core/voxel_type.h"
+#include "octavo/core/word_steps.h"
 #include "octavo/ops/moment_sums.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "octavo/ops/mask_kernels.cpp"
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -70,12 +71,15 @@ void find_rows(const BrickView& block, const void* lowest, const void* highest,
   });
 }
 
-// The bits of a word whose index has bit k.
-constexpr std::uint64_t kHas[6] = {0xaaaaaaaaaaaaaaaa, 0xcccccccccccccccc, 0xf0f0f0f0f0f0f0f0,
-                                   0xff00ff00ff00ff00, 0xffff0000ffff0000, 0xffffffff00000000};
-// Where the bits of a coordinate stand in the index of a bit.
-constexpr std::size_t kLow[3] = {1, 0, 2};
-constexpr std::size_t kHigh[3] = {4, 3, 5};
+// The bits whose coordinate on an axis is 1 or 3, and those where it is 2 or 3.
+constexpr std::uint64_t odd_bits(std::size_t axis) {
+  return slab_of(static_cast<int>(axis), 1) | slab_of(static_cast<int>(axis), 3);
+}
+constexpr std::uint64_t high_bits(std::size_t axis) {
+  return slab_of(static_cast<int>(axis), 2) | slab_of(static_cast<int>(axis), 3);
+}
+constexpr std::uint64_t kOdd[3] = {odd_bits(0), odd_bits(1), odd_bits(2)};
+constexpr std::uint64_t kHigh[3] = {high_bits(0), high_bits(1), high_bits(2)};
 
 HWY_INLINE std::int64_t count_of(std::uint64_t word) { return std::popcount(word); }
 
@@ -83,18 +87,18 @@ HWY_INLINE SmallSums sums_of_one(std::uint64_t word) {
   SmallSums sums;
   sums.count = count_of(word);
   for (std::size_t a = 0; a < 3; ++a) {
-    const std::uint64_t low = word & kHas[kLow[a]];
-    const std::uint64_t high = word & kHas[kHigh[a]];
-    sums.first[a] = count_of(low) + 2 * count_of(high);
-    sums.second[a] = count_of(low) + 4 * count_of(high) + 4 * count_of(low & high);
+    const std::uint64_t odd = word & kOdd[a];
+    const std::uint64_t high = word & kHigh[a];
+    sums.first[a] = count_of(odd) + 2 * count_of(high);
+    sums.second[a] = count_of(odd) + 4 * count_of(high) + 4 * count_of(odd & high);
   }
   for (std::size_t i = 3; i < 6; ++i) {
     const std::size_t a = MomentSums::kPairs[i][0];
     const std::size_t b = MomentSums::kPairs[i][1];
-    const std::uint64_t low = word & kHas[kLow[a]];
-    const std::uint64_t high = word & kHas[kHigh[a]];
-    sums.second[i] = count_of(low & kHas[kLow[b]]) + 2 * count_of(low & kHas[kHigh[b]]) +
-                     2 * count_of(high & kHas[kLow[b]]) + 4 * count_of(high & kHas[kHigh[b]]);
+    const std::uint64_t odd = word & kOdd[a];
+    const std::uint64_t high = word & kHigh[a];
+    sums.second[i] = count_of(odd & kOdd[b]) + 2 * count_of(odd & kHigh[b]) +
+                     2 * count_of(high & kOdd[b]) + 4 * count_of(high & kHigh[b]);
   }
   return sums;
 }
@@ -105,7 +109,8 @@ void add_words(std::uint64_t mixed, const std::uint64_t* words, SmallSums& all) 
     const SmallSums sums = sums_of_one(*words++);
     std::int64_t corner[3];
     for (std::size_t a = 0; a < 3; ++a) {
-      corner[a] = static_cast<std::int64_t>(4 * (bit >> kLow[a] & 1) + 8 * (bit >> kHigh[a] & 1));
+      corner[a] =
+          static_cast<std::int64_t>(4 * (bit >> kLowPlace[a] & 1) + 8 * (bit >> kHighPlace[a] & 1));
       all.first[a] += sums.first[a] + corner[a] * sums.count;
     }
     for (std::size_t i = 0; i < 6; ++i) {

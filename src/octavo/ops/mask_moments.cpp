@@ -12,13 +12,6 @@ namespace octavo {
 
 namespace {
 
-// The bits of a word whose index has bit k.
-constexpr std::uint64_t kHas[6] = {0xaaaaaaaaaaaaaaaa, 0xcccccccccccccccc, 0xf0f0f0f0f0f0f0f0,
-                                   0xff00ff00ff00ff00, 0xffff0000ffff0000, 0xffffffff00000000};
-// Where the bits of a coordinate stand in the index of a bit.
-constexpr std::size_t kLow[3] = {1, 0, 2};
-constexpr std::size_t kHigh[3] = {4, 3, 5};
-
 // The voxels of `sums`, counted from `corner`, counted from the volume's first voxel.
 void move(MomentSums& sums, const Index3& corner) {
   const std::array<__int128, 3> by = {corner.x, corner.y, corner.z};
@@ -57,32 +50,13 @@ void add_children(std::uint64_t bits, std::int64_t side, const Index3& corner, M
         s * s * (s * s * s * cells.second[a] + 2 * s * line * sum + squares * cells.count);
   }
   for (std::size_t i = 3; i < 6; ++i) {
-    const __int128 sum = cells.first[MomentSums::kPairs[i][0]] +
-                         cells.first[MomentSums::kPairs[i][1]];
+    const __int128 sum =
+        cells.first[MomentSums::kPairs[i][0]] + cells.first[MomentSums::kPairs[i][1]];
     wide.second[i] =
         s * (s * s * s * s * cells.second[i] + s * s * line * sum + line * line * cells.count);
   }
   move(wide, corner);
   to.add(wide);
-}
-
-// The children of side `side` that are set, as the smallest box of whole children.
-Box box_of_bits(std::uint64_t bits, std::int64_t side, const Index3& corner) {
-  Box box;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto a = static_cast<std::size_t>(axis);
-    const std::uint64_t low = kHas[kLow[a]];
-    const std::uint64_t high = kHas[kHigh[a]];
-    const std::uint64_t slabs[4] = {bits & ~low & ~high, bits & low & ~high, bits & ~low & high,
-                                    bits & low & high};
-    std::int64_t first = 0;
-    while (slabs[first] == 0) ++first;
-    std::int64_t last = 3;
-    while (slabs[last] == 0) --last;
-    box.lo[axis] = corner[axis] + first * side;
-    box.hi[axis] = corner[axis] + (last + 1) * side;
-  }
-  return box;
 }
 
 // A stored cube and where it starts.
@@ -99,7 +73,7 @@ class Walk {
     const MaskCube& cube = mask_.cubes(rank)[place];
     const std::int64_t side = child_side(rank);
     add_children(cube.full, side, corner, sums);
-    if (cube.full != 0) sums.widen(box_of_bits(cube.full, side, corner));
+    sums.box = united(sums.box, box_of_children(cube.full, corner, side));
     if (rank > 0) {
       for (std::uint64_t left = cube.mixed; left != 0; left &= left - 1) {
         const int bit = std::countr_zero(left);
@@ -109,10 +83,10 @@ class Walk {
     }
     const std::uint64_t* words = mask_.words().data() + cube.first;
     add(sums_of_words(cube.mixed, words), corner, sums);
-    if (cube.mixed == 0 || sums.box.contains(box_of_bits(cube.mixed, side, corner))) return;
+    if (cube.mixed == 0 || sums.box.contains(box_of_children(cube.mixed, corner, side))) return;
     for (std::uint64_t left = cube.mixed; left != 0; left &= left - 1) {
       const Index3 at = child_box(corner, std::countr_zero(left), side).lo;
-      sums.widen(box_of_bits(*words++, 1, at));
+      sums.box = united(sums.box, box_of_children(*words++, at, 1));
     }
   }
 
@@ -133,7 +107,7 @@ class Walk {
     const MaskCube& cube = mask_.cubes(rank)[place];
     const std::int64_t side = child_side(rank);
     add_children(cube.full, side, corner, sums);
-    if (cube.full != 0) sums.widen(box_of_bits(cube.full, side, corner));
+    sums.box = united(sums.box, box_of_children(cube.full, corner, side));
     for (std::uint64_t left = cube.mixed; left != 0; left &= left - 1) {
       const int bit = std::countr_zero(left);
       gather(rank - 1, cube.place_of(bit), child_box(corner, bit, side).lo, sums, places);

@@ -12,8 +12,7 @@
 
 namespace octavo {
 
-/// Exact sums over the voxels of a mask; the box is as MomentSums starts when there are none. Uses
-/// the threads of the calling task arena.
+/// Exact sums over the voxels of a mask. Uses the threads of the calling task arena.
 MomentSums mask_moments(const MaskTree& mask);
 
 }  // namespace octavo

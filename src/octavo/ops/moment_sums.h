@@ -1,11 +1,9 @@
 // Exact sums over the voxels of a region, from which its centroid and covariance follow.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 
 #include "octavo/core/box.h"
 
@@ -15,28 +13,18 @@ namespace octavo {
 /// are added means nothing.
 struct MomentSums {
   std::uint64_t count = 0;
-  Box box{{std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::max(),
-           std::numeric_limits<std::int64_t>::max()},
-          {0, 0, 0}};
+  Box box;                           ///< empty without voxels
   std::array<__int128, 3> first{};   ///< x, y, z
   std::array<__int128, 6> second{};  ///< xx, yy, zz, xy, xz, yz
 
   /// The axes of each entry of `second`.
   static constexpr std::size_t kPairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}};
 
-  /// Makes the bounding box hold `more`.
-  void widen(const Box& more) {
-    for (int axis = 0; axis < 3; ++axis) {
-      box.lo[axis] = std::min(box.lo[axis], more.lo[axis]);
-      box.hi[axis] = std::max(box.hi[axis], more.hi[axis]);
-    }
-  }
-
   /// Adds the voxels of a box, whose corners are not below 0.
   void add_box(const Box& more) {
     const Size3 size = more.size();
     count += static_cast<std::uint64_t>(size.voxel_count());
-    widen(more);
+    box = united(box, more);
     std::array<__int128, 3> along;  // sum of the coordinate over one line
     for (int axis = 0; axis < 3; ++axis) {
       const auto a = static_cast<std::size_t>(axis);
@@ -52,7 +40,7 @@ struct MomentSums {
 
   void add(const MomentSums& more) {
     count += more.count;
-    widen(more.box);
+    box = united(box, more.box);
     for (std::size_t i = 0; i < 3; ++i) first[i] += more.first[i];
     for (std::size_t i = 0; i < 6; ++i) second[i] += more.second[i];
   }

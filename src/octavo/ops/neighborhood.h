@@ -28,9 +28,9 @@ constexpr Direction direction_to(std::size_t place) noexcept {
 constexpr bool is_near(std::size_t place, Connectivity connectivity) noexcept {
   const Direction d = direction_to(place);
   const int steps = d.x * d.x + d.y * d.y + d.z * d.z;
-  return steps <= (connectivity == Connectivity::faces ? 1 : connectivity == Connectivity::edges
-                                                             ? 2
-                                                             : 3);
+  return steps <= (connectivity == Connectivity::faces   ? 1
+                   : connectivity == Connectivity::edges ? 2
+                                                         : 3);
 }
 
 namespace neighborhood_detail {
@@ -42,9 +42,6 @@ struct ChildPlace {
 };
 
 constexpr std::array<std::array<ChildPlace, 27>, 64> kChildPlaces = [] {
-  // Where bits 0 and 1 of x, y and z stand in the index of a child.
-  constexpr int kLow[3] = {1, 0, 2};
-  constexpr int kHigh[3] = {4, 3, 5};
   constexpr int kWeight[3] = {1, 3, 9};
   std::array<std::array<ChildPlace, 27>, 64> places{};
   for (int child = 0; child < 64; ++child) {
@@ -53,10 +50,11 @@ constexpr std::array<std::array<ChildPlace, 27>, 64> kChildPlaces = [] {
       const int steps[3] = {d.x, d.y, d.z};
       int cube = 0;
       int bit = 0;
-      for (int axis = 0; axis < 3; ++axis) {
-        const int at = (child >> kLow[axis] & 1) + 2 * (child >> kHigh[axis] & 1) + steps[axis];
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const int at =
+            (child >> kLowPlace[axis] & 1) + 2 * (child >> kHighPlace[axis] & 1) + steps[axis];
         cube += kWeight[axis] * (at < 0 ? 0 : at > 3 ? 2 : 1);
-        bit |= (at & 1) << kLow[axis] | (at >> 1 & 1) << kHigh[axis];
+        bit |= (at & 1) << kLowPlace[axis] | (at >> 1 & 1) << kHighPlace[axis];
       }
       places[static_cast<std::size_t>(child)][to] = {static_cast<std::uint8_t>(cube),
                                                      static_cast<std::uint8_t>(bit)};
@@ -127,8 +125,7 @@ inline std::uint64_t beside_along(const WordsAround& words, int axis, int sign) 
   const std::size_t from = sign > 0 ? kCentre + weight : kCentre - weight;
   const std::uint64_t inside =
       sign > 0 ? step_down(words[kCentre], axis) : step_up(words[kCentre], axis);
-  return inside |
-         touched_beyond(words[from], direction_to(from).reversed(), Connectivity::faces);
+  return inside | touched_beyond(words[from], direction_to(from).reversed(), Connectivity::faces);
 }
 
 }  // namespace octavo

@@ -95,8 +95,8 @@ class Resampler::Tile {
       is_inside_ = is_inside_ && extent_.lo[a] >= -0.5 && extent_.hi[a] <= end - 0.5;
       needed_.lo[axis] =
           static_cast<std::int64_t>(std::clamp(std::floor(extent_.lo[a]) - reach, 0.0, end - 1));
-      needed_.hi[axis] = 1 + static_cast<std::int64_t>(std::clamp(
-                                 std::floor(extent_.hi[a]) + reach, 0.0, end - 1));
+      needed_.hi[axis] = 1 + static_cast<std::int64_t>(
+                                 std::clamp(std::floor(extent_.hi[a]) + reach, 0.0, end - 1));
     }
   }
 
@@ -124,8 +124,8 @@ class Resampler::Tile {
   template <class T>
   T* row_of(std::int64_t y, std::int64_t z) const {
     const Size3 size = box_.size();
-    return reinterpret_cast<T*>(voxels_) +
-           ((z - box_.lo.z) * size.y + y - box_.lo.y) * size.x - box_.lo.x;
+    return reinterpret_cast<T*>(voxels_) + ((z - box_.lo.z) * size.y + y - box_.lo.y) * size.x -
+           box_.lo.x;
   }
 
   void fill_with(double value) const {
@@ -143,15 +143,12 @@ class Resampler::Tile {
     const Levels& levels = of_.source_.levels();
     const Size3 side = brick_side_at(levels, of_.level_);
     std::optional<std::int64_t> value;
-    for (std::int64_t z = needed_.lo.z / side.z; z * side.z < needed_.hi.z; ++z) {
-      for (std::int64_t y = needed_.lo.y / side.y; y * side.y < needed_.hi.y; ++y) {
-        for (std::int64_t x = needed_.lo.x / side.x; x * side.x < needed_.hi.x; ++x) {
-          const BrickEntry brick = of_.source_.brick(Levels::tier_of(of_.level_), {x, y, z});
-          if (!brick.is_uniform() || brick.range.min != value.value_or(brick.range.min)) return {};
-          value = brick.range.min;
-        }
-      }
-    }
+    visit_cells(needed_, side, [&](const Index3& place) {
+      const BrickEntry brick = of_.source_.brick(Levels::tier_of(of_.level_), place);
+      const bool is_same = brick.is_uniform() && brick.range.min == value.value_or(brick.range.min);
+      value = is_same ? std::optional(brick.range.min) : std::nullopt;
+      return is_same;
+    });
     if (!value) return {};
     return of_.source_.description().voxel_of(*value);
   }
@@ -247,8 +244,8 @@ class Resampler::Tile {
         const double px = point(0, as_double(x), as_double(y), as_double(z));
         const double py = point(1, as_double(x), as_double(y), as_double(z));
         const double pz = point(2, as_double(x), as_double(y), as_double(z));
-        const bool is_in = is_inside(px, of_.size_.x) && is_inside(py, of_.size_.y) &&
-                           is_inside(pz, of_.size_.z);
+        const bool is_in =
+            is_inside(px, of_.size_.x) && is_inside(py, of_.size_.y) && is_inside(pz, of_.size_.z);
         if (is_in) take(row[x], px, py, pz);
         else row[x] = outside;
       }
@@ -408,8 +405,7 @@ MaskTree resampled_mask(const FileReader& labels, const Affine& to_source, const
     tbb::parallel_for(std::int64_t{0}, grid.voxel_count(), [&](std::int64_t i) {
       if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
       const Index3 lo{i % grid.x * kSide, i / grid.x * kSide, z};
-      const Box box =
-          intersection(box_of(size), {lo, {lo.x + kSide, lo.y + kSide, lo.z + kSide}});
+      const Box box = intersection(box_of(size), {lo, {lo.x + kSide, lo.y + kSide, lo.z + kSide}});
       const Size3 part = box.size();
       std::vector<std::byte> voxels(as_index(part.voxel_count() * bytes_per_voxel(type)));
       resampler.fill(box, voxels.data());
@@ -418,9 +414,9 @@ MaskTree resampled_mask(const FileReader& labels, const Affine& to_source, const
     });
     builder.finish_layer();
     if (max_bytes != 0 && builder.memory_bytes() > max_bytes) {
-      throw Error(ErrorKind::limit_exceeded,
-                  "the mask needs more than " + std::to_string(max_bytes >> 20) +
-                      " MiB of memory, the limit; raise the limit");
+      throw Error(ErrorKind::limit_exceeded, "the mask needs more than " +
+                                                 std::to_string(max_bytes >> 20) +
+                                                 " MiB of memory, the limit; raise the limit");
     }
     progress.advance(std::min(kSide, size.z - z));
   }

@@ -99,12 +99,10 @@ class Marker {
   }
 
   void mark_child(int rank, const Item& item, const Beside& beside, int bit) {
-    constexpr std::array<int, 3> kLow = {1, 0, 2};  // where a coordinate stands in a bit's number
-    constexpr std::array<int, 3> kHigh = {4, 3, 5};
     Beside around;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const int low = 1 << kLow[axis];
-      const int high = 1 << kHigh[axis];
+      const int low = 1 << kLowPlace[axis];
+      const int high = 1 << kHighPlace[axis];
       const int at = ((bit & low) != 0 ? 1 : 0) + ((bit & high) != 0 ? 2 : 0);
       const int rest = bit & ~(low | high);
       const auto number = [&](int where) {
@@ -147,29 +145,19 @@ void close_gaps(std::vector<MaskCube>& cubes, std::vector<Child>& children, IsEm
   children.shrink_to_fit();
 }
 
-void grow_box(const MaskTree& mask, int rank, const MaskCube* cube, std::uint64_t bits,
-              const Index3& corner, Box& box, bool& is_first) {
+void grow_box(const MaskTree& mask, int rank, const MaskCube& cube, const Index3& corner,
+              Box& box) {
   const std::int64_t side = child_side(rank);
-  for (std::uint64_t left = bits; left != 0; left &= left - 1) {
-    const Box child = child_box(corner, std::countr_zero(left), side);
-    if (!is_first && box.contains(child)) continue;
-    for (int axis = 0; axis < 3; ++axis) {
-      box.lo[axis] = is_first ? child.lo[axis] : std::min(box.lo[axis], child.lo[axis]);
-      box.hi[axis] = is_first ? child.hi[axis] : std::max(box.hi[axis], child.hi[axis]);
-    }
-    is_first = false;
-  }
-  if (cube == nullptr) return;
-  for (std::uint64_t left = cube->mixed; left != 0; left &= left - 1) {
+  box = united(box, box_of_children(cube.full, corner, side));
+  for (std::uint64_t left = cube.mixed; left != 0; left &= left - 1) {
     const int bit = std::countr_zero(left);
     const Box child = child_box(corner, bit, side);
-    if (!is_first && box.contains(child)) continue;
-    const std::uint64_t place = cube->place_of(bit);
+    if (box.contains(child)) continue;
+    const std::uint64_t place = cube.place_of(bit);
     if (rank == 0) {
-      grow_box(mask, -1, nullptr, mask.words()[place], child.lo, box, is_first);
+      box = united(box, box_of_children(mask.words()[place], child.lo, 1));
     } else {
-      const MaskCube& below = mask.cubes(rank - 1)[place];
-      grow_box(mask, rank - 1, &below, below.full, child.lo, box, is_first);
+      grow_box(mask, rank - 1, mask.cubes(rank - 1)[place], child.lo, box);
     }
   }
 }
@@ -201,8 +189,7 @@ std::int64_t leaf_count(const MaskTree& mask) {
 
 Box bounding_box(const MaskTree& mask) {
   Box box;
-  bool is_first = true;
-  grow_box(mask, mask.rank_count() - 1, &mask.root(), mask.root().full, {0, 0, 0}, box, is_first);
+  grow_box(mask, mask.rank_count() - 1, mask.root(), {0, 0, 0}, box);
   return box;
 }
 

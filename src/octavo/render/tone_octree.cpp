@@ -13,9 +13,7 @@ constexpr std::int64_t kSide = ToneBlock::kSide;
 constexpr std::int32_t kMixed = -1;
 constexpr std::int32_t kNothing = 0;
 
-std::int64_t divided_up(std::int64_t count, std::int64_t side) {
-  return (count + side - 1) / side;
-}
+std::int64_t divided_up(std::int64_t count, std::int64_t side) { return (count + side - 1) / side; }
 
 Box cube_box(const Index3& corner, std::int64_t side) {
   return {corner, {corner.x + side, corner.y + side, corner.z + side}};
@@ -35,8 +33,7 @@ void clear_outside(const Box& kept, const Box& part, const Index3& corner, ToneB
 
 }  // namespace
 
-ToneOctree::ToneOctree(const FileReader& reader, int level, const ToneMap& tones,
-                       const Box& kept)
+ToneOctree::ToneOctree(const FileReader& reader, int level, const ToneMap& tones, const Box& kept)
     : reader_(reader), tones_(tones), level_(level), kept_(kept) {
   if (level < 0 || level >= reader.levels().count()) {
     throw Error(ErrorKind::invalid_argument, "there is no level " + std::to_string(level));
@@ -61,17 +58,12 @@ template <class Visit>
 void ToneOctree::visit_bricks(const Box& box, Visit&& visit) const {
   const int tier = Levels::tier_of(level_);
   const Size3& side = brick_side_;
-  for (std::int64_t z = box.lo.z / side.z; z * side.z < box.hi.z; ++z) {
-    for (std::int64_t y = box.lo.y / side.y; y * side.y < box.hi.y; ++y) {
-      for (std::int64_t x = box.lo.x / side.x; x * side.x < box.hi.x; ++x) {
-        const Index3 lo{x * side.x, y * side.y, z * side.z};
-        const Box covered =
-            intersection(box, {lo, {lo.x + side.x, lo.y + side.y, lo.z + side.z}});
-        const BrickEntry entry = reader_.brick(tier, {x, y, z});
-        if (!visit(entry, covered, brick_tone(entry, covered))) return;
-      }
-    }
-  }
+  visit_cells(box, side, [&](const Index3& brick) {
+    const Index3 lo{brick.x * side.x, brick.y * side.y, brick.z * side.z};
+    const Box covered = intersection(box, {lo, {lo.x + side.x, lo.y + side.y, lo.z + side.z}});
+    const BrickEntry entry = reader_.brick(tier, brick);
+    return visit(entry, covered, brick_tone(entry, covered));
+  });
 }
 
 std::int32_t ToneOctree::brick_tone(const BrickEntry& entry, const Box& covered) const {
@@ -98,8 +90,7 @@ std::int32_t ToneOctree::block_tone(const Index3& block) const {
 }
 
 bool ToneOctree::is_whole(const Index3& cell, std::int64_t side) const {
-  return box_of(size_).contains(
-      cube_box({cell.x * side, cell.y * side, cell.z * side}, side));
+  return box_of(size_).contains(cube_box({cell.x * side, cell.y * side, cell.z * side}, side));
 }
 
 ToneOctree::Floor ToneOctree::floor_above(const Floor& below) const {
@@ -166,8 +157,8 @@ void ToneOctree::load(const TonePiece& piece, ToneBlock& block,
     const std::byte* row = voxels.data();
     for (std::int64_t z = 0; z < size.z; ++z) {
       for (std::int64_t y = 0; y < size.y; ++y) {
-        std::uint16_t* const out = &block.at(part.lo.x - box.lo.x, part.lo.y - box.lo.y + y,
-                                             part.lo.z - box.lo.z + z);
+        std::uint16_t* const out =
+            &block.at(part.lo.x - box.lo.x, part.lo.y - box.lo.y + y, part.lo.z - box.lo.z + z);
         if (tone == kMixed) tones_.map(row, size.x, out);
         else std::fill_n(out, size.x, static_cast<std::uint16_t>(tone));
         row += tone == kMixed ? size.x * width : 0;
