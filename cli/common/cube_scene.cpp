@@ -90,7 +90,8 @@ class CubeScene final : public RenderScene {
     std::vector<PaintedMask> masks;
     for (const Part& part : parts_) masks.push_back({&part.tree, part.colour});
     Picture picture;
-    on_threads(context_, [&] { picture = draw_cubes(masks, view, {background, fade_, shown_}); });
+    const auto draw = is_surface_ ? draw_nearest_cubes : draw_cubes;
+    on_threads(context_, [&] { picture = draw(masks, view, {background, fade_, shown_}); });
     return picture;
   }
 

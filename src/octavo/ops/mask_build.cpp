@@ -13,7 +13,6 @@
 #include "octavo/core/error.h"
 #include "octavo/core/levels.h"
 #include "octavo/ops/mask_kernels.h"
-#include "octavo/ops/word_rows.h"
 
 namespace octavo {
 
@@ -21,6 +20,15 @@ namespace {
 
 constexpr std::int64_t kCubeSide = 64;
 constexpr std::size_t kWordsPerCube = 4096;
+
+// Where the 16 words along x lie in a cube, from the first.
+constexpr std::array<std::size_t, 16> kAlongX = [] {
+  std::array<std::size_t, 16> places{};
+  for (std::size_t i = 0; i < 16; ++i) {
+    for (std::size_t bit = 0; bit < 4; ++bit) places[i] |= (i >> bit & 1) << (3 * bit + 1);
+  }
+  return places;
+}();
 
 // The window as bounds of the type; false when no value of the type is in it.
 template <class T>
@@ -83,37 +91,25 @@ void MaskBuilder::add_block(const Index3& corner, const BrickView& block,
     T lowest;
     T highest;
     if (!bounds_in(window, block.type, lowest, highest)) return;
-    BrickView run = block;
+    RunRows rows(size.x);
+    const auto before = static_cast<std::size_t>(corner.x / 4);
+    const auto words = static_cast<std::size_t>((size.x + 3) / 4);
+    BrickView part = block;
     for (std::int64_t z = 0; z < size.z; z += 4) {
       for (std::int64_t y = 0; y < size.y; y += 4) {
-        for (std::int64_t x = 0; x < size.x; x += kMaskRun) {
-          run.voxels = static_cast<const T*>(block.voxels) + z * block.plane_stride +
-                       y * block.row_stride + x;
-          run.size = {std::min(kMaskRun, size.x - x), std::min<std::int64_t>(4, size.y - y),
-                      std::min<std::int64_t>(4, size.z - z)};
-          add_run({corner.x + x, corner.y + y, corner.z + z}, run, &lowest, &highest);
+        part.voxels =
+            static_cast<const T*>(block.voxels) + z * block.plane_stride + y * block.row_stride;
+        part.size = {size.x, std::min<std::int64_t>(4, size.y - y),
+                     std::min<std::int64_t>(4, size.z - z)};
+        rows.take(part, &lowest, &highest);
+        std::uint64_t* const first = &word_at({0, corner.y + y, corner.z + z});
+        for (std::size_t i = 0; i < words; ++i) {
+          const std::size_t at = before + i;
+          first[at / 16 * kWordsPerCube + kAlongX[at % 16]] |= rows.word(i);
         }
       }
     }
   });
-}
-
-void MaskBuilder::add_run(const Index3& voxel, const BrickView& run, const void* lowest,
-                          const void* highest) {
-  std::array<std::uint64_t, 16> rows;
-  rows_in_window(run, lowest, highest, rows);
-  std::uint64_t any = 0;
-  std::uint64_t all = ~std::uint64_t{0};
-  for (const std::uint64_t row : rows) {
-    any |= row;
-    all &= row;
-  }
-  // Most runs lie wholly in or out of the mask, and most words of the others do.
-  for (std::int64_t i = 0; 4 * i < run.size.x; ++i) {
-    if ((any >> 4 * i & 15) == 0) continue;
-    const bool is_full = (all >> 4 * i & 15) == 15;
-    word_at({voxel.x + 4 * i, voxel.y, voxel.z}) |= is_full ? kFullWord : word_of_rows(rows, i);
-  }
 }
 
 void MaskBuilder::fill_block(const Box& box) {
@@ -178,12 +174,17 @@ MaskTree make_mask(const BrickView& volume, const ValueWindow& window) {
   const std::int64_t voxel_bytes = bytes_per_voxel(volume.type);
   for (std::int64_t z = 0; z < volume.size.z; z += MaskBuilder::kLayerPlanes) {
     const std::int64_t planes = std::min(MaskBuilder::kLayerPlanes, volume.size.z - z);
-    tbb::parallel_for(std::int64_t{0}, (volume.size.y + 3) / 4, [&](std::int64_t row) {
+    // Four planes, 64 rows of each: read one behind the other, words of few cubes.
+    const std::int64_t slabs = (planes + 3) / 4;
+    const std::int64_t strips = (volume.size.y + kCubeSide - 1) / kCubeSide;
+    tbb::parallel_for(std::int64_t{0}, slabs * strips, [&](std::int64_t task) {
+      const Index3 corner{0, task % strips * kCubeSide, z + 4 * (task / strips)};
       BrickView block = volume;
-      block.size = {volume.size.x, std::min<std::int64_t>(4, volume.size.y - 4 * row), planes};
+      block.size = {volume.size.x, std::min(kCubeSide, volume.size.y - corner.y),
+                    std::min<std::int64_t>(4, volume.size.z - corner.z)};
       block.voxels = static_cast<const std::byte*>(volume.voxels) +
-                     (z * volume.plane_stride + 4 * row * volume.row_stride) * voxel_bytes;
-      builder.add_block({0, 4 * row, z}, block, window);
+                     (corner.z * volume.plane_stride + corner.y * volume.row_stride) * voxel_bytes;
+      builder.add_block(corner, block, window);
     });
     builder.finish_layer();
   }

@@ -54,9 +54,6 @@ class MaskBuilder {
 
  private:
   void require_block(const Box& box) const;
-  // A run of at most 64 x 4 x 4 voxels; the first is `voxel` of the volume.
-  void add_run(const Index3& voxel, const BrickView& run, const void* lowest,
-               const void* highest);
   std::uint64_t& word_at(const Index3& voxel);
 
   Size3 size_;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "octavo/core/error.h"
+#include "octavo/ops/mask_kernels.h"
 #include "octavo/ops/mask_pieces.h"
 #include "octavo/ops/set_operations.h"
 #include "octavo/ops/surface_voxels.h"
@@ -171,9 +172,7 @@ std::uint64_t widened(std::uint64_t bits, std::int64_t steps) {
 // The columns that voxels before and behind the cube reach.
 std::uint64_t reached_from_beside(const SurfaceRow& row, std::int64_t run) {
   const auto lowest = [](std::int64_t count) {
-    return count >= kSide ? kFullWord
-           : count <= 0   ? 0
-                          : (std::uint64_t{1} << count) - 1;
+    return count >= kSide ? kFullWord : count <= 0 ? 0 : (std::uint64_t{1} << count) - 1;
   };
   return lowest(run - row.before + 1) | ~lowest(kSide - (run - row.behind + 1));
 }
@@ -296,16 +295,23 @@ class GrownCube {
   }
 
   MaskPart folded() const {
+    constexpr std::size_t kCells = 16;  // words along an axis
     std::vector<std::uint64_t> words(kWordsPerCube);
-    std::array<std::uint64_t, 16> rows;
-    for (std::int64_t z = 0; z < 16; ++z) {
-      for (std::int64_t y = 0; y < 16; ++y) {
-        for (std::int64_t i = 0; i < 16; ++i) {
-          const std::int64_t at = kSide * (4 * z + i / 4) + 4 * y + i % 4;
-          rows[static_cast<std::size_t>(i)] = rows_[static_cast<std::size_t>(at)] & columns_;
+    std::array<std::uint64_t, 16 * kCells> rows;
+    std::array<std::uint64_t, 16 * kCells> layer;
+    for (std::size_t z = 0; z < kCells; ++z) {
+      for (std::size_t row = 0; row < 16; ++row) {
+        const std::size_t first = static_cast<std::size_t>(kSide) * (4 * z + row / 4) + row % 4;
+        for (std::size_t y = 0; y < kCells; ++y) {
+          rows[kCells * row + y] = rows_[first + 4 * y] & columns_;
         }
-        for (std::int64_t x = 0; x < 16; ++x) {
-          words[interleave({x, y, z})] = word_of_rows(rows, x);
+      }
+      words_of_rows(rows.data(), kCells, kCells, layer.data());
+      for (std::size_t y = 0; y < kCells; ++y) {
+        for (std::size_t x = 0; x < kCells; ++x) {
+          const auto code = interleave({static_cast<std::int64_t>(x), static_cast<std::int64_t>(y),
+                                        static_cast<std::int64_t>(z)});
+          words[code] = layer[kCells * x + y];
         }
       }
     }
@@ -330,15 +336,15 @@ class MemoryWatch {
   explicit MemoryWatch(std::uint64_t max_bytes) : max_bytes_(max_bytes) {}
 
   void take(const MaskPart& part) {
-    std::uint64_t bytes = sizeof part + sizeof(MaskPiece) +
-                          part.below.words.size() * sizeof(std::uint64_t);
+    std::uint64_t bytes =
+        sizeof part + sizeof(MaskPiece) + part.below.words.size() * sizeof(std::uint64_t);
     for (const auto& cubes : part.below.cubes) bytes += cubes.size() * sizeof(MaskCube);
     // The parts are copied when they are put together.
     const std::uint64_t all = 2 * (bytes_.fetch_add(bytes) + bytes);
     if (max_bytes_ == 0 || all <= max_bytes_) return;
-    throw Error(ErrorKind::limit_exceeded,
-                "the mask grows beyond " + std::to_string(max_bytes_ >> 20) +
-                    " MiB of memory, the limit; raise the limit");
+    throw Error(ErrorKind::limit_exceeded, "the mask grows beyond " +
+                                               std::to_string(max_bytes_ >> 20) +
+                                               " MiB of memory, the limit; raise the limit");
   }
 
  private:

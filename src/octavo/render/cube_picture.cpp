@@ -9,6 +9,7 @@
 
 #include "octavo/render/cube_walk.h"
 #include "octavo/render/face_raster.h"
+#include "octavo/render/nearest_rows.h"
 
 namespace octavo {
 
@@ -70,19 +71,29 @@ class Scene {
   std::span<const MaskTree* const> trees() const { return trees_; }
   const CubeShape& shape(int level) const { return shapes_[static_cast<std::size_t>(level)]; }
 
+  /// Draws those faces of a leaf whose axes have a bit in `faces`.
+  template <class Rows>
+  void fill(std::size_t mask, const Place& corner, const CubeShape& shape, unsigned faces,
+            Rows& rows) const {
+    for (int i = 0; i < shape.face_count; ++i) {
+      const Face& face = shape.faces[static_cast<std::size_t>(i)];
+      if ((faces >> face.axis & 1) == 0) continue;
+      rows.fill(face, corner, pixel(mask, face, corner.depth + face.depth));
+    }
+  }
+
+ private:
   std::uint32_t pixel(std::size_t mask, const Face& face, std::int64_t depth) const {
     const double near = std::clamp(static_cast<double>(depth - farthest_) * per_depth_, 0.0, 1.0);
     const double share = shades_[static_cast<std::size_t>(face.axis)] * (least_ + near * fade_);
     return dimmed(colours_[mask], static_cast<std::uint32_t>(share));
   }
 
- private:
   void set_depths(const CubeStyle& style) {
     Place nearest = view_.place_of(style.shown.lo);
     Place farthest = nearest;
     for (int axis = 0; axis < 3; ++axis) {
-      const Place across =
-          view_.axes[static_cast<std::size_t>(axis)] * style.shown.size()[axis];
+      const Place across = view_.axes[static_cast<std::size_t>(axis)] * style.shown.size()[axis];
       (across.depth > 0 ? nearest : farthest).depth += across.depth;
     }
     farthest_ = farthest.depth;
@@ -94,7 +105,7 @@ class Scene {
   View view_;
   std::vector<const MaskTree*> trees_;
   std::vector<std::uint32_t> colours_;
-  std::vector<CubeShape> shapes_;  ///< by level
+  std::vector<CubeShape> shapes_;   ///< by level
   std::array<double, 3> shades_{};  ///< by axis, 256 is as bright as the mask's colour
   std::int64_t farthest_ = 0;
   double per_depth_ = 0;
@@ -102,29 +113,49 @@ class Scene {
   double fade_ = 0;
 };
 
-/// Draws the leaves into some rows.
-class BandPainter {
+/// Leaves into some rows, whatever was there before painted over.
+class OverPainter {
  public:
-  BandPainter(const Scene& scene, PixelRows& rows) : scene_(scene), rows_(rows) {}
+  static constexpr WalkOrder kOrder = WalkOrder::farthest_first;
+
+  OverPainter(const Scene& scene, PixelRows& rows) : scene_(scene), rows_(rows) {}
 
   bool misses(const Place& corner, int level) const {
     return rows_.misses(scene_.shape(level), corner);
   }
 
-  /// Leaves out the faces that others will cover.
+  /// Leaves out the faces that others cover.
   void draw(std::size_t mask, const Place& corner, int level, unsigned faces) {
     const CubeShape& shape = scene_.shape(level);
-    if (faces == 0 || rows_.misses(shape, corner)) return;
-    for (int i = 0; i < shape.face_count; ++i) {
-      const Face& face = shape.faces[static_cast<std::size_t>(i)];
-      if ((faces >> face.axis & 1) == 0) continue;
-      rows_.fill(face, corner, scene_.pixel(mask, face, corner.depth + face.depth));
+    if (faces != 0 && !rows_.misses(shape, corner)) {
+      scene_.fill(mask, corner, shape, faces, rows_);
     }
   }
 
  private:
   const Scene& scene_;
   PixelRows& rows_;
+};
+
+/// Leaves into the pixels of some rows that no nearer one has taken.
+class NearestPainter {
+ public:
+  static constexpr WalkOrder kOrder = WalkOrder::nearest_first;
+
+  NearestPainter(const Scene& scene, PixelRows& rows) : scene_(scene), rows_(rows) {}
+
+  bool misses(const Place& corner, int level) const {
+    return rows_.hides(scene_.shape(level), corner);
+  }
+
+  void draw(std::size_t mask, const Place& corner, int level, unsigned faces) {
+    const CubeShape& shape = scene_.shape(level);
+    if (faces != 0 && !rows_.hides(shape, corner)) scene_.fill(mask, corner, shape, faces, rows_);
+  }
+
+ private:
+  const Scene& scene_;
+  NearestRows rows_;
 };
 
 void copy_rows(const PixelRows& rows, Picture& picture) {
@@ -139,21 +170,30 @@ void copy_rows(const PixelRows& rows, Picture& picture) {
   }
 }
 
-}  // namespace
-
-Picture draw_cubes(std::span<const PaintedMask> masks, const View& view, const CubeStyle& style) {
+template <class Painter>
+Picture draw(std::span<const PaintedMask> masks, const View& view, const CubeStyle& style) {
   const Scene scene(masks, view, style);
   Picture picture = make_picture(view.width, view.height, 3);
   const std::int64_t bands = (view.height + kBandRows - 1) / kBandRows;
   tbb::parallel_for(std::int64_t{0}, bands, [&](std::int64_t band) {
     const std::int64_t begin = band * kBandRows;
-    PixelRows rows(view, begin, std::min(view.height, begin + kBandRows),
-                   packed(style.background));
-    BandPainter painter(scene, rows);
-    CubeWalk(scene.trees(), view, painter).run();
+    PixelRows rows(view, begin, std::min(view.height, begin + kBandRows), packed(style.background));
+    Painter painter(scene, rows);
+    CubeWalk(scene.trees(), view, Painter::kOrder, painter).run();
     copy_rows(rows, picture);
   });
   return picture;
+}
+
+}  // namespace
+
+Picture draw_cubes(std::span<const PaintedMask> masks, const View& view, const CubeStyle& style) {
+  return draw<OverPainter>(masks, view, style);
+}
+
+Picture draw_nearest_cubes(std::span<const PaintedMask> masks, const View& view,
+                           const CubeStyle& style) {
+  return draw<NearestPainter>(masks, view, style);
 }
 
 }  // namespace octavo

@@ -1,4 +1,5 @@
-// The leaves of masks from the farthest to the nearest, for any direction of view.
+// The leaves of masks from the farthest to the nearest or the other way round, for any direction of
+// view.
 //
 // Of the eight octants of a cube the farthest is the one whose bits are the complement of the signs
 // of the view; its three face neighbors follow, then the three face neighbors of the nearest, then
@@ -16,6 +17,7 @@
 // Source  thesis 4.3
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -32,31 +34,35 @@ namespace octavo {
 /// The eight octants from the farthest to the nearest; nearness as in View.
 constexpr std::array<int, 8> octants_back_to_front(const std::array<int, 3>& nearness) noexcept {
   constexpr std::array<int, 8> kFromHighSide = {0, 1, 2, 4, 3, 5, 6, 7};
-  const int turned = (nearness[0] < 0 ? 2 : 0) | (nearness[1] < 0 ? 1 : 0) |
-                     (nearness[2] < 0 ? 4 : 0);
+  const int turned =
+      (nearness[0] < 0 ? 2 : 0) | (nearness[1] < 0 ? 1 : 0) | (nearness[2] < 0 ? 4 : 0);
   std::array<int, 8> order{};
   for (std::size_t i = 0; i < 8; ++i) order[i] = kFromHighSide[i] ^ turned;
   return order;
 }
 
-/// Takes every leaf of `masks` that a painter does not miss, the farthest first.
+enum class WalkOrder { farthest_first, nearest_first };
+
+/// Takes every leaf of `masks` that a painter does not miss.
 ///
 /// A painter has
 ///   bool misses(const Place& corner, int level)   whether nothing in this cube is wanted
 ///   void draw(std::size_t mask, const Place& corner, int level, unsigned faces)   takes a leaf
 ///
 /// where corner is the place of the cube's lowest corner and 2^level its side. Bit a of `faces` is
-/// 0 when leaves that come later cover all of the face that is turned to the viewer across axis a,
-/// as far as that shows among the 64 children of one cube.
+/// 0 when nearer leaves cover all of the face that is turned to the viewer across axis a, as far as
+/// that shows among the 64 children of one cube.
 /// Requires masks of one size that do not overlap.
 template <class Painter>
 class CubeWalk {
  public:
-  CubeWalk(std::span<const MaskTree* const> masks, const View& view, Painter& painter)
+  CubeWalk(std::span<const MaskTree* const> masks, const View& view, WalkOrder order,
+           Painter& painter)
       : masks_(masks),
         painter_(painter),
         nearness_(view.nearness),
         order_(octants_back_to_front(view.nearness)) {
+    if (order == WalkOrder::nearest_first) std::reverse(order_.begin(), order_.end());
     for (unsigned byte = 0; byte < 256; ++byte) {
       for (std::size_t i = 0; i < 8; ++i) {
         const unsigned is_set = byte >> order_[i] & 1;
@@ -119,8 +125,7 @@ class CubeWalk {
     for (int axis = 0; axis < 3; ++axis) {
       const auto a = static_cast<std::size_t>(axis);
       if (nearness_[a] == 0) continue;
-      bare.bits[a] =
-          full & ~(nearness_[a] > 0 ? step_down(full, axis) : step_up(full, axis));
+      bare.bits[a] = full & ~(nearness_[a] > 0 ? step_down(full, axis) : step_up(full, axis));
     }
     return bare;
   }
@@ -136,7 +141,7 @@ class CubeWalk {
     return masks_[item.mask]->cubes(rank)[item.place];
   }
 
-  /// Calls f(bit) for the children of an octant in drawing order.
+  /// Calls f(bit) for the children of an octant in the order of the walk.
   template <class F>
   void for_each_in_order(unsigned byte, int octant, F f) {
     for (unsigned left = in_order_[byte]; left != 0; left &= left - 1) {
@@ -281,7 +286,8 @@ class CubeWalk {
   Painter& painter_;
   std::array<int, 3> nearness_;
   std::array<int, 8> order_;
-  std::array<std::uint8_t, 256> in_order_{};  ///< the bits of a byte, moved into drawing order
+  std::array<std::uint8_t, 256>
+      in_order_{};  ///< the bits of a byte, moved into the order of the walk
   std::vector<std::array<Place, 64>> children_;  ///< [rank + 1]: from the corner of the parent
   Place origin_;
   std::vector<Item> mixed_;  ///< a stack: the masks mixed in each cube on the way down

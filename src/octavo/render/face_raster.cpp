@@ -64,10 +64,10 @@ CubeShape cube_shape(const View& view, int level) {
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
     const PlanePoint edge = flat(view.axes[a] * side);
-    shape.lowest = sum(shape.lowest, {std::min<std::int64_t>(edge.x, 0),
-                                      std::min<std::int64_t>(edge.y, 0)});
-    shape.highest = sum(shape.highest, {std::max<std::int64_t>(edge.x, 0),
-                                        std::max<std::int64_t>(edge.y, 0)});
+    shape.lowest =
+        sum(shape.lowest, {std::min<std::int64_t>(edge.x, 0), std::min<std::int64_t>(edge.y, 0)});
+    shape.highest =
+        sum(shape.highest, {std::max<std::int64_t>(edge.x, 0), std::max<std::int64_t>(edge.y, 0)});
     if (view.nearness[a] != 0) {
       shape.faces[static_cast<std::size_t>(shape.face_count++)] = face_across(view, axis, side);
     }
@@ -89,37 +89,9 @@ PixelRows::PixelRows(const View& view, std::int64_t begin, std::int64_t end, std
       last_centre_y_(((end - 1) << bits_) + half_),
       pixels_(static_cast<std::size_t>(width_ * (end - begin)), pixel) {}
 
-std::int64_t PixelRows::crossing(const PlanePoint& from, const PlanePoint& edge, double slope,
-                                 std::int64_t centre) const {
-  const std::int64_t down = centre - from.y;
-  const double x = static_cast<double>(from.x - half_) + static_cast<double>(down) * slope;
-  const double pixels = x * pixels_per_unit_;
-  const auto below = static_cast<std::int64_t>(pixels);
-  const std::int64_t pixel = below + (pixels > static_cast<double>(below) ? 1 : 0);
-  // A crossing so close to a pixel centre that rounding may have moved it is divided exactly.
-  const double short_of = static_cast<double>(pixel) - pixels;
-  if (short_of > doubt_ && short_of < 1 - doubt_) return pixel;
+std::int64_t PixelRows::exact_crossing(const PlanePoint& from, const PlanePoint& edge,
+                                       std::int64_t down) const {
   return pixel_from(from.x + divided_up(down * edge.x, edge.y));
-}
-
-void PixelRows::fill(const Face& face, const Place& corner, std::uint32_t pixel) {
-  const PlanePoint top = sum(face.top, {corner.x, corner.y});
-  const PlanePoint at_left = sum(top, face.left);
-  const PlanePoint at_right = sum(top, face.right);
-  const std::int64_t begin = std::max(begin_, pixel_from(top.y));
-  const std::int64_t end = std::min(end_, pixel_from(at_left.y + face.right.y));
-  for (std::int64_t y = begin; y < end; ++y) {
-    const std::int64_t centre = (y << bits_) + half_;
-    const std::int64_t left = centre < at_left.y
-                                  ? crossing(top, face.left, face.left_slope, centre)
-                                  : crossing(at_left, face.right, face.right_slope, centre);
-    const std::int64_t right = centre < at_right.y
-                                   ? crossing(top, face.right, face.right_slope, centre)
-                                   : crossing(at_right, face.left, face.left_slope, centre);
-    std::uint32_t* const row = pixels_.data() + (y - begin_) * width_;
-    const std::int64_t last = std::min(right, width_);
-    for (std::int64_t x = std::max<std::int64_t>(left, 0); x < last; ++x) row[x] = pixel;
-  }
 }
 
 }  // namespace octavo

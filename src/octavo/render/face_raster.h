@@ -13,6 +13,7 @@
 //   behind a cube, wholly within its outline, is overdrawn to the last pixel.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -34,12 +35,12 @@ struct PlanePoint {
 ///          /     \ .
 ///          \     /
 struct Face {
-  int axis = 0;          ///< the index axis it is across
-  PlanePoint top;        ///< from the place of the cube's lowest corner
+  int axis = 0;    ///< the index axis it is across
+  PlanePoint top;  ///< from the place of the cube's lowest corner
   PlanePoint left;
   PlanePoint right;
-  std::int64_t depth = 0;   ///< of its middle
-  double left_slope = 0;    ///< x by y
+  std::int64_t depth = 0;  ///< of its middle
+  double left_slope = 0;   ///< x by y
   double right_slope = 0;
 };
 
@@ -47,12 +48,22 @@ struct Face {
 struct CubeShape {
   std::array<Face, 3> faces;
   int face_count = 0;
-  PlanePoint lowest;   ///< from the place of the lowest corner
+  PlanePoint lowest;  ///< from the place of the lowest corner
   PlanePoint highest;
 };
 
 /// The shape of cubes of side 2^level.
 CubeShape cube_shape(const View& view, int level);
+
+/// Columns left .. right - 1 of rows top .. bottom - 1.
+struct PixelBox {
+  std::int64_t left = 0;
+  std::int64_t right = 0;
+  std::int64_t top = 0;
+  std::int64_t bottom = 0;
+
+  bool is_empty() const { return left >= right || top >= bottom; }
+};
 
 /// Some rows of a picture, 32 bits a pixel.
 class PixelRows {
@@ -62,7 +73,9 @@ class PixelRows {
 
   std::int64_t begin() const { return begin_; }
   std::int64_t end() const { return end_; }
+  std::int64_t width() const { return width_; }
   const std::uint32_t* row(std::int64_t y) const { return pixels_.data() + (y - begin_) * width_; }
+  std::uint32_t* row(std::int64_t y) { return pixels_.data() + (y - begin_) * width_; }
 
   /// Whether no pixel centre here is in the outline's box of a cube.
   bool misses(const CubeShape& shape, const Place& corner) const {
@@ -72,8 +85,26 @@ class PixelRows {
            corner.x + shape.lowest.x > last_centre_x_;
   }
 
+  /// The pixels here whose centres lie in the outline's box of a cube.
+  PixelBox pixels_of(const CubeShape& shape, const Place& corner) const {
+    return {std::max<std::int64_t>(0, pixel_from(corner.x + shape.lowest.x)),
+            std::min(width_, pixel_from(corner.x + shape.highest.x)),
+            std::max(begin_, pixel_from(corner.y + shape.lowest.y)),
+            std::min(end_, pixel_from(corner.y + shape.highest.y))};
+  }
+
+  /// Calls take(y, left, right) for the rows of a face of the cube at `corner`: columns left ..
+  /// right - 1, none when left is not below right.
+  template <class Take>
+  void for_each_run(const Face& face, const Place& corner, Take take) const;
+
   /// Gives the pixels of a face of the cube at `corner` a colour.
-  void fill(const Face& face, const Place& corner, std::uint32_t pixel);
+  void fill(const Face& face, const Place& corner, std::uint32_t pixel) {
+    for_each_run(face, corner, [&](std::int64_t y, std::int64_t left, std::int64_t right) {
+      std::uint32_t* const to = row(y);
+      for (std::int64_t x = left; x < right; ++x) to[x] = pixel;
+    });
+  }
 
  private:
   // The first pixel centre at or beyond a coordinate.
@@ -81,6 +112,8 @@ class PixelRows {
   // The same for the place where a line from `from` along `edge` crosses the row with this centre.
   std::int64_t crossing(const PlanePoint& from, const PlanePoint& edge, double slope,
                         std::int64_t centre) const;
+  std::int64_t exact_crossing(const PlanePoint& from, const PlanePoint& edge,
+                              std::int64_t down) const;
 
   std::int64_t width_;
   std::int64_t begin_;
@@ -95,5 +128,37 @@ class PixelRows {
   std::int64_t last_centre_y_;
   std::vector<std::uint32_t> pixels_;
 };
+
+inline std::int64_t PixelRows::crossing(const PlanePoint& from, const PlanePoint& edge,
+                                        double slope, std::int64_t centre) const {
+  const std::int64_t down = centre - from.y;
+  const double x = static_cast<double>(from.x - half_) + static_cast<double>(down) * slope;
+  const double pixels = x * pixels_per_unit_;
+  const auto below = static_cast<std::int64_t>(pixels);
+  const std::int64_t pixel = below + (pixels > static_cast<double>(below) ? 1 : 0);
+  // A crossing so close to a pixel centre that rounding may have moved it is divided exactly.
+  const double short_of = static_cast<double>(pixel) - pixels;
+  if (short_of > doubt_ && short_of < 1 - doubt_) return pixel;
+  return exact_crossing(from, edge, down);
+}
+
+template <class Take>
+void PixelRows::for_each_run(const Face& face, const Place& corner, Take take) const {
+  const PlanePoint top{face.top.x + corner.x, face.top.y + corner.y};
+  const PlanePoint at_left{top.x + face.left.x, top.y + face.left.y};
+  const PlanePoint at_right{top.x + face.right.x, top.y + face.right.y};
+  const std::int64_t begin = std::max(begin_, pixel_from(top.y));
+  const std::int64_t end = std::min(end_, pixel_from(at_left.y + face.right.y));
+  for (std::int64_t y = begin; y < end; ++y) {
+    const std::int64_t centre = (y << bits_) + half_;
+    const std::int64_t left = centre < at_left.y
+                                  ? crossing(top, face.left, face.left_slope, centre)
+                                  : crossing(at_left, face.right, face.right_slope, centre);
+    const std::int64_t right = centre < at_right.y
+                                   ? crossing(top, face.right, face.right_slope, centre)
+                                   : crossing(at_right, face.left, face.left_slope, centre);
+    take(y, std::max<std::int64_t>(left, 0), std::min(right, width_));
+  }
+}
 
 }  // namespace octavo

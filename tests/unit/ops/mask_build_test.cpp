@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <hwy/targets.h>
+
 #include <cmath>
 #include <limits>
 
+#include "octavo/codec/simd_level.h"
 #include "octavo/core/condense.h"
 #include "octavo/core/error.h"
 #include "support/dense_mask.h"
@@ -22,8 +25,8 @@ TEST(MaskTree, HoldsTheVoxelsItWasMadeOf) {
       const MaskTree tree = testing::tree_of(mask);
       ASSERT_TRUE(is_valid(tree));
       EXPECT_EQ(testing::dense_of(tree), mask) << size.x << ' ' << size.y << ' ' << size.z;
-      EXPECT_EQ(tree.voxel_count(), static_cast<std::uint64_t>(std::count(
-                                        mask.voxels.begin(), mask.voxels.end(), 1)));
+      EXPECT_EQ(tree.voxel_count(),
+                static_cast<std::uint64_t>(std::count(mask.voxels.begin(), mask.voxels.end(), 1)));
     }
   }
 }
@@ -102,9 +105,9 @@ TEST(MakeMask, TakesTheWindowInEveryType) {
     const auto min = static_cast<double>(range.min);
     const auto max = static_cast<double>(range.max);
     const std::vector<ValueWindow> windows = {
-        {min, min},         {max - 1, max},         {min / 2, max / 3}, {0, 0},
-        {-0.5, 0.5},        {0.25, 0.75},           {min - 5, max + 5}, {-kInfinity, kInfinity},
-        {max + 1, max + 9}, {3, 2},                 {1, kInfinity},     {-kInfinity, -1},
+        {min, min},         {max - 1, max},   {min / 2, max / 3}, {0, 0},
+        {-0.5, 0.5},        {0.25, 0.75},     {min - 5, max + 5}, {-kInfinity, kInfinity},
+        {max + 1, max + 9}, {3, 2},           {1, kInfinity},     {-kInfinity, -1},
         {std::nan(""), 1},  {0, std::nan("")}};
     with_voxel_type(type, [&](auto id) {
       using T = typename decltype(id)::type;
@@ -112,8 +115,9 @@ TEST(MakeMask, TakesTheWindowInEveryType) {
       std::vector<T> voxels(static_cast<std::size_t>(size.voxel_count()));
       for (T& v : voxels) {
         const auto draw = random();
-        v = draw % 4 == 0 ? static_cast<T>(range.max) : draw % 4 == 1 ? static_cast<T>(range.min)
-                                                                      : static_cast<T>(draw >> 8);
+        v = draw % 4 == 0   ? static_cast<T>(range.max)
+            : draw % 4 == 1 ? static_cast<T>(range.min)
+                            : static_cast<T>(draw >> 8);
       }
       for (const ValueWindow& window : windows) {
         const MaskTree tree =
@@ -125,6 +129,51 @@ TEST(MakeMask, TakesTheWindowInEveryType) {
       }
     });
   }
+}
+
+/// Voxels of any type, half of them near the ends of `window`.
+template <class T>
+std::vector<T> voxels_around(const ValueWindow& window, const Size3& size) {
+  std::mt19937 random(8);
+  std::vector<T> voxels(static_cast<std::size_t>(size.voxel_count()));
+  for (T& v : voxels) {
+    const auto draw = static_cast<int>(random() % 8);
+    v = static_cast<T>(draw < 4 ? window.lowest + draw - 2 : window.highest + draw - 6);
+  }
+  // Runs wholly in or out of the window, beside the others.
+  const std::size_t run = voxels.size() / 3;
+  std::fill_n(voxels.begin(), run, static_cast<T>(window.lowest));
+  std::fill_n(voxels.begin() + static_cast<std::ptrdiff_t>(run), run / 2,
+              static_cast<T>(window.highest + 1));
+  return voxels;
+}
+
+TEST(MakeMask, EveryInstructionSetFindsTheSameVoxels) {
+  const ValueWindow window{20, 90};
+  const std::int64_t targets = hwy::SupportedTargets();
+  int count = 0;
+  for (std::int64_t left = targets; left != 0; left &= left - 1) {
+    const SimdTargetsInUse in_use(left & -left);
+    ++count;
+    for (const Size3& size : {Size3{1500, 5, 6}, Size3{64, 4, 4}, Size3{63, 3, 70}}) {
+      for (const VoxelType type :
+           {VoxelType::int8, VoxelType::uint16, VoxelType::int32, VoxelType::float32}) {
+        with_voxel_type(type, [&](auto id) {
+          using T = typename decltype(id)::type;
+          const std::vector<T> voxels = voxels_around<T>(window, size);
+          const MaskTree tree =
+              make_mask({voxels.data(), type, size, size.x, size.x * size.y}, window);
+          ASSERT_TRUE(is_valid(tree));
+          std::size_t i = 0;
+          testing::for_each_voxel(size, [&](const Index3& p) {
+            ASSERT_EQ(tree.contains(p), window.contains(static_cast<double>(voxels[i++])))
+                << "target " << (left & -left);
+          });
+        });
+      }
+    }
+  }
+  EXPECT_GE(count, 1);
 }
 
 TEST(MakeMask, TakesTheWindowOfFloats) {
@@ -173,8 +222,8 @@ TEST(MaskBuilder, TakesBlocksOfBricksInAnyOrder) {
         for (std::int64_t x = 0; x < size.x; x += 48) corners.push_back({x, y, z});
     std::shuffle(corners.begin(), corners.end(), random);
     for (const Index3& corner : corners) {
-      const Box box = intersection(
-          box_of(size), {corner, {corner.x + 48, corner.y + 32, corner.z + 16}});
+      const Box box =
+          intersection(box_of(size), {corner, {corner.x + 48, corner.y + 32, corner.z + 16}});
       BrickView block = testing::view_of(mask);
       block.voxels = mask.voxels.data() + (corner.z * size.y + corner.y) * size.x + corner.x;
       block.size = box.size();

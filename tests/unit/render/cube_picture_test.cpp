@@ -174,6 +174,19 @@ TEST(CubePicture, SurfaceLeavesGiveTheSamePicturePixelForPixel) {
     const Picture cubes = drawn(shot);
     for (MaskTree& tree : shot.trees) tree = shell(tree);
     ASSERT_EQ(drawn(shot).pixels, cubes.pixels) << "round " << round;
+    ASSERT_EQ(draw_nearest_cubes(painted(shot), shot.view, shot.style).pixels, cubes.pixels)
+        << "round " << round;
+  }
+}
+
+TEST(CubePicture, TheNearestFirstGiveTheSamePicturePixelForPixel) {
+  std::mt19937 random(14);
+  for (int round = 0; round < 40; ++round) {
+    const Size3 size = round % 2 == 0 ? Size3{70, 66, 80} : Size3{33, 9, 5};
+    Shot shot = random_shot(size, random);
+    shot.style.fade = 0.5;
+    ASSERT_EQ(draw_nearest_cubes(painted(shot), shot.view, shot.style).pixels, drawn(shot).pixels)
+        << "round " << round;
   }
 }
 
@@ -254,8 +267,8 @@ Shot golden_shot() {
 
 TEST(CubePicture, LooksLikeTheKeptPicture) {
   const Picture picture = drawn(golden_shot());
-  const std::filesystem::path kept = std::filesystem::path(OCTAVO_SOURCE_DIR) /
-                                     "tests/unit/render/golden/cubes.png";
+  const std::filesystem::path kept =
+      std::filesystem::path(OCTAVO_SOURCE_DIR) / "tests/unit/render/golden/cubes.png";
   std::ifstream in(kept, std::ios::binary);
   const Bytes bytes{std::istreambuf_iterator<char>(in), {}};
   const Picture expected = testing::read_png(bytes);

@@ -40,11 +40,12 @@ struct Recorder {
 };
 
 std::vector<DrawnLeaf> walked(const std::vector<MaskTree>& masks,
-                              const std::array<int, 3>& nearness) {
+                              const std::array<int, 3>& nearness,
+                              WalkOrder order = WalkOrder::farthest_first) {
   std::vector<const MaskTree*> pointers;
   for (const MaskTree& mask : masks) pointers.push_back(&mask);
   Recorder recorder;
-  CubeWalk(pointers, index_view(nearness), recorder).run();
+  CubeWalk(pointers, index_view(nearness), order, recorder).run();
   return recorder.leaves;
 }
 
