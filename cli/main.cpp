@@ -1,6 +1,7 @@
 // octavo VERB inputs... -o output
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdio>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -101,6 +102,12 @@ int run_program(int argc, char** argv) {
 }  // namespace octavo::cli
 
 int main(int argc, char** argv) {
+#ifdef __POPCNT__
+  if (__builtin_cpu_supports("popcnt") == 0) {
+    std::fputs("octavo: error: this processor lacks the POPCNT instruction\n", stderr);
+    return octavo::cli::kExitInternal;
+  }
+#endif
   // What this program starts itself as, to read scans in; not a verb that people type.
   const bool is_worker_name = argc == 2 && std::string_view(argv[1]) == "import-worker";
   if (is_worker_name && octavo::has_import_request()) octavo::run_import_worker();
