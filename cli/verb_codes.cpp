@@ -1,4 +1,5 @@
-// octavo codes: the o-codes of what a file holds, condensed plane by plane.
+// octavo codes: the o-codes of what a file holds: label maps by their tree, other voxels condensed
+// plane by plane.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,12 +14,14 @@
 #include "common/failure.h"
 #include "common/file_planes.h"
 #include "common/inputs.h"
+#include "common/masks.h"
 #include "common/progress_line.h"
 #include "common/quantities.h"
 #include "common/verb.h"
 #include "common/volume_json.h"
 #include "octavo/core/condense.h"
 #include "octavo/core/neighbors.h"
+#include "octavo/ops/label_build.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -171,6 +174,31 @@ LinearOctree condense_planes(PlaneSource& planes, const Selection& selection, Pr
   }
   progress.end();
   return condenser.finish();
+}
+
+/// The leaves of a label map: bricks of one label are not decoded.
+LinearOctree label_leaves(const FileReader& reader, int level, const Selection& selection,
+                          const Context& context) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::vector<ValueWindow> windows;
+  for (const std::int64_t label : selection.labels) {
+    windows.push_back({static_cast<double>(label), static_cast<double>(label)});
+  }
+  if (windows.empty()) windows.push_back({-kInfinity, kInfinity});
+  ProgressLine progress(context);
+  const ProgressScope scope(progress, "condensing", reader.levels().size(level).z, "planes");
+  LinearOctree octree;
+  on_threads(context, [&] {
+    octree = to_linear_octree(
+        labels_of_file(reader, level, windows, progress, context.max_memory_bytes));
+  });
+  return octree;
+}
+
+LinearOctree voxel_leaves(PlaneSource& planes, const Selection& selection,
+                          const Context& context) {
+  ProgressLine progress(context);
+  return condense_planes(planes, selection, progress);
 }
 
 /// Leaves of each label at each level.
@@ -364,11 +392,11 @@ int run_codes(const Arguments& arguments, const Context& context) {
   check_level(reader->levels(), arguments.level);
   const Selection selection = choose(arguments, reader->description());
   FilePlanes planes(reader, arguments.level, context.thread_count());
-  LinearOctree octree;
-  {
-    ProgressLine progress(context);
-    octree = condense_planes(planes, selection, progress);
-  }
+  const bool is_label_map =
+      reader->description().kind == VolumeKind::labels && !selection.makes_mask();
+  const LinearOctree octree = is_label_map
+                                  ? label_leaves(*reader, arguments.level, selection, context)
+                                  : voxel_leaves(planes, selection, context);
   if (!arguments.neighbors.empty()) {
     print_neighbors(octree, arguments, context);
     return kExitDone;

@@ -475,8 +475,12 @@ class Results(InFolder):
             found = json.loads(listed.stdout)
             self.assertEqual(found["voxels"], sum(v != 0 for v in voxels))
             self.assertEqual(sum(8 ** c["level"] for c in found["codes"]), found["voxels"])
-        one = json.loads(self.expect(0, "codes", "m.8vo", "--json", "--label", "2").stdout)
+        one = json.loads(
+            self.expect(0, "codes", "m.8vo", "--json", "--list", "--label", "2", "--notation",
+                        "linear").stdout
+        )
         self.assertEqual(one["voxels"], voxels.count(2))
+        self.assertEqual(one["codes"], [c for c in found["codes"] if c["value"] == 2])
 
     def test_probe_tells_the_voxel(self):
         layout = self.random_raw("v.raw", (20, 19, 18))
