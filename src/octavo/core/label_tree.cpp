@@ -55,8 +55,8 @@ class Proof {
       }
       const bool is_ascending =
           std::adjacent_find(labels.begin(), labels.end(), std::greater_equal<>()) == labels.end();
-      const bool is_behind = labels.size() != before.size() ? labels.size() > before.size()
-                                                            : labels > before;
+      const bool is_behind =
+          labels.size() != before.size() ? labels.size() > before.size() : labels > before;
       if (!is_ascending || !is_behind) return false;
       for (const std::uint32_t label : labels) is_used_[label] = true;
       before = std::move(labels);

@@ -393,10 +393,9 @@ LabelTree make_labels(const BrickView& volume) {
     layers.take(layer, [&](const Box& box, LabelFold& fold) -> std::optional<LabelArrays> {
       BrickView block = volume;
       block.size = box.size();
-      block.voxels =
-          static_cast<const std::byte*>(volume.voxels) +
-          (box.lo.z * volume.plane_stride + box.lo.y * volume.row_stride + box.lo.x) *
-              bytes_per_voxel(volume.type);
+      block.voxels = static_cast<const std::byte*>(volume.voxels) +
+                     (box.lo.z * volume.plane_stride + box.lo.y * volume.row_stride + box.lo.x) *
+                         bytes_per_voxel(volume.type);
       return folded(block, choice, fold);
     });
   }

@@ -57,9 +57,8 @@ class Union {
 
   MaskTree make() const {
     std::vector<MaskPart> parts;
-    const std::vector<LabelPlace> places =
-        label_places(tree_, [&](int rank, std::uint64_t code, std::uint32_t label,
-                                std::uint64_t bits) {
+    const std::vector<LabelPlace> places = label_places(
+        tree_, [&](int rank, std::uint64_t code, std::uint32_t label, std::uint64_t bits) {
           if (!is_wanted_[label]) return;
           visit_below(rank, code, bits, [&](std::uint64_t below) {
             MaskPart& part = parts.emplace_back();
@@ -153,9 +152,8 @@ class AllMasks {
   AllMasks(const LabelTree& tree, std::uint64_t max_bytes) : tree_(tree), max_bytes_(max_bytes) {}
 
   std::vector<LabelMask> make() {
-    const std::vector<LabelPlace> places =
-        label_places(tree_, [&](int rank, std::uint64_t code, std::uint32_t label,
-                                std::uint64_t bits) {
+    const std::vector<LabelPlace> places = label_places(
+        tree_, [&](int rank, std::uint64_t code, std::uint32_t label, std::uint64_t bits) {
           if (tree_.labels()[label] == 0) return;
           visit_below(rank, code, bits, [&](std::uint64_t below) {
             LabelMaskPart& made = parts_.emplace_back();
@@ -166,9 +164,8 @@ class AllMasks {
         });
     std::vector<std::vector<LabelMaskPart>> found(places.size());
     tbb::enumerable_thread_specific<LabelShares> shares(tree_);
-    tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
-      found[i] = parts_of(places[i], shares.local());
-    });
+    tbb::parallel_for(std::size_t{0}, places.size(),
+                      [&](std::size_t i) { found[i] = parts_of(places[i], shares.local()); });
     for (std::vector<LabelMaskPart>& parts : found) {
       parts_.insert(parts_.end(), std::make_move_iterator(parts.begin()),
                     std::make_move_iterator(parts.end()));

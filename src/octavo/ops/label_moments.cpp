@@ -25,9 +25,8 @@ class LabelMoments {
       : tree_(tree), sums_(tree.labels().size()), shares_(tree) {}
 
   std::vector<MomentSums> make() {
-    const std::vector<LabelPlace> places =
-        label_places(tree_, [&](int rank, std::uint64_t code, std::uint32_t label,
-                                std::uint64_t bits) {
+    const std::vector<LabelPlace> places = label_places(
+        tree_, [&](int rank, std::uint64_t code, std::uint32_t label, std::uint64_t bits) {
           if (is_background(label)) return;
           add_children(bits, child_side(rank), corner_of({2 * (rank + 2), code}), sums_[label]);
         });

@@ -24,8 +24,7 @@ struct LabelShare {
 /// Memory  4 bytes per label of the tree, and the shares of a cube
 class LabelShares {
  public:
-  explicit LabelShares(const LabelTree& tree)
-      : tree_(tree), slots_(tree.labels().size(), kNone) {
+  explicit LabelShares(const LabelTree& tree) : tree_(tree), slots_(tree.labels().size(), kNone) {
     const auto zero = std::ranges::find(tree.labels(), 0);
     if (zero != tree.labels().end()) {
       background_ = static_cast<std::uint32_t>(zero - tree.labels().begin());

@@ -136,8 +136,8 @@ TEST(LabelTree, FillsAnyBox) {
     Box box;
     for (int axis = 0; axis < 3; ++axis) {
       box.lo[axis] = static_cast<std::int64_t>(random() % 60);
-      box.hi[axis] = std::min(dense.size[axis],
-                              box.lo[axis] + 1 + static_cast<std::int64_t>(random() % 70));
+      box.hi[axis] =
+          std::min(dense.size[axis], box.lo[axis] + 1 + static_cast<std::int64_t>(random() % 70));
     }
     std::vector<std::int32_t> voxels(static_cast<std::size_t>(box.size().voxel_count()), 77);
     fill_voxels(tree, box, voxels.data());
@@ -266,8 +266,8 @@ TEST(LabelTree, OfOneLabelIsLittleLargerThanItsMask) {
   testing::DenseMask ball{{200, 200, 200}, std::vector<std::uint8_t>(200 * 200 * 200)};
   DenseLabels labels(ball.size);
   testing::for_each_voxel(ball.size, [&](const Index3& p) {
-    const std::int64_t r2 = (p.x - 100) * (p.x - 100) + (p.y - 100) * (p.y - 100) +
-                            (p.z - 100) * (p.z - 100);
+    const std::int64_t r2 =
+        (p.x - 100) * (p.x - 100) + (p.y - 100) * (p.y - 100) + (p.z - 100) * (p.z - 100);
     ball.at(p) = r2 < 90 * 90;
     labels.at(p) = r2 < 90 * 90 ? 123456 : 0;
   });
@@ -288,8 +288,8 @@ TEST(LabelTree, OfALargeVolumeCostsWhatIsInIt) {
   EXPECT_EQ(tree.label_at({5, 6, 7}), 7);
   EXPECT_EQ(tree.label_at({size.x - 1, 65, size.z - 1}), -3);
   const std::vector<std::uint64_t> counts = voxel_counts(tree);
-  EXPECT_EQ(counts, (std::vector<std::uint64_t>{5 * 66, (std::uint64_t{1} << 62) - 5 * 66 - 24,
-                                                24}));
+  EXPECT_EQ(counts,
+            (std::vector<std::uint64_t>{5 * 66, (std::uint64_t{1} << 62) - 5 * 66 - 24, 24}));
 }
 
 TEST(LabelTree, IsProvenInEveryArray) {
