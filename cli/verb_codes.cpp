@@ -14,14 +14,13 @@
 #include "common/failure.h"
 #include "common/file_planes.h"
 #include "common/inputs.h"
-#include "common/masks.h"
+#include "common/label_trees.h"
 #include "common/progress_line.h"
 #include "common/quantities.h"
 #include "common/verb.h"
 #include "common/volume_json.h"
 #include "octavo/core/condense.h"
 #include "octavo/core/neighbors.h"
-#include "octavo/ops/label_build.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -174,25 +173,6 @@ LinearOctree condense_planes(PlaneSource& planes, const Selection& selection, Pr
   }
   progress.end();
   return condenser.finish();
-}
-
-/// The leaves of a label map: bricks of one label are not decoded.
-LinearOctree label_leaves(const FileReader& reader, int level, const Selection& selection,
-                          const Context& context) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  std::vector<ValueWindow> windows;
-  for (const std::int64_t label : selection.labels) {
-    windows.push_back({static_cast<double>(label), static_cast<double>(label)});
-  }
-  if (windows.empty()) windows.push_back({-kInfinity, kInfinity});
-  ProgressLine progress(context);
-  const ProgressScope scope(progress, "condensing", reader.levels().size(level).z, "planes");
-  LinearOctree octree;
-  on_threads(context, [&] {
-    octree = to_linear_octree(
-        labels_of_file(reader, level, windows, progress, context.max_memory_bytes));
-  });
-  return octree;
 }
 
 LinearOctree voxel_leaves(PlaneSource& planes, const Selection& selection,
@@ -394,9 +374,10 @@ int run_codes(const Arguments& arguments, const Context& context) {
   FilePlanes planes(reader, arguments.level, context.thread_count());
   const bool is_label_map =
       reader->description().kind == VolumeKind::labels && !selection.makes_mask();
-  const LinearOctree octree = is_label_map
-                                  ? label_leaves(*reader, arguments.level, selection, context)
-                                  : voxel_leaves(planes, selection, context);
+  const LinearOctree octree =
+      is_label_map ? to_linear_octree(read_label_tree(*reader, arguments.level, selection.labels,
+                                                      "condensing", context))
+                   : voxel_leaves(planes, selection, context);
   if (!arguments.neighbors.empty()) {
     print_neighbors(octree, arguments, context);
     return kExitDone;

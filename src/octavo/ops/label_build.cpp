@@ -365,7 +365,8 @@ LabelTree labels_of_file(const FileReader& reader, int level, std::span<const Va
     throw Error(ErrorKind::invalid_argument, "there is no level " + std::to_string(level));
   }
   if (reader.description().kind != VolumeKind::labels) {
-    throw Error(ErrorKind::invalid_argument, "the volume holds grey values, not labels");
+    throw Error(ErrorKind::invalid_argument, "holds grey values, not labels",
+                reader.source().name());
   }
   FileLabels labels(reader, level, windows);
   Layers layers(reader.levels().size(level));
@@ -377,7 +378,8 @@ LabelTree labels_of_file(const FileReader& reader, int level, std::span<const Va
     if (max_bytes != 0 && 2 * layers.bytes() > max_bytes) {
       throw Error(ErrorKind::limit_exceeded,
                   "the labels need more than " + std::to_string(max_bytes >> 20) +
-                      " MiB of memory, the limit; raise the limit, or take a coarser level");
+                      " MiB of memory, the limit; raise the limit, or take a coarser level",
+                  reader.source().name());
     }
     progress.advance(layers.planes(layer));
   }
