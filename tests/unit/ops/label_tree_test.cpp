@@ -100,6 +100,37 @@ TEST(LabelTree, HasTheLabelOfEveryVoxel) {
   }
 }
 
+template <class T>
+class LabelTreeOf : public ::testing::Test {};
+using LabelTypes = ::testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t,
+                                    std::int32_t, std::uint32_t>;
+TYPED_TEST_SUITE(LabelTreeOf, LabelTypes);
+
+TYPED_TEST(LabelTreeOf, AnyTypeHoldsItsLimitsInsideLargerRows) {
+  using T = TypeParam;
+  // A block of 13 x 9 x 70 inside rows of 15 and planes of 11 rows.
+  const Size3 size{13, 9, 70};
+  std::vector<T> voxels(15 * 11 * 70, T{77});
+  std::mt19937 random(78);
+  const std::array<T, 4> labels = {std::numeric_limits<T>::min(), T{0}, T{1},
+                                   std::numeric_limits<T>::max()};
+  testing::for_each_voxel(size, [&](const Index3& p) {
+    voxels[static_cast<std::size_t>((p.z * 11 + p.y) * 15 + p.x)] =
+        labels[p.z < 20 ? random() % 4 : 3];
+  });
+  const LabelTree tree = make_labels({voxels.data(), voxel_type_of<T>(), size, 15, 15 * 11});
+  ASSERT_TRUE(is_valid(tree));
+  EXPECT_EQ(tree.labels().back(), static_cast<std::int64_t>(std::numeric_limits<T>::max()));
+  std::vector<T> filled(static_cast<std::size_t>(size.voxel_count()));
+  fill_voxels(tree, box_of(size), filled.data());
+  std::size_t next = 0;
+  testing::for_each_voxel(size, [&](const Index3& p) {
+    const T expected = voxels[static_cast<std::size_t>((p.z * 11 + p.y) * 15 + p.x)];
+    ASSERT_EQ(filled[next++], expected);
+    ASSERT_EQ(tree.label_at(p), static_cast<std::int64_t>(expected));
+  });
+}
+
 TEST(LabelTree, IsCondensedAsThePlanesAre) {
   for (const DenseLabels& dense : cases()) {
     CondenseOptions options;
