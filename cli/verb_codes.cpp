@@ -1,4 +1,5 @@
-// octavo codes: the o-codes of what a file holds, condensed plane by plane.
+// octavo codes: the o-codes of what a file holds: label maps by their tree, other voxels condensed
+// plane by plane.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +14,7 @@
 #include "common/failure.h"
 #include "common/file_planes.h"
 #include "common/inputs.h"
+#include "common/label_trees.h"
 #include "common/progress_line.h"
 #include "common/quantities.h"
 #include "common/verb.h"
@@ -171,6 +173,12 @@ LinearOctree condense_planes(PlaneSource& planes, const Selection& selection, Pr
   }
   progress.end();
   return condenser.finish();
+}
+
+LinearOctree voxel_leaves(PlaneSource& planes, const Selection& selection,
+                          const Context& context) {
+  ProgressLine progress(context);
+  return condense_planes(planes, selection, progress);
 }
 
 /// Leaves of each label at each level.
@@ -364,11 +372,12 @@ int run_codes(const Arguments& arguments, const Context& context) {
   check_level(reader->levels(), arguments.level);
   const Selection selection = choose(arguments, reader->description());
   FilePlanes planes(reader, arguments.level, context.thread_count());
-  LinearOctree octree;
-  {
-    ProgressLine progress(context);
-    octree = condense_planes(planes, selection, progress);
-  }
+  const bool is_label_map =
+      reader->description().kind == VolumeKind::labels && !selection.makes_mask();
+  const LinearOctree octree =
+      is_label_map ? to_linear_octree(read_label_tree(*reader, arguments.level, selection.labels,
+                                                      "condensing", context))
+                   : voxel_leaves(planes, selection, context);
   if (!arguments.neighbors.empty()) {
     print_neighbors(octree, arguments, context);
     return kExitDone;

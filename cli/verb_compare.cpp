@@ -6,6 +6,7 @@
 
 #include "common/failure.h"
 #include "common/inputs.h"
+#include "common/label_trees.h"
 #include "common/plane_compare.h"
 #include "common/progress_line.h"
 #include "common/quantities.h"
@@ -19,16 +20,20 @@ namespace {
 constexpr VerbText kText = {
     "compare", "Compare geometry and voxels of two volumes.",
     "Either side is an .8vo file, a URL of one, or any source that build reads. Stored values are\n"
-    "compared where the rescales agree, real values otherwise. Exit code 1 when they differ.\n\n"
+    "compared where the rescales agree, real values otherwise. Exit code 1 when they differ.\n"
+    "With --labels, two label maps, A and B: the voxels of each label in A, in B and in both, and\n"
+    "its Dice coefficient (twice those in both over the sum of the others, 1 where all agree).\n\n"
     "Examples:\n"
     "  octavo compare old.8vo new.8vo\n"
     "  octavo compare head.8vo scans/head/\n"
-    "  octavo compare small.8vo scans/head/ --max-error 2"};
+    "  octavo compare small.8vo scans/head/ --max-error 2\n"
+    "  octavo compare truth.8vo found.8vo --labels"};
 
 struct Arguments {
   std::string a;
   std::string b;
   std::string max_error = "0";
+  bool labels = false;
   SourceArguments source;
 };
 
@@ -51,6 +56,9 @@ std::string equal_text(const Comparison& c, const VolumeDescription& a,
 int run_compare(const Arguments& arguments, Context& context) {
   const double max_error = parse_number(arguments.max_error, "--max-error");
   require_scan_for_options({arguments.a, arguments.b}, arguments.source);
+  if (arguments.labels) {
+    return compare_labels(arguments.a, arguments.b, context) ? kExitDone : kExitDifferent;
+  }
   const auto a = open_planes({arguments.a}, arguments.source, context, OptionsOf::any_source);
   const auto b = open_planes({arguments.b}, arguments.source, context, OptionsOf::any_source);
   Comparison result;
@@ -82,10 +90,13 @@ void add_compare(CLI::App& app, Context& context) {
                             [arguments, &context] { return run_compare(*arguments, context); });
   verb.add_option("a", arguments->a, "The first volume")->type_name("VOLUME")->required();
   verb.add_option("b", arguments->b, "The second volume")->type_name("VOLUME")->required();
+  CLI::Option* labels =
+      verb.add_flag("--labels", arguments->labels, "Compare two label maps label by label");
   verb.add_option("--max-error,--tolerance", arguments->max_error,
                   "Largest difference, in real units, that counts as equal")
       ->type_name("E")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->excludes(labels);
   add_source_options(verb, arguments->source);
 }
 

@@ -4,271 +4,262 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
+#include <atomic>
 #include <cstddef>
-#include <cstring>
-#include <optional>
+#include <iterator>
 #include <string>
+#include <unordered_map>
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/ops/label_build.h"
+#include "octavo/ops/label_shares.h"
 #include "octavo/ops/mask_pieces.h"
 
 namespace octavo {
 
 namespace {
 
-constexpr std::int64_t kCubeSide = 64;
-constexpr std::size_t kCubeVoxels = 64 * 64 * 64;
-constexpr std::uint32_t kCubeWords = 4096;
+constexpr MaskCube kFullCube{kFullWord, 0, 0};
 
-/// The voxels of one label in one word of a cube.
-struct LabelWord {
-  std::int64_t label = 0;
-  std::uint32_t word = 0;
-  std::uint64_t bits = 0;
+// Calls take(code) for the cubes of 64^3 in those children of a cube of `rank` whose bits are set.
+template <class Take>
+void visit_below(int rank, std::uint64_t code, std::uint64_t bits, Take take) {
+  const int shift = 6 * (rank - 2);
+  for (; bits != 0; bits &= bits - 1) {
+    const std::uint64_t child = code << 6 | static_cast<std::uint64_t>(std::countr_zero(bits));
+    for (std::uint64_t i = 0; i < std::uint64_t{1} << shift; ++i) take((child << shift) + i);
+  }
+}
+
+bool is_before(const MaskPart& a, const MaskPart& b) {
+  return a.pieces.front().code < b.pieces.front().code;
+}
+
+// The union of some labels, cube by cube.
+class Union {
+ public:
+  Union(const LabelTree& tree, std::span<const std::int64_t> labels)
+      : tree_(tree), is_wanted_(tree.labels().size()), entries_(tree.palette_count()) {
+    for (const std::int64_t label : labels) {
+      const auto at = std::lower_bound(tree.labels().begin(), tree.labels().end(), label);
+      if (label == 0 || at == tree.labels().end() || *at != label) continue;
+      is_wanted_[static_cast<std::size_t>(at - tree.labels().begin())] = true;
+    }
+    for (std::uint32_t palette = 0; palette < entries_.size(); ++palette) {
+      for (std::uint64_t i = 0; i < tree.palette_size(palette); ++i) {
+        if (is_wanted_[tree.palette_label(palette, i)]) {
+          entries_[palette] |= std::uint64_t{1} << i;
+        }
+      }
+    }
+  }
+
+  MaskTree make() const {
+    std::vector<MaskPart> parts;
+    const std::vector<LabelPlace> places = label_places(
+        tree_, [&](int rank, std::uint64_t code, std::uint32_t label, std::uint64_t bits) {
+          if (!is_wanted_[label]) return;
+          visit_below(rank, code, bits, [&](std::uint64_t below) {
+            MaskPart& part = parts.emplace_back();
+            part.pieces.push_back({below, kFullCube});
+            part.below = arrays_below(1);
+          });
+        });
+    const std::size_t full = parts.size();
+    parts.resize(full + places.size());
+    tbb::parallel_for(std::size_t{0}, places.size(),
+                      [&](std::size_t i) { parts[full + i] = part_of(places[i]); });
+    std::erase_if(parts, [](const MaskPart& part) { return part.pieces.empty(); });
+    std::sort(parts.begin(), parts.end(), is_before);
+    return assemble(tree_.size(), 1, parts);
+  }
+
+ private:
+  // The wanted ones among the uniform children.
+  std::uint64_t full_in(int rank, const LabelCube& cube) const {
+    std::uint64_t full = 0;
+    tree_.visit_runs(rank, cube, [&](std::uint32_t label, std::uint64_t bits) {
+      if (is_wanted_[label]) full |= bits;
+    });
+    return full;
+  }
+
+  std::uint64_t bits_in(std::uint64_t word) const {
+    const std::uint32_t palette = tree_.palette_of(word);
+    const std::uint64_t size = tree_.palette_size(palette);
+    std::uint64_t entries = entries_[palette];
+    if (entries == 0) return 0;
+    const auto planes = tree_.planes_of(word);
+    std::uint64_t bits = 0;
+    for (; entries != 0; entries &= entries - 1) {
+      const auto entry = static_cast<std::uint64_t>(std::countr_zero(entries));
+      bits |= LabelTree::bits_of(planes, size, entry);
+    }
+    return bits;
+  }
+
+  MaskPart part_of(const LabelPlace& at) const {
+    MaskPart part;
+    part.below = arrays_below(1);
+    const LabelCube& cube = tree_.cubes(1)[at.place];
+    MaskCube made{full_in(1, cube), 0, 0};
+    std::uint64_t child = cube.first;
+    for (std::uint64_t left = cube.mixed; left != 0; left &= left - 1) {
+      add_child(cube_of(child++, part.below.words), std::countr_zero(left), made,
+                part.below.cubes[0]);
+    }
+    if (!made.is_empty()) part.pieces.push_back({at.code, made});
+    return part;
+  }
+
+  MaskCube cube_of(std::uint64_t place, std::vector<std::uint64_t>& words) const {
+    const LabelCube& cube = tree_.cubes(0)[place];
+    MaskCube made{full_in(0, cube), 0, words.size()};
+    std::uint64_t word = cube.first;
+    for (std::uint64_t left = cube.mixed; left != 0; left &= left - 1) {
+      const std::uint64_t bits = bits_in(word++);
+      if (bits == kFullWord) {
+        made.full |= left & -left;
+      } else if (bits != 0) {
+        made.mixed |= left & -left;
+        words.push_back(bits);
+      }
+    }
+    return made;
+  }
+
+  const LabelTree& tree_;
+  std::vector<bool> is_wanted_;         // by label
+  std::vector<std::uint64_t> entries_;  // by palette: the wanted labels of it
 };
 
-/// What one label has in one cube.
-struct LabelPart {
-  std::int64_t label = 0;
+/// What one label has in one cube of 64^3.
+struct LabelMaskPart {
+  std::uint32_t label = 0;
   MaskPart part;
 };
 
 std::uint64_t bytes_of(const MaskPart& part) {
-  return sizeof(LabelPart) + sizeof(MaskPiece) + part.below.words.size() * sizeof(std::uint64_t) +
+  return sizeof(LabelMaskPart) + sizeof(MaskPiece) +
+         part.below.words.size() * sizeof(std::uint64_t) +
          part.below.cubes[0].size() * sizeof(MaskCube);
 }
 
-// Where the voxels of a word lie in the rows of a cube, by bit.
-std::array<std::size_t, 64> places_in_word() {
-  std::array<std::size_t, 64> places{};
-  for (std::size_t bit = 0; bit < 64; ++bit) {
-    const Index3 at = deinterleave(bit);
-    places[bit] = static_cast<std::size_t>((at.z * kCubeSide + at.y) * kCubeSide + at.x);
-  }
-  return places;
-}
-
-/// The labels of a cube of 64^3 voxels; 0 beyond the volume.
-class CubeLabels {
+// Gathers the parts of all labels.
+class AllMasks {
  public:
-  void clear() { labels_.assign(kCubeVoxels, 0); }
-
-  /// Takes voxels [z][y][x] of a box at the cube's lowest corner.
-  void take(const std::byte* voxels, VoxelType type, const Size3& size) {
-    clear();
-    with_voxel_type(type, [&](auto id) {
-      using T = typename decltype(id)::type;
-      for (std::int64_t z = 0; z < size.z; ++z) {
-        for (std::int64_t y = 0; y < size.y; ++y) {
-          const std::byte* from =
-              voxels + static_cast<std::size_t>((z * size.y + y) * size.x) * sizeof(T);
-          std::int64_t* const to = labels_.data() + (z * kCubeSide + y) * kCubeSide;
-          for (std::int64_t x = 0; x < size.x; ++x, from += sizeof(T)) {
-            T value;
-            std::memcpy(&value, from, sizeof value);
-            to[x] = static_cast<std::int64_t>(value);
-          }
-        }
-      }
-    });
-  }
-
-  void fill(std::int64_t label, const Size3& size) {
-    clear();
-    for (std::int64_t z = 0; z < size.z; ++z) {
-      for (std::int64_t y = 0; y < size.y; ++y) {
-        std::fill_n(labels_.data() + (z * kCubeSide + y) * kCubeSide, size.x, label);
-      }
-    }
-  }
-
-  /// The words of all labels but 0, by label and then in o-code order.
-  const std::vector<LabelWord>& words() {
-    static const std::array<std::size_t, 64> kPlaces = places_in_word();
-    words_.clear();
-    for (std::uint32_t word = 0; word < kCubeWords; ++word) {
-      const Index3 at = deinterleave(word);
-      const std::int64_t* const first =
-          labels_.data() + ((at.z * kCubeSide + at.y) * kCubeSide + at.x) * 4;
-      std::uint64_t left = kFullWord;
-      while (left != 0) {
-        const std::int64_t label = first[kPlaces[static_cast<std::size_t>(std::countr_zero(left))]];
-        std::uint64_t bits = 0;
-        for (std::uint64_t look = left; look != 0; look &= look - 1) {
-          const auto bit = static_cast<std::size_t>(std::countr_zero(look));
-          if (first[kPlaces[bit]] == label) bits |= std::uint64_t{1} << bit;
-        }
-        if (label != 0) words_.push_back({label, word, bits});
-        left &= ~bits;
-      }
-    }
-    std::stable_sort(words_.begin(), words_.end(),
-                     [](const LabelWord& a, const LabelWord& b) { return a.label < b.label; });
-    return words_;
-  }
-
- private:
-  std::vector<std::int64_t> labels_;
-  std::vector<LabelWord> words_;
-};
-
-/// The sub-tree of one label, from its words in order.
-MaskPart folded(std::span<const LabelWord> words, std::uint64_t code) {
-  MaskPart part;
-  part.below = arrays_below(1);
-  MaskCube cube;
-  for (std::size_t i = 0; i < words.size();) {
-    const std::uint32_t bit = words[i].word >> 6;
-    WordCube child;
-    for (; i < words.size() && words[i].word >> 6 == bit; ++i) {
-      child.add(static_cast<int>(words[i].word & 63), words[i].bits);
-    }
-    add_child(child.finish(part.below.words), static_cast<int>(bit), cube, part.below.cubes[0]);
-  }
-  part.below.words.shrink_to_fit();
-  part.pieces.push_back({code, cube});
-  return part;
-}
-
-class LabelMasks {
- public:
-  LabelMasks(const FileReader& reader, int level, std::span<const ValueWindow> windows,
-             Progress& progress, std::uint64_t max_bytes)
-      : reader_(reader),
-        level_(level),
-        windows_(windows),
-        progress_(progress),
-        max_bytes_(max_bytes),
-        size_(reader.levels().size(level)) {}
+  AllMasks(const LabelTree& tree, std::uint64_t max_bytes) : tree_(tree), max_bytes_(max_bytes) {}
 
   std::vector<LabelMask> make() {
-    for (int axis = 0; axis < 3; ++axis) cubes_[axis] = (size_[axis] + kCubeSide - 1) / kCubeSide;
-    for (std::int64_t layer = 0; layer < cubes_.z; ++layer) {
-      take_layer(layer);
-      progress_.advance(std::min(kCubeSide, size_.z - layer * kCubeSide));
+    const std::vector<LabelPlace> places = label_places(
+        tree_, [&](int rank, std::uint64_t code, std::uint32_t label, std::uint64_t bits) {
+          if (tree_.labels()[label] == 0) return;
+          visit_below(rank, code, bits, [&](std::uint64_t below) {
+            LabelMaskPart& made = parts_.emplace_back();
+            made.label = label;
+            made.part.pieces.push_back({below, kFullCube});
+            made.part.below = arrays_below(1);
+          });
+        });
+    std::vector<std::vector<LabelMaskPart>> found(places.size());
+    tbb::enumerable_thread_specific<LabelShares> shares(tree_);
+    tbb::parallel_for(std::size_t{0}, places.size(),
+                      [&](std::size_t i) { found[i] = parts_of(places[i], shares.local()); });
+    for (std::vector<LabelMaskPart>& parts : found) {
+      parts_.insert(parts_.end(), std::make_move_iterator(parts.begin()),
+                    std::make_move_iterator(parts.end()));
+      parts = {};
     }
     return assembled();
   }
 
  private:
-  void take_layer(std::int64_t layer) {
-    std::vector<std::vector<LabelPart>> found(static_cast<std::size_t>(cubes_.x * cubes_.y));
-    tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
-      if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
-      const auto at = static_cast<std::int64_t>(i);
-      found[i] = parts_of({at % cubes_.x, at / cubes_.x, layer});
+  std::vector<LabelMaskPart> parts_of(const LabelPlace& at, LabelShares& shares) {
+    std::vector<LabelMaskPart> parts;
+    std::unordered_map<std::uint32_t, std::size_t> numbers;
+    const auto part_of = [&](std::uint32_t label) -> MaskPart& {
+      const auto [found, is_new] = numbers.try_emplace(label, parts.size());
+      if (!is_new) return parts[found->second].part;
+      LabelMaskPart& made = parts.emplace_back();
+      made.label = label;
+      made.part.pieces.push_back({at.code, {}});
+      made.part.below = arrays_below(1);
+      return made.part;
+    };
+    const LabelCube& cube = tree_.cubes(1)[at.place];
+    tree_.visit_runs(1, cube, [&](std::uint32_t label, std::uint64_t bits) {
+      if (tree_.labels()[label] != 0) part_of(label).pieces.front().cube.full |= bits;
     });
-    for (std::vector<LabelPart>& parts : found) {
-      for (LabelPart& part : parts) {
-        bytes_ += 2 * bytes_of(part.part);
-        parts_.push_back(std::move(part));
+    std::uint64_t child = cube.first;
+    for (std::uint64_t left = cube.mixed; left != 0; left &= left - 1) {
+      for (const LabelShare& share : shares.in_cube(child++)) {
+        MaskPart& part = part_of(share.label);
+        part.pieces.front().cube.mixed |= left & -left;
+        part.below.cubes[0].push_back({share.full, share.mixed, part.below.words.size()});
+        part.below.words.insert(part.below.words.end(), share.words.begin(), share.words.end());
       }
     }
-    if (max_bytes_ != 0 && bytes_ > max_bytes_) {
-      throw Error(ErrorKind::limit_exceeded,
-                  "the masks need more than " + std::to_string(max_bytes_ >> 20) +
-                      " MiB of memory, the limit; raise the limit, or take a coarser level");
+    std::uint64_t bytes = 0;
+    for (LabelMaskPart& part : parts) {
+      part.part.below.words.shrink_to_fit();
+      part.part.below.cubes[0].shrink_to_fit();
+      bytes += 2 * bytes_of(part.part);
     }
-  }
-
-  std::vector<LabelPart> parts_of(const Index3& cube) {
-    const Index3 lo{cube.x * kCubeSide, cube.y * kCubeSide, cube.z * kCubeSide};
-    const Box box =
-        intersection(box_of(size_), {lo, {lo.x + kCubeSide, lo.y + kCubeSide, lo.z + kCubeSide}});
-    const std::optional<std::int64_t> only = only_label(box);
-    if (only == 0) return {};
-    CubeLabels& labels = labels_.local();
-    if (only) {
-      labels.fill(*only, box.size());
-    } else {
-      const VoxelType type = reader_.description().type;
-      std::vector<std::byte> voxels(
-          static_cast<std::size_t>(box.size().voxel_count() * bytes_per_voxel(type)));
-      reader_.read(box, level_, voxels.data());
-      labels.take(voxels.data(), type, box.size());
-    }
-    std::vector<LabelPart> parts;
-    const std::span<const LabelWord> words = labels.words();
-    for (std::size_t begin = 0; begin < words.size();) {
-      std::size_t end = begin;
-      while (end < words.size() && words[end].label == words[begin].label) ++end;
-      if (is_wanted(words[begin].label)) {
-        parts.push_back(
-            {words[begin].label, folded(words.subspan(begin, end - begin), interleave(cube))});
-      }
-      begin = end;
-    }
+    require_memory(bytes);
     return parts;
   }
 
-  /// The label of all bricks of a box of level 0, where they have but one.
-  std::optional<std::int64_t> only_label(const Box& box) const {
-    if (level_ != 0) return std::nullopt;
-    const Size3 side = reader_.levels().brick_side(0);
-    std::optional<std::int64_t> only;
-    visit_cells(box, side, [&](const Index3& brick) {
-      const ValueRange range = reader_.brick(0, brick).range;
-      const bool is_same = range.min == range.max && range.min == only.value_or(range.min);
-      only = is_same ? std::optional(range.min) : std::nullopt;
-      return is_same;
-    });
-    return only;
-  }
-
-  bool is_wanted(std::int64_t label) const {
-    return std::any_of(windows_.begin(), windows_.end(), [&](const ValueWindow& window) {
-      return window.contains(static_cast<double>(label));
-    });
+  void require_memory(std::uint64_t more) {
+    if ((bytes_ += more) <= max_bytes_ || max_bytes_ == 0) return;
+    throw Error(ErrorKind::limit_exceeded,
+                "the masks need more than " + std::to_string(max_bytes_ >> 20) +
+                    " MiB of memory, the limit; raise the limit, or take a coarser level");
   }
 
   std::vector<LabelMask> assembled() {
-    std::sort(parts_.begin(), parts_.end(), [](const LabelPart& a, const LabelPart& b) {
-      if (a.label != b.label) return a.label < b.label;
-      return a.part.pieces.front().code < b.part.pieces.front().code;
+    std::sort(parts_.begin(), parts_.end(), [](const LabelMaskPart& a, const LabelMaskPart& b) {
+      return a.label != b.label ? a.label < b.label : is_before(a.part, b.part);
     });
     std::vector<LabelMask> masks;
     for (std::size_t begin = 0; begin < parts_.size();) {
-      if (masks.size() == kMostLabelMasks) {
-        throw Error(ErrorKind::limit_exceeded, "there are more than " +
-                                                   std::to_string(kMostLabelMasks) +
-                                                   " labels; choose some of them by a range");
-      }
-      const std::int64_t label = parts_[begin].label;
+      const std::uint32_t label = parts_[begin].label;
       std::vector<MaskPart> parts;
       for (; begin < parts_.size() && parts_[begin].label == label; ++begin) {
         parts.push_back(std::move(parts_[begin].part));
       }
-      masks.push_back({label, assemble(size_, 1, parts)});
+      masks.push_back({tree_.labels()[label], assemble(tree_.size(), 1, parts)});
     }
     return masks;
   }
 
-  const FileReader& reader_;
-  int level_;
-  std::span<const ValueWindow> windows_;
-  Progress& progress_;
+  const LabelTree& tree_;
   std::uint64_t max_bytes_;
-  Size3 size_;
-  Size3 cubes_;  // of 64^3 samples, per axis
-  std::vector<LabelPart> parts_;
-  std::uint64_t bytes_ = 0;
-  tbb::enumerable_thread_specific<CubeLabels> labels_;
+  std::vector<LabelMaskPart> parts_;
+  std::atomic<std::uint64_t> bytes_ = 0;
 };
 
 }  // namespace
 
+MaskTree mask_of(const LabelTree& tree, std::span<const std::int64_t> labels) {
+  return Union(tree, labels).make();
+}
+
+std::vector<LabelMask> masks_of(const LabelTree& tree, std::uint64_t max_bytes) {
+  const bool has_background = std::ranges::binary_search(tree.labels(), 0);
+  if (tree.labels().size() - (has_background ? 1 : 0) > kMostLabelMasks) {
+    throw Error(ErrorKind::limit_exceeded, "there are more than " +
+                                               std::to_string(kMostLabelMasks) +
+                                               " labels; choose some of them by a range");
+  }
+  return AllMasks(tree, max_bytes).make();
+}
+
 std::vector<LabelMask> masks_of_labels(const FileReader& reader, int level,
                                        std::span<const ValueWindow> windows, Progress& progress,
                                        std::uint64_t max_bytes) {
-  if (level < 0 || level >= reader.levels().count()) {
-    throw Error(ErrorKind::invalid_argument, "there is no level " + std::to_string(level));
-  }
-  if (reader.description().kind != VolumeKind::labels) {
-    throw Error(ErrorKind::invalid_argument, "the volume holds grey values, not labels");
-  }
-  return LabelMasks(reader, level, windows, progress, max_bytes).make();
+  const LabelTree tree = labels_of_file(reader, level, windows, progress, max_bytes);
+  return masks_of(tree, max_bytes);
 }
 
 }  // namespace octavo

@@ -1,8 +1,6 @@
 // Volume, bounding box, centroid and second moments of a mask, from its tree.
 //
-// The bits of a word are at coordinates 0..3, so all their sums follow from counts of bits under 21
-// masks; the full children of a cube are summed in the same way, at any rank, and scaled. One visit
-// per stored word and cube.
+// Words and full children are summed as ops/cube_moments.h says, each visited once.
 //
 // Source  thesis 1.2
 #pragma once
