@@ -251,6 +251,12 @@ TEST_F(LocalStorage, EveryRefusedCallIsToldWithItsPath) {
       {"open", [&] { storage_.sync_folder(folder_); }},
       {"fsync", [&] { storage_.sync_folder(folder_); }},
       {"fsync", [&] { file->sync(); }},
+      {"pread",
+       [&] {
+         Bytes out(1);
+         file->read(0, out);
+       }},
+      {"pwrite", [&] { file->write(0, kTen); }},
       {"ftruncate", [&] { file->truncate(1); }},
       {"unlink", [&] { storage_.remove(path("a")); }},
       {"mkdir", [&] { storage_.create_folder(path("other")); }},
@@ -265,6 +271,16 @@ TEST_F(LocalStorage, EveryRefusedCallIsToldWithItsPath) {
   }
   EXPECT_EQ(text_of("a"), "text");
   EXPECT_EQ(file->size(), 10u);
+  // A full disk says how much is needed and how much is free.
+  const SystemFaults full[] = {{"pwrite", 1, ENOSPC}, {"fsync", 1, ENOSPC}, {"fsync", 1, EDQUOT}};
+  for (const SystemFaults& faults : full) {
+    const std::string message = message_of(faults, [&] {
+      file->write(0, kTen);
+      file->sync();
+    });
+    EXPECT_NE(message.find("no space left: 0.0 MiB more needed, "), std::string::npos) << message;
+    EXPECT_TRUE(message.ends_with(" MiB free")) << message;
+  }
   // A named scratch file that keeps its name would be left behind.
   SystemFaults faults{"open", 1, EOPNOTSUPP};
   faults.before = [](std::uint64_t) { set_faults({"unlink", 1, EIO}); };
