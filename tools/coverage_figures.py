@@ -9,9 +9,13 @@ lines where some branch was never taken.
 A branch is one outcome of a condition in the source, of if, loops, ?:, && and ||, and a case of a
 switch, as Clang sees the source: calls that may throw and code of the standard library have none.
 (GCC's counters know only jumps of the compiled function: they take every call that may throw for
-one, and every copy that was inlined.) Of templates, and of what Highway compiles for several
-instruction sets, a branch counts once, and as taken when any of the copies takes it. Conditions
-that the compiler knows, as those of `if constexpr`, are no branches.
+one, and every copy that was inlined.) Of templates a branch counts once, and as taken when any of
+the copies takes it. Conditions that the compiler knows, as those of `if constexpr`, are no
+branches.
+
+What Highway compiles for several instruction sets is left out: the counters of the copies that ran
+do not match their source with Clang 14, which would show all of it as never reached. That it gives
+what the portable code gives is tested for each set (grey_stage_test.cpp, label_walk_test.cpp).
 """
 
 import collections
@@ -22,6 +26,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 MODULES = ("core", "codec", "file")
+VECTORISED = ("-inl.h", "_simd.cpp", "least_squares.cpp")
 LINE = re.compile(r" *(\d+)\| *([\d.kMGTPEZY]+)\|")
 BRANCH = re.compile(r".*\| +Branch \((\d+):(\d+)\): \[True: ([^,]+), False: ([^\]]+)\]")
 
@@ -77,6 +82,8 @@ def main():
     sums = collections.defaultdict(collections.Counter)
     report = []
     for name, counts in sorted(counted(build, sys.argv[2:]).items()):
+        if name.endswith(VECTORISED):
+            continue
         missing = [number for number, is_reached in counts.lines.items() if not is_reached]
         half = sorted({line for (line, _), both in counts.branches.items() if not all(both)})
         taken = sum(sum(both) for both in counts.branches.values())
