@@ -164,8 +164,14 @@ TEST(GreyModel, WhatNoEncoderWritesIsCorrupt) {
       [](Parameters& p) { p.activity_threshold = 1; },
       [](Parameters& p) { p.activity_threshold = grey::kMaxThreshold; },
       [](Parameters& p) { p.weight_step = 8; },
-      [](Parameters& p) { p.mean_weights[0][0][0] = -grey::kMaxMeanWeight; },
-      [](Parameters& p) { p.mean_weights[1][2][0] = grey::kMaxMeanWeight; },
+      [](Parameters& p) {
+        p.predictor = grey::Predictor::means;
+        p.mean_weights[0][0][1] = -grey::kMaxMeanWeight;
+      },
+      [](Parameters& p) {
+        p.predictor = grey::Predictor::means;
+        p.mean_weights[1][2][1] = grey::kMaxMeanWeight;
+      },
       [](Parameters& p) { p.context_weights[0][0][1] = 8191; },
   };
   for (std::size_t i = 0; i < std::size(good); ++i) EXPECT_TRUE(is_accepted(good[i])) << i;
@@ -190,8 +196,14 @@ TEST(GreyModel, WhatNoEncoderWritesIsCorrupt) {
       [](Parameters& p) { p.activity_threshold = 0; },
       [](Parameters& p) { p.activity_threshold = grey::kMaxThreshold + 1; },
       [](Parameters& p) { p.weight_step = 9; },
-      [](Parameters& p) { p.mean_weights[0][0][0] = -grey::kMaxMeanWeight - 1; },
-      [](Parameters& p) { p.mean_weights[1][2][0] = grey::kMaxMeanWeight + 1; },
+      [](Parameters& p) {
+        p.predictor = grey::Predictor::means;
+        p.mean_weights[0][0][1] = -grey::kMaxMeanWeight - 1;
+      },
+      [](Parameters& p) {
+        p.predictor = grey::Predictor::means;
+        p.mean_weights[1][2][1] = grey::kMaxMeanWeight + 1;
+      },
       [](Parameters& p) { p.context_weights[0][0][1] = 8192; },
       [](Parameters& p) { p.frequencies[0][0][0] = grey::kTableSize; },
   };
