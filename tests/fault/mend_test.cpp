@@ -132,6 +132,29 @@ TEST(Mend, OfASoundFileNothingIsWritten) {
   EXPECT_EQ(storage.files.size(), 1u);
 }
 
+TEST(Mend, AnExistingFileIsKeptUnlessAskedForAlsoOneThatAppearsMeanwhile) {
+  FileContent bad = two_tiers();
+  bad[1000] ^= 1;
+  const auto mend_into = [&](MemoryStorage& storage) {
+    put(storage, "bad.8vo", bad);
+    NoProgress progress;
+    mend_file(storage, "bad.8vo", "out.8vo", {}, progress);
+  };
+  MemoryStorage empty;
+  mend_into(empty);
+  EXPECT_EQ(*empty.files.at("out.8vo"), two_tiers());
+  for (const bool is_there_before : {true, false}) {
+    MemoryStorage storage;
+    if (is_there_before) put(storage, "out.8vo", {'o', 'l', 'd'});
+    storage.meanwhile = [&](const std::string& what) {
+      if (what == "sync") put(storage, "out.8vo", {'o', 'l', 'd'});
+    };
+    EXPECT_THROW(mend_into(storage), Error);
+    EXPECT_EQ(storage.files.at("out.8vo")->size(), 3u);
+    EXPECT_EQ(storage.files.size(), 2u);
+  }
+}
+
 TEST(Mend, EveryFailingCallLeavesTheOldFile) {
   const FileContent good = two_tiers();
   FileContent bad = good;

@@ -243,6 +243,51 @@ TEST(Salvage, TheReportNamesEveryPlaceOnceInTheOrderOfTheFile) {
   }
 }
 
+TEST(Salvage, OfBricksBehindOneDamageTheFirstIsToldWhicheverWasReadFirst) {
+  SampleVolume volume = sample();
+  std::vector<std::uint8_t> bytes = sample_file_bytes(volume);
+  bytes[header_of(bytes).pages.offset + 3] ^= 4;
+  const auto told_after = [&](const std::vector<Index3>& bricks) {
+    const SalvageReader salvage(open_bytes(bytes), {});
+    for (const Index3& brick : bricks) {
+      const Index3 at{brick.x * 64, brick.y * 64, 0};
+      read_samples(salvage, {at, {at.x + 1, at.y + 1, 1}}, 0);
+    }
+    const SalvageReport report = salvage.report();
+    EXPECT_EQ(report.damage_count, 1);
+    EXPECT_EQ(report.brick_count, 3);
+    return report.damages.front();
+  };
+  const SalvagedDamage forward = told_after({{0, 0, 0}, {1, 0, 0}, {2, 1, 0}});
+  const SalvagedDamage backward = told_after({{2, 1, 0}, {1, 0, 0}, {0, 0, 0}});
+  for (const SalvagedDamage& damage : {forward, backward}) {
+    EXPECT_EQ(damage.brick, (Index3{0, 0, 0}));
+    EXPECT_EQ(damage.brick_count, 3);
+    EXPECT_EQ(damage.fill, SalvageFill::volume_lowest);
+  }
+  EXPECT_EQ(forward.detail, backward.detail);
+}
+
+TEST(Salvage, TellsOfTheFileWhatItsReaderDoes) {
+  SampleVolume volume = make_lossy_float_sample();
+  const auto plain = open_bytes(sample_file_bytes(volume));
+  const SalvageReader salvage(plain, {});
+  EXPECT_EQ(&salvage.description(), &plain->description());
+  EXPECT_EQ(&salvage.levels(), &plain->levels());
+  EXPECT_EQ(&salvage.source(), &plain->source());
+  EXPECT_EQ(salvage.file_bytes(), plain->file_bytes());
+  EXPECT_EQ(salvage.file_id(), plain->file_id());
+  EXPECT_EQ(salvage.format_version(), plain->format_version());
+  EXPECT_EQ(salvage.max_error(), 1.5);
+  EXPECT_EQ(salvage.achieved_error(), 0.75);
+  EXPECT_EQ(salvage.axis_order(), plain->axis_order());
+  EXPECT_EQ(salvage.thumbnail(), plain->thumbnail());
+  EXPECT_EQ(salvage.level_summary(0).bytes, plain->level_summary(0).bytes);
+  const BrickEntry entry = salvage.brick(0, {1, 0, 1});
+  EXPECT_EQ(entry.code, plain->brick(0, {1, 0, 1}).code);
+  EXPECT_EQ(salvage.read_segment(entry, 0), plain->read_segment(entry, 0));
+}
+
 TEST(Salvage, ASingleBrickIsFilledToo) {
   SampleVolume volume = sample();
   std::vector<std::uint8_t> bytes = sample_file_bytes(volume);

@@ -2,6 +2,8 @@
 
 #include <fcntl.h>
 #include <linux/fs.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -24,7 +26,7 @@ std::mt19937_64 numbers;
 
 // What is to happen to a call: an errno, or 0. `can_interrupt`: it may return EINTR.
 int fate_of(const char* call, int descriptor, bool can_interrupt) {
-  const std::lock_guard lock(mutex);
+  std::unique_lock lock(mutex);
   if (!is_on) return 0;
   if (faults.is_rough && can_interrupt && numbers() % 2 == 0) {
     ++counts.interrupted_calls;
@@ -32,9 +34,13 @@ int fate_of(const char* call, int descriptor, bool can_interrupt) {
   }
   if (faults.call != call) return 0;
   if (descriptor >= 0 && descriptor == failed_descriptor) ++counts.later_calls;
-  if (++counts.calls != faults.number) return 0;
-  failed_descriptor = descriptor;
-  return faults.code;
+  const std::uint64_t number = ++counts.calls;
+  const int code = number == faults.number ? faults.code : 0;
+  if (code != 0) failed_descriptor = descriptor;
+  const auto before = faults.before;
+  lock.unlock();
+  if (before) before(number);
+  return code;
 }
 
 std::size_t shortened(std::size_t count) {
@@ -113,6 +119,42 @@ int renameat2(int from_folder, const char* from, int to_folder, const char* to,
               unsigned flags) noexcept {
   if (const int code = fate_of("rename", -1, false)) return failed(code);
   return static_cast<int>(::syscall(SYS_renameat2, from_folder, from, to_folder, to, flags));
+}
+
+int flock(int descriptor, int operation) noexcept {
+  if (const int code = fate_of("flock", descriptor, true)) return failed(code);
+  return static_cast<int>(::syscall(SYS_flock, descriptor, operation));
+}
+
+int fstat(int descriptor, struct stat* status) noexcept {
+  if (const int code = fate_of("fstat", descriptor, false)) return failed(code);
+  return static_cast<int>(::syscall(SYS_newfstatat, descriptor, "", status, AT_EMPTY_PATH));
+}
+
+int stat(const char* path, struct stat* status) noexcept {
+  if (const int code = fate_of("stat", -1, false)) return failed(code);
+  return static_cast<int>(::syscall(SYS_newfstatat, AT_FDCWD, path, status, 0));
+}
+
+int lstat(const char* path, struct stat* status) noexcept {
+  if (const int code = fate_of("lstat", -1, false)) return failed(code);
+  return static_cast<int>(
+      ::syscall(SYS_newfstatat, AT_FDCWD, path, status, AT_SYMLINK_NOFOLLOW));
+}
+
+int ftruncate(int descriptor, off_t size) noexcept {
+  if (const int code = fate_of("ftruncate", descriptor, true)) return failed(code);
+  return static_cast<int>(::syscall(SYS_ftruncate, descriptor, size));
+}
+
+int unlink(const char* path) noexcept {
+  if (const int code = fate_of("unlink", -1, false)) return failed(code);
+  return static_cast<int>(::syscall(SYS_unlinkat, AT_FDCWD, path, 0));
+}
+
+int mkdir(const char* path, mode_t mode) noexcept {
+  if (const int code = fate_of("mkdir", -1, false)) return failed(code);
+  return static_cast<int>(::syscall(SYS_mkdirat, AT_FDCWD, path, mode));
 }
 
 }  // extern "C"

@@ -3,15 +3,19 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 namespace octavo::testing {
 
 struct SystemFaults {
-  /// "open", "pread", "pwrite", "fsync", "close", "rename"; empty: none fails.
+  /// "open", "pread", "pwrite", "fsync", "close", "rename", "flock", "fstat", "stat", "lstat",
+  /// "ftruncate", "unlink", "mkdir"; empty: none fails.
   std::string call;
   std::uint64_t number = 0;  ///< of the call that fails, from 1
   int code = 0;              ///< errno it fails with
+  /// What others do meanwhile: runs before each of those calls, with its number.
+  std::function<void(std::uint64_t)> before = {};
   /// Reads and writes give 1 byte up to all that was asked for, and every second call is
   /// interrupted before it does anything.
   bool is_rough = false;

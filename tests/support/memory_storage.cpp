@@ -64,6 +64,7 @@ std::map<std::string, FileBytes> copied(const std::map<std::string, FileBytes>& 
 
 void MemoryStorage::call(const std::string& what, const std::string& path) {
   calls.push_back(what);
+  if (meanwhile) meanwhile(what);
   const bool is_dead = is_dying && fail_at > 0 && calls.size() > fail_at;
   if (calls.size() != fail_at && !is_dead) return;
   has_failed = true;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -26,6 +27,8 @@ class MemoryStorage final : public Storage {
   std::size_t fail_at = 0;
   bool is_dying = false;            ///< nothing changes any more from call `fail_at` on
   bool has_failed = false;
+  /// What else happens before each call; may throw.
+  std::function<void(const std::string& what)> meanwhile;
 
   std::unique_ptr<StorageFile> open_read(const std::string& path) override;
   std::unique_ptr<StorageFile> create_exclusive(const std::string& path) override;

@@ -139,6 +139,94 @@ TEST(GreyModel, DefaultsSurviveTheirFileForm) {
   EXPECT_EQ(grey::serialize(grey::parse_parameters(bytes)), bytes);
 }
 
+TEST(GreyModel, WhatNoEncoderWritesIsCorrupt) {
+  using grey::Parameters;
+  const auto is_accepted = [](void (*change)(Parameters&)) {
+    Parameters p = grey::default_parameters();
+    change(p);
+    try {
+      grey::parse_parameters(grey::serialize(p));
+      return true;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::corrupt);
+      return false;
+    }
+  };
+  constexpr std::int64_t kSteps = grey::kMaxVoxelStep;
+  using Change = void (*)(Parameters&);
+  const Change good[] = {
+      [](Parameters& p) { p.quantizer = {3, 0, 0}; },
+      [](Parameters& p) { p.quantizer = {kSteps, 0, 0}; },
+      [](Parameters& p) { p.quantizer = {1, grey::kMaxDetailStep, kSteps}; },
+      [](Parameters& p) { p.value_map.lattice = {16, 15}; },
+      [](Parameters& p) { p.has_edges = true; },
+      [](Parameters& p) { p.axis_order = {2, 1, 0}; },
+      [](Parameters& p) { p.activity_threshold = 1; },
+      [](Parameters& p) { p.activity_threshold = grey::kMaxThreshold; },
+      [](Parameters& p) { p.weight_step = 8; },
+      [](Parameters& p) {
+        p.predictor = grey::Predictor::means;
+        p.mean_weights[0][0][1] = -grey::kMaxMeanWeight;
+      },
+      [](Parameters& p) {
+        p.predictor = grey::Predictor::means;
+        p.mean_weights[1][2][1] = grey::kMaxMeanWeight;
+      },
+      [](Parameters& p) { p.context_weights[0][0][1] = 8191; },
+  };
+  for (std::size_t i = 0; i < std::size(good); ++i) EXPECT_TRUE(is_accepted(good[i])) << i;
+  const Change bad[] = {
+      // Steps: even, too large, of both sorts, of details without corrections, of those alone.
+      [](Parameters& p) { p.quantizer = {2, 0, 0}; },
+      [](Parameters& p) { p.quantizer = {kSteps + 2, 0, 0}; },
+      [](Parameters& p) { p.quantizer = {1, grey::kMaxDetailStep + 1, 1}; },
+      [](Parameters& p) { p.quantizer = {1, 9, kSteps + 1}; },
+      [](Parameters& p) { p.quantizer = {3, 9, 1}; },
+      [](Parameters& p) { p.quantizer = {1, 9, 0}; },
+      [](Parameters& p) { p.quantizer = {3, 0, 1}; },
+      // Maps and edges belong to lossless models.
+      [](Parameters& p) {
+        p.quantizer = {3, 0, 0};
+        p.value_map.lattice = {16, 15};
+      },
+      [](Parameters& p) {
+        p.quantizer = {3, 0, 0};
+        p.has_edges = true;
+      },
+      [](Parameters& p) { p.activity_threshold = 0; },
+      [](Parameters& p) { p.activity_threshold = grey::kMaxThreshold + 1; },
+      [](Parameters& p) { p.weight_step = 9; },
+      [](Parameters& p) {
+        p.predictor = grey::Predictor::means;
+        p.mean_weights[0][0][1] = -grey::kMaxMeanWeight - 1;
+      },
+      [](Parameters& p) {
+        p.predictor = grey::Predictor::means;
+        p.mean_weights[1][2][1] = grey::kMaxMeanWeight + 1;
+      },
+      [](Parameters& p) { p.context_weights[0][0][1] = 8192; },
+      [](Parameters& p) { p.frequencies[0][0][0] = grey::kTableSize; },
+  };
+  for (std::size_t i = 0; i < std::size(bad); ++i) EXPECT_FALSE(is_accepted(bad[i])) << i;
+}
+
+TEST(GreyModel, FlagsWithoutMeaningAreCorrupt) {
+  const Bytes good = grey::serialize(grey::default_parameters());
+  const auto expect_corrupt = [&](std::uint8_t flags, const Bytes& inserted) {
+    Bytes bytes = good;
+    bytes[0] |= flags;
+    bytes.insert(bytes.begin() + 1, inserted.begin(), inserted.end());
+    EXPECT_THROW(grey::parse_parameters(bytes), Error) << int{flags};
+  };
+  expect_corrupt(128, {});
+  expect_corrupt(6 << 2, {});      // an order of axes that does not exist
+  expect_corrupt(2, {1, 0, 0});    // a maximum error that changes nothing
+  expect_corrupt(32, {1, 0, 0});   // a map of values that says nothing
+  Bytes longer = good;
+  longer.push_back(0);
+  EXPECT_THROW(grey::parse_parameters(longer), Error);
+}
+
 TEST(GreyModel, EveryTruncationIsRejected) {
   const Bytes bytes = grey::serialize(grey::default_parameters());
   for (std::size_t length = 0; length < bytes.size(); ++length) {

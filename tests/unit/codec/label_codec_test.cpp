@@ -1,9 +1,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <map>
+#include <numeric>
+#include <random>
 
+#include "octavo/codec/label_model.h"
 #include "octavo/codec/label_pyramid.h"
 #include "octavo/core/error.h"
 #include "support/label_brick.h"
@@ -139,6 +143,129 @@ TEST(LabelCodec, LabelsUnknownToTheModelComeBack) {
 TEST(LabelCodec, FloatVoxelsAreRejected) {
   EXPECT_THROW(train_label_model(VoxelType::float32, {}), Error);
   EXPECT_THROW(parse_label_model(VoxelType::float32, {}), Error);
+}
+
+TEST(LabelCodec, WhatDoesNotFitTheModelIsRefused) {
+  const auto sample = balls<std::uint8_t>({8, 8, 8}, {1, 2, 3});
+  const auto codec = train_label_model(VoxelType::uint8, {});
+  const EncodedBrick good = codec->encode(sample.shape, sample.view());
+  const auto other = balls<std::int16_t>({8, 8, 8}, {1, 2, 3});
+  EXPECT_THROW(codec->encode(other.shape, other.view()), Error);
+  BrickView smaller = sample.view();
+  smaller.size.x = 7;
+  EXPECT_THROW(codec->encode(sample.shape, smaller), Error);
+  EXPECT_THROW(train_model(VolumeKind::labels, VoxelType::uint8, {}, {Preset::small, 1}), Error);
+
+  std::vector<std::uint8_t> out(512);
+  const auto kind_of = [&](VoxelType type, const ValueRange& range, std::size_t segments,
+                           int level) {
+    std::vector<ByteSpan> given = testing::spans(good);
+    given.resize(segments);
+    try {
+      codec->decode(sample.shape, type, range, given, level, out.data());
+    } catch (const Error& error) {
+      return error.kind();
+    }
+    return ErrorKind::internal;
+  };
+  const std::size_t count = good.segments.size();
+  EXPECT_EQ(kind_of(VoxelType::uint8, good.range, count, 0), ErrorKind::internal);
+  EXPECT_EQ(kind_of(VoxelType::int8, good.range, count, 0), ErrorKind::invalid_argument);
+  EXPECT_EQ(kind_of(VoxelType::uint8, good.range, count - 1, 0), ErrorKind::invalid_argument);
+  EXPECT_EQ(kind_of(VoxelType::uint8, good.range, count, -1), ErrorKind::invalid_argument);
+  EXPECT_EQ(kind_of(VoxelType::uint8, good.range, count, static_cast<int>(count)),
+            ErrorKind::invalid_argument);
+  for (const ValueRange& range : {ValueRange{3, 1}, ValueRange{-1, 3}, ValueRange{1, 256}}) {
+    EXPECT_EQ(kind_of(VoxelType::uint8, range, count, 0), ErrorKind::corrupt);
+  }
+}
+
+TEST(LabelCodec, ShapesThatLeadNowhereAreRefused) {
+  const auto sample = balls<std::uint8_t>({8, 8, 8}, {1, 2, 3});
+  const auto codec = train_label_model(VoxelType::uint8, {});
+  const std::vector<std::uint8_t> voxels(65 * 64, 1);
+  const std::function<void(BrickShape&)> changes[] = {
+      [](BrickShape& s) { s.level_count = 0; },
+      [](BrickShape& s) { s.level_count = kTierLevels + 1; },
+      [](BrickShape& s) { s.level_count = 2; },
+      [](BrickShape& s) { s.size[0] = {0, 8, 8}; },
+      [](BrickShape& s) { s.size[0] = {65, 8, 8}; },
+      [](BrickShape& s) { s.size[1].y = 3; },
+      [](BrickShape& s) { s.halving[0] = 8; },
+      [](BrickShape& s) { s.halving[1] = 3; },
+  };
+  for (const auto& change : changes) {
+    BrickShape shape = sample.shape;
+    change(shape);
+    const Size3& size = shape.size[0];
+    EXPECT_THROW(codec->encode(shape, {voxels.data(), VoxelType::uint8, size, size.x,
+                                       size.x * size.y}),
+                 Error);
+    std::vector<std::uint8_t> out(65 * 64);
+    const std::vector<ByteSpan> segments(static_cast<std::size_t>(shape.level_count));
+    EXPECT_THROW(codec->decode(shape, VoxelType::uint8, {1, 3}, segments, 0, out.data()), Error);
+  }
+}
+
+/// Random segments: refused, or labels of the range. Many more labels than a coded brick may have
+/// come up in some of them.
+TEST(LabelCodec, ArbitraryBytesAreRefusedOrLabelsOfTheRange) {
+  std::mt19937 random(3);
+  const LabelBrick<std::uint32_t> sample({64, 64, 64});
+  const auto codec = train_label_model(VoxelType::uint32, {});
+  int refused = 0;
+  for (int round = 0; round < 24; ++round) {
+    EncodedBrick brick;
+    brick.range = {5, round % 2 == 0 ? 4'000'000'000 : 9};
+    brick.segments.resize(static_cast<std::size_t>(sample.shape.level_count));
+    for (Bytes& segment : brick.segments) {
+      segment.resize(round < 20 ? 1 + random() % 3000 : std::size_t{1} << 18);
+      for (auto& byte : segment) byte = static_cast<std::uint8_t>(random());
+    }
+    try {
+      for (const std::uint32_t label : decoded(*codec, sample, brick, 0)) {
+        ASSERT_GE(label, brick.range.min);
+        ASSERT_LE(label, brick.range.max);
+      }
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::corrupt);
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 12);
+}
+
+TEST(LabelModel, WhatNoEncoderWritesIsCorrupt) {
+  const auto kind_of = [](const LabelModel& model, VoxelType written, VoxelType read) {
+    try {
+      parse_label_weights(read, serialize(model, written));
+    } catch (const Error& error) {
+      return error.kind();
+    }
+    return ErrorKind::internal;
+  };
+  const LabelWeightSet& start = label_start_weights();
+  std::vector<std::int64_t> palette(kMaxPalette);
+  std::iota(palette.begin(), palette.end(), -7);
+  const LabelModel most(palette, start);
+  EXPECT_EQ(kind_of(most, VoxelType::int32, VoxelType::int32), ErrorKind::internal);
+  palette.push_back(palette.back() + 1);
+  EXPECT_EQ(kind_of({palette, start}, VoxelType::int32, VoxelType::int32), ErrorKind::corrupt);
+  for (const std::vector<std::int64_t>& beyond : {std::vector<std::int64_t>{256}, {255, 256}}) {
+    EXPECT_EQ(kind_of({beyond, start}, VoxelType::uint16, VoxelType::uint16),
+              ErrorKind::internal);
+    EXPECT_EQ(kind_of({beyond, start}, VoxelType::uint16, VoxelType::uint8), ErrorKind::corrupt);
+  }
+  LabelWeightSet low = start;
+  std::int8_t& weight = *std::ranges::find_if(
+      low[1], [](int value) { return (value + 128) % kLabelWeightStep == 0; });
+  weight = -126;
+  EXPECT_EQ(kind_of({{}, low}, VoxelType::uint8, VoxelType::uint8), ErrorKind::internal);
+  weight = -128;
+  EXPECT_EQ(kind_of({{}, low}, VoxelType::uint8, VoxelType::uint8), ErrorKind::corrupt);
+  Bytes longer = serialize({{}, start}, VoxelType::uint8);
+  longer.insert(longer.end(), 16, std::uint8_t{1});
+  EXPECT_THROW(parse_label_weights(VoxelType::uint8, longer), Error);
 }
 
 TEST(LabelPyramid, OfEquallyFrequentLabelsTheSmallestWins) {

@@ -55,6 +55,26 @@ TEST(Condense, FlatOctantsCarryTheRoundedMean) {
             std::vector<std::int64_t>{-1});
 }
 
+TEST(Condense, EveryIntegerTypeIsCondensedAlike) {
+  const Size3 size{5, 6, 7};
+  Voxels voxels(static_cast<std::size_t>(size.voxel_count()));
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    voxels[i] = static_cast<std::int16_t>(i < 150 ? 9 : i % 5);
+  }
+  const LinearOctree expected = condense_voxels(voxels, size, {.background = 9});
+  for (const VoxelType type : {VoxelType::int8, VoxelType::uint8, VoxelType::int16,
+                               VoxelType::uint16, VoxelType::int32, VoxelType::uint32}) {
+    with_voxel_type(type, [&](auto tag) {
+      using T = typename decltype(tag)::type;
+      if constexpr (std::is_integral_v<T>) {
+        const std::vector<T> same(voxels.begin(), voxels.end());
+        EXPECT_EQ(condense(std::span<const T>(same), size, {.background = 9}), expected);
+        EXPECT_THROW(condense(std::span(same).first(same.size() - 1), size, {}), Error);
+      }
+    });
+  }
+}
+
 TEST(Condense, BadUseIsRejected) {
   EXPECT_THROW(PlaneCondenser({0, 1, 1}, {}), Error);
   EXPECT_THROW(PlaneCondenser({2, 2, 2}, {.flat = -1}), Error);

@@ -39,6 +39,13 @@ TEST(LinearOctree, UnsortedListsAreFound) {
   LinearOctree missing_level = small_octree();
   missing_level.levels.pop_back();
   EXPECT_FALSE(is_sorted(missing_level));
+  for (const int level : {-1, kMaxUniverseLevel + 1}) {
+    LinearOctree elsewhere;
+    elsewhere.root_level = level;
+    elsewhere.levels.resize(static_cast<std::size_t>(level + 1));
+    EXPECT_FALSE(is_sorted(elsewhere));
+    EXPECT_FALSE(is_linear(elsewhere));
+  }
 }
 
 TEST(LinearOctree, ALeafInsideAnotherIsFound) {
@@ -47,6 +54,7 @@ TEST(LinearOctree, ALeafInsideAnotherIsFound) {
     octree.levels[0] = {{code}, {1}};
     EXPECT_TRUE(is_sorted(octree));
     EXPECT_FALSE(is_linear(octree)) << code;
+    EXPECT_FALSE(is_complete(octree, leaf_volume(octree)));
   }
   LinearOctree under_root = small_octree();
   under_root.levels[2] = {{0}, {1}};

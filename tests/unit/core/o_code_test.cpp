@@ -64,6 +64,21 @@ TEST(OCode, CodesBeyondTheUniverseAreInvalid) {
   EXPECT_TRUE(is_valid({0, (std::uint64_t{1} << 63) - 1}, 21));
   EXPECT_FALSE(is_valid({0, std::uint64_t{1} << 63}, 21));
   EXPECT_FALSE(is_valid({0, 0}, 22));
+  EXPECT_FALSE(is_valid({0, 0}, -1));
+}
+
+TEST(OCode, ChildrenAreTheEightCubesInsideInOrder) {
+  const OCode cube{2, 0123};
+  const std::array<OCode, 8> children = children_of(cube);
+  for (int octant = 0; octant < 8; ++octant) {
+    const OCode& child = children[static_cast<std::size_t>(octant)];
+    EXPECT_EQ(octant_of(child), octant);
+    EXPECT_EQ(parent_of(child), cube);
+    EXPECT_TRUE(contains(cube, child));
+    EXPECT_FALSE(contains(child, cube));
+    EXPECT_TRUE(box_of(cube).contains(box_of(child)));
+  }
+  EXPECT_FALSE(contains(cube, OCode{1, 01240}));
 }
 
 TEST(OCode, NotationsAreThoseOfTheThesis) {
@@ -75,6 +90,17 @@ TEST(OCode, NotationsAreThoseOfTheThesis) {
   EXPECT_EQ(to_mixed_octal({0, 0}, 0), "");
   EXPECT_EQ(corner_of(cube), (Index3{0, 2, 4}));
   EXPECT_EQ(box_of(cube), (Box{{0, 2, 4}, {2, 4, 6}}));
+}
+
+TEST(OCode, TextsLeadBackToTheirCubes) {
+  const int n = 3;
+  for (int level = 0; level <= n; ++level) {
+    for (std::uint64_t code = 0; code < cube_volume(n - level); ++code) {
+      const OCode cube{level, code};
+      EXPECT_EQ(parse_mixed_octal(to_mixed_octal(cube, n)), cube);
+      EXPECT_EQ(parse_hierarchical(to_hierarchical(cube, n), n), cube);
+    }
+  }
 }
 
 TEST(OCode, BadTextIsRejected) {
@@ -111,9 +137,12 @@ TEST(OCode, NeighborsOfEveryCubeOfASmallUniverseAreThoseOfItsCoordinates) {
     const std::int64_t side = std::int64_t{1} << (n - level);
     for (std::uint64_t code = 0; code < cube_volume(n - level); ++code) {
       const Index3 p = deinterleave(code);
-      for (const Direction& d : kDirections) {
+      const auto all = neighbors_of({level, code}, n);
+      for (std::size_t i = 0; i < kDirections.size(); ++i) {
+        const Direction& d = kDirections[i];
         const Index3 q{p.x + d.x, p.y + d.y, p.z + d.z};
         const auto found = neighbor_of({level, code}, d, n);
+        EXPECT_EQ(found, all[i]);
         if (box_of(Size3{side, side, side}).contains(q)) {
           EXPECT_EQ(found, (OCode{level, interleave(q)}));
         } else {

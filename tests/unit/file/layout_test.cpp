@@ -157,6 +157,37 @@ TEST(Header, BytesWithoutMeaningMustBeZero) {
   }
 }
 
+TEST(Header, SectionsThatDoNotTileTheTailAreRefused) {
+  const auto kind_with = [](void (*change)(FileHeader&)) {
+    FileHeader header = sample_header();
+    change(header);
+    return kind_of(encode_header(header), header.file_bytes);
+  };
+  EXPECT_EQ(kind_with([](FileHeader& h) { ++h.pages.offset; }), ErrorKind::corrupt);
+  EXPECT_EQ(kind_with([](FileHeader& h) { h.pages = {kHeaderBytes - 1, 5489, 1}; }),
+            ErrorKind::corrupt);
+  EXPECT_EQ(kind_with([](FileHeader& h) { h.pages.length = ~std::uint64_t{0}; }),
+            ErrorKind::corrupt);
+  EXPECT_EQ(kind_with([](FileHeader& h) { h.pages.offset = kFileBytes + 1; }),
+            ErrorKind::corrupt);
+  EXPECT_EQ(kind_with([](FileHeader& h) { --h.root.length; }), ErrorKind::corrupt);
+  // Metadata and thumbnail have a largest size.
+  const auto with_sizes = [](std::uint64_t thumbnail, std::uint64_t metadata) {
+    FileHeader header = sample_header();
+    header.thumbnail.length = thumbnail;
+    header.metadata = {header.thumbnail.end(), metadata, 2};
+    header.root = {header.metadata.end(), 100, 3};
+    header.file_bytes = header.root.end() + kTrailerBytes;
+    return header;
+  };
+  constexpr std::uint64_t kMost = std::uint64_t{16} << 20;
+  const FileHeader largest = with_sizes(kMost, kMost);
+  EXPECT_NO_THROW(parse_header(encode_header(largest), largest.file_bytes));
+  for (const FileHeader& header : {with_sizes(kMost + 1, 1), with_sizes(1, kMost + 1)}) {
+    EXPECT_EQ(kind_of(encode_header(header), header.file_bytes), ErrorKind::limit_exceeded);
+  }
+}
+
 TEST(Header, FileIdFollowsDescriptionMetadataAndContent) {
   const FileHeader header = sample_header();
   const std::uint64_t id = make_file_id(header, 1);

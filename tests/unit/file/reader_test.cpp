@@ -7,6 +7,8 @@
 #include "octavo/core/o_code.h"
 #include "octavo/file/layer_order.h"
 #include "octavo/file/parallel_read.h"
+#include "octavo/file/verify.h"
+#include "octavo/file/writer.h"
 #include "support/sample_file.h"
 
 namespace octavo {
@@ -162,6 +164,104 @@ TEST(Reader, GivesTheDescriptionBack) {
   EXPECT_EQ(reader->range(), (ValueRange{0, 19 + 2 * 29 + 3 * 39}));
 }
 
+TEST(Reader, TellsWhatTheFileIs) {
+  SampleVolume volume = make_sample({20, 30, 40}, VoxelType::uint16, Pattern::gradient);
+  const std::vector<std::uint8_t> bytes = sample_file_bytes(volume);
+  const auto reader = open_bytes(bytes);
+  EXPECT_EQ(reader->file_bytes(), bytes.size());
+  EXPECT_EQ(reader->source().size(), bytes.size());
+  EXPECT_EQ(reader->max_error(), 0);
+  EXPECT_EQ(reader->achieved_error(), 0);
+  EXPECT_EQ(reader->axis_order(), kStraightOrder);
+  EXPECT_TRUE(reader->thumbnail().empty());
+  volume.samples[0][5] ^= 1;
+  EXPECT_NE(open_bytes(sample_file_bytes(volume))->file_id(), reader->file_id());
+}
+
+TEST(Reader, ASegmentIsItsBytesInTheFile) {
+  SampleVolume volume = make_sample({70, 20, 130}, VoxelType::int16, Pattern::noisy_half);
+  const std::vector<std::uint8_t> bytes = sample_file_bytes(volume);
+  const auto reader = open_bytes(bytes);
+  const BrickEntry noisy = reader->brick(0, {1, 0, 1});
+  const BrickEntry uniform = reader->brick(0, {1, 0, 0});
+  ASSERT_TRUE(uniform.is_uniform());
+  for (int level = 0; level < kTierLevels; ++level) {
+    const BrickEntry::Segment& segment = noisy.segments[static_cast<std::size_t>(level)];
+    const auto from = bytes.begin() + static_cast<std::ptrdiff_t>(segment.offset);
+    const auto length = static_cast<std::ptrdiff_t>(segment.length);
+    EXPECT_GT(length, 0);
+    EXPECT_EQ(reader->read_segment(noisy, level), Bytes(from, from + length));
+    EXPECT_TRUE(reader->read_segment(uniform, level).empty());
+  }
+  std::int16_t voxel = 0;
+  for (const int level : {-1, kTierLevels}) {
+    EXPECT_THROW(reader->read_segment(noisy, level), Error);
+    EXPECT_THROW(reader->read_brick(noisy, level, &voxel), Error);
+  }
+}
+
+TEST(Reader, MetadataBeyondTheLimitOfTheReaderAreRefused) {
+  SampleVolume volume = make_sample({2, 2, 2}, VoxelType::uint8, Pattern::gradient);
+  const auto source = byte_source_of(sample_file_bytes(volume), "sample.8vo");
+  ReaderOptions options;
+  options.max_metadata_bytes = volume.description.metadata_json.size();
+  EXPECT_NO_THROW(FileReader::open(source, options));
+  --options.max_metadata_bytes;
+  try {
+    FileReader::open(source, options);
+    ADD_FAILURE() << "opened";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::limit_exceeded);
+    EXPECT_EQ(error.path(), "sample.8vo");
+  }
+}
+
+/// A file of one brick under fitting checksums, of whatever model and segments.
+std::vector<std::uint8_t> file_of(const Bytes& model, const std::vector<Bytes>& segments) {
+  const SampleVolume volume = make_sample({4, 4, 4}, VoxelType::uint8, Pattern::gradient);
+  MemoryStorage storage;
+  const auto writer =
+      FileWriter::create(storage, "a.8vo", volume.description, volume.levels, 1, {});
+  writer->add_model(model);
+  EncodedBrick brick;
+  brick.range = {0, 5};
+  brick.segments = segments;
+  writer->add_brick(0, brick);
+  writer->finish();
+  return *storage.files.at("a.8vo");
+}
+
+TEST(Reader, NamesTheModelOrBrickThatCannotBeDecoded) {
+  const std::vector<Bytes> segments = {Bytes(64, 3), Bytes(8, 2), Bytes(1, 1)};
+  const struct {
+    Bytes model;
+    std::vector<Bytes> segments;
+    std::string words;
+  } cases[] = {
+      {{'x'}, segments, "model 0 at byte 512: model of another size"},
+      {{'r', 'a', 'w'}, {Bytes(63, 3), segments[1], segments[2]},
+       "brick o-code 0x0 level 0 at byte 515: segment of another size"},
+  };
+  const Box all{{0, 0, 0}, {4, 4, 4}};
+  EXPECT_EQ(read_samples(*open_bytes(file_of({'r', 'a', 'w'}, segments)), all, 0), segments[0]);
+  for (const auto& c : cases) {
+    const std::vector<std::uint8_t> bytes = file_of(c.model, c.segments);
+    const auto reader = open_bytes(bytes);
+    try {
+      read_samples(*reader, all, 0);
+      ADD_FAILURE() << c.words;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::corrupt);
+      EXPECT_EQ(std::string(error.what()), "sample.8vo: " + c.words);
+      EXPECT_EQ(error.offset(), c.words.find("512") != std::string::npos ? 512u : 515u);
+    }
+    NoProgress progress;
+    const VerifyReport report = verify_file(byte_source_of(bytes, "sample.8vo"), {}, progress);
+    ASSERT_EQ(report.damage_count, 1);
+    EXPECT_NE(report.damages.front().detail.find("of another size"), std::string::npos);
+  }
+}
+
 TEST(Reader, LevelSummariesAddUpToTheBricks) {
   SampleVolume volume = make_sample({130, 70, 129}, VoxelType::int16, Pattern::noisy_half);
   volume.model_layers = 2;
@@ -235,7 +335,16 @@ TEST(Reader, ParallelReadEqualsSerialRead) {
     Bytes out(static_cast<std::size_t>(box.size().voxel_count() * 2));
     read_parallel(*reader, box, level, out.data(), 4);
     ASSERT_EQ(out, expected_samples(volume, box, level));
+    std::fill(out.begin(), out.end(), std::uint8_t{0});
+    read_parallel(*reader, box, level, out.data(), 1);
+    ASSERT_EQ(out, expected_samples(volume, box, level));
   }
+  std::int16_t voxel = 0;
+  const Box one{{0, 0, 0}, {1, 1, 1}};
+  EXPECT_THROW(read_parallel(*reader, one, -1, &voxel, 4), Error);
+  EXPECT_THROW(read_parallel(*reader, one, volume.levels.count(), &voxel, 4), Error);
+  EXPECT_THROW(read_parallel(*reader, {}, 0, &voxel, 4), Error);
+  EXPECT_THROW(read_parallel(*reader, {{199, 0, 0}, {201, 1, 1}}, 0, &voxel, 4), Error);
 }
 
 }  // namespace

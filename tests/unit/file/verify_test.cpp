@@ -1,11 +1,16 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <functional>
 
+#include "fault/reseal.h"
 #include "octavo/core/error.h"
 #include "octavo/file/layout.h"
+#include "octavo/file/open_file.h"
 #include "octavo/file/parallel_read.h"
+#include "octavo/file/slab_trailer.h"
 #include "octavo/file/verify.h"
+#include "octavo/file/writer.h"
 #include "support/sample_file.h"
 
 namespace octavo {
@@ -120,6 +125,94 @@ TEST(Verify, ADamagedIndexPageIsReportedOnce) {
   const VerifyReport report = verify_bytes(bytes);
   ASSERT_EQ(report.damage_count, 1);
   EXPECT_EQ(report.damages.front().what, "index page");
+}
+
+/// Says that the user asked to stop from the n-th question on.
+class Stopped final : public Progress {
+ public:
+  explicit Stopped(int after) : left_(after) {}
+  void begin(std::string_view, std::int64_t, std::string_view) override {}
+  void advance(std::int64_t) override {}
+  void end() override {}
+  bool is_cancelled() const override { return left_-- <= 0; }
+
+ private:
+  mutable std::atomic<int> left_;
+};
+
+TEST(Verify, StopsWhenAskedTo) {
+  SampleVolume volume = make_sample({66, 20, 70}, VoxelType::int16, Pattern::gradient);
+  const auto source = byte_source_of(sample_file_bytes(volume), "sample.8vo");
+  for (int after = 0; after < 4; ++after) {
+    Stopped progress(after);
+    try {
+      verify_file(source, {}, progress);
+      ADD_FAILURE() << after;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::cancelled);
+    }
+  }
+}
+
+TEST(Verify, ARangeThatLiesIsFoundByDecoding) {
+  const SampleVolume volume = make_sample({4, 4, 4}, VoxelType::uint8, Pattern::gradient);
+  for (const ValueRange& range : {ValueRange{3, 9}, ValueRange{2, 9}, ValueRange{3, 8}}) {
+    MemoryStorage storage;
+    const auto writer =
+        FileWriter::create(storage, "a.8vo", volume.description, volume.levels, 1, {});
+    writer->add_model({'r', 'a', 'w'});
+    Bytes voxels(64, 3);
+    voxels[5] = 9;
+    writer->add_brick(0, {range, 3, 0, {voxels, Bytes(8, 3), Bytes(1, 3)}});
+    writer->finish();
+    const std::vector<std::uint8_t>& bytes = *storage.files.at("a.8vo");
+    const VerifyReport report = verify_bytes(bytes);
+    EXPECT_EQ(report.is_sound(), (range == ValueRange{3, 9}));
+    if (!report.is_sound()) {
+      EXPECT_NE(report.damages.front().detail.find("another range"), std::string::npos);
+    }
+    NoProgress progress;
+    VerifyOptions checksums;
+    checksums.decode = false;
+    EXPECT_TRUE(verify_file(byte_source_of(bytes, "a.8vo"), checksums, progress).is_sound());
+  }
+}
+
+TEST(Verify, ASlabTrailerThatLiesUnderFittingChecksumsIsFound) {
+  SampleVolume volume = make_sample({130, 70, 129}, VoxelType::int16, Pattern::noisy_half);
+  const std::vector<std::uint8_t> good = sample_file_bytes(volume);
+  const FileHeader layout = header_of(good);
+  const OpenFile file(byte_source_of(good, "sample.8vo"), {});
+  const std::uint64_t offset = file.root().slab_trailer_offset(1);
+  const std::uint32_t length = file.root().slab_trailer_bytes[1];
+  const struct {
+    std::function<void(SlabTrailer&)> change;
+    const char* words;
+  } cases[] = {
+      {[](SlabTrailer& t) { t.file_id ^= 1; }, "belongs to another slab"},
+      {[](SlabTrailer& t) { t.slab ^= 1; }, "belongs to another slab"},
+      {[](SlabTrailer& t) { t.model ^= 1; }, "belongs to another slab"},
+      {[](SlabTrailer& t) { t.lengths.back() ^= 1; }, "contradicts the index"},
+      {[](SlabTrailer& t) { t.slab_crc ^= 1; }, "states another checksum of its slab"},
+  };
+  for (const auto& c : cases) {
+    SlabTrailer trailer = parse_slab_trailer(ByteSpan(good).subspan(offset, length), 6);
+    c.change(trailer);
+    const Bytes changed = encode_slab_trailer(trailer);
+    ASSERT_EQ(changed.size(), length) << c.words;
+    std::vector<std::uint8_t> bytes = good;
+    std::copy(changed.begin(), changed.end(), bytes.begin() + static_cast<std::ptrdiff_t>(offset));
+    reseal(bytes, layout);
+    const VerifyReport report = verify_bytes(bytes);
+    ASSERT_EQ(report.damage_count, 1) << c.words;
+    EXPECT_EQ(report.damages.front().what, "slab trailer");
+    EXPECT_EQ(report.damages.front().code, 1u);
+    EXPECT_NE(report.damages.front().detail.find(c.words), std::string::npos)
+        << report.damages.front().detail;
+    // No voxel depends on it.
+    const Box all = box_of(volume.levels.size(0));
+    EXPECT_TRUE(read_samples(*open_bytes(bytes), all, 0) == volume.samples[0]);
+  }
 }
 
 /// Bytes in memory whose read number `failing` ends in an io error; reads are counted.

@@ -4,9 +4,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <new>
 
 #include "octavo/file/layout.h"
 #include "support/sample_file.h"
@@ -193,6 +195,118 @@ TEST(Writer, RefusesBricksOutOfOrder) {
               writer->finish();
             }),
             ErrorKind::internal);
+  EXPECT_TRUE(storage.files.empty());
+}
+
+TEST(Writer, RefusesWhatNoFileCanHave) {
+  const SampleVolume volume = make_sample({70, 20, 20}, VoxelType::int16, Pattern::gradient);
+  const struct {
+    const char* what;
+    ErrorKind kind;
+    std::function<void(VolumeDescription&, WriterOptions&)> change;
+  } cases[] = {
+      {"size", ErrorKind::internal, [](auto& d, auto&) { ++d.size.x; }},
+      {"no size", ErrorKind::limit_exceeded, [](auto& d, auto&) { d.size.x = 0; }},
+      {"type", ErrorKind::internal, [](auto& d, auto&) { d.type = VoxelType{8}; }},
+      {"floats without a coding", ErrorKind::internal,
+       [](auto& d, auto&) { d.type = VoxelType::float32; }},
+      {"integers with a coding", ErrorKind::internal,
+       [](auto& d, auto&) { d.coding = SampleCoding{}; }},
+      {"a coding without a scale", ErrorKind::internal,
+       [](auto& d, auto&) {
+         d.type = VoxelType::float32;
+         d.coding = SampleCoding{VoxelType::int16, 0, 0};
+       }},
+      {"labels of floats", ErrorKind::internal,
+       [](auto& d, auto&) {
+         d.type = VoxelType::float32;
+         d.coding = SampleCoding{};
+         d.kind = VolumeKind::labels;
+       }},
+      {"a lossy label map", ErrorKind::internal,
+       [](auto& d, auto& o) {
+         d.kind = VolumeKind::labels;
+         o.max_error = 1;
+       }},
+      {"half an integer", ErrorKind::internal, [](auto&, auto& o) { o.max_error = 0.5; }},
+      {"a negative error", ErrorKind::internal, [](auto&, auto& o) { o.max_error = -1; }},
+      {"an endless error", ErrorKind::internal, [](auto&, auto& o) { o.max_error = HUGE_VAL; }},
+      {"no spacing", ErrorKind::invalid_argument,
+       [](auto& d, auto&) { d.geometry.spacing_mm[1] = 0; }},
+      {"metadata", ErrorKind::limit_exceeded,
+       [](auto& d, auto&) { d.metadata_json.assign(std::size_t{16} << 20, ' '); }},
+  };
+  for (const auto& c : cases) {
+    MemoryStorage storage;
+    VolumeDescription description = volume.description;
+    WriterOptions options;
+    c.change(description, options);
+    EXPECT_EQ(kind_of_failure([&] {
+                FileWriter::create(storage, "a.8vo", description, volume.levels, 1, options);
+              }),
+              c.kind)
+        << c.what;
+    EXPECT_TRUE(storage.files.empty()) << c.what;
+  }
+  MemoryStorage storage;
+  EXPECT_EQ(kind_of_failure([&] {
+              FileWriter::create(storage, "a.8vo", volume.description, Levels(), 1, {});
+            }),
+            ErrorKind::internal);
+}
+
+TEST(Writer, RefusesBricksThatNoFileCanHave) {
+  const SampleVolume volume = make_sample({70, 20, 20}, VoxelType::int16, Pattern::gradient);
+  const std::function<void(EncodedBrick&)> changes[] = {
+      [](EncodedBrick& b) { b.segments.resize(5); },
+      [](EncodedBrick& b) { b.range = {-32769, 0}; },
+      [](EncodedBrick& b) { b.range = {0, 32768}; },
+      [](EncodedBrick& b) { b.range = {1, 0}; },
+      [](EncodedBrick& b) { b.max_error = -1; },
+      [](EncodedBrick& b) { b.max_error = 3; },
+      [](EncodedBrick& b) { b.segments[2] = {1}; },
+  };
+  for (const auto& change : changes) {
+    MemoryStorage storage;
+    const auto writer =
+        FileWriter::create(storage, "a.8vo", volume.description, volume.levels, 1,
+                           {.max_error = 2});
+    writer->add_model({'r', 'a', 'w'});
+    EncodedBrick brick;
+    brick.segments.resize(6);
+    change(brick);
+    EXPECT_EQ(kind_of_failure([&] { writer->add_brick(0, brick); }), ErrorKind::internal);
+    EXPECT_TRUE(storage.files.empty());
+    // It is over for good.
+    EXPECT_EQ(kind_of_failure([&] { writer->finish(); }), ErrorKind::internal);
+  }
+}
+
+TEST(Writer, ADiskThatReadsBackOtherBytesIsNotTrusted) {
+  SampleVolume volume = make_sample({70, 20, 20}, VoxelType::int16, Pattern::gradient);
+  for (const bool is_trailer : {false, true}) {
+    MemoryStorage storage;
+    int syncs = 0;
+    storage.meanwhile = [&](const std::string& what) {
+      if (what != "sync" || ++syncs != 2) return;
+      auto& bytes = *storage.files.begin()->second;
+      (is_trailer ? bytes.back() : bytes.front()) ^= 1;
+    };
+    std::string message;
+    EXPECT_EQ(kind_of_failure([&] { write_sample(storage, "a.8vo", volume); }, &message),
+              ErrorKind::io);
+    EXPECT_NE(message.find("a failing disk?"), std::string::npos) << message;
+    EXPECT_TRUE(storage.files.empty());
+  }
+}
+
+TEST(Writer, WhatIsNoErrorOfOursLeavesNothingEither) {
+  SampleVolume volume = make_sample({70, 20, 20}, VoxelType::int16, Pattern::gradient);
+  MemoryStorage storage;
+  storage.meanwhile = [](const std::string& what) {
+    if (what == "sync") throw std::bad_alloc();
+  };
+  EXPECT_THROW(write_sample(storage, "a.8vo", volume), std::bad_alloc);
   EXPECT_TRUE(storage.files.empty());
 }
 

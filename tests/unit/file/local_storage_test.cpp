@@ -1,0 +1,340 @@
+// The real file system: what it does, and what becomes of every call that the system refuses.
+#include <gtest/gtest.h>
+
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+#include "octavo/core/error.h"
+#include "octavo/file/storage.h"
+#include "octavo/file/temporary.h"
+#include "support/failing_system.h"
+
+namespace octavo {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::end_faults;
+using testing::set_faults;
+using testing::SystemFaults;
+using Bytes = std::vector<std::uint8_t>;
+
+const Bytes kTen = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
+
+class LocalStorage : public ::testing::Test {
+ protected:
+  void SetUp() override { ASSERT_NE(::mkdtemp(folder_.data()), nullptr); }
+  void TearDown() override {
+    end_faults();
+    fs::remove_all(folder_);
+  }
+
+  std::string path(const std::string& name) const { return folder_ + "/" + name; }
+  std::string text_of(const std::string& name) const {
+    std::ifstream in(path(name));
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  void write_text(const std::string& name, const std::string& text = "text") const {
+    std::ofstream(path(name)) << text;
+  }
+  std::unique_ptr<StorageFile> new_file(const std::string& name) const {
+    auto file = storage_.create_exclusive(path(name));
+    file->write(0, kTen);
+    return file;
+  }
+
+  Storage& storage_ = local_storage();
+  std::string folder_ = "/tmp/octavo-local-XXXXXX";
+};
+
+/// The Error{io} that `work` throws while call `number` of a kind fails.
+std::string message_of(const SystemFaults& faults, const std::function<void()>& work) {
+  set_faults(faults);
+  std::string message;
+  try {
+    work();
+  } catch (const Error& error) {
+    message = error.what();
+    EXPECT_EQ(error.kind(), ErrorKind::io) << message;
+  }
+  end_faults();
+  return message;
+}
+
+TEST_F(LocalStorage, ReadsExactlyOrTellsWhereTheFileEnds) {
+  const auto file = new_file("a");
+  Bytes out(4);
+  file->read(6, out);
+  EXPECT_EQ(out, (Bytes{6, 7, 8, 9}));
+  try {
+    file->read(7, out);
+    ADD_FAILURE() << "read beyond the end";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::truncated);
+    EXPECT_EQ(error.offset(), 10u);
+    EXPECT_STREQ(error.what(), (path("a") + ": ends at byte 10, 1 bytes too early").c_str());
+  }
+}
+
+TEST_F(LocalStorage, TruncateCutsAndNeverGrows) {
+  const auto file = new_file("a");
+  file->truncate(12);
+  EXPECT_EQ(file->size(), 10u);
+  file->truncate(4);
+  EXPECT_EQ(file->size(), 4u);
+  file->truncate(9);
+  EXPECT_EQ(file->size(), 4u);
+  file->close();
+  file->close();
+  EXPECT_EQ(text_of("a"), std::string("\0\1\2\3", 4));
+}
+
+TEST_F(LocalStorage, TellsFilesFoldersAndOthersApart) {
+  write_text("file");
+  fs::create_directory(path("folder"));
+  fs::create_symlink("file", path("link"));
+  fs::create_symlink("nowhere", path("dangling"));
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  const struct {
+    const char* name;
+    PathType type;
+    bool exists;
+  } cases[] = {{"file", PathType::file, true},       {"folder", PathType::folder, true},
+               {"link", PathType::file, true},       {"dangling", PathType::other, true},
+               {"pipe", PathType::other, true},      {"none", PathType::missing, false},
+               {"file/below", PathType::missing, false}};
+  for (const auto& c : cases) {
+    EXPECT_EQ(storage_.path_type(path(c.name)), c.type) << c.name;
+    EXPECT_EQ(storage_.exists(path(c.name)), c.exists) << c.name;
+  }
+  const std::string too_long = path(std::string(300, 'n'));
+  EXPECT_THROW(storage_.exists(too_long), Error);
+  EXPECT_THROW(storage_.path_type(too_long), Error);
+}
+
+TEST_F(LocalStorage, OnlyAFreeRegularFileIsOpenedForUpdate) {
+  write_text("file");
+  fs::create_directory(path("folder"));
+  fs::create_symlink("file", path("link"));
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  for (const char* name : {"none", "folder", "link", "pipe"}) {
+    EXPECT_EQ(storage_.open_update(path(name)), nullptr) << name;
+  }
+  auto held = storage_.open_update(path("file"));
+  ASSERT_NE(held, nullptr);
+  EXPECT_EQ(storage_.open_update(path("file")), nullptr);
+  held.reset();
+  EXPECT_NE(storage_.open_update(path("file")), nullptr);
+  // Somebody removes it between its opening and its locking.
+  SystemFaults faults;
+  faults.call = "flock";
+  faults.before = [&](std::uint64_t) { fs::remove(path("file")); };
+  set_faults(faults);
+  EXPECT_EQ(storage_.open_update(path("file")), nullptr);
+}
+
+TEST_F(LocalStorage, ANewNameDoesNotReplaceAnother) {
+  // On file systems with and without the call that does it in one step.
+  for (const int code : {0, EINVAL, ENOSYS}) {
+    write_text("from");
+    write_text("to", "old");
+    const SystemFaults faults{"rename", 1, code};
+    const auto rename = [&] { storage_.rename_new(path("from"), path("to")); };
+    EXPECT_EQ(message_of(faults, rename), path("to") + ": exists already");
+    EXPECT_EQ(text_of("to"), "old");
+    fs::remove(path("to"));
+    EXPECT_EQ(message_of(faults, rename), "");
+    EXPECT_EQ(text_of("to"), "text");
+    EXPECT_FALSE(storage_.exists(path("from")));
+    EXPECT_NE(message_of({}, rename), "");
+  }
+}
+
+TEST_F(LocalStorage, TwoNamesChangePlacesOrNothingHappens) {
+  write_text("a", "1");
+  write_text("b", "2");
+  EXPECT_TRUE(storage_.exchange(path("a"), path("b")));
+  EXPECT_EQ(text_of("a") + text_of("b"), "21");
+  for (const int code : {EINVAL, ENOSYS}) {
+    set_faults({"rename", 1, code});
+    EXPECT_FALSE(storage_.exchange(path("a"), path("b")));
+    end_faults();
+  }
+  EXPECT_THROW(storage_.exchange(path("a"), path("none")), Error);
+  EXPECT_EQ(text_of("a") + text_of("b"), "21");
+}
+
+TEST_F(LocalStorage, AScratchFileHasNoName) {
+  // The first open is that of a nameless file, which some file systems do not have.
+  for (const int code : {0, EOPNOTSUPP}) {
+    set_faults({"open", 1, code});
+    const auto file = storage_.create_scratch(folder_);
+    end_faults();
+    file->write(0, kTen);
+    Bytes out(10);
+    file->read(0, out);
+    EXPECT_EQ(out, kTen);
+    EXPECT_TRUE(fs::is_empty(folder_));
+  }
+  EXPECT_THROW(storage_.create_scratch(path("none")), Error);
+}
+
+TEST_F(LocalStorage, ListsWhatBeginsWithAPrefix) {
+  write_text("b2");
+  write_text("b1");
+  write_text("a");
+  EXPECT_EQ(storage_.list(path("b")), (std::vector<std::string>{path("b1"), path("b2")}));
+  EXPECT_EQ(storage_.list(path("")).size(), 3u);
+  EXPECT_TRUE(storage_.list(path("none/b")).empty());
+  EXPECT_TRUE(storage_.list(path("a/b")).empty());
+  EXPECT_THROW(storage_.list(path(std::string(300, 'n') + "/b")), Error);
+}
+
+TEST_F(LocalStorage, WhatIsTakenAwayWhileItIsMadeIsMadeAgain) {
+  SystemFaults faults;
+  faults.call = "flock";
+  const auto remove = [&](std::uint64_t) { fs::remove(path("a")); };
+  faults.before = [&](std::uint64_t number) {
+    if (number == 1) remove(number);
+  };
+  EXPECT_EQ(message_of(faults, [&] { storage_.create_exclusive(path("a")); }), "");
+  EXPECT_EQ(storage_.path_type(path("a")), PathType::file);
+  fs::remove(path("a"));
+  EXPECT_EQ(message_of(faults, [&] { storage_.create_folder(path("a")); }), "");
+  EXPECT_EQ(storage_.path_type(path("a")), PathType::folder);
+  fs::remove(path("a"));
+  faults.before = remove;
+  for (const bool is_folder : {false, true}) {
+    const std::string message = message_of(faults, [&] {
+      is_folder ? storage_.create_folder(path("a")) : storage_.create_exclusive(path("a"));
+    });
+    EXPECT_NE(message.find("removes it again and again"), std::string::npos) << message;
+    EXPECT_TRUE(fs::is_empty(folder_));
+  }
+}
+
+TEST_F(LocalStorage, LocksAreWaitedForAndDoneWithout) {
+  // Somebody looks at the new file just then; a file system that has no locks.
+  for (const int code : {EWOULDBLOCK, ENOLCK}) {
+    const std::string name = "a" + std::to_string(code);
+    EXPECT_EQ(message_of({"flock", 1, code}, [&] { new_file(name); }), "");
+    EXPECT_EQ(text_of(name).size(), 10u);
+    set_faults({"flock", 1, code});
+    EXPECT_EQ(storage_.open_update(path(name)), nullptr);
+    end_faults();
+  }
+}
+
+TEST_F(LocalStorage, EveryRefusedCallIsToldWithItsPath) {
+  write_text("a");
+  const auto file = new_file("open");
+  const struct {
+    const char* call;
+    std::function<void()> work;
+  } cases[] = {
+      {"fstat", [&] { file->size(); }},
+      {"fstat", [&] { storage_.open_read(path("a")); }},
+      {"fstat", [&] { storage_.open_update(path("a")); }},
+      {"fstat", [&] { storage_.create_exclusive(path("new")); }},
+      {"lstat", [&] { storage_.create_exclusive(path("newer")); }},
+      {"lstat", [&] { storage_.exists(path("a")); }},
+      {"stat", [&] { storage_.path_type(path("a")); }},
+      {"open", [&] { storage_.open_read(path("a")); }},
+      {"open", [&] { storage_.open_update(path("a")); }},
+      {"open", [&] { storage_.create_folder(path("folder")); }},
+      {"open", [&] { storage_.sync_folder(folder_); }},
+      {"fsync", [&] { storage_.sync_folder(folder_); }},
+      {"fsync", [&] { file->sync(); }},
+      {"pread",
+       [&] {
+         Bytes out(1);
+         file->read(0, out);
+       }},
+      {"pwrite", [&] { file->write(0, kTen); }},
+      {"ftruncate", [&] { file->truncate(1); }},
+      {"unlink", [&] { storage_.remove(path("a")); }},
+      {"mkdir", [&] { storage_.create_folder(path("other")); }},
+      {"rename", [&] { storage_.rename(path("a"), path("b")); }},
+      {"rename", [&] { storage_.rename_new(path("a"), path("b")); }},
+      {"rename", [&] { storage_.exchange(path("a"), path("b")); }},
+  };
+  for (const auto& c : cases) {
+    const std::string message = message_of({c.call, 1, EIO}, c.work);
+    EXPECT_EQ(message.find(folder_), 0u) << c.call << ": " << message;
+    EXPECT_NE(message.find(": Input/output error"), std::string::npos) << message;
+  }
+  EXPECT_EQ(text_of("a"), "text");
+  EXPECT_EQ(file->size(), 10u);
+  // A full disk says how much is needed and how much is free.
+  const SystemFaults full[] = {{"pwrite", 1, ENOSPC}, {"fsync", 1, ENOSPC}, {"fsync", 1, EDQUOT}};
+  for (const SystemFaults& faults : full) {
+    const std::string message = message_of(faults, [&] {
+      file->write(0, kTen);
+      file->sync();
+    });
+    EXPECT_NE(message.find("no space left: 0.0 MiB more needed, "), std::string::npos) << message;
+    EXPECT_TRUE(message.ends_with(" MiB free")) << message;
+  }
+  // A named scratch file that keeps its name would be left behind.
+  SystemFaults faults{"open", 1, EOPNOTSUPP};
+  faults.before = [](std::uint64_t) { set_faults({"unlink", 1, EIO}); };
+  EXPECT_NE(message_of(faults, [&] { storage_.create_scratch(folder_); }).find("scratch"),
+            std::string::npos);
+  // Removing what is gone, and syncing where folders cannot be synced, are no failures.
+  storage_.remove(path("none"));
+  for (const int code : {EINVAL, ENOTSUP}) {
+    EXPECT_EQ(message_of({"fsync", 1, code}, [&] { storage_.sync_folder(folder_); }), "");
+  }
+  EXPECT_THROW(storage_.sync_folder(path("none")), Error);
+}
+
+/// The number of a process that is gone.
+int dead_process() {
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(0);
+  ::waitpid(child, nullptr, 0);
+  return child;
+}
+
+TEST_F(LocalStorage, OnlyWhatDeadProcessesLeftIsRemoved) {
+  const std::string prefix = path(".a.tmp-");
+  const std::string dead = ".a.tmp-" + std::to_string(dead_process());
+  for (const char* ending : {"", "-1", "-2", "-2.journal"}) write_text(dead + ending);
+  fs::create_directory(path(dead + "-folder"));
+  write_text(dead + "-folder/inside");
+  const std::string living = ".a.tmp-" + std::to_string(::getpid());
+  const std::string kept[] = {living, ".a.tmp-", ".a.tmp-x", ".a.tmp-0", ".a.tmp--5",
+                              ".b" + dead.substr(2)};
+  for (const std::string& name : kept) write_text(name);
+  fs::create_symlink("nowhere", path(dead + "-link"));
+
+  const auto held = storage_.open_update(path(dead + "-1"));
+  const auto journal = storage_.open_update(path(dead + "-2.journal"));
+  storage_.remove_stale(prefix);
+  for (const std::string& name : kept) EXPECT_TRUE(storage_.exists(path(name))) << name;
+  EXPECT_FALSE(storage_.exists(path(dead)));
+  EXPECT_FALSE(storage_.exists(path(dead + "-folder")));
+  for (const char* ending : {"-1", "-2", "-2.journal", "-link"}) {
+    EXPECT_TRUE(storage_.exists(path(dead + ending))) << ending;
+  }
+  storage_.remove_stale(path("none/.a.tmp-"));
+}
+
+TEST_F(LocalStorage, TemporaryFoldersHaveNamesOfTheirOwn) {
+  const TemporaryFile one = create_temporary_folder(storage_, path("a"));
+  const TemporaryFile two = create_temporary_folder(storage_, path("a"));
+  EXPECT_NE(one.path, two.path);
+  for (const TemporaryFile* made : {&one, &two}) {
+    EXPECT_EQ(storage_.path_type(made->path), PathType::folder);
+    EXPECT_EQ(made->path.find(temporary_prefix(path("a"))), 0u);
+  }
+}
+
+}  // namespace
+}  // namespace octavo
