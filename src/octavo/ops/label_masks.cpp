@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/core/memory_limit.h"
 #include "octavo/ops/mask_pieces.h"
 
 namespace octavo {
@@ -34,11 +35,6 @@ struct LabelPart {
   std::int64_t label = 0;
   MaskPart part;
 };
-
-std::uint64_t bytes_of(const MaskPart& part) {
-  return sizeof(LabelPart) + sizeof(MaskPiece) + part.below.words.size() * sizeof(std::uint64_t) +
-         part.below.cubes[0].size() * sizeof(MaskCube);
-}
 
 // Where the voxels of a word lie in the rows of a cube, by bit.
 std::array<std::size_t, 64> places_in_word() {
@@ -162,15 +158,12 @@ class LabelMasks {
     });
     for (std::vector<LabelPart>& parts : found) {
       for (LabelPart& part : parts) {
-        bytes_ += 2 * bytes_of(part.part);
+        bytes_ += 2 * memory_bytes(part.part);
         parts_.push_back(std::move(part));
       }
     }
-    if (max_bytes_ != 0 && bytes_ > max_bytes_) {
-      throw Error(ErrorKind::limit_exceeded,
-                  "the masks need more than " + std::to_string(max_bytes_ >> 20) +
-                      " MiB of memory, the limit; raise the limit, or take a coarser level");
-    }
+    require_memory_within(bytes_, max_bytes_, "the masks",
+                          "raise the limit, or take a coarser level");
   }
 
   std::vector<LabelPart> parts_of(const Index3& cube) {

@@ -25,7 +25,7 @@ struct CubeStyle {
 /// Draws the leaves of masks from the farthest to the nearest: three channels. The masks lie on
 /// the grid of the view and do not overlap. Uses the threads of the calling task arena; the picture
 /// does not depend on their number.
-/// Memory  4 bytes per pixel beside the picture
+/// Memory  64 rows of 4 bytes per pixel for each thread, beside the picture
 /// Source  thesis 4.3
 Picture draw_cubes(std::span<const PaintedMask> masks, const View& view, const CubeStyle& style);
 
