@@ -12,6 +12,7 @@
 #include "common/context.h"
 #include "common/failure.h"
 #include "common/isotropic_option.h"
+#include "common/option_checks.h"
 #include "octavo/io/import_worker.h"
 #include "verbs.h"
 
@@ -76,6 +77,7 @@ int run_program(int argc, char** argv) {
   add_global_options(app, context);
   try {
     add_verbs(app, context);
+    refuse_empty_texts(app);
     std::vector<std::string> words = with_isotropic_method(argc - 1, argv + 1);
     std::reverse(words.begin(), words.end());
     app.parse(std::move(words));

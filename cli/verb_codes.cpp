@@ -15,6 +15,8 @@
 #include "common/file_planes.h"
 #include "common/inputs.h"
 #include "common/label_trees.h"
+#include "common/made_by_words.h"
+#include "common/masks.h"
 #include "common/progress_line.h"
 #include "common/quantities.h"
 #include "common/verb.h"
@@ -32,9 +34,10 @@ constexpr VerbText kText = {
     "Background (0) gets no leaf. A grey file needs --range, which makes a mask of it, unless\n"
     "octavo condense made it: then every cube is a leaf, its value as it is stored. With\n"
     "--list every leaf is printed as CODE VALUE (mixed: in post-order) or LEVEL CODE VALUE\n"
-    "(linear: level by level; the root has no digits and is shown as -). --neighbors prints what\n"
-    "lies beside one cube in the 26 directions: the leaf of the same or a larger size, 'smaller'\n"
-    "where there are only smaller leaves, 'background' or 'outside'.\n\n"
+    "(linear: level by level; the root has no digits and is shown as -). --neighbors says what\n"
+    "one cube itself is, and prints what lies beside it in the 26 directions: the leaf of the\n"
+    "same or a larger size, 'smaller' where there are only smaller leaves, 'background' or\n"
+    "'outside'; - is the root in both notations.\n\n"
     "Examples:\n"
     "  octavo codes aal.8vo\n"
     "  octavo codes aal.8vo --label 37 --list --notation linear\n"
@@ -89,14 +92,6 @@ std::array<double, 2> parse_range(const std::string& text) {
   return range;
 }
 
-/// Whether `octavo condense` made the volume.
-bool is_condensed(const VolumeDescription& d) {
-  const auto metadata = metadata_of(d);
-  const auto made_by = metadata.find("made_by");
-  return made_by != metadata.end() && made_by->is_object() &&
-         made_by->value("operation", nlohmann::ordered_json()) == "condense";
-}
-
 Selection choose(const Arguments& arguments, const VolumeDescription& d) {
   Selection selection;
   selection.rescale = d.rescale;
@@ -109,7 +104,7 @@ Selection choose(const Arguments& arguments, const VolumeDescription& d) {
   const bool is_plain_grey = d.kind == VolumeKind::grey && arguments.range.empty();
   if (is_plain_grey && selection.labels.empty()) {
     selection.has_background = false;
-    if (is_condensed(d)) return selection;
+    if (is_condensed(metadata_of(d))) return selection;
     throw Error(
         ErrorKind::invalid_argument,
         "holds grey values, which do not condense; give --range LO:HI (real units), or build it "
@@ -150,7 +145,8 @@ void mark(const Selection& selection, VoxelType type, std::span<const std::byte>
   });
 }
 
-LinearOctree condense_planes(PlaneSource& planes, const Selection& selection, Progress& progress) {
+LinearOctree condense_planes(PlaneSource& planes, const Selection& selection, Progress& progress,
+                             const Context& context) {
   const VolumeDescription& d = planes.description();
   CondenseOptions options;
   if (selection.has_background) options.background = 0;
@@ -169,6 +165,8 @@ LinearOctree condense_planes(PlaneSource& planes, const Selection& selection, Pr
       apply(selection, d.type, plane);
       condenser.add_plane(d.type, plane);
     }
+    require_memory(planes.resident_bytes() + plane.size() + mask.size() + condenser.memory_bytes(),
+                   "the octree", context);
     progress.advance(1);
   }
   progress.end();
@@ -178,7 +176,18 @@ LinearOctree condense_planes(PlaneSource& planes, const Selection& selection, Pr
 LinearOctree voxel_leaves(PlaneSource& planes, const Selection& selection,
                           const Context& context) {
   ProgressLine progress(context);
-  return condense_planes(planes, selection, progress);
+  return condense_planes(planes, selection, progress, context);
+}
+
+LinearOctree label_leaves(const FileReader& reader, const Arguments& arguments,
+                          const Selection& selection, const Context& context) {
+  const LabelTree tree =
+      read_label_tree(reader, arguments.level, selection.labels, "condensing", context);
+  std::uint64_t leaves = 0;
+  for (const std::int64_t count : leaf_counts(tree)) leaves += static_cast<std::uint64_t>(count);
+  constexpr std::uint64_t kLeafBytes = 16;
+  require_memory(tree.memory_bytes() + kLeafBytes * leaves, "the octree", context);
+  return to_linear_octree(tree);
 }
 
 /// Leaves of each label at each level.
@@ -280,7 +289,8 @@ void print_list(const LinearOctree& octree, bool is_mixed) {
 OCode asked_cube(const Arguments& arguments, const LinearOctree& octree) {
   const int n = octree.root_level;
   const std::string& text = arguments.neighbors;
-  if (arguments.notation == "linear") return parse_hierarchical(text == "-" ? "" : text, n);
+  if (text == "-") return parse_hierarchical("", n);
+  if (arguments.notation == "linear") return parse_hierarchical(text, n);
   const OCode cube = parse_mixed_octal(text);
   if (text.size() == static_cast<std::size_t>(n)) return cube;
   throw Error(ErrorKind::invalid_argument,
@@ -297,38 +307,63 @@ std::string code_text(const OCode& cube, const LinearOctree& octree, const Argum
 
 constexpr std::array<const char*, 4> kNeighborKinds = {"outside", "background", "smaller", "leaf"};
 
+const char* kind_of(const Neighbor& found) {
+  return kNeighborKinds[static_cast<std::size_t>(found.kind)];
+}
+
+/// What fills the cube itself.
+std::string filling_text(const Neighbor& filling, const OCode& cube, const LinearOctree& octree,
+                         const Arguments& arguments) {
+  if (filling.kind == NeighborKind::background) return "background";
+  if (filling.kind == NeighborKind::smaller) return "divided into smaller leaves";
+  if (filling.leaf.cube == cube) return fmt::format("a leaf of value {}", filling.leaf.value);
+  return fmt::format("part of the leaf {} of level {} and value {}",
+                     code_text(filling.leaf.cube, octree, arguments), filling.leaf.cube.level,
+                     filling.leaf.value);
+}
+
+nlohmann::ordered_json found_json(const Neighbor& found, const LinearOctree& octree,
+                                  const Arguments& arguments) {
+  nlohmann::ordered_json object = {{"kind", kind_of(found)}};
+  if (found.kind != NeighborKind::leaf) return object;
+  object["level"] = found.leaf.cube.level;
+  object["code"] = code_text(found.leaf.cube, octree, arguments);
+  object["value"] = found.leaf.value;
+  return object;
+}
+
 void print_neighbors(const LinearOctree& octree, const Arguments& arguments,
                      const Context& context) {
   const OCode cube = asked_cube(arguments, octree);
   const std::array<Neighbor, 26> neighbors = neighbors_in(octree, cube);
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-  std::string text = fmt::format("{}: level {}, side {}\n  {:>2} {:>2} {:>2}  {:<{}}  {:>5}  {}\n",
-                                 code_text(cube, octree, arguments), cube.level,
-                                 cube_side(cube.level), "x", "y", "z", "neighbor",
-                                 std::max(octree.root_level, 10), "level", "value");
+  const Neighbor filling = leaf_at(octree, cube);
+  std::string text =
+      fmt::format("{}: level {}, side {}; {}\n  {:>2} {:>2} {:>2}  {:<{}}  {:>5}  {}\n",
+                  code_text(cube, octree, arguments), cube.level, cube_side(cube.level),
+                  filling_text(filling, cube, octree, arguments), "x", "y", "z", "neighbor",
+                  std::max(octree.root_level, 10), "level", "value");
   for (std::size_t i = 0; i < neighbors.size(); ++i) {
     const Direction& d = kDirections[i];
     const Neighbor& neighbor = neighbors[i];
-    const char* const kind = kNeighborKinds[static_cast<std::size_t>(neighbor.kind)];
-    rows.push_back({{"direction", {d.x, d.y, d.z}}, {"kind", kind}});
+    nlohmann::ordered_json row = {{"direction", {d.x, d.y, d.z}}};
+    row.update(found_json(neighbor, octree, arguments));
+    rows.push_back(row);
     text += fmt::format("  {:>2} {:>2} {:>2}  ", d.x, d.y, d.z);
     if (neighbor.kind != NeighborKind::leaf) {
-      text += fmt::format("{}\n", kind);
+      text += fmt::format("{}\n", kind_of(neighbor));
       continue;
     }
     const Leaf& leaf = neighbor.leaf;
-    const std::string code = code_text(leaf.cube, octree, arguments);
-    rows.back()["level"] = leaf.cube.level;
-    rows.back()["code"] = code;
-    rows.back()["value"] = leaf.value;
-    text += fmt::format("{:<{}}  {:>5}  {}\n", code, std::max(octree.root_level, 10),
-                        leaf.cube.level, leaf.value);
+    text += fmt::format("{:<{}}  {:>5}  {}\n", code_text(leaf.cube, octree, arguments),
+                        std::max(octree.root_level, 10), leaf.cube.level, leaf.value);
   }
   if (context.json) {
     print_json({{"root_level", octree.root_level},
                 {"notation", arguments.notation},
                 {"code", code_text(cube, octree, arguments)},
                 {"level", cube.level},
+                {"cube", found_json(filling, octree, arguments)},
                 {"neighbors", rows}});
   } else {
     print(text);
@@ -367,6 +402,21 @@ nlohmann::ordered_json result_json(const LinearOctree& octree, const Arguments& 
   return object;
 }
 
+/// Throws Error{limit_exceeded} when the leaves and what is made of them to print a list are above
+/// --max-memory.
+void require_list_memory(const LinearOctree& octree, const Arguments& arguments,
+                         const Context& context) {
+  // Of a leaf: its code and value; in post-order as well; in JSON, as a tree and as text.
+  constexpr std::uint64_t kLeafBytes = 16;
+  constexpr std::uint64_t kOrderedBytes = 24;
+  constexpr std::uint64_t kJsonBytes = 512;
+  std::uint64_t bytes = kLeafBytes;
+  if (arguments.list && arguments.notation == "mixed") bytes += kOrderedBytes;
+  if (arguments.list && context.json) bytes += kJsonBytes;
+  require_memory(bytes * static_cast<std::uint64_t>(leaf_count(octree)), "the list of leaves",
+                 context);
+}
+
 int run_codes(const Arguments& arguments, const Context& context) {
   const std::shared_ptr<const FileReader> reader = open_octavo(arguments.input, context);
   check_level(reader->levels(), arguments.level);
@@ -374,14 +424,13 @@ int run_codes(const Arguments& arguments, const Context& context) {
   FilePlanes planes(reader, arguments.level, context.thread_count());
   const bool is_label_map =
       reader->description().kind == VolumeKind::labels && !selection.makes_mask();
-  const LinearOctree octree =
-      is_label_map ? to_linear_octree(read_label_tree(*reader, arguments.level, selection.labels,
-                                                      "condensing", context))
-                   : voxel_leaves(planes, selection, context);
+  const LinearOctree octree = is_label_map ? label_leaves(*reader, arguments, selection, context)
+                                           : voxel_leaves(planes, selection, context);
   if (!arguments.neighbors.empty()) {
     print_neighbors(octree, arguments, context);
     return kExitDone;
   }
+  require_list_memory(octree, arguments, context);
   if (context.json) {
     print_json(result_json(octree, arguments));
     return kExitDone;

@@ -76,14 +76,14 @@ void check_arguments(const Arguments& arguments) {
 
 /// A further mask on the grid of the first.
 MaskTree further_mask(const std::string& path, const OpenedMask& first, const Arguments& arguments,
-                      std::vector<std::string>& resampled, const Context& context) {
+                      std::vector<std::string>& resampled, Context& context) {
   if (!arguments.is_resampling) {
     OpenedMask next = open_mask(path, context);
     require_same_grid(first.volume(), first.path, next.volume(), next.path,
                       "--resample brings it onto that of the first");
     return std::move(next.tree);
   }
-  MaskOnGrid next = open_mask_on(first.volume(), path, context);
+  MaskOnGrid next = open_mask_on(first.volume(), first.path, path, context);
   if (next.is_resampled) {
     resampled.push_back(path);
     context.note(path + ": brought onto the grid of " + first.path + " by nearest voxels");

@@ -40,7 +40,7 @@ struct Arguments {
 std::string equal_text(const Comparison& c, const VolumeDescription& a,
                        const VolumeDescription& b) {
   std::string text =
-      fmt::format("the same: {} voxels, {}", count_text(c.voxels),
+      fmt::format("the same: {}, {}", counted_text(c.voxels, "voxel"),
                   c.is_real_units ? "real values compared" : "stored values compared");
   if (c.max_difference > 0) {
     text += fmt::format(", largest difference {}", number_text(c.max_difference));

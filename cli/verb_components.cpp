@@ -11,6 +11,7 @@
 #include "common/failure.h"
 #include "common/inputs.h"
 #include "common/masks.h"
+#include "common/option_checks.h"
 #include "common/quantities.h"
 #include "common/verb.h"
 #include "octavo/build/computed_source.h"
@@ -39,14 +40,15 @@ struct Arguments {
   std::size_t rows = 20;
 };
 
+/// Bytes that a component takes while it is printed: in JSON, as a tree and as text, and as a row.
+constexpr std::uint64_t kJsonBytes = 2048;
+constexpr std::uint64_t kRowBytes = 256;
+
 /// How many components, the largest first, are kept.
 std::size_t kept_count(const Components& found, const Arguments& arguments,
                        const VolumeDescription& volume) {
   const auto& all = found.components();
   const auto mm3 = voxel_mm3(volume);
-  if (!(arguments.min_mm3 >= 0 && std::isfinite(arguments.min_mm3))) {
-    throw Error(ErrorKind::invalid_argument, "--min-mm3: must be 0 or more");
-  }
   if (arguments.min_mm3 > 0 && !mm3) {
     throw Error(ErrorKind::invalid_argument,
                 "--min-mm3 needs a known spacing; build it again with --spacing", arguments.input);
@@ -109,9 +111,8 @@ std::string table_text(const Components& found, std::size_t kept, const Argument
                        const VolumeDescription& volume) {
   const auto mm3 = voxel_mm3(volume);
   const std::size_t count = found.components().size();
-  std::string text = fmt::format("{}: {} component{}, {} kept\n", arguments.input,
-                                 count_text(static_cast<std::int64_t>(count)),
-                                 count == 1 ? "" : "s",
+  std::string text = fmt::format("{}: {}, {} kept\n", arguments.input,
+                                 counted_text(static_cast<std::int64_t>(count), "component"),
                                  count_text(static_cast<std::int64_t>(kept)));
   const std::size_t rows = std::min(kept, arguments.rows);
   if (rows > 0) {
@@ -140,16 +141,17 @@ int run_components(const Arguments& arguments, Context& context) {
     require_computed_output(arguments.output, {arguments.input}, context);
   const OpenedMask mask = open_mask(arguments.input, context);
   const VolumeDescription& volume = mask.volume();
-  // Parts and their numbers, about as much again as the mask has.
-  require_memory(3 * mask.tree.memory_bytes(), "the components", context);
   std::optional<Components> found;
   on_threads(context, [&] {
-    found.emplace(mask.tree, static_cast<Connectivity>(arguments.connectivity));
+    found.emplace(mask.tree, static_cast<Connectivity>(arguments.connectivity),
+                  context.max_memory_bytes);
   });
   const std::size_t kept = kept_count(*found, arguments, volume);
-  nlohmann::ordered_json result = {{"components", found->components().size()},
-                                   {"kept", kept},
-                                   {"objects", objects_json(*found, kept, volume)}};
+  const std::size_t rows = context.json ? kept : std::min(kept, arguments.rows);
+  require_memory(found->memory_bytes() + rows * (context.json ? kJsonBytes : kRowBytes),
+                 "the table of components", context);
+  nlohmann::ordered_json result = {{"components", found->components().size()}, {"kept", kept}};
+  if (context.json) result["objects"] = objects_json(*found, kept, volume);
   if (!arguments.output.empty()) {
     const BuildResult built = write_components(*found, kept, volume, arguments, context);
     result["output"] = arguments.output;
@@ -180,12 +182,13 @@ void add_components(CLI::App& app, Context& context) {
       ->capture_default_str();
   verb.add_option("--keep-largest", arguments->keep_largest, "Keep only the N largest")
       ->type_name("N")
-      ->check(CLI::PositiveNumber);
+      ->check(whole_within(1));
   verb.add_option("--min-mm3", arguments->min_mm3, "Keep only those of this volume or more")
       ->type_name("V")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative());
   verb.add_option("--rows", arguments->rows, "Rows of the table, at most")
       ->type_name("N")
+      ->check(whole_within(0))
       ->capture_default_str();
 }
 

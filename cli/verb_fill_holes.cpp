@@ -11,6 +11,7 @@
 #include "common/failure.h"
 #include "common/inputs.h"
 #include "common/masks.h"
+#include "common/option_checks.h"
 #include "common/quantities.h"
 #include "common/verb.h"
 #include "octavo/ops/fill_holes.h"
@@ -36,21 +37,12 @@ struct Arguments {
   std::string input;
   std::string output;
   int connectivity = 26;
-  std::string max_mm3;
+  std::optional<double> max_mm3;
 };
 
-std::optional<double> asked_max_mm3(const Arguments& arguments) {
-  if (arguments.max_mm3.empty()) return std::nullopt;
-  const double mm3 = parse_number(arguments.max_mm3, "--max-mm3");
-  if (mm3 >= 0) return mm3;
-  throw Error(ErrorKind::invalid_argument,
-              fmt::format("--max-mm3: '{}'; must be 0 or more", escaped(arguments.max_mm3)));
-}
-
 /// The largest hole that is filled, in voxels.
-std::uint64_t max_voxels(std::optional<double> max_mm3, const Arguments& arguments,
-                         const VolumeDescription& volume) {
-  if (!max_mm3) return std::numeric_limits<std::uint64_t>::max();
+std::uint64_t max_voxels(const Arguments& arguments, const VolumeDescription& volume) {
+  if (!arguments.max_mm3) return std::numeric_limits<std::uint64_t>::max();
   const auto mm3 = voxel_mm3(volume);
   if (!mm3) {
     throw Error(ErrorKind::invalid_argument,
@@ -58,7 +50,7 @@ std::uint64_t max_voxels(std::optional<double> max_mm3, const Arguments& argumen
   }
   // A volume of whole voxels is not lost to a rounded quotient.
   constexpr double kRoundingSlack = 1e-9;
-  const double voxels = *max_mm3 / *mm3 * (1 + kRoundingSlack);
+  const double voxels = *arguments.max_mm3 / *mm3 * (1 + kRoundingSlack);
   return static_cast<std::uint64_t>(std::min(std::floor(voxels), 1e18));
 }
 
@@ -69,27 +61,26 @@ std::string holes_text(const FilledHoles& filled, const VolumeDescription& volum
           : fmt::format("; {} larger left",
                         count_text(static_cast<std::int64_t>(filled.kept_count)));
   if (filled.hole_count == 0) return "no holes filled" + left;
-  return fmt::format("{} hole{} filled ({}){}",
-                     count_text(static_cast<std::int64_t>(filled.hole_count)),
-                     filled.hole_count == 1 ? "" : "s", volume_text(filled.voxel_count, volume),
-                     left);
+  return fmt::format("{} filled ({}){}",
+                     counted_text(static_cast<std::int64_t>(filled.hole_count), "hole"),
+                     volume_text(filled.voxel_count, volume), left);
 }
 
 int run_fill_holes(const Arguments& arguments, Context& context) {
-  const std::optional<double> max_mm3 = asked_max_mm3(arguments);
   require_computed_output(arguments.output, {arguments.input}, context);
   const OpenedMask mask = open_mask(arguments.input, context);
   const VolumeDescription& volume = mask.volume();
-  const std::uint64_t largest = max_voxels(max_mm3, arguments, volume);
+  const std::uint64_t largest = max_voxels(arguments, volume);
   // The complement, its components, those selected and the result.
   require_memory(6 * mask.tree.memory_bytes(), "the holes", context);
   FilledHoles filled;
   on_threads(context, [&] {
-    filled = fill_holes(mask.tree, static_cast<Connectivity>(arguments.connectivity), largest);
+    filled = fill_holes(mask.tree, static_cast<Connectivity>(arguments.connectivity), largest,
+                        context.max_memory_bytes);
   });
   nlohmann::ordered_json made_by = {{"operation", "fill-holes"},
                                     {"connectivity", arguments.connectivity}};
-  if (max_mm3) made_by["max_mm3"] = *max_mm3;
+  if (arguments.max_mm3) made_by["max_mm3"] = *arguments.max_mm3;
   const BuildResult built = write_mask(filled.mask, volume, made_by, arguments.output, context);
   const std::uint64_t voxels = filled.mask.voxel_count();
   if (context.json) {
@@ -126,7 +117,8 @@ void add_fill_holes(CLI::App& app, Context& context) {
       ->check(CLI::IsMember({6, 18, 26}))
       ->capture_default_str();
   verb.add_option("--max-mm3", arguments->max_mm3, "Fill only holes of this volume or less")
-      ->type_name("V");
+      ->type_name("V")
+      ->check(not_negative());
 }
 
 }  // namespace octavo::cli

@@ -7,6 +7,7 @@
 #include "common/geometry_words.h"
 #include "common/identity_words.h"
 #include "common/inputs.h"
+#include "common/made_by_words.h"
 #include "common/preparation_words.h"
 #include "common/quantities.h"
 #include "common/verb.h"
@@ -79,6 +80,7 @@ std::string values_row(const FileReader& reader, const std::string& unit) {
 std::string loss_words(const FileReader& reader, const nlohmann::ordered_json& metadata) {
   if (reader.max_error() > 0) return "with a max error";
   if (!missing_words(metadata).empty()) return "lossless where it is whole";
+  if (is_condensed(metadata)) return "condensed, not lossless";
   if (was_source_lossy(metadata)) return "as the source holds them";
   return was_resampled(metadata) ? "lossless from its prepared planes" : "lossless";
 }
@@ -119,7 +121,7 @@ std::string source_row(const nlohmann::ordered_json& metadata) {
     const std::int64_t count = files->is_array()     ? static_cast<std::int64_t>(files->size())
                                : files->is_number_integer() ? files->get<std::int64_t>()
                                                             : 0;
-    if (count > 0) text += fmt::format(", {} file{}", count_text(count), count == 1 ? "" : "s");
+    if (count > 0) text += ", " + counted_text(count, "file");
   }
   const std::string chosen = choice_words(metadata);
   if (!text.empty() && !chosen.empty()) text += ", " + chosen;
@@ -156,6 +158,9 @@ std::string screen(const FileReader& reader, bool show_metadata) {
                                    static_cast<double>(raw_bytes_of(d)) / file_bytes,
                                    file_bytes * 8 / static_cast<double>(d.size.voxel_count())));
   text += source_row(metadata);
+  if (const std::string words = made_by_words(metadata); !words.empty()) {
+    text += row("made by", words);
+  }
   if (const std::string words = preparation_words(metadata); !words.empty()) {
     text += row("prepared", words);
   }

@@ -10,6 +10,7 @@
 #include "common/failure.h"
 #include "common/inputs.h"
 #include "common/masks.h"
+#include "common/option_checks.h"
 #include "common/progress_line.h"
 #include "common/quantities.h"
 #include "common/verb.h"
@@ -26,7 +27,8 @@ constexpr VerbText kText = {
     "For each label but 0: voxels, mm3, surface voxels (with a face on something else),\n"
     "centroid, bounding box, principal moments and axes; with --of also mean, standard\n"
     "deviation, least, greatest, integrated value (sum times mm3) and percentiles of the grey\n"
-    "volume, in its real units (HU). Positions are in mm (LPS), boxes in voxels, half-open.\n\n"
+    "volume, in its real units (HU); the table shows those percentiles that are asked for.\n"
+    "Positions are in mm (LPS), boxes in voxels, half-open.\n\n"
     "Examples:\n"
     "  octavo measure skull.8vo\n"
     "  octavo measure organs.8vo --of ct.8vo --csv > organs.csv\n"
@@ -152,12 +154,17 @@ std::string csv_text(const nlohmann::ordered_json& objects) {
   return text;
 }
 
-std::string table_text(const std::vector<Row>& rows, const std::string& unit) {
+/// percentiles  columns of the table; none where none were asked for
+std::string table_text(const std::vector<Row>& rows, const std::vector<double>& percentiles,
+                       const std::string& unit) {
   const bool has_grey = !rows.empty() && rows.front().region.grey.has_value();
   std::string text = fmt::format("{:>10} {:>14} {:>14} {:>12}  {:<26} {:<24}", "label", "voxels",
                                  "mm3", "surface", "centroid mm (x, y, z)", "principal sd mm");
   if (has_grey) {
     text += fmt::format(" {:>10} {:>9} {:>9} {:>9}", "mean", "sd", "min", "max");
+    for (const double percent : percentiles) {
+      text += fmt::format(" {:>9}", "p" + number_text(percent));
+    }
     if (!unit.empty()) text += "  " + unit;
   }
   text += "\n";
@@ -177,6 +184,9 @@ std::string table_text(const std::vector<Row>& rows, const std::string& unit) {
     if (has_grey) {
       text += fmt::format(" {:>10.2f} {:>9.2f} {:>9} {:>9}", r.grey->mean, r.grey->deviation,
                           number_text(r.grey->least), number_text(r.grey->greatest));
+      for (std::size_t i = 0; i < percentiles.size(); ++i) {
+        text += fmt::format(" {:>9}", number_text(r.grey->percentiles[i]));
+      }
     }
     text += "\n";
   }
@@ -203,7 +213,8 @@ int run_measure(const Arguments& arguments, Context& context) {
     for (double& percent : options.percentiles) percent = 100 - percent;
   }
   if (!voxel_mm3(labels->description())) {
-    context.warn("the spacing is not known, so nothing is given in mm; build with --spacing");
+    context.warn(arguments.input +
+                 ": its spacing is not known, so nothing is given in mm; build it with --spacing");
   }
   // A brick with its labels widened per thread, and the sums of 64 bricks.
   constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
@@ -228,7 +239,8 @@ int run_measure(const Arguments& arguments, Context& context) {
   } else if (arguments.csv) {
     print(csv_text(objects));
   } else if (!context.quiet) {
-    print(table_text(rows, unit));
+    const bool is_asked = !arguments.percentiles.empty();
+    print(table_text(rows, is_asked ? percentiles : std::vector<double>(), unit));
   }
   return kExitDone;
 }
@@ -246,7 +258,7 @@ void add_measure(CLI::App& app, Context& context) {
                   "A percentile, 0 to 100 (default 5, 25, 50, 75, 95)")
       ->type_name("P")
       ->allow_extra_args(false)
-      ->check(CLI::Range(0.0, 100.0));
+      ->check(number_within(0, 100));
   verb.add_flag("--csv", arguments->csv, "One line per region, comma-separated");
 }
 

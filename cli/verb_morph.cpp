@@ -94,14 +94,16 @@ Distance asked_distance(const Arguments& arguments) {
 }
 
 Reach reach_of(const Distance& distance, const Arguments& arguments,
-               const VolumeDescription& volume) {
-  if (!distance.mm) return Reach::in_steps(distance.steps, arguments.neighbors(), volume.size);
+               const VolumeDescription& volume, std::uint64_t max_bytes) {
+  if (!distance.mm) {
+    return Reach::in_steps(distance.steps, arguments.neighbors(), volume.size, max_bytes);
+  }
   if (!voxel_mm3(volume)) {
     throw Error(ErrorKind::invalid_argument,
                 "--mm needs a known spacing; build it again with --spacing, or give --voxels",
                 arguments.input);
   }
-  return Reach::within_mm(*distance.mm, volume.geometry.spacing_mm, volume.size);
+  return Reach::within_mm(*distance.mm, volume.geometry.spacing_mm, volume.size, max_bytes);
 }
 
 nlohmann::ordered_json made_by_json(const char* name, const Distance& distance,
@@ -122,10 +124,10 @@ int run_morph(const char* name, Operation operation, const Arguments& arguments,
   require_computed_output(arguments.output, {arguments.input}, context);
   const OpenedMask mask = open_mask(arguments.input, context);
   const VolumeDescription& volume = mask.volume();
-  const Reach reach = reach_of(distance, arguments, volume);
-  // The mask, its surface, what it grows to in pieces and whole; and a window per thread.
-  require_memory(5 * mask.tree.memory_bytes() +
-                     dilation_thread_bytes(reach) *
+  const Reach reach = reach_of(distance, arguments, volume, context.max_memory_bytes);
+  // The mask, its surface, what it grows to in pieces and whole; the ball; a window per thread.
+  require_memory(5 * mask.tree.memory_bytes() + reach.memory_bytes() +
+                     dilation_thread_bytes(reach, volume.size) *
                          static_cast<std::uint64_t>(context.thread_count()),
                  "masks that grow", context);
   MaskTree made;

@@ -9,6 +9,8 @@
 #include "common/cancel.h"
 #include "common/failure.h"
 #include "common/inputs.h"
+#include "common/masks.h"
+#include "common/option_checks.h"
 #include "common/quantities.h"
 #include "common/render_scene.h"
 #include "common/render_transparency.h"
@@ -208,12 +210,22 @@ void report(const RenderScene& scene, const std::vector<std::string>& paths, con
   }
 }
 
+/// Of three channels, as it is drawn, as rows of a PNG file and as that file.
+std::uint64_t picture_bytes(const ViewFrame& frame) {
+  if (frame.width < 1 || frame.width > ViewFrame::kLongestSide || frame.height < 1 ||
+      frame.height > ViewFrame::kLongestSide) {
+    return 0;  // refused where it is looked at
+  }
+  return 3 * 3 * static_cast<std::uint64_t>(frame.width * frame.height);
+}
+
 int run_render(const RenderArguments& arguments, Context& context) {
   // What can be refused without the file is refused before it is read.
   const std::vector<std::string> paths = picture_paths(arguments);
   for (const std::string& path : paths) require_free_output(path, context);
   asked_background(arguments.background);
   const ViewFrame frame = asked_frame(arguments);
+  require_memory(picture_bytes(frame), "the picture", context);
   fitting_pixel_mm({}, {{0, 0, 0}, {1, 1, 1}}, asked_viewpoint(arguments, {}), frame);
   check_transparency_options(arguments);
   const std::shared_ptr<const FileReader> reader = open_octavo(arguments.input, context);
@@ -226,8 +238,8 @@ int run_render(const RenderArguments& arguments, Context& context) {
   const bool is_of_patient = arguments.azimuth || arguments.elevation || arguments.turntable > 0 ||
                              find_viewpoint(arguments.direction).has_value();
   if (is_of_patient && is_unplaced(volume, metadata_of(volume))) {
-    context.note("the file does not say how the patient lies; x is taken to run to the left, y to "
-                 "the back and z to the head");
+    context.note(arguments.input + ": does not say how the patient lies; x is taken to run to the "
+                                   "left, y to the back and z to the head");
   }
 
   const auto scene = make_scene(reader, arguments, context);
@@ -248,21 +260,22 @@ void add_view_options(CLI::App& verb, RenderArguments& arguments) {
       ->excludes(direction);
   verb.add_option("--elevation", arguments.elevation, "The viewer's angle above the level")
       ->type_name("DEGREES")
+      ->check(number_within(-90, 90))
       ->excludes(direction);
   verb.add_option("--zoom", arguments.zoom, "Enlarge around the middle of the picture")
       ->type_name("FACTOR")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->capture_default_str();
   verb.add_option("--turntable", arguments.turntable, "Pictures once around the patient")
       ->type_name("N")
-      ->check(CLI::Range(1, 999));
+      ->check(whole_within(1, 999));
   verb.add_option("--background", arguments.background, "Its colour: a name, or #rrggbb")
       ->type_name("COLOUR")
       ->capture_default_str();
   verb.add_option("--fade", arguments.fade, "How much darker the farthest is than the nearest;\n"
                                              "default 0.5; not for transparency")
-      ->type_name("0..1")
-      ->check(CLI::Range(0.0, 1.0));
+      ->type_name("F")
+      ->check(number_within(0, 1));
   verb.add_flag("--no-scale-bar", arguments.no_scale_bar, "Leave the scale bar out");
   verb.add_flag("--no-sides", arguments.no_sides, "Leave the letters R L A P S I out");
   verb.add_flag("--no-legend", arguments.no_legend, "Leave the legend out");

@@ -82,9 +82,10 @@ std::string mend_text(const Arguments& arguments, const MendResult& result) {
     places += fmt::format("{}{}", i == 0 ? "" : ", ", result.flips[i].byte);
   }
   if (result.flips.size() > kNamed) places += ", ...";
-  return fmt::format("{}: {} flipped bit{} turned back (byte {}); every checksum matches\n",
-                     arguments.output, count_text(static_cast<std::int64_t>(result.flips.size())),
-                     result.flips.size() == 1 ? "" : "s", places);
+  return fmt::format("{}: {} turned back (byte {}); every checksum matches\n",
+                     arguments.output,
+                     counted_text(static_cast<std::int64_t>(result.flips.size()), "flipped bit"),
+                     places);
 }
 
 MendResult mend(const Arguments& arguments, const Context& context) {

@@ -8,6 +8,7 @@
 
 #include "common/failure.h"
 #include "common/inputs.h"
+#include "common/option_checks.h"
 #include "common/quantities.h"
 #include "common/salvaging.h"
 #include "common/verb.h"
@@ -227,7 +228,7 @@ void add_slice(CLI::App& app, Context& context) {
       ->capture_default_str();
   verb.add_option("--size", arguments->least_side, "Enlarge pictures smaller than this many pixels")
       ->type_name("N")
-      ->check(CLI::Range(1, 8192))
+      ->check(whole_within(1, 8192))
       ->capture_default_str();
   verb.add_flag("--no-scale-bar", arguments->no_scale_bar, "Leave the scale bar out");
   verb.add_flag("--no-sides", arguments->no_sides, "Leave the letters R L A P S I out");

@@ -165,7 +165,9 @@ int run_threshold(const Arguments& arguments, Context& context) {
     for (const Class& c : classes) windows.push_back(c.window);
     const MaskTree mask = read_mask(*reader, 0, windows, context);
     counts[1] = mask.voxel_count();
-    if (counts[1] == 0) context.warn("no voxel lies in the range; the mask is empty");
+    if (counts[1] == 0) {
+      context.warn(arguments.output + ": no voxel lies in the range; the mask is empty");
+    }
     built = write_mask(mask, volume, made_by, arguments.output, context);
   } else {
     ClassPlanes planes(std::make_unique<FilePlanes>(reader, 0, context.thread_count()), classes,

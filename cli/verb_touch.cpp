@@ -2,13 +2,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "common/failure.h"
+#include "common/geometry_words.h"
 #include "common/inputs.h"
 #include "common/masks.h"
 #include "common/progress_line.h"
@@ -43,30 +43,6 @@ struct Arguments {
   Connectivity neighbors() const { return static_cast<Connectivity>(connectivity); }
 };
 
-struct BoxMm {
-  Point3 lo;
-  Point3 hi;
-};
-
-/// The world box around the voxels of `box`, from outer face to outer face.
-BoxMm world_box(const Box& box, const Geometry& geometry) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  BoxMm world{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-  for (int corner = 0; corner < 8; ++corner) {
-    Point3 index{};
-    for (int axis = 0; axis < 3; ++axis) {
-      const std::int64_t end = (corner >> axis & 1) != 0 ? box.hi[axis] : box.lo[axis];
-      index[static_cast<std::size_t>(axis)] = static_cast<double>(end) - 0.5;
-    }
-    const Point3 at = geometry.to_world(index);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      world.lo[axis] = std::min(world.lo[axis], at[axis]);
-      world.hi[axis] = std::max(world.hi[axis], at[axis]);
-    }
-  }
-  return world;
-}
-
 /// The area of faces across x, y and z, mm2.
 double area_mm2(const std::array<std::uint64_t, 3>& faces, const Geometry& geometry) {
   const Point3& s = geometry.spacing_mm;
@@ -86,9 +62,7 @@ nlohmann::ordered_json area_json(const std::array<std::uint64_t, 3>& faces,
 
 std::string faces_text(const std::array<std::uint64_t, 3>& faces,
                        const VolumeDescription& volume) {
-  const std::uint64_t count = count_of(faces);
-  const std::string text =
-      fmt::format("{} face{}", count_text(static_cast<std::int64_t>(count)), count == 1 ? "" : "s");
+  const std::string text = counted_text(static_cast<std::int64_t>(count_of(faces)), "face");
   if (!voxel_mm3(volume)) return text;
   return text + fmt::format(", {} mm2", number_text(area_mm2(faces, volume.geometry)));
 }
@@ -139,8 +113,9 @@ std::string interference_text(const Interference& found, const Arguments& argume
   }
   if (found.is_contact()) {
     for (const auto& [name, extent] : {std::pair{&a, &found.contact_a}, {&b, &found.contact_b}}) {
-      text += fmt::format("  touching:   {} voxels of {} alone; {}\n",
-                          count_text(static_cast<std::int64_t>(extent->voxel_count)), *name,
+      text += fmt::format("  touching:   {} of {} alone; {}\n",
+                          counted_text(static_cast<std::int64_t>(extent->voxel_count), "voxel"),
+                          *name,
                           where_text(extent->box, volume));
     }
     text += fmt::format("  in between: {}\n", faces_text(found.face_pairs, volume));
@@ -173,9 +148,10 @@ int touch_masks(const Arguments& arguments, Context& context) {
 
 std::string table_text(const std::vector<LabelContact>& contacts, const Arguments& arguments,
                        const VolumeDescription& volume) {
-  std::string text = fmt::format("{}: {} pair{} of labels touch{}\n", escaped(arguments.inputs[0]),
-                                 contacts.size(), contacts.size() == 1 ? "" : "s",
-                                 contacts.size() == 1 ? "es" : "");
+  std::string text = fmt::format(
+      "{}: {}\n", escaped(arguments.inputs[0]),
+      counted_text(static_cast<std::int64_t>(contacts.size()), "pair of labels touches",
+                   "pairs of labels touch"));
   if (contacts.empty()) return text;
   const bool is_faces = arguments.connectivity == 6;
   const bool is_placed = voxel_mm3(volume).has_value();

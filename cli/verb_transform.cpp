@@ -9,8 +9,10 @@
 #include <optional>
 
 #include "common/affine_file.h"
+#include "common/building.h"
 #include "common/failure.h"
 #include "common/file_planes.h"
+#include "common/geometry_words.h"
 #include "common/inputs.h"
 #include "common/masks.h"
 #include "common/progress_line.h"
@@ -277,7 +279,6 @@ Plan finer(const Arguments& arguments, const VolumeDescription& volume, const Sc
     plan.to_source.linear[4 * a] = 1 / factor;
     plan.to_source.offset[a] = first;
   }
-  checked_voxel_count(plan.size);
   plan.said = fmt::format("{} x finer", scale.factor);
   return plan;
 }
@@ -298,8 +299,8 @@ Plan coarser(const FileReader& reader, const Scale& scale, Plan plan) {
   for (int axis = 0; axis < 3; ++axis) {
     const int halvings = levels.halving_count(plan.level, axis);
     if (halvings == plan.level) continue;
-    plan.said += fmt::format(", in which {} is halved {} time{}", "xyz"[axis], halvings,
-                             halvings == 1 ? "" : "s");
+    plan.said += fmt::format(", in which {} is halved {}", "xyz"[axis],
+                             counted_text(halvings, "time"));
   }
   return plan;
 }
@@ -321,22 +322,6 @@ Plan scaling(const Arguments& arguments, const FileReader& reader, Plan plan) {
   plan.said += scale.is_up ? "; the object grew about the centre of the grid"
                            : "; the object shrank about the centre of the grid";
   return plan;
-}
-
-/// Whether any voxel of the new grid may lie in the source: as boxes around both.
-bool may_meet(const Plan& plan, const Size3& source) {
-  Point3 lo = plan.to_source.offset;
-  Point3 hi = lo;
-  for (int row = 0; row < 3; ++row) {
-    const auto r = static_cast<std::size_t>(row);
-    for (int axis = 0; axis < 3; ++axis) {
-      const double reach = plan.to_source.linear[3 * r + static_cast<std::size_t>(axis)] *
-                           static_cast<double>(plan.size[axis] - 1);
-      (reach < 0 ? lo : hi)[r] += reach;
-    }
-    if (hi[r] < -0.5 || lo[r] > static_cast<double>(source[row]) - 0.5) return false;
-  }
-  return true;
 }
 
 Plan resampling(const Arguments& arguments, const FileReader& reader, Context& context,
@@ -393,9 +378,12 @@ Plan resampling(const Arguments& arguments, const FileReader& reader, Context& c
   const std::optional<Affine> to_index = inverse(index_to_world(volume.geometry));
   plan.to_source =
       chained(chained(index_to_world(plan.geometry), back), to_index.value_or(Affine{}));
-  if (!may_meet(plan, volume.size)) {
-    context.warn(arguments.input + ": none of it lies in the new grid; every voxel comes from "
-                                   "outside. 'octavo info' tells where both lie");
+  if (!may_meet(plan.to_source, plan.size, volume.size)) {
+    context.warn(fmt::format("{}: none of it lies in the new grid, every voxel comes from outside; "
+                             "the grid fills {} mm, the input {} mm{}",
+                             arguments.input, extent_text(plan.geometry, plan.size),
+                             extent_text(volume.geometry, volume.size),
+                             arguments.affine.empty() ? "" : " before it is moved"));
   }
   return plan;
 }
@@ -432,13 +420,17 @@ VolumeDescription new_description(const std::shared_ptr<const FileReader>& reade
   return volume;
 }
 
+std::uint64_t plane_bytes(const VolumeDescription& volume) {
+  return static_cast<std::uint64_t>(volume.size.x) * static_cast<std::uint64_t>(volume.size.y) *
+         static_cast<std::uint64_t>(bytes_per_voxel(volume.type));
+}
+
 /// Planes computed at once: as many as a brick is high, where they are not too large.
 std::int64_t planes_at_once(const VolumeDescription& volume) {
-  constexpr std::int64_t kMostBytes = std::int64_t{128} << 20;
-  std::int64_t planes = 64;
-  const std::int64_t bytes = volume.size.x * volume.size.y * bytes_per_voxel(volume.type);
-  while (planes > 8 && planes * bytes > kMostBytes) planes /= 2;
-  return planes;
+  constexpr std::uint64_t kMostBytes = std::uint64_t{128} << 20;
+  std::uint64_t planes = 64;
+  while (planes > 8 && planes * plane_bytes(volume) > kMostBytes) planes /= 2;
+  return std::min(static_cast<std::int64_t>(planes), volume.size.z);
 }
 
 BuildOptions build_options(const Arguments& arguments, const VolumeDescription& volume,
@@ -450,11 +442,7 @@ BuildOptions build_options(const Arguments& arguments, const VolumeDescription& 
   if (options.max_error < 0) {
     throw Error(ErrorKind::invalid_argument, "--max-error: must not be negative");
   }
-  options.overwrite = context.force;
-  options.interrupted = context.force ? Interrupted::discard : Interrupted::refuse;
-  options.threads = context.threads;
-  options.max_memory_bytes = context.max_memory_bytes;
-  return options;
+  return with_context(options, context);
 }
 
 /// True where the octree of a mask does the same without its voxels.
@@ -465,30 +453,38 @@ bool is_for_mask_tree(const FileReader& reader, const Plan& plan) {
          volume.type == VoxelType::uint8 && range.min >= 0 && range.max <= 1;
 }
 
+std::uint64_t build_from(const VolumeDescription& volume, const FillBox& fill,
+                         const BuildOptions& options, const Arguments& arguments,
+                         const Context& context) {
+  const auto source = make_computed_source(volume, fill, planes_at_once(volume));
+  ProgressLine progress(context);
+  return build_file(*source, local_storage(), arguments.output, options, progress).file_bytes;
+}
+
 std::uint64_t write_volume(const Arguments& arguments,
                            const std::shared_ptr<const FileReader>& reader, const Plan& plan,
                            const VolumeDescription& volume, const Context& context) {
   const BuildOptions options = build_options(arguments, volume, context);
+  const std::uint64_t source_bytes =
+      plane_bytes(volume) * static_cast<std::uint64_t>(planes_at_once(volume));
+  require_room_for(volume, options, source_bytes, arguments.output,
+                   plan.operation == "scale" ? "take a smaller --scale"
+                                             : "take a smaller volume or grid");
   if (is_for_mask_tree(*reader, plan)) {
     MaskTree mask = read_mask(*reader, 0, {{1, 1}}, context);
     on_threads(context, [&] {
       mask = plan.turn ? turned(mask, *plan.turn) : shifted(mask, *plan.shift);
     });
-    const auto source = make_computed_source(volume, [&](const Box& box, std::byte* voxels) {
+    const auto fill = [&](const Box& box, std::byte* voxels) {
       fill_voxels(mask, box, reinterpret_cast<std::uint8_t*>(voxels));
-    });
-    ProgressLine progress(context);
-    return build_file(*source, local_storage(), arguments.output, options, progress).file_bytes;
+    };
+    return build_from(volume, fill, options, arguments, context);
   }
   const Resampler resampler(*reader, plan.level, plan.to_source, plan.interpolation, plan.outside);
-  const auto source = make_computed_source(
-      volume,
-      [&](const Box& box, std::byte* voxels) {
-        on_threads(context, [&] { resampler.fill(box, voxels); });
-      },
-      planes_at_once(volume));
-  ProgressLine progress(context);
-  return build_file(*source, local_storage(), arguments.output, options, progress).file_bytes;
+  const auto fill = [&](const Box& box, std::byte* voxels) {
+    on_threads(context, [&] { resampler.fill(box, voxels); });
+  };
+  return build_from(volume, fill, options, arguments, context);
 }
 
 std::uint64_t copy_file(const Arguments& arguments, const VolumeDescription& volume,

@@ -135,8 +135,8 @@ int run_alone(const Arguments& arguments, const VerifyReport& report,
   if (context.json) {
     print_json(result_json(arguments.input, report, nullptr));
   } else if (!context.quiet) {
-    print(fmt::format("{}: sound; {} bricks, {} read and decoded{}\n", arguments.input,
-                      count_text(report.brick_count), bytes_text(report.file_bytes),
+    print(fmt::format("{}: sound; {}, {} read and decoded{}\n", arguments.input,
+                      counted_text(report.brick_count, "brick"), bytes_text(report.file_bytes),
                       missing.empty() ? "" : "; but " + missing));
   }
   return kExitDone;
@@ -165,17 +165,17 @@ int run_against(const Arguments& arguments, const VerifyReport& report,
   } else if (!is_good) {
     print(difference_text(arguments, c, planes.description(), source->description()));
   } else if (!context.quiet) {
-    print(fmt::format("{}: sound, and {} {} of {} {}; {} bricks checked\n",
+    print(fmt::format("{}: sound, and {} {} of {} {}; {} checked\n",
                       arguments.input,
                       error == 0 ? "equal to every one of the"
                                  : "within " + distance_text(planes.description(),
                                                              unit_of(metadata_of(
                                                                  planes.description())),
                                                              error) + " of each of the",
-                      count_text(c.voxels) + " voxels",
+                      counted_text(c.voxels, "voxel"),
                       arguments.against.front() + (is_same_source ? "" : " with planes in between"),
                       c.is_place_known ? "and the geometry" : "(its spacing is unknown)",
-                      count_text(report.brick_count)));
+                      counted_text(report.brick_count, "brick")));
   }
   return is_good ? kExitDone : kExitDifferent;
 }

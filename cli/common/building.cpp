@@ -1,6 +1,7 @@
 #include "common/building.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +11,8 @@
 #include "common/progress_line.h"
 #include "common/quantities.h"
 #include "common/volume_json.h"
+#include "octavo/core/levels.h"
+#include "octavo/core/memory_limit.h"
 
 namespace octavo::cli {
 
@@ -53,17 +56,53 @@ nlohmann::ordered_json result_json(const BuildResult& result, VolumeKind kind,
           {"warnings", context.warnings}};
 }
 
+/// Memory of this machine; 0 where it does not say.
+std::uint64_t machine_memory_bytes() {
+  const long pages = sysconf(_SC_PHYS_PAGES);
+  const long page_bytes = sysconf(_SC_PAGESIZE);
+  if (pages <= 0 || page_bytes <= 0) return 0;
+  return static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_bytes);
+}
+
+/// What a build needs with a source that holds `source_bytes`.
+std::uint64_t needed_bytes(const VolumeDescription& volume, const BuildOptions& options,
+                           std::uint64_t source_bytes) {
+  checked_voxel_count(volume.size);
+  return build_memory_bytes(volume, options.threads, options.max_error) + source_bytes;
+}
+
 }  // namespace
 
-int build_and_report(PlaneSource& source, BuildOptions options, const std::string& output,
-                     const Context& context) {
-  const VolumeDescription& volume = source.description();
-  const VolumeKind kind = options.kind;
+BuildOptions with_context(BuildOptions options, const Context& context) {
   options.overwrite = context.force;
   const bool is_resuming = options.interrupted == Interrupted::resume;
   if (context.force && !is_resuming) options.interrupted = Interrupted::discard;
   options.threads = context.threads;
   options.max_memory_bytes = context.max_memory_bytes;
+  return options;
+}
+
+void require_room_for(const VolumeDescription& volume, const BuildOptions& options,
+                      std::uint64_t source_bytes, const std::string& output,
+                      const std::string& advice) {
+  const bool is_limited = options.max_memory_bytes != 0;
+  const std::uint64_t limit = is_limited ? options.max_memory_bytes : machine_memory_bytes();
+  try {
+    require_memory_within(needed_bytes(volume, options, source_bytes), limit,
+                          fmt::format("a result of {} voxels", size_text(volume.size)),
+                          is_limited ? advice + ", or raise --max-memory"
+                                     : "that is all this machine has; " + advice);
+  } catch (const Error& error) {
+    throw error.with_path(output);
+  }
+}
+
+int build_and_report(PlaneSource& source, BuildOptions options, const std::string& output,
+                     const Context& context) {
+  const VolumeDescription& volume = source.description();
+  const VolumeKind kind = options.kind;
+  const bool is_resuming = options.interrupted == Interrupted::resume;
+  options = with_context(options, context);
   context.detail(fmt::format(
       "{} voxels of {}, {} needed in memory, {} of them by the source", size_text(volume.size),
       voxel_type_name(volume.type),
@@ -94,12 +133,12 @@ int build_and_report(PlaneSource& source, BuildOptions options, const std::strin
     const double bits = static_cast<double>(result.file_bytes) * 8 /
                         static_cast<double>(volume.size.voxel_count());
     print(fmt::format("{}: {} {} {}{}, {} from {} ({:.2f}:1, {:.2f} bits per voxel) in {} "
-                      "({:.0f} MB/s, {} thread{})\n",
+                      "({:.0f} MB/s, {})\n",
                       output, size_text(volume.size), voxel_type_name(volume.type), kind_name(kind),
                       promise_text(result, volume),
                       bytes_text(result.file_bytes), bytes_text(result.raw_bytes), ratio_of(result),
                       bits, duration_text(result.total_seconds), mb_per_second(result),
-                      result.threads, result.threads == 1 ? "" : "s"));
+                      counted_text(result.threads, "thread")));
   }
   return kExitDone;
 }

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "common/option_checks.h"
 #include "common/quantities.h"
 #include "octavo/core/error.h"
 
@@ -72,7 +73,7 @@ void add_global_options(CLI::App& app, Context& context) {
       ->group(group);
   app.add_option("-j,--threads", context.threads, "Worker threads (default: all cores)")
       ->type_name("N")
-      ->check(CLI::Range(1, 1024))
+      ->check(whole_within(1, 1024))
       ->group(group);
   app.add_option_function<std::string>(
          "--max-memory",

@@ -112,7 +112,7 @@ class CubeScene final : public RenderScene {
   }
 
   std::string counts_text() const override {
-    if (!is_surface_) return fmt::format("{} leaves", count_text(leaves_));
+    if (!is_surface_) return counted_text(leaves_, "leaf", "leaves");
     const std::int64_t removed = leaves_ - drawn_;
     const double share =
         leaves_ == 0 ? 0 : 100 * static_cast<double>(removed) / static_cast<double>(leaves_);
@@ -207,8 +207,9 @@ std::unique_ptr<RenderScene> make_cube_scene(const std::shared_ptr<const FileRea
   if (kept != whole) scene->cut(kept);
   scene->finish();
   if (scene->counts_json()["leaves"] == 0) {
-    context.warn(arguments.cuts.empty() ? "no voxel is drawn; the picture is empty"
-                                        : "the cuts leave no voxel; the picture is empty");
+    context.warn(arguments.input + (arguments.cuts.empty()
+                                        ? ": no voxel is drawn; the picture is empty"
+                                        : ": the cuts leave no voxel; the picture is empty"));
   }
   return scene;
 }

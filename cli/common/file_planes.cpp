@@ -53,6 +53,12 @@ FilePlanes::FilePlanes(std::shared_ptr<const FileReader> reader, int level, int 
   description_.geometry = reader_->levels().geometry(reader_->description().geometry, level);
 }
 
+std::uint64_t FilePlanes::resident_bytes() const {
+  const Size3& size = description_.size;
+  return static_cast<std::uint64_t>(size.x * size.y * std::min(layer_planes_, size.z) *
+                                    bytes_per_voxel(description_.type));
+}
+
 void FilePlanes::read_plane(std::span<std::byte> plane) {
   const Size3& size = description_.size;
   const auto bytes = static_cast<std::size_t>(size.x * size.y * bytes_per_voxel(description_.type));

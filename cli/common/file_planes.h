@@ -20,6 +20,8 @@ class FilePlanes final : public PlaneSource {
   /// without what it kept of the identity of its source, unless keep_identity.
   const VolumeDescription& description() const override { return description_; }
   const std::vector<std::string>& warnings() const override { return warnings_; }
+  /// A layer of bricks.
+  std::uint64_t resident_bytes() const override;
   void read_plane(std::span<std::byte> plane) override;
 
  private:

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
+
+#include "common/quantities.h"
 
 namespace octavo::cli {
 
@@ -61,6 +64,34 @@ Point3 field_of_view_mm(const Geometry& geometry, const Size3& size) {
   return {geometry.spacing_mm[0] * static_cast<double>(size.x),
           geometry.spacing_mm[1] * static_cast<double>(size.y),
           geometry.spacing_mm[2] * static_cast<double>(size.z)};
+}
+
+BoxMm world_box(const Box& box, const Geometry& geometry) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  BoxMm world{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+  for (int corner = 0; corner < 8; ++corner) {
+    Point3 index{};
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::int64_t end = (corner >> axis & 1) != 0 ? box.hi[axis] : box.lo[axis];
+      index[static_cast<std::size_t>(axis)] = static_cast<double>(end) - 0.5;
+    }
+    const Point3 at = geometry.to_world(index);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      world.lo[axis] = std::min(world.lo[axis], at[axis]);
+      world.hi[axis] = std::max(world.hi[axis], at[axis]);
+    }
+  }
+  return world;
+}
+
+std::string extent_text(const Geometry& geometry, const Size3& size) {
+  const BoxMm world = world_box(box_of(size), geometry);
+  std::string text;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    text += fmt::format("{}{}:{}", axis == 0 ? "" : ",", number_text(world.lo[axis]),
+                        number_text(world.hi[axis]));
+  }
+  return text;
 }
 
 double largest_shift_mm(const Geometry& a, const Geometry& b, const Size3& size) {

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "octavo/core/box.h"
 #include "octavo/core/volume.h"
 
 namespace octavo::cli {
@@ -13,6 +14,18 @@ std::string orientation_words(const Geometry& geometry);
 
 /// Edge lengths of the volume in mm, voxels taken as boxes.
 Point3 field_of_view_mm(const Geometry& geometry, const Size3& size);
+
+/// A box in mm of world space.
+struct BoxMm {
+  Point3 lo;
+  Point3 hi;
+};
+
+/// The world box around the voxels of `box`, from outer face to outer face.
+BoxMm world_box(const Box& box, const Geometry& geometry);
+
+/// "-200.9:199.1,-59.4:340.6,-680.3:-405.3", the world box around all voxels.
+std::string extent_text(const Geometry& geometry, const Size3& size);
 
 /// How far the eight corner voxels of a grid lie apart in two geometries, at most, mm.
 double largest_shift_mm(const Geometry& a, const Geometry& b, const Size3& size);

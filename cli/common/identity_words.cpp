@@ -30,8 +30,7 @@ ordered_json dropped_in(const ordered_json& metadata) {
 }
 
 std::string counted(std::size_t count) {
-  return fmt::format("{} attribute{}", count_text(static_cast<std::int64_t>(count)),
-                     count == 1 ? "" : "s");
+  return counted_text(static_cast<std::int64_t>(count), "attribute");
 }
 
 }  // namespace

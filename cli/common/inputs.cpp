@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <filesystem>
 #include <sstream>
 
@@ -82,6 +83,39 @@ std::string scan_option(const SourceArguments& arguments) {
   return arguments.untilt ? "--untilt" : "";
 }
 
+bool is_folder(const std::string& path) {
+  return !is_url(path) && local_storage().path_type(path) == PathType::folder;
+}
+
+/// The ending of a name by which scans are known, lower case; or nothing.
+std::string scan_ending(const std::string& path) {
+  constexpr std::array<const char*, 17> kEndings = {
+      ".nii", ".nii.gz", ".hdr", ".hdr.gz", ".img", ".nrrd", ".nhdr", ".mha", ".mhd",
+      ".tif", ".tiff",   ".png", ".dcm",    ".dicom", ".vtk", ".gipl", ".raw"};
+  std::string name = path;
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const char* ending : kEndings) {
+    if (name.ends_with(ending)) return ending;
+  }
+  return "";
+}
+
+bool has_scan_name(const std::string& path) { return !is_url(path) && !scan_ending(path).empty(); }
+
+/// How to make an .8vo file of a scan.
+std::string build_advice(const std::string& path) {
+  std::string folder = path;
+  while (folder.size() > 1 && folder.back() == '/') folder.pop_back();
+  const std::string name = base_name_of(folder);
+  const std::string ending = is_folder(path) ? "" : scan_ending(path);
+  const std::string layout = ending == ".raw" ? " --raw NX,NY,NZ,TYPE" : "";
+  const std::string stem = name.substr(0, name.size() - ending.size());
+  return "'octavo build " + escaped(folder) + layout + " -o " +
+         (stem.empty() || stem.front() == '.' ? "NAME" : escaped(stem)) +
+         ".8vo' makes one of a scan";
+}
+
 /// This program reads scans in another run of itself.
 IsolationOptions isolation_options(const Context& context) {
   IsolationOptions options;
@@ -149,7 +183,16 @@ std::shared_ptr<FileReader> open_octavo(const std::string& path, const Context& 
   if (context.max_memory_bytes != 0) {
     options.cache_bytes = std::min(options.cache_bytes, context.max_memory_bytes / 2);
   }
-  return FileReader::open(open_bytes(path), options);
+  if (is_folder(path)) {
+    throw Error(ErrorKind::io, "is a folder, not an 8vo file; " + build_advice(path), path);
+  }
+  try {
+    return FileReader::open(open_bytes(path), options);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::not_octavo || !has_scan_name(path)) throw;
+    throw Error(error.kind(), error.detail() + "; " + build_advice(path), error.path(),
+                error.offset());
+  }
 }
 
 void require_scan_for_options(const std::vector<std::string>& paths,

@@ -7,6 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "common/building.h"
 #include "common/geometry_words.h"
 #include "common/inputs.h"
 #include "common/progress_line.h"
@@ -14,6 +15,7 @@
 #include "common/volume_json.h"
 #include "octavo/build/computed_source.h"
 #include "octavo/core/error.h"
+#include "octavo/core/memory_limit.h"
 #include "octavo/ops/file_mask.h"
 #include "octavo/ops/resample.h"
 
@@ -62,20 +64,27 @@ OpenedMask open_mask(const std::string& path, const Context& context) {
   return {path, std::move(reader), std::move(tree)};
 }
 
-MaskOnGrid open_mask_on(const VolumeDescription& volume, const std::string& path,
-                        const Context& context) {
+MaskOnGrid open_mask_on(const VolumeDescription& volume, const std::string& name,
+                        const std::string& path, Context& context) {
   const std::shared_ptr<const FileReader> reader = open_labels(path, context);
   const VolumeDescription& labels = reader->description();
   if (is_same_grid(volume, labels)) return {read_mask(*reader, 0, any_label(), context), false};
   const std::optional<Affine> to_index = inverse(index_to_world(labels.geometry));
   if (!to_index) throw Error(ErrorKind::invalid_argument, "its direction is flat", path);
+  const Affine to_source = chained(index_to_world(volume.geometry), *to_index);
+  if (!may_meet(to_source, volume.size, labels.size)) {
+    context.warn(fmt::format("{}: lies wholly outside the grid of {}, so that none of it is taken; "
+                             "it fills {} mm, the grid {} mm",
+                             path, name, extent_text(labels.geometry, labels.size),
+                             extent_text(volume.geometry, volume.size)));
+  }
   MaskOnGrid mask{MaskTree(), true};
   ProgressLine progress(context);
   const ProgressScope scope(progress, "resample", volume.size.z, "planes");
   on_threads(context, [&] {
     mask.tree =
-        resampled_mask(*reader, chained(index_to_world(volume.geometry), *to_index), volume.size,
-                       any_label(), progress, context.max_memory_bytes);
+        resampled_mask(*reader, to_source, volume.size, any_label(), progress,
+                       context.max_memory_bytes);
   });
   return mask;
 }
@@ -100,14 +109,9 @@ VolumeDescription label_description(const VolumeDescription& volume, VoxelType t
 }
 
 BuildResult write_labels(PlaneSource& source, const std::string& output, const Context& context) {
-  BuildOptions options;
-  options.kind = VolumeKind::labels;
-  options.overwrite = context.force;
-  options.interrupted = context.force ? Interrupted::discard : Interrupted::refuse;
-  options.threads = context.threads;
-  options.max_memory_bytes = context.max_memory_bytes;
   ProgressLine progress(context);
-  return build_file(source, local_storage(), output, options, progress);
+  return build_file(source, local_storage(), output,
+                    with_context({.kind = VolumeKind::labels}, context), progress);
 }
 
 BuildResult write_mask(const MaskTree& mask, const VolumeDescription& volume,
@@ -155,14 +159,11 @@ void require_same_grid(const VolumeDescription& volume, const std::string& name,
 }
 
 void require_memory(std::uint64_t bytes, const char* what, const Context& context) {
-  if (context.max_memory_bytes == 0 || bytes <= context.max_memory_bytes) return;
-  throw Error(ErrorKind::limit_exceeded,
-              fmt::format("{} need about {} of memory; the limit is {}; raise --max-memory", what,
-                          bytes_text(bytes), bytes_text(context.max_memory_bytes)));
+  require_memory_within(bytes, context.max_memory_bytes, what, "raise --max-memory");
 }
 
 std::string volume_text(std::uint64_t voxels, const VolumeDescription& volume) {
-  const std::string count = count_text(static_cast<std::int64_t>(voxels)) + " voxels";
+  const std::string count = counted_text(static_cast<std::int64_t>(voxels), "voxel");
   const auto of_one = voxel_mm3(volume);
   if (!of_one) return count + " (spacing unknown)";
   const double mm3 = static_cast<double>(voxels) * *of_one;

@@ -34,11 +34,12 @@ struct MaskOnGrid {
   bool is_resampled = false;  ///< its own grid is another one
 };
 
-/// The mask of the label map `path` on the grid of `volume`. Where the grids differ, it is every
-/// voxel whose nearest voxel of the label map is not 0.
+/// The mask of the label map `path` on the grid of `volume`, the one of the file `name`. Where the
+/// grids differ, it is every voxel whose nearest voxel of the label map is not 0; where they do not
+/// even meet, it is empty and a warning says so.
 /// Throws as open_mask
-MaskOnGrid open_mask_on(const VolumeDescription& volume, const std::string& path,
-                        const Context& context);
+MaskOnGrid open_mask_on(const VolumeDescription& volume, const std::string& name,
+                        const std::string& path, Context& context);
 
 /// mask_of_file with progress, on the threads of `context`.
 MaskTree read_mask(const FileReader& reader, int level, const std::vector<ValueWindow>& windows,

@@ -50,19 +50,16 @@ std::string preparation_words(const nlohmann::ordered_json& metadata) {
   const nlohmann::ordered_json& prepared = member(metadata, "prepared");
   std::string text;
   if (const std::int64_t count = count_in(prepared, "dropped_duplicates"); count > 0) {
-    add(text, fmt::format("{} {} left out", count_text(count),
-                          count == 1 ? "copy of a slice" : "copies of slices"));
+    add(text, counted_text(count, "copy of a slice", "copies of slices") + " left out");
   }
   if (const std::int64_t count = count_in(prepared, "ignored_number_gaps"); count > 0) {
-    add(text, fmt::format("{} gap{} in the numbers of its files passed over", count_text(count),
-                          count == 1 ? "" : "s"));
+    add(text, counted_text(count, "gap") + " in the numbers of its files passed over");
   }
   const nlohmann::ordered_json& gaps = member(prepared, "gaps");
   if (const std::int64_t count = count_in(gaps, "made_plane_count"); count > 0) {
     const bool is_empty = member(gaps, "method") == "background";
-    add(text, fmt::format("{} plane{} {}", count_text(count), count == 1 ? "" : "s",
-                          is_empty ? "without a slice left empty"
-                                   : "interpolated between slices"));
+    add(text, counted_text(count, "plane") + (is_empty ? " without a slice left empty"
+                                                       : " interpolated between slices"));
   }
   if (const nlohmann::ordered_json& angle = member(member(prepared, "tilt"), "angle_degrees");
       angle.is_number()) {
@@ -71,8 +68,7 @@ std::string preparation_words(const nlohmann::ordered_json& metadata) {
   const nlohmann::ordered_json& isotropic = member(prepared, "isotropic");
   if (const std::int64_t count = count_in(isotropic, "made_plane_count"); count > 0) {
     const nlohmann::ordered_json& method = member(isotropic, "method");
-    add(text, fmt::format("{} plane{} made between thick slices ({})", count_text(count),
-                          count == 1 ? "" : "s",
+    add(text, fmt::format("{} made between thick slices ({})", counted_text(count, "plane"),
                           method.is_string() ? escaped(method.get<std::string>()) : "unknown way"));
   }
   return text;

@@ -159,7 +159,7 @@ void check_level(const Levels& levels, int level) {
 }
 
 std::string bytes_text(std::uint64_t bytes) {
-  if (bytes < 1000) return fmt::format("{} byte{}", bytes, bytes == 1 ? "" : "s");
+  if (bytes < 1000) return counted_text(static_cast<std::int64_t>(bytes), "byte");
   constexpr std::array<const char*, 4> kUnits = {"kB", "MB", "GB", "TB"};
   double value = static_cast<double>(bytes) / 1000;
   std::size_t unit = 0;
@@ -194,6 +194,11 @@ std::string count_text(std::int64_t count) {
   const std::size_t first = count < 0 ? 1 : 0;
   for (std::size_t at = digits.size(); at > first + 3;) digits.insert(at -= 3, 1, ',');
   return digits;
+}
+
+std::string counted_text(std::int64_t count, const std::string& noun, const std::string& plural) {
+  const std::string many = plural.empty() ? noun + "s" : plural;
+  return count_text(count) + " " + (count == 1 ? noun : many);
 }
 
 }  // namespace octavo::cli

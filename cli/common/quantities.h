@@ -54,5 +54,9 @@ std::string size_text(const Size3& size);
 std::string point_text(const Point3& point, const std::string& separator = " x ");
 /// "12,700,800".
 std::string count_text(std::int64_t count);
+/// "1 voxel", "12,700,800 voxels".
+/// plural  where it is not the noun with an s
+std::string counted_text(std::int64_t count, const std::string& noun,
+                         const std::string& plural = "");
 
 }  // namespace octavo::cli

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "common/failure.h"
 #include "common/masks.h"
@@ -98,7 +99,7 @@ class TransparencyScene final : public RenderScene {
  public:
   TransparencyScene(std::shared_ptr<const FileReader> reader, const RenderArguments& arguments,
                     Context& context)
-      : reader_(std::move(reader)), context_(context) {
+      : reader_(std::move(reader)), path_(arguments.input), context_(context) {
     const VolumeDescription& volume = reader_->description();
     if (volume.kind == VolumeKind::labels) {
       throw Error(ErrorKind::invalid_argument,
@@ -125,10 +126,10 @@ class TransparencyScene final : public RenderScene {
         reader_->levels().geometry(reader_->description().geometry, options_.level);
     const auto [steps, degrees] = nearest_lines(geometry, viewpoint.toward);
     if (degrees > kToldDegrees) {
-      context_.note(fmt::format("transparency looks along lines of voxels; the nearest, "
+      context_.note(fmt::format("{}: transparency looks along lines of voxels; the nearest, "
                                 "--direction {},{},{}, is {} degrees from what was asked for",
-                                steps.x, steps.y, steps.z, number_text(std::round(degrees * 10) /
-                                                                       10)));
+                                path_, steps.x, steps.y, steps.z,
+                                number_text(std::round(degrees * 10) / 10)));
     }
     return viewpoint_along(geometry, {double(steps.x), double(steps.y), double(steps.z)});
   }
@@ -146,6 +147,7 @@ class TransparencyScene final : public RenderScene {
     // All pictures of a series are equally bright.
     if (!options.is_average) window_ = drawn.window;
     counts_ = drawn.counts;
+    warn_of_darkness(drawn.picture, background);
     return std::move(drawn.picture);
   }
 
@@ -200,9 +202,8 @@ class TransparencyScene final : public RenderScene {
   }
 
   std::string counts_text() const override {
-    const std::string text = fmt::format(
-        "{} leaves, {} bricks decoded", count_text(counts_.leaves),
-        count_text(counts_.decoded_bricks));
+    const std::string text = counted_text(counts_.leaves, "leaf", "leaves") + ", " +
+                             counted_text(counts_.decoded_bricks, "brick") + " decoded";
     if (!window_) return text;
     return text + fmt::format(", window {},{}", number_text(window_->centre),
                               number_text(window_->width));
@@ -230,13 +231,25 @@ class TransparencyScene final : public RenderScene {
     for (const DensityRange& range : options_.ranges) names_.push_back(range_text(range, unit_));
   }
 
+  /// Once for all pictures of a series.
+  void warn_of_darkness(const Picture& picture, const Colour& background) const {
+    for (std::size_t i = 0; i < picture.pixels.size(); ++i) {
+      if (picture.pixels[i] != background[i % background.size()]) return;
+    }
+    if (!std::exchange(is_darkness_told_, true)) {
+      context_.warn(path_ + ": no voxel is lit; the picture is empty");
+    }
+  }
+
   std::shared_ptr<const FileReader> reader_;
+  std::string path_;
   Context& context_;
   TransparencyOptions options_;
   std::string unit_;
   std::vector<std::string> names_;  // of the ranges, for the legend
   mutable std::optional<Window> window_;  // of the first picture
   mutable LineCounts counts_;
+  mutable bool is_darkness_told_ = false;
 };
 
 }  // namespace
@@ -257,6 +270,13 @@ void check_transparency_options(const RenderArguments& arguments) {
   }
   const bool is_asked = arguments.is_average || !arguments.window.empty();
   if (arguments.mode != "transparency") {
+    for (const std::string& text : arguments.ranges) {
+      if (text.find('=') == std::string::npos) continue;
+      throw Error(ErrorKind::invalid_argument,
+                  fmt::format("--range: '{}'; a colour and an opacity are for --mode transparency; "
+                              "--mode {} takes LOW:HIGH and has its own colours",
+                              escaped(text), arguments.mode));
+    }
     if (!is_asked) return;
     throw Error(ErrorKind::invalid_argument,
                 fmt::format("--average and --window are for --mode transparency, not for {}",

@@ -212,7 +212,7 @@ class Morphology(Masks):
             (["--mm"], ["--mm", "nan"]),
             (["--mm"], ["--mm", "inf"]),
             (["--mm", "two"], ["--mm", "two"]),
-            (["--mm", "not a number"], ["--mm", ""]),
+            (["--mm", "is empty"], ["--mm", ""]),
             (["--voxels"], ["--voxels", "-1"]),
             (["--voxels"], ["--voxels", "1.5"]),
         ]:

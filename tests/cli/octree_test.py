@@ -165,6 +165,13 @@ class Masks(cli_test.InFolder):
         self.assertAlmostEqual(first["mean"], (8000 * 40 + 576 * 90) / 8576)
         self.assertEqual((first["min"], first["max"]), (40, 90))
         self.assertEqual(first["percentiles"], {"50": 40})
+        asked = self.expect(0, "measure", "l.8vo", "--of", "v.8vo", "--percentile", "99",
+                            "--percentile", "2.5").stdout.splitlines()
+        self.assertEqual(asked[0].split()[-2:], ["p2.5", "p99"])
+        self.assertEqual([line.split()[-2:] for line in asked[1:]],
+                         [["40", "90"], ["90", "90"], ["200", "200"]])
+        usual = self.expect(0, "measure", "l.8vo", "--of", "v.8vo").stdout.splitlines()
+        self.assertEqual(usual[0].split()[-1], "max")
         table = self.expect(0, "measure", "l.8vo", "--of", "v.8vo", "--csv").stdout.splitlines()
         self.assertEqual(len(table), 4)
         self.assertEqual(len({line.count(",") for line in table}), 1)

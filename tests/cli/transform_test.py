@@ -260,6 +260,38 @@ class Transforms(cli_test.InFolder):
         self.assertEqual(self.voxels_of("c.8vo", "B"), resampled)
         self.assertEqual(self.info("c.8vo")["metadata"]["made_by"]["resampled"], 1)
 
+    def test_masks_whose_grids_do_not_meet_are_told_apart(self):
+        self.transform("m.8vo", "--translate-mm", "0,0,9999")
+        (self.folder / "o.8vo").rename(self.folder / "far.8vo")
+        for operation, expected in [("--union", self.mask), ("--intersect", [0] * len(self.mask))]:
+            made = self.expect(0, "combine", "m.8vo", "far.8vo", "--resample", operation, "-o",
+                               "c.8vo", "-f", "--json", "--progress", "none")
+            self.assertEqual(json.loads(made.stdout)["warnings"], [
+                "far.8vo: lies wholly outside the grid of m.8vo, so that none of it is taken; it "
+                "fills -0.25:34.75,-0.375:6.375,9998.5:10064.5 mm, the grid "
+                "-0.25:34.75,-0.375:6.375,-0.5:65.5 mm"])
+            self.assertEqual(self.voxels_of("c.8vo", "B"), expected)
+        self.transform("m.8vo", "--translate-mm", "0,0,60")
+        made = self.expect(0, "combine", "m.8vo", "o.8vo", "--resample", "--union", "-o", "c.8vo",
+                           "-f", "--json", "--progress", "none")
+        self.assertEqual(json.loads(made.stdout)["warnings"], [])
+
+    def test_results_that_are_too_large_are_refused_before_any_work(self):
+        self.build("flat.8vo", [1] * 4000000, "uint8", "B", size=(2000, 2000, 1))
+        self.build("line.8vo", [1] * 40000, "uint8", "B", size=(40000, 1, 1))
+        kept = self.files()
+        for words, arguments in [
+            (["x.8vo: a result of 4480 x 576 x 4224 voxels would take about",
+              "the limit is 600 MiB", "smaller --scale"],
+             ["v.8vo", "--scale", "64", "--max-memory", "600M"]),
+            (["2560000 x 64 x 64", "between 1 and 2097152"], ["line.8vo", "--scale", "64"]),
+            # 128000 x 128000 x 64 voxels at once are 977 GiB.
+            (["a result of 128000 x 128000 x 64 voxels", "all this machine has"],
+             ["flat.8vo", "--scale", "64"]),
+        ]:
+            self.expect_refusal(6, words, "transform", *arguments, "-o", "x.8vo")
+            self.assertEqual(self.files(), kept)
+
     def test_neither_threads_nor_memory_change_a_byte(self):
         (self.folder / "m.txt").write_text("0.9 0.1 0 3  -0.1 0.8 0.2 0  0 0.1 1.1 -5")
         for options in [["--rotate", "z:90"], ["--affine", "m.txt", "--interpolation", "cubic"]]:
@@ -300,7 +332,8 @@ class Transforms(cli_test.InFolder):
             (7, ["flat.txt", "inverse"], ["--affine", "flat.txt"]),
             (7, ["long.txt", "64 KiB"], ["--affine", "long.txt"]),
             (5, ["none.8vo"], ["--grid-of", "none.8vo"]),
-            (6, ["the limit is 10 MiB"], ["--mirror", "x", "--max-memory", "10M"]),
+            (6, ["the limit is 10 MiB", "smaller volume"],
+             ["--mirror", "x", "--max-memory", "10M"]),
         ]:
             with self.subTest(arguments):
                 self.expect_refusal(code, words, "transform", "v.8vo", *arguments, "-o", "x.8vo")

@@ -74,6 +74,16 @@ void PlaneCondenser::add_plane(VoxelType type, std::span<const std::byte> plane)
   }
 }
 
+std::uint64_t PlaneCondenser::memory_bytes() const noexcept {
+  std::uint64_t bytes = (voxels_.capacity() + voxels_below_.capacity()) * sizeof(std::int64_t);
+  for (const Waiting& level : waiting_) bytes += level.plane.cells.capacity() * sizeof(Cell);
+  for (const LinearOctree::Level& level : octree_.levels) {
+    bytes += level.codes.capacity() * sizeof(std::uint64_t) +
+             level.values.capacity() * sizeof(std::int64_t);
+  }
+  return bytes;
+}
+
 LinearOctree PlaneCondenser::finish() {
   if (plane_count_ != size_.z) {
     throw Error(

@@ -51,6 +51,9 @@ class PlaneCondenser {
   /// planes were given already.
   void add_plane(VoxelType type, std::span<const std::byte> plane);
 
+  /// Bytes of the leaves so far and of the planes that wait.
+  std::uint64_t memory_bytes() const noexcept;
+
   /// The octree of all planes. A leaf's value is that of its voxels, or with `flat` their mean,
   /// halves rounded up. Call it once. Throws Error{invalid_argument} when planes are missing.
   LinearOctree finish();

@@ -20,18 +20,21 @@ bool has_smaller_leaf(const LinearOctree& octree, const OCode& cube) {
 
 }  // namespace
 
-Neighbor neighbor_in(const LinearOctree& octree, const OCode& cube, const Direction& direction) {
-  const std::optional<OCode> beside = neighbor_of(cube, direction, octree.root_level);
-  if (!beside) return {};
+Neighbor leaf_at(const LinearOctree& octree, const OCode& cube) {
   for (int k = cube.level; k <= octree.root_level; ++k) {
     const LinearOctree::Level& level = octree.levels[static_cast<std::size_t>(k)];
-    const OCode over = ancestor_of(*beside, k);
+    const OCode over = ancestor_of(cube, k);
     const auto at = std::lower_bound(level.codes.begin(), level.codes.end(), over.code);
     if (at == level.codes.end() || *at != over.code) continue;
     const std::int64_t value = level.values[static_cast<std::size_t>(at - level.codes.begin())];
     return {NeighborKind::leaf, {over, value}};
   }
-  return {has_smaller_leaf(octree, *beside) ? NeighborKind::smaller : NeighborKind::background, {}};
+  return {has_smaller_leaf(octree, cube) ? NeighborKind::smaller : NeighborKind::background, {}};
+}
+
+Neighbor neighbor_in(const LinearOctree& octree, const OCode& cube, const Direction& direction) {
+  const std::optional<OCode> beside = neighbor_of(cube, direction, octree.root_level);
+  return beside ? leaf_at(octree, *beside) : Neighbor();
 }
 
 std::array<Neighbor, 26> neighbors_in(const LinearOctree& octree, const OCode& cube) {

@@ -28,6 +28,10 @@ struct Neighbor {
   bool operator==(const Neighbor&) const = default;
 };
 
+/// What fills the place of `cube`: one leaf of its size or larger, smaller leaves, or background.
+/// Requires a linear octree with the cube in its universe. O(n log L), thread-safe
+Neighbor leaf_at(const LinearOctree& octree, const OCode& cube);
+
 /// What lies beside `cube` in `direction`; the cube need not be a leaf.
 /// Requires a linear octree with the cube in its universe. O(n log L), thread-safe
 Neighbor neighbor_in(const LinearOctree& octree, const OCode& cube, const Direction& direction);

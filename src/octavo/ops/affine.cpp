@@ -67,6 +67,21 @@ Affine index_to_world(const Geometry& geometry) {
   return map;
 }
 
+bool may_meet(const Affine& to_source, const Size3& grid, const Size3& source) {
+  // Boxes around both, in the source.
+  for (std::size_t row = 0; row < 3; ++row) {
+    double lo = to_source.offset[row];
+    double hi = lo;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double reach = to_source.linear[3 * row + static_cast<std::size_t>(axis)] *
+                           static_cast<double>(grid[axis] - 1);
+      (reach < 0 ? lo : hi) += reach;
+    }
+    if (hi < -0.5 || lo > static_cast<double>(source[static_cast<int>(row)]) - 0.5) return false;
+  }
+  return true;
+}
+
 Affine to_source(const AxisTurn& turn, const Size3& size) {
   Affine map;
   map.linear = {};

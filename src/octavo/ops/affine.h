@@ -27,6 +27,10 @@ std::optional<Affine> inverse(const Affine& map);
 /// From voxel indices to mm in world space.
 Affine index_to_world(const Geometry& geometry);
 
+/// Whether any voxel of a grid may lie in a source; false only where none does.
+/// to_source  from voxel indices of the grid to those of the source
+bool may_meet(const Affine& to_source, const Size3& grid, const Size3& source);
+
 /// From voxels of a turned grid to those of the source.
 /// size  of the source
 Affine to_source(const AxisTurn& turn, const Size3& size);

@@ -10,11 +10,14 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/core/memory_limit.h"
 #include "octavo/ops/mask_pieces.h"
 
 namespace octavo {
 
 namespace {
+
+constexpr const char* kSubject = "the components";
 
 constexpr std::size_t kGrain = 256;
 
@@ -226,7 +229,8 @@ class Components::Census {
  public:
   explicit Census(Components& all) : all_(all) {}
 
-  void take() {
+  void take(std::uint64_t max_bytes) {
+    count_roots(max_bytes);
     number_roots();
     const MaskTree& mask = all_.mask_;
     visit(mask.rank_count() - 1, 0, 0);
@@ -239,6 +243,19 @@ class Components::Census {
     Component component;
     std::uint64_t first_code = std::numeric_limits<std::uint64_t>::max();
   };
+
+  // Before there is a tally for each.
+  void count_roots(std::uint64_t max_bytes) {
+    std::uint64_t count = 0;
+    for (std::uint32_t part = 0; part < all_.labels_.size(); ++part) {
+      count += all_.labels_[part] == part ? 1 : 0;
+    }
+    // Those of the result, those that are counted, and their order.
+    constexpr std::uint64_t kBytes = sizeof(Component) + sizeof(Tally) + 2 * sizeof(std::uint32_t);
+    require_memory_within(all_.memory_bytes() + count * kBytes, max_bytes, kSubject);
+    tallies_.reserve(count);
+    all_.components_.reserve(count);
+  }
 
   // A part's link leads to a smaller one, which has its number by then.
   void number_roots() {
@@ -331,14 +348,22 @@ class Components::Census {
   std::vector<Tally> tallies_;
 };
 
-Components::Components(const MaskTree& mask, Connectivity connectivity)
+Components::Components(const MaskTree& mask, Connectivity connectivity, std::uint64_t max_bytes)
     : mask_(mask), connectivity_(connectivity) {
-  find_parts();
+  find_parts(max_bytes);
   Linker(*this).link_all();
-  Census(*this).take();
+  Census(*this).take(max_bytes);
 }
 
-void Components::find_parts() {
+std::uint64_t Components::memory_bytes() const noexcept {
+  std::uint64_t bytes = parts_.capacity() * sizeof(std::uint64_t) +
+                        labels_.capacity() * sizeof(std::uint32_t) +
+                        components_.capacity() * sizeof(Component);
+  for (const auto& firsts : first_parts_) bytes += firsts.capacity() * sizeof(std::uint32_t);
+  return bytes;
+}
+
+void Components::find_parts(std::uint64_t max_bytes) {
   const auto bits_at = [&](std::size_t list, std::size_t place) {
     return list == 0 ? mask_.words()[place] : mask_.cubes(static_cast<int>(list) - 1)[place].full;
   };
@@ -361,6 +386,9 @@ void Components::find_parts() {
       throw Error(ErrorKind::limit_exceeded, "the mask falls into more than 2^32 pieces");
     }
   }
+  require_memory_within(memory_bytes() + part_count * (sizeof(std::uint64_t) +
+                                                       sizeof(std::uint32_t)),
+                        max_bytes, kSubject);
   parts_.resize(part_count);
   for (std::size_t list = 0; list < first_parts_.size(); ++list) {
     const std::vector<std::uint32_t>& firsts = first_parts_[list];

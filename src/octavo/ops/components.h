@@ -27,14 +27,19 @@ struct Component {
 
 /// The components of one mask, the largest first; among equals the one with the first voxel in
 /// o-code order. The mask must outlive this.
-/// Memory  8 bytes per stored word and cube, 12 per part of one, 64 per component
+/// Memory  4 bytes per stored word and cube, 12 per part of one, 80 per component, and while these
+///         are counted 96 more of each
 class Components {
  public:
   /// Uses the threads of the calling task arena; the result does not depend on their number.
+  /// max_bytes  0: no limit; otherwise Error{limit_exceeded} when parts and components need more
   /// Throws Error{limit_exceeded} for a mask of 2^32 parts or more.
-  Components(const MaskTree& mask, Connectivity connectivity);
+  Components(const MaskTree& mask, Connectivity connectivity, std::uint64_t max_bytes = 0);
 
   const std::vector<Component>& components() const { return components_; }
+
+  /// Bytes that all this takes, the mask left out.
+  std::uint64_t memory_bytes() const noexcept;
 
   /// 1 for a voxel of the largest component, 2 for the next, ...; 0 outside the mask.
   /// O(ranks), thread-safe
@@ -57,7 +62,7 @@ class Components {
     return first_parts_[static_cast<std::size_t>(rank + 1)][place];
   }
   std::uint32_t part_at(int rank, std::uint64_t place, int bit) const noexcept;
-  void find_parts();
+  void find_parts(std::uint64_t max_bytes);
 
   const MaskTree& mask_;
   Connectivity connectivity_;

@@ -7,10 +7,13 @@
 #include <vector>
 
 #include "octavo/core/error.h"
+#include "octavo/core/memory_limit.h"
 
 namespace octavo {
 
 namespace {
+
+constexpr const char* kAdvice = "raise the limit, or take a coarser level";
 
 enum class Verdict { none, all, some };
 
@@ -53,20 +56,13 @@ class FileMask {
         level_ == 0 ? take_brick(box, side) : take_box(box);
       });
       builder_.finish_layer();
-      check_memory();
+      require_memory_within(builder_.memory_bytes(), max_bytes_, "the mask", kAdvice);
       progress_.advance(end - z);
     }
     return builder_.finish();
   }
 
  private:
-  void check_memory() const {
-    if (max_bytes_ == 0 || builder_.memory_bytes() <= max_bytes_) return;
-    throw Error(ErrorKind::limit_exceeded,
-                "the mask needs more than " + std::to_string(max_bytes_ >> 20) +
-                    " MiB of memory, the limit; raise the limit, or take a coarser level");
-  }
-
   void take_brick(const Box& box, const Size3& side) {
     const BrickEntry entry = reader_.brick(
         0, {box.lo.x / side.x, box.lo.y / side.y, box.lo.z / side.z});

@@ -19,9 +19,10 @@ bool is_at_border(const Box& box, const Size3& size) {
 
 }  // namespace
 
-FilledHoles fill_holes(const MaskTree& mask, Connectivity object, std::uint64_t max_voxels) {
+FilledHoles fill_holes(const MaskTree& mask, Connectivity object, std::uint64_t max_voxels,
+                       std::uint64_t max_bytes) {
   const MaskTree background = complement(mask);
-  const Components parts(background, dual_of(object));
+  const Components parts(background, dual_of(object), max_bytes);
   FilledHoles filled;
   std::vector<bool> is_filled;
   is_filled.reserve(parts.components().size());

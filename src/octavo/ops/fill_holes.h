@@ -36,9 +36,11 @@ struct FilledHoles {
 /// on their number.
 /// object      how voxels of the mask are connected
 /// max_voxels  larger holes are left
+/// max_bytes   as Components takes it
 /// Throws  Error{limit_exceeded} as Components does
 /// Memory  that of the components of the complement, about three times the mask
 FilledHoles fill_holes(const MaskTree& mask, Connectivity object,
-                       std::uint64_t max_voxels = std::numeric_limits<std::uint64_t>::max());
+                       std::uint64_t max_voxels = std::numeric_limits<std::uint64_t>::max(),
+                       std::uint64_t max_bytes = 0);
 
 }  // namespace octavo

@@ -14,6 +14,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/levels.h"
+#include "octavo/core/memory_limit.h"
 #include "octavo/core/word_steps.h"
 #include "octavo/ops/label_pieces.h"
 #include "octavo/ops/mask_pieces.h"
@@ -375,12 +376,7 @@ LabelTree labels_of_file(const FileReader& reader, int level, std::span<const Va
       if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
       return labels.fold(box, fold);
     });
-    if (max_bytes != 0 && 2 * layers.bytes() > max_bytes) {
-      throw Error(ErrorKind::limit_exceeded,
-                  "the labels need more than " + std::to_string(max_bytes >> 20) +
-                      " MiB of memory, the limit; raise the limit, or take a coarser level",
-                  reader.source().name());
-    }
+    require_memory_within(2 * layers.bytes(), max_bytes, "the labels");
     progress.advance(layers.planes(layer));
   }
   return layers.join();

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/core/memory_limit.h"
 #include "octavo/ops/label_build.h"
 #include "octavo/ops/label_shares.h"
 #include "octavo/ops/mask_pieces.h"
@@ -140,12 +141,6 @@ struct LabelMaskPart {
   MaskPart part;
 };
 
-std::uint64_t bytes_of(const MaskPart& part) {
-  return sizeof(LabelMaskPart) + sizeof(MaskPiece) +
-         part.below.words.size() * sizeof(std::uint64_t) +
-         part.below.cubes[0].size() * sizeof(MaskCube);
-}
-
 // Gathers the parts of all labels.
 class AllMasks {
  public:
@@ -204,17 +199,11 @@ class AllMasks {
     for (LabelMaskPart& part : parts) {
       part.part.below.words.shrink_to_fit();
       part.part.below.cubes[0].shrink_to_fit();
-      bytes += 2 * bytes_of(part.part);
+      bytes += 2 * memory_bytes(part.part);
     }
-    require_memory(bytes);
+    require_memory_within(bytes_ += bytes, max_bytes_, "the masks",
+                          "raise the limit, or choose labels by a range");
     return parts;
-  }
-
-  void require_memory(std::uint64_t more) {
-    if ((bytes_ += more) <= max_bytes_ || max_bytes_ == 0) return;
-    throw Error(ErrorKind::limit_exceeded,
-                "the masks need more than " + std::to_string(max_bytes_ >> 20) +
-                    " MiB of memory, the limit; raise the limit, or take a coarser level");
   }
 
   std::vector<LabelMask> assembled() {

@@ -146,9 +146,7 @@ void MaskBuilder::finish_layer() {
   });
   for (MaskPart& part : parts) {
     if (part.pieces.empty()) continue;
-    part_bytes_ += sizeof part + sizeof(MaskPiece) +
-                   part.below.words.size() * sizeof(std::uint64_t) +
-                   part.below.cubes[0].size() * sizeof(MaskCube);
+    part_bytes_ += octavo::memory_bytes(part);
     parts_.push_back(std::move(part));
   }
   ++layer_;

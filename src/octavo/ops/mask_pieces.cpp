@@ -76,6 +76,15 @@ MaskArrays arrays_below(int rank) {
   return arrays;
 }
 
+std::uint64_t memory_bytes(const MaskPart& part) noexcept {
+  std::uint64_t bytes = sizeof part + part.pieces.size() * sizeof(MaskPiece) +
+                        part.below.words.size() * sizeof(std::uint64_t);
+  for (const auto& cubes : part.below.cubes) {
+    bytes += sizeof cubes + cubes.size() * sizeof(MaskCube);
+  }
+  return bytes;
+}
+
 MaskPart fold_cube(const std::uint64_t* words, std::uint64_t code) {
   MaskPart part;
   part.below = arrays_below(1);

@@ -24,6 +24,9 @@ struct MaskPart {
   MaskArrays below;               ///< of all lower ranks
 };
 
+/// Bytes that a part holds.
+std::uint64_t memory_bytes(const MaskPart& part) noexcept;
+
 /// Makes a cube of words: full ones are noted, mixed ones kept for the array below.
 class WordCube {
  public:
@@ -73,7 +76,8 @@ MaskPart fold_cube(const std::uint64_t* words, std::uint64_t code);
 
 /// The tree of parts whose codes ascend from one part to the next.
 /// rank  of the pieces
-/// Requires that every piece lies in the volume.
+/// Requires that every piece lies in the universe of `size`. Voxels beyond the volume are taken as
+/// they come; a tree with any is not valid until they are cut off.
 MaskTree assemble(const Size3& size, int rank, std::span<const MaskPart> parts);
 
 /// Appends stored cubes of `rank`, neighbours in the array, and all that is below them. Inverted:

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "octavo/core/error.h"
+#include "octavo/core/memory_limit.h"
 #include "octavo/ops/mask_kernels.h"
 #include "octavo/ops/mask_pieces.h"
 #include "octavo/ops/set_operations.h"
@@ -36,7 +37,8 @@ class Search {
   Search(const MaskTree& surface, const Reach& reach)
       : surface_(surface),
         reach_(reach),
-        can_cover_(reach.contains({kSide - 1, kSide - 1, kSide - 1})) {}
+        volume_(box_of(surface.size())),
+        can_cover_(reach.contains(corner_to_corner(surface.size()))) {}
 
   Verdict judge(const Box& box) const {
     const int top = surface_.rank_count() - 1;
@@ -46,6 +48,13 @@ class Search {
   }
 
  private:
+  // Across a cube, or what the volume has of one.
+  static Index3 corner_to_corner(const Size3& size) {
+    Index3 step;
+    for (int axis = 0; axis < 3; ++axis) step[axis] = std::min(size[axis], kSide) - 1;
+    return step;
+  }
+
   // The step between the nearest voxels of two boxes.
   static Index3 nearest_step(const Box& a, const Box& b) {
     Index3 step;
@@ -81,7 +90,7 @@ class Search {
     for (std::uint64_t left = cube.full | cube.mixed; left != 0; left &= left - 1) {
       const int bit = std::countr_zero(left);
       const Box child = child_box(corner, bit, child_side(rank));
-      if (reach_.contains(farthest_step(box, child))) return true;
+      if (reach_.contains(farthest_step(box, intersection(child, volume_)))) return true;
       if (rank == kTaskRank || !reach_.contains(nearest_step(box, child))) continue;
       if ((cube.mixed >> bit & 1) == 0) continue;
       if (is_covered(box, rank - 1, below(rank, cube, bit), child.lo)) return true;
@@ -95,6 +104,7 @@ class Search {
 
   const MaskTree& surface_;
   const Reach& reach_;
+  Box volume_;
   bool can_cover_;
 };
 
@@ -104,31 +114,39 @@ struct Target {
   bool is_covered = false;
 };
 
+constexpr const char* kGrownMask = "the mask that grows";
+
+// A target and its part, a cube at least.
+constexpr std::uint64_t kTargetBytes = sizeof(Target) + sizeof(MaskPart) + sizeof(MaskPiece);
+
 class Targets {
  public:
-  Targets(const MaskTree& mask, const MaskTree& surface, const Reach& reach)
-      : mask_(mask), search_(surface, reach) {}
+  Targets(const MaskTree& mask, const MaskTree& surface, const Reach& reach,
+          std::uint64_t max_bytes)
+      : mask_(mask), search_(surface, reach), max_bytes_(max_bytes) {}
 
   std::vector<Target> list() {
-    visit(mask_.rank_count() - 1, 0, {0, 0, 0}, mask_.root());
+    visit(mask_.rank_count() - 1, 0, {0, 0, 0}, mask_.root(), false);
     return std::move(targets_);
   }
 
  private:
-  void visit(int rank, std::uint64_t code, const Index3& corner, const MaskCube& cube) {
+  // is_covered: a cube around this one is.
+  void visit(int rank, std::uint64_t code, const Index3& corner, const MaskCube& cube,
+             bool is_covered) {
     if (cube.is_full()) return;
     const std::int64_t side = 4 * child_side(rank);
     const Box box{corner, {corner.x + side, corner.y + side, corner.z + side}};
     const Box inside = intersection(box, box_of(mask_.size()));
     if (inside.is_empty()) return;
-    const Verdict verdict = search_.judge(inside);
-    if (verdict == Verdict::out_of_reach) return;
-    const bool is_covered = verdict == Verdict::covered && inside == box;
-    if (rank == kTaskRank || is_covered) {
-      const int shift = 6 * (rank - kTaskRank);
-      for (std::uint64_t i = 0; i < std::uint64_t{1} << shift; ++i) {
-        targets_.push_back({(code << shift) + i, is_covered});
-      }
+    if (!is_covered) {
+      const Verdict verdict = search_.judge(inside);
+      if (verdict == Verdict::out_of_reach) return;
+      is_covered = verdict == Verdict::covered;
+    }
+    if (rank == kTaskRank) {
+      targets_.push_back({code, is_covered});
+      require_memory_within(targets_.size() * kTargetBytes, max_bytes_, kGrownMask);
       return;
     }
     for (int bit = 0; bit < 64; ++bit) {
@@ -136,12 +154,13 @@ class Targets {
       MaskCube child;
       if ((cube.mixed >> bit & 1) != 0) child = mask_.cubes(rank - 1)[cube.place_of(bit)];
       if ((cube.full >> bit & 1) != 0) child.full = kFullWord;
-      visit(rank - 1, code << 6 | static_cast<std::uint64_t>(bit), lo, child);
+      visit(rank - 1, code << 6 | static_cast<std::uint64_t>(bit), lo, child, is_covered);
     }
   }
 
   const MaskTree& mask_;
   Search search_;
+  std::uint64_t max_bytes_;
   std::vector<Target> targets_;
 };
 
@@ -202,6 +221,19 @@ class GrownCube {
     take_layer(corner_.z);
     for (std::int64_t z = window_.lo.z / kSide * kSide; z < window_.hi.z; z += kSide) {
       if (z != corner_.z) take_layer(z);
+    }
+    return folded();
+  }
+
+  // All of the cube that lies in the volume.
+  MaskPart make_covered() {
+    if (inside_.size() == Size3{kSide, kSide, kSide}) {
+      return {{{code_, {kFullWord, 0, 0}}}, arrays_below(kTaskRank)};
+    }
+    for (std::int64_t z = inside_.lo.z; z < inside_.hi.z; ++z) {
+      for (std::int64_t y = inside_.lo.y; y < inside_.hi.y; ++y) {
+        rows_[static_cast<std::size_t>(kSide * (z - corner_.z) + y - corner_.y)] = columns_;
+      }
     }
     return folded();
   }
@@ -336,15 +368,9 @@ class MemoryWatch {
   explicit MemoryWatch(std::uint64_t max_bytes) : max_bytes_(max_bytes) {}
 
   void take(const MaskPart& part) {
-    std::uint64_t bytes =
-        sizeof part + sizeof(MaskPiece) + part.below.words.size() * sizeof(std::uint64_t);
-    for (const auto& cubes : part.below.cubes) bytes += cubes.size() * sizeof(MaskCube);
+    const std::uint64_t bytes = memory_bytes(part);
     // The parts are copied when they are put together.
-    const std::uint64_t all = 2 * (bytes_.fetch_add(bytes) + bytes);
-    if (max_bytes_ == 0 || all <= max_bytes_) return;
-    throw Error(ErrorKind::limit_exceeded, "the mask grows beyond " +
-                                               std::to_string(max_bytes_ >> 20) +
-                                               " MiB of memory, the limit; raise the limit");
+    require_memory_within(2 * (bytes_.fetch_add(bytes) + bytes), max_bytes_, kGrownMask);
   }
 
  private:
@@ -357,18 +383,14 @@ class MemoryWatch {
 MaskTree dilate(const MaskTree& mask, const Reach& reach, Progress& progress,
                 std::uint64_t max_bytes) {
   const MaskTree surface = surface_voxels(mask);
-  const std::vector<Target> targets = Targets(mask, surface, reach).list();
+  const std::vector<Target> targets = Targets(mask, surface, reach, max_bytes).list();
   std::vector<MaskPart> parts(targets.size());
   MemoryWatch watch(max_bytes);
   const ProgressScope scope(progress, "grow", static_cast<std::int64_t>(targets.size()), "cubes");
   tbb::parallel_for(std::size_t{0}, targets.size(), [&](std::size_t i) {
     if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
-    if (targets[i].is_covered) {
-      parts[i].below = arrays_below(kTaskRank);
-      parts[i].pieces.push_back({targets[i].code, {kFullWord, 0, 0}});
-    } else {
-      parts[i] = GrownCube(surface, reach, targets[i]).make();
-    }
+    GrownCube cube(surface, reach, targets[i]);
+    parts[i] = targets[i].is_covered ? cube.make_covered() : cube.make();
     watch.take(parts[i]);
     progress.advance(1);
   });
@@ -390,8 +412,9 @@ MaskTree closing(const MaskTree& mask, const Reach& reach, Progress& progress,
   return erode(dilate(mask, reach, progress, max_bytes), reach, progress, max_bytes);
 }
 
-std::uint64_t dilation_thread_bytes(const Reach& reach) noexcept {
-  const std::int64_t rows = kSide * (kSide + 2 * reach.longest().y);
+std::uint64_t dilation_thread_bytes(const Reach& reach, const Size3& size) noexcept {
+  const std::int64_t rows =
+      std::min(size.z, kSide) * std::min(size.y, kSide + 2 * reach.longest().y);
   return static_cast<std::uint64_t>(rows) * sizeof(SurfaceRow) +
          2 * kWordsPerCube * sizeof(std::uint64_t);
 }

@@ -10,8 +10,9 @@
 //                           . . 1 1 1 1 1 . .                       dy = 0, the row of the surface
 //                           . . . 1 1 1 . . .                       dy = 1
 //
-// Time goes with the rows of the surface in reach, and for each of them with the steps along z
-// times those along y (64 at most of each).
+// Time goes with the cubes worked on: for each with the rows of the surface in its reach, and for
+// each row with the planes and the rows of the cube that it reaches and that are not full yet, 64
+// of each at most. Cubes that are settled cost a search of the surface's tree.
 //
 // Outside the volume there is background that does not spread: nothing grows in from there and
 // nothing is eroded from there. So closing never loses a voxel and opening never adds one.
@@ -32,7 +33,8 @@ namespace octavo {
 /// reach      made for the size of the mask
 /// max_bytes  0: no limit; otherwise Error{limit_exceeded} when what grows needs more
 /// Throws  Error{cancelled}
-/// Memory  that of the result twice and of the mask's surface; dilation_thread_bytes per thread
+/// Memory  that of the mask's surface, of what grows in pieces and put together, and of the result;
+///         about 170 bytes per cube of 64^3 worked on or covered; dilation_thread_bytes per thread
 MaskTree dilate(const MaskTree& mask, const Reach& reach, Progress& progress,
                 std::uint64_t max_bytes = 0);
 
@@ -49,7 +51,7 @@ MaskTree opening(const MaskTree& mask, const Reach& reach, Progress& progress,
 MaskTree closing(const MaskTree& mask, const Reach& reach, Progress& progress,
                  std::uint64_t max_bytes = 0);
 
-/// Bytes that one thread works in.
-std::uint64_t dilation_thread_bytes(const Reach& reach) noexcept;
+/// Bytes that one thread works in, for a mask of `size`.
+std::uint64_t dilation_thread_bytes(const Reach& reach, const Size3& size) noexcept;
 
 }  // namespace octavo

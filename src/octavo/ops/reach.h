@@ -23,13 +23,19 @@ class Reach {
  public:
   /// Steps of at most `radius_mm` from centre to centre, give or take a billionth of it.
   /// size  of the volume: longer steps are left out
+  /// max_bytes  0: no limit; otherwise Error{limit_exceeded} when the table would be larger
   /// Throws  Error{invalid_argument} on a radius below 0 or not finite
   /// Memory  4 bytes per pair of steps along y and z
-  static Reach within_mm(double radius_mm, const Point3& spacing_mm, const Size3& size);
+  static Reach within_mm(double radius_mm, const Point3& spacing_mm, const Size3& size,
+                         std::uint64_t max_bytes = 0);
 
-  /// What `count` steps from voxel to neighbor reach.
+  /// What `count` steps from voxel to neighbor reach. size, max_bytes: as within_mm
   /// Throws  Error{invalid_argument} on a count below 0
-  static Reach in_steps(std::int64_t count, Connectivity connectivity, const Size3& size);
+  static Reach in_steps(std::int64_t count, Connectivity connectivity, const Size3& size,
+                        std::uint64_t max_bytes = 0);
+
+  /// Bytes of the table.
+  std::uint64_t memory_bytes() const { return runs_.size() * sizeof(std::int32_t); }
 
   /// The longest step along each axis.
   const Index3& longest() const { return longest_; }
@@ -46,7 +52,7 @@ class Reach {
  private:
   /// run(y, z): the longest step along x, or less than 0.
   template <class Run>
-  Reach(const Index3& longest, Run run);
+  Reach(const Index3& longest, std::uint64_t max_bytes, Run run);
 
   Index3 longest_;
   std::vector<std::int32_t> runs_;  // [z][y]

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "octavo/core/error.h"
+#include "octavo/core/memory_limit.h"
 
 namespace octavo {
 
@@ -413,11 +414,7 @@ MaskTree resampled_mask(const FileReader& labels, const Affine& to_source, const
       for (const ValueWindow& window : windows) builder.add_block(box.lo, block, window);
     });
     builder.finish_layer();
-    if (max_bytes != 0 && builder.memory_bytes() > max_bytes) {
-      throw Error(ErrorKind::limit_exceeded, "the mask needs more than " +
-                                                 std::to_string(max_bytes >> 20) +
-                                                 " MiB of memory, the limit; raise the limit");
-    }
+    require_memory_within(builder.memory_bytes(), max_bytes, "the mask");
     progress.advance(std::min(kSide, size.z - z));
   }
   return builder.finish();

@@ -211,7 +211,7 @@ class SumDisplay {
       const std::int64_t most = *std::max_element(first, first + sums_.channels);
       if (most > 0) lit.push_back(static_cast<double>(most) * unit_);
     }
-    if (lit.empty()) return {};
+    if (lit.empty()) return {0.5, 1};  // what is dark is black
     const Window window = robust_window(lit);
     const double high = window.centre + window.width / 2;
     const double low = sums_.channels == 1 ? window.centre - window.width / 2 : 0;

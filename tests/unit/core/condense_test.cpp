@@ -90,6 +90,22 @@ TEST(Condense, BadUseIsRejected) {
   EXPECT_EQ(leaf_count(condenser.finish()), 1);
 }
 
+TEST(Condense, MemoryIsThatOfTheLeavesAndOfThePlanesThatWait) {
+  const Size3 size{64, 64, 4};
+  PlaneCondenser even(size, {.background = 0});
+  PlaneCondenser mixed(size, {.background = 0});
+  std::uint64_t leaves = 0;
+  for (int z = 0; z < 4; ++z) {
+    std::vector<std::byte> plane(64 * 64);
+    even.add_plane(VoxelType::uint8, plane);
+    for (std::size_t i = 0; i < plane.size(); i += 3) plane[i] = std::byte{1};
+    leaves += (plane.size() + 2) / 3;
+    mixed.add_plane(VoxelType::uint8, plane);
+  }
+  EXPECT_GE(mixed.memory_bytes(), even.memory_bytes() + 16 * leaves);
+  EXPECT_LE(mixed.memory_bytes(), even.memory_bytes() + 2 * 16 * leaves);
+}
+
 TEST(Expand, ALeafOutsideTheVolumeIsRejected) {
   const LinearOctree octree = condense_voxels(Voxels(512, 9), {8, 8, 8}, {});
   EXPECT_THROW(expand(octree, {8, 8, 7}, 0), Error);

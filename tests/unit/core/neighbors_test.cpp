@@ -93,6 +93,8 @@ TEST(NeighborIn, IsWhatLiesThereForEveryLeafAndAnyCube) {
           ASSERT_EQ(found[i], map.beside(cube, kDirections[i])) << to_mixed_octal(
               cube, octree.root_level) << " direction " << i;
         }
+        ASSERT_EQ(leaf_at(octree, cube), map.beside(cube, {0, 0, 0}))
+            << to_mixed_octal(cube, octree.root_level);
       };
       for (const Leaf& leaf : map.leaves()) expect_all(leaf.cube);
       for (int level = 0; level <= octree.root_level; ++level) {

@@ -20,6 +20,7 @@
 #include "support/built_file.h"
 #include "support/memory_reader.h"
 #include "support/memory_storage.h"
+#include "support/voxel_numbers.h"
 
 namespace octavo {
 namespace {
@@ -59,19 +60,6 @@ Volume make_volume(VoxelType type, const Size3& size, const Rescale& rescale = {
     }
   });
   return volume;
-}
-
-std::vector<double> as_doubles(const std::vector<std::byte>& bytes, VoxelType type) {
-  std::vector<double> values;
-  with_voxel_type(type, [&](auto tag) {
-    using T = typename decltype(tag)::type;
-    for (std::size_t at = 0; at < bytes.size(); at += sizeof(T)) {
-      T value;
-      std::memcpy(&value, bytes.data() + at, sizeof value);
-      values.push_back(static_cast<double>(value));
-    }
-  });
-  return values;
 }
 
 struct ReadBack {
@@ -151,7 +139,7 @@ ReadBack read_with_libtiff(const std::vector<std::string>& files) {
       const VoxelType type = tiff_type(format, bits);
       for (std::uint32_t y = 0; y < height; ++y) {
         if (TIFFReadScanline(tiff, row.data(), y) != 1) throw std::runtime_error("bad row");
-        const auto values = as_doubles(row, type);
+        const auto values = testing::as_numbers(row, type);
         result.values.insert(result.values.end(), values.begin(), values.end());
       }
       result.size = {width, height, result.size.z + 1};
@@ -231,7 +219,7 @@ TEST(Export, ItkReadsTheSameValuesAndGeometryForEveryTypeAndFormat) {
       const ReadBack found = read_with_itk(built.folder.file(name));
       EXPECT_EQ(found.type, itk_type(type));
       EXPECT_EQ(found.size, built.volume.description.size);
-      EXPECT_EQ(found.values, as_doubles(built.volume.voxels, type));
+      EXPECT_EQ(found.values, testing::as_numbers(built.volume.voxels, type));
       expect_geometry(found.geometry, built.volume.description.geometry, tolerance_of(name));
     }
   }
@@ -246,7 +234,7 @@ TEST(Export, LibtiffReadsTheSameValuesFromPagesAndFolders) {
       EXPECT_EQ(result.files.size(), name == "a.tif" ? 1u : 70u);
       const ReadBack found = read_with_libtiff(result.files);
       EXPECT_EQ(found.size, built.volume.description.size);
-      EXPECT_EQ(found.values, as_doubles(built.volume.voxels, type));
+      EXPECT_EQ(found.values, testing::as_numbers(built.volume.voxels, type));
       EXPECT_NEAR(found.geometry.spacing_mm[0], 0.7, 1e-6);
     }
   }
@@ -274,8 +262,9 @@ TEST(Export, BoxesAtLevelsLieWhereTheirVoxelsLie) {
       built.export_as(name, options);
       const ReadBack found = read_with_itk(built.folder.file(name));
       EXPECT_EQ(found.size, options.box->size());
-      EXPECT_EQ(found.values, as_doubles(testing::read_box(*built.reader, *options.box, level),
-                                         VoxelType::int16));
+      EXPECT_EQ(found.values,
+                testing::as_numbers(testing::read_box(*built.reader, *options.box, level),
+                                    VoxelType::int16));
       const Geometry expected =
           cropped(built.reader->levels().geometry(built.volume.description.geometry, level),
                   options.box->lo);
@@ -315,13 +304,13 @@ TEST(Export, IntegerRescaleBecomesTheSmallestTypeThatHoldsIt) {
   for (const RescaleCase& c : cases) {
     SCOPED_TRACE(std::to_string(c.rescale.slope) + " " + std::to_string(c.rescale.intercept));
     Built built(make_volume(c.stored, {20, 20, 20}, c.rescale, c.offset));
-    std::vector<double> real = as_doubles(built.volume.voxels, c.stored);
+    std::vector<double> real = testing::as_numbers(built.volume.voxels, c.stored);
     for (double& value : real) value = c.rescale.to_real(value);
 
     const ExportResult nrrd = built.export_as("a.nrrd");
     EXPECT_EQ(nrrd.real_units, c.real_in_nrrd);
     EXPECT_EQ(nrrd.type, c.written);
-    const auto stored = as_doubles(built.volume.voxels, c.stored);
+    const auto stored = testing::as_numbers(built.volume.voxels, c.stored);
     EXPECT_EQ(read_with_itk(built.folder.file("a.nrrd")).values, c.real_in_nrrd ? real : stored);
 
     const ExportResult nifti = built.export_as("a.nii");
@@ -531,7 +520,7 @@ TEST(Export, GzipBytesDoNotDependOnThreads) {
   EXPECT_EQ(testing::bytes_of_file(built.folder.file("one.nii.gz")),
             testing::bytes_of_file(built.folder.file("three.nii.gz")));
   EXPECT_EQ(read_with_itk(built.folder.file("one.nii.gz")).values,
-            as_doubles(built.volume.voxels, VoxelType::int16));
+            testing::as_numbers(built.volume.voxels, VoxelType::int16));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "octavo/core/error.h"
 #include "support/dense_mask.h"
 
 namespace octavo {
@@ -173,6 +174,23 @@ TEST(Components, DoNotDependOnTheThreads) {
   }
   EXPECT_EQ(labels[0], labels[1]);
   EXPECT_EQ(labels[0], labels[2]);
+}
+
+TEST(Components, StayBelowALimitOfMemory) {
+  // A checkerboard: every other voxel is a component.
+  DenseMask mask{{64, 64, 32}, {}};
+  testing::for_each_voxel(mask.size, [&](const Index3& p) {
+    mask.voxels.push_back(static_cast<std::uint8_t>((p.x + p.y + p.z) % 2));
+  });
+  const MaskTree tree = testing::tree_of(mask);
+  const Components all(tree, Connectivity::faces);
+  EXPECT_EQ(all.components().size(), 64U * 64 * 16);
+  EXPECT_GE(all.memory_bytes(), all.components().size() * (sizeof(Component) + 12));
+  EXPECT_EQ(Components(tree, Connectivity::faces, 3 * all.memory_bytes()).components().size(),
+            all.components().size());
+  for (const std::uint64_t limit : {std::uint64_t{1} << 18, all.memory_bytes()}) {
+    EXPECT_THROW(Components(tree, Connectivity::faces, limit), Error);
+  }
 }
 
 }  // namespace

@@ -220,6 +220,54 @@ TEST(Morphology, StaysBelowALimitOfMemory) {
   }
 }
 
+TEST(Morphology, CountsTheCubesThatAreCoveredWhole) {
+  // One voxel covers 16^3 cubes of 64^3: they cost memory though none of their voxels is stored.
+  NoProgress progress;
+  const Size3 size{1024, 1024, 1024};
+  const MaskTree mask = box_mask(size, {{512, 512, 512}, {513, 513, 513}});
+  const Reach reach = Reach::within_mm(1024, {1, 1, 1}, size);
+  const MaskTree all = dilate(mask, reach, progress);
+  EXPECT_EQ(all.voxel_count(), static_cast<std::uint64_t>(size.voxel_count()));
+  EXPECT_LT(all.memory_bytes(), 1000U);
+  EXPECT_THROW(dilate(mask, reach, progress, std::uint64_t{1} << 17), Error);
+}
+
+TEST(Morphology, CoversWhatTheVolumeHasOfACube) {
+  // In a plane nothing reaches 63 steps along z. A far reach must not be walked row by row.
+  NoProgress progress;
+  const Size3 size{1500, 1300, 1};
+  const MaskTree mask = box_mask(size, {{700, 600, 0}, {701, 601, 1}});
+  const Reach far = Reach::within_mm(1e9, {1, 1, 1}, size);
+  EXPECT_EQ(far.longest(), (Index3{1499, 1299, 0}));
+  EXPECT_EQ(dilate(mask, far, progress), box_mask(size, box_of(size)));
+  const MaskTree disc = dilate(mask, Reach::within_mm(500, {1, 1, 1}, size), progress);
+  EXPECT_TRUE(is_valid(disc));
+  std::uint64_t expected = 0;
+  for (std::int64_t y = -500; y <= 500; ++y)
+    for (std::int64_t x = -500; x <= 500; ++x) expected += x * x + y * y <= 500 * 500 ? 1 : 0;
+  EXPECT_EQ(disc.voxel_count(), expected);
+  EXPECT_LE(dilation_thread_bytes(far, size), std::uint64_t{1300} * 16 + 65536);
+}
+
+TEST(Reach, IsATableNoLargerThanTheVolumeOrTheLimit) {
+  const Size3 size{40, 30, 20};
+  EXPECT_EQ(Reach::within_mm(1e6, {1, 1, 1}, size).memory_bytes(), 30U * 20 * 4);
+  EXPECT_EQ(Reach::in_steps(std::int64_t{1} << 60, Connectivity::faces, size).memory_bytes(),
+            30U * 20 * 4);
+  EXPECT_NO_THROW(Reach::within_mm(1e6, {1, 1, 1}, size, 30 * 20 * 4));
+  for (const auto& make : {+[](const Size3& s) { return Reach::within_mm(99, {1, 1, 1}, s, 2399); },
+                           +[](const Size3& s) {
+                             return Reach::in_steps(99, Connectivity::edges, s, 2399);
+                           }}) {
+    try {
+      make(size);
+      FAIL();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::limit_exceeded);
+    }
+  }
+}
+
 TEST(Reach, TakesDecimalSpacingsAsTheyAreMeant) {
   const Size3 size{100, 100, 100};
   EXPECT_EQ(Reach::within_mm(0.3, {0.1, 0.1, 0.1}, size).longest(), (Index3{3, 3, 3}));

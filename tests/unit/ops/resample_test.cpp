@@ -9,6 +9,7 @@
 #include "octavo/core/error.h"
 #include "support/built_file.h"
 #include "support/dense_mask.h"
+#include "support/voxel_numbers.h"
 
 namespace octavo {
 namespace {
@@ -27,22 +28,9 @@ struct Dense {
   }
 };
 
-std::vector<double> as_numbers(const std::vector<std::byte>& bytes, VoxelType type) {
-  std::vector<double> numbers;
-  with_voxel_type(type, [&](auto id) {
-    using T = typename decltype(id)::type;
-    for (std::size_t i = 0; i < bytes.size(); i += sizeof(T)) {
-      T voxel;
-      std::memcpy(&voxel, bytes.data() + i, sizeof voxel);
-      numbers.push_back(static_cast<double>(voxel));
-    }
-  });
-  return numbers;
-}
-
 Dense dense_of(const FileReader& reader, int level) {
   const Size3 size = reader.levels().size(level);
-  return {size, as_numbers(testing::read_box(reader, box_of(size), level),
+  return {size, testing::as_numbers(testing::read_box(reader, box_of(size), level),
                            reader.description().type)};
 }
 
@@ -150,7 +138,7 @@ std::vector<double> resampled(const FileReader& reader, int level, const Affine&
   std::vector<std::byte> bytes(
       static_cast<std::size_t>(box.size().voxel_count() * bytes_per_voxel(type)));
   Resampler(reader, level, map, interpolation, outside).fill(box, bytes.data());
-  return as_numbers(bytes, type);
+  return testing::as_numbers(bytes, type);
 }
 
 /// Holds every voxel of a grid against the definition. Interpolated integers may differ by one

@@ -1,0 +1,214 @@
+#!/usr/bin/env python3
+"""Reads what the program says, as a user does: refusals, notes, warnings and words of numbers.
+
+usage: message_test.py OCTAVO [unittest arguments]
+
+Everything is generated: a grey volume in HU with a block of 40 in a surrounding of 10, and a mask
+of the block.
+"""
+
+import json
+import struct
+import sys
+
+import cli_test
+
+SIZE = (20, 18, 12)
+
+
+def block(inside, outside):
+    return [inside if 4 <= x < 12 and 4 <= y < 12 and 4 <= z < 8 else outside
+            for z in range(SIZE[2]) for y in range(SIZE[1]) for x in range(SIZE[0])]
+
+
+class Messages(cli_test.InFolder):
+    def setUp(self):
+        super().setUp()
+        self.build("v.8vo", block(40, 10), "int16", "h")
+        self.build("m.8vo", block(1, 0), "uint8", "B", "--labels")
+
+    def build(self, name, voxels, type_name, code, *options, size=SIZE):
+        (self.folder / "in.raw").write_bytes(struct.pack(f"<{len(voxels)}{code}", *voxels))
+        self.expect(0, "build", "in.raw", "--raw", ",".join(map(str, size)) + "," + type_name,
+                    "--spacing", "1", "--preset", "fast", "-o", name, "-q", *options)
+
+    def said(self, *arguments):
+        return self.expect(0, *arguments, "--progress", "none")
+
+    def test_an_empty_text_is_no_option_left_out(self):
+        kept = self.files()
+        for option, arguments in [
+            ("--scale", ["transform", "v.8vo", "--scale", "", "--mirror", "x", "-o", "x.8vo"]),
+            ("--fill", ["transform", "v.8vo", "--shift", "1,1,1", "--fill", "", "-o", "x.8vo"]),
+            ("--grid-of", ["transform", "v.8vo", "--mirror", "x", "--grid-of", "", "-o", "x.8vo"]),
+            ("--max-mm3", ["fill-holes", "m.8vo", "--max-mm3", "", "-o", "x.8vo"]),
+            ("--range", ["codes", "v.8vo", "--range", ""]),
+            ("--neighbors", ["codes", "m.8vo", "--neighbors", ""]),
+            ("--window", ["render", "v.8vo", "--mode", "transparency", "--window", "", "-o",
+                          "x.png"]),
+            ("--of", ["measure", "m.8vo", "--of", ""]),
+            ("--mm", ["dilate", "m.8vo", "--mm", "", "-o", "x.8vo"]),
+            ("--max-memory", ["info", "v.8vo", "--max-memory", ""]),
+            ("--output", ["components", "m.8vo", "-o", ""]),
+            ("file", ["info", ""]),
+        ]:
+            with self.subTest(arguments):
+                self.expect_refusal(2, [option + ": is empty; expected "], *arguments)
+                self.assertEqual(self.files(), kept)
+
+    def test_numbers_out_of_range_are_told_what_is_expected(self):
+        for words, arguments in [
+            ("--zoom: 0; expected a number above 0; ",
+             ["render", "v.8vo", "--zoom", "0", "-o", "x.png"]),
+            ("--zoom: wide; expected a number above 0; ",
+             ["render", "v.8vo", "--zoom", "wide", "-o", "x.png"]),
+            ("--elevation: 100; expected a number, -90 to 90; ",
+             ["render", "v.8vo", "--elevation", "100", "-o", "x.png"]),
+            ("--fade: 1.5; expected a number, 0 to 1; ",
+             ["render", "v.8vo", "--fade", "1.5", "-o", "x.png"]),
+            ("--turntable: 0; expected a whole number, 1 to 999; ",
+             ["render", "v.8vo", "--turntable", "0", "-o", "x.png"]),
+            ("--keep-largest: 0; expected a whole number of 1 or more; ",
+             ["components", "m.8vo", "--keep-largest", "0"]),
+            ("--keep-largest: 2.5; expected a whole number of 1 or more; ",
+             ["components", "m.8vo", "--keep-largest", "2.5"]),
+            ("--min-mm3: -3; expected a number of 0 or more; ",
+             ["components", "m.8vo", "--min-mm3", "-3"]),
+            ("--min-mm3: nan; expected a number of 0 or more; ",
+             ["components", "m.8vo", "--min-mm3", "nan"]),
+            ("--rows: -1; expected a whole number of 0 or more; ",
+             ["components", "m.8vo", "--rows", "-1"]),
+            ("--max-mm3: -1; expected a number of 0 or more; ",
+             ["fill-holes", "m.8vo", "--max-mm3", "-1", "-o", "x.8vo"]),
+            ("--percentile: 101; expected a number, 0 to 100; ",
+             ["measure", "m.8vo", "--of", "v.8vo", "--percentile", "101"]),
+            ("--threads: 0; expected a whole number, 1 to 1024; ", ["info", "v.8vo", "-j", "0"]),
+            ("--size: 9999; expected a whole number, 1 to 8192; ",
+             ["slice", "v.8vo", "--size", "9999", "-o", "x.png"]),
+        ]:
+            with self.subTest(arguments):
+                self.expect_refusal(2, [words], *arguments)
+
+    def test_what_is_no_8vo_file_is_told_how_it_becomes_one(self):
+        (self.folder / "scan").mkdir()
+        (self.folder / "Head.NII.gz").write_bytes(b"x" * 400)
+        (self.folder / "notes.txt").write_bytes(b"x" * 400)
+        for code, words, name in [
+            (5, ["scan: is a folder", "'octavo build scan -o scan.8vo'"], "scan"),
+            (5, ["'octavo build scan -o scan.8vo'"], "scan/"),
+            (3, ["'octavo build Head.NII.gz -o Head.8vo'"], "Head.NII.gz"),
+            (3, ["'octavo build in.raw --raw NX,NY,NZ,TYPE -o in.8vo'"], "in.raw"),
+        ]:
+            self.expect_refusal(code, words, "info", name)
+        told = self.expect_refusal(3, ["notes.txt: not an 8vo file"], "info", "notes.txt")
+        self.assertNotIn("octavo build", told.stderr)
+
+    def test_pictures_say_what_is_amiss_with_the_path_first(self):
+        dark = self.said("render", "v.8vo", "--mode", "transparency", "--range", "900:", "-o",
+                         "d.png", "--direction", "1,0,0", "--json")
+        told = "v.8vo: no voxel is lit; the picture is empty"
+        self.assertEqual(json.loads(dark.stdout)["warnings"], [told])
+        series = self.said("render", "v.8vo", "--mode", "transparency", "--range", "900:", "-o",
+                           "t.png", "--turntable", "4", "--json")
+        self.assertEqual(json.loads(series.stdout)["warnings"], [told])
+        lit = self.said("render", "v.8vo", "--mode", "transparency", "--range", "30:", "-o",
+                        "l.png", "--direction", "1,0,0", "--json")
+        self.assertEqual(json.loads(lit.stdout)["warnings"], [])
+        empty = self.said("render", "v.8vo", "--range", "900:", "-o", "e.png", "--json")
+        self.assertEqual(json.loads(empty.stdout)["warnings"],
+                         ["v.8vo: no voxel is drawn; the picture is empty"])
+        lying = self.said("render", "v.8vo", "--range", "30:", "--direction", "front", "-o",
+                          "f.png")
+        self.assertIn("octavo: v.8vo: does not say how the patient lies", lying.stderr)
+        self.expect_refusal(2, ["'30:50=red:0.2'", "LOW:HIGH", "--mode transparency"], "render",
+                            "v.8vo", "--range", "30:50=red:0.2", "-o", "c.png")
+        self.expect_refusal(6, ["the picture would take about", "the limit is 100 MiB"], "render",
+                            "v.8vo", "--range", "30:", "--size", "16384", "--max-memory", "100M",
+                            "-o", "c.png")
+
+    def test_info_says_what_a_volume_was_made_by(self):
+        def row(name):
+            lines = self.said("info", name).stdout.splitlines()
+            return [line.split(maxsplit=2)[2] for line in lines if line.startswith("  made by ")]
+
+        self.assertEqual(row("v.8vo"), [])
+        for arguments, words in [
+            (["condense", "v.8vo", "--flat", "7"],
+             "condensed with tolerance 7: cubes that vary no more hold their mean"),
+            (["threshold", "v.8vo", "--range", "30:50.5", "--range", "60:"],
+             "threshold: units real, ranges 30:50.5, 60:"),
+            (["threshold", "v.8vo", "--class", "1=:20", "--class", "2=20:"],
+             "threshold: units real, ranges :20, 2 = 20:"),
+            (["components", "m.8vo", "--keep-largest", "1", "--min-mm3", "2"],
+             "components: connectivity 6, keep largest 1, min mm3 2"),
+            (["transform", "v.8vo", "--rotate", "z:90", "--rotate", "x:180", "--in-place"],
+             "transform: rotate z:90,x:180, in place"),
+            (["transform", "v.8vo", "--translate", "1,2,-3"],
+             "transform: translate, voxels 1,2,-3"),
+            (["combine", "m.8vo", "m.8vo", "--xor"], "xor: masks 2"),
+            (["dilate", "m.8vo", "--mm", "1.5"], "dilate: mm 1.5"),
+        ]:
+            self.said(*arguments, "-o", "made.8vo", "-f")
+            self.assertEqual(row("made.8vo"), [words])
+        self.said("condense", "v.8vo", "--flat", "7", "-o", "flat.8vo")
+        self.assertIn("grey, condensed, not lossless\n", self.said("info", "flat.8vo").stdout)
+
+    def test_codes_says_what_the_cube_itself_is(self):
+        voxels = [0] * 64
+        for at in (0, 1, 4, 5, 16, 17, 20, 21):
+            voxels[at] = 1
+        voxels[2] = 5
+        self.build("c.8vo", voxels, "uint8", "B", "--labels", size=(4, 4, 4))
+        for cube, notation, first, kind in [
+            ("08", "mixed", "08: level 1, side 2; a leaf of value 1",
+             {"kind": "leaf", "level": 1, "code": "08", "value": 1}),
+            ("03", "mixed", "03: level 0, side 1; part of the leaf 08 of level 1 and value 1",
+             {"kind": "leaf", "level": 1, "code": "08", "value": 1}),
+            ("2", "linear", "2: level 1, side 2; divided into smaller leaves", {"kind": "smaller"}),
+            ("78", "mixed", "78: level 1, side 2; background", {"kind": "background"}),
+            ("-", "mixed", "88: level 2, side 4; divided into smaller leaves",
+             {"kind": "smaller"}),
+            ("-", "linear", "-: level 2, side 4; divided into smaller leaves",
+             {"kind": "smaller"}),
+        ]:
+            asked = ["codes", "c.8vo", "--neighbors", cube, "--notation", notation]
+            self.assertEqual(self.said(*asked).stdout.splitlines()[0], first)
+            self.assertEqual(json.loads(self.said(*asked, "--json").stdout)["cube"], kind)
+
+    def test_leaves_and_components_count_against_the_limit_of_memory(self):
+        # A checkerboard: every other voxel is a leaf, and a component, of its own.
+        size = (64, 64, 32)
+        voxels = [(x + y + z) % 2 for z in range(size[2]) for y in range(size[1])
+                  for x in range(size[0])]
+        self.build("b.8vo", voxels, "uint8", "B", "--labels", size=size)
+        self.expect_refusal(6, ["the octree would take about", "the limit is 1024 KiB"], "codes",
+                            "b.8vo", "--max-memory", "1M")
+        self.said("codes", "b.8vo", "--list", "--max-memory", "8M")
+        told = self.expect(6, "codes", "b.8vo", "--list", "--json", "--max-memory", "8M")
+        self.assertIn("the list of leaves would take", told.stderr)
+        self.expect_refusal(6, ["the components would take about"], "components", "b.8vo",
+                            "--max-memory", "8M")
+        self.said("components", "b.8vo", "--max-memory", "40M")
+        told = self.expect(6, "components", "b.8vo", "--json", "--max-memory", "40M")
+        self.assertIn("the table of components would take", told.stderr)
+
+    def test_one_of_a_kind_is_one(self):
+        voxels = [0] * (SIZE[0] * SIZE[1] * SIZE[2])
+        voxels[0] = 1
+        self.build("one.8vo", voxels, "uint8", "B", "--labels")
+        moved = voxels[:]
+        moved[0], moved[1] = 0, 1
+        self.build("next.8vo", moved, "uint8", "B", "--labels")
+        self.assertEqual(self.said("erode", "one.8vo", "--voxels", "0", "-o", "x.8vo").stdout,
+                         "x.8vo: 1 voxel, 1 mm3 (before: 1 voxel, 1 mm3)\n")
+        touching = self.said("touch", "one.8vo", "next.8vo").stdout
+        self.assertIn("touching:   1 voxel of one.8vo alone", touching)
+        self.assertIn("in between: 1 face, 1 mm2", touching)
+        self.assertIn("one.8vo: 1 component, 1 kept\n", self.said("components", "one.8vo").stdout)
+        self.assertIn("pixels", self.said("render", "one.8vo", "-o", "o.png").stdout)
+        self.assertIn(", 1 leaf;", self.said("render", "one.8vo", "-o", "o.png", "-f").stdout)
+
+
+if __name__ == "__main__":
+    cli_test.OCTAVO = cli_test.os.path.abspath(sys.argv.pop(1))
+    cli_test.unittest.main()
