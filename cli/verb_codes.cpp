@@ -173,8 +173,7 @@ LinearOctree condense_planes(PlaneSource& planes, const Selection& selection, Pr
   return condenser.finish();
 }
 
-LinearOctree voxel_leaves(PlaneSource& planes, const Selection& selection,
-                          const Context& context) {
+LinearOctree voxel_leaves(PlaneSource& planes, const Selection& selection, const Context& context) {
   ProgressLine progress(context);
   return condense_planes(planes, selection, progress, context);
 }
@@ -299,9 +298,8 @@ OCode asked_cube(const Arguments& arguments, const LinearOctree& octree) {
 }
 
 std::string code_text(const OCode& cube, const LinearOctree& octree, const Arguments& arguments) {
-  const std::string code = arguments.notation == "mixed"
-                               ? to_mixed_octal(cube, octree.root_level)
-                               : to_hierarchical(cube, octree.root_level);
+  const std::string code = arguments.notation == "mixed" ? to_mixed_octal(cube, octree.root_level)
+                                                         : to_hierarchical(cube, octree.root_level);
   return code.empty() ? "-" : code;
 }
 

@@ -248,7 +248,7 @@ class Components::Census {
   void count_roots(std::uint64_t max_bytes) {
     std::uint64_t count = 0;
     for (std::uint32_t part = 0; part < all_.labels_.size(); ++part) {
-      count += all_.labels_[part] == part ? 1 : 0;
+      count += all_.labels_[part] == part ? 1u : 0u;
     }
     // Those of the result, those that are counted, and their order.
     constexpr std::uint64_t kBytes = sizeof(Component) + sizeof(Tally) + 2 * sizeof(std::uint32_t);
