@@ -1,10 +1,10 @@
 // Random access to an .8vo file: how many single voxels and boxes a second, nothing cached.
 //
-// usage: bench_access [--commit ID] [--threads N] [--seconds S] FILE.8vo
+// usage: bench_access [--commit ID] [--rounds N] [--threads N] [--seconds S] FILE.8vo
 //
 // Positions are drawn from a fixed seed. "Cold" means that the reader keeps no decoded bricks:
 // every request reads, checks and decodes its bricks anew (the operating system may hold the file
-// itself). Each operation is run five times for S seconds; the CSV's median_s is the time of one
+// itself). Each operation is run N times (5) for S seconds; the CSV's median_s is the time of one
 // request, bytes are those of the voxels it returns. The first request of each kind is compared
 // with the same voxels cut from a whole brick layer.
 
@@ -17,6 +17,7 @@
 #include <thread>
 
 #include "bench/common/measure.h"
+#include "bench/common/settings.h"
 #include "octavo/core/error.h"
 #include "octavo/file/reader.h"
 #include "octavo/file/storage.h"
@@ -24,11 +25,7 @@
 namespace octavo::bench {
 namespace {
 
-constexpr int kRuns = 5;
-
-struct Settings {
-  std::string commit = "unknown";
-  int threads = 1;
+struct AccessSettings : Settings {
   double seconds = 2;
   std::string path;
 };
@@ -77,8 +74,8 @@ void prove(const FileReader& reader, std::int64_t side) {
 }
 
 /// Requests done in `seconds` by `threads` threads together.
-std::int64_t requests_done(const FileReader& reader, std::int64_t side, const Settings& settings,
-                           std::uint64_t seed, double& elapsed) {
+std::int64_t requests_done(const FileReader& reader, std::int64_t side,
+                           const AccessSettings& settings, std::uint64_t seed, double& elapsed) {
   std::atomic<std::int64_t> done = 0;
   const double start = now_seconds();
   std::vector<std::thread> threads;
@@ -96,20 +93,20 @@ std::int64_t requests_done(const FileReader& reader, std::int64_t side, const Se
   return done;
 }
 
-void measure(const FileReader& reader, const Request& request, const Settings& settings) {
+void measure(const FileReader& reader, const Request& request, const AccessSettings& settings) {
   Row row;
   row.threads = settings.threads;
   row.data_set = settings.path.substr(settings.path.find_last_of('/') + 1);
   row.operation = request.operation;
   const Size3& size = reader.description().size;
-  row.voxel_count = static_cast<std::uint64_t>(std::min(request.side, size.x) *
-                                               std::min(request.side, size.y) *
-                                               std::min(request.side, size.z));
-  row.bytes = row.voxel_count *
-              static_cast<std::uint64_t>(bytes_per_voxel(reader.description().type));
+  row.voxel_count =
+      static_cast<std::uint64_t>(std::min(request.side, size.x) * std::min(request.side, size.y) *
+                                 std::min(request.side, size.z));
+  row.bytes =
+      row.voxel_count * static_cast<std::uint64_t>(bytes_per_voxel(reader.description().type));
   row.raw_bytes = row.bytes;
   reset_peak_memory();
-  for (std::uint64_t run = 0; run < kRuns; ++run) {
+  for (std::uint64_t run = 0; run < static_cast<std::uint64_t>(settings.rounds); ++run) {
     double elapsed = 0;
     const std::int64_t done = requests_done(reader, request.side, settings, run + 1, elapsed);
     row.seconds.push_back(elapsed / static_cast<double>(done));
@@ -119,24 +116,23 @@ void measure(const FileReader& reader, const Request& request, const Settings& s
   std::fprintf(stderr, "%-20s %10.1f per second\n", request.operation, 1 / median(row.seconds));
 }
 
-Settings parse(int count, char** words) {
-  Settings settings;
-  for (int i = 1; i < count; ++i) {
-    const std::string word = words[i];
-    const bool has_value = i + 1 < count;
-    if (word == "--commit" && has_value) settings.commit = words[++i];
-    else if (word == "--threads" && has_value) settings.threads = std::stoi(words[++i]);
-    else if (word == "--seconds" && has_value) settings.seconds = std::stod(words[++i]);
-    else settings.path = word;
+AccessSettings parse(int count, char** words) {
+  AccessSettings settings;
+  const std::vector<std::string> others = take_settings(count, words, settings);
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    if (others[i] == "--seconds" && i + 1 < others.size())
+      settings.seconds = std::stod(others[++i]);
+    else settings.path = others[i];
   }
-  if (settings.path.empty() || settings.threads < 1) {
-    throw Error(ErrorKind::invalid_argument,
-                "usage: bench_access [--commit ID] [--threads N] [--seconds S] FILE.8vo");
+  if (settings.path.empty()) {
+    throw Error(
+        ErrorKind::invalid_argument,
+        "usage: bench_access [--commit ID] [--rounds N] [--threads N] [--seconds S] FILE.8vo");
   }
   return settings;
 }
 
-void run(const Settings& settings) {
+void run(const AccessSettings& settings) {
   ReaderOptions options;
   options.cache_bytes = 0;
   const auto source = open_byte_source(local_storage(), settings.path);
@@ -154,11 +150,6 @@ void run(const Settings& settings) {
 }  // namespace octavo::bench
 
 int main(int count, char** words) {
-  try {
-    octavo::bench::run(octavo::bench::parse(count, words));
-    return 0;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "bench_access: %s\n", error.what());
-    return 1;
-  }
+  using namespace octavo::bench;
+  return run_named("bench_access", [=] { run(parse(count, words)); });
 }

@@ -11,10 +11,10 @@
 
 #include <tbb/global_control.h>
 
-#include <cstdio>
 #include <iostream>
 
 #include "bench/common/measure.h"
+#include "bench/common/settings.h"
 #include "octavo/core/error.h"
 #include "octavo/file/reader.h"
 #include "octavo/file/storage.h"
@@ -26,13 +26,6 @@ namespace octavo::bench {
 namespace {
 
 constexpr std::int64_t kPictureSide = 1024;
-
-struct Settings {
-  std::string commit = "unknown";
-  int rounds = 5;
-  int threads = 1;
-  std::vector<std::string> volumes;
-};
 
 struct Side {
   const char* name;
@@ -121,39 +114,22 @@ class FrameBench {
   MaskTree mask_;
 };
 
-Settings parse(int count, char** words) {
+void run(int count, char** words) {
   Settings settings;
-  for (int i = 1; i < count; ++i) {
-    const std::string word = words[i];
-    const bool has_value = i + 1 < count;
-    if (word == "--commit" && has_value) settings.commit = words[++i];
-    else if (word == "--rounds" && has_value) settings.rounds = std::stoi(words[++i]);
-    else if (word == "--threads" && has_value) settings.threads = std::stoi(words[++i]);
-    else settings.volumes.push_back(word);
-  }
-  if (settings.volumes.empty() || settings.threads < 1 || settings.rounds < 1) {
+  const std::vector<std::string> volumes = take_settings(count, words, settings);
+  if (volumes.empty()) {
     throw Error(ErrorKind::invalid_argument,
                 "usage: bench_frames [--commit ID] [--rounds N] [--threads N] VOLUME...");
   }
-  return settings;
-}
-
-void run(const Settings& settings) {
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(settings.threads));
   std::cout << csv_header() << "\n";
-  for (const std::string& text : settings.volumes) FrameBench(text, settings).run();
+  for (const std::string& text : volumes) FrameBench(text, settings).run();
 }
 
 }  // namespace
 }  // namespace octavo::bench
 
 int main(int count, char** words) {
-  try {
-    octavo::bench::run(octavo::bench::parse(count, words));
-    return 0;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "bench_frames: %s\n", error.what());
-    return 1;
-  }
+  return octavo::bench::run_named("bench_frames", [=] { octavo::bench::run(count, words); });
 }

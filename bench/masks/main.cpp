@@ -19,13 +19,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <iostream>
 #include <map>
 #include <sstream>
 
 #include "bench/common/measure.h"
+#include "bench/common/settings.h"
 #include "bench/masks/engine.h"
 #include "octavo/core/error.h"
 
@@ -36,10 +36,7 @@ void require(bool ok, const std::string& what) {
   if (!ok) throw Error(ErrorKind::internal, "failed: " + what);
 }
 
-struct Settings {
-  std::string commit = "unknown";
-  int rounds = 5;
-  int threads = 1;
+struct MaskSettings : Settings {
   bool is_growth = false;
   std::vector<std::string> volumes;
 };
@@ -163,7 +160,7 @@ void run_once(Contest& contest, std::map<std::string, std::uint64_t>& results) {
   }
 }
 
-void contest(const MaskVolume& volume, const Settings& settings) {
+void contest(const MaskVolume& volume, const MaskSettings& settings) {
   const MaskVolume other = moved(volume);
   std::vector<std::unique_ptr<MaskEngine>> engines;
   engines.push_back(make_octavo_masks(volume, other));
@@ -192,25 +189,20 @@ void contest(const MaskVolume& volume, const Settings& settings) {
   for (const Contest& one : contests) std::cout << csv_line(one.row, settings.commit) << std::endl;
 }
 
-Settings parse(int count, char** words) {
-  Settings settings;
-  for (int i = 1; i < count; ++i) {
-    const std::string word = words[i];
-    const bool has_value = i + 1 < count;
-    if (word == "--commit" && has_value) settings.commit = words[++i];
-    else if (word == "--rounds" && has_value) settings.rounds = std::stoi(words[++i]);
-    else if (word == "--threads" && has_value) settings.threads = std::stoi(words[++i]);
-    else if (word == "--growth") settings.is_growth = true;
+MaskSettings parse(int count, char** words) {
+  MaskSettings settings;
+  for (const std::string& word : take_settings(count, words, settings)) {
+    if (word == "--growth") settings.is_growth = true;
     else settings.volumes.push_back(word);
   }
-  if ((settings.volumes.empty() && !settings.is_growth) || settings.threads < 1) {
+  if (settings.volumes.empty() && !settings.is_growth) {
     throw Error(ErrorKind::invalid_argument,
                 "usage: bench_masks [--commit ID] [--rounds N] [--threads N] [--growth] VOLUME...");
   }
   return settings;
 }
 
-void run(const Settings& settings) {
+void run(const MaskSettings& settings) {
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(settings.threads));
   itk::MultiThreaderBase::SetGlobalMaximumNumberOfThreads(
@@ -228,11 +220,6 @@ void run(const Settings& settings) {
 }  // namespace octavo::bench
 
 int main(int count, char** words) {
-  try {
-    octavo::bench::run(octavo::bench::parse(count, words));
-    return 0;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "bench_masks: %s\n", error.what());
-    return 1;
-  }
+  using namespace octavo::bench;
+  return run_named("bench_masks", [=] { run(parse(count, words)); });
 }

@@ -113,12 +113,11 @@ class Scene {
   double fade_ = 0;
 };
 
-/// Leaves into some rows, whatever was there before painted over.
-class OverPainter {
+/// Draws the leaves of a walk into some rows.
+template <class Rows>
+class LeafPainter {
  public:
-  static constexpr WalkOrder kOrder = WalkOrder::farthest_first;
-
-  OverPainter(const Scene& scene, PixelRows& rows) : scene_(scene), rows_(rows) {}
+  LeafPainter(const Scene& scene, PixelRows& rows) : scene_(scene), rows_(rows) {}
 
   bool misses(const Place& corner, int level) const {
     return rows_.misses(scene_.shape(level), corner);
@@ -134,28 +133,7 @@ class OverPainter {
 
  private:
   const Scene& scene_;
-  PixelRows& rows_;
-};
-
-/// Leaves into the pixels of some rows that no nearer one has taken.
-class NearestPainter {
- public:
-  static constexpr WalkOrder kOrder = WalkOrder::nearest_first;
-
-  NearestPainter(const Scene& scene, PixelRows& rows) : scene_(scene), rows_(rows) {}
-
-  bool misses(const Place& corner, int level) const {
-    return rows_.hides(scene_.shape(level), corner);
-  }
-
-  void draw(std::size_t mask, const Place& corner, int level, unsigned faces) {
-    const CubeShape& shape = scene_.shape(level);
-    if (faces != 0 && !rows_.hides(shape, corner)) scene_.fill(mask, corner, shape, faces, rows_);
-  }
-
- private:
-  const Scene& scene_;
-  NearestRows rows_;
+  Rows rows_;
 };
 
 void copy_rows(const PixelRows& rows, Picture& picture) {
@@ -170,16 +148,18 @@ void copy_rows(const PixelRows& rows, Picture& picture) {
   }
 }
 
-template <class Painter>
-Picture draw(std::span<const PaintedMask> masks, const View& view, const CubeStyle& style) {
+/// Rows is PixelRows& or NearestRows.
+template <class Rows>
+Picture draw(std::span<const PaintedMask> masks, const View& view, const CubeStyle& style,
+             WalkOrder order) {
   const Scene scene(masks, view, style);
   Picture picture = make_picture(view.width, view.height, 3);
   const std::int64_t bands = (view.height + kBandRows - 1) / kBandRows;
   tbb::parallel_for(std::int64_t{0}, bands, [&](std::int64_t band) {
     const std::int64_t begin = band * kBandRows;
     PixelRows rows(view, begin, std::min(view.height, begin + kBandRows), packed(style.background));
-    Painter painter(scene, rows);
-    CubeWalk(scene.trees(), view, Painter::kOrder, painter).run();
+    LeafPainter<Rows> painter(scene, rows);
+    CubeWalk(scene.trees(), view, order, painter).run();
     copy_rows(rows, picture);
   });
   return picture;
@@ -188,12 +168,12 @@ Picture draw(std::span<const PaintedMask> masks, const View& view, const CubeSty
 }  // namespace
 
 Picture draw_cubes(std::span<const PaintedMask> masks, const View& view, const CubeStyle& style) {
-  return draw<OverPainter>(masks, view, style);
+  return draw<PixelRows&>(masks, view, style, WalkOrder::farthest_first);
 }
 
 Picture draw_nearest_cubes(std::span<const PaintedMask> masks, const View& view,
                            const CubeStyle& style) {
-  return draw<NearestPainter>(masks, view, style);
+  return draw<NearestRows>(masks, view, style, WalkOrder::nearest_first);
 }
 
 }  // namespace octavo

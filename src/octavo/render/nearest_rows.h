@@ -27,7 +27,7 @@ class NearestRows {
         taken_(static_cast<std::size_t>(words_ * (rows.end() - rows.begin()))) {}
 
   /// Whether no pixel of the box around a cube's outline is in the picture and free.
-  bool hides(const CubeShape& shape, const Place& corner) const {
+  bool misses(const CubeShape& shape, const Place& corner) const {
     const PixelBox box = rows_.pixels_of(shape, corner);
     if (box.is_empty()) return true;
     for (std::int64_t y = box.top; y < box.bottom; ++y) {
