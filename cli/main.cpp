@@ -106,7 +106,7 @@ int run_program(int argc, char** argv) {
 int main(int argc, char** argv) {
 #ifdef __POPCNT__
   if (__builtin_cpu_supports("popcnt") == 0) {
-    std::fputs("octavo: error: this processor lacks the POPCNT instruction\n", stderr);
+    std::fputs("octavo: this processor lacks the POPCNT instruction, which it needs\n", stderr);
     return octavo::cli::kExitInternal;
   }
 #endif

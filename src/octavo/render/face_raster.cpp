@@ -83,10 +83,6 @@ PixelRows::PixelRows(const View& view, std::int64_t begin, std::int64_t end, std
       half_(std::int64_t{1} << (bits_ - 1)),
       pixels_per_unit_(std::ldexp(1.0, -bits_)),
       doubt_(kDoubt * pixels_per_unit_),
-      first_centre_x_(half_),
-      last_centre_x_(((width_ - 1) << bits_) + half_),
-      first_centre_y_((begin << bits_) + half_),
-      last_centre_y_(((end - 1) << bits_) + half_),
       pixels_(static_cast<std::size_t>(width_ * (end - begin)), pixel) {}
 
 std::int64_t PixelRows::exact_crossing(const PlanePoint& from, const PlanePoint& edge,

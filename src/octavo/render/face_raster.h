@@ -79,10 +79,7 @@ class PixelRows {
 
   /// Whether no pixel centre here is in the outline's box of a cube.
   bool misses(const CubeShape& shape, const Place& corner) const {
-    return corner.y + shape.highest.y <= first_centre_y_ ||
-           corner.y + shape.lowest.y > last_centre_y_ ||
-           corner.x + shape.highest.x <= first_centre_x_ ||
-           corner.x + shape.lowest.x > last_centre_x_;
+    return pixels_of(shape, corner).is_empty();
   }
 
   /// The pixels here whose centres lie in the outline's box of a cube.
@@ -122,10 +119,6 @@ class PixelRows {
   std::int64_t half_;
   double pixels_per_unit_;
   double doubt_;  // pixels: a crossing this close to a centre needs exact division
-  std::int64_t first_centre_x_;
-  std::int64_t last_centre_x_;
-  std::int64_t first_centre_y_;
-  std::int64_t last_centre_y_;
   std::vector<std::uint32_t> pixels_;
 };
 
