@@ -37,6 +37,9 @@ Volume volume_of(std::uint64_t version, const Size3& size) {
   return volume;
 }
 
+// Of many small bricks, so that the most reads and evictions take place in a second.
+constexpr Size3 kBar{600, 12, 10};
+
 std::int64_t below(Random& random, std::int64_t n) {
   return static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(n));
 }
@@ -51,10 +54,10 @@ Box random_box(const Size3& size, Random& random) {
   return box;
 }
 
-// A few bricks fit: threads put out what others are about to read.
+// Three bricks fit: threads put out what others are about to read.
 std::shared_ptr<FileReader> open_with_little_cache(const std::string& path) {
   ReaderOptions options;
-  options.cache_bytes = std::uint64_t{3} << 20;
+  options.cache_bytes = 3 * sizeof(std::uint16_t) * 64 * kBar.y * kBar.z;
   return FileReader::open(open_byte_source(local_storage(), path), options);
 }
 
@@ -62,7 +65,7 @@ TEST(ConcurrentReaders, SixteenThreadsOnOneHandleReadWhatOneReads) {
   constexpr int kThreads = 16;
   const ScratchFolder folder;
   const std::string path = folder.file("a.8vo");
-  build_volume(volume_of(1, {150, 140, 130}), path, 2);
+  build_volume(volume_of(1, kBar), path, 2);
   const auto serial = open_file(path);
   std::vector<std::vector<std::byte>> levels;
   for (int level = 0; level < serial->levels().count(); ++level) {

@@ -5,19 +5,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <map>
 #include <random>
 
 #include "octavo/codec/octant_transform.h"
 #include "octavo/io/open_source.h"
-#include "support/built_file.h"
+#include "support/ct_head.h"
 #include "support/shared_data.h"
 
 namespace octavo::testing {
 namespace {
-
-constexpr char kHeadProject[] = "/usr/share/doc/invesalius-examples/examples/Cranium.inv3";
 
 /// Level-0 voxels as numbers, with what is known of the volume.
 struct RealVolume {
@@ -198,17 +195,11 @@ void expect_laws(const std::string& path, VolumeKind kind) {
 }
 
 TEST(RealVolumes, CtHeadKeepsEveryLaw) {
-  if (!std::filesystem::exists(kHeadProject)) {
-    GTEST_SKIP() << "invesalius-examples is not installed; tools/setup installs it";
-  }
   const ScratchFolder folder;
-  const std::string header = folder.file("head.mhd");
-  const std::string convert = std::string("python3 ") + OCTAVO_SOURCE_FOLDER +
-                              "/tools/inv3_to_mhd.py " + kHeadProject + " " + header +
-                              " > /dev/null";
-  ASSERT_EQ(std::system(convert.c_str()), 0);
-  expect_laws(header, VolumeKind::grey);
-  const RealVolume volume = load(header, VolumeKind::grey);
+  const auto header = ct_head_in(folder);
+  if (!header) GTEST_SKIP() << kMissingCtHead;
+  expect_laws(*header, VolumeKind::grey);
+  const RealVolume volume = load(*header, VolumeKind::grey);
   std::string first;
   for (const int threads : {1, 2, 3, 8}) {
     const std::string file = folder.file("threads.8vo");

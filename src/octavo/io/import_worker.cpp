@@ -1,6 +1,7 @@
 #include "octavo/io/import_worker.h"
 
 #include <fcntl.h>
+#include <malloc.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/prctl.h>
@@ -156,6 +157,15 @@ void note_crashes() {
   }
 }
 
+/// Keeps freed memory for the next plane. Decoders allocate whole planes again and again, which
+/// malloc would otherwise fetch from the system each time, page by page.
+void keep_freed_memory() {
+  constexpr int kKeptBytes = 1 << 26;
+  constexpr int kLargestKeptBytes = 1 << 25;  // the most that malloc takes
+  ::mallopt(M_TRIM_THRESHOLD, kKeptBytes);
+  ::mallopt(M_MMAP_THRESHOLD, kLargestKeptBytes);
+}
+
 /// Ends this process when nobody is left to read its answers.
 void end_with_reader() {
   std::thread([] {
@@ -277,6 +287,7 @@ void run_import_worker(const SourceOpener& opener) {
     const ImportRequest request = read_request();
     keep_reader_notes(kNotesDescriptor);
     note_crashes();
+    keep_freed_memory();
     ImportLimits limits(request);
     read_and_send(opener, request, limits);
   } catch (const std::exception&) {
