@@ -1,5 +1,7 @@
 #include "octavo/build/builder.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -78,6 +80,14 @@ std::string recorded(const VolumeDescription& description, const BuildOptions& o
   if (is_float && options.repair.nan) add("nan", exact_text(*options.repair.nan));
   if (is_float && options.repair.infinity) add("inf", exact_text(*options.repair.infinity));
   return record.empty() ? metadata : with_member(metadata, "coding", "{" + record + "}");
+}
+
+// malloc keeps what a thread freed for that thread alone. Any of them may train next: in the end
+// each would hold what training takes.
+void return_freed_memory() {
+#ifdef __GLIBC__
+  ::malloc_trim(0);
+#endif
 }
 
 void check_memory(std::uint64_t needed_bytes, std::uint64_t limit_bytes) {
@@ -179,6 +189,7 @@ class Build {
     model_ = workers_.run([&] {
       return make_model(train_on(levels_, 0, group, description_.kind, settings_), group.type);
     });
+    return_freed_memory();
     settings_.axis_order = model_.encoder->axis_order();
     if (!first_model_) first_model_ = model_;
   }
