@@ -69,7 +69,7 @@ int run_condense(Arguments& arguments, Context& context) {
   description.metadata_json = with_member(description.metadata_json, "made_by", made_by.dump());
   const auto source = make_flat_cubes(
       reader, description, stored_flat(arguments.flat, volume.rescale), context.thread_count());
-  return build_and_report(*source, {}, arguments.output, context);
+  return build_and_report(*source, {.is_resumable = false}, arguments.output, context);
 }
 
 }  // namespace

@@ -111,7 +111,7 @@ int run_phantom(const Arguments& arguments, const Context& context) {
   const auto source = make_phantom(phantom_options(arguments));
   if (is_plain_path(arguments.output)) return write_planes(*source, arguments, context);
   if (arguments.output.ends_with(".8vo")) {
-    return build_and_report(*source, {}, arguments.output, context);
+    return build_and_report(*source, {.is_resumable = false}, arguments.output, context);
   }
   throw Error(ErrorKind::invalid_argument,
               "a phantom is written as .8vo, .raw or .mhd; export an .8vo file to other formats",

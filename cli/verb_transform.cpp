@@ -437,6 +437,7 @@ BuildOptions build_options(const Arguments& arguments, const VolumeDescription& 
                            const Context& context) {
   BuildOptions options;
   options.kind = volume.kind;
+  options.is_resumable = false;
   options.preset = arguments.preset == "fast" ? Preset::fast : Preset::small;
   options.max_error = parse_number(arguments.max_error, "--max-error");
   if (options.max_error < 0) {

@@ -110,8 +110,9 @@ VolumeDescription label_description(const VolumeDescription& volume, VoxelType t
 
 BuildResult write_labels(PlaneSource& source, const std::string& output, const Context& context) {
   ProgressLine progress(context);
-  return build_file(source, local_storage(), output,
-                    with_context({.kind = VolumeKind::labels}, context), progress);
+  const BuildOptions options =
+      with_context({.kind = VolumeKind::labels, .is_resumable = false}, context);
+  return build_file(source, local_storage(), output, options, progress);
 }
 
 BuildResult write_mask(const MaskTree& mask, const VolumeDescription& volume,

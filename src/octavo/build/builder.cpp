@@ -295,7 +295,7 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
   writing.max_error = result.max_error;
   writing.is_resuming = options.interrupted == Interrupted::resume;
   const bool is_one_group = group_planes(levels, description.coded_type()) == description.size.z;
-  writing.has_journal = writing.is_resuming || !is_one_group;
+  writing.has_journal = writing.is_resuming || (options.is_resumable && !is_one_group);
   writing.settings = settings_text(options);
   try {
     std::vector<std::byte> parents;

@@ -35,6 +35,9 @@ struct BuildOptions {
   FloatRepair repair = {};  ///< of NaN and infinities in float32 volumes
   bool overwrite = false;
   Interrupted interrupted = Interrupted::refuse;
+  /// Whether a journal is kept, for Interrupted::resume after the program was killed. Without one
+  /// the next build of the file removes what a killed one left.
+  bool is_resumable = true;
   int threads = 0;  ///< 0: all cores
   /// 0: no limit; otherwise Error{limit_exceeded} before work starts when the need is above it.
   std::uint64_t max_memory_bytes = 0;
@@ -52,10 +55,10 @@ struct BuildResult {
 };
 
 /// Builds `path` from `source`.
-/// A build of more than one group keeps a journal beside the growing file: should the program be
-/// killed, a build with Interrupted::resume continues it. The source is read again from its start,
-/// and every group that was encoded before must have the voxels it had then. The bytes of the file
-/// are those of a build without a break.
+/// A resumable build of more than one group keeps a journal beside the growing file: should the
+/// program be killed, a build with Interrupted::resume continues it. The source is read again from
+/// its start, and every group that was encoded before must have the voxels it had then. The bytes
+/// of the file are those of a build without a break.
 /// Throws what the source and the storage throw, Error{cancelled}, Error{internal} when a brick
 /// does not decode to its voxels, Error{source_rejected} where float32 voxels do not allow what was
 /// asked for, Error{invalid_argument} for labels with a max error or of type float32, or where an

@@ -43,6 +43,7 @@
 // Source  thesis 1.2, 2.3
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>

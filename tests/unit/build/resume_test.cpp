@@ -127,6 +127,30 @@ std::map<std::string, octavo::testing::FileBytes> interrupted_grey() {
   return files;
 }
 
+TEST(ResumedBuild, IsNotOfferedWhereNoJournalIsWanted) {
+  BuildOptions options = options_of(kGrey, Interrupted::refuse);
+  options.is_resumable = false;
+  MemoryStorage whole;
+  TextureSource first(kGrey);
+  build(first, whole, options);
+  // A program that dies when all but the last step is done leaves the growing file alone.
+  const auto last = std::find(whole.calls.begin(), whole.calls.end(), "rename");
+  MemoryStorage dying;
+  dying.is_dying = true;
+  dying.fail_at = static_cast<std::size_t>(last - whole.calls.begin()) + 1;
+  TextureSource source(kGrey);
+  failure_of(source, dying, options, ErrorKind::io);
+  ASSERT_EQ(dying.files.size(), 1u);
+  EXPECT_TRUE(dying.files.begin()->first.starts_with(".a.8vo.tmp-"));
+  // It does not keep the next build from its work.
+  MemoryStorage storage;
+  storage.files = copied(dying.files);
+  TextureSource again(kGrey);
+  build(again, storage, options);
+  EXPECT_TRUE(*storage.files.at("a.8vo") == *whole.files.at("a.8vo"));
+  EXPECT_EQ(storage.files.size(), 1u);
+}
+
 TEST(ResumedBuild, HasTheBytesOfABuildWithoutABreak) {
   const Kind kinds[] = {kGrey,
                         {"fast", VoxelType::int16, VolumeKind::grey, 0, Preset::fast},
