@@ -45,7 +45,8 @@ void walk_weights(Params& p, Code&& code) {
     for (int axis = 0; axis < 3; ++axis) {
       for (int cls = 1; cls < kClasses; ++cls) {
         auto& weights = p.weights[group][axis][cls];
-        code.weight_set(is_used, near_or_far.data() + 3 * axis, weights, axis, p.weight_step);
+        GolombModel* const of_axis = near_or_far.data() + std::ptrdiff_t{3} * axis;
+        code.weight_set(is_used, of_axis, weights, axis, p.weight_step);
       }
     }
   }

@@ -150,7 +150,7 @@ struct Tables {
   /// By context: bit t tells whether token t has slots.
   std::array<std::array<std::uint64_t, kContexts>, kTableSets> used;
   /// By context and token.
-  std::array<std::array<Encoder, kContexts * kTokens>, kTableSets> encoders;
+  std::array<std::array<Encoder, std::size_t{kContexts} * kTokens>, kTableSets> encoders;
 };
 
 struct Model {

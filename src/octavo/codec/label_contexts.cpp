@@ -32,9 +32,9 @@ constexpr std::array<Direction, kLabelNeighbors> kDirections = directions();
 LabelNeighborhood label_neighborhood(std::ptrdiff_t row_stride, std::ptrdiff_t plane_stride) {
   LabelNeighborhood result{};
   for (std::size_t digit = 0; digit < 8; ++digit) {
-    const int sign_x = (digit >> 1 & 1) != 0 ? 1 : -1;
-    const int sign_y = (digit & 1) != 0 ? 1 : -1;
-    const int sign_z = (digit >> 2 & 1) != 0 ? 1 : -1;
+    const std::ptrdiff_t sign_x = (digit >> 1 & 1) != 0 ? 1 : -1;
+    const std::ptrdiff_t sign_y = (digit & 1) != 0 ? 1 : -1;
+    const std::ptrdiff_t sign_z = (digit >> 2 & 1) != 0 ? 1 : -1;
     for (std::size_t i = 0; i < kLabelNeighbors; ++i) {
       const Direction d = kDirections[i];
       result[digit][i] = sign_x * d.x + sign_y * d.y * row_stride + sign_z * d.z * plane_stride;

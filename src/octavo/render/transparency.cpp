@@ -142,8 +142,10 @@ Picture draw_lattice(const LineField& field, const Lattice& lattice, const View&
     for (std::int64_t x = 0; x < view.width; ++x) {
       std::array<double, 4> sum{};
       for (int i = 0; i < points * points; ++i) {
-        const double px = static_cast<double>(x) + (i % points + 0.5) / points - lattice.origin.x;
-        const double py = static_cast<double>(y) + (i / points + 0.5) / points - lattice.origin.y;
+        const int column = i % points;
+        const int row = i / points;
+        const double px = static_cast<double>(x) + (column + 0.5) / points - lattice.origin.x;
+        const double py = static_cast<double>(y) + (row + 0.5) / points - lattice.origin.y;
         const LineColour colour = field.at(px * u_x + py * u_y, px * v_x + py * v_y);
         for (std::size_t k = 0; k < 4; ++k) sum[k] += static_cast<double>(colour[k]);
       }
