@@ -1,6 +1,8 @@
 #include "octavo/build/builder.h"
 
+#if __has_include(<malloc.h>)
 #include <malloc.h>
+#endif
 
 #include <algorithm>
 #include <chrono>
