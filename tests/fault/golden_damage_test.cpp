@@ -15,6 +15,7 @@
 #include "octavo/file/verify.h"
 #include "support/goal_cases.h"
 #include "support/sample_file.h"
+#include "support/stored_segments.h"
 
 namespace octavo {
 namespace {
@@ -95,30 +96,6 @@ IndexRoot root_of(const Golden& golden) {
   const FileHeader header = header_of(golden.bytes);
   return parse_root(ByteSpan(golden.bytes).subspan(header.root.offset, header.root.length),
                     golden.reader->levels(), header);
-}
-
-// Every segment that holds bytes, with its brick.
-struct Place {
-  BrickEntry entry;
-  int level = 0;
-  BrickEntry::Segment segment;
-};
-
-std::vector<Place> segments_of(const FileReader& reader) {
-  std::vector<Place> places;
-  for (int tier = 0; tier < reader.levels().tier_count(); ++tier) {
-    const Size3 grid = reader.levels().brick_grid(tier);
-    for (std::int64_t i = 0; i < grid.voxel_count(); ++i) {
-      const BrickEntry entry =
-          reader.brick(tier, {i % grid.x, i / grid.x % grid.y, i / (grid.x * grid.y)});
-      for (std::size_t level = 0; level < entry.segments.size(); ++level) {
-        if (entry.segments[level].length == 0) continue;
-        places.push_back({entry, Levels::first_level(tier) + static_cast<int>(level),
-                          entry.segments[level]});
-      }
-    }
-  }
-  return places;
 }
 
 TEST(GoldenDamage, EveryFlippedBitOfTheSmallFilesIsFound) {
@@ -206,7 +183,7 @@ void zero_sector(const Golden&, FileContent& bytes, Random& random) {
 }
 
 void swap_bricks(const Golden& golden, FileContent& bytes, Random& random) {
-  const std::vector<Place> places = segments_of(*golden.reader);
+  const std::vector<StoredSegment> places = segments_of(*golden.reader);
   if (places.empty()) return;
   const BrickEntry::Segment a = places[random() % places.size()].segment;
   const BrickEntry::Segment b = places[random() % places.size()].segment;
@@ -221,8 +198,8 @@ void swap_bricks(const Golden& golden, FileContent& bytes, Random& random) {
 
 void take_foreign_brick(const Golden& golden, FileContent& bytes, Random& random) {
   const Golden& other = goldens()[random() % goldens().size()];
-  const std::vector<Place> here = segments_of(*golden.reader);
-  const std::vector<Place> there = segments_of(*other.reader);
+  const std::vector<StoredSegment> here = segments_of(*golden.reader);
+  const std::vector<StoredSegment> there = segments_of(*other.reader);
   if (here.empty() || there.empty()) return;
   const std::size_t i = random() % here.size();
   const BrickEntry::Segment to = here[i].segment;
@@ -318,7 +295,7 @@ TEST(GoldenDamage, DamageOfEverySortIsFound) {
 
 // The golden's voxels and `salvaged` agree outside the damaged brick, at every level; a brick
 // without coarsest samples holds all its levels in the finest segment.
-void expect_equal_outside(const Golden& golden, const Place& place, int level,
+void expect_equal_outside(const Golden& golden, const StoredSegment& place, int level,
                           const Bytes& salvaged) {
   const Levels& levels = golden.reader->levels();
   const Size3& size = levels.size(level);
@@ -354,9 +331,10 @@ TEST(GoldenDamage, VerifyNamesTheBrickAndTheOthersAreSalvaged) {
   GoalCases goal("B4", "damaged bricks named and all others salvaged", count);
   Random random(23);
   for (const Golden& golden : goldens()) {
-    const std::vector<Place> places = segments_of(*golden.reader);
+    const std::vector<StoredSegment> places = segments_of(*golden.reader);
     for (std::size_t i = 0; i < std::min(cases, places.size()) && goal.next(); ++i) {
-      const Place& place = cases >= places.size() ? places[i] : places[random() % places.size()];
+      const StoredSegment& place =
+          places[cases >= places.size() ? i : random() % places.size()];
       FileContent bytes = golden.bytes;
       const std::uint64_t at = place.segment.offset + random() % place.segment.length;
       const int bit = static_cast<int>(random() % 8);

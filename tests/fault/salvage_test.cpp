@@ -20,13 +20,6 @@ std::size_t voxel_width(const FileReader& reader) {
   return static_cast<std::size_t>(bytes_per_voxel(reader.description().type));
 }
 
-Box box_of_brick(const FileReader& reader, int level, const Index3& brick) {
-  const Size3 side = brick_side_at(reader.levels(), level);
-  const Index3 lo{brick.x * side.x, brick.y * side.y, brick.z * side.z};
-  return intersection({lo, {lo.x + side.x, lo.y + side.y, lo.z + side.z}},
-                      box_of(reader.levels().size(level)));
-}
-
 bool is_readable(const FileReader& reader, const Box& box, int level) {
   try {
     read_samples(reader, box, level);
@@ -39,7 +32,7 @@ bool is_readable(const FileReader& reader, const Box& box, int level) {
 // The fill a brick must get, [z][y][x] of its box.
 Bytes expected_fill(const FileReader& damaged, const SampleVolume& volume,
                     const SalvageOptions& options, int level, const Index3& brick) {
-  const Box box = box_of_brick(damaged, level, brick);
+  const Box box = brick_box_at(damaged.levels(), level, brick);
   const std::size_t width = voxel_width(damaged);
   Bytes fill;
   if (options.from_coarser) {
@@ -101,7 +94,7 @@ std::int64_t check_salvage(const std::vector<std::uint8_t>& bytes, const SampleV
     for (Index3 brick; brick.z < grid.z; ++brick.z) {
       for (brick.y = 0; brick.y < grid.y; ++brick.y) {
         for (brick.x = 0; brick.x < grid.x; ++brick.x) {
-          const Box box = box_of_brick(*plain, level, brick);
+          const Box box = brick_box_at(plain->levels(), level, brick);
           const bool is_whole = is_readable(*plain, box, level);
           damaged += is_whole ? 0 : 1;
           const Bytes part = is_whole ? expected_samples(volume, box, level)

@@ -11,6 +11,7 @@
 #include "octavo/io/open_source.h"
 #include "support/ct_head.h"
 #include "support/goal_cases.h"
+#include "support/stored_segments.h"
 
 namespace octavo::testing {
 namespace {
@@ -34,45 +35,6 @@ class SharedBytes final : public ByteSource {
   std::uint64_t length_ = bytes_.size();
   std::string name_ = "scan.8vo";
 };
-
-/// Bytes of a file that one brick needs at one level.
-struct Segment {
-  int tier = 0;
-  Index3 brick;
-  int level = 0;
-  Box box;  ///< of the brick, at that level
-  std::uint64_t offset = 0;
-  std::uint64_t length = 0;
-};
-
-void append_segments(const Levels& levels, const BrickEntry& entry,
-                     std::vector<Segment>& segments) {
-  for (std::size_t i = 0; i < entry.segments.size(); ++i) {
-    const auto& [offset, length, crc] = entry.segments[i];
-    if (length == 0) continue;
-    const int level = Levels::first_level(entry.tier) + static_cast<int>(i);
-    const Size3 side = brick_side_at(levels, level);
-    Box box;
-    for (int axis = 0; axis < 3; ++axis) {
-      box.lo[axis] = entry.brick[axis] * side[axis];
-      box.hi[axis] = std::min(box.lo[axis] + side[axis], levels.size(level)[axis]);
-    }
-    segments.push_back({entry.tier, entry.brick, level, box, offset, length});
-  }
-}
-
-std::vector<Segment> segments_of(const FileReader& reader) {
-  std::vector<Segment> segments;
-  const Levels& levels = reader.levels();
-  for (int tier = 0; tier < levels.tier_count(); ++tier) {
-    const Size3 grid = levels.brick_grid(tier);
-    for (std::int64_t i = 0; i < grid.voxel_count(); ++i) {
-      const Index3 brick{i % grid.x, i / grid.x % grid.y, i / (grid.x * grid.y)};
-      append_segments(levels, reader.brick(tier, brick), segments);
-    }
-  }
-  return segments;
-}
 
 /// The CT head as a file; nothing when it is not here.
 std::string head_file_bytes() {
@@ -106,10 +68,9 @@ class ScanDamage : public ::testing::Test {
     }
   }
 
-  /// Whether reading the voxels of a segment is refused.
-  bool is_refused(const Segment& segment) const {
+  bool is_refused(const Box& box, int level) const {
     try {
-      read_box(*FileReader::open(source()), segment.box, segment.level);
+      read_box(*FileReader::open(source()), box, level);
     } catch (const Error& error) {
       return error.kind() == ErrorKind::corrupt;
     }
@@ -132,19 +93,22 @@ TEST_F(ScanDamage, EveryFlippedBitIsFound) {
 
 TEST_F(ScanDamage, ABrickWithAFlippedBitIsRefusedAndAllOthersAreRead) {
   const auto whole = FileReader::open(source());
-  const std::vector<Segment> segments = segments_of(*whole);
+  const std::vector<StoredSegment> segments = segments_of(*whole);
   ASSERT_GT(segments.size(), 100U);
+  const auto box_of_brick = [&](const StoredSegment& stored) {
+    return brick_box_at(whole->levels(), stored.level, stored.entry.brick);
+  };
   GoalCases goal("B1", "partial reads of a flipped bit refused", case_count(50, 100'000));
   while (goal.next()) {
-    const Segment& hit = segments[random_() % segments.size()];
-    const Segment& other = segments[random_() % segments.size()];
-    const bool is_other_brick = other.tier != hit.tier || other.brick != hit.brick;
-    const std::uint64_t bit = 8 * hit.offset + random_() % (8 * hit.length);
+    const StoredSegment& hit = segments[random_() % segments.size()];
+    const StoredSegment& other = segments[random_() % segments.size()];
+    const std::uint64_t bit = 8 * hit.segment.offset + random_() % (8 * hit.segment.length);
     flip(bit);
-    ASSERT_TRUE(is_refused(hit)) << "bit " << bit;
-    if (is_other_brick) {
-      ASSERT_TRUE(read_box(*FileReader::open(source()), other.box, other.level) ==
-                  read_box(*whole, other.box, other.level))
+    ASSERT_TRUE(is_refused(box_of_brick(hit), hit.level)) << "bit " << bit;
+    if (other.entry.tier != hit.entry.tier || other.entry.brick != hit.entry.brick) {
+      const Box box = box_of_brick(other);
+      ASSERT_TRUE(read_box(*FileReader::open(source()), box, other.level) ==
+                  read_box(*whole, box, other.level))
           << "bit " << bit;
     }
     flip(bit);

@@ -45,8 +45,7 @@ void read_parallel(const FileReader& reader, const Box& box, int level, void* ou
   for_each_parallel(threads)(met.voxel_count(), [&](std::int64_t i) {
     const Index3 brick{first.x + i % met.x, first.y + i / met.x % met.y,
                        first.z + i / (met.x * met.y)};
-    const Index3 lo{brick.x * side.x, brick.y * side.y, brick.z * side.z};
-    const Box part = intersection(box, {lo, {lo.x + side.x, lo.y + side.y, lo.z + side.z}});
+    const Box part = intersection(box, brick_box_at(levels, level, brick));
     const std::int64_t at = ((part.lo.z - box.lo.z) * size.y + (part.lo.y - box.lo.y)) * size.x +
                             (part.lo.x - box.lo.x);
     reader.read_strided(part, level, static_cast<std::uint8_t*>(out) + at * voxel_bytes, size.x,

@@ -194,10 +194,9 @@ void FileReaderImpl::read_part(const BrickEntry& entry, int level, const Box& bo
                                const Target& out) const {
   const BrickShape shape = brick_shape(levels(), entry.tier, entry.brick);
   const int in_brick = level - shape.first_level;
-  const Size3 side = brick_side_at(levels(), level);
-  const Size3& size = shape.size[static_cast<std::size_t>(in_brick)];
-  const Index3 lo{entry.brick.x * side.x, entry.brick.y * side.y, entry.brick.z * side.z};
-  const Box whole{lo, {lo.x + size.x, lo.y + size.y, lo.z + size.z}};
+  const Box whole = brick_box_at(levels(), level, entry.brick);
+  const Index3& lo = whole.lo;
+  const Size3 size = whole.size();
   const Box part = intersection(box, whole);
 
   std::shared_ptr<const Bytes> samples;
@@ -246,6 +245,13 @@ Size3 brick_side_at(const Levels& levels, int level) {
                    levels.halving_count(Levels::first_level(tier), axis);
   }
   return side;
+}
+
+Box brick_box_at(const Levels& levels, int level, const Index3& brick) {
+  const Size3 side = brick_side_at(levels, level);
+  const Index3 lo{brick.x * side.x, brick.y * side.y, brick.z * side.z};
+  return intersection({lo, {lo.x + side.x, lo.y + side.y, lo.z + side.z}},
+                      box_of(levels.size(level)));
 }
 
 std::shared_ptr<FileReader> FileReader::open(std::shared_ptr<const ByteSource> source,

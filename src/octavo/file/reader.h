@@ -50,6 +50,10 @@ struct LevelSummary {
 /// Side lengths of a full brick of the level's tier, in samples of `level`.
 Size3 brick_side_at(const Levels& levels, int level);
 
+/// Voxels of a brick of the level's tier, in samples of `level`; less than its sides at the end of
+/// the volume.
+Box brick_box_at(const Levels& levels, int level, const Index3& brick);
+
 class FileReader {
  public:
   /// Throws Error{not_octavo, unsupported_version, truncated, corrupt, limit_exceeded, io}.

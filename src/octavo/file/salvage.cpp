@@ -32,13 +32,6 @@ bool is_voxel(double value, VoxelType type) {
          value <= static_cast<double>(range.max);
 }
 
-Box brick_box_at(const FileReader& reader, int level, const Index3& brick) {
-  const Size3 side = brick_side_at(reader.levels(), level);
-  const Index3 lo{brick.x * side.x, brick.y * side.y, brick.z * side.z};
-  return intersection({lo, {lo.x + side.x, lo.y + side.y, lo.z + side.z}},
-                      box_of(reader.levels().size(level)));
-}
-
 }  // namespace
 
 // The voxels of one brick that are to be filled, and where they go.
@@ -131,7 +124,7 @@ void SalvageReader::read_brick(const BrickEntry& entry, int in_brick_level, void
   } catch (const Error& error) {
     if (!is_damage(error)) throw;
     const int level = Levels::first_level(entry.tier) + in_brick_level;
-    const Box box = brick_box_at(*inner_, level, entry.brick);
+    const Box box = brick_box_at(levels(), level, entry.brick);
     const Size3 size = box.size();
     fill({level, entry.brick, box, static_cast<std::uint8_t*>(out), size.x, size.x * size.y,
           static_cast<std::size_t>(bytes_per_voxel(description().type))},
@@ -155,7 +148,7 @@ void SalvageReader::read_strided(const Box& box, int level, void* out, std::int6
   for (brick.z = box.lo.z / side.z; brick.z * side.z < box.hi.z; ++brick.z) {
     for (brick.y = box.lo.y / side.y; brick.y * side.y < box.hi.y; ++brick.y) {
       for (brick.x = box.lo.x / side.x; brick.x * side.x < box.hi.x; ++brick.x) {
-        const Box inside = intersection(box, brick_box_at(*inner_, level, brick));
+        const Box inside = intersection(box, brick_box_at(levels(), level, brick));
         const std::int64_t at = (inside.lo.z - box.lo.z) * plane_stride +
                                 (inside.lo.y - box.lo.y) * row_stride + inside.lo.x - box.lo.x;
         std::uint8_t* to =
