@@ -75,7 +75,9 @@ double expected_at(const Dense& source, const Point3& p, Interpolation interpola
     i[a] = static_cast<std::int64_t>(whole);
     t[a] = p[a] - whole;
   }
-  const auto [x, y, z] = i;
+  const std::int64_t x = i[0];
+  const std::int64_t y = i[1];
+  const std::int64_t z = i[2];
   if (interpolation == Interpolation::nearest) return source.at(x, y, z);
   if (interpolation == Interpolation::linear) {
     double sum = 0;
