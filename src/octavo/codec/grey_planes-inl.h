@@ -273,7 +273,7 @@ void decode_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_
     fill_margins(work.magnitudes[kAxis].row(y, z), count);
   };
   if (is_one_row(stage, symbols, z)) {
-    alignas(64) std::int16_t residuals[kMaxUnchecked + 16];
+    alignas(64) std::int16_t residuals[kMaxUnchecked + 16] = {};
     const std::int64_t most = kMaxUnchecked / count;
     for (std::int64_t y = 0; y < stage.pairs.y; y += most) {
       const std::int64_t rows = std::min(most, stage.pairs.y - y);
@@ -283,7 +283,7 @@ void decode_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_
     }
     return;
   }
-  alignas(64) std::int16_t residuals[kBrickSide + 16];
+  alignas(64) std::int16_t residuals[kBrickSide + 16] = {};
   for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
     const std::uint8_t* const cells = row_cells(stage, y, z);
     if (cells != nullptr) close_cells(stage, cells, work.limits.row(y, z));

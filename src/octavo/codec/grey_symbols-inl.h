@@ -275,6 +275,8 @@ void take_residuals(SymbolReader& symbols, std::uint16_t* contexts, const std::u
   if (coded < count) {
     for (int i = 0; i < coded; ++i) contexts[i] = contexts[order[i]];
   }
+  // The last chunk may reach beyond the row, and so into what pads residuals and magnitudes.
+  hn::StoreU(hn::Zero(kChunkHalves), kChunkHalves, tokens + coded);
   const bool has_big = take_tokens(symbols, contexts, coded, tokens);
   finish_residuals(symbols, contexts, tokens, coded, has_big, residuals);
   symbols.expect_inside();
