@@ -19,6 +19,7 @@ what the portable code gives is tested for each set (grey_stage_test.cpp, label_
 """
 
 import collections
+import os
 import pathlib
 import re
 import subprocess
@@ -43,16 +44,18 @@ def counted(build, programs):
     raw = sorted(str(path) for path in (build / "profiles").glob("*.profraw"))
     subprocess.run(["llvm-profdata", "merge", "--sparse", f"--output={merged}", *raw], check=True)
     objects = [part for program in programs[1:] for part in ("--object", program)]
-    sources = [str(ROOT / "src/octavo" / module) for module in MODULES]
     told = subprocess.run(
         ["llvm-cov", "show", f"--instr-profile={merged}", "--show-branches=count",
-         "--show-instantiations=false", "--use-color=false", programs[0], *objects, *sources],
+         "--show-instantiations=false", "--use-color=false",
+         "--ignore-filename-regex=(^|/)(tests|usr)/", programs[0], *objects],
         check=True, stdout=subprocess.PIPE, text=True)
     files = collections.defaultdict(FileCounts)
-    here = None
+    here = FileCounts()
     for text in told.stdout.splitlines():
-        if text.startswith(str(ROOT)) and text.endswith(":"):
-            here = files[str(pathlib.Path(text[:-1]).relative_to(ROOT / "src/octavo"))]
+        if text.startswith("/") and text.endswith(":"):
+            # A compiler cache has names relative to the build folder.
+            name = os.path.relpath(os.path.normpath(text[:-1]), ROOT / "src/octavo")
+            here = files[name] if name.split("/")[0] in MODULES else FileCounts()
         elif found := LINE.match(text):
             here.lines[int(found[1])] = found[2] != "0"
         elif found := BRANCH.match(text):
@@ -94,6 +97,8 @@ def main():
         report.append(f"{name}: {lines - len(missing)} of {lines} lines, {taken} of {branches} "
                       f"branches\n  not reached: {runs(missing)}\n  not every branch: "
                       f"{runs(half)}\n")
+    if not report:
+        sys.exit("coverage_figures: the programs have counted no line of src/octavo")
     (build / "lines.txt").write_text("".join(report))
     print("goal Q1: " + "; ".join(
         f"{module} {share(sums[module]['reached'], sums[module]['lines'])} of lines, "

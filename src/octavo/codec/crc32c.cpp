@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint32_t kReversedPolynomial = 0x82f63b78u;
 
-constexpr std::array<std::uint32_t, 256> make_table() {
+consteval std::array<std::uint32_t, 256> make_table() {
   std::array<std::uint32_t, 256> table{};
   for (std::uint32_t byte = 0; byte < 256; ++byte) {
     std::uint32_t crc = byte;

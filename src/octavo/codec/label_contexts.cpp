@@ -8,7 +8,7 @@ struct Direction {
   int x, y, z;
 };
 
-constexpr std::array<Direction, kLabelNeighbors> directions() {
+consteval std::array<Direction, kLabelNeighbors> directions() {
   std::array<Direction, kLabelNeighbors> result{};
   std::size_t count = 0;
   for (int z = -1; z <= 1; ++z) {

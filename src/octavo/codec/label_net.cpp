@@ -16,7 +16,7 @@ constexpr std::array<std::int32_t, 45> kLogistic = {
 /// Half a unit of logit.
 constexpr int kStep = 128;
 
-constexpr std::array<std::uint16_t, 2 * kLogitLimit + 1> interpolated() {
+consteval std::array<std::uint16_t, 2 * kLogitLimit + 1> interpolated() {
   std::array<std::uint16_t, 2 * kLogitLimit + 1> table{};
   for (int logit = -kLogitLimit; logit <= kLogitLimit; ++logit) {
     const int above = logit + kLogitLimit;

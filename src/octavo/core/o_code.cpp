@@ -47,7 +47,7 @@ bool step_axis(std::uint64_t& code, std::uint64_t axis_bits, int step) noexcept 
   return true;
 }
 
-constexpr std::array<Direction, 26> make_directions() {
+consteval std::array<Direction, 26> make_directions() {
   std::array<Direction, 26> directions{};
   std::size_t next = 0;
   for (int kind = 1; kind <= 3; ++kind) {
