@@ -210,13 +210,14 @@ void report(const RenderScene& scene, const std::vector<std::string>& paths, con
   }
 }
 
-/// Of three channels, as it is drawn, as rows of a PNG file and as that file.
+/// Of three channels three times: as it is drawn, as rows of a PNG file and as that file.
 std::uint64_t picture_bytes(const ViewFrame& frame) {
+  constexpr std::uint64_t kBytesPerPixel = 9;
   if (frame.width < 1 || frame.width > ViewFrame::kLongestSide || frame.height < 1 ||
       frame.height > ViewFrame::kLongestSide) {
     return 0;  // refused where it is looked at
   }
-  return 3 * 3 * static_cast<std::uint64_t>(frame.width * frame.height);
+  return kBytesPerPixel * static_cast<std::uint64_t>(frame.width * frame.height);
 }
 
 int run_render(const RenderArguments& arguments, Context& context) {
