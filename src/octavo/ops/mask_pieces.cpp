@@ -80,7 +80,7 @@ std::uint64_t memory_bytes(const MaskPart& part) noexcept {
   std::uint64_t bytes = sizeof part + part.pieces.size() * sizeof(MaskPiece) +
                         part.below.words.size() * sizeof(std::uint64_t);
   for (const auto& cubes : part.below.cubes) {
-    bytes += sizeof cubes + cubes.size() * sizeof(MaskCube);
+    bytes += sizeof(std::vector<MaskCube>) + cubes.size() * sizeof(MaskCube);
   }
   return bytes;
 }

@@ -225,7 +225,7 @@ class Resampler::Tile {
   std::optional<std::int64_t> distance_along(int axis, double at) const {
     std::int64_t sum = 0;
     for (int s = 0; s < 3; ++s) {
-      const double* const m = of_.to_source_.linear.data() + 3 * s;
+      const double* const m = &of_.to_source_.linear[3 * static_cast<std::size_t>(s)];
       const int follows = m[2] != 0 ? 2 : m[1] != 0 ? 1 : 0;
       if (follows != axis) continue;
       const double p = of_.to_source_.offset[static_cast<std::size_t>(s)] + m[axis] * at;
