@@ -77,7 +77,7 @@ class Adjacency {
   bool is_settled(const Index3& brick) const {
     const auto label = single_label(brick);
     if (!label) return false;
-    if (label == 0) return true;
+    if (*label == 0) return true;
     for (std::size_t i = 0; i < static_cast<std::size_t>(connectivity_); ++i) {
       const Direction& d = kDirections[i];
       const Index3 beside{brick.x + d.x, brick.y + d.y, brick.z + d.z};
