@@ -14,6 +14,8 @@
 #include "octavo/codec/grey_portable.h"
 #include "octavo/codec/grey_rows-inl.h"
 
+// Places within a row are small numbers.
+// NOLINTBEGIN(bugprone-implicit-widening-of-multiplication-result)
 HWY_BEFORE_NAMESPACE();
 namespace octavo::grey {
 namespace HWY_NAMESPACE {
@@ -302,5 +304,6 @@ void decode_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_
 }  // namespace HWY_NAMESPACE
 }  // namespace octavo::grey
 HWY_AFTER_NAMESPACE();
+// NOLINTEND(bugprone-implicit-widening-of-multiplication-result)
 
 #endif

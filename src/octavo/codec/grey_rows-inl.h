@@ -13,6 +13,8 @@
 #include "octavo/codec/grey_portable.h"
 #include "octavo/codec/grey_symbols-inl.h"
 
+// Places within a row are small numbers.
+// NOLINTBEGIN(bugprone-implicit-widening-of-multiplication-result)
 HWY_BEFORE_NAMESPACE();
 namespace octavo::grey {
 namespace HWY_NAMESPACE {
@@ -293,5 +295,6 @@ void reconstruct_from_means(const Parameters& p, const Stage& stage,
 }  // namespace HWY_NAMESPACE
 }  // namespace octavo::grey
 HWY_AFTER_NAMESPACE();
+// NOLINTEND(bugprone-implicit-widening-of-multiplication-result)
 
 #endif

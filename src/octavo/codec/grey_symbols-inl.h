@@ -13,6 +13,8 @@
 
 #include "octavo/codec/grey_portable.h"
 
+// Places within a row are small numbers.
+// NOLINTBEGIN(bugprone-implicit-widening-of-multiplication-result)
 HWY_BEFORE_NAMESPACE();
 namespace octavo::grey {
 namespace HWY_NAMESPACE {
@@ -294,5 +296,6 @@ void take_residuals(SymbolReader& symbols, std::uint16_t* contexts, const std::u
 }  // namespace HWY_NAMESPACE
 }  // namespace octavo::grey
 HWY_AFTER_NAMESPACE();
+// NOLINTEND(bugprone-implicit-widening-of-multiplication-result)
 
 #endif
