@@ -11,7 +11,7 @@ switch, as Clang sees the source: calls that may throw and code of the standard 
 (GCC's counters know only jumps of the compiled function: they take every call that may throw for
 one, and every copy that was inlined.) Of templates a branch counts once, and as taken when any of
 the copies takes it. Conditions that the compiler knows, as those of `if constexpr`, are no
-branches.
+branches, and functions that only it runs (consteval) have no lines.
 
 What Highway compiles for several instruction sets is left out: the counters of the copies that ran
 do not match their source with Clang 14, which would show all of it as never reached. That it gives
