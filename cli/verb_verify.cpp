@@ -1,6 +1,7 @@
 // octavo verify: is a file sound, and does it hold what its source holds?
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -27,13 +28,16 @@ constexpr VerbText kText = {
     "verify", "Prove that a file is sound, and that it holds what its source holds.",
     "Reads every byte, proves every checksum and decodes every brick. Damage is exit code 4: each\n"
     "damaged brick is named with its place in the file, and whether one flipped bit explains it;\n"
-    "--json lists the same. What is whole, export --salvage writes. With --against the geometry\n"
-    "and every stored voxel are compared with the source as well; a difference beyond what the\n"
-    "file says of itself is exit code 1. NaN and infinities that were replaced are replaced in\n"
-    "the source, too, and planes that --isotropic made are made again.\n\n"
+    "--json lists the same. repair turns flipped bits back; what is whole otherwise, export\n"
+    "--salvage writes. With --against the geometry and every stored voxel are compared with the\n"
+    "source as well; a difference beyond what the file says of itself is exit code 1. NaN and\n"
+    "infinities that were replaced are replaced in the source, too, and planes that --isotropic\n"
+    "made are made again.\n\n"
     "Examples:\n"
     "  octavo verify head.8vo\n"
     "  octavo verify head.8vo --against scans/head/"};
+
+constexpr const char* kFlipAdvice = "; repair turns flipped bits back";
 
 struct Arguments {
   std::string input;
@@ -81,15 +85,25 @@ nlohmann::ordered_json result_json(const std::string& path, const VerifyReport& 
   return object;
 }
 
-/// "3 of 40 bricks damaged, the others can be read; export --salvage writes them"
+/// Whether every damage is known, and one flipped bit explains each.
+bool is_flips_only(const VerifyReport& report) {
+  return report.damage_count == static_cast<std::int64_t>(report.damages.size()) &&
+         std::ranges::all_of(report.damages,
+                             [](const Damage& damage) { return damage.flipped_byte.has_value(); });
+}
+
+/// What is lost and what helps: "; 3 of 40 bricks damaged, the others can be read; export --salvage
+/// writes them"
 std::string extent_text(const VerifyReport& report) {
   const std::int64_t lost = report.damaged_brick_count + report.unreachable_brick_count;
-  if (lost == 0) return "";
-  return fmt::format("; {} of {} bricks damaged{}", count_text(lost),
-                     count_text(report.brick_count),
-                     lost < report.brick_count
-                         ? ", the others can be read; export --salvage writes them"
-                         : "");
+  std::string text;
+  if (lost > 0) {
+    text = fmt::format("; {} of {} bricks damaged", count_text(lost),
+                       count_text(report.brick_count));
+  }
+  if (is_flips_only(report)) return text + kFlipAdvice;
+  if (lost == 0 || lost == report.brick_count) return text;
+  return text + ", the others can be read; export --salvage writes them";
 }
 
 /// Says what is damaged: a line for each place, and the error last. A single place is the error.
@@ -180,15 +194,23 @@ int run_against(const Arguments& arguments, const VerifyReport& report,
   return is_good ? kExitDone : kExitDifferent;
 }
 
-int run_verify(const Arguments& arguments, Context& context) {
-  const std::shared_ptr<ByteSource> bytes = open_bytes(arguments.input);
+/// Throws also where the file cannot be looked into; says there what helps.
+VerifyReport verified(const Arguments& arguments, const Context& context) {
   VerifyOptions options;
   options.for_each = for_each_parallel(context.thread_count());
-  VerifyReport report;
-  {
-    ProgressLine progress(context);
-    report = verify_file(bytes, options, progress);
+  ProgressLine progress(context);
+  try {
+    return verify_file(open_bytes(arguments.input), options, progress);
+  } catch (const Error& error) {
+    const bool is_flip = error.kind() == ErrorKind::corrupt &&
+                         error.detail().find("one flipped bit") != std::string::npos;
+    if (!is_flip) throw;
+    throw Error(error.kind(), error.detail() + kFlipAdvice, error.path(), error.offset());
   }
+}
+
+int run_verify(const Arguments& arguments, Context& context) {
+  const VerifyReport report = verified(arguments, context);
   if (!report.is_sound()) return report_damage(arguments, report, context);
   const auto reader = open_octavo(arguments.input, context);
   if (!arguments.against.empty()) return run_against(arguments, report, reader, context);
