@@ -262,6 +262,10 @@ class Resume(InFolder):
             self.assertEqual((self.folder / name).read_bytes(), content)
         self.expect_refusal(5, ["nothing.8vo: no such file, and no interrupted build"], "repair",
                             "nothing.8vo", "-o", "x.8vo")
+        (self.folder / ".early.8vo.tmp-1").write_bytes(left[growing][:512])
+        self.expect_refusal(5, ["early.8vo: no such file, and .early.8vo.tmp-1 beside it",
+                                "start it anew"], "repair", "early.8vo", "-o", "x.8vo")
+        os.unlink(self.folder / ".early.8vo.tmp-1")
         # No other verb loses what is left, nor does a file that happens to be called a journal.
         self.expect(0, "phantom", "--size", "9", "-o", "p.8vo")
         (self.folder / "p.8vo.journal").write_text("something else")
@@ -337,7 +341,7 @@ class Salvage(InFolder):
     def test_verify_names_the_brick_and_the_flipped_bit(self):
         place, = self.damage(0.2)
         self.expect_refusal(4, ["bad.8vo: brick o-code 0x", " level 0 at byte ", "checksum ",
-                                f"(one flipped bit, byte {place})", "bricks damaged", "--salvage"],
+                                f"(one flipped bit, byte {place})", "bricks damaged; repair "],
                             "verify", "bad.8vo")
         report = self.report()
         self.assertFalse(report["sound"])
@@ -345,6 +349,18 @@ class Salvage(InFolder):
         damage, = report["damages"]
         self.assertEqual(damage["what"], "brick")
         self.assertEqual((damage["flipped_byte"], damage["flipped_bit"]), (place, 2))
+
+    def test_verify_names_what_helps(self):
+        def told(*fractions):
+            self.damage(*fractions)
+            said = self.expect(4, "verify", "bad.8vo", "--progress", "none").stderr
+            return said.splitlines()[-1]
+
+        for fractions in [(0.0001,), (0.15,), (0.15, 0.45), (0.9999,)]:
+            self.assertIn("repair turns flipped bits back", told(*fractions))
+        # Two bits of one brick.
+        self.assertIn("export --salvage writes them", told(0.15, 0.45, 0.46))
+        self.assertNotIn("repair", told(0.15, 0.45, 0.46))
 
     def test_verify_names_every_damaged_place(self):
         places = self.damage(0.15, 0.45, 0.75)

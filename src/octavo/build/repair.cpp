@@ -75,6 +75,13 @@ std::optional<InterruptedBuild> find_build(Storage& storage, const std::string& 
     std::erase_if(held, is_other);
     std::erase_if(names, is_other);
     explain_unread(storage, names, held);
+    if (!named_target && !names.empty()) {
+      throw Error(ErrorKind::io,
+                  "no such file, and " + base_name_of(names.front()) +
+                      " beside it is of work that still runs, or that was ended before it kept a "
+                      "journal of what is whole: nothing can be repaired; start it anew",
+                  input);
+    }
     return std::nullopt;
   }
   if (builds.size() == 1) return std::move(builds.front());

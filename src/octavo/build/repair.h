@@ -31,9 +31,9 @@ bool is_growing_name(const std::string& path);
 /// so: "repaired" {"missing_planes": [first, last], "fill"}. What was left stays as it is.
 /// input    what was being built, the growing file, or its journal
 /// Returns  nothing when no interrupted build is found by that name
-/// Throws   Error{corrupt} when no plane is whole; Error{io}, also when the build still runs or the
-///          growing file is gone; Error{cancelled}; then nothing but what stood there before stands
-///          under `output`
+/// Throws   Error{corrupt} when no plane is whole; Error{io}, also when the build still runs, the
+///          growing file is gone, or it stands beside `input` without a journal; Error{cancelled};
+///          then nothing but what stood there before stands under `output`
 /// Memory   24 MiB per thread, and as FileWriter and WholeBricks
 std::optional<SealResult> seal_interrupted(Storage& storage, const std::string& input,
                                            const std::string& output, const SealOptions& options,
