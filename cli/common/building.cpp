@@ -79,6 +79,7 @@ BuildOptions with_context(BuildOptions options, const Context& context) {
   if (context.force && !is_resuming) options.interrupted = Interrupted::discard;
   options.threads = context.threads;
   options.max_memory_bytes = context.max_memory_bytes;
+  options.progress_name = context.verb;
   return options;
 }
 

@@ -8,8 +8,8 @@
 
 namespace octavo::cli {
 
-/// `options` with what `context` says: overwriting, what became of an interrupted build, threads
-/// and memory. Interrupted::resume is kept.
+/// `options` with what `context` says: overwriting, what became of an interrupted build, threads,
+/// memory and the verb, which names the progress. Interrupted::resume is kept.
 BuildOptions with_context(BuildOptions options, const Context& context);
 
 /// For results whose size the user chose, before any work: throws Error{limit_exceeded} with both

@@ -533,6 +533,11 @@ class Results(InFolder):
         json.loads(shown.stdout)
         last = json.loads(shown.stderr.splitlines()[-1])["progress"]
         self.assertEqual(last["done"], last["total"])
+        self.assertEqual(last["what"], "phantom")
+        shown = self.expect(0, "threshold", "j.8vo", "--range", "0:", "-o", "m.8vo", "--progress",
+                            "json")
+        last = json.loads(shown.stderr.splitlines()[-1])["progress"]
+        self.assertEqual(last["what"], "threshold")
 
 
 class Stopping(InFolder):

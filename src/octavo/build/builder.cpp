@@ -275,7 +275,8 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
   if (options.interrupted == Interrupted::refuse) refuse_interrupted(storage, path);
 
   // Every plane passes twice: read, then coded.
-  const ProgressScope scope(progress, "build", 2 * description.size.z, "plane passes");
+  const ProgressScope scope(progress, options.progress_name, 2 * description.size.z,
+                            "plane passes");
   ErrorBound bound;
   std::optional<FloatPlanes> floats;
   result.max_error = options.max_error / std::abs(description.rescale.slope);
