@@ -156,7 +156,7 @@ void add_source_options(CLI::App& verb, SourceArguments& arguments) {
       ->group(group);
   verb.add_option("--on-gap", arguments.on_gap,
                   "DICOM slices missing or uneven: refuse, fill an even grid, or resample all; "
-                  "numbered files whose numbers skip: refuse or ignore")
+                  "numbered files whose numbers skip or tell no order: refuse or ignore")
       ->type_name("HOW")
       ->check(CLI::IsMember({"error", "fill", "resample", "ignore"}))
       ->capture_default_str()

@@ -7,8 +7,8 @@
 
 #include "octavo/core/checked.h"
 #include "octavo/core/levels.h"
-#include "octavo/io/natural_order.h"
 #include "octavo/io/source_file.h"
+#include "octavo/io/stack_names.h"
 
 namespace octavo {
 
@@ -31,6 +31,31 @@ std::string settle_spacing(SourceFacts& facts, const SourceOptions& options) {
   facts.warnings.push_back("spacing is not in the files: 1 mm assumed; give --spacing x,y,z");
   spacing = {1, 1, 1};
   return "assumed";
+}
+
+constexpr const char* kNameOneStack = "; name the files of one stack, in which one number counts";
+
+/// Says what is wrong with the order of the names of a stack.
+std::string gap_text(const std::vector<std::string>& names, const std::vector<NumberGap>& gaps) {
+  if (const auto grid = number_grid(names); grid && !gaps.front().is_counted) {
+    return "two numbers in the names count, " + std::to_string(grid->outer) + " x " +
+           std::to_string(grid->inner) + " files from " + escaped(names.front()) + " to " +
+           escaped(names.back()) + ", as those of several channels or times do";
+  }
+  const NumberGap& first = gaps.front();
+  std::string text =
+      escaped(names[first.before]) + " is followed by " + escaped(names[first.before + 1]) + ": ";
+  if (!first.is_counted) {
+    text += "no number in their names counts from one to the other";
+  } else if (first.missing > 0) {
+    text += (first.missing == 1 ? "1 file is" : std::to_string(first.missing) + " files are") +
+            std::string(" missing by their numbers");
+  } else {
+    text += "the numbers are uneven";
+  }
+  if (gaps.size() == 2) text += " (and 1 more such place)";
+  if (gaps.size() > 2) text += " (and " + std::to_string(gaps.size() - 1) + " more such places)";
+  return text;
 }
 
 }  // namespace
@@ -78,18 +103,12 @@ void settle_number_gaps(const std::vector<std::string>& files, const SourceOptio
   for (const std::string& file : files) names.push_back(base_name(file));
   const std::vector<NumberGap> gaps = number_gaps(names);
   if (gaps.empty()) return;
-  const NumberGap& first = gaps.front();
-  const std::string one = first.missing == 1 ? "1 file is" : std::to_string(first.missing) +
-                                                                 " files are";
-  const std::string found =
-      escaped(names[first.before]) + " is followed by " + escaped(names[first.before + 1]) + ": " +
-      (first.missing > 0 ? one + " missing by their numbers" : "the numbers are uneven") +
-      (gaps.size() > 1 ? " (and " + std::to_string(gaps.size() - 1) + " more such places)" : "");
+  const std::string found = gap_text(names, gaps);
   if (options.on_gap != GapPolicy::ignore) {
     throw Error(ErrorKind::source_rejected,
-                found + "; complete the stack, or give --on-gap ignore to take the files as "
-                        "neighbours",
-                files[first.before + 1]);
+                found + (gaps.front().is_counted ? "; complete the stack" : kNameOneStack) +
+                    ", or give --on-gap ignore to take the files as neighbours",
+                files[gaps.front().before + 1]);
   }
   facts.ignored_number_gaps = gaps.size();
   facts.warnings.push_back(found + "; taken as neighbours");

@@ -37,10 +37,11 @@ struct SourceFacts {
 ///        as choose_component does
 void settle(SourceFacts& facts, const SourceOptions& options, const std::string& path);
 
-/// Refuses a stack of numbered files whose numbers skip: a plane is probably missing. With
-/// GapPolicy::ignore the files are taken as neighbours, with a warning and a note in the metadata.
+/// Refuses a stack of files whose numbers skip, as a plane is probably missing, and one in which no
+/// number counts, as its order is not known. With GapPolicy::ignore the files are taken as
+/// neighbours, with a warning and a note in the metadata.
 /// files   in plane order
-/// Throws  Error{source_rejected} naming the two files of the first gap
+/// Throws  Error{source_rejected} naming the two files of the first such place
 void settle_number_gaps(const std::vector<std::string>& files, const SourceOptions& options,
                         SourceFacts& facts);
 

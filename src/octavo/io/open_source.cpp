@@ -21,7 +21,7 @@ namespace octavo {
 
 namespace {
 
-enum class Format { dicom, tiff, png, nifti, nrrd, meta_image, itk, unknown };
+enum class Format { dicom, tiff, png, nifti, nrrd, meta_image, itk, raw_planes, unknown };
 
 /// By the first bytes where they tell, else by the name.
 Format format_of(const std::string& path) {
@@ -55,9 +55,12 @@ void require_fitting(Format format, const SourceOptions& options, const std::str
       !option.empty() && format != Format::dicom) {
     throw Error(ErrorKind::invalid_argument, option + " applies to DICOM only", path);
   }
-  if (options.on_gap == GapPolicy::ignore && format != Format::tiff && format != Format::png) {
+  const bool is_stack =
+      format == Format::tiff || format == Format::png || format == Format::raw_planes;
+  if (options.on_gap == GapPolicy::ignore && !is_stack) {
     throw Error(ErrorKind::invalid_argument,
-                "--on-gap ignore applies to stacks of numbered TIFF or PNG files only", path);
+                "--on-gap ignore applies to stacks of numbered files only: TIFF, PNG, raw planes",
+                path);
   }
 }
 
@@ -77,30 +80,68 @@ std::vector<std::string> sorted(std::vector<std::string> files) {
 /// A DICOMDIR stands for the folder it lies in.
 bool is_dicomdir(const std::string& path) { return lower_case(base_name(path)) == "dicomdir"; }
 
-std::unique_ptr<PlaneSource> open_folder(const std::string& folder, const SourceOptions& options) {
-  const std::vector<std::string> all = files_in_folder(folder, true);
-  if (std::any_of(all.begin(), all.end(), looks_like_dicom)) {
-    require_fitting(Format::dicom, options, folder);
-    return open_dicom_source(all, folder, options);
-  }
+/// The files right in a folder, by what they can be read as.
+struct FolderContent {
   std::vector<std::string> tiffs;
   std::vector<std::string> pngs;
   std::vector<std::string> volumes;
+  bool has_dicom = false;
+};
+
+FolderContent content_of(const std::string& folder) {
+  FolderContent content;
   for (const std::string& path : files_in_folder(folder, false)) {
-    const Format format = format_of(path);
-    if (format == Format::tiff) tiffs.push_back(path);
-    if (format == Format::png) pngs.push_back(path);
-    if (format != Format::tiff && format != Format::png && format != Format::unknown)
-      volumes.push_back(path);
+    switch (format_of(path)) {
+      case Format::tiff: content.tiffs.push_back(path); break;
+      case Format::png: content.pngs.push_back(path); break;
+      case Format::raw_planes:
+      case Format::unknown: break;
+      default:
+        content.volumes.push_back(path);
+        content.has_dicom = content.has_dicom || looks_like_dicom(path);
+    }
   }
-  if (!tiffs.empty() && !pngs.empty()) {
-    throw Error(ErrorKind::source_rejected,
-                std::to_string(tiffs.size()) + " TIFF and " + std::to_string(pngs.size()) +
-                    " PNG files in one folder: name the files of one stack",
-                folder);
+  return content;
+}
+
+/// Refuses a folder of which nobody can say what is meant: files of several kinds, or files above
+/// the DICOM files of a folder in it.
+/// dicom_below  one of the DICOM files in folders of `folder`; or nothing
+void require_one_kind(const FolderContent& content, const std::string& dicom_below,
+                      const std::string& folder) {
+  std::vector<std::string> kinds;
+  const auto add = [&](const std::vector<std::string>& files, const std::string& kind) {
+    if (files.empty()) return;
+    kinds.push_back(std::to_string(files.size()) + " " + kind + (files.size() > 1 ? "s (" : " (") +
+                    escaped(base_name(files.front())) + (files.size() > 1 ? " ...)" : ")"));
+  };
+  add(content.tiffs, "TIFF file");
+  add(content.pngs, "PNG file");
+  add(content.volumes, "volume");
+  if (!dicom_below.empty()) {
+    kinds.push_back("DICOM files in folders of it (" + escaped(dicom_below) + " ...)");
   }
-  if (!tiffs.empty()) return open_stack(Format::tiff, tiffs, folder, options);
-  if (!pngs.empty()) return open_stack(Format::png, pngs, folder, options);
+  if (kinds.size() < 2) return;
+  std::string text = kinds.front();
+  for (std::size_t i = 1; i < kinds.size(); ++i) {
+    text += (i + 1 == kinds.size() ? " and " : ", ") + kinds[i];
+  }
+  throw Error(ErrorKind::source_rejected,
+              text + ": name the file, the files or the folder of one of them", folder);
+}
+
+std::unique_ptr<PlaneSource> open_folder(const std::string& folder, const SourceOptions& options) {
+  const std::vector<std::string> all = files_in_folder(folder, true);
+  const FolderContent content = content_of(folder);
+  const auto dicom = std::find_if(all.begin(), all.end(), looks_like_dicom);
+  if (!content.has_dicom) require_one_kind(content, dicom == all.end() ? "" : *dicom, folder);
+  if (dicom != all.end()) {
+    require_fitting(Format::dicom, options, folder);
+    return open_dicom_source(all, folder, options);
+  }
+  if (!content.tiffs.empty()) return open_stack(Format::tiff, content.tiffs, folder, options);
+  if (!content.pngs.empty()) return open_stack(Format::png, content.pngs, folder, options);
+  const std::vector<std::string>& volumes = content.volumes;
   if (volumes.size() == 1) return open_source(volumes, options);
   throw Error(ErrorKind::source_rejected,
               volumes.empty()
@@ -126,6 +167,7 @@ std::unique_ptr<PlaneSource> open_file(const std::string& path, const SourceOpti
     case Format::nrrd: return open_nrrd_source(path, options);
     case Format::meta_image: return open_meta_source(path, options);
     case Format::itk: return open_itk_source(path, options);
+    case Format::raw_planes:
     case Format::unknown: break;
   }
   throw Error(
@@ -177,11 +219,12 @@ std::vector<std::string> without_folders(const std::vector<std::string>& paths) 
 std::unique_ptr<PlaneSource> dispatch(const std::vector<std::string>& paths,
                                       const SourceOptions& options) {
   if (options.raw) {
-    require_fitting(Format::unknown, options, paths.front());
     const bool is_one_folder = paths.size() == 1 && is_folder(paths.front());
-    return open_raw_source(
-        is_one_folder ? files_in_folder(paths.front(), false) : without_folders(paths),
-        *options.raw, options);
+    const std::vector<std::string> files =
+        is_one_folder ? files_in_folder(paths.front(), false) : without_folders(paths);
+    require_fitting(files.size() > 1 ? Format::raw_planes : Format::unknown, options,
+                    paths.front());
+    return open_raw_source(files, *options.raw, options);
   }
   if (paths.size() == 1) {
     return is_folder(paths.front()) ? open_folder(paths.front(), options)
@@ -220,6 +263,7 @@ bool needs_isolation(const std::vector<std::string>& paths, const SourceOptions&
     case Format::nifti:
     case Format::nrrd:
     case Format::meta_image:
+    case Format::raw_planes:
     case Format::unknown: return false;
   }
   return true;

@@ -93,6 +93,7 @@ std::unique_ptr<PlaneSource> open_raw_source(const std::vector<std::string>& fil
   facts.file_count = static_cast<std::int64_t>(files.size());
   facts.description.type = layout.type;
   facts.description.size = layout.size;
+  settle_number_gaps(files, options, facts);
   settle(facts, options, files.front());
   const std::uint64_t plane = plane_bytes(facts.description);
   if (files.size() == 1) {

@@ -32,7 +32,16 @@ void collect_files(const std::string& folder, std::vector<std::string>& files) {
   for (; !failure && it != Iterator(); it.increment(failure)) {
     if (it->path().filename().string().starts_with(".")) continue;
     std::error_code status_failure;
-    if (it->is_regular_file(status_failure)) files.push_back(it->path().string());
+    const fs::file_status status = it->status(status_failure);
+    if (status.type() == fs::file_type::not_found || status.type() == fs::file_type::none) {
+      const std::string cause = "cannot examine: " + status_failure.message();
+      throw Error(ErrorKind::io,
+                  it->is_symlink(status_failure)
+                      ? "is a link to a file that is not there; fetch that file, or remove the link"
+                      : cause,
+                  it->path().string());
+    }
+    if (fs::is_regular_file(status)) files.push_back(it->path().string());
   }
   if (failure) throw Error(ErrorKind::io, "cannot list the folder: " + failure.message(), folder);
 }

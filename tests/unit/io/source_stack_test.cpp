@@ -41,19 +41,6 @@ TEST(SourceStack, NaturalOrderIsThatOfTheNumbers) {
   EXPECT_EQ(names, expected);
 }
 
-TEST(SourceStack, GapsInTheNumbersAreTold) {
-  EXPECT_TRUE(number_gaps({"s1", "s2", "s3"}).empty());
-  EXPECT_TRUE(number_gaps({"s10", "s20", "s30"}).empty());
-  EXPECT_TRUE(number_gaps({"left", "right"}).empty());
-  EXPECT_TRUE(number_gaps({"s1", "s01", "s001"}).empty());
-  const std::vector<NumberGap> gaps = number_gaps({"s1", "s2", "s4", "s5", "s9"});
-  ASSERT_EQ(gaps.size(), 2U);
-  EXPECT_EQ(gaps[0].before, 1U);
-  EXPECT_EQ(gaps[0].missing, 1U);
-  EXPECT_EQ(gaps[1].before, 3U);
-  EXPECT_EQ(gaps[1].missing, 3U);
-}
-
 TEST(SourceStack, NumbersThatSkipAreRefusedWithBothNamesOrIgnored) {
   for (const bool is_tiff : {true, false}) {
     const TempFolder folder;
