@@ -75,6 +75,9 @@ class PngFile {
   /// 1 grey, 2 with alpha, 3 RGB, 4 with alpha.
   std::int64_t channels() const { return png_get_channels(png_, info_); }
 
+  /// Values of fewer than 8 bits are to be scaled to the range of 8; call it before read_voxels.
+  void expand() { is_expanded_ = true; }
+
   /// The values of one channel. Requires a picture without palette and a plane of width x height
   /// values. Throws Error{source_rejected}.
   void read_voxels(std::int64_t channel, std::span<std::byte> plane) {
@@ -107,7 +110,8 @@ class PngFile {
 
   bool read_rows(png_bytepp rows) {
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
-    if (bit_depth() < 8) png_set_packing(png_);
+    if (bit_depth() < 8 && is_expanded_) png_set_expand_gray_1_2_4_to_8(png_);
+    if (bit_depth() < 8 && !is_expanded_) png_set_packing(png_);
     if (bit_depth() == 16 && needs_swap(true)) png_set_swap(png_);
     png_set_interlace_handling(png_);
     png_read_update_info(png_, info_);
@@ -124,6 +128,7 @@ class PngFile {
   PngInput input_;
   png_structp png_ = nullptr;
   png_infop info_ = nullptr;
+  bool is_expanded_ = false;
 };
 
 struct PngShape {
@@ -172,50 +177,93 @@ void note_chunks(const std::string& path, SourceIdentity& identity) {
   }
 }
 
+/// The pictures of a stack, all of one shape.
+struct PngStack {
+  std::vector<std::string> files;
+  PngShape shape;
+  std::set<int> bit_depths;
+
+  /// Programs that shrink PNG files store a plane of few grey levels with fewer bits. A white of 1
+  /// is then the white of 255 in the plane beside it: the planes have one scale only at 8 bits.
+  bool is_expanded() const { return bit_depths.size() > 1; }
+};
+
+/// Throws Error{source_rejected} naming the odd file with both shapes.
+PngStack examine(const std::vector<std::string>& files) {
+  PngStack stack;
+  stack.files = files;
+  for (const std::string& path : files) {
+    const PngFile file(path);
+    const PngShape shape = shape_of(file, path);
+    if (stack.bit_depths.empty()) stack.shape = shape;
+    stack.bit_depths.insert(file.bit_depth());
+    if (shape == stack.shape) continue;
+    throw Error(ErrorKind::source_rejected,
+                "it is " + shape_text(shape) + ", " + escaped(base_name(files.front())) + " is " +
+                    shape_text(stack.shape) + "; all planes of a stack must have one size and type",
+                path);
+  }
+  return stack;
+}
+
+/// What becomes of pictures of fewer than 8 bits.
+void add_depth_warning(const PngStack& stack, SourceFacts& facts) {
+  const int fewest_bits = *stack.bit_depths.begin();
+  if (fewest_bits >= 8) return;
+  if (!stack.is_expanded()) {
+    facts.warnings.push_back("pictures of " + std::to_string(fewest_bits) +
+                             (fewest_bits == 1 ? " bit" : " bits") +
+                             ": voxels are the stored numbers, 0 to " +
+                             std::to_string((1 << fewest_bits) - 1));
+    return;
+  }
+  std::string depths;
+  for (const int bits : stack.bit_depths) {
+    depths += (depths.empty() ? "" : bits == *stack.bit_depths.rbegin() ? " and " : ", ") +
+              std::to_string(bits);
+  }
+  facts.warnings.push_back("pictures of " + depths +
+                           " bits in one stack: all are scaled to 8 bits, white is 255");
+}
+
 class PngSource final : public IndexedPlaneSource {
  public:
-  PngSource(SourceFacts facts, std::vector<std::string> files, const PngShape& shape)
-      : IndexedPlaneSource(std::move(facts)), files_(std::move(files)), shape_(shape) {}
+  PngSource(SourceFacts facts, PngStack stack)
+      : IndexedPlaneSource(std::move(facts)), stack_(std::move(stack)) {}
 
   void read_plane_at(std::int64_t z, std::span<std::byte> plane) const override {
-    const std::string& path = files_[static_cast<std::size_t>(z)];
+    const std::string& path = stack_.files[static_cast<std::size_t>(z)];
     PngFile file(path);
-    if (shape_of(file, path) != shape_) {
+    if (shape_of(file, path) != stack_.shape || !stack_.bit_depths.contains(file.bit_depth())) {
       throw Error(ErrorKind::source_rejected, "the file changed while it was read", path);
     }
+    if (stack_.is_expanded()) file.expand();
     file.read_voxels(choice().channel, plane);
   }
 
  private:
-  std::vector<std::string> files_;
-  PngShape shape_;
+  PngStack stack_;
 };
 
 }  // namespace
 
 std::unique_ptr<PlaneSource> open_png_source(const std::vector<std::string>& files,
                                              const SourceOptions& options) {
-  const PngShape first = shape_of(PngFile(files.front()), files.front());
-  for (const std::string& path : files) {
-    const PngShape shape = shape_of(PngFile(path), path);
-    if (shape == first) continue;
-    throw Error(ErrorKind::source_rejected,
-                "it is " + shape_text(shape) + ", " + escaped(base_name(files.front())) + " is " +
-                    shape_text(first) + "; all planes of a stack must have one size and type",
-                path);
-  }
+  PngStack stack = examine(files);
+  const PngShape& first = stack.shape;
   SourceFacts facts;
   facts.format = "PNG";
   facts.file_count = static_cast<std::int64_t>(files.size());
   facts.description.type = first.type;
   facts.description.size = {first.width, first.height, facts.file_count};
+  add_depth_warning(stack, facts);
   settle_number_gaps(files, options, facts);
   facts.components.channels = first.channels;
   facts.components.channel_names = first.channels == 2 ? std::vector<std::string>{"grey", "alpha"}
                                                        : colour_names(first.channels);
   for (const std::string& path : files) note_chunks(path, facts.identity);
   settle(facts, options, files.front());
-  return std::make_unique<PngSource>(std::move(facts), files, first);
+  return std::make_unique<PngSource>(std::move(facts), std::move(stack));
 }
 
 }  // namespace octavo

@@ -9,7 +9,8 @@
 
 namespace octavo {
 
-/// files  in plane order; grey of 1 to 8 bits becomes uint8 as stored, of 16 bits uint16
+/// files  in plane order; grey of up to 8 bits becomes uint8, of 16 bits uint16. Values are those
+///        stored, but where pictures of 1, 2, 4 and 8 bits are mixed all are scaled to 8 bits.
 /// Throws Error{source_rejected} on colour, transparency, mixed sizes or damaged files; Error{io}
 std::unique_ptr<PlaneSource> open_png_source(const std::vector<std::string>& files,
                                              const SourceOptions& options);

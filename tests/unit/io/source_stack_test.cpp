@@ -320,6 +320,42 @@ TEST(SourceStack, PngPlanesGiveTheStoredVoxels) {
   EXPECT_EQ(voxels_of(*source), std::string(12, '\1') + bytes_of(values));
 }
 
+/// A row of 8 grey levels, 0 or the largest one, in so many bits.
+std::string black_and_white(int bits) {
+  std::string row;
+  for (int byte = 0; byte < bits; ++byte) row += static_cast<char>(bits == 1 ? 0x0f : 0);
+  for (int byte = bits / 2; bits > 1 && byte < bits; ++byte) {
+    row[static_cast<std::size_t>(byte)] = static_cast<char>(0xff);
+  }
+  return row;
+}
+
+TEST(SourceStack, PngPlanesOfSeveralDepthsAreScaledToOne) {
+  const TempFolder folder;
+  std::string expected;
+  for (const int bits : {8, 1, 2, 4, 8}) {
+    const std::string name = "p" + std::to_string(expected.size() / 8) + ".png";
+    write_png(folder.file(name), 8, 1, bits, 0, black_and_white(bits));
+    expected += std::string(4, '\0') + std::string(4, '\xff');
+  }
+  const auto source = open_source({folder.path()}, {});
+  EXPECT_EQ(voxels_of(*source), expected);
+  EXPECT_TRUE(contains(source->warnings()[0], "1, 2, 4 and 8 bits")) << source->warnings()[0];
+}
+
+TEST(SourceStack, PngPlanesOfOneSmallDepthKeepTheirNumbers) {
+  for (const auto& [bits, white] : {std::pair{1, 1}, {2, 3}, {4, 15}}) {
+    const TempFolder folder;
+    for (const char* name : {"p0.png", "p1.png"}) {
+      write_png(folder.file(name), 8, 1, bits, 0, black_and_white(bits));
+    }
+    const auto source = open_source({folder.path()}, {});
+    const std::string plane = std::string(4, '\0') + std::string(4, static_cast<char>(white));
+    EXPECT_EQ(voxels_of(*source), plane + plane);
+    EXPECT_TRUE(contains(source->warnings()[0], "0 to " + std::to_string(white)));
+  }
+}
+
 TEST(SourceStack, PngsThatAreNoStackAreRefused) {
   const TempFolder folder;
   write_png(folder.file("a1.png"), 3, 2, 8, 0, counted(6, 0));
