@@ -1,7 +1,6 @@
 #include "octavo/io/itk_source.h"
 
 #include <itkGiplImageIO.h>
-#include <itkVTKImageIO.h>
 
 #include <algorithm>
 #include <array>
@@ -12,16 +11,17 @@
 
 #include "octavo/core/checked.h"
 #include "octavo/core/levels.h"
+#include "octavo/io/byte_order.h"
 #include "octavo/io/header_text.h"
 #include "octavo/io/source_file.h"
 #include "octavo/io/voxel_stream.h"
+#include "octavo/io/vtk_header.h"
 
 namespace octavo {
 
 namespace {
 
 constexpr std::uint64_t kGiplHeaderBytes = 256;
-constexpr std::size_t kMaxVtkHeaderBytes = 4096;
 
 [[noreturn]] void reject(const std::string& path, const std::string& why) {
   throw Error(ErrorKind::source_rejected, why, path);
@@ -40,13 +40,6 @@ std::optional<VoxelType> voxel_type_of(itk::IOComponentEnum component) {
   }
 }
 
-itk::ImageIOBase::Pointer reader_for(const std::string& path) {
-  if (has_ending(path, ".gipl") || has_ending(path, ".gipl.gz")) {
-    return itk::GiplImageIO::New().GetPointer();
-  }
-  return itk::VTKImageIO::New().GetPointer();
-}
-
 /// ITK's first line of an exception.
 std::string reason(const itk::ExceptionObject& failure) {
   const std::string text = failure.GetDescription();
@@ -55,7 +48,7 @@ std::string reason(const itk::ExceptionObject& failure) {
 
 SourceFacts describe(const itk::ImageIOBase& io, const std::string& path) {
   SourceFacts facts;
-  facts.format = has_ending(path, ".vtk") ? "VTK" : "GIPL";
+  facts.format = "GIPL";
   const unsigned dimensions = io.GetNumberOfDimensions();
   if (dimensions < 2 || dimensions > 3) {
     reject(path, std::to_string(dimensions) + " dimensions: only volumes of 2 or 3 are read");
@@ -86,19 +79,10 @@ SourceFacts describe(const itk::ImageIOBase& io, const std::string& path) {
   return facts;
 }
 
-/// The second line of a VTK file, or the text of 80 characters in the header of a GIPL file.
-void note_title(const std::string& path, SourceIdentity& identity) {
+/// The text of 80 characters in the header of a GIPL file.
+void note_text(const std::string& path, SourceIdentity& identity) {
   constexpr std::size_t kGiplTextOffset = 26;
   constexpr std::size_t kGiplTextBytes = 80;
-  constexpr std::size_t kMaxVtkTitleBytes = 256;
-  if (has_ending(path, ".vtk")) {
-    const std::vector<std::byte> head = file_head(path, kMaxVtkHeaderBytes);
-    std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
-    text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
-    const std::size_t end = std::min({text.find('\n'), text.size(), kMaxVtkTitleBytes});
-    identity.note("title", std::string(trimmed(text.substr(0, end))));
-    return;
-  }
   std::array<std::byte, kGiplTextOffset + kGiplTextBytes> head{};
   VoxelStream stream(path, 0,
                      is_gzip_file(path) ? StreamCoding::deflated : StreamCoding::plain);
@@ -124,59 +108,65 @@ class LoadedSource final : public DescribedSource {
   std::vector<std::byte> voxels_;
 };
 
-/// Where the voxels start: behind the header of a GIPL file, behind the last line of a VTK header.
-std::uint64_t voxel_offset(const std::string& path) {
-  if (!has_ending(path, ".vtk")) return kGiplHeaderBytes;
-  const std::vector<std::byte> head = file_head(path, kMaxVtkHeaderBytes);
-  const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
-  const std::size_t scalars = std::min(text.find("SCALARS"), text.size());
-  const std::size_t table = text.find("LOOKUP_TABLE", scalars);
-  const std::size_t line_end = text.find('\n', table != std::string_view::npos ? table : scalars);
-  if (line_end == std::string_view::npos) {
-    reject(path, "its header has no SCALARS line: volumes of one scalar per point are read");
-  }
-  return line_end + 1;
-}
-
-/// ITK leaves unset what a cut file lacks, without a word; a binary file must hold its voxels.
-void check_length(const itk::ImageIOBase& io, const std::string& path, std::uint64_t voxel_bytes) {
-  if (io.GetFileType() == itk::IOFileEnum::ASCII) {
-    reject(path, "voxels written as text are not read; convert the file to binary");
-  }
+/// ITK leaves unset what a cut file lacks, without a word; the file must hold its voxels.
+void check_length(const std::string& path, std::uint64_t voxel_bytes) {
+  const std::uint64_t needed = checked_add(kGiplHeaderBytes, voxel_bytes, "file length");
   if (is_gzip_file(path)) {
-    check_gzip_length(path, checked_add(kGiplHeaderBytes, voxel_bytes, "stream length"));
+    check_gzip_length(path, needed);
     return;
   }
-  const std::uint64_t needed = checked_add(voxel_offset(path), voxel_bytes, "file length");
   const std::uint64_t found = SourceFile(path).size();
   if (found >= needed) return;
   reject(path, "the file is too short: " + std::to_string(needed) + " bytes needed, " +
                    std::to_string(found) + " found; it is cut");
 }
 
-}  // namespace
-
-bool is_itk_name(const std::string& path) {
-  return has_ending(path, ".vtk") || has_ending(path, ".gipl") || has_ending(path, ".gipl.gz");
+/// Bytes of the voxels of a settled description. Throws Error{limit_exceeded}.
+std::uint64_t volume_bytes(const VolumeDescription& description, const SourceOptions& options,
+                           const std::string& path) {
+  const std::uint64_t bytes = checked_mul(
+      plane_bytes(description), static_cast<std::uint64_t>(description.size.z), "volume");
+  check_memory(bytes, options, path);
+  return bytes;
 }
 
-std::unique_ptr<PlaneSource> open_itk_source(const std::string& path,
-                                             const SourceOptions& options) {
+/// ITK's reader searches the names of arrays for its keywords and takes cells for points, so VTK is
+/// read here.
+std::unique_ptr<PlaneSource> open_vtk(const std::string& path, const SourceOptions& options) {
+  const VtkHeader header = read_vtk_header(path);
+  SourceFacts facts;
+  facts.format = "VTK";
+  facts.description.type = header.type;
+  facts.description.size = header.size;
+  facts.description.geometry.origin_mm = header.origin_mm;
+  facts.spacing_known = header.spacing_mm.has_value();
+  if (header.spacing_mm) facts.description.geometry.spacing_mm = *header.spacing_mm;
+  if (header.has_colour_table) {
+    facts.warnings.push_back("the colour table was left out; voxels are the stored numbers");
+  }
+  facts.identity.note("title", header.title);
+  settle(facts, options, path);
+  std::vector<std::byte> voxels(volume_bytes(facts.description, options, path));
+  SourceFile(path).read_exactly(header.voxel_offset, voxels);
+  if (needs_swap(true)) {
+    swap_values(voxels, static_cast<std::size_t>(bytes_per_voxel(header.type)));
+  }
+  return std::make_unique<LoadedSource>(std::move(facts), std::move(voxels));
+}
+
+std::unique_ptr<PlaneSource> open_gipl(const std::string& path, const SourceOptions& options) {
   const SourceFile probe(path);
-  const itk::ImageIOBase::Pointer io = reader_for(path);
+  const itk::ImageIOBase::Pointer io = itk::GiplImageIO::New().GetPointer();
   try {
     io->SetFileName(path);
     if (!io->CanReadFile(path.c_str()))
       reject(path, "ITK does not recognise it: damaged, or another format");
     io->ReadImageInformation();
     SourceFacts facts = describe(*io, path);
-    note_title(path, facts.identity);
+    note_text(path, facts.identity);
     settle(facts, options, path);
-    const std::uint64_t bytes =
-        checked_mul(plane_bytes(facts.description),
-                    static_cast<std::uint64_t>(facts.description.size.z), "volume");
-    check_memory(bytes, options, path);
-    check_length(*io, path, bytes);
+    const std::uint64_t bytes = volume_bytes(facts.description, options, path);
+    check_length(path, bytes);
     itk::ImageIORegion region(io->GetNumberOfDimensions());
     for (unsigned axis = 0; axis < io->GetNumberOfDimensions(); ++axis) {
       region.SetSize(axis, io->GetDimensions(axis));
@@ -188,6 +178,17 @@ std::unique_ptr<PlaneSource> open_itk_source(const std::string& path,
   } catch (const itk::ExceptionObject& failure) {
     reject(path, "ITK cannot read it: " + reason(failure));
   }
+}
+
+}  // namespace
+
+bool is_itk_name(const std::string& path) {
+  return has_ending(path, ".vtk") || has_ending(path, ".gipl") || has_ending(path, ".gipl.gz");
+}
+
+std::unique_ptr<PlaneSource> open_itk_source(const std::string& path,
+                                             const SourceOptions& options) {
+  return has_ending(path, ".vtk") ? open_vtk(path, options) : open_gipl(path, options);
 }
 
 }  // namespace octavo

@@ -1,0 +1,164 @@
+#include <gtest/gtest.h>
+
+#include "support/source_files.h"
+
+namespace octavo::testing {
+namespace {
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// 24 values, among them bytes that look like line ends and keywords' letters.
+const std::vector<std::int16_t> kValues = {0,  1,  -1, 10,  2570, 3338, 83, 21313, 8, 9, 32767, -7,
+                                           12, 13, 14, -15, 16,   17,   18, 19,    2, 3, 4,     5};
+
+/// The parts of a legacy file that tests change.
+struct VtkSample {
+  std::string title = "a title";
+  std::string kind = "BINARY\nDATASET STRUCTURED_POINTS\n";
+  std::string grid = "DIMENSIONS 4 3 2\nSPACING 2 3 4\nORIGIN 1 2 3\n";
+  std::string array = "POINT_DATA 24\nSCALARS s short 1\nLOOKUP_TABLE default\n";
+  std::string voxels = bytes_of(kValues, true);
+  std::string behind;
+};
+
+std::string bytes_of_vtk(const VtkSample& s) {
+  return "# vtk DataFile Version 3.0\n" + s.title + "\n" + s.kind + s.grid + s.array + s.voxels +
+         s.behind;
+}
+
+class SourceVtk : public ::testing::Test {
+ protected:
+  void expect_voxels(const VtkSample& sample) {
+    write_file(path_, bytes_of_vtk(sample));
+    EXPECT_EQ(voxels_of(*open_source({path_}, {})), bytes_of(kValues));
+  }
+  void expect_refused(const VtkSample& sample, const std::string& words) {
+    write_file(path_, bytes_of_vtk(sample));
+    const Error error = source_error({path_});
+    EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
+    EXPECT_TRUE(contains(error.what(), words)) << error.what();
+  }
+
+  TempFolder folder_;
+  std::string path_ = folder_.file("a.vtk");
+};
+
+TEST_F(SourceVtk, HeadersOfOnePointArrayGiveItsVoxels) {
+  VtkSample sample;
+  expect_voxels(sample);
+  sample.title = "SCALARS LOOKUP_TABLE";
+  expect_voxels(sample);
+  sample.title = "";
+  expect_voxels(sample);
+  sample.kind = "binary\n\ndataset structured_points\n";
+  sample.grid = "origin 1 2 3\r\naspect_ratio 2 3 4\r\ndimensions 4 3 2\r\n";
+  expect_voxels(sample);
+  for (const char* name : {"spacing", "ORIGIN", "vector_x", "METADATA", "LOOKUP_TABLE"}) {
+    sample.array = "POINT_DATA 24\nSCALARS " + std::string(name) + " short\nLOOKUP_TABLE default\n";
+    expect_voxels(sample);
+  }
+  sample.array = "POINT_DATA 24\nSCALARS s short\n";
+  expect_voxels(sample);
+}
+
+TEST_F(SourceVtk, NotesAndAColourTableMayFollowTheVoxels) {
+  VtkSample sample;
+  for (const char* text :
+       {"\n", "\r\n \n", "\nMETADATA\nINFORMATION 0\n\n",
+        "\nMETADATA\nINFORMATION 1\nNAME L2 LOCATION vtkDataArray\nDATA 2 0 1\n\n"}) {
+    sample.behind = text;
+    expect_voxels(sample);
+  }
+  sample.behind = "\nLOOKUP_TABLE colours 2\nabcdSCAL\n";
+  expect_voxels(sample);
+  EXPECT_TRUE(contains(open_source({path_}, {})->warnings()[0], "colour table"));
+  sample.behind = "\nLOOKUP_TABLE colours 3\nabcdSCAL\n";
+  expect_refused(sample, "ends early");
+}
+
+TEST_F(SourceVtk, SeveralArraysAreRefused) {
+  VtkSample sample;
+  for (const std::string notes : {"\n", "\nMETADATA\nINFORMATION 0\n\n"}) {
+    for (const std::string next : {"SCALARS b short 1\n", "VECTORS v float\n", "FIELD f 1\n",
+                                   "CELL_DATA 6\nSCALARS c short\n"}) {
+      sample.behind = notes + next + sample.voxels;
+      expect_refused(sample, "several arrays");
+    }
+  }
+  sample.behind = "\n" + std::string(5, '\0') + "LUMEN";
+  expect_refused(sample, "no part of them");
+}
+
+TEST_F(SourceVtk, ValuesOfCellsAndOtherArraysAreRefused) {
+  VtkSample sample;
+  const std::string points = sample.array;
+  sample.array = "CELL_DATA 6\nSCALARS c short 1\nLOOKUP_TABLE default\n" + std::string(12, '\1') +
+                 "\n" + points;
+  expect_refused(sample, "CELL_DATA");
+  sample.array = "POINT_DATA 24\nVECTORS v short\n";
+  expect_refused(sample, "one value per voxel");
+  sample.array = "POINT_DATA 24\nFIELD FieldData 1\ns 1 24 short\n";
+  expect_refused(sample, "one value per voxel");
+  sample.array = "POINT_DATA 24\nSCALARS s short 3\nLOOKUP_TABLE default\n";
+  expect_refused(sample, "3 values per voxel");
+  sample.array = "POINT_DATA 24\nSCALARS s double 1\nLOOKUP_TABLE default\n";
+  expect_refused(sample, "type double");
+}
+
+TEST_F(SourceVtk, HeadersThatContradictThemselvesAreRefused) {
+  const std::string array = VtkSample{}.array.substr(14);
+  for (const auto& [grid, points, words] : std::vector<std::array<std::string, 3>>{
+           {"DIMENSIONS 4 3 2\n", "POINT_DATA 25\n", "25 points"},
+           {"DIMENSIONS 4 3 2\n", "", "point_data"},
+           {"", "POINT_DATA 24\n", "dimensions"},
+           {"DIMENSIONS 4 3 2\nDIMENSIONS 3 4 2\n", "POINT_DATA 24\n", "twice"},
+           {"DIMENSIONS 4 -3 -2\n", "POINT_DATA 24\n", "three numbers"},
+           {"DIMENSIONS 4 3 2\nSPACING 1 1\n", "POINT_DATA 24\n", "3 numbers expected"},
+           {"DIMENSIONS 4 3 2\nSPACING 1 1 0\n", "POINT_DATA 24\n", "geometry"},
+           {"DIMENSIONS 4 3 2\nMIDDLE 1 1 1\n", "POINT_DATA 24\n", "MIDDLE"}}) {
+    VtkSample sample;
+    sample.grid = grid;
+    sample.array = points + array;
+    expect_refused(sample, words);
+  }
+  VtkSample sample;
+  sample.kind = "ASCII\nDATASET STRUCTURED_POINTS\n";
+  expect_refused(sample, "as text");
+  sample.kind = "BINARY\nDATASET RECTILINEAR_GRID\n";
+  expect_refused(sample, "RECTILINEAR_GRID");
+  write_file(path_, "# something\n");
+  EXPECT_TRUE(contains(source_error({path_}).what(), "not a legacy VTK file"));
+}
+
+TEST_F(SourceVtk, TheSpacingIsKnownOnlyWhereItStands) {
+  VtkSample sample;
+  sample.grid = "DIMENSIONS 4 3 2\nORIGIN 1 2 3\n";
+  expect_voxels(sample);
+  const auto source = open_source({path_}, {});
+  EXPECT_TRUE(contains(source->description().metadata_json, "\"spacing_source\":\"assumed\""));
+  ASSERT_EQ(source->warnings().size(), 1U);
+  EXPECT_TRUE(contains(source->warnings()[0], "--spacing"));
+  EXPECT_EQ(source->description().geometry.origin_mm, (Point3{1, 2, 3}));
+  for (const char* keyword : {"SPACING", "ASPECT_RATIO"}) {
+    sample.grid = "DIMENSIONS 4 3 2\n" + std::string(keyword) + " 2 3 4\n";
+    expect_voxels(sample);
+    const auto known = open_source({path_}, {});
+    EXPECT_EQ(known->description().geometry.spacing_mm, (Point3{2, 3, 4}));
+    EXPECT_TRUE(known->warnings().empty());
+  }
+}
+
+TEST_F(SourceVtk, EveryTruncationIsRefused) {
+  VtkSample sample;
+  sample.title = "SCALARS LOOKUP_TABLE";
+  const std::string whole = bytes_of_vtk(sample);
+  for (std::size_t length = 1; length < whole.size(); ++length) {
+    write_file(path_, whole.substr(0, length));
+    EXPECT_EQ(source_error({path_}).kind(), ErrorKind::source_rejected) << length;
+  }
+}
+
+}  // namespace
+}  // namespace octavo::testing
