@@ -212,7 +212,8 @@ void write_tiff(const std::string& path, const TiffSample& s) {
     if (!s.description.empty()) TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, s.description.c_str());
     if (s.resolution > 0) {
       TIFFSetField(tiff, TIFFTAG_XRESOLUTION, static_cast<double>(s.resolution));
-      TIFFSetField(tiff, TIFFTAG_YRESOLUTION, static_cast<double>(s.resolution));
+      TIFFSetField(tiff, TIFFTAG_YRESOLUTION,
+                   static_cast<double>(s.y_resolution > 0 ? s.y_resolution : s.resolution));
       TIFFSetField(tiff, TIFFTAG_RESOLUTIONUNIT, s.resolution_unit);
     }
     if (s.tile > 0) {

@@ -104,6 +104,7 @@ struct TiffSample {
   bool big = false;
   std::string description;
   float resolution = 0;
+  float y_resolution = 0;             ///< 0: that along x
   std::uint16_t resolution_unit = 1;  ///< 1 none, 2 inch, 3 cm
   std::vector<std::string> pages; ///< native bytes
 };

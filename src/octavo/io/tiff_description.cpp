@@ -7,6 +7,7 @@
 
 #include "octavo/io/header_text.h"
 #include "octavo/io/length_unit.h"
+#include "octavo/io/ome_description.h"
 #include "octavo/io/source_file.h"
 #include "octavo/io/value_unit.h"
 
@@ -57,6 +58,16 @@ void read_calibration(Fields& fields, TiffDescription& result) {
   }
 }
 
+/// Millimetres of the unit along one axis. ImageJ writes that of y or z only where it is not that
+/// of x.
+std::optional<double> axis_unit(Fields& fields, const std::string& name, TiffDescription& result) {
+  const std::string unit = fields[name].empty() ? fields["unit"] : fields[name];
+  const std::optional<double> mm = unit_in_mm(unit);
+  const bool is_silent = unit.empty() || lower_case(unit).starts_with("pixel");
+  if (!mm && !is_silent && result.unknown_unit.empty()) result.unknown_unit = unit;
+  return mm;
+}
+
 void read_imagej(std::string_view text, double x_resolution, double y_resolution,
                  TiffDescription& result) {
   auto fields = imagej_fields(text);
@@ -66,49 +77,13 @@ void read_imagej(std::string_view text, double x_resolution, double y_resolution
   result.frames = count_of(fields["frames"]);
   result.images = count_of(fields["images"]);
   read_calibration(fields, result);
-  const std::optional<double> unit = unit_in_mm(fields["unit"]);
-  const std::string unit_name = lower_case(fields["unit"]);
-  if (!unit && !unit_name.empty() && !unit_name.starts_with("pixel")) {
-    result.unknown_unit = fields["unit"];
-  }
-  if (!unit) return;
+  const std::optional<double> x_unit = axis_unit(fields, "unit", result);
+  const std::optional<double> y_unit = axis_unit(fields, "yunit", result);
+  const std::optional<double> z_unit = axis_unit(fields, "zunit", result);
   const std::optional<double> spacing = number(fields["spacing"]);
-  if (x_resolution > 0) result.x_mm = *unit / x_resolution;
-  if (y_resolution > 0) result.y_mm = *unit / y_resolution;
-  if (spacing && *spacing != 0) result.z_mm = std::abs(*spacing) * *unit;
-}
-
-/// The value of name="..." in the Pixels element, or nothing.
-std::string_view attribute(std::string_view element, const std::string& name) {
-  const std::string start = " " + name + "=\"";
-  const std::size_t at = element.find(start);
-  if (at == std::string_view::npos) return {};
-  const std::size_t from = at + start.size();
-  const std::size_t end = element.find('"', from);
-  return end == std::string_view::npos ? std::string_view{} : element.substr(from, end - from);
-}
-
-std::optional<double> ome_length(std::string_view pixels, const std::string& axis) {
-  const std::optional<double> value = number(attribute(pixels, "PhysicalSize" + axis));
-  const std::string_view unit = attribute(pixels, "PhysicalSize" + axis + "Unit");
-  const std::optional<double> unit_mm = unit.empty() ? std::optional(1e-3) : unit_in_mm(unit);
-  if (!value || !unit_mm || *value <= 0) return std::nullopt;
-  return *value * *unit_mm;
-}
-
-void read_ome(std::string_view text, TiffDescription& result) {
-  const std::size_t start = text.find("<Pixels");
-  if (start == std::string_view::npos) return;
-  const std::string_view pixels = text.substr(start, text.find('>', start) - start);
-  result.is_ome = true;
-  result.channels = count_of(attribute(pixels, "SizeC"));
-  result.frames = count_of(attribute(pixels, "SizeT"));
-  result.slices = count_of(attribute(pixels, "SizeZ"));
-  const std::string_view order = attribute(pixels, "DimensionOrder");
-  if (order.starts_with("XY")) result.order = order.substr(2);
-  result.x_mm = ome_length(pixels, "X");
-  result.y_mm = ome_length(pixels, "Y");
-  result.z_mm = ome_length(pixels, "Z");
+  if (x_unit && x_resolution > 0) result.x_mm = *x_unit / x_resolution;
+  if (y_unit && y_resolution > 0) result.y_mm = *y_unit / y_resolution;
+  if (z_unit && spacing && *spacing != 0) result.z_mm = std::abs(*spacing) * *z_unit;
 }
 
 }  // namespace
@@ -117,7 +92,7 @@ TiffDescription parse_tiff_description(const std::string& text, double x_resolut
                                        double y_resolution) {
   TiffDescription result;
   if (text.starts_with("ImageJ=")) read_imagej(text, x_resolution, y_resolution, result);
-  if (text.find("<OME") != std::string::npos) read_ome(text, result);
+  if (text.find("<OME") != std::string::npos) read_ome_description(text, result);
   return result;
 }
 

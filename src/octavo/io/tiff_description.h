@@ -4,10 +4,23 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "octavo/core/volume.h"
 
 namespace octavo {
+
+/// Pages of a file that follow each other, and which planes they are: a TiffData element of OME.
+/// Numbers count from 0; -1 stands for a text that is none.
+struct OmePages {
+  std::optional<std::int64_t> page;   ///< the first of them
+  std::optional<std::int64_t> count;
+  std::int64_t slice = 0;             ///< the first of the planes, then on in the order of pages
+  std::int64_t channel = 0;
+  std::int64_t time = 0;
+  std::string file_name;              ///< of the file they stand in; empty: this file
+  std::string file_id;                ///< its UUID
+};
 
 /// Counts are 0 and spacings absent where the description is silent.
 struct TiffDescription {
@@ -26,6 +39,9 @@ struct TiffDescription {
   std::optional<double> x_mm;
   std::optional<double> y_mm;
   std::optional<double> z_mm;
+  std::vector<OmePages> ome_pages;
+  std::string file_id;             ///< OME: the UUID of this file
+  std::string metadata_file;       ///< OME: the file that has the description instead
 };
 
 /// x_resolution, y_resolution  pixels per unit from the tags; 0 when absent (ImageJ keeps x and y

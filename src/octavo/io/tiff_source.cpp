@@ -9,6 +9,7 @@
 #include "octavo/io/source_file.h"
 #include "octavo/io/tiff_description.h"
 #include "octavo/io/tiff_page.h"
+#include "octavo/io/tiff_page_order.h"
 
 namespace octavo {
 
@@ -17,6 +18,7 @@ namespace {
 /// Where one plane stands.
 struct TiffPlane {
   std::size_t file = 0;
+  std::int64_t number = 0;  ///< of the page in its file, thumbnails counted
   TiffPage page;
 };
 
@@ -29,6 +31,7 @@ struct TiffStack {
   double tag_y_mm = 0;
   bool is_big_endian = false;    ///< of the first file
   std::int64_t reduced_pages = 0;
+  std::string order_warning;     ///< why the order of files is not sure
   std::int64_t sample = 0;       ///< the one of each pixel that is taken
   SourceIdentity identity;       ///< of all pages
 };
@@ -83,7 +86,9 @@ TiffStack examine(std::vector<std::string> files) {
       }
     }
     std::size_t page_count = 0;
+    std::int64_t number = -1;
     do {
+      ++number;
       const TiffPage page = file.page();
       file.note_identity(stack.identity);
       if (page.is_reduced && !stack.planes.empty()) {
@@ -91,7 +96,7 @@ TiffStack examine(std::vector<std::string> files) {
         continue;
       }
       ++page_count;
-      stack.planes.push_back({i, page});
+      stack.planes.push_back({i, number, page});
       require_alike(stack, stack.planes.back(), stack.planes.size() - 1);
     } while (file.next_page());
     if (stack.files.size() > 1 && page_count > 1) {
@@ -114,12 +119,6 @@ std::string program_of(const TiffStack& stack) {
 
 /// How many pages a channel and a point in time have. Channels stand in the samples of a page or in
 /// pages of their own, never in both.
-struct PageCounts {
-  std::int64_t channels = 1;
-  std::int64_t slices = 1;
-  std::int64_t times = 1;
-};
-
 PageCounts count_pages(const TiffStack& stack) {
   const TiffDescription& text = stack.description;
   const std::int64_t samples = stack.planes.front().page.samples;
@@ -160,31 +159,47 @@ Components components_of(const TiffStack& stack, const PageCounts& counts) {
   return components;
 }
 
+/// Proves that no plane stands in a file that was not given, and that files lie in the order of
+/// their planes.
+void prove_order_of_files(TiffStack& stack) {
+  if (stack.files.size() > 1) {
+    stack.order_warning = check_file_order(stack.description, stack.files);
+  } else if (stack.planes.size() > 1 || stack.description.metadata_file.empty()) {
+    require_own_pages(stack.description, stack.files.front());
+  }
+}
+
+/// Puts the pages of one file into the order of the planes that OME gives them.
+void order_pages(TiffStack& stack, const PageCounts& counts) {
+  if (stack.files.size() > 1) return;
+  const std::string& path = stack.files.front();
+  const std::vector<std::int64_t> order = ome_page_order(
+      stack.description, counts, stack.planes.front().page.samples, path);
+  std::vector<TiffPlane> ordered;
+  for (const std::int64_t number : order) {
+    const auto found = std::lower_bound(
+        stack.planes.begin(), stack.planes.end(), number,
+        [](const TiffPlane& plane, std::int64_t wanted) { return plane.number < wanted; });
+    if (found == stack.planes.end() || found->number != number) {
+      reject(stack, "its OME description takes page " + std::to_string(number) +
+                        " (counted from 0) for a plane, which is a thumbnail or not there; save it "
+                        "again with another program");
+    }
+    ordered.push_back(*found);
+  }
+  if (!ordered.empty()) stack.planes = std::move(ordered);
+}
+
 /// Keeps the pages of one channel and time.
 void keep_pages(TiffStack& stack, const PageCounts& counts, const ComponentChoice& choice) {
   if (stack.planes.front().page.samples > 1) stack.sample = choice.channel;
   if (counts.channels == 1 && counts.times == 1) return;
   const std::int64_t channel = counts.channels > 1 ? choice.channel : 0;
-  const std::string& order = stack.description.order;
-  const bool has_all = order.find('C') != std::string::npos &&
-                       order.find('Z') != std::string::npos &&
-                       order.find('T') != std::string::npos;
-  if (order.size() != 3 || !has_all) {
-    reject(stack, "its description gives the order of pages as \"" + escaped(order) +
-                      "\", which does not name each of C, Z and T once");
-  }
-  std::int64_t stride = 1;
-  std::int64_t slice_stride = 1;
-  std::int64_t first = 0;
-  for (const char axis : order) {
-    if (axis == 'Z') slice_stride = stride;
-    if (axis == 'C') first += channel * stride;
-    if (axis == 'T') first += choice.time * stride;
-    stride *= axis == 'Z' ? counts.slices : axis == 'C' ? counts.channels : counts.times;
-  }
+  const PageSteps steps = page_steps(stack.description.order, counts, stack.files.front());
+  const std::int64_t first = channel * steps.channel + choice.time * steps.time;
   std::vector<TiffPlane> kept;
   for (std::int64_t z = 0; z < counts.slices; ++z) {
-    kept.push_back(stack.planes[static_cast<std::size_t>(first + z * slice_stride)]);
+    kept.push_back(stack.planes[static_cast<std::size_t>(first + z * steps.slice)]);
   }
   stack.planes = std::move(kept);
 }
@@ -246,6 +261,7 @@ void add_warnings(const TiffStack& stack, SourceFacts& facts) {
   if (stack.reduced_pages > 0) {
     facts.warnings.push_back(std::to_string(stack.reduced_pages) + " thumbnail pages left out");
   }
+  if (!stack.order_warning.empty()) facts.warnings.push_back(stack.order_warning);
   if (first.has_palette) {
     facts.warnings.push_back("the colour table was left out; voxels are the stored numbers");
   }
@@ -273,7 +289,7 @@ void take_spacing(const TiffStack& stack, SourceFacts& facts) {
   }
   const std::string no_distance = " mm but no distance of planes";
   if (!text.unknown_unit.empty()) {
-    facts.warnings.push_back("its ImageJ description counts lengths in \"" +
+    facts.warnings.push_back("its " + program_of(stack) + " description counts lengths in \"" +
                              escaped(text.unknown_unit) + "\", which is no unit known here (" +
                              kUnitsRead + ")");
   } else if (text.x_mm && text.y_mm) {
@@ -316,7 +332,9 @@ std::unique_ptr<PlaneSource> open_tiff_source(const std::vector<std::string>& fi
                                               const SourceOptions& options) {
   TiffStack stack = examine(files);
   unfold_huge_imagej(stack);
+  prove_order_of_files(stack);
   const PageCounts counts = count_pages(stack);
+  order_pages(stack, counts);
   const Components components = components_of(stack, counts);
   keep_pages(stack, counts, choose_component(components, options, files.front()));
   const TiffPage& first = stack.planes.front().page;
