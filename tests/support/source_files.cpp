@@ -198,7 +198,8 @@ void write_tiff(const std::string& path, const TiffSample& s) {
   const std::size_t planes = s.separate ? s.samples : 1;
   const std::size_t value = s.bits / 8U * (s.samples / planes);
   const std::size_t row_bytes = std::size_t{s.width} * value;
-  for (const std::string& page : s.pages) {
+  for (std::size_t number = 0; number < s.pages.size(); ++number) {
+    const std::string& page = s.pages[number];
     TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, s.width);
     TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, s.height);
     TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, s.bits);
@@ -215,6 +216,12 @@ void write_tiff(const std::string& path, const TiffSample& s) {
       TIFFSetField(tiff, TIFFTAG_YRESOLUTION,
                    static_cast<double>(s.y_resolution > 0 ? s.y_resolution : s.resolution));
       TIFFSetField(tiff, TIFFTAG_RESOLUTIONUNIT, s.resolution_unit);
+    }
+    if (!s.orientations.empty()) TIFFSetField(tiff, TIFFTAG_ORIENTATION, s.orientations[number]);
+    if (!s.palettes.empty() && s.palettes[number]) {
+      std::vector<std::uint16_t> colours(256);
+      TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_PALETTE);
+      TIFFSetField(tiff, TIFFTAG_COLORMAP, colours.data(), colours.data(), colours.data());
     }
     if (s.tile > 0) {
       TIFFSetField(tiff, TIFFTAG_TILEWIDTH, s.tile);

@@ -106,6 +106,8 @@ struct TiffSample {
   float resolution = 0;
   float y_resolution = 0;             ///< 0: that along x
   std::uint16_t resolution_unit = 1;  ///< 1 none, 2 inch, 3 cm
+  std::vector<std::uint16_t> orientations;  ///< of the pages; empty: not written
+  std::vector<bool> palettes;               ///< pages that have one; empty: none
   std::vector<std::string> pages; ///< native bytes
 };
 void write_tiff(const std::string& path, const TiffSample& sample);

@@ -1,9 +1,12 @@
 #include "octavo/io/tiff_source.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <utility>
 
 #include "octavo/core/checked.h"
+#include "octavo/core/exact_text.h"
 #include "octavo/io/byte_order.h"
 #include "octavo/io/length_unit.h"
 #include "octavo/io/source_file.h"
@@ -31,18 +34,21 @@ struct TiffStack {
   double tag_y_mm = 0;
   bool is_big_endian = false;    ///< of the first file
   std::int64_t reduced_pages = 0;
+  std::int64_t silent_files = 0; ///< without a size of voxels, where the first file has one
+  std::string odd_resolution;    ///< the first file with other resolution tags than the first one
   std::string order_warning;     ///< why the order of files is not sure
   std::int64_t sample = 0;       ///< the one of each pixel that is taken
   SourceIdentity identity;       ///< of all pages
 };
 
-/// "uint8", "RGB uint16 (white is 0)", "4 samples of uint8".
+/// "uint8", "RGB uint16 (white is 0)", "4 samples of uint8", "uint8 (with a palette)".
 std::string type_text(const TiffPage& page) {
   std::string text(voxel_type_name(page.type));
   if (page.is_rgb) text = "RGB " + text;
   if (page.samples > (page.is_rgb ? 3 : 1)) {
     text = std::to_string(page.samples) + " samples of " + text;
   }
+  if (page.has_palette) text += " (with a palette)";
   return text + (page.is_min_white ? " (white is 0)" : "");
 }
 
@@ -69,22 +75,95 @@ void require_alike(const TiffStack& stack, const TiffPlane& plane, std::size_t i
                     "; all planes of a stack must have one type",
                 path);
   }
+  if (plane.page.orientation != first.page.orientation) {
+    throw Error(ErrorKind::source_rejected,
+                place(stack, plane, index) + " has the orientation tag " +
+                    std::to_string(plane.page.orientation) + ", " + place(stack, first, 0) +
+                    " has " + std::to_string(first.page.orientation) +
+                    ": some planes are mirrored or turned; save all of them upright",
+                path);
+  }
 }
 
-TiffStack examine(std::vector<std::string> files) {
+bool differ(double a, double b) {
+  constexpr double kSameSize = 1e-3;
+  return std::abs(a - b) > kSameSize * std::max(std::abs(a), std::abs(b));
+}
+
+/// What stored values mean: "2 x + -1000 HU", "function 4".
+std::string calibration_text(const TiffDescription& text) {
+  if (text.has_other_function) return "function " + std::to_string(text.other_function);
+  const Rescale rescale = text.rescale.value_or(Rescale{});
+  return exact_text(rescale.slope) + " x + " + exact_text(rescale.intercept) +
+         (text.value_unit.empty() ? "" : " " + text.value_unit);
+}
+
+std::string unit_text(const TiffDescription& text) {
+  return text.unknown_unit.empty() ? "another" : "\"" + escaped(text.unknown_unit) + "\"";
+}
+
+/// Proves that a file's values and voxels mean what those of the first file do.
+/// is_spacing_given  by an option, which counts for all files
+void require_same_meaning(TiffStack& stack, const TiffDescription& text, const std::string& path,
+                          bool is_spacing_given) {
+  const TiffDescription& first = stack.description;
+  const std::string name = escaped(base_name(path));
+  const std::string first_name = escaped(base_name(stack.files.front()));
+  const auto refuse = [&](const std::string& what, const std::string& found,
+                          const std::string& expected, const std::string& remedy) {
+    throw Error(ErrorKind::source_rejected,
+                name + " has " + what + " " + found + ", " + first_name + " has " + expected +
+                    "; " + remedy,
+                path);
+  };
+  if (calibration_text(text) != calibration_text(first)) {
+    refuse("the calibration", calibration_text(text), calibration_text(first),
+           "all planes of a stack must have one; save them with the same");
+  }
+  if (is_spacing_given) return;
+  const std::string remedy = "give --spacing x,y,z if one is right for all of them";
+  if (text.unknown_unit != first.unknown_unit) {
+    refuse("the unit of lengths", unit_text(text), unit_text(first), remedy);
+  }
+  const auto compare = [&](const char* axis, std::optional<double> found,
+                           std::optional<double> expected) {
+    if (!found || !expected || !differ(*found, *expected)) return;
+    refuse(std::string("voxels along ") + axis + " of", number_text(*found) + " mm",
+           number_text(*expected) + " mm", remedy);
+  };
+  compare("x", text.x_mm, first.x_mm);
+  compare("y", text.y_mm, first.y_mm);
+  compare("z", text.z_mm, first.z_mm);
+  if (first.x_mm && !text.x_mm) ++stack.silent_files;
+}
+
+/// What the first page of a file says of all its pages.
+void take_description(TiffStack& stack, TiffFile& file, std::size_t index, bool is_spacing_given) {
+  const TiffDescription text = parse_tiff_description(file.image_description(),
+                                                      file.x_resolution(), file.y_resolution());
+  const bool has_tags = file.x_resolution() > 0 && file.y_resolution() > 0;
+  const double x_mm = has_tags ? file.resolution_unit_mm() / file.x_resolution() : 0;
+  const double y_mm = has_tags ? file.resolution_unit_mm() / file.y_resolution() : 0;
+  if (index == 0) {
+    stack.description = text;
+    stack.is_big_endian = file.is_big_endian();
+    stack.tag_x_mm = x_mm;
+    stack.tag_y_mm = y_mm;
+    return;
+  }
+  require_same_meaning(stack, text, stack.files[index], is_spacing_given);
+  if (stack.odd_resolution.empty() &&
+      (differ(x_mm, stack.tag_x_mm) || differ(y_mm, stack.tag_y_mm))) {
+    stack.odd_resolution = base_name(stack.files[index]);
+  }
+}
+
+TiffStack examine(std::vector<std::string> files, bool is_spacing_given) {
   TiffStack stack;
   stack.files = std::move(files);
   for (std::size_t i = 0; i < stack.files.size(); ++i) {
     TiffFile file(stack.files[i]);
-    if (i == 0) {
-      stack.description = parse_tiff_description(file.image_description(), file.x_resolution(),
-                                                 file.y_resolution());
-      stack.is_big_endian = file.is_big_endian();
-      if (file.x_resolution() > 0 && file.y_resolution() > 0) {
-        stack.tag_x_mm = file.resolution_unit_mm() / file.x_resolution();
-        stack.tag_y_mm = file.resolution_unit_mm() / file.y_resolution();
-      }
-    }
+    take_description(stack, file, i, is_spacing_given);
     std::size_t page_count = 0;
     std::int64_t number = -1;
     do {
@@ -262,6 +341,11 @@ void add_warnings(const TiffStack& stack, SourceFacts& facts) {
     facts.warnings.push_back(std::to_string(stack.reduced_pages) + " thumbnail pages left out");
   }
   if (!stack.order_warning.empty()) facts.warnings.push_back(stack.order_warning);
+  if (stack.silent_files > 0) {
+    facts.warnings.push_back("the first file gives the size of pixels, " +
+                             std::to_string(stack.silent_files) +
+                             " of the others do not; it is taken for all");
+  }
   if (first.has_palette) {
     facts.warnings.push_back("the colour table was left out; voxels are the stored numbers");
   }
@@ -298,6 +382,9 @@ void take_spacing(const TiffStack& stack, SourceFacts& facts) {
   } else if (stack.tag_x_mm > 0 && stack.tag_y_mm > 0) {
     facts.warnings.push_back("the resolution tags give pixels of " + number_text(stack.tag_x_mm) +
                              " x " + number_text(stack.tag_y_mm) + no_distance +
+                             (stack.odd_resolution.empty()
+                                  ? ""
+                                  : ", those of " + escaped(stack.odd_resolution) + " differ") +
                              "; they may be those of a screen or printer and are not used");
   }
 }
@@ -330,7 +417,7 @@ SourceFacts describe(const TiffStack& stack) {
 
 std::unique_ptr<PlaneSource> open_tiff_source(const std::vector<std::string>& files,
                                               const SourceOptions& options) {
-  TiffStack stack = examine(files);
+  TiffStack stack = examine(files, options.spacing_mm.has_value());
   unfold_huge_imagej(stack);
   prove_order_of_files(stack);
   const PageCounts counts = count_pages(stack);

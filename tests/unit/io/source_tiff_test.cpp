@@ -184,5 +184,56 @@ TEST_F(SourceTiff, OmeFilesMustLieInTheOrderOfTheirSlices) {
   EXPECT_TRUE(contains(open("")->warnings()[0], "names other files"));
 }
 
+TEST_F(SourceTiff, PagesWithAPaletteOrTurnedAreRefusedBesideOthers) {
+  TiffSample sample;
+  sample.pages = numbered_pages(3);
+  sample.palettes = {false, false, true};
+  write_tiff(folder_.file("a.tif"), sample);
+  expect_refused("a.tif", {"page 2", "palette"});
+  sample.palettes = {};
+  sample.orientations = {1, 1, 2};
+  write_tiff(folder_.file("a.tif"), sample);
+  expect_refused("a.tif", {"page 2", "orientation tag 2", "page 0 has 1"});
+  sample.orientations = {2, 2, 2};
+  write_tiff(folder_.file("a.tif"), sample);
+  EXPECT_TRUE(contains(open("a.tif")->warnings()[0], "orientation tag 2"));
+}
+
+TEST_F(SourceTiff, FilesOfDifferentMeaningAreNamedWithBoth) {
+  const std::string start = "ImageJ=1.53t\nunit=mm\nspacing=2\n";
+  const std::string line = "cf=0\nc0=0\nc1=1\nvunit=HU\n";
+  write("s0.tif", start + line, 1, 4);
+  SourceOptions spacing;
+  spacing.spacing_mm = Point3{1, 1, 1};
+  for (const auto& [text, words] : std::vector<std::pair<std::string, std::string>>{
+           {"cf=0\nc0=-1000\nc1=2\nvunit=HU\n", "2 x + -1000 HU"},
+           {"cf=0\nc0=0\nc1=1\nvunit=OD\n", "1 x + 0 OD"},
+           {"cf=4\nc0=0\nc1=1\n", "function 4"}}) {
+    write("s1.tif", start + text, 1, 4);
+    expect_refused("", {"s1.tif has the calibration " + words, "s0.tif has 1 x + 0 HU"});
+    expect_refused("", {words}, spacing);
+  }
+  write("s1.tif", start + line, 1, 5);
+  expect_refused("", {"s1.tif", "0.2 mm", "s0.tif", "0.25 mm", "--spacing"});
+  EXPECT_EQ(open("", spacing)->description().size.z, 2);
+  write("s1.tif", start + line, 1, 4.001F);
+  EXPECT_TRUE(open("")->warnings().empty());
+  write("s1.tif", "ImageJ=1.53t\nunit=furlong\n" + line, 1, 4);
+  expect_refused("", {"furlong", "--spacing"});
+  write("s1.tif", "ImageJ=1.53t\n" + line, 1, 4);
+  EXPECT_TRUE(contains(open("")->warnings()[0], "1 of the others do not"));
+}
+
+TEST_F(SourceTiff, ResolutionTagsThatDifferAreTold) {
+  for (const char* name : {"s0.tif", "s1.tif"}) {
+    TiffSample sample;
+    sample.pages = numbered_pages(1);
+    sample.resolution = name == std::string("s0.tif") ? 72 : 96;
+    sample.resolution_unit = 2;
+    write_tiff(folder_.file(name), sample);
+  }
+  EXPECT_TRUE(contains(open("")->warnings()[0], "those of s1.tif differ"));
+}
+
 }  // namespace
 }  // namespace octavo::testing
