@@ -15,6 +15,7 @@ namespace octavo {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r\n";
+constexpr std::size_t kMaxReferenceBytes = 12;
 
 /// A character by its number, in UTF-8; nothing for numbers that are none.
 std::string utf8(std::uint32_t code) {
@@ -48,7 +49,8 @@ std::optional<std::string> referred(std::string_view name) {
 std::string resolved(std::string_view text) {
   std::string result;
   while (!text.empty()) {
-    const std::size_t end = text.starts_with('&') ? text.find(';') : std::string_view::npos;
+    const std::size_t end = text.starts_with('&') ? text.substr(0, kMaxReferenceBytes).find(';')
+                                                  : std::string_view::npos;
     std::optional<std::string> meant;
     if (end != std::string_view::npos) meant = referred(text.substr(1, end - 1));
     result += meant ? *meant : std::string(1, text.front());
@@ -166,6 +168,11 @@ void read_ome_description(std::string_view text, TiffDescription& result) {
   result.x_mm = length_mm(pixels, "X", result);
   result.y_mm = length_mm(pixels, "Y", result);
   result.z_mm = length_mm(pixels, "Z", result);
+}
+
+void read_ome_pages(std::string_view text, TiffDescription& result) {
+  const std::size_t start = find_element(text, "Pixels");
+  if (start == std::string_view::npos) return;
   const std::string_view content = content_at(text, start, "Pixels");
   std::size_t at = find_element(content, "TiffData");
   while (at != std::string_view::npos) {

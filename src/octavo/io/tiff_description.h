@@ -39,7 +39,7 @@ struct TiffDescription {
   std::optional<double> x_mm;
   std::optional<double> y_mm;
   std::optional<double> z_mm;
-  std::vector<OmePages> ome_pages;
+  std::vector<OmePages> ome_pages; ///< empty until read_ome_pages
   std::string file_id;             ///< OME: the UUID of this file
   std::string metadata_file;       ///< OME: the file that has the description instead
 };

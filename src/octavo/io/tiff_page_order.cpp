@@ -45,7 +45,7 @@ void place_pages(const OmePages& pages, const PageCounts& counts, const PageStep
   }
   for (std::int64_t i = 0; i < count; ++i) {
     std::int64_t& place = order[static_cast<std::size_t>(start + i)];
-    if (place >= 0 && place != page + i) {
+    if (place >= 0) {
       reject(path, "its OME description gives page " + std::to_string(place) + " and page " +
                        std::to_string(page + i) +
                        " to one plane; save it again with another program");

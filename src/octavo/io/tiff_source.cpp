@@ -9,6 +9,7 @@
 #include "octavo/core/exact_text.h"
 #include "octavo/io/byte_order.h"
 #include "octavo/io/length_unit.h"
+#include "octavo/io/ome_description.h"
 #include "octavo/io/source_file.h"
 #include "octavo/io/tiff_description.h"
 #include "octavo/io/tiff_page.h"
@@ -146,6 +147,7 @@ void take_description(TiffStack& stack, TiffFile& file, std::size_t index, bool 
   const double y_mm = has_tags ? file.resolution_unit_mm() / file.y_resolution() : 0;
   if (index == 0) {
     stack.description = text;
+    read_ome_pages(file.image_description(), stack.description);
     stack.is_big_endian = file.is_big_endian();
     stack.tag_x_mm = x_mm;
     stack.tag_y_mm = y_mm;
