@@ -214,6 +214,7 @@ class Walker {
   std::uint64_t walk_pixels(const ElementHead& head, std::uint64_t end, DicomPixels& pixels) {
     pixels.is_present = true;
     pixels.is_float = head.tag != kPixelData;
+    pixels.is_words = head.vr == "OW";
     if (head.length != kUndefinedLength) {
       const std::uint64_t next = value_end(head, end);
       pixels.native = {head.value_offset, head.length};

@@ -57,6 +57,7 @@ struct ByteRun {
 struct DicomPixels {
   bool is_present = false;
   bool is_float = false;             ///< Float or Double Float Pixel Data
+  bool is_words = false;             ///< of 16 bits each (VR OW), whatever a voxel takes
   bool is_encapsulated = false;
   ByteRun native;                    ///< of a plain value
   std::vector<std::uint64_t> frame_offsets;  ///< of the basic offset table, when it is there

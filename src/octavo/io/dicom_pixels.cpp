@@ -110,32 +110,53 @@ std::string segment_text(const DicomLayout& layout, std::int64_t number) {
   return std::to_string(number);
 }
 
+/// Words of the file hold two voxels of 8 bits, or 16 of 1 bit, in the order of their high bytes.
+bool has_swapped_words(const DicomLayout& layout) {
+  return layout.big_endian && layout.pixels.is_words && layout.bits_allocated <= 8;
+}
+
+/// Bytes of the native pixel data from `at` on, those of swapped words in the order of voxels.
+void read_native_bytes(const DicomLayout& layout, std::uint64_t at, std::span<std::byte> bytes) {
+  const ByteRun& native = layout.pixels.native;
+  const SourceFile file(layout.path);
+  if (!has_swapped_words(layout)) {
+    file.read_exactly(native.offset + at, bytes);
+    return;
+  }
+  // A run may start and end in the middle of a word.
+  const std::uint64_t first = at - at % 2;
+  const std::uint64_t end = at + bytes.size();
+  std::vector<std::byte> words(
+      static_cast<std::size_t>(std::min(end + end % 2, native.length) - first));
+  file.read_exactly(native.offset + first, words);
+  swap_values(words, 2);
+  std::copy_n(words.begin() + static_cast<std::ptrdiff_t>(at - first), bytes.size(),
+              bytes.begin());
+}
+
 /// Voxels of 1 bit, the lowest bit of a byte first; frames follow one another without a gap.
 void read_native_bits(const DicomSlice& slice, std::int64_t frame, std::span<std::byte> plane) {
-  const DicomPixels& pixels = slice.layout->pixels;
   const std::uint64_t first_bit = static_cast<std::uint64_t>(frame) * plane.size();
   const std::uint64_t first_byte = first_bit / 8;
   std::vector<std::byte> packed(
       static_cast<std::size_t>((first_bit + plane.size() + 7) / 8 - first_byte));
-  SourceFile(slice.layout->path).read_exactly(pixels.native.offset + first_byte, packed);
+  read_native_bytes(*slice.layout, first_byte, packed);
   for (std::size_t i = 0; i < plane.size(); ++i) {
     const std::size_t bit = static_cast<std::size_t>(first_bit % 8) + i;
     plane[i] = packed[bit / 8] >> (bit % 8) & std::byte{1};
   }
 }
 
-/// One sample of each pixel of a colour picture.
-void read_native_sample(const DicomSlice& slice, std::uint64_t offset,
-                        std::span<std::byte> plane) {
+/// One sample of each pixel of a colour picture that starts at `at` in the pixel data.
+void read_native_sample(const DicomSlice& slice, std::uint64_t at, std::span<std::byte> plane) {
   const DicomLayout& layout = *slice.layout;
-  const SourceFile file(layout.path);
   if (layout.is_planar) {
-    file.read_exactly(offset + static_cast<std::size_t>(slice.channel) * plane.size(), plane);
+    read_native_bytes(layout, at + static_cast<std::uint64_t>(slice.channel) * plane.size(), plane);
     return;
   }
   const auto value_bytes = static_cast<std::size_t>(layout.bits_allocated / 8);
   std::vector<std::byte> all(static_cast<std::size_t>(layout.frame_bytes()));
-  file.read_exactly(offset, all);
+  read_native_bytes(layout, at, all);
   take_alternating({value_bytes, layout.samples, slice.channel}, all, plane);
 }
 
@@ -162,12 +183,11 @@ void read_labels(const DicomSlice& slice, std::span<std::byte> plane) {
 
 void read_native(const DicomSlice& slice, std::span<std::byte> plane) {
   const DicomLayout& layout = *slice.layout;
-  const std::uint64_t offset = layout.pixels.native.offset +
-                               static_cast<std::uint64_t>(slice.frame) * layout.frame_bytes();
+  const std::uint64_t at = static_cast<std::uint64_t>(slice.frame) * layout.frame_bytes();
   if (layout.samples > 1) {
-    read_native_sample(slice, offset, plane);
+    read_native_sample(slice, at, plane);
   } else {
-    SourceFile(layout.path).read_exactly(offset, plane);
+    read_native_bytes(layout, at, plane);
   }
   if (needs_swap(layout.big_endian)) {
     swap_values(plane, static_cast<std::size_t>(layout.bits_allocated / 8));
