@@ -39,6 +39,7 @@ inline constexpr const char* kExplicitLittle = "1.2.840.10008.1.2.1";
 inline constexpr const char* kExplicitBig = "1.2.840.10008.1.2.2";
 inline constexpr const char* kRunLengths = "1.2.840.10008.1.2.5";
 inline constexpr const char* kJpegBaseline = "1.2.840.10008.1.2.4.50";
+inline constexpr const char* kJpegLs = "1.2.840.10008.1.2.4.80";
 inline constexpr const char* kJpeg2000 = "1.2.840.10008.1.2.4.90";
 
 /// A CT slice of columns x rows voxels of `bits` bits at the height `z_mm`, all of them 0, without

@@ -268,27 +268,6 @@ VoxelType dicom_voxel_type(const DicomLayout& layout) {
   return layout.is_signed ? VoxelType::int32 : VoxelType::uint32;
 }
 
-void check_dicom_pixels(const DicomLayout& layout) {
-  const DicomPixels& pixels = layout.pixels;
-  const auto frames = static_cast<std::uint64_t>(layout.frames);
-  if (!pixels.is_encapsulated) {
-    const std::uint64_t needed = layout.native_bytes();
-    if (pixels.native.length >= needed) return;
-    reject(layout, "the pixel data hold " + std::to_string(pixels.native.length) + " bytes, " +
-                       std::to_string(needed) + " are needed for " +
-                       size_text({layout.columns, layout.rows, layout.frames}) +
-                       " voxels; the file is cut");
-  }
-  const bool one_each = pixels.fragments.size() == frames;
-  const bool has_table = pixels.frame_offsets.size() == frames;
-  if (pixels.fragments.empty() || (frames > 1 && !one_each && !has_table)) {
-    reject(layout,
-           std::to_string(layout.frames) + " frames, " + std::to_string(pixels.fragments.size()) +
-               " compressed fragments and no table that tells which is whose; the file is cut "
-               "or damaged");
-  }
-}
-
 void read_dicom_frame(const DicomSlice& slice, std::span<std::byte> plane) {
   if (slice.layout->bits_allocated == 1) {
     if (slice.label_frames.empty()) {

@@ -15,10 +15,6 @@ namespace octavo {
 /// segmentations of other kinds.
 VoxelType dicom_voxel_type(const DicomLayout& layout);
 
-/// Proves that the located pixel data can hold all frames.
-/// Throws Error{source_rejected} with both lengths.
-void check_dicom_pixels(const DicomLayout& layout);
-
 /// Fills `plane` with the frame, unused bits masked and the sign extended.
 /// Native voxels are read where they stand; others go, fragment by fragment, to GDCM's decoders.
 /// Requires dicom_voxel_type and check_dicom_pixels to have passed. Thread-safe.

@@ -24,6 +24,7 @@ constexpr DicomTag kSegmentIdentification = 0x0062000a;
 constexpr DicomTag kSegmentSequence = 0x00620002;
 constexpr const char* kSegmentation = "1.2.840.10008.5.1.4.1.1.66.4";
 constexpr std::int64_t kMaxFrames = std::int64_t{1} << 21;
+constexpr std::int64_t kMaxSide = 65535;
 
 /// Tags that say how the picture was made. None of them names a person, a place, a day or an
 /// object.
@@ -133,6 +134,10 @@ DicomLayout read_layout(const DicomFile& file) {
   layout.frames = static_cast<std::int64_t>(frames);
   if (layout.rows == 0 || layout.columns == 0)
     reject(file.path, "a picture without rows or columns");
+  if (layout.rows > kMaxSide || layout.columns > kMaxSide) {
+    reject(file.path, "a picture of " + size_text(layout.columns, layout.rows) +
+                          " voxels, a DICOM picture has at most 65535 x 65535: the file is damaged");
+  }
   return layout;
 }
 

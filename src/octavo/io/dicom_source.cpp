@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "octavo/io/dicom_extent.h"
 #include "octavo/io/dicom_identity.h"
 #include "octavo/io/dicom_pixels.h"
 #include "octavo/io/dicom_plane.h"
@@ -54,6 +55,26 @@ std::vector<DicomSlice> collect_slices(const std::vector<std::string>& files,
                        " without a picture (directories, reports) left out");
   }
   return slices;
+}
+
+void check_pixels(const std::vector<DicomSlice>& slices, std::vector<std::string>& warnings) {
+  const DicomLayout* example = nullptr;
+  std::set<const DicomLayout*> checked;
+  std::size_t count = 0;
+  for (const DicomSlice& slice : slices) {
+    const DicomLayout& layout = *slice.layout;
+    if (!checked.insert(&layout).second) continue;
+    dicom_voxel_type(layout);
+    check_dicom_pixels(layout);
+    if (surplus_bytes(layout) == 0) continue;
+    if (count++ == 0) example = &layout;
+  }
+  if (count == 0) return;
+  warnings.push_back(std::to_string(count) + (count == 1 ? " file holds" : " files hold") +
+                     " more pixel data than the size in the header takes (" +
+                     escaped(base_name(example->path)) + ": " +
+                     std::to_string(surplus_bytes(*example)) +
+                     " bytes more); what is behind the picture is left out");
 }
 
 /// The unit of real values: Hounsfield units for CT unless the file says otherwise.
@@ -127,10 +148,7 @@ std::unique_ptr<PlaneSource> open_dicom_source(const std::vector<std::string>& f
   Components components;
   components.channels = slices.front().layout->samples;
   components.channel_names = colour_names(components.channels);
-  for (const DicomSlice& slice : slices) {
-    dicom_voxel_type(*slice.layout);
-    check_dicom_pixels(*slice.layout);
-  }
+  check_pixels(slices, warnings);
   if (options.on_gap == GapPolicy::ignore) {
     throw Error(ErrorKind::invalid_argument,
                 "--on-gap ignore is for numbered files; DICOM slices say where they lie: give fill "

@@ -1,4 +1,7 @@
 // What headers of DICOM files say about stored voxels and their meaning, and what cannot be taken.
+#include <gdcmImageChangeTransferSyntax.h>
+#include <gdcmImageReader.h>
+#include <gdcmSequenceOfFragments.h>
 #include <gtest/gtest.h>
 
 #include "support/dicom_elements.h"
@@ -9,6 +12,22 @@ namespace {
 
 constexpr std::uint32_t kFrames = 0x00280008;
 constexpr std::uint32_t kPixelData = 0x7fe00010;
+
+void expect_words(const std::string& text, const std::vector<std::string>& words) {
+  for (const std::string& word : words) {
+    EXPECT_NE(text.find(word), std::string::npos) << word << " in: " << text;
+  }
+}
+
+/// The error of `elements` as a file, a refusal of the source.
+void expect_refusal(const DicomElements& elements, const std::vector<std::string>& words,
+                    const std::string& transfer_syntax = kExplicitLittle) {
+  const TempFolder folder;
+  elements.write(folder.file("a.dcm"), transfer_syntax);
+  const Error error = source_error({folder.file("a.dcm")});
+  EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
+  expect_words(error.what(), words);
+}
 
 std::string swapped_pairs(std::string bytes) {
   for (std::size_t at = 0; at + 1 < bytes.size(); at += 2) std::swap(bytes[at], bytes[at + 1]);
@@ -83,6 +102,90 @@ TEST(SourceDicomWords, OfBigEndianSegmentationsHoldSwappedBits) {
   elements.set(kPixelData, "OW", swapped_pairs(packed));
   elements.write(folder.file("a.dcm"), kExplicitBig);
   EXPECT_EQ(voxels_of(*open_source({folder.file("a.dcm")}, with_spacing())), labels);
+}
+
+TEST(SourceDicomExtent, OfMorePicturesThanTheHeaderNamesIsRefused) {
+  DicomElements grey = ct_elements(5, 3, 8);
+  grey.set(kPixelData, "OB", counted(10 * 15));
+  expect_refusal(grey, {"a.dcm", "10 pictures", "Number of Frames (0028,0008) says 1"});
+  grey.set(kFrames, "IS", "2");
+  grey.set(kPixelData, "OB", counted(3 * 15));
+  expect_refusal(grey, {"3 pictures", "says 2"});
+  DicomElements mask = ct_elements(5, 3, 1);
+  mask.set(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.66.4");
+  mask.set(0x00620001, "CS", "BINARY");
+  mask.set(kPixelData, "OB", std::string(4, '\0'));
+  expect_refusal(mask, {"2 pictures", "says 1"});
+}
+
+TEST(SourceDicomExtent, OfMoreBytesThanThePictureTakesIsToldInOneWarning) {
+  const TempFolder folder;
+  for (int z = 0; z < 3; ++z) {
+    DicomElements elements = ct_elements(5, 3, 8, 2 * z);
+    elements.set(kPixelData, "OB", counted(z == 0 ? 16 : 22));
+    elements.write(folder.file("s" + std::to_string(z)), kExplicitLittle);
+  }
+  const auto source = open_source({folder.path()}, {});
+  EXPECT_EQ(voxels_of(*source), counted(15) + counted(15) + counted(15));
+  ASSERT_EQ(source->warnings().size(), 1U);
+  expect_words(source->warnings()[0], {"2 files hold more pixel data", "s1: 7 bytes more"});
+}
+
+TEST(SourceDicomExtent, OfMoreCompressedPicturesIsRefused) {
+  const std::string jpeg = "\xff\xd8\xff\xe0";
+  const std::string jpeg2000 = "\xff\x4f\xff\x51";
+  const std::string middle = "\xff\x4f\x01\x02";
+  struct Row {
+    const char* syntax;
+    std::vector<std::string> fragments;
+    bool has_table;
+    const char* frames;
+    const char* found;
+  };
+  for (const Row& row : std::vector<Row>{
+           {kRunLengths, {"abcd", "abcd", "abcd"}, false, "1", "3 pictures"},
+           {kRunLengths, {"abcd", "abcd", "abcd"}, true, "2", "3 pictures"},
+           {kJpegBaseline, {jpeg, middle, jpeg}, false, "1", "2 pictures"},
+           {kJpegBaseline, {jpeg, middle}, true, "1", "2 pictures"},
+           {kJpeg2000, {jpeg2000, middle, jpeg2000, middle}, false, "1", "2 pictures"}}) {
+    DicomElements elements = ct_elements(5, 3, 8);
+    elements.set(kFrames, "IS", row.frames);
+    elements.set_fragments(row.fragments, row.has_table);
+    expect_refusal(elements, {row.found, std::string("says ") + row.frames}, row.syntax);
+  }
+}
+
+/// The picture of a file as JPEG-LS without loss.
+std::string jpeg_ls_of(const std::string& path) {
+  gdcm::ImageReader reader;
+  reader.SetFileName(path.c_str());
+  EXPECT_TRUE(reader.Read());
+  gdcm::ImageChangeTransferSyntax change;
+  change.SetTransferSyntax(gdcm::TransferSyntax::JPEGLSLossless);
+  change.SetInput(reader.GetImage());
+  EXPECT_TRUE(change.Change());
+  const gdcm::SequenceOfFragments* all =
+      change.GetOutput().GetDataElement().GetSequenceOfFragments();
+  const gdcm::ByteValue* first = all->GetFragment(0).GetByteValue();
+  return {first->GetPointer(), first->GetLength()};
+}
+
+TEST(SourceDicomExtent, OfOnePictureInSeveralFragmentsIsNoFault) {
+  const TempFolder folder;
+  DicomElements elements = ct_elements(5, 3, 8);
+  elements.set(kPixelData, "OB", counted(15));
+  elements.write(folder.file("a.dcm"), kExplicitLittle);
+  const std::string coded = jpeg_ls_of(folder.file("a.dcm"));
+  elements.set_fragments({coded.substr(0, 16), coded.substr(16)}, false);
+  elements.write(folder.file("a.dcm"), kJpegLs);
+  EXPECT_EQ(voxels_of(*open_source({folder.file("a.dcm")}, {})), counted(15));
+}
+
+TEST(SourceDicomExtent, OfMoreRowsThanTheirNumberCanSayIsRefused) {
+  DicomElements elements = ct_elements(5, 3, 8);
+  elements.set(0x00280010, "UL", std::string("\0\0\1\0", 4));
+  elements.set(0x00280011, "UL", std::string("\0\0\1\0", 4));
+  expect_refusal(elements, {"65536 x 65536", "65535"});
 }
 
 }  // namespace
