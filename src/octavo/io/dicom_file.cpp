@@ -14,10 +14,12 @@ namespace {
 
 constexpr std::uint32_t kUndefinedLength = 0xffffffffU;
 constexpr std::uint64_t kStoredValueLimit = 512;
+constexpr std::uint64_t kStoredListLimit = std::uint64_t{1} << 16;
 constexpr std::size_t kWindowBytes = std::size_t{1} << 14;
 constexpr int kMaxDepth = 16;
 
 constexpr DicomTag kTransferSyntax = 0x00020010;
+constexpr DicomTag kGridFrameOffsets = 0x3004000c;
 constexpr DicomTag kFloatPixelData = 0x7fe00008;
 constexpr DicomTag kDoublePixelData = 0x7fe00009;
 constexpr DicomTag kPixelData = 0x7fe00010;
@@ -29,8 +31,13 @@ constexpr DicomTag kSequenceEnd = 0xfffee0dd;
 bool is_kept_sequence(DicomTag tag) {
   static const std::set<DicomTag> kKept = {0x52009229, 0x52009230, 0x00209113, 0x00209116,
                                            0x00289110, 0x00289145, 0x00209111, 0x00283010,
-                                           0x00620002, 0x0062000a};
+                                           0x00620002, 0x0062000a, 0x00283000};
   return kKept.contains(tag);
+}
+
+/// A list of numbers for every frame may be long.
+std::uint64_t stored_value_limit(DicomTag tag) {
+  return tag == kGridFrameOffsets ? kStoredListLimit : kStoredValueLimit;
 }
 
 /// Bytes of a file read through a small window.
@@ -166,7 +173,8 @@ class Walker {
       } else {
         const std::uint64_t next = value_end(head, end);
         count(head.tag);
-        if (kept != nullptr && !is_private(head.tag) && head.length <= kStoredValueLimit) {
+        const bool is_short = head.length <= stored_value_limit(head.tag);
+        if (kept != nullptr && !is_private(head.tag) && is_short) {
           kept->add_value(head.tag, window_.bytes(head.value_offset, head.length));
         }
         at = next;

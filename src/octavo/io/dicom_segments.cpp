@@ -108,7 +108,7 @@ std::vector<DicomSlice> choose_segments(std::vector<DicomSlice> slices,
     return join_places(std::move(slices));
   }
   if (!slices.front().layout->is_binary_segmentation()) {
-    for (DicomSlice& slice : slices) slice.rescale = {1 / largest, 0};
+    for (DicomSlice& slice : slices) slice.values.rescale = {1 / largest, 0};
   }
   return slices;
 }

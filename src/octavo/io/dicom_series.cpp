@@ -32,6 +32,8 @@ std::string type_text(const DicomLayout& l) {
          (l.samples == 1 ? " sample" : " samples");
 }
 
+std::string name_or(const std::string& name) { return name.empty() ? "not named" : name; }
+
 template <std::size_t n>
 bool are_close(const std::array<double, n>& a, const std::array<double, n>& b) {
   for (std::size_t i = 0; i < n; ++i) {
@@ -59,12 +61,35 @@ void require_alike(const DicomSlice& a, const DicomSlice& b) {
   require_same(a, b, "the photometric interpretation", x.photometric, y.photometric);
   require_close(a, b, "the orientation", a.orientation, b.orientation);
   require_close(a, b, "the pixel spacing", a.pixel_mm, b.pixel_mm);
+  require_same(a, b, "the unit of real values", name_or(a.values.unit), name_or(b.values.unit));
+  require_same(a, b, "the unit of PET values", name_or(x.pet_units), name_or(y.pet_units));
+  const Rescale& in_a = a.values.rescale;
+  const Rescale& in_b = b.values.rescale;
   require_same(a, b, "the rescale",
-               number_text(a.rescale.slope) + " x + " + number_text(a.rescale.intercept),
-               number_text(b.rescale.slope) + " x + " + number_text(b.rescale.intercept));
-  if (a.rescale == b.rescale) return;
+               number_text(in_a.slope) + " x + " + number_text(in_a.intercept),
+               number_text(in_b.slope) + " x + " + number_text(in_b.intercept));
+  if (in_a == in_b) return;
   reject(b, "the rescale differs between " + b.name() + " and " + a.name() +
                 " beyond the digits shown");
+}
+
+/// Positions in different frames of reference do not stand in one space. Where about every slice
+/// names one of its own, as some programs that remove names from scans make them do, that says
+/// nothing.
+void require_one_space(const std::vector<DicomSlice>& slices) {
+  std::map<std::string, const DicomSlice*> found;
+  std::size_t naming = 0;
+  for (const DicomSlice& slice : slices) {
+    const std::string& frame = slice.layout->frame_of_reference;
+    if (frame.empty()) continue;
+    ++naming;
+    found.try_emplace(frame, &slice);
+  }
+  if (found.size() < 2 || found.size() * 2 > naming + 1) return;
+  const DicomSlice& first = *found.begin()->second;
+  const DicomSlice& other = *found.rbegin()->second;
+  require_same(first, other, "the frame of reference", first.layout->frame_of_reference,
+               other.layout->frame_of_reference);
 }
 
 std::string pair_text(const DicomSlice& a, const DicomSlice& b) {
@@ -224,6 +249,7 @@ DicomStack prove_stack(std::vector<DicomSlice> slices, const SourceOptions& opti
   stack.leaves_out_empty = stack.slices.front().layout->is_segmentation();
   stack.holds_labels = stack.slices.front().layout->is_binary_segmentation();
   for (const DicomSlice& slice : stack.slices) require_alike(stack.slices.front(), slice);
+  require_one_space(stack.slices);
   const auto lacking = std::find_if_not(stack.slices.begin(), stack.slices.end(), has_geometry);
   if (lacking == stack.slices.end()) {
     place_stack(stack, options);

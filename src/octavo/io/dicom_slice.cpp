@@ -14,6 +14,8 @@ namespace octavo {
 
 namespace {
 
+constexpr DicomTag kImagePosition = 0x00200032;
+constexpr DicomTag kGridFrameOffsets = 0x3004000c;
 constexpr DicomTag kSharedGroups = 0x52009229;
 constexpr DicomTag kPerFrameGroups = 0x52009230;
 constexpr DicomTag kPlanePosition = 0x00209113;
@@ -106,6 +108,8 @@ DicomLayout read_layout(const DicomFile& file) {
   layout.modality = data.text(0x00080060);
   layout.image_type = data.text(0x00080008);
   layout.photometric = data.text(0x00280004);
+  layout.frame_of_reference = data.text(0x00200052);
+  layout.pet_units = data.text(0x00541001);
   layout.rows = required(file, 0x00280010, "Rows");
   layout.columns = required(file, 0x00280011, "Columns");
   layout.samples = data.unsigned_value(0x00280002).value_or(1);
@@ -136,7 +140,7 @@ DicomLayout read_layout(const DicomFile& file) {
     reject(file.path, "a picture without rows or columns");
   if (layout.rows > kMaxSide || layout.columns > kMaxSide) {
     reject(file.path, "a picture of " + size_text(layout.columns, layout.rows) +
-                          " voxels, a DICOM picture has at most 65535 x 65535: the file is damaged");
+                          " voxels, a DICOM picture has at most 65535 x 65535: it is damaged");
   }
   return layout;
 }
@@ -151,7 +155,7 @@ const DicomSet* macro(const DicomSet& shared, const DicomSet& frame, DicomTag ta
 void take_place(const DicomSet* position, const DicomSet* orientation, const DicomSet* measures,
                 DicomSlice& slice) {
   if (position != nullptr) {
-    const std::vector<double> mm = position->decimals(0x00200032);
+    const std::vector<double> mm = position->decimals(kImagePosition);
     if (mm.size() == 3) slice.position_mm = {mm[0], mm[1], mm[2]};
   }
   if (orientation != nullptr) {
@@ -165,11 +169,22 @@ void take_place(const DicomSet* position, const DicomSet* orientation, const Dic
   }
 }
 
-void take_rescale(const DicomSet* set, DicomSlice& slice) {
-  if (set == nullptr) return;
-  slice.rescale.slope = set->decimal(0x00281053).value_or(1);
-  slice.rescale.intercept = set->decimal(0x00281052).value_or(0);
-  slice.rescale_type = set->text(0x00281054);
+/// The frames of an RTDOSE lie along the normal of the first at the offsets that it lists.
+void take_dose_planes(const DicomSet& data, std::vector<DicomSlice>& slices) {
+  const std::vector<double> offsets = data.decimals(kGridFrameOffsets);
+  const std::vector<double> first = data.decimals(kImagePosition);
+  if (first.size() != 3 || !slices.front().orientation || offsets.size() != slices.size()) return;
+  const std::array<double, 6>& v = *slices.front().orientation;
+  const Point3 normal = {v[1] * v[5] - v[2] * v[4], v[2] * v[3] - v[0] * v[5],
+                         v[0] * v[4] - v[1] * v[3]};
+  // Old files list heights of the patient instead: the first is that of the position.
+  const bool are_heights = offsets.front() != 0;
+  if (are_heights && (offsets.front() != first[2] || normal != Point3{0, 0, 1})) return;
+  for (std::size_t i = 0; i < slices.size(); ++i) {
+    const double along = offsets[i] - offsets.front();
+    slices[i].position_mm = {first[0] + normal[0] * along, first[1] + normal[1] * along,
+                             first[2] + normal[2] * along};
+  }
 }
 
 }  // namespace
@@ -222,18 +237,19 @@ std::vector<DicomSlice> read_dicom_slices(const std::string& path) {
       const DicomSet& own = item < frame_items.size() ? frame_items[item] : none;
       take_place(macro(shared, own, kPlanePosition), macro(shared, own, kPlaneOrientation),
                  macro(shared, own, kPixelMeasures), slice);
-      take_rescale(macro(shared, own, kValueTransformation), slice);
+      slice.values = read_dicom_values(file.data, macro(shared, own, kValueTransformation));
       if (const DicomSet* segment = macro(shared, own, kSegmentIdentification)) {
         slice.segment = segment->unsigned_value(0x0062000b).value_or(0);
       }
     } else {
       // Without functional groups one position cannot be that of several frames.
       take_place(layout->frames == 1 ? &file.data : nullptr, &file.data, &file.data, slice);
-      take_rescale(&file.data, slice);
+      slice.values = read_dicom_values(file.data, nullptr);
       slice.instance_number = file.data.decimal(0x00200013);
     }
     slices.push_back(std::move(slice));
   }
+  if (layout->modality == "RTDOSE" && layout->frames > 1) take_dose_planes(file.data, slices);
   return slices;
 }
 

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "octavo/core/geometry.h"
-#include "octavo/core/volume.h"
 #include "octavo/io/dicom_file.h"
+#include "octavo/io/dicom_values.h"
 
 namespace octavo {
 
@@ -39,6 +39,8 @@ struct DicomLayout {
   std::string modality;
   std::string image_type;
   std::string photometric;
+  std::string frame_of_reference;
+  std::string pet_units;  ///< Units (0054,1001)
   std::int64_t columns = 0;
   std::int64_t rows = 0;
   std::int64_t frames = 1;
@@ -76,8 +78,7 @@ struct DicomSlice {
   std::optional<Point3> position_mm;                  ///< of the centre of its first voxel, LPS
   std::optional<std::array<double, 6>> orientation;   ///< direction of rows, then of columns
   std::optional<std::array<double, 2>> pixel_mm;      ///< along x (columns), y (rows)
-  Rescale rescale;
-  std::string rescale_type;
+  DicomValues values;                                 ///< what its stored values stand for
   std::optional<double> instance_number;
   std::int64_t channel = 0;  ///< of a colour picture: the sample that is taken
   std::int64_t segment = 0;  ///< of a SEG: the number of the segment that the frame belongs to

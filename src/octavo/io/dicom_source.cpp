@@ -12,7 +12,6 @@
 #include "octavo/io/dicom_segments.h"
 #include "octavo/io/dicom_series.h"
 #include "octavo/io/source_file.h"
-#include "octavo/io/value_unit.h"
 
 namespace octavo {
 
@@ -57,12 +56,17 @@ std::vector<DicomSlice> collect_slices(const std::vector<std::string>& files,
   return slices;
 }
 
-void check_pixels(const std::vector<DicomSlice>& slices, std::vector<std::string>& warnings) {
+/// Refuses pixel data that do not fit their header and values of unknown meaning; warns where more
+/// is stored than is taken.
+void check_slices(const std::vector<DicomSlice>& slices, std::vector<std::string>& warnings) {
   const DicomLayout* example = nullptr;
   std::set<const DicomLayout*> checked;
   std::size_t count = 0;
   for (const DicomSlice& slice : slices) {
     const DicomLayout& layout = *slice.layout;
+    if (!slice.values.fault.empty()) {
+      throw Error(ErrorKind::source_rejected, slice.values.fault, layout.path);
+    }
     if (!checked.insert(&layout).second) continue;
     dicom_voxel_type(layout);
     check_dicom_pixels(layout);
@@ -75,13 +79,6 @@ void check_pixels(const std::vector<DicomSlice>& slices, std::vector<std::string
                      escaped(base_name(example->path)) + ": " +
                      std::to_string(surplus_bytes(*example)) +
                      " bytes more); what is behind the picture is left out");
-}
-
-/// The unit of real values: Hounsfield units for CT unless the file says otherwise.
-std::string unit_of(const DicomSlice& slice) {
-  const std::string& type = slice.rescale_type;
-  if (!type.empty() && type != "US") return known_value_unit(type);
-  return slice.layout->modality == "CT" && type != "US" ? "HU" : "";
 }
 
 std::string extra_json(const DicomStack& stack, const SourceOptions& options, bool was_lossy) {
@@ -105,10 +102,10 @@ SourceFacts describe(const DicomStack& stack, const SourceOptions& options) {
   facts.description.size = stack.size();
   if (stack.holds_labels) facts.description.kind = VolumeKind::labels;
   facts.description.geometry = stack.geometry;
-  facts.description.rescale = first.rescale;
+  facts.description.rescale = first.values.rescale;
   facts.description.padding = layout.padding_value;
   facts.spacing_known = stack.spacing_known;
-  facts.unit = unit_of(first);
+  facts.unit = first.values.unit;
   std::set<std::string> paths;
   bool was_lossy = false;
   for (const DicomSlice& slice : stack.slices) {
@@ -148,7 +145,7 @@ std::unique_ptr<PlaneSource> open_dicom_source(const std::vector<std::string>& f
   Components components;
   components.channels = slices.front().layout->samples;
   components.channel_names = colour_names(components.channels);
-  check_pixels(slices, warnings);
+  check_slices(slices, warnings);
   if (options.on_gap == GapPolicy::ignore) {
     throw Error(ErrorKind::invalid_argument,
                 "--on-gap ignore is for numbered files; DICOM slices say where they lie: give fill "

@@ -161,7 +161,8 @@ double outside_value(const DicomStack& stack) {
   if (layout.padding_value) return static_cast<double>(*layout.padding_value);
   const double value =
       layout.modality == "CT"
-          ? std::round((kAirHounsfield - slice.rescale.intercept) / slice.rescale.slope)
+          ? std::round((kAirHounsfield - slice.values.rescale.intercept) /
+                       slice.values.rescale.slope)
           : 0;
   const double span = std::ldexp(1.0, static_cast<int>(layout.bits_stored));
   const double lowest = layout.is_signed ? -span / 2 : 0;

@@ -11,6 +11,11 @@ namespace octavo::testing {
 namespace {
 
 constexpr std::uint32_t kFrames = 0x00280008;
+constexpr std::uint32_t kIntercept = 0x00281052;
+constexpr std::uint32_t kSlope = 0x00281053;
+constexpr std::uint32_t kModalityTable = 0x00283000;
+constexpr std::uint32_t kDoseOffsets = 0x3004000c;
+constexpr std::uint32_t kDoseScaling = 0x3004000e;
 constexpr std::uint32_t kPixelData = 0x7fe00010;
 
 void expect_words(const std::string& text, const std::vector<std::string>& words) {
@@ -186,6 +191,177 @@ TEST(SourceDicomExtent, OfMoreRowsThanTheirNumberCanSayIsRefused) {
   elements.set(0x00280010, "UL", std::string("\0\0\1\0", 4));
   elements.set(0x00280011, "UL", std::string("\0\0\1\0", 4));
   expect_refusal(elements, {"65536 x 65536", "65535"});
+}
+
+TEST(SourceDicomValues, OfARescaleThatIsNoNumberAreRefused) {
+  struct Row {
+    std::uint32_t tag;
+    const char* text;
+  };
+  for (const Row& row : std::vector<Row>{{kSlope, "2,5"},
+                                         {kIntercept, "-1,024"},
+                                         {kSlope, "two"},
+                                         {kSlope, "1\\2"},
+                                         {kIntercept, "1e999"},
+                                         {kIntercept, "nan"}}) {
+    DicomElements elements = ct_elements(5, 3, 8);
+    elements.set(row.tag, "DS", row.text);
+    const std::string name = row.tag == kSlope ? "Rescale Slope (0028,1053)"
+                                               : "Rescale Intercept (0028,1052)";
+    const std::string shown = row.text == std::string("1\\2") ? "1" : row.text;
+    expect_refusal(elements, {"a.dcm", name + " is \"" + shown, "not one number"});
+  }
+}
+
+TEST(SourceDicomValues, WithABlankRescaleAreTheStoredOnes) {
+  const TempFolder folder;
+  DicomElements elements = ct_elements(5, 3, 8);
+  elements.set(kSlope, "DS", "  ");
+  elements.set(kIntercept, "DS", "");
+  elements.set_items(kModalityTable, {});
+  elements.write(folder.file("a.dcm"), kExplicitLittle);
+  EXPECT_EQ(open_source({folder.file("a.dcm")}, {})->description().rescale, Rescale{});
+}
+
+TEST(SourceDicomValues, OfATableAreRefusedUnlessAnotherSeriesIsTaken) {
+  DicomElements table;
+  table.set(0x00283004, "LO", "HU");
+  DicomElements elements = ct_elements(5, 3, 8);
+  elements.set_items(kModalityTable, {table});
+  expect_refusal(elements, {"a.dcm", "Modality LUT Sequence (0028,3000)", "not applied"});
+  const TempFolder folder;
+  elements.set(0x0020000e, "UI", "7.8");
+  elements.write(folder.file("table.dcm"), kExplicitLittle);
+  ct_elements(5, 3, 8).write(folder.file("plain.dcm"), kExplicitLittle);
+  SourceOptions options;
+  options.series = "1.2.3";
+  EXPECT_EQ(open_source({folder.path()}, options)->description().size.z, 1);
+}
+
+/// Three frames with positions in functional groups.
+DicomElements enhanced_elements() {
+  DicomElements elements = ct_elements(5, 3, 8);
+  std::vector<DicomElements> frames;
+  for (int z = 0; z < 3; ++z) {
+    DicomElements place;
+    place.set(0x00200032, "DS", "0\\0\\" + std::to_string(2 * z));
+    frames.emplace_back().set_items(0x00209113, {place});
+  }
+  DicomElements orientation;
+  orientation.set(0x00200037, "DS", "1\\0\\0\\0\\1\\0");
+  DicomElements measures;
+  measures.set(0x00280030, "DS", "0.5\\0.5");
+  DicomElements shared;
+  shared.set_items(0x00209116, {orientation});
+  shared.set_items(0x00289110, {measures});
+  elements.set_items(0x52009229, {shared});
+  elements.set_items(0x52009230, frames);
+  elements.set(kFrames, "IS", "3");
+  elements.set(kPixelData, "OB", counted(45));
+  return elements;
+}
+
+TEST(SourceDicomValues, OfFramesWithoutATransformationAreThoseOfTheWholeFile) {
+  const TempFolder folder;
+  DicomElements elements = enhanced_elements();
+  elements.set(kSlope, "DS", "2");
+  elements.set(kIntercept, "DS", "-5");
+  elements.write(folder.file("a.dcm"), kExplicitLittle);
+  EXPECT_EQ(open_source({folder.file("a.dcm")}, {})->description().rescale, (Rescale{2, -5}));
+  DicomElements transformation;
+  transformation.set(kSlope, "DS", "3");
+  transformation.set(kIntercept, "DS", "7");
+  DicomElements shared;
+  shared.set_items(0x00289145, {transformation});
+  elements.set_items(0x52009229, {shared});
+  elements.write(folder.file("a.dcm"), kExplicitLittle);
+  EXPECT_EQ(open_source({folder.file("a.dcm")}, with_spacing())->description().rescale,
+            (Rescale{3, 7}));
+}
+
+/// A dose of three planes at 10, 12.5 and 15 mm.
+DicomElements dose_elements() {
+  DicomElements elements = ct_elements(5, 3, 8, 10);
+  elements.set(0x00080060, "CS", "RTDOSE");
+  elements.set(kFrames, "IS", "3");
+  elements.set(0x30040002, "CS", "GY");
+  elements.set(kDoseOffsets, "DS", "0\\2.5\\5");
+  elements.set(kDoseScaling, "DS", "0.001");
+  elements.set(kPixelData, "OB", counted(45));
+  return elements;
+}
+
+TEST(SourceDicomDose, IsScaledAndPlacedAsItsGridSays) {
+  const TempFolder folder;
+  DicomElements elements = dose_elements();
+  for (const char* offsets : {"0\\2.5\\5", "10\\12.5\\15"}) {
+    elements.set(kDoseOffsets, "DS", offsets);
+    elements.write(folder.file("a.dcm"), kExplicitLittle);
+    const auto source = open_source({folder.file("a.dcm")}, {});
+    EXPECT_EQ(source->description().rescale, (Rescale{0.001, 0}));
+    EXPECT_EQ(source->description().geometry.spacing_mm, (Point3{0.5, 0.5, 2.5}));
+    EXPECT_EQ(source->description().geometry.origin_mm, (Point3{0, 0, 10}));
+    expect_words(source->description().metadata_json, {"\"unit\":\"Gy\""});
+    EXPECT_EQ(voxels_of(*source), counted(45));
+  }
+}
+
+TEST(SourceDicomDose, OfManyPlanesIsPlacedByItsLongList) {
+  const TempFolder folder;
+  DicomElements elements = dose_elements();
+  std::string offsets = "0";
+  for (int i = 1; i < 300; ++i) offsets += "\\" + std::to_string(2.5 * i);
+  elements.set(kFrames, "IS", "300");
+  elements.set(kDoseOffsets, "DS", offsets);
+  elements.set(kPixelData, "OB", std::string(4500, '\1'));
+  elements.write(folder.file("a.dcm"), kExplicitLittle);
+  EXPECT_EQ(open_source({folder.file("a.dcm")}, {})->description().size, (Size3{5, 3, 300}));
+}
+
+TEST(SourceDicomDose, WithoutAScaleOrAFittingGridIsRefused) {
+  DicomElements elements = dose_elements();
+  for (const char* scaling : {"", "0", "0,001"}) {
+    elements.set(kDoseScaling, "DS", scaling);
+    expect_refusal(elements, {"Dose Grid Scaling (3004,000e)"});
+  }
+  elements = dose_elements();
+  for (const char* offsets : {"0\\2.5", "7\\9.5\\12", "0\\x\\5"}) {
+    elements.set(kDoseOffsets, "DS", offsets);
+    expect_refusal(elements, {"no geometry"});
+  }
+}
+
+TEST(SourceDicomValues, OfSlicesWithOtherUnitsOrFramesOfReferenceAreNotMixed) {
+  struct Row {
+    std::uint32_t tag;
+    const char* vr;
+    const char* first;
+    const char* other;
+    const char* word;
+  };
+  for (const Row& row : std::vector<Row>{{0x00281054, "LO", "HU", "OD", "unit of real values"},
+                                         {0x00541001, "CS", "BQML", "CNTS", "unit of PET values"},
+                                         {0x00200052, "UI", "1.2", "1.3", "frame of reference"}}) {
+    const TempFolder folder;
+    for (int z = 0; z < 3; ++z) {
+      DicomElements elements = ct_elements(5, 3, 8, 2 * z);
+      elements.set(row.tag, row.vr, z == 1 ? row.other : row.first);
+      elements.write(folder.file("s" + std::to_string(z)), kExplicitLittle);
+    }
+    const Error error = source_error({folder.path()});
+    EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
+    expect_words(error.what(), {"s0", "s1", row.word, row.first, row.other});
+  }
+}
+
+TEST(SourceDicomValues, OfSlicesWithAFrameOfReferenceEachAreTaken) {
+  const TempFolder folder;
+  for (int z = 0; z < 3; ++z) {
+    DicomElements elements = ct_elements(5, 3, 8, 2 * z);
+    elements.set(0x00200052, "UI", "1.2." + std::to_string(z));
+    elements.write(folder.file("s" + std::to_string(z)), kExplicitLittle);
+  }
+  EXPECT_EQ(open_source({folder.path()}, {})->description().size.z, 3);
 }
 
 }  // namespace
