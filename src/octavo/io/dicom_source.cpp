@@ -11,6 +11,7 @@
 #include "octavo/io/dicom_plane.h"
 #include "octavo/io/dicom_segments.h"
 #include "octavo/io/dicom_series.h"
+#include "octavo/io/dicom_strays.h"
 #include "octavo/io/source_file.h"
 
 namespace octavo {
@@ -34,15 +35,12 @@ class DicomSource final : public IndexedPlaneSource {
 std::vector<DicomSlice> collect_slices(const std::vector<std::string>& files,
                                        std::vector<std::string>& warnings) {
   std::vector<DicomSlice> slices;
+  DicomStrays strays;
   std::size_t without_picture = 0;
   for (const std::string& path : files) {
     if (!looks_like_dicom(path)) {
-      if (files.size() > 1 && !has_ending(path, ".dcm")) continue;
-      throw Error(ErrorKind::source_rejected,
-                  SourceFile(path).size() == 0
-                      ? "the file is empty"
-                      : "not a DICOM file: the DICM mark is missing; remove it from the folder",
-                  path);
+      strays.add(path, files.size() == 1);
+      continue;
     }
     std::vector<DicomSlice> found = read_dicom_slices(path);
     if (found.empty()) ++without_picture;
@@ -53,6 +51,7 @@ std::vector<DicomSlice> collect_slices(const std::vector<std::string>& files,
                        (without_picture == 1 ? " DICOM file" : " DICOM files") +
                        " without a picture (directories, reports) left out");
   }
+  if (const std::string text = strays.warning(); !text.empty()) warnings.push_back(text);
   return slices;
 }
 

@@ -54,6 +54,45 @@ TEST(SourceDicom, PlanesComeInSpatialOrderWithStoredValues) {
   EXPECT_EQ(voxels_of(*source), expected_voxels(5));
 }
 
+TEST(SourceDicom, AnEmptyFileAmongSlicesIsRefusedByItsName) {
+  for (const char* name : {"IM90", "IM98", "scan.dcm"}) {
+    const TempFolder folder;
+    write_series(folder, 3);
+    write_file(folder.file(name), "");
+    const Error error = source_error({folder.path()});
+    EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
+    for (const char* part : {name, "the file is empty", "copy it again"})
+      EXPECT_TRUE(contains(error.what(), part)) << error.what();
+  }
+}
+
+TEST(SourceDicom, FilesThatMayHaveBeenSlicesAreLeftOutWithOneWarning) {
+  const TempFolder folder;
+  write_series(folder, 3);
+  write_file(folder.file("IM94"), std::string(600, '\0'));
+  auto source = open_source({folder.path()}, {});
+  EXPECT_EQ(voxels_of(*source), expected_voxels(3));
+  EXPECT_EQ(source->warnings(),
+            std::vector<std::string>{"1 file that is not DICOM left out: IM94"});
+  write_file(folder.file("notes.bak"), "what is this");
+  source = open_source({folder.path()}, {});
+  EXPECT_EQ(source->warnings(),
+            std::vector<std::string>{"2 files that are not DICOM left out, among them IM94"});
+}
+
+TEST(SourceDicom, CompanionsOfAScanAreLeftOutWithoutAWord) {
+  const TempFolder folder;
+  write_series(folder, 3);
+  for (const char* name : {"notes.txt", "REPORT.PDF", "AUTORUN.INF", "a.json", "viewer.exe",
+                           "Thumbs.db", "README", "License", "VERSION", ".DS_Store"}) {
+    write_file(folder.file(name), name);
+  }
+  write_file(folder.file("empty.log"), "");
+  const auto source = open_source({folder.path()}, {});
+  EXPECT_EQ(voxels_of(*source), expected_voxels(3));
+  EXPECT_TRUE(source->warnings().empty());
+}
+
 TEST(SourceDicom, GeometryRescaleAndUnitAreThoseOfTheHeaders) {
   const TempFolder folder;
   write_series(folder, 3);
