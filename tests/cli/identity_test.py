@@ -60,8 +60,8 @@ def item(content):
     return struct.pack("<HHI", 0xFFFE, 0xE000, len(content)) + content
 
 
-def dicom(z, implicit):
-    """A slice with every secret, one nested twice, and two in a private group."""
+def dicom(z, implicit, more=()):
+    """A slice with every secret, one nested twice, and two in a private group; `more` elements."""
     short = {0x00280002: 1, 0x00280010: ROWS, 0x00280011: COLUMNS, 0x00280100: 16,
              0x00280101: 16, 0x00280102: 15, 0x00280103: 1}
     elements = [(tag, vr, text) for vr, (tag, text) in SECRETS.items()]
@@ -74,6 +74,7 @@ def dicom(z, implicit):
                  (0x00290010, "LO", "SECRET PRIVATE CREATOR"),
                  (0x00291001, "UN", b"SECRET PRIVATE VALUE"),
                  (0x7FE00010, "OW", struct.pack("<h", z) * (COLUMNS * ROWS))]
+    elements += more
     inner = element(0x00100010, "PN", "SECRET^NESTED", implicit)
     middle = element(0x00400275, "SQ", item(inner), implicit)
     elements.append((0x00400275, "SQ", item(middle)))
@@ -161,6 +162,34 @@ class Identity(cli_test.InFolder):
                 self.assertRegex(shown, r"identity +dropped: \d+ attributes")
                 listed = self.expect(0, "info", "a.8vo", "--metadata").stdout
                 self.assertRegex(listed, r"PatientBirthDate +3\n")
+
+    def test_dicom_attributes_are_told_only_in_the_form_that_they_have(self):
+        told = {"ImageType": (0x00080008, "CS", "ORIGINAL\\PRIMARY\\AXIAL"),
+                "KVP": (0x00180060, "DS", "120"),
+                "ConvolutionKernel": (0x00181210, "SH", "B40f"),
+                "BodyPartExamined": (0x00180015, "CS", "CHEST"),
+                "PatientPosition": (0x00185100, "CS", "HFS"),
+                "RescaleType": (0x00281054, "LO", "HU"),
+                "Units": (0x00541001, "CS", "CNTS")}
+        written_over = {"ImageType": "ORIGINAL\\Doe^John", "KVP": "Doe^John",
+                        "BodyPartExamined": "Doe John", "PatientPosition": "DOE_JOHN",
+                        "RescaleType": "Doe^John 1970", "Units": "DOE_JOHN"}
+        folder = self.folder / "scan"
+        folder.mkdir()
+        for secrets in ({}, written_over):
+            more = [(tag, vr, secrets.get(name, text)) for name, (tag, vr, text) in told.items()]
+            for z in range(3):
+                (folder / f"{z}.dcm").write_bytes(dicom(z, False, more))
+            self.build("scan")
+            metadata = self.info("a.8vo")["metadata"]
+            for name in told:
+                self.assertEqual(name in metadata["dicom"], name not in secrets, name)
+                self.assertEqual(metadata["identity"]["dropped"].get(name, 0),
+                                 3 if name in secrets else 0, name)
+            self.assert_no_secret([*secrets.values(), "Doe^John", "Doe John"])
+        self.build("scan", "--keep-identity")
+        kept = self.info("a.8vo")["metadata"]["identity"]["attributes"]
+        self.assertEqual(kept["RescaleType"], "Doe^John 1970")
 
     def test_what_is_kept_is_kept_under_its_keyword_and_said(self):
         self.write_dicom(False)

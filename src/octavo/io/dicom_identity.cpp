@@ -8,6 +8,8 @@
 #include <map>
 #include <set>
 
+#include "octavo/io/dicom_attributes.h"
+
 namespace octavo {
 
 namespace {
@@ -113,7 +115,7 @@ SourceIdentity dicom_identity(const DicomStack& stack) {
   note_segments(layout, is_latin, identity);
   for (auto& [tag, count] : counts) {
     if (tag == kSegmentLabel) count -= labels_of(layout);
-    if (is_layout(tag) || is_dicom_metadata(tag)) continue;
+    if (is_dicom_attribute(tag) ? is_dicom_metadata(first.data, tag) : is_layout(tag)) continue;
     const std::string known = keyword_of(tag);
     const std::string keyword = known.empty() ? dicom_tag_text(tag) : known;
     if (content_of(tag) != Content::binary) {

@@ -1,8 +1,5 @@
 #include "octavo/io/dicom_slice.h"
 
-#include <algorithm>
-#include <iterator>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
@@ -27,47 +24,6 @@ constexpr DicomTag kSegmentSequence = 0x00620002;
 constexpr const char* kSegmentation = "1.2.840.10008.5.1.4.1.1.66.4";
 constexpr std::int64_t kMaxFrames = std::int64_t{1} << 21;
 constexpr std::int64_t kMaxSide = 65535;
-
-/// Tags that say how the picture was made. None of them names a person, a place, a day or an
-/// object.
-struct NamedTag {
-  DicomTag tag;
-  const char* name;
-  bool is_number;
-};
-constexpr NamedTag kAllowed[] = {
-    {0x00080008, "ImageType", false},
-    {0x00080060, "Modality", false},
-    {0x00080070, "Manufacturer", false},
-    {0x00081090, "ManufacturerModelName", false},
-    {0x00180015, "BodyPartExamined", false},
-    {0x00180020, "ScanningSequence", false},
-    {0x00180022, "ScanOptions", false},
-    {0x00180023, "MRAcquisitionType", false},
-    {0x00180050, "SliceThickness", true},
-    {0x00180060, "KVP", true},
-    {0x00180080, "RepetitionTime", true},
-    {0x00180081, "EchoTime", true},
-    {0x00180082, "InversionTime", true},
-    {0x00180087, "MagneticFieldStrength", true},
-    {0x00180088, "SpacingBetweenSlices", true},
-    {0x00181100, "ReconstructionDiameter", true},
-    {0x00181120, "GantryDetectorTilt", true},
-    {0x00181150, "ExposureTime", true},
-    {0x00181151, "XRayTubeCurrent", true},
-    {0x00181152, "Exposure", true},
-    {0x00181160, "FilterType", false},
-    {0x00181210, "ConvolutionKernel", false},
-    {0x00181314, "FlipAngle", true},
-    {0x00185100, "PatientPosition", false},
-    {0x00280004, "PhotometricInterpretation", false},
-    {0x00281050, "WindowCenter", true},
-    {0x00281051, "WindowWidth", true},
-    {0x00281054, "RescaleType", false},
-    {0x00282110, "LossyImageCompression", false},
-    {0x00282112, "LossyImageCompressionRatio", false},
-    {0x00541001, "Units", false},
-};
 
 bool is_lossy_syntax(const std::string& uid) {
   // JPEG baseline and extended, JPEG-LS near-lossless, JPEG 2000 (which may be either).
@@ -251,28 +207,6 @@ std::vector<DicomSlice> read_dicom_slices(const std::string& path) {
   }
   if (layout->modality == "RTDOSE" && layout->frames > 1) take_dose_planes(file.data, slices);
   return slices;
-}
-
-std::string dicom_metadata_json(const std::string& path) {
-  const DicomFile file = read_dicom_file(path);
-  nlohmann::json tags = nlohmann::json::object();
-  for (const NamedTag& allowed : kAllowed) {
-    if (!file.data.has(allowed.tag)) continue;
-    const std::vector<double> numbers = file.data.decimals(allowed.tag);
-    if (allowed.is_number && numbers.size() == 1) {
-      tags[allowed.name] = numbers.front();
-    } else if (allowed.is_number && !numbers.empty()) {
-      tags[allowed.name] = numbers;
-    } else if (const std::string text = file.data.text(allowed.tag); !text.empty()) {
-      tags[allowed.name] = text;
-    }
-  }
-  return tags.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
-
-bool is_dicom_metadata(DicomTag tag) {
-  return std::any_of(std::begin(kAllowed), std::end(kAllowed),
-                     [&](const NamedTag& allowed) { return allowed.tag == tag; });
 }
 
 }  // namespace octavo

@@ -96,10 +96,4 @@ std::string list_text(std::span<const double> values);
 /// Throws Error{source_rejected} where the file is cut or its header makes no sense; Error{io}
 std::vector<DicomSlice> read_dicom_slices(const std::string& path);
 
-/// The tags of an allow-list as a JSON object: how the picture was made, never who is in it.
-std::string dicom_metadata_json(const std::string& path);
-
-/// True for the tags of that list.
-bool is_dicom_metadata(DicomTag tag);
-
 }  // namespace octavo

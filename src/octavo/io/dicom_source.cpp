@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "octavo/io/dicom_attributes.h"
 #include "octavo/io/dicom_extent.h"
 #include "octavo/io/dicom_identity.h"
 #include "octavo/io/dicom_pixels.h"
@@ -85,7 +86,8 @@ std::string extra_json(const DicomStack& stack, const SourceOptions& options, bo
   const std::string segments = segments_json(stack.slices, options);
   if (!segments.empty()) extra = nlohmann::json::parse(segments);
   if (!stack.spacing_known) extra["place_known"] = false;
-  extra["dicom"] = nlohmann::json::parse(dicom_metadata_json(stack.slices.front().layout->path));
+  const DicomFile first = read_dicom_file(stack.slices.front().layout->path);
+  extra["dicom"] = nlohmann::json::parse(dicom_metadata_json(first.data));
   if (was_lossy) extra["lossy_source"] = true;
   const std::string preparation = preparation_json(stack);
   if (!preparation.empty()) extra["prepared"] = nlohmann::json::parse(preparation);
