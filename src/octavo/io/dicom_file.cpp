@@ -19,6 +19,9 @@ constexpr std::size_t kWindowBytes = std::size_t{1} << 14;
 constexpr int kMaxDepth = 16;
 
 constexpr DicomTag kTransferSyntax = 0x00020010;
+constexpr DicomTag kRescaleIntercept = 0x00281052;
+constexpr DicomTag kRescaleSlope = 0x00281053;
+constexpr DicomTag kDoseScaling = 0x3004000e;
 constexpr DicomTag kGridFrameOffsets = 0x3004000c;
 constexpr DicomTag kFloatPixelData = 0x7fe00008;
 constexpr DicomTag kDoublePixelData = 0x7fe00009;
@@ -35,9 +38,12 @@ bool is_kept_sequence(DicomTag tag) {
   return kKept.contains(tag);
 }
 
-/// A list of numbers for every frame may be long.
+/// A list of numbers for every frame may be long, and a rescale that is too long to be one must not
+/// pass for absent.
 std::uint64_t stored_value_limit(DicomTag tag) {
-  return tag == kGridFrameOffsets ? kStoredListLimit : kStoredValueLimit;
+  const bool may_be_long = tag == kGridFrameOffsets || tag == kRescaleSlope ||
+                           tag == kRescaleIntercept || tag == kDoseScaling;
+  return may_be_long ? kStoredListLimit : kStoredValueLimit;
 }
 
 /// Bytes of a file read through a small window.

@@ -22,8 +22,8 @@ using DicomTag = std::uint32_t;
 /// "(0028,0010)".
 std::string dicom_tag_text(DicomTag tag);
 
-/// The short values of one data set or item. Values longer than 512 bytes (64 KiB of lists that
-/// speak of every frame) and private groups are left out.
+/// The short values of one data set or item. Values longer than 512 bytes (64 KiB of a rescale and
+/// of lists that speak of every frame) and private groups are left out.
 class DicomSet {
  public:
   bool has(DicomTag tag) const;

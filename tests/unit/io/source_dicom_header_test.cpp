@@ -213,6 +213,12 @@ TEST(SourceDicomValues, OfARescaleThatIsNoNumberAreRefused) {
   }
 }
 
+TEST(SourceDicomValues, OfARescaleOfAnyLengthAreRefused) {
+  DicomElements elements = ct_elements(5, 3, 8);
+  elements.set(kSlope, "DS", std::string(1000, 'x'));
+  expect_refusal(elements, {"Rescale Slope (0028,1053)", "not one number"});
+}
+
 TEST(SourceDicomValues, WithABlankRescaleAreTheStoredOnes) {
   const TempFolder folder;
   DicomElements elements = ct_elements(5, 3, 8);
