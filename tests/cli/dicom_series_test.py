@@ -122,6 +122,18 @@ class DicomSeries(cli_test.InFolder):
         self.build("--series", "1.2.3")
         self.assertEqual(self.info("a.8vo")["size"][2], 3)
 
+    def test_a_lost_slice_is_named_wherever_it_stood(self):
+        for z in range(4):
+            self.write(f"IM{z}", 2 * z)
+        lost = self.folder / "scan" / "IM3"
+        lost.write_bytes(b"")
+        self.refuse(["IM3", "the file is empty", "copy it again"])
+        lost.write_bytes(bytes(700))
+        told = self.build()
+        self.assertIn("warning: 1 file that is not DICOM left out: IM3", told.stderr)
+        lost.rename(lost.with_name("notes.txt"))
+        self.assertNotIn("warning", self.build("-f").stderr)
+
     def test_the_options_are_refused_for_other_sources(self):
         layout = self.random_raw("v.raw", (10, 9, 8))
         for options in [("--untilt",), ("--drop-duplicates",), ("--on-gap", "fill")]:
