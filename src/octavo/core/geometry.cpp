@@ -11,6 +11,10 @@ double determinant(const std::array<double, 9>& m) {
          m[2] * (m[3] * m[7] - m[4] * m[6]);
 }
 
+double dot_of_axes(const std::array<double, 9>& m, std::size_t a, std::size_t b) {
+  return m[a] * m[b] + m[3 + a] * m[3 + b] + m[6 + a] * m[6 + b];
+}
+
 }  // namespace
 
 Point3 Geometry::to_world(const Point3& index) const {
@@ -47,6 +51,22 @@ bool is_valid(const Geometry& geometry) noexcept {
     if (!std::isfinite(v)) return false;
   }
   return std::abs(determinant(geometry.direction)) > 1e-6;
+}
+
+bool has_unit_axes(const Geometry& geometry) noexcept {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!(std::abs(axis_length(geometry, axis) - 1) <= kAxisTolerance)) return false;
+  }
+  return true;
+}
+
+double axis_length(const Geometry& geometry, std::size_t axis) noexcept {
+  return std::sqrt(dot_of_axes(geometry.direction, axis, axis));
+}
+
+double axis_cosine(const Geometry& geometry, std::size_t a, std::size_t b) noexcept {
+  return dot_of_axes(geometry.direction, a, b) /
+         (axis_length(geometry, a) * axis_length(geometry, b));
 }
 
 Geometry cropped(const Geometry& geometry, const Index3& start) {

@@ -30,6 +30,19 @@ struct Geometry {
 /// True when spacings are finite and positive, all numbers finite and the direction invertible.
 bool is_valid(const Geometry& geometry) noexcept;
 
+/// How far axes may be from unit length, and the cosine between two of them from 0, for a grid to
+/// count as one of perpendicular unit axes.
+inline constexpr double kAxisTolerance = 1e-3;
+
+/// True when every column of the direction has length 1 within kAxisTolerance.
+bool has_unit_axes(const Geometry& geometry) noexcept;
+
+/// The length of column `axis` of the direction.
+double axis_length(const Geometry& geometry, std::size_t axis) noexcept;
+
+/// The cosine of the angle between two index axes; not a number where one has no length.
+double axis_cosine(const Geometry& geometry, std::size_t a, std::size_t b) noexcept;
+
 /// The geometry of the sub-grid that starts at voxel `start`.
 Geometry cropped(const Geometry& geometry, const Index3& start);
 

@@ -53,6 +53,10 @@ FileHeader make_header(const VolumeDescription& description, const Levels& level
     throw Error(ErrorKind::invalid_argument,
                 "spacing must be positive and direction invertible, all of them finite");
   }
+  if (!has_unit_axes(description.geometry)) {
+    throw Error(ErrorKind::invalid_argument,
+                "the axes of the direction must have length 1: lengths belong to the spacing");
+  }
   if (description.metadata_json.size() > kMaxMetadataBytes - kMetadataRoom - kMetadataBlock) {
     throw Error(ErrorKind::limit_exceeded,
                 "metadata of " + std::to_string(description.metadata_json.size()) +

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace octavo {
@@ -61,6 +62,32 @@ TEST(Geometry, WhatNoVoxelCanHaveIsInvalid) {
   Geometry flat = turned();
   flat.direction = {1, 0, 1, 0, 1, 0, 1, 0, 1};
   EXPECT_FALSE(is_valid(flat));
+}
+
+TEST(Geometry, AxesCountAsUnitVectorsWithinAThousandth) {
+  for (const auto& [length, is_unit] : std::vector<std::pair<double, bool>>{
+           {1, true}, {0.9995, true}, {1.0005, true}, {0.998, false}, {1.002, false}, {2, false},
+           {0, false}}) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      Geometry geometry = turned();
+      for (std::size_t row = 0; row < 3; ++row) geometry.direction[row * 3 + axis] *= length;
+      EXPECT_EQ(has_unit_axes(geometry), is_unit) << axis << ' ' << length;
+      EXPECT_NEAR(axis_length(geometry, axis), length, 1e-12);
+    }
+  }
+}
+
+TEST(Geometry, TheCosineOfTwoAxesIsZeroWhereTheyArePerpendicular) {
+  Geometry geometry = turned();
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t b = 0; b < 3; ++b) {
+      EXPECT_DOUBLE_EQ(axis_cosine(geometry, a, b), a == b ? 1 : 0);
+    }
+  }
+  geometry.direction = {2, 3, 0, 0, 3, 0, 0, 0, 1};
+  EXPECT_NEAR(axis_cosine(geometry, 0, 1), std::sqrt(0.5), 1e-12);
+  geometry.direction = {0, 3, 0, 0, 3, 0, 0, 0, 1};
+  EXPECT_TRUE(std::isnan(axis_cosine(geometry, 0, 1)));
 }
 
 TEST(Box, UnitedIsTheSmallestAroundBothAndNothingAddsNothing) {

@@ -233,6 +233,8 @@ TEST(Writer, RefusesWhatNoFileCanHave) {
       {"an endless error", ErrorKind::internal, [](auto&, auto& o) { o.max_error = HUGE_VAL; }},
       {"no spacing", ErrorKind::invalid_argument,
        [](auto& d, auto&) { d.geometry.spacing_mm[1] = 0; }},
+      {"axes that are longer than 1", ErrorKind::invalid_argument,
+       [](auto& d, auto&) { d.geometry.direction = {2, 0, 0, 0, 2, 0, 0, 0, 2}; }},
       {"metadata", ErrorKind::limit_exceeded,
        [](auto& d, auto&) { d.metadata_json.assign(std::size_t{16} << 20, ' '); }},
   };
