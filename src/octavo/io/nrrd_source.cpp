@@ -1,16 +1,15 @@
 #include "octavo/io/nrrd_source.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <optional>
-#include <set>
 #include <utility>
 #include <vector>
 
 #include "octavo/core/checked.h"
 #include "octavo/io/header_text.h"
-#include "octavo/io/length_unit.h"
+#include "octavo/io/nrrd_geometry.h"
+#include "octavo/io/nrrd_header.h"
 #include "octavo/io/source_file.h"
 #include "octavo/io/streamed_source.h"
 
@@ -18,88 +17,11 @@ namespace octavo {
 
 namespace {
 
-constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 20;
 constexpr std::int64_t kMaxValuesPerVoxel = std::int64_t{1} << 16;
 
 [[noreturn]] void reject(const std::string& path, const std::string& why) {
   throw Error(ErrorKind::source_rejected, why, path);
 }
-
-/// The fields of a header, names in lower case, and where the empty line behind it ends.
-class NrrdHeader {
- public:
-  explicit NrrdHeader(const std::string& path) : path_(path) {
-    const std::vector<std::byte> head = file_head(path, kMaxHeaderBytes);
-    const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
-    if (!text.starts_with("NRRD000"))
-      reject(path, "not a NRRD header: it does not start with NRRD000");
-    for (std::size_t at = 0; at < text.size();) {
-      const std::size_t end = std::min(text.find('\n', at), text.size());
-      const std::string_view line = trimmed(text.substr(at, end - at));
-      at = std::min(end + 1, text.size());
-      if (line.empty()) {
-        data_offset_ = at;
-        return;
-      }
-      take_line(line);
-    }
-    data_offset_ = text.size();
-    if (!has("data file")) reject(path, "the NRRD header has no end: the file is cut");
-  }
-
-  const std::string& path() const { return path_; }
-  std::uint64_t data_offset() const { return data_offset_; }
-  bool has(const std::string& name) const { return fields_.contains(name); }
-  FieldText field(const std::string& name) const {
-    const auto found = fields_.find(name);
-    if (found == fields_.end()) return {path_, "", {}};
-    return {path_, found->first, found->second};
-  }
-  std::string text(const std::string& name) const { return std::string(field(name).value); }
-  /// What says nothing of the voxels.
-  const SourceIdentity& identity() const { return identity_; }
-
- private:
-  void take_line(std::string_view line) {
-    if (line.starts_with('#')) {
-      identity_.note("comment", std::string(trimmed(line.substr(1))));
-      return;
-    }
-    const std::size_t colon = line.find(": ");
-    // A key of its own program's choice keeps its sign, so that it is never taken for a field.
-    const std::size_t key_end = line.find(":=");
-    if (key_end < colon) {
-      identity_.note("key/value pair", std::string(line));
-      fields_[std::string(line.substr(0, key_end + 2))] = trimmed(line.substr(key_end + 2));
-      return;
-    }
-    if (colon == std::string_view::npos) return;
-    std::string name = lower_case(std::string(line.substr(0, colon)));
-    if (name == "datafile") name = "data file";
-    if (name == "lineskip") name = "line skip";
-    if (name == "byteskip") name = "byte skip";
-    fields_[name] = trimmed(line.substr(colon + 2));
-    if (name == "content" || name == "labels") identity_.note(name, fields_[name]);
-    else if (!is_of_the_format(name)) identity_.note("other field", std::string(line));
-  }
-
-  static bool is_of_the_format(const std::string& name) {
-    static const std::set<std::string> kNames = {
-        "axis maxs",   "axis mins",   "axismaxs",     "axismins",        "block size",
-        "blocksize",   "byte skip",   "centerings",   "centers",         "data file",
-        "dimension",   "encoding",    "endian",       "kinds",           "line skip",
-        "max",         "min",         "number",       "measurement frame", "old max",
-        "old min",     "oldmax",      "oldmin",       "sample units",    "sampleunits",
-        "sizes",       "space",       "space dimension", "space directions", "space origin",
-        "space units", "spacings",    "thicknesses",  "type",            "units"};
-    return kNames.contains(name);
-  }
-
-  std::string path_;
-  SourceIdentity identity_;
-  std::map<std::string, std::string> fields_;
-  std::uint64_t data_offset_ = 0;
-};
 
 VoxelType voxel_type_of(const NrrdHeader& header) {
   static const std::map<std::string, VoxelType> kTypes = {
@@ -278,115 +200,6 @@ void take_component(const NrrdAxes& axes, const ComponentChoice& choice,
   run.take_volume(index_behind, count_behind, volume_bytes);
 }
 
-/// +1 or -1 per world axis: what turns the named space into LPS.
-Point3 signs_to_lps(const std::string& space) {
-  static const std::map<std::string, Point3> kSigns = {
-      {"right-anterior-superior", {-1, -1, 1}},
-      {"ras", {-1, -1, 1}},
-      {"left-anterior-superior", {1, -1, 1}},
-      {"las", {1, -1, 1}}};
-  const auto found = kSigns.find(space);
-  return found == kSigns.end() ? Point3{1, 1, 1} : found->second;
-}
-
-/// The vectors "(a,b,c) none (d,e,f) ..." of a field; "none" is passed over.
-std::vector<Point3> vectors(const FieldText& field) {
-  std::string flat(field.value);
-  const auto count = static_cast<std::size_t>(std::count(flat.begin(), flat.end(), '('));
-  std::replace_if(
-      flat.begin(), flat.end(), [](char c) { return c == '(' || c == ')' || c == ','; }, ' ');
-  for (std::size_t at = 0; (at = lower_case(flat).find("none")) != std::string::npos;) {
-    flat.replace(at, 4, 4, ' ');
-  }
-  const std::vector<double> numbers = FieldText{field.path, field.name, flat}.numbers(count * 3);
-  std::vector<Point3> result;
-  for (std::size_t i = 0; i < count; ++i) {
-    result.push_back({numbers[i * 3], numbers[i * 3 + 1], numbers[i * 3 + 2]});
-  }
-  return result;
-}
-
-/// The quoted words of "units" or "space units".
-std::vector<std::string> quoted_words(std::string_view text) {
-  std::vector<std::string> result;
-  while (true) {
-    const std::size_t start = text.find('"');
-    const std::size_t end = start == std::string_view::npos ? start : text.find('"', start + 1);
-    if (end == std::string_view::npos) return result;
-    result.emplace_back(trimmed(text.substr(start + 1, end - start - 1)));
-    text.remove_prefix(end + 1);
-  }
-}
-
-/// Millimetres in each unit of a field, of which `count` are expected; 1 where none is named.
-std::vector<double> units_in_mm(const NrrdHeader& header, const std::string& field,
-                                std::size_t count, const SourceOptions& options) {
-  std::vector<double> factors(count, 1.0);
-  if (!header.has(field)) return factors;
-  const std::vector<std::string> units = quoted_words(header.text(field));
-  if (units.size() != count) {
-    reject(header.path(), "\"" + field + "\" names " + std::to_string(units.size()) +
-                              " units in quotes, " + std::to_string(count) + " expected");
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    if (units[i].empty() || units[i] == "???") continue;
-    const std::optional<double> factor = unit_in_mm(units[i]);
-    if (!factor && !options.spacing_mm) {
-      reject(header.path(), "\"" + field + "\" names \"" + escaped(units[i]) +
-                                "\", which is no unit that is known here (" + kUnitsRead +
-                                "); give --spacing in mm");
-    }
-    factors[i] = factor.value_or(1.0);
-  }
-  return factors;
-}
-
-bool read_space_directions(const NrrdHeader& header, std::size_t dimension,
-                           const SourceOptions& options, Geometry& geometry) {
-  const std::vector<Point3> axes = vectors(header.field("space directions"));
-  if (axes.size() != dimension || dimension != 3) {
-    reject(header.path(), "space directions: " + std::to_string(dimension) +
-                              " vectors of 3 numbers expected, " + std::to_string(axes.size()) +
-                              " found");
-  }
-  Point3 signs = signs_to_lps(lower_case(header.text("space")));
-  const std::vector<double> units = units_in_mm(header, "space units", 3, options);
-  for (std::size_t row = 0; row < 3; ++row) signs[row] *= units[row];
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const Point3 v = {signs[0] * axes[axis][0], signs[1] * axes[axis][1],
-                      signs[2] * axes[axis][2]};
-    const double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    geometry.spacing_mm[axis] = length;
-    for (std::size_t row = 0; row < 3; ++row) {
-      geometry.direction[row * 3 + axis] = v[row] / length;
-    }
-  }
-  if (!header.has("space origin")) return true;
-  const std::vector<Point3> origin = vectors(header.field("space origin"));
-  if (origin.size() != 1) reject(header.path(), "space origin: one vector expected");
-  for (std::size_t row = 0; row < 3; ++row) geometry.origin_mm[row] = signs[row] * origin[0][row];
-  return true;
-}
-
-/// Old headers: spacings only; "nan" says that an axis has none.
-bool read_spacings(const NrrdHeader& header, const NrrdAxes& axes, const SourceOptions& options,
-                   Geometry& geometry) {
-  if (!header.has("spacings")) return false;
-  const std::vector<double> mm = header.field("spacings").numbers();
-  if (mm.size() != axes.sizes.size()) {
-    reject(header.path(), "spacings: " + std::to_string(axes.sizes.size()) +
-                              " numbers expected, " + std::to_string(mm.size()) + " found");
-  }
-  for (const std::size_t axis : axes.space) {
-    if (!std::isfinite(mm[axis])) return false;
-  }
-  const std::vector<double> units = units_in_mm(header, "units", axes.sizes.size(), options);
-  for (std::size_t i = 0; i < axes.space.size(); ++i) {
-    geometry.spacing_mm[i] = std::abs(mm[axes.space[i]]) * units[axes.space[i]];
-  }
-  return true;
-}
-
 VoxelRun locate_voxels(const NrrdHeader& header) {
   VoxelRun run;
   run.path = header.path();
@@ -452,10 +265,7 @@ std::unique_ptr<PlaneSource> open_nrrd_source(const std::string& path,
   description.size = size_of(axes);
   facts.components = axes.components;
   description.rescale = read_rescale(header);
-  facts.spacing_known = header.has("space directions")
-                            ? read_space_directions(header, axes.space.size(), options,
-                                                    description.geometry)
-                            : read_spacings(header, axes, options, description.geometry);
+  read_nrrd_geometry(header, {axes.space, axes.sizes.size()}, options, facts);
   VoxelRun run = locate_voxels(header);
   if (run.path != path) facts.file_count = 2;
   if (bytes_per_voxel(description.type) > 1 && !header.has("endian")) {
