@@ -1,6 +1,7 @@
 #include "octavo/io/meta_source.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <set>
@@ -9,6 +10,7 @@
 
 #include "octavo/core/checked.h"
 #include "octavo/core/levels.h"
+#include "octavo/io/axis_check.h"
 #include "octavo/io/header_text.h"
 #include "octavo/io/length_unit.h"
 #include "octavo/io/source_file.h"
@@ -155,30 +157,61 @@ double unit_of(const MetaHeader& header, const SourceOptions& options) {
   return factor.value_or(1);
 }
 
-/// Spacing, origin and directions; a 2-D image lies in the plane z = 0. Of time nothing is taken.
-bool read_geometry(const MetaHeader& header, std::size_t dimensions, double unit_mm,
-                   Geometry& geometry) {
-  const FieldText spacing = header.field({"ElementSpacing", "ElementSize"});
-  const FieldText origin = header.field({"Offset", "Position", "Origin"});
+/// Columns of another length than 1 contradict the spacing, unless that is given by the user: then
+/// only where they point counts.
+void settle_axis_lengths(const FieldText& matrix, const SourceOptions& options,
+                         Geometry& geometry) {
+  if (has_unit_axes(geometry)) return;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double length = axis_length(geometry, axis);
+    const bool is_unit = std::abs(length - 1) <= kAxisTolerance;
+    if (!(length > 0) || (!is_unit && !options.spacing_mm)) {
+      reject(matrix.path,
+             escaped(matrix.name) + ": the vector of axis " + axis_name(axis) + " has length " +
+                 number_text(length) +
+                 ", 1 expected, since the spacing stands in ElementSpacing; " +
+                 (length > 0 ? "give --spacing x,y,z in mm, which then counts alone, or " : "") +
+                 "repair the header");
+    }
+    for (std::size_t row = 0; row < 3; ++row) geometry.direction[row * 3 + axis] /= length;
+  }
+}
+
+/// A 2-D image lies in the plane z = 0; of time nothing is taken.
+void read_direction(const MetaHeader& header, std::size_t dimensions, const SourceOptions& options,
+                    Geometry& geometry) {
   const FieldText matrix = header.field({"TransformMatrix", "Rotation", "Orientation"});
+  if (matrix.value.empty()) return;
+  const std::vector<double> rows = matrix.numbers(dimensions * dimensions);
   const std::size_t axes = std::min<std::size_t>(dimensions, 3);
-  if (!spacing.value.empty()) {
-    const std::vector<double> mm = spacing.numbers(dimensions);
-    for (std::size_t axis = 0; axis < axes; ++axis) geometry.spacing_mm[axis] = mm[axis] * unit_mm;
-  }
-  if (!origin.value.empty()) {
-    const std::vector<double> mm = origin.numbers(dimensions);
-    for (std::size_t axis = 0; axis < axes; ++axis) geometry.origin_mm[axis] = mm[axis] * unit_mm;
-  }
-  if (!matrix.value.empty()) {
-    const std::vector<double> rows = matrix.numbers(dimensions * dimensions);
-    for (std::size_t axis = 0; axis < axes; ++axis) {
-      for (std::size_t row = 0; row < axes; ++row) {
-        geometry.direction[row * 3 + axis] = rows[axis * dimensions + row];
-      }
+  for (std::size_t axis = 0; axis < axes; ++axis) {
+    for (std::size_t row = 0; row < axes; ++row) {
+      geometry.direction[row * 3 + axis] = rows[axis * dimensions + row];
     }
   }
-  return !spacing.value.empty();
+  settle_axis_lengths(matrix, options, geometry);
+  refuse_shear(geometry, escaped(matrix.name), header.path());
+}
+
+/// The first three numbers of a field times the unit; false where the header has no such field.
+bool read_lengths(const FieldText& field, std::size_t dimensions, double unit_mm, Point3& target) {
+  if (field.value.empty()) return false;
+  const std::vector<double> lengths = field.numbers(dimensions);
+  for (std::size_t axis = 0; axis < std::min<std::size_t>(dimensions, 3); ++axis) {
+    target[axis] = lengths[axis] * unit_mm;
+  }
+  return true;
+}
+
+/// Spacing, origin and directions; false where the header gives no spacing.
+bool read_geometry(const MetaHeader& header, std::size_t dimensions, const SourceOptions& options,
+                   Geometry& geometry) {
+  const double unit_mm = unit_of(header, options);
+  read_lengths(header.field({"Offset", "Position", "Origin"}), dimensions, unit_mm,
+               geometry.origin_mm);
+  read_direction(header, dimensions, options, geometry);
+  return read_lengths(header.field({"ElementSpacing", "ElementSize"}), dimensions, unit_mm,
+                      geometry.spacing_mm);
 }
 
 void refuse_unreadable(const MetaHeader& header) {
@@ -230,8 +263,7 @@ std::unique_ptr<PlaneSource> open_meta_source(const std::string& path,
   description.type = voxel_type_of(header);
   description.size = read_size(header);
   const std::size_t dimensions = header.field({"DimSize"}).integers().size();
-  facts.spacing_known =
-      read_geometry(header, dimensions, unit_of(header, options), description.geometry);
+  facts.spacing_known = read_geometry(header, dimensions, options, description.geometry);
   if (header.has("ElementToIntensityFunctionSlope")) {
     description.rescale.slope = header.field({"ElementToIntensityFunctionSlope"}).numbers(1)[0];
   }
