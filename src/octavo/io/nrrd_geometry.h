@@ -15,8 +15,11 @@ struct NrrdSpaceAxes {
   std::size_t axis_count = 0;     ///< of all axes of the file
 };
 
-/// Sets the geometry of facts.description in LPS and millimetres, and facts.spacing_known.
-/// Throws Error{source_rejected} naming the field that is not usable
+/// Sets the geometry of facts.description in LPS and millimetres, and facts.spacing_known. Where
+/// the header does not say where left is, axes and origin stay as in the file: a warning says so
+/// and facts.extra_json becomes {"place_known": false}.
+/// Throws Error{source_rejected} for a space of another name, for sheared axes, and naming the
+///        field that is not usable
 void read_nrrd_geometry(const NrrdHeader& header, const NrrdSpaceAxes& space,
                         const SourceOptions& options, SourceFacts& facts);
 

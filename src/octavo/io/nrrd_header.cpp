@@ -20,8 +20,8 @@ constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 20;
 
 bool is_of_the_format(const std::string& name) {
   static const std::set<std::string> kNames = {
-      "axis maxs",   "axis mins",   "axismaxs",     "axismins",        "block size",
-      "blocksize",   "byte skip",   "centerings",   "centers",         "data file",
+      "axis maxs",   "axis mins",   "axismaxs",     "centers",         "block size",
+      "blocksize",   "byte skip",   "data file",
       "dimension",   "encoding",    "endian",       "kinds",           "line skip",
       "max",         "min",         "number",       "measurement frame", "old max",
       "old min",     "oldmax",      "oldmin",       "sample units",    "sampleunits",
@@ -31,11 +31,12 @@ bool is_of_the_format(const std::string& name) {
 }
 
 /// The one spelling under which a field is kept.
-std::string with_blanks(const std::string& name) {
-  if (name == "datafile") return "data file";
-  if (name == "lineskip") return "line skip";
-  if (name == "byteskip") return "byte skip";
-  return name;
+std::string kept_name(const std::string& name) {
+  static const std::map<std::string, std::string> kOthers = {
+      {"datafile", "data file"}, {"lineskip", "line skip"},  {"byteskip", "byte skip"},
+      {"axismins", "axis mins"}, {"centerings", "centers"}};
+  const auto found = kOthers.find(name);
+  return found == kOthers.end() ? name : found->second;
 }
 
 }  // namespace
@@ -78,7 +79,7 @@ void NrrdHeader::take_line(std::string_view line) {
     return;
   }
   if (colon == std::string_view::npos) return;
-  const std::string name = with_blanks(lower_case(std::string(line.substr(0, colon))));
+  const std::string name = kept_name(lower_case(std::string(line.substr(0, colon))));
   fields_[name] = trimmed(line.substr(colon + 2));
   if (name == "content" || name == "labels") {
     identity_.note(name, fields_[name]);

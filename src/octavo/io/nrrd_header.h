@@ -11,9 +11,9 @@
 
 namespace octavo {
 
-/// The fields of a header, names in lower case and in their spelling with blanks, and where the
-/// empty line behind it ends. A key of "key:=value" keeps its ":=", so that it is never taken for
-/// a field.
+/// The fields of a header and where the empty line behind it ends. Names are in lower case, in one
+/// of their spellings ("axis mins", "byte skip", "centers", "data file", "line skip"). A key of
+/// "key:=value" keeps its ":=", so that it is never taken for a field.
 class NrrdHeader {
  public:
   /// Reads the header of `path`. Throws Error{source_rejected} when it is none, Error{io}.

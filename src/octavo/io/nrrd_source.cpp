@@ -200,6 +200,17 @@ void take_component(const NrrdAxes& axes, const ComponentChoice& choice,
   run.take_volume(index_behind, count_behind, volume_bytes);
 }
 
+/// True for "big", false for "little" and where nothing is said.
+bool is_big_endian(const NrrdHeader& header) {
+  if (!header.has("endian")) return false;
+  const std::string endian = lower_case(header.text("endian"));
+  if (endian != "big" && endian != "little") {
+    reject(header.path(), "endian is \"" + escaped(header.text("endian")) +
+                              "\", little or big expected; repair the header");
+  }
+  return endian == "big";
+}
+
 VoxelRun locate_voxels(const NrrdHeader& header) {
   VoxelRun run;
   run.path = header.path();
@@ -222,7 +233,7 @@ VoxelRun locate_voxels(const NrrdHeader& header) {
   if (header.has("line skip") && header.field("line skip").integer() != 0) {
     reject(header.path(), "\"line skip\" is not read; use \"byte skip\"");
   }
-  run.big_endian = lower_case(header.text("endian")) == "big";
+  run.big_endian = is_big_endian(header);
   return run;
 }
 

@@ -7,9 +7,16 @@ namespace octavo::testing {
 namespace {
 
 using Matrix3 = std::array<double, 9>;
+using Rows = std::vector<std::pair<std::string, std::string>>;
 
 bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
+}
+
+std::string all_of(const std::vector<std::string>& texts) {
+  std::string all;
+  for (const std::string& text : texts) all += text + "\n";
+  return all;
 }
 
 Geometry geometry_of(const std::string& path, const SourceOptions& options = {}) {
@@ -62,6 +69,135 @@ TEST(SourceAxes, OfMetaImageWithinAThousandthOfAGridStayAsTheyAre) {
     // The file lists one axis after the other.
     const Matrix3 columns = {m[0], m[3], m[6], m[1], m[4], m[7], m[2], m[5], m[8]};
     EXPECT_EQ(geometry_of(path).direction, columns);
+  }
+}
+
+// ---- NRRD
+
+void write_nrrd(const std::string& path, const std::string& lines) {
+  write_file(path, "NRRD0005\ntype: uchar\ndimension: 3\nsizes: 4 3 2\nencoding: raw\n" + lines +
+                       "\n\n" + std::string(24, '\1'));
+}
+
+const std::string kDirections = "space directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (1,2,3)";
+
+TEST(SourceAxes, OfNrrdWithoutALengthAreRefusedByName) {
+  const TempFolder folder;
+  write_nrrd(folder.file("a.nrrd"), "space: LPS\nspace directions: (1,0,0) (0,0,0) (0,0,2)");
+  expect_refused(folder.file("a.nrrd"), {"space directions", "axis y has no length"});
+}
+
+TEST(SourceAxes, OfNrrdSpacesThatNameLeftAreTurnedToLps) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nrrd");
+  for (const auto& [space, signs] : std::vector<std::pair<std::string, Point3>>{
+           {"left-posterior-superior", {1, 1, 1}}, {"LPS", {1, 1, 1}},
+           {"right-anterior-superior", {-1, -1, 1}}, {"RAS", {-1, -1, 1}},
+           {"Left-Anterior-Superior", {1, -1, 1}}, {"las", {1, -1, 1}}}) {
+    write_nrrd(path, "space: " + space + "\n" + kDirections);
+    const auto source = open_source({path}, {});
+    const Geometry& g = source->description().geometry;
+    EXPECT_EQ(g.direction, (Matrix3{signs[0], 0, 0, 0, signs[1], 0, 0, 0, signs[2]})) << space;
+    EXPECT_EQ(g.origin_mm, (Point3{signs[0], 2 * signs[1], 3 * signs[2]})) << space;
+    EXPECT_TRUE(source->warnings().empty()) << all_of(source->warnings());
+    EXPECT_FALSE(contains(source->description().metadata_json, "place_known")) << space;
+  }
+}
+
+TEST(SourceAxes, OfNrrdSpacesThatDoNotNameLeftStayAndAreToldToBeUnplaced) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nrrd");
+  for (const auto& [line, word] :
+       Rows{{"space: scanner-xyz\n", "scanner-xyz"}, {"space: 3D-right-handed\n", "3D-right"},
+            {"space: 3D-left-handed\n", "mirror image"}, {"space dimension: 3\n", "no space"},
+            {"", "no space"}}) {
+    write_nrrd(path, line + kDirections);
+    const auto source = open_source({path}, {});
+    EXPECT_EQ(source->description().geometry.spacing_mm, (Point3{2, 3, 4}));
+    EXPECT_EQ(source->description().geometry.origin_mm, (Point3{1, 2, 3}));
+    const std::string told = all_of(source->warnings());
+    EXPECT_TRUE(contains(told, word) && contains(told, "does not say where left is")) << told;
+    EXPECT_TRUE(contains(source->description().metadata_json, "\"place_known\":false")) << line;
+  }
+}
+
+TEST(SourceAxes, OfNrrdSpacesOfAnotherNameAreRefusedWithTheNamesThatAreRead) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nrrd");
+  for (const char* space : {"right-posterior-superior", "RPS", "foo", "RAST", "3D-left"}) {
+    for (const std::string& rest : {kDirections, std::string("spacings: 1 1 2")}) {
+      write_nrrd(path, std::string("space: ") + space + "\n" + rest);
+      expect_refused(path, {std::string("\"") + space + "\" is not read", "(LPS)", "(RAS)", "(LAS)",
+                            "scanner-xyz"});
+    }
+  }
+}
+
+TEST(SourceAxes, OfNrrdWithASpaceButNoDirectionsAreLeftOutWithAWarning) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nrrd");
+  write_nrrd(path, "space: RAS\nspacings: 2 3 4\nspace origin: (1,2,3)");
+  const auto source = open_source({path}, {});
+  EXPECT_EQ(source->description().geometry, (Geometry{{0, 0, 0}, {2, 3, 4}}));
+  EXPECT_TRUE(contains(all_of(source->warnings()), "orientation and origin are left out"));
+}
+
+TEST(SourceAxes, OfNrrdStartWhereAxisMinsSay) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nrrd");
+  struct Row {
+    std::string lines;
+    Point3 origin;
+    bool is_told;  ///< that cells are assumed
+  };
+  for (const auto& [lines, origin, is_told] : std::vector<Row>{
+           {"spacings: 1 1 2\naxis mins: 10 20 30", {10.5, 20.5, 31}, true},
+           {"spacings: 1 1 2\naxismins: 10 20 30\ncenters: cell cell cell",
+            {10.5, 20.5, 31}, false},
+           {"spacings: 1 1 2\naxis mins: 10 20 30\ncenterings: node node node",
+            {10, 20, 30}, false},
+           {"spacings: 1 1 2\naxis mins: 10 20 30\ncenters: cell node ???", {10.5, 20, 31}, true},
+           {"spacings: -1 1 2\naxis mins: 10 nan 30\ncenters: cell cell cell", {9.5, 0, 31}, false},
+           {"spacings: 1 1 2\naxis mins: 10 20 30\ncenters: node node node\n"
+            "units: \"cm\" \"mm\" \"mm\"", {100, 20, 30}, false}}) {
+    write_nrrd(path, lines);
+    const auto source = open_source({path}, {});
+    EXPECT_EQ(source->description().geometry.origin_mm, origin) << lines;
+    EXPECT_EQ(contains(all_of(source->warnings()), "taken as the borders"), is_told) << lines;
+    EXPECT_TRUE(contains(source->description().metadata_json, "\"place_known\":false")) << lines;
+  }
+  write_nrrd(path, "spacings: 1 1 2\naxis mins: 10 20");
+  expect_refused(path, {"axis mins: 3 numbers expected, 2 found"});
+  write_nrrd(path, "spacings: 1 1 2\naxis mins: 10 20 30\ncenters: cell");
+  expect_refused(path, {"centers has 1 words for 3 axes"});
+  write_nrrd(path, "axis mins: 10 20 30");
+  EXPECT_TRUE(contains(all_of(open_source({path}, {})->warnings()), "the origin is left out"));
+}
+
+TEST(SourceAxes, OfNrrdRunBackwardsWhereASpacingIsNegative) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nrrd");
+  write_nrrd(path, "spacings: 1 -1 2");
+  const Geometry g = geometry_of(path);
+  EXPECT_EQ(g.spacing_mm, (Point3{1, 1, 2}));
+  EXPECT_EQ(g.direction, (Matrix3{1, 0, 0, 0, -1, 0, 0, 0, 1}));
+}
+
+TEST(SourceAxes, BytesOfNrrdStandInOneOfTwoOrders) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nrrd");
+  const auto first_byte = [&](const std::string& endian) {
+    write_file(path, "NRRD0004\ntype: short\ndimension: 3\nsizes: 4 3 2\nencoding: raw\n"
+                     "spacings: 1 1 1\nendian: " + endian + "\n\n" +
+                         bytes_of(std::vector<std::int16_t>(24, 7), false));
+    return voxels_of(*open_source({path}, {}))[0];
+  };
+  EXPECT_EQ(first_byte("little"), '\7');
+  EXPECT_EQ(first_byte("Little"), '\7');
+  EXPECT_EQ(first_byte("BIG"), '\0');
+  for (const char* endian : {"bigg", "1"}) {
+    EXPECT_THROW(first_byte(endian), Error);
+    expect_refused(path, {std::string("endian is \"") + endian + "\"", "little or big expected"});
   }
 }
 
