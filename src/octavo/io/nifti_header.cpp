@@ -7,6 +7,7 @@
 #include <span>
 
 #include "octavo/core/error.h"
+#include "octavo/io/axis_check.h"
 #include "octavo/io/byte_order.h"
 #include "octavo/io/described_source.h"
 #include "octavo/io/source_file.h"
@@ -21,6 +22,7 @@ constexpr std::size_t kHeader2Bytes = 540;
 constexpr std::uint64_t kExtenderBytes = 4;  // behind the header: whether extensions follow
 constexpr double kFormTolerance = 1e-3;
 constexpr double kFormDegrees = 0.1;
+constexpr double kQuaternionExcess = 1e-5;  // what rounding may add to the square of a unit one
 constexpr int kMetre = 1;
 constexpr int kMillimetre = 2;
 constexpr int kMicrometre = 3;
@@ -112,9 +114,25 @@ NiftiHeader parse_version_2(const FieldReader& read) {
 /// A 3x4 matrix from index to world in RAS and the header's unit.
 using Affine = std::array<double, 12>;
 
+/// True when the header counts the axis: a 2-D image has no third one.
+bool counts_axis(const NiftiHeader& h, std::size_t axis) {
+  return static_cast<std::int64_t>(axis) < h.dim[0];
+}
+
+/// b^2 + c^2 + d^2, which a rotation leaves at or below 1.
+double quaternion_square(const NiftiHeader& h) {
+  const auto& [b, c, d] = h.quaternion;
+  return b * b + c * c + d * d;
+}
+
+bool is_rotation(const NiftiHeader& h) { return quaternion_square(h) <= 1 + kQuaternionExcess; }
+
+/// Requires is_rotation(h). An axis without a length in pixdim gets length 1.
 Affine qform_affine(const NiftiHeader& h) {
-  const auto [b, c, d] = h.quaternion;
-  const double a = std::sqrt(std::max(0.0, 1.0 - (b * b + c * c + d * d)));
+  auto [b, c, d] = h.quaternion;
+  const double square = quaternion_square(h);
+  const double a = std::sqrt(std::max(0.0, 1.0 - square));
+  for (double* part : {&b, &c, &d}) *part /= std::sqrt(std::max(1.0, square));
   const double qfac = h.pixdim[0] < 0 ? -1.0 : 1.0;
   const std::array<double, 9> r = {
       a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c),
@@ -124,7 +142,8 @@ Affine qform_affine(const NiftiHeader& h) {
   for (std::size_t row = 0; row < 3; ++row) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double sign = axis == 2 ? qfac : 1.0;
-      m[row * 4 + axis] = r[row * 3 + axis] * sign * std::abs(h.pixdim[axis + 1]);
+      const double length = std::abs(h.pixdim[axis + 1]);
+      m[row * 4 + axis] = r[row * 3 + axis] * sign * (length > 0 ? length : 1.0);
     }
     m[row * 4 + 3] = h.qoffset[row];
   }
@@ -160,6 +179,31 @@ void take_affine(const Affine& m, double unit_mm, Geometry& geometry) {
     const double value = (row < 2 ? -1.0 : 1.0) * m[row * 4 + 3] * unit_mm;
     geometry.origin_mm[row] = value == 0 ? 0.0 : value;
   }
+}
+
+/// Spacing, origin and directions by the qform. Where pixdim has no length, the spacing is 1 mm
+/// along an axis that the header does not count and otherwise 0, which no volume can have.
+/// Requires is_rotation(h).
+Geometry qform_geometry(const NiftiHeader& h, double unit_mm) {
+  Geometry geometry;
+  take_affine(qform_affine(h), unit_mm, geometry);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (std::abs(h.pixdim[axis + 1]) > 0) continue;
+    geometry.spacing_mm[axis] = counts_axis(h, axis) ? 0 : 1;
+  }
+  return geometry;
+}
+
+/// The sform; a third axis that the header does not count may lack there: it gets 1 mm along the
+/// normal of the plane.
+Affine sform_affine(const NiftiHeader& h, double unit_mm) {
+  Affine m = h.srow;
+  if (counts_axis(h, 2) || column_length(m, 2) > 0) return m;
+  const Point3 normal = {m[4] * m[9] - m[8] * m[5], m[8] * m[1] - m[0] * m[9],
+                         m[0] * m[5] - m[4] * m[1]};
+  const double length = std::hypot(normal[0], normal[1], normal[2]);
+  for (std::size_t row = 0; row < 3; ++row) m[row * 4 + 2] = normal[row] / length / unit_mm;
+  return m;
 }
 
 /// The factor to millimetres; an unknown unit counts as one.
@@ -210,6 +254,34 @@ std::string difference(const Geometry& sform, const Geometry& qform) {
             " mm by the sform, " + point_text(qform.origin_mm) + " mm by the qform (LPS)";
   }
   return text;
+}
+
+/// Tells where the qform says otherwise than the sform, which is used.
+void note_disagreement(const NiftiHeader& h, const Geometry& sform, double unit_mm,
+                       std::vector<std::string>& notes) {
+  const std::string what =
+      is_rotation(h) ? difference(sform, qform_geometry(h, unit_mm))
+                     : "the quaternion of the qform, b^2 + c^2 + d^2 = " +
+                           number_text(quaternion_square(h)) + ", is no rotation";
+  if (what.empty()) return;
+  notes.push_back("sform and qform of the header disagree (" + what + "): the sform is used");
+}
+
+void require_rotation(const NiftiHeader& h, const std::string& path) {
+  if (is_rotation(h)) return;
+  reject(path, "the qform of the header is no rotation: b^2 + c^2 + d^2 of its quaternion is " +
+                   number_text(quaternion_square(h)) +
+                   ", at most 1 expected; repair the header, or give it an sform");
+}
+
+/// Refuses an sform that no grid can have: a missing axis, shear.
+void require_grid(const Affine& sform, const Geometry& geometry, const std::string& path) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (column_length(sform, axis) > 0) continue;
+    reject(path, std::string("the sform of the header gives axis ") + axis_name(axis) +
+                     " no length, and there is no qform; repair the header");
+  }
+  refuse_shear(geometry, "the sform of the header, which has no qform", path);
 }
 
 }  // namespace
@@ -267,32 +339,27 @@ std::string nifti_type_name(std::int64_t datatype) {
   return found == kNames.end() ? "type code " + std::to_string(datatype) : found->second;
 }
 
-bool nifti_geometry(const NiftiHeader& h, Geometry& geometry, std::vector<std::string>& notes) {
+bool nifti_geometry(const NiftiHeader& h, const std::string& path, Geometry& geometry,
+                    std::vector<std::string>& notes) {
   if (h.spatial_unit != kMetre && h.spatial_unit != kMillimetre && h.spatial_unit != kMicrometre) {
     notes.push_back("the header does not name the unit of its lengths, millimetres are assumed; "
                     "--spacing sets another spacing");
   }
   const double unit_mm = unit_in_mm(h.spatial_unit);
-  const bool sform_usable = h.sform_code > 0 && is_perpendicular(h.srow);
-  Geometry sform;
-  Geometry qform;
-  take_affine(h.srow, unit_mm, sform);
-  take_affine(qform_affine(h), unit_mm, qform);
-  if (sform_usable && h.qform_code > 0) {
-    if (const std::string what = difference(sform, qform); !what.empty()) {
-      notes.push_back("sform and qform of the header disagree (" + what + "): the sform is used");
+  const Affine sform = sform_affine(h, unit_mm);
+  const bool is_sform_usable = h.sform_code > 0 && is_perpendicular(sform);
+  if (h.qform_code > 0 && !is_sform_usable) {
+    if (h.sform_code > 0) {
+      notes.push_back("the sform of the header is sheared: the qform is used");
     }
-  } else if (h.sform_code > 0 && h.qform_code > 0) {
-    notes.push_back("the sform of the header is sheared: the qform is used");
-  } else if (h.sform_code > 0 && !sform_usable) {
-    notes.push_back("the axes of the header's sform are not perpendicular");
-  }
-  if (h.sform_code > 0 && (sform_usable || h.qform_code <= 0)) {
-    geometry = sform;
+    require_rotation(h, path);
+    geometry = qform_geometry(h, unit_mm);
     return true;
   }
-  if (h.qform_code > 0) {
-    geometry = qform;
+  if (h.sform_code > 0) {
+    take_affine(sform, unit_mm, geometry);
+    if (!is_sform_usable) require_grid(sform, geometry, path);
+    if (h.qform_code > 0) note_disagreement(h, geometry, unit_mm, notes);
     return true;
   }
   notes.push_back(
@@ -300,8 +367,7 @@ bool nifti_geometry(const NiftiHeader& h, Geometry& geometry, std::vector<std::s
   bool known = true;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double mm = std::abs(h.pixdim[axis + 1]) * unit_mm;
-    const bool counts = static_cast<std::int64_t>(axis) < h.dim[0];
-    known = known && (!counts || mm > 0);
+    known = known && (!counts_axis(h, axis) || mm > 0);
     geometry.spacing_mm[axis] = mm > 0 ? mm : 1;
   }
   return known;

@@ -129,7 +129,7 @@ std::unique_ptr<PlaneSource> open_nifti_source(const std::string& path,
     description.kind = VolumeKind::labels;
   }
   std::vector<std::string> notes;
-  facts.spacing_known = nifti_geometry(header, description.geometry, notes);
+  facts.spacing_known = nifti_geometry(header, path, description.geometry, notes);
   for (const std::string& note : notes) facts.warnings.push_back(note + ": " + escaped(path));
   for (const auto& [name, text] : header.texts) facts.identity.note(name, text);
   const std::int64_t plain_offset = header.version == 1 ? 352 : 544;

@@ -1,6 +1,8 @@
 // Axes that headers give: their lengths, their angles, and where the body's left is.
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "support/source_files.h"
 
 namespace octavo::testing {
@@ -27,6 +29,10 @@ SourceOptions with_spacing(double x, double y, double z) {
   SourceOptions options;
   options.spacing_mm = Point3{x, y, z};
   return options;
+}
+
+void expect_near(const Matrix3& found, const Matrix3& expected) {
+  for (std::size_t i = 0; i < 9; ++i) EXPECT_NEAR(found[i], expected[i], 1e-6) << i;
 }
 
 void expect_refused(const std::string& path, const std::vector<std::string>& words,
@@ -80,6 +86,26 @@ void write_nrrd(const std::string& path, const std::string& lines) {
 }
 
 const std::string kDirections = "space directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (1,2,3)";
+
+TEST(SourceAxes, ThatAreShearedAreRefusedInEveryFormat) {
+  const TempFolder folder;
+  const std::vector<std::string> words = {"sheared", "axes x and y", "63.43495 degrees",
+                                          "90 expected", "resample"};
+  write_meta(folder.file("a.mha"),
+             "TransformMatrix = 0.8944271909999159 0.4472135954999579 0 0 1 0 0 0 1");
+  expect_refused(folder.file("a.mha"), words);
+  write_nrrd(folder.file("a.nrrd"), "space: LPS\nspace directions: (1,0.5,0) (0,1,0) (0,0,2)");
+  expect_refused(folder.file("a.nrrd"), words);
+  NiftiSample sample;
+  std::string nifti = nifti_header(sample) + std::string(48, '\1');
+  nifti.replace(280, 32, bytes_of<float>({1, 0, 0, 0, 0.5F, 1, 0, 0}));
+  nifti.replace(252, 2, std::string(2, '\0'));
+  write_file(folder.file("a.nii"), nifti);
+  expect_refused(folder.file("a.nii"), words);
+  for (const char* name : {"a.mha", "a.nrrd", "a.nii"}) {
+    expect_refused(folder.file(name), {"sheared"}, with_spacing(1, 1, 1));
+  }
+}
 
 TEST(SourceAxes, OfNrrdWithoutALengthAreRefusedByName) {
   const TempFolder folder;
@@ -199,6 +225,90 @@ TEST(SourceAxes, BytesOfNrrdStandInOneOfTwoOrders) {
     EXPECT_THROW(first_byte(endian), Error);
     expect_refused(path, {std::string("endian is \"") + endian + "\"", "little or big expected"});
   }
+}
+
+// ---- NIfTI
+
+struct Qform {
+  std::array<float, 3> quaternion = {0, 0, 0};
+  std::vector<float> pixdim = {1, 1, 1, 2};
+  bool has_sform = false;
+};
+
+/// A NIfTI-1 header of mm and a qform.
+std::string with_qform(const Qform& qform) {
+  NiftiSample sample;
+  std::string h = nifti_header(sample);
+  h.replace(76, 16, bytes_of(qform.pixdim));
+  h.replace(252, 2, bytes_of<std::int16_t>({1}));
+  if (!qform.has_sform) h.replace(254, 2, std::string(2, '\0'));
+  h.replace(256, 12, bytes_of<float>({qform.quaternion[0], qform.quaternion[1],
+                                      qform.quaternion[2]}));
+  return h + std::string(48, '\1');
+}
+
+TEST(SourceAxes, OfAQuaternionThatIsNoRotationAreRefused) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nii");
+  for (const Qform& qform : {Qform{{0, 0, 1.1F}}, Qform{{0.8F, 0.8F, 0}}, Qform{{0, 0, -1.0001F}},
+                             Qform{{0, 0, std::numeric_limits<float>::quiet_NaN()}}}) {
+    write_file(path, with_qform(qform));
+    expect_refused(path, {"qform", "b^2 + c^2 + d^2", "at most 1 expected"});
+  }
+  write_file(path, with_qform({{0, 0, 1.1F}}));
+  expect_refused(path, {"is 1.21,"});
+}
+
+TEST(SourceAxes, OfAQuaternionThatRoundingMadeTooLongAreThoseOfAUnitOne) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nii");
+  write_file(path, with_qform({{0, 0, 1.000004F}}));
+  const Geometry g = geometry_of(path);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(g.spacing_mm[axis], axis == 2 ? 2 : 1, 1e-12);
+  }
+  expect_near(g.direction, {1, 0, 0, 0, 1, 0, 0, 0, 1});
+}
+
+TEST(SourceAxes, OfASformCountAlsoWhereTheQformIsNoRotation) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nii");
+  write_file(path, with_qform({{0, 0, 1.1F}, {1, 2, 3, 4}, true}));
+  const auto source = open_source({path}, {});
+  EXPECT_EQ(source->description().geometry.spacing_mm, (Point3{2, 3, 4}));
+  EXPECT_TRUE(contains(all_of(source->warnings()), "is no rotation): the sform is used"));
+}
+
+TEST(SourceAxes, OfAQformStayWhereItsSpacingIsMissing) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nii");
+  std::string bytes = with_qform({{0, 0, 1}, {1, 0.5F, 0.5F, 0}});
+  write_file(path, bytes);
+  expect_refused(path, {"give --spacing"});
+  const Geometry given = geometry_of(path, with_spacing(1, 1, 3));
+  EXPECT_EQ(given.spacing_mm, (Point3{1, 1, 3}));
+  expect_near(given.direction, {1, 0, 0, 0, 1, 0, 0, 0, 1});
+  // Of two dimensions: the third has no spacing to miss.
+  bytes.replace(40, 8, bytes_of<std::int16_t>({2, 4, 6, 1}));
+  write_file(path, bytes);
+  EXPECT_EQ(geometry_of(path).spacing_mm, (Point3{0.5, 0.5, 1}));
+  EXPECT_EQ(geometry_of(path, with_spacing(1, 1, 3)).spacing_mm, (Point3{1, 1, 3}));
+}
+
+TEST(SourceAxes, OfASformInTwoDimensionsGetTheNormalOfTheirPlane) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nii");
+  NiftiSample sample;
+  std::string bytes = nifti_header(sample) + std::string(48, '\1');
+  bytes.replace(252, 2, std::string(2, '\0'));
+  bytes.replace(280, 48, bytes_of<float>({0, 2, 0, 5, 3, 0, 0, 6, 0, 0, 0, 7}));
+  write_file(path, bytes);
+  expect_refused(path, {"axis z no length", "repair the header"});
+  bytes.replace(40, 8, bytes_of<std::int16_t>({2, 4, 6, 1}));
+  write_file(path, bytes);
+  const Geometry g = geometry_of(path);
+  EXPECT_EQ(g.spacing_mm, (Point3{3, 2, 1}));
+  expect_near(g.direction, {0, -1, 0, -1, 0, 0, 0, 0, -1});
 }
 
 }  // namespace
