@@ -189,8 +189,8 @@ void read_direction(const MetaHeader& header, std::size_t dimensions, const Sour
       geometry.direction[row * 3 + axis] = rows[axis * dimensions + row];
     }
   }
-  settle_axis_lengths(matrix, options, geometry);
   refuse_shear(geometry, escaped(matrix.name), header.path());
+  settle_axis_lengths(matrix, options, geometry);
 }
 
 /// The first three numbers of a field times the unit; false where the header has no such field.

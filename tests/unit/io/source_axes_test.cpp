@@ -91,8 +91,7 @@ TEST(SourceAxes, ThatAreShearedAreRefusedInEveryFormat) {
   const TempFolder folder;
   const std::vector<std::string> words = {"sheared", "axes x and y", "63.43495 degrees",
                                           "90 expected", "resample"};
-  write_meta(folder.file("a.mha"),
-             "TransformMatrix = 0.8944271909999159 0.4472135954999579 0 0 1 0 0 0 1");
+  write_meta(folder.file("a.mha"), "TransformMatrix = 1 0.5 0 0 1 0 0 0 1");
   expect_refused(folder.file("a.mha"), words);
   write_nrrd(folder.file("a.nrrd"), "space: LPS\nspace directions: (1,0.5,0) (0,1,0) (0,0,2)");
   expect_refused(folder.file("a.nrrd"), words);
