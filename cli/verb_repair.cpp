@@ -25,8 +25,10 @@ constexpr VerbText kText = {
     "into a file of full size, all others hold the lowest value among them (labels: 0), and the\n"
     "metadata say which are missing. Where the scan is at hand, build --resume gives all of it.\n"
     "Or FILE is a damaged .8vo file: bits that alone explain a wrong checksum are turned back,\n"
-    "and every checksum of the result is proven. Other damage is refused (exit code 4): export\n"
-    "--salvage writes what is whole. FILE itself is never changed.\n\n"
+    "and every checksum of the result is proven. Of long parts that is no proof, since other\n"
+    "damage can look like one flipped bit: coded ones are mended up to 128 KiB, voxels stored\n"
+    "uncoded up to 512 bytes. All else is refused (exit code 4): export --salvage writes what is\n"
+    "whole. FILE itself is never changed.\n\n"
     "Examples:\n"
     "  octavo repair scan.8vo -o rescued.8vo\n"
     "  octavo repair .scan.8vo.tmp-4711 -o rescued.8vo"};

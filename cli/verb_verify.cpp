@@ -1,7 +1,6 @@
 // octavo verify: is a file sound, and does it hold what its source holds?
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -16,6 +15,7 @@
 #include "common/verb.h"
 #include "common/volume_json.h"
 #include "octavo/build/float_planes.h"
+#include "octavo/file/mend.h"
 #include "octavo/file/parallel_read.h"
 #include "octavo/file/verify.h"
 #include "verbs.h"
@@ -28,16 +28,18 @@ constexpr VerbText kText = {
     "verify", "Prove that a file is sound, and that it holds what its source holds.",
     "Reads every byte, proves every checksum and decodes every brick. Damage is exit code 4: each\n"
     "damaged brick is named with its place in the file, and whether one flipped bit explains it;\n"
-    "--json lists the same. repair turns flipped bits back; what is whole otherwise, export\n"
-    "--salvage writes. With --against the geometry and every stored voxel are compared with the\n"
-    "source as well; a difference beyond what the file says of itself is exit code 1. NaN and\n"
-    "infinities that were replaced are replaced in the source, too, and planes that --isotropic\n"
-    "made are made again.\n\n"
+    "--json lists the same. repair turns flipped bits back, where other damage would hardly pass\n"
+    "for one; what is whole otherwise, export --salvage writes. With --against the geometry and\n"
+    "every stored voxel are compared with the source as well; a difference beyond what the file\n"
+    "says of itself is exit code 1. NaN and infinities that were replaced are replaced in the\n"
+    "source, too, and planes that --isotropic made are made again.\n\n"
     "Examples:\n"
     "  octavo verify head.8vo\n"
     "  octavo verify head.8vo --against scans/head/"};
 
 constexpr const char* kFlipAdvice = "; repair turns flipped bits back";
+constexpr const char* kHidingFlipAdvice =
+    "; repair turns flipped bits back, unless what they hide is damaged further";
 
 struct Arguments {
   std::string input;
@@ -85,13 +87,6 @@ nlohmann::ordered_json result_json(const std::string& path, const VerifyReport& 
   return object;
 }
 
-/// Whether every damage is known, and one flipped bit explains each.
-bool is_flips_only(const VerifyReport& report) {
-  return report.damage_count == static_cast<std::int64_t>(report.damages.size()) &&
-         std::ranges::all_of(report.damages,
-                             [](const Damage& damage) { return damage.flipped_byte.has_value(); });
-}
-
 /// What is lost and what helps: "; 3 of 40 bricks damaged, the others can be read; export --salvage
 /// writes them"
 std::string extent_text(const VerifyReport& report) {
@@ -101,7 +96,9 @@ std::string extent_text(const VerifyReport& report) {
     text = fmt::format("; {} of {} bricks damaged", count_text(lost),
                        count_text(report.brick_count));
   }
-  if (is_flips_only(report)) return text + kFlipAdvice;
+  if (report.mendable_count == report.damage_count) {
+    return text + (report.unreachable_brick_count > 0 ? kHidingFlipAdvice : kFlipAdvice);
+  }
   if (lost == 0 || lost == report.brick_count) return text;
   return text + ", the others can be read; export --salvage writes them";
 }
@@ -199,13 +196,12 @@ VerifyReport verified(const Arguments& arguments, const Context& context) {
   VerifyOptions options;
   options.for_each = for_each_parallel(context.thread_count());
   ProgressLine progress(context);
+  const std::shared_ptr<const ByteSource> source = open_bytes(arguments.input);
   try {
-    return verify_file(open_bytes(arguments.input), options, progress);
+    return verify_file(source, options, progress);
   } catch (const Error& error) {
-    const bool is_flip = error.kind() == ErrorKind::corrupt &&
-                         error.detail().find("one flipped bit") != std::string::npos;
-    if (!is_flip) throw;
-    throw Error(error.kind(), error.detail() + kFlipAdvice, error.path(), error.offset());
+    if (error.kind() != ErrorKind::corrupt || !opens_mended(source)) throw;
+    throw Error(error.kind(), error.detail() + kHidingFlipAdvice, error.path(), error.offset());
   }
 }
 

@@ -4,8 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
 
+#include "octavo/core/error.h"
+#include "octavo/file/bit_flip.h"
 #include "octavo/file/layout.h"
+#include "octavo/file/open_file.h"
 #include "support/sample_file.h"
 
 namespace octavo {
@@ -41,6 +45,44 @@ FileContent two_tiers() {
   SampleVolume volume = make_sample({66, 12, 70}, VoxelType::uint8, Pattern::noisy_half);
   volume.model_layers = 2;
   return sample_file_bytes(volume);
+}
+
+// A file of one grey brick of noise, either stored or with a segment for each level.
+FileContent noise_brick(const Size3& size, VoxelType type, bool is_stored) {
+  SampleVolume volume = make_sample(size, type, Pattern::gradient);
+  std::mt19937 random(7);
+  for (std::uint8_t& byte : volume.samples[0]) byte = static_cast<std::uint8_t>(random());
+  MemoryStorage storage;
+  if (!is_stored) return sample_file_bytes(volume);
+  const auto writer =
+      FileWriter::create(storage, "sample.8vo", volume.description, volume.levels, 1, {});
+  writer->add_model({'r', 'a', 'w'});
+  EncodedBrick brick;
+  const auto [low, high] = std::minmax_element(volume.samples[0].begin(), volume.samples[0].end());
+  brick.range = {*low, *high};
+  brick.segments.resize(static_cast<std::size_t>(volume.levels.count()));
+  brick.segments[0] = volume.samples[0];
+  writer->add_brick(0, brick);
+  writer->finish();
+  return *storage.files.at("sample.8vo");
+}
+
+BrickEntry::Segment finest_segment(const FileContent& file) {
+  return open_bytes(file)->brick(0, {0, 0, 0}).segments[0];
+}
+
+// Random bytes in [begin, end) that no CRC-32C tells from those before: sums of its polynomial, at
+// any place. One bit more, and they pass for that flipped bit.
+void garble_unseen(FileContent& file, std::uint64_t begin, std::uint64_t end) {
+  constexpr std::uint64_t kPolynomial = std::uint64_t{0x82f63b78} << 1 | 1;
+  constexpr std::uint64_t kPolynomialBytes = 5;
+  std::mt19937 random(11);
+  for (std::uint64_t at = begin; at + kPolynomialBytes <= end; ++at) {
+    if (random() % 2 == 0) continue;
+    for (std::uint64_t i = 0; i < kPolynomialBytes; ++i) {
+      file[at + i] ^= static_cast<std::uint8_t>(kPolynomial >> 8 * i);
+    }
+  }
 }
 
 TEST(Mend, AnyFlippedBitIsTurnedBack) {
@@ -93,6 +135,131 @@ TEST(Mend, OneFlippedBitInEachOfSeveralPiecesIsTurnedBack) {
   EXPECT_EQ(outcome.failure, "");
   EXPECT_EQ(outcome.flip_count, 3u);
   EXPECT_TRUE(*storage.files.at("out.8vo") == good);
+}
+
+// Of 8-bit voxels that are stored, 512 are mended and no more; of coded bytes 128 KiB.
+TEST(Mend, AFlippedBitIsTurnedBackWhereOtherDamageHardlyPassesForOne) {
+  const struct {
+    Size3 size;
+    VoxelType type;
+    bool is_stored;
+    bool is_mended;
+  } cases[] = {
+      {{16, 16, 2}, VoxelType::uint8, true, true},
+      {{16, 16, 3}, VoxelType::uint8, true, false},
+      {{32, 32, 32}, VoxelType::uint8, true, false},
+      {{16, 16, 3}, VoxelType::uint8, false, true},
+      {{64, 64, 16}, VoxelType::int16, false, true},
+      {{64, 64, 17}, VoxelType::int16, false, false},
+  };
+  for (const auto& c : cases) {
+    const FileContent good = noise_brick(c.size, c.type, c.is_stored);
+    const BrickEntry::Segment segment = finest_segment(good);
+    FileContent bad = good;
+    bad[segment.offset + segment.length / 3] ^= 16;
+    MemoryStorage storage;
+    put(storage, "bad.8vo", bad);
+    const Outcome outcome = mend(storage);
+    SCOPED_TRACE(std::to_string(segment.length) + " bytes: " + outcome.failure);
+    EXPECT_EQ(outcome.flip_count, c.is_mended ? 1u : 0u);
+    EXPECT_EQ(storage.files.size(), c.is_mended ? 2u : 1u);
+    if (c.is_mended) {
+      EXPECT_TRUE(*storage.files.at("out.8vo") == good);
+      continue;
+    }
+    EXPECT_EQ(outcome.kind, ErrorKind::corrupt);
+    EXPECT_NE(outcome.failure.find("one flipped bit would explain it, but so would other damage"),
+              std::string::npos);
+    EXPECT_NE(outcome.failure.find("--salvage"), std::string::npos);
+  }
+}
+
+TEST(Mend, AGarbledSectorThatPassesForOneFlippedBitIsRefused) {
+  constexpr std::uint64_t kSectorBytes = 512;
+  const FileContent good = noise_brick({32, 32, 32}, VoxelType::uint8, true);
+  const BrickEntry::Segment segment = finest_segment(good);
+  FileContent bad = good;
+  const std::uint64_t sector = (segment.offset / kSectorBytes + 8) * kSectorBytes;
+  garble_unseen(bad, sector, sector + kSectorBytes);
+  ASSERT_NO_THROW(read_samples(*open_bytes(bad), {{0, 0, 0}, {32, 32, 32}}, 0));
+  bad[segment.offset + 77] ^= 2;
+  NoProgress progress;
+  const VerifyReport report = verify_file(byte_source_of(bad, "bad.8vo"), {}, progress);
+  ASSERT_EQ(report.damage_count, 1);
+  EXPECT_EQ(report.damages.front().flipped_byte, segment.offset + 77);
+  EXPECT_EQ(report.mendable_count, 0);
+  MemoryStorage storage;
+  put(storage, "bad.8vo", bad);
+  EXPECT_EQ(mend(storage).kind, ErrorKind::corrupt);
+  EXPECT_EQ(storage.files.size(), 1u);
+}
+
+TEST(Mend, FlippedBitsBehindOthersAreTurnedBackAsWell) {
+  const FileContent good = two_tiers();
+  const OpenFile file(byte_source_of(good, "good.8vo"), {});
+  const BrickEntry entry = file.entry_at(0, {1, 0, 1});
+  const auto page = static_cast<std::size_t>(file.root().tiers[0].layer_pages);
+  FileContent bad = good;
+  bad[file.header().root.offset + 3] ^= 1;
+  bad[file.root().tiers[0].pages[page].offset + 2] ^= 4;
+  bad[file.model_piece(entry.model).offset] ^= 8;
+  bad[entry.segments[0].offset + 5] ^= 16;
+  MemoryStorage storage;
+  put(storage, "bad.8vo", bad);
+  const Outcome outcome = mend(storage);
+  EXPECT_EQ(outcome.failure, "");
+  EXPECT_EQ(outcome.flip_count, 4u);
+  EXPECT_TRUE(*storage.files.at("out.8vo") == good);
+
+  // What cannot be mended is named, not what hid it.
+  bad[entry.segments[0].offset + 6] ^= 16;
+  put(storage, "bad.8vo", bad);
+  const Outcome refused = mend(storage);
+  EXPECT_EQ(refused.kind, ErrorKind::corrupt);
+  EXPECT_NE(refused.failure.find("bad.8vo: brick o-code"), std::string::npos) << refused.failure;
+  EXPECT_NE(refused.failure.find("more than one flipped bit"), std::string::npos);
+  EXPECT_EQ(refused.failure.find("(one flipped bit"), std::string::npos) << refused.failure;
+}
+
+TEST(Mend, MoreFlippedBitsThanVerifyDescribesAreTurnedBack) {
+  SampleVolume volume = make_sample({34 * 64, 33 * 64, 1}, VoxelType::uint8, Pattern::noisy_half);
+  const FileContent good = sample_file_bytes(volume);
+  const OpenFile file(byte_source_of(good, "good.8vo"), {});
+  FileContent bad = good;
+  std::size_t flip_count = 0;
+  for (Index3 brick; brick.y < 33; ++brick.y) {
+    for (brick.x = 0; brick.x < 34; ++brick.x, ++flip_count) {
+      bad[file.entry_at(0, brick).segments[0].offset] ^= 1;
+    }
+  }
+  NoProgress progress;
+  const VerifyReport report = verify_file(byte_source_of(bad, "bad.8vo"), {}, progress);
+  EXPECT_EQ(report.damages.size(), VerifyOptions().max_listed);
+  EXPECT_EQ(report.mendable_count, static_cast<std::int64_t>(flip_count));
+  MemoryStorage storage;
+  put(storage, "bad.8vo", bad);
+  EXPECT_EQ(mend(storage).flip_count, flip_count);
+  EXPECT_TRUE(*storage.files.at("out.8vo") == good);
+}
+
+TEST(Mend, MetadataAreMendedToTextOnly) {
+  SampleVolume volume = make_sample({16, 16, 4}, VoxelType::uint8, Pattern::noisy_half);
+  volume.description.metadata_json = R"({"text":")" + std::string(700, 'a') + "\u00e4\"}";
+  const FileContent good = sample_file_bytes(volume);
+  MemoryStorage storage;
+  put(storage, "bad.8vo", good);
+  const OpenFile file(open_byte_source(storage, "bad.8vo"), {});
+  const Section metadata = file.header().metadata;
+  FileContent bad = good;
+  bad[metadata.offset + 600] ^= 4;
+  put(storage, "bad.8vo", bad);
+  EXPECT_EQ(mend(storage).flip_count, 1u);
+  EXPECT_TRUE(*storage.files.at("out.8vo") == good);
+  storage.files.erase("out.8vo");
+  garble_unseen(bad, metadata.offset + 20, metadata.offset + 500);
+  put(storage, "bad.8vo", bad);
+  EXPECT_EQ(mend(storage).kind, ErrorKind::corrupt);
+  EXPECT_EQ(storage.files.size(), 1u);
 }
 
 TEST(Mend, WorseDamageIsRefusedAndNothingIsWritten) {

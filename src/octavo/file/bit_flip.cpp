@@ -20,6 +20,16 @@ std::optional<BitFlip> find_bit_flip(std::uint32_t found, std::uint32_t stored,
   return std::nullopt;
 }
 
+bool is_safe_guess(std::uint64_t length, OtherProof proof) noexcept {
+  switch (proof) {
+    case OtherProof::none: return false;
+    case OtherProof::range: return length <= kMaxPlainBits / 8;
+    case OtherProof::content: return length <= kMaxCodedBits / 8;
+    case OtherProof::checksums: return true;
+  }
+  return false;
+}
+
 std::optional<BitFlip> locate_bit_flip(std::uint32_t found, std::uint32_t stored,
                                        const CheckedBytes& place) noexcept {
   const std::uint32_t difference = found ^ stored;

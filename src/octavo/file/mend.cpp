@@ -10,6 +10,7 @@
 #include "octavo/file/byte_codec.h"
 #include "octavo/file/interrupted.h"
 #include "octavo/file/layout.h"
+#include "octavo/file/open_file.h"
 #include "octavo/file/temporary.h"
 #include "octavo/file/writer.h"
 
@@ -19,7 +20,14 @@ namespace {
 
 constexpr std::size_t kCopyBytes = std::size_t{1} << 20;
 
-// A source with some bits turned round.
+// Damages that one round describes; the next round finds the others.
+constexpr std::size_t kListedInARound = std::size_t{1} << 16;
+
+bool comes_before(const BitFlip& a, const BitFlip& b) {
+  return std::tie(a.byte, a.bit) < std::tie(b.byte, b.bit);
+}
+
+// A source with some bits, in the order of the file, turned round.
 class FlippedSource final : public ByteSource {
  public:
   FlippedSource(std::shared_ptr<const ByteSource> inner, std::vector<BitFlip> flips)
@@ -29,10 +37,10 @@ class FlippedSource final : public ByteSource {
   const std::string& name() const override { return inner_->name(); }
   void read(std::uint64_t offset, std::span<std::uint8_t> out) const override {
     inner_->read(offset, out);
-    for (const BitFlip& flip : flips_) {
-      if (flip.byte < offset || flip.byte - offset >= out.size()) continue;
-      out[static_cast<std::size_t>(flip.byte - offset)] ^=
-          static_cast<std::uint8_t>(1 << flip.bit);
+    auto flip = std::ranges::lower_bound(flips_, BitFlip{offset, 0}, comes_before);
+    for (; flip != flips_.end() && flip->byte - offset < out.size(); ++flip) {
+      out[static_cast<std::size_t>(flip->byte - offset)] ^=
+          static_cast<std::uint8_t>(1 << flip->bit);
     }
   }
 
@@ -54,13 +62,43 @@ void mend_block(const ByteSource& source, std::uint64_t offset, std::uint64_t le
   if (flip) flips.push_back(*flip);
 }
 
-void mend_section(const ByteSource& source, const Section& section, std::vector<BitFlip>& flips) {
+// UTF-8 without control characters but line ends and tabs.
+bool is_text(ByteSpan bytes) {
+  std::size_t following = 0;
+  for (const std::uint8_t byte : bytes) {
+    const bool follows = (byte & 0xc0) == 0x80;
+    if (follows != (following > 0)) return false;
+    if (follows) {
+      --following;
+    } else if (byte < 0x80) {
+      if (byte < 0x20 && byte != '\t' && byte != '\n' && byte != '\r') return false;
+    } else if (byte > 0xf4) {
+      return false;
+    } else {
+      following = byte >= 0xf0 ? 3 : byte >= 0xe0 ? 2 : 1;
+    }
+  }
+  return following == 0;
+}
+
+void mend_root(const ByteSource& source, const Section& section, std::vector<BitFlip>& flips) {
   Bytes bytes(static_cast<std::size_t>(section.length));
   source.read(section.offset, bytes);
   const std::uint32_t found = crc32c(bytes);
   if (found == section.crc) return;
   const auto flip = locate_bit_flip(found, section.crc, {section.offset, section.length});
   if (flip) flips.push_back(*flip);
+}
+
+// What the metadata say is proven by nothing else; but they are text.
+void mend_metadata(const ByteSource& source, const Section& section, std::vector<BitFlip>& flips) {
+  if (!is_safe_guess(section.length, OtherProof::content)) return;
+  Bytes bytes(static_cast<std::size_t>(section.length));
+  source.read(section.offset, bytes);
+  const auto flip = find_bit_flip(crc32c(bytes), section.crc, section.length);
+  if (!flip) return;
+  bytes[static_cast<std::size_t>(flip->byte)] ^= static_cast<std::uint8_t>(1 << flip->bit);
+  if (is_text(bytes)) flips.push_back({section.offset + flip->byte, flip->bit});
 }
 
 // Refuses the header of a file that was still growing.
@@ -83,19 +121,16 @@ std::vector<BitFlip> envelope_flips(const std::shared_ptr<const ByteSource>& sou
   if (source->size() < kHeaderBytes + kTrailerBytes) return flips;
   const FileHeader header = parse_header(block, source->size());
   mend_block(*source, source->size() - kTrailerBytes, kTrailerBytes, flips);
-  mend_section(*source, header.metadata, flips);
-  mend_section(*source, header.root, flips);
+  mend_metadata(*source, header.metadata, flips);
+  mend_root(*source, header.root, flips);
+  std::ranges::sort(flips, comes_before);
   return flips;
-}
-
-bool comes_before(const BitFlip& a, const BitFlip& b) {
-  return std::tie(a.byte, a.bit) < std::tie(b.byte, b.bit);
 }
 
 // The flips, and every bit that explains a damage, once: one can be met by several checksums.
 std::vector<BitFlip> with_flips_of(const VerifyReport& report, std::vector<BitFlip> flips) {
   for (const Damage& damage : report.damages) {
-    if (damage.flipped_byte) flips.push_back({*damage.flipped_byte, damage.flipped_bit});
+    flips.push_back({*damage.flipped_byte, damage.flipped_bit});
   }
   std::ranges::sort(flips, comes_before);
   const auto same = [](const BitFlip& a, const BitFlip& b) {
@@ -106,31 +141,67 @@ std::vector<BitFlip> with_flips_of(const VerifyReport& report, std::vector<BitFl
 }
 
 [[noreturn]] void refuse(const Damage& damage, const std::string& input) {
+  const char* reason = damage.flipped_byte
+                           ? "one flipped bit would explain it, but so would other damage of a "
+                             "part this long"
+                           : "more than one flipped bit, which nothing can turn back";
   throw Error(ErrorKind::corrupt,
-              damage.detail + ": more than one flipped bit, which nothing can turn back; export "
-                              "--salvage writes what is whole",
-              input, damage.offset);
+              damage.detail + ": " + reason + "; export --salvage writes what is whole", input,
+              damage.offset);
 }
 
 VerifyReport verified(std::shared_ptr<const ByteSource> source, const MendOptions& options,
                       Progress& progress) {
   VerifyOptions verifying;
   verifying.for_each = options.for_each;
+  verifying.max_listed = kListedInARound;
   return verify_file(std::move(source), verifying, progress);
 }
 
-void copy(const ByteSource& source, StorageFile& out) {
+// The flips that make the file sound. A damaged index page hides damaged bricks, a damaged model
+// those that do not decode: each round finds what the flips of those before brought to light.
+std::vector<BitFlip> all_flips(const std::shared_ptr<const ByteSource>& source,
+                               const MendOptions& options, Progress& progress) {
+  std::vector<BitFlip> flips = envelope_flips(source);
+  for (;;) {
+    const VerifyReport report =
+        verified(std::make_shared<FlippedSource>(source, flips), options, progress);
+    if (report.is_sound()) return flips;
+    for (const Damage& damage : report.damages) {
+      if (!damage.is_mendable()) refuse(damage, source->name());
+    }
+    const std::size_t count = flips.size();
+    flips = with_flips_of(report, std::move(flips));
+    if (flips.size() == count) refuse(report.damages.front(), source->name());
+  }
+}
+
+void copy(const ByteSource& source, StorageFile& out, Progress& progress) {
+  const ProgressScope scope(progress, "writing", static_cast<std::int64_t>(source.size()),
+                            "bytes");
   Bytes buffer(kCopyBytes);
   for (std::uint64_t at = 0; at < source.size(); at += kCopyBytes) {
+    if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
     const auto count =
         static_cast<std::size_t>(std::min<std::uint64_t>(kCopyBytes, source.size() - at));
     const auto part = std::span(buffer).first(count);
     source.read(at, part);
     out.write(at, part);
+    progress.advance(static_cast<std::int64_t>(count));
   }
 }
 
 }  // namespace
+
+bool opens_mended(const std::shared_ptr<const ByteSource>& source) {
+  try {
+    const OpenFile proof(std::make_shared<FlippedSource>(source, envelope_flips(source)), {});
+    return true;
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::io) throw;
+    return false;
+  }
+}
 
 MendResult mend_file(Storage& storage, const std::string& input, const std::string& output,
                      const MendOptions& options, Progress& progress) {
@@ -139,16 +210,12 @@ MendResult mend_file(Storage& storage, const std::string& input, const std::stri
   const std::shared_ptr<const ByteSource> source = open_byte_source(storage, input);
   MendResult result;
   result.file_bytes = source->size();
-  result.flips = envelope_flips(source);
-  const VerifyReport report =
-      verified(std::make_shared<FlippedSource>(source, result.flips), options, progress);
-  if (report.is_sound() && result.flips.empty()) return result;
-  result.flips = with_flips_of(report, std::move(result.flips));
-  if (result.flips.empty()) refuse(report.damages.front(), input);
+  result.flips = all_flips(source, options, progress);
+  if (result.flips.empty()) return result;
 
   TemporaryFile temporary = create_temporary(storage, output);
   try {
-    copy(FlippedSource(source, result.flips), *temporary.file);
+    copy(FlippedSource(source, result.flips), *temporary.file, progress);
     temporary.file->sync();
     const VerifyReport left =
         verified(open_byte_source(storage, temporary.path), options, progress);

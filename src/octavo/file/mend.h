@@ -1,6 +1,18 @@
 // Mends a damaged file whose damages are flipped bits.
+//
+// Damage of more bits can pass for one flipped bit: of random damage to n bits a part of n / 2^32
+// does, and then every checksum over it would match again with wrong bytes under it. So a bit is
+// turned back only where that is unlikely enough for what else proves the bytes (bit_flip.h):
+//
+//   voxels as they are stored, the header       up to 2^12 bits, odds of 2^-20
+//   coded segments, models, index pages,        up to 2^20 bits, odds of 2^-12 times those that
+//   thumbnail, metadata                         they decode, parse or read as text all the same
+//   index root, slab trailers, trailer          any length: all their numbers are proven again
+//
+// Larger ones are refused as damage of more bits is.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -17,16 +29,22 @@ struct MendOptions {
 };
 
 struct MendResult {
-  std::vector<BitFlip> flips;  ///< turned back; `byte` is an offset in the file
+  std::vector<BitFlip> flips;  ///< turned back, in their order; `byte` is an offset in the file
   std::uint64_t file_bytes = 0;
 };
 
-/// Copies `input` to `output` with every bit turned back that alone explains a wrong checksum, and
-/// proves the copy before it takes its name: a mended file is the one that was written.
+/// Whether a file that cannot be opened can be once the bits are turned back that mend_file would
+/// turn back in its header, trailer, metadata and index root.
+/// Throws Error{io} when reading fails
+bool opens_mended(const std::shared_ptr<const ByteSource>& source);
+
+/// Copies `input` to `output` with every bit turned back that alone explains a wrong checksum, also
+/// where others hide it, and proves the copy before it takes its name.
 /// Returns  no flips, and writes nothing, when the file is sound
-/// Throws   Error{corrupt} when some damage is more than one flipped bit, or the file was still
+/// Throws   Error{corrupt} when some damage is not Damage::is_mendable, or the file was still
 ///          growing; Error{not_octavo}, Error{truncated}, Error{io}, Error{cancelled}; nothing is
-///          left then
+///          left then, and errors name `input` or `output`
+/// Time     a verification for each round that finds damage, at least two, and one of the copy
 MendResult mend_file(Storage& storage, const std::string& input, const std::string& output,
                      const MendOptions& options, Progress& progress);
 

@@ -16,7 +16,6 @@ namespace octavo {
 namespace {
 
 constexpr std::size_t kBlockBytes = std::size_t{1} << 20;
-constexpr std::size_t kMaxListed = 1000;
 
 void run_in_order(std::int64_t count, const std::function<void(std::int64_t)>& task) {
   for (std::int64_t i = 0; i < count; ++i) task(i);
@@ -106,7 +105,8 @@ class Verifier {
  private:
   void add(Damage damage) {
     ++report_.damage_count;
-    if (report_.damages.size() < kMaxListed) report_.damages.push_back(std::move(damage));
+    if (damage.is_mendable()) ++report_.mendable_count;
+    if (report_.damages.size() < options_.max_listed) report_.damages.push_back(std::move(damage));
   }
 
   void step(std::uint64_t bytes) {
@@ -136,6 +136,7 @@ class Verifier {
   std::shared_ptr<const IndexPage> sound_page(int tier, std::size_t number) const;
   void check_bricks();
   void check_page(int tier, std::size_t number);
+  OtherProof proof_of(const BrickEntry& entry, std::size_t in_brick_level) const;
   std::vector<Damage> check_brick(const BrickEntry& entry) const;
   std::optional<Damage> check_voxels(const BrickEntry& entry, Damage place,
                                      std::span<const ByteSpan> segments) const;
@@ -192,6 +193,7 @@ void Verifier::check_thumbnail() {
   file_.source().read(section.offset, bytes);
   Damage place;
   place.what = "thumbnail";
+  place.proof = OtherProof::content;
   place.offset = section.offset;
   place.length = section.length;
   if (auto damage = checksum_damage(place, crc32c(bytes), section.crc)) {
@@ -209,6 +211,7 @@ void Verifier::check_models() {
     file_.source().read(piece.offset, bytes);
     Damage place;
     place.what = "model";
+    place.proof = OtherProof::content;
     place.code = i;
     place.offset = piece.offset;
     place.length = piece.length;
@@ -253,6 +256,7 @@ void Verifier::check_slab_trailer(std::int64_t slab) {
   const TierIndex& tier = root.tiers.front();
   Damage place;
   place.what = "slab trailer";
+  place.proof = OtherProof::checksums;
   place.code = static_cast<std::uint64_t>(slab);
   place.offset = root.slab_trailer_offset(slab);
   place.length = root.slab_trailer_bytes[static_cast<std::size_t>(slab)];
@@ -318,6 +322,7 @@ void Verifier::check_page(int tier, std::size_t number) {
   const PageRef& ref = file_.root().tiers[static_cast<std::size_t>(tier)].pages[number];
   Damage place;
   place.what = "index page";
+  place.proof = OtherProof::content;
   place.tier = tier;
   place.code = number;
   place.offset = ref.offset;
@@ -359,6 +364,15 @@ void Verifier::check_page(int tier, std::size_t number) {
   }
 }
 
+// Of a stored brick, and of the coarsest level of a grey one, a segment holds voxels as they are.
+OtherProof Verifier::proof_of(const BrickEntry& entry, std::size_t in_brick_level) const {
+  const std::size_t last = entry.segments.size() - 1;
+  const bool is_stored = last > 0 && entry.segments.back().length == 0;
+  const bool is_coarsest =
+      in_brick_level == last && file_.description().kind == VolumeKind::grey;
+  return is_stored || is_coarsest ? OtherProof::range : OtherProof::content;
+}
+
 // Checksums of all segments of a brick; if they hold, its voxels.
 std::vector<Damage> Verifier::check_brick(const BrickEntry& entry) const {
   std::vector<Damage> damages;
@@ -376,6 +390,7 @@ std::vector<Damage> Verifier::check_brick(const BrickEntry& entry) const {
     place.level = Levels::first_level(entry.tier) + static_cast<int>(i);
     place.offset = segment.offset;
     place.length = segment.length;
+    place.proof = proof_of(entry, i);
     segments[i].resize(segment.length);
     file_.source().read(segment.offset, segments[i]);
     spans[i] = segments[i];

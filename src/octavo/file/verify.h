@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "octavo/core/progress.h"
+#include "octavo/file/bit_flip.h"
 #include "octavo/file/reader.h"
 
 namespace octavo {
@@ -20,6 +21,7 @@ using ForEach =
 struct VerifyOptions {
   bool decode = true;   ///< decode every brick and compare its range with the index
   ForEach for_each;     ///< how to run the bricks of a page; empty: one after another
+  std::size_t max_listed = 1000;  ///< damages that are described; the others are counted
 };
 
 /// One damaged place.
@@ -37,7 +39,11 @@ struct Damage {
   std::optional<std::uint64_t>
       flipped_byte;  ///< offset in the file, when one flipped bit explains it
   int flipped_bit = 0;
+  OtherProof proof = OtherProof::none;  ///< of its bytes
   std::string detail;               ///< one line for people: the place, then what is wrong
+
+  /// Whether repair turns it back: one flipped bit explains it, and other damage hardly would.
+  bool is_mendable() const { return flipped_byte && is_safe_guess(length, proof); }
 };
 
 struct VerifyReport {
@@ -47,8 +53,9 @@ struct VerifyReport {
   std::int64_t unreachable_brick_count = 0;
   std::int64_t segment_count = 0;        ///< that hold bytes
   std::int64_t damage_count = 0;         ///< all damages
+  std::int64_t mendable_count = 0;       ///< those that repair turns back
   std::uint64_t file_bytes = 0;
-  std::vector<Damage> damages;           ///< the first 1000 found
+  std::vector<Damage> damages;           ///< the first max_listed found
   bool is_sound() const { return damage_count == 0; }
 };
 
