@@ -344,5 +344,69 @@ TEST(Mend, EveryFailingCallLeavesTheOldFile) {
   }
 }
 
+TEST(Mend, EveryFailingCallLeavesNothingAndNamesTheFileThatWasAskedFor) {
+  FileContent bad = two_tiers();
+  bad[1000] ^= 1;
+  for (std::size_t k = 1;; ++k) {
+    std::string said;
+    for (const bool is_dying : {false, true}) {
+      MemoryStorage storage;
+      storage.fail_at = k;
+      storage.is_dying = is_dying;
+      put(storage, "bad.8vo", bad);
+      const Outcome outcome = mend(storage);
+      if (!storage.has_failed) {
+        EXPECT_GT(k, 10u);
+        return;
+      }
+      EXPECT_EQ(outcome.kind, ErrorKind::io);
+      EXPECT_EQ(outcome.failure.find("tmp"), std::string::npos) << outcome.failure;
+      // Where removing fails as well, the first failure is told.
+      if (is_dying) {
+        EXPECT_EQ(outcome.failure, said);
+      } else {
+        EXPECT_EQ(storage.files.size(), 1u) << outcome.failure;
+        said = outcome.failure;
+      }
+    }
+  }
+}
+
+// Asks to stop as soon as some work has begun.
+class StoppingProgress final : public Progress {
+ public:
+  explicit StoppingProgress(std::string_view work) : work_(work) {}
+  void begin(std::string_view what, std::int64_t, std::string_view) override {
+    has_begun_ = has_begun_ || what == work_;
+  }
+  void advance(std::int64_t) override { is_cancelled_ = has_begun_; }
+  void end() override {}
+  bool is_cancelled() const override { return is_cancelled_; }
+
+ private:
+  std::string_view work_;
+  bool has_begun_ = false;
+  bool is_cancelled_ = false;
+};
+
+TEST(Mend, StopsBehindTheNextBlockAndLeavesNothing) {
+  SampleVolume volume = make_sample({64 * 30, 64 * 30, 1}, VoxelType::uint8, Pattern::noisy_half);
+  FileContent bad = sample_file_bytes(volume);
+  bad[1000] ^= 1;
+  for (const std::string_view work : {"verifying", "writing"}) {
+    MemoryStorage storage;
+    put(storage, "bad.8vo", bad);
+    StoppingProgress progress(work);
+    try {
+      mend_file(storage, "bad.8vo", "out.8vo", {}, progress);
+      ADD_FAILURE() << "not stopped while " << work;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::cancelled);
+    }
+    EXPECT_EQ(std::ranges::count(storage.calls, "write"), work == "writing" ? 1 : 0);
+    EXPECT_EQ(storage.files.size(), 1u);
+  }
+}
+
 }  // namespace
 }  // namespace octavo

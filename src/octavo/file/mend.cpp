@@ -191,6 +191,78 @@ void copy(const ByteSource& source, StorageFile& out, Progress& progress) {
   }
 }
 
+// The copy while it grows; gone with this object unless it took its name.
+class GrowingCopy {
+ public:
+  GrowingCopy(Storage& storage, const std::string& output)
+      : storage_(storage), output_(output), temporary_(create_temporary(storage, output)) {}
+  GrowingCopy(const GrowingCopy&) = delete;
+  GrowingCopy& operator=(const GrowingCopy&) = delete;
+  ~GrowingCopy() {
+    if (is_published_) return;
+    temporary_.file.reset();
+    remove_silently(temporary_.path);
+  }
+
+  void write(const ByteSource& source, Progress& progress) {
+    copy(source, *temporary_.file, progress);
+    temporary_.file->sync();
+  }
+
+  void prove(const MendOptions& options, Progress& progress) {
+    const VerifyReport report =
+        verified(open_byte_source(storage_, temporary_.path), options, progress);
+    if (report.is_sound()) return;
+    throw Error(ErrorKind::io,
+                "reads back otherwise than it was written: " + report.damages.front().detail,
+                output_);
+  }
+
+  void publish(bool overwrite) {
+    temporary_.file->close();
+    const bool replaces = overwrite && storage_.exists(output_);
+    if (overwrite) {
+      storage_.rename(temporary_.path, output_);
+    } else {
+      storage_.rename_new(temporary_.path, output_);
+    }
+    is_published_ = true;
+    try {
+      storage_.sync_folder(folder_of(output_));
+    } catch (...) {
+      if (!replaces) remove_silently(output_);
+      throw;
+    }
+  }
+
+ private:
+  // The failure that led here is the one to be told.
+  void remove_silently(const std::string& path) noexcept {
+    try {
+      storage_.remove(path);
+    } catch (...) {
+    }
+  }
+
+  Storage& storage_;
+  const std::string& output_;
+  TemporaryFile temporary_;
+  bool is_published_ = false;
+};
+
+void write_mended(Storage& storage, const ByteSource& source, const std::string& output,
+                  const MendOptions& options, Progress& progress) {
+  try {
+    GrowingCopy growing(storage, output);
+    growing.write(source, progress);
+    growing.prove(options, progress);
+    growing.publish(options.overwrite);
+  } catch (const Error& error) {
+    if (!error.path().starts_with(temporary_prefix(output))) throw;
+    throw Error(error.kind(), error.detail(), output, error.offset());
+  }
+}
+
 }  // namespace
 
 bool opens_mended(const std::shared_ptr<const ByteSource>& source) {
@@ -212,25 +284,7 @@ MendResult mend_file(Storage& storage, const std::string& input, const std::stri
   result.file_bytes = source->size();
   result.flips = all_flips(source, options, progress);
   if (result.flips.empty()) return result;
-
-  TemporaryFile temporary = create_temporary(storage, output);
-  try {
-    copy(FlippedSource(source, result.flips), *temporary.file, progress);
-    temporary.file->sync();
-    const VerifyReport left =
-        verified(open_byte_source(storage, temporary.path), options, progress);
-    if (!left.is_sound()) refuse(left.damages.front(), input);
-    temporary.file->close();
-    if (options.overwrite) {
-      storage.rename(temporary.path, output);
-    } else {
-      storage.rename_new(temporary.path, output);
-    }
-  } catch (...) {
-    storage.remove(temporary.path);
-    throw;
-  }
-  storage.sync_folder(folder_of(output));
+  write_mended(storage, FlippedSource(source, result.flips), output, options, progress);
   return result;
 }
 

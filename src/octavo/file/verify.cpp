@@ -111,6 +111,10 @@ class Verifier {
 
   void step(std::uint64_t bytes) {
     progress_.advance(static_cast<std::int64_t>(bytes));
+    throw_if_cancelled();
+  }
+
+  void throw_if_cancelled() const {
     if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
   }
 
@@ -346,9 +350,11 @@ void Verifier::check_page(int tier, std::size_t number) {
   const auto count = static_cast<std::int64_t>(page->ranges.size());
   std::vector<std::vector<Damage>> damages(page->ranges.size());
   options_.for_each(count, [&](std::int64_t i) {
+    if (progress_.is_cancelled()) return;
     damages[static_cast<std::size_t>(i)] =
         check_brick(file_.entry_in_page(*page, tier, number, i));
   });
+  throw_if_cancelled();
   for (std::int64_t i = 0; i < count; ++i) {
     if (!damages[static_cast<std::size_t>(i)].empty()) continue;
     const BrickEntry entry = file_.entry_in_page(*page, tier, number, i);
