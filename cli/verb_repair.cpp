@@ -27,8 +27,9 @@ constexpr VerbText kText = {
     "Or FILE is a damaged .8vo file: bits that alone explain a wrong checksum are turned back,\n"
     "and every checksum of the result is proven. Of long parts that is no proof, since other\n"
     "damage can look like one flipped bit: coded ones are mended up to 128 KiB, voxels stored\n"
-    "uncoded up to 512 bytes. All else is refused (exit code 4): export --salvage writes what is\n"
-    "whole. FILE itself is never changed.\n\n"
+    "uncoded up to 512 bytes. A damaged trailer is made anew, and bytes behind the end are left\n"
+    "out. All else is refused (exit code 4): export --salvage writes what is whole, if header,\n"
+    "metadata and index root are. FILE itself is never changed.\n\n"
     "Examples:\n"
     "  octavo repair scan.8vo -o rescued.8vo\n"
     "  octavo repair .scan.8vo.tmp-4711 -o rescued.8vo"};
@@ -70,24 +71,37 @@ nlohmann::ordered_json mend_json(const Arguments& arguments, const MendResult& r
                                    {"output", arguments.output},
                                    {"how", "mended"},
                                    {"file_bytes", result.file_bytes},
-                                   {"flipped_bits", nlohmann::ordered_json::array()}};
+                                   {"flipped_bits", nlohmann::ordered_json::array()},
+                                   {"new_trailer", result.has_new_trailer},
+                                   {"dropped_bytes", result.dropped_bytes}};
   for (const BitFlip& flip : result.flips) {
     object["flipped_bits"].push_back({{"byte", flip.byte}, {"bit", flip.bit}});
   }
   return object;
 }
 
-std::string mend_text(const Arguments& arguments, const MendResult& result) {
+/// "2 flipped bits turned back (byte 700, 9113); ", or nothing.
+std::string flips_text(const MendResult& result) {
+  if (result.flips.empty()) return "";
   std::string places;
   constexpr std::size_t kNamed = 5;
   for (std::size_t i = 0; i < std::min(kNamed, result.flips.size()); ++i) {
     places += fmt::format("{}{}", i == 0 ? "" : ", ", result.flips[i].byte);
   }
   if (result.flips.size() > kNamed) places += ", ...";
-  return fmt::format("{}: {} turned back (byte {}); every checksum matches\n",
-                     arguments.output,
+  return fmt::format("{} turned back (byte {}); ",
                      counted_text(static_cast<std::int64_t>(result.flips.size()), "flipped bit"),
                      places);
+}
+
+std::string mend_text(const Arguments& arguments, const MendResult& result) {
+  std::string text = arguments.output + ": " + flips_text(result);
+  if (result.has_new_trailer) text += "trailer made anew; ";
+  if (result.dropped_bytes > 0) {
+    text += fmt::format("{} behind its end left out; ",
+                        counted_text(static_cast<std::int64_t>(result.dropped_bytes), "byte"));
+  }
+  return text + "every checksum matches\n";
 }
 
 MendResult mend(const Arguments& arguments, const Context& context) {
@@ -105,8 +119,7 @@ MendResult mend(const Arguments& arguments, const Context& context) {
     };
     if (!is_damage || says("--salvage") || says("build it again")) throw;
     throw Error(error.kind(),
-                error.detail() + "; more than one bit: nothing can be found in such a file, and "
-                                 "repair cannot mend it",
+                error.detail() + "; repair cannot mend this, and no verb can read such a file",
                 error.path(), error.offset());
   }
 }
@@ -138,7 +151,7 @@ int run_repair(const Arguments& arguments, const Context& context) {
     throw Error(ErrorKind::io, "no such file, and no interrupted build of it", arguments.input);
   }
   const MendResult result = mend(arguments, context);
-  if (result.flips.empty()) {
+  if (result.is_sound()) {
     throw Error(ErrorKind::invalid_argument, "is sound: there is nothing to repair",
                 arguments.input);
   }

@@ -38,8 +38,7 @@ constexpr VerbText kText = {
     "  octavo verify head.8vo --against scans/head/"};
 
 constexpr const char* kFlipAdvice = "; repair turns flipped bits back";
-constexpr const char* kHidingFlipAdvice =
-    "; repair turns flipped bits back, unless what they hide is damaged further";
+constexpr const char* kHidingAdvice = "; repair mends it, unless what it hides is damaged as well";
 
 struct Arguments {
   std::string input;
@@ -97,7 +96,7 @@ std::string extent_text(const VerifyReport& report) {
                        count_text(report.brick_count));
   }
   if (report.mendable_count == report.damage_count) {
-    return text + (report.unreachable_brick_count > 0 ? kHidingFlipAdvice : kFlipAdvice);
+    return text + (report.unreachable_brick_count > 0 ? kHidingAdvice : kFlipAdvice);
   }
   if (lost == 0 || lost == report.brick_count) return text;
   return text + ", the others can be read; export --salvage writes them";
@@ -201,7 +200,7 @@ VerifyReport verified(const Arguments& arguments, const Context& context) {
     return verify_file(source, options, progress);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::corrupt || !opens_mended(source)) throw;
-    throw Error(error.kind(), error.detail() + kHidingFlipAdvice, error.path(), error.offset());
+    throw Error(error.kind(), error.detail() + kHidingAdvice, error.path(), error.offset());
   }
 }
 

@@ -350,18 +350,6 @@ class Salvage(InFolder):
         self.assertEqual(damage["what"], "brick")
         self.assertEqual((damage["flipped_byte"], damage["flipped_bit"]), (place, 2))
 
-    def test_verify_names_what_helps(self):
-        def told(*fractions):
-            self.damage(*fractions)
-            said = self.expect(4, "verify", "bad.8vo", "--progress", "none").stderr
-            return said.splitlines()[-1]
-
-        for fractions in [(0.0001,), (0.15,), (0.15, 0.45), (0.9999,)]:
-            self.assertIn("repair turns flipped bits back", told(*fractions))
-        # Two bits of one brick.
-        self.assertIn("export --salvage writes them", told(0.15, 0.45, 0.46))
-        self.assertNotIn("repair", told(0.15, 0.45, 0.46))
-
     def test_verify_names_every_damaged_place(self):
         places = self.damage(0.15, 0.45, 0.75)
         result = self.expect(4, "verify", "bad.8vo", "--progress", "none")
@@ -372,24 +360,6 @@ class Salvage(InFolder):
         self.assertIn("bad.8vo: 3 damaged places", lines[3])
         quiet = self.expect(4, "verify", "bad.8vo", "-q", "--progress", "none")
         self.assertEqual(quiet.stderr, lines[3] + "\n")
-
-    def test_repair_turns_flipped_bits_back_and_refuses_the_rest(self):
-        good = (self.folder / "good.8vo").read_bytes()
-        places = self.damage(0.0001, 0.15, 0.45, 0.9999)
-        result = self.expect(0, "repair", "bad.8vo", "-o", "mended.8vo", "--json")
-        self.assertEqual([flip["byte"] for flip in json.loads(result.stdout)["flipped_bits"]],
-                         places)
-        self.assertEqual((self.folder / "mended.8vo").read_bytes(), good)
-        self.damage(0.2, 0.21)
-        self.expect_refusal(4, ["bad.8vo: brick o-code 0x", "more than one flipped bit",
-                                "--salvage"], "repair", "bad.8vo", "-o", "x.8vo")
-        (self.folder / "bad.8vo").write_bytes(good[:-9])
-        self.expect_refusal(4, ["cut short", "cannot mend"], "repair", "bad.8vo", "-o", "x.8vo")
-        self.expect_refusal(2, ["is sound"], "repair", "good.8vo", "-o", "x.8vo")
-        self.expect_refusal(2, ["is the file to repair"], "repair", "good.8vo", "-o", "good.8vo",
-                            "--force")
-        self.expect_refusal(3, ["not an 8vo file"], "repair", "v.raw", "-o", "x.8vo")
-        self.assertEqual([name for name in self.names() if name.startswith(("x", "."))], [])
 
     def test_damage_is_refused_unless_asked_otherwise(self):
         self.damage(0.2)

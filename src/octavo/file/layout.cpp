@@ -354,6 +354,10 @@ std::uint32_t load_header_crc(const HeaderBlock& block) {
   return load_little_endian<std::uint32_t>(block.data() + kHeaderCrcAt);
 }
 
+std::uint64_t load_file_bytes(const HeaderBlock& block) {
+  return load_little_endian<std::uint64_t>(block.data() + kFileBytesAt);
+}
+
 FileHeader parse_header(ByteSpan bytes, std::uint64_t source_bytes) {
   check_envelope(bytes);
   check_seal(bytes);

@@ -72,6 +72,9 @@ HeaderBlock encode_header(const FileHeader& header);
 /// The CRC at the end of a block.
 std::uint32_t load_header_crc(const HeaderBlock& block);
 
+/// The length of a file when it was sealed.
+std::uint64_t load_file_bytes(const HeaderBlock& block);
+
 /// The header that stands in `bytes`, the first min(512, source_bytes) bytes of a source that has
 /// `source_bytes` bytes. Everything it says of itself is proven: ranges, the ladder of levels, that
 /// its sections tile the tail of the file. Throws Error{not_octavo, unsupported_version, truncated,

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <memory>
-#include <tuple>
 #include <utility>
 
 #include "octavo/codec/crc32c.h"
 #include "octavo/core/error.h"
-#include "octavo/file/byte_codec.h"
 #include "octavo/file/interrupted.h"
 #include "octavo/file/layout.h"
+#include "octavo/file/mended_source.h"
 #include "octavo/file/open_file.h"
 #include "octavo/file/temporary.h"
 #include "octavo/file/writer.h"
@@ -18,126 +17,13 @@ namespace octavo {
 
 namespace {
 
-constexpr std::size_t kCopyBytes = std::size_t{1} << 20;
+constexpr std::size_t kBlockBytes = std::size_t{1} << 20;
 
 // Damages that one round describes; the next round finds the others.
 constexpr std::size_t kListedInARound = std::size_t{1} << 16;
 
-bool comes_before(const BitFlip& a, const BitFlip& b) {
-  return std::tie(a.byte, a.bit) < std::tie(b.byte, b.bit);
-}
-
-// A source with some bits, in the order of the file, turned round.
-class FlippedSource final : public ByteSource {
- public:
-  FlippedSource(std::shared_ptr<const ByteSource> inner, std::vector<BitFlip> flips)
-      : inner_(std::move(inner)), flips_(std::move(flips)) {}
-
-  std::uint64_t size() const override { return inner_->size(); }
-  const std::string& name() const override { return inner_->name(); }
-  void read(std::uint64_t offset, std::span<std::uint8_t> out) const override {
-    inner_->read(offset, out);
-    auto flip = std::ranges::lower_bound(flips_, BitFlip{offset, 0}, comes_before);
-    for (; flip != flips_.end() && flip->byte - offset < out.size(); ++flip) {
-      out[static_cast<std::size_t>(flip->byte - offset)] ^=
-          static_cast<std::uint8_t>(1 << flip->bit);
-    }
-  }
-
- private:
-  std::shared_ptr<const ByteSource> inner_;
-  std::vector<BitFlip> flips_;
-};
-
-// The flip, if one is needed and will do, in bytes that end in their own checksum.
-void mend_block(const ByteSource& source, std::uint64_t offset, std::uint64_t length,
-                std::vector<BitFlip>& flips) {
-  Bytes bytes(static_cast<std::size_t>(length));
-  source.read(offset, bytes);
-  const std::size_t end = bytes.size() - sizeof(std::uint32_t);
-  const std::uint32_t found = crc32c(ByteSpan(bytes).first(end));
-  const auto stored = load_little_endian<std::uint32_t>(bytes.data() + end);
-  if (found == stored) return;
-  const auto flip = locate_bit_flip(found, stored, {offset, end, offset + end});
-  if (flip) flips.push_back(*flip);
-}
-
-// UTF-8 without control characters but line ends and tabs.
-bool is_text(ByteSpan bytes) {
-  std::size_t following = 0;
-  for (const std::uint8_t byte : bytes) {
-    const bool follows = (byte & 0xc0) == 0x80;
-    if (follows != (following > 0)) return false;
-    if (follows) {
-      --following;
-    } else if (byte < 0x80) {
-      if (byte < 0x20 && byte != '\t' && byte != '\n' && byte != '\r') return false;
-    } else if (byte > 0xf4) {
-      return false;
-    } else {
-      following = byte >= 0xf0 ? 3 : byte >= 0xe0 ? 2 : 1;
-    }
-  }
-  return following == 0;
-}
-
-void mend_root(const ByteSource& source, const Section& section, std::vector<BitFlip>& flips) {
-  Bytes bytes(static_cast<std::size_t>(section.length));
-  source.read(section.offset, bytes);
-  const std::uint32_t found = crc32c(bytes);
-  if (found == section.crc) return;
-  const auto flip = locate_bit_flip(found, section.crc, {section.offset, section.length});
-  if (flip) flips.push_back(*flip);
-}
-
-// What the metadata say is proven by nothing else; but they are text.
-void mend_metadata(const ByteSource& source, const Section& section, std::vector<BitFlip>& flips) {
-  if (!is_safe_guess(section.length, OtherProof::content)) return;
-  Bytes bytes(static_cast<std::size_t>(section.length));
-  source.read(section.offset, bytes);
-  const auto flip = find_bit_flip(crc32c(bytes), section.crc, section.length);
-  if (!flip) return;
-  bytes[static_cast<std::size_t>(flip->byte)] ^= static_cast<std::uint8_t>(1 << flip->bit);
-  if (is_text(bytes)) flips.push_back({section.offset + flip->byte, flip->bit});
-}
-
-// Refuses the header of a file that was still growing.
-void refuse_growing(const HeaderBlock& block, const std::string& input) {
-  if (encode_header(parse_unsealed_header(block)) != block) return;
-  throw Error(ErrorKind::corrupt,
-              "not sealed, and without the journal of its build, in which its coarse levels stood: "
-              "nothing can be repaired; build it again from its source",
-              input);
-}
-
-// The flips without which nothing in the file can be found: in header, trailer, metadata and root.
-std::vector<BitFlip> envelope_flips(const std::shared_ptr<const ByteSource>& source) {
-  std::vector<BitFlip> flips;
-  if (source->size() < kHeaderBytes) return flips;
-  mend_block(*source, 0, kHeaderBytes, flips);
-  HeaderBlock block{};
-  FlippedSource(source, flips).read(0, block);
-  refuse_growing(block, source->name());
-  if (source->size() < kHeaderBytes + kTrailerBytes) return flips;
-  const FileHeader header = parse_header(block, source->size());
-  mend_block(*source, source->size() - kTrailerBytes, kTrailerBytes, flips);
-  mend_metadata(*source, header.metadata, flips);
-  mend_root(*source, header.root, flips);
-  std::ranges::sort(flips, comes_before);
-  return flips;
-}
-
-// The flips, and every bit that explains a damage, once: one can be met by several checksums.
-std::vector<BitFlip> with_flips_of(const VerifyReport& report, std::vector<BitFlip> flips) {
-  for (const Damage& damage : report.damages) {
-    flips.push_back({*damage.flipped_byte, damage.flipped_bit});
-  }
-  std::ranges::sort(flips, comes_before);
-  const auto same = [](const BitFlip& a, const BitFlip& b) {
-    return !comes_before(a, b) && !comes_before(b, a);
-  };
-  flips.erase(std::unique(flips.begin(), flips.end(), same), flips.end());
-  return flips;
+void throw_if_cancelled(const Progress& progress) {
+  if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
 }
 
 [[noreturn]] void refuse(const Damage& damage, const std::string& input) {
@@ -158,32 +44,54 @@ VerifyReport verified(std::shared_ptr<const ByteSource> source, const MendOption
   return verify_file(std::move(source), verifying, progress);
 }
 
-// The flips that make the file sound. A damaged index page hides damaged bricks, a damaged model
-// those that do not decode: each round finds what the flips of those before brought to light.
-std::vector<BitFlip> all_flips(const std::shared_ptr<const ByteSource>& source,
-                               const MendOptions& options, Progress& progress) {
-  std::vector<BitFlip> flips = envelope_flips(source);
+// Gives a trailer that is made anew its digest: of all bytes between header and trailer.
+void complete_trailer(const std::shared_ptr<const ByteSource>& source, Mendings& mendings,
+                      Progress& progress) {
+  const MendedSource mended(source, mendings);
+  HeaderBlock block{};
+  mended.read(0, block);
+  const FileHeader header = parse_header(block, mended.size());
+  std::uint32_t digest = 0;
+  Bytes buffer;
+  for (std::uint64_t at = kHeaderBytes; at < mended.size() - kTrailerBytes; at += kBlockBytes) {
+    throw_if_cancelled(progress);
+    buffer.resize(std::min<std::uint64_t>(kBlockBytes, mended.size() - kTrailerBytes - at));
+    mended.read(at, buffer);
+    digest = crc32c(buffer, digest);
+  }
+  mendings.trailer =
+      encode_trailer({header.file_id, header.file_bytes, load_header_crc(block), digest});
+}
+
+// What makes the file sound. A damaged index page hides damaged bricks, a damaged model those that
+// do not decode: each round finds what the flips of those before brought to light.
+Mendings all_mendings(const std::shared_ptr<const ByteSource>& source, const MendOptions& options,
+                      Progress& progress) {
+  Mendings mendings = mend_envelope(*source);
   for (;;) {
+    if (mendings.trailer) complete_trailer(source, mendings, progress);
     const VerifyReport report =
-        verified(std::make_shared<FlippedSource>(source, flips), options, progress);
-    if (report.is_sound()) return flips;
+        verified(std::make_shared<MendedSource>(source, mendings), options, progress);
+    if (report.is_sound()) return mendings;
+    std::vector<BitFlip> flips;
     for (const Damage& damage : report.damages) {
       if (!damage.is_mendable()) refuse(damage, source->name());
+      flips.push_back({*damage.flipped_byte, damage.flipped_bit});
     }
-    const std::size_t count = flips.size();
-    flips = with_flips_of(report, std::move(flips));
-    if (flips.size() == count) refuse(report.damages.front(), source->name());
+    const std::size_t count = mendings.flips.size();
+    add_flips(mendings, flips);
+    if (mendings.flips.size() == count) refuse(report.damages.front(), source->name());
   }
 }
 
 void copy(const ByteSource& source, StorageFile& out, Progress& progress) {
   const ProgressScope scope(progress, "writing", static_cast<std::int64_t>(source.size()),
                             "bytes");
-  Bytes buffer(kCopyBytes);
-  for (std::uint64_t at = 0; at < source.size(); at += kCopyBytes) {
-    if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+  Bytes buffer(kBlockBytes);
+  for (std::uint64_t at = 0; at < source.size(); at += kBlockBytes) {
+    throw_if_cancelled(progress);
     const auto count =
-        static_cast<std::size_t>(std::min<std::uint64_t>(kCopyBytes, source.size() - at));
+        static_cast<std::size_t>(std::min<std::uint64_t>(kBlockBytes, source.size() - at));
     const auto part = std::span(buffer).first(count);
     source.read(at, part);
     out.write(at, part);
@@ -267,7 +175,7 @@ void write_mended(Storage& storage, const ByteSource& source, const std::string&
 
 bool opens_mended(const std::shared_ptr<const ByteSource>& source) {
   try {
-    const OpenFile proof(std::make_shared<FlippedSource>(source, envelope_flips(source)), {});
+    const OpenFile proof(std::make_shared<MendedSource>(source, mend_envelope(*source)), {});
     return true;
   } catch (const Error& error) {
     if (error.kind() == ErrorKind::io) throw;
@@ -280,11 +188,14 @@ MendResult mend_file(Storage& storage, const std::string& input, const std::stri
   check_target(storage, output, options.overwrite);
   if (!options.overwrite) refuse_interrupted(storage, output);
   const std::shared_ptr<const ByteSource> source = open_byte_source(storage, input);
+  const Mendings mendings = all_mendings(source, options, progress);
   MendResult result;
-  result.file_bytes = source->size();
-  result.flips = all_flips(source, options, progress);
-  if (result.flips.empty()) return result;
-  write_mended(storage, FlippedSource(source, result.flips), output, options, progress);
+  result.flips = mendings.flips;
+  result.has_new_trailer = mendings.trailer.has_value();
+  result.dropped_bytes = source->size() - mendings.size;
+  result.file_bytes = mendings.size;
+  if (result.is_sound()) return result;
+  write_mended(storage, MendedSource(source, mendings), output, options, progress);
   return result;
 }
 
