@@ -299,6 +299,20 @@ TEST(Mend, ATrailerIsMadeAnewWhateverItsDamage) {
   EXPECT_EQ(storage.files.size(), 1u);
 }
 
+TEST(Mend, AWholeTrailerOfAnotherFileIsRefused) {
+  SampleVolume other = make_sample({66, 12, 70}, VoxelType::uint8, Pattern::gradient);
+  const FileContent from = sample_file_bytes(other);
+  FileContent bad = two_tiers();
+  std::copy(from.end() - kTrailerBytes, from.end(), bad.end() - kTrailerBytes);
+  MemoryStorage storage;
+  put(storage, "bad.8vo", bad);
+  const Outcome outcome = mend(storage);
+  EXPECT_NE(outcome.failure.find("trailer does not belong to the header"), std::string::npos)
+      << outcome.failure;
+  EXPECT_FALSE(opens_mended(byte_source_of(bad, "bad.8vo")));
+  EXPECT_EQ(storage.files.size(), 1u);
+}
+
 TEST(Mend, BytesBehindTheEndAreLeftOut) {
   const FileContent good = two_tiers();
   for (const bool has_flips : {false, true}) {

@@ -51,13 +51,17 @@ void complete_trailer(const std::shared_ptr<const ByteSource>& source, Mendings&
   HeaderBlock block{};
   mended.read(0, block);
   const FileHeader header = parse_header(block, mended.size());
+  const std::uint64_t end = mended.size() - kTrailerBytes;
+  const ProgressScope scope(progress, "reading", static_cast<std::int64_t>(end - kHeaderBytes),
+                            "bytes");
   std::uint32_t digest = 0;
   Bytes buffer;
-  for (std::uint64_t at = kHeaderBytes; at < mended.size() - kTrailerBytes; at += kBlockBytes) {
+  for (std::uint64_t at = kHeaderBytes; at < end; at += kBlockBytes) {
     throw_if_cancelled(progress);
-    buffer.resize(std::min<std::uint64_t>(kBlockBytes, mended.size() - kTrailerBytes - at));
+    buffer.resize(std::min<std::uint64_t>(kBlockBytes, end - at));
     mended.read(at, buffer);
     digest = crc32c(buffer, digest);
+    progress.advance(static_cast<std::int64_t>(buffer.size()));
   }
   mendings.trailer =
       encode_trailer({header.file_id, header.file_bytes, load_header_crc(block), digest});
