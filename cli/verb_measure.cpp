@@ -121,7 +121,18 @@ nlohmann::ordered_json row_json(const Row& row, const std::vector<double>& perce
   return object;
 }
 
-/// The objects as a table with one column per number: what is a list in JSON has a column each.
+/// The object of row_json with a place for every number, those that are not known as well.
+nlohmann::ordered_json with_all_places(nlohmann::ordered_json object) {
+  if (!object["centroid_mm"].is_null()) return object;
+  const nlohmann::ordered_json unknown(3, nullptr);
+  object["centroid_mm"] = unknown;
+  object["principal_moments_mm2"] = unknown;
+  object["principal_axes"] = nlohmann::ordered_json(3, unknown);
+  return object;
+}
+
+/// The objects as a table with one column per number: what is a list in JSON has a column each;
+/// cells of what is not known are empty.
 std::string csv_text(const nlohmann::ordered_json& objects) {
   const auto name_of = [](std::string pointer) {
     // Where a list is one of axes, its places are called by them.
@@ -143,10 +154,10 @@ std::string csv_text(const nlohmann::ordered_json& objects) {
   for (const auto& object : objects) {
     std::string names;
     std::string values;
-    const nlohmann::ordered_json flat = object.flatten();
+    const nlohmann::ordered_json flat = with_all_places(object).flatten();
     for (const auto& [pointer, value] : flat.items()) {
+      values += (names.empty() ? "" : ",") + (value.is_null() ? "" : value.dump());
       names += (names.empty() ? "" : ",") + name_of(pointer);
-      values += (values.empty() ? "" : ",") + value.dump();
     }
     if (text.empty()) text = names + "\n";
     text += values + "\n";
