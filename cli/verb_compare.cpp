@@ -48,7 +48,7 @@ std::string equal_text(const Comparison& c, const VolumeDescription& a,
   if (!c.is_same_type) {
     text += fmt::format(", {} against {}", voxel_type_name(a.type), voxel_type_name(b.type));
   }
-  if (!c.is_place_known) text += ", places not compared: a spacing is unknown";
+  if (!c.is_place_known) text += ", places not compared: a spacing is not known";
   else if (c.shift_mm > 0) text += fmt::format(", places within {} mm", number_text(c.shift_mm));
   return text;
 }

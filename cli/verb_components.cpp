@@ -14,6 +14,7 @@
 #include "common/option_checks.h"
 #include "common/quantities.h"
 #include "common/verb.h"
+#include "common/volume_json.h"
 #include "octavo/build/computed_source.h"
 #include "octavo/ops/components.h"
 #include "verbs.h"
@@ -49,10 +50,7 @@ std::size_t kept_count(const Components& found, const Arguments& arguments,
                        const VolumeDescription& volume) {
   const auto& all = found.components();
   const auto mm3 = voxel_mm3(volume);
-  if (arguments.min_mm3 > 0 && !mm3) {
-    throw Error(ErrorKind::invalid_argument,
-                "--min-mm3 needs a known spacing; build it again with --spacing", arguments.input);
-  }
+  if (arguments.min_mm3 > 0) require_known_spacing(volume, arguments.input, "--min-mm3");
   const auto end = std::find_if(all.begin(), all.end(), [&](const Component& component) {
     return mm3 && static_cast<double>(component.voxel_count) * *mm3 < arguments.min_mm3;
   });

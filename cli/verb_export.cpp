@@ -11,6 +11,7 @@
 #include "common/quantities.h"
 #include "common/salvaging.h"
 #include "common/verb.h"
+#include "common/volume_json.h"
 #include "octavo/io/export.h"
 #include "verbs.h"
 
@@ -61,6 +62,7 @@ ExportOptions export_options(const Arguments& arguments, const FileReader& reade
   options.threads = context.thread_count();
   if (!arguments.box.empty()) options.box = parse_box(arguments.box, size);
   if (!arguments.box_mm.empty()) {
+    require_known_spacing(reader.description(), arguments.input, "--box-mm", "--box");
     const Geometry geometry =
         reader.levels().geometry(reader.description().geometry, arguments.level);
     options.box = parse_box_mm(arguments.box_mm, geometry, size);

@@ -14,6 +14,7 @@
 #include "common/option_checks.h"
 #include "common/quantities.h"
 #include "common/verb.h"
+#include "common/volume_json.h"
 #include "octavo/ops/fill_holes.h"
 #include "verbs.h"
 
@@ -43,11 +44,8 @@ struct Arguments {
 /// The largest hole that is filled, in voxels.
 std::uint64_t max_voxels(const Arguments& arguments, const VolumeDescription& volume) {
   if (!arguments.max_mm3) return std::numeric_limits<std::uint64_t>::max();
+  require_known_spacing(volume, arguments.input, "--max-mm3");
   const auto mm3 = voxel_mm3(volume);
-  if (!mm3) {
-    throw Error(ErrorKind::invalid_argument,
-                "--max-mm3 needs a known spacing; build it again with --spacing", arguments.input);
-  }
   // A volume of whole voxels is not lost to a rounded quotient.
   constexpr double kRoundingSlack = 1e-9;
   const double voxels = *arguments.max_mm3 / *mm3 * (1 + kRoundingSlack);

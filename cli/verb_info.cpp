@@ -131,11 +131,13 @@ std::string source_row(const nlohmann::ordered_json& metadata) {
 std::string level_table(const FileReader& reader) {
   std::string text = fmt::format("\n  {:>5}  {:>20}  {:>26}  {:>9}  {:>9}  {:>10}\n", "level",
                                  "size", "spacing mm", "bricks", "uniform", "bytes");
+  const bool is_known = is_spacing_known(metadata_of(reader.description()));
   for (int level = 0; level < reader.levels().count(); ++level) {
     const LevelSummary summary = reader.level_summary(level);
     const Geometry g = reader.levels().geometry(reader.description().geometry, level);
     text += fmt::format("  {:>5}  {:>20}  {:>26}  {:>9}  {:>9}  {:>10}\n", level,
-                        size_text(reader.levels().size(level)), point_text(g.spacing_mm),
+                        size_text(reader.levels().size(level)),
+                        is_known ? point_text(g.spacing_mm) : "-",
                         count_text(summary.bricks), count_text(summary.uniform_bricks),
                         bytes_text(summary.bytes));
   }

@@ -12,6 +12,7 @@
 #include "common/progress_line.h"
 #include "common/quantities.h"
 #include "common/verb.h"
+#include "common/volume_json.h"
 #include "octavo/ops/morphology.h"
 #include "verbs.h"
 
@@ -98,11 +99,7 @@ Reach reach_of(const Distance& distance, const Arguments& arguments,
   if (!distance.mm) {
     return Reach::in_steps(distance.steps, arguments.neighbors(), volume.size, max_bytes);
   }
-  if (!voxel_mm3(volume)) {
-    throw Error(ErrorKind::invalid_argument,
-                "--mm needs a known spacing; build it again with --spacing, or give --voxels",
-                arguments.input);
-  }
+  require_known_spacing(volume, arguments.input, "--mm", "--voxels");
   return Reach::within_mm(*distance.mm, volume.geometry.spacing_mm, volume.size, max_bytes);
 }
 

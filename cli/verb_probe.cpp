@@ -98,7 +98,7 @@ Index3 nearest_index(const Geometry& geometry, const Point3& world_mm) {
 nlohmann::ordered_json probe_json(const Probe& p, const VolumeDescription& d) {
   return {{"index", {p.index.x, p.index.y, p.index.z}},
           {"level", p.code.level},
-          {"world_mm", p.world_mm},
+          {"world_mm", if_in_mm(d, p.world_mm)},
           {"stored", p.stored},
           {"real", d.rescale.to_real(p.stored)},
           {"o_code",
@@ -119,12 +119,15 @@ std::string probe_text(const Probe& p, const VolumeDescription& d, const std::st
   std::string value = real_text(d, unit, p.stored);
   if (!d.rescale.is_identity()) value += fmt::format(" (stored {})", number_text(p.stored));
   const BrickEntry& b = p.brick;
+  const std::string place = is_spacing_known(metadata_of(d))
+                                ? fmt::format(" at {} mm", point_text(p.world_mm, ", "))
+                                : " (spacing not known)";
   return fmt::format(
-      "voxel {},{},{} of level {} at {} mm\n"
+      "voxel {},{},{} of level {}{}\n"
       "  value   {}\n"
       "  o-code  {} (hierarchical {}, root level {})\n"
       "  brick   {},{},{} of tier {}{}, stored values {} to {}{}\n",
-      p.index.x, p.index.y, p.index.z, p.code.level, point_text(p.world_mm, ", "), value,
+      p.index.x, p.index.y, p.index.z, p.code.level, place, value,
       to_mixed_octal(p.code, p.root_level), to_hierarchical(p.code, p.root_level), p.root_level,
       b.brick.x, b.brick.y, b.brick.z, b.tier, b.is_uniform() ? ", uniform" : "",
       number_text(d.voxel_of(b.range.min)), number_text(d.voxel_of(b.range.max)),
@@ -139,6 +142,7 @@ int run_probe(const Arguments& arguments, const Context& context) {
   check_level(reader->levels(), arguments.level);
   const VolumeDescription& d = reader->description();
   const Geometry geometry = reader->levels().geometry(d.geometry, arguments.level);
+  if (!arguments.mm.empty()) require_known_spacing(d, arguments.input, "--mm", "--at");
   std::vector<Index3> indices;
   const auto take = [&](const Index3& index, const std::string& asked) {
     check_inside(index, reader->levels().size(arguments.level), asked);

@@ -1,6 +1,7 @@
 // octavo slice: pictures of planes, for people.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -108,9 +109,12 @@ DrawnSlice draw(const FileReader& reader, const Arguments& arguments, int axis,
   options.axis = axis;
   options.level = arguments.level;
   options.index = arguments.index.value_or(reader.levels().size(arguments.level)[axis] / 2);
-  if (!arguments.mm.empty()) options.index = index_at_mm(reader, arguments, axis);
+  if (!arguments.mm.empty()) {
+    require_known_spacing(d, arguments.input, "--mm", "--index");
+    options.index = index_at_mm(reader, arguments, axis);
+  }
   if (d.kind == VolumeKind::grey) options.window = parse_window(arguments.window);
-  options.scale_bar = !arguments.no_scale_bar;
+  options.scale_bar = !arguments.no_scale_bar && is_spacing_known(metadata_of(d));
   options.sides = !arguments.no_sides && !is_unplaced(d, metadata_of(d));
   options.least_side = arguments.least_side;
   options.threads = context.threads;
@@ -125,7 +129,8 @@ void write_png(const DrawnSlice& drawn, bool overwrite) {
   file.publish(overwrite);
 }
 
-nlohmann::ordered_json slice_json(const DrawnSlice& drawn, int level, VolumeKind kind) {
+nlohmann::ordered_json slice_json(const DrawnSlice& drawn, int level,
+                                  const VolumeDescription& volume) {
   const SlicePicture& s = drawn.slice;
   nlohmann::ordered_json object = {{"output", drawn.path},
                                    {"axis", std::string(1, "xyz"[drawn.axis])},
@@ -133,20 +138,31 @@ nlohmann::ordered_json slice_json(const DrawnSlice& drawn, int level, VolumeKind
                                    {"level", level},
                                    {"width", s.picture.width},
                                    {"height", s.picture.height},
-                                   {"pixel_mm", s.pixel_mm},
+                                   {"pixel_mm", if_in_mm(volume, s.pixel_mm)},
                                    {"window", nullptr}};
-  if (kind == VolumeKind::grey) {
+  if (volume.kind == VolumeKind::grey) {
     object["window"] = {{"centre", s.window.centre}, {"width", s.window.width}};
   }
   return object;
 }
 
+/// "0.5 mm", or voxels of the level where nothing is known in mm.
+std::string pixel_text(const DrawnSlice& drawn, int level, const FileReader& reader) {
+  const VolumeDescription& d = reader.description();
+  const double side = drawn.slice.pixel_mm;
+  if (is_spacing_known(metadata_of(d))) return number_text(side) + " mm";
+  const Point3 spacing = reader.levels().geometry(d.geometry, level).spacing_mm;
+  const double finest = *std::min_element(spacing.begin(), spacing.end());
+  return number_text(side / finest) + (side == finest ? " voxel" : " voxels") +
+         " (spacing not known)";
+}
+
 std::string slice_text(const DrawnSlice& drawn, int level, const FileReader& reader) {
   const SlicePicture& s = drawn.slice;
   std::string text =
-      fmt::format("{}: {} x {} pixels of {} mm, slice {} = {} of level {}", drawn.path,
-                  s.picture.width, s.picture.height, number_text(s.pixel_mm), "xyz"[drawn.axis],
-                  drawn.index, level);
+      fmt::format("{}: {} x {} pixels of {}, slice {} = {} of level {}", drawn.path,
+                  s.picture.width, s.picture.height, pixel_text(drawn, level, reader),
+                  "xyz"[drawn.axis], drawn.index, level);
   if (reader.description().kind == VolumeKind::labels) return text + "\n";
   const std::string unit = unit_of(metadata_of(reader.description()));
   return text + fmt::format(", window {} to {}{}\n",
@@ -189,9 +205,11 @@ int run_slice(const Arguments& arguments, Context& context) {
   nlohmann::ordered_json slices = nlohmann::ordered_json::array();
   for (const DrawnSlice& one : drawn) {
     write_png(one, context.force);
-    const VolumeKind kind = reader->description().kind;
-    if (context.json) slices.push_back(slice_json(one, arguments.level, kind));
-    else if (!context.quiet) print(slice_text(one, arguments.level, *reader));
+    if (context.json) {
+      slices.push_back(slice_json(one, arguments.level, reader->description()));
+    } else if (!context.quiet) {
+      print(slice_text(one, arguments.level, *reader));
+    }
   }
   warn_of_salvaged(*reader, context);
   if (context.json) print_json({{"slices", slices}, {"salvaged", salvaged_json(*reader)}});

@@ -211,7 +211,7 @@ Plan unchanged(const std::string& operation, const VolumeDescription& volume) {
   return plan;
 }
 
-Plan translation(const Arguments& arguments, Plan plan) {
+Plan translation(const Arguments& arguments, const VolumeDescription& volume, Plan plan) {
   plan.said = "bricks copied, the origin moved";
   Point3& origin = plan.geometry.origin_mm;
   if (plan.operation == "translate") {
@@ -219,6 +219,7 @@ Plan translation(const Arguments& arguments, Plan plan) {
     origin = cropped(plan.geometry, by).origin_mm;
     plan.made_by["voxels"] = {by.x, by.y, by.z};
   } else {
+    require_known_spacing(volume, arguments.input, "--translate-mm", "--translate");
     const Point3 by = parse_point(arguments.translate_mm, "--translate-mm");
     for (std::size_t i = 0; i < 3; ++i) origin[i] += by[i];
     plan.made_by["mm"] = by;
@@ -392,7 +393,9 @@ Plan make_plan(const Arguments& arguments, const FileReader& reader, Context& co
   const std::string operation = operation_of(arguments);
   check_options(arguments, operation);
   const Plan plan = unchanged(operation, reader.description());
-  if (operation == "translate" || operation == "translate-mm") return translation(arguments, plan);
+  if (operation == "translate" || operation == "translate-mm") {
+    return translation(arguments, reader.description(), plan);
+  }
   if (operation == "shift") return shift(arguments, reader, plan);
   if (operation == "scale") return scaling(arguments, reader, plan);
   if (operation == "rotate" || operation == "mirror") return turn(arguments, plan);
@@ -495,6 +498,13 @@ std::uint64_t copy_file(const Arguments& arguments, const VolumeDescription& vol
                         context.force, progress);
 }
 
+/// " of 1 x 1 x 2 mm, origin 0, 0, 0 mm"
+std::string grid_text(const VolumeDescription& volume) {
+  if (!is_spacing_known(metadata_of(volume))) return " (spacing not known)";
+  return fmt::format(" of {} mm, origin {} mm", point_text(volume.geometry.spacing_mm),
+                     point_text(volume.geometry.origin_mm, ", "));
+}
+
 void report(const Arguments& arguments, const Plan& plan, const VolumeDescription& volume,
             std::uint64_t file_bytes, const Context& context) {
   if (context.json) {
@@ -502,15 +512,14 @@ void report(const Arguments& arguments, const Plan& plan, const VolumeDescriptio
                 {"operation", plan.operation},
                 {"bricks", plan.way == Way::copy ? "copied" : "made"},
                 {"size", {volume.size.x, volume.size.y, volume.size.z}},
-                {"spacing_mm", volume.geometry.spacing_mm},
-                {"origin_mm", volume.geometry.origin_mm},
+                {"spacing_mm", if_in_mm(volume, volume.geometry.spacing_mm)},
+                {"origin_mm", if_in_mm(volume, volume.geometry.origin_mm)},
                 {"direction", volume.geometry.direction},
                 {"file_bytes", file_bytes},
                 {"warnings", context.warnings}});
   } else if (!context.quiet) {
-    print(fmt::format("{}: {} voxels of {} mm, origin {} mm; {}\n", arguments.output,
-                      size_text(volume.size), point_text(volume.geometry.spacing_mm),
-                      point_text(volume.geometry.origin_mm, ", "), plan.said));
+    print(fmt::format("{}: {} voxels{}; {}\n", arguments.output, size_text(volume.size),
+                      grid_text(volume), plan.said));
   }
 }
 

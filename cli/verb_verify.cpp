@@ -184,7 +184,7 @@ int run_against(const Arguments& arguments, const VerifyReport& report,
                                                              error) + " of each of the",
                       counted_text(c.voxels, "voxel"),
                       arguments.against.front() + (is_same_source ? "" : " with planes in between"),
-                      c.is_place_known ? "and the geometry" : "(its spacing is unknown)",
+                      c.is_place_known ? "and the geometry" : "(its spacing is not known)",
                       counted_text(report.brick_count, "brick")));
   }
   return is_good ? kExitDone : kExitDifferent;

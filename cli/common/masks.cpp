@@ -166,7 +166,7 @@ void require_memory(std::uint64_t bytes, const char* what, const Context& contex
 std::string volume_text(std::uint64_t voxels, const VolumeDescription& volume) {
   const std::string count = counted_text(static_cast<std::int64_t>(voxels), "voxel");
   const auto of_one = voxel_mm3(volume);
-  if (!of_one) return count + " (spacing unknown)";
+  if (!of_one) return count + " (spacing not known)";
   const double mm3 = static_cast<double>(voxels) * *of_one;
   if (mm3 >= 1000) return fmt::format("{}, {:.2f} cm3", count, mm3 / 1000);
   return fmt::format("{}, {} mm3", count, number_text(mm3));

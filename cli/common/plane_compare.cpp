@@ -141,12 +141,13 @@ nlohmann::ordered_json comparison_json(const Comparison& c) {
                                    {"same_rescale", c.is_same_rescale},
                                    {"same_geometry", c.is_same_size && c.is_same_place},
                                    {"geometry_known", c.is_place_known},
-                                   {"shift_mm", c.shift_mm},
+                                   {"shift_mm", nullptr},
                                    {"compared_as", c.is_real_units ? "real" : "stored"},
                                    {"voxels", c.voxels},
                                    {"different", c.different},
                                    {"max_difference", c.max_difference},
                                    {"first", nullptr}};
+  if (c.is_place_known) object["shift_mm"] = c.shift_mm;
   if (c.different > 0) {
     object["first"] = {{"index", {c.first.x, c.first.y, c.first.z}}, {"values", c.first_values}};
   }

@@ -4,6 +4,7 @@
 
 #include "common/identity_words.h"
 #include "common/quantities.h"
+#include "octavo/core/error.h"
 
 namespace octavo::cli {
 
@@ -49,6 +50,20 @@ std::string unit_of(const nlohmann::ordered_json& metadata) {
 bool is_spacing_known(const nlohmann::ordered_json& metadata) {
   const auto known = metadata.find("spacing_known");
   return known == metadata.end() || !known->is_boolean() || known->get<bool>();
+}
+
+void require_known_spacing(const VolumeDescription& volume, const std::string& path,
+                           const std::string& option, const std::string& instead) {
+  if (is_spacing_known(metadata_of(volume))) return;
+  throw Error(ErrorKind::invalid_argument,
+              option + " needs a known spacing; build it again with --spacing" +
+                  (instead.empty() ? "" : ", or give " + instead),
+              path);
+}
+
+nlohmann::ordered_json if_in_mm(const VolumeDescription& volume,
+                                const nlohmann::ordered_json& value_mm) {
+  return is_spacing_known(metadata_of(volume)) ? value_mm : nlohmann::ordered_json(nullptr);
 }
 
 bool is_unplaced(const VolumeDescription& description, const nlohmann::ordered_json& metadata) {

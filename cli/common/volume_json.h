@@ -19,6 +19,17 @@ std::string unit_of(const nlohmann::ordered_json& metadata);
 /// False when the source carried no spacing and 1 mm was assumed.
 bool is_spacing_known(const nlohmann::ordered_json& metadata);
 
+/// Refuses an option in mm where the spacing is not known.
+/// path     the file of `volume`
+/// instead  what else may be given, as "--voxels"; empty where nothing does the same
+/// Throws   Error{invalid_argument}
+void require_known_spacing(const VolumeDescription& volume, const std::string& path,
+                           const std::string& option, const std::string& instead = "");
+
+/// The number or list as it is, or null where the spacing is not known.
+nlohmann::ordered_json if_in_mm(const VolumeDescription& volume,
+                                const nlohmann::ordered_json& value_mm);
+
 /// True when nothing places the volume in a body: as it is for stacks of plain pictures.
 bool is_unplaced(const VolumeDescription& description, const nlohmann::ordered_json& metadata);
 

@@ -48,6 +48,53 @@ class UnknownSpacing(cli_test.InFolder):
                 in_mm = "mm" in name or name.startswith("principal_axis")
                 self.assertEqual(cell, "" if in_mm else known[name], name)
 
+    def test_options_in_mm_are_refused_and_told_what_does_the_same(self):
+        for option, instead, arguments in [
+            ("--mm", ", or give --index", ["slice", "v.8vo", "--mm", "3", "-o", "s.png"]),
+            ("--mm", ", or give --at", ["probe", "v.8vo", "--mm", "1,1,1"]),
+            ("--box-mm", ", or give --box", ["extract", "v.8vo", "--box-mm", "0:2,0:2,0:2", "-o",
+                                             "b.raw"]),
+            ("--translate-mm", ", or give --translate",
+             ["transform", "v.8vo", "--translate-mm", "1,1,1", "-o", "t.8vo"]),
+            ("--mm", ", or give --voxels", ["dilate", "m.8vo", "--mm", "1", "-o", "d.8vo"]),
+            ("--max-mm3", "", ["fill-holes", "m.8vo", "--max-mm3", "1", "-o", "f.8vo"]),
+            ("--min-mm3", "", ["components", "m.8vo", "--min-mm3", "1"]),
+        ]:
+            with self.subTest(arguments):
+                self.expect_refusal(2, [f"octavo: {arguments[1]}: {option} needs a known spacing; "
+                                        f"build it again with --spacing{instead}\n"], *arguments)
+
+    def test_words_count_voxels_and_numbers_in_mm_are_null(self):
+        for place, arguments in [
+            (["slices", 0, "pixel_mm"], ["slice", "v.8vo", "-o", "s.png", "-f"]),
+            (["points", 0, "world_mm"], ["probe", "v.8vo", "--at", "1,1,1"]),
+            (["spacing_mm"], ["transform", "v.8vo", "--translate", "1,0,0", "-o", "t.8vo", "-f"]),
+            (["origin_mm"], ["transform", "v.8vo", "--mirror", "x", "-o", "t.8vo", "-f"]),
+            (["shift_mm"], ["compare", "v.8vo", "known.8vo"]),
+            (["pixel_mm"], ["render", "v.8vo", "--range", "30:", "-o", "r.png", "-f"]),
+            (["mm3"], ["shell", "m.8vo"]),
+        ]:
+            with self.subTest(arguments):
+                found = json.loads(self.said(*arguments, "--json").stdout)
+                for key in place:
+                    found = found[key]
+                self.assertIsNone(found)
+                words = self.said(*arguments).stdout
+                self.assertNotIn(" mm", words)
+                self.assertNotIn("mm3", words)
+        self.assertIn(" pixels of 0.0769231 voxels (spacing not known), slice",
+                      self.said("slice", "v.8vo", "-o", "s.png", "-f").stdout)
+        self.assertIn("voxel 1,1,1 of level 0 (spacing not known)\n",
+                      self.said("probe", "v.8vo", "--at", "1,1,1").stdout)
+
+    def test_a_slice_has_no_bar(self):
+        def picture(name, *options):
+            self.said("slice", name, "-o", "s.png", "-f", *options)
+            return (self.folder / "s.png").read_bytes()
+
+        self.assertEqual(picture("v.8vo"), picture("v.8vo", "--no-scale-bar"))
+        self.assertNotEqual(picture("known.8vo"), picture("known.8vo", "--no-scale-bar"))
+
 
 if __name__ == "__main__":
     cli_test.OCTAVO = cli_test.os.path.abspath(sys.argv.pop(1))
