@@ -70,15 +70,46 @@ ExportOptions export_options(const Arguments& arguments, const FileReader& reade
   return options;
 }
 
+/// "1 mm", "0.5 x 0.5 x 2 mm"
+std::string spacing_text(const FileReader& reader, int level) {
+  const Point3 mm = reader.levels().geometry(reader.description().geometry, level).spacing_mm;
+  const bool is_cube = mm[0] == mm[1] && mm[1] == mm[2];
+  return (is_cube ? number_text(mm[0]) : point_text(mm)) + " mm";
+}
+
+/// Says what the file will claim though nobody knows it, and what it cannot keep.
+void warn_of_limits(const Arguments& arguments, const FileReader& reader, ExportFormat format,
+                    const ExportOptions& options, Context& context) {
+  const ExportLimits limits = export_limits(reader, format, options);
+  if (limits.claims_spacing) {
+    context.warn(fmt::format("{}: the spacing of {} is not known; the file says {}, as its format "
+                             "needs a number",
+                             arguments.output, arguments.input,
+                             spacing_text(reader, options.level)));
+  }
+  if (limits.claims_place) {
+    context.warn(fmt::format("{}: how the patient lies is not known in {}; other programs may show "
+                             "letters for left and right all the same",
+                             arguments.output, arguments.input));
+  }
+  if (limits.loses_box_start) {
+    const Index3& start = options.box->lo;
+    context.warn(fmt::format("{}: does not keep that the box begins at voxel {},{},{} of {}, in "
+                             "which how the patient lies is not known; .nrrd keeps it",
+                             arguments.output, start.x, start.y, start.z, arguments.input));
+  }
+}
+
 nlohmann::ordered_json result_json(const ExportResult& result, const Box& box, int level,
-                                   const FileReader& reader) {
+                                   const FileReader& reader, const Context& context) {
   return {{"files", result.files},
           {"level", level},
           {"box", {{box.lo.x, box.hi.x}, {box.lo.y, box.hi.y}, {box.lo.z, box.hi.z}}},
           {"type", voxel_type_name(result.type)},
           {"values", result.real_units ? "real" : "stored"},
           {"bytes", result.bytes},
-          {"salvaged", salvaged_json(reader)}};
+          {"salvaged", salvaged_json(reader)},
+          {"warnings", context.warnings}};
 }
 
 std::string result_text(const ExportResult& result, const Box& box, int level) {
@@ -97,6 +128,7 @@ int run_export(const Arguments& arguments, Context& context) {
   const auto reader =
       salvaging(open_octavo(arguments.input, context), arguments.salvage, context);
   const ExportOptions options = export_options(arguments, *reader, context);
+  warn_of_limits(arguments, *reader, format, options, context);
   ExportResult result;
   read_or_hint(arguments.salvage, context, [&] {
     ProgressLine progress(context);
@@ -104,7 +136,7 @@ int run_export(const Arguments& arguments, Context& context) {
   });
   warn_of_salvaged(*reader, context);
   const Box box = options.box.value_or(box_of(reader->levels().size(options.level)));
-  if (context.json) print_json(result_json(result, box, options.level, *reader));
+  if (context.json) print_json(result_json(result, box, options.level, *reader, context));
   else if (!context.quiet) print(result_text(result, box, options.level));
   return kExitDone;
 }

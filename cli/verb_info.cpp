@@ -12,6 +12,7 @@
 #include "common/quantities.h"
 #include "common/verb.h"
 #include "common/volume_json.h"
+#include "octavo/io/place_known.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -53,7 +54,7 @@ std::string geometry_rows(const VolumeDescription& d, const nlohmann::ordered_js
       row("spacing", fmt::format("{} mm{}; field of view {} mm", point_text(d.geometry.spacing_mm),
                                  is_spacing_given(metadata) ? " (given by --spacing)" : "",
                                  point_text(field_of_view_mm(d.geometry, d.size))));
-  if (is_unplaced(d, metadata)) {
+  if (!is_place_known(d)) {
     return text + row("orientation", "not given; axes as in the source");
   }
   text += row("orientation", orientation_words(d.geometry));

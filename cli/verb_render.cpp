@@ -19,6 +19,7 @@
 #include "common/volume_json.h"
 #include "octavo/file/storage.h"
 #include "octavo/io/pending_file.h"
+#include "octavo/io/place_known.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -152,7 +153,7 @@ Drawn draw_pictures(const RenderScene& scene, const std::vector<std::string>& pa
   const Colour background = asked_background(arguments.background);
   const nlohmann::ordered_json metadata = metadata_of(volume);
   const Captions captions{!arguments.no_scale_bar && is_spacing_known(metadata),
-                          !arguments.no_sides && !is_unplaced(volume, metadata),
+                          !arguments.no_sides && is_place_known(volume),
                           !arguments.no_legend};
 
   // One scale for all pictures: the one at which the largest fits.
@@ -238,7 +239,7 @@ int run_render(const RenderArguments& arguments, Context& context) {
             asked_viewpoint(arguments, volume.geometry), frame);
   const bool is_of_patient = arguments.azimuth || arguments.elevation || arguments.turntable > 0 ||
                              find_viewpoint(arguments.direction).has_value();
-  if (is_of_patient && is_unplaced(volume, metadata_of(volume))) {
+  if (is_of_patient && !is_place_known(volume)) {
     context.note(arguments.input + ": does not say how the patient lies; x is taken to run to the "
                                    "left, y to the back and z to the head");
   }

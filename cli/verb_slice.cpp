@@ -16,6 +16,7 @@
 #include "common/volume_json.h"
 #include "octavo/file/storage.h"
 #include "octavo/io/pending_file.h"
+#include "octavo/io/place_known.h"
 #include "octavo/render/slice_picture.h"
 #include "verbs.h"
 
@@ -115,7 +116,7 @@ DrawnSlice draw(const FileReader& reader, const Arguments& arguments, int axis,
   }
   if (d.kind == VolumeKind::grey) options.window = parse_window(arguments.window);
   options.scale_bar = !arguments.no_scale_bar && is_spacing_known(metadata_of(d));
-  options.sides = !arguments.no_sides && !is_unplaced(d, metadata_of(d));
+  options.sides = !arguments.no_sides && is_place_known(d);
   options.least_side = arguments.least_side;
   options.threads = context.threads;
   return {arguments.output, axis, *options.index, render_slice(reader, options)};

@@ -23,6 +23,7 @@
 #include "octavo/build/computed_source.h"
 #include "octavo/build/metadata_member.h"
 #include "octavo/file/copy_described.h"
+#include "octavo/io/place_known.h"
 #include "octavo/ops/mask_transform.h"
 #include "octavo/ops/resample.h"
 #include "verbs.h"
@@ -359,7 +360,7 @@ Plan resampling(const Arguments& arguments, const FileReader& reader, Context& c
     const std::shared_ptr<const FileReader> other = open_octavo(arguments.grid_of, context);
     plan.size = other->description().size;
     plan.geometry = other->description().geometry;
-    plan.is_placed = !is_unplaced(other->description(), metadata_of(other->description()));
+    plan.is_placed = is_place_known(other->description());
     plan.said += ", on the grid of " + arguments.grid_of;
     const nlohmann::ordered_json grid_facts = metadata_of(other->description());
     plan.spacing_facts["spacing_known"] = is_spacing_known(grid_facts);
@@ -412,8 +413,7 @@ VolumeDescription new_description(const std::shared_ptr<const FileReader>& reade
   volume.geometry = plan.geometry;
   if (plan.way == Way::resample) volume.coding.reset();
   // An origin and axes that moved say no more of the body than they did before.
-  const VolumeDescription& input = reader->description();
-  if (!plan.is_placed && is_unplaced(input, metadata_of(input))) {
+  if (!plan.is_placed && !is_place_known(reader->description())) {
     volume.metadata_json = with_member(volume.metadata_json, "place_known", "false");
   }
   for (const auto& [name, value] : plan.spacing_facts.items()) {

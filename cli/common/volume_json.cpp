@@ -66,13 +66,6 @@ nlohmann::ordered_json if_in_mm(const VolumeDescription& volume,
   return is_spacing_known(metadata_of(volume)) ? value_mm : nlohmann::ordered_json(nullptr);
 }
 
-bool is_unplaced(const VolumeDescription& description, const nlohmann::ordered_json& metadata) {
-  const auto known = metadata.find("place_known");
-  if (known != metadata.end() && known->is_boolean()) return !known->get<bool>();
-  return description.geometry.origin_mm == Point3{} &&
-         description.geometry.direction == Geometry{}.direction && !metadata.contains("dicom");
-}
-
 const char* kind_name(VolumeKind kind) { return kind == VolumeKind::labels ? "labels" : "grey"; }
 
 std::uint64_t raw_bytes_of(const VolumeDescription& description) {

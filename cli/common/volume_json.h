@@ -30,9 +30,6 @@ void require_known_spacing(const VolumeDescription& volume, const std::string& p
 nlohmann::ordered_json if_in_mm(const VolumeDescription& volume,
                                 const nlohmann::ordered_json& value_mm);
 
-/// True when nothing places the volume in a body: as it is for stacks of plain pictures.
-bool is_unplaced(const VolumeDescription& description, const nlohmann::ordered_json& metadata);
-
 /// The object that `info --json` prints.
 nlohmann::ordered_json file_json(const FileReader& reader);
 

@@ -95,6 +95,70 @@ class UnknownSpacing(cli_test.InFolder):
         self.assertEqual(picture("v.8vo"), picture("v.8vo", "--no-scale-bar"))
         self.assertNotEqual(picture("known.8vo"), picture("known.8vo", "--no-scale-bar"))
 
+    def test_a_file_that_names_a_spacing_all_the_same_is_told_of(self):
+        for name, is_told in [("a.mha", True), ("d.mhd", True), ("a.nii", True),
+                              ("a.nii.gz", True), ("a.nrrd", False), ("a.tif", False),
+                              ("stack/", False), ("a.raw", False)]:
+            with self.subTest(name):
+                told = (f"octavo: warning: {name}: the spacing of v.8vo is not known; the file "
+                        "says 1 mm, as its format needs a number\n")
+                self.assertEqual(told in self.said("export", "v.8vo", "-o", name).stderr, is_told)
+                self.assertNotIn("spacing", self.said("export", "known.8vo", "-o", name,
+                                                      "-f").stderr)
+        made = self.said("export", "v.8vo", "--level", "1", "-o", "b.nii", "--json")
+        self.assertIn("the file says 2 mm", json.loads(made.stdout)["warnings"][0])
+        self.expect_refusal(7, ["c.nii: the spacing of v.8vo is not known", "--strict"], "export",
+                            "v.8vo", "-o", "c.nii", "--strict")
+        self.assertNotIn("c.nii", self.files())
+        for name in ["a.nrrd", "a.tif"]:
+            self.said("export", "v.8vo", "-o", name, "-f")
+            self.expect(0, "build", name, "-o", "back.8vo", "-q", "-f")
+            self.assertFalse(self.info("back.8vo")["spacing_known"])
+
+    def test_a_part_of_a_volume_without_a_place_has_none(self):
+        def orientation(name):
+            lines = self.said("info", name).stdout.splitlines()
+            return [line.split(maxsplit=1)[1] for line in lines if "orientation" in line]
+
+        not_given = ["not given; axes as in the source"]
+        self.assertEqual(orientation("known.8vo"), not_given)
+        for name, box, told in [
+            ("b.nrrd", "4:12,4:12,2:8", ""),
+            ("b.tif", "4:12,4:12,2:8", ""),
+            ("b.nii.gz", "4:12,4:12,2:8",
+             "b.nii.gz: does not keep that the box begins at voxel 4,4,2 of known.8vo, in which "
+             "how the patient lies is not known; .nrrd keeps it"),
+            ("c.nii", ":12,:12,:8", ""),
+            ("b.mha", "4:12,4:12,2:8",
+             "b.mha: how the patient lies is not known in known.8vo; other programs may show "
+             "letters for left and right all the same"),
+        ]:
+            with self.subTest(name):
+                said = self.said("extract", "known.8vo", "--box", box, "-o", name).stderr
+                self.assertEqual(said, told and f"octavo: warning: {told}\n")
+                if name.endswith(".mha"):
+                    continue
+                self.expect(0, "build", name, "-o", "back.8vo", "-q", "-f")
+                self.assertEqual(orientation("back.8vo"), not_given)
+                self.assertEqual(self.info("back.8vo")["spacing_mm"], [0.5, 0.5, 0.5])
+
+    def test_a_part_of_a_volume_with_a_place_keeps_it(self):
+        direction = "1 0 0 0 0 1 0 -1 0"
+        (self.folder / "p.mha").write_bytes(
+            ("ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
+             f"TransformMatrix = {direction}\nOffset = 1 2 3\nElementSpacing = 0.5 1 2\n"
+             f"DimSize = {SIZE[0]} {SIZE[1]} {SIZE[2]}\nElementType = MET_SHORT\n"
+             "ElementDataFile = LOCAL\n").encode() + (self.folder / "v.raw").read_bytes())
+        self.expect(0, "build", "p.mha", "-o", "p.8vo", "-q")
+        for name in ["b.nrrd", "b.nii.gz", "b.mha"]:
+            with self.subTest(name):
+                said = self.said("extract", "p.8vo", "--box", "4:12,4:12,2:8", "-o", name).stderr
+                self.assertEqual(said, "")
+                self.expect(0, "build", name, "-o", "back.8vo", "-q", "-f")
+                back = self.info("back.8vo")
+                self.assertEqual(back["origin_mm"], [3, -2, 7])
+                self.assertEqual(back["direction"], [1, 0, 0, 0, 0, -1, 0, 1, 0])
+
 
 if __name__ == "__main__":
     cli_test.OCTAVO = cli_test.os.path.abspath(sys.argv.pop(1))

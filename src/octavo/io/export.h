@@ -24,6 +24,17 @@ struct ExportOptions {
   int threads = 0;
 };
 
+/// Where a format has to say what nobody knows, or cannot keep what is known.
+struct ExportLimits {
+  bool claims_spacing = false;   ///< a number stands for a spacing that is not known
+  bool claims_place = false;     ///< it looks as if it said how a patient lies, which is not known
+  bool loses_box_start = false;  ///< nothing says where in its volume the box begins
+};
+
+/// What has to be told of an export before it. Throws Error{invalid_argument} as export_volume.
+ExportLimits export_limits(const FileReader& reader, ExportFormat format,
+                           const ExportOptions& options);
+
 struct ExportResult {
   std::vector<std::string> files;  ///< what was written, headers first
   VoxelType type;                  ///< voxel type in the target
@@ -35,6 +46,7 @@ struct ExportResult {
 /// Real units: where slope and intercept are integers and the result fits an integer type, that
 /// type; where the target knows a slope (NIfTI), stored integers with it; otherwise stored
 /// integers, and real_units is false. RAW is always stored.
+/// Where the place of the volume is not known, NIfTI has neither sform nor qform and NRRD no space.
 ExportResult export_volume(const FileReader& reader, Storage& storage, const std::string& path,
                            ExportFormat format, const ExportOptions& options, Progress& progress);
 

@@ -134,7 +134,8 @@ Quaternion quaternion_of(Matrix3 m) {
 /// What both versions of the header say, in their common terms.
 struct NiftiFacts {
   Matrix3 direction;
-  Point3 origin;
+  Point3 origin{};
+  bool has_sform = false;  ///< false: nothing says where the volume is
   bool has_qform = false;
   Quaternion quaternion;
   Rescale scl{0, 0};  ///< slope 0: no scaling
@@ -147,8 +148,9 @@ NiftiFacts facts_of(const ExportPlan& plan) {
   constexpr int kUnitsMm = 2;
   NiftiFacts facts;
   facts.direction = ras_direction(plan.geometry);
-  facts.origin = ras_origin(plan.geometry);
-  facts.has_qform = is_orthonormal(facts.direction);
+  if (plan.place_known) facts.origin = ras_origin(plan.geometry);
+  facts.has_sform = plan.place_known;
+  facts.has_qform = facts.has_sform && is_orthonormal(facts.direction);
   if (facts.has_qform) facts.quaternion = quaternion_of(facts.direction);
   if (plan.real_units) facts.scl = plan.rescale;
   if (plan.kind == VolumeKind::labels) facts.intent_code = kIntentLabel;
@@ -157,6 +159,7 @@ NiftiFacts facts_of(const ExportPlan& plan) {
 }
 
 double sform(const ExportPlan& plan, const NiftiFacts& facts, std::size_t row, std::size_t column) {
+  if (!facts.has_sform) return 0;
   if (column == 3) return facts.origin[row];
   return facts.direction[row * 3 + column] * plan.geometry.spacing_mm[column];
 }
@@ -183,7 +186,7 @@ ByteString nifti1_header(const ExportPlan& plan) {
   block.put_f32(116, facts.scl.intercept);
   block.put_text(123, std::string(1, static_cast<char>(facts.units)));
   block.put_i16(252, facts.has_qform ? kXformScanner : 0);
-  block.put_i16(254, kXformScanner);
+  block.put_i16(254, facts.has_sform ? kXformScanner : 0);
   block.put_f32(256, facts.quaternion.b);
   block.put_f32(260, facts.quaternion.c);
   block.put_f32(264, facts.quaternion.d);
@@ -215,7 +218,7 @@ ByteString nifti2_header(const ExportPlan& plan) {
   block.put_f64(176, facts.scl.slope);
   block.put_f64(184, facts.scl.intercept);
   block.put_i32(344, facts.has_qform ? kXformScanner : 0);
-  block.put_i32(348, kXformScanner);
+  block.put_i32(348, facts.has_sform ? kXformScanner : 0);
   block.put_f64(352, facts.quaternion.b);
   block.put_f64(360, facts.quaternion.c);
   block.put_f64(368, facts.quaternion.d);

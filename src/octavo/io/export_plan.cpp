@@ -8,6 +8,7 @@
 #include "octavo/core/checked.h"
 #include "octavo/file/temporary.h"
 #include "octavo/io/described_source.h"
+#include "octavo/io/place_known.h"
 
 namespace octavo {
 
@@ -107,12 +108,28 @@ ExportPlan plan_export(const FileReader& reader, ExportFormat format,
   plan.stored_type = plan.type = description.type;
   plan.rescale = description.rescale;
   plan.spacing_known = is_spacing_known(description.metadata_json);
+  plan.place_known = is_place_known(description);
   plan.overwrite = options.overwrite;
   const bool is_nifti = format == ExportFormat::nifti || format == ExportFormat::nifti_gz;
   const bool may_map = !options.stored && format != ExportFormat::raw;
   plan.real_units = plan.rescale.is_identity() ||
                     (may_map && (plan_real_integers(plan, reader.range()) || is_nifti));
   return plan;
+}
+
+ExportLimits export_limits(const FileReader& reader, ExportFormat format,
+                           const ExportOptions& options) {
+  const ExportPlan plan = plan_export(reader, format, options);
+  const bool is_nrrd = format == ExportFormat::nrrd;
+  const bool is_nifti = format == ExportFormat::nifti || format == ExportFormat::nifti_gz;
+  const bool is_meta =
+      format == ExportFormat::meta_image || format == ExportFormat::meta_image_detached;
+  ExportLimits limits;
+  limits.claims_spacing =
+      !plan.spacing_known && (is_nifti || is_meta || (is_nrrd && plan.place_known));
+  limits.claims_place = !plan.place_known && is_meta;
+  limits.loses_box_start = !plan.place_known && is_nifti && plan.box.lo != Index3{};
+  return limits;
 }
 
 void require_free(Storage& storage, const std::string& path, bool overwrite) {

@@ -28,6 +28,7 @@ struct ExportPlan {
   bool real_units =
       false;  ///< real values in the target, or a rescale that the format applies itself
   bool spacing_known = true;
+  bool place_known = true;  ///< false: origin and direction say nothing of a patient
   bool overwrite = false;
 
   std::uint64_t plane_bytes() const;

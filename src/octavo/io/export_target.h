@@ -40,11 +40,12 @@ std::unique_ptr<ExportTarget> make_detached_target(Storage& storage, const std::
 std::unique_ptr<ExportTarget> make_tiff_target(Storage& storage, const std::string& path,
                                                const ExportPlan& plan);
 
-/// NRRD0004, LPS, raw encoding; a rescale that is left stands in key/value pairs.
+/// NRRD0004, LPS, raw encoding; a rescale that is left stands in key/value pairs. Without a known
+/// place: spacings and minima of the axes in no space.
 ByteString nrrd_header(const ExportPlan& plan);
 
 /// NIfTI-1, or NIfTI-2 when an axis is longer than 32767; sform always, qform where axes are
-/// orthogonal.
+/// orthogonal, but neither without a known place.
 ByteString nifti_header(const ExportPlan& plan);
 
 /// MetaImage; `data_file` is LOCAL for .mha, or the name of the .raw.

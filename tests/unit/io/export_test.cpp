@@ -273,6 +273,26 @@ TEST(Export, BoxesAtLevelsLieWhereTheirVoxelsLie) {
   }
 }
 
+TEST(Export, WhereNoPlaceIsKnownNiftiAndNrrdClaimNone) {
+  Volume volume = make_volume(VoxelType::int16, {9, 8, 7});
+  volume.description.geometry = {};
+  volume.description.geometry.spacing_mm = {0.5, 1, 2};
+  Built built(std::move(volume));
+  ExportOptions options;
+  options.box = Box{{4, 2, 1}, {9, 8, 7}};
+  built.export_as("a.nii", options);
+  const std::string header = testing::bytes_of_file(built.folder.file("a.nii")).substr(252, 4);
+  EXPECT_EQ(header, std::string(4, '\0')) << "the codes of qform and sform";
+  EXPECT_EQ(read_with_itk(built.folder.file("a.nii")).geometry.spacing_mm, (Point3{0.5, 1, 2}));
+  built.export_as("a.nrrd", options);
+  EXPECT_EQ(testing::bytes_of_file(built.folder.file("a.nrrd")).find("space"), std::string::npos);
+  const ReadBack found = read_with_itk(built.folder.file("a.nrrd"));
+  EXPECT_EQ(found.geometry.spacing_mm, (Point3{0.5, 1, 2}));
+  EXPECT_EQ(found.geometry.origin_mm, (Point3{2, 2, 2}));
+  EXPECT_EQ(found.values, testing::as_numbers(testing::read_box(*built.reader, *options.box, 0),
+                                              VoxelType::int16));
+}
+
 TEST(Export, AVoxelOutsideTheDeclaredRangeIsDamage) {
   Built built(make_volume(VoxelType::int16, {9, 9, 9}, {1000, 0}), {0, 3});
   EXPECT_EQ(kind_of([&] { built.export_as("a.nrrd"); }), ErrorKind::corrupt);
