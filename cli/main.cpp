@@ -3,8 +3,11 @@
 #include <malloc.h>
 #endif
 
+#include <tbb/global_control.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstddef>
 #include <cstdio>
 #include <sstream>
 #include <string>
@@ -94,6 +97,10 @@ int run_program(int argc, char** argv) {
     std::reverse(words.begin(), words.end());
     app.parse(std::move(words));
     if (context.max_memory_bytes != 0) limit_malloc_arenas(context.thread_count());
+    // With room for the thread that waits; without a limit oneTBB starts no more than the cores
+    // have room for, and says so on standard error.
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                    static_cast<std::size_t>(context.thread_count()) + 1);
     return context.run();
   } catch (const CLI::Success& request) {
     std::ostringstream text;

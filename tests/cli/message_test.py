@@ -8,6 +8,7 @@ of the block.
 """
 
 import json
+import os
 import struct
 import sys
 
@@ -191,6 +192,27 @@ class Messages(cli_test.InFolder):
         self.said("components", "b.8vo", "--max-memory", "40M")
         told = self.expect(6, "components", "b.8vo", "--json", "--max-memory", "40M")
         self.assertIn("the table of components would take", told.stderr)
+
+    def test_more_threads_than_cores_are_started_without_a_word(self):
+        threads = str(min(64, 4 * (os.cpu_count() or 1) + 3))
+        for arguments in [
+            ["build", "in.raw", "--raw", ",".join(map(str, SIZE)) + ",uint8", "--spacing", "1",
+             "-o", "j.8vo"],
+            ["verify", "v.8vo"],
+            ["export", "v.8vo", "-o", "j.nrrd"],
+            ["slice", "v.8vo", "-o", "j.png"],
+            ["render", "v.8vo", "--range", "30:", "-o", "j.png"],
+            ["render", "v.8vo", "--mode", "transparency", "--range", "30:", "--direction", "1,0,0",
+             "-o", "j.png"],
+            ["threshold", "v.8vo", "--range", "30:", "-o", "j.8vo"],
+            ["measure", "m.8vo", "--of", "v.8vo"],
+            ["compare", "v.8vo", "v.8vo"],
+            ["dilate", "m.8vo", "--voxels", "1", "-o", "j.8vo"],
+            ["transform", "v.8vo", "--scale", "2", "-o", "j.8vo"],
+        ]:
+            with self.subTest(arguments):
+                said = self.said(*arguments, "-f", "-q", "-j", threads)
+                self.assertEqual(said.stderr, "")
 
     def test_one_of_a_kind_is_one(self):
         voxels = [0] * (SIZE[0] * SIZE[1] * SIZE[2])
