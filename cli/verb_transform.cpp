@@ -365,12 +365,8 @@ Plan resampling(const Arguments& arguments, const FileReader& reader, Context& c
     const nlohmann::ordered_json grid_facts = metadata_of(other->description());
     plan.spacing_facts["spacing_known"] = is_spacing_known(grid_facts);
     plan.spacing_facts["spacing_source"] = grid_facts.value("spacing_source", "file");
-    if (is_spacing_known(grid_facts) != is_spacing_known(metadata_of(volume))) {
-      const bool is_grid_known = is_spacing_known(grid_facts);
-      context.warn((is_grid_known ? arguments.input : arguments.grid_of) +
-                   ": its spacing is not known and is taken for 1 mm, so that the two grids may "
-                   "not fit together; build it with --spacing");
-    }
+    warn_of_unknown_spacing(other->description(), arguments.grid_of, volume, arguments.input,
+                            context);
   }
   plan.made_by["interpolation"] = kInterpolations[static_cast<std::size_t>(plan.interpolation)];
   plan.made_by["outside"] = volume.kind == VolumeKind::labels

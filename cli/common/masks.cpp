@@ -68,6 +68,7 @@ MaskOnGrid open_mask_on(const VolumeDescription& volume, const std::string& name
                         const std::string& path, Context& context) {
   const std::shared_ptr<const FileReader> reader = open_labels(path, context);
   const VolumeDescription& labels = reader->description();
+  warn_of_unknown_spacing(volume, name, labels, path, context);
   if (is_same_grid(volume, labels)) return {read_mask(*reader, 0, any_label(), context), false};
   const std::optional<Affine> to_index = inverse(index_to_world(labels.geometry));
   if (!to_index) throw Error(ErrorKind::invalid_argument, "its direction is flat", path);
@@ -157,6 +158,16 @@ void require_same_grid(const VolumeDescription& volume, const std::string& name,
                   point_text(other.geometry.spacing_mm), point_text(volume.geometry.spacing_mm),
                   advice),
       path);
+}
+
+void warn_of_unknown_spacing(const VolumeDescription& volume, const std::string& name,
+                             const VolumeDescription& other, const std::string& other_name,
+                             Context& context) {
+  const bool is_known = is_spacing_known(metadata_of(volume));
+  if (is_known == is_spacing_known(metadata_of(other))) return;
+  context.warn((is_known ? other_name : name) +
+               ": its spacing is not known and is taken for 1 mm, so that the two grids may not "
+               "fit together; build it with --spacing");
 }
 
 void require_memory(std::uint64_t bytes, const char* what, const Context& context) {

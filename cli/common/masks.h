@@ -36,7 +36,7 @@ struct MaskOnGrid {
 
 /// The mask of the label map `path` on the grid of `volume`, the one of the file `name`. Where the
 /// grids differ, it is every voxel whose nearest voxel of the label map is not 0; where they do not
-/// even meet, it is empty and a warning says so.
+/// even meet, it is empty and a warning says so. Warns as well as warn_of_unknown_spacing does.
 /// Throws as open_mask
 MaskOnGrid open_mask_on(const VolumeDescription& volume, const std::string& name,
                         const std::string& path, Context& context);
@@ -73,6 +73,13 @@ nlohmann::ordered_json mm3_json(std::uint64_t voxels, const VolumeDescription& v
 void require_same_grid(const VolumeDescription& volume, const std::string& name,
                        const VolumeDescription& other, const std::string& path,
                        const char* advice = "both must share one grid");
+
+/// Warns where one of two volumes has a known spacing and the other has not, whose voxels are taken
+/// for 1 mm when one is laid over the other.
+/// name, other_name  their files
+void warn_of_unknown_spacing(const VolumeDescription& volume, const std::string& name,
+                             const VolumeDescription& other, const std::string& other_name,
+                             Context& context);
 
 /// Throws Error{limit_exceeded} when `bytes` are above --max-memory.
 void require_memory(std::uint64_t bytes, const char* what, const Context& context);

@@ -115,6 +115,19 @@ class UnknownSpacing(cli_test.InFolder):
             self.expect(0, "build", name, "-o", "back.8vo", "-q", "-f")
             self.assertFalse(self.info("back.8vo")["spacing_known"])
 
+    def test_laying_it_over_a_volume_in_mm_warns(self):
+        told = (": its spacing is not known and is taken for 1 mm, so that the two grids may not "
+                "fit together; build it with --spacing\n")
+        for verb, inputs in [("combine", ["known-m.8vo", "m.8vo", "--resample", "--union"]),
+                             ("combine", ["m.8vo", "known-m.8vo", "--resample", "--xor"]),
+                             ("transform", ["m.8vo", "--grid-of", "known-m.8vo"]),
+                             ("transform", ["known-m.8vo", "--grid-of", "m.8vo"])]:
+            with self.subTest([verb, *inputs]):
+                said = self.said(verb, *inputs, "-o", "o.8vo", "-f", "-q").stderr
+                self.assertEqual(said, "octavo: warning: m.8vo" + told)
+        self.assertEqual(self.said("combine", "m.8vo", "m.8vo", "--resample", "--union", "-o",
+                                   "o.8vo", "-f", "-q").stderr, "")
+
     def test_a_part_of_a_volume_without_a_place_has_none(self):
         def orientation(name):
             lines = self.said("info", name).stdout.splitlines()
