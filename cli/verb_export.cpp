@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "common/failure.h"
 #include "common/inputs.h"
@@ -77,27 +79,31 @@ std::string spacing_text(const FileReader& reader, int level) {
   return (is_cube ? number_text(mm[0]) : point_text(mm)) + " mm";
 }
 
-/// Says what the file will claim though nobody knows it, and what it cannot keep.
-void warn_of_limits(const Arguments& arguments, const FileReader& reader, ExportFormat format,
-                    const ExportOptions& options, Context& context) {
+/// What the file claims though nobody knows it, and what it cannot keep, a warning each.
+std::vector<std::string> limit_warnings(const Arguments& arguments, const FileReader& reader,
+                                        ExportFormat format, const ExportOptions& options) {
+  std::vector<std::string> warnings;
   const ExportLimits limits = export_limits(reader, format, options);
+  const auto add = [&](const std::string& text) {
+    warnings.push_back(arguments.output + ": " + text);
+  };
   if (limits.claims_spacing) {
-    context.warn(fmt::format("{}: the spacing of {} is not known; the file says {}, as its format "
-                             "needs a number",
-                             arguments.output, arguments.input,
-                             spacing_text(reader, options.level)));
+    add(fmt::format("the spacing of {} is not known; the file says {}, as its format needs a "
+                    "number",
+                    arguments.input, spacing_text(reader, options.level)));
   }
   if (limits.claims_place) {
-    context.warn(fmt::format("{}: how the patient lies is not known in {}; other programs may show "
-                             "letters for left and right all the same",
-                             arguments.output, arguments.input));
+    add(fmt::format("how the patient lies is not known in {}; other programs may show letters for "
+                    "left and right all the same",
+                    arguments.input));
   }
   if (limits.loses_box_start) {
     const Index3& start = options.box->lo;
-    context.warn(fmt::format("{}: does not keep that the box begins at voxel {},{},{} of {}, in "
-                             "which how the patient lies is not known; .nrrd keeps it",
-                             arguments.output, start.x, start.y, start.z, arguments.input));
+    add(fmt::format("does not keep that the box begins at voxel {},{},{} of {}, in which how the "
+                    "patient lies is not known; .nrrd keeps it",
+                    start.x, start.y, start.z, arguments.input));
   }
+  return warnings;
 }
 
 nlohmann::ordered_json result_json(const ExportResult& result, const Box& box, int level,
@@ -128,12 +134,15 @@ int run_export(const Arguments& arguments, Context& context) {
   const auto reader =
       salvaging(open_octavo(arguments.input, context), arguments.salvage, context);
   const ExportOptions options = export_options(arguments, *reader, context);
-  warn_of_limits(arguments, *reader, format, options, context);
+  const std::vector<std::string> warnings = limit_warnings(arguments, *reader, format, options);
+  // Where a warning is an error nothing is written; elsewhere it is about what was written.
+  if (context.strict && !warnings.empty()) context.warn(warnings.front());
   ExportResult result;
   read_or_hint(arguments.salvage, context, [&] {
     ProgressLine progress(context);
     result = export_volume(*reader, local_storage(), arguments.output, format, options, progress);
   });
+  for (const std::string& warning : warnings) context.warn(warning);
   warn_of_salvaged(*reader, context);
   const Box box = options.box.value_or(box_of(reader->levels().size(options.level)));
   if (context.json) print_json(result_json(result, box, options.level, *reader, context));
