@@ -215,6 +215,11 @@ int run_measure(const Arguments& arguments, Context& context) {
   if (!arguments.grey.empty()) {
     grey = open_octavo(arguments.grey, context);
     require_same_grid(labels->description(), arguments.input, grey->description(), arguments.grey);
+    if (grey->description().kind == VolumeKind::labels) {
+      throw Error(ErrorKind::invalid_argument,
+                  "holds labels, not grey values; --of takes the scan that was thresholded",
+                  arguments.grey);
+    }
   }
   const std::vector<double> percentiles = asked_percentiles(arguments);
   MeasureOptions options;

@@ -134,10 +134,13 @@ int run_morph(const char* name, Operation operation, const Arguments& arguments,
       made = operation(mask.tree, reach, progress, context.max_memory_bytes);
     });
   }
-  const BuildResult built = write_mask(made, volume, made_by_json(name, distance, arguments),
-                                       arguments.output, context);
   const std::uint64_t before = mask.tree.voxel_count();
   const std::uint64_t voxels = made.voxel_count();
+  if (voxels == 0 && before > 0) {
+    context.warn(arguments.output + ": is empty; no voxel of " + arguments.input + " is left");
+  }
+  const BuildResult built = write_mask(made, volume, made_by_json(name, distance, arguments),
+                                       arguments.output, context);
   if (context.json) {
     print_json({{"output", arguments.output},
                 {"operation", name},

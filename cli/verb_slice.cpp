@@ -27,8 +27,8 @@ namespace {
 constexpr VerbText kText = {
     "slice", "Draw a slice as a PNG picture.",
     "Pixels are square whatever the spacing. The window is CENTRE,WIDTH in real units, a preset\n"
-    "(brain, lung, bone, abdomen) or auto. --axis all writes NAME-x.png, NAME-y.png and\n"
-    "NAME-z.png.\n\n"
+    "in HU (brain, stroke, bone, lung, mediastinum, abdomen, liver) or auto; labels have colours\n"
+    "and no window. --axis all writes NAME-x.png, NAME-y.png and NAME-z.png.\n\n"
     "Examples:\n"
     "  octavo slice head.8vo -o head.png --window brain\n"
     "  octavo slice head.8vo --axis x --mm -12.5 --window 300,1500 -o side.png\n"
@@ -75,6 +75,25 @@ std::optional<Window> parse_window(const std::string& text) {
   throw Error(ErrorKind::invalid_argument, "--window: the width must be positive");
 }
 
+/// The asked window; nothing for auto. Refuses one that the volume cannot be shown in.
+std::optional<Window> asked_window(const Arguments& arguments, const VolumeDescription& volume) {
+  const std::optional<Window> window = parse_window(arguments.window);
+  if (window && volume.kind == VolumeKind::labels) {
+    throw Error(ErrorKind::invalid_argument,
+                "--window goes with grey values; this file holds labels, which have colours",
+                arguments.input);
+  }
+  const std::string unit = unit_of(metadata_of(volume));
+  if (find_window_preset(arguments.window) && !unit.empty() && unit != "HU") {
+    throw Error(ErrorKind::invalid_argument,
+                fmt::format("--window {}: the presets are in HU, and this volume is in {}; give "
+                            "CENTRE,WIDTH or auto",
+                            arguments.window, unit),
+                arguments.input);
+  }
+  return window;
+}
+
 /// The slice nearest to a position along an axis of the grid, in mm of its dominant body axis.
 std::int64_t index_at_mm(const FileReader& reader, const Arguments& arguments, int axis) {
   const Geometry g = reader.levels().geometry(reader.description().geometry, arguments.level);
@@ -114,7 +133,7 @@ DrawnSlice draw(const FileReader& reader, const Arguments& arguments, int axis,
     require_known_spacing(d, arguments.input, "--mm", "--index");
     options.index = index_at_mm(reader, arguments, axis);
   }
-  if (d.kind == VolumeKind::grey) options.window = parse_window(arguments.window);
+  options.window = asked_window(arguments, d);
   options.scale_bar = !arguments.no_scale_bar && is_spacing_known(metadata_of(d));
   options.sides = !arguments.no_sides && is_place_known(d);
   options.least_side = arguments.least_side;

@@ -61,7 +61,9 @@ std::vector<Class> asked_classes(const Arguments& arguments, const VolumeDescrip
                                  {"high", range_end_json(range.highest)}});
   };
   for (const std::string& text : arguments.ranges) add(1, parse_range(text, "--range"));
-  for (const std::string& name : arguments.tissues) add(1, tissue_range(name, volume));
+  for (const std::string& name : arguments.tissues) {
+    add(1, tissue_range(name, volume, arguments.input));
+  }
   for (const std::string& text : arguments.classes) {
     const std::size_t equals = text.find('=');
     const std::int64_t label =

@@ -232,12 +232,15 @@ Plan translation(const Arguments& arguments, const VolumeDescription& volume, Pl
   return plan;
 }
 
-Plan shift(const Arguments& arguments, const FileReader& reader, Plan plan) {
+Plan shift(const Arguments& arguments, const FileReader& reader, Context& context, Plan plan) {
   plan.way = Way::move;
   plan.said = "voxels shifted within the grid";
   plan.outside = parse_fill(arguments, reader);
   plan.shift = parse_index(arguments.shift, "--shift");
+  bool is_all_out = false;
   for (int axis = 0; axis < 3; ++axis) {
+    const std::int64_t by = (*plan.shift)[axis];
+    is_all_out = is_all_out || by >= plan.size[axis] || by <= -plan.size[axis];
     // Further out there is nothing more to drop.
     plan.shift->operator[](axis) =
         std::clamp((*plan.shift)[axis], -plan.size[axis], plan.size[axis]);
@@ -245,6 +248,10 @@ Plan shift(const Arguments& arguments, const FileReader& reader, Plan plan) {
         -static_cast<double>((*plan.shift)[axis]);
   }
   plan.made_by["voxels"] = {plan.shift->x, plan.shift->y, plan.shift->z};
+  if (is_all_out) {
+    context.warn(fmt::format("{}: --shift {} moves all of its {} voxels out of the grid",
+                             arguments.input, arguments.shift, size_text(plan.size)));
+  }
   return plan;
 }
 
@@ -393,7 +400,7 @@ Plan make_plan(const Arguments& arguments, const FileReader& reader, Context& co
   if (operation == "translate" || operation == "translate-mm") {
     return translation(arguments, reader.description(), plan);
   }
-  if (operation == "shift") return shift(arguments, reader, plan);
+  if (operation == "shift") return shift(arguments, reader, context, plan);
   if (operation == "scale") return scaling(arguments, reader, plan);
   if (operation == "rotate" || operation == "mirror") return turn(arguments, plan);
   return resampling(arguments, reader, context, plan);

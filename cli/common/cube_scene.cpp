@@ -175,7 +175,7 @@ std::vector<Part> range_parts(const FileReader& reader, const RenderArguments& a
   };
   const bool is_one = arguments.ranges.size() + arguments.tissues.size() == 1;
   for (const std::string& name : arguments.tissues) {
-    add(tissue_range(name, volume), tissue_colour(name), name);
+    add(tissue_range(name, volume, arguments.input), tissue_colour(name), name);
   }
   std::int64_t number = 0;
   for (const std::string& text : arguments.ranges) {
@@ -190,7 +190,7 @@ std::unique_ptr<RenderScene> make_cube_scene(const std::shared_ptr<const FileRea
                                              const RenderArguments& arguments, Context& context) {
   const VolumeDescription& volume = reader->description();
   for (const std::string& text : arguments.ranges) parse_range(text, "--range");
-  for (const std::string& name : arguments.tissues) tissue_range(name, volume);
+  for (const std::string& name : arguments.tissues) tissue_range(name, volume, arguments.input);
   const bool is_labels = volume.kind == VolumeKind::labels;
   if (!is_labels && arguments.ranges.empty() && arguments.tissues.empty()) {
     throw Error(ErrorKind::invalid_argument,

@@ -66,8 +66,9 @@ DensityRange parse_look(const std::string& text, const Colour& colour) {
   return range;
 }
 
-DensityRange tissue_look(const std::string& name, const VolumeDescription& volume) {
-  const AskedRange ends = tissue_range(name, volume);
+DensityRange tissue_look(const std::string& name, const VolumeDescription& volume,
+                         const std::string& path) {
+  const AskedRange ends = tissue_range(name, volume, path);
   const auto look = std::find_if(std::begin(kTissueLooks), std::end(kTissueLooks),
                                  [&](const TissueLook& one) { return name == one.name; });
   if (look == std::end(kTissueLooks)) return {ends.lowest, ends.highest, {}, kUsualOpacity};
@@ -215,7 +216,7 @@ class TransparencyScene final : public RenderScene {
     const auto& spacing = volume.geometry.spacing_mm;
     const double finest = *std::min_element(spacing.begin(), spacing.end());
     for (const std::string& name : arguments.tissues) {
-      DensityRange range = tissue_look(name, volume);
+      DensityRange range = tissue_look(name, volume, arguments.input);
       range.opacity = 1 - std::pow(1 - range.opacity, finest);
       names_.push_back(name + " " + range_text(range, unit_));
       options_.ranges.push_back(range);

@@ -66,13 +66,18 @@ std::vector<std::string> tissue_names() {
   return names;
 }
 
-AskedRange tissue_range(const std::string& name, const VolumeDescription& volume) {
+AskedRange tissue_range(const std::string& name, const VolumeDescription& volume,
+                        const std::string& path) {
   const std::string unit = unit_of(metadata_of(volume));
   if (unit != "HU") {
+    const std::string found = volume.kind == VolumeKind::labels ? "holds labels"
+                              : unit.empty()                    ? "is in no known unit"
+                                                                : "is in " + unit;
     throw Error(ErrorKind::invalid_argument,
-                fmt::format("--tissue {}: tissues are ranges in HU, and this volume is in {}; give "
+                fmt::format("--tissue {}: tissues are ranges in HU, and this volume {}; give "
                             "--range LOW:HIGH",
-                            escaped(name), unit.empty() ? "no known unit" : unit));
+                            escaped(name), found),
+                path);
   }
   for (const Tissue& tissue : kTissues) {
     if (name == tissue.name) return {tissue.lowest, tissue.highest};

@@ -24,8 +24,10 @@ AskedRange parse_range(const std::string& text, const char* option);
 std::vector<std::string> tissue_names();
 
 /// The range of a tissue. Requires one of tissue_names().
-/// Throws Error{invalid_argument} when the volume is not in HU.
-AskedRange tissue_range(const std::string& name, const VolumeDescription& volume);
+/// path    the file of `volume`
+/// Throws  Error{invalid_argument} when the volume is not in HU
+AskedRange tissue_range(const std::string& name, const VolumeDescription& volume,
+                        const std::string& path);
 
 /// Whole stored values whose real ones lie in the range; for float32 the quotients.
 /// is_stored  the range is one of stored values

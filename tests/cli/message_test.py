@@ -214,6 +214,59 @@ class Messages(cli_test.InFolder):
                 said = self.said(*arguments, "-f", "-q", "-j", threads)
                 self.assertEqual(said.stderr, "")
 
+    def test_windows_and_tissues_in_hu_are_for_grey_values_in_hu(self):
+        voxels = struct.pack("<8h", *range(8))
+        head = ("NRRD0004\ntype: int16\ndimension: 3\nsizes: 2 2 2\nendian: little\n"
+                "encoding: raw\nspacings: 1 1 1\n\n").encode()
+        (self.folder / "n.nrrd").write_bytes(head + voxels)
+        self.expect(0, "build", "n.nrrd", "-o", "n.8vo", "-q")
+        self.said("slice", "n.8vo", "--window", "bone", "-o", "n.png")
+        for words, arguments in [
+            (["octavo: m.8vo: --window goes with grey values; this file holds labels"],
+             ["slice", "m.8vo", "--window", "bone", "-o", "s.png"]),
+            (["octavo: m.8vo: --tissue bone: ", "this volume holds labels"],
+             ["threshold", "m.8vo", "--tissue", "bone", "-o", "x.8vo"]),
+            (["octavo: n.8vo: --tissue bone: ", "is in no known unit"],
+             ["render", "n.8vo", "--tissue", "bone", "-o", "x.png"]),
+            (["octavo: n.8vo: --tissue bone: "],
+             ["render", "n.8vo", "--mode", "transparency", "--tissue", "bone", "-o", "x.png",
+              "--direction", "1,0,0"]),
+            (["octavo: m.8vo: holds labels, not grey values"],
+             ["measure", "m.8vo", "--of", "m.8vo"]),
+        ]:
+            with self.subTest(arguments):
+                self.expect_refusal(2, words, *arguments)
+        told = self.said("slice", "--help").stdout
+        for name in ["brain", "stroke", "bone", "lung", "mediastinum", "abdomen", "liver"]:
+            self.assertIn(name, told)
+
+    def test_a_mask_of_which_nothing_is_left_is_told_of(self):
+        for told, arguments in [
+            ("x.8vo: is empty; no voxel of m.8vo is left", ["erode", "m.8vo", "--voxels", "9"]),
+            ("m.8vo: --shift 0,-18,0 moves all of its 20 x 18 x 12 voxels out of the grid",
+             ["transform", "m.8vo", "--shift", "0,-18,0"]),
+        ]:
+            self.expect_refusal(7, [told], *arguments, "-o", "x.8vo", "--strict")
+            said = self.said(*arguments, "-o", "x.8vo", "-q").stderr
+            self.assertEqual(said, f"octavo: warning: {told}\n")
+            (self.folder / "x.8vo").unlink()
+        self.assertEqual(self.said("erode", "m.8vo", "--voxels", "1", "-o", "x.8vo", "-q").stderr,
+                         "")
+        self.assertEqual(self.said("transform", "m.8vo", "--shift", "0,-17,0", "-o", "x.8vo",
+                                   "-q", "-f").stderr, "")
+
+    def test_files_that_are_not_as_they_should_be_are_told_why(self):
+        (self.folder / "empty.8vo").write_bytes(b"")
+        self.expect_refusal(3, ["empty.8vo: not an 8vo file: the file is empty"], "info",
+                            "empty.8vo")
+        self.expect_refusal(5, ["its folder does not exist"], "condense", "v.8vo", "--flat", "3",
+                            "-o", "nowhere/x.8vo")
+        whole = (self.folder / "v.8vo").read_bytes()
+        (self.folder / "tail.8vo").write_bytes(whole + b"xyz")
+        told = self.expect_refusal(4, ["octavo: tail.8vo: bytes follow its end", "cut what "
+                                       "follows off"], "repair", "tail.8vo", "-o", "x.8vo")
+        self.assertNotIn("more than one bit", told.stderr)
+
     def test_one_of_a_kind_is_one(self):
         voxels = [0] * (SIZE[0] * SIZE[1] * SIZE[2])
         voxels[0] = 1

@@ -505,7 +505,7 @@ class Targets(InFolder):
                 self.assertEqual(self.names(), names)
 
     def test_a_missing_folder_is_exit_5(self):
-        self.expect_refused("nowhere/x", 5, ["nowhere/x", "No such file or directory"])
+        self.expect_refused("nowhere/x", 5, ["nowhere/x", "folder does not exist"])
         self.assertEqual(self.names(), self.before)
 
     def test_a_file_taken_for_a_folder_is_exit_5(self):

@@ -122,7 +122,8 @@ bool is_zero(ByteSpan bytes) {
 void check_envelope(ByteSpan bytes) {
   const std::size_t present = std::min(bytes.size(), kMagic.size());
   const bool is_ours = std::equal(kMagic.begin(), kMagic.begin() + present, bytes.begin());
-  if (!is_ours || present == 0) {
+  if (present == 0) fail(ErrorKind::not_octavo, "not an 8vo file: the file is empty", 0);
+  if (!is_ours) {
     fail(ErrorKind::not_octavo, "not an 8vo file: it starts with other bytes", 0);
   }
   if (bytes.size() < kHeaderBytes) {

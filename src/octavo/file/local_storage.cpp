@@ -240,6 +240,10 @@ class LocalStorage final : public Storage {
     for (int attempt = 0; attempt < kMaxCreateTries; ++attempt) {
       auto file = std::make_unique<LocalFile>(path);
       if (!file->open(path, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW, 0666)) {
+        if (errno == ENOENT) {
+          throw Error(ErrorKind::io, "cannot create: its folder does not exist; make it first",
+                      path);
+        }
         fail("cannot create", path, errno);
       }
       if (lock_created(file->descriptor(), path)) return file;
