@@ -261,11 +261,6 @@ class Messages(cli_test.InFolder):
                             "empty.8vo")
         self.expect_refusal(5, ["its folder does not exist"], "condense", "v.8vo", "--flat", "3",
                             "-o", "nowhere/x.8vo")
-        whole = (self.folder / "v.8vo").read_bytes()
-        (self.folder / "tail.8vo").write_bytes(whole + b"xyz")
-        told = self.expect_refusal(4, ["octavo: tail.8vo: bytes follow its end", "cut what "
-                                       "follows off"], "repair", "tail.8vo", "-o", "x.8vo")
-        self.assertNotIn("more than one bit", told.stderr)
 
     def test_one_of_a_kind_is_one(self):
         voxels = [0] * (SIZE[0] * SIZE[1] * SIZE[2])
