@@ -25,8 +25,12 @@ std::string without_ending(const std::string& path, const std::string& ending) {
 // when it is the name of no growing file.
 std::optional<std::string> target_of(const std::string& growing) {
   const std::string base = base_name_of(growing);
-  const std::size_t end = base.rfind(".tmp-");
+  constexpr std::string_view kBeforeNumber = ".tmp-";
+  const std::size_t end = base.rfind(kBeforeNumber);
   if (!base.starts_with('.') || end == std::string::npos || end == 0) return std::nullopt;
+  if (!temporary_type(std::string_view(base).substr(end + kBeforeNumber.size()))) {
+    return std::nullopt;
+  }
   return growing.substr(0, growing.size() - base.size()) + base.substr(1, end - 1);
 }
 
@@ -71,7 +75,7 @@ std::optional<InterruptedBuild> find_build(Storage& storage, const std::string& 
   std::vector<InterruptedBuild> builds = find_interrupted(storage, target, &held);
   std::erase_if(builds, [&](const auto& build) { return is_other(build.file->path()); });
   if (builds.empty()) {
-    std::vector<std::string> names = storage.list(temporary_prefix(target));
+    std::vector<std::string> names = list_temporaries(storage, target);
     std::erase_if(held, is_other);
     std::erase_if(names, is_other);
     explain_unread(storage, names, held);

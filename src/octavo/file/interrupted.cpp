@@ -91,7 +91,7 @@ std::vector<InterruptedBuild> find_interrupted(Storage& storage, const std::stri
                                                std::vector<std::string>* held) {
   std::vector<InterruptedBuild> found;
   const std::string ending = kJournalEnding;
-  for (const std::string& name : storage.list(temporary_prefix(path))) {
+  for (const std::string& name : list_temporaries(storage, path)) {
     if (!name.ends_with(ending)) continue;
     const std::string file = name.substr(0, name.size() - ending.size());
     if (!storage.exists(file)) continue;

@@ -9,10 +9,7 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
-#include <csignal>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <system_error>
@@ -20,6 +17,7 @@
 #include <vector>
 
 #include "octavo/core/error.h"
+#include "octavo/file/plane_folder.h"
 #include "octavo/file/storage.h"
 #include "octavo/file/temporary.h"
 
@@ -86,31 +84,6 @@ bool is_not_ours(int code) {
   return std::ranges::find(kReasons, code) != std::end(kReasons);
 }
 
-// True when nobody, here or on another machine, holds the lock on a file or folder.
-bool is_unlocked(const std::string& path) {
-  int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
-  if (descriptor < 0 && errno == EISDIR) {
-    descriptor = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
-  }
-  if (descriptor < 0) return false;
-  const bool is_free = ::flock(descriptor, LOCK_EX | LOCK_NB) == 0;
-  ::close(descriptor);
-  return is_free;
-}
-
-// True when the process whose number starts `pid_text` is gone and no other has taken its file
-// over.
-bool is_abandoned(const std::string& path, const std::string& pid_text) {
-  int pid = 0;
-  const char* first = pid_text.data();
-  if (std::from_chars(first, first + pid_text.size(), pid).ec != std::errc{} || pid <= 0)
-    return false;
-  if (::kill(pid, 0) == 0 || errno != ESRCH) return false;
-  // A file that is closed but not yet renamed still has its journal locked.
-  const std::string journal = path + kJournalEnding;
-  return is_unlocked(path) && (::access(journal.c_str(), F_OK) != 0 || is_unlocked(journal));
-}
-
 // The names in the folder of `prefix` that start with its last part, or errno where the folder
 // cannot be listed. By readdir: std::filesystem's iterator ends the process when its own memory is
 // refused.
@@ -135,7 +108,9 @@ class LocalFile final : public StorageFile {
   LocalFile(const LocalFile&) = delete;
   LocalFile& operator=(const LocalFile&) = delete;
   ~LocalFile() override {
-    if (descriptor_ >= 0) ::close(descriptor_);
+    for (const int descriptor : {descriptor_, closed_}) {
+      if (descriptor >= 0) ::close(descriptor);
+    }
   }
 
   // Opens `name`; false with errno set when that fails. Needs no memory, so that nothing that was
@@ -213,13 +188,45 @@ class LocalFile final : public StorageFile {
   void close() override {
     const int descriptor = std::exchange(descriptor_, -1);
     if (descriptor < 0) return;
+    // The lock lasts while any descriptor of the same opening is left.
+    closed_ = ::fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
     if (::close(descriptor) != 0 && errno != EINTR) fail("cannot close", path_, errno);
   }
 
  private:
   int descriptor_ = -1;
+  int closed_ = -1;  ///< keeps the lock of a closed file
   std::string path_;
 };
+
+// What stands under a name, open and locked; null when somebody here or on another machine has the
+// lock, when the file system has none, and when it is neither a file nor a folder, or not ours.
+std::unique_ptr<LocalFile> lock_named(const std::string& path) {
+  auto file = std::make_unique<LocalFile>(path);
+  constexpr int kFlags = O_NOFOLLOW | O_NONBLOCK;
+  if (!file->open(path, O_RDWR | kFlags) && !file->open(path, O_RDONLY | kFlags)) return nullptr;
+  struct stat status {};
+  if (fstat(file->descriptor(), &status) != 0) return nullptr;
+  if (!S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode)) return nullptr;
+  if (::flock(file->descriptor(), LOCK_EX | LOCK_NB) != 0) return nullptr;
+  return is_named(file->descriptor(), path) ? std::move(file) : nullptr;
+}
+
+// Removes what was left behind. A growing file and its journal are one work: whoever has one of
+// them locked may be about to lock the other.
+void remove_abandoned(const std::string& path, TemporaryType type) {
+  const std::string ending = kJournalEnding;
+  const bool is_journal = type == TemporaryType::journal;
+  const std::string partner =
+      is_journal ? path.substr(0, path.size() - ending.size()) : path + ending;
+  const auto own_lock = lock_named(path);
+  if (!own_lock) return;
+  const auto partner_lock = lock_named(partner);
+  struct stat status {};
+  if (!partner_lock && (::lstat(partner.c_str(), &status) == 0 || errno != ENOENT)) return;
+  // Whoever made it and waits for the lock finds the name gone, and makes it anew.
+  if (::unlink(path.c_str()) != 0 && errno == EISDIR) remove_plane_folder(path);
+}
 
 class LocalStorage final : public Storage {
  public:
@@ -332,11 +339,8 @@ class LocalStorage final : public Storage {
       std::vector<std::string> names;
       list_names(prefix, names);
       for (const std::string& name : names) {
-        const std::string path = folder_of(prefix) + "/" + name;
-        if (!is_abandoned(path, name.substr(base_length))) continue;
-        if (::unlink(path.c_str()) == 0 || errno != EISDIR) continue;
-        std::error_code ignored;
-        std::filesystem::remove_all(path, ignored);
+        const auto type = temporary_type(std::string_view(name).substr(base_length));
+        if (type) remove_abandoned(folder_of(prefix) + "/" + name, *type);
       }
     } catch (const std::exception&) {
       // A stale file that stays does no harm.

@@ -26,7 +26,8 @@ class StorageFile {
   virtual void truncate(std::uint64_t size) = 0;
   /// Makes what was written durable. A failure is final: it is never tried again.
   virtual void sync() = 0;
-  /// Closes and reports what closing found; the destructor closes without a word.
+  /// Closes and reports what closing found; the destructor closes without a word, and lets go of
+  /// the lock.
   virtual void close() = 0;
 };
 
@@ -58,8 +59,9 @@ class Storage {
   /// A new folder, locked while what is returned lives; Error{io} when the name is taken and unless
   /// overridden.
   virtual std::unique_ptr<StorageFile> create_folder(const std::string& path);
-  /// Removes the files and folders PREFIX + PID (+ anything) of processes that are gone; unless
-  /// overridden, nothing. Never fails: what cannot be removed stays.
+  /// Removes the files that temporary_type knows by what follows `prefix`, and such folders of
+  /// planes, where nobody has them locked; unless overridden, nothing. Never fails: what cannot be
+  /// locked or removed stays.
   virtual void remove_stale(const std::string& prefix) noexcept;
   /// The files whose path starts with `prefix`, in the order of their names.
   virtual std::vector<std::string> list(const std::string& prefix) = 0;

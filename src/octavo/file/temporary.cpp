@@ -2,12 +2,15 @@
 
 #include <unistd.h>
 
+#include <charconv>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 #include "octavo/codec/crc32c.h"
+#include "octavo/core/error.h"
 
 namespace octavo {
 
@@ -37,19 +40,56 @@ std::string temporary_prefix(const std::string& path) {
 
 namespace {
 
+// Takes a number from 1 to `most`, as std::to_string writes it, off the front of `text`.
+bool take_number(std::string_view& text, int most) {
+  int number = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (failure != std::errc{} || text.front() == '0' || number < 1 || number > most) return false;
+  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+  return true;
+}
+
+}  // namespace
+
+std::optional<TemporaryType> temporary_type(std::string_view ending) {
+  if (!take_number(ending, std::numeric_limits<int>::max())) return std::nullopt;
+  if (ending.starts_with('-')) {
+    ending.remove_prefix(1);
+    if (!take_number(ending, kMaxNameTries - 1)) return std::nullopt;
+  }
+  if (ending.empty()) return TemporaryType::growing;
+  if (ending == kJournalEnding) return TemporaryType::journal;
+  return std::nullopt;
+}
+
+std::vector<std::string> list_temporaries(Storage& storage, const std::string& path) {
+  const std::string prefix = temporary_prefix(path);
+  std::vector<std::string> names = storage.list(prefix);
+  std::erase_if(names, [&](const std::string& name) {
+    return !temporary_type(std::string_view(name).substr(prefix.size()));
+  });
+  return names;
+}
+
+namespace {
+
 using Make = std::unique_ptr<StorageFile> (Storage::*)(const std::string&);
 
 TemporaryFile create(Storage& storage, const std::string& path, Make make) {
   const std::string prefix = temporary_prefix(path);
   storage.remove_stale(prefix);
-  for (int attempt = 0;; ++attempt) {
+  for (int attempt = 0; attempt < kMaxNameTries; ++attempt) {
     std::string name = prefix + std::to_string(::getpid());
     if (attempt > 0) name.append("-").append(std::to_string(attempt));
-    const bool is_taken = storage.exists(name) || storage.exists(name + kJournalEnding);
-    if (attempt + 1 < kMaxNameTries && is_taken) continue;
+    if (storage.exists(name) || storage.exists(name + kJournalEnding)) continue;
     auto file = (storage.*make)(name);
     return {std::move(name), std::move(file)};
   }
+  throw Error(ErrorKind::io,
+              "unfinished files of it lie beside it, " + escaped(base_name_of(prefix)) + "* (" +
+                  std::to_string(kMaxNameTries) +
+                  " of them), which are locked or may not be removed; remove them",
+              path);
 }
 
 }  // namespace

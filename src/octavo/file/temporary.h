@@ -1,9 +1,15 @@
 // The names under which files grow until they are complete: ".NAME.tmp-PID" beside the final name,
-// with ".NAME.tmp-PID.journal" where a build keeps a journal.
+// or ".NAME.tmp-PID-N" where that is taken, with ".journal" behind it where a build keeps a journal.
+//
+// Whoever works on such a file has it locked, and its journal. One that nobody has locked was left
+// behind, whatever process has its number by now.
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "octavo/file/storage.h"
 
@@ -17,6 +23,16 @@ inline constexpr const char* kJournalEnding = ".journal";
 /// The part before the process number: ".NAME.tmp-" in the folder of `path`. A long name is cut so
 /// that the whole fits into kMaxNameBytes, and ends in a checksum of all of it.
 std::string temporary_prefix(const std::string& path);
+
+enum class TemporaryType { growing, journal };
+
+/// What is called prefix + `ending`: PID, PID-N, or the journal of one. Nothing for any other
+/// ending: such a name was not made here.
+std::optional<TemporaryType> temporary_type(std::string_view ending);
+
+/// What grows or is left behind in the folder of `path` for its name, journals included.
+/// Throws Error{io}
+std::vector<std::string> list_temporaries(Storage& storage, const std::string& path);
 
 /// A file or folder that grows, locked while `file` lives.
 struct TemporaryFile {

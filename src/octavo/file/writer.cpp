@@ -462,7 +462,8 @@ void FileWriterImpl::seal() {
 void FileWriterImpl::publish() {
   out_->file().close();
   final_bytes_ = header_.file_bytes;
-  out_.reset();
+  // Locked until it has its name: nobody takes it for one that was left behind.
+  const std::unique_ptr<AppendFile> locked = std::move(out_);
   if (options_.overwrite) {
     storage_.rename(temporary_, path_);
   } else {

@@ -1,7 +1,7 @@
-#include <algorithm>
 #include <filesystem>
 #include <optional>
 
+#include "octavo/file/plane_folder.h"
 #include "octavo/file/temporary.h"
 #include "octavo/io/export_target.h"
 #include "octavo/io/pending_file.h"
@@ -56,22 +56,6 @@ class TiffPagesTarget final : public ExportTarget {
   std::unique_ptr<PendingFile> file_;
   std::optional<TiffOutput> tiff_;
 };
-
-constexpr std::string_view kPlanePrefix = "plane_";
-
-/// "plane_0007.tif", with as many digits as the last plane needs, at least four.
-std::string plane_name(std::int64_t z, std::int64_t plane_count) {
-  const std::size_t width = std::max<std::size_t>(4, std::to_string(plane_count - 1).size());
-  const std::string digits = std::to_string(z);
-  return std::string(kPlanePrefix) + std::string(width - digits.size(), '0') + digits + ".tif";
-}
-
-bool is_plane_name(const std::string& name) {
-  if (!name.starts_with(kPlanePrefix) || !name.ends_with(".tif")) return false;
-  const std::string digits =
-      name.substr(kPlanePrefix.size(), name.size() - kPlanePrefix.size() - 4);
-  return !digits.empty() && digits.find_first_not_of("0123456789") == std::string::npos;
-}
 
 [[noreturn]] void fail(const std::string& path, const std::string& doing,
                        const std::error_code& reason) {

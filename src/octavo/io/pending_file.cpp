@@ -34,7 +34,6 @@ PendingFile::~PendingFile() { discard(); }
 
 void PendingFile::discard() noexcept {
   if (is_published_) return;
-  file_.reset();
   remove_quietly(storage_, temporary_path_);
 }
 
@@ -58,7 +57,6 @@ void PendingFile::seal() {
     file_->sync();
     file_->close();
   });
-  file_.reset();
 }
 
 void PendingFile::publish(bool overwrite) {

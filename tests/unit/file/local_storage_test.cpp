@@ -3,7 +3,6 @@
 
 #include <sys/file.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -294,36 +293,95 @@ TEST_F(LocalStorage, EveryRefusedCallIsToldWithItsPath) {
   EXPECT_THROW(storage_.sync_folder(path("none")), Error);
 }
 
-/// The number of a process that is gone.
-int dead_process() {
-  const pid_t child = ::fork();
-  if (child == 0) ::_exit(0);
-  ::waitpid(child, nullptr, 0);
-  return child;
+TEST_F(LocalStorage, WhatNobodyHasLockedIsRemovedWhateverProcessHasItsNumber) {
+  // In a container every program is process 1.
+  const std::string numbers[] = {"1", std::to_string(::getpid()), "2147483647"};
+  for (const std::string& number : numbers) {
+    const std::string left = ".a.tmp-" + number;
+    for (const char* ending : {"", "-1", "-2", "-2.journal", "-3.journal", "-4", "-4.journal"}) {
+      write_text(left + ending);
+    }
+    const auto held = storage_.open_update(path(left + "-1"));
+    const auto held_journal = storage_.open_update(path(left + "-2.journal"));
+    const auto held_file = storage_.open_update(path(left + "-4"));
+    storage_.remove_stale(path(".a.tmp-"));
+    for (const char* ending : {"", "-3.journal"}) {
+      EXPECT_FALSE(storage_.exists(path(left + ending))) << left << ending;
+    }
+    // Of a build that runs, both the growing file and its journal stay.
+    for (const char* ending : {"-1", "-2", "-2.journal", "-4", "-4.journal"}) {
+      EXPECT_TRUE(storage_.exists(path(left + ending))) << left << ending;
+    }
+  }
+  storage_.remove_stale(path(".a.tmp-"));
+  EXPECT_TRUE(fs::is_empty(folder_));
+  storage_.remove_stale(path("none/.a.tmp-"));
 }
 
-TEST_F(LocalStorage, OnlyWhatDeadProcessesLeftIsRemoved) {
-  const std::string prefix = path(".a.tmp-");
-  const std::string dead = ".a.tmp-" + std::to_string(dead_process());
-  for (const char* ending : {"", "-1", "-2", "-2.journal"}) write_text(dead + ending);
-  fs::create_directory(path(dead + "-folder"));
-  write_text(dead + "-folder/inside");
-  const std::string living = ".a.tmp-" + std::to_string(::getpid());
-  const std::string kept[] = {living, ".a.tmp-", ".a.tmp-x", ".a.tmp-0", ".a.tmp--5",
-                              ".b" + dead.substr(2)};
-  for (const std::string& name : kept) write_text(name);
-  fs::create_symlink("nowhere", path(dead + "-link"));
-
-  const auto held = storage_.open_update(path(dead + "-1"));
-  const auto journal = storage_.open_update(path(dead + "-2.journal"));
-  storage_.remove_stale(prefix);
-  for (const std::string& name : kept) EXPECT_TRUE(storage_.exists(path(name))) << name;
-  EXPECT_FALSE(storage_.exists(path(dead)));
-  EXPECT_FALSE(storage_.exists(path(dead + "-folder")));
-  for (const char* ending : {"-1", "-2", "-2.journal", "-link"}) {
-    EXPECT_TRUE(storage_.exists(path(dead + ending))) << ending;
+TEST_F(LocalStorage, WhatWasNotMadeHereIsNeverRemoved) {
+  const char* const files[] = {
+      ".a.tmp-",          ".a.tmp-x",        ".a.tmp-0",          ".a.tmp--5",
+      ".a.tmp-9.bak",     ".a.tmp-9-",       ".a.tmp-9-x",        ".a.tmp-9-100",
+      ".a.tmp-9.8vo",     ".a.tmp-09",       ".a.tmp-9.journal2", ".a.tmp-9.8vo.tmp-9",
+      ".a.tmp-9journal",  ".a.tmp-9 (copy)", ".b.tmp-9",          ".a.tmp-99999999999",
+      ".a.tmp-9.journal~"};
+  for (const char* name : files) write_text(name);
+  fs::create_symlink("nowhere", path(".a.tmp-9-1"));
+  ASSERT_EQ(::mkfifo(path(".a.tmp-9-2").c_str(), 0600), 0);
+  // Folders that hold anything but planes: by another name, deeper, or called a plane.
+  const char* const kept[] = {".a.tmp-9-3/notes.txt", ".a.tmp-9-4/plane_0000.tif/inside",
+                              ".a.tmp-9-5/plane_1.tif", ".a.tmp-9-saved/plane_0000.tif"};
+  for (const char* name : kept) {
+    fs::create_directories(fs::path(path(name)).parent_path());
+    write_text(name);
+    write_text(fs::path(name).begin()->string() + "/plane_0007.tif");
   }
-  storage_.remove_stale(path("none/.a.tmp-"));
+  // And one that is a stack that was left behind.
+  fs::create_directory(path(".a.tmp-9"));
+  write_text(".a.tmp-9/plane_0000.tif");
+  write_text(".a.tmp-9/plane_10000.tif");
+
+  storage_.remove_stale(path(".a.tmp-"));
+  EXPECT_FALSE(storage_.exists(path(".a.tmp-9")));
+  for (const char* name : files) EXPECT_TRUE(storage_.exists(path(name))) << name;
+  for (const char* name : {".a.tmp-9-1", ".a.tmp-9-2"}) {
+    EXPECT_TRUE(storage_.exists(path(name))) << name;
+  }
+  for (const char* name : kept) {
+    EXPECT_TRUE(storage_.exists(path(name))) << name;
+    EXPECT_TRUE(storage_.exists(path(fs::path(name).begin()->string() + "/plane_0007.tif")));
+  }
+}
+
+TEST_F(LocalStorage, WithoutLocksNothingCountsAsLeftBehind) {
+  write_text(".a.tmp-2147483647");
+  for (const int code : {ENOLCK, ENOTSUP}) {
+    set_faults({"flock", 1, code});
+    storage_.remove_stale(path(".a.tmp-"));
+    end_faults();
+    EXPECT_TRUE(storage_.exists(path(".a.tmp-2147483647"))) << code;
+  }
+}
+
+TEST_F(LocalStorage, AClosedFileIsLockedUntilItIsLetGo) {
+  auto file = new_file(".a.tmp-9");
+  file->close();
+  storage_.remove_stale(path(".a.tmp-"));
+  EXPECT_TRUE(storage_.exists(path(".a.tmp-9")));
+  file.reset();
+  storage_.remove_stale(path(".a.tmp-"));
+  EXPECT_FALSE(storage_.exists(path(".a.tmp-9")));
+}
+
+TEST_F(LocalStorage, ANameThatNobodyCanTakeIsToldWithWhatStandsInItsWay) {
+  const std::string number = std::to_string(::getpid());
+  fs::create_symlink("nowhere", path(".a.tmp-" + number));
+  for (int i = 1; i < 100; ++i) {
+    fs::create_symlink("nowhere", path(".a.tmp-" + number + "-" + std::to_string(i)));
+  }
+  const std::string message = message_of({}, [&] { create_temporary(storage_, path("a")); });
+  EXPECT_EQ(message.find(path("a") + ": unfinished files of it lie beside it, .a.tmp-*"), 0u)
+      << message;
 }
 
 TEST_F(LocalStorage, TemporaryFoldersHaveNamesOfTheirOwn) {
