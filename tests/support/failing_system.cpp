@@ -35,7 +35,7 @@ int fate_of(const char* call, int descriptor, bool can_interrupt) {
   if (faults.call != call) return 0;
   if (descriptor >= 0 && descriptor == failed_descriptor) ++counts.later_calls;
   const std::uint64_t number = ++counts.calls;
-  const int code = number == faults.number ? faults.code : 0;
+  const int code = faults.always || number == faults.number ? faults.code : 0;
   if (code != 0) failed_descriptor = descriptor;
   const auto before = faults.before;
   lock.unlock();
@@ -150,6 +150,11 @@ int ftruncate(int descriptor, off_t size) noexcept {
 int unlink(const char* path) noexcept {
   if (const int code = fate_of("unlink", -1, false)) return failed(code);
   return static_cast<int>(::syscall(SYS_unlinkat, AT_FDCWD, path, 0));
+}
+
+int fchown(int descriptor, uid_t owner, gid_t group) noexcept {
+  if (const int code = fate_of("fchown", descriptor, false)) return failed(code);
+  return static_cast<int>(::syscall(SYS_fchown, descriptor, owner, group));
 }
 
 int mkdir(const char* path, mode_t mode) noexcept {

@@ -10,7 +10,7 @@ namespace octavo::testing {
 
 struct SystemFaults {
   /// "open", "pread", "pwrite", "fsync", "close", "rename", "flock", "fstat", "stat", "lstat",
-  /// "ftruncate", "unlink", "mkdir"; empty: none fails.
+  /// "ftruncate", "unlink", "mkdir", "fchown"; empty: none fails.
   std::string call;
   std::uint64_t number = 0;  ///< of the call that fails, from 1
   int code = 0;              ///< errno it fails with
@@ -19,6 +19,7 @@ struct SystemFaults {
   /// Reads and writes give 1 byte up to all that was asked for, and every second call is
   /// interrupted before it does anything.
   bool is_rough = false;
+  bool always = false;  ///< every call of the kind fails, whatever its number
 };
 
 /// Holds from now on.

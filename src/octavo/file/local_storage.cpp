@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -71,10 +72,43 @@ bool is_named(int descriptor, const std::string& path) {
 // systems without locks do without. Returns false when somebody who had the lock first, taking the
 // new file for one that was left behind, has removed it.
 bool lock_created(int descriptor, const std::string& path) {
-  if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return is_named(descriptor, path);
+  if (uninterrupted([&] { return ::flock(descriptor, LOCK_EX | LOCK_NB); }) == 0) {
+    return is_named(descriptor, path);
+  }
   if (errno != EWOULDBLOCK) return true;
   uninterrupted([&] { return ::flock(descriptor, LOCK_EX); });
   return is_named(descriptor, path);
+}
+
+// To whom a file or folder is open.
+struct Access {
+  mode_t mode;
+  uid_t owner;
+  gid_t group;
+};
+
+constexpr mode_t kPermissions = S_IRWXU | S_IRWXG | S_IRWXO;
+
+// What stands at `path`, links followed; nothing unless it is of that type.
+std::optional<Access> access_of(const std::string& path, mode_t type) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0 || (status.st_mode & S_IFMT) != type) return std::nullopt;
+  return Access{status.st_mode & kPermissions, status.st_uid, status.st_gid};
+}
+
+// Opens what was created for its owner alone to those of `access`. File systems without
+// permissions do without.
+void open_to(int descriptor, const Access& access) noexcept {
+  constexpr auto kSameOwner = static_cast<uid_t>(-1);
+  mode_t mode = access.mode;
+  if (::fchown(descriptor, access.owner, access.group) != 0 &&
+      ::fchown(descriptor, kSameOwner, access.group) != 0) {
+    // Another group gets nothing; the members of the former one are now among the others.
+    const mode_t group_as_others = (access.mode & S_IRWXG) >> 3;
+    mode &= ~static_cast<mode_t>(S_IRWXG);
+    mode &= ~static_cast<mode_t>(S_IRWXO) | group_as_others;
+  }
+  ::fchmod(descriptor, mode);
 }
 
 // True for the reasons why a file cannot be opened that lie in the file, not in the system: it is
@@ -244,18 +278,12 @@ class LocalStorage final : public Storage {
   }
 
   std::unique_ptr<StorageFile> create_exclusive(const std::string& path) override {
-    for (int attempt = 0; attempt < kMaxCreateTries; ++attempt) {
-      auto file = std::make_unique<LocalFile>(path);
-      if (!file->open(path, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW, 0666)) {
-        if (errno == ENOENT) {
-          throw Error(ErrorKind::io, "cannot create: its folder does not exist; make it first",
-                      path);
-        }
-        fail("cannot create", path, errno);
-      }
-      if (lock_created(file->descriptor(), path)) return file;
-    }
-    throw Error(ErrorKind::io, "cannot create: another program removes it again and again", path);
+    return create_file(path, std::nullopt);
+  }
+
+  std::unique_ptr<StorageFile> create_replacement(const std::string& path,
+                                                  const std::string& target) override {
+    return create_file(path, access_of(target, S_IFREG));
   }
 
   std::unique_ptr<StorageFile> open_update(const std::string& path) override {
@@ -318,11 +346,17 @@ class LocalStorage final : public Storage {
     fail("cannot take its final name", b, errno);
   }
 
-  std::unique_ptr<StorageFile> create_folder(const std::string& path) override {
+  std::unique_ptr<StorageFile> create_folder(const std::string& path,
+                                             const std::string& target) override {
+    auto access = access_of(target, S_IFDIR);
+    if (access) access->mode |= S_IRWXU;
     for (int attempt = 0; attempt < kMaxCreateTries; ++attempt) {
       auto file = std::make_unique<LocalFile>(path);
-      if (::mkdir(path.c_str(), 0777) != 0) fail("cannot make the folder", path, errno);
+      if (::mkdir(path.c_str(), access ? 0700 : 0777) != 0) {
+        fail("cannot make the folder", path, errno);
+      }
       if (!file->open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW)) fail("cannot open", path, errno);
+      if (access) open_to(file->descriptor(), *access);
       if (lock_created(file->descriptor(), path)) return file;
     }
     throw Error(ErrorKind::io, "cannot make the folder: another program removes it again and again",
@@ -367,6 +401,24 @@ class LocalStorage final : public Storage {
     if (result != 0 && errno != EINVAL && errno != ENOTSUP) {
       fail("cannot make the new name durable", folder, errno);
     }
+  }
+
+ private:
+  static std::unique_ptr<StorageFile> create_file(const std::string& path,
+                                                  const std::optional<Access>& access) {
+    for (int attempt = 0; attempt < kMaxCreateTries; ++attempt) {
+      auto file = std::make_unique<LocalFile>(path);
+      if (!file->open(path, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW, access ? 0600 : 0666)) {
+        if (errno == ENOENT) {
+          throw Error(ErrorKind::io, "cannot create: its folder does not exist; make it first",
+                      path);
+        }
+        fail("cannot create", path, errno);
+      }
+      if (access) open_to(file->descriptor(), *access);
+      if (lock_created(file->descriptor(), path)) return file;
+    }
+    throw Error(ErrorKind::io, "cannot create: another program removes it again and again", path);
   }
 };
 

@@ -37,7 +37,12 @@ void Storage::rename_new(const std::string& from, const std::string& to) {
 
 bool Storage::exchange(const std::string&, const std::string&) { return false; }
 
-std::unique_ptr<StorageFile> Storage::create_folder(const std::string& path) {
+std::unique_ptr<StorageFile> Storage::create_replacement(const std::string& path,
+                                                         const std::string&) {
+  return create_exclusive(path);
+}
+
+std::unique_ptr<StorageFile> Storage::create_folder(const std::string& path, const std::string&) {
   throw Error(ErrorKind::io, "cannot make the folder: this storage has none", path);
 }
 

@@ -40,6 +40,11 @@ class Storage {
   virtual std::unique_ptr<StorageFile> open_read(const std::string& path) = 0;
   /// A new file for reading and writing, locked while it is open; Error{io} when the name is taken.
   virtual std::unique_ptr<StorageFile> create_exclusive(const std::string& path) = 0;
+  /// The same for a file that takes the place of `target`, or holds some of it: where a file stands
+  /// there, the new one is never open to more people. It gets the permissions, and the owner and
+  /// group as far as the system lets. Unless overridden, create_exclusive.
+  virtual std::unique_ptr<StorageFile> create_replacement(const std::string& path,
+                                                          const std::string& target);
   /// An existing file for reading and writing, locked while it is open; null when somebody else has
   /// the lock, when the file system has none, and when there is no file that may be written.
   virtual std::unique_ptr<StorageFile> open_update(const std::string& path) = 0;
@@ -56,9 +61,11 @@ class Storage {
   /// unless overridden.
   virtual bool exchange(const std::string& a, const std::string& b);
   virtual void remove(const std::string& path) = 0;
-  /// A new folder, locked while what is returned lives; Error{io} when the name is taken and unless
+  /// A new folder that takes the place of `target`, with the permissions of a folder that stands
+  /// there, locked while what is returned lives; Error{io} when the name is taken and unless
   /// overridden.
-  virtual std::unique_ptr<StorageFile> create_folder(const std::string& path);
+  virtual std::unique_ptr<StorageFile> create_folder(const std::string& path,
+                                                     const std::string& target);
   /// Removes the files that temporary_type knows by what follows `prefix`, and such folders of
   /// planes, where nobody has them locked; unless overridden, nothing. Never fails: what cannot be
   /// locked or removed stays.

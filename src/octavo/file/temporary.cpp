@@ -73,17 +73,24 @@ std::vector<std::string> list_temporaries(Storage& storage, const std::string& p
 
 namespace {
 
-using Make = std::unique_ptr<StorageFile> (Storage::*)(const std::string&);
+using Make = std::unique_ptr<StorageFile> (Storage::*)(const std::string& path,
+                                                       const std::string& target);
 
 TemporaryFile create(Storage& storage, const std::string& path, Make make) {
+  storage.remove_stale(temporary_prefix(path));
+  std::string name = free_temporary_name(storage, path);
+  auto file = (storage.*make)(name, path);
+  return {std::move(name), std::move(file)};
+}
+
+}  // namespace
+
+std::string free_temporary_name(Storage& storage, const std::string& path) {
   const std::string prefix = temporary_prefix(path);
-  storage.remove_stale(prefix);
   for (int attempt = 0; attempt < kMaxNameTries; ++attempt) {
     std::string name = prefix + std::to_string(::getpid());
     if (attempt > 0) name.append("-").append(std::to_string(attempt));
-    if (storage.exists(name) || storage.exists(name + kJournalEnding)) continue;
-    auto file = (storage.*make)(name);
-    return {std::move(name), std::move(file)};
+    if (!storage.exists(name) && !storage.exists(name + kJournalEnding)) return name;
   }
   throw Error(ErrorKind::io,
               "unfinished files of it lie beside it, " + escaped(base_name_of(prefix)) + "* (" +
@@ -92,10 +99,8 @@ TemporaryFile create(Storage& storage, const std::string& path, Make make) {
               path);
 }
 
-}  // namespace
-
 TemporaryFile create_temporary(Storage& storage, const std::string& path) {
-  return create(storage, path, &Storage::create_exclusive);
+  return create(storage, path, &Storage::create_replacement);
 }
 
 TemporaryFile create_temporary_folder(Storage& storage, const std::string& path) {

@@ -1,5 +1,5 @@
 // The names under which files grow until they are complete: ".NAME.tmp-PID" beside the final name,
-// or ".NAME.tmp-PID-N" where that is taken, with ".journal" behind it where a build keeps a journal.
+// or ".NAME.tmp-PID-N" where that is taken, and ".journal" behind it where a build keeps a journal.
 //
 // Whoever works on such a file has it locked, and its journal. One that nobody has locked was left
 // behind, whatever process has its number by now.
@@ -34,14 +34,18 @@ std::optional<TemporaryType> temporary_type(std::string_view ending);
 /// Throws Error{io}
 std::vector<std::string> list_temporaries(Storage& storage, const std::string& path);
 
+/// A name of that kind, of this process, which nothing has.
+/// Throws Error{io}
+std::string free_temporary_name(Storage& storage, const std::string& path);
+
 /// A file or folder that grows, locked while `file` lives.
 struct TemporaryFile {
   std::string path;
   std::unique_ptr<StorageFile> file;
 };
 
-/// A new file for what will be `path`. Those that killed processes left behind for the same name
-/// are removed first.
+/// A new file for what will be `path`, open to nobody to whom a file that stands there is not. What
+/// was left behind for the same name is removed first.
 /// Throws Error{io}
 TemporaryFile create_temporary(Storage& storage, const std::string& path);
 

@@ -235,8 +235,8 @@ void FileWriterImpl::begin() {
   out_ = std::make_unique<AppendFile>(std::move(temporary.file));
   out_->write_header(encode_header(header_));
   if (!options_.has_journal) return;
-  journal_ = std::make_unique<Journal>(storage_.create_exclusive(temporary_ + kJournalEnding),
-                                       journal_head());
+  journal_ = std::make_unique<Journal>(
+      storage_.create_replacement(temporary_ + kJournalEnding, path_), journal_head());
   spool_.keep_in(*journal_);
 }
 

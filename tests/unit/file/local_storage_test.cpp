@@ -205,13 +205,13 @@ TEST_F(LocalStorage, WhatIsTakenAwayWhileItIsMadeIsMadeAgain) {
   EXPECT_EQ(message_of(faults, [&] { storage_.create_exclusive(path("a")); }), "");
   EXPECT_EQ(storage_.path_type(path("a")), PathType::file);
   fs::remove(path("a"));
-  EXPECT_EQ(message_of(faults, [&] { storage_.create_folder(path("a")); }), "");
+  EXPECT_EQ(message_of(faults, [&] { storage_.create_folder(path("a"), ""); }), "");
   EXPECT_EQ(storage_.path_type(path("a")), PathType::folder);
   fs::remove(path("a"));
   faults.before = remove;
   for (const bool is_folder : {false, true}) {
     const std::string message = message_of(faults, [&] {
-      is_folder ? storage_.create_folder(path("a")) : storage_.create_exclusive(path("a"));
+      is_folder ? storage_.create_folder(path("a"), "") : storage_.create_exclusive(path("a"));
     });
     EXPECT_NE(message.find("removes it again and again"), std::string::npos) << message;
     EXPECT_TRUE(fs::is_empty(folder_));
@@ -246,7 +246,7 @@ TEST_F(LocalStorage, EveryRefusedCallIsToldWithItsPath) {
       {"stat", [&] { storage_.path_type(path("a")); }},
       {"open", [&] { storage_.open_read(path("a")); }},
       {"open", [&] { storage_.open_update(path("a")); }},
-      {"open", [&] { storage_.create_folder(path("folder")); }},
+      {"open", [&] { storage_.create_folder(path("folder"), ""); }},
       {"open", [&] { storage_.sync_folder(folder_); }},
       {"fsync", [&] { storage_.sync_folder(folder_); }},
       {"fsync", [&] { file->sync(); }},
@@ -258,7 +258,7 @@ TEST_F(LocalStorage, EveryRefusedCallIsToldWithItsPath) {
       {"pwrite", [&] { file->write(0, kTen); }},
       {"ftruncate", [&] { file->truncate(1); }},
       {"unlink", [&] { storage_.remove(path("a")); }},
-      {"mkdir", [&] { storage_.create_folder(path("other")); }},
+      {"mkdir", [&] { storage_.create_folder(path("other"), ""); }},
       {"rename", [&] { storage_.rename(path("a"), path("b")); }},
       {"rename", [&] { storage_.rename_new(path("a"), path("b")); }},
       {"rename", [&] { storage_.exchange(path("a"), path("b")); }},
@@ -382,6 +382,70 @@ TEST_F(LocalStorage, ANameThatNobodyCanTakeIsToldWithWhatStandsInItsWay) {
   const std::string message = message_of({}, [&] { create_temporary(storage_, path("a")); });
   EXPECT_EQ(message.find(path("a") + ": unfinished files of it lie beside it, .a.tmp-*"), 0u)
       << message;
+}
+
+/// The permission bits of what a name stands for.
+mode_t mode_of(const std::string& path) {
+  struct stat status {};
+  EXPECT_EQ(::stat(path.c_str(), &status), 0) << path;
+  return status.st_mode & 07777;
+}
+
+TEST_F(LocalStorage, WhatTakesAnothersPlaceIsOpenToNobodyElse) {
+  const mode_t before = ::umask(022);
+  write_text("file");
+  fs::create_directory(path("folder"));
+  fs::create_symlink("file", path("link"));
+  int number = 0;
+  for (const mode_t mode : {0600u, 0640u, 0644u, 0604u, 0666u, 0400u, 04755u}) {
+    ASSERT_EQ(::chmod(path("file").c_str(), mode), 0);
+    ASSERT_EQ(::chmod(path("folder").c_str(), mode), 0);
+    for (const char* target : {"file", "link"}) {
+      const std::string made = path("made" + std::to_string(++number));
+      const auto file = storage_.create_replacement(made, path(target));
+      EXPECT_EQ(mode_of(made), mode & 0777) << target;
+    }
+    const std::string made = path("made" + std::to_string(++number));
+    const auto folder = storage_.create_folder(made, path("folder"));
+    EXPECT_EQ(mode_of(made), (mode & 0777) | 0700);
+  }
+  // Where nothing of its kind stands, the umask decides.
+  storage_.create_replacement(path("new"), path("none"));
+  storage_.create_replacement(path("newer"), path("folder"));
+  storage_.create_folder(path("newest"), path("file"));
+  EXPECT_EQ(mode_of(path("new")), 0644u);
+  EXPECT_EQ(mode_of(path("newer")), 0644u);
+  EXPECT_EQ(mode_of(path("newest")), 0755u);
+  ::umask(before);
+}
+
+TEST_F(LocalStorage, AReplacementIsPrivateFromItsFirstMoment) {
+  write_text("file");
+  ASSERT_EQ(::chmod(path("file").c_str(), 0664), 0);
+  SystemFaults faults;
+  faults.call = "fchown";
+  faults.before = [&](std::uint64_t) { EXPECT_EQ(mode_of(path("a")), 0600u); };
+  EXPECT_EQ(message_of(faults, [&] { storage_.create_replacement(path("a"), path("file")); }), "");
+  EXPECT_EQ(mode_of(path("a")), 0664u);
+}
+
+TEST_F(LocalStorage, AGroupThatCannotBeKeptGetsNothing) {
+  write_text("file");
+  const struct {
+    mode_t mode;
+    mode_t left;
+  } cases[] = {{0664, 0604}, {0640, 0600}, {0604, 0600}, {0666, 0606}};
+  for (const auto& [mode, left] : cases) {
+    ASSERT_EQ(::chmod(path("file").c_str(), mode), 0);
+    fs::remove(path("a"));
+    SystemFaults faults;
+    faults.call = "fchown";
+    faults.always = true;
+    faults.code = EPERM;
+    EXPECT_EQ(message_of(faults, [&] { storage_.create_replacement(path("a"), path("file")); }),
+              "");
+    EXPECT_EQ(mode_of(path("a")), left) << std::oct << mode;
+  }
 }
 
 TEST_F(LocalStorage, TemporaryFoldersHaveNamesOfTheirOwn) {

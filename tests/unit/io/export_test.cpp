@@ -430,8 +430,9 @@ class StorageWithoutExchange final : public Storage {
   std::unique_ptr<StorageFile> create_scratch(const std::string& folder) override {
     return local_storage().create_scratch(folder);
   }
-  std::unique_ptr<StorageFile> create_folder(const std::string& path) override {
-    return local_storage().create_folder(path);
+  std::unique_ptr<StorageFile> create_folder(const std::string& path,
+                                             const std::string& target) override {
+    return local_storage().create_folder(path, target);
   }
   bool exists(const std::string& path) override { return local_storage().exists(path); }
   void rename(const std::string& from, const std::string& to) override {
