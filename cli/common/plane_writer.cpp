@@ -87,8 +87,7 @@ PlaneWriteResult write_plain_planes(PlaneSource& source, const std::string& path
   const std::string text = meta_header(source.description(), base_name_of(raw_path));
   header.append(bytes_of(text.data(), text.size()));
   header.seal();
-  raw.publish(overwrite);
-  header.publish(overwrite);
+  publish_pair(storage, header, raw, overwrite);
   return {{path, raw_path}, header.size() + raw.size()};
 }
 

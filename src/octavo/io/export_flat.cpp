@@ -50,8 +50,7 @@ std::string data_path_of(const std::string& header_path) {
   return header_path.substr(0, header_path.size() - ending) + ".raw";
 }
 
-/// Both files are sealed before either takes its name; the voxels come first, so that a header
-/// never stands without them.
+/// Both files are sealed before either takes its name.
 class DetachedTarget final : public ExportTarget {
  public:
   DetachedTarget(Storage& storage, const std::string& path, const ExportPlan& plan)
@@ -69,13 +68,7 @@ class DetachedTarget final : public ExportTarget {
   std::vector<std::string> finish() override {
     header_->seal();
     data_->seal();
-    data_->publish(overwrite_);
-    try {
-      header_->publish(overwrite_);
-    } catch (...) {
-      if (!overwrite_) remove_quietly(storage_, data_->path());
-      throw;
-    }
+    publish_pair(storage_, *header_, *data_, overwrite_);
     return {header_->path(), data_->path()};
   }
 

@@ -11,6 +11,17 @@ Error with_final_name(const Error& error, const std::string& path) {
   return Error(error.kind(), error.detail(), path, error.offset());
 }
 
+void sync_new_name(Storage& storage, const std::string& path) {
+  try {
+    storage.sync_folder(folder_of(path));
+  } catch (const Error& error) {
+    throw Error(error.kind(),
+                error.detail() + "; what is new stands there, whole, but may not outlast a power "
+                                 "cut",
+                path, error.offset());
+  }
+}
+
 void remove_quietly(Storage& storage, const std::string& path) noexcept {
   try {
     storage.remove(path);
@@ -59,19 +70,90 @@ void PendingFile::seal() {
   });
 }
 
-void PendingFile::publish(bool overwrite) {
-  const bool replaces = overwrite && storage_.exists(path_);
+void PendingFile::take_name(bool overwrite) {
   if (overwrite) {
     storage_.rename(temporary_path_, path_);
   } else {
     storage_.rename_new(temporary_path_, path_);
   }
   is_published_ = true;
+  file_.reset();
+}
+
+void PendingFile::publish(bool overwrite) {
+  const bool replaces = overwrite && storage_.exists(path_);
+  take_name(overwrite);
+  if (replaces) return sync_new_name(storage_, path_);
   try {
     storage_.sync_folder(folder_of(path_));
+  } catch (const Error& error) {
+    remove_quietly(storage_, path_);
+    throw Error(error.kind(), error.detail(), path_);
+  }
+}
+
+namespace {
+
+// Both names are free: without its header the data are of no use.
+void publish_new_pair(Storage& storage, PendingFile& header, PendingFile& data, bool overwrite) {
+  const bool replaces_data = overwrite && storage.exists(data.path());
+  data.publish(overwrite);
+  try {
+    header.publish(overwrite);
   } catch (...) {
-    if (!replaces) remove_quietly(storage_, path_);
+    if (!replaces_data) remove_quietly(storage, data.path());
     throw;
+  }
+}
+
+// Puts the earlier header back; when that fails, none stands there.
+void put_back(Storage& storage, const std::string& earlier, const std::string& path) noexcept {
+  try {
+    storage.rename(earlier, path);
+    storage.sync_folder(folder_of(path));
+  } catch (...) {
+    // The failure that led here is the one to be told.
+  }
+}
+
+void replace_pair(Storage& storage, PendingFile& header, PendingFile& data) {
+  // The earlier header, locked so that nobody takes it for one that was left behind.
+  const auto lock = storage.open_update(header.path());
+  const std::string earlier = free_temporary_name(storage, header.path());
+  storage.rename(header.path(), earlier);
+  bool has_new_data = false;
+  try {
+    storage.sync_folder(folder_of(header.path()));
+    data.take_name(true);
+    has_new_data = true;
+    storage.sync_folder(folder_of(data.path()));
+    header.take_name(true);
+  } catch (const Error& error) {
+    if (!has_new_data) {
+      put_back(storage, earlier, header.path());
+      throw;
+    }
+    remove_quietly(storage, earlier);
+    throw Error(error.kind(),
+                error.detail() + "; " + escaped(base_name_of(data.path())) +
+                    " holds the new voxels and has no header; write both again",
+                header.path(), error.offset());
+  }
+  remove_quietly(storage, earlier);
+  sync_new_name(storage, header.path());
+}
+
+}  // namespace
+
+void publish_pair(Storage& storage, PendingFile& header, PendingFile& data, bool overwrite) {
+  if (!overwrite || !storage.exists(header.path())) {
+    return publish_new_pair(storage, header, data, overwrite);
+  }
+  try {
+    replace_pair(storage, header, data);
+  } catch (const Error& error) {
+    const std::string& path = error.path() == data.path() ? data.path() : header.path();
+    throw Error(error.kind(), error.detail(), path, error.offset());
   }
 }
 

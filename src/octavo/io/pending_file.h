@@ -14,6 +14,10 @@ namespace octavo {
 /// `error` with the name that was asked for, where it carries the temporary one of `path`.
 Error with_final_name(const Error& error, const std::string& path);
 
+/// Makes what just took the name `path` durable there.
+/// Throws Error{io} that names `path` and says that the new one stands there
+void sync_new_name(Storage& storage, const std::string& path);
+
 /// Removes a file on the way out of a failure; a second failure is not told.
 void remove_quietly(Storage& storage, const std::string& path) noexcept;
 
@@ -37,9 +41,11 @@ class PendingFile {
   void append(std::span<const std::uint8_t> bytes);
   /// Makes the bytes durable and closes; nothing can be written afterwards.
   void seal();
-  /// Gives a sealed file its name. A name that was taken meanwhile is replaced only with
+  /// Gives a sealed file its name, durably. A name that was taken meanwhile is replaced only with
   /// `overwrite`.
   void publish(bool overwrite);
+  /// The same, not yet durable.
+  void take_name(bool overwrite);
 
  private:
   void discard() noexcept;
@@ -53,5 +59,11 @@ class PendingFile {
   std::uint64_t size_ = 0;
   bool is_published_ = false;
 };
+
+/// Gives a header and the data that it describes their names, both sealed. Where an earlier header
+/// is replaced it goes first, so that it stands at no moment beside other data; it comes back when
+/// the earlier data stay.
+/// Throws Error{io} that names one of the two
+void publish_pair(Storage& storage, PendingFile& header, PendingFile& data, bool overwrite);
 
 }  // namespace octavo
