@@ -1,5 +1,7 @@
+#include <cerrno>
 #include <filesystem>
 #include <optional>
+#include <system_error>
 
 #include "octavo/file/plane_folder.h"
 #include "octavo/file/temporary.h"
@@ -63,17 +65,16 @@ class TiffPagesTarget final : public ExportTarget {
 }
 
 /// Proves that `folder` may become the stack: it is absent or empty, or may be replaced and holds
-/// planes of an earlier stack and nothing else. Returns whether there is such an earlier stack.
-bool check_folder(const std::string& folder, bool overwrite) {
+/// planes of an earlier stack and nothing else. Returns one of these planes, or nothing.
+std::string check_folder(const std::string& folder, bool overwrite) {
   std::error_code failure;
-  if (!fs::exists(folder, failure)) return false;
+  if (!fs::exists(folder, failure)) return {};
   if (!fs::is_directory(folder, failure)) {
     throw Error(ErrorKind::io, "is a file; a TIFF stack needs a folder", folder);
   }
-  bool has_planes = false;
+  std::string plane;
   fs::directory_iterator it(folder, failure);
   for (; !failure && it != fs::directory_iterator(); it.increment(failure)) {
-    has_planes = true;
     if (!overwrite) {
       throw Error(ErrorKind::io, "the folder is not empty; --force replaces an earlier stack",
                   folder);
@@ -85,9 +86,10 @@ bool check_folder(const std::string& folder, bool overwrite) {
                       ", which is no plane of a stack; it is not replaced, name another folder",
                   folder);
     }
+    plane = it->path().string();
   }
   if (failure) fail(folder, "cannot list the folder", failure);
-  return has_planes;
+  return plane;
 }
 
 /// The stack grows in a folder beside its own, which takes the name when all planes are on disk.
@@ -95,7 +97,8 @@ class TiffFolderTarget final : public ExportTarget {
  public:
   TiffFolderTarget(Storage& storage, std::string folder, const ExportPlan& plan)
       : storage_(storage), plan_(plan), folder_(std::move(folder)) {
-    check_folder(folder_, plan_.overwrite);
+    settle_earlier();
+    earlier_plane_ = check_folder(folder_, plan_.overwrite);
     try {
       TemporaryFile temporary = create_temporary_folder(storage, folder_);
       temporary_ = std::move(temporary.path);
@@ -116,13 +119,13 @@ class TiffFolderTarget final : public ExportTarget {
 
   std::vector<std::string> finish() override {
     storage_.sync_folder(temporary_);
-    if (check_folder(folder_, plan_.overwrite)) {
+    if (!check_folder(folder_, plan_.overwrite).empty()) {
       replace_earlier();
     } else {
       storage_.rename(temporary_, folder_);
+      is_published_ = true;
+      sync_new_name(storage_, folder_);
     }
-    is_published_ = true;
-    storage_.sync_folder(folder_of(folder_));
     std::vector<std::string> files;
     for (std::int64_t z = 0; z < plan_.size.z; ++z) {
       files.push_back(folder_ + "/" + plane_name(z, plan_.size.z));
@@ -134,8 +137,8 @@ class TiffFolderTarget final : public ExportTarget {
 
  private:
   void write_file(std::span<const std::uint8_t> plane) {
-    const auto file =
-        storage_.create_exclusive(temporary_ + "/" + plane_name(next_plane_++, plan_.size.z));
+    const auto file = storage_.create_replacement(
+        temporary_ + "/" + plane_name(next_plane_++, plan_.size.z), earlier_plane_);
     TiffOutput tiff(*file, plan_.plane_bytes() > kBigTiffBytes);
     tiff.add_page(plan_, deflate_page(plan_, plane), tiff_description(plan_, 1));
     tiff.finish();
@@ -144,19 +147,21 @@ class TiffFolderTarget final : public ExportTarget {
     file->close();
   }
 
-  // The earlier stack ends up under the temporary name.
+  // The earlier stack ends up under the temporary name, or that of two steps, and goes when the new
+  // one is on disk.
   void replace_earlier() {
-    if (storage_.exchange(temporary_, folder_)) {
-      remove_earlier(temporary_);
-    } else {
-      replace_in_two_steps();
+    std::string earlier = temporary_;
+    if (!storage_.exchange(temporary_, folder_)) {
+      earlier = earlier_name();
+      replace_in_two_steps(earlier);
     }
+    is_published_ = true;
+    sync_new_name(storage_, folder_);
+    remove_earlier(earlier);
   }
 
-  // For file systems without an exchange. The name given meanwhile is not one that counts as left
-  // behind: until the second step it is all there is.
-  void replace_in_two_steps() {
-    const std::string earlier = folder_ + ".earlier";
+  // For file systems without an exchange.
+  void replace_in_two_steps(const std::string& earlier) {
     storage_.rename_new(folder_, earlier);
     try {
       storage_.rename(temporary_, folder_);
@@ -164,18 +169,33 @@ class TiffFolderTarget final : public ExportTarget {
       storage_.rename(earlier, folder_);
       throw;
     }
-    remove_earlier(earlier);
   }
 
-  static void remove_earlier(const std::string& folder) {
-    std::error_code failure;
-    fs::remove_all(folder, failure);
-    if (failure) fail(folder, "cannot remove the earlier stack", failure);
+  // What the earlier stack is called between the two steps. It does not count as left behind: until
+  // the second step it is all there is.
+  std::string earlier_name() const { return temporary_prefix(folder_) + "earlier"; }
+
+  // Ends what an export left that was killed between the two steps, or behind them.
+  void settle_earlier() {
+    const std::string earlier = earlier_name();
+    if (!storage_.exists(earlier)) return;
+    if (storage_.exists(folder_)) return remove_earlier(earlier);
+    storage_.rename_new(earlier, folder_);
+    sync_new_name(storage_, folder_);
+  }
+
+  void remove_earlier(const std::string& earlier) const {
+    if (remove_plane_folder(earlier) || errno == ENOENT) return;
+    throw Error(ErrorKind::io,
+                "the earlier stack of this name, " + escaped(base_name_of(earlier)) +
+                    ", cannot be removed: " + std::generic_category().message(errno),
+                folder_);
   }
 
   Storage& storage_;
   ExportPlan plan_;
   std::string folder_;
+  std::string earlier_plane_;  ///< whose permissions the planes get; empty without one
   std::string temporary_;
   std::unique_ptr<StorageFile> lock_;  ///< says that `temporary_` is not left behind
   std::int64_t next_plane_ = 0;
