@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <map>
 #include <memory>
@@ -246,10 +247,16 @@ TEST_F(Resume, WhatIsOfSomethingElseIsRefusedByNameAndKept) {
          ErrorKind::invalid_argument, "preset");
 }
 
-TEST_F(Resume, ABuildThatDoesNotContinueRemovesWhatIsLeft) {
+TEST_F(Resume, ABuildThatDoesNotContinueRemovesWhatIsLeftOnlyWhenAsked) {
   MemoryStorage storage;
   storage.files = left_behind(2, true);
-  EXPECT_EQ(build(storage, {}).failure, "");
+  const auto names = copied(storage.files);
+  const Attempt unasked = build(storage, {});
+  EXPECT_EQ(unasked.kind, ErrorKind::io);
+  EXPECT_NE(unasked.failure.find("an interrupted build of it is here"), std::string::npos)
+      << unasked.failure;
+  EXPECT_EQ(storage.files.size(), names.size());
+  EXPECT_EQ(build(storage, {.discards_interrupted = true}).failure, "");
   EXPECT_EQ(storage.files.size(), 1u);
   EXPECT_TRUE(*storage.files.at("a.8vo") == reference_);
 }
@@ -289,9 +296,12 @@ class ResumeOnDisk : public Resume {
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
   std::unique_ptr<FileWriter> create(bool is_resuming) const {
-    return FileWriter::create(
-        local_storage(), path_of("a.8vo"), volume_.description, volume_.levels, 1,
-        {.overwrite = true, .has_journal = true, .is_resuming = is_resuming});
+    return FileWriter::create(local_storage(), path_of("a.8vo"), volume_.description,
+                              volume_.levels, 1,
+                              {.overwrite = true,
+                               .has_journal = true,
+                               .is_resuming = is_resuming,
+                               .discards_interrupted = !is_resuming});
   }
 
   std::string path_of(const std::string& name) const { return folder_ + "/" + name; }
@@ -332,10 +342,42 @@ TEST_F(ResumeOnDisk, AFileWithALivingWriterIsNotTaken) {
   EXPECT_EQ(local_storage().open_read(path_of("a.8vo"))->size(), reference_.size());
 }
 
-// Process 1 always lives, so that nothing of it counts as left behind.
+TEST_F(ResumeOnDisk, ANameThatAnotherProgramBuildsIsRefused) {
+  EXPECT_NO_THROW(refuse_running(local_storage(), path_of("a.8vo")));
+  auto living = create(false);
+  try {
+    refuse_running(local_storage(), path_of("a.8vo"));
+    ADD_FAILURE() << "nobody was seen";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::io);
+    EXPECT_EQ(error.path(), path_of("a.8vo"));
+    EXPECT_EQ(error.detail().find("is being built by another program (.a.8vo.tmp-"), 0u);
+  }
+  living.reset();
+  EXPECT_NO_THROW(refuse_running(local_storage(), path_of("a.8vo")));
+}
+
+TEST_F(ResumeOnDisk, TheGrowingFileIsOpenToNobodyNew) {
+  const auto mode_of = [&](const std::string& path) {
+    return std::filesystem::status(path).permissions();
+  };
+  const auto is_private = std::filesystem::perms::owner_read | std::filesystem::perms::owner_write;
+  std::ofstream(path_of("a.8vo")) << "old";
+  std::filesystem::permissions(path_of("a.8vo"), is_private);
+  const auto writer = create(false);
+  const auto growing = local_storage().list(path_of(".a.8vo.tmp-"));
+  ASSERT_EQ(growing.size(), 2u);
+  for (const std::string& path : growing) EXPECT_EQ(mode_of(path), is_private) << path;
+  recording_.replay(*writer, 2, 0);
+  writer->finish();
+  EXPECT_EQ(mode_of(path_of("a.8vo")), is_private);
+}
+
 TEST_F(ResumeOnDisk, ATemporaryThatCannotBeOpenedStopsNoBuild) {
   std::filesystem::create_directory(path_of(".a.8vo.tmp-1"));
+  std::ofstream(path_of(".a.8vo.tmp-1/inside")) << "something";
   std::filesystem::create_directory(path_of(".a.8vo.tmp-1.journal"));
+  std::ofstream(path_of(".a.8vo.tmp-1.journal/inside")) << "something";
   std::filesystem::create_symlink("gone", path_of(".a.8vo.tmp-1-1"));
   std::filesystem::create_symlink("gone", path_of(".a.8vo.tmp-1-1.journal"));
   EXPECT_EQ(local_storage().open_update(path_of(".a.8vo.tmp-1-2.journal")), nullptr);

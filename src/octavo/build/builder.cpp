@@ -272,7 +272,10 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
                options.max_memory_bytes);
 
   check_target(storage, path, options.overwrite);
-  if (options.interrupted == Interrupted::refuse) refuse_interrupted(storage, path);
+  if (options.interrupted == Interrupted::refuse) {
+    refuse_running(storage, path);
+    refuse_interrupted(storage, path);
+  }
 
   // Every plane passes twice: read, then coded.
   const ProgressScope scope(progress, options.progress_name, 2 * description.size.z,
@@ -297,6 +300,7 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
   writing.overwrite = options.overwrite;
   writing.max_error = result.max_error;
   writing.is_resuming = options.interrupted == Interrupted::resume;
+  writing.discards_interrupted = options.interrupted == Interrupted::discard;
   const bool is_one_group = group_planes(levels, description.coded_type()) == description.size.z;
   writing.has_journal = writing.is_resuming || (options.is_resumable && !is_one_group);
   writing.settings = settings_text(options);

@@ -145,6 +145,7 @@ SealResult seal(InterruptedBuild build, Storage& storage, const std::string& out
   const ProgressScope scope(progress, "repair", grid.z, "layers");
   WriterOptions writing;
   writing.overwrite = options.overwrite;
+  writing.discards_interrupted = options.overwrite;
   writing.max_error = bricks.header().max_error;
   const auto writer =
       FileWriter::create(storage, output, description, levels,

@@ -44,6 +44,7 @@ std::uint64_t copy_described(std::shared_ptr<const ByteSource> source,
   if (!overwrite) refuse_interrupted(storage, path);
   WriterOptions options;
   options.overwrite = overwrite;
+  options.discards_interrupted = overwrite;
   options.max_error = file.header().max_error;
   const Levels& levels = file.levels();
   // The lower half of a file id is the hash of the first voxels.

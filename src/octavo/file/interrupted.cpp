@@ -168,6 +168,17 @@ void refuse_interrupted(Storage& storage, const std::string& path) {
   }
 }
 
+void refuse_running(Storage& storage, const std::string& path) {
+  std::vector<std::string> held;
+  find_interrupted(storage, path, &held);
+  if (held.empty()) return;
+  throw Error(ErrorKind::io,
+              "is being built by another program (" + escaped(base_name_of(held.front())) +
+                  " is locked, or may not be locked and written by this one); wait for its end, "
+                  "name another file, or build beside it with --force",
+              path);
+}
+
 std::string settings_of(const FileHeader& header) {
   const VolumeDescription& volume = header.description;
   std::string lines;

@@ -48,6 +48,10 @@ std::vector<WholeGroup> proven_groups(const InterruptedBuild& build);
 /// Throws  Error{io} when some of it is whole
 void refuse_interrupted(Storage& storage, const std::string& path);
 
+/// Refuses to work beside another program on the same file.
+/// Throws  Error{io} when one has a growing file and journal of `path` locked
+void refuse_running(Storage& storage, const std::string& path);
+
 /// Lines "NAME: VALUE" of what a header says of the volume, for JournalHead::settings.
 std::string settings_of(const FileHeader& header);
 

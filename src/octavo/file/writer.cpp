@@ -229,7 +229,11 @@ class FileWriterImpl final : public FileWriter {
 };
 
 void FileWriterImpl::begin() {
-  if (!options_.is_resuming) discard_interrupted(storage_, path_);
+  if (options_.discards_interrupted) {
+    discard_interrupted(storage_, path_);
+  } else {
+    refuse_interrupted(storage_, path_);
+  }
   TemporaryFile temporary = create_temporary(storage_, path_);
   temporary_ = std::move(temporary.path);
   out_ = std::make_unique<AppendFile>(std::move(temporary.file));

@@ -6,8 +6,9 @@
 // final name. That name never holds anything but a complete file.
 //
 // A writer that is destroyed before finish() removes what it wrote. What a killed process left
-// behind, the next writer of the same name removes. Writers that resume do neither: they keep the
-// groups that are whole, and take over those that an earlier writer left.
+// behind, the next writer of the same name removes, groups that are whole only when asked to.
+// Writers that resume do neither: they keep such groups, and take over those that an earlier writer
+// left.
 #pragma once
 
 #include <cstdint>
@@ -32,6 +33,9 @@ struct WriterOptions {
   /// every group durable, and keeps the whole ones when it fails. Needs a journal. Never discards
   /// what has a whole group, and refuses to begin beside a build that another program works on.
   bool is_resuming = false;
+  /// Gives up what interrupted builds of the file have encoded; otherwise Error{io} where some of
+  /// it is whole.
+  bool discards_interrupted = false;
   /// How the bricks are made, lines "NAME: VALUE": writers of other settings do not continue.
   std::string settings = {};
 };
