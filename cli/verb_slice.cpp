@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "common/cancel.h"
 #include "common/failure.h"
 #include "common/inputs.h"
 #include "common/option_checks.h"
@@ -223,7 +224,10 @@ int run_slice(const Arguments& arguments, Context& context) {
     }
   });
   nlohmann::ordered_json slices = nlohmann::ordered_json::array();
+  // Until all are written, a signal must not leave temporary files behind.
+  const CancellableWork work;
   for (const DrawnSlice& one : drawn) {
+    if (is_cancel_requested()) throw Error(ErrorKind::cancelled, "stopped while writing", one.path);
     write_png(one, context.force);
     if (context.json) {
       slices.push_back(slice_json(one, arguments.level, reader->description()));
