@@ -7,6 +7,7 @@
 
 #include <filesystem>
 
+#include "octavo/file/temporary.h"
 #include "octavo/file/verify.h"
 #include "support/sample_file.h"
 
@@ -69,6 +70,21 @@ TEST(StorageFaults, TheScratchFileMayFailToo) {
   write_sample(storage, "a.8vo", volume);
   EXPECT_EQ(std::count(storage.calls.begin(), storage.calls.end(), "create_scratch"), 1);
   fail_every_call(true, volume);
+}
+
+TEST(StorageFaults, ANameThatAnotherProgramTakesMeanwhileIsLeftToIt) {
+  SampleVolume volume = make_sample({70, 20, 20}, VoxelType::int16, Pattern::gradient);
+  MemoryStorage storage;
+  const std::string name = temporary_prefix("a.8vo") + std::to_string(::getpid());
+  storage.meanwhile = [&](const std::string& what) {
+    if (what == "create" && !storage.exists("a.8vo")) {
+      storage.files.try_emplace(name, std::make_shared<std::vector<std::uint8_t>>(3));
+    }
+  };
+  write_sample(storage, "a.8vo", volume);
+  EXPECT_EQ(storage.files.size(), 2u);
+  EXPECT_EQ(storage.files.at(name)->size(), 3u);
+  EXPECT_TRUE(is_sound(*storage.files.at("a.8vo")));
 }
 
 TEST(StorageFaults, AFullDiskLeavesNothing) {

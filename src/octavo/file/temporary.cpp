@@ -17,6 +17,7 @@ namespace octavo {
 namespace {
 
 constexpr int kMaxNameTries = 100;
+constexpr int kMaxMakeTries = 10;
 constexpr std::size_t kLongestEnding = 32;
 constexpr std::size_t kKeptNameBytes = kMaxNameBytes - kLongestEnding;
 
@@ -78,9 +79,16 @@ using Make = std::unique_ptr<StorageFile> (Storage::*)(const std::string& path,
 
 TemporaryFile create(Storage& storage, const std::string& path, Make make) {
   storage.remove_stale(temporary_prefix(path));
-  std::string name = free_temporary_name(storage, path);
-  auto file = (storage.*make)(name, path);
-  return {std::move(name), std::move(file)};
+  for (int attempt = 1;; ++attempt) {
+    std::string name = free_temporary_name(storage, path);
+    try {
+      auto file = (storage.*make)(name, path);
+      return {std::move(name), std::move(file)};
+    } catch (const Error&) {
+      // In another container a program of the same number may have been faster.
+      if (attempt == kMaxMakeTries || !storage.exists(name)) throw;
+    }
+  }
 }
 
 }  // namespace
