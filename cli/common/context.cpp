@@ -82,7 +82,7 @@ void add_global_options(CLI::App& app, Context& context) {
       ->type_name("BYTES")
       ->group(group);
   app.add_flag("-f,--force", context.force,
-               "Replace output files that exist or whose build was interrupted")
+               "Replace output files that exist, or whose build was interrupted or still runs")
       ->group(group);
   app.add_flag("--strict", context.strict, "Treat warnings as errors")->group(group);
 }
