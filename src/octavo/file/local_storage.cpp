@@ -5,6 +5,7 @@
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -85,6 +86,7 @@ struct Access {
   mode_t mode;
   uid_t owner;
   gid_t group;
+  bool has_list;  ///< an access control list, which makes the group's permissions mean other things
 };
 
 constexpr mode_t kPermissions = S_IRWXU | S_IRWXG | S_IRWXO;
@@ -93,7 +95,8 @@ constexpr mode_t kPermissions = S_IRWXU | S_IRWXG | S_IRWXO;
 std::optional<Access> access_of(const std::string& path, mode_t type) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0 || (status.st_mode & S_IFMT) != type) return std::nullopt;
-  return Access{status.st_mode & kPermissions, status.st_uid, status.st_gid};
+  const bool has_list = ::getxattr(path.c_str(), "system.posix_acl_access", nullptr, 0) > 0;
+  return Access{status.st_mode & kPermissions, status.st_uid, status.st_gid, has_list};
 }
 
 // Opens what was created for its owner alone to those of `access`. File systems without
@@ -101,8 +104,9 @@ std::optional<Access> access_of(const std::string& path, mode_t type) {
 void open_to(int descriptor, const Access& access) noexcept {
   constexpr auto kSameOwner = static_cast<uid_t>(-1);
   mode_t mode = access.mode;
-  if (::fchown(descriptor, access.owner, access.group) != 0 &&
-      ::fchown(descriptor, kSameOwner, access.group) != 0) {
+  const bool has_group = ::fchown(descriptor, access.owner, access.group) == 0 ||
+                         ::fchown(descriptor, kSameOwner, access.group) == 0;
+  if (!has_group || access.has_list) {
     // Another group gets nothing; the members of the former one are now among the others.
     const mode_t group_as_others = (access.mode & S_IRWXG) >> 3;
     mode &= ~static_cast<mode_t>(S_IRWXG);

@@ -3,6 +3,7 @@
 
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -417,6 +418,28 @@ TEST_F(LocalStorage, WhatTakesAnothersPlaceIsOpenToNobodyElse) {
   EXPECT_EQ(mode_of(path("newer")), 0644u);
   EXPECT_EQ(mode_of(path("newest")), 0755u);
   ::umask(before);
+}
+
+// The group's permissions of a file with a list are the most that anybody in the list has.
+TEST_F(LocalStorage, WhereAListSaysWhoReadsNobodyGainsByItsLoss) {
+  write_text("file");
+  struct Entry {
+    std::uint16_t tag;
+    std::uint16_t permissions;
+    std::uint32_t id;
+  };
+  constexpr std::uint32_t kNobody = ~std::uint32_t{0};
+  // Owner rw, user 1 rw, group none, mask rw, others none.
+  const struct {
+    std::uint32_t version;
+    Entry entries[5];
+  } list = {2, {{1, 6, kNobody}, {2, 6, 1}, {4, 0, kNobody}, {16, 6, kNobody}, {32, 0, kNobody}}};
+  if (::setxattr(path("file").c_str(), "system.posix_acl_access", &list, sizeof list, 0) != 0) {
+    GTEST_SKIP() << "needs a file system with access control lists";
+  }
+  ASSERT_EQ(mode_of(path("file")), 0660u);
+  storage_.create_replacement(path("a"), path("file"));
+  EXPECT_EQ(mode_of(path("a")), 0600u);
 }
 
 TEST_F(LocalStorage, AReplacementIsPrivateFromItsFirstMoment) {
