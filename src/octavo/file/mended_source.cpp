@@ -122,8 +122,8 @@ void add_flips(Mendings& mendings, const std::vector<BitFlip>& flips) {
   const auto is_same = [](const BitFlip& a, const BitFlip& b) {
     return !comes_before(a, b) && !comes_before(b, a);
   };
-  const auto rest = std::ranges::unique(mendings.flips, is_same);
-  mendings.flips.erase(rest.begin(), rest.end());
+  const auto end = std::unique(mendings.flips.begin(), mendings.flips.end(), is_same);
+  mendings.flips.erase(end, mendings.flips.end());
 }
 
 Mendings mend_envelope(const ByteSource& source) {
