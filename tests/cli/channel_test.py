@@ -97,7 +97,7 @@ class Components(cli_test.InFolder):
         self.assertIn("2 x 2 x 2 mm (given by --spacing)", self.expect(0, "info", "a.8vo").stdout)
         self.refuse(2, ["--channel 1", "1 channel"], "one.nii", "--channel", "1")
         self.refuse(2, ["--segment", "DICOM only"], "one.nii", "--segment", "1")
-        self.refuse(2, ["--on-gap ignore", "TIFF, PNG, raw planes"], "one.nii", "--on-gap", "ignore")
+        self.refuse(2, ["--on-gap ignore", "TIFF, PNG, raw"], "one.nii", "--on-gap", "ignore")
 
     def test_numbers_that_skip_are_refused_or_ignored_and_told(self):
         (self.folder / "stack").mkdir()

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "octavo/core/error.h"
 #include "octavo/io/pending_file.h"
 #include "support/memory_storage.h"
 #include "support/recording_storage.h"

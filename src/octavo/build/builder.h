@@ -22,8 +22,8 @@ namespace octavo {
 /// What becomes of an interrupted build of the same file.
 enum class Interrupted {
   discard,  ///< it is removed
-  refuse,   ///< Error{io} when some of it is whole, or another program still builds it, before
-            ///< anything is read
+  refuse,   ///< Error{io} when some of it is whole, or another program still builds it with a
+            ///< journal, before anything is read
   resume    ///< it is continued; and this build, when it fails, is kept to be continued
 };
 

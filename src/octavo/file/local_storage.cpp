@@ -107,10 +107,12 @@ void open_to(int descriptor, const Access& access) noexcept {
   const bool has_group = ::fchown(descriptor, access.owner, access.group) == 0 ||
                          ::fchown(descriptor, kSameOwner, access.group) == 0;
   if (!has_group || access.has_list) {
-    // Another group gets nothing; the members of the former one are now among the others.
-    const mode_t group_as_others = (access.mode & S_IRWXG) >> 3;
+    // The members of the former group are now among the others, and get no less than these did;
+    // those of another group were among the others before.
+    const mode_t former_group = (access.mode & S_IRWXG) >> 3;
     mode &= ~static_cast<mode_t>(S_IRWXG);
-    mode &= ~static_cast<mode_t>(S_IRWXO) | group_as_others;
+    mode &= ~static_cast<mode_t>(S_IRWXO) | former_group;
+    if (!access.has_list) mode |= (mode & S_IRWXO) << 3;
   }
   ::fchmod(descriptor, mode);
 }
@@ -287,7 +289,10 @@ class LocalStorage final : public Storage {
 
   std::unique_ptr<StorageFile> create_replacement(const std::string& path,
                                                   const std::string& target) override {
-    return create_file(path, access_of(target, S_IFREG));
+    std::optional<Access> access = access_of(target, S_IFREG);
+    // Whoever continues or repairs it has to open it again.
+    if (access) access->mode |= S_IRUSR | S_IWUSR;
+    return create_file(path, access);
   }
 
   std::unique_ptr<StorageFile> open_update(const std::string& path) override {

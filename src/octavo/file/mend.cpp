@@ -103,7 +103,8 @@ void copy(const ByteSource& source, StorageFile& out, Progress& progress) {
   }
 }
 
-// The copy while it grows; gone with this object unless it took its name.
+// The copy while it grows; gone with this object unless it took its name. Locked until its name is
+// gone or final.
 class GrowingCopy {
  public:
   GrowingCopy(Storage& storage, const std::string& output)
@@ -111,9 +112,7 @@ class GrowingCopy {
   GrowingCopy(const GrowingCopy&) = delete;
   GrowingCopy& operator=(const GrowingCopy&) = delete;
   ~GrowingCopy() {
-    if (is_published_) return;
-    temporary_.file.reset();
-    remove_silently(temporary_.path);
+    if (!is_published_) remove_quietly(storage_, temporary_.path);
   }
 
   void write(const ByteSource& source, Progress& progress) {
@@ -139,23 +138,10 @@ class GrowingCopy {
       storage_.rename_new(temporary_.path, output_);
     }
     is_published_ = true;
-    try {
-      storage_.sync_folder(folder_of(output_));
-    } catch (...) {
-      if (!replaces) remove_silently(output_);
-      throw;
-    }
+    settle_new_name(storage_, output_, replaces);
   }
 
  private:
-  // The failure that led here is the one to be told.
-  void remove_silently(const std::string& path) noexcept {
-    try {
-      storage_.remove(path);
-    } catch (...) {
-    }
-  }
-
   Storage& storage_;
   const std::string& output_;
   TemporaryFile temporary_;
@@ -170,8 +156,7 @@ void write_mended(Storage& storage, const ByteSource& source, const std::string&
     growing.prove(options, progress);
     growing.publish(options.overwrite);
   } catch (const Error& error) {
-    if (!error.path().starts_with(temporary_prefix(output))) throw;
-    throw Error(error.kind(), error.detail(), output, error.offset());
+    throw with_final_name(error, output);
   }
 }
 

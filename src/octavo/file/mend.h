@@ -47,8 +47,9 @@ bool opens_mended(const std::shared_ptr<const ByteSource>& source);
 /// its end, and proves the copy before it takes its name.
 /// Returns  MendResult::is_sound, and writes nothing, for a sound file
 /// Throws   Error{corrupt} when some damage is not Damage::is_mendable, or the file was still
-///          growing; Error{not_octavo}, Error{truncated}, Error{io}, Error{cancelled}; nothing is
-///          left then, and errors name `input` or `output`
+///          growing; Error{not_octavo}, Error{truncated}, Error{io}, Error{cancelled}, which name
+///          `input` or `output`; nothing is left then, but for a file replaced whose name could not
+///          be made durable
 /// Time     a verification for each round that finds damage, at least two, and one of the copy
 MendResult mend_file(Storage& storage, const std::string& input, const std::string& output,
                      const MendOptions& options, Progress& progress);

@@ -115,4 +115,38 @@ TemporaryFile create_temporary_folder(Storage& storage, const std::string& path)
   return create(storage, path, &Storage::create_folder);
 }
 
+Error with_final_name(const Error& error, const std::string& path) {
+  if (error.path().rfind(temporary_prefix(path), 0) != 0) return error;
+  return Error(error.kind(), error.detail(), path, error.offset());
+}
+
+void sync_new_name(Storage& storage, const std::string& path) {
+  try {
+    storage.sync_folder(folder_of(path));
+  } catch (const Error& error) {
+    throw Error(error.kind(),
+                error.detail() + "; what is new stands there, whole, but may not outlast a power "
+                                 "cut",
+                path, error.offset());
+  }
+}
+
+void remove_quietly(Storage& storage, const std::string& path) noexcept {
+  try {
+    storage.remove(path);
+  } catch (...) {
+    // The failure that led here is the one to be told.
+  }
+}
+
+void settle_new_name(Storage& storage, const std::string& path, bool has_replaced) {
+  if (has_replaced) return sync_new_name(storage, path);
+  try {
+    storage.sync_folder(folder_of(path));
+  } catch (const Error& error) {
+    remove_quietly(storage, path);
+    throw Error(error.kind(), error.detail(), path);
+  }
+}
+
 }  // namespace octavo

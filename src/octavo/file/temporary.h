@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "octavo/core/error.h"
 #include "octavo/file/storage.h"
 
 namespace octavo {
@@ -51,5 +52,18 @@ TemporaryFile create_temporary(Storage& storage, const std::string& path);
 
 /// The same with a new folder.
 TemporaryFile create_temporary_folder(Storage& storage, const std::string& path);
+
+/// `error` with the name that was asked for, where it carries the temporary one of `path`.
+Error with_final_name(const Error& error, const std::string& path);
+
+/// Makes what just took the name `path` durable there.
+/// Throws Error{io} that names `path` and says that the new one stands there
+void sync_new_name(Storage& storage, const std::string& path);
+
+/// The same; a file that did not replace another is taken away again where that fails.
+void settle_new_name(Storage& storage, const std::string& path, bool has_replaced);
+
+/// Removes a file on the way out of a failure; a second failure is not told.
+void remove_quietly(Storage& storage, const std::string& path) noexcept;
 
 }  // namespace octavo

@@ -2,9 +2,9 @@
 
 #include <tbb/task_arena.h>
 
+#include "octavo/file/temporary.h"
 #include "octavo/io/export_stream.h"
 #include "octavo/io/export_target.h"
-#include "octavo/io/pending_file.h"
 #include "octavo/io/source_file.h"
 
 namespace octavo {

@@ -6,30 +6,6 @@
 
 namespace octavo {
 
-Error with_final_name(const Error& error, const std::string& path) {
-  if (error.path().rfind(temporary_prefix(path), 0) != 0) return error;
-  return Error(error.kind(), error.detail(), path, error.offset());
-}
-
-void sync_new_name(Storage& storage, const std::string& path) {
-  try {
-    storage.sync_folder(folder_of(path));
-  } catch (const Error& error) {
-    throw Error(error.kind(),
-                error.detail() + "; what is new stands there, whole, but may not outlast a power "
-                                 "cut",
-                path, error.offset());
-  }
-}
-
-void remove_quietly(Storage& storage, const std::string& path) noexcept {
-  try {
-    storage.remove(path);
-  } catch (...) {
-    // The failure that led here is the one to be told.
-  }
-}
-
 PendingFile::PendingFile(Storage& storage, std::string path)
     : storage_(storage), path_(std::move(path)) {
   try {
@@ -83,13 +59,7 @@ void PendingFile::take_name(bool overwrite) {
 void PendingFile::publish(bool overwrite) {
   const bool replaces = overwrite && storage_.exists(path_);
   take_name(overwrite);
-  if (replaces) return sync_new_name(storage_, path_);
-  try {
-    storage_.sync_folder(folder_of(path_));
-  } catch (const Error& error) {
-    remove_quietly(storage_, path_);
-    throw Error(error.kind(), error.detail(), path_);
-  }
+  settle_new_name(storage_, path_, replaces);
 }
 
 namespace {

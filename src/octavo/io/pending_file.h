@@ -6,20 +6,9 @@
 #include <span>
 #include <string>
 
-#include "octavo/core/error.h"
 #include "octavo/file/storage.h"
 
 namespace octavo {
-
-/// `error` with the name that was asked for, where it carries the temporary one of `path`.
-Error with_final_name(const Error& error, const std::string& path);
-
-/// Makes what just took the name `path` durable there.
-/// Throws Error{io} that names `path` and says that the new one stands there
-void sync_new_name(Storage& storage, const std::string& path);
-
-/// Removes a file on the way out of a failure; a second failure is not told.
-void remove_quietly(Storage& storage, const std::string& path) noexcept;
 
 /// Grows under a temporary name beside its own; a destroyed one that was not published leaves
 /// nothing. What killed processes left behind for the same name goes first. One thread at a time.

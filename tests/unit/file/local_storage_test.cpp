@@ -404,7 +404,7 @@ TEST_F(LocalStorage, WhatTakesAnothersPlaceIsOpenToNobodyElse) {
     for (const char* target : {"file", "link"}) {
       const std::string made = path("made" + std::to_string(++number));
       const auto file = storage_.create_replacement(made, path(target));
-      EXPECT_EQ(mode_of(made), mode & 0777) << target;
+      EXPECT_EQ(mode_of(made), (mode & 0777) | 0600) << target;
     }
     const std::string made = path("made" + std::to_string(++number));
     const auto folder = storage_.create_folder(made, path("folder"));
@@ -452,12 +452,12 @@ TEST_F(LocalStorage, AReplacementIsPrivateFromItsFirstMoment) {
   EXPECT_EQ(mode_of(path("a")), 0664u);
 }
 
-TEST_F(LocalStorage, AGroupThatCannotBeKeptGetsNothing) {
+TEST_F(LocalStorage, AGroupThatCannotBeKeptLeavesWhatEverybodyHad) {
   write_text("file");
   const struct {
     mode_t mode;
     mode_t left;
-  } cases[] = {{0664, 0604}, {0640, 0600}, {0604, 0600}, {0666, 0606}};
+  } cases[] = {{0664, 0644}, {0640, 0600}, {0604, 0600}, {0666, 0666}};
   for (const auto& [mode, left] : cases) {
     ASSERT_EQ(::chmod(path("file").c_str(), mode), 0);
     fs::remove(path("a"));
