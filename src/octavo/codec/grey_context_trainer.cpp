@@ -81,7 +81,7 @@ void take_samples(const Parameters& p, const Stage& stage, Workspace<std::int16_
 
 /// Normal equations of all features, in double precision.
 struct ContextEquations {
-  std::vector<double> matrix = std::vector<double>(kFeatures * kFeatures);
+  std::vector<double> matrix = std::vector<double>(std::size_t{kFeatures} * kFeatures);
   std::vector<double> right = std::vector<double>(kFeatures);
 };
 

@@ -36,7 +36,7 @@ struct VolumeDescription {
   /// UTF-8 JSON object. Keys of every importer: "source" {"format", "files"}, "spacing_known"
   /// (false: the source has none, 1 mm was assumed), "spacing_source" ("file", "user", "assumed"),
   /// "unit" ("HU", ...; where known). Of some: "dicom" {...}, "identity" {...} (kept or dropped),
-  /// "place_known" (false: origin and direction mean nothing), "prepared" {...} (what was
+  /// "place_known" (whether origin and direction mean a place), "prepared" {...} (what was
   /// interpolated, moved, left out), "chosen" {...} (of channels, times, segments), "lossy_source"
   /// (true: compression had changed values). A build adds "coding" where not all is as by default:
   /// "preset", "max_error", "nan", "inf", in real units; and where its source was an .8vo file with

@@ -1,8 +1,10 @@
 #include "octavo/io/described_source.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <utility>
 
 #include "octavo/core/checked.h"
@@ -31,6 +33,19 @@ std::string settle_spacing(SourceFacts& facts, const SourceOptions& options) {
   facts.warnings.push_back("spacing is not in the files: 1 mm assumed; give --spacing x,y,z");
   spacing = {1, 1, 1};
   return "assumed";
+}
+
+/// The names of files behind the folder that holds them all.
+std::vector<std::string> differing_names(const std::vector<std::string>& files) {
+  std::string_view common = files.empty() ? std::string_view() : files.front();
+  for (const std::string& file : files) {
+    const auto ends = std::mismatch(common.begin(), common.end(), file.begin(), file.end());
+    common = common.substr(0, static_cast<std::size_t>(ends.first - common.begin()));
+  }
+  const std::size_t start = common.rfind('/') + 1;  // 0 where there is none
+  std::vector<std::string> names;
+  for (const std::string& file : files) names.push_back(file.substr(start));
+  return names;
 }
 
 constexpr const char* kNameOneStack = "; name the files of one stack, in which one number counts";
@@ -83,6 +98,7 @@ void settle(SourceFacts& facts, const SourceOptions& options, const std::string&
   metadata["source"] = {{"format", facts.format}, {"files", facts.file_count}};
   metadata["spacing_known"] = spacing_source != "assumed";
   metadata["spacing_source"] = spacing_source;
+  if (facts.place_known) metadata["place_known"] = *facts.place_known;
   if (facts.ignored_number_gaps > 0) {
     metadata["prepared"]["ignored_number_gaps"] = facts.ignored_number_gaps;
   }
@@ -99,8 +115,7 @@ void settle(SourceFacts& facts, const SourceOptions& options, const std::string&
 
 void settle_number_gaps(const std::vector<std::string>& files, const SourceOptions& options,
                         SourceFacts& facts) {
-  std::vector<std::string> names;
-  for (const std::string& file : files) names.push_back(base_name(file));
+  const std::vector<std::string> names = differing_names(files);
   const std::vector<NumberGap> gaps = number_gaps(names);
   if (gaps.empty()) return;
   const std::string found = gap_text(names, gaps);

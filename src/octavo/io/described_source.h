@@ -23,6 +23,8 @@ struct SourceFacts {
   bool spacing_known = false;           ///< the files carry a spacing
   std::string unit;                     ///< unit of real values, when known
   SourceIdentity identity;              ///< what tells who, where or when
+  /// Whether origin and direction place the volume in a body; nothing where that is not said.
+  std::optional<bool> place_known;
   std::string extra_json;               ///< an object merged into the metadata, or empty
   std::size_t ignored_number_gaps = 0;  ///< of a stack of numbered files
   Components components;                ///< what stands at each voxel

@@ -52,32 +52,36 @@ void check_native(const DicomLayout& layout) {
   if (pictures > static_cast<std::uint64_t>(layout.frames)) reject_more(layout, pictures);
 }
 
-/// True for the marks that JPEG, JPEG-LS and JPEG 2000 pictures start with. The bytes of the
-/// latter's first mark alone may stand in the midst of a picture.
-bool starts_picture(const SourceFile& file, const ByteRun& fragment) {
+/// True for what JPEG, JPEG-LS and JPEG 2000 pictures start with, or those of run lengths: 1 to 15
+/// segments, the first of them behind a header of 64 bytes (PS3.5, G.5). The first mark of JPEG
+/// 2000 alone may stand in the midst of a picture.
+bool starts_picture(const SourceFile& file, const ByteRun& fragment, bool is_run_lengths) {
   using namespace std::string_view_literals;
-  std::array<std::byte, 4> head{};
+  std::array<std::byte, 8> head{};
   const std::size_t count = file.read_some(
       fragment.offset, std::span(head).first(std::min<std::size_t>(head.size(), fragment.length)));
   const std::string_view text(reinterpret_cast<const char*>(head.data()), count);
-  return text.starts_with("\xff\xd8"sv) || text == "\xff\x4f\xff\x51"sv;
+  if (!is_run_lengths) {
+    return text.starts_with("\xff\xd8"sv) || text.starts_with("\xff\x4f\xff\x51"sv);
+  }
+  return count == head.size() && text[0] >= 1 && text[0] <= 15 &&
+         text.substr(1) == "\0\0\0\x40\0\0\0"sv;
 }
 
-/// Compressed pictures as the fragments show them; a run-length picture is one fragment
-/// (PS3.5, A.4.2).
+/// Compressed pictures as the fragments show them.
 std::uint64_t compressed_pictures(const DicomLayout& layout) {
   const std::vector<ByteRun>& fragments = layout.pixels.fragments;
-  if (layout.transfer_syntax == kRunLengths) return fragments.size();
+  const bool is_run_lengths = layout.transfer_syntax == kRunLengths;
   const SourceFile file(layout.path);
-  return static_cast<std::uint64_t>(std::count_if(
-      fragments.begin(), fragments.end(),
-      [&](const ByteRun& fragment) { return starts_picture(file, fragment); }));
+  return static_cast<std::uint64_t>(
+      std::count_if(fragments.begin(), fragments.end(), [&](const ByteRun& fragment) {
+        return starts_picture(file, fragment, is_run_lengths);
+      }));
 }
 
 void check_compressed(const DicomLayout& layout) {
   const DicomPixels& pixels = layout.pixels;
   const auto frames = static_cast<std::uint64_t>(layout.frames);
-  if (pixels.frame_offsets.size() > frames) reject_more(layout, pixels.frame_offsets.size());
   const bool one_each = pixels.fragments.size() == frames;
   const bool has_table = pixels.frame_offsets.size() == frames;
   if (pixels.fragments.size() > frames) {

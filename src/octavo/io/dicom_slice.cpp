@@ -1,5 +1,6 @@
 #include "octavo/io/dicom_slice.h"
 
+#include <cmath>
 #include <set>
 #include <utility>
 
@@ -52,6 +53,21 @@ std::optional<std::int64_t> read_padding(const DicomLayout& layout,
   return layout.is_signed && value >= span / 2 ? value - span : value;
 }
 
+/// Number of Frames; 1 where it is absent or blank.
+std::int64_t frame_count(const DicomSet& data, const std::string& path) {
+  constexpr DicomTag kNumberOfFrames = 0x00280008;
+  const std::string text = data.text(kNumberOfFrames);
+  if (text.empty()) return 1;
+  const std::vector<double> numbers = data.decimals(kNumberOfFrames);
+  const double frames = numbers.size() == 1 ? numbers.front() : 0;
+  if (frames >= 1 && frames <= static_cast<double>(kMaxFrames) && frames == std::floor(frames)) {
+    return static_cast<std::int64_t>(frames);
+  }
+  reject(path, "Number of Frames " + dicom_tag_text(kNumberOfFrames) + " is \"" + escaped(text) +
+                   "\", a whole number of 1 to " + std::to_string(kMaxFrames) +
+                   " expected; correct it in the file, or export the series again");
+}
+
 DicomLayout read_layout(const DicomFile& file) {
   const DicomSet& data = file.data;
   DicomLayout layout;
@@ -87,11 +103,7 @@ DicomLayout read_layout(const DicomFile& file) {
     layout.segments.push_back(
         {segment.unsigned_value(0x00620004).value_or(0), segment.text(0x00620005)});
   }
-  const double frames = data.decimal(0x00280008).value_or(1);
-  if (!(frames >= 1 && frames <= static_cast<double>(kMaxFrames))) {
-    reject(file.path, "Number of Frames is " + number_text(frames));
-  }
-  layout.frames = static_cast<std::int64_t>(frames);
+  layout.frames = frame_count(data, file.path);
   if (layout.rows == 0 || layout.columns == 0)
     reject(file.path, "a picture without rows or columns");
   if (layout.rows > kMaxSide || layout.columns > kMaxSide) {

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "octavo/core/exact_text.h"
 #include "octavo/io/export_target.h"
 
@@ -38,6 +40,20 @@ std::string axes_text(const Geometry& geometry) {
   return text;
 }
 
+/// The ends of the body from which the axes run, as "RAI" where they run to left, back and head.
+std::string orientation_text(const Geometry& geometry) {
+  std::string text;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::size_t row = 0;
+    const auto part = [&](std::size_t r) { return geometry.direction[r * 3 + axis]; };
+    for (std::size_t r = 1; r < 3; ++r) {
+      if (std::abs(part(r)) > std::abs(part(row))) row = r;
+    }
+    text += part(row) > 0 ? "RAI"[row] : "LPS"[row];
+  }
+  return text;
+}
+
 }  // namespace
 
 ByteString meta_header(const ExportPlan& plan, const std::string& data_file) {
@@ -46,6 +62,8 @@ ByteString meta_header(const ExportPlan& plan, const std::string& data_file) {
   text += line("TransformMatrix", axes_text(plan.geometry));
   text += line("Offset", point_text(plan.geometry.origin_mm));
   text += line("CenterOfRotation", "0 0 0");
+  text += line("AnatomicalOrientation",
+               plan.place_known ? orientation_text(plan.geometry) : "???");
   text += line("ElementSpacing", point_text(plan.geometry.spacing_mm));
   text += line("DimSize", std::to_string(plan.size.x) + " " + std::to_string(plan.size.y) + " " +
                               std::to_string(plan.size.z));

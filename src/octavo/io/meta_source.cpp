@@ -214,6 +214,15 @@ bool read_geometry(const MetaHeader& header, std::size_t dimensions, const Sourc
                       geometry.spacing_mm);
 }
 
+/// Whether the header says how the patient lies. "???" is what programs write that do not know.
+std::optional<bool> place_known_of(const MetaHeader& header, const Geometry& geometry) {
+  const std::string orientation = header.text("AnatomicalOrientation");
+  if (orientation.empty() || !header.has("TransformMatrix")) return std::nullopt;
+  if (orientation != "???") return true;
+  if (geometry.direction == Geometry{}.direction) return false;
+  return std::nullopt;
+}
+
 void refuse_unreadable(const MetaHeader& header) {
   if (header.has("BinaryData") && !header.is_true({"BinaryData"})) {
     reject(header.path(), "voxels written as text are not read; convert the file to binary");
@@ -264,6 +273,7 @@ std::unique_ptr<PlaneSource> open_meta_source(const std::string& path,
   description.size = read_size(header);
   const std::size_t dimensions = header.field({"DimSize"}).integers().size();
   facts.spacing_known = read_geometry(header, dimensions, options, description.geometry);
+  facts.place_known = place_known_of(header, description.geometry);
   if (header.has("ElementToIntensityFunctionSlope")) {
     description.rescale.slope = header.field({"ElementToIntensityFunctionSlope"}).numbers(1)[0];
   }

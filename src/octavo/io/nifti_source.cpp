@@ -130,6 +130,7 @@ std::unique_ptr<PlaneSource> open_nifti_source(const std::string& path,
   }
   std::vector<std::string> notes;
   facts.spacing_known = nifti_geometry(header, path, description.geometry, notes);
+  facts.place_known = header.sform_code > 0 || header.qform_code > 0;
   for (const std::string& note : notes) facts.warnings.push_back(note + ": " + escaped(path));
   for (const auto& [name, text] : header.texts) facts.identity.note(name, text);
   const std::int64_t plain_offset = header.version == 1 ? 352 : 544;

@@ -47,7 +47,7 @@ WorldAxes world_axes_of(const NrrdHeader& header) {
 }
 
 /// Notes that origin and directions say nothing of the body.
-void leave_unplaced(SourceFacts& facts) { facts.extra_json = R"({"place_known":false})"; }
+void leave_unplaced(SourceFacts& facts) { facts.place_known = false; }
 
 /// The vectors "(a,b,c) none (d,e,f) ..." of a field; "none" is passed over.
 std::vector<Point3> vectors(const FieldText& field) {
@@ -110,8 +110,8 @@ void read_space_directions(const NrrdHeader& header, std::size_t dimension,
                               " found");
   }
   const WorldAxes world = world_axes_of(header);
+  facts.place_known = world.doubt.empty();
   if (!world.doubt.empty()) {
-    leave_unplaced(facts);
     facts.warnings.push_back(world.doubt + " does not say where left is: axes and origin are kept "
                                            "as in the file: " + escaped(header.path()));
   }
@@ -207,7 +207,6 @@ bool read_spacings(const NrrdHeader& header, const NrrdSpaceAxes& space,
 
 /// Tells what of the place of the voxels is not taken from a header without space directions.
 void tell_what_is_left_out(const NrrdHeader& header, SourceFacts& facts) {
-  if (header.has("space")) world_axes_of(header);  // refuses unknown names
   if (header.has("space") || header.has("space origin")) {
     facts.warnings.push_back("the header names a space but gives no \"space directions\": "
                              "orientation and origin are left out: " + escaped(header.path()));

@@ -17,7 +17,7 @@ struct NrrdSpaceAxes {
 
 /// Sets the geometry of facts.description in LPS and millimetres, and facts.spacing_known. Where
 /// the header does not say where left is, axes and origin stay as in the file: a warning says so
-/// and facts.extra_json becomes {"place_known": false}.
+/// and facts.place_known becomes false.
 /// Throws Error{source_rejected} for a space of another name, for sheared axes, and naming the
 ///        field that is not usable
 void read_nrrd_geometry(const NrrdHeader& header, const NrrdSpaceAxes& space,

@@ -1,7 +1,6 @@
 #include "octavo/io/stack_names.h"
 
 #include <algorithm>
-#include <iterator>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -26,7 +25,8 @@ std::string_view without_ending(std::string_view name) {
   return std::any_of(ending.begin(), ending.end(), is_digit) ? name : name.substr(0, point);
 }
 
-std::optional<NumberedName> numbered(std::string_view name) {
+/// Numbers too long to count with are taken for letters.
+NumberedName numbered(std::string_view name) {
   constexpr std::size_t kMostDigits = 18;  // of an int64, whatever they are
   NumberedName result;
   for (std::size_t at = 0; at < name.size();) {
@@ -35,7 +35,10 @@ std::optional<NumberedName> numbered(std::string_view name) {
       continue;
     }
     const std::string_view digits = take_number(name, at);
-    if (digits.size() > kMostDigits) return std::nullopt;
+    if (digits.size() > kMostDigits) {
+      result.letters += digits;
+      continue;
+    }
     std::int64_t value = 0;
     for (const char c : digits) value = value * 10 + (c - '0');
     result.letters += '#';
@@ -48,9 +51,9 @@ std::optional<NumberedName> numbered(std::string_view name) {
 std::vector<NumberedName> alike(const std::vector<std::string>& names) {
   std::vector<NumberedName> all;
   for (const std::string& name : names) {
-    std::optional<NumberedName> parsed = numbered(without_ending(name));
-    if (!parsed || (!all.empty() && parsed->letters != all.front().letters)) return {};
-    all.push_back(std::move(*parsed));
+    NumberedName parsed = numbered(without_ending(name));
+    if (!all.empty() && parsed.letters != all.front().letters) return {};
+    all.push_back(std::move(parsed));
   }
   return all;
 }

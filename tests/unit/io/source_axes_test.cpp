@@ -125,7 +125,7 @@ TEST(SourceAxes, OfNrrdSpacesThatNameLeftAreTurnedToLps) {
     EXPECT_EQ(g.direction, (Matrix3{signs[0], 0, 0, 0, signs[1], 0, 0, 0, signs[2]})) << space;
     EXPECT_EQ(g.origin_mm, (Point3{signs[0], 2 * signs[1], 3 * signs[2]})) << space;
     EXPECT_TRUE(source->warnings().empty()) << all_of(source->warnings());
-    EXPECT_FALSE(contains(source->description().metadata_json, "place_known")) << space;
+    EXPECT_TRUE(contains(source->description().metadata_json, "\"place_known\":true")) << space;
   }
 }
 
@@ -150,11 +150,39 @@ TEST(SourceAxes, OfNrrdSpacesOfAnotherNameAreRefusedWithTheNamesThatAreRead) {
   const TempFolder folder;
   const std::string path = folder.file("a.nrrd");
   for (const char* space : {"right-posterior-superior", "RPS", "foo", "RAST", "3D-left"}) {
-    for (const std::string& rest : {kDirections, std::string("spacings: 1 1 2")}) {
-      write_nrrd(path, std::string("space: ") + space + "\n" + rest);
-      expect_refused(path, {std::string("\"") + space + "\" is not read", "(LPS)", "(RAS)", "(LAS)",
-                            "scanner-xyz"});
-    }
+    write_nrrd(path, std::string("space: ") + space + "\n" + kDirections);
+    expect_refused(path, {std::string("\"") + space + "\" is not read", "(LPS)", "(RAS)", "(LAS)",
+                          "scanner-xyz"});
+    write_nrrd(path, std::string("space: ") + space + "\nspacings: 1 1 2");
+    EXPECT_TRUE(contains(all_of(open_source({path}, {})->warnings()), "are left out")) << space;
+  }
+}
+
+// A volume at the origin along the axes of LPS looks like one of which nothing is known.
+TEST(SourceAxes, ThatAreStatedPlaceTheVolumeWhateverTheyAre) {
+  const auto metadata = [](const std::string& path) {
+    return open_source({path}, {})->description().metadata_json;
+  };
+  const TempFolder folder;
+  NiftiSample nifti;
+  nifti.srow = {-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 2, 0};
+  write_file(folder.file("a.nii"), nifti_header(nifti) + std::string(48, 'v'));
+  EXPECT_TRUE(contains(metadata(folder.file("a.nii")), "\"place_known\":true"));
+  nifti.sform = 0;
+  write_file(folder.file("a.nii"), nifti_header(nifti) + std::string(48, 'v'));
+  EXPECT_TRUE(contains(metadata(folder.file("a.nii")), "\"place_known\":false"));
+  const std::string matrix = "TransformMatrix = 1 0 0 0 1 0 0 0 1\n";
+  for (const auto& [lines, expected] : std::vector<std::pair<std::string, std::string>>{
+           {matrix + "AnatomicalOrientation = RAI\n", "\"place_known\":true"},
+           {matrix + "AnatomicalOrientation = ???\n", "\"place_known\":false"},
+           {matrix, ""},
+           {"AnatomicalOrientation = RAI\n", ""}}) {
+    write_file(folder.file("a.mha"), "ObjectType = Image\nNDims = 3\n" + lines +
+                                         "ElementSpacing = 1 1 1\nDimSize = 2 2 2\n"
+                                         "ElementType = MET_UCHAR\nElementDataFile = LOCAL\n" +
+                                         std::string(8, 'v'));
+    EXPECT_EQ(contains(metadata(folder.file("a.mha")), "place_known"), !expected.empty()) << lines;
+    EXPECT_TRUE(contains(metadata(folder.file("a.mha")), expected)) << lines;
   }
 }
 

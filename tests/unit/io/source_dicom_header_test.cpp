@@ -140,6 +140,7 @@ TEST(SourceDicomExtent, OfMoreCompressedPicturesIsRefused) {
   const std::string jpeg = "\xff\xd8\xff\xe0";
   const std::string jpeg2000 = "\xff\x4f\xff\x51";
   const std::string middle = "\xff\x4f\x01\x02";
+  const std::string runs("\x01\0\0\0\x40\0\0\0", 8);
   struct Row {
     const char* syntax;
     std::vector<std::string> fragments;
@@ -148,10 +149,10 @@ TEST(SourceDicomExtent, OfMoreCompressedPicturesIsRefused) {
     const char* found;
   };
   for (const Row& row : std::vector<Row>{
-           {kRunLengths, {"abcd", "abcd", "abcd"}, false, "1", "3 pictures"},
-           {kRunLengths, {"abcd", "abcd", "abcd"}, true, "2", "3 pictures"},
+           {kRunLengths, {runs, runs, runs}, false, "1", "3 pictures"},
+           {kRunLengths, {runs, runs, runs}, true, "2", "3 pictures"},
            {kJpegBaseline, {jpeg, middle, jpeg}, false, "1", "2 pictures"},
-           {kJpegBaseline, {jpeg, middle}, true, "1", "2 pictures"},
+           {kJpegBaseline, {jpeg, jpeg}, true, "1", "2 pictures"},
            {kJpeg2000, {jpeg2000, middle, jpeg2000, middle}, false, "1", "2 pictures"}}) {
     DicomElements elements = ct_elements(5, 3, 8);
     elements.set(kFrames, "IS", row.frames);
@@ -181,9 +182,20 @@ TEST(SourceDicomExtent, OfOnePictureInSeveralFragmentsIsNoFault) {
   elements.set(kPixelData, "OB", counted(15));
   elements.write(folder.file("a.dcm"), kExplicitLittle);
   const std::string coded = jpeg_ls_of(folder.file("a.dcm"));
-  elements.set_fragments({coded.substr(0, 16), coded.substr(16)}, false);
-  elements.write(folder.file("a.dcm"), kJpegLs);
-  EXPECT_EQ(voxels_of(*open_source({folder.file("a.dcm")}, {})), counted(15));
+  // A table of the fragments instead of the frames is not what tells.
+  for (const bool has_table : {false, true}) {
+    elements.set_fragments({coded.substr(0, 16), coded.substr(16)}, has_table);
+    elements.write(folder.file("a.dcm"), kJpegLs);
+    EXPECT_EQ(voxels_of(*open_source({folder.file("a.dcm")}, {})), counted(15)) << has_table;
+  }
+}
+
+TEST(SourceDicomExtent, OfANumberOfFramesThatIsNoneIsRefused) {
+  for (const char* text : {"1A", "1.5", "2\\3", "0", "-1"}) {
+    DicomElements elements = ct_elements(5, 3, 8);
+    elements.set(kFrames, "IS", text);
+    expect_refusal(elements, {"Number of Frames (0028,0008)", text});
+  }
 }
 
 TEST(SourceDicomExtent, OfMoreRowsThanTheirNumberCanSayIsRefused) {

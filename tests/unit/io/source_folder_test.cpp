@@ -24,6 +24,9 @@ TEST(StackNames, NamesInWhichANumberCountsHaveNoGap) {
            {"s1.tif", "s2.tiff", "s3.TIF"},
            {"scan.1", "scan.2", "scan.3"},
            {"20261230_235959_001", "20261231_000003_002", "20261231_000013_003"},
+           {"1.3.6.1.4.1.14519.5.2.1.179049373636438705059720603192_008",
+            "1.3.6.1.4.1.14519.5.2.1.179049373636438705059720603192_009"},
+           {"s0/plane.tif", "s1/plane.tif", "s2/plane.tif"},
            {"a0_1", "a1_0", "a2_1", "a3_0"}}) {
     EXPECT_TRUE(number_gaps(names).empty()) << names.front();
     EXPECT_FALSE(number_grid(names)) << names.front();
@@ -104,6 +107,18 @@ TEST_F(SourceFolder, AStackOfTwoChannelsIsRefusedOrTakenAsTold) {
   EXPECT_EQ(source->description().size, (Size3{2, 2, 4}));
   EXPECT_TRUE(contains(source->description().metadata_json, "\"ignored_number_gaps\":1"));
   EXPECT_TRUE(contains(source->warnings()[0], "taken as neighbours"));
+}
+
+TEST_F(SourceFolder, NumbersInTheNamesOfFoldersCount) {
+  std::vector<std::string> files;
+  for (const char* name : {"s9/plane.png", "s10/plane.png", "s11/plane.png", "s13/plane.png"}) {
+    add_png(name, 5);
+    files.push_back(folder_.file(name));
+  }
+  const Error error = source_error(files, options_);
+  EXPECT_TRUE(contains(error.what(), "s11/plane.png is followed by s13/plane.png")) << error.what();
+  files.pop_back();
+  EXPECT_EQ(open_source(files, options_)->description().size.z, 3);
 }
 
 TEST_F(SourceFolder, AStrayNameInAStackIsRefused) {
