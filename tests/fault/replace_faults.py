@@ -125,7 +125,7 @@ class Stacks(Traced):
     def test_a_swap_in_two_steps_that_was_killed_is_settled_by_the_next_export(self):
         for calls in range(1, 4):
             result, _ = self.trace(
-                [self.WITHOUT_EXCHANGE, f"inject=rename,unlink,rmdir:signal=KILL:when={calls}"],
+                [self.WITHOUT_EXCHANGE, f"inject=rename,unlinkat,rmdir:signal=KILL:when={calls}"],
                 "export", "new.8vo", "-o", "st/", "--force", "-j1")
             self.assertEqual(result.returncode, -signal.SIGKILL, calls)
             # Whatever the moment, one whole stack is there, under a name that is settled.
@@ -141,6 +141,65 @@ class Stacks(Traced):
             result, _ = self.trace(rules, "export", "new.8vo", "-o", "st/", "--force")
             self.assertEqual(result.returncode, 0, result.stderr)
             self.assertEqual(len(os.listdir(self.folder / "st.earlier")), 7)
+
+    def test_a_link_leads_to_the_stack_that_is_replaced(self):
+        (self.folder / "deep").mkdir()
+        (self.folder / "st").rename(self.folder / "deep/st")
+        (self.folder / "st").symlink_to("deep/st")
+        for target in ["st/", "st"]:
+            for source, planes in [("new", 5), ("old", 7)]:
+                self.expect(0, "export", f"{source}.8vo", "-o", target, "--force")
+                self.assertTrue((self.folder / "st").is_symlink())
+                self.assertEqual(self.planes(), planes)
+                self.assertEqual(os.listdir(self.folder / "deep"), ["st"])
+        self.expect_refusal(5, ["st: the folder is not empty"], "export", "new.8vo", "-o", "st/")
+        (self.folder / "nowhere").symlink_to("gone")
+        (self.folder / "file.tif").write_text("kept")
+        (self.folder / "to_file").symlink_to("file.tif")
+        for target, words in [("nowhere/", "nowhere: is a link that cannot be followed"),
+                              ("to_file/", "is a file; a TIFF stack needs a folder")]:
+            self.expect_refusal(5, [words], "export", "new.8vo", "-o", target, "--force")
+        self.assertEqual((self.folder / "file.tif").read_text(), "kept")
+
+    def test_no_link_is_followed_where_a_stack_is_removed(self):
+        (self.folder / "st").rename(self.folder / "real")
+        (self.folder / ".st.tmp-earlier").symlink_to("real")
+        (self.folder / f".st.tmp-{NOBODY}").symlink_to("real")
+        self.expect(0, "export", "old.8vo", "-o", "other/")
+        (self.folder / "other").rename(self.folder / "st")
+        self.expect_refusal(5, ["st: the earlier stack of this name, .st.tmp-earlier, cannot be "
+                                "removed"], "export", "new.8vo", "-o", "st/", "--force")
+        (self.folder / ".st.tmp-earlier").unlink()
+        self.expect(0, "export", "new.8vo", "-o", "st/", "--force")
+        self.assertEqual(len(os.listdir(self.folder / "real")), 7)
+
+    def test_what_is_called_a_plane_and_is_no_file_is_refused_before_any_work(self):
+        before = self.names()
+        plane = self.folder / "st/plane_0099.tif"
+        for make, remove in [(lambda: plane.symlink_to("plane_0000.tif"), plane.unlink),
+                             (plane.mkdir, plane.rmdir),
+                             (lambda: os.mkfifo(plane), plane.unlink)]:
+            make()
+            self.expect_refusal(5, ["st: the folder holds plane_0099.tif, which is no plane"],
+                                "export", "new.8vo", "-o", "st/", "--force")
+            self.assertEqual((self.planes(), self.names()), (8, before))
+            remove()
+
+    def test_an_earlier_stack_that_cannot_be_removed_is_told_by_each_export(self):
+        told = "st: the earlier stack of this name, .st.tmp-earlier, cannot be removed: "
+        result, _ = self.trace(["inject=unlinkat:error=EACCES:when=1"], "export", "new.8vo", "-o",
+                               "st/", "--force", "-j1", "--progress", "none")
+        self.assertEqual(result.returncode, 5, result.stderr)
+        self.assertIn(told + "Permission denied", result.stderr)
+        self.assertEqual(self.planes(), 5)
+        foreign = self.folder / ".st.tmp-earlier/notes.txt"
+        foreign.write_text("kept")
+        for _ in range(2):
+            self.expect_refusal(5, [told], "export", "old.8vo", "-o", "st/", "--force")
+        self.assertEqual((foreign.read_text(), self.planes()), ("kept", 5))
+        foreign.unlink()
+        self.expect(0, "export", "old.8vo", "-o", "st/", "--force")
+        self.assertEqual((self.planes(), self.names()), (7, self.own))
 
 
 class Signals(Traced):

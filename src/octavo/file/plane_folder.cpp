@@ -1,13 +1,13 @@
 #include "octavo/file/plane_folder.h"
 
 #include <dirent.h>
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <memory>
-#include <vector>
 
 namespace octavo {
 
@@ -17,25 +17,42 @@ constexpr std::string_view kPrefix = "plane_";
 constexpr std::string_view kEnding = ".tif";
 constexpr std::size_t kLeastDigits = 4;
 
-bool is_regular_file(const std::string& path) {
-  struct stat status {};
-  return ::lstat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode);
+using OpenFolder = std::unique_ptr<DIR, int (*)(DIR*)>;
+
+// The folder itself, never what a link of that name leads to; null with errno set.
+OpenFolder open_folder(const std::string& folder) {
+  constexpr int kFlags = O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC;
+  OpenFolder entries(nullptr, ::closedir);
+  const int descriptor = ::open(folder.c_str(), kFlags);
+  if (descriptor < 0) return entries;
+  entries.reset(::fdopendir(descriptor));
+  if (!entries) {
+    const int reason = errno;
+    ::close(descriptor);
+    errno = reason;
+  }
+  return entries;
 }
 
-// The planes of a folder; false with errno set when it holds anything else or cannot be listed.
-bool list_planes(const std::string& folder, std::vector<std::string>& planes) {
-  const std::unique_ptr<DIR, int (*)(DIR*)> entries(::opendir(folder.c_str()), ::closedir);
-  if (!entries) return false;
+bool is_plane(DIR* folder, const std::string& name) {
+  struct stat status {};
+  return is_plane_name(name) &&
+         ::fstatat(::dirfd(folder), name.c_str(), &status, AT_SYMLINK_NOFOLLOW) == 0 &&
+         S_ISREG(status.st_mode);
+}
+
+bool list_open(DIR* folder, PlaneList& list) {
   for (;;) {
     errno = 0;
-    const dirent* const entry = ::readdir(entries.get());
+    const dirent* const entry = ::readdir(folder);
     if (entry == nullptr) return errno == 0;
     const std::string name = entry->d_name;
     if (name == "." || name == "..") continue;
-    planes.push_back(folder + "/" + name);
-    if (is_plane_name(name) && is_regular_file(planes.back())) continue;
-    errno = ENOTEMPTY;
-    return false;
+    if (is_plane(folder, name)) {
+      list.planes.push_back(name);
+    } else {
+      list.other = name;
+    }
   }
 }
 
@@ -56,11 +73,21 @@ bool is_plane_name(std::string_view name) {
   return name.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
+bool list_planes(const std::string& folder, PlaneList& list) {
+  const OpenFolder entries = open_folder(folder);
+  return entries && list_open(entries.get(), list);
+}
+
 bool remove_plane_folder(const std::string& folder) {
-  std::vector<std::string> planes;
-  if (!list_planes(folder, planes)) return false;
-  for (const std::string& plane : planes) {
-    if (::unlink(plane.c_str()) != 0 && errno != ENOENT) return false;
+  const OpenFolder entries = open_folder(folder);
+  PlaneList list;
+  if (!entries || !list_open(entries.get(), list)) return false;
+  if (!list.other.empty()) {
+    errno = ENOTEMPTY;
+    return false;
+  }
+  for (const std::string& plane : list.planes) {
+    if (::unlinkat(::dirfd(entries.get()), plane.c_str(), 0) != 0 && errno != ENOENT) return false;
   }
   return ::rmdir(folder.c_str()) == 0;
 }

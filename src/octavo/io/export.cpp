@@ -68,9 +68,11 @@ ExportFormat export_format_of(const std::string& path) {
 ExportResult export_volume(const FileReader& reader, Storage& storage, const std::string& path,
                            ExportFormat format, const ExportOptions& options, Progress& progress) {
   const ExportPlan plan = plan_export(reader, format, options);
+  const std::string target =
+      format == ExportFormat::tiff_stack ? resolved_stack_path(path) : path;
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
   return arena.execute(
-      [&] { return run_export(reader, storage, path, format, plan, options.threads, progress); });
+      [&] { return run_export(reader, storage, target, format, plan, options.threads, progress); });
 }
 
 }  // namespace octavo

@@ -36,7 +36,12 @@ std::unique_ptr<ExportTarget> make_flat_target(Storage& storage, const std::stri
 std::unique_ptr<ExportTarget> make_detached_target(Storage& storage, const std::string& path,
                                                    const ExportPlan& plan);
 
+/// The path under which a TIFF stack is written: for a link the folder that it leads to, which is
+/// what is replaced; any other path as it is. Throws Error{io} where the link leads nowhere.
+std::string resolved_stack_path(const std::string& path);
+
 /// A name that ends in .tif or .tiff: one file of many pages; otherwise a folder of numbered files.
+/// path  no link where it is to be a folder
 std::unique_ptr<ExportTarget> make_tiff_target(Storage& storage, const std::string& path,
                                                const ExportPlan& plan);
 

@@ -59,37 +59,29 @@ class TiffPagesTarget final : public ExportTarget {
   std::optional<TiffOutput> tiff_;
 };
 
-[[noreturn]] void fail(const std::string& path, const std::string& doing,
-                       const std::error_code& reason) {
-  throw Error(ErrorKind::io, doing + ": " + reason.message(), path);
-}
-
 /// Proves that `folder` may become the stack: it is absent or empty, or may be replaced and holds
 /// planes of an earlier stack and nothing else. Returns one of these planes, or nothing.
-std::string check_folder(const std::string& folder, bool overwrite) {
-  std::error_code failure;
-  if (!fs::exists(folder, failure)) return {};
-  if (!fs::is_directory(folder, failure)) {
+std::string check_folder(Storage& storage, const std::string& folder, bool overwrite) {
+  if (!storage.exists(folder)) return {};
+  if (!is_folder(folder)) {
     throw Error(ErrorKind::io, "is a file; a TIFF stack needs a folder", folder);
   }
-  std::string plane;
-  fs::directory_iterator it(folder, failure);
-  for (; !failure && it != fs::directory_iterator(); it.increment(failure)) {
-    if (!overwrite) {
-      throw Error(ErrorKind::io, "the folder is not empty; --force replaces an earlier stack",
-                  folder);
-    }
-    const std::string name = it->path().filename().string();
-    if (!is_plane_name(name)) {
-      throw Error(ErrorKind::io,
-                  "the folder holds " + escaped(name) +
-                      ", which is no plane of a stack; it is not replaced, name another folder",
-                  folder);
-    }
-    plane = it->path().string();
+  PlaneList list;
+  if (!list_planes(folder, list)) {
+    throw Error(ErrorKind::io,
+                "cannot list the folder: " + std::generic_category().message(errno), folder);
   }
-  if (failure) fail(folder, "cannot list the folder", failure);
-  return plane;
+  if (!overwrite && (!list.planes.empty() || !list.other.empty())) {
+    throw Error(ErrorKind::io, "the folder is not empty; --force replaces an earlier stack",
+                folder);
+  }
+  if (!list.other.empty()) {
+    throw Error(ErrorKind::io,
+                "the folder holds " + escaped(list.other) +
+                    ", which is no plane of a stack; it is not replaced, name another folder",
+                folder);
+  }
+  return list.planes.empty() ? std::string() : folder + "/" + list.planes.back();
 }
 
 /// The stack grows in a folder beside its own, which takes the name when all planes are on disk.
@@ -98,7 +90,7 @@ class TiffFolderTarget final : public ExportTarget {
   TiffFolderTarget(Storage& storage, std::string folder, const ExportPlan& plan)
       : storage_(storage), plan_(plan), folder_(std::move(folder)) {
     settle_earlier();
-    earlier_plane_ = check_folder(folder_, plan_.overwrite);
+    earlier_plane_ = check_folder(storage_, folder_, plan_.overwrite);
     try {
       TemporaryFile temporary = create_temporary_folder(storage, folder_);
       temporary_ = std::move(temporary.path);
@@ -119,7 +111,7 @@ class TiffFolderTarget final : public ExportTarget {
 
   std::vector<std::string> finish() override {
     storage_.sync_folder(temporary_);
-    if (!check_folder(folder_, plan_.overwrite).empty()) {
+    if (!check_folder(storage_, folder_, plan_.overwrite).empty()) {
       replace_earlier();
     } else {
       storage_.rename(temporary_, folder_);
@@ -184,12 +176,25 @@ class TiffFolderTarget final : public ExportTarget {
     sync_new_name(storage_, folder_);
   }
 
+  // What cannot be removed is told, and by every later export until it is.
   void remove_earlier(const std::string& earlier) const {
     if (remove_plane_folder(earlier) || errno == ENOENT) return;
+    const int reason = errno;
     throw Error(ErrorKind::io,
-                "the earlier stack of this name, " + escaped(base_name_of(earlier)) +
-                    ", cannot be removed: " + std::generic_category().message(errno),
+                "the earlier stack of this name, " + escaped(base_name_of(kept_name(earlier))) +
+                    ", cannot be removed: " + std::generic_category().message(reason),
                 folder_);
+  }
+
+  // Calls an earlier stack by its name of two steps, where that is free; returns its name.
+  std::string kept_name(const std::string& earlier) const {
+    if (earlier == earlier_name()) return earlier;
+    try {
+      storage_.rename_new(earlier, earlier_name());
+      return earlier_name();
+    } catch (const Error&) {
+      return earlier;
+    }
   }
 
   Storage& storage_;
@@ -203,17 +208,33 @@ class TiffFolderTarget final : public ExportTarget {
   bool is_published_ = false;
 };
 
+bool is_one_file(const std::string& path) {
+  return !path.ends_with('/') && !is_folder(path) &&
+         (has_ending(path, ".tif") || has_ending(path, ".tiff"));
+}
+
+std::string without_slashes(std::string folder) {
+  while (folder.size() > 1 && folder.ends_with('/')) folder.pop_back();
+  return folder;
+}
+
 }  // namespace
+
+std::string resolved_stack_path(const std::string& path) {
+  const std::string folder = without_slashes(path);
+  std::error_code failure;
+  if (is_one_file(path) || !fs::is_symlink(folder, failure)) return path;
+  const std::string target = fs::canonical(folder, failure).string();
+  if (failure) {
+    throw Error(ErrorKind::io, "is a link that cannot be followed: " + failure.message(), folder);
+  }
+  return target + "/";
+}
 
 std::unique_ptr<ExportTarget> make_tiff_target(Storage& storage, const std::string& path,
                                                const ExportPlan& plan) {
-  if (!path.ends_with('/') && !is_folder(path) &&
-      (has_ending(path, ".tif") || has_ending(path, ".tiff"))) {
-    return std::make_unique<TiffPagesTarget>(storage, path, plan);
-  }
-  std::string folder = path;
-  while (folder.size() > 1 && folder.ends_with('/')) folder.pop_back();
-  return std::make_unique<TiffFolderTarget>(storage, folder, plan);
+  if (is_one_file(path)) return std::make_unique<TiffPagesTarget>(storage, path, plan);
+  return std::make_unique<TiffFolderTarget>(storage, without_slashes(path), plan);
 }
 
 }  // namespace octavo
