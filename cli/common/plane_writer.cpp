@@ -74,6 +74,7 @@ PlaneWriteResult write_plain_planes(PlaneSource& source, const std::string& path
   const bool has_header = path.ends_with(".mhd");
   const std::string raw_path = path.substr(0, path.size() - 4) + ".raw";
   Storage& storage = local_storage();
+  if (has_header) settle_pair(storage, path, raw_path);
   require_free(storage, path, overwrite);
   require_free(storage, raw_path, overwrite);
   PendingFile raw(storage, raw_path);

@@ -29,6 +29,8 @@ namespace {
 
 constexpr std::size_t kMaxCallBytes = std::size_t{1} << 30;
 constexpr int kMaxCreateTries = 10;
+constexpr int kMaxLockTries = 6000;
+constexpr unsigned kMicrosecondsToLock = 10'000;  // between two tries: a minute in all
 
 std::string mebibytes(std::uint64_t bytes) {
   char text[32];
@@ -410,6 +412,17 @@ class LocalStorage final : public Storage {
     if (result != 0 && errno != EINVAL && errno != ENOTSUP) {
       fail("cannot make the new name durable", folder, errno);
     }
+  }
+
+  std::unique_ptr<StorageFile> lock_folder(const std::string& folder) override {
+    auto file = std::make_unique<LocalFile>(folder);
+    if (!file->open(folder, O_RDONLY | O_DIRECTORY)) return nullptr;
+    for (int attempt = 0; attempt < kMaxLockTries; ++attempt) {
+      if (::flock(file->descriptor(), LOCK_EX | LOCK_NB) == 0) return file;
+      if (errno != EWOULDBLOCK && errno != EINTR) return nullptr;
+      ::usleep(kMicrosecondsToLock);
+    }
+    throw Error(ErrorKind::io, "another program has had its folder locked for a minute", folder);
   }
 
  private:

@@ -46,6 +46,8 @@ std::unique_ptr<StorageFile> Storage::create_folder(const std::string& path, con
   throw Error(ErrorKind::io, "cannot make the folder: this storage has none", path);
 }
 
+std::unique_ptr<StorageFile> Storage::lock_folder(const std::string&) { return nullptr; }
+
 void Storage::remove_stale(const std::string&) noexcept {}
 
 std::string folder_of(const std::string& path) {

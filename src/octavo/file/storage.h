@@ -73,6 +73,9 @@ class Storage {
   /// The files whose path starts with `prefix`, in the order of their names.
   virtual std::vector<std::string> list(const std::string& prefix) = 0;
   virtual void sync_folder(const std::string& folder) = 0;
+  /// Locks a folder while what is returned lives, for who changes several names in it; waits for
+  /// others, then Error{io}. Null where the file system has no locks, and unless overridden.
+  virtual std::unique_ptr<StorageFile> lock_folder(const std::string& folder);
 };
 
 /// The folder a path lies in: "." for a bare name.

@@ -39,6 +39,8 @@ std::string temporary_prefix(const std::string& path) {
   return name + ".tmp-";
 }
 
+std::string earlier_name(const std::string& path) { return temporary_prefix(path) + "earlier"; }
+
 namespace {
 
 // Takes a number from 1 to `most`, as std::to_string writes it, off the front of `text`.

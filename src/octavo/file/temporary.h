@@ -25,6 +25,10 @@ inline constexpr const char* kJournalEnding = ".journal";
 /// that the whole fits into kMaxNameBytes, and ends in a checksum of all of it.
 std::string temporary_prefix(const std::string& path);
 
+/// What stands at `path` is called so while another thing takes its place: ".NAME.tmp-earlier". It
+/// may be all there is, so no temporary_type knows it; whoever replaces `path` next settles it.
+std::string earlier_name(const std::string& path);
+
 enum class TemporaryType { growing, journal };
 
 /// What is called prefix + `ending`: PID, PID-N, or the journal of one. Nothing for any other

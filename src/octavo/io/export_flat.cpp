@@ -56,6 +56,7 @@ class DetachedTarget final : public ExportTarget {
   DetachedTarget(Storage& storage, const std::string& path, const ExportPlan& plan)
       : storage_(storage), overwrite_(plan.overwrite) {
     const std::string data_path = data_path_of(path);
+    settle_pair(storage, path, data_path);
     require_free(storage, path, overwrite_);
     require_free(storage, data_path, overwrite_);
     data_ = std::make_unique<PendingFile>(storage, data_path);

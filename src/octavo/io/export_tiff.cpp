@@ -144,7 +144,7 @@ class TiffFolderTarget final : public ExportTarget {
   void replace_earlier() {
     std::string earlier = temporary_;
     if (!storage_.exchange(temporary_, folder_)) {
-      earlier = earlier_name();
+      earlier = earlier_name(folder_);
       replace_in_two_steps(earlier);
     }
     is_published_ = true;
@@ -163,13 +163,9 @@ class TiffFolderTarget final : public ExportTarget {
     }
   }
 
-  // What the earlier stack is called between the two steps. It does not count as left behind: until
-  // the second step it is all there is.
-  std::string earlier_name() const { return temporary_prefix(folder_) + "earlier"; }
-
   // Ends what an export left that was killed between the two steps, or behind them.
   void settle_earlier() {
-    const std::string earlier = earlier_name();
+    const std::string earlier = earlier_name(folder_);
     if (!storage_.exists(earlier)) return;
     if (storage_.exists(folder_)) return remove_earlier(earlier);
     storage_.rename_new(earlier, folder_);
@@ -188,10 +184,10 @@ class TiffFolderTarget final : public ExportTarget {
 
   // Calls an earlier stack by its name of two steps, where that is free; returns its name.
   std::string kept_name(const std::string& earlier) const {
-    if (earlier == earlier_name()) return earlier;
+    if (earlier == earlier_name(folder_)) return earlier;
     try {
-      storage_.rename_new(earlier, earlier_name());
-      return earlier_name();
+      storage_.rename_new(earlier, earlier_name(folder_));
+      return earlier_name(folder_);
     } catch (const Error&) {
       return earlier;
     }

@@ -76,55 +76,123 @@ void publish_new_pair(Storage& storage, PendingFile& header, PendingFile& data, 
   }
 }
 
-// Puts the earlier header back; when that fails, none stands there.
-void put_back(Storage& storage, const std::string& earlier, const std::string& path) noexcept {
-  try {
-    storage.rename(earlier, path);
-    storage.sync_folder(folder_of(path));
-  } catch (...) {
-    // The failure that led here is the one to be told.
-  }
+// The two earlier files come back under their names; what has not left its own stays.
+void put_back(Storage& storage, const std::string& header, const std::string& data,
+              const std::string& earlier_header) {
+  const std::string earlier_data = earlier_name(data);
+  if (storage.exists(earlier_data)) storage.rename(earlier_data, data);
+  if (storage.exists(earlier_header)) storage.rename(earlier_header, header);
 }
 
-void replace_pair(Storage& storage, PendingFile& header, PendingFile& data) {
-  // The earlier header, locked so that nobody takes it for one that was left behind.
-  const auto lock = storage.open_update(header.path());
-  const std::string earlier = free_temporary_name(storage, header.path());
-  storage.rename(header.path(), earlier);
-  bool has_new_data = false;
-  try {
-    storage.sync_folder(folder_of(header.path()));
-    data.take_name(true);
-    has_new_data = true;
-    storage.sync_folder(folder_of(data.path()));
-    header.take_name(true);
-  } catch (const Error& error) {
-    if (!has_new_data) {
-      put_back(storage, earlier, header.path());
+// Ends what a program left that was stopped while it replaced a pair: before the new header had its
+// name the earlier pair comes back, whole; afterwards it goes. Requires the folder's lock.
+void settle_locked(Storage& storage, const std::string& header, const std::string& data) {
+  const std::string earlier_header = earlier_name(header);
+  if (storage.exists(earlier_header) && !storage.exists(header)) {
+    put_back(storage, header, data, earlier_header);
+    return storage.sync_folder(folder_of(header));
+  }
+  storage.remove(earlier_header);
+  storage.remove(earlier_name(data));
+}
+
+// Replaces an earlier pair, or a header that has no data beside it.
+class PairSwap {
+ public:
+  PairSwap(Storage& storage, PendingFile& header, PendingFile& data)
+      : storage_(storage),
+        header_(header),
+        data_(data),
+        has_earlier_data_(storage.exists(data.path())),
+        // By the earlier data it is told later on whether the new ones stand there. A header without
+        // goes as what is left behind does.
+        earlier_header_(has_earlier_data_ ? earlier_name(header.path())
+                                          : free_temporary_name(storage, header.path())),
+        lock_(storage.open_update(header.path())) {}
+
+  void run() {
+    try {
+      take_names();
+    } catch (const Error& error) {
+      if (undo() || !has_earlier_data_) throw;
+      throw Error(error.kind(),
+                  error.detail() + "; the earlier pair lies beside it, " +
+                      escaped(base_name_of(earlier_header_)) +
+                      " and its voxels: the next export of this name puts them back",
+                  error.path(), error.offset());
+    } catch (...) {
+      undo();
       throw;
     }
-    remove_quietly(storage, earlier);
-    throw Error(error.kind(),
-                error.detail() + "; " + escaped(base_name_of(data.path())) +
-                    " holds the new voxels and has no header; write both again",
-                header.path(), error.offset());
+    sync_new_name(storage_, header_.path());
+    remove_quietly(storage_, earlier_header_);
+    if (has_earlier_data_) remove_quietly(storage_, earlier_name(data_.path()));
   }
-  remove_quietly(storage, earlier);
-  sync_new_name(storage, header.path());
+
+ private:
+  void take_names() {
+    storage_.rename(header_.path(), earlier_header_);
+    storage_.sync_folder(folder_of(header_.path()));
+    if (has_earlier_data_) storage_.rename(data_.path(), earlier_name(data_.path()));
+    data_.take_name(true);
+    has_new_data_ = true;
+    storage_.sync_folder(folder_of(data_.path()));
+    header_.take_name(true);
+  }
+
+  // Returns whether the earlier pair has its names again.
+  bool undo() noexcept {
+    try {
+      if (has_new_data_ && !has_earlier_data_) storage_.remove(data_.path());
+      put_back(storage_, header_.path(), data_.path(), earlier_header_);
+    } catch (...) {
+      return false;
+    }
+    try {
+      storage_.sync_folder(folder_of(header_.path()));
+    } catch (...) {
+      // The failure that led here is the one to be told; after a power cut settle_pair does it.
+    }
+    return true;
+  }
+
+  Storage& storage_;
+  PendingFile& header_;
+  PendingFile& data_;
+  bool has_earlier_data_;
+  bool has_new_data_ = false;
+  std::string earlier_header_;
+  std::unique_ptr<StorageFile> lock_;  ///< says that the earlier header is not left behind
+};
+
+// Calls `f` with the containing folder locked; what fails carries one of the two names.
+template <class F>
+void with_folder(Storage& storage, const std::string& header, const std::string& data, F f) {
+  try {
+    const auto lock = storage.lock_folder(folder_of(header));
+    f();
+  } catch (const Error& error) {
+    throw Error(error.kind(), error.detail(), error.path() == data ? data : header,
+                error.offset());
+  }
 }
 
 }  // namespace
 
+void settle_pair(Storage& storage, const std::string& header, const std::string& data) {
+  if (!storage.exists(earlier_name(header)) && !storage.exists(earlier_name(data))) return;
+  with_folder(storage, header, data, [&] { settle_locked(storage, header, data); });
+}
+
 void publish_pair(Storage& storage, PendingFile& header, PendingFile& data, bool overwrite) {
-  if (!overwrite || !storage.exists(header.path())) {
-    return publish_new_pair(storage, header, data, overwrite);
-  }
-  try {
-    replace_pair(storage, header, data);
-  } catch (const Error& error) {
-    const std::string& path = error.path() == data.path() ? data.path() : header.path();
-    throw Error(error.kind(), error.detail(), path, error.offset());
-  }
+  with_folder(storage, header.path(), data.path(), [&] {
+    settle_locked(storage, header.path(), data.path());
+    if (overwrite && storage.exists(header.path())) {
+      PairSwap(storage, header, data).run();
+    } else {
+      publish_new_pair(storage, header, data, overwrite);
+    }
+  });
 }
 
 }  // namespace octavo

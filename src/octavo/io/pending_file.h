@@ -49,9 +49,15 @@ class PendingFile {
   bool is_published_ = false;
 };
 
-/// Gives a header and the data that it describes their names, both sealed. Where an earlier header
-/// is replaced it goes first, so that it stands at no moment beside other data; it comes back when
-/// the earlier data stay.
+/// Ends what a program left that was stopped while it replaced a header and its data: the earlier
+/// ones come back unless the new ones stand there. To be called before anything is written for
+/// these names.
+/// Throws Error{io} that names one of the two
+void settle_pair(Storage& storage, const std::string& header, const std::string& data);
+
+/// Gives a header and the data that it describes their names, both sealed. An earlier pair makes
+/// way first, so that a header stands at no moment beside other data, and comes back when anything
+/// fails, at the latest by settle_pair. One program at a time, where the folder can be locked.
 /// Throws Error{io} that names one of the two
 void publish_pair(Storage& storage, PendingFile& header, PendingFile& data, bool overwrite);
 
