@@ -104,8 +104,8 @@ class PairSwap {
         header_(header),
         data_(data),
         has_earlier_data_(storage.exists(data.path())),
-        // By the earlier data it is told later on whether the new ones stand there. A header without
-        // goes as what is left behind does.
+        // By the earlier data it is told later on whether the new ones stand there. A header
+        // without goes as what is left behind does.
         earlier_header_(has_earlier_data_ ? earlier_name(header.path())
                                           : free_temporary_name(storage, header.path())),
         lock_(storage.open_update(header.path())) {}
