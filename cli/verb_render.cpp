@@ -18,7 +18,7 @@
 #include "common/verb.h"
 #include "common/volume_json.h"
 #include "octavo/file/storage.h"
-#include "octavo/io/pending_file.h"
+#include "octavo/file/pending_file.h"
 #include "octavo/io/place_known.h"
 #include "verbs.h"
 

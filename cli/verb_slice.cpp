@@ -16,7 +16,7 @@
 #include "common/verb.h"
 #include "common/volume_json.h"
 #include "octavo/file/storage.h"
-#include "octavo/io/pending_file.h"
+#include "octavo/file/pending_file.h"
 #include "octavo/io/place_known.h"
 #include "octavo/render/slice_picture.h"
 #include "verbs.h"

@@ -8,7 +8,7 @@
 #include "octavo/core/error.h"
 #include "octavo/file/storage.h"
 #include "octavo/io/export_plan.h"
-#include "octavo/io/pending_file.h"
+#include "octavo/file/pending_file.h"
 
 namespace octavo::cli {
 

@@ -41,6 +41,16 @@ void put(MemoryStorage& storage, const std::string& name, FileContent bytes) {
   storage.files[name] = std::make_shared<FileContent>(std::move(bytes));
 }
 
+// `bad` becomes `good` by turning back `flip_count` bits.
+void expect_mended(const FileContent& bad, const FileContent& good, std::size_t flip_count) {
+  MemoryStorage storage;
+  put(storage, "bad.8vo", bad);
+  const Outcome outcome = mend(storage);
+  EXPECT_EQ(outcome.failure, "");
+  EXPECT_EQ(outcome.flip_count, flip_count);
+  EXPECT_TRUE(*storage.files.at("out.8vo") == good);
+}
+
 FileContent two_tiers() {
   SampleVolume volume = make_sample({66, 12, 70}, VoxelType::uint8, Pattern::noisy_half);
   volume.model_layers = 2;
@@ -129,12 +139,7 @@ TEST(Mend, OneFlippedBitInEachOfSeveralPiecesIsTurnedBack) {
   for (const std::size_t byte : {std::size_t{60}, std::size_t{512} + 900, good.size() - 20}) {
     bad[byte] ^= 32;
   }
-  MemoryStorage storage;
-  put(storage, "bad.8vo", bad);
-  const Outcome outcome = mend(storage);
-  EXPECT_EQ(outcome.failure, "");
-  EXPECT_EQ(outcome.flip_count, 3u);
-  EXPECT_TRUE(*storage.files.at("out.8vo") == good);
+  expect_mended(bad, good, 3);
 }
 
 // Of 8-bit voxels that are stored, 512 are mended and no more; of coded bytes 128 KiB.
@@ -204,15 +209,11 @@ TEST(Mend, FlippedBitsBehindOthersAreTurnedBackAsWell) {
   bad[file.root().tiers[0].pages[page].offset + 2] ^= 4;
   bad[file.model_piece(entry.model).offset] ^= 8;
   bad[entry.segments[0].offset + 5] ^= 16;
-  MemoryStorage storage;
-  put(storage, "bad.8vo", bad);
-  const Outcome outcome = mend(storage);
-  EXPECT_EQ(outcome.failure, "");
-  EXPECT_EQ(outcome.flip_count, 4u);
-  EXPECT_TRUE(*storage.files.at("out.8vo") == good);
+  expect_mended(bad, good, 4);
 
   // What cannot be mended is named, not what hid it.
   bad[entry.segments[0].offset + 6] ^= 16;
+  MemoryStorage storage;
   put(storage, "bad.8vo", bad);
   const Outcome refused = mend(storage);
   EXPECT_EQ(refused.kind, ErrorKind::corrupt);
@@ -285,14 +286,9 @@ TEST(Mend, ATrailerIsMadeAnewWhateverItsDamage) {
   NoProgress progress;
   EXPECT_THROW(verify_file(byte_source_of(bad, "bad.8vo"), {}, progress), Error);
   EXPECT_TRUE(opens_mended(byte_source_of(bad, "bad.8vo")));
-  MemoryStorage storage;
-  put(storage, "bad.8vo", bad);
-  const Outcome outcome = mend(storage);
-  EXPECT_EQ(outcome.failure, "");
-  EXPECT_EQ(outcome.flip_count, 1u);
-  EXPECT_TRUE(*storage.files.at("out.8vo") == good);
+  expect_mended(bad, good, 1);
   // It vouches for nothing: every other damage is found without it.
-  storage.files.erase("out.8vo");
+  MemoryStorage storage;
   bad[701] ^= 1;
   put(storage, "bad.8vo", bad);
   EXPECT_EQ(mend(storage).kind, ErrorKind::corrupt);

@@ -9,7 +9,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/file/temporary.h"
-#include "octavo/io/pending_file.h"
+#include "octavo/file/pending_file.h"
 #include "support/memory_storage.h"
 #include "support/recording_storage.h"
 

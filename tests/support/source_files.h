@@ -30,6 +30,8 @@ class TempFolder {
   std::string path_;
 };
 
+bool contains(const std::string& text, const std::string& part);
+
 void write_file(const std::string& path, const std::string& bytes);
 std::string read_file(const std::string& path);
 std::string gzip(const std::string& bytes);

@@ -10,6 +10,7 @@
 #include "octavo/file/layout.h"
 #include "octavo/file/mended_source.h"
 #include "octavo/file/open_file.h"
+#include "octavo/file/pending_file.h"
 #include "octavo/file/temporary.h"
 #include "octavo/file/writer.h"
 
@@ -103,58 +104,24 @@ void copy(const ByteSource& source, StorageFile& out, Progress& progress) {
   }
 }
 
-// The copy while it grows; gone with this object unless it took its name. Locked until its name is
-// gone or final.
-class GrowingCopy {
- public:
-  GrowingCopy(Storage& storage, const std::string& output)
-      : storage_(storage), output_(output), temporary_(create_temporary(storage, output)) {}
-  GrowingCopy(const GrowingCopy&) = delete;
-  GrowingCopy& operator=(const GrowingCopy&) = delete;
-  ~GrowingCopy() {
-    if (!is_published_) remove_quietly(storage_, temporary_.path);
-  }
-
-  void write(const ByteSource& source, Progress& progress) {
-    copy(source, *temporary_.file, progress);
-    temporary_.file->sync();
-  }
-
-  void prove(const MendOptions& options, Progress& progress) {
-    const VerifyReport report =
-        verified(open_byte_source(storage_, temporary_.path), options, progress);
-    if (report.is_sound()) return;
-    throw Error(ErrorKind::io,
-                "reads back otherwise than it was written: " + report.damages.front().detail,
-                output_);
-  }
-
-  void publish(bool overwrite) {
-    temporary_.file->close();
-    const bool replaces = overwrite && storage_.exists(output_);
-    if (overwrite) {
-      storage_.rename(temporary_.path, output_);
-    } else {
-      storage_.rename_new(temporary_.path, output_);
-    }
-    is_published_ = true;
-    settle_new_name(storage_, output_, replaces);
-  }
-
- private:
-  Storage& storage_;
-  const std::string& output_;
-  TemporaryFile temporary_;
-  bool is_published_ = false;
-};
+void prove(Storage& storage, const PendingFile& file, const MendOptions& options,
+           Progress& progress) {
+  const VerifyReport report =
+      verified(open_byte_source(storage, file.temporary_path()), options, progress);
+  if (report.is_sound()) return;
+  throw Error(ErrorKind::io,
+              "reads back otherwise than it was written: " + report.damages.front().detail,
+              file.path());
+}
 
 void write_mended(Storage& storage, const ByteSource& source, const std::string& output,
                   const MendOptions& options, Progress& progress) {
   try {
-    GrowingCopy growing(storage, output);
-    growing.write(source, progress);
-    growing.prove(options, progress);
-    growing.publish(options.overwrite);
+    PendingFile file(storage, output);
+    copy(source, file.file(), progress);
+    file.seal();
+    prove(storage, file, options, progress);
+    file.publish(options.overwrite);
   } catch (const Error& error) {
     throw with_final_name(error, output);
   }

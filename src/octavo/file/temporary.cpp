@@ -44,7 +44,7 @@ std::string earlier_name(const std::string& path) { return temporary_prefix(path
 namespace {
 
 // Takes a number from 1 to `most`, as std::to_string writes it, off the front of `text`.
-bool take_number(std::string_view& text, int most) {
+bool take_positive(std::string_view& text, int most) {
   int number = 0;
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (failure != std::errc{} || text.front() == '0' || number < 1 || number > most) return false;
@@ -55,10 +55,10 @@ bool take_number(std::string_view& text, int most) {
 }  // namespace
 
 std::optional<TemporaryType> temporary_type(std::string_view ending) {
-  if (!take_number(ending, std::numeric_limits<int>::max())) return std::nullopt;
+  if (!take_positive(ending, std::numeric_limits<int>::max())) return std::nullopt;
   if (ending.starts_with('-')) {
     ending.remove_prefix(1);
-    if (!take_number(ending, kMaxNameTries - 1)) return std::nullopt;
+    if (!take_positive(ending, kMaxNameTries - 1)) return std::nullopt;
   }
   if (ending.empty()) return TemporaryType::growing;
   if (ending == kJournalEnding) return TemporaryType::journal;

@@ -15,6 +15,13 @@ const char* axis_name(std::size_t axis) {
   return kNames.at(axis);
 }
 
+bool is_perpendicular(const Geometry& geometry) noexcept {
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (!(std::abs(axis_cosine(geometry, a, (a + 1) % 3)) <= kAxisTolerance)) return false;
+  }
+  return true;
+}
+
 void refuse_shear(const Geometry& geometry, const std::string& field, const std::string& path) {
   for (std::size_t b = 1; b < 3; ++b) {
     for (std::size_t a = 0; a < b; ++a) {

@@ -11,6 +11,9 @@ namespace octavo {
 /// "x", "y" or "z": an index axis in messages.
 const char* axis_name(std::size_t axis);
 
+/// True when all axes have a length and stand upright on one another within kAxisTolerance.
+bool is_perpendicular(const Geometry& geometry) noexcept;
+
 /// Refuses axes that are not perpendicular within kAxisTolerance: the volume of a voxel would not
 /// be the product of its spacings. Axes without a length are passed over.
 /// field   what of the header gave the axes, as "space directions"

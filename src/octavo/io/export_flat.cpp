@@ -3,7 +3,7 @@
 
 #include "octavo/io/export_target.h"
 #include "octavo/io/gzip_writer.h"
-#include "octavo/io/pending_file.h"
+#include "octavo/file/pending_file.h"
 #include "octavo/io/source_file.h"
 
 namespace octavo {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "octavo/io/pending_file.h"
+#include "octavo/file/pending_file.h"
 
 namespace octavo {
 

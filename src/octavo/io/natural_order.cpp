@@ -4,7 +4,7 @@ namespace octavo {
 
 bool is_digit(char c) noexcept { return c >= '0' && c <= '9'; }
 
-std::string_view take_number(std::string_view text, std::size_t& at) noexcept {
+std::string_view take_digits(std::string_view text, std::size_t& at) noexcept {
   while (at < text.size() && text[at] == '0') ++at;
   const std::size_t start = at;
   while (at < text.size() && is_digit(text[at])) ++at;
@@ -19,8 +19,8 @@ int compare_natural(std::string_view a, std::string_view b) {
   std::size_t j = 0;
   while (i < a.size() && j < b.size()) {
     if (is_digit(a[i]) && is_digit(b[j])) {
-      const std::string_view x = take_number(a, i);
-      const std::string_view y = take_number(b, j);
+      const std::string_view x = take_digits(a, i);
+      const std::string_view y = take_digits(b, j);
       if (x.size() != y.size()) return x.size() < y.size() ? -1 : 1;
       if (const int order = x.compare(y); order != 0) return order;
     } else {

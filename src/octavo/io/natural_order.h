@@ -13,6 +13,6 @@ bool natural_less(std::string_view a, std::string_view b) noexcept;
 bool is_digit(char c) noexcept;
 
 /// The run of digits at `at`, without leading zeros; `at` moves behind it.
-std::string_view take_number(std::string_view text, std::size_t& at) noexcept;
+std::string_view take_digits(std::string_view text, std::size_t& at) noexcept;
 
 }  // namespace octavo

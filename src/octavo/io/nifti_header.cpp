@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <numbers>
 #include <span>
 
 #include "octavo/core/error.h"
@@ -154,17 +155,6 @@ double column_length(const Affine& m, std::size_t axis) {
   return std::sqrt(m[axis] * m[axis] + m[4 + axis] * m[4 + axis] + m[8 + axis] * m[8 + axis]);
 }
 
-/// True when the axes are independent of one another and perpendicular.
-bool is_perpendicular(const Affine& m) {
-  for (std::size_t a = 0; a < 3; ++a) {
-    const std::size_t b = (a + 1) % 3;
-    const double dot = m[a] * m[b] + m[4 + a] * m[4 + b] + m[8 + a] * m[8 + b];
-    const double scale = column_length(m, a) * column_length(m, b);
-    if (!(scale > 0) || std::abs(dot) > kFormTolerance * scale) return false;
-  }
-  return true;
-}
-
 void take_affine(const Affine& m, double unit_mm, Geometry& geometry) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double length = column_length(m, axis);
@@ -207,7 +197,7 @@ Affine sform_affine(const NiftiHeader& h, double unit_mm) {
 }
 
 /// The factor to millimetres; an unknown unit counts as one.
-double unit_in_mm(int spatial_unit) {
+double form_unit_in_mm(int spatial_unit) {
   return spatial_unit == kMetre ? 1000.0 : spatial_unit == kMicrometre ? 0.001 : 1.0;
 }
 
@@ -221,7 +211,7 @@ double largest_angle(const Geometry& a, const Geometry& b) {
     }
     largest = std::max(largest, std::acos(std::clamp(dot, -1.0, 1.0)));
   }
-  return largest * 180 / 3.14159265358979323846;
+  return largest * 180 / std::numbers::pi;
 }
 
 std::string point_text(const Point3& point) {
@@ -275,9 +265,9 @@ void require_rotation(const NiftiHeader& h, const std::string& path) {
 }
 
 /// Refuses an sform that no grid can have: a missing axis, shear.
-void require_grid(const Affine& sform, const Geometry& geometry, const std::string& path) {
+void require_grid(const Geometry& geometry, const std::string& path) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (column_length(sform, axis) > 0) continue;
+    if (geometry.spacing_mm[axis] > 0) continue;
     reject(path, std::string("the sform of the header gives axis ") + axis_name(axis) +
                      " no length, and there is no qform; repair the header");
   }
@@ -345,8 +335,9 @@ bool nifti_geometry(const NiftiHeader& h, const std::string& path, Geometry& geo
     notes.push_back("the header does not name the unit of its lengths, millimetres are assumed; "
                     "--spacing sets another spacing");
   }
-  const double unit_mm = unit_in_mm(h.spatial_unit);
-  const Affine sform = sform_affine(h, unit_mm);
+  const double unit_mm = form_unit_in_mm(h.spatial_unit);
+  Geometry sform;
+  take_affine(sform_affine(h, unit_mm), unit_mm, sform);
   const bool is_sform_usable = h.sform_code > 0 && is_perpendicular(sform);
   if (h.qform_code > 0 && !is_sform_usable) {
     if (h.sform_code > 0) {
@@ -357,8 +348,8 @@ bool nifti_geometry(const NiftiHeader& h, const std::string& path, Geometry& geo
     return true;
   }
   if (h.sform_code > 0) {
-    take_affine(sform, unit_mm, geometry);
-    if (!is_sform_usable) require_grid(sform, geometry, path);
+    geometry = sform;
+    if (!is_sform_usable) require_grid(geometry, path);
     if (h.qform_code > 0) note_disagreement(h, geometry, unit_mm, notes);
     return true;
   }

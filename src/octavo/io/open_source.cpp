@@ -85,20 +85,17 @@ struct FolderContent {
   std::vector<std::string> tiffs;
   std::vector<std::string> pngs;
   std::vector<std::string> volumes;
-  bool has_dicom = false;
 };
 
-FolderContent content_of(const std::string& folder) {
+FolderContent content_of(const std::vector<std::string>& files) {
   FolderContent content;
-  for (const std::string& path : files_in_folder(folder, false)) {
+  for (const std::string& path : files) {
     switch (format_of(path)) {
       case Format::tiff: content.tiffs.push_back(path); break;
       case Format::png: content.pngs.push_back(path); break;
       case Format::raw_planes:
       case Format::unknown: break;
-      default:
-        content.volumes.push_back(path);
-        content.has_dicom = content.has_dicom || looks_like_dicom(path);
+      default: content.volumes.push_back(path);
     }
   }
   return content;
@@ -131,11 +128,20 @@ void require_one_kind(const FolderContent& content, const std::string& dicom_bel
 }
 
 std::unique_ptr<PlaneSource> open_folder(const std::string& folder, const SourceOptions& options) {
+  const std::vector<std::string> here = files_in_folder(folder, false);
   const std::vector<std::string> all = files_in_folder(folder, true);
-  const FolderContent content = content_of(folder);
-  const auto dicom = std::find_if(all.begin(), all.end(), looks_like_dicom);
-  if (!content.has_dicom) require_one_kind(content, dicom == all.end() ? "" : *dicom, folder);
-  if (dicom != all.end()) {
+  bool has_dicom = std::any_of(here.begin(), here.end(), looks_like_dicom);
+  FolderContent content;
+  if (!has_dicom) {
+    content = content_of(here);
+    const auto dicom = std::find_if(all.begin(), all.end(), [&](const std::string& path) {
+      return !std::binary_search(here.begin(), here.end(), path, natural_less) &&
+             looks_like_dicom(path);
+    });
+    has_dicom = dicom != all.end();
+    require_one_kind(content, has_dicom ? *dicom : "", folder);
+  }
+  if (has_dicom) {
     require_fitting(Format::dicom, options, folder);
     return open_dicom_source(all, folder, options);
   }

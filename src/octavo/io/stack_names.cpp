@@ -34,7 +34,7 @@ NumberedName numbered(std::string_view name) {
       result.letters += name[at++];
       continue;
     }
-    const std::string_view digits = take_number(name, at);
+    const std::string_view digits = take_digits(name, at);
     if (digits.size() > kMostDigits) {
       result.letters += digits;
       continue;

@@ -11,10 +11,6 @@ namespace {
 using Matrix3 = std::array<double, 9>;
 using Rows = std::vector<std::pair<std::string, std::string>>;
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 std::string all_of(const std::vector<std::string>& texts) {
   std::string all;
   for (const std::string& text : texts) all += text + "\n";

@@ -9,10 +9,6 @@ namespace {
 
 constexpr std::size_t kVoxels = 24;  // 4 x 3 x 2
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 /// Voxels of a channel and a time: no two volumes share a value.
 std::string volume(int channel, int time = 0) {
   std::string bytes;

@@ -13,10 +13,6 @@ namespace {
 
 using Plane = std::vector<std::int16_t>;
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 /// 4 x 3 values that grow by 100 per millimetre of height, by 7 per row and 1 per column: linear
 /// interpolation anywhere inside gives them again.
 std::int16_t value_at(double x, double y, double height_mm) {

@@ -11,10 +11,6 @@
 namespace octavo::testing {
 namespace {
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 /// Twelve values that name their plane: 100 z + index.
 std::vector<std::int16_t> plane_values(int z) {
   std::vector<std::int16_t> values;

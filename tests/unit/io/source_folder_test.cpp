@@ -12,10 +12,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 TEST(StackNames, NamesInWhichANumberCountsHaveNoGap) {
   for (const std::vector<std::string>& names : std::vector<std::vector<std::string>>{
            {"alone"},

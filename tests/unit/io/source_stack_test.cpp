@@ -9,10 +9,6 @@
 namespace octavo::testing {
 namespace {
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 std::string counted(std::size_t bytes, int start) {
   std::string text;
   for (std::size_t i = 0; i < bytes; ++i)

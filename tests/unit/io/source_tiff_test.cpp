@@ -5,10 +5,6 @@
 namespace octavo::testing {
 namespace {
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 /// Empty where there is none.
 std::string first_warning(const PlaneSource& source) {
   return source.warnings().empty() ? "" : source.warnings().front();

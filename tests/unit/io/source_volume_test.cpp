@@ -8,10 +8,6 @@
 namespace octavo::testing {
 namespace {
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 const std::vector<std::int16_t> kValues = {0,  1,  -2, 300, -32768, 32767, 6,  7,  8,  9,  10, 11,
                                            12, 13, 14, 15,  16,     17,    18, 19, 20, 21, 22, 23};
 
