@@ -6,9 +6,9 @@
 #include <functional>
 
 #include "octavo/core/error.h"
+#include "octavo/file/pending_file.h"
 #include "octavo/file/storage.h"
 #include "octavo/io/export_plan.h"
-#include "octavo/file/pending_file.h"
 
 namespace octavo::cli {
 

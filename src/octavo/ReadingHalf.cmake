@@ -9,7 +9,7 @@ set(OCTAVO_READ_SOURCES
   core/sample_coding.cpp
   core/voxel_type.cpp
   codec/codec_of_kind.cpp
-  codec/crc32c.cpp
+  core/crc32c.cpp
   codec/edge_pairs.cpp
   codec/grey_brick.cpp
   codec/grey_codec.cpp

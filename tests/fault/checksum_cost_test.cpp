@@ -5,7 +5,7 @@
 #include <ctime>
 
 #include "octavo/build/phantom.h"
-#include "octavo/codec/crc32c.h"
+#include "octavo/core/crc32c.h"
 #include "support/built_file.h"
 #include "support/goal_cases.h"
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "octavo/codec/crc32c.h"
+#include "octavo/core/crc32c.h"
 #include "octavo/file/byte_codec.h"
 #include "octavo/file/layout.h"
 

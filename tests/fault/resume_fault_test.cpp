@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "octavo/codec/crc32c.h"
+#include "octavo/core/crc32c.h"
 #include "octavo/file/interrupted.h"
 #include "octavo/file/temporary.h"
 #include "support/recording_storage.h"

@@ -18,7 +18,7 @@
 
 #include "octavo/build/builder.h"
 #include "octavo/build/memory_source.h"
-#include "octavo/codec/crc32c.h"
+#include "octavo/core/crc32c.h"
 #include "octavo/core/progress.h"
 #include "octavo/file/reader.h"
 #include "octavo/file/writer.h"

@@ -15,8 +15,8 @@
 
 #include "octavo/build/builder.h"
 #include "octavo/build/memory_source.h"
-#include "octavo/codec/crc32c.h"
 #include "octavo/codec/simd_level.h"
+#include "octavo/core/crc32c.h"
 #include "support/memory_storage.h"
 
 namespace octavo {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "octavo/codec/crc32c.h"
+#include "octavo/core/crc32c.h"
 #include "octavo/file/layer_order.h"
 
 namespace octavo::testing {

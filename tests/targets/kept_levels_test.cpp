@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "octavo/codec/crc32c.h"
+#include "octavo/core/crc32c.h"
 #include "octavo/file/reader.h"
 
 namespace octavo {

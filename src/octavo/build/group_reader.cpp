@@ -4,7 +4,7 @@
 #include <chrono>
 #include <span>
 
-#include "octavo/codec/crc32c.h"
+#include "octavo/core/crc32c.h"
 #include "octavo/core/error.h"
 
 namespace octavo {

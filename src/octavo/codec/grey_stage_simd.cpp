@@ -18,9 +18,9 @@
 #include <hwy/highway.h>
 
 // clang-format off
-#include "octavo/codec/grey_symbols-inl.h"
-#include "octavo/codec/grey_rows-inl.h"
 #include "octavo/codec/grey_planes-inl.h"
+#include "octavo/codec/grey_rows-inl.h"
+#include "octavo/codec/grey_symbols-inl.h"
 #include "octavo/codec/grey_waves-inl.h"
 // clang-format on
 

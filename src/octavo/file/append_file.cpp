@@ -1,6 +1,6 @@
 #include "octavo/file/append_file.h"
 
-#include "octavo/codec/crc32c.h"
+#include "octavo/core/crc32c.h"
 
 namespace octavo {
 

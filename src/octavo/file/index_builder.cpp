@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "octavo/codec/crc32c.h"
+#include "octavo/core/crc32c.h"
 #include "octavo/file/byte_codec.h"
 
 namespace octavo {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <utility>
 
-#include "octavo/codec/crc32c.h"
+#include "octavo/core/crc32c.h"
 #include "octavo/core/exact_text.h"
 #include "octavo/file/temporary.h"
 

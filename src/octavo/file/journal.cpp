@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-#include "octavo/codec/crc32c.h"
+#include "octavo/core/crc32c.h"
 #include "octavo/file/byte_codec.h"
 
 namespace octavo {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "octavo/codec/crc32c.h"
 #include "octavo/core/checked.h"
+#include "octavo/core/crc32c.h"
 #include "octavo/file/bit_flip.h"
 #include "octavo/file/byte_codec.h"
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <utility>
 
-#include "octavo/codec/crc32c.h"
+#include "octavo/core/crc32c.h"
 #include "octavo/core/error.h"
 #include "octavo/file/interrupted.h"
 #include "octavo/file/layout.h"

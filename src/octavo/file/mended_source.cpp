@@ -4,7 +4,7 @@
 #include <tuple>
 #include <utility>
 
-#include "octavo/codec/crc32c.h"
+#include "octavo/core/crc32c.h"
 #include "octavo/core/error.h"
 #include "octavo/file/byte_codec.h"
 

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "octavo/codec/crc32c.h"
+#include "octavo/core/crc32c.h"
 #include "octavo/core/o_code.h"
 #include "octavo/file/bit_flip.h"
 #include "octavo/file/layer_order.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "octavo/codec/crc32c.h"
+#include "octavo/core/crc32c.h"
 #include "octavo/file/byte_codec.h"
 
 namespace octavo {

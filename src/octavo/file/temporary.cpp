@@ -9,7 +9,7 @@
 #include <limits>
 #include <utility>
 
-#include "octavo/codec/crc32c.h"
+#include "octavo/core/crc32c.h"
 #include "octavo/core/error.h"
 
 namespace octavo {

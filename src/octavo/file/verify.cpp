@@ -5,7 +5,7 @@
 #include <cstring>
 #include <utility>
 
-#include "octavo/codec/crc32c.h"
+#include "octavo/core/crc32c.h"
 #include "octavo/file/bit_flip.h"
 #include "octavo/file/byte_codec.h"
 #include "octavo/file/open_file.h"

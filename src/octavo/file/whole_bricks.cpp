@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "octavo/codec/crc32c.h"
+#include "octavo/core/crc32c.h"
 #include "octavo/core/o_code.h"
 #include "octavo/file/layer_order.h"
 

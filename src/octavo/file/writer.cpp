@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "octavo/codec/crc32c.h"
+#include "octavo/core/crc32c.h"
 #include "octavo/core/o_code.h"
 #include "octavo/file/append_file.h"
 #include "octavo/file/index_builder.h"

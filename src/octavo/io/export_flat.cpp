@@ -1,9 +1,9 @@
 #include <memory>
 #include <optional>
 
+#include "octavo/file/pending_file.h"
 #include "octavo/io/export_target.h"
 #include "octavo/io/gzip_writer.h"
-#include "octavo/file/pending_file.h"
 #include "octavo/io/source_file.h"
 
 namespace octavo {

@@ -11,7 +11,7 @@
 #include <cstring>
 #include <utility>
 
-#include "octavo/codec/crc32c.h"
+#include "octavo/core/crc32c.h"
 #include "octavo/core/error.h"
 #include "octavo/io/described_source.h"
 #include "octavo/io/worker_process.h"

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <utility>
 
-#include "octavo/codec/crc32c.h"
+#include "octavo/core/crc32c.h"
 #include "octavo/core/levels.h"
 #include "octavo/file/byte_codec.h"
 

@@ -5,8 +5,8 @@
 
 #include "octavo/codec/binary_coder.h"
 #include "octavo/codec/byte_io.h"
-#include "octavo/codec/crc32c.h"
 #include "octavo/codec/grey_model.h"
+#include "octavo/core/crc32c.h"
 
 namespace octavo {
 namespace {

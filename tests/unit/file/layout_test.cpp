@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "octavo/codec/crc32c.h"
+#include "octavo/core/crc32c.h"
 #include "octavo/file/bit_flip.h"
 #include "octavo/file/byte_codec.h"
 #include "octavo/file/layout.h"

@@ -3,7 +3,7 @@
 
 #include <numeric>
 
-#include "octavo/codec/crc32c.h"
+#include "octavo/core/crc32c.h"
 #include "octavo/core/error.h"
 #include "octavo/file/append_file.h"
 #include "octavo/file/lru_cache.h"

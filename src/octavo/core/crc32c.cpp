@@ -1,4 +1,4 @@
-#include "octavo/codec/crc32c.h"
+#include "octavo/core/crc32c.h"
 
 #include <array>
 #include <cstring>
