@@ -21,8 +21,8 @@
 #include "common/quantities.h"
 #include "common/verb.h"
 #include "common/volume_json.h"
-#include "octavo/core/condense.h"
-#include "octavo/core/neighbors.h"
+#include "octavo/octree/condense.h"
+#include "octavo/octree/neighbors.h"
 #include "verbs.h"
 
 namespace octavo::cli {

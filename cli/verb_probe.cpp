@@ -11,7 +11,7 @@
 #include "common/quantities.h"
 #include "common/verb.h"
 #include "common/volume_json.h"
-#include "octavo/core/o_code.h"
+#include "octavo/octree/o_code.h"
 #include "verbs.h"
 
 namespace octavo::cli {

@@ -1,5 +1,5 @@
 #include "bench/masks/engine.h"
-#include "octavo/core/mask_accessor.h"
+#include "octavo/octree/mask_accessor.h"
 #include "octavo/ops/components.h"
 #include "octavo/ops/mask_build.h"
 #include "octavo/ops/mask_moments.h"

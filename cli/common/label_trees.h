@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "common/context.h"
-#include "octavo/core/label_tree.h"
 #include "octavo/file/reader.h"
+#include "octavo/octree/label_tree.h"
 
 namespace octavo::cli {
 

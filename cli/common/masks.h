@@ -9,8 +9,8 @@
 
 #include "common/context.h"
 #include "octavo/build/builder.h"
-#include "octavo/core/mask_tree.h"
 #include "octavo/file/reader.h"
+#include "octavo/octree/mask_tree.h"
 #include "octavo/ops/mask_build.h"
 
 namespace octavo::cli {

@@ -5,7 +5,7 @@ set(OCTAVO_READ_SOURCES
   core/error.cpp
   core/geometry.cpp
   core/levels.cpp
-  core/o_code.cpp
+  octree/o_code.cpp
   core/sample_coding.cpp
   core/voxel_type.cpp
   codec/codec_of_kind.cpp

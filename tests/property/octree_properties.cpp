@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "octavo/core/condense.h"
+#include "octavo/octree/condense.h"
 #include "support/recursive_octree.h"
 
 namespace octavo {

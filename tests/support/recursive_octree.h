@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <span>
 
-#include "octavo/core/condense.h"
+#include "octavo/octree/condense.h"
 
 namespace octavo::testing {
 

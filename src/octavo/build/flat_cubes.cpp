@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "octavo/core/error.h"
-#include "octavo/core/o_code.h"
 #include "octavo/file/parallel_read.h"
+#include "octavo/octree/o_code.h"
 
 namespace octavo {
 

@@ -10,7 +10,7 @@
 #include <set>
 #include <utility>
 
-#include "octavo/core/o_code.h"
+#include "octavo/octree/o_code.h"
 
 namespace octavo {
 

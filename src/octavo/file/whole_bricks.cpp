@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "octavo/core/crc32c.h"
-#include "octavo/core/o_code.h"
 #include "octavo/file/layer_order.h"
+#include "octavo/octree/o_code.h"
 
 namespace octavo {
 

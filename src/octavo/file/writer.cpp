@@ -4,13 +4,13 @@
 #include <utility>
 
 #include "octavo/core/crc32c.h"
-#include "octavo/core/o_code.h"
 #include "octavo/file/append_file.h"
 #include "octavo/file/index_builder.h"
 #include "octavo/file/interrupted.h"
 #include "octavo/file/layer_order.h"
 #include "octavo/file/slab_trailer.h"
 #include "octavo/file/temporary.h"
+#include "octavo/octree/o_code.h"
 
 namespace octavo {
 

@@ -13,7 +13,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "octavo/core/mask_tree.h"
+#include "octavo/octree/mask_tree.h"
 #include "octavo/ops/word_neighbors.h"
 
 namespace octavo {

@@ -2,7 +2,7 @@
 
 #include <bit>
 
-#include "octavo/core/mask_tree.h"
+#include "octavo/octree/mask_tree.h"
 #include "octavo/ops/mask_kernels.h"
 
 namespace octavo {

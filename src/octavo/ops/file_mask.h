@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <span>
 
-#include "octavo/core/mask_tree.h"
 #include "octavo/core/progress.h"
 #include "octavo/file/reader.h"
+#include "octavo/octree/mask_tree.h"
 #include "octavo/ops/mask_build.h"
 
 namespace octavo {

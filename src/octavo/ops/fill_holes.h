@@ -15,7 +15,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "octavo/core/mask_tree.h"
+#include "octavo/octree/mask_tree.h"
 #include "octavo/ops/word_neighbors.h"
 
 namespace octavo {

@@ -10,7 +10,7 @@
 #include <array>
 #include <cstdint>
 
-#include "octavo/core/mask_tree.h"
+#include "octavo/octree/mask_tree.h"
 #include "octavo/ops/word_neighbors.h"
 
 namespace octavo {

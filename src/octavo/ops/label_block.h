@@ -5,8 +5,8 @@
 #include <limits>
 #include <vector>
 
-#include "octavo/core/o_code.h"
 #include "octavo/file/reader.h"
+#include "octavo/octree/o_code.h"
 
 namespace octavo {
 

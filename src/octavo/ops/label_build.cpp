@@ -15,7 +15,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/levels.h"
 #include "octavo/core/memory_limit.h"
-#include "octavo/core/word_steps.h"
+#include "octavo/octree/word_steps.h"
 #include "octavo/ops/label_pieces.h"
 #include "octavo/ops/mask_pieces.h"
 

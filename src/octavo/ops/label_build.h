@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "octavo/codec/brick_codec.h"
-#include "octavo/core/label_tree.h"
 #include "octavo/core/progress.h"
 #include "octavo/file/reader.h"
+#include "octavo/octree/label_tree.h"
 #include "octavo/ops/label_masks.h"
 #include "octavo/ops/mask_build.h"
 

@@ -9,10 +9,10 @@
 #include <span>
 #include <vector>
 
-#include "octavo/core/label_tree.h"
-#include "octavo/core/mask_tree.h"
 #include "octavo/core/progress.h"
 #include "octavo/file/reader.h"
+#include "octavo/octree/label_tree.h"
+#include "octavo/octree/mask_tree.h"
 #include "octavo/ops/mask_build.h"
 
 namespace octavo {

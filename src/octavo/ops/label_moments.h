@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "octavo/core/label_tree.h"
+#include "octavo/octree/label_tree.h"
 #include "octavo/ops/moment_sums.h"
 
 namespace octavo {

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "octavo/core/label_tree.h"
+#include "octavo/octree/label_tree.h"
 
 namespace octavo {
 

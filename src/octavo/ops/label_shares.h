@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "octavo/core/label_tree.h"
+#include "octavo/octree/label_tree.h"
 
 namespace octavo {
 

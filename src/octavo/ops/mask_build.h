@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "octavo/codec/brick_codec.h"
-#include "octavo/core/mask_tree.h"
+#include "octavo/octree/mask_tree.h"
 #include "octavo/ops/mask_pieces.h"
 
 namespace octavo {

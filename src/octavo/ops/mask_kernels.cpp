@@ -6,9 +6,9 @@
 #include <cstring>
 
 #include "octavo/codec/simd_targets.h"
-#include "octavo/core/mask_tree.h"
 #include "octavo/core/voxel_type.h"
-#include "octavo/core/word_steps.h"
+#include "octavo/octree/mask_tree.h"
+#include "octavo/octree/word_steps.h"
 #include "octavo/ops/moment_sums.h"
 
 #undef HWY_TARGET_INCLUDE

@@ -5,7 +5,7 @@
 // Source  thesis 1.2
 #pragma once
 
-#include "octavo/core/mask_tree.h"
+#include "octavo/octree/mask_tree.h"
 #include "octavo/ops/moment_sums.h"
 
 namespace octavo {

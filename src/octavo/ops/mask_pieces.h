@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "octavo/core/mask_tree.h"
+#include "octavo/octree/mask_tree.h"
 
 namespace octavo {
 

@@ -10,7 +10,7 @@
 // Source  thesis 1.2 (translation, rotation)
 #pragma once
 
-#include "octavo/core/mask_tree.h"
+#include "octavo/octree/mask_tree.h"
 #include "octavo/ops/axis_turn.h"
 
 namespace octavo {

@@ -22,8 +22,8 @@
 
 #include <cstdint>
 
-#include "octavo/core/mask_tree.h"
 #include "octavo/core/progress.h"
+#include "octavo/octree/mask_tree.h"
 #include "octavo/ops/reach.h"
 
 namespace octavo {

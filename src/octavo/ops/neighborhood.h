@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "octavo/core/mask_tree.h"
+#include "octavo/octree/mask_tree.h"
 #include "octavo/ops/word_neighbors.h"
 
 namespace octavo {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "octavo/core/word_steps.h"
+#include "octavo/octree/word_steps.h"
 
 namespace octavo {
 

@@ -12,7 +12,7 @@
 
 #include <cstdint>
 
-#include "octavo/core/mask_tree.h"
+#include "octavo/octree/mask_tree.h"
 
 namespace octavo {
 

@@ -1,7 +1,7 @@
 // The voxels at the surface of a mask.
 #pragma once
 
-#include "octavo/core/mask_tree.h"
+#include "octavo/octree/mask_tree.h"
 
 namespace octavo {
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <cstdint>
 
-#include "octavo/core/o_code.h"
-#include "octavo/core/word_steps.h"
+#include "octavo/octree/o_code.h"
+#include "octavo/octree/word_steps.h"
 
 namespace octavo {
 

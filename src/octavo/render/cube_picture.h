@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "octavo/core/mask_tree.h"
+#include "octavo/octree/mask_tree.h"
 #include "octavo/render/picture.h"
 #include "octavo/render/view.h"
 

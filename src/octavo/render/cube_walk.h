@@ -25,8 +25,8 @@
 #include <span>
 #include <vector>
 
-#include "octavo/core/mask_tree.h"
-#include "octavo/core/word_steps.h"
+#include "octavo/octree/mask_tree.h"
+#include "octavo/octree/word_steps.h"
 #include "octavo/render/view.h"
 
 namespace octavo {

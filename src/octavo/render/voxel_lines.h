@@ -19,7 +19,7 @@
 #include <cstdint>
 
 #include "octavo/core/box.h"
-#include "octavo/core/o_code.h"
+#include "octavo/octree/o_code.h"
 
 namespace octavo {
 

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "octavo/core/o_code.h"
 #include "octavo/file/layer_order.h"
+#include "octavo/octree/o_code.h"
 
 namespace octavo {
 namespace {

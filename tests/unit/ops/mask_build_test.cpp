@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "octavo/codec/simd_level.h"
-#include "octavo/core/condense.h"
 #include "octavo/core/error.h"
+#include "octavo/octree/condense.h"
 #include "support/dense_mask.h"
 
 namespace octavo {

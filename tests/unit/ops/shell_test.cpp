@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <random>
 
-#include "octavo/core/linear_octree.h"
+#include "octavo/octree/linear_octree.h"
 #include "support/dense_mask.h"
 
 namespace octavo {

@@ -7,7 +7,7 @@
 #include <map>
 #include <random>
 
-#include "octavo/core/linear_octree.h"
+#include "octavo/octree/linear_octree.h"
 #include "support/dense_mask.h"
 
 namespace octavo {

@@ -9,8 +9,8 @@
 #include <random>
 #include <set>
 
-#include "octavo/core/condense.h"
 #include "octavo/core/error.h"
+#include "octavo/octree/condense.h"
 #include "support/built_file.h"
 
 namespace octavo {

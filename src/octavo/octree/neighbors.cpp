@@ -1,4 +1,4 @@
-#include "octavo/core/neighbors.h"
+#include "octavo/octree/neighbors.h"
 
 #include <algorithm>
 #include <optional>

@@ -1,4 +1,4 @@
-#include "octavo/core/mask_accessor.h"
+#include "octavo/octree/mask_accessor.h"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 #include <array>
 #include <cstdint>
 
-#include "octavo/core/linear_octree.h"
+#include "octavo/octree/linear_octree.h"
 
 namespace octavo {
 

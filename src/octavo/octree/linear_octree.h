@@ -22,7 +22,7 @@
 #include <optional>
 #include <vector>
 
-#include "octavo/core/o_code.h"
+#include "octavo/octree/o_code.h"
 
 namespace octavo {
 

@@ -14,7 +14,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "octavo/core/mask_tree.h"
+#include "octavo/octree/mask_tree.h"
 
 namespace octavo {
 

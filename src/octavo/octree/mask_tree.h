@@ -39,7 +39,7 @@
 #include <span>
 #include <vector>
 
-#include "octavo/core/linear_octree.h"
+#include "octavo/octree/linear_octree.h"
 
 namespace octavo {
 

@@ -1,4 +1,4 @@
-#include "octavo/core/mask_tree.h"
+#include "octavo/octree/mask_tree.h"
 
 #include <gtest/gtest.h>
 

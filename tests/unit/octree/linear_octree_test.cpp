@@ -1,4 +1,4 @@
-#include "octavo/core/linear_octree.h"
+#include "octavo/octree/linear_octree.h"
 
 #include <gtest/gtest.h>
 

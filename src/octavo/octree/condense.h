@@ -29,8 +29,8 @@
 #include <span>
 #include <vector>
 
-#include "octavo/core/linear_octree.h"
 #include "octavo/core/voxel_type.h"
+#include "octavo/octree/linear_octree.h"
 
 namespace octavo {
 

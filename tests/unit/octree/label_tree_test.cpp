@@ -1,5 +1,5 @@
 // Label trees against dense arrays.
-#include "octavo/core/label_tree.h"
+#include "octavo/octree/label_tree.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
@@ -9,8 +9,8 @@
 #include <map>
 #include <random>
 
-#include "octavo/core/condense.h"
 #include "octavo/core/error.h"
+#include "octavo/octree/condense.h"
 #include "octavo/ops/label_build.h"
 #include "octavo/ops/label_masks.h"
 #include "octavo/ops/label_moments.h"

@@ -1,4 +1,4 @@
-#include "octavo/core/o_code.h"
+#include "octavo/octree/o_code.h"
 
 #include <gtest/gtest.h>
 

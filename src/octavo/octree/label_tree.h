@@ -1,7 +1,7 @@
 // A label map in memory: the tree of a mask, with a label for every uniform child and a palette for
 // every word of several labels.
 //
-// Words, cubes, ranks and codes are those of core/mask_tree.h. A child is uniform when all its
+// Words, cubes, ranks and codes are those of octree/mask_tree.h. A child is uniform when all its
 // voxels have one label, 0 (background) like any other; otherwise it is mixed and stored. Along the
 // uniform children of a cube, in o-code order, labels come in runs: `starts` marks the first child
 // of each, so that the label of a child is found by counting the starts up to it:
@@ -50,10 +50,10 @@
 #include <span>
 #include <vector>
 
-#include "octavo/core/linear_octree.h"
-#include "octavo/core/mask_tree.h"
-#include "octavo/core/packed_numbers.h"
-#include "octavo/core/ranked_bits.h"
+#include "octavo/octree/linear_octree.h"
+#include "octavo/octree/mask_tree.h"
+#include "octavo/octree/packed_numbers.h"
+#include "octavo/octree/ranked_bits.h"
 
 namespace octavo {
 

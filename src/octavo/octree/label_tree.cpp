@@ -1,4 +1,4 @@
-#include "octavo/core/label_tree.h"
+#include "octavo/octree/label_tree.h"
 
 #include <algorithm>
 #include <functional>

@@ -1,11 +1,11 @@
-#include "octavo/core/neighbors.h"
+#include "octavo/octree/neighbors.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 #include <set>
 
-#include "octavo/core/condense.h"
+#include "octavo/octree/condense.h"
 
 namespace octavo {
 namespace {

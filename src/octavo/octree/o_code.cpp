@@ -1,4 +1,4 @@
-#include "octavo/core/o_code.h"
+#include "octavo/octree/o_code.h"
 
 #include "octavo/core/error.h"
 #include "octavo/core/levels.h"

@@ -1,10 +1,10 @@
-#include "octavo/core/mask_tree.h"
+#include "octavo/octree/mask_tree.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "octavo/core/levels.h"
-#include "octavo/core/word_steps.h"
+#include "octavo/octree/word_steps.h"
 
 namespace octavo {
 

@@ -1,4 +1,4 @@
-#include "octavo/core/condense.h"
+#include "octavo/octree/condense.h"
 
 #include <gtest/gtest.h>
 #include <zlib.h>
