@@ -15,8 +15,8 @@
 #include "common/quantities.h"
 #include "common/verb.h"
 #include "common/volume_json.h"
-#include "octavo/build/computed_source.h"
 #include "octavo/ops/components.h"
+#include "octavo/planes/computed_source.h"
 #include "verbs.h"
 
 namespace octavo::cli {

@@ -12,7 +12,7 @@
 #include "common/progress_line.h"
 #include "common/quantities.h"
 #include "common/verb.h"
-#include "octavo/build/phantom.h"
+#include "octavo/planes/phantom.h"
 #include "verbs.h"
 
 namespace octavo::cli {

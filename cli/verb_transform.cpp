@@ -20,12 +20,12 @@
 #include "common/turn_words.h"
 #include "common/verb.h"
 #include "common/volume_json.h"
-#include "octavo/build/computed_source.h"
 #include "octavo/build/metadata_member.h"
 #include "octavo/file/copy_described.h"
 #include "octavo/io/place_known.h"
 #include "octavo/ops/mask_transform.h"
 #include "octavo/ops/resample.h"
+#include "octavo/planes/computed_source.h"
 #include "verbs.h"
 
 namespace octavo::cli {

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "octavo/build/plane_source.h"
 #include "octavo/file/reader.h"
+#include "octavo/planes/plane_source.h"
 
 namespace octavo::cli {
 

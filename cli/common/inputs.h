@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "common/context.h"
-#include "octavo/build/plane_source.h"
 #include "octavo/file/reader.h"
+#include "octavo/planes/plane_source.h"
 
 namespace CLI {
 class App;

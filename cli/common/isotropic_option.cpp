@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "octavo/core/error.h"
-#include "octavo/io/isotropic_source.h"
+#include "octavo/planes/between/isotropic_source.h"
 
 namespace octavo::cli {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/context.h"
-#include "octavo/build/plane_source.h"
+#include "octavo/planes/plane_source.h"
 
 namespace CLI {
 class App;

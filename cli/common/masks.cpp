@@ -13,11 +13,11 @@
 #include "common/progress_line.h"
 #include "common/quantities.h"
 #include "common/volume_json.h"
-#include "octavo/build/computed_source.h"
 #include "octavo/core/error.h"
 #include "octavo/core/memory_limit.h"
 #include "octavo/ops/file_mask.h"
 #include "octavo/ops/resample.h"
+#include "octavo/planes/computed_source.h"
 
 namespace octavo::cli {
 

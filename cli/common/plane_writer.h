@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "octavo/build/plane_source.h"
 #include "octavo/core/progress.h"
+#include "octavo/planes/plane_source.h"
 
 namespace octavo::cli {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <ctime>
 
-#include "octavo/build/phantom.h"
 #include "octavo/core/crc32c.h"
+#include "octavo/planes/phantom.h"
 #include "support/built_file.h"
 #include "support/goal_cases.h"
 

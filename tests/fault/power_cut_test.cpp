@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "octavo/build/builder.h"
-#include "octavo/build/memory_source.h"
 #include "octavo/file/verify.h"
+#include "octavo/planes/memory_source.h"
 #include "support/goal_cases.h"
 #include "support/recording_storage.h"
 

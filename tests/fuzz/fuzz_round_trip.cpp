@@ -7,8 +7,8 @@
 
 #include "fuzz/fuzz_target.h"
 #include "octavo/build/builder.h"
-#include "octavo/build/memory_source.h"
 #include "octavo/file/reader.h"
+#include "octavo/planes/memory_source.h"
 #include "support/memory_storage.h"
 
 namespace {

@@ -17,11 +17,11 @@
 #include <vector>
 
 #include "octavo/build/builder.h"
-#include "octavo/build/memory_source.h"
 #include "octavo/core/crc32c.h"
 #include "octavo/core/progress.h"
 #include "octavo/file/reader.h"
 #include "octavo/file/writer.h"
+#include "octavo/planes/memory_source.h"
 #include "support/memory_storage.h"
 #include "support/sample_file.h"
 

@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "octavo/build/builder.h"
-#include "octavo/build/memory_source.h"
 #include "octavo/codec/simd_level.h"
 #include "octavo/core/crc32c.h"
+#include "octavo/planes/memory_source.h"
 #include "support/memory_storage.h"
 
 namespace octavo {

@@ -11,8 +11,8 @@
 #include <unistd.h>
 
 #include "octavo/build/builder.h"
-#include "octavo/build/memory_source.h"
 #include "octavo/file/reader.h"
+#include "octavo/planes/memory_source.h"
 
 namespace octavo::testing {
 

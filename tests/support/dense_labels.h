@@ -5,8 +5,8 @@
 #include <cstring>
 #include <vector>
 
-#include "octavo/build/memory_source.h"
 #include "octavo/ops/label_build.h"
+#include "octavo/planes/memory_source.h"
 #include "support/built_file.h"
 #include "support/dense_mask.h"
 

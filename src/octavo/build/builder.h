@@ -12,10 +12,10 @@
 #include <string>
 
 #include "octavo/build/float_planes.h"
-#include "octavo/build/plane_source.h"
 #include "octavo/codec/brick_codec.h"
 #include "octavo/core/progress.h"
 #include "octavo/file/storage.h"
+#include "octavo/planes/plane_source.h"
 
 namespace octavo {
 

@@ -17,8 +17,8 @@
 #include <cstdint>
 #include <memory>
 
-#include "octavo/build/plane_source.h"
 #include "octavo/file/reader.h"
+#include "octavo/planes/plane_source.h"
 
 namespace octavo {
 

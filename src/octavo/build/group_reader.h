@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "octavo/build/float_planes.h"
-#include "octavo/build/plane_source.h"
 #include "octavo/build/voxel_block.h"
 #include "octavo/core/progress.h"
+#include "octavo/planes/plane_source.h"
 
 namespace octavo {
 

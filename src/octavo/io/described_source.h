@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "octavo/build/plane_source.h"
 #include "octavo/io/component_choice.h"
 #include "octavo/io/open_source.h"
 #include "octavo/io/source_identity.h"
+#include "octavo/planes/plane_source.h"
 
 namespace octavo {
 

@@ -8,7 +8,7 @@
 
 #include "octavo/core/voxel_type.h"
 #include "octavo/io/dicom_pixels.h"
-#include "octavo/io/plane_mixing.h"
+#include "octavo/planes/between/plane_mixing.h"
 
 namespace octavo {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "octavo/build/plane_source.h"
 #include "octavo/io/open_source.h"
+#include "octavo/planes/plane_source.h"
 
 namespace octavo {
 

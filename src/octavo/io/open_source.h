@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "octavo/build/plane_source.h"
+#include "octavo/planes/plane_source.h"
 
 namespace octavo {
 

@@ -12,8 +12,8 @@
 
 #include "fuzz/brick_input.h"
 #include "octavo/build/builder.h"
-#include "octavo/build/memory_source.h"
 #include "octavo/codec/brick_codec.h"
+#include "octavo/planes/memory_source.h"
 
 namespace {
 

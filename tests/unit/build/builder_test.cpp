@@ -5,8 +5,8 @@
 #include <atomic>
 #include <cmath>
 
-#include "octavo/build/phantom.h"
 #include "octavo/core/error.h"
+#include "octavo/planes/phantom.h"
 #include "support/built_file.h"
 
 namespace octavo {

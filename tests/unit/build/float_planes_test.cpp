@@ -8,8 +8,8 @@
 #include <limits>
 #include <random>
 
-#include "octavo/build/memory_source.h"
 #include "octavo/core/error.h"
+#include "octavo/planes/memory_source.h"
 
 namespace octavo {
 namespace {

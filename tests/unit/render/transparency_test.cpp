@@ -9,8 +9,8 @@
 #include <fstream>
 #include <random>
 
-#include "octavo/build/phantom.h"
 #include "octavo/core/error.h"
+#include "octavo/planes/phantom.h"
 #include "support/built_file.h"
 
 namespace octavo {

@@ -24,7 +24,7 @@
 #include <memory>
 #include <string>
 
-#include "octavo/build/plane_source.h"
+#include "octavo/planes/plane_source.h"
 
 namespace octavo {
 

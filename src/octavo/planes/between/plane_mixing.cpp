@@ -1,4 +1,4 @@
-#include "octavo/io/plane_mixing.h"
+#include "octavo/planes/between/plane_mixing.h"
 
 #include <cstring>
 

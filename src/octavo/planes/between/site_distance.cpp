@@ -1,4 +1,4 @@
-#include "octavo/io/site_distance.h"
+#include "octavo/planes/between/site_distance.h"
 
 namespace octavo {
 

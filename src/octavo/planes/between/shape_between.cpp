@@ -1,4 +1,4 @@
-#include "octavo/io/shape_between.h"
+#include "octavo/planes/between/shape_between.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "octavo/core/error.h"
-#include "octavo/io/site_distance.h"
+#include "octavo/planes/between/site_distance.h"
 
 namespace octavo {
 

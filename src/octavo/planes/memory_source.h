@@ -5,7 +5,7 @@
 #include <memory>
 #include <span>
 
-#include "octavo/build/plane_source.h"
+#include "octavo/planes/plane_source.h"
 
 namespace octavo {
 

@@ -1,5 +1,5 @@
 // Planes between grey slices, and when there are none to make.
-#include "octavo/io/isotropic_source.h"
+#include "octavo/planes/between/isotropic_source.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "octavo/build/memory_source.h"
+#include "octavo/planes/memory_source.h"
 #include "support/source_files.h"
 
 namespace octavo::testing {

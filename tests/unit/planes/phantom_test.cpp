@@ -1,4 +1,4 @@
-#include "octavo/build/phantom.h"
+#include "octavo/planes/phantom.h"
 
 #include <gtest/gtest.h>
 

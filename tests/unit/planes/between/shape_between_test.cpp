@@ -1,5 +1,5 @@
 // Label planes between label planes, and the distances they are decided by.
-#include "octavo/io/shape_between.h"
+#include "octavo/planes/between/shape_between.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "octavo/core/error.h"
-#include "octavo/io/site_distance.h"
+#include "octavo/planes/between/site_distance.h"
 
 namespace octavo {
 namespace {

@@ -1,4 +1,4 @@
-#include "octavo/io/isotropic_source.h"
+#include "octavo/planes/between/isotropic_source.h"
 
 #include <algorithm>
 #include <array>
@@ -13,8 +13,8 @@
 #include "octavo/core/error.h"
 #include "octavo/core/levels.h"
 #include "octavo/io/described_source.h"
-#include "octavo/io/plane_mixing.h"
-#include "octavo/io/shape_between.h"
+#include "octavo/planes/between/plane_mixing.h"
+#include "octavo/planes/between/shape_between.h"
 
 namespace octavo {
 

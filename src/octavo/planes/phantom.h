@@ -17,7 +17,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "octavo/build/plane_source.h"
+#include "octavo/planes/plane_source.h"
 
 namespace octavo {
 

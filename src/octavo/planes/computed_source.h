@@ -6,7 +6,7 @@
 #include <functional>
 #include <memory>
 
-#include "octavo/build/plane_source.h"
+#include "octavo/planes/plane_source.h"
 
 namespace octavo {
 

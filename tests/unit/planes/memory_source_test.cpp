@@ -1,4 +1,4 @@
-#include "octavo/build/memory_source.h"
+#include "octavo/planes/memory_source.h"
 
 #include <gtest/gtest.h>
 

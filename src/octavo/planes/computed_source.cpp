@@ -1,4 +1,4 @@
-#include "octavo/build/computed_source.h"
+#include "octavo/planes/computed_source.h"
 
 #include <algorithm>
 #include <utility>
