@@ -10,28 +10,28 @@ set(OCTAVO_READ_SOURCES
   core/voxel_type.cpp
   codec/codec_of_kind.cpp
   core/crc32c.cpp
-  codec/edge_pairs.cpp
-  codec/grey_brick.cpp
-  codec/grey_codec.cpp
-  codec/grey_corrections.cpp
-  codec/grey_model.cpp
-  codec/grey_stage_dispatch_portable.cpp
-  codec/grey_stage_portable.cpp
-  codec/label_contexts.cpp
-  codec/label_decoder.cpp
-  codec/label_encoder.cpp
-  codec/label_grid.cpp
-  codec/label_model.cpp
-  codec/label_net.cpp
-  codec/label_octant.cpp
-  codec/label_pyramid.cpp
-  codec/label_start_weights.cpp
-  codec/label_stored.cpp
-  codec/label_walk_dispatch_portable.cpp
-  codec/label_walk_portable.cpp
-  codec/octant_transform.cpp
-  codec/residual_coder.cpp
-  codec/value_map.cpp
+  codec/grey/edge_pairs.cpp
+  codec/grey/grey_brick.cpp
+  codec/grey/grey_codec.cpp
+  codec/grey/grey_corrections.cpp
+  codec/grey/grey_model.cpp
+  codec/grey/grey_stage_dispatch_portable.cpp
+  codec/grey/grey_stage_portable.cpp
+  codec/label/label_contexts.cpp
+  codec/label/label_decoder.cpp
+  codec/label/label_encoder.cpp
+  codec/label/label_grid.cpp
+  codec/label/label_model.cpp
+  codec/label/label_net.cpp
+  codec/label/label_octant.cpp
+  codec/label/label_pyramid.cpp
+  codec/label/label_start_weights.cpp
+  codec/label/label_stored.cpp
+  codec/label/label_walk_dispatch_portable.cpp
+  codec/label/label_walk_portable.cpp
+  codec/grey/octant_transform.cpp
+  codec/grey/residual_coder.cpp
+  codec/grey/value_map.cpp
   file/bit_flip.cpp
   file/byte_source.cpp
   file/index.cpp
@@ -47,7 +47,7 @@ list(TRANSFORM OCTAVO_READ_SOURCES PREPEND ${CMAKE_CURRENT_LIST_DIR}/)
 
 # The same with vectorised decoders, for those who have Highway.
 set(OCTAVO_READ_SIMD_SOURCES
-  codec/grey_stage_simd.cpp codec/label_walk_simd.cpp codec/simd_level.cpp)
+  codec/grey/grey_stage_simd.cpp codec/label/label_walk_simd.cpp codec/simd_level.cpp)
 list(TRANSFORM OCTAVO_READ_SIMD_SOURCES PREPEND ${CMAKE_CURRENT_LIST_DIR}/)
 list(APPEND OCTAVO_READ_SIMD_SOURCES ${OCTAVO_READ_SOURCES})
 list(FILTER OCTAVO_READ_SIMD_SOURCES EXCLUDE REGEX _dispatch_portable)

@@ -8,7 +8,7 @@
 #include <map>
 #include <random>
 
-#include "octavo/codec/octant_transform.h"
+#include "octavo/codec/grey/octant_transform.h"
 #include "octavo/io/open_source.h"
 #include "support/ct_head.h"
 #include "support/shared_data.h"

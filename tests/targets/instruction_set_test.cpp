@@ -1,8 +1,8 @@
 // Without this, a build that fell back to plain C++ would pass all other tests.
 #include <gtest/gtest.h>
 
-#include "octavo/codec/grey_stage.h"
-#include "octavo/codec/label_walk.h"
+#include "octavo/codec/grey/grey_stage.h"
+#include "octavo/codec/label/label_walk.h"
 
 namespace octavo {
 namespace {

@@ -15,9 +15,9 @@
 #include <string>
 #include <vector>
 
-#include "octavo/codec/label_start_weights.h"
-#include "octavo/codec/label_trainer.h"
-#include "octavo/codec/label_walk.h"
+#include "octavo/codec/label/label_start_weights.h"
+#include "octavo/codec/label/label_trainer.h"
+#include "octavo/codec/label/label_walk.h"
 #include "octavo/core/levels.h"
 
 namespace {

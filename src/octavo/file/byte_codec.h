@@ -12,7 +12,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "octavo/codec/byte_io.h"
+#include "octavo/codec/entropy/byte_io.h"
 #include "octavo/core/error.h"
 
 namespace octavo {

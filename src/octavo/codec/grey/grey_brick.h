@@ -1,0 +1,210 @@
+// The walk through a brick that encoding, decoding and training share.
+//
+// A model's axis order says which axis of the brick is the codec's x, y and z: shapes, samples and
+// splits here are in the codec's axes, and only reading voxels in and writing them out knows of the
+// brick's. That way one set of kernels serves every order.
+//
+// Samples of a brick are its voxels less a base, chosen so that the smallest voxel becomes the
+// smallest sample: 16-bit samples when the brick's range fits, else 32-bit ones. Levels are decoded
+// from the coarsest down; inside a level the splits go z, y, x, along the axes of the level's
+// halving mask.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "octavo/codec/brick_codec.h"
+#include "octavo/codec/entropy/byte_io.h"
+#include "octavo/codec/grey/grey_stage.h"
+#include "octavo/codec/grey/octant_transform.h"
+
+namespace octavo::grey {
+
+/// How the voxels of a brick become samples: voxels to codes, codes to samples.
+struct SampleScale {
+  ValueRange range;  ///< of the codes
+  CodeScale codes = {};
+  /// Samples stand for several codes (training only): a detail of 1 is as good as none.
+  bool is_cut = false;
+
+  static SampleScale of_voxels(const ValueRange& voxels, const CodeScale& codes) {
+    return {{codes.code_of(voxels.min), codes.code_of(voxels.max)}, codes};
+  }
+
+  bool is_wide() const { return range.max - range.min > 0xffff; }
+  /// code = sample + base
+  std::int64_t base() const {
+    return range.min + (is_wide() ? std::int64_t{1} << 31 : std::int64_t{1} << 15);
+  }
+  std::int64_t min_sample() const { return range.min - base(); }
+  std::int64_t max_sample() const { return range.max - base(); }
+  /// Magnitudes are measured in units of 2^shift: 0 for 16-bit samples.
+  int shift() const {
+    const int bits = bit_length(static_cast<std::uint64_t>(range.max - range.min));
+    return bits > 16 ? bits - 16 : 0;
+  }
+  /// Bits of a code stored plain.
+  int plain_width() const {
+    return bit_length(static_cast<std::uint64_t>(range.max - range.min));
+  }
+};
+
+/// Calls f(std::int16_t{}) or f(std::int32_t{}): the sample type of the brick.
+template <class F>
+decltype(auto) with_sample_type(const SampleScale& scale, F&& f) {
+  return scale.is_wide() ? f(std::int32_t{}) : f(std::int16_t{});
+}
+
+/// A size or a shape in the codec's axes.
+inline Size3 in_order(const Size3& size, const AxisOrder& order) {
+  return {size[order[0]], size[order[1]], size[order[2]]};
+}
+BrickShape in_order(const BrickShape& shape, const AxisOrder& order);
+
+inline constexpr int kTileRows = 16;
+
+/// Walks the rows along x of a volume whose voxels are `steps` apart in memory. Calls
+/// f(y, z, axis, count) for row (y, z) and the next `count` - 1 along `axis`, the axis whose voxels
+/// lie side by side: single rows where that is x, tiles of up to kTileRows rows else, so that
+/// memory is met in runs whatever the order of the axes.
+template <class F>
+void for_each_tile(const Size3& size, const Size3& steps, F&& f) {
+  const int axis = steps.x == 1 ? 0 : steps.y == 1 ? 1 : 2;
+  const std::int64_t rows_y = axis == 1 ? kTileRows : 1;
+  const std::int64_t rows_z = axis == 2 ? kTileRows : 1;
+  for (std::int64_t z = 0; z < size.z; z += rows_z) {
+    for (std::int64_t y = 0; y < size.y; y += rows_y) {
+      const std::int64_t left = axis == 0 ? 1 : axis == 1 ? size.y - y : size.z - z;
+      f(y, z, axis, static_cast<int>(std::min<std::int64_t>(left, kTileRows)));
+    }
+  }
+}
+
+/// Cells exist where a brick has three levels or more: one per sample of in-brick level 2.
+constexpr bool has_cells(const BrickShape& shape) { return shape.level_count >= 3; }
+
+/// The flags of a brick's cells and their form in the segment of in-brick level 1.
+Bytes encode_cells(const UniformCells& cells);
+/// Throws Error{corrupt}.
+UniformCells decode_cells(ByteSpan bytes, const Size3& size);
+
+/// What is known of a brick's samples before its details are.
+struct BrickHints {
+  const UniformCells* cells = nullptr;  ///< nullptr when no cell is flagged
+  const ValueGaps* gaps = nullptr;      ///< nullptr when all values occur
+  bool has_edges = false;
+};
+
+/// The split along `axis` at in-brick level `level`; `fine_size` is the size of its result.
+Stage make_stage(const BrickShape& shape, const SampleScale& scale, const Parameters& p, int level,
+                 int axis, const Size3& fine_size, const BrickHints& hints);
+
+/// The gaps between the values of a brick; nothing where its map knows of none.
+std::unique_ptr<const ValueGaps> gaps_of(const ValueMap& map, const BrickMap& brick,
+                                         const BrickShape& shape, const SampleScale& scale);
+
+/// The axes of the splits that lead from level + 1 to level with the sizes they produce, in
+/// decoding order: z, y, x.
+struct Split {
+  int axis;
+  Size3 fine_size;
+};
+std::vector<Split> splits_of(const BrickShape& shape, int level);
+
+/// The work space of the calling thread, made at first use.
+template <class Sample>
+Workspace<Sample>& thread_workspace() {
+  static thread_local const auto workspace = std::make_unique<Workspace<Sample>>();
+  return *workspace;
+}
+
+/// Puts dense samples into the grid the splits start from.
+template <class Sample>
+void load_means(Workspace<Sample>& work, const Sample* samples, const Size3& size) {
+  work.means.set_size(size);
+  for (std::int64_t z = 0; z < size.z; ++z) {
+    for (std::int64_t y = 0; y < size.y; ++y, samples += size.x) {
+      std::copy_n(samples, size.x, work.means.row(y, z));
+    }
+  }
+  work.means.fill_margins();
+}
+
+/// Runs `stage_work(stage, split)` for the splits of a level; before each the fine grid holds the
+/// means repeated, unless it is written without being read; after each its result becomes the next
+/// means.
+template <class Sample, class F>
+void run_level(Workspace<Sample>& work, const BrickShape& shape, const SampleScale& scale,
+               const Parameters& p, int level, const BrickHints& hints, F&& stage_work) {
+  for (auto& grid : work.magnitudes) grid.set_size({0, 0, 0});
+  for (const Split& split : splits_of(shape, level)) {
+    if (p.predictor == Predictor::neighbours) {
+      repeat_along(work.means, work.fine, split.axis, split.fine_size);
+    } else {
+      work.fine.set_size(split.fine_size);
+    }
+    stage_work(make_stage(shape, scale, p, level, split.axis, split.fine_size, hints), split);
+    if (p.predictor == Predictor::means) copy_lone(work.means, work.fine, split.axis);
+    work.means.swap(work.fine);
+    if (p.predictor == Predictor::means) work.means.fill_nearest_margins();
+    else work.means.fill_margins();
+  }
+}
+
+/// True samples of a split, dense [z][y][x].
+template <class Sample>
+struct Truth {
+  const Sample* samples = nullptr;
+  Size3 size;
+};
+
+/// The true detail of pair (x, y, z) of a split along `axis`.
+template <class Sample>
+Wide<Sample> true_detail(const Truth<Sample>& truth, int axis, std::int64_t x, std::int64_t y,
+                         std::int64_t z) {
+  const std::int64_t steps[3] = {1, truth.size.x, truth.size.x * truth.size.y};
+  const Sample* a = truth.samples + (axis == 2 ? 2 * z : z) * steps[2] +
+                    (axis == 1 ? 2 * y : y) * steps[1] + (axis == 0 ? 2 * x : x);
+  return static_cast<Wide<Sample>>(a[0]) - a[steps[axis]];
+}
+
+/// Puts the true details of a split into work.residuals, 0 in uniform cells.
+template <class Sample>
+void load_details(Workspace<Sample>& work, const Stage& stage, const Truth<Sample>& truth);
+
+/// Details that the segment of a level codes.
+std::int64_t level_detail_count(const BrickShape& shape, int level, const UniformCells* cells);
+
+/// Everything an encoder knows of a brick: samples, the inputs of every halving, flagged cells.
+template <class Sample>
+struct AnalyzedBrick {
+  SampleScale scale;
+  /// steps[level][axis]: the samples before the halving along `axis` at `level`; empty when not
+  /// halved.
+  std::vector<std::array<std::vector<Sample>, 3>> steps;
+  std::vector<Sample> coarsest;  ///< samples of the last in-brick level
+  UniformCells cells;            ///< no flags when too few cells are uniform to pay
+  std::unique_ptr<const ValueGaps> gaps;
+  std::int64_t parent = 0;       ///< code of the brick at the next tier's first level
+
+  BrickHints hints(const Parameters& p) const {
+    return {cells.flags.empty() ? nullptr : &cells, gaps.get(), p.has_edges};
+  }
+};
+
+/// Smallest and largest voxel of a brick.
+ValueRange range_of(const BrickView& brick);
+
+/// Requires a range of more than one code. When Sample is 16 bits and the range is wider, samples
+/// keep the highest 16 bits (training only). shape: in the codec's axes
+template <class Sample>
+AnalyzedBrick<Sample> analyze(const BrickShape& shape, const BrickView& brick,
+                              const SampleScale& scale, const AxisOrder& order);
+
+/// The codes that a model makes of voxels, those of a brick with a map.
+CodeScale code_scale(const Parameters& p, const BrickMap& map);
+
+}  // namespace octavo::grey

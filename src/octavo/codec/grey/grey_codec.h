@@ -1,0 +1,26 @@
+// The grey codec: a trained model and the two procedures that use it.
+#pragma once
+
+#include <memory>
+
+#include "octavo/codec/brick_codec.h"
+#include "octavo/codec/grey/grey_model.h"
+
+namespace octavo::grey {
+
+class GreyCodec final : public BrickCodec {
+ public:
+  explicit GreyCodec(const Parameters& parameters);
+
+  VolumeKind kind() const noexcept override { return VolumeKind::grey; }
+  AxisOrder axis_order() const noexcept override { return model_->parameters.axis_order; }
+  Bytes serialized() const override { return serialize(model_->parameters); }
+  EncodedBrick encode(const BrickShape& shape, const BrickView& brick) const override;
+  void decode(const BrickShape& shape, VoxelType type, const ValueRange& range,
+              std::span<const ByteSpan> segments, int level, void* out) const override;
+
+ private:
+  std::unique_ptr<const Model> model_;
+};
+
+}  // namespace octavo::grey

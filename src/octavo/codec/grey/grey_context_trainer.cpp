@@ -1,0 +1,322 @@
+// Learns how large residuals will be (context weights by non-negative least squares) and how
+// probable they are then (token frequencies by counting).
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "octavo/codec/grey/grey_portable.h"
+#include "octavo/codec/grey/grey_training.h"
+#include "octavo/codec/grey/least_squares.h"
+
+namespace octavo::grey {
+
+namespace {
+
+/// A reproducible thinning: keeps about `wanted` of `total` items.
+class Thinning {
+ public:
+  Thinning(std::int64_t wanted, std::int64_t total, std::uint32_t seed)
+      : limit_(wanted >= total
+                   ? ~0u
+                   : static_cast<std::uint32_t>(wanted * (std::int64_t{1} << 32) / total)),
+        state_(seed * 2654435761u + 12345u) {}
+  bool keeps_next() {
+    state_ = state_ * 1664525u + 1013904223u;
+    return (state_ ^ state_ >> 15) <= limit_;
+  }
+
+ private:
+  std::uint32_t limit_;
+  std::uint32_t state_;
+};
+
+/// Per split axis, by level group.
+constexpr std::int64_t kContextSamples[kGroups] = {20000, 10000, 6000};
+constexpr double kContextRidge = 1e-4;
+
+/// One in so many lessons is enough.
+std::size_t part_of(const std::vector<Lesson>& lessons) {
+  return lessons.size() >= kManyBricks ? 2 : 1;
+}
+
+/// Features and residual magnitudes that contexts are learnt from.
+struct ContextSamples {
+  std::vector<std::array<float, kFeatures>> features;
+  std::vector<float> magnitudes;
+};
+
+/// Takes about `wanted` samples from a split whose residuals and magnitudes are known.
+void take_samples(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
+                  Thinning thinning, ContextSamples& samples) {
+  const RowBuffers& r = work.row;
+  const auto f = [](std::int32_t v) { return static_cast<float>(v); };
+  std::vector<int> chosen;
+  for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
+    for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
+      const int coded = list_coded(stage, work, y, z);
+      chosen.clear();
+      for (int i = 0; i < coded; ++i) {
+        if (thinning.keeps_next()) chosen.push_back(coded == stage.pairs.x ? i : r.order[i]);
+      }
+      if (chosen.empty()) continue;
+      PortableKernel<std::int16_t>::row_features(p, stage, work, y, z);
+      const MagnitudeRows near =
+          magnitude_rows(work.magnitudes, p.predictor, stage.axis, y, z, r.zeros + 8);
+      const std::int32_t* const residuals = work.residuals.row(y, z);
+      for (const int x : chosen) {
+        samples.features.push_back(
+            {f(r.gradient_along[x]), f(r.curvature_along[x]), f(r.gradient_across[x]),
+             f(near.sibling[0][x]), f(near.sibling[1][x]), 1.0f, f(near.up[x + 2]),
+             f(near.up[x - 2]), f(near.up[x]), f(near.up[x - 1]), f(near.up[x + 1]),
+             f(near.back[x]), f(near.back[x - 1]), f(near.back[x + 1]), f(near.back_up[x]),
+             f(near.back_down[x])});
+        samples.magnitudes.push_back(f(std::min(std::abs(residuals[x]), kMaxMagnitude)));
+      }
+    }
+  }
+}
+
+/// Normal equations of all features, in double precision.
+struct ContextEquations {
+  std::vector<double> matrix = std::vector<double>(std::size_t{kFeatures} * kFeatures);
+  std::vector<double> right = std::vector<double>(kFeatures);
+};
+
+/// With `foresight` (not null) a sample weighs 1 / (what these weights foresee)^2: relative errors
+/// count.
+ContextEquations accumulate_contexts(const ContextSamples& samples,
+                                     const std::vector<double>* foresight) {
+  ContextEquations equations;
+  for (std::size_t i = 0; i < samples.magnitudes.size(); ++i) {
+    std::array<double, kFeatures> f;
+    for (std::size_t k = 0; k < kFeatures; ++k) f[k] = static_cast<double>(samples.features[i][k]);
+    double weight = 1;
+    if (foresight != nullptr) {
+      double foreseen = 0;
+      for (std::size_t k = 0; k < kFeatures; ++k) foreseen += (*foresight)[k] * f[k];
+      weight = 1 / (foreseen * foreseen + 0.05);
+    }
+    for (std::size_t k = 0; k < kFeatures; ++k) {
+      const double scaled = f[k] * weight;
+      if (scaled == 0) continue;
+      equations.right[k] += scaled * static_cast<double>(samples.magnitudes[i]);
+      for (std::size_t j = 0; j < kFeatures; ++j) {
+        equations.matrix[k * kFeatures + j] += scaled * f[j];
+      }
+    }
+  }
+  return equations;
+}
+
+/// The solution with the inactive features held at zero.
+std::vector<double> solve_active(ContextEquations equations,
+                                 const std::array<bool, kFeatures>& is_active) {
+  for (std::size_t k = 0; k < kFeatures; ++k) {
+    if (!is_active[k]) equations.right[k] = 0;
+    for (std::size_t j = 0; j < kFeatures; ++j) {
+      if (is_active[k] && is_active[j]) continue;
+      equations.matrix[k * kFeatures + j] = k == j ? 1 : 0;
+    }
+  }
+  eliminate(kFeatures, equations.matrix, equations.right, kContextRidge);
+  return equations.right;
+}
+
+/// Non-negative weights that foresee the magnitude: features whose weight turns negative drop out.
+std::vector<double> fit_contexts(const ContextSamples& samples) {
+  std::vector<double> weights(kFeatures, 0.0);
+  for (int round = 0; round < 3; ++round) {
+    const ContextEquations equations = accumulate_contexts(samples, round > 0 ? &weights : nullptr);
+    std::array<bool, kFeatures> is_active;
+    is_active.fill(true);
+    for (int attempt = 0; attempt < kFeatures; ++attempt) {
+      const std::vector<double> fitted = solve_active(equations, is_active);
+      bool dropped = false;
+      for (std::size_t k = 0; k < kFeatures; ++k) {
+        if (!is_active[k] || fitted[k] >= 0) continue;
+        is_active[k] = false;
+        dropped = true;
+      }
+      if (dropped) continue;
+      for (std::size_t k = 0; k < kFeatures; ++k) weights[k] = is_active[k] ? fitted[k] : 0.0;
+      break;
+    }
+  }
+  return weights;
+}
+
+using TokenCounts = std::array<std::int64_t, kTokens>;
+using Counts = std::array<std::array<TokenCounts, kContexts>, kTableSets>;
+
+Counts count_tokens(const Parameters& p, const std::vector<Lesson>& lessons) {
+  const std::size_t every = part_of(lessons);
+  std::vector<Counts> by_lesson(lessons.size());
+  tbb::parallel_for(std::size_t{0}, lessons.size(), [&](std::size_t i) {
+    if (i % every != 0) return;
+    const Lesson& lesson = lessons[i];
+    std::vector<Symbol> symbols;
+    for (int level = 0; level + 1 < lesson.shape.level_count; ++level) {
+      symbols.clear();
+      walk_level(p, lesson, level,
+                 [&](const Stage& stage, Workspace<std::int16_t>& work, const auto&) {
+                   stage_functions().narrow.list_symbols(p, stage, work, symbols);
+                 });
+      for (const Symbol& s : symbols) {
+        const auto token = token_of(static_cast<std::uint32_t>(s.value() >> s.low_bits()));
+        ++by_lesson[i][static_cast<std::size_t>(table_set(level))][s.context()]
+                   [static_cast<std::size_t>(token)];
+      }
+    }
+  });
+  Counts counts{};
+  for (const Counts& one : by_lesson) {
+    for (std::size_t set = 0; set < kTableSets; ++set) {
+      for (std::size_t context = 0; context < kContexts; ++context) {
+        for (std::size_t token = 0; token < kTokens; ++token) {
+          counts[set][context][token] += one[set][context][token];
+        }
+      }
+    }
+  }
+  return counts;
+}
+
+/// Frequencies in proportion to counts: at least 1 for the escape token, for every token seen and
+/// for the tokens next to one seen; the sum is 2048.
+std::array<std::uint16_t, kTokens> frequencies_of(const TokenCounts& counts) {
+  std::int64_t total = 0;
+  for (const std::int64_t count : counts) total += count;
+  std::array<std::uint16_t, kTokens> frequencies{};
+  std::int32_t sum = 0;
+  std::size_t most = 0;
+  for (std::size_t token = 0; token < kTokens; ++token) {
+    const bool is_near = counts[token] > 0 || (token > 0 && counts[token - 1] > 0) ||
+                         (token + 1 < kEscapeToken && counts[token + 1] > 0);
+    if (!is_near && token != kEscapeToken) continue;
+    const auto share = (counts[token] * kTableSize + total / 2) / total;
+    frequencies[token] =
+        static_cast<std::uint16_t>(std::clamp<std::int64_t>(share, 1, kTableSize - 1));
+    sum += frequencies[token];
+    if (frequencies[token] > frequencies[most]) most = token;
+  }
+  // Rounding is settled with the most frequent tokens, a little from each.
+  while (sum > kTableSize) {
+    const auto largest = std::max_element(frequencies.begin(), frequencies.end());
+    const int take = std::min(sum - kTableSize, std::max(1, *largest / 8));
+    *largest = static_cast<std::uint16_t>(*largest - take);
+    sum -= take;
+  }
+  frequencies[most] = static_cast<std::uint16_t>(frequencies[most] + kTableSize - sum);
+  return frequencies;
+}
+
+std::int64_t total_of(const TokenCounts& counts) {
+  return std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
+}
+
+/// Logarithms to base 2 of 1 .. 2048 in units of 1/65536, by integer arithmetic alone.
+const std::array<std::int64_t, kTableSize + 1>& logarithms() {
+  static const auto table = [] {
+    std::array<std::int64_t, kTableSize + 1> made{};
+    for (std::uint64_t n = 1; n <= kTableSize; ++n) {
+      const int whole = bit_length(n) - 1;
+      std::uint64_t mantissa = n << (31 - whole);  // 1 .. 2 in Q31
+      std::int64_t fraction = 0;
+      for (int bit = 15; bit >= 0; --bit) {
+        mantissa = mantissa * mantissa >> 31;
+        if (mantissa >> 32 == 0) continue;
+        mantissa >>= 1;
+        fraction |= std::int64_t{1} << bit;
+      }
+      made[n] = (std::int64_t{whole} << 16) + fraction;
+    }
+    return made;
+  }();
+  return table;
+}
+
+/// Bits, in units of 1/65536, of counted tokens under their own table and of the table.
+std::int64_t cost_of(const TokenCounts& counts) {
+  constexpr std::int64_t kBitsPerFrequency = 6;
+  const auto frequencies = frequencies_of(counts);
+  std::int64_t bits = 0;
+  std::int64_t last = 0;
+  for (std::size_t token = 0; token < kTokens; ++token) {
+    if (counts[token] == 0) continue;
+    bits += counts[token] * ((std::int64_t{kTableBits} << 16) - logarithms()[frequencies[token]]);
+    if (token != kEscapeToken) last = static_cast<std::int64_t>(token) + 1;
+  }
+  return bits + ((last + 1) * kBitsPerFrequency << 16);
+}
+
+}  // namespace
+
+void learn_contexts(Parameters& p, const std::vector<Lesson>& lessons) {
+  const std::size_t every = part_of(lessons);
+  std::vector<std::array<std::array<ContextSamples, 3>, kGroups>> by_lesson(lessons.size());
+  tbb::parallel_for(std::size_t{0}, lessons.size(), [&](std::size_t i) {
+    if (i % every != every - 1) return;
+    const Lesson& lesson = lessons[i];
+    std::vector<Symbol> symbols;
+    for (int level = 0; level + 1 < lesson.shape.level_count; ++level) {
+      walk_level(
+          p, lesson, level, [&](const Stage& stage, Workspace<std::int16_t>& work, const auto&) {
+            // Listing leaves the magnitudes that features look at.
+            symbols.clear();
+            stage_functions().narrow.list_symbols(p, stage, work, symbols);
+            const auto group = static_cast<std::size_t>(stage.group);
+            const std::int64_t wanted =
+                kContextSamples[group] / static_cast<std::int64_t>(lessons.size() / every);
+            take_samples(
+                p, stage, work,
+                Thinning(wanted, stage.pairs.voxel_count(), static_cast<std::uint32_t>(i) + 77),
+                by_lesson[i][group][static_cast<std::size_t>(stage.axis)]);
+          });
+    }
+  });
+  tbb::parallel_for(0, kGroups * 3, [&](int task) {
+    ContextSamples all;
+    for (auto& lesson : by_lesson) {
+      auto& s = lesson[static_cast<std::size_t>(task / 3)][static_cast<std::size_t>(task % 3)];
+      all.features.insert(all.features.end(), s.features.begin(), s.features.end());
+      all.magnitudes.insert(all.magnitudes.end(), s.magnitudes.begin(), s.magnitudes.end());
+    }
+    if (all.magnitudes.size() < kFewSamples) return;
+    const std::vector<double> weights = fit_contexts(all);
+    for (std::size_t k = 0; k < kFeatures; ++k) {
+      p.context_weights[task / 3][task % 3][k] =
+          std::clamp(static_cast<std::int32_t>(std::lround(weights[k] * 256)), 0, 8191);
+    }
+  });
+}
+
+/// Learns the tables: neighbouring contexts share one while a second costs more than it saves. A
+/// context never met repeats the one below it; below the first met one, the default.
+void learn_frequencies(Parameters& p, const std::vector<Lesson>& lessons) {
+  const Counts counts = count_tokens(p, lessons);
+  for (std::size_t set = 0; set < kTableSets; ++set) {
+    std::size_t first = 0;  // of the contexts that share the table being made
+    TokenCounts shared{};
+    for (std::size_t context = 0; context < kContexts; ++context) {
+      const TokenCounts& own = counts[set][context];
+      TokenCounts joined = shared;
+      for (std::size_t token = 0; token < kTokens; ++token) joined[token] += own[token];
+      if (total_of(own) == 0 || total_of(shared) == 0 ||
+          cost_of(joined) <= cost_of(shared) + cost_of(own)) {
+        if (total_of(shared) == 0 && total_of(own) > 0) first = context;
+        shared = joined;
+      } else {
+        first = context;
+        shared = own;
+      }
+      if (total_of(shared) == 0) continue;
+      const auto frequencies = frequencies_of(shared);
+      for (std::size_t of = first; of <= context; ++of) p.frequencies[set][of] = frequencies;
+    }
+  }
+}
+
+}  // namespace octavo::grey

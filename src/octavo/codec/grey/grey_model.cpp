@@ -1,0 +1,313 @@
+#include "octavo/codec/grey/grey_model.h"
+
+#include <algorithm>
+
+#include "octavo/codec/entropy/binary_coder.h"
+#include "octavo/codec/entropy/byte_io.h"
+#include "octavo/codec/entropy/golomb.h"
+
+namespace octavo::grey {
+
+namespace {
+
+constexpr std::uint8_t kLossyFlag = 2;
+constexpr int kOrderShift = 2;
+constexpr std::uint8_t kOrderMask = 7;
+constexpr std::uint8_t kMapFlag = 32;
+constexpr std::uint8_t kEdgesFlag = 64;
+using GolombModel = octavo::GolombModel<24>;
+
+void put_signed(BinaryEncoder& coder, GolombModel& model, std::int32_t value) {
+  put_golomb(coder, model, static_cast<std::uint32_t>(zigzag(value)));
+}
+
+std::int32_t get_signed(BinaryDecoder& coder, GolombModel& model) {
+  return static_cast<std::int32_t>(unzigzag(get_golomb(coder, model)));
+}
+
+/// One walk over all parameters serves both directions: `code(model, value)` puts or gets a number.
+///
+/// The centre tap is not coded: weights sum to zero, so it is minus the sum of the others. Taps
+/// near the centre and far from it have models of their own.
+template <class Params, class Code>
+void walk_weights(Params& p, Code&& code) {
+  GolombModel is_used;
+  if (p.predictor == Predictor::means) {
+    for (auto& group : p.mean_weights) {
+      for (auto& axis : group) {
+        for (int cls = 1; cls < kClasses; ++cls) code.mean_weight(is_used, axis[cls]);
+      }
+    }
+    return;
+  }
+  std::array<GolombModel, 3 * 3> near_or_far;
+  for (int group = 0; group < kGroups; ++group) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (int cls = 1; cls < kClasses; ++cls) {
+        auto& weights = p.weights[group][axis][cls];
+        GolombModel* const of_axis = near_or_far.data() + std::ptrdiff_t{3} * axis;
+        code.weight_set(is_used, of_axis, weights, axis, p.weight_step);
+      }
+    }
+  }
+}
+
+int tap_distance(int axis, int tap) {
+  // Within a row of 8 the own column stands at offset 3 (rows through the sample itself differ for
+  // x).
+  const int column = tap % 8 - 3;
+  if (axis == 0 && tap < 16) return tap >= 6 && tap < 12 ? 0 : 1;
+  return column >= -1 && column <= 1 ? 0 : column >= -2 && column <= 2 ? 1 : 2;
+}
+
+struct WeightPutter {
+  BinaryEncoder& coder;
+  void mean_weight(GolombModel& model, std::int32_t weight) { put_signed(coder, model, weight); }
+  void weight_set(GolombModel& is_used, GolombModel* models, const std::int16_t* weights, int axis,
+                  int step) {
+    bool any = false;
+    for (int tap = 0; tap < tap_count(axis); ++tap) any = any || weights[tap] != 0;
+    put_golomb(coder, is_used, any ? 1 : 0);
+    if (!any) return;
+    for (int tap = 0; tap < tap_count(axis); ++tap) {
+      if (tap == centre_tap(axis)) continue;
+      put_signed(coder, models[tap_distance(axis, tap)], weights[tap] >> step);
+    }
+  }
+};
+
+struct WeightGetter {
+  BinaryDecoder& coder;
+  void mean_weight(GolombModel& model, std::int32_t& weight) {
+    weight = get_signed(coder, model);
+    if (weight < -kMaxMeanWeight || weight > kMaxMeanWeight) {
+      throw Error(ErrorKind::corrupt, "model: bad weight of the means");
+    }
+  }
+  void weight_set(GolombModel& is_used, GolombModel* models, std::int16_t* weights, int axis,
+                  int step) {
+    if (get_golomb(coder, is_used) == 0) return;
+    std::int32_t sum = 0;
+    for (int tap = 0; tap < tap_count(axis); ++tap) {
+      if (tap == centre_tap(axis)) continue;
+      const auto scaled =
+          static_cast<std::uint32_t>(get_signed(coder, models[tap_distance(axis, tap)]));
+      weights[tap] = static_cast<std::int16_t>(scaled << step);
+      sum += weights[tap];
+    }
+    weights[centre_tap(axis)] = static_cast<std::int16_t>(-sum);
+  }
+};
+
+/// Frequencies run from token 0 to the last used one; the escape token takes what is left of 2048.
+/// The model of a frequency is chosen by the size of the one before and of the same token one
+/// context down.
+struct FrequencyModels {
+  GolombModel last;
+  std::array<std::array<GolombModel, 4>, 12> by_neighbors;
+  GolombModel& of(std::uint32_t before, std::uint32_t below) {
+    const int below_width = bit_length(below);
+    const std::size_t column = below_width == 0  ? 0u
+                               : below_width < 4 ? 1u
+                               : below_width < 7 ? 2u
+                                                 : 3u;
+    return by_neighbors[static_cast<std::size_t>(std::min(bit_length(before), 11))][column];
+  }
+};
+
+int last_used_token(const std::array<std::uint16_t, kTokens>& frequencies) {
+  int last = -1;
+  for (int token = 0; token < kEscapeToken; ++token) {
+    if (frequencies[static_cast<std::size_t>(token)] != 0) last = token;
+  }
+  return last;
+}
+
+}  // namespace
+
+Parameters default_parameters() {
+  Parameters p;
+  for (int group = 0; group < kGroups; ++group) {
+    for (int axis = 0; axis < 3; ++axis) {
+      p.context_weights[group][axis][0] = 64;
+      p.context_weights[group][axis][5] = 128;
+      p.context_weights[group][axis][8] = 128;
+    }
+  }
+  for (auto& set : p.frequencies) {
+    for (auto& context : set) {
+      for (int token = 0; token < kEscapeToken; ++token) {
+        context[static_cast<std::size_t>(token)] = token < kDirectTokens ? 48 : 16;
+      }
+      context[kEscapeToken] = kTableSize - 32 * 48 - 31 * 16;
+    }
+  }
+  return p;
+}
+
+Encoder encoder_of(std::uint32_t frequency, std::uint32_t start) {
+  const auto rest = static_cast<std::uint16_t>(kTableSize - frequency);
+  if (frequency == 0) return {};
+  // 2^64 itself has no place in 64 bits: one less gives a quotient one too low, which the bias
+  // makes up for.
+  if (frequency == 1) return {~std::uint64_t{0}, start + rest, 1, rest};
+  return {~std::uint64_t{0} / frequency + 1, start, static_cast<std::uint16_t>(frequency), rest};
+}
+
+void build_tables(Model& model) {
+  for (std::size_t set = 0; set < kTableSets; ++set) {
+    for (std::size_t context = 0; context < kContexts; ++context) {
+      const auto& frequencies = model.parameters.frequencies[set][context];
+      auto& slots = model.tables.slots[set][context];
+      model.tables.used[set][context] = 0;
+      std::uint32_t start = 0;
+      for (std::uint32_t token = 0; token < kTokens; ++token) {
+        const std::uint32_t frequency = frequencies[token];
+        if (frequency > 0) model.tables.used[set][context] |= std::uint64_t{1} << token;
+        model.tables.encoders[set][context * kTokens + token] = encoder_of(frequency, start);
+        for (std::uint32_t i = 0; i < frequency; ++i) {
+          slots[start + i] = token | frequency << 6 | i << 18;
+        }
+        start += frequency;
+      }
+    }
+  }
+}
+
+Bytes serialize(const Parameters& parameters) {
+  Bytes out;
+  const Quantizer& quantizer = parameters.quantizer;
+  const std::uint8_t is_lossy = quantizer.is_lossless() ? 0 : kLossyFlag;
+  const auto order =
+      std::find(kAxisOrders.begin(), kAxisOrders.end(), parameters.axis_order) -
+      kAxisOrders.begin();
+  out.push_back(static_cast<std::uint8_t>(static_cast<int>(parameters.predictor) | is_lossy |
+                                          (parameters.value_map.is_empty() ? 0 : kMapFlag) |
+                                          (parameters.has_edges ? kEdgesFlag : 0) |
+                                          static_cast<int>(order) << kOrderShift));
+  if (is_lossy != 0) {
+    put_varint(out, static_cast<std::uint64_t>(quantizer.voxel_step));
+    put_varint(out, static_cast<std::uint64_t>(quantizer.detail_step));
+    put_varint(out, static_cast<std::uint64_t>(quantizer.correction_step));
+  }
+  if (!parameters.value_map.is_empty()) put_value_map(out, parameters.value_map);
+  put_varint(out, static_cast<std::uint64_t>(parameters.activity_threshold));
+  out.push_back(static_cast<std::uint8_t>(parameters.weight_step));
+  BinaryEncoder coder(out);
+  walk_weights(parameters, WeightPutter{coder});
+  GolombModel context_model;
+  for (const auto& group : parameters.context_weights) {
+    for (const auto& axis : group) {
+      for (const std::int32_t weight : axis) {
+        put_golomb(coder, context_model, static_cast<std::uint32_t>(weight));
+      }
+    }
+  }
+  FrequencyModels models;
+  for (const auto& set : parameters.frequencies) {
+    const std::array<std::uint16_t, kTokens>* below = nullptr;
+    for (const auto& context : set) {
+      // An unused context repeats the one below it: code 0.
+      const bool repeats = below != nullptr && context == *below;
+      const int last = last_used_token(context);
+      put_golomb(coder, models.last, repeats ? 0u : static_cast<std::uint32_t>(last + 2));
+      if (!repeats) {
+        std::uint32_t before = 0;
+        for (std::size_t token = 0; token <= static_cast<std::size_t>(last) && last >= 0; ++token) {
+          GolombModel& model = models.of(before, below ? (*below)[token] : 0u);
+          put_golomb(coder, model, context[token]);
+          before = context[token];
+        }
+      }
+      below = &context;
+    }
+  }
+  coder.finish();
+  return out;
+}
+
+namespace {
+
+/// A model with a maximum error rounds voxels, or rounds details and corrects voxels.
+Quantizer parse_quantizer(ByteSpan& bytes) {
+  const std::uint64_t voxel_step = take_varint(bytes);
+  const std::uint64_t detail_step = take_varint(bytes);
+  const std::uint64_t correction_step = take_varint(bytes);
+  const bool rounds_voxels = voxel_step > 1;
+  if (voxel_step > kMaxVoxelStep || voxel_step % 2 == 0 || detail_step > kMaxDetailStep ||
+      correction_step > kMaxVoxelStep || rounds_voxels == (detail_step > 0) ||
+      (correction_step > 0) != (detail_step > 0)) {
+    throw Error(ErrorKind::corrupt, "model: bad steps");
+  }
+  return {static_cast<std::int64_t>(voxel_step), static_cast<std::int32_t>(detail_step),
+          static_cast<std::int64_t>(correction_step)};
+}
+
+}  // namespace
+
+Parameters parse_parameters(ByteSpan bytes) {
+  Parameters p;
+  const std::uint8_t kind = take_bytes(bytes, 1).front();
+  if ((kind & kLossyFlag) != 0) p.quantizer = parse_quantizer(bytes);
+  if ((kind & kMapFlag) != 0) {
+    p.value_map = take_value_map(bytes);
+    if (p.value_map.is_empty() || !p.quantizer.is_lossless()) {
+      throw Error(ErrorKind::corrupt, "model: a map of values that says nothing");
+    }
+  }
+  const std::size_t order = kind >> kOrderShift & kOrderMask;
+  p.has_edges = (kind & kEdgesFlag) != 0;
+  if (order >= kAxisOrders.size() || kind >= 2 * kEdgesFlag ||
+      (p.has_edges && !p.quantizer.is_lossless())) {
+    throw Error(ErrorKind::corrupt, "model: unknown flags");
+  }
+  p.axis_order = kAxisOrders[order];
+  p.predictor = static_cast<Predictor>(kind & 1);
+  const std::uint64_t threshold = take_varint(bytes);
+  if (threshold < 1 || threshold > kMaxThreshold)
+    throw Error(ErrorKind::corrupt, "model: bad threshold");
+  p.activity_threshold = static_cast<std::int32_t>(threshold);
+  p.weight_step = take_bytes(bytes, 1).front();
+  if (p.weight_step > 8) throw Error(ErrorKind::corrupt, "model: bad weight step");
+  BinaryDecoder coder(bytes);
+  walk_weights(p, WeightGetter{coder});
+  GolombModel context_model;
+  for (auto& group : p.context_weights) {
+    for (auto& axis : group) {
+      for (std::int32_t& weight : axis) {
+        weight = static_cast<std::int32_t>(get_golomb(coder, context_model));
+        if (weight > 8191) throw Error(ErrorKind::corrupt, "model: bad context weight");
+      }
+    }
+  }
+  FrequencyModels models;
+  for (auto& set : p.frequencies) {
+    const std::array<std::uint16_t, kTokens>* below = nullptr;
+    for (auto& context : set) {
+      const auto code = static_cast<std::uint32_t>(get_golomb(coder, models.last));
+      if (code > kTokens || (code == 0 && below == nullptr)) {
+        throw Error(ErrorKind::corrupt, "model: bad table length");
+      }
+      if (code == 0) {
+        context = *below;
+      } else {
+        std::uint32_t left = kTableSize;
+        std::uint32_t before = 0;
+        for (std::size_t token = 0; token + 1 < code; ++token) {
+          const auto value = static_cast<std::uint32_t>(
+              get_golomb(coder, models.of(before, below ? (*below)[token] : 0u)));
+          if (value >= left) throw Error(ErrorKind::corrupt, "model: a table exceeds its sum");
+          context[token] = static_cast<std::uint16_t>(value);
+          left -= value;
+          before = value;
+        }
+        context[kEscapeToken] = static_cast<std::uint16_t>(left);
+      }
+      below = &context;
+    }
+  }
+  if (!coder.is_consumed()) throw Error(ErrorKind::corrupt, "model: wrong length");
+  return p;
+}
+
+}  // namespace octavo::grey

@@ -1,0 +1,309 @@
+// Prediction from means, vectorised: all features of a plane of pairs in one go, in 16 bits.
+// For ranges that leave room for sums of two samples' differences; others take the row pass.
+// Included once per instruction set by grey_stage_simd.cpp.
+
+#if defined(OCTAVO_CODEC_GREY_PLANES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef OCTAVO_CODEC_GREY_PLANES_INL_H
+#undef OCTAVO_CODEC_GREY_PLANES_INL_H
+#else
+#define OCTAVO_CODEC_GREY_PLANES_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include "octavo/codec/grey/grey_portable.h"
+#include "octavo/codec/grey/grey_rows-inl.h"
+
+// Places within a row are small numbers.
+// NOLINTBEGIN(bugprone-implicit-widening-of-multiplication-result)
+HWY_BEFORE_NAMESPACE();
+namespace octavo::grey {
+namespace HWY_NAMESPACE {
+
+#if HWY_TARGET != HWY_SCALAR
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+inline constexpr int kHalfLanes = static_cast<int>(hn::MaxLanes(kHalves));
+
+/// Whether the plane pass gives what the row pass gives: differences, limits and what follows from
+/// residuals fit in 16 bits, and eight times a weight does.
+inline bool suits_planes(const Parameters& p, const Stage& stage) {
+  const auto& weights = p.mean_weights[stage.group][stage.axis];
+  const bool is_slight = std::all_of(std::begin(weights), std::end(weights),
+                                     [](std::int32_t w) { return w >= -4096 && w < 4096; });
+  return is_slight && stage.step == 1 && stage.shift == 0 && stage.max - stage.min <= 16382;
+}
+
+/// What a stage's parameters are in vectors.
+struct PlaneConstants {
+  Halves thresholds[kClasses - 1];  ///< rising; the class is the number of those reached
+  SignedHalves class_weights[kClasses];
+  SignedHalves min, max, odd_low, odd_high;
+  SignedHalves pairs[kFeatures / 2];  ///< context weights, two by two
+  SignedSums constant;
+  SignedSums free_bits;
+
+  HWY_INLINE PlaneConstants(const Parameters& p, const Stage& stage) {
+    const auto set = [](std::int64_t v) HWY_ATTR {
+      return hn::Set(kSignedHalves, static_cast<std::int16_t>(v));
+    };
+    const std::int32_t t = p.activity_threshold;
+    const std::int32_t rising[] = {std::min(1, t / 4), std::max(1, t / 4), t, 4 * t};
+    for (int k = 0; k < kClasses; ++k) {
+      if (k > 0) thresholds[k - 1] = hn::BitCast(kHalves, set(rising[k - 1]));
+      class_weights[k] = set(k == 0 ? 0 : 8 * p.mean_weights[stage.group][stage.axis][k]);
+    }
+    min = set(stage.min);
+    max = set(stage.max);
+    odd_low = set(stage.odd_low);
+    odd_high = set(stage.odd_high);
+    const std::int32_t* const w = p.context_weights[stage.group][stage.axis];
+    constexpr int kPairs[][2] = {{0, 1}, {2, 3}, {4, 11}, {12, 13}, {14, 15}, {2, 11}};
+    for (std::size_t k = 0; k < std::size(kPairs); ++k) {
+      const auto low = static_cast<std::uint32_t>(w[kPairs[k][0]]);
+      const auto high = static_cast<std::uint32_t>(w[kPairs[k][1]]) << 16;
+      pairs[k] = hn::BitCast(kSignedHalves, hn::Set(kSums, low | high));
+    }
+    constant = hn::Set(kSignedSums, w[5]);
+    free_bits = hn::Set(kSignedSums, 6);
+  }
+};
+
+/// Predictions, limits and contexts of a plane.
+template <int kAxis>
+void foresee_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
+                   std::int64_t z) {
+  constexpr std::int64_t kAlong = pair_step<std::int16_t>(kAxis);
+  constexpr std::int64_t kAcross1 = pair_step<std::int16_t>(kAxis == 0 ? 1 : 0);
+  constexpr std::int64_t kAcross2 = pair_step<std::int16_t>(kAxis == 2 ? 1 : 2);
+  const PlaneConstants constants(p, stage);
+  const Halves most = hn::Set(kHalves, kMaxFeature);
+  for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
+    const MagnitudeRows near = magnitude_rows(work.magnitudes, p.predictor, kAxis, y, z,
+                                              work.row.zeros + 8);
+    const std::int16_t* const m = work.means.row(y, z);
+    std::int16_t* const predictions = work.predictions.row(y, z);
+    std::uint16_t* const limits = work.limits.row(y, z);
+    std::uint16_t* const contexts = work.contexts.row(y, z);
+    for (int x = 0; x < stage.pairs.x; x += kHalfLanes) {
+      const SignedHalves c = hn::LoadU(kSignedHalves, m + x);
+      const auto step_to = [&](std::int64_t offset) HWY_ATTR {
+        return hn::Sub(hn::LoadU(kSignedHalves, m + x + offset), c);
+      };
+      const auto size_of = [](SignedHalves v) HWY_ATTR {
+        return hn::BitCast(kHalves, hn::Abs(v));
+      };
+      const SignedHalves before = step_to(-kAlong);
+      const SignedHalves after = step_to(kAlong);
+      const Halves e0 = hn::Add(size_of(before), size_of(after));
+      const Halves e1 = size_of(hn::Add(before, after));
+      const Halves e2 = hn::Add(hn::Add(size_of(step_to(-kAcross1)), size_of(step_to(kAcross1))),
+                                hn::Add(size_of(step_to(-kAcross2)), size_of(step_to(kAcross2))));
+
+      const Halves g = hn::SaturatedAdd(e0, e2);
+      SignedHalves weight = constants.class_weights[0];
+      for (int k = 1; k < kClasses; ++k) {
+        const auto is_reached = hn::Eq(hn::Max(g, constants.thresholds[k - 1]), g);
+        weight = hn::IfThenElse(hn::RebindMask(kSignedHalves, is_reached),
+                                constants.class_weights[k], weight);
+      }
+      const SignedHalves low = hn::Sub(c, constants.min);
+      const SignedHalves high = hn::Sub(constants.max, c);
+      const SignedHalves limit = hn::Min(hn::Add(hn::Add(low, low), constants.odd_low),
+                                         hn::Add(hn::Add(high, high), constants.odd_high));
+      const SignedHalves free = hn::MulFixedPoint15(hn::Sub(before, after), weight);
+      hn::StoreU(hn::Min(hn::Max(free, hn::Neg(limit)), limit), kSignedHalves, predictions + x);
+      hn::StoreU(hn::BitCast(kHalves, limit), kHalves, limits + x);
+
+      SignedSums lower = constants.constant;
+      SignedSums upper = constants.constant;
+      const auto add = [&](SignedHalves a, SignedHalves b, SignedHalves weights) HWY_ATTR {
+        lower = add_products(hn::InterleaveLower(kSignedHalves, a, b), weights, lower);
+        upper = add_products(hn::InterleaveUpper(kSignedHalves, a, b), weights, upper);
+      };
+      const auto feature = [&](Halves v) HWY_ATTR {
+        return hn::BitCast(kSignedHalves, hn::Min(v, most));
+      };
+      const auto magnitude = [x](const std::int16_t* row) HWY_ATTR {
+        return hn::LoadU(kSignedHalves, row + x);
+      };
+      add(feature(e0), feature(e1), constants.pairs[0]);
+      if constexpr (kAxis == 2) {
+        add(feature(e2), magnitude(near.back), constants.pairs[5]);
+      } else {
+        add(feature(e2), magnitude(near.sibling[0]), constants.pairs[1]);
+        add(kAxis == 0 ? magnitude(near.sibling[1]) : hn::Zero(kSignedHalves),
+            magnitude(near.back), constants.pairs[2]);
+      }
+      add(magnitude(near.back - 1), magnitude(near.back + 1), constants.pairs[3]);
+      add(magnitude(near.back_up), magnitude(near.back_down), constants.pairs[4]);
+      const auto wide = [](Halves v) HWY_ATTR { return hn::BitCast(kSignedSums, v); };
+      const Halves zero = hn::Zero(kHalves);
+      const Halves most_detail = hn::BitCast(kHalves, limit);
+      const auto found = hn::ReorderDemote2To(
+          kSignedHalves,
+          contexts_of(lower, wide(hn::InterleaveLower(kHalves, most_detail, zero)),
+                      constants.free_bits),
+          contexts_of(upper, wide(hn::InterleaveUpper(kHalves, most_detail, zero)),
+                      constants.free_bits));
+      hn::StoreU(hn::BitCast(kHalves, found), kHalves, contexts + x);
+    }
+  }
+}
+
+/// A row of pairs once its details are known.
+template <int kAxis>
+class PairRow {
+ public:
+  HWY_INLINE PairRow(const Stage& stage, Workspace<std::int16_t>& work, std::int64_t y,
+                     std::int64_t z)
+      : means_(work.means.row(y, z)),
+        predictions_(work.predictions.row(y, z)),
+        limits_(work.limits.row(y, z)),
+        magnitudes_(work.magnitudes[kAxis].row(y, z)),
+        first_(first_of_row(work.fine, kAxis, y, z)),
+        up_(hn::Set(kSignedHalves, static_cast<std::int16_t>(1 - stage.rounding))) {}
+
+  HWY_INLINE SignedHalves prediction(int x) const {
+    return hn::LoadU(kSignedHalves, predictions_ + x);
+  }
+  HWY_INLINE SignedHalves within_limit(int x, SignedHalves detail) const {
+    const SignedHalves limit = hn::BitCast(kSignedHalves, hn::LoadU(kHalves, limits_ + x));
+    return hn::Min(hn::Max(detail, hn::Neg(limit)), limit);
+  }
+
+  HWY_INLINE void keep_magnitudes(int x, SignedHalves residual) const {
+    // The lowest number has no opposite; saturation finds one.
+    const SignedHalves size =
+        hn::Max(residual, hn::SaturatedSub(hn::Zero(kSignedHalves), residual));
+    hn::StoreU(hn::Min(size, hn::Set(kSignedHalves, kMaxMagnitude)), kSignedHalves,
+               magnitudes_ + x);
+  }
+
+  /// pair_of, in other words: half of an odd detail is rounded as the mean was not.
+  HWY_INLINE void put_samples(int x, SignedHalves detail) const {
+    const SignedHalves mean = hn::LoadU(kSignedHalves, means_ + x);
+    const SignedHalves a = hn::Add(mean, hn::ShiftRight<1>(hn::Add(detail, up_)));
+    const SignedHalves b = hn::Sub(a, detail);
+    if constexpr (kAxis == 0) {
+      hn::StoreInterleaved2(a, b, kSignedHalves, first_ + 2 * x);
+    } else {
+      hn::StoreU(a, kSignedHalves, first_ + x);
+      hn::StoreU(b, kSignedHalves, first_ + pair_step<std::int16_t>(kAxis) + x);
+    }
+  }
+
+ private:
+  const std::int16_t* means_;
+  const std::int16_t* predictions_;
+  const std::uint16_t* limits_;
+  std::int16_t* magnitudes_;
+  std::int16_t* first_;
+  SignedHalves up_;
+};
+
+/// Residuals of a row to samples and magnitudes.
+template <int kAxis>
+void settle_row(const Stage& stage, Workspace<std::int16_t>& work, const std::int16_t* residuals,
+                std::int64_t y, std::int64_t z) {
+  const PairRow<kAxis> row(stage, work, y, z);
+  for (int x = 0; x < stage.pairs.x; x += kHalfLanes) {
+    const SignedHalves residual = hn::LoadU(kSignedHalves, residuals + x);
+    row.keep_magnitudes(x, residual);
+    row.put_samples(x, row.within_limit(x, hn::SaturatedAdd(row.prediction(x), residual)));
+  }
+}
+
+/// The details in work.residuals to residuals, samples and magnitudes.
+template <int kAxis>
+void predict_row(const Stage& stage, Workspace<std::int16_t>& work, std::int64_t y,
+                 std::int64_t z) {
+  const PairRow<kAxis> row(stage, work, y, z);
+  std::int32_t* const details = work.residuals.row(y, z);
+  constexpr int kSumLanes = kHalfLanes / 2;
+  alignas(64) std::int16_t residuals[kHalfLanes];
+  for (int x = 0; x < stage.pairs.x; x += kHalfLanes) {
+    const auto narrowed = [&](const std::int32_t* from) HWY_ATTR {
+      return hn::DemoteTo(hn::Half<decltype(kSignedHalves)>(), hn::LoadU(kSignedSums, from));
+    };
+    const SignedHalves given = hn::Combine(kSignedHalves, narrowed(details + x + kSumLanes),
+                                           narrowed(details + x));
+    const SignedHalves detail = row.within_limit(x, given);
+    const SignedHalves residual = hn::Sub(detail, row.within_limit(x, row.prediction(x)));
+    row.keep_magnitudes(x, residual);
+    row.put_samples(x, detail);
+    hn::Store(residual, kSignedHalves, residuals);
+    const int last = static_cast<int>(std::min<std::int64_t>(stage.pairs.x - x, kHalfLanes));
+    for (int k = 0; k < last; ++k) details[x + k] = residuals[k];
+  }
+}
+
+/// Turns the details of a plane into residuals, samples and magnitudes; leaves the contexts.
+template <int kAxis>
+void predict_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
+                   std::int64_t z) {
+  foresee_plane<kAxis>(p, stage, work, z);
+  for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
+    const std::uint8_t* const cells = row_cells(stage, y, z);
+    if (cells != nullptr) close_cells(stage, cells, work.limits.row(y, z));
+    predict_row<kAxis>(stage, work, y, z);
+    fill_margins(work.magnitudes[kAxis].row(y, z), stage.pairs.x);
+  }
+}
+
+/// Whether the rows of a plane are one long row to the streams: none of it is left out, and every
+/// row starts with the first state.
+inline bool is_one_row(const Stage& stage, const SymbolReader& symbols, std::int64_t z) {
+  if (stage.pairs.x % (static_cast<std::int64_t>(symbols.state_mask) + 1) != 0) return false;
+  if (stage.pairs.x % 8 != 0) return false;
+  if (stage.cells == nullptr) return true;
+  for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
+    if (row_cells(stage, y, z) != nullptr) return false;
+  }
+  return true;
+}
+
+/// Decodes a plane of pairs: all contexts, then all residuals and samples.
+template <int kAxis>
+void decode_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
+                  std::int64_t z, SymbolReader& symbols) {
+  const int count = static_cast<int>(stage.pairs.x);
+  foresee_plane<kAxis>(p, stage, work, z);
+  const auto settle = [&](const std::int16_t* residuals, std::int64_t y) {
+    settle_row<kAxis>(stage, work, residuals, y, z);
+    fill_margins(work.magnitudes[kAxis].row(y, z), count);
+  };
+  if (is_one_row(stage, symbols, z)) {
+    alignas(64) std::int16_t residuals[kMaxUnchecked + 16] = {};
+    const std::int64_t most = kMaxUnchecked / count;
+    for (std::int64_t y = 0; y < stage.pairs.y; y += most) {
+      const std::int64_t rows = std::min(most, stage.pairs.y - y);
+      const int coded = static_cast<int>(rows) * count;
+      take_residuals(symbols, work.contexts.row(y, z), nullptr, coded, coded, residuals);
+      for (std::int64_t k = 0; k < rows; ++k) settle(residuals + k * count, y + k);
+    }
+    return;
+  }
+  alignas(64) std::int16_t residuals[kBrickSide + 16] = {};
+  for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
+    const std::uint8_t* const cells = row_cells(stage, y, z);
+    if (cells != nullptr) close_cells(stage, cells, work.limits.row(y, z));
+    const int coded = list_coded(stage, work, y, z);
+    if (coded > 0) {
+      take_residuals(symbols, work.contexts.row(y, z), work.row.order, coded, count, residuals);
+    } else {
+      std::fill_n(residuals, count, std::int16_t{0});
+    }
+    settle(residuals, y);
+  }
+}
+
+#endif  // HWY_TARGET != HWY_SCALAR
+
+}  // namespace HWY_NAMESPACE
+}  // namespace octavo::grey
+HWY_AFTER_NAMESPACE();
+// NOLINTEND(bugprone-implicit-widening-of-multiplication-result)
+
+#endif

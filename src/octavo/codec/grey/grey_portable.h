@@ -1,0 +1,372 @@
+// The passes of a split in plain C++: the reference for every instruction set, and what wide
+// samples run on.
+#pragma once
+
+#include <algorithm>
+#include <cstring>
+#include <type_traits>
+
+#include "octavo/codec/grey/grey_stage.h"
+#include "octavo/codec/grey/octant_transform.h"
+
+namespace octavo::grey {
+
+/// Offsets of the rows of 8 taps around a sample, in samples, by split axis.
+template <class Sample>
+struct TapRows {
+  static constexpr std::int64_t R = SampleGrid<Sample>::kRow;
+  static constexpr std::int64_t P = SampleGrid<Sample>::kPlane;
+  static constexpr int kCount[3] = {10, 12, 12};
+  static constexpr std::int64_t kOffsets[3][12] = {
+      {-8, 0, -R - 3, R - 3, -P - 3, P - 3, -P - R - 3, -P + R - 3, P - R - 3, P + R - 3, 0, 0},
+      {-2 * R - 3, -R - 3, -3, R - 3, 2 * R - 3, -P - R - 3, -P - 3, -P + R - 3, -P + 2 * R - 3,
+       P - R - 3, P - 3, P + 2 * R - 3},
+      {-2 * P - 3, -P - R - 3, -P - 3, -P + R - 3, -R - 3, -3, R - 3, P - R - 3, P - 3,
+       2 * P - R - 3, 2 * P - 3, 2 * P + R - 3}};
+};
+
+/// The distance between the two samples of a pair, and between neighbouring pairs of a row.
+template <class Sample>
+constexpr std::int64_t pair_step(int axis) {
+  return axis == 0 ? 1 : axis == 1 ? SampleGrid<Sample>::kRow : SampleGrid<Sample>::kPlane;
+}
+constexpr std::int64_t pair_stretch(int axis) { return axis == 0 ? 2 : 1; }
+
+/// The first sample of the first pair of a row.
+template <class Sample>
+Sample* first_of_row(SampleGrid<Sample>& fine, int axis, std::int64_t y, std::int64_t z) {
+  return fine.row(axis == 1 ? 2 * y : y, axis == 2 ? 2 * z : z);
+}
+
+/// Calls f(first, last, is_uniform) for the runs of pairs of a row that lie in one cell.
+template <class F>
+void for_each_cell(const Stage& stage, const std::uint8_t* cells, F&& f) {
+  const std::int64_t side = std::int64_t{1} << stage.cell_shift[0];
+  for (std::int64_t x = 0; x < stage.pairs.x; x += side, ++cells) {
+    f(x, std::min(x + side, stage.pairs.x), *cells != 0);
+  }
+}
+
+/// The number of coded pairs of a row; they are listed in work.row.order unless it is all.
+template <class Sample>
+int list_coded(const Stage& stage, Workspace<Sample>& work, std::int64_t y, std::int64_t z) {
+  const std::uint8_t* const cells = row_cells(stage, y, z);
+  if (cells == nullptr && !stage.has_edges) return static_cast<int>(stage.pairs.x);
+  int coded = 0;
+  const auto list = [&](std::int64_t first, std::int64_t last, bool is_uniform) {
+    for (std::int64_t x = first; x < last && !is_uniform; ++x) {
+      if (stage.has_edges && work.edges.row(y, z)[x] != Edge::none) continue;
+      work.row.order[coded++] = static_cast<std::uint8_t>(x);
+    }
+  };
+  if (cells == nullptr) list(0, stage.pairs.x, false);
+  else for_each_cell(stage, cells, list);
+  return coded;
+}
+
+/// Details of uniform cells are known: a limit of 0 makes their predictions and details 0.
+template <class Limit>
+void close_cells(const Stage& stage, const std::uint8_t* cells, Limit* limits) {
+  for_each_cell(stage, cells, [&](std::int64_t first, std::int64_t last, bool is_uniform) {
+    if (is_uniform) std::fill(limits + first, limits + last, Limit{0});
+  });
+}
+
+template <class Limit>
+void close_edges(const Edge* edges, std::int64_t count, Limit* limits) {
+  for (std::int64_t x = 0; x < count; ++x) {
+    if (edges[x] != Edge::none) limits[x] = 0;
+  }
+}
+
+/// What is added to a residual's magnitude before it is cut down to a multiple of the step.
+constexpr std::int32_t rounding_bias(std::int32_t step) { return step * 3 / 8; }
+
+/// The margins of a row of magnitudes that contexts look at.
+inline void fill_margins(std::int16_t* magnitudes, std::int64_t count) {
+  magnitudes[-1] = magnitudes[-2] = magnitudes[0];
+  magnitudes[count] = magnitudes[count + 1] = magnitudes[count - 1];
+}
+
+template <class Sample>
+struct PortableKernel;
+
+/// The rows of magnitudes around row (y, z) of the split along `axis`. A model that predicts from
+/// means alone does not look at the row above, nor anywhere in the own plane.
+inline MagnitudeRows magnitude_rows(const SampleGrid<std::int16_t>* magnitudes, Predictor predictor,
+                                    int axis, std::int64_t y, std::int64_t z,
+                                    const std::int16_t* zeros) {
+  const auto sibling = [&](int other, std::int64_t yy, std::int64_t zz) {
+    const SampleGrid<std::int16_t>& grid = magnitudes[other];
+    if (grid.size().voxel_count() == 0) return zeros;
+    return grid.row(std::min(yy, grid.size().y - 1), std::min(zz, grid.size().z - 1));
+  };
+  MagnitudeRows near{{zeros, zeros}, nullptr, nullptr, nullptr, nullptr};
+  if (axis == 1) near.sibling[0] = sibling(2, y, z / 2);
+  if (axis == 0) {
+    const bool is_y_halved = magnitudes[1].size().voxel_count() > 0;
+    near.sibling[0] = sibling(1, y / 2, z);
+    near.sibling[1] = sibling(2, is_y_halved ? y / 2 : y, z / 2);
+  }
+  const SampleGrid<std::int16_t>& own = magnitudes[axis];
+  near.up = predictor == Predictor::means ? zeros
+            : y > 0                       ? own.row(y - 1, z)
+            : z > 0                       ? own.row(y, z - 1)
+                                          : zeros;
+  near.back = z > 0 ? own.row(y, z - 1) : near.up;
+  near.back_up = z > 0 && y > 0 ? own.row(y - 1, z - 1) : near.back;
+  near.back_down = z > 0 && y + 1 < own.size().y ? own.row(y + 1, z - 1) : near.back;
+  return near;
+}
+
+/// The passes built on a Kernel, which has
+///   row_features(p, stage, work, y, z)    fills work.row, and the activities and limits of the row
+///   row_contexts(p, stage, near, row, contexts)
+///   take_row(symbols, contexts, order, coded, count, residuals)
+///   takes_planes(p, stage)                     whether take_plane knows this split from means
+///   take_plane(p, stage, work, z, symbols)     all of a plane: contexts, residuals and samples
+///   give_plane(p, stage, work, z)              details of a plane to contexts, residuals, samples
+///                                              and magnitudes
+///   keep_magnitudes(residuals, count, shift, magnitudes)
+///   reconstruct_row<is_encoding>(p, stage, work, y, z)   from means: residuals to samples, or
+///                                              details to residuals and samples
+///   reconstruct<is_encoding>(p, stage, work)   the same from neighbours, for all rows
+template <class Sample, class Kernel>
+struct Passes {
+  using Int = Wide<Sample>;
+
+  /// keeps_planes: whether the numbers of all planes are needed at once; small buffers leave the
+  /// cache to the tables.
+  static void set_sizes(const Stage& stage, bool keeps_planes, Workspace<Sample>& work) {
+    const auto set = [&](auto& grid) {
+      if (keeps_planes) grid.set_size(stage.pairs);
+      else grid.set_plane_size(stage.pairs);
+    };
+    set(work.residuals);
+    set(work.limits);
+    set(work.activities);
+    set(work.predictions);
+    work.contexts.set_plane_size(stage.pairs);
+    work.magnitudes[stage.axis].set_size(stage.pairs);
+  }
+
+  static void features(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                       std::int64_t y, std::int64_t z) {
+    Kernel::row_features(p, stage, work, y, z);
+    const std::uint8_t* const cells = row_cells(stage, y, z);
+    if (cells != nullptr) close_cells(stage, cells, work.limits.row(y, z));
+    if (stage.has_edges) {
+      close_edges(work.edges.row(y, z), stage.pairs.x, work.limits.row(y, z));
+    }
+  }
+
+  static void contexts(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                       std::int64_t y, std::int64_t z) {
+    const MagnitudeRows near = magnitude_rows(work.magnitudes, p.predictor, stage.axis, y, z,
+                                              work.row.zeros + 8);
+    Kernel::row_contexts(p, stage, near, work.row, work.contexts.row(y, z));
+  }
+
+  static void take(const Stage& stage, Workspace<Sample>& work, std::int64_t y, std::int64_t z,
+                   SymbolReader& symbols) {
+    const int count = static_cast<int>(stage.pairs.x);
+    const int coded = list_coded(stage, work, y, z);
+    Int* const residuals = work.residuals.row(y, z);
+    if (coded < count) std::fill_n(residuals, count, Int{0});
+    if (coded > 0) {
+      Kernel::take_row(symbols, work.contexts.row(y, z), work.row.order, coded, count, residuals);
+    }
+    if (stage.step > 1) {
+      using Unsigned = std::make_unsigned_t<Int>;
+      for (int x = 0; x < count; ++x) {
+        residuals[x] = static_cast<Int>(static_cast<Unsigned>(residuals[x]) *
+                                        static_cast<Unsigned>(stage.step));
+      }
+    }
+    keep_magnitudes(stage, work, y, z);
+  }
+
+  /// Only plain loops know of gaps between values and of edges.
+  static bool needs_plain(const Stage& stage) { return stage.gaps != nullptr || stage.has_edges; }
+  static bool takes_planes(const Parameters& p, const Stage& stage) {
+    return p.predictor == Predictor::means && !needs_plain(stage) && Kernel::takes_planes(p, stage);
+  }
+
+  template <bool kIsEncoding>
+  static void reconstruct_row(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                              std::int64_t y, std::int64_t z) {
+    using Plain = PortableKernel<Sample>;
+    if (needs_plain(stage)) Plain::template reconstruct_row<kIsEncoding>(p, stage, work, y, z);
+    else Kernel::template reconstruct_row<kIsEncoding>(p, stage, work, y, z);
+  }
+  template <bool kIsEncoding>
+  static void reconstruct(const Parameters& p, const Stage& stage, Workspace<Sample>& work) {
+    using Plain = PortableKernel<Sample>;
+    if (needs_plain(stage)) Plain::template reconstruct<kIsEncoding>(p, stage, work);
+    else Kernel::template reconstruct<kIsEncoding>(p, stage, work);
+  }
+
+  static void decode(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                     SymbolReader& symbols) {
+    // From means alone, a plane's details are done with at its end.
+    set_sizes(stage, p.predictor == Predictor::neighbours, work);
+    if (stage.pairs.voxel_count() == 0) return;
+    if (takes_planes(p, stage)) {
+      for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
+        Kernel::take_plane(p, stage, work, z, symbols);
+      }
+      return;
+    }
+    if (p.predictor == Predictor::means) {
+      // No row needs another one of its plane: the machine may overlap them.
+      for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
+        for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
+          features(p, stage, work, y, z);
+          contexts(p, stage, work, y, z);
+        }
+        for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
+          take(stage, work, y, z, symbols);
+          reconstruct_row<false>(p, stage, work, y, z);
+        }
+      }
+      return;
+    }
+    for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
+      for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
+        features(p, stage, work, y, z);
+        contexts(p, stage, work, y, z);
+        take(stage, work, y, z, symbols);
+      }
+    }
+    reconstruct<false>(p, stage, work);
+  }
+
+  static void predict(const Parameters& p, const Stage& stage, Workspace<Sample>& work) {
+    set_sizes(stage, true, work);
+    if (stage.pairs.voxel_count() == 0) return;
+    for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
+      for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
+        features(p, stage, work, y, z);
+        if (p.predictor == Predictor::means) {
+          reconstruct_row<true>(p, stage, work, y, z);
+        }
+      }
+    }
+    if (p.predictor == Predictor::neighbours) reconstruct<true>(p, stage, work);
+  }
+
+  /// Calls prepare_plane(z) for every plane, and prepare_row(y, z, coded pairs) for every row,
+  /// before their residuals and contexts are listed.
+  template <class PreparePlane, class PrepareRow>
+  static void list(const Stage& stage, Workspace<Sample>& work, std::vector<Symbol>& symbols,
+                   PreparePlane&& prepare_plane, PrepareRow&& prepare_row) {
+    if (stage.pairs.voxel_count() == 0) return;
+    const std::size_t listed = symbols.size();
+    symbols.resize(listed + static_cast<std::size_t>(stage.pairs.voxel_count()));
+    Symbol* next = symbols.data() + listed;
+    for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
+      prepare_plane(z);
+      for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
+        const int coded = list_coded(stage, work, y, z);
+        prepare_row(y, z, coded);
+        next = list_row(stage, work, coded, y, z, next);
+      }
+    }
+    symbols.resize(static_cast<std::size_t>(next - symbols.data()));
+  }
+
+  static void list_symbols(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                           std::vector<Symbol>& symbols) {
+    list(stage, work, symbols, [](std::int64_t) {},
+         [&](std::int64_t y, std::int64_t z, int coded) {
+           keep_magnitudes(stage, work, y, z);
+           if (coded == 0) return;
+           features(p, stage, work, y, z);
+           contexts(p, stage, work, y, z);
+         });
+  }
+
+  static void encode(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                     std::vector<Symbol>& symbols) {
+    if (!takes_planes(p, stage)) {
+      predict(p, stage, work);
+      list_symbols(p, stage, work, symbols);
+      return;
+    }
+    set_sizes(stage, false, work);
+    work.residuals.set_size(stage.pairs);
+    list(stage, work, symbols, [&](std::int64_t z) { Kernel::give_plane(p, stage, work, z); },
+         [](std::int64_t, std::int64_t, int) {});
+  }
+
+  static void keep_magnitudes(const Stage& stage, Workspace<Sample>& work, std::int64_t y,
+                              std::int64_t z) {
+    const int count = static_cast<int>(stage.pairs.x);
+    std::int16_t* const magnitudes = work.magnitudes[stage.axis].row(y, z);
+    Kernel::keep_magnitudes(work.residuals.row(y, z), count, stage.shift, magnitudes);
+    fill_margins(magnitudes, count);
+  }
+
+  /// Lists the coded pairs of a row; gives where the next row's go.
+  static Symbol* list_row(const Stage& stage, Workspace<Sample>& work, int coded, std::int64_t y,
+                          std::int64_t z, Symbol* to) {
+    const Int* const residuals = work.residuals.row(y, z);
+    const std::uint16_t* const context = work.contexts.row(y, z);
+    if (coded == stage.pairs.x && stage.step == 1) {
+      for (int x = 0; x < coded; ++x) to[x] = Symbol(zigzag(residuals[x]), context[x], x);
+      return to + coded;
+    }
+    for (int i = 0; i < coded; ++i) {
+      const int x = coded == stage.pairs.x ? i : work.row.order[i];
+      const Int value = stage.step > 1 ? residuals[x] / stage.step : residuals[x];
+      to[i] = Symbol(zigzag(value), context[x], i);
+    }
+    return to + coded;
+  }
+
+  static constexpr StagePasses<Sample> functions() {
+    return {decode, predict, list_symbols, encode};
+  }
+};
+
+/// Plain loops in raster order.
+template <class Sample>
+struct PortableKernel {
+  using Int = Wide<Sample>;
+
+  static void row_features(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                           std::int64_t y, std::int64_t z);
+  static void row_contexts(const Parameters& p, const Stage& stage, const MagnitudeRows& near,
+                           const RowBuffers& row, std::uint16_t* contexts);
+  static void take_row(SymbolReader& symbols, std::uint16_t* contexts, const std::uint8_t* order,
+                       int coded, int count, Int* residuals) {
+    for (int i = 0; i < coded; ++i) {
+      const int x = coded < count ? order[i] : i;
+      residuals[x] = static_cast<Int>(symbols.take(i, contexts[x]));
+    }
+    symbols.expect_inside();
+  }
+  static bool takes_planes(const Parameters&, const Stage&) { return false; }
+  static void take_plane(const Parameters&, const Stage&, Workspace<Sample>&, std::int64_t,
+                         SymbolReader&) {}
+  static void give_plane(const Parameters&, const Stage&, Workspace<Sample>&, std::int64_t) {}
+  static void keep_magnitudes(const Int* residuals, int count, int shift,
+                              std::int16_t* magnitudes) {
+    for (int x = 0; x < count; ++x) {
+      // A damaged residual may be the lowest number of its type, which has no opposite.
+      const auto bits = static_cast<std::make_unsigned_t<Int>>(residuals[x]);
+      const auto magnitude = (residuals[x] < 0 ? 0 - bits : bits) >> shift;
+      magnitudes[x] = static_cast<std::int16_t>(
+          std::min<std::make_unsigned_t<Int>>(magnitude, kMaxMagnitude));
+    }
+  }
+  template <bool kIsEncoding>
+  static void reconstruct_row(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                              std::int64_t y, std::int64_t z);
+  template <bool kIsEncoding>
+  static void reconstruct(const Parameters& p, const Stage& stage, Workspace<Sample>& work);
+};
+
+extern template struct PortableKernel<std::int16_t>;
+
+}  // namespace octavo::grey

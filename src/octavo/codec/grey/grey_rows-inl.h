@@ -1,0 +1,300 @@
+// The row pass of a split, vectorised: features, contexts, samples from means.
+// Included once per instruction set by grey_stage_simd.cpp.
+
+#if defined(OCTAVO_CODEC_GREY_ROWS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef OCTAVO_CODEC_GREY_ROWS_INL_H
+#undef OCTAVO_CODEC_GREY_ROWS_INL_H
+#else
+#define OCTAVO_CODEC_GREY_ROWS_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include "octavo/codec/grey/grey_portable.h"
+#include "octavo/codec/grey/grey_symbols-inl.h"
+
+// Places within a row are small numbers.
+// NOLINTBEGIN(bugprone-implicit-widening-of-multiplication-result)
+HWY_BEFORE_NAMESPACE();
+namespace octavo::grey {
+namespace HWY_NAMESPACE {
+
+#if HWY_TARGET != HWY_SCALAR
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// 16 lanes at most, so that a row's padding suffices; their sums are in 32-bit lanes, half as
+/// many.
+constexpr hn::CappedTag<std::uint16_t, 16> kHalves{};
+constexpr hn::RebindToSigned<decltype(kHalves)> kSignedHalves{};
+constexpr hn::RepartitionToWide<decltype(kHalves)> kSums{};
+constexpr hn::RebindToSigned<decltype(kSums)> kSignedSums{};
+constexpr hn::RebindToFloat<decltype(kSums)> kFloats{};
+using Halves = hn::Vec<decltype(kHalves)>;
+using SignedHalves = hn::Vec<decltype(kSignedHalves)>;
+using SignedSums = hn::Vec<decltype(kSignedSums)>;
+
+/// |a - b|, exact for any two samples.
+HWY_INLINE Halves distance(SignedHalves a, SignedHalves b) {
+  return hn::Sub(hn::BitCast(kHalves, hn::Max(a, b)), hn::BitCast(kHalves, hn::Min(a, b)));
+}
+
+/// Whether a >= b, as 1 or 0.
+HWY_INLINE Halves is_at_least(Halves a, Halves b) {
+  return hn::ShiftRight<15>(hn::VecFromMask(kHalves, hn::Eq(hn::Max(a, b), a)));
+}
+
+inline void features_of_row(const Parameters& p, const Stage& stage,
+                            Workspace<std::int16_t>& work, std::int64_t y, std::int64_t z) {
+  const std::int64_t along = pair_step<std::int16_t>(stage.axis);
+  const std::int64_t across1 = pair_step<std::int16_t>(stage.axis == 0 ? 1 : 0);
+  const std::int64_t across2 = pair_step<std::int16_t>(stage.axis == 2 ? 1 : 2);
+  const std::int16_t* m = work.means.row(y, z);
+  std::uint8_t* const activities = work.activities.row(y, z);
+  std::uint16_t* const limits = work.limits.row(y, z);
+  RowBuffers& row = work.row;
+  const auto set = [](std::int64_t value) {
+    return hn::Set(kHalves, static_cast<std::uint16_t>(value));
+  };
+  const Halves quarter = set(p.activity_threshold / 4);
+  const Halves threshold = set(p.activity_threshold);
+  const Halves fourfold = set(4 * p.activity_threshold);
+  const Halves flip = set(0x8000);
+  const Halves min = hn::Xor(set(stage.min), flip);
+  const Halves max = hn::Xor(set(stage.max), flip);
+  const Halves most = set(kMaxFeature);
+  const Halves one = set(1);
+  const Halves odd_low = set(stage.odd_low);
+  const Halves odd_high = set(stage.odd_high);
+  const auto sample = [&](std::int64_t at) { return hn::LoadU(kSignedHalves, m + at); };
+  constexpr int kLanes = static_cast<int>(hn::MaxLanes(kHalves));
+  for (int x = 0; x < stage.pairs.x; x += kLanes) {
+    const SignedHalves c = sample(x);
+    const SignedHalves before = sample(x - along);
+    const SignedHalves after = sample(x + along);
+    const Halves down = distance(before, c);
+    const Halves up = distance(after, c);
+    const Halves e0 = hn::SaturatedAdd(down, up);
+    // Steps of one sign add up in the curvature, others cancel.
+    const auto is_one_sign = hn::Eq(hn::VecFromMask(kSignedHalves, hn::Lt(before, c)),
+                                    hn::VecFromMask(kSignedHalves, hn::Lt(after, c)));
+    const Halves e1 = hn::IfThenElse(hn::RebindMask(kHalves, is_one_sign), e0,
+                                     hn::Sub(hn::Max(down, up), hn::Min(down, up)));
+    const Halves e2 = hn::SaturatedAdd(
+        hn::SaturatedAdd(distance(sample(x - across1), c), distance(sample(x + across1), c)),
+        hn::SaturatedAdd(distance(sample(x - across2), c), distance(sample(x + across2), c)));
+    const Halves g = hn::SaturatedAdd(e0, e2);
+    const Halves activity = hn::Add(hn::Add(is_at_least(g, one), is_at_least(g, quarter)),
+                                    hn::Add(is_at_least(g, threshold), is_at_least(g, fourfold)));
+    const Halves level = hn::Xor(hn::BitCast(kHalves, c), flip);
+    const Halves low = hn::Sub(level, min);
+    const Halves high = hn::Sub(max, level);
+    // The smaller one of the two fits in 16 bits.
+    const Halves limit = hn::Min(hn::SaturatedAdd(hn::SaturatedAdd(low, low), odd_low),
+                                 hn::SaturatedAdd(hn::SaturatedAdd(high, high), odd_high));
+    const hn::Rebind<std::uint8_t, decltype(kHalves)> bytes;
+    hn::StoreU(hn::DemoteTo(bytes, hn::BitCast(kSignedHalves, activity)), bytes, activities + x);
+    hn::StoreU(limit, kHalves, row.limit + x);
+    hn::StoreU(limit, kHalves, limits + x);
+    hn::StoreU(hn::Min(e0, most), kHalves, row.gradient_along + x);
+    hn::StoreU(hn::Min(e1, most), kHalves, row.curvature_along + x);
+    hn::StoreU(hn::Min(e2, most), kHalves, row.gradient_across + x);
+  }
+}
+
+/// sums += a0 * b0 + a1 * b1 for the two 16-bit numbers in each 32-bit lane.
+HWY_INLINE SignedSums add_products(SignedHalves a, SignedHalves b, SignedSums sums) {
+#if HWY_ARCH_X86
+  // On x86 this adds the products of neighbouring lanes; `unused` stays 0.
+  SignedSums unused = hn::Zero(kSignedSums);
+  return hn::ReorderWidenMulAccumulate(kSignedSums, a, b, sums, unused);
+#else
+  const auto pair_a = hn::BitCast(kSignedSums, a);
+  const auto pair_b = hn::BitCast(kSignedSums, b);
+  const auto low = [](SignedSums v) { return hn::ShiftRight<16>(hn::ShiftLeft<16>(v)); };
+  const auto high = [](SignedSums v) { return hn::ShiftRight<16>(v); };
+  return hn::Add(hn::Add(sums, hn::Mul(low(pair_a), low(pair_b))),
+                 hn::Mul(high(pair_a), high(pair_b)));
+#endif
+}
+
+/// Foreseen magnitudes (Q8) to contexts with their plain bits, see the portable `context_of`.
+HWY_INLINE SignedSums contexts_of(SignedSums foreseen, SignedSums limit, SignedSums free_bits) {
+  const auto set = [](std::int32_t value) { return hn::Set(kSignedSums, value); };
+  const auto is_limited =
+      hn::Gt(foreseen, hn::ShiftLeft<7>(hn::Sub(limit, set(1))));
+  foreseen = hn::Min(foreseen, hn::ShiftLeft<8>(limit));
+  const auto value = hn::ConvertTo(kFloats, hn::Add(foreseen, set(8)));
+  const auto half_octave =
+      hn::Min(hn::Sub(hn::ShiftRight<22>(hn::BitCast(kSignedSums, value)), set(260)),
+              set(kMagnitudes - 1));
+  const auto plain = hn::Min(hn::Max(hn::Sub(hn::ShiftRight<1>(half_octave), free_bits), set(0)),
+                             set(kMaxPlainBits));
+  return hn::Add(hn::Add(half_octave, hn::IfThenElseZero(is_limited, set(kMagnitudes))),
+                 hn::ShiftLeft<8>(plain));
+}
+
+/// kLooksUp: whether the row above counts.
+template <bool kLooksUp>
+void contexts_of_row(const std::int32_t* w, const Stage& stage, const MagnitudeRows& near,
+                     const RowBuffers& row, std::uint16_t* out) {
+  const int count = static_cast<int>(stage.pairs.x);
+  const SignedSums free_bits = hn::Set(kSignedSums, 6 + stage.step_bits);
+  const auto pair = [w](int k) {
+    const auto low = static_cast<std::uint32_t>(w[k]);
+    const auto high = static_cast<std::uint32_t>(w[k + 1]) << 16;
+    return hn::BitCast(kSignedHalves, hn::Set(kSums, low | high));
+  };
+  const SignedHalves w01 = pair(0), w23 = pair(2), w45 = pair(4), w67 = pair(6), w89 = pair(8),
+                     w1011 = pair(10), w1213 = pair(12), w1415 = pair(14);
+  const SignedHalves w011 =
+      hn::BitCast(kSignedHalves, hn::Set(kSums, static_cast<std::uint32_t>(w[11]) << 16));
+  const SignedHalves one = hn::Set(kSignedHalves, 1);
+  constexpr int kLanes = static_cast<int>(hn::MaxLanes(kHalves));
+  const auto feature = [](const std::uint16_t* at) {
+    return hn::BitCast(kSignedHalves, hn::LoadU(kHalves, at));
+  };
+  const auto magnitude = [](const std::int16_t* at) { return hn::LoadU(kSignedHalves, at); };
+  for (int x = 0; x < count; x += kLanes) {
+    SignedSums lower = hn::Zero(kSignedSums);
+    SignedSums upper = hn::Zero(kSignedSums);
+    const auto add = [&](SignedHalves a, SignedHalves b, SignedHalves weights) HWY_ATTR {
+      lower = add_products(hn::InterleaveLower(kSignedHalves, a, b), weights, lower);
+      upper = add_products(hn::InterleaveUpper(kSignedHalves, a, b), weights, upper);
+    };
+    add(feature(row.gradient_along + x), feature(row.curvature_along + x), w01);
+    add(feature(row.gradient_across + x), magnitude(near.sibling[0] + x), w23);
+    add(magnitude(near.sibling[1] + x), one, w45);
+    if constexpr (kLooksUp) {
+      add(magnitude(near.up + x + 2), magnitude(near.up + x - 2), w67);
+      add(magnitude(near.up + x), magnitude(near.up + x - 1), w89);
+      add(magnitude(near.up + x + 1), magnitude(near.back + x), w1011);
+    } else {
+      add(one, magnitude(near.back + x), w011);
+    }
+    add(magnitude(near.back + x - 1), magnitude(near.back + x + 1), w1213);
+    add(magnitude(near.back_up + x), magnitude(near.back_down + x), w1415);
+    const Halves limit = hn::LoadU(kHalves, row.limit + x);
+    const Halves zero = hn::Zero(kHalves);
+    const auto wide = [&](Halves v) HWY_ATTR { return hn::BitCast(kSignedSums, v); };
+    const auto contexts = hn::ReorderDemote2To(
+        kSignedHalves,
+        contexts_of(lower, wide(hn::InterleaveLower(kHalves, limit, zero)), free_bits),
+        contexts_of(upper, wide(hn::InterleaveUpper(kHalves, limit, zero)), free_bits));
+    hn::StoreU(hn::BitCast(kHalves, contexts), kHalves, out + x);
+  }
+}
+
+/// Residuals to multiples of a step, see the portable `quantized`.
+template <class D>
+class StepQuantizer {
+ public:
+  explicit HWY_INLINE StepQuantizer(std::int32_t step)
+      : step_(step),
+        inverse_(hn::Set(kReals, 1.0f / static_cast<float>(step))),
+        bias_(hn::Set(D(), rounding_bias(step))) {}
+
+  HWY_INLINE hn::Vec<D> operator()(hn::Vec<D> residual) const {
+    if (step_ == 1) return residual;
+    const auto magnitude = hn::Add(hn::Abs(residual), bias_);
+    const auto count = hn::ConvertTo(D(), hn::Mul(hn::ConvertTo(kReals, magnitude), inverse_));
+    const auto multiple = hn::Mul(count, hn::Set(D(), step_));
+    return hn::IfThenElse(hn::Lt(residual, hn::Zero(D())), hn::Neg(multiple), multiple);
+  }
+
+ private:
+  static constexpr hn::RebindToFloat<D> kReals{};
+  std::int32_t step_;
+  hn::Vec<hn::RebindToFloat<D>> inverse_;
+  hn::Vec<D> bias_;
+};
+
+/// Magnitudes of a row of residuals.
+inline void magnitudes_of_row(const std::int32_t* residuals, int count, std::int16_t* magnitudes) {
+  const hn::RebindToSigned<decltype(kWords)> signed_words;
+  const hn::Rebind<std::int16_t, decltype(kWords)> short_words;
+  constexpr int kLanes = static_cast<int>(hn::MaxLanes(kWords));
+  for (int x = 0; x < count; x += kLanes) {
+    // As unsigned numbers: a damaged residual may be the lowest one, which is its own opposite.
+    const Words size = hn::BitCast(kWords, hn::Abs(hn::LoadU(signed_words, residuals + x)));
+    const auto magnitude =
+        hn::BitCast(signed_words, hn::Min(size, hn::Set(kWords, kMaxMagnitude)));
+    hn::StoreU(hn::DemoteTo(short_words, magnitude), short_words, magnitudes + x);
+  }
+}
+
+/// Prediction from means: a row of residuals to samples, or of details to residuals and samples.
+template <int kAxis, bool kIsEncoding>
+void reconstruct_from_means(const Parameters& p, const Stage& stage,
+                            Workspace<std::int16_t>& work, std::int64_t y, std::int64_t z) {
+  const hn::RebindToSigned<decltype(kWords)> ints;
+  const hn::Rebind<std::int16_t, decltype(kWords)> shorts;
+  const hn::Rebind<std::uint16_t, decltype(kWords)> unsigned_shorts;
+  const hn::Rebind<std::uint8_t, decltype(kWords)> bytes;
+  constexpr std::int64_t kStep = pair_step<std::int16_t>(kAxis);
+  constexpr int kLanes = static_cast<int>(hn::MaxLanes(kWords));
+  // Four classes have weights; lane k of the table is class k + 1.
+  alignas(64) std::int32_t class_weights[8] = {};
+  for (int k = 1; k < kClasses; ++k) {
+    class_weights[(k - 1) % kLanes] = p.mean_weights[stage.group][kAxis][k];
+  }
+  const auto weights = hn::Load(ints, class_weights);
+  const auto set = [&](std::int32_t value) HWY_ATTR { return hn::Set(ints, value); };
+  const std::uint8_t* const activities = work.activities.row(y, z);
+  const std::uint16_t* const limits = work.limits.row(y, z);
+  std::int32_t* const residuals = work.residuals.row(y, z);
+  std::int16_t* const first = first_of_row(work.fine, kAxis, y, z);
+  const std::int16_t* const means = work.means.row(y, z);
+  const auto widen = [&](const std::int16_t* from) HWY_ATTR {
+    return hn::PromoteTo(ints, hn::LoadU(shorts, from));
+  };
+  const StepQuantizer<decltype(ints)> quantizer(stage.step);
+  for (int x = 0; x < stage.pairs.x; x += kLanes) {
+    const auto mean = widen(means + x);
+    const auto gradient = hn::Sub(widen(means + x - kStep), widen(means + x + kStep));
+    const auto activity = hn::PromoteTo(ints, hn::LoadU(bytes, activities + x));
+    const auto place = hn::And(hn::Sub(activity, set(1)), set(3));
+    const auto weight =
+        hn::IfThenElseZero(hn::Gt(activity, hn::Zero(ints)),
+                           hn::TableLookupLanes(weights, hn::IndicesFromVec(ints, place)));
+    const auto limit = hn::PromoteTo(ints, hn::LoadU(unsigned_shorts, limits + x));
+    const auto lowest = hn::Neg(limit);
+    const auto sum = hn::Add(hn::Mul(gradient, weight), set(1 << (kWeightBits - 1)));
+    const auto prediction = hn::Min(hn::Max(hn::ShiftRight<kWeightBits>(sum), lowest), limit);
+    auto detail = hn::LoadU(ints, residuals + x);
+    if constexpr (kIsEncoding) {
+      detail = hn::Min(hn::Max(detail, lowest), limit);
+      const auto residual = quantizer(hn::Sub(detail, prediction));
+      hn::StoreU(residual, ints, residuals + x);
+      if (stage.step > 1) {
+        detail = hn::Min(hn::Max(hn::Add(prediction, residual), lowest), limit);
+      }
+    } else {
+      detail = hn::Min(hn::Max(hn::Add(prediction, detail), lowest), limit);
+    }
+    const auto round = set(stage.rounding);
+    const auto total = hn::Add(hn::Sub(hn::Add(mean, mean), round),
+                               hn::And(hn::Add(detail, round), set(1)));
+    const auto a = hn::ShiftRight<1>(hn::Add(total, detail));
+    const auto b = hn::ShiftRight<1>(hn::Sub(total, detail));
+    if constexpr (kAxis == 0) {
+      const auto both = hn::Or(hn::And(a, set(0xffff)), hn::ShiftLeft<16>(b));
+      // The margin holds what the last vector writes beyond the row.
+      alignas(64) std::int32_t out[8];
+      hn::Store(both, ints, out);
+      std::memcpy(first + 2 * x, out, sizeof(std::int32_t) * static_cast<std::size_t>(kLanes));
+    } else {
+      hn::StoreU(hn::DemoteTo(shorts, a), shorts, first + x);
+      hn::StoreU(hn::DemoteTo(shorts, b), shorts, first + kStep + x);
+    }
+  }
+}
+
+#endif  // HWY_TARGET != HWY_SCALAR
+
+}  // namespace HWY_NAMESPACE
+}  // namespace octavo::grey
+HWY_AFTER_NAMESPACE();
+// NOLINTEND(bugprone-implicit-widening-of-multiplication-result)
+
+#endif

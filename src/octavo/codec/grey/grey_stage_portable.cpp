@@ -1,0 +1,245 @@
+#include <algorithm>
+#include <cstring>
+#include <type_traits>
+
+#include "octavo/codec/grey/grey_portable.h"
+#include "octavo/codec/grey/octant_transform.h"
+
+namespace octavo::grey {
+
+namespace {
+
+/// The weighted sum of the taps around a sample; 16-bit samples sum modulo 2^32.
+template <int kAxis, class Sample>
+Wide<Sample> weighted_sum(const Sample* at, const std::int16_t* weights) {
+  using Sum = std::make_unsigned_t<Wide<Sample>>;
+  Sum sum = 0;
+  for (int r = 0; r < TapRows<Sample>::kCount[kAxis]; ++r) {
+    const Sample* taps = at + TapRows<Sample>::kOffsets[kAxis][r];
+    for (int i = 0; i < 8; ++i) {
+      sum += static_cast<Sum>(Wide<Sample>{taps[i]} * weights[8 * r + i]);
+    }
+  }
+  return static_cast<Wide<Sample>>(sum);
+}
+
+/// A Q12 sum to an integer; wraps like the sum itself.
+template <class Int>
+Int rounded_weights(Int sum) {
+  using Unsigned = std::make_unsigned_t<Int>;
+  return static_cast<Int>(static_cast<Unsigned>(sum) + (1u << (kWeightBits - 1))) >> kWeightBits;
+}
+
+/// Foreseen magnitude (Q8) to context: its half-octave, in a second bank where the range limits it.
+int context_of(std::int32_t foreseen, std::int32_t limit) {
+  const bool is_limited = foreseen > 128 * (limit - 1);
+  foreseen = std::min(foreseen, limit << 8);
+  // The exponent and first mantissa bit of a float count half-octaves; 8 = 2^3 is number 0.
+  const auto value = static_cast<float>(foreseen + 8);
+  std::int32_t bits;
+  std::memcpy(&bits, &value, sizeof bits);
+  const std::int32_t half_octave = std::min((bits >> 22) - 260, kMagnitudes - 1);
+  return half_octave + (is_limited ? kMagnitudes : 0);
+}
+
+/// What a pair's mean and its two neighbours along the axis foretell.
+template <class Sample>
+Wide<Sample> predict_from_means(const Sample* means, std::int64_t along, std::int32_t weight) {
+  using Int = Wide<Sample>;
+  const Int gradient = Int{means[-along]} - means[along];
+  return rounded_weights<Int>(gradient * weight);
+}
+
+/// The multiple of a step closest to a residual, with a bias towards 0: small ones cost less.
+template <class Int>
+Int quantized(Int residual, std::int32_t step) {
+  using Real = std::conditional_t<sizeof(Int) == 4, float, double>;
+  const Int magnitude = residual < 0 ? -residual : residual;
+  const auto count = static_cast<Int>(static_cast<Real>(magnitude + rounding_bias(step)) *
+                                      (Real{1} / static_cast<Real>(step)));
+  return residual < 0 ? -count * step : count * step;
+}
+
+template <int kAxis, bool kIsEncoding, class Sample>
+void reconstruct_row_along(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                           std::int64_t y, std::int64_t z) {
+  using Int = Wide<Sample>;
+  constexpr std::int64_t kStep = pair_step<Sample>(kAxis);
+  const bool is_from_means = p.predictor == Predictor::means;
+  const auto& weights = p.weights[stage.group][kAxis];
+  const auto& mean_weights = p.mean_weights[stage.group][kAxis];
+  const std::uint8_t* const activities = work.activities.row(y, z);
+  const Limit<Sample>* const limits = work.limits.row(y, z);
+  Int* const residuals = work.residuals.row(y, z);
+  const Edge* const edges = stage.has_edges ? work.edges.row(y, z) : nullptr;
+  const Int* const edge_details = work.edge_details.row(y, z);
+  Sample* const first = first_of_row(work.fine, kAxis, y, z);
+  const Sample* const means = work.means.row(y, z);
+  for (std::int64_t x = 0; x < stage.pairs.x; ++x) {
+    Sample* const at = first + pair_stretch(kAxis) * x;
+    const Int limit = limits[x];
+    const std::uint8_t activity = activities[x];
+    const Int prediction =
+        is_from_means ? predict_from_means(means + x, kStep, mean_weights[activity])
+                      : rounded_weights(weighted_sum<kAxis>(at, weights[activity]));
+    const Int expected = std::clamp<Int>(prediction, -limit, limit);
+    Int detail;
+    if (edges != nullptr && edges[x] != Edge::none) {
+      detail = edge_details[x];
+      residuals[x] = 0;
+    } else if (stage.gaps != nullptr && limit > 0) {
+      const int nearest = stage.gaps->nearest(means[x], expected);
+      if constexpr (kIsEncoding) {
+        detail = residuals[x];
+        residuals[x] = stage.gaps->nearest(means[x], detail) - nearest;
+      } else {
+        const std::int64_t number = std::int64_t{nearest} + residuals[x];
+        detail = static_cast<Int>(stage.gaps->detail(means[x], number));
+      }
+    } else if constexpr (kIsEncoding) {
+      // The means of quantised details leave other room than the true ones.
+      detail = std::clamp<Int>(residuals[x], -limit, limit);
+      residuals[x] = detail - expected;
+      if (stage.step > 1) {
+        residuals[x] = quantized(residuals[x], stage.step);
+        detail = std::clamp<Int>(expected + residuals[x], -limit, limit);
+      }
+    } else {
+      // A true detail is within the limit; a damaged one is brought there, so that nothing
+      // overflows.
+      const std::int64_t d = std::int64_t{expected} + residuals[x];
+      detail = static_cast<Int>(std::clamp<std::int64_t>(d, -limit, limit));
+    }
+    const Pair<Int> pair = pair_of<Int>(means[x], detail, stage.rounding);
+    at[0] = static_cast<Sample>(pair.a);
+    at[kStep] = static_cast<Sample>(pair.b);
+  }
+}
+
+}  // namespace
+
+template <class Sample>
+void PortableKernel<Sample>::row_features(const Parameters& p, const Stage& stage,
+                                          Workspace<Sample>& work, std::int64_t y,
+                                          std::int64_t z) {
+  const std::int64_t along = pair_step<Sample>(stage.axis);
+  const std::int64_t across1 = pair_step<Sample>(stage.axis == 0 ? 1 : 0);
+  const std::int64_t across2 = pair_step<Sample>(stage.axis == 2 ? 1 : 2);
+  const Sample* m = work.means.row(y, z);
+  std::uint8_t* const activities = work.activities.row(y, z);
+  Limit<Sample>* const limits = work.limits.row(y, z);
+  const int shift = stage.shift;
+  const auto min = static_cast<Int>(stage.min);
+  const auto max = static_cast<Int>(stage.max);
+  const Int threshold = p.activity_threshold;
+  const auto step = [shift](Int d) { return (d < 0 ? -d : d) >> shift; };
+  const auto feature = [](Int sum) {
+    return static_cast<std::uint16_t>(std::min<Int>(sum, kMaxFeature));
+  };
+  for (std::int64_t x = 0; x < stage.pairs.x; ++x) {
+    const Int c = m[x];
+    const Int before = m[x - along] - c;
+    const Int after = m[x + along] - c;
+    const Int e0 = step(before) + step(after);
+    const Int e2 = step(m[x - across1] - c) + step(m[x + across1] - c) +
+                   step(m[x - across2] - c) + step(m[x + across2] - c);
+    const Int g = e0 + e2;
+    activities[x] = static_cast<std::uint8_t>((g > 0) + (g >= threshold / 4) + (g >= threshold) +
+                                              (g >= 4 * threshold));
+    limits[x] = static_cast<Limit<Sample>>(
+        std::min<Int>(2 * (c - min) + stage.odd_low, 2 * (max - c) + stage.odd_high));
+    work.row.limit[x] = static_cast<std::uint16_t>(limits[x] >> shift);
+    work.row.gradient_along[x] = feature(e0);
+    work.row.curvature_along[x] = feature(step(before + after));
+    work.row.gradient_across[x] = feature(e2);
+  }
+}
+
+template <class Sample>
+void PortableKernel<Sample>::row_contexts(const Parameters& p, const Stage& stage,
+                                          const MagnitudeRows& near, const RowBuffers& row,
+                                          std::uint16_t* contexts) {
+  const std::int32_t* w = p.context_weights[stage.group][stage.axis];
+  for (std::int64_t x = 0; x < stage.pairs.x; ++x) {
+    const std::int32_t foreseen =
+        w[0] * row.gradient_along[x] + w[1] * row.curvature_along[x] +
+        w[2] * row.gradient_across[x] + w[3] * near.sibling[0][x] + w[4] * near.sibling[1][x] +
+        w[5] + w[6] * near.up[x + 2] + w[7] * near.up[x - 2] + w[8] * near.up[x] +
+        w[9] * near.up[x - 1] + w[10] * near.up[x + 1] + w[11] * near.back[x] +
+        w[12] * near.back[x - 1] + w[13] * near.back[x + 1] + w[14] * near.back_up[x] +
+        w[15] * near.back_down[x];
+    const int context = context_of(foreseen, row.limit[x]);
+    contexts[x] = static_cast<std::uint16_t>(context | plain_bits(context, stage.step_bits) << 8);
+  }
+}
+
+template <class Sample>
+template <bool kIsEncoding>
+void PortableKernel<Sample>::reconstruct_row(const Parameters& p, const Stage& stage,
+                                             Workspace<Sample>& work, std::int64_t y,
+                                             std::int64_t z) {
+  if (stage.axis == 0) reconstruct_row_along<0, kIsEncoding>(p, stage, work, y, z);
+  else if (stage.axis == 1) reconstruct_row_along<1, kIsEncoding>(p, stage, work, y, z);
+  else reconstruct_row_along<2, kIsEncoding>(p, stage, work, y, z);
+}
+
+template <class Sample>
+template <bool kIsEncoding>
+void PortableKernel<Sample>::reconstruct(const Parameters& p, const Stage& stage,
+                                         Workspace<Sample>& work) {
+  for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
+    for (std::int64_t y = 0; y < stage.pairs.y; ++y)
+      reconstruct_row<kIsEncoding>(p, stage, work, y, z);
+  }
+}
+
+template struct PortableKernel<std::int16_t>;
+template struct PortableKernel<std::int32_t>;
+
+// What the vectorised passes do in plain loops.
+using Narrow = PortableKernel<std::int16_t>;
+using NarrowWorkspace = Workspace<std::int16_t>;
+template void Narrow::reconstruct<false>(const Parameters&, const Stage&, NarrowWorkspace&);
+template void Narrow::reconstruct<true>(const Parameters&, const Stage&, NarrowWorkspace&);
+template void Narrow::reconstruct_row<false>(const Parameters&, const Stage&, NarrowWorkspace&,
+                                             std::int64_t, std::int64_t);
+template void Narrow::reconstruct_row<true>(const Parameters&, const Stage&, NarrowWorkspace&,
+                                            std::int64_t, std::int64_t);
+
+const std::uint8_t* row_cells(const Stage& stage, std::int64_t y, std::int64_t z) {
+  if (stage.cells == nullptr) return nullptr;
+  const Size3& size = stage.cells->size;
+  const std::uint8_t* const flags =
+      stage.cells->flags.data() +
+      ((z >> stage.cell_shift[2]) * size.y + (y >> stage.cell_shift[1])) * size.x;
+  const std::int64_t used = ((stage.pairs.x - 1) >> stage.cell_shift[0]) + 1;
+  const bool any = std::any_of(flags, flags + used, [](std::uint8_t flag) { return flag != 0; });
+  return any ? flags : nullptr;
+}
+
+std::int64_t Stage::detail_count() const {
+  if (cells == nullptr) return pairs.voxel_count();
+  std::int64_t count = 0;
+  for (std::int64_t z = 0; z < pairs.z; ++z) {
+    for (std::int64_t y = 0; y < pairs.y; ++y) {
+      const std::uint8_t* flags = row_cells(*this, y, z);
+      if (flags == nullptr) {
+        count += pairs.x;
+        continue;
+      }
+      for_each_cell(*this, flags, [&](std::int64_t first, std::int64_t last, bool is_uniform) {
+        if (!is_uniform) count += last - first;
+      });
+    }
+  }
+  return count;
+}
+
+const StageFunctions& portable_stage_functions() {
+  static constexpr StageFunctions kFunctions = {
+      Passes<std::int16_t, PortableKernel<std::int16_t>>::functions(),
+      Passes<std::int32_t, PortableKernel<std::int32_t>>::functions()};
+  return kFunctions;
+}
+
+}  // namespace octavo::grey

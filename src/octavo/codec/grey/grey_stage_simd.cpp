@@ -1,0 +1,127 @@
+// The passes of a split over 16-bit samples for every instruction set that Highway knows, chosen at
+// run time. Wide samples run on the portable passes.
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <string_view>
+#include <type_traits>
+
+#include "octavo/codec/grey/grey_portable.h"
+#include "octavo/codec/simd_level.h"
+
+#include "octavo/codec/simd_targets.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "octavo/codec/grey/grey_stage_simd.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+// clang-format off
+#include "octavo/codec/grey/grey_planes-inl.h"
+#include "octavo/codec/grey/grey_rows-inl.h"
+#include "octavo/codec/grey/grey_symbols-inl.h"
+#include "octavo/codec/grey/grey_waves-inl.h"
+// clang-format on
+
+HWY_BEFORE_NAMESPACE();
+namespace octavo::grey {
+namespace HWY_NAMESPACE {
+
+#if HWY_TARGET == HWY_SCALAR
+
+StagePasses<std::int16_t> narrow_passes() { return portable_stage_functions().narrow; }
+
+#else
+
+struct Kernel {
+  static void row_features(const Parameters& p, const Stage& stage,
+                           Workspace<std::int16_t>& work, std::int64_t y, std::int64_t z) {
+    features_of_row(p, stage, work, y, z);
+  }
+  static void row_contexts(const Parameters& p, const Stage& stage, const MagnitudeRows& near,
+                           const RowBuffers& row, std::uint16_t* contexts) {
+    const std::int32_t* const weights = p.context_weights[stage.group][stage.axis];
+    if (p.predictor == Predictor::means)
+      contexts_of_row<false>(weights, stage, near, row, contexts);
+    else contexts_of_row<true>(weights, stage, near, row, contexts);
+  }
+  static void take_row(SymbolReader& symbols, std::uint16_t* contexts, const std::uint8_t* order,
+                       int coded, int count, std::int32_t* residuals) {
+    take_residuals(symbols, contexts, order, coded, count, residuals);
+  }
+  static bool takes_planes(const Parameters& p, const Stage& stage) {
+    return suits_planes(p, stage);
+  }
+  static void take_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
+                         std::int64_t z, SymbolReader& symbols) {
+    if (stage.axis == 0) decode_plane<0>(p, stage, work, z, symbols);
+    else if (stage.axis == 1) decode_plane<1>(p, stage, work, z, symbols);
+    else decode_plane<2>(p, stage, work, z, symbols);
+  }
+  static void give_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
+                         std::int64_t z) {
+    if (stage.axis == 0) predict_plane<0>(p, stage, work, z);
+    else if (stage.axis == 1) predict_plane<1>(p, stage, work, z);
+    else predict_plane<2>(p, stage, work, z);
+  }
+  static void keep_magnitudes(const std::int32_t* residuals, int count, int,
+                              std::int16_t* magnitudes) {
+    magnitudes_of_row(residuals, count, magnitudes);
+  }
+  template <bool kIsEncoding>
+  static void reconstruct_row(const Parameters& p, const Stage& stage,
+                              Workspace<std::int16_t>& work, std::int64_t y, std::int64_t z) {
+    if (stage.axis == 0) reconstruct_from_means<0, kIsEncoding>(p, stage, work, y, z);
+    else if (stage.axis == 1) reconstruct_from_means<1, kIsEncoding>(p, stage, work, y, z);
+    else reconstruct_from_means<2, kIsEncoding>(p, stage, work, y, z);
+  }
+  template <bool kIsEncoding>
+  static void reconstruct(const Parameters& p, const Stage& stage,
+                          Workspace<std::int16_t>& work) {
+    if (stage.axis == 0) reconstruct_waves<0, kIsEncoding>(p, stage, work);
+    else if (stage.axis == 1) reconstruct_waves<1, kIsEncoding>(p, stage, work);
+    else reconstruct_waves<2, kIsEncoding>(p, stage, work);
+  }
+};
+
+StagePasses<std::int16_t> narrow_passes() { return Passes<std::int16_t, Kernel>::functions(); }
+
+#endif
+
+}  // namespace HWY_NAMESPACE
+}  // namespace octavo::grey
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace octavo::grey {
+
+HWY_EXPORT(narrow_passes);
+
+namespace {
+
+/// Those for the best of `targets`; the portable ones for none.
+StageFunctions functions_of(std::int64_t targets) {
+  StageFunctions functions = portable_stage_functions();
+  if (targets == 0) return functions;
+  const SimdTargetsInUse in_use(targets);
+  functions.narrow = HWY_DYNAMIC_DISPATCH(narrow_passes)();
+  return functions;
+}
+
+}  // namespace
+
+std::optional<StageFunctions> stage_functions_of(std::string_view level) {
+  if (level == "scalar") return portable_stage_functions();
+  const std::int64_t targets = simd_targets_of(level);
+  if (targets == 0) return std::nullopt;
+  return functions_of(targets);
+}
+
+const StageFunctions& stage_functions() {
+  static const StageFunctions functions = functions_of(chosen_simd_targets());
+  return functions;
+}
+
+}  // namespace octavo::grey
+#endif

@@ -1,0 +1,301 @@
+// Residuals off the rANS streams, vectorised: tokens first, as many states at a time as there are
+// lanes, then the plain bits of the row.
+// Included once per instruction set by grey_stage_simd.cpp.
+
+#if defined(OCTAVO_CODEC_GREY_SYMBOLS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef OCTAVO_CODEC_GREY_SYMBOLS_INL_H
+#undef OCTAVO_CODEC_GREY_SYMBOLS_INL_H
+#else
+#define OCTAVO_CODEC_GREY_SYMBOLS_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include "octavo/codec/grey/grey_portable.h"
+
+// Places within a row are small numbers.
+// NOLINTBEGIN(bugprone-implicit-widening-of-multiplication-result)
+HWY_BEFORE_NAMESPACE();
+namespace octavo::grey {
+namespace HWY_NAMESPACE {
+
+#if HWY_TARGET != HWY_SCALAR
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr hn::CappedTag<std::uint32_t, 8> kWords{};
+constexpr hn::Rebind<std::uint16_t, decltype(kWords)> kShortWords{};
+using Words = hn::Vec<decltype(kWords)>;
+inline constexpr int kStateLanes = static_cast<int>(hn::MaxLanes(kWords));
+
+/// Symbols whose plain bits are taken together: their bits fit in 64.
+inline constexpr int kChunk = 8;
+constexpr hn::FixedTag<std::uint8_t, kChunk> kChunkBytes{};
+constexpr hn::FixedTag<std::uint16_t, kChunk> kChunkHalves{};
+using ChunkHalves = hn::Vec<decltype(kChunkHalves)>;
+
+/// For every set of lanes that need a word: which of the next words each of them gets.
+struct WordPlaces {
+  std::uint64_t places[std::size_t{1} << kStateLanes];  ///< a byte per lane, the first lowest
+};
+constexpr WordPlaces make_word_places() {
+  WordPlaces made{};
+  for (std::size_t set = 0; set < std::size(made.places); ++set) {
+    std::uint64_t next = 0;
+    for (int lane = 0; lane < kStateLanes; ++lane) {
+      made.places[set] |= next << 8 * lane;
+      next += set >> lane & 1;
+    }
+  }
+  return made;
+}
+alignas(64) inline constexpr WordPlaces kWordPlaces = make_word_places();
+
+/// The table entries at the places of every lane. Single loads overlap better than a gather
+/// instruction where that is microcode.
+HWY_INLINE Words load_each(const std::uint32_t* from, Words index) {
+  alignas(64) std::uint32_t places[hn::MaxLanes(kWords)];
+  hn::Store(index, kWords, places);
+#if HWY_COMPILER_GCC || HWY_COMPILER_CLANG
+  // Reloading is cheaper than taking lanes out of the vector, which compilers would make of it.
+  __asm__("" : "+m"(places));
+#endif
+  const hn::FixedTag<std::uint32_t, 1> single;
+  const hn::FixedTag<std::uint32_t, 2> two;
+  const hn::FixedTag<std::uint32_t, 4> quad;
+  const auto one = [&](std::size_t lane)
+                       HWY_ATTR { return hn::Load(single, from + places[lane]); };
+  const auto four = [&](std::size_t lane) HWY_ATTR {
+    return hn::Combine(quad, hn::Combine(two, one(lane + 3), one(lane + 2)),
+                       hn::Combine(two, one(lane + 1), one(lane)));
+  };
+#if HWY_MAX_BYTES >= 32
+  return hn::Combine(kWords, four(4), four(0));
+#else
+  return four(0);
+#endif
+}
+
+/// The words from `words` on that the lanes of a set get.
+HWY_INLINE Words spread_words(const std::uint8_t* words, std::uint8_t lanes) {
+  const hn::Rebind<std::uint8_t, decltype(kWords)> bytes;
+  const Words places = hn::PromoteTo(
+      kWords, hn::LoadU(bytes, reinterpret_cast<const std::uint8_t*>(kWordPlaces.places + lanes)));
+  const Words next = hn::PromoteTo(
+      kWords, hn::LoadU(kShortWords, reinterpret_cast<const std::uint16_t*>(words)));
+  return hn::TableLookupLanes(next, hn::IndicesFromVec(kWords, places));
+}
+
+HWY_INLINE void store_tokens(Words token, std::uint16_t* tokens) {
+  const hn::RebindToSigned<decltype(kWords)> ints;
+  hn::StoreU(hn::DemoteTo(kShortWords, hn::BitCast(ints, token)), kShortWords, tokens);
+}
+
+/// One step of as many states as there are lanes; gives their tokens.
+HWY_INLINE Words step_states(const std::uint32_t* slots, Words context, Words& state,
+                             const std::uint8_t*& words) {
+  const auto set = [](std::uint32_t value) HWY_ATTR { return hn::Set(kWords, value); };
+  const Words slot =
+      hn::Or(hn::ShiftLeft<kTableBits>(context), hn::And(state, set(kTableSize - 1)));
+  const Words entry = load_each(slots, slot);
+  const Words stepped = hn::Add(hn::Mul(hn::And(hn::ShiftRight<6>(entry), set(0xfff)),
+                                        hn::ShiftRight<kTableBits>(state)),
+                                hn::ShiftRight<18>(entry));
+  const auto is_low = hn::Eq(hn::ShiftRight<16>(stepped), hn::Zero(kWords));
+  std::uint8_t low_lanes[8];
+  hn::StoreMaskBits(kWords, is_low, low_lanes);
+  const Words refilled =
+      hn::Or(hn::ShiftLeft<16>(stepped), spread_words(words, low_lanes[0]));
+  state = hn::IfThenElse(is_low, refilled, stepped);
+  words += 2 * __builtin_popcount(low_lanes[0]);
+  return hn::And(entry, set(63));
+}
+
+/// The tokens of a multiple of 32 symbols off 32 states, which stay in registers.
+inline Words take_tokens_of_all_states(SymbolReader& symbols, const std::uint16_t* contexts,
+                                       int count, std::uint16_t* tokens) {
+  constexpr int kVectors = kMaxStates / kStateLanes;
+  const std::uint32_t* const slots = symbols.slots;
+  const std::uint8_t* words = symbols.words;
+  Words states[kVectors];
+  for (int k = 0; k < kVectors; ++k) {
+    states[k] = hn::Load(kWords, symbols.states + k * kStateLanes);
+  }
+  Words all = hn::Zero(kWords);
+  for (int i = 0; i < count; i += kMaxStates) {
+#if HWY_COMPILER_GCC || HWY_COMPILER_CLANG
+#pragma GCC unroll 8
+#endif
+    for (int k = 0; k < kVectors; ++k) {
+      const int at = i + k * kStateLanes;
+      const Words packed = hn::PromoteTo(kWords, hn::LoadU(kShortWords, contexts + at));
+      const Words token =
+          step_states(slots, hn::And(packed, hn::Set(kWords, 0xff)), states[k], words);
+      all = hn::Or(all, token);
+      store_tokens(token, tokens + at);
+    }
+  }
+  for (int k = 0; k < kVectors; ++k) {
+    hn::Store(states[k], kWords, symbols.states + k * kStateLanes);
+  }
+  symbols.words = words;
+  return all;
+}
+
+/// Whether any token has bits of its own, beyond the plain bits of its context.
+HWY_INLINE bool is_any_big(Words tokens) {
+  const hn::RebindToSigned<decltype(kWords)> ints;
+  return !hn::AllFalse(
+      ints, hn::TestBit(hn::BitCast(ints, tokens), hn::Set(ints, kDirectTokens)));
+}
+
+/// The tokens of a row's coded pairs; gives whether any is big.
+inline bool take_tokens(SymbolReader& symbols, const std::uint16_t* contexts, int coded,
+                        std::uint16_t* tokens) {
+  if (symbols.state_mask + 1 == kMaxStates && coded % kMaxStates == 0) {
+    return is_any_big(take_tokens_of_all_states(symbols, contexts, coded, tokens));
+  }
+  int i = 0;
+  std::uint32_t any = 0;
+  if (symbols.state_mask + 1 >= kStateLanes) {
+    const std::uint32_t* const slots = symbols.slots;
+    const std::uint8_t* words = symbols.words;
+    Words all = hn::Zero(kWords);
+    for (; i + kStateLanes <= coded; i += kStateLanes) {
+      std::uint32_t* const states =
+          symbols.states + (static_cast<std::size_t>(i) & symbols.state_mask);
+      const Words packed = hn::PromoteTo(kWords, hn::LoadU(kShortWords, contexts + i));
+      Words state = hn::Load(kWords, states);
+      const Words token =
+          step_states(slots, hn::And(packed, hn::Set(kWords, 0xff)), state, words);
+      hn::Store(state, kWords, states);
+      all = hn::Or(all, token);
+      store_tokens(token, tokens + i);
+    }
+    symbols.words = words;
+    any = is_any_big(all) ? kDirectTokens : 0;
+  }
+  for (; i < coded; ++i) {
+    const int token = symbols.take_token(i, contexts[i] & 0xff);
+    tokens[i] = static_cast<std::uint16_t>(token);
+    any |= static_cast<std::uint32_t>(token);
+  }
+  return (any & kDirectTokens) != 0;
+}
+
+/// The plain bits of 8 symbols: as many to each byte of the result as the same byte of the mask
+/// has.
+HWY_INLINE std::uint64_t take_plain(const std::uint8_t* plain, std::size_t& at,
+                                    std::uint64_t mask) {
+  std::uint64_t word;
+  std::memcpy(&word, plain + (at >> 3), 8);
+  word >>= at & 7;
+  at += static_cast<std::size_t>(__builtin_popcountll(mask));
+#if HWY_ARCH_X86_64 && HWY_TARGET <= HWY_AVX2
+  return _pdep_u64(word, mask);
+#else
+  std::uint64_t spread = 0;
+  for (int lane = 0; lane < kChunk; ++lane) {
+    const std::uint64_t own = mask >> 8 * lane & 0xff;
+    spread |= (word & own) << 8 * lane;
+    word >>= __builtin_popcountll(own);
+  }
+  return spread;
+#endif
+}
+
+HWY_INLINE hn::Vec<decltype(kChunkBytes)> bytes_of(std::uint64_t eight) {
+  return hn::BitCast(kChunkBytes, hn::Set(hn::FixedTag<std::uint64_t, 1>(), eight));
+}
+
+/// Residuals in 16 bits stand for what does not fit at the ends of their range.
+inline void put_residual(std::int64_t value, std::int32_t& residual) {
+  residual = static_cast<std::int32_t>(value);
+}
+inline void put_residual(std::int64_t value, std::int16_t& residual) {
+  residual = static_cast<std::int16_t>(std::clamp<std::int64_t>(value, -32768, 32767));
+}
+HWY_INLINE void store_residuals(hn::Vec<hn::FixedTag<std::int16_t, 8>> values,
+                                std::int16_t* residuals) {
+  hn::StoreU(values, hn::FixedTag<std::int16_t, 8>(), residuals);
+}
+HWY_INLINE void store_residuals(hn::Vec<hn::FixedTag<std::int16_t, 8>> values,
+                                std::int32_t* residuals) {
+  const hn::FixedTag<std::int32_t, 4> quad;
+  const hn::FixedTag<std::int16_t, 4> half;
+  hn::StoreU(hn::PromoteTo(quad, hn::LowerHalf(half, values)), quad, residuals);
+  hn::StoreU(hn::PromoteTo(quad, hn::UpperHalf(half, values)), quad, residuals + 4);
+}
+
+/// Residuals of tokens and the plain bits below them.
+template <class Residual>
+void finish_residuals(SymbolReader& symbols, const std::uint16_t* contexts,
+                      const std::uint16_t* tokens, int coded, bool has_big, Residual* residuals) {
+  alignas(16) static constexpr std::uint8_t kMasks[16] = {0, 1, 3, 7, 15, 31, 63, 127};
+  const hn::FixedTag<std::uint8_t, 16> table;
+  const hn::RebindToSigned<decltype(kChunkHalves)> signed_halves;
+  const auto masks = hn::Load(table, kMasks);
+  const auto set = [](std::uint16_t value) HWY_ATTR { return hn::Set(kChunkHalves, value); };
+  std::size_t at = symbols.plain_at;
+  for (int i = 0; i < coded; i += kChunk) {
+    const ChunkHalves token = hn::LoadU(kChunkHalves, tokens + i);
+    const ChunkHalves packed = hn::LoadU(kChunkHalves, contexts + i);
+    const int left = coded - i;
+    if (HWY_UNLIKELY(has_big)) {
+      const auto big = hn::And(token, set(kDirectTokens));
+      if (left < kChunk || !hn::AllTrue(kChunkHalves, hn::Eq(big, hn::Zero(kChunkHalves)))) {
+        symbols.plain_at = at;
+        for (int k = i; k < std::min(coded, i + kChunk); ++k) {
+          put_residual(symbols.value_of(tokens[k], contexts[k] >> 8), residuals[k]);
+        }
+        at = symbols.plain_at;
+        continue;
+      }
+    }
+    const auto counts = hn::DemoteTo(
+        kChunkBytes, hn::BitCast(signed_halves, hn::ShiftRight<8>(packed)));
+    const auto lane_masks = hn::TableLookupBytes(masks, counts);
+    std::uint64_t mask = hn::GetLane(hn::BitCast(hn::FixedTag<std::uint64_t, 1>(), lane_masks));
+    if (left < kChunk) mask &= (std::uint64_t{1} << 8 * left) - 1;
+    const ChunkHalves plain =
+        hn::PromoteTo(kChunkHalves, bytes_of(take_plain(symbols.plain, at, mask)));
+    const ChunkHalves scale = hn::Add(hn::PromoteTo(kChunkHalves, lane_masks), set(1));
+    const ChunkHalves value = hn::Add(hn::Mul(token, scale), plain);
+    const ChunkHalves residual = hn::Xor(
+        hn::ShiftRight<1>(value), hn::Sub(hn::Zero(kChunkHalves), hn::And(value, set(1))));
+    store_residuals(hn::BitCast(signed_halves, residual), residuals + i);
+  }
+  symbols.plain_at = at;
+}
+
+/// Residuals of a row, or of more when none is left out, off the streams: PortableKernel::take_row.
+/// Residuals are padded to a multiple of 8; at most kMaxUnchecked.
+template <class Residual>
+void take_residuals(SymbolReader& symbols, std::uint16_t* contexts, const std::uint8_t* order,
+                    int coded, int count, Residual* residuals) {
+  alignas(64) std::uint16_t tokens[kMaxUnchecked + kChunk];
+  if (coded < count) {
+    for (int i = 0; i < coded; ++i) contexts[i] = contexts[order[i]];
+  }
+  // The last chunk may reach beyond the row, and so into what pads residuals and magnitudes.
+  hn::StoreU(hn::Zero(kChunkHalves), kChunkHalves, tokens + coded);
+  const bool has_big = take_tokens(symbols, contexts, coded, tokens);
+  finish_residuals(symbols, contexts, tokens, coded, has_big, residuals);
+  symbols.expect_inside();
+  if (coded == count) return;
+  // Spread over the row, from its end on.
+  int next = coded - 1;
+  for (int x = count - 1; x >= 0; --x) {
+    const bool is_coded = next >= 0 && order[next] == x;
+    residuals[x] = is_coded ? residuals[next--] : Residual{0};
+  }
+}
+
+#endif  // HWY_TARGET != HWY_SCALAR
+
+}  // namespace HWY_NAMESPACE
+}  // namespace octavo::grey
+HWY_AFTER_NAMESPACE();
+// NOLINTEND(bugprone-implicit-widening-of-multiplication-result)
+
+#endif

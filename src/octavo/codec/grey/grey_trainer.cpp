@@ -1,0 +1,246 @@
+// Learns a grey model: chooses the order of the axes and what precision to leave out, then has the
+// weights of the prediction (grey_tap_trainer.cpp), contexts and frequencies
+// (grey_context_trainer.cpp) learnt.
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "octavo/codec/grey/grey_codec.h"
+#include "octavo/codec/grey/grey_training.h"
+#include "octavo/codec/grey/voxel_walk.h"
+
+namespace octavo::grey {
+
+namespace {
+
+constexpr int kWeightStep = 3;
+constexpr int kCoarseWeightStep = 5;         ///< for models that count beside what they code
+constexpr std::uint64_t kLittleBytes = 1 << 18;
+constexpr std::size_t kOrderBricks = 16;  ///< bricks that orders are tried on
+constexpr double kWorthwhile = 0.0005;   ///< what another order must save
+constexpr double kMuchBackground = 0.4;  ///< of the voxels, where edges are tried
+constexpr std::uint64_t kEdgePercent = 3;  ///< what edges must save: they make decoding slower
+/// Steps of an orthonormal coefficient to try, in tenths of the maximum error.
+constexpr int kDetailSteps[] = {14, 16, 18, 22};
+
+/// Six times the median non-zero step between neighbours along x.
+std::int32_t learn_threshold(const std::vector<Lesson>& lessons) {
+  std::vector<std::int64_t> counts(65536);
+  std::int64_t total = 0;
+  for (const Lesson& lesson : lessons) {
+    const auto& steps = lesson.brick.steps[0];
+    const auto& samples = !steps[0].empty() ? steps[0] : !steps[1].empty() ? steps[1] : steps[2];
+    for (std::size_t i = 1; i < samples.size(); i += 7) {
+      const int step = std::abs(samples[i] - samples[i - 1]);
+      if (step == 0) continue;
+      ++counts[static_cast<std::size_t>(step)];
+      ++total;
+    }
+  }
+  if (total < 100) return 8;
+  std::int64_t below = 0;
+  std::int32_t median = 0;
+  while (below * 2 < total) below += counts[static_cast<std::size_t>(++median)];
+  return std::clamp(median * 6, 8, kMaxThreshold);
+}
+
+/// What a model is learnt from.
+class School {
+ public:
+  School(std::span<const TrainingBrick> bricks, const AxisOrder& order, const ValueMap& map)
+      : bricks_(bricks) {
+    start_.axis_order = order;
+    start_.value_map = map;
+  }
+
+  std::span<const TrainingBrick> bricks() const { return bricks_; }
+  /// Default parameters but for the order of the axes and the value map.
+  const Parameters& start() const { return start_; }
+
+  /// The lessons for the voxel step of p; kept until another step is asked for.
+  const std::vector<Lesson>& lessons(const Parameters& p) {
+    if (voxel_step_ != p.quantizer.voxel_step) lessons_ = make_lessons(bricks_, p);
+    voxel_step_ = p.quantizer.voxel_step;
+    return lessons_;
+  }
+
+ private:
+  std::span<const TrainingBrick> bricks_;
+  Parameters start_ = default_parameters();
+  std::int64_t voxel_step_ = 0;
+  std::vector<Lesson> lessons_;
+};
+
+/// A kind of model.
+struct Plan {
+  Predictor predictor;
+  Quantizer quantizer = {};
+  int weight_step = kWeightStep;
+  bool has_edges = false;
+};
+
+Parameters learn(School& school, const Plan& plan) {
+  Parameters p = school.start();
+  p.predictor = plan.predictor;
+  p.quantizer = plan.quantizer;
+  p.weight_step = plan.weight_step;
+  p.has_edges = plan.has_edges;
+  const std::vector<Lesson>& lessons = school.lessons(p);
+  if (lessons.empty()) return p;
+  p.activity_threshold = learn_threshold(lessons);
+  // Coarse groups first: quantised levels are learnt on what the coarser ones leave.
+  for (int group = kGroups - 1; group >= 0; --group) {
+    if (p.predictor == Predictor::means) learn_mean_weights(p, lessons, group);
+    else learn_weights(p, lessons, group);
+  }
+  learn_contexts(p, lessons);
+  learn_frequencies(p, lessons);
+  return p;
+}
+
+/// At most `count` of the bricks, spread evenly.
+std::vector<TrainingBrick> some_of(std::span<const TrainingBrick> bricks, std::size_t count) {
+  count = std::min(bricks.size(), count);
+  std::vector<TrainingBrick> some;
+  for (std::size_t i = 0; i < count; ++i) {
+    some.push_back(bricks[(2 * i + 1) * bricks.size() / (2 * count)]);
+  }
+  return some;
+}
+
+/// The order of the axes whose details come out smallest on a few bricks.
+AxisOrder learn_order(std::span<const TrainingBrick> bricks, const CodecSettings& settings,
+                      const ValueMap& map) {
+  if (settings.axis_order) return *settings.axis_order;
+  if (settings.preset == Preset::fast) return kStraightOrder;
+  const std::vector<TrainingBrick> few = some_of(bricks, kOrderBricks);
+  AxisOrder best = kStraightOrder;
+  double least = 0;
+  for (const AxisOrder& order : kAxisOrders) {
+    Parameters p = default_parameters();
+    p.axis_order = order;
+    p.value_map = map;
+    const std::vector<Lesson> lessons = make_lessons(few, p);
+    if (lessons.empty()) return kStraightOrder;
+    p.activity_threshold = learn_threshold(lessons);
+    double cost = detail_cost(p, lessons);
+    // The straight order is the fastest; another one must be worth it.
+    if (order == kStraightOrder) cost *= 1 - kWorthwhile;
+    if (order == kStraightOrder || cost < least) {
+      least = cost;
+      best = order;
+    }
+  }
+  return best;
+}
+
+/// Bytes that a model and bricks take.
+std::uint64_t cost(std::span<const TrainingBrick> bricks, const Parameters& parameters) {
+  const GreyCodec codec(parameters);
+  std::vector<std::uint64_t> bytes(bricks.size());
+  tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
+    for (const Bytes& segment : codec.encode(bricks[i].shape, bricks[i].view).segments) {
+      bytes[i] += segment.size();
+    }
+  });
+  return std::accumulate(bytes.begin(), bytes.end(), codec.serialized().size());
+}
+
+/// The ways to keep within a maximum error: rounding the voxels; or rounding the details, with
+/// several steps, and correcting the voxels that end up beyond it.
+std::vector<Plan> plans_for(Predictor predictor, std::int64_t max_error) {
+  const std::int64_t step = 2 * max_error + 1;
+  std::vector<Plan> plans = {{predictor, {step, 0, 0}}};
+  for (const int tenths : kDetailSteps) {
+    const std::int64_t detail_step = max_error * tenths * 256 / 10;
+    if (detail_step <= kMaxDetailStep) {
+      plans.push_back({predictor, {1, static_cast<std::int32_t>(detail_step), step}});
+    }
+  }
+  return plans;
+}
+
+/// Which part of the voxels of these bricks holds the smallest value of its brick.
+double background_share(std::span<const TrainingBrick> bricks) {
+  std::int64_t background = 0;
+  std::int64_t voxels = 0;
+  for (const TrainingBrick& brick : bricks) {
+    const std::int64_t min = range_of(brick.view).min;
+    for_each_voxel(brick.view, [&](std::int64_t voxel) { background += voxel == min; });
+    voxels += brick.view.size.voxel_count();
+  }
+  return static_cast<double>(background) / static_cast<double>(std::max<std::int64_t>(voxels, 1));
+}
+
+/// Learns a lossless model of these bricks, of the kind that codes them best.
+/// predictor  what suits the preset
+Parameters learn_lossless(School& school, Predictor predictor) {
+  Parameters best = learn(school, {predictor});
+  const bool is_small = predictor == Predictor::neighbours;
+  const bool is_sparse = background_share(school.bricks()) >= kMuchBackground;
+  const bool may_be_all = school.bricks().size() < kManyBricks;
+  if (!is_sparse && !(is_small && may_be_all)) return best;
+  std::uint64_t least = cost(school.bricks(), best);
+  std::vector<Plan> others;
+  if (is_small && may_be_all && least < kLittleBytes) {
+    // These bricks are all there are, and the model counts beside them.
+    others = {{Predictor::means}, {predictor, {}, kCoarseWeightStep}};
+  }
+  if (is_sparse) {
+    others.push_back({Predictor::means, {}, kWeightStep, true});
+    if (is_small) others.push_back({predictor, {}, kWeightStep, true});
+  }
+  for (const Plan& plan : others) {
+    const Parameters p = learn(school, plan);
+    std::uint64_t bytes = cost(school.bricks(), p);
+    if (plan.has_edges) bytes += bytes * kEdgePercent / 100;
+    if (bytes >= least) continue;
+    least = bytes;
+    best = p;
+  }
+  return best;
+}
+
+/// Learns a model that keeps within a maximum error, in the way that codes these bricks best.
+Parameters learn_lossy(School& school, Predictor predictor, std::int64_t max_error) {
+  Parameters best;
+  std::uint64_t least = ~std::uint64_t{0};
+  for (const Plan& plan : plans_for(predictor, max_error)) {
+    const Parameters p = learn(school, plan);
+    const std::uint64_t bytes = cost(school.bricks(), p);
+    if (bytes >= least) continue;
+    least = bytes;
+    best = p;
+  }
+  return best;
+}
+
+}  // namespace
+
+}  // namespace octavo::grey
+
+namespace octavo {
+
+std::unique_ptr<BrickCodec> train_grey_model(VoxelType type, std::span<const TrainingBrick> bricks,
+                                             const CodecSettings& settings) {
+  using namespace grey;
+  if (!is_integer(type))
+    throw Error(ErrorKind::invalid_argument, "float voxels have no grey codec");
+  if (settings.max_error < 0 || 2 * settings.max_error + 1 > kMaxVoxelStep) {
+    throw Error(ErrorKind::invalid_argument, "the maximum error is out of range");
+  }
+  const bool is_fast = settings.preset == Preset::fast;
+  const bool is_lossless = settings.max_error == 0;
+  const Predictor predictor = is_fast ? Predictor::means : Predictor::neighbours;
+  // Voxels that may change have no values of their own.
+  const ValueMap map = is_lossless ? learn_value_map(bricks, !is_fast) : ValueMap{};
+  School school(bricks, learn_order(bricks, settings, map), map);
+  return std::make_unique<GreyCodec>(is_lossless
+                                         ? learn_lossless(school, predictor)
+                                         : learn_lossy(school, predictor, settings.max_error));
+}
+
+}  // namespace octavo

@@ -1,0 +1,76 @@
+// What the parts of the grey trainer share: training bricks, their walk, and the parts themselves.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "octavo/codec/grey/edge_pairs.h"
+#include "octavo/codec/grey/grey_brick.h"
+
+namespace octavo::grey {
+
+inline constexpr std::size_t kFewSamples = 200;  ///< too few to learn the weights of a class
+
+/// As many are a sample of a larger group; fewer may be all there is.
+inline constexpr std::size_t kManyBricks = 32;
+
+/// A training brick as 16-bit samples; of a wider range the highest 16 bits.
+struct Lesson {
+  BrickShape shape;  ///< in the codec's axes
+  AnalyzedBrick<std::int16_t> brick;
+};
+
+/// Those of `bricks` that hold more than one code of the quantizer, value map and axis order of p.
+std::vector<Lesson> make_lessons(std::span<const TrainingBrick> bricks, const Parameters& p);
+
+/// The samples of the level above `level` as the encoder's walk has them, ready in the work space.
+void load_level(Workspace<std::int16_t>& work, const Lesson& lesson, int level);
+
+/// Runs a level of a lesson through its splits as the encoder does; `learn(stage, work, truth)` is
+/// called after each, when work.residuals holds the residuals of all pairs and work.fine the
+/// samples as a decoder has them. When details are quantised the coarser levels are run first.
+template <class Learn>
+void walk_level(const Parameters& p, const Lesson& lesson, int level, Learn&& learn) {
+  Workspace<std::int16_t>& work = thread_workspace<std::int16_t>();
+  const bool is_exact = p.quantizer.detail_step == 0;
+  const int coarsest = lesson.shape.level_count - 2;
+  load_level(work, lesson, is_exact ? level : coarsest);
+  for (int at = is_exact ? level : coarsest; at >= level; --at) {
+    run_level(work, lesson.shape, lesson.brick.scale, p, at, lesson.brick.hints(p),
+              [&](const Stage& stage, const Split& split) {
+                const auto& samples =
+                    lesson.brick
+                        .steps[static_cast<std::size_t>(at)][static_cast<std::size_t>(split.axis)];
+                const Truth<std::int16_t> truth{samples.data(), split.fine_size};
+                if (stage.pairs.voxel_count() == 0) return;
+                load_details(work, stage, truth);
+                if (stage.has_edges) mark_edges(stage, work);
+                stage_functions().narrow.predict(p, stage, work);
+                if (p.predictor == Predictor::means) copy_lone(work.means, work.fine, stage.axis);
+                if (at == level) learn(stage, work, truth);
+              });
+  }
+}
+
+/// In-brick levels whose details use the weights of a group.
+constexpr int levels_of_group(int group) { return group < 2 ? 1 : kTierLevels; }
+
+/// Learns p.weights of a level group; needs those of the coarser groups when details are quantised.
+void learn_weights(Parameters& p, const std::vector<Lesson>& lessons, int group);
+
+/// Learns p.mean_weights of a level group, as above.
+void learn_mean_weights(Parameters& p, const std::vector<Lesson>& lessons, int group);
+
+/// The bits that the details of level 0 need, up to a factor and a constant, when predicted by
+/// weights learnt from a few of them; compares orders of the axes.
+double detail_cost(Parameters p, const std::vector<Lesson>& lessons);
+
+/// Learns p.context_weights; needs the weights of the prediction.
+void learn_contexts(Parameters& p, const std::vector<Lesson>& lessons);
+
+/// Learns p.frequencies; needs all weights.
+void learn_frequencies(Parameters& p, const std::vector<Lesson>& lessons);
+
+}  // namespace octavo::grey

@@ -1,0 +1,306 @@
+// Prediction from neighbours, vectorised: four rows of pairs at a time, in four planes, each two
+// rows behind the plane before it (see grey_stage.h). A sample waits for the one to its left; four
+// rows that do not wait for each other keep the machine busy.
+// Included once per instruction set by grey_stage_simd.cpp.
+
+#if defined(OCTAVO_CODEC_GREY_WAVES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef OCTAVO_CODEC_GREY_WAVES_INL_H
+#undef OCTAVO_CODEC_GREY_WAVES_INL_H
+#else
+#define OCTAVO_CODEC_GREY_WAVES_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include "octavo/codec/grey/grey_portable.h"
+#include "octavo/codec/grey/grey_rows-inl.h"
+
+// Places within a row are small numbers.
+// NOLINTBEGIN(bugprone-implicit-widening-of-multiplication-result)
+HWY_BEFORE_NAMESPACE();
+namespace octavo::grey {
+namespace HWY_NAMESPACE {
+
+#if HWY_TARGET != HWY_SCALAR
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+inline constexpr int kWaves = 4;
+inline constexpr int kLag = 2;  ///< rows between neighbouring planes
+
+constexpr hn::FixedTag<std::int16_t, 8> kTaps{};
+constexpr hn::FixedTag<std::int32_t, 4> kQuad{};
+constexpr hn::CappedTag<std::int16_t, 16> kTapRows{};
+using Taps = hn::Vec<decltype(kTaps)>;
+using Quad = hn::Vec<decltype(kQuad)>;
+
+/// A row of pairs on its way.
+struct WaveRow {
+  std::int16_t* at = nullptr;  ///< first sample of the first pair
+  const std::int16_t* means = nullptr;
+  const std::uint8_t* activities = nullptr;
+  const std::uint16_t* limits = nullptr;
+  std::int32_t* residuals = nullptr;
+};
+
+/// The taps around the samples of one row.
+///
+/// The last 8 samples written to the row (and to its partner row) are kept in registers: loading
+/// them back so soon after narrow stores would stall.
+template <int kAxis>
+class Chain {
+ public:
+  HWY_INLINE explicit Chain(const std::int16_t* first)
+      : written_(hn::LoadU(kTaps, first - 8)),
+        written_partner_(hn::LoadU(kTaps, first + kPartner - 8)) {}
+
+  /// Four partial sums of weight times tap.
+  HWY_INLINE Quad sums(const std::int16_t* at, const std::int16_t* weights) const {
+#if HWY_MAX_BYTES >= 32
+    const hn::FixedTag<std::int32_t, 8> octet;
+    auto even = hn::Zero(octet);
+    auto odd = hn::Zero(octet);
+    auto unused = hn::Zero(octet);
+#pragma GCC unroll 6
+    for (int r = 0; r < kRows; r += 4) {
+      even =
+          hn::ReorderWidenMulAccumulate(octet, hn::Combine(kTapRows, taps(at, r + 1), taps(at, r)),
+                                        hn::LoadU(kTapRows, weights + 8 * r), even, unused);
+      if (r + 2 < kRows) {
+        odd = hn::ReorderWidenMulAccumulate(
+            octet, hn::Combine(kTapRows, taps(at, r + 3), taps(at, r + 2)),
+            hn::LoadU(kTapRows, weights + 8 * r + 16), odd, unused);
+      }
+    }
+    const auto all = hn::Add(hn::Add(even, odd), unused);
+    return hn::Add(hn::LowerHalf(kQuad, all), hn::UpperHalf(kQuad, all));
+#else
+    auto even = hn::Zero(kQuad);
+    auto odd = hn::Zero(kQuad);
+    auto unused = hn::Zero(kQuad);
+#pragma GCC unroll 6
+    for (int r = 0; r < kRows; r += 2) {
+      even = hn::ReorderWidenMulAccumulate(kQuad, taps(at, r), hn::LoadU(kTaps, weights + 8 * r),
+                                           even, unused);
+      odd = hn::ReorderWidenMulAccumulate(
+          kQuad, taps(at, r + 1), hn::LoadU(kTaps, weights + 8 * r + 8), odd, unused);
+    }
+    return hn::Add(hn::Add(even, odd), unused);
+#endif
+  }
+
+  /// Notes pair number kLane of the four: `a` and `b` hold its samples, `both` a | b << 16.
+  template <int kLane>
+  HWY_INLINE void advance(Quad a, Quad b, Quad both) {
+    if constexpr (kAxis == 0) {
+      written_ = hn::CombineShiftRightBytes<4>(kTaps, in_taps<kLane>(both), written_);
+    } else {
+      written_ = hn::CombineShiftRightBytes<2>(kTaps, in_taps<kLane>(a), written_);
+      written_partner_ = hn::CombineShiftRightBytes<2>(kTaps, in_taps<kLane>(b), written_partner_);
+    }
+  }
+
+ private:
+  static constexpr int kRows = TapRows<std::int16_t>::kCount[kAxis];
+  static constexpr std::int64_t kPartner = kAxis == 0 ? 0 : pair_step<std::int16_t>(kAxis);
+  static constexpr int kOwnRow = kAxis == 0 ? 0 : centre_tap(kAxis) / 8;
+  static constexpr int kPartnerRow = kAxis == 0 ? -1 : kAxis == 1 ? 3 : 8;
+
+  template <int kLane>
+  static HWY_INLINE Taps in_taps(Quad v) {
+    return hn::BitCast(kTaps, hn::Broadcast<kLane>(v));
+  }
+
+  HWY_INLINE Taps taps(const std::int16_t* at, int r) const {
+    if constexpr (kAxis == 0) {
+      if (r == kOwnRow) return written_;
+    } else {
+      // Of a row at -3 the first three samples are written already, the other five still means.
+      if (r == kOwnRow)
+        return hn::CombineShiftRightBytes<10>(kTaps, hn::LoadU(kTaps, at), written_);
+      // The partner row repeats the same means.
+      if (r == kPartnerRow) {
+        return hn::CombineShiftRightBytes<10>(kTaps, hn::LoadU(kTaps, at), written_partner_);
+      }
+    }
+    return hn::LoadU(kTaps, at + TapRows<std::int16_t>::kOffsets[kAxis][r]);
+  }
+
+  Taps written_;
+  Taps written_partner_;
+};
+
+/// Sums each of four vectors: lane k of the result is the sum of the lanes of the k-th.
+HWY_INLINE Quad sum_each(Quad v0, Quad v1, Quad v2, Quad v3) {
+  const Quad even = hn::Add(hn::InterleaveLower(kQuad, v0, v2), hn::InterleaveUpper(kQuad, v0, v2));
+  const Quad odd = hn::Add(hn::InterleaveLower(kQuad, v1, v3), hn::InterleaveUpper(kQuad, v1, v3));
+  return hn::Add(hn::InterleaveLower(kQuad, even, odd), hn::InterleaveUpper(kQuad, even, odd));
+}
+
+/// What four rows need or give, pair by pair.
+struct WaveBuffers {
+  static constexpr int kLength = kWaves * (static_cast<int>(kBrickSide) + 8);
+  alignas(64) std::int32_t limits[kLength];
+  alignas(64) std::int32_t residuals[kLength];
+  alignas(64) std::int32_t means[kLength];
+};
+
+inline void weave(const WaveRow* rows, int count, WaveBuffers& woven) {
+  const hn::Rebind<std::int16_t, decltype(kQuad)> short_quad;
+  const auto load = [](const std::int32_t* from) { return hn::LoadU(kQuad, from); };
+  const auto widen = [&](const std::int16_t* from) HWY_ATTR {
+    return hn::PromoteTo(kQuad, hn::LoadU(short_quad, from));
+  };
+  const hn::Rebind<std::uint16_t, decltype(kQuad)> unsigned_quad;
+  const auto limit = [&](const std::uint16_t* from) HWY_ATTR {
+    return hn::PromoteTo(kQuad, hn::LoadU(unsigned_quad, from));
+  };
+  for (int x = 0; x < count; x += 4) {
+    hn::StoreInterleaved4(limit(rows[0].limits + x), limit(rows[1].limits + x),
+                          limit(rows[2].limits + x), limit(rows[3].limits + x), kQuad,
+                          woven.limits + 4 * x);
+    hn::StoreInterleaved4(load(rows[0].residuals + x), load(rows[1].residuals + x),
+                          load(rows[2].residuals + x), load(rows[3].residuals + x), kQuad,
+                          woven.residuals + 4 * x);
+    hn::StoreInterleaved4(widen(rows[0].means + x), widen(rows[1].means + x),
+                          widen(rows[2].means + x), widen(rows[3].means + x), kQuad,
+                          woven.means + 4 * x);
+  }
+}
+
+template <int kAxis>
+HWY_INLINE void store_pair(std::int16_t* at, std::int32_t both) {
+  if constexpr (kAxis == 0) {
+    std::memcpy(at, &both, 4);
+  } else {
+    at[0] = static_cast<std::int16_t>(both);
+    at[pair_step<std::int16_t>(kAxis)] = static_cast<std::int16_t>(both >> 16);
+  }
+}
+
+/// Four rows in step. weights: those of class 0; the others follow.
+template <int kAxis, bool kIsEncoding>
+void run_waves(const std::int16_t* weights, const Stage& stage, const WaveRow* rows,
+               WaveBuffers& woven) {
+  const int count = static_cast<int>(stage.pairs.x);
+  const StepQuantizer<decltype(kQuad)> quantizer(stage.step);
+  weave(rows, count, woven);
+  Chain<kAxis> c0(rows[0].at), c1(rows[1].at), c2(rows[2].at), c3(rows[3].at);
+  const Quad half = hn::Set(kQuad, 1 << (kWeightBits - 1));
+  const Quad round = hn::Set(kQuad, stage.rounding);
+  const Quad one = hn::Set(kQuad, 1);
+  const Quad low_half = hn::Set(kQuad, 0xffff);
+  const auto weights_of = [&](const WaveRow& row, int x) {
+    return weights + row.activities[x] * kMaxTaps;
+  };
+  for (int x = 0; x < count; ++x) {
+    const std::int64_t at = pair_stretch(kAxis) * x;
+    const Quad sum = sum_each(c0.sums(rows[0].at + at, weights_of(rows[0], x)),
+                              c1.sums(rows[1].at + at, weights_of(rows[1], x)),
+                              c2.sums(rows[2].at + at, weights_of(rows[2], x)),
+                              c3.sums(rows[3].at + at, weights_of(rows[3], x)));
+    const Quad limit = hn::Load(kQuad, woven.limits + 4 * x);
+    const Quad lowest = hn::Neg(limit);
+    const Quad mean = hn::Load(kQuad, woven.means + 4 * x);
+    const Quad given = hn::Load(kQuad, woven.residuals + 4 * x);
+    const Quad prediction =
+        hn::Min(hn::Max(hn::ShiftRight<kWeightBits>(hn::Add(sum, half)), lowest), limit);
+    Quad detail;
+    if constexpr (kIsEncoding) {
+      detail = hn::Min(hn::Max(given, lowest), limit);
+      const Quad residual = quantizer(hn::Sub(detail, prediction));
+      hn::Store(residual, kQuad, woven.residuals + 4 * x);
+      if (stage.step > 1) {
+        detail = hn::Min(hn::Max(hn::Add(prediction, residual), lowest), limit);
+      }
+    } else {
+      detail = hn::Min(hn::Max(hn::Add(prediction, given), lowest), limit);
+    }
+    const Quad total = hn::Add(hn::Sub(hn::Add(mean, mean), round),
+                               hn::And(hn::Add(detail, round), one));
+    const Quad a = hn::ShiftRight<1>(hn::Add(total, detail));
+    const Quad b = hn::ShiftRight<1>(hn::Sub(total, detail));
+    const Quad both = hn::Or(hn::And(a, low_half), hn::ShiftLeft<16>(b));
+    c0.template advance<0>(a, b, both);
+    c1.template advance<1>(a, b, both);
+    c2.template advance<2>(a, b, both);
+    c3.template advance<3>(a, b, both);
+    store_pair<kAxis>(rows[0].at + at, hn::ExtractLane(both, 0));
+    store_pair<kAxis>(rows[1].at + at, hn::ExtractLane(both, 1));
+    store_pair<kAxis>(rows[2].at + at, hn::ExtractLane(both, 2));
+    store_pair<kAxis>(rows[3].at + at, hn::ExtractLane(both, 3));
+  }
+  if constexpr (kIsEncoding) {
+    for (int row = 0; row < kWaves; ++row) {
+      for (int x = 0; x < count; ++x) rows[row].residuals[x] = woven.residuals[4 * x + row];
+    }
+  }
+}
+
+/// A row that stands in where fewer than four are on their way.
+struct IdleRow {
+  std::vector<std::int16_t> samples =
+      std::vector<std::int16_t>(static_cast<std::size_t>(5 * SampleGrid<std::int16_t>::kPlane));
+  std::uint16_t limits[kBrickSide + 16] = {};
+  std::int32_t residuals[kBrickSide + 16] = {};
+  std::uint8_t activities[kBrickSide + 16] = {};
+
+  WaveRow row() {
+    std::int16_t* const middle = samples.data() + samples.size() / 2;
+    return {middle, middle, activities, limits, residuals};
+  }
+};
+
+/// First tick of every plane: two rows behind the plane before it, and after the plane that its
+/// wave does first.
+inline std::array<std::int64_t, kBrickSide> wave_starts(const Size3& pairs) {
+  std::array<std::int64_t, kBrickSide> starts{};
+  for (std::int64_t z = 1; z < pairs.z; ++z) {
+    const auto at = static_cast<std::size_t>(z);
+    starts[at] = starts[at - 1] + kLag;
+    if (z >= kWaves) starts[at] = std::max(starts[at], starts[at - kWaves] + pairs.y);
+  }
+  return starts;
+}
+
+template <int kAxis, bool kIsEncoding>
+void reconstruct_waves(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work) {
+  static thread_local IdleRow idle;
+  static thread_local WaveBuffers woven;
+  const Size3& pairs = stage.pairs;
+  const auto starts = wave_starts(pairs);
+  const std::int64_t end = starts[static_cast<std::size_t>(pairs.z) - 1] + pairs.y;
+  std::int64_t plane[kWaves];
+  for (int wave = 0; wave < kWaves; ++wave) plane[wave] = wave;
+  for (std::int64_t tick = 0; tick < end; ++tick) {
+    WaveRow rows[kWaves];
+    bool any = false;
+    for (int wave = 0; wave < kWaves; ++wave) {
+      rows[wave] = idle.row();
+      const std::int64_t z = plane[wave];
+      if (z >= pairs.z || tick < starts[static_cast<std::size_t>(z)]) continue;
+      const std::int64_t y = tick - starts[static_cast<std::size_t>(z)];
+      if (y + 1 == pairs.y) plane[wave] += kWaves;
+      const std::uint16_t* const limits = work.limits.row(y, z);
+      const bool is_coded = std::any_of(limits, limits + pairs.x, [](auto v) { return v != 0; });
+      if (!is_coded) {
+        if constexpr (kIsEncoding) std::fill_n(work.residuals.row(y, z), pairs.x, 0);
+        continue;
+      }
+      any = true;
+      rows[wave] = {first_of_row(work.fine, kAxis, y, z), work.means.row(y, z),
+                    work.activities.row(y, z), limits, work.residuals.row(y, z)};
+    }
+    if (!any) continue;
+    run_waves<kAxis, kIsEncoding>(p.weights[stage.group][kAxis][0], stage, rows, woven);
+  }
+}
+
+#endif  // HWY_TARGET != HWY_SCALAR
+
+}  // namespace HWY_NAMESPACE
+}  // namespace octavo::grey
+HWY_AFTER_NAMESPACE();
+// NOLINTEND(bugprone-implicit-widening-of-multiplication-result)
+
+#endif

@@ -1,0 +1,124 @@
+// Residuals to bytes and back: tokens through interleaved static-table rANS, low bits stored plain.
+//
+// A detail segment is
+//     varint  length of the plain bits, in bytes
+//     plain bits, lowest bit first
+//     S states, u32 each; then u16 words to the end
+// rANS (Duda 2013) with 32-bit states, 16-bit renormalisation and tables of 2048 slots. The j-th
+// coded symbol of a row uses state j mod S; S grows with the number of symbols (see state_count). A
+// decoder that took every symbol has all states back at 2^16, has read all words and all plain
+// bits: a check for free.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <vector>
+
+#include "octavo/codec/entropy/byte_io.h"
+#include "octavo/codec/grey/grey_model.h"
+
+namespace octavo::grey {
+
+inline constexpr std::uint32_t kStateFloor = 1u << 16;
+inline constexpr int kMaxStates = 32;
+
+/// Interleaved states of a segment of that many symbols.
+constexpr int state_count(std::int64_t symbols) {
+  return symbols >= 16384 ? kMaxStates : symbols >= 1024 ? 8 : symbols >= 128 ? 2 : 1;
+}
+
+/// A residual waiting to be written, in 8 bytes: lists of them pass through memory twice.
+class Symbol {
+ public:
+  Symbol() = default;
+  /// packed: context | plain bits << 8; place: among the coded pairs of its row
+  Symbol(std::uint64_t zigzag_residual, unsigned packed, int place)
+      : bits_(zigzag_residual << 24 | std::uint64_t{packed} |
+              std::uint64_t{static_cast<unsigned>(place) % kMaxStates} << 16) {}
+
+  std::uint64_t value() const { return bits_ >> 24; }  ///< zigzag residual
+  std::size_t context() const { return bits_ & 0xff; }
+  int low_bits() const { return bits_ >> 8 & 0xff; }   ///< lowest bits stored plain
+  std::size_t state() const { return bits_ >> 16 & 0xff; }
+  bool operator==(const Symbol&) const = default;
+
+ private:
+  std::uint64_t bits_ = 0;
+};
+
+/// The bytes of one segment; none without symbols. shift: low bits of every value that are always
+/// plain (wide samples).
+Bytes encode_symbols(const Model& model, int set, const std::vector<Symbol>& symbols, int shift);
+
+/// Symbols that may be taken off a segment from one check that it holds them to the next.
+inline constexpr int kMaxUnchecked = 512;
+
+/// Takes residuals off a segment, row by row. The members are open to the vectorised copies of
+/// `take_row`; the streams are followed by enough zero bytes for kMaxUnchecked symbols beyond their
+/// ends.
+class SymbolReader {
+ public:
+  /// Throws Error{corrupt} when the segment is too short for its own head.
+  SymbolReader(const Model& model, int set, ByteSpan segment, std::int64_t symbol_count, int shift);
+
+  /// The residual of the i-th coded symbol of a row. packed: context | plain bits << 8
+  std::int64_t take(int i, unsigned packed) {
+    const int token = take_token(i, packed & 0xff);
+    return value_of(token, static_cast<int>(packed >> 8) + shift);
+  }
+
+  /// The token of the i-th coded symbol of a row.
+  int take_token(int i, unsigned context) {
+    std::uint32_t& state = states[static_cast<std::size_t>(i) & state_mask];
+    const std::uint32_t entry = slots[(context << kTableBits) + (state & (kTableSize - 1))];
+    state = (entry >> 6 & 0xfff) * (state >> kTableBits) + (entry >> 18);
+    if (state < kStateFloor) {
+      state = state << 16 | static_cast<std::uint32_t>(words[0] | words[1] << 8);
+      words += 2;
+    }
+    return static_cast<int>(entry & 63);
+  }
+
+  /// The residual of a token, `low` plain bits below it.
+  std::int64_t value_of(int token, int low) {
+    const Token shape = token_shape(token);
+    return unzigzag((std::uint64_t{shape.base} << low) + take_plain(shape.bits + low));
+  }
+
+  std::uint64_t take_plain(int count) {
+    std::uint64_t word;
+    std::memcpy(&word, plain + (plain_at >> 3), 8);
+    if constexpr (std::endian::native == std::endian::big) word = __builtin_bswap64(word);
+    word >>= plain_at & 7;
+    plain_at += static_cast<std::size_t>(count);
+    return word & ((std::uint64_t{1} << count) - 1);
+  }
+
+  /// Throws Error{corrupt} when more was taken than the segment holds.
+  void expect_inside() const {
+    if (words > words_end || plain_at > plain_end) fail_short();
+  }
+
+  /// Throws Error{corrupt} unless the segment was taken exactly.
+  void finish() const;
+
+  alignas(64) std::uint32_t states[kMaxStates] = {};
+  std::size_t state_mask = 0;
+  const std::uint32_t* slots;        ///< of the table set, by context and slot
+  const std::uint8_t* words;         ///< next word
+  const std::uint8_t* words_end;
+  const std::uint8_t* plain;         ///< first byte of the plain bits
+  std::size_t plain_at = 0;          ///< next plain bit
+  std::size_t plain_end;
+  int shift;
+
+ private:
+  [[noreturn]] static void fail_short();
+
+  std::unique_ptr<std::uint8_t[]> padded_;
+};
+
+}  // namespace octavo::grey

@@ -1,0 +1,265 @@
+#include "octavo/codec/grey/value_map.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "octavo/codec/grey/voxel_walk.h"
+
+namespace octavo::grey {
+
+namespace {
+
+/// With fewer steps between the smallest and the largest value, means keep the units of the voxels.
+constexpr std::int64_t kFewSteps = 32;
+/// Gaps between values are left out of account when they save fewer bits per voxel.
+constexpr double kWorthwhileBits = 0.05;
+/// Voxels per value that tell a rule from chance: that values lie a step apart, and that some do
+/// not occur.
+constexpr std::int64_t kEnoughForLattice = 8;
+constexpr std::int64_t kEnoughForGaps = 64;
+/// Values this far away tell how many of its neighbours a value has.
+constexpr std::int64_t kNeighbourhood = 4;
+/// A brick with more values of its own does without gaps.
+constexpr std::size_t kMaxExtras = 16;
+
+constexpr std::uint8_t kLatticeFlag = 1;
+constexpr std::uint8_t kGapsFlag = 2;
+
+/// Smallest and largest value of some bricks and the step all their values lie apart.
+struct ValueStep {
+  std::int64_t min = 0;
+  std::int64_t max = 0;
+  std::int64_t step = 0;
+
+  /// Whether nothing more can come of it: too many values for gaps, too close for a lattice.
+  bool is_hopeless() const {
+    return step == 1 && max - min >= static_cast<std::int64_t>(kMaxMappedCodes);
+  }
+};
+
+ValueStep step_of(std::span<const TrainingBrick> bricks) {
+  std::optional<ValueStep> found;
+  for (const TrainingBrick& brick : bricks) {
+    for_each_row(brick.view, [&](const auto* row) {
+      if (!found) found = {std::int64_t{row[0]}, std::int64_t{row[0]}, 0};
+      if (found->is_hopeless()) return;
+      const std::int64_t origin = found->min;
+      for (std::int64_t x = 0; x < brick.view.size.x; ++x) {
+        const std::int64_t voxel = row[x];
+        found->min = std::min(found->min, voxel);
+        found->max = std::max(found->max, voxel);
+        if (found->step == 1) continue;
+        if (found->step == 0 || (voxel - origin) % found->step != 0) {
+          found->step = std::gcd(found->step, voxel - origin);
+        }
+      }
+    });
+  }
+  return found.value_or(ValueStep{});
+}
+
+/// How often each code from `first` on occurs.
+std::vector<std::int64_t> count_codes(std::span<const TrainingBrick> bricks, const CodeScale& scale,
+                                      std::int64_t first, std::size_t count) {
+  std::vector<std::int64_t> counts(count);
+  for (const TrainingBrick& brick : bricks) {
+    for_each_voxel(brick.view, [&](std::int64_t voxel) {
+      ++counts[static_cast<std::size_t>(scale.code_of(voxel) - first)];
+    });
+  }
+  return counts;
+}
+
+/// Bits per voxel that gaps save: a voxel is one of fewer where its neighbours do not occur.
+double foreseen_saving(const std::vector<std::int64_t>& counts) {
+  const auto last = static_cast<std::int64_t>(counts.size()) - 1;
+  double bits = 0;
+  double voxels = 0;
+  for (std::int64_t code = 0; code <= last; ++code) {
+    const std::int64_t from = std::max<std::int64_t>(code - kNeighbourhood, 0);
+    const std::int64_t to = std::min(code + kNeighbourhood, last);
+    std::int64_t used = 0;
+    for (std::int64_t near = from; near <= to; ++near) {
+      used += counts[static_cast<std::size_t>(near)] > 0;
+    }
+    const auto count = static_cast<double>(counts[static_cast<std::size_t>(code)]);
+    if (count == 0) continue;
+    bits += count * std::log2(static_cast<double>(to - from + 1) / static_cast<double>(used));
+    voxels += count;
+  }
+  return bits / voxels;
+}
+
+}  // namespace
+
+ValueMap learn_value_map(std::span<const TrainingBrick> bricks, bool finds_gaps) {
+  ValueMap map;
+  const ValueStep values = step_of(bricks);
+  if (values.min == values.max || values.is_hopeless()) return map;
+  std::int64_t voxels = 0;
+  for (const TrainingBrick& brick : bricks) voxels += brick.view.size.voxel_count();
+  const std::int64_t steps = (values.max - values.min) / values.step;
+  if (values.step > 1 && values.step <= kMaxLatticeStep && steps >= kFewSteps &&
+      voxels >= kEnoughForLattice * steps) {
+    const std::int64_t offset = values.min % values.step;
+    map.lattice = {values.step, offset < 0 ? offset + values.step : offset};
+  }
+  const std::int64_t first = map.lattice.code_of(values.min);
+  const std::int64_t codes = map.lattice.code_of(values.max) - first + 1;
+  if (!finds_gaps || codes > static_cast<std::int64_t>(kMaxMappedCodes)) return map;
+  const auto counts = count_codes(bricks, map.lattice, first, static_cast<std::size_t>(codes));
+  if (voxels < kEnoughForGaps * codes || foreseen_saving(counts) < kWorthwhileBits) return map;
+  map.first = first;
+  for (const std::int64_t count : counts) map.used.push_back(count > 0 ? 1 : 0);
+  return map;
+}
+
+void put_value_map(Bytes& out, const ValueMap& map) {
+  put_varint(out, static_cast<std::uint64_t>(map.lattice.step));
+  put_varint(out, static_cast<std::uint64_t>(map.lattice.offset));
+  put_varint(out, map.used.size());
+  if (map.used.empty()) return;
+  put_varint(out, zigzag(map.first));
+  BitWriter bits(out);
+  for (const std::uint8_t is_used : map.used) bits.put(is_used, 1);
+  bits.finish();
+}
+
+ValueMap take_value_map(ByteSpan& bytes) {
+  ValueMap map;
+  const std::uint64_t step = take_varint(bytes);
+  const std::uint64_t offset = take_varint(bytes);
+  const std::uint64_t count = take_varint(bytes);
+  if (step < 1 || step > kMaxLatticeStep || offset >= step || count > kMaxMappedCodes) {
+    throw Error(ErrorKind::corrupt, "model: bad value map");
+  }
+  map.lattice = {static_cast<std::int64_t>(step), static_cast<std::int64_t>(offset)};
+  if (count == 0) return map;
+  map.first = unzigzag(take_varint(bytes));
+  if (map.first < -kMaxLatticeStep || map.first > kMaxLatticeStep) {
+    throw Error(ErrorKind::corrupt, "model: a code out of range");
+  }
+  BitReader bits(take_bytes(bytes, (count + 7) / 8));
+  for (std::uint64_t i = 0; i < count; ++i) {
+    map.used.push_back(static_cast<std::uint8_t>(bits.get(1)));
+  }
+  if (map.used.front() == 0 || map.used.back() == 0) {
+    throw Error(ErrorKind::corrupt, "model: a value map that begins or ends with a gap");
+  }
+  return map;
+}
+
+BrickMap map_brick(const ValueMap& map, const BrickView& brick, const ValueRange& range,
+                   bool wants_gaps) {
+  BrickMap result;
+  if (map.lattice.step > 1) {
+    bool is_on_lattice = true;
+    for_each_voxel(brick, [&](std::int64_t voxel) {
+      is_on_lattice = is_on_lattice && (voxel - map.lattice.offset) % map.lattice.step == 0;
+    });
+    result.is_on_lattice = is_on_lattice;
+  }
+  const CodeScale scale = result.scale(map);
+  const std::int64_t lowest = scale.code_of(range.min);
+  const std::int64_t codes = scale.code_of(range.max) - lowest + 1;
+  if (!wants_gaps || map.used.empty() || codes > static_cast<std::int64_t>(kMaxMappedCodes) ||
+      result.is_on_lattice != (map.lattice.step > 1)) {
+    return result;
+  }
+  std::array<bool, kMaxMappedCodes> occurs{};
+  for_each_voxel(brick, [&](std::int64_t voxel) {
+    occurs[static_cast<std::size_t>(scale.code_of(voxel) - lowest)] = true;
+  });
+  for (std::int64_t code = 0; code < codes; ++code) {
+    const std::int64_t place = lowest + code - map.first;
+    const bool is_known = place >= 0 && place < static_cast<std::int64_t>(map.used.size()) &&
+                          map.used[static_cast<std::size_t>(place)] != 0;
+    if (occurs[static_cast<std::size_t>(code)] && !is_known) {
+      result.extras.push_back(static_cast<std::uint8_t>(code));
+    }
+  }
+  result.has_gaps = result.extras.size() <= kMaxExtras;
+  if (!result.has_gaps) result.extras.clear();
+  return result;
+}
+
+void put_brick_map(Bytes& out, const BrickMap& brick) {
+  out.push_back(static_cast<std::uint8_t>((brick.is_on_lattice ? kLatticeFlag : 0) |
+                                          (brick.has_gaps ? kGapsFlag : 0)));
+  if (!brick.has_gaps) return;
+  out.push_back(static_cast<std::uint8_t>(brick.extras.size()));
+  out.insert(out.end(), brick.extras.begin(), brick.extras.end());
+}
+
+BrickMap take_brick_map(const ValueMap& map, const ValueRange& range, ByteSpan& bytes) {
+  BrickMap brick;
+  const std::uint8_t flags = take_bytes(bytes, 1).front();
+  brick.is_on_lattice = (flags & kLatticeFlag) != 0;
+  brick.has_gaps = (flags & kGapsFlag) != 0;
+  if (flags > (kLatticeFlag | kGapsFlag) || (brick.has_gaps && map.used.empty())) {
+    throw Error(ErrorKind::corrupt, "a brick has an unknown map of values");
+  }
+  if (!brick.has_gaps) return brick;
+  const ByteSpan extras = take_bytes(bytes, take_bytes(bytes, 1).front());
+  brick.extras.assign(extras.begin(), extras.end());
+  const CodeScale scale = brick.scale(map);
+  if (scale.code_of(range.max) - scale.code_of(range.min) >=
+      static_cast<std::int64_t>(kMaxMappedCodes)) {
+    throw Error(ErrorKind::corrupt, "a brick with gaps has too many values");
+  }
+  return brick;
+}
+
+ValueGaps::ValueGaps(std::int64_t lowest, std::span<const std::uint8_t> used, int rounding)
+    : lowest_(lowest), rows_(used.size()) {
+  const auto count = static_cast<std::int64_t>(used.size());
+  const auto occurs = [&](std::int64_t at) {
+    return at >= 0 && at < count && used[static_cast<std::size_t>(at)] != 0;
+  };
+  for (std::int64_t mean = 0; mean < count; ++mean) {
+    Row& row = rows_[static_cast<std::size_t>(mean)];
+    for (std::int64_t a = 0; a < count; ++a) {
+      if (!occurs(a)) continue;
+      // The two samples add up to one of two numbers.
+      for (int odd = 1; odd >= 0; --odd) {
+        const std::int64_t b = 2 * mean - rounding + odd - a;
+        if (occurs(b)) row.details.push_back(static_cast<std::int16_t>(a - b));
+      }
+    }
+    std::size_t at = 0;
+    for (std::int64_t detail = -kReach; detail <= kReach && !row.details.empty(); ++detail) {
+      while (at + 1 < row.details.size() &&
+             row.details[at + 1] - detail < detail - row.details[at]) {
+        ++at;
+      }
+      row.nearest[detail + kReach] = static_cast<std::uint16_t>(at);
+    }
+  }
+}
+
+std::int64_t ValueGaps::detail(std::int64_t mean, std::int64_t number) const {
+  const std::vector<std::int16_t>& details = row(mean).details;
+  if (details.empty()) return 0;
+  const auto last = static_cast<std::int64_t>(details.size()) - 1;
+  return details[static_cast<std::size_t>(std::clamp<std::int64_t>(number, 0, last))];
+}
+
+ValueGaps make_gaps(const ValueMap& map, const BrickMap& brick, const ValueRange& codes,
+                    std::int64_t lowest_sample, int rounding) {
+  std::vector<std::uint8_t> used(static_cast<std::size_t>(codes.max - codes.min + 1));
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    const std::int64_t place = codes.min + static_cast<std::int64_t>(i) - map.first;
+    if (place >= 0 && place < static_cast<std::int64_t>(map.used.size())) {
+      used[i] = map.used[static_cast<std::size_t>(place)];
+    }
+  }
+  for (const std::uint8_t extra : brick.extras) {
+    if (extra < used.size()) used[extra] = 1;
+  }
+  return {lowest_sample, used, rounding};
+}
+
+}  // namespace octavo::grey

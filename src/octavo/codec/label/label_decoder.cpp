@@ -1,0 +1,122 @@
+#include <algorithm>
+#include <cstring>
+
+#include "octavo/codec/label/label_codec.h"
+#include "octavo/codec/label/label_octant.h"
+#include "octavo/codec/label/label_pyramid.h"
+#include "octavo/codec/label/label_stored.h"
+#include "octavo/codec/label/label_walk.h"
+
+namespace octavo {
+
+namespace {
+
+template <class T>
+void fill(const Size3& size, std::int64_t value, void* out) {
+  std::fill_n(static_cast<T*>(out), size.voxel_count(), static_cast<T>(value));
+}
+
+/// Rows of labels from rows of cells; four alike cells in a row are usual.
+template <class T>
+void write_labels(const LabelGrid& grid, const std::vector<std::int64_t>& labels, void* out) {
+  std::vector<T> value(labels.size());
+  std::transform(labels.begin(), labels.end(), value.begin(),
+                 [](std::int64_t label) { return static_cast<T>(label); });
+  const Size3& size = grid.size();
+  T* to = static_cast<T*>(out);
+  for (std::int64_t z = 0; z < size.z; ++z) {
+    for (std::int64_t y = 0; y < size.y; ++y, to += size.x) {
+      const LabelCell* row = grid.at({0, y, z});
+      std::int64_t x = 0;
+      for (; x + 4 <= size.x; x += 4) {
+        std::uint64_t four;
+        std::memcpy(&four, row + x, sizeof four);
+        if (four == row[x] * 0x0001000100010001u) {
+          std::fill_n(to + x, 4, value[slot_of(row[x])]);
+        } else {
+          for (std::int64_t i = x; i < x + 4; ++i) to[i] = value[slot_of(row[i])];
+        }
+      }
+      for (; x < size.x; ++x) to[x] = value[slot_of(row[x])];
+    }
+  }
+}
+
+template <class T>
+void decode_stored(const BrickShape& shape, const ValueRange& range, ByteSpan segment, int level,
+                   T* out) {
+  const Size3& size = shape.size[0];
+  const auto labels = decode_stored_labels(segment, range, size.voxel_count());
+  if (level == 0) {
+    std::transform(labels.begin(), labels.end(), out,
+                   [](std::int64_t label) { return static_cast<T>(label); });
+    return;
+  }
+  std::vector<T> voxels(labels.size());
+  std::transform(labels.begin(), labels.end(), voxels.begin(),
+                 [](std::int64_t label) { return static_cast<T>(label); });
+  const LabelPyramid pyramid = build_label_pyramid(
+      shape, {voxels.data(), voxel_type_of<T>(), size, size.x, size.x * size.y});
+  const LabelPyramid::Level& wanted = pyramid.levels[static_cast<std::size_t>(level)];
+  std::transform(wanted.rank.begin(), wanted.rank.end(), out, [&](std::uint32_t rank) {
+    return static_cast<T>(pyramid.labels[rank]);
+  });
+}
+
+bool is_stored(const BrickShape& shape, std::span<const ByteSpan> segments) {
+  if (shape.level_count == 1 || !segments.back().empty()) return false;
+  const auto holds_bytes = [](ByteSpan segment) { return !segment.empty(); };
+  if (std::any_of(segments.begin() + 1, segments.end(), holds_bytes)) {
+    throw Error(ErrorKind::corrupt, "a stored brick has more than one segment");
+  }
+  return true;
+}
+
+void check(const BrickShape& shape, VoxelType type, const ValueRange& range,
+           std::span<const ByteSpan> segments, int level) {
+  check_label_shape(shape);
+  if (level < 0 || level >= shape.level_count ||
+      segments.size() != static_cast<std::size_t>(shape.level_count)) {
+    throw Error(ErrorKind::invalid_argument, "a brick has one segment per level, found " +
+                                                 std::to_string(segments.size()));
+  }
+  const ValueRange all = value_range(type);
+  if (range.min > range.max || range.min < all.min || range.max > all.max) {
+    throw Error(ErrorKind::corrupt, "brick: its range of labels does not fit its voxel type");
+  }
+}
+
+}  // namespace
+
+void LabelCodec::decode(const BrickShape& shape, VoxelType type, const ValueRange& range,
+                        std::span<const ByteSpan> segments, int level, void* out) const {
+  if (type != type_) {
+    throw Error(ErrorKind::invalid_argument, "a label model was made for another voxel type");
+  }
+  check(shape, type, range, segments, level);
+  if (range.min == range.max) {
+    with_voxel_type(type, [&](auto t) {
+      fill<typename decltype(t)::type>(shape.size[static_cast<std::size_t>(level)], range.min, out);
+    });
+    return;
+  }
+  if (is_stored(shape, segments)) {
+    with_voxel_type(type, [&](auto t) {
+      using T = typename decltype(t)::type;
+      decode_stored<T>(shape, range, segments[0], level, static_cast<T*>(out));
+    });
+    return;
+  }
+  LabelWork& work = thread_label_work();
+  label_walk_functions().decode(model_, shape, range, segments, level, work);
+  with_voxel_type(type, [&](auto t) {
+    write_labels<typename decltype(t)::type>(work.grid, work.labels, out);
+  });
+}
+
+std::unique_ptr<BrickCodec> parse_label_model(VoxelType type, ByteSpan bytes) {
+  if (!is_integer(type)) throw Error(ErrorKind::corrupt, "a label model for float voxels");
+  return std::make_unique<LabelCodec>(type, parse_label_weights(type, bytes));
+}
+
+}  // namespace octavo

@@ -1,0 +1,77 @@
+// The walk over the octants of a brick's levels that encoder, decoder and training share.
+//
+// It makes level i from level i+1. Every sample starts as its parent's label; where the parent is
+// mixed the octant is visited: for each child, by rising digit, "is it its parent's label?", if not
+// which label, and above level 0 "is it uniform?". An encoder answers with the truth, a decoder
+// reads the answers.
+// Neighbors already visited are seen as they are, the others as their parents.
+//
+// Answers that follow from what a parent is (the most frequent label below; mixed, so not all
+// alike) are not asked. They follow from the answers alone, so that both sides agree whatever the
+// bytes are.
+//
+// Nearly all time goes into looking at the 32 neighbors and adding the rows of the networks; the
+// walk is compiled once per instruction set (label_walk_simd.cpp) and once in plain C++
+// (label_walk_portable.cpp), with equal results.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "octavo/codec/label/label_grid.h"
+#include "octavo/codec/label/label_model.h"
+#include "octavo/codec/label/label_pyramid.h"
+
+namespace octavo {
+
+/// What a network is asked; the order of the networks in a model.
+enum class LabelAsk : std::uint8_t { same, uniform, candidate };
+
+/// Receives every question that a network is asked, with its answer.
+class LabelObserver {
+ public:
+  virtual ~LabelObserver() = default;
+  virtual void observe(LabelAsk kind, const LabelQuestion& question, bool answer) = 0;
+};
+
+/// What a walk knows of a brick; kept for the next brick so that its memory is reused.
+struct LabelWork {
+  LabelGrid grid;     ///< the level being made, then its result
+  LabelGrid parents;
+  std::vector<std::int64_t> labels;  ///< by slot
+  bool is_pair = false;              ///< no labels but range.min and range.max
+  AdaptiveBit is_fresh;
+  AdaptiveBit in_palette;
+
+  /// Forgets the brick.
+  void start();
+};
+
+/// The work space of this thread.
+LabelWork& thread_label_work();
+
+struct LabelWalkFunctions {
+  /// Levels from the root down to `level`, into work.grid and work.labels. Throws Error{corrupt}.
+  void (*decode)(const LabelModel&, const BrickShape&, const ValueRange&,
+                 std::span<const ByteSpan> segments, int level, LabelWork& work);
+  /// Requires at most kMaxLabelSlots labels.
+  void (*encode)(const LabelModel&, const BrickShape&, const LabelPyramid&,
+                 std::vector<Bytes>& segments, LabelWork& work);
+  void (*observe)(const LabelModel&, const BrickShape&, const LabelPyramid&, LabelObserver&,
+                  LabelWork& work);
+};
+
+/// The fastest functions this machine has, or those that OCTAVO_SIMD asks for (simd_level.h). All
+/// give the same results.
+const LabelWalkFunctions& label_walk_functions();
+
+/// The functions of one instruction set, "scalar" for the portable ones (others: simd_level.h);
+/// nothing when the machine lacks it.
+std::optional<LabelWalkFunctions> label_walk_functions_of(std::string_view level);
+
+const LabelWalkFunctions& portable_label_walk_functions();
+
+}  // namespace octavo

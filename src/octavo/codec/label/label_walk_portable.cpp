@@ -1,0 +1,29 @@
+#include "octavo/codec/label/label_portable.h"
+
+namespace octavo {
+
+namespace portable {
+
+#include "octavo/codec/label/label_walk-inl.h"
+
+}  // namespace portable
+
+void LabelWork::start() {
+  labels.clear();
+  is_pair = false;
+  is_fresh = AdaptiveBit();
+  in_palette = AdaptiveBit(65000);
+}
+
+LabelWork& thread_label_work() {
+  thread_local LabelWork work;
+  return work;
+}
+
+const LabelWalkFunctions& portable_label_walk_functions() {
+  static constexpr LabelWalkFunctions kFunctions = {
+      portable::decode_labels, portable::encode_labels, portable::observe_labels};
+  return kFunctions;
+}
+
+}  // namespace octavo

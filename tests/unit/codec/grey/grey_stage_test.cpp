@@ -1,0 +1,372 @@
+// The passes of a split: every instruction set of this machine against the portable one.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "octavo/codec/grey/edge_pairs.h"
+#include "octavo/codec/grey/grey_stage.h"
+#include "octavo/codec/grey/octant_transform.h"
+
+namespace octavo::grey {
+namespace {
+
+/// A split with everything about it drawn at random, also what no trained model would hold.
+struct RandomSplit {
+  Model model;
+  Stage stage;
+  UniformCells cells;
+  std::shared_ptr<const ValueGaps> gaps;
+  Size3 fine;
+  std::vector<std::int16_t> means;
+  std::vector<std::int32_t> details;
+};
+
+/// What the samples of a split are like.
+enum class Samples {
+  any,
+  sparse,  ///< mostly the smallest one: the split has edges
+  gapped,  ///< multiples of 3: the split has gaps
+  both
+};
+
+RandomSplit make_split(std::mt19937& random, const Size3& fine, int axis, Predictor predictor,
+                       int bits, bool has_cells, Samples kind = Samples::any) {
+  RandomSplit s;
+  const auto below = [&](std::uint32_t n) { return static_cast<std::int32_t>(random() % n); };
+  Parameters& p = s.model.parameters;
+  p = default_parameters();
+  p.predictor = predictor;
+  p.activity_threshold = 1 + below(1u << bits) % kMaxThreshold;
+  for (auto& group : p.weights) {
+    for (auto& along : group) {
+      for (int cls = 1; cls < kClasses; ++cls) {
+        for (auto& w : along[cls])
+          w = static_cast<std::int16_t>(below(bits == 16 ? 65536 : 800) - 400);
+      }
+    }
+  }
+  for (auto& group : p.mean_weights) {
+    for (auto& along : group) {
+      // Weights below 1 have passes of their own.
+      const std::int32_t most = below(2) == 0 ? kMaxMeanWeight : 4095;
+      for (int cls = 1; cls < kClasses; ++cls) {
+        along[cls] = below(static_cast<std::uint32_t>(2 * most + 1)) - most;
+      }
+    }
+  }
+  for (auto& group : p.context_weights) {
+    for (auto& along : group) {
+      for (auto& w : along) w = below(4) == 0 ? below(8192) : below(60);
+    }
+  }
+  build_tables(s.model);
+
+  s.fine = fine;
+  const std::int32_t range = (1 << bits) - 1;
+  const bool is_sparse = kind == Samples::sparse || kind == Samples::both;
+  const bool has_gaps = kind == Samples::gapped || kind == Samples::both;
+  std::vector<std::int16_t> truth(static_cast<std::size_t>(fine.voxel_count()));
+  for (auto& v : truth) {
+    std::int32_t above = below(3) == 0 ? below(2) * range : below(1u << bits);
+    if (is_sparse && below(4) != 0) above = 0;
+    if (has_gaps) above = above / 3 * 3;
+    v = static_cast<std::int16_t>(-32768 + above);
+  }
+  s.stage.axis = axis;
+  s.stage.group = below(kGroups);
+  s.stage.set = below(kTableSets);
+  s.stage.rounding = below(2);
+  s.stage.odd_low = 1 - s.stage.rounding;
+  s.stage.odd_high = s.stage.rounding;
+  s.stage.pairs = fine;
+  s.stage.pairs[axis] /= 2;
+  s.stage.min = -32768;
+  s.stage.max = -32768 + range;
+  s.stage.has_edges = is_sparse;
+  if (has_gaps) {
+    std::vector<std::uint8_t> used(static_cast<std::size_t>(range + 1));
+    for (std::size_t i = 0; i < used.size(); i += 3) used[i] = 1;
+    s.gaps = std::make_shared<const ValueGaps>(s.stage.min, used, s.stage.rounding);
+    s.stage.gaps = s.gaps.get();
+  }
+  const auto coded = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+    if (!has_cells) return true;
+    const Size3& n = s.cells.size;
+    return s.cells.flags[static_cast<std::size_t>(((z >> 1) * n.y + (y >> 1)) * n.x + (x >> 1))] ==
+           0;
+  };
+  if (has_cells) {
+    s.cells.size = {fine.x / 2 + 1, fine.y / 2 + 1, fine.z / 2 + 1};
+    s.cells.flags.resize(static_cast<std::size_t>(s.cells.size.voxel_count()));
+    for (auto& flag : s.cells.flags) flag = static_cast<std::uint8_t>(below(2));
+    for (int& shift : s.stage.cell_shift) shift = 1;
+  }
+  // Both samples of a pair in a uniform cell are alike.
+  const std::int64_t steps[3] = {1, fine.x, fine.x * fine.y};
+  for (std::int64_t z = 0; z < s.stage.pairs.z; ++z) {
+    for (std::int64_t y = 0; y < s.stage.pairs.y; ++y) {
+      for (std::int64_t x = 0; x < s.stage.pairs.x; ++x) {
+        const Index3 at{axis == 0 ? 2 * x : x, axis == 1 ? 2 * y : y, axis == 2 ? 2 * z : z};
+        std::int16_t* const a =
+            truth.data() + at.z * fine.x * fine.y + at.y * fine.x + at.x;
+        if (!coded(x, y, z)) a[steps[axis]] = a[0];
+        s.details.push_back(a[0] - a[steps[axis]]);
+      }
+    }
+  }
+  s.means = means_along(truth, fine, axis, s.stage.rounding);
+  return s;
+}
+
+struct Results {
+  std::vector<std::int32_t> residuals;
+  std::vector<Symbol> symbols;
+  std::vector<std::int16_t> samples;
+
+  bool operator==(const Results& other) const {
+    return residuals == other.residuals && samples == other.samples && symbols == other.symbols;
+  }
+};
+
+void load(Workspace<std::int16_t>& work, const RandomSplit& s) {
+  Size3 coarse = s.fine;
+  coarse[s.stage.axis] = (coarse[s.stage.axis] + 1) / 2;
+  work.means.set_size(coarse);
+  const std::int16_t* from = s.means.data();
+  for (std::int64_t z = 0; z < coarse.z; ++z) {
+    for (std::int64_t y = 0; y < coarse.y; ++y, from += coarse.x) {
+      std::copy_n(from, coarse.x, work.means.row(y, z));
+    }
+  }
+  work.means.fill_margins();
+  repeat_along(work.means, work.fine, s.stage.axis, s.fine);
+  for (auto& grid : work.magnitudes) grid.set_size({0, 0, 0});
+  work.residuals.set_size(s.stage.pairs);
+}
+
+std::vector<std::int16_t> pairs_of(Workspace<std::int16_t>& work, const RandomSplit& s) {
+  std::vector<std::int16_t> samples;
+  Size3 size = s.fine;
+  size[s.stage.axis] -= size[s.stage.axis] % 2;
+  for (std::int64_t z = 0; z < size.z; ++z) {
+    for (std::int64_t y = 0; y < size.y; ++y) {
+      samples.insert(samples.end(), work.fine.row(y, z), work.fine.row(y, z) + size.x);
+    }
+  }
+  return samples;
+}
+
+void load_with_details(Workspace<std::int16_t>& work, const RandomSplit& s) {
+  load(work, s);
+  const Size3& pairs = s.stage.pairs;
+  const std::int32_t* from = s.details.data();
+  for (std::int64_t z = 0; z < pairs.z; ++z) {
+    for (std::int64_t y = 0; y < pairs.y; ++y, from += pairs.x) {
+      std::copy_n(from, pairs.x, work.residuals.row(y, z));
+    }
+  }
+}
+
+std::int64_t encode_edges(Workspace<std::int16_t>& work, const Stage& stage, Bytes& bytes) {
+  const std::int64_t count = mark_edges(stage, work);
+  BinaryEncoder coder(bytes);
+  EdgeModels models;
+  put_edges(stage, work, coder, models);
+  coder.finish();
+  return count;
+}
+
+std::int64_t decode_edges(Workspace<std::int16_t>& work, const Stage& stage, ByteSpan bytes) {
+  BinaryDecoder coder(bytes);
+  EdgeModels models;
+  const std::int64_t count = take_edges(stage, work, coder, models);
+  EXPECT_TRUE(coder.is_consumed());
+  return count;
+}
+
+/// Encodes a split and decodes its segment again.
+Results run(const StageFunctions& functions, RandomSplit& s, bool has_cells) {
+  Workspace<std::int16_t> work;
+  Results results;
+  s.stage.cells = has_cells ? &s.cells : nullptr;
+  const Size3& pairs = s.stage.pairs;
+  load_with_details(work, s);
+  Bytes edges;
+  const std::int64_t edge_count = s.stage.has_edges ? encode_edges(work, s.stage, edges) : 0;
+  functions.narrow.predict(s.model.parameters, s.stage, work);
+  for (std::int64_t z = 0; z < pairs.z; ++z) {
+    for (std::int64_t y = 0; y < pairs.y; ++y) {
+      const std::int32_t* const row = work.residuals.row(y, z);
+      results.residuals.insert(results.residuals.end(), row, row + pairs.x);
+    }
+  }
+  functions.narrow.list_symbols(s.model.parameters, s.stage, work, results.symbols);
+  results.samples = pairs_of(work, s);
+
+  std::vector<Symbol> at_once;
+  load_with_details(work, s);
+  if (s.stage.has_edges) mark_edges(s.stage, work);
+  functions.narrow.encode(s.model.parameters, s.stage, work, at_once);
+  EXPECT_TRUE(at_once == results.symbols);
+  EXPECT_EQ(pairs_of(work, s), results.samples);
+
+  const Bytes segment = encode_symbols(s.model, s.stage.set, results.symbols, 0);
+  const auto count = static_cast<std::int64_t>(results.symbols.size());
+  EXPECT_EQ(count + edge_count, s.stage.detail_count());
+  load(work, s);
+  if (s.stage.has_edges) {
+    EXPECT_EQ(decode_edges(work, s.stage, edges), edge_count);
+  }
+  SymbolReader symbols(s.model, s.stage.set, segment, count, 0);
+  functions.narrow.decode(s.model.parameters, s.stage, work, symbols);
+  symbols.finish();
+  EXPECT_EQ(pairs_of(work, s), results.samples);
+  return results;
+}
+
+class StagesOf : public testing::TestWithParam<std::string> {};
+
+TEST_P(StagesOf, GiveWhatThePortableOnesGive) {
+  const auto functions = stage_functions_of(GetParam());
+  if (!functions) GTEST_SKIP() << "this machine has no " << GetParam();
+  std::mt19937 random(21);
+  const Size3 sizes[] = {{64, 64, 64}, {63, 5, 7},   {2, 2, 2},
+                         {33, 64, 9},  {48, 21, 64}, {8, 3, 40}};
+  for (const Size3& fine : sizes) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const Predictor predictor : {Predictor::neighbours, Predictor::means}) {
+        for (const int bits : {1, 5, 12, 16}) {
+          for (const bool has_cells : {false, true}) {
+            SCOPED_TRACE(testing::Message()
+                         << fine.x << "x" << fine.y << "x" << fine.z << " axis " << axis
+                         << " predictor " << static_cast<int>(predictor) << " bits " << bits
+                         << " cells " << has_cells);
+            RandomSplit split = make_split(random, fine, axis, predictor, bits, has_cells);
+            const Results expected = run(portable_stage_functions(), split, has_cells);
+            ASSERT_TRUE(run(*functions, split, has_cells) == expected);
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST_P(StagesOf, GiveTheSameAroundEdgesAndGaps) {
+  const auto functions = stage_functions_of(GetParam());
+  if (!functions) GTEST_SKIP() << "this machine has no " << GetParam();
+  std::mt19937 random(22);
+  for (const Size3& fine : {Size3{33, 64, 9}, Size3{63, 5, 7}, Size3{2, 2, 2}}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const Predictor predictor : {Predictor::neighbours, Predictor::means}) {
+        for (const Samples kind : {Samples::sparse, Samples::gapped, Samples::both}) {
+          for (const bool has_cells : {false, true}) {
+            SCOPED_TRACE(testing::Message() << fine.x << "x" << fine.y << "x" << fine.z << " axis "
+                                            << axis << " predictor " << static_cast<int>(predictor)
+                                            << " samples " << static_cast<int>(kind) << " cells "
+                                            << has_cells);
+            RandomSplit split = make_split(random, fine, axis, predictor, 7, has_cells, kind);
+            const Results expected = run(portable_stage_functions(), split, has_cells);
+            ASSERT_TRUE(run(*functions, split, has_cells) == expected);
+          }
+        }
+      }
+    }
+  }
+}
+
+/// Decodes a stream that nobody encoded; nothing when it ends too early.
+std::optional<std::vector<std::int16_t>> decode_any(const StageFunctions& functions,
+                                                    const RandomSplit& s, ByteSpan segment) {
+  Workspace<std::int16_t> work;
+  load(work, s);
+  SymbolReader symbols(s.model, s.stage.set, segment, s.stage.detail_count(), 0);
+  try {
+    functions.narrow.decode(s.model.parameters, s.stage, work, symbols);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+  return pairs_of(work, s);
+}
+
+TEST_P(StagesOf, MakeTheSameOfAnyStream) {
+  const auto functions = stage_functions_of(GetParam());
+  if (!functions) GTEST_SKIP() << "this machine has no " << GetParam();
+  std::mt19937 random(23);
+  int complete = 0;
+  for (int round = 0; round < 60; ++round) {
+    const Size3 fine{static_cast<std::int64_t>(2 + random() % 63), 8, 6};
+    const auto predictor = round % 2 == 0 ? Predictor::neighbours : Predictor::means;
+    const int bits = 1 + static_cast<int>(random() % 16);
+    RandomSplit split = make_split(random, fine, round % 3, predictor, bits, false);
+    // Long enough for every symbol, plain bits and words alike.
+    Bytes segment(60001);
+    for (auto& byte : segment) byte = static_cast<std::uint8_t>(random());
+    Bytes length;
+    put_varint(length, 20000);
+    std::copy(length.begin(), length.end(), segment.begin());
+    const auto expected = decode_any(portable_stage_functions(), split, segment);
+    ASSERT_EQ(decode_any(*functions, split, segment), expected) << round;
+    if (!expected) continue;
+    ++complete;
+    for (const std::int16_t sample : *expected) {
+      ASSERT_GE(sample, split.stage.min);
+      ASSERT_LE(sample, split.stage.max);
+    }
+  }
+  EXPECT_GT(complete, 30);
+}
+
+/// Times a step, a damaged residual can become the lowest 32-bit number, which has no opposite: its
+/// magnitude must stay one that contexts can be made of.
+TEST_P(StagesOf, BoundTheMagnitudeOfTheLowestResidual) {
+  const auto functions = stage_functions_of(GetParam());
+  if (!functions) GTEST_SKIP() << "this machine has no " << GetParam();
+  std::mt19937 random(3);
+  for (const Predictor predictor : {Predictor::neighbours, Predictor::means}) {
+    RandomSplit split = make_split(random, {64, 2, 2}, 1, predictor, 12, false);
+    split.stage.step = 4096;
+    split.stage.step_bits = 12;
+    split.stage.odd_low = split.stage.odd_high = 0;
+    Workspace<std::int16_t> work;
+    load(work, split);
+    functions->narrow.predict(split.model.parameters, split.stage, work);
+    std::vector<Symbol> symbols;
+    for (std::int64_t z = 0; z < split.stage.pairs.z; ++z) {
+      std::fill_n(work.residuals.row(0, z), split.stage.pairs.x, 0);
+    }
+    functions->narrow.list_symbols(split.model.parameters, split.stage, work, symbols);
+    // Of the first plane, whose contexts depend on means alone.
+    for (int i = 0; i < 64; ++i) {
+      Symbol& symbol = symbols[static_cast<std::size_t>(i)];
+      const auto packed = static_cast<unsigned>(symbol.context()) |
+                          static_cast<unsigned>(symbol.low_bits()) << 8;
+      symbol = Symbol(zigzag(-(std::int64_t{1} << 19)), packed, i);
+    }
+    const Bytes segment = encode_symbols(split.model, split.stage.set, symbols, 0);
+    load(work, split);
+    SymbolReader reader(split.model, split.stage.set, segment,
+                        static_cast<std::int64_t>(symbols.size()), 0);
+    try {
+      functions->narrow.decode(split.model.parameters, split.stage, work, reader);
+    } catch (const Error& error) {
+      // The second plane has other contexts now and may take more than there is.
+      EXPECT_EQ(error.kind(), ErrorKind::corrupt);
+    }
+    const std::int16_t* const magnitudes = work.magnitudes[1].row(0, 0);
+    for (int x = 0; x < 64; ++x) ASSERT_EQ(magnitudes[x], kMaxMagnitude) << x;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryInstructionSet, StagesOf,
+                         testing::Values("scalar", "ssse3", "sse4", "avx2", "avx512", "neon",
+                                         "wasm"),
+                         [](const auto& test) { return test.param; });
+
+}  // namespace
+}  // namespace octavo::grey
