@@ -17,8 +17,8 @@
 #include "common/value_ranges.h"
 #include "common/verb.h"
 #include "common/volume_json.h"
-#include "octavo/file/pending_file.h"
-#include "octavo/file/storage.h"
+#include "octavo/file/storage/pending_file.h"
+#include "octavo/file/storage/storage.h"
 #include "octavo/io/place_known.h"
 #include "verbs.h"
 

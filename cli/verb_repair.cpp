@@ -11,8 +11,8 @@
 #include "common/quantities.h"
 #include "common/verb.h"
 #include "octavo/build/repair.h"
-#include "octavo/file/mend.h"
 #include "octavo/file/parallel_read.h"
+#include "octavo/file/repair/mend.h"
 #include "verbs.h"
 
 namespace octavo::cli {

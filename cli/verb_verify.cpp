@@ -15,8 +15,8 @@
 #include "common/verb.h"
 #include "common/volume_json.h"
 #include "octavo/build/float_planes.h"
-#include "octavo/file/mend.h"
 #include "octavo/file/parallel_read.h"
+#include "octavo/file/repair/mend.h"
 #include "octavo/file/verify.h"
 #include "verbs.h"
 

@@ -20,7 +20,7 @@
 #include "bench/common/settings.h"
 #include "octavo/core/error.h"
 #include "octavo/file/reader.h"
-#include "octavo/file/storage.h"
+#include "octavo/file/storage/storage.h"
 
 namespace octavo::bench {
 namespace {

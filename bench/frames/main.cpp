@@ -17,7 +17,7 @@
 #include "bench/common/settings.h"
 #include "octavo/core/error.h"
 #include "octavo/file/reader.h"
-#include "octavo/file/storage.h"
+#include "octavo/file/storage/storage.h"
 #include "octavo/ops/file_mask.h"
 #include "octavo/ops/shell.h"
 #include "octavo/render/cube_picture.h"

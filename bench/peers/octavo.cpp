@@ -12,7 +12,7 @@
 #include "octavo/codec/brick_codec.h"
 #include "octavo/core/error.h"
 #include "octavo/file/reader.h"
-#include "octavo/file/storage.h"
+#include "octavo/file/storage/storage.h"
 
 namespace octavo::bench {
 namespace {

@@ -6,8 +6,8 @@
 #include <functional>
 
 #include "octavo/core/error.h"
-#include "octavo/file/pending_file.h"
-#include "octavo/file/storage.h"
+#include "octavo/file/storage/pending_file.h"
+#include "octavo/file/storage/storage.h"
 #include "octavo/io/export_plan.h"
 
 namespace octavo::cli {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "common/context.h"
-#include "octavo/file/salvage.h"
+#include "octavo/file/repair/salvage.h"
 
 namespace CLI {
 class App;

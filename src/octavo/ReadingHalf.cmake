@@ -33,7 +33,7 @@ set(OCTAVO_READ_SOURCES
   codec/grey/residual_coder.cpp
   codec/grey/value_map.cpp
   file/bit_flip.cpp
-  file/byte_source.cpp
+  file/storage/byte_source.cpp
   file/index.cpp
   file/index_root.cpp
   file/layer_order.cpp

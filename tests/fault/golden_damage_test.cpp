@@ -11,8 +11,8 @@
 
 #include "fault/reseal.h"
 #include "octavo/file/index.h"
-#include "octavo/file/mend.h"
-#include "octavo/file/salvage.h"
+#include "octavo/file/repair/mend.h"
+#include "octavo/file/repair/salvage.h"
 #include "octavo/file/verify.h"
 #include "support/goal_cases.h"
 #include "support/sample_file.h"

@@ -3,8 +3,8 @@
 
 #include "fault/reseal.h"
 #include "octavo/file/index.h"
-#include "octavo/file/index_builder.h"
 #include "octavo/file/verify.h"
+#include "octavo/file/write/index_builder.h"
 #include "support/counted_memory.h"
 #include "support/sample_file.h"
 

@@ -4,8 +4,8 @@
 #include <functional>
 
 #include "octavo/core/error.h"
-#include "octavo/file/interrupted.h"
-#include "octavo/file/temporary.h"
+#include "octavo/file/storage/temporary.h"
+#include "octavo/file/write/interrupted.h"
 #include "support/recording_writer.h"
 #include "support/sample_file.h"
 

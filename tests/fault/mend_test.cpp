@@ -1,5 +1,5 @@
 // Flipped bits turned back, or the damage refused and nothing written.
-#include "octavo/file/mend.h"
+#include "octavo/file/repair/mend.h"
 
 #include <gtest/gtest.h>
 

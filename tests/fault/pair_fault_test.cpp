@@ -8,8 +8,8 @@
 #include <string>
 
 #include "octavo/core/error.h"
-#include "octavo/file/pending_file.h"
-#include "octavo/file/temporary.h"
+#include "octavo/file/storage/pending_file.h"
+#include "octavo/file/storage/temporary.h"
 #include "support/memory_storage.h"
 #include "support/recording_storage.h"
 

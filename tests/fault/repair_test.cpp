@@ -10,9 +10,9 @@
 #include <filesystem>
 
 #include "octavo/core/error.h"
-#include "octavo/file/interrupted.h"
-#include "octavo/file/temporary.h"
+#include "octavo/file/storage/temporary.h"
 #include "octavo/file/verify.h"
+#include "octavo/file/write/interrupted.h"
 #include "support/recording_writer.h"
 #include "support/sample_file.h"
 

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "octavo/core/crc32c.h"
-#include "octavo/file/interrupted.h"
-#include "octavo/file/temporary.h"
+#include "octavo/file/storage/temporary.h"
+#include "octavo/file/write/interrupted.h"
 #include "support/recording_storage.h"
 #include "support/recording_writer.h"
 #include "support/sample_file.h"

@@ -8,7 +8,7 @@
 #include "fault/reseal.h"
 #include "octavo/file/index.h"
 #include "octavo/file/parallel_read.h"
-#include "octavo/file/salvage.h"
+#include "octavo/file/repair/salvage.h"
 #include "support/sample_file.h"
 
 namespace octavo {

@@ -7,7 +7,7 @@
 
 #include <filesystem>
 
-#include "octavo/file/temporary.h"
+#include "octavo/file/storage/temporary.h"
 #include "octavo/file/verify.h"
 #include "support/sample_file.h"
 

@@ -3,7 +3,7 @@
 #include "fuzz/fuzz_target.h"
 #include "octavo/core/progress.h"
 #include "octavo/file/reader.h"
-#include "octavo/file/storage.h"
+#include "octavo/file/storage/storage.h"
 #include "octavo/file/verify.h"
 
 namespace {

@@ -20,7 +20,7 @@
 #include "octavo/core/crc32c.h"
 #include "octavo/core/progress.h"
 #include "octavo/file/reader.h"
-#include "octavo/file/writer.h"
+#include "octavo/file/write/writer.h"
 #include "octavo/planes/memory_source.h"
 #include "support/memory_storage.h"
 #include "support/sample_file.h"

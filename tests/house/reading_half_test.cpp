@@ -3,7 +3,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/file/reader.h"
-#include "octavo/file/storage.h"
+#include "octavo/file/storage/storage.h"
 
 namespace octavo {
 namespace {

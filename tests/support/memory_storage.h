@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "octavo/file/storage.h"
+#include "octavo/file/storage/storage.h"
 
 namespace octavo::testing {
 

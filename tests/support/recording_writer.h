@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "octavo/file/writer.h"
+#include "octavo/file/write/writer.h"
 
 namespace octavo::testing {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "octavo/file/reader.h"
-#include "octavo/file/writer.h"
+#include "octavo/file/write/writer.h"
 #include "support/memory_storage.h"
 
 namespace octavo::testing {

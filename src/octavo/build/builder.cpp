@@ -22,8 +22,8 @@
 #include "octavo/core/crc32c.h"
 #include "octavo/core/error.h"
 #include "octavo/core/exact_text.h"
-#include "octavo/file/interrupted.h"
-#include "octavo/file/writer.h"
+#include "octavo/file/write/interrupted.h"
+#include "octavo/file/write/writer.h"
 
 namespace octavo {
 

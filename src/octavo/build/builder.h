@@ -14,7 +14,7 @@
 #include "octavo/build/float_planes.h"
 #include "octavo/codec/brick_codec.h"
 #include "octavo/core/progress.h"
-#include "octavo/file/storage.h"
+#include "octavo/file/storage/storage.h"
 #include "octavo/planes/plane_source.h"
 
 namespace octavo {

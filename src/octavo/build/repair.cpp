@@ -9,9 +9,9 @@
 #include "octavo/build/metadata_member.h"
 #include "octavo/core/error.h"
 #include "octavo/core/exact_text.h"
-#include "octavo/file/temporary.h"
-#include "octavo/file/whole_bricks.h"
-#include "octavo/file/writer.h"
+#include "octavo/file/storage/temporary.h"
+#include "octavo/file/write/whole_bricks.h"
+#include "octavo/file/write/writer.h"
 
 namespace octavo {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "octavo/core/progress.h"
-#include "octavo/file/storage.h"
+#include "octavo/file/storage/storage.h"
 
 namespace octavo {
 

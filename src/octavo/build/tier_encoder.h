@@ -21,7 +21,7 @@
 #include "octavo/build/voxel_block.h"
 #include "octavo/build/workers.h"
 #include "octavo/core/progress.h"
-#include "octavo/file/writer.h"
+#include "octavo/file/write/writer.h"
 
 namespace octavo {
 

@@ -14,7 +14,7 @@
 #include "octavo/codec/brick_codec.h"
 #include "octavo/core/levels.h"
 #include "octavo/core/volume.h"
-#include "octavo/file/byte_source.h"
+#include "octavo/file/storage/byte_source.h"
 
 namespace octavo {
 

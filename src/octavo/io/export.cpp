@@ -2,7 +2,7 @@
 
 #include <tbb/task_arena.h>
 
-#include "octavo/file/temporary.h"
+#include "octavo/file/storage/temporary.h"
 #include "octavo/io/export_stream.h"
 #include "octavo/io/export_target.h"
 #include "octavo/io/source_file.h"

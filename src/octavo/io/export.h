@@ -6,7 +6,7 @@
 
 #include "octavo/core/progress.h"
 #include "octavo/file/reader.h"
-#include "octavo/file/storage.h"
+#include "octavo/file/storage/storage.h"
 
 namespace octavo {
 

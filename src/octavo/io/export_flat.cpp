@@ -1,7 +1,7 @@
 #include <memory>
 #include <optional>
 
-#include "octavo/file/pending_file.h"
+#include "octavo/file/storage/pending_file.h"
 #include "octavo/io/export_target.h"
 #include "octavo/io/gzip_writer.h"
 #include "octavo/io/source_file.h"

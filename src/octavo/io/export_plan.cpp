@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "octavo/core/checked.h"
-#include "octavo/file/temporary.h"
+#include "octavo/file/storage/temporary.h"
 #include "octavo/io/described_source.h"
 #include "octavo/io/place_known.h"
 

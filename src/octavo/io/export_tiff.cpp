@@ -3,9 +3,9 @@
 #include <optional>
 #include <system_error>
 
-#include "octavo/file/pending_file.h"
-#include "octavo/file/plane_folder.h"
-#include "octavo/file/temporary.h"
+#include "octavo/file/storage/pending_file.h"
+#include "octavo/file/storage/plane_folder.h"
+#include "octavo/file/storage/temporary.h"
 #include "octavo/io/export_target.h"
 #include "octavo/io/source_file.h"
 #include "octavo/io/tiff_output.h"

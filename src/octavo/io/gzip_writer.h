@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "octavo/file/pending_file.h"
+#include "octavo/file/storage/pending_file.h"
 
 namespace octavo {
 

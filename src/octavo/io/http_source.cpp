@@ -6,7 +6,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/file/lru_cache.h"
-#include "octavo/file/storage.h"
+#include "octavo/file/storage/storage.h"
 #include "octavo/io/http_range.h"
 #include "octavo/io/source_file.h"
 

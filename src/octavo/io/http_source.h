@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "octavo/file/byte_source.h"
+#include "octavo/file/storage/byte_source.h"
 
 namespace octavo {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "octavo/file/storage.h"
+#include "octavo/file/storage/storage.h"
 #include "octavo/io/export_target.h"
 
 namespace octavo {

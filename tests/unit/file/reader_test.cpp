@@ -7,7 +7,7 @@
 #include "octavo/file/layer_order.h"
 #include "octavo/file/parallel_read.h"
 #include "octavo/file/verify.h"
-#include "octavo/file/writer.h"
+#include "octavo/file/write/writer.h"
 #include "octavo/octree/o_code.h"
 #include "support/sample_file.h"
 

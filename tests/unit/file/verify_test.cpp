@@ -10,7 +10,7 @@
 #include "octavo/file/parallel_read.h"
 #include "octavo/file/slab_trailer.h"
 #include "octavo/file/verify.h"
-#include "octavo/file/writer.h"
+#include "octavo/file/write/writer.h"
 #include "support/sample_file.h"
 
 namespace octavo {

@@ -1,0 +1,158 @@
+#include "octavo/file/repair/mend.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "octavo/core/crc32c.h"
+#include "octavo/core/error.h"
+#include "octavo/file/layout.h"
+#include "octavo/file/open_file.h"
+#include "octavo/file/repair/mended_source.h"
+#include "octavo/file/storage/pending_file.h"
+#include "octavo/file/storage/temporary.h"
+#include "octavo/file/write/interrupted.h"
+#include "octavo/file/write/writer.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::size_t kBlockBytes = std::size_t{1} << 20;
+
+// Damages that one round describes; the next round finds the others.
+constexpr std::size_t kListedInARound = std::size_t{1} << 16;
+
+void throw_if_cancelled(const Progress& progress) {
+  if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+}
+
+[[noreturn]] void refuse(const Damage& damage, const std::string& input) {
+  const char* reason = damage.flipped_byte
+                           ? "one flipped bit would explain it, but so would other damage of a "
+                             "part this long"
+                           : "more than one flipped bit, which nothing can turn back";
+  throw Error(ErrorKind::corrupt,
+              damage.detail + ": " + reason + "; export --salvage writes what is whole", input,
+              damage.offset);
+}
+
+VerifyReport verified(std::shared_ptr<const ByteSource> source, const MendOptions& options,
+                      Progress& progress) {
+  VerifyOptions verifying;
+  verifying.for_each = options.for_each;
+  verifying.max_listed = kListedInARound;
+  return verify_file(std::move(source), verifying, progress);
+}
+
+// Gives a trailer that is made anew its digest: of all bytes between header and trailer.
+void complete_trailer(const std::shared_ptr<const ByteSource>& source, Mendings& mendings,
+                      Progress& progress) {
+  const MendedSource mended(source, mendings);
+  HeaderBlock block{};
+  mended.read(0, block);
+  const FileHeader header = parse_header(block, mended.size());
+  const std::uint64_t end = mended.size() - kTrailerBytes;
+  const ProgressScope scope(progress, "reading", static_cast<std::int64_t>(end - kHeaderBytes),
+                            "bytes");
+  std::uint32_t digest = 0;
+  Bytes buffer;
+  for (std::uint64_t at = kHeaderBytes; at < end; at += kBlockBytes) {
+    throw_if_cancelled(progress);
+    buffer.resize(std::min<std::uint64_t>(kBlockBytes, end - at));
+    mended.read(at, buffer);
+    digest = crc32c(buffer, digest);
+    progress.advance(static_cast<std::int64_t>(buffer.size()));
+  }
+  mendings.trailer =
+      encode_trailer({header.file_id, header.file_bytes, load_header_crc(block), digest});
+}
+
+// What makes the file sound. A damaged index page hides damaged bricks, a damaged model those that
+// do not decode: each round finds what the flips of those before brought to light.
+Mendings all_mendings(const std::shared_ptr<const ByteSource>& source, const MendOptions& options,
+                      Progress& progress) {
+  Mendings mendings = mend_envelope(*source);
+  for (;;) {
+    if (mendings.trailer) complete_trailer(source, mendings, progress);
+    const VerifyReport report =
+        verified(std::make_shared<MendedSource>(source, mendings), options, progress);
+    if (report.is_sound()) return mendings;
+    std::vector<BitFlip> flips;
+    for (const Damage& damage : report.damages) {
+      if (!damage.is_mendable()) refuse(damage, source->name());
+      flips.push_back({*damage.flipped_byte, damage.flipped_bit});
+    }
+    const std::size_t count = mendings.flips.size();
+    add_flips(mendings, flips);
+    if (mendings.flips.size() == count) refuse(report.damages.front(), source->name());
+  }
+}
+
+void copy(const ByteSource& source, StorageFile& out, Progress& progress) {
+  const ProgressScope scope(progress, "writing", static_cast<std::int64_t>(source.size()),
+                            "bytes");
+  Bytes buffer(kBlockBytes);
+  for (std::uint64_t at = 0; at < source.size(); at += kBlockBytes) {
+    throw_if_cancelled(progress);
+    const auto count =
+        static_cast<std::size_t>(std::min<std::uint64_t>(kBlockBytes, source.size() - at));
+    const auto part = std::span(buffer).first(count);
+    source.read(at, part);
+    out.write(at, part);
+    progress.advance(static_cast<std::int64_t>(count));
+  }
+}
+
+void prove(Storage& storage, const PendingFile& file, const MendOptions& options,
+           Progress& progress) {
+  const VerifyReport report =
+      verified(open_byte_source(storage, file.temporary_path()), options, progress);
+  if (report.is_sound()) return;
+  throw Error(ErrorKind::io,
+              "reads back otherwise than it was written: " + report.damages.front().detail,
+              file.path());
+}
+
+void write_mended(Storage& storage, const ByteSource& source, const std::string& output,
+                  const MendOptions& options, Progress& progress) {
+  try {
+    PendingFile file(storage, output);
+    copy(source, file.file(), progress);
+    file.seal();
+    prove(storage, file, options, progress);
+    file.publish(options.overwrite);
+  } catch (const Error& error) {
+    throw with_final_name(error, output);
+  }
+}
+
+}  // namespace
+
+bool opens_mended(const std::shared_ptr<const ByteSource>& source) {
+  try {
+    const OpenFile proof(std::make_shared<MendedSource>(source, mend_envelope(*source)), {});
+    return true;
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::io) throw;
+    return false;
+  }
+}
+
+MendResult mend_file(Storage& storage, const std::string& input, const std::string& output,
+                     const MendOptions& options, Progress& progress) {
+  check_target(storage, output, options.overwrite);
+  if (!options.overwrite) refuse_interrupted(storage, output);
+  const std::shared_ptr<const ByteSource> source = open_byte_source(storage, input);
+  const Mendings mendings = all_mendings(source, options, progress);
+  MendResult result;
+  result.flips = mendings.flips;
+  result.has_new_trailer = mendings.trailer.has_value();
+  result.dropped_bytes = source->size() - mendings.size;
+  result.file_bytes = mendings.size;
+  if (result.is_sound()) return result;
+  write_mended(storage, MendedSource(source, mendings), output, options, progress);
+  return result;
+}
+
+}  // namespace octavo

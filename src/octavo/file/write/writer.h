@@ -1,0 +1,96 @@
+// Writes one .8vo file: append, then seal.
+//
+// The file grows under a temporary name beside the final one. Level-0 segments are appended as they
+// come; coarser ones wait in a scratch file, or in a journal, and follow at the end, level by
+// level. The header says "sealed" only after everything else is on disk; then the file takes its
+// final name. That name never holds anything but a complete file.
+//
+// A writer that is destroyed before finish() removes what it wrote. What a killed process left
+// behind, the next writer of the same name removes, groups that are whole only when asked to.
+// Writers that resume do neither: they keep such groups, and take over those that an earlier writer
+// left.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "octavo/codec/brick_codec.h"
+#include "octavo/core/levels.h"
+#include "octavo/core/volume.h"
+#include "octavo/file/storage/storage.h"
+#include "octavo/file/write/journal.h"
+
+namespace octavo {
+
+struct WriterOptions {
+  bool overwrite = false;  ///< replace an existing file at finish(); otherwise Error{io} at once
+  /// No voxel of tier 0 lies further from its source, in voxel units; whole for integer types.
+  double max_error = 0;
+  /// Keeps a journal beside the growing file, so that a later writer can continue it.
+  bool has_journal = false;
+  /// Continues what is left of an interrupted build of the same volume, if there is any; makes
+  /// every group durable, and keeps the whole ones when it fails. Needs a journal. Never discards
+  /// what has a whole group, and refuses to begin beside a build that another program works on.
+  bool is_resuming = false;
+  /// Gives up what interrupted builds of the file have encoded; otherwise Error{io} where some of
+  /// it is whole.
+  bool discards_interrupted = false;
+  /// How the bricks are made, lines "NAME: VALUE": writers of other settings do not continue.
+  std::string settings = {};
+};
+
+class FileWriter {
+ public:
+  /// content_hash  of the first voxels, so that two scans alike in everything else get different
+  ///               file ids
+  /// description   that of a float32 volume holds its coding; range and parent of bricks are codes
+  /// Throws        Error{io} when the target exists (without overwrite), is a folder, or cannot be
+  ///               written, and where it shall resume what another program works on; then also
+  ///               Error{invalid_argument} or, for other voxels, Error{source_rejected} when the
+  ///               interrupted builds are of something else
+  static std::unique_ptr<FileWriter> create(Storage& storage, const std::string& path,
+                                            const VolumeDescription& description,
+                                            const Levels& levels, std::uint32_t content_hash,
+                                            const WriterOptions& options);
+  virtual ~FileWriter() = default;
+
+  /// Appends a model; the bricks that follow use it. Called before the first brick of a group; a
+  /// model before the first brick of tier 1 is that of all tiers above tier 0, which otherwise use
+  /// the first one.
+  virtual void add_model(const Bytes& model) = 0;
+
+  /// Appends the next brick of `tier`. Bricks of tier 0 come layer by layer (z), inside a layer in
+  /// o-code order (see layer_order); after all of them those of tier 1 in the same order, and so
+  /// on.
+  /// brick.max_error  in steps of the header (error_step); 0 above tier 0
+  virtual void add_brick(int tier, const EncodedBrick& brick) = 0;
+
+  /// Ends a group of whole layers of tier 0: a later writer can continue behind it. Without a
+  /// journal it does nothing.
+  /// voxels_crc  CRC-32C of the group's voxels, by which they are known again
+  virtual void end_group(std::uint32_t voxels_crc) = 0;
+
+  /// The groups that were taken over; the bricks of the next layer come first.
+  virtual const std::vector<JournalGroup>& resumed() const = 0;
+
+  /// The bytes of the first model of a resumed file. Throws Error{io}.
+  virtual Bytes first_model() const = 0;
+
+  /// Brick layers of tier 0 that are kept for a later writer when this one ends now.
+  virtual std::int64_t kept_layers() const = 0;
+
+  /// Writes coarse levels, metadata, index and trailer, seals, syncs and renames.
+  /// Throws Error{internal} when bricks are missing.
+  virtual void finish() = 0;
+
+  virtual std::uint64_t bytes_written() const = 0;
+};
+
+/// Proves that `path` can become an .8vo file: a writable name that is free, or a file that may be
+/// replaced. For asking before long work; FileWriter::create asks again.
+/// Returns  whether a file stands there
+/// Throws   Error{io}
+bool check_target(Storage& storage, const std::string& path, bool overwrite);
+
+}  // namespace octavo
