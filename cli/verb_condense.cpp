@@ -12,8 +12,8 @@
 #include "common/inputs.h"
 #include "common/quantities.h"
 #include "common/verb.h"
-#include "octavo/build/flat_cubes.h"
-#include "octavo/build/metadata_member.h"
+#include "octavo/builder/flat_cubes.h"
+#include "octavo/builder/metadata_member.h"
 #include "verbs.h"
 
 namespace octavo::cli {

@@ -10,7 +10,7 @@
 #include "common/progress_line.h"
 #include "common/quantities.h"
 #include "common/verb.h"
-#include "octavo/build/repair.h"
+#include "octavo/builder/recover.h"
 #include "octavo/file/parallel_read.h"
 #include "octavo/file/repair/mend.h"
 #include "verbs.h"

@@ -20,7 +20,7 @@
 #include "common/turn_words.h"
 #include "common/verb.h"
 #include "common/volume_json.h"
-#include "octavo/build/metadata_member.h"
+#include "octavo/builder/metadata_member.h"
 #include "octavo/file/write/copy_described.h"
 #include "octavo/io/place_known.h"
 #include "octavo/ops/mask_transform.h"

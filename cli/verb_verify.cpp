@@ -14,7 +14,7 @@
 #include "common/quantities.h"
 #include "common/verb.h"
 #include "common/volume_json.h"
-#include "octavo/build/float_planes.h"
+#include "octavo/builder/float_planes.h"
 #include "octavo/file/parallel_read.h"
 #include "octavo/file/repair/mend.h"
 #include "octavo/file/verify.h"

@@ -8,7 +8,7 @@
 #include <span>
 
 #include "bench/peers/peer.h"
-#include "octavo/build/builder.h"
+#include "octavo/builder/builder.h"
 #include "octavo/codec/brick_codec.h"
 #include "octavo/core/error.h"
 #include "octavo/file/reader.h"

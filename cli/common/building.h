@@ -4,7 +4,7 @@
 #include <string>
 
 #include "common/context.h"
-#include "octavo/build/builder.h"
+#include "octavo/builder/builder.h"
 
 namespace octavo::cli {
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "common/context.h"
-#include "octavo/build/builder.h"
+#include "octavo/builder/builder.h"
 #include "octavo/file/reader.h"
 #include "octavo/octree/mask_tree.h"
 #include "octavo/ops/mask_build.h"

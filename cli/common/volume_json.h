@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "octavo/build/float_planes.h"
+#include "octavo/builder/float_planes.h"
 #include "octavo/file/reader.h"
 
 namespace octavo::cli {

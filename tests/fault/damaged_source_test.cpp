@@ -9,7 +9,7 @@
 #include <random>
 #include <set>
 
-#include "octavo/build/builder.h"
+#include "octavo/builder/builder.h"
 #include "octavo/io/isolated_source.h"
 #include "support/coded_dicom.h"
 #include "support/goal_cases.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "octavo/build/builder.h"
+#include "octavo/builder/builder.h"
 #include "octavo/file/verify.h"
 #include "octavo/planes/memory_source.h"
 #include "support/goal_cases.h"

@@ -1,5 +1,5 @@
 // What an interrupted build left, sealed without its source.
-#include "octavo/build/repair.h"
+#include "octavo/builder/recover.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "fuzz/fuzz_target.h"
-#include "octavo/build/builder.h"
+#include "octavo/builder/builder.h"
 #include "octavo/file/reader.h"
 #include "octavo/planes/memory_source.h"
 #include "support/memory_storage.h"

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "octavo/build/builder.h"
+#include "octavo/builder/builder.h"
 #include "octavo/core/crc32c.h"
 #include "octavo/core/progress.h"
 #include "octavo/file/reader.h"

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "octavo/build/builder.h"
+#include "octavo/builder/builder.h"
 #include "octavo/codec/simd_level.h"
 #include "octavo/core/crc32c.h"
 #include "octavo/planes/memory_source.h"

@@ -10,7 +10,7 @@
 
 #include <unistd.h>
 
-#include "octavo/build/builder.h"
+#include "octavo/builder/builder.h"
 #include "octavo/file/reader.h"
 #include "octavo/planes/memory_source.h"
 

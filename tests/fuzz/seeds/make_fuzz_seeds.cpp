@@ -11,7 +11,7 @@
 #include <random>
 
 #include "fuzz/brick_input.h"
-#include "octavo/build/builder.h"
+#include "octavo/builder/builder.h"
 #include "octavo/codec/brick_codec.h"
 #include "octavo/planes/memory_source.h"
 

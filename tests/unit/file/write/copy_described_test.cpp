@@ -5,7 +5,7 @@
 #include <random>
 #include <span>
 
-#include "octavo/build/metadata_member.h"
+#include "octavo/builder/metadata_member.h"
 #include "octavo/core/error.h"
 #include "support/built_file.h"
 

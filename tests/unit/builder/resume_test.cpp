@@ -5,7 +5,7 @@
 #include <cstring>
 #include <map>
 
-#include "octavo/build/builder.h"
+#include "octavo/builder/builder.h"
 #include "octavo/core/error.h"
 #include "support/built_file.h"
 #include "support/memory_storage.h"

@@ -1,4 +1,4 @@
-#include "octavo/build/metadata_member.h"
+#include "octavo/builder/metadata_member.h"
 
 #include <cstddef>
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-#include "octavo/build/voxel_block.h"
+#include "octavo/builder/voxel_block.h"
 
 #include <algorithm>
 #include <cstring>

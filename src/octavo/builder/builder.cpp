@@ -1,4 +1,4 @@
-#include "octavo/build/builder.h"
+#include "octavo/builder/builder.h"
 
 #if __has_include(<malloc.h>)
 #include <malloc.h>
@@ -13,11 +13,11 @@
 #include <span>
 #include <thread>
 
-#include "octavo/build/coarse_tiers.h"
-#include "octavo/build/group_reader.h"
-#include "octavo/build/metadata_member.h"
-#include "octavo/build/tier_encoder.h"
-#include "octavo/build/training.h"
+#include "octavo/builder/coarse_tiers.h"
+#include "octavo/builder/group_reader.h"
+#include "octavo/builder/metadata_member.h"
+#include "octavo/builder/tier_encoder.h"
+#include "octavo/builder/training.h"
 #include "octavo/core/checked.h"
 #include "octavo/core/crc32c.h"
 #include "octavo/core/error.h"

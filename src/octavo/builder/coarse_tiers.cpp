@@ -1,4 +1,4 @@
-#include "octavo/build/coarse_tiers.h"
+#include "octavo/builder/coarse_tiers.h"
 
 #include <utility>
 

@@ -1,4 +1,4 @@
-#include "octavo/build/float_planes.h"
+#include "octavo/builder/float_planes.h"
 
 #include <algorithm>
 #include <bit>
@@ -7,7 +7,7 @@
 #include <cstring>
 #include <limits>
 
-#include "octavo/build/float_grid.h"
+#include "octavo/builder/float_grid.h"
 #include "octavo/core/error.h"
 
 namespace octavo {

@@ -1,4 +1,4 @@
-#include "octavo/build/training.h"
+#include "octavo/builder/training.h"
 
 #include <algorithm>
 

@@ -11,7 +11,7 @@
 #include <optional>
 #include <string>
 
-#include "octavo/build/float_planes.h"
+#include "octavo/builder/float_planes.h"
 #include "octavo/codec/brick_codec.h"
 #include "octavo/core/progress.h"
 #include "octavo/file/storage/storage.h"

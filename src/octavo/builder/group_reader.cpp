@@ -1,4 +1,4 @@
-#include "octavo/build/group_reader.h"
+#include "octavo/builder/group_reader.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,4 +1,4 @@
-#include "octavo/build/float_grid.h"
+#include "octavo/builder/float_grid.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "octavo/build/tier_encoder.h"
+#include "octavo/builder/tier_encoder.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "octavo/build/float_planes.h"
+#include "octavo/builder/float_planes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "octavo/build/builder.h"
+#include "octavo/builder/builder.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "octavo/build/tier_encoder.h"
+#include "octavo/builder/tier_encoder.h"
 
 namespace octavo {
 

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "octavo/build/voxel_block.h"
+#include "octavo/builder/voxel_block.h"
 
 namespace octavo {
 

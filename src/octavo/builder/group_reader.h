@@ -14,8 +14,8 @@
 #include <thread>
 #include <vector>
 
-#include "octavo/build/float_planes.h"
-#include "octavo/build/voxel_block.h"
+#include "octavo/builder/float_planes.h"
+#include "octavo/builder/voxel_block.h"
 #include "octavo/core/progress.h"
 #include "octavo/planes/plane_source.h"
 

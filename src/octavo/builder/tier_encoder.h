@@ -18,8 +18,8 @@
 #include <utility>
 #include <vector>
 
-#include "octavo/build/voxel_block.h"
-#include "octavo/build/workers.h"
+#include "octavo/builder/voxel_block.h"
+#include "octavo/builder/workers.h"
 #include "octavo/core/progress.h"
 #include "octavo/file/write/writer.h"
 

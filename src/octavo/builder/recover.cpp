@@ -1,12 +1,12 @@
-#include "octavo/build/repair.h"
+#include "octavo/builder/recover.h"
 
 #include <algorithm>
 #include <thread>
 #include <utility>
 #include <vector>
 
-#include "octavo/build/coarse_tiers.h"
-#include "octavo/build/metadata_member.h"
+#include "octavo/builder/coarse_tiers.h"
+#include "octavo/builder/metadata_member.h"
 #include "octavo/core/error.h"
 #include "octavo/core/exact_text.h"
 #include "octavo/file/storage/temporary.h"

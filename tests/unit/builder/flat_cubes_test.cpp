@@ -1,4 +1,4 @@
-#include "octavo/build/flat_cubes.h"
+#include "octavo/builder/flat_cubes.h"
 
 #include <gtest/gtest.h>
 
