@@ -20,7 +20,7 @@
 #include "common/failure.h"
 #include "common/isotropic_option.h"
 #include "common/option_checks.h"
-#include "octavo/io/import_worker.h"
+#include "octavo/io/isolation/import_worker.h"
 #include "verbs.h"
 
 namespace octavo::cli {

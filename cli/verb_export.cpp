@@ -14,7 +14,7 @@
 #include "common/salvaging.h"
 #include "common/verb.h"
 #include "common/volume_json.h"
-#include "octavo/io/export.h"
+#include "octavo/io/export/export.h"
 #include "verbs.h"
 
 namespace octavo::cli {

@@ -12,7 +12,7 @@
 #include "common/quantities.h"
 #include "common/verb.h"
 #include "common/volume_json.h"
-#include "octavo/io/place_known.h"
+#include "octavo/io/source/place_known.h"
 #include "verbs.h"
 
 namespace octavo::cli {

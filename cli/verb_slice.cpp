@@ -17,7 +17,7 @@
 #include "common/volume_json.h"
 #include "octavo/file/storage/pending_file.h"
 #include "octavo/file/storage/storage.h"
-#include "octavo/io/place_known.h"
+#include "octavo/io/source/place_known.h"
 #include "octavo/render/slice_picture.h"
 #include "verbs.h"
 

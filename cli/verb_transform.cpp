@@ -22,7 +22,7 @@
 #include "common/volume_json.h"
 #include "octavo/builder/metadata_member.h"
 #include "octavo/file/write/copy_described.h"
-#include "octavo/io/place_known.h"
+#include "octavo/io/source/place_known.h"
 #include "octavo/ops/mask_transform.h"
 #include "octavo/ops/resample.h"
 #include "octavo/planes/computed_source.h"

@@ -7,7 +7,7 @@
 #include "common/volume_json.h"
 #include "octavo/core/error.h"
 #include "octavo/file/parallel_read.h"
-#include "octavo/io/source_identity.h"
+#include "octavo/io/source/source_identity.h"
 
 namespace octavo::cli {
 

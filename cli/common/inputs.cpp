@@ -13,10 +13,10 @@
 #include "octavo/core/error.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/file/storage/temporary.h"
-#include "octavo/io/http_source.h"
-#include "octavo/io/isolated_source.h"
+#include "octavo/io/http/http_source.h"
+#include "octavo/io/isolation/isolated_source.h"
 #include "octavo/io/open_source.h"
-#include "octavo/io/prefetch_source.h"
+#include "octavo/io/source/prefetch_source.h"
 
 namespace octavo::cli {
 

@@ -8,7 +8,7 @@
 #include "octavo/core/error.h"
 #include "octavo/file/storage/pending_file.h"
 #include "octavo/file/storage/storage.h"
-#include "octavo/io/export_plan.h"
+#include "octavo/io/export/export_plan.h"
 
 namespace octavo::cli {
 

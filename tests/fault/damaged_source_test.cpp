@@ -10,7 +10,7 @@
 #include <set>
 
 #include "octavo/builder/builder.h"
-#include "octavo/io/isolated_source.h"
+#include "octavo/io/isolation/isolated_source.h"
 #include "support/coded_dicom.h"
 #include "support/goal_cases.h"
 #include "support/source_files.h"

@@ -13,10 +13,10 @@
 #include <thread>
 #include <vector>
 
-#include "octavo/io/described_source.h"
-#include "octavo/io/import_worker.h"
-#include "octavo/io/reader_notes.h"
-#include "octavo/io/worker_protocol.h"
+#include "octavo/io/isolation/import_worker.h"
+#include "octavo/io/isolation/reader_notes.h"
+#include "octavo/io/isolation/worker_protocol.h"
+#include "octavo/io/source/described_source.h"
 
 namespace octavo {
 namespace {

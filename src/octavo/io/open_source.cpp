@@ -5,17 +5,17 @@
 #include <string_view>
 #include <utility>
 
-#include "octavo/io/dicom_file.h"
-#include "octavo/io/dicom_source.h"
-#include "octavo/io/itk_source.h"
-#include "octavo/io/meta_source.h"
-#include "octavo/io/natural_order.h"
-#include "octavo/io/nifti_source.h"
-#include "octavo/io/nrrd_source.h"
-#include "octavo/io/png_source.h"
-#include "octavo/io/raw_source.h"
-#include "octavo/io/source_file.h"
-#include "octavo/io/tiff_source.h"
+#include "octavo/io/dicom/dicom_file.h"
+#include "octavo/io/dicom/dicom_source.h"
+#include "octavo/io/images/png_source.h"
+#include "octavo/io/images/tiff_source.h"
+#include "octavo/io/source/natural_order.h"
+#include "octavo/io/source/source_file.h"
+#include "octavo/io/volumes/itk_source.h"
+#include "octavo/io/volumes/meta_source.h"
+#include "octavo/io/volumes/nifti_source.h"
+#include "octavo/io/volumes/nrrd_source.h"
+#include "octavo/io/volumes/raw_source.h"
 
 namespace octavo {
 

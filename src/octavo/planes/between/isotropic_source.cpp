@@ -12,7 +12,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/levels.h"
-#include "octavo/io/described_source.h"
+#include "octavo/io/source/described_source.h"
 #include "octavo/planes/between/plane_mixing.h"
 #include "octavo/planes/between/shape_between.h"
 

@@ -1,0 +1,117 @@
+#include "octavo/io/dicom/dicom_extent.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "octavo/core/error.h"
+#include "octavo/io/source/described_source.h"
+#include "octavo/io/source/source_file.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr const char* kRunLengths = "1.2.840.10008.1.2.5";
+
+[[noreturn]] void reject(const DicomLayout& layout, const std::string& why) {
+  throw Error(ErrorKind::source_rejected, why, layout.path);
+}
+
+[[noreturn]] void reject_more(const DicomLayout& layout, std::uint64_t pictures) {
+  reject(layout, "the pixel data hold " + std::to_string(pictures) +
+                     " pictures, Number of Frames (0028,0008) says " +
+                     std::to_string(layout.frames) +
+                     ": which of them belong to the volume is not known; correct the number in "
+                     "the file, or export the series again");
+}
+
+/// Pictures of this size that fill the native pixel data to the last word; 0 when none do.
+std::uint64_t pictures_in(const DicomLayout& layout) {
+  const auto voxels = static_cast<std::uint64_t>(layout.rows * layout.columns * layout.samples);
+  const std::uint64_t length = layout.pixels.native.length;
+  if (layout.bits_allocated != 1) {
+    const std::uint64_t frame = layout.frame_bytes();
+    return length % frame <= 1 ? length / frame : 0;
+  }
+  const std::uint64_t count = length * 8 / voxels;
+  return length - (count * voxels + 7) / 8 <= 1 ? count : 0;
+}
+
+void check_native(const DicomLayout& layout) {
+  const std::uint64_t length = layout.pixels.native.length;
+  const std::uint64_t needed = layout.native_bytes();
+  if (length < needed) {
+    reject(layout, "the pixel data hold " + std::to_string(length) + " bytes, " +
+                       std::to_string(needed) + " are needed for " +
+                       size_text({layout.columns, layout.rows, layout.frames}) +
+                       " voxels; the file is cut");
+  }
+  if (surplus_bytes(layout) == 0) return;
+  const std::uint64_t pictures = pictures_in(layout);
+  if (pictures > static_cast<std::uint64_t>(layout.frames)) reject_more(layout, pictures);
+}
+
+/// True for what JPEG, JPEG-LS and JPEG 2000 pictures start with, or those of run lengths: 1 to 15
+/// segments, the first of them behind a header of 64 bytes (PS3.5, G.5). The first mark of JPEG
+/// 2000 alone may stand in the midst of a picture.
+bool starts_picture(const SourceFile& file, const ByteRun& fragment, bool is_run_lengths) {
+  using namespace std::string_view_literals;
+  std::array<std::byte, 8> head{};
+  const std::size_t count = file.read_some(
+      fragment.offset, std::span(head).first(std::min<std::size_t>(head.size(), fragment.length)));
+  const std::string_view text(reinterpret_cast<const char*>(head.data()), count);
+  if (!is_run_lengths) {
+    return text.starts_with("\xff\xd8"sv) || text.starts_with("\xff\x4f\xff\x51"sv);
+  }
+  return count == head.size() && text[0] >= 1 && text[0] <= 15 &&
+         text.substr(1) == "\0\0\0\x40\0\0\0"sv;
+}
+
+/// Compressed pictures as the fragments show them.
+std::uint64_t compressed_pictures(const DicomLayout& layout) {
+  const std::vector<ByteRun>& fragments = layout.pixels.fragments;
+  const bool is_run_lengths = layout.transfer_syntax == kRunLengths;
+  const SourceFile file(layout.path);
+  return static_cast<std::uint64_t>(
+      std::count_if(fragments.begin(), fragments.end(), [&](const ByteRun& fragment) {
+        return starts_picture(file, fragment, is_run_lengths);
+      }));
+}
+
+void check_compressed(const DicomLayout& layout) {
+  const DicomPixels& pixels = layout.pixels;
+  const auto frames = static_cast<std::uint64_t>(layout.frames);
+  const bool one_each = pixels.fragments.size() == frames;
+  const bool has_table = pixels.frame_offsets.size() == frames;
+  if (pixels.fragments.size() > frames) {
+    const std::uint64_t pictures = compressed_pictures(layout);
+    if (pictures > frames) reject_more(layout, pictures);
+  }
+  if (pixels.fragments.empty() || (frames > 1 && !one_each && !has_table)) {
+    reject(layout,
+           std::to_string(layout.frames) + " frames, " + std::to_string(pixels.fragments.size()) +
+               " compressed fragments and no table that tells which is whose; the file is cut "
+               "or damaged");
+  }
+}
+
+}  // namespace
+
+void check_dicom_pixels(const DicomLayout& layout) {
+  if (layout.pixels.is_encapsulated) {
+    check_compressed(layout);
+  } else {
+    check_native(layout);
+  }
+}
+
+std::uint64_t surplus_bytes(const DicomLayout& layout) {
+  if (layout.pixels.is_encapsulated) return 0;
+  const std::uint64_t needed = layout.native_bytes();
+  // A value has an even length.
+  return layout.pixels.native.length - needed > needed % 2 ? layout.pixels.native.length - needed
+                                                           : 0;
+}
+
+}  // namespace octavo

@@ -1,0 +1,19 @@
+// Whether the pixel data of a DICOM file are those of the frames that its header names, no fewer
+// and no more.
+#pragma once
+
+#include <cstdint>
+
+#include "octavo/io/dicom/dicom_slice.h"
+
+namespace octavo {
+
+/// Proves that the located pixel data hold all frames, and no picture beside them.
+/// Throws Error{source_rejected} with both lengths or counts.
+void check_dicom_pixels(const DicomLayout& layout);
+
+/// Bytes behind the last frame of native pixel data that are more than padding to a whole word.
+/// Requires check_dicom_pixels to have passed.
+std::uint64_t surplus_bytes(const DicomLayout& layout);
+
+}  // namespace octavo

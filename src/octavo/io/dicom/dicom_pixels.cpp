@@ -1,0 +1,288 @@
+#include "octavo/io/dicom/dicom_pixels.h"
+
+#include <gdcmImage.h>
+#include <gdcmSequenceOfFragments.h>
+#include <gdcmTrace.h>
+#include <gdcmTransferSyntax.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <mutex>
+
+#include "octavo/core/error.h"
+#include "octavo/io/source/alternating_values.h"
+#include "octavo/io/source/byte_order.h"
+#include "octavo/io/source/described_source.h"
+#include "octavo/io/source/source_file.h"
+
+namespace octavo {
+
+namespace {
+
+[[noreturn]] void reject(const DicomLayout& layout, const std::string& why) {
+  throw Error(ErrorKind::source_rejected, why, layout.path);
+}
+
+void silence_gdcm() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    gdcm::Trace::DebugOff();
+    gdcm::Trace::WarningOff();
+    gdcm::Trace::ErrorOff();
+  });
+}
+
+/// The fragments of one frame: all of a single frame, one each, or those between two table entries.
+std::vector<ByteRun> fragments_of(const DicomLayout& layout, std::int64_t frame) {
+  const std::vector<ByteRun>& all = layout.pixels.fragments;
+  const auto index = static_cast<std::size_t>(frame);
+  if (layout.frames == 1) return all;
+  if (all.size() == static_cast<std::size_t>(layout.frames)) return {all[index]};
+  const std::vector<std::uint64_t>& table = layout.pixels.frame_offsets;
+  // Table entries count from the item tag of the first fragment, 8 bytes before its value.
+  const std::uint64_t base = all.front().offset - 8;
+  const std::uint64_t from = base + table[index];
+  const std::uint64_t to = index + 1 < table.size() ? base + table[index + 1]
+                                                    : std::numeric_limits<std::uint64_t>::max();
+  std::vector<ByteRun> result;
+  for (const ByteRun& run : all) {
+    if (run.offset - 8 >= from && run.offset - 8 < to) result.push_back(run);
+  }
+  return result;
+}
+
+gdcm::Image image_of(const DicomLayout& layout, const std::vector<ByteRun>& fragments) {
+  gdcm::Image image;
+  image.SetNumberOfDimensions(2);
+  image.SetDimension(0, static_cast<unsigned>(layout.columns));
+  image.SetDimension(1, static_cast<unsigned>(layout.rows));
+  image.SetPixelFormat(gdcm::PixelFormat(
+      1, static_cast<unsigned short>(layout.bits_allocated),
+      static_cast<unsigned short>(layout.bits_stored), static_cast<unsigned short>(layout.high_bit),
+      static_cast<unsigned short>(layout.is_signed ? 1 : 0)));
+  image.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
+  image.SetTransferSyntax(gdcm::TransferSyntax::GetTSType(layout.transfer_syntax.c_str()));
+
+  gdcm::SmartPointer<gdcm::SequenceOfFragments> sequence = new gdcm::SequenceOfFragments;
+  const SourceFile file(layout.path);
+  std::vector<std::byte> bytes;
+  for (const ByteRun& run : fragments) {
+    bytes.resize(static_cast<std::size_t>(run.length));
+    file.read_exactly(run.offset, bytes);
+    gdcm::Fragment fragment;
+    fragment.SetByteValue(reinterpret_cast<const char*>(bytes.data()),
+                          static_cast<std::uint32_t>(bytes.size()));
+    sequence->AddFragment(fragment);
+  }
+  gdcm::DataElement pixels(gdcm::Tag(0x7fe0, 0x0010));
+  pixels.SetVR(gdcm::VR::OB);
+  pixels.SetValue(*sequence);
+  image.SetDataElement(pixels);
+  return image;
+}
+
+void decode_frame(const DicomSlice& slice, std::span<std::byte> plane) {
+  silence_gdcm();
+  const DicomLayout& layout = *slice.layout;
+  const gdcm::Image image = image_of(layout, fragments_of(layout, slice.frame));
+  const std::size_t found = image.GetBufferLength();
+  if (found != plane.size()) {
+    reject(layout, "the compressed picture holds " + std::to_string(found) +
+                       " bytes, the header says " + std::to_string(plane.size()));
+  }
+  bool is_decoded = false;
+  try {
+    is_decoded = image.GetBuffer(reinterpret_cast<char*>(plane.data()));
+  } catch (const std::exception&) {
+    is_decoded = false;
+  }
+  if (!is_decoded) {
+    reject(layout, "its compressed picture (transfer syntax " + escaped(layout.transfer_syntax) +
+                       ") cannot be decoded: it is damaged, or of a kind that GDCM does not read");
+  }
+}
+
+std::string segment_text(const DicomLayout& layout, std::int64_t number) {
+  for (const DicomSegment& segment : layout.segments) {
+    if (segment.number == number) return std::to_string(number) + " " + escaped(segment.label);
+  }
+  return std::to_string(number);
+}
+
+/// Words of the file hold two voxels of 8 bits, or 16 of 1 bit, in the order of their high bytes.
+bool has_swapped_words(const DicomLayout& layout) {
+  return layout.big_endian && layout.pixels.is_words && layout.bits_allocated <= 8;
+}
+
+/// Bytes of the native pixel data from `at` on, those of swapped words in the order of voxels.
+void read_native_bytes(const DicomLayout& layout, std::uint64_t at, std::span<std::byte> bytes) {
+  const ByteRun& native = layout.pixels.native;
+  const SourceFile file(layout.path);
+  if (!has_swapped_words(layout)) {
+    file.read_exactly(native.offset + at, bytes);
+    return;
+  }
+  // A run may start and end in the middle of a word.
+  const std::uint64_t first = at - at % 2;
+  const std::uint64_t end = at + bytes.size();
+  std::vector<std::byte> words(
+      static_cast<std::size_t>(std::min(end + end % 2, native.length) - first));
+  file.read_exactly(native.offset + first, words);
+  swap_values(words, 2);
+  std::copy_n(words.begin() + static_cast<std::ptrdiff_t>(at - first), bytes.size(),
+              bytes.begin());
+}
+
+/// Voxels of 1 bit, the lowest bit of a byte first; frames follow one another without a gap.
+void read_native_bits(const DicomSlice& slice, std::int64_t frame, std::span<std::byte> plane) {
+  const std::uint64_t first_bit = static_cast<std::uint64_t>(frame) * plane.size();
+  const std::uint64_t first_byte = first_bit / 8;
+  std::vector<std::byte> packed(
+      static_cast<std::size_t>((first_bit + plane.size() + 7) / 8 - first_byte));
+  read_native_bytes(*slice.layout, first_byte, packed);
+  for (std::size_t i = 0; i < plane.size(); ++i) {
+    const std::size_t bit = static_cast<std::size_t>(first_bit % 8) + i;
+    plane[i] = packed[bit / 8] >> (bit % 8) & std::byte{1};
+  }
+}
+
+/// One sample of each pixel of a colour picture that starts at `at` in the pixel data.
+void read_native_sample(const DicomSlice& slice, std::uint64_t at, std::span<std::byte> plane) {
+  const DicomLayout& layout = *slice.layout;
+  if (layout.is_planar) {
+    read_native_bytes(layout, at + static_cast<std::uint64_t>(slice.channel) * plane.size(), plane);
+    return;
+  }
+  const auto value_bytes = static_cast<std::size_t>(layout.bits_allocated / 8);
+  std::vector<std::byte> all(static_cast<std::size_t>(layout.frame_bytes()));
+  read_native_bytes(layout, at, all);
+  take_alternating({value_bytes, layout.samples, slice.channel}, all, plane);
+}
+
+/// The frames of several segments as one plane of labels.
+void read_labels(const DicomSlice& slice, std::span<std::byte> plane) {
+  const DicomLayout& layout = *slice.layout;
+  std::fill(plane.begin(), plane.end(), std::byte{0});
+  std::vector<std::byte> bits(plane.size());
+  for (const LabelFrame& part : slice.label_frames) {
+    read_native_bits(slice, part.frame, bits);
+    for (std::size_t i = 0; i < plane.size(); ++i) {
+      if (bits[i] == std::byte{0}) continue;
+      if (plane[i] != std::byte{0}) {
+        reject(layout, "segments " +
+                           segment_text(layout, std::to_integer<std::int64_t>(plane[i])) + " and " +
+                           segment_text(layout, part.label) + " overlap in frame " +
+                           std::to_string(part.frame + 1) +
+                           ", and a voxel has one label; give --segment to take one of them");
+      }
+      plane[i] = static_cast<std::byte>(part.label);
+    }
+  }
+}
+
+void read_native(const DicomSlice& slice, std::span<std::byte> plane) {
+  const DicomLayout& layout = *slice.layout;
+  const std::uint64_t at = static_cast<std::uint64_t>(slice.frame) * layout.frame_bytes();
+  if (layout.samples > 1) {
+    read_native_sample(slice, at, plane);
+  } else {
+    read_native_bytes(layout, at, plane);
+  }
+  if (needs_swap(layout.big_endian)) {
+    swap_values(plane, static_cast<std::size_t>(layout.bits_allocated / 8));
+  }
+}
+
+/// Moves the stored bits of every value down to bit 0 and fills the others with the sign, or 0.
+template <class T>
+void keep_stored_bits(std::span<std::byte> plane, int shift_up, int shift_down) {
+  using Unsigned = std::make_unsigned_t<T>;
+  for (std::size_t at = 0; at + sizeof(T) <= plane.size(); at += sizeof(T)) {
+    Unsigned raw;
+    std::memcpy(&raw, plane.data() + at, sizeof raw);
+    const auto lifted = static_cast<T>(static_cast<Unsigned>(raw << shift_up));
+    const auto value = static_cast<T>(lifted >> shift_down);
+    std::memcpy(plane.data() + at, &value, sizeof value);
+  }
+}
+
+void clean_unused_bits(const DicomLayout& layout, std::span<std::byte> plane) {
+  // Decoders put the stored bits at the bottom; native values keep them below the high bit.
+  const std::int64_t high =
+      layout.pixels.is_encapsulated ? layout.bits_stored - 1 : layout.high_bit;
+  const int shift_up = static_cast<int>(layout.bits_allocated - 1 - high);
+  const int shift_down = static_cast<int>(layout.bits_allocated - layout.bits_stored);
+  if (shift_up == 0 && shift_down == 0) return;
+  with_voxel_type(dicom_voxel_type(layout), [&](auto tag) {
+    using T = typename decltype(tag)::type;
+    if constexpr (std::is_integral_v<T>) keep_stored_bits<T>(plane, shift_up, shift_down);
+  });
+}
+
+}  // namespace
+
+VoxelType dicom_voxel_type(const DicomLayout& layout) {
+  if (layout.is_segmentation()) {
+    if (layout.bits_allocated == 1 && layout.segmentation_type == "BINARY" &&
+        layout.samples == 1 && !layout.pixels.is_encapsulated && !layout.pixels.is_float) {
+      return VoxelType::uint8;
+    }
+    const bool is_fractional = layout.segmentation_type == "FRACTIONAL" &&
+                               layout.bits_allocated == 8 && layout.samples == 1 &&
+                               !layout.is_signed && !layout.pixels.is_float;
+    if (is_fractional) return VoxelType::uint8;
+    reject(layout, "a DICOM segmentation (SEG) of type " +
+                       escaped(layout.segmentation_type.empty() ? "unknown"
+                                                                : layout.segmentation_type) +
+                       " with " + std::to_string(layout.bits_allocated) + " bits per voxel" +
+                       (layout.pixels.is_encapsulated ? ", compressed," : "") +
+                       " is not read; plain BINARY ones of 1 bit and FRACTIONAL ones of 8 bits "
+                       "are. Convert it to NIfTI or NRRD labels first");
+  }
+  if (layout.pixels.is_float) {
+    reject(layout, "float DICOM pixel data are not read; convert them to NRRD or NIfTI first");
+  }
+  const bool is_grey = layout.samples == 1 && layout.photometric.starts_with("MONOCHROME");
+  const bool is_rgb = layout.samples == 3 && layout.photometric == "RGB";
+  if (!is_grey && (!is_rgb || layout.pixels.is_encapsulated)) {
+    reject(layout, std::string("a ") + (layout.pixels.is_encapsulated ? "compressed " : "") +
+                       "colour picture (" + escaped(layout.photometric) + ", " +
+                       std::to_string(layout.samples) + " samples per pixel) is not read; grey "
+                       "and uncompressed RGB (of which --channel takes one) are. Convert it first, "
+                       "as gdcmconv --raw does");
+  }
+  const std::int64_t bits = layout.bits_allocated;
+  if (bits != 8 && bits != 16 && bits != 32) {
+    reject(layout,
+           std::to_string(bits) + " bits allocated per voxel are not read; 8, 16 and 32 are");
+  }
+  if (layout.bits_stored < 1 || layout.high_bit >= bits ||
+      layout.high_bit + 1 < layout.bits_stored) {
+    reject(layout, std::to_string(layout.bits_stored) + " bits stored up to bit " +
+                       std::to_string(layout.high_bit) + " do not fit the " + std::to_string(bits) +
+                       " bits allocated");
+  }
+  if (bits == 8) return layout.is_signed ? VoxelType::int8 : VoxelType::uint8;
+  if (bits == 16) return layout.is_signed ? VoxelType::int16 : VoxelType::uint16;
+  return layout.is_signed ? VoxelType::int32 : VoxelType::uint32;
+}
+
+void read_dicom_frame(const DicomSlice& slice, std::span<std::byte> plane) {
+  if (slice.layout->bits_allocated == 1) {
+    if (slice.label_frames.empty()) {
+      read_native_bits(slice, slice.frame, plane);
+    } else {
+      read_labels(slice, plane);
+    }
+    return;
+  }
+  if (slice.layout->pixels.is_encapsulated) {
+    decode_frame(slice, plane);
+  } else {
+    read_native(slice, plane);
+  }
+  clean_unused_bits(*slice.layout, plane);
+}
+
+}  // namespace octavo

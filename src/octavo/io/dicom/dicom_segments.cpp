@@ -1,0 +1,130 @@
+#include "octavo/io/dicom/dicom_segments.h"
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+
+#include "octavo/core/error.h"
+#include "octavo/io/source/source_file.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::size_t kMaxListedSegments = 8;
+constexpr std::int64_t kMaxLabel = 255;
+
+/// "1 liver, 2 tumour".
+std::string list_of(const DicomLayout& layout) {
+  std::string list;
+  const std::vector<DicomSegment>& segments = layout.segments;
+  for (std::size_t i = 0; i < std::min(segments.size(), kMaxListedSegments); ++i) {
+    list += (i == 0 ? "" : ", ") + std::to_string(segments[i].number) + " " +
+            escaped(segments[i].label);
+  }
+  if (segments.size() > kMaxListedSegments) {
+    list += " and " + std::to_string(segments.size() - kMaxListedSegments) + " more";
+  }
+  return list;
+}
+
+/// The number that `text` stands for: a label counts before a number.
+std::int64_t number_of(const DicomLayout& layout, const std::string& text) {
+  for (const DicomSegment& segment : layout.segments) {
+    if (lower_case(segment.label) == lower_case(text)) return segment.number;
+  }
+  for (const DicomSegment& segment : layout.segments) {
+    if (std::to_string(segment.number) == text) return segment.number;
+  }
+  throw Error(ErrorKind::invalid_argument,
+              "--segment " + escaped(text) + " is not there; segments are " + list_of(layout),
+              layout.path);
+}
+
+std::set<std::int64_t> numbers_in(const std::vector<DicomSlice>& slices) {
+  std::set<std::int64_t> numbers;
+  for (const DicomSlice& slice : slices) numbers.insert(slice.segment);
+  return numbers;
+}
+
+[[noreturn]] void ask_for_one(const DicomLayout& layout, const std::string& why) {
+  throw Error(ErrorKind::source_rejected,
+              "a segmentation (SEG) of several segments (" + list_of(layout) + ") " + why +
+                  "; give --segment with a number or label",
+              layout.path);
+}
+
+/// One slice for each place, with the frames of all segments there.
+std::vector<DicomSlice> join_places(std::vector<DicomSlice> slices) {
+  std::map<Point3, std::size_t> places;
+  std::vector<DicomSlice> joined;
+  for (DicomSlice& slice : slices) {
+    const auto [place, is_new] = places.try_emplace(*slice.position_mm, joined.size());
+    const LabelFrame part{slice.frame, slice.segment};
+    if (is_new) joined.push_back(std::move(slice));
+    joined[place->second].label_frames.push_back(part);
+  }
+  return joined;
+}
+
+void require_joinable(const std::vector<DicomSlice>& slices) {
+  const DicomLayout& layout = *slices.front().layout;
+  if (!layout.is_binary_segmentation()) {
+    ask_for_one(layout, "that are fractions, of which a volume holds one");
+  }
+  if (layout.segments_overlap) ask_for_one(layout, "that overlap, while a voxel has one label");
+  for (const DicomSlice& slice : slices) {
+    if (slice.layout != slices.front().layout) ask_for_one(layout, "in several files");
+    if (slice.segment < 1 || slice.segment > kMaxLabel) {
+      ask_for_one(layout, "with numbers that are no labels from 1 to 255");
+    }
+    if (!slice.position_mm) ask_for_one(layout, "whose frames have no positions");
+  }
+}
+
+}  // namespace
+
+std::vector<DicomSlice> choose_segments(std::vector<DicomSlice> slices,
+                                        const SourceOptions& options) {
+  const DicomLayout& layout = *slices.front().layout;
+  if (!layout.is_segmentation()) {
+    if (options.segment.empty()) return slices;
+    throw Error(ErrorKind::invalid_argument,
+                "--segment applies to DICOM segmentations (SEG) only", layout.path);
+  }
+  const double largest = static_cast<double>(std::max<std::int64_t>(layout.max_fraction, 1));
+  if (!options.segment.empty()) {
+    const std::int64_t number = number_of(layout, options.segment);
+    const std::string path = layout.path;
+    std::erase_if(slices, [&](const DicomSlice& slice) { return slice.segment != number; });
+    if (slices.empty()) {
+      throw Error(ErrorKind::source_rejected,
+                  "segment " + std::to_string(number) + " has no frames: it is empty", path);
+    }
+  } else if (numbers_in(slices).size() > 1) {
+    require_joinable(slices);
+    return join_places(std::move(slices));
+  }
+  if (!slices.front().layout->is_binary_segmentation()) {
+    for (DicomSlice& slice : slices) slice.values.rescale = {1 / largest, 0};
+  }
+  return slices;
+}
+
+std::string segments_json(const std::vector<DicomSlice>& slices, const SourceOptions& options) {
+  const DicomSlice& first = slices.front();
+  nlohmann::json all = nlohmann::json::array();
+  for (const DicomSegment& segment : first.layout->segments) {
+    const nlohmann::json one = {{"number", segment.number}};
+    if (!options.segment.empty() && segment.number == first.segment) {
+      return nlohmann::json{{"segment", one}}.dump();
+    }
+    all.push_back(one);
+  }
+  if (first.label_frames.empty()) return "";
+  return nlohmann::json{{"segments", all}}.dump();
+}
+
+}  // namespace octavo

@@ -1,0 +1,270 @@
+#include "octavo/io/dicom/dicom_series.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "octavo/core/error.h"
+#include "octavo/io/dicom/dicom_pixels.h"
+#include "octavo/io/source/described_source.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr double kRelativeTolerance = 1e-3;
+
+[[noreturn]] void reject(const DicomSlice& slice, const std::string& why) {
+  throw Error(ErrorKind::source_rejected, why, slice.layout->path);
+}
+
+void require_same(const DicomSlice& a, const DicomSlice& b, const char* what,
+                  const std::string& in_a, const std::string& in_b) {
+  if (in_a == in_b) return;
+  reject(b, std::string(what) + " is " + escaped(in_b) + " in " + b.name() + " and " +
+                escaped(in_a) + " in " + a.name() + "; the slices of a volume must agree");
+}
+
+std::string type_text(const DicomLayout& l) {
+  return std::to_string(l.bits_allocated) + " bits allocated, " + std::to_string(l.bits_stored) +
+         " stored, " + (l.is_signed ? "signed" : "unsigned") + ", " + std::to_string(l.samples) +
+         (l.samples == 1 ? " sample" : " samples");
+}
+
+std::string name_or(const std::string& name) { return name.empty() ? "not named" : name; }
+
+template <std::size_t n>
+bool are_close(const std::array<double, n>& a, const std::array<double, n>& b) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const double scale = std::max({std::abs(a[i]), std::abs(b[i]), 1e-3});
+    // Direction cosines are of size 1; a thousandth of that is the tolerance for all of them.
+    const double allowed = n == 6 ? kRelativeTolerance : kRelativeTolerance * scale;
+    if (std::abs(a[i] - b[i]) > allowed) return false;
+  }
+  return true;
+}
+
+template <std::size_t n>
+void require_close(const DicomSlice& a, const DicomSlice& b, const char* what,
+                   const std::optional<std::array<double, n>>& in_a,
+                   const std::optional<std::array<double, n>>& in_b) {
+  if (in_a && in_b && are_close(*in_a, *in_b)) return;
+  require_same(a, b, what, in_a ? list_text(*in_a) : "absent", in_b ? list_text(*in_b) : "absent");
+}
+
+void require_alike(const DicomSlice& a, const DicomSlice& b) {
+  const DicomLayout& x = *a.layout;
+  const DicomLayout& y = *b.layout;
+  require_same(a, b, "the size", size_text(x.columns, x.rows), size_text(y.columns, y.rows));
+  require_same(a, b, "the voxel type", type_text(x), type_text(y));
+  require_same(a, b, "the photometric interpretation", x.photometric, y.photometric);
+  require_close(a, b, "the orientation", a.orientation, b.orientation);
+  require_close(a, b, "the pixel spacing", a.pixel_mm, b.pixel_mm);
+  require_same(a, b, "the unit of real values", name_or(a.values.unit), name_or(b.values.unit));
+  require_same(a, b, "the unit of PET values", name_or(x.pet_units), name_or(y.pet_units));
+  const Rescale& in_a = a.values.rescale;
+  const Rescale& in_b = b.values.rescale;
+  require_same(a, b, "the rescale",
+               number_text(in_a.slope) + " x + " + number_text(in_a.intercept),
+               number_text(in_b.slope) + " x + " + number_text(in_b.intercept));
+  if (in_a == in_b) return;
+  reject(b, "the rescale differs between " + b.name() + " and " + a.name() +
+                " beyond the digits shown");
+}
+
+/// Positions in different frames of reference do not stand in one space. Where about every slice
+/// names one of its own, as some programs that remove names from scans make them do, that says
+/// nothing.
+void require_one_space(const std::vector<DicomSlice>& slices) {
+  std::map<std::string, const DicomSlice*> found;
+  std::size_t naming = 0;
+  for (const DicomSlice& slice : slices) {
+    const std::string& frame = slice.layout->frame_of_reference;
+    if (frame.empty()) continue;
+    ++naming;
+    found.try_emplace(frame, &slice);
+  }
+  if (found.size() < 2 || found.size() * 2 > naming + 1) return;
+  const DicomSlice& first = *found.begin()->second;
+  const DicomSlice& other = *found.rbegin()->second;
+  require_same(first, other, "the frame of reference", first.layout->frame_of_reference,
+               other.layout->frame_of_reference);
+}
+
+std::string pair_text(const DicomSlice& a, const DicomSlice& b) {
+  return a.name() + " and " + b.name();
+}
+
+std::vector<std::byte> voxels_of(const DicomSlice& slice) {
+  const DicomLayout& layout = *slice.layout;
+  std::vector<std::byte> voxels(static_cast<std::size_t>(
+      layout.columns * layout.rows * bytes_per_voxel(dicom_voxel_type(layout))));
+  read_dicom_frame(slice, voxels);
+  return voxels;
+}
+
+/// Refuses a slice at the height of the one kept before it, unless it is its copy at the same
+/// place and copies may go.
+void require_copy(const DicomSlice& kept, const DicomSlice& slice, double sideways_mm,
+                  bool may_drop) {
+  const std::string pair = pair_text(kept, slice);
+  if (sideways_mm > tolerance_mm(std::min((*slice.pixel_mm)[0], (*slice.pixel_mm)[1]))) {
+    reject(slice, pair + " lie at the same height along the normal, " + mm_text(sideways_mm) +
+                      " apart sideways; remove one of them");
+  }
+  const Point3& at = *kept.position_mm;
+  const std::string place = pair + " lie at the same position (" + number_text(at[0]) + ", " +
+                            number_text(at[1]) + ", " + mm_text(at[2]) + ")";
+  if (!may_drop) {
+    reject(slice,
+           place + "; remove one of them, or give --drop-duplicates to have copies left out");
+  }
+  if (voxels_of(kept) == voxels_of(slice)) return;
+  reject(slice, place + ", but their voxels differ: neither is a copy of the other; remove one of "
+                        "them");
+}
+
+/// Leaves one slice at each height. Returns the places of those that stay.
+SlicePlaces settle_duplicates(DicomStack& stack, const SlicePlaces& all, bool may_drop) {
+  const double same_mm = same_height_mm(all);
+  SlicePlaces places{all.axes, {}, {}};
+  std::vector<DicomSlice> kept;
+  std::string example;
+  for (std::size_t i = 0; i < all.count(); ++i) {
+    DicomSlice& slice = stack.slices[i];
+    if (!kept.empty() && all.height_mm[i] - places.height_mm.back() <= same_mm) {
+      const double sideways = std::hypot(all.shift_mm[i][0] - places.shift_mm.back()[0],
+                                         all.shift_mm[i][1] - places.shift_mm.back()[1]);
+      require_copy(kept.back(), slice, sideways, may_drop);
+      if (example.empty()) example = slice.name() + " of " + kept.back().name();
+      ++stack.dropped_duplicates;
+      continue;
+    }
+    places.height_mm.push_back(all.height_mm[i]);
+    places.shift_mm.push_back(all.shift_mm[i]);
+    kept.push_back(std::move(slice));
+  }
+  stack.slices = std::move(kept);
+  if (stack.dropped_duplicates > 0) {
+    const bool is_one = stack.dropped_duplicates == 1;
+    stack.warnings.push_back(std::to_string(stack.dropped_duplicates) +
+                             (is_one ? " copy of a slice" : " copies of slices") +
+                             " left out (same position, same voxels): " + example +
+                             (is_one ? "" : " and others"));
+  }
+  return places;
+}
+
+/// The distance of planes of a single slice cannot be measured.
+double lone_spacing(const DicomSlice& slice, DicomStack& stack) {
+  const std::optional<double> thickness = slice.layout->slice_thickness_mm;
+  const bool is_usable = thickness && *thickness > 0;
+  stack.warnings.push_back("a single slice: its thickness of " +
+                           (is_usable ? mm_text(*thickness) : std::string("1 mm (assumed)")) +
+                           " stands for the distance of planes");
+  return is_usable ? *thickness : 1.0;
+}
+
+void place_stack(DicomStack& stack, const SourceOptions& options) {
+  const SlicePlaces all = sort_along_normal(stack.slices);
+  const SlicePlaces places = settle_duplicates(stack, all, options.drop_duplicates);
+  const DicomSlice& first = stack.slices.front();
+  const std::array<double, 2>& pixel = *first.pixel_mm;
+  if (!(pixel[0] > 0 && pixel[1] > 0)) {
+    reject(first, "its pixel spacing " + list_text(pixel) + " is not positive");
+  }
+  stack.geometry.origin_mm = *first.position_mm;
+  stack.geometry.spacing_mm = {pixel[0], pixel[1], 1};
+  for (std::size_t i = 0; i < 3; ++i) {
+    stack.geometry.direction[i * 3] = places.axes.row[i];
+    stack.geometry.direction[i * 3 + 1] = places.axes.column[i];
+    stack.geometry.direction[i * 3 + 2] = places.axes.normal[i];
+  }
+  stack.spacing_known = true;
+  if (stack.slices.size() > 1) {
+    plan_planes(stack, places, options);
+  } else {
+    stack.geometry.spacing_mm[2] = lone_spacing(first, stack);
+    stack.planes = {PlaneOrigin{}};
+  }
+}
+
+bool has_geometry(const DicomSlice& slice) {
+  return slice.position_mm && slice.orientation && slice.pixel_mm;
+}
+
+/// Without positions the order is that of the instance numbers, or of the frames of one file.
+void order_by_number(std::vector<DicomSlice>& slices) {
+  for (const DicomSlice& slice : slices) {
+    if (slice.instance_number || slice.layout == slices.front().layout) continue;
+    reject(slice,
+           "no geometry: neither a position nor an instance number tells its place in the stack");
+  }
+  std::stable_sort(slices.begin(), slices.end(), [](const DicomSlice& a, const DicomSlice& b) {
+    return a.instance_number.value_or(0) < b.instance_number.value_or(0);
+  });
+}
+
+struct SeriesSummary {
+  std::size_t slice_count = 0;
+  const DicomSlice* first = nullptr;
+};
+
+std::string summary_text(const std::string& uid, const SeriesSummary& summary) {
+  const DicomLayout& layout = *summary.first->layout;
+  const bool is_described = !layout.series_description.empty();
+  const std::string about = is_described ? escaped(layout.series_description) : "no description";
+  return escaped(uid.empty() ? "(no UID)" : uid) + ": " + std::to_string(summary.slice_count) +
+         (summary.slice_count == 1 ? " slice of " : " slices of ") +
+         size_text(layout.columns, layout.rows) + ", " + escaped(layout.modality) + ", " + about;
+}
+
+}  // namespace
+
+std::vector<DicomSlice> choose_series(std::vector<DicomSlice> slices, const std::string& series,
+                                      const std::string& source) {
+  std::map<std::string, SeriesSummary> found;
+  for (const DicomSlice& slice : slices) {
+    SeriesSummary& summary = found[slice.layout->series];
+    if (summary.slice_count++ == 0) summary.first = &slice;
+  }
+  if (series.empty() && found.size() == 1) return slices;
+  if (!series.empty() && found.contains(series)) {
+    std::erase_if(slices, [&](const DicomSlice& slice) { return slice.layout->series != series; });
+    return slices;
+  }
+  std::string list;
+  for (const auto& [uid, summary] : found)
+    list += (list.empty() ? "" : "; ") + summary_text(uid, summary);
+  const std::string start =
+      series.empty() ? std::to_string(found.size()) + " series found, give --series UID: "
+                     : "no series " + escaped(series) + " here; there are: ";
+  throw Error(ErrorKind::source_rejected, start + list, source);
+}
+
+DicomStack prove_stack(std::vector<DicomSlice> slices, const SourceOptions& options) {
+  DicomStack stack;
+  stack.slices = std::move(slices);
+  stack.leaves_out_empty = stack.slices.front().layout->is_segmentation();
+  stack.holds_labels = stack.slices.front().layout->is_binary_segmentation();
+  for (const DicomSlice& slice : stack.slices) require_alike(stack.slices.front(), slice);
+  require_one_space(stack.slices);
+  const auto lacking = std::find_if_not(stack.slices.begin(), stack.slices.end(), has_geometry);
+  if (lacking == stack.slices.end()) {
+    place_stack(stack, options);
+    return stack;
+  }
+  if (!options.spacing_mm) {
+    reject(*lacking, "no geometry: position, orientation or pixel spacing is missing in " +
+                         lacking->name() +
+                         "; give --spacing x,y,z to take the slices in their order");
+  }
+  order_by_number(stack.slices);
+  for (std::size_t i = 0; i < stack.slices.size(); ++i) stack.planes.push_back({i});
+  stack.warnings.push_back(
+      "positions are not in the files: slices taken in the order of their numbers");
+  return stack;
+}
+
+}  // namespace octavo

@@ -1,0 +1,99 @@
+// One picture of a DICOM series: what its header says about layout, place and meaning of its
+// voxels.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "octavo/core/geometry.h"
+#include "octavo/io/dicom/dicom_file.h"
+#include "octavo/io/dicom/dicom_values.h"
+
+namespace octavo {
+
+struct DicomSegment {
+  std::int64_t number = 0;
+  std::string label;
+};
+
+/// A frame of 1-bit voxels, and the value that its set voxels have in the volume.
+struct LabelFrame {
+  std::int64_t frame = 0;
+  std::int64_t label = 1;
+};
+
+/// What all frames of one file share.
+struct DicomLayout {
+  std::string path;
+  std::string transfer_syntax;
+  bool big_endian = false;
+  std::string sop_class;
+  std::string series;
+  std::string series_description;
+  std::string modality;
+  std::string image_type;
+  std::string photometric;
+  std::string frame_of_reference;
+  std::string pet_units;  ///< Units (0054,1001)
+  std::int64_t columns = 0;
+  std::int64_t rows = 0;
+  std::int64_t frames = 1;
+  std::int64_t samples = 1;
+  bool is_planar = false;  ///< samples stand in planes of their own, else they alternate
+  std::int64_t bits_allocated = 0;
+  std::int64_t bits_stored = 0;
+  std::int64_t high_bit = 0;
+  bool is_signed = false;
+  std::optional<std::int64_t> padding_value;  ///< a stored value that is no measurement
+  std::string segmentation_type;              ///< of a SEG: BINARY or FRACTIONAL
+  std::vector<DicomSegment> segments;         ///< of a SEG
+  bool segments_overlap = false;              ///< of a SEG that says so
+  std::int64_t max_fraction = 255;            ///< of a SEG: the stored value of a whole voxel
+  bool was_lossy = false;  ///< the header or the transfer syntax says that values were changed
+  std::optional<double> slice_thickness_mm;
+  DicomPixels pixels;
+  std::vector<std::pair<DicomTag, std::int64_t>> elements;  ///< and how often each is there
+  std::int64_t private_elements = 0;
+
+  /// A DICOM segmentation.
+  bool is_segmentation() const;
+  /// A segmentation whose voxels are in a segment or not, else they are so by a fraction.
+  bool is_binary_segmentation() const;
+  /// Bytes of one frame as stored natively; those of 1-bit voxels share bytes and have none.
+  std::uint64_t frame_bytes() const;
+  /// Bytes of all frames as stored natively.
+  std::uint64_t native_bytes() const;
+};
+
+/// One frame.
+struct DicomSlice {
+  std::shared_ptr<const DicomLayout> layout;
+  std::int64_t frame = 0;
+  std::optional<Point3> position_mm;                  ///< of the centre of its first voxel, LPS
+  std::optional<std::array<double, 6>> orientation;   ///< direction of rows, then of columns
+  std::optional<std::array<double, 2>> pixel_mm;      ///< along x (columns), y (rows)
+  DicomValues values;                                 ///< what its stored values stand for
+  std::optional<double> instance_number;
+  std::int64_t channel = 0;  ///< of a colour picture: the sample that is taken
+  std::int64_t segment = 0;  ///< of a SEG: the number of the segment that the frame belongs to
+  std::vector<LabelFrame> label_frames;  ///< of a SEG of several segments: all at this place
+
+  /// The file's name, with the frame where it has several.
+  std::string name() const;
+};
+
+/// "1\0\0": numbers as DICOM lists them.
+std::string list_text(std::span<const double> values);
+
+/// The slices of one file in frame order, geometry and rescale from the functional groups where it
+/// has them. None when the file holds no pixel data (reports, directories).
+/// Throws Error{source_rejected} where the file is cut or its header makes no sense; Error{io}
+std::vector<DicomSlice> read_dicom_slices(const std::string& path);
+
+}  // namespace octavo

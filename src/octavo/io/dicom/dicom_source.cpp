@@ -1,0 +1,168 @@
+#include "octavo/io/dicom/dicom_source.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+
+#include "octavo/io/dicom/dicom_attributes.h"
+#include "octavo/io/dicom/dicom_extent.h"
+#include "octavo/io/dicom/dicom_identity.h"
+#include "octavo/io/dicom/dicom_pixels.h"
+#include "octavo/io/dicom/dicom_plane.h"
+#include "octavo/io/dicom/dicom_segments.h"
+#include "octavo/io/dicom/dicom_series.h"
+#include "octavo/io/dicom/dicom_strays.h"
+#include "octavo/io/source/source_file.h"
+
+namespace octavo {
+
+namespace {
+
+class DicomSource final : public IndexedPlaneSource {
+ public:
+  DicomSource(SourceFacts facts, DicomStack stack)
+      : IndexedPlaneSource(std::move(facts)), stack_(std::move(stack)) {}
+
+  void read_plane_at(std::int64_t z, std::span<std::byte> plane) const override {
+    require_plane(plane);
+    read_stack_plane(stack_, z, plane);
+  }
+
+ private:
+  DicomStack stack_;
+};
+
+std::vector<DicomSlice> collect_slices(const std::vector<std::string>& files,
+                                       std::vector<std::string>& warnings) {
+  std::vector<DicomSlice> slices;
+  DicomStrays strays;
+  std::size_t without_picture = 0;
+  for (const std::string& path : files) {
+    if (!looks_like_dicom(path)) {
+      strays.add(path, files.size() == 1);
+      continue;
+    }
+    std::vector<DicomSlice> found = read_dicom_slices(path);
+    if (found.empty()) ++without_picture;
+    std::move(found.begin(), found.end(), std::back_inserter(slices));
+  }
+  if (without_picture > 0 && !slices.empty()) {
+    warnings.push_back(std::to_string(without_picture) +
+                       (without_picture == 1 ? " DICOM file" : " DICOM files") +
+                       " without a picture (directories, reports) left out");
+  }
+  if (const std::string text = strays.warning(); !text.empty()) warnings.push_back(text);
+  return slices;
+}
+
+/// Refuses pixel data that do not fit their header and values of unknown meaning; warns where more
+/// is stored than is taken.
+void check_slices(const std::vector<DicomSlice>& slices, std::vector<std::string>& warnings) {
+  const DicomLayout* example = nullptr;
+  std::set<const DicomLayout*> checked;
+  std::size_t count = 0;
+  for (const DicomSlice& slice : slices) {
+    const DicomLayout& layout = *slice.layout;
+    if (!slice.values.fault.empty()) {
+      throw Error(ErrorKind::source_rejected, slice.values.fault, layout.path);
+    }
+    if (!checked.insert(&layout).second) continue;
+    dicom_voxel_type(layout);
+    check_dicom_pixels(layout);
+    if (surplus_bytes(layout) == 0) continue;
+    if (count++ == 0) example = &layout;
+  }
+  if (count == 0) return;
+  warnings.push_back(std::to_string(count) + (count == 1 ? " file holds" : " files hold") +
+                     " more pixel data than the size in the header takes (" +
+                     escaped(base_name(example->path)) + ": " +
+                     std::to_string(surplus_bytes(*example)) +
+                     " bytes more); what is behind the picture is left out");
+}
+
+std::string extra_json(const DicomStack& stack, const SourceOptions& options, bool was_lossy) {
+  nlohmann::json extra;
+  const std::string segments = segments_json(stack.slices, options);
+  if (!segments.empty()) extra = nlohmann::json::parse(segments);
+  if (!stack.spacing_known) extra["place_known"] = false;
+  const DicomFile first = read_dicom_file(stack.slices.front().layout->path);
+  extra["dicom"] = nlohmann::json::parse(dicom_metadata_json(first.data));
+  if (was_lossy) extra["lossy_source"] = true;
+  const std::string preparation = preparation_json(stack);
+  if (!preparation.empty()) extra["prepared"] = nlohmann::json::parse(preparation);
+  return extra.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+SourceFacts describe(const DicomStack& stack, const SourceOptions& options) {
+  const DicomSlice& first = stack.slices.front();
+  const DicomLayout& layout = *first.layout;
+  SourceFacts facts;
+  facts.format = "DICOM";
+  facts.description.type = dicom_voxel_type(layout);
+  facts.description.size = stack.size();
+  if (stack.holds_labels) facts.description.kind = VolumeKind::labels;
+  facts.description.geometry = stack.geometry;
+  facts.description.rescale = first.values.rescale;
+  facts.description.padding = layout.padding_value;
+  facts.spacing_known = stack.spacing_known;
+  facts.unit = first.values.unit;
+  std::set<std::string> paths;
+  bool was_lossy = false;
+  for (const DicomSlice& slice : stack.slices) {
+    paths.insert(slice.layout->path);
+    was_lossy = was_lossy || slice.layout->was_lossy;
+  }
+  facts.file_count = static_cast<std::int64_t>(paths.size());
+  if (was_lossy) {
+    facts.warnings.push_back(
+        "some slices were compressed with loss before they came here; what is kept is what is "
+        "left");
+  }
+  if (layout.photometric == "MONOCHROME1") {
+    facts.warnings.push_back(
+        "larger values are darker in these files (MONOCHROME1); kept as stored");
+  }
+  if (layout.image_type.find("MOSAIC") != std::string::npos) {
+    facts.warnings.push_back(
+        "a mosaic: each picture holds several slices side by side, which are not taken apart");
+  }
+  facts.identity = dicom_identity(stack);
+  facts.extra_json = extra_json(stack, options, was_lossy);
+  return facts;
+}
+
+}  // namespace
+
+std::unique_ptr<PlaneSource> open_dicom_source(const std::vector<std::string>& files,
+                                               const std::string& source,
+                                               const SourceOptions& options) {
+  std::vector<std::string> warnings;
+  std::vector<DicomSlice> slices = collect_slices(files, warnings);
+  if (slices.empty()) {
+    throw Error(ErrorKind::source_rejected, "no DICOM file with a picture found", source);
+  }
+  slices = choose_series(std::move(slices), options.series, source);
+  Components components;
+  components.channels = slices.front().layout->samples;
+  components.channel_names = colour_names(components.channels);
+  check_slices(slices, warnings);
+  if (options.on_gap == GapPolicy::ignore) {
+    throw Error(ErrorKind::invalid_argument,
+                "--on-gap ignore is for numbered files; DICOM slices say where they lie: give fill "
+                "or resample",
+                source);
+  }
+  slices = choose_segments(std::move(slices), options);
+  const ComponentChoice choice = choose_component(components, options, slices.front().layout->path);
+  for (DicomSlice& slice : slices) slice.channel = choice.channel;
+  DicomStack stack = prove_stack(std::move(slices), options);
+  SourceFacts facts = describe(stack, options);
+  facts.warnings.insert(facts.warnings.begin(), warnings.begin(), warnings.end());
+  facts.warnings.insert(facts.warnings.end(), stack.warnings.begin(), stack.warnings.end());
+  facts.components = std::move(components);
+  settle(facts, options, source);
+  return std::make_unique<DicomSource>(std::move(facts), std::move(stack));
+}
+
+}  // namespace octavo

@@ -1,0 +1,289 @@
+#include "octavo/io/dicom/dicom_stack.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "octavo/core/error.h"
+#include "octavo/io/source/described_source.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr double kMaxTiltDegrees = 45;
+/// How many times larger a canvas, and a count of resampled planes, may be than what there is: a
+/// few positions far away must not make a volume without end.
+constexpr double kMaxCanvasGrowth = 8;
+constexpr double kMaxPlaneGrowth = 64;
+constexpr double kAirHounsfield = -1000;
+/// Of a step: less than this behind the last plane is not worth a word.
+constexpr double kNoticeableRest = 0.05;
+constexpr std::size_t kMaxListedRuns = 1000;
+/// A shift so near to whole voxels moves voxels unchanged.
+constexpr double kWholeShift = 1e-3;
+
+[[noreturn]] void reject(const DicomStack& stack, const std::string& why) {
+  throw Error(ErrorKind::source_rejected, why, stack.slices.front().layout->path);
+}
+
+std::string count_text(std::size_t count, const char* noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+double rounded(double value, double steps) { return std::round(value * steps) / steps; }
+
+/// Planes that an even grid through all slices lacks; nothing when there is no such grid.
+std::optional<double> missing_planes(const SlicePlaces& places) {
+  const std::optional<double> step = grid_step_mm(places);
+  if (!step) return std::nullopt;
+  return std::round(places.height_mm.back() / *step) + 1 - static_cast<double>(places.count());
+}
+
+/// More planes than there are slices are not made up, but may well be left empty.
+bool is_fillable(const DicomStack& stack, double missing) {
+  return missing <= (stack.leaves_out_empty ? kMaxPlaneGrowth : 1) *
+                        static_cast<double>(stack.slices.size());
+}
+
+/// Refuses uneven steps and tilt where no option says what to do about them.
+void require_even(const DicomStack& stack, const SlicePlaces& places,
+                  const SourceOptions& options) {
+  const std::string jump = find_sideways_jump(stack.slices, places);
+  std::string faults;
+  std::string remedy;
+  if (const double degrees = tilt_degrees(places); degrees > 0 && !options.untilt) {
+    const double sideways = std::hypot(places.shift_mm.back()[0], places.shift_mm.back()[1]);
+    faults = "the slices are sheared (gantry tilt): from " + stack.slices.front().name() + " to " +
+             stack.slices.back().name() + " they shift " + mm_text(sideways) + " sideways over " +
+             mm_text(places.height_mm.back()) + ", an angle of " +
+             number_text(rounded(degrees, 100)) + " degrees";
+    remedy = "--untilt to resample them upright";
+  }
+  if (const std::string uneven = find_uneven_step(stack.slices, places);
+      !uneven.empty() && options.on_gap == GapPolicy::error) {
+    const std::optional<double> missing = missing_planes(places);
+    const bool can_fill = missing && is_fillable(stack, *missing);
+    const char* fill = stack.leaves_out_empty
+                           ? "--on-gap fill to have planes without a frame left empty"
+                           : "--on-gap fill to have missing planes made from their neighbours";
+    faults += (faults.empty() ? "" : "; also ") + uneven;
+    remedy += remedy.empty() ? "" : " and ";
+    remedy += can_fill ? fill : "--on-gap resample to have even planes made from them";
+  }
+  if (!jump.empty()) reject(stack, jump + (faults.empty() ? "" : "; also ") + faults);
+  if (!faults.empty()) reject(stack, faults + "; complete the series, or give " + remedy);
+}
+
+/// One plane on each slice.
+double take_slices(DicomStack& stack, const SlicePlaces& places) {
+  for (std::size_t i = 0; i < places.count(); ++i) stack.planes.push_back({i});
+  return places.height_mm.back() / static_cast<double>(places.count() - 1);
+}
+
+/// Planes between the slices of a grid with gaps.
+double fill_gaps(DicomStack& stack, const SlicePlaces& places) {
+  const std::optional<double> step = grid_step_mm(places);
+  const std::optional<double> missing = missing_planes(places);
+  if (!step || !missing) {
+    reject(stack, find_uneven_step(stack.slices, places) +
+                      " and lie on no even grid whose gaps could be filled; give --on-gap "
+                      "resample");
+  }
+  if (!is_fillable(stack, *missing)) {
+    reject(stack, find_uneven_step(stack.slices, places) + "; " + number_text(*missing) +
+                      " planes would be made from " + count_text(places.count(), "slice") +
+                      ": too many to be called filling; find the missing slices, or give "
+                      "--on-gap resample");
+  }
+  for (std::size_t i = 0; i + 1 < places.count(); ++i) {
+    const auto count = static_cast<std::int64_t>(std::round(places.step_mm(i + 1) / *step));
+    for (std::int64_t k = 0; k < count; ++k) {
+      const double weight = static_cast<double>(k) / static_cast<double>(count);
+      stack.planes.push_back({i, weight, k > 0 && stack.leaves_out_empty});
+    }
+  }
+  stack.planes.push_back({places.count() - 1});
+  return *step;
+}
+
+/// Even planes from slices at any heights; those that lie at one keep its voxels.
+double resample_heights(DicomStack& stack, const SlicePlaces& places) {
+  const double step = smallest_regular_step_mm(places);
+  const double top = places.height_mm.back();
+  const double tolerance = tolerance_mm(step);
+  if (top / step > kMaxPlaneGrowth * static_cast<double>(places.count())) {
+    reject(stack, find_uneven_step(stack.slices, places) + "; at a regular step of " +
+                      mm_text(step) + ", " + count_text(places.count(), "slice") + " over " +
+                      mm_text(top) + " would become " + number_text(std::floor(top / step) + 1) +
+                      " planes, too many to be made from them; leave out slices that lie far away");
+  }
+  const auto count = static_cast<std::int64_t>(std::floor((top + tolerance) / step)) + 1;
+  std::size_t below = 0;
+  for (std::int64_t k = 0; k < count; ++k) {
+    const double height = static_cast<double>(k) * step;
+    while (below + 1 < places.count() && places.height_mm[below + 1] <= height + tolerance) ++below;
+    const double above_it = height - places.height_mm[below];
+    const bool is_slice = above_it <= tolerance || below + 1 == places.count();
+    stack.planes.push_back({below, is_slice ? 0 : above_it / places.step_mm(below + 1)});
+  }
+  const double rest = top - static_cast<double>(count - 1) * step;
+  if (rest > kNoticeableRest * step) stack.gaps.left_out_mm = rest;
+  return step;
+}
+
+void tell_of_gaps(DicomStack& stack, double step_mm) {
+  const auto made = static_cast<std::size_t>(stack.made_plane_count());
+  const std::size_t kept = stack.planes.size() - made;
+  std::string text;
+  if (stack.gaps.policy == GapPolicy::fill) {
+    text = count_text(made, "missing plane") +
+           (stack.leaves_out_empty ? " left empty" : " interpolated between the neighbours") +
+           "; " + count_text(kept, "plane") + " as in the slices";
+  } else {
+    text = "uneven slices resampled to a step of " + mm_text(step_mm) + ": " +
+           count_text(made, "plane") + " made from two slices each, " + count_text(kept, "plane") +
+           " as in the slices";
+    if (stack.gaps.left_out_mm > 0) {
+      text += "; the last " + mm_text(stack.gaps.left_out_mm) +
+              ", less than a step, hold no plane";
+    }
+  }
+  stack.warnings.push_back(text);
+}
+
+/// What stands where no slice reaches: the padding of the files, air in CT, else 0.
+double outside_value(const DicomStack& stack) {
+  const DicomSlice& slice = stack.slices.front();
+  const DicomLayout& layout = *slice.layout;
+  if (stack.leaves_out_empty) return 0;
+  if (layout.padding_value) return static_cast<double>(*layout.padding_value);
+  const double value =
+      layout.modality == "CT"
+          ? std::round((kAirHounsfield - slice.values.rescale.intercept) /
+                       slice.values.rescale.slope)
+          : 0;
+  const double span = std::ldexp(1.0, static_cast<int>(layout.bits_stored));
+  const double lowest = layout.is_signed ? -span / 2 : 0;
+  return std::clamp(value, lowest, lowest + span - 1);
+}
+
+void remove_tilt(DicomStack& stack, const SlicePlaces& places) {
+  TiltRemoval tilt;
+  tilt.angle_degrees = tilt_degrees(places);
+  if (tilt.angle_degrees > kMaxTiltDegrees) {
+    reject(stack, "the slices shift sideways at an angle of " +
+                      number_text(rounded(tilt.angle_degrees, 100)) +
+                      " degrees, more than the 45 degrees of any gantry: their positions are "
+                      "wrong, --untilt does not help");
+  }
+  const std::array<double, 2>& pixel_mm = *stack.slices.front().pixel_mm;
+  std::array<double, 2> least_mm{};
+  for (const auto& shift : places.shift_mm) {
+    for (std::size_t axis = 0; axis < 2; ++axis)
+      least_mm[axis] = std::min(least_mm[axis], shift[axis]);
+  }
+  std::array<double, 2> most{};
+  for (const auto& shift : places.shift_mm) {
+    std::array<double, 2>& voxels = tilt.shift.emplace_back();
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const double exact = (shift[axis] - least_mm[axis]) / pixel_mm[axis];
+      const double whole = std::round(exact);
+      voxels[axis] = std::abs(exact - whole) <= kWholeShift ? whole : exact;
+      most[axis] = std::max(most[axis], voxels[axis]);
+    }
+  }
+  const DicomLayout& layout = *stack.slices.front().layout;
+  if (most[0] > kMaxCanvasGrowth * static_cast<double>(layout.columns) ||
+      most[1] > kMaxCanvasGrowth * static_cast<double>(layout.rows)) {
+    reject(stack, "the slices shift sideways by " + number_text(std::max(most[0], most[1])) +
+                      " voxels, many times their size of " +
+                      size_text(layout.columns, layout.rows) +
+                      ": their positions are wrong, --untilt does not help");
+  }
+  tilt.columns = layout.columns + static_cast<std::int64_t>(std::ceil(most[0]));
+  tilt.rows = layout.rows + static_cast<std::int64_t>(std::ceil(most[1]));
+  tilt.outside = outside_value(stack);
+  for (std::size_t i = 0; i < 3; ++i) {
+    stack.geometry.origin_mm[i] +=
+        places.axes.row[i] * least_mm[0] + places.axes.column[i] * least_mm[1];
+  }
+  stack.warnings.push_back(
+      "gantry tilt of " + number_text(rounded(tilt.angle_degrees, 100)) +
+      " degrees removed: slices moved within their planes by up to " +
+      number_text(rounded(std::hypot(most[0], most[1]), 10)) + " voxels and " +
+      (stack.holds_labels ? "sampled anew" : "interpolated") + "; " +
+      size_text(layout.columns, layout.rows) + " grows to " + size_text(tilt.columns, tilt.rows) +
+      ", stored value " + number_text(tilt.outside) + " where no slice reaches");
+  stack.tilt = std::move(tilt);
+}
+
+/// Runs of made planes as [first, last], in order.
+nlohmann::json made_runs(const std::vector<PlaneOrigin>& planes) {
+  nlohmann::json runs = nlohmann::json::array();
+  for (std::size_t z = 0; z < planes.size(); ++z) {
+    if (planes[z].weight_above == 0) continue;
+    if (!runs.empty() && runs.back()[1] == z - 1) runs.back()[1] = z;
+    else runs.push_back({z, z});
+  }
+  return runs;
+}
+
+}  // namespace
+
+Size3 DicomStack::size() const {
+  const DicomLayout& layout = *slices.front().layout;
+  const auto planes_count = static_cast<std::int64_t>(planes.size());
+  if (tilt) return {tilt->columns, tilt->rows, planes_count};
+  return {layout.columns, layout.rows, planes_count};
+}
+
+std::int64_t DicomStack::made_plane_count() const {
+  return std::count_if(planes.begin(), planes.end(),
+                       [](const PlaneOrigin& plane) { return plane.weight_above > 0; });
+}
+
+void plan_planes(DicomStack& stack, const SlicePlaces& places, const SourceOptions& options) {
+  require_even(stack, places, options);
+  double& step = stack.geometry.spacing_mm[2];
+  if (find_uneven_step(stack.slices, places).empty()) {
+    step = take_slices(stack, places);
+  } else {
+    // What a segmentation leaves out is empty, not something between its neighbours.
+    const bool fills = options.on_gap == GapPolicy::fill ||
+                       (stack.leaves_out_empty && grid_step_mm(places).has_value());
+    stack.gaps.policy = fills ? GapPolicy::fill : GapPolicy::resample;
+    step = fills ? fill_gaps(stack, places) : resample_heights(stack, places);
+    tell_of_gaps(stack, step);
+  }
+  if (options.untilt && tilt_degrees(places) > 0) remove_tilt(stack, places);
+}
+
+std::string preparation_json(const DicomStack& stack) {
+  nlohmann::json changes = nlohmann::json::object();
+  const char* method = stack.holds_labels ? "nearest" : "linear";
+  if (stack.dropped_duplicates > 0) changes["dropped_duplicates"] = stack.dropped_duplicates;
+  if (stack.gaps.policy != GapPolicy::error) {
+    const bool fills = stack.gaps.policy == GapPolicy::fill;
+    nlohmann::json& gaps = changes["gaps"];
+    gaps = {{"on_gap", fills ? "fill" : "resample"},
+            {"method", fills && stack.leaves_out_empty ? "background" : method},
+            {"slices", stack.slices.size()},
+            {"step_mm", stack.geometry.spacing_mm[2]},
+            {"made_plane_count", stack.made_plane_count()}};
+    nlohmann::json runs = made_runs(stack.planes);
+    if (runs.size() <= kMaxListedRuns) gaps["made_planes"] = std::move(runs);
+    if (stack.gaps.left_out_mm > 0) gaps["left_out_mm"] = stack.gaps.left_out_mm;
+  }
+  if (stack.tilt) {
+    const DicomLayout& layout = *stack.slices.front().layout;
+    changes["tilt"] = {{"angle_degrees", stack.tilt->angle_degrees},
+                       {"method", method},
+                       {"slice_size", {layout.columns, layout.rows}},
+                       {"outside", stack.tilt->outside}};
+  }
+  return changes.empty() ? "" : changes.dump();
+}
+
+}  // namespace octavo

@@ -1,0 +1,87 @@
+#include "octavo/io/export/export_stream.h"
+
+#include <algorithm>
+#include <cstring>
+#include <type_traits>
+
+#include "octavo/core/checked.h"
+#include "octavo/file/parallel_read.h"
+#include "octavo/io/source/byte_order.h"
+
+namespace octavo {
+
+namespace {
+
+/// The first layer boundary behind plane z.
+std::int64_t layer_end(std::int64_t z, std::int64_t planes) { return (z / planes + 1) * planes; }
+
+template <class From, class To>
+bool map_one(const std::byte* from, std::byte* to, const IntegerMap& map) {
+  From stored;
+  std::memcpy(&stored, from, sizeof stored);
+  const std::int64_t value = static_cast<std::int64_t>(stored) * map.factor + map.offset;
+  const To mapped = static_cast<To>(value);
+  std::memcpy(to, &mapped, sizeof mapped);
+  return static_cast<std::int64_t>(mapped) == value;
+}
+
+/// Maps `count` voxels where they stand; a wider target is filled from the back.
+template <class From, class To>
+bool map_in_place(std::byte* voxels, std::size_t count, const IntegerMap& map) {
+  bool fits = true;
+  if constexpr (sizeof(To) > sizeof(From)) {
+    for (std::size_t i = count; i-- > 0;) {
+      fits &= map_one<From, To>(voxels + i * sizeof(From), voxels + i * sizeof(To), map);
+    }
+  } else {
+    for (std::size_t i = 0; i < count; ++i) {
+      fits &= map_one<From, To>(voxels + i * sizeof(From), voxels + i * sizeof(To), map);
+    }
+  }
+  return fits;
+}
+
+void map_voxels(const ExportPlan& plan, std::byte* voxels, std::size_t count) {
+  if (plan.map.is_identity() && plan.type == plan.stored_type) return;
+  const bool fits = with_voxel_type(plan.stored_type, [&](auto from) {
+    return with_voxel_type(plan.type, [&](auto to) -> bool {
+      using From = typename decltype(from)::type;
+      using To = typename decltype(to)::type;
+      if constexpr (std::is_integral_v<From> && std::is_integral_v<To>) {
+        return map_in_place<From, To>(voxels, count, plan.map);
+      } else {
+        throw Error(ErrorKind::internal, "float voxels are written as they are");
+      }
+    });
+  });
+  if (!fits) {
+    throw Error(ErrorKind::corrupt,
+                "a voxel lies outside the range that the index declares; run verify");
+  }
+}
+
+}  // namespace
+
+void stream_planes(const FileReader& reader, const ExportPlan& plan, int threads,
+                   ExportTarget& target, Progress& progress) {
+  const std::int64_t step = brick_side_at(reader.levels(), plan.level).z;
+  const auto type_bytes = static_cast<std::size_t>(bytes_per_voxel(plan.type));
+  const auto voxel_room = static_cast<std::uint64_t>(
+      std::max(bytes_per_voxel(plan.type), bytes_per_voxel(plan.stored_type)));
+  std::vector<std::byte> voxels;
+  Box layer = plan.box;
+  for (layer.lo.z = plan.box.lo.z; layer.lo.z < plan.box.hi.z; layer.lo.z = layer.hi.z) {
+    if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+    layer.hi.z = std::min(layer_end(layer.lo.z, step), plan.box.hi.z);
+    const auto count = static_cast<std::uint64_t>(layer.size().voxel_count());
+    voxels.resize(checked_mul(count, voxel_room, "bytes of a brick layer"));
+    read_parallel(reader, layer, plan.level, voxels.data(), threads);
+    map_voxels(plan, voxels.data(), count);
+    const std::span<std::byte> written(voxels.data(), count * type_bytes);
+    if (needs_swap(false)) swap_values(written, type_bytes);
+    target.write_planes({reinterpret_cast<const std::uint8_t*>(written.data()), written.size()});
+    progress.advance(layer.hi.z - layer.lo.z);
+  }
+}
+
+}  // namespace octavo

@@ -1,0 +1,107 @@
+#include "octavo/io/http/http_source.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "octavo/core/error.h"
+#include "octavo/file/lru_cache.h"
+#include "octavo/file/storage/storage.h"
+#include "octavo/io/http/http_range.h"
+#include "octavo/io/source/source_file.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::uint64_t kBlockBytes = std::uint64_t{1} << 16;
+constexpr std::uint64_t kCacheBytes = 64 * kBlockBytes;
+constexpr std::uint64_t kLargestRequest = std::uint64_t{1} << 26;
+
+using BlockBytes = std::vector<std::uint8_t>;
+using Block = std::shared_ptr<const BlockBytes>;
+
+class HttpSource final : public ByteSource {
+ public:
+  explicit HttpSource(const std::string& url) : client_(url) {
+    RangeAnswer head = client_.fetch(0, kBlockBytes);
+    size_ = head.total_bytes;
+    validator_ = std::move(head.validator);
+    head_ = std::make_shared<const BlockBytes>(std::move(head.bytes));
+  }
+
+  std::uint64_t size() const override { return size_; }
+  const std::string& name() const override { return client_.url(); }
+
+  void read(std::uint64_t offset, std::span<std::uint8_t> out) const override {
+    if (offset > size_ || out.size() > size_ - offset) {
+      throw Error(ErrorKind::truncated,
+                  "ends at byte " + std::to_string(size_) + ", " + std::to_string(out.size()) +
+                      " more were needed",
+                  name(), offset);
+    }
+    if (out.size() > kBlockBytes) return read_directly(offset, out);
+    while (!out.empty()) {
+      const std::uint64_t start = offset % kBlockBytes;
+      const Block bytes = block(offset / kBlockBytes);
+      const std::size_t count = std::min<std::size_t>(out.size(), bytes->size() - start);
+      std::copy_n(bytes->begin() + static_cast<std::ptrdiff_t>(start), count, out.begin());
+      out = out.subspan(count);
+      offset += count;
+    }
+  }
+
+ private:
+  /// The proven bytes [offset, offset + count), all of them inside the file.
+  std::vector<std::uint8_t> fetch(std::uint64_t offset, std::uint64_t count) const {
+    RangeAnswer answer = client_.fetch(offset, count);
+    if (answer.total_bytes != size_ || answer.validator != validator_) {
+      throw Error(ErrorKind::io, "the file was replaced while being read; open it again", name(),
+                  offset);
+    }
+    return std::move(answer.bytes);
+  }
+
+  void read_directly(std::uint64_t offset, std::span<std::uint8_t> out) const {
+    while (!out.empty()) {
+      const auto bytes = fetch(offset, std::min<std::uint64_t>(out.size(), kLargestRequest));
+      std::copy(bytes.begin(), bytes.end(), out.begin());
+      out = out.subspan(bytes.size());
+      offset += bytes.size();
+    }
+  }
+
+  Block block(std::uint64_t number) const {
+    if (number == 0) return head_;
+    if (Block known = cache_.find({0, number})) return known;
+    const std::uint64_t start = number * kBlockBytes;
+    Block fresh =
+        std::make_shared<const BlockBytes>(fetch(start, std::min(kBlockBytes, size_ - start)));
+    cache_.insert({0, number}, fresh, kBlockBytes);
+    return fresh;
+  }
+
+  mutable RangeClient client_;
+  mutable LruCache<BlockBytes> cache_{kCacheBytes};
+  std::uint64_t size_ = 0;
+  std::string validator_;
+  Block head_;
+};
+
+}  // namespace
+
+bool is_url(const std::string& path) {
+  const std::string start = lower_case(path.substr(0, 8));
+  return start.starts_with("http://") || start.starts_with("https://");
+}
+
+std::shared_ptr<ByteSource> open_url(const std::string& url) {
+  if (!is_url(url)) throw Error(ErrorKind::invalid_argument, "is no http or https URL", url);
+  return std::make_shared<HttpSource>(url);
+}
+
+std::shared_ptr<ByteSource> open_any(const std::string& path) {
+  return is_url(path) ? open_url(path) : open_byte_source(local_storage(), path);
+}
+
+}  // namespace octavo

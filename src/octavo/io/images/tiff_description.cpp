@@ -1,0 +1,99 @@
+#include "octavo/io/images/tiff_description.h"
+
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <string_view>
+
+#include "octavo/io/images/ome_description.h"
+#include "octavo/io/source/header_text.h"
+#include "octavo/io/source/length_unit.h"
+#include "octavo/io/source/source_file.h"
+#include "octavo/io/source/value_unit.h"
+
+namespace octavo {
+
+namespace {
+
+std::optional<double> number(std::string_view text) {
+  double value = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (failure != std::errc() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+std::int64_t count_of(std::string_view text) {
+  const std::optional<double> value = number(text);
+  return value && *value >= 0 && *value < 1e15 ? static_cast<std::int64_t>(*value) : 0;
+}
+
+std::map<std::string, std::string, std::less<>> imagej_fields(std::string_view text) {
+  std::map<std::string, std::string, std::less<>> fields;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = text.substr(0, end);
+    const std::size_t equals = line.find('=');
+    if (equals != std::string_view::npos) {
+      fields[std::string(trimmed(line.substr(0, equals)))] = trimmed(line.substr(equals + 1));
+    }
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return fields;
+}
+
+using Fields = std::map<std::string, std::string, std::less<>>;
+
+/// ImageJ's function 0 is c0 + c1 * v; the others are no straight lines.
+void read_calibration(Fields& fields, TiffDescription& result) {
+  const std::optional<double> function = number(fields["cf"]);
+  if (!function || *function < 0) return;
+  const std::optional<double> intercept = number(fields["c0"]);
+  const std::optional<double> slope = number(fields["c1"]);
+  if (*function == 0 && intercept && slope && *slope != 0) {
+    result.rescale = Rescale{*slope, *intercept};
+    result.value_unit = known_value_unit(fields["vunit"]);
+  } else {
+    result.other_function = count_of(fields["cf"]);
+    result.has_other_function = true;
+  }
+}
+
+/// Millimetres of the unit along one axis. ImageJ writes that of y or z only where it is not that
+/// of x.
+std::optional<double> axis_unit(Fields& fields, const std::string& name, TiffDescription& result) {
+  const std::string unit = fields[name].empty() ? fields["unit"] : fields[name];
+  const std::optional<double> mm = unit_in_mm(unit);
+  const bool is_silent = unit.empty() || lower_case(unit).starts_with("pixel");
+  if (!mm && !is_silent && result.unknown_unit.empty()) result.unknown_unit = unit;
+  return mm;
+}
+
+void read_imagej(std::string_view text, double x_resolution, double y_resolution,
+                 TiffDescription& result) {
+  auto fields = imagej_fields(text);
+  result.is_imagej = true;
+  result.order = "CZT";
+  result.channels = count_of(fields["channels"]);
+  result.frames = count_of(fields["frames"]);
+  result.images = count_of(fields["images"]);
+  read_calibration(fields, result);
+  const std::optional<double> x_unit = axis_unit(fields, "unit", result);
+  const std::optional<double> y_unit = axis_unit(fields, "yunit", result);
+  const std::optional<double> z_unit = axis_unit(fields, "zunit", result);
+  const std::optional<double> spacing = number(fields["spacing"]);
+  if (x_unit && x_resolution > 0) result.x_mm = *x_unit / x_resolution;
+  if (y_unit && y_resolution > 0) result.y_mm = *y_unit / y_resolution;
+  if (z_unit && spacing && *spacing != 0) result.z_mm = std::abs(*spacing) * *z_unit;
+}
+
+}  // namespace
+
+TiffDescription parse_tiff_description(const std::string& text, double x_resolution,
+                                       double y_resolution) {
+  TiffDescription result;
+  if (text.starts_with("ImageJ=")) read_imagej(text, x_resolution, y_resolution, result);
+  if (text.find("<OME") != std::string::npos) read_ome_description(text, result);
+  return result;
+}
+
+}  // namespace octavo

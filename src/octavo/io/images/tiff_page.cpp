@@ -1,0 +1,315 @@
+#include "octavo/io/images/tiff_page.h"
+
+#include <tiffio.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdarg>
+#include <cstdio>
+#include <cstring>
+#include <optional>
+#include <vector>
+
+#include "octavo/core/checked.h"
+#include "octavo/io/source/alternating_values.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::uint64_t kMaxBlockBytes = std::uint64_t{1} << 30;
+
+/// libtiff's error hook: keeps the first message.
+int keep_message(TIFF*, void* user, const char*, const char* format, va_list arguments) {
+  auto* message = static_cast<std::string*>(user);
+  char text[256];
+  std::vsnprintf(text, sizeof text, format, arguments);
+  if (message->empty()) *message = text;
+  return 1;
+}
+
+int ignore_warning(TIFF*, void*, const char*, const char*, va_list) { return 1; }
+
+template <class T>
+T tag_or(TIFF* handle, std::uint32_t tag, T absent) {
+  T value{};
+  return TIFFGetFieldDefaulted(handle, tag, &value) == 1 ? value : absent;
+}
+
+std::optional<VoxelType> voxel_type_of(std::uint16_t bits, std::uint16_t format) {
+  const bool is_signed = format == SAMPLEFORMAT_INT;
+  if (format == SAMPLEFORMAT_IEEEFP) {
+    return bits == 32 ? std::optional(VoxelType::float32) : std::nullopt;
+  }
+  if (format != SAMPLEFORMAT_UINT && format != SAMPLEFORMAT_VOID && !is_signed) return std::nullopt;
+  switch (bits) {
+    case 8: return is_signed ? VoxelType::int8 : VoxelType::uint8;
+    case 16: return is_signed ? VoxelType::int16 : VoxelType::uint16;
+    case 32: return is_signed ? VoxelType::int32 : VoxelType::uint32;
+    default: return std::nullopt;
+  }
+}
+
+bool is_lossy_compression(std::uint16_t compression) {
+  return compression == COMPRESSION_JPEG || compression == COMPRESSION_OJPEG ||
+         compression == COMPRESSION_LERC || compression == COMPRESSION_WEBP;
+}
+
+/// Tags of cameras and programs that hold records of their own.
+bool is_record(std::uint32_t tag) {
+  constexpr std::array<std::uint32_t, 5> kRecords = {TIFFTAG_XMLPACKET, TIFFTAG_RICHTIFFIPTC,
+                                                     TIFFTAG_PHOTOSHOP, TIFFTAG_EXIFIFD,
+                                                     TIFFTAG_GPSIFD};
+  return std::find(kRecords.begin(), kRecords.end(), tag) != kRecords.end();
+}
+
+std::size_t at_voxel(const TiffPage& page, std::int64_t x, std::int64_t y) {
+  return static_cast<std::size_t>((y * page.width + x) * bytes_per_voxel(page.type));
+}
+
+Alternation one_of(const TiffPage& page, std::int64_t sample) {
+  return {static_cast<std::size_t>(bytes_per_voxel(page.type)), page.samples, sample};
+}
+
+}  // namespace
+
+TiffFile::TiffFile(const std::string& path)
+    : path_(path), file_(path), message_(std::make_unique<std::string>()) {
+  TIFFOpenOptions* options = TIFFOpenOptionsAlloc();
+  TIFFOpenOptionsSetErrorHandlerExtR(options, keep_message, message_.get());
+  TIFFOpenOptionsSetWarningHandlerExtR(options, ignore_warning, nullptr);
+  handle_ = TIFFOpenExt(path.c_str(), "r", options);
+  TIFFOpenOptionsFree(options);
+  if (handle_ == nullptr) reject("libtiff cannot open it");
+}
+
+TiffFile::~TiffFile() {
+  if (handle_ != nullptr) TIFFClose(handle_);
+}
+
+void TiffFile::reject(const std::string& why) const {
+  const std::string cause = message_->empty() ? "" : " (" + escaped(*message_) + ")";
+  throw Error(ErrorKind::source_rejected, why + cause, path_);
+}
+
+TiffPage TiffFile::page() {
+  TiffPage page;
+  page.directory_offset = TIFFCurrentDirOffset(handle_);
+  require_whole_directory(page.directory_offset);
+  page.width = tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGEWIDTH, 0);
+  page.height = tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGELENGTH, 0);
+  if (page.width == 0 || page.height == 0) reject("a page without width or height");
+  page.samples = tag_or<std::uint16_t>(handle_, TIFFTAG_SAMPLESPERPIXEL, 1);
+  if (page.samples == 0) reject("a page without samples");
+  page.is_separate = page.samples > 1 && tag_or<std::uint16_t>(handle_, TIFFTAG_PLANARCONFIG,
+                                                               PLANARCONFIG_CONTIG) ==
+                                             PLANARCONFIG_SEPARATE;
+  const auto photometric =
+      tag_or<std::uint16_t>(handle_, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+  page.has_palette = photometric == PHOTOMETRIC_PALETTE;
+  page.is_min_white = photometric == PHOTOMETRIC_MINISWHITE;
+  page.is_rgb = photometric == PHOTOMETRIC_RGB && page.samples >= 3;
+  if (!page.has_palette && !page.is_min_white && !page.is_rgb &&
+      photometric != PHOTOMETRIC_MINISBLACK) {
+    reject("a picture of photometric interpretation " + std::to_string(photometric) + " with " +
+           std::to_string(page.samples) + " samples per pixel is not read; grey and RGB (of which "
+           "--channel takes one) are. Convert it first");
+  }
+  const auto bits = tag_or<std::uint16_t>(handle_, TIFFTAG_BITSPERSAMPLE, 1);
+  const auto format = tag_or<std::uint16_t>(handle_, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT);
+  const std::optional<VoxelType> type = voxel_type_of(bits, format);
+  if (!type) {
+    reject(std::to_string(bits) + " bits per sample of format " + std::to_string(format) +
+           " are not read; integers of 8, 16 or 32 bits and float of 32 bits are");
+  }
+  page.type = *type;
+  const auto compression = tag_or<std::uint16_t>(handle_, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
+  page.is_lossy = is_lossy_compression(compression);
+  const auto subfile = tag_or<std::uint32_t>(handle_, TIFFTAG_SUBFILETYPE, 0);
+  page.is_reduced = (subfile & FILETYPE_REDUCEDIMAGE) != 0;
+  page.orientation = tag_or<std::uint16_t>(handle_, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);
+  if (page.samples == 1 && compression == COMPRESSION_NONE && TIFFIsTiled(handle_) == 0 &&
+      TIFFNumberOfStrips(handle_) == 1) {
+    page.is_contiguous = true;
+    page.data_offset = TIFFGetStrileOffset(handle_, 0);
+  }
+  return page;
+}
+
+void TiffFile::require_whole_directory(std::uint64_t offset) const {
+  const bool big_endian = TIFFIsBigEndian(handle_) != 0;
+  const auto read_count = [&](std::uint64_t at, std::size_t width) {
+    std::array<std::byte, 8> raw{};
+    file_.read_exactly(at, std::span(raw).first(width));
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; i < width; ++i) {
+      value = value << 8 | std::to_integer<std::uint64_t>(raw[big_endian ? i : width - 1 - i]);
+    }
+    return value;
+  };
+  // Entries of 12 bytes between a count of 2 and a link of 4; in BigTIFF 20, 8 and 8.
+  const bool is_big_tiff = read_count(2, 2) == 43;
+  const std::uint64_t count = read_count(offset, is_big_tiff ? 8 : 2);
+  const std::uint64_t entries = std::min<std::uint64_t>(count, std::uint64_t{1} << 16);
+  const std::uint64_t end = offset + (is_big_tiff ? 16 + 20 * entries : 6 + 12 * entries);
+  if (end <= file_.size()) return;
+  reject("the file ends early: its directory needs bytes to " + std::to_string(end) +
+         ", the file has " + std::to_string(file_.size()) + "; copy it again from its origin");
+}
+
+bool TiffFile::next_page() {
+  message_->clear();
+  if (TIFFReadDirectory(handle_) == 1) return true;
+  if (!message_->empty()) reject("a damaged page");
+  return false;
+}
+
+void TiffFile::go_to(std::uint64_t directory_offset) {
+  message_->clear();
+  if (TIFFSetSubDirectory(handle_, directory_offset) != 1) reject("a page cannot be found again");
+}
+
+void TiffFile::read_voxels(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane) {
+  message_->clear();
+  if (TIFFIsTiled(handle_) != 0) {
+    read_tiles(page, sample, plane);
+  } else {
+    read_strips(page, sample, plane);
+  }
+  if (!message_->empty()) reject("damaged voxel data");
+}
+
+void TiffFile::read_strips(const TiffPage& page, std::int64_t sample,
+                           std::span<std::byte> plane) {
+  const std::int64_t rows_per_strip = std::clamp<std::int64_t>(
+      tag_or<std::uint32_t>(handle_, TIFFTAG_ROWSPERSTRIP, 1), 1, page.height);
+  const bool alternates = page.samples > 1 && !page.is_separate;
+  const std::int64_t strips_per_plane = (page.height + rows_per_strip - 1) / rows_per_strip;
+  auto strip = static_cast<std::uint32_t>(page.is_separate ? sample * strips_per_plane : 0);
+  const auto stride = static_cast<std::size_t>(alternates ? page.samples : 1);
+  std::vector<std::byte> several;
+  for (std::int64_t y = 0; y < page.height; y += rows_per_strip, ++strip) {
+    const std::size_t start = at_voxel(page, 0, y);
+    const std::size_t bytes =
+        at_voxel(page, 0, std::min(y + rows_per_strip, page.height)) - start;
+    std::span<std::byte> rows = plane.subspan(start, bytes);
+    if (alternates) {
+      const std::uint64_t strip_bytes = checked_mul(bytes, stride, "strip");
+      if (strip_bytes > kMaxBlockBytes) reject("strips of more than 1 GiB are not read");
+      several.resize(static_cast<std::size_t>(strip_bytes));
+      rows = several;
+    }
+    if (y + rows_per_strip <= page.height ||
+        !read_padded_strip(strip, y + rows_per_strip, rows)) {
+      const auto wanted = static_cast<tmsize_t>(rows.size());
+      const tmsize_t found = TIFFReadEncodedStrip(handle_, strip, rows.data(), wanted);
+      if (found != wanted) {
+        reject("strip " + std::to_string(strip) + " is damaged or cut: " + std::to_string(wanted) +
+               " bytes expected, " + std::to_string(std::max<tmsize_t>(found, 0)) + " found");
+      }
+    }
+    if (alternates) take_alternating(one_of(page, sample), several, plane.subspan(start, bytes));
+  }
+}
+
+bool TiffFile::read_padded_strip(std::uint32_t strip, std::int64_t padded_height,
+                                 std::span<std::byte> rows) {
+  const auto compression = tag_or<std::uint16_t>(handle_, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
+  if (compression != COMPRESSION_DEFLATE && compression != COMPRESSION_ADOBE_DEFLATE) return false;
+  const auto height = tag_or<std::uint32_t>(handle_, TIFFTAG_IMAGELENGTH, 0);
+  // A page that claims to be higher gives the strip all its rows.
+  TIFFSetField(handle_, TIFFTAG_IMAGELENGTH, static_cast<std::uint32_t>(padded_height));
+  const tmsize_t padded_bytes = TIFFStripSize(handle_);
+  bool is_padded = false;
+  if (padded_bytes > 0 && static_cast<std::uint64_t>(padded_bytes) <= kMaxBlockBytes) {
+    std::vector<std::byte> padded(static_cast<std::size_t>(padded_bytes));
+    is_padded = TIFFReadEncodedStrip(handle_, strip, padded.data(), padded_bytes) == padded_bytes &&
+                message_->empty();
+    if (is_padded) std::memcpy(rows.data(), padded.data(), rows.size());
+  }
+  message_->clear();
+  TIFFSetField(handle_, TIFFTAG_IMAGELENGTH, height);
+  return is_padded;
+}
+
+void TiffFile::read_tiles(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane) {
+  const std::int64_t tile_width = tag_or<std::uint32_t>(handle_, TIFFTAG_TILEWIDTH, 0);
+  const std::int64_t tile_height = tag_or<std::uint32_t>(handle_, TIFFTAG_TILELENGTH, 0);
+  if (tile_width <= 0 || tile_height <= 0) reject("tiles without width or height");
+  const auto value_bytes = static_cast<std::size_t>(bytes_per_voxel(page.type));
+  const std::int64_t alternating = page.is_separate ? 1 : page.samples;
+  const std::uint64_t tile_bytes =
+      checked_mul(checked_mul(static_cast<std::uint64_t>(tile_width),
+                              static_cast<std::uint64_t>(tile_height), "tile"),
+                  value_bytes * static_cast<std::size_t>(alternating), "tile");
+  if (tile_bytes > kMaxBlockBytes) {
+    reject("tiles of " + std::to_string(tile_bytes) + " bytes are not read");
+  }
+  std::vector<std::byte> tile(tile_bytes);
+  const std::size_t tile_row_bytes = static_cast<std::size_t>(tile_width * alternating) *
+                                     value_bytes;
+  const std::int64_t tiles_per_plane = ((page.width + tile_width - 1) / tile_width) *
+                                       ((page.height + tile_height - 1) / tile_height);
+  auto number = static_cast<std::uint32_t>(page.is_separate ? sample * tiles_per_plane : 0);
+  for (std::int64_t y = 0; y < page.height; y += tile_height) {
+    for (std::int64_t x = 0; x < page.width; x += tile_width, ++number) {
+      const tmsize_t found = TIFFReadEncodedTile(handle_, number, tile.data(),
+                                                 static_cast<tmsize_t>(tile_bytes));
+      if (found != static_cast<tmsize_t>(tile_bytes)) {
+        reject("tile " + std::to_string(number) + " is damaged or cut");
+      }
+      const std::size_t bytes =
+          static_cast<std::size_t>(std::min(tile_width, page.width - x)) * value_bytes;
+      const auto rows = static_cast<std::size_t>(std::min(tile_height, page.height - y));
+      for (std::size_t row = 0; row < rows; ++row) {
+        const std::size_t at = at_voxel(page, x, y + static_cast<std::int64_t>(row));
+        const std::span<const std::byte> tile_row =
+            std::span<const std::byte>(tile).subspan(row * tile_row_bytes);
+        if (alternating == 1) {
+          std::memcpy(plane.data() + at, tile_row.data(), bytes);
+        } else {
+          take_alternating(one_of(page, sample), tile_row, plane.subspan(at, bytes));
+        }
+      }
+    }
+  }
+}
+
+std::string TiffFile::image_description() {
+  const char* text = nullptr;
+  if (TIFFGetField(handle_, TIFFTAG_IMAGEDESCRIPTION, &text) != 1 || text == nullptr) return {};
+  return text;
+}
+
+void TiffFile::note_identity(SourceIdentity& identity) {
+  const int count = TIFFGetTagListCount(handle_);
+  for (int i = 0; i < count; ++i) {
+    const std::uint32_t tag = TIFFGetTagListEntry(handle_, i);
+    const TIFFField* field = TIFFFindField(handle_, tag, TIFF_ANY);
+    if (field == nullptr) continue;
+    const std::string name = TIFFFieldName(field);
+    const char* text = nullptr;
+    if (TIFFFieldDataType(field) == TIFF_ASCII && TIFFFieldPassCount(field) == 0) {
+      if (TIFFGetField(handle_, tag, &text) == 1 && text != nullptr) identity.note(name, text);
+    } else if (is_record(tag) || name.starts_with("Tag ")) {
+      identity.note_lost(name);
+    }
+  }
+}
+
+double TiffFile::x_resolution() {
+  return static_cast<double>(tag_or<float>(handle_, TIFFTAG_XRESOLUTION, 0));
+}
+
+double TiffFile::y_resolution() {
+  return static_cast<double>(tag_or<float>(handle_, TIFFTAG_YRESOLUTION, 0));
+}
+
+double TiffFile::resolution_unit_mm() {
+  const auto unit = tag_or<std::uint16_t>(handle_, TIFFTAG_RESOLUTIONUNIT, RESUNIT_NONE);
+  return unit == RESUNIT_INCH ? 25.4 : unit == RESUNIT_CENTIMETER ? 10 : 0;
+}
+
+bool TiffFile::is_big_endian() { return TIFFIsBigEndian(handle_) != 0; }
+
+}  // namespace octavo

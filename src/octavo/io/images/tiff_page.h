@@ -1,0 +1,88 @@
+// One page of a TIFF file: what its tags say, and its voxels.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "octavo/core/voxel_type.h"
+#include "octavo/io/source/source_file.h"
+#include "octavo/io/source/source_identity.h"
+
+struct tiff;
+
+namespace octavo {
+
+/// What a page holds, as far as planes need it.
+struct TiffPage {
+  std::uint64_t directory_offset = 0;
+  std::int64_t width = 0;
+  std::int64_t height = 0;
+  VoxelType type = VoxelType::uint8;
+  std::int64_t samples = 1;       ///< of each pixel: colours or channels
+  bool is_separate = false;       ///< samples stand in planes of their own, else they alternate
+  bool is_rgb = false;            ///< the first three samples are red, green and blue
+  bool is_min_white = false;      ///< smaller values are brighter
+  bool has_palette = false;       ///< values are numbers of colours
+  bool is_reduced = false;        ///< a thumbnail of another page
+  bool is_lossy = false;          ///< the compression changes values (JPEG)
+  bool is_contiguous = false;     ///< uncompressed, one run of bytes
+  std::uint64_t data_offset = 0;  ///< of that run
+  int orientation = 1;            ///< 1: first row at the top, first column at the left
+};
+
+/// An open TIFF file; silent, its messages go into errors. One thread at a time.
+class TiffFile {
+ public:
+  /// Throws Error{io} when missing, Error{source_rejected} when libtiff cannot read it.
+  explicit TiffFile(const std::string& path);
+  ~TiffFile();
+  TiffFile(const TiffFile&) = delete;
+  TiffFile& operator=(const TiffFile&) = delete;
+
+  /// The page the file stands at. Throws Error{source_rejected} on colour that is not RGB or a type
+  /// that is no voxel type.
+  TiffPage page();
+  /// Goes to the next page; false behind the last one. Throws Error{source_rejected} on a damaged
+  /// one.
+  bool next_page();
+  /// Goes to the page at an offset. Throws Error{source_rejected}.
+  void go_to(std::uint64_t directory_offset);
+  /// Decodes one sample of the current page, rows of `page.width` values in native order.
+  /// Throws Error{source_rejected} when data are missing or damaged.
+  void read_voxels(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane);
+
+  /// ImageDescription of the current page, or nothing.
+  std::string image_description();
+  /// Adds the texts of the current page and the names of tags that are not of the picture.
+  void note_identity(SourceIdentity& identity);
+  /// Pixels per unit along x and y of the current page; 0 when the tag is absent.
+  double x_resolution();
+  double y_resolution();
+  /// Millimetres of the unit that the resolution counts in; 0 where there is none.
+  double resolution_unit_mm();
+  bool is_big_endian();
+
+ private:
+  [[noreturn]] void reject(const std::string& why) const;
+  /// libtiff takes a directory that is cut before its link for the last one, and the pages behind
+  /// it are lost. Throws Error{source_rejected} for such a directory.
+  void require_whole_directory(std::uint64_t offset) const;
+  void read_strips(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane);
+  /// Some programs fill the last strip with rows behind the page. libtiff, where it inflates with
+  /// libdeflate, then leaves the end of the strip unset without a word; so all rows are asked for
+  /// first.
+  /// rows  what is wanted of it; false and untouched when the strip holds no more than that
+  bool read_padded_strip(std::uint32_t strip, std::int64_t padded_height,
+                         std::span<std::byte> rows);
+  void read_tiles(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane);
+
+  std::string path_;
+  SourceFile file_;
+  std::unique_ptr<std::string> message_;
+  tiff* handle_ = nullptr;
+};
+
+}  // namespace octavo

@@ -1,0 +1,442 @@
+#include "octavo/io/images/tiff_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "octavo/core/checked.h"
+#include "octavo/core/exact_text.h"
+#include "octavo/io/images/ome_description.h"
+#include "octavo/io/images/tiff_description.h"
+#include "octavo/io/images/tiff_page.h"
+#include "octavo/io/images/tiff_page_order.h"
+#include "octavo/io/source/byte_order.h"
+#include "octavo/io/source/length_unit.h"
+#include "octavo/io/source/source_file.h"
+
+namespace octavo {
+
+namespace {
+
+/// Where one plane stands.
+struct TiffPlane {
+  std::size_t file = 0;
+  std::int64_t number = 0;  ///< of the page in its file, thumbnails counted
+  TiffPage page;
+};
+
+/// Everything the pages say.
+struct TiffStack {
+  std::vector<std::string> files;
+  std::vector<TiffPlane> planes;
+  TiffDescription description;   ///< of the first page
+  double tag_x_mm = 0;           ///< pixels by the resolution tags of the first page; 0: none
+  double tag_y_mm = 0;
+  bool is_big_endian = false;    ///< of the first file
+  std::int64_t reduced_pages = 0;
+  std::int64_t silent_files = 0; ///< without a size of voxels, where the first file has one
+  std::string odd_resolution;    ///< the first file with other resolution tags than the first one
+  std::string order_warning;     ///< why the order of files is not sure
+  std::int64_t sample = 0;       ///< the one of each pixel that is taken
+  SourceIdentity identity;       ///< of all pages
+};
+
+/// "uint8", "RGB uint16 (white is 0)", "4 samples of uint8", "uint8 (with a palette)".
+std::string type_text(const TiffPage& page) {
+  std::string text(voxel_type_name(page.type));
+  if (page.is_rgb) text = "RGB " + text;
+  if (page.samples > (page.is_rgb ? 3 : 1)) {
+    text = std::to_string(page.samples) + " samples of " + text;
+  }
+  if (page.has_palette) text += " (with a palette)";
+  return text + (page.is_min_white ? " (white is 0)" : "");
+}
+
+std::string place(const TiffStack& stack, const TiffPlane& plane, std::size_t index) {
+  const std::string name = escaped(base_name(stack.files[plane.file]));
+  return stack.files.size() == 1 ? "page " + std::to_string(index) : name;
+}
+
+void require_alike(const TiffStack& stack, const TiffPlane& plane, std::size_t index) {
+  const TiffPlane& first = stack.planes.front();
+  const std::string& path = stack.files[plane.file];
+  if (plane.page.width != first.page.width || plane.page.height != first.page.height) {
+    throw Error(ErrorKind::source_rejected,
+                place(stack, plane, index) + " is " +
+                    size_text(plane.page.width, plane.page.height) + ", " + place(stack, first, 0) +
+                    " is " + size_text(first.page.width, first.page.height) +
+                    "; all planes of a stack must have one size",
+                path);
+  }
+  if (type_text(plane.page) != type_text(first.page)) {
+    throw Error(ErrorKind::source_rejected,
+                place(stack, plane, index) + " holds " + type_text(plane.page) + ", " +
+                    place(stack, first, 0) + " holds " + type_text(first.page) +
+                    "; all planes of a stack must have one type",
+                path);
+  }
+  if (plane.page.orientation != first.page.orientation) {
+    throw Error(ErrorKind::source_rejected,
+                place(stack, plane, index) + " has the orientation tag " +
+                    std::to_string(plane.page.orientation) + ", " + place(stack, first, 0) +
+                    " has " + std::to_string(first.page.orientation) +
+                    ": some planes are mirrored or turned; save all of them upright",
+                path);
+  }
+}
+
+bool differ(double a, double b) {
+  constexpr double kSameSize = 1e-3;
+  return std::abs(a - b) > kSameSize * std::max(std::abs(a), std::abs(b));
+}
+
+/// What stored values mean: "2 x + -1000 HU", "function 4".
+std::string calibration_text(const TiffDescription& text) {
+  if (text.has_other_function) return "function " + std::to_string(text.other_function);
+  const Rescale rescale = text.rescale.value_or(Rescale{});
+  return exact_text(rescale.slope) + " x + " + exact_text(rescale.intercept) +
+         (text.value_unit.empty() ? "" : " " + text.value_unit);
+}
+
+std::string unit_text(const TiffDescription& text) {
+  return text.unknown_unit.empty() ? "another" : "\"" + escaped(text.unknown_unit) + "\"";
+}
+
+/// Proves that a file's values and voxels mean what those of the first file do.
+/// is_spacing_given  by an option, which counts for all files
+void require_same_meaning(TiffStack& stack, const TiffDescription& text, const std::string& path,
+                          bool is_spacing_given) {
+  const TiffDescription& first = stack.description;
+  const std::string name = escaped(base_name(path));
+  const std::string first_name = escaped(base_name(stack.files.front()));
+  const auto refuse = [&](const std::string& what, const std::string& found,
+                          const std::string& expected, const std::string& remedy) {
+    throw Error(ErrorKind::source_rejected,
+                name + " has " + what + " " + found + ", " + first_name + " has " + expected +
+                    "; " + remedy,
+                path);
+  };
+  if (calibration_text(text) != calibration_text(first)) {
+    refuse("the calibration", calibration_text(text), calibration_text(first),
+           "all planes of a stack must have one; save them with the same");
+  }
+  if (is_spacing_given) return;
+  const std::string remedy = "give --spacing x,y,z if one is right for all of them";
+  if (text.unknown_unit != first.unknown_unit) {
+    refuse("the unit of lengths", unit_text(text), unit_text(first), remedy);
+  }
+  const auto compare = [&](const char* axis, std::optional<double> found,
+                           std::optional<double> expected) {
+    if (!found || !expected || !differ(*found, *expected)) return;
+    refuse(std::string("voxels along ") + axis + " of", number_text(*found) + " mm",
+           number_text(*expected) + " mm", remedy);
+  };
+  compare("x", text.x_mm, first.x_mm);
+  compare("y", text.y_mm, first.y_mm);
+  compare("z", text.z_mm, first.z_mm);
+  if (first.x_mm && !text.x_mm) ++stack.silent_files;
+}
+
+/// What the first page of a file says of all its pages.
+void take_description(TiffStack& stack, TiffFile& file, std::size_t index, bool is_spacing_given) {
+  const TiffDescription text = parse_tiff_description(file.image_description(),
+                                                      file.x_resolution(), file.y_resolution());
+  const bool has_tags = file.x_resolution() > 0 && file.y_resolution() > 0;
+  const double x_mm = has_tags ? file.resolution_unit_mm() / file.x_resolution() : 0;
+  const double y_mm = has_tags ? file.resolution_unit_mm() / file.y_resolution() : 0;
+  if (index == 0) {
+    stack.description = text;
+    read_ome_pages(file.image_description(), stack.description);
+    stack.is_big_endian = file.is_big_endian();
+    stack.tag_x_mm = x_mm;
+    stack.tag_y_mm = y_mm;
+    return;
+  }
+  require_same_meaning(stack, text, stack.files[index], is_spacing_given);
+  if (stack.odd_resolution.empty() &&
+      (differ(x_mm, stack.tag_x_mm) || differ(y_mm, stack.tag_y_mm))) {
+    stack.odd_resolution = base_name(stack.files[index]);
+  }
+}
+
+TiffStack examine(std::vector<std::string> files, bool is_spacing_given) {
+  TiffStack stack;
+  stack.files = std::move(files);
+  for (std::size_t i = 0; i < stack.files.size(); ++i) {
+    TiffFile file(stack.files[i]);
+    take_description(stack, file, i, is_spacing_given);
+    std::size_t page_count = 0;
+    std::int64_t number = -1;
+    do {
+      ++number;
+      const TiffPage page = file.page();
+      file.note_identity(stack.identity);
+      if (page.is_reduced && !stack.planes.empty()) {
+        ++stack.reduced_pages;
+        continue;
+      }
+      ++page_count;
+      stack.planes.push_back({i, number, page});
+      require_alike(stack, stack.planes.back(), stack.planes.size() - 1);
+    } while (file.next_page());
+    if (stack.files.size() > 1 && page_count > 1) {
+      throw Error(ErrorKind::source_rejected,
+                  "it has " + std::to_string(page_count) + " pages; the files of a stack must have "
+                  "one page each; give this file alone",
+                  stack.files[i]);
+    }
+  }
+  return stack;
+}
+
+[[noreturn]] void reject(const TiffStack& stack, const std::string& why) {
+  throw Error(ErrorKind::source_rejected, why, stack.files.front());
+}
+
+std::string program_of(const TiffStack& stack) {
+  return stack.description.is_ome ? "OME" : "ImageJ";
+}
+
+/// How many pages a channel and a point in time have. Channels stand in the samples of a page or in
+/// pages of their own, never in both.
+PageCounts count_pages(const TiffStack& stack) {
+  const TiffDescription& text = stack.description;
+  const std::int64_t samples = stack.planes.front().page.samples;
+  PageCounts counts;
+  counts.channels = std::max<std::int64_t>(text.channels, 1);
+  counts.times = std::max<std::int64_t>(text.frames, 1);
+  // OME counts the samples of a page as channels.
+  if (text.is_ome && counts.channels % samples == 0) counts.channels /= samples;
+  if (samples > 1 && counts.channels > 1) {
+    reject(stack, "its " + program_of(stack) + " description says " +
+                      std::to_string(text.channels) + " channels in pages of " +
+                      std::to_string(samples) + " samples each; save one channel as its own file");
+  }
+  const auto pages = static_cast<std::int64_t>(stack.planes.size());
+  const std::int64_t parts = static_cast<std::int64_t>(
+      checked_mul(static_cast<std::uint64_t>(counts.channels),
+                  static_cast<std::uint64_t>(counts.times), "channels and times"));
+  const bool is_one_file = stack.files.size() == 1;
+  counts.slices =
+      is_one_file && text.slices > 0 ? text.slices : std::max<std::int64_t>(pages / parts, 1);
+  const bool fits = parts <= pages && pages % parts == 0 && counts.slices == pages / parts;
+  if (fits && (is_one_file || parts == 1)) return counts;
+  reject(stack, "its " + program_of(stack) + " description says " +
+                    std::to_string(counts.channels) + " channels of " +
+                    std::to_string(counts.slices) + " slices at " + std::to_string(counts.times) +
+                    " points in time, found are " + std::to_string(pages) + " pages in " +
+                    std::to_string(stack.files.size()) +
+                    (is_one_file ? " file; it is cut, or part of a set of files"
+                                 : " files; save one channel and time as its own stack"));
+}
+
+Components components_of(const TiffStack& stack, const PageCounts& counts) {
+  const TiffPage& first = stack.planes.front().page;
+  Components components;
+  components.times = counts.times;
+  components.channels = std::max(counts.channels, first.samples);
+  if (first.is_rgb) components.channel_names = colour_names(first.samples);
+  return components;
+}
+
+/// Proves that no plane stands in a file that was not given, and that files lie in the order of
+/// their planes.
+void prove_order_of_files(TiffStack& stack) {
+  if (stack.files.size() > 1) {
+    stack.order_warning = check_file_order(stack.description, stack.files);
+  } else if (stack.planes.size() > 1 || stack.description.metadata_file.empty()) {
+    require_own_pages(stack.description, stack.files.front());
+  }
+}
+
+/// Puts the pages of one file into the order of the planes that OME gives them.
+void order_pages(TiffStack& stack, const PageCounts& counts) {
+  if (stack.files.size() > 1) return;
+  const std::string& path = stack.files.front();
+  const std::vector<std::int64_t> order = ome_page_order(
+      stack.description, counts, stack.planes.front().page.samples, path);
+  std::vector<TiffPlane> ordered;
+  for (const std::int64_t number : order) {
+    const auto found = std::lower_bound(
+        stack.planes.begin(), stack.planes.end(), number,
+        [](const TiffPlane& plane, std::int64_t wanted) { return plane.number < wanted; });
+    if (found == stack.planes.end() || found->number != number) {
+      reject(stack, "its OME description takes page " + std::to_string(number) +
+                        " (counted from 0) for a plane, which is a thumbnail or not there; save it "
+                        "again with another program");
+    }
+    ordered.push_back(*found);
+  }
+  if (!ordered.empty()) stack.planes = std::move(ordered);
+}
+
+/// Keeps the pages of one channel and time.
+void keep_pages(TiffStack& stack, const PageCounts& counts, const ComponentChoice& choice) {
+  if (stack.planes.front().page.samples > 1) stack.sample = choice.channel;
+  if (counts.channels == 1 && counts.times == 1) return;
+  const std::int64_t channel = counts.channels > 1 ? choice.channel : 0;
+  const PageSteps steps = page_steps(stack.description.order, counts, stack.files.front());
+  const std::int64_t first = channel * steps.channel + choice.time * steps.time;
+  std::vector<TiffPlane> kept;
+  for (std::int64_t z = 0; z < counts.slices; ++z) {
+    kept.push_back(stack.planes[static_cast<std::size_t>(first + z * steps.slice)]);
+  }
+  stack.planes = std::move(kept);
+}
+
+/// ImageJ writes stacks of 4 GB and more as one page, the other planes following without tags.
+void unfold_huge_imagej(TiffStack& stack) {
+  const auto images = static_cast<std::uint64_t>(stack.description.images);
+  if (stack.files.size() != 1 || images <= stack.planes.size()) return;
+  const TiffPage first = stack.planes.front().page;
+  const std::uint64_t plane = static_cast<std::uint64_t>(first.width * first.height *
+                                                         bytes_per_voxel(first.type));
+  const std::uint64_t needed =
+      checked_add(first.data_offset, checked_mul(plane, images, "volume"), "file length");
+  const std::uint64_t found = SourceFile(stack.files.front()).size();
+  if (stack.planes.size() != 1 || !first.is_contiguous || found < needed) {
+    throw Error(ErrorKind::source_rejected,
+                "its ImageJ description says " + std::to_string(images) + " images, " +
+                    std::to_string(stack.planes.size()) + " pages found; the file is cut",
+                stack.files.front());
+  }
+  for (std::uint64_t z = 1; z < images; ++z) {
+    stack.planes.push_back(stack.planes.front());
+    stack.planes.back().page.data_offset = first.data_offset + z * plane;
+    stack.planes.back().page.directory_offset = 0;
+  }
+}
+
+class TiffSource final : public IndexedPlaneSource {
+ public:
+  TiffSource(SourceFacts facts, TiffStack stack)
+      : IndexedPlaneSource(std::move(facts)), stack_(std::move(stack)) {}
+
+  void read_plane_at(std::int64_t z, std::span<std::byte> plane) const override {
+    const TiffPlane& from = stack_.planes[static_cast<std::size_t>(z)];
+    const std::string& path = stack_.files[from.file];
+    if (from.page.directory_offset == 0) {
+      SourceFile(path).read_exactly(from.page.data_offset, plane);
+      if (needs_swap(stack_.is_big_endian)) {
+        swap_values(plane, static_cast<std::size_t>(bytes_per_voxel(from.page.type)));
+      }
+      return;
+    }
+    TiffFile file(path);
+    file.go_to(from.page.directory_offset);
+    const TiffPage page = file.page();
+    if (page.width != from.page.width || page.height != from.page.height ||
+        type_text(page) != type_text(from.page)) {
+      throw Error(ErrorKind::source_rejected, "the file changed while it was read", path);
+    }
+    file.read_voxels(page, stack_.sample, plane);
+  }
+
+ private:
+  TiffStack stack_;
+};
+
+void add_warnings(const TiffStack& stack, SourceFacts& facts) {
+  const TiffPage& first = stack.planes.front().page;
+  if (stack.reduced_pages > 0) {
+    facts.warnings.push_back(std::to_string(stack.reduced_pages) + " thumbnail pages left out");
+  }
+  if (!stack.order_warning.empty()) facts.warnings.push_back(stack.order_warning);
+  if (stack.silent_files > 0) {
+    facts.warnings.push_back("the first file gives the size of pixels, " +
+                             std::to_string(stack.silent_files) +
+                             " of the others do not; it is taken for all");
+  }
+  if (first.has_palette) {
+    facts.warnings.push_back("the colour table was left out; voxels are the stored numbers");
+  }
+  if (first.is_min_white)
+    facts.warnings.push_back("white is 0 in these files; values kept as stored");
+  if (first.orientation != 1) {
+    facts.warnings.push_back("orientation tag " + std::to_string(first.orientation) +
+                             " left out; rows and columns are in stored order");
+  }
+  if (std::any_of(stack.planes.begin(), stack.planes.end(),
+                  [](const TiffPlane& plane) { return plane.page.is_lossy; })) {
+    facts.warnings.push_back("the voxels were compressed with loss (JPEG) before they came here");
+    facts.extra_json = R"({"lossy_source":true})";
+  }
+}
+
+/// What the first page says of the size of voxels. Resolution tags alone are no spacing: they lack
+/// the distance of planes, and many programs write those of a screen.
+void take_spacing(const TiffStack& stack, SourceFacts& facts) {
+  const TiffDescription& text = stack.description;
+  if (text.x_mm && text.y_mm && (text.z_mm || stack.planes.size() == 1)) {
+    facts.spacing_known = true;
+    facts.description.geometry.spacing_mm = {*text.x_mm, *text.y_mm, text.z_mm.value_or(1)};
+    return;
+  }
+  const std::string no_distance = " mm but no distance of planes";
+  if (!text.unknown_unit.empty()) {
+    facts.warnings.push_back("its " + program_of(stack) + " description counts lengths in \"" +
+                             escaped(text.unknown_unit) + "\", which is no unit known here (" +
+                             kUnitsRead + ")");
+  } else if (text.x_mm && text.y_mm) {
+    facts.warnings.push_back("the file gives pixels of " + number_text(*text.x_mm) + " x " +
+                             number_text(*text.y_mm) + no_distance);
+  } else if (stack.tag_x_mm > 0 && stack.tag_y_mm > 0) {
+    facts.warnings.push_back("the resolution tags give pixels of " + number_text(stack.tag_x_mm) +
+                             " x " + number_text(stack.tag_y_mm) + no_distance +
+                             (stack.odd_resolution.empty()
+                                  ? ""
+                                  : ", those of " + escaped(stack.odd_resolution) + " differ") +
+                             "; they may be those of a screen or printer and are not used");
+  }
+}
+
+void take_calibration(const TiffDescription& text, SourceFacts& facts) {
+  if (text.rescale) facts.description.rescale = *text.rescale;
+  facts.unit = text.value_unit;
+  if (!text.has_other_function) return;
+  facts.warnings.push_back("its ImageJ calibration (function " +
+                           std::to_string(text.other_function) +
+                           ") is no straight line and was left out: values are those stored");
+}
+
+SourceFacts describe(const TiffStack& stack) {
+  const TiffPage& first = stack.planes.front().page;
+  SourceFacts facts;
+  facts.format = "TIFF";
+  facts.identity = stack.identity;
+  facts.file_count = static_cast<std::int64_t>(stack.files.size());
+  facts.description.type = first.type;
+  facts.description.size = {first.width, first.height,
+                            static_cast<std::int64_t>(stack.planes.size())};
+  take_spacing(stack, facts);
+  take_calibration(stack.description, facts);
+  add_warnings(stack, facts);
+  return facts;
+}
+
+}  // namespace
+
+std::unique_ptr<PlaneSource> open_tiff_source(const std::vector<std::string>& files,
+                                              const SourceOptions& options) {
+  TiffStack stack = examine(files, options.spacing_mm.has_value());
+  unfold_huge_imagej(stack);
+  prove_order_of_files(stack);
+  const PageCounts counts = count_pages(stack);
+  order_pages(stack, counts);
+  const Components components = components_of(stack, counts);
+  keep_pages(stack, counts, choose_component(components, options, files.front()));
+  const TiffPage& first = stack.planes.front().page;
+  if (first.has_palette && !stack.description.is_imagej) {
+    throw Error(ErrorKind::source_rejected,
+                "a colour picture with a palette: grey is read; convert it to grey first",
+                files.front());
+  }
+  SourceFacts facts = describe(stack);
+  facts.components = components;
+  settle_number_gaps(stack.files, options, facts);
+  settle(facts, options, files.front());
+  return std::make_unique<TiffSource>(std::move(facts), std::move(stack));
+}
+
+}  // namespace octavo

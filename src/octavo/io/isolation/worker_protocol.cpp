@@ -1,0 +1,291 @@
+#include "octavo/io/isolation/worker_protocol.h"
+
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
+
+#include "octavo/core/crc32c.h"
+#include "octavo/core/levels.h"
+#include "octavo/file/byte_codec.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::uint32_t kMessageMark = 0x386f7667;
+constexpr std::uint64_t kRequestMark = 0x8876386f72657131;
+
+std::uint32_t crc_of_head(const MessageHead& head) noexcept {
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(&head);
+  return crc32c({bytes, offsetof(MessageHead, head_crc)});
+}
+
+/// Composite values on top of numbers.
+class Writer : public ByteWriter {
+ public:
+  explicit Writer(Payload& out) : ByteWriter(out), bytes_(out) {}
+
+  void put_double(double value) { put_u64(std::bit_cast<std::uint64_t>(value)); }
+  void put_text(std::string_view text) {
+    put_varint(text.size());
+    bytes_.insert(bytes_.end(), text.begin(), text.end());
+  }
+  void put_texts(const std::vector<std::string>& texts) {
+    put_varint(texts.size());
+    for (const std::string& text : texts) put_text(text);
+  }
+  void put_size(const Size3& size) {
+    for (const std::int64_t axis : {size.x, size.y, size.z}) put_signed(axis);
+  }
+
+ private:
+  Payload& bytes_;
+};
+
+class Reader : public ByteReader {
+ public:
+  using ByteReader::ByteReader;
+
+  double number() { return std::bit_cast<double>(u64()); }
+  bool flag() {
+    const std::uint8_t value = u8();
+    if (value > 1) fail("a flag is neither 0 nor 1");
+    return value == 1;
+  }
+  std::string text() {
+    const std::uint64_t length = varint();
+    if (length > left()) fail("a text ends early");
+    const auto bytes = take(static_cast<std::size_t>(length));
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  }
+  std::vector<std::string> texts() {
+    const std::uint64_t count = varint();
+    if (count > left()) fail("a list ends early");
+    std::vector<std::string> all;
+    for (std::uint64_t i = 0; i < count; ++i) all.push_back(text());
+    return all;
+  }
+  Size3 size() {
+    const std::int64_t x = signed_varint();
+    const std::int64_t y = signed_varint();
+    return {x, y, signed_varint()};
+  }
+  VoxelType voxel_type() {
+    const auto type = static_cast<VoxelType>(u8());
+    if (!is_valid(type)) fail("no such voxel type");
+    return type;
+  }
+};
+
+// Naming all members at once lets the compiler refuse a member that is not sent.
+
+void put_options(Writer& out, const SourceOptions& options) {
+  const auto& [raw, spacing_mm, series, on_gap, drop_duplicates, untilt, segment, channel,
+               time, keep_identity, max_memory_bytes] = options;
+  out.put_u8(raw ? 1 : 0);
+  if (raw) {
+    const auto& [size, type, big_endian, header_bytes] = *raw;
+    out.put_size(size);
+    out.put_u8(static_cast<std::uint8_t>(type));
+    out.put_u8(big_endian ? 1 : 0);
+    out.put_u64(header_bytes);
+  }
+  out.put_u8(spacing_mm ? 1 : 0);
+  if (spacing_mm) {
+    for (const double mm : *spacing_mm) out.put_double(mm);
+  }
+  out.put_text(series);
+  out.put_u8(static_cast<std::uint8_t>(on_gap));
+  out.put_u8(drop_duplicates ? 1 : 0);
+  out.put_u8(untilt ? 1 : 0);
+  out.put_text(segment);
+  out.put_text(channel);
+  out.put_u8(time ? 1 : 0);
+  if (time) out.put_signed(*time);
+  out.put_u8(keep_identity ? 1 : 0);
+  out.put_u64(max_memory_bytes);
+}
+
+SourceOptions take_options(Reader& in) {
+  SourceOptions options;
+  if (in.flag()) {
+    RawLayout& raw = options.raw.emplace();
+    raw.size = in.size();
+    raw.type = in.voxel_type();
+    raw.big_endian = in.flag();
+    raw.header_bytes = in.u64();
+  }
+  if (in.flag()) {
+    for (double& mm : options.spacing_mm.emplace()) mm = in.number();
+  }
+  options.series = in.text();
+  options.on_gap = static_cast<GapPolicy>(in.u8());
+  if (options.on_gap > GapPolicy::resample) in.fail("no such way to treat gaps");
+  options.drop_duplicates = in.flag();
+  options.untilt = in.flag();
+  options.segment = in.text();
+  options.channel = in.text();
+  if (in.flag()) options.time = in.signed_varint();
+  options.keep_identity = in.flag();
+  options.max_memory_bytes = in.u64();
+  return options;
+}
+
+void put_description(Writer& out, const VolumeDescription& description) {
+  const auto& [kind, type, size, geometry, rescale, metadata_json, coding, padding] = description;
+  const auto& [origin_mm, spacing_mm, direction] = geometry;
+  out.put_u8(static_cast<std::uint8_t>(kind));
+  out.put_u8(static_cast<std::uint8_t>(type));
+  out.put_size(size);
+  for (const double mm : origin_mm) out.put_double(mm);
+  for (const double mm : spacing_mm) out.put_double(mm);
+  for (const double part : direction) out.put_double(part);
+  out.put_double(rescale.slope);
+  out.put_double(rescale.intercept);
+  out.put_text(metadata_json);
+  out.put_u8(coding ? 1 : 0);
+  if (coding) {
+    out.put_u8(static_cast<std::uint8_t>(coding->type));
+    out.put_double(coding->scale);
+    out.put_double(coding->offset);
+  }
+  out.put_u8(padding ? 1 : 0);
+  if (padding) out.put_signed(*padding);
+}
+
+void prove(const VolumeDescription& description, const Reader& in) {
+  checked_voxel_count(description.size);
+  const Rescale& rescale = description.rescale;
+  const bool is_scaled = std::isfinite(rescale.slope) && rescale.slope != 0 &&
+                         std::isfinite(rescale.intercept);
+  if (!is_valid(description.geometry) || !is_scaled) in.fail("its geometry or rescale is unusable");
+  if (description.coding && !is_valid(*description.coding)) in.fail("its coding is unusable");
+  if (!nlohmann::json::accept(description.metadata_json)) in.fail("its metadata are no JSON");
+}
+
+VolumeDescription take_description(Reader& in) {
+  VolumeDescription description;
+  description.kind = static_cast<VolumeKind>(in.u8());
+  if (description.kind != VolumeKind::grey && description.kind != VolumeKind::labels) {
+    in.fail("no such kind of volume");
+  }
+  description.type = in.voxel_type();
+  description.size = in.size();
+  for (double& mm : description.geometry.origin_mm) mm = in.number();
+  for (double& mm : description.geometry.spacing_mm) mm = in.number();
+  for (double& part : description.geometry.direction) part = in.number();
+  description.rescale.slope = in.number();
+  description.rescale.intercept = in.number();
+  description.metadata_json = in.text();
+  if (in.flag()) {
+    SampleCoding& coding = description.coding.emplace();
+    coding.type = in.voxel_type();
+    coding.scale = in.number();
+    coding.offset = in.number();
+  }
+  if (in.flag()) description.padding = in.signed_varint();
+  prove(description, in);
+  return description;
+}
+
+}  // namespace
+
+MessageHead head_for(MessageKind kind, std::uint64_t index, std::span<const std::uint8_t> payload) {
+  MessageHead head{kMessageMark, kind, index, payload.size(), crc32c(payload), 0};
+  head.head_crc = crc_of_head(head);
+  return head;
+}
+
+bool is_sound(const MessageHead& head) noexcept {
+  return head.mark == kMessageMark && checksum_matches(crc_of_head(head), head.head_crc);
+}
+
+bool starts_a_request(std::span<const std::uint8_t> bytes) noexcept {
+  return bytes.size() >= 8 && load_little_endian<std::uint64_t>(bytes.data()) == kRequestMark;
+}
+
+Payload encode(const ImportRequest& request) {
+  Payload payload;
+  Writer out(payload);
+  out.put_u64(kRequestMark);
+  out.put_texts(request.paths);
+  put_options(out, request.options);
+  out.put_signed(request.threads);
+  out.put_u64(request.memory_bytes);
+  out.put_u64(request.limit_ms);
+  return payload;
+}
+
+Payload encode(const SourceReport& report) {
+  Payload payload;
+  Writer out(payload);
+  put_description(out, report.description);
+  out.put_texts(report.warnings);
+  out.put_u64(report.resident_bytes);
+  return payload;
+}
+
+Payload encode(const std::vector<std::string>& warnings) {
+  Payload payload;
+  Writer(payload).put_texts(warnings);
+  return payload;
+}
+
+Payload encode(const Error& failure) {
+  Payload payload;
+  Writer out(payload);
+  out.put_u8(static_cast<std::uint8_t>(failure.kind()));
+  out.put_text(failure.detail());
+  out.put_text(failure.path());
+  out.put_u8(failure.offset() ? 1 : 0);
+  out.put_u64(failure.offset().value_or(0));
+  return payload;
+}
+
+ImportRequest decode_request(std::span<const std::uint8_t> payload) {
+  Reader in(payload, "the request to the reader");
+  if (in.u64() != kRequestMark) in.fail("its mark is missing");
+  ImportRequest request;
+  request.paths = in.texts();
+  request.options = take_options(in);
+  request.threads = static_cast<int>(in.signed_varint());
+  request.memory_bytes = in.u64();
+  request.limit_ms = in.u64();
+  in.expect_end();
+  return request;
+}
+
+SourceReport decode_report(std::span<const std::uint8_t> payload) {
+  Reader in(payload, "the description");
+  SourceReport report;
+  report.description = take_description(in);
+  report.warnings = in.texts();
+  report.resident_bytes = in.u64();
+  in.expect_end();
+  return report;
+}
+
+std::vector<std::string> decode_warnings(std::span<const std::uint8_t> payload) {
+  Reader in(payload, "the warnings");
+  std::vector<std::string> warnings = in.texts();
+  in.expect_end();
+  return warnings;
+}
+
+Error decode_failure(std::span<const std::uint8_t> payload) {
+  Reader in(payload, "the failure");
+  const std::uint8_t kind = in.u8();
+  if (kind > static_cast<std::uint8_t>(ErrorKind::internal)) in.fail("no such kind of error");
+  std::string detail = in.text();
+  std::string path = in.text();
+  const bool has_offset = in.flag();
+  const std::uint64_t offset = in.u64();
+  in.expect_end();
+  return Error(static_cast<ErrorKind>(kind), std::move(detail), std::move(path),
+               has_offset ? std::optional(offset) : std::nullopt);
+}
+
+}  // namespace octavo

@@ -1,0 +1,183 @@
+#include "octavo/io/source/described_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
+
+#include "octavo/core/checked.h"
+#include "octavo/core/levels.h"
+#include "octavo/io/source/source_file.h"
+#include "octavo/io/source/stack_names.h"
+
+namespace octavo {
+
+using nlohmann::json;
+
+namespace {
+
+std::string settle_spacing(SourceFacts& facts, const SourceOptions& options) {
+  Point3& spacing = facts.description.geometry.spacing_mm;
+  if (options.spacing_mm) {
+    for (const double mm : *options.spacing_mm) {
+      if (std::isfinite(mm) && mm > 0) continue;
+      throw Error(ErrorKind::invalid_argument,
+                  "a spacing must be a positive number of millimetres");
+    }
+    spacing = *options.spacing_mm;
+    return "user";
+  }
+  if (facts.spacing_known) return "file";
+  facts.warnings.push_back("spacing is not in the files: 1 mm assumed; give --spacing x,y,z");
+  spacing = {1, 1, 1};
+  return "assumed";
+}
+
+/// The names of files behind the folder that holds them all.
+std::vector<std::string> differing_names(const std::vector<std::string>& files) {
+  std::string_view common = files.empty() ? std::string_view() : files.front();
+  for (const std::string& file : files) {
+    const auto ends = std::mismatch(common.begin(), common.end(), file.begin(), file.end());
+    common = common.substr(0, static_cast<std::size_t>(ends.first - common.begin()));
+  }
+  const std::size_t start = common.rfind('/') + 1;  // 0 where there is none
+  std::vector<std::string> names;
+  for (const std::string& file : files) names.push_back(file.substr(start));
+  return names;
+}
+
+constexpr const char* kNameOneStack = "; name the files of one stack, in which one number counts";
+
+/// Says what is wrong with the order of the names of a stack.
+std::string gap_text(const std::vector<std::string>& names, const std::vector<NumberGap>& gaps) {
+  if (const auto grid = number_grid(names); grid && !gaps.front().is_counted) {
+    return "two numbers in the names count, " + std::to_string(grid->outer) + " x " +
+           std::to_string(grid->inner) + " files from " + escaped(names.front()) + " to " +
+           escaped(names.back()) + ", as those of several channels or times do";
+  }
+  const NumberGap& first = gaps.front();
+  std::string text =
+      escaped(names[first.before]) + " is followed by " + escaped(names[first.before + 1]) + ": ";
+  if (!first.is_counted) {
+    text += "no number in their names counts from one to the other";
+  } else if (first.missing > 0) {
+    text += (first.missing == 1 ? "1 file is" : std::to_string(first.missing) + " files are") +
+            std::string(" missing by their numbers");
+  } else {
+    text += "the numbers are uneven";
+  }
+  if (gaps.size() == 2) text += " (and 1 more such place)";
+  if (gaps.size() > 2) text += " (and " + std::to_string(gaps.size() - 1) + " more such places)";
+  return text;
+}
+
+}  // namespace
+
+void settle(SourceFacts& facts, const SourceOptions& options, const std::string& path) {
+  facts.choice = choose_component(facts.components, options, path);
+  const std::string spacing_source = settle_spacing(facts, options);
+  try {
+    checked_voxel_count(facts.description.size);
+  } catch (const Error& failure) {
+    throw failure.with_path(path);
+  }
+  if (!is_valid(facts.description.geometry)) {
+    throw Error(ErrorKind::source_rejected,
+                "its geometry is not usable: spacings must be positive and axes independent; "
+                "give --spacing or repair the header",
+                path);
+  }
+  if (!std::isfinite(facts.description.rescale.slope) || facts.description.rescale.slope == 0 ||
+      !std::isfinite(facts.description.rescale.intercept)) {
+    throw Error(ErrorKind::source_rejected, "its rescale slope or intercept is not a usable number",
+                path);
+  }
+  json metadata = facts.extra_json.empty() ? json::object() : json::parse(facts.extra_json);
+  metadata["source"] = {{"format", facts.format}, {"files", facts.file_count}};
+  metadata["spacing_known"] = spacing_source != "assumed";
+  metadata["spacing_source"] = spacing_source;
+  if (facts.place_known) metadata["place_known"] = *facts.place_known;
+  if (facts.ignored_number_gaps > 0) {
+    metadata["prepared"]["ignored_number_gaps"] = facts.ignored_number_gaps;
+  }
+  if (!facts.unit.empty()) metadata["unit"] = facts.unit;
+  if (const std::string chosen = choice_json(facts.components, facts.choice); !chosen.empty()) {
+    metadata["chosen"] = json::parse(chosen);
+  }
+  if (options.keep_identity) facts.identity.note("FileName", base_name(path));
+  if (!facts.identity.is_empty()) {
+    metadata["identity"] = json::parse(facts.identity.json_text(options.keep_identity));
+  }
+  facts.description.metadata_json = metadata.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+void settle_number_gaps(const std::vector<std::string>& files, const SourceOptions& options,
+                        SourceFacts& facts) {
+  const std::vector<std::string> names = differing_names(files);
+  const std::vector<NumberGap> gaps = number_gaps(names);
+  if (gaps.empty()) return;
+  const std::string found = gap_text(names, gaps);
+  if (options.on_gap != GapPolicy::ignore) {
+    throw Error(ErrorKind::source_rejected,
+                found + (gaps.front().is_counted ? "; complete the stack" : kNameOneStack) +
+                    ", or give --on-gap ignore to take the files as neighbours",
+                files[gaps.front().before + 1]);
+  }
+  facts.ignored_number_gaps = gaps.size();
+  facts.warnings.push_back(found + "; taken as neighbours");
+}
+
+void check_memory(std::uint64_t needed, const SourceOptions& options, const std::string& path) {
+  if (options.max_memory_bytes == 0 || needed <= options.max_memory_bytes) return;
+  throw Error(ErrorKind::limit_exceeded,
+              "this format is loaded whole: " + std::to_string(needed) + " bytes needed, " +
+                  std::to_string(options.max_memory_bytes) +
+                  " allowed; raise --max-memory or convert it to a format read by planes",
+              path);
+}
+
+std::uint64_t plane_bytes(const VolumeDescription& description) {
+  return static_cast<std::uint64_t>(description.size.x * description.size.y *
+                                    bytes_per_voxel(description.type));
+}
+
+std::string size_text(std::int64_t x, std::int64_t y) {
+  return std::to_string(x) + " x " + std::to_string(y);
+}
+
+std::string size_text(const Size3& size) {
+  return size_text(size.x, size.y) + " x " + std::to_string(size.z);
+}
+
+bool is_spacing_known(const std::string& metadata_json) {
+  const auto metadata = json::parse(metadata_json, nullptr, false);
+  if (!metadata.is_object()) return true;
+  const auto found = metadata.find("spacing_known");
+  return found == metadata.end() || !found->is_boolean() || found->get<bool>();
+}
+
+std::string number_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.7g", value);
+  return text;
+}
+
+DescribedSource::DescribedSource(SourceFacts facts) : facts_(std::move(facts)) {}
+
+void DescribedSource::require_plane(std::span<const std::byte> plane) const {
+  if (plane.size() == plane_bytes(facts_.description)) return;
+  throw Error(ErrorKind::invalid_argument,
+              "a plane buffer of " + std::to_string(plane.size()) + " bytes, " +
+                  std::to_string(plane_bytes(facts_.description)) + " needed");
+}
+
+std::int64_t DescribedSource::take_plane_index() {
+  if (next_plane_ >= facts_.description.size.z) {
+    throw Error(ErrorKind::invalid_argument, "no plane behind the last one");
+  }
+  return next_plane_++;
+}
+
+}  // namespace octavo

@@ -1,0 +1,100 @@
+// What all sources share: a description, warnings, and one way to settle spacing and metadata.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "octavo/io/open_source.h"
+#include "octavo/io/source/component_choice.h"
+#include "octavo/io/source/source_identity.h"
+#include "octavo/planes/plane_source.h"
+
+namespace octavo {
+
+/// What an importer found out before the first plane.
+struct SourceFacts {
+  VolumeDescription description;        ///< metadata_json is made by `settle`
+  std::vector<std::string> warnings;
+  std::string format;                   ///< "DICOM", "TIFF", ...
+  std::int64_t file_count = 1;
+  bool spacing_known = false;           ///< the files carry a spacing
+  std::string unit;                     ///< unit of real values, when known
+  SourceIdentity identity;              ///< what tells who, where or when
+  /// Whether origin and direction place the volume in a body; nothing where that is not said.
+  std::optional<bool> place_known;
+  std::string extra_json;               ///< an object merged into the metadata, or empty
+  std::size_t ignored_number_gaps = 0;  ///< of a stack of numbered files
+  Components components;                ///< what stands at each voxel
+  ComponentChoice choice;               ///< which of them is taken; made by `settle`
+};
+
+/// Chooses a channel and a time, applies options.spacing_mm, warns when no spacing is known, writes
+/// metadata_json and proves size and geometry. path names the source in messages, and in the
+/// metadata with options.keep_identity.
+/// Throws Error{source_rejected} on a bad geometry, Error{limit_exceeded} on a size out of range,
+///        Error{invalid_argument} when options.spacing_mm is not positive and finite;
+///        as choose_component does
+void settle(SourceFacts& facts, const SourceOptions& options, const std::string& path);
+
+/// Refuses a stack of files whose numbers skip, as a plane is probably missing, and one in which no
+/// number counts, as its order is not known. With GapPolicy::ignore the files are taken as
+/// neighbours, with a warning and a note in the metadata.
+/// files   in plane order
+/// Throws  Error{source_rejected} naming the two files of the first such place
+void settle_number_gaps(const std::vector<std::string>& files, const SourceOptions& options,
+                        SourceFacts& facts);
+
+/// Throws Error{limit_exceeded} when `needed` bytes exceed options.max_memory_bytes (0: no limit).
+void check_memory(std::uint64_t needed, const SourceOptions& options, const std::string& path);
+
+/// Bytes of one plane. Requires a settled description.
+std::uint64_t plane_bytes(const VolumeDescription& description);
+
+/// A stored 64-bit size that came from a file, for messages: "512 x 512".
+std::string size_text(std::int64_t x, std::int64_t y);
+std::string size_text(const Size3& size);
+
+/// False when a volume's metadata say that its source has no spacing.
+bool is_spacing_known(const std::string& metadata_json);
+
+/// A number as people write it: up to 7 significant digits.
+std::string number_text(double value);
+
+/// The base of the sources in this folder. Requires settled facts.
+class DescribedSource : public PlaneSource {
+ public:
+  explicit DescribedSource(SourceFacts facts);
+  const VolumeDescription& description() const override { return facts_.description; }
+  const std::vector<std::string>& warnings() const override { return facts_.warnings; }
+
+ protected:
+  const ComponentChoice& choice() const { return facts_.choice; }
+  void warn(std::string text) { facts_.warnings.push_back(std::move(text)); }
+  /// Throws Error{invalid_argument} unless `plane` is one plane long.
+  void require_plane(std::span<const std::byte> plane) const;
+  /// The index of the next plane; moves on. Throws Error{invalid_argument} behind the last one.
+  std::int64_t take_plane_index();
+
+ private:
+  SourceFacts facts_;
+  std::int64_t next_plane_ = 0;
+};
+
+/// A source that can deliver any plane, from many threads at once: one file per plane, or pages.
+class IndexedPlaneSource : public DescribedSource {
+ public:
+  using DescribedSource::DescribedSource;
+
+  /// Fills `plane` with plane z. Throws as read_plane. Thread-safe.
+  virtual void read_plane_at(std::int64_t z, std::span<std::byte> plane) const = 0;
+
+  void read_plane(std::span<std::byte> plane) final {
+    require_plane(plane);
+    read_plane_at(take_plane_index(), plane);
+  }
+};
+
+}  // namespace octavo

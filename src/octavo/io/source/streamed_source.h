@@ -1,0 +1,35 @@
+// A volume whose stored voxels follow one another in one file, x fastest: raw, MetaImage, NRRD,
+// NIfTI. Other channels may stand between them, other volumes before and behind them.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "octavo/io/source/described_source.h"
+#include "octavo/io/source/voxel_stream.h"
+
+namespace octavo {
+
+/// Where the stored voxels stand.
+struct VoxelRun {
+  std::string path;
+  std::uint64_t start_offset = 0;  ///< in the file; where the deflated stream starts, or the voxels
+  std::uint64_t skip_bytes = 0;    ///< before the voxels, counted behind decompression
+  StreamCoding coding = StreamCoding::plain;
+  bool big_endian = false;
+  std::int64_t values_per_voxel = 1;  ///< channels that alternate
+  std::int64_t value_index = 0;       ///< which of them is taken
+  std::uint64_t bytes_behind = 0;     ///< of other volumes, behind the last voxel
+
+  /// Volume `index` of `count` that follow one another, each of `volume_bytes` of one channel.
+  void take_volume(std::int64_t index, std::int64_t count, std::uint64_t volume_bytes);
+};
+
+/// Delivers the planes of `run` one after the other; memory is that of a read buffer.
+/// A plain file that is too short is refused here; a deflated stream is proven to its trailer when
+/// the last plane is read. Bytes behind the voxels bring a warning.
+/// Requires settled facts. Throws Error{source_rejected} with both lengths, Error{io}.
+std::unique_ptr<PlaneSource> make_streamed_source(SourceFacts facts, const VoxelRun& run);
+
+}  // namespace octavo

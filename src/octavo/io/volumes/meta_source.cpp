@@ -1,0 +1,300 @@
+#include "octavo/io/volumes/meta_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "octavo/core/checked.h"
+#include "octavo/core/levels.h"
+#include "octavo/io/source/axis_check.h"
+#include "octavo/io/source/header_text.h"
+#include "octavo/io/source/length_unit.h"
+#include "octavo/io/source/source_file.h"
+#include "octavo/io/source/streamed_source.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 16;
+
+[[noreturn]] void reject(const std::string& path, const std::string& why) {
+  throw Error(ErrorKind::source_rejected, why, path);
+}
+
+/// The fields of a header up to ElementDataFile, and where the bytes behind it start.
+class MetaHeader {
+ public:
+  explicit MetaHeader(const std::string& path) : path_(path) {
+    const std::vector<std::byte> head = file_head(path, kMaxHeaderBytes);
+    const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
+    std::size_t at = 0;
+    while (at < text.size()) {
+      const std::size_t end = std::min(text.find('\n', at), text.size());
+      const std::string_view line = text.substr(at, end - at);
+      at = std::min(end + 1, text.size());
+      const std::size_t equals = line.find('=');
+      if (equals == std::string_view::npos) {
+        if (trimmed(line).empty()) continue;
+        break;
+      }
+      const std::string name(trimmed(line.substr(0, equals)));
+      fields_[name] = trimmed(line.substr(equals + 1));
+      if (name == "ElementDataFile") {
+        data_offset_ = at;
+        return;
+      }
+    }
+    reject(path, "not a MetaImage header: no ElementDataFile line found");
+  }
+
+  const std::string& path() const { return path_; }
+  std::uint64_t data_offset() const { return data_offset_; }
+  bool has(const std::string& name) const { return fields_.contains(name); }
+
+  /// The first of several spellings that is there, as a field; an empty value when none is.
+  FieldText field(std::initializer_list<const char*> names) const {
+    for (const char* name : names) {
+      const auto found = fields_.find(name);
+      if (found != fields_.end()) return {path_, found->first, found->second};
+    }
+    return {path_, *names.begin(), {}};
+  }
+
+  /// What says nothing of the voxels.
+  SourceIdentity identity() const {
+    SourceIdentity identity;
+    for (const auto& [name, value] : fields_) {
+      if (name == "Comment" || name == "Name" || name == "AcquisitionDate") {
+        identity.note(name, value);
+      } else if (!is_of_the_format(name)) {
+        identity.note("other field", name + " = " + value);
+      }
+    }
+    return identity;
+  }
+
+  std::string text(const std::string& name) const {
+    return std::string(field({name.c_str()}).value);
+  }
+  bool is_true(std::initializer_list<const char*> names) const {
+    const std::string_view value = field(names).value;
+    return !value.empty() && (value[0] == 'T' || value[0] == 't' || value[0] == '1');
+  }
+
+ private:
+  static bool is_of_the_format(const std::string& name) {
+    static const std::set<std::string> kNames = {
+        "AnatomicalOrientation", "BinaryData", "BinaryDataByteOrderMSB", "CenterOfRotation",
+        "Color", "CompressedData", "CompressedDataSize", "CompressionLevel", "DimSize",
+        "DistanceUnits", "ElementByteOrderMSB", "ElementDataFile", "ElementMax", "ElementMin",
+        "ElementNBits", "ElementNumberOfChannels", "ElementSize", "ElementSpacing",
+        "ElementToIntensityFunctionOffset", "ElementToIntensityFunctionSlope", "ElementType",
+        "HeaderSize", "ID", "Modality", "NDims", "ObjectSubType", "ObjectType", "Offset",
+        "Orientation", "Origin", "ParentID", "Position", "Rotation", "SequenceID",
+        "TransformMatrix", "TransformType"};
+    return kNames.contains(name);
+  }
+
+  std::string path_;
+  std::map<std::string, std::string> fields_;
+  std::uint64_t data_offset_ = 0;
+};
+
+VoxelType voxel_type_of(const MetaHeader& header) {
+  static const std::map<std::string, VoxelType> kTypes = {
+      {"MET_CHAR", VoxelType::int8},    {"MET_UCHAR", VoxelType::uint8},
+      {"MET_SHORT", VoxelType::int16},  {"MET_USHORT", VoxelType::uint16},
+      {"MET_INT", VoxelType::int32},    {"MET_UINT", VoxelType::uint32},
+      {"MET_FLOAT", VoxelType::float32}};
+  const std::string name = header.text("ElementType");
+  const auto found = kTypes.find(name);
+  if (found == kTypes.end()) {
+    reject(header.path(), "voxel type \"" + escaped(name) + "\" is not supported; integers of 8, "
+                          "16 or 32 bits or MET_FLOAT are");
+  }
+  return found->second;
+}
+
+Size3 read_size(const MetaHeader& header) {
+  const std::vector<std::int64_t> size = header.field({"DimSize"}).integers();
+  const std::int64_t dimensions = header.field({"NDims"}).integer();
+  if (static_cast<std::int64_t>(size.size()) != dimensions || dimensions < 2) {
+    reject(header.path(), "NDims is " + std::to_string(dimensions) + ", DimSize has " +
+                              std::to_string(size.size()) + " numbers");
+  }
+  if (dimensions > 4) {
+    reject(header.path(), std::to_string(dimensions) +
+                              " dimensions: 2, 3 and, with time, 4 are read; take out one first");
+  }
+  return {size[0], size[1], dimensions >= 3 ? size[2] : 1};
+}
+
+/// A fourth axis is time; channels alternate.
+Components components_of(const MetaHeader& header) {
+  Components components;
+  const FieldText channels = header.field({"ElementNumberOfChannels"});
+  if (!channels.value.empty()) components.channels = channels.integer();
+  const std::vector<std::int64_t> size = header.field({"DimSize"}).integers();
+  if (size.size() == 4) components.times = size[3];
+  return components;
+}
+
+/// Millimetres in the unit of lengths; 1 where the header names none.
+double unit_of(const MetaHeader& header, const SourceOptions& options) {
+  const std::string unit = header.text("DistanceUnits");
+  if (unit.empty() || unit == "?") return 1;
+  const std::optional<double> factor = unit_in_mm(unit);
+  if (!factor && !options.spacing_mm) {
+    reject(header.path(), "DistanceUnits is \"" + escaped(unit) +
+                              "\", which is no unit that is known here (" + kUnitsRead +
+                              "); give --spacing in mm");
+  }
+  return factor.value_or(1);
+}
+
+/// Columns of another length than 1 contradict the spacing, unless that is given by the user: then
+/// only where they point counts.
+void settle_axis_lengths(const FieldText& matrix, const SourceOptions& options,
+                         Geometry& geometry) {
+  if (has_unit_axes(geometry)) return;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double length = axis_length(geometry, axis);
+    const bool is_unit = std::abs(length - 1) <= kAxisTolerance;
+    if (!(length > 0) || (!is_unit && !options.spacing_mm)) {
+      reject(matrix.path,
+             escaped(matrix.name) + ": the vector of axis " + axis_name(axis) + " has length " +
+                 number_text(length) +
+                 ", 1 expected, since the spacing stands in ElementSpacing; " +
+                 (length > 0 ? "give --spacing x,y,z in mm, which then counts alone, or " : "") +
+                 "repair the header");
+    }
+    for (std::size_t row = 0; row < 3; ++row) geometry.direction[row * 3 + axis] /= length;
+  }
+}
+
+/// A 2-D image lies in the plane z = 0; of time nothing is taken.
+void read_direction(const MetaHeader& header, std::size_t dimensions, const SourceOptions& options,
+                    Geometry& geometry) {
+  const FieldText matrix = header.field({"TransformMatrix", "Rotation", "Orientation"});
+  if (matrix.value.empty()) return;
+  const std::vector<double> rows = matrix.numbers(dimensions * dimensions);
+  const std::size_t axes = std::min<std::size_t>(dimensions, 3);
+  for (std::size_t axis = 0; axis < axes; ++axis) {
+    for (std::size_t row = 0; row < axes; ++row) {
+      geometry.direction[row * 3 + axis] = rows[axis * dimensions + row];
+    }
+  }
+  refuse_shear(geometry, escaped(matrix.name), header.path());
+  settle_axis_lengths(matrix, options, geometry);
+}
+
+/// The first three numbers of a field times the unit; false where the header has no such field.
+bool read_lengths(const FieldText& field, std::size_t dimensions, double unit_mm, Point3& target) {
+  if (field.value.empty()) return false;
+  const std::vector<double> lengths = field.numbers(dimensions);
+  for (std::size_t axis = 0; axis < std::min<std::size_t>(dimensions, 3); ++axis) {
+    target[axis] = lengths[axis] * unit_mm;
+  }
+  return true;
+}
+
+/// Spacing, origin and directions; false where the header gives no spacing.
+bool read_geometry(const MetaHeader& header, std::size_t dimensions, const SourceOptions& options,
+                   Geometry& geometry) {
+  const double unit_mm = unit_of(header, options);
+  read_lengths(header.field({"Offset", "Position", "Origin"}), dimensions, unit_mm,
+               geometry.origin_mm);
+  read_direction(header, dimensions, options, geometry);
+  return read_lengths(header.field({"ElementSpacing", "ElementSize"}), dimensions, unit_mm,
+                      geometry.spacing_mm);
+}
+
+/// Whether the header says how the patient lies. "???" is what programs write that do not know.
+std::optional<bool> place_known_of(const MetaHeader& header, const Geometry& geometry) {
+  const std::string orientation = header.text("AnatomicalOrientation");
+  if (orientation.empty() || !header.has("TransformMatrix")) return std::nullopt;
+  if (orientation != "???") return true;
+  if (geometry.direction == Geometry{}.direction) return false;
+  return std::nullopt;
+}
+
+void refuse_unreadable(const MetaHeader& header) {
+  if (header.has("BinaryData") && !header.is_true({"BinaryData"})) {
+    reject(header.path(), "voxels written as text are not read; convert the file to binary");
+  }
+}
+
+VoxelRun locate_voxels(const MetaHeader& header, std::uint64_t voxel_bytes) {
+  VoxelRun run;
+  const std::string data = header.text("ElementDataFile");
+  const std::string lower = lower_case(data);
+  if (lower == "local") {
+    run.path = header.path();
+    run.start_offset = header.data_offset();
+  } else if (lower.starts_with("list") || data.find('%') != std::string::npos) {
+    reject(header.path(), "a MetaImage that lists one file per plane is not read; give the planes "
+                          "with --raw");
+  } else {
+    run.path = sibling_path(header.path(), data);
+  }
+  run.big_endian = header.is_true({"ElementByteOrderMSB", "BinaryDataByteOrderMSB"});
+  if (header.is_true({"CompressedData"})) run.coding = StreamCoding::deflated;
+  const FieldText header_size = header.field({"HeaderSize"});
+  if (header_size.value.empty()) return run;
+  const std::int64_t bytes = header_size.integer();
+  if (bytes == -1 && run.coding == StreamCoding::plain) {
+    const std::uint64_t length = SourceFile(run.path).size();
+    if (length < voxel_bytes) reject(run.path, "the file is shorter than its voxels: it is cut");
+    run.start_offset = length - voxel_bytes;
+  } else if (bytes > 0) {
+    run.start_offset = static_cast<std::uint64_t>(bytes);
+  } else if (bytes < 0) {
+    reject(header.path(), "HeaderSize " + std::to_string(bytes) + " is not usable");
+  }
+  return run;
+}
+
+}  // namespace
+
+std::unique_ptr<PlaneSource> open_meta_source(const std::string& path,
+                                              const SourceOptions& options) {
+  const MetaHeader header(path);
+  refuse_unreadable(header);
+  SourceFacts facts;
+  facts.format = "MetaImage";
+  facts.identity = header.identity();
+  VolumeDescription& description = facts.description;
+  description.type = voxel_type_of(header);
+  description.size = read_size(header);
+  const std::size_t dimensions = header.field({"DimSize"}).integers().size();
+  facts.spacing_known = read_geometry(header, dimensions, options, description.geometry);
+  facts.place_known = place_known_of(header, description.geometry);
+  if (header.has("ElementToIntensityFunctionSlope")) {
+    description.rescale.slope = header.field({"ElementToIntensityFunctionSlope"}).numbers(1)[0];
+  }
+  if (header.has("ElementToIntensityFunctionOffset")) {
+    description.rescale.intercept =
+        header.field({"ElementToIntensityFunctionOffset"}).numbers(1)[0];
+  }
+  const std::int64_t voxels = checked_voxel_count(description.size);
+  const auto volume_bytes = static_cast<std::uint64_t>(voxels * bytes_per_voxel(description.type));
+  facts.components = components_of(header);
+  facts.choice = choose_component(facts.components, options, path);
+  const auto channels = static_cast<std::uint64_t>(facts.components.channels);
+  const auto times = static_cast<std::uint64_t>(facts.components.times);
+  VoxelRun run = locate_voxels(
+      header, checked_mul(checked_mul(volume_bytes, channels, "volume"), times, "volumes"));
+  run.values_per_voxel = facts.components.channels;
+  run.value_index = facts.choice.channel;
+  run.take_volume(facts.choice.time, facts.components.times, volume_bytes);
+  if (run.path != path) facts.file_count = 2;
+  settle(facts, options, path);
+  return make_streamed_source(std::move(facts), run);
+}
+
+}  // namespace octavo

@@ -1,0 +1,156 @@
+#include "octavo/io/volumes/nifti_source.h"
+
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "octavo/core/checked.h"
+#include "octavo/io/source/source_file.h"
+#include "octavo/io/source/streamed_source.h"
+#include "octavo/io/volumes/nifti_header.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::int64_t kIntentLabel = 1002;
+
+[[noreturn]] void reject(const std::string& path, const std::string& why) {
+  throw Error(ErrorKind::source_rejected, why, path);
+}
+
+constexpr std::int64_t kRgb = 128;
+constexpr std::int64_t kRgba = 2304;
+
+VoxelType voxel_type_of(const NiftiHeader& header, const std::string& path) {
+  static const std::map<std::int64_t, VoxelType> kTypes = {
+      {kRgb, VoxelType::uint8}, {kRgba, VoxelType::uint8},
+      {2, VoxelType::uint8},   {4, VoxelType::int16},    {8, VoxelType::int32},
+      {16, VoxelType::float32}, {256, VoxelType::int8},  {512, VoxelType::uint16},
+      {768, VoxelType::uint32}};
+  const auto found = kTypes.find(header.datatype);
+  if (found == kTypes.end()) {
+    reject(path, "voxels of " + nifti_type_name(header.datatype) +
+                     " are not read; integers of 8, 16 or 32 bits, float 32 bit, RGB and RGBA are. "
+                     "Convert it to one of these first");
+  }
+  return found->second;
+}
+
+Size3 read_size(const NiftiHeader& header, const std::string& path) {
+  const std::int64_t count = header.dim[0];
+  if (count < 1 || count > 7) reject(path, "it claims " + std::to_string(count) + " dimensions");
+  Size3 size{1, 1, 1};
+  for (std::int64_t axis = 0; axis < count; ++axis) {
+    const std::int64_t length = header.dim[static_cast<std::size_t>(axis) + 1];
+    if (length < 1) {
+      reject(path, "the length of axis " + std::to_string(axis + 1) + " is " +
+                       std::to_string(length));
+    }
+    if (axis < 3) {
+      size[static_cast<int>(axis)] = length;
+    } else if (length > 1 && axis > 4) {
+      reject(path, "an axis " + std::to_string(axis + 1) + " of length " + std::to_string(length) +
+                       " (behind space, time and channels) is not read; take out one part first");
+    }
+  }
+  return size;
+}
+
+std::int64_t length_of(const NiftiHeader& header, std::size_t axis) {
+  return static_cast<std::int64_t>(axis) <= header.dim[0] ? header.dim[axis] : 1;
+}
+
+/// Axis 4 is time, axis 5 counts the values of a voxel, as does a colour.
+Components components_of(const NiftiHeader& header, const std::string& path) {
+  Components components;
+  components.times = length_of(header, 4);
+  components.channels = length_of(header, 5);
+  const std::int64_t colours = header.datatype == kRgb ? 3 : header.datatype == kRgba ? 4 : 1;
+  if (colours == 1) return components;
+  if (components.channels > 1) {
+    reject(path, std::to_string(components.channels) + " channels of " +
+                     nifti_type_name(header.datatype) + " are not read; take out one first");
+  }
+  components.channels = colours;
+  components.channel_names = colour_names(colours);
+  return components;
+}
+
+/// Colours alternate; volumes of other channels and times stand behind one another.
+void take_component(const NiftiHeader& header, const SourceFacts& facts, VoxelRun& run) {
+  const VolumeDescription& volume = facts.description;
+  const std::uint64_t bytes = checked_mul(
+      plane_bytes(volume), static_cast<std::uint64_t>(volume.size.z), "volume");
+  const Components& components = facts.components;
+  const ComponentChoice& choice = facts.choice;
+  if (header.datatype == kRgb || header.datatype == kRgba) {
+    run.values_per_voxel = components.channels;
+    run.value_index = choice.channel;
+    run.take_volume(choice.time, components.times, bytes);
+    return;
+  }
+  const std::int64_t volumes = checked_count(components.channels, components.times, "volumes");
+  run.take_volume(choice.channel * components.times + choice.time, volumes, bytes);
+}
+
+Rescale read_rescale(const NiftiHeader& header) {
+  // A slope of 0 says that there is no scaling (NIfTI-1, "Data scaling").
+  if (header.slope == 0 || !std::isfinite(header.slope)) return {};
+  return {header.slope, std::isfinite(header.intercept) ? header.intercept : 0.0};
+}
+
+/// The file with the voxels: the header's own, or the .img beside it.
+std::string voxel_file(const std::string& path, bool is_pair) {
+  if (!is_pair) return path;
+  for (const char* ending : {".hdr", ".hdr.gz"}) {
+    if (!has_ending(path, ending)) continue;
+    const std::string name = base_name(path);
+    const std::string stem = name.substr(0, name.size() - std::string(ending).size());
+    return sibling_path(path, stem + (has_ending(path, ".gz") ? ".img.gz" : ".img"));
+  }
+  reject(path, "its header says that the voxels are in a separate .img, but it is not named .hdr");
+}
+
+}  // namespace
+
+std::unique_ptr<PlaneSource> open_nifti_source(const std::string& path,
+                                               const SourceOptions& options) {
+  const NiftiHeader header = read_nifti_header(path);
+  SourceFacts facts;
+  facts.format = "NIfTI-" + std::to_string(header.version);
+  facts.file_count = header.is_pair ? 2 : 1;
+  VolumeDescription& description = facts.description;
+  description.size = read_size(header, path);
+  description.type = voxel_type_of(header, path);
+  facts.components = components_of(header, path);
+  description.rescale = read_rescale(header);
+  if (header.intent == kIntentLabel && is_integer(description.type)) {
+    description.kind = VolumeKind::labels;
+  }
+  std::vector<std::string> notes;
+  facts.spacing_known = nifti_geometry(header, path, description.geometry, notes);
+  facts.place_known = header.sform_code > 0 || header.qform_code > 0;
+  for (const std::string& note : notes) facts.warnings.push_back(note + ": " + escaped(path));
+  for (const auto& [name, text] : header.texts) facts.identity.note(name, text);
+  const std::int64_t plain_offset = header.version == 1 ? 352 : 544;
+  if (header.is_pair ? header.is_extended : header.voxel_offset > plain_offset) {
+    facts.identity.note_lost("header extension");
+  }
+  settle(facts, options, path);
+
+  VoxelRun run;
+  run.path = voxel_file(path, header.is_pair);
+  run.big_endian = header.big_endian;
+  run.coding = is_gzip_file(run.path) ? StreamCoding::deflated : StreamCoding::plain;
+  const std::int64_t least = header.is_pair ? 0 : header.version == 1 ? 348 : 540;
+  if (header.voxel_offset < least) {
+    reject(path, "the voxels are said to start at byte " + std::to_string(header.voxel_offset) +
+                     ", inside the header of " + std::to_string(least) + " bytes");
+  }
+  run.skip_bytes = static_cast<std::uint64_t>(header.voxel_offset);
+  take_component(header, facts, run);
+  return make_streamed_source(std::move(facts), run);
+}
+
+}  // namespace octavo

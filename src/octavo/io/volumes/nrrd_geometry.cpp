@@ -1,0 +1,233 @@
+#include "octavo/io/volumes/nrrd_geometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "octavo/io/source/axis_check.h"
+#include "octavo/io/source/length_unit.h"
+#include "octavo/io/source/source_file.h"
+
+namespace octavo {
+
+namespace {
+
+[[noreturn]] void reject(const std::string& path, const std::string& why) {
+  throw Error(ErrorKind::source_rejected, why, path);
+}
+
+/// What "space" says of the axes of the world.
+struct WorldAxes {
+  Point3 to_lps = {1, 1, 1};  ///< +1 or -1 each
+  std::string doubt;          ///< why nobody can tell where left is; empty where it is said
+};
+
+constexpr const char* kSpacesRead =
+    "left-posterior-superior (LPS), right-anterior-superior (RAS), left-anterior-superior (LAS), "
+    "scanner-xyz, 3D-right-handed and 3D-left-handed";
+
+WorldAxes world_axes_of(const NrrdHeader& header) {
+  static const std::map<std::string, Point3> kSigns = {
+      {"left-posterior-superior", {1, 1, 1}},   {"lps", {1, 1, 1}},
+      {"right-anterior-superior", {-1, -1, 1}}, {"ras", {-1, -1, 1}},
+      {"left-anterior-superior", {1, -1, 1}},   {"las", {1, -1, 1}}};
+  if (!header.has("space")) return {{1, 1, 1}, "the header names no space, so that it"};
+  const std::string space = header.text("space");
+  const std::string name = lower_case(space);
+  if (const auto found = kSigns.find(name); found != kSigns.end()) return {found->second, ""};
+  const std::string quoted = "the space \"" + escaped(space) + "\"";
+  if (name == "scanner-xyz" || name == "3d-right-handed") return {{1, 1, 1}, quoted};
+  if (name == "3d-left-handed") return {{1, 1, 1}, quoted + ", a mirror image of ours,"};
+  reject(header.path(), quoted + " is not read; " + kSpacesRead +
+                            " are (of those with time, write the time as an axis with the "
+                            "direction \"none\")");
+}
+
+/// Notes that origin and directions say nothing of the body.
+void leave_unplaced(SourceFacts& facts) { facts.place_known = false; }
+
+/// The vectors "(a,b,c) none (d,e,f) ..." of a field; "none" is passed over.
+std::vector<Point3> vectors(const FieldText& field) {
+  std::string flat(field.value);
+  const auto count = static_cast<std::size_t>(std::count(flat.begin(), flat.end(), '('));
+  std::replace_if(
+      flat.begin(), flat.end(), [](char c) { return c == '(' || c == ')' || c == ','; }, ' ');
+  for (std::size_t at = 0; (at = lower_case(flat).find("none")) != std::string::npos;) {
+    flat.replace(at, 4, 4, ' ');
+  }
+  const std::vector<double> numbers = FieldText{field.path, field.name, flat}.numbers(count * 3);
+  std::vector<Point3> result;
+  for (std::size_t i = 0; i < count; ++i) {
+    result.push_back({numbers[i * 3], numbers[i * 3 + 1], numbers[i * 3 + 2]});
+  }
+  return result;
+}
+
+/// The quoted words of "units" or "space units".
+std::vector<std::string> quoted_words(std::string_view text) {
+  std::vector<std::string> result;
+  while (true) {
+    const std::size_t start = text.find('"');
+    const std::size_t end = start == std::string_view::npos ? start : text.find('"', start + 1);
+    if (end == std::string_view::npos) return result;
+    result.emplace_back(trimmed(text.substr(start + 1, end - start - 1)));
+    text.remove_prefix(end + 1);
+  }
+}
+
+/// Millimetres in each unit of a field, of which `count` are expected; 1 where none is named.
+std::vector<double> units_in_mm(const NrrdHeader& header, const std::string& field,
+                                std::size_t count, const SourceOptions& options) {
+  std::vector<double> factors(count, 1.0);
+  if (!header.has(field)) return factors;
+  const std::vector<std::string> units = quoted_words(header.text(field));
+  if (units.size() != count) {
+    reject(header.path(), "\"" + field + "\" names " + std::to_string(units.size()) +
+                              " units in quotes, " + std::to_string(count) + " expected");
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (units[i].empty() || units[i] == "???") continue;
+    const std::optional<double> factor = unit_in_mm(units[i]);
+    if (!factor && !options.spacing_mm) {
+      reject(header.path(), "\"" + field + "\" names \"" + escaped(units[i]) +
+                                "\", which is no unit that is known here (" + kUnitsRead +
+                                "); give --spacing in mm");
+    }
+    factors[i] = factor.value_or(1.0);
+  }
+  return factors;
+}
+
+void read_space_directions(const NrrdHeader& header, std::size_t dimension,
+                           const SourceOptions& options, SourceFacts& facts) {
+  const std::vector<Point3> axes = vectors(header.field("space directions"));
+  if (axes.size() != dimension || dimension != 3) {
+    reject(header.path(), "space directions: " + std::to_string(dimension) +
+                              " vectors of 3 numbers expected, " + std::to_string(axes.size()) +
+                              " found");
+  }
+  const WorldAxes world = world_axes_of(header);
+  facts.place_known = world.doubt.empty();
+  if (!world.doubt.empty()) {
+    facts.warnings.push_back(world.doubt + " does not say where left is: axes and origin are kept "
+                                           "as in the file: " + escaped(header.path()));
+  }
+  Geometry& geometry = facts.description.geometry;
+  Point3 signs = world.to_lps;
+  const std::vector<double> units = units_in_mm(header, "space units", 3, options);
+  for (std::size_t row = 0; row < 3; ++row) signs[row] *= units[row];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Point3 v = {signs[0] * axes[axis][0], signs[1] * axes[axis][1],
+                      signs[2] * axes[axis][2]};
+    const double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    if (!(length > 0)) {
+      reject(header.path(), std::string("space directions: the vector of axis ") +
+                                axis_name(axis) + " has no length; repair the header");
+    }
+    geometry.spacing_mm[axis] = length;
+    for (std::size_t row = 0; row < 3; ++row) {
+      geometry.direction[row * 3 + axis] = v[row] / length;
+    }
+  }
+  refuse_shear(geometry, "space directions", header.path());
+  if (!header.has("space origin")) return;
+  const std::vector<Point3> origin = vectors(header.field("space origin"));
+  if (origin.size() != 1) reject(header.path(), "space origin: one vector expected");
+  for (std::size_t row = 0; row < 3; ++row) geometry.origin_mm[row] = signs[row] * origin[0][row];
+}
+
+/// The words of "centers", one for each axis; "" where the header is silent.
+std::vector<std::string> centers_of(const NrrdHeader& header, std::size_t axis_count) {
+  std::vector<std::string> centers = words(lower_case(header.text("centers")));
+  if (!centers.empty() && centers.size() != axis_count) {
+    reject(header.path(), "centers has " + std::to_string(centers.size()) + " words for " +
+                              std::to_string(axis_count) + " axes");
+  }
+  centers.resize(axis_count);
+  return centers;
+}
+
+/// "axis mins" says where each axis starts, "nan" where it does not: at the border of the first
+/// voxel where voxels are cells, at its centre where they are nodes. Without "centers" they are
+/// cells, as Teem and ITK have it.
+/// units   millimetres in the unit of each axis of the file
+void take_axis_mins(const NrrdHeader& header, const NrrdSpaceAxes& space,
+                    const std::vector<double>& units, SourceFacts& facts) {
+  if (!header.has("axis mins")) return;
+  const std::vector<double> mins = header.field("axis mins").numbers();
+  if (mins.size() != space.axis_count) {
+    reject(header.path(), "axis mins: " + std::to_string(space.axis_count) +
+                              " numbers expected, " + std::to_string(mins.size()) + " found");
+  }
+  const std::vector<std::string> centers = centers_of(header, space.axis_count);
+  Geometry& geometry = facts.description.geometry;
+  bool is_assumed = false;
+  for (std::size_t i = 0; i < space.axes.size(); ++i) {
+    const std::size_t axis = space.axes[i];
+    if (!std::isfinite(mins[axis])) continue;
+    const bool is_node = centers[axis] == "node";
+    is_assumed = is_assumed || (!is_node && centers[axis] != "cell");
+    const double step_mm = geometry.direction[i * 3 + i] * geometry.spacing_mm[i];
+    geometry.origin_mm[i] = mins[axis] * units[axis] + (is_node ? 0 : step_mm / 2);
+  }
+  leave_unplaced(facts);
+  if (!is_assumed) return;
+  facts.warnings.push_back("the header gives \"axis mins\" without \"centers\": they are taken "
+                           "as the borders of the first voxels: " + escaped(header.path()));
+}
+
+/// Headers without space directions: spacings only, below 0 where an axis runs backwards; "nan"
+/// says that an axis has none. False when an axis in space has none.
+bool read_spacings(const NrrdHeader& header, const NrrdSpaceAxes& space,
+                   const SourceOptions& options, SourceFacts& facts) {
+  if (!header.has("spacings")) return false;
+  const std::vector<double> steps = header.field("spacings").numbers();
+  if (steps.size() != space.axis_count) {
+    reject(header.path(), "spacings: " + std::to_string(space.axis_count) +
+                              " numbers expected, " + std::to_string(steps.size()) + " found");
+  }
+  for (const std::size_t axis : space.axes) {
+    if (!std::isfinite(steps[axis])) return false;
+  }
+  const std::vector<double> units = units_in_mm(header, "units", space.axis_count, options);
+  Geometry& geometry = facts.description.geometry;
+  for (std::size_t i = 0; i < space.axes.size(); ++i) {
+    const double step_mm = steps[space.axes[i]] * units[space.axes[i]];
+    geometry.spacing_mm[i] = std::abs(step_mm);
+    if (!(step_mm < 0)) continue;
+    geometry.direction[i * 3 + i] = -1;
+    leave_unplaced(facts);
+  }
+  take_axis_mins(header, space, units, facts);
+  return true;
+}
+
+/// Tells what of the place of the voxels is not taken from a header without space directions.
+void tell_what_is_left_out(const NrrdHeader& header, SourceFacts& facts) {
+  if (header.has("space") || header.has("space origin")) {
+    facts.warnings.push_back("the header names a space but gives no \"space directions\": "
+                             "orientation and origin are left out: " + escaped(header.path()));
+  }
+  if (header.has("axis mins") && !facts.spacing_known) {
+    facts.warnings.push_back("the header gives \"axis mins\" but no spacings: the origin is left "
+                             "out: " + escaped(header.path()));
+  }
+}
+
+}  // namespace
+
+void read_nrrd_geometry(const NrrdHeader& header, const NrrdSpaceAxes& space,
+                        const SourceOptions& options, SourceFacts& facts) {
+  if (header.has("space directions")) {
+    read_space_directions(header, space.axes.size(), options, facts);
+    facts.spacing_known = true;
+    return;
+  }
+  facts.spacing_known = read_spacings(header, space, options, facts);
+  tell_what_is_left_out(header, facts);
+}
+
+}  // namespace octavo

@@ -1,0 +1,91 @@
+#include "octavo/io/volumes/nrrd_header.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <set>
+#include <vector>
+
+#include "octavo/core/error.h"
+#include "octavo/io/source/source_file.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 20;
+
+[[noreturn]] void reject(const std::string& path, const std::string& why) {
+  throw Error(ErrorKind::source_rejected, why, path);
+}
+
+bool is_of_the_format(const std::string& name) {
+  static const std::set<std::string> kNames = {
+      "axis maxs",   "axis mins",   "axismaxs",     "centers",         "block size",
+      "blocksize",   "byte skip",   "data file",
+      "dimension",   "encoding",    "endian",       "kinds",           "line skip",
+      "max",         "min",         "number",       "measurement frame", "old max",
+      "old min",     "oldmax",      "oldmin",       "sample units",    "sampleunits",
+      "sizes",       "space",       "space dimension", "space directions", "space origin",
+      "space units", "spacings",    "thicknesses",  "type",            "units"};
+  return kNames.contains(name);
+}
+
+/// The one spelling under which a field is kept.
+std::string kept_name(const std::string& name) {
+  static const std::map<std::string, std::string> kOthers = {
+      {"datafile", "data file"}, {"lineskip", "line skip"},  {"byteskip", "byte skip"},
+      {"axismins", "axis mins"}, {"centerings", "centers"}};
+  const auto found = kOthers.find(name);
+  return found == kOthers.end() ? name : found->second;
+}
+
+}  // namespace
+
+NrrdHeader::NrrdHeader(const std::string& path) : path_(path) {
+  const std::vector<std::byte> head = file_head(path, kMaxHeaderBytes);
+  const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
+  if (!text.starts_with("NRRD000"))
+    reject(path, "not a NRRD header: it does not start with NRRD000");
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    const std::string_view line = trimmed(text.substr(at, end - at));
+    at = std::min(end + 1, text.size());
+    if (line.empty()) {
+      data_offset_ = at;
+      return;
+    }
+    take_line(line);
+  }
+  data_offset_ = text.size();
+  if (!has("data file")) reject(path, "the NRRD header has no end: the file is cut");
+}
+
+FieldText NrrdHeader::field(const std::string& name) const {
+  const auto found = fields_.find(name);
+  if (found == fields_.end()) return {path_, "", {}};
+  return {path_, found->first, found->second};
+}
+
+void NrrdHeader::take_line(std::string_view line) {
+  if (line.starts_with('#')) {
+    identity_.note("comment", std::string(trimmed(line.substr(1))));
+    return;
+  }
+  const std::size_t colon = line.find(": ");
+  const std::size_t key_end = line.find(":=");
+  if (key_end < colon) {
+    identity_.note("key/value pair", std::string(line));
+    fields_[std::string(line.substr(0, key_end + 2))] = trimmed(line.substr(key_end + 2));
+    return;
+  }
+  if (colon == std::string_view::npos) return;
+  const std::string name = kept_name(lower_case(std::string(line.substr(0, colon))));
+  fields_[name] = trimmed(line.substr(colon + 2));
+  if (name == "content" || name == "labels") {
+    identity_.note(name, fields_[name]);
+  } else if (!is_of_the_format(name)) {
+    identity_.note("other field", std::string(line));
+  }
+}
+
+}  // namespace octavo
