@@ -10,7 +10,7 @@
 #include "common/masks.h"
 #include "common/quantities.h"
 #include "common/verb.h"
-#include "octavo/ops/set_operations.h"
+#include "octavo/ops/mask/set_operations.h"
 #include "verbs.h"
 
 namespace octavo::cli {

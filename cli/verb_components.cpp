@@ -15,7 +15,7 @@
 #include "common/quantities.h"
 #include "common/verb.h"
 #include "common/volume_json.h"
-#include "octavo/ops/components.h"
+#include "octavo/ops/mask/components.h"
 #include "octavo/planes/computed_source.h"
 #include "verbs.h"
 

@@ -15,7 +15,7 @@
 #include "common/quantities.h"
 #include "common/verb.h"
 #include "common/volume_json.h"
-#include "octavo/ops/fill_holes.h"
+#include "octavo/ops/mask/fill_holes.h"
 #include "verbs.h"
 
 namespace octavo::cli {

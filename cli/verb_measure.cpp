@@ -15,7 +15,7 @@
 #include "common/quantities.h"
 #include "common/verb.h"
 #include "common/volume_json.h"
-#include "octavo/ops/measure.h"
+#include "octavo/ops/measure/measure.h"
 #include "verbs.h"
 
 namespace octavo::cli {

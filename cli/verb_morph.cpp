@@ -13,7 +13,7 @@
 #include "common/quantities.h"
 #include "common/verb.h"
 #include "common/volume_json.h"
-#include "octavo/ops/morphology.h"
+#include "octavo/ops/mask/morphology.h"
 #include "verbs.h"
 
 namespace octavo::cli {

@@ -10,7 +10,7 @@
 #include "common/masks.h"
 #include "common/quantities.h"
 #include "common/verb.h"
-#include "octavo/ops/shell.h"
+#include "octavo/ops/mask/shell.h"
 #include "verbs.h"
 
 namespace octavo::cli {

@@ -14,8 +14,8 @@
 #include "common/progress_line.h"
 #include "common/quantities.h"
 #include "common/verb.h"
-#include "octavo/ops/interference.h"
-#include "octavo/ops/label_adjacency.h"
+#include "octavo/ops/label/label_adjacency.h"
+#include "octavo/ops/mask/interference.h"
 #include "verbs.h"
 
 namespace octavo::cli {

@@ -23,8 +23,8 @@
 #include "octavo/builder/metadata_member.h"
 #include "octavo/file/write/copy_described.h"
 #include "octavo/io/source/place_known.h"
-#include "octavo/ops/mask_transform.h"
-#include "octavo/ops/resample.h"
+#include "octavo/ops/grid/resample.h"
+#include "octavo/ops/mask/mask_transform.h"
 #include "octavo/planes/computed_source.h"
 #include "verbs.h"
 

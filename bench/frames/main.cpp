@@ -18,8 +18,8 @@
 #include "octavo/core/error.h"
 #include "octavo/file/reader.h"
 #include "octavo/file/storage/storage.h"
-#include "octavo/ops/file_mask.h"
-#include "octavo/ops/shell.h"
+#include "octavo/ops/mask/file_mask.h"
+#include "octavo/ops/mask/shell.h"
 #include "octavo/render/cube_picture.h"
 
 namespace octavo::bench {

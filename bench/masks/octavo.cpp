@@ -1,9 +1,9 @@
 #include "bench/masks/engine.h"
 #include "octavo/octree/mask_accessor.h"
-#include "octavo/ops/components.h"
-#include "octavo/ops/mask_build.h"
-#include "octavo/ops/mask_moments.h"
-#include "octavo/ops/set_operations.h"
+#include "octavo/ops/mask/components.h"
+#include "octavo/ops/mask/mask_build.h"
+#include "octavo/ops/mask/set_operations.h"
+#include "octavo/ops/measure/mask_moments.h"
 
 namespace octavo::bench {
 namespace {

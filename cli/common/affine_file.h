@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "octavo/ops/affine.h"
+#include "octavo/ops/grid/affine.h"
 
 namespace octavo::cli {
 

@@ -12,9 +12,9 @@
 #include "common/render_scene.h"
 #include "common/value_ranges.h"
 #include "octavo/core/error.h"
-#include "octavo/ops/label_masks.h"
-#include "octavo/ops/set_operations.h"
-#include "octavo/ops/shell.h"
+#include "octavo/ops/label/label_masks.h"
+#include "octavo/ops/mask/set_operations.h"
+#include "octavo/ops/mask/shell.h"
 #include "octavo/render/cube_picture.h"
 #include "octavo/render/label_colour.h"
 

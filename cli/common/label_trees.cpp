@@ -12,8 +12,8 @@
 #include "common/masks.h"
 #include "common/progress_line.h"
 #include "common/quantities.h"
-#include "octavo/ops/label_build.h"
-#include "octavo/ops/label_overlaps.h"
+#include "octavo/ops/label/label_build.h"
+#include "octavo/ops/label/label_overlaps.h"
 
 namespace octavo::cli {
 

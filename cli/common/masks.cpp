@@ -15,8 +15,8 @@
 #include "common/volume_json.h"
 #include "octavo/core/error.h"
 #include "octavo/core/memory_limit.h"
-#include "octavo/ops/file_mask.h"
-#include "octavo/ops/resample.h"
+#include "octavo/ops/grid/resample.h"
+#include "octavo/ops/mask/file_mask.h"
 #include "octavo/planes/computed_source.h"
 
 namespace octavo::cli {

@@ -11,7 +11,7 @@
 #include "octavo/builder/builder.h"
 #include "octavo/file/reader.h"
 #include "octavo/octree/mask_tree.h"
-#include "octavo/ops/mask_build.h"
+#include "octavo/ops/mask/mask_build.h"
 
 namespace octavo::cli {
 

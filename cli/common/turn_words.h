@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "octavo/ops/axis_turn.h"
+#include "octavo/ops/grid/axis_turn.h"
 
 namespace octavo::cli {
 

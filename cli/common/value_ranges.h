@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "octavo/core/volume.h"
-#include "octavo/ops/mask_build.h"
+#include "octavo/ops/mask/mask_build.h"
 
 namespace octavo::cli {
 

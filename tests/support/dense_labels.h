@@ -5,7 +5,7 @@
 #include <cstring>
 #include <vector>
 
-#include "octavo/ops/label_build.h"
+#include "octavo/ops/label/label_build.h"
 #include "octavo/planes/memory_source.h"
 #include "support/built_file.h"
 #include "support/dense_mask.h"

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "octavo/ops/mask_build.h"
+#include "octavo/ops/mask/mask_build.h"
 
 namespace octavo::testing {
 

@@ -11,10 +11,10 @@
 
 #include "octavo/core/error.h"
 #include "octavo/octree/condense.h"
-#include "octavo/ops/label_build.h"
-#include "octavo/ops/label_masks.h"
-#include "octavo/ops/label_moments.h"
-#include "octavo/ops/mask_moments.h"
+#include "octavo/ops/label/label_build.h"
+#include "octavo/ops/label/label_masks.h"
+#include "octavo/ops/measure/label_moments.h"
+#include "octavo/ops/measure/mask_moments.h"
 #include "support/built_file.h"
 #include "support/dense_labels.h"
 

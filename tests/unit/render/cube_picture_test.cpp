@@ -11,7 +11,7 @@
 #include <random>
 #include <set>
 
-#include "octavo/ops/shell.h"
+#include "octavo/ops/mask/shell.h"
 #include "octavo/render/face_raster.h"
 #include "support/dense_mask.h"
 #include "support/read_png.h"

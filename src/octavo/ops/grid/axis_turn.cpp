@@ -1,0 +1,90 @@
+#include "octavo/ops/grid/axis_turn.h"
+
+namespace octavo {
+
+namespace {
+
+std::size_t index(int axis) { return static_cast<std::size_t>(axis); }
+
+Point3 centre_of(const Size3& size) {
+  return {static_cast<double>(size.x - 1) / 2, static_cast<double>(size.y - 1) / 2,
+          static_cast<double>(size.z - 1) / 2};
+}
+
+}  // namespace
+
+AxisTurn quarter_turns(int axis, int count) {
+  // What lies along u comes to lie along v, what lies along v backwards along u.
+  const int u = (axis + 1) % 3;
+  const int v = (axis + 2) % 3;
+  AxisTurn quarter;
+  quarter.from[index(v)] = u;
+  quarter.from[index(u)] = v;
+  quarter.is_reversed[index(u)] = true;
+  AxisTurn turn;
+  for (int i = ((count % 4) + 4) % 4; i > 0; --i) turn = chained(turn, quarter);
+  return turn;
+}
+
+AxisTurn mirror_along(int axis) {
+  AxisTurn turn;
+  turn.is_reversed[index(axis)] = true;
+  return turn;
+}
+
+AxisTurn chained(const AxisTurn& first, const AxisTurn& second) {
+  AxisTurn both;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::size_t between = index(second.from[a]);
+    both.from[a] = first.from[between];
+    both.is_reversed[a] = first.is_reversed[between] != second.is_reversed[a];
+  }
+  return both;
+}
+
+Size3 turned(const Size3& size, const AxisTurn& turn) {
+  return {size[turn.from[0]], size[turn.from[1]], size[turn.from[2]]};
+}
+
+Index3 source_of(const Index3& voxel, const Size3& size, const AxisTurn& turn) {
+  Index3 source;
+  for (int a = 0; a < 3; ++a) {
+    const int from = turn.from[index(a)];
+    source[from] = turn.is_reversed[index(a)] ? size[from] - 1 - voxel[a] : voxel[a];
+  }
+  return source;
+}
+
+Geometry turned(const Geometry& geometry, const Size3& size, const AxisTurn& turn) {
+  const Index3 first = source_of({0, 0, 0}, size, turn);
+  Geometry result = cropped(geometry, first);
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::size_t from = index(turn.from[a]);
+    result.spacing_mm[a] = geometry.spacing_mm[from];
+    for (std::size_t row = 0; row < 3; ++row) {
+      const double part = geometry.direction[3 * row + from];
+      // 0 - part: a zero stays +0.
+      result.direction[3 * row + a] = turn.is_reversed[a] ? 0 - part : part;
+    }
+  }
+  return result;
+}
+
+Geometry turned_object(const Geometry& geometry, const Size3& size, const AxisTurn& turn) {
+  Point3 spacing{};
+  for (std::size_t a = 0; a < 3; ++a) spacing[a] = geometry.spacing_mm[index(turn.from[a])];
+  return recentred(geometry, size, turned(size, turn), spacing);
+}
+
+Geometry recentred(const Geometry& geometry, const Size3& old_size, const Size3& size,
+                   const Point3& spacing_mm) {
+  const Point3 centre = geometry.to_world(centre_of(old_size));
+  Geometry result = geometry;
+  result.spacing_mm = spacing_mm;
+  result.origin_mm = {0, 0, 0};
+  const Point3 half = result.to_world(centre_of(size));
+  for (std::size_t row = 0; row < 3; ++row) result.origin_mm[row] = centre[row] - half[row];
+  return result;
+}
+
+}  // namespace octavo

@@ -1,0 +1,485 @@
+#include "octavo/ops/mask/components.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "octavo/core/error.h"
+#include "octavo/core/memory_limit.h"
+#include "octavo/ops/mask/mask_pieces.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr const char* kSubject = "the components";
+
+constexpr std::size_t kGrain = 256;
+
+// Of the two directions of every pair, the one that is looked at.
+bool is_forward(const Direction& d) {
+  return d.z > 0 || (d.z == 0 && (d.y > 0 || (d.y == 0 && d.x > 0)));
+}
+
+// Two of 4 x 4 x 4 children that touch, `to` one step in `direction` from `from`.
+struct Touch {
+  int from = 0;
+  int to = 0;
+  Direction direction;
+};
+
+// The pairs of children that touch inside one cube, or from one cube to the next in a direction.
+class Touches {
+ public:
+  explicit Touches(Connectivity connectivity) {
+    for (int i = 0; i < static_cast<int>(connectivity); ++i) {
+      const Direction direction = kDirections[static_cast<std::size_t>(i)];
+      for (int bit = 0; bit < 64; ++bit) add(bit, direction);
+    }
+  }
+
+  /// Both ways round.
+  const std::vector<Touch>& inside() const { return lists_[index({0, 0, 0})]; }
+  const std::vector<Touch>& across(const Direction& border) const { return lists_[index(border)]; }
+
+ private:
+  static std::size_t index(const Direction& d) {
+    return static_cast<std::size_t>(9 * (d.z + 1) + 3 * (d.y + 1) + d.x + 1);
+  }
+  static int side(std::int64_t at) { return at < 0 ? -1 : at > 3 ? 1 : 0; }
+
+  void add(int bit, const Direction& direction) {
+    const Index3 at = deinterleave(static_cast<std::uint64_t>(bit));
+    const Index3 to{at.x + direction.x, at.y + direction.y, at.z + direction.z};
+    const auto to_bit = static_cast<int>(interleave({to.x & 3, to.y & 3, to.z & 3}));
+    lists_[index({side(to.x), side(to.y), side(to.z)})].push_back({bit, to_bit, direction});
+  }
+
+  std::array<std::vector<Touch>, 27> lists_;
+};
+
+// The bits on the border of a word in a direction.
+std::uint64_t border_of(const Direction& direction) {
+  const std::array<int, 3> steps = {direction.x, direction.y, direction.z};
+  std::uint64_t border = kFullWord;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int step = steps[static_cast<std::size_t>(axis)];
+    if (step != 0) border &= slab_of(axis, step > 0 ? 3 : 0);
+  }
+  return border;
+}
+
+// The parts of a word, the one with its lowest bit first.
+template <class Take>
+void for_each_part(std::uint64_t word, Connectivity connectivity, Take take) {
+  while (word != 0) {
+    const std::uint64_t part = flood(word, word & (~word + 1), connectivity);
+    take(part);
+    word &= ~part;
+  }
+}
+
+template <class F>
+void in_parallel(std::size_t count, F&& f) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) f(i);
+  });
+}
+
+}  // namespace
+
+// Joins parts that touch. Links only ever lead to smaller numbers, so that the smallest part of a
+// component is its root whatever the order of the joins.
+class Components::Linker {
+ public:
+  explicit Linker(Components& all)
+      : all_(all), mask_(all.mask_), connectivity_(all.connectivity_), touches_(connectivity_) {
+    all_.labels_.resize(all_.parts_.size());
+    std::iota(all_.labels_.begin(), all_.labels_.end(), 0);
+  }
+
+  void link_all() {
+    for (int rank = 0; rank < mask_.rank_count(); ++rank) {
+      in_parallel(mask_.cubes(rank).size(), [&](std::size_t place) { link_inside(rank, place); });
+    }
+  }
+
+ private:
+  // A stored item: a cube, or a word at rank -1.
+  struct Item {
+    int rank;
+    std::uint64_t place;
+  };
+
+  const MaskCube& cube(const Item& item) const {
+    return mask_.cubes(item.rank)[item.place];
+  }
+  Item child(const Item& item, int bit) const {
+    return {item.rank - 1, cube(item).place_of(bit)};
+  }
+  std::uint32_t full_part(const Item& item, int bit) const {
+    return all_.part_at(item.rank, item.place, bit);
+  }
+
+  void link_inside(int rank, std::uint64_t place) {
+    const Item item{rank, place};
+    const MaskCube& here = cube(item);
+    if (here.mixed == 0) return;
+    for (const Touch& touch : touches_.inside()) {
+      if ((here.mixed >> touch.from & 1) == 0) continue;
+      if ((here.full >> touch.to & 1) != 0) {
+        join_full(full_part(item, touch.to), child(item, touch.from), touch.direction);
+      } else if ((here.mixed >> touch.to & 1) != 0 && is_forward(touch.direction)) {
+        link(child(item, touch.from), child(item, touch.to), touch.direction);
+      }
+    }
+  }
+
+  // `b` lies beside `a` in `direction`; both have the same rank.
+  void link(const Item& a, const Item& b, const Direction& direction) {
+    if (a.rank < 0) {
+      link_words(a, b, direction);
+      return;
+    }
+    const MaskCube& in_a = cube(a);
+    const MaskCube& in_b = cube(b);
+    for (const Touch& touch : touches_.across(direction)) {
+      const bool is_full_a = (in_a.full >> touch.from & 1) != 0;
+      const bool is_full_b = (in_b.full >> touch.to & 1) != 0;
+      const bool is_mixed_a = (in_a.mixed >> touch.from & 1) != 0;
+      const bool is_mixed_b = (in_b.mixed >> touch.to & 1) != 0;
+      if (is_full_a && is_full_b) {
+        join(full_part(a, touch.from), full_part(b, touch.to));
+      } else if (is_full_a && is_mixed_b) {
+        join_full(full_part(a, touch.from), child(b, touch.to), touch.direction.reversed());
+      } else if (is_mixed_a && is_full_b) {
+        join_full(full_part(b, touch.to), child(a, touch.from), touch.direction);
+      } else if (is_mixed_a && is_mixed_b) {
+        link(child(a, touch.from), child(b, touch.to), touch.direction);
+      }
+    }
+  }
+
+  void link_words(const Item& a, const Item& b, const Direction& direction) {
+    for (std::uint32_t in_a = begin(a); in_a < end(a); ++in_a) {
+      const std::uint64_t beyond =
+          touched_beyond(all_.parts_[in_a], direction, connectivity_);
+      for (std::uint32_t in_b = begin(b); in_b < end(b); ++in_b) {
+        if ((beyond & all_.parts_[in_b]) != 0) join(in_a, in_b);
+      }
+    }
+  }
+
+  // What lies beside `item` in `direction` is full and belongs to `part`.
+  void join_full(std::uint32_t part, const Item& item, const Direction& direction) {
+    const std::uint64_t border = border_of(direction);
+    for (std::uint32_t own = begin(item); own < end(item); ++own) {
+      if ((all_.parts_[own] & border) != 0) join(part, own);
+    }
+    if (item.rank < 0) return;
+    for (std::uint64_t left = cube(item).mixed & border; left != 0; left &= left - 1) {
+      join_full(part, child(item, std::countr_zero(left)), direction);
+    }
+  }
+
+  std::uint32_t begin(const Item& item) const { return all_.first_part(item.rank, item.place); }
+  std::uint32_t end(const Item& item) const { return all_.first_part(item.rank, item.place + 1); }
+
+  std::uint32_t root_of(std::uint32_t part) {
+    for (;;) {
+      const std::uint32_t next = link_of(part).load(std::memory_order_relaxed);
+      if (next == part) return part;
+      const std::uint32_t after = link_of(next).load(std::memory_order_relaxed);
+      // Shortens the way for the next one; a link that became smaller meanwhile is left alone.
+      std::uint32_t seen = next;
+      if (after != next)
+        link_of(part).compare_exchange_weak(seen, after, std::memory_order_relaxed);
+      part = after;
+    }
+  }
+
+  void join(std::uint32_t a, std::uint32_t b) {
+    for (;;) {
+      a = root_of(a);
+      b = root_of(b);
+      if (a == b) return;
+      if (a < b) std::swap(a, b);
+      std::uint32_t seen = a;
+      if (link_of(a).compare_exchange_strong(seen, b, std::memory_order_relaxed)) return;
+    }
+  }
+
+  std::atomic_ref<std::uint32_t> link_of(std::uint32_t part) {
+    return std::atomic_ref(all_.labels_[part]);
+  }
+
+  Components& all_;
+  const MaskTree& mask_;
+  Connectivity connectivity_;
+  Touches touches_;
+};
+
+// Sums over the parts of every component, in a walk over the tree.
+class Components::Census {
+ public:
+  explicit Census(Components& all) : all_(all) {}
+
+  void take(std::uint64_t max_bytes) {
+    count_roots(max_bytes);
+    number_roots();
+    const MaskTree& mask = all_.mask_;
+    visit(mask.rank_count() - 1, 0, 0);
+    for (std::size_t i = 0; i < tallies_.size(); ++i) finish(tallies_[i]);
+    sort();
+  }
+
+ private:
+  struct Tally {
+    Component component;
+    std::uint64_t first_code = std::numeric_limits<std::uint64_t>::max();
+  };
+
+  // Before there is a tally for each.
+  void count_roots(std::uint64_t max_bytes) {
+    std::uint64_t count = 0;
+    for (std::uint32_t part = 0; part < all_.labels_.size(); ++part) {
+      count += all_.labels_[part] == part ? 1u : 0u;
+    }
+    // Those of the result, those that are counted, and their order.
+    constexpr std::uint64_t kBytes = sizeof(Component) + sizeof(Tally) + 2 * sizeof(std::uint32_t);
+    require_memory_within(all_.memory_bytes() + count * kBytes, max_bytes, kSubject);
+    tallies_.reserve(count);
+    all_.components_.reserve(count);
+  }
+
+  // A part's link leads to a smaller one, which has its number by then.
+  void number_roots() {
+    for (std::uint32_t part = 0; part < all_.labels_.size(); ++part) {
+      std::uint32_t& link = all_.labels_[part];
+      if (link == part) {
+        link = static_cast<std::uint32_t>(tallies_.size());
+        tallies_.emplace_back();
+      } else {
+        link = all_.labels_[link];
+      }
+    }
+  }
+
+  void visit(int rank, std::uint64_t place, std::uint64_t code) {
+    add_parts(rank, place, code);
+    if (rank < 0) return;
+    const MaskCube& cube = all_.mask_.cubes(rank)[place];
+    for (std::uint64_t left = cube.mixed; left != 0; left &= left - 1) {
+      const int bit = std::countr_zero(left);
+      visit(rank - 1, cube.place_of(bit), code << 6 | static_cast<std::uint64_t>(bit));
+    }
+  }
+
+  void add_parts(int rank, std::uint64_t place, std::uint64_t code) {
+    const std::uint32_t end = all_.first_part(rank, place + 1);
+    for (std::uint32_t i = all_.first_part(rank, place); i < end; ++i) {
+      add(all_.parts_[i], rank, code, tallies_[all_.labels_[i]]);
+    }
+  }
+
+  // The children of an item at `code` that are in `part`.
+  static void add(std::uint64_t part, int rank, std::uint64_t code, Tally& tally) {
+    const int shift = 2 * (rank + 1);
+    const Index3 corner = corner_of({shift + 2, code});
+    const auto count = static_cast<std::uint64_t>(std::popcount(part));
+    const std::uint64_t volume = std::uint64_t{1} << 3 * shift;
+    Component& to = tally.component;
+    const bool is_first = to.voxel_count == 0;
+    to.voxel_count += count * volume;
+    const auto low_bit = static_cast<std::uint64_t>(std::countr_zero(part));
+    tally.first_code = std::min(tally.first_code, (code << 6 | low_bit) << 3 * shift);
+    const double half = 0.5 * static_cast<double>((std::int64_t{1} << shift) - 1);
+    for (int axis = 0; axis < 3; ++axis) {
+      int lowest = 3;
+      int highest = 0;
+      std::int64_t steps = 0;
+      for (int at = 0; at < 4; ++at) {
+        const int here = std::popcount(part & slab_of(axis, at));
+        if (here == 0) continue;
+        lowest = std::min(lowest, at);
+        highest = at;
+        steps += std::int64_t{at} * here;
+      }
+      const std::int64_t lo = corner[axis] + (std::int64_t{lowest} << shift);
+      const std::int64_t hi = corner[axis] + ((std::int64_t{highest} + 1) << shift);
+      to.box.lo[axis] = is_first ? lo : std::min(to.box.lo[axis], lo);
+      to.box.hi[axis] = is_first ? hi : std::max(to.box.hi[axis], hi);
+      const double mean_step =
+          static_cast<double>(steps << shift) / static_cast<double>(count);
+      to.centroid[static_cast<std::size_t>(axis)] +=
+          (static_cast<double>(corner[axis]) + half + mean_step) *
+          static_cast<double>(count * volume);
+    }
+  }
+
+  static void finish(Tally& tally) {
+    for (double& sum : tally.component.centroid) {
+      sum /= static_cast<double>(tally.component.voxel_count);
+    }
+  }
+
+  void sort() {
+    std::vector<std::uint32_t> order(tallies_.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+      const std::uint64_t of_a = tallies_[a].component.voxel_count;
+      const std::uint64_t of_b = tallies_[b].component.voxel_count;
+      return of_a != of_b ? of_a > of_b : tallies_[a].first_code < tallies_[b].first_code;
+    });
+    std::vector<std::uint32_t> label_of(order.size());
+    for (std::uint32_t place = 0; place < order.size(); ++place) {
+      label_of[order[place]] = place + 1;
+      all_.components_.push_back(tallies_[order[place]].component);
+    }
+    for (std::uint32_t& label : all_.labels_) label = label_of[label];
+  }
+
+  Components& all_;
+  std::vector<Tally> tallies_;
+};
+
+Components::Components(const MaskTree& mask, Connectivity connectivity, std::uint64_t max_bytes)
+    : mask_(mask), connectivity_(connectivity) {
+  find_parts(max_bytes);
+  Linker(*this).link_all();
+  Census(*this).take(max_bytes);
+}
+
+std::uint64_t Components::memory_bytes() const noexcept {
+  std::uint64_t bytes = parts_.capacity() * sizeof(std::uint64_t) +
+                        labels_.capacity() * sizeof(std::uint32_t) +
+                        components_.capacity() * sizeof(Component);
+  for (const auto& firsts : first_parts_) bytes += firsts.capacity() * sizeof(std::uint32_t);
+  return bytes;
+}
+
+void Components::find_parts(std::uint64_t max_bytes) {
+  const auto bits_at = [&](std::size_t list, std::size_t place) {
+    return list == 0 ? mask_.words()[place] : mask_.cubes(static_cast<int>(list) - 1)[place].full;
+  };
+  std::uint64_t part_count = 0;
+  first_parts_.resize(static_cast<std::size_t>(mask_.rank_count()) + 1);
+  for (std::size_t list = 0; list < first_parts_.size(); ++list) {
+    std::vector<std::uint32_t>& firsts = first_parts_[list];
+    const std::size_t count =
+        list == 0 ? mask_.words().size() : mask_.cubes(static_cast<int>(list) - 1).size();
+    firsts.resize(count + 1);
+    in_parallel(count, [&](std::size_t place) {
+      for_each_part(bits_at(list, place), connectivity_, [&](std::uint64_t) { ++firsts[place]; });
+    });
+    for (std::uint32_t& first : firsts) {
+      const std::uint64_t own = first;
+      first = static_cast<std::uint32_t>(part_count);
+      part_count += own;
+    }
+    if (part_count > std::numeric_limits<std::uint32_t>::max()) {
+      throw Error(ErrorKind::limit_exceeded, "the mask falls into more than 2^32 pieces");
+    }
+  }
+  require_memory_within(memory_bytes() + part_count * (sizeof(std::uint64_t) +
+                                                       sizeof(std::uint32_t)),
+                        max_bytes, kSubject);
+  parts_.resize(part_count);
+  for (std::size_t list = 0; list < first_parts_.size(); ++list) {
+    const std::vector<std::uint32_t>& firsts = first_parts_[list];
+    in_parallel(firsts.size() - 1, [&](std::size_t place) {
+      std::uint32_t next = firsts[place];
+      for_each_part(bits_at(list, place), connectivity_,
+                    [&](std::uint64_t part) { parts_[next++] = part; });
+    });
+  }
+}
+
+std::uint32_t Components::part_at(int rank, std::uint64_t place, int bit) const noexcept {
+  std::uint32_t part = first_part(rank, place);
+  while ((parts_[part] >> bit & 1) == 0) ++part;
+  return part;
+}
+
+std::uint32_t Components::label_of(const Index3& voxel) const noexcept {
+  if (!mask_.contains(voxel)) return 0;
+  const std::uint64_t code = interleave(voxel);
+  std::uint64_t place = 0;
+  for (int rank = mask_.rank_count() - 1; rank >= 0; --rank) {
+    const auto bit = static_cast<int>(code >> 6 * (rank + 1) & 63);
+    const MaskCube& cube = mask_.cubes(rank)[place];
+    if ((cube.full >> bit & 1) != 0) return labels_[part_at(rank, place, bit)];
+    place = cube.place_of(bit);
+  }
+  return labels_[part_at(-1, place, static_cast<int>(code & 63))];
+}
+
+// Copies the tree without the parts that are not kept.
+class Components::Selection {
+ public:
+  Selection(const Components& all, const std::vector<bool>& keep)
+      : all_(all), keep_(keep), out_(arrays_below(all.mask_.rank_count())) {}
+
+  MaskTree make() {
+    const MaskCube root = cube(all_.mask_.rank_count() - 1, 0);
+    out_.cubes.back().push_back(root);
+    return {all_.mask_.size(), std::move(out_)};
+  }
+
+ private:
+  std::uint64_t kept_bits(int rank, std::uint64_t place) const {
+    std::uint64_t bits = 0;
+    const std::uint32_t end = all_.first_part(rank, place + 1);
+    for (std::uint32_t part = all_.first_part(rank, place); part < end; ++part) {
+      if (keep_[all_.labels_[part] - 1]) bits |= all_.parts_[part];
+    }
+    return bits;
+  }
+
+  MaskCube cube(int rank, std::uint64_t place) {
+    const MaskCube& from = all_.mask_.cubes(rank)[place];
+    if (rank == 0) {
+      WordCube words;
+      for (std::uint64_t left = from.mixed; left != 0; left &= left - 1) {
+        const int bit = std::countr_zero(left);
+        words.add(bit, kept_bits(-1, from.place_of(bit)));
+      }
+      MaskCube made = words.finish(out_.words);
+      made.full |= kept_bits(0, place);
+      return made;
+    }
+    std::vector<MaskCube>& below = out_.cubes[static_cast<std::size_t>(rank) - 1];
+    MaskCube made{kept_bits(rank, place), 0, below.size()};
+    for (std::uint64_t left = from.mixed; left != 0; left &= left - 1) {
+      const int bit = std::countr_zero(left);
+      const MaskCube child = cube(rank - 1, from.place_of(bit));
+      add_child(child, bit, made, below);
+    }
+    return made;
+  }
+
+  const Components& all_;
+  const std::vector<bool>& keep_;
+  MaskArrays out_;
+};
+
+MaskTree Components::select(const std::vector<bool>& keep) const {
+  return Selection(*this, keep).make();
+}
+
+void Components::fill_labels(const Box& box, std::uint32_t* labels) const {
+  std::fill_n(labels, box.size().voxel_count(), 0);
+  visit_items(mask_, box, [&](int rank, std::uint64_t place, const Index3& corner) {
+    const std::uint32_t end = first_part(rank, place + 1);
+    for (std::uint32_t part = first_part(rank, place); part < end; ++part) {
+      fill_children(parts_[part], rank, corner, box, labels_[part], labels);
+    }
+  });
+}
+
+}  // namespace octavo

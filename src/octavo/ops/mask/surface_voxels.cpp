@@ -1,0 +1,87 @@
+#include "octavo/ops/mask/surface_voxels.h"
+
+#include <tbb/parallel_for.h>
+
+#include <bit>
+#include <vector>
+
+#include "octavo/ops/mask/mask_pieces.h"
+#include "octavo/ops/mask/neighborhood.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr Connectivity kFaces = Connectivity::faces;
+// The rank of cubes that are work for one thread: 64^3 voxels.
+constexpr int kTaskRank = 1;
+
+// The bits of the centre whose six neighbors are all set.
+std::uint64_t enclosed(const WordsAround& words) {
+  std::uint64_t bits = kFullWord;
+  for (int axis = 0; axis < 3; ++axis) {
+    bits &= beside_along(words, axis, 1) & beside_along(words, axis, -1);
+  }
+  return bits;
+}
+
+// The children of the centre that hold surface.
+std::uint64_t surface_children(const CubesAround& around) {
+  WordsAround full;
+  for (std::size_t i = 0; i < full.size(); ++i) full[i] = around[i].full;
+  return around[kCentre].mixed | (full[kCentre] & ~enclosed(full));
+}
+
+struct Task {
+  std::uint64_t code;
+  CubesAround around;
+};
+
+void collect(const MaskTree& mask, int rank, std::uint64_t code, const CubesAround& around,
+             std::vector<Task>& tasks) {
+  if (rank == kTaskRank) {
+    tasks.push_back({code, around});
+    return;
+  }
+  for (std::uint64_t left = surface_children(around); left != 0; left &= left - 1) {
+    const int bit = std::countr_zero(left);
+    collect(mask, rank - 1, code << 6 | static_cast<std::uint64_t>(bit),
+            cubes_around_child(mask, rank, around, bit, kFaces), tasks);
+  }
+}
+
+MaskCube surface_of_words(const MaskTree& mask, const CubesAround& around, MaskArrays& out) {
+  WordCube words;
+  for (std::uint64_t left = surface_children(around); left != 0; left &= left - 1) {
+    const int bit = std::countr_zero(left);
+    const WordsAround here = words_around_child(mask, around, bit, kFaces);
+    words.add(bit, here[kCentre] & ~enclosed(here));
+  }
+  return words.finish(out.words);
+}
+
+MaskPart surface_of(const MaskTree& mask, const Task& task) {
+  MaskPart part;
+  part.below = arrays_below(kTaskRank);
+  MaskCube cube;
+  for (std::uint64_t left = surface_children(task.around); left != 0; left &= left - 1) {
+    const int bit = std::countr_zero(left);
+    const CubesAround below = cubes_around_child(mask, kTaskRank, task.around, bit, kFaces);
+    add_child(surface_of_words(mask, below, part.below), bit, cube, part.below.cubes[0]);
+  }
+  part.pieces.push_back({task.code, cube});
+  return part;
+}
+
+}  // namespace
+
+MaskTree surface_voxels(const MaskTree& mask) {
+  std::vector<Task> tasks;
+  collect(mask, mask.rank_count() - 1, 0, around_root(mask), tasks);
+  std::vector<MaskPart> parts(tasks.size());
+  tbb::parallel_for(std::size_t{0}, tasks.size(),
+                    [&](std::size_t i) { parts[i] = surface_of(mask, tasks[i]); });
+  return assemble(mask.size(), kTaskRank, parts);
+}
+
+}  // namespace octavo

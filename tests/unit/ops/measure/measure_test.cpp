@@ -1,0 +1,235 @@
+#include "octavo/ops/measure/measure.h"
+
+#include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+
+#include "octavo/core/error.h"
+#include "support/built_file.h"
+
+namespace octavo {
+namespace {
+
+struct Scene {
+  Size3 size;
+  std::vector<std::int16_t> labels;
+  std::vector<std::int16_t> grey;
+
+  std::int64_t label_at(const Index3& p) const {
+    if (!box_of(size).contains(p)) return -1;
+    return labels[static_cast<std::size_t>((p.z * size.y + p.y) * size.x + p.x)];
+  }
+};
+
+template <class F>
+void for_each_voxel(const Size3& size, F f) {
+  std::size_t i = 0;
+  for (std::int64_t z = 0; z < size.z; ++z)
+    for (std::int64_t y = 0; y < size.y; ++y)
+      for (std::int64_t x = 0; x < size.x; ++x) f(Index3{x, y, z}, i++);
+}
+
+// A slab that fills whole bricks, balls, single voxels, a negative and a large label.
+Scene make_scene() {
+  Scene scene{{200, 150, 140}, {}, {}};
+  std::mt19937 random(1);
+  for_each_voxel(scene.size, [&](const Index3& p, std::size_t) {
+    std::int16_t label = p.x >= 64 ? 3 : 0;
+    if (std::hypot(p.x - 60, p.y - 40, p.z - 30) < 25) label = 7;
+    if (std::hypot(p.x - 30, p.y - 90, p.z - 100) < 20) label = -2;
+    if (random() % 4000 == 0) label = 30000;
+    scene.labels.push_back(label);
+    const auto noise = static_cast<std::int64_t>(random() % 50);
+    scene.grey.push_back(static_cast<std::int16_t>(label / 10 + 20 * (p.z % 9) + noise));
+  });
+  return scene;
+}
+
+std::string built(const testing::ScratchFolder& folder, const Size3& size, VoxelType type,
+                  const void* voxels, VolumeKind kind, const std::string& name) {
+  VolumeDescription description;
+  description.size = size;
+  description.type = type;
+  const auto bytes = static_cast<std::size_t>(size.voxel_count() * bytes_per_voxel(type));
+  NoProgress progress;
+  BuildOptions options;
+  options.kind = kind;
+  if (type == VoxelType::float32) options.max_error = 1e-3;
+  build_file(*make_memory_source(description, {static_cast<const std::byte*>(voxels), bytes}),
+             local_storage(), folder.file(name), options, progress);
+  return folder.file(name);
+}
+
+class MeasuredScene : public testing::ScratchFolder {
+ public:
+  MeasuredScene() : scene(make_scene()) {
+    const auto file = [&](const std::vector<std::int16_t>& voxels, VolumeKind kind,
+                          const char* name) {
+      return testing::open_file(
+          built(*this, scene.size, VoxelType::int16, voxels.data(), kind, name));
+    };
+    labels = file(scene.labels, VolumeKind::labels, "labels.8vo");
+    grey = file(scene.grey, VolumeKind::grey, "grey.8vo");
+  }
+
+  Scene scene;
+  std::shared_ptr<FileReader> labels;
+  std::shared_ptr<FileReader> grey;
+};
+
+const MeasuredScene& measured() {
+  static const MeasuredScene scene;
+  return scene;
+}
+
+TEST(MeasureRegions, AgreesWithEveryVoxel) {
+  const Scene& scene = measured().scene;
+  NoProgress progress;
+  const auto regions = measure_regions(*measured().labels, measured().grey.get(), {}, progress);
+  std::map<std::int64_t, std::vector<Index3>> expected;
+  std::map<std::int64_t, std::vector<double>> values;
+  std::map<std::int64_t, std::uint64_t> surface;
+  for_each_voxel(scene.size, [&](const Index3& p, std::size_t i) {
+    const std::int64_t label = scene.labels[i];
+    if (label == 0) return;
+    expected[label].push_back(p);
+    values[label].push_back(scene.grey[i]);
+    const Index3 beside[] = {{p.x - 1, p.y, p.z}, {p.x + 1, p.y, p.z}, {p.x, p.y - 1, p.z},
+                             {p.x, p.y + 1, p.z}, {p.x, p.y, p.z - 1}, {p.x, p.y, p.z + 1}};
+    surface[label] += std::any_of(std::begin(beside), std::end(beside), [&](const Index3& q) {
+      return scene.label_at(q) != label;
+    });
+  });
+  ASSERT_EQ(regions.size(), expected.size());
+  auto region = regions.begin();
+  for (auto& [label, voxels] : expected) {
+    SCOPED_TRACE(label);
+    EXPECT_EQ(region->label, label);
+    EXPECT_EQ(region->voxel_count, voxels.size());
+    EXPECT_EQ(region->surface_voxel_count, surface[label]);
+    const auto n = static_cast<double>(voxels.size());
+    std::array<double, 3> mean{};
+    Box box{voxels.front(), voxels.front()};
+    for (const Index3& p : voxels) {
+      for (int axis = 0; axis < 3; ++axis) {
+        mean[static_cast<std::size_t>(axis)] += static_cast<double>(p[axis]) / n;
+        box.lo[axis] = std::min(box.lo[axis], p[axis]);
+        box.hi[axis] = std::max(box.hi[axis], p[axis] + 1);
+      }
+    }
+    EXPECT_EQ(region->box, box);
+    std::array<double, 6> covariance{};
+    for (const Index3& p : voxels) {
+      const double d[3] = {static_cast<double>(p.x) - mean[0], static_cast<double>(p.y) - mean[1],
+                           static_cast<double>(p.z) - mean[2]};
+      const double products[6] = {d[0] * d[0], d[1] * d[1], d[2] * d[2],
+                                  d[0] * d[1], d[0] * d[2], d[1] * d[2]};
+      for (std::size_t i = 0; i < 6; ++i) covariance[i] += products[i] / n;
+    }
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(region->centroid[i], mean[i], 1e-9);
+    for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(region->covariance[i], covariance[i], 1e-6);
+
+    std::vector<double>& v = values[label];
+    std::sort(v.begin(), v.end());
+    double sum = 0;
+    for (const double value : v) sum += value;
+    double squares = 0;
+    for (const double value : v) squares += (value - sum / n) * (value - sum / n);
+    ASSERT_TRUE(region->grey.has_value());
+    EXPECT_EQ(region->grey->sum, sum);
+    EXPECT_EQ(region->grey->least, v.front());
+    EXPECT_EQ(region->grey->greatest, v.back());
+    EXPECT_NEAR(region->grey->mean, sum / n, 1e-9);
+    EXPECT_NEAR(region->grey->deviation, std::sqrt(squares / n), 1e-6);
+    const double percents[] = {5, 25, 50, 75, 95};
+    for (std::size_t i = 0; i < 5; ++i) {
+      const auto rank = static_cast<std::size_t>(std::max(1.0, std::ceil(percents[i] / 100 * n)));
+      EXPECT_EQ(region->grey->percentiles[i], v[rank - 1]) << percents[i];
+    }
+    ++region;
+  }
+}
+
+TEST(MeasureRegions, CountsTheBorderOfTheVolumeAsSurfaceForEveryLabel) {
+  const Size3 size{5, 4, 3};
+  const testing::ScratchFolder folder;
+  for (const std::int16_t label : std::initializer_list<std::int16_t>{-1, 1, -32768}) {
+    const std::vector<std::int16_t> labels(static_cast<std::size_t>(size.voxel_count()), label);
+    const std::string name = std::to_string(label) + ".8vo";
+    const auto file = testing::open_file(
+        built(folder, size, VoxelType::int16, labels.data(), VolumeKind::labels, name));
+    NoProgress progress;
+    const auto regions = measure_regions(*file, nullptr, {}, progress);
+    ASSERT_EQ(regions.size(), 1u);
+    EXPECT_EQ(regions[0].voxel_count, 60u);
+    EXPECT_EQ(regions[0].surface_voxel_count, 60u - 3 * 2 * 1);
+  }
+}
+
+TEST(MeasureRegions, TakesFloats) {
+  const Scene& scene = measured().scene;
+  std::vector<float> values;
+  for (const std::int16_t v : scene.grey) values.push_back(1e4f + static_cast<float>(v) / 64);
+  const testing::ScratchFolder folder;
+  const auto floats = testing::open_file(built(folder, scene.size, VoxelType::float32,
+                                               values.data(), VolumeKind::grey, "f.8vo"));
+  NoProgress progress;
+  const auto of_floats = measure_regions(*measured().labels, floats.get(), {}, progress);
+  const auto of_grey = measure_regions(*measured().labels, measured().grey.get(), {}, progress);
+  ASSERT_EQ(of_floats.size(), of_grey.size());
+  for (std::size_t i = 0; i < of_grey.size(); ++i) {
+    EXPECT_NEAR(of_floats[i].grey->mean, 1e4 + of_grey[i].grey->mean / 64, 2e-3);
+    EXPECT_NEAR(of_floats[i].grey->deviation, of_grey[i].grey->deviation / 64, 2e-3);
+    EXPECT_NEAR(of_floats[i].grey->percentiles[2], 1e4 + of_grey[i].grey->percentiles[2] / 64, 1);
+  }
+}
+
+TEST(MeasureRegions, DoNotDependOnTheThreads) {
+  std::vector<std::vector<RegionMeasure>> all;
+  for (const int threads : {1, 3}) {
+    tbb::task_arena(threads).execute([&] {
+      NoProgress progress;
+      all.push_back(measure_regions(*measured().labels, measured().grey.get(), {}, progress));
+    });
+  }
+  ASSERT_EQ(all[0].size(), all[1].size());
+  for (std::size_t i = 0; i < all[0].size(); ++i) {
+    EXPECT_EQ(all[0][i].covariance, all[1][i].covariance);
+    EXPECT_EQ(all[0][i].grey->deviation, all[1][i].grey->deviation);
+  }
+}
+
+TEST(MeasureRegions, RefusesWhatItCannotMeasure) {
+  NoProgress progress;
+  EXPECT_THROW(measure_regions(*measured().grey, nullptr, {}, progress), Error);
+  const testing::ScratchFolder folder;
+  const std::vector<std::uint8_t> small(27);
+  const auto other = testing::open_file(built(folder, {3, 3, 3}, VoxelType::uint8, small.data(),
+                                              VolumeKind::grey, "s.8vo"));
+  EXPECT_THROW(measure_regions(*measured().labels, other.get(), {}, progress), Error);
+}
+
+TEST(PrincipalAxes, AreThoseOfAnEllipsoidTurnedInSpace) {
+  RegionMeasure region;
+  region.covariance = {4, 9, 1, 0, 0, 0};
+  Geometry geometry;
+  geometry.spacing_mm = {1, 2, 3};
+  const double c = std::cos(0.3);
+  const double s = std::sin(0.3);
+  geometry.direction = {c, -s, 0, s, c, 0, 0, 0, 1};
+  const PrincipalAxes axes = principal_axes(region, geometry);
+  EXPECT_NEAR(axes.moments_mm2[0], 36, 1e-9);
+  EXPECT_NEAR(axes.moments_mm2[1], 9, 1e-9);
+  EXPECT_NEAR(axes.moments_mm2[2], 4, 1e-9);
+  EXPECT_NEAR(axes.axes[0][0], -s, 1e-9);
+  EXPECT_NEAR(axes.axes[0][1], c, 1e-9);
+  EXPECT_NEAR(axes.axes[1][2], 1, 1e-9);
+  EXPECT_NEAR(axes.axes[2][0], c, 1e-9);
+}
+
+}  // namespace
+}  // namespace octavo
