@@ -18,7 +18,7 @@
 #include "octavo/file/storage/pending_file.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/io/source/place_known.h"
-#include "octavo/render/slice_picture.h"
+#include "octavo/render/slice/slice_picture.h"
 #include "verbs.h"
 
 namespace octavo::cli {

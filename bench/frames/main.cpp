@@ -20,7 +20,7 @@
 #include "octavo/file/storage/storage.h"
 #include "octavo/ops/mask/file_mask.h"
 #include "octavo/ops/mask/shell.h"
-#include "octavo/render/cube_picture.h"
+#include "octavo/render/cubes/cube_picture.h"
 
 namespace octavo::bench {
 namespace {

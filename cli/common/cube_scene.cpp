@@ -15,7 +15,7 @@
 #include "octavo/ops/label/label_masks.h"
 #include "octavo/ops/mask/set_operations.h"
 #include "octavo/ops/mask/shell.h"
-#include "octavo/render/cube_picture.h"
+#include "octavo/render/cubes/cube_picture.h"
 #include "octavo/render/label_colour.h"
 
 namespace octavo::cli {

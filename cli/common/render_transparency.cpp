@@ -16,8 +16,8 @@
 #include "common/value_ranges.h"
 #include "common/volume_json.h"
 #include "octavo/render/label_colour.h"
-#include "octavo/render/transparency.h"
-#include "octavo/render/voxel_lines.h"
+#include "octavo/render/transparency/transparency.h"
+#include "octavo/render/transparency/voxel_lines.h"
 
 namespace octavo::cli {
 

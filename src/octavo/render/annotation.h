@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "octavo/render/picture.h"
-#include "octavo/render/slice_orientation.h"
+#include "octavo/render/slice/slice_orientation.h"
 #include "octavo/render/view.h"
 
 namespace octavo {

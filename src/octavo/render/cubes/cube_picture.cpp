@@ -1,4 +1,4 @@
-#include "octavo/render/cube_picture.h"
+#include "octavo/render/cubes/cube_picture.h"
 
 #include <tbb/parallel_for.h>
 
@@ -7,9 +7,9 @@
 #include <cmath>
 #include <vector>
 
-#include "octavo/render/cube_walk.h"
-#include "octavo/render/face_raster.h"
-#include "octavo/render/nearest_rows.h"
+#include "octavo/render/cubes/cube_walk.h"
+#include "octavo/render/cubes/face_raster.h"
+#include "octavo/render/cubes/nearest_rows.h"
 
 namespace octavo {
 

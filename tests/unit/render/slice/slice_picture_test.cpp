@@ -1,4 +1,4 @@
-#include "octavo/render/slice_picture.h"
+#include "octavo/render/slice/slice_picture.h"
 
 #include <gtest/gtest.h>
 

@@ -24,8 +24,8 @@
 
 #include "octavo/core/progress.h"
 #include "octavo/file/reader.h"
-#include "octavo/render/tones.h"
-#include "octavo/render/voxel_lines.h"
+#include "octavo/render/transparency/tones.h"
+#include "octavo/render/transparency/voxel_lines.h"
 
 namespace octavo {
 

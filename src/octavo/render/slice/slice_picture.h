@@ -5,7 +5,7 @@
 
 #include "octavo/file/reader.h"
 #include "octavo/render/picture.h"
-#include "octavo/render/slice_orientation.h"
+#include "octavo/render/slice/slice_orientation.h"
 #include "octavo/render/window.h"
 
 namespace octavo {

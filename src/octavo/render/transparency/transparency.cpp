@@ -1,4 +1,4 @@
-#include "octavo/render/transparency.h"
+#include "octavo/render/transparency/transparency.h"
 
 #include <tbb/parallel_for.h>
 

@@ -12,8 +12,8 @@
 
 #include "octavo/core/box.h"
 #include "octavo/file/reader.h"
-#include "octavo/render/tone_block.h"
-#include "octavo/render/tones.h"
+#include "octavo/render/transparency/tone_block.h"
+#include "octavo/render/transparency/tones.h"
 
 namespace octavo {
 

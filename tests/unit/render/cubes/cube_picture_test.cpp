@@ -1,4 +1,4 @@
-#include "octavo/render/cube_picture.h"
+#include "octavo/render/cubes/cube_picture.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
@@ -12,7 +12,7 @@
 #include <set>
 
 #include "octavo/ops/mask/shell.h"
-#include "octavo/render/face_raster.h"
+#include "octavo/render/cubes/face_raster.h"
 #include "support/dense_mask.h"
 #include "support/read_png.h"
 

@@ -12,9 +12,9 @@
 
 #include "octavo/core/progress.h"
 #include "octavo/file/reader.h"
-#include "octavo/render/line_light.h"
 #include "octavo/render/picture.h"
-#include "octavo/render/tones.h"
+#include "octavo/render/transparency/line_light.h"
+#include "octavo/render/transparency/tones.h"
 #include "octavo/render/view.h"
 #include "octavo/render/window.h"
 

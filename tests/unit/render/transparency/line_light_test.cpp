@@ -1,4 +1,4 @@
-#include "octavo/render/line_light.h"
+#include "octavo/render/transparency/line_light.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>

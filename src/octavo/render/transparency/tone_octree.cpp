@@ -1,4 +1,4 @@
-#include "octavo/render/tone_octree.h"
+#include "octavo/render/transparency/tone_octree.h"
 
 #include <algorithm>
 #include <string>

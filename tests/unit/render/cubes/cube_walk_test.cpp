@@ -1,4 +1,4 @@
-#include "octavo/render/cube_walk.h"
+#include "octavo/render/cubes/cube_walk.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "octavo/render/line_light.h"
+#include "octavo/render/transparency/line_light.h"
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_pipeline.h>
@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "octavo/core/error.h"
-#include "octavo/render/tone_octree.h"
+#include "octavo/render/transparency/tone_octree.h"
 
 namespace octavo {
 

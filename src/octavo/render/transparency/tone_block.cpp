@@ -1,4 +1,4 @@
-#include "octavo/render/tone_block.h"
+#include "octavo/render/transparency/tone_block.h"
 
 #include <algorithm>
 #include <cstring>

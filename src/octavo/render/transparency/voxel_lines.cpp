@@ -1,4 +1,4 @@
-#include "octavo/render/voxel_lines.h"
+#include "octavo/render/transparency/voxel_lines.h"
 
 #include <cstdlib>
 #include <numeric>

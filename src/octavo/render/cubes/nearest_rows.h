@@ -14,7 +14,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "octavo/render/face_raster.h"
+#include "octavo/render/cubes/face_raster.h"
 
 namespace octavo {
 

@@ -1,4 +1,4 @@
-#include "octavo/render/transparency.h"
+#include "octavo/render/transparency/transparency.h"
 
 #include <gtest/gtest.h>
 #include <png.h>

@@ -1,4 +1,4 @@
-#include "octavo/render/tones.h"
+#include "octavo/render/transparency/tones.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "octavo/render/face_raster.h"
+#include "octavo/render/cubes/face_raster.h"
 
 #include <algorithm>
 #include <cmath>
