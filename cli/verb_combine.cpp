@@ -25,7 +25,7 @@ constexpr VerbText kText = {
     "Examples:\n"
     "  octavo combine skull.8vo teeth.8vo --subtract -o bare.8vo\n"
     "  octavo combine left.8vo right.8vo --union -o both.8vo\n"
-    "  octavo combine tumour.8vo tumour-mr.8vo --resample --intersect -o agreed.8vo\n"
+    "  octavo combine tumor.8vo tumor-mr.8vo --resample --intersect -o agreed.8vo\n"
     "  octavo combine bone.8vo --complement -o rest.8vo"};
 
 struct Arguments {

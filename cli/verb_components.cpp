@@ -119,12 +119,12 @@ std::string table_text(const Components& found, std::size_t kept, const Argument
   }
   for (std::size_t i = 0; i < rows; ++i) {
     const Component& c = found.components()[i];
-    const Point3 centre = mm3 ? volume.geometry.to_world(c.centroid) : c.centroid;
+    const Point3 center = mm3 ? volume.geometry.to_world(c.centroid) : c.centroid;
     text += fmt::format(
         "{:>7} {:>14} {:>14}  {:<26} {}:{},{}:{},{}:{}\n", i + 1,
         count_text(static_cast<std::int64_t>(c.voxel_count)),
         mm3 ? fmt::format("{:.2f}", static_cast<double>(c.voxel_count) * *mm3) : "-",
-        fmt::format("{:.1f}, {:.1f}, {:.1f}", centre[0], centre[1], centre[2]), c.box.lo.x,
+        fmt::format("{:.1f}, {:.1f}, {:.1f}", center[0], center[1], center[2]), c.box.lo.x,
         c.box.hi.x, c.box.lo.y, c.box.hi.y, c.box.lo.z, c.box.hi.z);
   }
   if (rows < kept) {

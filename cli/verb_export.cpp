@@ -179,7 +179,7 @@ void add_options(CLI::App& verb, const std::shared_ptr<Arguments>& arguments) {
   CLI::Option* box = verb.add_option("--box", arguments->box,
                                      "x0:x1,y0:y1,z0:z1 in voxels of the level, half-open");
   box->type_name("BOX");
-  verb.add_option("--box-mm", arguments->box_mm, "The same in mm: the voxels centred inside")
+  verb.add_option("--box-mm", arguments->box_mm, "The same in mm: the voxels centered inside")
       ->type_name("BOX")
       ->excludes(box);
   verb.add_flag("--stored", arguments->stored, "Stored integers instead of real units");

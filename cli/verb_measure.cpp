@@ -1,4 +1,4 @@
-// octavo measure: volumes, places, shapes and grey values of labelled regions.
+// octavo measure: volumes, places, shapes and grey values of labeled regions.
 #include <fmt/format.h>
 
 #include <algorithm>

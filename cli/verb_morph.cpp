@@ -22,13 +22,13 @@ namespace {
 
 constexpr VerbText kDilateText = {
     "dilate", "Grow a mask by a distance in mm, or by steps from voxel to neighbor.",
-    "With --mm R, a voxel is in the result when the centre of some voxel of the mask lies within\n"
+    "With --mm R, a voxel is in the result when the center of some voxel of the mask lies within\n"
     "R mm of its own: a true ball, whatever the spacing. With --voxels N, when N steps to a\n"
     "neighbor lead there; neighbors share a face, or with --connectivity 18 or 26 an edge or a\n"
     "corner as well. Time grows with the surface of the mask and about with the square of the\n"
     "distance in voxels.\n\n"
     "Examples:\n"
-    "  octavo dilate tumour.8vo --mm 10 -o margin.8vo\n"
+    "  octavo dilate tumor.8vo --mm 10 -o margin.8vo\n"
     "  octavo dilate vessels.8vo --voxels 1 --connectivity 26 -o thicker.8vo"};
 
 constexpr VerbText kErodeText = {
@@ -167,7 +167,7 @@ void add_morph(CLI::App& app, Context& context, const VerbText& text, Operation 
       ->type_name("FILE")
       ->required();
   CLI::Option_group* const distance = verb.add_option_group("Distance", "One of");
-  distance->add_option("--mm", arguments->mm, "Radius of the ball, mm, between voxel centres")
+  distance->add_option("--mm", arguments->mm, "Radius of the ball, mm, between voxel centers")
       ->type_name("R");
   distance->add_option("--voxels", arguments->voxels, "Steps from voxel to neighbor")
       ->type_name("N");

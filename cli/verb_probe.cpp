@@ -20,7 +20,7 @@ namespace {
 
 constexpr VerbText kText = {
     "probe", "Show value, place and o-code of a voxel.",
-    "Several positions may be given. Millimetres are LPS world coordinates; the nearest voxel\n"
+    "Several positions may be given. Millimeters are LPS world coordinates; the nearest voxel\n"
     "answers.\n\n"
     "Examples:\n"
     "  octavo probe head.8vo --at 128,100,54\n"

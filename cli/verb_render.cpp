@@ -33,11 +33,11 @@ constexpr VerbText kText = {
     "sooner. Both are fitted to what is drawn. transparency lets what lies inside a grey volume\n"
     "shine through what lies around it, summed or averaged along the lines of voxels that are\n"
     "nearest to the view: one of 26 directions.\n\n"
-    "A label map has one colour per label; --range chooses labels. A grey volume needs --range or\n"
+    "A label map has one color per label; --range chooses labels. A grey volume needs --range or\n"
     "--tissue (air, lung, fat, soft, contrast, bone, as in octavo threshold); several are several\n"
-    "colours; where they overlap tissues go before ranges, then the one named first. For\n"
-    "transparency a range may have a colour and the opacity of one voxel,\n"
-    "LOW:HIGH=COLOUR:OPACITY; without any, a volume in HU is drawn as flesh and bone, another one\n"
+    "colors; where they overlap tissues go before ranges, then the one named first. For\n"
+    "transparency a range may have a color and the opacity of one voxel,\n"
+    "LOW:HIGH=COLOR:OPACITY; without any, a volume in HU is drawn as flesh and bone, another one\n"
     "in grey.\n\n"
     "--direction says where the viewer stands: front, back, left, right, top, bottom of the\n"
     "patient, or X,Y,Z in voxels along the axes of the grid. --azimuth 0 is the front, 90 the\n"
@@ -87,11 +87,11 @@ Viewpoint asked_viewpoint(const RenderArguments& arguments, const Geometry& geom
   return viewpoint_along(geometry, parse_point(arguments.direction, "--direction"));
 }
 
-Colour asked_background(const std::string& text) {
-  if (const auto colour = find_colour(text)) return *colour;
+Color asked_background(const std::string& text) {
+  if (const auto color = find_color(text)) return *color;
   throw Error(ErrorKind::invalid_argument,
               fmt::format("--background: '{}'; expected #rrggbb or one of {}", escaped(text),
-                          colour_names()));
+                          color_names()));
 }
 
 std::unique_ptr<RenderScene> make_scene(const std::shared_ptr<const FileReader>& reader,
@@ -150,7 +150,7 @@ Drawn draw_pictures(const RenderScene& scene, const std::vector<std::string>& pa
   const Geometry geometry = reader.levels().geometry(volume.geometry, arguments.level);
   const Size3& size = reader.levels().size(arguments.level);
   const Viewpoint first = asked_viewpoint(arguments, volume.geometry);
-  const Colour background = asked_background(arguments.background);
+  const Color background = asked_background(arguments.background);
   const nlohmann::ordered_json metadata = metadata_of(volume);
   const Captions captions{!arguments.no_scale_bar && is_spacing_known(metadata),
                           !arguments.no_sides && is_place_known(volume),
@@ -271,8 +271,8 @@ void add_view_options(CLI::App& verb, RenderArguments& arguments) {
   verb.add_option("--turntable", arguments.turntable, "Pictures once around the patient")
       ->type_name("N")
       ->check(whole_within(1, 999));
-  verb.add_option("--background", arguments.background, "Its colour: a name, or #rrggbb")
-      ->type_name("COLOUR")
+  verb.add_option("--background", arguments.background, "Its color: a name, or #rrggbb")
+      ->type_name("COLOR")
       ->capture_default_str();
   verb.add_option("--fade", arguments.fade, "How much darker the farthest is than the nearest;\n"
                                              "default 0.5; not for transparency")

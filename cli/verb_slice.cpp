@@ -27,8 +27,8 @@ namespace {
 
 constexpr VerbText kText = {
     "slice", "Draw a slice as a PNG picture.",
-    "Pixels are square whatever the spacing. The window is CENTRE,WIDTH in real units, a preset\n"
-    "in HU (brain, stroke, bone, lung, mediastinum, abdomen, liver) or auto; labels have colours\n"
+    "Pixels are square whatever the spacing. The window is CENTER,WIDTH in real units, a preset\n"
+    "in HU (brain, stroke, bone, lung, mediastinum, abdomen, liver) or auto; labels have colors\n"
     "and no window. --axis all writes NAME-x.png, NAME-y.png and NAME-z.png.\n\n"
     "Examples:\n"
     "  octavo slice head.8vo -o head.png --window brain\n"
@@ -68,7 +68,7 @@ std::optional<Window> parse_window(const std::string& text) {
   const std::vector<std::string> parts = split(text, ',');
   if (parts.size() != 2) {
     throw Error(ErrorKind::invalid_argument,
-                fmt::format("--window: '{}'; expected CENTRE,WIDTH or one of {}", escaped(text),
+                fmt::format("--window: '{}'; expected CENTER,WIDTH or one of {}", escaped(text),
                             preset_names()));
   }
   const Window window = {parse_number(parts[0], "--window"), parse_number(parts[1], "--window")};
@@ -81,14 +81,14 @@ std::optional<Window> asked_window(const Arguments& arguments, const VolumeDescr
   const std::optional<Window> window = parse_window(arguments.window);
   if (window && volume.kind == VolumeKind::labels) {
     throw Error(ErrorKind::invalid_argument,
-                "--window goes with grey values; this file holds labels, which have colours",
+                "--window goes with grey values; this file holds labels, which have colors",
                 arguments.input);
   }
   const std::string unit = unit_of(metadata_of(volume));
   if (find_window_preset(arguments.window) && !unit.empty() && unit != "HU") {
     throw Error(ErrorKind::invalid_argument,
                 fmt::format("--window {}: the presets are in HU, and this volume is in {}; give "
-                            "CENTRE,WIDTH or auto",
+                            "CENTER,WIDTH or auto",
                             arguments.window, unit),
                 arguments.input);
   }
@@ -162,7 +162,7 @@ nlohmann::ordered_json slice_json(const DrawnSlice& drawn, int level,
                                    {"pixel_mm", if_in_mm(volume, s.pixel_mm)},
                                    {"window", nullptr}};
   if (volume.kind == VolumeKind::grey) {
-    object["window"] = {{"centre", s.window.centre}, {"width", s.window.width}};
+    object["window"] = {{"center", s.window.center}, {"width", s.window.width}};
   }
   return object;
 }
@@ -187,8 +187,8 @@ std::string slice_text(const DrawnSlice& drawn, int level, const FileReader& rea
   if (reader.description().kind == VolumeKind::labels) return text + "\n";
   const std::string unit = unit_of(metadata_of(reader.description()));
   return text + fmt::format(", window {} to {}{}\n",
-                            number_text(s.window.centre - s.window.width / 2),
-                            number_text(s.window.centre + s.window.width / 2),
+                            number_text(s.window.center - s.window.width / 2),
+                            number_text(s.window.center + s.window.width / 2),
                             unit.empty() ? "" : " " + unit);
 }
 
@@ -265,7 +265,7 @@ void add_slice(CLI::App& app, Context& context) {
   verb.add_option("--level", arguments->level, "Level of detail")
       ->type_name("K")
       ->capture_default_str();
-  verb.add_option("--window", arguments->window, "CENTRE,WIDTH, a preset or auto")
+  verb.add_option("--window", arguments->window, "CENTER,WIDTH, a preset or auto")
       ->type_name("WINDOW")
       ->capture_default_str();
   verb.add_option("--size", arguments->least_side, "Enlarge pictures smaller than this many pixels")

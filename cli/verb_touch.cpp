@@ -29,7 +29,7 @@ constexpr VerbText kText = {
     "and the other way round, with the faces between them and their area. With one file: every\n"
     "pair of its labels (0 is background) that are neighbors, with the faces they share.\n"
     "--connectivity says which voxels are neighbors; faces and areas do not depend on it.\n"
-    "Boxes are half-open in voxels; in mm (LPS) they enclose the voxels, not their centres.\n"
+    "Boxes are half-open in voxels; in mm (LPS) they enclose the voxels, not their centers.\n"
     "The exit code is 0 whatever is found; programs read \"relation\" with --json.\n\n"
     "Examples:\n"
     "  octavo touch implant.8vo nerve.8vo\n"

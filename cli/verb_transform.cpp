@@ -39,7 +39,7 @@ constexpr VerbText kText = {
     "--rotate and --mirror move whole voxels, exactly, and may be repeated; the geometry follows,\n"
     "so that every voxel keeps its place in space. Rotations are right-handed in index space:\n"
     "z:90 lays along y what lay along x. --scale 2 makes a finer grid, --scale 1/2 takes the\n"
-    "coarser level. With --in-place the direction and the centre of the grid stay and the object\n"
+    "coarser level. With --in-place the direction and the center of the grid stay and the object\n"
     "turns, or grows, instead.\n\n"
     "--affine moves the object: a point p (mm, LPS) goes to M p. With --inverse M leads from the\n"
     "new place to the old one, as transforms of ITK's resampler do. The grid stays, or is that of\n"
@@ -263,10 +263,10 @@ Plan turn(const Arguments& arguments, Plan plan) {
   plan.geometry = arguments.is_in_place ? turned_object(plan.geometry, plan.size, turn)
                                         : turned(plan.geometry, plan.size, turn);
   plan.size = turned(plan.size, turn);
-  plan.said = arguments.is_in_place ? "the object turned about the centre of the grid"
+  plan.said = arguments.is_in_place ? "the object turned about the center of the grid"
                                     : "the grid turned, every voxel kept its place in space";
   if (arguments.is_in_place && plan.operation == "mirror") {
-    plan.said = "the object mirrored about the centre of the grid";
+    plan.said = "the object mirrored about the center of the grid";
   }
   plan.made_by[plan.operation] =
       plan.operation == "rotate" ? arguments.rotations : arguments.mirrors;
@@ -327,9 +327,9 @@ Plan scaling(const Arguments& arguments, const FileReader& reader, Plan plan) {
   Point3 spacing = plan.geometry.spacing_mm;
   const auto factor = static_cast<double>(scale.factor);
   for (double& mm : spacing) mm = scale.is_up ? mm * factor : mm / factor;
-  plan.geometry = recentred(volume.geometry, volume.size, plan.size, spacing);
-  plan.said += scale.is_up ? "; the object grew about the centre of the grid"
-                           : "; the object shrank about the centre of the grid";
+  plan.geometry = recentered(volume.geometry, volume.size, plan.size, spacing);
+  plan.said += scale.is_up ? "; the object grew about the center of the grid"
+                           : "; the object shrank about the center of the grid";
   return plan;
 }
 
@@ -424,11 +424,6 @@ VolumeDescription new_description(const std::shared_ptr<const FileReader>& reade
   }
   volume.metadata_json = with_member(volume.metadata_json, "made_by", plan.made_by.dump());
   return volume;
-}
-
-std::uint64_t plane_bytes(const VolumeDescription& volume) {
-  return static_cast<std::uint64_t>(volume.size.x) * static_cast<std::uint64_t>(volume.size.y) *
-         static_cast<std::uint64_t>(bytes_per_voxel(volume.type));
 }
 
 /// Planes computed at once: as many as a brick is high, where they are not too large.
@@ -574,7 +569,7 @@ void add_transform(CLI::App& app, Context& context) {
       ->group(kOperation);
   verb.add_flag("--inverse", arguments->is_inverse, "Take the inverse of the matrix");
   verb.add_flag("--in-place", arguments->is_in_place,
-                "Keep direction and centre of the grid: the object turns or grows");
+                "Keep direction and center of the grid: the object turns or grows");
   add("--interpolation", arguments->interpolation,
       "nearest, linear or cubic (default: linear; labels: nearest)", "NAME")
       ->check(CLI::IsMember({"nearest", "linear", "cubic"}));

@@ -18,7 +18,7 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$" AND NOT EMSCRIPTEN)
   target_compile_options(octavo_flags INTERFACE -mpopcnt)
 endif()
 
-# Hardening of everything that is optimised and carries no sanitizer, which brings its own checks.
+# Hardening of everything that is optimized and carries no sanitizer, which brings its own checks.
 include(CheckPIESupported)
 check_pie_supported()
 set(octavo_hardened $<AND:$<CONFIG:Release>,$<NOT:$<BOOL:${EMSCRIPTEN}>>>)
@@ -43,15 +43,4 @@ function(octavo_module name)
   set_target_properties(octavo_${name} PROPERTIES EXPORT_NAME ${name})
   add_library(octavo::${name} ALIAS octavo_${name})
   install(TARGETS octavo_${name} EXPORT octavoTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-endfunction()
-
-# octavo_test(NAME TIER SOURCES a.cpp ... USES octavo_core ...): one gtest program, one ctest label.
-function(octavo_test name tier)
-  cmake_parse_arguments(arg "" "" "SOURCES;USES;LINKS" ${ARGN})
-  add_executable(test_${name} ${arg_SOURCES})
-  target_include_directories(test_${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
-  target_link_libraries(test_${name}
-    PRIVATE ${arg_USES} ${arg_LINKS} octavo_flags rapidcheck GTest::gtest_main)
-  add_test(NAME ${name} COMMAND test_${name})
-  set_tests_properties(${name} PROPERTIES LABELS ${tier} TIMEOUT 600)
 endfunction()

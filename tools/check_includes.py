@@ -6,24 +6,61 @@ usage: check_includes.py [ROOT]
 The rule stands in docs/architecture.md. Every violation is printed as FILE:LINE: reason.
 """
 
+import collections
 import pathlib
 import re
 import sys
 
-# Modules of src/octavo each module may include besides itself.
+# The rooms of src/octavo, and the rooms each may include besides itself.
+BELOW_FILE = {"core", "octree", "codec"}
 MAY_INCLUDE = {
     "core": set(),
-    "codec": {"core"},
-    "file": {"core", "codec"},
-    "build": {"core", "codec", "file"},
-    "ops": {"core", "codec", "file"},
-    "mesh": {"core", "codec", "file"},
-    "render": {"core", "codec", "file"},
-    "io": {"core", "codec", "file", "build"},
-    "dist": {"core", "codec", "file", "build"},
+    "octree": {"core"},
+    "planes": {"core"},
+    "codec": {"core", "octree"},
+    "file": BELOW_FILE,
+    "builder": BELOW_FILE | {"file", "planes"},
+    "io": BELOW_FILE | {"file", "planes"},
+    "ops": BELOW_FILE | {"file", "planes"},
+    "mesh": BELOW_FILE | {"file"},
+    "render": BELOW_FILE | {"file"},
+    "dist": BELOW_FILE | {"file", "planes"},
+}
+MAY_INCLUDE["tasks"] = set(MAY_INCLUDE)
+
+# Inside a room: its folders, and the files at its root ("."), by what they may include of the same
+# room besides themselves. Rooms that are not listed are flat, or their folders are free.
+WITHIN = {
+    "codec": {
+        "entropy": set(),
+        "grey": {"entropy", "brick_codec.h", "simd_level.h", "simd_targets.h"},
+        "label": {"entropy", "brick_codec.h", "simd_level.h", "simd_targets.h"},
+        ".": {"entropy", "grey", "label"},
+    },
+    "file": {
+        "storage": set(),
+        ".": {"storage"},
+        "write": {"storage", "."},
+        "repair": {"storage", ".", "write"},
+    },
+    "io": {
+        "source": {"source_options.h"},
+        "dicom": {"source", "source_options.h"},
+        "images": {"source", "source_options.h"},
+        "volumes": {"source", "source_options.h"},
+        "export": {"source"},
+        "http": {"source"},
+        ".": {"source", "dicom", "images", "volumes"},
+        "isolation": {"source", "."},
+    },
+    "planes": {".": set(), "between": {"."}},
+    "render": {".": set(), "slice": {"."}, "cubes": {"."}, "transparency": {".", "cubes"}},
 }
 
-# Third-party headers by library, and the modules that may see each; cli may see all of them.
+# More .cpp files than this make a folder hard to find one's way in.
+MAX_SOURCES_PER_FOLDER = 30
+
+# Third-party headers by library, and the rooms that may see each; cli may see all of them.
 LIBRARIES = {
     "ITK": (re.compile(r"itk\w+\.(h|hxx)$"), {"io"}),
     "GDCM": (re.compile(r"gdcm\w*\.h$"), {"io"}),
@@ -31,9 +68,9 @@ LIBRARIES = {
     "libpng": (re.compile(r"png\w*\.h$"), {"io", "render"}),
     "zlib": (re.compile(r"zlib\.h$"), {"io", "render"}),
     "libcurl": (re.compile(r"curl/"), {"io"}),
-    "oneTBB": (re.compile(r"(oneapi/)?tbb/"), set(MAY_INCLUDE) - {"core"}),
+    "oneTBB": (re.compile(r"(oneapi/)?tbb/"), set(MAY_INCLUDE) - {"core", "octree"}),
     "Highway": (re.compile(r"hwy/"), {"codec", "ops", "render"}),
-    "nlohmann-json": (re.compile(r"nlohmann/"), {"io", "build"}),
+    "nlohmann-json": (re.compile(r"nlohmann/"), {"io", "builder", "planes"}),
     "fmt": (re.compile(r"fmt/"), {"io"}),
     "MPI": (re.compile(r"mpi\.h$"), {"dist"}),
     "CLI11": (re.compile(r"CLI/"), set()),
@@ -56,12 +93,27 @@ def includes(path: pathlib.Path):
             yield number, match.group(2), match.group(1) == '"'
 
 
-def own_include_error(module: str, target: str) -> str | None:
-    other = target.split("/")[1]
-    if module == "cli" or other == module or other in MAY_INCLUDE[module]:
+def place_of(target: str) -> tuple[str, str, str]:
+    """Room, folder within it ("." at its root) and name of an include "octavo/..."."""
+    parts = target.split("/")[1:]
+    return parts[0], parts[1] if len(parts) > 2 else ".", parts[-1]
+
+
+def own_include_error(module: str, folder: str, target: str) -> str | None:
+    room, other_folder, name = place_of(target)
+    if module == "cli":
         return None
-    allowed = ", ".join(sorted(MAY_INCLUDE[module])) or "the standard library only"
-    return f"{module} must not include {other} (allowed: {allowed})"
+    if room != module:
+        if room in MAY_INCLUDE[module]:
+            return None
+        allowed = ", ".join(sorted(MAY_INCLUDE[module])) or "the standard library only"
+        return f"{module} must not include {room} (allowed: {allowed})"
+    within = WITHIN.get(module, {}).get(folder)
+    if within is None or other_folder == folder or {other_folder, name} & within:
+        return None
+    allowed = ", ".join(sorted(within)) or "itself only"
+    where = module if folder == "." else f"{module}/{folder}"
+    return f"{where} must not include {target} (allowed within {module}: {allowed})"
 
 
 def foreign_include_error(module: str, target: str) -> str | None:
@@ -78,9 +130,11 @@ def foreign_include_error(module: str, target: str) -> str | None:
 
 def check_file(path: pathlib.Path, module: str, root: pathlib.Path) -> list[str]:
     errors = []
+    below = path.relative_to(root).parts
+    folder = below[3] if len(below) > 4 else "."
     for number, target, quoted in includes(path):
         if target.startswith("octavo/"):
-            error = own_include_error(module, target)
+            error = own_include_error(module, folder, target)
         elif quoted and (path.parent / target).exists():
             error = None if module == "cli" else "own headers are included as octavo/MODULE/NAME.h"
         elif quoted and module == "cli" and (root / "cli" / target).exists():
@@ -96,7 +150,7 @@ def check_reading_half(root: pathlib.Path) -> list[str]:
     """Follows the includes of the sources of octavo::read to all headers they reach."""
     folder = root / "src/octavo"
     listed = (folder / "ReadingHalf.cmake").read_text()
-    waiting = [folder / name for name in re.findall(r"^  (\w+/\w+\.cpp)$", listed, re.MULTILINE)]
+    waiting = [folder / name for name in re.findall(r"^  ([\w/]+\.cpp)$", listed, re.MULTILINE)]
     seen, errors = set(waiting), []
     while waiting:
         path = waiting.pop()
@@ -114,20 +168,43 @@ def check_reading_half(root: pathlib.Path) -> list[str]:
     return errors if seen else ["src/octavo/ReadingHalf.cmake: lists no sources"]
 
 
+def built_sources(root: pathlib.Path) -> set[pathlib.Path]:
+    """Every .cpp that the CMakeLists.txt of src/octavo and cli name."""
+    built = set()
+    lists = [*root.glob("src/octavo/**/CMakeLists.txt"), *root.glob("cli/**/CMakeLists.txt")]
+    for path in lists + [root / "src/octavo/ReadingHalf.cmake"]:
+        text = re.sub(r"#.*", "", path.read_text())
+        built |= {path.parent / name for name in re.findall(r"[\w/-]+\.cpp", text)}
+    return built
+
+
+def check_folders(paths: list[pathlib.Path]) -> list[str]:
+    counts = collections.Counter(path.parent for path in paths if path.suffix == ".cpp")
+    return [f"{folder}: {count} .cpp files (at most {MAX_SOURCES_PER_FOLDER})"
+            for folder, count in counts.items()
+            if count > MAX_SOURCES_PER_FOLDER and folder.name != "cli"]
+
+
 def main(root: pathlib.Path) -> int:
-    errors, count = [], 0
-    for path in sorted(root.glob("src/octavo/*/**/*")) + sorted(root.glob("cli/**/*")):
+    errors, visited = [], []
+    for path in sorted(root.glob("src/octavo/**/*")) + sorted(root.glob("cli/**/*")):
         if path.suffix not in (".h", ".cpp"):
             continue
         module = "cli" if path.is_relative_to(root / "cli") else path.relative_to(root).parts[2]
         if module != "cli" and module not in MAY_INCLUDE:
-            errors.append(f"{path}: unknown module {module}")
+            errors.append(f"{path}: unknown room {module}")
             continue
         errors += check_file(path, module, root)
-        count += 1
+        visited.append(path)
+    built = built_sources(root)
+    errors += [f"{path}: built, but not among the files this script visits"
+               for path in sorted(built - set(visited))]
+    errors += [f"{path}: stands in no list of the build"
+               for path in visited if path.suffix == ".cpp" and path not in built]
+    errors += check_folders(visited)
     errors += check_reading_half(root)
-    print("\n".join(errors) if errors else f"{count} files follow the dependency rule")
-    return 1 if errors or count == 0 else 0
+    print("\n".join(errors) if errors else f"{len(visited)} files follow the dependency rule")
+    return 1 if errors or not built else 0
 
 
 if __name__ == "__main__":

@@ -27,7 +27,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 MODULES = ("core", "codec", "file")
-VECTORISED = ("-inl.h", "_simd.cpp", "least_squares.cpp")
+VECTORIZED = ("-inl.h", "_simd.cpp", "least_squares.cpp")
 LINE = re.compile(r" *(\d+)\| *([\d.kMGTPEZY]+)\|")
 BRANCH = re.compile(r".*\| +Branch \((\d+):(\d+)\): \[True: ([^,]+), False: ([^\]]+)\]")
 
@@ -85,7 +85,7 @@ def main():
     sums = collections.defaultdict(collections.Counter)
     report = []
     for name, counts in sorted(counted(build, sys.argv[2:]).items()):
-        if name.endswith(VECTORISED):
+        if name.endswith(VECTORIZED):
             continue
         missing = [number for number, is_reached in counts.lines.items() if not is_reached]
         half = sorted({line for (line, _), both in counts.branches.items() if not all(both)})

@@ -44,12 +44,12 @@ def fuzz(*targets):
 
 GOALS = [
     Goal("A1", "fuzz: header and index parser under ASan and UBSan", [fuzz("open")]),
-    Goal("A2", "fuzz: brick decoders, portable and vectorised", [fuzz("brick", "simd")]),
+    Goal("A2", "fuzz: brick decoders, portable and vectorized", [fuzz("brick", "simd")]),
     Goal("A3", "fuzz: the whole reader, verify and partial reads", [fuzz("reader")]),
     Goal("A5", "fuzz: volumes are built twice with the same bytes, and read back",
          [fuzz("round_trip")]),
     Goal("A7", "no byte that was never set is read or written, under valgrind",
-         [Step("uninitialised", ["tools/uninitialised", "{build}"], target="octavo")]),
+         [Step("uninitialized", ["tools/uninitialized", "{build}"], target="octavo")]),
     Goal("B1", "every flipped bit of golden files and a million of a CT are found; no wrong voxel",
          [gtest("fault", "golden_damage", "*FlippedBit*"),
           gtest("fault", "damage_coded", "*FlippedBit*:*PartialRead*"),
@@ -84,7 +84,7 @@ GOALS = [
          [gtest("fault", "system_calls"), gtest("fault", "storage_faults", "*Failing*:*Scratch*")]),
     Goal("D5", "odd targets: folders, pipes, devices, links, long names and line ends",
          [program_faults("Targets")]),
-    Goal("E1", "the same bytes for any threads, instruction set, compiler and optimisation",
+    Goal("E1", "the same bytes for any threads, instruction set, compiler and optimization",
          [Step("same_bytes", ["tools/same_bytes", "{build}"], target="file_hashes")]),
     Goal("E2", "no data race under ThreadSanitizer in the tests of everything threaded",
          [Step("race_free", ["tools/race_free"])]),

@@ -90,7 +90,7 @@ class FrameBench {
     frame.height = kPictureSide;
     const View view = make_view(geometry, mask_.size(), shown, side.viewpoint, frame);
     const CubeStyle style{{0, 0, 0}, 0.5, shown};
-    constexpr Colour kIvory = {244, 232, 206};
+    constexpr Color kIvory = {244, 232, 206};
     const PaintedMask all{&mask_, kIvory};
     const PaintedMask outer{&surface, kIvory};
     Row cubes = row(std::string("cubes ") + side.name, mask_);

@@ -80,14 +80,14 @@ MaskVolume moved(const MaskVolume& volume) {
 /// A hollow ball: all surface.
 MaskVolume shell_volume(std::int64_t side) {
   MaskVolume volume = empty_volume("shell-" + std::to_string(side), {side, side, side}, 1);
-  const double centre = static_cast<double>(side - 1) / 2;
+  const double center = static_cast<double>(side - 1) / 2;
   std::size_t at = 0;
   for (std::int64_t z = 0; z < side; ++z) {
     for (std::int64_t y = 0; y < side; ++y) {
       for (std::int64_t x = 0; x < side; ++x, ++at) {
         const double r =
-            std::hypot(static_cast<double>(x) - centre, static_cast<double>(y) - centre,
-                       static_cast<double>(z) - centre);
+            std::hypot(static_cast<double>(x) - center, static_cast<double>(y) - center,
+                       static_cast<double>(z) - center);
         volume.voxels[at] = std::abs(r - 0.4 * static_cast<double>(side)) < 3 ? 1 : 0;
       }
     }

@@ -81,7 +81,7 @@ void decompress(const Bytes& bytes, const RawVolume& volume, void* values, zfp_t
   require(zfp_decompress(zfp.get(), field.get()) > 0, "zfp_decompress");
 }
 
-/// The reversible mode on 32-bit integers. Voxels are centred on their range and scaled to fill 31
+/// The reversible mode on 32-bit integers. Voxels are centered on their range and scaled to fill 31
 /// bits, as zfp's own promotions of 8- and 16-bit integers do: zfp drops low zero bits for nothing.
 class Reversible final : public Peer {
  public:

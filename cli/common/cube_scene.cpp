@@ -16,36 +16,36 @@
 #include "octavo/ops/mask/set_operations.h"
 #include "octavo/ops/mask/shell.h"
 #include "octavo/render/cubes/cube_picture.h"
-#include "octavo/render/label_colour.h"
+#include "octavo/render/label_color.h"
 
 namespace octavo::cli {
 
 namespace {
 
-constexpr Colour kIvory = {244, 232, 206};
+constexpr Color kIvory = {244, 232, 206};
 constexpr std::size_t kMostLegendRows = 24;
 constexpr double kUsualFade = 0.5;
 
-struct NamedColour {
+struct NamedColor {
   const char* name;
-  Colour colour;
+  Color color;
 };
 
-constexpr NamedColour kTissueColours[] = {{"air", {150, 190, 235}},    {"lung", {215, 165, 175}},
+constexpr NamedColor kTissueColors[] = {{"air", {150, 190, 235}},    {"lung", {215, 165, 175}},
                                           {"fat", {240, 205, 110}},    {"soft", {205, 110, 90}},
                                           {"contrast", {220, 50, 50}}, {"bone", kIvory}};
 
-Colour tissue_colour(const std::string& name) {
-  for (const NamedColour& tissue : kTissueColours) {
-    if (name == tissue.name) return tissue.colour;
+Color tissue_color(const std::string& name) {
+  for (const NamedColor& tissue : kTissueColors) {
+    if (name == tissue.name) return tissue.color;
   }
   return kIvory;
 }
 
-/// A mask, its colour and what the legend says of it.
+/// A mask, its color and what the legend says of it.
 struct Part {
   MaskTree tree;
-  Colour colour{};
+  Color color{};
   std::string name;
 };
 
@@ -86,9 +86,9 @@ class CubeScene final : public RenderScene {
 
   Box shown() const override { return shown_; }
 
-  Picture draw(const View& view, const Colour& background) const override {
+  Picture draw(const View& view, const Color& background) const override {
     std::vector<PaintedMask> masks;
-    for (const Part& part : parts_) masks.push_back({&part.tree, part.colour});
+    for (const Part& part : parts_) masks.push_back({&part.tree, part.color});
     Picture picture;
     const auto draw = is_surface_ ? draw_nearest_cubes : draw_cubes;
     on_threads(context_, [&] { picture = draw(masks, view, {background, fade_, shown_}); });
@@ -98,7 +98,7 @@ class CubeScene final : public RenderScene {
   std::vector<LegendRow> legend() const override {
     std::vector<LegendRow> rows;
     if (parts_.size() < 2 || parts_.size() > kMostLegendRows) return rows;
-    for (const Part& part : parts_) rows.push_back({part.colour, part.name});
+    for (const Part& part : parts_) rows.push_back({part.color, part.name});
     return rows;
   }
 
@@ -155,7 +155,7 @@ std::vector<Part> label_parts(const FileReader& reader, const RenderArguments& a
   std::vector<Part> parts;
   const bool is_mask = masks.size() == 1 && masks.front().label == 1;
   for (LabelMask& mask : masks) {
-    parts.push_back({std::move(mask.tree), is_mask ? kIvory : label_colour(mask.label),
+    parts.push_back({std::move(mask.tree), is_mask ? kIvory : label_color(mask.label),
                      std::to_string(mask.label)});
   }
   return parts;
@@ -165,21 +165,21 @@ std::vector<Part> range_parts(const FileReader& reader, const RenderArguments& a
                               const Context& context) {
   const VolumeDescription& volume = reader.description();
   std::vector<Part> parts;
-  const auto add = [&](const AskedRange& range, const Colour& colour, const std::string& name) {
+  const auto add = [&](const AskedRange& range, const Color& color, const std::string& name) {
     const ValueWindow window = stored_window(range, volume, false);
     MaskTree tree = read_mask(reader, arguments.level, {window}, context);
     on_threads(context, [&] {
       for (const Part& part : parts) tree = combine(tree, part.tree, SetOperation::subtract);
     });
-    parts.push_back({std::move(tree), colour, name});
+    parts.push_back({std::move(tree), color, name});
   };
   const bool is_one = arguments.ranges.size() + arguments.tissues.size() == 1;
   for (const std::string& name : arguments.tissues) {
-    add(tissue_range(name, volume, arguments.input), tissue_colour(name), name);
+    add(tissue_range(name, volume, arguments.input), tissue_color(name), name);
   }
   std::int64_t number = 0;
   for (const std::string& text : arguments.ranges) {
-    add(parse_range(text, "--range"), is_one ? kIvory : label_colour(++number), text);
+    add(parse_range(text, "--range"), is_one ? kIvory : label_color(++number), text);
   }
   return parts;
 }

@@ -35,7 +35,7 @@ Point3 parse_spacing(const std::string& text, const std::string& what);
 /// Throws Error{invalid_argument} when the box is empty or not inside `size`, naming the axis.
 Box parse_box(const std::string& text, const Size3& size);
 
-/// The samples whose centres lie in a box in millimetres (LPS world space), clipped to the volume.
+/// The samples whose centers lie in a box in millimeters (LPS world space), clipped to the volume.
 /// Throws Error{invalid_argument} when there are none.
 Box parse_box_mm(const std::string& text, const Geometry& geometry, const Size3& size);
 

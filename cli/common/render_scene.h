@@ -10,7 +10,7 @@
 #include "common/context.h"
 #include "octavo/file/reader.h"
 #include "octavo/render/annotation.h"
-#include "octavo/render/colour_names.h"
+#include "octavo/render/color_names.h"
 #include "octavo/render/picture.h"
 #include "octavo/render/view.h"
 
@@ -48,7 +48,7 @@ class RenderScene {
   /// The viewpoint nearest to `viewpoint` from which the scene can be drawn.
   virtual Viewpoint seen_from(const Viewpoint& viewpoint) const { return viewpoint; }
   /// Draws one picture of three channels, without annotations.
-  virtual Picture draw(const View& view, const Colour& background) const = 0;
+  virtual Picture draw(const View& view, const Color& background) const = 0;
   virtual std::vector<LegendRow> legend() const { return {}; }
   /// What the result says of the leaves.
   virtual nlohmann::ordered_json counts_json() const = 0;

@@ -15,7 +15,7 @@
 #include "common/quantities.h"
 #include "common/value_ranges.h"
 #include "common/volume_json.h"
-#include "octavo/render/label_colour.h"
+#include "octavo/render/label_color.h"
 #include "octavo/render/transparency/transparency.h"
 #include "octavo/render/transparency/voxel_lines.h"
 
@@ -29,7 +29,7 @@ constexpr int kMostTurns = 8;
 
 struct TissueLook {
   const char* name;
-  Colour colour;
+  Color color;
   double opacity;
 };
 
@@ -40,9 +40,9 @@ constexpr TissueLook kTissueLooks[] = {
 
 [[noreturn]] void refuse_range(const std::string& text) {
   throw Error(ErrorKind::invalid_argument,
-              fmt::format("--range: '{}'; expected LOW:HIGH[=COLOUR[:OPACITY]], an opacity of 0 to "
-                          "1, a colour as #rrggbb or one of {}",
-                          escaped(text), colour_names()));
+              fmt::format("--range: '{}'; expected LOW:HIGH[=COLOR[:OPACITY]], an opacity of 0 to "
+                          "1, a color as #rrggbb or one of {}",
+                          escaped(text), color_names()));
 }
 
 double parse_opacity(const std::string& text, const std::string& range) {
@@ -51,17 +51,17 @@ double parse_opacity(const std::string& text, const std::string& range) {
   return opacity;
 }
 
-/// LOW:HIGH[=COLOUR[:OPACITY]]; `colour` where none is given.
-DensityRange parse_look(const std::string& text, const Colour& colour) {
+/// LOW:HIGH[=COLOR[:OPACITY]]; `color` where none is given.
+DensityRange parse_look(const std::string& text, const Color& color) {
   const std::vector<std::string> halves = split(text, '=');
   if (halves.size() > 2) refuse_range(text);
   const AskedRange ends = parse_range(halves.front(), "--range");
-  DensityRange range{ends.lowest, ends.highest, colour, kUsualOpacity};
+  DensityRange range{ends.lowest, ends.highest, color, kUsualOpacity};
   if (halves.size() == 1) return range;
   const std::vector<std::string> look = split(halves.back(), ':');
-  const auto named = find_colour(look.front());
+  const auto named = find_color(look.front());
   if (!named || look.size() > 2) refuse_range(text);
-  range.colour = *named;
+  range.color = *named;
   if (look.size() == 2) range.opacity = parse_opacity(look.back(), text);
   return range;
 }
@@ -72,7 +72,7 @@ DensityRange tissue_look(const std::string& name, const VolumeDescription& volum
   const auto look = std::find_if(std::begin(kTissueLooks), std::end(kTissueLooks),
                                  [&](const TissueLook& one) { return name == one.name; });
   if (look == std::end(kTissueLooks)) return {ends.lowest, ends.highest, {}, kUsualOpacity};
-  return {ends.lowest, ends.highest, look->colour, look->opacity};
+  return {ends.lowest, ends.highest, look->color, look->opacity};
 }
 
 std::string range_text(const DensityRange& range, const std::string& unit) {
@@ -92,7 +92,7 @@ std::optional<Window> asked_window(const std::string& text, bool is_average) {
     if (window.width > 0) return window;
   }
   throw Error(ErrorKind::invalid_argument,
-              fmt::format("--window: '{}'; expected CENTRE,WIDTH of the sums, a width above 0",
+              fmt::format("--window: '{}'; expected CENTER,WIDTH of the sums, a width above 0",
                           escaped(text)));
 }
 
@@ -135,7 +135,7 @@ class TransparencyScene final : public RenderScene {
     return viewpoint_along(geometry, {double(steps.x), double(steps.y), double(steps.z)});
   }
 
-  Picture draw(const View& view, const Colour& background) const override {
+  Picture draw(const View& view, const Color& background) const override {
     TransparencyOptions options = options_;
     options.background = background;
     if (!options.is_average && window_) options.window = window_;
@@ -167,7 +167,7 @@ class TransparencyScene final : public RenderScene {
   std::vector<LegendRow> legend() const override {
     std::vector<LegendRow> rows;
     for (std::size_t i = 0; i < names_.size(); ++i) {
-      rows.push_back({options_.ranges[i].colour, names_[i]});
+      rows.push_back({options_.ranges[i].color, names_[i]});
     }
     if (rows.empty() && options_.is_average) {
       const Rescale& rescale = reader_->description().rescale;
@@ -185,7 +185,7 @@ class TransparencyScene final : public RenderScene {
     for (const DensityRange& range : options_.ranges) {
       ranges.push_back({{"low", range_end_json(range.lowest)},
                         {"high", range_end_json(range.highest)},
-                        {"colour", range.colour},
+                        {"color", range.color},
                         {"opacity", range.opacity}});
     }
     nlohmann::ordered_json json = {{"leaves", counts_.leaves},
@@ -198,7 +198,7 @@ class TransparencyScene final : public RenderScene {
       const Rescale& rescale = reader_->description().rescale;
       json["ramp"] = {rescale.to_real(options_.ramp.low), rescale.to_real(options_.ramp.high)};
     }
-    if (window_) json["window"] = {{"centre", window_->centre}, {"width", window_->width}};
+    if (window_) json["window"] = {{"center", window_->center}, {"width", window_->width}};
     return json;
   }
 
@@ -206,7 +206,7 @@ class TransparencyScene final : public RenderScene {
     const std::string text = counted_text(counts_.leaves, "leaf", "leaves") + ", " +
                              counted_text(counts_.decoded_bricks, "brick") + " decoded";
     if (!window_) return text;
-    return text + fmt::format(", window {},{}", number_text(window_->centre),
+    return text + fmt::format(", window {},{}", number_text(window_->center),
                               number_text(window_->width));
   }
 
@@ -223,7 +223,7 @@ class TransparencyScene final : public RenderScene {
     }
     std::int64_t number = 0;
     for (const std::string& text : arguments.ranges) {
-      options_.ranges.push_back(parse_look(text, label_colour(++number)));
+      options_.ranges.push_back(parse_look(text, label_color(++number)));
       names_.push_back(range_text(options_.ranges.back(), unit_));
     }
     if (!options_.ranges.empty()) return;
@@ -233,7 +233,7 @@ class TransparencyScene final : public RenderScene {
   }
 
   /// Once for all pictures of a series.
-  void warn_of_darkness(const Picture& picture, const Colour& background) const {
+  void warn_of_darkness(const Picture& picture, const Color& background) const {
     for (std::size_t i = 0; i < picture.pixels.size(); ++i) {
       if (picture.pixels[i] != background[i % background.size()]) return;
     }
@@ -274,8 +274,8 @@ void check_transparency_options(const RenderArguments& arguments) {
     for (const std::string& text : arguments.ranges) {
       if (text.find('=') == std::string::npos) continue;
       throw Error(ErrorKind::invalid_argument,
-                  fmt::format("--range: '{}'; a colour and an opacity are for --mode transparency; "
-                              "--mode {} takes LOW:HIGH and has its own colours",
+                  fmt::format("--range: '{}'; a color and an opacity are for --mode transparency; "
+                              "--mode {} takes LOW:HIGH and has its own colors",
                               escaped(text), arguments.mode));
     }
     if (!is_asked) return;

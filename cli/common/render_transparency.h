@@ -22,7 +22,7 @@ void check_transparency_options(const RenderArguments& arguments);
 
 /// Looks along the lines of voxels that are nearest to the direction asked for, and says so where
 /// that is another.
-/// Throws Error{invalid_argument} for labels and for ranges, colours or a window that make no
+/// Throws Error{invalid_argument} for labels and for ranges, colors or a window that make no
 /// sense.
 std::unique_ptr<RenderScene> make_transparency_scene(
     const std::shared_ptr<const FileReader>& reader, const RenderArguments& arguments,

@@ -1,4 +1,4 @@
-// Opens an .8vo file, reads the 32^3 voxels around its centre and prints their range in real units.
+// Opens an .8vo file, reads the 32^3 voxels around its center and prints their range in real units.
 //
 // usage: read_box FILE.8vo
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace {
 
-octavo::Box centre_box(const octavo::Size3& size, std::int64_t side) {
+octavo::Box center_box(const octavo::Size3& size, std::int64_t side) {
   octavo::Box box;
   for (int axis = 0; axis < 3; ++axis) {
     const std::int64_t length = std::min(side, size[axis]);
@@ -26,7 +26,7 @@ void print_range(const std::string& path) {
   const auto reader = octavo::FileReader::open(
       octavo::open_byte_source(octavo::local_storage(), path));
   const octavo::VolumeDescription& volume = reader->description();
-  const octavo::Box box = centre_box(volume.size, 32);
+  const octavo::Box box = center_box(volume.size, 32);
   octavo::with_voxel_type(volume.type, [&]<class T>(std::type_identity<T>) {
     std::vector<T> voxels(static_cast<std::size_t>(box.size().voxel_count()));
     reader->read(box, 0, voxels.data());

@@ -356,20 +356,20 @@ def _activities(means: np.ndarray, axis: int, shift: int) -> tuple[np.ndarray, .
     """e0, e1, e2 of section 7, and M before - M after; of the shape of `means`."""
     padded = np.pad(means, 1, mode="edge")
 
-    def neighbour(array_axis: int, distance: int) -> np.ndarray:
+    def neighbor(array_axis: int, distance: int) -> np.ndarray:
         at = [slice(1, -1)] * 3
         at[array_axis] = slice(1 + distance, padded.shape[array_axis] - 1 + distance)
         return padded[tuple(at)]
 
     array_axis = 2 - axis
-    before, after = neighbour(array_axis, -1), neighbour(array_axis, 1)
+    before, after = neighbor(array_axis, -1), neighbor(array_axis, 1)
     e0 = (np.abs(before - means) >> shift) + (np.abs(after - means) >> shift)
     e1 = np.abs(before - means + after - means) >> shift
     e2 = np.zeros_like(e0)
     for other in range(3):
         if other != array_axis:
             for distance in (-1, 1):
-                e2 += np.abs(neighbour(other, distance) - means) >> shift
+                e2 += np.abs(neighbor(other, distance) - means) >> shift
     return e0, e1, e2, before - after
 
 

@@ -26,7 +26,7 @@ TAP_ROWS = (
     ((-3, 0, -2), (-3, -1, -1), (-3, 0, -1), (-3, 1, -1), (-3, -1, 0), (-3, 0, 0), (-3, 1, 0),
      (-3, -1, 1), (-3, 0, 1), (-3, -1, 2), (-3, 0, 2), (-3, 1, 2)),
 )
-CENTRES = (8, 19, 43)
+CENTERS = (8, 19, 43)
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class GreyModel:
     voxel_step       q: a code stands for q voxels
     value_map        None, or which values occur
     has_edges        whether pairs at the edge of the background are told apart
-    detail_step      Q8; correction_step in voxel units; both 0 unless details are quantised
+    detail_step      Q8; correction_step in voxel units; both 0 unless details are quantized
     threshold        T of the activity class
     tap_weights      predictor 0: [group][axis], shape (CLASSES, taps), in 4096ths
     mean_weights     predictor 1: [group][axis], shape (CLASSES,), in 4096ths
@@ -144,9 +144,9 @@ def _tap_weights(decoder: BinaryDecoder, used: AdaptiveNumber, step: int) -> lis
                 if decoder.number(used) == 0:
                     continue
                 for tap in range(taps):
-                    if tap != CENTRES[axis]:
+                    if tap != CENTERS[axis]:
                         row[tap] = decoder.signed(states[axis][_distance(axis, tap)]) << step
-                row[CENTRES[axis]] = -row.sum()
+                row[CENTERS[axis]] = -row.sum()
             weights[-1].append((table + 32768) % 65536 - 32768)
     return weights
 

@@ -2,14 +2,15 @@
 # no files, no writes. It is what is fuzzed and what a browser runs. tools/check_includes.py proves
 # the promise for every header these sources reach.
 set(OCTAVO_READ_SOURCES
+  core/crc32c.cpp
   core/error.cpp
   core/geometry.cpp
   core/levels.cpp
-  octree/o_code.cpp
   core/sample_coding.cpp
+  core/volume.cpp
   core/voxel_type.cpp
+  octree/o_code.cpp
   codec/codec_of_kind.cpp
-  core/crc32c.cpp
   codec/grey/edge_pairs.cpp
   codec/grey/grey_brick.cpp
   codec/grey/grey_codec.cpp
@@ -17,6 +18,9 @@ set(OCTAVO_READ_SOURCES
   codec/grey/grey_model.cpp
   codec/grey/grey_stage_dispatch_portable.cpp
   codec/grey/grey_stage_portable.cpp
+  codec/grey/octant_transform.cpp
+  codec/grey/residual_coder.cpp
+  codec/grey/value_map.cpp
   codec/label/label_contexts.cpp
   codec/label/label_decoder.cpp
   codec/label/label_encoder.cpp
@@ -29,11 +33,7 @@ set(OCTAVO_READ_SOURCES
   codec/label/label_stored.cpp
   codec/label/label_walk_dispatch_portable.cpp
   codec/label/label_walk_portable.cpp
-  codec/grey/octant_transform.cpp
-  codec/grey/residual_coder.cpp
-  codec/grey/value_map.cpp
   file/bit_flip.cpp
-  file/storage/byte_source.cpp
   file/index.cpp
   file/index_root.cpp
   file/layer_order.cpp
@@ -41,11 +41,12 @@ set(OCTAVO_READ_SOURCES
   file/open_file.cpp
   file/reader.cpp
   file/slab_trailer.cpp
+  file/storage/byte_source.cpp
   file/verify.cpp
 )
 list(TRANSFORM OCTAVO_READ_SOURCES PREPEND ${CMAKE_CURRENT_LIST_DIR}/)
 
-# The same with vectorised decoders, for those who have Highway.
+# The same with vectorized decoders, for those who have Highway.
 set(OCTAVO_READ_SIMD_SOURCES
   codec/grey/grey_stage_simd.cpp codec/label/label_walk_simd.cpp codec/simd_level.cpp)
 list(TRANSFORM OCTAVO_READ_SIMD_SOURCES PREPEND ${CMAKE_CURRENT_LIST_DIR}/)

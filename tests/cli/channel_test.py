@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Builds from colours, series in time and numbered files that skip, as a user does.
+"""Builds from colors, series in time and numbered files that skip, as a user does.
 
 usage: channel_test.py OCTAVO [unittest arguments]
 
@@ -17,13 +17,13 @@ import cli_test
 COLUMNS, ROWS = 6, 5
 
 
-def png(colours, before=(), behind=()):
+def png(colors, before=(), behind=()):
     """A picture whose pixels all have these values; 1 grey, 2 with alpha, 3 RGB, 4 with alpha.
 
     before, behind: (name, bytes) of chunks on either side of the picture's.
     """
-    kind = {1: 0, 2: 4, 3: 2, 4: 6}[len(colours)]
-    row = b"\0" + bytes(colours) * COLUMNS
+    kind = {1: 0, 2: 4, 3: 2, 4: 6}[len(colors)]
+    row = b"\0" + bytes(colors) * COLUMNS
     parts = [(b"IHDR", struct.pack(">IIBBBBB", COLUMNS, ROWS, 8, kind, 0, 0, 0)),
              *before, (b"IDAT", zlib.compress(row * ROWS)), *behind, (b"IEND", b"")]
     return b"\x89PNG\r\n\x1a\n" + b"".join(
@@ -59,7 +59,7 @@ class Components(cli_test.InFolder):
         result = self.expect(0, "probe", "a.8vo", "--at", "1,1,1", "--json")
         return cli_test.json.loads(result.stdout)["points"][0]["stored"]
 
-    def test_a_colour_is_taken_by_name_or_number_and_told(self):
+    def test_a_color_is_taken_by_name_or_number_and_told(self):
         (self.folder / "rgb").mkdir()
         for z in range(3):
             (self.folder / "rgb" / f"{z}.png").write_bytes(png([10 + z, 20 + z, 30 + z]))

@@ -139,8 +139,8 @@ class Masks(cli_test.InFolder):
         self.assertEqual([o["voxels"] for o in found["objects"]], sizes)
         self.assertEqual([o["label"] for o in found["objects"]], [1, 2, 3])
         self.assertEqual(found["objects"][1]["box"], [[30, 40], [40, 50], [60, 68]])
-        centre = [34.5 * 0.5, 44.5 * 0.5, 63.5 * 2]
-        self.assertEqual(found["objects"][1]["centroid_mm"], centre)
+        center = [34.5 * 0.5, 44.5 * 0.5, 63.5 * 2]
+        self.assertEqual(found["objects"][1]["centroid_mm"], center)
         labels = self.voxels_of("l.8vo")
         self.assertEqual([labels.count(k) for k in (1, 2, 3)], sizes)
         self.assertEqual(self.json("components", "m.8vo", "--connectivity", "26")["components"], 2)

@@ -40,8 +40,8 @@ def read_png(path):
         length, kind = struct.unpack(">I4s", data[at : at + 8])
         body = data[at + 8 : at + 8 + length]
         if kind == b"IHDR":
-            width, height, depth, colour = struct.unpack(">IIBB", body[:10])
-            assert (depth, colour) == (8, 2)
+            width, height, depth, color = struct.unpack(">IIBB", body[:10])
+            assert (depth, color) == (8, 2)
         if kind == b"IDAT":
             packed += body
         at += 12 + length
@@ -113,7 +113,7 @@ class Pictures(cli_test.InFolder):
         lowest = bottom - int(8 / pixel)
         self.assertNotEqual(rows[lowest][right - 2], (0, 0, 0))
 
-    def test_ranges_have_colours_of_their_own(self):
+    def test_ranges_have_colors_of_their_own(self):
         _, one = self.render("a.png", "v.8vo", "--range", "40:", "--size", "100", "--fade", "0")
         made, two = self.render("b.png", "v.8vo", "--range", "40:50", "--range", "30:90", "--size",
                                 "100", "--fade", "0")
@@ -182,10 +182,10 @@ class Pictures(cli_test.InFolder):
         self.assertEqual(len(heights), 1)
 
     def test_backgrounds_have_names_and_numbers(self):
-        for text, colour in [("white", (255, 255, 255)), ("#102030", (16, 32, 48))]:
+        for text, color in [("white", (255, 255, 255)), ("#102030", (16, 32, 48))]:
             _, rows = self.render("b.png", "v.8vo", "--range", "40:", "--size", "64",
                                   "--background", text)
-            self.assertEqual(rows[0][0], colour)
+            self.assertEqual(rows[0][0], color)
 
     def test_shell_is_a_mask_of_the_leaves_that_render_draws(self):
         self.expect(0, "threshold", "v.8vo", "--range", "40:", "-o", "m.8vo", "-q")

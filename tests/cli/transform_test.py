@@ -142,9 +142,9 @@ class Transforms(cli_test.InFolder):
             self.transform("v.8vo", *options)
             self.assertIs(self.info("o.8vo")["metadata"]["place_known"], False)
 
-    def test_in_place_keeps_direction_and_centre(self):
+    def test_in_place_keeps_direction_and_center(self):
         before = self.info("v.8vo")
-        centre = self.world_of(before, [(n - 1) / 2 for n in SIZE])
+        center = self.world_of(before, [(n - 1) / 2 for n in SIZE])
         turned = self.transform("v.8vo", "--rotate", "z:90", "--in-place")
         self.assertEqual(turned["direction"], before["direction"])
         self.assertEqual(turned["spacing_mm"], [0.75, 0.5, 1])
@@ -153,7 +153,7 @@ class Transforms(cli_test.InFolder):
         self.assertEqual(grown["spacing_mm"], before["spacing_mm"])
         for made in [turned, grown, self.transform("v.8vo", "--scale", "1/2", "--in-place")]:
             here = self.world_of(made, [(n - 1) / 2 for n in made["size"]])
-            for a, b in zip(here, centre):
+            for a, b in zip(here, center):
                 self.assertAlmostEqual(a, b)
 
     def test_four_quarter_turns_give_the_file_back(self):

@@ -42,18 +42,18 @@ class Transparency(cli_test.InFolder):
         self.assertFalse(told["average"])
         first = self.picture()
         window = told["window"]
-        self.render("--size", "64", "--window", f"{window['centre']!r},{window['width']!r}")
+        self.render("--size", "64", "--window", f"{window['center']!r},{window['width']!r}")
         self.assertEqual(self.picture(), first)
-        self.render("--size", "64", "--window", f"{window['centre']!r},{window['width'] / 3!r}")
+        self.render("--size", "64", "--window", f"{window['center']!r},{window['width'] / 3!r}")
         self.assertNotEqual(self.picture(), first)
 
-    def test_ranges_have_colours_and_opacities(self):
+    def test_ranges_have_colors_and_opacities(self):
         told, _ = self.render("--range", "250:350=red:0.2", "--range=:-900=#0102ff",
                               "--range", "800:")
         self.assertEqual([r["low"] for r in told["ranges"]], [250, None, 800])
         self.assertEqual([r["high"] for r in told["ranges"]], [350, -900, None])
         self.assertEqual(told["ranges"][0]["opacity"], 0.2)
-        self.assertEqual(told["ranges"][1]["colour"], [1, 2, 255])
+        self.assertEqual(told["ranges"][1]["color"], [1, 2, 255])
         self.assertIsNone(told["ramp"])
 
     def test_bricks_of_one_range_are_not_decoded(self):
@@ -87,7 +87,7 @@ class Transparency(cli_test.InFolder):
 
     def test_what_makes_no_sense_is_refused(self):
         for words, options in [
-            (["--range", "COLOUR"], ["--range", "1:2=purplish"]),
+            (["--range", "COLOR"], ["--range", "1:2=purplish"]),
             (["--range", "OPACITY"], ["--range", "1:2=red:7"]),
             (["--range", "OPACITY"], ["--range", "1:2=red:0.1:3"]),
             (["--range", "LOW:HIGH"], ["--range", "12"]),

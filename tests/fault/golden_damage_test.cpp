@@ -16,6 +16,7 @@
 #include "octavo/file/verify.h"
 #include "support/goal_cases.h"
 #include "support/sample_file.h"
+#include "support/source_folder.h"
 #include "support/stored_segments.h"
 
 namespace octavo {
@@ -37,7 +38,7 @@ struct Golden {
 const std::vector<Golden>& goldens() {
   static const std::vector<Golden> all = [] {
     std::vector<Golden> files;
-    for (const auto& entry : fs::directory_iterator(OCTAVO_SOURCE_DIR "/tests/golden/v1")) {
+    for (const auto& entry : fs::directory_iterator(source_folder() + "/tests/golden/v1")) {
       if (entry.path().extension() != ".8vo") continue;
       std::ifstream in(entry.path(), std::ios::binary);
       Golden& file = files.emplace_back();

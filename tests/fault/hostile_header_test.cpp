@@ -15,6 +15,7 @@
 #include "support/counted_memory.h"
 #include "support/goal_cases.h"
 #include "support/sample_file.h"
+#include "support/source_folder.h"
 
 namespace octavo {
 namespace {
@@ -88,7 +89,7 @@ struct Kept {
 
 std::vector<Kept> kept_files() {
   std::vector<Kept> files;
-  for (const auto& entry : fs::directory_iterator(OCTAVO_SOURCE_DIR "/tests/golden/v1")) {
+  for (const auto& entry : fs::directory_iterator(source_folder() + "/tests/golden/v1")) {
     if (entry.path().extension() != ".8vo") continue;
     std::ifstream in(entry.path(), std::ios::binary);
     Kept file;

@@ -328,10 +328,10 @@ TEST_F(ResumeOnDisk, AFileWithALivingWriterIsNotTaken) {
         << error.what();
   }
   EXPECT_EQ(file_count(), 2u);
-  auto neighbour = create(false);
-  EXPECT_TRUE(neighbour->resumed().empty());
+  auto neighbor = create(false);
+  EXPECT_TRUE(neighbor->resumed().empty());
   EXPECT_EQ(file_count(), 4u);
-  neighbour.reset();
+  neighbor.reset();
   living.reset();
   EXPECT_EQ(file_count(), 2u);
   const auto heir = create(true);

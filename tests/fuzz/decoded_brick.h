@@ -17,6 +17,6 @@ std::vector<DecodedLevel> decode_brick(const std::uint8_t* data, std::size_t siz
 }  // namespace octavo_portable::fuzz
 
 namespace octavo_simd::fuzz {
-/// The same with vectorised decoders.
+/// The same with vectorized decoders.
 std::vector<DecodedLevel> decode_brick(const std::uint8_t* data, std::size_t size);
 }  // namespace octavo_simd::fuzz

@@ -1,4 +1,4 @@
-// Bricks of arbitrary bytes through the portable and the vectorised decoders: the same voxels or
+// Bricks of arbitrary bytes through the portable and the vectorized decoders: the same voxels or
 // the same error, on every level.
 //
 // Each is a build of the reading half with a name of its own for the namespace octavo
@@ -13,7 +13,7 @@ namespace {
 
 [[noreturn]] void complain(std::size_t level, const std::string& portable,
                            const std::string& simd) {
-  std::fprintf(stderr, "answer %zu differs; portable: %s; vectorised: %s\n", level,
+  std::fprintf(stderr, "answer %zu differs; portable: %s; vectorized: %s\n", level,
                portable.c_str(), simd.c_str());
   std::abort();
 }

@@ -24,13 +24,14 @@
 #include "octavo/planes/memory_source.h"
 #include "support/memory_storage.h"
 #include "support/sample_file.h"
+#include "support/source_folder.h"
 
 namespace octavo {
 namespace {
 
 using namespace octavo::testing;
 
-const std::string kFolder = std::string(OCTAVO_SOURCE_DIR) + "/tests/golden/v1/";
+const std::string kFolder = source_folder() + "/tests/golden/v1/";
 
 /// A reproducible number for a place, 0 .. 65535.
 std::uint32_t noise_at(const Index3& p) {
@@ -77,7 +78,7 @@ double spread(const Index3& p) {
 double sparse(const Index3& p) {
   return noise_at(p) < 1500 ? static_cast<double>(20 + (noise_at(p) & 127)) : 0;
 }
-/// Quiet waves in a box of air: quantised details need few corrections.
+/// Quiet waves in a box of air: quantized details need few corrections.
 double waves(const Index3& p) {
   const bool is_inside = p.x > 8 && p.x < 50 && p.y > 6 && p.y < 40 && p.z > 5 && p.z < 30;
   const double x = static_cast<double>(p.x) / 20;

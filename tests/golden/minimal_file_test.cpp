@@ -10,14 +10,15 @@
 #include "golden/listing.h"
 #include "octavo/file/verify.h"
 #include "support/sample_file.h"
+#include "support/source_folder.h"
 
 namespace octavo {
 namespace {
 
 using namespace octavo::testing;
 
-const std::string kGoldenPath = std::string(OCTAVO_SOURCE_DIR) + "/tests/golden/v1/minimal.8vo";
-const std::string kFormatPath = std::string(OCTAVO_SOURCE_DIR) + "/docs/format.md";
+const std::string kGoldenPath = source_folder() + "/tests/golden/v1/minimal.8vo";
+const std::string kFormatPath = source_folder() + "/docs/format.md";
 const std::string kListingStart = "<!-- listing of minimal.8vo -->\n```text\n";
 const std::string kListingEnd = "```\n";
 

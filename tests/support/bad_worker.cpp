@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "octavo/io/isolation/import_worker.h"
-#include "octavo/io/isolation/reader_notes.h"
 #include "octavo/io/isolation/worker_protocol.h"
 #include "octavo/io/source/described_source.h"
+#include "octavo/io/source/reader_notes.h"
 
 namespace octavo {
 namespace {

@@ -47,7 +47,7 @@ LabelBrick<T> balls(const Size3& size, const std::vector<T>& labels,
   return sample;
 }
 
-/// White noise of `count` neighbouring values, of all that T has when 0.
+/// White noise of `count` neighboring values, of all that T has when 0.
 template <class T>
 LabelBrick<T> noise(const Size3& size, std::uint64_t seed, std::uint64_t count = 0) {
   LabelBrick<T> sample(size);

@@ -12,9 +12,9 @@ inline Picture read_png(const Bytes& bytes) {
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
   if (png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()) == 0) return {};
-  const bool is_colour = (image.format & PNG_FORMAT_FLAG_COLOR) != 0;
-  image.format = is_colour ? PNG_FORMAT_RGB : PNG_FORMAT_GRAY;
-  Picture picture = make_picture(image.width, image.height, is_colour ? 3 : 1);
+  const bool is_color = (image.format & PNG_FORMAT_FLAG_COLOR) != 0;
+  image.format = is_color ? PNG_FORMAT_RGB : PNG_FORMAT_GRAY;
+  Picture picture = make_picture(image.width, image.height, is_color ? 3 : 1);
   png_image_finish_read(&image, nullptr, picture.pixels.data(), 0, nullptr);
   return picture;
 }

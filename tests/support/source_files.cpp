@@ -223,9 +223,9 @@ void write_tiff(const std::string& path, const TiffSample& s) {
     }
     if (!s.orientations.empty()) TIFFSetField(tiff, TIFFTAG_ORIENTATION, s.orientations[number]);
     if (!s.palettes.empty() && s.palettes[number]) {
-      std::vector<std::uint16_t> colours(256);
+      std::vector<std::uint16_t> colors(256);
       TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_PALETTE);
-      TIFFSetField(tiff, TIFFTAG_COLORMAP, colours.data(), colours.data(), colours.data());
+      TIFFSetField(tiff, TIFFTAG_COLORMAP, colors.data(), colors.data(), colors.data());
     }
     if (s.tile > 0) {
       TIFFSetField(tiff, TIFFTAG_TILEWIDTH, s.tile);
@@ -248,13 +248,13 @@ void write_tiff(const std::string& path, const TiffSample& s) {
 }
 
 void write_png(const std::string& path, std::uint32_t width, std::uint32_t height, int bits,
-               int colour_type, const std::string& rows) {
+               int color_type, const std::string& rows) {
   std::FILE* file = std::fopen(path.c_str(), "wb");
   ASSERT_NE(file, nullptr);
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
   png_infop header = png_create_info_struct(png);
   png_init_io(png, file);
-  png_set_IHDR(png, header, width, height, bits, colour_type, PNG_INTERLACE_NONE,
+  png_set_IHDR(png, header, width, height, bits, color_type, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_write_info(png, header);
   const std::size_t row_bytes = rows.size() / height;

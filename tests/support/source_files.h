@@ -114,9 +114,9 @@ struct TiffSample {
 };
 void write_tiff(const std::string& path, const TiffSample& sample);
 
-/// A PNG of 8 or 16 bits; colour_type as libpng counts (0 grey, 2 RGB).
+/// A PNG of 8 or 16 bits; color_type as libpng counts (0 grey, 2 RGB).
 void write_png(const std::string& path, std::uint32_t width, std::uint32_t height, int bits,
-               int colour_type, const std::string& big_endian_rows);
+               int color_type, const std::string& big_endian_rows);
 
 /// A NIfTI-1 header of 352 bytes with the voxel offset 352.
 struct NiftiSample {

@@ -9,11 +9,12 @@
 
 #include "octavo/core/crc32c.h"
 #include "octavo/file/reader.h"
+#include "support/source_folder.h"
 
 namespace octavo {
 namespace {
 
-const std::string kFolder = std::string(OCTAVO_SOURCE_DIR) + "/tests/golden/v1/";
+const std::string kFolder = testing::source_folder() + "/tests/golden/v1/";
 
 std::vector<std::uint8_t> level_of(const std::string& name, int level) {
   std::ifstream in(kFolder + name, std::ios::binary);

@@ -115,10 +115,10 @@ def organs(random: np.random.Generator, n: int, count: int):
     places = grid(n)
     label = np.zeros((n, n, n), "u1")
     for i in range(count):
-        centre = random.uniform(0.1, 0.9, 3) * n
+        center = random.uniform(0.1, 0.9, 3) * n
         turn, _ = np.linalg.qr(random.standard_normal((3, 3)))
         radii = random.uniform(0.03, 0.18, 3) * n
-        inside = ((((places - centre) @ turn) / radii) ** 2).sum(axis=-1) < 1
+        inside = ((((places - center) @ turn) / radii) ** 2).sum(axis=-1) < 1
         label[inside] = i % 250 + 1
     return label
 

@@ -21,7 +21,7 @@
 #include "octavo/core/checked.h"
 #include "octavo/core/crc32c.h"
 #include "octavo/core/error.h"
-#include "octavo/core/exact_text.h"
+#include "octavo/core/text.h"
 #include "octavo/file/write/interrupted.h"
 #include "octavo/file/write/writer.h"
 

@@ -22,7 +22,7 @@ constexpr double kLargestCode = std::numeric_limits<std::int32_t>::max();
 constexpr double kLeastError = 1e-290;
 // Values yet to come may be so much larger than those of the first planes.
 constexpr double kGrowth = 4;
-constexpr const char* kNoiseWords = " (from the noise between neighbours and the largest value)";
+constexpr const char* kNoiseWords = " (from the noise between neighbors and the largest value)";
 
 std::string text_of(double value, int digits = 9) {
   char text[40];
@@ -302,7 +302,7 @@ std::string FloatPlanes::proposal(double max_error) const {
   return "--max-error " + text + " keeps every voxel within " + text + " of its source";
 }
 
-// A quarter of the standard deviation that neighbours along x suggest; in voxel units.
+// A quarter of the standard deviation that neighbors along x suggest; in voxel units.
 double FloatPlanes::noise_proposal() const {
   constexpr std::size_t kMost = 1 << 20;
   constexpr double kMedianOfDifference = 0.954;  // of two normal numbers of deviation 1

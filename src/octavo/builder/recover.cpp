@@ -8,7 +8,7 @@
 #include "octavo/builder/coarse_tiers.h"
 #include "octavo/builder/metadata_member.h"
 #include "octavo/core/error.h"
-#include "octavo/core/exact_text.h"
+#include "octavo/core/text.h"
 #include "octavo/file/storage/temporary.h"
 #include "octavo/file/write/whole_bricks.h"
 #include "octavo/file/write/writer.h"

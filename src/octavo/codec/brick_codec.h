@@ -14,7 +14,6 @@
 // are empty, and decoding any level needs segment 0.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -22,13 +21,11 @@
 #include <span>
 #include <vector>
 
+#include "octavo/core/bytes.h"
 #include "octavo/core/levels.h"
 #include "octavo/core/volume.h"
 
 namespace octavo {
-
-using Bytes = std::vector<std::uint8_t>;
-using ByteSpan = std::span<const std::uint8_t>;
 
 /// The voxels of one brick inside a larger array. Strides are in voxels; x is contiguous.
 struct BrickView {
@@ -41,14 +38,9 @@ struct BrickView {
 
 /// What a grey model is made for. Both presets are read without any option.
 enum class Preset {
-  small,  ///< prediction from up to 96 neighbours: the fewest bytes
+  small,  ///< prediction from up to 96 neighbors: the fewest bytes
   fast    ///< prediction from the means alone: several times faster
 };
-
-/// The axes in the order in which a codec halves them; its splits go the other way. Which is best
-/// depends on the scan: 0 = x.
-using AxisOrder = std::array<std::uint8_t, 3>;
-inline constexpr AxisOrder kStraightOrder = {0, 1, 2};
 
 struct CodecSettings {
   Preset preset = Preset::small;

@@ -9,8 +9,8 @@ namespace octavo {
 
 using Point3 = std::array<double, 3>;
 
-/// Voxel-centre geometry with ITK's meanings: LPS, millimetres.
-/// world = origin + direction * (spacing .* index), index counting voxel centres from 0.
+/// Voxel-center geometry with ITK's meanings: LPS, millimeters.
+/// world = origin + direction * (spacing .* index), index counting voxel centers from 0.
 struct Geometry {
   Point3 origin_mm = {0, 0, 0};
   Point3 spacing_mm = {1, 1, 1};

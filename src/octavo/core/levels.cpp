@@ -103,14 +103,14 @@ int Levels::halving_count(int level, int axis) const {
 
 Geometry Levels::geometry(const Geometry& level0, int level) const {
   Geometry result = level0;
-  Point3 centre{};
+  Point3 center{};
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
     const double factor = std::ldexp(1.0, halving_count(level, axis));
     result.spacing_mm[a] = level0.spacing_mm[a] * factor;
-    centre[a] = (factor - 1) / 2;
+    center[a] = (factor - 1) / 2;
   }
-  result.origin_mm = level0.to_world(centre);
+  result.origin_mm = level0.to_world(center);
   return result;
 }
 

@@ -54,7 +54,7 @@ class Levels {
   /// How many times `axis` has been halved between level 0 and `level`.
   int halving_count(int level, int axis) const;
 
-  /// Spacing and origin of a level: a coarse sample sits at the centre of the voxels it stands for.
+  /// Spacing and origin of a level: a coarse sample sits at the center of the voxels it stands for.
   Geometry geometry(const Geometry& level0, int level) const;
 
   int tier_count() const { return (count() + kTierLevels - 1) / kTierLevels; }

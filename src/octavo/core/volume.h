@@ -56,4 +56,7 @@ struct VolumeDescription {
   }
 };
 
+/// Bytes of one plane of size.x * size.y voxels. Requires a size within the limits of levels.h.
+std::uint64_t plane_bytes(const VolumeDescription& description);
+
 }  // namespace octavo

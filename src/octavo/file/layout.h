@@ -18,7 +18,7 @@
 #include <span>
 #include <vector>
 
-#include "octavo/codec/brick_codec.h"
+#include "octavo/core/bytes.h"
 #include "octavo/core/levels.h"
 #include "octavo/core/volume.h"
 

@@ -4,6 +4,7 @@
 #include <memory>
 #include <mutex>
 
+#include "octavo/codec/brick_codec.h"
 #include "octavo/file/index.h"
 #include "octavo/file/layout.h"
 #include "octavo/file/lru_cache.h"

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "octavo/codec/brick_codec.h"
+#include "octavo/core/bytes.h"
 #include "octavo/core/levels.h"
 #include "octavo/core/volume.h"
 #include "octavo/file/storage/byte_source.h"

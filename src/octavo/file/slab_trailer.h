@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "octavo/codec/brick_codec.h"
+#include "octavo/core/bytes.h"
 
 namespace octavo {
 

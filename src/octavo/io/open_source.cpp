@@ -243,15 +243,6 @@ std::unique_ptr<PlaneSource> dispatch(const std::vector<std::string>& paths,
 
 }  // namespace
 
-std::string SourceOptions::dicom_option() const {
-  if (!series.empty()) return "--series";
-  if (on_gap == GapPolicy::fill) return "--on-gap fill";
-  if (on_gap == GapPolicy::resample) return "--on-gap resample";
-  if (drop_duplicates) return "--drop-duplicates";
-  if (!segment.empty()) return "--segment";
-  return untilt ? "--untilt" : "";
-}
-
 std::unique_ptr<PlaneSource> open_source(const std::vector<std::string>& paths,
                                          const SourceOptions& options) {
   if (paths.empty()) throw Error(ErrorKind::invalid_argument, "no source given");

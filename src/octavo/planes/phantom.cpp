@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "octavo/core/error.h"
-#include "octavo/core/exact_text.h"
 #include "octavo/core/levels.h"
+#include "octavo/core/text.h"
 
 namespace octavo {
 
@@ -84,7 +84,7 @@ void check(const PhantomOptions& o) {
 double square(double v) { return v * v; }
 
 // A cylinder along z through (x, across), or along y with `across` on the z axis; mm from the
-// centre.
+// center.
 struct Cylinder {
   double x, across;
   double radius, half_length;
@@ -99,7 +99,7 @@ class Phantom final : public PlaneSource {
   void read_plane(std::span<std::byte> plane) override;
 
  private:
-  double centred(int axis, std::int64_t index) const;
+  double centered(int axis, std::int64_t index) const;
   void fill_densities(std::int64_t y, std::int64_t z);
   template <class T>
   void write_row(std::int64_t y, std::int64_t z, T* row) const;
@@ -111,7 +111,7 @@ class Phantom final : public PlaneSource {
   double inner_ = 0;
   Cylinder first_{};
   Cylinder second_{};
-  std::vector<double> x_mm_;       // of every voxel of a row, from the centre
+  std::vector<double> x_mm_;       // of every voxel of a row, from the center
   std::vector<double> densities_;  // of the row at hand
   std::int64_t next_z_ = 0;
 };
@@ -131,7 +131,7 @@ Phantom::Phantom(const PhantomOptions& options) : options_(options) {
   inner_ = options.inner_radius * half;
   first_ = {-0.4 * inner_, -0.15 * inner_, 0.22 * inner_, 0.45 * inner_};
   second_ = {0.4 * inner_, 0, 0.16 * inner_, 0.5 * inner_};
-  for (std::int64_t x = 0; x < options.size.x; ++x) x_mm_.push_back(centred(0, x));
+  for (std::int64_t x = 0; x < options.size.x; ++x) x_mm_.push_back(centered(0, x));
   densities_.resize(x_mm_.size());
 }
 
@@ -155,15 +155,15 @@ void Phantom::read_plane(std::span<std::byte> plane) {
   ++next_z_;
 }
 
-// The position of a voxel's centre, mm from the centre of the volume.
-double Phantom::centred(int axis, std::int64_t index) const {
+// The position of a voxel's center, mm from the center of the volume.
+double Phantom::centered(int axis, std::int64_t index) const {
   return static_cast<double>(2 * index + 1 - options_.size[axis]) / 2 *
          options_.spacing_mm[static_cast<std::size_t>(axis)];
 }
 
 void Phantom::fill_densities(std::int64_t y, std::int64_t z) {
-  const double y_mm = centred(1, y);
-  const double z_mm = centred(2, z);
+  const double y_mm = centered(1, y);
+  const double z_mm = centered(2, z);
   const double outside_plane = square(y_mm) + square(z_mm);
   const double outer = square(outer_) - outside_plane;
   const double inner = square(inner_) - outside_plane;
@@ -174,10 +174,10 @@ void Phantom::fill_densities(std::int64_t y, std::int64_t z) {
   const double second =
       crosses_second ? square(second_.radius) - square(z_mm - second_.across) : -1;
   for (std::size_t x = 0; x < x_mm_.size(); ++x) {
-    const double from_centre = square(x_mm_[x]);
+    const double from_center = square(x_mm_[x]);
     double density = options_.background;
-    density = from_centre <= outer ? options_.shell : density;
-    density = from_centre <= inner ? options_.inside : density;
+    density = from_center <= outer ? options_.shell : density;
+    density = from_center <= inner ? options_.inside : density;
     density = square(x_mm_[x] - first_.x) <= first ? options_.first_cylinder : density;
     density = square(x_mm_[x] - second_.x) <= second ? options_.second_cylinder : density;
     densities_[x] = density;

@@ -2,11 +2,11 @@
 // plane.
 //
 // Every voxel is a function of the options and its own position alone: the density of the region
-// its centre lies in, plus Gaussian noise drawn from a hash of (seed, x, y, z), rounded and clamped
+// its center lies in, plus Gaussian noise drawn from a hash of (seed, x, y, z), rounded and clamped
 // to the type. All arithmetic is on integers or single IEEE operations, so the same options give
 // the same voxels on every machine and for every order of planes, at any size.
 //
-//     half        half of the shortest side of the volume, mm; everything is centred on the volume
+//     half        half of the shortest side of the volume, mm; everything is centered on the volume
 //     shell       from outer_radius * half down to inner_radius * half =: r
 //     cylinder 1  along z through (-0.40 r, -0.15 r, 0), radius 0.22 r, length 0.90 r
 //     cylinder 2  along y through ( 0.40 r, 0, 0),       radius 0.16 r, length 1.00 r

@@ -11,8 +11,8 @@ namespace {
 constexpr std::int64_t kGlyphWidth = 5;
 constexpr std::int64_t kGlyphHeight = 7;
 constexpr std::int64_t kSmallestPicture = 64;
-constexpr Colour kWhite = {255, 255, 255};
-constexpr Colour kBlack = {0, 0, 0};
+constexpr Color kWhite = {255, 255, 255};
+constexpr Color kBlack = {0, 0, 0};
 
 struct Glyph {
   char letter;
@@ -77,22 +77,22 @@ const Glyph* glyph_of(char letter) {
 }
 
 void fill(Picture& picture, std::int64_t x, std::int64_t y, std::int64_t width, std::int64_t height,
-          const Colour& colour) {
+          const Color& color) {
   for (std::int64_t row = y; row < y + height; ++row) {
-    for (std::int64_t column = x; column < x + width; ++column) picture.set(column, row, colour);
+    for (std::int64_t column = x; column < x + width; ++column) picture.set(column, row, color);
   }
 }
 
 /// Draws the dots of a text, each grown by `margin` pixels on all sides.
 void draw_dots(Picture& picture, std::int64_t x, std::int64_t y, std::string_view text,
-               std::int64_t dot, std::int64_t margin, const Colour& colour) {
+               std::int64_t dot, std::int64_t margin, const Color& color) {
   for (const char letter : text) {
     if (const Glyph* const glyph = glyph_of(letter)) {
       for (std::int64_t row = 0; row < kGlyphHeight; ++row) {
         for (std::int64_t column = 0; column < kGlyphWidth; ++column) {
           if (glyph->rows[static_cast<std::size_t>(row)][column] != '#') continue;
           fill(picture, x + column * dot - margin, y + row * dot - margin, dot + 2 * margin,
-               dot + 2 * margin, colour);
+               dot + 2 * margin, color);
         }
       }
     }
@@ -159,7 +159,7 @@ void draw_sides(Picture& picture, const EdgeLetters& letters) {
   const auto width_of = [&](const std::string& text) {
     return (static_cast<std::int64_t>(text.size()) * (kGlyphWidth + 1) - 1) * dot;
   };
-  const auto centred = [&](const std::string& text) {
+  const auto centered = [&](const std::string& text) {
     return (picture.width - width_of(text)) / 2;
   };
   const std::int64_t far_x = picture.width - width_of(letters.right) - 4 * dot;
@@ -167,8 +167,8 @@ void draw_sides(Picture& picture, const EdgeLetters& letters) {
   const std::int64_t middle_y = (picture.height - kGlyphHeight * dot) / 2;
   draw_text(picture, 4 * dot, middle_y, letters.left, dot);
   draw_text(picture, far_x, middle_y, letters.right, dot);
-  draw_text(picture, centred(letters.top), 4 * dot, letters.top, dot);
-  draw_text(picture, centred(letters.bottom), far_y, letters.bottom, dot);
+  draw_text(picture, centered(letters.top), 4 * dot, letters.top, dot);
+  draw_text(picture, centered(letters.bottom), far_y, letters.bottom, dot);
 }
 
 void draw_legend(Picture& picture, std::span<const LegendRow> rows) {
@@ -181,7 +181,7 @@ void draw_legend(Picture& picture, std::span<const LegendRow> rows) {
     if (y > lowest) return;
     const std::int64_t side = kGlyphHeight * dot;
     fill(picture, 4 * dot - 1, y - 1, side + 2, side + 2, kBlack);
-    fill(picture, 4 * dot, y, side, side, row.colour);
+    fill(picture, 4 * dot, y, side, side, row.color);
     draw_text(picture, 4 * dot + side + 3 * dot, y, row.text, dot);
     y += pitch;
   }

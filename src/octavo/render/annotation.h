@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "octavo/render/picture.h"
-#include "octavo/render/slice/slice_orientation.h"
+#include "octavo/render/slice_orientation.h"
 #include "octavo/render/view.h"
 
 namespace octavo {
@@ -32,13 +32,13 @@ void draw_scale_bar(Picture& picture, double pixel_mm);
 void draw_sides(Picture& picture, const SliceOrientation& orientation);
 void draw_sides(Picture& picture, const EdgeLetters& letters);
 
-/// What one colour of a picture stands for.
+/// What one color of a picture stands for.
 struct LegendRow {
-  Colour colour{};
+  Color color{};
   std::string text;
 };
 
-/// Draws a square of each colour with its text at the upper left, as many as have room.
+/// Draws a square of each color with its text at the upper left, as many as have room.
 void draw_legend(Picture& picture, std::span<const LegendRow> rows);
 
 }  // namespace octavo

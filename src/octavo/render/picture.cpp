@@ -70,10 +70,10 @@ void check_picture(const Picture& picture) {
 
 }  // namespace
 
-void Picture::set(std::int64_t x, std::int64_t y, const Colour& colour) {
+void Picture::set(std::int64_t x, std::int64_t y, const Color& color) {
   if (x < 0 || y < 0 || x >= width || y >= height) return;
   std::uint8_t* const pixel = pixels.data() + (y * width + x) * channels;
-  std::copy_n(colour.begin(), channels, pixel);
+  std::copy_n(color.begin(), channels, pixel);
 }
 
 Picture make_picture(std::int64_t width, std::int64_t height, int channels) {

@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "octavo/codec/brick_codec.h"
+#include "octavo/core/bytes.h"
 
 namespace octavo {
 
-using Colour = std::array<std::uint8_t, 3>;
+using Color = std::array<std::uint8_t, 3>;
 
 /// 8-bit pixels, rows from the top, channels interleaved.
 struct Picture {
@@ -18,8 +18,8 @@ struct Picture {
   int channels = 1;  ///< 1: grey, 3: red green blue
   std::vector<std::uint8_t> pixels;
 
-  /// Sets one pixel; outside the picture nothing happens. A grey picture takes the red of `colour`.
-  void set(std::int64_t x, std::int64_t y, const Colour& colour);
+  /// Sets one pixel; outside the picture nothing happens. A grey picture takes the red of `color`.
+  void set(std::int64_t x, std::int64_t y, const Color& color);
 };
 
 /// A black picture.

@@ -25,7 +25,7 @@ Window window_between(double low, double high) {
 }  // namespace
 
 std::uint8_t Window::grey(double value) const {
-  const double share = (value - (centre - width / 2)) / width;
+  const double share = (value - (center - width / 2)) / width;
   if (!(share > 0)) return 0;
   return static_cast<std::uint8_t>(std::lround(255 * std::min(share, 1.0)));
 }

@@ -8,9 +8,9 @@
 
 namespace octavo {
 
-/// Values up to centre - width/2 are black, from centre + width/2 on white. In real units.
+/// Values up to center - width/2 are black, from center + width/2 on white. In real units.
 struct Window {
-  double centre = 0;
+  double center = 0;
   double width = 1;
   bool operator==(const Window&) const = default;
 

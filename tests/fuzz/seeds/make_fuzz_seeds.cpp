@@ -139,7 +139,7 @@ int main(int argc, char** argv) {
                  brick_input(type, kind, 5, {preset, 0}, content));
           }
         }
-        // Prediction from means; rounded voxels; quantised details with corrections.
+        // Prediction from means; rounded voxels; quantized details with corrections.
         for (const CodecSettings& settings :
              {CodecSettings{Preset::fast, 0}, {Preset::small, 1}, {Preset::fast, 25}}) {
           save(folder / "bricks" / std::to_string(number++), brick_input(type, kind, 4, settings));

@@ -23,7 +23,7 @@ struct Scene {
   int texture;      ///< in a part of the volume
 };
 
-/// A gentle slope with noise, and a part where neighbours differ strongly.
+/// A gentle slope with noise, and a part where neighbors differ strongly.
 DenseVolume dense_volume(const Scene& scene) {
   std::mt19937 random(5);
   const auto draw = [&](int most) {

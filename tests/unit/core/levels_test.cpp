@@ -57,7 +57,7 @@ TEST(Levels, ThinBricksAreFineWhereTheVolumeIsThin) {
   EXPECT_EQ(two.brick_grid(0), (Size3{2, 2, 1}));
 }
 
-TEST(Levels, ACoarseSampleLiesAtTheCentreOfItsVoxels) {
+TEST(Levels, ACoarseSampleLiesAtTheCenterOfItsVoxels) {
   const Levels levels({16, 16, 4}, {3, 3, 7, 7});
   const Geometry fine{{10, 20, 30}, {0.5, 0.25, 2}, {0, 1, 0, -1, 0, 0, 0, 0, 1}};
   EXPECT_EQ(levels.geometry(fine, 0), fine);

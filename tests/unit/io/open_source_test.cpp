@@ -158,7 +158,7 @@ TEST(SourceShared, AwkwardSeriesAreMadeEvenAndUprightWhenAsked) {
   const auto filled = open("missing_slice");
   EXPECT_EQ(filled->description().size, (Size3{512, 512, 7}));
   EXPECT_EQ(filled->description().geometry.spacing_mm[2], 8);
-  // Each slice stands unchanged at its place, and the plane made lies between its neighbours.
+  // Each slice stands unchanged at its place, and the plane made lies between its neighbors.
   const std::string all = voxels_of(*filled);
   const std::size_t plane = all.size() / 7;
   for (const std::size_t z : {0U, 1U, 2U, 3U, 5U, 6U}) {

@@ -52,7 +52,7 @@ TEST(Phantom, ShellHasTheVolumeOfTwoSpheres) {
   EXPECT_NEAR(count / expected, 1, 0.005);
 }
 
-TEST(Phantom, ShapesAreRoundInMillimetresWhateverTheSpacing) {
+TEST(Phantom, ShapesAreRoundInMillimetersWhateverTheSpacing) {
   PhantomOptions options = small_phantom(0);
   options.size = {40, 40, 20};
   options.spacing_mm = {1, 1, 2};
@@ -60,8 +60,8 @@ TEST(Phantom, ShapesAreRoundInMillimetresWhateverTheSpacing) {
   const double shortest = 20;
   for (std::int64_t z = 0; z < 20; ++z) {
     const double z_mm = (static_cast<double>(z) - 9.5) * 2;
-    const double from_centre = std::hypot(z_mm, 0.5, 0.5);
-    const bool is_outside = from_centre > 0.9 * shortest;
+    const double from_center = std::hypot(z_mm, 0.5, 0.5);
+    const bool is_outside = from_center > 0.9 * shortest;
     EXPECT_EQ(at(voxels, options.size, {20, 20, z}) == -1000, is_outside) << z;
   }
   EXPECT_EQ(make_phantom(options)->description().geometry.spacing_mm, options.spacing_mm);

@@ -9,8 +9,8 @@
 
 #include "octavo/core/error.h"
 #include "octavo/render/annotation.h"
-#include "octavo/render/colour_names.h"
-#include "octavo/render/label_colour.h"
+#include "octavo/render/color_names.h"
+#include "octavo/render/label_color.h"
 #include "octavo/render/window.h"
 #include "support/read_png.h"
 
@@ -59,20 +59,20 @@ TEST(Window, AFewOutliersDoNotDecide) {
   values.push_back(1e9);
   values.push_back(std::numeric_limits<double>::infinity());
   const Window window = robust_window(values);
-  EXPECT_NEAR(window.centre, 500, 5);
+  EXPECT_NEAR(window.center, 500, 5);
   EXPECT_NEAR(window.width, 990, 10);
   EXPECT_EQ(robust_window(std::vector<double>{3, 3, 3}).grey(3), 0);
   EXPECT_EQ(robust_window({}), Window{});
 }
 
-TEST(LabelColour, BackgroundIsBlackAndLabelsDiffer) {
-  EXPECT_EQ(label_colour(0), (Colour{0, 0, 0}));
-  std::set<Colour> seen;
-  for (std::int64_t label = 1; label <= 200; ++label) seen.insert(label_colour(label));
+TEST(LabelColor, BackgroundIsBlackAndLabelsDiffer) {
+  EXPECT_EQ(label_color(0), (Color{0, 0, 0}));
+  std::set<Color> seen;
+  for (std::int64_t label = 1; label <= 200; ++label) seen.insert(label_color(label));
   EXPECT_GE(seen.size(), 198u);
   for (std::int64_t label = 1; label < 2000; ++label) {
-    const Colour a = label_colour(label);
-    const Colour b = label_colour(label + 1);
+    const Color a = label_color(label);
+    const Color b = label_color(label + 1);
     int difference = 0;
     for (std::size_t i = 0; i < 3; ++i) difference += std::abs(int{a[i]} - int{b[i]});
     EXPECT_GT(difference, 100) << label;
@@ -129,7 +129,7 @@ TEST(Annotation, LettersOfAnEdgeStayInsideThePicture) {
   EXPECT_EQ(drawn_in(three, 198, 200, 0, 150), 0);
 }
 
-TEST(Annotation, LegendsShowTheColoursThatHaveRoom) {
+TEST(Annotation, LegendsShowTheColorsThatHaveRoom) {
   const std::vector<LegendRow> rows(40, {{250, 10, 20}, "226:"});
   Picture picture = make_picture(160, 160, 3);
   draw_legend(picture, rows);
@@ -140,13 +140,13 @@ TEST(Annotation, LegendsShowTheColoursThatHaveRoom) {
   EXPECT_EQ(drawn_in(small, 0, 20, 0, 20), 0);
 }
 
-TEST(ColourNames, AreNamesOrSixDigits) {
-  EXPECT_EQ(find_colour("white"), (Colour{255, 255, 255}));
-  EXPECT_EQ(find_colour("#0a10Ff"), (Colour{10, 16, 255}));
+TEST(ColorNames, AreNamesOrSixDigits) {
+  EXPECT_EQ(find_color("white"), (Color{255, 255, 255}));
+  EXPECT_EQ(find_color("#0a10Ff"), (Color{10, 16, 255}));
   for (const char* text : {"", "whit", "#12", "#12345g", "123456", "#1234567", "# 12345"}) {
-    EXPECT_FALSE(find_colour(text)) << text;
+    EXPECT_FALSE(find_color(text)) << text;
   }
-  EXPECT_NE(colour_names().find("white, "), std::string::npos);
+  EXPECT_NE(color_names().find("white, "), std::string::npos);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ struct EdgeModels {
   /// By the means beside the pair that are background, along the axis (0..2) and across (0..4), and
   /// by the edges among the pairs to the left, above and behind (0..3).
   std::array<std::array<std::array<AdaptiveBit, 4>, 5>, 3> is_edge;
-  /// By where the background goes on: along the axis, and in the neighbouring edges.
+  /// By where the background goes on: along the axis, and in the neighboring edges.
   std::array<std::array<AdaptiveBit, 3>, 3> is_first;
 };
 

@@ -141,7 +141,7 @@ void run_level(Workspace<Sample>& work, const BrickShape& shape, const SampleSca
                const Parameters& p, int level, const BrickHints& hints, F&& stage_work) {
   for (auto& grid : work.magnitudes) grid.set_size({0, 0, 0});
   for (const Split& split : splits_of(shape, level)) {
-    if (p.predictor == Predictor::neighbours) {
+    if (p.predictor == Predictor::neighbors) {
       repeat_along(work.means, work.fine, split.axis, split.fine_size);
     } else {
       work.fine.set_size(split.fine_size);

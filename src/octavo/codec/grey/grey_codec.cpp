@@ -113,7 +113,7 @@ std::vector<Bytes> encode_samples(const Model& model, const BrickShape& shape,
   return segments;
 }
 
-/// Puts the corrections that a quantised brick needs before its segment 0 and notes the error that
+/// Puts the corrections that a quantized brick needs before its segment 0 and notes the error that
 /// is left; false when a correction would be too large.
 template <class Sample>
 bool put_corrections(EncodedBrick& encoded, const BrickView& view, const SampleScale& scale,

@@ -293,7 +293,7 @@ void learn_contexts(Parameters& p, const std::vector<Lesson>& lessons) {
   });
 }
 
-/// Learns the tables: neighbouring contexts share one while a second costs more than it saves. A
+/// Learns the tables: neighboring contexts share one while a second costs more than it saves. A
 /// context never met repeats the one below it; below the first met one, the default.
 void learn_frequencies(Parameters& p, const std::vector<Lesson>& lessons) {
   const Counts counts = count_tokens(p, lessons);

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "octavo/codec/entropy/binary_coder.h"
+#include "octavo/core/error.h"
 
 namespace octavo::grey {
 
@@ -21,7 +22,7 @@ struct CorrectionModels {
   SlowBit is_larger;
 };
 
-/// Corrections with margins, so that neighbourhoods need no case at the border.
+/// Corrections with margins, so that neighborhoods need no case at the border.
 class PaddedCorrections {
  public:
   explicit PaddedCorrections(const Size3& size)

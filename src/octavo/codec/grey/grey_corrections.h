@@ -1,4 +1,4 @@
-// Corrections of the few voxels that a quantised brick would leave beyond the maximum error.
+// Corrections of the few voxels that a quantized brick would leave beyond the maximum error.
 //
 // A correction is a small whole number per voxel, mostly 0; the voxel moves by that many times the
 // model's correction step. Coded voxel by voxel in the order z, y, x with adaptive bits.
@@ -7,7 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "octavo/codec/brick_codec.h"
+#include "octavo/core/box.h"
+#include "octavo/core/bytes.h"
 
 namespace octavo::grey {
 

@@ -27,8 +27,8 @@ std::int32_t get_signed(BinaryDecoder& coder, GolombModel& model) {
 
 /// One walk over all parameters serves both directions: `code(model, value)` puts or gets a number.
 ///
-/// The centre tap is not coded: weights sum to zero, so it is minus the sum of the others. Taps
-/// near the centre and far from it have models of their own.
+/// The center tap is not coded: weights sum to zero, so it is minus the sum of the others. Taps
+/// near the center and far from it have models of their own.
 template <class Params, class Code>
 void walk_weights(Params& p, Code&& code) {
   GolombModel is_used;
@@ -70,7 +70,7 @@ struct WeightPutter {
     put_golomb(coder, is_used, any ? 1 : 0);
     if (!any) return;
     for (int tap = 0; tap < tap_count(axis); ++tap) {
-      if (tap == centre_tap(axis)) continue;
+      if (tap == center_tap(axis)) continue;
       put_signed(coder, models[tap_distance(axis, tap)], weights[tap] >> step);
     }
   }
@@ -89,13 +89,13 @@ struct WeightGetter {
     if (get_golomb(coder, is_used) == 0) return;
     std::int32_t sum = 0;
     for (int tap = 0; tap < tap_count(axis); ++tap) {
-      if (tap == centre_tap(axis)) continue;
+      if (tap == center_tap(axis)) continue;
       const auto scaled =
           static_cast<std::uint32_t>(get_signed(coder, models[tap_distance(axis, tap)]));
       weights[tap] = static_cast<std::int16_t>(scaled << step);
       sum += weights[tap];
     }
-    weights[centre_tap(axis)] = static_cast<std::int16_t>(-sum);
+    weights[center_tap(axis)] = static_cast<std::int16_t>(-sum);
   }
 };
 

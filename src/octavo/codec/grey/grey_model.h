@@ -1,6 +1,6 @@
 // What the grey codec learns from a scan: prediction weights, context weights, probability tables.
 //
-// A detail is predicted by a weighted sum of up to 96 neighbours ("taps"), weights in Q12, one set
+// A detail is predicted by a weighted sum of up to 96 neighbors ("taps"), weights in Q12, one set
 // per level group (0, 1, coarser), split axis and activity class. The size of the remaining
 // residual is foreseen by a non-negative weighted sum of 16 features in Q8; its half-octave, and
 // whether the value range limits the residual, choose one of 60 contexts. A context says how many
@@ -11,8 +11,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "octavo/codec/brick_codec.h"
 #include "octavo/codec/grey/value_map.h"
+#include "octavo/core/bytes.h"
 
 namespace octavo::grey {
 
@@ -36,10 +36,10 @@ inline constexpr std::int32_t kMaxMeanWeight = 8191;
 inline constexpr std::int32_t kMaxFeature = 16383;
 inline constexpr std::int32_t kMaxMagnitude = 2047;
 
-/// Taps of a split along an axis come in rows of 8 neighbours: 10 rows for x, 12 for y and z.
+/// Taps of a split along an axis come in rows of 8 neighbors: 10 rows for x, 12 for y and z.
 constexpr int tap_count(int axis) { return axis == 0 ? 80 : 96; }
 /// The tap that stands at the sample itself (the parent's value).
-constexpr int centre_tap(int axis) { return axis == 0 ? 8 : axis == 1 ? 2 * 8 + 3 : 5 * 8 + 3; }
+constexpr int center_tap(int axis) { return axis == 0 ? 8 : axis == 1 ? 2 * 8 + 3 : 5 * 8 + 3; }
 
 constexpr int level_group(int in_brick_level) { return in_brick_level < 2 ? in_brick_level : 2; }
 constexpr int table_set(int in_brick_level) { return in_brick_level == 0 ? 0 : 1; }
@@ -81,7 +81,7 @@ inline constexpr std::array<AxisOrder, 6> kAxisOrders = {
 
 /// What a detail is predicted from.
 enum class Predictor : std::uint8_t {
-  neighbours = 0,  ///< up to 96 taps, decoded samples among them
+  neighbors = 0,  ///< up to 96 taps, decoded samples among them
   means = 1        ///< the step between the two means beside the pair
 };
 
@@ -109,7 +109,7 @@ constexpr std::int32_t detail_step_of(const Quantizer& quantizer, int in_brick_l
 }
 
 struct Parameters {
-  Predictor predictor = Predictor::neighbours;
+  Predictor predictor = Predictor::neighbors;
   Quantizer quantizer;
   bool has_edges = false;  ///< pairs at the edge of the background are told apart (edge_pairs.h)
   ValueMap value_map;  ///< empty when the quantizer leaves out precision

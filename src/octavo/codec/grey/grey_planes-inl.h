@@ -1,4 +1,4 @@
-// Prediction from means, vectorised: all features of a plane of pairs in one go, in 16 bits.
+// Prediction from means, vectorized: all features of a plane of pairs in one go, in 16 bits.
 // For ranges that leave room for sums of two samples' differences; others take the row pass.
 // Included once per instruction set by grey_stage_simd.cpp.
 

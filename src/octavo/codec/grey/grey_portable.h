@@ -25,7 +25,7 @@ struct TapRows {
        2 * P - R - 3, 2 * P - 3, 2 * P + R - 3}};
 };
 
-/// The distance between the two samples of a pair, and between neighbouring pairs of a row.
+/// The distance between the two samples of a pair, and between neighboring pairs of a row.
 template <class Sample>
 constexpr std::int64_t pair_step(int axis) {
   return axis == 0 ? 1 : axis == 1 ? SampleGrid<Sample>::kRow : SampleGrid<Sample>::kPlane;
@@ -130,7 +130,7 @@ inline MagnitudeRows magnitude_rows(const SampleGrid<std::int16_t>* magnitudes, 
 ///   keep_magnitudes(residuals, count, shift, magnitudes)
 ///   reconstruct_row<is_encoding>(p, stage, work, y, z)   from means: residuals to samples, or
 ///                                              details to residuals and samples
-///   reconstruct<is_encoding>(p, stage, work)   the same from neighbours, for all rows
+///   reconstruct<is_encoding>(p, stage, work)   the same from neighbors, for all rows
 template <class Sample, class Kernel>
 struct Passes {
   using Int = Wide<Sample>;
@@ -209,7 +209,7 @@ struct Passes {
   static void decode(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
                      SymbolReader& symbols) {
     // From means alone, a plane's details are done with at its end.
-    set_sizes(stage, p.predictor == Predictor::neighbours, work);
+    set_sizes(stage, p.predictor == Predictor::neighbors, work);
     if (stage.pairs.voxel_count() == 0) return;
     if (takes_planes(p, stage)) {
       for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
@@ -252,7 +252,7 @@ struct Passes {
         }
       }
     }
-    if (p.predictor == Predictor::neighbours) reconstruct<true>(p, stage, work);
+    if (p.predictor == Predictor::neighbors) reconstruct<true>(p, stage, work);
   }
 
   /// Calls prepare_plane(z) for every plane, and prepare_row(y, z, coded pairs) for every row,

@@ -1,4 +1,4 @@
-// The row pass of a split, vectorised: features, contexts, samples from means.
+// The row pass of a split, vectorized: features, contexts, samples from means.
 // Included once per instruction set by grey_stage_simd.cpp.
 
 #if defined(OCTAVO_CODEC_GREY_ROWS_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -105,7 +105,7 @@ inline void features_of_row(const Parameters& p, const Stage& stage,
 /// sums += a0 * b0 + a1 * b1 for the two 16-bit numbers in each 32-bit lane.
 HWY_INLINE SignedSums add_products(SignedHalves a, SignedHalves b, SignedSums sums) {
 #if HWY_ARCH_X86
-  // On x86 this adds the products of neighbouring lanes; `unused` stays 0.
+  // On x86 this adds the products of neighboring lanes; `unused` stays 0.
   SignedSums unused = hn::Zero(kSignedSums);
   return hn::ReorderWidenMulAccumulate(kSignedSums, a, b, sums, unused);
 #else

@@ -41,7 +41,7 @@ struct Stage {
   int shift = 0;              ///< magnitudes are measured in units of 2^shift
   std::int32_t step = 1;      ///< residuals are multiples of it
   /// A detail is at most twice the room between the mean and the smallest sample, and this more,
-  /// and likewise to the largest: one of the two is 1, as the mean was rounded. 0 for quantised
+  /// and likewise to the largest: one of the two is 1, as the mean was rounded. 0 for quantized
   /// details.
   int odd_low = 0;
   int odd_high = 0;

@@ -42,7 +42,7 @@ int context_of(std::int32_t foreseen, std::int32_t limit) {
   return half_octave + (is_limited ? kMagnitudes : 0);
 }
 
-/// What a pair's mean and its two neighbours along the axis foretell.
+/// What a pair's mean and its two neighbors along the axis foretell.
 template <class Sample>
 Wide<Sample> predict_from_means(const Sample* means, std::int64_t along, std::int32_t weight) {
   using Int = Wide<Sample>;
@@ -97,7 +97,7 @@ void reconstruct_row_along(const Parameters& p, const Stage& stage, Workspace<Sa
         detail = static_cast<Int>(stage.gaps->detail(means[x], number));
       }
     } else if constexpr (kIsEncoding) {
-      // The means of quantised details leave other room than the true ones.
+      // The means of quantized details leave other room than the true ones.
       detail = std::clamp<Int>(residuals[x], -limit, limit);
       residuals[x] = detail - expected;
       if (stage.step > 1) {
@@ -196,7 +196,7 @@ void PortableKernel<Sample>::reconstruct(const Parameters& p, const Stage& stage
 template struct PortableKernel<std::int16_t>;
 template struct PortableKernel<std::int32_t>;
 
-// What the vectorised passes do in plain loops.
+// What the vectorized passes do in plain loops.
 using Narrow = PortableKernel<std::int16_t>;
 using NarrowWorkspace = Workspace<std::int16_t>;
 template void Narrow::reconstruct<false>(const Parameters&, const Stage&, NarrowWorkspace&);

@@ -1,4 +1,4 @@
-// Residuals off the rANS streams, vectorised: tokens first, as many states at a time as there are
+// Residuals off the rANS streams, vectorized: tokens first, as many states at a time as there are
 // lanes, then the plain bits of the row.
 // Included once per instruction set by grey_stage_simd.cpp.
 

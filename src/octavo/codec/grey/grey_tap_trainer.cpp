@@ -1,7 +1,7 @@
 // Learns the weights of the prediction by reweighted least squares on a sample of the details.
 //
 // Least squares alone would follow the few large residuals. Samples are weighted so that the fit
-// comes close to the bits that residuals take: first by the steps among their neighbours, then,
+// comes close to the bits that residuals take: first by the steps among their neighbors, then,
 // twice, by the residual that the last fit leaves as well.
 
 #include <tbb/parallel_for.h>
@@ -31,7 +31,7 @@ constexpr std::size_t kTrialRounds[] = {1};  ///< when an order is tried
 constexpr std::size_t kFewInRound = 2000;
 constexpr std::int64_t kTrialShare = 6;  ///< one in so many samples when an order is tried
 
-/// Neighbourhoods and details of one activity class.
+/// Neighborhoods and details of one activity class.
 struct TapSamples {
   std::vector<std::int16_t> features;  ///< tap_count for each detail
   std::vector<std::int32_t> details;
@@ -55,7 +55,7 @@ std::int16_t difference(std::int32_t tap, std::int32_t mean) {
   return static_cast<std::int16_t>(std::clamp(tap - mean, -kMaxDifference, kMaxDifference));
 }
 
-/// The differences between the neighbours of pair (x, y, z) and its mean, as taps see them.
+/// The differences between the neighbors of pair (x, y, z) and its mean, as taps see them.
 void append_features(const Stage& stage, Workspace<std::int16_t>& work,
                      SampleGrid<std::int16_t>& ahead, const Index3& pair,
                      std::vector<std::int16_t>& features) {
@@ -139,7 +139,7 @@ float residual_magnitude(const std::int16_t* features, std::int32_t detail,
   return std::fabs(static_cast<float>(detail) - foreseen);
 }
 
-/// 1 + the mean step from a sample to its neighbours.
+/// 1 + the mean step from a sample to its neighbors.
 float mean_step(const std::int16_t* features, std::size_t taps) {
   std::int32_t sum = 0;
   for (std::size_t k = 0; k < taps; ++k) sum += std::abs(std::int32_t{features[k]});
@@ -201,20 +201,20 @@ std::vector<double> fit_taps(const std::vector<const TapSamples*>& samples, std:
 void set_weights(std::int16_t* weights, const std::vector<double>& fitted, int axis, int step) {
   std::int32_t sum = 0;
   for (int tap = 0; tap < tap_count(axis); ++tap) {
-    if (tap == centre_tap(axis)) continue;
+    if (tap == center_tap(axis)) continue;
     const double scaled = fitted[static_cast<std::size_t>(tap)] * (1 << kWeightBits) / (1 << step);
     const auto limit = static_cast<double>(16000 >> step);
     const auto rounded = static_cast<std::int32_t>(std::lround(std::clamp(scaled, -limit, limit)));
     weights[tap] = static_cast<std::int16_t>(rounded * (1 << step));
     sum += weights[tap];
   }
-  // The centre takes the rest, so that weights sum to zero; what 16 bits cannot hold is not worth
+  // The center takes the rest, so that weights sum to zero; what 16 bits cannot hold is not worth
   // having.
   if (sum < -32767 || sum > 32767) {
     std::fill_n(weights, kMaxTaps, std::int16_t{0});
     return;
   }
-  weights[centre_tap(axis)] = static_cast<std::int16_t>(-sum);
+  weights[center_tap(axis)] = static_cast<std::int16_t>(-sum);
 }
 
 /// Learns p.weights of a group from its samples.

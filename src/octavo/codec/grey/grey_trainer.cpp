@@ -26,7 +26,7 @@ constexpr std::uint64_t kEdgePercent = 3;  ///< what edges must save: they make 
 /// Steps of an orthonormal coefficient to try, in tenths of the maximum error.
 constexpr int kDetailSteps[] = {14, 16, 18, 22};
 
-/// Six times the median non-zero step between neighbours along x.
+/// Six times the median non-zero step between neighbors along x.
 std::int32_t learn_threshold(const std::vector<Lesson>& lessons) {
   std::vector<std::int64_t> counts(65536);
   std::int64_t total = 0;
@@ -91,7 +91,7 @@ Parameters learn(School& school, const Plan& plan) {
   const std::vector<Lesson>& lessons = school.lessons(p);
   if (lessons.empty()) return p;
   p.activity_threshold = learn_threshold(lessons);
-  // Coarse groups first: quantised levels are learnt on what the coarser ones leave.
+  // Coarse groups first: quantized levels are learnt on what the coarser ones leave.
   for (int group = kGroups - 1; group >= 0; --group) {
     if (p.predictor == Predictor::means) learn_mean_weights(p, lessons, group);
     else learn_weights(p, lessons, group);
@@ -179,7 +179,7 @@ double background_share(std::span<const TrainingBrick> bricks) {
 /// predictor  what suits the preset
 Parameters learn_lossless(School& school, Predictor predictor) {
   Parameters best = learn(school, {predictor});
-  const bool is_small = predictor == Predictor::neighbours;
+  const bool is_small = predictor == Predictor::neighbors;
   const bool is_sparse = background_share(school.bricks()) >= kMuchBackground;
   const bool may_be_all = school.bricks().size() < kManyBricks;
   if (!is_sparse && !(is_small && may_be_all)) return best;
@@ -234,7 +234,7 @@ std::unique_ptr<BrickCodec> train_grey_model(VoxelType type, std::span<const Tra
   }
   const bool is_fast = settings.preset == Preset::fast;
   const bool is_lossless = settings.max_error == 0;
-  const Predictor predictor = is_fast ? Predictor::means : Predictor::neighbours;
+  const Predictor predictor = is_fast ? Predictor::means : Predictor::neighbors;
   // Voxels that may change have no values of their own.
   const ValueMap map = is_lossless ? learn_value_map(bricks, !is_fast) : ValueMap{};
   School school(bricks, learn_order(bricks, settings, map), map);

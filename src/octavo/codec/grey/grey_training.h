@@ -30,7 +30,7 @@ void load_level(Workspace<std::int16_t>& work, const Lesson& lesson, int level);
 
 /// Runs a level of a lesson through its splits as the encoder does; `learn(stage, work, truth)` is
 /// called after each, when work.residuals holds the residuals of all pairs and work.fine the
-/// samples as a decoder has them. When details are quantised the coarser levels are run first.
+/// samples as a decoder has them. When details are quantized the coarser levels are run first.
 template <class Learn>
 void walk_level(const Parameters& p, const Lesson& lesson, int level, Learn&& learn) {
   Workspace<std::int16_t>& work = thread_workspace<std::int16_t>();
@@ -57,7 +57,7 @@ void walk_level(const Parameters& p, const Lesson& lesson, int level, Learn&& le
 /// In-brick levels whose details use the weights of a group.
 constexpr int levels_of_group(int group) { return group < 2 ? 1 : kTierLevels; }
 
-/// Learns p.weights of a level group; needs those of the coarser groups when details are quantised.
+/// Learns p.weights of a level group; needs those of the coarser groups when details are quantized.
 void learn_weights(Parameters& p, const std::vector<Lesson>& lessons, int group);
 
 /// Learns p.mean_weights of a level group, as above.

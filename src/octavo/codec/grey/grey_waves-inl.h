@@ -1,4 +1,4 @@
-// Prediction from neighbours, vectorised: four rows of pairs at a time, in four planes, each two
+// Prediction from neighbors, vectorized: four rows of pairs at a time, in four planes, each two
 // rows behind the plane before it (see grey_stage.h). A sample waits for the one to its left; four
 // rows that do not wait for each other keep the machine busy.
 // Included once per instruction set by grey_stage_simd.cpp.
@@ -26,7 +26,7 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 inline constexpr int kWaves = 4;
-inline constexpr int kLag = 2;  ///< rows between neighbouring planes
+inline constexpr int kLag = 2;  ///< rows between neighboring planes
 
 constexpr hn::FixedTag<std::int16_t, 8> kTaps{};
 constexpr hn::FixedTag<std::int32_t, 4> kQuad{};
@@ -103,7 +103,7 @@ class Chain {
  private:
   static constexpr int kRows = TapRows<std::int16_t>::kCount[kAxis];
   static constexpr std::int64_t kPartner = kAxis == 0 ? 0 : pair_step<std::int16_t>(kAxis);
-  static constexpr int kOwnRow = kAxis == 0 ? 0 : centre_tap(kAxis) / 8;
+  static constexpr int kOwnRow = kAxis == 0 ? 0 : center_tap(kAxis) / 8;
   static constexpr int kPartnerRow = kAxis == 0 ? -1 : kAxis == 1 ? 3 : 8;
 
   template <int kLane>

@@ -13,7 +13,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "octavo/codec/brick_codec.h"
+#include "octavo/core/box.h"
+#include "octavo/core/bytes.h"
 #include "octavo/core/levels.h"
 
 namespace octavo {

@@ -4,7 +4,7 @@
 //     varint  length of the plain bits, in bytes
 //     plain bits, lowest bit first
 //     S states, u32 each; then u16 words to the end
-// rANS (Duda 2013) with 32-bit states, 16-bit renormalisation and tables of 2048 slots. The j-th
+// rANS (Duda 2013) with 32-bit states, 16-bit renormalization and tables of 2048 slots. The j-th
 // coded symbol of a row uses state j mod S; S grows with the number of symbols (see state_count). A
 // decoder that took every symbol has all states back at 2^16, has read all words and all plain
 // bits: a check for free.
@@ -56,7 +56,7 @@ Bytes encode_symbols(const Model& model, int set, const std::vector<Symbol>& sym
 /// Symbols that may be taken off a segment from one check that it holds them to the next.
 inline constexpr int kMaxUnchecked = 512;
 
-/// Takes residuals off a segment, row by row. The members are open to the vectorised copies of
+/// Takes residuals off a segment, row by row. The members are open to the vectorized copies of
 /// `take_row`; the streams are followed by enough zero bytes for kMaxUnchecked symbols beyond their
 /// ends.
 class SymbolReader {

@@ -3,7 +3,7 @@
 //      x:  [8 left | up to 64 samples | 8 right]      80 samples per row
 //      y:  2 rows above, up to 64, 2 below;  z likewise
 //
-// Margins repeat the nearest sample, so that neighbourhoods need no case at the border of a brick.
+// Margins repeat the nearest sample, so that neighborhoods need no case at the border of a brick.
 // A grid over 64^3 int16 samples takes 740 kB.
 #pragma once
 

@@ -20,8 +20,8 @@ constexpr double kWorthwhileBits = 0.05;
 /// not occur.
 constexpr std::int64_t kEnoughForLattice = 8;
 constexpr std::int64_t kEnoughForGaps = 64;
-/// Values this far away tell how many of its neighbours a value has.
-constexpr std::int64_t kNeighbourhood = 4;
+/// Values this far away tell how many of its neighbors a value has.
+constexpr std::int64_t kNeighborhood = 4;
 /// A brick with more values of its own does without gaps.
 constexpr std::size_t kMaxExtras = 16;
 
@@ -73,14 +73,14 @@ std::vector<std::int64_t> count_codes(std::span<const TrainingBrick> bricks, con
   return counts;
 }
 
-/// Bits per voxel that gaps save: a voxel is one of fewer where its neighbours do not occur.
+/// Bits per voxel that gaps save: a voxel is one of fewer where its neighbors do not occur.
 double foreseen_saving(const std::vector<std::int64_t>& counts) {
   const auto last = static_cast<std::int64_t>(counts.size()) - 1;
   double bits = 0;
   double voxels = 0;
   for (std::int64_t code = 0; code <= last; ++code) {
-    const std::int64_t from = std::max<std::int64_t>(code - kNeighbourhood, 0);
-    const std::int64_t to = std::min(code + kNeighbourhood, last);
+    const std::int64_t from = std::max<std::int64_t>(code - kNeighborhood, 0);
+    const std::int64_t to = std::min(code + kNeighborhood, last);
     std::int64_t used = 0;
     for (std::int64_t near = from; near <= to; ++near) {
       used += counts[static_cast<std::size_t>(near)] > 0;

@@ -10,9 +10,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "octavo/codec/brick_codec.h"
 #include "octavo/codec/label/label_net.h"
 #include "octavo/codec/label/label_start_weights.h"
+#include "octavo/core/bytes.h"
+#include "octavo/core/voxel_type.h"
 
 namespace octavo {
 

@@ -84,7 +84,7 @@ class Trainer {
     touched_.clear();
   }
 
-  LabelWeights quantised(int step) const {
+  LabelWeights quantized(int step) const {
     LabelWeights result{};
     for (std::size_t i = 0; i <= kRows; ++i) {
       for (std::size_t j = 0; j < kLanes; ++j) {
@@ -176,7 +176,7 @@ LabelWeights trained(const LabelWeights& start, std::span<const Sample> samples,
     const float done = static_cast<float>(batch) / static_cast<float>(steps);
     trainer->step(training.rate * (1 - done) + kLastRate);
   }
-  return trainer->quantised(training.step);
+  return trainer->quantized(training.step);
 }
 
 }  // namespace octavo

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "octavo/codec/brick_codec.h"
+#include "octavo/core/bytes.h"
 #include "octavo/file/layout.h"
 #include "octavo/file/storage/storage.h"
 

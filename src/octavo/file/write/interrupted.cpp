@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "octavo/core/crc32c.h"
-#include "octavo/core/exact_text.h"
+#include "octavo/core/text.h"
 #include "octavo/file/storage/temporary.h"
 
 namespace octavo {

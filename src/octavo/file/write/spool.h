@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "octavo/codec/brick_codec.h"
+#include "octavo/core/bytes.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/file/write/journal.h"
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "octavo/codec/brick_codec.h"
 #include "octavo/file/index.h"
 #include "octavo/file/write/interrupted.h"
 

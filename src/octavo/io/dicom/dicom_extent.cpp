@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "octavo/core/error.h"
+#include "octavo/core/text.h"
 #include "octavo/io/source/described_source.h"
 #include "octavo/io/source/source_file.h"
 

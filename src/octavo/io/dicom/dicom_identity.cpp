@@ -89,7 +89,7 @@ std::int64_t labels_of(const DicomLayout& layout) {
                        [](const DicomSegment& segment) { return !segment.label.empty(); });
 }
 
-/// "1 liver", "2 tumour": the labels could be kept with the numbers that they name.
+/// "1 liver", "2 tumor": the labels could be kept with the numbers that they name.
 void note_segments(const DicomLayout& layout, bool is_latin, SourceIdentity& identity) {
   for (const DicomSegment& segment : layout.segments) {
     if (segment.label.empty()) continue;

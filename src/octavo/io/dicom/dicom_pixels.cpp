@@ -147,7 +147,7 @@ void read_native_bits(const DicomSlice& slice, std::int64_t frame, std::span<std
   }
 }
 
-/// One sample of each pixel of a colour picture that starts at `at` in the pixel data.
+/// One sample of each pixel of a color picture that starts at `at` in the pixel data.
 void read_native_sample(const DicomSlice& slice, std::uint64_t at, std::span<std::byte> plane) {
   const DicomLayout& layout = *slice.layout;
   if (layout.is_planar) {
@@ -247,7 +247,7 @@ VoxelType dicom_voxel_type(const DicomLayout& layout) {
   const bool is_rgb = layout.samples == 3 && layout.photometric == "RGB";
   if (!is_grey && (!is_rgb || layout.pixels.is_encapsulated)) {
     reject(layout, std::string("a ") + (layout.pixels.is_encapsulated ? "compressed " : "") +
-                       "colour picture (" + escaped(layout.photometric) + ", " +
+                       "color picture (" + escaped(layout.photometric) + ", " +
                        std::to_string(layout.samples) + " samples per pixel) is not read; grey "
                        "and uncompressed RGB (of which --channel takes one) are. Convert it first, "
                        "as gdcmconv --raw does");

@@ -11,7 +11,7 @@ namespace octavo {
 
 /// The voxel type of a layout: 8, 16 or 32 bits allocated, signed or not; uint8 for the 1-bit
 /// voxels of a segmentation.
-/// Throws Error{source_rejected} naming what cannot be read: colour, palettes, 1 bit, float,
+/// Throws Error{source_rejected} naming what cannot be read: color, palettes, 1 bit, float,
 /// segmentations of other kinds.
 VoxelType dicom_voxel_type(const DicomLayout& layout);
 

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "octavo/core/error.h"
+#include "octavo/core/text.h"
 #include "octavo/io/source/described_source.h"
 
 namespace octavo {
@@ -84,7 +85,7 @@ SlicePlaces sort_along_normal(std::vector<DicomSlice>& slices) {
     if (!(std::sqrt(dot(way, way)) < kFarthestMm)) {
       throw Error(ErrorKind::source_rejected,
                   slices.front().name() + " and " + slice.name() +
-                      " lie more than 10 km apart: their positions are no millimetres",
+                      " lie more than 10 km apart: their positions are no millimeters",
                   slice.layout->path);
     }
     places.height_mm.push_back(dot(way, places.axes.normal));

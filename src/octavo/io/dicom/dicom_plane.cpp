@@ -52,7 +52,7 @@ std::vector<Tap> taps_of(std::int64_t canvas, std::int64_t count, double shift) 
   std::vector<Tap> taps(static_cast<std::size_t>(canvas));
   std::int64_t low = -static_cast<std::int64_t>(up);
   for (Tap& tap : taps) {
-    // A voxel reaches half its side beyond its centre.
+    // A voxel reaches half its side beyond its center.
     const double place = static_cast<double>(low) + weight;
     tap.is_inside = place >= -0.5 && place <= static_cast<double>(count) - 0.5;
     tap.low = std::clamp<std::int64_t>(low, 0, count - 1);

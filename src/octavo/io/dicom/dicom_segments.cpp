@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kMaxListedSegments = 8;
 constexpr std::int64_t kMaxLabel = 255;
 
-/// "1 liver, 2 tumour".
+/// "1 liver, 2 tumor".
 std::string list_of(const DicomLayout& layout) {
   std::string list;
   const std::vector<DicomSegment>& segments = layout.segments;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "octavo/io/dicom/dicom_slice.h"
-#include "octavo/io/open_source.h"
+#include "octavo/io/source_options.h"
 
 namespace octavo {
 

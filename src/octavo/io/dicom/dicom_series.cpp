@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/core/text.h"
 #include "octavo/io/dicom/dicom_pixels.h"
 #include "octavo/io/source/described_source.h"
 

@@ -75,12 +75,12 @@ struct DicomLayout {
 struct DicomSlice {
   std::shared_ptr<const DicomLayout> layout;
   std::int64_t frame = 0;
-  std::optional<Point3> position_mm;                  ///< of the centre of its first voxel, LPS
+  std::optional<Point3> position_mm;                  ///< of the center of its first voxel, LPS
   std::optional<std::array<double, 6>> orientation;   ///< direction of rows, then of columns
   std::optional<std::array<double, 2>> pixel_mm;      ///< along x (columns), y (rows)
   DicomValues values;                                 ///< what its stored values stand for
   std::optional<double> instance_number;
-  std::int64_t channel = 0;  ///< of a colour picture: the sample that is taken
+  std::int64_t channel = 0;  ///< of a color picture: the sample that is taken
   std::int64_t segment = 0;  ///< of a SEG: the number of the segment that the frame belongs to
   std::vector<LabelFrame> label_frames;  ///< of a SEG of several segments: all at this place
 

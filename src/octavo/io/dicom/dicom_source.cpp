@@ -145,7 +145,7 @@ std::unique_ptr<PlaneSource> open_dicom_source(const std::vector<std::string>& f
   slices = choose_series(std::move(slices), options.series, source);
   Components components;
   components.channels = slices.front().layout->samples;
-  components.channel_names = colour_names(components.channels);
+  components.channel_names = color_names(components.channels);
   check_slices(slices, warnings);
   if (options.on_gap == GapPolicy::ignore) {
     throw Error(ErrorKind::invalid_argument,

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "octavo/core/error.h"
+#include "octavo/core/text.h"
 #include "octavo/io/source/described_source.h"
 
 namespace octavo {
@@ -67,7 +68,7 @@ void require_even(const DicomStack& stack, const SlicePlaces& places,
     const bool can_fill = missing && is_fillable(stack, *missing);
     const char* fill = stack.leaves_out_empty
                            ? "--on-gap fill to have planes without a frame left empty"
-                           : "--on-gap fill to have missing planes made from their neighbours";
+                           : "--on-gap fill to have missing planes made from their neighbors";
     faults += (faults.empty() ? "" : "; also ") + uneven;
     remedy += remedy.empty() ? "" : " and ";
     remedy += can_fill ? fill : "--on-gap resample to have even planes made from them";
@@ -139,7 +140,7 @@ void tell_of_gaps(DicomStack& stack, double step_mm) {
   std::string text;
   if (stack.gaps.policy == GapPolicy::fill) {
     text = count_text(made, "missing plane") +
-           (stack.leaves_out_empty ? " left empty" : " interpolated between the neighbours") +
+           (stack.leaves_out_empty ? " left empty" : " interpolated between the neighbors") +
            "; " + count_text(kept, "plane") + " as in the slices";
   } else {
     text = "uneven slices resampled to a step of " + mm_text(step_mm) + ": " +
@@ -250,7 +251,7 @@ void plan_planes(DicomStack& stack, const SlicePlaces& places, const SourceOptio
   if (find_uneven_step(stack.slices, places).empty()) {
     step = take_slices(stack, places);
   } else {
-    // What a segmentation leaves out is empty, not something between its neighbours.
+    // What a segmentation leaves out is empty, not something between its neighbors.
     const bool fills = options.on_gap == GapPolicy::fill ||
                        (stack.leaves_out_empty && grid_step_mm(places).has_value());
     stack.gaps.policy = fills ? GapPolicy::fill : GapPolicy::resample;

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "octavo/io/dicom/dicom_places.h"
-#include "octavo/io/open_source.h"
+#include "octavo/io/source_options.h"
 
 namespace octavo {
 

@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "octavo/core/exact_text.h"
+#include "octavo/core/text.h"
 #include "octavo/io/export/export_target.h"
 
 namespace octavo {

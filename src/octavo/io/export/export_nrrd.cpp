@@ -1,4 +1,4 @@
-#include "octavo/core/exact_text.h"
+#include "octavo/core/text.h"
 #include "octavo/io/export/export_target.h"
 
 namespace octavo {

@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "octavo/core/error.h"
-#include "octavo/core/exact_text.h"
+#include "octavo/core/text.h"
 
 namespace octavo {
 
@@ -219,7 +219,7 @@ std::string tiff_description(const ExportPlan& plan, std::int64_t page_count) {
   std::ostringstream text;
   text << "ImageJ=1.53t\n";
   if (page_count > 1) text << "images=" << page_count << "\nslices=" << page_count << "\n";
-  // The resolution tags count pixels per centimetre; ImageJ reads one unit for all axes.
+  // The resolution tags count pixels per centimeter; ImageJ reads one unit for all axes.
   if (plan.spacing_known) {
     text << "unit=cm\nspacing=" << exact_text(plan.geometry.spacing_mm[2] / 10) << "\n";
   }

@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "octavo/core/text.h"
 #include "octavo/io/source/alternating_values.h"
 #include "octavo/io/source/byte_order.h"
 #include "octavo/io/source/source_file.h"
@@ -142,7 +143,7 @@ struct PngShape {
 PngShape shape_of(const PngFile& file, const std::string& path) {
   if (file.has_palette()) {
     throw Error(ErrorKind::source_rejected,
-                "a colour picture with a palette is not read; convert it to grey or RGB first",
+                "a color picture with a palette is not read; convert it to grey or RGB first",
                 path);
   }
   return {file.width(), file.height(),
@@ -260,7 +261,7 @@ std::unique_ptr<PlaneSource> open_png_source(const std::vector<std::string>& fil
   settle_number_gaps(files, options, facts);
   facts.components.channels = first.channels;
   facts.components.channel_names = first.channels == 2 ? std::vector<std::string>{"grey", "alpha"}
-                                                       : colour_names(first.channels);
+                                                       : color_names(first.channels);
   for (const std::string& path : files) note_chunks(path, facts.identity);
   settle(facts, options, files.front());
   return std::make_unique<PngSource>(std::move(facts), std::move(stack));

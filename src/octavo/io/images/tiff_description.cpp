@@ -58,7 +58,7 @@ void read_calibration(Fields& fields, TiffDescription& result) {
   }
 }
 
-/// Millimetres of the unit along one axis. ImageJ writes that of y or z only where it is not that
+/// Millimeters of the unit along one axis. ImageJ writes that of y or z only where it is not that
 /// of x.
 std::optional<double> axis_unit(Fields& fields, const std::string& name, TiffDescription& result) {
   const std::string unit = fields[name].empty() ? fields["unit"] : fields[name];

@@ -21,11 +21,11 @@ struct TiffPage {
   std::int64_t width = 0;
   std::int64_t height = 0;
   VoxelType type = VoxelType::uint8;
-  std::int64_t samples = 1;       ///< of each pixel: colours or channels
+  std::int64_t samples = 1;       ///< of each pixel: colors or channels
   bool is_separate = false;       ///< samples stand in planes of their own, else they alternate
   bool is_rgb = false;            ///< the first three samples are red, green and blue
   bool is_min_white = false;      ///< smaller values are brighter
-  bool has_palette = false;       ///< values are numbers of colours
+  bool has_palette = false;       ///< values are numbers of colors
   bool is_reduced = false;        ///< a thumbnail of another page
   bool is_lossy = false;          ///< the compression changes values (JPEG)
   bool is_contiguous = false;     ///< uncompressed, one run of bytes
@@ -42,7 +42,7 @@ class TiffFile {
   TiffFile(const TiffFile&) = delete;
   TiffFile& operator=(const TiffFile&) = delete;
 
-  /// The page the file stands at. Throws Error{source_rejected} on colour that is not RGB or a type
+  /// The page the file stands at. Throws Error{source_rejected} on color that is not RGB or a type
   /// that is no voxel type.
   TiffPage page();
   /// Goes to the next page; false behind the last one. Throws Error{source_rejected} on a damaged
@@ -61,7 +61,7 @@ class TiffFile {
   /// Pixels per unit along x and y of the current page; 0 when the tag is absent.
   double x_resolution();
   double y_resolution();
-  /// Millimetres of the unit that the resolution counts in; 0 where there is none.
+  /// Millimeters of the unit that the resolution counts in; 0 where there is none.
   double resolution_unit_mm();
   bool is_big_endian();
 

@@ -16,7 +16,7 @@ struct PageCounts {
   std::int64_t times = 1;
 };
 
-/// How many pages lie between neighbours of each kind.
+/// How many pages lie between neighbors of each kind.
 struct PageSteps {
   std::int64_t channel = 1;
   std::int64_t slice = 1;

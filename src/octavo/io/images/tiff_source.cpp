@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "octavo/core/checked.h"
-#include "octavo/core/exact_text.h"
+#include "octavo/core/text.h"
 #include "octavo/io/images/ome_description.h"
 #include "octavo/io/images/tiff_description.h"
 #include "octavo/io/images/tiff_page.h"
@@ -236,7 +236,7 @@ Components components_of(const TiffStack& stack, const PageCounts& counts) {
   Components components;
   components.times = counts.times;
   components.channels = std::max(counts.channels, first.samples);
-  if (first.is_rgb) components.channel_names = colour_names(first.samples);
+  if (first.is_rgb) components.channel_names = color_names(first.samples);
   return components;
 }
 
@@ -349,7 +349,7 @@ void add_warnings(const TiffStack& stack, SourceFacts& facts) {
                              " of the others do not; it is taken for all");
   }
   if (first.has_palette) {
-    facts.warnings.push_back("the colour table was left out; voxels are the stored numbers");
+    facts.warnings.push_back("the color table was left out; voxels are the stored numbers");
   }
   if (first.is_min_white)
     facts.warnings.push_back("white is 0 in these files; values kept as stored");
@@ -429,7 +429,7 @@ std::unique_ptr<PlaneSource> open_tiff_source(const std::vector<std::string>& fi
   const TiffPage& first = stack.planes.front().page;
   if (first.has_palette && !stack.description.is_imagej) {
     throw Error(ErrorKind::source_rejected,
-                "a colour picture with a palette: grey is read; convert it to grey first",
+                "a color picture with a palette: grey is read; convert it to grey first",
                 files.front());
   }
   SourceFacts facts = describe(stack);

@@ -14,7 +14,7 @@ namespace octavo {
 /// before the first plane is delivered; no page is held.
 /// Throws Error{source_rejected} naming the odd page with both sizes or types, channels, time
 /// points,
-///        colour, or damaged data; Error{io}
+///        color, or damaged data; Error{io}
 std::unique_ptr<PlaneSource> open_tiff_source(const std::vector<std::string>& files,
                                               const SourceOptions& options);
 

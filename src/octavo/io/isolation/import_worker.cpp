@@ -19,10 +19,10 @@
 #include <thread>
 #include <utility>
 
-#include "octavo/io/isolation/reader_notes.h"
 #include "octavo/io/isolation/worker_protocol.h"
 #include "octavo/io/source/described_source.h"
 #include "octavo/io/source/prefetch_source.h"
+#include "octavo/io/source/reader_notes.h"
 
 namespace octavo {
 

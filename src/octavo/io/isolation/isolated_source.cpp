@@ -13,6 +13,7 @@
 
 #include "octavo/core/crc32c.h"
 #include "octavo/core/error.h"
+#include "octavo/core/text.h"
 #include "octavo/io/isolation/worker_process.h"
 #include "octavo/io/isolation/worker_protocol.h"
 #include "octavo/io/source/described_source.h"

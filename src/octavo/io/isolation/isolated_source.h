@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "octavo/io/open_source.h"
+#include "octavo/io/source_options.h"
 #include "octavo/planes/plane_source.h"
 
 namespace octavo {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "octavo/io/isolation/reader_notes.h"
+#include "octavo/io/source/reader_notes.h"
 
 namespace octavo {
 

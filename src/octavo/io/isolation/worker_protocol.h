@@ -17,7 +17,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/volume.h"
-#include "octavo/io/open_source.h"
+#include "octavo/io/source_options.h"
 
 namespace octavo {
 

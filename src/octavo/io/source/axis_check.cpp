@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "octavo/core/error.h"
+#include "octavo/core/text.h"
 #include "octavo/io/source/described_source.h"
 
 namespace octavo {

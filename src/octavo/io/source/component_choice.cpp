@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "octavo/core/error.h"
-#include "octavo/io/open_source.h"
 #include "octavo/io/source/source_file.h"
+#include "octavo/io/source_options.h"
 
 namespace octavo {
 
@@ -80,7 +80,7 @@ std::int64_t parse_channel(const Components& components, const std::string& text
 
 }  // namespace
 
-std::vector<std::string> colour_names(std::int64_t channels) {
+std::vector<std::string> color_names(std::int64_t channels) {
   if (channels == 3) return {"red", "green", "blue"};
   if (channels == 4) return {"red", "green", "blue", "alpha"};
   return {};

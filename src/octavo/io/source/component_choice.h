@@ -24,8 +24,8 @@ struct ComponentChoice {
   bool operator==(const ComponentChoice&) const = default;
 };
 
-/// "red", "green", "blue" and "alpha" for 3 or 4 channels of colour; nothing for other counts.
-std::vector<std::string> colour_names(std::int64_t channels);
+/// "red", "green", "blue" and "alpha" for 3 or 4 channels of color; nothing for other counts.
+std::vector<std::string> color_names(std::int64_t channels);
 
 /// What options.channel (a number from 0 or a name) and options.time say.
 /// Throws Error{source_rejected} with the counts where there are several and none is chosen;

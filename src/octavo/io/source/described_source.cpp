@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
 
 #include "octavo/core/checked.h"
 #include "octavo/core/levels.h"
+#include "octavo/core/text.h"
 #include "octavo/io/source/source_file.h"
 #include "octavo/io/source/stack_names.h"
 
@@ -24,7 +24,7 @@ std::string settle_spacing(SourceFacts& facts, const SourceOptions& options) {
     for (const double mm : *options.spacing_mm) {
       if (std::isfinite(mm) && mm > 0) continue;
       throw Error(ErrorKind::invalid_argument,
-                  "a spacing must be a positive number of millimetres");
+                  "a spacing must be a positive number of millimeters");
     }
     spacing = *options.spacing_mm;
     return "user";
@@ -122,11 +122,11 @@ void settle_number_gaps(const std::vector<std::string>& files, const SourceOptio
   if (options.on_gap != GapPolicy::ignore) {
     throw Error(ErrorKind::source_rejected,
                 found + (gaps.front().is_counted ? "; complete the stack" : kNameOneStack) +
-                    ", or give --on-gap ignore to take the files as neighbours",
+                    ", or give --on-gap ignore to take the files as neighbors",
                 files[gaps.front().before + 1]);
   }
   facts.ignored_number_gaps = gaps.size();
-  facts.warnings.push_back(found + "; taken as neighbours");
+  facts.warnings.push_back(found + "; taken as neighbors");
 }
 
 void check_memory(std::uint64_t needed, const SourceOptions& options, const std::string& path) {
@@ -138,30 +138,11 @@ void check_memory(std::uint64_t needed, const SourceOptions& options, const std:
               path);
 }
 
-std::uint64_t plane_bytes(const VolumeDescription& description) {
-  return static_cast<std::uint64_t>(description.size.x * description.size.y *
-                                    bytes_per_voxel(description.type));
-}
-
-std::string size_text(std::int64_t x, std::int64_t y) {
-  return std::to_string(x) + " x " + std::to_string(y);
-}
-
-std::string size_text(const Size3& size) {
-  return size_text(size.x, size.y) + " x " + std::to_string(size.z);
-}
-
 bool is_spacing_known(const std::string& metadata_json) {
   const auto metadata = json::parse(metadata_json, nullptr, false);
   if (!metadata.is_object()) return true;
   const auto found = metadata.find("spacing_known");
   return found == metadata.end() || !found->is_boolean() || found->get<bool>();
-}
-
-std::string number_text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.7g", value);
-  return text;
 }
 
 DescribedSource::DescribedSource(SourceFacts facts) : facts_(std::move(facts)) {}

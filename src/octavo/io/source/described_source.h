@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "octavo/io/open_source.h"
 #include "octavo/io/source/component_choice.h"
 #include "octavo/io/source/source_identity.h"
+#include "octavo/io/source_options.h"
 #include "octavo/planes/plane_source.h"
 
 namespace octavo {
@@ -41,7 +41,7 @@ void settle(SourceFacts& facts, const SourceOptions& options, const std::string&
 
 /// Refuses a stack of files whose numbers skip, as a plane is probably missing, and one in which no
 /// number counts, as its order is not known. With GapPolicy::ignore the files are taken as
-/// neighbours, with a warning and a note in the metadata.
+/// neighbors, with a warning and a note in the metadata.
 /// files   in plane order
 /// Throws  Error{source_rejected} naming the two files of the first such place
 void settle_number_gaps(const std::vector<std::string>& files, const SourceOptions& options,
@@ -50,18 +50,8 @@ void settle_number_gaps(const std::vector<std::string>& files, const SourceOptio
 /// Throws Error{limit_exceeded} when `needed` bytes exceed options.max_memory_bytes (0: no limit).
 void check_memory(std::uint64_t needed, const SourceOptions& options, const std::string& path);
 
-/// Bytes of one plane. Requires a settled description.
-std::uint64_t plane_bytes(const VolumeDescription& description);
-
-/// A stored 64-bit size that came from a file, for messages: "512 x 512".
-std::string size_text(std::int64_t x, std::int64_t y);
-std::string size_text(const Size3& size);
-
 /// False when a volume's metadata say that its source has no spacing.
 bool is_spacing_known(const std::string& metadata_json);
-
-/// A number as people write it: up to 7 significant digits.
-std::string number_text(double value);
 
 /// The base of the sources in this folder. Requires settled facts.
 class DescribedSource : public PlaneSource {

@@ -6,7 +6,7 @@
 
 namespace octavo {
 
-/// Millimetres in a unit ("um", "micron", "cm", "inch", ...; upper case counts as lower case);
+/// Millimeters in a unit ("um", "micron", "cm", "inch", ...; upper case counts as lower case);
 /// nothing for pixels and for what is no unit of length.
 std::optional<double> unit_in_mm(std::string_view unit);
 

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "octavo/core/error.h"
-#include "octavo/io/isolation/reader_notes.h"
 #include "octavo/io/source/described_source.h"
+#include "octavo/io/source/reader_notes.h"
 
 namespace octavo {
 

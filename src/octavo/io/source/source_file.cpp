@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "octavo/core/error.h"
-#include "octavo/io/isolation/reader_notes.h"
 #include "octavo/io/source/natural_order.h"
+#include "octavo/io/source/reader_notes.h"
 
 namespace octavo {
 

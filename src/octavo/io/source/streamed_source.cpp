@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "octavo/core/checked.h"
+#include "octavo/core/text.h"
 #include "octavo/io/source/alternating_values.h"
 #include "octavo/io/source/byte_order.h"
 #include "octavo/io/source/source_file.h"

@@ -55,7 +55,7 @@ SourceFacts describe(const itk::ImageIOBase& io, const std::string& path) {
   }
   if (io.GetNumberOfComponents() != 1 || io.GetPixelType() != itk::IOPixelEnum::SCALAR) {
     reject(path, std::to_string(io.GetNumberOfComponents()) +
-                     " values per voxel (colour or vectors): one is read; take out one first");
+                     " values per voxel (color or vectors): one is read; take out one first");
   }
   const std::optional<VoxelType> type = voxel_type_of(io.GetComponentType());
   if (!type) {
@@ -141,8 +141,8 @@ std::unique_ptr<PlaneSource> open_vtk(const std::string& path, const SourceOptio
   facts.description.geometry.origin_mm = header.origin_mm;
   facts.spacing_known = header.spacing_mm.has_value();
   if (header.spacing_mm) facts.description.geometry.spacing_mm = *header.spacing_mm;
-  if (header.has_colour_table) {
-    facts.warnings.push_back("the colour table was left out; voxels are the stored numbers");
+  if (header.has_color_table) {
+    facts.warnings.push_back("the color table was left out; voxels are the stored numbers");
   }
   facts.identity.note("title", header.title);
   settle(facts, options, path);
@@ -160,7 +160,7 @@ std::unique_ptr<PlaneSource> open_gipl(const std::string& path, const SourceOpti
   try {
     io->SetFileName(path);
     if (!io->CanReadFile(path.c_str()))
-      reject(path, "ITK does not recognise it: damaged, or another format");
+      reject(path, "ITK does not recognize it: damaged, or another format");
     io->ReadImageInformation();
     SourceFacts facts = describe(*io, path);
     note_text(path, facts.identity);

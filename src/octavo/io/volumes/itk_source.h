@@ -13,7 +13,7 @@ bool is_itk_name(const std::string& path);
 
 /// Loads the volume and delivers its planes; resident_bytes() is the volume.
 /// Throws Error{limit_exceeded} before loading when it exceeds options.max_memory_bytes;
-///        Error{source_rejected} for vectors, colour, 4 dimensions, 64-bit voxels, files too short
+///        Error{source_rejected} for vectors, color, 4 dimensions, 64-bit voxels, files too short
 ///        for their header, VTK files of several arrays or of values of cells; Error{io}
 std::unique_ptr<PlaneSource> open_itk_source(const std::string& path, const SourceOptions& options);
 

@@ -10,6 +10,7 @@
 
 #include "octavo/core/checked.h"
 #include "octavo/core/levels.h"
+#include "octavo/core/text.h"
 #include "octavo/io/source/axis_check.h"
 #include "octavo/io/source/header_text.h"
 #include "octavo/io/source/length_unit.h"
@@ -144,7 +145,7 @@ Components components_of(const MetaHeader& header) {
   return components;
 }
 
-/// Millimetres in the unit of lengths; 1 where the header names none.
+/// Millimeters in the unit of lengths; 1 where the header names none.
 double unit_of(const MetaHeader& header, const SourceOptions& options) {
   const std::string unit = header.text("DistanceUnits");
   if (unit.empty() || unit == "?") return 1;

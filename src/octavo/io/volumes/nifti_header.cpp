@@ -8,6 +8,7 @@
 #include <span>
 
 #include "octavo/core/error.h"
+#include "octavo/core/text.h"
 #include "octavo/io/source/axis_check.h"
 #include "octavo/io/source/byte_order.h"
 #include "octavo/io/source/described_source.h"
@@ -24,9 +25,9 @@ constexpr std::uint64_t kExtenderBytes = 4;  // behind the header: whether exten
 constexpr double kFormTolerance = 1e-3;
 constexpr double kFormDegrees = 0.1;
 constexpr double kQuaternionExcess = 1e-5;  // what rounding may add to the square of a unit one
-constexpr int kMetre = 1;
-constexpr int kMillimetre = 2;
-constexpr int kMicrometre = 3;
+constexpr int kMeter = 1;
+constexpr int kMillimeter = 2;
+constexpr int kMicrometer = 3;
 
 /// Reads values at fixed offsets.
 class FieldReader {
@@ -196,9 +197,9 @@ Affine sform_affine(const NiftiHeader& h, double unit_mm) {
   return m;
 }
 
-/// The factor to millimetres; an unknown unit counts as one.
+/// The factor to millimeters; an unknown unit counts as one.
 double form_unit_in_mm(int spatial_unit) {
-  return spatial_unit == kMetre ? 1000.0 : spatial_unit == kMicrometre ? 0.001 : 1.0;
+  return spatial_unit == kMeter ? 1000.0 : spatial_unit == kMicrometer ? 0.001 : 1.0;
 }
 
 /// The largest angle between axes of the same number, in degrees.
@@ -322,17 +323,17 @@ NiftiHeader read_nifti_header(const std::string& path) {
 std::string nifti_type_name(std::int64_t datatype) {
   static const std::map<std::int64_t, std::string> kNames = {
       {1, "1 bit"},           {32, "complex 64 bit"},    {64, "float 64 bit"},
-      {128, "RGB colour"},    {1024, "int 64 bit"},      {1280, "unsigned int 64 bit"},
+      {128, "RGB color"},    {1024, "int 64 bit"},      {1280, "unsigned int 64 bit"},
       {1536, "float 128 bit"}, {1792, "complex 128 bit"}, {2048, "complex 256 bit"},
-      {2304, "RGBA colour"}};
+      {2304, "RGBA color"}};
   const auto found = kNames.find(datatype);
   return found == kNames.end() ? "type code " + std::to_string(datatype) : found->second;
 }
 
 bool nifti_geometry(const NiftiHeader& h, const std::string& path, Geometry& geometry,
                     std::vector<std::string>& notes) {
-  if (h.spatial_unit != kMetre && h.spatial_unit != kMillimetre && h.spatial_unit != kMicrometre) {
-    notes.push_back("the header does not name the unit of its lengths, millimetres are assumed; "
+  if (h.spatial_unit != kMeter && h.spatial_unit != kMillimeter && h.spatial_unit != kMicrometer) {
+    notes.push_back("the header does not name the unit of its lengths, millimeters are assumed; "
                     "--spacing sets another spacing");
   }
   const double unit_mm = form_unit_in_mm(h.spatial_unit);

@@ -23,7 +23,7 @@ struct NiftiHeader {
   std::int64_t voxel_offset = 0;
   double slope = 0;
   double intercept = 0;
-  int spatial_unit = 0;                 ///< 1 metre, 2 mm, 3 micrometre, 0 unknown
+  int spatial_unit = 0;                 ///< 1 metre, 2 mm, 3 micrometer, 0 unknown
   std::int64_t intent = 0;
   std::int64_t qform_code = 0;
   std::int64_t sform_code = 0;
@@ -40,7 +40,7 @@ NiftiHeader read_nifti_header(const std::string& path);
 /// "RGB 24 bit", "complex 64 bit", ...: the type's name for messages.
 std::string nifti_type_name(std::int64_t datatype);
 
-/// Geometry from sform or qform in LPS and millimetres; false when the header carries no spacing.
+/// Geometry from sform or qform in LPS and millimeters; false when the header carries no spacing.
 /// Adds a sentence to `notes` when sform and qform disagree beyond a thousandth or 0.01 mm, with
 /// both values; when neither is set; and when the unit of lengths is not named.
 /// A length that pixdim lacks is 1 mm along an axis that is not counted, otherwise 0.

@@ -61,23 +61,23 @@ std::int64_t length_of(const NiftiHeader& header, std::size_t axis) {
   return static_cast<std::int64_t>(axis) <= header.dim[0] ? header.dim[axis] : 1;
 }
 
-/// Axis 4 is time, axis 5 counts the values of a voxel, as does a colour.
+/// Axis 4 is time, axis 5 counts the values of a voxel, as does a color.
 Components components_of(const NiftiHeader& header, const std::string& path) {
   Components components;
   components.times = length_of(header, 4);
   components.channels = length_of(header, 5);
-  const std::int64_t colours = header.datatype == kRgb ? 3 : header.datatype == kRgba ? 4 : 1;
-  if (colours == 1) return components;
+  const std::int64_t colors = header.datatype == kRgb ? 3 : header.datatype == kRgba ? 4 : 1;
+  if (colors == 1) return components;
   if (components.channels > 1) {
     reject(path, std::to_string(components.channels) + " channels of " +
                      nifti_type_name(header.datatype) + " are not read; take out one first");
   }
-  components.channels = colours;
-  components.channel_names = colour_names(colours);
+  components.channels = colors;
+  components.channel_names = color_names(colors);
   return components;
 }
 
-/// Colours alternate; volumes of other channels and times stand behind one another.
+/// Colors alternate; volumes of other channels and times stand behind one another.
 void take_component(const NiftiHeader& header, const SourceFacts& facts, VoxelRun& run) {
   const VolumeDescription& volume = facts.description;
   const std::uint64_t bytes = checked_mul(

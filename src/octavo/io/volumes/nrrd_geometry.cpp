@@ -78,7 +78,7 @@ std::vector<std::string> quoted_words(std::string_view text) {
   }
 }
 
-/// Millimetres in each unit of a field, of which `count` are expected; 1 where none is named.
+/// Millimeters in each unit of a field, of which `count` are expected; 1 where none is named.
 std::vector<double> units_in_mm(const NrrdHeader& header, const std::string& field,
                                 std::size_t count, const SourceOptions& options) {
   std::vector<double> factors(count, 1.0);
@@ -151,9 +151,9 @@ std::vector<std::string> centers_of(const NrrdHeader& header, std::size_t axis_c
 }
 
 /// "axis mins" says where each axis starts, "nan" where it does not: at the border of the first
-/// voxel where voxels are cells, at its centre where they are nodes. Without "centers" they are
+/// voxel where voxels are cells, at its center where they are nodes. Without "centers" they are
 /// cells, as Teem and ITK have it.
-/// units   millimetres in the unit of each axis of the file
+/// units   millimeters in the unit of each axis of the file
 void take_axis_mins(const NrrdHeader& header, const NrrdSpaceAxes& space,
                     const std::vector<double>& units, SourceFacts& facts) {
   if (!header.has("axis mins")) return;

@@ -15,7 +15,7 @@ struct NrrdSpaceAxes {
   std::size_t axis_count = 0;     ///< of all axes of the file
 };
 
-/// Sets the geometry of facts.description in LPS and millimetres, and facts.spacing_known. Where
+/// Sets the geometry of facts.description in LPS and millimeters, and facts.spacing_known. Where
 /// the header does not say where left is, axes and origin stay as in the file: a warning says so
 /// and facts.place_known becomes false.
 /// Throws Error{source_rejected} for a space of another name, for sheared axes, and naming the

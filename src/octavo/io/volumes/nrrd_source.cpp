@@ -123,7 +123,7 @@ std::vector<bool> find_space(const NrrdHeader& header, const std::vector<std::st
 
 std::vector<std::string> names_of_kind(const std::string& kind, std::int64_t channels) {
   return kind.find("rgb") == std::string::npos ? std::vector<std::string>{}
-                                               : colour_names(channels);
+                                               : color_names(channels);
 }
 
 void take_other_axis(const NrrdHeader& header, const std::string& kind, std::size_t axis,

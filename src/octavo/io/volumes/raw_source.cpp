@@ -1,10 +1,10 @@
 #include "octavo/io/volumes/raw_source.h"
 
-#include <charconv>
 #include <utility>
 
 #include "octavo/core/checked.h"
 #include "octavo/core/levels.h"
+#include "octavo/core/text.h"
 #include "octavo/io/source/byte_order.h"
 #include "octavo/io/source/source_file.h"
 #include "octavo/io/source/streamed_source.h"
@@ -39,50 +39,7 @@ void check_length(const std::string& path, std::uint64_t needed, const std::stri
               path);
 }
 
-std::int64_t parse_count(std::string_view text, const std::string& whole) {
-  std::int64_t value = 0;
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failure == std::errc() && end == text.data() + text.size() && value >= 1 &&
-      value <= kMaxAxis) {
-    return value;
-  }
-  throw Error(ErrorKind::invalid_argument,
-              "raw layout \"" + escaped(whole) + "\": \"" + escaped(text) +
-                  "\" is not a size; write nx,ny,nz,type, for example 512,512,300,int16");
-}
-
 }  // namespace
-
-RawLayout parse_raw_layout(const std::string& text) {
-  std::vector<std::string_view> parts;
-  for (std::string_view rest = text;;) {
-    const std::size_t comma = rest.find(',');
-    parts.push_back(rest.substr(0, comma));
-    if (comma == std::string_view::npos) break;
-    rest.remove_prefix(comma + 1);
-  }
-  if (parts.size() != 4) {
-    throw Error(ErrorKind::invalid_argument,
-                "raw layout \"" + escaped(text) + "\": 4 parts expected, " +
-                    std::to_string(parts.size()) + " found; write nx,ny,nz,type");
-  }
-  RawLayout layout;
-  layout.size = {parse_count(parts[0], text), parse_count(parts[1], text),
-                 parse_count(parts[2], text)};
-  std::string_view type = parts[3];
-  if (type.ends_with(":be") || type.ends_with(":le")) {
-    layout.big_endian = type.ends_with(":be");
-    type.remove_suffix(3);
-  }
-  const std::optional<VoxelType> known = parse_voxel_type(type);
-  if (!known) {
-    throw Error(ErrorKind::invalid_argument,
-                "raw layout \"" + escaped(text) + "\": unknown type \"" + escaped(type) +
-                    "\"; int8, uint8, int16, uint16, int32, uint32 or float32");
-  }
-  layout.type = *known;
-  return layout;
-}
 
 std::unique_ptr<PlaneSource> open_raw_source(const std::vector<std::string>& files,
                                              const RawLayout& layout,

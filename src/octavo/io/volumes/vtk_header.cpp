@@ -20,7 +20,7 @@ constexpr std::size_t kMaxLineBytes = 4096;
 constexpr std::size_t kMaxTitleBytes = 256;
 constexpr int kMaxHeaderLines = 64;
 constexpr int kMaxLinesBehind = 1 << 16;
-constexpr std::uint64_t kColourBytes = 4;
+constexpr std::uint64_t kColorBytes = 4;
 
 [[noreturn]] void reject(const std::string& path, const std::string& why) {
   throw Error(ErrorKind::source_rejected, why, path);
@@ -158,12 +158,12 @@ VoxelType read_scalars_line(const Lines& lines, const std::string& path) {
   }
   if (found.size() == 4 && found[3] != "1") {
     reject(path, escaped(found[3]) +
-                     " values per voxel (colour or vectors): one is read; take out one first");
+                     " values per voxel (color or vectors): one is read; take out one first");
   }
   return voxel_type_of(found[2], path);
 }
 
-/// Moves behind the line of the colour table, which some programs leave out.
+/// Moves behind the line of the color table, which some programs leave out.
 std::uint64_t voxel_offset(Lines lines) {
   const std::uint64_t behind_scalars = lines.offset();
   return lines.next_filled() && lines.keyword() == "lookup_table" ? lines.offset()
@@ -197,7 +197,7 @@ Size3 read_size(const Fields& fields, const std::string& path) {
   return {found[0], found[1], found[2]};
 }
 
-/// Goes over what may follow the voxels: blanks, notes up to a blank line, a colour table.
+/// Goes over what may follow the voxels: blanks, notes up to a blank line, a color table.
 void read_behind(Lines lines, const std::string& path, VtkHeader& header) {
   bool is_in_notes = false;
   for (int i = 0; i < kMaxLinesBehind; ++i) {
@@ -215,13 +215,13 @@ void read_behind(Lines lines, const std::string& path, VtkHeader& header) {
                        ", stands what is no part of them; it is damaged, or its header does not "
                        "fit: copy it again from its origin");
     }
-    const std::int64_t colours = FieldText{path, "LOOKUP_TABLE", found[2]}.integer();
-    const auto colour_count = static_cast<std::uint64_t>(std::max<std::int64_t>(colours, 0));
-    if (!lines.skip(checked_mul(colour_count, kColourBytes, "colour table"))) {
-      reject(path, "the file ends early: its colour table is to have " + found[2] +
-                       " colours; copy it again from its origin");
+    const std::int64_t colors = FieldText{path, "LOOKUP_TABLE", found[2]}.integer();
+    const auto color_count = static_cast<std::uint64_t>(std::max<std::int64_t>(colors, 0));
+    if (!lines.skip(checked_mul(color_count, kColorBytes, "color table"))) {
+      reject(path, "the file ends early: its color table is to have " + found[2] +
+                       " colors; copy it again from its origin");
     }
-    header.has_colour_table = true;
+    header.has_color_table = true;
   }
   reject(path, "more than " + std::to_string(kMaxLinesBehind) +
                    " lines of notes stand behind its voxels; save it again without them");

@@ -17,11 +17,11 @@ struct VtkHeader {
   std::optional<Point3> spacing_mm;  ///< of SPACING or ASPECT_RATIO; absent where neither stands
   Point3 origin_mm{};
   std::uint64_t voxel_offset = 0;    ///< values big-endian, x fastest
-  bool has_colour_table = false;     ///< behind the voxels
+  bool has_color_table = false;     ///< behind the voxels
 };
 
 /// The header of a file in which one array stands, all its voxels are there, and nothing follows
-/// them but blanks, notes (METADATA) and a colour table.
+/// them but blanks, notes (METADATA) and a color table.
 /// Throws Error{source_rejected} on text voxels, values of cells, several arrays, several values
 ///        per point, other types or data sets, counts that contradict each other, a cut file;
 ///        Error{limit_exceeded} where the voxels pass 64 bits; Error{io}

@@ -6,7 +6,7 @@ namespace {
 
 std::size_t index(int axis) { return static_cast<std::size_t>(axis); }
 
-Point3 centre_of(const Size3& size) {
+Point3 center_of(const Size3& size) {
   return {static_cast<double>(size.x - 1) / 2, static_cast<double>(size.y - 1) / 2,
           static_cast<double>(size.z - 1) / 2};
 }
@@ -73,17 +73,17 @@ Geometry turned(const Geometry& geometry, const Size3& size, const AxisTurn& tur
 Geometry turned_object(const Geometry& geometry, const Size3& size, const AxisTurn& turn) {
   Point3 spacing{};
   for (std::size_t a = 0; a < 3; ++a) spacing[a] = geometry.spacing_mm[index(turn.from[a])];
-  return recentred(geometry, size, turned(size, turn), spacing);
+  return recentered(geometry, size, turned(size, turn), spacing);
 }
 
-Geometry recentred(const Geometry& geometry, const Size3& old_size, const Size3& size,
+Geometry recentered(const Geometry& geometry, const Size3& old_size, const Size3& size,
                    const Point3& spacing_mm) {
-  const Point3 centre = geometry.to_world(centre_of(old_size));
+  const Point3 center = geometry.to_world(center_of(old_size));
   Geometry result = geometry;
   result.spacing_mm = spacing_mm;
   result.origin_mm = {0, 0, 0};
-  const Point3 half = result.to_world(centre_of(size));
-  for (std::size_t row = 0; row < 3; ++row) result.origin_mm[row] = centre[row] - half[row];
+  const Point3 half = result.to_world(center_of(size));
+  for (std::size_t row = 0; row < 3; ++row) result.origin_mm[row] = center[row] - half[row];
   return result;
 }
 

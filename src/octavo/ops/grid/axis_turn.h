@@ -41,13 +41,13 @@ Index3 source_of(const Index3& voxel, const Size3& size, const AxisTurn& turn);
 /// size  of the source
 Geometry turned(const Geometry& geometry, const Size3& size, const AxisTurn& turn);
 
-/// The geometry with which the object turns about the centre of the grid: the direction stays, the
+/// The geometry with which the object turns about the center of the grid: the direction stays, the
 /// spacing follows the voxels.
 /// size  of the source
 Geometry turned_object(const Geometry& geometry, const Size3& size, const AxisTurn& turn);
 
-/// The geometry of a grid of `size` and `spacing_mm` with the direction and the centre of another.
-Geometry recentred(const Geometry& geometry, const Size3& old_size, const Size3& size,
+/// The geometry of a grid of `size` and `spacing_mm` with the direction and the center of another.
+Geometry recentered(const Geometry& geometry, const Size3& old_size, const Size3& size,
                    const Point3& spacing_mm);
 
 }  // namespace octavo

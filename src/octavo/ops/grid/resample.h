@@ -4,7 +4,7 @@
 // cache of the reader, and for none the whole volume. Tiles over bricks of one value, and those
 // that lie outside the source, are filled without decoding.
 //
-// A source voxel fills the box around its centre: between the last centres and the border of the
+// A source voxel fills the box around its center: between the last centers and the border of the
 // volume the values at the border hold; beyond it is outside.
 #pragma once
 

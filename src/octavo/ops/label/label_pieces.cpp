@@ -267,7 +267,7 @@ void PaletteTable::clear() {
 }
 
 std::uint32_t PaletteTable::number_of(std::span<const std::int64_t> wanted) {
-  // Neighbouring words mostly have the same labels.
+  // Neighboring words mostly have the same labels.
   if (last_ < count() && std::ranges::equal(labels(last_), wanted)) return last_;
   if (2 * starts_.size() > slots_.size()) grow();
   std::uint32_t& slot = slots_[slot_of(wanted)];

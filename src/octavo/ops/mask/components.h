@@ -2,7 +2,7 @@
 //
 // Every stored word falls into parts connected inside it, and so do the full children of every
 // cube; most fall into one. Parts are joined with those of the words and cubes that touch them, and
-// a full child with whatever touches it below its neighbours, so that each pair of touching items
+// a full child with whatever touches it below its neighbors, so that each pair of touching items
 // is looked at once. Work and memory follow the surface of the mask, not its volume.
 //
 // Source  thesis 1.2; union-find with links to the smaller index: Rem's algorithm in Dijkstra, A

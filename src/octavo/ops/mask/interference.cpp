@@ -45,7 +45,7 @@ class Meeting {
   }
 
  private:
-  // The centres of `a` and `b`, cubes of `rank` at `corner`.
+  // The centers of `a` and `b`, cubes of `rank` at `corner`.
   Interference meet(int rank, const Index3& corner, const CubesAround& a,
                     const CubesAround& b) const {
     // Children with voxels that may be in one of the masks alone.
@@ -55,13 +55,13 @@ class Meeting {
       alone_a[i] = (a[i].full | a[i].mixed) & ~b[i].full;
       alone_b[i] = (b[i].full | b[i].mixed) & ~a[i].full;
     }
-    const MaskCube& here_a = a[kCentre];
-    const MaskCube& here_b = b[kCentre];
+    const MaskCube& here_a = a[kCenter];
+    const MaskCube& here_b = b[kCenter];
     const std::uint64_t shared = here_a.full & here_b.full;
     const std::uint64_t both = (here_a.full | here_a.mixed) & (here_b.full | here_b.mixed);
     const std::uint64_t entered = (both & ~shared) |
-                                  (alone_a[kCentre] & touched_from(alone_b, connectivity_)) |
-                                  (alone_b[kCentre] & touched_from(alone_a, connectivity_));
+                                  (alone_a[kCenter] & touched_from(alone_b, connectivity_)) |
+                                  (alone_b[kCenter] & touched_from(alone_a, connectivity_));
     const std::int64_t side = child_side(rank);
     Interference found;
     add_children(shared, corner, side, found.overlap);
@@ -98,14 +98,14 @@ class Meeting {
   }
 
   void meet_words(const Index3& corner, WordsAround a, WordsAround b, Interference& found) const {
-    add_children(a[kCentre] & b[kCentre], corner, 1, found.overlap);
+    add_children(a[kCenter] & b[kCenter], corner, 1, found.overlap);
     for (std::size_t i = 0; i < a.size(); ++i) {
       const std::uint64_t both = a[i] & b[i];
       a[i] &= ~both;
       b[i] &= ~both;
     }
-    const std::uint64_t here_a = a[kCentre];
-    const std::uint64_t here_b = b[kCentre];
+    const std::uint64_t here_a = a[kCenter];
+    const std::uint64_t here_b = b[kCenter];
     add_children(here_a & touched_from(b, connectivity_), corner, 1, found.contact_a);
     add_children(here_b & touched_from(a, connectivity_), corner, 1, found.contact_b);
     if (here_a == 0) return;

@@ -17,7 +17,7 @@ struct MaskPiece {
   MaskCube cube;
 };
 
-/// Neighbouring cubes of one rank in ascending order of codes, with everything below them. Places
+/// Neighboring cubes of one rank in ascending order of codes, with everything below them. Places
 /// in the cubes count from the start of the arrays here.
 struct MaskPart {
   std::vector<MaskPiece> pieces;  ///< empty ones may be left out
@@ -80,7 +80,7 @@ MaskPart fold_cube(const std::uint64_t* words, std::uint64_t code);
 /// they come; a tree with any is not valid until they are cut off.
 MaskTree assemble(const Size3& size, int rank, std::span<const MaskPart> parts);
 
-/// Appends stored cubes of `rank`, neighbours in the array, and all that is below them. Inverted:
+/// Appends stored cubes of `rank`, neighbors in the array, and all that is below them. Inverted:
 /// full and empty change places.
 void append_cubes(const MaskTree& from, int rank, std::uint64_t begin, std::uint64_t end,
                   bool is_inverted, MaskArrays& out);

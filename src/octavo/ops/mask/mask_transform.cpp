@@ -140,7 +140,7 @@ MaskTree turned_universe(const MaskTree& mask, const AxisTurn& turn) {
 
 // ---- shifts
 
-/// Eight neighbouring words, at 4z + 2x + y, of which one is taken that begins inside the first.
+/// Eight neighboring words, at 4z + 2x + y, of which one is taken that begins inside the first.
 using Eight = std::array<std::uint64_t, 8>;
 
 // The 4 slabs from slab `from` (0..4) on of two words that follow each other on an axis.
@@ -174,7 +174,7 @@ std::int64_t floor_of(std::int64_t number, std::int64_t side) {
   return number >= 0 ? number / side : -((side - 1 - number) / side);
 }
 
-/// Eight neighbouring cubes of the source, at 4z + 2x + y, empty ones where there are none.
+/// Eight neighboring cubes of the source, at 4z + 2x + y, empty ones where there are none.
 using Window = std::array<MaskCube, 8>;
 
 /// Makes cubes out of windows of source cubes; what it makes is appended to `out`.
@@ -233,7 +233,7 @@ class Shifter {
     return {full, some};
   }
 
-  // Which of eight neighbours a child that begins at `rest` reaches into.
+  // Which of eight neighbors a child that begins at `rest` reaches into.
   static bool is_needed(int i, const Index3& rest) {
     return ((i & 2) == 0 || rest.x != 0) && ((i & 1) == 0 || rest.y != 0) &&
            ((i & 4) == 0 || rest.z != 0);
@@ -250,7 +250,7 @@ class Shifter {
             first.z + ((bit >> 2 & 1) | (bit >> 4 & 2))};
   }
 
-  // The cube of the window, and the child of it, that hold the i-th neighbour of `at`.
+  // The cube of the window, and the child of it, that hold the i-th neighbor of `at`.
   static std::size_t half(const Index3& at, int i) {
     const Index3 p = beyond(at, i);
     return static_cast<std::size_t>((p.z >> 2) << 2 | (p.x >> 2) << 1 | p.y >> 2);

@@ -13,18 +13,18 @@
 
 namespace octavo {
 
-inline constexpr std::size_t kCentre = 13;
+inline constexpr std::size_t kCenter = 13;
 
 using CubesAround = std::array<MaskCube, 27>;
 using WordsAround = std::array<std::uint64_t, 27>;
 
-/// The step from the centre to a place.
+/// The step from the center to a place.
 constexpr Direction direction_to(std::size_t place) noexcept {
   const auto at = static_cast<int>(place);
   return {at % 3 - 1, at / 3 % 3 - 1, at / 9 - 1};
 }
 
-/// Whether what stands at a place may touch the centre.
+/// Whether what stands at a place may touch the center.
 constexpr bool is_near(std::size_t place, Connectivity connectivity) noexcept {
   const Direction d = direction_to(place);
   const int steps = d.x * d.x + d.y * d.y + d.z * d.z;
@@ -68,11 +68,11 @@ constexpr std::array<std::array<ChildPlace, 27>, 64> kChildPlaces = [] {
 /// The root with nothing around it.
 inline CubesAround around_root(const MaskTree& tree) noexcept {
   CubesAround around{};
-  around[kCentre] = tree.root();
+  around[kCenter] = tree.root();
   return around;
 }
 
-/// The child at `bit` of the centre of `around`, cubes of `rank`, with the cubes of the same size
+/// The child at `bit` of the center of `around`, cubes of `rank`, with the cubes of the same size
 /// that may touch it; the others are left empty. Requires rank > 0.
 inline CubesAround cubes_around_child(const MaskTree& tree, int rank, const CubesAround& around,
                                       int bit, Connectivity connectivity) noexcept {
@@ -90,7 +90,7 @@ inline CubesAround cubes_around_child(const MaskTree& tree, int rank, const Cube
   return made;
 }
 
-/// The word at `bit` of the centre of `around`, cubes of rank 0, with the words that may touch it.
+/// The word at `bit` of the center of `around`, cubes of rank 0, with the words that may touch it.
 inline WordsAround words_around_child(const MaskTree& tree, const CubesAround& around, int bit,
                                       Connectivity connectivity) noexcept {
   WordsAround made{};
@@ -107,24 +107,24 @@ inline WordsAround words_around_child(const MaskTree& tree, const CubesAround& a
   return made;
 }
 
-/// The bits of the centre that are in one of the words or touch one.
+/// The bits of the center that are in one of the words or touch one.
 inline std::uint64_t touched_from(const WordsAround& words, Connectivity connectivity) noexcept {
-  std::uint64_t bits = touched(words[kCentre], connectivity);
+  std::uint64_t bits = touched(words[kCenter], connectivity);
   for (std::size_t from = 0; from < words.size(); ++from) {
-    if (from == kCentre || words[from] == 0 || !is_near(from, connectivity)) continue;
+    if (from == kCenter || words[from] == 0 || !is_near(from, connectivity)) continue;
     bits |= touched_beyond(words[from], direction_to(from).reversed(), connectivity);
   }
   return bits;
 }
 
-/// The bits of the centre whose neighbor one step in `sign` (1 or -1) along an axis is in the
+/// The bits of the center whose neighbor one step in `sign` (1 or -1) along an axis is in the
 /// words.
 inline std::uint64_t beside_along(const WordsAround& words, int axis, int sign) noexcept {
   constexpr std::array<std::size_t, 3> kWeight = {1, 3, 9};
   const std::size_t weight = kWeight[static_cast<std::size_t>(axis)];
-  const std::size_t from = sign > 0 ? kCentre + weight : kCentre - weight;
+  const std::size_t from = sign > 0 ? kCenter + weight : kCenter - weight;
   const std::uint64_t inside =
-      sign > 0 ? step_down(words[kCentre], axis) : step_up(words[kCentre], axis);
+      sign > 0 ? step_down(words[kCenter], axis) : step_up(words[kCenter], axis);
   return inside | touched_beyond(words[from], direction_to(from).reversed(), Connectivity::faces);
 }
 

@@ -16,7 +16,7 @@ constexpr Connectivity kFaces = Connectivity::faces;
 // The rank of cubes that are work for one thread: 64^3 voxels.
 constexpr int kTaskRank = 1;
 
-// The bits of the centre whose six neighbors are all set.
+// The bits of the center whose six neighbors are all set.
 std::uint64_t enclosed(const WordsAround& words) {
   std::uint64_t bits = kFullWord;
   for (int axis = 0; axis < 3; ++axis) {
@@ -25,11 +25,11 @@ std::uint64_t enclosed(const WordsAround& words) {
   return bits;
 }
 
-// The children of the centre that hold surface.
+// The children of the center that hold surface.
 std::uint64_t surface_children(const CubesAround& around) {
   WordsAround full;
   for (std::size_t i = 0; i < full.size(); ++i) full[i] = around[i].full;
-  return around[kCentre].mixed | (full[kCentre] & ~enclosed(full));
+  return around[kCenter].mixed | (full[kCenter] & ~enclosed(full));
 }
 
 struct Task {
@@ -55,7 +55,7 @@ MaskCube surface_of_words(const MaskTree& mask, const CubesAround& around, MaskA
   for (std::uint64_t left = surface_children(around); left != 0; left &= left - 1) {
     const int bit = std::countr_zero(left);
     const WordsAround here = words_around_child(mask, around, bit, kFaces);
-    words.add(bit, here[kCentre] & ~enclosed(here));
+    words.add(bit, here[kCenter] & ~enclosed(here));
   }
   return words.finish(out.words);
 }

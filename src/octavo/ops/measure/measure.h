@@ -33,7 +33,7 @@ struct GreyStatistics {
 
 inline constexpr std::int64_t kPercentileBins = 8192;
 
-/// One region. Positions and moments are in index space: x, y, z of voxel centres.
+/// One region. Positions and moments are in index space: x, y, z of voxel centers.
 struct RegionMeasure {
   std::int64_t label = 0;
   std::uint64_t voxel_count = 0;

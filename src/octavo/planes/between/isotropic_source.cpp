@@ -12,7 +12,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/levels.h"
-#include "octavo/io/source/described_source.h"
+#include "octavo/core/text.h"
 #include "octavo/planes/between/plane_mixing.h"
 #include "octavo/planes/between/shape_between.h"
 
@@ -30,6 +30,11 @@ using nlohmann::json;
 json metadata_of(const VolumeDescription& description) {
   json metadata = json::parse(description.metadata_json, nullptr, false);
   return metadata.is_object() ? metadata : json::object();
+}
+
+bool is_spacing_known(const std::string& metadata_json) {
+  const json metadata = json::parse(metadata_json, nullptr, false);
+  return !metadata.is_object() || metadata.value("spacing_known", true);
 }
 
 std::string count_text(std::int64_t count, const char* noun) {

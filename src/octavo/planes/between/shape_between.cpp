@@ -160,7 +160,7 @@ class ShapesOf final : public ShapeBetween {
     std::memcpy(plane.voxels.data(), bytes.data(), mask_.size() * sizeof(T));
   }
 
-  /// Neighbours mostly have the same label: few come twice.
+  /// Neighbors mostly have the same label: few come twice.
   void note_label(T label) {
     const std::size_t count = labels_.size();
     if (count > 0 && labels_[count - 1] == label) return;

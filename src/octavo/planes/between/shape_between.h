@@ -1,7 +1,7 @@
 // Label planes between two label planes, by the shapes of the labels.
 //
 // Every label has in both planes a signed distance: how far a pixel lies inside (positive) or
-// outside (negative) of it, in pixels, 0 half way between neighbours. In between the distances are
+// outside (negative) of it, in pixels, 0 half way between neighbors. In between the distances are
 // mixed linearly, and the label whose mixed distance is largest takes the pixel:
 //
 //     score(L) = (1 - t) * below(L) + t * above(L)

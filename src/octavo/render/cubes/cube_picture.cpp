@@ -18,11 +18,11 @@ namespace {
 // Rows that one walk over the masks draws.
 constexpr std::int64_t kBandRows = 64;
 
-std::uint32_t packed(const Colour& colour) {
-  return std::uint32_t{colour[0]} | std::uint32_t{colour[1]} << 8 | std::uint32_t{colour[2]} << 16;
+std::uint32_t packed(const Color& color) {
+  return std::uint32_t{color[0]} | std::uint32_t{color[1]} << 8 | std::uint32_t{color[2]} << 16;
 }
 
-/// A colour times a number of 256ths.
+/// A color times a number of 256ths.
 std::uint32_t dimmed(std::uint32_t pixel, std::uint32_t by) {
   const std::uint32_t red_and_blue = ((pixel & 0xff00ff) * by >> 8) & 0xff00ff;
   const std::uint32_t green = ((pixel & 0x00ff00) * by >> 8) & 0x00ff00;
@@ -57,7 +57,7 @@ class Scene {
       : view_(view) {
     for (const PaintedMask& mask : masks) {
       trees_.push_back(mask.tree);
-      colours_.push_back(packed(mask.colour));
+      colors_.push_back(packed(mask.color));
     }
     const int top = masks.empty() ? 0 : 2 * (masks.front().tree->rank_count() + 1);
     for (int level = 0; level <= top; ++level) shapes_.push_back(cube_shape(view, level));
@@ -86,7 +86,7 @@ class Scene {
   std::uint32_t pixel(std::size_t mask, const Face& face, std::int64_t depth) const {
     const double near = std::clamp(static_cast<double>(depth - farthest_) * per_depth_, 0.0, 1.0);
     const double share = shades_[static_cast<std::size_t>(face.axis)] * (least_ + near * fade_);
-    return dimmed(colours_[mask], static_cast<std::uint32_t>(share));
+    return dimmed(colors_[mask], static_cast<std::uint32_t>(share));
   }
 
   void set_depths(const CubeStyle& style) {
@@ -104,9 +104,9 @@ class Scene {
 
   View view_;
   std::vector<const MaskTree*> trees_;
-  std::vector<std::uint32_t> colours_;
+  std::vector<std::uint32_t> colors_;
   std::vector<CubeShape> shapes_;   ///< by level
-  std::array<double, 3> shades_{};  ///< by axis, 256 is as bright as the mask's colour
+  std::array<double, 3> shades_{};  ///< by axis, 256 is as bright as the mask's color
   std::int64_t farthest_ = 0;
   double per_depth_ = 0;
   double least_ = 1;

@@ -9,14 +9,14 @@
 
 namespace octavo {
 
-/// A mask and the colour of its cubes where light falls on them straight.
+/// A mask and the color of its cubes where light falls on them straight.
 struct PaintedMask {
   const MaskTree* tree = nullptr;
-  Colour colour{};
+  Color color{};
 };
 
 struct CubeStyle {
-  Colour background{};
+  Color background{};
   /// How much darker a face is at the far end of `shown` than at the near one, 0 .. 1.
   double fade = 0.5;
   Box shown;

@@ -1,11 +1,11 @@
 // Faces of voxel cubes on a grid of pixels, exactly.
 //
-// A pixel belongs to a face when its centre, moved to the right by an infinitely small step and
+// A pixel belongs to a face when its center, moved to the right by an infinitely small step and
 // down by one infinitely smaller still, lies inside. With corners that are whole numbers of units
 // this is decided without rounding:
 //
-//     rows      top.y <= centre < bottom.y
-//     columns   left crossing <= centre < right crossing of the row, as fractions
+//     rows      top.y <= center < bottom.y
+//     columns   left crossing <= center < right crossing of the row, as fractions
 //
 // Consequences
 //   Faces that share an edge, of cubes of any sizes, neither leave a pixel out nor both take it.
@@ -77,12 +77,12 @@ class PixelRows {
   const std::uint32_t* row(std::int64_t y) const { return pixels_.data() + (y - begin_) * width_; }
   std::uint32_t* row(std::int64_t y) { return pixels_.data() + (y - begin_) * width_; }
 
-  /// Whether no pixel centre here is in the outline's box of a cube.
+  /// Whether no pixel center here is in the outline's box of a cube.
   bool misses(const CubeShape& shape, const Place& corner) const {
     return pixels_of(shape, corner).is_empty();
   }
 
-  /// The pixels here whose centres lie in the outline's box of a cube.
+  /// The pixels here whose centers lie in the outline's box of a cube.
   PixelBox pixels_of(const CubeShape& shape, const Place& corner) const {
     return {std::max<std::int64_t>(0, pixel_from(corner.x + shape.lowest.x)),
             std::min(width_, pixel_from(corner.x + shape.highest.x)),
@@ -95,7 +95,7 @@ class PixelRows {
   template <class Take>
   void for_each_run(const Face& face, const Place& corner, Take take) const;
 
-  /// Gives the pixels of a face of the cube at `corner` a colour.
+  /// Gives the pixels of a face of the cube at `corner` a color.
   void fill(const Face& face, const Place& corner, std::uint32_t pixel) {
     for_each_run(face, corner, [&](std::int64_t y, std::int64_t left, std::int64_t right) {
       std::uint32_t* const to = row(y);
@@ -104,11 +104,11 @@ class PixelRows {
   }
 
  private:
-  // The first pixel centre at or beyond a coordinate.
+  // The first pixel center at or beyond a coordinate.
   std::int64_t pixel_from(std::int64_t units) const { return (units + half_ - 1) >> bits_; }
-  // The same for the place where a line from `from` along `edge` crosses the row with this centre.
+  // The same for the place where a line from `from` along `edge` crosses the row with this center.
   std::int64_t crossing(const PlanePoint& from, const PlanePoint& edge, double slope,
-                        std::int64_t centre) const;
+                        std::int64_t center) const;
   std::int64_t exact_crossing(const PlanePoint& from, const PlanePoint& edge,
                               std::int64_t down) const;
 
@@ -118,18 +118,18 @@ class PixelRows {
   int bits_;
   std::int64_t half_;
   double pixels_per_unit_;
-  double doubt_;  // pixels: a crossing this close to a centre needs exact division
+  double doubt_;  // pixels: a crossing this close to a center needs exact division
   std::vector<std::uint32_t> pixels_;
 };
 
 inline std::int64_t PixelRows::crossing(const PlanePoint& from, const PlanePoint& edge,
-                                        double slope, std::int64_t centre) const {
-  const std::int64_t down = centre - from.y;
+                                        double slope, std::int64_t center) const {
+  const std::int64_t down = center - from.y;
   const double x = static_cast<double>(from.x - half_) + static_cast<double>(down) * slope;
   const double pixels = x * pixels_per_unit_;
   const auto below = static_cast<std::int64_t>(pixels);
   const std::int64_t pixel = below + (pixels > static_cast<double>(below) ? 1 : 0);
-  // A crossing so close to a pixel centre that rounding may have moved it is divided exactly.
+  // A crossing so close to a pixel center that rounding may have moved it is divided exactly.
   const double short_of = static_cast<double>(pixel) - pixels;
   if (short_of > doubt_ && short_of < 1 - doubt_) return pixel;
   return exact_crossing(from, edge, down);
@@ -143,13 +143,13 @@ void PixelRows::for_each_run(const Face& face, const Place& corner, Take take) c
   const std::int64_t begin = std::max(begin_, pixel_from(top.y));
   const std::int64_t end = std::min(end_, pixel_from(at_left.y + face.right.y));
   for (std::int64_t y = begin; y < end; ++y) {
-    const std::int64_t centre = (y << bits_) + half_;
-    const std::int64_t left = centre < at_left.y
-                                  ? crossing(top, face.left, face.left_slope, centre)
-                                  : crossing(at_left, face.right, face.right_slope, centre);
-    const std::int64_t right = centre < at_right.y
-                                   ? crossing(top, face.right, face.right_slope, centre)
-                                   : crossing(at_right, face.left, face.left_slope, centre);
+    const std::int64_t center = (y << bits_) + half_;
+    const std::int64_t left = center < at_left.y
+                                  ? crossing(top, face.left, face.left_slope, center)
+                                  : crossing(at_left, face.right, face.right_slope, center);
+    const std::int64_t right = center < at_right.y
+                                   ? crossing(top, face.right, face.right_slope, center)
+                                   : crossing(at_right, face.left, face.left_slope, center);
     take(y, std::max<std::int64_t>(left, 0), std::min(right, width_));
   }
 }

@@ -39,7 +39,7 @@ class NearestRows {
     return true;
   }
 
-  /// Gives the pixels of a face of the cube at `corner` that none has taken a colour.
+  /// Gives the pixels of a face of the cube at `corner` that none has taken a color.
   void fill(const Face& face, const Place& corner, std::uint32_t pixel) {
     rows_.for_each_run(face, corner, [&](std::int64_t y, std::int64_t left, std::int64_t right) {
       std::uint64_t* const taken = row(y);

@@ -8,7 +8,7 @@
 #include "octavo/core/error.h"
 #include "octavo/file/parallel_read.h"
 #include "octavo/render/annotation.h"
-#include "octavo/render/label_colour.h"
+#include "octavo/render/label_color.h"
 
 namespace octavo {
 
@@ -89,7 +89,7 @@ struct PixelAxis {
   std::int64_t pixels = 1;
   bool flips = false;
 
-  /// The fractional sample under the centre of a pixel, inside [0, samples - 1].
+  /// The fractional sample under the center of a pixel, inside [0, samples - 1].
   double sample_at(std::int64_t pixel) const {
     const std::int64_t along = flips ? pixels - 1 - pixel : pixel;
     const double scale = static_cast<double>(samples) / static_cast<double>(pixels);
@@ -134,7 +134,7 @@ Picture draw_labels(const SliceSamples& slice, const PixelAxis& across, const Pi
   for (std::int64_t y = 0; y < picture.height; ++y) {
     for (std::int64_t x = 0; x < picture.width; ++x) {
       const double label = slice.at(across.nearest_at(x), down.nearest_at(y));
-      picture.set(x, y, label_colour(static_cast<std::int64_t>(label)));
+      picture.set(x, y, label_color(static_cast<std::int64_t>(label)));
     }
   }
   return picture;

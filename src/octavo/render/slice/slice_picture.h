@@ -5,7 +5,7 @@
 
 #include "octavo/file/reader.h"
 #include "octavo/render/picture.h"
-#include "octavo/render/slice/slice_orientation.h"
+#include "octavo/render/slice_orientation.h"
 #include "octavo/render/window.h"
 
 namespace octavo {
@@ -23,7 +23,7 @@ struct SliceOptions {
 };
 
 struct SlicePicture {
-  Picture picture;      ///< grey, or colours for labels
+  Picture picture;      ///< grey, or colors for labels
   Window window;        ///< the one used; meaningless for labels
   double pixel_mm = 1;  ///< side of a pixel
   SliceOrientation orientation;

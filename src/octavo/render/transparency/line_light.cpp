@@ -52,13 +52,13 @@ class SumInk {
 // background.
 class VeilInk {
  public:
-  using Cell = LineColour;
+  using Cell = LineColor;
   static constexpr Cell kClear{0, 0, 0, 1};
 
   explicit VeilInk(std::span<const ToneVeil> veils) {
     for (const ToneVeil& veil : veils) {
       Veil& v = veils_.emplace_back();
-      for (std::size_t c = 0; c < 3; ++c) v.given[c] = veil.colour[c] * veil.opacity;
+      for (std::size_t c = 0; c < 3; ++c) v.given[c] = veil.color[c] * veil.opacity;
       v.kept = 1 - veil.opacity;
     }
   }
@@ -267,7 +267,7 @@ LineAverages average_along_lines(const FileReader& reader, const LineView& view,
   const ToneOctree octree = octree_of(reader, view, tones);
   LineAverages result;
   result.lines = voxel_lines(octree.size(), view.along);
-  result.colours = draw_volume(octree, result.lines, VeilInk(veils), progress, result.counts);
+  result.colors = draw_volume(octree, result.lines, VeilInk(veils), progress, result.counts);
   return result;
 }
 

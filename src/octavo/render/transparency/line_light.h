@@ -58,23 +58,23 @@ LineSums sum_along_lines(const FileReader& reader, const LineView& view,
                          const ToneMap& tones, std::span<const std::int32_t> light, int channels,
                          Progress& progress);
 
-/// The colour of a tone, and which share of what is behind it one voxel veils.
+/// The color of a tone, and which share of what is behind it one voxel veils.
 struct ToneVeil {
-  std::array<float, 3> colour{};  ///< 0 .. 1
+  std::array<float, 3> color{};  ///< 0 .. 1
   float opacity = 0;              ///< 0 .. 1
 };
 
 /// Red, green, blue and the share of the background that is left.
-using LineColour = std::array<float, 4>;
+using LineColor = std::array<float, 4>;
 
 struct LineAverages {
   VoxelLines lines;
-  std::vector<LineColour> colours;  ///< [v][u]
+  std::vector<LineColor> colors;  ///< [v][u]
   LineCounts counts;
 };
 
 /// The exponential average: with each voxel, from the farthest to the nearest, what is behind loses
-/// the share `opacity` and the voxel's colour gains it.
+/// the share `opacity` and the voxel's color gains it.
 /// veils  of every tone
 /// Otherwise as sum_along_lines.
 LineAverages average_along_lines(const FileReader& reader, const LineView& view,

@@ -18,7 +18,7 @@ namespace octavo {
 struct DensityRange {
   double lowest = 0;
   double highest = 0;
-  Colour colour{255, 255, 255};
+  Color color{255, 255, 255};
   double opacity = 0.05;  ///< of a layer as thick as the finest voxel spacing, 0 .. 1
 };
 

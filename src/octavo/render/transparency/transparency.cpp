@@ -88,13 +88,13 @@ Lattice lattice_on(const View& view, const VoxelLines& lines) {
   return lattice;
 }
 
-// Colours between lines; a line that does not exist leaves the background as it is.
+// Colors between lines; a line that does not exist leaves the background as it is.
 class LineField {
  public:
-  LineField(const VoxelLines& lines, std::vector<LineColour> colours)
-      : lines_(lines), colours_(std::move(colours)) {}
+  LineField(const VoxelLines& lines, std::vector<LineColor> colors)
+      : lines_(lines), colors_(std::move(colors)) {}
 
-  LineColour at(double u, double v) const {
+  LineColor at(double u, double v) const {
     const double u0 = std::floor(u);
     const double v0 = std::floor(v);
     const auto i = static_cast<std::int64_t>(u0);
@@ -103,11 +103,11 @@ class LineField {
     const auto fv = static_cast<float>(v - v0);
     // Lines across a corner stand in triangles; their cells are halved along the shorter diagonal.
     const float both = lines_.axes == 3 ? std::min(fu, fv) : fu * fv;
-    const LineColour a = line(i, j);
-    const LineColour b = line(i + 1, j);
-    const LineColour c = line(i, j + 1);
-    const LineColour d = line(i + 1, j + 1);
-    LineColour mixed;
+    const LineColor a = line(i, j);
+    const LineColor b = line(i + 1, j);
+    const LineColor c = line(i, j + 1);
+    const LineColor d = line(i + 1, j + 1);
+    LineColor mixed;
     for (std::size_t k = 0; k < 4; ++k) {
       mixed[k] = a[k] * (1 - fu - fv + both) + b[k] * (fu - both) + c[k] * (fv - both) +
                  d[k] * both;
@@ -116,13 +116,13 @@ class LineField {
   }
 
  private:
-  LineColour line(std::int64_t u, std::int64_t v) const {
+  LineColor line(std::int64_t u, std::int64_t v) const {
     if (u < 0 || v < 0 || u >= lines_.width || v >= lines_.height) return {0, 0, 0, 1};
-    return colours_[static_cast<std::size_t>(v * lines_.width + u)];
+    return colors_[static_cast<std::size_t>(v * lines_.width + u)];
   }
 
   const VoxelLines& lines_;
-  std::vector<LineColour> colours_;
+  std::vector<LineColor> colors_;
 };
 
 std::uint8_t channel_of(double share) {
@@ -131,7 +131,7 @@ std::uint8_t channel_of(double share) {
 
 // Draws the lattice; a pixel is the mean of as many points as it covers lines, or of one.
 Picture draw_lattice(const LineField& field, const Lattice& lattice, const View& view,
-                     const Colour& background) {
+                     const Color& background) {
   Picture picture = make_picture(view.width, view.height, 3);
   const double area = lattice.area();
   const double u_x = lattice.down.y / area, u_y = -lattice.down.x / area;
@@ -146,8 +146,8 @@ Picture draw_lattice(const LineField& field, const Lattice& lattice, const View&
         const int row = i / points;
         const double px = static_cast<double>(x) + (column + 0.5) / points - lattice.origin.x;
         const double py = static_cast<double>(y) + (row + 0.5) / points - lattice.origin.y;
-        const LineColour colour = field.at(px * u_x + py * u_y, px * v_x + py * v_y);
-        for (std::size_t k = 0; k < 4; ++k) sum[k] += static_cast<double>(colour[k]);
+        const LineColor color = field.at(px * u_x + py * u_y, px * v_x + py * v_y);
+        for (std::size_t k = 0; k < 4; ++k) sum[k] += static_cast<double>(color[k]);
       }
       std::uint8_t* const out =
           picture.pixels.data() + static_cast<std::size_t>(3 * (y * view.width + x));
@@ -188,23 +188,23 @@ class SumDisplay {
 
   const Window& window() const { return window_; }
 
-  std::vector<LineColour> colours() const {
+  std::vector<LineColor> colors() const {
     const auto channels = static_cast<std::size_t>(sums_.channels);
-    std::vector<LineColour> colours(sums_.sums.size() / channels, LineColour{0, 0, 0, 1});
-    for (std::size_t i = 0; i < colours.size(); ++i) {
+    std::vector<LineColor> colors(sums_.sums.size() / channels, LineColor{0, 0, 0, 1});
+    for (std::size_t i = 0; i < colors.size(); ++i) {
       for (std::size_t k = 0; k < 3; ++k) {
         const double sum = static_cast<double>(sums_.sums[i * channels + k % channels]) * unit_;
-        const double share = (sum - window_.centre) / window_.width + 0.5;
-        colours[i][k] = static_cast<float>(std::max(0.0, share));
+        const double share = (sum - window_.center) / window_.width + 0.5;
+        colors[i][k] = static_cast<float>(std::max(0.0, share));
       }
-      const float most = std::max({colours[i][0], colours[i][1], colours[i][2]});
-      colours[i][3] = std::max(0.0F, 1 - most);
+      const float most = std::max({colors[i][0], colors[i][1], colors[i][2]});
+      colors[i][3] = std::max(0.0F, 1 - most);
     }
-    return colours;
+    return colors;
   }
 
  private:
-  // Colours start at nothing, so that their hues stay.
+  // Colors start at nothing, so that their hues stay.
   Window automatic() const {
     std::vector<double> lit;
     const auto channels = static_cast<std::size_t>(sums_.channels);
@@ -215,8 +215,8 @@ class SumDisplay {
     }
     if (lit.empty()) return {0.5, 1};  // what is dark is black
     const Window window = robust_window(lit);
-    const double high = window.centre + window.width / 2;
-    const double low = sums_.channels == 1 ? window.centre - window.width / 2 : 0;
+    const double high = window.center + window.width / 2;
+    const double low = sums_.channels == 1 ? window.center - window.width / 2 : 0;
     return high > low ? Window{(low + high) / 2, high - low} : window;
   }
 
@@ -225,7 +225,7 @@ class SumDisplay {
   Window window_;
 };
 
-// What a voxel of each tone gives: grey by the ramp, colours by opacity.
+// What a voxel of each tone gives: grey by the ramp, colors by opacity.
 std::vector<std::int32_t> light_of(const ToneMap& tones, const TransparencyOptions& options) {
   std::vector<std::int32_t> light;
   if (options.ranges.empty()) {
@@ -236,7 +236,7 @@ std::vector<std::int32_t> light_of(const ToneMap& tones, const TransparencyOptio
   }
   light.assign(3, 0);
   for (const DensityRange& range : options.ranges) {
-    for (const std::uint8_t channel : range.colour) {
+    for (const std::uint8_t channel : range.color) {
       const double share = range.opacity * channel / 255;
       light.push_back(static_cast<std::int32_t>(std::lround(kLightUnit * share)));
     }
@@ -252,7 +252,7 @@ std::vector<ToneVeil> veils_of(const ToneMap& tones, const TransparencyOptions& 
   std::vector<ToneVeil> veils(1);
   for (const DensityRange& range : options.ranges) {
     ToneVeil& one = veils.emplace_back();
-    for (std::size_t k = 0; k < 3; ++k) one.colour[k] = static_cast<float>(range.colour[k]) / 255;
+    for (std::size_t k = 0; k < 3; ++k) one.color[k] = static_cast<float>(range.color[k]) / 255;
     one.opacity = veil(range.opacity);
   }
   while (veils.size() < tones.count()) {
@@ -298,7 +298,7 @@ ValueRamp robust_ramp(const FileReader& reader, bool is_open) {
     }
   });
   const Window window = robust_window(values);
-  ValueRamp ramp{window.centre - window.width / 2, window.centre + window.width / 2};
+  ValueRamp ramp{window.center - window.width / 2, window.center + window.width / 2};
   if (is_open) {
     const auto [least, greatest] = std::minmax(
         {volume.voxel_of(reader.range().min), volume.voxel_of(reader.range().max)});
@@ -338,7 +338,7 @@ TransparencyPicture render_transparency(const FileReader& reader, const View& vi
     LineAverages averages = average_along_lines(
         reader, lines, tones, veils_of(tones, options, layers), progress);
     result.counts = averages.counts;
-    const LineField field(averages.lines, std::move(averages.colours));
+    const LineField field(averages.lines, std::move(averages.colors));
     result.picture = draw_lattice(field, lattice, view, options.background);
     return result;
   }
@@ -351,7 +351,7 @@ TransparencyPicture render_transparency(const FileReader& reader, const View& vi
   const SumDisplay display(sums, unit, options.window);
   result.window = display.window();
   result.counts = sums.counts;
-  const LineField field(sums.lines, display.colours());
+  const LineField field(sums.lines, display.colors());
   result.picture = draw_lattice(field, lattice, view, options.background);
   return result;
 }

@@ -53,7 +53,7 @@ struct TransparencyOptions {
   /// Which sums are black and white. Without ranges in stored units above ramp.low times mm; with
   /// ranges in opacity times the finest spacing. Default: from the sums.
   std::optional<Window> window;
-  Colour background{0, 0, 0};
+  Color background{0, 0, 0};
 };
 
 struct TransparencyPicture {

@@ -1,6 +1,6 @@
-// The lines of voxel centres along one of the 26 directions, as the points of a picture.
+// The lines of voxel centers along one of the 26 directions, as the points of a picture.
 //
-// Seen along a direction d of {-1, 0, 1}^3 every voxel centre lies on one line of centres, and the
+// Seen along a direction d of {-1, 0, 1}^3 every voxel center lies on one line of centers, and the
 // lines stand on a lattice: each has whole coordinates (u, v) that are linear in the voxel.
 //
 //     d                 u          v          a cube of side s covers
@@ -57,7 +57,7 @@ struct LineRange {
 LineRange lines_of(const VoxelLines& lines, const Box& box);
 
 /// The eight octants in an order in which none hides one before it from an observer who looks along
-/// `along`: the farthest, its face neighbours, those of the nearest, the nearest. Source thesis 4.3
+/// `along`: the farthest, its face neighbors, those of the nearest, the nearest. Source thesis 4.3
 std::array<int, 8> back_to_front(const Direction& along);
 
 /// Calls visit(u, v, count) for every line that meets a cube of side `side`, u and v counted from

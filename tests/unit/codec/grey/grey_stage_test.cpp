@@ -240,7 +240,7 @@ TEST_P(StagesOf, GiveWhatThePortableOnesGive) {
                          {33, 64, 9},  {48, 21, 64}, {8, 3, 40}};
   for (const Size3& fine : sizes) {
     for (int axis = 0; axis < 3; ++axis) {
-      for (const Predictor predictor : {Predictor::neighbours, Predictor::means}) {
+      for (const Predictor predictor : {Predictor::neighbors, Predictor::means}) {
         for (const int bits : {1, 5, 12, 16}) {
           for (const bool has_cells : {false, true}) {
             SCOPED_TRACE(testing::Message()
@@ -263,7 +263,7 @@ TEST_P(StagesOf, GiveTheSameAroundEdgesAndGaps) {
   std::mt19937 random(22);
   for (const Size3& fine : {Size3{33, 64, 9}, Size3{63, 5, 7}, Size3{2, 2, 2}}) {
     for (int axis = 0; axis < 3; ++axis) {
-      for (const Predictor predictor : {Predictor::neighbours, Predictor::means}) {
+      for (const Predictor predictor : {Predictor::neighbors, Predictor::means}) {
         for (const Samples kind : {Samples::sparse, Samples::gapped, Samples::both}) {
           for (const bool has_cells : {false, true}) {
             SCOPED_TRACE(testing::Message() << fine.x << "x" << fine.y << "x" << fine.z << " axis "
@@ -301,7 +301,7 @@ TEST_P(StagesOf, MakeTheSameOfAnyStream) {
   int complete = 0;
   for (int round = 0; round < 60; ++round) {
     const Size3 fine{static_cast<std::int64_t>(2 + random() % 63), 8, 6};
-    const auto predictor = round % 2 == 0 ? Predictor::neighbours : Predictor::means;
+    const auto predictor = round % 2 == 0 ? Predictor::neighbors : Predictor::means;
     const int bits = 1 + static_cast<int>(random() % 16);
     RandomSplit split = make_split(random, fine, round % 3, predictor, bits, false);
     // Long enough for every symbol, plain bits and words alike.
@@ -328,7 +328,7 @@ TEST_P(StagesOf, BoundTheMagnitudeOfTheLowestResidual) {
   const auto functions = stage_functions_of(GetParam());
   if (!functions) GTEST_SKIP() << "this machine has no " << GetParam();
   std::mt19937 random(3);
-  for (const Predictor predictor : {Predictor::neighbours, Predictor::means}) {
+  for (const Predictor predictor : {Predictor::neighbors, Predictor::means}) {
     RandomSplit split = make_split(random, {64, 2, 2}, 1, predictor, 12, false);
     split.stage.step = 4096;
     split.stage.step_bits = 12;

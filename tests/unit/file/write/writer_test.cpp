@@ -86,7 +86,7 @@ TEST_F(WriterOnDisk, RefusesAnExistingFileUnlessAskedTo) {
 TEST_F(WriterOnDisk, AFileThatAppearsMeanwhileIsKept) {
   auto writer = FileWriter::create(local_storage(), path("a.8vo"), volume_.description,
                                    volume_.levels, 1, {});
-  write_text("a.8vo", "new neighbour");
+  write_text("a.8vo", "new neighbor");
   writer->add_model({'r', 'a', 'w'});
   EncodedBrick brick;
   brick.segments.resize(6);
@@ -95,7 +95,7 @@ TEST_F(WriterOnDisk, AFileThatAppearsMeanwhileIsKept) {
   brick.segments.resize(static_cast<std::size_t>(volume_.levels.tier_level_count(1)));
   writer->add_brick(1, brick);
   EXPECT_EQ(kind_of_failure([&] { writer->finish(); }), ErrorKind::io);
-  EXPECT_EQ(text_of("a.8vo"), "new neighbour");
+  EXPECT_EQ(text_of("a.8vo"), "new neighbor");
   EXPECT_EQ(file_count(), 1u);
 }
 

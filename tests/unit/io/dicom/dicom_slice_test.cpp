@@ -73,7 +73,7 @@ TEST(SourceDicomWords, OfLittleEndianFilesStayAsTheyAre) {
   EXPECT_EQ(voxels_of(*open_source({folder.file("a.dcm")}, {})), counted(15));
 }
 
-TEST(SourceDicomWords, OfBigEndianColourHoldSwappedSamples) {
+TEST(SourceDicomWords, OfBigEndianColorHoldSwappedSamples) {
   const TempFolder folder;
   for (const int planar : {0, 1}) {
     DicomElements elements = ct_elements(5, 3, 8, 0, true);

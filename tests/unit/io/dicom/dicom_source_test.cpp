@@ -233,7 +233,7 @@ INSTANTIATE_TEST_SUITE_P(
              [](DicomSample& s) { s.position = "-9\\20\\9"; },
              {"sideways", "1 mm"}},
         Flaw{"NoGeometry", [](DicomSample& s) { s.position.reset(); }, {"s2"}},
-        Flaw{"Colour",
+        Flaw{"Color",
              [](DicomSample& s) {
                s.samples = 3;
                s.photometric = "RGB";

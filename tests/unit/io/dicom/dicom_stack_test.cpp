@@ -13,7 +13,7 @@ namespace {
 
 using Plane = std::vector<std::int16_t>;
 
-/// 4 x 3 values that grow by 100 per millimetre of height, by 7 per row and 1 per column: linear
+/// 4 x 3 values that grow by 100 per millimeter of height, by 7 per row and 1 per column: linear
 /// interpolation anywhere inside gives them again.
 std::int16_t value_at(double x, double y, double height_mm) {
   return static_cast<std::int16_t>(std::lround(100 * height_mm + 7 * y + x - 50));

@@ -89,7 +89,7 @@ void write_nifti(const std::string& path, const std::vector<std::int16_t>& size,
   write_file(path, path.ends_with("gz") ? gzip(bytes) : bytes);
 }
 
-TEST(SourceComponents, OfNiftiAreColoursTimesAndValues) {
+TEST(SourceComponents, OfNiftiAreColorsTimesAndValues) {
   const TempFolder folder;
   for (const std::string& ending : {std::string(".nii"), std::string(".nii.gz")}) {
     write_nifti(folder.file("rgb" + ending), {4, 3, 2}, 128, alternating(3));
@@ -286,16 +286,16 @@ TEST(SourceComponents, OfTiffThatItsPagesDoNotHoldAreRefused) {
                                4), "order of pages"));
 }
 
-TEST(SourceComponents, OfPngAreItsColours) {
+TEST(SourceComponents, OfPngAreItsColors) {
   const TempFolder folder;
   const std::vector<std::vector<std::string>> names = {
       {}, {}, {"grey", "alpha"}, {"red", "green", "blue"}, {"red", "green", "blue", "alpha"}};
-  for (const auto& [channels, colour_type] : {std::pair{2, 4}, {3, 2}, {4, 6}}) {
+  for (const auto& [channels, color_type] : {std::pair{2, 4}, {3, 2}, {4, 6}}) {
     const auto count = static_cast<std::size_t>(channels);
     const std::string all = alternating(channels);
     const std::string stack = "png" + std::to_string(channels);
     for (const int z : {0, 1}) {
-      write_png(folder.file(stack + "/" + std::to_string(z) + ".png"), 4, 3, 8, colour_type,
+      write_png(folder.file(stack + "/" + std::to_string(z) + ".png"), 4, 3, 8, color_type,
                 all.substr(static_cast<std::size_t>(z) * 12 * count, 12 * count));
     }
     const std::string first = folder.file(stack + "/0.png");
@@ -308,7 +308,7 @@ TEST(SourceComponents, OfPngAreItsColours) {
   }
 }
 
-TEST(SourceComponents, OfDicomAreItsColours) {
+TEST(SourceComponents, OfDicomAreItsColors) {
   const TempFolder folder;
   const std::string all = alternating(3);
   for (const std::uint16_t planar : {std::uint16_t{0}, std::uint16_t{1}}) {

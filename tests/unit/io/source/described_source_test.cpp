@@ -81,7 +81,7 @@ TEST(SourceGeometry, OfNiftiIsInTheUnitOfItsHeader) {
     const Geometry& g = source->description().geometry;
     EXPECT_EQ(g.spacing_mm, (Point3{2 * mm, 3 * mm, 4 * mm}));
     EXPECT_EQ(g.origin_mm, (Point3{-10 * mm, -20 * mm, 30 * mm}));
-    const bool is_told = contains(all_of(source->warnings()), "millimetres are assumed");
+    const bool is_told = contains(all_of(source->warnings()), "millimeters are assumed");
     EXPECT_EQ(is_told, unit == 0 || unit == 5) << int{unit};
   }
 }

@@ -102,7 +102,7 @@ TEST_F(SourceFolder, AStackOfTwoChannelsIsRefusedOrTakenAsTold) {
   const auto source = open_source({folder_.path()}, options_);
   EXPECT_EQ(source->description().size, (Size3{2, 2, 4}));
   EXPECT_TRUE(contains(source->description().metadata_json, "\"ignored_number_gaps\":1"));
-  EXPECT_TRUE(contains(source->warnings()[0], "taken as neighbours"));
+  EXPECT_TRUE(contains(source->warnings()[0], "taken as neighbors"));
 }
 
 TEST_F(SourceFolder, NumbersInTheNamesOfFoldersCount) {

@@ -64,7 +64,7 @@ TEST_F(SourceVtk, HeadersOfOnePointArrayGiveItsVoxels) {
   expect_voxels(sample);
 }
 
-TEST_F(SourceVtk, NotesAndAColourTableMayFollowTheVoxels) {
+TEST_F(SourceVtk, NotesAndAColorTableMayFollowTheVoxels) {
   VtkSample sample;
   for (const char* text :
        {"\n", "\r\n \n", "\nMETADATA\nINFORMATION 0\n\n",
@@ -72,10 +72,10 @@ TEST_F(SourceVtk, NotesAndAColourTableMayFollowTheVoxels) {
     sample.behind = text;
     expect_voxels(sample);
   }
-  sample.behind = "\nLOOKUP_TABLE colours 2\nabcdSCAL\n";
+  sample.behind = "\nLOOKUP_TABLE colors 2\nabcdSCAL\n";
   expect_voxels(sample);
-  EXPECT_TRUE(contains(first_warning(*open_source({path_}, {})), "colour table"));
-  sample.behind = "\nLOOKUP_TABLE colours 3\nabcdSCAL\n";
+  EXPECT_TRUE(contains(first_warning(*open_source({path_}, {})), "color table"));
+  sample.behind = "\nLOOKUP_TABLE colors 3\nabcdSCAL\n";
   expect_refused(sample, "ends early");
 }
 

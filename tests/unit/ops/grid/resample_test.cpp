@@ -248,7 +248,7 @@ TEST(Resampler, FollowsTheGridThatLiesAlongTheSource) {
 }
 
 TEST(Resampler, ReadsWhereOneVoxelOfTheGridStandsForMany) {
-  // Neighbours of the grid lie in different bricks: tiles are cut down to what they need.
+  // Neighbors of the grid lie in different bricks: tiles are cut down to what they need.
   const Opened opened(wave<std::uint8_t>({200, 190, 180}));
   Affine map;
   map.linear = {6, 0.5, 0, 0, 6, 0.25, 0.125, 0, 6};

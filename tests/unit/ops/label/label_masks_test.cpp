@@ -17,7 +17,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const std::vector<ValueWindow> kAll = {{-kInfinity, kInfinity}};
 
 /// Boxes of labels over each other, and grains of labels that stand nowhere else.
-testing::Volume labelled(const Size3& size, std::mt19937& random, double spacing_z_mm = 1) {
+testing::Volume labeled(const Size3& size, std::mt19937& random, double spacing_z_mm = 1) {
   testing::Volume volume;
   volume.description.kind = VolumeKind::labels;
   volume.description.type = VoxelType::int16;
@@ -44,7 +44,7 @@ TEST(LabelMasks, AreTheVoxelsOfEachLabelAtEveryLevel) {
   int number = 0;
   for (const Size3& size : {Size3{5, 3, 7}, Size3{130, 67, 21}, Size3{70, 70, 70}}) {
     const std::string path = folder.file(std::to_string(number++) + ".8vo");
-    testing::build_volume(labelled(size, random, number == 2 ? 4 : 1), path, 2);
+    testing::build_volume(labeled(size, random, number == 2 ? 4 : 1), path, 2);
     const auto reader = testing::open_file(path);
     for (int level = 0; level < reader->levels().count(); ++level) {
       const Size3 samples = reader->levels().size(level);
@@ -70,7 +70,7 @@ TEST(LabelMasks, AreTheVoxelsOfEachLabelAtEveryLevel) {
 TEST(LabelMasks, WindowsChooseLabels) {
   std::mt19937 random(9);
   const testing::ScratchFolder folder;
-  testing::build_volume(labelled({70, 66, 68}, random), folder.file("a.8vo"), 1);
+  testing::build_volume(labeled({70, 66, 68}, random), folder.file("a.8vo"), 1);
   const auto reader = testing::open_file(folder.file("a.8vo"));
   NoProgress progress;
   const std::vector<ValueWindow> windows = {{-5, 2}, {700, 700}};
@@ -83,7 +83,7 @@ TEST(LabelMasks, WindowsChooseLabels) {
 TEST(LabelMasks, WhatHasNoLabelsIsRefused) {
   std::mt19937 random(10);
   const testing::ScratchFolder folder;
-  testing::Volume volume = labelled({70, 66, 68}, random);
+  testing::Volume volume = labeled({70, 66, 68}, random);
   testing::build_volume(volume, folder.file("a.8vo"), 1);
   volume.description.kind = VolumeKind::grey;
   testing::build_volume(volume, folder.file("g.8vo"), 1);

@@ -106,18 +106,18 @@ TEST(AxisTurn, TurnedGeometryKeepsEveryVoxelInItsPlace) {
   }
 }
 
-TEST(AxisTurn, TurnedObjectKeepsDirectionAndCentre) {
+TEST(AxisTurn, TurnedObjectKeepsDirectionAndCenter) {
   const Size3 size{5, 6, 7};
   for (const AxisTurn& turn : all_turns()) {
     const Geometry geometry = turned_object(tilted(), size, turn);
     EXPECT_EQ(geometry.direction, tilted().direction);
     const Size3 now = turned(size, turn);
-    const Point3 centre = geometry.to_world({static_cast<double>(now.x - 1) / 2,
+    const Point3 center = geometry.to_world({static_cast<double>(now.x - 1) / 2,
                                              static_cast<double>(now.y - 1) / 2,
                                              static_cast<double>(now.z - 1) / 2});
     const Point3 before = tilted().to_world({2, 2.5, 3});
     for (std::size_t i = 0; i < 3; ++i) {
-      EXPECT_NEAR(centre[i], before[i], 1e-12);
+      EXPECT_NEAR(center[i], before[i], 1e-12);
       EXPECT_EQ(geometry.spacing_mm[i],
                 tilted().spacing_mm[static_cast<std::size_t>(turn.from[i])]);
     }

@@ -68,7 +68,7 @@ void expect_morphology(const DenseMask& mask, const Reach& reach,
   ASSERT_EQ(closing(tree, reach, progress), testing::tree_of(spread(grown, 0, steps)));
 }
 
-TEST(Morphology, IsThatOfEveryVoxelWithABallInMillimetres) {
+TEST(Morphology, IsThatOfEveryVoxelWithABallInMillimeters) {
   std::mt19937 random(1);
   const Point3 spacings[] = {{1, 1, 1}, {0.5, 0.75, 2}, {3, 0.9, 0.4}};
   for (const Size3& size : {Size3{1, 1, 1}, {5, 3, 7}, {65, 64, 63}, {130, 67, 21}, {17, 1, 90},

@@ -15,17 +15,18 @@
 #include "octavo/render/cubes/face_raster.h"
 #include "support/dense_mask.h"
 #include "support/read_png.h"
+#include "support/source_folder.h"
 
 namespace octavo {
 namespace {
 
 using testing::DenseMask;
 
-constexpr Colour kBackground = {9, 8, 7};
+constexpr Color kBackground = {9, 8, 7};
 
 struct Shot {
   std::vector<MaskTree> trees;
-  std::vector<Colour> colours;
+  std::vector<Color> colors;
   View view;
   CubeStyle style;
 };
@@ -33,7 +34,7 @@ struct Shot {
 std::vector<PaintedMask> painted(const Shot& shot) {
   std::vector<PaintedMask> masks;
   for (std::size_t i = 0; i < shot.trees.size(); ++i) {
-    masks.push_back({&shot.trees[i], shot.colours[i]});
+    masks.push_back({&shot.trees[i], shot.colors[i]});
   }
   return masks;
 }
@@ -62,7 +63,7 @@ Shot random_shot(const Size3& size, std::mt19937& random) {
     testing::for_each_voxel(size, [&](const Index3& p) { one.at(p) &= split.at(p) == part; });
     shot.trees.push_back(testing::tree_of(one));
   }
-  shot.colours = {{250, 120, 60}, {80, 200, 255}};
+  shot.colors = {{250, 120, 60}, {80, 200, 255}};
   Geometry geometry;
   geometry.spacing_mm = {uniform(random, 0.3, 1), uniform(random, 0.3, 1), uniform(random, 0.3, 3)};
   if (random() % 3 == 0) geometry.direction = {0, 0.8, 0.6, -1, 0, 0, 0, 0.6, -0.8};
@@ -131,12 +132,12 @@ Seen seen_at(const Shot& shot, const std::vector<DenseMask>& masks, std::int64_t
   return seen;
 }
 
-Colour pixel(const Picture& picture, std::int64_t x, std::int64_t y) {
+Color pixel(const Picture& picture, std::int64_t x, std::int64_t y) {
   const auto at = static_cast<std::size_t>((y * picture.width + x) * 3);
   return {picture.pixels[at], picture.pixels[at + 1], picture.pixels[at + 2]};
 }
 
-TEST(CubePicture, EveryPixelShowsTheNearestVoxelThatItsCentreMeets) {
+TEST(CubePicture, EveryPixelShowsTheNearestVoxelThatItsCenterMeets) {
   std::mt19937 random(11);
   for (int round = 0; round < 12; ++round) {
     const Size3 size = round % 3 == 0 ? Size3{5, 3, 7} : Size3{9, 8, 6};
@@ -144,24 +145,24 @@ TEST(CubePicture, EveryPixelShowsTheNearestVoxelThatItsCentreMeets) {
     std::vector<DenseMask> masks;
     for (const MaskTree& tree : shot.trees) masks.push_back(testing::dense_of(tree));
     const Picture picture = drawn(shot);
-    // One mask and axis, one colour, and the other way round.
-    std::map<std::pair<int, int>, Colour> colour_of;
-    std::set<Colour> colours;
+    // One mask and axis, one color, and the other way round.
+    std::map<std::pair<int, int>, Color> color_of;
+    std::set<Color> colors;
     for (std::int64_t y = 0; y < picture.height; ++y) {
       for (std::int64_t x = 0; x < picture.width; ++x) {
         const Seen seen = seen_at(shot, masks, x, y);
-        const Colour found = pixel(picture, x, y);
+        const Color found = pixel(picture, x, y);
         if (seen.mask < 0) {
           ASSERT_EQ(found, kBackground);
           continue;
         }
         ASSERT_NE(found, kBackground);
-        const auto [known, is_new] = colour_of.try_emplace({seen.mask, seen.axis}, found);
+        const auto [known, is_new] = color_of.try_emplace({seen.mask, seen.axis}, found);
         ASSERT_EQ(known->second, found) << "round " << round << " at " << x << ", " << y;
-        colours.insert(found);
+        colors.insert(found);
       }
     }
-    EXPECT_LE(colours.size(), colour_of.size());
+    EXPECT_LE(colors.size(), color_of.size());
   }
 }
 
@@ -208,15 +209,15 @@ TEST(CubePicture, ThreadsDoNotChangeThePicture) {
 TEST(CubePicture, ACubeHasThreeShades) {
   Shot shot;
   shot.trees = {box_mask({8, 8, 8}, {{2, 2, 2}, {6, 6, 6}})};
-  shot.colours = {{200, 200, 200}};
+  shot.colors = {{200, 200, 200}};
   shot.style = {kBackground, 0, {{0, 0, 0}, {8, 8, 8}}};
   const auto shades = [&](const Viewpoint& viewpoint) {
     shot.view = make_view({}, {8, 8, 8}, shot.style.shown, viewpoint, {64, 64, 1, {}});
     const Picture picture = drawn(shot);
-    std::set<Colour> colours;
-    for (std::int64_t i = 0; i < 64 * 64; ++i) colours.insert(pixel(picture, i % 64, i / 64));
-    colours.erase(kBackground);
-    return colours;
+    std::set<Color> colors;
+    for (std::int64_t i = 0; i < 64 * 64; ++i) colors.insert(pixel(picture, i % 64, i / 64));
+    colors.erase(kBackground);
+    return colors;
   };
   EXPECT_EQ(shades(viewpoint_along({}, {1, 1, 1})).size(), 3u);
   EXPECT_EQ(shades(viewpoint_along({}, {-1, 1, -1})).size(), 3u);
@@ -228,7 +229,7 @@ TEST(CubePicture, FadingDarkensWhatIsFar) {
   Shot shot;
   shot.trees = {box_mask({40, 4, 4}, {{0, 0, 0}, {2, 2, 2}}),
                 box_mask({40, 4, 4}, {{38, 0, 2}, {40, 2, 4}})};
-  shot.colours = {{200, 200, 200}, {200, 200, 200}};
+  shot.colors = {{200, 200, 200}, {200, 200, 200}};
   shot.style = {{0, 0, 0}, 0.5, {{0, 0, 0}, {40, 4, 4}}};
   shot.view = make_view({}, {40, 4, 4}, shot.style.shown, *find_viewpoint("left"), {40, 40, 1, {}});
   const Picture picture = drawn(shot);
@@ -256,7 +257,7 @@ Shot golden_shot() {
   });
   Shot shot;
   shot.trees = {testing::tree_of(ball), testing::tree_of(grain)};
-  shot.colours = {{244, 232, 206}, {230, 90, 60}};
+  shot.colors = {{244, 232, 206}, {230, 90, 60}};
   shot.style = {{20, 24, 40}, 0.5, box_of(size)};
   Geometry geometry;
   geometry.spacing_mm = {1, 1, 1.5};
@@ -268,7 +269,7 @@ Shot golden_shot() {
 TEST(CubePicture, LooksLikeTheKeptPicture) {
   const Picture picture = drawn(golden_shot());
   const std::filesystem::path kept =
-      std::filesystem::path(OCTAVO_SOURCE_DIR) / "tests/unit/render/golden/cubes.png";
+      std::filesystem::path(testing::source_folder()) / "tests/unit/render/golden/cubes.png";
   std::ifstream in(kept, std::ios::binary);
   const Bytes bytes{std::istreambuf_iterator<char>(in), {}};
   const Picture expected = testing::read_png(bytes);

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "octavo/core/error.h"
-#include "octavo/render/label_colour.h"
+#include "octavo/render/label_color.h"
 #include "support/built_file.h"
 
 namespace octavo {
@@ -112,7 +112,7 @@ TEST(SlicePicture, CoarseLevelsAndDefaultsGiveAPicture) {
   }
 }
 
-TEST(SlicePicture, LabelsKeepTheirColours) {
+TEST(SlicePicture, LabelsKeepTheirColors) {
   const ScratchFolder folder;
   Volume volume = numbered_volume({});
   volume.description.kind = VolumeKind::labels;
@@ -124,7 +124,7 @@ TEST(SlicePicture, LabelsKeepTheirColours) {
   ASSERT_EQ(picture.channels, 3);
   for (std::int64_t y = 0; y < 24; ++y) {
     for (std::int64_t x = 0; x < 24; ++x) {
-      const Colour expected = label_colour(x / 3 + 8 * (y / 3));
+      const Color expected = label_color(x / 3 + 8 * (y / 3));
       EXPECT_TRUE(
           std::equal(expected.begin(), expected.end(), picture.pixels.begin() + (y * 24 + x) * 3));
     }

@@ -175,7 +175,7 @@ std::vector<ToneVeil> veils_of(const ToneMap& tones) {
   for (std::size_t i = 1; i < veils.size(); ++i) {
     veils[i].opacity = static_cast<float>(i % 5) / 20;
     for (std::size_t c = 0; c < 3; ++c) {
-      veils[i].colour[c] = static_cast<float>((i * (c + 3)) % 11) / 11;
+      veils[i].color[c] = static_cast<float>((i * (c + 3)) % 11) / 11;
     }
   }
   return veils;
@@ -270,19 +270,19 @@ TEST(LineLight, TheAverageIsThatOfEveryVoxelInAll26Directions) {
       NoProgress progress;
       const LineAverages found =
           average_along_lines(*reader, {0, along, {}}, tones, veils, progress);
-      std::vector<std::array<double, 4>> expected(found.colours.size(), {0, 0, 0, 1});
+      std::vector<std::array<double, 4>> expected(found.colors.size(), {0, 0, 0, 1});
       visit_farthest_first(found.lines, [&, &values = cube](const Index3& v, std::size_t line) {
         const ToneVeil& veil = veils[static_cast<std::size_t>(values.at(v))];
         const double a = static_cast<double>(veil.opacity);
         for (std::size_t c = 0; c < 3; ++c) {
-          expected[line][c] = expected[line][c] * (1 - a) + static_cast<double>(veil.colour[c]) * a;
+          expected[line][c] = expected[line][c] * (1 - a) + static_cast<double>(veil.color[c]) * a;
         }
         expected[line][3] *= 1 - a;
       });
       double worst = 0;
       for (std::size_t i = 0; i < expected.size(); ++i) {
         for (std::size_t c = 0; c < 4; ++c) {
-          const double difference = static_cast<double>(found.colours[i][c]) - expected[i][c];
+          const double difference = static_cast<double>(found.colors[i][c]) - expected[i][c];
           worst = std::max(worst, std::abs(difference));
         }
       }
@@ -352,14 +352,14 @@ TEST(LineLight, CoarseLevelsAreSummedFromTheirSamples) {
 TEST(LineLight, TheNumberOfThreadsChangesNothing) {
   const auto& reader = scene_files().back()->reader;
   const ToneMap tones = identity(*reader);
-  std::vector<LineColour> first;
+  std::vector<LineColor> first;
   for (const int threads : {1, 2}) {
     tbb::task_arena(threads).execute([&] {
       NoProgress progress;
       auto found = average_along_lines(*reader, {0, {1, 1, 1}, {}}, tones, veils_of(tones),
                                        progress);
-      if (first.empty()) first = std::move(found.colours);
-      else EXPECT_EQ(found.colours, first);
+      if (first.empty()) first = std::move(found.colors);
+      else EXPECT_EQ(found.colors, first);
     });
   }
 }

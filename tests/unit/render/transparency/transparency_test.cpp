@@ -12,6 +12,7 @@
 #include "octavo/core/error.h"
 #include "octavo/planes/phantom.h"
 #include "support/built_file.h"
+#include "support/source_folder.h"
 
 namespace octavo {
 namespace {
@@ -253,7 +254,7 @@ void expect_like(const std::string& name, const Picture& picture) {
     std::ofstream(std::string(folder) + "/" + name, std::ios::binary)
         .write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
   }
-  const Picture kept = read_png(std::string(OCTAVO_SOURCE_DIR "/tests/unit/render/golden/") + name);
+  const Picture kept = read_png(testing::source_folder() + "/tests/unit/render/golden/" + name);
   ASSERT_EQ(kept.pixels.size(), picture.pixels.size()) << name;
   double sum = 0;
   int most = 0;

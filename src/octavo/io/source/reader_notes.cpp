@@ -1,4 +1,4 @@
-#include "octavo/io/isolation/reader_notes.h"
+#include "octavo/io/source/reader_notes.h"
 
 #include <sys/mman.h>
 #include <unistd.h>

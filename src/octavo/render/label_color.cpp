@@ -1,4 +1,4 @@
-#include "octavo/render/label_colour.h"
+#include "octavo/render/label_color.h"
 
 namespace octavo {
 
@@ -12,7 +12,7 @@ struct Shade {
 constexpr Shade kShades[] = {{200, 255}, {140, 230}, {230, 175}};
 
 /// The hexcone model in integers: hue 0 .. 65535 runs red, yellow, green, cyan, blue, magenta.
-Colour colour_of_hue(unsigned hue, const Shade& shade) {
+Color color_of_hue(unsigned hue, const Shade& shade) {
   const unsigned scaled = hue * 6;
   const int sector = static_cast<int>(scaled >> 16);
   const int part = static_cast<int>(scaled >> 8 & 0xff);
@@ -35,12 +35,12 @@ Colour colour_of_hue(unsigned hue, const Shade& shade) {
 
 }  // namespace
 
-Colour label_colour(std::int64_t label) {
+Color label_color(std::int64_t label) {
   if (label == 0) return {0, 0, 0};
   constexpr std::uint64_t kGoldenStep = 40503;  // 65536 / golden ratio
   const auto number = static_cast<std::uint64_t>(label);
   const auto hue = static_cast<unsigned>(number * kGoldenStep & 0xffff);
-  return colour_of_hue(hue, kShades[number % 3]);
+  return color_of_hue(hue, kShades[number % 3]);
 }
 
 }  // namespace octavo

@@ -1,4 +1,4 @@
-// One colour per label.
+// One color per label.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,8 @@
 
 namespace octavo {
 
-/// The colour of a label, the same in every picture; 0 is black. Neighbouring labels differ
+/// The color of a label, the same in every picture; 0 is black. Neighboring labels differ
 /// strongly: hues step by the golden ratio of the circle, with three shades in turn.
-Colour label_colour(std::int64_t label);
+Color label_color(std::int64_t label);
 
 }  // namespace octavo

@@ -1,4 +1,4 @@
-#include "octavo/render/colour_names.h"
+#include "octavo/render/color_names.h"
 
 #include <charconv>
 
@@ -8,7 +8,7 @@ namespace {
 
 struct Named {
   std::string_view name;
-  Colour colour;
+  Color color;
 };
 
 constexpr Named kNamed[] = {{"black", {0, 0, 0}},      {"white", {255, 255, 255}},
@@ -18,21 +18,21 @@ constexpr Named kNamed[] = {{"black", {0, 0, 0}},      {"white", {255, 255, 255}
 
 }  // namespace
 
-std::optional<Colour> find_colour(std::string_view text) {
+std::optional<Color> find_color(std::string_view text) {
   for (const Named& named : kNamed) {
-    if (named.name == text) return named.colour;
+    if (named.name == text) return named.color;
   }
   if (text.size() != 7 || text[0] != '#') return std::nullopt;
-  Colour colour{};
+  Color color{};
   for (std::size_t i = 0; i < 3; ++i) {
     const char* const begin = text.data() + 1 + 2 * i;
-    const auto read = std::from_chars(begin, begin + 2, colour[i], 16);
+    const auto read = std::from_chars(begin, begin + 2, color[i], 16);
     if (read.ec != std::errc() || read.ptr != begin + 2) return std::nullopt;
   }
-  return colour;
+  return color;
 }
 
-std::string colour_names() {
+std::string color_names() {
   std::string names;
   for (const Named& named : kNamed) {
     names += (names.empty() ? "" : ", ") + std::string(named.name);

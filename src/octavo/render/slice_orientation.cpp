@@ -1,4 +1,4 @@
-#include "octavo/render/slice/slice_orientation.h"
+#include "octavo/render/slice_orientation.h"
 
 #include <cmath>
 #include <utility>

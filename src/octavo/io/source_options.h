@@ -1,0 +1,50 @@
+// What a user may say about a source: how to read it, what to take of it, what to mend.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "octavo/core/box.h"
+#include "octavo/core/geometry.h"
+#include "octavo/core/voxel_type.h"
+
+namespace octavo {
+
+struct RawLayout {
+  Size3 size;
+  VoxelType type = VoxelType::uint8;
+  bool big_endian = false;
+  std::uint64_t header_bytes = 0;
+};
+
+/// Parses "nx,ny,nz,type" (type may end in ":be"). Throws Error{invalid_argument}.
+RawLayout parse_raw_layout(const std::string& text);
+
+/// What happens where slices of a series are missing or lie unevenly.
+enum class GapPolicy {
+  error,     ///< the series is refused
+  fill,      ///< planes missing on an even grid are interpolated between their neighbours
+  ignore,    ///< a stack of numbered files is taken as it is
+  resample,  ///< planes at the smallest regular step are interpolated along the normal
+};
+
+struct SourceOptions {
+  std::optional<RawLayout> raw;  ///< the paths are headerless planes (one file, or one per plane)
+  std::optional<Point3> spacing_mm;       ///< overrides, or supplies what the files lack
+  std::string series;                     ///< DICOM SeriesInstanceUID, when a folder holds several
+  GapPolicy on_gap = GapPolicy::error;    ///< ignore: TIFF and PNG stacks; the others: DICOM
+  bool drop_duplicates = false;           ///< DICOM: of equal slices at one place one is taken
+  bool untilt = false;                    ///< DICOM: slices sheared by a tilt are put upright
+  std::string segment;  ///< DICOM SEG: the number or the label of the segment that is taken
+  std::string channel;  ///< a number from 0 or a name, where a voxel has several values
+  std::optional<std::int64_t> time;  ///< from 0, where there are several volumes in time
+  bool keep_identity = false;             ///< names, dates, free text enter the metadata
+  std::uint64_t max_memory_bytes =
+      0;  ///< 0: none; whole-volume formats beyond it: Error{limit_exceeded}
+
+  /// The first option set here that only DICOM sources understand, as "--untilt"; or nothing.
+  std::string dicom_option() const;
+};
+
+}  // namespace octavo
