@@ -19,7 +19,7 @@
 #include "common/context.h"
 #include "common/failure.h"
 #include "common/isotropic_option.h"
-#include "common/option_checks.h"
+#include "common/options.h"
 #include "octavo/io/isolation/import_worker.h"
 #include "verbs.h"
 
@@ -89,7 +89,7 @@ int run_program(int argc, char** argv) {
   app.get_formatter()->column_width(32);
   app.footer(kExitCodes);
   app.require_subcommand(1);
-  add_global_options(app, context);
+  add_global_options(Verb(app), context);
   try {
     add_verbs(app, context);
     refuse_empty_texts(app);

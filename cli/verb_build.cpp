@@ -8,8 +8,8 @@
 #include "common/inputs.h"
 #include "common/isotropic_option.h"
 #include "common/label_hint.h"
+#include "common/options.h"
 #include "common/quantities.h"
-#include "common/verb.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -139,7 +139,7 @@ int run_build(const Arguments& arguments, Context& context) {
 
 void add_build(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& verb = add_verb(app, context, kText,
+  Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_build(*arguments, context); });
   verb.add_option("inputs", arguments->inputs, "One folder or file, or the files of a stack")
       ->type_name("SOURCE")
@@ -147,14 +147,14 @@ void add_build(CLI::App& app, Context& context) {
   verb.add_option("-o,--output", arguments->output, "The file to write")
       ->type_name("FILE")
       ->required();
-  CLI::Option* labels =
+  Option labels =
       verb.add_flag("--labels", arguments->labels, "A mask or label map: numbers are names");
   verb.add_flag("--grey", arguments->grey,
                 "Measured values (default; labels are told by their name)")
       ->excludes(labels);
   verb.add_option("--preset", arguments->preset, "small: fewest bytes; fast: several times faster")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"small", "fast"}))
+      ->check(one_of({"small", "fast"}))
       ->capture_default_str();
   verb.add_option("--max-error", arguments->max_error,
                   "How far a voxel may end up from its source, real units; 0: lossless")

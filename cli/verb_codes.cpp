@@ -17,9 +17,9 @@
 #include "common/label_trees.h"
 #include "common/made_by_words.h"
 #include "common/masks.h"
+#include "common/options.h"
 #include "common/progress_line.h"
 #include "common/quantities.h"
-#include "common/verb.h"
 #include "common/volume_json.h"
 #include "octavo/octree/condense.h"
 #include "octavo/octree/neighbors.h"
@@ -443,12 +443,12 @@ int run_codes(const Arguments& arguments, const Context& context) {
 
 void add_codes(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& verb = add_verb(app, context, kText,
+  Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_codes(*arguments, context); });
   verb.add_option("file", arguments->input, "An .8vo file or a URL of one")
       ->type_name("FILE")
       ->required();
-  CLI::Option* label =
+  Option label =
       verb.add_option("--label", arguments->labels, "Only this label (may be repeated)");
   label->type_name("N")->allow_extra_args(false);
   verb.add_option("--range", arguments->range, "A mask: real values from LO to HI, both included")
@@ -457,8 +457,8 @@ void add_codes(CLI::App& app, Context& context) {
   verb.add_option("--level", arguments->level, "Level of detail whose samples are condensed")
       ->type_name("K")
       ->capture_default_str();
-  CLI::Option* list = verb.add_flag("--list", arguments->list, "Print every leaf");
-  CLI::Option* counts =
+  Option list = verb.add_flag("--list", arguments->list, "Print every leaf");
+  Option counts =
       verb.add_flag("--counts", arguments->counts, "Count leaves by label and level");
   verb.add_option("--neighbors", arguments->neighbors, "Print what lies beside this cube")
       ->type_name("CODE")
@@ -466,7 +466,7 @@ void add_codes(CLI::App& app, Context& context) {
       ->excludes(counts);
   verb.add_option("--notation", arguments->notation, "Of codes: mixed (mixed-octal) or linear")
       ->type_name("NAME")
-      ->check(CLI::IsMember({"mixed", "linear"}))
+      ->check(one_of({"mixed", "linear"}))
       ->capture_default_str();
 }
 

@@ -8,8 +8,8 @@
 #include "common/failure.h"
 #include "common/inputs.h"
 #include "common/masks.h"
+#include "common/options.h"
 #include "common/quantities.h"
-#include "common/verb.h"
 #include "octavo/ops/mask/set_operations.h"
 #include "verbs.h"
 
@@ -129,7 +129,7 @@ int run_combine(const Arguments& arguments, Context& context) {
 
 void add_combine(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& verb = add_verb(app, context, kText,
+  Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_combine(*arguments, context); });
   verb.add_option("masks", arguments->inputs, "Label maps, .8vo")->type_name("FILE")->required();
   verb.add_option("-o,--output", arguments->output, "The .8vo mask to write")
@@ -137,14 +137,13 @@ void add_combine(CLI::App& app, Context& context) {
       ->required();
   verb.add_flag("--resample", arguments->is_resampling,
                 "Bring further masks onto the grid of the first");
-  CLI::Option_group* const operation = verb.add_option_group("Operation", "One of");
-  operation->add_flag("--union", arguments->is_union, "Voxels that are in any mask");
-  operation->add_flag("--intersect", arguments->is_intersection, "Voxels that are in all masks");
-  operation->add_flag("--subtract", arguments->is_difference,
+  Verb operation = verb.add_choice("Operation");
+  operation.add_flag("--union", arguments->is_union, "Voxels that are in any mask");
+  operation.add_flag("--intersect", arguments->is_intersection, "Voxels that are in all masks");
+  operation.add_flag("--subtract", arguments->is_difference,
                       "Voxels of the first mask that are in no other");
-  operation->add_flag("--xor", arguments->is_xor, "Voxels that are in an odd number of masks");
-  operation->add_flag("--complement", arguments->is_complement, "Voxels that are not in the mask");
-  operation->require_option(1);
+  operation.add_flag("--xor", arguments->is_xor, "Voxels that are in an odd number of masks");
+  operation.add_flag("--complement", arguments->is_complement, "Voxels that are not in the mask");
 }
 
 }  // namespace octavo::cli

@@ -7,10 +7,10 @@
 #include "common/failure.h"
 #include "common/inputs.h"
 #include "common/label_trees.h"
+#include "common/options.h"
 #include "common/plane_compare.h"
 #include "common/progress_line.h"
 #include "common/quantities.h"
-#include "common/verb.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -86,11 +86,11 @@ int run_compare(const Arguments& arguments, Context& context) {
 
 void add_compare(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& verb = add_verb(app, context, kText,
+  Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_compare(*arguments, context); });
   verb.add_option("a", arguments->a, "The first volume")->type_name("VOLUME")->required();
   verb.add_option("b", arguments->b, "The second volume")->type_name("VOLUME")->required();
-  CLI::Option* labels =
+  Option labels =
       verb.add_flag("--labels", arguments->labels, "Compare two label maps label by label");
   verb.add_option("--max-error,--tolerance", arguments->max_error,
                   "Largest difference, in real units, that counts as equal")

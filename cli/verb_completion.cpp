@@ -1,10 +1,12 @@
 // octavo completion and manual: made from the option tree, so that they cannot fall behind it.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
+
 #include <memory>
 
 #include "common/failure.h"
-#include "common/verb.h"
+#include "common/options.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -116,11 +118,11 @@ std::string manual_page(const CLI::App& app) {
 
 void add_completion(CLI::App& app, Context& context) {
   const auto shell = std::make_shared<std::string>();
-  CLI::App& verb = add_verb(app, context, kCompletionText, [&app, shell] {
+  Verb verb = add_verb(app, context, kCompletionText, [&app, shell] {
     print(bash_script(app));
     return kExitDone;
   });
-  verb.add_option("shell", *shell, "bash")->required()->check(CLI::IsMember({"bash"}));
+  verb.add_option("shell", *shell, "bash")->required()->check(one_of({"bash"}));
 }
 
 void add_manual(CLI::App& app, Context& context) {

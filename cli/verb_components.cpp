@@ -11,9 +11,8 @@
 #include "common/failure.h"
 #include "common/inputs.h"
 #include "common/masks.h"
-#include "common/option_checks.h"
+#include "common/options.h"
 #include "common/quantities.h"
-#include "common/verb.h"
 #include "common/volume_json.h"
 #include "octavo/ops/mask/components.h"
 #include "octavo/planes/computed_source.h"
@@ -168,7 +167,7 @@ int run_components(const Arguments& arguments, Context& context) {
 
 void add_components(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& verb = add_verb(app, context, kText,
+  Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_components(*arguments, context); });
   verb.add_option("mask", arguments->input, "A label map, .8vo")->type_name("FILE")->required();
   verb.add_option("-o,--output", arguments->output, "The .8vo label map to write")
@@ -176,7 +175,7 @@ void add_components(CLI::App& app, Context& context) {
   verb.add_option("--connectivity", arguments->connectivity,
                   "Voxels are connected by faces (6), edges (18) or corners (26)")
       ->type_name("N")
-      ->check(CLI::IsMember({6, 18, 26}))
+      ->check(one_of({6, 18, 26}))
       ->capture_default_str();
   verb.add_option("--keep-largest", arguments->keep_largest, "Keep only the N largest")
       ->type_name("N")

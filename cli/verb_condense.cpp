@@ -10,8 +10,8 @@
 #include "common/failure.h"
 #include "common/file_planes.h"
 #include "common/inputs.h"
+#include "common/options.h"
 #include "common/quantities.h"
-#include "common/verb.h"
 #include "octavo/builder/flat_cubes.h"
 #include "octavo/builder/metadata_member.h"
 #include "verbs.h"
@@ -76,7 +76,7 @@ int run_condense(Arguments& arguments, Context& context) {
 
 void add_condense(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& verb = add_verb(app, context, kText,
+  Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_condense(*arguments, context); });
   verb.add_option("file", arguments->input, "An .8vo file or a URL of one")
       ->type_name("FILE")

@@ -9,10 +9,10 @@
 
 #include "common/failure.h"
 #include "common/inputs.h"
+#include "common/options.h"
 #include "common/progress_line.h"
 #include "common/quantities.h"
 #include "common/salvaging.h"
-#include "common/verb.h"
 #include "common/volume_json.h"
 #include "octavo/io/export/export.h"
 #include "verbs.h"
@@ -160,7 +160,7 @@ int run_extract(const Arguments& arguments, Context& context) {
   return run_export(arguments, context);
 }
 
-void add_options(CLI::App& verb, const std::shared_ptr<Arguments>& arguments) {
+void add_options(Verb verb, const std::shared_ptr<Arguments>& arguments) {
   verb.add_option("file", arguments->input, "An .8vo file or a URL of one")
       ->type_name("FILE")
       ->required();
@@ -176,7 +176,7 @@ void add_options(CLI::App& verb, const std::shared_ptr<Arguments>& arguments) {
           "Level of detail: 0 is the scan, each level halves it")
       ->type_name("K")
       ->default_str("0");
-  CLI::Option* box = verb.add_option("--box", arguments->box,
+  Option box = verb.add_option("--box", arguments->box,
                                      "x0:x1,y0:y1,z0:z1 in voxels of the level, half-open");
   box->type_name("BOX");
   verb.add_option("--box-mm", arguments->box_mm, "The same in mm: the voxels centered inside")
@@ -190,14 +190,14 @@ void add_options(CLI::App& verb, const std::shared_ptr<Arguments>& arguments) {
 
 void add_export(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& verb = add_verb(app, context, kExportText,
+  Verb verb = add_verb(app, context, kExportText,
                             [arguments, &context] { return run_export(*arguments, context); });
   add_options(verb, arguments);
 }
 
 void add_extract(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& verb = add_verb(app, context, kExtractText,
+  Verb verb = add_verb(app, context, kExtractText,
                             [arguments, &context] { return run_extract(*arguments, context); });
   add_options(verb, arguments);
 }

@@ -8,9 +8,9 @@
 #include "common/identity_words.h"
 #include "common/inputs.h"
 #include "common/made_by_words.h"
+#include "common/options.h"
 #include "common/preparation_words.h"
 #include "common/quantities.h"
-#include "common/verb.h"
 #include "common/volume_json.h"
 #include "octavo/io/source/place_known.h"
 #include "verbs.h"
@@ -194,7 +194,7 @@ int run_info(const Arguments& arguments, const Context& context) {
 
 void add_info(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& verb = add_verb(app, context, kText,
+  Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_info(*arguments, context); });
   verb.add_option("file", arguments->input, "An .8vo file or a URL of one")
       ->type_name("FILE")

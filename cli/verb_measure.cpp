@@ -10,10 +10,9 @@
 #include "common/failure.h"
 #include "common/inputs.h"
 #include "common/masks.h"
-#include "common/option_checks.h"
+#include "common/options.h"
 #include "common/progress_line.h"
 #include "common/quantities.h"
-#include "common/verb.h"
 #include "common/volume_json.h"
 #include "octavo/ops/measure/measure.h"
 #include "verbs.h"
@@ -265,7 +264,7 @@ int run_measure(const Arguments& arguments, Context& context) {
 
 void add_measure(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& verb = add_verb(app, context, kText,
+  Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_measure(*arguments, context); });
   verb.add_option("labels", arguments->input, "A label map, .8vo")->type_name("FILE")->required();
   verb.add_option("--of", arguments->grey, "The grey volume to measure under the labels, .8vo")

@@ -9,9 +9,9 @@
 #include "common/failure.h"
 #include "common/inputs.h"
 #include "common/masks.h"
+#include "common/options.h"
 #include "common/progress_line.h"
 #include "common/quantities.h"
-#include "common/verb.h"
 #include "common/volume_json.h"
 #include "octavo/ops/mask/morphology.h"
 #include "verbs.h"
@@ -158,7 +158,7 @@ int run_morph(const char* name, Operation operation, const Arguments& arguments,
 
 void add_morph(CLI::App& app, Context& context, const VerbText& text, Operation operation) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& verb = add_verb(app, context, text,
+  Verb verb = add_verb(app, context, text,
                             [arguments, operation, name = text.name, &context] {
                               return run_morph(name, operation, *arguments, context);
                             });
@@ -166,16 +166,15 @@ void add_morph(CLI::App& app, Context& context, const VerbText& text, Operation 
   verb.add_option("-o,--output", arguments->output, "The .8vo mask to write")
       ->type_name("FILE")
       ->required();
-  CLI::Option_group* const distance = verb.add_option_group("Distance", "One of");
-  distance->add_option("--mm", arguments->mm, "Radius of the ball, mm, between voxel centers")
+  Verb distance = verb.add_choice("Distance");
+  distance.add_option("--mm", arguments->mm, "Radius of the ball, mm, between voxel centers")
       ->type_name("R");
-  distance->add_option("--voxels", arguments->voxels, "Steps from voxel to neighbor")
+  distance.add_option("--voxels", arguments->voxels, "Steps from voxel to neighbor")
       ->type_name("N");
-  distance->require_option(1);
   verb.add_option("--connectivity", arguments->connectivity,
                   "Neighbors share a face (6, the default), an edge (18) or a corner (26) as well")
       ->type_name("C")
-      ->check(CLI::IsMember({6, 18, 26}));
+      ->check(one_of({6, 18, 26}));
 }
 
 }  // namespace

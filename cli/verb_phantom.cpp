@@ -8,10 +8,10 @@
 #include "common/building.h"
 #include "common/failure.h"
 #include "common/inputs.h"
+#include "common/options.h"
 #include "common/plane_writer.h"
 #include "common/progress_line.h"
 #include "common/quantities.h"
-#include "common/verb.h"
 #include "octavo/planes/phantom.h"
 #include "verbs.h"
 
@@ -122,7 +122,7 @@ int run_phantom(const Arguments& arguments, const Context& context) {
 
 void add_phantom(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& verb = add_verb(app, context, kText,
+  Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_phantom(*arguments, context); });
   verb.add_option("-o,--output", arguments->output, "The .8vo, .raw or .mhd file to write")
       ->type_name("FILE")

@@ -8,8 +8,8 @@
 
 #include "common/failure.h"
 #include "common/inputs.h"
+#include "common/options.h"
 #include "common/quantities.h"
-#include "common/verb.h"
 #include "common/volume_json.h"
 #include "octavo/octree/o_code.h"
 #include "verbs.h"
@@ -167,7 +167,7 @@ int run_probe(const Arguments& arguments, const Context& context) {
 
 void add_probe(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& verb = add_verb(app, context, kText,
+  Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_probe(*arguments, context); });
   verb.add_option("file", arguments->input, "An .8vo file or a URL of one")
       ->type_name("FILE")

@@ -10,12 +10,11 @@
 #include "common/failure.h"
 #include "common/inputs.h"
 #include "common/masks.h"
-#include "common/option_checks.h"
+#include "common/options.h"
 #include "common/quantities.h"
 #include "common/render_scene.h"
 #include "common/render_transparency.h"
 #include "common/value_ranges.h"
-#include "common/verb.h"
 #include "common/volume_json.h"
 #include "octavo/file/storage/pending_file.h"
 #include "octavo/file/storage/storage.h"
@@ -250,11 +249,11 @@ int run_render(const RenderArguments& arguments, Context& context) {
   return kExitDone;
 }
 
-void add_view_options(CLI::App& verb, RenderArguments& arguments) {
+void add_view_options(Verb verb, RenderArguments& arguments) {
   verb.add_option("--size", arguments.size, "Pixels: W, or WxH")
       ->type_name("W[xH]")
       ->capture_default_str();
-  CLI::Option* direction =
+  Option direction =
       verb.add_option("--direction", arguments.direction, "Where the viewer stands");
   direction->type_name("SIDE|X,Y,Z")->capture_default_str();
   verb.add_option("--azimuth", arguments.azimuth, "The viewer's angle around the patient")
@@ -287,7 +286,7 @@ void add_view_options(CLI::App& verb, RenderArguments& arguments) {
 
 void add_render(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<RenderArguments>();
-  CLI::App& verb = add_verb(app, context, kText,
+  Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_render(*arguments, context); });
   verb.add_option("file", arguments->input, "An .8vo file or a URL of one")
       ->type_name("FILE")
@@ -297,7 +296,7 @@ void add_render(CLI::App& app, Context& context) {
       ->required();
   verb.add_option("--mode", arguments->mode, "What is drawn: cubes, surface or transparency")
       ->type_name("MODE")
-      ->check(CLI::IsMember({"cubes", "surface", "transparency"}))
+      ->check(one_of({"cubes", "surface", "transparency"}))
       ->capture_default_str();
   verb.add_option("--range", arguments->ranges, "Values, or labels, to draw")
       ->type_name("LOW:HIGH")
@@ -305,7 +304,7 @@ void add_render(CLI::App& app, Context& context) {
   verb.add_option("--tissue", arguments->tissues, "A range by name")
       ->type_name("NAME")
       ->allow_extra_args(false)
-      ->check(CLI::IsMember(tissue_names()));
+      ->check(one_of(tissue_names()));
   verb.add_option("--level", arguments->level, "Level of detail")
       ->type_name("K")
       ->capture_default_str();

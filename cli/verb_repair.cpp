@@ -7,9 +7,9 @@
 
 #include "common/failure.h"
 #include "common/inputs.h"
+#include "common/options.h"
 #include "common/progress_line.h"
 #include "common/quantities.h"
-#include "common/verb.h"
 #include "octavo/builder/recover.h"
 #include "octavo/file/parallel_read.h"
 #include "octavo/file/repair/mend.h"
@@ -164,7 +164,7 @@ int run_repair(const Arguments& arguments, const Context& context) {
 
 void add_repair(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& verb = add_verb(app, context, kText,
+  Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_repair(*arguments, context); });
   verb.add_option("file", arguments->input, "What was being built, what is left of it, or a "
                                             "damaged .8vo file")

@@ -8,8 +8,8 @@
 #include "common/failure.h"
 #include "common/inputs.h"
 #include "common/masks.h"
+#include "common/options.h"
 #include "common/quantities.h"
-#include "common/verb.h"
 #include "octavo/ops/mask/shell.h"
 #include "verbs.h"
 
@@ -68,7 +68,7 @@ int run_shell(const Arguments& arguments, Context& context) {
 
 void add_shell(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& verb = add_verb(app, context, kText,
+  Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_shell(*arguments, context); });
   verb.add_option("mask", arguments->input, "A label map, .8vo")->type_name("FILE")->required();
   verb.add_option("-o,--output", arguments->output, "The .8vo mask to write")->type_name("FILE");

@@ -10,10 +10,9 @@
 #include "common/cancel.h"
 #include "common/failure.h"
 #include "common/inputs.h"
-#include "common/option_checks.h"
+#include "common/options.h"
 #include "common/quantities.h"
 #include "common/salvaging.h"
-#include "common/verb.h"
 #include "common/volume_json.h"
 #include "octavo/file/storage/pending_file.h"
 #include "octavo/file/storage/storage.h"
@@ -244,7 +243,7 @@ int run_slice(const Arguments& arguments, Context& context) {
 
 void add_slice(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& verb = add_verb(app, context, kText,
+  Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_slice(*arguments, context); });
   verb.add_option("file", arguments->input, "An .8vo file or a URL of one")
       ->type_name("FILE")
@@ -254,9 +253,9 @@ void add_slice(CLI::App& app, Context& context) {
       ->required();
   verb.add_option("--axis", arguments->axis, "The axis the slice lies across: x, y, z or all")
       ->type_name("AXIS")
-      ->check(CLI::IsMember({"x", "y", "z", "all"}))
+      ->check(one_of({"x", "y", "z", "all"}))
       ->capture_default_str();
-  CLI::Option* index = verb.add_option("--index", arguments->index,
+  Option index = verb.add_option("--index", arguments->index,
                                        "Slice number on the level (default: the middle)");
   index->type_name("N");
   verb.add_option("--mm", arguments->mm, "Slice position in mm (LPS)")

@@ -13,9 +13,9 @@
 #include "common/file_planes.h"
 #include "common/inputs.h"
 #include "common/masks.h"
+#include "common/options.h"
 #include "common/quantities.h"
 #include "common/value_ranges.h"
-#include "common/verb.h"
 #include "common/volume_json.h"
 #include "verbs.h"
 
@@ -185,7 +185,7 @@ int run_threshold(const Arguments& arguments, Context& context) {
 
 void add_threshold(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& verb = add_verb(app, context, kText,
+  Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_threshold(*arguments, context); });
   verb.add_option("file", arguments->input, "An .8vo file or a URL of one")
       ->type_name("FILE")
@@ -193,10 +193,10 @@ void add_threshold(CLI::App& app, Context& context) {
   verb.add_option("-o,--output", arguments->output, "The .8vo mask to write")
       ->type_name("FILE")
       ->required();
-  CLI::Option* range = verb.add_option("--range", arguments->ranges, "Values LOW:HIGH to take");
+  Option range = verb.add_option("--range", arguments->ranges, "Values LOW:HIGH to take");
   range->type_name("LOW:HIGH")->allow_extra_args(false);
-  CLI::Option* tissue = verb.add_option("--tissue", arguments->tissues, "A range by name");
-  tissue->type_name("NAME")->allow_extra_args(false)->check(CLI::IsMember(tissue_names()));
+  Option tissue = verb.add_option("--tissue", arguments->tissues, "A range by name");
+  tissue->type_name("NAME")->allow_extra_args(false)->check(one_of(tissue_names()));
   verb.add_option("--class", arguments->classes, "Values that get a label: LABEL=LOW:HIGH")
       ->type_name("N=LOW:HIGH")
       ->allow_extra_args(false)

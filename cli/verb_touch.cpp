@@ -11,9 +11,9 @@
 #include "common/geometry_words.h"
 #include "common/inputs.h"
 #include "common/masks.h"
+#include "common/options.h"
 #include "common/progress_line.h"
 #include "common/quantities.h"
-#include "common/verb.h"
 #include "octavo/ops/label/label_adjacency.h"
 #include "octavo/ops/mask/interference.h"
 #include "verbs.h"
@@ -214,7 +214,7 @@ int run_touch(const Arguments& arguments, Context& context) {
 
 void add_touch(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& verb = add_verb(app, context, kText,
+  Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_touch(*arguments, context); });
   verb.add_option("inputs", arguments->inputs, "Two masks, or one label map, .8vo")
       ->type_name("FILE")
@@ -223,7 +223,7 @@ void add_touch(CLI::App& app, Context& context) {
   verb.add_option("--connectivity", arguments->connectivity,
                   "Neighbors share a face (6), a face or an edge (18), a corner as well (26)")
       ->type_name("N")
-      ->check(CLI::IsMember({6, 18, 26}))
+      ->check(one_of({6, 18, 26}))
       ->capture_default_str();
 }
 

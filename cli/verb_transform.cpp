@@ -15,10 +15,10 @@
 #include "common/geometry_words.h"
 #include "common/inputs.h"
 #include "common/masks.h"
+#include "common/options.h"
 #include "common/progress_line.h"
 #include "common/quantities.h"
 #include "common/turn_words.h"
-#include "common/verb.h"
 #include "common/volume_json.h"
 #include "octavo/builder/metadata_member.h"
 #include "octavo/file/write/copy_described.h"
@@ -537,7 +537,7 @@ int run_transform(const Arguments& arguments, Context& context) {
 
 void add_transform(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& verb = add_verb(app, context, kText,
+  Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_transform(*arguments, context); });
   const auto add = [&](const char* name, std::string& value, const char* text, const char* type) {
     return verb.add_option(name, value, text)->type_name(type);
@@ -572,11 +572,11 @@ void add_transform(CLI::App& app, Context& context) {
                 "Keep direction and center of the grid: the object turns or grows");
   add("--interpolation", arguments->interpolation,
       "nearest, linear or cubic (default: linear; labels: nearest)", "NAME")
-      ->check(CLI::IsMember({"nearest", "linear", "cubic"}));
+      ->check(one_of({"nearest", "linear", "cubic"}));
   add("--fill", arguments->fill,
       "Real value from outside (default: the least of the volume; labels: 0)", "V");
   add("--preset", arguments->preset, "small: fewest bytes; fast: several times faster", "NAME")
-      ->check(CLI::IsMember({"small", "fast"}))
+      ->check(one_of({"small", "fast"}))
       ->capture_default_str();
   add("--max-error", arguments->max_error, "Every new voxel within E of what was computed", "E")
       ->capture_default_str();

@@ -8,11 +8,11 @@
 #include "common/file_planes.h"
 #include "common/inputs.h"
 #include "common/isotropic_option.h"
+#include "common/options.h"
 #include "common/plane_compare.h"
 #include "common/preparation_words.h"
 #include "common/progress_line.h"
 #include "common/quantities.h"
-#include "common/verb.h"
 #include "common/volume_json.h"
 #include "octavo/builder/float_planes.h"
 #include "octavo/file/parallel_read.h"
@@ -217,7 +217,7 @@ int run_verify(const Arguments& arguments, Context& context) {
 
 void add_verify(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& verb = add_verb(app, context, kText,
+  Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_verify(*arguments, context); });
   verb.add_option("file", arguments->input, "An .8vo file or a URL of one")
       ->type_name("FILE")

@@ -4,6 +4,10 @@
 
 #include "common/context.h"
 
+namespace CLI {
+class App;
+}
+
 namespace octavo::cli {
 
 void add_build(CLI::App& app, Context& context);

@@ -10,10 +10,6 @@
 #include <string>
 #include <vector>
 
-namespace CLI {
-class App;
-}
-
 namespace octavo::cli {
 
 enum class ProgressMode { automatic, bar, plain, json, none };
@@ -43,9 +39,6 @@ struct Context {
   /// Threads to start: --threads, or the cores of this machine.
   int thread_count() const;
 };
-
-/// Adds the global options to `app` (the program and every verb have them).
-void add_global_options(CLI::App& app, Context& context);
 
 /// Writes `text` to standard output and proves that it got there.
 /// Throws Error{io} on a full disk or a closed pipe.

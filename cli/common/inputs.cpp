@@ -1,6 +1,5 @@
 #include "common/inputs.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -131,7 +130,7 @@ IsolationOptions isolation_options(const Context& context) {
 
 }  // namespace
 
-void add_source_options(CLI::App& verb, SourceArguments& arguments) {
+void add_source_options(Verb verb, SourceArguments& arguments) {
   const std::string group = "Reading a source";
   verb.add_option("--raw", arguments.raw,
                   "Headerless voxels: nx,ny,nz,TYPE (int16, u8, u16:be ...)")
@@ -158,7 +157,7 @@ void add_source_options(CLI::App& verb, SourceArguments& arguments) {
                   "DICOM slices missing or uneven: refuse, fill an even grid, or resample all; "
                   "numbered files whose numbers skip or tell no order: refuse or ignore")
       ->type_name("HOW")
-      ->check(CLI::IsMember({"error", "fill", "resample", "ignore"}))
+      ->check(one_of({"error", "fill", "resample", "ignore"}))
       ->capture_default_str()
       ->group(group);
   verb.add_flag("--drop-duplicates", arguments.drop_duplicates,

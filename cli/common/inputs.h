@@ -6,12 +6,9 @@
 #include <vector>
 
 #include "common/context.h"
+#include "common/options.h"
 #include "octavo/file/reader.h"
 #include "octavo/planes/plane_source.h"
-
-namespace CLI {
-class App;
-}
 
 namespace octavo::cli {
 
@@ -30,7 +27,7 @@ struct SourceArguments {
   bool keep_identity = false;  ///< asked for by build alone
 };
 
-void add_source_options(CLI::App& verb, SourceArguments& arguments);
+void add_source_options(Verb verb, SourceArguments& arguments);
 
 /// True when `path` names an .8vo file by its extension or its first bytes, or a URL.
 bool is_octavo_path(const std::string& path);

@@ -1,6 +1,5 @@
 #include "common/isotropic_option.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
@@ -39,11 +38,11 @@ std::unique_ptr<PlaneSource> make_planned(const std::string& name,
 
 }  // namespace
 
-void add_isotropic_option(CLI::App& verb, std::string& method) {
+void add_isotropic_option(Verb verb, std::string& method) {
   verb.add_option(kOption, method,
                   "Make planes between thick slices until voxels are cubes; labels by their shapes")
       ->type_name("[METHOD]")
-      ->check(CLI::IsMember(std::vector<std::string>(kMethods.begin(), kMethods.end())));
+      ->check(one_of(std::vector<std::string>(kMethods.begin(), kMethods.end())));
 }
 
 std::vector<std::string> with_isotropic_method(int argc, const char* const* argv) {

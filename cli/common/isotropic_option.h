@@ -7,16 +7,13 @@
 #include <vector>
 
 #include "common/context.h"
+#include "common/options.h"
 #include "octavo/planes/plane_source.h"
-
-namespace CLI {
-class App;
-}
 
 namespace octavo::cli {
 
 /// method  "linear" or "cubic"; empty when it is not given
-void add_isotropic_option(CLI::App& verb, std::string& method);
+void add_isotropic_option(Verb verb, std::string& method);
 
 /// The words of a command line, where an --isotropic without a method gets the one it means, so
 /// that the name behind it is not taken for one.

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -255,8 +254,8 @@ class TransparencyScene final : public RenderScene {
 
 }  // namespace
 
-void add_transparency_options(CLI::App& verb, RenderArguments& arguments) {
-  CLI::Option* average = verb.add_flag(
+void add_transparency_options(Verb verb, RenderArguments& arguments) {
+  Option average = verb.add_flag(
       "--average", arguments.is_average,
       "transparency: what is in front veils what is behind, in place of the sum");
   verb.add_option("--window", arguments.window,

@@ -5,16 +5,13 @@
 #include <string>
 
 #include "common/context.h"
+#include "common/options.h"
 #include "common/render_scene.h"
 #include "octavo/file/reader.h"
 
-namespace CLI {
-class App;
-}
-
 namespace octavo::cli {
 
-void add_transparency_options(CLI::App& verb, RenderArguments& arguments);
+void add_transparency_options(Verb verb, RenderArguments& arguments);
 
 /// Throws Error{invalid_argument} when an option of this mode is given with another, or when there
 /// are more pictures in a turntable than directions around a body.

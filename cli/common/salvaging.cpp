@@ -1,6 +1,5 @@
 #include "common/salvaging.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -87,7 +86,7 @@ std::string fill_text(const SalvagedDamage& damage, const FileReader& reader) {
 
 }  // namespace
 
-void add_salvage_option(CLI::App& verb, SalvageArguments& arguments) {
+void add_salvage_option(Verb verb, SalvageArguments& arguments) {
   verb.add_option_function<std::string>(
           "--salvage",
           [&arguments](const std::string& fill) {
@@ -98,7 +97,7 @@ void add_salvage_option(CLI::App& verb, SalvageArguments& arguments) {
           "value, with a value in real units, or 'coarse': from the next level that is whole")
       ->expected(0, 1)
       ->default_str("lowest")
-      ->check(fill_problem, "", "")
+      ->check({fill_problem, ""})
       ->type_name("[FILL]");
 }
 

@@ -7,11 +7,8 @@
 #include <string>
 
 #include "common/context.h"
+#include "common/options.h"
 #include "octavo/file/repair/salvage.h"
-
-namespace CLI {
-class App;
-}
 
 namespace octavo::cli {
 
@@ -21,7 +18,7 @@ struct SalvageArguments {
   std::string fill;  ///< "lowest", "coarse" or a number in real units
 };
 
-void add_salvage_option(CLI::App& verb, SalvageArguments& arguments);
+void add_salvage_option(Verb verb, SalvageArguments& arguments);
 
 /// `reader` itself, or with --salvage a SalvageReader over it. With --strict damage stays an error:
 /// what would be a warning must not leave a file behind.
