@@ -12,7 +12,7 @@
 #include <optional>
 
 #include "common/failure.h"
-#include "common/file_planes.h"
+#include "octavo/tasks/file_planes.h"
 #include "common/inputs.h"
 #include "common/label_trees.h"
 #include "common/made_by_words.h"

@@ -8,7 +8,7 @@
 
 #include "common/building.h"
 #include "common/failure.h"
-#include "common/file_planes.h"
+#include "octavo/tasks/file_planes.h"
 #include "common/inputs.h"
 #include "common/options.h"
 #include "common/quantities.h"

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "common/failure.h"
-#include "common/geometry_words.h"
+#include "octavo/tasks/geometry_words.h"
 #include "common/identity_words.h"
 #include "common/inputs.h"
 #include "common/made_by_words.h"

@@ -14,7 +14,7 @@
 #include "common/quantities.h"
 #include "common/render_scene.h"
 #include "common/render_transparency.h"
-#include "common/value_ranges.h"
+#include "octavo/tasks/value_ranges.h"
 #include "common/volume_json.h"
 #include "octavo/file/storage/pending_file.h"
 #include "octavo/file/storage/storage.h"

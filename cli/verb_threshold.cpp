@@ -1,22 +1,16 @@
 // octavo threshold: a mask, or classes, from the values of a volume.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstring>
-#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
-#include "common/file_planes.h"
-#include "common/inputs.h"
-#include "common/masks.h"
 #include "common/options.h"
 #include "common/quantities.h"
-#include "common/value_ranges.h"
-#include "common/volume_json.h"
+#include "common/task_run.h"
+#include "octavo/tasks/threshold.h"
+#include "octavo/tasks/volume_facts.h"
+#include "text/value_range_words.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -46,138 +40,65 @@ struct Arguments {
   bool stored = false;
 };
 
-struct Class {
-  std::int64_t label = 1;
-  ValueWindow window;
-};
+ValueClass parse_class(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  const std::int64_t label =
+      equals == std::string::npos ? 0 : parse_integer(text.substr(0, equals), "--class");
+  if (label < 1 || label > 255) {
+    throw Error(ErrorKind::invalid_argument,
+                fmt::format("--class: '{}'; expected LABEL=LOW:HIGH with a label of 1 to 255",
+                            escaped(text)));
+  }
+  return {label, parse_range(text.substr(equals + 1), "--class")};
+}
 
-std::vector<Class> asked_classes(const Arguments& arguments, const VolumeDescription& volume,
-                                 nlohmann::ordered_json& made_by) {
-  std::vector<Class> classes;
-  const auto add = [&](std::int64_t label, const AskedRange& range) {
-    classes.push_back({label, stored_window(range, volume, arguments.stored)});
-    made_by["ranges"].push_back({{"label", label},
-                                 {"low", range_end_json(range.lowest)},
-                                 {"high", range_end_json(range.highest)}});
-  };
-  for (const std::string& text : arguments.ranges) add(1, parse_range(text, "--range"));
-  for (const std::string& name : arguments.tissues) {
-    add(1, tissue_range(name, volume, arguments.input));
-  }
-  for (const std::string& text : arguments.classes) {
-    const std::size_t equals = text.find('=');
-    const std::int64_t label =
-        equals == std::string::npos ? 0 : parse_integer(text.substr(0, equals), "--class");
-    if (label < 1 || label > 255) {
-      throw Error(ErrorKind::invalid_argument,
-                  fmt::format("--class: '{}'; expected LABEL=LOW:HIGH with a label of 1 to 255",
-                              escaped(text)));
-    }
-    add(label, parse_range(text.substr(equals + 1), "--class"));
-  }
-  if (classes.empty()) {
+ThresholdOptions options_of(const Arguments& arguments, const Context& context) {
+  if (arguments.ranges.empty() && arguments.tissues.empty() && arguments.classes.empty()) {
     throw Error(ErrorKind::invalid_argument,
                 "threshold needs --range LOW:HIGH, --tissue or --class");
   }
-  return classes;
+  ThresholdOptions options;
+  options.input = arguments.input;
+  options.output = {arguments.output, context.force};
+  for (const std::string& text : arguments.ranges) {
+    options.ranges.push_back(parse_range(text, "--range"));
+  }
+  options.tissues = arguments.tissues;
+  for (const std::string& text : arguments.classes) options.classes.push_back(parse_class(text));
+  options.is_stored = arguments.stored;
+  return options;
 }
 
-/// Planes of class labels, from planes of values.
-class ClassPlanes final : public PlaneSource {
- public:
-  ClassPlanes(std::unique_ptr<PlaneSource> values, std::vector<Class> classes,
-              const nlohmann::ordered_json& made_by)
-      : values_(std::move(values)),
-        classes_(std::move(classes)),
-        description_(label_description(values_->description(), VoxelType::uint8, made_by)) {}
-
-  const VolumeDescription& description() const override { return description_; }
-  const std::vector<std::string>& warnings() const override { return values_->warnings(); }
-  /// Voxels of each label.
-  const std::array<std::uint64_t, 256>& counts() const { return counts_; }
-
-  void read_plane(std::span<std::byte> plane) override {
-    const VoxelType type = values_->description().type;
-    buffer_.resize(plane.size() * static_cast<std::size_t>(bytes_per_voxel(type)));
-    values_->read_plane(buffer_);
-    with_voxel_type(type, [&](auto id) {
-      using T = typename decltype(id)::type;
-      for (std::size_t i = 0; i < plane.size(); ++i) {
-        T value;
-        std::memcpy(&value, buffer_.data() + i * sizeof value, sizeof value);
-        const std::uint8_t label = label_of(static_cast<double>(value));
-        plane[i] = static_cast<std::byte>(label);
-        ++counts_[label];
-      }
-    });
-  }
-
- private:
-  std::uint8_t label_of(double value) const {
-    for (const Class& c : classes_) {
-      if (c.window.contains(value)) return static_cast<std::uint8_t>(c.label);
-    }
-    return 0;
-  }
-
-  std::unique_ptr<PlaneSource> values_;
-  std::vector<Class> classes_;
-  VolumeDescription description_;
-  std::vector<std::byte> buffer_;
-  std::array<std::uint64_t, 256> counts_{};
-};
-
-void report(const Arguments& arguments, const VolumeDescription& volume,
-            const std::array<std::uint64_t, 256>& counts, const BuildResult& built,
-            const Context& context) {
-  nlohmann::ordered_json objects = nlohmann::ordered_json::array();
+std::string report_text(const Arguments& arguments, const ThresholdResult& result) {
+  const auto all = static_cast<double>(result.volume.size.voxel_count());
   std::string text;
-  for (std::size_t label = 1; label < counts.size(); ++label) {
-    if (counts[label] == 0 && !(label == 1 && arguments.classes.empty())) continue;
-    const double share =
-        100 * static_cast<double>(counts[label]) / static_cast<double>(volume.size.voxel_count());
-    objects.push_back({{"label", label},
-                       {"voxels", counts[label]},
-                       {"mm3", mm3_json(counts[label], volume)}});
-    const std::string name = arguments.classes.empty() ? "" : fmt::format("label {}: ", label);
-    text += fmt::format("{}: {}{} ({:.3g} % of the volume)\n", arguments.output, name,
-                        volume_text(counts[label], volume), share);
+  for (const LabelVolume& object : result.objects) {
+    text += fmt::format("{}: {}{} ({:.3g} % of the volume)\n", arguments.output,
+                        arguments.classes.empty() ? "" : fmt::format("label {}: ", object.label),
+                        volume_text(object.voxels, result.volume),
+                        100 * static_cast<double>(object.voxels) / all);
   }
-  if (context.json) {
-    print_json({{"output", arguments.output},
-                {"file_bytes", built.file_bytes},
-                {"objects", objects},
-                {"warnings", context.warnings}});
-  } else if (!context.quiet) {
-    print(text.empty() ? arguments.output + ": no voxel is in any class\n" : text);
+  return text.empty() ? arguments.output + ": no voxel is in any class\n" : text;
+}
+
+nlohmann::ordered_json report_json(const Arguments& arguments, const ThresholdResult& result,
+                                   const Context& context) {
+  nlohmann::ordered_json objects = nlohmann::ordered_json::array();
+  for (const LabelVolume& object : result.objects) {
+    objects.push_back({{"label", object.label},
+                       {"voxels", object.voxels},
+                       {"mm3", optional_json(mm3_of(object.voxels, result.volume))}});
   }
+  return {{"output", arguments.output},
+          {"file_bytes", result.file_bytes},
+          {"objects", objects},
+          {"warnings", context.warnings}};
 }
 
 int run_threshold(const Arguments& arguments, Context& context) {
-  require_computed_output(arguments.output, {arguments.input}, context);
-  const std::shared_ptr<const FileReader> reader = open_octavo(arguments.input, context);
-  const VolumeDescription& volume = reader->description();
-  nlohmann::ordered_json made_by = {{"operation", "threshold"},
-                                    {"units", arguments.stored ? "stored" : "real"}};
-  const std::vector<Class> classes = asked_classes(arguments, volume, made_by);
-  std::array<std::uint64_t, 256> counts{};
-  BuildResult built;
-  if (arguments.classes.empty()) {
-    std::vector<ValueWindow> windows;
-    for (const Class& c : classes) windows.push_back(c.window);
-    const MaskTree mask = read_mask(*reader, 0, windows, context);
-    counts[1] = mask.voxel_count();
-    if (counts[1] == 0) {
-      context.warn(arguments.output + ": no voxel lies in the range; the mask is empty");
-    }
-    built = write_mask(mask, volume, made_by, arguments.output, context);
-  } else {
-    ClassPlanes planes(std::make_unique<FilePlanes>(reader, 0, context.thread_count()), classes,
-                       made_by);
-    built = write_labels(planes, arguments.output, context);
-    counts = planes.counts();
-  }
-  report(arguments, volume, counts, built, context);
+  const ThresholdResult result = run_task(threshold, options_of(arguments, context), context);
+  if (context.json) print_json(report_json(arguments, result, context));
+  else if (!context.quiet) print(report_text(arguments, result));
   return kExitDone;
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/failure.h"
-#include "common/geometry_words.h"
+#include "octavo/tasks/geometry_words.h"
 #include "common/inputs.h"
 #include "common/masks.h"
 #include "common/options.h"

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
-#include "common/file_planes.h"
+#include "octavo/tasks/file_planes.h"
 #include "common/inputs.h"
 #include "common/isotropic_option.h"
 #include "common/options.h"

@@ -70,8 +70,8 @@ LIBRARIES = {
     "libcurl": (re.compile(r"curl/"), {"io"}),
     "oneTBB": (re.compile(r"(oneapi/)?tbb/"), set(MAY_INCLUDE) - {"core", "octree"}),
     "Highway": (re.compile(r"hwy/"), {"codec", "ops", "render"}),
-    "nlohmann-json": (re.compile(r"nlohmann/"), {"io", "builder", "planes"}),
-    "fmt": (re.compile(r"fmt/"), {"io"}),
+    "nlohmann-json": (re.compile(r"nlohmann/"), {"io", "builder", "planes", "tasks"}),
+    "fmt": (re.compile(r"fmt/"), {"io", "tasks"}),
     "MPI": (re.compile(r"mpi\.h$"), {"dist"}),
     "CLI11": (re.compile(r"CLI/"), set()),
 }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/cancel.h"
+#include "text/advice.h"
 
 namespace octavo::cli {
 
@@ -13,12 +14,14 @@ namespace {
 
 int report(const Context& context, const Error& error) {
   const int code = exit_code_of(error.kind());
-  std::string text = "octavo: " + one_line(error.what()) + "\n";
+  const std::string advice = advice_for(error);
+  const std::string ending = advice.empty() ? "" : "; " + advice;
+  std::string text = "octavo: " + one_line(error.what() + ending) + "\n";
   if (context.json) {
     nlohmann::ordered_json object = {{"kind", error_kind_name(error.kind())},
                                      {"path", error.path()},
                                      {"offset", nullptr},
-                                     {"detail", error.detail()},
+                                     {"detail", error.detail() + ending},
                                      {"exit_code", code}};
     if (error.offset()) object["offset"] = *error.offset();
     const nlohmann::ordered_json line = {{"error", object}};

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "common/cancel.h"
-#include "common/file_planes.h"
+#include "octavo/tasks/file_planes.h"
 #include "common/quantities.h"
 #include "octavo/core/error.h"
 #include "octavo/file/storage/storage.h"

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "common/geometry_words.h"
+#include "octavo/tasks/geometry_words.h"
 #include "common/quantities.h"
 #include "common/volume_json.h"
 #include "octavo/core/error.h"

@@ -158,47 +158,4 @@ void check_level(const Levels& levels, int level) {
   reject(fmt::format("--level {}; the file has levels 0 to {}", level, levels.count() - 1));
 }
 
-std::string bytes_text(std::uint64_t bytes) {
-  if (bytes < 1000) return counted_text(static_cast<std::int64_t>(bytes), "byte");
-  constexpr std::array<const char*, 4> kUnits = {"kB", "MB", "GB", "TB"};
-  double value = static_cast<double>(bytes) / 1000;
-  std::size_t unit = 0;
-  while (value >= 999.95 && unit + 1 < kUnits.size()) {
-    value /= 1000;
-    ++unit;
-  }
-  return fmt::format("{:.{}f} {}", value, value < 9.995 ? 2 : 1, kUnits[unit]);
-}
-
-std::string duration_text(double seconds) {
-  if (seconds < 9.95) return fmt::format("{:.2g} s", std::max(seconds, 0.001));
-  const auto whole = static_cast<std::int64_t>(std::llround(seconds));
-  if (whole < 60) return fmt::format("{} s", whole);
-  if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
-  return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
-}
-
-std::string number_text(double value) { return fmt::format("{:.6g}", value == 0 ? 0.0 : value); }
-
-std::string size_text(const Size3& size) {
-  return fmt::format("{} x {} x {}", size.x, size.y, size.z);
-}
-
-std::string point_text(const Point3& point, const std::string& separator) {
-  return number_text(point[0]) + separator + number_text(point[1]) + separator +
-         number_text(point[2]);
-}
-
-std::string count_text(std::int64_t count) {
-  std::string digits = std::to_string(count);
-  const std::size_t first = count < 0 ? 1 : 0;
-  for (std::size_t at = digits.size(); at > first + 3;) digits.insert(at -= 3, 1, ',');
-  return digits;
-}
-
-std::string counted_text(std::int64_t count, const std::string& noun, const std::string& plural) {
-  const std::string many = plural.empty() ? noun + "s" : plural;
-  return count_text(count) + " " + (count == 1 ? noun : many);
-}
-
 }  // namespace octavo::cli

@@ -10,6 +10,7 @@
 #include "octavo/core/box.h"
 #include "octavo/core/geometry.h"
 #include "octavo/core/levels.h"
+#include "octavo/core/text.h"
 
 namespace octavo::cli {
 
@@ -41,22 +42,5 @@ Box parse_box_mm(const std::string& text, const Geometry& geometry, const Size3&
 
 /// Throws Error{invalid_argument} unless 0 <= level < levels.count().
 void check_level(const Levels& levels, int level);
-
-/// "512 bytes", "61.0 MB" (powers of 1000).
-std::string bytes_text(std::uint64_t bytes);
-/// "0.42 s", "3 min 05 s", "2 h 10 min".
-std::string duration_text(double seconds);
-/// Up to six significant digits, no trailing zeros: "0.957", "1.5", "-1024".
-std::string number_text(double value);
-/// "512 x 512 x 275".
-std::string size_text(const Size3& size);
-/// "0.957 x 0.957 x 1.5".
-std::string point_text(const Point3& point, const std::string& separator = " x ");
-/// "12,700,800".
-std::string count_text(std::int64_t count);
-/// "1 voxel", "12,700,800 voxels".
-/// plural  where it is not the noun with an s
-std::string counted_text(std::int64_t count, const std::string& noun,
-                         const std::string& plural = "");
 
 }  // namespace octavo::cli

@@ -52,26 +52,12 @@ bool is_spacing_known(const nlohmann::ordered_json& metadata) {
   return known == metadata.end() || !known->is_boolean() || known->get<bool>();
 }
 
-void require_known_spacing(const VolumeDescription& volume, const std::string& path,
-                           const std::string& option, const std::string& instead) {
-  if (is_spacing_known(metadata_of(volume))) return;
-  throw Error(ErrorKind::invalid_argument,
-              option + " needs a known spacing; build it again with --spacing" +
-                  (instead.empty() ? "" : ", or give " + instead),
-              path);
-}
-
 nlohmann::ordered_json if_in_mm(const VolumeDescription& volume,
                                 const nlohmann::ordered_json& value_mm) {
   return is_spacing_known(metadata_of(volume)) ? value_mm : nlohmann::ordered_json(nullptr);
 }
 
 const char* kind_name(VolumeKind kind) { return kind == VolumeKind::labels ? "labels" : "grey"; }
-
-std::uint64_t raw_bytes_of(const VolumeDescription& description) {
-  return static_cast<std::uint64_t>(description.size.voxel_count() *
-                                    bytes_per_voxel(description.type));
-}
 
 std::string real_text(const VolumeDescription& description, const std::string& unit,
                       double stored) {

@@ -7,6 +7,7 @@
 
 #include "octavo/builder/float_planes.h"
 #include "octavo/file/reader.h"
+#include "octavo/tasks/volume_facts.h"
 
 namespace octavo::cli {
 
@@ -19,13 +20,6 @@ std::string unit_of(const nlohmann::ordered_json& metadata);
 /// False when the source carried no spacing and 1 mm was assumed.
 bool is_spacing_known(const nlohmann::ordered_json& metadata);
 
-/// Refuses an option in mm where the spacing is not known.
-/// path     the file of `volume`
-/// instead  what else may be given, as "--voxels"; empty where nothing does the same
-/// Throws   Error{invalid_argument}
-void require_known_spacing(const VolumeDescription& volume, const std::string& path,
-                           const std::string& option, const std::string& instead = "");
-
 /// The number or list as it is, or null where the spacing is not known.
 nlohmann::ordered_json if_in_mm(const VolumeDescription& volume,
                                 const nlohmann::ordered_json& value_mm);
@@ -35,9 +29,6 @@ nlohmann::ordered_json file_json(const FileReader& reader);
 
 /// "grey" or "labels".
 const char* kind_name(VolumeKind kind);
-
-/// Bytes of the voxels without compression.
-std::uint64_t raw_bytes_of(const VolumeDescription& description);
 
 /// "0.5 HU": a difference of stored voxels in real units.
 std::string distance_text(const VolumeDescription& description, const std::string& unit,

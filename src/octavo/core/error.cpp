@@ -57,7 +57,16 @@ Error::Error(ErrorKind kind, std::string detail, std::string path,
       offset_(offset) {}
 
 Error Error::with_path(const std::string& path) const {
-  return path_.empty() ? Error(kind_, detail_, path, offset_) : *this;
+  if (!path_.empty()) return *this;
+  Error placed(kind_, detail_, path, offset_);
+  placed.field_ = field_;
+  return placed;
+}
+
+Error Error::with_field(std::string field) const {
+  Error about = *this;
+  about.field_ = std::move(field);
+  return about;
 }
 
 }  // namespace octavo

@@ -30,8 +30,9 @@ std::string_view error_kind_name(ErrorKind kind) noexcept;
 /// For every string that comes out of a file or a path before it enters a message.
 std::string escaped(std::string_view text);
 
-/// A failure: what went wrong, in which file, where in it.
-/// what() is one line: "PATH: DETAIL", or the detail alone when no path is known.
+/// A failure: what went wrong, in which file, where in it, and which option it is about.
+/// what() is one line: "PATH: DETAIL", or the detail alone when no path is known. What to type or to
+/// call is no business of the library: whoever reports the failure finds it by kind and field.
 class Error : public std::runtime_error {
  public:
   Error(ErrorKind kind, std::string detail, std::string path = {},
@@ -42,14 +43,21 @@ class Error : public std::runtime_error {
   const std::string& path() const noexcept { return path_; }
   std::optional<std::uint64_t> offset() const noexcept { return offset_; }
 
+  /// The field of an options struct that would change the outcome ("max_memory_bytes",
+  /// "spacing_mm"); empty where there is none.
+  const std::string& field() const noexcept { return field_; }
+
   /// The same failure with `path` set, when it has none yet.
   Error with_path(const std::string& path) const;
+  /// The same failure about an option.
+  Error with_field(std::string field) const;
 
  private:
   ErrorKind kind_;
   std::string detail_;
   std::string path_;
   std::optional<std::uint64_t> offset_;
+  std::string field_;
 };
 
 }  // namespace octavo

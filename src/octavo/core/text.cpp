@@ -1,19 +1,37 @@
 #include "octavo/core/text.h"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 
 namespace octavo {
+
+namespace {
+
+/// At most 63 characters of printf.
+template <class... Values>
+std::string formatted(const char* format, Values... values) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), format, values...);
+  return text.data();
+}
+
+}  // namespace
 
 std::string exact_text(double value) {
   char text[32];
   return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
 
-std::string number_text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.7g", value);
-  return text;
+std::string number_text(double value) { return formatted("%.6g", value == 0 ? 0.0 : value); }
+
+std::string precise_text(double value) { return formatted("%.7g", value); }
+
+std::string point_text(const Point3& point, const std::string& separator) {
+  return number_text(point[0]) + separator + number_text(point[1]) + separator +
+         number_text(point[2]);
 }
 
 std::string size_text(std::int64_t x, std::int64_t y) {
@@ -22,6 +40,38 @@ std::string size_text(std::int64_t x, std::int64_t y) {
 
 std::string size_text(const Size3& size) {
   return size_text(size.x, size.y) + " x " + std::to_string(size.z);
+}
+
+std::string count_text(std::int64_t count) {
+  std::string digits = std::to_string(count);
+  const std::size_t first = count < 0 ? 1 : 0;
+  for (std::size_t at = digits.size(); at > first + 3;) digits.insert(at -= 3, 1, ',');
+  return digits;
+}
+
+std::string counted_text(std::int64_t count, const std::string& noun, const std::string& plural) {
+  const std::string many = plural.empty() ? noun + "s" : plural;
+  return count_text(count) + " " + (count == 1 ? noun : many);
+}
+
+std::string bytes_text(std::uint64_t bytes) {
+  if (bytes < 1000) return counted_text(static_cast<std::int64_t>(bytes), "byte");
+  constexpr std::array<const char*, 4> kUnits = {"kB", "MB", "GB", "TB"};
+  double value = static_cast<double>(bytes) / 1000;
+  std::size_t unit = 0;
+  while (value >= 999.95 && unit + 1 < kUnits.size()) {
+    value /= 1000;
+    ++unit;
+  }
+  return formatted("%.*f %s", value < 9.995 ? 2 : 1, value, kUnits[unit]);
+}
+
+std::string duration_text(double seconds) {
+  if (seconds < 9.95) return formatted("%.2g s", std::max(seconds, 0.001));
+  const long long whole = std::llround(seconds);
+  if (whole < 60) return formatted("%lld s", whole);
+  if (whole < 3600) return formatted("%lld min %02lld s", whole / 60, whole % 60);
+  return formatted("%lld h %02lld min", whole / 3600, whole / 60 % 60);
 }
 
 }  // namespace octavo

@@ -49,7 +49,7 @@ std::int64_t grid_steps(const SlicePlaces& places, std::size_t i, double grid_mm
 
 }  // namespace
 
-std::string mm_text(double mm) { return number_text(std::round(mm * 1e4) / 1e4) + " mm"; }
+std::string mm_text(double mm) { return precise_text(std::round(mm * 1e4) / 1e4) + " mm"; }
 
 double tolerance_mm(double step_mm) {
   return std::max(kRelativeTolerance * step_mm, std::min(kLengthToleranceMm, 0.05 * step_mm));

@@ -67,8 +67,8 @@ void require_alike(const DicomSlice& a, const DicomSlice& b) {
   const Rescale& in_a = a.values.rescale;
   const Rescale& in_b = b.values.rescale;
   require_same(a, b, "the rescale",
-               number_text(in_a.slope) + " x + " + number_text(in_a.intercept),
-               number_text(in_b.slope) + " x + " + number_text(in_b.intercept));
+               precise_text(in_a.slope) + " x + " + precise_text(in_a.intercept),
+               precise_text(in_b.slope) + " x + " + precise_text(in_b.intercept));
   if (in_a == in_b) return;
   reject(b, "the rescale differs between " + b.name() + " and " + a.name() +
                 " beyond the digits shown");
@@ -115,8 +115,8 @@ void require_copy(const DicomSlice& kept, const DicomSlice& slice, double sidewa
                       " apart sideways; remove one of them");
   }
   const Point3& at = *kept.position_mm;
-  const std::string place = pair + " lie at the same position (" + number_text(at[0]) + ", " +
-                            number_text(at[1]) + ", " + mm_text(at[2]) + ")";
+  const std::string place = pair + " lie at the same position (" + precise_text(at[0]) + ", " +
+                            precise_text(at[1]) + ", " + mm_text(at[2]) + ")";
   if (!may_drop) {
     reject(slice,
            place + "; remove one of them, or give --drop-duplicates to have copies left out");

@@ -178,7 +178,7 @@ std::string list_text(std::span<const double> values) {
   std::string text;
   for (const double value : values) {
     if (!text.empty()) text += '\\';
-    text += number_text(value);
+    text += precise_text(value);
   }
   return text;
 }

@@ -59,7 +59,7 @@ void require_even(const DicomStack& stack, const SlicePlaces& places,
     faults = "the slices are sheared (gantry tilt): from " + stack.slices.front().name() + " to " +
              stack.slices.back().name() + " they shift " + mm_text(sideways) + " sideways over " +
              mm_text(places.height_mm.back()) + ", an angle of " +
-             number_text(rounded(degrees, 100)) + " degrees";
+             precise_text(rounded(degrees, 100)) + " degrees";
     remedy = "--untilt to resample them upright";
   }
   if (const std::string uneven = find_uneven_step(stack.slices, places);
@@ -93,7 +93,7 @@ double fill_gaps(DicomStack& stack, const SlicePlaces& places) {
                       "resample");
   }
   if (!is_fillable(stack, *missing)) {
-    reject(stack, find_uneven_step(stack.slices, places) + "; " + number_text(*missing) +
+    reject(stack, find_uneven_step(stack.slices, places) + "; " + precise_text(*missing) +
                       " planes would be made from " + count_text(places.count(), "slice") +
                       ": too many to be called filling; find the missing slices, or give "
                       "--on-gap resample");
@@ -117,7 +117,7 @@ double resample_heights(DicomStack& stack, const SlicePlaces& places) {
   if (top / step > kMaxPlaneGrowth * static_cast<double>(places.count())) {
     reject(stack, find_uneven_step(stack.slices, places) + "; at a regular step of " +
                       mm_text(step) + ", " + count_text(places.count(), "slice") + " over " +
-                      mm_text(top) + " would become " + number_text(std::floor(top / step) + 1) +
+                      mm_text(top) + " would become " + precise_text(std::floor(top / step) + 1) +
                       " planes, too many to be made from them; leave out slices that lie far away");
   }
   const auto count = static_cast<std::int64_t>(std::floor((top + tolerance) / step)) + 1;
@@ -175,7 +175,7 @@ void remove_tilt(DicomStack& stack, const SlicePlaces& places) {
   tilt.angle_degrees = tilt_degrees(places);
   if (tilt.angle_degrees > kMaxTiltDegrees) {
     reject(stack, "the slices shift sideways at an angle of " +
-                      number_text(rounded(tilt.angle_degrees, 100)) +
+                      precise_text(rounded(tilt.angle_degrees, 100)) +
                       " degrees, more than the 45 degrees of any gantry: their positions are "
                       "wrong, --untilt does not help");
   }
@@ -198,7 +198,7 @@ void remove_tilt(DicomStack& stack, const SlicePlaces& places) {
   const DicomLayout& layout = *stack.slices.front().layout;
   if (most[0] > kMaxCanvasGrowth * static_cast<double>(layout.columns) ||
       most[1] > kMaxCanvasGrowth * static_cast<double>(layout.rows)) {
-    reject(stack, "the slices shift sideways by " + number_text(std::max(most[0], most[1])) +
+    reject(stack, "the slices shift sideways by " + precise_text(std::max(most[0], most[1])) +
                       " voxels, many times their size of " +
                       size_text(layout.columns, layout.rows) +
                       ": their positions are wrong, --untilt does not help");
@@ -211,12 +211,12 @@ void remove_tilt(DicomStack& stack, const SlicePlaces& places) {
         places.axes.row[i] * least_mm[0] + places.axes.column[i] * least_mm[1];
   }
   stack.warnings.push_back(
-      "gantry tilt of " + number_text(rounded(tilt.angle_degrees, 100)) +
+      "gantry tilt of " + precise_text(rounded(tilt.angle_degrees, 100)) +
       " degrees removed: slices moved within their planes by up to " +
-      number_text(rounded(std::hypot(most[0], most[1]), 10)) + " voxels and " +
+      precise_text(rounded(std::hypot(most[0], most[1]), 10)) + " voxels and " +
       (stack.holds_labels ? "sampled anew" : "interpolated") + "; " +
       size_text(layout.columns, layout.rows) + " grows to " + size_text(tilt.columns, tilt.rows) +
-      ", stored value " + number_text(tilt.outside) + " where no slice reaches");
+      ", stored value " + precise_text(tilt.outside) + " where no slice reaches");
   stack.tilt = std::move(tilt);
 }
 

@@ -24,7 +24,7 @@ std::string line(const char* key, const std::string& value) {
   return std::string(key) + " = " + value + "\n";
 }
 
-std::string point_text(const Point3& p) {
+std::string exact_point(const Point3& p) {
   return exact_text(p[0]) + " " + exact_text(p[1]) + " " + exact_text(p[2]);
 }
 
@@ -60,11 +60,11 @@ ByteString meta_header(const ExportPlan& plan, const std::string& data_file) {
   std::string text = line("ObjectType", "Image") + line("NDims", "3") + line("BinaryData", "True") +
                      line("BinaryDataByteOrderMSB", "False") + line("CompressedData", "False");
   text += line("TransformMatrix", axes_text(plan.geometry));
-  text += line("Offset", point_text(plan.geometry.origin_mm));
+  text += line("Offset", exact_point(plan.geometry.origin_mm));
   text += line("CenterOfRotation", "0 0 0");
   text += line("AnatomicalOrientation",
                plan.place_known ? orientation_text(plan.geometry) : "???");
-  text += line("ElementSpacing", point_text(plan.geometry.spacing_mm));
+  text += line("ElementSpacing", exact_point(plan.geometry.spacing_mm));
   text += line("DimSize", std::to_string(plan.size.x) + " " + std::to_string(plan.size.y) + " " +
                               std::to_string(plan.size.z));
   if (!plan.rescale.is_identity()) {

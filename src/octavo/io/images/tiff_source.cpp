@@ -129,8 +129,8 @@ void require_same_meaning(TiffStack& stack, const TiffDescription& text, const s
   const auto compare = [&](const char* axis, std::optional<double> found,
                            std::optional<double> expected) {
     if (!found || !expected || !differ(*found, *expected)) return;
-    refuse(std::string("voxels along ") + axis + " of", number_text(*found) + " mm",
-           number_text(*expected) + " mm", remedy);
+    refuse(std::string("voxels along ") + axis + " of", precise_text(*found) + " mm",
+           precise_text(*expected) + " mm", remedy);
   };
   compare("x", text.x_mm, first.x_mm);
   compare("y", text.y_mm, first.y_mm);
@@ -379,11 +379,11 @@ void take_spacing(const TiffStack& stack, SourceFacts& facts) {
                              escaped(text.unknown_unit) + "\", which is no unit known here (" +
                              kUnitsRead + ")");
   } else if (text.x_mm && text.y_mm) {
-    facts.warnings.push_back("the file gives pixels of " + number_text(*text.x_mm) + " x " +
-                             number_text(*text.y_mm) + no_distance);
+    facts.warnings.push_back("the file gives pixels of " + precise_text(*text.x_mm) + " x " +
+                             precise_text(*text.y_mm) + no_distance);
   } else if (stack.tag_x_mm > 0 && stack.tag_y_mm > 0) {
-    facts.warnings.push_back("the resolution tags give pixels of " + number_text(stack.tag_x_mm) +
-                             " x " + number_text(stack.tag_y_mm) + no_distance +
+    facts.warnings.push_back("the resolution tags give pixels of " + precise_text(stack.tag_x_mm) +
+                             " x " + precise_text(stack.tag_y_mm) + no_distance +
                              (stack.odd_resolution.empty()
                                   ? ""
                                   : ", those of " + escaped(stack.odd_resolution) + " differ") +

@@ -203,7 +203,7 @@ class IsolatedSource final : public PlaneSource {
 
   [[noreturn]] void reject_silent() {
     const double seconds = std::chrono::duration<double>(options_.plane_limit).count();
-    reject("the reader gave nothing for " + number_text(seconds) + " s" + place() +
+    reject("the reader gave nothing for " + precise_text(seconds) + " s" + place() +
            "; the file is damaged, or the drive it lies on does not answer");
   }
 

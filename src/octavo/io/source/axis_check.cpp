@@ -31,7 +31,7 @@ void refuse_shear(const Geometry& geometry, const std::string& field, const std:
       const double degrees = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
       throw Error(ErrorKind::source_rejected,
                   field + ": the grid is sheared, its axes " + axis_name(a) + " and " +
-                      axis_name(b) + " stand at " + number_text(degrees) +
+                      axis_name(b) + " stand at " + precise_text(degrees) +
                       " degrees, 90 expected: lengths and volumes measured in it would be wrong; "
                       "resample it to perpendicular axes first",
                   path);

@@ -169,7 +169,7 @@ void settle_axis_lengths(const FieldText& matrix, const SourceOptions& options,
     if (!(length > 0) || (!is_unit && !options.spacing_mm)) {
       reject(matrix.path,
              escaped(matrix.name) + ": the vector of axis " + axis_name(axis) + " has length " +
-                 number_text(length) +
+                 precise_text(length) +
                  ", 1 expected, since the spacing stands in ElementSpacing; " +
                  (length > 0 ? "give --spacing x,y,z in mm, which then counts alone, or " : "") +
                  "repair the header");

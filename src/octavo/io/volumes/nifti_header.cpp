@@ -216,7 +216,7 @@ double largest_angle(const Geometry& a, const Geometry& b) {
 }
 
 std::string point_text(const Point3& point) {
-  return number_text(point[0]) + ", " + number_text(point[1]) + ", " + number_text(point[2]);
+  return precise_text(point[0]) + ", " + precise_text(point[1]) + ", " + precise_text(point[2]);
 }
 
 /// What two geometries say differently, the values of both; empty where they agree.
@@ -237,7 +237,7 @@ std::string difference(const Geometry& sform, const Geometry& qform) {
             point_text(qform.spacing_mm) + " mm by the qform";
   }
   if (const double degrees = largest_angle(sform, qform); degrees > kFormDegrees) {
-    text += (text.empty() ? "" : "; ") + std::string("axes ") + number_text(degrees) +
+    text += (text.empty() ? "" : "; ") + std::string("axes ") + precise_text(degrees) +
             " degrees apart";
   }
   if (origin_differs) {
@@ -253,7 +253,7 @@ void note_disagreement(const NiftiHeader& h, const Geometry& sform, double unit_
   const std::string what =
       is_rotation(h) ? difference(sform, qform_geometry(h, unit_mm))
                      : "the quaternion of the qform, b^2 + c^2 + d^2 = " +
-                           number_text(quaternion_square(h)) + ", is no rotation";
+                           precise_text(quaternion_square(h)) + ", is no rotation";
   if (what.empty()) return;
   notes.push_back("sform and qform of the header disagree (" + what + "): the sform is used");
 }
@@ -261,7 +261,7 @@ void note_disagreement(const NiftiHeader& h, const Geometry& sform, double unit_
 void require_rotation(const NiftiHeader& h, const std::string& path) {
   if (is_rotation(h)) return;
   reject(path, "the qform of the header is no rotation: b^2 + c^2 + d^2 of its quaternion is " +
-                   number_text(quaternion_square(h)) +
+                   precise_text(quaternion_square(h)) +
                    ", at most 1 expected; repair the header, or give it an sform");
 }
 

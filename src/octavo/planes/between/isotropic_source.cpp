@@ -42,7 +42,7 @@ std::string count_text(std::int64_t count, const char* noun) {
 }
 
 std::string spacing_text(const Point3& mm) {
-  return number_text(mm[0]) + " x " + number_text(mm[1]) + " x " + number_text(mm[2]) + " mm";
+  return precise_text(mm[0]) + " x " + precise_text(mm[1]) + " x " + precise_text(mm[2]) + " mm";
 }
 
 /// Where a plane lies: between slice `below` and the next one; 0 of the way is the slice itself.
@@ -340,11 +340,11 @@ void tell(IsotropicPlan& plan) {
                     : plan.method == PlaneInterpolation::cubic ? ", cubic"
                                                                : ", linear";
   plan.notice = "isotropic: " + count_text(plan.slices, "slice") + " " +
-                number_text(plan.slice_mm) + " mm apart become " +
-                count_text(plan.planes, "plane") + " " + number_text(plan.plane_mm) +
+                precise_text(plan.slice_mm) + " mm apart become " +
+                count_text(plan.planes, "plane") + " " + precise_text(plan.plane_mm) +
                 " mm apart; " + std::to_string(plan.made_planes) + " of them interpolated" + how;
   if (plan.left_out_mm > 0) {
-    plan.notice += "; the last " + number_text(plan.left_out_mm) +
+    plan.notice += "; the last " + precise_text(plan.left_out_mm) +
                    " mm, less than a plane distance, hold no plane";
   }
 }
@@ -392,7 +392,7 @@ IsotropicPlan plan_isotropic(const VolumeDescription& description, PlaneInterpol
   }
   if (ratio > kMostSteps) {
     throw Error(ErrorKind::source_rejected,
-                "its slices lie " + number_text(ratio) + " pixels apart (voxels of " +
+                "its slices lie " + precise_text(ratio) + " pixels apart (voxels of " +
                     spacing_text(spacing_mm) +
                     "): at most 256 planes are made of one slice; check the spacing, --spacing "
                     "x,y,z sets it");

@@ -1,4 +1,4 @@
-#include "common/geometry_words.h"
+#include "octavo/tasks/geometry_words.h"
 
 #include <fmt/format.h>
 
@@ -8,9 +8,9 @@
 #include <limits>
 #include <numbers>
 
-#include "common/quantities.h"
+#include "octavo/core/text.h"
 
-namespace octavo::cli {
+namespace octavo {
 
 namespace {
 
@@ -113,4 +113,4 @@ double shift_tolerance_mm(const Geometry& geometry) {
   return 1e-3 * *std::min_element(geometry.spacing_mm.begin(), geometry.spacing_mm.end());
 }
 
-}  // namespace octavo::cli
+}  // namespace octavo

@@ -6,7 +6,7 @@
 #include "octavo/core/box.h"
 #include "octavo/core/volume.h"
 
-namespace octavo::cli {
+namespace octavo {
 
 /// "axial slices; x runs right to left, y front to back, z feet to head", with "(tilted 4.1
 /// degrees)" when no axis of the body is met exactly.
@@ -33,4 +33,4 @@ double largest_shift_mm(const Geometry& a, const Geometry& b, const Size3& size)
 /// The shift below which two geometries count as the same: a thousandth of the finest spacing.
 double shift_tolerance_mm(const Geometry& geometry);
 
-}  // namespace octavo::cli
+}  // namespace octavo

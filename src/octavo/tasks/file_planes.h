@@ -7,7 +7,7 @@
 #include "octavo/file/reader.h"
 #include "octavo/planes/plane_source.h"
 
-namespace octavo::cli {
+namespace octavo {
 
 /// Decodes one brick layer at a time with `threads` threads and hands out its planes.
 /// Memory  one layer of bricks of the level (64 planes or fewer), besides the reader's cache
@@ -39,4 +39,4 @@ class FilePlanes final : public PlaneSource {
   std::vector<std::byte> layer_;
 };
 
-}  // namespace octavo::cli
+}  // namespace octavo

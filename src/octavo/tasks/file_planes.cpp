@@ -1,15 +1,16 @@
-#include "common/file_planes.h"
+#include "octavo/tasks/file_planes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <nlohmann/json.hpp>
 
-#include "common/volume_json.h"
+#include "octavo/tasks/volume_facts.h"
 #include "octavo/core/error.h"
 #include "octavo/file/parallel_read.h"
 #include "octavo/io/source/source_identity.h"
 
-namespace octavo::cli {
+namespace octavo {
 
 namespace {
 
@@ -25,9 +26,11 @@ std::int64_t layer_planes(const Levels& levels, int level) {
 /// not.
 std::string passed_on(const FileReader& reader, bool keep_identity) {
   const VolumeDescription& d = reader.description();
-  nlohmann::ordered_json metadata = metadata_of(d);
+  nlohmann::ordered_json metadata =
+      nlohmann::ordered_json::parse(d.metadata_json, nullptr, false);
+  if (!metadata.is_object()) return d.metadata_json;
   const double loss =
-      source_max_error(metadata) + reader.achieved_error() * std::abs(d.rescale.slope);
+      source_max_error(d) + reader.achieved_error() * std::abs(d.rescale.slope);
   const bool drops_identity = !keep_identity && metadata.contains("identity");
   if (loss == 0 && !metadata.contains("coding") && !drops_identity) return d.metadata_json;
   if (drops_identity) {
@@ -82,4 +85,4 @@ void FilePlanes::read_layer() {
   read_parallel(*reader_, layer, level_, layer_.data(), threads_);
 }
 
-}  // namespace octavo::cli
+}  // namespace octavo

@@ -1,17 +1,16 @@
-#include "common/value_ranges.h"
+#include "octavo/tasks/value_ranges.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
-#include "common/quantities.h"
-#include "common/volume_json.h"
+#include "octavo/core/text.h"
+#include "octavo/tasks/volume_facts.h"
 #include "octavo/core/error.h"
 
-namespace octavo::cli {
+namespace octavo {
 
 namespace {
 
@@ -43,23 +42,6 @@ double first_stored(const Rescale& rescale, double real, double first, double la
 
 }  // namespace
 
-AskedRange parse_range(const std::string& text, const char* option) {
-  const std::vector<std::string> ends = split(text, ':');
-  if (ends.size() != 2 || (ends[0].empty() && ends[1].empty())) {
-    throw Error(ErrorKind::invalid_argument,
-                fmt::format("{}: '{}'; expected LOW:HIGH, one of which may be left out", option,
-                            escaped(text)));
-  }
-  AskedRange range;
-  if (!ends[0].empty()) range.lowest = parse_number(ends[0], option);
-  if (!ends[1].empty()) range.highest = parse_number(ends[1], option);
-  if (range.lowest > range.highest) {
-    throw Error(ErrorKind::invalid_argument,
-                fmt::format("{}: '{}'; the lower end comes first", option, escaped(text)));
-  }
-  return range;
-}
-
 std::vector<std::string> tissue_names() {
   std::vector<std::string> names;
   for (const Tissue& tissue : kTissues) names.emplace_back(tissue.name);
@@ -68,21 +50,21 @@ std::vector<std::string> tissue_names() {
 
 AskedRange tissue_range(const std::string& name, const VolumeDescription& volume,
                         const std::string& path) {
-  const std::string unit = unit_of(metadata_of(volume));
+  const std::string unit = unit_of(volume);
   if (unit != "HU") {
     const std::string found = volume.kind == VolumeKind::labels ? "holds labels"
                               : unit.empty()                    ? "is in no known unit"
                                                                 : "is in " + unit;
     throw Error(ErrorKind::invalid_argument,
-                fmt::format("--tissue {}: tissues are ranges in HU, and this volume {}; give "
-                            "--range LOW:HIGH",
+                fmt::format("tissue {}: tissues are ranges in HU, and this volume {}",
                             escaped(name), found),
-                path);
+                path)
+        .with_field("tissues");
   }
   for (const Tissue& tissue : kTissues) {
     if (name == tissue.name) return {tissue.lowest, tissue.highest};
   }
-  throw Error(ErrorKind::internal, "a tissue without a range");
+  throw Error(ErrorKind::invalid_argument, "no tissue is called " + escaped(name));
 }
 
 ValueWindow stored_window(const AskedRange& range, const VolumeDescription& volume,
@@ -113,8 +95,4 @@ ValueWindow stored_window(const AskedRange& range, const VolumeDescription& volu
           -first_stored(mirrored, -high, -greatest, -least)};
 }
 
-nlohmann::ordered_json range_end_json(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-}
-
-}  // namespace octavo::cli
+}  // namespace octavo

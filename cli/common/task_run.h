@@ -1,0 +1,30 @@
+// One call of a task from the command line: its progress on standard error, its warnings and notes
+// where the global options want them, Ctrl-C as its cancellation.
+#pragma once
+
+#include "common/context.h"
+#include "common/progress_line.h"
+#include "octavo/tasks/task_context.h"
+
+namespace octavo::cli {
+
+/// While it lives, SIGINT and SIGTERM ask the task to stop.
+class TaskRun {
+ public:
+  explicit TaskRun(Context& context);
+  const TaskContext& context() const { return task_; }
+
+ private:
+  ProgressLine progress_;
+  TaskContext task_;
+};
+
+/// The result of task(options, context).
+template <class Result, class Options>
+Result run_task(Result (*task)(const Options&, const TaskContext&), const Options& options,
+                Context& context) {
+  const TaskRun run(context);
+  return task(options, run.context());
+}
+
+}  // namespace octavo::cli

@@ -1,0 +1,34 @@
+#include "text/value_range_words.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "common/quantities.h"
+#include "octavo/core/error.h"
+
+namespace octavo::cli {
+
+AskedRange parse_range(const std::string& text, const char* option) {
+  const std::vector<std::string> ends = split(text, ':');
+  if (ends.size() != 2 || (ends[0].empty() && ends[1].empty())) {
+    throw Error(ErrorKind::invalid_argument,
+                fmt::format("{}: '{}'; expected LOW:HIGH, one of which may be left out", option,
+                            escaped(text)));
+  }
+  AskedRange range;
+  if (!ends[0].empty()) range.lowest = parse_number(ends[0], option);
+  if (!ends[1].empty()) range.highest = parse_number(ends[1], option);
+  if (range.lowest > range.highest) {
+    throw Error(ErrorKind::invalid_argument,
+                fmt::format("{}: '{}'; the lower end comes first", option, escaped(text)));
+  }
+  return range;
+}
+
+nlohmann::ordered_json range_end_json(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+
+}  // namespace octavo::cli

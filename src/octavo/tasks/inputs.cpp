@@ -1,0 +1,32 @@
+#include "octavo/tasks/inputs.h"
+
+#include <algorithm>
+
+#include "octavo/core/error.h"
+#include "octavo/file/storage/storage.h"
+#include "octavo/io/http/http_range.h"
+#include "octavo/io/http/http_source.h"
+
+namespace octavo {
+
+bool is_octavo_path(const std::string& path) { return is_url(path) || path.ends_with(".8vo"); }
+
+std::shared_ptr<FileReader> open_volume(const std::string& path, const TaskContext& context) {
+  ReaderOptions options;
+  if (context.max_memory_bytes != 0) {
+    options.cache_bytes = std::min(options.cache_bytes, context.max_memory_bytes / 2);
+  }
+  if (!is_url(path) && local_storage().path_type(path) == PathType::folder) {
+    throw Error(ErrorKind::io, "is a folder, not an 8vo file", path);
+  }
+  return FileReader::open(open_any(path), options);
+}
+
+std::shared_ptr<FileReader> open_labels(const std::string& path, const TaskContext& context) {
+  std::shared_ptr<FileReader> reader = open_volume(path, context);
+  if (reader->description().kind == VolumeKind::labels) return reader;
+  throw Error(ErrorKind::invalid_argument, "holds grey values, not a mask", path)
+      .with_field("input.kind");
+}
+
+}  // namespace octavo

@@ -1,0 +1,22 @@
+// The .8vo files that tasks read: paths and URLs alike.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "octavo/file/reader.h"
+#include "octavo/tasks/task_context.h"
+
+namespace octavo {
+
+/// True when `path` names an .8vo file by its extension, or is a URL.
+bool is_octavo_path(const std::string& path);
+
+/// Opens an .8vo file or an http(s) URL of one, with a cache that fits the memory limit.
+/// Throws what FileReader::open throws; Error{io} for a folder
+std::shared_ptr<FileReader> open_volume(const std::string& path, const TaskContext& context);
+
+/// The same, for label maps alone. Throws Error{invalid_argument} for grey volumes as well.
+std::shared_ptr<FileReader> open_labels(const std::string& path, const TaskContext& context);
+
+}  // namespace octavo

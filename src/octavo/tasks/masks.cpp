@@ -1,0 +1,148 @@
+#include "octavo/tasks/masks.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "octavo/core/error.h"
+#include "octavo/core/text.h"
+#include "octavo/file/storage/storage.h"
+#include "octavo/ops/grid/resample.h"
+#include "octavo/ops/mask/file_mask.h"
+#include "octavo/planes/computed_source.h"
+#include "octavo/tasks/geometry_words.h"
+#include "octavo/tasks/inputs.h"
+#include "octavo/tasks/volume_facts.h"
+
+namespace octavo {
+
+namespace {
+
+/// Every label but 0.
+std::vector<ValueWindow> any_label() {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  return {{-kInfinity, -1}, {1, kInfinity}};
+}
+
+bool is_same_grid(const VolumeDescription& a, const VolumeDescription& b) {
+  return a.size == b.size &&
+         largest_shift_mm(a.geometry, b.geometry, a.size) <= shift_tolerance_mm(a.geometry);
+}
+
+}  // namespace
+
+MaskTree read_mask(const FileReader& reader, int level, std::span<const ValueWindow> windows,
+                   const TaskContext& context) {
+  MaskTree mask;
+  const ProgressScope scope(context.watcher(), "mask", reader.levels().size(level).z, "planes");
+  context.on_threads([&] {
+    mask = mask_of_file(reader, level, windows, context.watcher(), context.max_memory_bytes);
+  });
+  return mask;
+}
+
+OpenedMask open_mask(const std::string& path, const TaskContext& context) {
+  std::shared_ptr<const FileReader> reader = open_labels(path, context);
+  MaskTree tree = read_mask(*reader, 0, any_label(), context);
+  return {path, std::move(reader), std::move(tree)};
+}
+
+MaskOnGrid open_mask_on(const VolumeDescription& volume, const std::string& name,
+                        const std::string& path, const TaskContext& context) {
+  const std::shared_ptr<const FileReader> reader = open_labels(path, context);
+  const VolumeDescription& labels = reader->description();
+  warn_of_unknown_spacing(volume, name, labels, path, context);
+  if (is_same_grid(volume, labels)) return {read_mask(*reader, 0, any_label(), context), false};
+  const std::optional<Affine> to_index = inverse(index_to_world(labels.geometry));
+  if (!to_index) throw Error(ErrorKind::invalid_argument, "its direction is flat", path);
+  const Affine to_source = chained(index_to_world(volume.geometry), *to_index);
+  if (!may_meet(to_source, volume.size, labels.size)) {
+    context.warn(fmt::format("{}: lies wholly outside the grid of {}, so that none of it is taken; "
+                             "it fills {} mm, the grid {} mm",
+                             path, name, extent_text(labels.geometry, labels.size),
+                             extent_text(volume.geometry, volume.size)));
+  }
+  MaskOnGrid mask{MaskTree(), true};
+  const ProgressScope scope(context.watcher(), "resample", volume.size.z, "planes");
+  context.on_threads([&] {
+    mask.tree =
+        resampled_mask(*reader, to_source, volume.size, any_label(), context.watcher(),
+                       context.max_memory_bytes);
+  });
+  return mask;
+}
+
+VolumeDescription label_description(const VolumeDescription& volume, VoxelType type,
+                                    const nlohmann::ordered_json& made_by) {
+  VolumeDescription labels = volume;
+  labels.kind = VolumeKind::labels;
+  labels.type = type;
+  labels.rescale = {};
+  labels.coding.reset();
+  nlohmann::ordered_json metadata =
+      nlohmann::ordered_json::parse(volume.metadata_json, nullptr, false);
+  if (!metadata.is_object()) metadata = {{"unreadable", volume.metadata_json}};
+  // What is said of the values, of the names of labels and of people is not so of these.
+  for (const char* name : {"unit", "coding", "source_max_error", "lossy_source", "identity",
+                           "segments", "segment", "chosen"}) {
+    metadata.erase(name);
+  }
+  metadata["made_by"] = made_by;
+  labels.metadata_json =
+      metadata.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return labels;
+}
+
+BuildResult write_labels(PlaneSource& source, const Output& output, const std::string& work,
+                         const TaskContext& context) {
+  const BuildOptions options = build_options_for(
+      context, output, work, {.kind = VolumeKind::labels, .is_resumable = false});
+  return build_file(source, local_storage(), output.path, options, context.watcher());
+}
+
+BuildResult write_mask(const MaskTree& mask, const VolumeDescription& volume,
+                       const nlohmann::ordered_json& made_by, const Output& output,
+                       const std::string& work, const TaskContext& context) {
+  const auto source = make_computed_source(
+      label_description(volume, VoxelType::uint8, made_by),
+      [&](const Box& box, std::byte* voxels) {
+        fill_voxels(mask, box, reinterpret_cast<std::uint8_t*>(voxels));
+      });
+  return write_labels(*source, output, work, context);
+}
+
+void require_same_grid(const VolumeDescription& volume, const std::string& name,
+                       const VolumeDescription& other, const std::string& path,
+                       const char* advice) {
+  if (volume.size != other.size) {
+    throw Error(ErrorKind::invalid_argument,
+                fmt::format("has {} voxels, {} has {}; {}", size_text(other.size), escaped(name),
+                            size_text(volume.size), advice),
+                path);
+  }
+  const double shift = largest_shift_mm(volume.geometry, other.geometry, volume.size);
+  if (shift <= shift_tolerance_mm(volume.geometry)) return;
+  throw Error(
+      ErrorKind::invalid_argument,
+      fmt::format("lies up to {} mm from {}: origin {} against {} mm, spacing {} against {} mm; "
+                  "{}",
+                  number_text(shift), escaped(name), point_text(other.geometry.origin_mm, ", "),
+                  point_text(volume.geometry.origin_mm, ", "),
+                  point_text(other.geometry.spacing_mm), point_text(volume.geometry.spacing_mm),
+                  advice),
+      path);
+}
+
+void warn_of_unknown_spacing(const VolumeDescription& volume, const std::string& name,
+                             const VolumeDescription& other, const std::string& other_name,
+                             const TaskContext& context) {
+  const bool is_known = is_spacing_known(volume);
+  if (is_known == is_spacing_known(other)) return;
+  context.warn((is_known ? other_name : name) +
+               ": its spacing is not known and is taken for 1 mm, so that the two grids may not "
+               "fit together; give the spacing when it is built");
+}
+
+}  // namespace octavo

@@ -1,0 +1,32 @@
+// The files that tasks write: what is proven of a name before long work, and how a build is set up.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "octavo/builder/builder.h"
+#include "octavo/tasks/task_context.h"
+
+namespace octavo {
+
+/// Where a result goes.
+struct Output {
+  std::string path;
+  bool overwrite = false;  ///< a file of that name, or what is left of its build, is replaced
+};
+
+/// Throws Error{io} when the name cannot be used: too long, a folder, taken and not to be
+/// overwritten.
+void require_free(const Output& output);
+
+/// require_free for an .8vo file that is computed from others. Throws Error{invalid_argument} when
+/// its name does not end in .8vo, or is one of `inputs`, even with overwrite.
+void require_computed(const Output& output, const std::vector<std::string>& inputs);
+
+/// `options` with what the context and the output say: threads, memory, overwriting, and what
+/// becomes of an interrupted build (Interrupted::resume is kept).
+/// work  names the progress
+BuildOptions build_options_for(const TaskContext& context, const Output& output,
+                               const std::string& work, BuildOptions options = {});
+
+}  // namespace octavo

@@ -1,0 +1,42 @@
+#include "octavo/tasks/task_context.h"
+
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "octavo/core/memory_limit.h"
+
+namespace octavo {
+
+void TaskContext::warn(const std::string& text) const {
+  if (on_warning) on_warning(text);
+}
+
+void TaskContext::note(const std::string& text) const {
+  if (on_note) on_note(text);
+}
+
+void TaskContext::detail(const std::string& text) const {
+  if (on_detail) on_detail(text);
+}
+
+Progress& TaskContext::watcher() const {
+  static NoProgress nobody;
+  return progress != nullptr ? *progress : nobody;
+}
+
+int TaskContext::thread_count() const {
+  if (threads > 0) return threads;
+  return static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+}
+
+void TaskContext::on_threads(const std::function<void()>& work) const {
+  tbb::task_arena(thread_count()).execute(work);
+}
+
+void TaskContext::require_memory(std::uint64_t bytes, const char* what) const {
+  require_memory_within(bytes, max_memory_bytes, what);
+}
+
+}  // namespace octavo

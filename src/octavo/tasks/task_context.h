@@ -1,0 +1,48 @@
+// What a caller hands to a task besides its options: how much of the machine it may use, who
+// watches it, and who is told what the caller should know.
+//
+// A task is one function per verb: options in, result out. The command line, Python and a cluster
+// call the same ones; none of them prints, asks or exits.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "octavo/core/progress.h"
+
+namespace octavo {
+
+struct TaskContext {
+  using Listener = std::function<void(const std::string&)>;
+
+  int threads = 0;                     ///< 0: all cores
+  std::uint64_t max_memory_bytes = 0;  ///< 0: no limit
+  /// Watches the work; its is_cancelled() ends the task with Error{cancelled}.
+  Progress* progress = nullptr;
+  /// Told what the user should know although the task goes on. May throw, which ends the task.
+  Listener on_warning;
+  /// Told what was done otherwise than asked, in passing.
+  Listener on_note;
+  /// Told how the work is done, for those who look closely.
+  Listener on_detail;
+
+  void warn(const std::string& text) const;
+  void note(const std::string& text) const;
+  void detail(const std::string& text) const;
+
+  /// `progress`, or one that watches nothing.
+  Progress& watcher() const;
+
+  /// Threads to start: `threads`, or the cores of this machine.
+  int thread_count() const;
+
+  /// Runs `work` on that many threads.
+  void on_threads(const std::function<void()>& work) const;
+
+  /// Throws Error{limit_exceeded} when `bytes` are above max_memory_bytes.
+  /// what  the subject of the message: "the mask"
+  void require_memory(std::uint64_t bytes, const char* what) const;
+};
+
+}  // namespace octavo

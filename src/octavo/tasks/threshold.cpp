@@ -1,0 +1,156 @@
+#include "octavo/tasks/threshold.h"
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "octavo/core/error.h"
+#include "octavo/tasks/file_planes.h"
+#include "octavo/tasks/inputs.h"
+#include "octavo/tasks/masks.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr const char* kWork = "threshold";
+
+using LabelCounts = std::array<std::uint64_t, 256>;
+
+struct StoredClass {
+  std::int64_t label = 1;
+  ValueWindow window;
+};
+
+/// All that was asked for as classes, in the order in which they count.
+std::vector<ValueClass> asked_classes(const ThresholdOptions& options,
+                                      const VolumeDescription& volume) {
+  std::vector<ValueClass> classes;
+  for (const AskedRange& range : options.ranges) classes.push_back({1, range});
+  for (const std::string& name : options.tissues) {
+    classes.push_back({1, tissue_range(name, volume, options.input)});
+  }
+  classes.insert(classes.end(), options.classes.begin(), options.classes.end());
+  if (classes.empty()) {
+    throw Error(ErrorKind::invalid_argument, "a threshold needs a range, a tissue or a class");
+  }
+  for (const ValueClass& one : classes) {
+    if (one.label >= 1 && one.label <= 255) continue;
+    throw Error(ErrorKind::invalid_argument,
+                "label " + std::to_string(one.label) + "; classes have labels of 1 to 255");
+  }
+  return classes;
+}
+
+nlohmann::ordered_json range_end(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+
+nlohmann::ordered_json made_by(const ThresholdOptions& options,
+                               const std::vector<ValueClass>& classes) {
+  nlohmann::ordered_json made = {{"operation", kWork},
+                                 {"units", options.is_stored ? "stored" : "real"}};
+  for (const ValueClass& one : classes) {
+    made["ranges"].push_back({{"label", one.label},
+                              {"low", range_end(one.range.lowest)},
+                              {"high", range_end(one.range.highest)}});
+  }
+  return made;
+}
+
+/// Planes of class labels, from planes of values.
+class ClassPlanes final : public PlaneSource {
+ public:
+  ClassPlanes(std::unique_ptr<PlaneSource> values, std::vector<StoredClass> classes,
+              const nlohmann::ordered_json& made_by)
+      : values_(std::move(values)),
+        classes_(std::move(classes)),
+        description_(label_description(values_->description(), VoxelType::uint8, made_by)) {}
+
+  const VolumeDescription& description() const override { return description_; }
+  const std::vector<std::string>& warnings() const override { return values_->warnings(); }
+  /// Voxels of each label.
+  const LabelCounts& counts() const { return counts_; }
+
+  void read_plane(std::span<std::byte> plane) override {
+    const VoxelType type = values_->description().type;
+    buffer_.resize(plane.size() * static_cast<std::size_t>(bytes_per_voxel(type)));
+    values_->read_plane(buffer_);
+    with_voxel_type(type, [&](auto id) {
+      using T = typename decltype(id)::type;
+      for (std::size_t i = 0; i < plane.size(); ++i) {
+        T value;
+        std::memcpy(&value, buffer_.data() + i * sizeof value, sizeof value);
+        const std::uint8_t label = label_of(static_cast<double>(value));
+        plane[i] = static_cast<std::byte>(label);
+        ++counts_[label];
+      }
+    });
+  }
+
+ private:
+  std::uint8_t label_of(double value) const {
+    for (const StoredClass& c : classes_) {
+      if (c.window.contains(value)) return static_cast<std::uint8_t>(c.label);
+    }
+    return 0;
+  }
+
+  std::unique_ptr<PlaneSource> values_;
+  std::vector<StoredClass> classes_;
+  VolumeDescription description_;
+  std::vector<std::byte> buffer_;
+  LabelCounts counts_{};
+};
+
+/// Writes the mask of all classes, and counts its voxels under label 1.
+BuildResult write_one_mask(const FileReader& reader, const std::vector<StoredClass>& classes,
+                           const nlohmann::ordered_json& made, const ThresholdOptions& options,
+                           const TaskContext& context, LabelCounts& counts) {
+  std::vector<ValueWindow> windows;
+  for (const StoredClass& one : classes) windows.push_back(one.window);
+  const MaskTree mask = read_mask(reader, 0, windows, context);
+  counts[1] = mask.voxel_count();
+  if (counts[1] == 0) {
+    context.warn(options.output.path + ": no voxel lies in the range; the mask is empty");
+  }
+  return write_mask(mask, reader.description(), made, options.output, kWork, context);
+}
+
+}  // namespace
+
+ThresholdResult threshold(const ThresholdOptions& options, const TaskContext& context) {
+  require_computed(options.output, {options.input});
+  const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
+  const VolumeDescription& volume = reader->description();
+  const std::vector<ValueClass> asked = asked_classes(options, volume);
+  const nlohmann::ordered_json made = made_by(options, asked);
+  std::vector<StoredClass> classes;
+  for (const ValueClass& one : asked) {
+    classes.push_back({one.label, stored_window(one.range, volume, options.is_stored)});
+  }
+
+  LabelCounts counts{};
+  BuildResult built;
+  if (options.classes.empty()) {
+    built = write_one_mask(*reader, classes, made, options, context, counts);
+  } else {
+    ClassPlanes planes(std::make_unique<FilePlanes>(reader, 0, context.thread_count()),
+                       std::move(classes), made);
+    built = write_labels(planes, options.output, kWork, context);
+    counts = planes.counts();
+  }
+
+  ThresholdResult result{volume, {}, built.file_bytes};
+  for (std::size_t label = 1; label < counts.size(); ++label) {
+    const bool is_the_mask = label == 1 && options.classes.empty();
+    if (counts[label] == 0 && !is_the_mask) continue;
+    result.objects.push_back({static_cast<std::int64_t>(label), counts[label]});
+  }
+  return result;
+}
+
+}  // namespace octavo
