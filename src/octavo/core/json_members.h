@@ -1,0 +1,22 @@
+// JSON text taken apart into members and put together again.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "octavo/core/json_text.h"
+
+namespace octavo {
+
+/// The members of an object with their values as they are written.
+/// Throws  as JsonReader::next does, and Error{corrupt} where the text is no object
+JsonObject json_members(std::string_view object);
+
+enum class MemberOrder { as_written, by_name };
+
+/// A value as JsonObject writes it: without spaces, with the shortest escapes and digits, and each
+/// member of an object once, the last of its name where the first one stood.
+/// Throws  as JsonReader::next does
+std::string normal_json(std::string_view value, MemberOrder order);
+
+}  // namespace octavo
