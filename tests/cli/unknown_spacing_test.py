@@ -50,19 +50,20 @@ class UnknownSpacing(cli_test.InFolder):
 
     def test_options_in_mm_are_refused_and_told_what_does_the_same(self):
         for option, instead, arguments in [
-            ("--mm", ", or give --index", ["slice", "v.8vo", "--mm", "3", "-o", "s.png"]),
-            ("--mm", ", or give --at", ["probe", "v.8vo", "--mm", "1,1,1"]),
-            ("--box-mm", ", or give --box", ["extract", "v.8vo", "--box-mm", "0:2,0:2,0:2", "-o",
+            ("--mm", ", --index does not", ["slice", "v.8vo", "--mm", "3", "-o", "s.png"]),
+            ("--mm", ", --at does not", ["probe", "v.8vo", "--mm", "1,1,1"]),
+            ("--box-mm", ", --box does not", ["extract", "v.8vo", "--box-mm", "0:2,0:2,0:2", "-o",
                                              "b.raw"]),
-            ("--translate-mm", ", or give --translate",
+            ("--translate-mm", ", --translate does not",
              ["transform", "v.8vo", "--translate-mm", "1,1,1", "-o", "t.8vo"]),
-            ("--mm", ", or give --voxels", ["dilate", "m.8vo", "--mm", "1", "-o", "d.8vo"]),
+            ("--mm", ", --voxels does not", ["dilate", "m.8vo", "--mm", "1", "-o", "d.8vo"]),
             ("--max-mm3", "", ["fill-holes", "m.8vo", "--max-mm3", "1", "-o", "f.8vo"]),
             ("--min-mm3", "", ["components", "m.8vo", "--min-mm3", "1"]),
         ]:
             with self.subTest(arguments):
-                self.expect_refusal(2, [f"octavo: {arguments[1]}: {option} needs a known spacing; "
-                                        f"build it again with --spacing{instead}\n"], *arguments)
+                self.expect_refusal(2, [f"octavo: {arguments[1]}: {option} needs a known spacing"
+                                        f"{instead}; build it again with --spacing\n"],
+                                    *arguments)
 
     def test_words_count_voxels_and_numbers_in_mm_are_null(self):
         for place, arguments in [
@@ -117,7 +118,7 @@ class UnknownSpacing(cli_test.InFolder):
 
     def test_laying_it_over_a_volume_in_mm_warns(self):
         told = (": its spacing is not known and is taken for 1 mm, so that the two grids may not "
-                "fit together; build it with --spacing\n")
+                "fit together; give the spacing when it is built\n")
         for verb, inputs in [("combine", ["known-m.8vo", "m.8vo", "--resample", "--union"]),
                              ("combine", ["m.8vo", "known-m.8vo", "--resample", "--xor"]),
                              ("transform", ["m.8vo", "--grid-of", "known-m.8vo"]),

@@ -31,8 +31,8 @@ std::string_view error_kind_name(ErrorKind kind) noexcept;
 std::string escaped(std::string_view text);
 
 /// A failure: what went wrong, in which file, where in it, and which option it is about.
-/// what() is one line: "PATH: DETAIL", or the detail alone when no path is known. What to type or to
-/// call is no business of the library: whoever reports the failure finds it by kind and field.
+/// what() is one line: "PATH: DETAIL", or the detail alone when no path is known. What to type or
+/// to call is no business of the library: whoever reports the failure finds it by kind and field.
 class Error : public std::runtime_error {
  public:
   Error(ErrorKind kind, std::string detail, std::string path = {},

@@ -39,8 +39,8 @@ struct ThresholdResult {
   std::uint64_t file_bytes = 0;
 };
 
-/// Writes the voxels whose values lie in the ranges. Bricks whose minimum and maximum decide are not
-/// decoded. Warns of an empty mask.
+/// Writes the voxels whose values lie in the ranges. Bricks whose minimum and maximum decide are
+/// not decoded. Warns of an empty mask.
 /// Throws  as open_volume, require_computed, mask_of_file and build_file; Error{invalid_argument}
 ///         without any range, for a label out of range, for tissues where values are not in HU
 /// Memory  that of the mask; of classes that of a build

@@ -49,9 +49,8 @@ bool is_spacing_known(const VolumeDescription& volume) {
 void require_known_spacing(const VolumeDescription& volume, const std::string& path,
                            const std::string& what, const std::string& instead) {
   if (is_spacing_known(volume)) return;
-  throw Error(ErrorKind::invalid_argument,
-              what + " needs a known spacing" + (instead.empty() ? "" : "; give " + instead + " instead"),
-              path)
+  const std::string other = instead.empty() ? "" : ", " + instead + " does not";
+  throw Error(ErrorKind::invalid_argument, what + " needs a known spacing" + other, path)
       .with_field("spacing_mm");
 }
 

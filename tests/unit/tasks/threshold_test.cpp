@@ -72,8 +72,10 @@ TEST_F(Threshold, RangesAndTissuesOfOneMaskAddUp) {
 TEST_F(Threshold, TheClassNamedFirstCounts) {
   options_.classes = {{3, {0, 400}}, {1, {300, 800}}};
   const ThresholdResult result = threshold(options_, context_);
-  EXPECT_EQ(wrong_voxels([](double hu) { return hu >= 0 && hu <= 400 ? 3 : hu >= 300 && hu <= 800; }),
-            0u);
+  const auto expected = [](double hu) {
+    return hu >= 0 && hu <= 400 ? 3 : hu >= 300 && hu <= 800 ? 1 : 0;
+  };
+  EXPECT_EQ(wrong_voxels(expected), 0u);
   ASSERT_EQ(result.objects.size(), 2u);
   EXPECT_EQ(result.objects[0].label, 1);
   EXPECT_EQ(result.objects[1].label, 3);
