@@ -9,7 +9,7 @@
 #include "common/isotropic_option.h"
 #include "common/label_hint.h"
 #include "common/options.h"
-#include "common/quantities.h"
+#include "text/quantities.h"
 #include "verbs.h"
 
 namespace octavo::cli {

@@ -12,17 +12,17 @@
 #include <optional>
 
 #include "common/failure.h"
-#include "octavo/tasks/file_planes.h"
 #include "common/inputs.h"
 #include "common/label_trees.h"
-#include "common/made_by_words.h"
 #include "common/masks.h"
 #include "common/options.h"
 #include "common/progress_line.h"
-#include "common/quantities.h"
-#include "common/volume_json.h"
 #include "octavo/octree/condense.h"
 #include "octavo/octree/neighbors.h"
+#include "octavo/tasks/file_planes.h"
+#include "text/made_by_words.h"
+#include "text/quantities.h"
+#include "text/volume_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {

@@ -9,8 +9,8 @@
 #include "common/inputs.h"
 #include "common/masks.h"
 #include "common/options.h"
-#include "common/quantities.h"
 #include "octavo/ops/mask/set_operations.h"
+#include "text/quantities.h"
 #include "verbs.h"
 
 namespace octavo::cli {

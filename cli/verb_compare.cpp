@@ -10,7 +10,7 @@
 #include "common/options.h"
 #include "common/plane_compare.h"
 #include "common/progress_line.h"
-#include "common/quantities.h"
+#include "text/quantities.h"
 #include "verbs.h"
 
 namespace octavo::cli {

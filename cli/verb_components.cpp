@@ -12,10 +12,10 @@
 #include "common/inputs.h"
 #include "common/masks.h"
 #include "common/options.h"
-#include "common/quantities.h"
-#include "common/volume_json.h"
 #include "octavo/ops/mask/components.h"
 #include "octavo/planes/computed_source.h"
+#include "text/quantities.h"
+#include "text/volume_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {

@@ -8,12 +8,12 @@
 
 #include "common/building.h"
 #include "common/failure.h"
-#include "octavo/tasks/file_planes.h"
 #include "common/inputs.h"
 #include "common/options.h"
-#include "common/quantities.h"
 #include "octavo/builder/flat_cubes.h"
 #include "octavo/builder/metadata_member.h"
+#include "octavo/tasks/file_planes.h"
+#include "text/quantities.h"
 #include "verbs.h"
 
 namespace octavo::cli {

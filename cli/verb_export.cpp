@@ -11,10 +11,10 @@
 #include "common/inputs.h"
 #include "common/options.h"
 #include "common/progress_line.h"
-#include "common/quantities.h"
 #include "common/salvaging.h"
-#include "common/volume_json.h"
 #include "octavo/io/export/export.h"
+#include "text/quantities.h"
+#include "text/volume_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {

@@ -4,15 +4,15 @@
 #include <memory>
 
 #include "common/failure.h"
-#include "octavo/tasks/geometry_words.h"
-#include "common/identity_words.h"
 #include "common/inputs.h"
-#include "common/made_by_words.h"
 #include "common/options.h"
-#include "common/preparation_words.h"
-#include "common/quantities.h"
-#include "common/volume_json.h"
 #include "octavo/io/source/place_known.h"
+#include "octavo/tasks/geometry_words.h"
+#include "text/identity_words.h"
+#include "text/made_by_words.h"
+#include "text/preparation_words.h"
+#include "text/quantities.h"
+#include "text/volume_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {

@@ -12,9 +12,9 @@
 #include "common/masks.h"
 #include "common/options.h"
 #include "common/progress_line.h"
-#include "common/quantities.h"
-#include "common/volume_json.h"
 #include "octavo/ops/measure/measure.h"
+#include "text/quantities.h"
+#include "text/volume_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {

@@ -11,8 +11,8 @@
 #include "common/options.h"
 #include "common/plane_writer.h"
 #include "common/progress_line.h"
-#include "common/quantities.h"
 #include "octavo/planes/phantom.h"
+#include "text/quantities.h"
 #include "verbs.h"
 
 namespace octavo::cli {

@@ -9,9 +9,9 @@
 #include "common/failure.h"
 #include "common/inputs.h"
 #include "common/options.h"
-#include "common/quantities.h"
-#include "common/volume_json.h"
 #include "octavo/octree/o_code.h"
+#include "text/quantities.h"
+#include "text/volume_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {

@@ -11,14 +11,14 @@
 #include "common/inputs.h"
 #include "common/masks.h"
 #include "common/options.h"
-#include "common/quantities.h"
 #include "common/render_scene.h"
 #include "common/render_transparency.h"
-#include "octavo/tasks/value_ranges.h"
-#include "common/volume_json.h"
 #include "octavo/file/storage/pending_file.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/io/source/place_known.h"
+#include "octavo/tasks/value_ranges.h"
+#include "text/quantities.h"
+#include "text/volume_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {

@@ -9,10 +9,10 @@
 #include "common/inputs.h"
 #include "common/options.h"
 #include "common/progress_line.h"
-#include "common/quantities.h"
 #include "octavo/builder/recover.h"
 #include "octavo/file/parallel_read.h"
 #include "octavo/file/repair/mend.h"
+#include "text/quantities.h"
 #include "verbs.h"
 
 namespace octavo::cli {

@@ -11,13 +11,13 @@
 #include "common/failure.h"
 #include "common/inputs.h"
 #include "common/options.h"
-#include "common/quantities.h"
 #include "common/salvaging.h"
-#include "common/volume_json.h"
 #include "octavo/file/storage/pending_file.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/io/source/place_known.h"
 #include "octavo/render/slice/slice_picture.h"
+#include "text/quantities.h"
+#include "text/volume_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {

@@ -6,10 +6,10 @@
 
 #include "common/failure.h"
 #include "common/options.h"
-#include "common/quantities.h"
 #include "common/task_run.h"
 #include "octavo/tasks/threshold.h"
 #include "octavo/tasks/volume_facts.h"
+#include "text/quantities.h"
 #include "text/value_range_words.h"
 #include "verbs.h"
 

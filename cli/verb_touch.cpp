@@ -8,14 +8,14 @@
 #include <vector>
 
 #include "common/failure.h"
-#include "octavo/tasks/geometry_words.h"
 #include "common/inputs.h"
 #include "common/masks.h"
 #include "common/options.h"
 #include "common/progress_line.h"
-#include "common/quantities.h"
 #include "octavo/ops/label/label_adjacency.h"
 #include "octavo/ops/mask/interference.h"
+#include "octavo/tasks/geometry_words.h"
+#include "text/quantities.h"
 #include "verbs.h"
 
 namespace octavo::cli {

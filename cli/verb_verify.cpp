@@ -5,19 +5,19 @@
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
-#include "octavo/tasks/file_planes.h"
 #include "common/inputs.h"
 #include "common/isotropic_option.h"
 #include "common/options.h"
 #include "common/plane_compare.h"
-#include "common/preparation_words.h"
 #include "common/progress_line.h"
-#include "common/quantities.h"
-#include "common/volume_json.h"
 #include "octavo/builder/float_planes.h"
 #include "octavo/file/parallel_read.h"
 #include "octavo/file/repair/mend.h"
 #include "octavo/file/verify.h"
+#include "octavo/tasks/file_planes.h"
+#include "text/preparation_words.h"
+#include "text/quantities.h"
+#include "text/volume_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {

@@ -10,8 +10,8 @@
 #include <system_error>
 #include <vector>
 
-#include "common/quantities.h"
 #include "octavo/core/error.h"
+#include "text/quantities.h"
 
 namespace octavo::cli {
 

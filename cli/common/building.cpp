@@ -9,10 +9,10 @@
 
 #include "common/failure.h"
 #include "common/progress_line.h"
-#include "common/quantities.h"
-#include "common/volume_json.h"
 #include "octavo/core/levels.h"
 #include "octavo/core/memory_limit.h"
+#include "text/quantities.h"
+#include "text/volume_json.h"
 
 namespace octavo::cli {
 

@@ -7,8 +7,8 @@
 #include <thread>
 
 #include "common/options.h"
-#include "common/quantities.h"
 #include "octavo/core/error.h"
+#include "text/quantities.h"
 
 namespace octavo::cli {
 

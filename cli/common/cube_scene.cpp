@@ -8,16 +8,16 @@
 
 #include "common/masks.h"
 #include "common/progress_line.h"
-#include "common/quantities.h"
 #include "common/render_scene.h"
-#include "octavo/tasks/value_ranges.h"
-#include "text/value_range_words.h"
 #include "octavo/core/error.h"
 #include "octavo/ops/label/label_masks.h"
 #include "octavo/ops/mask/set_operations.h"
 #include "octavo/ops/mask/shell.h"
 #include "octavo/render/cubes/cube_picture.h"
 #include "octavo/render/label_color.h"
+#include "octavo/tasks/value_ranges.h"
+#include "text/quantities.h"
+#include "text/value_range_words.h"
 
 namespace octavo::cli {
 

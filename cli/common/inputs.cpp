@@ -7,8 +7,6 @@
 #include <sstream>
 
 #include "common/cancel.h"
-#include "octavo/tasks/file_planes.h"
-#include "common/quantities.h"
 #include "octavo/core/error.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/file/storage/temporary.h"
@@ -16,6 +14,8 @@
 #include "octavo/io/isolation/isolated_source.h"
 #include "octavo/io/open_source.h"
 #include "octavo/io/source/prefetch_source.h"
+#include "octavo/tasks/file_planes.h"
+#include "text/quantities.h"
 
 namespace octavo::cli {
 

@@ -11,9 +11,9 @@
 #include "common/inputs.h"
 #include "common/masks.h"
 #include "common/progress_line.h"
-#include "common/quantities.h"
 #include "octavo/ops/label/label_build.h"
 #include "octavo/ops/label/label_overlaps.h"
+#include "text/quantities.h"
 
 namespace octavo::cli {
 

@@ -8,8 +8,8 @@
 #include <optional>
 #include <utility>
 
-#include "common/quantities.h"
 #include "octavo/core/error.h"
+#include "text/quantities.h"
 
 namespace octavo::cli {
 

@@ -6,10 +6,10 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "octavo/tasks/geometry_words.h"
-#include "common/quantities.h"
-#include "common/volume_json.h"
 #include "octavo/core/error.h"
+#include "octavo/tasks/geometry_words.h"
+#include "text/quantities.h"
+#include "text/volume_json.h"
 
 namespace octavo::cli {
 

@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "common/quantities.h"
+#include "text/quantities.h"
 
 namespace octavo::cli {
 

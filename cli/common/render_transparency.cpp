@@ -11,13 +11,13 @@
 #include "common/failure.h"
 #include "common/masks.h"
 #include "common/progress_line.h"
-#include "common/quantities.h"
-#include "octavo/tasks/value_ranges.h"
-#include "text/value_range_words.h"
-#include "common/volume_json.h"
 #include "octavo/render/label_color.h"
 #include "octavo/render/transparency/transparency.h"
 #include "octavo/render/transparency/voxel_lines.h"
+#include "octavo/tasks/value_ranges.h"
+#include "text/quantities.h"
+#include "text/value_range_words.h"
+#include "text/volume_json.h"
 
 namespace octavo::cli {
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "common/quantities.h"
-#include "common/volume_json.h"
+#include "text/quantities.h"
+#include "text/volume_json.h"
 
 namespace octavo::cli {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "common/quantities.h"
 #include "octavo/core/error.h"
+#include "text/quantities.h"
 
 namespace octavo::cli {
 

@@ -1,10 +1,10 @@
-#include "common/volume_json.h"
+#include "text/volume_json.h"
 
 #include <cmath>
 
-#include "common/identity_words.h"
-#include "common/quantities.h"
 #include "octavo/core/error.h"
+#include "text/identity_words.h"
+#include "text/quantities.h"
 
 namespace octavo::cli {
 

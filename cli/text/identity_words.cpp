@@ -1,11 +1,11 @@
-#include "common/identity_words.h"
+#include "text/identity_words.h"
 
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
 #include "common/context.h"
-#include "common/quantities.h"
+#include "text/quantities.h"
 
 namespace octavo::cli {
 

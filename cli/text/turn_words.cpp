@@ -1,9 +1,9 @@
-#include "common/turn_words.h"
+#include "text/turn_words.h"
 
 #include <fmt/format.h>
 
-#include "common/quantities.h"
 #include "octavo/core/error.h"
+#include "text/quantities.h"
 
 namespace octavo::cli {
 

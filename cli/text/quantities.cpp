@@ -1,4 +1,4 @@
-#include "common/quantities.h"
+#include "text/quantities.h"
 
 #include <fmt/format.h>
 

@@ -1,12 +1,12 @@
-#include "common/made_by_words.h"
+#include "text/made_by_words.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "common/quantities.h"
-#include "common/volume_json.h"
 #include "octavo/core/error.h"
+#include "text/quantities.h"
+#include "text/volume_json.h"
 
 namespace octavo::cli {
 
