@@ -11,7 +11,7 @@
 #include "common/progress_line.h"
 #include "octavo/builder/recover.h"
 #include "octavo/file/parallel_read.h"
-#include "octavo/file/repair/mend.h"
+#include "octavo/file/repair/repair_bits.h"
 #include "text/quantities.h"
 #include "verbs.h"
 
@@ -26,7 +26,7 @@ constexpr VerbText kText = {
     "metadata say which are missing. Where the scan is at hand, build --resume gives all of it.\n"
     "Or FILE is a damaged .8vo file: bits that alone explain a wrong checksum are turned back,\n"
     "and every checksum of the result is proven. Of long parts that is no proof, since other\n"
-    "damage can look like one flipped bit: coded ones are mended up to 128 KiB, voxels stored\n"
+    "damage can look like one flipped bit: coded ones are repaired up to 128 KiB, voxels stored\n"
     "uncoded up to 512 bytes. A damaged trailer is made anew, and bytes behind the end are left\n"
     "out. All else is refused (exit code 4): export --salvage writes what is whole, if header,\n"
     "metadata and index root are. FILE itself is never changed.\n\n"
@@ -66,10 +66,10 @@ std::string seal_text(const Arguments& arguments, const SealResult& result) {
       result.plane_count - 1, number_text(result.fill));
 }
 
-nlohmann::ordered_json mend_json(const Arguments& arguments, const MendResult& result) {
+nlohmann::ordered_json repair_json(const Arguments& arguments, const BitRepairResult& result) {
   nlohmann::ordered_json object = {{"input", arguments.input},
                                    {"output", arguments.output},
-                                   {"how", "mended"},
+                                   {"how", "repaired"},
                                    {"file_bytes", result.file_bytes},
                                    {"flipped_bits", nlohmann::ordered_json::array()},
                                    {"new_trailer", result.has_new_trailer},
@@ -81,7 +81,7 @@ nlohmann::ordered_json mend_json(const Arguments& arguments, const MendResult& r
 }
 
 /// "2 flipped bits turned back (byte 700, 9113); ", or nothing.
-std::string flips_text(const MendResult& result) {
+std::string flips_text(const BitRepairResult& result) {
   if (result.flips.empty()) return "";
   std::string places;
   constexpr std::size_t kNamed = 5;
@@ -94,7 +94,7 @@ std::string flips_text(const MendResult& result) {
                      places);
 }
 
-std::string mend_text(const Arguments& arguments, const MendResult& result) {
+std::string repair_text(const Arguments& arguments, const BitRepairResult& result) {
   std::string text = arguments.output + ": " + flips_text(result);
   if (result.has_new_trailer) text += "trailer made anew; ";
   if (result.dropped_bytes > 0) {
@@ -104,13 +104,13 @@ std::string mend_text(const Arguments& arguments, const MendResult& result) {
   return text + "every checksum matches\n";
 }
 
-MendResult mend(const Arguments& arguments, const Context& context) {
-  MendOptions options;
+BitRepairResult repair(const Arguments& arguments, const Context& context) {
+  BitRepairOptions options;
   options.overwrite = context.force;
   options.for_each = for_each_parallel(context.thread_count());
   ProgressLine progress(context);
   try {
-    return mend_file(local_storage(), arguments.input, arguments.output, options, progress);
+    return repair_bits(local_storage(), arguments.input, arguments.output, options, progress);
   } catch (const Error& error) {
     const bool is_damage =
         error.kind() == ErrorKind::corrupt || error.kind() == ErrorKind::truncated;
@@ -119,7 +119,7 @@ MendResult mend(const Arguments& arguments, const Context& context) {
     };
     if (!is_damage || says("--salvage") || says("build it again")) throw;
     throw Error(error.kind(),
-                error.detail() + "; repair cannot mend this, and no verb can read such a file",
+                error.detail() + "; repair cannot restore this, and no verb can read such a file",
                 error.path(), error.offset());
   }
 }
@@ -150,13 +150,13 @@ int run_repair(const Arguments& arguments, const Context& context) {
   if (!is_there) {
     throw Error(ErrorKind::io, "no such file, and no interrupted build of it", arguments.input);
   }
-  const MendResult result = mend(arguments, context);
+  const BitRepairResult result = repair(arguments, context);
   if (result.is_sound()) {
     throw Error(ErrorKind::invalid_argument, "is sound: there is nothing to repair",
                 arguments.input);
   }
-  if (context.json) print_json(mend_json(arguments, result));
-  else if (!context.quiet) print(mend_text(arguments, result));
+  if (context.json) print_json(repair_json(arguments, result));
+  else if (!context.quiet) print(repair_text(arguments, result));
   return kExitDone;
 }
 

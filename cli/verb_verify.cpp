@@ -12,7 +12,7 @@
 #include "common/progress_line.h"
 #include "octavo/builder/float_planes.h"
 #include "octavo/file/parallel_read.h"
-#include "octavo/file/repair/mend.h"
+#include "octavo/file/repair/repair_bits.h"
 #include "octavo/file/verify.h"
 #include "octavo/tasks/file_planes.h"
 #include "text/preparation_words.h"
@@ -38,7 +38,8 @@ constexpr VerbText kText = {
     "  octavo verify head.8vo --against scans/head/"};
 
 constexpr const char* kFlipAdvice = "; repair turns flipped bits back";
-constexpr const char* kHidingAdvice = "; repair mends it, unless what it hides is damaged as well";
+constexpr const char* kHidingAdvice =
+    "; repair restores it, unless what it hides is damaged as well";
 
 struct Arguments {
   std::string input;
@@ -95,7 +96,7 @@ std::string extent_text(const VerifyReport& report) {
     text = fmt::format("; {} of {} bricks damaged", count_text(lost),
                        count_text(report.brick_count));
   }
-  if (report.mendable_count == report.damage_count) {
+  if (report.repairable_count == report.damage_count) {
     return text + (report.unreachable_brick_count > 0 ? kHidingAdvice : kFlipAdvice);
   }
   if (lost == 0 || lost == report.brick_count) return text;
@@ -199,7 +200,7 @@ VerifyReport verified(const Arguments& arguments, const Context& context) {
   try {
     return verify_file(source, options, progress);
   } catch (const Error& error) {
-    if (error.kind() != ErrorKind::corrupt || !opens_mended(source)) throw;
+    if (error.kind() != ErrorKind::corrupt || !opens_repaired(source)) throw;
     throw Error(error.kind(), error.detail() + kHidingAdvice, error.path(), error.offset());
   }
 }

@@ -63,7 +63,7 @@ GOALS = [
           gtest("fault", "damage_coded", "*Swapped*:*Another*:*Coarse*:*Appended*")]),
     Goal("B4", "verify names the damaged brick and its bit; all other bricks are salvaged",
          [gtest("fault", "golden_damage", "*Named*:*Names*"), gtest("fault", "salvage"),
-          gtest("fault", "mend")]),
+          gtest("fault", "repair")]),
     Goal("B5", "checksums cost at most 3 % of decoding and 0.2 % of the file",
          [gtest("fault", "checksum_cost")]),
     Goal("C1", "hostile headers: open ends within 100 ms, memory within 64 MiB + 2 x file",

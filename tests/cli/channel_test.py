@@ -52,7 +52,7 @@ class Components(cli_test.InFolder):
 
     def refuse(self, code, words, source, *options):
         before = self.files()
-        self.expect_refusal(code, words, "build", source, "-o", "refused.8vo", *options)
+        self.expect_error(code, words, "build", source, "-o", "refused.8vo", *options)
         self.assertEqual(self.files(), before)
 
     def value(self):

@@ -44,7 +44,7 @@ class InFolder(unittest.TestCase):
         self.assertEqual(result.returncode, code, f"{arguments}\n{result.stderr}")
         return result
 
-    def expect_refusal(self, code, words, *arguments):
+    def expect_error(self, code, words, *arguments):
         """One line on standard error, with `words` in it, and nothing on standard output."""
         result = self.expect(code, *arguments, "--progress", "none")
         self.assertEqual(result.stdout, "")
@@ -86,7 +86,7 @@ class Usage(InFolder):
         ]
         for arguments in table:
             with self.subTest(arguments):
-                self.expect_refusal(2, [], *arguments)
+                self.expect_error(2, [], *arguments)
         self.assertEqual(self.files(), [])
 
     def test_every_verb_explains_itself_with_an_example(self):
@@ -120,13 +120,13 @@ class BadFiles(InFolder):
     def test_what_is_no_octavo_file_is_exit_3(self):
         (self.folder / "text.8vo").write_text("this is no scan, but it is long enough " * 40)
         (self.folder / "empty.8vo").write_bytes(b"")
-        self.expect_refusal(3, ["text.8vo"], "info", "text.8vo")
+        self.expect_error(3, ["text.8vo"], "info", "text.8vo")
         result = self.octavo("info", "empty.8vo")
         self.assertIn(result.returncode, (3, 4))
 
     def test_a_missing_file_is_exit_5(self):
         for verb in ["info", "verify", "codes"]:
-            self.expect_refusal(5, ["missing.8vo"], verb, "missing.8vo")
+            self.expect_error(5, ["missing.8vo"], verb, "missing.8vo")
 
     def test_damage_is_exit_4_in_every_verb(self):
         whole = (self.folder / "good.8vo").read_bytes()
@@ -135,14 +135,14 @@ class BadFiles(InFolder):
         flipped[600] ^= 8
         (self.folder / "flip.8vo").write_bytes(flipped)
         for verb in ["info", "verify"]:
-            self.expect_refusal(4, ["short.8vo"], verb, "short.8vo")
-        self.expect_refusal(4, ["flip.8vo"], "verify", "flip.8vo")
-        self.expect_refusal(4, ["flip.8vo"], "export", "flip.8vo", "-o", "out.raw")
+            self.expect_error(4, ["short.8vo"], verb, "short.8vo")
+        self.expect_error(4, ["flip.8vo"], "verify", "flip.8vo")
+        self.expect_error(4, ["flip.8vo"], "export", "flip.8vo", "-o", "out.raw")
         self.assertNotIn("out.raw", self.files())
 
     def test_an_existing_output_is_kept_without_force(self):
         before = (self.folder / "good.8vo").read_bytes()
-        refused = self.expect_refusal(5, ["good.8vo"], "phantom", "--size", "9", "-o", "good.8vo")
+        refused = self.expect_error(5, ["good.8vo"], "phantom", "--size", "9", "-o", "good.8vo")
         self.assertIn("force", refused.stderr)
         self.assertEqual((self.folder / "good.8vo").read_bytes(), before)
         self.expect(0, "phantom", "--size", "9", "-o", "good.8vo", "-f")
@@ -164,7 +164,7 @@ class BadFiles(InFolder):
         ]
         for arguments in table:
             with self.subTest(arguments):
-                self.expect_refusal(2, [], *arguments)
+                self.expect_error(2, [], *arguments)
         self.assertEqual(self.files(), ["good.8vo"])
 
     @unittest.skipUnless(os.path.exists("/dev/full"), "needs /dev/full")
@@ -191,7 +191,7 @@ class BadSources(InFolder):
         (self.folder / "empty.raw").write_bytes(b"")
         before = self.files()
         for name in ["short.raw", "empty.raw"]:
-            self.expect_refusal(7, [name], "build", name, "--raw", layout, "--spacing", "1", "-o",
+            self.expect_error(7, [name], "build", name, "--raw", layout, "--spacing", "1", "-o",
                                 "x.8vo")
         self.assertEqual(self.files(), before)
 
@@ -205,7 +205,7 @@ class BadSources(InFolder):
         before = self.files()
         for name in ["not.nii.gz", "not.nrrd", "empty.dcm", "nothing"]:
             with self.subTest(name):
-                self.expect_refusal(7, [name], "build", name, "-o", "x.8vo")
+                self.expect_error(7, [name], "build", name, "-o", "x.8vo")
         self.assertIn(self.octavo("build", "dangling.mhd", "-o", "x.8vo").returncode, (5, 7))
         self.assertIn(self.octavo("build", "missing.mhd", "-o", "x.8vo").returncode, (5, 7))
         self.assertEqual(self.files(), before)
@@ -214,7 +214,7 @@ class BadSources(InFolder):
         layout = self.random_raw("v.raw", (10, 9, 8))
         warned = self.expect(0, "build", "v.raw", "--raw", layout, "-o", "a.8vo")
         self.assertIn("octavo: warning:", warned.stderr)
-        self.expect_refusal(7, ["--strict"], "build", "v.raw", "--raw", layout, "-o", "b.8vo",
+        self.expect_error(7, ["--strict"], "build", "v.raw", "--raw", layout, "-o", "b.8vo",
                             "--strict")
         self.assertNotIn("b.8vo", self.files())
 
@@ -223,7 +223,7 @@ class Outputs(InFolder):
     def test_a_build_writes_8vo_files_only(self):
         layout = self.random_raw("v.raw", (10, 9, 8))
         for name in ["out.nrrd", "out", "out.8VO.raw"]:
-            self.expect_refusal(2, [name, ".8vo"], "build", "v.raw", "--raw", layout, "-o", name)
+            self.expect_error(2, [name, ".8vo"], "build", "v.raw", "--raw", layout, "-o", name)
         self.assertEqual(self.files(), ["v.raw"])
 
     def test_a_build_refuses_an_output_that_is_its_input(self):
@@ -232,7 +232,7 @@ class Outputs(InFolder):
         os.link(self.folder / "v.raw", self.folder / "same.8vo")
         os.symlink("v.raw", self.folder / "link.8vo")
         for name in ["same.8vo", "link.8vo"]:
-            self.expect_refusal(2, [name, "source itself"], "build", "v.raw", "--raw", layout,
+            self.expect_error(2, [name, "source itself"], "build", "v.raw", "--raw", layout,
                                 "--spacing", "1", "-o", name, "--force")
         self.assertEqual((self.folder / "v.raw").read_bytes(), before)
 
@@ -303,7 +303,7 @@ class RoundTrips(InFolder):
         text = self.expect(1, "compare", "a.8vo", "b.8vo", "--labels").stdout
         self.assertIn("2 of them the same in both", text)
         self.expect(0, "phantom", "--size", "12", "-o", "p.8vo", "-q")
-        self.expect_refusal(2, ["p.8vo", "grey"], "compare", "a.8vo", "p.8vo", "--labels")
+        self.expect_error(2, ["p.8vo", "grey"], "compare", "a.8vo", "p.8vo", "--labels")
         self.expect(2, "compare", "a.8vo", "b.8vo", "--labels", "--max-error", "1")
 
     def test_a_box_equals_the_crop(self):
@@ -371,7 +371,7 @@ class Floats(InFolder):
 
     def test_noise_needs_a_max_error_and_the_one_proposed_does(self):
         source = self.raw_floats("n.raw", self.noise())
-        refused = self.expect_refusal(7, ["n.raw", "--max-error"], "build", *source, "-o", "n.8vo")
+        refused = self.expect_error(7, ["n.raw", "--max-error"], "build", *source, "-o", "n.8vo")
         self.assertEqual(self.files(), ["n.raw"])
         error = refused.stderr.split("--max-error ")[1].split()[0]
         self.expect(0, "build", *source, "-o", "n.8vo", "--max-error", error)
@@ -396,8 +396,8 @@ class Floats(InFolder):
         values[3 + 20 * (4 + 19 * 5)] = float("nan")
         values[0] = values[-1] = float("inf")
         source = self.raw_floats("v.raw", values)
-        self.expect_refusal(7, ["1 NaN and 2 infinite", "0,0,0"], "build", *source, "-o", "v.8vo")
-        self.expect_refusal(7, ["2 infinite", "--inf"], "build", *source, "-o", "v.8vo",
+        self.expect_error(7, ["1 NaN and 2 infinite", "0,0,0"], "build", *source, "-o", "v.8vo")
+        self.expect_error(7, ["2 infinite", "--inf"], "build", *source, "-o", "v.8vo",
                             "--nan", "0")
         self.expect(0, "build", *source, "-o", "v.8vo", "--nan", "0", "--inf", "99.9")
         self.assertEqual(self.info("v.8vo")["max"], array.array("f", [99.9])[0])
@@ -420,7 +420,7 @@ class Floats(InFolder):
                       ("--preset", "tiny"), ("--nan", "nan"), ("--inf", "1e39"),
                       ("--labels", "--max-error", "1")]:
             with self.subTest(wrong):
-                self.expect_refusal(2, [], "build", *source, "-o", "v.8vo", *wrong)
+                self.expect_error(2, [], "build", *source, "-o", "v.8vo", *wrong)
         self.assertEqual(self.files(), ["v.raw"])
 
 

@@ -54,7 +54,7 @@ class DicomSeries(cli_test.InFolder):
 
     def refuse(self, words, *options, code=7):
         before = self.files()
-        self.expect_refusal(code, words, "build", "scan", "-o", "refused.8vo", *options)
+        self.expect_error(code, words, "build", "scan", "-o", "refused.8vo", *options)
         self.assertEqual(self.files(), before)
 
     def value_of(self, name, z):
@@ -138,7 +138,7 @@ class DicomSeries(cli_test.InFolder):
         layout = self.random_raw("v.raw", (10, 9, 8))
         for options in [("--untilt",), ("--drop-duplicates",), ("--on-gap", "fill")]:
             with self.subTest(options):
-                self.expect_refusal(2, ["v.raw", options[0], "DICOM only"], "build", "v.raw",
+                self.expect_error(2, ["v.raw", options[0], "DICOM only"], "build", "v.raw",
                                     "--raw", layout, "--spacing", "1", "-o", "x.8vo", *options)
 
 

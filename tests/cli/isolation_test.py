@@ -77,13 +77,13 @@ class Isolation(InFolder):
                          (self.folder / "b.8vo").read_bytes())
         bad = self.folder / "stack" / "3.tif"
         bad.write_bytes(bad.read_bytes()[:-60])
-        told = [self.expect_refusal(7, ["3.tif"], "build", "stack", "-o", "c.8vo", *option).stderr
+        told = [self.expect_error(7, ["3.tif"], "build", "stack", "-o", "c.8vo", *option).stderr
                 for option in ([], ["--no-isolation"])]
         self.assertEqual(told[0], told[1])
         self.assertNotIn("c.8vo", self.files())
 
     def test_the_worker_is_no_verb(self):
-        self.expect_refusal(2, ["import-worker"], "import-worker")
+        self.expect_error(2, ["import-worker"], "import-worker")
         self.assertNotIn("import-worker", self.expect(0, "--help").stdout)
 
     def test_the_worker_ends_with_the_program(self):

@@ -84,9 +84,9 @@ class Isotropic(cli_test.InFolder):
                        "--segment 1", "--on-gap fill", "--drop-duplicates", "--untilt"]:
             name, *value = option.split()
             words = ["thick.8vo", name, "leave it out"]
-            self.expect_refusal(2, words, "build", "thick.8vo", "-o", "x.8vo", name, *value)
-            self.expect_refusal(2, words, "compare", "thick.8vo", "thick.8vo", name, *value)
-            self.expect_refusal(2, words, "verify", "thick.8vo", "--against", "thick.8vo", name,
+            self.expect_error(2, words, "build", "thick.8vo", "-o", "x.8vo", name, *value)
+            self.expect_error(2, words, "compare", "thick.8vo", "thick.8vo", name, *value)
+            self.expect_error(2, words, "verify", "thick.8vo", "--against", "thick.8vo", name,
                                 *value)
         self.expect(0, "compare", "thick.8vo", "thick.raw", *self.THICK)
         self.expect(0, "compare", "thick.raw", "thick.8vo", *self.THICK)
@@ -108,7 +108,7 @@ class Isotropic(cli_test.InFolder):
         for z in range(1, 4):
             self.assertAlmostEqual(counts[z], 3.14159 * (4 + z) ** 2, delta=0.1 * counts[z])
         self.expect(0, "verify", "a.8vo", "--against", "labels.raw", *layout)
-        self.expect_refusal(2, ["by their shapes", "--grey"], "build", "labels.raw", "-o", "c.8vo",
+        self.expect_error(2, ["by their shapes", "--grey"], "build", "labels.raw", "-o", "c.8vo",
                             *layout, "--labels", "--isotropic", "cubic")
 
     def test_what_cannot_be_done_is_said_and_leaves_nothing(self):
@@ -126,7 +126,7 @@ class Isotropic(cli_test.InFolder):
                                      "--isotropic", *options)
                 for word in words:
                     self.assertIn(word, result.stderr)
-        self.expect_refusal(2, ["nearest"], "build", "thick.raw", "-o", "c.8vo", *self.THICK,
+        self.expect_error(2, ["nearest"], "build", "thick.raw", "-o", "c.8vo", *self.THICK,
                             "--isotropic=nearest")
         self.assertEqual(self.files(), before)
 

@@ -54,7 +54,7 @@ class Messages(cli_test.InFolder):
             ("file", ["info", ""]),
         ]:
             with self.subTest(arguments):
-                self.expect_refusal(2, [option + ": is empty; expected "], *arguments)
+                self.expect_error(2, [option + ": is empty; expected "], *arguments)
                 self.assertEqual(self.files(), kept)
 
     def test_numbers_out_of_range_are_told_what_is_expected(self):
@@ -88,7 +88,7 @@ class Messages(cli_test.InFolder):
              ["slice", "v.8vo", "--size", "9999", "-o", "x.png"]),
         ]:
             with self.subTest(arguments):
-                self.expect_refusal(2, [words], *arguments)
+                self.expect_error(2, [words], *arguments)
 
     def test_what_is_no_8vo_file_is_told_how_it_becomes_one(self):
         (self.folder / "scan").mkdir()
@@ -100,8 +100,8 @@ class Messages(cli_test.InFolder):
             (3, ["'octavo build Head.NII.gz -o Head.8vo'"], "Head.NII.gz"),
             (3, ["'octavo build in.raw --raw NX,NY,NZ,TYPE -o in.8vo'"], "in.raw"),
         ]:
-            self.expect_refusal(code, words, "info", name)
-        told = self.expect_refusal(3, ["notes.txt: not an 8vo file"], "info", "notes.txt")
+            self.expect_error(code, words, "info", name)
+        told = self.expect_error(3, ["notes.txt: not an 8vo file"], "info", "notes.txt")
         self.assertNotIn("octavo build", told.stderr)
 
     def test_pictures_say_what_is_amiss_with_the_path_first(self):
@@ -121,9 +121,9 @@ class Messages(cli_test.InFolder):
         lying = self.said("render", "v.8vo", "--range", "30:", "--direction", "front", "-o",
                           "f.png")
         self.assertIn("octavo: v.8vo: does not say how the patient lies", lying.stderr)
-        self.expect_refusal(2, ["'30:50=red:0.2'", "LOW:HIGH", "--mode transparency"], "render",
+        self.expect_error(2, ["'30:50=red:0.2'", "LOW:HIGH", "--mode transparency"], "render",
                             "v.8vo", "--range", "30:50=red:0.2", "-o", "c.png")
-        self.expect_refusal(6, ["the picture would take about", "the limit is 100 MiB"], "render",
+        self.expect_error(6, ["the picture would take about", "the limit is 100 MiB"], "render",
                             "v.8vo", "--range", "30:", "--size", "16384", "--max-memory", "100M",
                             "-o", "c.png")
 
@@ -182,12 +182,12 @@ class Messages(cli_test.InFolder):
         voxels = [(x + y + z) % 2 for z in range(size[2]) for y in range(size[1])
                   for x in range(size[0])]
         self.build("b.8vo", voxels, "uint8", "B", "--labels", size=size)
-        self.expect_refusal(6, ["the octree would take about", "the limit is 1024 KiB"], "codes",
+        self.expect_error(6, ["the octree would take about", "the limit is 1024 KiB"], "codes",
                             "b.8vo", "--max-memory", "1M")
         self.said("codes", "b.8vo", "--list", "--max-memory", "8M")
         told = self.expect(6, "codes", "b.8vo", "--list", "--json", "--max-memory", "8M")
         self.assertIn("the list of leaves would take", told.stderr)
-        self.expect_refusal(6, ["the components would take about"], "components", "b.8vo",
+        self.expect_error(6, ["the components would take about"], "components", "b.8vo",
                             "--max-memory", "8M")
         self.said("components", "b.8vo", "--max-memory", "40M")
         told = self.expect(6, "components", "b.8vo", "--json", "--max-memory", "40M")
@@ -235,7 +235,7 @@ class Messages(cli_test.InFolder):
              ["measure", "m.8vo", "--of", "m.8vo"]),
         ]:
             with self.subTest(arguments):
-                self.expect_refusal(2, words, *arguments)
+                self.expect_error(2, words, *arguments)
         told = self.said("slice", "--help").stdout
         for name in ["brain", "stroke", "bone", "lung", "mediastinum", "abdomen", "liver"]:
             self.assertIn(name, told)
@@ -246,7 +246,7 @@ class Messages(cli_test.InFolder):
             ("m.8vo: --shift 0,-18,0 moves all of its 20 x 18 x 12 voxels out of the grid",
              ["transform", "m.8vo", "--shift", "0,-18,0"]),
         ]:
-            self.expect_refusal(7, [told], *arguments, "-o", "x.8vo", "--strict")
+            self.expect_error(7, [told], *arguments, "-o", "x.8vo", "--strict")
             said = self.said(*arguments, "-o", "x.8vo", "-q").stderr
             self.assertEqual(said, f"octavo: warning: {told}\n")
             (self.folder / "x.8vo").unlink()
@@ -257,9 +257,9 @@ class Messages(cli_test.InFolder):
 
     def test_files_that_are_not_as_they_should_be_are_told_why(self):
         (self.folder / "empty.8vo").write_bytes(b"")
-        self.expect_refusal(3, ["empty.8vo: not an 8vo file: the file is empty"], "info",
+        self.expect_error(3, ["empty.8vo: not an 8vo file: the file is empty"], "info",
                             "empty.8vo")
-        self.expect_refusal(5, ["its folder does not exist"], "condense", "v.8vo", "--flat", "3",
+        self.expect_error(5, ["its folder does not exist"], "condense", "v.8vo", "--flat", "3",
                             "-o", "nowhere/x.8vo")
 
     def test_one_of_a_kind_is_one(self):

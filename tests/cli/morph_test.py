@@ -104,7 +104,7 @@ class Touch(Masks):
             (["sl.8vo", "2 x 2 x 2", "70 x 40 x 66"], ["touch", "a.8vo", "sl.8vo"]),
             (["--connectivity"], ["touch", "a.8vo", "--connectivity", "7"]),
         ]:
-            self.expect_refusal(2, words, *arguments)
+            self.expect_error(2, words, *arguments)
 
 
 class FillHoles(Masks):
@@ -153,7 +153,7 @@ class FillHoles(Masks):
                 (self.folder / "s.raw").write_bytes(bytes(8))
                 self.expect(0, "build", "s.raw", "--raw", "2,2,2,uint8", "--grey", "-o", "g.8vo",
                             "--spacing", "1", "-q")
-            self.expect_refusal(2, words, "fill-holes", *arguments)
+            self.expect_error(2, words, "fill-holes", *arguments)
             self.assertFalse((self.folder / "x.8vo").exists())
 
 
@@ -217,7 +217,7 @@ class Morphology(Masks):
             (["--voxels"], ["--voxels", "1.5"]),
         ]:
             for verb in ["dilate", "erode", "open", "close"]:
-                self.expect_refusal(2, words, verb, "m.8vo", "-o", "x.8vo", *arguments)
+                self.expect_error(2, words, verb, "m.8vo", "-o", "x.8vo", *arguments)
                 self.assertFalse((self.folder / "x.8vo").exists())
 
 

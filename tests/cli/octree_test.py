@@ -110,7 +110,7 @@ class Masks(cli_test.InFolder):
         told = self.expect(0, "measure", "a.8vo", "--json")
         self.assertIn("spacing is not known", told.stderr)
         self.assertIsNone(json.loads(told.stdout)["objects"][0]["principal_moments_mm2"])
-        self.expect_refusal(2, ["--min-mm3", "--spacing"], "components", "a.8vo", "--min-mm3", "1")
+        self.expect_error(2, ["--min-mm3", "--spacing"], "components", "a.8vo", "--min-mm3", "1")
 
     def test_set_operations_are_those_on_every_voxel(self):
         self.threshold("a.8vo", "40:90")
@@ -238,9 +238,9 @@ class Masks(cli_test.InFolder):
             (["--tissue"], ["threshold", "v.8vo", "--tissue", "bone", "--stored", "-o", "x.8vo"]),
             (["s.8vo", "one grid"], ["measure", "m.8vo", "--of", "s.8vo"]),
         ]:
-            self.expect_refusal(2, words, *arguments)
+            self.expect_error(2, words, *arguments)
             self.assertFalse((self.folder / "x.8vo").exists())
-        self.expect_refusal(5, ["exists already"], "threshold", "v.8vo", "--range", "1:", "-o",
+        self.expect_error(5, ["exists already"], "threshold", "v.8vo", "--range", "1:", "-o",
                             "m.8vo")
 
 

@@ -217,14 +217,14 @@ class Pictures(cli_test.InFolder):
             (6, ["zoom"], ["v.8vo", "--range", "7:", "--zoom", "1e12"]),
             (5, ["missing.8vo"], ["missing.8vo"]),
         ]:
-            self.expect_refusal(code, words, "render", *arguments, "-o", "x.png")
+            self.expect_error(code, words, "render", *arguments, "-o", "x.png")
             self.assertEqual(self.files(), before)
-        self.expect_refusal(2, [".png"], "render", "v.8vo", "--range", "7:", "-o", "x.gif")
+        self.expect_error(2, [".png"], "render", "v.8vo", "--range", "7:", "-o", "x.gif")
         (self.folder / "x-001.png").write_bytes(b"mine")
-        self.expect_refusal(5, ["x-001.png", "exists"], "render", "v.8vo", "--range", "7:", "-o",
+        self.expect_error(5, ["x-001.png", "exists"], "render", "v.8vo", "--range", "7:", "-o",
                             "x.png", "--turntable", "3")
         self.assertEqual((self.folder / "x-001.png").read_bytes(), b"mine")
-        self.expect_refusal(2, ["octavo threshold"], "shell", "v.8vo", "-o", "x.8vo")
+        self.expect_error(2, ["octavo threshold"], "shell", "v.8vo", "-o", "x.8vo")
 
 
 if __name__ == "__main__":

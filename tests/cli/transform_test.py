@@ -251,7 +251,7 @@ class Transforms(cli_test.InFolder):
                    spacing=spacing)
         self.transform("full.8vo", "--translate-mm", "3,-1,2")
         (self.folder / "o.8vo").rename(self.folder / "full.8vo")
-        refused = self.expect_refusal(2, ["m.8vo", "--resample"], "combine", "full.8vo", "m.8vo",
+        refused = self.expect_error(2, ["m.8vo", "--resample"], "combine", "full.8vo", "m.8vo",
                                       "--intersect", "-o", "c.8vo")
         self.assertIn("70 x 9 x 66", refused.stderr)
         made = self.expect(0, "combine", "full.8vo", "m.8vo", "full.8vo", "--resample",
@@ -289,7 +289,7 @@ class Transforms(cli_test.InFolder):
             (["a result of 128000 x 128000 x 64 voxels", "all this machine has"],
              ["flat.8vo", "--scale", "64"]),
         ]:
-            self.expect_refusal(6, words, "transform", *arguments, "-o", "x.8vo")
+            self.expect_error(6, words, "transform", *arguments, "-o", "x.8vo")
             self.assertEqual(self.files(), kept)
 
     def test_neither_threads_nor_memory_change_a_byte(self):
@@ -336,13 +336,13 @@ class Transforms(cli_test.InFolder):
              ["--mirror", "x", "--max-memory", "10M"]),
         ]:
             with self.subTest(arguments):
-                self.expect_refusal(code, words, "transform", "v.8vo", *arguments, "-o", "x.8vo")
+                self.expect_error(code, words, "transform", "v.8vo", *arguments, "-o", "x.8vo")
                 self.assertEqual(self.files(), kept)
-        self.expect_refusal(2, ["labels are names"], "transform", "m.8vo", "--grid-of", "v.8vo",
+        self.expect_error(2, ["labels are names"], "transform", "m.8vo", "--grid-of", "v.8vo",
                             "--interpolation", "linear", "-o", "x.8vo")
-        self.expect_refusal(5, ["exists already"], "transform", "v.8vo", "--mirror", "x", "-o",
+        self.expect_error(5, ["exists already"], "transform", "v.8vo", "--mirror", "x", "-o",
                             "m.8vo")
-        self.expect_refusal(2, ["--resample", "--complement"], "combine", "m.8vo", "--complement",
+        self.expect_error(2, ["--resample", "--complement"], "combine", "m.8vo", "--complement",
                             "--resample", "-o", "x.8vo")
 
     def test_codes_tells_the_neighbors_of_a_cube(self):
@@ -361,8 +361,8 @@ class Transforms(cli_test.InFolder):
         text = self.expect(0, "codes", "c.8vo", "--neighbors", "0", "--notation", "linear").stdout
         self.assertEqual(len(text.splitlines()), 28)
         self.assertIn("   1  0  0  smaller", text)
-        self.expect_refusal(2, ["3 digits", "have 2"], "codes", "c.8vo", "--neighbors", "200")
-        self.expect_refusal(2, ["'29'"], "codes", "c.8vo", "--neighbors", "29")
+        self.expect_error(2, ["3 digits", "have 2"], "codes", "c.8vo", "--neighbors", "200")
+        self.expect_error(2, ["'29'"], "codes", "c.8vo", "--neighbors", "29")
 
 
 if __name__ == "__main__":

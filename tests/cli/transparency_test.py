@@ -96,12 +96,12 @@ class Transparency(cli_test.InFolder):
             (["--window"], ["--window", "5,0"]),
             (["--turntable", "8"], ["--turntable", "36"]),
         ]:
-            self.expect_refusal(2, words, "render", "p.8vo", "--mode", "transparency", *options,
+            self.expect_error(2, words, "render", "p.8vo", "--mode", "transparency", *options,
                                 "-o", "q.png")
-        self.expect_refusal(2, ["--average", "transparency"], "render", "p.8vo", "--range", "800:",
+        self.expect_error(2, ["--average", "transparency"], "render", "p.8vo", "--range", "800:",
                             "--average", "-o", "q.png")
         self.expect(0, "threshold", "p.8vo", "--range", "800:", "-o", "m.8vo", "-q")
-        self.expect_refusal(2, ["m.8vo", "surface"], "render", "m.8vo", "--mode", "transparency",
+        self.expect_error(2, ["m.8vo", "surface"], "render", "m.8vo", "--mode", "transparency",
                             "-o", "q.png")
         self.assertEqual(self.files(), ["m.8vo", "p.8vo"])
 
@@ -137,7 +137,7 @@ class Condense(cli_test.InFolder):
                          {"operation": "condense", "flat": 30})
 
     def test_cubes_have_codes(self):
-        self.expect_refusal(2, ["p.8vo", "octavo condense"], "codes", "p.8vo")
+        self.expect_error(2, ["p.8vo", "octavo condense"], "codes", "p.8vo")
         self.expect(0, "condense", "p.8vo", "--flat", "30", "-o", "c.8vo", "-q")
         told = json.loads(self.expect(0, "codes", "c.8vo", "--list", "--json", "--notation",
                                       "linear", "--progress", "none").stdout)
@@ -149,7 +149,7 @@ class Condense(cli_test.InFolder):
 
     def test_what_has_no_mean_is_refused(self):
         self.expect(0, "threshold", "p.8vo", "--range", "800:", "-o", "m.8vo", "-q")
-        self.expect_refusal(2, ["m.8vo", "labels"], "condense", "m.8vo", "--flat", "1", "-o",
+        self.expect_error(2, ["m.8vo", "labels"], "condense", "m.8vo", "--flat", "1", "-o",
                             "c.8vo")
         self.expect(2, "condense", "p.8vo", "--flat=-1", "-o", "c.8vo")
         self.assertEqual(self.files(), ["m.8vo", "p.8vo"])

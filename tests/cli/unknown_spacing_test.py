@@ -61,7 +61,7 @@ class UnknownSpacing(cli_test.InFolder):
             ("--min-mm3", "", ["components", "m.8vo", "--min-mm3", "1"]),
         ]:
             with self.subTest(arguments):
-                self.expect_refusal(2, [f"octavo: {arguments[1]}: {option} needs a known spacing"
+                self.expect_error(2, [f"octavo: {arguments[1]}: {option} needs a known spacing"
                                         f"{instead}; build it again with --spacing\n"],
                                     *arguments)
 
@@ -108,7 +108,7 @@ class UnknownSpacing(cli_test.InFolder):
                                                       "-f").stderr)
         made = self.said("export", "v.8vo", "--level", "1", "-o", "b.nii", "--json")
         self.assertIn("the file says 2 mm", json.loads(made.stdout)["warnings"][0])
-        self.expect_refusal(7, ["c.nii: the spacing of v.8vo is not known", "--strict"], "export",
+        self.expect_error(7, ["c.nii: the spacing of v.8vo is not known", "--strict"], "export",
                             "v.8vo", "-o", "c.nii", "--strict")
         self.assertNotIn("c.nii", self.files())
         for name in ["a.nrrd", "a.tif"]:

@@ -71,7 +71,7 @@ void fail_every_allocation(const std::string& name, const std::function<void()>&
   const std::size_t descriptors = open_descriptors();
   GoalCases cases("C3", "allocations failed in turn", count / step + 1);
   const std::size_t before = live_bytes();
-  std::uint64_t refused = 0;
+  std::uint64_t rejected = 0;
   for (std::uint64_t k = 1; cases.next(); k += step) {
     bool is_over = false;
     for (const bool and_all_later : {false, true}) {
@@ -80,7 +80,7 @@ void fail_every_allocation(const std::string& name, const std::function<void()>&
       is_over = is_over || !failed;
       ASSERT_NE(outcome, Outcome::other) << name << ", allocation " << k;
       ASSERT_TRUE(failed || outcome == Outcome::done) << name << ", allocation " << k;
-      if (outcome == Outcome::out_of_memory) ++refused;
+      if (outcome == Outcome::out_of_memory) ++rejected;
       ASSERT_FALSE(live_bytes() > before && grows_every_time(action, k, and_all_later))
           << name << ", allocation " << k << (and_all_later ? " and all later" : "");
       ASSERT_EQ(open_descriptors(), descriptors) << name << ", allocation " << k;
@@ -92,7 +92,7 @@ void fail_every_allocation(const std::string& name, const std::function<void()>&
     }
   }
   cases.tell("each alone and with all later ones");
-  EXPECT_GT(refused, 3u);
+  EXPECT_GT(rejected, 3u);
 }
 
 Volume small_volume(VolumeKind kind, VoxelType type) {

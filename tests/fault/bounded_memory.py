@@ -3,7 +3,7 @@
 
 usage: bounded_memory.py OCTAVO [SIDE ...]
 
-For each side: a build refuses a limit below its need and tells the need; within that limit it runs,
+For each side: a build rejects a limit below its need and tells the need; within that limit it runs,
 under an address space of 1.2 times as much and what the program needs to start, and its peak stays
 within 1.05 times the limit. Sides of 512, 1024 and 2048 under tools/nightly, with a small share of
 them what has its part of the voxels; otherwise 512: several groups, each of which is trained on.

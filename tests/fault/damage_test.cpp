@@ -10,7 +10,7 @@ namespace {
 
 using namespace octavo::testing;
 
-// What became of a damaged file: refused, found damaged, or not noticed.
+// What became of a damaged file: rejected, found damaged, or not noticed.
 bool is_noticed_by_verify(const std::vector<std::uint8_t>& bytes) {
   NoProgress progress;
   try {

@@ -1,4 +1,4 @@
-// Sources that are cut short, and DICOM files with damage of every kind: a refusal that names the
+// Sources that are cut short, and DICOM files with damage of every kind: an error that names the
 // file, and never an .8vo file of what was left.
 //
 // Formats that only our own code reads are read here, all others by a worker process.
@@ -110,7 +110,7 @@ std::vector<std::size_t> lengths_of(std::size_t bytes, std::uint64_t count) {
 }
 
 // Cuts one file to every length; none of them may become an .8vo file.
-void expect_cuts_refused(const Sample& sample) {
+void expect_cuts_rejected(const Sample& sample) {
   const TempFolder folder;
   write_samples(folder);
   const std::string cut = folder.file(sample.shortened.empty() ? sample.name : sample.shortened);
@@ -120,7 +120,7 @@ void expect_cuts_refused(const Sample& sample) {
   fs::remove(output);
   const std::string whole = read_file(cut);
   const auto lengths = lengths_of(whole.size(), case_count(24, 1000));
-  GoalCases cases("G1", "cut files refused", lengths.size());
+  GoalCases cases("G1", "cut files rejected", lengths.size());
   while (cases.next()) {
     const std::size_t length = lengths[cases.done() - 1];
     write_file(cut, whole.substr(0, length));
@@ -139,7 +139,7 @@ void expect_cuts_refused(const Sample& sample) {
 
 class CutSource : public ::testing::TestWithParam<Sample> {};
 
-TEST_P(CutSource, IsRefusedAndBecomesNoFile) { expect_cuts_refused(GetParam()); }
+TEST_P(CutSource, IsRejectedAndBecomesNoFile) { expect_cuts_rejected(GetParam()); }
 
 INSTANTIATE_TEST_SUITE_P(
     All, CutSource, ::testing::ValuesIn(write_samples(TempFolder())), [](const auto& sample) {
@@ -156,7 +156,7 @@ TEST(DamagedSource, NoFlippedBitOfAGzipStreamChangesAVoxel) {
   std::string bytes = read_file(path);
   const std::uint64_t count = case_count(2000, 8 * bytes.size());
   GoalCases cases("G1", "flipped bits of a gzip stream found or without effect", count);
-  std::uint64_t refused = 0;
+  std::uint64_t rejected = 0;
   while (cases.next()) {
     const std::size_t bit = (cases.done() - 1) * 8 * bytes.size() / count;
     const char kept = bytes[bit / 8];
@@ -167,11 +167,11 @@ TEST(DamagedSource, NoFlippedBitOfAGzipStreamChangesAVoxel) {
       ASSERT_EQ(voxels_of(*open_source({path}, {})), expected) << "bit " << bit;
     } catch (const Error& error) {
       ASSERT_EQ(error.kind(), ErrorKind::source_rejected) << "bit " << bit << error.what();
-      ++refused;
+      ++rejected;
     }
   }
-  cases.tell(std::to_string(refused) + " refused");
-  EXPECT_GT(refused, cases.done() * 9 / 10);
+  cases.tell(std::to_string(rejected) + " rejected");
+  EXPECT_GT(rejected, cases.done() * 9 / 10);
 }
 
 // A few changes of the kinds that break readers.
@@ -195,7 +195,7 @@ std::string mutated(std::string bytes, std::mt19937_64& random) {
   return bytes;
 }
 
-TEST(DamagedSource, MutatedDicomFilesAreVoxelsOrRefusals) {
+TEST(DamagedSource, MutatedDicomFilesAreVoxelsOrErrors) {
   using Syntax = gdcm::TransferSyntax;
   const TempFolder folder;
   const std::string path = folder.file("mutated.dcm");
@@ -226,7 +226,7 @@ TEST(DamagedSource, MutatedDicomFilesAreVoxelsOrRefusals) {
     ASSERT_TRUE(fs::is_empty(folder.file("out")));
   }
   cases.tell(std::to_string(read) + " read, " + std::to_string(crashes) +
-             " ended a worker, all others refused");
+             " ended a worker, all others rejected");
   EXPECT_GT(read, 0u);
   EXPECT_LT(read, cases.done());
 }

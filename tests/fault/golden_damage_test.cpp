@@ -11,7 +11,7 @@
 
 #include "fault/reseal.h"
 #include "octavo/file/index.h"
-#include "octavo/file/repair/mend.h"
+#include "octavo/file/repair/repair_bits.h"
 #include "octavo/file/repair/salvage.h"
 #include "octavo/file/verify.h"
 #include "support/goal_cases.h"
@@ -57,7 +57,7 @@ const std::vector<Golden>& goldens() {
   return all;
 }
 
-// The report of a file that opens, or nothing where it is refused.
+// The report of a file that opens, or nothing where it is rejected.
 std::optional<VerifyReport> verify_bytes(const FileContent& bytes, bool decode) {
   NoProgress progress;
   try {
@@ -137,7 +137,7 @@ TEST(GoldenDamage, FlippedBitsOfTheOtherFilesAreFound) {
   }
 }
 
-TEST(GoldenDamage, EveryLengthButTheWholeIsRefused) {
+TEST(GoldenDamage, EveryLengthButTheWholeIsRejected) {
   const std::uint64_t cases = case_count(2000, 30'000);
   const auto step_of = [&](const Golden& golden) {
     return std::max<std::size_t>(1, golden.bytes.size() / cases);
@@ -146,7 +146,7 @@ TEST(GoldenDamage, EveryLengthButTheWholeIsRefused) {
   for (const Golden& golden : goldens()) {
     all += (golden.bytes.size() + step_of(golden) - 1) / step_of(golden);
   }
-  GoalCases goal("B2", "lengths refused", all);
+  GoalCases goal("B2", "lengths rejected", all);
   for (const Golden& golden : goldens()) {
     for (std::size_t length = 0; length < golden.bytes.size() && goal.next();
          length += step_of(golden)) {
@@ -381,30 +381,30 @@ bool is_long_stored(const Golden& golden, std::uint64_t at) {
   return false;
 }
 
-TEST(GoldenDamage, ANamedFlippedBitIsTurnedBackOrRefused) {
+TEST(GoldenDamage, ANamedFlippedBitIsTurnedBackOrRejected) {
   const int cases = 30;
   Random random(29);
   NoProgress progress;
-  int refused = 0;
+  int rejected = 0;
   for (const Golden& golden : goldens()) {
     for (int i = 0; i < cases; ++i) {
       const std::size_t at = random() % golden.bytes.size();
       MemoryStorage storage;
       storage.files["bad.8vo"] = std::make_shared<FileContent>(golden.bytes);
       storage.files["bad.8vo"]->at(at) ^= static_cast<std::uint8_t>(1 << random() % 8);
-      const bool is_refused = is_long_stored(golden, at);
+      const bool is_rejected = is_long_stored(golden, at);
       try {
-        mend_file(storage, "bad.8vo", "out.8vo", {}, progress);
-        EXPECT_FALSE(is_refused) << golden.name << " byte " << at;
+        repair_bits(storage, "bad.8vo", "out.8vo", {}, progress);
+        EXPECT_FALSE(is_rejected) << golden.name << " byte " << at;
         EXPECT_EQ(*storage.files.at("out.8vo"), golden.bytes) << golden.name << " byte " << at;
       } catch (const Error& error) {
-        EXPECT_TRUE(is_refused) << golden.name << ": " << error.what();
+        EXPECT_TRUE(is_rejected) << golden.name << ": " << error.what();
         EXPECT_EQ(storage.files.size(), 1u);
-        ++refused;
+        ++rejected;
       }
     }
   }
-  EXPECT_GT(refused, cases);
+  EXPECT_GT(rejected, cases);
 }
 
 TEST(GoldenDamage, WhatIsNoBrickIsNamedAsWell) {

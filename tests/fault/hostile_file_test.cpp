@@ -32,7 +32,7 @@ void exercise(const std::vector<std::uint8_t>& bytes) {
     NoProgress progress;
     verify_file(source, {}, progress);
   } catch (const Error&) {
-    // Refused.
+    // Rejected.
   }
   ASSERT_LE(peak_bytes() - before, (std::size_t{64} << 20) + 2 * bytes.size());
 }
@@ -64,7 +64,7 @@ TEST(HostileFile, AnyHeaderFieldMayHoldAnything) {
   }
 }
 
-TEST(HostileFile, SectionsOffByOneAreRefused) {
+TEST(HostileFile, SectionsOffByOneAreRejected) {
   SampleVolume volume = sample();
   const std::vector<std::uint8_t> good = sample_file_bytes(volume);
   const FileHeader layout = header_of(good);
@@ -79,7 +79,7 @@ TEST(HostileFile, SectionsOffByOneAreRefused) {
   }
 }
 
-TEST(HostileFile, HugeSizesAreRefusedBeforeMemoryIsAsked) {
+TEST(HostileFile, HugeSizesAreRejectedBeforeMemoryIsAsked) {
   SampleVolume volume = sample();
   const std::vector<std::uint8_t> good = sample_file_bytes(volume);
   const FileHeader layout = header_of(good);
@@ -110,7 +110,7 @@ TEST(HostileFile, TheCodingOfFloatsAndTheMaxErrorMayHoldAnything) {
   }
 }
 
-TEST(HostileFile, PagesWithoutBytesAreRefused) {
+TEST(HostileFile, PagesWithoutBytesAreRejected) {
   SampleVolume volume = sample();
   const std::vector<std::uint8_t> good = sample_file_bytes(volume);
   FileHeader header = header_of(good);

@@ -107,14 +107,14 @@ std::vector<Kept> kept_files() {
 struct Costs {
   double slowest_ms = 0;
   std::size_t most_bytes = 0;
-  std::uint64_t refused = 0;
+  std::uint64_t rejected = 0;
   std::uint64_t read = 0;
 
   std::string text() const {
     char line[160];
     std::snprintf(line, sizeof line,
-                  "%llu refused; slowest open %.2f ms, most memory beyond the file %.2f MiB",
-                  static_cast<unsigned long long>(refused), slowest_ms,
+                  "%llu rejected; slowest open %.2f ms, most memory beyond the file %.2f MiB",
+                  static_cast<unsigned long long>(rejected), slowest_ms,
                   static_cast<double>(most_bytes) / (1 << 20));
     return line;
   }
@@ -130,7 +130,7 @@ void exercise(const std::vector<std::uint8_t>& bytes, Costs& costs, const std::s
   try {
     reader = FileReader::open(source);
   } catch (const Error&) {
-    ++costs.refused;
+    ++costs.rejected;
   }
   const double spent = cpu_ms() - began;
   costs.slowest_ms = std::max(costs.slowest_ms, spent);
@@ -168,7 +168,7 @@ TEST(HostileHeader, AnyFieldMayHoldAnything) {
     if (HasFatalFailure()) return;
   }
   cases.tell(costs.text());
-  EXPECT_GT(costs.refused, 0u);
+  EXPECT_GT(costs.rejected, 0u);
   EXPECT_GT(costs.read, 0u);
 }
 

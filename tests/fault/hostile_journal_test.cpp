@@ -109,7 +109,7 @@ TEST_F(HostileJournal, WhatCannotFollowTheGroupBeforeEndsWhatIsProven) {
 TEST_F(HostileJournal, OnlyWhatHoldsAWholePlaneIsNotGivenUpUnasked) {
   const auto message = [&]() -> std::string {
     try {
-      refuse_interrupted(storage_, "a.8vo");
+      reject_interrupted(storage_, "a.8vo");
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::io);
       return error.what();

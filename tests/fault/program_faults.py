@@ -50,7 +50,7 @@ class InFolder(unittest.TestCase):
         self.assertEqual(result.returncode, code, f"{arguments}\n{result.stderr}")
         return result
 
-    def expect_refusal(self, code, words, *arguments, **options):
+    def expect_error(self, code, words, *arguments, **options):
         """One line on standard error with `words` in it, and nothing on standard output."""
         result = self.expect(code, *arguments, "--progress", "none", **options)
         self.assertEqual(result.stdout, "")
@@ -201,22 +201,22 @@ class Resume(InFolder):
             os.unlink(self.folder / "out.8vo")
         self.fail("no moment leaves a whole group")
 
-    def test_an_interrupted_build_is_told_and_kept_and_others_are_refused(self):
+    def test_an_interrupted_build_is_told_and_kept_and_others_are_rejected(self):
         command = [*self.build, "-o", "out.8vo", "--resume"]
-        code, said, refusal = self.interrupt(command, signal.SIGINT)
+        code, said, error = self.interrupt(command, signal.SIGINT)
         self.assertEqual(code, 130)
         self.assertEqual(said.count("\n"), 1, said)
         for word in ["octavo: out.8vo: stopped while ", "planes 0 to ",
                      " of 150 are kept for out.8vo", "--resume"]:
             self.assertIn(word, said)
         for word in ["out.8vo: an interrupted build", "--resume", "--force"]:
-            self.assertIn(word, refusal)
-        self.expect_refusal(2, ["another preset: small there, fast now"], *command,
+            self.assertIn(word, error)
+        self.expect_error(2, ["another preset: small there, fast now"], *command,
                             "--preset", "fast")
         voxels = bytearray((self.folder / "v.raw").read_bytes())
         voxels[1000] ^= 1
         (self.folder / "v.raw").write_bytes(voxels)
-        self.expect_refusal(7, ["the first planes hold other voxels"], *command)
+        self.expect_error(7, ["the first planes hold other voxels"], *command)
         voxels[1000] ^= 1
         (self.folder / "v.raw").write_bytes(voxels)
         self.assertEqual(len(self.check_left()), 2)
@@ -241,7 +241,7 @@ class Resume(InFolder):
         self.interrupt([*self.build, "-o", "out.8vo"], signal.SIGKILL)
         left = {name: (self.folder / name).read_bytes() for name in self.check_left()}
         growing = min(left)
-        self.expect_refusal(4, [growing, "not sealed", "--resume", "repair"], "info", growing)
+        self.expect_error(4, [growing, "not sealed", "--resume", "repair"], "info", growing)
         said = self.expect(0, "repair", "out.8vo", "-o", "rescued.8vo").stdout
         result = json.loads(self.expect(0, "repair", growing, "-o", "rescued.8vo", "--force",
                                         "--json").stdout)
@@ -260,22 +260,22 @@ class Resume(InFolder):
         self.assertEqual(set(array.array("h", voxels[whole:])), {low})
         for name, content in left.items():
             self.assertEqual((self.folder / name).read_bytes(), content)
-        self.expect_refusal(5, ["nothing.8vo: no such file, and no interrupted build"], "repair",
+        self.expect_error(5, ["nothing.8vo: no such file, and no interrupted build"], "repair",
                             "nothing.8vo", "-o", "x.8vo")
         (self.folder / ".early.8vo.tmp-1").write_bytes(left[growing][:512])
-        self.expect_refusal(5, ["early.8vo: no such file, and .early.8vo.tmp-1 beside it",
+        self.expect_error(5, ["early.8vo: no such file, and .early.8vo.tmp-1 beside it",
                                 "start it anew"], "repair", "early.8vo", "-o", "x.8vo")
         os.unlink(self.folder / ".early.8vo.tmp-1")
         # No other verb loses what is left, nor does a file that happens to be called a journal.
         self.expect(0, "phantom", "--size", "9", "-o", "p.8vo")
         (self.folder / "p.8vo.journal").write_text("something else")
-        self.expect_refusal(2, ["p.8vo: is sound"], "repair", "p.8vo", "-o", "x.8vo")
+        self.expect_error(2, ["p.8vo: is sound"], "repair", "p.8vo", "-o", "x.8vo")
         for command in [("phantom", "--size", "9"), ("threshold", "p.8vo", "--range=-5000:5000")]:
-            self.expect_refusal(5, ["out.8vo: an interrupted build", "--force"], *command, "-o",
+            self.expect_error(5, ["out.8vo: an interrupted build", "--force"], *command, "-o",
                                 "out.8vo")
         # Without its journal nobody knows what is whole.
         (self.folder / "copy.8vo").write_bytes(left[growing])
-        self.expect_refusal(4, ["copy.8vo: not sealed", "build it again"], "repair",
+        self.expect_error(4, ["copy.8vo: not sealed", "build it again"], "repair",
                             "copy.8vo", "-o", "x.8vo")
         self.assertIn("continued behind",
                       self.expect(0, *self.build, "-o", "out.8vo", "--resume").stderr)
@@ -289,7 +289,7 @@ class Resume(InFolder):
             self.skipTest("needs the right to mount a tmpfs")
         try:
             command = [*self.build, "-o", "out/x.8vo", "--resume"]
-            self.expect_refusal(5, ["no space left", "are kept for x.8vo", "--resume"], *command)
+            self.expect_error(5, ["no space left", "are kept for x.8vo", "--resume"], *command)
             self.assertEqual(len(os.listdir(out)), 2)
             subprocess.run(["mount", "-o", f"remount,size={8 * kib}k", out], check=True)
             self.assertIn("continued behind", self.expect(0, *command).stderr)
@@ -340,7 +340,7 @@ class Salvage(InFolder):
 
     def test_verify_names_the_brick_and_the_flipped_bit(self):
         place, = self.damage(0.2)
-        self.expect_refusal(4, ["bad.8vo: brick o-code 0x", " level 0 at byte ", "checksum ",
+        self.expect_error(4, ["bad.8vo: brick o-code 0x", " level 0 at byte ", "checksum ",
                                 f"(one flipped bit, byte {place})", "bricks damaged; repair "],
                             "verify", "bad.8vo")
         report = self.report()
@@ -361,13 +361,13 @@ class Salvage(InFolder):
         quiet = self.expect(4, "verify", "bad.8vo", "-q", "--progress", "none")
         self.assertEqual(quiet.stderr, lines[3] + "\n")
 
-    def test_damage_is_refused_unless_asked_otherwise(self):
+    def test_damage_is_rejected_unless_asked_otherwise(self):
         self.damage(0.2)
         for command in [("export", "bad.8vo", "-o", "x.raw"),
                         ("extract", "bad.8vo", "--box", ":,:,0:9", "-o", "x.raw"),
                         ("slice", "bad.8vo", "--axis", "all", "-o", "x.png")]:
-            self.expect_refusal(4, ["bad.8vo: brick o-code", "--salvage"], *command)
-            self.expect_refusal(4, ["bad.8vo: brick o-code", "--strict"], *command, "--salvage",
+            self.expect_error(4, ["bad.8vo: brick o-code", "--salvage"], *command)
+            self.expect_error(4, ["bad.8vo: brick o-code", "--strict"], *command, "--salvage",
                                 "--strict")
         self.assertEqual([n for n in self.names() if n.startswith(("x", "."))], [])
 
@@ -414,8 +414,8 @@ class Salvage(InFolder):
         self.damage(0.2)
         for words, fill in [(["-32768 to 32767"], "40000"), (["neither"], "high"),
                             (["neither"], "nan")]:
-            self.expect_refusal(2, words, "export", "bad.8vo", "-o", "x.raw", "--salvage", fill)
-        self.expect_refusal(2, ["name the file before"], "export", "--salvage", "bad.8vo", "-o",
+            self.expect_error(2, words, "export", "bad.8vo", "-o", "x.raw", "--salvage", fill)
+        self.expect_error(2, ["name the file before"], "export", "--salvage", "bad.8vo", "-o",
                             "x.raw")
         self.assertNotIn("x.raw", self.names())
 
@@ -439,7 +439,7 @@ class Disks(InFolder):
     def expect_clean_failures(self, words, **options):
         for command, path in self.commands("out"):
             with self.subTest(path):
-                self.expect_refusal(5, [f"octavo: {path}", *words], *command, **options)
+                self.expect_error(5, [f"octavo: {path}", *words], *command, **options)
                 self.assertEqual(os.listdir(self.folder / "out"), [])
 
     def test_a_full_disk_is_exit_5_and_leaves_nothing(self):
@@ -495,21 +495,21 @@ class Targets(InFolder):
             yield ["export", "good.8vo", "-o", f"{stem}.{ending}"], f"{stem}.{ending}"
         yield ["slice", "good.8vo", "-o", f"{stem}.png"], f"{stem}.png"
 
-    def expect_refused(self, stem, code, words, make=None, force=True):
+    def expect_rejected(self, stem, code, words, make=None, force=True):
         for command, name in self.commands(stem):
             with self.subTest(name):
                 if make:
                     make(self.folder / name)
                 names = self.names()
-                self.expect_refusal(code, words, *command, *(["--force"] if force else []))
+                self.expect_error(code, words, *command, *(["--force"] if force else []))
                 self.assertEqual(self.names(), names)
 
     def test_a_missing_folder_is_exit_5(self):
-        self.expect_refused("nowhere/x", 5, ["nowhere/x", "folder does not exist"])
+        self.expect_rejected("nowhere/x", 5, ["nowhere/x", "folder does not exist"])
         self.assertEqual(self.names(), self.before)
 
     def test_a_file_taken_for_a_folder_is_exit_5(self):
-        self.expect_refused("good.8vo/x", 5, ["good.8vo/x", "Not a directory"])
+        self.expect_rejected("good.8vo/x", 5, ["good.8vo/x", "Not a directory"])
         self.assertEqual(self.names(), self.before)
 
     def test_a_folder_is_never_replaced_by_a_file(self):
@@ -518,18 +518,18 @@ class Targets(InFolder):
                 continue  # There a folder asks for a stack.
             (self.folder / name).mkdir()
             with self.subTest(name):
-                self.expect_refusal(5, [name], *command, "--force")
+                self.expect_error(5, [name], *command, "--force")
                 self.assertEqual(os.listdir(self.folder / name), [])
 
-    def test_a_pipe_is_refused_and_not_waited_for(self):
-        self.expect_refused("pipe", 5, ["pipe", "not a"], make=os.mkfifo)
+    def test_a_pipe_is_rejected_and_not_waited_for(self):
+        self.expect_rejected("pipe", 5, ["pipe", "not a"], make=os.mkfifo)
 
-    def test_a_device_is_refused(self):
-        self.expect_refused("device", 5, ["device", "not a"],
+    def test_a_device_is_rejected(self):
+        self.expect_rejected("device", 5, ["device", "not a"],
                             make=lambda path: os.symlink("/dev/full", path))
 
-    def test_a_link_to_nowhere_is_refused(self):
-        self.expect_refused("link", 5, ["link", "not a"],
+    def test_a_link_to_nowhere_is_rejected(self):
+        self.expect_rejected("link", 5, ["link", "not a"],
                             make=lambda path: os.symlink("gone", path))
         self.assertNotIn("gone", self.names())
 
@@ -538,19 +538,19 @@ class Targets(InFolder):
         for command, name in self.commands("link"):
             with self.subTest(name):
                 os.symlink("behind", self.folder / name)
-                self.expect_refusal(5, [name, "exists already"], *command)
+                self.expect_error(5, [name, "exists already"], *command)
                 self.expect(0, *command, "--force")
                 self.assertEqual((self.folder / "behind").read_text(), "kept")
 
     def test_a_line_end_in_a_name_is_written_and_escaped(self):
-        self.expect_refused("no\nfolder/x", 5, [r"no\x0afolder/x"])
+        self.expect_rejected("no\nfolder/x", 5, [r"no\x0afolder/x"])
         for command, name in self.commands("two\nlines"):
             with self.subTest(name):
                 self.expect(0, *command)
                 self.assertIn(name, self.names())
-                self.expect_refusal(5, [r"two\x0alines", "exists already"], *command)
+                self.expect_error(5, [r"two\x0alines", "exists already"], *command)
 
-    def test_the_longest_name_is_written_and_a_longer_one_refused(self):
+    def test_the_longest_name_is_written_and_a_longer_one_rejected(self):
         for ending_length, code in [(255, 0), (256, 5)]:
             for command, name in self.commands("x"):
                 stem = "x" * (ending_length - len(name) + 1)

@@ -153,8 +153,8 @@ TEST(Repair, OnlyNamesOfGrowingFilesCountAsSuch) {
 }
 
 // The reason why `input` in `storage` is not sealed.
-std::string refusal_of(Storage& storage, const std::string& input, ErrorKind kind,
-                       bool overwrite = true) {
+std::string error_of(Storage& storage, const std::string& input, ErrorKind kind,
+                     bool overwrite = true) {
   NoProgress progress;
   try {
     seal_interrupted(storage, input, "out.8vo", {.overwrite = overwrite, .threads = 1}, progress);
@@ -176,9 +176,9 @@ TEST(Repair, WhatHasNothingWholeIsNotTakenForABuildThatRuns) {
   alone.files = copied(ended.storage.files);
   alone.files.erase(ended.growing);
   for (const std::string& input : {std::string("a.8vo"), ended.growing, journal}) {
-    const std::string damaged = refusal_of(torn, input, ErrorKind::corrupt);
+    const std::string damaged = error_of(torn, input, ErrorKind::corrupt);
     EXPECT_NE(damaged.find("the start of its journal is damaged"), std::string::npos) << damaged;
-    const std::string gone = refusal_of(alone, input, ErrorKind::io);
+    const std::string gone = error_of(alone, input, ErrorKind::io);
     EXPECT_NE(gone.find("is gone"), std::string::npos) << gone;
   }
 }
@@ -193,8 +193,7 @@ TEST(Repair, ABuildThatRunsIsLeftAlone) {
   {
     const auto held = local_storage().open_update(folder + "/" + ended.growing + kJournalEnding);
     for (const std::string& input : {std::string("a.8vo"), ended.growing}) {
-      const std::string message =
-          refusal_of(local_storage(), folder + "/" + input, ErrorKind::io);
+      const std::string message = error_of(local_storage(), folder + "/" + input, ErrorKind::io);
       EXPECT_NE(message.find("still runs"), std::string::npos) << message;
     }
   }
@@ -223,7 +222,7 @@ TEST(Repair, AnInterruptedBuildOfTheOutputIsNotLostUnasked) {
   const auto others = copied(ended.storage.files);
   storage.files[".out.8vo.tmp-5"] = others.at(ended.growing);
   storage.files[".out.8vo.tmp-5.journal"] = others.at(ended.growing + kJournalEnding);
-  const std::string message = refusal_of(storage, "a.8vo", ErrorKind::io, false);
+  const std::string message = error_of(storage, "a.8vo", ErrorKind::io, false);
   EXPECT_NE(message.find("out.8vo: an interrupted build of it is here (planes 0 to 127 of 230)"),
             std::string::npos)
       << message;
@@ -232,7 +231,7 @@ TEST(Repair, AnInterruptedBuildOfTheOutputIsNotLostUnasked) {
   EXPECT_EQ(storage.files.count(".out.8vo.tmp-5"), 0u);
 }
 
-TEST(Repair, WithoutAWholePlaneItIsRefused) {
+TEST(Repair, WithoutAWholePlaneItIsRejected) {
   Ended ended(four_layers(VoxelType::uint8), 1);
   ended.storage.files.at(ended.growing)->resize(600);
   try {

@@ -160,7 +160,7 @@ class Stacks(Traced):
                 "export", "new.8vo", "-o", "st/", "--force", "-j1")
             self.assertEqual(result.returncode, -signal.SIGKILL, calls)
             # Whatever the moment, one whole stack is there, under a name that is settled.
-            self.expect_refusal(5, ["st: the folder is not empty", "--force"], "export", "old.8vo",
+            self.expect_error(5, ["st: the folder is not empty", "--force"], "export", "old.8vo",
                                 "-o", "st/")
             self.assertIn(self.planes(), (5, 7))
             self.expect(0, "export", "old.8vo", "-o", "st/", "--force")
@@ -183,13 +183,13 @@ class Stacks(Traced):
                 self.assertTrue((self.folder / "st").is_symlink())
                 self.assertEqual(self.planes(), planes)
                 self.assertEqual(os.listdir(self.folder / "deep"), ["st"])
-        self.expect_refusal(5, ["st: the folder is not empty"], "export", "new.8vo", "-o", "st/")
+        self.expect_error(5, ["st: the folder is not empty"], "export", "new.8vo", "-o", "st/")
         (self.folder / "nowhere").symlink_to("gone")
         (self.folder / "file.tif").write_text("kept")
         (self.folder / "to_file").symlink_to("file.tif")
         for target, words in [("nowhere/", "nowhere: is a link that cannot be followed"),
                               ("to_file/", "is a file; a TIFF stack needs a folder")]:
-            self.expect_refusal(5, [words], "export", "new.8vo", "-o", target, "--force")
+            self.expect_error(5, [words], "export", "new.8vo", "-o", target, "--force")
         self.assertEqual((self.folder / "file.tif").read_text(), "kept")
 
     def test_no_link_is_followed_where_a_stack_is_removed(self):
@@ -198,20 +198,20 @@ class Stacks(Traced):
         (self.folder / f".st.tmp-{NOBODY}").symlink_to("real")
         self.expect(0, "export", "old.8vo", "-o", "other/")
         (self.folder / "other").rename(self.folder / "st")
-        self.expect_refusal(5, ["st: the earlier stack of this name, .st.tmp-earlier, cannot be "
+        self.expect_error(5, ["st: the earlier stack of this name, .st.tmp-earlier, cannot be "
                                 "removed"], "export", "new.8vo", "-o", "st/", "--force")
         (self.folder / ".st.tmp-earlier").unlink()
         self.expect(0, "export", "new.8vo", "-o", "st/", "--force")
         self.assertEqual(len(os.listdir(self.folder / "real")), 7)
 
-    def test_what_is_called_a_plane_and_is_no_file_is_refused_before_any_work(self):
+    def test_what_is_called_a_plane_and_is_no_file_is_rejected_before_any_work(self):
         before = self.names()
         plane = self.folder / "st/plane_0099.tif"
         for make, remove in [(lambda: plane.symlink_to("plane_0000.tif"), plane.unlink),
                              (plane.mkdir, plane.rmdir),
                              (lambda: os.mkfifo(plane), plane.unlink)]:
             make()
-            self.expect_refusal(5, ["st: the folder holds plane_0099.tif, which is no plane"],
+            self.expect_error(5, ["st: the folder holds plane_0099.tif, which is no plane"],
                                 "export", "new.8vo", "-o", "st/", "--force")
             self.assertEqual((self.planes(), self.names()), (8, before))
             remove()
@@ -226,7 +226,7 @@ class Stacks(Traced):
         foreign = self.folder / ".st.tmp-earlier/notes.txt"
         foreign.write_text("kept")
         for _ in range(2):
-            self.expect_refusal(5, [told], "export", "old.8vo", "-o", "st/", "--force")
+            self.expect_error(5, [told], "export", "old.8vo", "-o", "st/", "--force")
         self.assertEqual((foreign.read_text(), self.planes()), ("kept", 5))
         foreign.unlink()
         self.expect(0, "export", "old.8vo", "-o", "st/", "--force")
@@ -351,7 +351,7 @@ class Leftovers(InFolder):
 
 
 class TwoBuilds(InFolder):
-    def test_a_name_that_another_program_builds_is_refused_without_force(self):
+    def test_a_name_that_another_program_builds_is_rejected_without_force(self):
         growing = self.folder / f".x.8vo.tmp-{NOBODY}"
         growing.write_bytes(b"")
         journal = pathlib.Path(str(growing) + ".journal")
@@ -359,7 +359,7 @@ class TwoBuilds(InFolder):
         command = ["phantom", "--size", "9", "-o", "x.8vo"]
         with open(journal, "r+b") as held:
             fcntl.flock(held, fcntl.LOCK_EX)
-            self.expect_refusal(5, ["x.8vo: is being built by another program", growing.name,
+            self.expect_error(5, ["x.8vo: is being built by another program", growing.name,
                                     "--force"], *command)
             self.assertNotIn("x.8vo", self.names())
             self.expect(0, *command, "--force")

@@ -222,9 +222,9 @@ TEST_F(Resume, EveryDamageCostsGroupsAndNothingElse) {
   }
 }
 
-TEST_F(Resume, WhatIsOfSomethingElseIsRefusedByNameAndKept) {
+TEST_F(Resume, WhatIsOfSomethingElseIsRejectedByNameAndKept) {
   const auto files = left_behind(2, true);
-  const auto refuse = [&](const WriterOptions& options, const VolumeDescription& description,
+  const auto reject = [&](const WriterOptions& options, const VolumeDescription& description,
                           std::uint32_t hash, ErrorKind kind, const std::string& words) {
     MemoryStorage storage;
     storage.files = copied(files);
@@ -237,13 +237,13 @@ TEST_F(Resume, WhatIsOfSomethingElseIsRefusedByNameAndKept) {
   const WriterOptions resuming{.is_resuming = true};
   VolumeDescription other = volume_.description;
   other.geometry.spacing_mm[2] = 0.75;
-  refuse(resuming, other, 1, ErrorKind::invalid_argument,
+  reject(resuming, other, 1, ErrorKind::invalid_argument,
          "spacing: 0.5 0.5 0.5 there, 0.5 0.5 0.75");
   other = volume_.description;
   other.metadata_json = R"({"source":{"format":"best"}})";
-  refuse(resuming, other, 1, ErrorKind::invalid_argument, "best");
-  refuse(resuming, volume_.description, 2, ErrorKind::source_rejected, "the first planes");
-  refuse({.is_resuming = true, .settings = "preset: fast\n"}, volume_.description, 1,
+  reject(resuming, other, 1, ErrorKind::invalid_argument, "best");
+  reject(resuming, volume_.description, 2, ErrorKind::source_rejected, "the first planes");
+  reject({.is_resuming = true, .settings = "preset: fast\n"}, volume_.description, 1,
          ErrorKind::invalid_argument, "preset");
 }
 
@@ -342,11 +342,11 @@ TEST_F(ResumeOnDisk, AFileWithALivingWriterIsNotTaken) {
   EXPECT_EQ(local_storage().open_read(path_of("a.8vo"))->size(), reference_.size());
 }
 
-TEST_F(ResumeOnDisk, ANameThatAnotherProgramBuildsIsRefused) {
-  EXPECT_NO_THROW(refuse_running(local_storage(), path_of("a.8vo")));
+TEST_F(ResumeOnDisk, ANameThatAnotherProgramBuildsIsRejected) {
+  EXPECT_NO_THROW(reject_running(local_storage(), path_of("a.8vo")));
   auto living = create(false);
   try {
-    refuse_running(local_storage(), path_of("a.8vo"));
+    reject_running(local_storage(), path_of("a.8vo"));
     ADD_FAILURE() << "nobody was seen";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::io);
@@ -354,7 +354,7 @@ TEST_F(ResumeOnDisk, ANameThatAnotherProgramBuildsIsRefused) {
     EXPECT_EQ(error.detail().find("is being built by another program (.a.8vo.tmp-"), 0u);
   }
   living.reset();
-  EXPECT_NO_THROW(refuse_running(local_storage(), path_of("a.8vo")));
+  EXPECT_NO_THROW(reject_running(local_storage(), path_of("a.8vo")));
 }
 
 TEST_F(ResumeOnDisk, TheGrowingFileIsOpenToNobodyNew) {

@@ -68,7 +68,7 @@ class ScanDamage : public ::testing::Test {
     }
   }
 
-  bool is_refused(const Box& box, int level) const {
+  bool is_rejected(const Box& box, int level) const {
     try {
       read_box(*FileReader::open(source()), box, level);
     } catch (const Error& error) {
@@ -91,20 +91,20 @@ TEST_F(ScanDamage, EveryFlippedBitIsFound) {
   }
 }
 
-TEST_F(ScanDamage, ABrickWithAFlippedBitIsRefusedAndAllOthersAreRead) {
+TEST_F(ScanDamage, ABrickWithAFlippedBitIsRejectedAndAllOthersAreRead) {
   const auto whole = FileReader::open(source());
   const std::vector<StoredSegment> segments = segments_of(*whole);
   ASSERT_GT(segments.size(), 100U);
   const auto box_of_brick = [&](const StoredSegment& stored) {
     return brick_box_at(whole->levels(), stored.level, stored.entry.brick);
   };
-  GoalCases goal("B1", "partial reads of a flipped bit refused", case_count(50, 100'000));
+  GoalCases goal("B1", "partial reads of a flipped bit rejected", case_count(50, 100'000));
   while (goal.next()) {
     const StoredSegment& hit = segments[random_() % segments.size()];
     const StoredSegment& other = segments[random_() % segments.size()];
     const std::uint64_t bit = 8 * hit.segment.offset + random_() % (8 * hit.segment.length);
     flip(bit);
-    ASSERT_TRUE(is_refused(box_of_brick(hit), hit.level)) << "bit " << bit;
+    ASSERT_TRUE(is_rejected(box_of_brick(hit), hit.level)) << "bit " << bit;
     if (other.entry.tier != hit.entry.tier || other.entry.brick != hit.entry.brick) {
       const Box box = box_of_brick(other);
       ASSERT_TRUE(read_box(*FileReader::open(source()), box, other.level) ==
@@ -115,8 +115,8 @@ TEST_F(ScanDamage, ABrickWithAFlippedBitIsRefusedAndAllOthersAreRead) {
   }
 }
 
-TEST_F(ScanDamage, EveryShortenedFileIsRefused) {
-  GoalCases goal("B2", "lengths of the CT head refused", case_count(1000, 10'000));
+TEST_F(ScanDamage, EveryShortenedFileIsRejected) {
+  GoalCases goal("B2", "lengths of the CT head rejected", case_count(1000, 10'000));
   while (goal.next()) {
     const std::uint64_t length = 1 + random_() % (bytes_.size() - 1);
     const auto shortened = source();

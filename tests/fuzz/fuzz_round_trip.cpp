@@ -90,7 +90,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     bytes = build(volume);
   } catch (const Error& error) {
-    // Floats that no coding holds; nothing else may be refused.
+    // Floats that no coding holds; nothing else may be rejected.
     const bool is_float = volume.description.type == VoxelType::float32;
     if (!is_float || error.kind() != ErrorKind::source_rejected) fail(error.what());
     return 0;

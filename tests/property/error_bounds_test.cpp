@@ -124,10 +124,10 @@ TYPED_TEST(BoundsOf, NoVoxelBreaksTheBound) {
   while (true) {
     const CodecSettings settings{below(random, 2) == 0 ? Preset::small : Preset::fast,
                                  below(random, 5) == 0 ? 0 : (highest >> below(random, 31)) / 2};
-    const Brick<T> lesson(random);
-    const TrainingBrick training{lesson.shape, lesson.view()};
+    const Brick<T> brick(random);
+    const TrainingBrick training{brick.shape, brick.view()};
     const auto codec = train_grey_model(voxel_type_of<T>(), std::span(&training, 1), settings);
-    ASSERT_LE(largest_error(*codec, lesson), settings.max_error);
+    ASSERT_LE(largest_error(*codec, brick), settings.max_error);
     for (int i = 0; i < 12; ++i) {
       const Brick<T> brick(random);
       ASSERT_LE(largest_error(*codec, brick), settings.max_error) << "after " << voxels;

@@ -34,8 +34,8 @@ struct Fixture {
     return {voxels.data(), VoxelType::uint16, size, size.x, size.x * size.y};
   }
 
-  /// Decodes level 0; true when it was refused as corrupt.
-  bool is_refused(const BrickCodec& by, const std::vector<Bytes>& segments) const {
+  /// Decodes level 0; true when it was rejected as corrupt.
+  bool is_rejected(const BrickCodec& by, const std::vector<Bytes>& segments) const {
     const std::vector<ByteSpan> spans(segments.begin(), segments.end());
     std::vector<std::uint16_t> out(voxels.size());
     try {
@@ -55,38 +55,38 @@ void mutate(Bytes& bytes, std::mt19937& random) {
   }
 }
 
-TEST(LabelDamage, TruncatedSegmentsAreRefusedOrDecodeToSomething) {
+TEST(LabelDamage, TruncatedSegmentsAreRejectedOrDecodeToSomething) {
   const Fixture fixture(1);
   for (std::size_t level = 0; level < fixture.brick.segments.size(); ++level) {
     const Bytes whole = fixture.brick.segments[level];
     for (std::size_t length = 0; length < whole.size(); length += 1 + length / 16) {
       std::vector<Bytes> segments = fixture.brick.segments;
       segments[level].resize(length);
-      fixture.is_refused(*fixture.codec, segments);
+      fixture.is_rejected(*fixture.codec, segments);
     }
   }
 }
 
-TEST(LabelDamage, AddedBytesAreRefused) {
+TEST(LabelDamage, AddedBytesAreRejected) {
   const Fixture fixture(2);
   for (std::size_t level = 0; level < fixture.brick.segments.size(); ++level) {
     std::vector<Bytes> segments = fixture.brick.segments;
     segments[level].insert(segments[level].end(), 5, 0x5a);
-    EXPECT_TRUE(fixture.is_refused(*fixture.codec, segments)) << level;
+    EXPECT_TRUE(fixture.is_rejected(*fixture.codec, segments)) << level;
   }
 }
 
-TEST(LabelDamage, MutatedSegmentsAreRefusedOrDecodeToSomething) {
+TEST(LabelDamage, MutatedSegmentsAreRejectedOrDecodeToSomething) {
   const Fixture fixture(3);
   std::mt19937 random(4);
   for (int i = 0; i < 600; ++i) {
     std::vector<Bytes> segments = fixture.brick.segments;
     mutate(segments[random() % segments.size()], random);
-    fixture.is_refused(*fixture.codec, segments);
+    fixture.is_rejected(*fixture.codec, segments);
   }
 }
 
-TEST(LabelDamage, MutatedModelsAreRefusedOrDecodeToSomething) {
+TEST(LabelDamage, MutatedModelsAreRejectedOrDecodeToSomething) {
   const Fixture fixture(5);
   const Bytes model = fixture.codec->serialized();
   std::mt19937 random(6);
@@ -96,7 +96,7 @@ TEST(LabelDamage, MutatedModelsAreRefusedOrDecodeToSomething) {
     mutate(bytes, random);
     try {
       const auto codec = parse_label_model(VoxelType::uint16, bytes);
-      fixture.is_refused(*codec, fixture.brick.segments);
+      fixture.is_rejected(*codec, fixture.brick.segments);
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::corrupt);
     }

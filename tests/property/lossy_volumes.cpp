@@ -107,7 +107,7 @@ TEST(LossyVolumes, NoFloatBreaksTheBound) {
   Random random(8);
   GoalCases goal("F1", "thousand float32 voxels within the bound", case_count(1000, 100'000));
   std::uint64_t voxels = 0;
-  std::uint64_t refused = 0;
+  std::uint64_t rejected = 0;
   std::uint64_t built = 0;
   while (true) {
     const FloatVolume volume(random);
@@ -125,12 +125,12 @@ TEST(LossyVolumes, NoFloatBreaksTheBound) {
     } catch (const Error& error) {
       // No file at all is right.
       ASSERT_EQ(error.kind(), ErrorKind::source_rejected) << error.what();
-      ++refused;
+      ++rejected;
     }
     while (goal.done() < voxels / kThousand) {
       if (!goal.next()) {
-        EXPECT_GT(built, refused);
-        goal.tell(std::to_string(built) + " volumes, " + std::to_string(refused) + " refused");
+        EXPECT_GT(built, rejected);
+        goal.tell(std::to_string(built) + " volumes, " + std::to_string(rejected) + " rejected");
         return;
       }
     }

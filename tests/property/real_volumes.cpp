@@ -121,14 +121,14 @@ Sums sum_below(const Sums& fine, const Size3& size, HalvingMask mask) {
 /// expected below 0.25.
 /// At odd edges the pyramid weighs the lone samples more than a plain mean does, so only samples
 /// over complete octants are judged.
-void expect_means(const std::vector<std::int32_t>& samples, const Sums& truth, double full_count,
+void expect_means(const std::vector<std::int32_t>& samples, const Sums& exact, double full_count,
                   int level) {
   double worst = 0;
   double total = 0;
   std::int64_t judged = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (truth.count[i] != full_count) continue;
-    const double deviation = samples[i] - truth.sum[i] / truth.count[i];
+    if (exact.count[i] != full_count) continue;
+    const double deviation = samples[i] - exact.sum[i] / exact.count[i];
     worst = std::max(worst, std::abs(deviation));
     total += deviation;
     ++judged;
@@ -145,18 +145,18 @@ void expect_levels(const FileReader& reader, const RealVolume& volume) {
   const Levels& levels = reader.levels();
   const bool is_grey = volume.description.kind == VolumeKind::grey;
   std::vector<std::int32_t> reference = volume.voxels;
-  Sums truth{std::vector<double>(reference.begin(), reference.end()),
+  Sums exact{std::vector<double>(reference.begin(), reference.end()),
              std::vector<double>(reference.size(), 1.0)};
   double full_count = 1;
   for (int level = 0; level < levels.count(); ++level) {
     const Size3 size = levels.size(level);
     const std::vector<std::int32_t> samples = read_numbers(reader, box_of(size), level);
     ASSERT_TRUE(samples == reference) << "level " << level << " is not the reference pyramid";
-    if (is_grey && level > 0) expect_means(samples, truth, full_count, level);
+    if (is_grey && level > 0) expect_means(samples, exact, full_count, level);
     const HalvingMask mask = levels.halving(level);
     if (is_grey) {
       reference = coarser_level(reference, size, mask, level, reader.axis_order());
-      truth = sum_below(truth, size, mask);
+      exact = sum_below(exact, size, mask);
       full_count *= 1 << __builtin_popcount(mask);
     } else {
       reference = vote(reference, size, mask);

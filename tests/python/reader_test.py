@@ -111,7 +111,7 @@ class Damage(InFolder):
     """Of a file with one byte changed or missing no wrong voxel comes out."""
 
     def read_all(self, data):
-        """All levels, or None when the file is refused."""
+        """All levels, or None when the file is rejected."""
         path = self.folder / "damaged.8vo"
         path.write_bytes(data)
         try:
@@ -123,20 +123,20 @@ class Damage(InFolder):
     def test_a_changed_byte_is_refused_or_changes_nothing(self):
         data = (GOLDEN / "minimal.8vo").read_bytes()
         sound = self.read_all(data)
-        refused = 0
+        rejected = 0
         for at in range(len(data)):
             changed = self.read_all(data[:at] + bytes([data[at] ^ 1 << at % 8]) + data[at + 1 :])
-            refused += changed is None
+            rejected += changed is None
             self.assertIn(changed, (None, sound), f"byte {at}")
         # The trailer of the slab and the checksum over everything are for repair alone.
-        self.assertGreater(refused, len(data) * 9 // 10)
+        self.assertGreater(rejected, len(data) * 9 // 10)
 
-    def test_every_truncation_is_refused(self):
+    def test_every_truncation_is_rejected(self):
         data = (GOLDEN / "minimal.8vo").read_bytes()
         for length in range(len(data)):
             self.assertIsNone(self.read_all(data[:length]), f"{length} bytes")
 
-    def test_changed_segments_and_models_are_refused(self):
+    def test_changed_segments_and_models_are_rejected(self):
         for name in ("small-int16.8vo", "labels-uint8.8vo"):
             data = (GOLDEN / name).read_bytes()
             with OctavoFile(GOLDEN / name) as file:

@@ -272,9 +272,9 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
                options.max_memory_bytes);
 
   check_target(storage, path, options.overwrite);
-  if (options.interrupted == Interrupted::refuse) {
-    refuse_running(storage, path);
-    refuse_interrupted(storage, path);
+  if (options.interrupted == Interrupted::reject) {
+    reject_running(storage, path);
+    reject_interrupted(storage, path);
   }
 
   // Every plane passes twice: read, then coded.

@@ -22,7 +22,7 @@ namespace octavo {
 /// What becomes of an interrupted build of the same file.
 enum class Interrupted {
   discard,  ///< it is removed
-  refuse,   ///< Error{io} when some of it is whole, or another program still builds it with a
+  reject,   ///< Error{io} when some of it is whole, or another program still builds it with a
             ///< journal, before anything is read
   resume    ///< it is continued; and this build, when it fails, is kept to be continued
 };
@@ -35,7 +35,7 @@ struct BuildOptions {
   double max_error = 0;
   FloatRepair repair = {};  ///< of NaN and infinities in float32 volumes
   bool overwrite = false;
-  Interrupted interrupted = Interrupted::refuse;
+  Interrupted interrupted = Interrupted::reject;
   /// Whether a journal is kept, for Interrupted::resume after the program was killed. Without one
   /// the next build of the file removes what a killed one left.
   bool is_resumable = true;

@@ -199,10 +199,10 @@ void FloatPlanes::next_voxels() {
   const std::int64_t z = planes_read_++;
   if (is_finite(plane_)) return;
   repair_voxels(plane_, settings_.repair);
-  if (!is_finite(plane_)) count_and_refuse(z);
+  if (!is_finite(plane_)) count_and_reject(z);
 }
 
-void FloatPlanes::count_and_refuse(std::int64_t z) {
+void FloatPlanes::count_and_reject(std::int64_t z) {
   const auto bad = std::find_if(plane_.begin(), plane_.end(), [](float v) {
     return !std::isfinite(v);
   });
@@ -253,18 +253,18 @@ void FloatPlanes::read_plane(std::span<std::byte> codes) {
   for (std::size_t i = 0; i < plane_.size(); ++i) {
     const float v = plane_[i];
     const double steps = (static_cast<double>(v) - coding_.offset) / coding_.scale;
-    if (!(std::abs(steps) < limit)) refuse_voxel(z, i, true);
+    if (!(std::abs(steps) < limit)) reject_voxel(z, i, true);
     const auto code = static_cast<std::int32_t>(to_integer(steps));
     const float back = coding_.voxel_of(code);
     const bool is_good =
         is_exact ? std::bit_cast<std::uint32_t>(back) == std::bit_cast<std::uint32_t>(v)
                  : std::abs(static_cast<double>(back) - static_cast<double>(v)) <= slack_;
-    if (!is_good) refuse_voxel(z, i, false);
+    if (!is_good) reject_voxel(z, i, false);
     std::memcpy(codes.data() + i * sizeof code, &code, sizeof code);
   }
 }
 
-void FloatPlanes::refuse_voxel(std::int64_t z, std::size_t at, bool is_too_large) const {
+void FloatPlanes::reject_voxel(std::int64_t z, std::size_t at, bool is_too_large) const {
   const float v = plane_[at];
   const std::int64_t width = description_.size.x;
   const std::string place = "plane " + std::to_string(z) + ": the voxel at x,y = " +

@@ -9,8 +9,8 @@
 // two in (E/64, E/32]. A power of two keeps roundings away: below 2^24 scales a code is a float as
 // it stands, and above that every float is a whole number of scales.
 //
-// NaN and infinities have no code. They are replaced by values that were asked for, or refused once
-// the whole volume has been counted.
+// NaN and infinities have no code. They are replaced by values that were asked for, or rejected
+// once the whole volume has been counted.
 #pragma once
 
 #include <cstdint>
@@ -74,8 +74,8 @@ class FloatPlanes final : public PlaneSource {
   void choose_within(std::span<const float> values);
   bool choose_step(const SampleCoding& coding, double largest);
   void next_voxels();
-  [[noreturn]] void count_and_refuse(std::int64_t z);
-  [[noreturn]] void refuse_voxel(std::int64_t z, std::size_t at, bool is_too_large) const;
+  [[noreturn]] void count_and_reject(std::int64_t z);
+  [[noreturn]] void reject_voxel(std::int64_t z, std::size_t at, bool is_too_large) const;
   std::string proposal(double max_error) const;
   double noise_proposal() const;
 

@@ -121,7 +121,7 @@ class Parents {
 
 SealResult seal(InterruptedBuild build, Storage& storage, const std::string& output,
                 const SealOptions& options, Progress& progress) {
-  if (!options.overwrite) refuse_interrupted(storage, output);
+  if (!options.overwrite) reject_interrupted(storage, output);
   SealResult result;
   result.input = build.file->path();
   WholeBricks bricks(std::move(build));

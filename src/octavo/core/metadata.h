@@ -1,6 +1,6 @@
 // The metadata of a volume: the JSON text that stands in a file, and what it says.
 //
-// The text is the truth. What it says is read once, typed and within limits (json_reader.h); every
+// The text decides. What it says is read once, typed and within limits (json_reader.h); every
 // change writes a new text and reads that. Members that this program does not know, and all others
 // that a change does not concern, keep their text and their place. A text that cannot be read is
 // kept as it is and says nothing: opening such a file is no error.

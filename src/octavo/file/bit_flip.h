@@ -43,7 +43,7 @@ enum class OtherProof {
 inline constexpr std::uint64_t kMaxPlainBits = std::uint64_t{1} << 12;
 inline constexpr std::uint64_t kMaxCodedBits = std::uint64_t{1} << 20;
 
-/// Whether the one flipped bit that explains the checksum of `length` bytes is taken for the truth.
+/// Whether one flipped bit that explains the checksum of `length` bytes is taken for the damage.
 bool is_safe_guess(std::uint64_t length, OtherProof proof) noexcept;
 
 /// Bytes of a file and the checksum kept for them.

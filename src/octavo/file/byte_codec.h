@@ -1,7 +1,7 @@
 // Little-endian numbers and varints, in and out of byte strings.
 //
 // A varint holds 7 bits a byte, lowest first, the high bit of a byte set while more follow
-// (LEB128); it is written in the fewest bytes, and any longer form is refused. Signed numbers are
+// (LEB128); it is written in the fewest bytes, and any longer form is rejected. Signed numbers are
 // zigzag: 0 -1 1 -2 2 ...
 #pragma once
 

@@ -105,7 +105,7 @@ class Verifier {
  private:
   void add(Damage damage) {
     ++report_.damage_count;
-    if (damage.is_mendable()) ++report_.mendable_count;
+    if (damage.is_repairable()) ++report_.repairable_count;
     if (report_.damages.size() < options_.max_listed) report_.damages.push_back(std::move(damage));
   }
 

@@ -43,7 +43,7 @@ struct Damage {
   std::string detail;               ///< one line for people: the place, then what is wrong
 
   /// Whether repair turns it back: one flipped bit explains it, and other damage hardly would.
-  bool is_mendable() const { return flipped_byte && is_safe_guess(length, proof); }
+  bool is_repairable() const { return flipped_byte && is_safe_guess(length, proof); }
 };
 
 struct VerifyReport {
@@ -53,7 +53,7 @@ struct VerifyReport {
   std::int64_t unreachable_brick_count = 0;
   std::int64_t segment_count = 0;        ///< that hold bytes
   std::int64_t damage_count = 0;         ///< all damages
-  std::int64_t mendable_count = 0;       ///< those that repair turns back
+  std::int64_t repairable_count = 0;     ///< those that repair turns back
   std::uint64_t file_bytes = 0;
   std::vector<Damage> damages;           ///< the first max_listed found
   bool is_sound() const { return damage_count == 0; }

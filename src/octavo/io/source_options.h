@@ -1,4 +1,4 @@
-// What a user may say about a source: how to read it, what to take of it, what to mend.
+// What a user may say about a source: how to read it, what to take of it, what to repair.
 #pragma once
 
 #include <cstdint>

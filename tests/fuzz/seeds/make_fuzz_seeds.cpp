@@ -80,8 +80,8 @@ Bytes brick_input(std::uint8_t type, VolumeKind kind, std::uint8_t side,
   const BrickView view{voxels.data(), kTypes[type], size, size.x, size.x * size.y};
   const Levels levels(size, choose_halvings(size, {1, 1, 1}));
   const BrickShape shape = brick_shape(levels, 0, {0, 0, 0});
-  const TrainingBrick lesson{shape, view};
-  const auto codec = train_model(kind, kTypes[type], std::span(&lesson, 1), settings);
+  const TrainingBrick training{shape, view};
+  const auto codec = train_model(kind, kTypes[type], std::span(&training, 1), settings);
   const EncodedBrick brick = codec->encode(shape, view);
   const Bytes model = codec->serialized();
   Bytes out = {static_cast<std::uint8_t>(type | (kind == VolumeKind::labels ? 0x80 : 0)), side,

@@ -133,12 +133,12 @@ TEST(Builder, WhatCannotBeBuiltIsRejectedBeforeAnythingIsRead) {
   volume.description.type = VoxelType::float32;
   volume.description.size = {2, 2, 2};
   volume.voxels.resize(32);
-  const BuildOptions refused[] = {{.kind = VolumeKind::labels},
-                                  {.kind = VolumeKind::labels, .max_error = 1},
-                                  {.max_error = -1},
-                                  {.max_error = HUGE_VAL},
-                                  {.max_error = NAN}};
-  for (const BuildOptions& options : refused) {
+  const BuildOptions rejected[] = {{.kind = VolumeKind::labels},
+                                   {.kind = VolumeKind::labels, .max_error = 1},
+                                   {.max_error = -1},
+                                   {.max_error = HUGE_VAL},
+                                   {.max_error = NAN}};
+  for (const BuildOptions& options : rejected) {
     const auto source = make_memory_source(volume.description, volume.voxels);
     CountingProgress progress;
     EXPECT_EQ(kind_of_failure(*source, folder.file("a.8vo"), options, progress),

@@ -126,7 +126,7 @@ TEST(FlatCubes, OfALossyFileTheyAreThoseOfItsVoxels) {
   EXPECT_EQ(planes_of(*source), expand(octree, scene.size, -1));
 }
 
-TEST(FlatCubes, WhatHasNoMeanIsRefused) {
+TEST(FlatCubes, WhatHasNoMeanIsRejected) {
   Scene scene = scenes()[1];
   scene.type = VoxelType::float32;
   const ScratchFolder folder;

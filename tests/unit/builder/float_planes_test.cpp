@@ -34,12 +34,12 @@ struct Floats {
   }
 };
 
-// What a run over all planes gives: the codes, or the refusal.
+// What a run over all planes gives: the codes, or the error.
 struct Outcome {
   SampleCoding coding;
   std::int64_t codec_error = 0;
   std::vector<std::int32_t> codes;
-  std::string refusal;
+  std::string error;
 };
 
 Outcome run(const Floats& floats, const FloatSettings& settings) {
@@ -57,13 +57,13 @@ Outcome run(const Floats& floats, const FloatSettings& settings) {
     }
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
-    outcome.refusal = error.detail();
+    outcome.error = error.detail();
   }
   return outcome;
 }
 
 void expect_bits_back(const Floats& floats, const Outcome& outcome) {
-  ASSERT_EQ(outcome.codes.size(), floats.voxels.size()) << outcome.refusal;
+  ASSERT_EQ(outcome.codes.size(), floats.voxels.size()) << outcome.error;
   for (std::size_t i = 0; i < floats.voxels.size(); ++i) {
     ASSERT_EQ(std::bit_cast<std::uint32_t>(outcome.coding.voxel_of(outcome.codes[i])),
               std::bit_cast<std::uint32_t>(floats.voxels[i]));
@@ -78,12 +78,12 @@ void expect_words(const std::string& text, std::initializer_list<const char*> wo
 
 float tenth(std::size_t i) { return static_cast<float>(static_cast<double>(i % 97) * 0.1); }
 
-// The max error that a refusal proposes.
-double proposed(const std::string& refusal) {
+// The max error that a error proposes.
+double proposed(const std::string& error) {
   const std::string mark = "--max-error ";
-  const std::size_t at = refusal.find(mark);
-  EXPECT_NE(at, std::string::npos) << refusal;
-  return at == std::string::npos ? 0 : std::stod(refusal.substr(at + mark.size()));
+  const std::size_t at = error.find(mark);
+  EXPECT_NE(at, std::string::npos) << error;
+  return at == std::string::npos ? 0 : std::stod(error.substr(at + mark.size()));
 }
 
 TEST(FloatPlanes, MultiplesComeBackBitByBit) {
@@ -104,34 +104,33 @@ TEST(FloatPlanes, ALaterPlaneThatBreaksTheScaleIsNamedAndTheProposalWorks) {
   Floats floats(9, tenth);
   floats.voxels[7 * 32 + 2 * 8 + 5] = 0.123f;
   FloatSettings settings{.first_planes = 4};
-  const Outcome refused = run(floats, settings);
-  expect_words(refused.refusal, {"plane 7", "x,y = 5,2", "0.123", "multiple of 0.1"});
-  settings.max_error = proposed(refused.refusal);
+  const Outcome rejected = run(floats, settings);
+  expect_words(rejected.error, {"plane 7", "x,y = 5,2", "0.123", "multiple of 0.1"});
+  settings.max_error = proposed(rejected.error);
   EXPECT_LE(settings.max_error, 0.06);
-  EXPECT_EQ(run(floats, settings).refusal, "");
+  EXPECT_EQ(run(floats, settings).error, "");
 }
 
-TEST(FloatPlanes, MinusZeroIsRefusedBitByBitAndZeroWithinAnError) {
+TEST(FloatPlanes, MinusZeroIsRejectedBitByBitAndZeroWithinAnError) {
   Floats floats(3, [](std::size_t i) { return static_cast<float>(i); });
   floats.voxels[40] = -0.0f;
-  const Outcome refused = run(floats, {});
-  expect_words(refused.refusal, {"plane 1", "x,y = 0,1", "-0"});
-  const Outcome within =
-      run(floats, {.max_error = proposed(refused.refusal), .first_planes = 3});
-  ASSERT_EQ(within.refusal, "");
+  const Outcome rejected = run(floats, {});
+  expect_words(rejected.error, {"plane 1", "x,y = 0,1", "-0"});
+  const Outcome within = run(floats, {.max_error = proposed(rejected.error), .first_planes = 3});
+  ASSERT_EQ(within.error, "");
   EXPECT_EQ(within.coding.voxel_of(within.codes[40]), 0);
   EXPECT_EQ(within.codec_error, 0);
 }
 
-TEST(FloatPlanes, NoiseIsRefusedWithAProposalThatWorks) {
+TEST(FloatPlanes, NoiseIsRejectedWithAProposalThatWorks) {
   std::mt19937 random(5);
   std::normal_distribution<float> noise(0, 8);
   const Floats floats(20, [&](std::size_t) { return noise(random); });
-  const Outcome refused = run(floats, {.first_planes = 8});
-  const double e = proposed(refused.refusal);
+  const Outcome rejected = run(floats, {.first_planes = 8});
+  const double e = proposed(rejected.error);
   EXPECT_GE(e, 1);
   EXPECT_LE(e, 4);
-  EXPECT_EQ(run(floats, {.max_error = e, .first_planes = 8}).refusal, "");
+  EXPECT_EQ(run(floats, {.max_error = e, .first_planes = 8}).error, "");
 }
 
 TEST(FloatPlanes, WhatIsNoNumberIsCountedOverTheWholeScan) {
@@ -140,11 +139,11 @@ TEST(FloatPlanes, WhatIsNoNumberIsCountedOverTheWholeScan) {
   floats.voxels[11 * 32] = kNan;
   floats.voxels[5 * 32] = -kInfinity;
   const Outcome all = run(floats, {.first_planes = 12});
-  expect_words(all.refusal, {"2 NaN and 1 infinite", "x,y,z = 1,1,3", "--nan", "--inf"});
-  EXPECT_EQ(run(floats, {.first_planes = 1}).refusal, all.refusal);
+  expect_words(all.error, {"2 NaN and 1 infinite", "x,y,z = 1,1,3", "--nan", "--inf"});
+  EXPECT_EQ(run(floats, {.first_planes = 1}).error, all.error);
   const Outcome some = run(floats, {.repair = {.nan = 0.0f, .infinity = {}}});
-  expect_words(some.refusal, {"1 infinite", "0,0,5", "--inf"});
-  EXPECT_EQ(some.refusal.find("NaN"), std::string::npos) << some.refusal;
+  expect_words(some.error, {"1 infinite", "0,0,5", "--inf"});
+  EXPECT_EQ(some.error.find("NaN"), std::string::npos) << some.error;
 }
 
 TEST(FloatPlanes, WhatIsNoNumberIsReplacedAsAsked) {
@@ -191,7 +190,7 @@ TEST(FloatPlanes, NoCodeWithinTheCodecsErrorLeavesTheBound) {
   for (const Case& c : cases) {
     Floats floats(6, [&](std::size_t) { return any_bits(c.low, c.high); });
     const Outcome outcome = run(floats, {.max_error = c.max_error, .first_planes = 6});
-    ASSERT_EQ(outcome.refusal, "") << c.max_error;
+    ASSERT_EQ(outcome.error, "") << c.max_error;
     for (std::size_t i = 0; i < floats.voxels.size(); ++i) {
       for (std::int64_t d = -outcome.codec_error; d <= outcome.codec_error; ++d) {
         const double back = outcome.coding.voxel_of(outcome.codes[i] + d);
@@ -214,7 +213,7 @@ TEST(FloatPlanes, TheRoomierErrorHoldsForValuesThatNoFirstPlaneAnnounced) {
   settings.max_error = FloatPlanes(*source, settings, progress).roomier_error();
   EXPECT_EQ(settings.max_error, 0.5);
   const Outcome outcome = run(floats, settings);
-  ASSERT_EQ(outcome.refusal, "");
+  ASSERT_EQ(outcome.error, "");
   for (std::size_t i = 0; i < floats.voxels.size(); ++i) {
     for (std::int64_t d = -outcome.codec_error; d <= outcome.codec_error; ++d) {
       const double back = outcome.coding.voxel_of(outcome.codes[i] + d);
@@ -226,9 +225,9 @@ TEST(FloatPlanes, TheRoomierErrorHoldsForValuesThatNoFirstPlaneAnnounced) {
 TEST(FloatPlanes, ProposalsAreInRealUnits) {
   Floats floats(9, tenth);
   floats.voxels[250] = 0.123f;
-  const double stored = proposed(run(floats, {.first_planes = 4}).refusal);
+  const double stored = proposed(run(floats, {.first_planes = 4}).error);
   floats.description.rescale.slope = -20;
-  const double real = proposed(run(floats, {.first_planes = 4}).refusal);
+  const double real = proposed(run(floats, {.first_planes = 4}).error);
   EXPECT_NEAR(real, 20 * stored, 2 * stored);
 }
 
@@ -239,13 +238,13 @@ TEST(FloatPlanes, ScaledIntegersKeepTheirScaleWithinAnError) {
   EXPECT_EQ(outcome.codec_error, 5);
 }
 
-TEST(FloatPlanes, ValuesTooLargeForTheErrorAreRefusedWithOneThatWorks) {
+TEST(FloatPlanes, ValuesTooLargeForTheErrorAreRejectedWithOneThatWorks) {
   Floats floats(2, tenth);
   floats.voxels[50] = 1e12f;
   floats.voxels[51] = 0.777f;
-  const Outcome refused = run(floats, {.max_error = 0.01});
-  expect_words(refused.refusal, {"plane 1", "9.99999996e+11", "too large"});
-  EXPECT_EQ(run(floats, {.max_error = proposed(refused.refusal)}).refusal, "");
+  const Outcome rejected = run(floats, {.max_error = 0.01});
+  expect_words(rejected.error, {"plane 1", "9.99999996e+11", "too large"});
+  EXPECT_EQ(run(floats, {.max_error = proposed(rejected.error)}).error, "");
 }
 
 }  // namespace

@@ -149,7 +149,7 @@ TEST(LossyBuild, FloatVoxelsStayWithinAnyError) {
   }
 }
 
-TEST(LossyBuild, SpikesThatRoundBeyondTheBoundAreRefusedWithAnErrorThatWorks) {
+TEST(LossyBuild, SpikesThatRoundBeyondTheBoundAreRejectedWithAnErrorThatWorks) {
   const ScratchFolder folder;
   std::mt19937 random(9);
   std::normal_distribution<float> noise(0, 100);

@@ -128,7 +128,7 @@ std::map<std::string, octavo::testing::FileBytes> interrupted_grey() {
 }
 
 TEST(ResumedBuild, IsNotOfferedWhereNoJournalIsWanted) {
-  BuildOptions options = options_of(kGrey, Interrupted::refuse);
+  BuildOptions options = options_of(kGrey, Interrupted::reject);
   options.is_resumable = false;
   MemoryStorage whole;
   TextureSource first(kGrey);
@@ -206,7 +206,7 @@ TEST(ResumedBuild, NamesThePlanesThatChanged) {
 
 TEST(ResumedBuild, NamesTheSettingThatChanged) {
   const auto files = interrupted_grey();
-  const auto refuse = [&](PlaneSource& source, const BuildOptions& options,
+  const auto reject = [&](PlaneSource& source, const BuildOptions& options,
                           const std::string& words) {
     MemoryStorage storage;
     storage.files = copied(files);
@@ -217,23 +217,23 @@ TEST(ResumedBuild, NamesTheSettingThatChanged) {
   TextureSource source(kGrey);
   BuildOptions options = options_of(kGrey, Interrupted::resume);
   options.preset = Preset::fast;
-  refuse(source, options, "another preset: small there, fast now");
+  reject(source, options, "another preset: small there, fast now");
   TextureSource again(kGrey);
   options = options_of(kGrey, Interrupted::resume);
   options.max_error = 3;
-  refuse(again, options, "another max error: 0 there, 3 now");
+  reject(again, options, "another max error: 0 there, 3 now");
   TextureSource moved(kGrey);
   moved.mutable_description().geometry.origin_mm[0] = 5;
-  refuse(moved, options_of(kGrey, Interrupted::resume), "another origin: 0 0 0 there, 5 0 0 now");
+  reject(moved, options_of(kGrey, Interrupted::resume), "another origin: 0 0 0 there, 5 0 0 now");
 }
 
-TEST(ResumedBuild, IsRefusedOrDiscardedWhereNobodyAskedForIt) {
+TEST(ResumedBuild, IsRejectedOrDiscardedWhereNobodyAskedForIt) {
   const auto files = interrupted_grey();
   MemoryStorage storage;
   storage.files = copied(files);
   TextureSource source(kGrey);
   const std::string message =
-      failure_of(source, storage, options_of(kGrey, Interrupted::refuse), ErrorKind::io);
+      failure_of(source, storage, options_of(kGrey, Interrupted::reject), ErrorKind::io);
   EXPECT_NE(message.find("planes 0 to 127 of 150"), std::string::npos) << message;
   EXPECT_NE(message.find("--resume"), std::string::npos) << message;
   EXPECT_EQ(storage.files.size(), 2u);
@@ -242,21 +242,21 @@ TEST(ResumedBuild, IsRefusedOrDiscardedWhereNobodyAskedForIt) {
   EXPECT_EQ(storage.files.size(), 1u);
 }
 
-TEST(ResumedBuild, NothingIsRefusedForTheSakeOfGroupsThatAreNotWhole) {
+TEST(ResumedBuild, NothingIsRejectedForTheSakeOfGroupsThatAreNotWhole) {
   MemoryStorage storage;
   storage.files = copied(interrupted_grey());
   for (const auto& [name, bytes] : storage.files) {
     if (!name.ends_with(".journal")) bytes->at(700) ^= 1;
   }
   TextureSource source(kGrey);
-  build(source, storage, options_of(kGrey, Interrupted::refuse));
+  build(source, storage, options_of(kGrey, Interrupted::reject));
   EXPECT_EQ(storage.files.size(), 1u);
 }
 
 TEST(ResumedBuild, NothingIsKeptOfABuildThatDidNotAskForIt) {
   TextureSource source(kGrey, 140);
   MemoryStorage storage;
-  const std::string message = failure_of(source, storage, options_of(kGrey, Interrupted::refuse),
+  const std::string message = failure_of(source, storage, options_of(kGrey, Interrupted::reject),
                                          ErrorKind::source_rejected);
   EXPECT_EQ(message.find("kept"), std::string::npos) << message;
   EXPECT_TRUE(storage.files.empty());

@@ -168,7 +168,7 @@ TEST(TierEncoder, BlocksAreGivenBackAfterAFailureToo) {
   }
 }
 
-TEST(TierEncoder, ErrorsWithinTheBoundAreMeasuredAndOthersRefused) {
+TEST(TierEncoder, ErrorsWithinTheBoundAreMeasuredAndOthersRejected) {
   const Volume volume;
   for (const int error : {1, 2, 3}) {
     RecordingWriter writer;

@@ -49,7 +49,7 @@ std::optional<ErrorKind> thrown_by(const Work& work) {
   return {};
 }
 
-TEST(Checked, TheLargestResultIsGivenAndTheNextOneRefused) {
+TEST(Checked, TheLargestResultIsGivenAndTheNextOneRejected) {
   constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();
   EXPECT_EQ(checked_mul(0xffffffffu, 0x100000001u, "size"), kMost);
   EXPECT_EQ(thrown_by([] { checked_mul(std::uint64_t{1} << 32, std::uint64_t{1} << 32, "size"); }),

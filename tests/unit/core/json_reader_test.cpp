@@ -55,14 +55,14 @@ TEST(JsonReader, HandsOutEveryTokenInOrder) {
   EXPECT_EQ(tokens_of(kText), expected);
 }
 
-TEST(JsonReader, RefusesEveryTruncation) {
+TEST(JsonReader, RejectsEveryTruncation) {
   const std::string_view whole = kText.substr(0, kText.size() - 1);  // up to the last bracket
   for (std::size_t size = 0; size < whole.size(); ++size) {
     EXPECT_EQ(failure_of(whole.substr(0, size)), ErrorKind::corrupt) << size;
   }
 }
 
-TEST(JsonReader, RefusesWhatIsNoJson) {
+TEST(JsonReader, RejectsWhatIsNoJson) {
   for (const char* text :
        {"", " ", "{", "}", "[1,]", "[,1]", "[1 2]", "{1:2}", R"({"a"})", R"({"a":})", R"({"a":1,})",
         R"({"a" 1})", R"({,"a":1})", "[1}", R"({"a":1])", "01", "-", "+1", "1.", ".5", "1e", "1e+",

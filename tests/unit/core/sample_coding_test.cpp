@@ -57,7 +57,7 @@ TEST(SampleCoding, OnlyUsableNumbersAreValid) {
   EXPECT_FALSE(is_valid(SampleCoding{VoxelType::float32, 1, 0}));
 }
 
-TEST(VoxelCount, TwoToTheSixtyThreeIsTheFirstOneRefused) {
+TEST(VoxelCount, TwoToTheSixtyThreeIsTheFirstOneRejected) {
   EXPECT_THROW(checked_voxel_count({kMaxAxis, kMaxAxis, kMaxAxis}), Error);
   EXPECT_EQ(checked_voxel_count({kMaxAxis, kMaxAxis, kMaxAxis - 1}),
             kMaxAxis * kMaxAxis * (kMaxAxis - 1));

@@ -65,7 +65,7 @@ TEST(Header, KeepsTheCodingOfFloats) {
   EXPECT_EQ(error_step(read), 0.25 / 1024);
 }
 
-TEST(Header, FloatsWithoutAUsableCodingAreRefused) {
+TEST(Header, FloatsWithoutAUsableCodingAreRejected) {
   const HeaderBlock good = encode_header(float_header());
   const auto expect_corrupt = [&](auto change) {
     HeaderBlock bad = good;
@@ -83,7 +83,7 @@ TEST(Header, FloatsWithoutAUsableCodingAreRefused) {
   expect_corrupt([](HeaderBlock& b) { std::fill(b.begin() + 328, b.begin() + 508, 0); });
 }
 
-TEST(Header, ASecondCodingIsRefused) {
+TEST(Header, ASecondCodingIsRejected) {
   HeaderBlock block = encode_header(float_header());
   std::copy_n(block.begin() + 332, 21, block.begin() + 353);
   block[328] = 2;
@@ -122,7 +122,7 @@ TEST(Header, NamesItsKindOfFailure) {
   EXPECT_EQ(kind_of(good, kFileBytes + 1), ErrorKind::corrupt);
 }
 
-TEST(Header, EveryFlippedBitIsRefused) {
+TEST(Header, EveryFlippedBitIsRejected) {
   const HeaderBlock good = encode_header(sample_header());
   for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
     HeaderBlock bad = good;
@@ -157,7 +157,7 @@ TEST(Header, BytesWithoutMeaningMustBeZero) {
   }
 }
 
-TEST(Header, SectionsThatDoNotTileTheTailAreRefused) {
+TEST(Header, SectionsThatDoNotTileTheTailAreRejected) {
   const auto kind_with = [](void (*change)(FileHeader&)) {
     FileHeader header = sample_header();
     change(header);

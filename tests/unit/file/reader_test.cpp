@@ -200,7 +200,7 @@ TEST(Reader, ASegmentIsItsBytesInTheFile) {
   }
 }
 
-TEST(Reader, MetadataBeyondTheLimitOfTheReaderAreRefused) {
+TEST(Reader, MetadataBeyondTheLimitOfTheReaderAreRejected) {
   SampleVolume volume = make_sample({2, 2, 2}, VoxelType::uint8, Pattern::gradient);
   const auto source = byte_source_of(sample_file_bytes(volume), "sample.8vo");
   ReaderOptions options;
@@ -288,7 +288,7 @@ TEST(Reader, LevelSummariesAddUpToTheBricks) {
   }
 }
 
-TEST(Reader, RefusesWhatLiesOutside) {
+TEST(Reader, RejectsWhatLiesOutside) {
   SampleVolume volume = make_sample({20, 20, 20}, VoxelType::uint8, Pattern::gradient);
   const auto reader = open_bytes(sample_file_bytes(volume));
   std::uint8_t voxel = 0;

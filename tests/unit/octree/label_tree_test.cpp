@@ -356,7 +356,7 @@ TEST(LabelTree, IsProvenInEveryArray) {
   EXPECT_TRUE(is_valid(LabelTree({3, 500, 1})));
 }
 
-TEST(LabelTree, WhatCannotBeIsRefused) {
+TEST(LabelTree, WhatCannotBeIsRejected) {
   EXPECT_THROW(LabelTree({0, 4, 4}), Error);
   EXPECT_THROW(LabelTree({4, 4, (std::int64_t{1} << 21) + 1}), Error);
   const float voxel = 1;

@@ -1,7 +1,7 @@
 // Pairs at the edge of an object: one sample is the smallest value of the brick, the other is not.
 //
 // Where most of a scan is one background value, masked or segmented, such pairs are frequent, and
-// no prediction foresees their details: all that is unknown is which of the two samples lies in the
+// no prediction predicts their details: all that is unknown is which of the two samples lies in the
 // background, and whether their sum is odd. These pairs are told apart by adaptive bits ahead of a
 // split and left out of its residuals. Lossless models only.
 #pragma once
@@ -14,7 +14,7 @@
 
 namespace octavo::grey {
 
-/// What is learnt of a brick's edges on the way through it, level by level.
+/// What is learned of a brick's edges on the way through it, level by level.
 struct EdgeModels {
   /// By the means beside the pair that are background, along the axis (0..2) and across (0..4), and
   /// by the edges among the pairs to the left, above and behind (0..3).

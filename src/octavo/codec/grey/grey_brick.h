@@ -156,24 +156,24 @@ void run_level(Workspace<Sample>& work, const BrickShape& shape, const SampleSca
 
 /// True samples of a split, dense [z][y][x].
 template <class Sample>
-struct Truth {
+struct Target {
   const Sample* samples = nullptr;
   Size3 size;
 };
 
 /// The true detail of pair (x, y, z) of a split along `axis`.
 template <class Sample>
-Wide<Sample> true_detail(const Truth<Sample>& truth, int axis, std::int64_t x, std::int64_t y,
-                         std::int64_t z) {
-  const std::int64_t steps[3] = {1, truth.size.x, truth.size.x * truth.size.y};
-  const Sample* a = truth.samples + (axis == 2 ? 2 * z : z) * steps[2] +
+Wide<Sample> target_detail(const Target<Sample>& target, int axis, std::int64_t x, std::int64_t y,
+                           std::int64_t z) {
+  const std::int64_t steps[3] = {1, target.size.x, target.size.x * target.size.y};
+  const Sample* a = target.samples + (axis == 2 ? 2 * z : z) * steps[2] +
                     (axis == 1 ? 2 * y : y) * steps[1] + (axis == 0 ? 2 * x : x);
   return static_cast<Wide<Sample>>(a[0]) - a[steps[axis]];
 }
 
 /// Puts the true details of a split into work.residuals, 0 in uniform cells.
 template <class Sample>
-void load_details(Workspace<Sample>& work, const Stage& stage, const Truth<Sample>& truth);
+void load_details(Workspace<Sample>& work, const Stage& stage, const Target<Sample>& target);
 
 /// Details that the segment of a level codes.
 std::int64_t level_detail_count(const BrickShape& shape, int level, const UniformCells* cells);

@@ -91,7 +91,7 @@ std::vector<Bytes> encode_samples(const Model& model, const BrickShape& shape,
     run_level(work, shape, brick.scale, model.parameters, level, brick.hints(model.parameters),
               [&](const Stage& stage, const Split& split) {
                 const auto& samples = brick.steps[slot][static_cast<std::size_t>(split.axis)];
-                load_details(work, stage, Truth<Sample>{samples.data(), split.fine_size});
+                load_details(work, stage, Target<Sample>{samples.data(), split.fine_size});
                 if (stage.has_edges) {
                   edge_count += mark_edges(stage, work);
                   put_edges(stage, work, edge_coder, edge_models);

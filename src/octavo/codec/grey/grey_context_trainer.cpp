@@ -37,12 +37,12 @@ class Thinning {
 constexpr std::int64_t kContextSamples[kGroups] = {20000, 10000, 6000};
 constexpr double kContextRidge = 1e-4;
 
-/// One in so many lessons is enough.
-std::size_t part_of(const std::vector<Lesson>& lessons) {
-  return lessons.size() >= kManyBricks ? 2 : 1;
+/// One in so many training samples is enough.
+std::size_t part_of(const std::vector<TrainingSample>& training) {
+  return training.size() >= kManyBricks ? 2 : 1;
 }
 
-/// Features and residual magnitudes that contexts are learnt from.
+/// Features and residual magnitudes that contexts are learned from.
 struct ContextSamples {
   std::vector<std::array<float, kFeatures>> features;
   std::vector<float> magnitudes;
@@ -85,19 +85,19 @@ struct ContextEquations {
   std::vector<double> right = std::vector<double>(kFeatures);
 };
 
-/// With `foresight` (not null) a sample weighs 1 / (what these weights foresee)^2: relative errors
+/// With `previous` (not null) a sample weighs 1 / (what these weights predict)^2: relative errors
 /// count.
 ContextEquations accumulate_contexts(const ContextSamples& samples,
-                                     const std::vector<double>* foresight) {
+                                     const std::vector<double>* previous) {
   ContextEquations equations;
   for (std::size_t i = 0; i < samples.magnitudes.size(); ++i) {
     std::array<double, kFeatures> f;
     for (std::size_t k = 0; k < kFeatures; ++k) f[k] = static_cast<double>(samples.features[i][k]);
     double weight = 1;
-    if (foresight != nullptr) {
-      double foreseen = 0;
-      for (std::size_t k = 0; k < kFeatures; ++k) foreseen += (*foresight)[k] * f[k];
-      weight = 1 / (foreseen * foreseen + 0.05);
+    if (previous != nullptr) {
+      double predicted = 0;
+      for (std::size_t k = 0; k < kFeatures; ++k) predicted += (*previous)[k] * f[k];
+      weight = 1 / (predicted * predicted + 0.05);
     }
     for (std::size_t k = 0; k < kFeatures; ++k) {
       const double scaled = f[k] * weight;
@@ -125,7 +125,7 @@ std::vector<double> solve_active(ContextEquations equations,
   return equations.right;
 }
 
-/// Non-negative weights that foresee the magnitude: features whose weight turns negative drop out.
+/// Non-negative weights that predict the magnitude: features whose weight turns negative drop out.
 std::vector<double> fit_contexts(const ContextSamples& samples) {
   std::vector<double> weights(kFeatures, 0.0);
   for (int round = 0; round < 3; ++round) {
@@ -151,28 +151,28 @@ std::vector<double> fit_contexts(const ContextSamples& samples) {
 using TokenCounts = std::array<std::int64_t, kTokens>;
 using Counts = std::array<std::array<TokenCounts, kContexts>, kTableSets>;
 
-Counts count_tokens(const Parameters& p, const std::vector<Lesson>& lessons) {
-  const std::size_t every = part_of(lessons);
-  std::vector<Counts> by_lesson(lessons.size());
-  tbb::parallel_for(std::size_t{0}, lessons.size(), [&](std::size_t i) {
+Counts count_tokens(const Parameters& p, const std::vector<TrainingSample>& training) {
+  const std::size_t every = part_of(training);
+  std::vector<Counts> by_sample(training.size());
+  tbb::parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
     if (i % every != 0) return;
-    const Lesson& lesson = lessons[i];
+    const TrainingSample& sample = training[i];
     std::vector<Symbol> symbols;
-    for (int level = 0; level + 1 < lesson.shape.level_count; ++level) {
+    for (int level = 0; level + 1 < sample.shape.level_count; ++level) {
       symbols.clear();
-      walk_level(p, lesson, level,
+      walk_level(p, sample, level,
                  [&](const Stage& stage, Workspace<std::int16_t>& work, const auto&) {
                    stage_functions().narrow.list_symbols(p, stage, work, symbols);
                  });
       for (const Symbol& s : symbols) {
         const auto token = token_of(static_cast<std::uint32_t>(s.value() >> s.low_bits()));
-        ++by_lesson[i][static_cast<std::size_t>(table_set(level))][s.context()]
+        ++by_sample[i][static_cast<std::size_t>(table_set(level))][s.context()]
                    [static_cast<std::size_t>(token)];
       }
     }
   });
   Counts counts{};
-  for (const Counts& one : by_lesson) {
+  for (const Counts& one : by_sample) {
     for (std::size_t set = 0; set < kTableSets; ++set) {
       for (std::size_t context = 0; context < kContexts; ++context) {
         for (std::size_t token = 0; token < kTokens; ++token) {
@@ -254,33 +254,33 @@ std::int64_t cost_of(const TokenCounts& counts) {
 
 }  // namespace
 
-void learn_contexts(Parameters& p, const std::vector<Lesson>& lessons) {
-  const std::size_t every = part_of(lessons);
-  std::vector<std::array<std::array<ContextSamples, 3>, kGroups>> by_lesson(lessons.size());
-  tbb::parallel_for(std::size_t{0}, lessons.size(), [&](std::size_t i) {
+void learn_contexts(Parameters& p, const std::vector<TrainingSample>& training) {
+  const std::size_t every = part_of(training);
+  std::vector<std::array<std::array<ContextSamples, 3>, kGroups>> by_sample(training.size());
+  tbb::parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
     if (i % every != every - 1) return;
-    const Lesson& lesson = lessons[i];
+    const TrainingSample& sample = training[i];
     std::vector<Symbol> symbols;
-    for (int level = 0; level + 1 < lesson.shape.level_count; ++level) {
+    for (int level = 0; level + 1 < sample.shape.level_count; ++level) {
       walk_level(
-          p, lesson, level, [&](const Stage& stage, Workspace<std::int16_t>& work, const auto&) {
+          p, sample, level, [&](const Stage& stage, Workspace<std::int16_t>& work, const auto&) {
             // Listing leaves the magnitudes that features look at.
             symbols.clear();
             stage_functions().narrow.list_symbols(p, stage, work, symbols);
             const auto group = static_cast<std::size_t>(stage.group);
             const std::int64_t wanted =
-                kContextSamples[group] / static_cast<std::int64_t>(lessons.size() / every);
+                kContextSamples[group] / static_cast<std::int64_t>(training.size() / every);
             take_samples(
                 p, stage, work,
                 Thinning(wanted, stage.pairs.voxel_count(), static_cast<std::uint32_t>(i) + 77),
-                by_lesson[i][group][static_cast<std::size_t>(stage.axis)]);
+                by_sample[i][group][static_cast<std::size_t>(stage.axis)]);
           });
     }
   });
   tbb::parallel_for(0, kGroups * 3, [&](int task) {
     ContextSamples all;
-    for (auto& lesson : by_lesson) {
-      auto& s = lesson[static_cast<std::size_t>(task / 3)][static_cast<std::size_t>(task % 3)];
+    for (auto& sample : by_sample) {
+      auto& s = sample[static_cast<std::size_t>(task / 3)][static_cast<std::size_t>(task % 3)];
       all.features.insert(all.features.end(), s.features.begin(), s.features.end());
       all.magnitudes.insert(all.magnitudes.end(), s.magnitudes.begin(), s.magnitudes.end());
     }
@@ -295,8 +295,8 @@ void learn_contexts(Parameters& p, const std::vector<Lesson>& lessons) {
 
 /// Learns the tables: neighboring contexts share one while a second costs more than it saves. A
 /// context never met repeats the one below it; below the first met one, the default.
-void learn_frequencies(Parameters& p, const std::vector<Lesson>& lessons) {
-  const Counts counts = count_tokens(p, lessons);
+void learn_frequencies(Parameters& p, const std::vector<TrainingSample>& training) {
+  const Counts counts = count_tokens(p, training);
   for (std::size_t set = 0; set < kTableSets; ++set) {
     std::size_t first = 0;  // of the contexts that share the table being made
     TokenCounts shared{};

@@ -2,7 +2,7 @@
 //
 // A detail is predicted by a weighted sum of up to 96 neighbors ("taps"), weights in Q12, one set
 // per level group (0, 1, coarser), split axis and activity class. The size of the remaining
-// residual is foreseen by a non-negative weighted sum of 16 features in Q8; its half-octave, and
+// residual is predicted by a non-negative weighted sum of 16 features in Q8; its half-octave, and
 // whether the value range limits the residual, choose one of 60 contexts. A context says how many
 // low bits of a residual are stored plain and how probable the tokens of the rest are.
 #pragma once
@@ -158,7 +158,7 @@ struct Model {
   Tables tables;
 };
 
-/// Parameters that suit anything a little: parents' gradients foresee the residual, flat tables.
+/// Parameters that suit anything a little: parents' gradients predict the residual, flat tables.
 Parameters default_parameters();
 
 /// Fills the derived tables. Requires frequencies that sum to 2048 in every context.

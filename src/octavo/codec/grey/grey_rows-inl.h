@@ -118,13 +118,12 @@ HWY_INLINE SignedSums add_products(SignedHalves a, SignedHalves b, SignedSums su
 #endif
 }
 
-/// Foreseen magnitudes (Q8) to contexts with their plain bits, see the portable `context_of`.
-HWY_INLINE SignedSums contexts_of(SignedSums foreseen, SignedSums limit, SignedSums free_bits) {
+/// Predicted magnitudes (Q8) to contexts with their plain bits, see the portable `context_of`.
+HWY_INLINE SignedSums contexts_of(SignedSums predicted, SignedSums limit, SignedSums free_bits) {
   const auto set = [](std::int32_t value) { return hn::Set(kSignedSums, value); };
-  const auto is_limited =
-      hn::Gt(foreseen, hn::ShiftLeft<7>(hn::Sub(limit, set(1))));
-  foreseen = hn::Min(foreseen, hn::ShiftLeft<8>(limit));
-  const auto value = hn::ConvertTo(kFloats, hn::Add(foreseen, set(8)));
+  const auto is_limited = hn::Gt(predicted, hn::ShiftLeft<7>(hn::Sub(limit, set(1))));
+  predicted = hn::Min(predicted, hn::ShiftLeft<8>(limit));
+  const auto value = hn::ConvertTo(kFloats, hn::Add(predicted, set(8)));
   const auto half_octave =
       hn::Min(hn::Sub(hn::ShiftRight<22>(hn::BitCast(kSignedSums, value)), set(260)),
               set(kMagnitudes - 1));

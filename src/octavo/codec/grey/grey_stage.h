@@ -120,7 +120,7 @@ struct Workspace {
   PairGrid<Wide<Sample>> residuals;    ///< true details before `predict`, residuals after it
   PairGrid<Limit<Sample>> limits;      ///< no |detail| is larger; 0 in uniform cells
   PairGrid<std::uint8_t> activities;
-  PairGrid<std::int16_t> predictions;  ///< kept by passes that foresee a plane at a time
+  PairGrid<std::int16_t> predictions;  ///< kept by passes that predict a plane at a time
   PairGrid<std::uint16_t> contexts;    ///< context | plain bits << 8
   PairGrid<Edge> edges;                ///< only of stages that have edges, as the details
   PairGrid<Wide<Sample>> edge_details;

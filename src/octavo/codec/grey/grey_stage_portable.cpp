@@ -30,12 +30,13 @@ Int rounded_weights(Int sum) {
   return static_cast<Int>(static_cast<Unsigned>(sum) + (1u << (kWeightBits - 1))) >> kWeightBits;
 }
 
-/// Foreseen magnitude (Q8) to context: its half-octave, in a second bank where the range limits it.
-int context_of(std::int32_t foreseen, std::int32_t limit) {
-  const bool is_limited = foreseen > 128 * (limit - 1);
-  foreseen = std::min(foreseen, limit << 8);
+/// Predicted magnitude (Q8) to context: its half-octave, in a second bank where the range limits
+/// it.
+int context_of(std::int32_t predicted, std::int32_t limit) {
+  const bool is_limited = predicted > 128 * (limit - 1);
+  predicted = std::min(predicted, limit << 8);
   // The exponent and first mantissa bit of a float count half-octaves; 8 = 2^3 is number 0.
-  const auto value = static_cast<float>(foreseen + 8);
+  const auto value = static_cast<float>(predicted + 8);
   std::int32_t bits;
   std::memcpy(&bits, &value, sizeof bits);
   const std::int32_t half_octave = std::min((bits >> 22) - 260, kMagnitudes - 1);
@@ -161,14 +162,14 @@ void PortableKernel<Sample>::row_contexts(const Parameters& p, const Stage& stag
                                           std::uint16_t* contexts) {
   const std::int32_t* w = p.context_weights[stage.group][stage.axis];
   for (std::int64_t x = 0; x < stage.pairs.x; ++x) {
-    const std::int32_t foreseen =
+    const std::int32_t predicted =
         w[0] * row.gradient_along[x] + w[1] * row.curvature_along[x] +
         w[2] * row.gradient_across[x] + w[3] * near.sibling[0][x] + w[4] * near.sibling[1][x] +
         w[5] + w[6] * near.up[x + 2] + w[7] * near.up[x - 2] + w[8] * near.up[x] +
         w[9] * near.up[x - 1] + w[10] * near.up[x + 1] + w[11] * near.back[x] +
         w[12] * near.back[x - 1] + w[13] * near.back[x + 1] + w[14] * near.back_up[x] +
         w[15] * near.back_down[x];
-    const int context = context_of(foreseen, row.limit[x]);
+    const int context = context_of(predicted, row.limit[x]);
     contexts[x] = static_cast<std::uint16_t>(context | plain_bits(context, stage.step_bits) << 8);
   }
 }

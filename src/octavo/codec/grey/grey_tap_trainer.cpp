@@ -80,7 +80,7 @@ void append_features(const Stage& stage, Workspace<std::int16_t>& work,
 /// Takes about `wanted` samples from a split whose samples are known: one out of each of as many
 /// equal parts.
 void take_samples(const Stage& stage, Workspace<std::int16_t>& work,
-                  const Truth<std::int16_t>& truth, std::int64_t wanted, std::uint32_t seed,
+                  const Target<std::int16_t>& target, std::int64_t wanted, std::uint32_t seed,
                   ClassSamples& samples) {
   static thread_local SampleGrid<std::int16_t> ahead;
   repeat_along(work.means, ahead, stage.axis, work.fine.size());
@@ -96,33 +96,33 @@ void take_samples(const Stage& stage, Workspace<std::int16_t>& work,
     const std::size_t activity = work.activities.row(pair.y, pair.z)[pair.x];
     if (activity == 0 || work.limits.row(pair.y, pair.z)[pair.x] == 0) continue;
     append_features(stage, work, ahead, pair, samples[activity].features);
-    samples[activity].details.push_back(
-        true_detail(truth, stage.axis, pair.x, pair.y, pair.z));
+    samples[activity].details.push_back(target_detail(target, stage.axis, pair.x, pair.y, pair.z));
   }
 }
 
-/// The samples of the levels of a group that each lesson gives, by axis and class.
+/// The samples of the levels of a group that each training sample gives, by axis and class.
 /// share  of the usual number of samples, one in that many
-std::vector<AxisSamples> gather(const Parameters& p, const std::vector<Lesson>& lessons, int group,
-                   std::int64_t share) {
-  std::vector<AxisSamples> by_lesson(lessons.size());
+std::vector<AxisSamples> gather(const Parameters& p, const std::vector<TrainingSample>& training,
+                                int group, std::int64_t share) {
+  std::vector<AxisSamples> by_sample(training.size());
   // Samples are exact whatever predicts them, so the cheap predictor will do on the way.
   Parameters gathering = p;
   if (p.quantizer.detail_step == 0) gathering.predictor = Predictor::means;
-  tbb::parallel_for(std::size_t{0}, lessons.size(), [&](std::size_t i) {
-    const Lesson& lesson = lessons[i];
+  tbb::parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
+    const TrainingSample& sample = training[i];
     for (int level = group; level < group + levels_of_group(group); ++level) {
-      if (level + 1 >= lesson.shape.level_count) break;
-      walk_level(gathering, lesson, level, [&](const Stage& stage, Workspace<std::int16_t>& work,
-                                               const Truth<std::int16_t>& truth) {
-        const std::int64_t wanted =
-            kTapSamples[group][stage.axis] / share / static_cast<std::int64_t>(lessons.size());
-        take_samples(stage, work, truth, wanted, static_cast<std::uint32_t>(i) + 1,
-                     by_lesson[i][static_cast<std::size_t>(stage.axis)]);
-      });
+      if (level + 1 >= sample.shape.level_count) break;
+      walk_level(gathering, sample, level,
+                 [&](const Stage& stage, Workspace<std::int16_t>& work,
+                     const Target<std::int16_t>& target) {
+                   const std::int64_t wanted = kTapSamples[group][stage.axis] / share /
+                                               static_cast<std::int64_t>(training.size());
+                   take_samples(stage, work, target, wanted, static_cast<std::uint32_t>(i) + 1,
+                                by_sample[i][static_cast<std::size_t>(stage.axis)]);
+                 });
     }
   });
-  return by_lesson;
+  return by_sample;
 }
 
 /// The magnitude of a sample's residual under the fitted weights.
@@ -134,9 +134,9 @@ float residual_magnitude(const std::int16_t* features, std::int32_t detail,
       parts[lane] += fitted[k + lane] * static_cast<float>(features[k + lane]);
     }
   }
-  float foreseen = 0;
-  for (const float part : parts) foreseen += part;
-  return std::fabs(static_cast<float>(detail) - foreseen);
+  float predicted = 0;
+  for (const float part : parts) predicted += part;
+  return std::fabs(static_cast<float>(detail) - predicted);
 }
 
 /// 1 + the mean step from a sample to its neighbors.
@@ -190,7 +190,7 @@ std::vector<double> fit_taps(const std::vector<const TapSamples*>& samples, std:
       }
       const TapSamples few = thinned(*s, n, first, every);
       accumulate(equations, few.features, few.details, sample_weights(few, n, last));
-      // The next lesson goes on where this one ends.
+      // The next training sample goes on where this one ends.
       first += few.details.size() * every - s->details.size();
     }
     fitted = solve(equations, kTapRidge);
@@ -218,14 +218,14 @@ void set_weights(std::int16_t* weights, const std::vector<double>& fitted, int a
 }
 
 /// Learns p.weights of a group from its samples.
-void fit_weights(Parameters& p, const std::vector<AxisSamples>& by_lesson, int group,
+void fit_weights(Parameters& p, const std::vector<AxisSamples>& by_sample, int group,
                  std::span<const std::size_t> rounds) {
   tbb::parallel_for(0, 3 * (kClasses - 1), [&](int task) {
     const int axis = task % 3;
     const int activity = 1 + task / 3;
     std::vector<const TapSamples*> all;
     std::size_t count = 0;
-    for (const AxisSamples& one : by_lesson) {
+    for (const AxisSamples& one : by_sample) {
       all.push_back(&one[static_cast<std::size_t>(axis)][static_cast<std::size_t>(activity)]);
       count += all.back()->details.size();
     }
@@ -250,7 +250,7 @@ using ClassMeanSums = std::array<std::array<MeanSums, kClasses>, 3>;
 
 /// Details weigh 1 / (1 + step): large steps would decide alone.
 void add_means(const Stage& stage, Workspace<std::int16_t>& work,
-               const Truth<std::int16_t>& truth, ClassMeanSums& sums) {
+               const Target<std::int16_t>& target, ClassMeanSums& sums) {
   const std::int64_t along = pair_step<std::int16_t>(stage.axis);
   auto& of_classes = sums[static_cast<std::size_t>(stage.axis)];
   for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
@@ -262,7 +262,7 @@ void add_means(const Stage& stage, Workspace<std::int16_t>& work,
         const double weight = 1 / (1 + std::fabs(step));
         MeanSums& s = of_classes[activities[x]];
         s.step_squares += weight * step * step;
-        s.products += weight * step * true_detail(truth, stage.axis, x, y, z);
+        s.products += weight * step * target_detail(target, stage.axis, x, y, z);
       }
     }
   }
@@ -270,15 +270,15 @@ void add_means(const Stage& stage, Workspace<std::int16_t>& work,
 
 }  // namespace
 
-void learn_weights(Parameters& p, const std::vector<Lesson>& lessons, int group) {
-  fit_weights(p, gather(p, lessons, group, 1), group, kRounds);
+void learn_weights(Parameters& p, const std::vector<TrainingSample>& training, int group) {
+  fit_weights(p, gather(p, training, group, 1), group, kRounds);
 }
 
-double detail_cost(Parameters p, const std::vector<Lesson>& lessons) {
-  fit_weights(p, gather(p, lessons, 0, kTrialShare), 0, kTrialRounds);
-  std::vector<std::uint64_t> costs(lessons.size());
-  tbb::parallel_for(std::size_t{0}, lessons.size(), [&](std::size_t i) {
-    walk_level(p, lessons[i], 0,
+double detail_cost(Parameters p, const std::vector<TrainingSample>& training) {
+  fit_weights(p, gather(p, training, 0, kTrialShare), 0, kTrialRounds);
+  std::vector<std::uint64_t> costs(training.size());
+  tbb::parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
+    walk_level(p, training[i], 0,
                [&](const Stage& stage, Workspace<std::int16_t>& work, const auto&) {
                  for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
                    for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
@@ -295,21 +295,22 @@ double detail_cost(Parameters p, const std::vector<Lesson>& lessons) {
   return static_cast<double>(cost);
 }
 
-void learn_mean_weights(Parameters& p, const std::vector<Lesson>& lessons, int group) {
-  std::vector<ClassMeanSums> by_lesson(lessons.size());
-  tbb::parallel_for(std::size_t{0}, lessons.size(), [&](std::size_t i) {
+void learn_mean_weights(Parameters& p, const std::vector<TrainingSample>& training, int group) {
+  std::vector<ClassMeanSums> by_sample(training.size());
+  tbb::parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
     for (int level = group; level < group + levels_of_group(group); ++level) {
-      if (level + 1 >= lessons[i].shape.level_count) break;
-      walk_level(p, lessons[i], level, [&](const Stage& stage, Workspace<std::int16_t>& work,
-                                       const Truth<std::int16_t>& truth) {
-        add_means(stage, work, truth, by_lesson[i]);
-      });
+      if (level + 1 >= training[i].shape.level_count) break;
+      walk_level(p, training[i], level,
+                 [&](const Stage& stage, Workspace<std::int16_t>& work,
+                     const Target<std::int16_t>& target) {
+                   add_means(stage, work, target, by_sample[i]);
+                 });
     }
   });
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (std::size_t activity = 1; activity < kClasses; ++activity) {
       MeanSums sum;
-      for (const ClassMeanSums& one : by_lesson) {
+      for (const ClassMeanSums& one : by_sample) {
         sum.step_squares += one[axis][activity].step_squares;
         sum.products += one[axis][activity].products;
       }

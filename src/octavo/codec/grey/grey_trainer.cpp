@@ -1,6 +1,6 @@
 // Learns a grey model: chooses the order of the axes and what precision to leave out, then has the
 // weights of the prediction (grey_tap_trainer.cpp), contexts and frequencies
-// (grey_context_trainer.cpp) learnt.
+// (grey_context_trainer.cpp) learned.
 
 #include <tbb/parallel_for.h>
 
@@ -27,11 +27,11 @@ constexpr std::uint64_t kEdgePercent = 3;  ///< what edges must save: they make 
 constexpr int kDetailSteps[] = {14, 16, 18, 22};
 
 /// Six times the median non-zero step between neighbors along x.
-std::int32_t learn_threshold(const std::vector<Lesson>& lessons) {
+std::int32_t learn_threshold(const std::vector<TrainingSample>& training) {
   std::vector<std::int64_t> counts(65536);
   std::int64_t total = 0;
-  for (const Lesson& lesson : lessons) {
-    const auto& steps = lesson.brick.steps[0];
+  for (const TrainingSample& sample : training) {
+    const auto& steps = sample.brick.steps[0];
     const auto& samples = !steps[0].empty() ? steps[0] : !steps[1].empty() ? steps[1] : steps[2];
     for (std::size_t i = 1; i < samples.size(); i += 7) {
       const int step = std::abs(samples[i] - samples[i - 1]);
@@ -47,10 +47,10 @@ std::int32_t learn_threshold(const std::vector<Lesson>& lessons) {
   return std::clamp(median * 6, 8, kMaxThreshold);
 }
 
-/// What a model is learnt from.
-class School {
+/// What a model is learned from.
+class TrainingSet {
  public:
-  School(std::span<const TrainingBrick> bricks, const AxisOrder& order, const ValueMap& map)
+  TrainingSet(std::span<const TrainingBrick> bricks, const AxisOrder& order, const ValueMap& map)
       : bricks_(bricks) {
     start_.axis_order = order;
     start_.value_map = map;
@@ -60,18 +60,18 @@ class School {
   /// Default parameters but for the order of the axes and the value map.
   const Parameters& start() const { return start_; }
 
-  /// The lessons for the voxel step of p; kept until another step is asked for.
-  const std::vector<Lesson>& lessons(const Parameters& p) {
-    if (voxel_step_ != p.quantizer.voxel_step) lessons_ = make_lessons(bricks_, p);
+  /// The training samples for the voxel step of p; kept until another step is asked for.
+  const std::vector<TrainingSample>& training(const Parameters& p) {
+    if (voxel_step_ != p.quantizer.voxel_step) training_ = make_training_samples(bricks_, p);
     voxel_step_ = p.quantizer.voxel_step;
-    return lessons_;
+    return training_;
   }
 
  private:
   std::span<const TrainingBrick> bricks_;
   Parameters start_ = default_parameters();
   std::int64_t voxel_step_ = 0;
-  std::vector<Lesson> lessons_;
+  std::vector<TrainingSample> training_;
 };
 
 /// A kind of model.
@@ -82,22 +82,22 @@ struct Plan {
   bool has_edges = false;
 };
 
-Parameters learn(School& school, const Plan& plan) {
-  Parameters p = school.start();
+Parameters learn(TrainingSet& set, const Plan& plan) {
+  Parameters p = set.start();
   p.predictor = plan.predictor;
   p.quantizer = plan.quantizer;
   p.weight_step = plan.weight_step;
   p.has_edges = plan.has_edges;
-  const std::vector<Lesson>& lessons = school.lessons(p);
-  if (lessons.empty()) return p;
-  p.activity_threshold = learn_threshold(lessons);
-  // Coarse groups first: quantized levels are learnt on what the coarser ones leave.
+  const std::vector<TrainingSample>& training = set.training(p);
+  if (training.empty()) return p;
+  p.activity_threshold = learn_threshold(training);
+  // Coarse groups first: quantized levels are learned on what the coarser ones leave.
   for (int group = kGroups - 1; group >= 0; --group) {
-    if (p.predictor == Predictor::means) learn_mean_weights(p, lessons, group);
-    else learn_weights(p, lessons, group);
+    if (p.predictor == Predictor::means) learn_mean_weights(p, training, group);
+    else learn_weights(p, training, group);
   }
-  learn_contexts(p, lessons);
-  learn_frequencies(p, lessons);
+  learn_contexts(p, training);
+  learn_frequencies(p, training);
   return p;
 }
 
@@ -123,10 +123,10 @@ AxisOrder learn_order(std::span<const TrainingBrick> bricks, const CodecSettings
     Parameters p = default_parameters();
     p.axis_order = order;
     p.value_map = map;
-    const std::vector<Lesson> lessons = make_lessons(few, p);
-    if (lessons.empty()) return kStraightOrder;
-    p.activity_threshold = learn_threshold(lessons);
-    double cost = detail_cost(p, lessons);
+    const std::vector<TrainingSample> training = make_training_samples(few, p);
+    if (training.empty()) return kStraightOrder;
+    p.activity_threshold = learn_threshold(training);
+    double cost = detail_cost(p, training);
     // The straight order is the fastest; another one must be worth it.
     if (order == kStraightOrder) cost *= 1 - kWorthwhile;
     if (order == kStraightOrder || cost < least) {
@@ -177,13 +177,13 @@ double background_share(std::span<const TrainingBrick> bricks) {
 
 /// Learns a lossless model of these bricks, of the kind that codes them best.
 /// predictor  what suits the preset
-Parameters learn_lossless(School& school, Predictor predictor) {
-  Parameters best = learn(school, {predictor});
+Parameters learn_lossless(TrainingSet& set, Predictor predictor) {
+  Parameters best = learn(set, {predictor});
   const bool is_small = predictor == Predictor::neighbors;
-  const bool is_sparse = background_share(school.bricks()) >= kMuchBackground;
-  const bool may_be_all = school.bricks().size() < kManyBricks;
+  const bool is_sparse = background_share(set.bricks()) >= kMuchBackground;
+  const bool may_be_all = set.bricks().size() < kManyBricks;
   if (!is_sparse && !(is_small && may_be_all)) return best;
-  std::uint64_t least = cost(school.bricks(), best);
+  std::uint64_t least = cost(set.bricks(), best);
   std::vector<Plan> others;
   if (is_small && may_be_all && least < kLittleBytes) {
     // These bricks are all there are, and the model counts beside them.
@@ -194,8 +194,8 @@ Parameters learn_lossless(School& school, Predictor predictor) {
     if (is_small) others.push_back({predictor, {}, kWeightStep, true});
   }
   for (const Plan& plan : others) {
-    const Parameters p = learn(school, plan);
-    std::uint64_t bytes = cost(school.bricks(), p);
+    const Parameters p = learn(set, plan);
+    std::uint64_t bytes = cost(set.bricks(), p);
     if (plan.has_edges) bytes += bytes * kEdgePercent / 100;
     if (bytes >= least) continue;
     least = bytes;
@@ -205,12 +205,12 @@ Parameters learn_lossless(School& school, Predictor predictor) {
 }
 
 /// Learns a model that keeps within a maximum error, in the way that codes these bricks best.
-Parameters learn_lossy(School& school, Predictor predictor, std::int64_t max_error) {
+Parameters learn_lossy(TrainingSet& set, Predictor predictor, std::int64_t max_error) {
   Parameters best;
   std::uint64_t least = ~std::uint64_t{0};
   for (const Plan& plan : plans_for(predictor, max_error)) {
-    const Parameters p = learn(school, plan);
-    const std::uint64_t bytes = cost(school.bricks(), p);
+    const Parameters p = learn(set, plan);
+    const std::uint64_t bytes = cost(set.bricks(), p);
     if (bytes >= least) continue;
     least = bytes;
     best = p;
@@ -237,10 +237,9 @@ std::unique_ptr<BrickCodec> train_grey_model(VoxelType type, std::span<const Tra
   const Predictor predictor = is_fast ? Predictor::means : Predictor::neighbors;
   // Voxels that may change have no values of their own.
   const ValueMap map = is_lossless ? learn_value_map(bricks, !is_fast) : ValueMap{};
-  School school(bricks, learn_order(bricks, settings, map), map);
-  return std::make_unique<GreyCodec>(is_lossless
-                                         ? learn_lossless(school, predictor)
-                                         : learn_lossy(school, predictor, settings.max_error));
+  TrainingSet set(bricks, learn_order(bricks, settings, map), map);
+  return std::make_unique<GreyCodec>(is_lossless ? learn_lossless(set, predictor)
+                                                 : learn_lossy(set, predictor, settings.max_error));
 }
 
 }  // namespace octavo

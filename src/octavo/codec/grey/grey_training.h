@@ -17,39 +17,41 @@ inline constexpr std::size_t kFewSamples = 200;  ///< too few to learn the weigh
 inline constexpr std::size_t kManyBricks = 32;
 
 /// A training brick as 16-bit samples; of a wider range the highest 16 bits.
-struct Lesson {
+struct TrainingSample {
   BrickShape shape;  ///< in the codec's axes
   AnalyzedBrick<std::int16_t> brick;
 };
 
 /// Those of `bricks` that hold more than one code of the quantizer, value map and axis order of p.
-std::vector<Lesson> make_lessons(std::span<const TrainingBrick> bricks, const Parameters& p);
+std::vector<TrainingSample> make_training_samples(std::span<const TrainingBrick> bricks,
+                                                  const Parameters& p);
 
 /// The samples of the level above `level` as the encoder's walk has them, ready in the work space.
-void load_level(Workspace<std::int16_t>& work, const Lesson& lesson, int level);
+void load_level(Workspace<std::int16_t>& work, const TrainingSample& sample, int level);
 
-/// Runs a level of a lesson through its splits as the encoder does; `learn(stage, work, truth)` is
-/// called after each, when work.residuals holds the residuals of all pairs and work.fine the
-/// samples as a decoder has them. When details are quantized the coarser levels are run first.
+/// Runs a level of a training sample through its splits as the encoder does. Calls
+/// `learn(stage, work, target)` after each, when work.residuals holds the residuals of all pairs
+/// and work.fine the samples as a decoder has them. When details are quantized the coarser levels
+/// are run first.
 template <class Learn>
-void walk_level(const Parameters& p, const Lesson& lesson, int level, Learn&& learn) {
+void walk_level(const Parameters& p, const TrainingSample& sample, int level, Learn&& learn) {
   Workspace<std::int16_t>& work = thread_workspace<std::int16_t>();
   const bool is_exact = p.quantizer.detail_step == 0;
-  const int coarsest = lesson.shape.level_count - 2;
-  load_level(work, lesson, is_exact ? level : coarsest);
+  const int coarsest = sample.shape.level_count - 2;
+  load_level(work, sample, is_exact ? level : coarsest);
   for (int at = is_exact ? level : coarsest; at >= level; --at) {
-    run_level(work, lesson.shape, lesson.brick.scale, p, at, lesson.brick.hints(p),
+    run_level(work, sample.shape, sample.brick.scale, p, at, sample.brick.hints(p),
               [&](const Stage& stage, const Split& split) {
                 const auto& samples =
-                    lesson.brick
+                    sample.brick
                         .steps[static_cast<std::size_t>(at)][static_cast<std::size_t>(split.axis)];
-                const Truth<std::int16_t> truth{samples.data(), split.fine_size};
+                const Target<std::int16_t> target{samples.data(), split.fine_size};
                 if (stage.pairs.voxel_count() == 0) return;
-                load_details(work, stage, truth);
+                load_details(work, stage, target);
                 if (stage.has_edges) mark_edges(stage, work);
                 stage_functions().narrow.predict(p, stage, work);
                 if (p.predictor == Predictor::means) copy_lone(work.means, work.fine, stage.axis);
-                if (at == level) learn(stage, work, truth);
+                if (at == level) learn(stage, work, target);
               });
   }
 }
@@ -58,19 +60,19 @@ void walk_level(const Parameters& p, const Lesson& lesson, int level, Learn&& le
 constexpr int levels_of_group(int group) { return group < 2 ? 1 : kTierLevels; }
 
 /// Learns p.weights of a level group; needs those of the coarser groups when details are quantized.
-void learn_weights(Parameters& p, const std::vector<Lesson>& lessons, int group);
+void learn_weights(Parameters& p, const std::vector<TrainingSample>& training, int group);
 
 /// Learns p.mean_weights of a level group, as above.
-void learn_mean_weights(Parameters& p, const std::vector<Lesson>& lessons, int group);
+void learn_mean_weights(Parameters& p, const std::vector<TrainingSample>& training, int group);
 
 /// The bits that the details of level 0 need, up to a factor and a constant, when predicted by
-/// weights learnt from a few of them; compares orders of the axes.
-double detail_cost(Parameters p, const std::vector<Lesson>& lessons);
+/// weights learned from a few of them; compares orders of the axes.
+double detail_cost(Parameters p, const std::vector<TrainingSample>& training);
 
 /// Learns p.context_weights; needs the weights of the prediction.
-void learn_contexts(Parameters& p, const std::vector<Lesson>& lessons);
+void learn_contexts(Parameters& p, const std::vector<TrainingSample>& training);
 
 /// Learns p.frequencies; needs all weights.
-void learn_frequencies(Parameters& p, const std::vector<Lesson>& lessons);
+void learn_frequencies(Parameters& p, const std::vector<TrainingSample>& training);
 
 }  // namespace octavo::grey

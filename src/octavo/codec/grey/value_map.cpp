@@ -74,7 +74,7 @@ std::vector<std::int64_t> count_codes(std::span<const TrainingBrick> bricks, con
 }
 
 /// Bits per voxel that gaps save: a voxel is one of fewer where its neighbors do not occur.
-double foreseen_saving(const std::vector<std::int64_t>& counts) {
+double predicted_saving(const std::vector<std::int64_t>& counts) {
   const auto last = static_cast<std::int64_t>(counts.size()) - 1;
   double bits = 0;
   double voxels = 0;
@@ -111,7 +111,7 @@ ValueMap learn_value_map(std::span<const TrainingBrick> bricks, bool finds_gaps)
   const std::int64_t codes = map.lattice.code_of(values.max) - first + 1;
   if (!finds_gaps || codes > static_cast<std::int64_t>(kMaxMappedCodes)) return map;
   const auto counts = count_codes(bricks, map.lattice, first, static_cast<std::size_t>(codes));
-  if (voxels < kEnoughForGaps * codes || foreseen_saving(counts) < kWorthwhileBits) return map;
+  if (voxels < kEnoughForGaps * codes || predicted_saving(counts) < kWorthwhileBits) return map;
   map.first = first;
   for (const std::int64_t count : counts) map.used.push_back(count > 0 ? 1 : 0);
   return map;

@@ -15,14 +15,14 @@
 //     void tell(LabelQuestion&) const                      the neighbors of the question
 //
 // An Io offers
-//   bool ask(bool truth, Probability yes)              the answer
+//   bool ask(bool target, Probability yes)              the answer
 //   void observe(LabelAsk, const Around&, first, second, answer)
-//   TrueSample truth(mask, parent, digit)              what an encoder knows; a decoder returns {}
+//   TargetSample target(mask, parent, digit)           what an encoder knows; a decoder returns {}
 //   void met(std::int64_t label, std::uint32_t slot)   a label got its slot
 
 inline constexpr std::uint32_t kNoLabelSlot = 0xffffffffu;
 
-struct TrueSample {
+struct TargetSample {
   std::int64_t label = 0;
   std::uint32_t slot = kNoLabelSlot;  ///< kNoLabelSlot while the label has none
   bool is_uniform = false;
@@ -37,7 +37,7 @@ class LabelWalk {
   /// The brick's root: its label, mixed.
   void root(bool is_pair) {
     work_.start();
-    const std::int64_t label = io_.truth(0, {0, 0, 0}, 0).label;
+    const std::int64_t label = io_.target(0, {0, 0, 0}, 0).label;
     work_.is_pair = io_.ask(is_pair, kEvenOdds);
     if (work_.is_pair) {
       const bool is_low = io_.ask(label == range_.min, kEvenOdds);
@@ -86,56 +86,56 @@ class LabelWalk {
     for (; digits != 0; digits &= digits - 1) {
       const auto digit = static_cast<std::size_t>(std::countr_zero(digits));
       octant.enter();
-      const TrueSample truth = io_.truth(mask_, parent, static_cast<int>(digit));
+      const TargetSample target = io_.target(mask_, parent, static_cast<int>(digit));
       LabelCell* cell = first + place_[digit];
-      *cell = visit_child(around, cell, octant, digit, truth);
+      *cell = visit_child(around, cell, octant, digit, target);
       around.settle(digit, *cell);
     }
   }
 
   LabelCell visit_child(Around& around, const LabelCell* cell, LabelOctant& octant,
-                        std::size_t digit, const TrueSample& truth) {
+                        std::size_t digit, const TargetSample& target) {
     around.see(cell, digit);
     std::uint32_t slot = octant.parent();
-    if (!ask_same(around, octant, digit, truth)) {
-      slot = code_other(around, octant, truth);
+    if (!ask_same(around, octant, digit, target)) {
+      slot = code_other(around, octant, target);
     }
-    const bool is_uniform = level_ == 0 || ask_uniform(around, octant, digit, slot, truth);
+    const bool is_uniform = level_ == 0 || ask_uniform(around, octant, digit, slot, target);
     octant.leave(slot, is_uniform);
     return label_cell(slot, is_uniform ? kUniform : kMixed);
   }
 
   bool ask_same(const Around& around, const LabelOctant& octant, std::size_t digit,
-                const TrueSample& truth) {
+                const TargetSample& target) {
     // A mixed parent has two labels below it; with a single child they are further down.
     if (octant.is_one() && octant.left() == 0 && level_ == 0 && octant.room() > 0) return false;
     if (octant.must_be_same()) return true;
     if (work_.is_pair && octant.is_excluded(1 - octant.parent())) return true;
     const auto others = static_cast<std::size_t>(std::min(octant.other_votes(), 4));
     return ask_network(LabelAsk::same, around, digit * 5 + others, level_category_,
-                       truth.slot == octant.parent());
+                       target.slot == octant.parent());
   }
 
   bool ask_uniform(const Around& around, const LabelOctant& octant, std::size_t digit,
-                   std::uint32_t slot, const TrueSample& truth) {
+                   std::uint32_t slot, const TargetSample& target) {
     const bool is_same = slot == octant.parent();
     if (octant.is_one() && octant.left() == 0 && is_same) return false;
     const std::size_t history = !is_same ? 0 : octant.is_one() ? 1 : 2;
     return ask_network(LabelAsk::uniform, around, digit * 5 + history, level_category_,
-                       truth.is_uniform);
+                       target.is_uniform);
   }
 
   bool ask_network(LabelAsk kind, const Around& around, std::size_t first, std::size_t second,
-                   bool truth) {
+                   bool target) {
     const int logit = around.logit(model_.nets[static_cast<std::size_t>(kind)], first, second);
-    const bool answer = io_.ask(truth, probability_of(logit));
+    const bool answer = io_.ask(target, probability_of(logit));
     io_.observe(kind, around, first, second, answer);
     return answer;
   }
 
   /// Which label, when it is not the parent's: one of the neighbors' by falling votes, else one
   /// known in the brick, else a fresh one. Above level 0, neighbors are compared to it afterwards.
-  std::uint32_t code_other(Around& around, const LabelOctant& octant, const TrueSample& truth) {
+  std::uint32_t code_other(Around& around, const LabelOctant& octant, const TargetSample& target) {
     if (work_.is_pair) {
       around.flip();
       return 1 - octant.parent();
@@ -151,9 +151,9 @@ class LabelWalk {
       const std::size_t first =
           8 * std::min<std::size_t>(j, 3) + static_cast<std::size_t>(candidates.share(j));
       const std::size_t second = std::min<std::size_t>(candidates.count() - 1 - j, 3);
-      if (ask_network(LabelAsk::candidate, around, first, second, truth.slot == slot)) return slot;
+      if (ask_network(LabelAsk::candidate, around, first, second, target.slot == slot)) return slot;
     }
-    const std::uint32_t slot = code_distant(truth.slot, truth.label);
+    const std::uint32_t slot = code_distant(target.slot, target.label);
     if (level_ > 0) around.aim(slot);
     return slot;
   }
@@ -195,8 +195,8 @@ class LabelWalk {
     return low;
   }
 
-  bool ask_adaptive(AdaptiveBit& bit, bool truth) {
-    const bool answer = io_.ask(truth, bit.probability());
+  bool ask_adaptive(AdaptiveBit& bit, bool target) {
+    const bool answer = io_.ask(target, bit.probability());
     bit.update(answer);
     return answer;
   }
@@ -224,14 +224,14 @@ class LabelWalk {
   HalvingMask mask_ = 0;
 };
 
-/// Reads the answers; knows no truth.
+/// Reads the answers; knows no target.
 class DecodingIo {
  public:
   explicit DecodingIo(ByteSpan segment) : coder_(segment) {}
 
   bool ask(bool, Probability yes) { return coder_.get(yes); }
   void observe(LabelAsk, const Around&, std::size_t, std::size_t, bool) {}
-  TrueSample truth(HalvingMask, const Index3&, int) const { return {}; }
+  TargetSample target(HalvingMask, const Index3&, int) const { return {}; }
   void met(std::int64_t, std::uint32_t) {}
 
   void next(ByteSpan segment) { coder_ = BinaryDecoder(segment); }
@@ -242,16 +242,16 @@ class DecodingIo {
 };
 
 /// The answers of a pyramid.
-class TruthIo {
+class TargetIo {
  public:
-  explicit TruthIo(const LabelPyramid& pyramid)
+  explicit TargetIo(const LabelPyramid& pyramid)
       : pyramid_(pyramid),
         level_(&pyramid.root()),
         slot_of_rank_(pyramid.labels.size(), kNoLabelSlot) {}
 
   void enter(int level) { level_ = &pyramid_.levels[static_cast<std::size_t>(level)]; }
 
-  TrueSample truth(HalvingMask mask, const Index3& parent, int digit) const {
+  TargetSample target(HalvingMask mask, const Index3& parent, int digit) const {
     const std::size_t at = dense_offset(level_->size, child_position(mask, parent, digit));
     const std::uint32_t rank = level_->rank[at];
     return {pyramid_.labels[rank], slot_of_rank_[rank], level_->is_uniform[at] != 0};
@@ -269,13 +269,13 @@ class TruthIo {
   std::vector<std::uint32_t> slot_of_rank_;
 };
 
-class EncodingIo : public TruthIo {
+class EncodingIo : public TargetIo {
  public:
-  EncodingIo(const LabelPyramid& pyramid, Bytes& bytes) : TruthIo(pyramid), coder_(bytes) {}
+  EncodingIo(const LabelPyramid& pyramid, Bytes& bytes) : TargetIo(pyramid), coder_(bytes) {}
 
-  bool ask(bool truth, Probability yes) {
-    coder_.put(truth, yes);
-    return truth;
+  bool ask(bool target, Probability yes) {
+    coder_.put(target, yes);
+    return target;
   }
   void observe(LabelAsk, const Around&, std::size_t, std::size_t, bool) {}
 
@@ -285,12 +285,12 @@ class EncodingIo : public TruthIo {
   BinaryEncoder coder_;
 };
 
-class ObservingIo : public TruthIo {
+class ObservingIo : public TargetIo {
  public:
   ObservingIo(const LabelPyramid& pyramid, LabelObserver& observer)
-      : TruthIo(pyramid), observer_(observer) {}
+      : TargetIo(pyramid), observer_(observer) {}
 
-  bool ask(bool truth, Probability) { return truth; }
+  bool ask(bool target, Probability) { return target; }
   void observe(LabelAsk kind, const Around& around, std::size_t first, std::size_t second,
                bool answer) {
     around.tell(question_);

@@ -2,7 +2,7 @@
 //
 // It makes level i from level i+1. Every sample starts as its parent's label; where the parent is
 // mixed the octant is visited: for each child, by rising digit, "is it its parent's label?", if not
-// which label, and above level 0 "is it uniform?". An encoder answers with the truth, a decoder
+// which label, and above level 0 "is it uniform?". An encoder answers with the target, a decoder
 // reads the answers.
 // Neighbors already visited are seen as they are, the others as their parents.
 //

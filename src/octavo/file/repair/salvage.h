@@ -2,8 +2,8 @@
 //
 // A brick counts as damaged when a checksum on the way to its voxels does not match: that of one of
 // its segments, of its model or of its index page. Header, metadata, index root and trailer must be
-// sound: open throws as for any reader. mend.h turns flipped bits in them back and makes a trailer
-// anew; behind other damage in header, metadata or root no voxel is read.
+// sound: open throws as for any reader. repair_bits.h turns flipped bits in them back and makes a
+// trailer anew; behind other damage in header, metadata or root no voxel is read.
 #pragma once
 
 #include <cstdint>

@@ -128,7 +128,7 @@ bool is_not_ours(int code) {
 
 // The names in the folder of `prefix` that start with its last part, or errno where the folder
 // cannot be listed. By readdir: std::filesystem's iterator ends the process when its own memory is
-// refused.
+// rejected.
 int list_names(const std::string& prefix, std::vector<std::string>& names) {
   const std::string base = base_name_of(prefix);
   const std::unique_ptr<DIR, int (*)(DIR*)> entries(::opendir(folder_of(prefix).c_str()),

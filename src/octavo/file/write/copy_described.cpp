@@ -41,7 +41,7 @@ std::uint64_t copy_described(std::shared_ptr<const ByteSource> source,
                              const std::string& path, bool overwrite, Progress& progress) {
   const OpenFile file(std::move(source), {});
   require_same_volume(file.description(), description);
-  if (!overwrite) refuse_interrupted(storage, path);
+  if (!overwrite) reject_interrupted(storage, path);
   WriterOptions options;
   options.overwrite = overwrite;
   options.discards_interrupted = overwrite;

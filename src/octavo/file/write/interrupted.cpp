@@ -152,7 +152,7 @@ std::vector<WholeGroup> proven_groups(const InterruptedBuild& build) {
   }
 }
 
-void refuse_interrupted(Storage& storage, const std::string& path) {
+void reject_interrupted(Storage& storage, const std::string& path) {
   for (const InterruptedBuild& build : find_interrupted(storage, path)) {
     const auto groups = proven_groups(build);
     if (groups.empty()) continue;
@@ -168,7 +168,7 @@ void refuse_interrupted(Storage& storage, const std::string& path) {
   }
 }
 
-void refuse_running(Storage& storage, const std::string& path) {
+void reject_running(Storage& storage, const std::string& path) {
   std::vector<std::string> held;
   find_interrupted(storage, path, &held);
   if (held.empty()) return;

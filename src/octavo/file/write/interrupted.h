@@ -44,13 +44,13 @@ std::vector<WholeGroup> proven_groups(const StorageFile& file, const StorageFile
 /// The same, with the levels of the build itself; none where its header cannot be understood.
 std::vector<WholeGroup> proven_groups(const InterruptedBuild& build);
 
-/// Refuses to lose what interrupted builds of `path` have encoded.
+/// Keeps what interrupted builds of `path` have encoded from being lost.
 /// Throws  Error{io} when some of it is whole
-void refuse_interrupted(Storage& storage, const std::string& path);
+void reject_interrupted(Storage& storage, const std::string& path);
 
-/// Refuses to work beside another program on the same file.
+/// Keeps two programs from working on the same file.
 /// Throws  Error{io} when one has a growing file and journal of `path` locked
-void refuse_running(Storage& storage, const std::string& path);
+void reject_running(Storage& storage, const std::string& path);
 
 /// Lines "NAME: VALUE" of what a header says of the volume, for JournalHead::settings.
 std::string settings_of(const FileHeader& header);

@@ -232,7 +232,7 @@ void FileWriterImpl::begin() {
   if (options_.discards_interrupted) {
     discard_interrupted(storage_, path_);
   } else {
-    refuse_interrupted(storage_, path_);
+    reject_interrupted(storage_, path_);
   }
   TemporaryFile temporary = create_temporary(storage_, path_);
   temporary_ = std::move(temporary.path);

@@ -31,7 +31,7 @@ struct WriterOptions {
   bool has_journal = false;
   /// Continues what is left of an interrupted build of the same volume, if there is any; makes
   /// every group durable, and keeps the whole ones when it fails. Needs a journal. Never discards
-  /// what has a whole group, and refuses to begin beside a build that another program works on.
+  /// what has a whole group, and does not begin beside a build that another program works on.
   bool is_resuming = false;
   /// Gives up what interrupted builds of the file have encoded; otherwise Error{io} where some of
   /// it is whole.

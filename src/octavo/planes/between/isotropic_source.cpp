@@ -325,7 +325,7 @@ class IsotropicSource final : public PlaneSource {
   std::int64_t decided_ = 0;
 };
 
-/// Refuses what cannot be made of cubes by planes alone.
+/// Rejects what cannot be made of cubes by planes alone.
 void require_square_pixels(const Geometry& geometry) {
   const auto& [x, y, z] = geometry.spacing_mm;
   if (std::abs(x - y) <= kTolerance * std::min(x, y)) return;

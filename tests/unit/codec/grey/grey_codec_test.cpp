@@ -110,9 +110,9 @@ void expect_lossless(Preset preset) {
                                       << size.x << "x" << size.y << "x" << size.z);
       const auto voxels = make_voxels<T>(size, content, 5);
       const BrickShape shape = shape_of(size);
-      const TrainingBrick lesson{shape, view_of(voxels, size)};
+      const TrainingBrick training{shape, view_of(voxels, size)};
       const auto trained =
-          train_grey_model(voxel_type_of<T>(), std::span(&lesson, 1), {preset, 0});
+          train_grey_model(voxel_type_of<T>(), std::span(&training, 1), {preset, 0});
       expect_every_level(*trained, shape, voxels);
       expect_every_level(*parse_grey_model(voxel_type_of<T>(), trained->serialized()), shape,
                          voxels);
@@ -158,9 +158,9 @@ TYPED_TEST(GreyCodecOfType, EveryVoxelStaysWithinTheMaximumError) {
                                           << static_cast<int>(content) << " x " << size.x);
           const auto voxels = make_voxels<T>(size, content, 8);
           const BrickShape shape = shape_of(size);
-          const TrainingBrick lesson{shape, view_of(voxels, size)};
+          const TrainingBrick training{shape, view_of(voxels, size)};
           const auto trained =
-              train_grey_model(voxel_type_of<T>(), std::span(&lesson, 1), {preset, max_error});
+              train_grey_model(voxel_type_of<T>(), std::span(&training, 1), {preset, max_error});
           const auto codec = parse_grey_model(voxel_type_of<T>(), trained->serialized());
           ASSERT_EQ(codec->serialized(), trained->serialized());
           expect_within(*codec, shape, voxels, max_error);
@@ -178,8 +178,8 @@ TYPED_TEST(GreyCodecOfType, AModelTrainedElsewhereIsLosslessToo) {
   const Size3 size{32, 48, 64};
   const BrickShape shape = shape_of(size);
   const auto quiet = make_voxels<T>(size, Content::two_values, 1);
-  const TrainingBrick lesson{shape, view_of(quiet, size)};
-  const auto trained = train_grey_model(voxel_type_of<T>(), std::span(&lesson, 1));
+  const TrainingBrick training{shape, view_of(quiet, size)};
+  const auto trained = train_grey_model(voxel_type_of<T>(), std::span(&training, 1));
   const auto codec = parse_grey_model(voxel_type_of<T>(), trained->serialized());
   for (const Content content : kContents) {
     expect_every_level(*codec, shape, make_voxels<T>(size, content, 9));
@@ -191,8 +191,8 @@ TEST(GreyCodec, ThickSlicesHalveTheirAxisLater) {
   const BrickShape shape = shape_of(size, {1, 1, 4});
   EXPECT_EQ(shape.halving[0], 3);
   const auto voxels = make_voxels<std::int16_t>(size, Content::smooth, 2);
-  const TrainingBrick lesson{shape, view_of(voxels, size)};
-  const auto codec = train_grey_model(VoxelType::int16, std::span(&lesson, 1));
+  const TrainingBrick training{shape, view_of(voxels, size)};
+  const auto codec = train_grey_model(VoxelType::int16, std::span(&training, 1));
   expect_every_level(*codec, shape, voxels);
 }
 
@@ -215,8 +215,8 @@ TEST(GreyCodec, UniformBricksTakeNoBytes) {
 TEST(GreyCodec, NoiseIsStoredWithoutGrowth) {
   const Size3 size{64, 64, 64};
   const auto voxels = make_voxels<std::uint16_t>(size, Content::noise, 4);
-  const TrainingBrick lesson{shape_of(size), view_of(voxels, size)};
-  const auto codec = train_grey_model(VoxelType::uint16, std::span(&lesson, 1));
+  const TrainingBrick training{shape_of(size), view_of(voxels, size)};
+  const auto codec = train_grey_model(VoxelType::uint16, std::span(&training, 1));
   const EncodedBrick encoded = codec->encode(shape_of(size), view_of(voxels, size));
   std::size_t bytes = 0;
   for (const Bytes& segment : encoded.segments) bytes += segment.size();
@@ -245,9 +245,9 @@ TEST(GreyCodec, MeansOfValuesOnALatticeStayOnIt) {
   std::vector<std::uint16_t> voxels;
   for (const std::uint8_t value : multiples)
     voxels.push_back(static_cast<std::uint16_t>(16 * value + 5));
-  const TrainingBrick lesson{shape, view_of(voxels, size)};
+  const TrainingBrick training{shape, view_of(voxels, size)};
   for (const Preset preset : {Preset::small, Preset::fast}) {
-    const auto trained = train_grey_model(VoxelType::uint16, std::span(&lesson, 1), {preset, 0});
+    const auto trained = train_grey_model(VoxelType::uint16, std::span(&training, 1), {preset, 0});
     const auto codec = parse_grey_model(VoxelType::uint16, trained->serialized());
     const EncodedBrick encoded = codec->encode(shape, view_of(voxels, size));
     for (int level = 0; level < shape.level_count; ++level) {
@@ -274,8 +274,8 @@ TEST(GreyCodec, ValuesThatDoNotOccurCostNothing) {
   for (const Size3& size : {Size3{64, 48, 40}, Size3{41, 33, 29}}) {
     const BrickShape shape = shape_of(size);
     const auto voxels = spread_values(size, 6);
-    const TrainingBrick lesson{shape, view_of(voxels, size)};
-    const auto trained = train_grey_model(VoxelType::uint8, std::span(&lesson, 1));
+    const TrainingBrick training{shape, view_of(voxels, size)};
+    const auto trained = train_grey_model(VoxelType::uint8, std::span(&training, 1));
     const auto codec = parse_grey_model(VoxelType::uint8, trained->serialized());
     ASSERT_EQ(codec->serialized(), trained->serialized());
     expect_every_level(*codec, shape, voxels);
@@ -314,9 +314,9 @@ TEST(GreyCodec, EdgesOfTheBackgroundAreToldApart) {
   const Size3 size{41, 33, 29};
   const BrickShape shape = shape_of(size);
   const auto voxels = speckles<std::uint16_t>(size);
-  const TrainingBrick lesson{shape, view_of(voxels, size)};
+  const TrainingBrick training{shape, view_of(voxels, size)};
   for (const Preset preset : {Preset::small, Preset::fast}) {
-    const auto trained = train_grey_model(VoxelType::uint16, std::span(&lesson, 1), {preset, 0});
+    const auto trained = train_grey_model(VoxelType::uint16, std::span(&training, 1), {preset, 0});
     const Bytes model = trained->serialized();
     EXPECT_NE(model[0] & 64, 0) << "the model does not tell edges apart";
     const auto codec = parse_grey_model(VoxelType::uint16, model);
@@ -337,9 +337,9 @@ TEST(GreyCodec, EdgesOfTheBackgroundAreToldApart) {
 
 template <class T>
 void expect_contained(const BrickShape& shape, const std::vector<T>& voxels, std::mt19937& random) {
-  const TrainingBrick lesson{shape, view_of(voxels, shape.size[0])};
-  const auto codec = train_grey_model(voxel_type_of<T>(), std::span(&lesson, 1));
-  const EncodedBrick good = codec->encode(shape, lesson.view);
+  const TrainingBrick training{shape, view_of(voxels, shape.size[0])};
+  const auto codec = train_grey_model(voxel_type_of<T>(), std::span(&training, 1));
+  const EncodedBrick good = codec->encode(shape, training.view);
   std::vector<T> out(voxels.size());
   for (int round = 0; round < 300; ++round) {
     EncodedBrick bad = good;

@@ -71,8 +71,8 @@ RandomSplit make_split(std::mt19937& random, const Size3& fine, int axis, Predic
   const std::int32_t range = (1 << bits) - 1;
   const bool is_sparse = kind == Samples::sparse || kind == Samples::both;
   const bool has_gaps = kind == Samples::gapped || kind == Samples::both;
-  std::vector<std::int16_t> truth(static_cast<std::size_t>(fine.voxel_count()));
-  for (auto& v : truth) {
+  std::vector<std::int16_t> target(static_cast<std::size_t>(fine.voxel_count()));
+  for (auto& v : target) {
     std::int32_t above = below(3) == 0 ? below(2) * range : below(1u << bits);
     if (is_sparse && below(4) != 0) above = 0;
     if (has_gaps) above = above / 3 * 3;
@@ -113,14 +113,13 @@ RandomSplit make_split(std::mt19937& random, const Size3& fine, int axis, Predic
     for (std::int64_t y = 0; y < s.stage.pairs.y; ++y) {
       for (std::int64_t x = 0; x < s.stage.pairs.x; ++x) {
         const Index3 at{axis == 0 ? 2 * x : x, axis == 1 ? 2 * y : y, axis == 2 ? 2 * z : z};
-        std::int16_t* const a =
-            truth.data() + at.z * fine.x * fine.y + at.y * fine.x + at.x;
+        std::int16_t* const a = target.data() + at.z * fine.x * fine.y + at.y * fine.x + at.x;
         if (!coded(x, y, z)) a[steps[axis]] = a[0];
         s.details.push_back(a[0] - a[steps[axis]]);
       }
     }
   }
-  s.means = means_along(truth, fine, axis, s.stage.rounding);
+  s.means = means_along(target, fine, axis, s.stage.rounding);
   return s;
 }
 

@@ -65,7 +65,7 @@ TEST(OctantTransform, MeansStayNearTheTrueMeanAtEveryLevel) {
     std::vector<std::int32_t> level(64 * 64 * 64);
     for (auto& v : level)
       v = static_cast<std::int32_t>(random() % static_cast<unsigned>(amplitude + 1));
-    std::vector<double> truth(level.begin(), level.end());
+    std::vector<double> exact(level.begin(), level.end());
     for (int k = 0; k < 6; ++k) {
       level = coarser_level(level, size, kHalveAll, k);
       const Size3 half = halved(size, kHalveAll);
@@ -73,14 +73,14 @@ TEST(OctantTransform, MeansStayNearTheTrueMeanAtEveryLevel) {
       for (std::int64_t i = 0; i < size.voxel_count(); ++i) {
         const std::int64_t x = i % size.x, y = i / size.x % size.y, z = i / (size.x * size.y);
         means[static_cast<std::size_t>((z / 2 * half.y + y / 2) * half.x + x / 2)] +=
-            truth[static_cast<std::size_t>(i)] / 8;
+            exact[static_cast<std::size_t>(i)] / 8;
       }
-      truth = means;
+      exact = means;
       size = half;
       double bias = 0;
       for (std::size_t i = 0; i < level.size(); ++i) {
-        ASSERT_LE(std::abs(level[i] - truth[i]), 1.5) << "level " << k + 1;
-        bias += (level[i] - truth[i]) / static_cast<double>(level.size());
+        ASSERT_LE(std::abs(level[i] - exact[i]), 1.5) << "level " << k + 1;
+        bias += (level[i] - exact[i]) / static_cast<double>(level.size());
       }
       if (level.size() >= 512 && amplitude >= 255) {
         // Pure noise meets every rounding half the time: 0.25 after odd levels, plus chance.

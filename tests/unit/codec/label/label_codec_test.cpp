@@ -145,7 +145,7 @@ TEST(LabelCodec, FloatVoxelsAreRejected) {
   EXPECT_THROW(parse_label_model(VoxelType::float32, {}), Error);
 }
 
-TEST(LabelCodec, WhatDoesNotFitTheModelIsRefused) {
+TEST(LabelCodec, WhatDoesNotFitTheModelIsRejected) {
   const auto sample = balls<std::uint8_t>({8, 8, 8}, {1, 2, 3});
   const auto codec = train_label_model(VoxelType::uint8, {});
   const EncodedBrick good = codec->encode(sample.shape, sample.view());
@@ -180,7 +180,7 @@ TEST(LabelCodec, WhatDoesNotFitTheModelIsRefused) {
   }
 }
 
-TEST(LabelCodec, ShapesThatLeadNowhereAreRefused) {
+TEST(LabelCodec, ShapesThatLeadNowhereAreRejected) {
   const auto sample = balls<std::uint8_t>({8, 8, 8}, {1, 2, 3});
   const auto codec = train_label_model(VoxelType::uint8, {});
   const std::vector<std::uint8_t> voxels(65 * 64, 1);
@@ -207,13 +207,13 @@ TEST(LabelCodec, ShapesThatLeadNowhereAreRefused) {
   }
 }
 
-/// Random segments: refused, or labels of the range. Many more labels than a coded brick may have
+/// Random segments: rejected, or labels of the range. Many more labels than a coded brick may have
 /// come up in some of them.
-TEST(LabelCodec, ArbitraryBytesAreRefusedOrLabelsOfTheRange) {
+TEST(LabelCodec, ArbitraryBytesAreRejectedOrLabelsOfTheRange) {
   std::mt19937 random(3);
   const LabelBrick<std::uint32_t> sample({64, 64, 64});
   const auto codec = train_label_model(VoxelType::uint32, {});
-  int refused = 0;
+  int rejected = 0;
   for (int round = 0; round < 24; ++round) {
     EncodedBrick brick;
     brick.range = {5, round % 2 == 0 ? 4'000'000'000 : 9};
@@ -229,10 +229,10 @@ TEST(LabelCodec, ArbitraryBytesAreRefusedOrLabelsOfTheRange) {
       }
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::corrupt);
-      ++refused;
+      ++rejected;
     }
   }
-  EXPECT_GT(refused, 12);
+  EXPECT_GT(rejected, 12);
 }
 
 TEST(LabelModel, WhatNoEncoderWritesIsCorrupt) {

@@ -64,12 +64,12 @@ TEST(StoredLabels, MoreLabelsThanSlotsComeBackAtEveryLevel) {
   EXPECT_EQ(decoded(*codec, sample, brick, 5)[0], -7);
 }
 
-TEST(StoredLabels, DamageIsRefusedOrDecodesToSomething) {
+TEST(StoredLabels, DamageIsRejectedOrDecodesToSomething) {
   const auto sample = noise<std::uint8_t>({16, 16, 16}, 9, 6);
   const auto codec = train_label_model(VoxelType::uint8, {});
   const EncodedBrick brick = codec->encode(sample.shape, sample.view());
   ASSERT_TRUE(is_stored(brick));
-  const auto is_refused = [&](const EncodedBrick& damaged) {
+  const auto is_rejected = [&](const EncodedBrick& damaged) {
     try {
       decoded(*codec, sample, damaged, 0);
     } catch (const Error& error) {
@@ -81,22 +81,22 @@ TEST(StoredLabels, DamageIsRefusedOrDecodesToSomething) {
   for (std::size_t length = 0; length < brick.segments[0].size(); ++length) {
     EncodedBrick damaged = brick;
     damaged.segments[0].resize(length);
-    EXPECT_TRUE(is_refused(damaged)) << length;
+    EXPECT_TRUE(is_rejected(damaged)) << length;
   }
   EncodedBrick longer = brick;
   longer.segments[0].push_back(0);
-  EXPECT_TRUE(is_refused(longer));
+  EXPECT_TRUE(is_rejected(longer));
   EncodedBrick twice = brick;
   twice.segments[1].push_back(0);
-  EXPECT_TRUE(is_refused(twice));
+  EXPECT_TRUE(is_rejected(twice));
   EncodedBrick beyond = brick;
   std::fill(beyond.segments[0].begin() + 8, beyond.segments[0].end(), std::uint8_t{0xff});
-  EXPECT_TRUE(is_refused(beyond));
+  EXPECT_TRUE(is_rejected(beyond));
   for (std::size_t i = 0; i < 8; ++i) {
     EncodedBrick damaged = brick;
     for (int value = 0; value < 256; ++value) {
       damaged.segments[0][i] = static_cast<std::uint8_t>(value);
-      is_refused(damaged);
+      is_rejected(damaged);
     }
   }
 }

@@ -231,7 +231,7 @@ TEST_F(LocalStorage, LocksAreWaitedForAndDoneWithout) {
   }
 }
 
-TEST_F(LocalStorage, EveryRefusedCallIsToldWithItsPath) {
+TEST_F(LocalStorage, EveryFailingCallIsReportedWithItsPath) {
   write_text("a");
   const auto file = new_file("open");
   const struct {

@@ -79,7 +79,7 @@ TEST(CopyDescribed, CopiesEveryModel) {
   expect_copied(noisy<std::uint8_t>({736, 736, 70}, 40), 2);
 }
 
-TEST(CopyDescribed, RefusesAnotherVolumeAndATakenNameAndLeavesNothing) {
+TEST(CopyDescribed, RejectsAnotherVolumeAndATakenNameAndLeavesNothing) {
   const testing::Volume volume = noisy<std::int16_t>({20, 20, 20}, 20);
   const testing::ScratchFolder folder;
   build(volume, 0, folder.file("a.8vo"));
@@ -95,7 +95,7 @@ TEST(CopyDescribed, RefusesAnotherVolumeAndATakenNameAndLeavesNothing) {
   copy(folder.file("a.8vo"), volume.description, folder.file("b.8vo"), true);
 }
 
-TEST(CopyDescribed, RefusesADamagedBrickAndLeavesNothing) {
+TEST(CopyDescribed, RejectsADamagedBrickAndLeavesNothing) {
   const testing::Volume volume = noisy<std::int16_t>({70, 67, 65}, 70);
   const testing::ScratchFolder folder;
   build(volume, 0, folder.file("a.8vo"));

@@ -73,7 +73,7 @@ TEST_F(WriterOnDisk, SameInputGivesTheSameBytes) {
   EXPECT_EQ(text_of("a.8vo"), text_of("b.8vo"));
 }
 
-TEST_F(WriterOnDisk, RefusesAnExistingFileUnlessAskedTo) {
+TEST_F(WriterOnDisk, RejectsAnExistingFileUnlessAskedTo) {
   write_text("a.8vo", "old");
   EXPECT_EQ(kind_of_failure([&] { write_sample(local_storage(), path("a.8vo"), volume_); }),
             ErrorKind::io);
@@ -109,7 +109,7 @@ TEST_F(WriterOnDisk, ADestroyedWriterLeavesNothing) {
   EXPECT_EQ(file_count(), 0u);
 }
 
-TEST_F(WriterOnDisk, RefusesTargetsThatAreNoFiles) {
+TEST_F(WriterOnDisk, RejectsTargetsThatAreNoFiles) {
   fs::create_directory(path("folder"));
   ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
   fs::create_symlink("nowhere", path("dangling"));
@@ -173,7 +173,7 @@ TEST_F(WriterOnDisk, ReadingAPipeOrFolderIsAnErrorAtOnce) {
   }
 }
 
-TEST(Writer, RefusesBricksOutOfOrder) {
+TEST(Writer, RejectsBricksOutOfOrder) {
   MemoryStorage storage;
   const SampleVolume volume = make_sample({70, 20, 20}, VoxelType::int16, Pattern::gradient);
   EncodedBrick uniform;
@@ -198,7 +198,7 @@ TEST(Writer, RefusesBricksOutOfOrder) {
   EXPECT_TRUE(storage.files.empty());
 }
 
-TEST(Writer, RefusesWhatNoFileCanHave) {
+TEST(Writer, RejectsWhatNoFileCanHave) {
   const SampleVolume volume = make_sample({70, 20, 20}, VoxelType::int16, Pattern::gradient);
   const struct {
     const char* what;
@@ -257,7 +257,7 @@ TEST(Writer, RefusesWhatNoFileCanHave) {
             ErrorKind::internal);
 }
 
-TEST(Writer, RefusesBricksThatNoFileCanHave) {
+TEST(Writer, RejectsBricksThatNoFileCanHave) {
   const SampleVolume volume = make_sample({70, 20, 20}, VoxelType::int16, Pattern::gradient);
   const std::function<void(EncodedBrick&)> changes[] = {
       [](EncodedBrick& b) { b.segments.resize(5); },

@@ -25,8 +25,8 @@ void expect_words(const std::string& text, const std::vector<std::string>& words
 }
 
 /// The error of `elements` as a file, a refusal of the source.
-void expect_refusal(const DicomElements& elements, const std::vector<std::string>& words,
-                    const std::string& transfer_syntax = kExplicitLittle) {
+void expect_error(const DicomElements& elements, const std::vector<std::string>& words,
+                  const std::string& transfer_syntax = kExplicitLittle) {
   const TempFolder folder;
   elements.write(folder.file("a.dcm"), transfer_syntax);
   const Error error = source_error({folder.file("a.dcm")});
@@ -112,15 +112,15 @@ TEST(SourceDicomWords, OfBigEndianSegmentationsHoldSwappedBits) {
 TEST(SourceDicomExtent, OfMorePicturesThanTheHeaderNamesIsRefused) {
   DicomElements grey = ct_elements(5, 3, 8);
   grey.set(kPixelData, "OB", counted(10 * 15));
-  expect_refusal(grey, {"a.dcm", "10 pictures", "Number of Frames (0028,0008) says 1"});
+  expect_error(grey, {"a.dcm", "10 pictures", "Number of Frames (0028,0008) says 1"});
   grey.set(kFrames, "IS", "2");
   grey.set(kPixelData, "OB", counted(3 * 15));
-  expect_refusal(grey, {"3 pictures", "says 2"});
+  expect_error(grey, {"3 pictures", "says 2"});
   DicomElements mask = ct_elements(5, 3, 1);
   mask.set(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.66.4");
   mask.set(0x00620001, "CS", "BINARY");
   mask.set(kPixelData, "OB", std::string(4, '\0'));
-  expect_refusal(mask, {"2 pictures", "says 1"});
+  expect_error(mask, {"2 pictures", "says 1"});
 }
 
 TEST(SourceDicomExtent, OfMoreBytesThanThePictureTakesIsToldInOneWarning) {
@@ -157,7 +157,7 @@ TEST(SourceDicomExtent, OfMoreCompressedPicturesIsRefused) {
     DicomElements elements = ct_elements(5, 3, 8);
     elements.set(kFrames, "IS", row.frames);
     elements.set_fragments(row.fragments, row.has_table);
-    expect_refusal(elements, {row.found, std::string("says ") + row.frames}, row.syntax);
+    expect_error(elements, {row.found, std::string("says ") + row.frames}, row.syntax);
   }
 }
 
@@ -194,7 +194,7 @@ TEST(SourceDicomExtent, OfANumberOfFramesThatIsNoneIsRefused) {
   for (const char* text : {"1A", "1.5", "2\\3", "0", "-1"}) {
     DicomElements elements = ct_elements(5, 3, 8);
     elements.set(kFrames, "IS", text);
-    expect_refusal(elements, {"Number of Frames (0028,0008)", text});
+    expect_error(elements, {"Number of Frames (0028,0008)", text});
   }
 }
 
@@ -202,7 +202,7 @@ TEST(SourceDicomExtent, OfMoreRowsThanTheirNumberCanSayIsRefused) {
   DicomElements elements = ct_elements(5, 3, 8);
   elements.set(0x00280010, "UL", std::string("\0\0\1\0", 4));
   elements.set(0x00280011, "UL", std::string("\0\0\1\0", 4));
-  expect_refusal(elements, {"65536 x 65536", "65535"});
+  expect_error(elements, {"65536 x 65536", "65535"});
 }
 
 TEST(SourceDicomValues, OfARescaleThatIsNoNumberAreRefused) {
@@ -221,14 +221,14 @@ TEST(SourceDicomValues, OfARescaleThatIsNoNumberAreRefused) {
     const std::string name = row.tag == kSlope ? "Rescale Slope (0028,1053)"
                                                : "Rescale Intercept (0028,1052)";
     const std::string shown = row.text == std::string("1\\2") ? "1" : row.text;
-    expect_refusal(elements, {"a.dcm", name + " is \"" + shown, "not one number"});
+    expect_error(elements, {"a.dcm", name + " is \"" + shown, "not one number"});
   }
 }
 
 TEST(SourceDicomValues, OfARescaleOfAnyLengthAreRefused) {
   DicomElements elements = ct_elements(5, 3, 8);
   elements.set(kSlope, "DS", std::string(1000, 'x'));
-  expect_refusal(elements, {"Rescale Slope (0028,1053)", "not one number"});
+  expect_error(elements, {"Rescale Slope (0028,1053)", "not one number"});
 }
 
 TEST(SourceDicomValues, WithABlankRescaleAreTheStoredOnes) {
@@ -246,7 +246,7 @@ TEST(SourceDicomValues, OfATableAreRefusedUnlessAnotherSeriesIsTaken) {
   table.set(0x00283004, "LO", "HU");
   DicomElements elements = ct_elements(5, 3, 8);
   elements.set_items(kModalityTable, {table});
-  expect_refusal(elements, {"a.dcm", "Modality LUT Sequence (0028,3000)", "not applied"});
+  expect_error(elements, {"a.dcm", "Modality LUT Sequence (0028,3000)", "not applied"});
   const TempFolder folder;
   elements.set(0x0020000e, "UI", "7.8");
   elements.write(folder.file("table.dcm"), kExplicitLittle);
@@ -340,12 +340,12 @@ TEST(SourceDicomDose, WithoutAScaleOrAFittingGridIsRefused) {
   DicomElements elements = dose_elements();
   for (const char* scaling : {"", "0", "0,001"}) {
     elements.set(kDoseScaling, "DS", scaling);
-    expect_refusal(elements, {"Dose Grid Scaling (3004,000e)"});
+    expect_error(elements, {"Dose Grid Scaling (3004,000e)"});
   }
   elements = dose_elements();
   for (const char* offsets : {"0\\2.5", "7\\9.5\\12", "0\\x\\5"}) {
     elements.set(kDoseOffsets, "DS", offsets);
-    expect_refusal(elements, {"no geometry"});
+    expect_error(elements, {"no geometry"});
   }
 }
 

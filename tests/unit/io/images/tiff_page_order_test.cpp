@@ -42,8 +42,8 @@ class SourceTiff : public ::testing::Test {
   std::unique_ptr<PlaneSource> open(const std::string& name, const SourceOptions& options = {}) {
     return open_source({name.empty() ? folder_.path() : folder_.file(name)}, options);
   }
-  void expect_refused(const std::string& name, const std::vector<std::string>& words,
-                      const SourceOptions& options = {}) {
+  void expect_rejected(const std::string& name, const std::vector<std::string>& words,
+                       const SourceOptions& options = {}) {
     const Error error =
         source_error({name.empty() ? folder_.path() : folder_.file(name)}, options);
     EXPECT_EQ(error.kind(), ErrorKind::source_rejected) << error.what();
@@ -149,7 +149,7 @@ TEST_F(SourceTiff, OmeTiffDataThatLeaveAPlaneOpenAreRefused) {
            {"<TiffData PlaneCount=\"2\"/><TiffData FirstZ=\"2\" PlaneCount=\"2\"/>",
             "2 pages to 4 planes"}}) {
     write("a.ome.tif", ome(data, 4), 4);
-    expect_refused("a.ome.tif", {words, "OME"});
+    expect_rejected("a.ome.tif", {words, "OME"});
   }
 }
 
@@ -159,15 +159,15 @@ TEST_F(SourceTiff, OmePlanesOfOtherFilesAreRefused) {
            "\"><UUID FileName=\"" + name + "\">" + id + "</UUID></TiffData>";
   };
   write("a.ome.tif", ome(part(0, 0, "a.ome.tif", "1") + part(0, 1, "b.ome.tif", "2"), 2), 2);
-  expect_refused("a.ome.tif", {"b.ome.tif", "slice 1", "bfconvert"});
+  expect_rejected("a.ome.tif", {"b.ome.tif", "slice 1", "bfconvert"});
   write("a.ome.tif", ome(part(0, 0, "b.ome.tif", "2") + part(1, 1, "b.ome.tif", "2"), 2, 1,
                          "XYZCT", " UUID=\"1\""), 2);
-  expect_refused("a.ome.tif", {"b.ome.tif"});
+  expect_rejected("a.ome.tif", {"b.ome.tif"});
   write("a.ome.tif", ome(part(0, 0, "b.ome.tif", "1") + part(1, 1, "c.ome.tif", "1"), 2, 1,
                          "XYZCT", " UUID=\"1\""), 2);
   EXPECT_EQ(pages_taken(*open("a.ome.tif")), "01");
   write("a.ome.tif", "<OME><BinaryOnly MetadataFile=\"all.companion.ome\" UUID=\"1\"/></OME>", 2);
-  expect_refused("a.ome.tif", {"all.companion.ome"});
+  expect_rejected("a.ome.tif", {"all.companion.ome"});
 }
 
 TEST_F(SourceTiff, OmeFilesMustLieInTheOrderOfTheirSlices) {
@@ -179,9 +179,9 @@ TEST_F(SourceTiff, OmeFilesMustLieInTheOrderOfTheirSlices) {
   write("z2.tif", "", 1);
   EXPECT_EQ(open("")->description().size.z, 2);
   write("z1.tif", names("z2.tif", "z1.tif"), 1);
-  expect_refused("", {"z1.tif", "makes it slice 1", "slice 0"});
+  expect_rejected("", {"z1.tif", "makes it slice 1", "slice 0"});
   write("z1.tif", names("z1.tif", "z3.tif"), 1);
-  expect_refused("", {"z2.tif", "does not name it"});
+  expect_rejected("", {"z2.tif", "does not name it"});
   write("z1.tif", names("a.tif", "b.tif"), 1);
   EXPECT_TRUE(contains(first_warning(*open("")), "names other files"));
 }
@@ -191,11 +191,11 @@ TEST_F(SourceTiff, PagesWithAPaletteOrTurnedAreRefusedBesideOthers) {
   sample.pages = numbered_pages(3);
   sample.palettes = {false, false, true};
   write_tiff(folder_.file("a.tif"), sample);
-  expect_refused("a.tif", {"page 2", "palette"});
+  expect_rejected("a.tif", {"page 2", "palette"});
   sample.palettes = {};
   sample.orientations = {1, 1, 2};
   write_tiff(folder_.file("a.tif"), sample);
-  expect_refused("a.tif", {"page 2", "orientation tag 2", "page 0 has 1"});
+  expect_rejected("a.tif", {"page 2", "orientation tag 2", "page 0 has 1"});
   sample.orientations = {2, 2, 2};
   write_tiff(folder_.file("a.tif"), sample);
   EXPECT_TRUE(contains(first_warning(*open("a.tif")), "orientation tag 2"));
@@ -212,16 +212,16 @@ TEST_F(SourceTiff, FilesOfDifferentMeaningAreNamedWithBoth) {
            {"cf=0\nc0=0\nc1=1\nvunit=OD\n", "1 x + 0 OD"},
            {"cf=4\nc0=0\nc1=1\n", "function 4"}}) {
     write("s1.tif", start + text, 1, 4);
-    expect_refused("", {"s1.tif has the calibration " + words, "s0.tif has 1 x + 0 HU"});
-    expect_refused("", {words}, spacing);
+    expect_rejected("", {"s1.tif has the calibration " + words, "s0.tif has 1 x + 0 HU"});
+    expect_rejected("", {words}, spacing);
   }
   write("s1.tif", start + line, 1, 5);
-  expect_refused("", {"s1.tif", "0.2 mm", "s0.tif", "0.25 mm", "--spacing"});
+  expect_rejected("", {"s1.tif", "0.2 mm", "s0.tif", "0.25 mm", "--spacing"});
   EXPECT_EQ(open("", spacing)->description().size.z, 2);
   write("s1.tif", start + line, 1, 4.001F);
   EXPECT_TRUE(open("")->warnings().empty());
   write("s1.tif", "ImageJ=1.53t\nunit=furlong\n" + line, 1, 4);
-  expect_refused("", {"furlong", "--spacing"});
+  expect_rejected("", {"furlong", "--spacing"});
   write("s1.tif", "ImageJ=1.53t\n" + line, 1, 4);
   EXPECT_TRUE(contains(first_warning(*open("")), "1 of the others do not"));
 }

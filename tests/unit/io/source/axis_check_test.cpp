@@ -31,8 +31,8 @@ void expect_near(const Matrix3& found, const Matrix3& expected) {
   for (std::size_t i = 0; i < 9; ++i) EXPECT_NEAR(found[i], expected[i], 1e-6) << i;
 }
 
-void expect_refused(const std::string& path, const std::vector<std::string>& words,
-                    const SourceOptions& options = {}) {
+void expect_rejected(const std::string& path, const std::vector<std::string>& words,
+                     const SourceOptions& options = {}) {
   const Error error = source_error({path}, options);
   EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
   for (const std::string& word : words) {
@@ -51,12 +51,12 @@ TEST(SourceAxes, OfMetaImageThatContradictItsSpacingAreRefusedUnlessASpacingIsGi
   const TempFolder folder;
   const std::string path = folder.file("a.mha");
   write_meta(path, "TransformMatrix = 2 0 0 0 2 0 0 0 2");
-  expect_refused(path, {"TransformMatrix", "axis x has length 2, 1 expected", "--spacing"});
+  expect_rejected(path, {"TransformMatrix", "axis x has length 2, 1 expected", "--spacing"});
   const Geometry given = geometry_of(path, with_spacing(3, 4, 5));
   EXPECT_EQ(given.direction, Geometry{}.direction);
   EXPECT_EQ(given.spacing_mm, (Point3{3, 4, 5}));
   write_meta(path, "Rotation = 1 0 0 0 1 0 0 0 0");
-  expect_refused(path, {"Rotation", "axis z has length 0", "repair"}, with_spacing(1, 1, 1));
+  expect_rejected(path, {"Rotation", "axis z has length 0", "repair"}, with_spacing(1, 1, 1));
 }
 
 TEST(SourceAxes, OfMetaImageWithinAThousandthOfAGridStayAsTheyAre) {
@@ -88,24 +88,24 @@ TEST(SourceAxes, ThatAreShearedAreRefusedInEveryFormat) {
   const std::vector<std::string> words = {"sheared", "axes x and y", "63.43495 degrees",
                                           "90 expected", "resample"};
   write_meta(folder.file("a.mha"), "TransformMatrix = 1 0.5 0 0 1 0 0 0 1");
-  expect_refused(folder.file("a.mha"), words);
+  expect_rejected(folder.file("a.mha"), words);
   write_nrrd(folder.file("a.nrrd"), "space: LPS\nspace directions: (1,0.5,0) (0,1,0) (0,0,2)");
-  expect_refused(folder.file("a.nrrd"), words);
+  expect_rejected(folder.file("a.nrrd"), words);
   NiftiSample sample;
   std::string nifti = nifti_header(sample) + std::string(48, '\1');
   nifti.replace(280, 32, bytes_of<float>({1, 0, 0, 0, 0.5F, 1, 0, 0}));
   nifti.replace(252, 2, std::string(2, '\0'));
   write_file(folder.file("a.nii"), nifti);
-  expect_refused(folder.file("a.nii"), words);
+  expect_rejected(folder.file("a.nii"), words);
   for (const char* name : {"a.mha", "a.nrrd", "a.nii"}) {
-    expect_refused(folder.file(name), {"sheared"}, with_spacing(1, 1, 1));
+    expect_rejected(folder.file(name), {"sheared"}, with_spacing(1, 1, 1));
   }
 }
 
 TEST(SourceAxes, OfNrrdWithoutALengthAreRefusedByName) {
   const TempFolder folder;
   write_nrrd(folder.file("a.nrrd"), "space: LPS\nspace directions: (1,0,0) (0,0,0) (0,0,2)");
-  expect_refused(folder.file("a.nrrd"), {"space directions", "axis y has no length"});
+  expect_rejected(folder.file("a.nrrd"), {"space directions", "axis y has no length"});
 }
 
 TEST(SourceAxes, OfNrrdSpacesThatNameLeftAreTurnedToLps) {
@@ -147,8 +147,8 @@ TEST(SourceAxes, OfNrrdSpacesOfAnotherNameAreRefusedWithTheNamesThatAreRead) {
   const std::string path = folder.file("a.nrrd");
   for (const char* space : {"right-posterior-superior", "RPS", "foo", "RAST", "3D-left"}) {
     write_nrrd(path, std::string("space: ") + space + "\n" + kDirections);
-    expect_refused(path, {std::string("\"") + space + "\" is not read", "(LPS)", "(RAS)", "(LAS)",
-                          "scanner-xyz"});
+    expect_rejected(path, {std::string("\"") + space + "\" is not read", "(LPS)", "(RAS)", "(LAS)",
+                           "scanner-xyz"});
     write_nrrd(path, std::string("space: ") + space + "\nspacings: 1 1 2");
     EXPECT_TRUE(contains(all_of(open_source({path}, {})->warnings()), "are left out")) << space;
   }
@@ -216,9 +216,9 @@ TEST(SourceAxes, OfNrrdStartWhereAxisMinsSay) {
     EXPECT_TRUE(contains(source->description().metadata_json, "\"place_known\":false")) << lines;
   }
   write_nrrd(path, "spacings: 1 1 2\naxis mins: 10 20");
-  expect_refused(path, {"axis mins: 3 numbers expected, 2 found"});
+  expect_rejected(path, {"axis mins: 3 numbers expected, 2 found"});
   write_nrrd(path, "spacings: 1 1 2\naxis mins: 10 20 30\ncenters: cell");
-  expect_refused(path, {"centers has 1 words for 3 axes"});
+  expect_rejected(path, {"centers has 1 words for 3 axes"});
   write_nrrd(path, "axis mins: 10 20 30");
   EXPECT_TRUE(contains(all_of(open_source({path}, {})->warnings()), "the origin is left out"));
 }
@@ -246,7 +246,7 @@ TEST(SourceAxes, BytesOfNrrdStandInOneOfTwoOrders) {
   EXPECT_EQ(first_byte("BIG"), '\0');
   for (const char* endian : {"bigg", "1"}) {
     EXPECT_THROW(first_byte(endian), Error);
-    expect_refused(path, {std::string("endian is \"") + endian + "\"", "little or big expected"});
+    expect_rejected(path, {std::string("endian is \"") + endian + "\"", "little or big expected"});
   }
 }
 
@@ -276,10 +276,10 @@ TEST(SourceAxes, OfAQuaternionThatIsNoRotationAreRefused) {
   for (const Qform& qform : {Qform{{0, 0, 1.1F}}, Qform{{0.8F, 0.8F, 0}}, Qform{{0, 0, -1.0001F}},
                              Qform{{0, 0, std::numeric_limits<float>::quiet_NaN()}}}) {
     write_file(path, with_qform(qform));
-    expect_refused(path, {"qform", "b^2 + c^2 + d^2", "at most 1 expected"});
+    expect_rejected(path, {"qform", "b^2 + c^2 + d^2", "at most 1 expected"});
   }
   write_file(path, with_qform({{0, 0, 1.1F}}));
-  expect_refused(path, {"is 1.21,"});
+  expect_rejected(path, {"is 1.21,"});
 }
 
 TEST(SourceAxes, OfAQuaternionThatRoundingMadeTooLongAreThoseOfAUnitOne) {
@@ -307,7 +307,7 @@ TEST(SourceAxes, OfAQformStayWhereItsSpacingIsMissing) {
   const std::string path = folder.file("a.nii");
   std::string bytes = with_qform({{0, 0, 1}, {1, 0.5F, 0.5F, 0}});
   write_file(path, bytes);
-  expect_refused(path, {"give --spacing"});
+  expect_rejected(path, {"give --spacing"});
   const Geometry given = geometry_of(path, with_spacing(1, 1, 3));
   EXPECT_EQ(given.spacing_mm, (Point3{1, 1, 3}));
   expect_near(given.direction, {1, 0, 0, 0, 1, 0, 0, 0, 1});
@@ -326,7 +326,7 @@ TEST(SourceAxes, OfASformInTwoDimensionsGetTheNormalOfTheirPlane) {
   bytes.replace(252, 2, std::string(2, '\0'));
   bytes.replace(280, 48, bytes_of<float>({0, 2, 0, 5, 3, 0, 0, 6, 0, 0, 0, 7}));
   write_file(path, bytes);
-  expect_refused(path, {"axis z no length", "repair the header"});
+  expect_rejected(path, {"axis z no length", "repair the header"});
   bytes.replace(40, 8, bytes_of<std::int16_t>({2, 4, 6, 1}));
   write_file(path, bytes);
   const Geometry g = geometry_of(path);

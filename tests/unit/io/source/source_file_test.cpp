@@ -74,7 +74,7 @@ std::vector<std::string> hostile_names(const Trap& trap) {
           "~/secret.raw"};
 }
 
-void expect_refused(const std::string& header) {
+void expect_rejected(const std::string& header) {
   const Error error = source_error({header});
   EXPECT_EQ(error.kind(), ErrorKind::source_rejected) << error.what();
   EXPECT_EQ(error.path(), header) << error.what();
@@ -86,13 +86,13 @@ TEST(SourcePaths, InMetaImagesStayBeneathTheirFolder) {
   for (const std::string& name : hostile_names(trap)) {
     SCOPED_TRACE(name);
     write_file(trap.file("a.mhd"), header + "ElementDataFile = " + name + "\n");
-    expect_refused(trap.file("a.mhd"));
+    expect_rejected(trap.file("a.mhd"));
   }
   for (const std::string& list : std::vector<std::string>{
            "LIST\n../secret.raw\n", "LIST 2\nlink.raw\nlink.raw\n", "../secret%01d.raw 1 2 1\n"}) {
     SCOPED_TRACE(list);
     write_file(trap.file("a.mhd"), header + "ElementDataFile = " + list);
-    expect_refused(trap.file("a.mhd"));
+    expect_rejected(trap.file("a.mhd"));
   }
 }
 
@@ -103,13 +103,13 @@ TEST(SourcePaths, InNrrdHeadersStayBeneathTheirFolder) {
   for (const std::string& name : hostile_names(trap)) {
     SCOPED_TRACE(name);
     write_file(trap.file("a.nhdr"), header + "data file: " + name + "\n");
-    expect_refused(trap.file("a.nhdr"));
+    expect_rejected(trap.file("a.nhdr"));
   }
   for (const std::string& list : std::vector<std::string>{
            "LIST\n../secret.raw\n", "LIST 3\nlink.raw\n", "../secret%01d.raw 1 2 1\n"}) {
     SCOPED_TRACE(list);
     write_file(trap.file("a.nhdr"), header + "data file: " + list);
-    expect_refused(trap.file("a.nhdr"));
+    expect_rejected(trap.file("a.nhdr"));
   }
 }
 
@@ -126,7 +126,7 @@ TEST(SourcePaths, BesideANiftiHeaderLeadNowhereElse) {
                              "pipe.raw", "sub", "folder_link/voxels.raw"}) {
     SCOPED_TRACE(target);
     fs::create_symlink(target, trap.file("a.img"));
-    expect_refused(trap.file("a.hdr"));
+    expect_rejected(trap.file("a.hdr"));
     fs::remove(trap.file("a.img"));
   }
 }

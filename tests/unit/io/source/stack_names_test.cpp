@@ -83,7 +83,7 @@ class SourceFolder : public ::testing::Test {
   void add_png(const std::string& name, char value) {
     write_png(folder_.file(name), 2, 2, 8, 0, std::string(4, value));
   }
-  void expect_refused(const std::vector<std::string>& words) {
+  void expect_rejected(const std::vector<std::string>& words) {
     const Error error = source_error({folder_.path()}, options_);
     EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
     for (const std::string& word : words) {
@@ -97,7 +97,7 @@ class SourceFolder : public ::testing::Test {
 
 TEST_F(SourceFolder, AStackOfTwoChannelsIsRefusedOrTakenAsTold) {
   for (const char* name : {"z0_c0.png", "z0_c1.png", "z1_c0.png", "z1_c1.png"}) add_png(name, 5);
-  expect_refused({"2 x 2 files", "z0_c0.png", "z1_c1.png", "name the files of one", "--on-gap"});
+  expect_rejected({"2 x 2 files", "z0_c0.png", "z1_c1.png", "name the files of one", "--on-gap"});
   options_.on_gap = GapPolicy::ignore;
   const auto source = open_source({folder_.path()}, options_);
   EXPECT_EQ(source->description().size, (Size3{2, 2, 4}));
@@ -119,13 +119,13 @@ TEST_F(SourceFolder, NumbersInTheNamesOfFoldersCount) {
 
 TEST_F(SourceFolder, AStrayNameInAStackIsRefused) {
   for (const char* name : {"s1.png", "s2.png", "s2_mask.png", "s3.png"}) add_png(name, 5);
-  expect_refused({"s2.png is followed by s2_mask.png", "no number", "1 more such place"});
+  expect_rejected({"s2.png is followed by s2_mask.png", "no number", "1 more such place"});
 }
 
 TEST_F(SourceFolder, RawPlanesWhoseNumbersSkipAreRefusedOrTakenAsTold) {
   for (const char* name : {"z1", "z2", "z4"}) write_file(folder_.file(name), "abcd");
   options_.raw = parse_raw_layout("2,2,3,uint8");
-  expect_refused({"z2 is followed by z4", "1 file is missing", "--on-gap ignore"});
+  expect_rejected({"z2 is followed by z4", "1 file is missing", "--on-gap ignore"});
   options_.on_gap = GapPolicy::ignore;
   EXPECT_EQ(voxels_of(*open_source({folder_.path()}, options_)), "abcdabcdabcd");
   options_.raw = parse_raw_layout("2,2,1,uint8");
@@ -135,12 +135,12 @@ TEST_F(SourceFolder, RawPlanesWhoseNumbersSkipAreRefusedOrTakenAsTold) {
 TEST_F(SourceFolder, FilesOfSeveralKindsAreRefused) {
   add_png("preview.png", 1);
   write_file(folder_.file("scan.nii.gz"), "anything");
-  expect_refused({"1 PNG file (preview.png) and 1 volume (scan.nii.gz)", "name the file"});
+  expect_rejected({"1 PNG file (preview.png) and 1 volume (scan.nii.gz)", "name the file"});
   TiffSample sample;
   sample.pages = {std::string(12, 'x')};
   write_tiff(folder_.file("s1.tif"), sample);
   write_tiff(folder_.file("s2.tif"), sample);
-  expect_refused({"2 TIFF files (s1.tif ...), 1 PNG file (preview.png) and 1 volume"});
+  expect_rejected({"2 TIFF files (s1.tif ...), 1 PNG file (preview.png) and 1 volume"});
 }
 
 TEST_F(SourceFolder, DicomBelowOtherFilesIsRefusedAndBesideThemTaken) {
@@ -148,7 +148,7 @@ TEST_F(SourceFolder, DicomBelowOtherFilesIsRefusedAndBesideThemTaken) {
   DicomSample sample;
   sample.position = "0\\0\\0";
   write_dicom(folder_.file("below/slice"), sample);
-  expect_refused({"1 PNG file (s1.png) and DICOM files in folders of it", "below/slice"});
+  expect_rejected({"1 PNG file (s1.png) and DICOM files in folders of it", "below/slice"});
   write_dicom(folder_.file("slice.dcm"), sample);
   fs::remove_all(folder_.file("below"));
   EXPECT_EQ(open_source({folder_.path()}, options_)->description().size.z, 1);

@@ -35,7 +35,7 @@ class SourceVtk : public ::testing::Test {
     write_file(path_, bytes_of_vtk(sample));
     EXPECT_EQ(voxels_of(*open_source({path_}, {})), bytes_of(kValues));
   }
-  void expect_refused(const VtkSample& sample, const std::string& words) {
+  void expect_rejected(const VtkSample& sample, const std::string& words) {
     write_file(path_, bytes_of_vtk(sample));
     const Error error = source_error({path_});
     EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
@@ -76,7 +76,7 @@ TEST_F(SourceVtk, NotesAndAColorTableMayFollowTheVoxels) {
   expect_voxels(sample);
   EXPECT_TRUE(contains(first_warning(*open_source({path_}, {})), "color table"));
   sample.behind = "\nLOOKUP_TABLE colors 3\nabcdSCAL\n";
-  expect_refused(sample, "ends early");
+  expect_rejected(sample, "ends early");
 }
 
 TEST_F(SourceVtk, SeveralArraysAreRefused) {
@@ -85,11 +85,11 @@ TEST_F(SourceVtk, SeveralArraysAreRefused) {
     for (const std::string next : {"SCALARS b short 1\n", "VECTORS v float\n", "FIELD f 1\n",
                                    "CELL_DATA 6\nSCALARS c short\n"}) {
       sample.behind = notes + next + sample.voxels;
-      expect_refused(sample, "several arrays");
+      expect_rejected(sample, "several arrays");
     }
   }
   sample.behind = "\n" + std::string(5, '\0') + "LUMEN";
-  expect_refused(sample, "no part of them");
+  expect_rejected(sample, "no part of them");
 }
 
 TEST_F(SourceVtk, ValuesOfCellsAndOtherArraysAreRefused) {
@@ -97,15 +97,15 @@ TEST_F(SourceVtk, ValuesOfCellsAndOtherArraysAreRefused) {
   const std::string points = sample.array;
   sample.array = "CELL_DATA 6\nSCALARS c short 1\nLOOKUP_TABLE default\n" + std::string(12, '\1') +
                  "\n" + points;
-  expect_refused(sample, "CELL_DATA");
+  expect_rejected(sample, "CELL_DATA");
   sample.array = "POINT_DATA 24\nVECTORS v short\n";
-  expect_refused(sample, "one value per voxel");
+  expect_rejected(sample, "one value per voxel");
   sample.array = "POINT_DATA 24\nFIELD FieldData 1\ns 1 24 short\n";
-  expect_refused(sample, "one value per voxel");
+  expect_rejected(sample, "one value per voxel");
   sample.array = "POINT_DATA 24\nSCALARS s short 3\nLOOKUP_TABLE default\n";
-  expect_refused(sample, "3 values per voxel");
+  expect_rejected(sample, "3 values per voxel");
   sample.array = "POINT_DATA 24\nSCALARS s double 1\nLOOKUP_TABLE default\n";
-  expect_refused(sample, "type double");
+  expect_rejected(sample, "type double");
 }
 
 TEST_F(SourceVtk, HeadersThatContradictThemselvesAreRefused) {
@@ -122,13 +122,13 @@ TEST_F(SourceVtk, HeadersThatContradictThemselvesAreRefused) {
     VtkSample sample;
     sample.grid = grid;
     sample.array = points + array;
-    expect_refused(sample, words);
+    expect_rejected(sample, words);
   }
   VtkSample sample;
   sample.kind = "ASCII\nDATASET STRUCTURED_POINTS\n";
-  expect_refused(sample, "as text");
+  expect_rejected(sample, "as text");
   sample.kind = "BINARY\nDATASET RECTILINEAR_GRID\n";
-  expect_refused(sample, "RECTILINEAR_GRID");
+  expect_rejected(sample, "RECTILINEAR_GRID");
   write_file(path_, "# something\n");
   EXPECT_TRUE(contains(source_error({path_}).what(), "not a legacy VTK file"));
 }

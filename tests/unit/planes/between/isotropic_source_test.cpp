@@ -294,7 +294,7 @@ TEST(IsotropicPlanning, NothingIsDoneWhereThereIsNothingToMake) {
   }
 }
 
-TEST(IsotropicPlanning, WhatCannotBecomeCubesIsRefusedWithItsReason) {
+TEST(IsotropicPlanning, WhatCannotBecomeCubesIsRejectedWithItsReason) {
   const Volume<std::uint8_t> volume{{4, 4, 9}, {1, 1, 3}, {}};
   VolumeDescription unknown = description_of(volume);
   unknown.metadata_json = R"({"spacing_known":false})";

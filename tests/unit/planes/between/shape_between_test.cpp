@@ -210,11 +210,11 @@ TEST(ShapeBetween, ABallHasItsVolumeAndIsNearerToItThanNearestSlices) {
       planes.insert(planes.begin(), below);
       for (int k = 0; k < steps; ++k) {
         const Plane& plane = planes[static_cast<std::size_t>(k)];
-        const Plane truth = ball_plane(radius, z + k + 0.4);
+        const Plane exact = ball_plane(radius, z + k + 0.4);
         volume += count_of(plane, 1);
-        true_volume += count_of(truth, 1);
-        wrong += differences(plane, truth);
-        wrong_nearest += differences(2 * k < steps ? below : above, truth);
+        true_volume += count_of(exact, 1);
+        wrong += differences(plane, exact);
+        wrong_nearest += differences(2 * k < steps ? below : above, exact);
       }
     }
     EXPECT_NEAR(static_cast<double>(volume) / static_cast<double>(true_volume), 1,
@@ -224,7 +224,7 @@ TEST(ShapeBetween, ABallHasItsVolumeAndIsNearerToItThanNearestSlices) {
   }
 }
 
-TEST(ShapeBetween, FloatsAreRefused) {
+TEST(ShapeBetween, FloatsAreRejected) {
   EXPECT_THROW(make_shape_between(4, 4, VoxelType::float32), Error);
 }
 

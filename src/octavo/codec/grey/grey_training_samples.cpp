@@ -4,9 +4,10 @@
 
 namespace octavo::grey {
 
-std::vector<Lesson> make_lessons(std::span<const TrainingBrick> bricks, const Parameters& p) {
+std::vector<TrainingSample> make_training_samples(std::span<const TrainingBrick> bricks,
+                                                  const Parameters& p) {
   const AxisOrder& order = p.axis_order;
-  std::vector<Lesson> lessons(bricks.size());
+  std::vector<TrainingSample> training(bricks.size());
   tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
     const ValueRange range = range_of(bricks[i].view);
     const BrickMap map =
@@ -14,24 +15,25 @@ std::vector<Lesson> make_lessons(std::span<const TrainingBrick> bricks, const Pa
     const SampleScale scale = SampleScale::of_voxels(range, code_scale(p, map));
     if (scale.range.min == scale.range.max) return;
     const BrickShape shape = in_order(bricks[i].shape, order);
-    lessons[i] = {shape, analyze<std::int16_t>(shape, bricks[i].view, scale, order)};
+    training[i] = {shape, analyze<std::int16_t>(shape, bricks[i].view, scale, order)};
     if (scale.is_wide()) {
-      lessons[i].brick.scale =
+      training[i].brick.scale =
           SampleScale{{0, (scale.range.max - scale.range.min) >> scale.shift()}, {}, true};
     }
-    lessons[i].brick.gaps = gaps_of(p.value_map, map, shape, scale);
+    training[i].brick.gaps = gaps_of(p.value_map, map, shape, scale);
   });
-  std::erase_if(lessons, [](const Lesson& lesson) { return lesson.shape.level_count < 2; });
-  return lessons;
+  std::erase_if(training,
+                [](const TrainingSample& sample) { return sample.shape.level_count < 2; });
+  return training;
 }
 
-void load_level(Workspace<std::int16_t>& work, const Lesson& lesson, int level) {
+void load_level(Workspace<std::int16_t>& work, const TrainingSample& sample, int level) {
   const auto next = static_cast<std::size_t>(level) + 1;
-  const Size3& size = lesson.shape.size[next];
-  const std::vector<std::int16_t>* means = &lesson.brick.coarsest;
-  if (static_cast<int>(next) + 1 < lesson.shape.level_count) {
+  const Size3& size = sample.shape.size[next];
+  const std::vector<std::int16_t>* means = &sample.brick.coarsest;
+  if (static_cast<int>(next) + 1 < sample.shape.level_count) {
     for (int axis = 2; axis >= 0; --axis) {
-      const auto& step = lesson.brick.steps[next][static_cast<std::size_t>(axis)];
+      const auto& step = sample.brick.steps[next][static_cast<std::size_t>(axis)];
       if (!step.empty()) means = &step;
     }
   }

@@ -1,4 +1,4 @@
-#include "octavo/file/repair/mend.h"
+#include "octavo/file/repair/repair_bits.h"
 
 #include <algorithm>
 #include <memory>
@@ -8,7 +8,7 @@
 #include "octavo/core/error.h"
 #include "octavo/file/layout.h"
 #include "octavo/file/open_file.h"
-#include "octavo/file/repair/mended_source.h"
+#include "octavo/file/repair/repaired_source.h"
 #include "octavo/file/storage/pending_file.h"
 #include "octavo/file/storage/temporary.h"
 #include "octavo/file/write/interrupted.h"
@@ -27,7 +27,7 @@ void throw_if_cancelled(const Progress& progress) {
   if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
 }
 
-[[noreturn]] void refuse(const Damage& damage, const std::string& input) {
+[[noreturn]] void reject(const Damage& damage, const std::string& input) {
   const char* reason = damage.flipped_byte
                            ? "one flipped bit would explain it, but so would other damage of a "
                              "part this long"
@@ -37,7 +37,7 @@ void throw_if_cancelled(const Progress& progress) {
               damage.offset);
 }
 
-VerifyReport verified(std::shared_ptr<const ByteSource> source, const MendOptions& options,
+VerifyReport verified(std::shared_ptr<const ByteSource> source, const BitRepairOptions& options,
                       Progress& progress) {
   VerifyOptions verifying;
   verifying.for_each = options.for_each;
@@ -46,13 +46,13 @@ VerifyReport verified(std::shared_ptr<const ByteSource> source, const MendOption
 }
 
 // Gives a trailer that is made anew its digest: of all bytes between header and trailer.
-void complete_trailer(const std::shared_ptr<const ByteSource>& source, Mendings& mendings,
+void complete_trailer(const std::shared_ptr<const ByteSource>& source, Repairs& repairs,
                       Progress& progress) {
-  const MendedSource mended(source, mendings);
+  const RepairedSource repaired(source, repairs);
   HeaderBlock block{};
-  mended.read(0, block);
-  const FileHeader header = parse_header(block, mended.size());
-  const std::uint64_t end = mended.size() - kTrailerBytes;
+  repaired.read(0, block);
+  const FileHeader header = parse_header(block, repaired.size());
+  const std::uint64_t end = repaired.size() - kTrailerBytes;
   const ProgressScope scope(progress, "reading", static_cast<std::int64_t>(end - kHeaderBytes),
                             "bytes");
   std::uint32_t digest = 0;
@@ -60,38 +60,37 @@ void complete_trailer(const std::shared_ptr<const ByteSource>& source, Mendings&
   for (std::uint64_t at = kHeaderBytes; at < end; at += kBlockBytes) {
     throw_if_cancelled(progress);
     buffer.resize(std::min<std::uint64_t>(kBlockBytes, end - at));
-    mended.read(at, buffer);
+    repaired.read(at, buffer);
     digest = crc32c(buffer, digest);
     progress.advance(static_cast<std::int64_t>(buffer.size()));
   }
-  mendings.trailer =
+  repairs.trailer =
       encode_trailer({header.file_id, header.file_bytes, load_header_crc(block), digest});
 }
 
 // What makes the file sound. A damaged index page hides damaged bricks, a damaged model those that
 // do not decode: each round finds what the flips of those before brought to light.
-Mendings all_mendings(const std::shared_ptr<const ByteSource>& source, const MendOptions& options,
-                      Progress& progress) {
-  Mendings mendings = mend_envelope(*source);
+Repairs all_repairs(const std::shared_ptr<const ByteSource>& source,
+                    const BitRepairOptions& options, Progress& progress) {
+  Repairs repairs = repair_envelope(*source);
   for (;;) {
-    if (mendings.trailer) complete_trailer(source, mendings, progress);
+    if (repairs.trailer) complete_trailer(source, repairs, progress);
     const VerifyReport report =
-        verified(std::make_shared<MendedSource>(source, mendings), options, progress);
-    if (report.is_sound()) return mendings;
+        verified(std::make_shared<RepairedSource>(source, repairs), options, progress);
+    if (report.is_sound()) return repairs;
     std::vector<BitFlip> flips;
     for (const Damage& damage : report.damages) {
-      if (!damage.is_mendable()) refuse(damage, source->name());
+      if (!damage.is_repairable()) reject(damage, source->name());
       flips.push_back({*damage.flipped_byte, damage.flipped_bit});
     }
-    const std::size_t count = mendings.flips.size();
-    add_flips(mendings, flips);
-    if (mendings.flips.size() == count) refuse(report.damages.front(), source->name());
+    const std::size_t count = repairs.flips.size();
+    add_flips(repairs, flips);
+    if (repairs.flips.size() == count) reject(report.damages.front(), source->name());
   }
 }
 
 void copy(const ByteSource& source, StorageFile& out, Progress& progress) {
-  const ProgressScope scope(progress, "writing", static_cast<std::int64_t>(source.size()),
-                            "bytes");
+  const ProgressScope scope(progress, "writing", static_cast<std::int64_t>(source.size()), "bytes");
   Bytes buffer(kBlockBytes);
   for (std::uint64_t at = 0; at < source.size(); at += kBlockBytes) {
     throw_if_cancelled(progress);
@@ -104,7 +103,7 @@ void copy(const ByteSource& source, StorageFile& out, Progress& progress) {
   }
 }
 
-void prove(Storage& storage, const PendingFile& file, const MendOptions& options,
+void prove(Storage& storage, const PendingFile& file, const BitRepairOptions& options,
            Progress& progress) {
   const VerifyReport report =
       verified(open_byte_source(storage, file.temporary_path()), options, progress);
@@ -114,8 +113,8 @@ void prove(Storage& storage, const PendingFile& file, const MendOptions& options
               file.path());
 }
 
-void write_mended(Storage& storage, const ByteSource& source, const std::string& output,
-                  const MendOptions& options, Progress& progress) {
+void write_repaired(Storage& storage, const ByteSource& source, const std::string& output,
+                    const BitRepairOptions& options, Progress& progress) {
   try {
     PendingFile file(storage, output);
     copy(source, file.file(), progress);
@@ -129,9 +128,9 @@ void write_mended(Storage& storage, const ByteSource& source, const std::string&
 
 }  // namespace
 
-bool opens_mended(const std::shared_ptr<const ByteSource>& source) {
+bool opens_repaired(const std::shared_ptr<const ByteSource>& source) {
   try {
-    const OpenFile proof(std::make_shared<MendedSource>(source, mend_envelope(*source)), {});
+    const OpenFile proof(std::make_shared<RepairedSource>(source, repair_envelope(*source)), {});
     return true;
   } catch (const Error& error) {
     if (error.kind() == ErrorKind::io) throw;
@@ -139,19 +138,19 @@ bool opens_mended(const std::shared_ptr<const ByteSource>& source) {
   }
 }
 
-MendResult mend_file(Storage& storage, const std::string& input, const std::string& output,
-                     const MendOptions& options, Progress& progress) {
+BitRepairResult repair_bits(Storage& storage, const std::string& input, const std::string& output,
+                            const BitRepairOptions& options, Progress& progress) {
   check_target(storage, output, options.overwrite);
-  if (!options.overwrite) refuse_interrupted(storage, output);
+  if (!options.overwrite) reject_interrupted(storage, output);
   const std::shared_ptr<const ByteSource> source = open_byte_source(storage, input);
-  const Mendings mendings = all_mendings(source, options, progress);
-  MendResult result;
-  result.flips = mendings.flips;
-  result.has_new_trailer = mendings.trailer.has_value();
-  result.dropped_bytes = source->size() - mendings.size;
-  result.file_bytes = mendings.size;
+  const Repairs repairs = all_repairs(source, options, progress);
+  BitRepairResult result;
+  result.flips = repairs.flips;
+  result.has_new_trailer = repairs.trailer.has_value();
+  result.dropped_bytes = source->size() - repairs.size;
+  result.file_bytes = repairs.size;
   if (result.is_sound()) return result;
-  write_mended(storage, MendedSource(source, mendings), output, options, progress);
+  write_repaired(storage, RepairedSource(source, repairs), output, options, progress);
   return result;
 }
 

@@ -1,4 +1,4 @@
-// Mends a damaged file whose damages are flipped bits, a damaged trailer or bytes behind its end.
+// Repairs a damaged file whose damages are flipped bits, a damaged trailer or bytes behind its end.
 //
 // Damage of more bits can pass for one flipped bit: of random damage to n bits a part of n / 2^32
 // does, and then every checksum over it would match again with wrong bytes under it. So a bit is
@@ -9,7 +9,7 @@
 //   thumbnail, metadata                         they decode, parse or read as text all the same
 //   index root, slab trailers, trailer          any length: all their numbers are proven again
 //
-// Larger ones are refused as damage of more bits is. Only a trailer may be damaged as it will: all
+// Larger ones are rejected as damage of more bits is. Only a trailer may be damaged as it will: all
 // that stands in it is made of the rest.
 #pragma once
 
@@ -24,34 +24,34 @@
 
 namespace octavo {
 
-struct MendOptions {
+struct BitRepairOptions {
   bool overwrite = false;  ///< an existing file, and what an interrupted build of it left
-  ForEach for_each;  ///< as in VerifyOptions
+  ForEach for_each;        ///< as in VerifyOptions
 };
 
-struct MendResult {
-  std::vector<BitFlip> flips;  ///< turned back, in their order; `byte` is an offset in the file
-  bool has_new_trailer = false;     ///< made of all other bytes
+struct BitRepairResult {
+  std::vector<BitFlip> flips;    ///< turned back, in their order; `byte` is an offset in the file
+  bool has_new_trailer = false;  ///< made of all other bytes
   std::uint64_t dropped_bytes = 0;  ///< that stood behind the end of the file
   std::uint64_t file_bytes = 0;     ///< of the output
   bool is_sound() const { return flips.empty() && !has_new_trailer && dropped_bytes == 0; }
 };
 
 /// Whether a file that cannot be opened can be once its length, header, trailer, metadata and index
-/// root are mended as mend_file would.
+/// root are repaired as repair_bits would.
 /// Throws Error{io} when reading fails
-bool opens_mended(const std::shared_ptr<const ByteSource>& source);
+bool opens_repaired(const std::shared_ptr<const ByteSource>& source);
 
 /// Copies `input` to `output` with every bit turned back that alone explains a wrong checksum, also
 /// where others hide it, with the trailer that belongs to the other bytes and without bytes behind
 /// its end, and proves the copy before it takes its name.
-/// Returns  MendResult::is_sound, and writes nothing, for a sound file
-/// Throws   Error{corrupt} when some damage is not Damage::is_mendable, or the file was still
+/// Returns  BitRepairResult::is_sound, and writes nothing, for a sound file
+/// Throws   Error{corrupt} when some damage is not Damage::is_repairable, or the file was still
 ///          growing; Error{not_octavo}, Error{truncated}, Error{io}, Error{cancelled}, which name
 ///          `input` or `output`; nothing is left then, but for a file replaced whose name could not
 ///          be made durable
 /// Time     a verification for each round that finds damage, at least two, and one of the copy
-MendResult mend_file(Storage& storage, const std::string& input, const std::string& output,
-                     const MendOptions& options, Progress& progress);
+BitRepairResult repair_bits(Storage& storage, const std::string& input, const std::string& output,
+                            const BitRepairOptions& options, Progress& progress);
 
 }  // namespace octavo

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Repairs damaged files with the program: the bytes that were written, or nothing and the reason.
 
-usage: mend_faults.py OCTAVO [unittest arguments]
+usage: repair_bits_faults.py OCTAVO [unittest arguments]
 """
 
 import array
@@ -26,7 +26,7 @@ def garble_unseen(content, begin, end):
                 content[at + i] ^= byte
 
 
-class Mend(program_faults.InFolder):
+class RepairBits(program_faults.InFolder):
     def setUp(self):
         super().setUp()
         # Three bricks of the same size, which fill most of the file.
@@ -48,32 +48,32 @@ class Mend(program_faults.InFolder):
     def advice(self):
         return self.expect(4, "verify", "bad.8vo", "--progress", "none").stderr.splitlines()[-1]
 
-    def expect_mended(self, words, good=None):
-        said = self.expect(0, "repair", "bad.8vo", "-o", "mended.8vo", "--force").stdout
-        self.assertEqual((self.folder / "mended.8vo").read_bytes(), good or self.good)
+    def expect_repaired(self, words, good=None):
+        said = self.expect(0, "repair", "bad.8vo", "-o", "repaired.8vo", "--force").stdout
+        self.assertEqual((self.folder / "repaired.8vo").read_bytes(), good or self.good)
         for word in [*words, "every checksum matches"]:
             self.assertIn(word, said)
 
-    def expect_refused(self, words):
-        self.expect_refusal(4, ["bad.8vo: ", *words], "repair", "bad.8vo", "-o", "x.8vo")
+    def expect_rejected(self, words):
+        self.expect_error(4, ["bad.8vo: ", *words], "repair", "bad.8vo", "-o", "x.8vo")
         self.assertEqual([name for name in self.names() if name.startswith(("x", "."))], [])
 
     def test_flipped_bits_are_turned_back(self):
         places = self.damage(0.0001, 0.15, 0.45, 0.9999)
-        result = self.expect(0, "repair", "bad.8vo", "-o", "mended.8vo", "--json")
+        result = self.expect(0, "repair", "bad.8vo", "-o", "repaired.8vo", "--json")
         self.assertEqual([flip["byte"] for flip in json.loads(result.stdout)["flipped_bits"]],
                          places)
-        self.expect_mended([f"4 flipped bits turned back (byte {places[0]}, "])
+        self.expect_repaired([f"4 flipped bits turned back (byte {places[0]}, "])
 
-    def test_other_damage_is_refused(self):
+    def test_other_damage_is_rejected(self):
         self.damage(0.2, 0.21)
-        self.expect_refused(["brick o-code 0x", "more than one flipped bit", "--salvage"])
+        self.expect_rejected(["brick o-code 0x", "more than one flipped bit", "--salvage"])
         self.write(self.good[:-9])
-        self.expect_refused(["cut short", "cannot mend"])
-        self.expect_refusal(2, ["is sound"], "repair", "good.8vo", "-o", "x.8vo")
-        self.expect_refusal(2, ["is the file to repair"], "repair", "good.8vo", "-o", "good.8vo",
+        self.expect_rejected(["cut short", "cannot restore"])
+        self.expect_error(2, ["is sound"], "repair", "good.8vo", "-o", "x.8vo")
+        self.expect_error(2, ["is the file to repair"], "repair", "good.8vo", "-o", "good.8vo",
                             "--force")
-        self.expect_refusal(3, ["not an 8vo file"], "repair", "v.raw", "-o", "x.8vo")
+        self.expect_error(3, ["not an 8vo file"], "repair", "v.raw", "-o", "x.8vo")
 
     def test_verify_names_what_helps(self):
         for fractions in [(0.15,), (0.15, 0.45)]:
@@ -81,7 +81,7 @@ class Mend(program_faults.InFolder):
             self.assertIn("repair turns flipped bits back", self.advice())
         for fractions in [(0.0001,), (0.9999,)]:
             self.damage(*fractions)
-            self.assertIn("repair mends it, unless what it hides is damaged", self.advice())
+            self.assertIn("repair restores it, unless what it hides is damaged", self.advice())
         # Two bits of one brick.
         self.damage(0.15, 0.45, 0.46)
         self.assertIn("export --salvage writes them", self.advice())
@@ -89,22 +89,22 @@ class Mend(program_faults.InFolder):
 
     def test_a_trailer_is_made_anew_and_bytes_behind_the_end_are_left_out(self):
         self.write(self.good[:-40] + bytes(40))
-        self.assertIn("repair mends it", self.advice())
-        self.expect_mended(["trailer made anew; "])
+        self.assertIn("repair restores it", self.advice())
+        self.expect_repaired(["trailer made anew; "])
         self.write(self.good + bytes(100))
-        self.expect_refusal(4, ["bad.8vo: bytes follow its end", "repair mends it"], "verify",
+        self.expect_error(4, ["bad.8vo: bytes follow its end", "repair restores it"], "verify",
                             "bad.8vo")
-        self.expect_mended(["100 bytes behind its end left out; "])
+        self.expect_repaired(["100 bytes behind its end left out; "])
 
-    def test_damaged_metadata_are_named_and_refused(self):
+    def test_damaged_metadata_are_named_and_rejected(self):
         metadata = bytearray(self.good)
         at = self.good.rindex(b'"source"')
         metadata[at] ^= 5
         self.write(metadata)
         self.assertNotIn("repair", self.advice())
-        self.expect_refused(["metadata at byte ", "repair cannot mend this"])
+        self.expect_rejected(["metadata at byte ", "repair cannot restore this"])
 
-    def test_a_garbled_sector_that_passes_for_a_flipped_bit_is_refused(self):
+    def test_a_garbled_sector_that_passes_for_a_flipped_bit_is_rejected(self):
         numbers = random.Random(8)
         voxels = array.array("h", (numbers.randrange(-32768, 32768) for _ in range(100 * 64 * 8)))
         (self.folder / "v.raw").write_bytes(voxels.tobytes())
@@ -114,9 +114,9 @@ class Mend(program_faults.InFolder):
         damaged[30000] ^= 1
         garble_unseen(damaged, 20480, 20992)
         self.write(damaged)
-        self.expect_refusal(4, ["(one flipped bit, byte 30000)", "export --salvage writes them"],
+        self.expect_error(4, ["(one flipped bit, byte 30000)", "export --salvage writes them"],
                             "verify", "bad.8vo")
-        self.expect_refused(["one flipped bit would explain it, but so would other damage"])
+        self.expect_rejected(["one flipped bit would explain it, but so would other damage"])
 
 
 if __name__ == "__main__":

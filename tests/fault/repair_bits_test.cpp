@@ -1,5 +1,5 @@
-// Flipped bits turned back, or the damage refused and nothing written.
-#include "octavo/file/repair/mend.h"
+// Flipped bits turned back, or the damage rejected and nothing written.
+#include "octavo/file/repair/repair_bits.h"
 
 #include <gtest/gtest.h>
 
@@ -24,12 +24,12 @@ struct Outcome {
   ErrorKind kind = ErrorKind::internal;
 };
 
-Outcome mend(MemoryStorage& storage) {
+Outcome repair(MemoryStorage& storage) {
   Outcome outcome;
   NoProgress progress;
   try {
-    const MendOptions options{.overwrite = true, .for_each = {}};
-    outcome.flip_count = mend_file(storage, "bad.8vo", "out.8vo", options, progress).flips.size();
+    const BitRepairOptions options{.overwrite = true, .for_each = {}};
+    outcome.flip_count = repair_bits(storage, "bad.8vo", "out.8vo", options, progress).flips.size();
   } catch (const Error& error) {
     outcome.failure = error.what();
     outcome.kind = error.kind();
@@ -42,10 +42,10 @@ void put(MemoryStorage& storage, const std::string& name, FileContent bytes) {
 }
 
 // `bad` becomes `good` by turning back `flip_count` bits.
-void expect_mended(const FileContent& bad, const FileContent& good, std::size_t flip_count) {
+void expect_repaired(const FileContent& bad, const FileContent& good, std::size_t flip_count) {
   MemoryStorage storage;
   put(storage, "bad.8vo", bad);
-  const Outcome outcome = mend(storage);
+  const Outcome outcome = repair(storage);
   EXPECT_EQ(outcome.failure, "");
   EXPECT_EQ(outcome.flip_count, flip_count);
   EXPECT_TRUE(*storage.files.at("out.8vo") == good);
@@ -95,7 +95,7 @@ void garble_unseen(FileContent& file, std::uint64_t begin, std::uint64_t end) {
   }
 }
 
-TEST(Mend, AnyFlippedBitIsTurnedBack) {
+TEST(RepairBits, AnyFlippedBitIsTurnedBack) {
   SampleVolume small = make_sample({16, 16, 4}, VoxelType::uint8, Pattern::noisy_half);
   const FileContent files[] = {sample_file_bytes(small), two_tiers()};
   for (const FileContent& good : files) {
@@ -105,7 +105,7 @@ TEST(Mend, AnyFlippedBitIsTurnedBack) {
       bad[bit / 8] ^= static_cast<std::uint8_t>(1 << bit % 8);
       MemoryStorage storage;
       put(storage, "bad.8vo", bad);
-      const Outcome outcome = mend(storage);
+      const Outcome outcome = repair(storage);
       ASSERT_EQ(outcome.failure, "") << "byte " << bit / 8;
       ASSERT_TRUE(*storage.files.at("out.8vo") == good) << "byte " << bit / 8;
       ASSERT_TRUE(*storage.files.at("bad.8vo") == bad);
@@ -114,7 +114,7 @@ TEST(Mend, AnyFlippedBitIsTurnedBack) {
   }
 }
 
-TEST(Mend, AGrowingFileIsRefusedAsSuch) {
+TEST(RepairBits, AGrowingFileIsRejectedAsSuch) {
   const FileContent good = two_tiers();
   HeaderBlock block{};
   std::copy_n(good.begin(), block.size(), block.begin());
@@ -124,7 +124,7 @@ TEST(Mend, AGrowingFileIsRefusedAsSuch) {
     std::copy(block.begin(), block.end(), growing.begin());
     MemoryStorage storage;
     put(storage, "bad.8vo", growing);
-    const Outcome outcome = mend(storage);
+    const Outcome outcome = repair(storage);
     EXPECT_EQ(outcome.kind, ErrorKind::corrupt);
     EXPECT_NE(outcome.failure.find("bad.8vo: not sealed"), std::string::npos) << outcome.failure;
     EXPECT_NE(outcome.failure.find("build it again"), std::string::npos) << outcome.failure;
@@ -132,30 +132,27 @@ TEST(Mend, AGrowingFileIsRefusedAsSuch) {
   }
 }
 
-TEST(Mend, OneFlippedBitInEachOfSeveralPiecesIsTurnedBack) {
+TEST(RepairBits, OneFlippedBitInEachOfSeveralPiecesIsTurnedBack) {
   const FileContent good = two_tiers();
   FileContent bad = good;
   // The header, a segment, the trailer.
   for (const std::size_t byte : {std::size_t{60}, std::size_t{512} + 900, good.size() - 20}) {
     bad[byte] ^= 32;
   }
-  expect_mended(bad, good, 3);
+  expect_repaired(bad, good, 3);
 }
 
-// Of 8-bit voxels that are stored, 512 are mended and no more; of coded bytes 128 KiB.
-TEST(Mend, AFlippedBitIsTurnedBackWhereOtherDamageHardlyPassesForOne) {
+// Of 8-bit voxels that are stored, 512 are repaired and no more; of coded bytes 128 KiB.
+TEST(RepairBits, AFlippedBitIsTurnedBackWhereOtherDamageHardlyPassesForOne) {
   const struct {
     Size3 size;
     VoxelType type;
     bool is_stored;
-    bool is_mended;
+    bool is_repaired;
   } cases[] = {
-      {{16, 16, 2}, VoxelType::uint8, true, true},
-      {{16, 16, 3}, VoxelType::uint8, true, false},
-      {{32, 32, 32}, VoxelType::uint8, true, false},
-      {{16, 16, 3}, VoxelType::uint8, false, true},
-      {{64, 64, 16}, VoxelType::int16, false, true},
-      {{64, 64, 17}, VoxelType::int16, false, false},
+      {{16, 16, 2}, VoxelType::uint8, true, true},   {{16, 16, 3}, VoxelType::uint8, true, false},
+      {{32, 32, 32}, VoxelType::uint8, true, false}, {{16, 16, 3}, VoxelType::uint8, false, true},
+      {{64, 64, 16}, VoxelType::int16, false, true}, {{64, 64, 17}, VoxelType::int16, false, false},
   };
   for (const auto& c : cases) {
     const FileContent good = noise_brick(c.size, c.type, c.is_stored);
@@ -164,11 +161,11 @@ TEST(Mend, AFlippedBitIsTurnedBackWhereOtherDamageHardlyPassesForOne) {
     bad[segment.offset + segment.length / 3] ^= 16;
     MemoryStorage storage;
     put(storage, "bad.8vo", bad);
-    const Outcome outcome = mend(storage);
+    const Outcome outcome = repair(storage);
     SCOPED_TRACE(std::to_string(segment.length) + " bytes: " + outcome.failure);
-    EXPECT_EQ(outcome.flip_count, c.is_mended ? 1u : 0u);
-    EXPECT_EQ(storage.files.size(), c.is_mended ? 2u : 1u);
-    if (c.is_mended) {
+    EXPECT_EQ(outcome.flip_count, c.is_repaired ? 1u : 0u);
+    EXPECT_EQ(storage.files.size(), c.is_repaired ? 2u : 1u);
+    if (c.is_repaired) {
       EXPECT_TRUE(*storage.files.at("out.8vo") == good);
       continue;
     }
@@ -179,7 +176,7 @@ TEST(Mend, AFlippedBitIsTurnedBackWhereOtherDamageHardlyPassesForOne) {
   }
 }
 
-TEST(Mend, AGarbledSectorThatPassesForOneFlippedBitIsRefused) {
+TEST(RepairBits, AGarbledSectorThatPassesForOneFlippedBitIsRejected) {
   constexpr std::uint64_t kSectorBytes = 512;
   const FileContent good = noise_brick({32, 32, 32}, VoxelType::uint8, true);
   const BrickEntry::Segment segment = finest_segment(good);
@@ -192,14 +189,14 @@ TEST(Mend, AGarbledSectorThatPassesForOneFlippedBitIsRefused) {
   const VerifyReport report = verify_file(byte_source_of(bad, "bad.8vo"), {}, progress);
   ASSERT_EQ(report.damage_count, 1);
   EXPECT_EQ(report.damages.front().flipped_byte, segment.offset + 77);
-  EXPECT_EQ(report.mendable_count, 0);
+  EXPECT_EQ(report.repairable_count, 0);
   MemoryStorage storage;
   put(storage, "bad.8vo", bad);
-  EXPECT_EQ(mend(storage).kind, ErrorKind::corrupt);
+  EXPECT_EQ(repair(storage).kind, ErrorKind::corrupt);
   EXPECT_EQ(storage.files.size(), 1u);
 }
 
-TEST(Mend, FlippedBitsBehindOthersAreTurnedBackAsWell) {
+TEST(RepairBits, FlippedBitsBehindOthersAreTurnedBackAsWell) {
   const FileContent good = two_tiers();
   const OpenFile file(byte_source_of(good, "good.8vo"), {});
   const BrickEntry entry = file.entry_at(0, {1, 0, 1});
@@ -209,20 +206,20 @@ TEST(Mend, FlippedBitsBehindOthersAreTurnedBackAsWell) {
   bad[file.root().tiers[0].pages[page].offset + 2] ^= 4;
   bad[file.model_piece(entry.model).offset] ^= 8;
   bad[entry.segments[0].offset + 5] ^= 16;
-  expect_mended(bad, good, 4);
+  expect_repaired(bad, good, 4);
 
-  // What cannot be mended is named, not what hid it.
+  // What cannot be repaired is named, not what hid it.
   bad[entry.segments[0].offset + 6] ^= 16;
   MemoryStorage storage;
   put(storage, "bad.8vo", bad);
-  const Outcome refused = mend(storage);
-  EXPECT_EQ(refused.kind, ErrorKind::corrupt);
-  EXPECT_NE(refused.failure.find("bad.8vo: brick o-code"), std::string::npos) << refused.failure;
-  EXPECT_NE(refused.failure.find("more than one flipped bit"), std::string::npos);
-  EXPECT_EQ(refused.failure.find("(one flipped bit"), std::string::npos) << refused.failure;
+  const Outcome rejected = repair(storage);
+  EXPECT_EQ(rejected.kind, ErrorKind::corrupt);
+  EXPECT_NE(rejected.failure.find("bad.8vo: brick o-code"), std::string::npos) << rejected.failure;
+  EXPECT_NE(rejected.failure.find("more than one flipped bit"), std::string::npos);
+  EXPECT_EQ(rejected.failure.find("(one flipped bit"), std::string::npos) << rejected.failure;
 }
 
-TEST(Mend, MoreFlippedBitsThanVerifyDescribesAreTurnedBack) {
+TEST(RepairBits, MoreFlippedBitsThanVerifyDescribesAreTurnedBack) {
   SampleVolume volume = make_sample({34 * 64, 33 * 64, 1}, VoxelType::uint8, Pattern::noisy_half);
   const FileContent good = sample_file_bytes(volume);
   const OpenFile file(byte_source_of(good, "good.8vo"), {});
@@ -236,14 +233,14 @@ TEST(Mend, MoreFlippedBitsThanVerifyDescribesAreTurnedBack) {
   NoProgress progress;
   const VerifyReport report = verify_file(byte_source_of(bad, "bad.8vo"), {}, progress);
   EXPECT_EQ(report.damages.size(), VerifyOptions().max_listed);
-  EXPECT_EQ(report.mendable_count, static_cast<std::int64_t>(flip_count));
+  EXPECT_EQ(report.repairable_count, static_cast<std::int64_t>(flip_count));
   MemoryStorage storage;
   put(storage, "bad.8vo", bad);
-  EXPECT_EQ(mend(storage).flip_count, flip_count);
+  EXPECT_EQ(repair(storage).flip_count, flip_count);
   EXPECT_TRUE(*storage.files.at("out.8vo") == good);
 }
 
-TEST(Mend, MetadataAreMendedToTextOnly) {
+TEST(RepairBits, MetadataAreRepairedToTextOnly) {
   SampleVolume volume = make_sample({16, 16, 4}, VoxelType::uint8, Pattern::noisy_half);
   volume.description.metadata_json = R"({"text":")" + std::string(700, 'a') + "\u00e4\"}";
   const FileContent good = sample_file_bytes(volume);
@@ -254,16 +251,16 @@ TEST(Mend, MetadataAreMendedToTextOnly) {
   FileContent bad = good;
   bad[metadata.offset + 600] ^= 4;
   put(storage, "bad.8vo", bad);
-  EXPECT_EQ(mend(storage).flip_count, 1u);
+  EXPECT_EQ(repair(storage).flip_count, 1u);
   EXPECT_TRUE(*storage.files.at("out.8vo") == good);
   storage.files.erase("out.8vo");
   garble_unseen(bad, metadata.offset + 20, metadata.offset + 500);
   put(storage, "bad.8vo", bad);
-  EXPECT_EQ(mend(storage).kind, ErrorKind::corrupt);
+  EXPECT_EQ(repair(storage).kind, ErrorKind::corrupt);
   EXPECT_EQ(storage.files.size(), 1u);
 }
 
-TEST(Mend, WorseDamageIsRefusedAndNothingIsWritten) {
+TEST(RepairBits, WorseDamageIsRejectedAndNothingIsWritten) {
   const FileContent good = two_tiers();
   const std::size_t places[] = {100, 700, good.size() / 2, good.size() - 70};
   for (const std::size_t place : places) {
@@ -272,44 +269,44 @@ TEST(Mend, WorseDamageIsRefusedAndNothingIsWritten) {
     MemoryStorage storage;
     put(storage, "bad.8vo", bad);
     put(storage, "out.8vo", {'o', 'l', 'd'});
-    EXPECT_EQ(mend(storage).kind, ErrorKind::corrupt) << place;
+    EXPECT_EQ(repair(storage).kind, ErrorKind::corrupt) << place;
     EXPECT_EQ(storage.files.size(), 2u);
     EXPECT_EQ(*storage.files.at("out.8vo"), (FileContent{'o', 'l', 'd'}));
   }
 }
 
-TEST(Mend, ATrailerIsMadeAnewWhateverItsDamage) {
+TEST(RepairBits, ATrailerIsMadeAnewWhateverItsDamage) {
   const FileContent good = two_tiers();
   FileContent bad = good;
   std::fill(bad.end() - kTrailerBytes, bad.end(), std::uint8_t{0xa5});
   bad[700] ^= 1;
   NoProgress progress;
   EXPECT_THROW(verify_file(byte_source_of(bad, "bad.8vo"), {}, progress), Error);
-  EXPECT_TRUE(opens_mended(byte_source_of(bad, "bad.8vo")));
-  expect_mended(bad, good, 1);
+  EXPECT_TRUE(opens_repaired(byte_source_of(bad, "bad.8vo")));
+  expect_repaired(bad, good, 1);
   // It vouches for nothing: every other damage is found without it.
   MemoryStorage storage;
   bad[701] ^= 1;
   put(storage, "bad.8vo", bad);
-  EXPECT_EQ(mend(storage).kind, ErrorKind::corrupt);
+  EXPECT_EQ(repair(storage).kind, ErrorKind::corrupt);
   EXPECT_EQ(storage.files.size(), 1u);
 }
 
-TEST(Mend, AWholeTrailerOfAnotherFileIsRefused) {
+TEST(RepairBits, AWholeTrailerOfAnotherFileIsRejected) {
   SampleVolume other = make_sample({66, 12, 70}, VoxelType::uint8, Pattern::gradient);
   const FileContent from = sample_file_bytes(other);
   FileContent bad = two_tiers();
   std::copy(from.end() - kTrailerBytes, from.end(), bad.end() - kTrailerBytes);
   MemoryStorage storage;
   put(storage, "bad.8vo", bad);
-  const Outcome outcome = mend(storage);
+  const Outcome outcome = repair(storage);
   EXPECT_NE(outcome.failure.find("trailer does not belong to the header"), std::string::npos)
       << outcome.failure;
-  EXPECT_FALSE(opens_mended(byte_source_of(bad, "bad.8vo")));
+  EXPECT_FALSE(opens_repaired(byte_source_of(bad, "bad.8vo")));
   EXPECT_EQ(storage.files.size(), 1u);
 }
 
-TEST(Mend, BytesBehindTheEndAreLeftOut) {
+TEST(RepairBits, BytesBehindTheEndAreLeftOut) {
   const FileContent good = two_tiers();
   for (const bool has_flips : {false, true}) {
     FileContent bad = good;
@@ -319,7 +316,7 @@ TEST(Mend, BytesBehindTheEndAreLeftOut) {
     MemoryStorage storage;
     put(storage, "bad.8vo", bad);
     NoProgress progress;
-    const MendResult result = mend_file(storage, "bad.8vo", "out.8vo", {}, progress);
+    const BitRepairResult result = repair_bits(storage, "bad.8vo", "out.8vo", {}, progress);
     EXPECT_EQ(result.dropped_bytes, 1000u);
     EXPECT_EQ(result.file_bytes, good.size());
     EXPECT_EQ(result.flips.size(), has_flips ? 2u : 0u);
@@ -328,7 +325,7 @@ TEST(Mend, BytesBehindTheEndAreLeftOut) {
   }
 }
 
-TEST(Mend, WhatIsRefusedIsNamed) {
+TEST(RepairBits, WhatIsRejectedIsNamed) {
   const FileContent good = two_tiers();
   FileContent long_and_damaged = good;
   long_and_damaged.resize(good.size() + 9);
@@ -338,44 +335,44 @@ TEST(Mend, WhatIsRefusedIsNamed) {
   for (const FileContent& bad : {long_and_damaged, bad_root, FileContent(100), FileContent{}}) {
     MemoryStorage storage;
     put(storage, "bad.8vo", bad);
-    const Outcome outcome = mend(storage);
+    const Outcome outcome = repair(storage);
     EXPECT_TRUE(outcome.failure.starts_with("bad.8vo: ")) << outcome.failure;
-    EXPECT_FALSE(opens_mended(byte_source_of(bad, "bad.8vo")));
+    EXPECT_FALSE(opens_repaired(byte_source_of(bad, "bad.8vo")));
   }
 }
 
-TEST(Mend, ACutFileIsRefused) {
+TEST(RepairBits, ACutFileIsRejected) {
   const FileContent good = two_tiers();
-  for (const std::size_t length : {std::size_t{0}, std::size_t{100}, std::size_t{600},
-                                   good.size() / 2, good.size() - 1}) {
+  for (const std::size_t length :
+       {std::size_t{0}, std::size_t{100}, std::size_t{600}, good.size() / 2, good.size() - 1}) {
     MemoryStorage storage;
     put(storage, "bad.8vo", {good.begin(), good.begin() + static_cast<std::ptrdiff_t>(length)});
-    const Outcome outcome = mend(storage);
+    const Outcome outcome = repair(storage);
     EXPECT_TRUE(outcome.kind == ErrorKind::truncated || outcome.kind == ErrorKind::not_octavo)
         << outcome.failure;
     EXPECT_EQ(storage.files.size(), 1u);
   }
 }
 
-TEST(Mend, OfASoundFileNothingIsWritten) {
+TEST(RepairBits, OfASoundFileNothingIsWritten) {
   MemoryStorage storage;
   put(storage, "bad.8vo", two_tiers());
-  const Outcome outcome = mend(storage);
+  const Outcome outcome = repair(storage);
   EXPECT_EQ(outcome.failure, "");
   EXPECT_EQ(outcome.flip_count, 0u);
   EXPECT_EQ(storage.files.size(), 1u);
 }
 
-TEST(Mend, AnExistingFileIsKeptUnlessAskedForAlsoOneThatAppearsMeanwhile) {
+TEST(RepairBits, AnExistingFileIsKeptUnlessAskedForAlsoOneThatAppearsMeanwhile) {
   FileContent bad = two_tiers();
   bad[1000] ^= 1;
-  const auto mend_into = [&](MemoryStorage& storage) {
+  const auto repair_into = [&](MemoryStorage& storage) {
     put(storage, "bad.8vo", bad);
     NoProgress progress;
-    mend_file(storage, "bad.8vo", "out.8vo", {}, progress);
+    repair_bits(storage, "bad.8vo", "out.8vo", {}, progress);
   };
   MemoryStorage empty;
-  mend_into(empty);
+  repair_into(empty);
   EXPECT_EQ(*empty.files.at("out.8vo"), two_tiers());
   for (const bool is_there_before : {true, false}) {
     MemoryStorage storage;
@@ -383,13 +380,13 @@ TEST(Mend, AnExistingFileIsKeptUnlessAskedForAlsoOneThatAppearsMeanwhile) {
     storage.meanwhile = [&](const std::string& what) {
       if (what == "sync") put(storage, "out.8vo", {'o', 'l', 'd'});
     };
-    EXPECT_THROW(mend_into(storage), Error);
+    EXPECT_THROW(repair_into(storage), Error);
     EXPECT_EQ(storage.files.at("out.8vo")->size(), 3u);
     EXPECT_EQ(storage.files.size(), 2u);
   }
 }
 
-TEST(Mend, EveryFailingCallLeavesTheOldFile) {
+TEST(RepairBits, EveryFailingCallLeavesTheOldFile) {
   const FileContent good = two_tiers();
   FileContent bad = good;
   bad[1000] ^= 1;
@@ -398,7 +395,7 @@ TEST(Mend, EveryFailingCallLeavesTheOldFile) {
     storage.fail_at = k;
     put(storage, "bad.8vo", bad);
     put(storage, "out.8vo", {'o', 'l', 'd'});
-    const Outcome outcome = mend(storage);
+    const Outcome outcome = repair(storage);
     ASSERT_EQ(storage.files.size(), 2u) << outcome.failure;
     if (!storage.has_failed) {
       EXPECT_GT(k, 10u);
@@ -411,7 +408,7 @@ TEST(Mend, EveryFailingCallLeavesTheOldFile) {
   }
 }
 
-TEST(Mend, EveryFailingCallLeavesNothingAndNamesTheFileThatWasAskedFor) {
+TEST(RepairBits, EveryFailingCallLeavesNothingAndNamesTheFileThatWasAskedFor) {
   FileContent bad = two_tiers();
   bad[1000] ^= 1;
   for (std::size_t k = 1;; ++k) {
@@ -421,7 +418,7 @@ TEST(Mend, EveryFailingCallLeavesNothingAndNamesTheFileThatWasAskedFor) {
       storage.fail_at = k;
       storage.is_dying = is_dying;
       put(storage, "bad.8vo", bad);
-      const Outcome outcome = mend(storage);
+      const Outcome outcome = repair(storage);
       if (!storage.has_failed) {
         EXPECT_GT(k, 10u);
         return;
@@ -456,7 +453,7 @@ class StoppingProgress final : public Progress {
   bool is_cancelled_ = false;
 };
 
-TEST(Mend, StopsBehindTheNextBlockAndLeavesNothing) {
+TEST(RepairBits, StopsBehindTheNextBlockAndLeavesNothing) {
   SampleVolume volume = make_sample({64 * 30, 64 * 30, 1}, VoxelType::uint8, Pattern::noisy_half);
   FileContent bad = sample_file_bytes(volume);
   bad[1000] ^= 1;
@@ -465,7 +462,7 @@ TEST(Mend, StopsBehindTheNextBlockAndLeavesNothing) {
     put(storage, "bad.8vo", bad);
     StoppingProgress progress(work);
     try {
-      mend_file(storage, "bad.8vo", "out.8vo", {}, progress);
+      repair_bits(storage, "bad.8vo", "out.8vo", {}, progress);
       ADD_FAILURE() << "not stopped while " << work;
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::cancelled);

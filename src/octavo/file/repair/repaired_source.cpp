@@ -1,4 +1,4 @@
-#include "octavo/file/repair/mended_source.h"
+#include "octavo/file/repair/repaired_source.h"
 
 #include <algorithm>
 #include <tuple>
@@ -22,7 +22,8 @@ void turn_round(const BitFlip& flip, std::uint64_t offset, std::span<std::uint8_
 
 // Turns the bit back, if one is needed and will do, in bytes that end in their own checksum.
 // Returns  whether the checksum matches then
-bool mend_block(std::span<std::uint8_t> bytes, std::uint64_t offset, std::vector<BitFlip>& flips) {
+bool repair_block(std::span<std::uint8_t> bytes, std::uint64_t offset,
+                  std::vector<BitFlip>& flips) {
   const std::size_t end = bytes.size() - sizeof(std::uint32_t);
   const std::uint32_t found = crc32c(bytes.first(end));
   const auto stored = load_little_endian<std::uint32_t>(bytes.data() + end);
@@ -53,7 +54,7 @@ bool is_text(ByteSpan bytes) {
   return following == 0;
 }
 
-void mend_root(const ByteSource& source, const Section& section, std::vector<BitFlip>& flips) {
+void repair_root(const ByteSource& source, const Section& section, std::vector<BitFlip>& flips) {
   Bytes bytes(static_cast<std::size_t>(section.length));
   source.read(section.offset, bytes);
   const std::uint32_t found = crc32c(bytes);
@@ -63,7 +64,8 @@ void mend_root(const ByteSource& source, const Section& section, std::vector<Bit
 }
 
 // What the metadata say is proven by nothing else; but they are text.
-void mend_metadata(const ByteSource& source, const Section& section, std::vector<BitFlip>& flips) {
+void repair_metadata(const ByteSource& source, const Section& section,
+                     std::vector<BitFlip>& flips) {
   if (!is_safe_guess(section.length, OtherProof::content)) return;
   Bytes bytes(static_cast<std::size_t>(section.length));
   source.read(section.offset, bytes);
@@ -73,8 +75,8 @@ void mend_metadata(const ByteSource& source, const Section& section, std::vector
   if (is_text(bytes)) flips.push_back({section.offset + flip->byte, flip->bit});
 }
 
-// Refuses the header of a file that was still growing.
-void refuse_growing(const HeaderBlock& block, const std::string& input) {
+// Rejects the header of a file that was still growing.
+void reject_growing(const HeaderBlock& block, const std::string& input) {
   if (encode_header(parse_unsealed_header(block)) != block) return;
   throw Error(ErrorKind::corrupt,
               "not sealed, and without the journal of its build, in which its coarse levels stood: "
@@ -84,71 +86,71 @@ void refuse_growing(const HeaderBlock& block, const std::string& input) {
 
 // A whole trailer that does not belong to the header stays: one of the two is wrong, and nothing
 // says which.
-void mend_trailer(const ByteSource& source, const FileHeader& header, Mendings& mendings) {
+void repair_trailer(const ByteSource& source, const FileHeader& header, Repairs& repairs) {
   TrailerBlock block{};
   const std::uint64_t offset = header.file_bytes - kTrailerBytes;
   source.read(offset, block);
   std::vector<BitFlip> flips;
-  if (mend_block(block, offset, flips)) {
-    add_flips(mendings, flips);
+  if (repair_block(block, offset, flips)) {
+    add_flips(repairs, flips);
   } else {
-    mendings.trailer = encode_trailer({header.file_id, header.file_bytes, header.crc, 0});
+    repairs.trailer = encode_trailer({header.file_id, header.file_bytes, header.crc, 0});
   }
 }
 
-Mendings mendings_of(const ByteSource& source) {
-  Mendings mendings;
-  mendings.size = source.size();
-  if (mendings.size < kHeaderBytes) return mendings;
+Repairs repairs_of(const ByteSource& source) {
+  Repairs repairs;
+  repairs.size = source.size();
+  if (repairs.size < kHeaderBytes) return repairs;
   HeaderBlock block{};
   source.read(0, block);
   std::vector<BitFlip> flips;
-  mend_block(block, 0, flips);
-  refuse_growing(block, source.name());
-  mendings.size = std::min(mendings.size, load_file_bytes(block));
-  const FileHeader header = parse_header(block, mendings.size);
-  mend_metadata(source, header.metadata, flips);
-  mend_root(source, header.root, flips);
-  add_flips(mendings, flips);
-  mend_trailer(source, header, mendings);
-  return mendings;
+  repair_block(block, 0, flips);
+  reject_growing(block, source.name());
+  repairs.size = std::min(repairs.size, load_file_bytes(block));
+  const FileHeader header = parse_header(block, repairs.size);
+  repair_metadata(source, header.metadata, flips);
+  repair_root(source, header.root, flips);
+  add_flips(repairs, flips);
+  repair_trailer(source, header, repairs);
+  return repairs;
 }
 
 }  // namespace
 
-void add_flips(Mendings& mendings, const std::vector<BitFlip>& flips) {
-  mendings.flips.insert(mendings.flips.end(), flips.begin(), flips.end());
-  std::ranges::sort(mendings.flips, comes_before);
+void add_flips(Repairs& repairs, const std::vector<BitFlip>& flips) {
+  repairs.flips.insert(repairs.flips.end(), flips.begin(), flips.end());
+  std::ranges::sort(repairs.flips, comes_before);
   const auto is_same = [](const BitFlip& a, const BitFlip& b) {
     return !comes_before(a, b) && !comes_before(b, a);
   };
-  const auto end = std::unique(mendings.flips.begin(), mendings.flips.end(), is_same);
-  mendings.flips.erase(end, mendings.flips.end());
+  const auto end = std::unique(repairs.flips.begin(), repairs.flips.end(), is_same);
+  repairs.flips.erase(end, repairs.flips.end());
 }
 
-Mendings mend_envelope(const ByteSource& source) {
+Repairs repair_envelope(const ByteSource& source) {
   try {
-    return mendings_of(source);
+    return repairs_of(source);
   } catch (const Error& error) {
     throw error.with_path(source.name());
   }
 }
 
-MendedSource::MendedSource(std::shared_ptr<const ByteSource> inner, Mendings mendings)
-    : inner_(std::move(inner)), mendings_(std::move(mendings)) {}
+RepairedSource::RepairedSource(std::shared_ptr<const ByteSource> inner, Repairs repairs)
+    : inner_(std::move(inner)), repairs_(std::move(repairs)) {}
 
-void MendedSource::read(std::uint64_t offset, std::span<std::uint8_t> out) const {
+void RepairedSource::read(std::uint64_t offset, std::span<std::uint8_t> out) const {
   inner_->read(offset, out);
-  const auto& flips = mendings_.flips;
+  const auto& flips = repairs_.flips;
   auto flip = std::ranges::lower_bound(flips, BitFlip{offset, 0}, comes_before);
   for (; flip != flips.end() && flip->byte - offset < out.size(); ++flip) {
     turn_round(*flip, offset, out);
   }
-  if (!mendings_.trailer) return;
-  const std::uint64_t start = mendings_.size - kTrailerBytes;
+  if (!repairs_.trailer) return;
+  const std::uint64_t start = repairs_.size - kTrailerBytes;
   for (std::uint64_t at = std::max(start, offset); at < offset + out.size(); ++at) {
     out[static_cast<std::size_t>(at - offset)] =
-        (*mendings_.trailer)[static_cast<std::size_t>(at - start)];
+        (*repairs_.trailer)[static_cast<std::size_t>(at - start)];
   }
 }
 
