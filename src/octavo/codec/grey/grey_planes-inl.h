@@ -72,7 +72,7 @@ struct PlaneConstants {
 
 /// Predictions, limits and contexts of a plane.
 template <int kAxis>
-void predict_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
+void prepare_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
                    std::int64_t z) {
   constexpr std::int64_t kAlong = pair_step<std::int16_t>(kAxis);
   constexpr std::int64_t kAcross1 = pair_step<std::int16_t>(kAxis == 0 ? 1 : 0);
@@ -243,7 +243,7 @@ void predict_row(const Stage& stage, Workspace<std::int16_t>& work, std::int64_t
 template <int kAxis>
 void predict_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
                    std::int64_t z) {
-  predict_plane<kAxis>(p, stage, work, z);
+  prepare_plane<kAxis>(p, stage, work, z);
   for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
     const std::uint8_t* const cells = row_cells(stage, y, z);
     if (cells != nullptr) close_cells(stage, cells, work.limits.row(y, z));
@@ -269,7 +269,7 @@ template <int kAxis>
 void decode_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
                   std::int64_t z, SymbolReader& symbols) {
   const int count = static_cast<int>(stage.pairs.x);
-  predict_plane<kAxis>(p, stage, work, z);
+  prepare_plane<kAxis>(p, stage, work, z);
   const auto settle = [&](const std::int16_t* residuals, std::int64_t y) {
     settle_row<kAxis>(stage, work, residuals, y, z);
     fill_margins(work.magnitudes[kAxis].row(y, z), count);
