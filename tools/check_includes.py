@@ -34,7 +34,13 @@ WITHIN = {
     "codec": {
         "entropy": set(),
         "grey": {"entropy", "brick_codec.h", "simd_level.h", "simd_targets.h"},
-        "label": {"entropy", "brick_codec.h", "simd_level.h", "simd_targets.h"},
+        "label": {
+            "entropy",
+            "brick_codec.h",
+            "label_bricks.h",
+            "simd_level.h",
+            "simd_targets.h",
+        },
         ".": {"entropy", "grey", "label"},
     },
     "file": {

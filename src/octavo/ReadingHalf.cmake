@@ -9,6 +9,7 @@ set(OCTAVO_READ_SOURCES
   core/sample_coding.cpp
   core/volume.cpp
   core/voxel_type.cpp
+  octree/label_words.cpp
   octree/o_code.cpp
   codec/codec_of_kind.cpp
   codec/grey/edge_pairs.cpp
@@ -33,6 +34,7 @@ set(OCTAVO_READ_SOURCES
   codec/label/label_stored.cpp
   codec/label/label_walk_dispatch_portable.cpp
   codec/label/label_walk_portable.cpp
+  codec/label/label_word_bricks.cpp
   file/bit_flip.cpp
   file/index.cpp
   file/index_root.cpp

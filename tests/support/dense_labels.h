@@ -1,8 +1,11 @@
 // Label maps as arrays: what label trees are held against.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <random>
+#include <span>
 #include <vector>
 
 #include "octavo/ops/label/label_build.h"
@@ -33,6 +36,28 @@ struct DenseLabels {
     });
   }
 };
+
+/// Boxes and grains of these labels and of 0.
+inline DenseLabels random_labels(const Size3& size, std::span<const std::int32_t> names,
+                                 std::mt19937& random) {
+  DenseLabels labels(size);
+  const auto below = [&](std::int64_t n) {
+    return static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(n));
+  };
+  for (std::size_t i = 0; i < names.size() + 4; ++i) {
+    Box box;
+    for (int axis = 0; axis < 3; ++axis) {
+      box.lo[axis] = below(size[axis]);
+      box.hi[axis] = box.lo[axis] + 1 + below(size[axis] - box.lo[axis]);
+      if (i > 4) box.hi[axis] = std::min(box.hi[axis], box.lo[axis] + 9);
+    }
+    labels.fill(box, random() % 4 == 0 ? 0 : names[random() % names.size()]);
+  }
+  for (std::int64_t grains = below(60); grains > 0; --grains) {
+    labels.at({below(size.x), below(size.y), below(size.z)}) = names[random() % names.size()];
+  }
+  return labels;
+}
 
 inline LabelTree tree_of(const DenseLabels& labels) {
   const Size3& size = labels.size;

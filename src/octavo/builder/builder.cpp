@@ -11,8 +11,8 @@
 #include <new>
 #include <optional>
 #include <span>
-#include <thread>
 
+#include "octavo/builder/build_setup.h"
 #include "octavo/builder/coarse_tiers.h"
 #include "octavo/builder/group_reader.h"
 #include "octavo/builder/metadata_member.h"
@@ -30,19 +30,8 @@ namespace octavo {
 namespace {
 
 constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
-constexpr std::uint64_t kThreadBytes = 24 * kMiB;
 // Training and the file's own buffers.
 constexpr std::uint64_t kFixedBytes = 192 * kMiB;
-
-int thread_count(int wanted) {
-  if (wanted > 0) return wanted;
-  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-}
-
-Levels levels_of(const VolumeDescription& description) {
-  checked_voxel_count(description.size);
-  return {description.size, choose_halvings(description.size, description.geometry.spacing_mm)};
-}
 
 void check_options(const VolumeDescription& description, const BuildOptions& options) {
   if (!std::isfinite(options.max_error) || options.max_error < 0) {
@@ -90,14 +79,6 @@ void return_freed_memory() {
 #ifdef __GLIBC__
   ::malloc_trim(0);
 #endif
-}
-
-void check_memory(std::uint64_t needed_bytes, std::uint64_t limit_bytes) {
-  if (limit_bytes == 0 || needed_bytes <= limit_bytes) return;
-  throw Error(ErrorKind::limit_exceeded,
-              "the build needs about " + std::to_string((needed_bytes + kMiB - 1) / kMiB) +
-                  " MiB of memory; the limit is " + std::to_string(limit_bytes / kMiB) +
-                  " MiB; raise the limit or use fewer threads");
 }
 
 // How the bricks are made, as far as the header does not say it.
@@ -236,11 +217,6 @@ class Build {
   bool is_other_ = false;  ///< than the interrupted build that it was to continue
 };
 
-Error out_of_memory(const std::string& path) {
-  return {ErrorKind::out_of_memory,
-          "out of memory while building; use fewer threads (about 24 MiB each)", path};
-}
-
 // The failure, and how to go on where something is kept.
 Error with_kept(const Error& error, std::int64_t planes, std::int64_t count,
                 const std::string& path) {
@@ -263,11 +239,11 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
   description.coding.reset();
   const Levels levels = levels_of(description);
   BuildResult result;
-  result.threads = thread_count(options.threads);
+  result.threads = build_threads(options.threads);
   result.raw_bytes =
       checked_mul(static_cast<std::uint64_t>(description.size.voxel_count()),
                   static_cast<std::uint64_t>(bytes_per_voxel(description.type)), "the volume");
-  check_memory(build_memory_bytes(description, result.threads, options.max_error) +
+  check_build_memory(build_memory_bytes(description, result.threads, options.max_error) +
                    source.resident_bytes(),
                options.max_memory_bytes);
 
@@ -315,7 +291,7 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
     work.encode_tiers(std::move(parents));
     result.file_bytes = work.finish();
   } catch (const std::bad_alloc&) {
-    throw with_kept(out_of_memory(path), work.kept_planes(), description.size.z, path);
+    throw with_kept(out_of_build_memory(path), work.kept_planes(), description.size.z, path);
   } catch (const Error& error) {
     throw with_kept(error, work.kept_planes(), description.size.z, path);
   }
@@ -332,7 +308,7 @@ BuildResult build_file(PlaneSource& source, Storage& storage, const std::string&
   try {
     return build(source, storage, path, options, progress);
   } catch (const std::bad_alloc&) {
-    throw out_of_memory(path);
+    throw out_of_build_memory(path);
   } catch (const Error& error) {
     if (error.kind() == ErrorKind::internal) throw error.with_path(path);
     throw;
@@ -348,7 +324,7 @@ std::uint64_t build_memory_bytes(const VolumeDescription& description, int threa
   // float32: the planes read for the coding; with a max error the voxels beside their codes.
   const std::uint64_t count = is_integer(description.type) ? 2 : max_error > 0 ? 5 : 3;
   const std::uint64_t groups = checked_mul(count * planes, plane_bytes, "the memory of groups");
-  const auto workers = static_cast<std::uint64_t>(thread_count(threads)) * kThreadBytes;
+  const auto workers = static_cast<std::uint64_t>(build_threads(threads)) * kThreadBytes;
   return checked_add(groups, workers + kFixedBytes, "the memory of a build");
 }
 

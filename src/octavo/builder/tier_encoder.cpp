@@ -109,12 +109,12 @@ std::string name_of(int tier, const Index3& brick) {
          std::to_string(brick.z) + ") of tier " + std::to_string(tier);
 }
 
-[[noreturn]] void fail_brick(int tier, const Index3& brick, const std::string& why) {
+}  // namespace
+
+void fail_brick(int tier, const Index3& brick, const std::string& why) {
   throw Error(ErrorKind::internal, name_of(tier, brick) + " does not decode to its voxels" + why +
                                        "; please report it with the source");
 }
-
-}  // namespace
 
 Model make_model(std::unique_ptr<BrickCodec> codec, VoxelType type) {
   Model model;

@@ -15,6 +15,7 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -42,6 +43,10 @@ struct ErrorBound {
   std::optional<SampleCoding> coding;  ///< that turns integers into those float voxels
   double proposal = 0;                 ///< real units, for when float32 cannot keep the bound
 };
+
+/// Throws Error{internal} that names a brick which does not decode to its voxels.
+/// why  the end of the fact: " (a segment is too short)", or nothing
+[[noreturn]] void fail_brick(int tier, const Index3& brick, const std::string& why);
 
 class TierEncoder {
  public:

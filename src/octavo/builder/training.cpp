@@ -1,6 +1,7 @@
 #include "octavo/builder/training.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace octavo {
 
@@ -15,32 +16,44 @@ std::vector<TrainingBrick> candidates_of(const Levels& levels, int tier, const V
   return candidates;
 }
 
-/// Leaves out the thin bricks of the border, which are not typical, as long as enough others
-/// remain.
-void drop_slivers(std::vector<TrainingBrick>& candidates, const Size3& full) {
-  const auto is_sliver = [&](const TrainingBrick& brick) {
-    return 2 * brick.view.size.voxel_count() < full.voxel_count();
+}  // namespace
+
+std::vector<std::size_t> training_choice(std::span<const std::int64_t> voxel_counts,
+                                         std::int64_t full_voxel_count) {
+  std::vector<std::size_t> candidates(voxel_counts.size());
+  std::iota(candidates.begin(), candidates.end(), std::size_t{0});
+  if (candidates.size() <= kTrainingBricks) return candidates;
+
+  // The thin bricks of the border are not typical.
+  const auto is_sliver = [&](std::size_t brick) {
+    return 2 * voxel_counts[brick] < full_voxel_count;
   };
   const auto slivers =
       static_cast<std::size_t>(std::count_if(candidates.begin(), candidates.end(), is_sliver));
   if (candidates.size() - slivers >= kTrainingBricks) std::erase_if(candidates, is_sliver);
-}
+  if (candidates.size() <= kTrainingBricks) return candidates;
 
-}  // namespace
+  // One brick out of each of 32 equal parts, at multiples of the golden ratio inside it: out of
+  // step with the rows of the brick grid.
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < kTrainingBricks; ++i) {
+    const std::uint64_t inside = i * 2654435769u & 0xffffffffu;
+    chosen.push_back(candidates[((i << 32) + inside) * candidates.size() / kTrainingBricks >> 32]);
+  }
+  return chosen;
+}
 
 std::unique_ptr<BrickCodec> train_on(const Levels& levels, int tier, const VoxelBlock& block,
                                      VolumeKind kind, const CodecSettings& settings) {
-  std::vector<TrainingBrick> candidates = candidates_of(levels, tier, block);
-  if (candidates.size() > kTrainingBricks) drop_slivers(candidates, levels.brick_side(tier));
-  if (candidates.size() <= kTrainingBricks) {
-    return train_model(kind, block.type, candidates, settings);
+  const std::vector<TrainingBrick> candidates = candidates_of(levels, tier, block);
+  std::vector<std::int64_t> voxel_counts;
+  for (const TrainingBrick& brick : candidates) {
+    voxel_counts.push_back(brick.view.size.voxel_count());
   }
   std::vector<TrainingBrick> chosen;
-  for (std::size_t i = 0; i < kTrainingBricks; ++i) {
-    // One brick out of each of 32 equal parts, at multiples of the golden ratio inside it: out of
-    // step with the rows of the brick grid.
-    const std::uint64_t inside = i * 2654435769u & 0xffffffffu;
-    chosen.push_back(candidates[((i << 32) + inside) * candidates.size() / kTrainingBricks >> 32]);
+  for (const std::size_t i :
+       training_choice(voxel_counts, levels.brick_side(tier).voxel_count())) {
+    chosen.push_back(candidates[i]);
   }
   return train_model(kind, block.type, chosen, settings);
 }

@@ -1,7 +1,11 @@
 // Which bricks of a group a model is trained on.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "octavo/builder/voxel_block.h"
 
@@ -9,9 +13,14 @@ namespace octavo {
 
 inline constexpr std::size_t kTrainingBricks = 32;
 
-/// Trains a model for the bricks of a block on at most 32 of them, spread evenly in file order:
-/// those that are not uniform and, while enough others remain, not slivers at the border.
-/// Depends on the voxels alone.
+/// Which of the bricks that are not uniform a model is trained on, by their places among these: at
+/// most 32, spread evenly and, while enough others remain, no slivers at the border.
+/// voxel_counts       of the bricks, in file order
+/// full_voxel_count   of a brick that no border cuts off
+std::vector<std::size_t> training_choice(std::span<const std::int64_t> voxel_counts,
+                                         std::int64_t full_voxel_count);
+
+/// Trains a model for the bricks of a block on a choice of them. Depends on the voxels alone.
 std::unique_ptr<BrickCodec> train_on(const Levels& levels, int tier, const VoxelBlock& block,
                                      VolumeKind kind, const CodecSettings& settings);
 

@@ -42,6 +42,19 @@ __attribute__((target("sse4.2"))) std::uint32_t crc32c_sse42(std::span<const std
 }
 #endif
 
+// The product of two polynomials modulo that of the checksum; the highest bit is that of x^0.
+constexpr std::uint32_t multiplied(std::uint32_t a, std::uint32_t b) noexcept {
+  std::uint32_t product = 0;
+  for (std::uint32_t bit = std::uint32_t{1} << 31; bit != 0; bit >>= 1) {
+    if ((a & bit) != 0) product ^= b;
+    b = b >> 1 ^ (b & 1 ? kReversedPolynomial : 0u);
+  }
+  return product;
+}
+
+constexpr std::uint32_t kOne = std::uint32_t{1} << 31;  // x^0
+constexpr std::uint32_t kByteShift = kOne >> 8;         // x^8
+
 }  // namespace
 
 std::uint32_t crc32c_portable(std::span<const std::uint8_t> bytes, std::uint32_t crc) noexcept {
@@ -56,6 +69,20 @@ std::uint32_t crc32c(std::span<const std::uint8_t> bytes, std::uint32_t crc) noe
   if (has_instruction) return crc32c_sse42(bytes, crc);
 #endif
   return crc32c_portable(bytes, crc);
+}
+
+std::uint32_t crc32c_shift(std::uint64_t byte_count) noexcept {
+  std::uint32_t shift = kOne;
+  for (std::uint32_t power = kByteShift; byte_count != 0; byte_count >>= 1) {
+    if ((byte_count & 1) != 0) shift = multiplied(shift, power);
+    power = multiplied(power, power);
+  }
+  return shift;
+}
+
+std::uint32_t crc32c_joined(std::uint32_t first, std::uint32_t second,
+                            std::uint32_t shift) noexcept {
+  return multiplied(shift, first) ^ second;
 }
 
 }  // namespace octavo

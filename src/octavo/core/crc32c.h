@@ -14,6 +14,16 @@ std::uint32_t crc32c(std::span<const std::uint8_t> bytes, std::uint32_t crc = 0)
 /// The same by table, on every machine.
 std::uint32_t crc32c_portable(std::span<const std::uint8_t> bytes, std::uint32_t crc = 0) noexcept;
 
+/// The factor that moves a checksum across so many bytes behind it, for crc32c_joined.
+/// O(log count)
+std::uint32_t crc32c_shift(std::uint64_t byte_count) noexcept;
+
+/// The checksum of bytes followed by others, from the checksums of both.
+/// shift   crc32c_shift of the length of the second
+/// Source  x^(8 * length) modulo the polynomial, as in zlib's crc32_combine
+std::uint32_t crc32c_joined(std::uint32_t first, std::uint32_t second,
+                            std::uint32_t shift) noexcept;
+
 /// Whether the checksum of some bytes is the one stored with them. Fuzz builds (OCTAVO_FUZZING)
 /// take every checksum for right, so that mutants reach what lies behind.
 inline bool checksum_matches([[maybe_unused]] std::uint32_t found,

@@ -207,13 +207,21 @@ LinearOctree to_linear_octree(const MaskTree& tree, std::int64_t value) {
   return octree;
 }
 
-void fill_voxels(const MaskTree& tree, const Box& box, std::uint8_t* voxels) {
-  std::fill_n(voxels, box.size().voxel_count(), std::uint8_t{0});
+template <class T>
+void fill_voxels(const MaskTree& tree, const Box& box, T* voxels) {
+  std::fill_n(voxels, box.size().voxel_count(), T{0});
   visit_items(tree, box, [&](int rank, std::uint64_t place, const Index3& corner) {
     const std::uint64_t full = rank < 0 ? tree.words()[place] : tree.cubes(rank)[place].full;
-    fill_children(full, rank, corner, box, std::uint8_t{1}, voxels);
+    fill_children(full, rank, corner, box, T{1}, voxels);
   });
 }
+
+template void fill_voxels(const MaskTree&, const Box&, std::int8_t*);
+template void fill_voxels(const MaskTree&, const Box&, std::uint8_t*);
+template void fill_voxels(const MaskTree&, const Box&, std::int16_t*);
+template void fill_voxels(const MaskTree&, const Box&, std::uint16_t*);
+template void fill_voxels(const MaskTree&, const Box&, std::int32_t*);
+template void fill_voxels(const MaskTree&, const Box&, std::uint32_t*);
 
 MaskTree box_mask(const Size3& size, const Box& box) {
   checked_voxel_count(size);

@@ -157,8 +157,10 @@ void fill_children(std::uint64_t bits, int rank, const Index3& corner, const Box
                    T* voxels);
 
 /// Writes 1 or 0 for every voxel of `box` to `voxels`, [z][y][x] without gaps. Thread-safe.
+/// T  an integer voxel type
 /// Requires a box inside the volume
-void fill_voxels(const MaskTree& tree, const Box& box, std::uint8_t* voxels);
+template <class T>
+void fill_voxels(const MaskTree& tree, const Box& box, T* voxels);
 
 /// The tree of all voxels of a box in a volume of `size`; the box is clipped to the volume.
 MaskTree box_mask(const Size3& size, const Box& box);

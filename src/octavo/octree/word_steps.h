@@ -9,6 +9,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "octavo/core/box.h"
+
 namespace octavo {
 
 /// Where bits 0 and 1 of x, y and z stand in the number of a bit.
@@ -39,6 +41,18 @@ constexpr std::array<int, 3> kWhole = {18, 9, 36};   // from 0 to 3
 /// The bits with coordinate `at` (0..3) on `axis`.
 constexpr std::uint64_t slab_of(int axis, int at) noexcept {
   return word_detail::kSlabs[static_cast<std::size_t>(axis)][static_cast<std::size_t>(at)];
+}
+
+/// The bits of the voxels of a word that lie less than `size` from its corner; 0 where an axis has
+/// none.
+constexpr std::uint64_t bits_within(const Size3& size) noexcept {
+  std::uint64_t bits = ~std::uint64_t{0};
+  for (int axis = 0; axis < 3; ++axis) {
+    std::uint64_t slabs = 0;
+    for (int at = 0; at < 4 && at < size[axis]; ++at) slabs |= slab_of(axis, at);
+    bits &= slabs;
+  }
+  return bits;
 }
 
 /// Every bit one step up an axis; those at 3 fall out.

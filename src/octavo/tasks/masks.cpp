@@ -6,12 +6,12 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "octavo/builder/tree_builder.h"
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/ops/grid/resample.h"
 #include "octavo/ops/mask/file_mask.h"
-#include "octavo/planes/computed_source.h"
 #include "octavo/tasks/geometry_words.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/volume_facts.h"
@@ -102,15 +102,32 @@ BuildResult write_labels(PlaneSource& source, const Output& output, const std::s
   return build_file(source, local_storage(), output.path, options, context.watcher());
 }
 
+namespace {
+
+TreeBuildOptions tree_build_options_for(const TaskContext& context, const Output& output,
+                                        const std::string& work) {
+  return {.overwrite = output.overwrite,
+          .interrupted = output.overwrite ? Interrupted::discard : Interrupted::refuse,
+          .threads = context.threads,
+          .max_memory_bytes = context.max_memory_bytes,
+          .progress_name = work};
+}
+
+}  // namespace
+
+BuildResult write_label_tree(const LabelTree& labels, const VolumeDescription& description,
+                             const Output& output, const std::string& work,
+                             const TaskContext& context) {
+  return build_label_file({labels, description}, local_storage(), output.path,
+                          tree_build_options_for(context, output, work), context.watcher());
+}
+
 BuildResult write_mask(const MaskTree& mask, const VolumeDescription& volume,
                        const nlohmann::ordered_json& made_by, const Output& output,
                        const std::string& work, const TaskContext& context) {
-  const auto source = make_computed_source(
-      label_description(volume, VoxelType::uint8, made_by),
-      [&](const Box& box, std::byte* voxels) {
-        fill_voxels(mask, box, reinterpret_cast<std::uint8_t*>(voxels));
-      });
-  return write_labels(*source, output, work, context);
+  const VolumeDescription description = label_description(volume, VoxelType::uint8, made_by);
+  return build_mask_file({mask, description}, local_storage(), output.path,
+                         tree_build_options_for(context, output, work), context.watcher());
 }
 
 void require_same_grid(const VolumeDescription& volume, const std::string& name,

@@ -8,6 +8,7 @@
 
 #include "octavo/builder/builder.h"
 #include "octavo/file/reader.h"
+#include "octavo/octree/label_tree.h"
 #include "octavo/octree/mask_tree.h"
 #include "octavo/ops/mask/mask_build.h"
 #include "octavo/tasks/outputs.h"
@@ -49,6 +50,13 @@ MaskTree read_mask(const FileReader& reader, int level, std::span<const ValueWin
 /// made_by  what the metadata say of its origin
 VolumeDescription label_description(const VolumeDescription& volume, VoxelType type,
                                     const nlohmann::ordered_json& made_by);
+
+/// Writes a label map.
+/// description  of it, as label_description gives it
+/// work         names the progress
+BuildResult write_label_tree(const LabelTree& labels, const VolumeDescription& description,
+                             const Output& output, const std::string& work,
+                             const TaskContext& context);
 
 /// Writes a mask as a label map: 1 inside, 0 outside.
 /// work  names the progress

@@ -35,23 +35,7 @@ DenseLabels random_labels(const Size3& size, std::size_t label_count, std::mt199
                                                     std::numeric_limits<std::int32_t>::max()};
     names.push_back(i < kEdges.size() ? kEdges[i] : static_cast<std::int32_t>(random() % 100000));
   }
-  DenseLabels labels(size);
-  const auto below = [&](std::int64_t n) {
-    return static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(n));
-  };
-  for (std::size_t i = 0; i < label_count + 4; ++i) {
-    Box box;
-    for (int axis = 0; axis < 3; ++axis) {
-      box.lo[axis] = below(size[axis]);
-      box.hi[axis] = box.lo[axis] + 1 + below(size[axis] - box.lo[axis]);
-      if (i > 4) box.hi[axis] = std::min(box.hi[axis], box.lo[axis] + 9);
-    }
-    labels.fill(box, random() % 4 == 0 ? 0 : names[random() % names.size()]);
-  }
-  for (std::int64_t grains = below(60); grains > 0; --grains) {
-    labels.at({below(size.x), below(size.y), below(size.z)}) = names[random() % names.size()];
-  }
-  return labels;
+  return testing::random_labels(size, names, random);
 }
 
 /// Volumes that try the format: many sizes and numbers of labels, and every kind of word.

@@ -1,12 +1,13 @@
 // The codec of label bricks: a LabelModel at work.
 #pragma once
 
-#include "octavo/codec/brick_codec.h"
 #include "octavo/codec/label/label_model.h"
+#include "octavo/codec/label/label_pyramid.h"
+#include "octavo/codec/label_bricks.h"
 
 namespace octavo {
 
-class LabelCodec final : public BrickCodec {
+class LabelCodec final : public LabelBrickCodec {
  public:
   LabelCodec(VoxelType type, LabelModel model) : type_(type), model_(std::move(model)) {}
 
@@ -15,8 +16,16 @@ class LabelCodec final : public BrickCodec {
   EncodedBrick encode(const BrickShape& shape, const BrickView& brick) const override;
   void decode(const BrickShape& shape, VoxelType type, const ValueRange& range,
               std::span<const ByteSpan> segments, int level, void* out) const override;
+  EncodedBrick encode_words(const BrickShape& shape, const LabelWords& words) const override;
+  void decode_words(const BrickShape& shape, const ValueRange& range,
+                    std::span<const ByteSpan> segments, LabelWords& words) const override;
 
  private:
+  /// complete  fills in what the pyramid lacks of level 0
+  template <class Complete>
+  EncodedBrick encode_pyramid(const BrickShape& shape, LabelPyramid& pyramid,
+                              Complete complete) const;
+
   VoxelType type_;
   LabelModel model_;
 };

@@ -6,6 +6,7 @@
 #include "octavo/codec/label/label_pyramid.h"
 #include "octavo/codec/label/label_stored.h"
 #include "octavo/codec/label/label_walk.h"
+#include "octavo/codec/label/label_word_bricks.h"
 
 namespace octavo {
 
@@ -112,6 +113,21 @@ void LabelCodec::decode(const BrickShape& shape, VoxelType type, const ValueRang
   with_voxel_type(type, [&](auto t) {
     write_labels<typename decltype(t)::type>(work.grid, work.labels, out);
   });
+}
+
+void LabelCodec::decode_words(const BrickShape& shape, const ValueRange& range,
+                              std::span<const ByteSpan> segments, LabelWords& words) const {
+  check(shape, type_, range, segments, 0);
+  const Size3& size = shape.size[0];
+  if (range.min == range.max) {
+    fill_words(size, range.min, words);
+  } else if (is_stored(shape, segments)) {
+    words_of_voxels(size, decode_stored_labels(segments[0], range, size.voxel_count()), words);
+  } else {
+    LabelWork& work = thread_label_work();
+    label_walk_functions().decode(model_, shape, range, segments, 0, work);
+    words_of_cells(shape, work, words);
+  }
 }
 
 std::unique_ptr<BrickCodec> parse_label_model(VoxelType type, ByteSpan bytes) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <utility>
 
 #include "octavo/codec/label/label_octant.h"
 
@@ -141,8 +142,10 @@ bool is_block_uniform(const LabelPyramid::Level& fine, std::size_t at) {
   return differs == 0 && all != 0;
 }
 
-LabelPyramid::Level condensed(const LabelPyramid::Level& fine, HalvingMask mask) {
-  LabelPyramid::Level coarse;
+}  // namespace
+
+void condense_labels(const LabelPyramid::Level& fine, HalvingMask mask,
+                     LabelPyramid::Level& coarse) {
   coarse.size = halved(fine.size, mask);
   const auto count = static_cast<std::size_t>(coarse.size.voxel_count());
   coarse.rank.resize(count);
@@ -164,10 +167,7 @@ LabelPyramid::Level condensed(const LabelPyramid::Level& fine, HalvingMask mask)
       }
     }
   }
-  return coarse;
 }
-
-}  // namespace
 
 LabelPyramid build_label_pyramid(const BrickShape& shape, const BrickView& brick) {
   check(shape, brick);
@@ -184,8 +184,9 @@ LabelPyramid build_label_pyramid(const BrickShape& shape, const BrickView& brick
   });
   rank_labels(set, pyramid);
   for (int i = 0; i < shape.level_count; ++i) {
-    pyramid.levels.push_back(
-        condensed(pyramid.levels.back(), shape.halving[static_cast<std::size_t>(i)]));
+    LabelPyramid::Level coarse;
+    condense_labels(pyramid.levels.back(), shape.halving[static_cast<std::size_t>(i)], coarse);
+    pyramid.levels.push_back(std::move(coarse));
   }
   return pyramid;
 }

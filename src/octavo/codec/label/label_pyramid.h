@@ -43,6 +43,10 @@ struct LabelPyramid {
   const Level& root() const { return levels.back(); }
 };
 
+/// Makes `coarse` the level above `fine`.
+void condense_labels(const LabelPyramid::Level& fine, HalvingMask mask,
+                     LabelPyramid::Level& coarse);
+
 /// The pyramid over one brick.
 /// Throws   Error{invalid_argument} for float32 voxels, a view whose size is not that of the shape,
 ///          or a shape whose levels do not end in a single sample

@@ -162,23 +162,12 @@ LabelArrays folded(const BrickView& block, const LabelChoice& choice, LabelFold&
   });
 }
 
-// The voxels of a word, of which `size` lie in the block.
-std::uint64_t bits_inside(const Size3& size) {
-  std::uint64_t bits = kFullWord;
-  for (int axis = 0; axis < 3; ++axis) {
-    std::uint64_t slabs = 0;
-    for (int at = 0; at < 4 && at < size[axis]; ++at) slabs |= slab_of(axis, at);
-    bits &= slabs;
-  }
-  return bits;
-}
-
 // Folds a block of one label that is not 0.
 LabelArrays folded(std::int64_t label, const Size3& size, LabelFold& fold) {
   for (std::uint64_t word = 0; word < kCubeWords; ++word) {
     const Index3 at = deinterleave(word);
     const std::uint64_t bits =
-        bits_inside({size.x - 4 * at.x, size.y - 4 * at.y, size.z - 4 * at.z});
+        bits_within({size.x - 4 * at.x, size.y - 4 * at.y, size.z - 4 * at.z});
     if (bits == 0 || bits == kFullWord) {
       fold.add_uniform(bits == 0 ? 0 : label);
     } else {

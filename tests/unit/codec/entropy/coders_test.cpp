@@ -40,6 +40,17 @@ TEST(Crc32c, ContinuesWhereItStopped) {
   EXPECT_EQ(crc32c(all.subspan(333), crc32c(all.first(333))), crc32c(all));
 }
 
+TEST(Crc32c, OfTwoPartsIsJoinedFromBoth) {
+  const auto bytes = random_bytes(70000, 5);
+  const auto all = std::span<const std::uint8_t>(bytes);
+  for (const std::size_t cut : {std::size_t{0}, std::size_t{1}, std::size_t{333},
+                                std::size_t{69999}, bytes.size()}) {
+    const auto end = all.subspan(cut);
+    EXPECT_EQ(crc32c_joined(crc32c(all.first(cut)), crc32c(end), crc32c_shift(end.size())),
+              crc32c(all));
+  }
+}
+
 TEST(BinaryCoder, DecisionsComeBackAndAllBytesAreConsumed) {
   for (std::uint32_t seed = 0; seed < 200; ++seed) {
     std::mt19937 random(seed);

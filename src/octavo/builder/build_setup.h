@@ -1,0 +1,28 @@
+// What every build begins with: threads, levels, memory, and how a lack of it is worded.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "octavo/core/error.h"
+#include "octavo/core/levels.h"
+#include "octavo/core/volume.h"
+
+namespace octavo {
+
+/// What a thread needs while it encodes and trains.
+inline constexpr std::uint64_t kThreadBytes = std::uint64_t{24} << 20;
+
+/// `wanted`, or for 0 all cores.
+int build_threads(int wanted);
+
+/// The levels of a volume. Throws Error{limit_exceeded} on a bad size.
+Levels levels_of(const VolumeDescription& description);
+
+/// Throws Error{limit_exceeded} where a build needs more than a limit that is not 0.
+void check_build_memory(std::uint64_t needed_bytes, std::uint64_t limit_bytes);
+
+/// Error{out_of_memory} of a build of `path`.
+Error out_of_build_memory(const std::string& path);
+
+}  // namespace octavo

@@ -1,0 +1,329 @@
+#include "octavo/codec/label/label_word_bricks.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstring>
+#include <span>
+
+#include "octavo/codec/label/label_octant.h"
+#include "octavo/octree/word_steps.h"
+
+namespace octavo {
+
+namespace {
+
+struct Place {
+  std::uint8_t x, y, z;
+};
+
+// The 64 children of a cube, and the voxels of a word, by bit.
+constexpr std::array<Place, 64> kPlaces = [] {
+  std::array<Place, 64> places{};
+  for (std::size_t bit = 0; bit < 64; ++bit) {
+    places[bit] = {static_cast<std::uint8_t>((bit >> 1 & 1) + 2 * (bit >> 4 & 1)),
+                   static_cast<std::uint8_t>((bit & 1) + 2 * (bit >> 3 & 1)),
+                   static_cast<std::uint8_t>((bit >> 2 & 1) + 2 * (bit >> 5 & 1))};
+  }
+  return places;
+}();
+
+// Where a word stands among the words of its brick.
+Index3 place_of_word(std::size_t word) {
+  const Place& cube = kPlaces[word >> 6];
+  const Place& own = kPlaces[word & 63];
+  return {4 * cube.x + own.x, 4 * cube.y + own.y, 4 * cube.z + own.z};
+}
+
+Index3 scaled(const Index3& place, std::int64_t factor) {
+  return {factor * place.x, factor * place.y, factor * place.z};
+}
+
+// Where the children of an octant stand in a dense array, from the first one.
+std::array<std::ptrdiff_t, 8> child_steps(std::ptrdiff_t row, std::ptrdiff_t plane) {
+  std::array<std::ptrdiff_t, 8> steps{};
+  for (std::size_t digit = 0; digit < 8; ++digit) {
+    const Index3 at = child_position(kHalveAll, {0, 0, 0}, static_cast<int>(digit));
+    steps[digit] = at.z * plane + at.y * row + at.x;
+  }
+  return steps;
+}
+
+constexpr unsigned byte_at(std::uint64_t word, std::size_t octant) {
+  return static_cast<unsigned>(word >> 8 * octant & 0xff);
+}
+
+// ---- from words to a pyramid
+
+// The first three levels of a pyramid, word by word: octants vote by their counts of bits.
+class WordVotes {
+ public:
+  explicit WordVotes(LabelPyramid& pyramid)
+      : voxels_(pyramid.levels[0]), octants_(pyramid.levels[1]), words_(pyramid.levels[2]) {}
+
+  void take(const Index3& place, std::span<const LabelWordPart> parts) {
+    if (parts.empty()) return;
+    const std::ptrdiff_t at = words_.at(place);
+    words_.rank[at] = parts.size() == 1 ? parts[0].label : winner_of_octants(place, parts);
+    words_.is_uniform[at] = parts.size() == 1;
+  }
+
+ private:
+  // A level by its arrays.
+  struct Samples {
+    explicit Samples(LabelPyramid::Level& level)
+        : rank(level.rank.data()),
+          is_uniform(level.is_uniform.data()),
+          row(level.size.x),
+          plane(level.size.x * level.size.y),
+          steps(child_steps(row, plane)) {}
+
+    std::ptrdiff_t at(const Index3& p) const { return p.z * plane + p.y * row + p.x; }
+
+    std::uint32_t* rank;
+    std::uint8_t* is_uniform;
+    std::ptrdiff_t row;
+    std::ptrdiff_t plane;
+    std::array<std::ptrdiff_t, 8> steps;
+  };
+
+  // Fills in the octants of a word of several labels, and the voxels of those that have several.
+  // Returns the label that most octants have, the smallest of those.
+  std::uint32_t winner_of_octants(const Index3& place, std::span<const LabelWordPart> parts) {
+    const std::ptrdiff_t octant_at = octants_.at(scaled(place, 2));
+    const std::ptrdiff_t voxel_at = voxels_.at(scaled(place, 4));
+    std::array<int, 64> votes{};
+    for (std::size_t octant = 0; octant < 8; ++octant) {
+      std::size_t winner = 0;
+      int most = 0;
+      int label_count = 0;
+      for (std::size_t i = 0; i < parts.size(); ++i) {
+        const int count = std::popcount(byte_at(parts[i].bits, octant));
+        label_count += count != 0;
+        if (count <= most) continue;
+        most = count;
+        winner = i;
+      }
+      if (most == 0) continue;  // outside the brick
+      const std::ptrdiff_t at = octant_at + octants_.steps[octant];
+      octants_.rank[at] = parts[winner].label;
+      octants_.is_uniform[at] = label_count == 1;
+      ++votes[winner];
+      if (label_count > 1) fill_voxels(voxel_at + 2 * voxels_.steps[octant], octant, parts);
+    }
+    const auto best = std::max_element(votes.begin(), votes.end());
+    return parts[static_cast<std::size_t>(best - votes.begin())].label;
+  }
+
+  void fill_voxels(std::ptrdiff_t at, std::size_t octant, std::span<const LabelWordPart> parts) {
+    for (const LabelWordPart& part : parts) {
+      for (unsigned left = byte_at(part.bits, octant); left != 0; left &= left - 1) {
+        const auto digit = static_cast<std::size_t>(std::countr_zero(left));
+        voxels_.rank[at + voxels_.steps[digit]] = part.label;
+      }
+    }
+  }
+
+  Samples voxels_;
+  Samples octants_;
+  Samples words_;
+};
+
+void make_level(const Size3& size, LabelPyramid::Level& level) {
+  const auto count = static_cast<std::size_t>(size.voxel_count());
+  level.size = size;
+  level.rank.resize(count);
+  level.is_uniform.resize(count);
+}
+
+// ---- from cells to words
+
+// Collects the voxels of a word by their labels.
+class WordParts {
+ public:
+  void clear() { count_ = 0; }
+
+  void add(std::uint32_t label, std::uint64_t bits) {
+    for (std::size_t i = count_; i-- > 0;) {
+      if (parts_[i].label == label) {
+        parts_[i].bits |= bits;
+        return;
+      }
+    }
+    parts_[count_++] = {label, bits};
+  }
+
+  void append_to(std::vector<LabelWordPart>& all) {
+    const auto end = parts_.begin() + static_cast<std::ptrdiff_t>(count_);
+    std::sort(parts_.begin(), end,
+              [](const LabelWordPart& a, const LabelWordPart& b) { return a.label < b.label; });
+    all.insert(all.end(), parts_.begin(), end);
+  }
+
+ private:
+  std::size_t count_ = 0;
+  std::array<LabelWordPart, 64> parts_;
+};
+
+// Reads words off the cells of level 0 and, where octants have cells of their own, of level 1.
+class CellReader {
+ public:
+  CellReader(const LabelGrid& voxels, const LabelGrid* octants,
+             const std::vector<std::uint32_t>& label_of_slot)
+      : voxels_(voxels), octants_(octants), label_of_slot_(label_of_slot) {
+    voxel_steps_ = child_steps(voxels.row_stride(), voxels.plane_stride());
+    if (octants != nullptr) {
+      octant_steps_ = child_steps(octants->row_stride(), octants->plane_stride());
+    }
+  }
+
+  /// Appends the parts of the word at `place`.
+  /// inside  the bits of its voxels in the brick, not 0
+  void read(const Index3& place, std::uint64_t inside, std::vector<LabelWordPart>& parts) {
+    const LabelCell* const octant = octants_ != nullptr ? octants_->at(scaled(place, 2)) : nullptr;
+    const LabelCell* const voxel = voxels_.at(scaled(place, 4));
+    if (octant != nullptr && is_uniform_word(octant)) {
+      parts.push_back({label_of_slot_[slot_of(*octant)], inside});
+      return;
+    }
+    word_.clear();
+    for (std::size_t i = 0; i < 8; ++i) {
+      const LabelCell cell = octant != nullptr ? octant[octant_steps_[i]] : LabelCell{kMixed};
+      if (state_of(cell) == kUniform) {
+        word_.add(label_of_slot_[slot_of(cell)], std::uint64_t{0xff} << 8 * i & inside);
+      } else if (state_of(cell) != kOutside) {
+        read_octant(voxel + 2 * voxel_steps_[i], 8 * i);
+      }
+    }
+    word_.append_to(parts);
+  }
+
+ private:
+  bool is_uniform_word(const LabelCell* octant) const {
+    if (state_of(*octant) != kUniform) return false;
+    const std::uint32_t twice = *octant * 0x10001u;
+    std::uint32_t differs = 0;
+    for (const int digit : {0, 1, 4, 5}) {  // and the one beside it along x
+      std::uint32_t two;
+      std::memcpy(&two, octant + octant_steps_[static_cast<std::size_t>(digit)], sizeof two);
+      differs |= two ^ twice;
+    }
+    return differs == 0;
+  }
+
+  void read_octant(const LabelCell* voxel, std::size_t first_bit) {
+    for (std::size_t i = 0; i < 8; ++i) {
+      const LabelCell cell = voxel[voxel_steps_[i]];
+      if (state_of(cell) == kOutside) continue;
+      word_.add(label_of_slot_[slot_of(cell)], std::uint64_t{1} << (first_bit + i));
+    }
+  }
+
+  const LabelGrid& voxels_;
+  const LabelGrid* octants_;
+  const std::vector<std::uint32_t>& label_of_slot_;
+  std::array<std::ptrdiff_t, 8> voxel_steps_{};
+  std::array<std::ptrdiff_t, 8> octant_steps_{};
+  WordParts word_;
+};
+
+}  // namespace
+
+void build_label_pyramid(const BrickShape& shape, const LabelWords& words,
+                         LabelPyramid& pyramid) {
+  check_label_shape(shape);
+  const auto level_count = static_cast<std::size_t>(shape.level_count);
+  pyramid.labels = words.labels;
+  pyramid.levels.resize(level_count + 1);
+  LabelPyramid::Level& voxels = pyramid.levels[0];
+  voxels.size = shape.size[0];
+  voxels.rank.resize(static_cast<std::size_t>(voxels.size.voxel_count()));
+  voxels.is_uniform.resize(voxels.rank.size(), 1);  // as all before them
+
+  const bool has_word_levels =
+      level_count >= 2 && shape.halving[0] == kHalveAll && shape.halving[1] == kHalveAll;
+  std::size_t made = 0;
+  if (has_word_levels) {
+    for (std::size_t i = 1; i <= 2; ++i) {
+      make_level(halved(pyramid.levels[i - 1].size, kHalveAll), pyramid.levels[i]);
+    }
+    WordVotes votes(pyramid);
+    for (std::size_t word = 0; word < LabelWords::kCount; ++word) {
+      votes.take(place_of_word(word), words.parts_of(word));
+    }
+    made = 2;
+  } else {
+    complete_voxels(words, pyramid);
+  }
+  for (; made < level_count; ++made) {
+    condense_labels(pyramid.levels[made], shape.halving[made], pyramid.levels[made + 1]);
+  }
+}
+
+void complete_voxels(const LabelWords& words, LabelPyramid& pyramid) {
+  LabelPyramid::Level& voxels = pyramid.levels[0];
+  for (std::size_t word = 0; word < LabelWords::kCount; ++word) {
+    const Index3 corner = scaled(place_of_word(word), 4);
+    for (const LabelWordPart& part : words.parts_of(word)) {
+      for (std::uint64_t left = part.bits; left != 0; left &= left - 1) {
+        const Place& at = kPlaces[static_cast<std::size_t>(std::countr_zero(left))];
+        voxels.rank[dense_offset(voxels.size,
+                                 {corner.x + at.x, corner.y + at.y, corner.z + at.z})] = part.label;
+      }
+    }
+  }
+}
+
+void words_of_cells(const BrickShape& shape, const LabelWork& work, LabelWords& words) {
+  // Slots by the order of their labels; a damaged brick may have a label twice.
+  std::vector<std::int64_t> labels = work.labels;
+  std::sort(labels.begin(), labels.end());
+  labels.erase(std::unique(labels.begin(), labels.end()), labels.end());
+  std::vector<std::uint32_t> label_of_slot;
+  for (const std::int64_t label : work.labels) {
+    const auto at = std::lower_bound(labels.begin(), labels.end(), label) - labels.begin();
+    label_of_slot.push_back(static_cast<std::uint32_t>(at));
+  }
+
+  const bool has_octants = shape.halving[0] == kHalveAll;
+  CellReader cells(work.grid, has_octants ? &work.parents : nullptr, label_of_slot);
+  const Size3& size = shape.size[0];
+  words.parts.clear();
+  for (std::size_t word = 0; word < LabelWords::kCount; ++word) {
+    words.first[word] = static_cast<std::uint32_t>(words.parts.size());
+    const Index3 place = place_of_word(word);
+    const std::uint64_t inside = bits_within(
+        {size.x - 4 * place.x, size.y - 4 * place.y, size.z - 4 * place.z});
+    if (inside != 0) cells.read(place, inside, words.parts);
+  }
+  words.first.back() = static_cast<std::uint32_t>(words.parts.size());
+  choose_labels(labels, words);
+}
+
+void words_of_voxels(const Size3& size, const std::vector<std::int64_t>& voxels,
+                     LabelWords& words) {
+  std::vector<std::int64_t> labels = voxels;
+  std::sort(labels.begin(), labels.end());
+  labels.erase(std::unique(labels.begin(), labels.end()), labels.end());
+  WordParts parts;
+  words.parts.clear();
+  for (std::size_t word = 0; word < LabelWords::kCount; ++word) {
+    words.first[word] = static_cast<std::uint32_t>(words.parts.size());
+    const Index3 corner = scaled(place_of_word(word), 4);
+    parts.clear();
+    for (std::size_t bit = 0; bit < 64; ++bit) {
+      const Place& at = kPlaces[bit];
+      const Index3 voxel{corner.x + at.x, corner.y + at.y, corner.z + at.z};
+      if (!box_of(size).contains(voxel)) continue;
+      const std::int64_t label = voxels[dense_offset(size, voxel)];
+      const auto rank = std::lower_bound(labels.begin(), labels.end(), label) - labels.begin();
+      parts.add(static_cast<std::uint32_t>(rank), std::uint64_t{1} << bit);
+    }
+    parts.append_to(words.parts);
+  }
+  words.first.back() = static_cast<std::uint32_t>(words.parts.size());
+  words.labels = std::move(labels);
+}
+
+}  // namespace octavo
