@@ -69,7 +69,8 @@ class Verb {
 
   /// names     "-o,--output", or a name without dashes for a positional
   /// variable  std::string, int, std::int64_t, std::uint64_t or double, an optional of the first
-  ///           three or double, or a vector of std::string, std::int64_t or double; outlives parsing
+  ///           three or double, or a vector of std::string, std::int64_t or double. It outlives the
+  ///           parsing
   template <class T>
   Option add_option(const std::string& names, T& variable, const std::string& help);
   /// T is std::string or int.
