@@ -267,9 +267,9 @@ BuildResult build(const Volume& volume, Storage& storage, const std::string& pat
   check_build_memory(tree_build_memory_bytes(description, result.threads),
                      options.max_memory_bytes);
   check_target(storage, path, options.overwrite);
-  if (options.interrupted == Interrupted::refuse) {
-    refuse_running(storage, path);
-    refuse_interrupted(storage, path);
+  if (options.interrupted == Interrupted::reject) {
+    reject_running(storage, path);
+    reject_interrupted(storage, path);
   }
 
   const ProgressScope scope(progress, options.progress_name, description.size.z, "planes");

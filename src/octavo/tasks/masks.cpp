@@ -107,7 +107,7 @@ namespace {
 TreeBuildOptions tree_build_options_for(const TaskContext& context, const Output& output,
                                         const std::string& work) {
   return {.overwrite = output.overwrite,
-          .interrupted = output.overwrite ? Interrupted::discard : Interrupted::refuse,
+          .interrupted = output.overwrite ? Interrupted::discard : Interrupted::reject,
           .threads = context.threads,
           .max_memory_bytes = context.max_memory_bytes,
           .progress_name = work};
