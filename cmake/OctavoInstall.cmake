@@ -12,9 +12,8 @@ foreach(module core octree planes codec file builder io ops render tasks)
 endforeach()
 add_library(octavo::octavo ALIAS octavo_library)
 
-# What a static library of ours needs where it is linked; the parts of ITK are those that io names.
+# What a static library of ours needs where it is linked.
 set(OCTAVO_DEPENDENCIES Threads TBB TIFF PNG ZLIB CURL GDCM)
-set(OCTAVO_ITK_COMPONENTS ITKCommon ITKIOImageBase ITKIOGIPL)
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/octavo)
 install(TARGETS octavo_library EXPORT octavoTargets)

@@ -68,7 +68,7 @@ MAX_SOURCES_PER_FOLDER = 30
 
 # Third-party headers by library, and the rooms that may see each; cli may see all of them.
 LIBRARIES = {
-    "ITK": (re.compile(r"itk\w+\.(h|hxx)$"), {"io"}),
+    "ITK": (re.compile(r"itk\w+\.(h|hxx)$"), set()),
     "GDCM": (re.compile(r"gdcm\w*\.h$"), {"io"}),
     "libtiff": (re.compile(r"tiff\w*\.h$"), {"io"}),
     "libpng": (re.compile(r"png\w*\.h$"), {"io", "render"}),

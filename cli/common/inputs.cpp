@@ -167,7 +167,7 @@ void add_source_options(Verb verb, SourceArguments& arguments) {
                 "DICOM slices sheared by a gantry tilt: resample upright")
       ->group(group);
   verb.add_flag("--no-isolation", arguments.no_isolation,
-                "Run libtiff, libpng, GDCM and ITK in this process (to debug them)")
+                "Run libtiff, libpng and GDCM in this process (to debug them)")
       ->group(group);
 }
 
@@ -240,11 +240,8 @@ std::unique_ptr<PlaneSource> open_scan(const std::vector<std::string>& paths,
   if (!arguments.no_isolation && needs_isolation(paths, options)) {
     source = open_isolated_source(paths, options, isolation_options(context));
   } else {
-    source = open_source(paths, options);
-    // What a source loaded whole has nothing to decode ahead.
-    if (source->resident_bytes() == 0) {
-      source = make_prefetch_source(std::move(source), {.threads = context.thread_count()});
-    }
+    source =
+        make_prefetch_source(open_source(paths, options), {.threads = context.thread_count()});
   }
   return std::make_unique<WatchedSource>(std::move(source), context);
 }

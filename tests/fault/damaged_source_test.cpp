@@ -82,6 +82,20 @@ std::vector<Sample> write_samples(const TempFolder& folder) {
              "DIMENSIONS 17 13 9\nSPACING 1 1 1\nORIGIN 1 2 3\nPOINT_DATA 1989\n"
              "SCALARS s short 1\nLOOKUP_TABLE default\n" +
                  bytes_of(voxels(), true));
+  std::string text;
+  for (const std::int16_t voxel : voxels()) text += std::to_string(voxel) + "\n";
+  write_file(folder.file("j.vtk"),
+             "# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\n"
+             "DIMENSIONS 17 13 9\nSPACING 1 1 1\nORIGIN 1 2 3\nPOINT_DATA 1989\n"
+             "SCALARS s short 1\nLOOKUP_TABLE default\n" +
+                 text);
+  std::string gipl(256, '\0');
+  gipl.replace(0, 10, bytes_of<std::uint16_t>({17, 13, 9, 1, 15}, true));
+  gipl.replace(10, 16, bytes_of<float>({1, 1, 1, 1}, true));
+  gipl.replace(252, 4, bytes_of<std::uint32_t>({719555000}, true));
+  gipl += bytes_of(voxels(), true);
+  write_file(folder.file("k.gipl"), gipl);
+  write_file(folder.file("l.gipl.gz"), gzip(gipl));
   TiffSample tiff;
   tiff.width = 17;
   tiff.height = 13;
@@ -95,8 +109,9 @@ std::vector<Sample> write_samples(const TempFolder& folder) {
   dicom.position = "0\\0\\0";
   dicom.voxels = raw.substr(0, plane);
   write_dicom(folder.file("i.dcm"), dicom);
-  return {{"a.nii", ""},  {"b.nii.gz", ""}, {"c.mha", ""}, {"d.mhd", ""}, {"d.mhd", "d.raw"},
-          {"e.nrrd", ""}, {"f.nrrd", ""},   {"g.vtk", ""}, {"h.tif", ""}, {"i.dcm", ""}};
+  return {{"a.nii", ""},      {"b.nii.gz", ""}, {"c.mha", ""},  {"d.mhd", ""},   {"d.mhd", "d.raw"},
+          {"e.nrrd", ""},     {"f.nrrd", ""},   {"g.vtk", ""},  {"h.tif", ""},   {"i.dcm", ""},
+          {"j.vtk", ""},      {"k.gipl", ""},   {"l.gipl.gz", ""}};
 }
 
 // The lengths to cut a file of `bytes` to: both ends densely, the rest evenly.

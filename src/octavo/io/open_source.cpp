@@ -11,17 +11,18 @@
 #include "octavo/io/images/tiff_source.h"
 #include "octavo/io/source/natural_order.h"
 #include "octavo/io/source/source_file.h"
-#include "octavo/io/volumes/itk_source.h"
+#include "octavo/io/volumes/gipl_source.h"
 #include "octavo/io/volumes/meta_source.h"
 #include "octavo/io/volumes/nifti_source.h"
 #include "octavo/io/volumes/nrrd_source.h"
 #include "octavo/io/volumes/raw_source.h"
+#include "octavo/io/volumes/vtk_source.h"
 
 namespace octavo {
 
 namespace {
 
-enum class Format { dicom, tiff, png, nifti, nrrd, meta_image, itk, raw_planes, unknown };
+enum class Format { dicom, tiff, png, nifti, nrrd, meta_image, vtk, gipl, raw_planes, unknown };
 
 /// By the first bytes where they tell, else by the name.
 Format format_of(const std::string& path) {
@@ -41,7 +42,8 @@ Format format_of(const std::string& path) {
     if (has_ending(path, ending)) return Format::nifti;
   }
   if (has_ending(path, ".mha") || has_ending(path, ".mhd")) return Format::meta_image;
-  if (is_itk_name(path)) return Format::itk;
+  if (has_ending(path, ".vtk")) return Format::vtk;
+  if (has_ending(path, ".gipl") || has_ending(path, ".gipl.gz")) return Format::gipl;
   if (looks_like_dicom(path) || has_ending(path, ".dcm")) return Format::dicom;
   if (has_ending(path, ".tif") || has_ending(path, ".tiff")) return Format::tiff;
   if (has_ending(path, ".png")) return Format::png;
@@ -172,7 +174,8 @@ std::unique_ptr<PlaneSource> open_file(const std::string& path, const SourceOpti
     case Format::nifti: return open_nifti_source(path, options);
     case Format::nrrd: return open_nrrd_source(path, options);
     case Format::meta_image: return open_meta_source(path, options);
-    case Format::itk: return open_itk_source(path, options);
+    case Format::vtk: return open_vtk_source(path, options);
+    case Format::gipl: return open_gipl_source(path, options);
     case Format::raw_planes:
     case Format::unknown: break;
   }
@@ -255,11 +258,12 @@ bool needs_isolation(const std::vector<std::string>& paths, const SourceOptions&
   switch (format_of(paths.front())) {
     case Format::dicom:
     case Format::tiff:
-    case Format::png:
-    case Format::itk: return true;
+    case Format::png: return true;
     case Format::nifti:
     case Format::nrrd:
     case Format::meta_image:
+    case Format::vtk:
+    case Format::gipl:
     case Format::raw_planes:
     case Format::unknown: return false;
   }

@@ -40,8 +40,7 @@ struct SourceOptions {
   std::string channel;  ///< a number from 0 or a name, where a voxel has several values
   std::optional<std::int64_t> time;  ///< from 0, where there are several volumes in time
   bool keep_identity = false;             ///< names, dates, free text enter the metadata
-  std::uint64_t max_memory_bytes =
-      0;  ///< 0: none; whole-volume formats beyond it: Error{limit_exceeded}
+  std::uint64_t max_memory_bytes = 0;     ///< of a process that opens the source; 0: no limit
 
   /// The first option set here that only DICOM sources understand, as "--untilt"; or nothing.
   std::string dicom_option() const;

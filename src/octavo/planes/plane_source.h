@@ -28,8 +28,7 @@ class PlaneSource {
   /// Throws Error{source_rejected} naming the file, or Error{io}.
   virtual void read_plane(std::span<std::byte> plane) = 0;
 
-  /// Bytes the source itself holds in memory (0 for plane formats; the volume for whole-volume
-  /// formats).
+  /// Bytes the source holds in memory; 0 where it reads one plane after the other.
   virtual std::uint64_t resident_bytes() const { return 0; }
 };
 

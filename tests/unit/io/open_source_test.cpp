@@ -1,9 +1,6 @@
 // The shared volumes against the digests and geometry that other readers found, and the awkward
 // ones against what a good reader does with each.
 #include <gtest/gtest.h>
-#include <itkMetaImageIO.h>
-#include <itkNiftiImageIO.h>
-#include <itkNrrdImageIO.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +11,7 @@
 #include "support/sha256.h"
 #include "support/shared_data.h"
 #include "support/source_files.h"
+#include "support/volume_readers.h"
 
 namespace octavo::testing {
 namespace {
@@ -46,34 +44,32 @@ TEST(SourceShared, StoredVoxelsAreThoseOtherReadersFound) {
   }
 }
 
-void expect_itk_geometry(itk::ImageIOBase& io, const std::string& path) {
-  io.SetFileName(path);
-  io.ReadImageInformation();
-  const Geometry g = open_source({path}, {})->description().geometry;
-  for (unsigned axis = 0; axis < 3; ++axis) {
-    EXPECT_NEAR(io.GetSpacing(axis), g.spacing_mm[axis], 1e-5 * g.spacing_mm[axis]) << path;
-    EXPECT_NEAR(io.GetOrigin(axis), g.origin_mm[axis], 1e-4) << path;
-    for (unsigned row = 0; row < 3; ++row) {
-      EXPECT_NEAR(io.GetDirection(axis)[row], g.direction[row * 3 + axis], 1e-5) << path;
-    }
+void expect_near(const Geometry& g, const Geometry& expected, const std::string& path) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(g.spacing_mm[axis], expected.spacing_mm[axis], 1e-5 * g.spacing_mm[axis]) << path;
+    EXPECT_NEAR(g.origin_mm[axis], expected.origin_mm[axis], 1e-4) << path;
+  }
+  for (std::size_t i = 0; i < 9; ++i) {
+    EXPECT_NEAR(g.direction[i], expected.direction[i], 1e-5) << path;
   }
 }
 
 TEST(SourceShared, GeometryIsThatOfItk) {
   const auto root = shared_data();
   if (!root) GTEST_SKIP() << missing_shared_file("mr");
+  const VolumeReader* const itk = itk_reader();
+  if (itk == nullptr) GTEST_SKIP() << kNoItk;
   for (const char* name :
        {"mr/chris_t1.nii.gz", "mr/chris_MRA.nii.gz", "labels/aal.nii.gz",
         "labels/totalseg_ct.nii.gz", "labels/mouse_head_35um_labels.nii.gz",
         "microct_mouse_head/C57BL6_J_.nii.gz", "awkward/oblique_fmri_pitch.nii.gz",
         "awkward/bigendian_anatomical.nii", "awkward/orientations/avg152T1_LR_LIP.nii.gz",
         "awkward/orientations/avg152T1_LR_PSR.nii.gz",
-        "awkward/orientations/avg152T1_LR_RAS.nii.gz"}) {
-    expect_itk_geometry(*itk::NiftiImageIO::New(), (*root / name).string());
+        "awkward/orientations/avg152T1_LR_RAS.nii.gz", "microct_rock_berea/berea400.nrrd",
+        "cranium/cranium.mhd"}) {
+    const std::string path = (*root / name).string();
+    expect_near(open_source({path}, {})->description().geometry, itk->read_geometry(path), path);
   }
-  expect_itk_geometry(*itk::NrrdImageIO::New(),
-                      (*root / "microct_rock_berea/berea400.nrrd").string());
-  expect_itk_geometry(*itk::MetaImageIO::New(), (*root / "cranium/cranium.mhd").string());
 }
 
 /// A file or folder, and the words its refusal must hold.

@@ -101,13 +101,11 @@ class ImportLimits {
     allow_time(kOpeningPlanes);
   }
 
-  /// Once it is known that planes come one by one: enough for those being decoded.
-  void know(const PlaneSource& source, bool is_held_whole) {
+  /// Once the planes are known: enough for those being decoded.
+  void know(const PlaneSource& source) {
     const std::uint64_t bytes = plane_bytes(source.description());
     const auto threads = static_cast<std::uint64_t>(request_.threads);
-    if (!is_held_whole) {
-      set_memory(kLibraryBytes + thread_bytes(request_) + kPlaneCopies * bytes * threads);
-    }
+    set_memory(kLibraryBytes + thread_bytes(request_) + kPlaneCopies * bytes * threads);
     allow_time(1);
   }
 
@@ -256,11 +254,8 @@ void read_and_send(const SourceOpener& opener, const ImportRequest& request,
   std::unique_ptr<PlaneSource> source;
   try {
     source = opener(request.paths, request.options);
-    const bool is_held_whole = source->resident_bytes() > 0;
-    if (!is_held_whole) {
-      source = make_prefetch_source(std::move(source), {.threads = request.threads});
-    }
-    limits.know(*source, is_held_whole);
+    source = make_prefetch_source(std::move(source), {.threads = request.threads});
+    limits.know(*source);
     send(MessageKind::report, encode(SourceReport{source->description(), source->warnings(),
                                                   source->resident_bytes()}));
     send_planes(*source, limits, z);

@@ -129,15 +129,6 @@ void settle_number_gaps(const std::vector<std::string>& files, const SourceOptio
   facts.warnings.push_back(found + "; taken as neighbors");
 }
 
-void check_memory(std::uint64_t needed, const SourceOptions& options, const std::string& path) {
-  if (options.max_memory_bytes == 0 || needed <= options.max_memory_bytes) return;
-  throw Error(ErrorKind::limit_exceeded,
-              "this format is loaded whole: " + std::to_string(needed) + " bytes needed, " +
-                  std::to_string(options.max_memory_bytes) +
-                  " allowed; raise --max-memory or convert it to a format read by planes",
-              path);
-}
-
 bool is_spacing_known(const std::string& metadata_json) {
   const auto metadata = json::parse(metadata_json, nullptr, false);
   if (!metadata.is_object()) return true;

@@ -47,9 +47,6 @@ void settle(SourceFacts& facts, const SourceOptions& options, const std::string&
 void settle_number_gaps(const std::vector<std::string>& files, const SourceOptions& options,
                         SourceFacts& facts);
 
-/// Throws Error{limit_exceeded} when `needed` bytes exceed options.max_memory_bytes (0: no limit).
-void check_memory(std::uint64_t needed, const SourceOptions& options, const std::string& path);
-
 /// False when a volume's metadata say that its source has no spacing.
 bool is_spacing_known(const std::string& metadata_json);
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <map>
 #include <numbers>
 #include <span>
@@ -10,8 +9,8 @@
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
 #include "octavo/io/source/axis_check.h"
-#include "octavo/io/source/byte_order.h"
 #include "octavo/io/source/described_source.h"
+#include "octavo/io/source/header_bytes.h"
 #include "octavo/io/source/source_file.h"
 #include "octavo/io/source/voxel_stream.h"
 
@@ -29,41 +28,13 @@ constexpr int kMeter = 1;
 constexpr int kMillimeter = 2;
 constexpr int kMicrometer = 3;
 
-/// Reads values at fixed offsets.
-class FieldReader {
- public:
-  FieldReader(std::span<const std::byte> bytes, bool big_endian)
-      : bytes_(bytes), swap_(needs_swap(big_endian)) {}
+void take_text(const HeaderBytes& read, std::size_t offset, std::size_t length, const char* name,
+               NiftiHeader& h) {
+  const std::string text = read.text(offset, length);
+  if (text.find_first_not_of(' ') != std::string::npos) h.texts[name] = text;
+}
 
-  template <class T>
-  T at(std::size_t offset) const {
-    std::array<std::byte, sizeof(T)> raw{};
-    std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(offset), sizeof(T), raw.begin());
-    if (swap_) std::reverse(raw.begin(), raw.end());
-    T value;
-    std::memcpy(&value, raw.data(), sizeof(T));
-    return value;
-  }
-
-  template <class T, class Array>
-  void fill(std::size_t offset, Array& target) const {
-    for (std::size_t i = 0; i < target.size(); ++i) {
-      target[i] = static_cast<typename Array::value_type>(at<T>(offset + i * sizeof(T)));
-    }
-  }
-
-  void take_text(std::size_t offset, std::size_t length, const char* name, NiftiHeader& h) const {
-    std::string text(reinterpret_cast<const char*>(bytes_.data()) + offset, length);
-    text.resize(std::min(text.find('\0'), length));
-    if (text.find_first_not_of(' ') != std::string::npos) h.texts[name] = text;
-  }
-
- private:
-  std::span<const std::byte> bytes_;
-  bool swap_;
-};
-
-NiftiHeader parse_version_1(const FieldReader& read) {
+NiftiHeader parse_version_1(const HeaderBytes& read) {
   NiftiHeader h;
   read.fill<std::int16_t>(40, h.dim);
   h.intent = read.at<std::int16_t>(68);
@@ -79,15 +50,15 @@ NiftiHeader parse_version_1(const FieldReader& read) {
   read.fill<float>(256, h.quaternion);
   read.fill<float>(268, h.qoffset);
   read.fill<float>(280, h.srow);
-  read.take_text(4, 10, "data_type", h);
-  read.take_text(14, 18, "db_name", h);
-  read.take_text(148, 80, "descrip", h);
-  read.take_text(228, 24, "aux_file", h);
-  read.take_text(328, 16, "intent_name", h);
+  take_text(read, 4, 10, "data_type", h);
+  take_text(read, 14, 18, "db_name", h);
+  take_text(read, 148, 80, "descrip", h);
+  take_text(read, 228, 24, "aux_file", h);
+  take_text(read, 328, 16, "intent_name", h);
   return h;
 }
 
-NiftiHeader parse_version_2(const FieldReader& read) {
+NiftiHeader parse_version_2(const HeaderBytes& read) {
   NiftiHeader h;
   h.version = 2;
   h.datatype = read.at<std::int16_t>(12);
@@ -103,9 +74,9 @@ NiftiHeader parse_version_2(const FieldReader& read) {
   read.fill<double>(400, h.srow);
   h.spatial_unit = read.at<std::int32_t>(500) & 7;
   h.intent = read.at<std::int32_t>(504);
-  read.take_text(240, 80, "descrip", h);
-  read.take_text(320, 24, "aux_file", h);
-  read.take_text(508, 16, "intent_name", h);
+  take_text(read, 240, 80, "descrip", h);
+  take_text(read, 320, 24, "aux_file", h);
+  take_text(read, 508, 16, "intent_name", h);
   return h;
 }
 
@@ -288,7 +259,7 @@ NiftiHeader read_nifti_header(const std::string& path) {
   }
   stream.read(all.first(kHeader1Bytes));
   for (const bool big_endian : {false, true}) {
-    const FieldReader read(bytes, big_endian);
+    const HeaderBytes read(bytes, big_endian);
     const auto length = read.at<std::int32_t>(0);
     const std::string_view magic1(reinterpret_cast<const char*>(bytes.data()) + 344, 3);
     const std::string_view magic2(reinterpret_cast<const char*>(bytes.data()) + 4, 3);

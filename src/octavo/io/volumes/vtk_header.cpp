@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <map>
 #include <set>
 #include <string_view>
@@ -20,7 +21,8 @@ constexpr std::size_t kMaxLineBytes = 4096;
 constexpr std::size_t kMaxTitleBytes = 256;
 constexpr int kMaxHeaderLines = 64;
 constexpr int kMaxLinesBehind = 1 << 16;
-constexpr std::uint64_t kColorBytes = 4;
+/// Of a color: bytes where voxels are binary, numbers where they are text.
+constexpr std::uint64_t kColorParts = 4;
 
 [[noreturn]] void reject(const std::string& path, const std::string& why) {
   throw Error(ErrorKind::source_rejected, why, path);
@@ -70,22 +72,21 @@ class Lines {
   std::string text_;
 };
 
-/// The four lines that every legacy file starts with; returns the title.
-std::string read_start(Lines& lines, const std::string& path) {
+/// The four lines that every legacy file starts with: the title and the coding of the voxels.
+void read_start(Lines& lines, const std::string& path, VtkHeader& header) {
   lines.next();
   if (!lines.text().starts_with("# vtk DataFile Version")) {
     reject(path, "not a legacy VTK file: its first line must start with \"# vtk DataFile "
                  "Version\"; check what it is, or copy it again from its origin");
   }
   lines.next();
-  std::string title = lines.text().substr(0, kMaxTitleBytes);
+  header.title = lines.text().substr(0, kMaxTitleBytes);
   lines.next_filled();
-  if (lines.keyword() == "ascii") {
-    reject(path, "voxels written as text are not read; convert the file to binary");
-  }
-  if (lines.keyword() != "binary") {
+  header.is_text = lines.keyword() == "ascii";
+  if (!header.is_text && lines.keyword() != "binary") {
     reject(path, "its third line is \"" + escaped(lines.text()) +
-                     "\", BINARY expected; it is damaged, or written by a faulty program");
+                     "\", BINARY or ASCII expected; it is damaged, or written by a faulty "
+                     "program");
   }
   lines.next_filled();
   if (lines.keyword() != "dataset" || lower_case(lines.behind_keyword()) != "structured_points") {
@@ -93,7 +94,6 @@ std::string read_start(Lines& lines, const std::string& path) {
                      "\", DATASET STRUCTURED_POINTS expected: only even grids are read; resample "
                      "it to one");
   }
-  return title;
 }
 
 /// True for words that start an array or the section of one.
@@ -189,20 +189,25 @@ Size3 read_size(const Fields& fields, const std::string& path) {
   }
   const std::int64_t points =
       checked_count(checked_count(found[0], found[1], "volume"), found[2], "volume");
-  const std::int64_t told = FieldText{path, "point_data", fields.at("point_data")}.integer();
-  if (told != points) {
-    reject(path, "POINT_DATA says " + std::to_string(told) + " points, DIMENSIONS say " +
+  const std::int64_t stated = FieldText{path, "point_data", fields.at("point_data")}.integer();
+  if (stated != points) {
+    reject(path, "POINT_DATA says " + std::to_string(stated) + " points, DIMENSIONS say " +
                      std::to_string(points) + "; it is damaged, or written by a faulty program");
   }
   return {found[0], found[1], found[2]};
 }
 
-/// Goes over what may follow the voxels: blanks, notes up to a blank line, a color table.
-void read_behind(Lines lines, const std::string& path, VtkHeader& header) {
+/// How a color table stands in the file.
+using SkipColors = std::function<void(Lines& lines, std::uint64_t count)>;
+
+/// Goes over what may follow the voxels: blanks, notes up to a blank line, a color table. True
+/// where there is a color table.
+bool read_behind(Lines lines, const std::string& path, const SkipColors& skip_colors) {
+  bool has_color_table = false;
   bool is_in_notes = false;
   for (int i = 0; i < kMaxLinesBehind; ++i) {
     const std::uint64_t start = lines.offset();
-    if (!lines.next()) return;
+    if (!lines.next()) return has_color_table;
     is_in_notes = (is_in_notes && !lines.text().empty()) || lines.keyword() == "metadata";
     if (is_in_notes || lines.text().empty()) continue;
     if (starts_array(lines.keyword())) {
@@ -216,15 +221,42 @@ void read_behind(Lines lines, const std::string& path, VtkHeader& header) {
                        "fit: copy it again from its origin");
     }
     const std::int64_t colors = FieldText{path, "LOOKUP_TABLE", found[2]}.integer();
-    const auto color_count = static_cast<std::uint64_t>(std::max<std::int64_t>(colors, 0));
-    if (!lines.skip(checked_mul(color_count, kColorBytes, "color table"))) {
-      reject(path, "the file ends early: its color table is to have " + found[2] +
-                       " colors; copy it again from its origin");
-    }
-    header.has_color_table = true;
+    skip_colors(lines, static_cast<std::uint64_t>(std::max<std::int64_t>(colors, 0)));
+    has_color_table = true;
   }
   reject(path, "more than " + std::to_string(kMaxLinesBehind) +
                    " lines of notes stand behind its voxels; save it again without them");
+}
+
+[[noreturn]] void reject_short(const std::string& path, const std::string& needed,
+                               std::uint64_t found) {
+  reject(path, "the file is too short: " + needed + ", " + std::to_string(found) +
+                   " found; it is cut");
+}
+
+/// Proves that the values are all there, and what follows them.
+void prove_binary(const SourceFile& file, std::uint64_t points, VtkHeader& header) {
+  const auto value_bytes = static_cast<std::uint64_t>(bytes_per_voxel(header.type));
+  const std::uint64_t end = checked_add(
+      header.voxel_offset, checked_mul(points, value_bytes, "volume"), "file length");
+  if (file.size() < end) {
+    reject_short(file.path(), std::to_string(end) + " bytes needed", file.size());
+  }
+  header.bytes_behind = file.size() - end;
+  const auto skip_colors = [&](Lines& lines, std::uint64_t count) {
+    if (lines.skip(checked_mul(count, kColorParts, "color table"))) return;
+    reject(file.path(), "the file ends early: its color table is to have " +
+                            std::to_string(count) + " colors; copy it again from its origin");
+  };
+  header.has_color_table = read_behind(Lines(file, end), file.path(), skip_colors);
+}
+
+/// Each number takes a digit and a blank at least; only reading them tells more.
+void check_text_length(const SourceFile& file, std::uint64_t points, const VtkHeader& header) {
+  const std::uint64_t end =
+      checked_add(header.voxel_offset, checked_mul(points, 2, "volume"), "file length");
+  if (file.size() >= end) return;
+  reject_short(file.path(), "at least " + std::to_string(end) + " bytes needed", file.size());
 }
 
 }  // namespace
@@ -233,7 +265,7 @@ VtkHeader read_vtk_header(const std::string& path) {
   const SourceFile file(path);
   Lines lines(file, 0);
   VtkHeader header;
-  header.title = read_start(lines, path);
+  read_start(lines, path, header);
   const Fields fields = read_fields(lines, path);
   header.size = read_size(fields, path);
   header.type = read_scalars_line(lines, path);
@@ -241,15 +273,23 @@ VtkHeader read_vtk_header(const std::string& path) {
   if (fields.contains("origin")) header.origin_mm = three_numbers(fields, "origin", path);
   header.voxel_offset = voxel_offset(lines);
   const auto points = static_cast<std::uint64_t>(header.size.x * header.size.y * header.size.z);
-  const auto value_bytes = static_cast<std::uint64_t>(bytes_per_voxel(header.type));
-  const std::uint64_t end = checked_add(
-      header.voxel_offset, checked_mul(points, value_bytes, "volume"), "file length");
-  if (file.size() < end) {
-    reject(path, "the file is too short: " + std::to_string(end) + " bytes needed, " +
-                     std::to_string(file.size()) + " found; it is cut");
+  if (header.is_text) {
+    check_text_length(file, points, header);
+  } else {
+    prove_binary(file, points, header);
   }
-  read_behind(Lines(file, end), path, header);
   return header;
+}
+
+bool read_behind_vtk_text(TextVoxels& voxels) {
+  const SourceFile file(voxels.path());
+  const auto skip_colors = [&](Lines& lines, std::uint64_t count) {
+    TextVoxels colors(file.path(), lines.offset());
+    std::array<std::byte, kColorParts * sizeof(float)> color{};
+    for (std::uint64_t i = 0; i < count; ++i) colors.read(VoxelType::float32, color);
+    lines.skip(colors.offset() - lines.offset());
+  };
+  return read_behind(Lines(file, voxels.offset()), file.path(), skip_colors);
 }
 
 }  // namespace octavo

@@ -1,4 +1,4 @@
-// The text around the voxels of a legacy VTK file, read line by line and nothing assumed.
+// The text lines of a VTK legacy file of structured points.
 #pragma once
 
 #include <cstdint>
@@ -6,6 +6,7 @@
 #include <string>
 
 #include "octavo/core/volume.h"
+#include "octavo/io/source/text_voxels.h"
 
 namespace octavo {
 
@@ -16,15 +17,22 @@ struct VtkHeader {
   VoxelType type = VoxelType::uint8;
   std::optional<Point3> spacing_mm;  ///< of SPACING or ASPECT_RATIO; absent where neither stands
   Point3 origin_mm{};
-  std::uint64_t voxel_offset = 0;    ///< values big-endian, x fastest
-  bool has_color_table = false;     ///< behind the voxels
+  bool is_text = false;              ///< voxels are decimal numbers; else big-endian values
+  std::uint64_t voxel_offset = 0;    ///< x fastest
+  std::uint64_t bytes_behind = 0;    ///< of what may follow big-endian voxels
+  bool has_color_table = false;      ///< among them
 };
 
-/// The header of a file in which one array stands, all its voxels are there, and nothing follows
-/// them but blanks, notes (METADATA) and a color table.
-/// Throws Error{source_rejected} on text voxels, values of cells, several arrays, several values
-///        per point, other types or data sets, counts that contradict each other, a cut file;
+/// The header of a file in which one array stands. Behind big-endian voxels, which are all there,
+/// follow at most blanks, notes (METADATA) and a color table; where voxels written as text end,
+/// only reading them tells.
+/// Throws Error{source_rejected} on values of cells, several arrays, several values per point,
+///        other types or data sets, counts that contradict each other, a cut file;
 ///        Error{limit_exceeded} where the voxels pass 64 bits; Error{io}
 VtkHeader read_vtk_header(const std::string& path);
+
+/// Goes over what follows the last of `voxels`; true where that is a color table.
+/// Throws Error{source_rejected} on another array and on what is no part of the format; Error{io}
+bool read_behind_vtk_text(TextVoxels& voxels);
 
 }  // namespace octavo

@@ -10,23 +10,21 @@
 #include <cmath>
 #include <functional>
 
-#include <itkImage.h>
-#include <itkImageFileReader.h>
-#include <itkMetaImageIO.h>
-#include <itkNiftiImageIO.h>
-#include <itkNrrdImageIO.h>
-
 #include "support/built_file.h"
 #include "support/memory_reader.h"
 #include "support/memory_storage.h"
+#include "support/volume_readers.h"
 #include "support/voxel_numbers.h"
 
 namespace octavo {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::ReadVolume;
 using testing::ScratchFolder;
 using testing::Volume;
+using testing::VolumeReader;
+using testing::volume_readers;
 
 Geometry oblique_geometry() {
   Geometry geometry;
@@ -61,57 +59,6 @@ Volume make_volume(VoxelType type, const Size3& size, const Rescale& rescale = {
   return volume;
 }
 
-struct ReadBack {
-  Size3 size;
-  Geometry geometry;
-  std::vector<double> values;
-  itk::IOComponentEnum type = itk::IOComponentEnum::UNKNOWNCOMPONENTTYPE;
-};
-
-itk::IOComponentEnum itk_type(VoxelType type) {
-  switch (type) {
-    case VoxelType::int8: return itk::IOComponentEnum::CHAR;
-    case VoxelType::uint8: return itk::IOComponentEnum::UCHAR;
-    case VoxelType::int16: return itk::IOComponentEnum::SHORT;
-    case VoxelType::uint16: return itk::IOComponentEnum::USHORT;
-    case VoxelType::int32: return itk::IOComponentEnum::INT;
-    case VoxelType::uint32: return itk::IOComponentEnum::UINT;
-    case VoxelType::float32: return itk::IOComponentEnum::FLOAT;
-  }
-  return itk::IOComponentEnum::UNKNOWNCOMPONENTTYPE;
-}
-
-itk::ImageIOBase::Pointer image_io_for(const std::string& path) {
-  if (path.ends_with(".nrrd")) return itk::NrrdImageIO::New().GetPointer();
-  if (path.ends_with(".mha") || path.ends_with(".mhd")) {
-    return itk::MetaImageIO::New().GetPointer();
-  }
-  return itk::NiftiImageIO::New().GetPointer();
-}
-
-ReadBack read_with_itk(const std::string& path) {
-  using Image = itk::Image<double, 3>;
-  const auto reader = itk::ImageFileReader<Image>::New();
-  const auto io = image_io_for(path);
-  reader->SetImageIO(io);
-  reader->SetFileName(path);
-  reader->Update();
-  const Image* const image = reader->GetOutput();
-  ReadBack result;
-  result.type = io->GetComponentType();
-  const auto size = image->GetLargestPossibleRegion().GetSize();
-  for (unsigned a = 0; a < 3; ++a) {
-    result.size[static_cast<int>(a)] = static_cast<std::int64_t>(size[a]);
-    result.geometry.origin_mm[a] = image->GetOrigin()[a];
-    result.geometry.spacing_mm[a] = image->GetSpacing()[a];
-    for (unsigned b = 0; b < 3; ++b)
-      result.geometry.direction[a * 3 + b] = image->GetDirection()[a][b];
-  }
-  const double* const values = image->GetBufferPointer();
-  result.values.assign(values, values + result.size.voxel_count());
-  return result;
-}
-
 VoxelType tiff_type(int format, int bits) {
   if (format == SAMPLEFORMAT_IEEEFP) return VoxelType::float32;
   const bool is_signed = format == SAMPLEFORMAT_INT;
@@ -120,8 +67,8 @@ VoxelType tiff_type(int format, int bits) {
   return is_signed ? VoxelType::int32 : VoxelType::uint32;
 }
 
-ReadBack read_with_libtiff(const std::vector<std::string>& files) {
-  ReadBack result;
+ReadVolume read_with_libtiff(const std::vector<std::string>& files) {
+  ReadVolume result;
   for (const std::string& path : files) {
     TIFF* const tiff = TIFFOpen(path.c_str(), "r");
     if (tiff == nullptr) throw std::runtime_error("no TIFF: " + path);
@@ -196,7 +143,7 @@ struct Built {
 constexpr VoxelType kTypes[] = {VoxelType::int8,   VoxelType::uint8, VoxelType::int16,
                                 VoxelType::uint16, VoxelType::int32, VoxelType::uint32,
                                 VoxelType::float32};
-const std::string kItkNames[] = {"a.nrrd", "a.nii", "a.nii.gz", "a.mha", "a.mhd"};
+const std::string kVolumeNames[] = {"a.nrrd", "a.nii", "a.nii.gz", "a.mha", "a.mhd"};
 
 ErrorKind kind_of(const std::function<void()>& work) {
   try {
@@ -207,19 +154,22 @@ ErrorKind kind_of(const std::function<void()>& work) {
   return ErrorKind::internal;
 }
 
-TEST(Export, ItkReadsTheSameValuesAndGeometryForEveryTypeAndFormat) {
+TEST(Export, EveryReaderFindsTheSameValuesAndGeometryForEveryTypeAndFormat) {
   for (const VoxelType type : kTypes) {
     Built built(make_volume(type, {37, 21, 70}), {0, 127});
-    for (const std::string& name : kItkNames) {
+    for (const std::string& name : kVolumeNames) {
       SCOPED_TRACE(name + " " + std::string(voxel_type_name(type)));
       const ExportResult result = built.export_as(name);
       EXPECT_TRUE(result.real_units);
       EXPECT_EQ(result.type, type);
-      const ReadBack found = read_with_itk(built.folder.file(name));
-      EXPECT_EQ(found.type, itk_type(type));
-      EXPECT_EQ(found.size, built.volume.description.size);
-      EXPECT_EQ(found.values, testing::as_numbers(built.volume.voxels, type));
-      expect_geometry(found.geometry, built.volume.description.geometry, tolerance_of(name));
+      for (const VolumeReader& reader : volume_readers()) {
+        SCOPED_TRACE(reader.name);
+        const ReadVolume found = reader.read(built.folder.file(name));
+        EXPECT_EQ(found.type, type);
+        EXPECT_EQ(found.size, built.volume.description.size);
+        EXPECT_EQ(found.values, testing::as_numbers(built.volume.voxels, type));
+        expect_geometry(found.geometry, built.volume.description.geometry, tolerance_of(name));
+      }
     }
   }
 }
@@ -231,7 +181,7 @@ TEST(Export, LibtiffReadsTheSameValuesFromPagesAndFolders) {
       SCOPED_TRACE(name + " " + std::string(voxel_type_name(type)));
       const ExportResult result = built.export_as(name);
       EXPECT_EQ(result.files.size(), name == "a.tif" ? 1u : 70u);
-      const ReadBack found = read_with_libtiff(result.files);
+      const ReadVolume found = read_with_libtiff(result.files);
       EXPECT_EQ(found.size, built.volume.description.size);
       EXPECT_EQ(found.values, testing::as_numbers(built.volume.voxels, type));
       EXPECT_NEAR(found.geometry.spacing_mm[0], 0.7, 1e-6);
@@ -256,18 +206,21 @@ TEST(Export, BoxesAtLevelsLieWhereTheirVoxelsLie) {
     const Size3 size = built.reader->levels().size(level);
     options.box = Box{{size.x / 3, size.y / 2, size.z / 4}, {size.x, size.y, (size.z * 3 + 3) / 4}};
     options.overwrite = true;
-    for (const std::string& name : kItkNames) {
+    for (const std::string& name : kVolumeNames) {
       SCOPED_TRACE(name + " level " + std::to_string(level));
       built.export_as(name, options);
-      const ReadBack found = read_with_itk(built.folder.file(name));
-      EXPECT_EQ(found.size, options.box->size());
-      EXPECT_EQ(found.values,
-                testing::as_numbers(testing::read_box(*built.reader, *options.box, level),
-                                    VoxelType::int16));
       const Geometry expected =
           cropped(built.reader->levels().geometry(built.volume.description.geometry, level),
                   options.box->lo);
-      expect_geometry(found.geometry, expected, tolerance_of(name) * 64);
+      const std::vector<double> values = testing::as_numbers(
+          testing::read_box(*built.reader, *options.box, level), VoxelType::int16);
+      for (const VolumeReader& reader : volume_readers()) {
+        SCOPED_TRACE(reader.name);
+        const ReadVolume found = reader.read(built.folder.file(name));
+        EXPECT_EQ(found.size, options.box->size());
+        EXPECT_EQ(found.values, values);
+        expect_geometry(found.geometry, expected, tolerance_of(name) * 64);
+      }
     }
   }
 }
@@ -282,20 +235,32 @@ TEST(Export, WhereNoPlaceIsKnownNiftiAndNrrdClaimNone) {
   built.export_as("a.nii", options);
   const std::string header = testing::bytes_of_file(built.folder.file("a.nii")).substr(252, 4);
   EXPECT_EQ(header, std::string(4, '\0')) << "the codes of qform and sform";
-  EXPECT_EQ(read_with_itk(built.folder.file("a.nii")).geometry.spacing_mm, (Point3{0.5, 1, 2}));
   built.export_as("a.nrrd", options);
   EXPECT_EQ(testing::bytes_of_file(built.folder.file("a.nrrd")).find("space"), std::string::npos);
-  const ReadBack found = read_with_itk(built.folder.file("a.nrrd"));
-  EXPECT_EQ(found.geometry.spacing_mm, (Point3{0.5, 1, 2}));
-  EXPECT_EQ(found.geometry.origin_mm, (Point3{2, 2, 2}));
-  EXPECT_EQ(found.values, testing::as_numbers(testing::read_box(*built.reader, *options.box, 0),
-                                              VoxelType::int16));
+  for (const VolumeReader& reader : volume_readers()) {
+    SCOPED_TRACE(reader.name);
+    EXPECT_EQ(reader.read_geometry(built.folder.file("a.nii")).spacing_mm, (Point3{0.5, 1, 2}));
+    const ReadVolume found = reader.read(built.folder.file("a.nrrd"));
+    EXPECT_EQ(found.geometry.spacing_mm, (Point3{0.5, 1, 2}));
+    EXPECT_EQ(found.geometry.origin_mm, (Point3{2, 2, 2}));
+    EXPECT_EQ(found.values, testing::as_numbers(testing::read_box(*built.reader, *options.box, 0),
+                                                VoxelType::int16));
+  }
 }
 
 TEST(Export, AVoxelOutsideTheDeclaredRangeIsDamage) {
   Built built(make_volume(VoxelType::int16, {9, 9, 9}, {1000, 0}), {0, 3});
   EXPECT_EQ(kind_of([&] { built.export_as("a.nrrd"); }), ErrorKind::corrupt);
   EXPECT_EQ(built.entry_count(), 0u);
+}
+
+/// By every reader; `rescaled` by those that know every rescale.
+void expect_values(const std::string& path, const std::vector<double>& values,
+                   const std::vector<double>& rescaled) {
+  for (const VolumeReader& reader : volume_readers()) {
+    EXPECT_EQ(reader.read(path).values, reader.knows_rescale ? rescaled : values)
+        << reader.name << " " << path;
+  }
 }
 
 struct RescaleCase {
@@ -330,11 +295,11 @@ TEST(Export, IntegerRescaleBecomesTheSmallestTypeThatHoldsIt) {
     EXPECT_EQ(nrrd.real_units, c.real_in_nrrd);
     EXPECT_EQ(nrrd.type, c.written);
     const auto stored = testing::as_numbers(built.volume.voxels, c.stored);
-    EXPECT_EQ(read_with_itk(built.folder.file("a.nrrd")).values, c.real_in_nrrd ? real : stored);
+    expect_values(built.folder.file("a.nrrd"), c.real_in_nrrd ? real : stored, real);
 
     const ExportResult nifti = built.export_as("a.nii");
     EXPECT_TRUE(nifti.real_units);
-    EXPECT_EQ(read_with_itk(built.folder.file("a.nii")).values, real);
+    expect_values(built.folder.file("a.nii"), real, real);
 
     ExportOptions keep;
     keep.stored = true;
@@ -342,7 +307,7 @@ TEST(Export, IntegerRescaleBecomesTheSmallestTypeThatHoldsIt) {
       const ExportResult result = built.export_as(name, keep);
       EXPECT_FALSE(result.real_units);
       EXPECT_EQ(result.type, c.stored);
-      EXPECT_EQ(read_with_itk(built.folder.file(name)).values, stored) << name;
+      expect_values(built.folder.file(name), stored, name == "s.nii" ? stored : real);
     }
   }
 }
@@ -367,8 +332,11 @@ TEST(Export, EveryAxisFlipAndOrderSurvivesInNifti) {
       }
       Built built(std::move(volume));
       built.export_as("a.nii");
-      expect_geometry(read_with_itk(built.folder.file("a.nii")).geometry,
-                      built.volume.description.geometry, 1e-5);
+      for (const VolumeReader& reader : volume_readers()) {
+        SCOPED_TRACE(reader.name);
+        expect_geometry(reader.read_geometry(built.folder.file("a.nii")),
+                        built.volume.description.geometry, 1e-5);
+      }
     }
   }
 }
@@ -534,8 +502,8 @@ TEST(Export, GzipBytesDoNotDependOnThreads) {
   built.export_as("three.nii.gz", three);
   EXPECT_EQ(testing::bytes_of_file(built.folder.file("one.nii.gz")),
             testing::bytes_of_file(built.folder.file("three.nii.gz")));
-  EXPECT_EQ(read_with_itk(built.folder.file("one.nii.gz")).values,
-            testing::as_numbers(built.volume.voxels, VoxelType::int16));
+  const auto values = testing::as_numbers(built.volume.voxels, VoxelType::int16);
+  expect_values(built.folder.file("one.nii.gz"), values, values);
 }
 
 }  // namespace

@@ -237,25 +237,6 @@ TEST(SourceVolume, MetaImagesThatAreNoScalarVolumeAreRefused) {
   }
 }
 
-TEST(SourceVolume, ItkFormatsAreLoadedWholeWithinTheMemoryAllowed) {
-  const TempFolder folder;
-  write_file(folder.file("a.vtk"),
-             "# vtk DataFile Version 3.0\nx\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS 4 3 "
-             "2\nSPACING 2 3 4\n"
-             "ORIGIN 1 2 3\nPOINT_DATA 24\nSCALARS s short 1\nLOOKUP_TABLE default\n" +
-                 bytes_of(kValues, true));
-  const auto source = open_source({folder.file("a.vtk")}, {});
-  EXPECT_EQ(source->resident_bytes(), 48U);
-  EXPECT_EQ(source->description().geometry.spacing_mm, (Point3{2, 3, 4}));
-  EXPECT_EQ(voxels_of(*source), bytes_of(kValues));
-  SourceOptions options;
-  options.max_memory_bytes = 40;
-  EXPECT_EQ(source_error({folder.file("a.vtk")}, options).kind(), ErrorKind::limit_exceeded);
-  const std::string whole = read_file(folder.file("a.vtk"));
-  write_file(folder.file("a.vtk"), whole.substr(0, whole.size() - 1));
-  EXPECT_EQ(source_error({folder.file("a.vtk")}).kind(), ErrorKind::source_rejected);
-}
-
 TEST(SourceVolume, AFolderWithOneVolumeIsThatVolume) {
   const TempFolder folder;
   write_file(folder.file("a.nii"), nifti_header({}) + bytes_of(kValues));

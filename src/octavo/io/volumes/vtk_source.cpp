@@ -1,0 +1,59 @@
+#include "octavo/io/volumes/vtk_source.h"
+
+#include <utility>
+
+#include "octavo/io/source/source_file.h"
+#include "octavo/io/source/streamed_source.h"
+#include "octavo/io/source/text_voxels.h"
+#include "octavo/io/volumes/vtk_header.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr const char* kColorTableLeftOut =
+    "the color table was left out; voxels are the stored numbers";
+
+class VtkTextSource final : public DescribedSource {
+ public:
+  VtkTextSource(SourceFacts facts, const std::string& path, const VtkHeader& header)
+      : DescribedSource(std::move(facts)), voxels_(path, header.voxel_offset) {}
+
+  void read_plane(std::span<std::byte> plane) override {
+    require_plane(plane);
+    const std::int64_t z = take_plane_index();
+    voxels_.read(description().type, plane);
+    if (z + 1 < description().size.z) return;
+    if (read_behind_vtk_text(voxels_)) warn(kColorTableLeftOut);
+  }
+
+ private:
+  TextVoxels voxels_;
+};
+
+}  // namespace
+
+std::unique_ptr<PlaneSource> open_vtk_source(const std::string& path,
+                                             const SourceOptions& options) {
+  const VtkHeader header = read_vtk_header(path);
+  SourceFacts facts;
+  facts.format = "VTK";
+  facts.description.type = header.type;
+  facts.description.size = header.size;
+  facts.description.geometry.origin_mm = header.origin_mm;
+  facts.spacing_known = header.spacing_mm.has_value();
+  if (header.spacing_mm) facts.description.geometry.spacing_mm = *header.spacing_mm;
+  if (header.has_color_table) facts.warnings.push_back(kColorTableLeftOut);
+  facts.identity.note("title", header.title);
+  settle(facts, options, path);
+  if (header.is_text) return std::make_unique<VtkTextSource>(std::move(facts), path, header);
+
+  VoxelRun run;
+  run.path = path;
+  run.start_offset = header.voxel_offset;
+  run.big_endian = true;
+  run.bytes_behind = header.bytes_behind;
+  return make_streamed_source(std::move(facts), run);
+}
+
+}  // namespace octavo

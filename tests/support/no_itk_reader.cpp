@@ -1,0 +1,7 @@
+#include "support/volume_readers.h"
+
+namespace octavo::testing {
+
+const VolumeReader* itk_reader() { return nullptr; }
+
+}  // namespace octavo::testing
