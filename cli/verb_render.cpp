@@ -124,9 +124,11 @@ struct Captions {
 
 void annotate(Picture& picture, const View& view, const RenderScene& scene,
               const Captions& captions) {
-  if (captions.has_scale_bar) draw_scale_bar(picture, view.pixel_mm);
-  if (captions.has_sides) draw_sides(picture, edge_letters(view));
-  if (captions.has_legend) draw_legend(picture, scene.legend());
+  Annotator writing(picture);
+  if (captions.has_scale_bar) writing.scale_bar(view.pixel_mm);
+  if (captions.has_sides && is_seen_from_a_side(view)) writing.sides(edge_letters(view));
+  if (captions.has_sides && !is_seen_from_a_side(view)) writing.axes(patient_axes(view));
+  if (captions.has_legend) writing.legend(Corner::top_left, scene.legend());
 }
 
 std::unique_ptr<PendingFile> pending_png(const Picture& picture, const std::string& path) {

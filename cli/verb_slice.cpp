@@ -10,6 +10,7 @@
 #include "common/cancel.h"
 #include "common/failure.h"
 #include "common/inputs.h"
+#include "common/masks.h"
 #include "common/options.h"
 #include "common/salvaging.h"
 #include "octavo/file/storage/pending_file.h"
@@ -42,7 +43,7 @@ struct Arguments {
   std::string mm;
   std::optional<std::int64_t> index;
   int level = 0;
-  std::int64_t least_side = SliceOptions{}.least_side;
+  std::int64_t minimum_side = SlicePictureOptions{}.minimum_side;
   bool no_scale_bar = false;
   bool no_sides = false;
   SalvageArguments salvage;
@@ -125,20 +126,25 @@ std::int64_t index_at_mm(const FileReader& reader, const Arguments& arguments, i
 DrawnSlice draw(const FileReader& reader, const Arguments& arguments, int axis,
                 const Context& context) {
   const VolumeDescription& d = reader.description();
-  SliceOptions options;
+  SlicePictureOptions options;
   options.axis = axis;
   options.level = arguments.level;
-  options.index = arguments.index.value_or(reader.levels().size(arguments.level)[axis] / 2);
+  options.indices = {
+      arguments.index.value_or(reader.levels().size(arguments.level)[axis] / 2)};
   if (!arguments.mm.empty()) {
     require_known_spacing(d, arguments.input, "--mm", "--index");
-    options.index = index_at_mm(reader, arguments, axis);
+    options.indices = {index_at_mm(reader, arguments, axis)};
   }
   options.window = asked_window(arguments, d);
-  options.scale_bar = !arguments.no_scale_bar && is_spacing_known(metadata_of(d));
-  options.sides = !arguments.no_sides && is_place_known(d);
-  options.least_side = arguments.least_side;
-  options.threads = context.threads;
-  return {arguments.output, axis, *options.index, render_slice(reader, options)};
+  options.captions.has_scale_bar = !arguments.no_scale_bar;
+  options.captions.has_sides = !arguments.no_sides;
+  options.captions.is_spacing_known = is_spacing_known(metadata_of(d));
+  options.captions.is_place_known = is_place_known(d);
+  options.captions.unit = unit_of(metadata_of(d));
+  options.minimum_side = arguments.minimum_side;
+  DrawnSlice drawn{arguments.output, axis, options.indices.front(), {}};
+  on_threads(context, [&] { drawn.slice = render_slice(reader, options); });
+  return drawn;
 }
 
 void write_png(const DrawnSlice& drawn, bool overwrite) {
@@ -267,7 +273,8 @@ void add_slice(CLI::App& app, Context& context) {
   verb.add_option("--window", arguments->window, "CENTER,WIDTH, a preset or auto")
       ->type_name("WINDOW")
       ->capture_default_str();
-  verb.add_option("--size", arguments->least_side, "Enlarge pictures smaller than this many pixels")
+  verb.add_option("--size", arguments->minimum_side,
+                  "Enlarge pictures smaller than this many pixels")
       ->type_name("N")
       ->check(whole_within(1, 8192))
       ->capture_default_str();

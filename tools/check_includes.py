@@ -72,6 +72,7 @@ LIBRARIES = {
     "GDCM": (re.compile(r"gdcm\w*\.h$"), {"io"}),
     "libtiff": (re.compile(r"tiff\w*\.h$"), {"io"}),
     "libpng": (re.compile(r"png\w*\.h$"), {"io", "render"}),
+    "FreeType": (re.compile(r"freetype/"), {"render"}),
     "zlib": (re.compile(r"zlib\.h$"), {"io", "render"}),
     "libcurl": (re.compile(r"curl/"), {"io"}),
     "oneTBB": (re.compile(r"(oneapi/)?tbb/"), set(MAY_INCLUDE) - {"core", "octree"}),

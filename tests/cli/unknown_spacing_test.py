@@ -83,7 +83,7 @@ class UnknownSpacing(cli_test.InFolder):
                 words = self.said(*arguments).stdout
                 self.assertNotIn(" mm", words)
                 self.assertNotIn("mm3", words)
-        self.assertIn(" pixels of 0.0769231 voxels (spacing not known), slice",
+        self.assertIn(" pixels of 0.0384615 voxels (spacing not known), slice",
                       self.said("slice", "v.8vo", "-o", "s.png", "-f").stdout)
         self.assertIn("voxel 1,1,1 of level 0 (spacing not known)\n",
                       self.said("probe", "v.8vo", "--at", "1,1,1").stdout)

@@ -1,126 +1,31 @@
 #include "octavo/render/annotation.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace octavo {
 
 namespace {
 
-constexpr std::int64_t kGlyphWidth = 5;
-constexpr std::int64_t kGlyphHeight = 7;
-constexpr std::int64_t kSmallestPicture = 64;
+constexpr std::int64_t kSmallestArea = 96;  // pixels of the shorter side
 constexpr Color kWhite = {255, 255, 255};
 constexpr Color kBlack = {0, 0, 0};
 
-struct Glyph {
-  char letter;
-  std::array<const char*, kGlyphHeight> rows;
-};
+bool is_top(Corner corner) { return corner == Corner::top_left || corner == Corner::top_right; }
 
-constexpr Glyph kGlyphs[] = {
-    {'0', {" ### ", "#   #", "#  ##", "# # #", "##  #", "#   #", " ### "}},
-    {'1', {"  #  ", " ##  ", "  #  ", "  #  ", "  #  ", "  #  ", " ### "}},
-    {'2', {" ### ", "#   #", "    #", "   # ", "  #  ", " #   ", "#####"}},
-    {'3', {" ### ", "#   #", "    #", "  ## ", "    #", "#   #", " ### "}},
-    {'4', {"   # ", "  ## ", " # # ", "#  # ", "#####", "   # ", "   # "}},
-    {'5', {"#####", "#    ", "#### ", "    #", "    #", "#   #", " ### "}},
-    {'6', {"  ## ", " #   ", "#    ", "#### ", "#   #", "#   #", " ### "}},
-    {'7', {"#####", "    #", "   # ", "  #  ", "  #  ", "  #  ", "  #  "}},
-    {'8', {" ### ", "#   #", "#   #", " ### ", "#   #", "#   #", " ### "}},
-    {'9', {" ### ", "#   #", "#   #", " ####", "    #", "   # ", " ##  "}},
-    {'+', {"     ", "  #  ", "  #  ", "#####", "  #  ", "  #  ", "     "}},
-    {'-', {"     ", "     ", "     ", "#####", "     ", "     ", "     "}},
-    {'.', {"     ", "     ", "     ", "     ", "     ", " ##  ", " ##  "}},
-    {':', {"     ", " ##  ", " ##  ", "     ", " ##  ", " ##  ", "     "}},
-    {'A', {" ### ", "#   #", "#   #", "#####", "#   #", "#   #", "#   #"}},
-    {'H', {"#   #", "#   #", "#   #", "#####", "#   #", "#   #", "#   #"}},
-    {'I', {" ### ", "  #  ", "  #  ", "  #  ", "  #  ", "  #  ", " ### "}},
-    {'L', {"#    ", "#    ", "#    ", "#    ", "#    ", "#    ", "#####"}},
-    {'P', {"#### ", "#   #", "#   #", "#### ", "#    ", "#    ", "#    "}},
-    {'R', {"#### ", "#   #", "#   #", "#### ", "# #  ", "#  # ", "#   #"}},
-    {'S', {" ####", "#    ", "#    ", " ### ", "    #", "    #", "#### "}},
-    {'U', {"#   #", "#   #", "#   #", "#   #", "#   #", "#   #", " ### "}},
-    {'a', {"     ", "     ", " ### ", "    #", " ####", "#   #", " ####"}},
-    {'b', {"#    ", "#    ", "#### ", "#   #", "#   #", "#   #", "#### "}},
-    {'c', {"     ", "     ", " ### ", "#    ", "#    ", "#   #", " ### "}},
-    {'d', {"    #", "    #", " ####", "#   #", "#   #", "#   #", " ####"}},
-    {'e', {"     ", "     ", " ### ", "#   #", "#####", "#    ", " ### "}},
-    {'f', {"  ## ", " #  #", " #   ", "###  ", " #   ", " #   ", " #   "}},
-    {'g', {"     ", " ####", "#   #", "#   #", " ####", "    #", " ### "}},
-    {'h', {"#    ", "#    ", "# ## ", "##  #", "#   #", "#   #", "#   #"}},
-    {'i', {"  #  ", "     ", " ##  ", "  #  ", "  #  ", "  #  ", " ### "}},
-    {'j', {"   # ", "     ", "  ## ", "   # ", "   # ", "#  # ", " ##  "}},
-    {'k', {"#    ", "#    ", "#  # ", "# #  ", "##   ", "# #  ", "#  # "}},
-    {'l', {" ##  ", "  #  ", "  #  ", "  #  ", "  #  ", "  #  ", " ### "}},
-    {'m', {"     ", "     ", "## # ", "# # #", "# # #", "# # #", "# # #"}},
-    {'n', {"     ", "     ", "#### ", "#   #", "#   #", "#   #", "#   #"}},
-    {'o', {"     ", "     ", " ### ", "#   #", "#   #", "#   #", " ### "}},
-    {'p', {"     ", "     ", "#### ", "#   #", "#### ", "#    ", "#    "}},
-    {'q', {"     ", "     ", " ## #", "#  ##", " ####", "    #", "    #"}},
-    {'r', {"     ", "     ", "# ## ", "##  #", "#    ", "#    ", "#    "}},
-    {'s', {"     ", "     ", " ### ", "#    ", " ### ", "    #", "#### "}},
-    {'t', {" #   ", " #   ", "###  ", " #   ", " #   ", " #  #", "  ## "}},
-    {'u', {"     ", "     ", "#   #", "#   #", "#   #", "#  ##", "## # "}},
-    {'v', {"     ", "     ", "#   #", "#   #", "#   #", " # # ", "  #  "}},
-    {'w', {"     ", "     ", "#   #", "#   #", "# # #", "# # #", " # # "}},
-    {'x', {"     ", "     ", "#   #", " # # ", "  #  ", " # # ", "#   #"}},
-    {'y', {"     ", "     ", "#   #", "#   #", " ####", "    #", " ### "}},
-    {'z', {"     ", "     ", "#####", "   # ", "  #  ", " #   ", "#####"}},
-};
-
-const Glyph* glyph_of(char letter) {
-  const auto found = std::find_if(std::begin(kGlyphs), std::end(kGlyphs),
-                                  [&](const Glyph& glyph) { return glyph.letter == letter; });
-  return found == std::end(kGlyphs) ? nullptr : found;
-}
-
-void fill(Picture& picture, std::int64_t x, std::int64_t y, std::int64_t width, std::int64_t height,
-          const Color& color) {
-  for (std::int64_t row = y; row < y + height; ++row) {
-    for (std::int64_t column = x; column < x + width; ++column) picture.set(column, row, color);
-  }
-}
-
-/// Draws the dots of a text, each grown by `margin` pixels on all sides.
-void draw_dots(Picture& picture, std::int64_t x, std::int64_t y, std::string_view text,
-               std::int64_t dot, std::int64_t margin, const Color& color) {
-  for (const char letter : text) {
-    if (const Glyph* const glyph = glyph_of(letter)) {
-      for (std::int64_t row = 0; row < kGlyphHeight; ++row) {
-        for (std::int64_t column = 0; column < kGlyphWidth; ++column) {
-          if (glyph->rows[static_cast<std::size_t>(row)][column] != '#') continue;
-          fill(picture, x + column * dot - margin, y + row * dot - margin, dot + 2 * margin,
-               dot + 2 * margin, color);
-        }
-      }
-    }
-    x += (kGlyphWidth + 1) * dot;
-  }
-}
-
-/// Pixels of a dot: letters keep about the same share of a picture of any size.
-std::int64_t dot_of(const Picture& picture) {
-  return std::max<std::int64_t>(1, std::min(picture.width, picture.height) / 256);
-}
-
-bool has_room(const Picture& picture) {
-  return std::min(picture.width, picture.height) >= kSmallestPicture;
-}
+bool is_left(Corner corner) { return corner == Corner::top_left || corner == Corner::bottom_left; }
 
 }  // namespace
 
-void draw_text(Picture& picture, std::int64_t x, std::int64_t y, std::string_view text,
-               std::int64_t dot) {
-  draw_dots(picture, x, y, text, dot, 1, kBlack);
-  draw_dots(picture, x, y, text, dot, 0, kWhite);
+double text_size_px(const PixelArea& area) {
+  const auto side = static_cast<double>(std::min(area.width, area.height));
+  return std::clamp(5 + side / 52, 11.0, 400.0);
 }
 
-double round_length_mm(double most_mm) {
-  const double power = std::pow(10.0, std::floor(std::log10(most_mm)));
+double round_length_mm(double maximum_mm) {
+  const double power = std::pow(10.0, std::floor(std::log10(maximum_mm)));
   for (const double step : {10.0, 5.0, 2.0}) {
-    if (step * power <= most_mm) return step * power;
+    if (step * power <= maximum_mm) return step * power;
   }
   return power;
 }
@@ -130,60 +35,181 @@ std::string length_text(double length_mm) {
     const char* name;
     double mm;
   };
-  constexpr Unit kUnits[] = {{" m", 1000}, {" mm", 1}, {" um", 1e-3}, {" nm", 1e-6}};
+  constexpr Unit kUnits[] = {{" m", 1000}, {" mm", 1}, {" \u00b5m", 1e-3}, {" nm", 1e-6}};
   const Unit* unit = std::find_if(std::begin(kUnits), std::end(kUnits) - 1,
                                   [&](const Unit& u) { return length_mm >= u.mm * (1 - 1e-9); });
   return std::to_string(std::llround(length_mm / unit->mm)) + unit->name;
 }
 
-void draw_scale_bar(Picture& picture, double pixel_mm) {
-  if (!has_room(picture)) return;
-  const std::int64_t dot = dot_of(picture);
-  const double length_mm = round_length_mm(pixel_mm * static_cast<double>(picture.width) / 4);
+Annotator::Annotator(Picture& picture)
+    : Annotator(picture, {0, 0, picture.width, picture.height}) {}
+
+Annotator::Annotator(Picture& picture, const PixelArea& area)
+    : Annotator(picture, area, text_size_px(area)) {}
+
+Annotator::Annotator(Picture& picture, const PixelArea& area, double text_px)
+    : picture_(picture),
+      area_(area),
+      small_(text_px),
+      large_(1.25 * text_px),
+      margin_(std::llround(text_px * 0.6)) {}
+
+bool Annotator::has_room() const { return std::min(area_.width, area_.height) >= kSmallestArea; }
+
+/// Rows that are left in a corner; the middle of the area belongs to the letters of the sides.
+std::int64_t Annotator::free_height(Corner corner) const {
+  const std::int64_t middle = area_.height / 2 - small_.line_height();
+  return middle - margin_ - used_[static_cast<std::size_t>(corner)];
+}
+
+/// Takes rows of a corner, and gives the first of them.
+std::int64_t Annotator::take(Corner corner, std::int64_t height) {
+  std::int64_t& used = used_[static_cast<std::size_t>(corner)];
+  const std::int64_t from_edge = margin_ + used;
+  used += height;
+  return is_top(corner) ? area_.y + from_edge : area_.y + area_.height - from_edge - height;
+}
+
+/// The first column of something so wide.
+std::int64_t Annotator::column(Corner corner, std::int64_t width) const {
+  return is_left(corner) ? area_.x + margin_ : area_.x + area_.width - margin_ - width;
+}
+
+void Annotator::box(const PixelArea& area, const Color& color) {
+  for (std::int64_t y = area.y; y < area.y + area.height; ++y) {
+    for (std::int64_t x = area.x; x < area.x + area.width; ++x) picture_.set(x, y, color);
+  }
+}
+
+void Annotator::scale_bar(double pixel_mm) {
+  if (!has_room()) return;
+  const double length_mm = round_length_mm(pixel_mm * static_cast<double>(area_.width) / 4);
   const std::int64_t length = std::max<std::int64_t>(1, std::llround(length_mm / pixel_mm));
-  const std::int64_t x = 6 * dot;
-  const std::int64_t y = picture.height - 8 * dot;
-  fill(picture, x - 1, y - 1, length + 2, 2 * dot + 2, kBlack);
-  fill(picture, x, y, length, 2 * dot, kWhite);
-  draw_text(picture, x, y - 10 * dot, length_text(length_mm), dot);
+  const std::int64_t thickness = std::max<std::int64_t>(2, small_.cap_height() / 4);
+  const std::int64_t edge = small_.outline();
+  const std::int64_t x = column(Corner::bottom_left, length);
+  const std::int64_t y = take(Corner::bottom_left, thickness);
+  box({x - edge, y - edge, length + 2 * edge, thickness + 2 * edge}, kBlack);
+  box({x, y, length, thickness}, kWhite);
+  const std::int64_t text_y = take(Corner::bottom_left, small_.line_height());
+  small_.draw(picture_, x, text_y + small_.line_height() / 8, length_text(length_mm));
 }
 
-void draw_sides(Picture& picture, const SliceOrientation& orientation) {
-  draw_sides(picture, {std::string(1, orientation.left), std::string(1, orientation.right),
-                       std::string(1, orientation.top), std::string(1, orientation.bottom)});
-}
-
-void draw_sides(Picture& picture, const EdgeLetters& letters) {
-  if (!has_room(picture)) return;
-  const std::int64_t dot = dot_of(picture);
-  const auto width_of = [&](const std::string& text) {
-    return (static_cast<std::int64_t>(text.size()) * (kGlyphWidth + 1) - 1) * dot;
-  };
+void Annotator::sides(const EdgeLetters& letters) {
+  if (!has_room()) return;
+  const std::int64_t cap = large_.cap_height();
   const auto centered = [&](const std::string& text) {
-    return (picture.width - width_of(text)) / 2;
+    return area_.x + (area_.width - large_.width(text)) / 2;
   };
-  const std::int64_t far_x = picture.width - width_of(letters.right) - 4 * dot;
-  const std::int64_t far_y = picture.height - (kGlyphHeight + 4) * dot;
-  const std::int64_t middle_y = (picture.height - kGlyphHeight * dot) / 2;
-  draw_text(picture, 4 * dot, middle_y, letters.left, dot);
-  draw_text(picture, far_x, middle_y, letters.right, dot);
-  draw_text(picture, centered(letters.top), 4 * dot, letters.top, dot);
-  draw_text(picture, centered(letters.bottom), far_y, letters.bottom, dot);
+  const std::int64_t middle_y = area_.y + (area_.height - cap) / 2;
+  const std::int64_t right_x = area_.x + area_.width - margin_ - large_.width(letters.right);
+  large_.draw(picture_, area_.x + margin_, middle_y, letters.left);
+  large_.draw(picture_, right_x, middle_y, letters.right);
+  large_.draw(picture_, centered(letters.top), area_.y + margin_, letters.top);
+  large_.draw(picture_, centered(letters.bottom), area_.y + area_.height - margin_ - cap,
+              letters.bottom);
 }
 
-void draw_legend(Picture& picture, std::span<const LegendRow> rows) {
-  if (!has_room(picture)) return;
-  const std::int64_t dot = dot_of(picture);
-  const std::int64_t pitch = (kGlyphHeight + 4) * dot;
-  const std::int64_t lowest = picture.height / 2 - 2 * pitch;  // above the letters at the left edge
-  std::int64_t y = 4 * dot;
-  for (const LegendRow& row : rows) {
-    if (y > lowest) return;
-    const std::int64_t side = kGlyphHeight * dot;
-    fill(picture, 4 * dot - 1, y - 1, side + 2, side + 2, kBlack);
-    fill(picture, 4 * dot, y, side, side, row.color);
-    draw_text(picture, 4 * dot + side + 3 * dot, y, row.text, dot);
-    y += pitch;
+void Annotator::lines(Corner corner, std::span<const std::string> texts) {
+  if (!has_room()) return;
+  // Beside the letter of a side at the middle of the edge.
+  const std::int64_t widest = area_.width / 2 - margin_ - 2 * large_.cap_height();
+  std::vector<std::string> fitted;
+  for (const std::string& text : texts) {
+    fitted.push_back(small_.fitted(text, widest));
+  }
+  // Lower corners fill from below.
+  if (!is_top(corner)) std::reverse(fitted.begin(), fitted.end());
+  for (const std::string& text : fitted) {
+    if (free_height(corner) < small_.line_height()) return;
+    const std::int64_t y = take(corner, small_.line_height());
+    // The capitals of the outermost line touch the margin.
+    const std::int64_t shift = is_top(corner) ? 0 : small_.line_height() - small_.cap_height();
+    small_.draw(picture_, column(corner, small_.width(text)), y + shift, text);
+  }
+}
+
+void Annotator::legend(Corner corner, std::span<const LegendRow> rows) {
+  if (!has_room() || rows.empty()) return;
+  const std::int64_t pitch = small_.line_height();
+  const std::int64_t side = small_.cap_height();
+  const std::int64_t gap = side / 2;
+  const std::int64_t room = std::max<std::int64_t>(0, free_height(corner) / pitch);
+  const auto fitting = static_cast<std::size_t>(room);
+  const std::size_t shown = rows.size() <= fitting ? rows.size() : fitting > 0 ? fitting - 1 : 0;
+  const std::int64_t widest = area_.width / 2 - margin_ - side - gap - 2 * large_.cap_height();
+  const std::int64_t edge = std::max<std::int64_t>(1, small_.outline() / 2);
+  for (const LegendRow& row : rows.first(shown)) {
+    const std::string text = small_.fitted(row.text, widest);
+    const std::int64_t x = column(corner, side + gap + small_.width(text));
+    const std::int64_t y = take(corner, pitch);
+    box({x - edge, y - edge, side + 2 * edge, side + 2 * edge}, kBlack);
+    box({x, y, side, side}, row.color);
+    small_.draw(picture_, x + side + gap, y, text);
+  }
+  if (shown == rows.size() || fitting == 0) return;
+  const std::string rest[] = {"+ " + std::to_string(rows.size() - shown) + " more"};
+  lines(corner, rest);
+}
+
+void Annotator::color_bar(Corner corner, std::span<const Color> colors,
+                          const std::array<std::string, 2>& ends) {
+  const std::int64_t pitch = small_.line_height();
+  const std::int64_t height = 5 * pitch;
+  if (!has_room() || colors.empty() || free_height(corner) < height) return;
+  const std::int64_t width = small_.cap_height();
+  const std::int64_t edge = std::max<std::int64_t>(1, small_.outline() / 2);
+  const std::int64_t x = column(corner, width);
+  const std::int64_t y = take(corner, height);
+  const std::int64_t bar = height - pitch / 2;
+  box({x - edge, y - edge, width + 2 * edge, bar + 2 * edge}, kBlack);
+  for (std::int64_t row = 0; row < bar; ++row) {
+    const auto count = static_cast<std::int64_t>(colors.size());
+    const auto at = static_cast<std::size_t>((bar - 1 - row) * count / bar);
+    box({x, y + row, width, 1}, colors[at]);
+  }
+  const auto text_x = [&](const std::string& text) {
+    return is_left(corner) ? x + width * 3 / 2 : x - width / 2 - small_.width(text);
+  };
+  small_.draw(picture_, text_x(ends[1]), y, ends[1]);
+  small_.draw(picture_, text_x(ends[0]), y + bar - small_.cap_height(), ends[0]);
+}
+
+void Annotator::axes(const std::array<ViewAxis, 3>& axes) {
+  if (!has_room()) return;
+  const auto arm = 3.2 * static_cast<double>(small_.cap_height());
+  const auto reach = static_cast<std::int64_t>(arm) + 2 * small_.cap_height();
+  const std::int64_t top = take(Corner::bottom_right, 2 * reach - margin_);
+  const std::int64_t middle_x = area_.x + area_.width - reach;
+  const std::int64_t middle_y = top + reach;
+  const PixelArea around{middle_x - reach, middle_y - reach, 2 * reach, 2 * reach};
+  const PixelPoint middle{static_cast<double>(middle_x), static_cast<double>(middle_y)};
+  const auto end_of = [&](const ViewAxis& axis, double length) {
+    return PixelPoint{middle.x + axis.right * length, middle.y - axis.up * length};
+  };
+
+  // Lines in a dark outline.
+  const double line = std::max(1.5, static_cast<double>(small_.cap_height()) / 6);
+  StrokeMask outlines(around, line + 2 * static_cast<double>(small_.outline()));
+  StrokeMask strokes(around, line);
+  for (const ViewAxis& axis : axes) {
+    const PixelPoint points[] = {middle, end_of(axis, arm)};
+    outlines.add(points);
+    strokes.add(points);
+  }
+  outlines.draw(picture_, kBlack);
+  strokes.draw(picture_, kWhite);
+
+  // Names beyond the ends; beside the middle where an axis points at the viewer.
+  const auto cap = static_cast<double>(small_.cap_height());
+  for (const ViewAxis& axis : axes) {
+    const double length = std::hypot(axis.right, axis.up);
+    const bool is_seen = length > 0.05;
+    const double right = is_seen ? axis.right / length : -0.7;
+    const double up = is_seen ? axis.up / length : -0.7;
+    const PixelPoint tip = end_of(axis, arm);
+    small_.draw(picture_, std::llround(tip.x + right * cap) - small_.width(axis.name) / 2,
+                std::llround(tip.y - up * cap) - small_.cap_height() / 2, axis.name);
   }
 }
 

@@ -1,36 +1,33 @@
-// Writing on pictures: a small font, the scale bar, the letters at the edges.
+// Writing on pictures: scale bar, sides of the patient, axes, lines of text, legends.
+//
+//     top left      lines and legends, downward       top right      the same
+//     bottom left   scale bar                         bottom right   lines, axes; upward
+//     edges         the patient's side at the middle of each
+//
+// What is written into a corner stands beside what was written there before, not over it; what has
+// no room is not written. Letters grow with the picture.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "octavo/render/lettering.h"
 #include "octavo/render/picture.h"
-#include "octavo/render/slice_orientation.h"
+#include "octavo/render/stroke.h"
 #include "octavo/render/view.h"
 
 namespace octavo {
 
-/// Draws text in white with a black outline, its upper left corner at (x, y). Letters are 5 x 7
-/// dots of `dot` pixels, 6 dots apart. Known are digits, small letters, some capitals and ". :+-".
-void draw_text(Picture& picture, std::int64_t x, std::int64_t y, std::string_view text,
-               std::int64_t dot);
-
 /// The length of a scale bar: the largest of 1, 2, 5 times a power of ten that is at most
-/// `most_mm`.
-double round_length_mm(double most_mm);
+/// `maximum_mm`.
+double round_length_mm(double maximum_mm);
 
-/// "50 mm", "200 um", "2 m".
+/// "50 mm", "200 µm", "2 m".
 std::string length_text(double length_mm);
-
-/// Draws a scale bar with its length at the lower left. Does nothing when the picture has no room
-/// for it.
-/// pixel_mm  side of a pixel
-void draw_scale_bar(Picture& picture, double pixel_mm);
-
-/// Draws the patient's sides at the four edges. Does nothing when the picture has no room for them.
-void draw_sides(Picture& picture, const SliceOrientation& orientation);
-void draw_sides(Picture& picture, const EdgeLetters& letters);
 
 /// What one color of a picture stands for.
 struct LegendRow {
@@ -38,7 +35,55 @@ struct LegendRow {
   std::string text;
 };
 
-/// Draws a square of each color with its text at the upper left, as many as have room.
-void draw_legend(Picture& picture, std::span<const LegendRow> rows);
+/// The size of letters on a picture, or a part of one: about the same share of any, and legible on
+/// a small one.
+double text_size_px(const PixelArea& area);
+
+enum class Corner { top_left, top_right, bottom_left, bottom_right };
+
+/// Writes on one picture, or on a part of it.
+class Annotator {
+ public:
+  /// `picture` must outlive this.
+  explicit Annotator(Picture& picture);
+  Annotator(Picture& picture, const PixelArea& area);
+  /// With letters of another size.
+  Annotator(Picture& picture, const PixelArea& area, double text_px);
+
+  /// Writes a scale bar with its length.
+  /// pixel_mm  side of a pixel
+  void scale_bar(double pixel_mm);
+
+  /// Writes the patient's sides at the four edges.
+  void sides(const EdgeLetters& letters);
+
+  /// Writes lines of text into a corner.
+  void lines(Corner corner, std::span<const std::string> texts);
+
+  /// Writes a square of each color with its text into a corner; where not all have room, how many
+  /// are not shown.
+  void legend(Corner corner, std::span<const LegendRow> rows);
+
+  /// Writes a bar of `colors`, from the lowest to the highest, with the texts of its ends.
+  void color_bar(Corner corner, std::span<const Color> colors,
+                 const std::array<std::string, 2>& ends);
+
+  /// Draws three axes from one point at the lower right, with their names at their ends.
+  void axes(const std::array<ViewAxis, 3>& axes);
+
+ private:
+  bool has_room() const;
+  std::int64_t free_height(Corner corner) const;
+  std::int64_t take(Corner corner, std::int64_t height);
+  std::int64_t column(Corner corner, std::int64_t width) const;
+  void box(const PixelArea& area, const Color& color);
+
+  Picture& picture_;
+  PixelArea area_;
+  Lettering small_;  // all lines
+  Lettering large_;  // the sides
+  std::int64_t margin_;
+  std::array<std::int64_t, 4> used_{};  // rows, by corner
+};
 
 }  // namespace octavo

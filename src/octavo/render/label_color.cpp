@@ -43,4 +43,13 @@ Color label_color(std::int64_t label) {
   return color_of_hue(hue, kShades[number % 3]);
 }
 
+Color label_color(const LabelNames& names, std::int64_t label) {
+  return names.color_of(label, label_color(label));
+}
+
+std::string label_text(const LabelNames& names, std::int64_t label) {
+  const std::string& name = names.name_of(label);
+  return name.empty() ? "label " + std::to_string(label) : name;
+}
+
 }  // namespace octavo

@@ -3,6 +3,7 @@
 #include <png.h>
 
 #include <algorithm>
+#include <cmath>
 #include <csetjmp>
 #include <string>
 
@@ -76,9 +77,27 @@ void Picture::set(std::int64_t x, std::int64_t y, const Color& color) {
   std::copy_n(color.begin(), channels, pixel);
 }
 
+void Picture::blend(std::int64_t x, std::int64_t y, const Color& color, double share) {
+  if (x < 0 || y < 0 || x >= width || y >= height) return;
+  std::uint8_t* const pixel = pixels.data() + (y * width + x) * channels;
+  for (int c = 0; c < channels; ++c) {
+    const double mixed = pixel[c] + (color[static_cast<std::size_t>(c)] - pixel[c]) * share;
+    pixel[c] = static_cast<std::uint8_t>(std::lround(std::clamp(mixed, 0.0, 255.0)));
+  }
+}
+
 Picture make_picture(std::int64_t width, std::int64_t height, int channels) {
   return {width, height, channels,
           std::vector<std::uint8_t>(static_cast<std::size_t>(width * height * channels))};
+}
+
+Picture in_colors(Picture picture) {
+  if (picture.channels == 3) return picture;
+  Picture result = make_picture(picture.width, picture.height, 3);
+  for (std::size_t i = 0; i < picture.pixels.size(); ++i) {
+    std::fill_n(result.pixels.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, picture.pixels[i]);
+  }
+  return result;
 }
 
 Bytes encode_png(const Picture& picture) {

@@ -20,10 +20,15 @@ struct Picture {
 
   /// Sets one pixel; outside the picture nothing happens. A grey picture takes the red of `color`.
   void set(std::int64_t x, std::int64_t y, const Color& color);
+  /// Mixes one pixel with `color`, whose share is 0 .. 1, in the same way.
+  void blend(std::int64_t x, std::int64_t y, const Color& color, double share);
 };
 
 /// A black picture.
 Picture make_picture(std::int64_t width, std::int64_t height, int channels);
+
+/// The same picture in three channels.
+Picture in_colors(Picture picture);
 
 /// The PNG file of a picture; the same pixels give the same bytes.
 /// Throws Error{invalid_argument} when size, channels and pixels do not fit together.

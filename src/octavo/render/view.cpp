@@ -110,23 +110,6 @@ std::array<int, 3> nearness_of(const std::array<Place, 3>& axes) {
   return signs;
 }
 
-/// The sides of the body in a direction, the nearest first.
-std::string letters_of(const Point3& direction) {
-  constexpr double kClear = 0.38;  // the sine of 22 degrees
-  std::array<std::size_t, 3> order = {0, 1, 2};
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    const double of_a = std::abs(direction[a]);
-    const double of_b = std::abs(direction[b]);
-    return of_a != of_b ? of_a > of_b : a < b;
-  });
-  std::string letters;
-  for (const std::size_t axis : order) {
-    if (!letters.empty() && std::abs(direction[axis]) < kClear) break;
-    letters += direction[axis] < 0 ? "RAI"[axis] : "LPS"[axis];
-  }
-  return letters;
-}
-
 }  // namespace
 
 Viewpoint viewpoint_along(const Geometry& geometry, const Point3& steps) {
@@ -143,16 +126,24 @@ Viewpoint viewpoint_along(const Geometry& geometry, const Point3& steps) {
 }
 
 std::optional<Viewpoint> find_viewpoint(std::string_view name) {
-  struct Named {
+  struct Side {
     std::string_view name;
-    Point3 toward;
+    std::size_t axis;
+    double sign;
   };
-  constexpr Named kNamed[] = {{"front", {0, -1, 0}}, {"back", {0, 1, 0}}, {"left", {1, 0, 0}},
-                              {"right", {-1, 0, 0}}, {"top", {0, 0, 1}},  {"bottom", {0, 0, -1}}};
-  for (const Named& named : kNamed) {
-    if (named.name == name) return upright(named.toward);
+  constexpr Side kSides[] = {{"right", 0, -1}, {"left", 0, 1},    {"front", 1, -1},
+                             {"back", 1, 1},   {"bottom", 2, -1}, {"top", 2, 1}};
+  Point3 toward{};
+  while (true) {
+    const std::size_t end = std::min(name.find('-'), name.size());
+    const auto side = std::find_if(std::begin(kSides), std::end(kSides), [&](const Side& one) {
+      return one.name == name.substr(0, end);
+    });
+    if (side == std::end(kSides) || toward[side->axis] != 0) return std::nullopt;
+    toward[side->axis] = side->sign;
+    if (end == name.size()) return upright(unit(toward));
+    name.remove_prefix(end + 1);
   }
-  return std::nullopt;
 }
 
 Viewpoint viewpoint_at(double azimuth_degrees, double elevation_degrees) {
@@ -234,9 +225,53 @@ View make_view(const Geometry& geometry, const Size3& size, const Box& shown,
   return view;
 }
 
+std::string side_letters(const Point3& direction) {
+  constexpr double kClear = 0.38;  // the sine of 22 degrees
+  std::array<std::size_t, 3> order = {0, 1, 2};
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    const double of_a = std::abs(direction[a]);
+    const double of_b = std::abs(direction[b]);
+    return of_a != of_b ? of_a > of_b : a < b;
+  });
+  std::string letters;
+  for (const std::size_t axis : order) {
+    if (!letters.empty() && std::abs(direction[axis]) < kClear) break;
+    letters += direction[axis] < 0 ? "RAI"[axis] : "LPS"[axis];
+  }
+  return letters;
+}
+
 EdgeLetters edge_letters(const View& view) {
-  return {letters_of(scaled(view.right, -1)), letters_of(view.right), letters_of(view.up),
-          letters_of(scaled(view.up, -1))};
+  return {side_letters(scaled(view.right, -1)), side_letters(view.right), side_letters(view.up),
+          side_letters(scaled(view.up, -1))};
+}
+
+bool is_seen_from_a_side(const View& view) {
+  const EdgeLetters letters = edge_letters(view);
+  return letters.left.size() == 1 && letters.top.size() == 1;
+}
+
+std::array<ViewAxis, 3> patient_axes(const View& view) {
+  std::array<ViewAxis, 3> axes;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double sign = view.toward[i] < -1e-9 ? -1 : 1;
+    axes[i] = {std::string(1, sign < 0 ? "RAI"[i] : "LPS"[i]), sign * view.right[i],
+               sign * view.up[i], sign * view.toward[i]};
+  }
+  return axes;
+}
+
+std::array<ViewAxis, 3> grid_axes(const View& view) {
+  std::array<ViewAxis, 3> axes;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Place& step = view.axes[i];
+    const auto x = static_cast<double>(step.x);
+    const auto y = static_cast<double>(step.y);
+    const auto depth = static_cast<double>(step.depth);
+    const double length = std::hypot(x, y, depth);
+    axes[i] = {std::string(1, "xyz"[i]), x / length, -y / length, depth / length};
+  }
+  return axes;
 }
 
 }  // namespace octavo

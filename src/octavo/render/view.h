@@ -34,12 +34,18 @@ struct Viewpoint {
   Point3 up = {0, 0, 1};       ///< unit vector, at a right angle to it, that is up in the picture
 };
 
-/// The viewer stands `steps` voxels along the index axes away from the object; {1, 1, 1} is that of
-/// the thesis. Up is towards the head, and to the front of the body when one looks along it.
+/// From where a picture is drawn when nothing else is asked for: the view (1, 1, 1) of the thesis,
+/// in the axes of the patient.
+inline constexpr std::string_view kUsualViewpoint = "left-front-top";
+
+/// The viewer stands `steps` voxels along the index axes away from the object. Up is towards the
+/// head, and to the front of the body when one looks along it.
 /// Throws Error{invalid_argument} when all steps are 0 or one is not finite.
 Viewpoint viewpoint_along(const Geometry& geometry, const Point3& steps);
 
-/// front, back, left, right, top or bottom: the side of the patient where the viewer stands.
+/// front, back, left, right, top or bottom: the side of the patient where the viewer stands. Sides
+/// of different axes may be joined by "-": "left-front-top" is as much to the left as it is to the
+/// front and above.
 std::optional<Viewpoint> find_viewpoint(std::string_view name);
 
 /// Azimuth 0 is the front, 90 the patient's left; elevation 90 is above the head. Degrees.
@@ -100,7 +106,7 @@ View make_view(const Geometry& geometry, const Size3& size, const Box& shown,
                const Viewpoint& viewpoint, const ViewFrame& frame);
 
 /// The patient's sides at the four edges of a picture: one letter of R L A P S I where the nearest
-/// side is clear, more where it is not, the nearest first ("RA").
+/// side is clear, more where it is not, the nearest first ("RA"); nothing where none is known.
 struct EdgeLetters {
   std::string left;
   std::string right;
@@ -111,5 +117,27 @@ struct EdgeLetters {
 };
 
 EdgeLetters edge_letters(const View& view);
+
+/// The sides of the body in a direction (LPS), as at an edge of a picture.
+std::string side_letters(const Point3& direction);
+
+/// Whether every edge has one letter: the picture is seen from a side of the patient, not from an
+/// edge or a corner.
+bool is_seen_from_a_side(const View& view);
+
+/// An axis as a picture has it: parts of a unit vector to its right, up, and towards the viewer.
+struct ViewAxis {
+  std::string name;
+  double right = 0;
+  double up = 0;
+  double toward = 0;
+};
+
+/// The three axes of the patient, each towards the side that is nearer to the viewer: L or R, A or
+/// P, S or I.
+std::array<ViewAxis, 3> patient_axes(const View& view);
+
+/// The three axes of the grid, the way its indices grow: x, y, z.
+std::array<ViewAxis, 3> grid_axes(const View& view);
 
 }  // namespace octavo

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <cstring>
+#include <utility>
 #include <vector>
 
 namespace octavo {
@@ -16,6 +17,7 @@ constexpr WindowPreset kPresets[] = {
 };
 
 constexpr double kIgnoredShare = 0.005;
+constexpr std::int64_t kMaximumSamples = std::int64_t{1} << 21;
 
 Window window_between(double low, double high) {
   const double width = high > low ? high - low : 1;
@@ -39,11 +41,8 @@ std::optional<Window> find_window_preset(std::string_view name) {
   return {};
 }
 
-Window robust_window(std::span<const double> values) {
-  std::vector<double> finite;
-  finite.reserve(values.size());
-  std::copy_if(values.begin(), values.end(), std::back_inserter(finite),
-               [](double v) { return std::isfinite(v); });
+Window robust_window(std::vector<double> finite) {
+  std::erase_if(finite, [](double v) { return !std::isfinite(v); });
   if (finite.empty()) return {};
   const auto [min, max] = std::minmax_element(finite.begin(), finite.end());
   const double whole_low = *min;
@@ -57,6 +56,27 @@ Window robust_window(std::span<const double> values) {
   const double low = at(kIgnoredShare);
   const double high = at(1 - kIgnoredShare);
   return high > low ? window_between(low, high) : window_between(whole_low, whole_high);
+}
+
+Window robust_window(const FileReader& reader) {
+  const Levels& levels = reader.levels();
+  int level = 0;
+  while (levels.size(level).voxel_count() > kMaximumSamples) ++level;
+  const Size3 size = levels.size(level);
+  const VoxelType type = reader.description().type;
+  const auto count = static_cast<std::size_t>(size.voxel_count());
+  std::vector<std::byte> samples(count * static_cast<std::size_t>(bytes_per_voxel(type)));
+  reader.read(box_of(size), level, samples.data());
+  std::vector<double> values(count);
+  with_voxel_type(type, [&](auto tag) {
+    using T = typename decltype(tag)::type;
+    for (std::size_t i = 0; i < count; ++i) {
+      T value;
+      std::memcpy(&value, samples.data() + i * sizeof value, sizeof value);
+      values[i] = static_cast<double>(value);
+    }
+  });
+  return robust_window(std::move(values));
 }
 
 }  // namespace octavo

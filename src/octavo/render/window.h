@@ -5,6 +5,9 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
+
+#include "octavo/file/reader.h"
 
 namespace octavo {
 
@@ -31,6 +34,10 @@ std::optional<Window> find_window_preset(std::string_view name);
 /// The window from the 0.5th to the 99.5th percentile of `values`, so that a few bright or dark
 /// voxels do not decide; the whole range where those two are equal. Values that are not finite do
 /// not count.
-Window robust_window(std::span<const double> values);
+Window robust_window(std::vector<double> values);
+
+/// The same of the stored values of a volume, as a level of at most 2^21 samples has them.
+/// Throws what the reader throws.
+Window robust_window(const FileReader& reader);
 
 }  // namespace octavo

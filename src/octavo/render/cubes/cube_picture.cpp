@@ -54,7 +54,7 @@ double brightness(const View& view, std::size_t axis) {
 class Scene {
  public:
   Scene(std::span<const PaintedMask> masks, const View& view, const CubeStyle& style)
-      : view_(view) {
+      : view_(view), depths_(view, style) {
     for (const PaintedMask& mask : masks) {
       trees_.push_back(mask.tree);
       colors_.push_back(packed(mask.color));
@@ -64,7 +64,6 @@ class Scene {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (view.nearness[axis] != 0) shades_[axis] = 256 * brightness(view, axis);
     }
-    set_depths(style);
   }
 
   const View& view() const { return view_; }
@@ -84,22 +83,9 @@ class Scene {
 
  private:
   std::uint32_t pixel(std::size_t mask, const Face& face, std::int64_t depth) const {
-    const double near = std::clamp(static_cast<double>(depth - farthest_) * per_depth_, 0.0, 1.0);
-    const double share = shades_[static_cast<std::size_t>(face.axis)] * (least_ + near * fade_);
+    const double near = depths_.nearness(static_cast<double>(depth));
+    const double share = shades_[static_cast<std::size_t>(face.axis)] * depths_.brightness(near);
     return dimmed(colors_[mask], static_cast<std::uint32_t>(share));
-  }
-
-  void set_depths(const CubeStyle& style) {
-    Place nearest = view_.place_of(style.shown.lo);
-    Place farthest = nearest;
-    for (int axis = 0; axis < 3; ++axis) {
-      const Place across = view_.axes[static_cast<std::size_t>(axis)] * style.shown.size()[axis];
-      (across.depth > 0 ? nearest : farthest).depth += across.depth;
-    }
-    farthest_ = farthest.depth;
-    per_depth_ = 1 / static_cast<double>(std::max<std::int64_t>(1, nearest.depth - farthest.depth));
-    fade_ = std::clamp(style.fade, 0.0, 1.0);
-    least_ = 1 - fade_;
   }
 
   View view_;
@@ -107,10 +93,7 @@ class Scene {
   std::vector<std::uint32_t> colors_;
   std::vector<CubeShape> shapes_;   ///< by level
   std::array<double, 3> shades_{};  ///< by axis, 256 is as bright as the mask's color
-  std::int64_t farthest_ = 0;
-  double per_depth_ = 0;
-  double least_ = 1;
-  double fade_ = 0;
+  DepthFade depths_;
 };
 
 /// Draws the leaves of a walk into some rows.
@@ -166,6 +149,22 @@ Picture draw(std::span<const PaintedMask> masks, const View& view, const CubeSty
 }
 
 }  // namespace
+
+DepthFade::DepthFade(const View& view, const CubeStyle& style)
+    : fade_(std::clamp(style.fade, 0.0, 1.0)) {
+  std::int64_t nearest = view.place_of(style.shown.lo).depth;
+  std::int64_t farthest = nearest;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Place across = view.axes[static_cast<std::size_t>(axis)] * style.shown.size()[axis];
+    (across.depth > 0 ? nearest : farthest) += across.depth;
+  }
+  farthest_ = static_cast<double>(farthest);
+  per_depth_ = 1 / static_cast<double>(std::max<std::int64_t>(1, nearest - farthest));
+}
+
+double DepthFade::nearness(double depth) const {
+  return std::clamp((depth - farthest_) * per_depth_, 0.0, 1.0);
+}
 
 Picture draw_cubes(std::span<const PaintedMask> masks, const View& view, const CubeStyle& style) {
   return draw<PixelRows&>(masks, view, style, WalkOrder::farthest_first);

@@ -22,6 +22,22 @@ struct CubeStyle {
   Box shown;
 };
 
+/// Darkens what is far.
+class DepthFade {
+ public:
+  DepthFade(const View& view, const CubeStyle& style);
+
+  /// 0 at the far end of what is shown, 1 at the near one.
+  double nearness(double depth) const;
+  /// The share of its brightness that a place keeps.
+  double brightness(double nearness) const { return 1 - fade_ + nearness * fade_; }
+
+ private:
+  double farthest_ = 0;
+  double per_depth_ = 0;
+  double fade_ = 0;
+};
+
 /// Draws the leaves of masks from the farthest to the nearest: three channels. The masks lie on
 /// the grid of the view and do not overlap. Uses the threads of the calling task arena; the picture
 /// does not depend on their number.

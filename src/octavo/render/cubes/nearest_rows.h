@@ -39,17 +39,21 @@ class NearestRows {
     return true;
   }
 
-  /// Gives the pixels of a face of the cube at `corner` that none has taken a color.
-  void fill(const Face& face, const Place& corner, std::uint32_t pixel) {
+  /// Gives the pixels of a face of the cube at `corner` that none has taken a color; false where
+  /// all are taken.
+  bool fill(const Face& face, const Place& corner, std::uint32_t pixel) {
+    bool is_seen = false;
     rows_.for_each_run(face, corner, [&](std::int64_t y, std::int64_t left, std::int64_t right) {
       std::uint64_t* const taken = row(y);
       std::uint32_t* const to = rows_.row(y);
       for (std::int64_t word = left / 64; word * 64 < right; ++word) {
         std::uint64_t free = columns(word, left, right) & ~taken[word];
         taken[word] |= free;
+        is_seen |= free != 0;
         for (; free != 0; free &= free - 1) to[64 * word + std::countr_zero(free)] = pixel;
       }
     });
+    return is_seen;
   }
 
  private:

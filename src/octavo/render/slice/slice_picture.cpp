@@ -1,199 +1,261 @@
 #include "octavo/render/slice/slice_picture.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <map>
 #include <string>
+#include <utility>
 
 #include "octavo/core/error.h"
-#include "octavo/file/parallel_read.h"
 #include "octavo/render/annotation.h"
 #include "octavo/render/label_color.h"
+#include "octavo/render/numbers.h"
+#include "octavo/render/slice/montage.h"
+#include "octavo/render/slice/section_samples.h"
 
 namespace octavo {
 
 namespace {
 
-constexpr double kMostPixels = double(1 << 28);
+constexpr std::int64_t kMaximumPixels = std::int64_t{1} << 28;
 
-/// The samples of a slice as the picture has them: [down][across], unflipped.
-struct SliceSamples {
-  std::int64_t across = 0;
-  std::int64_t down = 0;
-  std::vector<double> values;  ///< stored values
-
-  double at(std::int64_t x, std::int64_t y) const {
-    return values[static_cast<std::size_t>(y * across + x)];
-  }
+/// What is drawn, and where: decided before anything is read.
+struct Plan {
+  Geometry geometry;                  // of the level
+  std::vector<std::int64_t> indices;  // none: an oblique section
+  std::vector<Section> sections;
+  MontageGrid grid;
 };
 
-[[noreturn]] void refuse(const std::string& what, std::int64_t value, std::int64_t end) {
-  throw Error(
-      ErrorKind::invalid_argument,
-      what + " " + std::to_string(value) + "; it must be between 0 and " + std::to_string(end - 1));
-}
-
-std::int64_t chosen_index(const FileReader& reader, const SliceOptions& options) {
-  if (options.axis < 0 || options.axis > 2) refuse("axis", options.axis, 3);
-  const Levels& levels = reader.levels();
-  if (options.level < 0 || options.level >= levels.count()) {
-    refuse("level", options.level, levels.count());
+void check(const FileReader& reader, const SlicePictureOptions& options) {
+  const int levels = reader.levels().count();
+  if (options.level < 0 || options.level >= levels) {
+    throw Error(ErrorKind::invalid_argument, "level " + std::to_string(options.level) +
+                                                 "; it must be between 0 and " +
+                                                 std::to_string(levels - 1));
   }
-  const std::int64_t end = levels.size(options.level)[options.axis];
-  const std::int64_t index = options.index.value_or(end / 2);
-  if (index < 0 || index >= end) refuse("slice", index, end);
   if (options.window && !(options.window->width > 0)) {
     throw Error(ErrorKind::invalid_argument, "the window's width must be greater than 0");
   }
-  return index;
+  if (options.columns < 1) {
+    throw Error(ErrorKind::invalid_argument, "a picture has one column at least");
+  }
 }
 
-template <class T>
-void gather(const std::vector<std::byte>& voxels, std::int64_t step_x, std::int64_t step_y,
-            SliceSamples& slice) {
-  for (std::int64_t y = 0; y < slice.down; ++y) {
-    for (std::int64_t x = 0; x < slice.across; ++x) {
-      T value;
-      const auto at = static_cast<std::size_t>(y * step_y + x * step_x) * sizeof(T);
-      std::memcpy(&value, voxels.data() + at, sizeof value);
-      slice.values[static_cast<std::size_t>(y * slice.across + x)] = static_cast<double>(value);
+Plan planned(const FileReader& reader, const SlicePictureOptions& options) {
+  check(reader, options);
+  Plan plan;
+  const Size3& size = reader.levels().size(options.level);
+  plan.geometry = reader.levels().geometry(reader.description().geometry, options.level);
+  if (options.plane) {
+    plan.sections.push_back(
+        oblique_section(plan.geometry, size, *options.plane, options.minimum_side));
+  } else {
+    plan.indices = options.indices;
+    if (plan.indices.empty() && options.axis >= 0 && options.axis < 3) {
+      plan.indices.push_back(size[options.axis] / 2);
+    }
+    for (const std::int64_t index : plan.indices) {
+      plan.sections.push_back(axis_section(plan.geometry, size, options.axis, index,
+                                           options.minimum_side / options.columns));
     }
   }
-}
-
-SliceSamples read_slice(const FileReader& reader, const SliceOptions& options, std::int64_t index,
-                        const SliceOrientation& orientation) {
-  Box box = box_of(reader.levels().size(options.level));
-  box.lo[options.axis] = index;
-  box.hi[options.axis] = index + 1;
-  const Size3 size = box.size();
-  const VoxelType type = reader.description().type;
-  const auto count = static_cast<std::size_t>(size.voxel_count());
-  std::vector<std::byte> voxels(count * static_cast<std::size_t>(bytes_per_voxel(type)));
-  read_parallel(reader, box, options.level, voxels.data(), options.threads);
-  SliceSamples slice;
-  slice.across = size[orientation.across];
-  slice.down = size[orientation.down];
-  slice.values.resize(count);
-  const Index3 step{1, size.x, size.x * size.y};
-  with_voxel_type(type, [&](auto tag) {
-    gather<typename decltype(tag)::type>(voxels, step[orientation.across], step[orientation.down],
-                                         slice);
-  });
-  return slice;
-}
-
-/// Where the pixels of one picture axis lie among the samples.
-struct PixelAxis {
-  std::int64_t samples = 1;
-  std::int64_t pixels = 1;
-  bool flips = false;
-
-  /// The fractional sample under the center of a pixel, inside [0, samples - 1].
-  double sample_at(std::int64_t pixel) const {
-    const std::int64_t along = flips ? pixels - 1 - pixel : pixel;
-    const double scale = static_cast<double>(samples) / static_cast<double>(pixels);
-    const double sample = (static_cast<double>(along) + 0.5) * scale - 0.5;
-    return std::clamp(sample, 0.0, static_cast<double>(samples - 1));
-  }
-
-  std::int64_t nearest_at(std::int64_t pixel) const {
-    const std::int64_t along = flips ? pixels - 1 - pixel : pixel;
-    return along * samples / pixels;
-  }
-};
-
-double interpolated(const SliceSamples& slice, double x, double y) {
-  const auto x0 = static_cast<std::int64_t>(x);
-  const auto y0 = static_cast<std::int64_t>(y);
-  const double fx = x - static_cast<double>(x0);
-  const double fy = y - static_cast<double>(y0);
-  const std::int64_t x1 = fx > 0 ? x0 + 1 : x0;
-  const std::int64_t y1 = fy > 0 ? y0 + 1 : y0;
-  const double upper = slice.at(x0, y0) + fx * (slice.at(x1, y0) - slice.at(x0, y0));
-  const double lower = slice.at(x0, y1) + fx * (slice.at(x1, y1) - slice.at(x0, y1));
-  return upper + fy * (lower - upper);
-}
-
-Picture draw_grey(const SliceSamples& slice, const PixelAxis& across, const PixelAxis& down,
-                  const Rescale& rescale, const Window& window) {
-  Picture picture = make_picture(across.pixels, down.pixels, 1);
-  std::size_t i = 0;
-  for (std::int64_t y = 0; y < picture.height; ++y) {
-    const double sample_y = down.sample_at(y);
-    for (std::int64_t x = 0; x < picture.width; ++x) {
-      const double stored = interpolated(slice, across.sample_at(x), sample_y);
-      picture.pixels[i++] = window.grey(rescale.to_real(stored));
-    }
-  }
-  return picture;
-}
-
-Picture draw_labels(const SliceSamples& slice, const PixelAxis& across, const PixelAxis& down) {
-  Picture picture = make_picture(across.pixels, down.pixels, 3);
-  for (std::int64_t y = 0; y < picture.height; ++y) {
-    for (std::int64_t x = 0; x < picture.width; ++x) {
-      const double label = slice.at(across.nearest_at(x), down.nearest_at(y));
-      picture.set(x, y, label_color(static_cast<std::int64_t>(label)));
-    }
-  }
-  return picture;
-}
-
-Window window_of(const SliceSamples& slice, const Rescale& rescale) {
-  std::vector<double> real(slice.values.size());
-  std::transform(slice.values.begin(), slice.values.end(), real.begin(),
-                 [&](double stored) { return rescale.to_real(stored); });
-  return robust_window(real);
-}
-
-/// The side of a square pixel: the finer spacing, divided so that the longer side has `least_side`
-/// pixels.
-double chosen_pixel_mm(double across_mm, double across_spacing, double down_mm, double down_spacing,
-                       std::int64_t least_side) {
-  const double finest = std::min(across_spacing, down_spacing);
-  const double longest = std::max(across_mm, down_mm) / finest;
-  const double enlargement = std::ceil(static_cast<double>(least_side) / longest);
-  return finest / std::max(1.0, enlargement);
-}
-
-}  // namespace
-
-SlicePicture render_slice(const FileReader& reader, const SliceOptions& options) {
-  const std::int64_t index = chosen_index(reader, options);
-  const VolumeDescription& description = reader.description();
-  const Geometry geometry = reader.levels().geometry(description.geometry, options.level);
-  SlicePicture result;
-  result.orientation = slice_orientation(geometry, options.axis);
-  const SliceOrientation& orientation = result.orientation;
-
-  // Size the picture before anything is read.
-  const Size3 size = reader.levels().size(options.level);
-  const double across_spacing = geometry.spacing_mm[static_cast<std::size_t>(orientation.across)];
-  const double down_spacing = geometry.spacing_mm[static_cast<std::size_t>(orientation.down)];
-  const double across_mm = across_spacing * static_cast<double>(size[orientation.across]);
-  const double down_mm = down_spacing * static_cast<double>(size[orientation.down]);
-  result.pixel_mm =
-      chosen_pixel_mm(across_mm, across_spacing, down_mm, down_spacing, options.least_side);
-  if (across_mm / result.pixel_mm * (down_mm / result.pixel_mm) > kMostPixels) {
+  if (plan.sections.empty()) throw Error(ErrorKind::invalid_argument, "there is no such axis");
+  plan.grid = montage_grid(static_cast<std::int64_t>(plan.sections.size()), options.columns,
+                           plan.sections.front().width, plan.sections.front().height);
+  const double pixels =
+      static_cast<double>(plan.grid.width()) * static_cast<double>(plan.grid.height());
+  if (pixels > static_cast<double>(kMaximumPixels)) {
     throw Error(ErrorKind::limit_exceeded,
                 "the picture would exceed 2^28 pixels; use a coarser level");
   }
-  const PixelAxis across{size[orientation.across], std::llround(across_mm / result.pixel_mm),
-                         orientation.flips_across};
-  const PixelAxis down{size[orientation.down], std::llround(down_mm / result.pixel_mm),
-                       orientation.flips_down};
+  return plan;
+}
 
-  const SliceSamples slice = read_slice(reader, options, index, orientation);
-  if (description.kind == VolumeKind::labels) {
-    result.picture = draw_labels(slice, across, down);
-  } else {
-    result.window = options.window ? *options.window : window_of(slice, description.rescale);
-    result.picture = draw_grey(slice, across, down, description.rescale, result.window);
+/// Draws the planned sections into one picture.
+class SlicePainter {
+ public:
+  SlicePainter(const FileReader& reader, const SlicePictureOptions& options, const Plan& plan)
+      : reader_(reader), options_(options), plan_(plan) {}
+
+  SlicePicture draw() {
+    SlicePicture result;
+    result.indices = plan_.indices;
+    result.pixel_mm = plan_.sections.front().pixel_mm;
+    result.letters = plan_.sections.front().letters;
+    const bool is_labels = reader_.description().kind == VolumeKind::labels;
+    const bool is_colored = is_labels || !options_.overlays.empty();
+
+    // Sample the volume.
+    std::vector<SectionSamples> samples;
+    for (const Section& section : plan_.sections) {
+      samples.push_back(sample_section(reader_, options_.level, section,
+                                       is_labels ? Interpolation::nearest : Interpolation::linear));
+      if (!is_labels) to_real(samples.back(), reader_.description().rescale);
+    }
+
+    // Draw it.
+    result.picture = make_picture(plan_.grid.width(), plan_.grid.height(), is_colored ? 3 : 1);
+    if (!is_labels) window_ = options_.window ? *options_.window : window_of(samples);
+    result.window = window_;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const PixelArea cell = plan_.grid.cell(static_cast<std::int64_t>(i));
+      if (is_labels) {
+        draw_labels(samples[i], cell, result.picture);
+      } else {
+        draw_grey(samples[i], cell, result.picture);
+      }
+    }
+    samples.clear();
+
+    // Draw the overlays above it.
+    for (const Overlay& overlay : options_.overlays) {
+      OverlayLegend& legend = overlay_legends_.emplace_back();
+      for (std::size_t i = 0; i < plan_.sections.size(); ++i) {
+        draw_overlay(result.picture, plan_.grid.cell(static_cast<std::int64_t>(i)),
+                     plan_.sections[i], overlay, legend);
+      }
+      result.overlay_pixels.push_back(legend.pixels);
+    }
+    write(result.picture);
+    return result;
   }
-  if (options.scale_bar) draw_scale_bar(result.picture, result.pixel_mm);
-  if (options.sides) draw_sides(result.picture, orientation);
-  return result;
+
+ private:
+  static Window window_of(const std::vector<SectionSamples>& samples) {
+    std::vector<double> all;
+    for (const SectionSamples& one : samples) {
+      all.insert(all.end(), one.values.begin(), one.values.end());
+    }
+    return robust_window(std::move(all));
+  }
+
+  void draw_grey(const SectionSamples& samples, const PixelArea& cell, Picture& picture) const {
+    tbb::parallel_for(std::int64_t{0}, samples.height, [&](std::int64_t y) {
+      for (std::int64_t x = 0; x < samples.width; ++x) {
+        const std::uint8_t grey = window_.grey(samples.at(x, y));
+        picture.set(cell.x + x, cell.y + y, {grey, grey, grey});
+      }
+    });
+  }
+
+  void draw_labels(const SectionSamples& samples, const PixelArea& cell, Picture& picture) {
+    for (std::int64_t y = 0; y < samples.height; ++y) {
+      for (std::int64_t x = 0; x < samples.width; ++x) {
+        const double value = samples.at(x, y);
+        if (std::isnan(value) || value == 0) continue;
+        const auto label = static_cast<std::int64_t>(value);
+        ++label_pixels_[label];
+        picture.set(cell.x + x, cell.y + y, label_color(options_.labels, label));
+      }
+    }
+  }
+
+  /// All that is written: position in each cell, the rest once.
+  void write(Picture& picture) const {
+    const SliceCaptions& captions = options_.captions;
+    const double text_px = text_size_px(plan_.grid.cell(0));
+    const bool is_single = plan_.sections.size() == 1;
+    Annotator whole(picture, {0, 0, picture.width, picture.height}, text_px);
+    for (std::size_t i = 0; i < plan_.sections.size(); ++i) {
+      Annotator cell(picture, plan_.grid.cell(static_cast<std::int64_t>(i)), text_px);
+      Annotator& writing = is_single ? whole : cell;
+      if (captions.has_notes) writing.lines(Corner::top_left, position_lines(i));
+      if (captions.has_sides && captions.is_place_known && i == 0) {
+        writing.sides(plan_.sections[i].letters);
+      }
+    }
+    if (captions.has_scale_bar && captions.is_spacing_known) {
+      whole.scale_bar(plan_.sections.front().pixel_mm);
+    }
+    if (captions.has_notes) whole.lines(Corner::bottom_right, window_lines());
+    if (captions.has_legend) write_legends(whole, is_single ? Corner::top_left : Corner::top_right);
+  }
+
+  std::vector<std::string> position_lines(std::size_t number) const {
+    std::vector<std::string> lines;
+    if (options_.plane) {
+      lines.push_back("through " + joined(options_.plane->point_mm, ", ") + " mm");
+      lines.push_back("normal " + joined(options_.plane->normal, ", "));
+    } else {
+      lines.push_back(slice_text(number));
+    }
+    if (options_.level > 0 && number == 0) {
+      lines.push_back("level " + std::to_string(options_.level));
+    }
+    return lines;
+  }
+
+  /// "z 54   S 80.5 mm"
+  std::string slice_text(std::size_t number) const {
+    const std::string text =
+        std::string(1, "xyz"[options_.axis]) + " " + std::to_string(plan_.indices[number]);
+    if (!options_.captions.is_spacing_known) return text;
+    // The middle of the slice, along the axis of the body that is nearest to its normal.
+    const Section& section = plan_.sections[number];
+    const Point3 middle = section.world.at(static_cast<double>(section.width - 1) / 2,
+                                           static_cast<double>(section.height - 1) / 2);
+    std::size_t row = 0;
+    for (std::size_t r = 1; r < 3; ++r) {
+      const auto column = static_cast<std::size_t>(options_.axis);
+      const auto& d = plan_.geometry.direction;
+      if (std::abs(d[3 * r + column]) > std::abs(d[3 * row + column])) row = r;
+    }
+    if (!options_.captions.is_place_known) return text + "   " + with_unit(middle[row], "mm");
+    const char side = middle[row] < 0 ? "RAI"[row] : "LPS"[row];
+    return text + "   " + side + " " + with_unit(std::abs(middle[row]), "mm");
+  }
+
+  std::vector<std::string> window_lines() const {
+    std::vector<std::string> lines;
+    if (reader_.description().kind == VolumeKind::grey) {
+      lines.push_back("C " + short_number(window_.center) + "  W " +
+                      with_unit(window_.width, options_.captions.unit));
+    }
+    if (options_.captions.is_spacing_known) {
+      lines.push_back(joined(plan_.geometry.spacing_mm, " \u00d7 ") + " mm");
+    }
+    return lines;
+  }
+
+  void write_legends(Annotator& writing, Corner corner) const {
+    std::vector<std::pair<std::int64_t, std::int64_t>> largest(label_pixels_.begin(),
+                                                               label_pixels_.end());
+    std::stable_sort(largest.begin(), largest.end(),
+                     [](const auto& a, const auto& b) { return a.second > b.second; });
+    std::vector<LegendRow> rows;
+    for (const auto& [label, count] : largest) {
+      rows.push_back({label_color(options_.labels, label), label_text(options_.labels, label)});
+    }
+    for (const OverlayLegend& legend : overlay_legends_) {
+      rows.insert(rows.end(), legend.rows.begin(), legend.rows.end());
+    }
+    for (const OverlayLegend& legend : overlay_legends_) {
+      if (!legend.scale.empty()) writing.color_bar(corner, legend.scale, legend.scale_ends);
+    }
+    writing.legend(corner, rows);
+  }
+
+  const FileReader& reader_;
+  const SlicePictureOptions& options_;
+  const Plan& plan_;
+  Window window_;
+  std::map<std::int64_t, std::int64_t> label_pixels_;
+  std::vector<OverlayLegend> overlay_legends_;
+};
+
+}  // namespace
+
+SlicePicture render_slice(const FileReader& reader, const SlicePictureOptions& options) {
+  const Plan plan = planned(reader, options);
+  return SlicePainter(reader, options, plan).draw();
+}
+
+std::int64_t slice_pixels(const FileReader& reader, const SlicePictureOptions& options) {
+  const Plan plan = planned(reader, options);
+  return plan.grid.width() * plan.grid.height();
 }
 
 }  // namespace octavo

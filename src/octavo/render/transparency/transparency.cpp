@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -17,7 +16,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kLightUnit = double(1 << 20);  // of a voxel with an opacity of 1
-constexpr std::int64_t kJudgedSamples = std::int64_t{1} << 21;
 
 double dot(const Point3& a, const Point3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -214,7 +212,7 @@ class SumDisplay {
       if (most > 0) lit.push_back(static_cast<double>(most) * unit_);
     }
     if (lit.empty()) return {0.5, 1};  // what is dark is black
-    const Window window = robust_window(lit);
+    const Window window = robust_window(std::move(lit));
     const double high = window.center + window.width / 2;
     const double low = sums_.channels == 1 ? window.center - window.width / 2 : 0;
     return high > low ? Window{(low + high) / 2, high - low} : window;
@@ -280,24 +278,8 @@ NearestLines nearest_lines(const Geometry& geometry, const Point3& toward) {
 }
 
 ValueRamp robust_ramp(const FileReader& reader, bool is_open) {
-  const Levels& levels = reader.levels();
-  int level = 0;
-  while (levels.size(level).voxel_count() > kJudgedSamples) ++level;
-  const Size3 size = levels.size(level);
   const VolumeDescription& volume = reader.description();
-  const auto count = static_cast<std::size_t>(size.voxel_count());
-  std::vector<std::byte> samples(count * static_cast<std::size_t>(bytes_per_voxel(volume.type)));
-  reader.read(box_of(size), level, samples.data());
-  std::vector<double> values(count);
-  with_voxel_type(volume.type, [&](auto id) {
-    using T = typename decltype(id)::type;
-    for (std::size_t i = 0; i < count; ++i) {
-      T value;
-      std::memcpy(&value, samples.data() + i * sizeof value, sizeof value);
-      values[i] = static_cast<double>(value);
-    }
-  });
-  const Window window = robust_window(values);
+  const Window window = robust_window(reader);
   ValueRamp ramp{window.center - window.width / 2, window.center + window.width / 2};
   if (is_open) {
     const auto [least, greatest] = std::minmax(

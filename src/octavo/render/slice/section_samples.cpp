@@ -1,0 +1,216 @@
+#include "octavo/render/slice/section_samples.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+
+#include "octavo/core/error.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::int64_t kTileSide = 64;
+constexpr double kBorderTolerance = 1e-6;  // voxels
+constexpr double kOutside = std::numeric_limits<double>::quiet_NaN();
+
+/// The cell of samples around a place, and where in it the place lies.
+struct Cell {
+  Index3 low;
+  Index3 high;
+  Point3 share{};
+};
+
+Index3 cell_of(const Index3& sample, const Size3& side) {
+  return {sample.x / side.x, sample.y / side.y, sample.z / side.z};
+}
+
+/// The samples that a tile needs, brick by brick.
+class TileSamples {
+ public:
+  TileSamples(const FileReader& reader, int level)
+      : reader_(reader), level_(level), side_(brick_side_at(reader.levels(), level)) {}
+
+  /// Asks for a sample before `load`.
+  void need(const Index3& sample) {
+    const Index3 brick = cell_of(sample, side_);
+    Box& box = blocks_[find(brick)].box;
+    for (int axis = 0; axis < 3; ++axis) {
+      box.lo[axis] = std::min(box.lo[axis], sample[axis]);
+      box.hi[axis] = std::max(box.hi[axis], sample[axis] + 1);
+    }
+  }
+
+  void load() {
+    const VoxelType type = reader_.description().type;
+    for (Block& block : blocks_) {
+      const auto count = static_cast<std::size_t>(block.box.size().voxel_count());
+      bytes_.resize(count * static_cast<std::size_t>(bytes_per_voxel(type)));
+      reader_.read(block.box, level_, bytes_.data());
+      block.values.resize(count);
+      with_voxel_type(type, [&](auto tag) { copy<typename decltype(tag)::type>(block.values); });
+    }
+  }
+
+  /// A sample that was asked for.
+  double at(const Index3& sample) {
+    const Block& block = blocks_[find(cell_of(sample, side_))];
+    const Size3 size = block.box.size();
+    return block.values[static_cast<std::size_t>(
+        ((sample.z - block.box.lo.z) * size.y + sample.y - block.box.lo.y) * size.x + sample.x -
+        block.box.lo.x)];
+  }
+
+ private:
+  struct Block {
+    Index3 brick;
+    Box box;
+    std::vector<double> values;
+  };
+
+  /// Neighboring pixels mostly lie in one brick.
+  std::size_t find(const Index3& brick) {
+    if (last_ < blocks_.size() && blocks_[last_].brick == brick) return last_;
+    for (last_ = 0; last_ < blocks_.size(); ++last_) {
+      if (blocks_[last_].brick == brick) return last_;
+    }
+    constexpr std::int64_t kFar = std::numeric_limits<std::int64_t>::max();
+    blocks_.push_back({brick, {{kFar, kFar, kFar}, {0, 0, 0}}, {}});
+    return last_;
+  }
+
+  template <class T>
+  void copy(std::vector<double>& values) const {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      T value;
+      std::memcpy(&value, bytes_.data() + i * sizeof value, sizeof value);
+      values[i] = static_cast<double>(value);
+    }
+  }
+
+  const FileReader& reader_;
+  int level_;
+  Size3 side_;
+  std::vector<Block> blocks_;
+  std::size_t last_ = 0;
+  std::vector<std::byte> bytes_;
+};
+
+/// One tile of a section.
+class Tile {
+ public:
+  Tile(const PixelMap& map, const Size3& size, Interpolation interpolation)
+      : map_(map), size_(size), interpolation_(interpolation) {}
+
+  /// Where a pixel lies; false outside the volume.
+  bool place(std::int64_t x, std::int64_t y, Cell& cell) const {
+    const Point3 index = map_.at(static_cast<double>(x), static_cast<double>(y));
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      const auto last = static_cast<double>(size_[axis] - 1);
+      const bool is_inside =
+          index[a] >= -0.5 - kBorderTolerance && index[a] <= last + 0.5 + kBorderTolerance;
+      if (!is_inside) return false;
+      const double inside = std::clamp(index[a], 0.0, last);
+      const double at = interpolation_ == Interpolation::nearest
+                            ? std::min(last, std::floor(inside + 0.5))
+                            : inside;
+      cell.low[axis] = static_cast<std::int64_t>(at);
+      cell.share[a] = at - std::floor(at);
+      cell.high[axis] = cell.low[axis] + (cell.share[a] > 0 ? 1 : 0);
+    }
+    return true;
+  }
+
+  template <class Visit>
+  static void for_each_corner(const Cell& cell, Visit visit) {
+    for (std::int64_t z = cell.low.z; z <= cell.high.z; ++z) {
+      for (std::int64_t y = cell.low.y; y <= cell.high.y; ++y) {
+        for (std::int64_t x = cell.low.x; x <= cell.high.x; ++x) visit(Index3{x, y, z});
+      }
+    }
+  }
+
+  static double interpolated(const Cell& cell, TileSamples& samples) {
+    std::array<double, 8> v{};
+    for (std::size_t i = 0; i < 8; ++i) {
+      v[i] = samples.at({(i & 1) != 0 ? cell.high.x : cell.low.x,
+                         (i & 2) != 0 ? cell.high.y : cell.low.y,
+                         (i & 4) != 0 ? cell.high.z : cell.low.z});
+    }
+    // A share of 0 must give the sample itself, also beside one that is not finite.
+    const auto mixed = [](double a, double b, double share) {
+      return share > 0 ? a + share * (b - a) : a;
+    };
+    for (std::size_t i = 0; i < 4; ++i) v[i] = mixed(v[2 * i], v[2 * i + 1], cell.share[0]);
+    for (std::size_t i = 0; i < 2; ++i) v[i] = mixed(v[2 * i], v[2 * i + 1], cell.share[1]);
+    return mixed(v[0], v[1], cell.share[2]);
+  }
+
+ private:
+  const PixelMap& map_;
+  Size3 size_;
+  Interpolation interpolation_;
+};
+
+}  // namespace
+
+SectionSamples sample_section(const FileReader& reader, int level, const Section& section,
+                              Interpolation interpolation) {
+  const Levels& levels = reader.levels();
+  if (level < 0 || level >= levels.count()) {
+    throw Error(ErrorKind::invalid_argument, "there is no level " + std::to_string(level));
+  }
+  const PixelMap map =
+      index_map(section.world, levels.geometry(reader.description().geometry, level));
+  SectionSamples result{section.width, section.height, {}};
+  result.values.resize(static_cast<std::size_t>(section.width * section.height), kOutside);
+  const Tile tile(map, levels.size(level), interpolation);
+  const std::int64_t columns = (section.width + kTileSide - 1) / kTileSide;
+  const std::int64_t rows = (section.height + kTileSide - 1) / kTileSide;
+  tbb::parallel_for(std::int64_t{0}, columns * rows, [&](std::int64_t number) {
+    const std::int64_t left = number % columns * kTileSide;
+    const std::int64_t top = number / columns * kTileSide;
+    const auto for_each_pixel = [&](auto visit) {
+      Cell cell;
+      for (std::int64_t y = top; y < std::min(top + kTileSide, section.height); ++y) {
+        for (std::int64_t x = left; x < std::min(left + kTileSide, section.width); ++x) {
+          if (tile.place(x, y, cell)) visit(x, y, cell);
+        }
+      }
+    };
+    TileSamples samples(reader, level);
+    for_each_pixel([&](std::int64_t, std::int64_t, const Cell& cell) {
+      Tile::for_each_corner(cell, [&](const Index3& sample) { samples.need(sample); });
+    });
+    samples.load();
+    for_each_pixel([&](std::int64_t x, std::int64_t y, const Cell& cell) {
+      result.values[static_cast<std::size_t>(y * section.width + x)] =
+          Tile::interpolated(cell, samples);
+    });
+  });
+  return result;
+}
+
+void to_real(SectionSamples& samples, const Rescale& rescale) {
+  if (rescale.is_identity()) return;
+  for (double& value : samples.values) value = rescale.to_real(value);
+}
+
+int level_for_pixels(const FileReader& reader, double pixel_mm) {
+  const Levels& levels = reader.levels();
+  int level = 0;
+  while (level + 1 < levels.count()) {
+    const Geometry next = levels.geometry(reader.description().geometry, level + 1);
+    if (*std::max_element(next.spacing_mm.begin(), next.spacing_mm.end()) > pixel_mm * 1.001) break;
+    ++level;
+  }
+  return level;
+}
+
+}  // namespace octavo

@@ -1,0 +1,258 @@
+#include "octavo/render/slice/section_samples.h"
+
+#include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+
+#include <cmath>
+#include <mutex>
+#include <optional>
+#include <random>
+#include <set>
+#include <tuple>
+
+#include "octavo/core/error.h"
+#include "support/built_file.h"
+
+namespace octavo {
+namespace {
+
+using Brick = std::tuple<std::int64_t, std::int64_t, std::int64_t>;
+
+/// A reader that notes the boxes it is asked for.
+class NotingReader final : public FileReader {
+ public:
+  explicit NotingReader(std::shared_ptr<const FileReader> inner) : inner_(std::move(inner)) {}
+
+  /// The bricks of a level that were read.
+  std::set<Brick> bricks(int level) const {
+    std::set<Brick> found;
+    for (const Box& box : boxes_) {
+      visit_cells(box, brick_side_at(levels(), level), [&](const Index3& b) {
+        found.insert({b.x, b.y, b.z});
+        return true;
+      });
+    }
+    return found;
+  }
+
+  const VolumeDescription& description() const override { return inner_->description(); }
+  const Levels& levels() const override { return inner_->levels(); }
+  std::uint64_t file_bytes() const override { return inner_->file_bytes(); }
+  std::uint64_t file_id() const override { return inner_->file_id(); }
+  const ByteSource& source() const override { return inner_->source(); }
+  std::string format_version() const override { return inner_->format_version(); }
+  ValueRange range() const override { return inner_->range(); }
+  double max_error() const override { return inner_->max_error(); }
+  double achieved_error() const override { return inner_->achieved_error(); }
+  LevelSummary level_summary(int level) const override { return inner_->level_summary(level); }
+  AxisOrder axis_order() const override { return inner_->axis_order(); }
+  BrickEntry brick(int tier, const Index3& at) const override { return inner_->brick(tier, at); }
+  void read_brick(const BrickEntry& entry, int level, void* out) const override {
+    inner_->read_brick(entry, level, out);
+  }
+  void read(const Box& box, int level, void* out) const override {
+    {
+      const std::lock_guard lock(mutex_);
+      boxes_.push_back(box);
+    }
+    inner_->read(box, level, out);
+  }
+  void read_strided(const Box& box, int level, void* out, std::int64_t row,
+                    std::int64_t plane) const override {
+    inner_->read_strided(box, level, out, row, plane);
+  }
+  Bytes thumbnail() const override { return inner_->thumbnail(); }
+  Bytes read_segment(const BrickEntry& entry, int level) const override {
+    return inner_->read_segment(entry, level);
+  }
+
+ private:
+  std::shared_ptr<const FileReader> inner_;
+  mutable std::mutex mutex_;
+  mutable std::vector<Box> boxes_;
+};
+
+constexpr Size3 kSize = {150, 140, 90};
+
+class SectionSampling : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    volume_.description.type = VoxelType::int16;
+    volume_.description.size = kSize;
+    Geometry& geometry = volume_.description.geometry;
+    geometry.origin_mm = {-60, 12, 8};
+    geometry.spacing_mm = {0.9, 0.7, 1.4};
+    const double c = std::cos(0.3), s = std::sin(0.3);
+    geometry.direction = {c, -s, 0, s, c, 0, 0, 0, 1};
+    std::mt19937 random(1);
+    const auto count = static_cast<std::size_t>(kSize.voxel_count());
+    volume_.voxels.resize(2 * count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto value = static_cast<std::int16_t>(random() % 5000);
+      std::memcpy(volume_.voxels.data() + 2 * i, &value, 2);
+    }
+    testing::build_volume(volume_, folder_.file("v.8vo"), 1);
+    reader_ = testing::open_file(folder_.file("v.8vo"));
+  }
+
+  Section section_of(const Point3& normal) const {
+    const Point3 middle = reader_->description().geometry.to_world({70, 71, 44});
+    return oblique_section(reader_->description().geometry, kSize, {middle, normal}, 1);
+  }
+
+  testing::ScratchFolder folder_;
+  testing::Volume volume_;
+  std::shared_ptr<FileReader> reader_;
+};
+
+/// A dense level and its geometry, interpolated in the plainest way.
+struct Dense {
+  Size3 size;
+  Geometry geometry;
+  std::vector<std::byte> voxels;
+
+  double at(std::int64_t x, std::int64_t y, std::int64_t z) const {
+    std::int16_t value;
+    std::memcpy(&value, voxels.data() + 2 * ((z * size.y + y) * size.x + x), 2);
+    return value;
+  }
+
+  /// Nothing outside.
+  std::optional<double> linear(const Point3& world) const {
+    const Point3 index = geometry.to_index(world);
+    std::int64_t low[3];
+    double share[3];
+    for (int a = 0; a < 3; ++a) {
+      double i = index[static_cast<std::size_t>(a)];
+      const auto last = static_cast<double>(size[a] - 1);
+      if (i < -0.5 || i > last + 0.5) return {};
+      i = std::min(std::max(i, 0.0), last);
+      low[a] = std::min(static_cast<std::int64_t>(i), std::max<std::int64_t>(0, size[a] - 2));
+      share[a] = i - static_cast<double>(low[a]);
+    }
+    double sum = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      double weight = 1;
+      std::int64_t at_corner[3];
+      for (int a = 0; a < 3; ++a) {
+        const int high = corner >> a & 1;
+        weight *= high != 0 ? share[a] : 1 - share[a];
+        at_corner[a] = std::min(low[a] + high, size[a] - 1);
+      }
+      sum += weight * at(at_corner[0], at_corner[1], at_corner[2]);
+    }
+    return sum;
+  }
+};
+
+Dense dense(const FileReader& reader, int level) {
+  const Size3 size = reader.levels().size(level);
+  return {size, reader.levels().geometry(reader.description().geometry, level),
+          testing::read_box(reader, box_of(size), level)};
+}
+
+TEST_F(SectionSampling, ObliqueSectionsAreThoseOfADenseVolume) {
+  for (const int level : {0, 1, 3}) {
+    const Dense volume = dense(*reader_, level);
+    for (const Point3& normal :
+         {Point3{1, 1, 1}, Point3{0.2, -1, 0.4}, Point3{0, 0.3, 1}, Point3{1, 0, 0}}) {
+      const Section section = section_of(normal);
+      const SectionSamples samples =
+          sample_section(*reader_, level, section, Interpolation::linear);
+      std::int64_t inside = 0, off = 0;
+      for (std::int64_t y = 0; y < section.height; ++y) {
+        for (std::int64_t x = 0; x < section.width; ++x) {
+          const auto expected =
+              volume.linear(section.world.at(static_cast<double>(x), static_cast<double>(y)));
+          if (!expected) {
+            // A pixel exactly at the border may fall to either side.
+            off += std::isnan(samples.at(x, y)) ? 0 : 1;
+            continue;
+          }
+          ++inside;
+          ASSERT_NEAR(samples.at(x, y), *expected, 1e-4);
+        }
+      }
+      EXPECT_GT(inside, 5000);
+      EXPECT_LT(off, 5);
+    }
+  }
+}
+
+TEST_F(SectionSampling, NearestSamplesAreSamples) {
+  const Dense volume = dense(*reader_, 0);
+  const Section section = section_of({1, -2, 3});
+  const SectionSamples samples = sample_section(*reader_, 0, section, Interpolation::nearest);
+  for (std::int64_t y = 0; y < section.height; ++y) {
+    for (std::int64_t x = 0; x < section.width; ++x) {
+      if (std::isnan(samples.at(x, y))) continue;
+      const Point3 index = volume.geometry.to_index(
+          section.world.at(static_cast<double>(x), static_cast<double>(y)));
+      std::int64_t nearest[3];
+      for (int a = 0; a < 3; ++a) {
+        nearest[a] = std::clamp<std::int64_t>(std::llround(index[static_cast<std::size_t>(a)]), 0,
+                                              kSize[a] - 1);
+      }
+      ASSERT_EQ(samples.at(x, y), volume.at(nearest[0], nearest[1], nearest[2]));
+    }
+  }
+}
+
+TEST_F(SectionSampling, OnlyBricksThatThePlaneMeetsAreRead) {
+  for (const Point3& normal : {Point3{1, 1, 1}, Point3{0.1, 0, 1}, Point3{1, -0.5, 0}}) {
+    const NotingReader noting(reader_);
+    const Section section = section_of(normal);
+    sample_section(noting, 0, section, Interpolation::linear);
+    // The bricks of all samples that some pixel lies between.
+    std::set<Brick> expected;
+    const PixelMap map = index_map(section.world, reader_->description().geometry);
+    for (std::int64_t y = 0; y < section.height; ++y) {
+      for (std::int64_t x = 0; x < section.width; ++x) {
+        const Point3 at = map.at(static_cast<double>(x), static_cast<double>(y));
+        bool is_inside = true;
+        Box cell;
+        for (int a = 0; a < 3; ++a) {
+          const double index = at[static_cast<std::size_t>(a)];
+          const auto last = static_cast<double>(kSize[a] - 1);
+          is_inside = is_inside && index >= -0.5 && index <= last + 0.5;
+          const double held = std::clamp(index, 0.0, last);
+          cell.lo[a] = static_cast<std::int64_t>(std::floor(held));
+          cell.hi[a] = static_cast<std::int64_t>(std::ceil(held)) + 1;
+        }
+        if (!is_inside) continue;
+        visit_cells(cell, brick_side_at(reader_->levels(), 0), [&](const Index3& b) {
+          expected.insert({b.x, b.y, b.z});
+          return true;
+        });
+      }
+    }
+    EXPECT_EQ(noting.bricks(0), expected);
+    EXPECT_LT(expected.size(), static_cast<std::size_t>(reader_->levels().brick_count(0)));
+  }
+}
+
+TEST_F(SectionSampling, ThreadsDoNotChangeTheSamples) {
+  const Section section = section_of({3, 2, 1});
+  std::vector<SectionSamples> found;
+  for (const int threads : {1, 2, 6}) {
+    tbb::task_arena(threads).execute(
+        [&] { found.push_back(sample_section(*reader_, 0, section, Interpolation::linear)); });
+  }
+  for (std::size_t i = 0; i < found[0].values.size(); ++i) {
+    for (const SectionSamples& other : found) {
+      const double a = found[0].values[i], b = other.values[i];
+      ASSERT_TRUE(a == b || (std::isnan(a) && std::isnan(b)));
+    }
+  }
+}
+
+TEST_F(SectionSampling, LevelsFollowThePixels) {
+  EXPECT_EQ(level_for_pixels(*reader_, 0.1), 0);
+  EXPECT_EQ(level_for_pixels(*reader_, 1.4), 0);
+  EXPECT_EQ(level_for_pixels(*reader_, 2.8), 1);
+  EXPECT_EQ(level_for_pixels(*reader_, 1e9), reader_->levels().count() - 1);
+  EXPECT_THROW(sample_section(*reader_, 99, section_of({0, 0, 1}), Interpolation::linear), Error);
+}
+
+}  // namespace
+}  // namespace octavo
