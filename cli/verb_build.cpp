@@ -1,14 +1,15 @@
 // octavo build: a scan in, one .8vo file out.
 #include <cmath>
-#include <filesystem>
 #include <memory>
 #include <optional>
 
-#include "common/building.h"
-#include "common/inputs.h"
+#include "common/failure.h"
 #include "common/isotropic_option.h"
-#include "common/label_hint.h"
 #include "common/options.h"
+#include "common/scan_arguments.h"
+#include "common/task_run.h"
+#include "octavo/tasks/files/build_scan.h"
+#include "text/built_words.h"
 #include "text/quantities.h"
 #include "verbs.h"
 
@@ -64,35 +65,8 @@ struct Arguments {
   std::string nan;
   std::string infinity;
   std::string isotropic;
-  SourceArguments source;
+  ScanArguments scan;
 };
-
-/// What was asked for, what the source says, what its name hints at: in this order.
-VolumeKind choose_kind(const Arguments& arguments, const VolumeDescription& description,
-                       const Context& context) {
-  if (arguments.labels) return VolumeKind::labels;
-  if (arguments.grey) return VolumeKind::grey;
-  if (description.kind == VolumeKind::labels) {
-    context.note(arguments.inputs.front() +
-                 ": the source says it holds labels: building as labels; --grey changes that");
-    return VolumeKind::labels;
-  }
-  if (const auto hint = label_hint(arguments.inputs.front(), description)) {
-    context.note(arguments.inputs.front() + ": looks like labels (" + *hint +
-                 "): building as labels; --grey changes that");
-    return VolumeKind::labels;
-  }
-  return VolumeKind::grey;
-}
-
-/// A build never replaces the scan it reads, not even with --force; an .8vo file may be built anew.
-void require_no_input(const std::string& output, const std::vector<std::string>& inputs) {
-  std::error_code none;
-  for (const std::string& input : inputs) {
-    if (is_octavo_path(input) || !std::filesystem::equivalent(output, input, none)) continue;
-    throw Error(ErrorKind::invalid_argument, "is the source itself; name another output", output);
-  }
-}
 
 std::optional<float> parse_float(const std::string& text, const std::string& what) {
   if (text.empty()) return std::nullopt;
@@ -101,8 +75,12 @@ std::optional<float> parse_float(const std::string& text, const std::string& wha
   throw Error(ErrorKind::invalid_argument, what + ": '" + escaped(text) + "' is beyond float32");
 }
 
-BuildOptions build_options(const Arguments& arguments) {
-  BuildOptions options;
+BuildScanOptions options_of(const Arguments& arguments, const Context& context) {
+  BuildScanOptions options;
+  options.inputs = arguments.inputs;
+  options.output = {arguments.output, context.force};
+  if (arguments.labels) options.kind = VolumeKind::labels;
+  if (arguments.grey) options.kind = VolumeKind::grey;
   options.preset = arguments.preset == "fast" ? Preset::fast : Preset::small;
   options.max_error = parse_number(arguments.max_error, "--max-error");
   if (options.max_error < 0) {
@@ -110,29 +88,16 @@ BuildOptions build_options(const Arguments& arguments) {
   }
   options.repair.nan = parse_float(arguments.nan, "--nan");
   options.repair.infinity = parse_float(arguments.infinity, "--inf");
+  options.between = isotropic_method(arguments.isotropic);
+  options.is_resuming = arguments.resume;
+  options.scan = scan_options(arguments.scan);
   return options;
 }
 
 int run_build(const Arguments& arguments, Context& context) {
-  BuildOptions options = build_options(arguments);
-  if (!arguments.output.ends_with(".8vo")) {
-    throw Error(ErrorKind::invalid_argument,
-                "a build writes .8vo files; export turns one into other formats",
-                arguments.output);
-  }
-  require_free_output(arguments.output, context);
-  require_no_input(arguments.output, arguments.inputs);
-  auto source = open_planes(arguments.inputs, arguments.source, context);
-  options.kind = choose_kind(arguments, source->description(), context);
-  if (arguments.resume) options.interrupted = Interrupted::resume;
-  try {
-    source = make_isotropic(arguments.inputs.front(), std::move(source), arguments.isotropic,
-                            options.kind, context);
-    return build_and_report(*source, options, arguments.output, context);
-  } catch (const Error& error) {
-    const bool names_nothing = error.kind() == ErrorKind::source_rejected && error.path().empty();
-    throw names_nothing ? error.with_path(arguments.inputs.front()) : error;
-  }
+  const BuiltVolume built = run_task(build_scan, options_of(arguments, context), context);
+  print_built(built, arguments.output, context);
+  return kExitDone;
 }
 
 }  // namespace
@@ -165,12 +130,12 @@ void add_build(CLI::App& app, Context& context) {
   verb.add_option("--inf", arguments->infinity,
                   "float32: what takes the place of +infinity; of -infinity its negative")
       ->type_name("VALUE");
-  verb.add_flag("--keep-identity", arguments->source.keep_identity,
+  verb.add_flag("--keep-identity", arguments->scan.keep_identity,
                 "Keep names, dates and free text of the source in the metadata");
   add_isotropic_option(verb, arguments->isotropic);
   verb.add_flag("--resume", arguments->resume,
                 "Continue an interrupted build of FILE, and keep this one if it is interrupted");
-  add_source_options(verb, arguments->source);
+  add_scan_options(verb, arguments->scan);
 }
 
 }  // namespace octavo::cli

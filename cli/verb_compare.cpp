@@ -1,15 +1,16 @@
 // octavo compare: are two volumes the same, in place and in every voxel?
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
-#include "common/inputs.h"
-#include "common/label_trees.h"
 #include "common/options.h"
-#include "common/plane_compare.h"
-#include "common/progress_line.h"
+#include "common/scan_arguments.h"
+#include "common/task_run.h"
+#include "octavo/tasks/files/compare.h"
+#include "text/comparison_words.h"
 #include "text/quantities.h"
 #include "verbs.h"
 
@@ -34,52 +35,54 @@ struct Arguments {
   std::string b;
   std::string max_error = "0";
   bool labels = false;
-  SourceArguments source;
+  ScanArguments scan;
 };
 
-std::string equal_text(const Comparison& c, const VolumeDescription& a,
-                       const VolumeDescription& b) {
-  std::string text =
-      fmt::format("the same: {}, {}", counted_text(c.voxels, "voxel"),
-                  c.is_real_units ? "real values compared" : "stored values compared");
-  if (c.max_difference > 0) {
-    text += fmt::format(", largest difference {}", number_text(c.max_difference));
+std::string difference_text(const Arguments& arguments, const CompareResult& result) {
+  std::string text = fmt::format("{} and {} differ\n", arguments.a, arguments.b);
+  for (const std::string& line : comparison_lines(result.comparison, result.a, result.b)) {
+    text += "  " + line + "\n";
   }
-  if (!c.is_same_type) {
-    text += fmt::format(", {} against {}", voxel_type_name(a.type), voxel_type_name(b.type));
-  }
-  if (!c.is_place_known) text += ", places not compared: a spacing is not known";
-  else if (c.shift_mm > 0) text += fmt::format(", places within {} mm", number_text(c.shift_mm));
   return text;
 }
 
-int run_compare(const Arguments& arguments, Context& context) {
+int run_volumes(const Arguments& arguments, Context& context) {
   const double max_error = parse_number(arguments.max_error, "--max-error");
-  require_scan_for_options({arguments.a, arguments.b}, arguments.source);
-  if (arguments.labels) {
-    return compare_labels(arguments.a, arguments.b, context) ? kExitDone : kExitDifferent;
-  }
-  const auto a = open_planes({arguments.a}, arguments.source, context, OptionsOf::any_source);
-  const auto b = open_planes({arguments.b}, arguments.source, context, OptionsOf::any_source);
-  Comparison result;
-  {
-    ProgressLine progress(context);
-    result = compare_volumes(
-        *a, *b, compared_tolerance(a->description(), b->description(), max_error), progress);
-  }
+  const CompareOptions options = {arguments.a, arguments.b, max_error,
+                                  scan_options(arguments.scan)};
+  const CompareResult result = run_task(compare_volumes, options, context);
+  const bool is_equal = result.comparison.is_equal();
   if (context.json) {
-    print_json(comparison_json(result));
-  } else if (!result.is_equal()) {
-    std::string text = fmt::format("{} and {} differ\n", arguments.a, arguments.b);
-    for (const std::string& line : comparison_lines(result, a->description(), b->description())) {
-      text += "  " + line + "\n";
-    }
-    print(text);
+    print_json(comparison_json(result.comparison));
+  } else if (!is_equal) {
+    print(difference_text(arguments, result));
   } else if (!context.quiet) {
-    print(fmt::format("{} and {} are {}\n", arguments.a, arguments.b,
-                      equal_text(result, a->description(), b->description())));
+    print(fmt::format("{} and {} are {}\n", arguments.a, arguments.b, equal_text(result)));
   }
-  return result.is_equal() ? kExitDone : kExitDifferent;
+  return is_equal ? kExitDone : kExitDifferent;
+}
+
+std::string labels_text(const Arguments& arguments, const CompareLabelsResult& result) {
+  const std::vector<LabelAgreement>& all = result.agreements;
+  const auto alike = std::count_if(all.begin(), all.end(),
+                                   [](const LabelAgreement& one) { return one.dice() == 1; });
+  const std::string text =
+      fmt::format("A = {}, B = {}: {} label{}, {} of them the same in both\n",
+                  escaped(arguments.a), escaped(arguments.b), all.size(),
+                  all.size() == 1 ? "" : "s", alike);
+  return all.empty() ? text : text + agreement_table(all);
+}
+
+int run_labels(const Arguments& arguments, Context& context) {
+  require_scan_for_options({arguments.a, arguments.b}, scan_options(arguments.scan));
+  const CompareLabelsOptions options = {arguments.a, arguments.b};
+  const CompareLabelsResult result = run_task(compare_labels, options, context);
+  if (context.json) {
+    print_json({{"equal", result.is_equal}, {"labels", agreements_json(result.agreements)}});
+  } else if (!context.quiet || !result.is_equal) {
+    print(labels_text(arguments, result));
+  }
+  return result.is_equal ? kExitDone : kExitDifferent;
 }
 
 }  // namespace
@@ -87,7 +90,10 @@ int run_compare(const Arguments& arguments, Context& context) {
 void add_compare(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
   Verb verb = add_verb(app, context, kText,
-                            [arguments, &context] { return run_compare(*arguments, context); });
+                       [arguments, &context] {
+                         return arguments->labels ? run_labels(*arguments, context)
+                                                  : run_volumes(*arguments, context);
+                       });
   verb.add_option("a", arguments->a, "The first volume")->type_name("VOLUME")->required();
   verb.add_option("b", arguments->b, "The second volume")->type_name("VOLUME")->required();
   Option labels =
@@ -97,7 +103,7 @@ void add_compare(CLI::App& app, Context& context) {
       ->type_name("E")
       ->capture_default_str()
       ->excludes(labels);
-  add_source_options(verb, arguments->source);
+  add_scan_options(verb, arguments->scan);
 }
 
 }  // namespace octavo::cli

@@ -1,12 +1,13 @@
 // octavo completion and manual: made from the option tree, so that they cannot fall behind it.
-#include <fmt/format.h>
-
-#include <CLI/CLI.hpp>
-
+#include <filesystem>
+#include <fstream>
 #include <memory>
 
 #include "common/failure.h"
+#include "common/option_tree.h"
 #include "common/options.h"
+#include "text/completion_scripts.h"
+#include "text/manual_pages.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -15,103 +16,62 @@ namespace {
 
 constexpr VerbText kCompletionText = {
     "completion", "Print a completion script for a shell.",
+    "Verbs, options and the values of options that have a list of them are completed, and files\n"
+    "elsewhere. Installing Octavo puts the scripts where the shells look for them.\n\n"
     "Examples:\n"
-    "  octavo completion bash > /etc/bash_completion.d/octavo\n"
-    "  eval \"$(octavo completion bash)\""};
+    "  eval \"$(octavo completion bash)\"\n"
+    "  octavo completion zsh > ~/.zfunc/_octavo\n"
+    "  octavo completion fish > ~/.config/fish/completions/octavo.fish"};
 
-constexpr VerbText kManualText = {"manual", "Print the manual page (roff).",
-                                  "Example:\n"
-                                  "  octavo manual | man -l -"};
+constexpr VerbText kManualText = {"manual", "Print a manual page (roff), or write all of them.",
+                                  "Without a verb the page of the program.\n\n"
+                                  "Examples:\n"
+                                  "  octavo manual | man -l -\n"
+                                  "  octavo manual build | man -l -\n"
+                                  "  octavo manual -o share/man/man1"};
 
-std::vector<const CLI::App*> verbs_of(const CLI::App& app) {
-  return app.get_subcommands([](const CLI::App*) { return true; });
+struct ManualArguments {
+  std::string verb;
+  std::string folder;
+};
+
+std::string script_for(const std::string& shell, const ProgramEntry& program) {
+  if (shell == "zsh") return zsh_completion(program);
+  if (shell == "fish") return fish_completion(program);
+  return bash_completion(program);
 }
 
-std::vector<const CLI::Option*> options_of(const CLI::App& verb) {
-  return verb.get_options([](const CLI::Option*) { return true; });
-}
-
-/// "--level", "-o", "--output": what can be typed for an option; nothing for a positional.
-std::vector<std::string> names_of(const CLI::Option& option) {
-  std::vector<std::string> names;
-  for (const std::string& name : option.get_snames()) names.push_back(fmt::format("-{}", name));
-  for (const std::string& name : option.get_lnames()) names.push_back(fmt::format("--{}", name));
-  return names;
-}
-
-std::string joined(const std::vector<std::string>& words, const std::string& separator) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : separator) + word;
-  return text;
-}
-
-std::string bash_script(const CLI::App& app) {
-  std::string cases;
-  std::vector<std::string> verb_names;
-  for (const CLI::App* verb : verbs_of(app)) {
-    verb_names.push_back(verb->get_name());
-    std::vector<std::string> words;
-    for (const CLI::Option* option : options_of(*verb)) {
-      for (const std::string& name : names_of(*option)) words.push_back(name);
-    }
-    cases += fmt::format("    {}) words='{}' ;;\n", verb->get_name(), joined(words, " "));
+void write_page(const std::filesystem::path& path, const std::string& text, bool overwrite) {
+  if (!overwrite && std::filesystem::exists(path)) {
+    throw Error(ErrorKind::io, "exists; use --force to replace it", path.string());
   }
-  return fmt::format(R"(# bash completion for octavo
-_octavo() {{
-  local current=${{COMP_WORDS[COMP_CWORD]}} words=''
-  case ${{COMP_WORDS[1]}} in
-{}  esac
-  if [ "$COMP_CWORD" -eq 1 ]; then
-    COMPREPLY=($(compgen -W '{}' -- "$current"))
-  elif [[ $current == -* ]]; then
-    COMPREPLY=($(compgen -W "$words" -- "$current"))
-  else
-    compopt -o filenames
-    COMPREPLY=($(compgen -f -- "$current"))
-  fi
-}}
-complete -F _octavo octavo
-)",
-                     cases, joined(verb_names, " "));
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file << text;
+  file.close();
+  if (!file) throw Error(ErrorKind::io, "the manual page could not be written", path.string());
 }
 
-/// Text as roff takes it: no line is mistaken for a request, hyphens stay hyphens.
-std::string roff(const std::string& text) {
-  std::string out;
-  bool at_line_start = true;
-  for (const char c : text) {
-    if (at_line_start && (c == '.' || c == '\'')) out += "\\&";
-    if (c == '\\') out += "\\e";
-    else if (c == '-') out += "\\-";
-    else out += c;
-    at_line_start = c == '\n';
+int write_pages(const ProgramEntry& program, const std::string& folder, const Context& context) {
+  const std::filesystem::path root(folder);
+  std::error_code problem;
+  std::filesystem::create_directories(root, problem);
+  if (problem) throw Error(ErrorKind::io, problem.message(), folder);
+  write_page(root / "octavo.1", program_page(program, OCTAVO_VERSION), context.force);
+  for (const VerbEntry& verb : program.verbs) {
+    write_page(root / ("octavo-" + verb.name + ".1"), verb_page(program, verb, OCTAVO_VERSION),
+               context.force);
   }
-  return out;
+  return kExitDone;
 }
 
-std::string manual_entry(const CLI::Option& option) {
-  std::string name = joined(names_of(option), ", ");
-  if (name.empty()) name = option.get_name();
-  const bool takes_value = option.get_items_expected_max() > 0;
-  const std::string value = takes_value ? " \\fI" + roff(option.get_type_name()) + "\\fR" : "";
-  return fmt::format(".TP\n\\fB{}\\fR{}\n{}\n", roff(name), value, roff(option.get_description()));
-}
-
-std::string manual_page(const CLI::App& app) {
-  std::string text = ".TH OCTAVO 1 \"\" \"octavo " OCTAVO_VERSION "\"\n.SH NAME\noctavo \\- ";
-  text += roff(app.get_description());
-  text += "\n.SH SYNOPSIS\n\\fBoctavo\\fR \\fIVERB\\fR [\\fIOPTIONS\\fR] \\fIINPUT\\fR... "
-          "[\\fB\\-o\\fR \\fIOUTPUT\\fR]\n.SH OPTIONS OF EVERY VERB\n";
-  for (const CLI::Option* option : options_of(app)) text += manual_entry(*option);
-  for (const CLI::App* verb : verbs_of(app)) {
-    text += fmt::format(".SH {}\n{}\n", roff(verb->get_name()), roff(verb->get_description()));
-    for (const CLI::Option* option : options_of(*verb)) {
-      const bool is_of_every_verb = app.get_option_no_throw(option->get_name()) != nullptr;
-      if (!is_of_every_verb) text += manual_entry(*option);
-    }
-    text += ".PP\n.nf\n" + roff(verb->get_footer()) + "\n.fi\n";
+int run_manual(const CLI::App& app, const ManualArguments& arguments, const Context& context) {
+  const ProgramEntry program = option_tree(app);
+  if (!arguments.folder.empty()) return write_pages(program, arguments.folder, context);
+  if (arguments.verb.empty()) print(program_page(program, OCTAVO_VERSION));
+  for (const VerbEntry& verb : program.verbs) {
+    if (verb.name == arguments.verb) print(verb_page(program, verb, OCTAVO_VERSION));
   }
-  return text + ".SH EXIT STATUS\n.nf\n" + roff(app.get_footer()) + "\n.fi\n";
+  return kExitDone;
 }
 
 }  // namespace
@@ -119,17 +79,28 @@ std::string manual_page(const CLI::App& app) {
 void add_completion(CLI::App& app, Context& context) {
   const auto shell = std::make_shared<std::string>();
   Verb verb = add_verb(app, context, kCompletionText, [&app, shell] {
-    print(bash_script(app));
+    print(script_for(*shell, option_tree(app)));
     return kExitDone;
   });
-  verb.add_option("shell", *shell, "bash")->required()->check(one_of({"bash"}));
+  verb.add_option("shell", *shell, "The shell")
+      ->required()
+      ->type_name("SHELL")
+      ->check(one_of({"bash", "zsh", "fish"}));
 }
 
 void add_manual(CLI::App& app, Context& context) {
-  add_verb(app, context, kManualText, [&app] {
-    print(manual_page(app));
-    return kExitDone;
+  const auto arguments = std::make_shared<ManualArguments>();
+  Verb verb = add_verb(app, context, kManualText, [&app, arguments, &context] {
+    return run_manual(app, *arguments, context);
   });
+  // This verb is added last, so all verbs are there to be named.
+  std::vector<std::string> names;
+  for (const VerbEntry& entry : option_tree(app).verbs) names.push_back(entry.name);
+  verb.add_option("verb", arguments->verb, "The verb whose page is printed")
+      ->type_name("VERB")
+      ->check(one_of(names));
+  verb.add_option("-o,--output", arguments->folder, "Write all pages into this folder instead")
+      ->type_name("FOLDER");
 }
 
 }  // namespace octavo::cli

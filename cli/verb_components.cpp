@@ -1,21 +1,15 @@
 // octavo components: what is connected in a mask, as a label map and a table.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "common/failure.h"
-#include "common/inputs.h"
-#include "common/masks.h"
 #include "common/options.h"
-#include "octavo/ops/mask/components.h"
-#include "octavo/planes/computed_source.h"
-#include "text/quantities.h"
-#include "text/volume_json.h"
+#include "common/task_run.h"
+#include "octavo/core/text.h"
+#include "octavo/tasks/components.h"
+#include "octavo/tasks/volume_facts.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -40,126 +34,73 @@ struct Arguments {
   std::size_t rows = 20;
 };
 
-/// Bytes that a component takes while it is printed: in JSON, as a tree and as text, and as a row.
-constexpr std::uint64_t kJsonBytes = 2048;
-constexpr std::uint64_t kRowBytes = 256;
-
-/// How many components, the largest first, are kept.
-std::size_t kept_count(const Components& found, const Arguments& arguments,
-                       const VolumeDescription& volume) {
-  const auto& all = found.components();
-  const auto mm3 = voxel_mm3(volume);
-  if (arguments.min_mm3 > 0) require_known_spacing(volume, arguments.input, "--min-mm3");
-  const auto end = std::find_if(all.begin(), all.end(), [&](const Component& component) {
-    return mm3 && static_cast<double>(component.voxel_count) * *mm3 < arguments.min_mm3;
-  });
-  const auto large = static_cast<std::size_t>(end - all.begin());
-  if (arguments.keep_largest == 0) return large;
-  return std::min(large, static_cast<std::size_t>(arguments.keep_largest));
+ComponentsOptions options_of(const Arguments& arguments, const Context& context) {
+  // A row as a tree of JSON and as text, or as text alone.
+  constexpr std::uint64_t kJsonBytes = 2048;
+  constexpr std::uint64_t kTextBytes = 256;
+  ComponentsOptions options;
+  options.input = arguments.input;
+  if (!arguments.output.empty()) options.output = {arguments.output, context.force};
+  options.connectivity = static_cast<Connectivity>(arguments.connectivity);
+  options.keep_largest = arguments.keep_largest;
+  options.min_mm3 = arguments.min_mm3;
+  if (!context.json) options.max_rows = arguments.rows;
+  options.bytes_per_row = context.json ? kJsonBytes : kTextBytes;
+  return options;
 }
 
-VoxelType label_type(std::size_t count) {
-  return count <= 0xff ? VoxelType::uint8 : count <= 0xffff ? VoxelType::uint16 : VoxelType::uint32;
-}
-
-BuildResult write_components(const Components& found, std::size_t kept,
-                             const VolumeDescription& volume, const Arguments& arguments,
-                             const Context& context) {
-  nlohmann::ordered_json made_by = {{"operation", "components"},
-                                    {"connectivity", arguments.connectivity}};
-  if (arguments.keep_largest > 0) made_by["keep_largest"] = arguments.keep_largest;
-  if (arguments.min_mm3 > 0) made_by["min_mm3"] = arguments.min_mm3;
-  const VoxelType type = label_type(kept);
-  std::vector<std::uint32_t> labels;
-  const auto source = make_computed_source(
-      label_description(volume, type, made_by), [&](const Box& box, std::byte* voxels) {
-        labels.resize(static_cast<std::size_t>(box.size().voxel_count()));
-        found.fill_labels(box, labels.data());
-        with_voxel_type(type, [&](auto id) {
-          using T = typename decltype(id)::type;
-          for (std::size_t i = 0; i < labels.size(); ++i) {
-            const T label = labels[i] <= kept ? static_cast<T>(labels[i]) : T{0};
-            std::memcpy(voxels + i * sizeof label, &label, sizeof label);
-          }
-        });
-      });
-  return write_labels(*source, arguments.output, context);
-}
-
-nlohmann::ordered_json objects_json(const Components& found, std::size_t kept,
-                                    const VolumeDescription& volume) {
-  const bool is_placed = voxel_mm3(volume).has_value();
+nlohmann::ordered_json report_json(const Arguments& arguments, const ComponentsResult& result,
+                                   const Context& context) {
   nlohmann::ordered_json objects = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < kept; ++i) {
-    const Component& c = found.components()[i];
-    objects.push_back({{"label", i + 1},
-                       {"voxels", c.voxel_count},
-                       {"mm3", mm3_json(c.voxel_count, volume)},
+  for (const ComponentRow& row : result.rows) {
+    const Box& box = row.box;
+    objects.push_back({{"label", row.label},
+                       {"voxels", row.voxels},
+                       {"mm3", optional_json(row.mm3)},
                        {"centroid_mm", nullptr},
                        {"box",
-                        {{c.box.lo.x, c.box.hi.x}, {c.box.lo.y, c.box.hi.y},
-                         {c.box.lo.z, c.box.hi.z}}}});
-    if (is_placed) objects.back()["centroid_mm"] = volume.geometry.to_world(c.centroid);
+                        {{box.lo.x, box.hi.x}, {box.lo.y, box.hi.y}, {box.lo.z, box.hi.z}}}});
+    if (row.centroid_mm) objects.back()["centroid_mm"] = *row.centroid_mm;
   }
-  return objects;
+  nlohmann::ordered_json report = {
+      {"components", result.found}, {"kept", result.kept}, {"objects", std::move(objects)}};
+  if (!arguments.output.empty()) {
+    report["output"] = arguments.output;
+    report["file_bytes"] = result.file_bytes;
+  }
+  report["warnings"] = context.warnings;
+  return report;
 }
 
-std::string table_text(const Components& found, std::size_t kept, const Arguments& arguments,
-                       const VolumeDescription& volume) {
-  const auto mm3 = voxel_mm3(volume);
-  const std::size_t count = found.components().size();
-  std::string text = fmt::format("{}: {}, {} kept\n", arguments.input,
-                                 counted_text(static_cast<std::int64_t>(count), "component"),
-                                 count_text(static_cast<std::int64_t>(kept)));
-  const std::size_t rows = std::min(kept, arguments.rows);
-  if (rows > 0) {
+std::string table_text(const Arguments& arguments, const ComponentsResult& result) {
+  std::string text =
+      fmt::format("{}: {}, {} kept\n", arguments.input,
+                  counted_text(static_cast<std::int64_t>(result.found), "component"),
+                  count_text(static_cast<std::int64_t>(result.kept)));
+  if (!result.rows.empty()) {
     text += fmt::format("{:>7} {:>14} {:>14}  {:<26} {}\n", "label", "voxels", "mm3",
-                        mm3 ? "centroid mm (x, y, z)" : "centroid voxels", "box");
+                        result.rows.front().mm3 ? "centroid mm (x, y, z)" : "centroid voxels",
+                        "box");
   }
-  for (std::size_t i = 0; i < rows; ++i) {
-    const Component& c = found.components()[i];
-    const Point3 center = mm3 ? volume.geometry.to_world(c.centroid) : c.centroid;
-    text += fmt::format(
-        "{:>7} {:>14} {:>14}  {:<26} {}:{},{}:{},{}:{}\n", i + 1,
-        count_text(static_cast<std::int64_t>(c.voxel_count)),
-        mm3 ? fmt::format("{:.2f}", static_cast<double>(c.voxel_count) * *mm3) : "-",
-        fmt::format("{:.1f}, {:.1f}, {:.1f}", center[0], center[1], center[2]), c.box.lo.x,
-        c.box.hi.x, c.box.lo.y, c.box.hi.y, c.box.lo.z, c.box.hi.z);
+  for (const ComponentRow& row : result.rows) {
+    const Point3 center = row.centroid_mm.value_or(row.centroid);
+    text += fmt::format("{:>7} {:>14} {:>14}  {:<26} {}:{},{}:{},{}:{}\n", row.label,
+                        count_text(static_cast<std::int64_t>(row.voxels)),
+                        row.mm3 ? fmt::format("{:.2f}", *row.mm3) : "-",
+                        fmt::format("{:.1f}, {:.1f}, {:.1f}", center[0], center[1], center[2]),
+                        row.box.lo.x, row.box.hi.x, row.box.lo.y, row.box.hi.y, row.box.lo.z,
+                        row.box.hi.z);
   }
-  if (rows < kept) {
-    text += fmt::format("... {} more; --rows {} shows all\n",
-                        count_text(static_cast<std::int64_t>(kept - rows)), kept);
-  }
-  return text;
+  const std::size_t left = result.kept - result.rows.size();
+  if (left == 0) return text;
+  return text + fmt::format("... {} more; --rows {} shows all\n",
+                            count_text(static_cast<std::int64_t>(left)), result.kept);
 }
 
 int run_components(const Arguments& arguments, Context& context) {
-  if (!arguments.output.empty())
-    require_computed_output(arguments.output, {arguments.input}, context);
-  const OpenedMask mask = open_mask(arguments.input, context);
-  const VolumeDescription& volume = mask.volume();
-  std::optional<Components> found;
-  on_threads(context, [&] {
-    found.emplace(mask.tree, static_cast<Connectivity>(arguments.connectivity),
-                  context.max_memory_bytes);
-  });
-  const std::size_t kept = kept_count(*found, arguments, volume);
-  const std::size_t rows = context.json ? kept : std::min(kept, arguments.rows);
-  require_memory(found->memory_bytes() + rows * (context.json ? kJsonBytes : kRowBytes),
-                 "the table of components", context);
-  nlohmann::ordered_json result = {{"components", found->components().size()}, {"kept", kept}};
-  if (context.json) result["objects"] = objects_json(*found, kept, volume);
-  if (!arguments.output.empty()) {
-    const BuildResult built = write_components(*found, kept, volume, arguments, context);
-    result["output"] = arguments.output;
-    result["file_bytes"] = built.file_bytes;
-  }
-  result["warnings"] = context.warnings;
-  if (context.json) {
-    print_json(result);
-  } else if (!context.quiet) {
-    print(table_text(*found, kept, arguments, volume));
-  }
+  const ComponentsResult result = run_task(components, options_of(arguments, context), context);
+  if (context.json) print_json(report_json(arguments, result, context));
+  else if (!context.quiet) print(table_text(arguments, result));
   return kExitDone;
 }
 

@@ -1,18 +1,11 @@
 // octavo condense: the region octree of a grey volume, its cubes evened out to their means.
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
 #include <memory>
-#include <nlohmann/json.hpp>
 
-#include "common/building.h"
 #include "common/failure.h"
-#include "common/inputs.h"
 #include "common/options.h"
-#include "octavo/builder/flat_cubes.h"
-#include "octavo/builder/metadata_member.h"
-#include "octavo/tasks/file_planes.h"
+#include "common/task_run.h"
+#include "octavo/tasks/files/condense_volume.h"
+#include "text/built_words.h"
 #include "text/quantities.h"
 #include "verbs.h"
 
@@ -32,44 +25,17 @@ constexpr VerbText kText = {
 struct Arguments {
   std::string input;
   std::string output;
-  std::string flat_text;
-  double flat = 0;
+  std::string flat;
 };
 
-/// The asked flatness in whole stored units.
-std::int64_t stored_flat(double flat, const Rescale& rescale) {
-  constexpr double kMost = 4.6e18;
-  constexpr double kRounding = 1e-9;  // of a quotient that should be whole
-  const double slope = rescale.slope == 0 ? 1 : std::abs(rescale.slope);
-  return static_cast<std::int64_t>(std::min(kMost, std::floor(flat / slope * (1 + kRounding))));
-}
-
-int run_condense(Arguments& arguments, Context& context) {
-  arguments.flat = parse_number(arguments.flat_text, "--flat");
-  if (arguments.flat < 0) {
-    throw Error(ErrorKind::invalid_argument,
-                "--flat " + arguments.flat_text + ": must not be negative");
+int run_condense(const Arguments& arguments, Context& context) {
+  const double flat = parse_number(arguments.flat, "--flat");
+  if (flat < 0) {
+    throw Error(ErrorKind::invalid_argument, "--flat " + arguments.flat + ": must not be negative");
   }
-  require_computed_output(arguments.output, {arguments.input}, context);
-  const std::shared_ptr<const FileReader> reader = open_octavo(arguments.input, context);
-  const VolumeDescription& volume = reader->description();
-  if (volume.kind == VolumeKind::labels) {
-    throw Error(ErrorKind::invalid_argument,
-                "holds labels, which are condensed as they are; only grey volumes have means",
-                arguments.input);
-  }
-  if (!is_integer(volume.type)) {
-    throw Error(ErrorKind::invalid_argument,
-                "holds float32 voxels; only volumes of whole numbers are condensed",
-                arguments.input);
-  }
-  VolumeDescription description =
-      FilePlanes(reader, 0, context.thread_count()).description();
-  const nlohmann::ordered_json made_by = {{"operation", "condense"}, {"flat", arguments.flat}};
-  description.metadata_json = with_member(description.metadata_json, "made_by", made_by.dump());
-  const auto source = make_flat_cubes(
-      reader, description, stored_flat(arguments.flat, volume.rescale), context.thread_count());
-  return build_and_report(*source, {.is_resumable = false}, arguments.output, context);
+  const CondenseVolumeOptions options = {arguments.input, {arguments.output, context.force}, flat};
+  print_built(run_task(condense_volume, options, context), arguments.output, context);
+  return kExitDone;
 }
 
 }  // namespace
@@ -84,7 +50,7 @@ void add_condense(CLI::App& app, Context& context) {
   verb.add_option("-o,--output", arguments->output, "The .8vo file to write")
       ->type_name("FILE")
       ->required();
-  verb.add_option("--flat", arguments->flat_text,
+  verb.add_option("--flat", arguments->flat,
                   "The most by which the voxels of a cube may differ, real units")
       ->type_name("T")
       ->required();

@@ -1,20 +1,16 @@
 // octavo export and extract: voxels out, in the formats other programs read.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <vector>
 
 #include "common/failure.h"
-#include "common/inputs.h"
 #include "common/options.h"
-#include "common/progress_line.h"
-#include "common/salvaging.h"
-#include "octavo/io/export/export.h"
+#include "common/salvage_option.h"
+#include "common/task_run.h"
+#include "octavo/tasks/files/export_part.h"
 #include "text/quantities.h"
-#include "text/volume_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -55,68 +51,28 @@ struct Arguments {
   SalvageArguments salvage;
 };
 
-ExportOptions export_options(const Arguments& arguments, const FileReader& reader,
-                             const Context& context) {
-  check_level(reader.levels(), arguments.level);
-  const Size3& size = reader.levels().size(arguments.level);
-  ExportOptions options;
+ExportPartOptions options_of(const Arguments& arguments, const Context& context) {
+  ExportPartOptions options;
+  options.input = arguments.input;
+  options.output = {arguments.output, context.force};
   options.level = arguments.level;
-  options.stored = arguments.stored;
-  options.overwrite = context.force;
-  options.threads = context.thread_count();
-  if (!arguments.box.empty()) options.box = parse_box(arguments.box, size);
-  if (!arguments.box_mm.empty()) {
-    require_known_spacing(reader.description(), arguments.input, "--box-mm", "--box");
-    const Geometry geometry =
-        reader.levels().geometry(reader.description().geometry, arguments.level);
-    options.box = parse_box_mm(arguments.box_mm, geometry, size);
-  }
+  if (!arguments.box.empty()) options.box = parse_box(arguments.box);
+  if (!arguments.box_mm.empty()) options.box_mm = parse_box_mm(arguments.box_mm);
+  options.is_stored = arguments.stored;
+  options.salvage = salvage_filling(arguments.salvage);
   return options;
 }
 
-/// "1 mm", "0.5 x 0.5 x 2 mm"
-std::string spacing_text(const FileReader& reader, int level) {
-  const Point3 mm = reader.levels().geometry(reader.description().geometry, level).spacing_mm;
-  const bool is_cube = mm[0] == mm[1] && mm[1] == mm[2];
-  return (is_cube ? number_text(mm[0]) : point_text(mm)) + " mm";
-}
-
-/// What the file claims though nobody knows it, and what it cannot keep, a warning each.
-std::vector<std::string> limit_warnings(const Arguments& arguments, const FileReader& reader,
-                                        ExportFormat format, const ExportOptions& options) {
-  std::vector<std::string> warnings;
-  const ExportLimits limits = export_limits(reader, format, options);
-  const auto add = [&](const std::string& text) {
-    warnings.push_back(arguments.output + ": " + text);
-  };
-  if (limits.claims_spacing) {
-    add(fmt::format("the spacing of {} is not known; the file says {}, as its format needs a "
-                    "number",
-                    arguments.input, spacing_text(reader, options.level)));
-  }
-  if (limits.claims_place) {
-    add(fmt::format("how the patient lies is not known in {}; other programs may show letters for "
-                    "left and right all the same",
-                    arguments.input));
-  }
-  if (limits.loses_box_start) {
-    const Index3& start = options.box->lo;
-    add(fmt::format("does not keep that the box begins at voxel {},{},{} of {}, in which how the "
-                    "patient lies is not known; .nrrd keeps it",
-                    start.x, start.y, start.z, arguments.input));
-  }
-  return warnings;
-}
-
-nlohmann::ordered_json result_json(const ExportResult& result, const Box& box, int level,
-                                   const FileReader& reader, const Context& context) {
-  return {{"files", result.files},
+nlohmann::ordered_json result_json(const ExportPartResult& result, int level,
+                                   const Context& context) {
+  const Box& box = result.box;
+  return {{"files", result.written.files},
           {"level", level},
           {"box", {{box.lo.x, box.hi.x}, {box.lo.y, box.hi.y}, {box.lo.z, box.hi.z}}},
-          {"type", voxel_type_name(result.type)},
-          {"values", result.real_units ? "real" : "stored"},
-          {"bytes", result.bytes},
-          {"salvaged", salvaged_json(reader)},
+          {"type", voxel_type_name(result.written.type)},
+          {"values", result.written.real_units ? "real" : "stored"},
+          {"bytes", result.written.bytes},
+          {"salvaged", salvaged_json(result.salvaged)},
           {"warnings", context.warnings}};
 }
 
@@ -132,23 +88,9 @@ std::string result_text(const ExportResult& result, const Box& box, int level) {
 }
 
 int run_export(const Arguments& arguments, Context& context) {
-  const ExportFormat format = export_format_of(arguments.output);
-  const auto reader =
-      salvaging(open_octavo(arguments.input, context), arguments.salvage, context);
-  const ExportOptions options = export_options(arguments, *reader, context);
-  const std::vector<std::string> warnings = limit_warnings(arguments, *reader, format, options);
-  // Where a warning is an error nothing is written; elsewhere it is about what was written.
-  if (context.strict && !warnings.empty()) context.warn(warnings.front());
-  ExportResult result;
-  read_or_hint(arguments.salvage, context, [&] {
-    ProgressLine progress(context);
-    result = export_volume(*reader, local_storage(), arguments.output, format, options, progress);
-  });
-  for (const std::string& warning : warnings) context.warn(warning);
-  warn_of_salvaged(*reader, context);
-  const Box box = options.box.value_or(box_of(reader->levels().size(options.level)));
-  if (context.json) print_json(result_json(result, box, options.level, *reader, context));
-  else if (!context.quiet) print(result_text(result, box, options.level));
+  const ExportPartResult result = run_task(export_part, options_of(arguments, context), context);
+  if (context.json) print_json(result_json(result, arguments.level, context));
+  else if (!context.quiet) print(result_text(result.written, result.box, arguments.level));
   return kExitDone;
 }
 

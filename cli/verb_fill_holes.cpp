@@ -1,20 +1,16 @@
 // octavo fill-holes: background that is enclosed by an object becomes part of it.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "common/failure.h"
-#include "common/inputs.h"
-#include "common/masks.h"
 #include "common/options.h"
-#include "octavo/ops/mask/fill_holes.h"
-#include "text/quantities.h"
-#include "text/volume_json.h"
+#include "common/task_run.h"
+#include "octavo/core/text.h"
+#include "octavo/tasks/fill_holes.h"
+#include "octavo/tasks/volume_facts.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -40,60 +36,39 @@ struct Arguments {
   std::optional<double> max_mm3;
 };
 
-/// The largest hole that is filled, in voxels.
-std::uint64_t max_voxels(const Arguments& arguments, const VolumeDescription& volume) {
-  if (!arguments.max_mm3) return std::numeric_limits<std::uint64_t>::max();
-  require_known_spacing(volume, arguments.input, "--max-mm3");
-  const auto mm3 = voxel_mm3(volume);
-  // A volume of whole voxels is not lost to a rounded quotient.
-  constexpr double kRoundingSlack = 1e-9;
-  const double voxels = *arguments.max_mm3 / *mm3 * (1 + kRoundingSlack);
-  return static_cast<std::uint64_t>(std::min(std::floor(voxels), 1e18));
-}
-
-std::string holes_text(const FilledHoles& filled, const VolumeDescription& volume) {
+std::string holes_text(const FillHolesResult& result) {
   const std::string left =
-      filled.kept_count == 0
+      result.larger_hole_count == 0
           ? ""
           : fmt::format("; {} larger left",
-                        count_text(static_cast<std::int64_t>(filled.kept_count)));
-  if (filled.hole_count == 0) return "no holes filled" + left;
+                        count_text(static_cast<std::int64_t>(result.larger_hole_count)));
+  if (result.hole_count == 0) return "no holes filled" + left;
   return fmt::format("{} filled ({}){}",
-                     counted_text(static_cast<std::int64_t>(filled.hole_count), "hole"),
-                     volume_text(filled.voxel_count, volume), left);
+                     counted_text(static_cast<std::int64_t>(result.hole_count), "hole"),
+                     volume_text(result.hole_voxels, result.volume), left);
 }
 
 int run_fill_holes(const Arguments& arguments, Context& context) {
-  require_computed_output(arguments.output, {arguments.input}, context);
-  const OpenedMask mask = open_mask(arguments.input, context);
-  const VolumeDescription& volume = mask.volume();
-  const std::uint64_t largest = max_voxels(arguments, volume);
-  // The complement, its components, those selected and the result.
-  require_memory(6 * mask.tree.memory_bytes(), "the holes", context);
-  FilledHoles filled;
-  on_threads(context, [&] {
-    filled = fill_holes(mask.tree, static_cast<Connectivity>(arguments.connectivity), largest,
-                        context.max_memory_bytes);
-  });
-  nlohmann::ordered_json made_by = {{"operation", "fill-holes"},
-                                    {"connectivity", arguments.connectivity}};
-  if (arguments.max_mm3) made_by["max_mm3"] = *arguments.max_mm3;
-  const BuildResult built = write_mask(filled.mask, volume, made_by, arguments.output, context);
-  const std::uint64_t voxels = filled.mask.voxel_count();
+  FillHolesOptions options;
+  options.input = arguments.input;
+  options.output = {arguments.output, context.force};
+  options.connectivity = static_cast<Connectivity>(arguments.connectivity);
+  options.max_mm3 = arguments.max_mm3;
+  const FillHolesResult result = run_task(fill_holes, options, context);
   if (context.json) {
     print_json({{"output", arguments.output},
                 {"operation", "fill-holes"},
-                {"voxels", voxels},
-                {"mm3", mm3_json(voxels, volume)},
-                {"holes", filled.hole_count},
-                {"hole_voxels", filled.voxel_count},
-                {"hole_mm3", mm3_json(filled.voxel_count, volume)},
-                {"larger_holes", filled.kept_count},
-                {"file_bytes", built.file_bytes},
+                {"voxels", result.voxels},
+                {"mm3", optional_json(mm3_of(result.voxels, result.volume))},
+                {"holes", result.hole_count},
+                {"hole_voxels", result.hole_voxels},
+                {"hole_mm3", optional_json(mm3_of(result.hole_voxels, result.volume))},
+                {"larger_holes", result.larger_hole_count},
+                {"file_bytes", result.file_bytes},
                 {"warnings", context.warnings}});
   } else if (!context.quiet) {
-    print(fmt::format("{}: {}; {}\n", escaped(arguments.output), volume_text(voxels, volume),
-                      holes_text(filled, volume)));
+    print(fmt::format("{}: {}; {}\n", escaped(arguments.output),
+                      volume_text(result.voxels, result.volume), holes_text(result)));
   }
   return kExitDone;
 }

@@ -2,12 +2,14 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "common/failure.h"
-#include "common/inputs.h"
 #include "common/options.h"
-#include "octavo/io/source/place_known.h"
+#include "common/task_run.h"
+#include "octavo/tasks/files/info.h"
 #include "octavo/tasks/geometry_words.h"
+#include "octavo/tasks/volume_facts.h"
 #include "text/identity_words.h"
 #include "text/made_by_words.h"
 #include "text/preparation_words.h"
@@ -45,7 +47,8 @@ bool is_spacing_given(const nlohmann::ordered_json& metadata) {
   return source != metadata.end() && source->is_string() && *source == "user";
 }
 
-std::string geometry_rows(const VolumeDescription& d, const nlohmann::ordered_json& metadata) {
+std::string geometry_rows(const InfoResult& info, const nlohmann::ordered_json& metadata) {
+  const VolumeDescription& d = info.volume;
   if (!is_spacing_known(metadata)) {
     return row("spacing",
                "unknown: the source gives none, 1 mm is assumed (build --spacing sets it)");
@@ -54,18 +57,18 @@ std::string geometry_rows(const VolumeDescription& d, const nlohmann::ordered_js
       row("spacing", fmt::format("{} mm{}; field of view {} mm", point_text(d.geometry.spacing_mm),
                                  is_spacing_given(metadata) ? " (given by --spacing)" : "",
                                  point_text(field_of_view_mm(d.geometry, d.size))));
-  if (!is_place_known(d)) {
+  if (!info.is_place_known) {
     return text + row("orientation", "not given; axes as in the source");
   }
   text += row("orientation", orientation_words(d.geometry));
   return text + row("origin", point_text(d.geometry.origin_mm, ", ") + " mm (to left, back, head)");
 }
 
-std::string values_row(const FileReader& reader, const std::string& unit) {
-  const VolumeDescription& d = reader.description();
-  const ValueRange range = reader.range();
-  const double min = d.voxel_of(range.min);
-  const double max = d.voxel_of(range.max);
+std::string values_row(const InfoResult& info) {
+  const VolumeDescription& d = info.volume;
+  const std::string unit = unit_of(d);
+  const double min = d.voxel_of(info.range.min);
+  const double max = d.voxel_of(info.range.max);
   std::string text =
       fmt::format("{} to {}{}", number_text(d.rescale.to_real(min)),
                   number_text(d.rescale.to_real(max)), unit.empty() ? "" : " " + unit);
@@ -78,27 +81,27 @@ std::string values_row(const FileReader& reader, const std::string& unit) {
 }
 
 /// How the voxels of the file relate to those of its source, in a few words.
-std::string loss_words(const FileReader& reader, const nlohmann::ordered_json& metadata) {
-  if (reader.max_error() > 0) return "with a max error";
+std::string loss_words(const InfoResult& info, const nlohmann::ordered_json& metadata) {
+  if (info.max_error > 0) return "with a max error";
   if (!missing_words(metadata).empty()) return "lossless where it is whole";
   if (is_condensed(metadata)) return "condensed, not lossless";
-  if (was_source_lossy(metadata)) return "as the source holds them";
+  if (was_source_lossy(info.volume)) return "as the source holds them";
   return was_resampled(metadata) ? "lossless from its prepared planes" : "lossless";
 }
 
-std::string loss_rows(const FileReader& reader, const nlohmann::ordered_json& metadata) {
-  const VolumeDescription& d = reader.description();
-  const std::string unit = unit_of(metadata);
+std::string loss_rows(const InfoResult& info) {
+  const VolumeDescription& d = info.volume;
+  const std::string unit = unit_of(d);
   std::string text;
-  if (reader.max_error() > 0) {
+  if (info.max_error > 0) {
     text += row("max error", fmt::format("{} promised, {} found when it was built",
-                                         distance_text(d, unit, reader.max_error()),
-                                         distance_text(d, unit, reader.achieved_error())));
+                                         distance_text(d, info.max_error),
+                                         distance_text(d, info.achieved_error)));
   }
-  if (const double error = source_max_error(metadata); error > 0) {
+  if (const double error = source_max_error(d); error > 0) {
     text += row("source loss", fmt::format("its source lay within {}{} of its own source",
                                            number_text(error), unit.empty() ? "" : " " + unit));
-  } else if (was_source_lossy(metadata)) {
+  } else if (was_source_lossy(d)) {
     text += row("source loss", "the source had been compressed with loss before");
   }
   if (d.coding) {
@@ -129,37 +132,33 @@ std::string source_row(const nlohmann::ordered_json& metadata) {
   return text.empty() ? "" : row("source", text);
 }
 
-std::string level_table(const FileReader& reader) {
+std::string level_table(const InfoResult& info) {
   std::string text = fmt::format("\n  {:>5}  {:>20}  {:>26}  {:>9}  {:>9}  {:>10}\n", "level",
                                  "size", "spacing mm", "bricks", "uniform", "bytes");
-  const bool is_known = is_spacing_known(metadata_of(reader.description()));
-  for (int level = 0; level < reader.levels().count(); ++level) {
-    const LevelSummary summary = reader.level_summary(level);
-    const Geometry g = reader.levels().geometry(reader.description().geometry, level);
+  const bool is_known = is_spacing_known(info.volume);
+  for (std::size_t level = 0; level < info.levels.size(); ++level) {
+    const LevelInfo& one = info.levels[level];
     text += fmt::format("  {:>5}  {:>20}  {:>26}  {:>9}  {:>9}  {:>10}\n", level,
-                        size_text(reader.levels().size(level)),
-                        is_known ? point_text(g.spacing_mm) : "-",
-                        count_text(summary.bricks), count_text(summary.uniform_bricks),
-                        bytes_text(summary.bytes));
+                        size_text(one.size), is_known ? point_text(one.spacing_mm) : "-",
+                        count_text(one.summary.bricks), count_text(one.summary.uniform_bricks),
+                        bytes_text(one.summary.bytes));
   }
   return text;
 }
 
-std::string screen(const FileReader& reader, bool show_metadata) {
-  const VolumeDescription& d = reader.description();
+std::string screen(const InfoResult& info, bool show_metadata) {
+  const VolumeDescription& d = info.volume;
   const nlohmann::ordered_json metadata = metadata_of(d);
-  const auto file_bytes = static_cast<double>(reader.file_bytes());
-  std::string text = reader.source().name() + "\n";
+  std::string text = info.name + "\n";
   text += row("holds", fmt::format("{} voxels of {}, {}, {}", size_text(d.size),
                                    voxel_type_name(d.type), kind_name(d.kind),
-                                   loss_words(reader, metadata)));
-  text += geometry_rows(d, metadata);
-  text += values_row(reader, unit_of(metadata));
-  text += loss_rows(reader, metadata);
+                                   loss_words(info, metadata)));
+  text += geometry_rows(info, metadata);
+  text += values_row(info);
+  text += loss_rows(info);
   text += row("bytes", fmt::format("{} of {} raw: {:.2f}:1, {:.3f} bits per voxel",
-                                   bytes_text(reader.file_bytes()), bytes_text(raw_bytes_of(d)),
-                                   static_cast<double>(raw_bytes_of(d)) / file_bytes,
-                                   file_bytes * 8 / static_cast<double>(d.size.voxel_count())));
+                                   bytes_text(info.file_bytes), bytes_text(info.raw_bytes),
+                                   info.compression_ratio(), info.bits_per_voxel()));
   text += source_row(metadata);
   if (const std::string words = made_by_words(metadata); !words.empty()) {
     text += row("made by", words);
@@ -173,8 +172,8 @@ std::string screen(const FileReader& reader, bool show_metadata) {
   if (const std::string words = missing_words(metadata); !words.empty()) {
     text += row("missing", words + "; filled");
   }
-  text += row("format", "8vo " + reader.format_version());
-  text += level_table(reader);
+  text += row("format", "8vo " + info.format_version);
+  text += level_table(info);
   if (show_metadata) {
     text += identity_lines(metadata);
     text +=
@@ -183,10 +182,10 @@ std::string screen(const FileReader& reader, bool show_metadata) {
   return text;
 }
 
-int run_info(const Arguments& arguments, const Context& context) {
-  const auto reader = open_octavo(arguments.input, context);
-  if (context.json) print_json(file_json(*reader));
-  else print(screen(*reader, arguments.show_metadata));
+int run_info(const Arguments& arguments, Context& context) {
+  const InfoResult result = info({arguments.input}, brief_task(context));
+  if (context.json) print_json(file_json(result));
+  else print(screen(result, arguments.show_metadata));
   return kExitDone;
 }
 

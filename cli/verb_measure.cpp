@@ -1,20 +1,15 @@
 // octavo measure: volumes, places, shapes and grey values of labeled regions.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "common/failure.h"
-#include "common/inputs.h"
-#include "common/masks.h"
 #include "common/options.h"
-#include "common/progress_line.h"
-#include "octavo/ops/measure/measure.h"
+#include "common/task_run.h"
+#include "octavo/tasks/measure.h"
 #include "text/quantities.h"
-#include "text/volume_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -40,79 +35,27 @@ struct Arguments {
   bool csv = false;
 };
 
-/// Grey statistics in real units.
-GreyStatistics real_statistics(const GreyStatistics& stored, const Rescale& rescale,
-                               std::uint64_t voxels) {
-  GreyStatistics real;
-  real.mean = rescale.to_real(stored.mean);
-  real.deviation = std::abs(rescale.slope) * stored.deviation;
-  real.least = rescale.to_real(stored.least);
-  real.greatest = rescale.to_real(stored.greatest);
-  if (rescale.slope < 0) std::swap(real.least, real.greatest);
-  real.sum = rescale.slope * stored.sum + rescale.intercept * static_cast<double>(voxels);
-  for (const double value : stored.percentiles) real.percentiles.push_back(rescale.to_real(value));
-  return real;
-}
-
-/// One region with all that is said of it.
-struct Row {
-  RegionMeasure region;
-  std::optional<double> mm3;  ///< nothing, as all in mm, where the spacing is not known
-  Point3 centroid_mm{};
-  PrincipalAxes axes;
-};
-
-std::vector<Row> rows_of(std::vector<RegionMeasure> regions, const VolumeDescription& labels,
-                         const VolumeDescription* grey) {
-  const auto mm3_of_one = voxel_mm3(labels);
-  std::vector<Row> rows;
-  for (RegionMeasure& region : regions) {
-    Row row;
-    if (mm3_of_one) row.mm3 = static_cast<double>(region.voxel_count) * *mm3_of_one;
-    row.centroid_mm = labels.geometry.to_world(region.centroid);
-    row.axes = principal_axes(region, labels.geometry);
-    if (region.grey) {
-      region.grey = real_statistics(*region.grey, grey->rescale, region.voxel_count);
-    }
-    row.region = std::move(region);
-    rows.push_back(std::move(row));
-  }
-  return rows;
-}
-
-/// The percentiles from low to high, of values on a falling scale as well.
-std::vector<double> asked_percentiles(const Arguments& arguments) {
-  std::vector<double> percentiles =
-      arguments.percentiles.empty() ? MeasureOptions().percentiles : arguments.percentiles;
-  for (const double percent : percentiles) {
-    if (percent >= 0 && percent <= 100) continue;
-    throw Error(ErrorKind::invalid_argument, "--percentile: must be 0 to 100");
-  }
-  std::sort(percentiles.begin(), percentiles.end());
-  percentiles.erase(std::unique(percentiles.begin(), percentiles.end()), percentiles.end());
-  return percentiles;
-}
-
-nlohmann::ordered_json row_json(const Row& row, const std::vector<double>& percentiles) {
+nlohmann::ordered_json row_json(const MeasuredRegion& row, const std::vector<double>& percentiles) {
   const RegionMeasure& r = row.region;
-  const auto in_mm = [&](const nlohmann::ordered_json& value) {
-    return row.mm3 ? value : nlohmann::ordered_json(nullptr);
+  const RegionInMm in_mm = row.in_mm.value_or(RegionInMm{});
+  const auto if_in_mm = [&](const nlohmann::ordered_json& value) {
+    return row.in_mm ? value : nlohmann::ordered_json(nullptr);
   };
   nlohmann::ordered_json object = {
       {"label", r.label},
       {"voxels", r.voxel_count},
-      {"mm3", in_mm(row.mm3.value_or(0))},
+      {"mm3", if_in_mm(in_mm.mm3)},
       {"surface_voxels", r.surface_voxel_count},
-      {"centroid_mm", in_mm(row.centroid_mm)},
+      {"centroid_mm", if_in_mm(in_mm.centroid)},
       {"box", {{r.box.lo.x, r.box.hi.x}, {r.box.lo.y, r.box.hi.y}, {r.box.lo.z, r.box.hi.z}}},
-      {"principal_moments_mm2", in_mm(row.axes.moments_mm2)},
-      {"principal_axes", in_mm(row.axes.axes)}};
+      {"principal_moments_mm2", if_in_mm(in_mm.axes.moments_mm2)},
+      {"principal_axes", if_in_mm(in_mm.axes.axes)}};
   if (!r.grey) return object;
   object["mean"] = r.grey->mean;
   object["sd"] = r.grey->deviation;
   object["min"] = r.grey->least;
   object["max"] = r.grey->greatest;
-  object["integrated_mm3"] = in_mm(r.grey->mean * row.mm3.value_or(0));
+  object["integrated_mm3"] = optional_json(in_mm.integrated);
   nlohmann::ordered_json& of_percent = object["percentiles"];
   for (std::size_t i = 0; i < percentiles.size(); ++i) {
     of_percent[number_text(percentiles[i])] = r.grey->percentiles[i];
@@ -165,97 +108,72 @@ std::string csv_text(const nlohmann::ordered_json& objects) {
 }
 
 /// percentiles  columns of the table; none where none were asked for
-std::string table_text(const std::vector<Row>& rows, const std::vector<double>& percentiles,
-                       const std::string& unit) {
-  const bool has_grey = !rows.empty() && rows.front().region.grey.has_value();
+std::string header_text(bool has_grey, const std::vector<double>& percentiles,
+                        const std::string& unit) {
   std::string text = fmt::format("{:>10} {:>14} {:>14} {:>12}  {:<26} {:<24}", "label", "voxels",
                                  "mm3", "surface", "centroid mm (x, y, z)", "principal sd mm");
-  if (has_grey) {
-    text += fmt::format(" {:>10} {:>9} {:>9} {:>9}", "mean", "sd", "min", "max");
-    for (const double percent : percentiles) {
-      text += fmt::format(" {:>9}", "p" + number_text(percent));
-    }
-    if (!unit.empty()) text += "  " + unit;
+  if (!has_grey) return text + "\n";
+  text += fmt::format(" {:>10} {:>9} {:>9} {:>9}", "mean", "sd", "min", "max");
+  for (const double percent : percentiles) {
+    text += fmt::format(" {:>9}", "p" + number_text(percent));
   }
-  text += "\n";
-  for (const Row& row : rows) {
-    const RegionMeasure& r = row.region;
-    const auto& c = row.centroid_mm;
-    const auto& m = row.axes.moments_mm2;
-    text += fmt::format(
-        "{:>10} {:>14} {:>14} {:>12}  {:<26} {:<24}", r.label,
-        count_text(static_cast<std::int64_t>(r.voxel_count)),
-        row.mm3 ? fmt::format("{:.2f}", *row.mm3) : "-",
-        count_text(static_cast<std::int64_t>(r.surface_voxel_count)),
-        row.mm3 ? fmt::format("{:.1f}, {:.1f}, {:.1f}", c[0], c[1], c[2]) : "-",
-        row.mm3 ? fmt::format("{:.2f}, {:.2f}, {:.2f}", std::sqrt(m[0]), std::sqrt(m[1]),
-                              std::sqrt(m[2]))
-                : "-");
-    if (has_grey) {
-      text += fmt::format(" {:>10.2f} {:>9.2f} {:>9} {:>9}", r.grey->mean, r.grey->deviation,
-                          number_text(r.grey->least), number_text(r.grey->greatest));
-      for (std::size_t i = 0; i < percentiles.size(); ++i) {
-        text += fmt::format(" {:>9}", number_text(r.grey->percentiles[i]));
-      }
-    }
-    text += "\n";
+  return text + (unit.empty() ? "" : "  " + unit) + "\n";
+}
+
+std::string row_text(const MeasuredRegion& row, std::size_t percentiles) {
+  const RegionMeasure& r = row.region;
+  std::string mm3 = "-";
+  std::string centroid = "-";
+  std::string deviations = "-";
+  if (row.in_mm) {
+    const Point3& c = row.in_mm->centroid;
+    const auto& m = row.in_mm->axes.moments_mm2;
+    mm3 = fmt::format("{:.2f}", row.in_mm->mm3);
+    centroid = fmt::format("{:.1f}, {:.1f}, {:.1f}", c[0], c[1], c[2]);
+    deviations =
+        fmt::format("{:.2f}, {:.2f}, {:.2f}", std::sqrt(m[0]), std::sqrt(m[1]), std::sqrt(m[2]));
   }
+  std::string text = fmt::format("{:>10} {:>14} {:>14} {:>12}  {:<26} {:<24}", r.label,
+                                 count_text(static_cast<std::int64_t>(r.voxel_count)), mm3,
+                                 count_text(static_cast<std::int64_t>(r.surface_voxel_count)),
+                                 centroid, deviations);
+  if (!r.grey) return text + "\n";
+  text += fmt::format(" {:>10.2f} {:>9.2f} {:>9} {:>9}", r.grey->mean, r.grey->deviation,
+                      number_text(r.grey->least), number_text(r.grey->greatest));
+  for (std::size_t i = 0; i < percentiles; ++i) {
+    text += fmt::format(" {:>9}", number_text(r.grey->percentiles[i]));
+  }
+  return text + "\n";
+}
+
+std::string table_text(const MeasureResult& result, bool shows_percentiles) {
+  const std::vector<double> columns =
+      shows_percentiles ? result.percentiles : std::vector<double>();
+  const bool has_grey = !result.regions.empty() && result.regions.front().region.grey.has_value();
+  std::string text = header_text(has_grey, columns, result.unit);
+  for (const MeasuredRegion& row : result.regions) text += row_text(row, columns.size());
   return text;
 }
 
 int run_measure(const Arguments& arguments, Context& context) {
-  const std::shared_ptr<const FileReader> labels = open_octavo(arguments.input, context);
-  if (labels->description().kind != VolumeKind::labels) {
-    throw Error(ErrorKind::invalid_argument,
-                "holds grey values, not labels; 'octavo threshold' makes labels of it",
-                arguments.input);
-  }
-  std::shared_ptr<const FileReader> grey;
-  if (!arguments.grey.empty()) {
-    grey = open_octavo(arguments.grey, context);
-    require_same_grid(labels->description(), arguments.input, grey->description(), arguments.grey);
-    if (grey->description().kind == VolumeKind::labels) {
-      throw Error(ErrorKind::invalid_argument,
-                  "holds labels, not grey values; --of takes the scan that was thresholded",
-                  arguments.grey);
+  MeasureOptions options;
+  options.labels = arguments.input;
+  options.grey = arguments.grey;
+  const bool is_asked = !arguments.percentiles.empty();
+  if (is_asked) options.percentiles = arguments.percentiles;
+  const MeasureResult result = run_task(measure, options, context);
+  nlohmann::ordered_json objects = nlohmann::ordered_json::array();
+  if (context.json || arguments.csv) {
+    for (const MeasuredRegion& row : result.regions) {
+      objects.push_back(row_json(row, result.percentiles));
     }
   }
-  const std::vector<double> percentiles = asked_percentiles(arguments);
-  MeasureOptions options;
-  options.percentiles = percentiles;
-  // On a falling scale the p-th percentile is the (100 - p)-th stored one.
-  if (grey && grey->description().rescale.slope < 0) {
-    for (double& percent : options.percentiles) percent = 100 - percent;
-  }
-  if (!voxel_mm3(labels->description())) {
-    context.warn(arguments.input +
-                 ": its spacing is not known, so nothing is given in mm; build it with --spacing");
-  }
-  // A brick with its labels widened per thread, and the sums of 64 bricks.
-  constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
-  require_memory((64 + 12 * static_cast<std::uint64_t>(context.thread_count())) * kMiB,
-                 "measurements", context);
-  std::vector<RegionMeasure> regions;
-  {
-    ProgressLine progress(context);
-    on_threads(context, [&] {
-      regions = measure_regions(*labels, grey.get(), options, progress);
-    });
-  }
-  const std::vector<Row> rows =
-      rows_of(std::move(regions), labels->description(), grey ? &grey->description() : nullptr);
-  nlohmann::ordered_json objects = nlohmann::ordered_json::array();
-  for (const Row& row : rows) {
-    objects.push_back(row_json(row, percentiles));
-  }
-  const std::string unit = grey ? unit_of(metadata_of(grey->description())) : "";
   if (context.json) {
-    print_json({{"objects", objects}, {"unit", unit}, {"warnings", context.warnings}});
+    print_json({{"objects", objects}, {"unit", result.unit}, {"warnings", context.warnings}});
   } else if (arguments.csv) {
     print(csv_text(objects));
   } else if (!context.quiet) {
-    const bool is_asked = !arguments.percentiles.empty();
-    print(table_text(rows, is_asked ? percentiles : std::vector<double>(), unit));
+    print(table_text(result, is_asked));
   }
   return kExitDone;
 }

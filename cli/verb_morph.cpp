@@ -7,13 +7,11 @@
 #include <string>
 
 #include "common/failure.h"
-#include "common/inputs.h"
-#include "common/masks.h"
 #include "common/options.h"
-#include "common/progress_line.h"
-#include "octavo/ops/mask/morphology.h"
+#include "common/task_run.h"
+#include "octavo/tasks/morph.h"
+#include "octavo/tasks/volume_facts.h"
 #include "text/quantities.h"
-#include "text/volume_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -56,112 +54,65 @@ constexpr VerbText kCloseText = {
     "Examples:\n"
     "  octavo close skull.8vo --mm 4 -o sealed.8vo"};
 
-using Operation = MaskTree (*)(const MaskTree&, const Reach&, Progress&, std::uint64_t);
-
 struct Arguments {
   std::string input;
   std::string output;
   std::optional<std::string> mm;
   std::optional<std::string> voxels;
   std::optional<int> connectivity;
-
-  Connectivity neighbors() const { return static_cast<Connectivity>(connectivity.value_or(6)); }
 };
 
-struct Distance {
-  std::optional<double> mm;
-  std::int64_t steps = 0;  ///< where mm were not asked for
-};
+void require_length(bool is_length, const char* option, const std::string& text) {
+  if (is_length) return;
+  throw Error(ErrorKind::invalid_argument,
+              fmt::format("{}: '{}'; must be 0 or more", option, escaped(text)));
+}
 
-Distance asked_distance(const Arguments& arguments) {
-  const auto require_length = [](bool is_length, const char* option, const std::string& text) {
-    if (is_length) return;
-    throw Error(ErrorKind::invalid_argument,
-                fmt::format("{}: '{}'; must be 0 or more", option, escaped(text)));
-  };
-  Distance distance;
+MorphOptions options_of(Morphology morphology, const Arguments& arguments,
+                        const Context& context) {
+  MorphOptions options;
+  options.morphology = morphology;
+  options.input = arguments.input;
+  options.output = {arguments.output, context.force};
+  options.connectivity = static_cast<Connectivity>(arguments.connectivity.value_or(6));
   if (!arguments.mm) {
-    distance.steps = parse_integer(*arguments.voxels, "--voxels");
-    require_length(distance.steps >= 0, "--voxels", *arguments.voxels);
-    return distance;
+    options.steps = parse_integer(*arguments.voxels, "--voxels");
+    require_length(options.steps >= 0, "--voxels", *arguments.voxels);
+    return options;
   }
   if (arguments.connectivity) {
     throw Error(ErrorKind::invalid_argument,
                 "--connectivity says how --voxels counts; with --mm it says nothing");
   }
-  distance.mm = parse_number(*arguments.mm, "--mm");
-  require_length(*distance.mm >= 0, "--mm", *arguments.mm);
-  return distance;
+  options.mm = parse_number(*arguments.mm, "--mm");
+  require_length(*options.mm >= 0, "--mm", *arguments.mm);
+  return options;
 }
 
-Reach reach_of(const Distance& distance, const Arguments& arguments,
-               const VolumeDescription& volume, std::uint64_t max_bytes) {
-  if (!distance.mm) {
-    return Reach::in_steps(distance.steps, arguments.neighbors(), volume.size, max_bytes);
-  }
-  require_known_spacing(volume, arguments.input, "--mm", "--voxels");
-  return Reach::within_mm(*distance.mm, volume.geometry.spacing_mm, volume.size, max_bytes);
-}
-
-nlohmann::ordered_json made_by_json(const char* name, const Distance& distance,
-                                    const Arguments& arguments) {
-  nlohmann::ordered_json made_by = {{"operation", name}};
-  if (distance.mm) {
-    made_by["mm"] = *distance.mm;
-  } else {
-    made_by["steps"] = distance.steps;
-    made_by["connectivity"] = static_cast<int>(arguments.neighbors());
-  }
-  return made_by;
-}
-
-int run_morph(const char* name, Operation operation, const Arguments& arguments,
-              Context& context) {
-  const Distance distance = asked_distance(arguments);
-  require_computed_output(arguments.output, {arguments.input}, context);
-  const OpenedMask mask = open_mask(arguments.input, context);
-  const VolumeDescription& volume = mask.volume();
-  const Reach reach = reach_of(distance, arguments, volume, context.max_memory_bytes);
-  // The mask, its surface, what it grows to in pieces and whole; the ball; a window per thread.
-  require_memory(5 * mask.tree.memory_bytes() + reach.memory_bytes() +
-                     dilation_thread_bytes(reach, volume.size) *
-                         static_cast<std::uint64_t>(context.thread_count()),
-                 "masks that grow", context);
-  MaskTree made;
-  {
-    ProgressLine progress(context);
-    on_threads(context, [&] {
-      made = operation(mask.tree, reach, progress, context.max_memory_bytes);
-    });
-  }
-  const std::uint64_t before = mask.tree.voxel_count();
-  const std::uint64_t voxels = made.voxel_count();
-  if (voxels == 0 && before > 0) {
-    context.warn(arguments.output + ": is empty; no voxel of " + arguments.input + " is left");
-  }
-  const BuildResult built = write_mask(made, volume, made_by_json(name, distance, arguments),
-                                       arguments.output, context);
+int run_morph(Morphology morphology, const Arguments& arguments, Context& context) {
+  const MorphOptions options = options_of(morphology, arguments, context);
+  const MorphResult result = run_task(morph, options, context);
   if (context.json) {
     print_json({{"output", arguments.output},
-                {"operation", name},
-                {"voxels", voxels},
-                {"mm3", mm3_json(voxels, volume)},
-                {"voxels_before", before},
-                {"file_bytes", built.file_bytes},
+                {"operation", morphology_name(morphology)},
+                {"voxels", result.voxels},
+                {"mm3", optional_json(mm3_of(result.voxels, result.volume))},
+                {"voxels_before", result.voxels_before},
+                {"file_bytes", result.file_bytes},
                 {"warnings", context.warnings}});
   } else if (!context.quiet) {
     print(fmt::format("{}: {} (before: {})\n", escaped(arguments.output),
-                      volume_text(voxels, volume), volume_text(before, volume)));
+                      volume_text(result.voxels, result.volume),
+                      volume_text(result.voxels_before, result.volume)));
   }
   return kExitDone;
 }
 
-void add_morph(CLI::App& app, Context& context, const VerbText& text, Operation operation) {
+void add_morph(CLI::App& app, Context& context, const VerbText& text, Morphology morphology) {
   const auto arguments = std::make_shared<Arguments>();
-  Verb verb = add_verb(app, context, text,
-                            [arguments, operation, name = text.name, &context] {
-                              return run_morph(name, operation, *arguments, context);
-                            });
+  Verb verb = add_verb(app, context, text, [arguments, morphology, &context] {
+    return run_morph(morphology, *arguments, context);
+  });
   verb.add_option("mask", arguments->input, "A label map, .8vo")->type_name("FILE")->required();
   verb.add_option("-o,--output", arguments->output, "The .8vo mask to write")
       ->type_name("FILE")
@@ -179,9 +130,17 @@ void add_morph(CLI::App& app, Context& context, const VerbText& text, Operation 
 
 }  // namespace
 
-void add_dilate(CLI::App& app, Context& context) { add_morph(app, context, kDilateText, dilate); }
-void add_erode(CLI::App& app, Context& context) { add_morph(app, context, kErodeText, erode); }
-void add_open(CLI::App& app, Context& context) { add_morph(app, context, kOpenText, opening); }
-void add_close(CLI::App& app, Context& context) { add_morph(app, context, kCloseText, closing); }
+void add_dilate(CLI::App& app, Context& context) {
+  add_morph(app, context, kDilateText, Morphology::dilate);
+}
+void add_erode(CLI::App& app, Context& context) {
+  add_morph(app, context, kErodeText, Morphology::erode);
+}
+void add_open(CLI::App& app, Context& context) {
+  add_morph(app, context, kOpenText, Morphology::open);
+}
+void add_close(CLI::App& app, Context& context) {
+  add_morph(app, context, kCloseText, Morphology::close);
+}
 
 }  // namespace octavo::cli

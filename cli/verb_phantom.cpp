@@ -5,13 +5,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "common/building.h"
 #include "common/failure.h"
-#include "common/inputs.h"
 #include "common/options.h"
-#include "common/plane_writer.h"
-#include "common/progress_line.h"
-#include "octavo/planes/phantom.h"
+#include "common/task_run.h"
+#include "octavo/tasks/files/write_phantom.h"
+#include "text/built_words.h"
 #include "text/quantities.h"
 #include "verbs.h"
 
@@ -90,32 +88,26 @@ PhantomOptions phantom_options(const Arguments& arguments) {
   return options;
 }
 
-int write_planes(PlaneSource& source, const Arguments& arguments, const Context& context) {
-  PlaneWriteResult result;
-  {
-    ProgressLine progress(context);
-    result = write_plain_planes(source, arguments.output, context.force, progress);
-  }
-  const VolumeDescription& d = source.description();
+void print_planes(const PlaneWriteResult& result, const VolumeDescription& volume,
+                  const Context& context) {
   if (context.json) {
     print_json({{"files", result.files}, {"bytes", result.bytes}, {"warnings", context.warnings}});
   } else if (!context.quiet) {
-    print(fmt::format("{}: {} {}, {}\n", result.files.front(), size_text(d.size),
-                      voxel_type_name(d.type), bytes_text(result.bytes)));
+    print(fmt::format("{}: {} {}, {}\n", result.files.front(), size_text(volume.size),
+                      voxel_type_name(volume.type), bytes_text(result.bytes)));
   }
-  return kExitDone;
 }
 
-int run_phantom(const Arguments& arguments, const Context& context) {
-  require_free_output(arguments.output, context);
-  const auto source = make_phantom(phantom_options(arguments));
-  if (is_plain_path(arguments.output)) return write_planes(*source, arguments, context);
-  if (arguments.output.ends_with(".8vo")) {
-    return build_and_report(*source, {.is_resumable = false}, arguments.output, context);
+int run_phantom(const Arguments& arguments, Context& context) {
+  const WritePhantomOptions options = {phantom_options(arguments),
+                                       {arguments.output, context.force}};
+  const WritePhantomResult result = run_task(write_phantom, options, context);
+  if (const auto* built = std::get_if<BuiltVolume>(&result.written)) {
+    print_built(*built, arguments.output, context);
+  } else {
+    print_planes(std::get<PlaneWriteResult>(result.written), result.volume, context);
   }
-  throw Error(ErrorKind::invalid_argument,
-              "a phantom is written as .8vo, .raw or .mhd; export an .8vo file to other formats",
-              arguments.output);
+  return kExitDone;
 }
 
 }  // namespace

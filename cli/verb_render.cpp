@@ -8,8 +8,8 @@
 
 #include "common/cancel.h"
 #include "common/failure.h"
-#include "common/inputs.h"
 #include "common/masks.h"
+#include "common/task_run.h"
 #include "common/options.h"
 #include "common/render_scene.h"
 #include "common/render_transparency.h"
@@ -17,6 +17,8 @@
 #include "octavo/file/storage/storage.h"
 #include "octavo/io/source/place_known.h"
 #include "octavo/tasks/value_ranges.h"
+#include "octavo/tasks/inputs.h"
+#include "octavo/tasks/outputs.h"
 #include "text/quantities.h"
 #include "text/volume_json.h"
 #include "verbs.h"
@@ -225,13 +227,14 @@ std::uint64_t picture_bytes(const ViewFrame& frame) {
 int run_render(const RenderArguments& arguments, Context& context) {
   // What can be refused without the file is refused before it is read.
   const std::vector<std::string> paths = picture_paths(arguments);
-  for (const std::string& path : paths) require_free_output(path, context);
+  for (const std::string& path : paths) require_free({path, context.force});
   asked_background(arguments.background);
   const ViewFrame frame = asked_frame(arguments);
   require_memory(picture_bytes(frame), "the picture", context);
   fitting_pixel_mm({}, {{0, 0, 0}, {1, 1, 1}}, asked_viewpoint(arguments, {}), frame);
   check_transparency_options(arguments);
-  const std::shared_ptr<const FileReader> reader = open_octavo(arguments.input, context);
+  const std::shared_ptr<const FileReader> reader =
+      open_volume(arguments.input, brief_task(context));
   check_level(reader->levels(), arguments.level);
   const Box whole = box_of(reader->levels().size(arguments.level));
   const VolumeDescription& volume = reader->description();

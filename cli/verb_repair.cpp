@@ -1,17 +1,14 @@
 // octavo repair: what an interrupted build left, or a damaged file, made whole as far as it can be.
 #include <fmt/format.h>
 
-#include <filesystem>
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
-#include "common/inputs.h"
 #include "common/options.h"
-#include "common/progress_line.h"
-#include "octavo/builder/recover.h"
-#include "octavo/file/parallel_read.h"
-#include "octavo/file/repair/repair_bits.h"
+#include "common/task_run.h"
+#include "octavo/tasks/files/repair.h"
 #include "text/quantities.h"
 #include "verbs.h"
 
@@ -104,59 +101,17 @@ std::string repair_text(const Arguments& arguments, const BitRepairResult& resul
   return text + "every checksum matches\n";
 }
 
-BitRepairResult repair(const Arguments& arguments, const Context& context) {
-  BitRepairOptions options;
-  options.overwrite = context.force;
-  options.for_each = for_each_parallel(context.thread_count());
-  ProgressLine progress(context);
-  try {
-    return repair_bits(local_storage(), arguments.input, arguments.output, options, progress);
-  } catch (const Error& error) {
-    const bool is_damage =
-        error.kind() == ErrorKind::corrupt || error.kind() == ErrorKind::truncated;
-    const auto says = [&](const char* words) {
-      return error.detail().find(words) != std::string::npos;
-    };
-    if (!is_damage || says("--salvage") || says("build it again")) throw;
-    throw Error(error.kind(),
-                error.detail() + "; repair cannot restore this, and no verb can read such a file",
-                error.path(), error.offset());
+int run_repair(const Arguments& arguments, Context& context) {
+  const RepairOptions options = {arguments.input, {arguments.output, context.force}};
+  const RepairResult result = run_task(repair, options, context);
+  const auto* sealed = std::get_if<SealResult>(&result);
+  const auto* repaired = std::get_if<BitRepairResult>(&result);
+  if (context.json) {
+    print_json(sealed != nullptr ? seal_json(arguments, *sealed)
+                                 : repair_json(arguments, *repaired));
+  } else if (!context.quiet) {
+    print(sealed != nullptr ? seal_text(arguments, *sealed) : repair_text(arguments, *repaired));
   }
-}
-
-int run_repair(const Arguments& arguments, const Context& context) {
-  if (!arguments.output.ends_with(".8vo")) {
-    throw Error(ErrorKind::invalid_argument, "repair writes .8vo files; name one",
-                arguments.output);
-  }
-  std::error_code none;
-  if (std::filesystem::equivalent(arguments.input, arguments.output, none)) {
-    throw Error(ErrorKind::invalid_argument, "is the file to repair; name another output",
-                arguments.output);
-  }
-  require_free_output(arguments.output, context);
-  const bool is_there = std::filesystem::exists(arguments.input, none);
-  if (!is_there || is_growing_name(arguments.input)) {
-    std::optional<SealResult> result;
-    {
-      ProgressLine progress(context);
-      result = seal_interrupted(local_storage(), arguments.input, arguments.output,
-                                {context.force, context.threads}, progress);
-    }
-    if (result && context.json) print_json(seal_json(arguments, *result));
-    if (result && !context.json && !context.quiet) print(seal_text(arguments, *result));
-    if (result) return kExitDone;
-  }
-  if (!is_there) {
-    throw Error(ErrorKind::io, "no such file, and no interrupted build of it", arguments.input);
-  }
-  const BitRepairResult result = repair(arguments, context);
-  if (result.is_sound()) {
-    throw Error(ErrorKind::invalid_argument, "is sound: there is nothing to repair",
-                arguments.input);
-  }
-  if (context.json) print_json(repair_json(arguments, result));
-  else if (!context.quiet) print(repair_text(arguments, result));
   return kExitDone;
 }
 

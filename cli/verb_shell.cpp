@@ -3,14 +3,13 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "common/failure.h"
-#include "common/inputs.h"
-#include "common/masks.h"
 #include "common/options.h"
-#include "octavo/ops/mask/shell.h"
-#include "text/quantities.h"
+#include "common/task_run.h"
+#include "octavo/core/text.h"
+#include "octavo/tasks/shell.h"
+#include "octavo/tasks/volume_facts.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -30,36 +29,34 @@ struct Arguments {
   std::string output;
 };
 
+nlohmann::ordered_json report_json(const Arguments& arguments, const ShellResult& result,
+                                   const Context& context) {
+  nlohmann::ordered_json report = {{"leaves", result.leaves},
+                                   {"kept", result.kept},
+                                   {"removed", result.leaves - result.kept},
+                                   {"voxels", result.voxels},
+                                   {"mm3", optional_json(mm3_of(result.voxels, result.volume))}};
+  if (!arguments.output.empty()) {
+    report["output"] = arguments.output;
+    report["file_bytes"] = result.file_bytes;
+  }
+  report["warnings"] = context.warnings;
+  return report;
+}
+
 int run_shell(const Arguments& arguments, Context& context) {
-  if (!arguments.output.empty()) {
-    require_computed_output(arguments.output, {arguments.input}, context);
-  }
-  const OpenedMask mask = open_mask(arguments.input, context);
-  require_memory(3 * mask.tree.memory_bytes(), "the mask and its shell", context);
-  std::optional<MaskTree> made;
-  on_threads(context, [&] { made = shell(mask.tree); });
-  const std::int64_t leaves = leaf_count(mask.tree);
-  const std::int64_t kept = leaf_count(*made);
-  const std::uint64_t voxels = made->voxel_count();
-  nlohmann::ordered_json result = {{"leaves", leaves},
-                                   {"kept", kept},
-                                   {"removed", leaves - kept},
-                                   {"voxels", voxels},
-                                   {"mm3", mm3_json(voxels, mask.volume())}};
-  if (!arguments.output.empty()) {
-    const BuildResult built =
-        write_mask(*made, mask.volume(), {{"operation", "shell"}}, arguments.output, context);
-    result["output"] = arguments.output;
-    result["file_bytes"] = built.file_bytes;
-  }
-  result["warnings"] = context.warnings;
+  ShellOptions options;
+  options.input = arguments.input;
+  if (!arguments.output.empty()) options.output = {arguments.output, context.force};
+  const ShellResult result = run_task(shell, options, context);
   if (context.json) {
-    print_json(result);
+    print_json(report_json(arguments, result, context));
   } else if (!context.quiet) {
     print(fmt::format("{}: {} of {} leaves lie at the surface, {} removed; {}\n",
                       arguments.output.empty() ? arguments.input : arguments.output,
-                      count_text(kept), count_text(leaves), count_text(leaves - kept),
-                      volume_text(voxels, mask.volume())));
+                      count_text(result.kept), count_text(result.leaves),
+                      count_text(result.leaves - result.kept),
+                      volume_text(result.voxels, result.volume)));
   }
   return kExitDone;
 }

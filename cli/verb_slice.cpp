@@ -9,14 +9,16 @@
 
 #include "common/cancel.h"
 #include "common/failure.h"
-#include "common/inputs.h"
 #include "common/masks.h"
 #include "common/options.h"
-#include "common/salvaging.h"
+#include "common/salvage_option.h"
+#include "common/task_run.h"
 #include "octavo/file/storage/pending_file.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/io/source/place_known.h"
 #include "octavo/render/slice/slice_picture.h"
+#include "octavo/tasks/inputs.h"
+#include "octavo/tasks/outputs.h"
 #include "text/quantities.h"
 #include "text/volume_json.h"
 #include "verbs.h"
@@ -210,8 +212,10 @@ int run_slice(const Arguments& arguments, Context& context) {
   if (axes.size() > 1 && (arguments.index || !arguments.mm.empty())) {
     throw Error(ErrorKind::invalid_argument, "--index and --mm go with one --axis, not with all");
   }
+  const TaskRun run(context);
+  const std::optional<SalvageFilling> filling = salvage_filling(arguments.salvage);
   const auto reader =
-      salvaging(open_octavo(arguments.input, context), arguments.salvage, context);
+      salvaging(open_volume(arguments.input, run.context()), filling, run.context());
   check_level(reader->levels(), arguments.level);
   std::vector<Arguments> pictures;
   for (const int axis : axes) {
@@ -219,18 +223,17 @@ int run_slice(const Arguments& arguments, Context& context) {
     if (axes.size() > 1) {
       one.output.insert(one.output.size() - 4, fmt::format("-{}", "xyz"[axis]));
     }
-    require_free_output(one.output, context);
+    require_free({one.output, context.force});
   }
   // All are drawn before the first is written: damage leaves nothing behind.
   std::vector<DrawnSlice> drawn;
-  read_or_hint(arguments.salvage, context, [&] {
+  read_salvaging(filling, run.context(), [&] {
     for (std::size_t i = 0; i < axes.size(); ++i) {
       drawn.push_back(draw(*reader, pictures[i], axes[i], context));
     }
   });
   nlohmann::ordered_json slices = nlohmann::ordered_json::array();
   // Until all are written, a signal must not leave temporary files behind.
-  const CancellableWork work;
   for (const DrawnSlice& one : drawn) {
     if (is_cancel_requested()) throw Error(ErrorKind::cancelled, "stopped while writing", one.path);
     write_png(one, context.force);
@@ -240,8 +243,10 @@ int run_slice(const Arguments& arguments, Context& context) {
       print(slice_text(one, arguments.level, *reader));
     }
   }
-  warn_of_salvaged(*reader, context);
-  if (context.json) print_json({{"slices", slices}, {"salvaged", salvaged_json(*reader)}});
+  warn_of_salvaged(*reader, run.context());
+  if (context.json) {
+    print_json({{"slices", slices}, {"salvaged", salvaged_json(salvage_report(*reader))}});
+  }
   return kExitDone;
 }
 

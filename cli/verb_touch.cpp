@@ -1,21 +1,18 @@
 // octavo touch: do two objects overlap or touch, and which labels of a label map lie side by side.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "common/failure.h"
-#include "common/inputs.h"
-#include "common/masks.h"
 #include "common/options.h"
-#include "common/progress_line.h"
-#include "octavo/ops/label/label_adjacency.h"
-#include "octavo/ops/mask/interference.h"
+#include "common/task_run.h"
+#include "octavo/core/text.h"
 #include "octavo/tasks/geometry_words.h"
-#include "text/quantities.h"
+#include "octavo/tasks/touch.h"
+#include "octavo/tasks/volume_facts.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -39,43 +36,28 @@ constexpr VerbText kText = {
 struct Arguments {
   std::vector<std::string> inputs;
   int connectivity = 6;
-
-  Connectivity neighbors() const { return static_cast<Connectivity>(connectivity); }
 };
-
-/// The area of faces across x, y and z, mm2.
-double area_mm2(const std::array<std::uint64_t, 3>& faces, const Geometry& geometry) {
-  const Point3& s = geometry.spacing_mm;
-  return static_cast<double>(faces[0]) * s[1] * s[2] + static_cast<double>(faces[1]) * s[0] * s[2] +
-         static_cast<double>(faces[2]) * s[0] * s[1];
-}
 
 std::uint64_t count_of(const std::array<std::uint64_t, 3>& faces) {
   return faces[0] + faces[1] + faces[2];
 }
 
-nlohmann::ordered_json area_json(const std::array<std::uint64_t, 3>& faces,
-                                 const VolumeDescription& volume) {
-  if (!voxel_mm3(volume)) return nullptr;
-  return area_mm2(faces, volume.geometry);
-}
-
 std::string faces_text(const std::array<std::uint64_t, 3>& faces,
                        const VolumeDescription& volume) {
   const std::string text = counted_text(static_cast<std::int64_t>(count_of(faces)), "face");
-  if (!voxel_mm3(volume)) return text;
-  return text + fmt::format(", {} mm2", number_text(area_mm2(faces, volume.geometry)));
+  const auto mm2 = area_mm2(faces, volume);
+  return mm2 ? text + fmt::format(", {} mm2", number_text(*mm2)) : text;
 }
 
 nlohmann::ordered_json extent_json(const VoxelExtent& extent, const VolumeDescription& volume) {
   nlohmann::ordered_json object = {{"voxels", extent.voxel_count},
-                                   {"mm3", mm3_json(extent.voxel_count, volume)},
+                                   {"mm3", optional_json(mm3_of(extent.voxel_count, volume))},
                                    {"box", nullptr},
                                    {"box_mm", nullptr}};
   if (extent.voxel_count == 0) return object;
   const Box& box = extent.box;
   object["box"] = {{box.lo.x, box.hi.x}, {box.lo.y, box.hi.y}, {box.lo.z, box.hi.z}};
-  if (!voxel_mm3(volume)) return object;
+  if (!is_spacing_known(volume)) return object;
   const BoxMm world = world_box(box, volume.geometry);
   object["box_mm"] = {{world.lo[0], world.hi[0]}, {world.lo[1], world.hi[1]},
                       {world.lo[2], world.hi[2]}};
@@ -86,7 +68,7 @@ nlohmann::ordered_json extent_json(const VoxelExtent& extent, const VolumeDescri
 std::string where_text(const Box& box, const VolumeDescription& volume) {
   std::string text = fmt::format("box {}:{},{}:{},{}:{}", box.lo.x, box.hi.x, box.lo.y, box.hi.y,
                                  box.lo.z, box.hi.z);
-  if (!voxel_mm3(volume)) return text;
+  if (!is_spacing_known(volume)) return text;
   const BoxMm world = world_box(box, volume.geometry);
   text += "; ";
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -99,8 +81,9 @@ const char* relation_of(const Interference& found) {
   return found.is_overlap() ? "overlap" : found.is_contact() ? "touch" : "apart";
 }
 
-std::string interference_text(const Interference& found, const Arguments& arguments,
-                              const VolumeDescription& volume) {
+std::string masks_text(const Arguments& arguments, const TouchMasksResult& result) {
+  const Interference& found = result.found;
+  const VolumeDescription& volume = result.volume;
   const std::string a = escaped(arguments.inputs[0]);
   const std::string b = escaped(arguments.inputs[1]);
   std::string text = fmt::format("{} and {} {}\n", a, b,
@@ -111,57 +94,44 @@ std::string interference_text(const Interference& found, const Arguments& argume
     text += fmt::format("  in both:    {}; {}\n", volume_text(found.overlap.voxel_count, volume),
                         where_text(found.overlap.box, volume));
   }
-  if (found.is_contact()) {
-    for (const auto& [name, extent] : {std::pair{&a, &found.contact_a}, {&b, &found.contact_b}}) {
-      text += fmt::format("  touching:   {} of {} alone; {}\n",
-                          counted_text(static_cast<std::int64_t>(extent->voxel_count), "voxel"),
-                          *name,
-                          where_text(extent->box, volume));
-    }
-    text += fmt::format("  in between: {}\n", faces_text(found.face_pairs, volume));
+  if (!found.is_contact()) return text;
+  for (const auto& [name, extent] : {std::pair{&a, &found.contact_a}, {&b, &found.contact_b}}) {
+    text += fmt::format("  touching:   {} of {} alone; {}\n",
+                        counted_text(static_cast<std::int64_t>(extent->voxel_count), "voxel"),
+                        *name, where_text(extent->box, volume));
   }
-  return text;
+  return text + fmt::format("  in between: {}\n", faces_text(found.face_pairs, volume));
 }
 
-int touch_masks(const Arguments& arguments, Context& context) {
-  const OpenedMask a = open_mask(arguments.inputs[0], context);
-  const OpenedMask b = open_mask(arguments.inputs[1], context);
-  require_same_grid(a.volume(), a.path, b.volume(), b.path);
-  Interference found;
-  on_threads(context, [&] { found = interference(a.tree, b.tree, arguments.neighbors()); });
-  const VolumeDescription& volume = a.volume();
-  if (context.json) {
-    print_json({{"masks", arguments.inputs},
-                {"relation", relation_of(found)},
-                {"connectivity", arguments.connectivity},
-                {"overlap", extent_json(found.overlap, volume)},
-                {"contact_a", extent_json(found.contact_a, volume)},
-                {"contact_b", extent_json(found.contact_b, volume)},
-                {"faces", count_of(found.face_pairs)},
-                {"area_mm2", area_json(found.face_pairs, volume)},
-                {"warnings", context.warnings}});
-  } else if (!context.quiet) {
-    print(interference_text(found, arguments, volume));
-  }
-  return kExitDone;
+nlohmann::ordered_json masks_json(const Arguments& arguments, const TouchMasksResult& result,
+                                  const Context& context) {
+  const Interference& found = result.found;
+  return {{"masks", arguments.inputs},
+          {"relation", relation_of(found)},
+          {"connectivity", arguments.connectivity},
+          {"overlap", extent_json(found.overlap, result.volume)},
+          {"contact_a", extent_json(found.contact_a, result.volume)},
+          {"contact_b", extent_json(found.contact_b, result.volume)},
+          {"faces", count_of(found.face_pairs)},
+          {"area_mm2", optional_json(area_mm2(found.face_pairs, result.volume))},
+          {"warnings", context.warnings}};
 }
 
-std::string table_text(const std::vector<LabelContact>& contacts, const Arguments& arguments,
-                       const VolumeDescription& volume) {
+std::string labels_text(const Arguments& arguments, const TouchLabelsResult& result) {
   std::string text = fmt::format(
       "{}: {}\n", escaped(arguments.inputs[0]),
-      counted_text(static_cast<std::int64_t>(contacts.size()), "pair of labels touches",
+      counted_text(static_cast<std::int64_t>(result.contacts.size()), "pair of labels touches",
                    "pairs of labels touch"));
-  if (contacts.empty()) return text;
+  if (result.contacts.empty()) return text;
   const bool is_faces = arguments.connectivity == 6;
-  const bool is_placed = voxel_mm3(volume).has_value();
   text += fmt::format("{:>10} {:>10} {:>14} {:>14}{}\n", "label", "label", "faces", "mm2",
                       is_faces ? "" : fmt::format(" {:>14}", "voxel pairs"));
-  for (const LabelContact& contact : contacts) {
+  for (const LabelContact& contact : result.contacts) {
+    const auto mm2 = area_mm2(contact.face_pairs, result.volume);
     text += fmt::format(
         "{:>10} {:>10} {:>14} {:>14}{}\n", contact.first, contact.second,
         count_text(static_cast<std::int64_t>(count_of(contact.face_pairs))),
-        is_placed ? fmt::format("{:.2f}", area_mm2(contact.face_pairs, volume.geometry)) : "-",
+        mm2 ? fmt::format("{:.2f}", *mm2) : "-",
         is_faces ? ""
                  : fmt::format(" {:>14}",
                                count_text(static_cast<std::int64_t>(contact.voxel_pairs))));
@@ -169,45 +139,36 @@ std::string table_text(const std::vector<LabelContact>& contacts, const Argument
   return text;
 }
 
-int touch_labels(const Arguments& arguments, Context& context) {
-  const std::shared_ptr<const FileReader> labels = open_octavo(arguments.inputs[0], context);
-  const VolumeDescription& volume = labels->description();
-  if (volume.kind != VolumeKind::labels) {
-    throw Error(ErrorKind::invalid_argument,
-                "holds grey values, not labels; 'octavo threshold' makes labels of it",
-                arguments.inputs[0]);
+nlohmann::ordered_json labels_json(const Arguments& arguments, const TouchLabelsResult& result,
+                                   const Context& context) {
+  nlohmann::ordered_json pairs = nlohmann::ordered_json::array();
+  for (const LabelContact& contact : result.contacts) {
+    pairs.push_back(
+        {{"labels", {contact.first, contact.second}},
+         {"faces", count_of(contact.face_pairs)},
+         {"area_mm2", optional_json(area_mm2(contact.face_pairs, result.volume))},
+         {"voxel_pairs", contact.voxel_pairs}});
   }
-  // A brick per thread, with its labels widened.
-  constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
-  require_memory(12 * kMiB * static_cast<std::uint64_t>(context.thread_count()), "labels",
-                 context);
-  std::vector<LabelContact> contacts;
-  {
-    ProgressLine progress(context);
-    on_threads(context,
-               [&] { contacts = label_contacts(*labels, arguments.neighbors(), progress); });
-  }
-  if (context.json) {
-    nlohmann::ordered_json pairs = nlohmann::ordered_json::array();
-    for (const LabelContact& contact : contacts) {
-      pairs.push_back({{"labels", {contact.first, contact.second}},
-                       {"faces", count_of(contact.face_pairs)},
-                       {"area_mm2", area_json(contact.face_pairs, volume)},
-                       {"voxel_pairs", contact.voxel_pairs}});
-    }
-    print_json({{"labels", arguments.inputs[0]},
-                {"connectivity", arguments.connectivity},
-                {"pairs", pairs},
-                {"warnings", context.warnings}});
-  } else if (!context.quiet) {
-    print(table_text(contacts, arguments, volume));
-  }
-  return kExitDone;
+  return {{"labels", arguments.inputs[0]},
+          {"connectivity", arguments.connectivity},
+          {"pairs", pairs},
+          {"warnings", context.warnings}};
 }
 
 int run_touch(const Arguments& arguments, Context& context) {
-  return arguments.inputs.size() == 1 ? touch_labels(arguments, context)
-                                      : touch_masks(arguments, context);
+  const auto connectivity = static_cast<Connectivity>(arguments.connectivity);
+  if (arguments.inputs.size() == 1) {
+    const TouchLabelsOptions options = {arguments.inputs[0], connectivity};
+    const TouchLabelsResult result = run_task(touch_labels, options, context);
+    if (context.json) print_json(labels_json(arguments, result, context));
+    else if (!context.quiet) print(labels_text(arguments, result));
+  } else {
+    const TouchMasksOptions options = {arguments.inputs[0], arguments.inputs[1], connectivity};
+    const TouchMasksResult result = run_task(touch_masks, options, context);
+    if (context.json) print_json(masks_json(arguments, result, context));
+    else if (!context.quiet) print(masks_text(arguments, result));
+  }
+  return kExitDone;
 }
 
 }  // namespace

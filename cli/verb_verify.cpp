@@ -5,16 +5,12 @@
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
-#include "common/inputs.h"
-#include "common/isotropic_option.h"
 #include "common/options.h"
-#include "common/plane_compare.h"
-#include "common/progress_line.h"
-#include "octavo/builder/float_planes.h"
-#include "octavo/file/parallel_read.h"
-#include "octavo/file/repair/repair_bits.h"
-#include "octavo/file/verify.h"
-#include "octavo/tasks/file_planes.h"
+#include "common/scan_arguments.h"
+#include "common/task_run.h"
+#include "octavo/tasks/files/verify_volume.h"
+#include "octavo/tasks/volume_facts.h"
+#include "text/comparison_words.h"
 #include "text/preparation_words.h"
 #include "text/quantities.h"
 #include "text/volume_json.h"
@@ -44,7 +40,7 @@ constexpr const char* kHidingAdvice =
 struct Arguments {
   std::string input;
   std::vector<std::string> against;
-  SourceArguments source;
+  ScanArguments scan;
 };
 
 nlohmann::ordered_json damage_json(const Damage& damage) {
@@ -70,8 +66,8 @@ nlohmann::ordered_json damage_json(const Damage& damage) {
   return object;
 }
 
-nlohmann::ordered_json result_json(const std::string& path, const VerifyReport& report,
-                                   const Comparison* comparison) {
+nlohmann::ordered_json result_json(const std::string& path, const VerifyVolumeResult& result) {
+  const VerifyReport& report = result.report;
   nlohmann::ordered_json object = {{"file", path},
                                    {"sound", report.is_sound()},
                                    {"bricks", report.brick_count},
@@ -83,7 +79,7 @@ nlohmann::ordered_json result_json(const std::string& path, const VerifyReport& 
                                    {"damages", nlohmann::ordered_json::array()},
                                    {"against", nullptr}};
   for (const Damage& damage : report.damages) object["damages"].push_back(damage_json(damage));
-  if (comparison != nullptr) object["against"] = comparison_json(*comparison);
+  if (result.against) object["against"] = comparison_json(result.against->comparison);
   return object;
 }
 
@@ -104,9 +100,11 @@ std::string extent_text(const VerifyReport& report) {
 }
 
 /// Says what is damaged: a line for each place, and the error last. A single place is the error.
-int report_damage(const Arguments& arguments, const VerifyReport& report, const Context& context) {
+[[noreturn]] void report_damage(const Arguments& arguments, const VerifyVolumeResult& result,
+                                const Context& context) {
+  const VerifyReport& report = result.report;
   const Damage& first = report.damages.front();
-  if (context.json) print_json(result_json(arguments.input, report, nullptr));
+  if (context.json) print_json(result_json(arguments.input, result));
   if (report.damage_count == 1) {
     throw Error(ErrorKind::corrupt, first.detail + extent_text(report), arguments.input,
                 first.offset);
@@ -124,94 +122,56 @@ int report_damage(const Arguments& arguments, const VerifyReport& report, const 
               arguments.input, first.offset);
 }
 
-/// verify compares what is stored: rescale and type must be the same as well.
-bool is_faithful(const Comparison& c) {
-  return c.is_equal() && c.is_same_type && c.is_same_rescale;
-}
-
-std::string difference_text(const Arguments& arguments, const Comparison& c,
-                            const VolumeDescription& file, const VolumeDescription& source) {
+std::string difference_text(const Arguments& arguments, const VerifyVolumeResult& result) {
+  const VolumeDescription& source = result.against->source;
+  const Comparison& c = result.against->comparison;
   std::string text = fmt::format("{}: sound, but differs from {}\n", arguments.input,
                                  arguments.against.front());
-  for (const std::string& line : comparison_lines(c, file, source)) text += "  " + line + "\n";
+  for (const std::string& line : comparison_lines(c, result.volume, source)) {
+    text += "  " + line + "\n";
+  }
   if (!c.is_same_type) {
-    text += fmt::format("  type: {} against {}\n", voxel_type_name(file.type),
+    text += fmt::format("  type: {} against {}\n", voxel_type_name(result.volume.type),
                         voxel_type_name(source.type));
   }
   return text;
 }
 
-int run_alone(const Arguments& arguments, const VerifyReport& report,
-              const std::string& missing, const Context& context) {
-  if (context.json) {
-    print_json(result_json(arguments.input, report, nullptr));
-  } else if (!context.quiet) {
-    print(fmt::format("{}: sound; {}, {} read and decoded{}\n", arguments.input,
-                      counted_text(report.brick_count, "brick"), bytes_text(report.file_bytes),
-                      missing.empty() ? "" : "; but " + missing));
-  }
-  return kExitDone;
+std::string sound_text(const Arguments& arguments, const VerifyVolumeResult& result) {
+  const std::string missing = missing_words(metadata_of(result.volume));
+  return fmt::format("{}: sound; {}, {} read and decoded{}\n", arguments.input,
+                     counted_text(result.report.brick_count, "brick"),
+                     bytes_text(result.report.file_bytes),
+                     missing.empty() ? "" : "; but " + missing);
 }
 
-int run_against(const Arguments& arguments, const VerifyReport& report,
-                const std::shared_ptr<const FileReader>& reader, Context& context) {
-  FilePlanes planes(reader, 0, context.thread_count());
-  const nlohmann::ordered_json metadata = metadata_of(reader->description());
-  auto opened = open_planes(arguments.against, arguments.source, context);
-  const Size3 opened_size = opened->description().size;
-  const auto read =
-      repeat_isotropic(arguments.against.front(), std::move(opened), metadata, context);
-  const bool is_same_source = read->description().size == opened_size;
-  const auto source = make_repaired_source(*read, repair_of(metadata));
-  // The largest difference found by the build: it is at most the promised one.
-  const double error = reader->achieved_error();
-  Comparison c;
-  {
-    ProgressLine progress(context);
-    c = compare_volumes(planes, *source, error, progress);
-  }
-  const bool is_good = is_faithful(c);
-  if (context.json) {
-    print_json(result_json(arguments.input, report, &c));
-  } else if (!is_good) {
-    print(difference_text(arguments, c, planes.description(), source->description()));
-  } else if (!context.quiet) {
-    print(fmt::format("{}: sound, and {} {} of {} {}; {} checked\n",
-                      arguments.input,
-                      error == 0 ? "equal to every one of the"
-                                 : "within " + distance_text(planes.description(),
-                                                             unit_of(metadata_of(
-                                                                 planes.description())),
-                                                             error) + " of each of the",
-                      counted_text(c.voxels, "voxel"),
-                      arguments.against.front() + (is_same_source ? "" : " with planes in between"),
-                      c.is_place_known ? "and the geometry" : "(its spacing is not known)",
-                      counted_text(report.brick_count, "brick")));
-  }
-  return is_good ? kExitDone : kExitDifferent;
-}
-
-/// Throws also where the file cannot be looked into; says there what helps.
-VerifyReport verified(const Arguments& arguments, const Context& context) {
-  VerifyOptions options;
-  options.for_each = for_each_parallel(context.thread_count());
-  ProgressLine progress(context);
-  const std::shared_ptr<const ByteSource> source = open_bytes(arguments.input);
-  try {
-    return verify_file(source, options, progress);
-  } catch (const Error& error) {
-    if (error.kind() != ErrorKind::corrupt || !opens_repaired(source)) throw;
-    throw Error(error.kind(), error.detail() + kHidingAdvice, error.path(), error.offset());
-  }
+std::string faithful_text(const Arguments& arguments, const VerifyVolumeResult& result) {
+  const SourceCheck& check = *result.against;
+  const std::string within = distance_text(result.volume, check.allowed_error);
+  const bool is_exact = check.allowed_error == 0;
+  return fmt::format(
+      "{}: sound, and {} {} of {}{} {}; {} checked\n", arguments.input,
+      is_exact ? "equal to every one of the" : "within " + within + " of each of the",
+      counted_text(check.comparison.voxels, "voxel"), arguments.against.front(),
+      check.has_planes_between ? " with planes in between" : "",
+      check.comparison.is_place_known ? "and the geometry" : "(its spacing is not known)",
+      counted_text(result.report.brick_count, "brick"));
 }
 
 int run_verify(const Arguments& arguments, Context& context) {
-  const VerifyReport report = verified(arguments, context);
-  if (!report.is_sound()) return report_damage(arguments, report, context);
-  const auto reader = open_octavo(arguments.input, context);
-  if (!arguments.against.empty()) return run_against(arguments, report, reader, context);
-  const std::string missing = missing_words(metadata_of(reader->description()));
-  return run_alone(arguments, report, missing, context);
+  const VerifyVolumeOptions options = {arguments.input, arguments.against,
+                                       scan_options(arguments.scan)};
+  const VerifyVolumeResult result = run_task(verify_volume, options, context);
+  if (!result.report.is_sound()) report_damage(arguments, result, context);
+  const bool is_good = !result.against || result.against->is_faithful();
+  if (context.json) {
+    print_json(result_json(arguments.input, result));
+  } else if (!is_good) {
+    print(difference_text(arguments, result));
+  } else if (!context.quiet) {
+    print(result.against ? faithful_text(arguments, result) : sound_text(arguments, result));
+  }
+  return is_good ? kExitDone : kExitDifferent;
 }
 
 }  // namespace
@@ -225,7 +185,7 @@ void add_verify(CLI::App& app, Context& context) {
       ->required();
   verb.add_option("--against", arguments->against, "The source it was built from")
       ->type_name("SOURCE");
-  add_source_options(verb, arguments->source);
+  add_scan_options(verb, arguments->scan);
 }
 
 }  // namespace octavo::cli

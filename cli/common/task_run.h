@@ -8,6 +8,10 @@
 
 namespace octavo::cli {
 
+/// The context of a task that ends soon and writes nothing: no progress is shown, and a signal ends
+/// the program at once.
+TaskContext brief_task(Context& context);
+
 /// While it lives, SIGINT and SIGTERM ask the task to stop.
 class TaskRun {
  public:

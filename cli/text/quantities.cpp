@@ -11,8 +11,6 @@ namespace octavo::cli {
 
 namespace {
 
-constexpr const char* kAxisNames = "xyz";
-
 [[noreturn]] void reject(const std::string& text) {
   throw Error(ErrorKind::invalid_argument, text);
 }
@@ -100,62 +98,28 @@ Point3 parse_spacing(const std::string& text, const std::string& what) {
   return spacing;
 }
 
-Box parse_box(const std::string& text, const Size3& size) {
+AskedBox parse_box(const std::string& text) {
   const auto parts = three_parts(text, "--box", "x0:x1,y0:y1,z0:z1");
-  Box box = box_of(size);
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto ends = split_range(parts[static_cast<std::size_t>(axis)], "--box");
+  AskedBox box;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto ends = split_range(parts[axis], "--box");
     if (!ends[0].empty()) box.lo[axis] = parse_integer(ends[0], "--box");
     if (!ends[1].empty()) box.hi[axis] = parse_integer(ends[1], "--box");
-    if (box.lo[axis] >= 0 && box.lo[axis] < box.hi[axis] && box.hi[axis] <= size[axis]) continue;
-    reject(fmt::format("--box: {} = {}:{}; must be a part of 0:{} that is not empty",
-                       kAxisNames[axis], box.lo[axis], box.hi[axis], size[axis]));
   }
   return box;
 }
 
-Box parse_box_mm(const std::string& text, const Geometry& geometry, const Size3& size) {
+BoxMm parse_box_mm(const std::string& text) {
   const auto parts = three_parts(text, "--box-mm", "x0:x1,y0:y1,z0:z1");
-  std::array<std::array<double, 2>, 3> ends{};
+  BoxMm box{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto texts = split_range(parts[axis], "--box-mm");
-    ends[axis] = {parse_number(texts[0], "--box-mm"), parse_number(texts[1], "--box-mm")};
-  }
-  // The eight corners, seen from the grid.
-  Point3 low{INFINITY, INFINITY, INFINITY};
-  Point3 high{-INFINITY, -INFINITY, -INFINITY};
-  for (std::size_t corner = 0; corner < 8; ++corner) {
-    const Point3 index = geometry.to_index(
-        {ends[0][corner & 1], ends[1][corner >> 1 & 1], ends[2][corner >> 2 & 1]});
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], index[axis]);
-      high[axis] = std::max(high[axis], index[axis]);
-    }
-  }
-  constexpr double kRoundingSlack = 1e-6;
-  Box box;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto a = static_cast<std::size_t>(axis);
-    const auto limit = static_cast<double>(size[axis]);
-    box.lo[axis] = static_cast<std::int64_t>(
-        std::clamp(std::ceil(low[a] - kRoundingSlack), 0.0, limit));
-    box.hi[axis] = static_cast<std::int64_t>(
-        std::clamp(std::floor(high[a] + kRoundingSlack) + 1, 0.0, limit));
-  }
-  if (box.is_empty()) {
-    const Point3 last = geometry.to_world({static_cast<double>(size.x - 1),
-                                           static_cast<double>(size.y - 1),
-                                           static_cast<double>(size.z - 1)});
-    reject(fmt::format("--box-mm {} holds no voxel; the volume runs from {} to {} mm",
-                       escaped(text), point_text(geometry.origin_mm, ", "),
-                       point_text(last, ", ")));
+    const auto ends = split_range(parts[axis], "--box-mm");
+    box.lo[axis] = parse_number(ends[0], "--box-mm");
+    box.hi[axis] = parse_number(ends[1], "--box-mm");
   }
   return box;
 }
 
-void check_level(const Levels& levels, int level) {
-  if (level >= 0 && level < levels.count()) return;
-  reject(fmt::format("--level {}; the file has levels 0 to {}", level, levels.count() - 1));
-}
+void check_level(const Levels& levels, int level) { require_level(levels, level); }
 
 }  // namespace octavo::cli

@@ -11,6 +11,7 @@
 #include "octavo/core/geometry.h"
 #include "octavo/core/levels.h"
 #include "octavo/core/text.h"
+#include "octavo/tasks/volume_parts.h"
 
 namespace octavo::cli {
 
@@ -33,12 +34,10 @@ Index3 parse_index(const std::string& text, const std::string& what);
 Point3 parse_spacing(const std::string& text, const std::string& what);
 
 /// A half-open box of samples, "x0:x1,y0:y1,z0:z1"; a side left empty is the end of the volume.
-/// Throws Error{invalid_argument} when the box is empty or not inside `size`, naming the axis.
-Box parse_box(const std::string& text, const Size3& size);
+AskedBox parse_box(const std::string& text);
 
-/// The samples whose centers lie in a box in millimeters (LPS world space), clipped to the volume.
-/// Throws Error{invalid_argument} when there are none.
-Box parse_box_mm(const std::string& text, const Geometry& geometry, const Size3& size);
+/// A box in millimeters (LPS world space).
+BoxMm parse_box_mm(const std::string& text);
 
 /// Throws Error{invalid_argument} unless 0 <= level < levels.count().
 void check_level(const Levels& levels, int level);

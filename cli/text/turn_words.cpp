@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <bit>
+
 #include "octavo/core/error.h"
 #include "text/quantities.h"
 
@@ -9,45 +11,39 @@ namespace octavo::cli {
 
 namespace {
 
-int axis_of(const std::string& text, const char* option, const std::string& whole) {
+int axis_of(const std::string& text, const char* option, const std::string& whole,
+            const char* expected) {
   if (text == "x") return 0;
   if (text == "y") return 1;
   if (text == "z") return 2;
   throw Error(ErrorKind::invalid_argument,
-              fmt::format("{}: '{}'; expected {}", option, escaped(whole),
-                          option == std::string("--rotate") ? "x, y or z and 90, 180 or 270: z:90"
-                                                            : "x, y or z"));
+              fmt::format("{}: '{}'; expected {}", option, escaped(whole), expected));
 }
 
 }  // namespace
 
-AxisTurn parse_turn(const std::vector<std::string>& rotations,
-                    const std::vector<std::string>& mirrors) {
-  AxisTurn turn;
-  for (const std::string& text : rotations) {
-    const std::vector<std::string> parts = split(text, ':');
-    const int axis = axis_of(parts.size() == 2 ? parts[0] : "", "--rotate", text);
-    const std::string& degrees = parts[1];
-    if (degrees != "90" && degrees != "180" && degrees != "270" && degrees != "-90") {
-      throw Error(ErrorKind::invalid_argument,
-                  fmt::format("--rotate: '{}'; expected 90, 180 or 270 degrees; other angles go "
-                              "with --affine",
-                              escaped(text)));
-    }
-    const int quarters = degrees == "180" ? 2 : degrees == "90" ? 1 : 3;
-    turn = chained(turn, quarter_turns(axis, quarters));
+AxisRotation parse_rotation(const std::string& text) {
+  const std::vector<std::string> parts = split(text, ':');
+  const int axis = axis_of(parts.size() == 2 ? parts[0] : "", "--rotate", text,
+                           "x, y or z and 90, 180 or 270: z:90");
+  for (const int degrees : {90, 180, 270, -90}) {
+    if (parts[1] == std::to_string(degrees)) return {axis, degrees};
   }
-  for (const std::string& text : mirrors) {
-    turn = chained(turn, mirror_along(axis_of(text, "--mirror", text)));
-  }
-  return turn;
+  throw Error(ErrorKind::invalid_argument,
+              fmt::format("--rotate: '{}'; expected 90, 180 or 270 degrees; other angles go with "
+                          "--affine",
+                          escaped(text)));
 }
 
-Scale parse_scale(const std::string& text) {
+int parse_mirror(const std::string& text) {
+  return axis_of(text, "--mirror", text, "x, y or z");
+}
+
+ScaleStep parse_scale(const std::string& text) {
   constexpr std::int64_t kMost = 64;
-  Scale scale;
-  scale.is_up = text.rfind("1/", 0) != 0;
-  const std::string number = scale.is_up ? text : text.substr(2);
+  ScaleStep scale;
+  scale.is_finer = text.rfind("1/", 0) != 0;
+  const std::string number = scale.is_finer ? text : text.substr(2);
   const bool is_short =
       !number.empty() && number.size() <= 2 &&
       number.find_first_not_of("0123456789") == std::string::npos;

@@ -1,29 +1,21 @@
 // Turns and scales as they are typed.
 #pragma once
 
-#include <bit>
-#include <cstdint>
 #include <string>
 #include <vector>
 
-#include "octavo/ops/grid/axis_turn.h"
+#include "octavo/tasks/transform.h"
 
 namespace octavo::cli {
 
-/// The rotations, "z:90" (90, 180, 270 or -90), and then the mirrors, "x", each in its order.
-/// Throws Error{invalid_argument}
-AxisTurn parse_turn(const std::vector<std::string>& rotations,
-                    const std::vector<std::string>& mirrors);
+/// "z:90": 90, 180, 270 or -90 degrees. Throws Error{invalid_argument}
+AxisRotation parse_rotation(const std::string& text);
 
-/// A power of two, up or down.
-struct Scale {
-  std::int64_t factor = 2;
-  bool is_up = true;
-  int doublings() const { return std::countr_zero(static_cast<std::uint64_t>(factor)); }
-};
+/// "x". Throws Error{invalid_argument}
+int parse_mirror(const std::string& text);
 
-/// "4" is 4 and up, "1/4" is 4 and down; up to 64.
+/// "4" is 4 and finer, "1/4" is 4 and coarser; powers of two up to 64.
 /// Throws Error{invalid_argument}
-Scale parse_scale(const std::string& text);
+ScaleStep parse_scale(const std::string& text);
 
 }  // namespace octavo::cli

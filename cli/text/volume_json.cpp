@@ -10,22 +10,14 @@ namespace octavo::cli {
 
 namespace {
 
-nlohmann::ordered_json level_json(const FileReader& reader, int level) {
-  const Levels& levels = reader.levels();
-  const Size3& size = levels.size(level);
-  const LevelSummary summary = reader.level_summary(level);
+nlohmann::ordered_json level_json(const InfoResult& info, std::size_t level) {
+  const LevelInfo& one = info.levels[level];
   return {{"level", level},
-          {"size", {size.x, size.y, size.z}},
-          {"spacing_mm", levels.geometry(reader.description().geometry, level).spacing_mm},
-          {"bricks", summary.bricks},
-          {"uniform_bricks", summary.uniform_bricks},
-          {"bytes", summary.bytes}};
-}
-
-std::optional<double> number_in(const nlohmann::ordered_json& object, const char* name) {
-  const auto found = object.find(name);
-  if (found == object.end() || !found->is_number()) return std::nullopt;
-  return found->get<double>();
+          {"size", {one.size.x, one.size.y, one.size.z}},
+          {"spacing_mm", one.spacing_mm},
+          {"bricks", one.summary.bricks},
+          {"uniform_bricks", one.summary.uniform_bricks},
+          {"bytes", one.summary.bytes}};
 }
 
 /// The voxel that a number of the index stands for.
@@ -59,18 +51,6 @@ nlohmann::ordered_json if_in_mm(const VolumeDescription& volume,
 
 const char* kind_name(VolumeKind kind) { return kind == VolumeKind::labels ? "labels" : "grey"; }
 
-std::string real_text(const VolumeDescription& description, const std::string& unit,
-                      double stored) {
-  const std::string number = number_text(description.rescale.to_real(stored));
-  return unit.empty() ? number : number + " " + unit;
-}
-
-std::string distance_text(const VolumeDescription& description, const std::string& unit,
-                          double stored) {
-  const std::string number = number_text(stored * std::abs(description.rescale.slope));
-  return unit.empty() ? number : number + " " + unit;
-}
-
 nlohmann::ordered_json coding_json(const std::optional<SampleCoding>& coding) {
   if (!coding) return nullptr;
   return {{"type", voxel_type_name(coding->type)},
@@ -78,60 +58,38 @@ nlohmann::ordered_json coding_json(const std::optional<SampleCoding>& coding) {
           {"offset", coding->offset}};
 }
 
-double source_max_error(const nlohmann::ordered_json& metadata) {
-  return number_in(metadata, "source_max_error").value_or(0);
-}
-
-bool was_source_lossy(const nlohmann::ordered_json& metadata) {
-  const auto mark = metadata.find("lossy_source");
-  const bool is_marked = mark != metadata.end() && mark->is_boolean() && mark->get<bool>();
-  return is_marked || source_max_error(metadata) > 0;
-}
-
-FloatRepair repair_of(const nlohmann::ordered_json& metadata) {
-  FloatRepair repair;
-  const auto coding = metadata.find("coding");
-  if (coding == metadata.end() || !coding->is_object()) return repair;
-  if (const auto nan = number_in(*coding, "nan")) repair.nan = static_cast<float>(*nan);
-  if (const auto inf = number_in(*coding, "inf")) repair.infinity = static_cast<float>(*inf);
-  return repair;
-}
-
-nlohmann::ordered_json file_json(const FileReader& reader) {
-  const VolumeDescription& d = reader.description();
-  const std::uint64_t raw_bytes = raw_bytes_of(d);
-  const auto file_bytes = static_cast<double>(reader.file_bytes());
-  const ValueRange range = reader.range();
+nlohmann::ordered_json file_json(const InfoResult& info) {
+  const VolumeDescription& d = info.volume;
   nlohmann::ordered_json levels = nlohmann::ordered_json::array();
-  for (int level = 0; level < reader.levels().count(); ++level) {
-    levels.push_back(level_json(reader, level));
+  for (std::size_t level = 0; level < info.levels.size(); ++level) {
+    levels.push_back(level_json(info, level));
   }
   const nlohmann::ordered_json metadata = metadata_of(d);
   const double slope = std::abs(d.rescale.slope);
-  return {{"file", reader.source().name()},
-          {"format_version", reader.format_version()},
+  return {{"file", info.name},
+          {"format_version", info.format_version},
           {"kind", kind_name(d.kind)},
           {"type", voxel_type_name(d.type)},
           {"size", {d.size.x, d.size.y, d.size.z}},
           {"spacing_mm", d.geometry.spacing_mm},
-          {"spacing_known", is_spacing_known(metadata)},
+          {"spacing_known", is_spacing_known(d)},
           {"origin_mm", d.geometry.origin_mm},
           {"direction", d.geometry.direction},
           {"rescale", {{"slope", d.rescale.slope}, {"intercept", d.rescale.intercept}}},
           {"levels", levels},
-          {"file_bytes", reader.file_bytes()},
-          {"raw_bytes", raw_bytes},
-          {"ratio", static_cast<double>(raw_bytes) / file_bytes},
-          {"bits_per_voxel", file_bytes * 8 / static_cast<double>(d.size.voxel_count())},
-          {"max_error", reader.max_error()},
-          {"achieved_error", reader.achieved_error()},
-          {"max_error_real", reader.max_error() * slope},
-          {"achieved_error_real", reader.achieved_error() * slope},
-          {"lossless", reader.max_error() == 0},
-          {"source_lossy", was_source_lossy(metadata)},
+          {"file_bytes", info.file_bytes},
+          {"raw_bytes", info.raw_bytes},
+          {"ratio", info.compression_ratio()},
+          {"bits_per_voxel", info.bits_per_voxel()},
+          {"max_error", info.max_error},
+          {"achieved_error", info.achieved_error},
+          {"max_error_real", info.max_error * slope},
+          {"achieved_error_real", info.achieved_error * slope},
+          {"lossless", info.max_error == 0},
+          {"source_lossy", was_source_lossy(d)},
           {"coding", coding_json(d.coding)},
-          {"min", voxel_json(d, range.min)},
-          {"max", voxel_json(d, range.max)},
+          {"min", voxel_json(d, info.range.min)},
+          {"max", voxel_json(d, info.range.max)},
           {"identity", identity_state(metadata)},
           {"metadata", metadata}};
 }

@@ -5,8 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "octavo/builder/float_planes.h"
-#include "octavo/file/reader.h"
+#include "octavo/tasks/files/info.h"
 #include "octavo/tasks/volume_facts.h"
 
 namespace octavo::cli {
@@ -25,28 +24,12 @@ nlohmann::ordered_json if_in_mm(const VolumeDescription& volume,
                                 const nlohmann::ordered_json& value_mm);
 
 /// The object that `info --json` prints.
-nlohmann::ordered_json file_json(const FileReader& reader);
+nlohmann::ordered_json file_json(const InfoResult& info);
 
 /// "grey" or "labels".
 const char* kind_name(VolumeKind kind);
 
-/// "0.5 HU": a difference of stored voxels in real units.
-std::string distance_text(const VolumeDescription& description, const std::string& unit,
-                          double stored);
-
 /// {"type", "scale", "offset"}, or null.
 nlohmann::ordered_json coding_json(const std::optional<SampleCoding>& coding);
-
-/// How far the source of a file lay from its own source, real units; 0 when nothing is known.
-double source_max_error(const nlohmann::ordered_json& metadata);
-
-/// True when the source had lost something before it came here.
-bool was_source_lossy(const nlohmann::ordered_json& metadata);
-
-/// What took the place of NaN and infinities when the file was built.
-FloatRepair repair_of(const nlohmann::ordered_json& metadata);
-
-/// "-1000 HU", or "3" for labels and where no unit is known.
-std::string real_text(const VolumeDescription& description, const std::string& unit, double stored);
 
 }  // namespace octavo::cli

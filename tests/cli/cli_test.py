@@ -96,13 +96,6 @@ class Usage(InFolder):
             self.assertIn(verb, main)
             self.assertIn(f"octavo {verb}", self.expect(0, verb, "--help").stdout)
 
-    def test_completion_and_manual_name_every_verb(self):
-        script = self.expect(0, "completion", "bash").stdout
-        page = self.expect(0, "manual").stdout
-        for verb in ["build", "phantom", "verify"]:
-            self.assertIn(verb, script)
-            self.assertIn(f".SH {verb}", page)
-
     def test_json_failure_is_one_object_on_standard_error(self):
         result = self.expect(5, "info", "missing.8vo", "--json")
         self.assertEqual(result.stdout, "")
@@ -192,7 +185,7 @@ class BadSources(InFolder):
         before = self.files()
         for name in ["short.raw", "empty.raw"]:
             self.expect_error(7, [name], "build", name, "--raw", layout, "--spacing", "1", "-o",
-                                "x.8vo")
+                              "x.8vo")
         self.assertEqual(self.files(), before)
 
     def test_what_is_no_scan_is_exit_7_and_leaves_no_file(self):
@@ -215,7 +208,7 @@ class BadSources(InFolder):
         warned = self.expect(0, "build", "v.raw", "--raw", layout, "-o", "a.8vo")
         self.assertIn("octavo: warning:", warned.stderr)
         self.expect_error(7, ["--strict"], "build", "v.raw", "--raw", layout, "-o", "b.8vo",
-                            "--strict")
+                          "--strict")
         self.assertNotIn("b.8vo", self.files())
 
 
@@ -233,7 +226,7 @@ class Outputs(InFolder):
         os.symlink("v.raw", self.folder / "link.8vo")
         for name in ["same.8vo", "link.8vo"]:
             self.expect_error(2, [name, "source itself"], "build", "v.raw", "--raw", layout,
-                                "--spacing", "1", "-o", name, "--force")
+                              "--spacing", "1", "-o", name, "--force")
         self.assertEqual((self.folder / "v.raw").read_bytes(), before)
 
 
@@ -398,7 +391,7 @@ class Floats(InFolder):
         source = self.raw_floats("v.raw", values)
         self.expect_error(7, ["1 NaN and 2 infinite", "0,0,0"], "build", *source, "-o", "v.8vo")
         self.expect_error(7, ["2 infinite", "--inf"], "build", *source, "-o", "v.8vo",
-                            "--nan", "0")
+                          "--nan", "0")
         self.expect(0, "build", *source, "-o", "v.8vo", "--nan", "0", "--inf", "99.9")
         self.assertEqual(self.info("v.8vo")["max"], array.array("f", [99.9])[0])
         self.expect(0, "verify", "v.8vo", "--against", *source)

@@ -139,7 +139,7 @@ class DicomSeries(cli_test.InFolder):
         for options in [("--untilt",), ("--drop-duplicates",), ("--on-gap", "fill")]:
             with self.subTest(options):
                 self.expect_error(2, ["v.raw", options[0], "DICOM only"], "build", "v.raw",
-                                    "--raw", layout, "--spacing", "1", "-o", "x.8vo", *options)
+                                  "--raw", layout, "--spacing", "1", "-o", "x.8vo", *options)
 
 
 if __name__ == "__main__":

@@ -87,7 +87,7 @@ class Isotropic(cli_test.InFolder):
             self.expect_error(2, words, "build", "thick.8vo", "-o", "x.8vo", name, *value)
             self.expect_error(2, words, "compare", "thick.8vo", "thick.8vo", name, *value)
             self.expect_error(2, words, "verify", "thick.8vo", "--against", "thick.8vo", name,
-                                *value)
+                              *value)
         self.expect(0, "compare", "thick.8vo", "thick.raw", *self.THICK)
         self.expect(0, "compare", "thick.raw", "thick.8vo", *self.THICK)
         self.assertNotIn("x.8vo", self.files())
@@ -109,7 +109,7 @@ class Isotropic(cli_test.InFolder):
             self.assertAlmostEqual(counts[z], 3.14159 * (4 + z) ** 2, delta=0.1 * counts[z])
         self.expect(0, "verify", "a.8vo", "--against", "labels.raw", *layout)
         self.expect_error(2, ["by their shapes", "--grey"], "build", "labels.raw", "-o", "c.8vo",
-                            *layout, "--labels", "--isotropic", "cubic")
+                          *layout, "--labels", "--isotropic", "cubic")
 
     def test_what_cannot_be_done_is_said_and_leaves_nothing(self):
         before = self.files()
@@ -127,7 +127,7 @@ class Isotropic(cli_test.InFolder):
                 for word in words:
                     self.assertIn(word, result.stderr)
         self.expect_error(2, ["nearest"], "build", "thick.raw", "-o", "c.8vo", *self.THICK,
-                            "--isotropic=nearest")
+                          "--isotropic=nearest")
         self.assertEqual(self.files(), before)
 
     def test_cubes_stay_as_they_are_with_a_notice(self):

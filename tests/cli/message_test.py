@@ -122,10 +122,10 @@ class Messages(cli_test.InFolder):
                           "f.png")
         self.assertIn("octavo: v.8vo: does not say how the patient lies", lying.stderr)
         self.expect_error(2, ["'30:50=red:0.2'", "LOW:HIGH", "--mode transparency"], "render",
-                            "v.8vo", "--range", "30:50=red:0.2", "-o", "c.png")
+                          "v.8vo", "--range", "30:50=red:0.2", "-o", "c.png")
         self.expect_error(6, ["the picture would take about", "the limit is 100 MiB"], "render",
-                            "v.8vo", "--range", "30:", "--size", "16384", "--max-memory", "100M",
-                            "-o", "c.png")
+                          "v.8vo", "--range", "30:", "--size", "16384", "--max-memory", "100M",
+                          "-o", "c.png")
 
     def test_info_says_what_a_volume_was_made_by(self):
         def row(name):
@@ -183,12 +183,12 @@ class Messages(cli_test.InFolder):
                   for x in range(size[0])]
         self.build("b.8vo", voxels, "uint8", "B", "--labels", size=size)
         self.expect_error(6, ["the octree would take about", "the limit is 1024 KiB"], "codes",
-                            "b.8vo", "--max-memory", "1M")
+                          "b.8vo", "--max-memory", "1M")
         self.said("codes", "b.8vo", "--list", "--max-memory", "8M")
         told = self.expect(6, "codes", "b.8vo", "--list", "--json", "--max-memory", "8M")
         self.assertIn("the list of leaves would take", told.stderr)
         self.expect_error(6, ["the components would take about"], "components", "b.8vo",
-                            "--max-memory", "8M")
+                          "--max-memory", "8M")
         self.said("components", "b.8vo", "--max-memory", "40M")
         told = self.expect(6, "components", "b.8vo", "--json", "--max-memory", "40M")
         self.assertIn("the table of components would take", told.stderr)
@@ -243,7 +243,7 @@ class Messages(cli_test.InFolder):
     def test_a_mask_of_which_nothing_is_left_is_told_of(self):
         for told, arguments in [
             ("x.8vo: is empty; no voxel of m.8vo is left", ["erode", "m.8vo", "--voxels", "9"]),
-            ("m.8vo: --shift 0,-18,0 moves all of its 20 x 18 x 12 voxels out of the grid",
+            ("m.8vo: a shift by 0,-18,0 moves all of its 20 x 18 x 12 voxels out of the grid",
              ["transform", "m.8vo", "--shift", "0,-18,0"]),
         ]:
             self.expect_error(7, [told], *arguments, "-o", "x.8vo", "--strict")
@@ -258,9 +258,9 @@ class Messages(cli_test.InFolder):
     def test_files_that_are_not_as_they_should_be_are_told_why(self):
         (self.folder / "empty.8vo").write_bytes(b"")
         self.expect_error(3, ["empty.8vo: not an 8vo file: the file is empty"], "info",
-                            "empty.8vo")
+                          "empty.8vo")
         self.expect_error(5, ["its folder does not exist"], "condense", "v.8vo", "--flat", "3",
-                            "-o", "nowhere/x.8vo")
+                          "-o", "nowhere/x.8vo")
 
     def test_one_of_a_kind_is_one(self):
         voxels = [0] * (SIZE[0] * SIZE[1] * SIZE[2])

@@ -110,7 +110,8 @@ class Masks(cli_test.InFolder):
         told = self.expect(0, "measure", "a.8vo", "--json")
         self.assertIn("spacing is not known", told.stderr)
         self.assertIsNone(json.loads(told.stdout)["objects"][0]["principal_moments_mm2"])
-        self.expect_error(2, ["--min-mm3", "--spacing"], "components", "a.8vo", "--min-mm3", "1")
+        self.expect_error(2, ["a volume in mm3", "--spacing"],
+                          "components", "a.8vo", "--min-mm3", "1")
 
     def test_set_operations_are_those_on_every_voxel(self):
         self.threshold("a.8vo", "40:90")
@@ -241,7 +242,7 @@ class Masks(cli_test.InFolder):
             self.expect_error(2, words, *arguments)
             self.assertFalse((self.folder / "x.8vo").exists())
         self.expect_error(5, ["exists already"], "threshold", "v.8vo", "--range", "1:", "-o",
-                            "m.8vo")
+                          "m.8vo")
 
 
 if __name__ == "__main__":

@@ -222,7 +222,7 @@ class Pictures(cli_test.InFolder):
         self.expect_error(2, [".png"], "render", "v.8vo", "--range", "7:", "-o", "x.gif")
         (self.folder / "x-001.png").write_bytes(b"mine")
         self.expect_error(5, ["x-001.png", "exists"], "render", "v.8vo", "--range", "7:", "-o",
-                            "x.png", "--turntable", "3")
+                          "x.png", "--turntable", "3")
         self.assertEqual((self.folder / "x-001.png").read_bytes(), b"mine")
         self.expect_error(2, ["octavo threshold"], "shell", "v.8vo", "-o", "x.8vo")
 

@@ -282,7 +282,7 @@ class Transforms(cli_test.InFolder):
         kept = self.files()
         for words, arguments in [
             (["x.8vo: a result of 4480 x 576 x 4224 voxels would take about",
-              "the limit is 600 MiB", "smaller --scale"],
+              "the limit is 600 MiB", "take a smaller scale; raise --max-memory"],
              ["v.8vo", "--scale", "64", "--max-memory", "600M"]),
             (["2560000 x 64 x 64", "between 1 and 2097152"], ["line.8vo", "--scale", "64"]),
             # 128000 x 128000 x 64 voxels at once are 977 GiB.
@@ -322,9 +322,9 @@ class Transforms(cli_test.InFolder):
             (2, ["--inverse", "--affine"], ["--mirror", "x", "--inverse"]),
             (2, ["--interpolation"], ["--scale", "1/2", "--interpolation", "linear"]),
             (2, ["--max-error"], ["--translate", "1,1,1", "--max-error", "1"]),
-            (2, ["--fill 0.5", "-32768 to 32767 in steps of 1"],
+            (2, ["fill value 0.5: is no value", "-32768 to 32767 in steps of 1"],
              ["--shift", "1,1,1", "--fill", "0.5"]),
-            (2, ["--fill 40000"], ["--shift", "1,1,1", "--fill", "40000"]),
+            (2, ["fill value 40000: is no value"], ["--shift", "1,1,1", "--fill", "40000"]),
             (5, ["none.txt", "No such file"], ["--affine", "none.txt"]),
             (7, ["eleven.txt", "11 numbers", "12 or 16"], ["--affine", "eleven.txt"]),
             (7, ["word.txt", "'one' in line 2"], ["--affine", "word.txt"]),

@@ -91,18 +91,18 @@ class Transparency(cli_test.InFolder):
             (["--range", "OPACITY"], ["--range", "1:2=red:7"]),
             (["--range", "OPACITY"], ["--range", "1:2=red:0.1:3"]),
             (["--range", "LOW:HIGH"], ["--range", "12"]),
-            (["--tissue", "HU"], ["--tissue", "bone"]),
+            (["tissue bone", "HU"], ["--tissue", "bone"]),
             (["--window"], ["--window", "5"]),
             (["--window"], ["--window", "5,0"]),
             (["--turntable", "8"], ["--turntable", "36"]),
         ]:
             self.expect_error(2, words, "render", "p.8vo", "--mode", "transparency", *options,
-                                "-o", "q.png")
+                              "-o", "q.png")
         self.expect_error(2, ["--average", "transparency"], "render", "p.8vo", "--range", "800:",
-                            "--average", "-o", "q.png")
+                          "--average", "-o", "q.png")
         self.expect(0, "threshold", "p.8vo", "--range", "800:", "-o", "m.8vo", "-q")
         self.expect_error(2, ["m.8vo", "surface"], "render", "m.8vo", "--mode", "transparency",
-                            "-o", "q.png")
+                          "-o", "q.png")
         self.assertEqual(self.files(), ["m.8vo", "p.8vo"])
 
 
@@ -150,7 +150,7 @@ class Condense(cli_test.InFolder):
     def test_what_has_no_mean_is_refused(self):
         self.expect(0, "threshold", "p.8vo", "--range", "800:", "-o", "m.8vo", "-q")
         self.expect_error(2, ["m.8vo", "labels"], "condense", "m.8vo", "--flat", "1", "-o",
-                            "c.8vo")
+                          "c.8vo")
         self.expect(2, "condense", "p.8vo", "--flat=-1", "-o", "c.8vo")
         self.assertEqual(self.files(), ["m.8vo", "p.8vo"])
 

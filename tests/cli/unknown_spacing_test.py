@@ -51,19 +51,20 @@ class UnknownSpacing(cli_test.InFolder):
     def test_options_in_mm_are_refused_and_told_what_does_the_same(self):
         for option, instead, arguments in [
             ("--mm", ", --index does not", ["slice", "v.8vo", "--mm", "3", "-o", "s.png"]),
-            ("--mm", ", --at does not", ["probe", "v.8vo", "--mm", "1,1,1"]),
-            ("--box-mm", ", --box does not", ["extract", "v.8vo", "--box-mm", "0:2,0:2,0:2", "-o",
-                                             "b.raw"]),
-            ("--translate-mm", ", --translate does not",
+            ("a place in mm", ", a place in voxels does not", ["probe", "v.8vo", "--mm", "1,1,1"]),
+            ("a box in mm", ", a box in voxels does not",
+             ["extract", "v.8vo", "--box-mm", "0:2,0:2,0:2", "-o", "b.raw"]),
+            ("a translation in mm", ", one in voxels does not",
              ["transform", "v.8vo", "--translate-mm", "1,1,1", "-o", "t.8vo"]),
-            ("--mm", ", --voxels does not", ["dilate", "m.8vo", "--mm", "1", "-o", "d.8vo"]),
-            ("--max-mm3", "", ["fill-holes", "m.8vo", "--max-mm3", "1", "-o", "f.8vo"]),
-            ("--min-mm3", "", ["components", "m.8vo", "--min-mm3", "1"]),
+            ("a distance in mm", ", one in voxels does not",
+             ["dilate", "m.8vo", "--mm", "1", "-o", "d.8vo"]),
+            ("a volume in mm3", "", ["fill-holes", "m.8vo", "--max-mm3", "1", "-o", "f.8vo"]),
+            ("a volume in mm3", "", ["components", "m.8vo", "--min-mm3", "1"]),
         ]:
             with self.subTest(arguments):
                 self.expect_error(2, [f"octavo: {arguments[1]}: {option} needs a known spacing"
-                                        f"{instead}; build it again with --spacing\n"],
-                                    *arguments)
+                                      f"{instead}; build it again with --spacing\n"],
+                                  *arguments)
 
     def test_words_count_voxels_and_numbers_in_mm_are_null(self):
         for place, arguments in [
@@ -109,7 +110,7 @@ class UnknownSpacing(cli_test.InFolder):
         made = self.said("export", "v.8vo", "--level", "1", "-o", "b.nii", "--json")
         self.assertIn("the file says 2 mm", json.loads(made.stdout)["warnings"][0])
         self.expect_error(7, ["c.nii: the spacing of v.8vo is not known", "--strict"], "export",
-                            "v.8vo", "-o", "c.nii", "--strict")
+                          "v.8vo", "-o", "c.nii", "--strict")
         self.assertNotIn("c.nii", self.files())
         for name in ["a.nrrd", "a.tif"]:
             self.said("export", "v.8vo", "-o", name, "-f")

@@ -212,7 +212,7 @@ class Resume(InFolder):
         for word in ["out.8vo: an interrupted build", "--resume", "--force"]:
             self.assertIn(word, error)
         self.expect_error(2, ["another preset: small there, fast now"], *command,
-                            "--preset", "fast")
+                          "--preset", "fast")
         voxels = bytearray((self.folder / "v.raw").read_bytes())
         voxels[1000] ^= 1
         (self.folder / "v.raw").write_bytes(voxels)
@@ -261,10 +261,10 @@ class Resume(InFolder):
         for name, content in left.items():
             self.assertEqual((self.folder / name).read_bytes(), content)
         self.expect_error(5, ["nothing.8vo: no such file, and no interrupted build"], "repair",
-                            "nothing.8vo", "-o", "x.8vo")
+                          "nothing.8vo", "-o", "x.8vo")
         (self.folder / ".early.8vo.tmp-1").write_bytes(left[growing][:512])
         self.expect_error(5, ["early.8vo: no such file, and .early.8vo.tmp-1 beside it",
-                                "start it anew"], "repair", "early.8vo", "-o", "x.8vo")
+                              "start it anew"], "repair", "early.8vo", "-o", "x.8vo")
         os.unlink(self.folder / ".early.8vo.tmp-1")
         # No other verb loses what is left, nor does a file that happens to be called a journal.
         self.expect(0, "phantom", "--size", "9", "-o", "p.8vo")
@@ -272,11 +272,11 @@ class Resume(InFolder):
         self.expect_error(2, ["p.8vo: is sound"], "repair", "p.8vo", "-o", "x.8vo")
         for command in [("phantom", "--size", "9"), ("threshold", "p.8vo", "--range=-5000:5000")]:
             self.expect_error(5, ["out.8vo: an interrupted build", "--force"], *command, "-o",
-                                "out.8vo")
+                              "out.8vo")
         # Without its journal nobody knows what is whole.
         (self.folder / "copy.8vo").write_bytes(left[growing])
         self.expect_error(4, ["copy.8vo: not sealed", "build it again"], "repair",
-                            "copy.8vo", "-o", "x.8vo")
+                          "copy.8vo", "-o", "x.8vo")
         self.assertIn("continued behind",
                       self.expect(0, *self.build, "-o", "out.8vo", "--resume").stderr)
 
@@ -341,8 +341,8 @@ class Salvage(InFolder):
     def test_verify_names_the_brick_and_the_flipped_bit(self):
         place, = self.damage(0.2)
         self.expect_error(4, ["bad.8vo: brick o-code 0x", " level 0 at byte ", "checksum ",
-                                f"(one flipped bit, byte {place})", "bricks damaged; repair "],
-                            "verify", "bad.8vo")
+                              f"(one flipped bit, byte {place})", "bricks damaged; repair "],
+                          "verify", "bad.8vo")
         report = self.report()
         self.assertFalse(report["sound"])
         self.assertEqual(report["damaged_bricks"], 1)
@@ -368,7 +368,7 @@ class Salvage(InFolder):
                         ("slice", "bad.8vo", "--axis", "all", "-o", "x.png")]:
             self.expect_error(4, ["bad.8vo: brick o-code", "--salvage"], *command)
             self.expect_error(4, ["bad.8vo: brick o-code", "--strict"], *command, "--salvage",
-                                "--strict")
+                              "--strict")
         self.assertEqual([n for n in self.names() if n.startswith(("x", "."))], [])
 
     def test_everything_outside_damaged_bricks_is_the_original(self):
@@ -416,7 +416,7 @@ class Salvage(InFolder):
                             (["neither"], "nan")]:
             self.expect_error(2, words, "export", "bad.8vo", "-o", "x.raw", "--salvage", fill)
         self.expect_error(2, ["name the file before"], "export", "--salvage", "bad.8vo", "-o",
-                            "x.raw")
+                          "x.raw")
         self.assertNotIn("x.raw", self.names())
 
 
@@ -526,11 +526,11 @@ class Targets(InFolder):
 
     def test_a_device_is_rejected(self):
         self.expect_rejected("device", 5, ["device", "not a"],
-                            make=lambda path: os.symlink("/dev/full", path))
+                             make=lambda path: os.symlink("/dev/full", path))
 
     def test_a_link_to_nowhere_is_rejected(self):
         self.expect_rejected("link", 5, ["link", "not a"],
-                            make=lambda path: os.symlink("gone", path))
+                             make=lambda path: os.symlink("gone", path))
         self.assertNotIn("gone", self.names())
 
     def test_what_a_link_points_to_is_left_alone(self):

@@ -72,7 +72,7 @@ class RepairBits(program_faults.InFolder):
         self.expect_rejected(["cut short", "cannot restore"])
         self.expect_error(2, ["is sound"], "repair", "good.8vo", "-o", "x.8vo")
         self.expect_error(2, ["is the file to repair"], "repair", "good.8vo", "-o", "good.8vo",
-                            "--force")
+                          "--force")
         self.expect_error(3, ["not an 8vo file"], "repair", "v.raw", "-o", "x.8vo")
 
     def test_verify_names_what_helps(self):
@@ -93,7 +93,7 @@ class RepairBits(program_faults.InFolder):
         self.expect_repaired(["trailer made anew; "])
         self.write(self.good + bytes(100))
         self.expect_error(4, ["bad.8vo: bytes follow its end", "repair restores it"], "verify",
-                            "bad.8vo")
+                          "bad.8vo")
         self.expect_repaired(["100 bytes behind its end left out; "])
 
     def test_damaged_metadata_are_named_and_rejected(self):
@@ -115,7 +115,7 @@ class RepairBits(program_faults.InFolder):
         garble_unseen(damaged, 20480, 20992)
         self.write(damaged)
         self.expect_error(4, ["(one flipped bit, byte 30000)", "export --salvage writes them"],
-                            "verify", "bad.8vo")
+                          "verify", "bad.8vo")
         self.expect_rejected(["one flipped bit would explain it, but so would other damage"])
 
 

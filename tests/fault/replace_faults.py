@@ -161,7 +161,7 @@ class Stacks(Traced):
             self.assertEqual(result.returncode, -signal.SIGKILL, calls)
             # Whatever the moment, one whole stack is there, under a name that is settled.
             self.expect_error(5, ["st: the folder is not empty", "--force"], "export", "old.8vo",
-                                "-o", "st/")
+                              "-o", "st/")
             self.assertIn(self.planes(), (5, 7))
             self.expect(0, "export", "old.8vo", "-o", "st/", "--force")
             self.assertEqual((self.planes(), self.names()), (7, self.own), calls)
@@ -199,7 +199,7 @@ class Stacks(Traced):
         self.expect(0, "export", "old.8vo", "-o", "other/")
         (self.folder / "other").rename(self.folder / "st")
         self.expect_error(5, ["st: the earlier stack of this name, .st.tmp-earlier, cannot be "
-                                "removed"], "export", "new.8vo", "-o", "st/", "--force")
+                              "removed"], "export", "new.8vo", "-o", "st/", "--force")
         (self.folder / ".st.tmp-earlier").unlink()
         self.expect(0, "export", "new.8vo", "-o", "st/", "--force")
         self.assertEqual(len(os.listdir(self.folder / "real")), 7)
@@ -212,7 +212,7 @@ class Stacks(Traced):
                              (lambda: os.mkfifo(plane), plane.unlink)]:
             make()
             self.expect_error(5, ["st: the folder holds plane_0099.tif, which is no plane"],
-                                "export", "new.8vo", "-o", "st/", "--force")
+                              "export", "new.8vo", "-o", "st/", "--force")
             self.assertEqual((self.planes(), self.names()), (8, before))
             remove()
 
@@ -360,7 +360,7 @@ class TwoBuilds(InFolder):
         with open(journal, "r+b") as held:
             fcntl.flock(held, fcntl.LOCK_EX)
             self.expect_error(5, ["x.8vo: is being built by another program", growing.name,
-                                    "--force"], *command)
+                                  "--force"], *command)
             self.assertNotIn("x.8vo", self.names())
             self.expect(0, *command, "--force")
             self.assertTrue(growing.exists())

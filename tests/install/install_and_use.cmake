@@ -24,3 +24,11 @@ run(${work_folder}/example/read_box ${work_folder}/phantom.8vo)
 if(NOT output MATCHES "^32768 voxels from ")
   message(FATAL_ERROR "read_box printed: ${output}")
 endif()
+
+foreach(file share/man/man1/octavo.1 share/man/man1/octavo-build.1
+    share/bash-completion/completions/octavo share/zsh/site-functions/_octavo
+    share/fish/vendor_completions.d/octavo.fish)
+  if(NOT EXISTS ${prefix}/${file})
+    message(FATAL_ERROR "not installed: ${file}")
+  endif()
+endforeach()

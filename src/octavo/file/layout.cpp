@@ -149,10 +149,8 @@ void check_envelope(ByteSpan bytes) {
 
 void check_seal(ByteSpan bytes) {
   if (bytes[kSealedAt] == 0) {
-    fail(ErrorKind::corrupt,
-         "not sealed: its build was interrupted; build --resume continues it, repair seals what is "
-         "whole",
-         kSealedAt);
+    throw Error(ErrorKind::corrupt, "not sealed: its build was interrupted", {}, kSealedAt)
+        .with_field("is_sealed");
   }
   if (bytes[kSealedAt] != 1) fail(ErrorKind::corrupt, "header: bad seal", kSealedAt);
 }

@@ -17,16 +17,17 @@ std::shared_ptr<FileReader> open_volume(const std::string& path, const TaskConte
     options.cache_bytes = std::min(options.cache_bytes, context.max_memory_bytes / 2);
   }
   if (!is_url(path) && local_storage().path_type(path) == PathType::folder) {
-    throw Error(ErrorKind::io, "is a folder, not an 8vo file", path);
+    throw Error(ErrorKind::io, "is a folder, not an 8vo file", path).with_field("input.format");
   }
   return FileReader::open(open_any(path), options);
 }
 
-std::shared_ptr<FileReader> open_labels(const std::string& path, const TaskContext& context) {
+std::shared_ptr<FileReader> open_labels(const std::string& path, const TaskContext& context,
+                                        const LabelUse& use) {
   std::shared_ptr<FileReader> reader = open_volume(path, context);
   if (reader->description().kind == VolumeKind::labels) return reader;
-  throw Error(ErrorKind::invalid_argument, "holds grey values, not a mask", path)
-      .with_field("input.kind");
+  throw Error(ErrorKind::invalid_argument, std::string("holds grey values, not ") + use.what, path)
+      .with_field(use.field);
 }
 
 }  // namespace octavo

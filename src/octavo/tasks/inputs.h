@@ -16,7 +16,16 @@ bool is_octavo_path(const std::string& path);
 /// Throws what FileReader::open throws; Error{io} for a folder
 std::shared_ptr<FileReader> open_volume(const std::string& path, const TaskContext& context);
 
-/// The same, for label maps alone. Throws Error{invalid_argument} for grey volumes as well.
-std::shared_ptr<FileReader> open_labels(const std::string& path, const TaskContext& context);
+/// What a label map is opened as: for the words of the error and the field that it is about.
+struct LabelUse {
+  const char* what;
+  const char* field;
+};
+inline constexpr LabelUse kAsMask = {"a mask", "mask.kind"};
+inline constexpr LabelUse kAsLabels = {"labels", "labels.kind"};
+
+/// open_volume for label maps alone. Throws Error{invalid_argument} for grey volumes as well.
+std::shared_ptr<FileReader> open_labels(const std::string& path, const TaskContext& context,
+                                        const LabelUse& use);
 
 }  // namespace octavo

@@ -44,14 +44,14 @@ MaskTree read_mask(const FileReader& reader, int level, std::span<const ValueWin
 }
 
 OpenedMask open_mask(const std::string& path, const TaskContext& context) {
-  std::shared_ptr<const FileReader> reader = open_labels(path, context);
+  std::shared_ptr<const FileReader> reader = open_labels(path, context, kAsMask);
   MaskTree tree = read_mask(*reader, 0, any_label(), context);
   return {path, std::move(reader), std::move(tree)};
 }
 
 MaskOnGrid open_mask_on(const VolumeDescription& volume, const std::string& name,
                         const std::string& path, const TaskContext& context) {
-  const std::shared_ptr<const FileReader> reader = open_labels(path, context);
+  const std::shared_ptr<const FileReader> reader = open_labels(path, context, kAsMask);
   const VolumeDescription& labels = reader->description();
   warn_of_unknown_spacing(volume, name, labels, path, context);
   if (is_same_grid(volume, labels)) return {read_mask(*reader, 0, any_label(), context), false};
@@ -132,24 +132,24 @@ BuildResult write_mask(const MaskTree& mask, const VolumeDescription& volume,
 
 void require_same_grid(const VolumeDescription& volume, const std::string& name,
                        const VolumeDescription& other, const std::string& path,
-                       const char* advice) {
+                       const char* field) {
   if (volume.size != other.size) {
     throw Error(ErrorKind::invalid_argument,
-                fmt::format("has {} voxels, {} has {}; {}", size_text(other.size), escaped(name),
-                            size_text(volume.size), advice),
-                path);
+                fmt::format("has {} voxels, {} has {}", size_text(other.size), escaped(name),
+                            size_text(volume.size)),
+                path)
+        .with_field(field);
   }
   const double shift = largest_shift_mm(volume.geometry, other.geometry, volume.size);
   if (shift <= shift_tolerance_mm(volume.geometry)) return;
   throw Error(
       ErrorKind::invalid_argument,
-      fmt::format("lies up to {} mm from {}: origin {} against {} mm, spacing {} against {} mm; "
-                  "{}",
+      fmt::format("lies up to {} mm from {}: origin {} against {} mm, spacing {} against {} mm",
                   number_text(shift), escaped(name), point_text(other.geometry.origin_mm, ", "),
                   point_text(volume.geometry.origin_mm, ", "),
-                  point_text(other.geometry.spacing_mm), point_text(volume.geometry.spacing_mm),
-                  advice),
-      path);
+                  point_text(other.geometry.spacing_mm), point_text(volume.geometry.spacing_mm)),
+      path)
+      .with_field(field);
 }
 
 void warn_of_unknown_spacing(const VolumeDescription& volume, const std::string& name,

@@ -69,12 +69,11 @@ BuildResult write_labels(PlaneSource& source, const Output& output, const std::s
                          const TaskContext& context);
 
 /// Throws Error{invalid_argument} that says how the grids of two volumes differ: in size, or in
-/// where their voxels lie. The error is about `path`, the file of `other`.
-/// name    the file of `volume`
-/// advice  what to do, the end of the message
+/// where their voxels lie. The error is about `path`, the file of `other`, and about `field`.
+/// name  the file of `volume`
 void require_same_grid(const VolumeDescription& volume, const std::string& name,
                        const VolumeDescription& other, const std::string& path,
-                       const char* advice = "both must share one grid");
+                       const char* field = "grid");
 
 /// Warns where one of two volumes has a known spacing and the other has not, whose voxels are taken
 /// for 1 mm when one is laid over the other.

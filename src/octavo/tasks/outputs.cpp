@@ -1,13 +1,30 @@
 #include "octavo/tasks/outputs.h"
 
+#include <unistd.h>
+
 #include <filesystem>
 
 #include "octavo/core/error.h"
+#include "octavo/core/levels.h"
+#include "octavo/core/memory_limit.h"
+#include "octavo/core/text.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/file/storage/temporary.h"
 #include "octavo/tasks/inputs.h"
 
 namespace octavo {
+
+namespace {
+
+/// Memory of this machine; 0 where it does not say.
+std::uint64_t machine_memory_bytes() {
+  const long pages = sysconf(_SC_PHYS_PAGES);
+  const long page_bytes = sysconf(_SC_PAGESIZE);
+  if (pages <= 0 || page_bytes <= 0) return 0;
+  return static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_bytes);
+}
+
+}  // namespace
 
 void require_free(const Output& output) {
   const std::string& path = output.path;
@@ -36,6 +53,23 @@ void require_computed(const Output& output, const std::vector<std::string>& inpu
     if (!std::filesystem::equivalent(output.path, input, none)) continue;
     throw Error(ErrorKind::invalid_argument, "is the input itself; name another output",
                 output.path);
+  }
+}
+
+void require_room_for(const VolumeDescription& volume, const BuildOptions& options,
+                      std::uint64_t source_bytes, const Output& output, const char* advice) {
+  const bool is_limited = options.max_memory_bytes != 0;
+  const std::uint64_t limit = is_limited ? options.max_memory_bytes : machine_memory_bytes();
+  const char* field = "";
+  try {
+    checked_voxel_count(volume.size);
+    if (is_limited) field = "max_memory_bytes";
+    require_memory_within(
+        build_memory_bytes(volume, options.threads, options.max_error) + source_bytes, limit,
+        "a result of " + size_text(volume.size) + " voxels",
+        is_limited ? advice : std::string("that is all this machine has; ") + advice);
+  } catch (const Error& error) {
+    throw error.with_path(output.path).with_field(field);
   }
 }
 

@@ -23,6 +23,14 @@ void require_free(const Output& output);
 /// its name does not end in .8vo, or is one of `inputs`, even with overwrite.
 void require_computed(const Output& output, const std::vector<std::string>& inputs);
 
+/// For results whose size the caller chose, before any work: throws Error{limit_exceeded} with both
+/// numbers when a file cannot hold so many voxels, or when building them takes more memory than
+/// the limit of `options` or, without one, this machine has.
+/// source_bytes  held by what gives the planes
+/// advice        what to ask for instead, the end of the message: "take a smaller grid"
+void require_room_for(const VolumeDescription& volume, const BuildOptions& options,
+                      std::uint64_t source_bytes, const Output& output, const char* advice);
+
 /// `options` with what the context and the output say: threads, memory, overwriting, and what
 /// becomes of an interrupted build (Interrupted::resume is kept).
 /// work  names the progress

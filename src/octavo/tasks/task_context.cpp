@@ -5,16 +5,18 @@
 #include <algorithm>
 #include <thread>
 
+#include "octavo/core/error.h"
 #include "octavo/core/memory_limit.h"
 
 namespace octavo {
 
 void TaskContext::warn(const std::string& text) const {
+  if (is_strict) throw Error(ErrorKind::source_rejected, text).with_field("is_strict");
   if (on_warning) on_warning(text);
 }
 
-void TaskContext::note(const std::string& text) const {
-  if (on_note) on_note(text);
+void TaskContext::note(const std::string& text, const std::string& field) const {
+  if (on_note) on_note(text, field);
 }
 
 void TaskContext::detail(const std::string& text) const {
@@ -32,7 +34,13 @@ int TaskContext::thread_count() const {
 }
 
 void TaskContext::on_threads(const std::function<void()>& work) const {
+  stop_if_cancelled();
   tbb::task_arena(thread_count()).execute(work);
+  stop_if_cancelled();
+}
+
+void TaskContext::stop_if_cancelled() const {
+  if (watcher().is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
 }
 
 void TaskContext::require_memory(std::uint64_t bytes, const char* what) const {

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "octavo/core/progress.h"
 
@@ -15,6 +16,8 @@ namespace octavo {
 
 struct TaskContext {
   using Listener = std::function<void(const std::string&)>;
+  /// field  of the options that would change what the text says, as Error::field; may be empty
+  using NoteListener = std::function<void(const std::string& text, const std::string& field)>;
 
   int threads = 0;                     ///< 0: all cores
   std::uint64_t max_memory_bytes = 0;  ///< 0: no limit
@@ -23,12 +26,18 @@ struct TaskContext {
   /// Told what the user should know although the task goes on. May throw, which ends the task.
   Listener on_warning;
   /// Told what was done otherwise than asked, in passing.
-  Listener on_note;
+  NoteListener on_note;
   /// Told how the work is done, for those who look closely.
   Listener on_detail;
+  /// Warnings are errors: what would come with one is not written.
+  bool is_strict = false;
+  /// Starts a process that calls run_import_worker at once, for scans that code of others reads;
+  /// empty: they are read in this process.
+  std::vector<std::string> worker_command;
 
+  /// Throws Error{source_rejected} where is_strict.
   void warn(const std::string& text) const;
-  void note(const std::string& text) const;
+  void note(const std::string& text, const std::string& field = "") const;
   void detail(const std::string& text) const;
 
   /// `progress`, or one that watches nothing.
@@ -37,8 +46,11 @@ struct TaskContext {
   /// Threads to start: `threads`, or the cores of this machine.
   int thread_count() const;
 
-  /// Runs `work` on that many threads.
+  /// Runs `work` on that many threads. Throws as stop_if_cancelled does, before and after it.
   void on_threads(const std::function<void()>& work) const;
+
+  /// Throws Error{cancelled} once the one who watches asked to stop.
+  void stop_if_cancelled() const;
 
   /// Throws Error{limit_exceeded} when `bytes` are above max_memory_bytes.
   /// what  the subject of the message: "the mask"

@@ -32,9 +32,8 @@ void throw_if_cancelled(const Progress& progress) {
                            ? "one flipped bit would explain it, but so would other damage of a "
                              "part this long"
                            : "more than one flipped bit, which nothing can turn back";
-  throw Error(ErrorKind::corrupt,
-              damage.detail + ": " + reason + "; export --salvage writes what is whole", input,
-              damage.offset);
+  throw Error(ErrorKind::corrupt, damage.detail + ": " + reason, input, damage.offset)
+      .with_field("repair.salvage");
 }
 
 VerifyReport verified(std::shared_ptr<const ByteSource> source, const BitRepairOptions& options,

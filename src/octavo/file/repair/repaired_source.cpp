@@ -81,7 +81,8 @@ void reject_growing(const HeaderBlock& block, const std::string& input) {
   throw Error(ErrorKind::corrupt,
               "not sealed, and without the journal of its build, in which its coarse levels stood: "
               "nothing can be repaired; build it again from its source",
-              input);
+              input)
+      .with_field("repair.source");
 }
 
 // A whole trailer that does not belong to the header stays: one of the two is wrong, and nothing

@@ -138,7 +138,8 @@ void add(const Sums& from, Sums& to) {
 
 class Measurement {
  public:
-  Measurement(const FileReader& labels, const FileReader* grey, const MeasureOptions& options)
+  Measurement(const FileReader& labels, const FileReader* grey,
+              const RegionMeasureOptions& options)
       : labels_(labels), grey_(grey), options_(options), grid_(labels.levels().brick_grid(0)) {
     if (grey == nullptr) return;
     bins_ = bins_of(*grey);
@@ -309,7 +310,7 @@ class Measurement {
 
   const FileReader& labels_;
   const FileReader* grey_;
-  const MeasureOptions& options_;
+  const RegionMeasureOptions& options_;
   Size3 grid_;
   Bins bins_;
   SumsByLabel totals_;
@@ -354,7 +355,8 @@ void diagonalise(double (&m)[3][3], double (&vectors)[3][3]) {
 }  // namespace
 
 std::vector<RegionMeasure> measure_regions(const FileReader& labels, const FileReader* grey,
-                                           const MeasureOptions& options, Progress& progress) {
+                                           const RegionMeasureOptions& options,
+                                           Progress& progress) {
   if (labels.description().kind != VolumeKind::labels) {
     throw Error(ErrorKind::invalid_argument, "holds grey values, not labels",
                 labels.source().name());

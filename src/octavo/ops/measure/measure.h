@@ -50,7 +50,7 @@ struct PrincipalAxes {
   std::array<Point3, 3> axes{};         ///< unit vectors, largest component positive
 };
 
-struct MeasureOptions {
+struct RegionMeasureOptions {
   std::vector<double> percentiles = {5, 25, 50, 75, 95};  ///< of 0 .. 100
 };
 
@@ -61,7 +61,8 @@ struct MeasureOptions {
 /// Memory  64 bricks and their sums; per label 200 bytes, and with percentiles 2 bytes per voxel of
 ///         it up to 64 KiB
 std::vector<RegionMeasure> measure_regions(const FileReader& labels, const FileReader* grey,
-                                           const MeasureOptions& options, Progress& progress);
+                                           const RegionMeasureOptions& options,
+                                           Progress& progress);
 
 /// The principal axes of a region on a grid.
 PrincipalAxes principal_axes(const RegionMeasure& region, const Geometry& geometry);

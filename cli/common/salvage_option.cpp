@@ -1,0 +1,84 @@
+#include "common/salvage_option.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "octavo/core/error.h"
+#include "text/quantities.h"
+
+namespace octavo::cli {
+
+namespace {
+
+bool is_number(const std::string& text) {
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data(), end, value);
+  return parsed.ec == std::errc{} && parsed.ptr == end && std::isfinite(value);
+}
+
+std::string fill_problem(const std::string& fill) {
+  if (fill == "lowest" || fill == "coarse" || is_number(fill)) return "";
+  return fmt::format("'{}' is neither lowest, coarse nor a number; name the file before --salvage",
+                     escaped(fill));
+}
+
+const char* fill_name(SalvageFill fill) {
+  switch (fill) {
+    case SalvageFill::value: return "value";
+    case SalvageFill::brick_lowest: return "brick_lowest";
+    case SalvageFill::volume_lowest: return "volume_lowest";
+    case SalvageFill::coarser_level: return "coarser_level";
+  }
+  return "";
+}
+
+}  // namespace
+
+void add_salvage_option(Verb verb, SalvageArguments& arguments) {
+  verb.add_option_function<std::string>(
+          "--salvage",
+          [&arguments](const std::string& fill) {
+            arguments.is_asked = true;
+            arguments.fill = fill;
+          },
+          "Fill damaged bricks and name them in warnings instead of refusing: with their lowest "
+          "value, with a value in real units, or 'coarse': from the next level that is whole")
+      ->expected(0, 1)
+      ->default_str("lowest")
+      ->check({fill_problem, ""})
+      ->type_name("[FILL]");
+}
+
+std::optional<SalvageFilling> salvage_filling(const SalvageArguments& arguments) {
+  if (!arguments.is_asked) return std::nullopt;
+  SalvageFilling filling;
+  filling.is_from_coarser = arguments.fill == "coarse";
+  if (is_number(arguments.fill)) filling.real_value = parse_number(arguments.fill, "--salvage");
+  return filling;
+}
+
+nlohmann::ordered_json salvaged_json(const std::optional<SalvageReport>& report) {
+  if (!report) return nullptr;
+  nlohmann::ordered_json damages = nlohmann::ordered_json::array();
+  for (const SalvagedDamage& damage : report->damages) {
+    nlohmann::ordered_json object = {{"offset", damage.offset},
+                                     {"detail", damage.detail},
+                                     {"bricks", damage.brick_count},
+                                     {"fill", fill_name(damage.fill)}};
+    if (damage.fill == SalvageFill::coarser_level) {
+      object["level"] = damage.level;
+    } else {
+      object["stored_value"] = damage.value;
+    }
+    damages.push_back(object);
+  }
+  return {{"bricks", report->brick_count},
+          {"damage_count", report->damage_count},
+          {"damages", damages}};
+}
+
+}  // namespace octavo::cli

@@ -1,0 +1,61 @@
+#include "text/built_words.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "octavo/core/text.h"
+#include "octavo/tasks/volume_facts.h"
+#include "text/volume_json.h"
+
+namespace octavo::cli {
+
+namespace {
+
+/// What the file promises: nothing to add for a lossless one.
+std::string promise_text(const BuiltVolume& built) {
+  if (built.build.max_error == 0) return "";
+  return ", every voxel within " + distance_text(built.volume, built.build.max_error);
+}
+
+std::string built_text(const BuiltVolume& built, const std::string& output) {
+  const BuildResult& build = built.build;
+  const VolumeDescription& volume = built.volume;
+  const double bits = static_cast<double>(build.file_bytes) * 8 /
+                      static_cast<double>(volume.size.voxel_count());
+  return fmt::format("{}: {} {} {}{}, {} from {} ({:.2f}:1, {:.2f} bits per voxel) in {} "
+                     "({:.0f} MB/s, {})\n",
+                     output, size_text(volume.size), voxel_type_name(volume.type),
+                     kind_name(built.kind), promise_text(built), bytes_text(build.file_bytes),
+                     bytes_text(build.raw_bytes), built.compression_ratio(), bits,
+                     duration_text(build.total_seconds), built.mb_per_second(),
+                     counted_text(build.threads, "thread"));
+}
+
+nlohmann::ordered_json built_json(const BuiltVolume& built, const std::string& output,
+                                  const Context& context) {
+  const BuildResult& build = built.build;
+  return {{"output", output},
+          {"kind", kind_name(built.kind)},
+          {"file_bytes", build.file_bytes},
+          {"raw_bytes", build.raw_bytes},
+          {"ratio", built.compression_ratio()},
+          {"seconds", build.total_seconds},
+          {"read_seconds", build.read_seconds},
+          {"mb_per_s", built.mb_per_second()},
+          {"threads", build.threads},
+          {"resumed_planes", build.resumed_planes},
+          {"max_error", build.max_error},
+          {"max_error_real", built.max_error_real()},
+          {"coding", coding_json(build.coding)},
+          {"warnings", context.warnings}};
+}
+
+}  // namespace
+
+void print_built(const BuiltVolume& built, const std::string& output, const Context& context) {
+  if (context.json) print_json(built_json(built, output, context));
+  else if (!context.quiet) print(built_text(built, output));
+}
+
+}  // namespace octavo::cli

@@ -1,0 +1,101 @@
+#include "text/comparison_words.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "octavo/core/text.h"
+
+namespace octavo::cli {
+
+std::vector<std::string> comparison_lines(const Comparison& c, const VolumeDescription& a,
+                                          const VolumeDescription& b) {
+  if (!c.is_same_size) {
+    return {fmt::format("size: {} against {} voxels", size_text(a.size), size_text(b.size))};
+  }
+  std::vector<std::string> lines;
+  if (!c.is_same_place) {
+    lines.push_back(fmt::format(
+        "geometry: up to {} mm apart; origin {} against {} mm, spacing {} against {} mm",
+        number_text(c.shift_mm), point_text(a.geometry.origin_mm, ", "),
+        point_text(b.geometry.origin_mm, ", "), point_text(a.geometry.spacing_mm),
+        point_text(b.geometry.spacing_mm)));
+  }
+  if (!c.is_same_rescale && c.different > 0) {
+    lines.push_back(fmt::format("rescale: slope {}, intercept {} against slope {}, intercept {}",
+                                number_text(a.rescale.slope), number_text(a.rescale.intercept),
+                                number_text(b.rescale.slope), number_text(b.rescale.intercept)));
+  }
+  if (c.different > 0) {
+    lines.push_back(fmt::format(
+        "voxels: {} of {} differ, by at most {}; first at x,y,z = {},{},{}: {} against {}",
+        count_text(c.different), count_text(c.voxels), number_text(c.max_difference), c.first.x,
+        c.first.y, c.first.z, number_text(c.first_values[0]), number_text(c.first_values[1])));
+  }
+  return lines;
+}
+
+nlohmann::ordered_json comparison_json(const Comparison& c) {
+  nlohmann::ordered_json object = {{"equal", c.is_equal()},
+                                   {"same_size", c.is_same_size},
+                                   {"same_type", c.is_same_type},
+                                   {"same_rescale", c.is_same_rescale},
+                                   {"same_geometry", c.is_same_size && c.is_same_place},
+                                   {"geometry_known", c.is_place_known},
+                                   {"shift_mm", nullptr},
+                                   {"compared_as", c.is_real_units ? "real" : "stored"},
+                                   {"voxels", c.voxels},
+                                   {"different", c.different},
+                                   {"max_difference", c.max_difference},
+                                   {"first", nullptr}};
+  if (c.is_place_known) object["shift_mm"] = c.shift_mm;
+  if (c.different > 0) {
+    object["first"] = {{"index", {c.first.x, c.first.y, c.first.z}}, {"values", c.first_values}};
+  }
+  return object;
+}
+
+std::string equal_text(const CompareResult& result) {
+  const Comparison& c = result.comparison;
+  std::string text =
+      fmt::format("the same: {}, {}", counted_text(c.voxels, "voxel"),
+                  c.is_real_units ? "real values compared" : "stored values compared");
+  if (c.max_difference > 0) {
+    text += fmt::format(", largest difference {}", number_text(c.max_difference));
+  }
+  if (!c.is_same_type) {
+    text += fmt::format(", {} against {}", voxel_type_name(result.a.type),
+                        voxel_type_name(result.b.type));
+  }
+  if (!c.is_place_known) text += ", places not compared: a spacing is not known";
+  else if (c.shift_mm > 0) text += fmt::format(", places within {} mm", number_text(c.shift_mm));
+  return text;
+}
+
+std::string agreement_table(const std::vector<LabelAgreement>& agreements) {
+  std::string text = fmt::format("{:>10} {:>16} {:>16} {:>16} {:>8}\n", "label", "voxels in A",
+                                 "voxels in B", "in both", "Dice");
+  const auto count = [](std::uint64_t voxels) {
+    return count_text(static_cast<std::int64_t>(voxels));
+  };
+  for (const LabelAgreement& one : agreements) {
+    text +=
+        fmt::format("{:>10} {:>16} {:>16} {:>16} {:>8.4f}\n", one.label, count(one.first_voxels),
+                    count(one.second_voxels), count(one.both_voxels), one.dice());
+  }
+  return text;
+}
+
+nlohmann::ordered_json agreements_json(const std::vector<LabelAgreement>& agreements) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const LabelAgreement& one : agreements) {
+    rows.push_back({{"label", one.label},
+                    {"a_voxels", one.first_voxels},
+                    {"b_voxels", one.second_voxels},
+                    {"both_voxels", one.both_voxels},
+                    {"dice", one.dice()}});
+  }
+  return rows;
+}
+
+}  // namespace octavo::cli

@@ -1,0 +1,193 @@
+#include "text/completion_scripts.h"
+
+#include <fmt/format.h>
+
+#include <vector>
+
+namespace octavo::cli {
+
+namespace {
+
+std::string joined(const std::vector<std::string>& words, const char* separator) {
+  return fmt::format("{}", fmt::join(words, separator));
+}
+
+std::vector<std::string> verb_names(const ProgramEntry& program) {
+  std::vector<std::string> names;
+  for (const VerbEntry& verb : program.verbs) names.push_back(verb.name);
+  return names;
+}
+
+/// The options of a verb, those of every verb behind them.
+std::vector<OptionEntry> all_options(const ProgramEntry& program, const VerbEntry& verb) {
+  std::vector<OptionEntry> options = verb.options;
+  options.insert(options.end(), program.options.begin(), program.options.end());
+  return options;
+}
+
+/// `text` between single quotes of bash and zsh.
+std::string quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) {
+    if (c == '\'') out += "'\\''";
+    else out += c;
+  }
+  return out + "'";
+}
+
+/// Every one of `special` in `text` behind a backslash.
+std::string escaped_with(const std::string& text, const std::string& special) {
+  std::string out;
+  for (const char c : text) {
+    if (special.find(c) != std::string::npos) out += '\\';
+    out += c;
+  }
+  return out;
+}
+
+/// Sets `names`, `words` and `value_words` of one verb.
+std::string bash_case(const ProgramEntry& program, const VerbEntry& verb) {
+  std::vector<std::string> names;
+  std::vector<std::string> positional_words;
+  std::string values;
+  for (const OptionEntry& option : all_options(program, verb)) {
+    names.insert(names.end(), option.names.begin(), option.names.end());
+    if (option.choices.empty()) continue;
+    if (option.names.empty()) positional_words = option.choices;
+    else if (!option.is_value_optional) {
+      values += fmt::format("        {}) values='{}' ;;\n", joined(option.names, "|"),
+                            joined(option.choices, " "));
+    }
+  }
+  std::string text = fmt::format("    {})\n      names='{}'\n", verb.name, joined(names, " "));
+  if (!positional_words.empty()) {
+    text += fmt::format("      words='{}'\n", joined(positional_words, " "));
+  }
+  if (!values.empty()) text += "      case $previous in\n" + values + "      esac\n";
+  return text + "      ;;\n";
+}
+
+std::string zsh_spec(const OptionEntry& option, const std::string& name) {
+  std::string value;
+  if (!option.value.empty()) {
+    const std::string what = escaped_with(option.value, ":\\");
+    const std::string action =
+        option.choices.empty() ? std::string("_files") : "(" + joined(option.choices, " ") + ")";
+    value = fmt::format("{}{}:{}", option.is_value_optional ? "::" : ":", what, action);
+  }
+  if (option.names.empty()) return quoted((option.is_repeatable ? "*" : "") + value);
+  const bool is_long = name.starts_with("--");
+  const std::string before = option.is_repeatable ? "*" : "(" + joined(option.names, " ") + ")";
+  const std::string equals = value.empty() ? "" : is_long ? "=" : "+";
+  return quoted(
+      fmt::format("{}{}{}[{}]{}", before, name, equals, escaped_with(option.help, "[]\\"), value));
+}
+
+std::string zsh_case(const ProgramEntry& program, const VerbEntry& verb) {
+  std::string text = fmt::format("    {})\n      _arguments -s", verb.name);
+  for (const OptionEntry& option : all_options(program, verb)) {
+    if (option.names.empty()) text += " \\\n        " + zsh_spec(option, "");
+    for (const std::string& name : option.names) text += " \\\n        " + zsh_spec(option, name);
+  }
+  return text + "\n      ;;\n";
+}
+
+/// `text` between single quotes of fish.
+std::string fish_quoted(const std::string& text) { return "'" + escaped_with(text, "'\\") + "'"; }
+
+std::string fish_line(const std::string& condition, const OptionEntry& option) {
+  std::string text = "complete -c octavo -n " + fish_quoted(condition);
+  for (const std::string& name : option.names) {
+    const bool is_long = name.starts_with("--");
+    text += is_long ? " -l " + name.substr(2) : " -s " + name.substr(1);
+  }
+  const bool needs_value = !option.value.empty() && !option.is_value_optional;
+  if (!option.choices.empty()) {
+    text += fmt::format(" {} -a {}", needs_value ? "-x" : "-f",
+                        fish_quoted(joined(option.choices, " ")));
+  } else if (needs_value) {
+    text += option.names.empty() ? " -F" : " -r -F";
+  }
+  return text + " -d " + fish_quoted(option.help) + "\n";
+}
+
+}  // namespace
+
+std::string bash_completion(const ProgramEntry& program) {
+  std::string cases;
+  for (const VerbEntry& verb : program.verbs) cases += bash_case(program, verb);
+  const std::vector<std::string> verbs = verb_names(program);
+  return fmt::format(R"(# bash completion for octavo
+_octavo() {{
+  local current=${{COMP_WORDS[COMP_CWORD]}} previous=${{COMP_WORDS[COMP_CWORD-1]}}
+  local verb='' names='' words='' values='' word
+  # bash takes "--option=value" apart at the sign.
+  if [[ $current == '=' ]]; then current=''
+  elif [[ $previous == '=' ]]; then previous=${{COMP_WORDS[COMP_CWORD-2]}}
+  fi
+  for word in "${{COMP_WORDS[@]:1:COMP_CWORD-1}}"; do
+    case $word in
+      {}) verb=$word; break ;;
+    esac
+  done
+  case $verb in
+    '') words='{}' ;;
+{}  esac
+  if [[ -n $values ]]; then words=$values
+  elif [[ $current == -* ]]; then words=$names
+  fi
+  if [[ -n $words ]]; then
+    COMPREPLY=($(compgen -W "$words" -- "$current"))
+  else
+    compopt -o filenames 2>/dev/null
+    mapfile -t COMPREPLY < <(compgen -f -- "$current")
+  fi
+}}
+complete -F _octavo octavo
+)",
+                     joined(verbs, "|"), joined(verbs, " "), cases);
+}
+
+std::string zsh_completion(const ProgramEntry& program) {
+  std::string verbs;
+  std::string cases;
+  for (const VerbEntry& verb : program.verbs) {
+    verbs += "    " + quoted(verb.name + ":" + escaped_with(verb.summary, ":\\")) + "\n";
+    cases += zsh_case(program, verb);
+  }
+  return fmt::format(R"(#compdef octavo
+_octavo() {{
+  local -a verbs=(
+{}  )
+  if (( CURRENT == 2 )); then
+    _describe -t verbs verb verbs
+    return
+  fi
+  # _arguments takes the verb for the command.
+  shift words
+  (( CURRENT-- ))
+  case $words[1] in
+{}  esac
+}}
+_octavo "$@"
+)",
+                     verbs, cases);
+}
+
+std::string fish_completion(const ProgramEntry& program) {
+  std::string text = "# fish completion for octavo\n";
+  for (const VerbEntry& verb : program.verbs) {
+    text += fmt::format("complete -c octavo -n __fish_use_subcommand -f -a {} -d {}\n", verb.name,
+                        fish_quoted(verb.summary));
+  }
+  for (const VerbEntry& verb : program.verbs) {
+    for (const OptionEntry& option : verb.options) {
+      text += fish_line("__fish_seen_subcommand_from " + verb.name, option);
+    }
+  }
+  const std::string any_verb = "__fish_seen_subcommand_from " + joined(verb_names(program), " ");
+  for (const OptionEntry& option : program.options) text += fish_line(any_verb, option);
+  return text;
+}
+
+}  // namespace octavo::cli

@@ -1,0 +1,78 @@
+#include "octavo/tasks/files/build_scan.h"
+
+#include <filesystem>
+#include <utility>
+
+#include "octavo/core/error.h"
+#include "octavo/tasks/files/label_hint.h"
+#include "octavo/tasks/files/planes_between.h"
+#include "octavo/tasks/inputs.h"
+
+namespace octavo {
+
+namespace {
+
+/// What was asked for, what the source says, what its name hints at: in this order.
+VolumeKind choose_kind(const BuildScanOptions& options, const VolumeDescription& description,
+                       const TaskContext& context) {
+  if (options.kind) return *options.kind;
+  const std::string& name = options.inputs.front();
+  if (description.kind == VolumeKind::labels) {
+    context.note(name + ": the source says it holds labels: building as labels", "kind");
+    return VolumeKind::labels;
+  }
+  if (const auto hint = label_hint(name, description)) {
+    context.note(name + ": looks like labels (" + *hint + "): building as labels", "kind");
+    return VolumeKind::labels;
+  }
+  return VolumeKind::grey;
+}
+
+/// A build never replaces the scan it reads; an .8vo file may be built anew.
+void require_no_input(const std::string& output, const std::vector<std::string>& inputs) {
+  std::error_code none;
+  for (const std::string& input : inputs) {
+    if (is_octavo_path(input) || !std::filesystem::equivalent(output, input, none)) continue;
+    throw Error(ErrorKind::invalid_argument, "is the source itself; name another output", output);
+  }
+}
+
+void require_inputs_and_output(const BuildScanOptions& options) {
+  if (options.inputs.empty()) {
+    throw Error(ErrorKind::invalid_argument, "a build needs a source");
+  }
+  if (!options.output.path.ends_with(".8vo")) {
+    throw Error(ErrorKind::invalid_argument, "a build writes .8vo files", options.output.path)
+        .with_field("output.format");
+  }
+  require_free(options.output);
+  require_no_input(options.output.path, options.inputs);
+}
+
+BuildOptions build_options(const BuildScanOptions& options, VolumeKind kind) {
+  BuildOptions build;
+  build.kind = kind;
+  build.preset = options.preset;
+  build.max_error = options.max_error;
+  build.repair = options.repair;
+  if (options.is_resuming) build.interrupted = Interrupted::resume;
+  return build;
+}
+
+}  // namespace
+
+BuiltVolume build_scan(const BuildScanOptions& options, const TaskContext& context) {
+  require_inputs_and_output(options);
+  const std::string& name = options.inputs.front();
+  auto source = open_planes(options.inputs, options.scan, context);
+  const VolumeKind kind = choose_kind(options, source->description(), context);
+  try {
+    source = make_isotropic(name, std::move(source), options.between, kind, context);
+    return build_planes(*source, build_options(options, kind), options.output, "build", context);
+  } catch (const Error& error) {
+    const bool names_nothing = error.kind() == ErrorKind::source_rejected && error.path().empty();
+    throw names_nothing ? error.with_path(name) : error;
+  }
+}
+
+}  // namespace octavo

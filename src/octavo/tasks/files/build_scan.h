@@ -1,0 +1,34 @@
+// A scan in, one .8vo file out.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "octavo/planes/between/isotropic_source.h"
+#include "octavo/tasks/build_planes.h"
+#include "octavo/tasks/open_scan.h"
+
+namespace octavo {
+
+struct BuildScanOptions {
+  std::vector<std::string> inputs;  ///< one folder or file, or the files of a stack
+  Output output;
+  ScanOptions scan;
+  /// Nothing: what the source says of itself, else what its name hints at, else grey.
+  std::optional<VolumeKind> kind;
+  Preset preset = Preset::small;
+  double max_error = 0;  ///< real units; 0: lossless
+  FloatRepair repair;
+  /// linear or cubic: makes planes between thick slices until voxels are cubes.
+  std::optional<PlaneInterpolation> between;
+  bool is_resuming = false;  ///< an interrupted build is continued; so may be this one
+};
+
+/// Builds a file from a scan, or from another .8vo file. Notes where the kind was not asked for.
+/// Throws  as open_planes, make_isotropic and build_file; Error{invalid_argument} for a name that
+///         does not end in .8vo, and for a scan that would be its own output, even with overwrite
+/// Memory  as build_file
+BuiltVolume build_scan(const BuildScanOptions& options, const TaskContext& context);
+
+}  // namespace octavo

@@ -1,0 +1,199 @@
+#include "octavo/tasks/files/codes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+
+#include "octavo/core/error.h"
+#include "octavo/core/metadata.h"
+#include "octavo/octree/condense.h"
+#include "octavo/tasks/file_planes.h"
+#include "octavo/tasks/inputs.h"
+#include "octavo/tasks/label_trees.h"
+#include "octavo/tasks/volume_parts.h"
+
+namespace octavo {
+
+namespace {
+
+/// A code and a value.
+constexpr std::uint64_t kLeafBytes = 16;
+
+/// Which voxels belong to the object.
+struct Selection {
+  std::vector<std::int64_t> labels;  // sorted; empty: all but 0
+  std::optional<AskedRange> real_range;
+  Rescale rescale;
+  bool has_background = true;  // 0 gets no leaf
+
+  bool makes_mask() const { return real_range.has_value(); }
+
+  bool holds(double stored) const {
+    if (real_range) {
+      const double real = rescale.to_real(stored);
+      return real >= real_range->lowest && real <= real_range->highest;
+    }
+    const auto label = static_cast<std::int64_t>(stored);
+    return std::binary_search(labels.begin(), labels.end(), label);
+  }
+};
+
+/// True for a volume whose cubes hold means.
+bool is_condensed(const VolumeDescription& volume) {
+  const Metadata metadata = Metadata::read(volume.metadata_json);
+  const std::optional<MadeBy>& made_by = metadata.facts().made_by;
+  return made_by && made_by->operation() == "condense";
+}
+
+Selection choose(const CodesOptions& options, const VolumeDescription& d) {
+  Selection selection;
+  selection.rescale = d.rescale;
+  selection.labels = options.labels;
+  selection.real_range = options.range;
+  std::sort(selection.labels.begin(), selection.labels.end());
+  if (std::binary_search(selection.labels.begin(), selection.labels.end(), 0)) {
+    throw Error(ErrorKind::invalid_argument, "label 0 is the background and has no leaves");
+  }
+  if (selection.makes_mask()) return selection;
+  if (d.kind == VolumeKind::grey && selection.labels.empty()) {
+    selection.has_background = false;
+    if (is_condensed(d)) return selection;
+    throw Error(ErrorKind::invalid_argument, "holds grey values, which do not condense",
+                options.input)
+        .with_field("codes.range");
+  }
+  if (!is_integer(d.type)) {
+    throw Error(ErrorKind::invalid_argument, "holds float32 voxels, no labels", options.input)
+        .with_field("codes.labels");
+  }
+  return selection;
+}
+
+/// Turns voxels outside the selection into background.
+void apply(const Selection& selection, VoxelType type, std::span<std::byte> plane) {
+  if (selection.labels.empty()) return;
+  with_voxel_type(type, [&](auto tag) {
+    using T = typename decltype(tag)::type;
+    for (std::size_t at = 0; at < plane.size(); at += sizeof(T)) {
+      T voxel;
+      std::memcpy(&voxel, plane.data() + at, sizeof(T));
+      const T kept = selection.holds(static_cast<double>(voxel)) ? voxel : T{0};
+      std::memcpy(plane.data() + at, &kept, sizeof(T));
+    }
+  });
+}
+
+/// A byte for each voxel: 1 inside the range, else 0.
+void mark(const Selection& selection, VoxelType type, std::span<const std::byte> plane,
+          std::span<std::byte> mask) {
+  with_voxel_type(type, [&](auto tag) {
+    using T = typename decltype(tag)::type;
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+      T voxel;
+      std::memcpy(&voxel, plane.data() + i * sizeof(T), sizeof(T));
+      mask[i] = std::byte{selection.holds(static_cast<double>(voxel))};
+    }
+  });
+}
+
+LinearOctree voxel_leaves(PlaneSource& planes, const Selection& selection,
+                          const TaskContext& context) {
+  const VolumeDescription& d = planes.description();
+  CondenseOptions options;
+  if (selection.has_background) options.background = 0;
+  PlaneCondenser condenser(d.size, options);
+  std::vector<std::byte> plane(static_cast<std::size_t>(plane_bytes(d)));
+  std::vector<std::byte> mask(static_cast<std::size_t>(d.size.x * d.size.y));
+  Progress& progress = context.watcher();
+  const ProgressScope scope(progress, "condensing", d.size.z, "planes");
+  for (std::int64_t z = 0; z < d.size.z; ++z) {
+    if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped on request");
+    planes.read_plane(plane);
+    if (selection.makes_mask()) {
+      mark(selection, d.type, plane, mask);
+      condenser.add_plane(VoxelType::uint8, mask);
+    } else {
+      apply(selection, d.type, plane);
+      condenser.add_plane(d.type, plane);
+    }
+    context.require_memory(
+        planes.resident_bytes() + plane.size() + mask.size() + condenser.memory_bytes(),
+        "the octree");
+    progress.advance(1);
+  }
+  return condenser.finish();
+}
+
+LinearOctree label_leaves(const FileReader& reader, int level, const Selection& selection,
+                          const TaskContext& context) {
+  const LabelTree tree = read_label_tree(reader, level, selection.labels, "condensing", context);
+  std::uint64_t leaves = 0;
+  for (const std::int64_t count : leaf_counts(tree)) leaves += static_cast<std::uint64_t>(count);
+  context.require_memory(tree.memory_bytes() + kLeafBytes * leaves, "the octree");
+  return to_linear_octree(tree);
+}
+
+OCode asked_cube(const CodesOptions& options, int root_level) {
+  const std::string& text = *options.neighbors_of;
+  if (text == "-") return parse_hierarchical("", root_level);
+  if (options.notation == CodeNotation::hierarchical) return parse_hierarchical(text, root_level);
+  const OCode cube = parse_mixed_octal(text);
+  if (text.size() == static_cast<std::size_t>(root_level)) return cube;
+  throw Error(ErrorKind::invalid_argument,
+              fmt::format("o-code {} has {} digits; the codes of this volume have {}",
+                          escaped(text), text.size(), root_level));
+}
+
+}  // namespace
+
+CodesResult codes(const CodesOptions& options, const TaskContext& context) {
+  const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
+  require_level(reader->levels(), options.level);
+  const Selection selection = choose(options, reader->description());
+  FilePlanes planes(reader, options.level, context.thread_count());
+  const bool is_label_map =
+      reader->description().kind == VolumeKind::labels && !selection.makes_mask();
+  CodesResult result{planes.description(), {}, {}};
+  result.octree = is_label_map ? label_leaves(*reader, options.level, selection, context)
+                               : voxel_leaves(planes, selection, context);
+  if (options.neighbors_of) {
+    const OCode cube = asked_cube(options, result.octree.root_level);
+    result.surroundings = {cube, leaf_at(result.octree, cube), neighbors_in(result.octree, cube)};
+  } else {
+    const auto leaves = static_cast<std::uint64_t>(leaf_count(result.octree));
+    context.require_memory((kLeafBytes + options.bytes_per_leaf) * leaves, "the list of leaves");
+  }
+  return result;
+}
+
+std::map<std::int64_t, std::vector<std::int64_t>> leaves_by_label(const LinearOctree& octree) {
+  std::map<std::int64_t, std::vector<std::int64_t>> counts;
+  for (std::size_t level = 0; level < octree.levels.size(); ++level) {
+    for (const std::int64_t value : octree.levels[level].values) {
+      auto& row = counts[value];
+      row.resize(octree.levels.size());
+      ++row[level];
+    }
+  }
+  return counts;
+}
+
+std::uint64_t voxels_under(const std::vector<std::int64_t>& leaves_by_level) {
+  std::uint64_t voxels = 0;
+  for (std::size_t level = 0; level < leaves_by_level.size(); ++level) {
+    voxels +=
+        static_cast<std::uint64_t>(leaves_by_level[level]) * cube_volume(static_cast<int>(level));
+  }
+  return voxels;
+}
+
+std::string code_text(const OCode& cube, int root_level, CodeNotation notation) {
+  const std::string code = notation == CodeNotation::mixed_octal
+                               ? to_mixed_octal(cube, root_level)
+                               : to_hierarchical(cube, root_level);
+  return code.empty() ? "-" : code;
+}
+
+}  // namespace octavo

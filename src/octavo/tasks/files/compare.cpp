@@ -1,0 +1,45 @@
+#include "octavo/tasks/files/compare.h"
+
+#include "octavo/core/error.h"
+#include "octavo/tasks/inputs.h"
+#include "octavo/tasks/label_trees.h"
+#include "octavo/tasks/masks.h"
+
+namespace octavo {
+
+namespace {
+
+std::shared_ptr<const FileReader> open_label_map(const std::string& path,
+                                                 const TaskContext& context) {
+  std::shared_ptr<const FileReader> reader = open_volume(path, context);
+  if (reader->description().kind == VolumeKind::labels) return reader;
+  throw Error(ErrorKind::invalid_argument, "holds grey values, no labels to compare", path)
+      .with_field("compare.labels");
+}
+
+}  // namespace
+
+CompareResult compare_volumes(const CompareOptions& options, const TaskContext& context) {
+  require_scan_for_options({options.a, options.b}, options.scan);
+  const auto a = open_planes({options.a}, options.scan, context, OptionsOf::any_source);
+  const auto b = open_planes({options.b}, options.scan, context, OptionsOf::any_source);
+  CompareResult result{a->description(), b->description(), {}};
+  const double tolerance = compared_tolerance(result.a, result.b, options.max_error);
+  result.comparison = compare_planes(*a, *b, tolerance, context.watcher());
+  return result;
+}
+
+CompareLabelsResult compare_labels(const CompareLabelsOptions& options,
+                                   const TaskContext& context) {
+  const auto a = open_label_map(options.a, context);
+  const auto b = open_label_map(options.b, context);
+  require_same_grid(a->description(), options.a, b->description(), options.b);
+  const LabelTree tree_a = read_label_tree(*a, 0, {}, "first labels", context);
+  const LabelTree tree_b = read_label_tree(*b, 0, {}, "second labels", context);
+  CompareLabelsResult result;
+  context.on_threads([&] { result.agreements = label_agreements(label_overlaps(tree_a, tree_b)); });
+  result.is_equal = tree_a == tree_b;
+  return result;
+}
+
+}  // namespace octavo

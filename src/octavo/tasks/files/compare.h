@@ -1,0 +1,45 @@
+// Two volumes side by side: in place and in every voxel, or label by label.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "octavo/ops/label/label_overlaps.h"
+#include "octavo/tasks/files/plane_compare.h"
+#include "octavo/tasks/open_scan.h"
+
+namespace octavo {
+
+struct CompareOptions {
+  std::string a;  ///< an .8vo file, a URL of one, or a scan
+  std::string b;
+  double max_error = 0;  ///< the largest difference, real units, that counts as equal
+  ScanOptions scan;      ///< of those of the two that are scans
+};
+
+struct CompareResult {
+  VolumeDescription a;
+  VolumeDescription b;
+  Comparison comparison;
+};
+
+/// Compares geometry and voxels.
+/// Throws  as open_planes; Error{invalid_argument} for scan options where neither is a scan
+/// Memory  two planes besides what the sources hold
+CompareResult compare_volumes(const CompareOptions& options, const TaskContext& context);
+
+struct CompareLabelsOptions {
+  std::string a;
+  std::string b;
+};
+
+struct CompareLabelsResult {
+  bool is_equal = false;                   ///< in all voxels
+  std::vector<LabelAgreement> agreements;  ///< one for each label of either
+};
+
+/// Counts the voxels of each label in two label maps and in both at once.
+/// Throws what opening and reading throw; Error{invalid_argument} for grey volumes and other grids
+CompareLabelsResult compare_labels(const CompareLabelsOptions& options, const TaskContext& context);
+
+}  // namespace octavo

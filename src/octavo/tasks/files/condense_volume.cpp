@@ -1,0 +1,57 @@
+#include "octavo/tasks/files/condense_volume.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "octavo/builder/flat_cubes.h"
+#include "octavo/builder/metadata_member.h"
+#include "octavo/core/error.h"
+#include "octavo/tasks/file_planes.h"
+#include "octavo/tasks/inputs.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr const char* kWork = "condense";
+
+/// The asked flatness in whole stored units.
+std::int64_t stored_flat(double flat, const Rescale& rescale) {
+  constexpr double kMost = 4.6e18;
+  constexpr double kRounding = 1e-9;  // of a quotient that should be whole
+  const double slope = rescale.slope == 0 ? 1 : std::abs(rescale.slope);
+  return static_cast<std::int64_t>(std::min(kMost, std::floor(flat / slope * (1 + kRounding))));
+}
+
+void require_grey_integers(const VolumeDescription& volume, const std::string& path) {
+  if (volume.kind == VolumeKind::labels) {
+    throw Error(ErrorKind::invalid_argument,
+                "holds labels, which are condensed as they are; only grey volumes have means",
+                path);
+  }
+  if (!is_integer(volume.type)) {
+    throw Error(ErrorKind::invalid_argument,
+                "holds float32 voxels; only volumes of whole numbers are condensed", path);
+  }
+}
+
+}  // namespace
+
+BuiltVolume condense_volume(const CondenseVolumeOptions& options, const TaskContext& context) {
+  if (!(options.flat >= 0)) {
+    throw Error(ErrorKind::invalid_argument, "the flatness must not be negative");
+  }
+  require_computed(options.output, {options.input});
+  const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
+  require_grey_integers(reader->description(), options.input);
+  VolumeDescription description = FilePlanes(reader, 0, context.thread_count()).description();
+  const nlohmann::ordered_json made_by = {{"operation", kWork}, {"flat", options.flat}};
+  description.metadata_json = with_member(description.metadata_json, "made_by", made_by.dump());
+  const auto source =
+      make_flat_cubes(reader, description, stored_flat(options.flat, description.rescale),
+                      context.thread_count());
+  return build_planes(*source, {.is_resumable = false}, options.output, kWork, context);
+}
+
+}  // namespace octavo

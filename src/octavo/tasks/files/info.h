@@ -1,0 +1,46 @@
+// What a file holds, from its header and index alone.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "octavo/file/reader.h"
+#include "octavo/tasks/task_context.h"
+
+namespace octavo {
+
+struct InfoOptions {
+  std::string input;  ///< an .8vo file or a URL of one
+};
+
+struct LevelInfo {
+  Size3 size;
+  Point3 spacing_mm{};
+  LevelSummary summary;
+};
+
+struct InfoResult {
+  std::string name;
+  std::string format_version;
+  VolumeDescription volume;
+  std::vector<LevelInfo> levels;  ///< level 0 first
+  std::uint64_t file_bytes = 0;
+  std::uint64_t raw_bytes = 0;
+  ValueRange range;            ///< as FileReader::range
+  double max_error = 0;        ///< that the file promises, stored units
+  double achieved_error = 0;   ///< the largest found when it was built
+  bool is_place_known = true;  ///< false: origin and direction say nothing of a patient
+
+  double compression_ratio() const {
+    return static_cast<double>(raw_bytes) / static_cast<double>(file_bytes);
+  }
+  double bits_per_voxel() const {
+    return static_cast<double>(file_bytes) * 8 / static_cast<double>(volume.size.voxel_count());
+  }
+};
+
+/// Throws as open_volume
+InfoResult info(const InfoOptions& options, const TaskContext& context);
+
+}  // namespace octavo

@@ -1,0 +1,106 @@
+#include "octavo/tasks/files/plane_compare.h"
+
+#include <cmath>
+#include <cstring>
+
+#include "octavo/core/error.h"
+#include "octavo/tasks/geometry_words.h"
+#include "octavo/tasks/volume_facts.h"
+
+namespace octavo {
+
+namespace {
+
+/// A source with the plane it gave last.
+struct Side {
+  PlaneSource& source;
+  std::vector<std::byte> plane;
+  std::vector<double> values;
+
+  explicit Side(PlaneSource& s) : source(s) {
+    const VolumeDescription& d = s.description();
+    plane.resize(static_cast<std::size_t>(d.size.x * d.size.y * bytes_per_voxel(d.type)));
+    values.resize(static_cast<std::size_t>(d.size.x * d.size.y));
+  }
+};
+
+bool is_same(const Rescale& a, const Rescale& b) {
+  return static_cast<float>(a.slope) == static_cast<float>(b.slope) &&
+         static_cast<float>(a.intercept) == static_cast<float>(b.intercept);
+}
+
+/// The voxels as numbers; a double holds every value of every voxel type.
+void fill_values(Side& side, bool real_units) {
+  const VolumeDescription& d = side.source.description();
+  with_voxel_type(d.type, [&](auto tag) {
+    using T = typename decltype(tag)::type;
+    for (std::size_t i = 0; i < side.values.size(); ++i) {
+      T voxel;
+      std::memcpy(&voxel, side.plane.data() + i * sizeof(T), sizeof(T));
+      const auto stored = static_cast<double>(voxel);
+      side.values[i] = real_units ? d.rescale.to_real(stored) : stored;
+    }
+  });
+}
+
+bool is_different(double a, double b, double tolerance) {
+  if (std::isnan(a) || std::isnan(b)) return std::isnan(a) != std::isnan(b);
+  return a != b && !(std::abs(a - b) <= tolerance);
+}
+
+void compare_plane(Side& a, Side& b, std::int64_t z, double tolerance, Comparison& result) {
+  if (!result.is_real_units && result.is_same_type && a.plane == b.plane) return;
+  fill_values(a, result.is_real_units);
+  fill_values(b, result.is_real_units);
+  const std::int64_t width = a.source.description().size.x;
+  for (std::size_t i = 0; i < a.values.size(); ++i) {
+    const double distance = std::abs(a.values[i] - b.values[i]);
+    if (distance > result.max_difference) result.max_difference = distance;
+    if (!is_different(a.values[i], b.values[i], tolerance)) continue;
+    if (result.different++ == 0) {
+      const auto at = static_cast<std::int64_t>(i);
+      result.first = {at % width, at / width, z};
+      result.first_values = {a.values[i], b.values[i]};
+    }
+    if (std::isnan(distance)) result.max_difference = distance;
+  }
+}
+
+}  // namespace
+
+double compared_tolerance(const VolumeDescription& a, const VolumeDescription& b, double real) {
+  constexpr double kDivisionRounding = 1e-12;
+  if (!is_same(a.rescale, b.rescale) || a.rescale.slope == 0) return real;
+  return real / std::abs(a.rescale.slope) * (1 + kDivisionRounding);
+}
+
+Comparison compare_planes(PlaneSource& a, PlaneSource& b, double tolerance, Progress& progress) {
+  const VolumeDescription& da = a.description();
+  const VolumeDescription& db = b.description();
+  Comparison result;
+  result.is_same_size = da.size == db.size;
+  result.is_same_type = da.type == db.type;
+  result.is_same_rescale = is_same(da.rescale, db.rescale);
+  result.is_real_units = !result.is_same_rescale;
+  if (!result.is_same_size) return result;
+  result.shift_mm = largest_shift_mm(da.geometry, db.geometry, da.size);
+  result.is_place_known = is_spacing_known(da) && is_spacing_known(db);
+  result.is_same_place =
+      !result.is_place_known || result.shift_mm <= shift_tolerance_mm(da.geometry);
+
+  Side side_a(a);
+  Side side_b(b);
+  progress.begin("comparing", da.size.z, "planes");
+  for (std::int64_t z = 0; z < da.size.z; ++z) {
+    if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped on request");
+    a.read_plane(side_a.plane);
+    b.read_plane(side_b.plane);
+    compare_plane(side_a, side_b, z, tolerance, result);
+    result.voxels += da.size.x * da.size.y;
+    progress.advance(1);
+  }
+  progress.end();
+  return result;
+}
+
+}  // namespace octavo

@@ -1,0 +1,40 @@
+// Compares two volumes plane by plane.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "octavo/core/progress.h"
+#include "octavo/planes/plane_source.h"
+
+namespace octavo {
+
+struct Comparison {
+  bool is_same_size = true;
+  bool is_same_type = true;
+  bool is_same_rescale = true;      ///< to the precision of a float, as NIfTI keeps it
+  double shift_mm = 0;              ///< how far the two grids lie apart at most
+  bool is_place_known = true;       ///< false: one of them does not know its spacing
+  bool is_same_place = true;        ///< the shift is below a thousandth of a voxel
+  bool is_real_units = false;       ///< voxels were compared as real values, not as stored
+  std::int64_t voxels = 0;          ///< compared
+  std::int64_t different = 0;
+  double max_difference = 0;        ///< of all voxels compared
+  Index3 first;                     ///< the first different voxel in z, y, x order
+  std::array<double, 2> first_values{};
+
+  /// Geometry and voxels alike; number type and rescale may differ when the real values agree.
+  bool is_equal() const { return is_same_size && is_same_place && different == 0; }
+};
+
+/// A tolerance in real units as compare_planes takes it for these two volumes.
+double compared_tolerance(const VolumeDescription& a, const VolumeDescription& b, double real);
+
+/// Voxels count as different when they are more than `tolerance` apart. Sizes that differ end it at
+/// once. When the rescales are the same stored values are compared, otherwise real ones;
+/// `tolerance` is in the units that are compared.
+/// Throws  what the sources throw; Error{cancelled}
+/// Memory  two planes besides what the sources hold
+Comparison compare_planes(PlaneSource& a, PlaneSource& b, double tolerance, Progress& progress);
+
+}  // namespace octavo

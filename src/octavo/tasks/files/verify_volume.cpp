@@ -1,0 +1,61 @@
+#include "octavo/tasks/files/verify_volume.h"
+
+#include <memory>
+#include <utility>
+
+#include "octavo/builder/float_planes.h"
+#include "octavo/core/error.h"
+#include "octavo/file/parallel_read.h"
+#include "octavo/file/repair/repair_bits.h"
+#include "octavo/io/http/http_source.h"
+#include "octavo/tasks/file_planes.h"
+#include "octavo/tasks/files/planes_between.h"
+#include "octavo/tasks/inputs.h"
+#include "octavo/tasks/volume_facts.h"
+
+namespace octavo {
+
+namespace {
+
+VerifyReport checked(const std::string& path, const TaskContext& context) {
+  VerifyOptions options;
+  options.for_each = for_each_parallel(context.thread_count());
+  const std::shared_ptr<const ByteSource> source = open_any(path);
+  try {
+    return verify_file(source, options, context.watcher());
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::corrupt || !opens_repaired(source)) throw;
+    throw error.with_field("input.repair");
+  }
+}
+
+SourceCheck compared(const VerifyVolumeOptions& options,
+                     const std::shared_ptr<const FileReader>& reader, const TaskContext& context) {
+  const VolumeDescription& file = reader->description();
+  FilePlanes planes(reader, 0, context.thread_count());
+  auto opened = open_planes(options.against, options.scan, context);
+  const Size3 opened_size = opened->description().size;
+  const auto read = repeat_isotropic(options.against.front(), std::move(opened), file, context);
+  const auto source = make_repaired_source(*read, repair_of(file));
+
+  SourceCheck check;
+  check.source = source->description();
+  check.has_planes_between = check.source.size != opened_size;
+  // It is at most the promised one.
+  check.allowed_error = reader->achieved_error();
+  check.comparison = compare_planes(planes, *source, check.allowed_error, context.watcher());
+  return check;
+}
+
+}  // namespace
+
+VerifyVolumeResult verify_volume(const VerifyVolumeOptions& options, const TaskContext& context) {
+  VerifyVolumeResult result{checked(options.input, context), {}, {}};
+  if (!result.report.is_sound()) return result;
+  const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
+  result.volume = reader->description();
+  if (!options.against.empty()) result.against = compared(options, reader, context);
+  return result;
+}
+
+}  // namespace octavo

@@ -1,0 +1,44 @@
+// Is a file sound, and does it hold what its source holds?
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "octavo/file/verify.h"
+#include "octavo/tasks/files/plane_compare.h"
+#include "octavo/tasks/open_scan.h"
+
+namespace octavo {
+
+struct VerifyVolumeOptions {
+  std::string input;                 ///< an .8vo file or a URL of one
+  std::vector<std::string> against;  ///< the source it was built from; empty: the file alone
+  ScanOptions scan;                  ///< how that source is read
+};
+
+/// A sound file against its source.
+struct SourceCheck {
+  VolumeDescription source;  ///< as it is compared: with the planes that the build made in between
+  bool has_planes_between = false;
+  double allowed_error = 0;  ///< stored units: the largest that was found when the file was built
+  Comparison comparison;
+
+  /// What is stored counts: number type and rescale must be the same as well.
+  bool is_faithful() const {
+    return comparison.is_equal() && comparison.is_same_type && comparison.is_same_rescale;
+  }
+};
+
+struct VerifyVolumeResult {
+  VerifyReport report;
+  VolumeDescription volume;            ///< of a sound file
+  std::optional<SourceCheck> against;  ///< of a sound file, where it was asked for
+};
+
+/// Reads every byte, proves every checksum and decodes every brick; damage is part of the result.
+/// Throws  as verify_file, about the field "input.repair" where repair would open the file; as
+///         open_planes and repeat_isotropic for the source
+VerifyVolumeResult verify_volume(const VerifyVolumeOptions& options, const TaskContext& context);
+
+}  // namespace octavo

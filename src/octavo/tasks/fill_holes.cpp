@@ -1,0 +1,56 @@
+#include "octavo/tasks/fill_holes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "octavo/ops/mask/fill_holes.h"
+#include "octavo/tasks/masks.h"
+#include "octavo/tasks/volume_facts.h"
+
+namespace octavo {
+
+namespace {
+
+/// The largest hole that is filled, in voxels.
+std::uint64_t max_voxels(const FillHolesOptions& options, const VolumeDescription& volume) {
+  if (!options.max_mm3) return std::numeric_limits<std::uint64_t>::max();
+  require_known_spacing(volume, options.input, "a volume in mm3");
+  // A volume of whole voxels is not lost to a rounded quotient.
+  constexpr double kRoundingSlack = 1e-9;
+  const double voxels = *options.max_mm3 / *voxel_mm3(volume) * (1 + kRoundingSlack);
+  return static_cast<std::uint64_t>(std::clamp(std::floor(voxels), 0.0, 1e18));
+}
+
+nlohmann::ordered_json made_by(const FillHolesOptions& options) {
+  nlohmann::ordered_json made = {{"operation", "fill-holes"},
+                                 {"connectivity", static_cast<int>(options.connectivity)}};
+  if (options.max_mm3) made["max_mm3"] = *options.max_mm3;
+  return made;
+}
+
+}  // namespace
+
+FillHolesResult fill_holes(const FillHolesOptions& options, const TaskContext& context) {
+  require_computed(options.output, {options.input});
+  const OpenedMask mask = open_mask(options.input, context);
+  const VolumeDescription& volume = mask.volume();
+  const std::uint64_t largest = max_voxels(options, volume);
+  // The complement, its components, those selected and the result.
+  context.require_memory(6 * mask.tree.memory_bytes(), "the holes");
+  FilledHoles filled;
+  context.on_threads([&] {
+    filled = fill_holes(mask.tree, options.connectivity, largest, context.max_memory_bytes);
+  });
+  const BuildResult built =
+      write_mask(filled.mask, volume, made_by(options), options.output, "fill-holes", context);
+  return {.volume = volume,
+          .voxels = filled.mask.voxel_count(),
+          .hole_count = filled.hole_count,
+          .hole_voxels = filled.voxel_count,
+          .larger_hole_count = filled.kept_count,
+          .file_bytes = built.file_bytes};
+}
+
+}  // namespace octavo

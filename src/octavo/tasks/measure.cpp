@@ -1,0 +1,107 @@
+#include "octavo/tasks/measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "octavo/core/error.h"
+#include "octavo/core/text.h"
+#include "octavo/tasks/inputs.h"
+#include "octavo/tasks/masks.h"
+#include "octavo/tasks/volume_facts.h"
+
+namespace octavo {
+
+namespace {
+
+/// The percentiles from low to high, each once.
+std::vector<double> sorted_percentiles(std::vector<double> percentiles) {
+  for (const double percent : percentiles) {
+    if (percent >= 0 && percent <= 100) continue;
+    throw Error(ErrorKind::invalid_argument,
+                "percentile " + number_text(percent) + ": must be 0 to 100");
+  }
+  std::sort(percentiles.begin(), percentiles.end());
+  percentiles.erase(std::unique(percentiles.begin(), percentiles.end()), percentiles.end());
+  return percentiles;
+}
+
+std::shared_ptr<const FileReader> open_grey(const MeasureOptions& options,
+                                            const VolumeDescription& labels,
+                                            const TaskContext& context) {
+  std::shared_ptr<const FileReader> grey = open_volume(options.grey, context);
+  require_same_grid(labels, options.labels, grey->description(), options.grey);
+  if (grey->description().kind == VolumeKind::grey) return grey;
+  throw Error(ErrorKind::invalid_argument, "holds labels, not grey values", options.grey)
+      .with_field("grey.kind");
+}
+
+/// What to ask of the stored values: on a falling scale the p-th percentile is the (100 - p)-th.
+RegionMeasureOptions stored_options(std::vector<double> percentiles, const FileReader* grey) {
+  if (grey != nullptr && grey->description().rescale.slope < 0) {
+    for (double& percent : percentiles) percent = 100 - percent;
+  }
+  return {std::move(percentiles)};
+}
+
+/// Grey statistics in real units.
+GreyStatistics real_statistics(const GreyStatistics& stored, const Rescale& rescale,
+                               std::uint64_t voxels) {
+  GreyStatistics real;
+  real.mean = rescale.to_real(stored.mean);
+  real.deviation = std::abs(rescale.slope) * stored.deviation;
+  real.least = rescale.to_real(stored.least);
+  real.greatest = rescale.to_real(stored.greatest);
+  if (rescale.slope < 0) std::swap(real.least, real.greatest);
+  real.sum = rescale.slope * stored.sum + rescale.intercept * static_cast<double>(voxels);
+  for (const double value : stored.percentiles) real.percentiles.push_back(rescale.to_real(value));
+  return real;
+}
+
+MeasuredRegion measured(RegionMeasure region, const VolumeDescription& labels,
+                        const FileReader* grey) {
+  MeasuredRegion one;
+  if (region.grey) {
+    region.grey =
+        real_statistics(*region.grey, grey->description().rescale, region.voxel_count);
+  }
+  if (const auto mm3 = mm3_of(region.voxel_count, labels)) {
+    one.in_mm = {*mm3, labels.geometry.to_world(region.centroid),
+                 principal_axes(region, labels.geometry), {}};
+    if (region.grey) one.in_mm->integrated = region.grey->mean * *mm3;
+  }
+  one.region = std::move(region);
+  return one;
+}
+
+}  // namespace
+
+MeasureResult measure(const MeasureOptions& options, const TaskContext& context) {
+  const auto labels = open_labels(options.labels, context, kAsLabels);
+  const VolumeDescription& volume = labels->description();
+  std::shared_ptr<const FileReader> grey;
+  if (!options.grey.empty()) grey = open_grey(options, volume, context);
+  MeasureResult result;
+  result.percentiles = sorted_percentiles(options.percentiles);
+  if (!is_spacing_known(volume)) {
+    context.warn(options.labels + ": its spacing is not known, so nothing is given in mm; give it "
+                                  "when the volume is built");
+  }
+  // A brick with its labels widened per thread, and the sums of 64 bricks.
+  constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
+  context.require_memory((64 + 12 * static_cast<std::uint64_t>(context.thread_count())) * kMiB,
+                         "measurements");
+
+  const RegionMeasureOptions asked = stored_options(result.percentiles, grey.get());
+  std::vector<RegionMeasure> regions;
+  context.on_threads(
+      [&] { regions = measure_regions(*labels, grey.get(), asked, context.watcher()); });
+  for (RegionMeasure& region : regions) {
+    result.regions.push_back(measured(std::move(region), volume, grey.get()));
+  }
+  if (grey) result.unit = unit_of(grey->description());
+  return result;
+}
+
+}  // namespace octavo

@@ -1,0 +1,45 @@
+// Volumes, places, shapes and grey values of the regions of a label map.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "octavo/core/volume.h"
+#include "octavo/ops/measure/measure.h"
+#include "octavo/tasks/task_context.h"
+
+namespace octavo {
+
+struct MeasureOptions {
+  std::string labels;  ///< a label map
+  std::string grey;    ///< the volume to measure under the labels, on the same grid; or nothing
+  std::vector<double> percentiles = {5, 25, 50, 75, 95};  ///< of 0 .. 100
+};
+
+/// What a region measures in mm.
+struct RegionInMm {
+  double mm3 = 0;
+  Point3 centroid{};
+  PrincipalAxes axes;
+  std::optional<double> integrated;  ///< grey values times mm3
+};
+
+struct MeasuredRegion {
+  RegionMeasure region;             ///< in voxels; grey values are real ones, percentiles rise
+  std::optional<RegionInMm> in_mm;  ///< nothing where the spacing is not known
+};
+
+struct MeasureResult {
+  std::vector<MeasuredRegion> regions;  ///< every label but 0, ascending
+  std::vector<double> percentiles;      ///< that the grey statistics hold, ascending
+  std::string unit;                     ///< of the grey values; empty where none is known
+};
+
+/// Measures every region. Warns where the spacing is not known.
+/// Throws  as open_volume and measure_regions; Error{invalid_argument} for grey values in place of
+///         labels, labels in place of grey values, grids that differ, percentiles out of range
+/// Memory  as measure_regions, and 12 MiB per thread
+MeasureResult measure(const MeasureOptions& options, const TaskContext& context);
+
+}  // namespace octavo

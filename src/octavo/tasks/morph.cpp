@@ -1,0 +1,76 @@
+#include "octavo/tasks/morph.h"
+
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "octavo/ops/mask/morphology.h"
+#include "octavo/tasks/masks.h"
+#include "octavo/tasks/volume_facts.h"
+
+namespace octavo {
+
+namespace {
+
+struct Way {
+  const char* name;
+  MaskTree (*change)(const MaskTree&, const Reach&, Progress&, std::uint64_t);
+};
+
+/// In the order of Morphology.
+constexpr std::array kWays = std::to_array<Way>(
+    {{"dilate", dilate}, {"erode", erode}, {"open", opening}, {"close", closing}});
+
+const Way& way_of(Morphology morphology) { return kWays[static_cast<std::size_t>(morphology)]; }
+
+Reach reach_of(const MorphOptions& options, const VolumeDescription& volume,
+               std::uint64_t max_bytes) {
+  if (!options.mm) {
+    return Reach::in_steps(options.steps, options.connectivity, volume.size, max_bytes);
+  }
+  require_known_spacing(volume, options.input, "a distance in mm", "one in voxels");
+  return Reach::within_mm(*options.mm, volume.geometry.spacing_mm, volume.size, max_bytes);
+}
+
+nlohmann::ordered_json made_by(const MorphOptions& options) {
+  nlohmann::ordered_json made = {{"operation", morphology_name(options.morphology)}};
+  if (options.mm) {
+    made["mm"] = *options.mm;
+  } else {
+    made["steps"] = options.steps;
+    made["connectivity"] = static_cast<int>(options.connectivity);
+  }
+  return made;
+}
+
+}  // namespace
+
+const char* morphology_name(Morphology morphology) { return way_of(morphology).name; }
+
+MorphResult morph(const MorphOptions& options, const TaskContext& context) {
+  require_computed(options.output, {options.input});
+  const OpenedMask mask = open_mask(options.input, context);
+  MorphResult result{.volume = mask.volume(), .voxels_before = mask.tree.voxel_count()};
+  const Size3& size = result.volume.size;
+  const Reach reach = reach_of(options, result.volume, context.max_memory_bytes);
+  // The mask, its surface, what it grows to in pieces and whole; the ball; a window per thread.
+  context.require_memory(5 * mask.tree.memory_bytes() + reach.memory_bytes() +
+                             dilation_thread_bytes(reach, size) *
+                                 static_cast<std::uint64_t>(context.thread_count()),
+                         "masks that grow");
+
+  MaskTree made;
+  context.on_threads([&] {
+    made = way_of(options.morphology)
+               .change(mask.tree, reach, context.watcher(), context.max_memory_bytes);
+  });
+  result.voxels = made.voxel_count();
+  if (result.voxels == 0 && result.voxels_before > 0) {
+    context.warn(options.output.path + ": is empty; no voxel of " + options.input + " is left");
+  }
+  result.file_bytes = write_mask(made, result.volume, made_by(options), options.output,
+                                 morphology_name(options.morphology), context)
+                          .file_bytes;
+  return result;
+}
+
+}  // namespace octavo

@@ -1,0 +1,43 @@
+// Masks grown and shrunk: dilate, erode, open, close.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "octavo/core/volume.h"
+#include "octavo/ops/mask/word_neighbors.h"
+#include "octavo/tasks/outputs.h"
+#include "octavo/tasks/task_context.h"
+
+namespace octavo {
+
+enum class Morphology : std::uint8_t { dilate, erode, open, close };
+
+/// "dilate", "erode", "open", "close".
+const char* morphology_name(Morphology morphology);
+
+struct MorphOptions {
+  Morphology morphology = Morphology::dilate;
+  std::string input;  ///< a label map; every voxel but 0 is in the mask
+  Output output;
+  std::optional<double> mm;  ///< radius of the ball, between voxel centers; 0 or more
+  /// Without a radius: steps from voxel to neighbor, 0 or more.
+  std::int64_t steps = 0;
+  Connectivity connectivity = Connectivity::faces;  ///< which voxels are neighbors
+};
+
+struct MorphResult {
+  VolumeDescription volume;  ///< that of the mask
+  std::uint64_t voxels = 0;
+  std::uint64_t voxels_before = 0;
+  std::uint64_t file_bytes = 0;
+};
+
+/// Writes the mask grown, shrunk, opened or closed. Warns when nothing of it is left.
+/// Throws  as require_computed, open_mask, Reach and build_file; Error{invalid_argument} for a
+///         radius where the spacing is not known; Error{limit_exceeded}
+/// Memory  five masks, the table of the ball, and dilation_thread_bytes per thread
+MorphResult morph(const MorphOptions& options, const TaskContext& context);
+
+}  // namespace octavo

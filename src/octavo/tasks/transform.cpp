@@ -1,0 +1,122 @@
+#include "octavo/tasks/transform.h"
+
+#include <algorithm>
+#include <memory>
+
+#include "octavo/builder/metadata_member.h"
+#include "octavo/core/error.h"
+#include "octavo/file/storage/storage.h"
+#include "octavo/file/write/copy_described.h"
+#include "octavo/io/http/http_source.h"
+#include "octavo/io/source/place_known.h"
+#include "octavo/ops/mask/mask_transform.h"
+#include "octavo/planes/computed_source.h"
+#include "octavo/tasks/file_planes.h"
+#include "octavo/tasks/inputs.h"
+#include "octavo/tasks/masks.h"
+#include "octavo/tasks/transform_plan.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr const char* kWork = "transform";
+
+/// The description of the new volume; its metadata are those for a file made from the input.
+VolumeDescription new_description(const std::shared_ptr<const FileReader>& reader,
+                                  const TransformPlan& plan) {
+  VolumeDescription volume = FilePlanes(reader, plan.level, 1).description();
+  volume.size = plan.size;
+  volume.geometry = plan.geometry;
+  if (plan.way == TransformWay::resample) volume.coding.reset();
+  // An origin and axes that moved say no more of the body than they did before.
+  if (!plan.is_placed && !is_place_known(reader->description())) {
+    volume.metadata_json = with_member(volume.metadata_json, "place_known", "false");
+  }
+  for (const auto& [name, value] : plan.spacing_facts.items()) {
+    volume.metadata_json = with_member(volume.metadata_json, name, value.dump());
+  }
+  volume.metadata_json = with_member(volume.metadata_json, "made_by", plan.made_by.dump());
+  return volume;
+}
+
+/// Planes computed at once: as many as a brick is high, where they are not too large.
+std::int64_t planes_at_once(const VolumeDescription& volume) {
+  constexpr std::uint64_t kMostBytes = std::uint64_t{128} << 20;
+  std::uint64_t planes = 64;
+  while (planes > 8 && planes * plane_bytes(volume) > kMostBytes) planes /= 2;
+  return std::min(static_cast<std::int64_t>(planes), volume.size.z);
+}
+
+/// True where the octree of a mask does the same without its voxels.
+bool is_for_mask_tree(const FileReader& reader, const TransformPlan& plan) {
+  const ValueRange range = reader.range();
+  const VolumeDescription& volume = reader.description();
+  return (plan.turn || (plan.shift && plan.outside == 0)) && volume.kind == VolumeKind::labels &&
+         volume.type == VoxelType::uint8 && range.min >= 0 && range.max <= 1;
+}
+
+MaskTree moved_mask(const FileReader& reader, const TransformPlan& plan,
+                    const TaskContext& context) {
+  constexpr ValueWindow kInside = {1, 1};
+  MaskTree mask = read_mask(reader, 0, {&kInside, 1}, context);
+  context.on_threads([&] {
+    mask = plan.turn ? turned(mask, *plan.turn) : shifted(mask, *plan.shift);
+  });
+  return mask;
+}
+
+std::uint64_t write_voxels(const FileReader& reader, const TransformPlan& plan,
+                           const VolumeDescription& volume, const TransformOptions& options,
+                           const TaskContext& context) {
+  const BuildOptions build = build_options_for(context, options.output, kWork,
+                                               {.kind = volume.kind,
+                                                .preset = options.preset,
+                                                .max_error = options.max_error,
+                                                .is_resumable = false});
+  const std::int64_t planes = planes_at_once(volume);
+  require_room_for(volume, build, plane_bytes(volume) * static_cast<std::uint64_t>(planes),
+                   options.output,
+                   plan.operation == "scale" ? "take a smaller scale"
+                                             : "take a smaller volume or grid");
+  const auto build_from = [&](const FillBox& fill) {
+    const auto source = make_computed_source(volume, fill, planes);
+    return build_file(*source, local_storage(), options.output.path, build, context.watcher())
+        .file_bytes;
+  };
+  if (is_for_mask_tree(reader, plan)) {
+    const MaskTree mask = moved_mask(reader, plan, context);
+    return build_from([&](const Box& box, std::byte* voxels) {
+      fill_voxels(mask, box, reinterpret_cast<std::uint8_t*>(voxels));
+    });
+  }
+  const Resampler resampler(reader, plan.level, plan.to_source, plan.interpolation, plan.outside);
+  return build_from([&](const Box& box, std::byte* voxels) {
+    context.on_threads([&] { resampler.fill(box, voxels); });
+  });
+}
+
+}  // namespace
+
+TransformResult transform(const TransformOptions& options, const TaskContext& context) {
+  if (options.max_error < 0) {
+    throw Error(ErrorKind::invalid_argument, "the max error must not be negative")
+        .with_field("max_error");
+  }
+  require_computed(options.output, {options.input});
+  const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
+  const TransformPlan plan = plan_transform(options, *reader, context);
+  TransformResult result;
+  result.volume = new_description(reader, plan);
+  result.operation = plan.operation;
+  result.is_copied = plan.way == TransformWay::copy;
+  result.summary = plan.summary;
+  result.file_bytes =
+      result.is_copied
+          ? copy_described(open_any(options.input), result.volume, local_storage(),
+                           options.output.path, options.output.overwrite, context.watcher())
+          : write_voxels(*reader, plan, result.volume, options, context);
+  return result;
+}
+
+}  // namespace octavo

@@ -1,0 +1,106 @@
+// Volumes moved, turned, scaled, or brought onto another grid.
+//
+//     step                  what changes                    how
+//     translate             the origin                      bricks are copied, not decoded
+//     shift                 the place within the grid       whole voxels are moved
+//     rotate, mirror        the axes of the grid            whole voxels are moved
+//     scale to a finer grid                                 values are interpolated
+//     scale to a coarser    the grid is that of a level     whole voxels are moved
+//     resample              the grid, or the object on it   values are interpolated
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "octavo/builder/builder.h"
+#include "octavo/core/volume.h"
+#include "octavo/ops/grid/affine.h"
+#include "octavo/ops/grid/resample.h"
+#include "octavo/tasks/outputs.h"
+#include "octavo/tasks/task_context.h"
+
+namespace octavo {
+
+struct TranslateStep {
+  Index3 voxels;
+};
+
+struct TranslateMmStep {
+  Point3 mm;  ///< LPS
+};
+
+struct ShiftStep {
+  Index3 voxels;
+  /// The real value of voxels from outside; without one 0 for labels and the minimum of a grey
+  /// volume.
+  std::optional<double> fill;
+};
+
+/// A rotation about an index axis, right-handed in index space.
+struct AxisRotation {
+  int axis = 2;      ///< 0 is x
+  int degrees = 90;  ///< a multiple of 90
+};
+
+struct RotateStep {
+  std::vector<AxisRotation> rotations;
+  /// The direction and the center of the grid stay and the object turns; otherwise every voxel
+  /// keeps its place in space.
+  bool is_in_place = false;
+};
+
+struct MirrorStep {
+  std::vector<int> axes;
+  bool is_in_place = false;
+};
+
+/// A grid `factor` times as fine, or the level that is as much coarser.
+struct ScaleStep {
+  std::int64_t factor = 2;  ///< a power of two, 2 to 64
+  bool is_finer = true;
+  bool is_in_place = false;  ///< the grid stays about its center and the object grows or shrinks
+  /// Of a finer grid; without one nearest for labels and linear for grey values.
+  std::optional<Interpolation> interpolation = {};
+};
+
+struct ResampleStep {
+  std::optional<Affine> map_mm;  ///< moves the object: a point p (LPS) goes to map_mm(p)
+  bool is_inverse = false;       ///< map_mm leads from the new place to the old one
+  std::string grid_of;           ///< an .8vo file that gives the grid; empty: the grid stays
+  std::optional<Interpolation> interpolation = {};
+  std::optional<double> fill;  ///< as of ShiftStep
+};
+
+using TransformStep = std::variant<TranslateStep, TranslateMmStep, ShiftStep, RotateStep,
+                                   MirrorStep, ScaleStep, ResampleStep>;
+
+struct TransformOptions {
+  std::string input;  ///< an .8vo file or a URL of one
+  Output output;
+  TransformStep step;
+  // Of new voxels; a translation copies those that are there.
+  Preset preset = Preset::small;
+  double max_error = 0;
+};
+
+struct TransformResult {
+  VolumeDescription volume;  ///< that of the new file
+  std::string operation;     ///< "translate", "translate-mm", "rotate", ...
+  bool is_copied = false;    ///< the bricks are those of the input
+  std::string summary;       ///< what became of the voxels: "voxels shifted within the grid"
+  std::uint64_t file_bytes = 0;
+};
+
+/// Writes the transformed volume. Warns where no voxel of the input is left in the grid and where
+/// an unknown spacing counts.
+/// Throws  as open_volume, require_computed, build_file and copy_described;
+///         Error{invalid_argument} for steps that the volume does not allow; Error{limit_exceeded}
+///         for results that are too large, before any work
+/// Memory  that of a build, up to 128 MiB of planes and 32 MiB per thread; of a mask that is turned
+///         or shifted two masks
+TransformResult transform(const TransformOptions& options, const TaskContext& context);
+
+}  // namespace octavo

@@ -1,0 +1,44 @@
+// What a transform does: the new grid, and where its voxels come from.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "octavo/file/reader.h"
+#include "octavo/ops/grid/axis_turn.h"
+#include "octavo/tasks/transform.h"
+
+namespace octavo {
+
+enum class TransformWay {
+  copy,      ///< only the geometry changes
+  move,      ///< whole voxels
+  resample,  ///< values between voxels
+};
+
+struct TransformPlan {
+  TransformWay way = TransformWay::copy;
+  std::string operation;  ///< the name of the step
+  std::string summary;    ///< what becomes of the voxels
+  nlohmann::ordered_json made_by;
+  int level = 0;
+  Size3 size;
+  Geometry geometry;
+  Affine to_source;  ///< from voxels of the grid to those of the level
+  std::optional<AxisTurn> turn;
+  std::optional<Index3> shift;
+  Interpolation interpolation = Interpolation::nearest;
+  double outside = 0;  ///< the stored value of voxels that come from outside
+  /// The metadata of another file's grid that say where its spacing is from.
+  nlohmann::ordered_json spacing_facts = nlohmann::ordered_json::object();
+  bool is_placed = false;  ///< the grid is known to lie in a body, whatever is known of the input
+};
+
+/// The plan of a step. Warns where no voxel of the input is left in the grid and where an unknown
+/// spacing counts.
+/// Throws Error{invalid_argument} for steps that the volume does not allow; what open_volume throws
+TransformPlan plan_transform(const TransformOptions& options, const FileReader& reader,
+                             const TaskContext& context);
+
+}  // namespace octavo

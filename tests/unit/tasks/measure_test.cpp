@@ -1,0 +1,143 @@
+#include "octavo/tasks/measure.h"
+
+#include <algorithm>
+#include <map>
+#include <random>
+
+#include "support/task_files.h"
+
+namespace octavo {
+namespace {
+
+using testing::DenseLabels;
+using testing::for_each_voxel;
+
+constexpr Size3 kSize = {66, 24, 18};
+
+class Measure : public testing::TaskFiles {
+ protected:
+  void SetUp() override {
+    labels_.fill({{2, 3, 1}, {40, 20, 9}}, 3);
+    labels_.fill({{30, 5, 4}, {66, 12, 18}}, 7);
+    options_.labels = write("labels.8vo", labels_);
+  }
+
+  /// Grey voxels of 12 bits; a real value is slope * voxel + 5.
+  std::string write_grey(double slope) {
+    testing::Volume volume;
+    volume.description.size = kSize;
+    volume.description.type = VoxelType::int16;
+    volume.description.geometry = geometry_;
+    volume.description.rescale = {slope, 5};
+    volume.description.metadata_json = R"({"unit":"HU"})";
+    std::mt19937 random(13);
+    grey_.clear();
+    for (std::int64_t i = 0; i < kSize.voxel_count(); ++i) {
+      grey_.push_back(static_cast<std::int16_t>(random() % 4000));
+    }
+    const auto* bytes = reinterpret_cast<const std::byte*>(grey_.data());
+    volume.voxels.assign(bytes, bytes + grey_.size() * sizeof grey_[0]);
+    const std::string path = folder_.file(slope > 0 ? "rising.8vo" : "falling.8vo");
+    testing::build_volume(volume, path, 1);
+    return path;
+  }
+
+  DenseLabels labels_{kSize};
+  std::vector<std::int16_t> grey_;
+  MeasureOptions options_;
+};
+
+TEST_F(Measure, RegionsAreThoseOfTheVoxels) {
+  struct Sums {
+    std::uint64_t voxels = 0;
+    std::uint64_t surface = 0;
+    Box box;
+    Point3 sum{};
+  };
+  std::map<std::int64_t, Sums> expected;
+  for_each_voxel(kSize, [&](const Index3& p) {
+    const std::int32_t label = labels_.at(p);
+    if (label == 0) return;
+    Sums& sums = expected[label];
+    ++sums.voxels;
+    sums.box = united(sums.box, {p, {p.x + 1, p.y + 1, p.z + 1}});
+    for (std::size_t a = 0; a < 3; ++a) sums.sum[a] += static_cast<double>(p[static_cast<int>(a)]);
+    const auto steps = testing::neighbor_steps(6);
+    sums.surface += std::any_of(steps.begin(), steps.end(), [&](const Index3& step) {
+      const Index3 q = testing::moved(p, step);
+      return !box_of(kSize).contains(q) || labels_.at(q) != label;
+    });
+  });
+  const MeasureResult result = measure(options_, context_);
+  ASSERT_EQ(result.regions.size(), expected.size());
+  for (const MeasuredRegion& one : result.regions) {
+    const Sums& sums = expected.at(one.region.label);
+    const auto voxels = static_cast<double>(sums.voxels);
+    EXPECT_EQ(one.region.voxel_count, sums.voxels);
+    EXPECT_EQ(one.region.surface_voxel_count, sums.surface);
+    EXPECT_EQ(one.region.box, sums.box);
+    EXPECT_FALSE(one.region.grey.has_value());
+    EXPECT_DOUBLE_EQ(one.in_mm.value().mm3, 0.5 * voxels);
+    const Point3 center =
+        geometry_.to_world({sums.sum[0] / voxels, sums.sum[1] / voxels, sums.sum[2] / voxels});
+    for (std::size_t a = 0; a < 3; ++a) EXPECT_NEAR(one.in_mm->centroid[a], center[a], 1e-9);
+    EXPECT_FALSE(one.in_mm->integrated.has_value());
+  }
+}
+
+TEST_F(Measure, GreyValuesAreRealOnesOnARisingAndOnAFallingScale) {
+  for (const double slope : {0.5, -2.0}) {
+    options_.grey = write_grey(slope);
+    options_.percentiles = {90, 10, 50, 10};
+    const MeasureResult result = measure(options_, context_);
+    EXPECT_EQ(result.unit, "HU");
+    EXPECT_EQ(result.percentiles, (std::vector<double>{10, 50, 90}));
+    for (const MeasuredRegion& one : result.regions) {
+      std::vector<double> values;
+      for (std::size_t i = 0; i < grey_.size(); ++i) {
+        if (labels_.voxels[i] == one.region.label) values.push_back(slope * grey_[i] + 5);
+      }
+      std::sort(values.begin(), values.end());
+      double sum = 0;
+      for (const double value : values) sum += value;
+      const GreyStatistics& grey = one.region.grey.value();
+      const auto count = static_cast<double>(values.size());
+      EXPECT_NEAR(grey.mean, sum / count, 1e-6);
+      EXPECT_EQ(grey.least, values.front());
+      EXPECT_EQ(grey.greatest, values.back());
+      EXPECT_NEAR(one.in_mm->integrated.value(), 0.5 * sum, 1e-3);
+      ASSERT_EQ(grey.percentiles.size(), 3u);
+      for (std::size_t i = 0; i < 3; ++i) {
+        // Whichever way a rank is rounded, the value is one of the two beside it.
+        const double rank = result.percentiles[i] / 100 * count;
+        const auto at = static_cast<std::size_t>(rank);
+        EXPECT_GE(grey.percentiles[i], values[at - 1]);
+        EXPECT_LE(grey.percentiles[i], values[std::min(at + 1, values.size() - 1)]);
+      }
+    }
+  }
+}
+
+TEST_F(Measure, NothingIsInMmWhereTheSpacingIsNotKnown) {
+  options_.labels = write("unknown.8vo", labels_, false);
+  for (const MeasuredRegion& one : measure(options_, context_).regions) {
+    EXPECT_FALSE(one.in_mm.has_value());
+  }
+  EXPECT_EQ(warnings_.size(), 1u);
+}
+
+TEST_F(Measure, FilesOfTheWrongKindAreRejected) {
+  const std::string grey = write_grey(1);
+  options_.grey = options_.labels;
+  EXPECT_EQ(failure_of([&] { measure(options_, context_); }).field, "grey.kind");
+  options_.labels = grey;
+  EXPECT_EQ(failure_of([&] { measure(options_, context_); }).field, "labels.kind");
+  options_ = {write("again.8vo", labels_), grey, {101}};
+  EXPECT_EQ(failure_of([&] { measure(options_, context_); }).kind, ErrorKind::invalid_argument);
+  geometry_.origin_mm[2] += 1;
+  options_ = {write("moved.8vo", labels_), grey, {50}};
+  EXPECT_EQ(failure_of([&] { measure(options_, context_); }).field, "grid");
+}
+
+}  // namespace
+}  // namespace octavo
