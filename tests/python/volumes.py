@@ -127,7 +127,7 @@ GOLDEN_USES = {
     "fast-int16": predicts(1),
     "fast-int32-wide": is_wide,
     "max-error-rounded": is_rounded,
-    "max-error-quantized": is_corrected,
+    "max-error-quantised": is_corrected,
     "max-error-fast": predicts(1),
 }
 
