@@ -252,7 +252,7 @@ class Transforms(cli_test.InFolder):
         self.transform("full.8vo", "--translate-mm", "3,-1,2")
         (self.folder / "o.8vo").rename(self.folder / "full.8vo")
         refused = self.expect_error(2, ["m.8vo", "--resample"], "combine", "full.8vo", "m.8vo",
-                                      "--intersect", "-o", "c.8vo")
+                                    "--intersect", "-o", "c.8vo")
         self.assertIn("70 x 9 x 66", refused.stderr)
         made = self.expect(0, "combine", "full.8vo", "m.8vo", "full.8vo", "--resample",
                            "--intersect", "-o", "c.8vo", "--json", "--progress", "none")
@@ -339,11 +339,11 @@ class Transforms(cli_test.InFolder):
                 self.expect_error(code, words, "transform", "v.8vo", *arguments, "-o", "x.8vo")
                 self.assertEqual(self.files(), kept)
         self.expect_error(2, ["labels are names"], "transform", "m.8vo", "--grid-of", "v.8vo",
-                            "--interpolation", "linear", "-o", "x.8vo")
+                          "--interpolation", "linear", "-o", "x.8vo")
         self.expect_error(5, ["exists already"], "transform", "v.8vo", "--mirror", "x", "-o",
-                            "m.8vo")
+                          "m.8vo")
         self.expect_error(2, ["--resample", "--complement"], "combine", "m.8vo", "--complement",
-                            "--resample", "-o", "x.8vo")
+                          "--resample", "-o", "x.8vo")
 
     def test_codes_tells_the_neighbors_of_a_cube(self):
         # Voxels 1 in the octant at the origin of a cube of side 4, and one voxel of 5 behind it.
