@@ -56,7 +56,7 @@ class BinaryDecoder:
         return bit
 
     def adaptive(self, state: AdaptiveBit) -> int:
-        """A decision with the probability that `state` has learnt; `state` learns it."""
+        """A decision with the probability that `state` has learned; `state` learns it."""
         bit = self.get(state.p)
         state.learn(bit)
         return bit

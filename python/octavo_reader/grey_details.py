@@ -53,7 +53,7 @@ class DetailStream:
         cursor = ByteCursor(data, "a level of details")
         self._plain = cursor.take(cursor.varint())
         counts = ((16384, 32), (1024, 8), (128, 2), (1, 1))
-        state_count = next(states for least, states in counts if coded_count >= least)
+        state_count = next(states for minimum, states in counts if coded_count >= minimum)
         self._states = list(cursor.unpack(f"{state_count}I"))
         require(min(self._states) >= _STATE_START, "a state of the details is too small")
         words = cursor.rest()
@@ -233,7 +233,7 @@ class DetailDecoder:
         above_weights = np.array([w[7], w[9], w[8], w[10], w[6]])
         behind_weights = np.array([0, w[12], w[11], w[13], 0])
         bound = limit >> self._shift
-        least_upper = 128 * (bound - 1)
+        minimum_upper = 128 * (bound - 1)
         most = bound << 8
         extra = [min(7, max(0, h // 2 - 5 - step.bit_length())) + self._shift for h in range(30)]
         extra *= 2
@@ -255,7 +255,7 @@ class DetailDecoder:
                         + np.correlate(behind, behind_weights)
                         + w[14] * upper[2:-2] + w[15] * lower[2:-2])
                 context = _half_octaves(np.minimum(sums, most[z, y]))
-                context += 30 * (sums > least_upper[z, y])
+                context += 30 * (sums > minimum_upper[z, y])
                 coded = ~flagged[z, y]
                 numbers = self._stream.row(self._tables, context[coded].tolist(), extra)
                 if numbers:

@@ -427,7 +427,7 @@ TEST(RepairBits, EveryFailingCallLeavesNothingAndNamesTheFileThatWasAskedFor) {
       }
       EXPECT_EQ(outcome.kind, ErrorKind::io);
       EXPECT_EQ(outcome.failure.find("tmp"), std::string::npos) << outcome.failure;
-      // Where removing fails as well, the first failure is told.
+      // Where removing fails as well, the first failure is reported.
       if (is_dying) {
         EXPECT_EQ(outcome.failure, said);
       } else {

@@ -120,11 +120,11 @@ std::int64_t check_salvage(const std::vector<std::uint8_t>& bytes, const SampleV
 }
 
 void check_every_fill(const std::vector<std::uint8_t>& bytes, const SampleVolume& volume,
-                      std::int64_t least_damaged) {
+                      std::int64_t min_damaged) {
   for (const bool from_coarser : {false, true}) {
     for (const std::optional<double> value : {std::optional<double>(), std::optional<double>(9)}) {
       SCOPED_TRACE(std::string(from_coarser ? "coarse " : "") + (value ? "value" : "lowest"));
-      EXPECT_GE(check_salvage(bytes, volume, {from_coarser, value}), least_damaged);
+      EXPECT_GE(check_salvage(bytes, volume, {from_coarser, value}), min_damaged);
     }
   }
 }

@@ -8,7 +8,7 @@
 namespace octavo {
 namespace {
 
-TEST(ReadingHalf, RefusesWhatIsNoOctavoFile) {
+TEST(ReadingHalf, RejectsWhatIsNoOctavoFile) {
   const std::vector<std::uint8_t> zeros(4096, 0);
   try {
     FileReader::open(byte_source_of(zeros, "zeros"));

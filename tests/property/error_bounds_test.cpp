@@ -1,6 +1,6 @@
 // The maximum error holds for every voxel, whatever the voxels are.
 //
-// Random bricks of every type, scans and adversaries, coded with models learnt from other bricks,
+// Random bricks of every type, scans and adversaries, coded with models learned from other bricks,
 // with every preset and random bounds.
 #include <gtest/gtest.h>
 

@@ -120,7 +120,7 @@ class Damage(InFolder):
         except OctavoError:
             return None
 
-    def test_a_changed_byte_is_refused_or_changes_nothing(self):
+    def test_a_changed_byte_is_rejected_or_changes_nothing(self):
         data = (GOLDEN / "minimal.8vo").read_bytes()
         sound = self.read_all(data)
         rejected = 0
@@ -163,7 +163,7 @@ class CommandLine(InFolder):
         with OctavoFile(path) as file:
             self.assertTrue(np.array_equal(np.load(out), file.read_level(3)))
 
-    def test_other_files_and_levels_are_refused_in_one_line(self):
+    def test_other_files_and_levels_are_rejected_in_one_line(self):
         for path, level in ((__file__, 0), (GOLDEN / "minimal.8vo", 2)):
             result = self.run_reader(path, "--level", level, "-o", self.folder / "out.npy")
             self.assertEqual((result.returncode, result.stderr.count("\n")), (1, 1), result.stderr)

@@ -13,7 +13,7 @@ namespace octavo::testing {
 
 class MemoryReader final : public FileReader {
  public:
-  /// voxels  dense [z][y][x] of description.type; `range` is told as it is
+  /// voxels  dense [z][y][x] of description.type; `range` is given as it is
   MemoryReader(VolumeDescription description, std::vector<std::byte> voxels, ValueRange range)
       : description_(std::move(description)),
         levels_(description_.size,

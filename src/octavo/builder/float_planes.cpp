@@ -19,7 +19,7 @@ constexpr std::size_t kEnoughValues = 64;
 constexpr double kStepsPerError = 32;
 constexpr double kFloatSteps = 1 << 24;
 constexpr double kLargestCode = std::numeric_limits<std::int32_t>::max();
-constexpr double kLeastError = 1e-290;
+constexpr double kMinError = 1e-290;
 // Values yet to come may be so much larger than those of the first planes.
 constexpr double kGrowth = 4;
 constexpr const char* kNoiseWords = " (from the noise between neighbors and the largest value)";
@@ -112,7 +112,7 @@ FloatPlanes::FloatPlanes(PlaneSource& source, const FloatSettings& settings, Pro
       progress_(progress),
       description_(source.description()),
       plane_(static_cast<std::size_t>(description_.size.x * description_.size.y)) {
-  if (settings.max_error > 0 && settings.max_error < kLeastError) {
+  if (settings.max_error > 0 && settings.max_error < kMinError) {
     throw Error(ErrorKind::invalid_argument, "a max error above 0 must be at least 1e-290");
   }
   description_.type = VoxelType::int32;

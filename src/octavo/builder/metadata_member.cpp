@@ -13,7 +13,7 @@ std::string text_of(const std::string& string) {
   return json(string).dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
-// Writes the values it is told of, but for the members `name` of the outermost object. No tree is
+// Writes the values it gets, but for the members `name` of the outermost object. No tree is
 // made of them: one of arrays and objects allocates when it is destroyed, and ends the program
 // where there is no memory left.
 class Rewriter : public json::json_sax_t {

@@ -43,7 +43,7 @@ struct TreeBuildOptions {
   int threads = 0;  ///< 0: all cores
   /// 0: no limit; otherwise Error{limit_exceeded} before work starts when the need is above it.
   std::uint64_t max_memory_bytes = 0;
-  std::string progress_name = "build";  ///< of the work, as Progress::begin is told
+  std::string progress_name = "build";  ///< of the work, for Progress::begin
 };
 
 /// Builds `path` from a mask, 1 inside and 0 outside, or from a label map. Progress is counted in

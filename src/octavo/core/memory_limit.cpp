@@ -11,10 +11,10 @@ namespace {
 // In the units of --max-memory, powers of 1024: whole ones, two digits at least.
 std::string units_text(std::uint64_t bytes, bool is_rounded_up) {
   constexpr const char* kUnits[] = {" bytes", " KiB", " MiB", " GiB", " TiB"};
-  constexpr std::uint64_t kLeast = 10;
+  constexpr std::uint64_t kMinimum = 10;
   std::size_t unit = 0;
   std::uint64_t one = 1;
-  while (unit + 1 < std::size(kUnits) && bytes / one / 1024 >= kLeast) {
+  while (unit + 1 < std::size(kUnits) && bytes / one / 1024 >= kMinimum) {
     one *= 1024;
     ++unit;
   }

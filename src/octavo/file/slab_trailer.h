@@ -1,7 +1,7 @@
 // What stands behind the level-0 segments of each layer of bricks: enough to find them again, and
 // to know that the slab is whole, when a build was interrupted before the index was written.
 //
-// The trailer ends in its own length, so that slabs can be walked from their end backwards:
+// The trailer ends in its own length, so that slabs can be visited from their end backwards:
 //
 //   magic "8slb" | u64 file id | varint slab | varint model | varint length of each level-0 segment
 //   | u32 CRC of the slab before the trailer | u32 length of the trailer | u32 CRC of the trailer

@@ -8,7 +8,7 @@
 //   L leaves cost L codes, where a tree with pointers costs 8(L-1)/7 nodes.
 //   The leaf over a voxel is found by cutting digits off the voxel's code and searching one list
 //   per level; at most one search succeeds.
-//   The volume of the object is the sum of count * 8^k: no walk over the space is needed.
+//   The volume of the object is the sum of count * 8^k: no traversal of the space is needed.
 //   Two octrees over the same universe hold the same object when their lists are equal, provided
 //   both are condensed (no eight sibling leaves are homogeneous).
 //

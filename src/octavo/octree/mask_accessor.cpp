@@ -10,7 +10,7 @@ namespace octavo {
 
 namespace {
 
-constexpr std::uint64_t kLeastTableBytes = std::uint64_t{1} << 20;
+constexpr std::uint64_t kMinTableBytes = std::uint64_t{1} << 20;
 
 std::uint64_t entries_along(std::int64_t size, int shift) {
   return static_cast<std::uint64_t>(((size - 1) >> shift) + 1);
@@ -30,7 +30,7 @@ MaskAccessor::MaskAccessor(const MaskTree& mask)
       height_(static_cast<std::uint64_t>(mask.size().y)),
       depth_(static_cast<std::uint64_t>(mask.size().z)) {
   const std::uint64_t most =
-      std::max(kLeastTableBytes, mask.memory_bytes()) / sizeof(std::uint32_t);
+      std::max(kMinTableBytes, mask.memory_bytes()) / sizeof(std::uint32_t);
   const int top = mask.rank_count() - 1;
   while (rank_ < top && entry_count(mask.size(), shift_) > most) {
     ++rank_;

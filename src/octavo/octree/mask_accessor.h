@@ -6,7 +6,7 @@
 //     table[z / 16][y / 16][x / 16]  ->  cube of 16^3  ->  word of 4^3  ->  bit
 //
 // In a volume so large that the table would outgrow the tree its entries stand for cubes of 64^3,
-// 256^3, ... and the ranks below are walked.
+// 256^3, ... and the ranks below are visited.
 //
 // Source  thesis 1.2 (membership)
 #pragma once

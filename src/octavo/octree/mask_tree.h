@@ -23,7 +23,7 @@
 //   No voxel outside `size` is in the set.
 // Consequences
 //   One set has one tree: equal sets have equal arrays.
-//   A sub-tree is one contiguous run of every array below it: it is copied, not walked.
+//   A sub-tree is one contiguous run of every array below it: it is copied, not visited.
 //   A full byte, a full word, a full byte of `full` and a full child are the condensed leaves of
 //   levels 1, 2, 3, 4, ...: the linear octree is a view of the tree (`to_linear_octree`).
 //   A voxel is reached in one step per rank; memory is 64 bits per mixed 4^3 cube and 24 bytes per

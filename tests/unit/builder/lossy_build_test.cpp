@@ -80,18 +80,18 @@ TEST(LossyBuild, TheIndexSaysOfEveryBrickHowFarItIsFromItsSource) {
   EXPECT_EQ(reader->max_error(), 3);
   EXPECT_EQ(reader->achieved_error(), 3);
   const Size3 grid = reader->levels().brick_grid(0);
-  double least = 3;
+  double minimum = 3;
   for (std::int64_t z = 0; z < grid.z; ++z) {
     for (std::int64_t y = 0; y < grid.y; ++y) {
       for (std::int64_t x = 0; x < grid.x; ++x) {
         const BrickEntry entry = reader->brick(0, {x, y, z});
         const Box box = reader->levels().brick_box(0, {x, y, z});
         EXPECT_EQ(entry.max_error, found_error<std::int16_t>(*reader, volume, box));
-        least = std::min(least, entry.max_error);
+        minimum = std::min(minimum, entry.max_error);
       }
     }
   }
-  EXPECT_EQ(least, 0);
+  EXPECT_EQ(minimum, 0);
   EXPECT_TRUE(is_sound(folder.file("a.8vo")));
 }
 

@@ -61,8 +61,8 @@ TEST(Checked, TheLargestResultIsGivenAndTheNextOneRejected) {
   EXPECT_EQ(thrown_by([] { checked_count(kFar, 2, "voxels"); }), ErrorKind::limit_exceeded);
 }
 
-/// Notes what it is told.
-class Told final : public Progress {
+/// Notes what it hears.
+class Recorder final : public Progress {
  public:
   void begin(std::string_view what, std::int64_t, std::string_view) override { text += what; }
   void advance(std::int64_t) override {}
@@ -72,14 +72,14 @@ class Told final : public Progress {
 };
 
 TEST(ProgressScope, EndsHoweverTheWorkEnds) {
-  Told told;
+  Recorder recorded;
   EXPECT_THROW(
       {
-        const ProgressScope scope(told, "planes", 3, "planes");
+        const ProgressScope scope(recorded, "planes", 3, "planes");
         throw Error(ErrorKind::io, "the disk fails");
       },
       Error);
-  EXPECT_EQ(told.text, "planes ended");
+  EXPECT_EQ(recorded.text, "planes ended");
 }
 
 }  // namespace

@@ -263,9 +263,9 @@ ValueRange range_of(const BrickView& brick) {
   ValueRange range{std::numeric_limits<std::int64_t>::max(),
                    std::numeric_limits<std::int64_t>::min()};
   for_each_row(brick, [&](const auto* row) {
-    const auto [least, most] = std::minmax_element(row, row + brick.size.x);
-    range.min = std::min<std::int64_t>(range.min, *least);
-    range.max = std::max<std::int64_t>(range.max, *most);
+    const auto [lowest, highest] = std::minmax_element(row, row + brick.size.x);
+    range.min = std::min<std::int64_t>(range.min, *lowest);
+    range.max = std::max<std::int64_t>(range.max, *highest);
   });
   return range;
 }

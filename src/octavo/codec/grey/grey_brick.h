@@ -1,4 +1,4 @@
-// The walk through a brick that encoding, decoding and training share.
+// The traversal of a brick that encoding, decoding and training share.
 //
 // A model's axis order says which axis of the brick is the codec's x, y and z: shapes, samples and
 // splits here are in the codec's axes, and only reading voxels in and writing them out knows of the
@@ -66,7 +66,7 @@ BrickShape in_order(const BrickShape& shape, const AxisOrder& order);
 
 inline constexpr int kTileRows = 16;
 
-/// Walks the rows along x of a volume whose voxels are `steps` apart in memory. Calls
+/// Visits the rows along x of a volume whose voxels are `steps` apart in memory. Calls
 /// f(y, z, axis, count) for row (y, z) and the next `count` - 1 along `axis`, the axis whose voxels
 /// lie side by side: single rows where that is x, tiles of up to kTileRows rows else, so that
 /// memory is met in runs whatever the order of the axes.

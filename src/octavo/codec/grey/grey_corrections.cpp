@@ -41,7 +41,7 @@ class PaddedCorrections {
   std::vector<std::int8_t> values_;
 };
 
-/// One walk serves both directions: `code(model, bit)` puts or gets a decision.
+/// One traversal serves both directions: `code(model, bit)` puts or gets a decision.
 template <class Code>
 void walk_corrections(Corrections& corrections, const Size3& size, Code&& code) {
   CorrectionModels models;

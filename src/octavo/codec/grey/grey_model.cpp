@@ -25,7 +25,7 @@ std::int32_t get_signed(BinaryDecoder& coder, GolombModel& model) {
   return static_cast<std::int32_t>(unzigzag(get_golomb(coder, model)));
 }
 
-/// One walk over all parameters serves both directions: `code(model, value)` puts or gets a number.
+/// One traversal of all parameters, both directions: `code(model, value)` puts or gets a number.
 ///
 /// The center tap is not coded: weights sum to zero, so it is minus the sum of the others. Taps
 /// near the center and far from it have models of their own.

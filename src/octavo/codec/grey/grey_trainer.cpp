@@ -118,7 +118,7 @@ AxisOrder learn_order(std::span<const TrainingBrick> bricks, const CodecSettings
   if (settings.preset == Preset::fast) return kStraightOrder;
   const std::vector<TrainingBrick> few = some_of(bricks, kOrderBricks);
   AxisOrder best = kStraightOrder;
-  double least = 0;
+  double minimum = 0;
   for (const AxisOrder& order : kAxisOrders) {
     Parameters p = default_parameters();
     p.axis_order = order;
@@ -129,8 +129,8 @@ AxisOrder learn_order(std::span<const TrainingBrick> bricks, const CodecSettings
     double cost = detail_cost(p, training);
     // The straight order is the fastest; another one must be worth it.
     if (order == kStraightOrder) cost *= 1 - kWorthwhile;
-    if (order == kStraightOrder || cost < least) {
-      least = cost;
+    if (order == kStraightOrder || cost < minimum) {
+      minimum = cost;
       best = order;
     }
   }
@@ -183,9 +183,9 @@ Parameters learn_lossless(TrainingSet& set, Predictor predictor) {
   const bool is_sparse = background_share(set.bricks()) >= kMuchBackground;
   const bool may_be_all = set.bricks().size() < kManyBricks;
   if (!is_sparse && !(is_small && may_be_all)) return best;
-  std::uint64_t least = cost(set.bricks(), best);
+  std::uint64_t minimum = cost(set.bricks(), best);
   std::vector<Plan> others;
-  if (is_small && may_be_all && least < kLittleBytes) {
+  if (is_small && may_be_all && minimum < kLittleBytes) {
     // These bricks are all there are, and the model counts beside them.
     others = {{Predictor::means}, {predictor, {}, kCoarseWeightStep}};
   }
@@ -197,8 +197,8 @@ Parameters learn_lossless(TrainingSet& set, Predictor predictor) {
     const Parameters p = learn(set, plan);
     std::uint64_t bytes = cost(set.bricks(), p);
     if (plan.has_edges) bytes += bytes * kEdgePercent / 100;
-    if (bytes >= least) continue;
-    least = bytes;
+    if (bytes >= minimum) continue;
+    minimum = bytes;
     best = p;
   }
   return best;
@@ -207,12 +207,12 @@ Parameters learn_lossless(TrainingSet& set, Predictor predictor) {
 /// Learns a model that keeps within a maximum error, in the way that codes these bricks best.
 Parameters learn_lossy(TrainingSet& set, Predictor predictor, std::int64_t max_error) {
   Parameters best;
-  std::uint64_t least = ~std::uint64_t{0};
+  std::uint64_t minimum = ~std::uint64_t{0};
   for (const Plan& plan : plans_for(predictor, max_error)) {
     const Parameters p = learn(set, plan);
     const std::uint64_t bytes = cost(set.bricks(), p);
-    if (bytes >= least) continue;
-    least = bytes;
+    if (bytes >= minimum) continue;
+    minimum = bytes;
     best = p;
   }
   return best;

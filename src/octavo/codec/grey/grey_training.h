@@ -1,4 +1,4 @@
-// What the parts of the grey trainer share: training bricks, their walk, and the parts themselves.
+// What the parts of the grey trainer share: training bricks, their traversal, and the parts themselves.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ struct TrainingSample {
 std::vector<TrainingSample> make_training_samples(std::span<const TrainingBrick> bricks,
                                                   const Parameters& p);
 
-/// The samples of the level above `level` as the encoder's walk has them, ready in the work space.
+/// The samples of the level above `level` as the encoder has them, ready in the work space.
 void load_level(Workspace<std::int16_t>& work, const TrainingSample& sample, int level);
 
 /// Runs a level of a training sample through its splits as the encoder does. Calls

@@ -15,7 +15,7 @@ std::uint64_t packed_bytes(std::uint64_t count, int width) {
 /// Bits of a number up to `most`.
 int width_of(std::int64_t most) { return bit_length(static_cast<std::uint64_t>(most)); }
 
-std::int64_t greatest_number(const LabelPyramid& pyramid, bool is_listed) {
+std::int64_t maximum_number(const LabelPyramid& pyramid, bool is_listed) {
   return is_listed ? static_cast<std::int64_t>(pyramid.labels.size()) - 1
                    : pyramid.labels.back() - pyramid.labels.front();
 }
@@ -34,7 +34,7 @@ Bytes listed(const LabelPyramid& pyramid, bool is_listed) {
 
 std::uint64_t byte_count(const LabelPyramid& pyramid, bool is_listed) {
   return listed(pyramid, is_listed).size() +
-         packed_bytes(pyramid.levels[0].rank.size(), width_of(greatest_number(pyramid, is_listed)));
+         packed_bytes(pyramid.levels[0].rank.size(), width_of(maximum_number(pyramid, is_listed)));
 }
 
 bool is_list_shorter(const LabelPyramid& pyramid) {
@@ -67,7 +67,7 @@ Bytes encode_stored_labels(const LabelPyramid& pyramid) {
   const bool is_listed = is_list_shorter(pyramid);
   Bytes bytes = listed(pyramid, is_listed);
   BitWriter bits(bytes);
-  const int width = width_of(greatest_number(pyramid, is_listed));
+  const int width = width_of(maximum_number(pyramid, is_listed));
   for (const std::uint32_t rank : pyramid.levels[0].rank) {
     const std::int64_t above = pyramid.labels[rank] - pyramid.labels.front();
     bits.put(is_listed ? rank : static_cast<std::uint64_t>(above), width);

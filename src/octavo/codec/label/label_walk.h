@@ -1,4 +1,4 @@
-// The walk over the octants of a brick's levels that encoder, decoder and training share.
+// The traversal of the octants of a brick's levels that encoder, decoder and training share.
 //
 // It makes level i from level i+1. Every sample starts as its parent's label; where the parent is
 // mixed the octant is visited: for each child, by rising digit, "is it its parent's label?", if not
@@ -11,7 +11,7 @@
 // bytes are.
 //
 // Nearly all time goes into looking at the 32 neighbors and adding the rows of the networks; the
-// walk is compiled once per instruction set (label_walk_simd.cpp) and once in plain C++
+// traversal is compiled once per instruction set (label_walk_simd.cpp) and once in plain C++
 // (label_walk_portable.cpp), with equal results.
 #pragma once
 
@@ -37,7 +37,7 @@ class LabelObserver {
   virtual void observe(LabelAsk kind, const LabelQuestion& question, bool answer) = 0;
 };
 
-/// What a walk knows of a brick; kept for the next brick so that its memory is reused.
+/// What a traversal knows of a brick; kept for the next brick so that its memory is reused.
 struct LabelWork {
   LabelGrid grid;     ///< the level being made, then its result
   LabelGrid parents;

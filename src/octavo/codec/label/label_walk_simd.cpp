@@ -1,4 +1,4 @@
-// The label walk for every instruction set that Highway knows, chosen at run time.
+// The label traversal for every instruction set that Highway knows, chosen at run time.
 
 #include <algorithm>
 #include <bit>

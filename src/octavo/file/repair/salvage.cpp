@@ -72,16 +72,16 @@ struct SalvageReader::Ledger {
   std::map<std::uint64_t, SalvagedDamage> damages;
 
   // A level of a brick that is filled piece by piece counts once. Of several bricks behind one
-  // damage the one that comes first is told, so that threads do not matter.
-  void enter(const SalvagedDamage& told, int level, std::uint64_t code) {
+  // damage the one that comes first is reported, so that threads do not matter.
+  void enter(const SalvagedDamage& salvaged, int level, std::uint64_t code) {
     const std::lock_guard lock(mutex);
     if (!bricks.emplace(level, code).second) return;
-    offsets.insert(told.offset);
-    const auto [place, is_new] = damages.emplace(told.offset, told);
+    offsets.insert(salvaged.offset);
+    const auto [place, is_new] = damages.emplace(salvaged.offset, salvaged);
     SalvagedDamage& kept = place->second;
     if (!is_new && code < interleave(kept.brick)) {
       const std::int64_t count = kept.brick_count;
-      kept = told;
+      kept = salvaged;
       kept.brick_count = count;
     }
     ++kept.brick_count;
@@ -165,28 +165,28 @@ void SalvageReader::read_strided(const Box& box, int level, void* out, std::int6
 }
 
 void SalvageReader::fill(const Part& part, const Error& damage) const {
-  SalvagedDamage told = fill_part(part);
-  told.detail = damage.detail();
-  told.offset = damage.offset().value_or(0);
-  told.brick = part.brick;
-  told.tier = Levels::tier_of(part.level);
-  ledger_->enter(told, part.level, interleave(part.brick));
+  SalvagedDamage salvaged = fill_part(part);
+  salvaged.detail = damage.detail();
+  salvaged.offset = damage.offset().value_or(0);
+  salvaged.brick = part.brick;
+  salvaged.tier = Levels::tier_of(part.level);
+  ledger_->enter(salvaged, part.level, interleave(part.brick));
 }
 
 SalvagedDamage SalvageReader::fill_part(const Part& part) const {
-  SalvagedDamage told;
-  if (options_.from_coarser && fill_from_coarser(part, told)) return told;
+  SalvagedDamage salvaged;
+  if (options_.from_coarser && fill_from_coarser(part, salvaged)) return salvaged;
   if (options_.value) {
-    told.value = *options_.value;
-    part.fill_with(description().type, told.value);
+    salvaged.value = *options_.value;
+    part.fill_with(description().type, salvaged.value);
   } else {
-    fill_with_lowest(part, told);
+    fill_with_lowest(part, salvaged);
   }
-  return told;
+  return salvaged;
 }
 
 // Samples of a coarser level, each repeated over the voxels it stands for.
-bool SalvageReader::fill_from_coarser(const Part& part, SalvagedDamage& told) const {
+bool SalvageReader::fill_from_coarser(const Part& part, SalvagedDamage& salvaged) const {
   for (int level = part.level + 1; level < levels().count(); ++level) {
     Box box;
     Index3 shift;
@@ -214,25 +214,25 @@ bool SalvageReader::fill_from_coarser(const Part& part, SalvagedDamage& told) co
         }
       }
     }
-    told.fill = SalvageFill::coarser_level;
-    told.level = level;
+    salvaged.fill = SalvageFill::coarser_level;
+    salvaged.level = level;
     return true;
   }
   return false;
 }
 
-void SalvageReader::fill_with_lowest(const Part& part, SalvagedDamage& told) const {
+void SalvageReader::fill_with_lowest(const Part& part, SalvagedDamage& salvaged) const {
   ValueRange range;
   try {
     range = inner_->brick(Levels::tier_of(part.level), part.brick).range;
-    told.fill = SalvageFill::brick_lowest;
+    salvaged.fill = SalvageFill::brick_lowest;
   } catch (const Error& error) {
     if (!is_damage(error)) throw;
     range = inner_->range();
-    told.fill = SalvageFill::volume_lowest;
+    salvaged.fill = SalvageFill::volume_lowest;
   }
-  told.value = description().voxel_of(range.min);
-  part.fill_with(description().type, told.value);
+  salvaged.value = description().voxel_of(range.min);
+  part.fill_with(description().type, salvaged.value);
 }
 
 }  // namespace octavo

@@ -88,8 +88,8 @@ class SalvageReader final : public FileReader {
 
   void fill(const Part& part, const Error& damage) const;
   SalvagedDamage fill_part(const Part& part) const;
-  bool fill_from_coarser(const Part& part, SalvagedDamage& told) const;
-  void fill_with_lowest(const Part& part, SalvagedDamage& told) const;
+  bool fill_from_coarser(const Part& part, SalvagedDamage& salvaged) const;
+  void fill_with_lowest(const Part& part, SalvagedDamage& salvaged) const;
 
   std::shared_ptr<const FileReader> inner_;
   SalvageOptions options_;

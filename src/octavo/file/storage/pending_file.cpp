@@ -104,7 +104,7 @@ class PairSwap {
         header_(header),
         data_(data),
         has_earlier_data_(storage.exists(data.path())),
-        // By the earlier data it is told later on whether the new ones stand there. A header
+        // The earlier data say later on whether the new ones stand there. A header
         // without goes as what is left behind does.
         earlier_header_(has_earlier_data_ ? earlier_name(header.path())
                                           : free_temporary_name(storage, header.path())),
@@ -151,7 +151,7 @@ class PairSwap {
     try {
       storage_.sync_folder(folder_of(header_.path()));
     } catch (...) {
-      // The failure that led here is the one to be told; after a power cut settle_pair does it.
+      // The failure that led here is the one to report; after a power cut settle_pair does it.
     }
     return true;
   }

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view kPrefix = "plane_";
 constexpr std::string_view kEnding = ".tif";
-constexpr std::size_t kLeastDigits = 4;
+constexpr std::size_t kMinDigits = 4;
 
 using OpenFolder = std::unique_ptr<DIR, int (*)(DIR*)>;
 
@@ -59,7 +59,7 @@ bool list_open(DIR* folder, PlaneList& list) {
 }  // namespace
 
 std::string plane_name(std::int64_t z, std::int64_t plane_count) {
-  const std::size_t width = std::max(kLeastDigits, std::to_string(plane_count - 1).size());
+  const std::size_t width = std::max(kMinDigits, std::to_string(plane_count - 1).size());
   const std::string digits = std::to_string(z);
   return std::string(kPrefix) + std::string(width - digits.size(), '0') + digits +
          std::string(kEnding);
@@ -68,7 +68,7 @@ std::string plane_name(std::int64_t z, std::int64_t plane_count) {
 bool is_plane_name(std::string_view name) {
   if (!name.starts_with(kPrefix) || !name.ends_with(kEnding)) return false;
   name.remove_prefix(kPrefix.size());
-  if (name.size() < kLeastDigits + kEnding.size()) return false;
+  if (name.size() < kMinDigits + kEnding.size()) return false;
   name.remove_suffix(kEnding.size());
   return name.find_first_not_of("0123456789") == std::string_view::npos;
 }

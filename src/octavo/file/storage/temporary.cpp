@@ -137,7 +137,7 @@ void remove_quietly(Storage& storage, const std::string& path) noexcept {
   try {
     storage.remove(path);
   } catch (...) {
-    // The failure that led here is the one to be told.
+    // The failure that led here is the one to report.
   }
 }
 

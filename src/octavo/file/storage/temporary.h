@@ -67,7 +67,7 @@ void sync_new_name(Storage& storage, const std::string& path);
 /// The same; a file that did not replace another is taken away again where that fails.
 void settle_new_name(Storage& storage, const std::string& path, bool has_replaced);
 
-/// Removes a file on the way out of a failure; a second failure is not told.
+/// Removes a file on the way out of a failure; a second failure is not reported.
 void remove_quietly(Storage& storage, const std::string& path) noexcept;
 
 }  // namespace octavo

@@ -29,8 +29,8 @@ constexpr std::size_t kMetadataBlock = 512;
 Bytes metadata_bytes(const std::string& json, std::uint64_t file_bytes) {
   Bytes bytes(json.begin(), json.end());
   if (file_bytes <= kPaddedFileBytes) return bytes;
-  const std::size_t least = json.size() + kMetadataRoom;
-  bytes.resize((least + kMetadataBlock - 1) / kMetadataBlock * kMetadataBlock, ' ');
+  const std::size_t needed = json.size() + kMetadataRoom;
+  bytes.resize((needed + kMetadataBlock - 1) / kMetadataBlock * kMetadataBlock, ' ');
   return bytes;
 }
 
@@ -154,7 +154,7 @@ class FileWriterImpl final : public FileWriter {
     return Error(kind, detail, path_, error.offset());
   }
 
-  // What goes wrong in here is not told: the failure that led here is the one to report.
+  // What goes wrong in here is not reported: the failure that led here is the one to report.
   void abandon() noexcept {
     is_over_ = true;
     const std::string name = std::exchange(temporary_, {});

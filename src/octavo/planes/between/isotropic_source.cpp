@@ -87,8 +87,8 @@ std::optional<std::vector<Run>> read_runs(const json& list, std::int64_t slices)
       return std::nullopt;
     }
     const Run run = {pair[0].get<std::int64_t>(), pair[1].get<std::int64_t>()};
-    const std::int64_t least = runs.empty() ? 0 : runs.back().second + 1;
-    if (run.first < least || run.second < run.first || run.second >= slices) return std::nullopt;
+    const std::int64_t first_free = runs.empty() ? 0 : runs.back().second + 1;
+    if (run.first < first_free || run.second < run.first || run.second >= slices) return std::nullopt;
     runs.push_back(run);
   }
   return runs;
@@ -211,7 +211,7 @@ class IsotropicSource final : public PlaneSource {
     } else {
       mix(place, plane);
     }
-    // What comes late is told by the source itself: a stream is proven at its end.
+    // What comes late is reported by the source itself: a stream is proven at its end.
     if (next_ == plan_.planes) read_until(plan_.slices - 1);
   }
 
@@ -335,7 +335,7 @@ void require_square_pixels(const Geometry& geometry) {
                   "plane; resample it in the program it comes from, or build it as it is");
 }
 
-void tell(IsotropicPlan& plan) {
+void report(IsotropicPlan& plan) {
   const char* how = plan.method == PlaneInterpolation::shape ? " by the shapes of the labels"
                     : plan.method == PlaneInterpolation::cubic ? ", cubic"
                                                                : ", linear";
@@ -415,7 +415,7 @@ IsotropicPlan plan_isotropic(const VolumeDescription& description, PlaneInterpol
     }
   }
   checked_voxel_count({description.size.x, description.size.y, plan.planes});
-  tell(plan);
+  report(plan);
   return plan;
 }
 

@@ -10,7 +10,7 @@
 //   of the slice distance) holds its stored voxels unchanged; where the slice distance is a whole
 //   number of pixels (within a thousandth) that is every slice.
 // - The last plane is the last one that does not lie behind the last slice; a rest of less than a
-//   pixel there holds no plane, and is told.
+//   pixel there holds no plane, and is reported.
 // - Grey is mixed from two slices (linear) or four (cubic: Catmull-Rom, with slices beyond the ends
 //   continued in a straight line) as mix_planes says. Linear stays between the two slices; cubic
 //   may leave their range by up to an eighth of the largest difference between the four, and is

@@ -1,4 +1,4 @@
-// Every instruction set answers as the portable walk does.
+// Every instruction set answers as the portable traversal does.
 #include "octavo/codec/label/label_walk.h"
 
 #include <gtest/gtest.h>
@@ -14,27 +14,27 @@ namespace {
 
 using testing::LabelBrick;
 
-/// Everything a walk tells.
-struct Told {
+/// Everything a traversal says.
+struct Recorded {
   std::vector<Bytes> segments;
   std::vector<std::vector<std::uint8_t>> questions;
-  bool operator==(const Told&) const = default;
+  bool operator==(const Recorded&) const = default;
 };
 
 class Recorder final : public LabelObserver {
  public:
-  explicit Recorder(Told& told) : told_(told) {}
+  explicit Recorder(Recorded& recorded) : recorded_(recorded) {}
   void observe(LabelAsk kind, const LabelQuestion& question, bool answer) override {
     std::vector<std::uint8_t> line(question.neighbor.begin(), question.neighbor.end());
     // Whether an absent neighbor is equal means nothing.
     for (std::uint8_t& code : line) code = code < 2 ? 0 : code;
     line.insert(line.end(), {question.first, question.second, static_cast<std::uint8_t>(kind),
                              static_cast<std::uint8_t>(answer)});
-    told_.questions.push_back(std::move(line));
+    recorded_.questions.push_back(std::move(line));
   }
 
  private:
-  Told& told_;
+  Recorded& recorded_;
 };
 
 template <class T>
@@ -43,15 +43,15 @@ LabelPyramid pyramid_of(const LabelBrick<T>& sample) {
 }
 
 template <class T>
-Told told_by(const LabelWalkFunctions& walk, const LabelModel& model,
+Recorded recorded_by(const LabelWalkFunctions& walk, const LabelModel& model,
              const LabelBrick<T>& sample) {
   const LabelPyramid pyramid = pyramid_of(sample);
-  Told told;
-  told.segments.resize(static_cast<std::size_t>(sample.shape.level_count));
-  walk.encode(model, sample.shape, pyramid, told.segments, thread_label_work());
-  Recorder recorder(told);
+  Recorded recorded;
+  recorded.segments.resize(static_cast<std::size_t>(sample.shape.level_count));
+  walk.encode(model, sample.shape, pyramid, recorded.segments, thread_label_work());
+  Recorder recorder(recorded);
   walk.observe(model, sample.shape, pyramid, recorder, thread_label_work());
-  return told;
+  return recorded;
 }
 
 template <class T>
@@ -90,9 +90,9 @@ template <class T>
 void expect_all_alike(const LabelBrick<T>& sample) {
   const LabelModel model({}, label_start_weights());
   const std::vector<LabelWalkFunctions> all = all_walks();
-  const Told expected = told_by(all[0], model, sample);
+  const Recorded expected = recorded_by(all[0], model, sample);
   for (const LabelWalkFunctions& walk : all) {
-    EXPECT_EQ(told_by(walk, model, sample), expected);
+    EXPECT_EQ(recorded_by(walk, model, sample), expected);
     expect_decodes(walk, model, sample, expected.segments);
   }
 }

@@ -1,4 +1,4 @@
-// The real file system: what it does, and what becomes of every call that the system refuses.
+// The real file system: what it does, and what becomes of every call that fails.
 #include <gtest/gtest.h>
 
 #include <sys/file.h>

@@ -31,18 +31,18 @@ TEST(SiteDistance, IsThatOfASearchOverAllSites) {
     for (std::int64_t y = 0; y < rows; ++y) {
       distance.measure_row(y, row);
       for (std::int64_t x = 0; x < columns; ++x) {
-        std::int64_t least = std::numeric_limits<std::int64_t>::max();
+        std::int64_t minimum = std::numeric_limits<std::int64_t>::max();
         for (std::int64_t i = 0; i < columns * rows; ++i) {
           if (mask[static_cast<std::size_t>(i)] == 0) continue;
           const std::int64_t dx = i % columns - x;
           const std::int64_t dy = i / columns - y;
-          least = std::min(least, dx * dx + dy * dy);
+          minimum = std::min(minimum, dx * dx + dy * dy);
         }
         const SiteDistance::Nearest& found = row[static_cast<std::size_t>(x)];
         const std::int64_t dx = found.index % columns - x;
         const std::int64_t dy = found.index / columns - y;
-        ASSERT_EQ(found.squared, least);
-        ASSERT_EQ(dx * dx + dy * dy, least);
+        ASSERT_EQ(found.squared, minimum);
+        ASSERT_EQ(dx * dx + dy * dy, minimum);
         ASSERT_EQ(mask[static_cast<std::size_t>(found.index)], 1);
       }
     }
