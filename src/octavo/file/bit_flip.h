@@ -1,4 +1,4 @@
-// Which single bit of damaged bytes explains a wrong CRC-32C, how that is found, and when such a bit
+// Which single bit of damaged bytes explains a wrong CRC-32C, how it is found, and when such a bit
 // may be turned back.
 //
 // Each of n bits, flipped alone, changes the checksum to one of n values among 2^32. Other damage

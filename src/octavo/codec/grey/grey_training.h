@@ -1,4 +1,4 @@
-// What the parts of the grey trainer share: training bricks, their traversal, and the parts themselves.
+// What the parts of the grey trainer share: training samples, their traversal, and the parts.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// The body of a label traversal, compiled once per instruction set. Include inside a namespace of its
+// The body of a label traversal, compiled once per instruction set. Include in a namespace of its
 // own after defining there
 //   class Around          what is known around the children of an octant:
 //     Around(const LabelCell* first, const LabelNeighborhood&, std::uint32_t parent_slot)

@@ -88,7 +88,9 @@ std::optional<std::vector<Run>> read_runs(const json& list, std::int64_t slices)
     }
     const Run run = {pair[0].get<std::int64_t>(), pair[1].get<std::int64_t>()};
     const std::int64_t first_free = runs.empty() ? 0 : runs.back().second + 1;
-    if (run.first < first_free || run.second < run.first || run.second >= slices) return std::nullopt;
+    if (run.first < first_free || run.second < run.first || run.second >= slices) {
+      return std::nullopt;
+    }
     runs.push_back(run);
   }
   return runs;
