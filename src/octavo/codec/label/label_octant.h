@@ -44,7 +44,7 @@ inline std::size_t dense_offset(const Size3& size, const Index3& at) {
   return static_cast<std::size_t>((at.z * size.y + at.y) * size.x + at.x);
 }
 
-/// Throws Error{invalid_argument} unless the levels of `shape` are those of a brick: sides of 1 ..
+/// Throws Error{invalid_argument} unless the levels of `shape` are those of a brick: sides of 1 to
 /// 64, each level the halved one below, and a single sample after the last halving.
 void check_label_shape(const BrickShape& shape);
 

@@ -90,8 +90,8 @@ class PixelRows {
             std::min(end_, pixel_from(corner.y + shape.highest.y))};
   }
 
-  /// Calls take(y, left, right) for the rows of a face of the cube at `corner`: columns left ..
-  /// right - 1, none when left is not below right.
+  /// Calls take(y, left, right) for the rows of a face of the cube at `corner`: columns from left
+  /// to right - 1, none when left is not below right.
   template <class Take>
   void for_each_run(const Face& face, const Place& corner, Take take) const;
 
