@@ -232,6 +232,7 @@ Error with_kept(const Error& error, std::int64_t planes, std::int64_t count,
 BuildResult build(PlaneSource& source, Storage& storage, const std::string& path,
                   const BuildOptions& options, Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
+  // What is built, and whether memory will do
   VolumeDescription description = source.description();
   description.kind = options.kind;
   check_options(description, options);
@@ -247,6 +248,7 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
                    source.resident_bytes(),
                options.max_memory_bytes);
 
+  // Whether the name is free
   check_target(storage, path, options.overwrite);
   if (options.interrupted == Interrupted::reject) {
     reject_running(storage, path);
@@ -256,6 +258,7 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
   // Every plane passes twice: read, then coded.
   const ProgressScope scope(progress, options.progress_name, 2 * description.size.z,
                             "plane passes");
+  // The maximum error in codes; floats become integers
   ErrorBound bound;
   std::optional<FloatPlanes> floats;
   result.max_error = options.max_error / std::abs(description.rescale.slope);
@@ -271,6 +274,7 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
              floats->roomier_error() * std::abs(description.rescale.slope)};
   }
 
+  // Group by group, then the tiers above
   Build work(description, levels, result.threads, progress, options.preset, bound);
   WriterOptions writing;
   writing.overwrite = options.overwrite;

@@ -121,6 +121,7 @@ class Parents {
 
 SealResult seal(InterruptedBuild build, Storage& storage, const std::string& output,
                 const SealOptions& options, Progress& progress) {
+  // What is whole, and what takes the place of the rest
   if (!options.overwrite) reject_interrupted(storage, output);
   SealResult result;
   result.input = build.file->path();
@@ -176,6 +177,7 @@ SealResult seal(InterruptedBuild build, Storage& storage, const std::string& out
     progress.advance(1);
   }
 
+  // The tiers above
   CodecSettings settings;
   settings.axis_order = first_model->encoder->axis_order();
   settings.max_error = bricks.header().max_error > 0 ? 1 : 0;

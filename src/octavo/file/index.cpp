@@ -204,6 +204,7 @@ IndexPage parse_page(ByteSpan bytes, const IndexRoot& root, const Levels& levels
   const TierIndex& tier = root.tiers[static_cast<std::size_t>(tier_number)];
   const PageRef& ref = tier.pages[number];
   const auto count = static_cast<std::size_t>(tier.brick_count(number));
+  // Flags, and a length that can hold the bricks
   ByteReader in(bytes, "index page");
   const std::uint8_t flags = in.u8();
   if (flags != 0) in.fail("unknown flags " + std::to_string(flags));

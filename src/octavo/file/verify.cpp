@@ -322,6 +322,7 @@ void Verifier::check_bricks() {
 }
 
 void Verifier::check_page(int tier, std::size_t number) {
+  // The page itself
   std::shared_ptr<const IndexPage> page;
   const PageRef& ref = file_.root().tiers[static_cast<std::size_t>(tier)].pages[number];
   Damage place;
@@ -347,6 +348,7 @@ void Verifier::check_page(int tier, std::size_t number) {
     return add_page(damaged(place, error.detail()));
   }
 
+  // Its bricks, on all threads
   const auto count = static_cast<std::int64_t>(page->ranges.size());
   std::vector<std::vector<Damage>> damages(page->ranges.size());
   options_.for_each(count, [&](std::int64_t i) {
@@ -355,6 +357,7 @@ void Verifier::check_page(int tier, std::size_t number) {
         check_brick(file_.entry_in_page(*page, tier, number, i));
   });
   throw_if_cancelled();
+  // Whole bricks of a damaged model, then what was checked and found, in order
   for (std::int64_t i = 0; i < count; ++i) {
     if (!damages[static_cast<std::size_t>(i)].empty()) continue;
     const BrickEntry entry = file_.entry_in_page(*page, tier, number, i);

@@ -29,6 +29,7 @@ MaskAccessor::MaskAccessor(const MaskTree& mask)
       width_(static_cast<std::uint64_t>(mask.size().x)),
       height_(static_cast<std::uint64_t>(mask.size().y)),
       depth_(static_cast<std::uint64_t>(mask.size().z)) {
+  // The finest rank whose table is not too large
   const std::uint64_t most =
       std::max(kMinTableBytes, mask.memory_bytes()) / sizeof(std::uint32_t);
   const int top = mask.rank_count() - 1;
@@ -44,6 +45,7 @@ MaskAccessor::MaskAccessor(const MaskTree& mask)
   rows_ = static_cast<std::int64_t>(entries_along(mask.size().y, shift_));
   table_.assign(entry_count(mask.size(), shift_), 0);
 
+  // Entries of a box
   const Box volume = box_of(mask.size());
   const auto fill = [&](const Box& box, std::uint32_t entry) {
     const Box part = intersection(box, volume);

@@ -51,6 +51,7 @@ std::int64_t walk_edges(const Stage& stage, Workspace<Sample>& work, EdgeModels&
     // The sample that is not background; one more when the sum of both is odd.
     const Int other = 2 * Int{*mean} - stage.rounding - lowest;
     if (other > highest) return;
+    // Is it an edge? By the background around and the edges before.
     const auto is_background = [&](std::int64_t at) { return mean[at] == lowest ? 1u : 0u; };
     const unsigned before = is_background(-along);
     const unsigned after = is_background(along);
@@ -65,9 +66,11 @@ std::int64_t walk_edges(const Stage& stage, Workspace<Sample>& work, EdgeModels&
     auto& is_edge = models.is_edge[before + after][across]
                                   [static_cast<std::size_t>(firsts + seconds)];
     if (!code.adaptive(is_edge, *edge != Edge::none)) return;
+    // Which of the two samples is it?
     const std::size_t lean = firsts > seconds ? 2 : firsts == seconds ? 1 : 0;
     const bool is_first = code.adaptive(models.is_first[1 + before - after][lean],
                                         *edge == Edge::first);
+    // Its detail, but for one bit where the sum is odd
     Int& detail = work.edge_details.row(y, z)[x];
     const Int size = other - lowest;
     const Int odd = other < highest && code.even((detail < 0 ? -detail : detail) != size) ? 1 : 0;

@@ -84,6 +84,7 @@ std::vector<Bytes> encode_samples(const Model& model, const BrickShape& shape,
   EdgeModels edge_models;
   for (int level = shape.level_count - 2; level >= 0; --level) {
     const auto slot = static_cast<std::size_t>(level);
+    // Edges and residuals of all splits of the level
     symbols.clear();
     Bytes edges;
     BinaryEncoder edge_coder(edges);
@@ -98,6 +99,7 @@ std::vector<Bytes> encode_samples(const Model& model, const BrickShape& shape,
                 }
                 passes.encode(model.parameters, stage, work, symbols);
               });
+    // The segment: flagged cells, edges, residuals
     put_cells(segments[slot], shape, level, brick.cells);
     if (symbols.empty() && edge_count == 0) continue;
     if (model.parameters.has_edges) {
@@ -359,6 +361,7 @@ void decode_samples(const Source& source, void* out) {
   Corrections corrections;
   EdgeModels models;
   for (int at = static_cast<int>(last) - 1; at >= source.level; --at) {
+    // What stands before the details: corrections, flagged cells
     ByteSpan segment = source.segments[static_cast<std::size_t>(at)];
     if (at == 0 && parameters.quantizer.correction_step > 0) {
       corrections = take_corrections(segment, source.brick_size);
@@ -367,6 +370,7 @@ void decode_samples(const Source& source, void* out) {
       const std::uint64_t length = take_varint(segment);
       cells = decode_cells(take_bytes(segment, length), shape.size[2]);
     }
+    // A level without details repeats its means
     const BrickHints hints{cells.flags.empty() ? nullptr : &cells, gaps.get(),
                            parameters.has_edges};
     std::int64_t details = level_detail_count(shape, at, hints.cells);
@@ -378,6 +382,7 @@ void decode_samples(const Source& source, void* out) {
                 [&](const Stage&, const Split&) {});
       continue;
     }
+    // Edges, then residuals, split by split
     EdgeSection edges(parameters, segment);
     if (edges.count > details) throw Error(ErrorKind::corrupt, "a level has too many edges");
     details -= edges.count;

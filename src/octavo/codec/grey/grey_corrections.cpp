@@ -57,6 +57,7 @@ void walk_corrections(Corrections& corrections, const Size3& size, Code&& code) 
   for (std::int64_t z = 0; z < size.z; ++z) {
     for (std::int64_t y = 0; y < size.y; ++y, out += size.x) {
       std::int8_t* const c = padded.at(y, z);
+      // Corrected neighbors in earlier rows, a row at a time
       std::fill(counts.begin(), counts.end(), std::uint8_t{0});
       for (const std::int64_t offset : above) {
         const std::int8_t* const from = c + offset;
@@ -65,6 +66,7 @@ void walk_corrections(Corrections& corrections, const Size3& size, Code&& code) 
         }
       }
       for (std::int64_t x = 0; x < size.x; ++x) {
+        // Is it corrected?
         const std::size_t left = c[x - 1] != 0;
         const std::size_t count = counts[static_cast<std::size_t>(x)] + left + (c[x - 2] != 0);
         int value = out[x];
@@ -72,6 +74,7 @@ void walk_corrections(Corrections& corrections, const Size3& size, Code&& code) 
           out[x] = 0;
           continue;
         }
+        // Which way, and by how much?
         int sum = c[x - 1] + c[x - 2];
         for (const std::int64_t offset : above) sum += c[x + offset];
         const std::size_t sign = sum < 0 ? 0u : sum == 0 ? 1u : 2u;

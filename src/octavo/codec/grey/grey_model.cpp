@@ -115,12 +115,54 @@ struct FrequencyModels {
   }
 };
 
-int last_used_token(const std::array<std::uint16_t, kTokens>& frequencies) {
+using ContextFrequencies = std::array<std::uint16_t, kTokens>;
+
+int last_used_token(const ContextFrequencies& frequencies) {
   int last = -1;
   for (int token = 0; token < kEscapeToken; ++token) {
     if (frequencies[static_cast<std::size_t>(token)] != 0) last = token;
   }
   return last;
+}
+
+/// below  the frequencies of the context before in the set, or null
+void put_context(BinaryEncoder& coder, FrequencyModels& models, const ContextFrequencies& context,
+                 const ContextFrequencies* below) {
+  // An unused context repeats the one below it: code 0.
+  const bool repeats = below != nullptr && context == *below;
+  const int last = last_used_token(context);
+  put_golomb(coder, models.last, repeats ? 0u : static_cast<std::uint32_t>(last + 2));
+  if (repeats) return;
+  std::uint32_t before = 0;
+  for (std::size_t token = 0; token <= static_cast<std::size_t>(last) && last >= 0; ++token) {
+    GolombModel& model = models.of(before, below ? (*below)[token] : 0u);
+    put_golomb(coder, model, context[token]);
+    before = context[token];
+  }
+}
+
+/// What put_context has put. Throws Error{corrupt}.
+void get_context(BinaryDecoder& coder, FrequencyModels& models, ContextFrequencies& context,
+                 const ContextFrequencies* below) {
+  const auto code = static_cast<std::uint32_t>(get_golomb(coder, models.last));
+  if (code > kTokens || (code == 0 && below == nullptr)) {
+    throw Error(ErrorKind::corrupt, "model: bad table length");
+  }
+  if (code == 0) {
+    context = *below;
+    return;
+  }
+  std::uint32_t left = kTableSize;
+  std::uint32_t before = 0;
+  for (std::size_t token = 0; token + 1 < code; ++token) {
+    const auto value = static_cast<std::uint32_t>(
+        get_golomb(coder, models.of(before, below ? (*below)[token] : 0u)));
+    if (value >= left) throw Error(ErrorKind::corrupt, "model: a table exceeds its sum");
+    context[token] = static_cast<std::uint16_t>(value);
+    left -= value;
+    before = value;
+  }
+  context[kEscapeToken] = static_cast<std::uint16_t>(left);
 }
 
 }  // namespace
@@ -205,20 +247,9 @@ Bytes serialize(const Parameters& parameters) {
   }
   FrequencyModels models;
   for (const auto& set : parameters.frequencies) {
-    const std::array<std::uint16_t, kTokens>* below = nullptr;
-    for (const auto& context : set) {
-      // An unused context repeats the one below it: code 0.
-      const bool repeats = below != nullptr && context == *below;
-      const int last = last_used_token(context);
-      put_golomb(coder, models.last, repeats ? 0u : static_cast<std::uint32_t>(last + 2));
-      if (!repeats) {
-        std::uint32_t before = 0;
-        for (std::size_t token = 0; token <= static_cast<std::size_t>(last) && last >= 0; ++token) {
-          GolombModel& model = models.of(before, below ? (*below)[token] : 0u);
-          put_golomb(coder, model, context[token]);
-          before = context[token];
-        }
-      }
+    const ContextFrequencies* below = nullptr;
+    for (const ContextFrequencies& context : set) {
+      put_context(coder, models, context, below);
       below = &context;
     }
   }
@@ -243,10 +274,8 @@ Quantizer parse_quantizer(ByteSpan& bytes) {
           static_cast<std::int64_t>(correction_step)};
 }
 
-}  // namespace
-
-Parameters parse_parameters(ByteSpan bytes) {
-  Parameters p;
+/// The flags in the first byte of a model, and what they announce. Throws Error{corrupt}.
+void parse_kind(ByteSpan& bytes, Parameters& p) {
   const std::uint8_t kind = take_bytes(bytes, 1).front();
   if ((kind & kLossyFlag) != 0) p.quantizer = parse_quantizer(bytes);
   if ((kind & kMapFlag) != 0) {
@@ -263,6 +292,36 @@ Parameters parse_parameters(ByteSpan bytes) {
   }
   p.axis_order = kAxisOrders[order];
   p.predictor = static_cast<Predictor>(kind & 1);
+}
+
+void parse_context_weights(BinaryDecoder& coder, Parameters& p) {
+  GolombModel model;
+  for (auto& group : p.context_weights) {
+    for (auto& axis : group) {
+      for (std::int32_t& weight : axis) {
+        weight = static_cast<std::int32_t>(get_golomb(coder, model));
+        if (weight > 8191) throw Error(ErrorKind::corrupt, "model: bad context weight");
+      }
+    }
+  }
+}
+
+void parse_frequencies(BinaryDecoder& coder, Parameters& p) {
+  FrequencyModels models;
+  for (auto& set : p.frequencies) {
+    const ContextFrequencies* below = nullptr;
+    for (ContextFrequencies& context : set) {
+      get_context(coder, models, context, below);
+      below = &context;
+    }
+  }
+}
+
+}  // namespace
+
+Parameters parse_parameters(ByteSpan bytes) {
+  Parameters p;
+  parse_kind(bytes, p);
   const std::uint64_t threshold = take_varint(bytes);
   if (threshold < 1 || threshold > kMaxThreshold)
     throw Error(ErrorKind::corrupt, "model: bad threshold");
@@ -271,41 +330,8 @@ Parameters parse_parameters(ByteSpan bytes) {
   if (p.weight_step > 8) throw Error(ErrorKind::corrupt, "model: bad weight step");
   BinaryDecoder coder(bytes);
   walk_weights(p, WeightGetter{coder});
-  GolombModel context_model;
-  for (auto& group : p.context_weights) {
-    for (auto& axis : group) {
-      for (std::int32_t& weight : axis) {
-        weight = static_cast<std::int32_t>(get_golomb(coder, context_model));
-        if (weight > 8191) throw Error(ErrorKind::corrupt, "model: bad context weight");
-      }
-    }
-  }
-  FrequencyModels models;
-  for (auto& set : p.frequencies) {
-    const std::array<std::uint16_t, kTokens>* below = nullptr;
-    for (auto& context : set) {
-      const auto code = static_cast<std::uint32_t>(get_golomb(coder, models.last));
-      if (code > kTokens || (code == 0 && below == nullptr)) {
-        throw Error(ErrorKind::corrupt, "model: bad table length");
-      }
-      if (code == 0) {
-        context = *below;
-      } else {
-        std::uint32_t left = kTableSize;
-        std::uint32_t before = 0;
-        for (std::size_t token = 0; token + 1 < code; ++token) {
-          const auto value = static_cast<std::uint32_t>(
-              get_golomb(coder, models.of(before, below ? (*below)[token] : 0u)));
-          if (value >= left) throw Error(ErrorKind::corrupt, "model: a table exceeds its sum");
-          context[token] = static_cast<std::uint16_t>(value);
-          left -= value;
-          before = value;
-        }
-        context[kEscapeToken] = static_cast<std::uint16_t>(left);
-      }
-      below = &context;
-    }
-  }
+  parse_context_weights(coder, p);
+  parse_frequencies(coder, p);
   if (!coder.is_consumed()) throw Error(ErrorKind::corrupt, "model: wrong length");
   return p;
 }

@@ -94,6 +94,7 @@ void prepare_plane(const Parameters& p, const Stage& stage, Workspace<std::int16
       const auto size_of = [](SignedHalves v) HWY_ATTR {
         return hn::BitCast(kHalves, hn::Abs(v));
       };
+      // Steps between the means around, along the split and across it
       const SignedHalves before = step_to(-kAlong);
       const SignedHalves after = step_to(kAlong);
       const Halves e0 = hn::Add(size_of(before), size_of(after));
@@ -101,6 +102,7 @@ void prepare_plane(const Parameters& p, const Stage& stage, Workspace<std::int16
       const Halves e2 = hn::Add(hn::Add(size_of(step_to(-kAcross1)), size_of(step_to(kAcross1))),
                                 hn::Add(size_of(step_to(-kAcross2)), size_of(step_to(kAcross2))));
 
+      // The weight of the activity class
       const Halves g = hn::SaturatedAdd(e0, e2);
       SignedHalves weight = constants.class_weights[0];
       for (int k = 1; k < kClasses; ++k) {
@@ -108,6 +110,7 @@ void prepare_plane(const Parameters& p, const Stage& stage, Workspace<std::int16
         weight = hn::IfThenElse(hn::RebindMask(kSignedHalves, is_reached),
                                 constants.class_weights[k], weight);
       }
+      // The prediction, within what the value range allows
       const SignedHalves low = hn::Sub(c, constants.min);
       const SignedHalves high = hn::Sub(constants.max, c);
       const SignedHalves limit = hn::Min(hn::Add(hn::Add(low, low), constants.odd_low),
@@ -116,6 +119,7 @@ void prepare_plane(const Parameters& p, const Stage& stage, Workspace<std::int16
       hn::StoreU(hn::Min(hn::Max(free, hn::Neg(limit)), limit), kSignedHalves, predictions + x);
       hn::StoreU(hn::BitCast(kHalves, limit), kHalves, limits + x);
 
+      // The expected magnitude: features and earlier residuals, weighted
       SignedSums lower = constants.constant;
       SignedSums upper = constants.constant;
       const auto add = [&](SignedHalves a, SignedHalves b, SignedHalves weights) HWY_ATTR {
@@ -138,6 +142,7 @@ void prepare_plane(const Parameters& p, const Stage& stage, Workspace<std::int16
       }
       add(magnitude(near.back - 1), magnitude(near.back + 1), constants.pairs[3]);
       add(magnitude(near.back_up), magnitude(near.back_down), constants.pairs[4]);
+      // Its context
       const auto wide = [](Halves v) HWY_ATTR { return hn::BitCast(kSignedSums, v); };
       const Halves zero = hn::Zero(kHalves);
       const Halves most_detail = hn::BitCast(kHalves, limit);

@@ -69,6 +69,7 @@ inline void features_of_row(const Parameters& p, const Stage& stage,
   const auto sample = [&](std::int64_t at) { return hn::LoadU(kSignedHalves, m + at); };
   constexpr int kLanes = static_cast<int>(hn::MaxLanes(kHalves));
   for (int x = 0; x < stage.pairs.x; x += kLanes) {
+    // Gradients and curvature of the means around
     const SignedHalves c = sample(x);
     const SignedHalves before = sample(x - along);
     const SignedHalves after = sample(x + along);
@@ -83,6 +84,7 @@ inline void features_of_row(const Parameters& p, const Stage& stage,
     const Halves e2 = hn::SaturatedAdd(
         hn::SaturatedAdd(distance(sample(x - across1), c), distance(sample(x + across1), c)),
         hn::SaturatedAdd(distance(sample(x - across2), c), distance(sample(x + across2), c)));
+    // Activity class, and the limit that the value range sets
     const Halves g = hn::SaturatedAdd(e0, e2);
     const Halves activity = hn::Add(hn::Add(is_at_least(g, one), is_at_least(g, quarter)),
                                     hn::Add(is_at_least(g, threshold), is_at_least(g, fourfold)));
@@ -92,6 +94,7 @@ inline void features_of_row(const Parameters& p, const Stage& stage,
     // The smaller one of the two fits in 16 bits.
     const Halves limit = hn::Min(hn::SaturatedAdd(hn::SaturatedAdd(low, low), odd_low),
                                  hn::SaturatedAdd(hn::SaturatedAdd(high, high), odd_high));
+    // Kept for contexts and predictions
     const hn::Rebind<std::uint8_t, decltype(kHalves)> bytes;
     hn::StoreU(hn::DemoteTo(bytes, hn::BitCast(kSignedHalves, activity)), bytes, activities + x);
     hn::StoreU(limit, kHalves, row.limit + x);
@@ -155,6 +158,7 @@ void contexts_of_row(const std::int32_t* w, const Stage& stage, const MagnitudeR
   };
   const auto magnitude = [](const std::int16_t* at) { return hn::LoadU(kSignedHalves, at); };
   for (int x = 0; x < count; x += kLanes) {
+    // The expected magnitude: features and earlier residuals, weighted
     SignedSums lower = hn::Zero(kSignedSums);
     SignedSums upper = hn::Zero(kSignedSums);
     const auto add = [&](SignedHalves a, SignedHalves b, SignedHalves weights) HWY_ATTR {
@@ -173,6 +177,7 @@ void contexts_of_row(const std::int32_t* w, const Stage& stage, const MagnitudeR
     }
     add(magnitude(near.back + x - 1), magnitude(near.back + x + 1), w1213);
     add(magnitude(near.back_up + x), magnitude(near.back_down + x), w1415);
+    // Its context
     const Halves limit = hn::LoadU(kHalves, row.limit + x);
     const Halves zero = hn::Zero(kHalves);
     const auto wide = [&](Halves v) HWY_ATTR { return hn::BitCast(kSignedSums, v); };
@@ -249,6 +254,7 @@ void reconstruct_from_means(const Parameters& p, const Stage& stage,
   };
   const StepQuantizer<decltype(ints)> quantizer(stage.step);
   for (int x = 0; x < stage.pairs.x; x += kLanes) {
+    // Predict from the gradient of the means
     const auto mean = widen(means + x);
     const auto gradient = hn::Sub(widen(means + x - kStep), widen(means + x + kStep));
     const auto activity = hn::PromoteTo(ints, hn::LoadU(bytes, activities + x));
@@ -260,6 +266,7 @@ void reconstruct_from_means(const Parameters& p, const Stage& stage,
     const auto lowest = hn::Neg(limit);
     const auto sum = hn::Add(hn::Mul(gradient, weight), set(1 << (kWeightBits - 1)));
     const auto prediction = hn::Min(hn::Max(hn::ShiftRight<kWeightBits>(sum), lowest), limit);
+    // Detail to residual, or residual to detail
     auto detail = hn::LoadU(ints, residuals + x);
     if constexpr (kIsEncoding) {
       detail = hn::Min(hn::Max(detail, lowest), limit);
@@ -271,6 +278,7 @@ void reconstruct_from_means(const Parameters& p, const Stage& stage,
     } else {
       detail = hn::Min(hn::Max(hn::Add(prediction, detail), lowest), limit);
     }
+    // Mean and detail to the two samples
     const auto round = set(stage.rounding);
     const auto total = hn::Add(hn::Sub(hn::Add(mean, mean), round),
                                hn::And(hn::Add(detail, round), set(1)));

@@ -80,10 +80,12 @@ void reconstruct_row_along(const Parameters& p, const Stage& stage, Workspace<Sa
     Sample* const at = first + pair_stretch(kAxis) * x;
     const Int limit = limits[x];
     const std::uint8_t activity = activities[x];
+    // Predict, within what the value range allows
     const Int prediction =
         is_from_means ? predict_from_means(means + x, kStep, mean_weights[activity])
                       : rounded_weights(weighted_sum<kAxis>(at, weights[activity]));
     const Int expected = std::clamp<Int>(prediction, -limit, limit);
+    // Detail to residual, or residual to detail
     Int detail;
     if (edges != nullptr && edges[x] != Edge::none) {
       detail = edge_details[x];
@@ -111,6 +113,7 @@ void reconstruct_row_along(const Parameters& p, const Stage& stage, Workspace<Sa
       const std::int64_t d = std::int64_t{expected} + residuals[x];
       detail = static_cast<Int>(std::clamp<std::int64_t>(d, -limit, limit));
     }
+    // Mean and detail to the two samples
     const Pair<Int> pair = pair_of<Int>(means[x], detail, stage.rounding);
     at[0] = static_cast<Sample>(pair.a);
     at[kStep] = static_cast<Sample>(pair.b);

@@ -195,6 +195,7 @@ void run_waves(const std::int16_t* weights, const Stage& stage, const WaveRow* r
   };
   for (int x = 0; x < count; ++x) {
     const std::int64_t at = pair_stretch(kAxis) * x;
+    // Predict a sample of each row
     const Quad sum = sum_each(c0.sums(rows[0].at + at, weights_of(rows[0], x)),
                               c1.sums(rows[1].at + at, weights_of(rows[1], x)),
                               c2.sums(rows[2].at + at, weights_of(rows[2], x)),
@@ -205,6 +206,7 @@ void run_waves(const std::int16_t* weights, const Stage& stage, const WaveRow* r
     const Quad given = hn::Load(kQuad, woven.residuals + 4 * x);
     const Quad prediction =
         hn::Min(hn::Max(hn::ShiftRight<kWeightBits>(hn::Add(sum, half)), lowest), limit);
+    // Detail to residual, or residual to detail
     Quad detail;
     if constexpr (kIsEncoding) {
       detail = hn::Min(hn::Max(given, lowest), limit);
@@ -216,6 +218,7 @@ void run_waves(const std::int16_t* weights, const Stage& stage, const WaveRow* r
     } else {
       detail = hn::Min(hn::Max(hn::Add(prediction, given), lowest), limit);
     }
+    // Mean and detail to the two samples, which the next predictions see
     const Quad total = hn::Add(hn::Sub(hn::Add(mean, mean), round),
                                hn::And(hn::Add(detail, round), one));
     const Quad a = hn::ShiftRight<1>(hn::Add(total, detail));

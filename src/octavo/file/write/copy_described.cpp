@@ -39,6 +39,7 @@ EncodedBrick brick_of(const OpenFile& file, int tier, const Index3& position) {
 std::uint64_t copy_described(std::shared_ptr<const ByteSource> source,
                              const VolumeDescription& description, Storage& storage,
                              const std::string& path, bool overwrite, Progress& progress) {
+  // The same volume, under a name that is free
   const OpenFile file(std::move(source), {});
   require_same_volume(file.description(), description);
   if (!overwrite) reject_interrupted(storage, path);
@@ -52,6 +53,7 @@ std::uint64_t copy_described(std::shared_ptr<const ByteSource> source,
   const auto writer =
       FileWriter::create(storage, path, description, levels, content_hash, options);
 
+  // Models and bricks, in the order of the file
   const ProgressScope scope(progress, "copy", levels.brick_count(0), "bricks");
   const std::vector<ModelRef>& models = file.root().models;
   std::size_t model = 0;

@@ -363,6 +363,7 @@ const char* interpolation_name(PlaneInterpolation method) {
 }
 
 IsotropicPlan plan_isotropic(const VolumeDescription& description, PlaneInterpolation method) {
+  // What cannot be made into cubes
   if (!is_spacing_known(description.metadata_json)) {
     throw Error(ErrorKind::invalid_argument,
                 "--isotropic needs the distances of the voxels, and the source gives none: give "
@@ -371,6 +372,7 @@ IsotropicPlan plan_isotropic(const VolumeDescription& description, PlaneInterpol
   if (method == PlaneInterpolation::shape && !is_integer(description.type)) {
     throw Error(ErrorKind::invalid_argument, "labels are integers; these voxels are float32");
   }
+  // What needs no planes in between
   const Point3& spacing_mm = description.geometry.spacing_mm;
   IsotropicPlan plan;
   plan.method = method;
@@ -399,6 +401,7 @@ IsotropicPlan plan_isotropic(const VolumeDescription& description, PlaneInterpol
                     "): at most 256 planes are made of one slice; check the spacing, --spacing "
                     "x,y,z sets it");
   }
+  // A whole number of planes between slices, or planes at the distance of the pixels
   plan.is_needed = true;
   const double whole = std::round(ratio);
   const double top = static_cast<double>(plan.slices - 1);
