@@ -1,0 +1,59 @@
+#!/usr/bin/env python3
+"""Runs the commands of README.md and docs/verbs.md, on a phantom under the names of the demo's files.
+
+usage: documents_test.py OCTAVO [unittest arguments]
+"""
+
+import pathlib
+import re
+import shlex
+import sys
+
+import cli_test
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+VERB_ROW = re.compile(r"^\| `([a-z-]+)` \|.*\| `octavo (.*)` \|$", re.MULTILINE)
+COMMAND = re.compile(r"^    octavo (.*?)(?: +#.*)?$", re.MULTILINE)
+DIFFERS = ("compare",)  # exit code 1 is what they are for
+
+
+class Documents(cli_test.InFolder):
+    def setUp(self):
+        super().setUp()
+        self.expect(0, "phantom", "--size", "192,192,108", "--noise", "5", "-o", "cranium.mhd")
+
+    def run_line(self, line):
+        verb, *rest = shlex.split(line)
+        result = self.octavo(verb, *rest, "--progress", "none")
+        self.assertEqual(result.returncode, 1 if verb in DIFFERS else 0,
+                         f"octavo {line}\n{result.stderr}")
+
+    def test_the_table_of_verbs_has_all_and_its_examples_run(self):
+        self.expect(0, "build", "cranium.mhd", "-o", "cranium.8vo")
+        self.expect(0, "threshold", "cranium.8vo", "--range", "226:", "-o", "bone.8vo")
+        self.expect(0, "components", "bone.8vo", "--keep-largest", "1", "-o", "skull.8vo")
+        damaged = bytearray((self.folder / "cranium.8vo").read_bytes())
+        damaged[600] ^= 4
+        (self.folder / "damaged.8vo").write_bytes(damaged)
+        rows = VERB_ROW.findall((ROOT / "docs/verbs.md").read_text())
+        listed = self.expect(0, "--help").stdout.split("Subcommands:")[1]
+        self.assertEqual(sorted(verb for verb, _ in rows),
+                         sorted(re.findall(r"^  ([a-z][a-z-]*) ", listed, re.MULTILINE)))
+        for verb, line in rows:
+            with self.subTest(line):
+                self.assertEqual(line.split()[0], verb)
+                self.run_line(line)
+
+    def test_the_commands_of_the_readme_run(self):
+        text = (ROOT / "README.md").read_text()
+        tour = text.split("## Nine commands")[1].split("\n## ")[0]
+        lines = COMMAND.findall(tour)
+        self.assertEqual(len(lines), 9)
+        for line in lines:
+            with self.subTest(line):
+                self.run_line(line)
+
+
+if __name__ == "__main__":
+    cli_test.OCTAVO = cli_test.os.path.abspath(sys.argv.pop(1))
+    cli_test.unittest.main()
