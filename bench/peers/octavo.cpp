@@ -175,7 +175,7 @@ class VolumePlanes final : public PlaneSource {
     description_.geometry.spacing_mm = volume.spacing_mm;
   }
   const VolumeDescription& description() const override { return description_; }
-  const std::vector<std::string>& warnings() const override { return warnings_; }
+  const std::vector<Warning>& warnings() const override { return warnings_; }
   void read_plane(std::span<std::byte> plane) override {
     std::memcpy(plane.data(), volume_.voxels.data() + next_++ * volume_.plane_bytes(),
                 plane.size());
@@ -184,7 +184,7 @@ class VolumePlanes final : public PlaneSource {
  private:
   const RawVolume& volume_;
   VolumeDescription description_;
-  std::vector<std::string> warnings_;
+  std::vector<Warning> warnings_;
   std::int64_t next_ = 0;
 };
 

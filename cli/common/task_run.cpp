@@ -8,7 +8,9 @@ TaskContext brief_task(Context& context) {
   TaskContext task;
   task.threads = context.threads;
   task.max_memory_bytes = context.max_memory_bytes;
-  task.on_warning = [&context](const std::string& text) { context.warn(text); };
+  task.on_warning = [&context](const Warning& warning) {
+    context.warn(with_advice(warning));
+  };
   task.on_note = [&context](const std::string& text, const std::string& field) {
     const std::string advice = advice_for_note(field);
     context.note(advice.empty() ? text : text + "; " + advice);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <optional>
+#include <string_view>
 
 #include "octavo/file/storage/storage.h"
 #include "octavo/file/storage/temporary.h"
@@ -13,41 +14,118 @@ namespace octavo::cli {
 
 namespace {
 
+/// One row of the table: what to type for an option that a failure is about.
 struct Advice {
   std::optional<ErrorKind> kind;  ///< nothing: any
-  const char* field;
-  const char* text;
+  std::string_view field;
+  std::string_view value;         ///< of the hint; empty: any, even none
+  std::string_view text;          ///< "{}" stands for the value, and calls for one
 };
 
-constexpr std::array kAdvice = std::to_array<Advice>({
-    {std::nullopt, "between", "leave the method, or give --grey if these are measured values"},
-    {std::nullopt, "codes.labels", "give --range LOW:HIGH"},
-    {std::nullopt, "codes.range",
+constexpr std::optional<ErrorKind> kAny = std::nullopt;
+constexpr ErrorKind kUsage = ErrorKind::invalid_argument;
+constexpr ErrorKind kSource = ErrorKind::source_rejected;
+
+/// The first row that fits counts.
+constexpr Advice kAdvice[] = {
+    // --- Reading a source
+    {kSource, "channel", "", "give --channel with {}"},
+    {kUsage, "channel", "", "give --channel with {}"},
+    {kUsage, "channel", "", "leave out --channel"},
+    {kSource, "drop_duplicates", "", "give --drop-duplicates to have copies left out"},
+    {kUsage, "drop_duplicates", "", "leave out --drop-duplicates"},
+    {ErrorKind::io, "isolation", "", "--no-isolation reads without one"},
+    {kSource, "on_gap", "fill",
+     "give --on-gap fill to have missing planes made from their neighbors, or left empty in a "
+     "segmentation"},
+    {kSource, "on_gap", "ignore", "give --on-gap ignore to take the files as neighbors"},
+    {kSource, "on_gap", "resample", "give --on-gap resample to have even planes made from them"},
+    {kUsage, "on_gap", "", "give --on-gap {}"},
+    {kUsage, "on_gap", "", "leave out --on-gap"},
+    {kSource, "raw", "", "headerless voxels need --raw nx,ny,nz,type"},
+    {kSource, "raw.size", "", "check the numbers of --raw"},
+    {kSource, "segment", "", "give --segment with {}"},
+    {kUsage, "segment", "", "give --segment with {}"},
+    {kUsage, "segment", "", "leave out --segment"},
+    {kSource, "series", "", "give --series UID"},
+    {kUsage, "series", "", "leave out --series"},
+    {kAny, "spacing_mm", "", "give --spacing x,y,z in mm"},
+    {kSource, "time", "", "give --time with {}"},
+    {kUsage, "time", "", "give --time with {}"},
+    {kUsage, "time", "", "leave out --time"},
+    {kSource, "untilt", "", "give --untilt to resample them upright"},
+    {kUsage, "untilt", "", "leave out --untilt"},
+
+    // --- Building
+    {kUsage, "max_error", "", "it was begun with --max-error {}"},
+    {kSource, "max_error", "", "--max-error {} keeps every voxel within {} of its source"},
+    {kUsage, "preset", "", "it was begun with --preset {}"},
+    {kUsage, "repair.infinity", "", "it was begun with --inf {}"},
+    {kSource, "repair.infinity", "", "--inf VALUE replaces infinities"},
+    {kUsage, "repair.nan", "", "it was begun with --nan {}"},
+    {kSource, "repair.nan", "", "--nan VALUE replaces NaN"},
+    {kAny, "interrupted", "resume", "the same command with --resume goes on behind them"},
+    {ErrorKind::io, "interrupted", "discard", "--force builds beside it"},
+    {kAny, "interrupted", "discard", "leave out --resume and use --force to start anew"},
+    {kAny, "interrupted", "reject", "or leave out --resume"},
+    {ErrorKind::corrupt, "interrupted", "",
+     "build --resume continues it, repair seals what is whole"},
+    {ErrorKind::io, "interrupted", "",
+     "continue it with build --resume where a scan was being built, or give it up with --force"},
+
+    // --- Masks, labels and grids
+    {kAny, "between", "", "leave the method, or give --grey if these are measured values"},
+    {kAny, "codes.labels", "", "give --range LOW:HIGH"},
+    {kAny, "codes.range", "",
      "give --range LOW:HIGH (real units), or build it with --labels if its numbers are names, or "
      "make cubes of it with octavo condense"},
-    {std::nullopt, "compare.labels",
+    {kAny, "compare.labels", "",
      "--labels compares label maps: leave it out, or make labels with octavo threshold"},
-    {std::nullopt, "grey.kind", "--of takes the scan that was thresholded"},
-    {std::nullopt, "grid", "both must share one grid"},
-    {std::nullopt, "input.repair",
-     "repair restores it, unless what it hides is damaged as well"},
-    {std::nullopt, "is_resampling", "--resample brings it onto that of the first"},
-    {std::nullopt, "is_sealed", "build --resume continues it, repair seals what is whole"},
-    {ErrorKind::corrupt, "is_strict", "--strict forbids to fill it"},
-    {ErrorKind::source_rejected, "is_strict", "--strict makes this warning an error"},
-    {std::nullopt, "kind", "--grey changes that"},
-    {std::nullopt, "labels.kind", "'octavo threshold' makes labels of it"},
-    {std::nullopt, "mask.kind", "'octavo threshold' makes a mask of grey values"},
-    {std::nullopt, "max_memory_bytes", "raise --max-memory"},
-    {std::nullopt, "output.format", "'octavo export' turns .8vo files into other formats"},
-    {ErrorKind::io, "output.overwrite", "--force replaces it"},
-    {std::nullopt, "repair.input",
-     "repair cannot restore this, and no verb can read such a file"},
-    {std::nullopt, "repair.salvage", "export --salvage writes what is whole"},
-    {std::nullopt, "salvage", "--salvage fills what is damaged"},
-    {std::nullopt, "spacing_mm", "build it again with --spacing"},
-    {std::nullopt, "tissues", "give --range LOW:HIGH"},
-});
+    {kAny, "grey.kind", "", "--of takes the scan that was thresholded"},
+    {kAny, "grid", "", "both must share one grid"},
+    {kAny, "is_resampling", "", "--resample brings it onto that of the first"},
+    {kAny, "kind", "", "--grey changes that"},
+    {kAny, "labels.kind", "", "'octavo threshold' makes labels of it"},
+    {kAny, "mask.kind", "", "'octavo threshold' makes a mask of grey values"},
+    {kAny, "tissues", "", "give --range LOW:HIGH"},
+
+    // --- Reading and writing files
+    {kAny, "input.repair", "", "repair restores it, unless what it hides is damaged as well"},
+    {kAny, "input.spacing_mm", "", "build it again with --spacing"},
+    {ErrorKind::corrupt, "is_strict", "", "--strict forbids to fill it"},
+    {kSource, "is_strict", "", "--strict makes this warning an error"},
+    {kAny, "max_memory_bytes", "", "raise --max-memory"},
+    {kAny, "output.format", "", "'octavo export' turns .8vo files into other formats"},
+    {ErrorKind::io, "output.overwrite", "", "--force replaces it"},
+    {ErrorKind::io, "overwrite", "", "--force replaces it"},
+    {kAny, "repair.input", "", "repair cannot restore this, and no verb can read such a file"},
+    {kAny, "repair.salvage", "", "export --salvage writes what is whole"},
+    {kAny, "salvage", "", "--salvage fills what is damaged"},
+};
+
+constexpr std::string_view kPlace = "{}";
+
+bool fits(const Advice& advice, ErrorKind kind, const OptionHint& hint) {
+  if (advice.field != hint.field || (advice.kind && *advice.kind != kind)) return false;
+  if (!advice.value.empty()) return advice.value == hint.value;
+  return !hint.value.empty() || advice.text.find(kPlace) == std::string_view::npos;
+}
+
+/// The text of a row, with the value at its places.
+std::string filled(std::string_view text, const std::string& value) {
+  std::string result;
+  for (std::size_t at = text.find(kPlace); at != std::string_view::npos; at = text.find(kPlace)) {
+    result.append(text.substr(0, at)).append(value);
+    text.remove_prefix(at + kPlace.size());
+  }
+  return result.append(text);
+}
+
+std::string advice_for(ErrorKind kind, const OptionHint& hint) {
+  const auto found = std::find_if(std::begin(kAdvice), std::end(kAdvice),
+                                  [&](const Advice& advice) { return fits(advice, kind, hint); });
+  return found == std::end(kAdvice) ? "" : filled(found->text, hint.value);
+}
 
 bool is_folder(const std::string& path) {
   return !is_url(path) && local_storage().path_type(path) == PathType::folder;
@@ -100,7 +178,7 @@ std::string scan_option(const std::string& field) {
 }  // namespace
 
 std::string advice_for_note(const std::string& field) {
-  return advice_for(Error(ErrorKind::invalid_argument, "").with_field(field));
+  return advice_for(ErrorKind::invalid_argument, {field, ""});
 }
 
 std::string advice_for(const Error& error) {
@@ -108,10 +186,16 @@ std::string advice_for(const Error& error) {
   if (const std::string option = scan_option(error.field()); !option.empty()) {
     return option + " changes nothing in it: leave it out";
   }
-  const auto found = std::find_if(kAdvice.begin(), kAdvice.end(), [&](const Advice& advice) {
-    return error.field() == advice.field && (!advice.kind || *advice.kind == error.kind());
-  });
-  return found == kAdvice.end() ? "" : found->text;
+  std::string all;
+  for (const OptionHint& hint : error.hints()) {
+    const std::string advice = advice_for(error.kind(), hint);
+    if (!advice.empty()) all += (all.empty() ? "" : "; ") + advice;
+  }
+  return all;
+}
+
+std::string with_advice(const Warning& warning) {
+  return warning.field == "spacing_mm" ? warning.text + "; give --spacing x,y,z" : warning.text;
 }
 
 }  // namespace octavo::cli

@@ -12,7 +12,9 @@
 #include "octavo/builder/builder.h"
 #include "octavo/io/isolation/isolated_source.h"
 #include "support/coded_dicom.h"
+#include "support/dicom_samples.h"
 #include "support/goal_cases.h"
+#include "support/image_samples.h"
 #include "support/source_files.h"
 
 namespace octavo::testing {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "support/dicom_samples.h"
 #include "support/source_files.h"
 
 namespace octavo::testing {

@@ -21,7 +21,7 @@ class TaskFiles : public ::testing::Test {
  protected:
   TaskFiles() {
     context_.threads = 2;
-    context_.on_warning = [this](const std::string& text) { warnings_.push_back(text); };
+    context_.on_warning = [this](const Warning& warning) { warnings_.push_back(warning.text); };
   }
 
   /// Writes labels as they are on a grid of 0.5 x 0.5 x 2 mm, or on one of unknown spacing.

@@ -81,16 +81,16 @@ void return_freed_memory() {
 #endif
 }
 
-// How the bricks are made, as far as the header does not say it.
+// How the bricks are made, as far as the header does not say it; options by their fields.
 std::string settings_text(const BuildOptions& options) {
   std::string text = "program: " OCTAVO_VERSION "\n";
   text += std::string("preset: ") + (options.preset == Preset::fast ? "fast" : "small") + "\n";
-  text += "--max-error: " + exact_text(options.max_error) + "\n";
+  text += "max_error: " + exact_text(options.max_error) + "\n";
   const auto repair = [](const std::optional<float>& value) {
     return value ? exact_text(*value) : std::string("not given");
   };
-  text += "--nan: " + repair(options.repair.nan) + "\n";
-  return text + "--inf: " + repair(options.repair.infinity) + "\n";
+  text += "repair.nan: " + repair(options.repair.nan) + "\n";
+  return text + "repair.infinity: " + repair(options.repair.infinity) + "\n";
 }
 
 std::string crc_text(std::uint32_t crc) {
@@ -181,27 +181,26 @@ class Build {
   void check_group(const VoxelBlock& group, const JournalGroup& stored) {
     is_other_ = true;
     const std::int64_t end = group.first_plane + group.size.z;
-    if (planes_in(levels_, stored.end_layer) != end) {
-      throw Error(ErrorKind::invalid_argument,
-                  "the interrupted build was made by another version of the program; to start "
-                  "anew leave --resume and use --force");
-    }
+    if (planes_in(levels_, stored.end_layer) != end) throw other_version();
     is_other_ = stored.voxels_crc != group.crc;
     if (!is_other_) return;
     throw Error(ErrorKind::source_rejected,
                 planes_text(group.first_plane, end, description_.size.z) +
                     " are not those of the interrupted build (checksum " +
-                    crc_text(stored.voxels_crc) + " there, " + crc_text(group.crc) +
-                    " now); to start anew leave --resume and use --force");
+                    crc_text(stored.voxels_crc) + " there, " + crc_text(group.crc) + " now)")
+        .with_field("interrupted", "discard");
   }
 
   // Proves that the same voxels still give the same model.
   void check_model() {
     is_other_ = writer_->first_model() != model_.serialized;
-    if (!is_other_) return;
-    throw Error(ErrorKind::invalid_argument,
-                "the interrupted build was made by another version of the program; to start anew "
-                "leave --resume and use --force");
+    if (is_other_) throw other_version();
+  }
+
+  static Error other_version() {
+    return Error(ErrorKind::invalid_argument,
+                 "the interrupted build was made by another version of the program")
+        .with_field("interrupted", "discard");
   }
 
   const VolumeDescription& description_;
@@ -223,10 +222,9 @@ Error with_kept(const Error& error, std::int64_t planes, std::int64_t count,
   if (planes == 0) return error;
   // Whose source it was that failed, the caller knows.
   const bool is_ours = error.path().empty() && error.kind() != ErrorKind::source_rejected;
-  return {error.kind(),
-          error.detail() + "; " + planes_text(0, planes, count) + " are kept for " +
-              escaped(base_name_of(path)) + ": the same command with --resume goes on behind them",
-          is_ours ? path : error.path(), error.offset()};
+  const Error kept = error.with_detail(error.detail() + "; " + planes_text(0, planes, count) +
+                                       " are kept for " + escaped(base_name_of(path)));
+  return (is_ours ? kept.with_path(path) : kept).with_field("interrupted", "resume");
 }
 
 BuildResult build(PlaneSource& source, Storage& storage, const std::string& path,

@@ -94,7 +94,7 @@ class FlatCubes final : public PlaneSource {
   }
 
   const VolumeDescription& description() const override { return description_; }
-  const std::vector<std::string>& warnings() const override { return warnings_; }
+  const std::vector<Warning>& warnings() const override { return warnings_; }
 
   std::uint64_t resident_bytes() const override {
     return static_cast<std::uint64_t>(size_.x * size_.y * std::min(size_.z, kSide) *
@@ -305,7 +305,7 @@ class FlatCubes final : public PlaneSource {
   Size3 size_;
   Size3 grid_;                       // of blocks
   std::vector<std::int64_t> means_;  // of each block's large cube, or kNone
-  std::vector<std::string> warnings_;
+  std::vector<Warning> warnings_;
   std::vector<std::byte> layer_;  // 64 planes
   std::int64_t next_ = 0;
 };

@@ -22,7 +22,8 @@ constexpr double kLargestCode = std::numeric_limits<std::int32_t>::max();
 constexpr double kMinError = 1e-290;
 // Values yet to come may be so much larger than those of the first planes.
 constexpr double kGrowth = 4;
-constexpr const char* kNoiseWords = " (from the noise between neighbors and the largest value)";
+constexpr const char* kNoiseWords =
+    " (a max error follows from the noise between neighbors and the largest value)";
 
 std::string text_of(double value, int digits = 9) {
   char text[40];
@@ -69,7 +70,7 @@ class RepairedSource final : public PlaneSource {
   RepairedSource(PlaneSource& source, const FloatRepair& repair)
       : source_(source), repair_(repair) {}
   const VolumeDescription& description() const override { return source_.description(); }
-  const std::vector<std::string>& warnings() const override { return source_.warnings(); }
+  const std::vector<Warning>& warnings() const override { return source_.warnings(); }
   std::uint64_t resident_bytes() const override { return source_.resident_bytes(); }
 
   void read_plane(std::span<std::byte> plane) override {
@@ -142,7 +143,8 @@ void FloatPlanes::choose_exact(std::span<const float> values) {
   if (!coding) {
     throw Error(ErrorKind::source_rejected,
                 "its float voxels are no whole multiples of one number and cannot be kept bit by "
-                "bit; " + proposal(noise_error_) + kNoiseWords);
+                "bit" + std::string(kNoiseWords))
+        .with_field("max_error", proposal(noise_error_));
   }
   coding_ = *coding;
 }
@@ -227,10 +229,10 @@ void FloatPlanes::count_and_reject(std::int64_t z) {
   if (infinities > 0) {
     what += (what.empty() ? "" : " and ") + std::to_string(infinities) + " infinite";
   }
-  std::string help = nans > 0 ? "--nan VALUE" : "";
-  if (infinities > 0) help += std::string(help.empty() ? "" : " and ") + "--inf VALUE";
-  throw Error(ErrorKind::source_rejected,
-              "holds " + what + " voxels, the first " + first + "; replace them by " + help);
+  Error failure(ErrorKind::source_rejected, "holds " + what + " voxels, the first " + first);
+  if (nans > 0) failure = failure.with_field("repair.nan");
+  if (infinities > 0) failure = failure.with_field("repair.infinity");
+  throw failure;
 }
 
 void FloatPlanes::read_plane(std::span<std::byte> codes) {
@@ -277,20 +279,20 @@ void FloatPlanes::reject_voxel(std::int64_t z, std::size_t at, bool is_too_large
   if (is_too_large) {
     const double enough = magnitude / (kLargestCode / 2) * kStepsPerError * 2;
     const std::string why = settings_.max_error > 0
-                                ? ", too large for so small a max error; "
-                                : ", too large to be a multiple of " + steps + " in 32 bits; ";
-    throw Error(ErrorKind::source_rejected, place + why + proposal(enough));
+                                ? ", too large for so small a max error"
+                                : ", too large to be a multiple of " + steps + " in 32 bits";
+    throw Error(ErrorKind::source_rejected, place + why)
+        .with_field("max_error", proposal(enough));
   }
   const double next_error = (static_cast<double>(codec_error_) + 0.5) * coding_.scale +
                             2 * rounding_ + 2 * (magnitude + coding_.scale) / kFloatSteps;
   const std::string why = v == 0 && std::signbit(v)
-                              ? ", and integers have no -0; "
-                              : ", no whole multiple of " + steps + " like the planes before; ";
+                              ? ", and integers have no -0"
+                              : ", no whole multiple of " + steps + " like the planes before";
   // Steps far below the noise were chance, and half of one is nothing to propose.
   const bool is_chance = settings_.max_error == 0 && 16 * coding_.scale < noise_error_;
-  throw Error(ErrorKind::source_rejected,
-              place + why + (is_chance ? proposal(noise_error_) + kNoiseWords
-                                       : proposal(next_error)));
+  throw Error(ErrorKind::source_rejected, place + why + (is_chance ? kNoiseWords : ""))
+      .with_field("max_error", proposal(is_chance ? noise_error_ : next_error));
 }
 
 // `max_error` in voxel units; people give it in real ones.
@@ -298,8 +300,7 @@ std::string FloatPlanes::proposal(double max_error) const {
   const double real = max_error * std::abs(source_.description().rescale.slope);
   // Two digits, upwards, so that what is proposed is enough.
   const double unit = std::pow(10.0, std::floor(std::log10(real)) - 1);
-  const std::string text = text_of(std::ceil(real / unit - 1e-6) * unit, 2);
-  return "--max-error " + text + " keeps every voxel within " + text + " of its source";
+  return text_of(std::ceil(real / unit - 1e-6) * unit, 2);
 }
 
 // A quarter of the standard deviation that neighbors along x suggest; in voxel units.

@@ -52,7 +52,7 @@ class FloatPlanes final : public PlaneSource {
 
   /// That of the source, but the type is that of the codes.
   const VolumeDescription& description() const override { return description_; }
-  const std::vector<std::string>& warnings() const override { return source_.warnings(); }
+  const std::vector<Warning>& warnings() const override { return source_.warnings(); }
   std::uint64_t resident_bytes() const override { return source_.resident_bytes(); }
 
   const SampleCoding& coding() const { return coding_; }

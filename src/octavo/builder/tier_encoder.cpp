@@ -279,7 +279,8 @@ EncodedBrick TierEncoder::encode_checked(const Model& model, const VoxelBlock& b
   if (!(found <= bound_.voxels)) {
     throw Error(ErrorKind::source_rejected,
                 name_of(tier_, brick) + " holds values so large that float32 cannot keep them " +
-                    "within the max error; --max-error " + short_text(bound_.proposal) + " can");
+                    "within the max error")
+        .with_field("max_error", short_text(bound_.proposal));
   }
   encoded.max_error = float_error_steps(found, bound_.voxels);
   return encoded;

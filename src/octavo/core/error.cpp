@@ -56,16 +56,27 @@ Error::Error(ErrorKind kind, std::string detail, std::string path,
       path_(std::move(path)),
       offset_(offset) {}
 
+const std::string& Error::field() const noexcept {
+  static const std::string kNone;
+  return hints_.empty() ? kNone : hints_.front().field;
+}
+
 Error Error::with_path(const std::string& path) const {
   if (!path_.empty()) return *this;
   Error placed(kind_, detail_, path, offset_);
-  placed.field_ = field_;
+  placed.hints_ = hints_;
   return placed;
 }
 
-Error Error::with_field(std::string field) const {
+Error Error::with_detail(const std::string& detail) const {
+  Error reworded(kind_, detail, path_, offset_);
+  reworded.hints_ = hints_;
+  return reworded;
+}
+
+Error Error::with_field(std::string field, std::string value) const {
   Error about = *this;
-  about.field_ = std::move(field);
+  about.hints_.push_back({std::move(field), std::move(value)});
   return about;
 }
 

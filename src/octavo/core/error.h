@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace octavo {
 
@@ -30,7 +31,14 @@ std::string_view error_kind_name(ErrorKind kind) noexcept;
 /// For every string that comes out of a file or a path before it enters a message.
 std::string escaped(std::string_view text);
 
-/// A failure: what went wrong, in which file, where in it, and which option it is about.
+/// An option that would change an outcome.
+struct OptionHint {
+  std::string field;  ///< its name in an options struct: "spacing_mm", "output.overwrite"
+  std::string value;  ///< that would help: "fill", "0 to 3"; empty where that is not known
+  bool operator==(const OptionHint&) const = default;
+};
+
+/// A failure: what went wrong, in which file, where in it, and which options it is about.
 /// what() is one line: "PATH: DETAIL", or the detail alone when no path is known. What to type or
 /// to call is no business of the library: whoever reports the failure finds it by kind and field.
 class Error : public std::runtime_error {
@@ -43,21 +51,24 @@ class Error : public std::runtime_error {
   const std::string& path() const noexcept { return path_; }
   std::optional<std::uint64_t> offset() const noexcept { return offset_; }
 
-  /// The field of an options struct that would change the outcome ("max_memory_bytes",
-  /// "spacing_mm"); empty where there is none.
-  const std::string& field() const noexcept { return field_; }
+  /// The options that would change the outcome, what helps most first; mostly one or none.
+  const std::vector<OptionHint>& hints() const noexcept { return hints_; }
+  /// The field of the first of them; empty where there is none.
+  const std::string& field() const noexcept;
 
   /// The same failure with `path` set, when it has none yet.
   Error with_path(const std::string& path) const;
-  /// The same failure about an option.
-  Error with_field(std::string field) const;
+  /// The same failure in other words.
+  Error with_detail(const std::string& detail) const;
+  /// The same failure, about one more option.
+  Error with_field(std::string field, std::string value = {}) const;
 
  private:
   ErrorKind kind_;
   std::string detail_;
   std::string path_;
   std::optional<std::uint64_t> offset_;
-  std::string field_;
+  std::vector<OptionHint> hints_;
 };
 
 }  // namespace octavo

@@ -150,7 +150,7 @@ void check_envelope(ByteSpan bytes) {
 void check_seal(ByteSpan bytes) {
   if (bytes[kSealedAt] == 0) {
     throw Error(ErrorKind::corrupt, "not sealed: its build was interrupted", {}, kSealedAt)
-        .with_field("is_sealed");
+        .with_field("interrupted");
   }
   if (bytes[kSealedAt] != 1) fail(ErrorKind::corrupt, "header: bad seal", kSealedAt);
 }

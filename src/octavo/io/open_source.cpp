@@ -51,18 +51,22 @@ Format format_of(const std::string& path) {
   return Format::unknown;
 }
 
-/// Refuses options that no reader of this format takes. path names the source in the message.
+/// Rejects options that no reader of this format takes. path names the source in the message.
 void require_fitting(Format format, const SourceOptions& options, const std::string& path) {
-  if (const std::string option = options.dicom_option();
-      !option.empty() && format != Format::dicom) {
-    throw Error(ErrorKind::invalid_argument, option + " applies to DICOM only", path);
+  if (const std::string field = options.dicom_option();
+      !field.empty() && format != Format::dicom) {
+    throw Error(ErrorKind::invalid_argument,
+                "no DICOM, to which alone \"" + field + "\" applies", path)
+        .with_field(field);
   }
   const bool is_stack =
       format == Format::tiff || format == Format::png || format == Format::raw_planes;
   if (options.on_gap == GapPolicy::ignore && !is_stack) {
     throw Error(ErrorKind::invalid_argument,
-                "--on-gap ignore applies to stacks of numbered files only: TIFF, PNG, raw planes",
-                path);
+                "no stack of numbered files (TIFF, PNG, raw planes), of which alone gaps are "
+                "ignored",
+                path)
+        .with_field("on_gap");
   }
 }
 
@@ -103,7 +107,7 @@ FolderContent content_of(const std::vector<std::string>& files) {
   return content;
 }
 
-/// Refuses a folder of which nobody can say what is meant: files of several kinds, or files above
+/// Rejects a folder of which nobody can say what is meant: files of several kinds, or files above
 /// the DICOM files of a folder in it.
 /// dicom_below  one of the DICOM files in folders of `folder`; or nothing
 void require_one_kind(const FolderContent& content, const std::string& dicom_below,
@@ -179,13 +183,12 @@ std::unique_ptr<PlaneSource> open_file(const std::string& path, const SourceOpti
     case Format::raw_planes:
     case Format::unknown: break;
   }
-  throw Error(
-      ErrorKind::source_rejected,
-      SourceFile(path).size() == 0
-          ? "the file is empty"
-          : "not a DICOM, TIFF, PNG, NIfTI, NRRD, MetaImage, VTK or GIPL file; headerless voxels "
-            "need --raw nx,ny,nz,type",
-      path);
+  if (SourceFile(path).size() == 0) {
+    throw Error(ErrorKind::source_rejected, "the file is empty", path);
+  }
+  throw Error(ErrorKind::source_rejected,
+              "not a DICOM, TIFF, PNG, NIfTI, NRRD, MetaImage, VTK or GIPL file", path)
+      .with_field("raw");
 }
 
 std::unique_ptr<PlaneSource> open_files(const std::vector<std::string>& files,

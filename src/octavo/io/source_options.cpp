@@ -57,12 +57,11 @@ RawLayout parse_raw_layout(const std::string& text) {
 }
 
 std::string SourceOptions::dicom_option() const {
-  if (!series.empty()) return "--series";
-  if (on_gap == GapPolicy::fill) return "--on-gap fill";
-  if (on_gap == GapPolicy::resample) return "--on-gap resample";
-  if (drop_duplicates) return "--drop-duplicates";
-  if (!segment.empty()) return "--segment";
-  return untilt ? "--untilt" : "";
+  if (!series.empty()) return "series";
+  if (on_gap == GapPolicy::fill || on_gap == GapPolicy::resample) return "on_gap";
+  if (drop_duplicates) return "drop_duplicates";
+  if (!segment.empty()) return "segment";
+  return untilt ? "untilt" : "";
 }
 
 }  // namespace octavo

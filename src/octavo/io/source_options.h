@@ -23,7 +23,7 @@ RawLayout parse_raw_layout(const std::string& text);
 
 /// What happens where slices of a series are missing or lie unevenly.
 enum class GapPolicy {
-  error,     ///< the series is refused
+  error,     ///< the series is rejected
   fill,      ///< planes missing on an even grid are interpolated between their neighbours
   ignore,    ///< a stack of numbered files is taken as it is
   resample,  ///< planes at the smallest regular step are interpolated along the normal
@@ -42,7 +42,7 @@ struct SourceOptions {
   bool keep_identity = false;             ///< names, dates, free text enter the metadata
   std::uint64_t max_memory_bytes = 0;     ///< of a process that opens the source; 0: no limit
 
-  /// The first option set here that only DICOM sources understand, as "--untilt"; or nothing.
+  /// The field of the first option set here that only DICOM sources understand; or nothing.
   std::string dicom_option() const;
 };
 

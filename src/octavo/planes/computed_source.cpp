@@ -18,7 +18,7 @@ class ComputedSource final : public PlaneSource {
   }
 
   const VolumeDescription& description() const override { return description_; }
-  const std::vector<std::string>& warnings() const override { return warnings_; }
+  const std::vector<Warning>& warnings() const override { return warnings_; }
 
   std::uint64_t resident_bytes() const override {
     const Size3& size = description_.size;
@@ -47,7 +47,7 @@ class ComputedSource final : public PlaneSource {
   VolumeDescription description_;
   FillBox fill_;
   std::int64_t planes_at_once_;
-  std::vector<std::string> warnings_;
+  std::vector<Warning> warnings_;
   std::vector<std::byte> voxels_;  // of planes first_ .. end_
   std::int64_t first_ = 0;
   std::int64_t end_ = 0;

@@ -17,7 +17,7 @@ class MemorySource final : public PlaneSource {
       : description_(description), voxels_(voxels) {}
 
   const VolumeDescription& description() const override { return description_; }
-  const std::vector<std::string>& warnings() const override { return warnings_; }
+  const std::vector<Warning>& warnings() const override { return warnings_; }
   std::uint64_t resident_bytes() const override { return voxels_.size(); }
 
   void read_plane(std::span<std::byte> plane) override {
@@ -33,7 +33,7 @@ class MemorySource final : public PlaneSource {
  private:
   VolumeDescription description_;
   std::span<const std::byte> voxels_;
-  std::vector<std::string> warnings_;
+  std::vector<Warning> warnings_;
   std::size_t next_ = 0;
 };
 

@@ -95,7 +95,7 @@ class Phantom final : public PlaneSource {
   explicit Phantom(const PhantomOptions& options);
 
   const VolumeDescription& description() const override { return description_; }
-  const std::vector<std::string>& warnings() const override { return warnings_; }
+  const std::vector<Warning>& warnings() const override { return warnings_; }
   void read_plane(std::span<std::byte> plane) override;
 
  private:
@@ -106,7 +106,7 @@ class Phantom final : public PlaneSource {
 
   PhantomOptions options_;
   VolumeDescription description_;
-  std::vector<std::string> warnings_;
+  std::vector<Warning> warnings_;
   double outer_ = 0;
   double inner_ = 0;
   Cylinder first_{};

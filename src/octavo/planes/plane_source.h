@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "octavo/core/volume.h"
+#include "octavo/core/warning.h"
 
 namespace octavo {
 
@@ -21,7 +22,7 @@ class PlaneSource {
 
   /// Things the user should know that do not stop the import ("spacing is not in the files: 1 mm
   /// assumed").
-  virtual const std::vector<std::string>& warnings() const = 0;
+  virtual const std::vector<Warning>& warnings() const = 0;
 
   /// Fills `plane` ([y][x], size.x * size.y voxels of the type, native byte order) with the next
   /// plane.

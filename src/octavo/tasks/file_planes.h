@@ -19,7 +19,7 @@ class FilePlanes final : public PlaneSource {
   /// Size and geometry are those of the level; the metadata are for a file built from this one:
   /// without what it kept of the identity of its source, unless keep_identity.
   const VolumeDescription& description() const override { return description_; }
-  const std::vector<std::string>& warnings() const override { return warnings_; }
+  const std::vector<Warning>& warnings() const override { return warnings_; }
   /// A layer of bricks.
   std::uint64_t resident_bytes() const override;
   void read_plane(std::span<std::byte> plane) override;
@@ -31,7 +31,7 @@ class FilePlanes final : public PlaneSource {
   int level_;
   int threads_;
   VolumeDescription description_;
-  std::vector<std::string> warnings_;
+  std::vector<Warning> warnings_;
   std::int64_t layer_planes_;  // of one brick at this level
   std::int64_t next_z_ = 0;
   std::int64_t layer_z_ = 0;

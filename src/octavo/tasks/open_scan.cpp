@@ -24,7 +24,7 @@ class WatchedSource final : public PlaneSource {
   }
 
   const VolumeDescription& description() const override { return source_->description(); }
-  const std::vector<std::string>& warnings() const override { return source_->warnings(); }
+  const std::vector<Warning>& warnings() const override { return source_->warnings(); }
   std::uint64_t resident_bytes() const override { return source_->resident_bytes(); }
 
   void read_plane(std::span<std::byte> plane) override {
@@ -34,7 +34,7 @@ class WatchedSource final : public PlaneSource {
 
  private:
   void pass_warnings_on() {
-    const std::vector<std::string>& all = source_->warnings();
+    const std::vector<Warning>& all = source_->warnings();
     while (passed_ < all.size()) context_.warn(all[passed_++]);
   }
 

@@ -10,9 +10,9 @@
 
 namespace octavo {
 
-void TaskContext::warn(const std::string& text) const {
-  if (is_strict) throw Error(ErrorKind::source_rejected, text).with_field("is_strict");
-  if (on_warning) on_warning(text);
+void TaskContext::warn(const Warning& warning) const {
+  if (is_strict) throw Error(ErrorKind::source_rejected, warning.text).with_field("is_strict");
+  if (on_warning) on_warning(warning);
 }
 
 void TaskContext::note(const std::string& text, const std::string& field) const {

@@ -11,12 +11,14 @@
 #include <vector>
 
 #include "octavo/core/progress.h"
+#include "octavo/core/warning.h"
 
 namespace octavo {
 
 struct TaskContext {
   using Listener = std::function<void(const std::string&)>;
-  /// field  of the options that would change what the text says, as Error::field; may be empty
+  using WarningListener = std::function<void(const Warning&)>;
+  /// field  of the option that would change what the text says, as in OptionHint; may be empty
   using NoteListener = std::function<void(const std::string& text, const std::string& field)>;
 
   int threads = 0;                     ///< 0: all cores
@@ -24,7 +26,7 @@ struct TaskContext {
   /// Watches the work; its is_cancelled() ends the task with Error{cancelled}.
   Progress* progress = nullptr;
   /// Told what the user should know although the task goes on. May throw, which ends the task.
-  Listener on_warning;
+  WarningListener on_warning;
   /// Told what was done otherwise than asked, in passing.
   NoteListener on_note;
   /// Told how the work is done, for those who look closely.
@@ -36,7 +38,7 @@ struct TaskContext {
   std::vector<std::string> worker_command;
 
   /// Throws Error{source_rejected} where is_strict.
-  void warn(const std::string& text) const;
+  void warn(const Warning& warning) const;
   void note(const std::string& text, const std::string& field = "") const;
   void detail(const std::string& text) const;
 

@@ -71,7 +71,7 @@ class ClassPlanes final : public PlaneSource {
         description_(label_description(values_->description(), VoxelType::uint8, made_by)) {}
 
   const VolumeDescription& description() const override { return description_; }
-  const std::vector<std::string>& warnings() const override { return values_->warnings(); }
+  const std::vector<Warning>& warnings() const override { return values_->warnings(); }
   /// Voxels of each label.
   const LabelCounts& counts() const { return counts_; }
 

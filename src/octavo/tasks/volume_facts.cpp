@@ -51,7 +51,7 @@ void require_known_spacing(const VolumeDescription& volume, const std::string& p
   if (is_spacing_known(volume)) return;
   const std::string other = instead.empty() ? "" : ", " + instead + " does not";
   throw Error(ErrorKind::invalid_argument, what + " needs a known spacing" + other, path)
-      .with_field("spacing_mm");
+      .with_field("input.spacing_mm");
 }
 
 std::optional<double> voxel_mm3(const VolumeDescription& volume) {

@@ -34,7 +34,7 @@ class FailingSource final : public PlaneSource {
   FailingSource(const PhantomOptions& options, std::int64_t failing_plane)
       : phantom_(make_phantom(options)), failing_plane_(failing_plane) {}
   const VolumeDescription& description() const override { return phantom_->description(); }
-  const std::vector<std::string>& warnings() const override { return phantom_->warnings(); }
+  const std::vector<Warning>& warnings() const override { return phantom_->warnings(); }
   void read_plane(std::span<std::byte> plane) override {
     if (next_++ == failing_plane_) throw Error(ErrorKind::source_rejected, "torn", "slice.dcm");
     phantom_->read_plane(plane);

@@ -10,6 +10,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/planes/memory_source.h"
+#include "support/hints.h"
 
 namespace octavo {
 namespace {
@@ -57,7 +58,7 @@ Outcome run(const Floats& floats, const FloatSettings& settings) {
     }
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
-    outcome.error = error.detail();
+    outcome.error = testing::with_hints(error);
   }
   return outcome;
 }
@@ -80,7 +81,7 @@ float tenth(std::size_t i) { return static_cast<float>(static_cast<double>(i % 9
 
 // The max error that a error proposes.
 double proposed(const std::string& error) {
-  const std::string mark = "--max-error ";
+  const std::string mark = "[max_error=";
   const std::size_t at = error.find(mark);
   EXPECT_NE(at, std::string::npos) << error;
   return at == std::string::npos ? 0 : std::stod(error.substr(at + mark.size()));
@@ -139,10 +140,10 @@ TEST(FloatPlanes, WhatIsNoNumberIsCountedOverTheWholeScan) {
   floats.voxels[11 * 32] = kNan;
   floats.voxels[5 * 32] = -kInfinity;
   const Outcome all = run(floats, {.first_planes = 12});
-  expect_words(all.error, {"2 NaN and 1 infinite", "x,y,z = 1,1,3", "--nan", "--inf"});
+  expect_words(all.error, {"2 NaN and 1 infinite", "x,y,z = 1,1,3", "[repair.nan]", "[repair.infinity]"});
   EXPECT_EQ(run(floats, {.first_planes = 1}).error, all.error);
   const Outcome some = run(floats, {.repair = {.nan = 0.0f, .infinity = {}}});
-  expect_words(some.error, {"1 infinite", "0,0,5", "--inf"});
+  expect_words(some.error, {"1 infinite", "0,0,5", "[repair.infinity]"});
   EXPECT_EQ(some.error.find("NaN"), std::string::npos) << some.error;
 }
 

@@ -8,6 +8,7 @@
 #include "octavo/builder/builder.h"
 #include "octavo/core/error.h"
 #include "support/built_file.h"
+#include "support/hints.h"
 #include "support/memory_storage.h"
 
 namespace octavo {
@@ -38,7 +39,7 @@ class TextureSource final : public PlaneSource {
     description_.size = kSize;
   }
   const VolumeDescription& description() const override { return description_; }
-  const std::vector<std::string>& warnings() const override { return warnings_; }
+  const std::vector<Warning>& warnings() const override { return warnings_; }
   void read_plane(std::span<std::byte> plane) override {
     if (z_ == failing_plane_) throw Error(ErrorKind::source_rejected, "torn", "slice.dcm");
     std::ranges::fill(plane, std::byte{0});
@@ -63,7 +64,7 @@ class TextureSource final : public PlaneSource {
 
  private:
   VolumeDescription description_;
-  std::vector<std::string> warnings_;
+  std::vector<Warning> warnings_;
   std::int64_t failing_plane_;
   std::int64_t z_ = 0;
   std::uint32_t state_ = 1;
@@ -90,7 +91,7 @@ std::string failure_of(PlaneSource& source, MemoryStorage& storage, const BuildO
     build(source, storage, options);
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), kind) << error.what();
-    return error.what();
+    return testing::with_hints(error);
   }
   ADD_FAILURE() << "the build succeeded";
   return {};
@@ -170,7 +171,7 @@ TEST(ResumedBuild, HasTheBytesOfABuildWithoutABreak) {
       const std::string message =
           failure_of(torn, storage, options, ErrorKind::source_rejected);
       const bool is_kept = storage.files.size() == 2;
-      EXPECT_EQ(message.find("--resume") != std::string::npos, is_kept) << message;
+      EXPECT_EQ(message.find("[interrupted=resume]") != std::string::npos, is_kept) << message;
       EXPECT_EQ(storage.files.count("a.8vo"), 0u);
     }
     TextureSource whole(kind);
@@ -235,7 +236,7 @@ TEST(ResumedBuild, IsRejectedOrDiscardedWhereNobodyAskedForIt) {
   const std::string message =
       failure_of(source, storage, options_of(kGrey, Interrupted::reject), ErrorKind::io);
   EXPECT_NE(message.find("planes 0 to 127 of 150"), std::string::npos) << message;
-  EXPECT_NE(message.find("--resume"), std::string::npos) << message;
+  EXPECT_NE(message.find("[interrupted]"), std::string::npos) << message;
   EXPECT_EQ(storage.files.size(), 2u);
   EXPECT_EQ(failure_of(source, storage, {}, ErrorKind::io), message);
   build(source, storage, options_of(kGrey, Interrupted::discard));

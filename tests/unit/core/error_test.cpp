@@ -31,6 +31,19 @@ TEST(Error, SaysThePathFirstAndOnlyOnce) {
   EXPECT_STREQ(named.with_path("c").what(), "a\\x0ab: broken");
 }
 
+TEST(Error, KeepsItsOptionsWhateverElseIsSetAndNamesTheFirst) {
+  const Error bare(ErrorKind::source_rejected, "uneven", {}, 17);
+  EXPECT_EQ(bare.field(), "");
+  const Error about = bare.with_field("untilt").with_field("on_gap", "fill");
+  EXPECT_TRUE(bare.hints().empty());
+  const Error moved = about.with_path("a.dcm").with_detail("very uneven");
+  EXPECT_EQ(moved.hints(), (std::vector<OptionHint>{{"untilt", ""}, {"on_gap", "fill"}}));
+  EXPECT_EQ(moved.field(), "untilt");
+  EXPECT_STREQ(moved.what(), "a.dcm: very uneven");
+  EXPECT_EQ(moved.kind(), ErrorKind::source_rejected);
+  EXPECT_EQ(moved.offset(), 17u);
+}
+
 TEST(Escaped, KeepsPrintableBytesAndCutsLongText) {
   EXPECT_EQ(escaped(" ~\x1f\x7f\xff"), " ~\\x1f\\x7f\\xff");
   EXPECT_EQ(escaped(std::string(200, 'a')), std::string(200, 'a'));

@@ -31,7 +31,7 @@ class Threshold : public ::testing::Test {
     testing::build_volume(volume, scan_, 1);
     options_.input = scan_;
     options_.output.path = mask_;
-    context_.on_warning = [this](const std::string& text) { warnings_.push_back(text); };
+    context_.on_warning = [this](const Warning& warning) { warnings_.push_back(warning.text); };
   }
 
   /// Voxels of the result that are not what `label_of` makes of their real value.
@@ -50,7 +50,7 @@ class Threshold : public ::testing::Test {
   std::string scan_ = folder_.file("scan.8vo");
   std::string mask_ = folder_.file("mask.8vo");
   std::vector<std::int16_t> voxels_;
-  std::vector<std::string> warnings_;
+  std::vector<Warning> warnings_;
   ThresholdOptions options_;
   TaskContext context_;
 };

@@ -79,10 +79,12 @@ std::string excerpt(const std::string& text, std::size_t at) {
   return "'" + escaped(text.substr(std::min(from, text.size()), kLength)) + "'";
 }
 
+// name  may be that of an option's field
 Error other_setting(std::string_view name, const std::string& stored, const std::string& now) {
   return Error(ErrorKind::invalid_argument, "the interrupted build has another " +
                                                 escaped(name) + ": " + stored + " there, " + now +
-                                                " now");
+                                                " now")
+      .with_field(std::string(name), stored);
 }
 
 }  // namespace
@@ -162,9 +164,9 @@ void reject_interrupted(Storage& storage, const std::string& path) {
                 "an interrupted build of it is here (" +
                     planes_text(0, planes_in(levels, groups.back().group.end_layer),
                                 levels.size(0).z) +
-                    "); continue it with build --resume where a scan was being built, or give it "
-                    "up with --force",
-                path);
+                    ")",
+                path)
+        .with_field("interrupted");
   }
 }
 
@@ -174,9 +176,10 @@ void reject_running(Storage& storage, const std::string& path) {
   if (held.empty()) return;
   throw Error(ErrorKind::io,
               "is being built by another program (" + escaped(base_name_of(held.front())) +
-                  " is locked, or may not be locked and written by this one); wait for its end, "
-                  "name another file, or build beside it with --force",
-              path);
+                  " is locked, or may not be locked and written by this one); wait for its end or "
+                  "name another file",
+              path)
+      .with_field("interrupted", "discard");
 }
 
 std::string settings_of(const FileHeader& header) {

@@ -262,7 +262,8 @@ bool FileWriterImpl::resume() {
     throw Error(ErrorKind::io,
                 "cannot be continued: another program works on " +
                     escaped(base_name_of(held.front())) +
-                    ", or this one may not lock and write it; wait for its end, or leave --resume");
+                    ", or this one may not lock and write it; wait for its end")
+        .with_field("interrupted", "reject");
   }
   for (InterruptedBuild& build : builds) {
     if (auto found = difference_of(build.head, now)) {
@@ -279,9 +280,8 @@ bool FileWriterImpl::resume() {
     return true;
   }
   if (!difference) return false;
-  throw Error(difference->kind(),
-              difference->detail() +
-                  "; leave --resume and use --force to start anew (the interrupted build is kept)");
+  throw difference->with_detail(difference->detail() + "; the interrupted build is kept")
+      .with_field("interrupted", "discard");
 }
 
 void FileWriterImpl::take_over(InterruptedBuild build, std::vector<WholeGroup> groups) {

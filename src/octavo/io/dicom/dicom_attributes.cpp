@@ -11,7 +11,7 @@ namespace octavo {
 
 namespace {
 
-/// What the value must be to be told.
+/// What the value must be to be kept.
 enum class Form { number, code, position, unit, setting };
 
 struct Attribute {
@@ -105,11 +105,11 @@ bool has_form(const DicomSet& data, const Attribute& attribute) {
 }  // namespace
 
 std::string dicom_metadata_json(const DicomSet& data) {
-  nlohmann::json told = nlohmann::json::object();
+  nlohmann::json kept = nlohmann::json::object();
   for (const Attribute& attribute : kAttributes) {
     const std::string text = data.text(attribute.tag);
     if (text.empty() || !has_form(data, attribute)) continue;
-    nlohmann::json& value = told[attribute.name];
+    nlohmann::json& value = kept[attribute.name];
     if (attribute.form != Form::number) {
       value = text;
     } else if (const std::vector<double> all = data.decimals(attribute.tag); all.size() == 1) {
@@ -118,7 +118,7 @@ std::string dicom_metadata_json(const DicomSet& data) {
       value = all;
     }
   }
-  return told.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return kept.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 bool is_dicom_metadata(const DicomSet& data, DicomTag tag) {

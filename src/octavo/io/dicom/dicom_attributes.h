@@ -15,7 +15,7 @@
 
 namespace octavo {
 
-/// The attributes of `data` that may be told, as a JSON object by keyword.
+/// The attributes of `data` that may be kept, as a JSON object by keyword.
 std::string dicom_metadata_json(const DicomSet& data);
 
 /// True for the tags of that list where nothing in `data` under them has to stay out.

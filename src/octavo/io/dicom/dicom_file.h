@@ -79,7 +79,7 @@ struct DicomFile {
 /// 0002 or 0008 where there is no preamble. Throws Error{io}.
 bool looks_like_dicom(const std::string& path);
 
-/// Walks the whole file. Deflated and private transfer syntaxes are refused by name.
+/// Walks the whole file. Deflated and private transfer syntaxes are rejected by name.
 /// Throws Error{source_rejected} naming the element where the file ends early or makes no sense;
 /// Error{io}
 DicomFile read_dicom_file(const std::string& path);

@@ -170,11 +170,13 @@ void read_labels(const DicomSlice& slice, std::span<std::byte> plane) {
     for (std::size_t i = 0; i < plane.size(); ++i) {
       if (bits[i] == std::byte{0}) continue;
       if (plane[i] != std::byte{0}) {
-        reject(layout, "segments " +
-                           segment_text(layout, std::to_integer<std::int64_t>(plane[i])) + " and " +
-                           segment_text(layout, part.label) + " overlap in frame " +
-                           std::to_string(part.frame + 1) +
-                           ", and a voxel has one label; give --segment to take one of them");
+        throw Error(ErrorKind::source_rejected,
+                    "segments " +
+                        segment_text(layout, std::to_integer<std::int64_t>(plane[i])) + " and " +
+                        segment_text(layout, part.label) + " overlap in frame " +
+                        std::to_string(part.frame + 1) + ", and a voxel has one label",
+                    layout.path)
+            .with_field("segment", "a number or label");
       }
       plane[i] = static_cast<std::byte>(part.label);
     }
@@ -249,8 +251,8 @@ VoxelType dicom_voxel_type(const DicomLayout& layout) {
     reject(layout, std::string("a ") + (layout.pixels.is_encapsulated ? "compressed " : "") +
                        "color picture (" + escaped(layout.photometric) + ", " +
                        std::to_string(layout.samples) + " samples per pixel) is not read; grey "
-                       "and uncompressed RGB (of which --channel takes one) are. Convert it first, "
-                       "as gdcmconv --raw does");
+                       "and uncompressed RGB (of which one channel is taken) are. Convert it "
+                       "first, as gdcmconv does by its option raw");
   }
   const std::int64_t bits = layout.bits_allocated;
   if (bits != 8 && bits != 16 && bits != 32) {

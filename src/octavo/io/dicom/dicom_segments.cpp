@@ -39,8 +39,9 @@ std::int64_t number_of(const DicomLayout& layout, const std::string& text) {
     if (std::to_string(segment.number) == text) return segment.number;
   }
   throw Error(ErrorKind::invalid_argument,
-              "--segment " + escaped(text) + " is not there; segments are " + list_of(layout),
-              layout.path);
+              "segment " + escaped(text) + " is not there; segments are " + list_of(layout),
+              layout.path)
+      .with_field("segment", "one of these numbers or labels");
 }
 
 std::set<std::int64_t> numbers_in(const std::vector<DicomSlice>& slices) {
@@ -51,9 +52,9 @@ std::set<std::int64_t> numbers_in(const std::vector<DicomSlice>& slices) {
 
 [[noreturn]] void ask_for_one(const DicomLayout& layout, const std::string& why) {
   throw Error(ErrorKind::source_rejected,
-              "a segmentation (SEG) of several segments (" + list_of(layout) + ") " + why +
-                  "; give --segment with a number or label",
-              layout.path);
+              "a segmentation (SEG) of several segments (" + list_of(layout) + ") " + why,
+              layout.path)
+      .with_field("segment", "a number or label");
 }
 
 /// One slice for each place, with the frames of all segments there.
@@ -92,7 +93,8 @@ std::vector<DicomSlice> choose_segments(std::vector<DicomSlice> slices,
   if (!layout.is_segmentation()) {
     if (options.segment.empty()) return slices;
     throw Error(ErrorKind::invalid_argument,
-                "--segment applies to DICOM segmentations (SEG) only", layout.path);
+                "no DICOM segmentation (SEG), of which alone a segment can be taken", layout.path)
+        .with_field("segment");
   }
   const double largest = static_cast<double>(std::max<std::int64_t>(layout.max_fraction, 1));
   if (!options.segment.empty()) {

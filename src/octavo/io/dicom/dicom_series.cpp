@@ -105,7 +105,7 @@ std::vector<std::byte> voxels_of(const DicomSlice& slice) {
   return voxels;
 }
 
-/// Refuses a slice at the height of the one kept before it, unless it is its copy at the same
+/// Rejects a slice at the height of the one kept before it, unless it is its copy at the same
 /// place and copies may go.
 void require_copy(const DicomSlice& kept, const DicomSlice& slice, double sideways_mm,
                   bool may_drop) {
@@ -118,8 +118,8 @@ void require_copy(const DicomSlice& kept, const DicomSlice& slice, double sidewa
   const std::string place = pair + " lie at the same position (" + precise_text(at[0]) + ", " +
                             precise_text(at[1]) + ", " + mm_text(at[2]) + ")";
   if (!may_drop) {
-    reject(slice,
-           place + "; remove one of them, or give --drop-duplicates to have copies left out");
+    throw Error(ErrorKind::source_rejected, place + "; remove one of them", slice.layout->path)
+        .with_field("drop_duplicates");
   }
   if (voxels_of(kept) == voxels_of(slice)) return;
   reject(slice, place + ", but their voxels differ: neither is a copy of the other; remove one of "
@@ -239,9 +239,9 @@ std::vector<DicomSlice> choose_series(std::vector<DicomSlice> slices, const std:
   for (const auto& [uid, summary] : found)
     list += (list.empty() ? "" : "; ") + summary_text(uid, summary);
   const std::string start =
-      series.empty() ? std::to_string(found.size()) + " series found, give --series UID: "
+      series.empty() ? std::to_string(found.size()) + " series found: "
                      : "no series " + escaped(series) + " here; there are: ";
-  throw Error(ErrorKind::source_rejected, start + list, source);
+  throw Error(ErrorKind::source_rejected, start + list, source).with_field("series");
 }
 
 DicomStack prove_stack(std::vector<DicomSlice> slices, const SourceOptions& options) {
@@ -257,9 +257,11 @@ DicomStack prove_stack(std::vector<DicomSlice> slices, const SourceOptions& opti
     return stack;
   }
   if (!options.spacing_mm) {
-    reject(*lacking, "no geometry: position, orientation or pixel spacing is missing in " +
-                         lacking->name() +
-                         "; give --spacing x,y,z to take the slices in their order");
+    throw Error(ErrorKind::source_rejected,
+                "no geometry: position, orientation or pixel spacing is missing in " +
+                    lacking->name() + "; only with a spacing are slices taken in their order",
+                lacking->layout->path)
+        .with_field("spacing_mm");
   }
   order_by_number(stack.slices);
   for (std::size_t i = 0; i < stack.slices.size(); ++i) stack.planes.push_back({i});

@@ -34,7 +34,7 @@ class DicomSource final : public IndexedPlaneSource {
 };
 
 std::vector<DicomSlice> collect_slices(const std::vector<std::string>& files,
-                                       std::vector<std::string>& warnings) {
+                                       std::vector<Warning>& warnings) {
   std::vector<DicomSlice> slices;
   DicomStrays strays;
   std::size_t without_picture = 0;
@@ -56,9 +56,9 @@ std::vector<DicomSlice> collect_slices(const std::vector<std::string>& files,
   return slices;
 }
 
-/// Refuses pixel data that do not fit their header and values of unknown meaning; warns where more
+/// Rejects pixel data that do not fit their header and values of unknown meaning; warns where more
 /// is stored than is taken.
-void check_slices(const std::vector<DicomSlice>& slices, std::vector<std::string>& warnings) {
+void check_slices(const std::vector<DicomSlice>& slices, std::vector<Warning>& warnings) {
   const DicomLayout* example = nullptr;
   std::set<const DicomLayout*> checked;
   std::size_t count = 0;
@@ -137,7 +137,7 @@ SourceFacts describe(const DicomStack& stack, const SourceOptions& options) {
 std::unique_ptr<PlaneSource> open_dicom_source(const std::vector<std::string>& files,
                                                const std::string& source,
                                                const SourceOptions& options) {
-  std::vector<std::string> warnings;
+  std::vector<Warning> warnings;
   std::vector<DicomSlice> slices = collect_slices(files, warnings);
   if (slices.empty()) {
     throw Error(ErrorKind::source_rejected, "no DICOM file with a picture found", source);
@@ -149,9 +149,8 @@ std::unique_ptr<PlaneSource> open_dicom_source(const std::vector<std::string>& f
   check_slices(slices, warnings);
   if (options.on_gap == GapPolicy::ignore) {
     throw Error(ErrorKind::invalid_argument,
-                "--on-gap ignore is for numbered files; DICOM slices say where they lie: give fill "
-                "or resample",
-                source);
+                "DICOM slices say where they lie: gaps between them are not ignored", source)
+        .with_field("on_gap", "fill or resample");
   }
   slices = choose_segments(std::move(slices), options);
   const ComponentChoice choice = choose_component(components, options, slices.front().layout->path);

@@ -25,8 +25,12 @@ constexpr std::size_t kMaxListedRuns = 1000;
 /// A shift so near to whole voxels moves voxels unchanged.
 constexpr double kWholeShift = 1e-3;
 
-[[noreturn]] void reject(const DicomStack& stack, const std::string& why) {
-  throw Error(ErrorKind::source_rejected, why, stack.slices.front().layout->path);
+/// hints  the options that would change it
+[[noreturn]] void reject(const DicomStack& stack, const std::string& why,
+                         const std::vector<OptionHint>& hints = {}) {
+  Error failure(ErrorKind::source_rejected, why, stack.slices.front().layout->path);
+  for (const auto& [field, value] : hints) failure = failure.with_field(field, value);
+  throw failure;
 }
 
 std::string count_text(std::size_t count, const char* noun) {
@@ -48,33 +52,29 @@ bool is_fillable(const DicomStack& stack, double missing) {
                         static_cast<double>(stack.slices.size());
 }
 
-/// Refuses uneven steps and tilt where no option says what to do about them.
+/// Rejects uneven steps and tilt where no option says what to do about them.
 void require_even(const DicomStack& stack, const SlicePlaces& places,
                   const SourceOptions& options) {
   const std::string jump = find_sideways_jump(stack.slices, places);
   std::string faults;
-  std::string remedy;
+  std::vector<OptionHint> hints;
   if (const double degrees = tilt_degrees(places); degrees > 0 && !options.untilt) {
     const double sideways = std::hypot(places.shift_mm.back()[0], places.shift_mm.back()[1]);
     faults = "the slices are sheared (gantry tilt): from " + stack.slices.front().name() + " to " +
              stack.slices.back().name() + " they shift " + mm_text(sideways) + " sideways over " +
              mm_text(places.height_mm.back()) + ", an angle of " +
              precise_text(rounded(degrees, 100)) + " degrees";
-    remedy = "--untilt to resample them upright";
+    hints.push_back({"untilt", ""});
   }
   if (const std::string uneven = find_uneven_step(stack.slices, places);
       !uneven.empty() && options.on_gap == GapPolicy::error) {
     const std::optional<double> missing = missing_planes(places);
     const bool can_fill = missing && is_fillable(stack, *missing);
-    const char* fill = stack.leaves_out_empty
-                           ? "--on-gap fill to have planes without a frame left empty"
-                           : "--on-gap fill to have missing planes made from their neighbors";
     faults += (faults.empty() ? "" : "; also ") + uneven;
-    remedy += remedy.empty() ? "" : " and ";
-    remedy += can_fill ? fill : "--on-gap resample to have even planes made from them";
+    hints.push_back({"on_gap", can_fill ? "fill" : "resample"});
   }
   if (!jump.empty()) reject(stack, jump + (faults.empty() ? "" : "; also ") + faults);
-  if (!faults.empty()) reject(stack, faults + "; complete the series, or give " + remedy);
+  if (!faults.empty()) reject(stack, faults + "; complete the series", hints);
 }
 
 /// One plane on each slice.
@@ -88,15 +88,17 @@ double fill_gaps(DicomStack& stack, const SlicePlaces& places) {
   const std::optional<double> step = grid_step_mm(places);
   const std::optional<double> missing = missing_planes(places);
   if (!step || !missing) {
-    reject(stack, find_uneven_step(stack.slices, places) +
-                      " and lie on no even grid whose gaps could be filled; give --on-gap "
-                      "resample");
+    reject(stack,
+           find_uneven_step(stack.slices, places) +
+               " and lie on no even grid whose gaps could be filled",
+           {{"on_gap", "resample"}});
   }
   if (!is_fillable(stack, *missing)) {
-    reject(stack, find_uneven_step(stack.slices, places) + "; " + precise_text(*missing) +
-                      " planes would be made from " + count_text(places.count(), "slice") +
-                      ": too many to be called filling; find the missing slices, or give "
-                      "--on-gap resample");
+    reject(stack,
+           find_uneven_step(stack.slices, places) + "; " + precise_text(*missing) +
+               " planes would be made from " + count_text(places.count(), "slice") +
+               ": too many to be called filling; find the missing slices",
+           {{"on_gap", "resample"}});
   }
   for (std::size_t i = 0; i + 1 < places.count(); ++i) {
     const auto count = static_cast<std::int64_t>(std::round(places.step_mm(i + 1) / *step));
@@ -177,7 +179,7 @@ void remove_tilt(DicomStack& stack, const SlicePlaces& places) {
     reject(stack, "the slices shift sideways at an angle of " +
                       precise_text(rounded(tilt.angle_degrees, 100)) +
                       " degrees, more than the 45 degrees of any gantry: their positions are "
-                      "wrong, --untilt does not help");
+                      "wrong, and taking out a tilt does not help");
   }
   const std::array<double, 2>& pixel_mm = *stack.slices.front().pixel_mm;
   std::array<double, 2> least_mm{};
@@ -201,7 +203,7 @@ void remove_tilt(DicomStack& stack, const SlicePlaces& places) {
     reject(stack, "the slices shift sideways by " + precise_text(std::max(most[0], most[1])) +
                       " voxels, many times their size of " +
                       size_text(layout.columns, layout.rows) +
-                      ": their positions are wrong, --untilt does not help");
+                      ": their positions are wrong, and taking out a tilt does not help");
   }
   tilt.columns = layout.columns + static_cast<std::int64_t>(std::ceil(most[0]));
   tilt.rows = layout.rows + static_cast<std::int64_t>(std::ceil(most[1]));

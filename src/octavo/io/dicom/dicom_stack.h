@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "octavo/core/warning.h"
 #include "octavo/io/dicom/dicom_places.h"
 #include "octavo/io/source_options.h"
 
@@ -49,7 +50,7 @@ struct DicomStack {
   bool holds_labels = false;   ///< nothing is interpolated: the nearest voxel counts
   Geometry geometry;
   bool spacing_known = false;  ///< as is the place; false: slices taken by their numbers
-  std::vector<std::string> warnings;
+  std::vector<Warning> warnings;
 
   /// Size of the volume.
   Size3 size() const;

@@ -1,7 +1,7 @@
 // What the stored values of a DICOM frame stand for.
 //
 // A header that says so in a way that is not understood is no reason to take the stored values as
-// real ones: what is wrong is kept with the frame, and refused where the frame is taken.
+// real ones: what is wrong is kept with the frame, and rejected where the frame is taken.
 #pragma once
 
 #include <string>

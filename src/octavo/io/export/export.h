@@ -31,7 +31,7 @@ struct ExportLimits {
   bool loses_box_start = false;  ///< nothing says where in its volume the box begins
 };
 
-/// What has to be told of an export before it. Throws Error{invalid_argument} as export_volume.
+/// What has to be reported of an export before it. Throws Error{invalid_argument} as export_volume.
 ExportLimits export_limits(const FileReader& reader, ExportFormat format,
                            const ExportOptions& options);
 

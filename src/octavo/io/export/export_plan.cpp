@@ -140,7 +140,7 @@ void require_free(Storage& storage, const std::string& path, bool overwrite) {
   if (type == PathType::missing) return;
   if (type != PathType::file)
     throw Error(ErrorKind::io, "is not a file; choose another name", path);
-  if (!overwrite) throw Error(ErrorKind::io, "exists already; --force replaces it", path);
+  if (!overwrite) throw Error(ErrorKind::io, "exists already", path).with_field("overwrite");
 }
 
 }  // namespace octavo

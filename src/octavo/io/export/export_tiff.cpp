@@ -72,8 +72,9 @@ std::string check_folder(Storage& storage, const std::string& folder, bool overw
                 "cannot list the folder: " + std::generic_category().message(errno), folder);
   }
   if (!overwrite && (!list.planes.empty() || !list.other.empty())) {
-    throw Error(ErrorKind::io, "the folder is not empty; --force replaces an earlier stack",
-                folder);
+    throw Error(ErrorKind::io, "the folder is not empty; an earlier stack alone can be replaced",
+                folder)
+        .with_field("overwrite");
   }
   if (!list.other.empty()) {
     throw Error(ErrorKind::io,
@@ -172,7 +173,7 @@ class TiffFolderTarget final : public ExportTarget {
     sync_new_name(storage_, folder_);
   }
 
-  // What cannot be removed is told, and by every later export until it is.
+  // What cannot be removed is reported, and by every later export until it is.
   void remove_earlier(const std::string& earlier) const {
     if (remove_plane_folder(earlier) || errno == ENOENT) return;
     const int reason = errno;

@@ -86,7 +86,7 @@ struct RangeClient::Attempt {
   std::string last_modified;
   std::vector<std::uint8_t> body;
   bool is_too_long = false;
-  bool is_refused = false;  ///< stopped after the headers: the body is of no use
+  bool is_rejected = false;  ///< stopped after the headers: the body is of no use
 };
 
 class RangeClient::Connection {
@@ -163,9 +163,9 @@ class RangeClient::Connection {
     Attempt& attempt = *static_cast<Attempt*>(user);
     const std::size_t length = size * count;
     if (attempt.status >= 300 && attempt.status < 400) return length;
-    attempt.is_refused = attempt.status != 206;
+    attempt.is_rejected = attempt.status != 206;
     attempt.is_too_long = attempt.body.size() + length > attempt.limit;
-    if (attempt.is_refused || attempt.is_too_long) return 0;
+    if (attempt.is_rejected || attempt.is_too_long) return 0;
     attempt.body.insert(attempt.body.end(), bytes, bytes + length);
     return length;
   }
@@ -193,7 +193,7 @@ void RangeClient::return_connection(std::unique_ptr<Connection> connection) {
 
 namespace {
 
-[[noreturn]] void refuse(const std::string& url, std::uint64_t offset, const std::string& what) {
+[[noreturn]] void fail(const std::string& url, std::uint64_t offset, const std::string& what) {
   throw Error(ErrorKind::io, what, escaped(url), offset);
 }
 
@@ -201,7 +201,7 @@ std::string status_words(long status) {
   if (status == 200) return "this server ignores Range; it sends whole files only";
   const std::string number = std::to_string(status);
   if (status == 404) return "the server has no such file (404)";
-  if (status == 401 || status == 403) return "the server refuses access (" + number + ")";
+  if (status == 401 || status == 403) return "the server denies access (" + number + ")";
   if (status == 416) return "the server has no such range (416); the file is empty or was replaced";
   return "the server answers with status " + number + ", expected 206";
 }
@@ -224,29 +224,29 @@ RangeAnswer RangeClient::fetch(std::uint64_t offset, std::uint64_t count) {
 
   // Name what is wrong, the most telling first.
   if (attempt.status != 0 && attempt.status != 206)
-    refuse(url_, offset, status_words(attempt.status));
-  if (attempt.is_too_long) refuse(url_, offset, "the server sends more bytes than were asked for");
+    fail(url_, offset, status_words(attempt.status));
+  if (attempt.is_too_long) fail(url_, offset, "the server sends more bytes than were asked for");
   if (code != CURLE_OK) {
-    refuse(url_, offset, std::string("cannot be read: ") + curl_easy_strerror(code));
+    fail(url_, offset, std::string("cannot be read: ") + curl_easy_strerror(code));
   }
   if (!attempt.content_encoding.empty() && lower_case(attempt.content_encoding) != "identity") {
-    refuse(url_, offset,
+    fail(url_, offset,
            "the server encodes the file as " + escaped(attempt.content_encoding) +
                "; ranges need it as it is");
   }
   const auto range = parse_content_range(attempt.content_range);
   if (!range) {
-    refuse(url_, offset, "the answer's Content-Range is '" + escaped(attempt.content_range) + "'");
+    fail(url_, offset, "the answer's Content-Range is '" + escaped(attempt.content_range) + "'");
   }
   const std::uint64_t last = std::min(offset + count, range->total) - 1;
   if (range->first != offset || range->last != last) {
-    refuse(url_, offset,
+    fail(url_, offset,
            "the server sent bytes " + std::to_string(range->first) + '-' +
                std::to_string(range->last) + ", asked were " + std::to_string(offset) + '-' +
                std::to_string(last));
   }
   if (attempt.body.size() != last - offset + 1) {
-    refuse(url_, offset,
+    fail(url_, offset,
            "the answer has " + std::to_string(attempt.body.size()) + " bytes, announced were " +
                std::to_string(last - offset + 1));
   }

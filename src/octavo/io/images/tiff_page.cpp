@@ -113,7 +113,7 @@ TiffPage TiffFile::page() {
       photometric != PHOTOMETRIC_MINISBLACK) {
     reject("a picture of photometric interpretation " + std::to_string(photometric) + " with " +
            std::to_string(page.samples) + " samples per pixel is not read; grey and RGB (of which "
-           "--channel takes one) are. Convert it first");
+           "one channel is taken) are. Convert it first");
   }
   const auto bits = tag_or<std::uint16_t>(handle_, TIFFTAG_BITSPERSAMPLE, 1);
   const auto format = tag_or<std::uint16_t>(handle_, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT);

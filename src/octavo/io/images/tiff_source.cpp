@@ -110,27 +110,27 @@ void require_same_meaning(TiffStack& stack, const TiffDescription& text, const s
   const TiffDescription& first = stack.description;
   const std::string name = escaped(base_name(path));
   const std::string first_name = escaped(base_name(stack.files.front()));
-  const auto refuse = [&](const std::string& what, const std::string& found,
-                          const std::string& expected, const std::string& remedy) {
-    throw Error(ErrorKind::source_rejected,
-                name + " has " + what + " " + found + ", " + first_name + " has " + expected +
-                    "; " + remedy,
-                path);
+  const auto difference = [&](const std::string& what, const std::string& found,
+                              const std::string& expected) {
+    return Error(ErrorKind::source_rejected,
+                 name + " has " + what + " " + found + ", " + first_name + " has " + expected +
+                     "; all planes of a stack must have the same",
+                 path);
   };
   if (calibration_text(text) != calibration_text(first)) {
-    refuse("the calibration", calibration_text(text), calibration_text(first),
-           "all planes of a stack must have one; save them with the same");
+    throw difference("the calibration", calibration_text(text), calibration_text(first));
   }
   if (is_spacing_given) return;
-  const std::string remedy = "give --spacing x,y,z if one is right for all of them";
   if (text.unknown_unit != first.unknown_unit) {
-    refuse("the unit of lengths", unit_text(text), unit_text(first), remedy);
+    throw difference("the unit of lengths", unit_text(text), unit_text(first))
+        .with_field("spacing_mm");
   }
   const auto compare = [&](const char* axis, std::optional<double> found,
                            std::optional<double> expected) {
     if (!found || !expected || !differ(*found, *expected)) return;
-    refuse(std::string("voxels along ") + axis + " of", precise_text(*found) + " mm",
-           precise_text(*expected) + " mm", remedy);
+    throw difference(std::string("voxels along ") + axis + " of", precise_text(*found) + " mm",
+                     precise_text(*expected) + " mm")
+        .with_field("spacing_mm");
   };
   compare("x", text.x_mm, first.x_mm);
   compare("y", text.y_mm, first.y_mm);

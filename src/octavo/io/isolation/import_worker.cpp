@@ -88,7 +88,7 @@ std::uint64_t thread_bytes(const ImportRequest& request) {
 class ImportLimits {
  public:
   explicit ImportLimits(const ImportRequest& request) : request_(request) {
-    // 1 and not 0: a core that goes to a program is refused at 1 alone.
+    // 1 and not 0: a core that goes to a program is rejected at 1 alone.
     lower(RLIMIT_CORE, 1);
     ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
     // Where memory runs out for all, the system should take this process.

@@ -57,7 +57,7 @@ class IsolatedSource final : public PlaneSource {
   }
 
   const VolumeDescription& description() const override { return report_.description; }
-  const std::vector<std::string>& warnings() const override { return report_.warnings; }
+  const std::vector<Warning>& warnings() const override { return report_.warnings; }
   std::uint64_t resident_bytes() const override { return report_.resident_bytes; }
 
   void read_plane(std::span<std::byte> plane) override {

@@ -30,7 +30,8 @@ constexpr std::size_t kOutputBytes = std::size_t{1} << 16;
 
 [[noreturn]] void fail(const std::string& doing, int error) {
   throw Error(ErrorKind::io, "cannot start a process to read in (" + doing + ": " +
-                                 std::strerror(error) + "); --no-isolation reads without one");
+                                 std::strerror(error) + ")")
+      .with_field("isolation");
 }
 
 /// The same file under a number above those a worker finds its ends at.

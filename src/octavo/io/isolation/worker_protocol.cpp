@@ -37,6 +37,13 @@ class Writer : public ByteWriter {
     put_varint(texts.size());
     for (const std::string& text : texts) put_text(text);
   }
+  void put_warnings(const std::vector<Warning>& warnings) {
+    put_varint(warnings.size());
+    for (const auto& [text, field] : warnings) {
+      put_text(text);
+      put_text(field);
+    }
+  }
   void put_size(const Size3& size) {
     for (const std::int64_t axis : {size.x, size.y, size.z}) put_signed(axis);
   }
@@ -68,6 +75,16 @@ class Reader : public ByteReader {
     for (std::uint64_t i = 0; i < count; ++i) all.push_back(text());
     return all;
   }
+  std::vector<Warning> warnings() {
+    const std::uint64_t count = varint();
+    if (count > left()) fail("a list ends early");
+    std::vector<Warning> all;
+    for (std::uint64_t i = 0; i < count; ++i) {
+      std::string words = text();
+      all.emplace_back(std::move(words), text());
+    }
+    return all;
+  }
   Size3 size() {
     const std::int64_t x = signed_varint();
     const std::int64_t y = signed_varint();
@@ -80,7 +97,7 @@ class Reader : public ByteReader {
   }
 };
 
-// Naming all members at once lets the compiler refuse a member that is not sent.
+// Naming all members at once lets the compiler reject a member that is not sent.
 
 void put_options(Writer& out, const SourceOptions& options) {
   const auto& [raw, spacing_mm, series, on_gap, drop_duplicates, untilt, segment, channel,
@@ -223,14 +240,14 @@ Payload encode(const SourceReport& report) {
   Payload payload;
   Writer out(payload);
   put_description(out, report.description);
-  out.put_texts(report.warnings);
+  out.put_warnings(report.warnings);
   out.put_u64(report.resident_bytes);
   return payload;
 }
 
-Payload encode(const std::vector<std::string>& warnings) {
+Payload encode(const std::vector<Warning>& warnings) {
   Payload payload;
-  Writer(payload).put_texts(warnings);
+  Writer(payload).put_warnings(warnings);
   return payload;
 }
 
@@ -242,6 +259,11 @@ Payload encode(const Error& failure) {
   out.put_text(failure.path());
   out.put_u8(failure.offset() ? 1 : 0);
   out.put_u64(failure.offset().value_or(0));
+  out.put_varint(failure.hints().size());
+  for (const auto& [field, value] : failure.hints()) {
+    out.put_text(field);
+    out.put_text(value);
+  }
   return payload;
 }
 
@@ -262,15 +284,15 @@ SourceReport decode_report(std::span<const std::uint8_t> payload) {
   Reader in(payload, "the description");
   SourceReport report;
   report.description = take_description(in);
-  report.warnings = in.texts();
+  report.warnings = in.warnings();
   report.resident_bytes = in.u64();
   in.expect_end();
   return report;
 }
 
-std::vector<std::string> decode_warnings(std::span<const std::uint8_t> payload) {
+std::vector<Warning> decode_warnings(std::span<const std::uint8_t> payload) {
   Reader in(payload, "the warnings");
-  std::vector<std::string> warnings = in.texts();
+  std::vector<Warning> warnings = in.warnings();
   in.expect_end();
   return warnings;
 }
@@ -283,9 +305,16 @@ Error decode_failure(std::span<const std::uint8_t> payload) {
   std::string path = in.text();
   const bool has_offset = in.flag();
   const std::uint64_t offset = in.u64();
+  Error failure(static_cast<ErrorKind>(kind), std::move(detail), std::move(path),
+                has_offset ? std::optional(offset) : std::nullopt);
+  const std::uint64_t hint_count = in.varint();
+  if (hint_count > in.left()) in.fail("a list ends early");
+  for (std::uint64_t i = 0; i < hint_count; ++i) {
+    std::string field = in.text();
+    failure = failure.with_field(std::move(field), in.text());
+  }
   in.expect_end();
-  return Error(static_cast<ErrorKind>(kind), std::move(detail), std::move(path),
-               has_offset ? std::optional(offset) : std::nullopt);
+  return failure;
 }
 
 }  // namespace octavo

@@ -17,6 +17,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/volume.h"
+#include "octavo/core/warning.h"
 #include "octavo/io/source_options.h"
 
 namespace octavo {
@@ -38,7 +39,7 @@ struct ImportRequest {
 /// What a source is before its first plane.
 struct SourceReport {
   VolumeDescription description;
-  std::vector<std::string> warnings;
+  std::vector<Warning> warnings;
   std::uint64_t resident_bytes = 0;
 };
 
@@ -67,14 +68,14 @@ bool starts_a_request(std::span<const std::uint8_t> bytes) noexcept;
 
 Payload encode(const ImportRequest& request);
 Payload encode(const SourceReport& report);
-Payload encode(const std::vector<std::string>& warnings);
+Payload encode(const std::vector<Warning>& warnings);
 Payload encode(const Error& failure);
 
 /// The way back. Every number is proven: a report describes a volume that can be built.
 /// Throws Error{corrupt} or Error{limit_exceeded}
 ImportRequest decode_request(std::span<const std::uint8_t> payload);
 SourceReport decode_report(std::span<const std::uint8_t> payload);
-std::vector<std::string> decode_warnings(std::span<const std::uint8_t> payload);
+std::vector<Warning> decode_warnings(std::span<const std::uint8_t> payload);
 Error decode_failure(std::span<const std::uint8_t> payload);
 
 }  // namespace octavo

@@ -23,7 +23,7 @@ bool is_perpendicular(const Geometry& geometry) noexcept {
   return true;
 }
 
-void refuse_shear(const Geometry& geometry, const std::string& field, const std::string& path) {
+void reject_shear(const Geometry& geometry, const std::string& field, const std::string& path) {
   for (std::size_t b = 1; b < 3; ++b) {
     for (std::size_t a = 0; a < b; ++a) {
       const double cosine = axis_cosine(geometry, a, b);

@@ -13,17 +13,17 @@ namespace octavo {
 
 namespace {
 
-constexpr std::size_t kMaxNamesTold = 8;
+constexpr std::size_t kMaxNamesShown = 8;
 constexpr std::int64_t kMaxChannels = std::int64_t{1} << 16;
 
 /// "4 channels (red, green, blue, alpha)".
 std::string channels_text(const Components& components) {
   std::string names;
-  const std::size_t told = std::min(components.channel_names.size(), kMaxNamesTold);
-  for (std::size_t i = 0; i < told; ++i) {
+  const std::size_t shown = std::min(components.channel_names.size(), kMaxNamesShown);
+  for (std::size_t i = 0; i < shown; ++i) {
     names += (i == 0 ? "" : ", ") + escaped(components.channel_names[i]);
   }
-  if (told < components.channel_names.size()) names += " ...";
+  if (shown < components.channel_names.size()) names += " ...";
   return std::to_string(components.channels) +
          (components.channels == 1 ? " channel" : " channels") +
          (names.empty() ? "" : " (" + names + ")");
@@ -38,26 +38,35 @@ std::string range_text(std::int64_t count) {
   return count == 2 ? "0 or 1" : "0 to " + std::to_string(count - 1);
 }
 
-[[noreturn]] void refuse_missing_choice(const Components& components, bool lacks_channel,
-                                        bool lacks_time, const std::string& path) {
+/// What can be given for a channel; nothing where there is only one.
+std::string channels_to_give(const Components& components) {
+  if (components.channels == 1) return "";
+  const std::string by_name = components.channel_names.empty() ? "" : "one of these names or ";
+  return by_name + range_text(components.channels);
+}
+
+std::string times_to_give(const Components& components) {
+  return components.times == 1 ? "" : range_text(components.times);
+}
+
+Error missing_choice(const Components& components, bool lacks_channel, bool lacks_time,
+                     const std::string& path) {
   const std::string both = lacks_channel && lacks_time ? " and " : "";
   const std::string found = (lacks_channel ? channels_text(components) : "") + both +
                             (lacks_time ? times_text(components) : "");
-  const std::string by_name = components.channel_names.empty() ? "" : "one of these names or ";
-  const std::string remedy =
-      (lacks_channel ? "--channel with " + by_name + range_text(components.channels) : "") + both +
-      (lacks_time ? "--time with " + range_text(components.times) : "");
-  throw Error(ErrorKind::source_rejected,
-              found + ", but a volume has one value at each voxel; give " + remedy, path);
+  Error failure(ErrorKind::source_rejected,
+                found + ", but a volume has one value at each voxel", path);
+  if (lacks_channel) failure = failure.with_field("channel", channels_to_give(components));
+  if (lacks_time) failure = failure.with_field("time", times_to_give(components));
+  return failure;
 }
 
-std::int64_t require_below(std::int64_t value, std::int64_t count, const std::string& option,
-                           const std::string& found, const std::string& path) {
-  if (value >= 0 && value < count) return value;
-  throw Error(ErrorKind::invalid_argument,
-              option + " " + std::to_string(value) + " is not there: the source has " + found +
-                  (count == 1 ? "; leave the option out" : ", counted from 0"),
-              path);
+Error no_channel(const Components& components, const std::string& text, const std::string& path) {
+  return Error(ErrorKind::invalid_argument,
+               "channel " + escaped(text) + " is not there: the source has " +
+                   channels_text(components),
+               path)
+      .with_field("channel", channels_to_give(components));
 }
 
 std::int64_t parse_channel(const Components& components, const std::string& text,
@@ -65,17 +74,25 @@ std::int64_t parse_channel(const Components& components, const std::string& text
   std::int64_t number = 0;
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (failure == std::errc() && end == text.data() + text.size()) {
-    return require_below(number, components.channels, "--channel", channels_text(components), path);
+    if (number >= 0 && number < components.channels) return number;
+    throw no_channel(components, text, path);
   }
   const std::vector<std::string>& names = components.channel_names;
   const auto found = std::find_if(names.begin(), names.end(), [&](const std::string& name) {
     return lower_case(name) == lower_case(text);
   });
   if (found != names.end()) return found - names.begin();
+  throw no_channel(components, text, path);
+}
+
+std::int64_t require_time(const Components& components, std::int64_t time,
+                          const std::string& path) {
+  if (time >= 0 && time < components.times) return time;
   throw Error(ErrorKind::invalid_argument,
-              "--channel " + escaped(text) + " is not there: the source has " +
-                  channels_text(components) + "; give a name of these, or a number from 0",
-              path);
+              "time " + std::to_string(time) + " is not there: the source has " +
+                  times_text(components),
+              path)
+      .with_field("time", times_to_give(components));
 }
 
 }  // namespace
@@ -97,14 +114,11 @@ ComponentChoice choose_component(const Components& components, const SourceOptio
   const bool lacks_channel = components.channels > 1 && options.channel.empty();
   const bool lacks_time = components.times > 1 && !options.time;
   if (lacks_channel || lacks_time) {
-    refuse_missing_choice(components, lacks_channel, lacks_time, path);
+    throw missing_choice(components, lacks_channel, lacks_time, path);
   }
   ComponentChoice choice;
   if (!options.channel.empty()) choice.channel = parse_channel(components, options.channel, path);
-  if (options.time) {
-    choice.time =
-        require_below(*options.time, components.times, "--time", times_text(components), path);
-  }
+  if (options.time) choice.time = require_time(components, *options.time, path);
   return choice;
 }
 

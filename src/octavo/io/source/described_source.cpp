@@ -30,7 +30,7 @@ std::string settle_spacing(SourceFacts& facts, const SourceOptions& options) {
     return "user";
   }
   if (facts.spacing_known) return "file";
-  facts.warnings.push_back("spacing is not in the files: 1 mm assumed; give --spacing x,y,z");
+  facts.warnings.emplace_back("spacing is not in the files: 1 mm assumed", "spacing_mm");
   spacing = {1, 1, 1};
   return "assumed";
 }
@@ -86,8 +86,9 @@ void settle(SourceFacts& facts, const SourceOptions& options, const std::string&
   if (!is_valid(facts.description.geometry)) {
     throw Error(ErrorKind::source_rejected,
                 "its geometry is not usable: spacings must be positive and axes independent; "
-                "give --spacing or repair the header",
-                path);
+                "repair the header",
+                path)
+        .with_field("spacing_mm");
   }
   if (!std::isfinite(facts.description.rescale.slope) || facts.description.rescale.slope == 0 ||
       !std::isfinite(facts.description.rescale.intercept)) {
@@ -121,9 +122,9 @@ void settle_number_gaps(const std::vector<std::string>& files, const SourceOptio
   const std::string found = gap_text(names, gaps);
   if (options.on_gap != GapPolicy::ignore) {
     throw Error(ErrorKind::source_rejected,
-                found + (gaps.front().is_counted ? "; complete the stack" : kNameOneStack) +
-                    ", or give --on-gap ignore to take the files as neighbors",
-                files[gaps.front().before + 1]);
+                found + (gaps.front().is_counted ? "; complete the stack" : kNameOneStack),
+                files[gaps.front().before + 1])
+        .with_field("on_gap", "ignore");
   }
   facts.ignored_number_gaps = gaps.size();
   facts.warnings.push_back(found + "; taken as neighbors");

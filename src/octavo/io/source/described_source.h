@@ -17,7 +17,7 @@ namespace octavo {
 /// What an importer found out before the first plane.
 struct SourceFacts {
   VolumeDescription description;        ///< metadata_json is made by `settle`
-  std::vector<std::string> warnings;
+  std::vector<Warning> warnings;
   std::string format;                   ///< "DICOM", "TIFF", ...
   std::int64_t file_count = 1;
   bool spacing_known = false;           ///< the files carry a spacing
@@ -39,7 +39,7 @@ struct SourceFacts {
 ///        as choose_component does
 void settle(SourceFacts& facts, const SourceOptions& options, const std::string& path);
 
-/// Refuses a stack of files whose numbers skip, as a plane is probably missing, and one in which no
+/// Rejects a stack of files whose numbers skip, as a plane is probably missing, and one in which no
 /// number counts, as its order is not known. With GapPolicy::ignore the files are taken as
 /// neighbors, with a warning and a note in the metadata.
 /// files   in plane order
@@ -55,11 +55,11 @@ class DescribedSource : public PlaneSource {
  public:
   explicit DescribedSource(SourceFacts facts);
   const VolumeDescription& description() const override { return facts_.description; }
-  const std::vector<std::string>& warnings() const override { return facts_.warnings; }
+  const std::vector<Warning>& warnings() const override { return facts_.warnings; }
 
  protected:
   const ComponentChoice& choice() const { return facts_.choice; }
-  void warn(std::string text) { facts_.warnings.push_back(std::move(text)); }
+  void warn(Warning warning) { facts_.warnings.push_back(std::move(warning)); }
   /// Throws Error{invalid_argument} unless `plane` is one plane long.
   void require_plane(std::span<const std::byte> plane) const;
   /// The index of the next plane; moves on. Throws Error{invalid_argument} behind the last one.

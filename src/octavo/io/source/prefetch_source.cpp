@@ -51,7 +51,7 @@ class PrefetchSource final : public PlaneSource {
   }
 
   const VolumeDescription& description() const override { return source_->description(); }
-  const std::vector<std::string>& warnings() const override { return warnings_; }
+  const std::vector<Warning>& warnings() const override { return warnings_; }
   std::uint64_t resident_bytes() const override {
     return source_->resident_bytes() + slots_.size() * slots_.front().plane.size();
   }
@@ -122,7 +122,7 @@ class PrefetchSource final : public PlaneSource {
 
   std::unique_ptr<PlaneSource> source_;
   const IndexedPlaneSource* indexed_;
-  std::vector<std::string> warnings_;
+  std::vector<Warning> warnings_;
   std::int64_t plane_count_;
   std::vector<Slot> slots_;
   std::mutex mutex_;

@@ -27,7 +27,7 @@ struct VoxelRun {
 };
 
 /// Delivers the planes of `run` one after the other; memory is that of a read buffer.
-/// A plain file that is too short is refused here; a deflated stream is proven to its trailer when
+/// A plain file that is too short is rejected here; a deflated stream is proven to its trailer when
 /// the last plane is read. Bytes behind the voxels bring a warning.
 /// Requires settled facts. Throws Error{source_rejected} with both lengths, Error{io}.
 std::unique_ptr<PlaneSource> make_streamed_source(SourceFacts facts, const VoxelRun& run);

@@ -45,7 +45,7 @@ class VoxelStream {
 /// True when a file starts as gzip does. Throws Error{io}.
 bool is_gzip_file(const std::string& path);
 
-/// Refuses a gzip file that cannot hold `needed_bytes` before anything is read from it: where the
+/// Rejects a gzip file that cannot hold `needed_bytes` before anything is read from it: where the
 /// length in its last four bytes differs, the whole stream is read once to find out.
 /// Throws Error{source_rejected}, Error{io}.
 void check_gzip_length(const std::string& path, std::uint64_t needed_bytes);

@@ -151,9 +151,11 @@ double unit_of(const MetaHeader& header, const SourceOptions& options) {
   if (unit.empty() || unit == "?") return 1;
   const std::optional<double> factor = unit_in_mm(unit);
   if (!factor && !options.spacing_mm) {
-    reject(header.path(), "DistanceUnits is \"" + escaped(unit) +
-                              "\", which is no unit that is known here (" + kUnitsRead +
-                              "); give --spacing in mm");
+    throw Error(ErrorKind::source_rejected,
+                "DistanceUnits is \"" + escaped(unit) +
+                    "\", which is no unit that is known here (" + kUnitsRead + ")",
+                header.path())
+        .with_field("spacing_mm");
   }
   return factor.value_or(1);
 }
@@ -167,12 +169,13 @@ void settle_axis_lengths(const FieldText& matrix, const SourceOptions& options,
     const double length = axis_length(geometry, axis);
     const bool is_unit = std::abs(length - 1) <= kAxisTolerance;
     if (!(length > 0) || (!is_unit && !options.spacing_mm)) {
-      reject(matrix.path,
-             escaped(matrix.name) + ": the vector of axis " + axis_name(axis) + " has length " +
-                 precise_text(length) +
-                 ", 1 expected, since the spacing stands in ElementSpacing; " +
-                 (length > 0 ? "give --spacing x,y,z in mm, which then counts alone, or " : "") +
-                 "repair the header");
+      const Error failure(ErrorKind::source_rejected,
+                          escaped(matrix.name) + ": the vector of axis " + axis_name(axis) +
+                              " has length " + precise_text(length) +
+                              ", 1 expected, since the spacing stands in ElementSpacing; repair "
+                              "the header",
+                          matrix.path);
+      throw length > 0 ? failure.with_field("spacing_mm") : failure;
     }
     for (std::size_t row = 0; row < 3; ++row) geometry.direction[row * 3 + axis] /= length;
   }
@@ -190,7 +193,7 @@ void read_direction(const MetaHeader& header, std::size_t dimensions, const Sour
       geometry.direction[row * 3 + axis] = rows[axis * dimensions + row];
     }
   }
-  refuse_shear(geometry, escaped(matrix.name), header.path());
+  reject_shear(geometry, escaped(matrix.name), header.path());
   settle_axis_lengths(matrix, options, geometry);
 }
 
@@ -224,7 +227,7 @@ std::optional<bool> place_known_of(const MetaHeader& header, const Geometry& geo
   return std::nullopt;
 }
 
-void refuse_unreadable(const MetaHeader& header) {
+void reject_unreadable(const MetaHeader& header) {
   if (header.has("BinaryData") && !header.is_true({"BinaryData"})) {
     reject(header.path(), "voxels written as text are not read; convert the file to binary");
   }
@@ -238,8 +241,9 @@ VoxelRun locate_voxels(const MetaHeader& header, std::uint64_t voxel_bytes) {
     run.path = header.path();
     run.start_offset = header.data_offset();
   } else if (lower.starts_with("list") || data.find('%') != std::string::npos) {
-    reject(header.path(), "a MetaImage that lists one file per plane is not read; give the planes "
-                          "with --raw");
+    throw Error(ErrorKind::source_rejected, "a MetaImage that lists one file per plane is not read",
+                header.path())
+        .with_field("raw");
   } else {
     run.path = sibling_path(header.path(), data);
   }
@@ -265,7 +269,7 @@ VoxelRun locate_voxels(const MetaHeader& header, std::uint64_t voxel_bytes) {
 std::unique_ptr<PlaneSource> open_meta_source(const std::string& path,
                                               const SourceOptions& options) {
   const MetaHeader header(path);
-  refuse_unreadable(header);
+  reject_unreadable(header);
   SourceFacts facts;
   facts.format = "MetaImage";
   facts.identity = header.identity();

@@ -220,13 +220,13 @@ std::string difference(const Geometry& sform, const Geometry& qform) {
 
 /// Tells where the qform says otherwise than the sform, which is used.
 void note_disagreement(const NiftiHeader& h, const Geometry& sform, double unit_mm,
-                       std::vector<std::string>& notes) {
+                       std::vector<Warning>& warnings) {
   const std::string what =
       is_rotation(h) ? difference(sform, qform_geometry(h, unit_mm))
                      : "the quaternion of the qform, b^2 + c^2 + d^2 = " +
                            precise_text(quaternion_square(h)) + ", is no rotation";
   if (what.empty()) return;
-  notes.push_back("sform and qform of the header disagree (" + what + "): the sform is used");
+  warnings.push_back("sform and qform of the header disagree (" + what + "): the sform is used");
 }
 
 void require_rotation(const NiftiHeader& h, const std::string& path) {
@@ -236,14 +236,14 @@ void require_rotation(const NiftiHeader& h, const std::string& path) {
                    ", at most 1 expected; repair the header, or give it an sform");
 }
 
-/// Refuses an sform that no grid can have: a missing axis, shear.
+/// Rejects an sform that no grid can have: a missing axis, shear.
 void require_grid(const Geometry& geometry, const std::string& path) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (geometry.spacing_mm[axis] > 0) continue;
     reject(path, std::string("the sform of the header gives axis ") + axis_name(axis) +
                      " no length, and there is no qform; repair the header");
   }
-  refuse_shear(geometry, "the sform of the header, which has no qform", path);
+  reject_shear(geometry, "the sform of the header, which has no qform", path);
 }
 
 }  // namespace
@@ -302,10 +302,10 @@ std::string nifti_type_name(std::int64_t datatype) {
 }
 
 bool nifti_geometry(const NiftiHeader& h, const std::string& path, Geometry& geometry,
-                    std::vector<std::string>& notes) {
+                    std::vector<Warning>& warnings) {
   if (h.spatial_unit != kMeter && h.spatial_unit != kMillimeter && h.spatial_unit != kMicrometer) {
-    notes.push_back("the header does not name the unit of its lengths, millimeters are assumed; "
-                    "--spacing sets another spacing");
+    warnings.emplace_back(
+        "the header does not name the unit of its lengths, millimeters are assumed", "spacing_mm");
   }
   const double unit_mm = form_unit_in_mm(h.spatial_unit);
   Geometry sform;
@@ -313,7 +313,7 @@ bool nifti_geometry(const NiftiHeader& h, const std::string& path, Geometry& geo
   const bool is_sform_usable = h.sform_code > 0 && is_perpendicular(sform);
   if (h.qform_code > 0 && !is_sform_usable) {
     if (h.sform_code > 0) {
-      notes.push_back("the sform of the header is sheared: the qform is used");
+      warnings.push_back("the sform of the header is sheared: the qform is used");
     }
     require_rotation(h, path);
     geometry = qform_geometry(h, unit_mm);
@@ -322,10 +322,10 @@ bool nifti_geometry(const NiftiHeader& h, const std::string& path, Geometry& geo
   if (h.sform_code > 0) {
     geometry = sform;
     if (!is_sform_usable) require_grid(geometry, path);
-    if (h.qform_code > 0) note_disagreement(h, geometry, unit_mm, notes);
+    if (h.qform_code > 0) note_disagreement(h, geometry, unit_mm, warnings);
     return true;
   }
-  notes.push_back(
+  warnings.push_back(
       "the header does not say where left and right are: the file's axes are taken as LPS");
   bool known = true;
   for (std::size_t axis = 0; axis < 3; ++axis) {

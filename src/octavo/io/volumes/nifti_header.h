@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "octavo/core/geometry.h"
+#include "octavo/core/warning.h"
 
 namespace octavo {
 
@@ -41,11 +42,11 @@ NiftiHeader read_nifti_header(const std::string& path);
 std::string nifti_type_name(std::int64_t datatype);
 
 /// Geometry from sform or qform in LPS and millimeters; false when the header carries no spacing.
-/// Adds a sentence to `notes` when sform and qform disagree beyond a thousandth or 0.01 mm, with
-/// both values; when neither is set; and when the unit of lengths is not named.
+/// Warns when sform and qform disagree beyond a thousandth or 0.01 mm, with both values; when
+/// neither is set; and when the unit of lengths is not named.
 /// A length that pixdim lacks is 1 mm along an axis that is not counted, otherwise 0.
 /// Throws  Error{source_rejected} when the form to use is sheared or no rotation
 bool nifti_geometry(const NiftiHeader& header, const std::string& path, Geometry& geometry,
-                    std::vector<std::string>& notes);
+                    std::vector<Warning>& warnings);
 
 }  // namespace octavo

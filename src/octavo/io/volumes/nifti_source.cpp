@@ -128,10 +128,9 @@ std::unique_ptr<PlaneSource> open_nifti_source(const std::string& path,
   if (header.intent == kIntentLabel && is_integer(description.type)) {
     description.kind = VolumeKind::labels;
   }
-  std::vector<std::string> notes;
-  facts.spacing_known = nifti_geometry(header, path, description.geometry, notes);
+  facts.spacing_known = nifti_geometry(header, path, description.geometry, facts.warnings);
+  for (Warning& warning : facts.warnings) warning.text += ": " + escaped(path);
   facts.place_known = header.sform_code > 0 || header.qform_code > 0;
-  for (const std::string& note : notes) facts.warnings.push_back(note + ": " + escaped(path));
   for (const auto& [name, text] : header.texts) facts.identity.note(name, text);
   const std::int64_t plain_offset = header.version == 1 ? 352 : 544;
   if (header.is_pair ? header.is_extended : header.voxel_offset > plain_offset) {

@@ -92,9 +92,11 @@ std::vector<double> units_in_mm(const NrrdHeader& header, const std::string& fie
     if (units[i].empty() || units[i] == "???") continue;
     const std::optional<double> factor = unit_in_mm(units[i]);
     if (!factor && !options.spacing_mm) {
-      reject(header.path(), "\"" + field + "\" names \"" + escaped(units[i]) +
-                                "\", which is no unit that is known here (" + kUnitsRead +
-                                "); give --spacing in mm");
+      throw Error(ErrorKind::source_rejected,
+                  "\"" + field + "\" names \"" + escaped(units[i]) +
+                      "\", which is no unit that is known here (" + kUnitsRead + ")",
+                  header.path())
+          .with_field("spacing_mm");
     }
     factors[i] = factor.value_or(1.0);
   }
@@ -132,7 +134,7 @@ void read_space_directions(const NrrdHeader& header, std::size_t dimension,
       geometry.direction[row * 3 + axis] = v[row] / length;
     }
   }
-  refuse_shear(geometry, "space directions", header.path());
+  reject_shear(geometry, "space directions", header.path());
   if (!header.has("space origin")) return;
   const std::vector<Point3> origin = vectors(header.field("space origin"));
   if (origin.size() != 1) reject(header.path(), "space origin: one vector expected");

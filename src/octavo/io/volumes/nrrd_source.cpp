@@ -218,8 +218,11 @@ VoxelRun locate_voxels(const NrrdHeader& header) {
   if (header.has("data file")) {
     const std::string data = header.text("data file");
     if (lower_case(data).starts_with("list") || data.find('%') != std::string::npos) {
-      reject(header.path(), "a NRRD that lists several data files is not read; join them into one "
-                            "first, as unu save does, or give the planes with --raw");
+      throw Error(ErrorKind::source_rejected,
+                  "a NRRD that lists several data files is not read; join them into one first, as "
+                  "unu save does",
+                  header.path())
+          .with_field("raw");
     }
     run.path = sibling_path(header.path(), data);
     run.start_offset = 0;

@@ -35,8 +35,9 @@ void check_length(const std::string& path, std::uint64_t needed, const std::stri
   if (found == needed) return;
   throw Error(ErrorKind::source_rejected,
               what + " needs " + std::to_string(needed) + " bytes, the file has " +
-                  std::to_string(found) + "; check the numbers of --raw",
-              path);
+                  std::to_string(found),
+              path)
+      .with_field("raw.size");
 }
 
 }  // namespace

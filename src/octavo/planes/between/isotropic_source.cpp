@@ -190,7 +190,7 @@ class IsotropicSource final : public PlaneSource {
   }
 
   const VolumeDescription& description() const override { return description_; }
-  const std::vector<std::string>& warnings() const override { return source_->warnings(); }
+  const std::vector<Warning>& warnings() const override { return source_->warnings(); }
 
   std::uint64_t resident_bytes() const override {
     const Size3& size = description_.size;
@@ -333,8 +333,8 @@ void require_square_pixels(const Geometry& geometry) {
   if (std::abs(x - y) <= kTolerance * std::min(x, y)) return;
   throw Error(ErrorKind::source_rejected,
               "its pixels are not square (voxels of " + spacing_text(geometry.spacing_mm) +
-                  "): --isotropic makes planes in between along z and changes nothing within a "
-                  "plane; resample it in the program it comes from, or build it as it is");
+                  "): planes in between are made along z, which changes nothing within a plane; "
+                  "resample it in the program it comes from, or build it as it is");
 }
 
 void report(IsotropicPlan& plan) {
@@ -366,8 +366,8 @@ IsotropicPlan plan_isotropic(const VolumeDescription& description, PlaneInterpol
   // What cannot be made into cubes
   if (!is_spacing_known(description.metadata_json)) {
     throw Error(ErrorKind::invalid_argument,
-                "--isotropic needs the distances of the voxels, and the source gives none: give "
-                "--spacing x,y,z");
+                "isotropic voxels are made by their distances, and the source gives none")
+        .with_field("spacing_mm");
   }
   if (method == PlaneInterpolation::shape && !is_integer(description.type)) {
     throw Error(ErrorKind::invalid_argument, "labels are integers; these voxels are float32");
@@ -398,8 +398,8 @@ IsotropicPlan plan_isotropic(const VolumeDescription& description, PlaneInterpol
     throw Error(ErrorKind::source_rejected,
                 "its slices lie " + precise_text(ratio) + " pixels apart (voxels of " +
                     spacing_text(spacing_mm) +
-                    "): at most 256 planes are made of one slice; check the spacing, --spacing "
-                    "x,y,z sets it");
+                    "): at most 256 planes are made of one slice; check the spacing")
+        .with_field("spacing_mm");
   }
   // A whole number of planes between slices, or planes at the distance of the pixels
   plan.is_needed = true;

@@ -406,7 +406,7 @@ class StorageWithoutExchange final : public Storage {
   void rename(const std::string& from, const std::string& to) override {
     if (refuses_final && base_name_of(to) == "stack" && base_name_of(from).front() == '.') {
       refuses_final = false;
-      throw Error(ErrorKind::io, "refused", to);
+      throw Error(ErrorKind::io, "rejected", to);
     }
     local_storage().rename(from, to);
   }
@@ -436,7 +436,7 @@ TEST(Export, AStackIsReplacedAsAWholeWhereNamesCannotBeExchanged) {
   EXPECT_EQ(built.entry_count(), 2u);
 }
 
-TEST(Export, BadBoxesAndLevelsAreRefused) {
+TEST(Export, BadBoxesAndLevelsAreRejected) {
   Built built(make_volume(VoxelType::uint8, {9, 9, 9}));
   ExportOptions outside;
   outside.box = Box{{0, 0, 0}, {10, 9, 9}};

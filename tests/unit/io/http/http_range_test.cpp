@@ -69,7 +69,7 @@ struct Hostile {
   std::string words;
 };
 
-TEST(HttpHostile, AnswersThatDoNotFitAreRefused) {
+TEST(HttpHostile, AnswersThatDoNotFitAreRejected) {
   const Hostile cases[] = {
       {head("Content-Length: 4\r\nContent-Range: bytes 0-9/10\r\n") + "abcd", "announced were 10"},
       {head("Content-Length: 10\r\nContent-Range: bytes 0-9/10\r\n") + "abcd", "cannot be read"},

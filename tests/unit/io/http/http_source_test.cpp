@@ -146,7 +146,7 @@ TEST(Http, ReadingBehindTheEndIsTruncated) {
   }
 }
 
-TEST(Http, ServersThatIgnoreRangesAreRefused) {
+TEST(Http, ServersThatIgnoreRangesAreRejected) {
   TestServer server([](const Request&, Response& answer) {
     answer.set_content_provider("application/octet-stream",
                                 [](std::size_t, httplib::DataSink& sink) {
@@ -186,10 +186,10 @@ struct OddAnswer {
   std::string words;
 };
 
-TEST(Http, OddAnswersAreRefusedInTheirOwnWords) {
+TEST(Http, OddAnswersAreRejectedInTheirOwnWords) {
   const OddAnswer answers[] = {
       {404, "X-None", "", "no such file"},
-      {403, "X-None", "", "refuses access"},
+      {403, "X-None", "", "rejects access"},
       {416, "Content-Range", "bytes */0", "no such range"},
       {302, "Location", "file:///etc/passwd", "302"},
   };
@@ -205,9 +205,9 @@ TEST(Http, OddAnswersAreRefusedInTheirOwnWords) {
 
 TEST(Http, BusyServersAreAskedAgain) {
   const std::string file = test_bytes();
-  std::atomic<int> refusals = 2;
+  std::atomic<int> errors = 2;
   TestServer server([&](const Request& q, Response& a) {
-    if (refusals-- > 0) {
+    if (errors-- > 0) {
       a.status = 503;
     } else {
       answer_range(q, a, file, "\"v1\"");

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "support/image_samples.h"
 #include "support/source_files.h"
 
 namespace octavo::testing {
@@ -7,7 +8,7 @@ namespace {
 
 /// Empty where there is none.
 std::string first_warning(const PlaneSource& source) {
-  return source.warnings().empty() ? "" : source.warnings().front();
+  return source.warnings().empty() ? "" : with_hints(source.warnings().front());
 }
 
 /// Pages of 4 x 3 voxels, the number of the page in each.
@@ -47,7 +48,7 @@ class SourceTiff : public ::testing::Test {
     const Error error =
         source_error({name.empty() ? folder_.path() : folder_.file(name)}, options);
     EXPECT_EQ(error.kind(), ErrorKind::source_rejected) << error.what();
-    for (const std::string& word : words) EXPECT_TRUE(contains(error.what(), word)) << error.what();
+    for (const std::string& word : words) EXPECT_TRUE(contains(error, word)) << error.what();
   }
 
   TempFolder folder_;
@@ -72,7 +73,7 @@ TEST_F(SourceTiff, ImageJUnitsOfTheAxesCount) {
     const auto source = open("a.tif");
     ASSERT_EQ(source->warnings().size(), 2U);
     EXPECT_TRUE(contains(source->warnings()[0], "furlong"));
-    EXPECT_TRUE(contains(source->warnings()[1], "--spacing"));
+    EXPECT_TRUE(contains(source->warnings()[1], "[spacing_mm]"));
   }
   write("a.tif", start + "zunit=pixel\n", 2, 2);
   EXPECT_TRUE(contains(first_warning(*open("a.tif")), "no distance of planes"));
@@ -136,7 +137,7 @@ TEST_F(SourceTiff, OmeTiffDataGiveTheOrderOfChannels) {
   EXPECT_EQ(pages_taken(*open("a.ome.tif", second)), "31");
 }
 
-TEST_F(SourceTiff, OmeTiffDataThatLeaveAPlaneOpenAreRefused) {
+TEST_F(SourceTiff, OmeTiffDataThatLeaveAPlaneOpenAreRejected) {
   for (const auto& [data, words] : std::vector<std::pair<std::string, std::string>>{
            {"<TiffData IFD=\"0\" PlaneCount=\"3\"/>", "3 pages to 4 planes"},
            {"<TiffData IFD=\"0\" PlaneCount=\"5\"/>", "5 pages"},
@@ -153,7 +154,7 @@ TEST_F(SourceTiff, OmeTiffDataThatLeaveAPlaneOpenAreRefused) {
   }
 }
 
-TEST_F(SourceTiff, OmePlanesOfOtherFilesAreRefused) {
+TEST_F(SourceTiff, OmePlanesOfOtherFilesAreRejected) {
   const auto part = [](int page, int slice, const std::string& name, const std::string& id) {
     return "<TiffData IFD=\"" + std::to_string(page) + "\" FirstZ=\"" + std::to_string(slice) +
            "\"><UUID FileName=\"" + name + "\">" + id + "</UUID></TiffData>";
@@ -186,7 +187,7 @@ TEST_F(SourceTiff, OmeFilesMustLieInTheOrderOfTheirSlices) {
   EXPECT_TRUE(contains(first_warning(*open("")), "names other files"));
 }
 
-TEST_F(SourceTiff, PagesWithAPaletteOrTurnedAreRefusedBesideOthers) {
+TEST_F(SourceTiff, PagesWithAPaletteOrTurnedAreRejectedBesideOthers) {
   TiffSample sample;
   sample.pages = numbered_pages(3);
   sample.palettes = {false, false, true};
@@ -216,17 +217,17 @@ TEST_F(SourceTiff, FilesOfDifferentMeaningAreNamedWithBoth) {
     expect_rejected("", {words}, spacing);
   }
   write("s1.tif", start + line, 1, 5);
-  expect_rejected("", {"s1.tif", "0.2 mm", "s0.tif", "0.25 mm", "--spacing"});
+  expect_rejected("", {"s1.tif", "0.2 mm", "s0.tif", "0.25 mm", "[spacing_mm]"});
   EXPECT_EQ(open("", spacing)->description().size.z, 2);
   write("s1.tif", start + line, 1, 4.001F);
   EXPECT_TRUE(open("")->warnings().empty());
   write("s1.tif", "ImageJ=1.53t\nunit=furlong\n" + line, 1, 4);
-  expect_rejected("", {"furlong", "--spacing"});
+  expect_rejected("", {"furlong", "[spacing_mm]"});
   write("s1.tif", "ImageJ=1.53t\n" + line, 1, 4);
   EXPECT_TRUE(contains(first_warning(*open("")), "1 of the others do not"));
 }
 
-TEST_F(SourceTiff, ResolutionTagsThatDifferAreTold) {
+TEST_F(SourceTiff, ResolutionTagsThatDifferAreReported) {
   for (const char* name : {"s0.tif", "s1.tif"}) {
     TiffSample sample;
     sample.pages = numbered_pages(1);

@@ -1,71 +1,16 @@
+#include "octavo/io/images/tiff_source.h"
+
 #include <gtest/gtest.h>
+
 #include <tiffio.h>
 
-#include <algorithm>
-
-#include "octavo/io/source/natural_order.h"
+#include "support/image_samples.h"
 #include "support/source_files.h"
 
 namespace octavo::testing {
 namespace {
 
-std::string counted(std::size_t bytes, int start) {
-  std::string text;
-  for (std::size_t i = 0; i < bytes; ++i)
-    text += static_cast<char>((start + static_cast<int>(i) * 7) % 251);
-  return text;
-}
-
-TEST(SourceStack, NaturalOrderIsThatOfTheNumbers) {
-  std::vector<std::string> names = {"b 10",
-                                    "b 9",
-                                    "a2",
-                                    "a10",
-                                    "b 010",
-                                    "a",
-                                    "b 100000000000000000000001",
-                                    "b 100000000000000000000000"};
-  std::sort(names.begin(), names.end(), natural_less);
-  const std::vector<std::string> expected = {"a",
-                                             "a2",
-                                             "a10",
-                                             "b 9",
-                                             "b 010",
-                                             "b 10",
-                                             "b 100000000000000000000000",
-                                             "b 100000000000000000000001"};
-  EXPECT_EQ(names, expected);
-}
-
-TEST(SourceStack, NumbersThatSkipAreRefusedWithBothNamesOrIgnored) {
-  for (const bool is_tiff : {true, false}) {
-    const TempFolder folder;
-    std::string expected;
-    for (const int number : {8, 9, 11, 12}) {
-      const std::string name = "half MB_ " + std::to_string(number);
-      TiffSample sample;
-      sample.pages = {counted(12, number)};
-      expected += sample.pages[0];
-      if (is_tiff) write_tiff(folder.file(name + ".tif"), sample);
-      if (!is_tiff) write_png(folder.file(name + ".png"), 4, 3, 8, 0, sample.pages[0]);
-    }
-    const Error error = source_error({folder.path()});
-    EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
-    for (const char* word : {"half MB_ 9.", "half MB_ 11.", "1 file is missing", "--on-gap"}) {
-      EXPECT_TRUE(contains(error.what(), word)) << error.what();
-    }
-    SourceOptions options;
-    options.on_gap = GapPolicy::ignore;
-    const auto source = open_source({folder.path()}, options);
-    EXPECT_EQ(voxels_of(*source), expected);
-    EXPECT_TRUE(contains(source->description().metadata_json, "\"ignored_number_gaps\":1"));
-    EXPECT_TRUE(contains(source->warnings()[0], "half MB_ 11."));
-    options.on_gap = GapPolicy::fill;
-    EXPECT_EQ(source_error({folder.path()}, options).kind(), ErrorKind::invalid_argument);
-  }
-}
-
-TEST(SourceStack, TiffFilesAreTakenInNaturalOrder) {
+TEST(TiffSource, FilesAreTakenInNaturalOrder) {
   const TempFolder folder;
   std::string expected;
   for (int z = 0; z < 12; ++z) {
@@ -78,7 +23,7 @@ TEST(SourceStack, TiffFilesAreTakenInNaturalOrder) {
   EXPECT_EQ(source->description().size, (Size3{4, 3, 12}));
   EXPECT_TRUE(contains(source->description().metadata_json, "\"spacing_known\":false"));
   ASSERT_EQ(source->warnings().size(), 1U);
-  EXPECT_TRUE(contains(source->warnings()[0], "--spacing"));
+  EXPECT_TRUE(contains(source->warnings()[0], "[spacing_mm]"));
   EXPECT_EQ(voxels_of(*source), expected);
 }
 
@@ -94,9 +39,9 @@ struct Layout {
   VoxelType type;
 };
 
-class SourceTiffLayout : public ::testing::TestWithParam<Layout> {};
+class TiffSourceLayout : public ::testing::TestWithParam<Layout> {};
 
-TEST_P(SourceTiffLayout, GivesTheStoredVoxels) {
+TEST_P(TiffSourceLayout, GivesTheStoredVoxels) {
   const Layout& layout = GetParam();
   const TempFolder folder;
   TiffSample sample;
@@ -115,7 +60,7 @@ TEST_P(SourceTiffLayout, GivesTheStoredVoxels) {
   EXPECT_EQ(voxels_of(*source), sample.pages[0] + sample.pages[1] + sample.pages[2]);
 }
 
-TEST(SourceStack, JpegInATiffIsToldAsALoss) {
+TEST(TiffSource, JpegIsReportedAsALoss) {
   const TempFolder folder;
   TiffSample sample;
   sample.width = 16;
@@ -129,7 +74,7 @@ TEST(SourceStack, JpegInATiffIsToldAsALoss) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Tiff, SourceTiffLayout,
+    Tiff, TiffSourceLayout,
     ::testing::Values(
         Layout{"U8", 8, 1, COMPRESSION_NONE, 0, 0, false, VoxelType::uint8},
         Layout{"I8", 8, 2, COMPRESSION_NONE, 0, 5, false, VoxelType::int8},
@@ -143,7 +88,7 @@ INSTANTIATE_TEST_SUITE_P(
         Layout{"U8PackBits", 8, 1, COMPRESSION_PACKBITS, 0, 3, false, VoxelType::uint8}),
     [](const auto& row) { return std::string(row.param.name); });
 
-TEST(SourceStack, ImageJSpacingIsUsed) {
+TEST(TiffSource, ImageJSpacingIsUsed) {
   const TempFolder folder;
   TiffSample sample;
   sample.description = "ImageJ=1.53t\nimages=2\nslices=2\nunit=micron\nspacing=2.5\n";
@@ -172,7 +117,7 @@ std::unique_ptr<PlaneSource> described_tiff(const TempFolder& folder, const std:
   return open_source({folder.file("a.tif")}, {});
 }
 
-TEST(SourceStack, ImageJSpacingIsInItsUnit) {
+TEST(TiffSource, ImageJSpacingIsInItsUnit) {
   const TempFolder folder;
   for (const auto& [unit, mm] : std::vector<std::pair<std::string, double>>{
            {"micron", 1e-3}, {"\\u00B5m", 1e-3}, {"um", 1e-3}, {"mm", 1}, {"cm", 10},
@@ -186,26 +131,26 @@ TEST(SourceStack, ImageJSpacingIsInItsUnit) {
     const auto source =
         described_tiff(folder, "ImageJ=1.53t\nimages=2\nunit=" + unit + "\nspacing=2.5\n", 4);
     ASSERT_EQ(source->warnings().size(), 1U);
-    EXPECT_TRUE(contains(source->warnings()[0], "--spacing"));
+    EXPECT_TRUE(contains(source->warnings()[0], "[spacing_mm]"));
   }
   const auto odd = described_tiff(folder, "ImageJ=1.53t\nunit=furlong\nspacing=2.5\n", 4);
   ASSERT_EQ(odd->warnings().size(), 2U);
   EXPECT_TRUE(contains(odd->warnings()[0], "furlong"));
 }
 
-TEST(SourceStack, ResolutionTagsAloneAreToldAndNotUsed) {
+TEST(TiffSource, ResolutionTagsAloneAreReportedAndNotUsed) {
   const TempFolder folder;
   for (const auto& [unit, words] : std::vector<std::pair<std::uint16_t, std::string>>{
            {std::uint16_t{2}, "0.3527778 x 0.3527778 mm"}, {std::uint16_t{3}, "0.1388889"}}) {
     const auto source = described_tiff(folder, "", 72, unit);
     ASSERT_EQ(source->warnings().size(), 2U);
     EXPECT_TRUE(contains(source->warnings()[0], words)) << source->warnings()[0];
-    EXPECT_TRUE(contains(source->warnings()[1], "--spacing"));
+    EXPECT_TRUE(contains(source->warnings()[1], "[spacing_mm]"));
     EXPECT_EQ(source->description().geometry.spacing_mm, (Point3{1, 1, 1}));
   }
 }
 
-TEST(SourceStack, ImageJCalibrationThatIsALineIsTheRescale) {
+TEST(TiffSource, ImageJCalibrationThatIsALineIsTheRescale) {
   const TempFolder folder;
   const std::string start = "ImageJ=1.53t\nimages=2\nunit=mm\nspacing=2\n";
   const auto signed_values =
@@ -226,7 +171,7 @@ TEST(SourceStack, ImageJCalibrationThatIsALineIsTheRescale) {
   EXPECT_TRUE(contains(curve->warnings()[0], "function 4"));
 }
 
-TEST(SourceStack, OmeSpacingIsUsed) {
+TEST(TiffSource, OmeSpacingIsUsed) {
   const TempFolder folder;
   TiffSample sample;
   sample.description =
@@ -238,27 +183,27 @@ TEST(SourceStack, OmeSpacingIsUsed) {
             (Point3{0.0005, 0.0005, 0.002}));
 }
 
-TEST(SourceStack, TiffsThatAreNoVolumeAreRefused) {
+TEST(TiffSource, FilesThatAreNoVolumeAreRejected) {
   const TempFolder folder;
   TiffSample sample;
   sample.pages = {counted(12, 0), counted(12, 1)};
   sample.description = "ImageJ=1.53t\nimages=2\nchannels=2\n";
   write_tiff(folder.file("channels.tif"), sample);
-  EXPECT_TRUE(contains(source_error({folder.file("channels.tif")}).what(), "2 channels"));
+  EXPECT_TRUE(contains(source_error({folder.file("channels.tif")}), "2 channels"));
   sample.description = "ImageJ=1.53t\nimages=2\nframes=2\n";
   write_tiff(folder.file("frames.tif"), sample);
-  EXPECT_TRUE(contains(source_error({folder.file("frames.tif")}).what(), "points in time"));
+  EXPECT_TRUE(contains(source_error({folder.file("frames.tif")}), "points in time"));
   sample.description = "ImageJ=1.53t\nimages=9\nslices=9\n";
   write_tiff(folder.file("lost.tif"), sample);
-  EXPECT_TRUE(contains(source_error({folder.file("lost.tif")}).what(), "9 images, 2 pages"));
+  EXPECT_TRUE(contains(source_error({folder.file("lost.tif")}), "9 images, 2 pages"));
   sample = {};
   sample.samples = 3;
   sample.pages = {counted(36, 0)};
   write_tiff(folder.file("rgb.tif"), sample);
-  EXPECT_TRUE(contains(source_error({folder.file("rgb.tif")}).what(), "3 channels (red, green"));
+  EXPECT_TRUE(contains(source_error({folder.file("rgb.tif")}), "3 channels (red, green"));
 }
 
-TEST(SourceStack, AnOddPlaneIsNamedWithBothSizesOrTypes) {
+TEST(TiffSource, AnOddPlaneIsNamedWithBothSizesOrTypes) {
   const TempFolder folder;
   TiffSample sample;
   sample.pages = {counted(12, 0)};
@@ -268,17 +213,17 @@ TEST(SourceStack, AnOddPlaneIsNamedWithBothSizesOrTypes) {
   write_tiff(folder.file("a2.tif"), sample);
   Error error = source_error({folder.path()});
   EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
-  EXPECT_TRUE(contains(error.what(), "a2.tif is 6 x 3") && contains(error.what(), "4 x 3"))
+  EXPECT_TRUE(contains(error, "a2.tif is 6 x 3") && contains(error, "4 x 3"))
       << error.what();
   sample.width = 4;
   sample.bits = 16;
   sample.pages = {counted(24, 0)};
   write_tiff(folder.file("a2.tif"), sample);
   error = source_error({folder.path()});
-  EXPECT_TRUE(contains(error.what(), "uint16") && contains(error.what(), "uint8")) << error.what();
+  EXPECT_TRUE(contains(error, "uint16") && contains(error, "uint8")) << error.what();
 }
 
-TEST(SourceStack, ATiffLargerThanItsTagsSayIsUnfoldedAsImageJWroteIt) {
+TEST(TiffSource, AFileLargerThanItsTagsSayIsUnfoldedAsImageJWroteIt) {
   const TempFolder folder;
   TiffSample sample;
   sample.description = "ImageJ=1.53t\nimages=3\nslices=3\n";
@@ -293,7 +238,7 @@ TEST(SourceStack, ATiffLargerThanItsTagsSayIsUnfoldedAsImageJWroteIt) {
   EXPECT_EQ(voxels_of(*open_source({folder.file("a.tif")}, {})), bytes.substr(start, 36));
 }
 
-TEST(SourceStack, EveryTruncationOfATiffIsRefused) {
+TEST(TiffSource, EveryTruncationIsRejected) {
   const TempFolder folder;
   TiffSample sample;
   sample.compression = COMPRESSION_ADOBE_DEFLATE;
@@ -304,98 +249,6 @@ TEST(SourceStack, EveryTruncationOfATiffIsRefused) {
     write_file(folder.file("cut.tif"), whole.substr(0, length));
     EXPECT_EQ(source_error({folder.file("cut.tif")}).kind(), ErrorKind::source_rejected) << length;
   }
-}
-
-TEST(SourceStack, PngPlanesGiveTheStoredVoxels) {
-  const TempFolder folder;
-  const std::vector<std::uint16_t> values = {0, 1, 256, 65535, 7, 40000};
-  write_png(folder.file("p10.png"), 3, 2, 16, 0, bytes_of(values, true));
-  write_png(folder.file("p9.png"), 3, 2, 16, 0, std::string(12, '\1'));
-  const auto source = open_source({folder.path()}, {});
-  EXPECT_EQ(source->description().type, VoxelType::uint16);
-  EXPECT_EQ(voxels_of(*source), std::string(12, '\1') + bytes_of(values));
-}
-
-/// A row of 8 grey levels, 0 or the largest one, in so many bits.
-std::string black_and_white(int bits) {
-  std::string row;
-  for (int byte = 0; byte < bits; ++byte) row += static_cast<char>(bits == 1 ? 0x0f : 0);
-  for (int byte = bits / 2; bits > 1 && byte < bits; ++byte) {
-    row[static_cast<std::size_t>(byte)] = static_cast<char>(0xff);
-  }
-  return row;
-}
-
-TEST(SourceStack, PngPlanesOfSeveralDepthsAreScaledToOne) {
-  const TempFolder folder;
-  std::string expected;
-  for (const int bits : {8, 1, 2, 4, 8}) {
-    const std::string name = "p" + std::to_string(expected.size() / 8) + ".png";
-    write_png(folder.file(name), 8, 1, bits, 0, black_and_white(bits));
-    expected += std::string(4, '\0') + std::string(4, '\xff');
-  }
-  const auto source = open_source({folder.path()}, {});
-  EXPECT_EQ(voxels_of(*source), expected);
-  EXPECT_TRUE(contains(source->warnings()[0], "1, 2, 4 and 8 bits")) << source->warnings()[0];
-}
-
-TEST(SourceStack, PngPlanesOfOneSmallDepthKeepTheirNumbers) {
-  for (const auto& [bits, white] : {std::pair{1, 1}, {2, 3}, {4, 15}}) {
-    const TempFolder folder;
-    for (const char* name : {"p0.png", "p1.png"}) {
-      write_png(folder.file(name), 8, 1, bits, 0, black_and_white(bits));
-    }
-    const auto source = open_source({folder.path()}, {});
-    const std::string plane = std::string(4, '\0') + std::string(4, static_cast<char>(white));
-    EXPECT_EQ(voxels_of(*source), plane + plane);
-    EXPECT_TRUE(contains(source->warnings()[0], "0 to " + std::to_string(white)));
-  }
-}
-
-TEST(SourceStack, PngsThatAreNoStackAreRefused) {
-  const TempFolder folder;
-  write_png(folder.file("a1.png"), 3, 2, 8, 0, counted(6, 0));
-  write_png(folder.file("a2.png"), 2, 2, 8, 0, counted(4, 0));
-  EXPECT_TRUE(contains(source_error({folder.path()}).what(), "2 x 2"));
-  write_png(folder.file("rgb.png"), 2, 2, 8, 2, counted(12, 0));
-  EXPECT_TRUE(contains(source_error({folder.file("rgb.png")}).what(), "3 channels"));
-  const std::string whole = read_file(folder.file("a1.png"));
-  for (std::size_t length = 8; length < whole.size(); ++length) {
-    write_file(folder.file("cut.png"), whole.substr(0, length));
-    EXPECT_EQ(source_error({folder.file("cut.png")}).kind(), ErrorKind::source_rejected) << length;
-  }
-}
-
-TEST(SourceStack, RawPlanesInOneFileOrMany) {
-  const TempFolder folder;
-  const std::vector<std::int16_t> values = {1, -2, 300, -32768, 5, 6, 7, 32767};
-  SourceOptions options;
-  options.raw = parse_raw_layout("2,2,2,int16:be");
-  write_file(folder.file("all.raw"), bytes_of(values, true));
-  EXPECT_EQ(voxels_of(*open_source({folder.file("all.raw")}, options)), bytes_of(values));
-  write_file(folder.file("planes/z10"), bytes_of<std::int16_t>({5, 6, 7, 32767}, true));
-  write_file(folder.file("planes/z9"), bytes_of<std::int16_t>({1, -2, 300, -32768}, true));
-  EXPECT_EQ(voxels_of(*open_source({folder.file("planes")}, options)), bytes_of(values));
-  write_file(folder.file("all.raw"), std::string(15, 'x'));
-  const Error error = source_error({folder.file("all.raw")}, options);
-  EXPECT_TRUE(contains(error.what(), "16 bytes") && contains(error.what(), "15")) << error.what();
-}
-
-TEST(SourceStack, RawLayoutsThatMakeNoSenseAreRefused) {
-  for (const char* text :
-       {"", "1,2,3", "1,2,3,4,5", "0,2,3,uint8", "-1,2,3,uint8", "2,2,2,float64", "2,2,2097153,u8",
-        "2,2,x,u8", "2,2,2,u8:xx", "99999999999999999999,1,1,u8"}) {
-    EXPECT_EQ(error_of([&] { parse_raw_layout(text); }).kind(), ErrorKind::invalid_argument)
-        << text;
-  }
-}
-
-TEST(SourceStack, MissingAndUnreadablePathsAreIoErrors) {
-  const TempFolder folder;
-  EXPECT_EQ(source_error({folder.file("nothing.tif")}).kind(), ErrorKind::io);
-  EXPECT_EQ(source_error({"/dev/null"}).kind(), ErrorKind::io);
-  EXPECT_EQ(source_error({folder.path()}).kind(), ErrorKind::source_rejected);
-  EXPECT_EQ(source_error({}).kind(), ErrorKind::invalid_argument);
 }
 
 }  // namespace

@@ -8,6 +8,8 @@
 #include "octavo/io/isolation/isolated_source.h"
 #include "octavo/io/isolation/worker_protocol.h"
 #include "support/coded_dicom.h"
+#include "support/dicom_samples.h"
+#include "support/image_samples.h"
 #include "support/shared_data.h"
 #include "support/source_files.h"
 
@@ -35,8 +37,7 @@ Error error_apart(const std::string& path, const IsolationOptions& options = wor
 
 void expect_words(const Error& error, const std::vector<std::string>& words) {
   for (const std::string& word : words) {
-    EXPECT_NE(std::string(error.what()).find(word), std::string::npos)
-        << word << " in: " << error.what();
+    EXPECT_TRUE(contains(error, word)) << word << " in: " << with_hints(error);
   }
 }
 
@@ -115,7 +116,7 @@ TEST(IsolatedSource, OptionsReachTheReader) {
   EXPECT_EQ(voxels_of(*source), std::string(24, 'x'));
 }
 
-TEST(IsolatedSource, RefusalsAreThoseOfTheReaderItself) {
+TEST(IsolatedSource, ErrorsAreThoseOfTheReaderItself) {
   const TempFolder folder;
   write_file(folder.file("empty.dcm"), "");
   write_file(folder.file("cut.tif"), std::string("II*\0", 4));
@@ -126,7 +127,7 @@ TEST(IsolatedSource, RefusalsAreThoseOfTheReaderItself) {
     const Error here = source_error({path});
     EXPECT_EQ(apart.kind(), here.kind());
     EXPECT_EQ(apart.path(), here.path());
-    EXPECT_STREQ(apart.what(), here.what());
+    EXPECT_EQ(with_hints(apart), with_hints(here));
     EXPECT_EQ(apart.offset(), here.offset());
   }
 }
@@ -169,7 +170,7 @@ struct Failure {
   std::vector<std::string> words;
 };
 
-TEST(IsolatedSource, AReaderThatStopsIsARefusalThatNamesTheFile) {
+TEST(IsolatedSource, AReaderThatStopsIsAnErrorThatNamesTheFile) {
   const std::vector<Failure> rows = {
       {"plane:segv", {"slice-2: ", "stopped by signal 11", "plane 2"}},
       {"plane:abort", {"slice-2: ", "stopped by signal 6", "plane 2"}},
@@ -191,7 +192,7 @@ TEST(IsolatedSource, AReaderThatStopsIsARefusalThatNamesTheFile) {
   std::filesystem::remove("written-by-a-reader");
 }
 
-TEST(IsolatedSource, AReaderThatHangsIsARefusalInTime) {
+TEST(IsolatedSource, AReaderThatHangsIsAnErrorInTime) {
   IsolationOptions options = worker_options();
   options.plane_limit = milliseconds(400);
   for (const Failure& row : std::vector<Failure>{
@@ -207,7 +208,7 @@ TEST(IsolatedSource, AReaderThatHangsIsARefusalInTime) {
   }
 }
 
-TEST(IsolatedSource, AReaderThatEatsMemoryIsARefusal) {
+TEST(IsolatedSource, AReaderThatEatsMemoryIsAnError) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "sanitizers reserve terabytes of addresses: no limit can be set";
 #endif
@@ -223,7 +224,7 @@ TEST(IsolatedSource, AReaderThatEatsMemoryIsARefusal) {
   expect_words(error_apart("plane:grow"), {"slice-2: ", "MiB"});
 }
 
-TEST(IsolatedSource, AReaderThatLiesIsARefusal) {
+TEST(IsolatedSource, AReaderThatLiesIsAnError) {
   const std::vector<Failure> rows = {
       {"lie:bit", {"checksum", "expected", "plane 0"}},
       {"lie:head", {"fails its checksum"}},
@@ -255,7 +256,7 @@ TEST(IsolatedSource, WaitingCanBeCancelled) {
 TEST(IsolatedSource, AProgramThatIsNotThereIsAnIoError) {
   IsolationOptions options = worker_options();
   options.command = {"/nowhere/octavo"};
-  expect_words(error_apart("a.dcm", options), {"/nowhere/octavo", "--no-isolation"});
+  expect_words(error_apart("a.dcm", options), {"/nowhere/octavo", "[isolation]"});
   EXPECT_EQ(error_apart("a.dcm", options).kind(), ErrorKind::io);
 }
 
@@ -274,7 +275,7 @@ std::string jpeg_ls_slice(const TempFolder& folder) {
   return coded_slice(folder, slice(1), gdcm::TransferSyntax::JPEGLSLossless);
 }
 
-TEST(IsolatedSource, EveryCutDicomFileIsRefusedByName) {
+TEST(IsolatedSource, EveryCutDicomFileIsRejectedByName) {
   const TempFolder folder;
   const std::string whole = jpeg_ls_slice(folder);
   for (std::size_t length = 0; length < whole.size(); length += 1 + whole.size() / 60) {
@@ -285,7 +286,7 @@ TEST(IsolatedSource, EveryCutDicomFileIsRefusedByName) {
   }
 }
 
-TEST(IsolatedSource, DamagedDicomPicturesAreVoxelsOrRefusals) {
+TEST(IsolatedSource, DamagedDicomPicturesAreVoxelsOrErrors) {
   const TempFolder folder;
   const std::string whole = jpeg_ls_slice(folder);
   const std::size_t bytes_of_voxels = 32 * 32 * 2;

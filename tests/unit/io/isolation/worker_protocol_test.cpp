@@ -39,7 +39,7 @@ SourceReport sample_report() {
   report.description.metadata_json = R"({"a": 1})";
   report.description.coding = SampleCoding{VoxelType::int32, 0.5, -7};
   report.description.padding = -2000;
-  report.warnings = {"one", "", "three"};
+  report.warnings = {{"one", "spacing_mm"}, {""}, {"three"}};
   report.resident_bytes = 42;
   return report;
 }
@@ -88,9 +88,12 @@ TEST(WorkerProtocol, AReportComesBackAsItWas) {
 TEST(WorkerProtocol, FailuresOfEveryKindComeBackAsTheyWere) {
   for (int kind = 0; kind <= static_cast<int>(ErrorKind::internal); ++kind) {
     for (const std::optional<std::uint64_t> offset : {std::optional<std::uint64_t>(), {17}}) {
-      const Error sent(static_cast<ErrorKind>(kind), "detail", "path/of.dcm", offset);
+      const Error sent = Error(static_cast<ErrorKind>(kind), "detail", "path/of.dcm", offset)
+                             .with_field("untilt")
+                             .with_field("on_gap", "fill");
       const Error got = decode_failure(encode(sent));
       EXPECT_EQ(got.kind(), sent.kind());
+      EXPECT_EQ(got.hints(), sent.hints());
       EXPECT_STREQ(got.what(), sent.what());
       EXPECT_EQ(got.path(), sent.path());
       EXPECT_EQ(got.offset(), sent.offset());
@@ -98,8 +101,8 @@ TEST(WorkerProtocol, FailuresOfEveryKindComeBackAsTheyWere) {
   }
 }
 
-TEST(WorkerProtocol, EveryCutAndEveryLongerPayloadIsRefused) {
-  const auto is_refused = [](const Payload& payload, auto&& decode) {
+TEST(WorkerProtocol, EveryCutAndEveryLongerPayloadIsRejected) {
+  const auto is_rejected = [](const Payload& payload, auto&& decode) {
     for (std::size_t length = 0; length < payload.size(); ++length) {
       EXPECT_EQ(error_of([&] { decode(std::span(payload).first(length)); }).kind(),
                 ErrorKind::corrupt) << length;
@@ -109,10 +112,11 @@ TEST(WorkerProtocol, EveryCutAndEveryLongerPayloadIsRefused) {
     EXPECT_EQ(error_of([&] { decode(std::span<const std::uint8_t>(longer)); }).kind(),
               ErrorKind::corrupt);
   };
-  is_refused(encode(sample_request()), [](auto bytes) { decode_request(bytes); });
-  is_refused(encode(sample_report()), [](auto bytes) { decode_report(bytes); });
-  is_refused(encode(sample_report().warnings), [](auto bytes) { decode_warnings(bytes); });
-  is_refused(encode(Error(ErrorKind::io, "a", "b")), [](auto bytes) { decode_failure(bytes); });
+  is_rejected(encode(sample_request()), [](auto bytes) { decode_request(bytes); });
+  is_rejected(encode(sample_report()), [](auto bytes) { decode_report(bytes); });
+  is_rejected(encode(sample_report().warnings), [](auto bytes) { decode_warnings(bytes); });
+  is_rejected(encode(Error(ErrorKind::io, "a", "b").with_field("c", "d")),
+             [](auto bytes) { decode_failure(bytes); });
 }
 
 TEST(WorkerProtocol, EveryFlippedBitOfAHeadIsFound) {

@@ -5,6 +5,8 @@
 
 #include <filesystem>
 
+#include "support/dicom_samples.h"
+#include "support/image_samples.h"
 #include "support/source_files.h"
 
 namespace octavo::testing {
@@ -167,6 +169,23 @@ TEST(SourcePaths, InADicomDirectoryAreNotFollowed) {
   write_dicom(folder.file("disc/inside"), sample);
   const auto source = open_source({directory}, {});
   EXPECT_EQ(source->description().geometry.origin_mm[2], 5);
+}
+
+TEST(SourceFiles, ALinkToNothingIsNotPassedOver) {
+  const TempFolder folder;
+  const auto add_png = [&](const std::string& name, char value) {
+    write_png(folder.file(name), 2, 2, 8, 0, std::string(4, value));
+  };
+  add_png("s1.png", 1);
+  fs::create_symlink("gone.png", folder.file("s2.png"));
+  const Error error = source_error({folder.path()}, {});
+  EXPECT_EQ(error.kind(), ErrorKind::io);
+  EXPECT_TRUE(contains(error, "s2.png") && contains(error, "link")) << error.what();
+  // Links to files are followed.
+  add_png(".gone.png", 2);
+  fs::remove(folder.file("s2.png"));
+  fs::create_symlink(".gone.png", folder.file("s2.png"));
+  EXPECT_EQ(open_source({folder.path()}, {})->description().size.z, 2);
 }
 
 }  // namespace

@@ -2,15 +2,11 @@
 // kinds of files is meant.
 #include <gtest/gtest.h>
 
-#include <filesystem>
 
 #include "octavo/io/source/stack_names.h"
 #include "support/source_files.h"
 
-namespace octavo::testing {
-namespace {
-
-namespace fs = std::filesystem;
+namespace octavo::testing {namespace {
 
 TEST(StackNames, NamesInWhichANumberCountsHaveNoGap) {
   for (const std::vector<std::string>& names : std::vector<std::vector<std::string>>{
@@ -29,7 +25,7 @@ TEST(StackNames, NamesInWhichANumberCountsHaveNoGap) {
   }
 }
 
-TEST(StackNames, GapsInTheNumbersAreTold) {
+TEST(StackNames, GapsInTheNumbersAreReported) {
   const std::vector<NumberGap> gaps = number_gaps({"s1", "s2", "s4", "s5", "s9"});
   ASSERT_EQ(gaps.size(), 2U);
   EXPECT_EQ(gaps[0].before, 1U);
@@ -43,7 +39,7 @@ TEST(StackNames, GapsInTheNumbersAreTold) {
   EXPECT_EQ(timed[0].missing, 1U);
 }
 
-TEST(StackNames, NamesThatDoNotCountOnAreTold) {
+TEST(StackNames, NamesThatDoNotCountOnAreReported) {
   struct Case {
     std::vector<std::string> names;
     std::vector<std::size_t> breaks;
@@ -76,95 +72,6 @@ TEST(StackNames, EveryPairOfTwoNumbersIsAGrid) {
   ASSERT_TRUE(grid);
   EXPECT_EQ(grid->outer, 3U);
   EXPECT_EQ(grid->inner, 2U);
-}
-
-class SourceFolder : public ::testing::Test {
- protected:
-  void add_png(const std::string& name, char value) {
-    write_png(folder_.file(name), 2, 2, 8, 0, std::string(4, value));
-  }
-  void expect_rejected(const std::vector<std::string>& words) {
-    const Error error = source_error({folder_.path()}, options_);
-    EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
-    for (const std::string& word : words) {
-      EXPECT_TRUE(contains(error.what(), word)) << error.what();
-    }
-  }
-
-  TempFolder folder_;
-  SourceOptions options_;
-};
-
-TEST_F(SourceFolder, AStackOfTwoChannelsIsRefusedOrTakenAsTold) {
-  for (const char* name : {"z0_c0.png", "z0_c1.png", "z1_c0.png", "z1_c1.png"}) add_png(name, 5);
-  expect_rejected({"2 x 2 files", "z0_c0.png", "z1_c1.png", "name the files of one", "--on-gap"});
-  options_.on_gap = GapPolicy::ignore;
-  const auto source = open_source({folder_.path()}, options_);
-  EXPECT_EQ(source->description().size, (Size3{2, 2, 4}));
-  EXPECT_TRUE(contains(source->description().metadata_json, "\"ignored_number_gaps\":1"));
-  EXPECT_TRUE(contains(source->warnings()[0], "taken as neighbors"));
-}
-
-TEST_F(SourceFolder, NumbersInTheNamesOfFoldersCount) {
-  std::vector<std::string> files;
-  for (const char* name : {"s9/plane.png", "s10/plane.png", "s11/plane.png", "s13/plane.png"}) {
-    add_png(name, 5);
-    files.push_back(folder_.file(name));
-  }
-  const Error error = source_error(files, options_);
-  EXPECT_TRUE(contains(error.what(), "s11/plane.png is followed by s13/plane.png")) << error.what();
-  files.pop_back();
-  EXPECT_EQ(open_source(files, options_)->description().size.z, 3);
-}
-
-TEST_F(SourceFolder, AStrayNameInAStackIsRefused) {
-  for (const char* name : {"s1.png", "s2.png", "s2_mask.png", "s3.png"}) add_png(name, 5);
-  expect_rejected({"s2.png is followed by s2_mask.png", "no number", "1 more such place"});
-}
-
-TEST_F(SourceFolder, RawPlanesWhoseNumbersSkipAreRefusedOrTakenAsTold) {
-  for (const char* name : {"z1", "z2", "z4"}) write_file(folder_.file(name), "abcd");
-  options_.raw = parse_raw_layout("2,2,3,uint8");
-  expect_rejected({"z2 is followed by z4", "1 file is missing", "--on-gap ignore"});
-  options_.on_gap = GapPolicy::ignore;
-  EXPECT_EQ(voxels_of(*open_source({folder_.path()}, options_)), "abcdabcdabcd");
-  options_.raw = parse_raw_layout("2,2,1,uint8");
-  EXPECT_EQ(source_error({folder_.file("z1")}, options_).kind(), ErrorKind::invalid_argument);
-}
-
-TEST_F(SourceFolder, FilesOfSeveralKindsAreRefused) {
-  add_png("preview.png", 1);
-  write_file(folder_.file("scan.nii.gz"), "anything");
-  expect_rejected({"1 PNG file (preview.png) and 1 volume (scan.nii.gz)", "name the file"});
-  TiffSample sample;
-  sample.pages = {std::string(12, 'x')};
-  write_tiff(folder_.file("s1.tif"), sample);
-  write_tiff(folder_.file("s2.tif"), sample);
-  expect_rejected({"2 TIFF files (s1.tif ...), 1 PNG file (preview.png) and 1 volume"});
-}
-
-TEST_F(SourceFolder, DicomBelowOtherFilesIsRefusedAndBesideThemTaken) {
-  add_png("s1.png", 1);
-  DicomSample sample;
-  sample.position = "0\\0\\0";
-  write_dicom(folder_.file("below/slice"), sample);
-  expect_rejected({"1 PNG file (s1.png) and DICOM files in folders of it", "below/slice"});
-  write_dicom(folder_.file("slice.dcm"), sample);
-  fs::remove_all(folder_.file("below"));
-  EXPECT_EQ(open_source({folder_.path()}, options_)->description().size.z, 1);
-}
-
-TEST_F(SourceFolder, ALinkToNothingIsNotPassedOver) {
-  add_png("s1.png", 1);
-  fs::create_symlink("gone.png", folder_.file("s2.png"));
-  const Error error = source_error({folder_.path()}, options_);
-  EXPECT_EQ(error.kind(), ErrorKind::io);
-  EXPECT_TRUE(contains(error.what(), "s2.png") && contains(error.what(), "link")) << error.what();
-  // Links to files are followed.
-  add_png(".gone.png", 2);
-  fs::remove(folder_.file("s2.png"));
-  fs::create_symlink(".gone.png", folder_.file("s2.png"));
-  EXPECT_EQ(open_source({folder_.path()}, options_)->description().size.z, 2);
 }
 
 }  // namespace

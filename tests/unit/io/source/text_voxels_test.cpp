@@ -57,11 +57,11 @@ TEST(TextVoxels, WhatIsNoNumberOfTheTypeIsRejectedWithItsByte) {
                          Row{"1 4294967296 \n", VoxelType::uint32}}) {
     const Error error = error_of([&] { read_text(row.text, row.type, 2); });
     EXPECT_EQ(error.kind(), ErrorKind::source_rejected) << row.text;
-    EXPECT_TRUE(contains(error.what(), "no number that a voxel")) << error.what();
-    EXPECT_TRUE(contains(error.what(), "a.txt")) << error.what();
+    EXPECT_TRUE(contains(error, "no number that a voxel")) << error.what();
+    EXPECT_TRUE(contains(error, "a.txt")) << error.what();
   }
   const Error error = error_of([] { read_text(std::string(129, '1') + " ", VoxelType::int8, 1); });
-  EXPECT_TRUE(contains(error.what(), "more than 128 bytes")) << error.what();
+  EXPECT_TRUE(contains(error, "more than 128 bytes")) << error.what();
 }
 
 TEST(TextVoxels, EveryTruncationIsRejected) {
@@ -69,7 +69,7 @@ TEST(TextVoxels, EveryTruncationIsRejected) {
   for (std::size_t length = 0; length <= whole.size(); ++length) {
     const Error error = error_of([&] { read_text(whole.substr(0, length), VoxelType::int32, 3); });
     EXPECT_EQ(error.kind(), ErrorKind::source_rejected) << length;
-    EXPECT_TRUE(contains(error.what(), "cut")) << error.what();
+    EXPECT_TRUE(contains(error, "cut")) << error.what();
   }
   EXPECT_EQ(read_text(whole + "\n", VoxelType::int32, 3), bytes_of<std::int32_t>({12, 345, 6}));
 }

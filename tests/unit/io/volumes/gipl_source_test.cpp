@@ -14,9 +14,6 @@ namespace {
 constexpr std::uint32_t kMagic = 719555000;
 constexpr std::uint32_t kOlderMagic = 4026526128;
 
-const std::vector<std::int16_t> kValues = {0,  1,  -2, 300, -32768, 32767, 6,  7,  8,  9,  10, 11,
-                                           12, 13, 14, 15,  16,     17,    18, 19, 20, 21, 22, 23};
-
 /// The fields of a header that tests change, with those of a volume of int16.
 struct GiplSample {
   std::vector<std::uint16_t> dims = {4, 3, 2, 1};
@@ -25,7 +22,7 @@ struct GiplSample {
   std::string text = "a text";
   std::vector<double> origin = {-12.5, 40.25, 7.125, 0};
   std::uint32_t magic = kMagic;
-  std::string voxels = bytes_of(kValues, true);
+  std::string voxels = bytes_of(kStoredValues, true);
 };
 
 std::string header_of(const GiplSample& s) {
@@ -51,7 +48,7 @@ class GiplSource : public ::testing::Test {
     for (const char* name : {"a.gipl", "a.gipl.gz"}) {
       const Error error = source_error({write(sample, name)});
       EXPECT_EQ(error.kind(), ErrorKind::source_rejected) << error.what();
-      EXPECT_TRUE(contains(error.what(), words)) << error.what();
+      EXPECT_TRUE(contains(error, words)) << error.what();
     }
   }
 
@@ -72,7 +69,7 @@ TEST_F(GiplSource, GivesTheVoxelsAndTheGeometryOfItsHeader) {
       EXPECT_EQ(d.geometry.direction, Geometry{}.direction);
       EXPECT_TRUE(contains(d.metadata_json, "\"format\":\"GIPL\"")) << d.metadata_json;
       EXPECT_TRUE(contains(d.metadata_json, "\"spacing_source\":\"file\"")) << d.metadata_json;
-      EXPECT_EQ(voxels_of(*source), bytes_of(kValues));
+      EXPECT_EQ(voxels_of(*source), bytes_of(kStoredValues));
       EXPECT_EQ(source->resident_bytes(), 0U);
       EXPECT_TRUE(source->warnings().empty());
     }
@@ -152,7 +149,7 @@ TEST_F(GiplSource, AFourthAxisIsTime) {
   for (const char* name : {"a.gipl", "a.gipl.gz"}) {
     const auto source = open_source({write(sample, name)}, options);
     EXPECT_EQ(source->description().size, (Size3{4, 3, 1}));
-    EXPECT_EQ(voxels_of(*source), bytes_of(kValues).substr(24));
+    EXPECT_EQ(voxels_of(*source), bytes_of(kStoredValues).substr(24));
     EXPECT_TRUE(source->warnings().empty());
   }
   options.time = 2;
@@ -167,7 +164,7 @@ TEST_F(GiplSource, APictureHasOnePlane) {
     const auto source = open_source({write(sample)}, {});
     EXPECT_EQ(source->description().size, (Size3{6, 4, 1}));
     EXPECT_EQ(source->description().geometry.spacing_mm, (Point3{2, 3, z == 0 ? 1.0 : 5.0}));
-    EXPECT_EQ(voxels_of(*source), bytes_of(kValues));
+    EXPECT_EQ(voxels_of(*source), bytes_of(kStoredValues));
   }
 }
 
@@ -205,7 +202,7 @@ TEST_F(GiplSource, GeometriesThatAreNoneAreRejected) {
       GiplSample sample;
       sample.pixdim[axis] = mm;
       expect_rejected(sample, "its geometry is not usable");
-      EXPECT_EQ(voxels_of(*open_source({write(sample)}, given)), bytes_of(kValues));
+      EXPECT_EQ(voxels_of(*open_source({write(sample)}, given)), bytes_of(kStoredValues));
     }
   }
   for (const double mm : {std::nan(""), std::numeric_limits<double>::infinity()}) {
@@ -228,12 +225,12 @@ TEST_F(GiplSource, EveryTruncationIsRejected) {
   }
 }
 
-TEST_F(GiplSource, BytesBehindTheVoxelsAreTold) {
+TEST_F(GiplSource, BytesBehindTheVoxelsAreReported) {
   GiplSample sample;
   sample.voxels += "more";
   for (const char* name : {"a.gipl", "a.gipl.gz"}) {
     const auto source = open_source({write(sample, name)}, {});
-    EXPECT_EQ(voxels_of(*source), bytes_of(kValues));
+    EXPECT_EQ(voxels_of(*source), bytes_of(kStoredValues));
     ASSERT_EQ(source->warnings().size(), 1U);
     EXPECT_TRUE(contains(source->warnings()[0], "4 bytes behind the voxels"));
   }

@@ -10,7 +10,7 @@ namespace {
 
 /// Empty where there is none.
 std::string first_warning(const PlaneSource& source) {
-  return source.warnings().empty() ? "" : source.warnings().front();
+  return source.warnings().empty() ? "" : with_hints(source.warnings().front());
 }
 
 /// 24 values, among them bytes that look like line ends and keywords' letters.
@@ -51,7 +51,7 @@ class VtkSource : public ::testing::Test {
     write_file(path_, bytes_of_vtk(sample));
     const Error error = source_error({path_});
     EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
-    EXPECT_TRUE(contains(error.what(), words)) << error.what();
+    EXPECT_TRUE(contains(error, words)) << error.what();
   }
 
   TempFolder folder_;
@@ -223,7 +223,7 @@ TEST_F(VtkSource, HeadersThatContradictThemselvesAreRejected) {
   sample.kind = "BINARY\nDATASET RECTILINEAR_GRID\n";
   expect_rejected(sample, "RECTILINEAR_GRID");
   write_file(path_, "# something\n");
-  EXPECT_TRUE(contains(source_error({path_}).what(), "not a legacy VTK file"));
+  EXPECT_TRUE(contains(source_error({path_}), "not a legacy VTK file"));
 }
 
 TEST_F(VtkSource, TheSpacingIsKnownOnlyWhereItStands) {
@@ -233,7 +233,7 @@ TEST_F(VtkSource, TheSpacingIsKnownOnlyWhereItStands) {
   const auto source = open_source({path_}, {});
   EXPECT_TRUE(contains(source->description().metadata_json, "\"spacing_source\":\"assumed\""));
   ASSERT_EQ(source->warnings().size(), 1U);
-  EXPECT_TRUE(contains(source->warnings()[0], "--spacing"));
+  EXPECT_TRUE(contains(source->warnings()[0], "[spacing_mm]"));
   EXPECT_EQ(source->description().geometry.origin_mm, (Point3{1, 2, 3}));
   for (const char* keyword : {"SPACING", "ASPECT_RATIO"}) {
     sample.grid = "DIMENSIONS 4 3 2\n" + std::string(keyword) + " 2 3 4\n";

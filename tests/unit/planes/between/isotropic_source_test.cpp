@@ -248,7 +248,7 @@ class CountedSource final : public PlaneSource {
   CountedSource(VolumeDescription description, std::int64_t& count)
       : description_(std::move(description)), count_(count) {}
   const VolumeDescription& description() const override { return description_; }
-  const std::vector<std::string>& warnings() const override { return warnings_; }
+  const std::vector<Warning>& warnings() const override { return warnings_; }
   void read_plane(std::span<std::byte> plane) override {
     std::fill(plane.begin(), plane.end(), std::byte{1});
     ++count_;
@@ -256,7 +256,7 @@ class CountedSource final : public PlaneSource {
 
  private:
   VolumeDescription description_;
-  std::vector<std::string> warnings_;
+  std::vector<Warning> warnings_;
   std::int64_t& count_;
 };
 
@@ -308,14 +308,14 @@ TEST(IsotropicPlanning, WhatCannotBecomeCubesIsRejectedWithItsReason) {
     VolumeDescription description;
     ErrorKind kind;
     const char* words;
-  } table[] = {{unknown, ErrorKind::invalid_argument, "--spacing"},
+  } table[] = {{unknown, ErrorKind::invalid_argument, "[spacing_mm]"},
                {oblong, ErrorKind::source_rejected, "0.5 x 7 x 9 mm"},
                {far, ErrorKind::source_rejected, "300 pixels apart"},
                {many, ErrorKind::limit_exceeded, ""}};
   for (const auto& [description, kind, words] : table) {
     const Error error = error_of([&] { plan_isotropic(description, linear); });
     EXPECT_EQ(error.kind(), kind) << words;
-    EXPECT_NE(error.detail().find(words), std::string::npos) << error.detail();
+    EXPECT_NE(with_hints(error).find(words), std::string::npos) << with_hints(error);
   }
   VolumeDescription floats = description_of(volume);
   floats.type = VoxelType::float32;

@@ -1,0 +1,36 @@
+// Small TIFF and PNG files.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace octavo::testing {
+
+/// A single-page TIFF part: voxels of 8 or 16 bits.
+struct TiffSample {
+  std::uint32_t width = 4;
+  std::uint32_t height = 3;
+  std::uint16_t bits = 8;
+  std::uint16_t format = 1;       ///< 1 unsigned, 2 signed, 3 float
+  std::uint16_t samples = 1;      ///< 3 and more are written as RGB
+  bool separate = false;          ///< samples in planes of their own, one behind the other
+  std::uint16_t compression = 1;
+  std::uint32_t tile = 0;         ///< side of tiles; 0: strips
+  std::uint32_t rows_per_strip = 0;
+  bool big = false;
+  std::string description;
+  float resolution = 0;
+  float y_resolution = 0;             ///< 0: that along x
+  std::uint16_t resolution_unit = 1;  ///< 1 none, 2 inch, 3 cm
+  std::vector<std::uint16_t> orientations;  ///< of the pages; empty: not written
+  std::vector<bool> palettes;               ///< pages that have one; empty: none
+  std::vector<std::string> pages; ///< native bytes
+};
+void write_tiff(const std::string& path, const TiffSample& sample);
+
+/// A PNG of 8 or 16 bits; color_type as libpng counts (0 grey, 2 RGB).
+void write_png(const std::string& path, std::uint32_t width, std::uint32_t height, int bits,
+               int color_type, const std::string& big_endian_rows);
+
+}  // namespace octavo::testing

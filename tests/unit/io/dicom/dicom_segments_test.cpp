@@ -1,0 +1,129 @@
+#include "octavo/io/dicom/dicom_segments.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "support/dicom_samples.h"
+#include "support/source_files.h"
+
+namespace octavo::testing {
+namespace {
+
+/// Two segments with a frame each at heights of 0 and 2 mm, which share no voxel unless asked to.
+SegmentationSample two_segments(bool overlap) {
+  SegmentationSample sample;
+  sample.positions = {"0\\0\\0", "0\\0\\2", "0\\0\\0", "0\\0\\2"};
+  sample.segments = {1, 1, 2, 2};
+  sample.voxels.assign(60, false);
+  sample.voxels[3] = true;
+  sample.voxels[15] = true;
+  sample.voxels[30 + 7] = true;
+  sample.voxels[45 + 14] = true;
+  if (overlap) sample.voxels[45] = true;
+  return sample;
+}
+
+/// Voxels of 2 planes of 5 x 3 with some set.
+std::string plane_pair(const std::vector<std::pair<std::size_t, char>>& set) {
+  std::string voxels(30, '\0');
+  for (const auto& [at, value] : set) voxels[at] = value;
+  return voxels;
+}
+
+TEST(DicomSegments, OfOneFileBecomeTheLabelsOfOneVolume) {
+  const TempFolder folder;
+  write_segmentation(folder.file("seg.dcm"), two_segments(false));
+  const auto source = open_source({folder.file("seg.dcm")}, {});
+  EXPECT_EQ(source->description().kind, VolumeKind::labels);
+  EXPECT_EQ(source->description().size, (Size3{5, 3, 2}));
+  EXPECT_EQ(voxels_of(*source), plane_pair({{3, 1}, {7, 2}, {15, 1}, {29, 2}}));
+  const auto metadata = nlohmann::json::parse(source->description().metadata_json);
+  EXPECT_EQ(metadata["segments"], nlohmann::json({{{"number", 1}}, {{"number", 2}}}));
+}
+
+TEST(DicomSegments, KeepTheirLabelsOnlyWhereThatIsAskedFor) {
+  const TempFolder folder;
+  write_segmentation(folder.file("seg.dcm"), two_segments(false));
+  SourceOptions options;
+  for (const char* segment : {"", "part 2"}) {
+    options.segment = segment;
+    options.keep_identity = false;
+    const std::string dropped =
+        open_source({folder.file("seg.dcm")}, options)->description().metadata_json;
+    EXPECT_FALSE(contains(dropped, "part ")) << dropped;
+    EXPECT_EQ(nlohmann::json::parse(dropped)["identity"]["dropped"]["SegmentLabel"], 2);
+    options.keep_identity = true;
+    const auto kept = nlohmann::json::parse(
+        open_source({folder.file("seg.dcm")}, options)->description().metadata_json);
+    EXPECT_EQ(kept["identity"]["attributes"]["SegmentLabel"], "1 part 1\n2 part 2");
+    EXPECT_FALSE(kept["identity"]["dropped"].contains("SegmentLabel"));
+  }
+}
+
+TEST(DicomSegments, AreTakenOneByOneByNumberOrLabel) {
+  const TempFolder folder;
+  write_segmentation(folder.file("seg.dcm"), two_segments(true));
+  const std::vector<std::pair<std::string, std::string>> rows = {
+      {"1", plane_pair({{3, 1}, {15, 1}})},
+      {"part 1", plane_pair({{3, 1}, {15, 1}})},
+      {"2", plane_pair({{7, 1}, {15, 1}, {29, 1}})},
+      {"Part 2", plane_pair({{7, 1}, {15, 1}, {29, 1}})}};
+  for (const auto& [name, voxels] : rows) {
+    SourceOptions options;
+    options.segment = name;
+    const auto source = open_source({folder.file("seg.dcm")}, options);
+    EXPECT_EQ(voxels_of(*source), voxels) << name;
+    EXPECT_TRUE(contains(source->description().metadata_json, "\"segment\":{\"number\":"));
+  }
+  SourceOptions wrong;
+  wrong.segment = "liver";
+  const Error error = source_error({folder.file("seg.dcm")}, wrong);
+  EXPECT_EQ(error.kind(), ErrorKind::invalid_argument);
+  EXPECT_TRUE(contains(error, "1 part 1, 2 part 2")) << error.what();
+}
+
+TEST(DicomSegments, ThatOverlapAreRejectedWithBothNames) {
+  const TempFolder folder;
+  SegmentationSample sample = two_segments(true);
+  for (const char* said : {"", "NO", "YES"}) {
+    sample.overlap = said;
+    write_segmentation(folder.file("seg.dcm"), sample);
+    const Error error = source_error({folder.file("seg.dcm")});
+    EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
+    for (const char* word : {"1 part 1", "2 part 2", "overlap", "[segment=a number or label]"}) {
+      EXPECT_TRUE(contains(error, word)) << error.what();
+    }
+  }
+}
+
+TEST(DicomSegments, OfFractionsAreGrey) {
+  const TempFolder folder;
+  SegmentationSample sample = two_segments(false);
+  sample.type = "FRACTIONAL";
+  for (int i = 0; i < 60; ++i) sample.fractions += static_cast<char>(3 * i);
+  write_segmentation(folder.file("seg.dcm"), sample);
+  EXPECT_TRUE(contains(source_error({folder.file("seg.dcm")}), "[segment=a number or label]"));
+  SourceOptions options;
+  options.segment = "2";
+  const auto source = open_source({folder.file("seg.dcm")}, options);
+  EXPECT_EQ(source->description().kind, VolumeKind::grey);
+  EXPECT_EQ(source->description().rescale, (Rescale{1.0 / 200, 0}));
+  EXPECT_EQ(voxels_of(*source), sample.fractions.substr(30));
+}
+
+TEST(DicomSegments, AreOfSegmentationsOnly) {
+  const TempFolder folder;
+  DicomSample slice;
+  slice.position = "0\\0\\0";
+  write_dicom(folder.file("ct.dcm"), slice);
+  write_file(folder.file("a.raw"), "12345678");
+  SourceOptions options;
+  options.segment = "1";
+  EXPECT_EQ(source_error({folder.file("ct.dcm")}, options).kind(), ErrorKind::invalid_argument);
+  options.raw = parse_raw_layout("2,2,2,uint8");
+  EXPECT_EQ(source_error({folder.file("a.raw")}, options).kind(), ErrorKind::invalid_argument);
+}
+
+}  // namespace
+}  // namespace octavo::testing

@@ -1,0 +1,142 @@
+#include "octavo/io/volumes/meta_source.h"
+
+#include <gtest/gtest.h>
+
+#include <zlib.h>
+
+#include "support/source_files.h"
+
+namespace octavo::testing {
+namespace {
+
+using Matrix3 = std::array<double, 9>;
+
+Geometry geometry_of(const std::string& path, const SourceOptions& options = {}) {
+  return open_source({path}, options)->description().geometry;
+}
+
+SourceOptions with_spacing(double x, double y, double z) {
+  SourceOptions options;
+  options.spacing_mm = Point3{x, y, z};
+  return options;
+}
+
+Point3 spacing_of(const std::string& path) {
+  return open_source({path}, {})->description().geometry.spacing_mm;
+}
+
+std::string zlib_of(const std::string& bytes) {
+  uLongf length = compressBound(static_cast<uLong>(bytes.size()));
+  std::string out(length, '\0');
+  EXPECT_EQ(
+      compress(reinterpret_cast<Bytef*>(out.data()), &length,
+               reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size())),
+      Z_OK);
+  return out.substr(0, length);
+}
+
+TEST(MetaSource, VoxelsAreReadInsideDetachedAndCompressed) {
+  const TempFolder folder;
+  const std::string header =
+      "ObjectType = Image\nNDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\n"
+      "ElementSpacing = 2 3 4\nOffset = 10 20 30\nTransformMatrix = 0 1 0 -1 0 0 0 0 1\n";
+  write_file(folder.file("a.mha"), header +
+                                       "BinaryDataByteOrderMSB = True\nElementDataFile = LOCAL\n" +
+                                       bytes_of(kStoredValues, true));
+  write_file(folder.file("b.mhd"), header + "ElementDataFile = data/b.raw\n");
+  write_file(folder.file("data/b.raw"), bytes_of(kStoredValues));
+  write_file(folder.file("c.mhd"), header + "CompressedData = True\nElementDataFile = c.zraw\n");
+  write_file(folder.file("c.zraw"), zlib_of(bytes_of(kStoredValues)));
+  write_file(folder.file("d.mhd"), header + "HeaderSize = -1\nElementDataFile = d.raw\n");
+  write_file(folder.file("d.raw"), "some header" + bytes_of(kStoredValues));
+  for (const char* name : {"a.mha", "b.mhd", "c.mhd", "d.mhd"}) {
+    const auto source = open_source({folder.file(name)}, {});
+    EXPECT_EQ(source->description().geometry.origin_mm, (Point3{10, 20, 30})) << name;
+    EXPECT_EQ(source->description().geometry.direction,
+              (std::array<double, 9>{0, -1, 0, 1, 0, 0, 0, 0, 1}))
+        << name;
+    EXPECT_EQ(voxels_of(*source), bytes_of(kStoredValues)) << name;
+    EXPECT_EQ(source->resident_bytes(), 0U);
+  }
+}
+
+TEST(MetaSource, WhatIsNoScalarVolumeIsRejected) {
+  const TempFolder folder;
+  const std::string good =
+      "NDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\nElementDataFile = ";
+  for (const std::string& header :
+       {good + "../b.raw\n", good + "/etc/passwd\n", good + "b%03d.raw 1 2 1\n",
+        good + "LIST\na\nb\n", good + "missing.raw\n",
+        "ElementNumberOfChannels = 3\n" + good + "LOCAL\n",
+        "BinaryData = False\n" + good + "LOCAL\n",
+        std::string(
+            "NDims = 3\nDimSize = 4 3 2\nElementType = MET_DOUBLE\nElementDataFile = LOCAL\n"),
+        std::string(
+            "NDims = 4\nDimSize = 4 3 2 2\nElementType = MET_SHORT\nElementDataFile = LOCAL\n"),
+        std::string("NDims = 3\nDimSize = 4 3 2\n")}) {
+    write_file(folder.file("a.mha"), header + std::string(500, '\0'));
+    EXPECT_EQ(source_error({folder.file("a.mha")}).kind(), ErrorKind::source_rejected) << header;
+  }
+}
+
+TEST(MetaSource, EveryTruncationIsRejected) {
+  const TempFolder folder;
+  expect_every_truncation_rejected(
+      folder.file("a.mha"),
+      "NDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\nElementDataFile = LOCAL\n" +
+          bytes_of(kStoredValues));
+}
+
+void write_meta(const std::string& path, const std::string& matrix) {
+  write_file(path, "NDims = 3\nDimSize = 4 3 2\nElementSpacing = 1 1 2\nElementType = MET_UCHAR\n" +
+                       matrix + "\nElementDataFile = LOCAL\n" + std::string(24, '\1'));
+}
+
+TEST(MetaSource, AxesThatContradictTheSpacingAreRejectedUnlessASpacingIsGiven) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.mha");
+  write_meta(path, "TransformMatrix = 2 0 0 0 2 0 0 0 2");
+  expect_rejected(path, {"TransformMatrix", "axis x has length 2, 1 expected", "[spacing_mm]"});
+  const Geometry given = geometry_of(path, with_spacing(3, 4, 5));
+  EXPECT_EQ(given.direction, Geometry{}.direction);
+  EXPECT_EQ(given.spacing_mm, (Point3{3, 4, 5}));
+  write_meta(path, "Rotation = 1 0 0 0 1 0 0 0 0");
+  expect_rejected(path, {"Rotation", "axis z has length 0", "repair"}, with_spacing(1, 1, 1));
+}
+
+TEST(MetaSource, AxesWithinAThousandthOfAGridStayAsTheyAre) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.mha");
+  for (const Matrix3& m : {Matrix3{1.0005, 0, 0, 0, 1, 0, 0, 0, 1},
+                           Matrix3{1, 0.0005, 0, 0, 1, 0, 0, 0, 1},
+                           Matrix3{0.8, 0.6, 0, -0.6, 0.8, 0, 0, 0, -1}}) {
+    std::string text = "TransformMatrix =";
+    for (const double v : m) text += " " + std::to_string(v);
+    write_meta(path, text);
+    // The file lists one axis after the other.
+    const Matrix3 columns = {m[0], m[3], m[6], m[1], m[4], m[7], m[2], m[5], m[8]};
+    EXPECT_EQ(geometry_of(path).direction, columns);
+  }
+}
+
+TEST(MetaSource, LengthsAreInTheUnitOfTheHeader) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.mha");
+  const auto write = [&](const std::string& unit) {
+    write_file(path, "NDims = 3\nDimSize = 4 3 2\nElementSpacing = 2 3 4\nOffset = 10 20 30\n" +
+                         (unit.empty() ? "" : "DistanceUnits = " + unit + "\n") +
+                         "ElementType = MET_UCHAR\nElementDataFile = LOCAL\n" +
+                         std::string(24, '\1'));
+  };
+  for (const auto& [unit, mm] : std::vector<std::pair<std::string, double>>{
+           {"", 1}, {"?", 1}, {"mm", 1}, {"um", 1e-3}, {"cm", 10}}) {
+    write(unit);
+    EXPECT_EQ(spacing_of(path), (Point3{2 * mm, 3 * mm, 4 * mm})) << unit;
+    EXPECT_DOUBLE_EQ(open_source({path}, {})->description().geometry.origin_mm[2], 30 * mm);
+  }
+  write("parsec");
+  EXPECT_TRUE(contains(source_error({path}), "parsec"));
+}
+
+}  // namespace
+}  // namespace octavo::testing

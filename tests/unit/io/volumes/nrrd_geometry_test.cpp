@@ -1,0 +1,183 @@
+#include "octavo/io/volumes/nrrd_geometry.h"
+
+#include <gtest/gtest.h>
+
+#include "support/source_files.h"
+
+namespace octavo::testing {
+namespace {
+
+using Matrix3 = std::array<double, 9>;
+
+using Rows = std::vector<std::pair<std::string, std::string>>;
+
+Geometry geometry_of(const std::string& path, const SourceOptions& options = {}) {
+  return open_source({path}, options)->description().geometry;
+}
+
+void write_nrrd(const std::string& path, const std::string& lines) {
+  write_file(path, "NRRD0005\ntype: uchar\ndimension: 3\nsizes: 4 3 2\nencoding: raw\n" + lines +
+                       "\n\n" + std::string(24, '\1'));
+}
+
+const std::string kDirections = "space directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (1,2,3)";
+
+TEST(NrrdGeometry, SpacesAndVoxelsAreTurnedToLps) {
+  const TempFolder folder;
+  const std::string rest = "type: int16\ndimension: 3\nsizes: 4 3 2\nendian: big\nencoding: raw\n"
+                           "space directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (10,20,30)\n";
+  for (const auto& [space, origin] :
+       std::vector<std::pair<std::string, Point3>>{{"left-posterior-superior", {10, 20, 30}},
+                                                   {"right-anterior-superior", {-10, -20, 30}},
+                                                   {"LAS", {10, -20, 30}}}) {
+    write_file(folder.file("a.nrrd"), "NRRD0004\n# a remark\nspace: " + space + "\n" + rest + "\n" +
+                                          bytes_of(kStoredValues, true));
+    const auto source = open_source({folder.file("a.nrrd")}, {});
+    EXPECT_EQ(source->description().geometry.origin_mm, origin);
+    EXPECT_EQ(source->description().geometry.spacing_mm, (Point3{2, 3, 4}));
+    EXPECT_EQ(voxels_of(*source), bytes_of(kStoredValues));
+  }
+}
+
+TEST(NrrdGeometry, AxesWithoutALengthAreRejectedByName) {
+  const TempFolder folder;
+  write_nrrd(folder.file("a.nrrd"), "space: LPS\nspace directions: (1,0,0) (0,0,0) (0,0,2)");
+  expect_rejected(folder.file("a.nrrd"), {"space directions", "axis y has no length"});
+}
+
+TEST(NrrdGeometry, AxesOfSpacesThatNameLeftAreTurnedToLps) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nrrd");
+  for (const auto& [space, signs] : std::vector<std::pair<std::string, Point3>>{
+           {"left-posterior-superior", {1, 1, 1}}, {"LPS", {1, 1, 1}},
+           {"right-anterior-superior", {-1, -1, 1}}, {"RAS", {-1, -1, 1}},
+           {"Left-Anterior-Superior", {1, -1, 1}}, {"las", {1, -1, 1}}}) {
+    write_nrrd(path, "space: " + space + "\n" + kDirections);
+    const auto source = open_source({path}, {});
+    const Geometry& g = source->description().geometry;
+    EXPECT_EQ(g.direction, (Matrix3{signs[0], 0, 0, 0, signs[1], 0, 0, 0, signs[2]})) << space;
+    EXPECT_EQ(g.origin_mm, (Point3{signs[0], 2 * signs[1], 3 * signs[2]})) << space;
+    EXPECT_TRUE(source->warnings().empty()) << with_hints(source->warnings());
+    EXPECT_TRUE(contains(source->description().metadata_json, "\"place_known\":true")) << space;
+  }
+}
+
+TEST(NrrdGeometry, AxesOfSpacesThatDoNotNameLeftStayAndAreReportedAsUnplaced) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nrrd");
+  for (const auto& [line, word] :
+       Rows{{"space: scanner-xyz\n", "scanner-xyz"}, {"space: 3D-right-handed\n", "3D-right"},
+            {"space: 3D-left-handed\n", "mirror image"}, {"space dimension: 3\n", "no space"},
+            {"", "no space"}}) {
+    write_nrrd(path, line + kDirections);
+    const auto source = open_source({path}, {});
+    EXPECT_EQ(source->description().geometry.spacing_mm, (Point3{2, 3, 4}));
+    EXPECT_EQ(source->description().geometry.origin_mm, (Point3{1, 2, 3}));
+    const std::string said = with_hints(source->warnings());
+    EXPECT_TRUE(contains(said, word) && contains(said, "does not say where left is")) << said;
+    EXPECT_TRUE(contains(source->description().metadata_json, "\"place_known\":false")) << line;
+  }
+}
+
+TEST(NrrdGeometry, SpacesOfAnotherNameAreRejectedWithTheNamesThatAreRead) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nrrd");
+  for (const char* space : {"right-posterior-superior", "RPS", "foo", "RAST", "3D-left"}) {
+    write_nrrd(path, std::string("space: ") + space + "\n" + kDirections);
+    expect_rejected(path, {std::string("\"") + space + "\" is not read", "(LPS)", "(RAS)", "(LAS)",
+                           "scanner-xyz"});
+    write_nrrd(path, std::string("space: ") + space + "\nspacings: 1 1 2");
+    EXPECT_TRUE(contains(with_hints(open_source({path}, {})->warnings()), "are left out")) << space;
+  }
+}
+
+TEST(NrrdGeometry, ASpaceWithoutDirectionsIsLeftOutWithAWarning) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nrrd");
+  write_nrrd(path, "space: RAS\nspacings: 2 3 4\nspace origin: (1,2,3)");
+  const auto source = open_source({path}, {});
+  EXPECT_EQ(source->description().geometry, (Geometry{{0, 0, 0}, {2, 3, 4}}));
+  EXPECT_TRUE(contains(with_hints(source->warnings()), "orientation and origin are left out"));
+}
+
+TEST(NrrdGeometry, TheOriginIsWhereAxisMinsSay) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nrrd");
+  struct Row {
+    std::string lines;
+    Point3 origin;
+    bool is_told;  ///< that cells are assumed
+  };
+  for (const auto& [lines, origin, is_told] : std::vector<Row>{
+           {"spacings: 1 1 2\naxis mins: 10 20 30", {10.5, 20.5, 31}, true},
+           {"spacings: 1 1 2\naxismins: 10 20 30\ncenters: cell cell cell",
+            {10.5, 20.5, 31}, false},
+           {"spacings: 1 1 2\naxis mins: 10 20 30\ncenterings: node node node",
+            {10, 20, 30}, false},
+           {"spacings: 1 1 2\naxis mins: 10 20 30\ncenters: cell node ???", {10.5, 20, 31}, true},
+           {"spacings: -1 1 2\naxis mins: 10 nan 30\ncenters: cell cell cell", {9.5, 0, 31}, false},
+           {"spacings: 1 1 2\naxis mins: 10 20 30\ncenters: node node node\n"
+            "units: \"cm\" \"mm\" \"mm\"", {100, 20, 30}, false}}) {
+    write_nrrd(path, lines);
+    const auto source = open_source({path}, {});
+    EXPECT_EQ(source->description().geometry.origin_mm, origin) << lines;
+    EXPECT_EQ(contains(with_hints(source->warnings()), "taken as the borders"), is_told) << lines;
+    EXPECT_TRUE(contains(source->description().metadata_json, "\"place_known\":false")) << lines;
+  }
+  write_nrrd(path, "spacings: 1 1 2\naxis mins: 10 20");
+  expect_rejected(path, {"axis mins: 3 numbers expected, 2 found"});
+  write_nrrd(path, "spacings: 1 1 2\naxis mins: 10 20 30\ncenters: cell");
+  expect_rejected(path, {"centers has 1 words for 3 axes"});
+  write_nrrd(path, "axis mins: 10 20 30");
+  EXPECT_TRUE(contains(with_hints(open_source({path}, {})->warnings()), "the origin is left out"));
+}
+
+TEST(NrrdGeometry, AnAxisRunsBackwardsWhereItsSpacingIsNegative) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nrrd");
+  write_nrrd(path, "spacings: 1 -1 2");
+  const Geometry g = geometry_of(path);
+  EXPECT_EQ(g.spacing_mm, (Point3{1, 1, 2}));
+  EXPECT_EQ(g.direction, (Matrix3{1, 0, 0, 0, -1, 0, 0, 0, 1}));
+}
+
+Point3 spacing_of(const std::string& path) {
+  return open_source({path}, {})->description().geometry.spacing_mm;
+}
+
+TEST(NrrdGeometry, LengthsAreInTheUnitsOfTheHeader) {
+  const TempFolder folder;
+  const std::string path = folder.file("a.nrrd");
+  const auto write = [&](const std::string& lines) {
+    write_file(path, "NRRD0005\ntype: uchar\ndimension: 3\nsizes: 4 3 2\nencoding: raw\n" + lines +
+                         "\n" + std::string(24, '\1'));
+  };
+  const std::string axes =
+      "space: left-posterior-superior\nspace directions: (2,0,0) (0,3,0) (0,0,4)\n"
+      "space origin: (10,20,30)\n";
+  for (const auto& [unit, mm] : std::vector<std::pair<std::string, double>>{
+           {"mm", 1}, {"um", 1e-3}, {"\xc2\xb5m", 1e-3}, {"microns", 1e-3}, {"cm", 10},
+           {"m", 1000}, {"", 1}}) {
+    const std::string quoted = "\"" + unit + "\" ";
+    write(axes + "space units: " + quoted + quoted + quoted + "\n");
+    EXPECT_EQ(spacing_of(path), (Point3{2 * mm, 3 * mm, 4 * mm})) << unit;
+    EXPECT_DOUBLE_EQ(open_source({path}, {})->description().geometry.origin_mm[2], 30 * mm);
+    write("spacings: 2 3 4\nunits: " + quoted + quoted + quoted + "\n");
+    EXPECT_EQ(spacing_of(path), (Point3{2 * mm, 3 * mm, 4 * mm})) << unit;
+  }
+  for (const std::string& lines : {axes + "space units: \"furlong\" \"mm\" \"mm\"\n",
+                                  std::string("spacings: 2 3 4\nunits: \"pixel\" \"mm\" \"mm\"\n"),
+                                  axes + "space units: \"mm\" \"mm\"\n"}) {
+    write(lines);
+    const Error error = source_error({path});
+    EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
+    EXPECT_TRUE(contains(error, "units")) << error.what();
+  }
+  write("spacings: 2 3 4\nunits: \"pixel\" \"pixel\" \"mm\"\n");
+  SourceOptions options;
+  options.spacing_mm = Point3{5, 6, 7};
+  EXPECT_EQ(open_source({path}, options)->description().geometry.spacing_mm, (Point3{5, 6, 7}));
+}
+
+}  // namespace
+}  // namespace octavo::testing
