@@ -30,6 +30,15 @@ target_link_options(octavo_flags INTERFACE
 
 include(GNUInstallDirs)
 
+# Half of a compiler's time goes into headers that every source of a module reads again.
+option(OCTAVO_UNITY "Compile the sources of a module eight at a time" OFF)
+
+# octavo_unity(TARGET): names in its anonymous namespaces are unique within the module.
+function(octavo_unity target)
+  set_target_properties(${target} PROPERTIES
+    UNITY_BUILD ${OCTAVO_UNITY} UNITY_BUILD_BATCH_SIZE 8)
+endfunction()
+
 # octavo_module(NAME SOURCES a.cpp ... [USES octavo_core ...] [LINKS TBB::tbb ...])
 # Others see the library as octavo::NAME, in this build and after installation.
 function(octavo_module name)
@@ -41,6 +50,7 @@ function(octavo_module name)
     PUBLIC ${arg_USES} PRIVATE $<BUILD_INTERFACE:octavo_flags> ${arg_LINKS})
   target_compile_features(octavo_${name} PUBLIC cxx_std_20)
   set_target_properties(octavo_${name} PROPERTIES EXPORT_NAME ${name})
+  octavo_unity(octavo_${name})
   add_library(octavo::${name} ALIAS octavo_${name})
   install(TARGETS octavo_${name} EXPORT octavoTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 endfunction()

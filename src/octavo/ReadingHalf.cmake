@@ -61,5 +61,6 @@ target_include_directories(octavo_read PUBLIC
 target_link_libraries(octavo_read PRIVATE $<BUILD_INTERFACE:octavo_flags>)
 target_compile_features(octavo_read PUBLIC cxx_std_20)
 set_target_properties(octavo_read PROPERTIES EXPORT_NAME read)
+octavo_unity(octavo_read)
 add_library(octavo::read ALIAS octavo_read)
 install(TARGETS octavo_read EXPORT octavoReadTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})

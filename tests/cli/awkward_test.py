@@ -72,7 +72,7 @@ def outcome(octavo, awkward, source, options):
         folder = pathlib.Path(name)
         command = [octavo, "build", source, "-o", folder / "a.8vo", "--progress", "none", "-q"]
         result = subprocess.run([*command, *options.split()], cwd=awkward, capture_output=True,
-                                text=True, timeout=300, check=False)
+                                text=True, check=False)
         said = [line.removeprefix("octavo: ") for line in result.stderr.splitlines()]
         warnings = [s.removeprefix("warning: ") for s in said if s.startswith("warning: ")]
         if result.returncode == 0:

@@ -15,8 +15,10 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+import processor_time  # pylint: disable=wrong-import-position
 
 OCTAVO = "octavo"
 
@@ -24,7 +26,7 @@ OCTAVO = "octavo"
 def run(*arguments, cwd=None, **options):
     command = [OCTAVO, *map(str, arguments)]
     return subprocess.run(
-        command, cwd=cwd, capture_output=True, text=True, timeout=300, check=False, **options
+        command, cwd=cwd, capture_output=True, text=True, check=False, **options
     )
 
 
@@ -540,9 +542,9 @@ class Stopping(InFolder):
                 process = subprocess.Popen(
                     [OCTAVO, "phantom", "--size", "700", "--noise", "30", "-o", "big.8vo",
                      "--progress", "none"], cwd=self.folder, stderr=subprocess.PIPE, text=True)
-                time.sleep(1)
+                processor_time.let_run(process, 0.5)
                 process.send_signal(number)
-                _, errors = process.communicate(timeout=120)
+                _, errors = process.communicate()
                 self.assertEqual(process.returncode, 128 + number, errors)
                 self.assertEqual(errors.count("\n"), 1, errors)
                 self.assertEqual(self.files(), [])

@@ -11,10 +11,10 @@ import signal
 import struct
 import subprocess
 import sys
-import time
 import unittest
 
 import cli_test
+import processor_time
 from cli_test import InFolder
 
 
@@ -42,12 +42,17 @@ def children_of(process):
     return found
 
 
-def is_running(process):
+def state_of(process):
+    """The letter that ps shows; X for one that is no more."""
     try:
         text = pathlib.Path(f"/proc/{process}/stat").read_text()
     except OSError:
-        return False
-    return text.rsplit(")", 1)[1].split()[0] not in "ZX"
+        return "X"
+    return text.rsplit(")", 1)[1].split()[0]
+
+
+def is_running(process):
+    return state_of(process) not in "ZX"
 
 
 class Isolation(InFolder):
@@ -65,7 +70,6 @@ class Isolation(InFolder):
         workers = []
         while not workers and process.poll() is None:
             workers = children_of(process.pid)
-            time.sleep(0.001)
         self.assertEqual(len(workers), 1)
         return process, workers[0]
 
@@ -93,24 +97,22 @@ class Isolation(InFolder):
                 process, worker = self.start_build()
                 # Stopped, the program takes no planes: the worker cannot come to its end.
                 process.send_signal(signal.SIGSTOP)
-                time.sleep(0.3)
+                processor_time.wait_until(lambda: state_of(process.pid) == "T")
+                # It sleeps once the pipe is full.
+                processor_time.wait_until(lambda: state_of(worker) in "SZX")
                 self.assertTrue(is_running(worker))
                 process.send_signal(number)
                 process.send_signal(signal.SIGCONT)
-                _, errors = process.communicate(timeout=120)
+                _, errors = process.communicate()
                 code = -number if number == signal.SIGKILL else 128 + number
                 self.assertEqual(process.returncode, code, errors)
-                for _ in range(500):
-                    if not is_running(worker):
-                        break
-                    time.sleep(0.01)
-                self.assertFalse(is_running(worker))
+                processor_time.wait_until(lambda: not is_running(worker))
 
     def test_a_worker_that_is_killed_is_exit_7_and_leaves_no_file(self):
         self.write_stack("stack", 400, 400)
         process, worker = self.start_build()
         os.kill(worker, signal.SIGKILL)
-        _, errors = process.communicate(timeout=120)
+        _, errors = process.communicate()
         self.assertEqual(process.returncode, 7, errors)
         self.assertEqual(errors.count("\n"), 1, errors)
         self.assertIn("stopped by signal 9", errors)

@@ -50,7 +50,7 @@ class Traced(InFolder):
         chosen = [part for rule in rules for part in ("-e", rule)]
         result = subprocess.run(
             ["strace", "-f", "-o", log, *chosen, program_faults.OCTAVO, *map(str, arguments)],
-            cwd=self.folder, capture_output=True, text=True, check=False, timeout=120)
+            cwd=self.folder, capture_output=True, text=True, check=False)
         return result, log.read_text()
 
 
@@ -122,7 +122,7 @@ class ParallelPairs(InFolder):
             running = [self.start("export", "p.8vo", "--level", level, "-o", "s.mhd", "--force",
                                   "-j1") for level in [0, 1, 2, 0, 1, 2]]
             for process in running:
-                _, said = process.communicate(timeout=120)
+                _, said = process.communicate()
                 self.assertEqual(process.returncode, 0, said)
             header = (self.folder / "s.mhd").read_text()
             size = next(line for line in header.splitlines() if line.startswith("DimSize"))

@@ -42,7 +42,7 @@ class InFolder(unittest.TestCase):
 
     def octavo(self, *arguments):
         command = [OCTAVO, *map(str, arguments), "--quiet", "--force"]
-        result = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+        result = subprocess.run(command, capture_output=True, text=True, check=False)
         self.assertEqual(result.returncode, 0, f"{command}\n{result.stderr}")
 
     def build(self, case):

@@ -18,7 +18,6 @@ constexpr double kMostSteps = 1 << 20;
 constexpr double kFloatRounding = 1.0 / (1 << 24);
 constexpr std::size_t kEnoughForOffset = 64;
 constexpr double kClearlyMore = 1.5;
-constexpr double kLargestCode = std::numeric_limits<std::int32_t>::max();
 
 bool holds_all(const SampleCoding& coding, std::span<const float> values) {
   return is_valid(coding) && std::all_of(values.begin(), values.end(), [&](float v) {

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -15,6 +16,9 @@
 #include "octavo/core/sample_coding.h"
 
 namespace octavo {
+
+/// Codes are whole numbers of this magnitude at most.
+inline constexpr double kLargestCode = std::numeric_limits<std::int32_t>::max();
 
 /// The different values among many floats, up to a number of them.
 class DistinctValues {

@@ -18,7 +18,6 @@ namespace {
 constexpr std::size_t kEnoughValues = 64;
 constexpr double kStepsPerError = 32;
 constexpr double kFloatSteps = 1 << 24;
-constexpr double kLargestCode = std::numeric_limits<std::int32_t>::max();
 constexpr double kMinError = 1e-290;
 // Values yet to come may be so much larger than those of the first planes.
 constexpr double kGrowth = 4;

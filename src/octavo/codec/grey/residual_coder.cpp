@@ -12,6 +12,12 @@ constexpr std::size_t kMaxSymbolBits = kEscapeBits + kMaxPlainBits + 16;
 constexpr std::size_t kWordPadding = kMaxUnchecked * 2 + 32;
 constexpr std::size_t kPlainPadding = kMaxUnchecked * kMaxSymbolBits / 8 + 32;
 
+/// Values that will all be written: clearing them first would cost as much again.
+template <class T>
+std::unique_ptr<T[]> unset_array(std::size_t count) {
+  return std::unique_ptr<T[]>(new T[count]);
+}
+
 std::uint8_t* put_little(std::uint8_t* to, std::uint64_t value, int bytes) {
   for (int i = 0; i < bytes; ++i) *to++ = static_cast<std::uint8_t>(value >> 8 * i);
   return to;
@@ -86,14 +92,13 @@ Bytes encode_symbols(const Model& model, int set, const std::vector<Symbol>& sym
   const auto state_total = static_cast<std::size_t>(state_count(static_cast<std::int64_t>(count)));
 
   // Plain bits forwards, tokens backwards: rANS is a stack.
-  const auto tokens = std::make_unique_for_overwrite<std::uint8_t[]>(count);
-  const auto plain =
-      std::make_unique_for_overwrite<std::uint8_t[]>(count * kMaxSymbolBits / 8 + 16);
+  const auto tokens = unset_array<std::uint8_t>(count);
+  const auto plain = unset_array<std::uint8_t>(count * kMaxSymbolBits / 8 + 16);
   const std::uint8_t* const plain_end =
       split_symbols(used, symbols, shift, tokens.get(), plain.get());
   std::array<std::uint32_t, kMaxStates> states;
   states.fill(kStateFloor);
-  const auto words = std::make_unique_for_overwrite<std::uint16_t[]>(count + 1);
+  const auto words = unset_array<std::uint16_t>(count + 1);
   const std::uint16_t* const words_end = words.get() + count + 1;
   const std::uint16_t* word = push_tokens(encoders, symbols, tokens.get(), states.data(),
                                           state_total - 1, words.get() + count + 1);
@@ -132,9 +137,8 @@ SymbolReader::SymbolReader(const Model& model, int set, ByteSpan segment, std::i
     }
     if (segment.size() % 2 != 0) throw Error(ErrorKind::corrupt, "a segment has half a word");
   }
-  // Every byte is set here: clearing them all first would cost as much again.
-  padded_ = std::make_unique_for_overwrite<std::uint8_t[]>(segment.size() + kWordPadding +
-                                                           plain_span.size() + kPlainPadding);
+  padded_ = unset_array<std::uint8_t>(segment.size() + kWordPadding + plain_span.size() +
+                                      kPlainPadding);
   const auto copy_padded = [](ByteSpan bytes, std::size_t padding, std::uint8_t* to) {
     std::fill_n(std::copy(bytes.begin(), bytes.end(), to), padding, std::uint8_t{0});
   };

@@ -18,7 +18,7 @@ namespace octavo {
 
 namespace {
 
-constexpr std::size_t kBlockBytes = std::size_t{1} << 20;
+constexpr std::size_t kScanBytes = std::size_t{1} << 20;
 
 // Damages that one round describes; the next round finds the others.
 constexpr std::size_t kListedInARound = std::size_t{1} << 16;
@@ -56,9 +56,9 @@ void complete_trailer(const std::shared_ptr<const ByteSource>& source, Repairs& 
                             "bytes");
   std::uint32_t digest = 0;
   Bytes buffer;
-  for (std::uint64_t at = kHeaderBytes; at < end; at += kBlockBytes) {
+  for (std::uint64_t at = kHeaderBytes; at < end; at += kScanBytes) {
     throw_if_cancelled(progress);
-    buffer.resize(std::min<std::uint64_t>(kBlockBytes, end - at));
+    buffer.resize(std::min<std::uint64_t>(kScanBytes, end - at));
     repaired.read(at, buffer);
     digest = crc32c(buffer, digest);
     progress.advance(static_cast<std::int64_t>(buffer.size()));
@@ -90,11 +90,11 @@ Repairs all_repairs(const std::shared_ptr<const ByteSource>& source,
 
 void copy(const ByteSource& source, StorageFile& out, Progress& progress) {
   const ProgressScope scope(progress, "writing", static_cast<std::int64_t>(source.size()), "bytes");
-  Bytes buffer(kBlockBytes);
-  for (std::uint64_t at = 0; at < source.size(); at += kBlockBytes) {
+  Bytes buffer(kScanBytes);
+  for (std::uint64_t at = 0; at < source.size(); at += kScanBytes) {
     throw_if_cancelled(progress);
     const auto count =
-        static_cast<std::size_t>(std::min<std::uint64_t>(kBlockBytes, source.size() - at));
+        static_cast<std::size_t>(std::min<std::uint64_t>(kScanBytes, source.size() - at));
     const auto part = std::span(buffer).first(count);
     source.read(at, part);
     out.write(at, part);

@@ -20,7 +20,7 @@ constexpr std::uint32_t kGroupRecord = 3;
 
 constexpr std::size_t kFrameBytes = 20;
 constexpr std::size_t kCrcAt = 16;
-constexpr std::size_t kReadBytes = std::size_t{1} << 20;
+constexpr std::size_t kRecordReadBytes = std::size_t{1} << 20;
 
 using Frame = std::array<std::uint8_t, kFrameBytes>;
 
@@ -52,7 +52,7 @@ std::optional<Record> record_at(const StorageFile& file, std::uint64_t offset) {
   if (record.length > size - record.payload) return std::nullopt;
 
   std::uint32_t crc = frame_crc(frame, offset);
-  Bytes buffer(static_cast<std::size_t>(std::min<std::uint64_t>(record.length, kReadBytes)));
+  Bytes buffer(static_cast<std::size_t>(std::min<std::uint64_t>(record.length, kRecordReadBytes)));
   for (std::uint64_t at = 0; at < record.length; at += buffer.size()) {
     const auto count = std::min<std::uint64_t>(buffer.size(), record.length - at);
     const auto part = std::span(buffer).first(static_cast<std::size_t>(count));

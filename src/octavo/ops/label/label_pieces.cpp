@@ -12,7 +12,7 @@ namespace octavo {
 
 namespace {
 
-std::size_t index(int rank) { return static_cast<std::size_t>(rank); }
+std::size_t at_rank(int rank) { return static_cast<std::size_t>(rank); }
 
 std::uint64_t hash_of(std::span<const std::int64_t> labels) {
   std::uint64_t hash = labels.size();
@@ -62,11 +62,11 @@ std::vector<std::uint32_t> take_palettes(const PaletteTable& table, LabelArrays&
 // The directories of planes, once all words and palettes are there.
 void find_deeper(LabelArrays& arrays) {
   int plane_count = 0;
-  while (plane_count < kMostLabelPlanes && !arrays.planes[index(plane_count)].empty()) {
+  while (plane_count < kMostLabelPlanes && !arrays.planes[at_rank(plane_count)].empty()) {
     ++plane_count;
   }
   for (int p = 0; p + 1 < plane_count; ++p) {
-    arrays.deeper[index(p)].reserve(arrays.planes[index(p)].size());
+    arrays.deeper[at_rank(p)].reserve(arrays.planes[at_rank(p)].size());
   }
   if (plane_count < 2) return;
   for (std::uint64_t word = 0; word < arrays.palettes.size(); ++word) {
@@ -74,7 +74,7 @@ void find_deeper(LabelArrays& arrays) {
     const int planes = label_planes(arrays.palette_starts[palette + std::size_t{1}] -
                                     arrays.palette_starts[palette]);
     for (int p = 0; p < planes && p + 1 < plane_count; ++p) {
-      arrays.deeper[index(p)].push_back(p + 1 < planes);
+      arrays.deeper[at_rank(p)].push_back(p + 1 < planes);
     }
   }
 }
@@ -89,8 +89,8 @@ class Join {
     find_labels();
     find_palettes();
     reserve();
-    out_.cubes.resize(index(rank_count_));
-    values_.resize(index(rank_count_));
+    out_.cubes.resize(at_rank(rank_count_));
+    values_.resize(at_rank(rank_count_));
     std::uint64_t word = 0;
     for (std::size_t i = 0; i < parts_.size(); ++i) {
       append(parts_[i].arrays, palettes_of_[i], word);
@@ -161,7 +161,7 @@ class Join {
     }
     std::size_t cubes = 0;
     for (const LabelPart& part : parts_) cubes += part.arrays.cubes[0].size();
-    out_.cubes.resize(index(rank_count_));
+    out_.cubes.resize(at_rank(rank_count_));
     out_.cubes[0].reserve(cubes);
   }
 
@@ -203,7 +203,7 @@ class Join {
   // The cube of `rank` with that code, whose parts are next.
   Child cube(int rank, std::uint64_t code) {
     if (rank == 1) return root_of_part(code);
-    std::vector<LabelCube>& below = out_.cubes[index(rank) - 1];
+    std::vector<LabelCube>& below = out_.cubes[at_rank(rank) - 1];
     const std::uint64_t first = below.size();
     LabelRuns<std::uint32_t> runs;
     for (int bit = 0; bit < 64; ++bit) {
@@ -222,7 +222,7 @@ class Join {
     }
     Child made{runs.cube().is_uniform(), runs.labels().empty() ? 0 : runs.labels().front(),
                runs.cube()};
-    std::vector<std::uint32_t>& values = values_[index(rank)];
+    std::vector<std::uint32_t>& values = values_[at_rank(rank)];
     made.cube.first = first;
     made.cube.first_value = values.size();
     if (!made.is_uniform) {
@@ -323,7 +323,7 @@ void LabelFold::add_mixed(std::span<LabelBits> labels) {
   }
   palette_of_.push_back(palettes_.number_of(std::span(palette).first(labels.size())));
   for (int p = 0; p < label_planes(labels.size()); ++p) {
-    planes_[index(p)].push_back(planes[index(p)]);
+    planes_[at_rank(p)].push_back(planes[at_rank(p)]);
   }
   runs_.add_mixed(bit_);
   advance();

@@ -7,7 +7,7 @@ namespace octavo {
 
 namespace {
 
-std::size_t index(int rank) { return static_cast<std::size_t>(rank); }
+std::size_t rank_index(int rank) { return static_cast<std::size_t>(rank); }
 
 // Adds the cubes of all parts at `rank`, whose children were moved by what stands before them.
 void append_part(const MaskArrays& part, MaskArrays& out) {
@@ -32,7 +32,7 @@ class Roof {
 
   MaskCube cube(int rank, std::uint64_t code) {
     if (rank == rank_) return pieces_[next_++].cube;
-    std::vector<MaskCube>& below = out_.cubes[index(rank) - 1];
+    std::vector<MaskCube>& below = out_.cubes[rank_index(rank) - 1];
     MaskCube made{0, 0, below.size()};
     const int shift = 6 * (rank - 1 - rank_);
     while (next_ < pieces_.size() && pieces_[next_].code >> shift >> 6 == code) {
@@ -72,7 +72,7 @@ void collect(const MaskTree& tree, int rank, const MaskCube& cube, std::uint64_t
 
 MaskArrays arrays_below(int rank) {
   MaskArrays arrays;
-  arrays.cubes.resize(index(rank));
+  arrays.cubes.resize(rank_index(rank));
   return arrays;
 }
 
@@ -115,7 +115,7 @@ MaskTree assemble(const Size3& size, int rank, std::span<const MaskPart> parts) 
   pieces.reserve(piece_count);
   for (const MaskPart& part : parts) {
     const std::uint64_t moved =
-        rank == 0 ? out.words.size() : out.cubes[index(rank) - 1].size();
+        rank == 0 ? out.words.size() : out.cubes[rank_index(rank) - 1].size();
     append_part(part.below, out);
     for (MaskPiece piece : part.pieces) {
       piece.cube.first += moved;
@@ -132,9 +132,9 @@ void append_cubes(const MaskTree& from, int rank, std::uint64_t begin, std::uint
                   bool is_inverted, MaskArrays& out) {
   for (;; --rank) {
     const std::span<const MaskCube> run = from.cubes(rank).subspan(begin, end - begin);
-    std::vector<MaskCube>& to = out.cubes[index(rank)];
+    std::vector<MaskCube>& to = out.cubes[rank_index(rank)];
     const std::uint64_t first_below =
-        rank == 0 ? out.words.size() : out.cubes[index(rank) - 1].size();
+        rank == 0 ? out.words.size() : out.cubes[rank_index(rank) - 1].size();
     const std::uint64_t moved = first_below - run.front().first;
     const std::uint64_t flip = is_inverted ? kFullWord : 0;
     const std::size_t at = to.size();

@@ -11,6 +11,9 @@
 
 namespace octavo {
 
+/// Below this many words one thread is done sooner than many can be started.
+inline constexpr std::size_t kWordsPerTask = 16384;
+
 /// A cube of some rank: what it is and where it lies among the cubes of its rank.
 struct MaskPiece {
   std::uint64_t code = 0;

@@ -16,9 +16,6 @@ namespace octavo {
 
 namespace {
 
-// Below this many words one thread is done sooner than many can be started.
-constexpr std::size_t kWordsPerTask = 16384;
-
 constexpr MaskCube kFullCube{kFullWord, 0, 0};
 
 std::size_t index(int number) { return static_cast<std::size_t>(number); }

@@ -119,9 +119,6 @@ class Combiner {
   MaskArrays& out_;
 };
 
-// Below this many words one thread is done sooner than many can be started.
-constexpr std::size_t kWordsPerTask = 16384;
-
 /// Two cubes of the same code, either of which may be empty.
 struct Pair {
   std::uint64_t code;

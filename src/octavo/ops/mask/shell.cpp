@@ -15,7 +15,7 @@ namespace octavo {
 namespace {
 
 // Sub-trees of a cube are walked by tasks of their own down to this rank.
-constexpr int kTaskRank = 2;
+constexpr int kSplitRank = 2;
 
 constexpr std::array<int, 3> kOctantStep = {16, 8, 32};  // bits from an octant to the next, by axis
 
@@ -87,7 +87,7 @@ class Marker {
   void mark_cube(int rank, std::uint64_t place, const Item& item, const Beside& beside) {
     marked_.cubes[static_cast<std::size_t>(rank)][place].full = seen(item.bits, beside);
     const std::uint64_t mixed = item.cube->mixed;
-    if (rank >= kTaskRank && (mixed & (mixed - 1)) != 0) {
+    if (rank >= kSplitRank && (mixed & (mixed - 1)) != 0) {
       tbb::parallel_for(0, 64, [&](int bit) {
         if ((mixed >> bit & 1) != 0) mark_child(rank, item, beside, bit);
       });

@@ -14,7 +14,7 @@ namespace {
 
 constexpr Connectivity kFaces = Connectivity::faces;
 // The rank of cubes that are work for one thread: 64^3 voxels.
-constexpr int kTaskRank = 1;
+constexpr int kPieceRank = 1;
 
 // The bits of the center whose six neighbors are all set.
 std::uint64_t enclosed(const WordsAround& words) {
@@ -39,7 +39,7 @@ struct Task {
 
 void collect(const MaskTree& mask, int rank, std::uint64_t code, const CubesAround& around,
              std::vector<Task>& tasks) {
-  if (rank == kTaskRank) {
+  if (rank == kPieceRank) {
     tasks.push_back({code, around});
     return;
   }
@@ -62,11 +62,11 @@ MaskCube surface_of_words(const MaskTree& mask, const CubesAround& around, MaskA
 
 MaskPart surface_of(const MaskTree& mask, const Task& task) {
   MaskPart part;
-  part.below = arrays_below(kTaskRank);
+  part.below = arrays_below(kPieceRank);
   MaskCube cube;
   for (std::uint64_t left = surface_children(task.around); left != 0; left &= left - 1) {
     const int bit = std::countr_zero(left);
-    const CubesAround below = cubes_around_child(mask, kTaskRank, task.around, bit, kFaces);
+    const CubesAround below = cubes_around_child(mask, kPieceRank, task.around, bit, kFaces);
     add_child(surface_of_words(mask, below, part.below), bit, cube, part.below.cubes[0]);
   }
   part.pieces.push_back({task.code, cube});
@@ -81,7 +81,7 @@ MaskTree surface_voxels(const MaskTree& mask) {
   std::vector<MaskPart> parts(tasks.size());
   tbb::parallel_for(std::size_t{0}, tasks.size(),
                     [&](std::size_t i) { parts[i] = surface_of(mask, tasks[i]); });
-  return assemble(mask.size(), kTaskRank, parts);
+  return assemble(mask.size(), kPieceRank, parts);
 }
 
 }  // namespace octavo

@@ -4,7 +4,7 @@ namespace octavo {
 
 namespace {
 
-std::int64_t square(std::int64_t value) { return value * value; }
+std::int64_t squared(std::int64_t value) { return value * value; }
 
 }  // namespace
 
@@ -12,7 +12,7 @@ bool RowEnvelope::find(std::span<const std::int64_t> height_squared,
                        std::span<std::int32_t> nearest) {
   const auto count = static_cast<std::int32_t>(height_squared.size());
   const auto at = [&](std::int32_t x, std::int32_t k) {
-    return square(x - k) + height_squared[static_cast<std::size_t>(k)];
+    return squared(x - k) + height_squared[static_cast<std::size_t>(k)];
   };
   apex_.clear();
   start_.clear();
@@ -30,7 +30,7 @@ bool RowEnvelope::find(std::span<const std::int64_t> height_squared,
       continue;
     }
     const std::int32_t last = apex_.back();
-    const std::int64_t rise = square(k) - square(last) + height -
+    const std::int64_t rise = squared(k) - squared(last) + height -
                               height_squared[static_cast<std::size_t>(last)];
     const std::int64_t start = rise / (2 * (std::int64_t{k} - last)) + 1;
     if (start >= count) continue;
@@ -83,12 +83,12 @@ bool SiteDistance::mark(std::span<const std::uint8_t> is_site) {
 void SiteDistance::measure_row(std::int64_t y, std::span<Nearest> row) {
   const std::int32_t* sites = site_row_.data() + static_cast<std::size_t>(y) * columns_;
   for (std::size_t x = 0; x < columns_; ++x) {
-    heights_[x] = sites[x] == kNoSite ? kNoSite : square(sites[x] - y);
+    heights_[x] = sites[x] == kNoSite ? kNoSite : squared(sites[x] - y);
   }
   envelope_.find(heights_, nearest_);
   for (std::size_t x = 0; x < columns_; ++x) {
     const auto k = static_cast<std::size_t>(nearest_[x]);
-    row[x] = {square(static_cast<std::int64_t>(x) - nearest_[x]) + heights_[k],
+    row[x] = {squared(static_cast<std::int64_t>(x) - nearest_[x]) + heights_[k],
               static_cast<std::int64_t>(static_cast<std::size_t>(sites[k]) * columns_ + k)};
   }
 }

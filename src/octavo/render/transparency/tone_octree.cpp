@@ -13,7 +13,9 @@ constexpr std::int64_t kSide = ToneBlock::kSide;
 constexpr std::int32_t kMixed = -1;
 constexpr std::int32_t kNothing = 0;
 
-std::int64_t divided_up(std::int64_t count, std::int64_t side) { return (count + side - 1) / side; }
+std::int64_t cubes_along(std::int64_t voxels, std::int64_t side) {
+  return (voxels + side - 1) / side;
+}
 
 Box cube_box(const Index3& corner, std::int64_t side) {
   return {corner, {corner.x + side, corner.y + side, corner.z + side}};
@@ -41,7 +43,7 @@ ToneOctree::ToneOctree(const FileReader& reader, int level, const ToneMap& tones
   size_ = reader.levels().size(level);
   brick_side_ = brick_side_at(reader.levels(), level);
   Floor blocks;
-  for (int axis = 0; axis < 3; ++axis) blocks.grid[axis] = divided_up(size_[axis], kSide);
+  for (int axis = 0; axis < 3; ++axis) blocks.grid[axis] = cubes_along(size_[axis], kSide);
   blocks.tones.reserve(static_cast<std::size_t>(blocks.grid.voxel_count()));
   for (std::int64_t z = 0; z < blocks.grid.z; ++z) {
     for (std::int64_t y = 0; y < blocks.grid.y; ++y) {
@@ -95,7 +97,7 @@ bool ToneOctree::is_whole(const Index3& cell, std::int64_t side) const {
 
 ToneOctree::Floor ToneOctree::floor_above(const Floor& below) const {
   Floor floor;
-  for (int axis = 0; axis < 3; ++axis) floor.grid[axis] = divided_up(below.grid[axis], 2);
+  for (int axis = 0; axis < 3; ++axis) floor.grid[axis] = cubes_along(below.grid[axis], 2);
   floor.tones.reserve(static_cast<std::size_t>(floor.grid.voxel_count()));
   for (std::int64_t z = 0; z < floor.grid.z; ++z) {
     for (std::int64_t y = 0; y < floor.grid.y; ++y) {

@@ -7,6 +7,7 @@
 #include "octavo/codec/brick_codec.h"
 #include "octavo/codec/grey/grey_portable.h"
 #include "octavo/codec/grey/octant_transform.h"
+#include "support/goal_cases.h"
 
 namespace octavo {
 namespace {
@@ -101,11 +102,21 @@ using IntegerTypes = testing::Types<std::int8_t, std::uint8_t, std::int16_t, std
                                     std::int32_t, std::uint32_t>;
 TYPED_TEST_SUITE(GreyCodecOfType, IntegerTypes);
 
+/// Large bricks take nearly all of the time: in the everyday run each type and turn meets them with
+/// one content, which is another for its neighbors.
+template <class T>
+bool is_left_out(Content content, const Size3& size, std::size_t turn) {
+  const auto type = static_cast<std::size_t>(voxel_type_of<T>());
+  return size.voxel_count() > 36000 && !octavo::testing::is_full_form() &&
+         content != kContents[(type + turn) % std::size(kContents)];
+}
+
 /// Models of every content and size, as they come out of a file, give every level back.
 template <class T>
 void expect_lossless(Preset preset) {
   for (const Content content : kContents) {
     for (const Size3& size : kSizes) {
+      if (is_left_out<T>(content, size, static_cast<std::size_t>(preset))) continue;
       SCOPED_TRACE(testing::Message() << "content " << static_cast<int>(content) << " size "
                                       << size.x << "x" << size.y << "x" << size.z);
       const auto voxels = make_voxels<T>(size, content, 5);
@@ -150,10 +161,13 @@ TYPED_TEST(GreyCodecOfType, EveryVoxelStaysWithinTheMaximumError) {
   using T = TypeParam;
   const Size3 sizes[] = {{40, 33, 29}, {1, 1, 1}, {1, 1, 2}, {5, 7, 3}};
   const std::int64_t errors[] = {1, 40, std::int64_t{1} << 30};
+  std::size_t turn = 0;
   for (const Preset preset : {Preset::small, Preset::fast}) {
     for (const std::int64_t max_error : errors) {
+      ++turn;
       for (const Content content : kContents) {
         for (const Size3& size : sizes) {
+          if (is_left_out<T>(content, size, turn)) continue;
           SCOPED_TRACE(testing::Message() << "error " << max_error << " content "
                                           << static_cast<int>(content) << " x " << size.x);
           const auto voxels = make_voxels<T>(size, content, 8);

@@ -1,123 +1,13 @@
+#include "octavo/codec/grey/grey_model.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
-
-#include "octavo/codec/entropy/binary_coder.h"
-#include "octavo/codec/entropy/byte_io.h"
-#include "octavo/codec/grey/grey_model.h"
-#include "octavo/core/crc32c.h"
+#include <vector>
 
 namespace octavo {
 namespace {
-
-std::vector<std::uint8_t> random_bytes(std::size_t count, std::uint32_t seed) {
-  std::mt19937 random(seed);
-  std::vector<std::uint8_t> bytes(count);
-  for (auto& b : bytes) b = static_cast<std::uint8_t>(random());
-  return bytes;
-}
-
-TEST(Crc32c, KnownAnswersOfRfc3720) {
-  const std::vector<std::uint8_t> zeros(32, 0), ones(32, 0xff);
-  EXPECT_EQ(crc32c(zeros), 0x8a9136aau);
-  EXPECT_EQ(crc32c(ones), 0x62a8ab43u);
-}
-
-TEST(Crc32c, InstructionAndTableAgreeAtEveryLengthAndAlignment) {
-  const auto bytes = random_bytes(200, 3);
-  for (std::size_t start = 0; start < 9; ++start) {
-    for (std::size_t length = 0; start + length <= 100; ++length) {
-      const auto part = std::span(bytes).subspan(start, length);
-      ASSERT_EQ(crc32c(part), crc32c_portable(part));
-    }
-  }
-}
-
-TEST(Crc32c, ContinuesWhereItStopped) {
-  const auto bytes = random_bytes(1000, 4);
-  const auto all = std::span<const std::uint8_t>(bytes);
-  EXPECT_EQ(crc32c(all.subspan(333), crc32c(all.first(333))), crc32c(all));
-}
-
-TEST(Crc32c, OfTwoPartsIsJoinedFromBoth) {
-  const auto bytes = random_bytes(70000, 5);
-  const auto all = std::span<const std::uint8_t>(bytes);
-  for (const std::size_t cut : {std::size_t{0}, std::size_t{1}, std::size_t{333},
-                                std::size_t{69999}, bytes.size()}) {
-    const auto end = all.subspan(cut);
-    EXPECT_EQ(crc32c_joined(crc32c(all.first(cut)), crc32c(end), crc32c_shift(end.size())),
-              crc32c(all));
-  }
-}
-
-TEST(BinaryCoder, DecisionsComeBackAndAllBytesAreConsumed) {
-  for (std::uint32_t seed = 0; seed < 200; ++seed) {
-    std::mt19937 random(seed);
-    const std::size_t count = random() % 3000;
-    std::vector<bool> bits(count);
-    std::vector<Probability> odds(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      odds[i] = seed % 3 == 0   ? static_cast<Probability>(1 + random() % 65535)
-                : seed % 3 == 1 ? 65535
-                                : 1;
-      bits[i] = random() % 65536 < odds[i];
-      if (seed % 7 == 0) bits[i] = !bits[i];
-    }
-    std::vector<std::uint8_t> bytes;
-    BinaryEncoder encoder(bytes);
-    for (std::size_t i = 0; i < count; ++i) encoder.put(bits[i], odds[i]);
-    encoder.finish();
-    BinaryDecoder decoder(bytes);
-    for (std::size_t i = 0; i < count; ++i) ASSERT_EQ(decoder.get(odds[i]), bits[i]);
-    EXPECT_TRUE(decoder.is_consumed());
-  }
-}
-
-TEST(BinaryCoder, ReadingPastTheEndIsNoticed) {
-  const std::vector<std::uint8_t> bytes = {1, 2, 3, 4, 5};
-  BinaryDecoder decoder(bytes);
-  for (int i = 0; i < 100; ++i) decoder.get(kEvenOdds);
-  EXPECT_TRUE(decoder.is_overrun());
-}
-
-TEST(Varint, EveryLengthComesBack) {
-  for (int shift = 0; shift < 64; ++shift) {
-    for (const std::uint64_t value : {std::uint64_t{1} << shift, (std::uint64_t{1} << shift) - 1}) {
-      std::vector<std::uint8_t> bytes;
-      put_varint(bytes, value);
-      std::span<const std::uint8_t> rest = bytes;
-      EXPECT_EQ(take_varint(rest), value);
-      EXPECT_TRUE(rest.empty());
-    }
-  }
-}
-
-TEST(Varint, TruncatedAndOversizedAreRejected) {
-  for (const std::vector<std::uint8_t>& bytes :
-       {std::vector<std::uint8_t>{}, std::vector<std::uint8_t>{0x80},
-        std::vector<std::uint8_t>{0x81, 0x00},
-        std::vector<std::uint8_t>(11, 0xff)}) {
-    std::span<const std::uint8_t> rest = bytes;
-    EXPECT_THROW(take_varint(rest), Error);
-  }
-}
-
-TEST(BitFields, ComeBackAndTheEndIsKnown) {
-  std::mt19937_64 random(11);
-  std::vector<std::pair<std::uint64_t, int>> fields;
-  for (int i = 0; i < 2000; ++i) {
-    const int count = static_cast<int>(random() % 43);
-    fields.emplace_back(random() & ((std::uint64_t{1} << count) - 1), count);
-  }
-  std::vector<std::uint8_t> bytes;
-  BitWriter writer(bytes);
-  for (const auto& [value, count] : fields) writer.put(value, count);
-  writer.finish();
-  BitReader reader(bytes);
-  for (const auto& [value, count] : fields) ASSERT_EQ(reader.get(count), value);
-  EXPECT_TRUE(reader.is_consumed());
-}
 
 TEST(Tokens, EveryValueFitsItsToken) {
   for (std::uint32_t value = 0; value < (1u << grey::kEscapeBits); value += value < 5000 ? 1 : 37) {

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 #include <map>
 
 #include "octavo/builder/builder.h"
@@ -10,15 +9,14 @@
 #include "support/built_file.h"
 #include "support/hints.h"
 #include "support/memory_storage.h"
+#include "support/texture_source.h"
 
 namespace octavo {
 namespace {
 
 using octavo::testing::copied;
 using octavo::testing::MemoryStorage;
-
-constexpr Size3 kSize = {512, 512, 150};
-constexpr std::int64_t kGroupPlanes = 64;  // 32 MiB of 16 bits
+using octavo::testing::TextureSource;
 
 struct Kind {
   const char* name;
@@ -28,6 +26,7 @@ struct Kind {
   Preset preset = Preset::small;
 };
 
+<<<<<<< HEAD:tests/unit/builder/resume_test.cpp
 // Mostly uniform, so that large volumes are built fast; one column of bricks holds a texture that
 // is another in every group.
 class TextureSource final : public PlaneSource {
@@ -69,6 +68,11 @@ class TextureSource final : public PlaneSource {
   std::int64_t z_ = 0;
   std::uint32_t state_ = 1;
 };
+=======
+TextureSource source_of(const Kind& kind, std::int64_t failing_plane = -1) {
+  return TextureSource(TextureSource::three_groups(kind.type, kind.kind), failing_plane);
+}
+>>>>>>> tests:tests/unit/builder/builder_resume_test.cpp
 
 BuildOptions options_of(const Kind& kind, Interrupted interrupted, int threads = 2) {
   BuildOptions options;
@@ -98,7 +102,7 @@ std::string failure_of(PlaneSource& source, MemoryStorage& storage, const BuildO
 }
 
 std::vector<std::uint8_t> built(const Kind& kind) {
-  TextureSource source(kind);
+  TextureSource source = source_of(kind);
   MemoryStorage storage;
   build(source, storage, options_of(kind, Interrupted::discard));
   EXPECT_EQ(std::count(storage.calls.begin(), storage.calls.end(), "create_scratch"), 0);
@@ -111,13 +115,13 @@ constexpr Kind kGrey = {"grey", VoxelType::int16};
 std::map<std::string, octavo::testing::FileBytes> interrupted_grey() {
   static const auto files = [] {
     const BuildOptions options = options_of(kGrey, Interrupted::resume);
-    TextureSource whole(kGrey);
+    TextureSource whole = source_of(kGrey);
     MemoryStorage storage;
     build(whole, storage, options);
     // Two calls make a group durable: one for the growing file, one for the journal.
     auto call = storage.calls.begin();
     for (int syncs = 0; syncs < 5; ++call) syncs += *call == "sync";
-    TextureSource source(kGrey);
+    TextureSource source = source_of(kGrey);
     MemoryStorage dying;
     dying.fail_at = static_cast<std::size_t>(call - storage.calls.begin());
     dying.is_dying = true;
@@ -132,26 +136,27 @@ TEST(ResumedBuild, IsNotOfferedWhereNoJournalIsWanted) {
   BuildOptions options = options_of(kGrey, Interrupted::reject);
   options.is_resumable = false;
   MemoryStorage whole;
-  TextureSource first(kGrey);
+  TextureSource first = source_of(kGrey);
   build(first, whole, options);
   // A program that dies when all but the last step is done leaves the growing file alone.
   const auto last = std::find(whole.calls.begin(), whole.calls.end(), "rename");
   MemoryStorage dying;
   dying.is_dying = true;
   dying.fail_at = static_cast<std::size_t>(last - whole.calls.begin()) + 1;
-  TextureSource source(kGrey);
+  TextureSource source = source_of(kGrey);
   failure_of(source, dying, options, ErrorKind::io);
   ASSERT_EQ(dying.files.size(), 1u);
   EXPECT_TRUE(dying.files.begin()->first.starts_with(".a.8vo.tmp-"));
   // It does not keep the next build from its work.
   MemoryStorage storage;
   storage.files = copied(dying.files);
-  TextureSource again(kGrey);
+  TextureSource again = source_of(kGrey);
   build(again, storage, options);
   EXPECT_TRUE(*storage.files.at("a.8vo") == *whole.files.at("a.8vo"));
   EXPECT_EQ(storage.files.size(), 1u);
 }
 
+<<<<<<< HEAD:tests/unit/builder/resume_test.cpp
 TEST(ResumedBuild, HasTheBytesOfABuildWithoutABreak) {
   const Kind kinds[] = {kGrey,
                         {"fast", VoxelType::int16, VolumeKind::grey, 0, Preset::fast},
@@ -179,8 +184,38 @@ TEST(ResumedBuild, HasTheBytesOfABuildWithoutABreak) {
     EXPECT_GE(resumed, 64) << "nothing was kept";
     EXPECT_TRUE(*storage.files.at("a.8vo") == reference);
     EXPECT_EQ(storage.files.size(), 1u);
+=======
+class ResumedBuildOf : public testing::TestWithParam<Kind> {};
+
+TEST_P(ResumedBuildOf, HasTheBytesOfABuildWithoutABreak) {
+  const Kind& kind = GetParam();
+  const auto reference = built(kind);
+  MemoryStorage storage;
+  int threads = 1;
+  for (const std::int64_t plane : {std::int64_t{70}, std::int64_t{149}}) {
+    TextureSource torn = source_of(kind, plane);
+    const BuildOptions options = options_of(kind, Interrupted::resume, threads++);
+    const std::string message = failure_of(torn, storage, options, ErrorKind::source_rejected);
+    const bool is_kept = storage.files.size() == 2;
+    EXPECT_EQ(message.find("[interrupted=resume]") != std::string::npos, is_kept) << message;
+    EXPECT_EQ(storage.files.count("a.8vo"), 0u);
+>>>>>>> tests:tests/unit/builder/builder_resume_test.cpp
   }
+  TextureSource whole = source_of(kind);
+  const BuildResult result = build(whole, storage, options_of(kind, Interrupted::resume, 4));
+  EXPECT_GE(result.resumed_planes, 64) << "nothing was kept";
+  EXPECT_TRUE(*storage.files.at("a.8vo") == reference);
+  EXPECT_EQ(storage.files.size(), 1u);
 }
+
+INSTANTIATE_TEST_SUITE_P(
+    EveryKind, ResumedBuildOf,
+    testing::Values(kGrey, Kind{"fast", VoxelType::int16, VolumeKind::grey, 0, Preset::fast},
+                    Kind{"lossy", VoxelType::int16, VolumeKind::grey, 2},
+                    Kind{"labels", VoxelType::uint16, VolumeKind::labels},
+                    Kind{"float", VoxelType::float32},
+                    Kind{"lossy_float", VoxelType::float32, VolumeKind::grey, 0.25}),
+    [](const auto& info) { return std::string(info.param.name); });
 
 TEST(ResumedBuild, NamesThePlanesThatChanged) {
   const auto files = interrupted_grey();
@@ -192,7 +227,7 @@ TEST(ResumedBuild, NamesThePlanesThatChanged) {
   for (const auto& change : changes) {
     MemoryStorage storage;
     storage.files = copied(files);
-    TextureSource source(kGrey);
+    TextureSource source = source_of(kGrey);
     source.changed_plane = change.plane;
     const std::string message = failure_of(source, storage, options_of(kGrey, Interrupted::resume),
                                            ErrorKind::source_rejected);
@@ -201,7 +236,7 @@ TEST(ResumedBuild, NamesThePlanesThatChanged) {
   }
   MemoryStorage storage;
   storage.files = copied(files);
-  TextureSource source(kGrey);
+  TextureSource source = source_of(kGrey);
   EXPECT_EQ(build(source, storage, options_of(kGrey, Interrupted::resume)).resumed_planes, 128);
 }
 
@@ -215,15 +250,15 @@ TEST(ResumedBuild, NamesTheSettingThatChanged) {
     EXPECT_NE(message.find(words), std::string::npos) << message;
     EXPECT_EQ(storage.files.size(), 2u);
   };
-  TextureSource source(kGrey);
+  TextureSource source = source_of(kGrey);
   BuildOptions options = options_of(kGrey, Interrupted::resume);
   options.preset = Preset::fast;
   reject(source, options, "another preset: small there, fast now");
-  TextureSource again(kGrey);
+  TextureSource again = source_of(kGrey);
   options = options_of(kGrey, Interrupted::resume);
   options.max_error = 3;
   reject(again, options, "another max error: 0 there, 3 now");
-  TextureSource moved(kGrey);
+  TextureSource moved = source_of(kGrey);
   moved.mutable_description().geometry.origin_mm[0] = 5;
   reject(moved, options_of(kGrey, Interrupted::resume), "another origin: 0 0 0 there, 5 0 0 now");
 }
@@ -232,7 +267,7 @@ TEST(ResumedBuild, IsRejectedOrDiscardedWhereNobodyAskedForIt) {
   const auto files = interrupted_grey();
   MemoryStorage storage;
   storage.files = copied(files);
-  TextureSource source(kGrey);
+  TextureSource source = source_of(kGrey);
   const std::string message =
       failure_of(source, storage, options_of(kGrey, Interrupted::reject), ErrorKind::io);
   EXPECT_NE(message.find("planes 0 to 127 of 150"), std::string::npos) << message;
@@ -249,13 +284,13 @@ TEST(ResumedBuild, NothingIsRejectedForTheSakeOfGroupsThatAreNotWhole) {
   for (const auto& [name, bytes] : storage.files) {
     if (!name.ends_with(".journal")) bytes->at(700) ^= 1;
   }
-  TextureSource source(kGrey);
+  TextureSource source = source_of(kGrey);
   build(source, storage, options_of(kGrey, Interrupted::reject));
   EXPECT_EQ(storage.files.size(), 1u);
 }
 
 TEST(ResumedBuild, NothingIsKeptOfABuildThatDidNotAskForIt) {
-  TextureSource source(kGrey, 140);
+  TextureSource source = source_of(kGrey, 140);
   MemoryStorage storage;
   const std::string message = failure_of(source, storage, options_of(kGrey, Interrupted::reject),
                                          ErrorKind::source_rejected);
