@@ -5,6 +5,8 @@
 #include <cstring>
 #include <utility>
 
+#include "octavo/codec/label/label_word_bricks.h"
+#include "octavo/codec/label_bricks.h"
 #include "octavo/file/open_file.h"
 
 namespace octavo {
@@ -34,6 +36,12 @@ void fill_voxels(const VolumeDescription& volume, std::int64_t code, std::int64_
       std::memcpy(out, &voxel, sizeof(T));
     }
   });
+}
+
+void require_labels(const FileReader& reader) {
+  if (reader.description().kind == VolumeKind::labels) return;
+  throw Error(ErrorKind::invalid_argument, "holds grey values, not labels",
+              reader.source().name());
 }
 
 class FileReaderImpl final : public FileReader {
@@ -76,6 +84,7 @@ class FileReaderImpl final : public FileReader {
 
   Bytes read_segment(const BrickEntry& entry, int in_brick_level) const override;
   void read_brick(const BrickEntry& entry, int in_brick_level, void* out) const override;
+  void read_words(const BrickEntry& entry, LabelWords& words) const override;
 
   void read(const Box& box, int level, void* out) const override {
     check_box(box, level);
@@ -91,6 +100,10 @@ class FileReaderImpl final : public FileReader {
   void check_box(const Box& box, int level) const;
   void check_segment(const BrickEntry& entry, int in_brick_level) const;
   Piece piece_of(const BrickEntry& entry, int in_brick_level) const;
+  /// Calls decode(codec, shape, segments) for a brick that is not uniform, with the segments that
+  /// one of its levels needs.
+  template <class Decode>
+  void decode_brick(const BrickEntry& entry, int in_brick_level, Decode decode) const;
   std::shared_ptr<const Bytes> decoded(const BrickEntry& entry, const BrickShape& shape,
                                        int in_brick_level, bool keep) const;
   void read_part(const BrickEntry& entry, int level, const Box& box, bool is_large,
@@ -142,14 +155,10 @@ Bytes FileReaderImpl::read_segment(const BrickEntry& entry, int in_brick_level) 
   return piece.length == 0 ? Bytes{} : file_.read_piece(piece);
 }
 
-void FileReaderImpl::read_brick(const BrickEntry& entry, int in_brick_level, void* out) const {
-  check_segment(entry, in_brick_level);
+template <class Decode>
+void FileReaderImpl::decode_brick(const BrickEntry& entry, int in_brick_level,
+                                  Decode decode) const {
   const BrickShape shape = brick_shape(levels(), entry.tier, entry.brick);
-  const std::int64_t count = shape.size[static_cast<std::size_t>(in_brick_level)].voxel_count();
-  if (entry.is_uniform()) {
-    fill_voxels(description(), entry.range.min, count, static_cast<std::uint8_t*>(out));
-    return;
-  }
   std::array<Bytes, kTierLevels> segments;
   std::array<ByteSpan, kTierLevels> spans;
   // A brick without coarsest samples holds all its voxels in the finest segment.
@@ -161,17 +170,43 @@ void FileReaderImpl::read_brick(const BrickEntry& entry, int in_brick_level, voi
   }
   const auto codec = file_.codec(entry.model);
   try {
-    codec->decode(shape, description().coded_type(), entry.range,
-                  std::span(spans).first(static_cast<std::size_t>(shape.level_count)),
-                  in_brick_level, out);
+    decode(*codec, shape,
+           std::span<const ByteSpan>(spans).first(static_cast<std::size_t>(shape.level_count)));
   } catch (const Error& error) {
     const Piece piece = piece_of(entry, in_brick_level);
     throw Error(error.kind(), describe(piece) + ": " + error.detail(), source().name(),
                 piece.offset);
   }
+}
+
+void FileReaderImpl::read_brick(const BrickEntry& entry, int in_brick_level, void* out) const {
+  check_segment(entry, in_brick_level);
+  const BrickShape whole = brick_shape(levels(), entry.tier, entry.brick);
+  const std::int64_t count = whole.size[static_cast<std::size_t>(in_brick_level)].voxel_count();
+  if (entry.is_uniform()) {
+    fill_voxels(description(), entry.range.min, count, static_cast<std::uint8_t*>(out));
+    return;
+  }
+  decode_brick(entry, in_brick_level, [&](const BrickCodec& codec, const BrickShape& shape,
+                                          std::span<const ByteSpan> segments) {
+    codec.decode(shape, description().coded_type(), entry.range, segments, in_brick_level, out);
+  });
   if (const auto& coding = description().coding) {
     decode_samples(*coding, out, {static_cast<float*>(out), static_cast<std::size_t>(count)});
   }
+}
+
+void FileReaderImpl::read_words(const BrickEntry& entry, LabelWords& words) const {
+  check_segment(entry, 0);
+  require_labels(*this);
+  if (entry.is_uniform()) {
+    fill_words(brick_shape(levels(), entry.tier, entry.brick).size[0], entry.range.min, words);
+    return;
+  }
+  decode_brick(entry, 0, [&](const BrickCodec& codec, const BrickShape& shape,
+                             std::span<const ByteSpan> segments) {
+    as_label_codec(codec).decode_words(shape, entry.range, segments, words);
+  });
 }
 
 // The samples of a brick that is not uniform, from the cache where it has them.
@@ -252,6 +287,21 @@ Box brick_box_at(const Levels& levels, int level, const Index3& brick) {
   const Index3 lo{brick.x * side.x, brick.y * side.y, brick.z * side.z};
   return intersection({lo, {lo.x + side.x, lo.y + side.y, lo.z + side.z}},
                       box_of(levels.size(level)));
+}
+
+void FileReader::read_words(const BrickEntry& entry, LabelWords& words) const {
+  require_labels(*this);
+  const Size3 size = levels().brick_box(entry.tier, entry.brick).size();
+  const auto count = static_cast<std::size_t>(size.voxel_count());
+  std::vector<std::int64_t> labels(count);
+  with_voxel_type(description().type, [&](auto tag) {
+    using T = typename decltype(tag)::type;
+    std::vector<T> voxels(count);
+    read_brick(entry, 0, voxels.data());
+    std::transform(voxels.begin(), voxels.end(), labels.begin(),
+                   [](T voxel) { return static_cast<std::int64_t>(voxel); });
+  });
+  words_of_voxels(size, labels, words);
 }
 
 std::shared_ptr<FileReader> FileReader::open(std::shared_ptr<const ByteSource> source,

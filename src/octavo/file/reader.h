@@ -15,6 +15,7 @@
 #include "octavo/core/levels.h"
 #include "octavo/core/volume.h"
 #include "octavo/file/storage/byte_source.h"
+#include "octavo/octree/label_words.h"
 
 namespace octavo {
 
@@ -85,6 +86,11 @@ class FileReader {
   /// Decodes one brick at one of its levels: dense [z][y][x] of brick_shape(...).size[in-brick
   /// level], in the volume's type. Uniform bricks are filled without a read.
   virtual void read_brick(const BrickEntry& entry, int in_brick_level, void* out) const = 0;
+
+  /// The labels of one brick at its finest level as words: those of what read_brick gives. Files
+  /// give them without an array of voxels.
+  /// Throws Error{invalid_argument} for grey volumes
+  virtual void read_words(const BrickEntry& entry, LabelWords& words) const;
 
   /// Reads `box` (in samples of `level`) into `out`, dense [z][y][x] in the volume's type.
   /// Goes through the brick cache; decodes on the calling thread.

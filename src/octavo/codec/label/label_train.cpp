@@ -14,9 +14,9 @@ namespace octavo {
 namespace {
 
 // Learns from one brick after the other.
-class LabelLearner {
+class ModelLearner {
  public:
-  explicit LabelLearner(VoxelType type) : type_(type) { check_label_type(type); }
+  explicit ModelLearner(VoxelType type) : type_(type) { check_label_type(type); }
 
   void learn(const BrickShape& shape, const LabelPyramid& pyramid) {
     if (labels_.size() <= kMaxPalette) {
@@ -49,7 +49,7 @@ class LabelLearner {
 
 std::unique_ptr<BrickCodec> train_label_model(VoxelType type,
                                               std::span<const TrainingBrick> bricks) {
-  LabelLearner learner(type);
+  ModelLearner learner(type);
   for (const TrainingBrick& brick : bricks) {
     learner.learn(brick.shape, build_label_pyramid(brick.shape, brick.view));
   }
@@ -58,7 +58,7 @@ std::unique_ptr<BrickCodec> train_label_model(VoxelType type,
 
 std::unique_ptr<BrickCodec> train_label_words(VoxelType type, std::span<const BrickShape> shapes,
                                               const TakeWords& take) {
-  LabelLearner learner(type);
+  ModelLearner learner(type);
   LabelWords words;
   LabelPyramid pyramid;
   for (std::size_t i = 0; i < shapes.size(); ++i) {

@@ -44,7 +44,7 @@ T voxel_of(double value) {
 // may round to another one.
 std::int64_t voxel_at(double point) { return static_cast<std::int64_t>(std::floor(point)); }
 
-// Where a map takes the centers of a box: the least and the greatest coordinate on each axis.
+// Where a map takes the centers of a box: the minimum and the maximum coordinate on each axis.
 struct Extent {
   Point3 lo{};
   Point3 hi{};

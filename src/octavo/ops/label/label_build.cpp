@@ -15,6 +15,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/levels.h"
 #include "octavo/core/memory_limit.h"
+#include "octavo/octree/label_words.h"
 #include "octavo/octree/word_steps.h"
 #include "octavo/ops/label/label_pieces.h"
 #include "octavo/ops/mask/mask_pieces.h"
@@ -162,6 +163,30 @@ LabelArrays folded(const BrickView& block, const LabelChoice& choice, LabelFold&
   });
 }
 
+// Folds a brick of words; what it lacks of a cube is 0.
+LabelArrays folded(const LabelWords& words, const LabelChoice& choice, LabelFold& fold) {
+  std::vector<std::int64_t> kept;
+  for (const std::int64_t label : words.labels) kept.push_back(choice.kept(label));
+  std::array<LabelBits, 65> found;
+  for (std::size_t word = 0; word < LabelWords::kCount; ++word) {
+    std::size_t count = 0;
+    std::uint64_t zeros = kFullWord;
+    for (const LabelWordPart& part : words.parts_of(word)) {
+      const std::int64_t label = kept[part.label];
+      if (label == 0) continue;
+      found[count++] = {label, part.bits};
+      zeros &= ~part.bits;
+    }
+    if (zeros != 0) found[count++] = {0, zeros};
+    if (count == 1) {
+      fold.add_uniform(found[0].label);
+    } else {
+      fold.add_mixed(std::span(found).first(count));
+    }
+  }
+  return fold.finish();
+}
+
 // Folds a block of one label that is not 0.
 LabelArrays folded(std::int64_t label, const Size3& size, LabelFold& fold) {
   for (std::uint64_t word = 0; word < kCubeWords; ++word) {
@@ -241,26 +266,22 @@ class FileLabels {
       if (label == 0) return std::nullopt;
       return folded(label, box.size(), fold);
     }
+    const Size3 side = reader_.levels().brick_side(0);
+    if (level_ == 0 && side == Size3{kCubeSide, kCubeSide, kCubeSide}) {
+      LabelWords& words = words_.local();
+      const Index3 brick{box.lo.x / side.x, box.lo.y / side.y, box.lo.z / side.z};
+      reader_.read_words(reader_.brick(0, brick), words);
+      return folded(words, choice_, fold);
+    }
     const VoxelType type = reader_.description().type;
     const Size3 size = box.size();
     std::vector<std::byte>& voxels = voxels_.local();
     voxels.resize(static_cast<std::size_t>(size.voxel_count() * bytes_per_voxel(type)));
-    read(box, voxels.data());
+    reader_.read(box, level_, voxels.data());
     return folded({voxels.data(), type, size, size.x, size.x * size.y}, choice_, fold);
   }
 
  private:
-  /// A whole brick need not go through the reader's cache.
-  void read(const Box& box, std::byte* voxels) const {
-    const Size3 side = reader_.levels().brick_side(0);
-    if (level_ == 0 && side == Size3{kCubeSide, kCubeSide, kCubeSide}) {
-      const Index3 brick{box.lo.x / side.x, box.lo.y / side.y, box.lo.z / side.z};
-      reader_.read_brick(reader_.brick(0, brick), 0, voxels);
-    } else {
-      reader_.read(box, level_, voxels);
-    }
-  }
-
   /// The label of all bricks of a box of level 0, where they have but one.
   std::optional<std::int64_t> only_label(const Box& box) const {
     if (level_ != 0) return std::nullopt;
@@ -279,19 +300,20 @@ class FileLabels {
   int level_;
   LabelChoice choice_;
   tbb::enumerable_thread_specific<std::vector<std::byte>> voxels_;
+  tbb::enumerable_thread_specific<LabelWords> words_;
 };
 
 // What a mask has in a cube.
-struct MaskShare {
+struct MaskPortion {
   std::int64_t label = 0;
   const MaskTree* mask = nullptr;
   MaskPiece piece;
 };
 
 // The cube of 16^3 at `bit`, which is not stored where it is uniform.
-MaskCube child_of(const MaskShare& share, int bit) {
-  const MaskCube& cube = share.piece.cube;
-  if ((cube.mixed >> bit & 1) != 0) return share.mask->cubes(0)[cube.place_of(bit)];
+MaskCube child_of(const MaskPortion& portion, int bit) {
+  const MaskCube& cube = portion.piece.cube;
+  if ((cube.mixed >> bit & 1) != 0) return portion.mask->cubes(0)[cube.place_of(bit)];
   return {(cube.full >> bit & 1) != 0 ? kFullWord : 0, 0, 0};
 }
 
@@ -305,12 +327,12 @@ class MaskFolder {
  public:
   explicit MaskFolder(LabelFold& fold) : fold_(fold) {}
 
-  LabelArrays folded(std::span<const MaskShare> shares) {
+  LabelArrays folded(std::span<const MaskPortion> portions) {
     for (int bit = 0; bit < 64; ++bit) {
       here_.clear();
-      for (const MaskShare& share : shares) {
-        const MaskCube child = child_of(share, bit);
-        if (!child.is_empty()) here_.push_back({share.label, share.mask, {0, child}});
+      for (const MaskPortion& portion : portions) {
+        const MaskCube child = child_of(portion, bit);
+        if (!child.is_empty()) here_.push_back({portion.label, portion.mask, {0, child}});
       }
       for (int inner = 0; inner < 64; ++inner) add_word(inner);
     }
@@ -321,17 +343,17 @@ class MaskFolder {
   void add_word(int bit) {
     std::uint64_t rest = kFullWord;
     std::size_t count = 0;
-    for (const MaskShare& share : here_) {
-      const std::uint64_t bits = word_of(*share.mask, share.piece.cube, bit);
+    for (const MaskPortion& portion : here_) {
+      const std::uint64_t bits = word_of(*portion.mask, portion.piece.cube, bit);
       if (bits == 0) continue;
       if ((bits & ~rest) != 0) {
         throw Error(ErrorKind::invalid_argument, "a voxel lies in two masks; labels are apart");
       }
       rest &= ~bits;
-      if (count > 0 && found_[count - 1].label == share.label) {
+      if (count > 0 && found_[count - 1].label == portion.label) {
         found_[count - 1].bits |= bits;
       } else {
-        found_[count++] = {share.label, bits};
+        found_[count++] = {portion.label, bits};
       }
     }
     if (rest != 0) found_[count++] = {0, rest};
@@ -343,7 +365,7 @@ class MaskFolder {
   }
 
   LabelFold& fold_;
-  std::vector<MaskShare> here_;  // in the cube of 16^3
+  std::vector<MaskPortion> here_;  // in the cube of 16^3
   std::array<LabelBits, 64> found_;
 };
 
@@ -391,7 +413,7 @@ LabelTree make_labels(const BrickView& volume) {
 
 LabelTree labels_of_masks(const Size3& size, std::span<const LabelMask> masks) {
   checked_voxel_count(size);
-  std::vector<MaskShare> shares;
+  std::vector<MaskPortion> portions;
   for (const LabelMask& mask : masks) {
     if (mask.label == 0) {
       throw Error(ErrorKind::invalid_argument, "0 is the background and no label of a mask");
@@ -400,17 +422,17 @@ LabelTree labels_of_masks(const Size3& size, std::span<const LabelMask> masks) {
       throw Error(ErrorKind::invalid_argument, "a mask has another size than the label map");
     }
     for (const MaskPiece& piece : pieces_at(mask.tree, 1)) {
-      shares.push_back({mask.label, &mask.tree, piece});
+      portions.push_back({mask.label, &mask.tree, piece});
     }
   }
-  std::stable_sort(shares.begin(), shares.end(), [](const MaskShare& a, const MaskShare& b) {
+  std::stable_sort(portions.begin(), portions.end(), [](const MaskPortion& a, const MaskPortion& b) {
     return a.piece.code != b.piece.code ? a.piece.code < b.piece.code : a.label < b.label;
   });
-  std::vector<std::span<const MaskShare>> cubes;
-  for (std::size_t begin = 0; begin < shares.size();) {
+  std::vector<std::span<const MaskPortion>> cubes;
+  for (std::size_t begin = 0; begin < portions.size();) {
     std::size_t end = begin;
-    while (end < shares.size() && shares[end].piece.code == shares[begin].piece.code) ++end;
-    cubes.push_back(std::span<const MaskShare>(shares).subspan(begin, end - begin));
+    while (end < portions.size() && portions[end].piece.code == portions[begin].piece.code) ++end;
+    cubes.push_back(std::span<const MaskPortion>(portions).subspan(begin, end - begin));
     begin = end;
   }
   std::vector<LabelPart> parts(cubes.size());

@@ -14,7 +14,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/memory_limit.h"
 #include "octavo/ops/label/label_build.h"
-#include "octavo/ops/label/label_shares.h"
+#include "octavo/ops/label/label_portions.h"
 #include "octavo/ops/mask/mask_pieces.h"
 
 namespace octavo {
@@ -158,9 +158,9 @@ class AllMasks {
           });
         });
     std::vector<std::vector<LabelMaskPart>> found(places.size());
-    tbb::enumerable_thread_specific<LabelShares> shares(tree_);
+    tbb::enumerable_thread_specific<LabelPortions> portions(tree_);
     tbb::parallel_for(std::size_t{0}, places.size(),
-                      [&](std::size_t i) { found[i] = parts_of(places[i], shares.local()); });
+                      [&](std::size_t i) { found[i] = parts_of(places[i], portions.local()); });
     for (std::vector<LabelMaskPart>& parts : found) {
       parts_.insert(parts_.end(), std::make_move_iterator(parts.begin()),
                     std::make_move_iterator(parts.end()));
@@ -170,7 +170,7 @@ class AllMasks {
   }
 
  private:
-  std::vector<LabelMaskPart> parts_of(const LabelPlace& at, LabelShares& shares) {
+  std::vector<LabelMaskPart> parts_of(const LabelPlace& at, LabelPortions& portions) {
     std::vector<LabelMaskPart> parts;
     std::unordered_map<std::uint32_t, std::size_t> numbers;
     const auto part_of = [&](std::uint32_t label) -> MaskPart& {
@@ -188,11 +188,11 @@ class AllMasks {
     });
     std::uint64_t child = cube.first;
     for (std::uint64_t left = cube.mixed; left != 0; left &= left - 1) {
-      for (const LabelShare& share : shares.in_cube(child++)) {
-        MaskPart& part = part_of(share.label);
+      for (const LabelPortion& portion : portions.in_cube(child++)) {
+        MaskPart& part = part_of(portion.label);
         part.pieces.front().cube.mixed |= left & -left;
-        part.below.cubes[0].push_back({share.full, share.mixed, part.below.words.size()});
-        part.below.words.insert(part.below.words.end(), share.words.begin(), share.words.end());
+        part.below.cubes[0].push_back({portion.full, portion.mixed, part.below.words.size()});
+        part.below.words.insert(part.below.words.end(), portion.words.begin(), portion.words.end());
       }
     }
     std::uint64_t bytes = 0;

@@ -1,6 +1,6 @@
 // How many voxels two label maps have under each pair of labels.
 //
-// Two trees are walked side by side and entered where one of them has several labels; words are
+// Two trees are visited side by side and entered where one of them has several labels; words are
 // compared label by label, 64 voxels at a time.
 //
 // Source  thesis 1.2

@@ -224,7 +224,7 @@ class Components::Linker {
   Touches touches_;
 };
 
-// Sums over the parts of every component, in a walk over the tree.
+// Sums over the parts of every component, in a traversal of the tree.
 class Components::Census {
  public:
   explicit Census(Components& all) : all_(all) {}
@@ -433,12 +433,11 @@ class Components::Selection {
 
  private:
   std::uint64_t kept_bits(int rank, std::uint64_t place) const {
-    std::uint64_t bits = 0;
-    const std::uint32_t end = all_.first_part(rank, place + 1);
-    for (std::uint32_t part = all_.first_part(rank, place); part < end; ++part) {
-      if (keep_[all_.labels_[part] - 1]) bits |= all_.parts_[part];
-    }
-    return bits;
+    std::uint64_t kept = 0;
+    all_.visit_parts(rank, place, [&](std::uint32_t label, std::uint64_t bits) {
+      if (keep_[label - 1]) kept |= bits;
+    });
+    return kept;
   }
 
   MaskCube cube(int rank, std::uint64_t place) {
@@ -475,10 +474,9 @@ MaskTree Components::select(const std::vector<bool>& keep) const {
 void Components::fill_labels(const Box& box, std::uint32_t* labels) const {
   std::fill_n(labels, box.size().voxel_count(), 0);
   visit_items(mask_, box, [&](int rank, std::uint64_t place, const Index3& corner) {
-    const std::uint32_t end = first_part(rank, place + 1);
-    for (std::uint32_t part = first_part(rank, place); part < end; ++part) {
-      fill_children(parts_[part], rank, corner, box, labels_[part], labels);
-    }
+    visit_parts(rank, place, [&](std::uint32_t label, std::uint64_t bits) {
+      fill_children(bits, rank, corner, box, label, labels);
+    });
   });
 }
 

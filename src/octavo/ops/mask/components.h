@@ -38,6 +38,9 @@ class Components {
 
   const std::vector<Component>& components() const { return components_; }
 
+  /// That they are of.
+  const MaskTree& mask() const { return mask_; }
+
   /// Bytes that all this takes, the mask left out.
   std::uint64_t memory_bytes() const noexcept;
 
@@ -48,6 +51,11 @@ class Components {
   /// The voxels of the components for which keep[label - 1] holds.
   /// Requires keep.size() == components().size()
   MaskTree select(const std::vector<bool>& keep) const;
+
+  /// Calls visit(label, bits) for the parts of the word at `place` (rank -1), or of the full
+  /// children of the cube there; parts of one word may have one label.
+  template <class Visit>
+  void visit_parts(int rank, std::uint64_t place, Visit&& visit) const;
 
   /// Writes the labels of `box` to `labels`, [z][y][x] without gaps. Thread-safe.
   /// Requires a box inside the volume
@@ -74,5 +82,15 @@ class Components {
       labels_;  ///< of each part; while linking, an earlier part joined to it
   std::vector<Component> components_;
 };
+
+// ---- implementation of the template
+
+template <class Visit>
+void Components::visit_parts(int rank, std::uint64_t place, Visit&& visit) const {
+  const std::uint32_t end = first_part(rank, place + 1);
+  for (std::uint32_t part = first_part(rank, place); part < end; ++part) {
+    visit(labels_[part], parts_[part]);
+  }
+}
 
 }  // namespace octavo

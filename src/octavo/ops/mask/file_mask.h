@@ -12,12 +12,12 @@
 namespace octavo {
 
 /// The voxels of a level whose values lie in one of `windows`, in stored units. At level 0 bricks
-/// that their least and greatest value decide are not decoded. Uses the threads of the calling task
+/// that their minimum and maximum decide are not decoded. Uses the threads of the calling task
 /// arena.
 /// max_bytes  0: no limit; otherwise Error{limit_exceeded} when the mask grows beyond it
 /// Throws what the reader throws, Error{cancelled}; Error{invalid_argument} for a level that is not
 ///        there
-/// Memory  that of the mask, 8 bytes per voxel of a plane, and a brick per thread
+/// Memory  that of the mask twice over, and a brick per thread
 MaskTree mask_of_file(const FileReader& reader, int level, std::span<const ValueWindow> windows,
                       Progress& progress, std::uint64_t max_bytes = 0);
 

@@ -1,6 +1,6 @@
 // Where two masks meet: the voxels they share, and where one lies against the other.
 //
-// One walk over both trees. A cube is entered only when voxels of both lie in it, or voxels of one
+// One traversal of both trees. A cube is entered only when voxels of both lie in it, or voxels of one
 // beside voxels of the other; what both fill is counted without being entered. So the work follows
 // the places where the masks meet.
 //

@@ -54,6 +54,32 @@ bool bounds_in(const ValueWindow& window, VoxelType type, T& lowest, T& highest)
   return lowest <= highest;
 }
 
+// Calls take(y, z, words, their count) for the rows of words of a block that have voxels in the
+// window; y and z are those of their first voxels.
+template <class Take>
+void visit_word_rows(const BrickView& block, const ValueWindow& window, Take take) {
+  const Size3& size = block.size;
+  with_voxel_type(block.type, [&](auto id) {
+    using T = typename decltype(id)::type;
+    T lowest;
+    T highest;
+    if (!bounds_in(window, block.type, lowest, highest)) return;
+    RunRows rows(size.x);
+    const auto count = static_cast<std::size_t>((size.x + 3) / 4);
+    BrickView part = block;
+    for (std::int64_t z = 0; z < size.z; z += 4) {
+      for (std::int64_t y = 0; y < size.y; y += 4) {
+        part.voxels =
+            static_cast<const T*>(block.voxels) + z * block.plane_stride + y * block.row_stride;
+        part.size = {size.x, std::min<std::int64_t>(4, size.y - y),
+                     std::min<std::int64_t>(4, size.z - z)};
+        rows.take(part, &lowest, &highest);
+        take(y, z, rows, count);
+      }
+    }
+  });
+}
+
 bool is_aligned(std::int64_t lo, std::int64_t hi, std::int64_t size) {
   return lo % 4 == 0 && (hi % 4 == 0 || hi == size);
 }
@@ -86,49 +112,15 @@ void MaskBuilder::add_block(const Index3& corner, const BrickView& block,
                             const ValueWindow& window) {
   const Size3& size = block.size;
   require_block({corner, {corner.x + size.x, corner.y + size.y, corner.z + size.z}});
-  with_voxel_type(block.type, [&](auto id) {
-    using T = typename decltype(id)::type;
-    T lowest;
-    T highest;
-    if (!bounds_in(window, block.type, lowest, highest)) return;
-    RunRows rows(size.x);
-    const auto before = static_cast<std::size_t>(corner.x / 4);
-    const auto words = static_cast<std::size_t>((size.x + 3) / 4);
-    BrickView part = block;
-    for (std::int64_t z = 0; z < size.z; z += 4) {
-      for (std::int64_t y = 0; y < size.y; y += 4) {
-        part.voxels =
-            static_cast<const T*>(block.voxels) + z * block.plane_stride + y * block.row_stride;
-        part.size = {size.x, std::min<std::int64_t>(4, size.y - y),
-                     std::min<std::int64_t>(4, size.z - z)};
-        rows.take(part, &lowest, &highest);
-        std::uint64_t* const first = &word_at({0, corner.y + y, corner.z + z});
-        for (std::size_t i = 0; i < words; ++i) {
-          const std::size_t at = before + i;
-          first[at / 16 * kWordsPerCube + kAlongX[at % 16]] |= rows.word(i);
-        }
-      }
+  const auto before = static_cast<std::size_t>(corner.x / 4);
+  visit_word_rows(block, window, [&](std::int64_t y, std::int64_t z, const RunRows& rows,
+                                     std::size_t count) {
+    std::uint64_t* const first = &word_at({0, corner.y + y, corner.z + z});
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t at = before + i;
+      first[at / 16 * kWordsPerCube + kAlongX[at % 16]] |= rows.word(i);
     }
   });
-}
-
-void MaskBuilder::fill_block(const Box& box) {
-  require_block(box);
-  for (std::int64_t z = box.lo.z; z < box.hi.z; z += 4) {
-    for (std::int64_t y = box.lo.y; y < box.hi.y; y += 4) {
-      for (std::int64_t x = box.lo.x; x < box.hi.x; x += 4) {
-        std::uint64_t word = kFullWord;
-        if (x + 4 > box.hi.x || y + 4 > box.hi.y || z + 4 > box.hi.z) {
-          word = 0;
-          for (std::uint64_t bit = 0; bit < 64; ++bit) {
-            const Index3 at = deinterleave(bit);
-            if (box.contains(Index3{x + at.x, y + at.y, z + at.z})) word |= std::uint64_t{1} << bit;
-          }
-        }
-        word_at({x, y, z}) |= word;
-      }
-    }
-  }
 }
 
 void MaskBuilder::finish_layer() {
@@ -165,6 +157,16 @@ MaskTree MaskBuilder::finish() {
   MaskTree tree = assemble(size_, 1, parts_);
   parts_.clear();
   return tree;
+}
+
+void add_to_cube(const Index3& corner, const BrickView& block, const ValueWindow& window,
+                 std::uint64_t* words) {
+  const auto before = static_cast<std::size_t>(corner.x / 4);
+  visit_word_rows(block, window, [&](std::int64_t y, std::int64_t z, const RunRows& rows,
+                                     std::size_t count) {
+    std::uint64_t* const first = words + interleave({0, (corner.y + y) / 4, (corner.z + z) / 4});
+    for (std::size_t i = 0; i < count; ++i) first[kAlongX[before + i]] |= rows.word(i);
+  });
 }
 
 MaskTree make_mask(const BrickView& volume, const ValueWindow& window) {

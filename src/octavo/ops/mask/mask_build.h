@@ -40,9 +40,6 @@ class MaskBuilder {
   /// Throws Error{invalid_argument} on other blocks.
   void add_block(const Index3& corner, const BrickView& block, const ValueWindow& window);
 
-  /// Every voxel of `box`, placed as a block is, is in the mask.
-  void fill_block(const Box& box);
-
   /// Folds the layer; the next 64 planes follow.
   void finish_layer();
 
@@ -63,6 +60,12 @@ class MaskBuilder {
   std::vector<MaskPart> parts_;       // a cube of 64^3 each
   std::uint64_t part_bytes_ = 0;
 };
+
+/// Adds the voxels of a block that are in the window to the words of a cube of 64^3 voxels.
+/// corner  of the block in the cube, multiples of 4; the block ends in the cube
+/// words   4096 in o-code order
+void add_to_cube(const Index3& corner, const BrickView& block, const ValueWindow& window,
+                 std::uint64_t* words);
 
 /// The mask of a volume in memory. Uses the threads of the calling task arena.
 /// Throws as MaskBuilder

@@ -185,7 +185,7 @@ class Shifter {
     const std::int64_t side = child_side(rank);
     const Index3 first{offset.x / side, offset.y / side, offset.z / side};
     const Index3 rest{offset.x % side, offset.y % side, offset.z % side};
-    const auto [full, some] = judge(window, first, rest);
+    const auto [full, some] = children_of(window, first, rest);
     if (full == kFullWord || some == 0) return {full, 0, 0};
     if (rank == 0) return cube_of_words(window, first, rest, full, some);
 
@@ -211,8 +211,9 @@ class Shifter {
 
  private:
   // Of the children: those that are full, and those that are not empty but for what is below.
-  static std::pair<std::uint64_t, std::uint64_t> judge(const Window& window, const Index3& first,
-                                                       const Index3& rest) {
+  static std::pair<std::uint64_t, std::uint64_t> children_of(const Window& window,
+                                                             const Index3& first,
+                                                             const Index3& rest) {
     Eight full_words{};
     Eight some_words{};
     for (std::size_t i = 0; i < 8; ++i) {

@@ -29,7 +29,7 @@ constexpr std::int64_t kSide = 64;  // of the cubes of that rank
 constexpr std::size_t kWordsPerCube = 4096;
 
 /// What the surface does to a cube.
-enum class Verdict { out_of_reach, reached, covered };
+enum class Coverage { none, some, all };
 
 /// Which cubes are worked on: a search of the surface for each, down from the root.
 class Search {
@@ -40,11 +40,11 @@ class Search {
         volume_(box_of(surface.size())),
         can_cover_(reach.contains(corner_to_corner(surface.size()))) {}
 
-  Verdict judge(const Box& box) const {
+  Coverage coverage_of(const Box& box) const {
     const int top = surface_.rank_count() - 1;
-    if (!is_reached(box, top, surface_.root(), {0, 0, 0})) return Verdict::out_of_reach;
-    if (can_cover_ && is_covered(box, top, surface_.root(), {0, 0, 0})) return Verdict::covered;
-    return Verdict::reached;
+    if (!is_reached(box, top, surface_.root(), {0, 0, 0})) return Coverage::none;
+    if (can_cover_ && is_covered(box, top, surface_.root(), {0, 0, 0})) return Coverage::all;
+    return Coverage::some;
   }
 
  private:
@@ -140,9 +140,9 @@ class Targets {
     const Box inside = intersection(box, box_of(mask_.size()));
     if (inside.is_empty()) return;
     if (!is_covered) {
-      const Verdict verdict = search_.judge(inside);
-      if (verdict == Verdict::out_of_reach) return;
-      is_covered = verdict == Verdict::covered;
+      const Coverage coverage = search_.coverage_of(inside);
+      if (coverage == Coverage::none) return;
+      is_covered = coverage == Coverage::all;
     }
     if (rank == kTaskRank) {
       targets_.push_back({code, is_covered});

@@ -15,7 +15,7 @@ constexpr double kSlack = 2e-9;  // of a square
 
 double square(double value) { return value * value; }
 
-// The greatest n <= most with (n * spacing)^2 <= room; -1 when there is none.
+// The largest n <= most with (n * spacing)^2 <= room; -1 when there is none.
 std::int64_t steps_within(double room, double spacing, std::int64_t most) {
   if (!(room >= 0)) return -1;
   const double quotient = std::floor(std::sqrt(room) / spacing);

@@ -26,20 +26,20 @@ std::uint64_t apply(std::uint64_t a, std::uint64_t b) {
 }
 
 /// What becomes of the children of two cubes, a bit each; what is in none of them is empty.
-struct Verdicts {
+struct ChildPlan {
   std::uint64_t full;
   std::uint64_t copy_a;
   std::uint64_t copy_b;
   std::uint64_t invert_a;
   std::uint64_t invert_b;
-  std::uint64_t both;  ///< to be walked into
+  std::uint64_t both;  ///< to be entered
 
   /// As they are or inverted.
   std::uint64_t copied() const { return copy_a | copy_b | invert_a | invert_b; }
 };
 
 template <SetOperation kOperation>
-Verdicts judge(const MaskCube& a, const MaskCube& b) {
+ChildPlan plan_of(const MaskCube& a, const MaskCube& b) {
   // What is mixed counts as empty and as full in turn: where the result follows, it is copied;
   // where it goes the other way, inverted.
   const std::uint64_t only_a = a.mixed & ~b.mixed;
@@ -48,18 +48,18 @@ Verdicts judge(const MaskCube& a, const MaskCube& b) {
   const std::uint64_t a_full = apply<kOperation>(kFullWord, b.full);
   const std::uint64_t b_empty = apply<kOperation>(a.full, 0);
   const std::uint64_t b_full = apply<kOperation>(a.full, kFullWord);
-  Verdicts verdicts{};
-  verdicts.full = (apply<kOperation>(a.full, b.full) & ~(a.mixed | b.mixed)) |
-                  (a_empty & a_full & only_a) | (b_empty & b_full & only_b);
-  verdicts.copy_a = ~a_empty & a_full & only_a;
-  verdicts.invert_a = a_empty & ~a_full & only_a;
-  verdicts.copy_b = ~b_empty & b_full & only_b;
-  verdicts.invert_b = b_empty & ~b_full & only_b;
-  verdicts.both = a.mixed & b.mixed;
-  return verdicts;
+  ChildPlan plan{};
+  plan.full = (apply<kOperation>(a.full, b.full) & ~(a.mixed | b.mixed)) |
+              (a_empty & a_full & only_a) | (b_empty & b_full & only_b);
+  plan.copy_a = ~a_empty & a_full & only_a;
+  plan.invert_a = a_empty & ~a_full & only_a;
+  plan.copy_b = ~b_empty & b_full & only_b;
+  plan.invert_b = b_empty & ~b_full & only_b;
+  plan.both = a.mixed & b.mixed;
+  return plan;
 }
 
-/// The walk over two sub-trees; what it makes is appended to `out`.
+/// The traversal of two sub-trees; what it makes is appended to `out`.
 template <SetOperation kOperation>
 class Combiner {
  public:
@@ -71,17 +71,17 @@ class Combiner {
 
  private:
   MaskCube combine_words(const MaskCube& a, const MaskCube& b) {
-    const Verdicts verdicts = judge<kOperation>(a, b);
+    const ChildPlan plan = plan_of<kOperation>(a, b);
     const std::uint64_t* const words_a = a_.words().data();
     const std::uint64_t* const words_b = b_.words().data();
     WordCube words;
-    const std::uint64_t kept = verdicts.copied() | verdicts.both;
+    const std::uint64_t kept = plan.copied() | plan.both;
     for (std::uint64_t left = kept; left != 0; left &= left - 1) {
       const int bit = std::countr_zero(left);
       words.add(bit, apply<kOperation>(child_word(words_a, a, bit), child_word(words_b, b, bit)));
     }
     MaskCube made = words.finish(out_.words);
-    made.full |= verdicts.full;
+    made.full |= plan.full;
     return made;
   }
 
@@ -91,16 +91,16 @@ class Combiner {
   }
 
   MaskCube combine_cubes(int rank, const MaskCube& a, const MaskCube& b) {
-    const Verdicts verdicts = judge<kOperation>(a, b);
+    const ChildPlan plan = plan_of<kOperation>(a, b);
     auto& below = out_.cubes[static_cast<std::size_t>(rank) - 1];
-    MaskCube made{verdicts.full, 0, below.size()};
-    const std::uint64_t copied = verdicts.copied();
-    for (std::uint64_t left = copied | verdicts.both; left != 0; left &= left - 1) {
+    MaskCube made{plan.full, 0, below.size()};
+    const std::uint64_t copied = plan.copied();
+    for (std::uint64_t left = copied | plan.both; left != 0; left &= left - 1) {
       const int bit = std::countr_zero(left);
       const std::uint64_t here = std::uint64_t{1} << bit;
       if ((copied & here) != 0) {
-        const bool is_a = ((verdicts.copy_a | verdicts.invert_a) & here) != 0;
-        const bool is_inverted = ((verdicts.invert_a | verdicts.invert_b) & here) != 0;
+        const bool is_a = ((plan.copy_a | plan.invert_a) & here) != 0;
+        const bool is_inverted = ((plan.invert_a | plan.invert_b) & here) != 0;
         const MaskTree& from = is_a ? a_ : b_;
         const std::uint64_t place = (is_a ? a : b).place_of(bit);
         append_cubes(from, rank - 1, place, place + 1, is_inverted, out_);

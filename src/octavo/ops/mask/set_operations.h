@@ -1,14 +1,14 @@
-// Union, intersection, difference and symmetric difference of masks, and the complement: one walk
-// over two trees side by side, word by word.
+// Union, intersection, difference and symmetric difference of masks, and the complement: one
+// traversal of two trees side by side, word by word.
 //
 // At every cube the four kinds of pairs of children are told apart by words:
 //
 //     one full or empty, the other mixed   the result is full, empty, a copy or an inverted copy:
 //                                          decided, or copied as one run of every array below
-//     both mixed                           walked into; at the bottom one operation on two words
+//     both mixed                           entered; at the bottom one operation on two words
 //     neither mixed                        one operation on the two words of full children
 //
-// Consequence: a walk only enters where both surfaces pass; elsewhere runs are copied.
+// Consequence: a traversal only enters where both surfaces pass; elsewhere runs are copied.
 //
 // Source  thesis 1.2
 #pragma once

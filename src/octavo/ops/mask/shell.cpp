@@ -14,7 +14,7 @@ namespace octavo {
 
 namespace {
 
-// Sub-trees of a cube are walked by tasks of their own down to this rank.
+// Sub-trees of a cube are visited by tasks of their own down to this rank.
 constexpr int kSplitRank = 2;
 
 constexpr std::array<int, 3> kOctantStep = {16, 8, 32};  // bits from an octant to the next, by axis

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <map>
 
-#include "octavo/ops/label/label_shares.h"
+#include "octavo/ops/label/label_portions.h"
 #include "octavo/ops/measure/cube_moments.h"
 
 namespace octavo {
@@ -22,7 +22,7 @@ using SumsByLabel = std::map<std::uint32_t, MomentSums>;
 class LabelMoments {
  public:
   explicit LabelMoments(const LabelTree& tree)
-      : tree_(tree), sums_(tree.labels().size()), shares_(tree) {}
+      : tree_(tree), sums_(tree.labels().size()), portions_(tree) {}
 
   std::vector<MomentSums> make() {
     const std::vector<LabelPlace> places = label_places(
@@ -33,7 +33,7 @@ class LabelMoments {
     for (std::size_t begin = 0; begin < places.size(); begin += kCubesAtOnce) {
       std::vector<SumsByLabel> of_cubes(std::min(kCubesAtOnce, places.size() - begin));
       tbb::parallel_for(std::size_t{0}, of_cubes.size(), [&](std::size_t i) {
-        of_cubes[i] = sums_in(places[begin + i], shares_.local());
+        of_cubes[i] = sums_in(places[begin + i], portions_.local());
       });
       for (const SumsByLabel& of_cube : of_cubes) {
         for (const auto& [label, sums] : of_cube) sums_[label].add(sums);
@@ -45,7 +45,7 @@ class LabelMoments {
  private:
   bool is_background(std::uint32_t label) const { return tree_.labels()[label] == 0; }
 
-  SumsByLabel sums_in(const LabelPlace& at, LabelShares& shares) const {
+  SumsByLabel sums_in(const LabelPlace& at, LabelPortions& portions) const {
     SumsByLabel sums;
     const LabelCube& cube = tree_.cubes(1)[at.place];
     const Index3 corner = corner_of({6, at.code});
@@ -55,10 +55,10 @@ class LabelMoments {
     std::uint64_t child = cube.first;
     for (std::uint64_t left = cube.mixed; left != 0; left &= left - 1) {
       const Index3 at_child = child_box(corner, std::countr_zero(left), child_side(1)).lo;
-      for (const LabelShare& share : shares.in_cube(child++)) {
-        MomentSums& to = sums[share.label];
-        add_children(share.full, child_side(0), at_child, to);
-        add_words(share.mixed, share.words.data(), at_child, to);
+      for (const LabelPortion& portion : portions.in_cube(child++)) {
+        MomentSums& to = sums[portion.label];
+        add_children(portion.full, child_side(0), at_child, to);
+        add_words(portion.mixed, portion.words.data(), at_child, to);
       }
     }
     return sums;
@@ -66,7 +66,7 @@ class LabelMoments {
 
   const LabelTree& tree_;
   std::vector<MomentSums> sums_;
-  tbb::enumerable_thread_specific<LabelShares> shares_;
+  tbb::enumerable_thread_specific<LabelPortions> portions_;
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Volume, bounding box, centroid and second moments of every label of a tree, in one walk.
+// Volume, bounding box, centroid and second moments of every label of a tree, in one traversal.
 //
 // Source  thesis 1.2
 #pragma once

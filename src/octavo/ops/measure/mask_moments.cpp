@@ -18,9 +18,9 @@ struct Place {
   Index3 corner;
 };
 
-class Walk {
+class Traversal {
  public:
-  explicit Walk(const MaskTree& mask) : mask_(mask) {}
+  explicit Traversal(const MaskTree& mask) : mask_(mask) {}
 
   void add_cube(int rank, std::uint64_t place, const Index3& corner, MomentSums& sums) const {
     const MaskCube& cube = mask_.cubes(rank)[place];
@@ -65,14 +65,14 @@ class Walk {
 }  // namespace
 
 MomentSums mask_moments(const MaskTree& mask) {
-  const Walk walk(mask);
+  const Traversal traversal(mask);
   MomentSums above;
-  const std::vector<Place> places = walk.gather(above);
+  const std::vector<Place> places = traversal.gather(above);
   const MomentSums below = tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, places.size(), 4), MomentSums{},
       [&](const tbb::blocked_range<std::size_t>& range, MomentSums sums) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
-          walk.add_cube(1, places[i].place, places[i].corner, sums);
+          traversal.add_cube(1, places[i].place, places[i].corner, sums);
         }
         return sums;
       },

@@ -279,7 +279,7 @@ TEST(Resampler, DoesNotDependOnBoxesAndThreads) {
   }
 }
 
-TEST(Resampler, RefusesWhatIsNoMapOrLevel) {
+TEST(Resampler, RejectsWhatIsNoMapOrLevel) {
   const Opened opened(wave<std::uint8_t>({9, 9, 9}));
   Affine map;
   EXPECT_THROW(Resampler(*opened.reader, -1, map, Interpolation::nearest, 0), Error);

@@ -103,7 +103,7 @@ TEST(LabelContacts, DoNotDependOnThreads) {
   });
 }
 
-TEST(LabelContacts, RefuseGreyVolumes) {
+TEST(LabelContacts, RejectGreyVolumes) {
   const testing::ScratchFolder folder;
   testing::Volume volume;
   volume.description.size = {4, 4, 4};

@@ -80,7 +80,7 @@ TEST(LabelMasks, WindowsChooseLabels) {
   EXPECT_EQ(masks[1].label, 700);
 }
 
-TEST(LabelMasks, WhatHasNoLabelsIsRefused) {
+TEST(LabelMasks, WhatHasNoLabelsIsRejected) {
   std::mt19937 random(10);
   const testing::ScratchFolder folder;
   testing::Volume volume = labeled({70, 66, 68}, random);

@@ -79,7 +79,7 @@ TEST(LabelOverlaps, DoNotDependOnThreads) {
   }
 }
 
-TEST(LabelOverlaps, OfOtherSizesAreRefused) {
+TEST(LabelOverlaps, OfOtherSizesAreRejected) {
   EXPECT_THROW(label_overlaps(LabelTree({4, 4, 4}), LabelTree({4, 4, 5})), Error);
 }
 

@@ -119,7 +119,7 @@ TEST(MaskOfFile, StopsAtTheLimitOfMemory) {
   EXPECT_THROW(mask_of_file(*reader, 0, windows, progress, 1 << 10), Error);
 }
 
-TEST(MaskOfFile, RefusesALevelThatIsNotThere) {
+TEST(MaskOfFile, RejectsALevelThatIsNotThere) {
   const testing::ScratchFolder folder;
   testing::build_volume(ball<std::uint8_t>({9, 9, 9}, 1), folder.file("v.8vo"), 1);
   const auto reader = testing::open_file(folder.file("v.8vo"));

@@ -73,10 +73,10 @@ TEST(FillHoles, FillsWhatAFloodFromTheBorderDoesNotReach) {
 TEST(FillHoles, FillsThemInNoise) {
   std::mt19937 random(2);
   DenseMask mask{{70, 66, 65}, {}};
-  for (const unsigned share : {2U, 4U, 8U}) {
+  for (const unsigned one_in : {2U, 4U, 8U}) {
     mask.voxels.clear();
     for (std::int64_t i = 0; i < mask.size.voxel_count(); ++i) {
-      mask.voxels.push_back(static_cast<std::uint8_t>(random() % share != 0));
+      mask.voxels.push_back(static_cast<std::uint8_t>(random() % one_in != 0));
     }
     expect_filled(mask);
   }

@@ -123,7 +123,7 @@ TEST(Interference, DoesNotDependOnThreadsAndTurnsWithItsMasks) {
   EXPECT_EQ(interference(tree_b, tree_a, Connectivity::corners), alone);
 }
 
-TEST(Interference, RefusesVolumesOfOtherSizes) {
+TEST(Interference, RejectsVolumesOfOtherSizes) {
   EXPECT_THROW(interference(MaskTree({4, 4, 4}), MaskTree({4, 4, 5}), Connectivity::faces), Error);
 }
 

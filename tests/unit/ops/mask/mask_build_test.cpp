@@ -234,10 +234,10 @@ TEST(MaskBuilder, TakesBlocksOfBricksInAnyOrder) {
   EXPECT_EQ(builder.finish(), testing::tree_of(mask));
 }
 
-TEST(MaskBuilder, RefusesWhatDoesNotFit) {
+TEST(MaskBuilder, RejectsWhatDoesNotFit) {
   const Size3 size{20, 20, 100};
   MaskBuilder builder(size);
-  const std::vector<std::uint8_t> voxels(20 * 20 * 64);
+  const std::vector<std::uint8_t> voxels(20 * 20 * 64, 1);
   const BrickView layer{voxels.data(), VoxelType::uint8, {20, 20, 64}, 20, 400};
   const auto block_of = [&](const Size3& block) {
     return BrickView{voxels.data(), VoxelType::uint8, block, 20, 400};
@@ -249,7 +249,7 @@ TEST(MaskBuilder, RefusesWhatDoesNotFit) {
   EXPECT_THROW(builder.add_block({0, 0, 0}, block_of({0, 4, 4}), {1, 1}), Error);
   EXPECT_THROW(builder.finish(), Error);
   builder.finish_layer();
-  builder.fill_block({{0, 0, 64}, {20, 20, 100}});
+  builder.add_block({0, 0, 64}, block_of({20, 20, 36}), {1, 1});
   builder.finish_layer();
   EXPECT_THROW(builder.finish_layer(), Error);
   EXPECT_EQ(builder.finish(), box_mask(size, {{0, 0, 64}, {20, 20, 100}}));

@@ -233,7 +233,7 @@ TEST(Morphology, CountsTheCubesThatAreCoveredWhole) {
 }
 
 TEST(Morphology, CoversWhatTheVolumeHasOfACube) {
-  // In a plane nothing reaches 63 steps along z. A far reach must not be walked row by row.
+  // In a plane nothing reaches 63 steps along z. A far reach must not be visited row by row.
   NoProgress progress;
   const Size3 size{1500, 1300, 1};
   const MaskTree mask = box_mask(size, {{700, 600, 0}, {701, 601, 1}});
@@ -281,7 +281,7 @@ TEST(Reach, TakesDecimalSpacingsAsTheyAreMeant) {
   EXPECT_EQ(pythagoras.along_x(6, 0), -1);
 }
 
-TEST(Reach, RefusesWhatIsNoLength) {
+TEST(Reach, RejectsWhatIsNoLength) {
   const Size3 size{4, 4, 4};
   for (const double radius : {-1.0, std::numeric_limits<double>::infinity(),
                               std::numeric_limits<double>::quiet_NaN()}) {

@@ -70,7 +70,7 @@ TEST(Complement, IsEveryOtherVoxelOfTheVolume) {
   }
 }
 
-TEST(Combine, RefusesMasksOfOtherVolumes) {
+TEST(Combine, RejectsMasksOfOtherVolumes) {
   EXPECT_THROW(combine(MaskTree({4, 4, 4}), MaskTree({4, 4, 5}), SetOperation::unite), Error);
 }
 

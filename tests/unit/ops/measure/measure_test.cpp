@@ -203,7 +203,7 @@ TEST(MeasureRegions, DoNotDependOnTheThreads) {
   }
 }
 
-TEST(MeasureRegions, RefusesWhatItCannotMeasure) {
+TEST(MeasureRegions, RejectsWhatItCannotMeasure) {
   NoProgress progress;
   EXPECT_THROW(measure_regions(*measured().grey, nullptr, {}, progress), Error);
   const testing::ScratchFolder folder;
