@@ -108,7 +108,7 @@ Bytes encode_png(const Picture& picture) {
   if (writer.png != nullptr) writer.info = png_create_info_struct(writer.png);
   if (writer.info == nullptr) throw Error(ErrorKind::out_of_memory, "no memory for a PNG");
   png_set_write_fn(writer.png, &out, append_bytes, flush_nothing);
-  if (!write_rows(writer, picture)) throw Error(ErrorKind::internal, "libpng refused a picture");
+  if (!write_rows(writer, picture)) throw Error(ErrorKind::internal, "libpng rejected a picture");
   return out;
 }
 

@@ -10,7 +10,7 @@ namespace octavo {
 
 namespace {
 
-constexpr double kFilledShare = 0.9;  // of the picture, by what is shown
+constexpr double kFilledShare = 0.9;           // of the picture, by what is shown
 constexpr double kFarthest = double(1 << 30);  // units
 constexpr int kMostFractionBits = 24;
 
@@ -34,9 +34,9 @@ Point3 step_mm(const Geometry& geometry, std::size_t axis) {
 Viewpoint upright(const Point3& toward) {
   constexpr Point3 kHead = {0, 0, 1};
   constexpr Point3 kFront = {0, -1, 0};
-  constexpr double kLeastSine = 1e-3;
+  constexpr double kMinimumSine = 1e-3;
   const Point3 side = cross(kHead, toward);
-  const Point3 right = dot(side, side) > kLeastSine * kLeastSine ? side : cross(kFront, toward);
+  const Point3 right = dot(side, side) > kMinimumSine * kMinimumSine ? side : cross(kFront, toward);
   return {toward, unit(cross(toward, unit(right)))};
 }
 
@@ -46,10 +46,10 @@ void check_frame(const ViewFrame& frame) {
   const bool has_pixels = frame.width > 0 && frame.height > 0 &&
                           std::max(frame.width, frame.height) <= ViewFrame::kLongestSide;
   if (!has_pixels) {
-    throw Error(ErrorKind::invalid_argument,
-                "a picture of " + std::to_string(frame.width) + " x " +
-                    std::to_string(frame.height) + " pixels; sides must be between 1 and " +
-                    std::to_string(ViewFrame::kLongestSide));
+    throw Error(ErrorKind::invalid_argument, "a picture of " + std::to_string(frame.width) + " x " +
+                                                 std::to_string(frame.height) +
+                                                 " pixels; sides must be between 1 and " +
+                                                 std::to_string(ViewFrame::kLongestSide));
   }
   const auto is_length = [](double value) { return std::isfinite(value) && value > 0; };
   if (!is_length(frame.zoom) || !is_length(frame.pixel_mm.value_or(1))) {

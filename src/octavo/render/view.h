@@ -52,7 +52,7 @@ std::optional<Viewpoint> find_viewpoint(std::string_view name);
 /// Throws Error{invalid_argument} when one is not finite.
 Viewpoint viewpoint_at(double azimuth_degrees, double elevation_degrees);
 
-/// The viewer walked around the head-foot axis, from the front towards the patient's left.
+/// The viewer moved around the head-foot axis, from the front towards the patient's left.
 Viewpoint turned(const Viewpoint& viewpoint, double degrees);
 
 /// A place in a picture, in units of 2^-fraction_bits pixels: x to the right, y down, depth towards
@@ -81,12 +81,12 @@ struct View {
   std::int64_t width = 0;
   std::int64_t height = 0;
   double pixel_mm = 1;
-  Point3 right{};   ///< unit vectors in world space
+  Point3 right{};  ///< unit vectors in world space
   Point3 up{};
   Point3 toward{};
-  int fraction_bits = 1;    ///< at least 1: the middle of a pixel is a whole number
-  Place origin;                ///< of the lowest corner of voxel (0, 0, 0)
-  std::array<Place, 3> axes;   ///< one voxel along each index axis
+  int fraction_bits = 1;          ///< at least 1: the middle of a pixel is a whole number
+  Place origin;                   ///< of the lowest corner of voxel (0, 0, 0)
+  std::array<Place, 3> axes;      ///< one voxel along each index axis
   std::array<int, 3> nearness{};  ///< -1, 0 or 1: towards the viewer, by index axis
 
   Place place_of(const Index3& corner) const {

@@ -30,7 +30,7 @@ TEST(Picture, PngHoldsThePixels) {
   }
 }
 
-TEST(Picture, ImpossiblePicturesAreRefused) {
+TEST(Picture, ImpossiblePicturesAreRejected) {
   EXPECT_THROW(encode_png({0, 5, 1, {}}), Error);
   EXPECT_THROW(encode_png({2, 2, 2, Bytes(8)}), Error);
   EXPECT_THROW(encode_png({2, 2, 1, Bytes(3)}), Error);

@@ -239,20 +239,20 @@ TEST(View, NumbersStayBelowTheirBound) {
   }
 }
 
-TEST(View, WhatCannotBeDrawnIsRefused) {
+TEST(View, WhatCannotBeDrawnIsRejected) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(viewpoint_along({}, {0, 0, 0}), Error);
   EXPECT_THROW(viewpoint_along({}, {kNaN, 0, 1}), Error);
   EXPECT_THROW(viewpoint_at(kNaN, 0), Error);
-  const auto refuses = [](const ViewFrame& frame) {
+  const auto rejects = [](const ViewFrame& frame) {
     EXPECT_THROW(look(viewpoint_at(0, 0), {}, frame), Error);
   };
-  refuses({0, 10, 1, {}});
-  refuses({10, ViewFrame::kLongestSide + 1, 1, {}});
-  refuses({10, 10, 0, {}});
-  refuses({10, 10, kNaN, {}});
-  refuses({10, 10, 1, -1.0});
-  refuses({10, 10, 1e9, {}});
+  rejects({0, 10, 1, {}});
+  rejects({10, ViewFrame::kLongestSide + 1, 1, {}});
+  rejects({10, 10, 0, {}});
+  rejects({10, 10, kNaN, {}});
+  rejects({10, 10, 1, -1.0});
+  rejects({10, 10, 1e9, {}});
 }
 
 }  // namespace

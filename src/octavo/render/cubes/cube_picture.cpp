@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "octavo/render/cubes/cube_walk.h"
+#include "octavo/render/cubes/cube_traversal.h"
 #include "octavo/render/cubes/face_raster.h"
 #include "octavo/render/cubes/nearest_rows.h"
 
@@ -15,7 +15,7 @@ namespace octavo {
 
 namespace {
 
-// Rows that one walk over the masks draws.
+// Rows that one traversal of the masks draws.
 constexpr std::int64_t kBandRows = 64;
 
 std::uint32_t packed(const Color& color) {
@@ -96,7 +96,7 @@ class Scene {
   DepthFade depths_;
 };
 
-/// Draws the leaves of a walk into some rows.
+/// Draws the leaves of a traversal into some rows.
 template <class Rows>
 class LeafPainter {
  public:
@@ -134,7 +134,7 @@ void copy_rows(const PixelRows& rows, Picture& picture) {
 /// Rows is PixelRows& or NearestRows.
 template <class Rows>
 Picture draw(std::span<const PaintedMask> masks, const View& view, const CubeStyle& style,
-             WalkOrder order) {
+             TraversalOrder order) {
   const Scene scene(masks, view, style);
   Picture picture = make_picture(view.width, view.height, 3);
   const std::int64_t bands = (view.height + kBandRows - 1) / kBandRows;
@@ -142,7 +142,7 @@ Picture draw(std::span<const PaintedMask> masks, const View& view, const CubeSty
     const std::int64_t begin = band * kBandRows;
     PixelRows rows(view, begin, std::min(view.height, begin + kBandRows), packed(style.background));
     LeafPainter<Rows> painter(scene, rows);
-    CubeWalk(scene.trees(), view, order, painter).run();
+    CubeTraversal(scene.trees(), view, order, painter).run();
     copy_rows(rows, picture);
   });
   return picture;
@@ -167,12 +167,12 @@ double DepthFade::nearness(double depth) const {
 }
 
 Picture draw_cubes(std::span<const PaintedMask> masks, const View& view, const CubeStyle& style) {
-  return draw<PixelRows&>(masks, view, style, WalkOrder::farthest_first);
+  return draw<PixelRows&>(masks, view, style, TraversalOrder::farthest_first);
 }
 
 Picture draw_nearest_cubes(std::span<const PaintedMask> masks, const View& view,
                            const CubeStyle& style) {
-  return draw<NearestRows>(masks, view, style, WalkOrder::nearest_first);
+  return draw<NearestRows>(masks, view, style, TraversalOrder::nearest_first);
 }
 
 }  // namespace octavo

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "octavo/render/cubes/cube_walk.h"
+#include "octavo/render/cubes/cube_traversal.h"
 #include "octavo/render/cubes/face_raster.h"
 #include "octavo/render/cubes/nearest_rows.h"
 
@@ -209,7 +209,7 @@ class ReliefScene {
     PixelRows rows(view_, begin, end, kNothing);
     std::vector<SeenFace> faces;
     FaceNoter noter(view_, grid_, shapes_, rows, faces);
-    CubeWalk(trees_, view_, WalkOrder::nearest_first, noter).run();
+    CubeTraversal(trees_, view_, TraversalOrder::nearest_first, noter).run();
 
     // Find where each pixel meets its face; points of one block follow one another.
     std::vector<Point> points = points_of(rows, faces);

@@ -2,7 +2,7 @@
 //
 //     kind        labels                         grey values
 //     outline     a line along each border       -
-//     wash        a veil of each label's color   a veil of colors from cold to hot
+//     wash        each label's color over all    colors from cold to hot over all
 //     isolines    -                              lines of equal value, with the values on them
 //
 // The overlay has a grid of its own: each pixel is looked up where it lies in space, labels at the

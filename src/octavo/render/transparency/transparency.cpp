@@ -15,7 +15,7 @@ namespace octavo {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kLightUnit = double(1 << 20);  // of a voxel with an opacity of 1
+constexpr double kEmissionUnit = double(1 << 20);  // of a voxel with an opacity of 1
 
 double dot(const Point3& a, const Point3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -107,8 +107,8 @@ class LineField {
     const LineColor d = line(i + 1, j + 1);
     LineColor mixed;
     for (std::size_t k = 0; k < 4; ++k) {
-      mixed[k] = a[k] * (1 - fu - fv + both) + b[k] * (fu - both) + c[k] * (fv - both) +
-                 d[k] * both;
+      mixed[k] =
+          a[k] * (1 - fu - fv + both) + b[k] * (fu - both) + c[k] * (fv - both) + d[k] * both;
     }
     return mixed;
   }
@@ -157,13 +157,13 @@ Picture draw_lattice(const LineField& field, const Lattice& lattice, const View&
   return picture;
 }
 
-ToneMap tones_of(const VolumeDescription& volume, const TransparencyOptions& options) {
-  if (!options.ranges.empty()) return ToneMap::of_ranges(volume, options.ranges);
+DensityClasses classes_of(const VolumeDescription& volume, const TransparencyOptions& options) {
+  if (!options.ranges.empty()) return DensityClasses::of_ranges(volume, options.ranges);
   const auto& [low, high] = options.ramp;
   const double span = high - low;
   const bool is_exact = is_integer(volume.type) && span == std::floor(span);
   const int steps = is_exact && span <= 65535 ? static_cast<int>(std::max(1.0, span)) : 65535;
-  return ToneMap::ramp(volume, low, high, steps);
+  return DensityClasses::ramp(volume, low, high, steps);
 }
 
 // How many layers of the finest spacing one voxel on a line is thick.
@@ -223,43 +223,44 @@ class SumDisplay {
   Window window_;
 };
 
-// What a voxel of each tone gives: grey by the ramp, colors by opacity.
-std::vector<std::int32_t> light_of(const ToneMap& tones, const TransparencyOptions& options) {
-  std::vector<std::int32_t> light;
+// What a voxel of each class gives: grey by the ramp, colors by opacity.
+std::vector<std::int32_t> emission_of(const DensityClasses& classes,
+                                      const TransparencyOptions& options) {
+  std::vector<std::int32_t> emission;
   if (options.ranges.empty()) {
-    for (std::size_t tone = 0; tone < tones.count(); ++tone) {
-      light.push_back(static_cast<std::int32_t>(tone));
+    for (std::size_t class_id = 0; class_id < classes.count(); ++class_id) {
+      emission.push_back(static_cast<std::int32_t>(class_id));
     }
-    return light;
+    return emission;
   }
-  light.assign(3, 0);
+  emission.assign(3, 0);
   for (const DensityRange& range : options.ranges) {
     for (const std::uint8_t channel : range.color) {
       const double share = range.opacity * channel / 255;
-      light.push_back(static_cast<std::int32_t>(std::lround(kLightUnit * share)));
+      emission.push_back(static_cast<std::int32_t>(std::lround(kEmissionUnit * share)));
     }
   }
-  return light;
+  return emission;
 }
 
-std::vector<ToneVeil> veils_of(const ToneMap& tones, const TransparencyOptions& options,
-                               double layers) {
-  const auto veil = [&](double opacity) {
+std::vector<ClassTransfer> transfer_of(const DensityClasses& classes,
+                                       const TransparencyOptions& options, double layers) {
+  const auto of_voxel = [&](double opacity) {
     return static_cast<float>(1 - std::pow(1 - std::clamp(opacity, 0.0, 1.0), layers));
   };
-  std::vector<ToneVeil> veils(1);
+  std::vector<ClassTransfer> transfer(1);
   for (const DensityRange& range : options.ranges) {
-    ToneVeil& one = veils.emplace_back();
+    ClassTransfer& one = transfer.emplace_back();
     for (std::size_t k = 0; k < 3; ++k) one.color[k] = static_cast<float>(range.color[k]) / 255;
-    one.opacity = veil(range.opacity);
+    one.opacity = of_voxel(range.opacity);
   }
-  while (veils.size() < tones.count()) {
+  while (transfer.size() < classes.count()) {
     const double share =
-        static_cast<double>(veils.size()) / static_cast<double>(tones.count() - 1);
+        static_cast<double>(transfer.size()) / static_cast<double>(classes.count() - 1);
     const auto grey = static_cast<float>(share);
-    veils.push_back({{grey, grey, grey}, veil(options.ramp_opacity * share)});
+    transfer.push_back({{grey, grey, grey}, of_voxel(options.ramp_opacity * share)});
   }
-  return veils;
+  return transfer;
 }
 
 }  // namespace
@@ -282,15 +283,15 @@ ValueRamp robust_ramp(const FileReader& reader, bool is_open) {
   const Window window = robust_window(reader);
   ValueRamp ramp{window.center - window.width / 2, window.center + window.width / 2};
   if (is_open) {
-    const auto [least, greatest] = std::minmax(
-        {volume.voxel_of(reader.range().min), volume.voxel_of(reader.range().max)});
-    ramp.high = std::max({ramp.high, least, greatest});
+    const auto [minimum, maximum] =
+        std::minmax({volume.voxel_of(reader.range().min), volume.voxel_of(reader.range().max)});
+    ramp.high = std::max({ramp.high, minimum, maximum});
   }
   return ramp;
 }
 
 std::vector<DensityRange> hounsfield_ranges(double finest_mm, bool is_average) {
-  // Opacities of a layer of 1 mm. What veils must be thinner than what only adds.
+  // Opacities of a layer of 1 mm; lower where what is in front absorbs than where all only adds.
   const double flesh = is_average ? 0.004 : 0.015;
   const double bone = is_average ? 0.04 : 0.1;
   const double below_bone = std::nextafter(226.0, 0.0);
@@ -306,30 +307,29 @@ TransparencyPicture render_transparency(const FileReader& reader, const View& vi
   const VolumeDescription& volume = reader.description();
   const Levels& levels = reader.levels();
   if (options.level < 0 || options.level >= levels.count()) {
-    throw Error(ErrorKind::invalid_argument,
-                "there is no level " + std::to_string(options.level));
+    throw Error(ErrorKind::invalid_argument, "there is no level " + std::to_string(options.level));
   }
   const NearestLines nearest =
       nearest_lines(levels.geometry(volume.geometry, options.level), view.toward);
   const LineView lines{options.level, nearest.toward.reversed(), options.kept};
   const Lattice lattice = lattice_on(view, voxel_lines(levels.size(options.level), lines.along));
-  const ToneMap tones = tones_of(volume, options);
+  const DensityClasses classes = classes_of(volume, options);
   const double layers = layers_per_voxel(reader, lines);
   TransparencyPicture result;
   if (options.is_average) {
-    LineAverages averages = average_along_lines(
-        reader, lines, tones, veils_of(tones, options, layers), progress);
+    LineAverages averages = average_along_lines(reader, lines, classes,
+                                                transfer_of(classes, options, layers), progress);
     result.counts = averages.counts;
     const LineField field(averages.lines, std::move(averages.colors));
     result.picture = draw_lattice(field, lattice, view, options.background);
     return result;
   }
   const bool is_grey = options.ranges.empty();
-  const LineSums sums =
-      sum_along_lines(reader, lines, tones, light_of(tones, options), is_grey ? 1 : 3, progress);
-  const double step = (options.ramp.high - options.ramp.low) /
-                      static_cast<double>(tones.count() - 1);
-  const double unit = is_grey ? layers * finest_mm(volume.geometry) * step : layers / kLightUnit;
+  const LineSums sums = sum_along_lines(reader, lines, classes, emission_of(classes, options),
+                                        is_grey ? 1 : 3, progress);
+  const double step =
+      (options.ramp.high - options.ramp.low) / static_cast<double>(classes.count() - 1);
+  const double unit = is_grey ? layers * finest_mm(volume.geometry) * step : layers / kEmissionUnit;
   const SumDisplay display(sums, unit, options.window);
   result.window = display.window();
   result.counts = sums.counts;

@@ -1,8 +1,8 @@
 // Transparency shading: what lies inside a volume shines through what lies around it.
 //
-// The lines of voxels along one of 26 directions are summed or averaged (line_light.h); each is one
-// point of a lattice, which is then drawn on a picture as a view has it: square pixels, voxels true
-// in size, a slanted look foreshortened as it is.
+// The lines of voxels along one of 26 directions are summed or averaged (line_integrals.h); each
+// is one point of a lattice, which is then drawn on a picture as a view has it: square pixels,
+// voxels true in size, a slanted look foreshortened as it is.
 //
 // Source  thesis 4.7, Fig. 4.5 and 4.6
 #pragma once
@@ -13,8 +13,8 @@
 #include "octavo/core/progress.h"
 #include "octavo/file/reader.h"
 #include "octavo/render/picture.h"
-#include "octavo/render/transparency/line_light.h"
-#include "octavo/render/transparency/tones.h"
+#include "octavo/render/transparency/density_classes.h"
+#include "octavo/render/transparency/line_integrals.h"
 #include "octavo/render/view.h"
 #include "octavo/render/window.h"
 
@@ -22,7 +22,7 @@ namespace octavo {
 
 /// One of the 26 directions, and how far it is from the one asked for.
 struct NearestLines {
-  Direction toward;    ///< steps along the index axes from the object to the viewer
+  Direction toward;  ///< steps along the index axes from the object to the viewer
   double degrees = 0;
 };
 
@@ -35,8 +35,8 @@ struct ValueRamp {
   double high = 1;
 };
 
-/// The ramp from the 0.5th percentile of a volume to the 99.5th, or to the greatest value when
-/// `is_open`, judged by a level of at most 2^21 samples.
+/// The ramp from the 0.5th percentile of a volume to the 99.5th, or to the maximum value when
+/// `is_open`, taken from a level of at most 2^21 samples.
 ValueRamp robust_ramp(const FileReader& reader, bool is_open);
 
 /// Ranges in HU that let bone be seen through skin: fat and soft tissue faint and warm, bone dense.
@@ -45,8 +45,8 @@ std::vector<DensityRange> hounsfield_ranges(double finest_mm, bool is_average);
 
 struct TransparencyOptions {
   int level = 0;
-  std::optional<Box> kept;  ///< samples of the level; what is outside is not drawn
-  bool is_average = false;  ///< exponential averaging in place of the straight sum
+  std::optional<Box> kept;           ///< samples of the level; what is outside is not drawn
+  bool is_average = false;           ///< exponential averaging in place of the straight sum
   std::vector<DensityRange> ranges;  ///< none: grey, by the ramp
   ValueRamp ramp;
   double ramp_opacity = 0.05;  ///< of its high end in an average
@@ -66,7 +66,7 @@ struct TransparencyPicture {
 /// Runs on the threads of the calling task arena; the picture does not depend on how many.
 /// Throws Error{invalid_argument} when the view is of another grid or does not look along one of
 /// the 26 directions, or the ramp or a window has no width; and what sum_along_lines throws.
-/// Memory  up to 48 bytes per line of voxels and 3 per pixel, besides that of line_light.h
+/// Memory  up to 48 bytes per line of voxels and 3 per pixel, besides that of line_integrals.h
 TransparencyPicture render_transparency(const FileReader& reader, const View& view,
                                         const TransparencyOptions& options, Progress& progress);
 

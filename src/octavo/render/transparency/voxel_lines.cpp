@@ -13,7 +13,7 @@ std::array<int, 3> components(const Direction& d) { return {d.x, d.y, d.z}; }
 
 std::size_t at(int axis) { return static_cast<std::size_t>(axis); }
 
-// The least and the greatest of a coordinate over a box, from its first voxel on.
+// The minimum and the maximum of a coordinate over a box, from its first voxel on.
 void widen(const std::array<int, 3>& step, const Size3& size, std::int64_t& lo, std::int64_t& hi) {
   for (int axis = 0; axis < 3; ++axis) {
     const std::int64_t most = step[at(axis)] * (size[axis] - 1);

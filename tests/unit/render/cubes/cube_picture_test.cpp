@@ -233,14 +233,14 @@ TEST(CubePicture, FadingDarkensWhatIsFar) {
   shot.style = {{0, 0, 0}, 0.5, {{0, 0, 0}, {40, 4, 4}}};
   shot.view = make_view({}, {40, 4, 4}, shot.style.shown, *find_viewpoint("left"), {40, 40, 1, {}});
   const Picture picture = drawn(shot);
-  int most = 0;
-  int least = 255;
+  int maximum = 0;
+  int minimum = 255;
   for (const std::uint8_t value : picture.pixels) {
     if (value == 0) continue;
-    most = std::max<int>(most, value);
-    least = std::min<int>(least, value);
+    maximum = std::max<int>(maximum, value);
+    minimum = std::min<int>(minimum, value);
   }
-  EXPECT_NEAR(static_cast<double>(least) / most, 0.5 + 0.5 * 2 / 40, 0.02);
+  EXPECT_NEAR(static_cast<double>(minimum) / maximum, 0.5 + 0.5 * 2 / 40, 0.02);
 }
 
 /// A ball with a hole through it and a grain beside it.

@@ -177,8 +177,8 @@ TEST(Transparency, OpacityIsThatOfALengthWhateverDirectionAndLevel) {
   sum.window = Window{1, 2};
   for (const int level : {0, 1, 2}) {
     for (const Direction& toward : {Direction{0, 0, 1}, Direction{1, -1, 0}, Direction{1, 1, 1}}) {
-      const double steps = std::sqrt(toward.x * toward.x + toward.y * toward.y +
-                                     toward.z * toward.z);
+      const double steps =
+          std::sqrt(toward.x * toward.x + toward.y * toward.y + toward.z * toward.z);
       const double layers = 32 * steps;
       EXPECT_NEAR(middle_share(*reader, toward, level, average), 1 - std::pow(0.98, layers), 0.02);
       EXPECT_NEAR(middle_share(*reader, toward, level, sum), layers * 0.02 / 2, 0.03);
@@ -311,8 +311,7 @@ TEST(Transparency, TheNumberOfThreadsChangesNoPixel) {
 
 TEST(Transparency, EachOfThe26DirectionsIsItsOwnNearest) {
   for (const Direction& d : kDirections) {
-    const Viewpoint exact =
-        viewpoint_along(tilted(), {double(d.x), double(d.y), double(d.z)});
+    const Viewpoint exact = viewpoint_along(tilted(), {double(d.x), double(d.y), double(d.z)});
     const NearestLines nearest = nearest_lines(tilted(), exact.toward);
     EXPECT_EQ(nearest.toward, d);
     EXPECT_NEAR(nearest.degrees, 0, 1e-5);
@@ -337,7 +336,7 @@ TEST(Transparency, ARampLeavesAFewExtremesOut) {
   EXPECT_EQ(robust_ramp(*reader, true).high, 255);
 }
 
-TEST(Transparency, WrongViewsAndWindowsAreRefused) {
+TEST(Transparency, WrongViewsAndWindowsAreRejected) {
   const ScratchFolder folder;
   const auto reader = built(folder, boxes_volume({30, 21, 17}, tilted()));
   TransparencyOptions options;

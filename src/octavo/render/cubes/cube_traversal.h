@@ -11,8 +11,8 @@
 //     nearest   111          turned over along which the viewer stands on the low side
 //
 // The same order holds for the leaves: whatever hides a part of a leaf comes after it. Several
-// masks that do not overlap are walked side by side; a cube carries those masks only that are mixed
-// in it, so that hundreds cost no more than what lies where they meet.
+// masks that do not overlap are traversed side by side; a cube carries those masks only that are
+// mixed in it, so that hundreds cost no more than what lies where they meet.
 //
 // Source  thesis 4.3
 #pragma once
@@ -41,7 +41,7 @@ constexpr std::array<int, 8> octants_back_to_front(const std::array<int, 3>& nea
   return order;
 }
 
-enum class WalkOrder { farthest_first, nearest_first };
+enum class TraversalOrder { farthest_first, nearest_first };
 
 /// Takes every leaf of `masks` that a painter does not miss.
 ///
@@ -54,15 +54,15 @@ enum class WalkOrder { farthest_first, nearest_first };
 /// that shows among the 64 children of one cube.
 /// Requires masks of one size that do not overlap.
 template <class Painter>
-class CubeWalk {
+class CubeTraversal {
  public:
-  CubeWalk(std::span<const MaskTree* const> masks, const View& view, WalkOrder order,
-           Painter& painter)
+  CubeTraversal(std::span<const MaskTree* const> masks, const View& view, TraversalOrder order,
+                Painter& painter)
       : masks_(masks),
         painter_(painter),
         nearness_(view.nearness),
         order_(octants_back_to_front(view.nearness)) {
-    if (order == WalkOrder::nearest_first) std::reverse(order_.begin(), order_.end());
+    if (order == TraversalOrder::nearest_first) std::reverse(order_.begin(), order_.end());
     for (unsigned byte = 0; byte < 256; ++byte) {
       for (std::size_t i = 0; i < 8; ++i) {
         const unsigned is_set = byte >> order_[i] & 1;
@@ -141,7 +141,7 @@ class CubeWalk {
     return masks_[item.mask]->cubes(rank)[item.place];
   }
 
-  /// Calls f(bit) for the children of an octant in the order of the walk.
+  /// Calls f(bit) for the children of an octant in the order of the traversal.
   template <class F>
   void for_each_in_order(unsigned byte, int octant, F f) {
     for (unsigned left = in_order_[byte]; left != 0; left &= left - 1) {
@@ -287,7 +287,7 @@ class CubeWalk {
   std::array<int, 3> nearness_;
   std::array<int, 8> order_;
   std::array<std::uint8_t, 256>
-      in_order_{};  ///< the bits of a byte, moved into the order of the walk
+      in_order_{};  ///< the bits of a byte, moved into the order of the traversal
   std::vector<std::array<Place, 64>> children_;  ///< [rank + 1]: from the corner of the parent
   Place origin_;
   std::vector<Item> mixed_;  ///< a stack: the masks mixed in each cube on the way down

@@ -1,13 +1,13 @@
-// A cube of 64^3 voxels as tones, condensed: which of its octants have one tone throughout.
+// A cube of 64^3 voxels as classes, condensed: which of its octants have one class throughout.
 //
 // Invariants
 //   A cube of side 2^k is flagged exactly when it lies inside the block's box and all its voxels
-//   have one tone.
+//   have one class.
 // Consequences
 //   The leaves of the condensed octree in the block are the flagged cubes whose parent is not, and
-//   the voxels under no flag: one walk from the top visits each of them once.
+//   the voxels under no flag: one traversal from the top visits each of them once.
 //
-// Source  thesis 2.4; the order of the walk 4.3
+// Source  thesis 2.4; the order of the traversal 4.3
 #pragma once
 
 #include <array>
@@ -19,30 +19,30 @@
 
 namespace octavo {
 
-class ToneBlock {
+class ClassBlock {
  public:
   static constexpr int kLevel = 6;
   static constexpr std::int64_t kSide = std::int64_t{1} << kLevel;
 
-  ToneBlock();
+  ClassBlock();
 
-  /// Starts a block of `size` voxels, at most 64 along each axis; tones are undefined.
+  /// Starts a block of `size` voxels, at most 64 along each axis; classes are undefined.
   void reset(const Size3& size);
 
   const Size3& size() const { return size_; }
-  /// The tone of a voxel inside `size`.
+  /// The class of a voxel inside `size`.
   std::uint16_t& at(std::int64_t x, std::int64_t y, std::int64_t z) {
-    return tones_[static_cast<std::size_t>((z * kSide + y) * kSide + x)];
+    return classes_[static_cast<std::size_t>((z * kSide + y) * kSide + x)];
   }
   std::uint16_t at(std::int64_t x, std::int64_t y, std::int64_t z) const {
-    return tones_[static_cast<std::size_t>((z * kSide + y) * kSide + x)];
+    return classes_[static_cast<std::size_t>((z * kSide + y) * kSide + x)];
   }
 
-  /// Finds the cubes of one tone. Call it when all tones are set.
+  /// Finds the cubes of one class. Call it when all classes are set.
   void condense();
 
-  /// Visits the leaves in the order of `octants` at every level: `voxel(corner, tone)` for those of
-  /// side 1, `cube(corner, side, tone)` for larger ones.
+  /// Visits the leaves in the order of `octants` at every level: `voxel(corner, class)` for those
+  /// of side 1, `cube(corner, side, class)` for larger ones.
   template <class Voxel, class Cube>
   void visit_leaves(const std::array<int, 8>& octants, Voxel&& voxel, Cube&& cube) const {
     visit(kLevel, {0, 0, 0}, octants, voxel, cube);
@@ -76,7 +76,7 @@ class ToneBlock {
   }
 
   Size3 size_;
-  std::vector<std::uint16_t> tones_;                       // [z][y][x], 64 each
+  std::vector<std::uint16_t> classes_;                       // [z][y][x], 64 each
   std::array<std::vector<std::uint8_t>, kLevel + 1> flags_;  // of level 1 .. 6, [z][y][x]
 };
 

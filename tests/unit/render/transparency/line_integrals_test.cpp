@@ -1,4 +1,4 @@
-#include "octavo/render/transparency/line_light.h"
+#include "octavo/render/transparency/line_integrals.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
@@ -88,9 +88,9 @@ std::shared_ptr<FileReader> file_of(const ScratchFolder& folder, const Scene& sc
 }
 
 /// The voxels of every line, the farthest first, by the lattice point (u, v).
-std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Index3>> walk_lines(
+std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Index3>> visited_lines(
     const VoxelLines& lines) {
-  std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Index3>> walked;
+  std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Index3>> visited;
   const Size3& s = lines.size;
   const Direction d = lines.along;
   for (std::int64_t i = 0; i < s.voxel_count(); ++i) {
@@ -99,10 +99,10 @@ std::map<std::pair<std::int64_t, std::int64_t>, std::vector<Index3>> walk_lines(
       return Index3{v.x + sign * d.x, v.y + sign * d.y, v.z + sign * d.z};
     };
     if (box_of(s).contains(next(1))) continue;  // not the farthest of its line
-    auto& line = walked[{lines.u_of(v), lines.v_of(v)}];
+    auto& line = visited[{lines.u_of(v), lines.v_of(v)}];
     for (; box_of(s).contains(v); v = next(-1)) line.push_back(v);
   }
-  return walked;
+  return visited;
 }
 
 /// Calls visit(voxel, line) for all voxels, those of a line from the farthest to the nearest.
@@ -154,35 +154,35 @@ const std::vector<std::unique_ptr<SceneFile>>& scene_files() {
   return files;
 }
 
-/// All 26, or one of each kind where a walk through every voxel takes long.
+/// All 26, or one of each kind where a visit to every voxel takes long.
 std::vector<Direction> directions_for(const Scene& scene) {
   if (scene.size.voxel_count() > 1'000'000) return {{0, -1, 0}, {-1, 0, 1}, {1, -1, -1}};
   return {kDirections.begin(), kDirections.end()};
 }
 
-/// Light of an odd pattern; that of tone 0 is nothing.
-std::vector<std::int32_t> light_of(const ToneMap& tones, int channels) {
+/// Emission of an odd pattern; that of class 0 is nothing.
+std::vector<std::int32_t> emission_of(const DensityClasses& classes, int channels) {
   std::vector<std::int32_t> light;
-  for (std::size_t i = 0; i < tones.count() * static_cast<std::size_t>(channels); ++i) {
+  for (std::size_t i = 0; i < classes.count() * static_cast<std::size_t>(channels); ++i) {
     light.push_back(static_cast<std::int32_t>((i * 7919) % 1013));
   }
   std::fill_n(light.begin(), channels, 0);
   return light;
 }
 
-std::vector<ToneVeil> veils_of(const ToneMap& tones) {
-  std::vector<ToneVeil> veils(tones.count());
-  for (std::size_t i = 1; i < veils.size(); ++i) {
-    veils[i].opacity = static_cast<float>(i % 5) / 20;
+std::vector<ClassTransfer> transfer_of(const DensityClasses& classes) {
+  std::vector<ClassTransfer> transfer(classes.count());
+  for (std::size_t i = 1; i < transfer.size(); ++i) {
+    transfer[i].opacity = static_cast<float>(i % 5) / 20;
     for (std::size_t c = 0; c < 3; ++c) {
-      veils[i].color[c] = static_cast<float>((i * (c + 3)) % 11) / 11;
+      transfer[i].color[c] = static_cast<float>((i * (c + 3)) % 11) / 11;
     }
   }
-  return veils;
+  return transfer;
 }
 
-ToneMap identity(const FileReader& reader) {
-  return ToneMap::ramp(reader.description(), 0, 255, 255);
+DensityClasses identity(const FileReader& reader) {
+  return DensityClasses::ramp(reader.description(), 0, 255, 255);
 }
 
 TEST(VoxelLines, EveryVoxelLiesOnItsLineAndEveryLineIsInTheLattice) {
@@ -191,7 +191,7 @@ TEST(VoxelLines, EveryVoxelLiesOnItsLineAndEveryLineIsInTheLattice) {
     const VoxelLines lines = voxel_lines(size, along);
     std::set<std::pair<std::int64_t, std::int64_t>> farthest;
     std::int64_t voxels = 0;
-    for (const auto& [place, line] : walk_lines(lines)) {
+    for (const auto& [place, line] : visited_lines(lines)) {
       for (const Index3& v : line) {
         ++voxels;
         EXPECT_EQ(std::pair(lines.u_of(v), lines.v_of(v)), place);
@@ -212,16 +212,16 @@ TEST(VoxelLines, ACubeGivesEveryLineItsVoxels) {
       for_each_line(lines.axes, side, [&](std::int64_t u, std::int64_t v, std::int64_t count) {
         counted[{u, v}] = count;
       });
-      const auto walked = walk_lines(lines);
-      ASSERT_EQ(counted.size(), walked.size());
-      for (const auto& [place, line] : walked) {
+      const auto visited = visited_lines(lines);
+      ASSERT_EQ(counted.size(), visited.size());
+      for (const auto& [place, line] : visited) {
         EXPECT_EQ(counted.at(place), static_cast<std::int64_t>(line.size()));
       }
     }
   }
 }
 
-TEST(VoxelLines, DirectionsOffTheLatticeAreRefused) {
+TEST(VoxelLines, DirectionsOffTheLatticeAreRejected) {
   for (const Direction& along : {Direction{0, 0, 0}, Direction{2, 0, 0}, Direction{1, -2, 1}}) {
     EXPECT_THROW(voxel_lines({4, 4, 4}, along), Error);
   }
@@ -235,21 +235,20 @@ TEST(VoxelLines, NoLineLeavesAnOctantForOneDrawnBeforeIt) {
       const int octant = static_cast<int>(4 * (v.z / 4) + 2 * (v.x / 4) + v.y / 4);
       return std::find(order.begin(), order.end(), octant) - order.begin();
     };
-    for (const auto& [place, line] : walk_lines(voxel_lines({8, 8, 8}, along))) {
+    for (const auto& [place, line] : visited_lines(voxel_lines({8, 8, 8}, along))) {
       for (std::size_t i = 1; i < line.size(); ++i) EXPECT_LE(rank(line[i - 1]), rank(line[i]));
     }
   }
 }
 
-TEST(LineLight, TheStraightSumIsThatOfEveryVoxelInAll26Directions) {
+TEST(LineIntegrals, TheStraightSumIsThatOfEveryVoxelInAll26Directions) {
   for (const auto& file : scene_files()) {
     const auto& [folder, scene, cube, reader] = *file;
-    const ToneMap tones = identity(*reader);
-    const auto light = light_of(tones, 3);
+    const DensityClasses classes = identity(*reader);
+    const auto light = emission_of(classes, 3);
     for (const Direction& along : directions_for(scene)) {
       NoProgress progress;
-      const LineSums found =
-          sum_along_lines(*reader, {0, along, {}}, tones, light, 3, progress);
+      const LineSums found = sum_along_lines(*reader, {0, along, {}}, classes, light, 3, progress);
       std::vector<std::int64_t> expected(found.sums.size(), 0);
       visit_farthest_first(found.lines, [&, &values = cube](const Index3& v, std::size_t line) {
         for (std::size_t c = 0; c < 3; ++c) {
@@ -261,21 +260,21 @@ TEST(LineLight, TheStraightSumIsThatOfEveryVoxelInAll26Directions) {
   }
 }
 
-TEST(LineLight, TheAverageIsThatOfEveryVoxelInAll26Directions) {
+TEST(LineIntegrals, TheAverageIsThatOfEveryVoxelInAll26Directions) {
   for (const auto& file : scene_files()) {
     const auto& [folder, scene, cube, reader] = *file;
-    const ToneMap tones = identity(*reader);
-    const auto veils = veils_of(tones);
+    const DensityClasses classes = identity(*reader);
+    const auto transfer = transfer_of(classes);
     for (const Direction& along : directions_for(scene)) {
       NoProgress progress;
       const LineAverages found =
-          average_along_lines(*reader, {0, along, {}}, tones, veils, progress);
+          average_along_lines(*reader, {0, along, {}}, classes, transfer, progress);
       std::vector<std::array<double, 4>> expected(found.colors.size(), {0, 0, 0, 1});
       visit_farthest_first(found.lines, [&, &values = cube](const Index3& v, std::size_t line) {
-        const ToneVeil& veil = veils[static_cast<std::size_t>(values.at(v))];
-        const double a = static_cast<double>(veil.opacity);
+        const ClassTransfer& one = transfer[static_cast<std::size_t>(values.at(v))];
+        const double a = static_cast<double>(one.opacity);
         for (std::size_t c = 0; c < 3; ++c) {
-          expected[line][c] = expected[line][c] * (1 - a) + static_cast<double>(veil.color[c]) * a;
+          expected[line][c] = expected[line][c] * (1 - a) + static_cast<double>(one.color[c]) * a;
         }
         expected[line][3] *= 1 - a;
       });
@@ -291,34 +290,33 @@ TEST(LineLight, TheAverageIsThatOfEveryVoxelInAll26Directions) {
   }
 }
 
-TEST(LineLight, EveryLeafOfTheCondensedOctreeIsVisitedOnce) {
+TEST(LineIntegrals, EveryLeafOfTheCondensedOctreeIsVisitedOnce) {
   for (const auto& file : scene_files()) {
     const auto& [folder, scene, cube, reader] = *file;
     const std::int64_t leaves =
         leaf_count(condense<std::int32_t>(cube.values(), scene.size, CondenseOptions{}));
-    const ToneMap tones = identity(*reader);
+    const DensityClasses classes = identity(*reader);
     for (const Direction& along : {Direction{1, 0, 0}, Direction{0, -1, 1}, Direction{1, 1, -1}}) {
       NoProgress progress;
       const LineView view{0, along, {}};
+      EXPECT_EQ(sum_along_lines(*reader, view, classes, emission_of(classes, 1), 1, progress)
+                    .counts.leaves,
+                leaves);
       EXPECT_EQ(
-          sum_along_lines(*reader, view, tones, light_of(tones, 1), 1, progress).counts.leaves,
-          leaves);
-      EXPECT_EQ(
-          average_along_lines(*reader, view, tones, veils_of(tones), progress).counts.leaves,
+          average_along_lines(*reader, view, classes, transfer_of(classes), progress).counts.leaves,
           leaves);
     }
   }
 }
 
-TEST(LineLight, WhatIsCutAwayGivesNothing) {
+TEST(LineIntegrals, WhatIsCutAwayGivesNothing) {
   const auto& [folder, scene, cube, reader] = *scene_files()[2];
-  const ToneMap tones = identity(*reader);
-  const auto light = light_of(tones, 1);
+  const DensityClasses classes = identity(*reader);
+  const auto light = emission_of(classes, 1);
   for (const Box& kept : {Box{{3, 0, 9}, {66, 31, 65}}, Box{{64, 64, 0}, {67, 70, 65}}}) {
     NoProgress progress;
     const Direction along{1, -1, 0};
-    const LineSums found =
-        sum_along_lines(*reader, {0, along, kept}, tones, light, 1, progress);
+    const LineSums found = sum_along_lines(*reader, {0, along, kept}, classes, light, 1, progress);
     std::vector<std::int64_t> expected(found.sums.size(), 0);
     visit_farthest_first(found.lines, [&, &values = cube](const Index3& v, std::size_t line) {
       if (kept.contains(v)) expected[line] += light[static_cast<std::size_t>(values.at(v))];
@@ -327,16 +325,16 @@ TEST(LineLight, WhatIsCutAwayGivesNothing) {
   }
 }
 
-TEST(LineLight, CoarseLevelsAreSummedFromTheirSamples) {
+TEST(LineIntegrals, CoarseLevelsAreSummedFromTheirSamples) {
   const auto& reader = scene_files()[4]->reader;
-  const ToneMap tones = identity(*reader);
-  const auto light = light_of(tones, 1);
+  const DensityClasses classes = identity(*reader);
+  const auto light = emission_of(classes, 1);
   for (int level = 1; level < reader->levels().count(); ++level) {
     const Size3 size = reader->levels().size(level);
     const auto samples = testing::read_box(*reader, box_of(size), level);
     NoProgress progress;
     const LineSums found =
-        sum_along_lines(*reader, {level, {0, 0, 1}, {}}, tones, light, 1, progress);
+        sum_along_lines(*reader, {level, {0, 0, 1}, {}}, classes, light, 1, progress);
     for (std::int64_t i = 0; i < size.x * size.y; ++i) {
       std::int64_t expected = 0;
       for (std::int64_t z = 0; z < size.z; ++z) {
@@ -349,22 +347,22 @@ TEST(LineLight, CoarseLevelsAreSummedFromTheirSamples) {
   }
 }
 
-TEST(LineLight, TheNumberOfThreadsChangesNothing) {
+TEST(LineIntegrals, TheNumberOfThreadsChangesNothing) {
   const auto& reader = scene_files().back()->reader;
-  const ToneMap tones = identity(*reader);
+  const DensityClasses classes = identity(*reader);
   std::vector<LineColor> first;
   for (const int threads : {1, 2}) {
     tbb::task_arena(threads).execute([&] {
       NoProgress progress;
-      auto found = average_along_lines(*reader, {0, {1, 1, 1}, {}}, tones, veils_of(tones),
-                                       progress);
+      auto found =
+          average_along_lines(*reader, {0, {1, 1, 1}, {}}, classes, transfer_of(classes), progress);
       if (first.empty()) first = std::move(found.colors);
       else EXPECT_EQ(found.colors, first);
     });
   }
 }
 
-TEST(LineLight, BricksOfOneRangeAreNotDecoded) {
+TEST(LineIntegrals, BricksOfOneRangeAreNotDecoded) {
   const Scene scene{{192, 64, 20}, VoxelType::uint8, {1, 1, 1}, 0};
   const ScratchFolder folder;
   Volume volume;
@@ -381,25 +379,24 @@ TEST(LineLight, BricksOfOneRangeAreNotDecoded) {
   testing::build_volume(volume, folder.file("v.8vo"), 2);
   const auto reader = testing::open_file(folder.file("v.8vo"));
   const std::vector<DensityRange> ranges = {{50, 300, {255, 255, 255}, 0.5}};
-  const ToneMap tones = ToneMap::of_ranges(reader->description(), ranges);
+  const DensityClasses classes = DensityClasses::of_ranges(reader->description(), ranges);
   NoProgress progress;
   const std::vector<std::int32_t> light = {0, 1};
-  const LineSums found =
-      sum_along_lines(*reader, {0, {1, 0, 0}, {}}, tones, light, 1, progress);
+  const LineSums found = sum_along_lines(*reader, {0, {1, 0, 0}, {}}, classes, light, 1, progress);
   EXPECT_EQ(found.counts.decoded_bricks, 1);
   for (const std::int64_t sum : found.sums) EXPECT_TRUE(sum >= 64 && sum <= 128);
 }
 
-TEST(LineLight, WrongTablesAndLevelsAreRefused) {
+TEST(LineIntegrals, WrongTablesAndLevelsAreRejected) {
   const auto& reader = scene_files()[1]->reader;
-  const ToneMap tones = identity(*reader);
+  const DensityClasses classes = identity(*reader);
   NoProgress progress;
-  const auto light = light_of(tones, 1);
-  EXPECT_THROW(sum_along_lines(*reader, {99, {1, 0, 0}, {}}, tones, light, 1, progress), Error);
-  EXPECT_THROW(sum_along_lines(*reader, {0, {0, 0, 0}, {}}, tones, light, 1, progress), Error);
-  EXPECT_THROW(sum_along_lines(*reader, {0, {1, 0, 0}, {}}, tones, light, 2, progress), Error);
-  EXPECT_THROW(sum_along_lines(*reader, {0, {1, 0, 0}, {}}, tones, light, 3, progress), Error);
-  EXPECT_THROW(average_along_lines(*reader, {0, {1, 0, 0}, {}}, tones, {}, progress), Error);
+  const auto light = emission_of(classes, 1);
+  EXPECT_THROW(sum_along_lines(*reader, {99, {1, 0, 0}, {}}, classes, light, 1, progress), Error);
+  EXPECT_THROW(sum_along_lines(*reader, {0, {0, 0, 0}, {}}, classes, light, 1, progress), Error);
+  EXPECT_THROW(sum_along_lines(*reader, {0, {1, 0, 0}, {}}, classes, light, 2, progress), Error);
+  EXPECT_THROW(sum_along_lines(*reader, {0, {1, 0, 0}, {}}, classes, light, 3, progress), Error);
+  EXPECT_THROW(average_along_lines(*reader, {0, {1, 0, 0}, {}}, classes, {}, progress), Error);
 }
 
 }  // namespace

@@ -2,9 +2,9 @@
 // the thesis.
 //
 // The leaves of the condensed octree are visited once each, from the farthest to the nearest; a
-// leaf adds its light times its length to every line through it. No density beyond another's
-// reach is hidden: in the straight sum everything shines through everything; in the exponential
-// average what is in front veils what is behind.
+// leaf adds its emission times its length to every line through it. Nothing is hidden altogether:
+// in the straight sum everything shines through everything; the exponential average composites
+// what is in front over what is behind.
 //
 // Invariants
 //   A sum is the sum over the voxels of the line, exactly. An average is that of its voxels one
@@ -24,7 +24,7 @@
 
 #include "octavo/core/progress.h"
 #include "octavo/file/reader.h"
-#include "octavo/render/transparency/tones.h"
+#include "octavo/render/transparency/density_classes.h"
 #include "octavo/render/transparency/voxel_lines.h"
 
 namespace octavo {
@@ -39,7 +39,7 @@ struct LineCounts {
 struct LineView {
   int level = 0;
   Direction along;          ///< the steps from the observer into the volume
-  std::optional<Box> kept;  ///< samples of the level; what is outside counts as tone 0
+  std::optional<Box> kept;  ///< samples of the level; what is outside counts as class 0
 };
 
 struct LineSums {
@@ -50,18 +50,19 @@ struct LineSums {
 };
 
 /// The straight sum along the lines of one level of a file.
-/// light     [tone][channel], of every tone, what one voxel gives
+/// emission  [class][channel], of every class, what one voxel gives
 /// channels  1 or 3
 /// Runs on the threads of the calling task arena. Throws Error{invalid_argument} on a bad level,
 /// direction or table, Error{cancelled}, and what the reader throws.
 LineSums sum_along_lines(const FileReader& reader, const LineView& view,
-                         const ToneMap& tones, std::span<const std::int32_t> light, int channels,
-                         Progress& progress);
+                         const DensityClasses& classes, std::span<const std::int32_t> emission,
+                         int channels, Progress& progress);
 
-/// The color of a tone, and which share of what is behind it one voxel veils.
-struct ToneVeil {
+/// An entry of the transfer function: the color of a class, and which share of what is behind it
+/// one voxel absorbs.
+struct ClassTransfer {
   std::array<float, 3> color{};  ///< 0 .. 1
-  float opacity = 0;              ///< 0 .. 1
+  float opacity = 0;             ///< 0 .. 1
 };
 
 /// Red, green, blue and the share of the background that is left.
@@ -75,10 +76,10 @@ struct LineAverages {
 
 /// The exponential average: with each voxel, from the farthest to the nearest, what is behind loses
 /// the share `opacity` and the voxel's color gains it.
-/// veils  of every tone
+/// transfer  of every class
 /// Otherwise as sum_along_lines.
 LineAverages average_along_lines(const FileReader& reader, const LineView& view,
-                                 const ToneMap& tones, std::span<const ToneVeil> veils,
-                                 Progress& progress);
+                                 const DensityClasses& classes,
+                                 std::span<const ClassTransfer> transfer, Progress& progress);
 
 }  // namespace octavo

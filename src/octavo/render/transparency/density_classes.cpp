@@ -1,4 +1,4 @@
-#include "octavo/render/transparency/tones.h"
+#include "octavo/render/transparency/density_classes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,12 +17,12 @@ constexpr bool has_table = sizeof(T) <= 2;
 
 }  // namespace
 
-ToneMap ToneMap::of_ranges(const VolumeDescription& volume,
-                           std::span<const DensityRange> ranges) {
+DensityClasses DensityClasses::of_ranges(const VolumeDescription& volume,
+                                         std::span<const DensityRange> ranges) {
   if (ranges.size() + 1 >= kMostTones) {
     throw Error(ErrorKind::invalid_argument, "more than 65534 density ranges");
   }
-  ToneMap map;
+  DensityClasses map;
   map.type_ = volume.type;
   map.rescale_ = volume.rescale;
   map.ranges_.assign(ranges.begin(), ranges.end());
@@ -30,12 +30,13 @@ ToneMap ToneMap::of_ranges(const VolumeDescription& volume,
   return map;
 }
 
-ToneMap ToneMap::ramp(const VolumeDescription& volume, double low, double high, int steps) {
+DensityClasses DensityClasses::ramp(const VolumeDescription& volume, double low, double high,
+                                    int steps) {
   const bool is_sound = std::isfinite(low) && std::isfinite(high) && low < high;
   if (!is_sound || steps < 1 || static_cast<std::size_t>(steps) >= kMostTones) {
     throw Error(ErrorKind::invalid_argument, "a ramp needs two ends and 1 to 65535 steps");
   }
-  ToneMap map;
+  DensityClasses map;
   map.type_ = volume.type;
   map.low_ = low;
   map.high_ = high;
@@ -44,11 +45,11 @@ ToneMap ToneMap::ramp(const VolumeDescription& volume, double low, double high, 
   return map;
 }
 
-std::size_t ToneMap::count() const {
+std::size_t DensityClasses::count() const {
   return steps_ > 0 ? static_cast<std::size_t>(steps_) + 1 : ranges_.size() + 1;
 }
 
-std::uint16_t ToneMap::tone(double stored) const {
+std::uint16_t DensityClasses::class_of(double stored) const {
   if (steps_ > 0) {
     const double share = (stored - low_) / (high_ - low_);
     if (!(share > 0)) return 0;
@@ -63,13 +64,13 @@ std::uint16_t ToneMap::tone(double stored) const {
   return 0;
 }
 
-std::optional<std::uint16_t> ToneMap::common_tone(double least, double greatest) const {
-  if (std::isnan(least) || std::isnan(greatest)) return std::nullopt;
-  if (steps_ > 0 || least == greatest) {
-    const std::uint16_t one = tone(least);
-    return one == tone(greatest) ? std::optional(one) : std::nullopt;
+std::optional<std::uint16_t> DensityClasses::common_class(double minimum, double maximum) const {
+  if (std::isnan(minimum) || std::isnan(maximum)) return std::nullopt;
+  if (steps_ > 0 || minimum == maximum) {
+    const std::uint16_t one = class_of(minimum);
+    return one == class_of(maximum) ? std::optional(one) : std::nullopt;
   }
-  const auto [low, high] = std::minmax({rescale_.to_real(least), rescale_.to_real(greatest)});
+  const auto [low, high] = std::minmax({rescale_.to_real(minimum), rescale_.to_real(maximum)});
   for (std::size_t i = 0; i < ranges_.size(); ++i) {
     const DensityRange& range = ranges_[i];
     if (range.lowest <= low && high <= range.highest) return static_cast<std::uint16_t>(i + 1);
@@ -78,32 +79,31 @@ std::optional<std::uint16_t> ToneMap::common_tone(double least, double greatest)
   return 0;
 }
 
-void ToneMap::make_table() {
+void DensityClasses::make_table() {
   if (bytes_per_voxel(type_) > 2) return;
   const ValueRange values = value_range(type_);
   for (std::int64_t value = values.min; value <= values.max; ++value) {
-    table_.push_back(tone(static_cast<double>(value)));
+    table_.push_back(class_of(static_cast<double>(value)));
   }
 }
 
 template <class T>
-void ToneMap::map_as(const void* voxels, std::int64_t count, std::uint16_t* tones) const {
+void DensityClasses::map_as(const void* voxels, std::int64_t count, std::uint16_t* classes) const {
   const auto* const bytes = static_cast<const std::byte*>(voxels);
   for (std::int64_t i = 0; i < count; ++i) {
     T value;
     std::memcpy(&value, bytes + static_cast<std::size_t>(i) * sizeof value, sizeof value);
     if constexpr (has_table<T>) {
-      tones[i] = table_[static_cast<std::size_t>(value - std::numeric_limits<T>::min())];
+      classes[i] = table_[static_cast<std::size_t>(value - std::numeric_limits<T>::min())];
     } else {
-      tones[i] = tone(static_cast<double>(value));
+      classes[i] = class_of(static_cast<double>(value));
     }
   }
 }
 
-void ToneMap::map(const void* voxels, std::int64_t count, std::uint16_t* tones) const {
-  with_voxel_type(type_, [&](auto id) {
-    map_as<typename decltype(id)::type>(voxels, count, tones);
-  });
+void DensityClasses::map(const void* voxels, std::int64_t count, std::uint16_t* classes) const {
+  with_voxel_type(type_,
+                  [&](auto id) { map_as<typename decltype(id)::type>(voxels, count, classes); });
 }
 
 }  // namespace octavo

@@ -1,4 +1,4 @@
-#include "octavo/render/cubes/cube_walk.h"
+#include "octavo/render/cubes/cube_traversal.h"
 
 #include <gtest/gtest.h>
 
@@ -39,13 +39,13 @@ struct Recorder {
   }
 };
 
-std::vector<DrawnLeaf> walked(const std::vector<MaskTree>& masks,
-                              const std::array<int, 3>& nearness,
-                              WalkOrder order = WalkOrder::farthest_first) {
+std::vector<DrawnLeaf> visited(const std::vector<MaskTree>& masks,
+                               const std::array<int, 3>& nearness,
+                               TraversalOrder order = TraversalOrder::farthest_first) {
   std::vector<const MaskTree*> pointers;
   for (const MaskTree& mask : masks) pointers.push_back(&mask);
   Recorder recorder;
-  CubeWalk(pointers, index_view(nearness), order, recorder).run();
+  CubeTraversal(pointers, index_view(nearness), order, recorder).run();
   return recorder.leaves;
 }
 
@@ -95,7 +95,7 @@ std::array<int, 3> signs_of(const std::array<int, 3>& direction) {
   return signs;
 }
 
-TEST(CubeWalk, OctantsComeInTheGroupsOfTheThesis) {
+TEST(CubeTraversal, OctantsComeInTheGroupsOfTheThesis) {
   EXPECT_EQ(octants_back_to_front({1, 1, 1}), (std::array<int, 8>{0, 1, 2, 4, 3, 5, 6, 7}));
   EXPECT_EQ(octants_back_to_front({-1, -1, -1}), (std::array<int, 8>{7, 6, 5, 3, 4, 2, 1, 0}));
   for (int x : {-1, 1})
@@ -112,13 +112,13 @@ TEST(CubeWalk, OctantsComeInTheGroupsOfTheThesis) {
       }
 }
 
-TEST(CubeWalk, TakesEveryLeafOnceWithItsMask) {
+TEST(CubeTraversal, TakesEveryLeafOnceWithItsMask) {
   std::mt19937 random(5);
   for (const Size3& size : testing::odd_sizes()) {
     for (const int count : {1, 2, 5}) {
       const std::vector<MaskTree> masks = random_masks(size, count, random);
       std::map<std::pair<std::size_t, std::pair<int, std::uint64_t>>, int> found;
-      for (const DrawnLeaf& leaf : walked(masks, {1, -1, 1})) {
+      for (const DrawnLeaf& leaf : visited(masks, {1, -1, 1})) {
         const int level = std::countr_zero(static_cast<std::uint64_t>(leaf.box.size().x));
         ++found[{leaf.mask, {level, cube_at(leaf.box.lo, level).code}}];
       }
@@ -137,13 +137,13 @@ TEST(CubeWalk, TakesEveryLeafOnceWithItsMask) {
   }
 }
 
-TEST(CubeWalk, NoCubeIsDrawnAfterOneThatHidesIt) {
+TEST(CubeTraversal, NoCubeIsDrawnAfterOneThatHidesIt) {
   std::mt19937 random(6);
   for (const Size3& size : {Size3{9, 14, 11}, Size3{33, 7, 18}, Size3{65, 9, 6}}) {
     for (const int count : {1, 3}) {
       const std::vector<MaskTree> masks = random_masks(size, count, random);
       for (const auto& direction : directions()) {
-        const std::vector<DrawnLeaf> leaves = walked(masks, signs_of(direction));
+        const std::vector<DrawnLeaf> leaves = visited(masks, signs_of(direction));
         const std::size_t most = std::min<std::size_t>(leaves.size(), 1500);
         for (std::size_t late = 0; late < most; ++late) {
           for (std::size_t early = 0; early < late; ++early) {
@@ -155,13 +155,13 @@ TEST(CubeWalk, NoCubeIsDrawnAfterOneThatHidesIt) {
   }
 }
 
-TEST(CubeWalk, AFullUniverseIsOneLeaf) {
+TEST(CubeTraversal, AFullUniverseIsOneLeaf) {
   const std::vector<MaskTree> masks = {box_mask({64, 64, 64}, {{0, 0, 0}, {64, 64, 64}})};
-  const auto leaves = walked(masks, {1, 1, 1});
+  const auto leaves = visited(masks, {1, 1, 1});
   ASSERT_EQ(leaves.size(), 1u);
   EXPECT_EQ(leaves[0].box, (Box{{0, 0, 0}, {64, 64, 64}}));
-  EXPECT_TRUE(walked({MaskTree({70, 3, 3})}, {1, 1, 1}).empty());
-  EXPECT_TRUE(walked({}, {1, 1, 1}).empty());
+  EXPECT_TRUE(visited({MaskTree({70, 3, 3})}, {1, 1, 1}).empty());
+  EXPECT_TRUE(visited({}, {1, 1, 1}).empty());
 }
 
 }  // namespace
