@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <filesystem>
 #include <optional>
 #include <string_view>
 
-#include "octavo/file/storage/storage.h"
-#include "octavo/file/storage/temporary.h"
-#include "octavo/io/http/http_source.h"
+#include "octavo/tasks/inputs.h"
 
 namespace octavo::cli {
 
@@ -127,10 +126,6 @@ std::string advice_for(ErrorKind kind, const OptionHint& hint) {
   return found == std::end(kAdvice) ? "" : filled(found->text, hint.value);
 }
 
-bool is_folder(const std::string& path) {
-  return !is_url(path) && local_storage().path_type(path) == PathType::folder;
-}
-
 /// The ending of a name by which scans are known, lower case; or nothing.
 std::string scan_ending(const std::string& path) {
   constexpr std::array<const char*, 17> kEndings = {
@@ -145,22 +140,24 @@ std::string scan_ending(const std::string& path) {
   return "";
 }
 
-/// Whether a failure is about a scan that stands where an .8vo file was expected.
+bool is_about_folder(const Error& error) { return error.field() == "input.format"; }
+
+/// Whether a failure is about a folder or a scan that stands where an .8vo file was expected.
 bool is_about_scan(const Error& error) {
-  if (error.field() == "input.format") return true;
-  return error.kind() == ErrorKind::not_octavo && !is_url(error.path()) &&
+  if (is_about_folder(error)) return true;
+  return error.kind() == ErrorKind::not_octavo && !is_octavo_path(error.path()) &&
          !scan_ending(error.path()).empty();
 }
 
 /// How to make an .8vo file of a scan.
-std::string build_advice(const std::string& path) {
-  std::string folder = path;
-  while (folder.size() > 1 && folder.back() == '/') folder.pop_back();
-  const std::string name = base_name_of(folder);
-  const std::string ending = is_folder(path) ? "" : scan_ending(path);
+std::string build_advice(const Error& error) {
+  std::string path = error.path();
+  while (path.size() > 1 && path.back() == '/') path.pop_back();
+  const std::string name = std::filesystem::path(path).filename().string();
+  const std::string ending = is_about_folder(error) ? "" : scan_ending(path);
   const std::string layout = ending == ".raw" ? " --raw NX,NY,NZ,TYPE" : "";
   const std::string stem = name.substr(0, name.size() - ending.size());
-  return "'octavo build " + escaped(folder) + layout + " -o " +
+  return "'octavo build " + escaped(path) + layout + " -o " +
          (stem.empty() || stem.front() == '.' ? "NAME" : escaped(stem)) +
          ".8vo' makes one of a scan";
 }
@@ -182,7 +179,7 @@ std::string advice_for_note(const std::string& field) {
 }
 
 std::string advice_for(const Error& error) {
-  if (is_about_scan(error)) return build_advice(error.path());
+  if (is_about_scan(error)) return build_advice(error);
   if (const std::string option = scan_option(error.field()); !option.empty()) {
     return option + " changes nothing in it: leave it out";
   }

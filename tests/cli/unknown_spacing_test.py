@@ -51,8 +51,9 @@ class UnknownSpacing(cli_test.InFolder):
     def test_options_in_mm_are_refused_and_told_what_does_the_same(self):
         for option, instead, arguments in [
             ("--mm", ", --index does not", ["slice", "v.8vo", "--mm", "3", "-o", "s.png"]),
-            ("a place in mm", ", a place in voxels does not", ["probe", "v.8vo", "--mm", "1,1,1"]),
-            ("a box in mm", ", a box in voxels does not",
+            ("a place in mm", ", one in voxels does not",
+             ["probe", "v.8vo", "--mm", "1,1,1"]),
+            ("a box in mm", ", one in voxels does not",
              ["extract", "v.8vo", "--box-mm", "0:2,0:2,0:2", "-o", "b.raw"]),
             ("a translation in mm", ", one in voxels does not",
              ["transform", "v.8vo", "--translate-mm", "1,1,1", "-o", "t.8vo"]),

@@ -14,16 +14,31 @@ function(run)
 endfunction()
 
 run(${CMAKE_COMMAND} --install ${build_folder} --prefix ${prefix})
-run(${CMAKE_COMMAND} -G Ninja -S ${source_folder}/examples/read_box -B ${work_folder}/example
-  -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_CXX_COMPILER=${compiler} "-DCMAKE_CXX_FLAGS=${flags}"
-  -D CMAKE_BUILD_TYPE=Release)
-run(${CMAKE_COMMAND} --build ${work_folder}/example)
+foreach(example read_box build_from_array measure_mask)
+  set(folder ${work_folder}/${example})
+  run(${CMAKE_COMMAND} -G Ninja -S ${source_folder}/examples/${example} -B ${folder}
+    -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_CXX_COMPILER=${compiler} "-DCMAKE_CXX_FLAGS=${flags}"
+    -D CMAKE_BUILD_TYPE=Release)
+  run(${CMAKE_COMMAND} --build ${folder})
+endforeach()
+
+function(expect words)
+  if(NOT output MATCHES "${words}")
+    message(FATAL_ERROR "expected ${words}, found: ${output}")
+  endif()
+endfunction()
 
 run(${prefix}/bin/octavo phantom --size 64 -o ${work_folder}/phantom.8vo)
-run(${work_folder}/example/read_box ${work_folder}/phantom.8vo)
-if(NOT output MATCHES "^32768 voxels from ")
-  message(FATAL_ERROR "read_box printed: ${output}")
-endif()
+run(${work_folder}/read_box/read_box ${work_folder}/phantom.8vo)
+expect("^32768 voxels from ")
+
+run(${work_folder}/build_from_array/build_from_array ${work_folder}/ball.8vo)
+expect("^524288 bytes of voxels in a file of ")
+run(${prefix}/bin/octavo verify ${work_folder}/ball.8vo)
+
+run(${work_folder}/measure_mask/measure_mask
+  ${work_folder}/ball.8vo 0 ${work_folder}/mask.8vo ${work_folder}/labels.8vo)
+expect("^1 parts, 1 kept\nlabel 1: 57747 voxels, 7218[.]38 mm3\n$")
 
 foreach(file share/man/man1/octavo.1 share/man/man1/octavo-build.1
     share/bash-completion/completions/octavo share/zsh/site-functions/_octavo

@@ -26,53 +26,9 @@ struct Kind {
   Preset preset = Preset::small;
 };
 
-<<<<<<< HEAD:tests/unit/builder/resume_test.cpp
-// Mostly uniform, so that large volumes are built fast; one column of bricks holds a texture that
-// is another in every group.
-class TextureSource final : public PlaneSource {
- public:
-  explicit TextureSource(const Kind& kind, std::int64_t failing_plane = -1)
-      : failing_plane_(failing_plane) {
-    description_.type = kind.type;
-    description_.kind = kind.kind;
-    description_.size = kSize;
-  }
-  const VolumeDescription& description() const override { return description_; }
-  const std::vector<Warning>& warnings() const override { return warnings_; }
-  void read_plane(std::span<std::byte> plane) override {
-    if (z_ == failing_plane_) throw Error(ErrorKind::source_rejected, "torn", "slice.dcm");
-    std::ranges::fill(plane, std::byte{0});
-    with_voxel_type(description_.type, [&](auto tag) {
-      using T = typename decltype(tag)::type;
-      for (std::int64_t y = 0; y < 50; ++y) {
-        for (std::int64_t x = 0; x < 60; ++x) {
-          state_ = state_ * 1664525u + 1013904223u;
-          const std::uint32_t noise = state_ >> (z_ < kGroupPlanes ? 29 : 27);
-          const auto value = static_cast<T>(static_cast<std::uint32_t>(x + 2 * z_) / 4 + noise);
-          const auto at = static_cast<std::size_t>(y * kSize.x + x) * sizeof(T);
-          std::memcpy(plane.data() + at, &value, sizeof value);
-        }
-      }
-      if (z_ == changed_plane) plane.back() = std::byte{1};
-    });
-    ++z_;
-  }
-
-  VolumeDescription& mutable_description() { return description_; }
-  std::int64_t changed_plane = -1;
-
- private:
-  VolumeDescription description_;
-  std::vector<Warning> warnings_;
-  std::int64_t failing_plane_;
-  std::int64_t z_ = 0;
-  std::uint32_t state_ = 1;
-};
-=======
 TextureSource source_of(const Kind& kind, std::int64_t failing_plane = -1) {
   return TextureSource(TextureSource::three_groups(kind.type, kind.kind), failing_plane);
 }
->>>>>>> tests:tests/unit/builder/builder_resume_test.cpp
 
 BuildOptions options_of(const Kind& kind, Interrupted interrupted, int threads = 2) {
   BuildOptions options;
@@ -156,35 +112,6 @@ TEST(ResumedBuild, IsNotOfferedWhereNoJournalIsWanted) {
   EXPECT_EQ(storage.files.size(), 1u);
 }
 
-<<<<<<< HEAD:tests/unit/builder/resume_test.cpp
-TEST(ResumedBuild, HasTheBytesOfABuildWithoutABreak) {
-  const Kind kinds[] = {kGrey,
-                        {"fast", VoxelType::int16, VolumeKind::grey, 0, Preset::fast},
-                        {"lossy", VoxelType::int16, VolumeKind::grey, 2},
-                        {"labels", VoxelType::uint16, VolumeKind::labels},
-                        {"float", VoxelType::float32},
-                        {"lossy float", VoxelType::float32, VolumeKind::grey, 0.25}};
-  for (const Kind& kind : kinds) {
-    SCOPED_TRACE(kind.name);
-    const auto reference = built(kind);
-    MemoryStorage storage;
-    std::int64_t resumed = 0;
-    int threads = 1;
-    for (const std::int64_t plane : {std::int64_t{70}, std::int64_t{149}}) {
-      TextureSource torn(kind, plane);
-      const BuildOptions options = options_of(kind, Interrupted::resume, threads++);
-      const std::string message =
-          failure_of(torn, storage, options, ErrorKind::source_rejected);
-      const bool is_kept = storage.files.size() == 2;
-      EXPECT_EQ(message.find("[interrupted=resume]") != std::string::npos, is_kept) << message;
-      EXPECT_EQ(storage.files.count("a.8vo"), 0u);
-    }
-    TextureSource whole(kind);
-    resumed = build(whole, storage, options_of(kind, Interrupted::resume, 4)).resumed_planes;
-    EXPECT_GE(resumed, 64) << "nothing was kept";
-    EXPECT_TRUE(*storage.files.at("a.8vo") == reference);
-    EXPECT_EQ(storage.files.size(), 1u);
-=======
 class ResumedBuildOf : public testing::TestWithParam<Kind> {};
 
 TEST_P(ResumedBuildOf, HasTheBytesOfABuildWithoutABreak) {
@@ -199,7 +126,6 @@ TEST_P(ResumedBuildOf, HasTheBytesOfABuildWithoutABreak) {
     const bool is_kept = storage.files.size() == 2;
     EXPECT_EQ(message.find("[interrupted=resume]") != std::string::npos, is_kept) << message;
     EXPECT_EQ(storage.files.count("a.8vo"), 0u);
->>>>>>> tests:tests/unit/builder/builder_resume_test.cpp
   }
   TextureSource whole = source_of(kind);
   const BuildResult result = build(whole, storage, options_of(kind, Interrupted::resume, 4));

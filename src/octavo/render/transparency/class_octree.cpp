@@ -44,13 +44,8 @@ ClassOctree::ClassOctree(const FileReader& reader, int level, const DensityClass
   size_ = reader.levels().size(level);
   brick_side_ = brick_side_at(reader.levels(), level);
   Floor blocks;
-<<<<<<< HEAD:src/octavo/render/transparency/tone_octree.cpp
-  for (int axis = 0; axis < 3; ++axis) blocks.grid[axis] = cubes_along(size_[axis], kSide);
-  blocks.tones.reserve(static_cast<std::size_t>(blocks.grid.voxel_count()));
-=======
   for (int axis = 0; axis < 3; ++axis) blocks.grid[axis] = cubes_along(size_[axis], kSide);
   blocks.classes.reserve(static_cast<std::size_t>(blocks.grid.voxel_count()));
->>>>>>> pictures:src/octavo/render/transparency/class_octree.cpp
   for (std::int64_t z = 0; z < blocks.grid.z; ++z) {
     for (std::int64_t y = 0; y < blocks.grid.y; ++y) {
       for (std::int64_t x = 0; x < blocks.grid.x; ++x) {
@@ -103,13 +98,8 @@ bool ClassOctree::is_whole(const Index3& cell, std::int64_t side) const {
 
 ClassOctree::Floor ClassOctree::floor_above(const Floor& below) const {
   Floor floor;
-<<<<<<< HEAD:src/octavo/render/transparency/tone_octree.cpp
-  for (int axis = 0; axis < 3; ++axis) floor.grid[axis] = cubes_along(below.grid[axis], 2);
-  floor.tones.reserve(static_cast<std::size_t>(floor.grid.voxel_count()));
-=======
   for (int axis = 0; axis < 3; ++axis) floor.grid[axis] = cubes_along(below.grid[axis], 2);
   floor.classes.reserve(static_cast<std::size_t>(floor.grid.voxel_count()));
->>>>>>> pictures:src/octavo/render/transparency/class_octree.cpp
   for (std::int64_t z = 0; z < floor.grid.z; ++z) {
     for (std::int64_t y = 0; y < floor.grid.y; ++y) {
       for (std::int64_t x = 0; x < floor.grid.x; ++x) {

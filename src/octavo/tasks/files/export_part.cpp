@@ -26,7 +26,7 @@ ExportOptions export_options(const ExportPartOptions& options, const FileReader&
   if (options.box) how.box = box_within(*options.box, size);
   if (options.box_mm) {
     const VolumeDescription& volume = reader.description();
-    require_known_spacing(volume, options.input, "a box in mm", "a box in voxels");
+    require_known_spacing(volume, options.input, "a box in mm", "one in voxels");
     const Geometry geometry = reader.levels().geometry(volume.geometry, options.level);
     how.box = box_within_mm(*options.box_mm, geometry, size);
   }

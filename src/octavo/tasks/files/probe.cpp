@@ -83,7 +83,7 @@ ProbeResult probe(const ProbeOptions& options, const TaskContext& context) {
   std::vector<Index3> indices = options.indices;
   for (const Index3& index : indices) require_inside(index, size);
   if (!options.positions_mm.empty()) {
-    require_known_spacing(volume, options.input, "a place in mm", "a place in voxels");
+    require_known_spacing(volume, options.input, "a place in mm", "one in voxels");
   }
   for (const Point3& mm : options.positions_mm) {
     const Geometry geometry = reader->levels().geometry(volume.geometry, options.level);

@@ -1,0 +1,95 @@
+#include "octavo/tasks/files/build_scan.h"
+
+#include "support/scan_files.h"
+
+namespace octavo {
+namespace {
+
+class BuildScan : public testing::ScanFiles {
+ protected:
+  void SetUp() override {
+    options_.inputs = {write_raw("scan.raw", voxels_)};
+    options_.output.path = folder_.file("out.8vo");
+    options_.scan = scan_;
+  }
+
+  Failure failure() {
+    return failure_of([&] { build_scan(options_, context_); });
+  }
+
+  BuildScanOptions options_;
+};
+
+TEST_F(BuildScan, KeepsEveryVoxel) {
+  const BuiltVolume built = build_scan(options_, context_);
+  EXPECT_EQ(built.kind, VolumeKind::grey);
+  EXPECT_EQ(built.build.raw_bytes, voxels_.size() * 2);
+  EXPECT_GT(built.compression_ratio(), 1);
+  const testing::DenseLabels read_back = read(options_.output.path);
+  EXPECT_TRUE(std::equal(voxels_.begin(), voxels_.end(), read_back.voxels.begin()));
+  EXPECT_TRUE(notes_.empty());
+}
+
+TEST_F(BuildScan, ANameOfLabelsIsNotedWithItsField) {
+  std::vector<std::int16_t> labels(voxels_.size(), 3);
+  options_.inputs = {write_raw("brain_mask.raw", labels)};
+  EXPECT_EQ(build_scan(options_, context_).kind, VolumeKind::labels);
+  ASSERT_EQ(notes_.size(), 1u);
+  EXPECT_EQ(notes_[0].second, "kind");
+}
+
+TEST_F(BuildScan, AnAskedKindIsTakenWithoutANote) {
+  options_.kind = VolumeKind::labels;
+  EXPECT_EQ(build_scan(options_, context_).kind, VolumeKind::labels);
+  EXPECT_TRUE(notes_.empty());
+}
+
+TEST_F(BuildScan, AMaxErrorHoldsInRealUnits) {
+  options_.max_error = 2;
+  EXPECT_EQ(build_scan(options_, context_).max_error_real(), 2);
+  const testing::DenseLabels read_back = read(options_.output.path);
+  for (std::size_t i = 0; i < voxels_.size(); ++i) {
+    ASSERT_LE(std::abs(read_back.voxels[i] - voxels_[i]), 2) << i;
+  }
+}
+
+TEST_F(BuildScan, PlanesInBetweenMakeCubes) {
+  options_.between = PlaneInterpolation::linear;
+  const BuiltVolume built = build_scan(options_, context_);
+  EXPECT_EQ(built.volume.size.z, (kScanSize.z - 1) * 4 + 1);
+  EXPECT_EQ(built.volume.geometry.spacing_mm[2], 0.5);
+}
+
+TEST_F(BuildScan, CubicPlanesAreNotForLabels) {
+  options_.kind = VolumeKind::labels;
+  options_.between = PlaneInterpolation::cubic;
+  EXPECT_EQ(failure().field, "between");
+}
+
+TEST_F(BuildScan, AnExistingFileIsReplacedOnlyWhenAsked) {
+  build_scan(options_, context_);
+  EXPECT_EQ(failure().field, "output.overwrite");
+  options_.output.overwrite = true;
+  EXPECT_NO_THROW(build_scan(options_, context_));
+}
+
+TEST_F(BuildScan, TheSourceIsNeverTheOutput) {
+  options_.inputs = {write_raw("scan.8vo.raw", voxels_)};
+  options_.output = {options_.inputs[0], true};
+  EXPECT_EQ(failure().field, "output.format");
+  std::filesystem::create_hard_link(options_.inputs[0], folder_.file("same.8vo"));
+  options_.output.path = folder_.file("same.8vo");
+  EXPECT_EQ(failure().kind, ErrorKind::invalid_argument);
+}
+
+TEST_F(BuildScan, AWarningIsAnErrorWhereTasksAreStrict) {
+  options_.scan.source.spacing_mm.reset();
+  context_.is_strict = true;
+  EXPECT_EQ(failure().field, "is_strict");
+  context_.is_strict = false;
+  build_scan(options_, context_);
+  EXPECT_EQ(warnings_.size(), 1u);
+}
+
+}  // namespace
+}  // namespace octavo

@@ -1,0 +1,51 @@
+#include "octavo/tasks/files/compare.h"
+
+#include "support/scan_files.h"
+
+namespace octavo {
+namespace {
+
+class Compare : public testing::ScanFiles {};
+
+TEST_F(Compare, AScanEqualsTheFileBuiltFromIt) {
+  geometry_.origin_mm = {0, 0, 0};
+  const CompareResult result = compare_volumes(
+      {write_grey("scan.8vo"), write_raw("scan.raw", voxels_), 0, scan_}, context_);
+  EXPECT_TRUE(result.comparison.is_equal());
+  EXPECT_EQ(result.comparison.voxels, kScanSize.voxel_count());
+}
+
+TEST_F(Compare, CountsWhatLiesFurtherApartThanAllowed) {
+  const std::string a = write_grey("a.8vo");
+  voxels_[1234] = static_cast<std::int16_t>(voxels_[1234] + 5);
+  const std::string b = write_grey("b.8vo");
+  const Comparison strict = compare_volumes({a, b, 4, {}}, context_).comparison;
+  EXPECT_EQ(strict.different, 1);
+  EXPECT_EQ(strict.max_difference, 5);
+  EXPECT_EQ(strict.first, (Index3{1234 % 40, 1234 / 40, 0}));
+  EXPECT_TRUE(compare_volumes({a, b, 5, {}}, context_).comparison.is_equal());
+}
+
+TEST_F(Compare, OptionsOfScansAreRejectedWhereNeitherIsOne) {
+  const std::string a = write_grey("a.8vo");
+  EXPECT_EQ(failure_of([&] { compare_volumes({a, a, 0, scan_}, context_); }).field, "scan.raw");
+}
+
+TEST_F(Compare, LabelsAreCountedInEachAndInBoth) {
+  testing::DenseLabels first({20, 20, 20});
+  first.fill({{2, 2, 2}, {6, 6, 6}}, 3);
+  testing::DenseLabels second({20, 20, 20});
+  second.fill({{2, 2, 4}, {6, 6, 8}}, 3);
+  const std::string a = write("a.8vo", first);
+  const std::string b = write("b.8vo", second);
+  const CompareLabelsResult result = compare_labels({a, b}, context_);
+  EXPECT_FALSE(result.is_equal);
+  ASSERT_EQ(result.agreements.size(), 1u);
+  EXPECT_EQ(result.agreements[0], (LabelAgreement{3, 64, 64, 32}));
+  EXPECT_TRUE(compare_labels({a, a}, context_).is_equal);
+  EXPECT_EQ(failure_of([&] { compare_labels({a, write_grey("g.8vo")}, context_); }).field,
+            "compare.labels");
+}
+
+}  // namespace
+}  // namespace octavo

@@ -1,0 +1,53 @@
+#include "octavo/tasks/files/verify_volume.h"
+
+#include "support/scan_files.h"
+
+namespace octavo {
+namespace {
+
+class VerifyVolume : public testing::ScanFiles {
+ protected:
+  void SetUp() override {
+    geometry_.origin_mm = {0, 0, 0};
+    options_.input = write_grey("scan.8vo");
+  }
+
+  VerifyVolumeOptions options_;
+};
+
+TEST_F(VerifyVolume, ASoundFileAgainstItsSource) {
+  EXPECT_FALSE(verify_volume(options_, context_).against);
+  options_.against = {write_raw("scan.raw", voxels_)};
+  options_.scan = scan_;
+  const VerifyVolumeResult result = verify_volume(options_, context_);
+  EXPECT_TRUE(result.report.is_sound());
+  EXPECT_EQ(result.volume.size, kScanSize);
+  ASSERT_TRUE(result.against);
+  EXPECT_TRUE(result.against->is_faithful());
+  EXPECT_FALSE(result.against->has_planes_between);
+}
+
+TEST_F(VerifyVolume, AnotherSourceIsADifference) {
+  voxels_[77] = static_cast<std::int16_t>(voxels_[77] + 1);
+  options_.against = {write_raw("scan.raw", voxels_)};
+  options_.scan = scan_;
+  const SourceCheck check = verify_volume(options_, context_).against.value();
+  EXPECT_FALSE(check.is_faithful());
+  EXPECT_EQ(check.comparison.different, 1);
+}
+
+TEST_F(VerifyVolume, DamageIsAResult) {
+  damage(options_.input, brick_offset(options_.input), 0x55);
+  options_.against = {folder_.file("not opened")};
+  const VerifyVolumeResult result = verify_volume(options_, context_);
+  EXPECT_EQ(result.report.damaged_brick_count, 1);
+  EXPECT_FALSE(result.against);
+}
+
+TEST_F(VerifyVolume, ADamagedHeaderNamesRepair) {
+  damage(options_.input, 50, 1);
+  EXPECT_EQ(failure_of([&] { verify_volume(options_, context_); }).field, "input.repair");
+}
+
+}  // namespace
+}  // namespace octavo
