@@ -49,7 +49,7 @@ class UnknownSpacing(cli_test.InFolder):
                 self.assertEqual(cell, "" if in_mm else known[name], name)
 
     def test_options_in_mm_are_refused_and_told_what_does_the_same(self):
-        for option, instead, arguments in [
+        for what, instead, arguments in [
             ("--mm", ", --index does not", ["slice", "v.8vo", "--mm", "3", "-o", "s.png"]),
             ("a place in mm", ", one in voxels does not",
              ["probe", "v.8vo", "--mm", "1,1,1"]),
@@ -63,7 +63,7 @@ class UnknownSpacing(cli_test.InFolder):
             ("a volume in mm3", "", ["components", "m.8vo", "--min-mm3", "1"]),
         ]:
             with self.subTest(arguments):
-                self.expect_error(2, [f"octavo: {arguments[1]}: {option} needs a known spacing"
+                self.expect_error(2, [f"octavo: {arguments[1]}: {what} needs a known spacing"
                                       f"{instead}; build it again with --spacing\n"],
                                   *arguments)
 

@@ -27,7 +27,7 @@ struct CombineOptions {
 struct CombineResult {
   VolumeDescription volume;  ///< the grid, that of the first mask
   std::uint64_t voxels = 0;
-  std::vector<std::string> resampled;  ///< inputs that lay on another grid
+  std::vector<std::string> resampled = {};  ///< inputs that lay on another grid
   std::uint64_t file_bytes = 0;
 };
 

@@ -40,8 +40,8 @@ struct ComponentsResult {
   VolumeDescription volume;  ///< that of the mask
   std::size_t found = 0;
   std::size_t kept = 0;
-  std::vector<ComponentRow> rows;  ///< of those kept, the largest ones
-  std::uint64_t file_bytes = 0;    ///< of the label map; 0 where none is written
+  std::vector<ComponentRow> rows = {};  ///< of those kept, the largest ones
+  std::uint64_t file_bytes = 0;         ///< of the label map; 0 where none is written
 };
 
 /// Finds the components of a mask, and writes those kept as labels 1, 2, ... by their rows.
