@@ -5,6 +5,11 @@
 
 #if defined(__x86_64__)
 #include <nmmintrin.h>
+#elif defined(__aarch64__) && defined(__linux__)
+#include <arm_acle.h>
+#include <asm/hwcap.h>
+#include <sys/auxv.h>
+#define OCTAVO_CRC32C_ARM 1
 #endif
 
 namespace octavo {
@@ -26,19 +31,38 @@ consteval std::array<std::uint32_t, 256> make_table() {
 constexpr std::array<std::uint32_t, 256> kTable = make_table();
 
 #if defined(__x86_64__)
-__attribute__((target("sse4.2"))) std::uint32_t crc32c_sse42(std::span<const std::uint8_t> bytes,
-                                                             std::uint32_t crc) noexcept {
-  std::uint64_t state = ~crc;
+#define OCTAVO_CRC32C_TARGET __attribute__((target("sse4.2")))
+OCTAVO_CRC32C_TARGET std::uint32_t step(std::uint32_t crc, std::uint64_t word) noexcept {
+  return static_cast<std::uint32_t>(_mm_crc32_u64(crc, word));
+}
+OCTAVO_CRC32C_TARGET std::uint32_t step(std::uint32_t crc, std::uint8_t byte) noexcept {
+  return _mm_crc32_u8(crc, byte);
+}
+bool has_crc_instruction() noexcept { return __builtin_cpu_supports("sse4.2"); }
+#elif defined(OCTAVO_CRC32C_ARM)
+#define OCTAVO_CRC32C_TARGET __attribute__((target("+crc")))
+OCTAVO_CRC32C_TARGET std::uint32_t step(std::uint32_t crc, std::uint64_t word) noexcept {
+  return __crc32cd(crc, word);
+}
+OCTAVO_CRC32C_TARGET std::uint32_t step(std::uint32_t crc, std::uint8_t byte) noexcept {
+  return __crc32cb(crc, byte);
+}
+bool has_crc_instruction() noexcept { return (getauxval(AT_HWCAP) & HWCAP_CRC32) != 0; }
+#endif
+
+#if defined(OCTAVO_CRC32C_TARGET)
+OCTAVO_CRC32C_TARGET std::uint32_t crc32c_by_instruction(std::span<const std::uint8_t> bytes,
+                                                         std::uint32_t crc) noexcept {
+  crc = ~crc;
   const std::uint8_t* p = bytes.data();
   std::size_t left = bytes.size();
   for (; left >= 8; left -= 8, p += 8) {
     std::uint64_t word;
     std::memcpy(&word, p, 8);
-    state = _mm_crc32_u64(state, word);
+    crc = step(crc, word);
   }
-  auto tail = static_cast<std::uint32_t>(state);
-  for (; left > 0; --left, ++p) tail = _mm_crc32_u8(tail, *p);
-  return ~tail;
+  for (; left > 0; --left, ++p) crc = step(crc, *p);
+  return ~crc;
 }
 #endif
 
@@ -64,9 +88,9 @@ std::uint32_t crc32c_portable(std::span<const std::uint8_t> bytes, std::uint32_t
 }
 
 std::uint32_t crc32c(std::span<const std::uint8_t> bytes, std::uint32_t crc) noexcept {
-#if defined(__x86_64__)
-  static const bool has_instruction = __builtin_cpu_supports("sse4.2");
-  if (has_instruction) return crc32c_sse42(bytes, crc);
+#if defined(OCTAVO_CRC32C_TARGET)
+  static const bool has_instruction = has_crc_instruction();
+  if (has_instruction) return crc32c_by_instruction(bytes, crc);
 #endif
   return crc32c_portable(bytes, crc);
 }
