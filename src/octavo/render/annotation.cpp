@@ -9,7 +9,6 @@ namespace {
 
 constexpr std::int64_t kSmallestArea = 96;  // pixels of the shorter side
 constexpr Color kWhite = {255, 255, 255};
-constexpr Color kBlack = {0, 0, 0};
 
 bool is_top(Corner corner) { return corner == Corner::top_left || corner == Corner::top_right; }
 

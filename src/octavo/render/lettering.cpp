@@ -22,7 +22,6 @@ constexpr double kMinimumSize = 4;
 constexpr double kMaximumSize = 1000;
 constexpr double kOutlineShare = 0.1;  // of the size
 constexpr double kLineShare = 1.35;
-constexpr Color kBlack = {0, 0, 0};
 
 // FreeType counts in 64ths of a pixel.
 constexpr double kUnit = 64;

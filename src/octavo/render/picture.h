@@ -9,7 +9,9 @@
 
 namespace octavo {
 
-using Color = std::array<std::uint8_t, 3>;
+using Color = std::array<std::uint8_t, 3>;  ///< red, green, blue
+
+inline constexpr Color kBlack = {0, 0, 0};
 
 /// 8-bit pixels, rows from the top, channels interleaved.
 struct Picture {

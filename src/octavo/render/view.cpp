@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "octavo/core/error.h"
+#include "octavo/core/vectors.h"
 
 namespace octavo {
 
@@ -13,16 +14,6 @@ namespace {
 constexpr double kFilledShare = 0.9;           // of the picture, by what is shown
 constexpr double kFarthest = double(1 << 30);  // units
 constexpr int kMostFractionBits = 24;
-
-double dot(const Point3& a, const Point3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-Point3 cross(const Point3& a, const Point3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-Point3 scaled(const Point3& a, double by) { return {a[0] * by, a[1] * by, a[2] * by}; }
-
-Point3 unit(const Point3& a) { return scaled(a, 1 / std::sqrt(dot(a, a))); }
 
 /// One voxel along an index axis, mm.
 Point3 step_mm(const Geometry& geometry, std::size_t axis) {

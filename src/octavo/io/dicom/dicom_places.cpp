@@ -7,6 +7,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
+#include "octavo/core/vectors.h"
 #include "octavo/io/source/described_source.h"
 
 namespace octavo {
@@ -19,12 +20,6 @@ constexpr double kGridTolerance = 0.2;  // of a step, behind a gap of many
 constexpr double kMaxGap = 1e6;
 constexpr double kLeastStepMm = 1e-7;
 constexpr double kFarthestMm = 1e7;
-
-double dot(const Point3& a, const Point3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Point3 minus(const Point3& a, const Point3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Point3 cross(const Point3& a, const Point3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 
 std::vector<double> sorted_steps(const SlicePlaces& places) {
   std::vector<double> steps;
@@ -81,7 +76,7 @@ SlicePlaces sort_along_normal(std::vector<DicomSlice>& slices) {
     return dot(*a.position_mm, places.axes.normal) < dot(*b.position_mm, places.axes.normal);
   });
   for (const DicomSlice& slice : slices) {
-    const Point3 way = minus(*slice.position_mm, *slices.front().position_mm);
+    const Point3 way = difference(*slice.position_mm, *slices.front().position_mm);
     if (!(std::sqrt(dot(way, way)) < kFarthestMm)) {
       throw Error(ErrorKind::source_rejected,
                   slices.front().name() + " and " + slice.name() +

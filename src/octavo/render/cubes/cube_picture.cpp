@@ -15,9 +15,6 @@ namespace octavo {
 
 namespace {
 
-// Rows that one traversal of the masks draws.
-constexpr std::int64_t kBandRows = 64;
-
 std::uint32_t packed(const Color& color) {
   return std::uint32_t{color[0]} | std::uint32_t{color[1]} << 8 | std::uint32_t{color[2]} << 16;
 }

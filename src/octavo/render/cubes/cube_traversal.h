@@ -31,6 +31,9 @@
 
 namespace octavo {
 
+/// Rows of a picture that one traversal of the masks draws.
+inline constexpr std::int64_t kBandRows = 64;
+
 /// The eight octants from the farthest to the nearest; nearness as in View.
 constexpr std::array<int, 8> octants_back_to_front(const std::array<int, 3>& nearness) noexcept {
   constexpr std::array<int, 8> kFromHighSide = {0, 1, 2, 4, 3, 5, 6, 7};

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "octavo/core/vectors.h"
 #include "octavo/render/cubes/cube_traversal.h"
 #include "octavo/render/cubes/face_raster.h"
 #include "octavo/render/cubes/nearest_rows.h"
@@ -16,8 +17,6 @@ namespace octavo {
 
 namespace {
 
-// Rows of the picture that one traversal draws.
-constexpr std::int64_t kBandRows = 64;
 constexpr int kBlockShift = 4;  // blocks of 16^3 samples
 constexpr std::int64_t kBlockSide = std::int64_t{1} << kBlockShift;
 constexpr std::uint32_t kNothing = 0;  // of a pixel that no face has
@@ -31,13 +30,6 @@ constexpr double kGloss = 0.16;
 constexpr double kGlossPower = 18;
 constexpr double kTurnedAway = 0.35;
 constexpr double kBefore = 0.7;  // voxels
-
-double dot(const Point3& a, const Point3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-Point3 unit(const Point3& a) {
-  const double length = std::sqrt(dot(a, a));
-  return {a[0] / length, a[1] / length, a[2] / length};
-}
 
 /// A view with twice as many pixels along each side, on the same units.
 View refined(const View& view) {
@@ -58,10 +50,6 @@ class GridFromPicture {
       const Place& p = view.axes[a];
       return Point3{static_cast<double>(p.x), static_cast<double>(p.y),
                     static_cast<double>(p.depth)};
-    };
-    const auto cross = [](const Point3& a, const Point3& b) {
-      return Point3{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
-                    a[0] * b[1] - a[1] * b[0]};
     };
     for (std::size_t a = 0; a < 3; ++a) {
       const Point3 normal = cross(axis((a + 1) % 3), axis((a + 2) % 3));

@@ -21,7 +21,6 @@ namespace {
 constexpr double kWashOpacity = 0.4;
 constexpr int kMaximumLevels = 6;
 constexpr std::size_t kScaleSteps = 256;
-constexpr Color kBlack = {0, 0, 0};
 
 [[noreturn]] void reject(const Overlay& overlay, const std::string& what) {
   throw Error(ErrorKind::invalid_argument, what, overlay.name);

@@ -7,23 +7,12 @@
 #include <vector>
 
 #include "octavo/core/error.h"
+#include "octavo/core/vectors.h"
 #include "octavo/render/slice_orientation.h"
 
 namespace octavo {
 
 namespace {
-
-double dot(const Point3& a, const Point3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-Point3 cross(const Point3& a, const Point3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-Point3 scaled(const Point3& a, double by) { return {a[0] * by, a[1] * by, a[2] * by}; }
-
-Point3 sum(const Point3& a, const Point3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-
-Point3 difference(const Point3& a, const Point3& b) { return sum(a, scaled(b, -1)); }
 
 /// The side of a square pixel: `finest`, divided so that `longest` has `minimum_side` pixels.
 double pixel_of(double finest, double longest, std::int64_t minimum_side) {

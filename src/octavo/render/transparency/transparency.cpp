@@ -9,6 +9,7 @@
 #include <string>
 
 #include "octavo/core/error.h"
+#include "octavo/core/vectors.h"
 
 namespace octavo {
 
@@ -16,8 +17,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kEmissionUnit = double(1 << 20);  // of a voxel with an opacity of 1
-
-double dot(const Point3& a, const Point3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 // Steps along the index axes as a way through the world, mm.
 Point3 way_mm(const Geometry& geometry, const Direction& steps) {
