@@ -42,14 +42,13 @@ std::string row(const char* name, const std::string& text) {
 }
 
 /// True when the user gave the spacing to the build.
-bool is_spacing_given(const nlohmann::ordered_json& metadata) {
-  const auto source = metadata.find("spacing_source");
-  return source != metadata.end() && source->is_string() && *source == "user";
+bool is_spacing_given(const Metadata& metadata) {
+  return metadata.facts().spacing_source == "user";
 }
 
-std::string geometry_rows(const InfoResult& info, const nlohmann::ordered_json& metadata) {
+std::string geometry_rows(const InfoResult& info, const Metadata& metadata) {
   const VolumeDescription& d = info.volume;
-  if (!is_spacing_known(metadata)) {
+  if (!metadata.is_spacing_known()) {
     return row("spacing",
                "unknown: the source gives none, 1 mm is assumed (build --spacing sets it)");
   }
@@ -81,11 +80,11 @@ std::string values_row(const InfoResult& info) {
 }
 
 /// How the voxels of the file relate to those of its source, in a few words.
-std::string loss_words(const InfoResult& info, const nlohmann::ordered_json& metadata) {
+std::string loss_words(const InfoResult& info, const Metadata& metadata) {
   if (info.max_error > 0) return "with a max error";
   if (!missing_words(metadata).empty()) return "lossless where it is whole";
   if (is_condensed(metadata)) return "condensed, not lossless";
-  if (was_source_lossy(info.volume)) return "as the source holds them";
+  if (metadata.was_source_lossy()) return "as the source holds them";
   return was_resampled(metadata) ? "lossless from its prepared planes" : "lossless";
 }
 
@@ -98,10 +97,10 @@ std::string loss_rows(const InfoResult& info) {
                                          distance_text(d, info.max_error),
                                          distance_text(d, info.achieved_error)));
   }
-  if (const double error = source_max_error(d); error > 0) {
+  if (const double error = d.metadata.source_max_error(); error > 0) {
     text += row("source loss", fmt::format("its source lay within {}{} of its own source",
                                            number_text(error), unit.empty() ? "" : " " + unit));
-  } else if (was_source_lossy(d)) {
+  } else if (d.metadata.was_source_lossy()) {
     text += row("source loss", "the source had been compressed with loss before");
   }
   if (d.coding) {
@@ -114,19 +113,11 @@ std::string loss_rows(const InfoResult& info) {
   return text;
 }
 
-std::string source_row(const nlohmann::ordered_json& metadata) {
-  const auto source = metadata.find("source");
-  if (source == metadata.end() || !source->is_object()) return "";
-  std::string text;
-  const auto format = source->find("format");
-  if (format != source->end() && format->is_string()) text = escaped(format->get<std::string>());
-  const auto files = source->find("files");
-  if (files != source->end()) {
-    const std::int64_t count = files->is_array()     ? static_cast<std::int64_t>(files->size())
-                               : files->is_number_integer() ? files->get<std::int64_t>()
-                                                            : 0;
-    if (count > 0) text += ", " + counted_text(count, "file");
-  }
+std::string source_row(const Metadata& metadata) {
+  const SourceNote source = metadata.facts().source.value_or(SourceNote{});
+  std::string text = escaped(source.format.value_or(""));
+  const std::int64_t count = source.file_count.value_or(0);
+  if (count > 0) text += ", " + counted_text(count, "file");
   const std::string chosen = choice_words(metadata);
   if (!text.empty() && !chosen.empty()) text += ", " + chosen;
   return text.empty() ? "" : row("source", text);
@@ -148,7 +139,7 @@ std::string level_table(const InfoResult& info) {
 
 std::string screen(const InfoResult& info, bool show_metadata) {
   const VolumeDescription& d = info.volume;
-  const nlohmann::ordered_json metadata = metadata_of(d);
+  const Metadata& metadata = d.metadata;
   std::string text = info.name + "\n";
   text += row("holds", fmt::format("{} voxels of {}, {}, {}", size_text(d.size),
                                    voxel_type_name(d.type), kind_name(d.kind),
@@ -176,8 +167,8 @@ std::string screen(const InfoResult& info, bool show_metadata) {
   text += level_table(info);
   if (show_metadata) {
     text += identity_lines(metadata);
-    text +=
-        "\n" + metadata.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+    const nlohmann::ordered_json json = metadata_json(metadata);
+    text += "\n" + json.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace) + "\n";
   }
   return text;
 }

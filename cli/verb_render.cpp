@@ -154,8 +154,7 @@ Drawn draw_pictures(const RenderScene& scene, const std::vector<std::string>& pa
   const Size3& size = reader.levels().size(arguments.level);
   const Viewpoint first = asked_viewpoint(arguments, volume.geometry);
   const Color background = asked_background(arguments.background);
-  const nlohmann::ordered_json metadata = metadata_of(volume);
-  const Captions captions{!arguments.no_scale_bar && is_spacing_known(metadata),
+  const Captions captions{!arguments.no_scale_bar && is_spacing_known(volume),
                           !arguments.no_sides && is_place_known(volume),
                           !arguments.no_legend};
 
@@ -192,7 +191,7 @@ void report(const RenderScene& scene, const std::vector<std::string>& paths, con
             const RenderArguments& arguments, const VolumeDescription& volume,
             const Context& context) {
   const View& view = drawn.view;
-  const bool is_scaled = is_spacing_known(metadata_of(volume));
+  const bool is_scaled = is_spacing_known(volume);
   if (context.json) {
     nlohmann::ordered_json result = {{"outputs", paths},
                                      {"mode", arguments.mode},

@@ -86,7 +86,7 @@ std::optional<Window> asked_window(const Arguments& arguments, const VolumeDescr
                 "--window goes with grey values; this file holds labels, which have colors",
                 arguments.input);
   }
-  const std::string unit = unit_of(metadata_of(volume));
+  const std::string unit = unit_of(volume);
   if (find_window_preset(arguments.window) && !unit.empty() && unit != "HU") {
     throw Error(ErrorKind::invalid_argument,
                 fmt::format("--window {}: the presets are in HU, and this volume is in {}; give "
@@ -140,9 +140,9 @@ DrawnSlice draw(const FileReader& reader, const Arguments& arguments, int axis,
   options.window = asked_window(arguments, d);
   options.captions.has_scale_bar = !arguments.no_scale_bar;
   options.captions.has_sides = !arguments.no_sides;
-  options.captions.is_spacing_known = is_spacing_known(metadata_of(d));
+  options.captions.is_spacing_known = is_spacing_known(d);
   options.captions.is_place_known = is_place_known(d);
-  options.captions.unit = unit_of(metadata_of(d));
+  options.captions.unit = unit_of(d);
   options.minimum_side = arguments.minimum_side;
   DrawnSlice drawn{arguments.output, axis, options.indices.front(), {}};
   on_threads(context, [&] { drawn.slice = render_slice(reader, options); });
@@ -178,7 +178,7 @@ nlohmann::ordered_json slice_json(const DrawnSlice& drawn, int level,
 std::string pixel_text(const DrawnSlice& drawn, int level, const FileReader& reader) {
   const VolumeDescription& d = reader.description();
   const double side = drawn.slice.pixel_mm;
-  if (is_spacing_known(metadata_of(d))) return number_text(side) + " mm";
+  if (is_spacing_known(d)) return number_text(side) + " mm";
   const Point3 spacing = reader.levels().geometry(d.geometry, level).spacing_mm;
   const double finest = *std::min_element(spacing.begin(), spacing.end());
   return number_text(side / finest) + (side == finest ? " voxel" : " voxels") +
@@ -192,7 +192,7 @@ std::string slice_text(const DrawnSlice& drawn, int level, const FileReader& rea
                   s.picture.width, s.picture.height, pixel_text(drawn, level, reader),
                   "xyz"[drawn.axis], drawn.index, level);
   if (reader.description().kind == VolumeKind::labels) return text + "\n";
-  const std::string unit = unit_of(metadata_of(reader.description()));
+  const std::string unit = unit_of(reader.description());
   return text + fmt::format(", window {} to {}{}\n",
                             number_text(s.window.center - s.window.width / 2),
                             number_text(s.window.center + s.window.width / 2),

@@ -138,7 +138,7 @@ std::string difference_text(const Arguments& arguments, const VerifyVolumeResult
 }
 
 std::string sound_text(const Arguments& arguments, const VerifyVolumeResult& result) {
-  const std::string missing = missing_words(metadata_of(result.volume));
+  const std::string missing = missing_words(result.volume.metadata);
   return fmt::format("{}: sound; {}, {} read and decoded{}\n", arguments.input,
                      counted_text(result.report.brick_count, "brick"),
                      bytes_text(result.report.file_bytes),

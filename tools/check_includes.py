@@ -86,7 +86,7 @@ LIBRARIES = {
     "libcurl": (re.compile(r"curl/"), {"io"}),
     "oneTBB": (re.compile(r"(oneapi/)?tbb/"), set(MAY_INCLUDE) - {"core", "octree"}),
     "Highway": (re.compile(r"hwy/"), {"codec", "ops", "render"}),
-    "nlohmann-json": (re.compile(r"nlohmann/"), {"io", "builder", "planes", "tasks"}),
+    "nlohmann-json": (re.compile(r"nlohmann/"), set()),
     "fmt": (re.compile(r"fmt/"), {"io", "tasks"}),
     "MPI": (re.compile(r"mpi\.h$"), {"dist"}),
     "CLI11": (re.compile(r"CLI/"), set()),

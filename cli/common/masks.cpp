@@ -29,7 +29,7 @@ void on_threads(const Context& context, const std::function<void()>& work) {
 }
 
 BuildResult write_mask(const MaskTree& mask, const VolumeDescription& volume,
-                       const nlohmann::ordered_json& made_by, const std::string& output,
+                       const MadeBy& made_by, const std::string& output,
                        const Context& context) {
   return octavo::write_mask(mask, volume, made_by, {output, context.force}, context.verb,
                             run_of(context).context());

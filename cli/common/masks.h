@@ -20,7 +20,7 @@ MaskTree read_mask(const FileReader& reader, int level, const std::vector<ValueW
                    const Context& context);
 void on_threads(const Context& context, const std::function<void()>& work);
 BuildResult write_mask(const MaskTree& mask, const VolumeDescription& volume,
-                       const nlohmann::ordered_json& made_by, const std::string& output,
+                       const MadeBy& made_by, const std::string& output,
                        const Context& context);
 BuildResult write_labels(PlaneSource& source, const std::string& output, const Context& context);
 nlohmann::ordered_json mm3_json(std::uint64_t voxels, const VolumeDescription& volume);

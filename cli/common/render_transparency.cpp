@@ -108,7 +108,7 @@ class TransparencyScene final : public RenderScene {
                   "--mode surface",
                   arguments.input);
     }
-    unit_ = unit_of(metadata_of(volume));
+    unit_ = unit_of(volume);
     options_.level = arguments.level;
     options_.is_average = arguments.is_average;
     options_.window = asked_window(arguments.window, arguments.is_average);

@@ -5,87 +5,105 @@
 #include <algorithm>
 
 #include "octavo/core/error.h"
-#include "text/quantities.h"
-#include "text/volume_json.h"
+#include "octavo/core/json_reader.h"
+#include "octavo/core/text.h"
 
 namespace octavo::cli {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+std::string list_words(JsonReader& in);
 
-std::string operation_of(const Json& metadata) {
-  const auto made_by = metadata.find("made_by");
-  if (made_by == metadata.end() || !made_by->is_object()) return "";
-  const auto operation = made_by->find("operation");
-  return operation != made_by->end() && operation->is_string() ? operation->get<std::string>() : "";
+/// The value that `in` stands at, in words; "" for what is no number, text, or list of such. Moves
+/// to its last token.
+std::string value_words(JsonReader& in) {
+  if (in.token() == JsonToken::string) return in.string();
+  if (in.token() == JsonToken::begin_list) return list_words(in);
+  const std::optional<double> number = in.number();
+  in.skip_value();
+  return number ? number_text(*number) : "";
 }
 
-/// A value in words; "" for what is no number, text, or list of such.
-std::string value_words(const Json& value) {
-  if (value.is_number()) return number_text(value.get<double>());
-  if (value.is_string()) return value.get<std::string>();
+std::string list_words(JsonReader& in) {
   std::string text;
-  if (!value.is_array()) return text;
-  for (const Json& one : value) {
-    const std::string words = one.is_array() ? "" : value_words(one);
-    if (words.empty()) return "";
+  bool is_plain = true;
+  while (in.next() != JsonToken::end_list) {
+    const bool is_list = in.token() == JsonToken::begin_list;
+    const std::string words = value_words(in);
+    is_plain = is_plain && !is_list && !words.empty();
     text += (text.empty() ? "" : ",") + words;
   }
-  return text;
+  return is_plain ? text : "";
 }
 
-std::string end_words(const Json& range, const char* name) {
-  const auto end = range.find(name);
-  return end != range.end() && end->is_number() ? number_text(end->get<double>()) : "";
+/// "2 = -30:225": the label where it is not 1.
+std::string range_words(JsonReader& in) {
+  std::string label;
+  std::string low;
+  std::string high;
+  while (in.next() != JsonToken::end_object) {
+    const std::string name = in.string();
+    in.next();
+    const std::optional<double> number = in.number();
+    in.skip_value();
+    const std::string words = number ? number_text(*number) : "";
+    if (name == "label" && number != 1) label = words;
+    if (name == "low") low = words;
+    if (name == "high") high = words;
+  }
+  return (label.empty() ? "" : label + " = ") + low + ":" + high;
 }
 
-/// "226:, 2 = -30:225": each range behind its label, where that is not 1.
-std::string ranges_words(const Json& ranges) {
+/// "226:, 2 = -30:225".
+std::string ranges_words(JsonReader& in) {
   std::string text;
-  for (const Json& range : ranges) {
-    if (!range.is_object()) continue;
-    const auto label = range.find("label");
-    const bool is_named = label != range.end() && label->is_number() && *label != 1;
-    text += (text.empty() ? "" : ", ") + (is_named ? value_words(*label) + " = " : "") +
-            end_words(range, "low") + ":" + end_words(range, "high");
+  while (in.next() != JsonToken::end_list) {
+    if (in.token() != JsonToken::begin_object) {
+      in.skip_value();
+      continue;
+    }
+    text += (text.empty() ? "" : ", ") + range_words(in);
   }
   return text;
 }
 
-/// Everything that was noted of an operation, but its name.
-std::string member_words(const Json& made_by) {
-  std::string text;
-  const auto add = [&](const std::string& words) { text += (text.empty() ? "" : ", ") + words; };
-  for (const auto& [key, value] : made_by.items()) {
-    std::string name = key;
-    std::replace(name.begin(), name.end(), '_', ' ');
-    const bool is_step = key == "step" && value.is_string();
-    if (key == "operation" || (is_step && made_by.contains(value.get<std::string>()))) continue;
-    if (key == "ranges" && value.is_array()) add(name + " " + ranges_words(value));
-    else if (value == true) add(name);
-    else if (is_step) add(value_words(value));
-    else if (const std::string words = value_words(value); !words.empty()) add(name + " " + words);
+/// One setting; "" for what has no words. The step of an operation that has a setting of its name
+/// is that setting.
+std::string setting_words(const JsonMember& setting, const JsonObject& settings) {
+  std::string name = setting.name;
+  std::replace(name.begin(), name.end(), '_', ' ');
+  JsonReader in(setting.json);
+  in.next();
+  if (name == "step" && in.token() == JsonToken::string) {
+    return settings.json_of(in.string()).empty() ? in.string() : "";
   }
-  return text;
+  if (name == "ranges" && in.token() == JsonToken::begin_list) return name + " " + ranges_words(in);
+  if (in.token() == JsonToken::boolean) return in.boolean() ? name : "";
+  const std::string words = value_words(in);
+  return words.empty() ? "" : name + " " + words;
 }
 
 }  // namespace
 
-bool is_condensed(const Json& metadata) { return operation_of(metadata) == "condense"; }
+bool is_condensed(const Metadata& metadata) {
+  const auto& made_by = metadata.facts().made_by;
+  return made_by && made_by->operation() == "condense";
+}
 
-std::string made_by_words(const Json& metadata) {
-  const std::string operation = operation_of(metadata);
-  if (operation.empty()) return "";
-  const Json& made_by = metadata["made_by"];
-  const std::string unit = unit_of(metadata);
-  if (const auto flat = made_by.find("flat");
-      is_condensed(metadata) && flat != made_by.end() && flat->is_number()) {
+std::string made_by_words(const Metadata& metadata) {
+  const auto& made_by = metadata.facts().made_by;
+  if (!made_by) return "";
+  if (const auto flat = made_by->number("flat"); flat && is_condensed(metadata)) {
+    const std::string unit = escaped(metadata.unit());
     return fmt::format("condensed with tolerance {}{}: cubes that vary no more hold their mean",
-                       number_text(flat->get<double>()), unit.empty() ? "" : " " + unit);
+                       number_text(*flat), unit.empty() ? "" : " " + unit);
   }
-  const std::string members = member_words(made_by);
-  return escaped(operation + (members.empty() ? "" : ": " + members));
+  std::string text;
+  for (const JsonMember& setting : made_by->settings().members()) {
+    const std::string words = setting_words(setting, made_by->settings());
+    if (!words.empty()) text += (text.empty() ? ": " : ", ") + words;
+  }
+  return escaped(made_by->operation() + text);
 }
 
 }  // namespace octavo::cli

@@ -9,84 +9,70 @@ namespace octavo::cli {
 
 namespace {
 
-/// A member of an object, or null.
-const nlohmann::ordered_json& member(const nlohmann::ordered_json& object, const char* name) {
-  static const nlohmann::ordered_json kNull;
-  if (!object.is_object()) return kNull;
-  const auto found = object.find(name);
-  return found == object.end() ? kNull : *found;
-}
-
-std::int64_t count_in(const nlohmann::ordered_json& object, const char* name) {
-  const nlohmann::ordered_json& value = member(object, name);
-  return value.is_number_integer() ? value.get<std::int64_t>() : 0;
-}
-
 void add(std::string& text, const std::string& words) {
   text += (text.empty() ? "" : "; ") + words;
 }
 
+/// "channel red of 4".
+std::string component_words(const char* what, const std::optional<ComponentNote>& component) {
+  if (!component || !component->index) return "";
+  return std::string(what) + " " +
+         (component->name ? escaped(*component->name) : std::to_string(*component->index)) +
+         " of " + count_text(component->count.value_or(0));
+}
+
 }  // namespace
 
-std::string choice_words(const nlohmann::ordered_json& metadata) {
+std::string choice_words(const Metadata& metadata) {
+  const MetadataFacts& facts = metadata.facts();
   std::string text;
-  for (const char* what : {"channel", "time"}) {
-    const nlohmann::ordered_json& choice = member(member(metadata, "chosen"), what);
-    if (!member(choice, "index").is_number_integer()) continue;
-    const nlohmann::ordered_json& name = member(choice, "name");
-    text += (text.empty() ? "" : ", ") + std::string(what) + " " +
-            (name.is_string() ? escaped(name.get<std::string>())
-                              : std::to_string(count_in(choice, "index"))) +
-            " of " + count_text(count_in(choice, "count"));
+  const auto add_choice = [&](const std::string& words) {
+    if (!words.empty()) text += (text.empty() ? "" : ", ") + words;
+  };
+  if (facts.chosen) {
+    add_choice(component_words("channel", facts.chosen->channel));
+    add_choice(component_words("time", facts.chosen->time));
   }
-  if (const nlohmann::ordered_json& segment = member(metadata, "segment"); segment.is_object()) {
-    text += (text.empty() ? "" : ", ") + std::string("segment ") +
-            std::to_string(count_in(segment, "number"));
-  }
+  if (facts.segment) add_choice("segment " + std::to_string(facts.segment->number.value_or(0)));
   return text;
 }
 
-std::string preparation_words(const nlohmann::ordered_json& metadata) {
-  const nlohmann::ordered_json& prepared = member(metadata, "prepared");
+std::string preparation_words(const Metadata& metadata) {
+  const PreparedNote prepared = metadata.facts().prepared.value_or(PreparedNote{});
   std::string text;
-  if (const std::int64_t count = count_in(prepared, "dropped_duplicates"); count > 0) {
+  if (const std::int64_t count = prepared.dropped_duplicates.value_or(0); count > 0) {
     add(text, counted_text(count, "copy of a slice", "copies of slices") + " left out");
   }
-  if (const std::int64_t count = count_in(prepared, "ignored_number_gaps"); count > 0) {
+  if (const std::int64_t count = prepared.ignored_number_gaps.value_or(0); count > 0) {
     add(text, counted_text(count, "gap") + " in the numbers of its files passed over");
   }
-  const nlohmann::ordered_json& gaps = member(prepared, "gaps");
-  if (const std::int64_t count = count_in(gaps, "made_plane_count"); count > 0) {
-    const bool is_empty = member(gaps, "method") == "background";
-    add(text, counted_text(count, "plane") + (is_empty ? " without a slice left empty"
-                                                       : " interpolated between slices"));
+  const GapsNote gaps = prepared.gaps.value_or(GapsNote{});
+  if (const std::int64_t count = gaps.made_plane_count.value_or(0); count > 0) {
+    add(text, counted_text(count, "plane") + (gaps.method == "background"
+                                                  ? " without a slice left empty"
+                                                  : " interpolated between slices"));
   }
-  if (const nlohmann::ordered_json& angle = member(member(prepared, "tilt"), "angle_degrees");
-      angle.is_number()) {
-    add(text, fmt::format("gantry tilt of {:.4g} degrees removed", angle.get<double>()));
+  if (prepared.tilt && prepared.tilt->angle_degrees) {
+    add(text, fmt::format("gantry tilt of {:.4g} degrees removed", *prepared.tilt->angle_degrees));
   }
-  const nlohmann::ordered_json& isotropic = member(prepared, "isotropic");
-  if (const std::int64_t count = count_in(isotropic, "made_plane_count"); count > 0) {
-    const nlohmann::ordered_json& method = member(isotropic, "method");
+  const IsotropicNote isotropic = prepared.isotropic.value_or(IsotropicNote{});
+  if (const std::int64_t count = isotropic.made_plane_count.value_or(0); count > 0) {
     add(text, fmt::format("{} made between thick slices ({})", counted_text(count, "plane"),
-                          method.is_string() ? escaped(method.get<std::string>()) : "unknown way"));
+                          escaped(isotropic.method.value_or("unknown way"))));
   }
   return text;
 }
 
-std::string missing_words(const nlohmann::ordered_json& metadata) {
-  const nlohmann::ordered_json& planes = member(member(metadata, "repaired"), "missing_planes");
-  const bool is_pair = planes.is_array() && planes.size() == 2 && planes[0].is_number_integer() &&
-                       planes[1].is_number_integer();
-  if (!is_pair) return "";
-  return fmt::format("planes {} to {} are missing: their build was interrupted",
-                     planes[0].get<std::int64_t>(), planes[1].get<std::int64_t>());
+std::string missing_words(const Metadata& metadata) {
+  const auto& repaired = metadata.facts().repaired;
+  if (!repaired || !repaired->missing_planes) return "";
+  const auto& [first, last] = *repaired->missing_planes;
+  return fmt::format("planes {} to {} are missing: their build was interrupted", first, last);
 }
 
-bool was_resampled(const nlohmann::ordered_json& metadata) {
-  const nlohmann::ordered_json& prepared = member(metadata, "prepared");
-  return member(prepared, "gaps").is_object() || member(prepared, "tilt").is_object() ||
-         member(prepared, "isotropic").is_object();
+bool was_resampled(const Metadata& metadata) {
+  const auto& prepared = metadata.facts().prepared;
+  return prepared && (prepared->gaps || prepared->tilt || prepared->isotropic);
 }
 
 }  // namespace octavo::cli

@@ -28,25 +28,16 @@ nlohmann::ordered_json voxel_json(const VolumeDescription& d, std::int64_t code)
 
 }  // namespace
 
-nlohmann::ordered_json metadata_of(const VolumeDescription& description) {
-  auto metadata = nlohmann::ordered_json::parse(description.metadata_json, nullptr, false);
-  if (!metadata.is_object()) metadata = {{"unreadable", description.metadata_json}};
-  return metadata;
-}
-
-std::string unit_of(const nlohmann::ordered_json& metadata) {
-  const auto unit = metadata.find("unit");
-  return unit != metadata.end() && unit->is_string() ? escaped(unit->get<std::string>()) : "";
-}
-
-bool is_spacing_known(const nlohmann::ordered_json& metadata) {
-  const auto known = metadata.find("spacing_known");
-  return known == metadata.end() || !known->is_boolean() || known->get<bool>();
+nlohmann::ordered_json metadata_json(const Metadata& metadata) {
+  if (!metadata.is_readable()) return {{"unreadable", metadata.text()}};
+  auto object = nlohmann::ordered_json::parse(metadata.text(), nullptr, false);
+  if (object.is_discarded()) object = {{"unreadable", metadata.text()}};  // numbers beyond doubles
+  return object;
 }
 
 nlohmann::ordered_json if_in_mm(const VolumeDescription& volume,
                                 const nlohmann::ordered_json& value_mm) {
-  return is_spacing_known(metadata_of(volume)) ? value_mm : nlohmann::ordered_json(nullptr);
+  return is_spacing_known(volume) ? value_mm : nlohmann::ordered_json(nullptr);
 }
 
 const char* kind_name(VolumeKind kind) { return kind == VolumeKind::labels ? "labels" : "grey"; }
@@ -64,7 +55,7 @@ nlohmann::ordered_json file_json(const InfoResult& info) {
   for (std::size_t level = 0; level < info.levels.size(); ++level) {
     levels.push_back(level_json(info, level));
   }
-  const nlohmann::ordered_json metadata = metadata_of(d);
+  const Metadata& metadata = d.metadata;
   const double slope = std::abs(d.rescale.slope);
   return {{"file", info.name},
           {"format_version", info.format_version},
@@ -86,12 +77,12 @@ nlohmann::ordered_json file_json(const InfoResult& info) {
           {"max_error_real", info.max_error * slope},
           {"achieved_error_real", info.achieved_error * slope},
           {"lossless", info.max_error == 0},
-          {"source_lossy", was_source_lossy(d)},
+          {"source_lossy", metadata.was_source_lossy()},
           {"coding", coding_json(d.coding)},
           {"min", voxel_json(d, info.range.min)},
           {"max", voxel_json(d, info.range.max)},
           {"identity", identity_state(metadata)},
-          {"metadata", metadata}};
+          {"metadata", metadata_json(metadata)}};
 }
 
 }  // namespace octavo::cli

@@ -10,14 +10,8 @@
 
 namespace octavo::cli {
 
-/// The metadata object; an object with the raw text under "unreadable" when it is no JSON object.
-nlohmann::ordered_json metadata_of(const VolumeDescription& description);
-
-/// "HU" and the like; empty when the metadata names none.
-std::string unit_of(const nlohmann::ordered_json& metadata);
-
-/// False when the source carried no spacing and 1 mm was assumed.
-bool is_spacing_known(const nlohmann::ordered_json& metadata);
+/// The metadata for JSON output; an object with the text under "unreadable" when it is none.
+nlohmann::ordered_json metadata_json(const Metadata& metadata);
 
 /// The number or list as it is, or null where the spacing is not known.
 nlohmann::ordered_json if_in_mm(const VolumeDescription& volume,

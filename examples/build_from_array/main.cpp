@@ -40,7 +40,7 @@ octavo::VolumeDescription description() {
   volume.type = octavo::VoxelType::int16;
   volume.size = {kSide, kSide, kSide};
   volume.geometry.spacing_mm = {0.5, 0.5, 0.5};
-  volume.metadata_json = octavo::Metadata::of(facts).text();
+  volume.metadata = octavo::Metadata::of(facts);
   return volume;
 }
 

@@ -5,8 +5,16 @@ set(OCTAVO_READ_SOURCES
   core/crc32c.cpp
   core/error.cpp
   core/geometry.cpp
+  core/json_number.cpp
+  core/json_reader.cpp
+  core/json_text.cpp
+  core/label_names.cpp
   core/levels.cpp
+  core/made_by.cpp
+  core/metadata_reading.cpp
+  core/powers_of_ten.cpp
   core/sample_coding.cpp
+  core/utf8.cpp
   core/volume.cpp
   core/voxel_type.cpp
   octree/label_words.cpp

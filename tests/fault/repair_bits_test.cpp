@@ -244,7 +244,8 @@ TEST(RepairBits, MoreFlippedBitsThanVerifyDescribesAreTurnedBack) {
 
 TEST(RepairBits, MetadataAreRepairedToTextOnly) {
   SampleVolume volume = make_sample({16, 16, 4}, VoxelType::uint8, Pattern::noisy_half);
-  volume.description.metadata_json = R"({"text":")" + std::string(700, 'a') + "\u00e4\"}";
+  volume.description.metadata =
+      Metadata::read(R"({"text":")" + std::string(700, 'a') + "\u00e4\"}");
   const FileContent good = sample_file_bytes(volume);
   MemoryStorage storage;
   put(storage, "bad.8vo", good);

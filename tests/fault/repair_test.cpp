@@ -95,8 +95,8 @@ TEST(Repair, WholePlanesAreTheOriginalsAndTheOthersTheLowestValue) {
       EXPECT_TRUE(std::ranges::all_of(missing, [&](std::uint8_t byte) { return byte == c.low; }));
       const std::string record = "\"repaired\":{\"missing_planes\":[" + std::to_string(whole) +
                                  ",229],\"fill\":0}";
-      EXPECT_NE(reader->description().metadata_json.find(record), std::string::npos)
-          << reader->description().metadata_json;
+      EXPECT_NE(reader->description().metadata.text().find(record), std::string::npos)
+          << reader->description().metadata.text();
       // What was left stays as it was.
       for (const auto& [name, bytes] : before) EXPECT_TRUE(*ended.storage.files.at(name) == *bytes);
     }
@@ -126,7 +126,7 @@ TEST(Repair, WhereEveryPlaneIsWholeNothingIsMissing) {
   EXPECT_EQ(result->whole_planes, 230);
   EXPECT_TRUE(is_sound(ended.storage));
   const auto reader = open_bytes(*ended.storage.files.at("out.8vo"));
-  EXPECT_EQ(reader->description().metadata_json, ended.volume.description.metadata_json);
+  EXPECT_EQ(reader->description().metadata.text(), ended.volume.description.metadata.text());
   for (int level = 0; level < ended.volume.levels.count(); ++level) {
     const Box all = box_of(ended.volume.levels.size(level));
     EXPECT_EQ(read_samples(*reader, all, level), expected_samples(ended.volume, all, level));

@@ -240,7 +240,7 @@ TEST_F(Resume, WhatIsOfSomethingElseIsRejectedByNameAndKept) {
   reject(resuming, other, 1, ErrorKind::invalid_argument,
          "spacing: 0.5 0.5 0.5 there, 0.5 0.5 0.75");
   other = volume_.description;
-  other.metadata_json = R"({"source":{"format":"best"}})";
+  other.metadata = Metadata::read(R"({"source":{"format":"best"}})");
   reject(resuming, other, 1, ErrorKind::invalid_argument, "best");
   reject(resuming, volume_.description, 2, ErrorKind::source_rejected, "the first planes");
   reject({.is_resuming = true, .settings = "preset: fast\n"}, volume_.description, 1,

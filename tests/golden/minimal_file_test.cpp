@@ -30,7 +30,7 @@ std::string text_of(const std::string& path) {
 SampleVolume minimal_volume() {
   SampleVolume volume = make_sample({2, 2, 2}, VoxelType::uint8, Pattern::gradient);
   volume.samples[0] = {10, 12, 11, 13, 9, 200, 10, 11};
-  volume.description.metadata_json = "{}";
+  volume.description.metadata = Metadata::read("{}");
   return volume;
 }
 

@@ -99,7 +99,7 @@ void send(const MessageHead& head, std::span<const std::uint8_t> payload) {
   SourceReport report{small_facts().description, {}, 0};
   if (how == "size") report.description.size.x = -4;
   if (how == "type") report.description.type = VoxelType{99};
-  if (how == "metadata") report.description.metadata_json = "{";
+  if (how == "metadata") report.description.metadata = Metadata::read("{");
   if (how == "spacing") report.description.geometry.spacing_mm[0] = 0;
   const Payload description = encode(report);
   send(head_for(MessageKind::report, 0, description), description);

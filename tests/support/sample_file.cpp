@@ -121,7 +121,7 @@ SampleVolume make_sample(const Size3& size, VoxelType type, Pattern pattern, Vol
   volume.description.type = type;
   volume.description.size = size;
   volume.description.geometry.spacing_mm = {0.5, 0.5, 0.5};
-  volume.description.metadata_json = R"({"source":{"format":"test"}})";
+  volume.description.metadata = Metadata::read(R"({"source":{"format":"test"}})");
   volume.levels = Levels(size, choose_halvings(size, volume.description.geometry.spacing_mm));
   for (int level = 0; level < volume.levels.count(); ++level) {
     volume.samples.emplace_back(static_cast<std::size_t>(

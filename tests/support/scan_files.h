@@ -41,7 +41,7 @@ class ScanFiles : public TaskFiles {
     volume.description.size = kScanSize;
     volume.description.type = VoxelType::int16;
     volume.description.geometry = geometry_;
-    volume.description.metadata_json = R"({"spacing_known":true,"unit":"HU"})";
+    volume.description.metadata = Metadata::read(R"({"spacing_known":true,"unit":"HU"})");
     const auto* bytes = reinterpret_cast<const std::byte*>(voxels_.data());
     volume.voxels.assign(bytes, bytes + voxels_.size() * sizeof(std::int16_t));
     build_volume(volume, folder_.file(name), 1);

@@ -15,7 +15,6 @@
 #include "octavo/builder/build_setup.h"
 #include "octavo/builder/coarse_tiers.h"
 #include "octavo/builder/group_reader.h"
-#include "octavo/builder/metadata_member.h"
 #include "octavo/builder/tier_encoder.h"
 #include "octavo/builder/training.h"
 #include "octavo/core/checked.h"
@@ -59,18 +58,19 @@ std::int64_t whole_units(double max_error, VoxelType type) {
 }
 
 // The metadata of the source with what was asked for, where that is not the default.
-std::string recorded(const VolumeDescription& description, const BuildOptions& options) {
-  const std::string& metadata = description.metadata_json;
+Metadata recorded(const VolumeDescription& description, const BuildOptions& options) {
   const bool is_float = !is_integer(description.type);
-  std::string record;
-  const auto add = [&](const std::string& name, const std::string& value) {
-    record += (record.empty() ? "\"" : ",\"") + name + "\":" + value;
-  };
-  if (options.preset == Preset::fast) add("preset", "\"fast\"");
-  if (options.max_error > 0) add("max_error", exact_text(options.max_error));
-  if (is_float && options.repair.nan) add("nan", exact_text(*options.repair.nan));
-  if (is_float && options.repair.infinity) add("inf", exact_text(*options.repair.infinity));
-  return record.empty() ? metadata : with_member(metadata, "coding", "{" + record + "}");
+  CodingNote coding;
+  if (options.preset == Preset::fast) coding.preset = "fast";
+  if (options.max_error > 0) coding.max_error = options.max_error;
+  if (is_float) {
+    coding.nan = options.repair.nan;
+    coding.infinity = options.repair.infinity;
+  }
+  Metadata metadata = description.metadata;
+  const bool is_default = !coding.preset && !coding.max_error && !coding.nan && !coding.infinity;
+  if (!is_default) metadata.set_coding(coding);
+  return metadata;
 }
 
 // malloc keeps what a thread freed for that thread alone. Any of them may train next: in the end
@@ -234,7 +234,7 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
   VolumeDescription description = source.description();
   description.kind = options.kind;
   check_options(description, options);
-  description.metadata_json = recorded(description, options);
+  description.metadata = recorded(description, options);
   description.coding.reset();
   const Levels levels = levels_of(description);
   BuildResult result;

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "octavo/builder/coarse_tiers.h"
-#include "octavo/builder/metadata_member.h"
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
 #include "octavo/file/storage/temporary.h"
@@ -135,11 +134,10 @@ SealResult seal(InterruptedBuild build, Storage& storage, const std::string& out
   result.whole_planes = planes_in(levels, bricks.layer_count());
   result.fill = description.voxel_of(low);
   if (result.whole_planes < result.plane_count) {
-    description.metadata_json = with_member(
-        description.metadata_json, "repaired",
-        "{\"missing_planes\":[" + std::to_string(result.whole_planes) + "," +
-            std::to_string(result.plane_count - 1) + "],\"fill\":" + exact_text(result.fill) +
-            "}");
+    RepairNote repaired;
+    repaired.missing_planes = {result.whole_planes, result.plane_count - 1};
+    repaired.fill = result.fill;
+    description.metadata.set_repaired(repaired);
   }
 
   // The whole layers, then uniform ones.

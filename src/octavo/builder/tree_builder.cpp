@@ -30,7 +30,7 @@ namespace octavo {
 
 namespace {
 
-constexpr std::size_t kBricksPerThread = 4;  // encoded at a time
+constexpr std::size_t kTreeBricksPerThread = 4;  // encoded at a time
 constexpr std::size_t kBricksPerLook = 4096;  // without asking whether to stop
 // Samples to train on, the index, the file's own buffers.
 constexpr std::uint64_t kFixedBytes = std::uint64_t{64} << 20;
@@ -166,7 +166,7 @@ class TreeBuild {
       keep(group, group.mixed[brick.number], brick.encoded);
     };
     tbb::parallel_pipeline(
-        kBricksPerThread * static_cast<std::size_t>(workers_.count()),
+        kTreeBricksPerThread * static_cast<std::size_t>(workers_.count()),
         tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, number) &
             tbb::make_filter<std::size_t, NumberedBrick>(tbb::filter_mode::parallel, encoded) &
             tbb::make_filter<NumberedBrick, void>(tbb::filter_mode::serial_in_order, kept));

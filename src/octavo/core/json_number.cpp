@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 
 #include "octavo/core/powers_of_ten.h"
 
@@ -47,7 +48,8 @@ Binary with_exponent(const Binary& number, int exponent) {
 
 /// Requires a finite value above 0.
 Neighborhood neighborhood_of(double value) {
-  const auto bits = std::bit_cast<std::uint64_t>(value);
+  std::uint64_t bits = 0;
+  std::memcpy(&bits, &value, sizeof bits);
   const std::uint64_t fraction = bits & ((std::uint64_t{1} << kFractionBits) - 1);
   const auto biased = static_cast<int>(bits >> kFractionBits);
   const bool is_subnormal = biased == 0;

@@ -59,7 +59,7 @@ struct GapsNote {
 struct TiltNote {
   std::optional<double> angle_degrees;
   std::optional<std::string> method;
-  std::optional<std::int64_t> outside;  ///< the stored value where no slice reaches
+  std::optional<double> outside;  ///< the stored value where no slice reaches
   std::optional<std::vector<std::int64_t>> slice_size;
 };
 

@@ -3,10 +3,10 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
 
 #include "octavo/core/box.h"
 #include "octavo/core/geometry.h"
+#include "octavo/core/metadata.h"
 #include "octavo/core/sample_coding.h"
 #include "octavo/core/voxel_type.h"
 
@@ -33,16 +33,7 @@ struct VolumeDescription {
   Size3 size;
   Geometry geometry;
   Rescale rescale;
-  /// UTF-8 JSON object. Keys of every importer: "source" {"format", "files"}, "spacing_known"
-  /// (false: the source has none, 1 mm was assumed), "spacing_source" ("file", "user", "assumed"),
-  /// "unit" ("HU", ...; where known). Of some: "dicom" {...}, "identity" {...} (kept or dropped),
-  /// "place_known" (whether origin and direction mean a place), "prepared" {...} (what was
-  /// interpolated, moved, left out), "chosen" {...} (of channels, times, segments), "lossy_source"
-  /// (true: compression had changed values). A build adds "coding" where not all is as by default:
-  /// "preset", "max_error", "nan", "inf", in real units; and where its source was an .8vo file with
-  /// a maximum error, "source_max_error". Volumes that were computed have "made_by"
-  /// {"operation", ...}; a repaired build has "repaired" {...} (the planes that it lacks).
-  std::string metadata_json = "{}";
+  Metadata metadata;  ///< where the voxels are from and what was done to them
   /// Of a float32 volume in a file: how its bricks hold it. What other sources give is a hint.
   std::optional<SampleCoding> coding;
   /// Of a source: a stored value that is no measurement. Files do not hold it.

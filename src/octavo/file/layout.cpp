@@ -391,7 +391,7 @@ std::uint64_t make_file_id(const FileHeader& header, std::uint32_t content_hash)
   const HeaderBlock block = encode_header(header);
   std::uint32_t crc = crc32c(ByteSpan(block).subspan(kHalvingsAt, kFileIdAt - kHalvingsAt));
   crc = crc32c(ByteSpan(block).subspan(kKindAt, kSealedAt - kKindAt), crc);
-  const std::string& text = header.description.metadata_json;
+  const std::string& text = header.description.metadata.text();
   crc = crc32c({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, crc);
   return std::uint64_t{crc} << 32 | content_hash;
 }

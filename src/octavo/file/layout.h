@@ -45,7 +45,7 @@ struct FileHeader {
   std::uint16_t major = kFormatMajor;
   std::uint16_t minor = kFormatMinor;
   bool is_sealed = false;
-  VolumeDescription description;  ///< metadata_json is not part of the header
+  VolumeDescription description;  ///< metadata are not part of the header
   std::vector<HalvingMask> halvings;
   double max_error = 0;           ///< in voxel units, whole for integer types; 0 is lossless
   std::uint64_t file_id = 0;

@@ -79,7 +79,7 @@ void OpenFile::read_tail(std::uint64_t max_metadata_bytes) {
   check_section(part(header_.root), header_.root, "index root");
   root_ = parse_root(part(header_.root), levels_, header_);
   check_section(part(header_.metadata), header_.metadata, "metadata");
-  header_.description.metadata_json = text_of(part(header_.metadata));
+  header_.description.metadata = Metadata::read(text_of(part(header_.metadata)));
   if (has_pages) pages_.assign(tail.begin(), tail.begin() + static_cast<std::ptrdiff_t>(
                                                                 header_.pages.length));
 }

@@ -40,8 +40,7 @@ std::uint64_t counter_of(const Index3& voxel) noexcept {
          static_cast<std::uint64_t>(voxel.x);
 }
 
-std::string describe(const PhantomOptions& o) {
-  std::string json = "{\"source\":{\"format\":\"phantom\"";
+Metadata metadata_of(const PhantomOptions& o) {
   const std::pair<const char*, double> numbers[] = {{"outer_radius", o.outer_radius},
                                                     {"inner_radius", o.inner_radius},
                                                     {"background", o.background},
@@ -50,11 +49,14 @@ std::string describe(const PhantomOptions& o) {
                                                     {"first_cylinder", o.first_cylinder},
                                                     {"second_cylinder", o.second_cylinder},
                                                     {"noise_sigma", o.noise_sigma}};
-  for (const auto& [name, value] : numbers) {
-    json += std::string(",\"") + name + "\":" + exact_text(value);
-  }
+  MetadataFacts facts;
+  facts.source.emplace().format = "phantom";
+  JsonObject& settings = facts.source->settings;
+  for (const auto& [name, value] : numbers) settings.set_json(name, exact_text(value));
   // As text: JSON readers keep 53 bits of a number.
-  return json + ",\"seed\":\"" + std::to_string(o.seed) + "\"},\"spacing_known\":true}";
+  settings.set("seed", std::to_string(o.seed));
+  facts.spacing_known = true;
+  return Metadata::of(facts);
 }
 
 void require(bool condition, const std::string& what) {
@@ -121,7 +123,7 @@ Phantom::Phantom(const PhantomOptions& options) : options_(options) {
   description_.type = options.type;
   description_.size = options.size;
   description_.geometry.spacing_mm = options.spacing_mm;
-  description_.metadata_json = describe(options);
+  description_.metadata = metadata_of(options);
   double half = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) {
     const double spacing = options.spacing_mm[static_cast<std::size_t>(axis)];

@@ -1,7 +1,6 @@
 #include "octavo/tasks/combine.h"
 
 #include <array>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "octavo/core/error.h"
@@ -50,10 +49,10 @@ MaskTree further_mask(const std::string& path, const OpenedMask& first,
   return std::move(next.tree);
 }
 
-nlohmann::ordered_json made_by(const CombineOptions& options, const CombineResult& result) {
-  nlohmann::ordered_json made = {{"operation", combination_name(options.combination)},
-                                 {"masks", options.inputs.size()}};
-  if (!result.resampled.empty()) made["resampled"] = result.resampled.size();
+MadeBy made_by(const CombineOptions& options, const CombineResult& result) {
+  MadeBy made(combination_name(options.combination));
+  made.set("masks", options.inputs.size());
+  if (!result.resampled.empty()) made.set("resampled", result.resampled.size());
   return made;
 }
 

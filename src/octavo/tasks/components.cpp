@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <nlohmann/json.hpp>
 
 #include "octavo/core/error.h"
 #include "octavo/ops/mask/components.h"
@@ -48,11 +47,11 @@ VoxelType label_type(std::size_t count) {
   return count <= 0xff ? VoxelType::uint8 : count <= 0xffff ? VoxelType::uint16 : VoxelType::uint32;
 }
 
-nlohmann::ordered_json made_by(const ComponentsOptions& options) {
-  nlohmann::ordered_json made = {{"operation", "components"},
-                                 {"connectivity", static_cast<int>(options.connectivity)}};
-  if (options.keep_largest > 0) made["keep_largest"] = options.keep_largest;
-  if (options.min_mm3 > 0) made["min_mm3"] = options.min_mm3;
+MadeBy made_by(const ComponentsOptions& options) {
+  MadeBy made("components");
+  made.set("connectivity", static_cast<int>(options.connectivity));
+  if (options.keep_largest > 0) made.set("keep_largest", options.keep_largest);
+  if (options.min_mm3 > 0) made.set("min_mm3", options.min_mm3);
   return made;
 }
 

@@ -3,12 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <nlohmann/json.hpp>
 
-#include "octavo/tasks/volume_facts.h"
 #include "octavo/core/error.h"
 #include "octavo/file/parallel_read.h"
-#include "octavo/io/source/source_identity.h"
 
 namespace octavo {
 
@@ -22,26 +19,6 @@ std::int64_t layer_planes(const Levels& levels, int level) {
   return std::max<std::int64_t>(levels.brick_side(tier).z >> halvings, 1);
 }
 
-/// The metadata for a file that is built from this one: how it was coded is over, what it lost is
-/// not.
-std::string passed_on(const FileReader& reader, bool keep_identity) {
-  const VolumeDescription& d = reader.description();
-  nlohmann::ordered_json metadata =
-      nlohmann::ordered_json::parse(d.metadata_json, nullptr, false);
-  if (!metadata.is_object()) return d.metadata_json;
-  const double loss =
-      source_max_error(d) + reader.achieved_error() * std::abs(d.rescale.slope);
-  const bool drops_identity = !keep_identity && metadata.contains("identity");
-  if (loss == 0 && !metadata.contains("coding") && !drops_identity) return d.metadata_json;
-  if (drops_identity) {
-    metadata["identity"] =
-        nlohmann::ordered_json::parse(without_identity(metadata["identity"].dump()));
-  }
-  metadata.erase("coding");
-  if (loss > 0) metadata["source_max_error"] = loss;
-  return metadata.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-}
-
 }  // namespace
 
 FilePlanes::FilePlanes(std::shared_ptr<const FileReader> reader, int level, int threads,
@@ -51,7 +28,9 @@ FilePlanes::FilePlanes(std::shared_ptr<const FileReader> reader, int level, int 
       threads_(threads),
       description_(reader_->description()),
       layer_planes_(layer_planes(reader_->levels(), level)) {
-  description_.metadata_json = passed_on(*reader_, keep_identity);
+  const double slope = std::abs(description_.rescale.slope);
+  description_.metadata =
+      description_.metadata.for_copy(reader_->achieved_error() * slope, keep_identity);
   description_.size = reader_->levels().size(level);
   description_.geometry = reader_->levels().geometry(reader_->description().geometry, level);
 }

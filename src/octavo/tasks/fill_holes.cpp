@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 #include "octavo/ops/mask/fill_holes.h"
 #include "octavo/tasks/masks.h"
@@ -23,10 +22,10 @@ std::uint64_t max_voxels(const FillHolesOptions& options, const VolumeDescriptio
   return static_cast<std::uint64_t>(std::clamp(std::floor(voxels), 0.0, 1e18));
 }
 
-nlohmann::ordered_json made_by(const FillHolesOptions& options) {
-  nlohmann::ordered_json made = {{"operation", "fill-holes"},
-                                 {"connectivity", static_cast<int>(options.connectivity)}};
-  if (options.max_mm3) made["max_mm3"] = *options.max_mm3;
+MadeBy made_by(const FillHolesOptions& options) {
+  MadeBy made("fill-holes");
+  made.set("connectivity", static_cast<int>(options.connectivity));
+  if (options.max_mm3) made.set("max_mm3", *options.max_mm3);
   return made;
 }
 

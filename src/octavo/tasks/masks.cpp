@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 #include "octavo/builder/tree_builder.h"
 #include "octavo/core/error.h"
@@ -75,23 +74,13 @@ MaskOnGrid open_mask_on(const VolumeDescription& volume, const std::string& name
 }
 
 VolumeDescription label_description(const VolumeDescription& volume, VoxelType type,
-                                    const nlohmann::ordered_json& made_by) {
+                                    const MadeBy& made_by) {
   VolumeDescription labels = volume;
   labels.kind = VolumeKind::labels;
   labels.type = type;
   labels.rescale = {};
   labels.coding.reset();
-  nlohmann::ordered_json metadata =
-      nlohmann::ordered_json::parse(volume.metadata_json, nullptr, false);
-  if (!metadata.is_object()) metadata = {{"unreadable", volume.metadata_json}};
-  // What is said of the values, of the names of labels and of people is not so of these.
-  for (const char* name : {"unit", "coding", "source_max_error", "lossy_source", "identity",
-                           "segments", "segment", "chosen"}) {
-    metadata.erase(name);
-  }
-  metadata["made_by"] = made_by;
-  labels.metadata_json =
-      metadata.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  labels.metadata = volume.metadata.for_labels(made_by);
   return labels;
 }
 
@@ -123,7 +112,7 @@ BuildResult write_label_tree(const LabelTree& labels, const VolumeDescription& d
 }
 
 BuildResult write_mask(const MaskTree& mask, const VolumeDescription& volume,
-                       const nlohmann::ordered_json& made_by, const Output& output,
+                       const MadeBy& made_by, const Output& output,
                        const std::string& work, const TaskContext& context) {
   const VolumeDescription description = label_description(volume, VoxelType::uint8, made_by);
   return build_mask_file({mask, description}, local_storage(), output.path,

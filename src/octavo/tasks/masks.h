@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 
@@ -49,7 +48,7 @@ MaskTree read_mask(const FileReader& reader, int level, std::span<const ValueWin
 /// The description of a label map on the grid of `volume`, with the number type given.
 /// made_by  what the metadata say of its origin
 VolumeDescription label_description(const VolumeDescription& volume, VoxelType type,
-                                    const nlohmann::ordered_json& made_by);
+                                    const MadeBy& made_by);
 
 /// Writes a label map.
 /// description  of it, as label_description gives it
@@ -61,7 +60,7 @@ BuildResult write_label_tree(const LabelTree& labels, const VolumeDescription& d
 /// Writes a mask as a label map: 1 inside, 0 outside.
 /// work  names the progress
 BuildResult write_mask(const MaskTree& mask, const VolumeDescription& volume,
-                       const nlohmann::ordered_json& made_by, const Output& output,
+                       const MadeBy& made_by, const Output& output,
                        const std::string& work, const TaskContext& context);
 
 /// Builds the label map that `source` gives.

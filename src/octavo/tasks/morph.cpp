@@ -1,7 +1,6 @@
 #include "octavo/tasks/morph.h"
 
 #include <array>
-#include <nlohmann/json.hpp>
 
 #include "octavo/ops/mask/morphology.h"
 #include "octavo/tasks/masks.h"
@@ -31,13 +30,13 @@ Reach reach_of(const MorphOptions& options, const VolumeDescription& volume,
   return Reach::within_mm(*options.mm, volume.geometry.spacing_mm, volume.size, max_bytes);
 }
 
-nlohmann::ordered_json made_by(const MorphOptions& options) {
-  nlohmann::ordered_json made = {{"operation", morphology_name(options.morphology)}};
+MadeBy made_by(const MorphOptions& options) {
+  MadeBy made(morphology_name(options.morphology));
   if (options.mm) {
-    made["mm"] = *options.mm;
+    made.set("mm", *options.mm);
   } else {
-    made["steps"] = options.steps;
-    made["connectivity"] = static_cast<int>(options.connectivity);
+    made.set("steps", options.steps);
+    made.set("connectivity", static_cast<int>(options.connectivity));
   }
   return made;
 }

@@ -1,7 +1,5 @@
 #include "octavo/tasks/shell.h"
 
-#include <nlohmann/json.hpp>
-
 #include "octavo/ops/mask/shell.h"
 #include "octavo/tasks/masks.h"
 
@@ -18,7 +16,7 @@ ShellResult shell(const ShellOptions& options, const TaskContext& context) {
                      .kept = leaf_count(made),
                      .voxels = made.voxel_count()};
   if (options.output) {
-    result.file_bytes = write_mask(made, result.volume, {{"operation", "shell"}}, *options.output,
+    result.file_bytes = write_mask(made, result.volume, MadeBy("shell"), *options.output,
                                    "shell", context)
                             .file_bytes;
   }

@@ -1,10 +1,8 @@
 #include "octavo/tasks/threshold.h"
 
 #include <array>
-#include <cmath>
 #include <cstring>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "octavo/core/error.h"
@@ -16,7 +14,7 @@ namespace octavo {
 
 namespace {
 
-constexpr const char* kWork = "threshold";
+constexpr const char* kThreshold = "threshold";
 
 using LabelCounts = std::array<std::uint64_t, 256>;
 
@@ -45,27 +43,21 @@ std::vector<ValueClass> asked_classes(const ThresholdOptions& options,
   return classes;
 }
 
-nlohmann::ordered_json range_end(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-}
-
-nlohmann::ordered_json made_by(const ThresholdOptions& options,
-                               const std::vector<ValueClass>& classes) {
-  nlohmann::ordered_json made = {{"operation", kWork},
-                                 {"units", options.is_stored ? "stored" : "real"}};
-  for (const ValueClass& one : classes) {
-    made["ranges"].push_back({{"label", one.label},
-                              {"low", range_end(one.range.lowest)},
-                              {"high", range_end(one.range.highest)}});
+MadeBy made_by(const ThresholdOptions& options, const std::vector<ValueClass>& classes) {
+  std::vector<JsonObject> ranges;
+  for (const auto& [label, range] : classes) {
+    ranges.push_back(
+        JsonObject().set("label", label).set("low", range.lowest).set("high", range.highest));
   }
-  return made;
+  MadeBy made(kThreshold);
+  return made.set("units", options.is_stored ? "stored" : "real").set("ranges", ranges);
 }
 
 /// Planes of class labels, from planes of values.
 class ClassPlanes final : public PlaneSource {
  public:
   ClassPlanes(std::unique_ptr<PlaneSource> values, std::vector<StoredClass> classes,
-              const nlohmann::ordered_json& made_by)
+              const MadeBy& made_by)
       : values_(std::move(values)),
         classes_(std::move(classes)),
         description_(label_description(values_->description(), VoxelType::uint8, made_by)) {}
@@ -108,7 +100,7 @@ class ClassPlanes final : public PlaneSource {
 
 /// Writes the mask of all classes, and counts its voxels under label 1.
 BuildResult write_one_mask(const FileReader& reader, const std::vector<StoredClass>& classes,
-                           const nlohmann::ordered_json& made, const ThresholdOptions& options,
+                           const MadeBy& made, const ThresholdOptions& options,
                            const TaskContext& context, LabelCounts& counts) {
   std::vector<ValueWindow> windows;
   for (const StoredClass& one : classes) windows.push_back(one.window);
@@ -117,7 +109,7 @@ BuildResult write_one_mask(const FileReader& reader, const std::vector<StoredCla
   if (counts[1] == 0) {
     context.warn(options.output.path + ": no voxel lies in the range; the mask is empty");
   }
-  return write_mask(mask, reader.description(), made, options.output, kWork, context);
+  return write_mask(mask, reader.description(), made, options.output, kThreshold, context);
 }
 
 }  // namespace
@@ -127,7 +119,7 @@ ThresholdResult threshold(const ThresholdOptions& options, const TaskContext& co
   const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
   const VolumeDescription& volume = reader->description();
   const std::vector<ValueClass> asked = asked_classes(options, volume);
-  const nlohmann::ordered_json made = made_by(options, asked);
+  const MadeBy made = made_by(options, asked);
   std::vector<StoredClass> classes;
   for (const ValueClass& one : asked) {
     classes.push_back({one.label, stored_window(one.range, volume, options.is_stored)});
@@ -140,7 +132,7 @@ ThresholdResult threshold(const ThresholdOptions& options, const TaskContext& co
   } else {
     ClassPlanes planes(std::make_unique<FilePlanes>(reader, 0, context.thread_count()),
                        std::move(classes), made);
-    built = write_labels(planes, options.output, kWork, context);
+    built = write_labels(planes, options.output, kThreshold, context);
     counts = planes.counts();
   }
 

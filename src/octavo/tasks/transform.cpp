@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <memory>
 
-#include "octavo/builder/metadata_member.h"
 #include "octavo/core/error.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/file/write/copy_described.h"
@@ -20,7 +19,6 @@ namespace octavo {
 
 namespace {
 
-constexpr const char* kWork = "transform";
 
 /// The description of the new volume; its metadata are those for a file made from the input.
 VolumeDescription new_description(const std::shared_ptr<const FileReader>& reader,
@@ -31,12 +29,13 @@ VolumeDescription new_description(const std::shared_ptr<const FileReader>& reade
   if (plan.way == TransformWay::resample) volume.coding.reset();
   // An origin and axes that moved say no more of the body than they did before.
   if (!plan.is_placed && !is_place_known(reader->description())) {
-    volume.metadata_json = with_member(volume.metadata_json, "place_known", "false");
+    volume.metadata.set_place_known(false);
   }
-  for (const auto& [name, value] : plan.spacing_facts.items()) {
-    volume.metadata_json = with_member(volume.metadata_json, name, value.dump());
+  if (plan.spacing_from) {
+    volume.metadata.set_spacing(plan.spacing_from->is_spacing_known(),
+                                plan.spacing_from->facts().spacing_source.value_or("file"));
   }
-  volume.metadata_json = with_member(volume.metadata_json, "made_by", plan.made_by.dump());
+  volume.metadata.set_made_by(plan.made_by);
   return volume;
 }
 
@@ -69,7 +68,7 @@ MaskTree moved_mask(const FileReader& reader, const TransformPlan& plan,
 std::uint64_t write_voxels(const FileReader& reader, const TransformPlan& plan,
                            const VolumeDescription& volume, const TransformOptions& options,
                            const TaskContext& context) {
-  const BuildOptions build = build_options_for(context, options.output, kWork,
+  const BuildOptions build = build_options_for(context, options.output, "transform",
                                                {.kind = volume.kind,
                                                 .preset = options.preset,
                                                 .max_error = options.max_error,

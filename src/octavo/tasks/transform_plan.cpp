@@ -81,7 +81,7 @@ class Planner {
 
 void Planner::begin(const char* operation) {
   plan_.operation = operation;
-  plan_.made_by = {{"operation", "transform"}, {"step", operation}};
+  plan_.made_by.set("step", operation);
 }
 
 // ---- values
@@ -131,7 +131,7 @@ void Planner::operator()(const TranslateStep& step) {
   begin("translate");
   plan_.summary = "bricks copied, the origin moved";
   plan_.geometry.origin_mm = cropped(plan_.geometry, step.voxels).origin_mm;
-  plan_.made_by["voxels"] = {step.voxels.x, step.voxels.y, step.voxels.z};
+  plan_.made_by.set("voxels", std::array{step.voxels.x, step.voxels.y, step.voxels.z});
   require_finite_origin();
 }
 
@@ -140,7 +140,7 @@ void Planner::operator()(const TranslateMmStep& step) {
   plan_.summary = "bricks copied, the origin moved";
   require_known_spacing(volume_, path_, "a translation in mm", "one in voxels");
   for (std::size_t i = 0; i < 3; ++i) plan_.geometry.origin_mm[i] += step.mm[i];
-  plan_.made_by["mm"] = step.mm;
+  plan_.made_by.set("mm", step.mm);
   require_finite_origin();
 }
 
@@ -166,7 +166,7 @@ void Planner::operator()(const ShiftStep& step) {
     plan_.to_source.offset[static_cast<std::size_t>(axis)] = -static_cast<double>(shift[axis]);
   }
   plan_.shift = shift;
-  plan_.made_by["voxels"] = {shift.x, shift.y, shift.z};
+  plan_.made_by.set("voxels", std::array{shift.x, shift.y, shift.z});
   if (is_all_out) {
     context_.warn(fmt::format("{}: a shift by {},{},{} moves all of its {} voxels out of the grid",
                               path_, step.voxels.x, step.voxels.y, step.voxels.z,
@@ -177,13 +177,15 @@ void Planner::operator()(const ShiftStep& step) {
 void Planner::operator()(const RotateStep& step) {
   begin("rotate");
   AxisTurn turn;
+  std::vector<std::string> rotations;
   for (const AxisRotation& rotation : step.rotations) {
     require_axis(rotation.axis);
     if (rotation.degrees % 90 != 0) reject("rotations are multiples of 90 degrees", "", "step");
     turn = chained(turn, quarter_turns(rotation.axis, rotation.degrees / 90));
-    plan_.made_by["rotate"].push_back(
+    rotations.push_back(
         fmt::format("{}:{}", kAxes[static_cast<std::size_t>(rotation.axis)], rotation.degrees));
   }
+  plan_.made_by.set("rotate", rotations);
   plan_.summary = step.is_in_place ? "the object turned about the center of the grid"
                                    : "the grid turned, every voxel kept its place in space";
   turn_grid(turn, step.is_in_place);
@@ -192,11 +194,13 @@ void Planner::operator()(const RotateStep& step) {
 void Planner::operator()(const MirrorStep& step) {
   begin("mirror");
   AxisTurn turn;
+  std::vector<std::string> axes;
   for (const int axis : step.axes) {
     require_axis(axis);
     turn = chained(turn, mirror_along(axis));
-    plan_.made_by["mirror"].push_back(kAxes[static_cast<std::size_t>(axis)]);
+    axes.emplace_back(kAxes[static_cast<std::size_t>(axis)]);
   }
+  plan_.made_by.set("mirror", axes);
   plan_.summary = step.is_in_place ? "the object mirrored about the center of the grid"
                                    : "the grid turned, every voxel kept its place in space";
   turn_grid(turn, step.is_in_place);
@@ -209,7 +213,7 @@ void Planner::turn_grid(const AxisTurn& turn, bool is_in_place) {
   plan_.geometry = is_in_place ? turned_object(plan_.geometry, plan_.size, turn)
                                : turned(plan_.geometry, plan_.size, turn);
   plan_.size = turned(plan_.size, turn);
-  plan_.made_by["in_place"] = is_in_place;
+  plan_.made_by.set("in_place", is_in_place);
 }
 
 // ---- grids finer and coarser
@@ -221,8 +225,8 @@ void Planner::operator()(const ScaleStep& step) {
       !std::has_single_bit(static_cast<std::uint64_t>(step.factor))) {
     reject("a scale is a power of two, 2 to 64", "", "step.factor");
   }
-  plan_.made_by["factor"] = (step.is_finer ? "" : "1/") + std::to_string(step.factor);
-  plan_.made_by["in_place"] = step.is_in_place;
+  plan_.made_by.set("factor", (step.is_finer ? "" : "1/") + std::to_string(step.factor));
+  plan_.made_by.set("in_place", step.is_in_place);
   step.is_finer ? scale_up(step) : scale_down(step);
   if (step.is_in_place) scale_in_place(step);
   else plan_.summary += "; every voxel kept its place in space";
@@ -287,9 +291,9 @@ void Planner::operator()(const ResampleStep& step) {
                                                                 : "interpolated";
   const Affine back = step.map_mm ? map_back(step) : Affine{};
   if (!step.grid_of.empty()) take_grid_of(step.grid_of);
-  plan_.made_by["interpolation"] = interpolation_name(plan_.interpolation);
-  plan_.made_by["outside"] =
-      is_labels() ? plan_.outside : volume_.rescale.to_real(plan_.outside);
+  plan_.made_by.set("interpolation", interpolation_name(plan_.interpolation));
+  plan_.made_by.set("outside",
+                    is_labels() ? plan_.outside : volume_.rescale.to_real(plan_.outside));
   // A voxel of the grid, where it is in space, where it came from, and which voxel that was.
   const std::optional<Affine> to_index = inverse(index_to_world(volume_.geometry));
   plan_.to_source =
@@ -305,10 +309,12 @@ Affine Planner::map_back(const ResampleStep& step) {
   if (!back) {
     throw Error(ErrorKind::source_rejected, "the matrix has no inverse").with_field("step.map_mm");
   }
+  std::vector<std::array<double, 4>> rows;
   for (std::size_t row = 0; row < 3; ++row) {
-    plan_.made_by["matrix_mm"].push_back({map->linear[3 * row], map->linear[3 * row + 1],
-                                          map->linear[3 * row + 2], map->offset[row]});
+    rows.push_back({map->linear[3 * row], map->linear[3 * row + 1], map->linear[3 * row + 2],
+                    map->offset[row]});
   }
+  plan_.made_by.set("matrix_mm", rows);
   if (!is_spacing_known(volume_)) {
     context_.warn(path_ +
                   ": its spacing is not known; the matrix is taken for voxels of 1 mm");
@@ -323,12 +329,7 @@ void Planner::take_grid_of(const std::string& path) {
   plan_.geometry = grid.geometry;
   plan_.is_placed = is_place_known(grid);
   plan_.summary += ", on the grid of " + path;
-  const nlohmann::ordered_json metadata =
-      nlohmann::ordered_json::parse(grid.metadata_json, nullptr, false);
-  plan_.spacing_facts["spacing_known"] = is_spacing_known(grid);
-  const auto source = metadata.find("spacing_source");
-  const bool is_named = source != metadata.end() && source->is_string();
-  plan_.spacing_facts["spacing_source"] = is_named ? source->get<std::string>() : "file";
+  plan_.spacing_from = grid.metadata;
   warn_of_unknown_spacing(grid, path, volume_, path_, context_);
 }
 

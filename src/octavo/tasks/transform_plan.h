@@ -1,10 +1,10 @@
 // What a transform does: the new grid, and where its voxels come from.
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
+#include "octavo/core/metadata.h"
 #include "octavo/file/reader.h"
 #include "octavo/ops/grid/axis_turn.h"
 #include "octavo/tasks/transform.h"
@@ -21,7 +21,7 @@ struct TransformPlan {
   TransformWay way = TransformWay::copy;
   std::string operation;  ///< the name of the step
   std::string summary;    ///< what becomes of the voxels
-  nlohmann::ordered_json made_by;
+  MadeBy made_by{"transform"};
   int level = 0;
   Size3 size;
   Geometry geometry;
@@ -30,8 +30,8 @@ struct TransformPlan {
   std::optional<Index3> shift;
   Interpolation interpolation = Interpolation::nearest;
   double outside = 0;  ///< the stored value of voxels that come from outside
-  /// The metadata of another file's grid that say where its spacing is from.
-  nlohmann::ordered_json spacing_facts = nlohmann::ordered_json::object();
+  /// The metadata of another file's grid, which say where its spacing is from.
+  std::optional<Metadata> spacing_from;
   bool is_placed = false;  ///< the grid is known to lie in a body, whatever is known of the input
 };
 

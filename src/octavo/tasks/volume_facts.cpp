@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
@@ -12,38 +11,16 @@ namespace octavo {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-Json metadata_of(const VolumeDescription& volume) {
-  Json metadata = Json::parse(volume.metadata_json, nullptr, false);
-  return metadata.is_object() ? metadata : Json::object();
-}
-
-std::optional<double> number_in(const Json& object, const char* name) {
-  const auto found = object.find(name);
-  if (found == object.end() || !found->is_number()) return std::nullopt;
-  return found->get<double>();
-}
-
-bool flag_in(const Json& object, const char* name, bool otherwise) {
-  const auto found = object.find(name);
-  return found != object.end() && found->is_boolean() ? found->get<bool>() : otherwise;
-}
-
 std::string with_unit(const std::string& number, const std::string& unit) {
   return unit.empty() ? number : number + " " + unit;
 }
 
 }  // namespace
 
-std::string unit_of(const VolumeDescription& volume) {
-  const Json metadata = metadata_of(volume);
-  const auto unit = metadata.find("unit");
-  return unit != metadata.end() && unit->is_string() ? escaped(unit->get<std::string>()) : "";
-}
+std::string unit_of(const VolumeDescription& volume) { return escaped(volume.metadata.unit()); }
 
 bool is_spacing_known(const VolumeDescription& volume) {
-  return flag_in(metadata_of(volume), "spacing_known", true);
+  return volume.metadata.is_spacing_known();
 }
 
 void require_known_spacing(const VolumeDescription& volume, const std::string& path,
@@ -69,21 +46,11 @@ std::uint64_t raw_bytes_of(const VolumeDescription& volume) {
   return static_cast<std::uint64_t>(volume.size.voxel_count() * bytes_per_voxel(volume.type));
 }
 
-double source_max_error(const VolumeDescription& volume) {
-  return number_in(metadata_of(volume), "source_max_error").value_or(0);
-}
-
-bool was_source_lossy(const VolumeDescription& volume) {
-  return flag_in(metadata_of(volume), "lossy_source", false) || source_max_error(volume) > 0;
-}
-
 FloatRepair repair_of(const VolumeDescription& volume) {
   FloatRepair repair;
-  const Json metadata = metadata_of(volume);
-  const auto coding = metadata.find("coding");
-  if (coding == metadata.end() || !coding->is_object()) return repair;
-  if (const auto nan = number_in(*coding, "nan")) repair.nan = static_cast<float>(*nan);
-  if (const auto inf = number_in(*coding, "inf")) repair.infinity = static_cast<float>(*inf);
+  const CodingNote coding = volume.metadata.facts().coding.value_or(CodingNote{});
+  if (coding.nan) repair.nan = static_cast<float>(*coding.nan);
+  if (coding.infinity) repair.infinity = static_cast<float>(*coding.infinity);
   return repair;
 }
 

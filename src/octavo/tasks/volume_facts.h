@@ -31,12 +31,6 @@ std::optional<double> mm3_of(std::uint64_t voxels, const VolumeDescription& volu
 /// Bytes of the voxels without compression.
 std::uint64_t raw_bytes_of(const VolumeDescription& volume);
 
-/// How far the source of a file lay from its own source, real units; 0 when nothing is known.
-double source_max_error(const VolumeDescription& volume);
-
-/// True when the source had lost something before it came here.
-bool was_source_lossy(const VolumeDescription& volume);
-
 /// What took the place of NaN and infinities when the file was built.
 FloatRepair repair_of(const VolumeDescription& volume);
 

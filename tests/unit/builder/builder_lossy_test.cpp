@@ -180,11 +180,11 @@ TEST(LossyBuild, WhatWasAskedForStandsInTheMetadata) {
     static int count = 0;
     return build(volume, options, folder.file(std::to_string(count++)))
         ->description()
-        .metadata_json;
+        .metadata.text();
   };
   EXPECT_EQ(text({}), "{}");
   EXPECT_EQ(text({.preset = Preset::fast}), R"({"coding":{"preset":"fast"}})");
-  volume.description.metadata_json = R"({"unit":"HU" })";
+  volume.description.metadata = Metadata::read(R"({"unit":"HU" })");
   EXPECT_EQ(text({.max_error = 0.5, .repair = {.nan = -1.5f, .infinity = 9.0f}}),
             R"({"unit":"HU","coding":{"max_error":0.5,"nan":-1.5,"inf":9}})");
 }

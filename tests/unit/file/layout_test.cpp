@@ -194,7 +194,7 @@ TEST(Header, FileIdFollowsDescriptionMetadataAndContent) {
   EXPECT_EQ(id, make_file_id(header, 1));
   EXPECT_NE(id, make_file_id(header, 2));
   FileHeader other = header;
-  other.description.metadata_json = "{\"a\":1}";
+  other.description.metadata = Metadata::read("{\"a\":1}");
   EXPECT_NE(id, make_file_id(other, 1));
   other = header;
   other.description.rescale.slope = 2;

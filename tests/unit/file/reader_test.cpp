@@ -117,7 +117,7 @@ TEST(Reader, OpensAFileWithALargeIndexWithTwoReads) {
   const auto source = std::make_shared<CountingSource>(sample_file_bytes(volume));
   const auto reader = FileReader::open(source);
   EXPECT_EQ(source->reads, 2);
-  EXPECT_EQ(reader->description().metadata_json, volume.description.metadata_json);
+  EXPECT_EQ(reader->description().metadata.text(), volume.description.metadata.text());
 
   // A page, the model, the six segments of the brick.
   const Box box{{kMaxAxis - 5, 0, 0}, {kMaxAxis, 1, 1}};
@@ -153,13 +153,13 @@ TEST(Reader, GivesTheDescriptionBack) {
   written.geometry.origin_mm = {-10.5, 3, 1e-3};
   written.geometry.direction = {0, 1, 0, -1, 0, 0, 0, 0, 1};
   written.rescale = {0.1, -1024};
-  written.metadata_json = "{\"a\": [1, 2]}";
+  written.metadata = Metadata::read("{\"a\": [1, 2]}");
   const auto reader = open_bytes(sample_file_bytes(volume));
   const VolumeDescription& read = reader->description();
   EXPECT_EQ(read.size, written.size);
   EXPECT_EQ(read.geometry, written.geometry);
   EXPECT_EQ(read.rescale, written.rescale);
-  EXPECT_EQ(read.metadata_json, written.metadata_json);
+  EXPECT_EQ(read.metadata.text(), written.metadata.text());
   EXPECT_EQ(reader->format_version(), "1.0");
   EXPECT_EQ(reader->range(), (ValueRange{0, 19 + 2 * 29 + 3 * 39}));
 }
@@ -204,7 +204,7 @@ TEST(Reader, MetadataBeyondTheLimitOfTheReaderAreRejected) {
   SampleVolume volume = make_sample({2, 2, 2}, VoxelType::uint8, Pattern::gradient);
   const auto source = byte_source_of(sample_file_bytes(volume), "sample.8vo");
   ReaderOptions options;
-  options.max_metadata_bytes = volume.description.metadata_json.size();
+  options.max_metadata_bytes = volume.description.metadata.text().size();
   EXPECT_NO_THROW(FileReader::open(source, options));
   --options.max_metadata_bytes;
   try {

@@ -29,7 +29,7 @@ class Measure : public testing::TaskFiles {
     volume.description.type = VoxelType::int16;
     volume.description.geometry = geometry_;
     volume.description.rescale = {slope, 5};
-    volume.description.metadata_json = R"({"unit":"HU"})";
+    volume.description.metadata = Metadata::read(R"({"unit":"HU"})");
     std::mt19937 random(13);
     grey_.clear();
     for (std::int64_t i = 0; i < kSize.voxel_count(); ++i) {

@@ -21,7 +21,7 @@ class Threshold : public ::testing::Test {
     volume.description.size = kSize;
     volume.description.type = VoxelType::int16;
     volume.description.rescale = {2, -1000};
-    volume.description.metadata_json = R"({"spacing_known":true,"unit":"HU"})";
+    volume.description.metadata = Metadata::read(R"({"spacing_known":true,"unit":"HU"})");
     std::mt19937 random(7);
     for (std::int64_t i = 0; i < kSize.voxel_count(); ++i) {
       voxels_.push_back(static_cast<std::int16_t>(random() % 1000));

@@ -218,11 +218,11 @@ std::optional<Error> difference_of(const JournalHead& stored, const JournalHead&
     }
     if (was != is) return other_setting(is_name, escaped(was), escaped(is));
   }
-  if (stored.metadata_json != now.metadata_json) {
-    const auto [a, b] = std::ranges::mismatch(stored.metadata_json, now.metadata_json);
-    const auto at = static_cast<std::size_t>(a - stored.metadata_json.begin());
-    return other_setting("description of the source", excerpt(stored.metadata_json, at),
-                         excerpt(now.metadata_json, at));
+  if (stored.metadata != now.metadata) {
+    const auto [a, b] = std::ranges::mismatch(stored.metadata, now.metadata);
+    const auto at = static_cast<std::size_t>(a - stored.metadata.begin());
+    return other_setting("description of the source", excerpt(stored.metadata, at),
+                         excerpt(now.metadata, at));
   }
   if (stored.header != now.header) {
     return Error(ErrorKind::source_rejected,

@@ -79,7 +79,7 @@ Bytes head_payload(const JournalHead& head) {
   out.put_varint(head.settings.size());
   bytes.insert(bytes.end(), head.settings.begin(), head.settings.end());
   put_bytes(bytes, head.header);
-  bytes.insert(bytes.end(), head.metadata_json.begin(), head.metadata_json.end());
+  bytes.insert(bytes.end(), head.metadata.begin(), head.metadata.end());
   return bytes;
 }
 
@@ -91,7 +91,7 @@ JournalHead parse_head(ByteSpan bytes) {
   JournalHead head;
   head.settings = text_of(in.take(static_cast<std::size_t>(in.varint())));
   std::ranges::copy(in.take(kHeaderBytes), head.header.begin());
-  head.metadata_json = text_of(in.take(in.left()));
+  head.metadata = text_of(in.take(in.left()));
   return head;
 }
 

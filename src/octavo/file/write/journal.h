@@ -36,7 +36,7 @@ namespace octavo {
 struct JournalHead {
   std::string settings;       ///< lines "NAME: VALUE"
   HeaderBlock header{};       ///< as it stands in the growing file
-  std::string metadata_json;
+  std::string metadata;
 };
 
 /// A run of whole brick layers of tier 0.

@@ -11,7 +11,7 @@ namespace octavo {
 
 WholeBricks::WholeBricks(InterruptedBuild build) : build_(std::move(build)) {
   header_ = parse_unsealed_header(build_.head.header);
-  header_.description.metadata_json = build_.head.metadata_json;
+  header_.description.metadata = Metadata::read(build_.head.metadata);
   levels_ = Levels(header_.description.size, header_.halvings);
   const auto groups = proven_groups(*build_.file, *build_.journal, levels_);
   if (groups.empty()) {

@@ -57,9 +57,9 @@ FileHeader make_header(const VolumeDescription& description, const Levels& level
     throw Error(ErrorKind::invalid_argument,
                 "the axes of the direction must have length 1: lengths belong to the spacing");
   }
-  if (description.metadata_json.size() > kMaxMetadataBytes - kMetadataRoom - kMetadataBlock) {
+  if (description.metadata.text().size() > kMaxMetadataBytes - kMetadataRoom - kMetadataBlock) {
     throw Error(ErrorKind::limit_exceeded,
-                "metadata of " + std::to_string(description.metadata_json.size()) +
+                "metadata of " + std::to_string(description.metadata.text().size()) +
                     " bytes; at most 16 MiB");
   }
   FileHeader header;
@@ -246,7 +246,7 @@ void FileWriterImpl::begin() {
 
 JournalHead FileWriterImpl::journal_head() const {
   return {settings_of(header_) + options_.settings, encode_header(header_),
-          header_.description.metadata_json};
+          header_.description.metadata.text()};
 }
 
 // Takes over the interrupted build that got furthest. Returns false when there is none. One that
@@ -434,7 +434,7 @@ void FileWriterImpl::append_tail() {
   header_.pages.length = out_->size() - header_.pages.offset;
   header_.thumbnail = out_->append_section({});
   header_.metadata = out_->append_section(
-      metadata_bytes(header_.description.metadata_json, out_->size()));
+      metadata_bytes(header_.description.metadata.text(), out_->size()));
   header_.root = out_->append_section(encode_root(index_.root(), levels_, header_));
 }
 

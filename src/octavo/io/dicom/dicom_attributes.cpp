@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "octavo/io/source/value_unit.h"
@@ -10,6 +9,9 @@
 namespace octavo {
 
 namespace {
+
+/// Of an attribute that is a list of numbers; standards give a dozen.
+constexpr std::size_t kMaxNumbers = 512;
 
 /// What the value must be to be kept.
 enum class Form { number, code, position, unit, setting };
@@ -104,21 +106,21 @@ bool has_form(const DicomSet& data, const Attribute& attribute) {
 
 }  // namespace
 
-std::string dicom_metadata_json(const DicomSet& data) {
-  nlohmann::json kept = nlohmann::json::object();
+JsonObject dicom_note(const DicomSet& data) {
+  JsonObject kept;
   for (const Attribute& attribute : kAttributes) {
     const std::string text = data.text(attribute.tag);
     if (text.empty() || !has_form(data, attribute)) continue;
-    nlohmann::json& value = kept[attribute.name];
     if (attribute.form != Form::number) {
-      value = text;
-    } else if (const std::vector<double> all = data.decimals(attribute.tag); all.size() == 1) {
-      value = all.front();
-    } else {
-      value = all;
+      kept.set(attribute.name, text);
+      continue;
     }
+    const std::vector<double> all = data.decimals(attribute.tag);
+    if (all.size() == 1) kept.set(attribute.name, all.front());
+    else if (all.size() <= kMaxNumbers) kept.set(attribute.name, all);
   }
-  return kept.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  kept.sort_by_name();
+  return kept;
 }
 
 bool is_dicom_metadata(const DicomSet& data, DicomTag tag) {

@@ -9,14 +9,13 @@
 // Source: DICOM PS3.15 E.1 (which attributes may tell who), PS3.5 6.2 (form of codes)
 #pragma once
 
-#include <string>
-
+#include "octavo/core/json_text.h"
 #include "octavo/io/dicom/dicom_file.h"
 
 namespace octavo {
 
-/// The attributes of `data` that may be kept, as a JSON object by keyword.
-std::string dicom_metadata_json(const DicomSet& data);
+/// The attributes of `data` that may be kept, by keyword.
+JsonObject dicom_note(const DicomSet& data);
 
 /// True for the tags of that list where nothing in `data` under them has to stay out.
 bool is_dicom_metadata(const DicomSet& data, DicomTag tag);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
@@ -14,6 +13,7 @@ namespace octavo {
 namespace {
 
 constexpr std::size_t kMaxListedSegments = 8;
+constexpr std::size_t kMaxNotedSegments = 4096;
 constexpr std::int64_t kMaxLabel = 255;
 
 /// "1 liver, 2 tumor".
@@ -115,18 +115,18 @@ std::vector<DicomSlice> choose_segments(std::vector<DicomSlice> slices,
   return slices;
 }
 
-std::string segments_json(const std::vector<DicomSlice>& slices, const SourceOptions& options) {
+void note_segments(const std::vector<DicomSlice>& slices, const SourceOptions& options,
+                   MetadataFacts& noted) {
   const DicomSlice& first = slices.front();
-  nlohmann::json all = nlohmann::json::array();
+  std::vector<SegmentNote> all;
   for (const DicomSegment& segment : first.layout->segments) {
-    const nlohmann::json one = {{"number", segment.number}};
     if (!options.segment.empty() && segment.number == first.segment) {
-      return nlohmann::json{{"segment", one}}.dump();
+      noted.segment = SegmentNote{segment.number};
+      return;
     }
-    all.push_back(one);
+    if (all.size() < kMaxNotedSegments) all.push_back({segment.number});
   }
-  if (first.label_frames.empty()) return "";
-  return nlohmann::json{{"segments", all}}.dump();
+  if (!first.label_frames.empty()) noted.segments = std::move(all);
 }
 
 }  // namespace octavo

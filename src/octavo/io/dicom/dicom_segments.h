@@ -18,8 +18,9 @@ namespace octavo {
 std::vector<DicomSlice> choose_segments(std::vector<DicomSlice> slices,
                                         const SourceOptions& options);
 
-/// {"segments": [...]} or {"segment": {...}} with their numbers for the metadata; empty for a file
-/// of one segment. Labels are free text, which belongs to the identity (dicom_identity.h).
-std::string segments_json(const std::vector<DicomSlice>& slices, const SourceOptions& options);
+/// Notes the numbers of the segments, or of the one that was taken, for the metadata; nothing for a
+/// file of one segment. Labels are free text, which belongs to the identity (dicom_identity.h).
+void note_segments(const std::vector<DicomSlice>& slices, const SourceOptions& options,
+                   MetadataFacts& noted);
 
 }  // namespace octavo

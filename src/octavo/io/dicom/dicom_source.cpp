@@ -1,7 +1,6 @@
 #include "octavo/io/dicom/dicom_source.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
@@ -81,17 +80,14 @@ void check_slices(const std::vector<DicomSlice>& slices, std::vector<Warning>& w
                      " bytes more); what is behind the picture is left out");
 }
 
-std::string extra_json(const DicomStack& stack, const SourceOptions& options, bool was_lossy) {
-  nlohmann::json extra;
-  const std::string segments = segments_json(stack.slices, options);
-  if (!segments.empty()) extra = nlohmann::json::parse(segments);
-  if (!stack.spacing_known) extra["place_known"] = false;
-  const DicomFile first = read_dicom_file(stack.slices.front().layout->path);
-  extra["dicom"] = nlohmann::json::parse(dicom_metadata_json(first.data));
-  if (was_lossy) extra["lossy_source"] = true;
-  const std::string preparation = preparation_json(stack);
-  if (!preparation.empty()) extra["prepared"] = nlohmann::json::parse(preparation);
-  return extra.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+MetadataFacts noted_facts(const DicomStack& stack, const SourceOptions& options, bool was_lossy) {
+  MetadataFacts noted;
+  note_segments(stack.slices, options, noted);
+  if (!stack.spacing_known) noted.place_known = false;
+  noted.dicom = dicom_note(read_dicom_file(stack.slices.front().layout->path).data);
+  if (was_lossy) noted.lossy_source = true;
+  noted.prepared = preparation_note(stack);
+  return noted;
 }
 
 SourceFacts describe(const DicomStack& stack, const SourceOptions& options) {
@@ -128,7 +124,7 @@ SourceFacts describe(const DicomStack& stack, const SourceOptions& options) {
         "a mosaic: each picture holds several slices side by side, which are not taken apart");
   }
   facts.identity = dicom_identity(stack);
-  facts.extra_json = extra_json(stack, options, was_lossy);
+  facts.noted = noted_facts(stack, options, was_lossy);
   return facts;
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
@@ -222,15 +221,30 @@ void remove_tilt(DicomStack& stack, const SlicePlaces& places) {
   stack.tilt = std::move(tilt);
 }
 
-/// Runs of made planes as [first, last], in order.
-nlohmann::json made_runs(const std::vector<PlaneOrigin>& planes) {
-  nlohmann::json runs = nlohmann::json::array();
-  for (std::size_t z = 0; z < planes.size(); ++z) {
-    if (planes[z].weight_above == 0) continue;
+/// Runs of made planes, in order.
+std::vector<PlaneRun> made_runs(const std::vector<PlaneOrigin>& planes) {
+  std::vector<PlaneRun> runs;
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    if (planes[i].weight_above == 0) continue;
+    const auto z = static_cast<std::int64_t>(i);
     if (!runs.empty() && runs.back()[1] == z - 1) runs.back()[1] = z;
     else runs.push_back({z, z});
   }
   return runs;
+}
+
+GapsNote gaps_note(const DicomStack& stack, const char* method) {
+  const bool fills = stack.gaps.policy == GapPolicy::fill;
+  GapsNote note;
+  note.on_gap = fills ? "fill" : "resample";
+  note.method = fills && stack.leaves_out_empty ? "background" : method;
+  note.slices = static_cast<std::int64_t>(stack.slices.size());
+  note.step_mm = stack.geometry.spacing_mm[2];
+  note.made_plane_count = stack.made_plane_count();
+  std::vector<PlaneRun> runs = made_runs(stack.planes);
+  if (runs.size() <= kMaxListedRuns) note.made_planes = std::move(runs);
+  if (stack.gaps.left_out_mm > 0) note.left_out_mm = stack.gaps.left_out_mm;
+  return note;
 }
 
 }  // namespace
@@ -263,30 +277,24 @@ void plan_planes(DicomStack& stack, const SlicePlaces& places, const SourceOptio
   if (options.untilt && tilt_degrees(places) > 0) remove_tilt(stack, places);
 }
 
-std::string preparation_json(const DicomStack& stack) {
-  nlohmann::json changes = nlohmann::json::object();
+std::optional<PreparedNote> preparation_note(const DicomStack& stack) {
+  const bool has_gaps = stack.gaps.policy != GapPolicy::error;
+  if (stack.dropped_duplicates == 0 && !has_gaps && !stack.tilt) return std::nullopt;
   const char* method = stack.holds_labels ? "nearest" : "linear";
-  if (stack.dropped_duplicates > 0) changes["dropped_duplicates"] = stack.dropped_duplicates;
-  if (stack.gaps.policy != GapPolicy::error) {
-    const bool fills = stack.gaps.policy == GapPolicy::fill;
-    nlohmann::json& gaps = changes["gaps"];
-    gaps = {{"on_gap", fills ? "fill" : "resample"},
-            {"method", fills && stack.leaves_out_empty ? "background" : method},
-            {"slices", stack.slices.size()},
-            {"step_mm", stack.geometry.spacing_mm[2]},
-            {"made_plane_count", stack.made_plane_count()}};
-    nlohmann::json runs = made_runs(stack.planes);
-    if (runs.size() <= kMaxListedRuns) gaps["made_planes"] = std::move(runs);
-    if (stack.gaps.left_out_mm > 0) gaps["left_out_mm"] = stack.gaps.left_out_mm;
+  PreparedNote note;
+  if (stack.dropped_duplicates > 0) {
+    note.dropped_duplicates = static_cast<std::int64_t>(stack.dropped_duplicates);
   }
+  if (has_gaps) note.gaps = gaps_note(stack, method);
   if (stack.tilt) {
     const DicomLayout& layout = *stack.slices.front().layout;
-    changes["tilt"] = {{"angle_degrees", stack.tilt->angle_degrees},
-                       {"method", method},
-                       {"slice_size", {layout.columns, layout.rows}},
-                       {"outside", stack.tilt->outside}};
+    TiltNote& tilt = note.tilt.emplace();
+    tilt.angle_degrees = stack.tilt->angle_degrees;
+    tilt.method = method;
+    tilt.slice_size = {layout.columns, layout.rows};
+    tilt.outside = stack.tilt->outside;
   }
-  return changes.empty() ? "" : changes.dump();
+  return note;
 }
 
 }  // namespace octavo

@@ -65,7 +65,7 @@ struct DicomStack {
 /// does not help.
 void plan_planes(DicomStack& stack, const SlicePlaces& places, const SourceOptions& options);
 
-/// The changes as a JSON object for the metadata; empty when the slices are the planes.
-std::string preparation_json(const DicomStack& stack);
+/// The changes for the metadata; nothing when the slices are the planes.
+std::optional<PreparedNote> preparation_note(const DicomStack& stack);
 
 }  // namespace octavo

@@ -107,7 +107,7 @@ ExportPlan plan_export(const FileReader& reader, ExportFormat format,
   plan.geometry = cropped(reader.levels().geometry(description.geometry, plan.level), plan.box.lo);
   plan.stored_type = plan.type = description.type;
   plan.rescale = description.rescale;
-  plan.spacing_known = is_spacing_known(description.metadata_json);
+  plan.spacing_known = description.metadata.is_spacing_known();
   plan.place_known = is_place_known(description);
   plan.overwrite = options.overwrite;
   const bool is_nifti = format == ExportFormat::nifti || format == ExportFormat::nifti_gz;

@@ -360,7 +360,7 @@ void add_warnings(const TiffStack& stack, SourceFacts& facts) {
   if (std::any_of(stack.planes.begin(), stack.planes.end(),
                   [](const TiffPlane& plane) { return plane.page.is_lossy; })) {
     facts.warnings.push_back("the voxels were compressed with loss (JPEG) before they came here");
-    facts.extra_json = R"({"lossy_source":true})";
+    facts.noted.lossy_source = true;
   }
 }
 

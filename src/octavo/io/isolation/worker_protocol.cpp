@@ -3,7 +3,6 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
-#include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
 
@@ -152,7 +151,7 @@ SourceOptions take_options(Reader& in) {
 }
 
 void put_description(Writer& out, const VolumeDescription& description) {
-  const auto& [kind, type, size, geometry, rescale, metadata_json, coding, padding] = description;
+  const auto& [kind, type, size, geometry, rescale, metadata, coding, padding] = description;
   const auto& [origin_mm, spacing_mm, direction] = geometry;
   out.put_u8(static_cast<std::uint8_t>(kind));
   out.put_u8(static_cast<std::uint8_t>(type));
@@ -162,7 +161,7 @@ void put_description(Writer& out, const VolumeDescription& description) {
   for (const double part : direction) out.put_double(part);
   out.put_double(rescale.slope);
   out.put_double(rescale.intercept);
-  out.put_text(metadata_json);
+  out.put_text(metadata.text());
   out.put_u8(coding ? 1 : 0);
   if (coding) {
     out.put_u8(static_cast<std::uint8_t>(coding->type));
@@ -180,7 +179,8 @@ void prove(const VolumeDescription& description, const Reader& in) {
                          std::isfinite(rescale.intercept);
   if (!is_valid(description.geometry) || !is_scaled) in.fail("its geometry or rescale is unusable");
   if (description.coding && !is_valid(*description.coding)) in.fail("its coding is unusable");
-  if (!nlohmann::json::accept(description.metadata_json)) in.fail("its metadata are no JSON");
+  const Metadata& metadata = description.metadata;
+  if (!metadata.is_readable()) in.fail("its metadata are no JSON: " + metadata.defect());
 }
 
 VolumeDescription take_description(Reader& in) {
@@ -196,7 +196,7 @@ VolumeDescription take_description(Reader& in) {
   for (double& part : description.geometry.direction) part = in.number();
   description.rescale.slope = in.number();
   description.rescale.intercept = in.number();
-  description.metadata_json = in.text();
+  description.metadata = Metadata::read(in.text());
   if (in.flag()) {
     SampleCoding& coding = description.coding.emplace();
     coding.type = in.voxel_type();

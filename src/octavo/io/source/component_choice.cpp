@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "octavo/core/error.h"
@@ -122,20 +121,17 @@ ComponentChoice choose_component(const Components& components, const SourceOptio
   return choice;
 }
 
-std::string choice_json(const Components& components, const ComponentChoice& choice) {
-  nlohmann::json chosen = nlohmann::json::object();
+std::optional<ChoiceNote> choice_note(const Components& components, const ComponentChoice& choice) {
+  if (components.channels <= 1 && components.times <= 1) return std::nullopt;
+  ChoiceNote note;
   if (components.channels > 1) {
-    chosen["channel"] = {{"index", choice.channel}, {"count", components.channels}};
+    note.channel = {components.channels, choice.channel, std::nullopt};
     if (!components.channel_names.empty()) {
-      const auto index = static_cast<std::size_t>(choice.channel);
-      chosen["channel"]["name"] = components.channel_names[index];
+      note.channel->name = components.channel_names[static_cast<std::size_t>(choice.channel)];
     }
   }
-  if (components.times > 1) {
-    chosen["time"] = {{"index", choice.time}, {"count", components.times}};
-  }
-  if (chosen.empty()) return "";
-  return chosen.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  if (components.times > 1) note.time = {components.times, choice.time, std::nullopt};
+  return note;
 }
 
 }  // namespace octavo

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "octavo/core/metadata_facts.h"
+
 namespace octavo {
 
 struct SourceOptions;
@@ -33,7 +35,7 @@ std::vector<std::string> color_names(std::int64_t channels);
 ComponentChoice choose_component(const Components& components, const SourceOptions& options,
                                  const std::string& path);
 
-/// The choice as a JSON object for the metadata; empty where there was none to make.
-std::string choice_json(const Components& components, const ComponentChoice& choice);
+/// The choice for the metadata; nothing where there was none to make.
+std::optional<ChoiceNote> choice_note(const Components& components, const ComponentChoice& choice);
 
 }  // namespace octavo

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
 
@@ -14,9 +13,12 @@
 
 namespace octavo {
 
-using nlohmann::json;
-
 namespace {
+
+// Where a spacing is from, as the metadata say it.
+constexpr const char* kFile = "file";
+constexpr const char* kUser = "user";
+constexpr const char* kAssumed = "assumed";
 
 std::string settle_spacing(SourceFacts& facts, const SourceOptions& options) {
   Point3& spacing = facts.description.geometry.spacing_mm;
@@ -27,12 +29,12 @@ std::string settle_spacing(SourceFacts& facts, const SourceOptions& options) {
                   "a spacing must be a positive number of millimeters");
     }
     spacing = *options.spacing_mm;
-    return "user";
+    return kUser;
   }
-  if (facts.spacing_known) return "file";
+  if (facts.spacing_known) return kFile;
   facts.warnings.emplace_back("spacing is not in the files: 1 mm assumed", "spacing_mm");
   spacing = {1, 1, 1};
-  return "assumed";
+  return kAssumed;
 }
 
 /// The names of files behind the folder that holds them all.
@@ -95,23 +97,22 @@ void settle(SourceFacts& facts, const SourceOptions& options, const std::string&
     throw Error(ErrorKind::source_rejected, "its rescale slope or intercept is not a usable number",
                 path);
   }
-  json metadata = facts.extra_json.empty() ? json::object() : json::parse(facts.extra_json);
-  metadata["source"] = {{"format", facts.format}, {"files", facts.file_count}};
-  metadata["spacing_known"] = spacing_source != "assumed";
-  metadata["spacing_source"] = spacing_source;
-  if (facts.place_known) metadata["place_known"] = *facts.place_known;
+  MetadataFacts& noted = facts.noted;
+  noted.source = SourceNote{facts.file_count, facts.format, {}};
+  noted.spacing_known = spacing_source != kAssumed;
+  noted.spacing_source = spacing_source;
+  if (facts.place_known) noted.place_known = facts.place_known;
   if (facts.ignored_number_gaps > 0) {
-    metadata["prepared"]["ignored_number_gaps"] = facts.ignored_number_gaps;
+    if (!noted.prepared) noted.prepared.emplace();
+    noted.prepared->ignored_number_gaps = static_cast<std::int64_t>(facts.ignored_number_gaps);
   }
-  if (!facts.unit.empty()) metadata["unit"] = facts.unit;
-  if (const std::string chosen = choice_json(facts.components, facts.choice); !chosen.empty()) {
-    metadata["chosen"] = json::parse(chosen);
-  }
+  if (!facts.unit.empty()) noted.unit = facts.unit;
+  noted.chosen = choice_note(facts.components, facts.choice);
   if (options.keep_identity) facts.identity.note("FileName", base_name(path));
   if (!facts.identity.is_empty()) {
-    metadata["identity"] = json::parse(facts.identity.json_text(options.keep_identity));
+    noted.identity = facts.identity.note_for_file(options.keep_identity);
   }
-  facts.description.metadata_json = metadata.dump(-1, ' ', false, json::error_handler_t::replace);
+  facts.description.metadata = Metadata::of(noted);
 }
 
 void settle_number_gaps(const std::vector<std::string>& files, const SourceOptions& options,
@@ -128,13 +129,6 @@ void settle_number_gaps(const std::vector<std::string>& files, const SourceOptio
   }
   facts.ignored_number_gaps = gaps.size();
   facts.warnings.push_back(found + "; taken as neighbors");
-}
-
-bool is_spacing_known(const std::string& metadata_json) {
-  const auto metadata = json::parse(metadata_json, nullptr, false);
-  if (!metadata.is_object()) return true;
-  const auto found = metadata.find("spacing_known");
-  return found == metadata.end() || !found->is_boolean() || found->get<bool>();
 }
 
 DescribedSource::DescribedSource(SourceFacts facts) : facts_(std::move(facts)) {}

@@ -16,7 +16,7 @@ namespace octavo {
 
 /// What an importer found out before the first plane.
 struct SourceFacts {
-  VolumeDescription description;        ///< metadata_json is made by `settle`
+  VolumeDescription description;        ///< its metadata are made by `settle`
   std::vector<Warning> warnings;
   std::string format;                   ///< "DICOM", "TIFF", ...
   std::int64_t file_count = 1;
@@ -25,14 +25,14 @@ struct SourceFacts {
   SourceIdentity identity;              ///< what tells who, where or when
   /// Whether origin and direction place the volume in a body; nothing where that is not said.
   std::optional<bool> place_known;
-  std::string extra_json;               ///< an object merged into the metadata, or empty
+  MetadataFacts noted;                  ///< what else the metadata are to say
   std::size_t ignored_number_gaps = 0;  ///< of a stack of numbered files
   Components components;                ///< what stands at each voxel
   ComponentChoice choice;               ///< which of them is taken; made by `settle`
 };
 
 /// Chooses a channel and a time, applies options.spacing_mm, warns when no spacing is known, writes
-/// metadata_json and proves size and geometry. path names the source in messages, and in the
+/// the metadata and proves size and geometry. path names the source in messages, and in the
 /// metadata with options.keep_identity.
 /// Throws Error{source_rejected} on a bad geometry, Error{limit_exceeded} on a size out of range,
 ///        Error{invalid_argument} when options.spacing_mm is not positive and finite;
@@ -47,8 +47,6 @@ void settle(SourceFacts& facts, const SourceOptions& options, const std::string&
 void settle_number_gaps(const std::vector<std::string>& files, const SourceOptions& options,
                         SourceFacts& facts);
 
-/// False when a volume's metadata say that its source has no spacing.
-bool is_spacing_known(const std::string& metadata_json);
 
 /// The base of the sources in this folder. Requires settled facts.
 class DescribedSource : public PlaneSource {

@@ -1,19 +1,12 @@
 #include "octavo/io/source/source_identity.h"
 
-#include <nlohmann/json.hpp>
 #include <utility>
 
 namespace octavo {
 
 namespace {
 
-using nlohmann::json;
-
 constexpr std::size_t kMaxValueBytes = std::size_t{1} << 16;
-
-std::string text_of(const json& object) {
-  return object.dump(-1, ' ', false, json::error_handler_t::replace);
-}
 
 }  // namespace
 
@@ -36,24 +29,14 @@ void SourceIdentity::note_lost(const std::string& name, std::int64_t count) {
   if (count > 0) counts_[name] += count;
 }
 
-std::string SourceIdentity::json_text(bool keep) const {
-  json identity = {{"kept", keep}, {"dropped", json::object()}};
+IdentityNote SourceIdentity::note_for_file(bool keep) const {
+  IdentityNote identity;
+  identity.kept = keep;
+  if (keep) identity.attributes = values_;
   for (const auto& [name, count] : counts_) {
-    if (!keep || !values_.contains(name)) identity["dropped"][name] = count;
+    if (!keep || !values_.contains(name)) identity.dropped[name] = count;
   }
-  if (keep) identity["attributes"] = values_;
-  return text_of(identity);
-}
-
-std::string without_identity(const std::string& identity_json) {
-  json identity = json::parse(identity_json, nullptr, false);
-  if (!identity.is_object() || !identity.contains("attributes")) return identity_json;
-  const json attributes = std::move(identity["attributes"]);
-  identity.erase("attributes");
-  identity["kept"] = false;
-  if (!identity["dropped"].is_object()) identity["dropped"] = json::object();
-  for (const auto& [name, value] : attributes.items()) identity["dropped"][name] = 1;
-  return text_of(identity);
+  return identity;
 }
 
 }  // namespace octavo

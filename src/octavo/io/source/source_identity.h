@@ -9,6 +9,8 @@
 #include <map>
 #include <string>
 
+#include "octavo/core/metadata_facts.h"
+
 namespace octavo {
 
 class SourceIdentity {
@@ -22,18 +24,12 @@ class SourceIdentity {
 
   bool is_empty() const { return counts_.empty(); }
 
-  /// The "identity" of the metadata. keep false: {"kept": false, "dropped": {NAME: COUNT, ...}};
-  /// keep true: {"kept": true, "attributes": {NAME: VALUE, ...}, "dropped": {...}}, where all
-  /// values of a name that is kept count as kept.
-  std::string json_text(bool keep) const;
+  /// For the metadata. Where texts are kept, all values of a name that is kept count as kept.
+  IdentityNote note_for_file(bool keep) const;
 
  private:
   std::map<std::string, std::string> values_;
   std::map<std::string, std::int64_t> counts_;  ///< of all names
 };
-
-/// The "identity" of metadata that may hold attributes, with their names moved to what was dropped.
-/// identity_json  as json_text gives it; what is none is returned as it is
-std::string without_identity(const std::string& identity_json);
 
 }  // namespace octavo

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstring>
 #include <deque>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -24,18 +23,6 @@ namespace {
 constexpr double kTolerance = 1e-3;
 constexpr double kMostSteps = 256;
 constexpr std::size_t kMostListedRuns = 1000;  // of planes, in the metadata
-
-using nlohmann::json;
-
-json metadata_of(const VolumeDescription& description) {
-  json metadata = json::parse(description.metadata_json, nullptr, false);
-  return metadata.is_object() ? metadata : json::object();
-}
-
-bool is_spacing_known(const std::string& metadata_json) {
-  const json metadata = json::parse(metadata_json, nullptr, false);
-  return !metadata.is_object() || metadata.value("spacing_known", true);
-}
 
 std::string count_text(std::int64_t count, const char* noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
@@ -65,11 +52,8 @@ PlanePlace place_of(const IsotropicPlan& plan, std::int64_t z) {
   return {static_cast<std::int64_t>(below), {height - below, 1}};
 }
 
-/// First and last plane, or slice, of some that follow one another.
-using Run = std::pair<std::int64_t, std::int64_t>;
-
 /// The slices that plane z is made of.
-Run slices_of(const IsotropicPlan& plan, std::int64_t z) {
+PlaneRun slices_of(const IsotropicPlan& plan, std::int64_t z) {
   const PlanePlace place = place_of(plan, z);
   if (place.way.part == 0) return {place.below, place.below};
   if (plan.method != PlaneInterpolation::cubic) return {place.below, place.below + 1};
@@ -77,67 +61,55 @@ Run slices_of(const IsotropicPlan& plan, std::int64_t z) {
           std::min(place.below + 2, plan.slices - 1)};
 }
 
-/// [[first, last], ...] in metadata, rising and within the slices; nothing when it is none.
-std::optional<std::vector<Run>> read_runs(const json& list, std::int64_t slices) {
-  if (!list.is_array()) return std::nullopt;
-  std::vector<Run> runs;
-  for (const json& pair : list) {
-    if (!pair.is_array() || pair.size() != 2 || !pair[0].is_number_integer() ||
-        !pair[1].is_number_integer()) {
-      return std::nullopt;
-    }
-    const Run run = {pair[0].get<std::int64_t>(), pair[1].get<std::int64_t>()};
-    const std::int64_t first_free = runs.empty() ? 0 : runs.back().second + 1;
-    if (run.first < first_free || run.second < run.first || run.second >= slices) {
-      return std::nullopt;
-    }
-    runs.push_back(run);
+/// Runs that the metadata tell of, where they rise and lie within the slices.
+std::optional<std::vector<PlaneRun>> proven(const std::optional<std::vector<PlaneRun>>& runs,
+                                            std::int64_t slices) {
+  std::int64_t lowest = 0;
+  for (const auto& [first, last] : runs.value_or(std::vector<PlaneRun>())) {
+    if (first < lowest || last < first || last >= slices) return std::nullopt;
+    lowest = last + 1;
   }
   return runs;
 }
 
 /// The planes that are made of one of these slices, wholly or in part.
-std::vector<Run> planes_made_of(const IsotropicPlan& plan, const std::vector<Run>& slices) {
-  std::vector<Run> planes;
+std::vector<PlaneRun> planes_made_of(const IsotropicPlan& plan,
+                                     const std::vector<PlaneRun>& slices) {
+  std::vector<PlaneRun> planes;
   for (std::int64_t z = 0; z < plan.planes; ++z) {
-    const Run used = slices_of(plan, z);
+    const PlaneRun used = slices_of(plan, z);
     const auto run = std::lower_bound(
-        slices.begin(), slices.end(), used.first,
-        [](const Run& some, std::int64_t slice) { return some.second < slice; });
-    if (run == slices.end() || run->first > used.second) continue;
-    if (!planes.empty() && planes.back().second == z - 1) {
-      planes.back().second = z;
+        slices.begin(), slices.end(), used[0],
+        [](const PlaneRun& some, std::int64_t slice) { return some[1] < slice; });
+    if (run == slices.end() || (*run)[0] > used[1]) continue;
+    if (!planes.empty() && planes.back()[1] == z - 1) {
+      planes.back()[1] = z;
     } else {
-      planes.emplace_back(z, z);
+      planes.push_back({z, z});
     }
   }
   return planes;
 }
 
-/// What the metadata say of single slices, said of planes. What cannot be said so is left out.
-void renumber_planes(const IsotropicPlan& plan, json& metadata) {
-  const auto prepared = metadata.find("prepared");
-  const bool has_gaps = prepared != metadata.end() && prepared->is_object() &&
-                        prepared->contains("gaps") && (*prepared)["gaps"].is_object();
-  if (has_gaps && (*prepared)["gaps"].contains("made_planes")) {
-    json& gaps = (*prepared)["gaps"];
-    const auto made = read_runs(gaps["made_planes"], plan.slices);
-    const std::vector<Run> planes = made ? planes_made_of(plan, *made) : std::vector<Run>{};
-    gaps["made_planes"] = planes;
-    if (!made || planes.size() > kMostListedRuns) gaps.erase("made_planes");
-  }
-  const auto repaired = metadata.find("repaired");
-  if (repaired == metadata.end()) return;
-  const bool is_known = repaired->is_object() && repaired->contains("missing_planes");
-  const auto missing = is_known
-                           ? read_runs(json::array({(*repaired)["missing_planes"]}), plan.slices)
-                           : std::nullopt;
-  const std::vector<Run> planes = missing ? planes_made_of(plan, *missing) : std::vector<Run>{};
-  if (planes.empty()) {
-    metadata.erase(repaired);
-  } else {
-    (*repaired)["missing_planes"] = Run{planes.front().first, planes.back().second};
-  }
+/// Where the metadata tell of slices that no source has, the planes that are made of them. What
+/// cannot be said so is left out.
+std::optional<std::vector<PlaneRun>> made_planes_of(const IsotropicPlan& plan,
+                                                    const MetadataFacts& facts) {
+  if (!facts.prepared || !facts.prepared->gaps) return std::nullopt;
+  const auto made = proven(facts.prepared->gaps->made_planes, plan.slices);
+  if (!made) return std::nullopt;
+  std::vector<PlaneRun> planes = planes_made_of(plan, *made);
+  return planes.size() <= kMostListedRuns ? std::optional(std::move(planes)) : std::nullopt;
+}
+
+/// The planes made of slices that an interrupted build lacked, from the first to the last.
+std::optional<PlaneRun> missing_planes_of(const IsotropicPlan& plan, const MetadataFacts& facts) {
+  if (!facts.repaired || !facts.repaired->missing_planes) return std::nullopt;
+  const auto missing =
+      proven(std::vector<PlaneRun>{*facts.repaired->missing_planes}, plan.slices);
+  const auto planes = missing ? planes_made_of(plan, *missing) : std::vector<PlaneRun>{};
+  if (planes.empty()) return std::nullopt;
+  return PlaneRun{planes.front()[0], planes.back()[1]};
 }
 
 /// Weights of the slices below - 1 to below + 2. With `part` and `whole` whole numbers all are.
@@ -181,12 +153,9 @@ class IsotropicSource final : public PlaneSource {
     }
     description_.size.z = plan_.planes;
     description_.geometry.spacing_mm[2] = plan_.plane_mm;
-    json metadata = metadata_of(description_);
-    renumber_planes(plan_, metadata);
-    json& prepared = metadata["prepared"];
-    if (!prepared.is_object()) prepared = json::object();
-    prepared["isotropic"] = record();
-    description_.metadata_json = metadata.dump(-1, ' ', false, json::error_handler_t::replace);
+    const MetadataFacts& facts = source_->description().metadata.facts();
+    description_.metadata.set_isotropic(note(), made_planes_of(plan_, facts),
+                                        missing_planes_of(plan_, facts));
   }
 
   const VolumeDescription& description() const override { return description_; }
@@ -222,14 +191,15 @@ class IsotropicSource final : public PlaneSource {
     return plan_.method == PlaneInterpolation::cubic ? 4 : 2;
   }
 
-  json record() const {
-    json entry = {{"method", interpolation_name(plan_.method)},
-                  {"slices", plan_.slices},
-                  {"slice_mm", plan_.slice_mm},
-                  {"step_mm", plan_.plane_mm},
-                  {"made_plane_count", plan_.made_planes}};
-    if (plan_.left_out_mm > 0) entry["left_out_mm"] = plan_.left_out_mm;
-    return entry;
+  IsotropicNote note() const {
+    IsotropicNote note;
+    note.method = interpolation_name(plan_.method);
+    note.slices = plan_.slices;
+    note.slice_mm = plan_.slice_mm;
+    note.step_mm = plan_.plane_mm;
+    note.made_plane_count = plan_.made_planes;
+    if (plan_.left_out_mm > 0) note.left_out_mm = plan_.left_out_mm;
+    return note;
   }
 
   // --- Slices of the source, the last few of those read
@@ -363,8 +333,7 @@ const char* interpolation_name(PlaneInterpolation method) {
 }
 
 IsotropicPlan plan_isotropic(const VolumeDescription& description, PlaneInterpolation method) {
-  // What cannot be made into cubes
-  if (!is_spacing_known(description.metadata_json)) {
+  if (!description.metadata.is_spacing_known()) {
     throw Error(ErrorKind::invalid_argument,
                 "isotropic voxels are made by their distances, and the source gives none")
         .with_field("spacing_mm");

@@ -42,8 +42,7 @@ struct Selection {
 
 /// True for a volume whose cubes hold means.
 bool is_condensed(const VolumeDescription& volume) {
-  const Metadata metadata = Metadata::read(volume.metadata_json);
-  const std::optional<MadeBy>& made_by = metadata.facts().made_by;
+  const std::optional<MadeBy>& made_by = volume.metadata.facts().made_by;
   return made_by && made_by->operation() == "condense";
 }
 

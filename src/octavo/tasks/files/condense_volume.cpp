@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "octavo/builder/flat_cubes.h"
-#include "octavo/builder/metadata_member.h"
 #include "octavo/core/error.h"
 #include "octavo/tasks/file_planes.h"
 #include "octavo/tasks/inputs.h"
@@ -14,7 +12,7 @@ namespace octavo {
 
 namespace {
 
-constexpr const char* kWork = "condense";
+constexpr const char* kCondense = "condense";
 
 /// The asked flatness in whole stored units.
 std::int64_t stored_flat(double flat, const Rescale& rescale) {
@@ -46,12 +44,11 @@ BuiltVolume condense_volume(const CondenseVolumeOptions& options, const TaskCont
   const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
   require_grey_integers(reader->description(), options.input);
   VolumeDescription description = FilePlanes(reader, 0, context.thread_count()).description();
-  const nlohmann::ordered_json made_by = {{"operation", kWork}, {"flat", options.flat}};
-  description.metadata_json = with_member(description.metadata_json, "made_by", made_by.dump());
+  description.metadata.set_made_by(MadeBy(kCondense).set("flat", options.flat));
   const auto source =
       make_flat_cubes(reader, description, stored_flat(options.flat, description.rescale),
                       context.thread_count());
-  return build_planes(*source, {.is_resumable = false}, options.output, kWork, context);
+  return build_planes(*source, {.is_resumable = false}, options.output, kCondense, context);
 }
 
 }  // namespace octavo

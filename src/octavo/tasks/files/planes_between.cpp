@@ -28,8 +28,7 @@ std::unique_ptr<PlaneSource> make_planned(const std::string& name,
 
 /// How planes were made between the slices of the source; nothing where none were.
 std::optional<std::string> noted_method(const VolumeDescription& file) {
-  const Metadata metadata = Metadata::read(file.metadata_json);
-  const std::optional<PreparedNote>& prepared = metadata.facts().prepared;
+  const std::optional<PreparedNote>& prepared = file.metadata.facts().prepared;
   if (!prepared || !prepared->isotropic) return std::nullopt;
   return prepared->isotropic->method;
 }

@@ -5,7 +5,6 @@
 #include <random>
 #include <span>
 
-#include "octavo/builder/metadata_member.h"
 #include "octavo/core/error.h"
 #include "support/built_file.h"
 
@@ -17,7 +16,7 @@ testing::Volume noisy(const Size3& size, std::int64_t noisy_width) {
   testing::Volume volume;
   volume.description.size = size;
   volume.description.type = voxel_type_of<T>();
-  volume.description.metadata_json = R"({"source":{"format":"raw"}})";
+  volume.description.metadata = Metadata::read(R"({"source":{"format":"raw"}})");
   std::mt19937 random(1);
   std::vector<T> voxels(static_cast<std::size_t>(size.voxel_count()), T{4});
   for (std::size_t i = 0; i < voxels.size(); ++i) {
@@ -53,8 +52,7 @@ void expect_copied(testing::Volume volume, double max_error) {
   build(volume, max_error, folder.file("a.8vo"));
   volume.description.geometry.origin_mm = {1, -2, 3.5};
   volume.description.geometry.direction = {0, 1, 0, 1, 0, 0, 0, 0, 1};
-  volume.description.metadata_json =
-      with_member(volume.description.metadata_json, "made_by", R"({"operation":"transform"})");
+  volume.description.metadata.set_made_by(MadeBy("transform"));
   build(volume, max_error, folder.file("b.8vo"));
   const VolumeDescription wanted = testing::open_file(folder.file("b.8vo"))->description();
   const std::uint64_t bytes = copy(folder.file("a.8vo"), wanted, folder.file("c.8vo"));

@@ -17,7 +17,7 @@ FileHeader header() {
 }
 
 JournalHead head_of(const FileHeader& made) {
-  return {settings_of(made), encode_header(made), made.description.metadata_json};
+  return {settings_of(made), encode_header(made), made.description.metadata.text()};
 }
 
 /// What is said of a build that differs, or "alike".
@@ -72,18 +72,18 @@ TEST(DifferenceOf, NamesTheSettingAndBothValues) {
 
 TEST(DifferenceOf, OfLongDescriptionsShowsWhereTheyPart) {
   JournalHead stored = head_of(header());
-  stored.metadata_json = std::string(500, 'a') + "X" + std::string(500, 'b');
+  stored.metadata = std::string(500, 'a') + "X" + std::string(500, 'b');
   JournalHead now = stored;
-  now.metadata_json[500] = 'Y';
+  now.metadata[500] = 'Y';
   const std::string text = told(stored, now);
   EXPECT_NE(text.find(std::string(24, 'a') + "X" + std::string(39, 'b') + "' there"),
             std::string::npos)
       << text;
   EXPECT_NE(text.find("aYb"), std::string::npos) << text;
   // One that ends where the other goes on.
-  now.metadata_json = stored.metadata_json.substr(0, 10);
+  now.metadata = stored.metadata.substr(0, 10);
   EXPECT_NE(told(stored, now).find("'aaaaaaaaaa' now"), std::string::npos);
-  now.metadata_json.clear();
+  now.metadata.clear();
   EXPECT_NE(told(stored, now).find("'' now"), std::string::npos);
 }
 

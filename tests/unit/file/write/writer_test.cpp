@@ -236,7 +236,9 @@ TEST(Writer, RejectsWhatNoFileCanHave) {
       {"axes that are longer than 1", ErrorKind::invalid_argument,
        [](auto& d, auto&) { d.geometry.direction = {2, 0, 0, 0, 2, 0, 0, 0, 2}; }},
       {"metadata", ErrorKind::limit_exceeded,
-       [](auto& d, auto&) { d.metadata_json.assign(std::size_t{16} << 20, ' '); }},
+       [](auto& d, auto&) {
+         d.metadata = Metadata::read(std::string(std::size_t{16} << 20, ' '));
+       }},
   };
   for (const auto& c : cases) {
     MemoryStorage storage;

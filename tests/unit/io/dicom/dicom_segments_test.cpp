@@ -38,7 +38,7 @@ TEST(DicomSegments, OfOneFileBecomeTheLabelsOfOneVolume) {
   EXPECT_EQ(source->description().kind, VolumeKind::labels);
   EXPECT_EQ(source->description().size, (Size3{5, 3, 2}));
   EXPECT_EQ(voxels_of(*source), plane_pair({{3, 1}, {7, 2}, {15, 1}, {29, 2}}));
-  const auto metadata = nlohmann::json::parse(source->description().metadata_json);
+  const auto metadata = nlohmann::json::parse(source->description().metadata.text());
   EXPECT_EQ(metadata["segments"], nlohmann::json({{{"number", 1}}, {{"number", 2}}}));
 }
 
@@ -50,12 +50,12 @@ TEST(DicomSegments, KeepTheirLabelsOnlyWhereThatIsAskedFor) {
     options.segment = segment;
     options.keep_identity = false;
     const std::string dropped =
-        open_source({folder.file("seg.dcm")}, options)->description().metadata_json;
+        open_source({folder.file("seg.dcm")}, options)->description().metadata.text();
     EXPECT_FALSE(contains(dropped, "part ")) << dropped;
     EXPECT_EQ(nlohmann::json::parse(dropped)["identity"]["dropped"]["SegmentLabel"], 2);
     options.keep_identity = true;
     const auto kept = nlohmann::json::parse(
-        open_source({folder.file("seg.dcm")}, options)->description().metadata_json);
+        open_source({folder.file("seg.dcm")}, options)->description().metadata.text());
     EXPECT_EQ(kept["identity"]["attributes"]["SegmentLabel"], "1 part 1\n2 part 2");
     EXPECT_FALSE(kept["identity"]["dropped"].contains("SegmentLabel"));
   }
@@ -74,7 +74,7 @@ TEST(DicomSegments, AreTakenOneByOneByNumberOrLabel) {
     options.segment = name;
     const auto source = open_source({folder.file("seg.dcm")}, options);
     EXPECT_EQ(voxels_of(*source), voxels) << name;
-    EXPECT_TRUE(contains(source->description().metadata_json, "\"segment\":{\"number\":"));
+    EXPECT_TRUE(contains(source->description().metadata.text(), "\"segment\":{\"number\":"));
   }
   SourceOptions wrong;
   wrong.segment = "liver";

@@ -320,7 +320,7 @@ TEST(SourceDicomDose, IsScaledAndPlacedAsItsGridSays) {
     EXPECT_EQ(source->description().rescale, (Rescale{0.001, 0}));
     EXPECT_EQ(source->description().geometry.spacing_mm, (Point3{0.5, 0.5, 2.5}));
     EXPECT_EQ(source->description().geometry.origin_mm, (Point3{0, 0, 10}));
-    expect_words(source->description().metadata_json, {"\"unit\":\"Gy\""});
+    expect_words(source->description().metadata.text(), {"\"unit\":\"Gy\""});
     EXPECT_EQ(voxels_of(*source), counted(45));
   }
 }

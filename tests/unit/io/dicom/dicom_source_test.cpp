@@ -99,14 +99,14 @@ TEST(SourceDicom, GeometryRescaleAndUnitAreThoseOfTheHeaders) {
   EXPECT_EQ(d.geometry.origin_mm, (Point3{-10, 20, 5}));
   EXPECT_EQ(d.geometry.direction, (std::array<double, 9>{1, 0, 0, 0, 1, 0, 0, 0, 1}));
   EXPECT_EQ(d.rescale, (Rescale{1, -1024}));
-  EXPECT_TRUE(contains(d.metadata_json, "\"unit\":\"HU\"")) << d.metadata_json;
+  EXPECT_TRUE(contains(d.metadata.text(), "\"unit\":\"HU\"")) << d.metadata.text();
   EXPECT_TRUE(source->warnings().empty());
 }
 
 TEST(SourceDicom, NothingThatNamesAPatientEntersTheMetadata) {
   const TempFolder folder;
   write_series(folder, 2);
-  const std::string json = open_source({folder.path()}, {})->description().metadata_json;
+  const std::string json = open_source({folder.path()}, {})->description().metadata.text();
   EXPECT_FALSE(contains(json, "Nemo")) << json;
   EXPECT_FALSE(contains(json, "1.2.3")) << json;
 }

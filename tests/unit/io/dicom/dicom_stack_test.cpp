@@ -46,7 +46,7 @@ SourceOptions with_gaps(GapPolicy policy) {
 }
 
 nlohmann::json prepared(const PlaneSource& source) {
-  const auto metadata = nlohmann::json::parse(source.description().metadata_json);
+  const auto metadata = nlohmann::json::parse(source.description().metadata.text());
   return metadata.value("prepared", nlohmann::json());
 }
 
@@ -389,7 +389,7 @@ TEST(SourceDicomFrames, SeveralWithoutGeometryNeedASpacing) {
   options.spacing_mm = Point3{1, 1, 3};
   const auto source = open_source({folder.file("m.dcm")}, options);
   EXPECT_EQ(voxels_of(*source), planes_at({0, 2, 4}));
-  const std::string& metadata = source->description().metadata_json;
+  const std::string& metadata = source->description().metadata.text();
   EXPECT_TRUE(contains(metadata, "\"place_known\":false")) << metadata;
   EXPECT_TRUE(contains(metadata, "\"spacing_source\":\"user\"")) << metadata;
 }

@@ -21,7 +21,7 @@ TEST(TiffSource, FilesAreTakenInNaturalOrder) {
   }
   const auto source = open_source({folder.path()}, {});
   EXPECT_EQ(source->description().size, (Size3{4, 3, 12}));
-  EXPECT_TRUE(contains(source->description().metadata_json, "\"spacing_known\":false"));
+  EXPECT_TRUE(contains(source->description().metadata.text(), "\"spacing_known\":false"));
   ASSERT_EQ(source->warnings().size(), 1U);
   EXPECT_TRUE(contains(source->warnings()[0], "[spacing_mm]"));
   EXPECT_EQ(voxels_of(*source), expected);
@@ -70,7 +70,7 @@ TEST(TiffSource, JpegIsReportedAsALoss) {
   sample.pages = {counted(256, 1)};
   write_tiff(folder.file("a.tif"), sample);
   const auto source = open_source({folder.file("a.tif")}, {});
-  EXPECT_TRUE(contains(source->description().metadata_json, "\"lossy_source\":true"));
+  EXPECT_TRUE(contains(source->description().metadata.text(), "\"lossy_source\":true"));
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -156,15 +156,15 @@ TEST(TiffSource, ImageJCalibrationThatIsALineIsTheRescale) {
   const auto signed_values =
       described_tiff(folder, start + "cf=0\nc0=-32768.0\nc1=1.0\nvunit=Gray Value\n", 1);
   EXPECT_EQ(signed_values->description().rescale, (Rescale{1, -32768}));
-  EXPECT_FALSE(contains(signed_values->description().metadata_json, "unit\":"));
+  EXPECT_FALSE(contains(signed_values->description().metadata.text(), "unit\":"));
   const auto hounsfield =
       described_tiff(folder, start + "cf=0\nc0=-1024\nc1=0.25\nvunit=HU\n", 1);
   EXPECT_EQ(hounsfield->description().rescale, (Rescale{0.25, -1024}));
-  EXPECT_TRUE(contains(hounsfield->description().metadata_json, "\"unit\":\"HU\""));
+  EXPECT_TRUE(contains(hounsfield->description().metadata.text(), "\"unit\":\"HU\""));
   const auto words =
       described_tiff(folder, start + "cf=0\nc0=-1024\nc1=0.25\nvunit=SECRET name\n", 1);
-  EXPECT_FALSE(contains(words->description().metadata_json, "unit\":"));
-  EXPECT_FALSE(contains(words->description().metadata_json, "SECRET"));
+  EXPECT_FALSE(contains(words->description().metadata.text(), "unit\":"));
+  EXPECT_FALSE(contains(words->description().metadata.text(), "SECRET"));
   const auto curve = described_tiff(folder, start + "cf=4\nc0=1\nc1=2\nc2=3\n", 1);
   EXPECT_EQ(curve->description().rescale, Rescale{});
   ASSERT_EQ(curve->warnings().size(), 1U);

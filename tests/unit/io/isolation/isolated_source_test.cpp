@@ -59,7 +59,7 @@ void expect_same(const std::string& path) {
   EXPECT_EQ(a.size, b.size);
   EXPECT_EQ(a.geometry, b.geometry);
   EXPECT_EQ(a.rescale, b.rescale);
-  EXPECT_EQ(a.metadata_json, b.metadata_json);
+  EXPECT_EQ(a.metadata.text(), b.metadata.text());
   EXPECT_EQ(apart->warnings(), here->warnings());
   EXPECT_EQ(voxels_of(*apart), voxels_of(*here)) << path;
   EXPECT_EQ(apart->warnings(), here->warnings());

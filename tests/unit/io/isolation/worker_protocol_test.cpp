@@ -36,7 +36,7 @@ SourceReport sample_report() {
   report.description.geometry.origin_mm = {-1.5, 2, 1e300};
   report.description.geometry.direction = {0, 1, 0, 1, 0, 0, 0, 0, -1};
   report.description.rescale = {-2.0222414, 1e-9};
-  report.description.metadata_json = R"({"a": 1})";
+  report.description.metadata = Metadata::read(R"({"a": 1})");
   report.description.coding = SampleCoding{VoxelType::int32, 0.5, -7};
   report.description.padding = -2000;
   report.warnings = {{"one", "spacing_mm"}, {""}, {"three"}};
@@ -78,7 +78,7 @@ TEST(WorkerProtocol, AReportComesBackAsItWas) {
   EXPECT_EQ(got.description.size, sent.description.size);
   EXPECT_EQ(got.description.geometry, sent.description.geometry);
   EXPECT_EQ(got.description.rescale, sent.description.rescale);
-  EXPECT_EQ(got.description.metadata_json, sent.description.metadata_json);
+  EXPECT_EQ(got.description.metadata.text(), sent.description.metadata.text());
   EXPECT_EQ(got.description.coding, sent.description.coding);
   EXPECT_EQ(got.description.padding, sent.description.padding);
   EXPECT_EQ(got.warnings, sent.warnings);

@@ -62,7 +62,7 @@ void expect_components(const std::string& path, int channels, int times,
       for (const Warning& warning : source->warnings()) {
         EXPECT_FALSE(contains(warning, "behind")) << warning;
       }
-      const std::string& metadata = source->description().metadata_json;
+      const std::string& metadata = source->description().metadata.text();
       EXPECT_TRUE(contains(metadata, "\"chosen\":{")) << metadata;
       if (names.empty()) continue;
       const auto& name = names[static_cast<std::size_t>(channel)];
@@ -346,7 +346,7 @@ TEST(SourceComponents, AreRejectedWhereThereIsOnlyOne) {
     const Error error = source_error({folder.file("a.nii")}, wrong);
     EXPECT_EQ(error.kind(), ErrorKind::invalid_argument) << error.what();
   }
-  EXPECT_FALSE(contains(open_source({folder.file("a.nii")}, {})->description().metadata_json,
+  EXPECT_FALSE(contains(open_source({folder.file("a.nii")}, {})->description().metadata.text(),
                         "chosen"));
 }
 

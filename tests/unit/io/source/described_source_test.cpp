@@ -13,7 +13,7 @@ namespace {
 // A volume at the origin along the axes of LPS looks like one of which nothing is known.
 TEST(DescribedSource, AxesThatAreStatedPlaceTheVolumeWhateverTheyAre) {
   const auto metadata = [](const std::string& path) {
-    return open_source({path}, {})->description().metadata_json;
+    return open_source({path}, {})->description().metadata.text();
   };
   const TempFolder folder;
   NiftiSample nifti;
@@ -40,7 +40,7 @@ TEST(DescribedSource, AxesThatAreStatedPlaceTheVolumeWhateverTheyAre) {
 
 /// What stands in the metadata under "spacing_source".
 std::string spacing_source(PlaneSource& source) {
-  const std::string& metadata = source.description().metadata_json;
+  const std::string& metadata = source.description().metadata.text();
   for (const char* kind : {"file", "user", "assumed"}) {
     if (contains(metadata, std::string("\"spacing_source\":\"") + kind + "\"")) return kind;
   }
@@ -112,7 +112,7 @@ TEST(DescribedSource, NumbersThatSkipAreRejectedWithBothNamesOrIgnored) {
     options.on_gap = GapPolicy::ignore;
     const auto source = open_source({folder.path()}, options);
     EXPECT_EQ(voxels_of(*source), expected);
-    EXPECT_TRUE(contains(source->description().metadata_json, "\"ignored_number_gaps\":1"));
+    EXPECT_TRUE(contains(source->description().metadata.text(), "\"ignored_number_gaps\":1"));
     EXPECT_TRUE(contains(source->warnings()[0], "half MB_ 11."));
     options.on_gap = GapPolicy::fill;
     EXPECT_EQ(source_error({folder.path()}, options).kind(), ErrorKind::invalid_argument);
@@ -142,7 +142,7 @@ TEST_F(NumberedFiles, AStackOfTwoChannelsIsRejectedOrTakenAsAsked) {
   options_.on_gap = GapPolicy::ignore;
   const auto source = open_source({folder_.path()}, options_);
   EXPECT_EQ(source->description().size, (Size3{2, 2, 4}));
-  EXPECT_TRUE(contains(source->description().metadata_json, "\"ignored_number_gaps\":1"));
+  EXPECT_TRUE(contains(source->description().metadata.text(), "\"ignored_number_gaps\":1"));
   EXPECT_TRUE(contains(source->warnings()[0], "taken as neighbors"));
 }
 

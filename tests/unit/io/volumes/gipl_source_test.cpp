@@ -67,8 +67,8 @@ TEST_F(GiplSource, GivesTheVoxelsAndTheGeometryOfItsHeader) {
       EXPECT_EQ(d.geometry.spacing_mm, (Point3{2, 3, 4}));
       EXPECT_EQ(d.geometry.origin_mm, (Point3{-12.5, 40.25, 7.125}));
       EXPECT_EQ(d.geometry.direction, Geometry{}.direction);
-      EXPECT_TRUE(contains(d.metadata_json, "\"format\":\"GIPL\"")) << d.metadata_json;
-      EXPECT_TRUE(contains(d.metadata_json, "\"spacing_source\":\"file\"")) << d.metadata_json;
+      EXPECT_TRUE(contains(d.metadata.text(), "\"format\":\"GIPL\"")) << d.metadata.text();
+      EXPECT_TRUE(contains(d.metadata.text(), "\"spacing_source\":\"file\"")) << d.metadata.text();
       EXPECT_EQ(voxels_of(*source), bytes_of(kStoredValues));
       EXPECT_EQ(source->resident_bytes(), 0U);
       EXPECT_TRUE(source->warnings().empty());
@@ -261,12 +261,12 @@ TEST_F(GiplSource, WhateverAByteOfTheHeaderIsTheVoxelsAreWholeOrTheFileIsRejecte
 TEST_F(GiplSource, ItsTextIsDroppedUnlessAskedFor) {
   GiplSample sample;
   sample.text = "SECRET name";
-  const std::string dropped = open_source({write(sample)}, {})->description().metadata_json;
+  const std::string dropped = open_source({write(sample)}, {})->description().metadata.text();
   EXPECT_FALSE(contains(dropped, "SECRET"));
   EXPECT_TRUE(contains(dropped, "\"text\":1")) << dropped;
   SourceOptions options;
   options.keep_identity = true;
-  EXPECT_TRUE(contains(open_source({write(sample)}, options)->description().metadata_json,
+  EXPECT_TRUE(contains(open_source({write(sample)}, options)->description().metadata.text(),
                        "SECRET name"));
 }
 

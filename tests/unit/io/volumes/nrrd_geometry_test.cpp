@@ -58,7 +58,7 @@ TEST(NrrdGeometry, AxesOfSpacesThatNameLeftAreTurnedToLps) {
     EXPECT_EQ(g.direction, (Matrix3{signs[0], 0, 0, 0, signs[1], 0, 0, 0, signs[2]})) << space;
     EXPECT_EQ(g.origin_mm, (Point3{signs[0], 2 * signs[1], 3 * signs[2]})) << space;
     EXPECT_TRUE(source->warnings().empty()) << with_hints(source->warnings());
-    EXPECT_TRUE(contains(source->description().metadata_json, "\"place_known\":true")) << space;
+    EXPECT_TRUE(contains(source->description().metadata.text(), "\"place_known\":true")) << space;
   }
 }
 
@@ -75,7 +75,7 @@ TEST(NrrdGeometry, AxesOfSpacesThatDoNotNameLeftStayAndAreReportedAsUnplaced) {
     EXPECT_EQ(source->description().geometry.origin_mm, (Point3{1, 2, 3}));
     const std::string said = with_hints(source->warnings());
     EXPECT_TRUE(contains(said, word) && contains(said, "does not say where left is")) << said;
-    EXPECT_TRUE(contains(source->description().metadata_json, "\"place_known\":false")) << line;
+    EXPECT_TRUE(contains(source->description().metadata.text(), "\"place_known\":false")) << line;
   }
 }
 
@@ -122,7 +122,7 @@ TEST(NrrdGeometry, TheOriginIsWhereAxisMinsSay) {
     const auto source = open_source({path}, {});
     EXPECT_EQ(source->description().geometry.origin_mm, origin) << lines;
     EXPECT_EQ(contains(with_hints(source->warnings()), "taken as the borders"), is_told) << lines;
-    EXPECT_TRUE(contains(source->description().metadata_json, "\"place_known\":false")) << lines;
+    EXPECT_TRUE(contains(source->description().metadata.text(), "\"place_known\":false")) << lines;
   }
   write_nrrd(path, "spacings: 1 1 2\naxis mins: 10 20");
   expect_rejected(path, {"axis mins: 3 numbers expected, 2 found"});

@@ -231,7 +231,7 @@ TEST_F(VtkSource, TheSpacingIsKnownOnlyWhereItStands) {
   sample.grid = "DIMENSIONS 4 3 2\nORIGIN 1 2 3\n";
   expect_voxels(sample);
   const auto source = open_source({path_}, {});
-  EXPECT_TRUE(contains(source->description().metadata_json, "\"spacing_source\":\"assumed\""));
+  EXPECT_TRUE(contains(source->description().metadata.text(), "\"spacing_source\":\"assumed\""));
   ASSERT_EQ(source->warnings().size(), 1U);
   EXPECT_TRUE(contains(source->warnings()[0], "[spacing_mm]"));
   EXPECT_EQ(source->description().geometry.origin_mm, (Point3{1, 2, 3}));

@@ -190,7 +190,7 @@ TEST(IsotropicSource, PlaceAndMetadataAreThoseOfTheSource) {
   const Volume<std::int16_t> volume = noise<std::int16_t>({3, 3, 4}, {0.5, 0.5, 2});
   VolumeDescription description = description_of(volume);
   description.rescale = {2, -1024};
-  description.metadata_json = R"({"unit":"HU","prepared":{"dropped_duplicates":1}})";
+  description.metadata = Metadata::read(R"({"unit":"HU","prepared":{"dropped_duplicates":1}})");
   const IsotropicPlan plan = plan_isotropic(description, cubic);
   const auto source = make_isotropic_source(
       make_memory_source(description, std::as_bytes(std::span(volume.voxels))), plan);
@@ -198,7 +198,7 @@ TEST(IsotropicSource, PlaceAndMetadataAreThoseOfTheSource) {
   EXPECT_EQ(made.geometry.origin_mm, description.geometry.origin_mm);
   EXPECT_EQ(made.geometry.spacing_mm, (Point3{0.5, 0.5, 0.5}));
   EXPECT_EQ(made.rescale, description.rescale);
-  const auto metadata = nlohmann::json::parse(made.metadata_json);
+  const auto metadata = nlohmann::json::parse(made.metadata.text());
   EXPECT_EQ(metadata["unit"], "HU");
   EXPECT_EQ(metadata["prepared"]["dropped_duplicates"], 1);
   const nlohmann::json expected = {{"method", "cubic"}, {"slices", 4}, {"slice_mm", 2.0},
@@ -210,11 +210,11 @@ TEST(IsotropicSource, PlaceAndMetadataAreThoseOfTheSource) {
 nlohmann::json metadata_behind(const std::string& before, PlaneInterpolation method) {
   const Volume<std::int16_t> volume = noise<std::int16_t>({3, 3, 4}, {0.5, 0.5, 2});
   VolumeDescription description = description_of(volume);
-  description.metadata_json = before;
+  description.metadata = Metadata::read(before);
   const auto source = make_isotropic_source(
       make_memory_source(description, std::as_bytes(std::span(volume.voxels))),
       plan_isotropic(description, method));
-  return nlohmann::json::parse(source->description().metadata_json);
+  return nlohmann::json::parse(source->description().metadata.text());
 }
 
 TEST(IsotropicSource, NumbersOfSlicesInTheMetadataBecomeThoseOfPlanes) {
@@ -297,7 +297,7 @@ TEST(IsotropicPlanning, NothingIsDoneWhereThereIsNothingToMake) {
 TEST(IsotropicPlanning, WhatCannotBecomeCubesIsRejectedWithItsReason) {
   const Volume<std::uint8_t> volume{{4, 4, 9}, {1, 1, 3}, {}};
   VolumeDescription unknown = description_of(volume);
-  unknown.metadata_json = R"({"spacing_known":false})";
+  unknown.metadata = Metadata::read(R"({"spacing_known":false})");
   VolumeDescription oblong = description_of(volume);
   oblong.geometry.spacing_mm = {0.5, 7, 9};
   VolumeDescription far = description_of(volume);

@@ -35,7 +35,7 @@ TEST_F(CondenseVolume, TheMetadataSayHowItWasMade) {
   options_.flat = 8;
   condense_volume(options_, context_);
   const std::string metadata =
-      testing::open_file(options_.output.path)->description().metadata_json;
+      testing::open_file(options_.output.path)->description().metadata.text();
   EXPECT_NE(metadata.find(R"("made_by":{"operation":"condense","flat":8.0})"), std::string::npos)
       << metadata;
 }
