@@ -28,7 +28,7 @@ constexpr VerbText kText = {
     "  octavo compare old.8vo new.8vo\n"
     "  octavo compare head.8vo scans/head/\n"
     "  octavo compare small.8vo scans/head/ --max-error 2\n"
-    "  octavo compare truth.8vo found.8vo --labels"};
+    "  octavo compare reference.8vo found.8vo --labels"};
 
 struct Arguments {
   std::string a;

@@ -23,7 +23,7 @@ constexpr VerbText kExportText = {
     "(FOLDER/) for a stack. Values are real units (HU) where the format holds them exactly;\n"
     "--stored writes the stored integers; .raw is always stored, in C order z, y, x,\n"
     "little-endian. What nobody knows, the spacing or how the patient lies, is left out where the\n"
-    "format can leave it out; elsewhere a warning says so. A damaged file is refused (exit code\n"
+    "format can leave it out; elsewhere a warning says so. A damaged file is rejected (exit code\n"
     "4), unless --salvage says how to fill what is damaged; everything else then equals the\n"
     "original.\n\n"
     "Examples:\n"

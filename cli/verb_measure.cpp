@@ -20,7 +20,7 @@ constexpr VerbText kText = {
     "measure", "Measure the regions of a label map, and the grey values beneath them.",
     "For each label but 0: voxels, mm3, surface voxels (with a face on something else),\n"
     "centroid, bounding box, principal moments and axes; with --of also mean, standard\n"
-    "deviation, least, greatest, integrated value (sum times mm3) and percentiles of the grey\n"
+    "deviation, minimum, maximum, integrated value (sum times mm3) and percentiles of the grey\n"
     "volume, in its real units (HU); the table shows those percentiles that are asked for.\n"
     "Positions are in mm (LPS), boxes in voxels, half-open.\n\n"
     "Examples:\n"
@@ -53,8 +53,8 @@ nlohmann::ordered_json row_json(const MeasuredRegion& row, const std::vector<dou
   if (!r.grey) return object;
   object["mean"] = r.grey->mean;
   object["sd"] = r.grey->deviation;
-  object["min"] = r.grey->least;
-  object["max"] = r.grey->greatest;
+  object["min"] = r.grey->minimum;
+  object["max"] = r.grey->maximum;
   object["integrated_mm3"] = optional_json(in_mm.integrated);
   nlohmann::ordered_json& of_percent = object["percentiles"];
   for (std::size_t i = 0; i < percentiles.size(); ++i) {
@@ -139,7 +139,7 @@ std::string row_text(const MeasuredRegion& row, std::size_t percentiles) {
                                  centroid, deviations);
   if (!r.grey) return text + "\n";
   text += fmt::format(" {:>10.2f} {:>9.2f} {:>9} {:>9}", r.grey->mean, r.grey->deviation,
-                      number_text(r.grey->least), number_text(r.grey->greatest));
+                      number_text(r.grey->minimum), number_text(r.grey->maximum));
   for (std::size_t i = 0; i < percentiles; ++i) {
     text += fmt::format(" {:>9}", number_text(r.grey->percentiles[i]));
   }

@@ -218,13 +218,13 @@ std::uint64_t picture_bytes(const ViewFrame& frame) {
   constexpr std::uint64_t kBytesPerPixel = 9;
   if (frame.width < 1 || frame.width > ViewFrame::kLongestSide || frame.height < 1 ||
       frame.height > ViewFrame::kLongestSide) {
-    return 0;  // refused where it is looked at
+    return 0;  // rejected where it is looked at
   }
   return kBytesPerPixel * static_cast<std::uint64_t>(frame.width * frame.height);
 }
 
 int run_render(const RenderArguments& arguments, Context& context) {
-  // What can be refused without the file is refused before it is read.
+  // What can be rejected without the file is rejected before it is read.
   const std::vector<std::string> paths = picture_paths(arguments);
   for (const std::string& path : paths) require_free({path, context.force});
   asked_background(arguments.background);

@@ -25,7 +25,7 @@ constexpr VerbText kText = {
     "and every checksum of the result is proven. Of long parts that is no proof, since other\n"
     "damage can look like one flipped bit: coded ones are repaired up to 128 KiB, voxels stored\n"
     "uncoded up to 512 bytes. A damaged trailer is made anew, and bytes behind the end are left\n"
-    "out. All else is refused (exit code 4): export --salvage writes what is whole, if header,\n"
+    "out. All else is rejected (exit code 4): export --salvage writes what is whole, if header,\n"
     "metadata and index root are. FILE itself is never changed.\n\n"
     "Examples:\n"
     "  octavo repair scan.8vo -o rescued.8vo\n"

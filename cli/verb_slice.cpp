@@ -78,7 +78,7 @@ std::optional<Window> parse_window(const std::string& text) {
   throw Error(ErrorKind::invalid_argument, "--window: the width must be positive");
 }
 
-/// The asked window; nothing for auto. Refuses one that the volume cannot be shown in.
+/// The asked window; nothing for auto. Rejects one that the volume cannot be shown in.
 std::optional<Window> asked_window(const Arguments& arguments, const VolumeDescription& volume) {
   const std::optional<Window> window = parse_window(arguments.window);
   if (window && volume.kind == VolumeKind::labels) {

@@ -87,7 +87,8 @@ class MaskTree:
         arrays = self.value["arrays_"]
         words = vector_size(arrays["words"])
         first = arrays["cubes"]["_M_impl"]["_M_start"]
-        ranks = [vector_size((first + i).dereference()) for i in range(vector_size(arrays["cubes"]))]
+        rank_count = vector_size(arrays["cubes"])
+        ranks = [vector_size((first + i).dereference()) for i in range(rank_count)]
         size = Size3(self.value["size_"]).to_string()
         return f"mask of {size} voxels: {words} mixed words, cubes by rank {ranks}"
 

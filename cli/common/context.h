@@ -48,7 +48,7 @@ void print(const std::string& text);
 /// The number, or null where there is none.
 nlohmann::ordered_json optional_json(const std::optional<double>& value);
 
-/// Prints one JSON object and a newline. Text that is not UTF-8 is replaced, never refused.
+/// Prints one JSON object and a newline. Text that is not UTF-8 is replaced, never rejected.
 void print_json(const nlohmann::ordered_json& object);
 
 /// `text` for one line of a message: control characters escaped, UTF-8 and length left alone.

@@ -258,7 +258,7 @@ class TransparencyScene final : public RenderScene {
 void add_transparency_options(Verb verb, RenderArguments& arguments) {
   Option average = verb.add_flag(
       "--average", arguments.is_average,
-      "transparency: what is in front veils what is behind, in place of the sum");
+      "transparency: what is in front hides what is behind, in place of the sum");
   verb.add_option("--window", arguments.window,
                   "transparency: the sums from black to white (default: from the sums)")
       ->type_name("C,W")

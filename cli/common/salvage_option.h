@@ -1,4 +1,4 @@
-// --salvage: damaged bricks are filled and named instead of refused.
+// --salvage: damaged bricks are filled and named instead of rejected.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

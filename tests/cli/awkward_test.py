@@ -78,10 +78,10 @@ def outcome(octavo, awkward, source, options):
         if result.returncode == 0:
             return 0, built_text(octavo, folder / "a.8vo", folder, warnings)
         left = [p.name for p in folder.iterdir()]
-        refusals = [line for line in said if not line.startswith("warning: ")]
-        if left or result.stdout or len(refusals) != 1:
+        errors = [line for line in said if not line.startswith("warning: ")]
+        if left or result.stdout or len(errors) != 1:
             return result.returncode, f"left behind: {left}, said: {said} {result.stdout}"
-        return result.returncode, f"`{refusals[0]}`"
+        return result.returncode, f"`{errors[0]}`"
 
 
 def missing_rows(awkward, sources):

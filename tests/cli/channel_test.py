@@ -52,7 +52,7 @@ class Components(cli_test.InFolder):
 
     def refuse(self, code, words, source, *options):
         before = self.files()
-        self.expect_error(code, words, "build", source, "-o", "refused.8vo", *options)
+        self.expect_error(code, words, "build", source, "-o", "rejected.8vo", *options)
         self.assertEqual(self.files(), before)
 
     def value(self):
@@ -89,7 +89,7 @@ class Components(cli_test.InFolder):
         self.refuse(2, ["--time 3"], "series.nii", "--time", "3")
         self.refuse(2, ["--time"], "series.nii", "--time", "first")
 
-    def test_options_without_a_choice_are_refused(self):
+    def test_options_without_a_choice_are_rejected(self):
         (self.folder / "one.nii").write_bytes(nifti(1))
         self.build("one.nii")
         self.assertNotIn("chosen", self.info("a.8vo")["metadata"])
@@ -99,7 +99,7 @@ class Components(cli_test.InFolder):
         self.refuse(2, ["--segment", "DICOM only"], "one.nii", "--segment", "1")
         self.refuse(2, ["--on-gap ignore", "TIFF, PNG, raw"], "one.nii", "--on-gap", "ignore")
 
-    def test_numbers_that_skip_are_refused_or_ignored_and_told(self):
+    def test_numbers_that_skip_are_rejected_or_ignored_and_told(self):
         (self.folder / "stack").mkdir()
         for z in [1, 2, 4, 5]:
             (self.folder / "stack" / f"slice {z}.png").write_bytes(png([z]))

@@ -137,8 +137,8 @@ class BadFiles(InFolder):
 
     def test_an_existing_output_is_kept_without_force(self):
         before = (self.folder / "good.8vo").read_bytes()
-        refused = self.expect_error(5, ["good.8vo"], "phantom", "--size", "9", "-o", "good.8vo")
-        self.assertIn("force", refused.stderr)
+        rejected = self.expect_error(5, ["good.8vo"], "phantom", "--size", "9", "-o", "good.8vo")
+        self.assertIn("force", rejected.stderr)
         self.assertEqual((self.folder / "good.8vo").read_bytes(), before)
         self.expect(0, "phantom", "--size", "9", "-o", "good.8vo", "-f")
         self.assertEqual(self.info("good.8vo")["size"], [9, 9, 9])
@@ -221,7 +221,7 @@ class Outputs(InFolder):
             self.expect_error(2, [name, ".8vo"], "build", "v.raw", "--raw", layout, "-o", name)
         self.assertEqual(self.files(), ["v.raw"])
 
-    def test_a_build_refuses_an_output_that_is_its_input(self):
+    def test_a_build_rejects_an_output_that_is_its_input(self):
         layout = self.random_raw("v.raw", (10, 9, 8))
         before = (self.folder / "v.raw").read_bytes()
         os.link(self.folder / "v.raw", self.folder / "same.8vo")
@@ -366,9 +366,9 @@ class Floats(InFolder):
 
     def test_noise_needs_a_max_error_and_the_one_proposed_does(self):
         source = self.raw_floats("n.raw", self.noise())
-        refused = self.expect_error(7, ["n.raw", "--max-error"], "build", *source, "-o", "n.8vo")
+        rejected = self.expect_error(7, ["n.raw", "--max-error"], "build", *source, "-o", "n.8vo")
         self.assertEqual(self.files(), ["n.raw"])
-        error = refused.stderr.split("--max-error ")[1].split()[0]
+        error = rejected.stderr.split("--max-error ")[1].split()[0]
         self.expect(0, "build", *source, "-o", "n.8vo", "--max-error", error)
         self.expect(0, "verify", "n.8vo", "--against", *source)
         self.expect(0, "compare", "n.8vo", *source, "--max-error", error)

@@ -54,14 +54,14 @@ class DicomSeries(cli_test.InFolder):
 
     def refuse(self, words, *options, code=7):
         before = self.files()
-        self.expect_error(code, words, "build", "scan", "-o", "refused.8vo", *options)
+        self.expect_error(code, words, "build", "scan", "-o", "rejected.8vo", *options)
         self.assertEqual(self.files(), before)
 
     def value_of(self, name, z):
         result = self.expect(0, "probe", name, "--at", f"4,3,{z}", "--json")
         return cli_test.json.loads(result.stdout)["points"][0]["stored"]
 
-    def test_a_missing_slice_is_refused_or_filled_and_recorded(self):
+    def test_a_missing_slice_is_rejected_or_filled_and_recorded(self):
         for z in [0, 2, 6, 8]:
             self.write(f"s{z}.dcm", z)
         self.refuse(["s2.dcm", "s6.dcm", "4 mm", "2 mm", "1 slice is missing", "--on-gap fill"])
@@ -100,7 +100,7 @@ class DicomSeries(cli_test.InFolder):
         self.write("c", 2, voxel=7)
         self.refuse(["b and c", "voxels differ"], "--drop-duplicates")
 
-    def test_a_tilt_is_refused_with_its_angle_or_removed(self):
+    def test_a_tilt_is_rejected_with_its_angle_or_removed(self):
         for z in [0, 2, 4]:
             self.write(f"s{z}.dcm", z, y_mm=z * math.tan(math.radians(18.5)))
         self.refuse(["18.5 degrees", "s0.dcm", "s4.dcm", "--untilt"])
@@ -134,7 +134,7 @@ class DicomSeries(cli_test.InFolder):
         lost.rename(lost.with_name("notes.txt"))
         self.assertNotIn("warning", self.build("-f").stderr)
 
-    def test_the_options_are_refused_for_other_sources(self):
+    def test_the_options_are_rejected_for_other_sources(self):
         layout = self.random_raw("v.raw", (10, 9, 8))
         for options in [("--untilt",), ("--drop-duplicates",), ("--on-gap", "fill")]:
             with self.subTest(options):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the commands of README.md and docs/verbs.md, on a phantom under the names of the demo's files.
+"""Runs the commands of README.md and docs/verbs.md, on a phantom that has the names of the demo.
 
 usage: documents_test.py OCTAVO [unittest arguments]
 """

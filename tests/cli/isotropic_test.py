@@ -78,7 +78,7 @@ class Isotropic(cli_test.InFolder):
         self.assertIn("cubes already", again.stderr)
         self.expect(0, "verify", "again.8vo", "--against", "cubes.8vo")
 
-    def test_options_of_scans_are_refused_for_an_octavo_file(self):
+    def test_options_of_scans_are_rejected_for_an_octavo_file(self):
         self.build(*self.THICK, output="thick.8vo")
         for option in ["--raw 1,1,1,u8", "--spacing 1", "--channel 0", "--time 0", "--series 1.2",
                        "--segment 1", "--on-gap fill", "--drop-duplicates", "--untilt"]:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Reads what the program says, as a user does: refusals, notes, warnings and words of numbers.
+"""Reads what the program says, as a user does: errors, notes, warnings and words of numbers.
 
 usage: message_test.py OCTAVO [unittest arguments]
 

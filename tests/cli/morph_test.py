@@ -92,7 +92,7 @@ class Touch(Masks):
         self.assertEqual(len(text.splitlines()), 4)
         self.assertIn("2 pairs of labels touch", text)
 
-    def test_refusals_name_the_reason(self):
+    def test_errors_name_the_reason(self):
         self.build("a.8vo", Boxes().fill((4, 24), (4, 24), (4, 24)))
         (self.folder / "s.raw").write_bytes(bytes(8))
         for kind in ["--labels", "--grey"]:
@@ -144,7 +144,7 @@ class FillHoles(Masks):
         text = self.expect(0, "fill-holes", "m.8vo", "--max-mm3", "3", "-o", "t.8vo").stdout
         self.assertIn("2 holes filled (5 voxels, 3.75 mm3); 1 larger left", text)
 
-    def test_refusals_name_the_reason(self):
+    def test_errors_name_the_reason(self):
         for words, arguments in [(["octavo threshold"], ["g.8vo", "-o", "x.8vo"]),
                                  (["--output"], ["m.8vo"]),
                                  (["--max-mm3"], ["m.8vo", "-o", "x.8vo", "--max-mm3", "-1"]),
@@ -203,7 +203,7 @@ class Morphology(Masks):
         self.expect_morphology(["--voxels", "2"], diamond)
         self.expect_morphology(["--voxels", "2", "--connectivity", "26"], cube)
 
-    def test_refusals_name_the_reason(self):
+    def test_errors_name_the_reason(self):
         for words, arguments in [
             (["--mm", "--voxels"], []),
             (["--mm", "--voxels"], ["--mm", "1", "--voxels", "2"]),

@@ -206,7 +206,7 @@ class Masks(cli_test.InFolder):
         self.assertIn("octavo export", told.stderr)
         self.assertFalse((self.folder / "mask.nrrd").exists())
 
-    def test_numbers_that_are_none_are_refused(self):
+    def test_numbers_that_are_none_are_rejected(self):
         self.threshold("a.8vo", "40:")
         for arguments in [("components", "a.8vo", "--min-mm3", "nan"),
                           ("measure", "a.8vo", "--of", "v.8vo", "--percentile", "nan"),
@@ -214,7 +214,7 @@ class Masks(cli_test.InFolder):
                           ("condense", "v.8vo", "--flat=-1", "-o", "c.8vo")]:
             self.expect(2, *arguments)
 
-    def test_refusals_name_the_reason(self):
+    def test_errors_name_the_reason(self):
         self.threshold("m.8vo", "40:")
         voxels = bytes(8)
         (self.folder / "s.raw").write_bytes(voxels)

@@ -199,7 +199,7 @@ class Pictures(cli_test.InFolder):
         told = self.expect(0, "shell", "m.8vo").stdout
         self.assertIn("leaves lie at the surface", told)
 
-    def test_refusals_name_the_reason_and_leave_nothing(self):
+    def test_errors_name_the_reason_and_leave_nothing(self):
         before = self.files()
         for code, words, arguments in [
             (2, ["v.8vo", "--range", "--tissue"], ["v.8vo"]),

@@ -251,9 +251,9 @@ class Transforms(cli_test.InFolder):
                    spacing=spacing)
         self.transform("full.8vo", "--translate-mm", "3,-1,2")
         (self.folder / "o.8vo").rename(self.folder / "full.8vo")
-        refused = self.expect_error(2, ["m.8vo", "--resample"], "combine", "full.8vo", "m.8vo",
+        rejected = self.expect_error(2, ["m.8vo", "--resample"], "combine", "full.8vo", "m.8vo",
                                     "--intersect", "-o", "c.8vo")
-        self.assertIn("70 x 9 x 66", refused.stderr)
+        self.assertIn("70 x 9 x 66", rejected.stderr)
         made = self.expect(0, "combine", "full.8vo", "m.8vo", "full.8vo", "--resample",
                            "--intersect", "-o", "c.8vo", "--json", "--progress", "none")
         self.assertEqual(json.loads(made.stdout)["resampled"], ["m.8vo"])
@@ -276,7 +276,7 @@ class Transforms(cli_test.InFolder):
                            "-f", "--json", "--progress", "none")
         self.assertEqual(json.loads(made.stdout)["warnings"], [])
 
-    def test_results_that_are_too_large_are_refused_before_any_work(self):
+    def test_results_that_are_too_large_are_rejected_before_any_work(self):
         self.build("flat.8vo", [1] * 4000000, "uint8", "B", size=(2000, 2000, 1))
         self.build("line.8vo", [1] * 40000, "uint8", "B", size=(40000, 1, 1))
         kept = self.files()
@@ -300,7 +300,7 @@ class Transforms(cli_test.InFolder):
             self.transform("v.8vo", *options, "-j", "5", "--max-memory", "600M")
             self.assertEqual((self.folder / "o.8vo").read_bytes(), one)
 
-    def test_refusals_name_the_reason_and_leave_nothing(self):
+    def test_errors_name_the_reason_and_leave_nothing(self):
         for name, text in [("eleven.txt", "1 " * 11), ("word.txt", "1 0 0 0\n0 one 0 0"),
                            ("last.txt", "1 0 0 0 0 1 0 0 0 0 1 0 1 0 0 1"),
                            ("flat.txt", "1 0 0 0 0 1 0 0 1 1 0 0"), ("long.txt", "0 " * 40000)]:

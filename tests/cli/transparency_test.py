@@ -85,7 +85,7 @@ class Transparency(cli_test.InFolder):
             "--turntable", "4", "-o", "t.png", "--json", "--progress", "none").stdout)
         self.assertEqual(told["outputs"], [f"t-00{i}.png" for i in range(4)])
 
-    def test_what_makes_no_sense_is_refused(self):
+    def test_what_makes_no_sense_is_rejected(self):
         for words, options in [
             (["--range", "COLOR"], ["--range", "1:2=purplish"]),
             (["--range", "OPACITY"], ["--range", "1:2=red:7"]),
@@ -147,7 +147,7 @@ class Condense(cli_test.InFolder):
         total = sum(cube["value"] * 8 ** cube["level"] for cube in told["codes"])
         self.assertEqual(total, sum(voxels))
 
-    def test_what_has_no_mean_is_refused(self):
+    def test_what_has_no_mean_is_rejected(self):
         self.expect(0, "threshold", "p.8vo", "--range", "800:", "-o", "m.8vo", "-q")
         self.expect_error(2, ["m.8vo", "labels"], "condense", "m.8vo", "--flat", "1", "-o",
                           "c.8vo")

@@ -48,7 +48,7 @@ class UnknownSpacing(cli_test.InFolder):
                 in_mm = "mm" in name or name.startswith("principal_axis")
                 self.assertEqual(cell, "" if in_mm else known[name], name)
 
-    def test_options_in_mm_are_refused_and_told_what_does_the_same(self):
+    def test_options_in_mm_are_rejected_and_told_what_does_the_same(self):
         for what, instead, arguments in [
             ("--mm", ", --index does not", ["slice", "v.8vo", "--mm", "3", "-o", "s.png"]),
             ("a place in mm", ", one in voxels does not",

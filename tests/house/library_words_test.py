@@ -16,6 +16,10 @@ TOKEN = re.compile(
     r'|"(?P<text>(?:[^"\\\n]|\\.)*)"|\'(?:[^\'\\\n]|\\.)+\'',
     re.DOTALL)
 
+# Fields for which no row stands: their advice is made of the name of the file, or their text says
+# all.
+WITHOUT_ROW = {"input.format", "repair.source", "step.map_mm"}
+
 OPTION = re.compile(r"--[A-Za-z]")
 
 # Where an error gets the option it is about, by its field.
@@ -66,7 +70,7 @@ f('"', "give --force", R"(a " --raw)"); /* "--no" */ i--; g("\\"--x");
             fields |= set(WARNING.findall(text))
         rows = set(ROW.findall((ROOT / "cli/text/advice.cpp").read_text()))
         self.assertGreater(len(rows), 20)
-        self.assertEqual(sorted(fields - rows), [])
+        self.assertEqual(sorted(fields - rows - WITHOUT_ROW), [])
 
 
 unittest.main(verbosity=0)

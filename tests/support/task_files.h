@@ -29,7 +29,9 @@ class TaskFiles : public ::testing::Test {
                     bool is_spacing_known = true) {
     Volume volume = volume_of(labels, 2);
     volume.description.geometry = geometry_;
-    if (!is_spacing_known) volume.description.metadata = Metadata::read(R"({"spacing_known":false})");
+    if (!is_spacing_known) {
+      volume.description.metadata = Metadata::read(R"({"spacing_known":false})");
+    }
     build_volume(volume, folder_.file(name), 1);
     return folder_.file(name);
   }

@@ -24,7 +24,7 @@ RawLayout parse_raw_layout(const std::string& text);
 /// What happens where slices of a series are missing or lie unevenly.
 enum class GapPolicy {
   error,     ///< the series is rejected
-  fill,      ///< planes missing on an even grid are interpolated between their neighbours
+  fill,      ///< planes missing on an even grid are interpolated between their neighbors
   ignore,    ///< a stack of numbered files is taken as it is
   resample,  ///< planes at the smallest regular step are interpolated along the normal
 };

@@ -51,9 +51,9 @@ GreyStatistics real_statistics(const GreyStatistics& stored, const Rescale& resc
   GreyStatistics real;
   real.mean = rescale.to_real(stored.mean);
   real.deviation = std::abs(rescale.slope) * stored.deviation;
-  real.least = rescale.to_real(stored.least);
-  real.greatest = rescale.to_real(stored.greatest);
-  if (rescale.slope < 0) std::swap(real.least, real.greatest);
+  real.minimum = rescale.to_real(stored.minimum);
+  real.maximum = rescale.to_real(stored.maximum);
+  if (rescale.slope < 0) std::swap(real.minimum, real.maximum);
   real.sum = rescale.slope * stored.sum + rescale.intercept * static_cast<double>(voxels);
   for (const double value : stored.percentiles) real.percentiles.push_back(rescale.to_real(value));
   return real;

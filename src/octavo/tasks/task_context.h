@@ -1,5 +1,5 @@
 // What a caller hands to a task besides its options: how much of the machine it may use, who
-// watches it, and who is told what the caller should know.
+// watches it, and who hears what the caller should know.
 //
 // A task is one function per verb: options in, result out. The command line, Python and a cluster
 // call the same ones; none of them prints, asks or exits.

@@ -85,14 +85,14 @@ ValueWindow stored_window(const AskedRange& range, const VolumeDescription& volu
   if (!is_integer(volume.type)) {
     return {(low - rising.intercept) / rising.slope, (high - rising.intercept) / rising.slope};
   }
-  // The greatest stored value at or below `high` is the negative of the smallest at or above it
+  // The largest stored value at or below `high` is the negative of the smallest at or above it
   // in a mirrored scale.
   const Rescale mirrored{rising.slope, -rising.intercept};
   const ValueRange values = value_range(volume.type);
-  const auto least = static_cast<double>(values.min);
-  const auto greatest = static_cast<double>(values.max);
-  return {first_stored(rising, low, least, greatest),
-          -first_stored(mirrored, -high, -greatest, -least)};
+  const auto minimum = static_cast<double>(values.min);
+  const auto maximum = static_cast<double>(values.max);
+  return {first_stored(rising, low, minimum, maximum),
+          -first_stored(mirrored, -high, -maximum, -minimum)};
 }
 
 }  // namespace octavo

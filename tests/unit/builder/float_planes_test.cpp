@@ -140,7 +140,8 @@ TEST(FloatPlanes, WhatIsNoNumberIsCountedOverTheWholeScan) {
   floats.voxels[11 * 32] = kNan;
   floats.voxels[5 * 32] = -kInfinity;
   const Outcome all = run(floats, {.first_planes = 12});
-  expect_words(all.error, {"2 NaN and 1 infinite", "x,y,z = 1,1,3", "[repair.nan]", "[repair.infinity]"});
+  expect_words(all.error,
+               {"2 NaN and 1 infinite", "x,y,z = 1,1,3", "[repair.nan]", "[repair.infinity]"});
   EXPECT_EQ(run(floats, {.first_planes = 1}).error, all.error);
   const Outcome some = run(floats, {.repair = {.nan = 0.0f, .infinity = {}}});
   expect_words(some.error, {"1 infinite", "0,0,5", "[repair.infinity]"});

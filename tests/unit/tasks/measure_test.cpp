@@ -103,8 +103,8 @@ TEST_F(Measure, GreyValuesAreRealOnesOnARisingAndOnAFallingScale) {
       const GreyStatistics& grey = one.region.grey.value();
       const auto count = static_cast<double>(values.size());
       EXPECT_NEAR(grey.mean, sum / count, 1e-6);
-      EXPECT_EQ(grey.least, values.front());
-      EXPECT_EQ(grey.greatest, values.back());
+      EXPECT_EQ(grey.minimum, values.front());
+      EXPECT_EQ(grey.maximum, values.back());
       EXPECT_NEAR(one.in_mm->integrated.value(), 0.5 * sum, 1e-3);
       ASSERT_EQ(grey.percentiles.size(), 3u);
       for (std::size_t i = 0; i < 3; ++i) {

@@ -102,7 +102,7 @@ bool is_vr(const std::string& text) {
   return text.size() == 2 && text[0] >= 'A' && text[0] <= 'Z' && text[1] >= 'A' && text[1] <= 'Z';
 }
 
-/// Walks one file; see the header for what it proves.
+/// Visits one file; see the header for what it proves.
 class Walker {
  public:
   explicit Walker(const std::string& path) : window_(path) {}

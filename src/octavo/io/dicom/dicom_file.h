@@ -1,8 +1,8 @@
-// The data set of a DICOM file, walked element by element and proven complete, without its voxels.
+// The data set of a DICOM file, visited element by element and proven complete, without its voxels.
 //
-// The walk depends on nothing but the file's bytes: every length is checked against the end of the
-// file before it is used, so a cut file is found here and no decoder ever sees one. Pixel data are
-// located, not read; encapsulated ones are walked fragment by fragment to their delimiter.
+// The traversal depends on nothing but the file's bytes: every length is checked against the end of
+// the file before it is used, so a cut file is found here and no decoder ever sees one. Pixel data
+// are located, not read; encapsulated ones are visited fragment by fragment to their delimiter.
 //
 // Source: DICOM PS3.5 (7 Data Set, A.4 Encapsulation), PS3.10 (7 File Format)
 #pragma once
@@ -79,7 +79,7 @@ struct DicomFile {
 /// 0002 or 0008 where there is no preamble. Throws Error{io}.
 bool looks_like_dicom(const std::string& path);
 
-/// Walks the whole file. Deflated and private transfer syntaxes are rejected by name.
+/// Visits the whole file. Deflated and private transfer syntaxes are rejected by name.
 /// Throws Error{source_rejected} naming the element where the file ends early or makes no sense;
 /// Error{io}
 DicomFile read_dicom_file(const std::string& path);

@@ -18,7 +18,7 @@ constexpr double kRelativeTolerance = 1e-3;
 constexpr double kLengthToleranceMm = 0.01;
 constexpr double kGridTolerance = 0.2;  // of a step, behind a gap of many
 constexpr double kMaxGap = 1e6;
-constexpr double kLeastStepMm = 1e-7;
+constexpr double kMinStepMm = 1e-7;
 constexpr double kFarthestMm = 1e7;
 
 std::vector<double> sorted_steps(const SlicePlaces& places) {
@@ -92,7 +92,7 @@ SlicePlaces sort_along_normal(std::vector<DicomSlice>& slices) {
 double same_height_mm(const SlicePlaces& places) {
   double widest = 0;
   for (std::size_t i = 1; i < places.count(); ++i) widest = std::max(widest, places.step_mm(i));
-  return std::max(kLeastStepMm, std::min(kLengthToleranceMm, kRelativeTolerance * widest));
+  return std::max(kMinStepMm, std::min(kLengthToleranceMm, kRelativeTolerance * widest));
 }
 
 std::string find_uneven_step(const std::vector<DicomSlice>& slices, const SlicePlaces& places) {

@@ -181,16 +181,16 @@ void remove_tilt(DicomStack& stack, const SlicePlaces& places) {
                       "wrong, and taking out a tilt does not help");
   }
   const std::array<double, 2>& pixel_mm = *stack.slices.front().pixel_mm;
-  std::array<double, 2> least_mm{};
+  std::array<double, 2> min_mm{};
   for (const auto& shift : places.shift_mm) {
     for (std::size_t axis = 0; axis < 2; ++axis)
-      least_mm[axis] = std::min(least_mm[axis], shift[axis]);
+      min_mm[axis] = std::min(min_mm[axis], shift[axis]);
   }
   std::array<double, 2> most{};
   for (const auto& shift : places.shift_mm) {
     std::array<double, 2>& voxels = tilt.shift.emplace_back();
     for (std::size_t axis = 0; axis < 2; ++axis) {
-      const double exact = (shift[axis] - least_mm[axis]) / pixel_mm[axis];
+      const double exact = (shift[axis] - min_mm[axis]) / pixel_mm[axis];
       const double whole = std::round(exact);
       voxels[axis] = std::abs(exact - whole) <= kWholeShift ? whole : exact;
       most[axis] = std::max(most[axis], voxels[axis]);
@@ -209,7 +209,7 @@ void remove_tilt(DicomStack& stack, const SlicePlaces& places) {
   tilt.outside = outside_value(stack);
   for (std::size_t i = 0; i < 3; ++i) {
     stack.geometry.origin_mm[i] +=
-        places.axes.row[i] * least_mm[0] + places.axes.column[i] * least_mm[1];
+        places.axes.row[i] * min_mm[0] + places.axes.column[i] * min_mm[1];
   }
   stack.warnings.push_back(
       "gantry tilt of " + precise_text(rounded(tilt.angle_degrees, 100)) +

@@ -194,8 +194,8 @@ std::string point_text(const Point3& point) {
 std::string difference(const Geometry& sform, const Geometry& qform) {
   bool spacing_differs = false;
   bool origin_differs = false;
-  const double least = *std::min_element(sform.spacing_mm.begin(), sform.spacing_mm.end());
-  const double origin_mm = std::max(kFormTolerance * least, std::min(0.01, 0.1 * least));
+  const double minimum = *std::min_element(sform.spacing_mm.begin(), sform.spacing_mm.end());
+  const double origin_mm = std::max(kFormTolerance * minimum, std::min(0.01, 0.1 * minimum));
   for (std::size_t i = 0; i < 3; ++i) {
     const double s = sform.spacing_mm[i];
     spacing_differs = spacing_differs || std::abs(s - qform.spacing_mm[i]) > kFormTolerance * s;

@@ -24,7 +24,7 @@ struct NiftiHeader {
   std::int64_t voxel_offset = 0;
   double slope = 0;
   double intercept = 0;
-  int spatial_unit = 0;                 ///< 1 metre, 2 mm, 3 micrometer, 0 unknown
+  int spatial_unit = 0;                 ///< 1 meter, 2 mm, 3 micrometer, 0 unknown
   std::int64_t intent = 0;
   std::int64_t qform_code = 0;
   std::int64_t sform_code = 0;

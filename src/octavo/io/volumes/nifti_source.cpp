@@ -142,10 +142,10 @@ std::unique_ptr<PlaneSource> open_nifti_source(const std::string& path,
   run.path = voxel_file(path, header.is_pair);
   run.big_endian = header.big_endian;
   run.coding = is_gzip_file(run.path) ? StreamCoding::deflated : StreamCoding::plain;
-  const std::int64_t least = header.is_pair ? 0 : header.version == 1 ? 348 : 540;
-  if (header.voxel_offset < least) {
+  const std::int64_t minimum = header.is_pair ? 0 : header.version == 1 ? 348 : 540;
+  if (header.voxel_offset < minimum) {
     reject(path, "the voxels are said to start at byte " + std::to_string(header.voxel_offset) +
-                     ", inside the header of " + std::to_string(least) + " bytes");
+                     ", inside the header of " + std::to_string(minimum) + " bytes");
   }
   run.skip_bytes = static_cast<std::uint64_t>(header.voxel_offset);
   take_component(header, facts, run);

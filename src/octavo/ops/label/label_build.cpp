@@ -425,9 +425,10 @@ LabelTree labels_of_masks(const Size3& size, std::span<const LabelMask> masks) {
       portions.push_back({mask.label, &mask.tree, piece});
     }
   }
-  std::stable_sort(portions.begin(), portions.end(), [](const MaskPortion& a, const MaskPortion& b) {
+  const auto is_before = [](const MaskPortion& a, const MaskPortion& b) {
     return a.piece.code != b.piece.code ? a.piece.code < b.piece.code : a.label < b.label;
-  });
+  };
+  std::stable_sort(portions.begin(), portions.end(), is_before);
   std::vector<std::span<const MaskPortion>> cubes;
   for (std::size_t begin = 0; begin < portions.size();) {
     std::size_t end = begin;

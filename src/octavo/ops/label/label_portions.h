@@ -31,8 +31,8 @@ class LabelPortions {
     }
   }
 
-  /// The portions in the stored cube of rank 0 at `place`; valid until the next call. Every label in
-  /// the cube but 0 has one, in no order.
+  /// The portions in the stored cube of rank 0 at `place`; valid until the next call. Every label
+  /// in the cube but 0 has one, in no order.
   std::span<const LabelPortion> in_cube(std::uint64_t place) {
     for (std::size_t i = 0; i < count_; ++i) slots_[portions_[i].label] = kNone;
     count_ = 0;

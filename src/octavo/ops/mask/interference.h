@@ -1,8 +1,8 @@
 // Where two masks meet: the voxels they share, and where one lies against the other.
 //
-// One traversal of both trees. A cube is entered only when voxels of both lie in it, or voxels of one
-// beside voxels of the other; what both fill is counted without being entered. So the work follows
-// the places where the masks meet.
+// One traversal of both trees. A cube is entered only when voxels of both lie in it, or voxels of
+// one beside voxels of the other; what both fill is counted without being entered. So the work
+// follows the places where the masks meet.
 //
 // Source  thesis 1.2
 #pragma once

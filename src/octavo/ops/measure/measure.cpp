@@ -66,9 +66,9 @@ class Histogram {
 struct Sums {
   MomentSums moments;
   std::uint64_t surface = 0;
-  // Of the grey voxels less `Bins::least`: exact for integers, in order for floats.
-  double least = std::numeric_limits<double>::infinity();
-  double greatest = -std::numeric_limits<double>::infinity();
+  // Of the grey voxels less `Bins::minimum`: exact for integers, in order for floats.
+  double minimum = std::numeric_limits<double>::infinity();
+  double maximum = -std::numeric_limits<double>::infinity();
   __int128 whole_sum = 0;
   __int128 whole_squares = 0;
   long double sum = 0;
@@ -76,16 +76,16 @@ struct Sums {
   Histogram histogram;
 };
 
-// How grey values fall into bins: the k-th holds those from least + k * width on. Sums count from
-// the least value as well, so that a small spread far from 0 is not lost.
+// How grey values fall into bins: the k-th holds those from minimum + k * width on. Sums count from
+// the smallest value as well, so that a small spread far from 0 is not lost.
 struct Bins {
-  double least = 0;
+  double minimum = 0;
   double width = 1;
   std::size_t count = 1;
   bool is_wanted = false;
 
   std::size_t bin_of(double value) const {
-    const double at = std::floor((value - least) / width);
+    const double at = std::floor((value - minimum) / width);
     return static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(count - 1)));
   }
 };
@@ -108,14 +108,14 @@ Bins bins_of(const FileReader& grey) {
 template <class T>
 void add_grey(T value, const Bins& bins, Sums& sums) {
   const auto v = static_cast<double>(value);
-  sums.least = std::min(sums.least, v);
-  sums.greatest = std::max(sums.greatest, v);
+  sums.minimum = std::min(sums.minimum, v);
+  sums.maximum = std::max(sums.maximum, v);
   if constexpr (std::is_integral_v<T>) {
-    const auto above = static_cast<std::int64_t>(value) - static_cast<std::int64_t>(bins.least);
+    const auto above = static_cast<std::int64_t>(value) - static_cast<std::int64_t>(bins.minimum);
     sums.whole_sum += above;
     sums.whole_squares += static_cast<__int128>(above) * above;
   } else {
-    const long double above = v - bins.least;
+    const long double above = v - bins.minimum;
     sums.sum += above;
     sums.squares += above * above;
   }
@@ -127,8 +127,8 @@ using SumsByLabel = std::map<std::int64_t, Sums>;
 void add(const Sums& from, Sums& to) {
   to.moments.add(from.moments);
   to.surface += from.surface;
-  to.least = std::min(to.least, from.least);
-  to.greatest = std::max(to.greatest, from.greatest);
+  to.minimum = std::min(to.minimum, from.minimum);
+  to.maximum = std::max(to.maximum, from.maximum);
   to.whole_sum += from.whole_sum;
   to.whole_squares += from.whole_squares;
   to.sum += from.sum;
@@ -279,10 +279,10 @@ class Measurement {
     const long double squares =
         is_whole ? static_cast<long double>(sums.whole_squares) : sums.squares;
     const long double mean = sum / count;
-    grey.least = sums.least;
-    grey.greatest = sums.greatest;
-    grey.mean = static_cast<double>(mean + bins_.least);
-    grey.sum = static_cast<double>(sum + count * bins_.least);
+    grey.minimum = sums.minimum;
+    grey.maximum = sums.maximum;
+    grey.mean = static_cast<double>(mean + bins_.minimum);
+    grey.sum = static_cast<double>(sum + count * bins_.minimum);
     grey.deviation =
         static_cast<double>(std::sqrt(std::max(0.0L, squares / count - mean * mean)));
     if (options_.percentiles.empty()) return grey;
@@ -293,7 +293,7 @@ class Measurement {
     return grey;
   }
 
-  // The least value that at least `percent` of the voxels do not exceed, as far as bins tell.
+  // The smallest value that at least `percent` of the voxels do not exceed, as far as bins tell.
   double percentile(const Sums& sums, const std::vector<std::uint64_t>& counts,
                     double percent) const {
     const double wanted = percent / 100 * static_cast<double>(sums.moments.count);
@@ -301,11 +301,11 @@ class Measurement {
     for (std::size_t bin = 0; bin < counts.size(); ++bin) {
       seen += counts[bin];
       if (seen > 0 && static_cast<double>(seen) >= wanted) {
-        const double value = bins_.least + static_cast<double>(bin) * bins_.width;
-        return std::clamp(value, sums.least, sums.greatest);
+        const double value = bins_.minimum + static_cast<double>(bin) * bins_.width;
+        return std::clamp(value, sums.minimum, sums.maximum);
       }
     }
-    return sums.greatest;
+    return sums.maximum;
   }
 
   const FileReader& labels_;

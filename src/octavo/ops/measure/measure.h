@@ -22,10 +22,10 @@ namespace octavo {
 struct GreyStatistics {
   double mean = 0;
   double deviation = 0;  ///< of the population
-  double least = 0;
-  double greatest = 0;
+  double minimum = 0;
+  double maximum = 0;
   double sum = 0;
-  /// As many as were asked for: the least value that this share of the voxels does not exceed.
+  /// As many as were asked for: the smallest value that this share of the voxels does not exceed.
   /// Exact for integers where the volume's range is below kPercentileBins, else within a
   /// kPercentileBins-th of that range.
   std::vector<double> percentiles;

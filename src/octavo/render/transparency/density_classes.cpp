@@ -10,7 +10,7 @@ namespace octavo {
 
 namespace {
 
-constexpr std::size_t kMostTones = 65536;
+constexpr std::size_t kMaxClasses = 65536;
 
 template <class T>
 constexpr bool has_table = sizeof(T) <= 2;
@@ -19,7 +19,7 @@ constexpr bool has_table = sizeof(T) <= 2;
 
 DensityClasses DensityClasses::of_ranges(const VolumeDescription& volume,
                                          std::span<const DensityRange> ranges) {
-  if (ranges.size() + 1 >= kMostTones) {
+  if (ranges.size() + 1 >= kMaxClasses) {
     throw Error(ErrorKind::invalid_argument, "more than 65534 density ranges");
   }
   DensityClasses map;
@@ -33,7 +33,7 @@ DensityClasses DensityClasses::of_ranges(const VolumeDescription& volume,
 DensityClasses DensityClasses::ramp(const VolumeDescription& volume, double low, double high,
                                     int steps) {
   const bool is_sound = std::isfinite(low) && std::isfinite(high) && low < high;
-  if (!is_sound || steps < 1 || static_cast<std::size_t>(steps) >= kMostTones) {
+  if (!is_sound || steps < 1 || static_cast<std::size_t>(steps) >= kMaxClasses) {
     throw Error(ErrorKind::invalid_argument, "a ramp needs two ends and 1 to 65535 steps");
   }
   DensityClasses map;

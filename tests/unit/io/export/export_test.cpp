@@ -404,8 +404,8 @@ class StorageWithoutExchange final : public Storage {
   }
   bool exists(const std::string& path) override { return local_storage().exists(path); }
   void rename(const std::string& from, const std::string& to) override {
-    if (refuses_final && base_name_of(to) == "stack" && base_name_of(from).front() == '.') {
-      refuses_final = false;
+    if (rejects_final && base_name_of(to) == "stack" && base_name_of(from).front() == '.') {
+      rejects_final = false;
       throw Error(ErrorKind::io, "rejected", to);
     }
     local_storage().rename(from, to);
@@ -416,7 +416,7 @@ class StorageWithoutExchange final : public Storage {
   }
   void sync_folder(const std::string& folder) override { local_storage().sync_folder(folder); }
 
-  bool refuses_final = false;
+  bool rejects_final = false;
 };
 
 TEST(Export, AStackIsReplacedAsAWholeWhereNamesCannotBeExchanged) {
@@ -426,7 +426,7 @@ TEST(Export, AStackIsReplacedAsAWholeWhereNamesCannotBeExchanged) {
   std::ofstream(built.folder.file("stack/plane_0099.tif")) << "of the earlier stack";
   ExportOptions replace;
   replace.overwrite = true;
-  storage.refuses_final = true;
+  storage.rejects_final = true;
   EXPECT_EQ(kind_of([&] { built.export_as("stack/", replace, storage); }), ErrorKind::io);
   EXPECT_TRUE(fs::exists(built.folder.file("stack/plane_0099.tif")));
   EXPECT_EQ(built.entry_count(), 2u);

@@ -16,7 +16,8 @@ TEST(VoxelStream, DamageInAGzipStreamNeverChangesAVoxel) {
     write_file(folder.file("a.nii.gz"), damaged);
     try {
       // Some bits of a stream can change without changing what it inflates to.
-      EXPECT_EQ(voxels_of(*open_source({folder.file("a.nii.gz")}, {})), bytes_of(kStoredValues)) << at;
+      const auto source = open_source({folder.file("a.nii.gz")}, {});
+      EXPECT_EQ(voxels_of(*source), bytes_of(kStoredValues)) << at;
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::source_rejected) << at;
     }

@@ -58,7 +58,8 @@ TEST(NrrdSource, EveryTruncationIsRejected) {
   const TempFolder folder;
   const std::string header =
       "NRRD0004\ntype: short\ndimension: 3\nsizes: 4 3 2\nendian: little\nencoding: ";
-  expect_every_truncation_rejected(folder.file("a.nrrd"), header + "raw\n\n" + bytes_of(kStoredValues));
+  expect_every_truncation_rejected(folder.file("a.nrrd"),
+                                   header + "raw\n\n" + bytes_of(kStoredValues));
   expect_every_truncation_rejected(folder.file("b.nrrd"),
                                    header + "gzip\n\n" + gzip(bytes_of(kStoredValues)));
 }

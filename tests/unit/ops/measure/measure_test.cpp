@@ -141,8 +141,8 @@ TEST(MeasureRegions, AgreesWithEveryVoxel) {
     for (const double value : v) squares += (value - sum / n) * (value - sum / n);
     ASSERT_TRUE(region->grey.has_value());
     EXPECT_EQ(region->grey->sum, sum);
-    EXPECT_EQ(region->grey->least, v.front());
-    EXPECT_EQ(region->grey->greatest, v.back());
+    EXPECT_EQ(region->grey->minimum, v.front());
+    EXPECT_EQ(region->grey->maximum, v.back());
     EXPECT_NEAR(region->grey->mean, sum / n, 1e-9);
     EXPECT_NEAR(region->grey->deviation, std::sqrt(squares / n), 1e-6);
     const double percents[] = {5, 25, 50, 75, 95};

@@ -48,7 +48,7 @@ TEST(DensityClasses, RangesAreRealValuesWhateverTheRescale) {
   }
 }
 
-TEST(DensityClasses, ACommonToneIsThatOfEveryValueBetween) {
+TEST(DensityClasses, ACommonClassIsThatOfEveryValueBetween) {
   for (const double slope : {1.0, -2.0}) {
     const VolumeDescription volume = volume_of(VoxelType::int16, {slope, 0});
     const DensityClasses maps[] = {DensityClasses::of_ranges(volume, kRanges),

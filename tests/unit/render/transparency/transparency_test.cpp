@@ -128,13 +128,13 @@ TEST(Transparency, ThePictureHoldsTheVolumesDensityAtItsPlaceFromAllSides) {
     options.ramp = {0, 9};
     options.window = Window{75, 150};
     const Weight picture = weight_of(drawn(*reader, view, options).picture);
-    const Weight truth = weight_of(volume, view);
+    const Weight reference = weight_of(volume, view);
     const Point3& mm = volume.description.geometry.spacing_mm;
-    const double voxels = truth.total * mm[0] * mm[1] * mm[2];
+    const double voxels = reference.total * mm[0] * mm[1] * mm[2];
     const double pixels = picture.total / 255 * 150 * view.pixel_mm * view.pixel_mm;
     EXPECT_NEAR(pixels / voxels, 1, 0.01) << toward.x << toward.y << toward.z;
-    EXPECT_NEAR(picture.x / picture.total, truth.x / truth.total, 0.2);
-    EXPECT_NEAR(picture.y / picture.total, truth.y / truth.total, 0.2);
+    EXPECT_NEAR(picture.x / picture.total, reference.x / reference.total, 0.2);
+    EXPECT_NEAR(picture.y / picture.total, reference.y / reference.total, 0.2);
   }
 }
 
@@ -147,10 +147,10 @@ TEST(Transparency, ASmallPictureIsTheMeanOfWhatItCovers) {
   options.ramp = {0, 9};
   options.window = Window{75, 150};
   const Weight picture = weight_of(drawn(*reader, view, options).picture);
-  const Weight truth = weight_of(volume, view);
+  const Weight reference = weight_of(volume, view);
   const Point3& mm = volume.description.geometry.spacing_mm;
   EXPECT_NEAR(picture.total / 255 * 150 * view.pixel_mm * view.pixel_mm /
-                  (truth.total * mm[0] * mm[1] * mm[2]),
+                  (reference.total * mm[0] * mm[1] * mm[2]),
               1, 0.05);
 }
 
@@ -186,7 +186,7 @@ TEST(Transparency, OpacityIsThatOfALengthWhateverDirectionAndLevel) {
   }
 }
 
-TEST(Transparency, WhatIsInFrontVeilsWhatIsBehind) {
+TEST(Transparency, WhatIsInFrontHidesWhatIsBehind) {
   const ScratchFolder folder;
   Volume volume = boxes_volume({32, 32, 32}, {});
   for (std::size_t i = 0; i < volume.voxels.size(); ++i) {
