@@ -222,38 +222,36 @@ void clean_unused_bits(const DicomLayout& layout, std::span<std::byte> plane) {
   });
 }
 
-}  // namespace
+/// Rejects segmentations but plain BINARY and FRACTIONAL ones.
+void require_readable_segmentation(const DicomLayout& layout) {
+  const bool is_plain = layout.samples == 1 && !layout.pixels.is_float;
+  const bool is_binary = is_plain && layout.segmentation_type == "BINARY" &&
+                         layout.bits_allocated == 1 && !layout.pixels.is_encapsulated;
+  const bool is_fractional = is_plain && layout.segmentation_type == "FRACTIONAL" &&
+                             layout.bits_allocated == 8 && !layout.is_signed;
+  if (is_binary || is_fractional) return;
+  const std::string type = layout.segmentation_type.empty() ? "unknown" : layout.segmentation_type;
+  reject(layout, "a DICOM segmentation (SEG) of type " + escaped(type) + " with " +
+                     std::to_string(layout.bits_allocated) + " bits per voxel" +
+                     (layout.pixels.is_encapsulated ? ", compressed," : "") +
+                     " is not read; plain BINARY ones of 1 bit and FRACTIONAL ones of 8 bits are. "
+                     "Convert it to NIfTI or NRRD labels first");
+}
 
-VoxelType dicom_voxel_type(const DicomLayout& layout) {
-  if (layout.is_segmentation()) {
-    if (layout.bits_allocated == 1 && layout.segmentation_type == "BINARY" &&
-        layout.samples == 1 && !layout.pixels.is_encapsulated && !layout.pixels.is_float) {
-      return VoxelType::uint8;
-    }
-    const bool is_fractional = layout.segmentation_type == "FRACTIONAL" &&
-                               layout.bits_allocated == 8 && layout.samples == 1 &&
-                               !layout.is_signed && !layout.pixels.is_float;
-    if (is_fractional) return VoxelType::uint8;
-    reject(layout, "a DICOM segmentation (SEG) of type " +
-                       escaped(layout.segmentation_type.empty() ? "unknown"
-                                                                : layout.segmentation_type) +
-                       " with " + std::to_string(layout.bits_allocated) + " bits per voxel" +
-                       (layout.pixels.is_encapsulated ? ", compressed," : "") +
-                       " is not read; plain BINARY ones of 1 bit and FRACTIONAL ones of 8 bits "
-                       "are. Convert it to NIfTI or NRRD labels first");
-  }
-  if (layout.pixels.is_float) {
-    reject(layout, "float DICOM pixel data are not read; convert them to NRRD or NIfTI first");
-  }
+/// Rejects pictures but grey and uncompressed RGB ones.
+void require_readable_colors(const DicomLayout& layout) {
   const bool is_grey = layout.samples == 1 && layout.photometric.starts_with("MONOCHROME");
   const bool is_rgb = layout.samples == 3 && layout.photometric == "RGB";
-  if (!is_grey && (!is_rgb || layout.pixels.is_encapsulated)) {
-    reject(layout, std::string("a ") + (layout.pixels.is_encapsulated ? "compressed " : "") +
-                       "color picture (" + escaped(layout.photometric) + ", " +
-                       std::to_string(layout.samples) + " samples per pixel) is not read; grey "
-                       "and uncompressed RGB (of which one channel is taken) are. Convert it "
-                       "first, as gdcmconv does by its option raw");
-  }
+  if (is_grey || (is_rgb && !layout.pixels.is_encapsulated)) return;
+  reject(layout, std::string("a ") + (layout.pixels.is_encapsulated ? "compressed " : "") +
+                     "color picture (" + escaped(layout.photometric) + ", " +
+                     std::to_string(layout.samples) + " samples per pixel) is not read; grey and "
+                     "uncompressed RGB (of which one channel is taken) are. Convert it first, as "
+                     "gdcmconv does by its option raw");
+}
+
+/// The type that holds the bits of a voxel; rejects bits that do not fit together.
+VoxelType integer_type(const DicomLayout& layout) {
   const std::int64_t bits = layout.bits_allocated;
   if (bits != 8 && bits != 16 && bits != 32) {
     reject(layout,
@@ -268,6 +266,20 @@ VoxelType dicom_voxel_type(const DicomLayout& layout) {
   if (bits == 8) return layout.is_signed ? VoxelType::int8 : VoxelType::uint8;
   if (bits == 16) return layout.is_signed ? VoxelType::int16 : VoxelType::uint16;
   return layout.is_signed ? VoxelType::int32 : VoxelType::uint32;
+}
+
+}  // namespace
+
+VoxelType dicom_voxel_type(const DicomLayout& layout) {
+  if (layout.is_segmentation()) {
+    require_readable_segmentation(layout);
+    return VoxelType::uint8;
+  }
+  if (layout.pixels.is_float) {
+    reject(layout, "float DICOM pixel data are not read; convert them to NRRD or NIfTI first");
+  }
+  require_readable_colors(layout);
+  return integer_type(layout);
 }
 
 void read_dicom_frame(const DicomSlice& slice, std::span<std::byte> plane) {
