@@ -112,7 +112,7 @@ TEST(ResumedBuild, IsNotOfferedWhereNoJournalIsWanted) {
   EXPECT_EQ(storage.files.size(), 1u);
 }
 
-class ResumedBuildOf : public testing::TestWithParam<Kind> {};
+class ResumedBuildOf : public ::testing::TestWithParam<Kind> {};
 
 TEST_P(ResumedBuildOf, HasTheBytesOfABuildWithoutABreak) {
   const Kind& kind = GetParam();
@@ -136,7 +136,7 @@ TEST_P(ResumedBuildOf, HasTheBytesOfABuildWithoutABreak) {
 
 INSTANTIATE_TEST_SUITE_P(
     EveryKind, ResumedBuildOf,
-    testing::Values(kGrey, Kind{"fast", VoxelType::int16, VolumeKind::grey, 0, Preset::fast},
+    ::testing::Values(kGrey, Kind{"fast", VoxelType::int16, VolumeKind::grey, 0, Preset::fast},
                     Kind{"lossy", VoxelType::int16, VolumeKind::grey, 2},
                     Kind{"labels", VoxelType::uint16, VolumeKind::labels},
                     Kind{"float", VoxelType::float32},

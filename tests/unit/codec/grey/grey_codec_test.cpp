@@ -97,8 +97,8 @@ const Size3 kSizes[] = {{64, 64, 64}, {1, 1, 1}, {1, 1, 2}, {3, 1, 1},    {2, 2,
                         {64, 1, 1},   {1, 37, 1}, {5, 7, 3}, {17, 64, 31}, {63, 2, 64}};
 
 template <class T>
-class GreyCodecOfType : public testing::Test {};
-using IntegerTypes = testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t,
+class GreyCodecOfType : public ::testing::Test {};
+using IntegerTypes = ::testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t,
                                     std::int32_t, std::uint32_t>;
 TYPED_TEST_SUITE(GreyCodecOfType, IntegerTypes);
 
@@ -117,7 +117,7 @@ void expect_lossless(Preset preset) {
   for (const Content content : kContents) {
     for (const Size3& size : kSizes) {
       if (is_left_out<T>(content, size, static_cast<std::size_t>(preset))) continue;
-      SCOPED_TRACE(testing::Message() << "content " << static_cast<int>(content) << " size "
+      SCOPED_TRACE(::testing::Message() << "content " << static_cast<int>(content) << " size "
                                       << size.x << "x" << size.y << "x" << size.z);
       const auto voxels = make_voxels<T>(size, content, 5);
       const BrickShape shape = shape_of(size);
@@ -168,7 +168,7 @@ TYPED_TEST(GreyCodecOfType, EveryVoxelStaysWithinTheMaximumError) {
       for (const Content content : kContents) {
         for (const Size3& size : sizes) {
           if (is_left_out<T>(content, size, turn)) continue;
-          SCOPED_TRACE(testing::Message() << "error " << max_error << " content "
+          SCOPED_TRACE(::testing::Message() << "error " << max_error << " content "
                                           << static_cast<int>(content) << " x " << size.x);
           const auto voxels = make_voxels<T>(size, content, 8);
           const BrickShape shape = shape_of(size);
