@@ -31,14 +31,14 @@ constexpr Advice kAdvice[] = {
     {kSource, "channel", "", "give --channel with {}"},
     {kUsage, "channel", "", "give --channel with {}"},
     {kUsage, "channel", "", "leave out --channel"},
-    {kSource, "drop_duplicates", "", "give --drop-duplicates to have copies left out"},
+    {kSource, "drop_duplicates", "", "or give --drop-duplicates to have copies left out"},
     {kUsage, "drop_duplicates", "", "leave out --drop-duplicates"},
     {ErrorKind::io, "isolation", "", "--no-isolation reads without one"},
     {kSource, "on_gap", "fill",
-     "give --on-gap fill to have missing planes made from their neighbors, or left empty in a "
+     "or give --on-gap fill to have missing planes made from their neighbors, or left empty in a "
      "segmentation"},
-    {kSource, "on_gap", "ignore", "give --on-gap ignore to take the files as neighbors"},
-    {kSource, "on_gap", "resample", "give --on-gap resample to have even planes made from them"},
+    {kSource, "on_gap", "ignore", "or give --on-gap ignore to take the files as neighbors"},
+    {kSource, "on_gap", "resample", "or give --on-gap resample to have even planes made from them"},
     {kUsage, "on_gap", "", "give --on-gap {}"},
     {kUsage, "on_gap", "", "leave out --on-gap"},
     {kSource, "raw", "", "headerless voxels need --raw nx,ny,nz,type"},

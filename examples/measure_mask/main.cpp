@@ -17,7 +17,9 @@ namespace {
 void measure_parts(const std::string& scan, double value, const std::string& mask,
                    const std::string& labels) {
   octavo::TaskContext context;
-  context.on_warning = [](const std::string& text) { std::cerr << "warning: " << text << "\n"; };
+  context.on_warning = [](const octavo::Warning& warning) {
+    std::cerr << "warning: " << warning.text << "\n";
+  };
 
   octavo::ThresholdOptions brighter;
   brighter.input = scan;

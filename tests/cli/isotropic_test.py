@@ -66,7 +66,7 @@ class Isotropic(cli_test.InFolder):
         (self.folder / "other.raw").write_bytes(voxels)
         self.expect(1, "verify", "a.8vo", "--against", "other.raw", *self.THICK)
         told = self.expect(2, "verify", "a.8vo", "--against", "thick.raw", *self.RAW)
-        self.assertIn("thick.raw: --isotropic needs", told.stderr)
+        self.assertIn("thick.raw: isotropic voxels are made by their distances", told.stderr)
 
     def test_an_octavo_file_is_a_source_as_well(self):
         self.build(*self.THICK, output="thick.8vo")
@@ -114,7 +114,7 @@ class Isotropic(cli_test.InFolder):
     def test_what_cannot_be_done_is_said_and_leaves_nothing(self):
         before = self.files()
         table = [
-            (2, ["--isotropic needs", "--spacing"], []),
+            (2, ["isotropic voxels are made by their distances", "give --spacing"], []),
             (7, ["0.5 x 2 x 9 mm", "not square"], ["--spacing", "0.5,2,9"]),
             (7, ["300 pixels apart"], ["--spacing", "0.01,0.01,3"]),
         ]

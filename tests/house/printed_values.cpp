@@ -2,15 +2,11 @@
 #include "octavo/octree/mask_tree.h"
 #include "octavo/octree/o_code.h"
 
-namespace {
-
 octavo::Index3 place = {1, 2, 3};
 octavo::Size3 size = {64, 32, 16};
 octavo::Box box = {{0, 1, 2}, {64, 32, 16}};
 octavo::OCode cube = {1, 065};  // octal: the cube of side 2 at (4, 2, 6)
 octavo::MaskCube mask_cube = {0b11, 0b1100, 7};
-
-}  // namespace
 
 int main() {
   const octavo::MaskTree tree = octavo::box_mask(size, box);

@@ -55,8 +55,7 @@ Format format_of(const std::string& path) {
 void require_fitting(Format format, const SourceOptions& options, const std::string& path) {
   if (const std::string field = options.dicom_option();
       !field.empty() && format != Format::dicom) {
-    throw Error(ErrorKind::invalid_argument,
-                "no DICOM, to which alone \"" + field + "\" applies", path)
+    throw Error(ErrorKind::invalid_argument, field + " applies to DICOM series alone", path)
         .with_field(field);
   }
   const bool is_stack =

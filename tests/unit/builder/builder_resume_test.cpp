@@ -137,11 +137,11 @@ TEST_P(ResumedBuildOf, HasTheBytesOfABuildWithoutABreak) {
 INSTANTIATE_TEST_SUITE_P(
     EveryKind, ResumedBuildOf,
     ::testing::Values(kGrey, Kind{"fast", VoxelType::int16, VolumeKind::grey, 0, Preset::fast},
-                    Kind{"lossy", VoxelType::int16, VolumeKind::grey, 2},
-                    Kind{"labels", VoxelType::uint16, VolumeKind::labels},
-                    Kind{"float", VoxelType::float32},
+                      Kind{"lossy", VoxelType::int16, VolumeKind::grey, 2},
+                      Kind{"labels", VoxelType::uint16, VolumeKind::labels},
+                      Kind{"float", VoxelType::float32},
                     Kind{"lossy_float", VoxelType::float32, VolumeKind::grey, 0.25}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& of) { return std::string(of.param.name); });
 
 TEST(ResumedBuild, NamesThePlanesThatChanged) {
   const auto files = interrupted_grey();

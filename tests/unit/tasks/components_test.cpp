@@ -115,7 +115,7 @@ TEST_F(ComponentsTask, NothingIsInMmWhereTheSpacingIsNotKnown) {
   EXPECT_FALSE(result.rows.front().mm3.has_value());
   EXPECT_FALSE(result.rows.front().centroid_mm.has_value());
   options_.min_mm3 = 1;
-  EXPECT_EQ(failure_of([&] { components(options_, context_); }).field, "spacing_mm");
+  EXPECT_EQ(failure_of([&] { components(options_, context_); }).field, "input.spacing_mm");
 }
 
 }  // namespace

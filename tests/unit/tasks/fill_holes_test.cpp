@@ -72,7 +72,7 @@ TEST_F(FillHoles, LargerHolesAreLeft) {
 TEST_F(FillHoles, AVolumeInMm3NeedsASpacing) {
   options_.input = write("unknown.8vo", mask_, false);
   options_.max_mm3 = 1;
-  EXPECT_EQ(failure_of([&] { fill_holes(options_, context_); }).field, "spacing_mm");
+  EXPECT_EQ(failure_of([&] { fill_holes(options_, context_); }).field, "input.spacing_mm");
 }
 
 }  // namespace

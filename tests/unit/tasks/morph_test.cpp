@@ -99,7 +99,7 @@ TEST_F(Morph, DistancesThatAreNoneAreInvalid) {
   EXPECT_EQ(failure_of([&] { morph(options_, context_); }).kind, ErrorKind::invalid_argument);
   options_.mm = 1;
   options_.input = write("unknown.8vo", mask_, false);
-  EXPECT_EQ(failure_of([&] { morph(options_, context_); }).field, "spacing_mm");
+  EXPECT_EQ(failure_of([&] { morph(options_, context_); }).field, "input.spacing_mm");
 }
 
 }  // namespace

@@ -189,7 +189,7 @@ struct OddAnswer {
 TEST(Http, OddAnswersAreRejectedInTheirOwnWords) {
   const OddAnswer answers[] = {
       {404, "X-None", "", "no such file"},
-      {403, "X-None", "", "rejects access"},
+      {403, "X-None", "", "denies access"},
       {416, "Content-Range", "bytes */0", "no such range"},
       {302, "Location", "file:///etc/passwd", "302"},
   };

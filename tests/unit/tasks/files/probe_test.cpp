@@ -43,7 +43,7 @@ TEST_F(Probe, PlacesThatAreNotThereAreRejected) {
 TEST_F(Probe, PlacesInMmNeedAKnownSpacing) {
   options_.input = write("labels.8vo", testing::DenseLabels({8, 8, 8}, 1), false);
   options_.positions_mm = {{1, 1, 1}};
-  EXPECT_EQ(failure().field, "spacing_mm");
+  EXPECT_EQ(failure().field, "input.spacing_mm");
 }
 
 }  // namespace
