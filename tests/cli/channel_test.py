@@ -97,7 +97,7 @@ class Components(cli_test.InFolder):
         self.assertIn("2 x 2 x 2 mm (given by --spacing)", self.expect(0, "info", "a.8vo").stdout)
         self.refuse(2, ["channel 1 is not there", "1 channel", "leave out --channel"], "one.nii", "--channel", "1")
         self.refuse(2, ["segment applies to DICOM series alone", "leave out --segment"], "one.nii", "--segment", "1")
-        self.refuse(2, ["--on-gap ignore", "TIFF, PNG, raw"], "one.nii", "--on-gap", "ignore")
+        self.refuse(2, ["stacks of numbered files", "TIFF, PNG, raw", "leave out --on-gap"], "one.nii", "--on-gap", "ignore")
 
     def test_numbers_that_skip_are_rejected_or_ignored_and_told(self):
         (self.folder / "stack").mkdir()

@@ -30,7 +30,7 @@ class Printers(unittest.TestCase):
                           "$2 = 2 full and 2 mixed of 64, first mixed at 7"])
 
     def test_a_mask(self):
-        shown = printed("break printed_values.cpp:17", "run", "print tree")
+        shown = printed("break printed_values.cpp:13", "run", "print tree")
         if "$1" not in shown:
             self.skipTest("programs cannot be traced here")
         self.assertRegex(shown, r"\$1 = mask of 64 x 32 x 16 voxels: \d+ mixed words, "

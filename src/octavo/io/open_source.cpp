@@ -62,9 +62,7 @@ void require_fitting(Format format, const SourceOptions& options, const std::str
       format == Format::tiff || format == Format::png || format == Format::raw_planes;
   if (options.on_gap == GapPolicy::ignore && !is_stack) {
     throw Error(ErrorKind::invalid_argument,
-                "no stack of numbered files (TIFF, PNG, raw planes), of which alone gaps are "
-                "ignored",
-                path)
+                "gaps are ignored in stacks of numbered files alone (TIFF, PNG, raw planes)", path)
         .with_field("on_gap");
   }
 }
