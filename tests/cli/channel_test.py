@@ -74,8 +74,10 @@ class Components(cli_test.InFolder):
             self.assertIn(f"channel {name.lower()} of 3", self.expect(0, "info", "a.8vo").stdout)
         self.expect(0, "verify", "a.8vo", "--against", "rgb", "--channel", "blue")
         self.expect(1, "verify", "a.8vo", "--against", "rgb", "--channel", "red")
-        self.refuse(2, ["channel 3 is not there", "give --channel", "0 to 2"], "rgb", "--channel", "3")
-        self.refuse(2, ["channel pink", "red, green, blue", "give --channel"], "rgb", "--channel", "pink")
+        self.refuse(2, ["channel 3 is not there", "give --channel", "0 to 2"],
+                    "rgb", "--channel", "3")
+        self.refuse(2, ["channel pink", "red, green, blue", "give --channel"],
+                    "rgb", "--channel", "pink")
 
     def test_a_time_is_taken_by_number_and_told(self):
         (self.folder / "series.nii").write_bytes(nifti(3))
@@ -86,7 +88,8 @@ class Components(cli_test.InFolder):
             self.assertEqual(self.info("a.8vo")["metadata"]["chosen"]["time"],
                              {"index": time, "count": 3})
             self.assertIn(f"time {time} of 3", self.expect(0, "info", "a.8vo").stdout)
-        self.refuse(2, ["time 3 is not there", "give --time with 0 to 2"], "series.nii", "--time", "3")
+        self.refuse(2, ["time 3 is not there", "give --time with 0 to 2"],
+                    "series.nii", "--time", "3")
         self.refuse(2, ["--time"], "series.nii", "--time", "first")
 
     def test_options_without_a_choice_are_rejected(self):
@@ -95,9 +98,12 @@ class Components(cli_test.InFolder):
         self.assertNotIn("chosen", self.info("a.8vo")["metadata"])
         self.build("one.nii", "--channel", "0", "--time", "0", "--spacing", "2")
         self.assertIn("2 x 2 x 2 mm (given by --spacing)", self.expect(0, "info", "a.8vo").stdout)
-        self.refuse(2, ["channel 1 is not there", "1 channel", "leave out --channel"], "one.nii", "--channel", "1")
-        self.refuse(2, ["segment applies to DICOM series alone", "leave out --segment"], "one.nii", "--segment", "1")
-        self.refuse(2, ["stacks of numbered files", "TIFF, PNG, raw", "leave out --on-gap"], "one.nii", "--on-gap", "ignore")
+        self.refuse(2, ["channel 1 is not there", "1 channel", "leave out --channel"],
+                    "one.nii", "--channel", "1")
+        self.refuse(2, ["segment applies to DICOM series alone", "leave out --segment"],
+                    "one.nii", "--segment", "1")
+        self.refuse(2, ["stacks of numbered files", "TIFF, PNG, raw", "leave out --on-gap"],
+                    "one.nii", "--on-gap", "ignore")
 
     def test_numbers_that_skip_are_rejected_or_ignored_and_told(self):
         (self.folder / "stack").mkdir()
@@ -105,7 +111,8 @@ class Components(cli_test.InFolder):
             (self.folder / "stack" / f"slice {z}.png").write_bytes(png([z]))
         self.refuse(7, ["slice 2.png", "slice 4.png", "1 file is missing", "--on-gap ignore"],
                     "stack")
-        self.refuse(2, ["on_gap applies to DICOM series alone; leave out --on-gap"], "stack", "--on-gap", "fill")
+        self.refuse(2, ["on_gap applies to DICOM series alone; leave out --on-gap"],
+                    "stack", "--on-gap", "fill")
         told = self.build("stack", "--on-gap", "ignore")
         self.assertIn("warning: slice 2.png is followed by slice 4.png", told.stderr)
         self.assertEqual(self.info("a.8vo")["size"], [COLUMNS, ROWS, 4])

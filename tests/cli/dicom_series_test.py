@@ -138,7 +138,8 @@ class DicomSeries(cli_test.InFolder):
         layout = self.random_raw("v.raw", (10, 9, 8))
         for options in [("--untilt",), ("--drop-duplicates",), ("--on-gap", "fill")]:
             with self.subTest(options):
-                self.expect_error(2, ["v.raw", "DICOM series alone; leave out " + options[0]], "build", "v.raw",
+                self.expect_error(2, ["v.raw", "DICOM series alone; leave out " + options[0]],
+                                  "build", "v.raw",
                                   "--raw", layout, "--spacing", "1", "-o", "x.8vo", *options)
 
 
