@@ -1,11 +1,10 @@
 #include "octavo/tasks/components.h"
 
 #include <algorithm>
-#include <cstring>
 
 #include "octavo/core/error.h"
+#include "octavo/ops/label/component_labels.h"
 #include "octavo/ops/mask/components.h"
-#include "octavo/planes/computed_source.h"
 #include "octavo/tasks/masks.h"
 #include "octavo/tasks/volume_facts.h"
 
@@ -58,21 +57,12 @@ MadeBy made_by(const ComponentsOptions& options) {
 std::uint64_t write_components(const Components& found, std::size_t kept,
                                const VolumeDescription& volume, const ComponentsOptions& options,
                                const TaskContext& context) {
-  const VoxelType type = label_type(kept);
-  std::vector<std::uint32_t> labels;
-  const auto source = make_computed_source(
-      label_description(volume, type, made_by(options)), [&](const Box& box, std::byte* voxels) {
-        labels.resize(static_cast<std::size_t>(box.size().voxel_count()));
-        found.fill_labels(box, labels.data());
-        with_voxel_type(type, [&](auto id) {
-          using T = typename decltype(id)::type;
-          for (std::size_t i = 0; i < labels.size(); ++i) {
-            const T label = labels[i] <= kept ? static_cast<T>(labels[i]) : T{0};
-            std::memcpy(voxels + i * sizeof label, &label, sizeof label);
-          }
-        });
-      });
-  return write_labels(*source, *options.output, "components", context).file_bytes;
+  LabelTree labels;
+  context.on_threads(
+      [&] { labels = labels_of_components(found, kept, context.max_memory_bytes); });
+  return write_label_tree(labels, label_description(volume, label_type(kept), made_by(options)),
+                          *options.output, "components", context)
+      .file_bytes;
 }
 
 }  // namespace
