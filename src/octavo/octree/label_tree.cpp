@@ -1,10 +1,13 @@
 #include "octavo/octree/label_tree.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <functional>
 #include <utility>
 
 #include "octavo/core/levels.h"
+#include "octavo/octree/word_steps.h"
 
 namespace octavo {
 
@@ -161,6 +164,18 @@ class Proof {
   std::vector<std::uint64_t> value_ends_;  // and the next values
 };
 
+// Where the voxels of a word stand in [z][y][x] of 4^3, by bit.
+constexpr std::array<std::uint8_t, 64> kVoxelPlaces = [] {
+  std::array<std::uint8_t, 64> places{};
+  for (std::size_t bit = 0; bit < 64; ++bit) {
+    const auto along = [&](std::size_t axis) {
+      return (bit >> kLowPlace[axis] & 1) + 2 * (bit >> kHighPlace[axis] & 1);
+    };
+    places[bit] = static_cast<std::uint8_t>(16 * along(2) + 4 * along(1) + along(0));
+  }
+  return places;
+}();
+
 // Writes the voxels of a box, cube by cube.
 template <class T>
 class Filler {
@@ -169,26 +184,58 @@ class Filler {
       : tree_(tree), box_(box), voxels_(voxels) {}
 
   void fill_cube(int rank, const LabelCube& cube, const Index3& corner) {
+    const std::uint64_t inside = children_in_box(corner, child_side(rank));
     const auto fill = [&](std::uint32_t label, std::uint64_t bits) {
-      fill_children(bits, rank, corner, box_, value_of(label), voxels_);
+      fill_children(bits & inside, rank, corner, box_, value_of(label), voxels_);
     };
     tree_.visit_runs(rank, cube, fill);
-    for (std::uint64_t left = cube.mixed; left != 0; left &= left - 1) {
+    for (std::uint64_t left = cube.mixed & inside; left != 0; left &= left - 1) {
       const int bit = std::countr_zero(left);
-      const Box child = child_box(corner, bit, child_side(rank));
-      if (intersection(child, box_).is_empty()) continue;
+      const Index3 child = child_box(corner, bit, child_side(rank)).lo;
       const std::uint64_t place = cube.place_of(bit);
       if (rank > 0) {
-        fill_cube(rank - 1, tree_.cubes(rank - 1)[place], child.lo);
-        continue;
+        fill_cube(rank - 1, tree_.cubes(rank - 1)[place], child);
+      } else {
+        fill_word(place, child);
       }
-      tree_.visit_word(place, [&](std::uint32_t label, std::uint64_t bits) {
-        fill_children(bits, -1, child.lo, box_, value_of(label), voxels_);
-      });
     }
   }
 
  private:
+  // The children of a cube, `side` voxels each, that meet the box.
+  std::uint64_t children_in_box(const Index3& corner, std::int64_t side) const {
+    std::uint64_t bits = ~std::uint64_t{0};
+    for (int axis = 0; axis < 3; ++axis) {
+      std::uint64_t slabs = 0;
+      for (int at = 0; at < 4; ++at) {
+        const std::int64_t lo = corner[axis] + at * side;
+        if (lo < box_.hi[axis] && lo + side > box_.lo[axis]) slabs |= slab_of(axis, at);
+      }
+      bits &= slabs;
+    }
+    return bits;
+  }
+
+  void fill_word(std::uint64_t place, const Index3& corner) {
+    std::array<T, 64> values;  // [z][y][x]
+    tree_.visit_word(place, [&](std::uint32_t label, std::uint64_t bits) {
+      for (; bits != 0; bits &= bits - 1) {
+        values[kVoxelPlaces[static_cast<std::size_t>(std::countr_zero(bits))]] = value_of(label);
+      }
+    });
+    const Box part =
+        intersection({corner, {corner.x + 4, corner.y + 4, corner.z + 4}}, box_);
+    const Size3 size = box_.size();
+    for (std::int64_t z = part.lo.z; z < part.hi.z; ++z) {
+      for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
+        const T* const row =
+            values.data() + 16 * (z - corner.z) + 4 * (y - corner.y) - corner.x;
+        T* const to = voxels_ + ((z - box_.lo.z) * size.y + y - box_.lo.y) * size.x - box_.lo.x;
+        std::copy(row + part.lo.x, row + part.hi.x, to + part.lo.x);
+      }
+    }
+  }
+
   T value_of(std::uint32_t label) const { return static_cast<T>(tree_.labels()[label]); }
 
   const LabelTree& tree_;
