@@ -1,6 +1,8 @@
 #include "octavo/octree/label_words.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 
 #include "octavo/octree/o_code.h"
 #include "octavo/octree/word_steps.h"
@@ -10,6 +12,24 @@ namespace octavo {
 namespace {
 
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+// Of so many labels, those that occur are the bits of a word.
+constexpr std::size_t kFewLabels = 64;
+
+// choose_labels for at most kFewLabels.
+void choose_of_few(std::span<const std::int64_t> all, LabelWords& words) {
+  std::uint64_t found = 0;
+  for (const LabelWordPart& part : words.parts) found |= std::uint64_t{1} << part.label;
+  words.labels.clear();
+  std::array<std::uint32_t, kFewLabels> place_of{};
+  for (std::uint64_t left = found; left != 0; left &= left - 1) {
+    const auto label = static_cast<std::size_t>(std::countr_zero(left));
+    place_of[label] = static_cast<std::uint32_t>(words.labels.size());
+    words.labels.push_back(all[label]);
+  }
+  if (words.labels.size() == all.size()) return;
+  for (LabelWordPart& part : words.parts) part.label = place_of[part.label];
+}
 
 }  // namespace
 
@@ -27,6 +47,10 @@ void fill_words(const Size3& size, std::int64_t label, LabelWords& words) {
 }
 
 void choose_labels(std::span<const std::int64_t> all, LabelWords& words) {
+  if (all.size() <= kFewLabels) {
+    choose_of_few(all, words);
+    return;
+  }
   // Which occur: runs of one label are usual.
   std::vector<std::uint32_t> found;
   const auto unite = [&] {

@@ -32,7 +32,19 @@ void LabelGrid::reset(const Size3& size) {
   row_ = size.x + 2 * kBorder;
   plane_ = row_ * (size.y + 2 * kBorder);
   // One plane and one row more: SIMD also reads around children that do not exist.
-  cells_.assign(static_cast<std::size_t>(plane_ * (size.z + 2 * kBorder + 1) + row_), kOutside);
+  const auto count = static_cast<std::size_t>(plane_ * (size.z + 2 * kBorder + 1) + row_);
+  if (cells_.size() < count) cells_.resize(count);
+
+  // Between two rows lie the end of one and the start of the next; more between two planes.
+  LabelCell* border = cells_.data();
+  for (std::int64_t z = 0; z < size.z; ++z) {
+    std::fill(border, at({0, 0, z}), LabelCell{kOutside});
+    for (std::int64_t y = 0; y < size.y; ++y) {
+      border = at({size.x, y, z});
+      std::fill_n(border, 2 * kBorder, LabelCell{kOutside});
+    }
+  }
+  std::fill(border, cells_.data() + count, LabelCell{kOutside});
 }
 
 void expand(const LabelGrid& parents, const Size3& size, HalvingMask mask, LabelGrid& children) {

@@ -34,7 +34,7 @@ class LabelGrid {
  public:
   static constexpr std::int64_t kBorder = 2;
 
-  /// Makes it a grid of `size` whose cells are all kOutside.
+  /// Makes it a grid of `size`, kOutside all around; what its cells are is not known.
   void reset(const Size3& size);
 
   const Size3& size() const { return size_; }

@@ -91,7 +91,7 @@ extern const std::array<std::uint16_t, 2 * kLogitLimit + 1> kProbability;
 
 /// 65536 / (1 + exp(-logit / 256)), by a table and linear interpolation, within 16 .. 65520; a
 /// logit beyond +-kLogitLimit counts as this limit.
-inline Probability probability_of(int logit) {
+[[gnu::always_inline]] inline Probability probability_of(int logit) {
   const int within = std::clamp(logit, -kLogitLimit, kLogitLimit);
   return detail::kProbability[static_cast<std::size_t>(within + kLogitLimit)];
 }

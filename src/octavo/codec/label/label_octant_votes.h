@@ -40,7 +40,7 @@ class LabelOctant {
   }
 
   /// True when the parent's label can no longer win the vote without the child being visited.
-  bool must_be_same() const {
+  [[gnu::always_inline]] bool must_be_same() const {
     if (room_ == 0) return true;
     for (std::size_t i = 0; i < other_count_; ++i) {
       if (wins(votes_[i], other_[i])) return true;
@@ -49,7 +49,7 @@ class LabelOctant {
   }
 
   /// True when one more child of `slot` would outvote the parent.
-  bool is_excluded(std::uint32_t slot) const {
+  [[gnu::always_inline]] bool is_excluded(std::uint32_t slot) const {
     int votes = 1;
     for (std::size_t i = 0; i < other_count_; ++i) {
       if (other_[i] == slot) votes += votes_[i];
@@ -59,7 +59,7 @@ class LabelOctant {
 
  private:
   /// True when `votes` for `slot` beat all that the parent can still get from other children.
-  bool wins(int votes, std::uint32_t slot) const {
+  [[gnu::always_inline]] bool wins(int votes, std::uint32_t slot) const {
     return votes > room_ || (votes == room_ && labels_[slot] < labels_[parent_]);
   }
 

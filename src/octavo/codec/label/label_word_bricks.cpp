@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstring>
 #include <span>
+#include <utility>
 
 #include "octavo/codec/label/label_octant.h"
 #include "octavo/octree/word_steps.h"
@@ -176,6 +177,7 @@ class CellReader {
     if (octants != nullptr) {
       octant_steps_ = child_steps(octants->row_stride(), octants->plane_stride());
     }
+    is_pair_ = label_of_slot.size() == 2 && label_of_slot[0] != label_of_slot[1];
   }
 
   /// Appends the parts of the word at `place`.
@@ -185,6 +187,10 @@ class CellReader {
     const LabelCell* const voxel = voxels_.at(scaled(place, 4));
     if (octant != nullptr && is_uniform_word(octant)) {
       parts.push_back({label_of_slot_[slot_of(*octant)], inside});
+      return;
+    }
+    if (is_pair_) {
+      append_pair(inside, inside & second_of_pair(octant, voxel), parts);
       return;
     }
     word_.clear();
@@ -212,6 +218,39 @@ class CellReader {
     return differs == 0;
   }
 
+  // The bits of slot 1 in a word, where there are two slots.
+  std::uint64_t second_of_pair(const LabelCell* octant, const LabelCell* voxel) const {
+    std::uint64_t bits = 0;
+    for (std::size_t i = 0; i < 8; ++i) {
+      const LabelCell cell = octant != nullptr ? octant[octant_steps_[i]] : LabelCell{kMixed};
+      if (state_of(cell) == kUniform) {
+        bits |= (slot_of(cell) * std::uint64_t{0xff}) << 8 * i;
+      } else if (state_of(cell) != kOutside) {
+        bits |= second_of_octant(voxel + 2 * voxel_steps_[i]) << 8 * i;
+      }
+    }
+    return bits;
+  }
+
+  std::uint64_t second_of_octant(const LabelCell* voxel) const {
+    std::uint64_t bits = 0;
+    for (const unsigned digit : {0u, 1u, 4u, 5u}) {  // and the voxel beside it along x
+      std::uint32_t two;
+      std::memcpy(&two, voxel + voxel_steps_[digit], sizeof two);
+      bits |= (std::uint64_t{two >> 2 & 1} | std::uint64_t{two >> 18 & 1} << 2) << digit;
+    }
+    return bits;
+  }
+
+  void append_pair(std::uint64_t inside, std::uint64_t second,
+                   std::vector<LabelWordPart>& parts) const {
+    LabelWordPart lower{label_of_slot_[0], inside & ~second};
+    LabelWordPart upper{label_of_slot_[1], second};
+    if (upper.label < lower.label) std::swap(lower, upper);
+    if (lower.bits != 0) parts.push_back(lower);
+    if (upper.bits != 0) parts.push_back(upper);
+  }
+
   void read_octant(const LabelCell* voxel, std::size_t first_bit) {
     for (std::size_t i = 0; i < 8; ++i) {
       const LabelCell cell = voxel[voxel_steps_[i]];
@@ -223,6 +262,7 @@ class CellReader {
   const LabelGrid& voxels_;
   const LabelGrid* octants_;
   const std::vector<std::uint32_t>& label_of_slot_;
+  bool is_pair_ = false;
   std::array<std::ptrdiff_t, 8> voxel_steps_{};
   std::array<std::ptrdiff_t, 8> octant_steps_{};
   WordParts word_;
@@ -289,12 +329,14 @@ void words_of_cells(const BrickShape& shape, const LabelWork& work, LabelWords& 
   const bool has_octants = shape.halving[0] == kHalveAll;
   CellReader cells(work.grid, has_octants ? &work.parents : nullptr, label_of_slot);
   const Size3& size = shape.size[0];
+  const bool is_whole = size == Size3{64, 64, 64};
   words.parts.clear();
   for (std::size_t word = 0; word < LabelWords::kCount; ++word) {
     words.first[word] = static_cast<std::uint32_t>(words.parts.size());
     const Index3 place = place_of_word(word);
-    const std::uint64_t inside = bits_within(
-        {size.x - 4 * place.x, size.y - 4 * place.y, size.z - 4 * place.z});
+    const std::uint64_t inside =
+        is_whole ? ~std::uint64_t{0}
+                 : bits_within({size.x - 4 * place.x, size.y - 4 * place.y, size.z - 4 * place.z});
     if (inside != 0) cells.read(place, inside, words.parts);
   }
   words.first.back() = static_cast<std::uint32_t>(words.parts.size());
