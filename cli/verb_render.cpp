@@ -1,26 +1,20 @@
 // octavo render: pictures of what an octree holds, seen from a side.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
 
-#include "common/cancel.h"
 #include "common/failure.h"
-#include "common/masks.h"
 #include "common/options.h"
-#include "common/render_scene.h"
-#include "common/render_transparency.h"
 #include "common/task_run.h"
-#include "octavo/file/storage/pending_file.h"
-#include "octavo/file/storage/storage.h"
-#include "octavo/io/source/place_known.h"
-#include "octavo/tasks/inputs.h"
-#include "octavo/tasks/outputs.h"
-#include "octavo/tasks/value_ranges.h"
+#include "octavo/tasks/pictures/color_names.h"
+#include "octavo/tasks/pictures/render.h"
+#include "octavo/tasks/volume_facts.h"
 #include "text/quantities.h"
-#include "text/volume_json.h"
+#include "text/value_range_words.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -28,10 +22,11 @@ namespace octavo::cli {
 namespace {
 
 constexpr VerbText kText = {
-    "render", "Draw the leaves of an octree as a PNG picture.",
+    "render", "Draw what a volume holds, seen from a side, as a PNG picture.",
     "Modes: cubes draws every leaf of a mask as a cube with three shades, back to front; surface\n"
-    "draws those alone that are not hidden among others, the nearest first: the same picture,\n"
-    "sooner. Both are fitted to what is drawn. transparency lets what lies inside a grey volume\n"
+    "draws those alone that are not hidden among others, the nearest first, and shades them\n"
+    "smoothly, by the gradient of grey values or of the mask. --shade flat or smooth goes with\n"
+    "both. Both are fitted to what is drawn. transparency lets what lies inside a grey volume\n"
     "shine through what lies around it, summed or averaged along the lines of voxels that are\n"
     "nearest to the view: one of 26 directions.\n\n"
     "A label map has one color per label; --range chooses labels. A grey volume needs --range or\n"
@@ -41,51 +36,70 @@ constexpr VerbText kText = {
     "LOW:HIGH=COLOR:OPACITY; without any, a volume in HU is drawn as flesh and bone, another one\n"
     "in grey.\n\n"
     "--direction says where the viewer stands: front, back, left, right, top, bottom of the\n"
-    "patient, or X,Y,Z in voxels along the axes of the grid. --azimuth 0 is the front, 90 the\n"
-    "patient's left; --elevation 90 is above the head. --cut 'x<120' keeps the voxels below 120,\n"
-    "'x>120' those above.\n"
+    "patient, joined as in left-front-top; or X,Y,Z in voxels along the axes of the grid.\n"
+    "--azimuth 0 is the front, 90 the patient's left; --elevation 90 is above the head.\n"
+    "Letters name the patient's sides at the edges or at the ends of three axes; where nothing is\n"
+    "known of a patient the axes are x, y and z of the grid.\n"
+    "--cut 'x<120' keeps the voxels below 120, 'x>120' those above.\n"
     "--turntable 36 writes NAME-000.png to NAME-035.png, once around the patient.\n\n"
     "Examples:\n"
-    "  octavo render head.8vo --tissue bone --direction front -o skull.png\n"
-    "  octavo render skull.8vo --mode surface --azimuth 30 --elevation 20 -o skull.png\n"
+    "  octavo render head.8vo --mode surface --tissue bone -o skull.png\n"
+    "  octavo render skull.8vo --mode cubes --azimuth 30 --elevation 20 -o cubes.png\n"
     "  octavo render head.8vo --range -300:225 --range 226: --cut 'x<128' -o half.png\n"
     "  octavo render atlas.8vo --direction left --size 800x600 --background white -o atlas.png\n"
     "  octavo render head.8vo --mode transparency --direction front -o head.png\n"
     "  octavo render rock.8vo --mode transparency --range 90:120=sand:0.01 --range 200:=red:0.2 "
     "-o ores.png"};
 
-using Clock = std::chrono::steady_clock;
+struct Arguments {
+  std::string input;
+  std::string output;
+  std::string mode = "cubes";
+  std::string shade;
+  std::string size = "1024";
+  std::string direction{kUsualViewpoint};
+  std::optional<double> azimuth;
+  std::optional<double> elevation;
+  double zoom = 1;
+  std::string background = "black";
+  std::vector<std::string> ranges;
+  std::vector<std::string> tissues;
+  std::vector<std::string> cuts;
+  int level = 0;
+  int turntable = 0;
+  std::optional<double> fade;
+  bool is_average = false;
+  std::string window;
+  bool no_scale_bar = false;
+  bool no_sides = false;
+  bool no_legend = false;
+};
 
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-ViewFrame asked_frame(const RenderArguments& arguments) {
-  const std::vector<std::string> sides = split(arguments.size, 'x');
+void take_size(const std::string& text, RenderOptions& options) {
+  const std::vector<std::string> sides = split(text, 'x');
   if (sides.size() > 2) {
     throw Error(ErrorKind::invalid_argument,
-                fmt::format("--size: '{}'; expected W or WxH pixels", escaped(arguments.size)));
+                fmt::format("--size: '{}'; expected W or WxH pixels", escaped(text)));
   }
-  ViewFrame frame;
-  frame.width = parse_integer(sides.front(), "--size");
-  frame.height = parse_integer(sides.back(), "--size");
-  frame.zoom = arguments.zoom;
-  return frame;
+  options.width = parse_integer(sides.front(), "--size");
+  options.height = parse_integer(sides.back(), "--size");
 }
 
-/// geometry  of level 0: steps are voxels, whatever the level that is drawn
-Viewpoint asked_viewpoint(const RenderArguments& arguments, const Geometry& geometry) {
-  if (arguments.azimuth || arguments.elevation) {
-    return viewpoint_at(arguments.azimuth.value_or(0), arguments.elevation.value_or(0));
-  }
-  if (const auto named = find_viewpoint(arguments.direction)) return *named;
-  if (split(arguments.direction, ',').size() != 3) {
+AskedView asked_view(const Arguments& arguments) {
+  AskedView view;
+  view.azimuth_degrees = arguments.azimuth;
+  view.elevation_degrees = arguments.elevation;
+  if (find_viewpoint(arguments.direction)) {
+    view.side = arguments.direction;
+  } else if (split(arguments.direction, ',').size() == 3) {
+    view.steps = parse_point(arguments.direction, "--direction");
+  } else {
     throw Error(ErrorKind::invalid_argument,
-                fmt::format("--direction: '{}'; expected front, back, left, right, top, bottom or "
-                            "X,Y,Z",
+                fmt::format("--direction: '{}'; expected front, back, left, right, top, bottom, "
+                            "joined as in left-front, or X,Y,Z",
                             escaped(arguments.direction)));
   }
-  return viewpoint_along(geometry, parse_point(arguments.direction, "--direction"));
+  return view;
 }
 
 Color asked_background(const std::string& text) {
@@ -95,170 +109,168 @@ Color asked_background(const std::string& text) {
                           color_names()));
 }
 
-std::unique_ptr<RenderScene> make_scene(const std::shared_ptr<const FileReader>& reader,
-                                        const RenderArguments& arguments, Context& context) {
+[[noreturn]] void reject_look(const std::string& text) {
+  throw Error(ErrorKind::invalid_argument,
+              fmt::format("--range: '{}'; expected LOW:HIGH[=COLOR[:OPACITY]], an opacity of 0 to "
+                          "1, a color as #rrggbb or one of {}",
+                          escaped(text), color_names()));
+}
+
+/// LOW:HIGH[=COLOR[:OPACITY]]
+AskedLook parse_look(const std::string& text) {
+  const std::vector<std::string> halves = split(text, '=');
+  if (halves.size() > 2) reject_look(text);
+  AskedLook look;
+  look.range = parse_range(halves.front(), "--range");
+  if (halves.size() == 1) return look;
+  const std::vector<std::string> parts = split(halves.back(), ':');
+  look.color = find_color(parts.front());
+  if (!look.color || parts.size() > 2) reject_look(text);
+  if (parts.size() == 2) {
+    look.opacity = parse_number(parts.back(), "--range");
+    if (!(*look.opacity >= 0 && *look.opacity <= 1)) reject_look(text);
+  }
+  return look;
+}
+
+AskedCut parse_cut(const std::string& text) {
+  const std::size_t axis = text.empty() ? std::string::npos : std::string("xyz").find(text[0]);
+  const bool is_plane =
+      axis != std::string::npos && text.size() > 2 && (text[1] == '<' || text[1] == '>');
+  if (!is_plane) {
+    throw Error(ErrorKind::invalid_argument,
+                fmt::format("--cut: '{}'; expected AXIS<INDEX or AXIS>INDEX, as in 'x<120'",
+                            escaped(text)));
+  }
+  return {static_cast<int>(axis), text[1] == '<', parse_integer(text.substr(2), "--cut")};
+}
+
+Window parse_window(const std::string& text) {
+  const std::vector<std::string> parts = split(text, ',');
+  if (parts.size() == 2) {
+    const Window window{parse_number(parts[0], "--window"), parse_number(parts[1], "--window")};
+    if (window.width > 0) return window;
+  }
+  throw Error(ErrorKind::invalid_argument,
+              fmt::format("--window: '{}'; expected CENTER,WIDTH of the sums, a width above 0",
+                          escaped(text)));
+}
+
+RenderOptions options_of(const Arguments& arguments, const Context& context) {
+  RenderOptions options;
+  options.input = arguments.input;
+  options.output = {arguments.output, context.force};
+  options.mode = arguments.mode == "cubes"     ? RenderMode::cubes
+                 : arguments.mode == "surface" ? RenderMode::surface
+                                               : RenderMode::transparency;
+  if (!arguments.shade.empty()) {
+    options.shade = arguments.shade == "flat" ? RenderShade::flat : RenderShade::smooth;
+  }
+  options.level = arguments.level;
+  for (const std::string& text : arguments.ranges) options.ranges.push_back(parse_look(text));
+  options.tissues = arguments.tissues;
+  for (const std::string& text : arguments.cuts) options.cuts.push_back(parse_cut(text));
+  options.view = asked_view(arguments);
+  take_size(arguments.size, options);
+  options.zoom = arguments.zoom;
+  options.turntable = arguments.turntable;
+  options.background = asked_background(arguments.background);
+  options.fade = arguments.fade;
+  options.is_average = arguments.is_average;
+  if (!arguments.window.empty()) options.window = parse_window(arguments.window);
+  options.has_scale_bar = !arguments.no_scale_bar;
+  options.has_sides = !arguments.no_sides;
+  options.has_legend = !arguments.no_legend;
+  return options;
+}
+
+nlohmann::ordered_json cube_counts_json(const RenderCounts& counts) {
+  nlohmann::ordered_json json = {{"masks", counts.masks},
+                                 {"leaves", counts.leaves},
+                                 {"drawn", counts.drawn},
+                                 {"removed", counts.leaves - counts.drawn}};
+  if (counts.shell_seconds) json["shell_seconds"] = *counts.shell_seconds;
+  return json;
+}
+
+nlohmann::ordered_json line_counts_json(const RenderCounts& counts, bool is_average) {
+  nlohmann::ordered_json ranges = nlohmann::ordered_json::array();
+  for (const DensityRange& range : counts.ranges) {
+    ranges.push_back({{"low", range_end_json(range.lowest)},
+                      {"high", range_end_json(range.highest)},
+                      {"color", range.color},
+                      {"opacity", range.opacity}});
+  }
+  nlohmann::ordered_json json = {
+      {"leaves", counts.leaves}, {"decoded_bricks", counts.decoded_bricks},
+      {"average", is_average},   {"ranges", ranges},
+      {"ramp", nullptr},         {"window", nullptr}};
+  if (counts.ramp) json["ramp"] = {counts.ramp->low, counts.ramp->high};
+  if (counts.window) {
+    json["window"] = {{"center", counts.window->center}, {"width", counts.window->width}};
+  }
+  return json;
+}
+
+nlohmann::ordered_json report_json(const Arguments& arguments, const RenderResult& result,
+                                   const Context& context) {
+  nlohmann::ordered_json json = {
+      {"outputs", result.outputs}, {"mode", arguments.mode},
+      {"level", arguments.level},  {"size", {result.width, result.height}},
+      {"pixel_mm", nullptr},       {"toward", result.toward}};
+  if (is_spacing_known(result.volume)) json["pixel_mm"] = result.pixel_mm;
   if (arguments.mode == "transparency") {
-    return make_transparency_scene(reader, arguments, context);
+    json.update(line_counts_json(result.counts, arguments.is_average));
+  } else {
+    json["shade"] = result.shade == RenderShade::flat ? "flat" : "smooth";
+    json.update(cube_counts_json(result.counts));
   }
-  return make_cube_scene(reader, arguments, context);
+  json["seconds"] = result.seconds;
+  json["warnings"] = context.warnings;
+  return json;
 }
 
-/// The names of the pictures: that of -o, or with a number before the ending.
-std::vector<std::string> picture_paths(const RenderArguments& arguments) {
-  if (!arguments.output.ends_with(".png")) {
-    throw Error(ErrorKind::invalid_argument, "a picture is written as .png", arguments.output);
+std::string counts_text(const std::string& mode, const RenderCounts& counts) {
+  const std::string leaves = counted_text(counts.leaves, "leaf", "leaves");
+  if (mode == "cubes") return leaves;
+  if (mode == "transparency") {
+    const std::string text =
+        leaves + ", " + counted_text(counts.decoded_bricks, "brick") + " decoded";
+    if (!counts.window) return text;
+    return text + fmt::format(", window {},{}", number_text(counts.window->center),
+                              number_text(counts.window->width));
   }
-  if (arguments.turntable == 0) return {arguments.output};
-  std::vector<std::string> paths;
-  for (int i = 0; i < arguments.turntable; ++i) {
-    std::string& path = paths.emplace_back(arguments.output);
-    path.insert(path.size() - 4, fmt::format("-{:03}", i));
-  }
-  return paths;
+  const std::int64_t removed = counts.leaves - counts.drawn;
+  const double share =
+      counts.leaves == 0 ? 0
+                         : 100 * static_cast<double>(removed) / static_cast<double>(counts.leaves);
+  return fmt::format("{} of {} leaves, {} hidden ones removed ({:.1f} %)", count_text(counts.drawn),
+                     count_text(counts.leaves), count_text(removed), share);
 }
 
-/// What is said of a picture beside its pixels.
-struct Captions {
-  bool has_scale_bar = true;
-  bool has_sides = true;
-  bool has_legend = true;
-};
-
-void annotate(Picture& picture, const View& view, const RenderScene& scene,
-              const Captions& captions) {
-  Annotator writing(picture);
-  if (captions.has_scale_bar) writing.scale_bar(view.pixel_mm);
-  if (captions.has_sides && is_seen_from_a_side(view)) writing.sides(edge_letters(view));
-  if (captions.has_sides && !is_seen_from_a_side(view)) writing.axes(patient_axes(view));
-  if (captions.has_legend) writing.legend(Corner::top_left, scene.legend());
+std::string report_text(const Arguments& arguments, const RenderResult& result) {
+  const std::vector<std::string>& paths = result.outputs;
+  const std::string names =
+      paths.size() == 1 ? paths.front() : fmt::format("{} to {}", paths.front(), paths.back());
+  const std::string pixel =
+      is_spacing_known(result.volume) ? fmt::format(" of {} mm", number_text(result.pixel_mm)) : "";
+  return fmt::format("{}: {} x {} pixels{}, {}; drawn in {}\n", names, result.width, result.height,
+                     pixel, counts_text(arguments.mode, result.counts),
+                     duration_text(result.seconds));
 }
 
-std::unique_ptr<PendingFile> pending_png(const Picture& picture, const std::string& path) {
-  auto file = std::make_unique<PendingFile>(local_storage(), path);
-  file->append(encode_png(picture));
-  file->seal();
-  return file;
-}
-
-struct Drawn {
-  View view;           ///< of the first picture
-  double seconds = 0;  ///< for drawing all
-};
-
-/// Draws all pictures, and gives them their names when the last is complete.
-Drawn draw_pictures(const RenderScene& scene, const std::vector<std::string>& paths,
-                    const RenderArguments& arguments, const FileReader& reader,
-                    const Context& context) {
-  const VolumeDescription& volume = reader.description();
-  const Geometry geometry = reader.levels().geometry(volume.geometry, arguments.level);
-  const Size3& size = reader.levels().size(arguments.level);
-  const Viewpoint first = asked_viewpoint(arguments, volume.geometry);
-  const Color background = asked_background(arguments.background);
-  const Captions captions{!arguments.no_scale_bar && is_spacing_known(volume),
-                          !arguments.no_sides && is_place_known(volume),
-                          !arguments.no_legend};
-
-  // One scale for all pictures: the one at which the largest fits.
-  std::vector<Viewpoint> viewpoints;
-  ViewFrame frame = asked_frame(arguments);
-  for (std::size_t i = 0; i < paths.size(); ++i) {
-    const double degrees = 360 * static_cast<double>(i) / static_cast<double>(paths.size());
-    viewpoints.push_back(scene.seen_from(turned(first, degrees)));
-    frame.pixel_mm = std::max(
-        frame.pixel_mm.value_or(0),
-        fitting_pixel_mm(geometry, scene.shown(), viewpoints.back(), frame));
-  }
-
-  Drawn drawn;
-  // Until all have their names, a signal must not leave temporary files behind.
-  const CancellableWork work;
-  std::vector<std::unique_ptr<PendingFile>> files;
-  for (std::size_t i = 0; i < paths.size(); ++i) {
-    if (is_cancel_requested()) throw Error(ErrorKind::cancelled, "stopped while drawing");
-    const View view = make_view(geometry, size, scene.shown(), viewpoints[i], frame);
-    const Clock::time_point start = Clock::now();
-    Picture picture = scene.draw(view, background);
-    drawn.seconds += seconds_since(start);
-    if (i == 0) drawn.view = view;
-    annotate(picture, view, scene, captions);
-    files.push_back(pending_png(picture, paths[i]));
-  }
-  for (const auto& file : files) file->publish(context.force);
-  return drawn;
-}
-
-void report(const RenderScene& scene, const std::vector<std::string>& paths, const Drawn& drawn,
-            const RenderArguments& arguments, const VolumeDescription& volume,
-            const Context& context) {
-  const View& view = drawn.view;
-  const bool is_scaled = is_spacing_known(volume);
-  if (context.json) {
-    nlohmann::ordered_json result = {{"outputs", paths},
-                                     {"mode", arguments.mode},
-                                     {"level", arguments.level},
-                                     {"size", {view.width, view.height}},
-                                     {"pixel_mm", nullptr},
-                                     {"toward", view.toward}};
-    if (is_scaled) result["pixel_mm"] = view.pixel_mm;
-    result.update(scene.counts_json());
-    result["seconds"] = drawn.seconds;
-    result["warnings"] = context.warnings;
-    print_json(result);
-  } else if (!context.quiet) {
-    const std::string names =
-        paths.size() == 1 ? paths.front() : fmt::format("{} to {}", paths.front(), paths.back());
-    print(fmt::format("{}: {} x {} pixels{}, {}; drawn in {}\n", names, view.width, view.height,
-                      is_scaled ? fmt::format(" of {} mm", number_text(view.pixel_mm)) : "",
-                      scene.counts_text(), duration_text(drawn.seconds)));
-  }
-}
-
-/// Of three channels three times: as it is drawn, as rows of a PNG file and as that file.
-std::uint64_t picture_bytes(const ViewFrame& frame) {
-  constexpr std::uint64_t kBytesPerPixel = 9;
-  if (frame.width < 1 || frame.width > ViewFrame::kLongestSide || frame.height < 1 ||
-      frame.height > ViewFrame::kLongestSide) {
-    return 0;  // rejected where it is looked at
-  }
-  return kBytesPerPixel * static_cast<std::uint64_t>(frame.width * frame.height);
-}
-
-int run_render(const RenderArguments& arguments, Context& context) {
-  // What can be rejected without the file is rejected before it is read.
-  const std::vector<std::string> paths = picture_paths(arguments);
-  for (const std::string& path : paths) require_free({path, context.force});
-  asked_background(arguments.background);
-  const ViewFrame frame = asked_frame(arguments);
-  require_memory(picture_bytes(frame), "the picture", context);
-  fitting_pixel_mm({}, {{0, 0, 0}, {1, 1, 1}}, asked_viewpoint(arguments, {}), frame);
-  check_transparency_options(arguments);
-  const std::shared_ptr<const FileReader> reader =
-      open_volume(arguments.input, brief_task(context));
-  check_level(reader->levels(), arguments.level);
-  const Box whole = box_of(reader->levels().size(arguments.level));
-  const VolumeDescription& volume = reader->description();
-  const Geometry geometry = reader->levels().geometry(volume.geometry, arguments.level);
-  make_view(geometry, reader->levels().size(arguments.level), whole,
-            asked_viewpoint(arguments, volume.geometry), frame);
-  const bool is_of_patient = arguments.azimuth || arguments.elevation || arguments.turntable > 0 ||
-                             find_viewpoint(arguments.direction).has_value();
-  if (is_of_patient && !is_place_known(volume)) {
-    context.note(arguments.input + ": does not say how the patient lies; x is taken to run to the "
-                                   "left, y to the back and z to the head");
-  }
-
-  const auto scene = make_scene(reader, arguments, context);
-  const Drawn drawn = draw_pictures(*scene, paths, arguments, *reader, context);
-  report(*scene, paths, drawn, arguments, volume, context);
+int run_render(const Arguments& arguments, Context& context) {
+  const RenderResult result = run_task(render, options_of(arguments, context), context);
+  if (context.json) print_json(report_json(arguments, result, context));
+  else if (!context.quiet) print(report_text(arguments, result));
   return kExitDone;
 }
 
-void add_view_options(Verb verb, RenderArguments& arguments) {
+void add_view_options(Verb verb, Arguments& arguments) {
   verb.add_option("--size", arguments.size, "Pixels: W, or WxH")
       ->type_name("W[xH]")
       ->capture_default_str();
-  Option direction =
-      verb.add_option("--direction", arguments.direction, "Where the viewer stands");
+  Option direction = verb.add_option("--direction", arguments.direction, "Where the viewer stands");
   direction->type_name("SIDE|X,Y,Z")->capture_default_str();
   verb.add_option("--azimuth", arguments.azimuth, "The viewer's angle around the patient")
       ->type_name("DEGREES")
@@ -277,21 +289,22 @@ void add_view_options(Verb verb, RenderArguments& arguments) {
   verb.add_option("--background", arguments.background, "Its color: a name, or #rrggbb")
       ->type_name("COLOR")
       ->capture_default_str();
-  verb.add_option("--fade", arguments.fade, "How much darker the farthest is than the nearest;\n"
-                                             "default 0.5; not for transparency")
+  verb.add_option("--fade", arguments.fade,
+                  "How much darker the farthest is than the nearest;\n"
+                  "default 0.5; not for transparency")
       ->type_name("F")
       ->check(number_within(0, 1));
   verb.add_flag("--no-scale-bar", arguments.no_scale_bar, "Leave the scale bar out");
-  verb.add_flag("--no-sides", arguments.no_sides, "Leave the letters R L A P S I out");
+  verb.add_flag("--no-sides", arguments.no_sides, "Leave the letters of the sides out");
   verb.add_flag("--no-legend", arguments.no_legend, "Leave the legend out");
 }
 
 }  // namespace
 
 void add_render(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<RenderArguments>();
+  const auto arguments = std::make_shared<Arguments>();
   Verb verb = add_verb(app, context, kText,
-                            [arguments, &context] { return run_render(*arguments, context); });
+                       [arguments, &context] { return run_render(*arguments, context); });
   verb.add_option("file", arguments->input, "An .8vo file or a URL of one")
       ->type_name("FILE")
       ->required();
@@ -302,6 +315,11 @@ void add_render(CLI::App& app, Context& context) {
       ->type_name("MODE")
       ->check(one_of({"cubes", "surface", "transparency"}))
       ->capture_default_str();
+  verb.add_option("--shade", arguments->shade,
+                  "flat or smooth (default: flat cubes, smooth "
+                  "surfaces)")
+      ->type_name("SHADE")
+      ->check(one_of({"flat", "smooth"}));
   verb.add_option("--range", arguments->ranges, "Values, or labels, to draw")
       ->type_name("LOW:HIGH")
       ->allow_extra_args(false);
@@ -315,7 +333,13 @@ void add_render(CLI::App& app, Context& context) {
   verb.add_option("--cut", arguments->cuts, "Keep the voxels on one side: AXIS<N or AXIS>N")
       ->type_name("PLANE")
       ->allow_extra_args(false);
-  add_transparency_options(verb, *arguments);
+  const Option average = verb.add_flag(
+      "--average", arguments->is_average,
+      "transparency: what is in front hides what is behind in part, in place of the sum");
+  verb.add_option("--window", arguments->window,
+                  "transparency: the sums from black to white (default: from the sums)")
+      ->type_name("C,W")
+      ->excludes(average);
   add_view_options(verb, *arguments);
 }
 

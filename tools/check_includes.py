@@ -34,8 +34,6 @@ CLI_HEADERS = {
     "octavo/io/isolation/import_worker.h",  # main runs as the process that reads a scan
     "octavo/planes/between/isotropic_source.h",  # a type of the options of build_scan
 }
-# These draw pictures, and see what pictures are drawn with.
-CLI_PICTURES = {"cube_scene", "render_scene", "render_transparency", "verb_render", "verb_slice"}
 
 # Inside a room: its folders, and the files at its root ("."), by what they may include of the same
 # room besides themselves. Rooms that are not listed are flat, or their folders are free.
@@ -156,9 +154,7 @@ def check_file(path: pathlib.Path, module: str, root: pathlib.Path) -> list[str]
     below = path.relative_to(root).parts
     folder = below[3] if len(below) > 4 else "."
     for number, target, quoted in includes(path):
-        if module == "cli" and path.stem in CLI_PICTURES and target.startswith("octavo/"):
-            error = None
-        elif target.startswith("octavo/"):
+        if target.startswith("octavo/"):
             error = own_include_error(module, folder, target)
         elif quoted and (path.parent / target).exists():
             error = None if module == "cli" else "own headers are included as octavo/MODULE/NAME.h"

@@ -86,7 +86,29 @@ constexpr Advice kAdvice[] = {
     {kAny, "kind", "", "--grey changes that"},
     {kAny, "labels.kind", "", "'octavo threshold' makes labels of it"},
     {kAny, "mask.kind", "", "'octavo threshold' makes a mask of grey values"},
+    {kAny, "step.map_mm", "", "--affine and --inverse take a matrix that has one"},
     {kAny, "tissues", "", "give --range LOW:HIGH"},
+
+    // --- Pictures
+    {kUsage, "axes", "", "give one --axis"},
+    {kUsage, "cuts", "", "--cut 'x<120' keeps the voxels below 120, 'x>120' those above"},
+    {kUsage, "fade", "", "leave out --fade"},
+    {kUsage, "is_average", "", "--average goes with --mode transparency"},
+    {kUsage, "mode", "", "draw it with --mode surface"},
+    {kUsage, "montage", "", "--montage 4x3 --every 5 --index 60 gives all three"},
+    {kUsage, "output.path", "", "name it NAME.png"},
+    {kUsage, "overlays.color", "", "leave out --overlay-color"},
+    {kUsage, "overlays.kind", "", "change --overlay-as"},
+    {kUsage, "overlays.levels", "", "change --overlay-levels"},
+    {kUsage, "overlays.opacity", "", "change --overlay-opacity"},
+    {kUsage, "plane", "", "--plane goes without --index, --mm, --montage, --every and --axis all"},
+    {kUsage, "position_mm", "", "give one of them with --mm"},
+    {kUsage, "ranges", "", "give --range LOW:HIGH or --tissue NAME"},
+    {kUsage, "ranges.look", "", "leave them out of --range, or give --mode transparency"},
+    {kUsage, "shade", "", "leave out --shade"},
+    {kUsage, "turntable", "", "give --turntable 8"},
+    {kUsage, "window", "", "leave out --window"},
+    {kUsage, "window_preset", "", "give --window CENTER,WIDTH or auto"},
 
     // --- Reading and writing files
     {kAny, "input.repair", "", "repair restores it, unless what it hides is damaged as well"},
@@ -99,6 +121,7 @@ constexpr Advice kAdvice[] = {
     {ErrorKind::io, "overwrite", "", "--force replaces it"},
     {kAny, "repair.input", "", "repair cannot restore this, and no verb can read such a file"},
     {kAny, "repair.salvage", "", "export --salvage writes what is whole"},
+    {kAny, "repair.source", "", "build it again from its source"},
     {kAny, "salvage", "", "--salvage fills what is damaged"},
 };
 

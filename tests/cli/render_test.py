@@ -91,7 +91,7 @@ class Pictures(cli_test.InFolder):
                      "--elevation", "-25", "--zoom", "1.7"]):
             asked = ["v.8vo", "--range", "40:", "--size", "150x120", *view]
             cubes, rows = self.render("c.png", *asked)
-            surface, same = self.render("s.png", *asked, "--mode", "surface")
+            surface, same = self.render("s.png", *asked, "--mode", "surface", "--shade", "flat")
             self.assertEqual(rows, same)
             self.assertEqual(cubes["removed"], 0)
             self.assertEqual(surface["leaves"], cubes["leaves"])

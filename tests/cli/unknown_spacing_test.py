@@ -50,7 +50,8 @@ class UnknownSpacing(cli_test.InFolder):
 
     def test_options_in_mm_are_rejected_and_told_what_does_the_same(self):
         for what, instead, arguments in [
-            ("--mm", ", --index does not", ["slice", "v.8vo", "--mm", "3", "-o", "s.png"]),
+            ("a position in mm", ", the number of a slice does not",
+             ["slice", "v.8vo", "--mm", "3", "-o", "s.png"]),
             ("a place in mm", ", one in voxels does not",
              ["probe", "v.8vo", "--mm", "1,1,1"]),
             ("a box in mm", ", one in voxels does not",

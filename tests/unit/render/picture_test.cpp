@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "octavo/core/error.h"
-#include "octavo/render/color_names.h"
 #include "octavo/render/label_color.h"
 #include "octavo/render/window.h"
 #include "support/read_png.h"
@@ -76,15 +75,6 @@ TEST(LabelColor, BackgroundIsBlackAndLabelsDiffer) {
     EXPECT_GT(difference, 100) << label;
     EXPECT_GT(int{a[0]} + a[1] + a[2], 150) << label;
   }
-}
-
-TEST(ColorNames, AreNamesOrSixDigits) {
-  EXPECT_EQ(find_color("white"), (Color{255, 255, 255}));
-  EXPECT_EQ(find_color("#0a10Ff"), (Color{10, 16, 255}));
-  for (const char* text : {"", "whit", "#12", "#12345g", "123456", "#1234567", "# 12345"}) {
-    EXPECT_FALSE(find_color(text)) << text;
-  }
-  EXPECT_NE(color_names().find("white, "), std::string::npos);
 }
 
 }  // namespace

@@ -22,8 +22,8 @@ constexpr double kWashOpacity = 0.4;
 constexpr int kMaximumLevels = 6;
 constexpr std::size_t kScaleSteps = 256;
 
-[[noreturn]] void reject(const Overlay& overlay, const std::string& what) {
-  throw Error(ErrorKind::invalid_argument, what, overlay.name);
+[[noreturn]] void reject(const char* what, const char* field) {
+  throw Error(ErrorKind::invalid_argument, what).with_field(field);
 }
 
 bool is_labels(const Overlay& overlay) {
@@ -58,26 +58,26 @@ void check(const Overlay& overlay) {
   const OverlayLook& look = overlay.look;
   const OverlayKind kind = *look.kind;
   if (is_labels(overlay) && kind == OverlayKind::isolines) {
-    reject(overlay, "labels have no isolines; they are drawn as outline or wash");
+    reject("labels have no isolines; they are drawn as outline or wash", "overlays.kind");
   }
   if (!is_labels(overlay) && kind == OverlayKind::outline) {
-    reject(overlay, "grey values have no outline; they are drawn as isolines or wash");
+    reject("grey values have no outline; they are drawn as isolines or wash", "overlays.kind");
   }
-  if (is_labels(overlay) && !look.levels.empty()) reject(overlay, "labels have no levels");
+  if (is_labels(overlay) && !look.levels.empty()) reject("labels have no levels", "overlays.levels");
   if (!is_labels(overlay) && kind == OverlayKind::wash && look.color) {
-    reject(overlay, "a wash of grey values has a scale of colors, not one color");
+    reject("a wash of grey values has a scale of colors, not one color", "overlays.color");
   }
   for (std::size_t i = 0; i < look.levels.size(); ++i) {
     const bool is_risen = i == 0 || look.levels[i] > look.levels[i - 1];
     if (!std::isfinite(look.levels[i]) || !is_risen) {
-      reject(overlay, "levels must be finite and each above the one before");
+      reject("levels must be finite and each above the one before", "overlays.levels");
     }
   }
   if (kind == OverlayKind::wash && !look.levels.empty() && look.levels.size() != 2) {
-    reject(overlay, "a wash has two levels, where its colors begin and end");
+    reject("a wash has two levels, where its colors begin and end", "overlays.levels");
   }
   if (look.opacity && !(*look.opacity >= 0 && *look.opacity <= 1)) {
-    reject(overlay, "the opacity must be between 0 and 1");
+    reject("the opacity must be between 0 and 1", "overlays.opacity");
   }
 }
 

@@ -1,4 +1,4 @@
-#include "octavo/render/color_names.h"
+#include "octavo/tasks/pictures/color_names.h"
 
 #include <charconv>
 
@@ -11,10 +11,11 @@ struct Named {
   Color color;
 };
 
-constexpr Named kNamed[] = {{"black", {0, 0, 0}},      {"white", {255, 255, 255}},
-                            {"grey", {128, 128, 128}}, {"red", {220, 40, 40}},
-                            {"green", {40, 160, 60}},  {"blue", {50, 90, 220}},
-                            {"navy", {12, 18, 48}},    {"sand", {236, 226, 204}}};
+constexpr Named kNamed[] = {
+    {"black", {0, 0, 0}},        {"white", {255, 255, 255}}, {"grey", {128, 128, 128}},
+    {"red", {220, 40, 40}},      {"green", {40, 160, 60}},   {"blue", {50, 90, 220}},
+    {"yellow", {245, 215, 60}},  {"orange", {240, 140, 40}}, {"cyan", {60, 200, 220}},
+    {"magenta", {210, 70, 190}}, {"navy", {12, 18, 48}},     {"sand", {236, 226, 204}}};
 
 }  // namespace
 

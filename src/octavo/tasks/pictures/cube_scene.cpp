@@ -1,0 +1,253 @@
+// The scenes of modes cubes and surface.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "octavo/core/error.h"
+#include "octavo/core/text.h"
+#include "octavo/ops/label/label_masks.h"
+#include "octavo/ops/mask/set_operations.h"
+#include "octavo/ops/mask/shell.h"
+#include "octavo/render/cubes/cube_picture.h"
+#include "octavo/render/cubes/relief_picture.h"
+#include "octavo/render/label_color.h"
+#include "octavo/tasks/masks.h"
+#include "octavo/tasks/pictures/render_scene.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr Color kIvory = {244, 232, 206};
+constexpr double kUsualFade = 0.5;
+
+struct NamedColor {
+  const char* name;
+  Color color;
+};
+
+constexpr NamedColor kTissueColors[] = {{"air", {150, 190, 235}},    {"lung", {215, 165, 175}},
+                                        {"fat", {240, 205, 110}},    {"soft", {205, 110, 90}},
+                                        {"contrast", {220, 50, 50}}, {"bone", kIvory}};
+
+Color tissue_color(const std::string& name) {
+  for (const NamedColor& tissue : kTissueColors) {
+    if (name == tissue.name) return tissue.color;
+  }
+  return kIvory;
+}
+
+/// A mask, its color and what the legend says of it.
+struct Part {
+  MaskTree tree;
+  Color color{};
+  std::string name;
+};
+
+class CubeScene final : public RenderScene {
+ public:
+  CubeScene(std::shared_ptr<const FileReader> reader, std::vector<Part> parts,
+            const RenderOptions& options, const TaskContext& context)
+      : reader_(std::move(reader)),
+        parts_(std::move(parts)),
+        options_(options),
+        context_(context),
+        is_smooth_(shade_of(options) == RenderShade::smooth),
+        kept_(box_of(reader_->levels().size(options.level))),
+        shown_(kept_) {}
+
+  /// Keeps what lies in a box.
+  void cut(const Box& kept) {
+    kept_ = kept;
+    context_.on_threads([&] {
+      for (Part& part : parts_) {
+        part.tree = combine(part.tree, box_mask(part.tree.size(), kept), SetOperation::intersect);
+      }
+    });
+  }
+
+  /// Counts the leaves, and drops the hidden ones where only the surface is drawn.
+  void finish() {
+    const auto start = std::chrono::steady_clock::now();
+    set_shown();
+    counts_.masks = static_cast<std::int64_t>(parts_.size());
+    for (const Part& part : parts_) counts_.leaves += leaf_count(part.tree);
+    counts_.drawn = counts_.leaves;
+    if (options_.mode != RenderMode::surface) return;
+    // A relief is that of whole masks.
+    if (is_smooth_) {
+      for (const Part& part : parts_) whole_.push_back(part.tree);
+    }
+    context_.on_threads([&] {
+      for (Part& part : parts_) part.tree = shell(part.tree);
+    });
+    counts_.drawn = 0;
+    for (const Part& part : parts_) counts_.drawn += leaf_count(part.tree);
+    counts_.shell_seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  }
+
+  Box shown() const override { return shown_; }
+
+  Picture draw(const View& view, const Color& background) override {
+    std::vector<PaintedMask> masks;
+    for (const Part& part : parts_) masks.push_back({&part.tree, part.color});
+    const CubeStyle style{background, options_.fade.value_or(kUsualFade), shown_};
+    Picture picture;
+    context_.on_threads([&] {
+      if (is_smooth_) {
+        picture = draw_relief(masks, view, style, *relief(), kept_);
+      } else if (options_.mode == RenderMode::surface) {
+        picture = draw_nearest_cubes(masks, view, style);
+      } else {
+        picture = draw_cubes(masks, view, style);
+      }
+    });
+    return picture;
+  }
+
+  std::vector<LegendRow> legend() const override {
+    std::vector<LegendRow> rows;
+    if (parts_.size() < 2) return rows;
+    for (const Part& part : parts_) rows.push_back({part.color, part.name});
+    return rows;
+  }
+
+  RenderCounts counts() const override { return counts_; }
+
+ private:
+  /// What the masks fill; the whole level where they are empty.
+  void set_shown() {
+    Box filled;
+    for (const Part& part : parts_) filled = united(filled, bounding_box(part.tree));
+    if (!filled.is_empty()) shown_ = filled;
+  }
+
+  std::unique_ptr<ReliefField> relief() const {
+    if (reader_->description().kind == VolumeKind::grey) {
+      return grey_relief(*reader_, options_.level);
+    }
+    std::vector<const MaskTree*> masks;
+    for (const MaskTree& tree : whole_) masks.push_back(&tree);
+    if (masks.empty()) {
+      for (const Part& part : parts_) masks.push_back(&part.tree);
+    }
+    return mask_relief(masks);
+  }
+
+  std::shared_ptr<const FileReader> reader_;
+  std::vector<Part> parts_;
+  std::vector<MaskTree> whole_;  // with the hidden leaves, where those are dropped
+  const RenderOptions& options_;
+  const TaskContext& context_;
+  bool is_smooth_;
+  Box kept_;
+  Box shown_;
+  RenderCounts counts_;
+};
+
+std::vector<Part> label_parts(const FileReader& reader, const RenderOptions& options,
+                              const TaskContext& context) {
+  std::vector<ValueWindow> windows;
+  for (const AskedLook& look : options.ranges) {
+    windows.push_back(stored_window(look.range, reader.description(), false));
+  }
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  if (windows.empty()) windows.push_back({-kInfinity, kInfinity});
+  std::vector<LabelMask> masks;
+  Progress& progress = context.watcher();
+  const ProgressScope scope(progress, "labels", reader.levels().size(options.level).z, "planes");
+  context.on_threads([&] {
+    masks = masks_of_labels(reader, options.level, windows, progress, context.max_memory_bytes);
+  });
+  const LabelNames& names = reader.description().metadata.facts().labels;
+  const bool is_mask = masks.size() == 1 && masks.front().label == 1 && names.is_empty();
+  std::vector<Part> parts;
+  for (LabelMask& mask : masks) {
+    parts.push_back({std::move(mask.tree), is_mask ? kIvory : label_color(names, mask.label),
+                     label_text(names, mask.label)});
+  }
+  return parts;
+}
+
+std::vector<Part> range_parts(const FileReader& reader, const RenderOptions& options,
+                              const TaskContext& context) {
+  const VolumeDescription& volume = reader.description();
+  std::vector<Part> parts;
+  const auto add = [&](const AskedRange& range, const Color& color, const std::string& name) {
+    const ValueWindow window = stored_window(range, volume, false);
+    MaskTree tree = read_mask(reader, options.level, {&window, 1}, context);
+    context.on_threads([&] {
+      for (const Part& part : parts) tree = combine(tree, part.tree, SetOperation::subtract);
+    });
+    parts.push_back({std::move(tree), color, name});
+  };
+  const bool is_one = options.ranges.size() + options.tissues.size() == 1;
+  for (const std::string& name : options.tissues) {
+    add(tissue_range(name, volume, options.input), tissue_color(name), name);
+  }
+  std::int64_t number = 0;
+  for (const AskedLook& look : options.ranges) {
+    add(look.range, is_one ? kIvory : label_color(++number), look_text(look, volume));
+  }
+  return parts;
+}
+
+}  // namespace
+
+std::unique_ptr<RenderScene> make_cube_scene(const std::shared_ptr<const FileReader>& reader,
+                                             const RenderOptions& options,
+                                             const TaskContext& context) {
+  const VolumeDescription& volume = reader->description();
+  for (const std::string& name : options.tissues) tissue_range(name, volume, options.input);
+  const bool is_labels = volume.kind == VolumeKind::labels;
+  if (!is_labels && options.ranges.empty() && options.tissues.empty()) {
+    throw Error(ErrorKind::invalid_argument,
+                "holds grey values; cubes are drawn of those in a range", options.input)
+        .with_field("ranges");
+  }
+  const Box whole = box_of(reader->levels().size(options.level));
+  const Box kept = kept_box(options.cuts, *reader, options.level);
+  std::vector<Part> parts =
+      is_labels ? label_parts(*reader, options, context) : range_parts(*reader, options, context);
+  auto scene = std::make_unique<CubeScene>(reader, std::move(parts), options, context);
+  if (kept != whole) scene->cut(kept);
+  scene->finish();
+  if (scene->counts().leaves == 0) {
+    context.warn(options.input + (options.cuts.empty()
+                                      ? ": no voxel is drawn; the picture is empty"
+                                      : ": the cuts leave no voxel; the picture is empty"));
+  }
+  return scene;
+}
+
+Box kept_box(const std::vector<AskedCut>& cuts, const FileReader& reader, int level) {
+  const Levels& levels = reader.levels();
+  Box kept = box_of(levels.size(level));
+  for (const AskedCut& cut : cuts) {
+    const std::int64_t voxels = cut.axis >= 0 && cut.axis < 3 ? levels.size(0)[cut.axis] : 0;
+    if (cut.index < 0 || cut.index >= voxels) {
+      throw Error(ErrorKind::invalid_argument,
+                  voxels == 0 ? "a cut lies across axis 0, 1 or 2"
+                              : fmt::format("a cut at {} = {}; it runs from 0 to {}",
+                                            "xyz"[cut.axis], cut.index, voxels - 1))
+          .with_field("cuts");
+    }
+    const int halvings = levels.halving_count(level, cut.axis);
+    if (cut.keeps_below) {
+      const std::int64_t end = ((cut.index - 1) >> halvings) + 1;
+      kept.hi[cut.axis] = std::min(kept.hi[cut.axis], cut.index == 0 ? 0 : end);
+    } else {
+      kept.lo[cut.axis] = std::max(kept.lo[cut.axis], (cut.index + 1) >> halvings);
+    }
+  }
+  if (!kept.is_empty()) return kept;
+  throw Error(ErrorKind::invalid_argument, "the cuts leave no voxel of the volume")
+      .with_field("cuts");
+}
+
+}  // namespace octavo

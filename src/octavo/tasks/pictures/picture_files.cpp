@@ -1,0 +1,29 @@
+#include "octavo/tasks/pictures/picture_files.h"
+
+#include "octavo/core/error.h"
+#include "octavo/file/storage/storage.h"
+
+namespace octavo {
+
+void require_png(const std::string& path) {
+  if (path.ends_with(".png")) return;
+  throw Error(ErrorKind::invalid_argument, "a picture is written as .png", path)
+      .with_field("output.path");
+}
+
+void PictureFiles::add(const std::string& path, const Picture& picture) {
+  if (context_.watcher().is_cancelled()) {
+    throw Error(ErrorKind::cancelled, "stopped before it was written", path);
+  }
+  auto file = std::make_unique<PendingFile>(local_storage(), path);
+  file->append(encode_png(picture));
+  file->seal();
+  files_.push_back(std::move(file));
+}
+
+void PictureFiles::publish(bool overwrite) {
+  for (const auto& file : files_) file->publish(overwrite);
+  files_.clear();
+}
+
+}  // namespace octavo

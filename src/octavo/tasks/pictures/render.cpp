@@ -1,0 +1,223 @@
+#include "octavo/tasks/pictures/render.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+
+#include "octavo/core/error.h"
+#include "octavo/core/text.h"
+#include "octavo/io/source/place_known.h"
+#include "octavo/tasks/inputs.h"
+#include "octavo/tasks/pictures/picture_files.h"
+#include "octavo/tasks/pictures/render_scene.h"
+#include "octavo/tasks/volume_facts.h"
+#include "octavo/tasks/volume_parts.h"
+
+namespace octavo {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int kDirectionsAroundABody = 8;  // along lines of voxels
+
+[[noreturn]] void reject_render(const std::string& what, const char* field) {
+  throw Error(ErrorKind::invalid_argument, what).with_field(field);
+}
+
+/// "40:", "30:50"
+std::string ends_text(const AskedRange& range) {
+  const auto end = [](double value) { return std::isfinite(value) ? number_text(value) : ""; };
+  return end(range.lowest) + ":" + end(range.highest);
+}
+
+/// Options that contradict each other, whatever the volume.
+void check_render(const RenderOptions& options) {
+  require_png(options.output.path);
+  if (options.mode == RenderMode::transparency) {
+    if (options.fade) reject_render("transparency does not fade", "fade");
+    if (options.shade) reject_render("transparency has no shades", "shade");
+    if (options.is_average && options.window)
+      reject_render("a window is of sums, not of averages", "window");
+    if (options.turntable > kDirectionsAroundABody) {
+      reject_render(
+          fmt::format("a turntable of {}; transparency looks along lines of voxels, and there "
+                      "are {} directions around a body",
+                      options.turntable, kDirectionsAroundABody),
+          "turntable");
+    }
+  } else {
+    for (const AskedLook& look : options.ranges) {
+      if (look.color || look.opacity) {
+        reject_render("the range " + ends_text(look.range) +
+                          " has a color or an opacity, which are of mode transparency",
+                      "ranges.look");
+      }
+    }
+    if (options.is_average) reject_render("an average is of mode transparency", "is_average");
+    if (options.window) reject_render("a window is of mode transparency", "window");
+  }
+}
+
+ViewFrame frame_of(const RenderOptions& options) {
+  return {options.width, options.height, options.zoom, {}};
+}
+
+/// geometry  of level 0: steps are voxels, whatever the level that is drawn
+Viewpoint viewpoint_of(const AskedView& asked, const Geometry& geometry) {
+  if (asked.azimuth_degrees || asked.elevation_degrees) {
+    return viewpoint_at(asked.azimuth_degrees.value_or(0), asked.elevation_degrees.value_or(0));
+  }
+  if (asked.steps) return viewpoint_along(geometry, *asked.steps);
+  if (const auto named = find_viewpoint(asked.side)) return *named;
+  reject_render("no side is called " + escaped(asked.side), "view.side");
+}
+
+/// The name of the output, or for a turntable with a number before the ending.
+std::vector<std::string> picture_paths(const RenderOptions& options) {
+  if (options.turntable == 0) return {options.output.path};
+  std::vector<std::string> paths;
+  for (int i = 0; i < options.turntable; ++i) {
+    std::string& path = paths.emplace_back(options.output.path);
+    path.insert(path.size() - 4, fmt::format("-{:03}", i));
+  }
+  return paths;
+}
+
+/// Of three channels three times: as it is drawn, as rows of a PNG file and as that file.
+std::uint64_t picture_bytes(const RenderOptions& options) {
+  constexpr std::uint64_t kBytesPerPixel = 9;
+  return kBytesPerPixel * static_cast<std::uint64_t>(options.width * options.height);
+}
+
+/// What can be rejected without the file is rejected before it is read.
+void check_picture(const RenderOptions& options, const TaskContext& context) {
+  fitting_pixel_mm({}, {{0, 0, 0}, {1, 1, 1}}, viewpoint_of(options.view, {}), frame_of(options));
+  context.require_memory(picture_bytes(options), "the picture");
+}
+
+std::unique_ptr<RenderScene> make_scene(const std::shared_ptr<const FileReader>& reader,
+                                        const RenderOptions& options, const TaskContext& context) {
+  if (options.mode == RenderMode::transparency) {
+    return make_transparency_scene(reader, options, context);
+  }
+  return make_cube_scene(reader, options, context);
+}
+
+void annotate(Picture& picture, const View& view, const RenderScene& scene,
+              const RenderOptions& options, const VolumeDescription& volume) {
+  Annotator writing(picture);
+  if (options.has_scale_bar && is_spacing_known(volume)) writing.scale_bar(view.pixel_mm);
+  if (options.has_sides) {
+    // Where no patient is known the axes are those of the grid.
+    const bool is_of_patient = is_place_known(volume);
+    if (is_of_patient && is_seen_from_a_side(view)) writing.sides(edge_letters(view));
+    else writing.axes(is_of_patient ? patient_axes(view) : grid_axes(view));
+  }
+  if (options.has_legend) writing.legend(Corner::top_left, scene.legend());
+}
+
+/// The pictures of a series, on one scale.
+class Series {
+ public:
+  Series(RenderScene& scene, const FileReader& reader, const RenderOptions& options,
+         std::size_t count)
+      : scene_(scene), reader_(reader), options_(options), frame_(frame_of(options)) {
+    const VolumeDescription& volume = reader.description();
+    geometry_ = reader.levels().geometry(volume.geometry, options.level);
+    const Viewpoint first = viewpoint_of(options.view, volume.geometry);
+    for (std::size_t i = 0; i < count; ++i) {
+      const double degrees = 360 * static_cast<double>(i) / static_cast<double>(count);
+      viewpoints_.push_back(scene.seen_from(turned(first, degrees)));
+      // The scale at which the largest fits.
+      frame_.pixel_mm =
+          std::max(frame_.pixel_mm.value_or(0),
+                   fitting_pixel_mm(geometry_, scene.shown(), viewpoints_.back(), frame_));
+    }
+  }
+
+  View view(std::size_t number) const {
+    return make_view(geometry_, reader_.levels().size(options_.level), scene_.shown(),
+                     viewpoints_[number], frame_);
+  }
+
+  /// A picture with all that is written on it; adds the time for drawing it.
+  Picture draw(std::size_t number, double& seconds) const {
+    const View seen = view(number);
+    const Clock::time_point start = Clock::now();
+    Picture picture = scene_.draw(seen, options_.background);
+    seconds += std::chrono::duration<double>(Clock::now() - start).count();
+    annotate(picture, seen, scene_, options_, reader_.description());
+    return picture;
+  }
+
+ private:
+  RenderScene& scene_;
+  const FileReader& reader_;
+  const RenderOptions& options_;
+  ViewFrame frame_;
+  Geometry geometry_;
+  std::vector<Viewpoint> viewpoints_;
+};
+
+}  // namespace
+
+RenderShade shade_of(const RenderOptions& options) {
+  // Flat cubes show the octree, smooth surfaces the object.
+  return options.shade.value_or(options.mode == RenderMode::surface ? RenderShade::smooth
+                                                                    : RenderShade::flat);
+}
+
+std::string look_text(const AskedLook& look, const VolumeDescription& volume) {
+  if (!look.text.empty()) return look.text;
+  const std::string unit = unit_of(volume);
+  const AskedRange& range = look.range;
+  std::string text = number_text(range.lowest) + " \u2013 " + number_text(range.highest);
+  if (range.lowest == range.highest) text = number_text(range.lowest);
+  else if (!std::isfinite(range.highest)) text = "\u2265 " + number_text(range.lowest);
+  else if (!std::isfinite(range.lowest)) text = "\u2264 " + number_text(range.highest);
+  return unit.empty() ? text : text + " " + unit;
+}
+
+RenderResult render(const RenderOptions& options, const TaskContext& context) {
+  check_render(options);
+  const std::vector<std::string> paths = picture_paths(options);
+  for (const std::string& path : paths) require_free({path, options.output.overwrite});
+  check_picture(options, context);
+  const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
+  require_level(reader->levels(), options.level);
+  const VolumeDescription& volume = reader->description();
+  const Size3& size = reader->levels().size(options.level);
+  make_view(reader->levels().geometry(volume.geometry, options.level), size, box_of(size),
+            viewpoint_of(options.view, volume.geometry), frame_of(options));
+
+  const auto scene = make_scene(reader, options, context);
+  if (!is_place_known(volume) && (!options.view.steps || options.turntable > 0)) {
+    context.note(options.input +
+                 ": does not say how the patient lies; x is taken to run to the "
+                 "left, y to the back and z to the head");
+  }
+  const Series series(*scene, *reader, options, paths.size());
+  RenderResult result;
+  PictureFiles files(context);
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    files.add(paths[i], series.draw(i, result.seconds));
+  }
+  files.publish(options.output.overwrite);
+
+  const View first = series.view(0);
+  result.volume = volume;
+  result.outputs = paths;
+  result.shade = shade_of(options);
+  result.width = first.width;
+  result.height = first.height;
+  result.pixel_mm = first.pixel_mm;
+  result.toward = first.toward;
+  result.counts = scene->counts();
+  return result;
+}
+
+}  // namespace octavo

@@ -1,0 +1,117 @@
+// Pictures of what a file holds, seen from a side of the patient.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "octavo/core/volume.h"
+#include "octavo/render/picture.h"
+#include "octavo/render/transparency/transparency.h"
+#include "octavo/render/view.h"
+#include "octavo/render/window.h"
+#include "octavo/tasks/outputs.h"
+#include "octavo/tasks/task_context.h"
+#include "octavo/tasks/value_ranges.h"
+
+namespace octavo {
+
+enum class RenderMode {
+  cubes,         ///< every leaf of masks as a cube
+  surface,       ///< the leaves that are not hidden among others
+  transparency,  ///< grey values: what lies inside shines through what lies around it
+};
+
+enum class RenderShade {
+  flat,    ///< three shades, one for the faces across each axis
+  smooth,  ///< by the gradient: of grey values where they are drawn, else of the masks
+};
+
+/// Values, or labels, to draw.
+struct AskedLook {
+  AskedRange range;
+  std::string text;               ///< what the legend says; empty: the ends
+  std::optional<Color> color;     ///< of mode transparency
+  std::optional<double> opacity;  ///< of mode transparency: of one voxel
+};
+
+/// Keeps the voxels of level 0 on one side of index `index` along an axis.
+struct AskedCut {
+  int axis = 0;
+  bool keeps_below = true;
+  std::int64_t index = 0;
+};
+
+/// Where the viewer stands: angles before steps before a side.
+struct AskedView {
+  std::string side{kUsualViewpoint};  ///< as find_viewpoint knows it
+  std::optional<Point3> steps;        ///< voxels along the axes of the grid
+  std::optional<double> azimuth_degrees;
+  std::optional<double> elevation_degrees;
+
+  /// Nothing but the default.
+  bool is_usual() const {
+    return !steps && !azimuth_degrees && !elevation_degrees && side == kUsualViewpoint;
+  }
+};
+
+struct RenderOptions {
+  std::string input;  ///< an .8vo file or a URL of one
+  Output output;      ///< ends in .png; a turntable writes NAME-000.png and so on
+  RenderMode mode = RenderMode::cubes;
+  std::optional<RenderShade> shade;  ///< default: flat cubes, smooth surfaces
+  int level = 0;
+  std::vector<AskedLook> ranges;
+  std::vector<std::string> tissues;  ///< names of tissue_names()
+  std::vector<AskedCut> cuts;
+  AskedView view;
+  std::int64_t width = 1024;
+  std::int64_t height = 1024;
+  double zoom = 1;
+  int turntable = 0;  ///< pictures once around the patient; 0: one picture
+  Color background{0, 0, 0};
+  std::optional<double> fade;    ///< how much darker the farthest is than the nearest, 0 .. 1
+  bool is_average = false;       ///< of mode transparency: in place of the sum
+  std::optional<Window> window;  ///< of mode transparency: the sums from black to white
+  bool has_scale_bar = true;
+  bool has_sides = true;
+  bool has_legend = true;
+};
+
+/// What was drawn.
+struct RenderCounts {
+  std::int64_t leaves = 0;  ///< of mode transparency: of the condensed octree that were visited
+
+  // Modes cubes and surface.
+  std::int64_t masks = 0;
+  std::int64_t drawn = 0;  ///< leaves that are not hidden among others
+  std::optional<double> shell_seconds;
+
+  // Mode transparency.
+  std::int64_t decoded_bricks = 0;
+  std::vector<DensityRange> ranges;
+  std::optional<ValueRamp> ramp;  ///< where there are no ranges; real values
+  std::optional<Window> window;   ///< of sums
+};
+
+struct RenderResult {
+  VolumeDescription volume;
+  std::vector<std::string> outputs;
+  RenderShade shade = RenderShade::flat;  ///< meaningless for transparency
+  std::int64_t width = 0;
+  std::int64_t height = 0;
+  double pixel_mm = 1;  ///< where the spacing is known; otherwise as if voxels were 1 mm
+  Point3 toward{};      ///< of the first picture, towards the viewer
+  RenderCounts counts;
+  double seconds = 0;  ///< for drawing all pictures
+};
+
+/// Draws all pictures and gives them their names when the last is complete. Warns of pictures
+/// without anything in them; notes where the place of the patient is not known.
+/// Throws  as open_volume and require_free; Error{invalid_argument} when options do not go together
+///         or with the volume
+/// Memory  that of the masks or of the lines of voxels, and 9 bytes per pixel
+RenderResult render(const RenderOptions& options, const TaskContext& context);
+
+}  // namespace octavo

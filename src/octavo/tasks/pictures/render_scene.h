@@ -1,0 +1,54 @@
+// What `render` draws, mode by mode: a scene is made once and drawn from any side.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "octavo/file/reader.h"
+#include "octavo/render/annotation.h"
+#include "octavo/render/picture.h"
+#include "octavo/render/view.h"
+#include "octavo/tasks/pictures/render.h"
+
+namespace octavo {
+
+/// What is drawn, on the grid of one level of a file. The options and the context that it was made
+/// with must outlive it.
+class RenderScene {
+ public:
+  virtual ~RenderScene() = default;
+  /// The samples of the level that the picture is fitted to.
+  virtual Box shown() const = 0;
+  /// The viewpoint nearest to `viewpoint` from which the scene can be drawn.
+  virtual Viewpoint seen_from(const Viewpoint& viewpoint) const { return viewpoint; }
+  /// Draws one picture of three channels, without annotations.
+  virtual Picture draw(const View& view, const Color& background) = 0;
+  virtual std::vector<LegendRow> legend() const { return {}; }
+  virtual RenderCounts counts() const = 0;
+};
+
+/// Modes cubes and surface: the leaves of masks.
+/// Throws Error{invalid_argument} for grey values without a range or a tissue
+std::unique_ptr<RenderScene> make_cube_scene(const std::shared_ptr<const FileReader>& reader,
+                                             const RenderOptions& options,
+                                             const TaskContext& context);
+
+/// Mode transparency: looks along the lines of voxels that are nearest to the direction asked for,
+/// and notes where that is another.
+/// Throws Error{invalid_argument} for labels
+std::unique_ptr<RenderScene> make_transparency_scene(
+    const std::shared_ptr<const FileReader>& reader, const RenderOptions& options,
+    const TaskContext& context);
+
+/// The shade that is asked for, or that the mode has by default.
+RenderShade shade_of(const RenderOptions& options);
+
+/// What the legend says of a range: "226 – 3000 HU", "≥ 226 HU".
+std::string look_text(const AskedLook& look, const VolumeDescription& volume);
+
+/// The samples of a level that the cuts leave.
+/// Throws Error{invalid_argument} when a cut lies outside the volume or nothing is left
+Box kept_box(const std::vector<AskedCut>& cuts, const FileReader& reader, int level);
+
+}  // namespace octavo
