@@ -140,7 +140,7 @@ class Slices(cli_test.InFolder):
             pictures.add((self.folder / "s.png").read_bytes())
         self.assertEqual(len(pictures), 1)
 
-    def test_refusals_name_the_reason_and_leave_nothing(self):
+    def test_errors_name_the_reason_and_leave_nothing(self):
         before = self.files()
         for words, arguments in [
             (["--plane", "NX,NY,NZ"], ["--plane", "1,2"]),

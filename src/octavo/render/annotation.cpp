@@ -14,6 +14,12 @@ bool is_top(Corner corner) { return corner == Corner::top_left || corner == Corn
 
 bool is_left(Corner corner) { return corner == Corner::top_left || corner == Corner::bottom_left; }
 
+/// The other corner of the same edge, top or bottom.
+Corner beside(Corner corner) {
+  if (is_top(corner)) return is_left(corner) ? Corner::top_right : Corner::top_left;
+  return is_left(corner) ? Corner::bottom_right : Corner::bottom_left;
+}
+
 }  // namespace
 
 double text_size_px(const PixelArea& area) {
@@ -61,8 +67,19 @@ std::int64_t Annotator::free_height(Corner corner) const {
   return middle - margin_ - used_[static_cast<std::size_t>(corner)];
 }
 
-/// Takes rows of a corner, and gives the first of them.
-std::int64_t Annotator::take(Corner corner, std::int64_t height) {
+/// Columns that a text may have in a corner.
+std::int64_t Annotator::free_width(Corner corner) const {
+  const std::int64_t gap = small_.cap_height();
+  const std::int64_t other = widest_[static_cast<std::size_t>(beside(corner))];
+  const std::int64_t letter = letters_[is_top(corner) ? 0 : 1];
+  const std::int64_t free = area_.width - 2 * margin_ - (other == 0 ? 0 : other + 2 * gap);
+  return letter == 0 ? free : std::min(free, (area_.width - letter) / 2 - margin_ - gap);
+}
+
+/// Takes rows of a corner for something so wide, and gives the first of them.
+std::int64_t Annotator::take(Corner corner, std::int64_t width, std::int64_t height) {
+  std::int64_t& widest = widest_[static_cast<std::size_t>(corner)];
+  widest = std::max(widest, width);
   std::int64_t& used = used_[static_cast<std::size_t>(corner)];
   const std::int64_t from_edge = margin_ + used;
   used += height;
@@ -87,11 +104,13 @@ void Annotator::scale_bar(double pixel_mm) {
   const std::int64_t thickness = std::max<std::int64_t>(2, small_.cap_height() / 4);
   const std::int64_t edge = small_.outline();
   const std::int64_t x = column(Corner::bottom_left, length);
-  const std::int64_t y = take(Corner::bottom_left, thickness);
+  const std::int64_t y = take(Corner::bottom_left, length, thickness);
   box({x - edge, y - edge, length + 2 * edge, thickness + 2 * edge}, kBlack);
   box({x, y, length, thickness}, kWhite);
-  const std::int64_t text_y = take(Corner::bottom_left, small_.line_height());
-  small_.draw(picture_, x, text_y + small_.line_height() / 8, length_text(length_mm));
+  const std::string text = length_text(length_mm);
+  const std::int64_t text_y =
+      take(Corner::bottom_left, small_.width(text), small_.line_height());
+  small_.draw(picture_, x, text_y + small_.line_height() / 8, text);
 }
 
 void Annotator::sides(const EdgeLetters& letters) {
@@ -107,12 +126,12 @@ void Annotator::sides(const EdgeLetters& letters) {
   large_.draw(picture_, centered(letters.top), area_.y + margin_, letters.top);
   large_.draw(picture_, centered(letters.bottom), area_.y + area_.height - margin_ - cap,
               letters.bottom);
+  letters_ = {large_.width(letters.top), large_.width(letters.bottom)};
 }
 
 void Annotator::lines(Corner corner, std::span<const std::string> texts) {
   if (!has_room()) return;
-  // Beside the letter of a side at the middle of the edge.
-  const std::int64_t widest = area_.width / 2 - margin_ - 2 * large_.cap_height();
+  const std::int64_t widest = free_width(corner);
   std::vector<std::string> fitted;
   for (const std::string& text : texts) {
     fitted.push_back(small_.fitted(text, widest));
@@ -121,10 +140,11 @@ void Annotator::lines(Corner corner, std::span<const std::string> texts) {
   if (!is_top(corner)) std::reverse(fitted.begin(), fitted.end());
   for (const std::string& text : fitted) {
     if (free_height(corner) < small_.line_height()) return;
-    const std::int64_t y = take(corner, small_.line_height());
+    const std::int64_t width = small_.width(text);
+    const std::int64_t y = take(corner, width, small_.line_height());
     // The capitals of the outermost line touch the margin.
     const std::int64_t shift = is_top(corner) ? 0 : small_.line_height() - small_.cap_height();
-    small_.draw(picture_, column(corner, small_.width(text)), y + shift, text);
+    small_.draw(picture_, column(corner, width), y + shift, text);
   }
 }
 
@@ -136,12 +156,13 @@ void Annotator::legend(Corner corner, std::span<const LegendRow> rows) {
   const std::int64_t room = std::max<std::int64_t>(0, free_height(corner) / pitch);
   const auto fitting = static_cast<std::size_t>(room);
   const std::size_t shown = rows.size() <= fitting ? rows.size() : fitting > 0 ? fitting - 1 : 0;
-  const std::int64_t widest = area_.width / 2 - margin_ - side - gap - 2 * large_.cap_height();
+  const std::int64_t widest = std::min(free_width(corner), area_.width / 2) - side - gap;
   const std::int64_t edge = std::max<std::int64_t>(1, small_.outline() / 2);
   for (const LegendRow& row : rows.first(shown)) {
     const std::string text = small_.fitted(row.text, widest);
-    const std::int64_t x = column(corner, side + gap + small_.width(text));
-    const std::int64_t y = take(corner, pitch);
+    const std::int64_t width = side + gap + small_.width(text);
+    const std::int64_t x = column(corner, width);
+    const std::int64_t y = take(corner, width, pitch);
     box({x - edge, y - edge, side + 2 * edge, side + 2 * edge}, kBlack);
     box({x, y, side, side}, row.color);
     small_.draw(picture_, x + side + gap, y, text);
@@ -159,7 +180,8 @@ void Annotator::color_bar(Corner corner, std::span<const Color> colors,
   const std::int64_t width = small_.cap_height();
   const std::int64_t edge = std::max<std::int64_t>(1, small_.outline() / 2);
   const std::int64_t x = column(corner, width);
-  const std::int64_t y = take(corner, height);
+  const std::int64_t text_width = std::max(small_.width(ends[0]), small_.width(ends[1]));
+  const std::int64_t y = take(corner, width * 3 / 2 + text_width, height);
   const std::int64_t bar = height - pitch / 2;
   box({x - edge, y - edge, width + 2 * edge, bar + 2 * edge}, kBlack);
   for (std::int64_t row = 0; row < bar; ++row) {
@@ -178,7 +200,7 @@ void Annotator::axes(const std::array<ViewAxis, 3>& axes) {
   if (!has_room()) return;
   const auto arm = 3.2 * static_cast<double>(small_.cap_height());
   const auto reach = static_cast<std::int64_t>(arm) + 2 * small_.cap_height();
-  const std::int64_t top = take(Corner::bottom_right, 2 * reach - margin_);
+  const std::int64_t top = take(Corner::bottom_right, 2 * reach, 2 * reach - margin_);
   const std::int64_t middle_x = area_.x + area_.width - reach;
   const std::int64_t middle_y = top + reach;
   const PixelArea around{middle_x - reach, middle_y - reach, 2 * reach, 2 * reach};

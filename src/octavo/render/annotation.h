@@ -4,8 +4,10 @@
 //     bottom left   scale bar                         bottom right   lines, axes; upward
 //     edges         the patient's side at the middle of each
 //
-// What is written into a corner stands beside what was written there before, not over it; what has
-// no room is not written. Letters grow with the picture.
+// What is written into a corner stands below or above what was written there before, not over it,
+// and ends before what stands in the other corner of its edge and before the side's letter: scale
+// bar and sides first, lines behind them. What has no room is not written. Letters grow with the
+// picture.
 #pragma once
 
 #include <array>
@@ -74,7 +76,8 @@ class Annotator {
  private:
   bool has_room() const;
   std::int64_t free_height(Corner corner) const;
-  std::int64_t take(Corner corner, std::int64_t height);
+  std::int64_t free_width(Corner corner) const;
+  std::int64_t take(Corner corner, std::int64_t width, std::int64_t height);
   std::int64_t column(Corner corner, std::int64_t width) const;
   void box(const PixelArea& area, const Color& color);
 
@@ -83,7 +86,9 @@ class Annotator {
   Lettering small_;  // all lines
   Lettering large_;  // the sides
   std::int64_t margin_;
-  std::array<std::int64_t, 4> used_{};  // rows, by corner
+  std::array<std::int64_t, 4> used_{};     // rows, by corner
+  std::array<std::int64_t, 4> widest_{};   // columns, by corner
+  std::array<std::int64_t, 2> letters_{};  // columns of the sides at the top and at the bottom
 };
 
 }  // namespace octavo

@@ -159,16 +159,19 @@ class SlicePainter {
     const double text_px = text_size_px(plan_.grid.cell(0));
     const bool is_single = plan_.sections.size() == 1;
     Annotator whole(picture, {0, 0, picture.width, picture.height}, text_px);
-    for (std::size_t i = 0; i < plan_.sections.size(); ++i) {
-      Annotator cell(picture, plan_.grid.cell(static_cast<std::int64_t>(i)), text_px);
+    const std::int64_t lowest = (plan_.grid.rows - 1) * plan_.grid.columns;  // at the left edge
+    for (std::int64_t i = 0; i < static_cast<std::int64_t>(plan_.sections.size()); ++i) {
+      Annotator cell(picture, plan_.grid.cell(i), text_px);
       Annotator& writing = is_single ? whole : cell;
-      if (captions.has_notes) writing.lines(Corner::top_left, position_lines(i));
-      if (captions.has_sides && captions.is_place_known && i == 0) {
-        writing.sides(plan_.sections[i].letters);
+      if (captions.has_scale_bar && captions.is_spacing_known && i == lowest) {
+        writing.scale_bar(plan_.sections.front().pixel_mm);
       }
-    }
-    if (captions.has_scale_bar && captions.is_spacing_known) {
-      whole.scale_bar(plan_.sections.front().pixel_mm);
+      if (captions.has_sides && captions.is_place_known && i == 0) {
+        writing.sides(plan_.sections.front().letters);
+      }
+      if (captions.has_notes) {
+        writing.lines(Corner::top_left, position_lines(static_cast<std::size_t>(i)));
+      }
     }
     if (captions.has_notes) whole.lines(Corner::bottom_right, window_lines());
     if (captions.has_legend) write_legends(whole, is_single ? Corner::top_left : Corner::top_right);
@@ -177,8 +180,11 @@ class SlicePainter {
   std::vector<std::string> position_lines(std::size_t number) const {
     std::vector<std::string> lines;
     if (options_.plane) {
-      lines.push_back("through " + joined(options_.plane->point_mm, ", ") + " mm");
-      lines.push_back("normal " + joined(options_.plane->normal, ", "));
+      const Point3& at = options_.plane->point_mm;
+      const double step = plan_.geometry.spacing_mm[0];
+      lines.push_back("at " + place_number(at[0], step) + ", " + place_number(at[1], step) + ", " +
+                      place_number(at[2], step) + " mm");
+      lines.push_back("normal " + joined(options_.plane->normal, ", ", 3));
     } else {
       lines.push_back(slice_text(number));
     }
@@ -203,9 +209,13 @@ class SlicePainter {
       const auto& d = plan_.geometry.direction;
       if (std::abs(d[3 * r + column]) > std::abs(d[3 * row + column])) row = r;
     }
-    if (!options_.captions.is_place_known) return text + "   " + with_unit(middle[row], "mm");
+    const double step = plan_.geometry.spacing_mm[static_cast<std::size_t>(options_.axis)];
+    const bool is_placed = options_.captions.is_place_known;
+    const double shown = is_placed ? std::abs(middle[row]) : middle[row];
+    const std::string place = place_number(shown, step) + " mm";
+    if (!is_placed) return text + "   " + place;
     const char side = middle[row] < 0 ? "RAI"[row] : "LPS"[row];
-    return text + "   " + side + " " + with_unit(std::abs(middle[row]), "mm");
+    return text + "   " + side + " " + place;
   }
 
   std::vector<std::string> window_lines() const {
@@ -215,7 +225,7 @@ class SlicePainter {
                       with_unit(window_.width, options_.captions.unit));
     }
     if (options_.captions.is_spacing_known) {
-      lines.push_back(joined(plan_.geometry.spacing_mm, " \u00d7 ") + " mm");
+      lines.push_back(joined(plan_.geometry.spacing_mm, " \u00d7 ", 3) + " mm");
     }
     return lines;
   }

@@ -46,6 +46,7 @@ struct Part {
   MaskTree tree;
   Color color{};
   std::string name;
+  std::uint64_t voxels = 0;
 };
 
 class CubeScene final : public RenderScene {
@@ -75,7 +76,10 @@ class CubeScene final : public RenderScene {
     const auto start = std::chrono::steady_clock::now();
     set_shown();
     counts_.masks = static_cast<std::int64_t>(parts_.size());
-    for (const Part& part : parts_) counts_.leaves += leaf_count(part.tree);
+    for (Part& part : parts_) {
+      counts_.leaves += leaf_count(part.tree);
+      part.voxels = part.tree.voxel_count();
+    }
     counts_.drawn = counts_.leaves;
     if (options_.mode != RenderMode::surface) return;
     // A relief is that of whole masks.
@@ -113,7 +117,14 @@ class CubeScene final : public RenderScene {
   std::vector<LegendRow> legend() const override {
     std::vector<LegendRow> rows;
     if (parts_.size() < 2) return rows;
-    for (const Part& part : parts_) rows.push_back({part.color, part.name});
+    // The largest first: of many labels not all have room.
+    std::vector<const Part*> sorted;
+    for (const Part& part : parts_) sorted.push_back(&part);
+    if (reader_->description().kind == VolumeKind::labels) {
+      std::stable_sort(sorted.begin(), sorted.end(),
+                       [](const Part* a, const Part* b) { return a->voxels > b->voxels; });
+    }
+    for (const Part* part : sorted) rows.push_back({part->color, part->name});
     return rows;
   }
 
