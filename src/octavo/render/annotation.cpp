@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace octavo {
 
 namespace {
 
+constexpr Color kMiddleGrey = {128, 128, 128};
 constexpr std::int64_t kSmallestArea = 96;  // pixels of the shorter side
-constexpr Color kWhite = {255, 255, 255};
 
 bool is_top(Corner corner) { return corner == Corner::top_left || corner == Corner::top_right; }
 
@@ -73,7 +74,21 @@ std::int64_t Annotator::free_width(Corner corner) const {
   const std::int64_t other = widest_[static_cast<std::size_t>(beside(corner))];
   const std::int64_t letter = letters_[is_top(corner) ? 0 : 1];
   const std::int64_t free = area_.width - 2 * margin_ - (other == 0 ? 0 : other + 2 * gap);
-  return letter == 0 ? free : std::min(free, (area_.width - letter) / 2 - margin_ - gap);
+  if (letter == 0 || is_past_letter(corner)) return free;
+  return std::min(free, (area_.width - letter) / 2 - margin_ - gap);
+}
+
+/// Whether what a corner takes next lies no longer beside the letter of its edge.
+bool Annotator::is_past_letter(Corner corner) const {
+  return used_[static_cast<std::size_t>(corner)] >= large_.cap_height();
+}
+
+/// Leaves the rows beside the letter free where a text has room beyond them alone.
+void Annotator::pass_letter(Corner corner, std::string_view text) {
+  if (is_past_letter(corner) || small_.width(text) <= free_width(corner)) return;
+  std::int64_t& used = used_[static_cast<std::size_t>(corner)];
+  const std::int64_t before = std::exchange(used, large_.cap_height() + small_.cap_height() / 2);
+  if (small_.width(text) > free_width(corner)) used = before;
 }
 
 /// Takes rows of a corner for something so wide, and gives the first of them.
@@ -105,12 +120,12 @@ void Annotator::scale_bar(double pixel_mm) {
   const std::int64_t edge = small_.outline();
   const std::int64_t x = column(Corner::bottom_left, length);
   const std::int64_t y = take(Corner::bottom_left, length, thickness);
-  box({x - edge, y - edge, length + 2 * edge, thickness + 2 * edge}, kBlack);
-  box({x, y, length, thickness}, kWhite);
+  box({x - edge, y - edge, length + 2 * edge, thickness + 2 * edge}, colors_.outline);
+  box({x, y, length, thickness}, colors_.letter);
   const std::string text = length_text(length_mm);
   const std::int64_t text_y =
       take(Corner::bottom_left, small_.width(text), small_.line_height());
-  small_.draw(picture_, x, text_y + small_.line_height() / 8, text);
+  small_.draw(picture_, x, text_y + small_.line_height() / 8, text, colors_);
 }
 
 void Annotator::sides(const EdgeLetters& letters) {
@@ -121,30 +136,27 @@ void Annotator::sides(const EdgeLetters& letters) {
   };
   const std::int64_t middle_y = area_.y + (area_.height - cap) / 2;
   const std::int64_t right_x = area_.x + area_.width - margin_ - large_.width(letters.right);
-  large_.draw(picture_, area_.x + margin_, middle_y, letters.left);
-  large_.draw(picture_, right_x, middle_y, letters.right);
-  large_.draw(picture_, centered(letters.top), area_.y + margin_, letters.top);
+  large_.draw(picture_, area_.x + margin_, middle_y, letters.left, colors_);
+  large_.draw(picture_, right_x, middle_y, letters.right, colors_);
+  large_.draw(picture_, centered(letters.top), area_.y + margin_, letters.top, colors_);
   large_.draw(picture_, centered(letters.bottom), area_.y + area_.height - margin_ - cap,
-              letters.bottom);
+              letters.bottom, colors_);
   letters_ = {large_.width(letters.top), large_.width(letters.bottom)};
 }
 
 void Annotator::lines(Corner corner, std::span<const std::string> texts) {
   if (!has_room()) return;
-  const std::int64_t widest = free_width(corner);
-  std::vector<std::string> fitted;
-  for (const std::string& text : texts) {
-    fitted.push_back(small_.fitted(text, widest));
-  }
-  // Lower corners fill from below.
-  if (!is_top(corner)) std::reverse(fitted.begin(), fitted.end());
-  for (const std::string& text : fitted) {
+  std::vector<std::string> outward(texts.begin(), texts.end());
+  if (!is_top(corner)) std::reverse(outward.begin(), outward.end());
+  for (const std::string& whole : outward) {
+    pass_letter(corner, whole);
     if (free_height(corner) < small_.line_height()) return;
+    const std::string text = small_.fitted(whole, free_width(corner));
     const std::int64_t width = small_.width(text);
     const std::int64_t y = take(corner, width, small_.line_height());
     // The capitals of the outermost line touch the margin.
     const std::int64_t shift = is_top(corner) ? 0 : small_.line_height() - small_.cap_height();
-    small_.draw(picture_, column(corner, width), y + shift, text);
+    small_.draw(picture_, column(corner, width), y + shift, text, colors_);
   }
 }
 
@@ -163,9 +175,12 @@ void Annotator::legend(Corner corner, std::span<const LegendRow> rows) {
     const std::int64_t width = side + gap + small_.width(text);
     const std::int64_t x = column(corner, width);
     const std::int64_t y = take(corner, width, pitch);
-    box({x - edge, y - edge, side + 2 * edge, side + 2 * edge}, kBlack);
-    box({x, y, side, side}, row.color);
-    small_.draw(picture_, x + side + gap, y, text);
+    box({x - edge, y - edge, side + 2 * edge, side + 2 * edge}, colors_.outline);
+    // A square of the color of the ground is seen by its border.
+    if (row.color == colors_.outline) box({x, y, side, side}, kMiddleGrey);
+    const std::int64_t border = row.color == colors_.outline ? 1 : 0;
+    box({x + border, y + border, side - 2 * border, side - 2 * border}, row.color);
+    small_.draw(picture_, x + side + gap, y, text, colors_);
   }
   if (shown == rows.size() || fitting == 0) return;
   const std::string rest[] = {"+ " + std::to_string(rows.size() - shown) + " more"};
@@ -183,7 +198,7 @@ void Annotator::color_bar(Corner corner, std::span<const Color> colors,
   const std::int64_t text_width = std::max(small_.width(ends[0]), small_.width(ends[1]));
   const std::int64_t y = take(corner, width * 3 / 2 + text_width, height);
   const std::int64_t bar = height - pitch / 2;
-  box({x - edge, y - edge, width + 2 * edge, bar + 2 * edge}, kBlack);
+  box({x - edge, y - edge, width + 2 * edge, bar + 2 * edge}, colors_.outline);
   for (std::int64_t row = 0; row < bar; ++row) {
     const auto count = static_cast<std::int64_t>(colors.size());
     const auto at = static_cast<std::size_t>((bar - 1 - row) * count / bar);
@@ -192,8 +207,8 @@ void Annotator::color_bar(Corner corner, std::span<const Color> colors,
   const auto text_x = [&](const std::string& text) {
     return is_left(corner) ? x + width * 3 / 2 : x - width / 2 - small_.width(text);
   };
-  small_.draw(picture_, text_x(ends[1]), y, ends[1]);
-  small_.draw(picture_, text_x(ends[0]), y + bar - small_.cap_height(), ends[0]);
+  small_.draw(picture_, text_x(ends[1]), y, ends[1], colors_);
+  small_.draw(picture_, text_x(ends[0]), y + bar - small_.cap_height(), ends[0], colors_);
 }
 
 void Annotator::axes(const std::array<ViewAxis, 3>& axes) {
@@ -218,8 +233,8 @@ void Annotator::axes(const std::array<ViewAxis, 3>& axes) {
     outlines.add(points);
     strokes.add(points);
   }
-  outlines.draw(picture_, kBlack);
-  strokes.draw(picture_, kWhite);
+  outlines.draw(picture_, colors_.outline);
+  strokes.draw(picture_, colors_.letter);
 
   // Names beyond the ends; beside the middle where an axis points at the viewer.
   const auto cap = static_cast<double>(small_.cap_height());
@@ -230,7 +245,7 @@ void Annotator::axes(const std::array<ViewAxis, 3>& axes) {
     const double up = is_seen ? axis.up / length : -0.7;
     const PixelPoint tip = end_of(axis, arm);
     small_.draw(picture_, std::llround(tip.x + right * cap) - small_.width(axis.name) / 2,
-                std::llround(tip.y - up * cap) - small_.cap_height() / 2, axis.name);
+                std::llround(tip.y - up * cap) - small_.cap_height() / 2, axis.name, colors_);
   }
 }
 

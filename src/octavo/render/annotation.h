@@ -52,6 +52,9 @@ class Annotator {
   /// With letters of another size.
   Annotator(Picture& picture, const PixelArea& area, double text_px);
 
+  /// Has what follows written in colors that read best on a ground; without, on a dark one.
+  void set_ground(const Color& ground) { colors_ = letter_colors_on(ground); }
+
   /// Writes a scale bar with its length.
   /// pixel_mm  side of a pixel
   void scale_bar(double pixel_mm);
@@ -77,6 +80,8 @@ class Annotator {
   bool has_room() const;
   std::int64_t free_height(Corner corner) const;
   std::int64_t free_width(Corner corner) const;
+  bool is_past_letter(Corner corner) const;
+  void pass_letter(Corner corner, std::string_view text);
   std::int64_t take(Corner corner, std::int64_t width, std::int64_t height);
   std::int64_t column(Corner corner, std::int64_t width) const;
   void box(const PixelArea& area, const Color& color);
@@ -86,6 +91,7 @@ class Annotator {
   Lettering small_;  // all lines
   Lettering large_;  // the sides
   std::int64_t margin_;
+  LetterColors colors_;
   std::array<std::int64_t, 4> used_{};     // rows, by corner
   std::array<std::int64_t, 4> widest_{};   // columns, by corner
   std::array<std::int64_t, 2> letters_{};  // columns of the sides at the top and at the bottom

@@ -158,6 +158,12 @@ struct Lettering::Face {
   }
 };
 
+LetterColors letter_colors_on(const Color& ground) {
+  const int brightness = 30 * ground[0] + 59 * ground[1] + 11 * ground[2];
+  if (brightness < 100 * 128) return {};
+  return {kBlack, {255, 255, 255}};
+}
+
 Lettering::Lettering(double size_px) {
   if (!(size_px >= kMinimumSize && size_px <= kMaximumSize)) {
     throw Error(ErrorKind::invalid_argument, "letters are 4 to 1000 pixels large");
@@ -196,11 +202,11 @@ std::string Lettering::fitted(std::string_view text, std::int64_t max_width) con
 }
 
 void Lettering::draw(Picture& picture, std::int64_t x, std::int64_t y, std::string_view text,
-                     const Color& color) const {
+                     const LetterColors& colors) const {
   const std::vector<char32_t> letters = characters(text);
   const std::int64_t baseline = y + cap_height();
-  face_->draw(picture, x, baseline, letters, Face::Layer::outline, kBlack);
-  face_->draw(picture, x, baseline, letters, Face::Layer::letter, color);
+  face_->draw(picture, x, baseline, letters, Face::Layer::outline, colors.outline);
+  face_->draw(picture, x, baseline, letters, Face::Layer::letter, colors.letter);
 }
 
 }  // namespace octavo

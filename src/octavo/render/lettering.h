@@ -1,5 +1,5 @@
-// Letters on pictures: a font that is part of the library, anti-aliased, in a dark outline so that
-// they read on any ground.
+// Letters on pictures: a font that is part of the library, anti-aliased, in an outline so that they
+// read on any ground.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,15 @@
 #include "octavo/render/picture.h"
 
 namespace octavo {
+
+/// The color of letters and that of their outline.
+struct LetterColors {
+  Color letter = {255, 255, 255};
+  Color outline = kBlack;
+};
+
+/// White letters on a dark ground, black ones on a light one.
+LetterColors letter_colors_on(const Color& ground);
 
 /// The letters of one size. One object serves one thread.
 class Lettering {
@@ -37,7 +46,7 @@ class Lettering {
   /// Draws a line of UTF-8 text, the upper left corner of its capital letters at (x, y). A letter
   /// that the font does not have becomes a question mark. Pixels outside the picture are cropped.
   void draw(Picture& picture, std::int64_t x, std::int64_t y, std::string_view text,
-            const Color& color = {255, 255, 255}) const;
+            const LetterColors& colors = {}) const;
 
  private:
   struct Face;

@@ -161,6 +161,51 @@ TEST(Annotator, LinesOfACornerStandBelowEachOther) {
   }
 }
 
+TEST(Annotator, LinesEndBeforeWhatStandsOnTheSameEdge) {
+  const std::string texts[] = {std::string(200, 'H')};
+  Picture lined = make_picture(300, 300, 1);
+  Annotator writing(lined);
+  writing.scale_bar(0.5);
+  const PixelArea bar = extent(lined);
+  writing.lines(Corner::bottom_right, texts);
+  Picture alone = make_picture(300, 300, 1);
+  Annotator(alone).scale_bar(0.5);
+  const PixelArea beside{0, 0, bar.x + bar.width + 4, 300};
+  EXPECT_EQ(drawn_in(lined, beside), drawn_in(alone, beside));
+  EXPECT_GT(drawn_in(lined, {bar.x + bar.width + 4, bar.y, 200, 300 - bar.y}), 200);
+}
+
+TEST(Annotator, LinesThatHaveNoRoomBesideALetterStandBelowIt) {
+  const auto rows_of = [](const std::string& text) {
+    Picture picture = make_picture(200, 200, 1);
+    Annotator writing(picture);
+    writing.sides({"", "", "A", ""});
+    const PixelArea letter = extent(picture);
+    const std::string texts[] = {text};
+    writing.lines(Corner::top_left, texts);
+    const PixelArea below{0, letter.y + letter.height + 2, 200, 60};
+    return std::pair(drawn_in(picture, {0, 0, letter.x - 1, letter.y + letter.height}),
+                     drawn_in(picture, below));
+  };
+  EXPECT_GT(rows_of("HH").first, 20);
+  EXPECT_EQ(rows_of("HH").second, 0);
+  const auto [beside, below] = rows_of("HHHHHHHHHHHHHH");
+  EXPECT_EQ(beside, 0);
+  EXPECT_GT(below, 100);
+}
+
+TEST(Annotator, LettersAreDarkOnALightGround) {
+  Picture picture = make_picture(200, 200, 3);
+  std::fill(picture.pixels.begin(), picture.pixels.end(), std::uint8_t{255});
+  Annotator writing(picture);
+  writing.set_ground({255, 255, 255});
+  writing.scale_bar(1);
+  writing.sides({"R", "L", "S", "I"});
+  EXPECT_GT(std::count(picture.pixels.begin(), picture.pixels.end(), 0), 100);
+  EXPECT_EQ(letter_colors_on({90, 200, 90}).letter, kBlack);
+  EXPECT_EQ(letter_colors_on({50, 90, 220}).outline, kBlack);
+}
+
 TEST(Annotator, LegendsShowWhatHasRoomAndCountTheRest) {
   const std::vector<LegendRow> rows(40, {{250, 10, 20}, "226:"});
   Picture picture = make_picture(160, 160, 3);

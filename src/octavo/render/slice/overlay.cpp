@@ -167,7 +167,7 @@ class OverlayPainter {
     }
     // The values stand over all lines.
     for (const ValueText& text : texts) {
-      letters.draw(picture_, text.x, text.y, text.value, text.color);
+      letters.draw(picture_, text.x, text.y, text.value, {text.color, kBlack});
     }
     for (std::size_t i = count; i-- > 0;) {
       const Color color = look_.color ? *look_.color : scale_colors(count)[i];

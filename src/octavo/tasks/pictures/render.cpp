@@ -110,6 +110,7 @@ std::unique_ptr<RenderScene> make_scene(const std::shared_ptr<const FileReader>&
 void annotate(Picture& picture, const View& view, const RenderScene& scene,
               const RenderOptions& options, const VolumeDescription& volume) {
   Annotator writing(picture);
+  writing.set_ground(options.background);
   if (options.has_scale_bar && is_spacing_known(volume)) writing.scale_bar(view.pixel_mm);
   if (options.has_sides) {
     // Where no patient is known the axes are those of the grid.
@@ -175,7 +176,7 @@ std::string look_text(const AskedLook& look, const VolumeDescription& volume) {
   if (!look.text.empty()) return look.text;
   const std::string unit = unit_of(volume);
   const AskedRange& range = look.range;
-  std::string text = number_text(range.lowest) + " \u2013 " + number_text(range.highest);
+  std::string text = number_text(range.lowest) + " to " + number_text(range.highest);
   if (range.lowest == range.highest) text = number_text(range.lowest);
   else if (!std::isfinite(range.highest)) text = "\u2265 " + number_text(range.lowest);
   else if (!std::isfinite(range.lowest)) text = "\u2264 " + number_text(range.highest);

@@ -44,7 +44,7 @@ std::unique_ptr<RenderScene> make_transparency_scene(
 /// The shade that is asked for, or that the mode has by default.
 RenderShade shade_of(const RenderOptions& options);
 
-/// What the legend says of a range: "226 – 3000 HU", "≥ 226 HU".
+/// What the legend says of a range: "226 to 3000 HU", "≥ 226 HU".
 std::string look_text(const AskedLook& look, const VolumeDescription& volume);
 
 /// The samples of a level that the cuts leave.
