@@ -86,7 +86,6 @@ constexpr Advice kAdvice[] = {
     {kAny, "kind", "", "--grey changes that"},
     {kAny, "labels.kind", "", "'octavo threshold' makes labels of it"},
     {kAny, "mask.kind", "", "'octavo threshold' makes a mask of grey values"},
-    {kAny, "step.map_mm", "", "--affine and --inverse take a matrix that has one"},
     {kAny, "tissues", "", "give --range LOW:HIGH"},
 
     // --- Pictures
@@ -121,7 +120,6 @@ constexpr Advice kAdvice[] = {
     {ErrorKind::io, "overwrite", "", "--force replaces it"},
     {kAny, "repair.input", "", "repair cannot restore this, and no verb can read such a file"},
     {kAny, "repair.salvage", "", "export --salvage writes what is whole"},
-    {kAny, "repair.source", "", "build it again from its source"},
     {kAny, "salvage", "", "--salvage fills what is damaged"},
 };
 

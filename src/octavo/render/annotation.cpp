@@ -123,8 +123,7 @@ void Annotator::scale_bar(double pixel_mm) {
   box({x - edge, y - edge, length + 2 * edge, thickness + 2 * edge}, colors_.outline);
   box({x, y, length, thickness}, colors_.letter);
   const std::string text = length_text(length_mm);
-  const std::int64_t text_y =
-      take(Corner::bottom_left, small_.width(text), small_.line_height());
+  const std::int64_t text_y = take(Corner::bottom_left, small_.width(text), small_.line_height());
   small_.draw(picture_, x, text_y + small_.line_height() / 8, text, colors_);
 }
 

@@ -80,7 +80,7 @@ void reject_growing(const HeaderBlock& block, const std::string& input) {
   if (encode_header(parse_unsealed_header(block)) != block) return;
   throw Error(ErrorKind::corrupt,
               "not sealed, and without the journal of its build, in which its coarse levels stood: "
-              "nothing can be repaired",
+              "nothing can be repaired; build it again from its source",
               input)
       .with_field("repair.source");
 }

@@ -63,7 +63,8 @@ void check(const Overlay& overlay) {
   if (!is_labels(overlay) && kind == OverlayKind::outline) {
     reject("grey values have no outline; they are drawn as isolines or wash", "overlays.kind");
   }
-  if (is_labels(overlay) && !look.levels.empty()) reject("labels have no levels", "overlays.levels");
+  if (is_labels(overlay) && !look.levels.empty())
+    reject("labels have no levels", "overlays.levels");
   if (!is_labels(overlay) && kind == OverlayKind::wash && look.color) {
     reject("a wash of grey values has a scale of colors, not one color", "overlays.color");
   }
