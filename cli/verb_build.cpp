@@ -37,6 +37,9 @@ constexpr VerbText kText = {
     "voxels are cubes: linear (or cubic, which is smoother and may overshoot at edges) between\n"
     "grey slices, rounded to stored values; by the shapes of the labels between label slices.\n"
     "It makes planes along z only, and none behind the last slice.\n\n"
+    "--label-names gives labels the names and colors of a text file: lines of NUMBER NAME, as\n"
+    "atlases have them, with a color R G B or R G B A behind it (FreeSurfer, 3D Slicer), of NAME\n"
+    "NUMBER, or ITK-SNAP's. Tables and pictures then show them, and info lists them.\n\n"
     "Names, dates, identifiers and free text of the source stay out of the file, as do names of\n"
     "files; info --metadata lists what was dropped. --keep-identity puts them into the metadata:\n"
     "of DICOM the attributes of the first slice that are text, and the labels of segments, which\n"
@@ -48,7 +51,7 @@ constexpr VerbText kText = {
     "  octavo build scans/head/ -o head.8vo\n"
     "  octavo build slices/*.tif --spacing 0.0195 -o bone.8vo\n"
     "  octavo build volume.raw --raw 512,512,300,int16 --spacing 0.8,0.8,1 -o volume.8vo\n"
-    "  octavo build aal.nii.gz --labels -o aal.8vo\n"
+    "  octavo build aal.nii.gz --labels --label-names aal.nii.txt -o aal.8vo\n"
     "  octavo build cells.tif --channel 1 --time 0 -o cells.8vo\n"
     "  octavo build scans/tilted/ --untilt --on-gap resample -o upright.8vo\n"
     "  octavo build scans/thick/ --isotropic -o cubes.8vo\n"
@@ -60,6 +63,7 @@ struct Arguments {
   std::string output;
   bool labels = false;
   bool grey = false;
+  std::string label_names;
   bool resume = false;
   std::string preset = "small";
   std::string max_error = "0";
@@ -82,6 +86,7 @@ BuildScanOptions options_of(const Arguments& arguments, const Context& context) 
   options.output = {arguments.output, context.force};
   if (arguments.labels) options.kind = VolumeKind::labels;
   if (arguments.grey) options.kind = VolumeKind::grey;
+  options.label_names = arguments.label_names;
   options.preset = arguments.preset == "fast" ? Preset::fast : Preset::small;
   options.max_error = parse_number(arguments.max_error, "--max-error");
   if (options.max_error < 0) {
@@ -118,6 +123,9 @@ void add_build(CLI::App& app, Context& context) {
   verb.add_flag("--grey", arguments->grey,
                 "Measured values (default; labels are told by their name)")
       ->excludes(labels);
+  verb.add_option("--label-names", arguments->label_names,
+                  "A text file with names and colors of the labels")
+      ->type_name("FILE");
   verb.add_option("--preset", arguments->preset, "small: fewest bytes; fast: several times faster")
       ->type_name("NAME")
       ->check(one_of({"small", "fast"}))

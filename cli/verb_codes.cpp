@@ -11,6 +11,7 @@
 #include "common/options.h"
 #include "common/task_run.h"
 #include "octavo/tasks/files/codes.h"
+#include "text/label_words.h"
 #include "text/quantities.h"
 #include "verbs.h"
 
@@ -30,6 +31,7 @@ constexpr VerbText kText = {
     "Examples:\n"
     "  octavo codes aal.8vo\n"
     "  octavo codes aal.8vo --label 37 --list --notation linear\n"
+    "  octavo codes aal.8vo --label Hippocampus_L --counts\n"
     "  octavo codes aal.8vo --neighbors 20465788\n"
     "  octavo codes head.8vo --range 300:3000"};
 
@@ -38,7 +40,7 @@ constexpr std::size_t kPrintBytes = std::size_t{1} << 16;
 struct Arguments {
   std::string input;
   int level = 0;
-  std::vector<std::int64_t> labels;
+  std::vector<std::string> labels;
   std::string range;
   std::string notation = "mixed";
   std::string neighbors;
@@ -88,18 +90,23 @@ std::string summary_text(const LinearOctree& octree, const VolumeDescription& d,
   return text;
 }
 
-std::string counts_text(const LinearOctree& octree) {
-  std::string text = fmt::format("  {:>10}  {:>13}  {:>16}  leaves of level 0, 1, ...\n", "label",
-                                 "leaves", "voxels");
-  for (const auto& [label, row] : leaves_by_label(octree)) {
+std::string counts_text(const LinearOctree& octree, const LabelNames& label_names) {
+  const auto rows = leaves_by_label(octree);
+  std::vector<std::string> all_names;
+  for (const auto& [label, row] : rows) all_names.push_back(label_names.name_of(label));
+  const NameColumn names(all_names);
+  std::string text = fmt::format("  {:>10}{}  {:>13}  {:>16}  leaves of level 0, 1, ...\n",
+                                 "label", names.head(), "leaves", "voxels");
+  std::size_t at = 0;
+  for (const auto& [label, row] : rows) {
     std::int64_t leaves = 0;
     std::string levels;
     for (std::size_t level = 0; level < row.size(); ++level) {
       leaves += row[level];
       levels += (level == 0 ? "" : " ") + std::to_string(row[level]);
     }
-    text += fmt::format("  {:>10}  {:>13}  {:>16}  {}\n", label, count_text(leaves),
-                        count_text(static_cast<std::int64_t>(voxels_under(row))), levels);
+    text += fmt::format("  {:>10}{}  {:>13}  {:>16}  {}\n", label, names.cell(at++),
+                        count_text(leaves), count_text(static_cast<std::int64_t>(voxels_under(row))), levels);
   }
   return text;
 }
@@ -145,6 +152,12 @@ const char* kind_of(const Neighbor& found) {
 struct CubeWords {
   int root_level;
   CodeNotation notation;
+  const LabelNames& names;
+
+  /// A value and its name.
+  std::string value(std::int64_t value) const {
+    return std::to_string(value) + name_suffix(names, value);
+  }
 
   std::string code(const OCode& cube) const { return code_text(cube, root_level, notation); }
 
@@ -152,9 +165,9 @@ struct CubeWords {
   std::string filling(const Neighbor& filling, const OCode& cube) const {
     if (filling.kind == NeighborKind::background) return "background";
     if (filling.kind == NeighborKind::smaller) return "divided into smaller leaves";
-    if (filling.leaf.cube == cube) return fmt::format("a leaf of value {}", filling.leaf.value);
+    if (filling.leaf.cube == cube) return "a leaf of value " + value(filling.leaf.value);
     return fmt::format("part of the leaf {} of level {} and value {}", code(filling.leaf.cube),
-                       filling.leaf.cube.level, filling.leaf.value);
+                       filling.leaf.cube.level, value(filling.leaf.value));
   }
 
   nlohmann::ordered_json found(const Neighbor& found) const {
@@ -163,6 +176,7 @@ struct CubeWords {
     object["level"] = found.leaf.cube.level;
     object["code"] = code(found.leaf.cube);
     object["value"] = found.leaf.value;
+    object["name"] = name_json(names, found.leaf.value);
     return object;
   }
 };
@@ -184,7 +198,7 @@ std::string neighbors_text(const CubeSurroundings& around, const CubeWords& word
     }
     const Leaf& leaf = neighbor.leaf;
     text += fmt::format("{:<{}}  {:>5}  {}\n", words.code(leaf.cube), width, leaf.cube.level,
-                        leaf.value);
+                        words.value(leaf.value));
   }
   return text;
 }
@@ -206,7 +220,8 @@ nlohmann::ordered_json neighbors_json(const CubeSurroundings& around, const Cube
           {"neighbors", rows}};
 }
 
-nlohmann::ordered_json result_json(const LinearOctree& octree, const Arguments& arguments) {
+nlohmann::ordered_json result_json(const LinearOctree& octree, const LabelNames& names,
+                                   const Arguments& arguments) {
   nlohmann::ordered_json levels = nlohmann::ordered_json::array();
   for (int level = 0; level <= octree.root_level; ++level) {
     const auto leaves = static_cast<std::uint64_t>(leaf_count(octree, level));
@@ -222,7 +237,10 @@ nlohmann::ordered_json result_json(const LinearOctree& octree, const Arguments& 
   if (arguments.counts) {
     nlohmann::ordered_json labels = nlohmann::ordered_json::array();
     for (const auto& [label, row] : leaves_by_label(octree)) {
-      labels.push_back({{"label", label}, {"voxels", voxels_under(row)}, {"leaves_by_level", row}});
+      labels.push_back({{"label", label},
+                        {"name", name_json(names, label)},
+                        {"voxels", voxels_under(row)},
+                        {"leaves_by_level", row}});
     }
     object["labels"] = labels;
   }
@@ -246,11 +264,19 @@ std::uint64_t printed_bytes_per_leaf(const Arguments& arguments, const Context& 
   return (arguments.notation == "mixed" ? kOrderedBytes : 0) + (context.json ? kJsonBytes : 0);
 }
 
+bool is_whole_number(const std::string& text) {
+  return !text.empty() && text.find_first_not_of("0123456789", text[0] == '-' ? 1 : 0) ==
+                              std::string::npos;
+}
+
 CodesOptions options_of(const Arguments& arguments, const Context& context) {
   CodesOptions options;
   options.input = arguments.input;
   options.level = arguments.level;
-  options.labels = arguments.labels;
+  for (const std::string& label : arguments.labels) {
+    if (is_whole_number(label)) options.labels.push_back(parse_integer(label, "--label"));
+    else options.names.push_back(label);
+  }
   if (!arguments.range.empty()) options.range = parse_range(arguments.range);
   if (arguments.notation == "linear") options.notation = CodeNotation::hierarchical;
   if (!arguments.neighbors.empty()) options.neighbors_of = arguments.neighbors;
@@ -262,16 +288,17 @@ int run_codes(const Arguments& arguments, Context& context) {
   const CodesOptions options = options_of(arguments, context);
   const CodesResult result = run_task(codes, options, context);
   const LinearOctree& octree = result.octree;
+  const LabelNames& names = result.volume.metadata.facts().labels;
   if (result.surroundings) {
-    const CubeWords words = {octree.root_level, options.notation};
+    const CubeWords words = {octree.root_level, options.notation, names};
     if (context.json) print_json(neighbors_json(*result.surroundings, words, arguments));
     else print(neighbors_text(*result.surroundings, words));
   } else if (context.json) {
-    print_json(result_json(octree, arguments));
+    print_json(result_json(octree, names, arguments));
   } else if (arguments.list) {
     print_list(octree, arguments.notation == "mixed");
   } else if (arguments.counts) {
-    print(counts_text(octree));
+    print(counts_text(octree, names));
   } else {
     print(summary_text(octree, result.volume, arguments.input));
   }
@@ -288,8 +315,8 @@ void add_codes(CLI::App& app, Context& context) {
       ->type_name("FILE")
       ->required();
   Option label =
-      verb.add_option("--label", arguments->labels, "Only this label (may be repeated)");
-  label->type_name("N")->allow_extra_args(false);
+      verb.add_option("--label", arguments->labels, "Only this label, number or name (may repeat)");
+  label->type_name("LABEL")->allow_extra_args(false);
   verb.add_option("--range", arguments->range, "A mask: real values from LO to HI, both included")
       ->type_name("LO:HI")
       ->excludes(label);

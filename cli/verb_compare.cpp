@@ -70,7 +70,7 @@ std::string labels_text(const Arguments& arguments, const CompareLabelsResult& r
       fmt::format("A = {}, B = {}: {} label{}, {} of them the same in both\n",
                   escaped(arguments.a), escaped(arguments.b), all.size(),
                   all.size() == 1 ? "" : "s", alike);
-  return all.empty() ? text : text + agreement_table(all);
+  return all.empty() ? text : text + agreement_table(result);
 }
 
 int run_labels(const Arguments& arguments, Context& context) {
@@ -78,7 +78,7 @@ int run_labels(const Arguments& arguments, Context& context) {
   const CompareLabelsOptions options = {arguments.a, arguments.b};
   const CompareLabelsResult result = run_task(compare_labels, options, context);
   if (context.json) {
-    print_json({{"equal", result.is_equal}, {"labels", agreements_json(result.agreements)}});
+    print_json({{"equal", result.is_equal}, {"labels", agreements_json(result)}});
   } else if (!context.quiet || !result.is_equal) {
     print(labels_text(arguments, result));
   }

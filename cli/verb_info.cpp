@@ -11,6 +11,7 @@
 #include "octavo/tasks/geometry_words.h"
 #include "octavo/tasks/volume_facts.h"
 #include "text/identity_words.h"
+#include "text/label_words.h"
 #include "text/made_by_words.h"
 #include "text/preparation_words.h"
 #include "text/quantities.h"
@@ -146,6 +147,9 @@ std::string screen(const InfoResult& info, bool show_metadata) {
                                    loss_words(info, metadata)));
   text += geometry_rows(info, metadata);
   text += values_row(info);
+  if (const std::string words = named_labels_text(metadata.facts().labels); !words.empty()) {
+    text += row("labels", words);
+  }
   text += loss_rows(info);
   text += row("bytes", fmt::format("{} of {} raw: {:.2f}:1, {:.3f} bits per voxel",
                                    bytes_text(info.file_bytes), bytes_text(info.raw_bytes),

@@ -9,6 +9,7 @@
 #include "common/options.h"
 #include "common/task_run.h"
 #include "octavo/tasks/measure.h"
+#include "text/label_words.h"
 #include "text/quantities.h"
 #include "verbs.h"
 
@@ -35,7 +36,7 @@ struct Arguments {
   bool csv = false;
 };
 
-nlohmann::ordered_json row_json(const MeasuredRegion& row, const std::vector<double>& percentiles) {
+nlohmann::ordered_json row_json(const MeasuredRegion& row, const MeasureResult& result) {
   const RegionMeasure& r = row.region;
   const RegionInMm in_mm = row.in_mm.value_or(RegionInMm{});
   const auto if_in_mm = [&](const nlohmann::ordered_json& value) {
@@ -43,6 +44,7 @@ nlohmann::ordered_json row_json(const MeasuredRegion& row, const std::vector<dou
   };
   nlohmann::ordered_json object = {
       {"label", r.label},
+      {"name", name_json(result.names, r.label)},
       {"voxels", r.voxel_count},
       {"mm3", if_in_mm(in_mm.mm3)},
       {"surface_voxels", r.surface_voxel_count},
@@ -57,8 +59,8 @@ nlohmann::ordered_json row_json(const MeasuredRegion& row, const std::vector<dou
   object["max"] = r.grey->maximum;
   object["integrated_mm3"] = optional_json(in_mm.integrated);
   nlohmann::ordered_json& of_percent = object["percentiles"];
-  for (std::size_t i = 0; i < percentiles.size(); ++i) {
-    of_percent[number_text(percentiles[i])] = r.grey->percentiles[i];
+  for (std::size_t i = 0; i < result.percentiles.size(); ++i) {
+    of_percent[number_text(result.percentiles[i])] = r.grey->percentiles[i];
   }
   return object;
 }
@@ -71,6 +73,11 @@ nlohmann::ordered_json with_all_places(nlohmann::ordered_json object) {
   object["principal_moments_mm2"] = unknown;
   object["principal_axes"] = nlohmann::ordered_json(3, unknown);
   return object;
+}
+
+std::string csv_value(const nlohmann::ordered_json& value) {
+  if (value.is_null()) return "";
+  return value.is_string() ? csv_cell(value.get<std::string>()) : value.dump();
 }
 
 /// The objects as a table with one column per number: what is a list in JSON has a column each;
@@ -98,7 +105,7 @@ std::string csv_text(const nlohmann::ordered_json& objects) {
     std::string values;
     const nlohmann::ordered_json flat = with_all_places(object).flatten();
     for (const auto& [pointer, value] : flat.items()) {
-      values += (names.empty() ? "" : ",") + (value.is_null() ? "" : value.dump());
+      values += (names.empty() ? "" : ",") + csv_value(value);
       names += (names.empty() ? "" : ",") + name_of(pointer);
     }
     if (text.empty()) text = names + "\n";
@@ -109,9 +116,10 @@ std::string csv_text(const nlohmann::ordered_json& objects) {
 
 /// percentiles  columns of the table; none where none were asked for
 std::string header_text(bool has_grey, const std::vector<double>& percentiles,
-                        const std::string& unit) {
-  std::string text = fmt::format("{:>10} {:>14} {:>14} {:>12}  {:<26} {:<24}", "label", "voxels",
-                                 "mm3", "surface", "centroid mm (x, y, z)", "principal sd mm");
+                        const std::string& unit, const NameColumn& names) {
+  std::string text = fmt::format("{:>10}{} {:>14} {:>14} {:>12}  {:<26} {:<24}", "label",
+                                 names.head(), "voxels", "mm3", "surface",
+                                 "centroid mm (x, y, z)", "principal sd mm");
   if (!has_grey) return text + "\n";
   text += fmt::format(" {:>10} {:>9} {:>9} {:>9}", "mean", "sd", "min", "max");
   for (const double percent : percentiles) {
@@ -120,7 +128,9 @@ std::string header_text(bool has_grey, const std::vector<double>& percentiles,
   return text + (unit.empty() ? "" : "  " + unit) + "\n";
 }
 
-std::string row_text(const MeasuredRegion& row, std::size_t percentiles) {
+/// name  its cell in the table
+std::string row_text(const MeasuredRegion& row, const std::string& name,
+                     std::size_t percentiles) {
   const RegionMeasure& r = row.region;
   std::string mm3 = "-";
   std::string centroid = "-";
@@ -133,7 +143,7 @@ std::string row_text(const MeasuredRegion& row, std::size_t percentiles) {
     deviations =
         fmt::format("{:.2f}, {:.2f}, {:.2f}", std::sqrt(m[0]), std::sqrt(m[1]), std::sqrt(m[2]));
   }
-  std::string text = fmt::format("{:>10} {:>14} {:>14} {:>12}  {:<26} {:<24}", r.label,
+  std::string text = fmt::format("{:>10}{} {:>14} {:>14} {:>12}  {:<26} {:<24}", r.label, name,
                                  count_text(static_cast<std::int64_t>(r.voxel_count)), mm3,
                                  count_text(static_cast<std::int64_t>(r.surface_voxel_count)),
                                  centroid, deviations);
@@ -150,8 +160,15 @@ std::string table_text(const MeasureResult& result, bool shows_percentiles) {
   const std::vector<double> columns =
       shows_percentiles ? result.percentiles : std::vector<double>();
   const bool has_grey = !result.regions.empty() && result.regions.front().region.grey.has_value();
-  std::string text = header_text(has_grey, columns, result.unit);
-  for (const MeasuredRegion& row : result.regions) text += row_text(row, columns.size());
+  std::vector<std::string> all_names;
+  for (const MeasuredRegion& row : result.regions) {
+    all_names.push_back(result.names.name_of(row.region.label));
+  }
+  const NameColumn names(all_names);
+  std::string text = header_text(has_grey, columns, result.unit, names);
+  for (std::size_t i = 0; i < result.regions.size(); ++i) {
+    text += row_text(result.regions[i], names.cell(i), columns.size());
+  }
   return text;
 }
 
@@ -165,7 +182,7 @@ int run_measure(const Arguments& arguments, Context& context) {
   nlohmann::ordered_json objects = nlohmann::ordered_json::array();
   if (context.json || arguments.csv) {
     for (const MeasuredRegion& row : result.regions) {
-      objects.push_back(row_json(row, result.percentiles));
+      objects.push_back(row_json(row, result));
     }
   }
   if (context.json) {

@@ -9,6 +9,7 @@
 #include "common/task_run.h"
 #include "octavo/tasks/files/probe.h"
 #include "octavo/tasks/volume_facts.h"
+#include "text/label_words.h"
 #include "text/quantities.h"
 #include "text/volume_json.h"
 #include "verbs.h"
@@ -33,11 +34,16 @@ struct Arguments {
 };
 
 nlohmann::ordered_json probe_json(const ProbedVoxel& p, const VolumeDescription& d) {
+  nlohmann::ordered_json name;
+  if (d.kind == VolumeKind::labels) {
+    name = name_json(d.metadata.facts().labels, static_cast<std::int64_t>(p.stored));
+  }
   return {{"index", {p.index.x, p.index.y, p.index.z}},
           {"level", p.code.level},
           {"world_mm", if_in_mm(d, p.world_mm)},
           {"stored", p.stored},
           {"real", d.rescale.to_real(p.stored)},
+          {"name", name},
           {"o_code",
            {{"mixed_octal", to_mixed_octal(p.code, p.root_level)},
             {"hierarchical", to_hierarchical(p.code, p.root_level)},
@@ -52,8 +58,15 @@ nlohmann::ordered_json probe_json(const ProbedVoxel& p, const VolumeDescription&
             {"max_error", p.brick.max_error}}}};
 }
 
+/// The name of the label that a voxel is.
+std::string label_suffix(const ProbedVoxel& p, const VolumeDescription& d) {
+  if (d.kind != VolumeKind::labels) return "";
+  return name_suffix(d.metadata.facts().labels, static_cast<std::int64_t>(p.stored));
+}
+
 std::string probe_text(const ProbedVoxel& p, const VolumeDescription& d) {
   std::string value = real_text(d, p.stored);
+  value += label_suffix(p, d);
   if (!d.rescale.is_identity()) value += fmt::format(" (stored {})", number_text(p.stored));
   const BrickEntry& b = p.brick;
   const std::string place = is_spacing_known(d)

@@ -13,6 +13,7 @@
 #include "octavo/tasks/geometry_words.h"
 #include "octavo/tasks/touch.h"
 #include "octavo/tasks/volume_facts.h"
+#include "text/label_words.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -117,6 +118,15 @@ nlohmann::ordered_json masks_json(const Arguments& arguments, const TouchMasksRe
           {"warnings", context.warnings}};
 }
 
+/// The names of one label of each pair.
+NameColumn names_of(const TouchLabelsResult& result, std::int64_t LabelContact::*label) {
+  std::vector<std::string> names;
+  for (const LabelContact& contact : result.contacts) {
+    names.push_back(result.volume.metadata.facts().labels.name_of(contact.*label));
+  }
+  return NameColumn(names);
+}
+
 std::string labels_text(const Arguments& arguments, const TouchLabelsResult& result) {
   std::string text = fmt::format(
       "{}: {}\n", escaped(arguments.inputs[0]),
@@ -124,12 +134,17 @@ std::string labels_text(const Arguments& arguments, const TouchLabelsResult& res
                    "pairs of labels touch"));
   if (result.contacts.empty()) return text;
   const bool is_faces = arguments.connectivity == 6;
-  text += fmt::format("{:>10} {:>10} {:>14} {:>14}{}\n", "label", "label", "faces", "mm2",
+  const NameColumn first = names_of(result, &LabelContact::first);
+  const NameColumn second = names_of(result, &LabelContact::second);
+  text += fmt::format("{:>10}{} {:>10}{} {:>14} {:>14}{}\n", "label", first.head(), "label",
+                      second.head(), "faces", "mm2",
                       is_faces ? "" : fmt::format(" {:>14}", "voxel pairs"));
-  for (const LabelContact& contact : result.contacts) {
+  for (std::size_t i = 0; i < result.contacts.size(); ++i) {
+    const LabelContact& contact = result.contacts[i];
     const auto mm2 = area_mm2(contact.face_pairs, result.volume);
     text += fmt::format(
-        "{:>10} {:>10} {:>14} {:>14}{}\n", contact.first, contact.second,
+        "{:>10}{} {:>10}{} {:>14} {:>14}{}\n", contact.first, first.cell(i), contact.second,
+        second.cell(i),
         count_text(static_cast<std::int64_t>(count_of(contact.face_pairs))),
         mm2 ? fmt::format("{:.2f}", *mm2) : "-",
         is_faces ? ""
@@ -142,9 +157,11 @@ std::string labels_text(const Arguments& arguments, const TouchLabelsResult& res
 nlohmann::ordered_json labels_json(const Arguments& arguments, const TouchLabelsResult& result,
                                    const Context& context) {
   nlohmann::ordered_json pairs = nlohmann::ordered_json::array();
+  const LabelNames& names = result.volume.metadata.facts().labels;
   for (const LabelContact& contact : result.contacts) {
     pairs.push_back(
         {{"labels", {contact.first, contact.second}},
+         {"names", {name_json(names, contact.first), name_json(names, contact.second)}},
          {"faces", count_of(contact.face_pairs)},
          {"area_mm2", optional_json(area_mm2(contact.face_pairs, result.volume))},
          {"voxel_pairs", contact.voxel_pairs}});

@@ -75,6 +75,7 @@ constexpr Advice kAdvice[] = {
     // --- Masks, labels and grids
     {kAny, "between", "", "leave the method, or give --grey if these are measured values"},
     {kAny, "codes.labels", "", "give --range LOW:HIGH"},
+    {kAny, "codes.names", "", "octavo info --metadata lists the names"},
     {kAny, "codes.range", "",
      "give --range LOW:HIGH (real units), or build it with --labels if its numbers are names, or "
      "make cubes of it with octavo condense"},
@@ -84,6 +85,8 @@ constexpr Advice kAdvice[] = {
     {kAny, "grid", "", "both must share one grid"},
     {kAny, "is_resampling", "", "--resample brings it onto that of the first"},
     {kAny, "kind", "", "--grey changes that"},
+    {kUsage, "label_names", "",
+     "leave out --label-names, or give --labels if its numbers are names of regions"},
     {kAny, "labels.kind", "", "'octavo threshold' makes labels of it"},
     {kAny, "mask.kind", "", "'octavo threshold' makes a mask of grey values"},
     {kAny, "tissues", "", "give --range LOW:HIGH"},

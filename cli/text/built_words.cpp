@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "octavo/core/text.h"
@@ -18,15 +19,27 @@ std::string promise_text(const BuiltVolume& built) {
   return ", every voxel within " + distance_text(built.volume, built.build.max_error);
 }
 
+/// How many labels have a name.
+std::size_t named_count(const BuiltVolume& built) {
+  const auto& all = built.volume.metadata.facts().labels.all();
+  return static_cast<std::size_t>(std::count_if(
+      all.begin(), all.end(), [](const auto& label) { return !label.second.name.empty(); }));
+}
+
+std::string names_text(const BuiltVolume& built) {
+  const auto count = static_cast<std::int64_t>(named_count(built));
+  return count == 0 ? "" : " (" + count_text(count) + " named)";
+}
+
 std::string built_text(const BuiltVolume& built, const std::string& output) {
   const BuildResult& build = built.build;
   const VolumeDescription& volume = built.volume;
   const double bits = static_cast<double>(build.file_bytes) * 8 /
                       static_cast<double>(volume.size.voxel_count());
-  return fmt::format("{}: {} {} {}{}, {} from {} ({:.2f}:1, {:.2f} bits per voxel) in {} "
+  return fmt::format("{}: {} {} {}{}{}, {} from {} ({:.2f}:1, {:.2f} bits per voxel) in {} "
                      "({:.0f} MB/s, {})\n",
                      output, size_text(volume.size), voxel_type_name(volume.type),
-                     kind_name(built.kind), promise_text(built), bytes_text(build.file_bytes),
+                     kind_name(built.kind), names_text(built), promise_text(built), bytes_text(build.file_bytes),
                      bytes_text(build.raw_bytes), built.compression_ratio(), bits,
                      duration_text(build.total_seconds), built.mb_per_second(),
                      counted_text(build.threads, "thread"));
@@ -37,6 +50,7 @@ nlohmann::ordered_json built_json(const BuiltVolume& built, const std::string& o
   const BuildResult& build = built.build;
   return {{"output", output},
           {"kind", kind_name(built.kind)},
+          {"named_labels", named_count(built)},
           {"file_bytes", build.file_bytes},
           {"raw_bytes", build.raw_bytes},
           {"ratio", built.compression_ratio()},

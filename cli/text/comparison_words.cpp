@@ -5,8 +5,21 @@
 #include <nlohmann/json.hpp>
 
 #include "octavo/core/text.h"
+#include "text/label_words.h"
 
 namespace octavo::cli {
+
+namespace {
+
+/// What A calls a label, and what B does where that is something else.
+std::string name_in_both(const CompareLabelsResult& result, std::int64_t label) {
+  const std::string& in_a = result.names_a.name_of(label);
+  const std::string& in_b = result.names_b.name_of(label);
+  if (in_a.empty() || in_b.empty() || in_a == in_b) return in_a.empty() ? in_b : in_a;
+  return in_a + " (B: " + in_b + ")";
+}
+
+}  // namespace
 
 std::vector<std::string> comparison_lines(const Comparison& c, const VolumeDescription& a,
                                           const VolumeDescription& b) {
@@ -72,24 +85,32 @@ std::string equal_text(const CompareResult& result) {
   return text;
 }
 
-std::string agreement_table(const std::vector<LabelAgreement>& agreements) {
-  std::string text = fmt::format("{:>10} {:>16} {:>16} {:>16} {:>8}\n", "label", "voxels in A",
-                                 "voxels in B", "in both", "Dice");
+std::string agreement_table(const CompareLabelsResult& result) {
+  std::vector<std::string> all_names;
+  for (const LabelAgreement& one : result.agreements) {
+    all_names.push_back(name_in_both(result, one.label));
+  }
+  const NameColumn names(all_names);
+  std::string text = fmt::format("{:>10}{} {:>16} {:>16} {:>16} {:>8}\n", "label", names.head(),
+                                 "voxels in A", "voxels in B", "in both", "Dice");
   const auto count = [](std::uint64_t voxels) {
     return count_text(static_cast<std::int64_t>(voxels));
   };
-  for (const LabelAgreement& one : agreements) {
-    text +=
-        fmt::format("{:>10} {:>16} {:>16} {:>16} {:>8.4f}\n", one.label, count(one.first_voxels),
-                    count(one.second_voxels), count(one.both_voxels), one.dice());
+  for (std::size_t i = 0; i < result.agreements.size(); ++i) {
+    const LabelAgreement& one = result.agreements[i];
+    text += fmt::format("{:>10}{} {:>16} {:>16} {:>16} {:>8.4f}\n", one.label, names.cell(i),
+                        count(one.first_voxels), count(one.second_voxels),
+                        count(one.both_voxels), one.dice());
   }
   return text;
 }
 
-nlohmann::ordered_json agreements_json(const std::vector<LabelAgreement>& agreements) {
+nlohmann::ordered_json agreements_json(const CompareLabelsResult& result) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-  for (const LabelAgreement& one : agreements) {
+  for (const LabelAgreement& one : result.agreements) {
     rows.push_back({{"label", one.label},
+                    {"a_name", name_json(result.names_a, one.label)},
+                    {"b_name", name_json(result.names_b, one.label)},
                     {"a_voxels", one.first_voxels},
                     {"b_voxels", one.second_voxels},
                     {"both_voxels", one.both_voxels},

@@ -19,8 +19,9 @@ nlohmann::ordered_json comparison_json(const Comparison& comparison);
 std::string equal_text(const CompareResult& result);
 
 /// A row for each label: its voxels in one label map, in the other and in both.
-std::string agreement_table(const std::vector<LabelAgreement>& agreements);
+/// Where the two call it by other names, both are shown.
+std::string agreement_table(const CompareLabelsResult& result);
 
-nlohmann::ordered_json agreements_json(const std::vector<LabelAgreement>& agreements);
+nlohmann::ordered_json agreements_json(const CompareLabelsResult& result);
 
 }  // namespace octavo::cli

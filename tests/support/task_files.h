@@ -36,6 +36,18 @@ class TaskFiles : public ::testing::Test {
     return folder_.file(name);
   }
 
+  /// The same with names of its labels.
+  std::string write_named(const std::string& name, const DenseLabels& labels,
+                          const std::vector<std::pair<std::int64_t, std::string>>& names) {
+    LabelNames all;
+    for (const auto& [label, text] : names) all.set(label, {text, {}});
+    Volume volume = volume_of(labels, 2);
+    volume.description.geometry = geometry_;
+    volume.description.metadata.set_labels(all);
+    build_volume(volume, folder_.file(name), 1);
+    return folder_.file(name);
+  }
+
   std::string write(const std::string& name, const DenseMask& mask, bool is_spacing_known = true) {
     DenseLabels labels(mask.size);
     labels.voxels.assign(mask.voxels.begin(), mask.voxels.end());

@@ -100,6 +100,7 @@ MeasureResult measure(const MeasureOptions& options, const TaskContext& context)
   for (RegionMeasure& region : regions) {
     result.regions.push_back(measured(std::move(region), volume, grey.get()));
   }
+  result.names = volume.metadata.facts().labels;
   if (grey) result.unit = unit_of(grey->description());
   return result;
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "octavo/core/label_names.h"
 #include "octavo/core/volume.h"
 #include "octavo/ops/measure/measure.h"
 #include "octavo/tasks/task_context.h"
@@ -33,6 +34,7 @@ struct MeasuredRegion {
 struct MeasureResult {
   std::vector<MeasuredRegion> regions;  ///< every label but 0, ascending
   std::vector<double> percentiles;      ///< that the grey statistics hold, ascending
+  LabelNames names;                     ///< of the labels
   std::string unit;                     ///< of the grey values; empty where none is known
 };
 

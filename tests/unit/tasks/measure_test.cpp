@@ -47,6 +47,14 @@ class Measure : public testing::TaskFiles {
   MeasureOptions options_;
 };
 
+TEST_F(Measure, NamesAreThoseOfTheLabels) {
+  options_.labels = write_named("named.8vo", labels_, {{3, "lung"}, {8, "heart"}});
+  const MeasureResult result = measure(options_, context_);
+  EXPECT_EQ(result.regions.size(), 2u);
+  EXPECT_EQ(result.names.name_of(3), "lung");
+  EXPECT_EQ(result.names.name_of(7), "");
+}
+
 TEST_F(Measure, RegionsAreThoseOfTheVoxels) {
   struct Sums {
     std::uint64_t voxels = 0;

@@ -4,7 +4,9 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/io/source/label_names_file.h"
 #include "octavo/tasks/files/label_hint.h"
+#include "octavo/tasks/files/named_labels.h"
 #include "octavo/tasks/files/planes_between.h"
 #include "octavo/tasks/inputs.h"
 
@@ -49,6 +51,20 @@ void require_inputs_and_output(const BuildScanOptions& options) {
   require_no_input(options.output.path, options.inputs);
 }
 
+/// The source with the names that were asked for; grey values have none.
+std::unique_ptr<PlaneSource> with_names(std::unique_ptr<PlaneSource> source, VolumeKind kind,
+                                        const BuildScanOptions& options, const LabelNames& names) {
+  if (kind == VolumeKind::grey && !options.label_names.empty()) {
+    throw Error(ErrorKind::invalid_argument, "holds grey values, no labels to be named",
+                options.inputs.front())
+        .with_field("label_names");
+  }
+  const bool has_names = !source->description().metadata.facts().labels.is_empty();
+  const bool drops_names = has_names && kind == VolumeKind::grey;
+  if (options.label_names.empty() && !drops_names) return source;
+  return with_label_names(std::move(source), names);
+}
+
 BuildOptions build_options(const BuildScanOptions& options, VolumeKind kind) {
   BuildOptions build;
   build.kind = kind;
@@ -64,10 +80,13 @@ BuildOptions build_options(const BuildScanOptions& options, VolumeKind kind) {
 BuiltVolume build_scan(const BuildScanOptions& options, const TaskContext& context) {
   require_inputs_and_output(options);
   const std::string& name = options.inputs.front();
+  LabelNames names;
+  if (!options.label_names.empty()) names = read_label_names(options.label_names);
   auto source = open_planes(options.inputs, options.scan, context);
   const VolumeKind kind = choose_kind(options, source->description(), context);
   try {
     source = make_isotropic(name, std::move(source), options.between, kind, context);
+    source = with_names(std::move(source), kind, options, names);
     return build_planes(*source, build_options(options, kind), options.output, "build", context);
   } catch (const Error& error) {
     const bool names_nothing = error.kind() == ErrorKind::source_rejected && error.path().empty();

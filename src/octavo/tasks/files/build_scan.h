@@ -17,6 +17,8 @@ struct BuildScanOptions {
   ScanOptions scan;
   /// Nothing: what the source says of itself, else what its name hints at, else grey.
   std::optional<VolumeKind> kind;
+  /// A text file with names and colors of the labels, label_names_file.h; or nothing.
+  std::string label_names;
   Preset preset = Preset::small;
   double max_error = 0;  ///< real units; 0: lossless
   FloatRepair repair;
@@ -26,8 +28,9 @@ struct BuildScanOptions {
 };
 
 /// Builds a file from a scan, or from another .8vo file. Notes where the kind was not asked for.
-/// Throws  as open_planes, make_isotropic and build_file; Error{invalid_argument} for a name that
-///         does not end in .8vo, and for a scan that would be its own output, even with overwrite
+/// Throws  as open_planes, make_isotropic, read_label_names and build_file; Error{invalid_argument}
+///         for a name that does not end in .8vo, for a scan that would be its own output, even with
+///         overwrite, and for names of labels where grey values are built
 /// Memory  as build_file
 BuiltVolume build_scan(const BuildScanOptions& options, const TaskContext& context);
 

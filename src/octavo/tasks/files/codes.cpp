@@ -46,12 +46,28 @@ bool is_condensed(const VolumeDescription& volume) {
   return made_by && made_by->operation() == "condense";
 }
 
+/// The labels that were asked for by number or by name, ascending.
+std::vector<std::int64_t> asked_labels(const CodesOptions& options, const VolumeDescription& d) {
+  std::vector<std::int64_t> labels = options.labels;
+  for (const std::string& name : options.names) {
+    const std::size_t before = labels.size();
+    for (const auto& [label, entry] : d.metadata.facts().labels.all()) {
+      if (entry.name == name) labels.push_back(label);
+    }
+    if (labels.size() > before) continue;
+    throw Error(ErrorKind::invalid_argument, "no label has the name '" + escaped(name) + "'",
+                options.input)
+        .with_field("codes.names");
+  }
+  std::sort(labels.begin(), labels.end());
+  return labels;
+}
+
 Selection choose(const CodesOptions& options, const VolumeDescription& d) {
   Selection selection;
   selection.rescale = d.rescale;
-  selection.labels = options.labels;
+  selection.labels = asked_labels(options, d);
   selection.real_range = options.range;
-  std::sort(selection.labels.begin(), selection.labels.end());
   if (std::binary_search(selection.labels.begin(), selection.labels.end(), 0)) {
     throw Error(ErrorKind::invalid_argument, "label 0 is the background and has no leaves");
   }
@@ -155,6 +171,7 @@ CodesResult codes(const CodesOptions& options, const TaskContext& context) {
   const bool is_label_map =
       reader->description().kind == VolumeKind::labels && !selection.makes_mask();
   CodesResult result{planes.description(), {}, {}};
+  if (!is_label_map) result.volume.metadata.drop_labels();
   result.octree = is_label_map ? label_leaves(*reader, options.level, selection, context)
                                : voxel_leaves(planes, selection, context);
   if (options.neighbors_of) {

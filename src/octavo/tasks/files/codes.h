@@ -21,11 +21,12 @@ enum class CodeNotation { mixed_octal, hierarchical };
 struct CodesOptions {
   std::string input;  ///< an .8vo file or a URL of one
   int level = 0;      ///< whose samples are condensed
-  std::vector<std::int64_t> labels;  ///< only these; empty: all but 0
-  std::optional<AskedRange> range;   ///< the mask of these real values
+  std::vector<std::int64_t> labels = {};  ///< only these; with no names either: all but 0
+  std::vector<std::string> names = {};    ///< and the labels of these names
+  std::optional<AskedRange> range = {};   ///< the mask of these real values
   CodeNotation notation = CodeNotation::mixed_octal;
   /// The cube, in that notation or "-" for the root, whose neighbors are asked for.
-  std::optional<std::string> neighbors_of;
+  std::optional<std::string> neighbors_of = {};
   /// Memory that the caller takes for each leaf besides, counted against the limit.
   std::uint64_t bytes_per_leaf = 0;
 };
@@ -38,7 +39,7 @@ struct CubeSurroundings {
 };
 
 struct CodesResult {
-  VolumeDescription volume;  ///< of the level
+  VolumeDescription volume;  ///< of the level; of a mask without names of labels
   LinearOctree octree;
   std::optional<CubeSurroundings> surroundings;
 };
@@ -46,8 +47,8 @@ struct CodesResult {
 /// Condenses a level: label maps by their tree, other voxels plane by plane. Background (0) gets no
 /// leaf, except in a volume that condense_volume made.
 /// Throws  as open_volume and what reading throws; Error{invalid_argument} for a level that is not
-///         there, for label 0, for a grey volume without a range, for a bad code;
-///         Error{limit_exceeded}
+///         there, for label 0, for a name that no label has, for a grey volume without a range, for
+///         a bad code; Error{limit_exceeded}
 CodesResult codes(const CodesOptions& options, const TaskContext& context);
 
 /// Leaves of each label, by level from 0 to the root.

@@ -39,6 +39,8 @@ CompareLabelsResult compare_labels(const CompareLabelsOptions& options,
   CompareLabelsResult result;
   context.on_threads([&] { result.agreements = label_agreements(label_overlaps(tree_a, tree_b)); });
   result.is_equal = tree_a == tree_b;
+  result.names_a = a->description().metadata.facts().labels;
+  result.names_b = b->description().metadata.facts().labels;
   return result;
 }
 

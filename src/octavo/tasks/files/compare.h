@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "octavo/core/label_names.h"
 #include "octavo/ops/label/label_overlaps.h"
 #include "octavo/tasks/files/plane_compare.h"
 #include "octavo/tasks/open_scan.h"
@@ -36,6 +37,8 @@ struct CompareLabelsOptions {
 struct CompareLabelsResult {
   bool is_equal = false;                   ///< in all voxels
   std::vector<LabelAgreement> agreements;  ///< one for each label of either
+  LabelNames names_a;                      ///< what either calls its labels
+  LabelNames names_b;
 };
 
 /// Counts the voxels of each label in two label maps and in both at once.

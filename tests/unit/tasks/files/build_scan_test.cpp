@@ -1,5 +1,7 @@
 #include "octavo/tasks/files/build_scan.h"
 
+#include <fstream>
+
 #include "support/scan_files.h"
 
 namespace octavo {
@@ -15,6 +17,15 @@ class BuildScan : public testing::ScanFiles {
 
   Failure failure() {
     return failure_of([&] { build_scan(options_, context_); });
+  }
+
+  static LabelNames names_in(const std::string& path) {
+    return testing::open_file(path)->description().metadata.facts().labels;
+  }
+
+  std::string write_text(const std::string& name, const std::string& text) {
+    std::ofstream(folder_.file(name)) << text;
+    return folder_.file(name);
   }
 
   BuildScanOptions options_;
@@ -42,6 +53,51 @@ TEST_F(BuildScan, AnAskedKindIsTakenWithoutANote) {
   options_.kind = VolumeKind::labels;
   EXPECT_EQ(build_scan(options_, context_).kind, VolumeKind::labels);
   EXPECT_TRUE(notes_.empty());
+}
+
+TEST_F(BuildScan, NamesOfLabelsStandInTheFile) {
+  options_.kind = VolumeKind::labels;
+  options_.label_names = write_text("names.txt", "1 bone 255 0 0\n2 air 0 0 9\n");
+  const BuiltVolume built = build_scan(options_, context_);
+  const LabelNames names = names_in(options_.output.path);
+  EXPECT_EQ(names.name_of(1), "bone");
+  EXPECT_EQ(names.color_of(2, {}), (LabelColor{0, 0, 9}));
+  EXPECT_EQ(built.volume.metadata.facts().labels, names);
+}
+
+TEST_F(BuildScan, ACopyKeepsNamesTakesOthersAndDropsThemWithTheLabels) {
+  options_.kind = VolumeKind::labels;
+  options_.label_names = write_text("names.txt", "1 bone\n2 air\n");
+  build_scan(options_, context_);
+  const auto names_of_copy = [&](VolumeKind kind, const std::string& names) {
+    BuildScanOptions copy;
+    copy.inputs = {options_.output.path};
+    copy.output = {folder_.file("copy.8vo"), true};
+    copy.kind = kind;
+    copy.label_names = names;
+    build_scan(copy, context_);
+    return names_in(copy.output.path);
+  };
+  EXPECT_EQ(names_of_copy(VolumeKind::labels, "").name_of(2), "air");
+  const LabelNames others =
+      names_of_copy(VolumeKind::labels, write_text("others.txt", "1 skull\n"));
+  EXPECT_EQ(others.name_of(1), "skull");
+  EXPECT_EQ(others.size(), 1u);
+  EXPECT_TRUE(names_of_copy(VolumeKind::grey, "").is_empty());
+}
+
+TEST_F(BuildScan, GreyValuesHaveNoNames) {
+  options_.label_names = write_text("names.txt", "1 bone\n");
+  const Failure failed = failure();
+  EXPECT_EQ(failed.kind, ErrorKind::invalid_argument);
+  EXPECT_EQ(failed.field, "label_names");
+  EXPECT_FALSE(std::filesystem::exists(options_.output.path));
+}
+
+TEST_F(BuildScan, ABadListOfNamesIsRejectedBeforeTheScanIsRead) {
+  options_.inputs = {folder_.file("nowhere.nii")};
+  options_.label_names = write_text("names.txt", "1\n");
+  EXPECT_EQ(failure().kind, ErrorKind::source_rejected);
 }
 
 TEST_F(BuildScan, AMaxErrorHoldsInRealUnits) {

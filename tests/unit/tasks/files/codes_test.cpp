@@ -35,6 +35,30 @@ TEST_F(Codes, OnlyTheLabelsThatAreAskedFor) {
             ErrorKind::invalid_argument);
 }
 
+TEST_F(Codes, LabelsAreAskedForByTheirNamesAsWell) {
+  testing::DenseLabels labels({16, 16, 16});
+  labels.fill({{0, 0, 0}, {4, 4, 4}}, 3);
+  labels.fill({{8, 8, 8}, {12, 12, 12}}, 5);
+  labels.at({5, 0, 0}) = 9;
+  const std::string path = write_named("named.8vo", labels, {{3, "lung"}, {5, "lung"}, {9, "7"}});
+  const CodesResult lungs = codes({.input = path, .names = {"lung"}}, context_);
+  EXPECT_EQ(leaf_volume(lungs.octree), 128u);
+  EXPECT_EQ(lungs.volume.metadata.facts().labels.name_of(3), "lung");
+  EXPECT_EQ(leaf_volume(codes({.input = path, .labels = {3}, .names = {"7"}}, context_).octree),
+            65u);
+  EXPECT_EQ(failure_of([&] { codes({.input = path, .names = {"Lung"}}, context_); }).field,
+            "codes.names");
+}
+
+TEST_F(Codes, AMaskOfARangeHasNoNames) {
+  testing::DenseLabels labels({16, 16, 16});
+  labels.fill({{0, 0, 0}, {4, 4, 4}}, 3);
+  const std::string path = write_named("named.8vo", labels, {{1, "heart"}, {3, "lung"}});
+  const CodesResult mask = codes({.input = path, .range = AskedRange{3, 3}}, context_);
+  EXPECT_EQ(leaf_volume(mask.octree), 64u);
+  EXPECT_TRUE(mask.volume.metadata.facts().labels.is_empty());
+}
+
 TEST_F(Codes, ARangeMakesAMaskOfGreyValues) {
   CodesOptions options{.input = write_grey("grey.8vo")};
   EXPECT_EQ(failure_of([&] { codes(options, context_); }).field, "codes.range");

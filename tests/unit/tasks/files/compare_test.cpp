@@ -47,5 +47,16 @@ TEST_F(Compare, LabelsAreCountedInEachAndInBoth) {
             "compare.labels");
 }
 
+TEST_F(Compare, EitherNamesItsLabels) {
+  testing::DenseLabels labels({8, 8, 8});
+  labels.fill({{2, 2, 2}, {6, 6, 6}}, 3);
+  const CompareLabelsResult result = compare_labels(
+      {write_named("a.8vo", labels, {{3, "lung"}}), write_named("b.8vo", labels, {{3, "Lunge"}})},
+      context_);
+  EXPECT_TRUE(result.is_equal);
+  EXPECT_EQ(result.names_a.name_of(3), "lung");
+  EXPECT_EQ(result.names_b.name_of(3), "Lunge");
+}
+
 }  // namespace
 }  // namespace octavo

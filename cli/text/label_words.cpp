@@ -1,0 +1,80 @@
+#include "text/label_words.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "octavo/core/error.h"
+#include "octavo/core/text.h"
+
+namespace octavo::cli {
+
+namespace {
+
+// Longer names reach beyond their column.
+constexpr std::size_t kMaxWidth = 40;
+
+/// Whether a character of UTF-8 text is a control: C0, delete or C1.
+bool holds_control(std::string_view text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    if (byte < 0x20 || byte == 0x7f) return true;
+    const bool is_c1 = byte == 0xc2 && i + 1 < text.size() &&
+                       static_cast<unsigned char>(text[i + 1]) < 0xa0;
+    if (is_c1) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+NameColumn::NameColumn(const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    cells_.push_back(escaped(name));
+    width_ = std::max(width_, std::min(cells_.back().size(), kMaxWidth));
+  }
+  if (width_ > 0) width_ = std::max(width_, std::string_view("name").size());
+}
+
+std::string NameColumn::padded(const std::string& text) const {
+  return is_empty() ? "" : fmt::format("  {:<{}}", text, width_);
+}
+
+std::string NameColumn::head() const { return padded("name"); }
+
+std::string NameColumn::cell(std::size_t row) const { return padded(cells_[row]); }
+
+nlohmann::ordered_json name_json(const LabelNames& names, std::int64_t label) {
+  const std::string& name = names.name_of(label);
+  return name.empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(name);
+}
+
+std::string name_suffix(const LabelNames& names, std::int64_t label) {
+  const std::string& name = names.name_of(label);
+  return name.empty() ? "" : " " + escaped(name);
+}
+
+std::string csv_cell(const std::string& text) {
+  const std::string shown = holds_control(text) ? escaped(text) : text;
+  if (shown.find_first_of(",\"") == std::string::npos) return shown;
+  std::string quoted = "\"";
+  for (const char c : shown) quoted.append(c == '"' ? 2 : 1, c);
+  return quoted + "\"";
+}
+
+std::string named_labels_text(const LabelNames& names) {
+  constexpr std::size_t kShown = 3;
+  std::string text;
+  std::size_t named = 0;
+  for (const auto& [label, entry] : names.all()) {
+    if (entry.name.empty() || named++ >= kShown) continue;
+    text += fmt::format("{}{} {}", named == 1 ? "" : ", ", label, escaped(entry.name));
+  }
+  if (named == 0) return "";
+  return count_text(static_cast<std::int64_t>(named)) + " named: " + text +
+         (named > kShown ? ", ..." : "");
+}
+
+}  // namespace octavo::cli

@@ -1,0 +1,41 @@
+#include "octavo/tasks/files/named_labels.h"
+
+#include <utility>
+
+#include "octavo/core/error.h"
+
+namespace octavo {
+
+namespace {
+
+class NamedLabels final : public PlaneSource {
+ public:
+  NamedLabels(std::unique_ptr<PlaneSource> source, const LabelNames& names)
+      : source_(std::move(source)), description_(source_->description()) {
+    Metadata& metadata = description_.metadata;
+    if (names.is_empty()) metadata.drop_labels();
+    else metadata.set_labels(names);
+    if (metadata.facts().labels == names) return;
+    throw Error(ErrorKind::limit_exceeded,
+                "the metadata have no room for the names of " + std::to_string(names.size()) +
+                    " labels: " + metadata.defect());
+  }
+
+  const VolumeDescription& description() const override { return description_; }
+  const std::vector<Warning>& warnings() const override { return source_->warnings(); }
+  std::uint64_t resident_bytes() const override { return source_->resident_bytes(); }
+  void read_plane(std::span<std::byte> plane) override { source_->read_plane(plane); }
+
+ private:
+  std::unique_ptr<PlaneSource> source_;
+  VolumeDescription description_;
+};
+
+}  // namespace
+
+std::unique_ptr<PlaneSource> with_label_names(std::unique_ptr<PlaneSource> source,
+                                              const LabelNames& names) {
+  return std::make_unique<NamedLabels>(std::move(source), names);
+}
+
+}  // namespace octavo
