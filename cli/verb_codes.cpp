@@ -106,7 +106,8 @@ std::string counts_text(const LinearOctree& octree, const LabelNames& label_name
       levels += (level == 0 ? "" : " ") + std::to_string(row[level]);
     }
     text += fmt::format("  {:>10}{}  {:>13}  {:>16}  {}\n", label, names.cell(at++),
-                        count_text(leaves), count_text(static_cast<std::int64_t>(voxels_under(row))), levels);
+                        count_text(leaves),
+                        count_text(static_cast<std::int64_t>(voxels_under(row))), levels);
   }
   return text;
 }
@@ -176,7 +177,9 @@ struct CubeWords {
     object["level"] = found.leaf.cube.level;
     object["code"] = code(found.leaf.cube);
     object["value"] = found.leaf.value;
-    object["name"] = name_json(names, found.leaf.value);
+    if (const std::string& name = names.name_of(found.leaf.value); !name.empty()) {
+      object["name"] = name;
+    }
     return object;
   }
 };

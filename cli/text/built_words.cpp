@@ -39,9 +39,10 @@ std::string built_text(const BuiltVolume& built, const std::string& output) {
   return fmt::format("{}: {} {} {}{}{}, {} from {} ({:.2f}:1, {:.2f} bits per voxel) in {} "
                      "({:.0f} MB/s, {})\n",
                      output, size_text(volume.size), voxel_type_name(volume.type),
-                     kind_name(built.kind), names_text(built), promise_text(built), bytes_text(build.file_bytes),
-                     bytes_text(build.raw_bytes), built.compression_ratio(), bits,
-                     duration_text(build.total_seconds), built.mb_per_second(),
+                     kind_name(built.kind), names_text(built), promise_text(built),
+                     bytes_text(build.file_bytes), bytes_text(build.raw_bytes),
+                     built.compression_ratio(), bits, duration_text(build.total_seconds),
+                     built.mb_per_second(),
                      counted_text(build.threads, "thread"));
 }
 

@@ -229,7 +229,8 @@ LabelColor LabelNamesFile::color(const Row& row, std::size_t at) const {
     const Word& word = row.words[at + i];
     const auto value = number_in_word<int>(word);
     if (!value || *value < 0 || *value > 255) {
-      reject_line(row.line, "'" + escaped(word.text) + "' is no part of a color: expected 0 to 255");
+      reject_line(row.line,
+                  "'" + escaped(word.text) + "' is no part of a color: expected 0 to 255");
     }
     color[i] = static_cast<std::uint8_t>(*value);
   }

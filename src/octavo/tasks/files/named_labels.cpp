@@ -13,6 +13,11 @@ class NamedLabels final : public PlaneSource {
   NamedLabels(std::unique_ptr<PlaneSource> source, const LabelNames& names)
       : source_(std::move(source)), description_(source_->description()) {
     Metadata& metadata = description_.metadata;
+    if (!metadata.is_readable()) {
+      throw Error(ErrorKind::corrupt,
+                  "the metadata cannot be read, so that no names can be put into them: " +
+                      metadata.defect());
+    }
     if (names.is_empty()) metadata.drop_labels();
     else metadata.set_labels(names);
     if (metadata.facts().labels == names) return;

@@ -10,7 +10,8 @@ namespace octavo {
 
 /// The planes of `source`, the metadata of which name its labels so and no other way; no names at
 /// all leave none.
-/// Throws  Error{limit_exceeded} where metadata cannot hold the names besides what they hold
+/// Throws  Error{corrupt} for metadata that cannot be read; Error{limit_exceeded} where metadata
+///         cannot hold the names besides what they hold
 std::unique_ptr<PlaneSource> with_label_names(std::unique_ptr<PlaneSource> source,
                                               const LabelNames& names);
 
