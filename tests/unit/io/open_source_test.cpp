@@ -88,7 +88,7 @@ TEST(OpenSource, OptionsOfDicomAreRejectedForOtherFormats) {
     const Error error = source_error({folder.file("a.png")}, options);
     EXPECT_EQ(error.kind(), ErrorKind::invalid_argument);
     EXPECT_EQ(error.field(), options.dicom_option());
-    EXPECT_TRUE(contains(error, "no DICOM")) << error.what();
+    EXPECT_TRUE(contains(error, "DICOM series alone")) << error.what();
   }
 }
 
