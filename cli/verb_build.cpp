@@ -115,9 +115,7 @@ void add_build(CLI::App& app, Context& context) {
   verb.add_option("inputs", arguments->inputs, "One folder or file, or the files of a stack")
       ->type_name("SOURCE")
       ->required();
-  verb.add_option("-o,--output", arguments->output, "The file to write")
-      ->type_name("FILE")
-      ->required();
+  verb.add_output(arguments->output, "The file to write");
   Option labels =
       verb.add_flag("--labels", arguments->labels, "A mask or label map: numbers are names");
   verb.add_flag("--grey", arguments->grey,

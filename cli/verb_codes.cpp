@@ -314,9 +314,7 @@ void add_codes(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
   Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_codes(*arguments, context); });
-  verb.add_option("file", arguments->input, "An .8vo file or a URL of one")
-      ->type_name("FILE")
-      ->required();
+  verb.add_input(arguments->input);
   Option label =
       verb.add_option("--label", arguments->labels, "Only this label, number or name (may repeat)");
   label->type_name("LABEL")->allow_extra_args(false);

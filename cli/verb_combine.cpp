@@ -74,9 +74,7 @@ void add_combine(CLI::App& app, Context& context) {
   Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_combine(*arguments, context); });
   verb.add_option("masks", arguments->inputs, "Label maps, .8vo")->type_name("FILE")->required();
-  verb.add_option("-o,--output", arguments->output, "The .8vo mask to write")
-      ->type_name("FILE")
-      ->required();
+  verb.add_output(arguments->output, "The .8vo mask to write");
   Option resample = verb.add_flag("--resample", arguments->is_resampling,
                                   "Bring further masks onto the grid of the first");
   Verb operation = verb.add_choice("Operation");

@@ -44,12 +44,8 @@ void add_condense(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
   Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_condense(*arguments, context); });
-  verb.add_option("file", arguments->input, "An .8vo file or a URL of one")
-      ->type_name("FILE")
-      ->required();
-  verb.add_option("-o,--output", arguments->output, "The .8vo file to write")
-      ->type_name("FILE")
-      ->required();
+  verb.add_input(arguments->input);
+  verb.add_output(arguments->output, "The .8vo file to write");
   verb.add_option("--flat", arguments->flat,
                   "The most by which the voxels of a cube may differ, real units")
       ->type_name("T")

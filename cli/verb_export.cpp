@@ -103,12 +103,8 @@ int run_extract(const Arguments& arguments, Context& context) {
 }
 
 void add_options(Verb verb, const std::shared_ptr<Arguments>& arguments) {
-  verb.add_option("file", arguments->input, "An .8vo file or a URL of one")
-      ->type_name("FILE")
-      ->required();
-  verb.add_option("-o,--output", arguments->output, "The file or folder/ to write")
-      ->type_name("FILE")
-      ->required();
+  verb.add_input(arguments->input);
+  verb.add_output(arguments->output, "The file or folder/ to write");
   verb.add_option_function<int>(
           "--level",
           [arguments](int level) {

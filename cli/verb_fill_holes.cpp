@@ -80,9 +80,7 @@ void add_fill_holes(CLI::App& app, Context& context) {
   Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_fill_holes(*arguments, context); });
   verb.add_option("mask", arguments->input, "A label map, .8vo")->type_name("FILE")->required();
-  verb.add_option("-o,--output", arguments->output, "The .8vo mask to write")
-      ->type_name("FILE")
-      ->required();
+  verb.add_output(arguments->output, "The .8vo mask to write");
   verb.add_option("--connectivity", arguments->connectivity,
                   "The object is joined by faces (6), edges (18) or corners (26)")
       ->type_name("N")

@@ -190,9 +190,7 @@ void add_info(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
   Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_info(*arguments, context); });
-  verb.add_option("file", arguments->input, "An .8vo file or a URL of one")
-      ->type_name("FILE")
-      ->required();
+  verb.add_input(arguments->input);
   verb.add_flag("--metadata", arguments->show_metadata, "Show all metadata as well");
 }
 

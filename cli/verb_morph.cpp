@@ -114,9 +114,7 @@ void add_morph(CLI::App& app, Context& context, const VerbText& text, Morphology
     return run_morph(morphology, *arguments, context);
   });
   verb.add_option("mask", arguments->input, "A label map, .8vo")->type_name("FILE")->required();
-  verb.add_option("-o,--output", arguments->output, "The .8vo mask to write")
-      ->type_name("FILE")
-      ->required();
+  verb.add_output(arguments->output, "The .8vo mask to write");
   Verb distance = verb.add_choice("Distance");
   distance.add_option("--mm", arguments->mm, "Radius of the ball, mm, between voxel centers")
       ->type_name("R");

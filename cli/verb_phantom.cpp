@@ -116,9 +116,7 @@ void add_phantom(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
   Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_phantom(*arguments, context); });
-  verb.add_option("-o,--output", arguments->output, "The .8vo, .raw or .mhd file to write")
-      ->type_name("FILE")
-      ->required();
+  verb.add_output(arguments->output, "The .8vo, .raw or .mhd file to write");
   verb.add_option("--size", arguments->size, "Voxels, x,y,z or one side for a cube")
       ->type_name("N")
       ->capture_default_str();

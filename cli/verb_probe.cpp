@@ -117,9 +117,7 @@ void add_probe(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
   Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_probe(*arguments, context); });
-  verb.add_option("file", arguments->input, "An .8vo file or a URL of one")
-      ->type_name("FILE")
-      ->required();
+  verb.add_input(arguments->input);
   verb.add_option("--at", arguments->at, "x,y,z in voxels of the level")
       ->type_name("INDEX")
       ->allow_extra_args(false);

@@ -31,10 +31,10 @@ constexpr VerbText kText = {
     "nearest to the view: one of 26 directions.\n\n"
     "A label map has one color per label; --range chooses labels. A grey volume needs --range or\n"
     "--tissue (air, lung, fat, soft, contrast, bone, as in octavo threshold); several are several\n"
-    "colors; where they overlap tissues go before ranges, then the one named first. For\n"
-    "transparency a range may have a color and the opacity of one voxel,\n"
-    "LOW:HIGH=COLOR:OPACITY; without any, a volume in HU is drawn as flesh and bone, another one\n"
-    "in grey.\n\n"
+    "colors; where they overlap tissues go before ranges, then the one named first. A\n"
+    "range may have a color, LOW:HIGH=COLOR, and for transparency the opacity of one voxel,\n"
+    "LOW:HIGH=COLOR:OPACITY. Transparency without a range draws a volume in HU as flesh and bone,\n"
+    "another one in grey.\n\n"
     "--direction says where the viewer stands: front, back, left, right, top, bottom of the\n"
     "patient, joined as in left-front-top; or X,Y,Z in voxels along the axes of the grid.\n"
     "--azimuth 0 is the front, 90 the patient's left; --elevation 90 is above the head.\n"
@@ -45,7 +45,7 @@ constexpr VerbText kText = {
     "Examples:\n"
     "  octavo render head.8vo --mode surface --tissue bone -o skull.png\n"
     "  octavo render skull.8vo --mode cubes --azimuth 30 --elevation 20 -o cubes.png\n"
-    "  octavo render head.8vo --range -300:225 --range 226: --cut 'x<128' -o half.png\n"
+    "  octavo render head.8vo --range -300:225=orange --range 226:=sand --cut 'x<128' -o half.png\n"
     "  octavo render atlas.8vo --direction left --size 800x600 --background white -o atlas.png\n"
     "  octavo render head.8vo --mode transparency --direction front -o head.png\n"
     "  octavo render rock.8vo --mode transparency --range 90:120=sand:0.01 --range 200:=red:0.2 "
@@ -305,12 +305,8 @@ void add_render(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
   Verb verb = add_verb(app, context, kText,
                        [arguments, &context] { return run_render(*arguments, context); });
-  verb.add_option("file", arguments->input, "An .8vo file or a URL of one")
-      ->type_name("FILE")
-      ->required();
-  verb.add_option("-o,--output", arguments->output, "The .png file to write")
-      ->type_name("FILE")
-      ->required();
+  verb.add_input(arguments->input);
+  verb.add_output(arguments->output, "The .png file to write");
   verb.add_option("--mode", arguments->mode, "What is drawn: cubes, surface or transparency")
       ->type_name("MODE")
       ->check(one_of({"cubes", "surface", "transparency"}))
@@ -321,7 +317,7 @@ void add_render(CLI::App& app, Context& context) {
       ->type_name("SHADE")
       ->check(one_of({"flat", "smooth"}));
   verb.add_option("--range", arguments->ranges, "Values, or labels, to draw")
-      ->type_name("LOW:HIGH")
+      ->type_name("LOW:HIGH[=COLOR]")
       ->allow_extra_args(false);
   verb.add_option("--tissue", arguments->tissues, "A range by name")
       ->type_name("NAME")

@@ -125,9 +125,7 @@ void add_repair(CLI::App& app, Context& context) {
                                             "damaged .8vo file")
       ->type_name("FILE")
       ->required();
-  verb.add_option("-o,--output", arguments->output, "The file to write")
-      ->type_name("FILE")
-      ->required();
+  verb.add_output(arguments->output, "The file to write");
 }
 
 }  // namespace octavo::cli

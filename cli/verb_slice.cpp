@@ -312,12 +312,8 @@ void add_slice(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
   Verb verb = add_verb(app, context, kText,
                        [arguments, &context] { return run_slice(*arguments, context); });
-  verb.add_option("file", arguments->input, "An .8vo file or a URL of one")
-      ->type_name("FILE")
-      ->required();
-  verb.add_option("-o,--output", arguments->output, "The .png file to write")
-      ->type_name("FILE")
-      ->required();
+  verb.add_input(arguments->input);
+  verb.add_output(arguments->output, "The .png file to write");
   add_place_options(verb, *arguments);
   verb.add_option("--window", arguments->window, "CENTER,WIDTH, a preset or auto")
       ->type_name("WINDOW")

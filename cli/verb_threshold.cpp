@@ -108,12 +108,8 @@ void add_threshold(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
   Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_threshold(*arguments, context); });
-  verb.add_option("file", arguments->input, "An .8vo file or a URL of one")
-      ->type_name("FILE")
-      ->required();
-  verb.add_option("-o,--output", arguments->output, "The .8vo mask to write")
-      ->type_name("FILE")
-      ->required();
+  verb.add_input(arguments->input);
+  verb.add_output(arguments->output, "The .8vo mask to write");
   Option range = verb.add_option("--range", arguments->ranges, "Values LOW:HIGH to take");
   range->type_name("LOW:HIGH")->allow_extra_args(false);
   Option tissue = verb.add_option("--tissue", arguments->tissues, "A range by name");

@@ -180,9 +180,7 @@ void add_verify(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<Arguments>();
   Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_verify(*arguments, context); });
-  verb.add_option("file", arguments->input, "An .8vo file or a URL of one")
-      ->type_name("FILE")
-      ->required();
+  verb.add_input(arguments->input);
   verb.add_option("--against", arguments->against, "The source it was built from")
       ->type_name("SOURCE");
   add_scan_options(verb, arguments->scan);

@@ -171,6 +171,14 @@ Option Verb::add_flag(const std::string& names, bool& variable, const std::strin
   return Option(app_->add_flag(names, variable, help));
 }
 
+Option Verb::add_input(std::string& path) {
+  return add_option("file", path, "An .8vo file or a URL of one").type_name("FILE").required();
+}
+
+Option Verb::add_output(std::string& path, const std::string& help) {
+  return add_option("-o,--output", path, help).type_name("FILE").required();
+}
+
 Verb Verb::add_choice(const std::string& name) {
   CLI::Option_group* const group = app_->add_option_group(name, "One of");
   group->require_option(1);

@@ -79,6 +79,11 @@ class Verb {
                              const std::string& help);
   Option add_flag(const std::string& names, bool& variable, const std::string& help);
 
+  /// The positional "file": an .8vo file or a URL of one.
+  Option add_input(std::string& path);
+  /// "-o,--output", which has to be given.
+  Option add_output(std::string& path, const std::string& help);
+
   /// A group of flags of which exactly one has to be given.
   Verb add_choice(const std::string& name);
 

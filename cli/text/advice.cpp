@@ -106,7 +106,7 @@ constexpr Advice kAdvice[] = {
     {kUsage, "plane", "", "--plane goes without --index, --mm, --montage, --every and --axis all"},
     {kUsage, "position_mm", "", "give one of them with --mm"},
     {kUsage, "ranges", "", "give --range LOW:HIGH or --tissue NAME"},
-    {kUsage, "ranges.look", "", "leave them out of --range, or give --mode transparency"},
+    {kUsage, "ranges.look", "", "leave it out of --range, or give --mode transparency"},
     {kUsage, "shade", "", "leave out --shade"},
     {kUsage, "turntable", "", "give --turntable 8"},
     {kUsage, "window", "", "leave out --window"},

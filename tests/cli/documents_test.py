@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """Runs the commands of README.md and docs/verbs.md, on a phantom that has the names of the demo.
 
+Those of docs/gallery.md are run by tools/gallery.
+
 usage: documents_test.py OCTAVO [unittest arguments]
 """
 
@@ -52,6 +54,14 @@ class Documents(cli_test.InFolder):
         for line in lines:
             with self.subTest(line):
                 self.run_line(line)
+
+    def test_each_picture_of_the_gallery_stands_beside_its_command(self):
+        page = (ROOT / "docs/gallery.md").read_text()
+        shown = re.findall(r"\(gallery/([a-z0-9-]+\.png)\)", page)
+        made = [shlex.split(line)[-1] for line in COMMAND.findall(page)]
+        pictures = [path.name for path in (ROOT / "docs/gallery").iterdir()]
+        self.assertEqual(sorted(shown), sorted(pictures))
+        self.assertEqual(sorted(name for name in made if name.endswith(".png")), sorted(shown))
 
 
 if __name__ == "__main__":

@@ -123,6 +123,18 @@ class Pictures(cli_test.InFolder):
         self.assertEqual(made["masks"], 2)
         self.assertEqual(self.extent(one), self.extent(two))
 
+    def test_ranges_and_labels_take_colors(self):
+        labels = [{10: 0, 40: 3, 90: 250}[v] for v in scene()]
+        (self.folder / "l.raw").write_bytes(bytes(labels))
+        self.build("l.raw", "l.8vo", "uint8", "--labels")
+        for name, ranges in [("v.8vo", ["40:50=#00ff00", "60:=#0000ff"]),
+                             ("l.8vo", ["3:3=#00ff00", "4:=#0000ff"])]:
+            options = [word for text in ranges for word in ("--range", text)]
+            _, rows = self.render("c.png", name, *options, "--size", "100", "--fade", "0")
+            shades = {p for row in rows for p in row if p != (0, 0, 0)}
+            self.assertEqual(len(shades), 6)
+            self.assertTrue(all(red == 0 and min(green, blue) == 0 for red, green, blue in shades))
+
     def test_labels_are_drawn_in_one_pass_and_chosen_by_range(self):
         labels = [{10: 0, 40: 3, 90: 250}[v] for v in scene()]
         (self.folder / "l.raw").write_bytes(bytes(labels))

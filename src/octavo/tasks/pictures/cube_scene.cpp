@@ -177,10 +177,17 @@ std::vector<Part> label_parts(const FileReader& reader, const RenderOptions& opt
   });
   const LabelNames& names = reader.description().metadata.facts().labels;
   const bool is_mask = masks.size() == 1 && masks.front().label == 1 && names.is_empty();
+  const auto color_of = [&](std::int64_t label) {
+    for (std::size_t i = 0; i < options.ranges.size(); ++i) {
+      const std::optional<Color>& color = options.ranges[i].color;
+      if (color && windows[i].contains(static_cast<double>(label))) return *color;
+    }
+    return is_mask ? kIvory : label_color(names, label);
+  };
   std::vector<Part> parts;
   for (LabelMask& mask : masks) {
-    parts.push_back({std::move(mask.tree), is_mask ? kIvory : label_color(names, mask.label),
-                     label_text(names, mask.label)});
+    parts.push_back(
+        {std::move(mask.tree), color_of(mask.label), label_text(names, mask.label)});
   }
   return parts;
 }
@@ -203,7 +210,8 @@ std::vector<Part> range_parts(const FileReader& reader, const RenderOptions& opt
   }
   std::int64_t number = 0;
   for (const AskedLook& look : options.ranges) {
-    add(look.range, is_one ? kIvory : label_color(++number), look_text(look, volume));
+    const Color usual = is_one ? kIvory : label_color(++number);
+    add(look.range, look.color.value_or(usual), look_text(look, volume));
   }
   return parts;
 }

@@ -51,9 +51,9 @@ void check_render(const RenderOptions& options) {
     }
   } else {
     for (const AskedLook& look : options.ranges) {
-      if (look.color || look.opacity) {
+      if (look.opacity) {
         reject_render("the range " + ends_text(look.range) +
-                          " has a color or an opacity, which are of mode transparency",
+                          " has an opacity, which is of mode transparency",
                       "ranges.look");
       }
     }

@@ -32,7 +32,7 @@ enum class RenderShade {
 struct AskedLook {
   AskedRange range;
   std::string text;               ///< what the legend says; empty: the ends
-  std::optional<Color> color;     ///< of mode transparency
+  std::optional<Color> color;     ///< default: one for each
   std::optional<double> opacity;  ///< of mode transparency: of one voxel
 };
 
