@@ -8,6 +8,7 @@ namespace octavo {
 
 namespace {
 
+constexpr std::int64_t kLegendLines = 14;  // as wide as so many lines are high
 constexpr Color kMiddleGrey = {128, 128, 128};
 constexpr std::int64_t kSmallestArea = 96;  // pixels of the shorter side
 
@@ -147,17 +148,19 @@ void Annotator::lines(Corner corner, std::span<const std::string> texts) {
   if (!has_room()) return;
   std::vector<std::string> outward(texts.begin(), texts.end());
   if (!is_top(corner)) std::reverse(outward.begin(), outward.end());
-  for (const std::string& whole : outward) {
-    pass_letter(corner, whole);
+  for (const std::string& text : outward) {
+    pass_letter(corner, text);
     if (free_height(corner) < small_.line_height()) return;
-    const std::string text = small_.fitted(whole, free_width(corner));
     const std::int64_t width = small_.width(text);
+    if (width > free_width(corner)) continue;  // half a number would be another one
     const std::int64_t y = take(corner, width, small_.line_height());
     // The capitals of the outermost line touch the margin.
     const std::int64_t shift = is_top(corner) ? 0 : small_.line_height() - small_.cap_height();
     small_.draw(picture_, column(corner, width), y + shift, text, colors_);
   }
 }
+
+void Annotator::skip_line(Corner corner) { take(corner, 0, small_.line_height()); }
 
 void Annotator::legend(Corner corner, std::span<const LegendRow> rows) {
   if (!has_room() || rows.empty()) return;
@@ -167,19 +170,28 @@ void Annotator::legend(Corner corner, std::span<const LegendRow> rows) {
   const std::int64_t room = std::max<std::int64_t>(0, free_height(corner) / pitch);
   const auto fitting = static_cast<std::size_t>(room);
   const std::size_t shown = rows.size() <= fitting ? rows.size() : fitting > 0 ? fitting - 1 : 0;
-  const std::int64_t widest = std::min(free_width(corner), area_.width / 2) - side - gap;
-  const std::int64_t edge = std::max<std::int64_t>(1, small_.outline() / 2);
+
+  // Squares in one column, and names that leave most of the picture to be seen.
+  const std::int64_t most = std::min(area_.width / 2, kLegendLines * pitch);
+  const std::int64_t widest = std::min(free_width(corner), most) - side - gap;
+  std::vector<std::string> texts;
+  std::int64_t width = 0;
   for (const LegendRow& row : rows.first(shown)) {
-    const std::string text = small_.fitted(row.text, widest);
-    const std::int64_t width = side + gap + small_.width(text);
-    const std::int64_t x = column(corner, width);
+    texts.push_back(small_.fitted(row.text, widest));
+    width = std::max(width, side + gap + small_.width(texts.back()));
+  }
+
+  const std::int64_t x = column(corner, width);
+  const std::int64_t edge = std::max<std::int64_t>(1, small_.outline() / 2);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const LegendRow& row = rows[i];
     const std::int64_t y = take(corner, width, pitch);
     box({x - edge, y - edge, side + 2 * edge, side + 2 * edge}, colors_.outline);
     // A square of the color of the ground is seen by its border.
     if (row.color == colors_.outline) box({x, y, side, side}, kMiddleGrey);
     const std::int64_t border = row.color == colors_.outline ? 1 : 0;
     box({x + border, y + border, side - 2 * border, side - 2 * border}, row.color);
-    small_.draw(picture_, x + side + gap, y, text, colors_);
+    small_.draw(picture_, x + side + gap, y, texts[i], colors_);
   }
   if (shown == rows.size() || fitting == 0) return;
   const std::string rest[] = {"+ " + std::to_string(rows.size() - shown) + " more"};

@@ -62,8 +62,11 @@ class Annotator {
   /// Writes the patient's sides at the four edges.
   void sides(const EdgeLetters& letters);
 
-  /// Writes lines of text into a corner.
+  /// Writes lines of text into a corner; those that are too long are left out.
   void lines(Corner corner, std::span<const std::string> texts);
+
+  /// Leaves the rows of one line in a corner as they are.
+  void skip_line(Corner corner);
 
   /// Writes a square of each color with its text into a corner; where not all have room, how many
   /// are not shown.

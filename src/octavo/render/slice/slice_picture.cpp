@@ -174,7 +174,10 @@ class SlicePainter {
       }
     }
     if (captions.has_notes) whole.lines(Corner::bottom_right, window_lines());
-    if (captions.has_legend) write_legends(whole, is_single ? Corner::top_left : Corner::top_right);
+    if (!captions.has_legend) return;
+    // Below the position that stands at the other side of the cell.
+    if (!is_single && captions.has_notes) whole.skip_line(Corner::top_right);
+    write_legends(whole, is_single ? Corner::top_left : Corner::top_right);
   }
 
   std::vector<std::string> position_lines(std::size_t number) const {

@@ -218,7 +218,7 @@ std::vector<Drawing> planned(const SliceOptions& options, const FileReader& read
   return drawings;
 }
 
-DrawnSlice told(const Drawing& drawing) {
+DrawnSlice told(const Drawing& drawing, VolumeKind kind) {
   DrawnSlice slice;
   slice.path = drawing.path;
   if (!drawing.options.plane) slice.axis = drawing.options.axis;
@@ -227,7 +227,7 @@ DrawnSlice told(const Drawing& drawing) {
   slice.width = drawing.picture.picture.width;
   slice.height = drawing.picture.picture.height;
   slice.pixel_mm = drawing.picture.pixel_mm;
-  slice.window = drawing.picture.window;
+  if (kind == VolumeKind::grey) slice.window = drawing.picture.window;
   return slice;
 }
 
@@ -268,7 +268,7 @@ SliceResult slice(const SliceOptions& options, const TaskContext& context) {
   PictureFiles files(context);
   for (const Drawing& drawing : drawings) {
     files.add(drawing.path, drawing.picture.picture);
-    result.pictures.push_back(told(drawing));
+    result.pictures.push_back(told(drawing, result.volume.kind));
   }
   files.publish(options.output.overwrite);
   warn_of_salvaged(*reader, context);

@@ -93,6 +93,13 @@ TEST_F(SliceTask, TheMiddleSliceIsDrawn) {
   EXPECT_EQ(picture(drawn.path).channels, 1);
 }
 
+TEST_F(SliceTask, LabelsHaveNoWindow) {
+  options_.input = mask_;
+  const SliceResult result = slice(options_, context_);
+  EXPECT_FALSE(result.pictures.front().window);
+  EXPECT_EQ(picture(options_.output.path).channels, 3);
+}
+
 TEST_F(SliceTask, SeveralAxesAreSeveralFiles) {
   options_.axes = {0, 1, 2};
   const SliceResult result = slice(options_, context_);
