@@ -46,6 +46,8 @@ GOALS = [
     Goal("A1", "fuzz: header and index parser under ASan and UBSan", [fuzz("open")]),
     Goal("A2", "fuzz: brick decoders, portable and vectorized", [fuzz("brick", "simd")]),
     Goal("A3", "fuzz: the whole reader, verify and partial reads", [fuzz("reader")]),
+    Goal("A4", "fuzz: metadata are read within their limits, changed and written again",
+         [fuzz("metadata")]),
     Goal("A5", "fuzz: volumes are built twice with the same bytes, and read back",
          [fuzz("round_trip")]),
     Goal("A7", "no byte that was never set is read or written, under valgrind",

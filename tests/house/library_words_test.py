@@ -8,13 +8,9 @@ import sys
 import tempfile
 import unittest
 
-ROOT = pathlib.Path(sys.argv.pop())
+from cpp_strings import strings
 
-# A comment, a raw string, a string or a character; whichever starts first.
-TOKEN = re.compile(
-    r'//[^\n]*|/\*.*?\*/|R"(?P<mark>[^(]*)\((?P<raw>.*?)\)(?P=mark)"'
-    r'|"(?P<text>(?:[^"\\\n]|\\.)*)"|\'(?:[^\'\\\n]|\\.)+\'',
-    re.DOTALL)
+ROOT = pathlib.Path(sys.argv.pop())
 
 # Fields for which no row stands: their advice is made of the name of the file, or their text says
 # all.
@@ -28,15 +24,6 @@ HINT = re.compile(
 # A warning and its field.
 WARNING = re.compile(r'warnings\.emplace_back\([^;]*?,\s*"([a-z_.]+)"\);')
 ROW = re.compile(r'\{k?[\w:]+, "([a-z_.]+)", "[^"]*",')
-
-
-def strings(path):
-    """Line number and text of every string literal of a C++ file."""
-    source = path.read_text()
-    for match in TOKEN.finditer(source):
-        text = match["raw"] if match["raw"] is not None else match["text"]
-        if text is not None:
-            yield source.count("\n", 0, match.start()) + 1, text
 
 
 def sources():
