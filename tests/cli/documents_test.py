@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
-"""Runs the commands of README.md and docs/verbs.md, on a phantom that has the names of the demo.
+"""Runs the commands of README.md and docs/verbs.md, on a phantom that has the names of the demo,
+and compares the sizes that README.md states with bench/results/sizes.csv.
 
 Those of docs/gallery.md are run by tools/gallery.
 
 usage: documents_test.py OCTAVO [unittest arguments]
 """
 
+import csv
 import pathlib
 import re
 import shlex
+import subprocess
 import sys
 
 import cli_test
@@ -16,7 +19,19 @@ import cli_test
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 VERB_ROW = re.compile(r"^\| `([a-z-]+)` \|.*\| `octavo (.*)` \|$", re.MULTILINE)
 COMMAND = re.compile(r"^    octavo (.*?)(?: +#.*)?$", re.MULTILINE)
+DAMAGE = re.compile(r"^    (python3 -c .*)$", re.MULTILINE)
+WRITTEN = re.compile(r' -o (?:"\$out/)?([\w.-]+)')
+SIZE_ROW = re.compile(r"^\| ([\w -]+)(?:, \d+ bit)? \|.*\| \*\*([\d.]+)\*\* \|$", re.MULTILINE)
 DIFFERS = ("compare",)  # exit code 1 is what they are for
+SCANS = {"CT head": "cranium", "micro-CT of bone": "uct_bone",
+         "micro-CT of a mouse head": "uct_mouse", "light-sheet brain": "lightsheet",
+         "MR head": "chris_t1"}
+
+
+def tour():
+    """The commands of the README."""
+    return COMMAND.findall((ROOT / "README.md").read_text().split("## Nine commands")[1]
+                           .split("\n## ")[0])
 
 
 class Documents(cli_test.InFolder):
@@ -34,10 +49,10 @@ class Documents(cli_test.InFolder):
         self.expect(0, "build", "cranium.mhd", "-o", "cranium.8vo")
         self.expect(0, "threshold", "cranium.8vo", "--range", "226:", "-o", "bone.8vo")
         self.expect(0, "components", "bone.8vo", "--keep-largest", "1", "-o", "skull.8vo")
-        damaged = bytearray((self.folder / "cranium.8vo").read_bytes())
-        damaged[600] ^= 4
-        (self.folder / "damaged.8vo").write_bytes(damaged)
-        rows = VERB_ROW.findall((ROOT / "docs/verbs.md").read_text())
+        page = (ROOT / "docs/verbs.md").read_text()
+        for line in DAMAGE.findall(page):
+            subprocess.run(shlex.split(line), cwd=self.folder, check=True)
+        rows = VERB_ROW.findall(page)
         listed = self.expect(0, "--help").stdout.split("Subcommands:")[1]
         self.assertEqual(sorted(verb for verb, _ in rows),
                          sorted(re.findall(r"^  ([a-z][a-z-]*) ", listed, re.MULTILINE)))
@@ -47,13 +62,25 @@ class Documents(cli_test.InFolder):
                 self.run_line(line)
 
     def test_the_commands_of_the_readme_run(self):
-        text = (ROOT / "README.md").read_text()
-        tour = text.split("## Nine commands")[1].split("\n## ")[0]
-        lines = COMMAND.findall(tour)
+        lines = tour()
         self.assertEqual(len(lines), 9)
         for line in lines:
             with self.subTest(line):
                 self.run_line(line)
+
+    def test_demo_readme_and_verbs_write_different_files(self):
+        rows = VERB_ROW.findall((ROOT / "docs/verbs.md").read_text())
+        commands = [(ROOT / "demo").read_text(), *tour(), *[line for _, line in rows]]
+        written = [name for command in commands for name in WRITTEN.findall(command)]
+        self.assertGreater(len(written), 30)
+        self.assertEqual(sorted(written), sorted(set(written)))
+
+    def test_the_sizes_in_the_readme_are_those_of_the_results(self):
+        with (ROOT / "bench/results/sizes.csv").open(newline="") as rows:
+            ratios = {row["data_set"]: f"{float(row['ratio']):.2f}" for row in csv.DictReader(rows)
+                      if (row["preset"], row["max_error"]) == ("small", "0")}
+        stated = dict(SIZE_ROW.findall((ROOT / "README.md").read_text()))
+        self.assertEqual(stated, {words: ratios[name] for words, name in SCANS.items()})
 
     def test_each_picture_of_the_gallery_stands_beside_its_command(self):
         page = (ROOT / "docs/gallery.md").read_text()
