@@ -22,9 +22,7 @@ MAY_INCLUDE = {
     "builder": BELOW_FILE | {"file", "planes"},
     "io": BELOW_FILE | {"file", "planes"},
     "ops": BELOW_FILE | {"file", "planes"},
-    "mesh": BELOW_FILE | {"file"},
     "render": BELOW_FILE | {"file"},
-    "dist": BELOW_FILE | {"file", "planes"},
 }
 MAY_INCLUDE["tasks"] = set(MAY_INCLUDE)
 
@@ -86,7 +84,6 @@ LIBRARIES = {
     "Highway": (re.compile(r"hwy/"), {"codec", "ops", "render"}),
     "nlohmann-json": (re.compile(r"nlohmann/"), set()),
     "fmt": (re.compile(r"fmt/"), {"io", "tasks"}),
-    "MPI": (re.compile(r"mpi\.h$"), {"dist"}),
     "CLI11": (re.compile(r"CLI/"), set()),
 }
 

@@ -95,7 +95,7 @@ def main():
     page = pathlib.Path(sys.argv[2])
     awkward = awkward_folder()
     if awkward is None:
-        print("skipped: the folder of shared volumes is not here; set OCTAVO_SHARED_DATA to it")
+        print("skipped: no shared volumes; tests/README.md says what they are")
         return SKIPPED
     lines = page.read_text().splitlines()
     rows = rows_of(page.read_text())

@@ -74,7 +74,7 @@ TEST(ConcurrentReaders, SixteenThreadsOnOneHandleReadWhatOneReads) {
 
   const auto shared = open_with_little_cache(path);
   const std::uint64_t each = case_count(60, 1'000'000);
-  GoalCases cases("E4", "random reads by 16 threads on one handle", kThreads * each);
+  GoalCases cases("E3", "random reads by 16 threads on one handle", kThreads * each);
   std::atomic<std::uint64_t> wrong = 0;
   std::atomic<bool> is_over = false;
   std::mutex counting;
@@ -177,7 +177,7 @@ TEST(ConcurrentReaders, EachHandleSeesOneFileWhileBuildsReplaceIt) {
     readers.push_back(child);
   }
 
-  GoalCases cases("E4", "replacements under 8 reading processes", case_count(15, 1000));
+  GoalCases cases("E3", "replacements under 8 reading processes", case_count(15, 1000));
   while (cases.next()) build_version(versions[cases.done() % kVersions]);
   board.is_over = true;
   for (const pid_t reader : readers) {

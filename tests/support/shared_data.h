@@ -1,4 +1,4 @@
-// Where the shared test volumes are, when this machine has them.
+// Where the shared volumes of tests/README.md are, when this machine has them.
 #pragma once
 
 #include <cstdlib>

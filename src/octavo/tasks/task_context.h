@@ -1,8 +1,8 @@
 // What a caller hands to a task besides its options: how much of the machine it may use, who
 // watches it, and who hears what the caller should know.
 //
-// A task is one function per verb: options in, result out. The command line, Python and a cluster
-// call the same ones; none of them prints, asks or exits.
+// A task is one function per verb: options in, result out. Every program calls the same ones, the
+// command line included; none of them prints, asks or exits.
 #pragma once
 
 #include <cstdint>
