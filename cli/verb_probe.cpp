@@ -64,6 +64,14 @@ std::string label_suffix(const ProbedVoxel& p, const VolumeDescription& d) {
   return name_suffix(d.metadata.facts().labels, static_cast<std::int64_t>(p.stored));
 }
 
+/// In both notations where they differ: those of a voxel of level 0 have the same digits.
+std::string code_text(const ProbedVoxel& p) {
+  const std::string code = to_mixed_octal(p.code, p.root_level);
+  const std::string digits = to_hierarchical(p.code, p.root_level);
+  const std::string second = digits == code ? "" : "hierarchical " + digits + ", ";
+  return fmt::format("{} ({}root level {})", code, second, p.root_level);
+}
+
 std::string probe_text(const ProbedVoxel& p, const VolumeDescription& d) {
   std::string value = real_text(d, p.stored);
   value += label_suffix(p, d);
@@ -75,10 +83,10 @@ std::string probe_text(const ProbedVoxel& p, const VolumeDescription& d) {
   return fmt::format(
       "voxel {},{},{} of level {}{}\n"
       "  value   {}\n"
-      "  o-code  {} (hierarchical {}, root level {})\n"
+      "  o-code  {}\n"
       "  brick   {},{},{} of tier {}{}, stored values {} to {}{}\n",
       p.index.x, p.index.y, p.index.z, p.code.level, place, value,
-      to_mixed_octal(p.code, p.root_level), to_hierarchical(p.code, p.root_level), p.root_level,
+      code_text(p),
       b.brick.x, b.brick.y, b.brick.z, b.tier, b.is_uniform() ? ", uniform" : "",
       number_text(d.voxel_of(b.range.min)), number_text(d.voxel_of(b.range.max)),
       b.max_error > 0 ? ", within " + distance_text(d, b.max_error) + " of the source" : "");

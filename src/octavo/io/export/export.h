@@ -12,8 +12,8 @@ namespace octavo {
 
 enum class ExportFormat { raw, nrrd, nifti, nifti_gz, meta_image, meta_image_detached, tiff_stack };
 
-/// By extension: .raw .nrrd .nii .nii.gz .mha .mhd; a name ending in '/' or an existing folder, or
-/// .tif: a stack. Throws Error{invalid_argument} listing the known extensions.
+/// By extension: .raw .nrrd .nii .nii.gz .mha .mhd; a name that ends in '/', .tif or .tiff, or an
+/// existing folder: a stack. Throws Error{invalid_argument} listing the known extensions.
 ExportFormat export_format_of(const std::string& path);
 
 struct ExportOptions {
