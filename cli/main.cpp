@@ -19,8 +19,10 @@
 #include "common/context.h"
 #include "common/failure.h"
 #include "common/isotropic_option.h"
+#include "common/option_tree.h"
 #include "common/options.h"
 #include "octavo/io/isolation/import_worker.h"
+#include "text/usage_words.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -63,13 +65,18 @@ void add_verbs(CLI::App& app, Context& context) {
 }
 
 /// The verb on the command line, for the hint of a usage error.
-void note_verb(const CLI::App& app, int argc, char** argv, Context& context) {
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
+void note_verb(const CLI::App& app, const std::vector<std::string>& words, Context& context) {
+  for (const std::string& word : words) {
     if (word == "--json") context.json = true;
     const auto has_name = [&](const CLI::App* verb) { return verb->get_name() == word; };
     if (context.verb.empty() && !app.get_subcommands(has_name).empty()) context.verb = word;
   }
+}
+
+/// As CLI11 takes them: the first word last.
+std::vector<std::string> reversed(std::vector<std::string> words) {
+  std::reverse(words.begin(), words.end());
+  return words;
 }
 
 /// Has malloc share its arenas among threads: each takes 64 MiB of addresses, of which a limit of
@@ -80,22 +87,25 @@ void limit_malloc_arenas([[maybe_unused]] int threads) {
 #endif
 }
 
-int run_program(int argc, char** argv) {
+int run_program(const std::vector<std::string>& words) {
   install_signal_handlers();
   Context context;
   CLI::App app("Folds a scan into one .8vo file and gets every voxel back, at any level.",
                "octavo");
   app.set_version_flag("--version", "octavo " OCTAVO_VERSION);
   app.get_formatter()->column_width(32);
+  app.get_formatter()->label("SUBCOMMAND", "VERB");
   app.footer(kExitCodes);
   app.require_subcommand(1);
   add_global_options(Verb(app), context);
   try {
     add_verbs(app, context);
     refuse_empty_texts(app);
-    std::vector<std::string> words = with_isotropic_method(argc - 1, argv + 1);
-    std::reverse(words.begin(), words.end());
-    app.parse(std::move(words));
+    if (words.empty()) {
+      print(app.help());
+      return kExitUsage;
+    }
+    app.parse(reversed(with_isotropic_method(settled_words(words))));
     if (context.max_memory_bytes != 0) limit_malloc_arenas(context.thread_count());
     // With room for the thread that waits; without a limit oneTBB starts no more than the cores
     // have room for, and says so on standard error.
@@ -108,12 +118,9 @@ int run_program(int argc, char** argv) {
     print(text.str());
     return kExitDone;
   } catch (const CLI::ParseError& problem) {
-    note_verb(app, argc, argv, context);
-    const bool has_word = argc > 1 && argv[1][0] != '-' && argv[1][0] != '\0';
-    if (context.verb.empty() && has_word) {
-      return report_usage(context, "no verb '" + escaped(argv[1]) + "'");
-    }
-    return report_usage(context, problem.what());
+    note_verb(app, words, context);
+    const std::string unknown = unknown_word(option_tree(app), words);
+    return report_usage(context, unknown.empty() ? problem.what() : unknown);
   } catch (...) {
     return report_failure(context, std::current_exception());
   }
@@ -134,7 +141,7 @@ int main(int argc, char** argv) {
   const bool is_worker_name = argc == 2 && std::string_view(argv[1]) == "import-worker";
   if (is_worker_name && octavo::has_import_request()) octavo::run_import_worker();
   try {
-    return octavo::cli::run_program(argc, argv);
+    return octavo::cli::run_program({argv + 1, argv + argc});
   } catch (...) {
     // Not even the help could be written.
     return octavo::cli::report_failure({}, std::current_exception());

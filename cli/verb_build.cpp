@@ -19,9 +19,10 @@ namespace {
 
 constexpr VerbText kText = {
     "build", "Fold a scan into one .8vo file, losslessly or with a maximum error.",
-    "A source is a DICOM folder, a TIFF or PNG stack, a NIfTI, NRRD or MetaImage file, raw\n"
-    "voxels or another .8vo file. Stored voxels are kept as they are, unless --max-error E allows\n"
-    "each to end up to E away, in real units; every brick is decoded again and proven.\n\n"
+    "A source is a DICOM folder, a TIFF or PNG stack, a NIfTI, NRRD, MetaImage, VTK or GIPL\n"
+    "file, raw voxels or another .8vo file. Stored voxels are kept as they are, unless\n"
+    "--max-error E allows each to end up to E away, in real units; every brick is decoded again\n"
+    "and compared.\n\n"
     "float32 voxels are kept bit by bit where all are whole multiples of one number (plus\n"
     "another), as they mostly are; elsewhere they need --max-error. NaN and infinities are\n"
     "rejected unless --nan and --inf say what takes their place. float64 is not read.\n\n"

@@ -74,9 +74,10 @@ nlohmann::ordered_json report_json(const Arguments& arguments, const ComponentsR
 
 std::string table_text(const Arguments& arguments, const ComponentsResult& result) {
   std::string text =
-      fmt::format("{}: {}, {} kept\n", arguments.input,
+      fmt::format("{}: {}, {} kept{}\n", arguments.input,
                   counted_text(static_cast<std::int64_t>(result.found), "component"),
-                  count_text(static_cast<std::int64_t>(result.kept)));
+                  count_text(static_cast<std::int64_t>(result.kept)),
+                  arguments.output.empty() ? "" : " in " + arguments.output);
   if (!result.rows.empty()) {
     text += fmt::format("{:>7} {:>14} {:>14}  {:<26} {}\n", "label", "voxels", "mm3",
                         result.rows.front().mm3 ? "centroid mm (x, y, z)" : "centroid voxels",

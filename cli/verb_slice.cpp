@@ -241,9 +241,8 @@ std::string slice_text(const DrawnSlice& slice, const SliceResult& result) {
                   pixel_text(slice, result), position_text(slice), result.level);
   if (!slice.window) return text + "\n";
   const std::string unit = unit_of(result.volume);
-  return text + fmt::format(", window {} to {}{}\n",
-                            number_text(slice.window->center - slice.window->width / 2),
-                            number_text(slice.window->center + slice.window->width / 2),
+  return text + fmt::format(", window {},{}{}\n", number_text(slice.window->center),
+                            number_text(slice.window->width),
                             unit.empty() ? "" : " " + unit);
 }
 

@@ -150,11 +150,11 @@ std::string faithful_text(const Arguments& arguments, const VerifyVolumeResult& 
   const std::string within = distance_text(result.volume, check.allowed_error);
   const bool is_exact = check.allowed_error == 0;
   return fmt::format(
-      "{}: sound, and {} {} of {}{} {}; {} checked\n", arguments.input,
-      is_exact ? "equal to every one of the" : "within " + within + " of each of the",
+      "{}: sound; {} {} of {}{}, {}; {} checked\n", arguments.input,
+      is_exact ? "equal to all" : "within " + within + " of all",
       counted_text(check.comparison.voxels, "voxel"), arguments.against.front(),
       check.has_planes_between ? " with planes in between" : "",
-      check.comparison.is_place_known ? "and the geometry" : "(its spacing is not known)",
+      check.comparison.is_place_known ? "and in geometry" : "whose spacing is not known",
       counted_text(result.report.brick_count, "brick"));
 }
 

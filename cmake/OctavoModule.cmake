@@ -31,12 +31,15 @@ target_link_options(octavo_flags INTERFACE
 include(GNUInstallDirs)
 
 # Half of a compiler's time goes into headers that every source of a module reads again.
-option(OCTAVO_UNITY "Compile the sources of a module eight at a time" OFF)
+option(OCTAVO_UNITY "Compile the sources of a module sixteen at a time" OFF)
 
 # octavo_unity(TARGET): names in its anonymous namespaces are unique within the module.
 function(octavo_unity target)
   set_target_properties(${target} PROPERTIES
-    UNITY_BUILD ${OCTAVO_UNITY} UNITY_BUILD_BATCH_SIZE 8)
+    UNITY_BUILD ${OCTAVO_UNITY} UNITY_BUILD_BATCH_SIZE 16)
+  # GCC takes the sources for headers of the one that lists them.
+  target_compile_options(${target} PRIVATE
+    $<$<AND:$<BOOL:${OCTAVO_UNITY}>,$<CXX_COMPILER_ID:GNU>>:-Wno-subobject-linkage>)
 endfunction()
 
 # octavo_module(NAME SOURCES a.cpp ... [USES octavo_core ...] [LINKS TBB::tbb ...])

@@ -28,8 +28,7 @@ std::optional<PlaneInterpolation> isotropic_method(const std::string& method) {
   return method == "cubic" ? PlaneInterpolation::cubic : PlaneInterpolation::linear;
 }
 
-std::vector<std::string> with_isotropic_method(int argc, const char* const* argv) {
-  std::vector<std::string> words(argv, argv + argc);
+std::vector<std::string> with_isotropic_method(std::vector<std::string> words) {
   const auto end = std::find(words.begin(), words.end(), "--");
   for (auto word = words.begin(); word != end; ++word) {
     if (*word != kOption) continue;

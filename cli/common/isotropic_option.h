@@ -18,6 +18,6 @@ std::optional<PlaneInterpolation> isotropic_method(const std::string& method);
 
 /// The words of a command line, where an --isotropic without a method gets the one it means, so
 /// that the name behind it is not taken for one.
-std::vector<std::string> with_isotropic_method(int argc, const char* const* argv);
+std::vector<std::string> with_isotropic_method(std::vector<std::string> words);
 
 }  // namespace octavo::cli

@@ -188,6 +188,7 @@ Verb Verb::add_choice(const std::string& name) {
 Verb add_verb(CLI::App& app, Context& context, const VerbText& text, std::function<int()> run) {
   CLI::App& verb = *app.add_subcommand(text.name, text.summary);
   verb.footer(text.examples);
+  verb.group("Verbs");
   verb.callback([&context, name = std::string(text.name), work = std::move(run)] {
     context.verb = name;
     context.run = work;

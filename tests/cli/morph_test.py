@@ -84,7 +84,8 @@ class Touch(Masks):
         labels.fill((60, 66), (12, 14), (8, 10), 200)
         self.build("l.8vo", labels)
         pairs = self.json("touch", "l.8vo")["pairs"]
-        self.assertEqual(pairs, [{"labels": [3, 7], "faces": 8, "area_mm2": 12, "voxel_pairs": 8}])
+        self.assertEqual(pairs, [{"labels": [3, 7], "names": [None, None], "faces": 8,
+                                  "area_mm2": 12, "voxel_pairs": 8}])
         pairs = self.json("touch", "l.8vo", "--connectivity", "18")["pairs"]
         self.assertEqual([p["labels"] for p in pairs], [[3, 7], [7, 200]])
         self.assertEqual((pairs[1]["faces"], pairs[1]["voxel_pairs"]), (0, 2))

@@ -143,8 +143,8 @@ class UnknownSpacing(cli_test.InFolder):
             ("b.nrrd", "4:12,4:12,2:8", ""),
             ("b.tif", "4:12,4:12,2:8", ""),
             ("b.nii.gz", "4:12,4:12,2:8",
-             "b.nii.gz: does not keep that the box begins at voxel 4,4,2 of known.8vo, in which "
-             "how the patient lies is not known; .nrrd keeps it"),
+             "b.nii.gz: cannot say that the box begins at voxel 4,4,2 of known.8vo, as "
+             "how the patient lies is not known; .nrrd can"),
             ("c.nii", ":12,:12,:8", ""),
             ("b.mha", "4:12,4:12,2:8",
              "b.mha: how the patient lies is not known in known.8vo; other programs may show "

@@ -33,7 +33,7 @@ namespace {
 constexpr std::size_t kTreeBricksPerThread = 4;  // encoded at a time
 constexpr std::size_t kBricksPerLook = 4096;  // without asking whether to stop
 // Samples to train on, the index, the file's own buffers.
-constexpr std::uint64_t kFixedBytes = std::uint64_t{64} << 20;
+constexpr std::uint64_t kTreeFixedBytes = std::uint64_t{64} << 20;
 
 Error cancelled(const char* while_what) {
   return {ErrorKind::cancelled, std::string("stopped while ") + while_what};
@@ -326,7 +326,7 @@ std::uint64_t tree_build_memory_bytes(const VolumeDescription& description, int 
   const std::uint64_t lists =
       checked_mul(static_cast<std::uint64_t>(grid.x * grid.y), per_brick, "the memory of bricks");
   return checked_add(checked_add(parents, lists, "the memory of a build"),
-                     workers * kThreadBytes + kFixedBytes, "the memory of a build");
+                     workers * kThreadBytes + kTreeFixedBytes, "the memory of a build");
 }
 
 }  // namespace octavo

@@ -115,6 +115,9 @@ class MaskTree {
 /// Side of the children of a cube of `rank`, voxels; rank -1: of those of a word.
 constexpr std::int64_t child_side(int rank) noexcept { return std::int64_t{1} << 2 * (rank + 1); }
 
+/// Side of a cube of rank 1, voxels: that of a brick.
+inline constexpr std::int64_t kCubeSide = child_side(2);
+
 /// The box of the child at `bit` of a cube that starts at `corner`, its children `side` voxels
 /// long.
 Box child_box(const Index3& corner, int bit, std::int64_t side) noexcept;

@@ -112,6 +112,10 @@ struct Direction {
 
   bool operator==(const Direction&) const = default;
   constexpr Direction reversed() const { return {-x, -y, -z}; }
+  /// Whether voxels there come later when z counts first, then y, then x.
+  constexpr bool is_forward() const {
+    return z > 0 || (z == 0 && (y > 0 || (y == 0 && x > 0)));
+  }
 };
 
 /// The 26 directions: 6 to faces, then 12 to edges, then 8 to corners.

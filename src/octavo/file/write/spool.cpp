@@ -7,7 +7,7 @@ namespace octavo {
 
 namespace {
 
-constexpr std::size_t kTailBytes = std::size_t{256} << 10;
+constexpr std::size_t kSpoolTailBytes = std::size_t{256} << 10;
 
 }  // namespace
 
@@ -17,11 +17,11 @@ Spool::Spool(Storage& storage, std::string folder, std::size_t stream_count)
 void Spool::append(std::size_t number, ByteSpan bytes) {
   Stream& stream = streams_[number];
   while (!bytes.empty()) {
-    const std::size_t count = std::min(bytes.size(), kTailBytes - stream.tail.size());
+    const std::size_t count = std::min(bytes.size(), kSpoolTailBytes - stream.tail.size());
     const ByteSpan head = bytes.first(count);
     stream.tail.insert(stream.tail.end(), head.begin(), head.end());
     bytes = bytes.subspan(count);
-    if (stream.tail.size() == kTailBytes) send_tail(number);
+    if (stream.tail.size() == kSpoolTailBytes) send_tail(number);
   }
 }
 

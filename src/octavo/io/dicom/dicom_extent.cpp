@@ -15,10 +15,6 @@ namespace {
 
 constexpr const char* kRunLengths = "1.2.840.10008.1.2.5";
 
-[[noreturn]] void reject(const DicomLayout& layout, const std::string& why) {
-  throw Error(ErrorKind::source_rejected, why, layout.path);
-}
-
 [[noreturn]] void reject_more(const DicomLayout& layout, std::uint64_t pictures) {
   reject(layout, "the pixel data hold " + std::to_string(pictures) +
                      " pictures, Number of Frames (0028,0008) says " +

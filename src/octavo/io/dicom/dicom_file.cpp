@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/io/dicom/dicom_tags.h"
 #include "octavo/io/source/source_file.h"
 
 namespace octavo {
@@ -19,10 +20,6 @@ constexpr std::size_t kWindowBytes = std::size_t{1} << 14;
 constexpr int kMaxDepth = 16;
 
 constexpr DicomTag kTransferSyntax = 0x00020010;
-constexpr DicomTag kRescaleIntercept = 0x00281052;
-constexpr DicomTag kRescaleSlope = 0x00281053;
-constexpr DicomTag kDoseScaling = 0x3004000e;
-constexpr DicomTag kGridFrameOffsets = 0x3004000c;
 constexpr DicomTag kFloatPixelData = 0x7fe00008;
 constexpr DicomTag kDoublePixelData = 0x7fe00009;
 constexpr DicomTag kPixelData = 0x7fe00010;

@@ -20,10 +20,6 @@ namespace octavo {
 
 namespace {
 
-[[noreturn]] void reject(const DicomLayout& layout, const std::string& why) {
-  throw Error(ErrorKind::source_rejected, why, layout.path);
-}
-
 void silence_gdcm() {
   static std::once_flag once;
   std::call_once(once, [] {

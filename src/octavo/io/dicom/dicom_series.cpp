@@ -14,7 +14,7 @@ namespace octavo {
 
 namespace {
 
-constexpr double kRelativeTolerance = 1e-3;
+constexpr double kAlikeTolerance = 1e-3;
 
 [[noreturn]] void reject(const DicomSlice& slice, const std::string& why) {
   throw Error(ErrorKind::source_rejected, why, slice.layout->path);
@@ -40,7 +40,7 @@ bool are_close(const std::array<double, n>& a, const std::array<double, n>& b) {
   for (std::size_t i = 0; i < n; ++i) {
     const double scale = std::max({std::abs(a[i]), std::abs(b[i]), 1e-3});
     // Direction cosines are of size 1; a thousandth of that is the tolerance for all of them.
-    const double allowed = n == 6 ? kRelativeTolerance : kRelativeTolerance * scale;
+    const double allowed = n == 6 ? kAlikeTolerance : kAlikeTolerance * scale;
     if (std::abs(a[i] - b[i]) > allowed) return false;
   }
   return true;

@@ -6,6 +6,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
+#include "octavo/io/dicom/dicom_tags.h"
 #include "octavo/io/source/described_source.h"
 #include "octavo/io/source/source_file.h"
 
@@ -13,8 +14,9 @@ namespace octavo {
 
 namespace {
 
+using octavo::reject;  // the other files of this folder have some for slices and stacks
+
 constexpr DicomTag kImagePosition = 0x00200032;
-constexpr DicomTag kGridFrameOffsets = 0x3004000c;
 constexpr DicomTag kSharedGroups = 0x52009229;
 constexpr DicomTag kPerFrameGroups = 0x52009230;
 constexpr DicomTag kPlanePosition = 0x00209113;
@@ -33,10 +35,6 @@ bool is_lossy_syntax(const std::string& uid) {
                                                "1.2.840.10008.1.2.4.81", "1.2.840.10008.1.2.4.91",
                                                "1.2.840.10008.1.2.4.93"};
   return kLossy.contains(uid);
-}
-
-[[noreturn]] void reject(const std::string& path, const std::string& why) {
-  throw Error(ErrorKind::source_rejected, why, path);
 }
 
 std::int64_t required(const DicomFile& file, DicomTag tag, const char* name) {
@@ -157,6 +155,8 @@ void take_dose_planes(const DicomSet& data, std::vector<DicomSlice>& slices) {
 }
 
 }  // namespace
+
+void reject(const DicomLayout& layout, const std::string& why) { reject(layout.path, why); }
 
 std::uint64_t DicomLayout::frame_bytes() const {
   return static_cast<std::uint64_t>(rows * columns * samples * ((bits_allocated + 7) / 8));

@@ -71,6 +71,9 @@ struct DicomLayout {
   std::uint64_t native_bytes() const;
 };
 
+/// Throws Error{source_rejected} that names the file.
+[[noreturn]] void reject(const DicomLayout& layout, const std::string& why);
+
 /// One frame.
 struct DicomSlice {
   std::shared_ptr<const DicomLayout> layout;

@@ -1,6 +1,7 @@
 #include "octavo/io/dicom/dicom_values.h"
 
 #include "octavo/core/error.h"
+#include "octavo/io/dicom/dicom_tags.h"
 #include "octavo/io/source/value_unit.h"
 
 namespace octavo {
@@ -8,12 +9,9 @@ namespace octavo {
 namespace {
 
 constexpr DicomTag kModality = 0x00080060;
-constexpr DicomTag kRescaleIntercept = 0x00281052;
-constexpr DicomTag kRescaleSlope = 0x00281053;
 constexpr DicomTag kRescaleType = 0x00281054;
 constexpr DicomTag kModalityTable = 0x00283000;
 constexpr DicomTag kDoseUnits = 0x30040002;
-constexpr DicomTag kDoseScaling = 0x3004000e;
 
 /// The number of a header, or `absent` where it is not there or blank. Notes a fault where it is
 /// no number.

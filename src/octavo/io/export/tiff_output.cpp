@@ -20,7 +20,7 @@ namespace octavo {
 namespace {
 
 constexpr std::int64_t kStripBytes = std::int64_t{1} << 18;
-constexpr int kDeflateLevel = 6;
+constexpr int kTiffDeflateLevel = 6;
 
 bool has_predictor(VoxelType type) { return bytes_per_voxel(type) <= 2; }
 
@@ -51,7 +51,7 @@ ByteString deflate_strip(const ExportPlan& plan, std::span<const std::uint8_t> r
   uLongf length = compressBound(static_cast<uLong>(samples.size()));
   ByteString strip(length);
   if (compress2(strip.data(), &length, samples.data(), static_cast<uLong>(samples.size()),
-                kDeflateLevel) != Z_OK) {
+                kTiffDeflateLevel) != Z_OK) {
     throw Error(ErrorKind::out_of_memory, "no memory to compress");
   }
   strip.resize(length);

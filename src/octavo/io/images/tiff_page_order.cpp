@@ -16,10 +16,6 @@ constexpr const char* kJoin =
 
 constexpr std::int64_t kMaxPage = std::int64_t{1} << 48;
 
-[[noreturn]] void reject(const std::string& path, const std::string& why) {
-  throw Error(ErrorKind::source_rejected, why, path);
-}
-
 std::string plane_text(const OmePages& pages) {
   return "slice " + std::to_string(pages.slice) + ", channel " + std::to_string(pages.channel) +
          ", time " + std::to_string(pages.time);

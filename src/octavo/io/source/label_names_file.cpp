@@ -139,7 +139,7 @@ void LabelNamesFile::take_rows() {
 }
 
 void LabelNamesFile::take_line(std::size_t number, std::string_view line) {
-  constexpr std::string_view kBlanks = " \t";
+  constexpr std::string_view kWordBlanks = " \t";
   if (line.size() > kMaxLineBytes) reject_line(number, "is longer than 4096 bytes");
   const auto is_control = [](char c) {
     return (static_cast<unsigned char>(c) < 0x20 && c != '\t') || c == 0x7f;
@@ -148,12 +148,12 @@ void LabelNamesFile::take_line(std::size_t number, std::string_view line) {
     reject_line(number, "holds a control character: no text");
   }
   Row row{number, {}};
-  for (std::size_t at = line.find_first_not_of(kBlanks); at < line.size();
-       at = line.find_first_not_of(kBlanks, at)) {
+  for (std::size_t at = line.find_first_not_of(kWordBlanks); at < line.size();
+       at = line.find_first_not_of(kWordBlanks, at)) {
     if (row.words.empty() && line[at] == '#') return;
     const bool is_quoted = line[at] == '"';
     const std::size_t begin = at + (is_quoted ? 1 : 0);
-    std::size_t end = is_quoted ? line.find('"', begin) : line.find_first_of(kBlanks, begin);
+    std::size_t end = is_quoted ? line.find('"', begin) : line.find_first_of(kWordBlanks, begin);
     if (is_quoted && end == std::string_view::npos) reject_line(number, "a quote is not closed");
     end = std::min(end, line.size());
     row.words.push_back({line.substr(begin, end - begin), is_quoted});

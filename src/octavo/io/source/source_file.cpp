@@ -105,6 +105,10 @@ void SourceFile::read_exactly(std::uint64_t offset, std::span<std::byte> bytes) 
               path_, offset + found);
 }
 
+void reject(const std::string& path, const std::string& why) {
+  throw Error(ErrorKind::source_rejected, why, path);
+}
+
 std::vector<std::byte> file_head(const std::string& path, std::size_t count) {
   const SourceFile file(path);
   std::vector<std::byte> head(count);

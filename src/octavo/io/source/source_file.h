@@ -38,6 +38,9 @@ class SourceFile {
   std::uint64_t size_ = 0;
 };
 
+/// Throws Error{source_rejected} that names the file.
+[[noreturn]] void reject(const std::string& path, const std::string& why);
+
 /// The first bytes of a file, at most `count`. Throws Error{io}.
 std::vector<std::byte> file_head(const std::string& path, std::size_t count);
 

@@ -29,10 +29,6 @@ struct GiplHeader {
   std::uint32_t magic = 0;
 };
 
-[[noreturn]] void reject(const std::string& path, const std::string& why) {
-  throw Error(ErrorKind::source_rejected, why, path);
-}
-
 StreamCoding coding_of(const std::string& path) {
   return is_gzip_file(path) ? StreamCoding::deflated : StreamCoding::plain;
 }

@@ -21,17 +21,13 @@ namespace octavo {
 
 namespace {
 
-constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 16;
-
-[[noreturn]] void reject(const std::string& path, const std::string& why) {
-  throw Error(ErrorKind::source_rejected, why, path);
-}
+constexpr std::size_t kMaxMetaHeaderBytes = std::size_t{1} << 16;
 
 /// The fields of a header up to ElementDataFile, and where the bytes behind it start.
 class MetaHeader {
  public:
   explicit MetaHeader(const std::string& path) : path_(path) {
-    const std::vector<std::byte> head = file_head(path, kMaxHeaderBytes);
+    const std::vector<std::byte> head = file_head(path, kMaxMetaHeaderBytes);
     const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
     std::size_t at = 0;
     while (at < text.size()) {

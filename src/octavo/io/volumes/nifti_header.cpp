@@ -80,10 +80,6 @@ NiftiHeader parse_version_2(const HeaderBytes& read) {
   return h;
 }
 
-[[noreturn]] void reject(const std::string& path, const std::string& why) {
-  throw Error(ErrorKind::source_rejected, why, path);
-}
-
 /// A 3x4 matrix from index to world in RAS and the header's unit.
 using Affine = std::array<double, 12>;
 

@@ -15,10 +15,6 @@ namespace {
 
 constexpr std::int64_t kIntentLabel = 1002;
 
-[[noreturn]] void reject(const std::string& path, const std::string& why) {
-  throw Error(ErrorKind::source_rejected, why, path);
-}
-
 constexpr std::int64_t kRgb = 128;
 constexpr std::int64_t kRgba = 2304;
 

@@ -15,10 +15,6 @@ namespace octavo {
 
 namespace {
 
-[[noreturn]] void reject(const std::string& path, const std::string& why) {
-  throw Error(ErrorKind::source_rejected, why, path);
-}
-
 /// What "space" says of the axes of the world.
 struct WorldAxes {
   Point3 to_lps = {1, 1, 1};  ///< +1 or -1 each

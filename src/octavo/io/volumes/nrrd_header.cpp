@@ -12,11 +12,7 @@ namespace octavo {
 
 namespace {
 
-constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 20;
-
-[[noreturn]] void reject(const std::string& path, const std::string& why) {
-  throw Error(ErrorKind::source_rejected, why, path);
-}
+constexpr std::size_t kMaxNrrdHeaderBytes = std::size_t{1} << 20;
 
 bool is_of_the_format(const std::string& name) {
   static const std::set<std::string> kNames = {
@@ -42,7 +38,7 @@ std::string kept_name(const std::string& name) {
 }  // namespace
 
 NrrdHeader::NrrdHeader(const std::string& path) : path_(path) {
-  const std::vector<std::byte> head = file_head(path, kMaxHeaderBytes);
+  const std::vector<std::byte> head = file_head(path, kMaxNrrdHeaderBytes);
   const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
   if (!text.starts_with("NRRD000"))
     reject(path, "not a NRRD header: it does not start with NRRD000");

@@ -19,10 +19,6 @@ namespace {
 
 constexpr std::int64_t kMaxValuesPerVoxel = std::int64_t{1} << 16;
 
-[[noreturn]] void reject(const std::string& path, const std::string& why) {
-  throw Error(ErrorKind::source_rejected, why, path);
-}
-
 VoxelType voxel_type_of(const NrrdHeader& header) {
   static const std::map<std::string, VoxelType> kTypes = {
       {"signed char", VoxelType::int8},     {"int8", VoxelType::int8},

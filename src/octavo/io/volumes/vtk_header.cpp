@@ -24,10 +24,6 @@ constexpr int kMaxLinesBehind = 1 << 16;
 /// Of a color: bytes where voxels are binary, numbers where they are text.
 constexpr std::uint64_t kColorParts = 4;
 
-[[noreturn]] void reject(const std::string& path, const std::string& why) {
-  throw Error(ErrorKind::source_rejected, why, path);
-}
-
 /// The lines of a file from some place on.
 class Lines {
  public:

@@ -22,11 +22,6 @@ struct Counts {
 
 using CountsByPair = std::map<std::pair<std::int64_t, std::int64_t>, Counts>;
 
-// Of the two directions of every pair, the one that is looked at.
-bool is_forward(const Direction& d) {
-  return d.z > 0 || (d.z == 0 && (d.y > 0 || (d.y == 0 && d.x > 0)));
-}
-
 // A pair that is met often in a row is looked up once.
 class PairCounter {
  public:
@@ -62,7 +57,7 @@ class Adjacency {
     LabelBlock block(labels_, box);
     PairCounter counter(counts);
     for (std::size_t i = 0; i < static_cast<std::size_t>(connectivity_); ++i) {
-      if (is_forward(kDirections[i])) count_along(kDirections[i], box.size(), block, counter);
+      if (kDirections[i].is_forward()) count_along(kDirections[i], box.size(), block, counter);
     }
   }
 

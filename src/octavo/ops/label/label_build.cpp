@@ -24,7 +24,6 @@ namespace octavo {
 
 namespace {
 
-constexpr std::int64_t kCubeSide = 64;
 constexpr std::uint64_t kCubeWords = 4096;
 
 // Where the voxels of a word stand in its rows [z][y][x], by bit.

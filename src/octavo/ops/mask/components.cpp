@@ -21,11 +21,6 @@ constexpr const char* kSubject = "the components";
 
 constexpr std::size_t kGrain = 256;
 
-// Of the two directions of every pair, the one that is looked at.
-bool is_forward(const Direction& d) {
-  return d.z > 0 || (d.z == 0 && (d.y > 0 || (d.y == 0 && d.x > 0)));
-}
-
 // Two of 4 x 4 x 4 children that touch, `to` one step in `direction` from `from`.
 struct Touch {
   int from = 0;
@@ -134,7 +129,7 @@ class Components::Linker {
       if ((here.mixed >> touch.from & 1) == 0) continue;
       if ((here.full >> touch.to & 1) != 0) {
         join_full(full_part(item, touch.to), child(item, touch.from), touch.direction);
-      } else if ((here.mixed >> touch.to & 1) != 0 && is_forward(touch.direction)) {
+      } else if ((here.mixed >> touch.to & 1) != 0 && touch.direction.is_forward()) {
         link(child(item, touch.from), child(item, touch.to), touch.direction);
       }
     }

@@ -18,7 +18,6 @@ namespace octavo {
 
 namespace {
 
-constexpr std::int64_t kCubeSide = 64;
 constexpr std::size_t kWordsPerCube = 4096;
 
 // Where the 16 words along x lie in a cube, from the first.

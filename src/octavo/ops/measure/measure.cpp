@@ -122,7 +122,7 @@ void add_grey(T value, const Bins& bins, Sums& sums) {
   if (bins.is_wanted) sums.histogram.add(bins.bin_of(v));
 }
 
-using SumsByLabel = std::map<std::int64_t, Sums>;
+using GreyByLabel = std::map<std::int64_t, Sums>;
 
 void add(const Sums& from, Sums& to) {
   to.moments.add(from.moments);
@@ -151,14 +151,14 @@ class Measurement {
     const ProgressScope scope(progress, "measure", count, "bricks");
     for (std::int64_t first = 0; first < count; first += kBricksAtOnce) {
       const std::int64_t end = std::min(count, first + kBricksAtOnce);
-      std::vector<SumsByLabel> of_bricks(static_cast<std::size_t>(end - first));
+      std::vector<GreyByLabel> of_bricks(static_cast<std::size_t>(end - first));
       tbb::parallel_for(first, end, [&](std::int64_t i) {
         if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped while measuring");
         of_bricks[static_cast<std::size_t>(i - first)] = brick_sums(
             {i % grid_.x, i / grid_.x % grid_.y, i / (grid_.x * grid_.y)});
         progress.advance(1);
       });
-      for (const SumsByLabel& of_brick : of_bricks) {
+      for (const GreyByLabel& of_brick : of_bricks) {
         for (const auto& [label, sums] : of_brick) add(sums, totals_[label]);
       }
     }
@@ -188,10 +188,10 @@ class Measurement {
     return true;
   }
 
-  SumsByLabel brick_sums(const Index3& brick) const {
+  GreyByLabel brick_sums(const Index3& brick) const {
     const Box box = labels_.levels().brick_box(0, brick);
     const auto label = single_label(brick);
-    SumsByLabel sums;
+    GreyByLabel sums;
     if (label == 0) return sums;
     if (label && is_enclosed(brick, *label)) {
       sums[*label].moments.add_box(box);
@@ -219,7 +219,7 @@ class Measurement {
 
   // The runs of one label in the rows of a brick.
   template <class TakeRun>
-  void add_runs(const Box& box, LabelBlock& block, SumsByLabel& sums, TakeRun take_run) const {
+  void add_runs(const Box& box, LabelBlock& block, GreyByLabel& sums, TakeRun take_run) const {
     const Size3 size = box.size();
     std::int64_t last_label = 0;
     Sums* last = nullptr;
@@ -313,7 +313,7 @@ class Measurement {
   const RegionMeasureOptions& options_;
   Size3 grid_;
   Bins bins_;
-  SumsByLabel totals_;
+  GreyByLabel totals_;
 };
 
 // Diagonalises a symmetric matrix by Jacobi rotations; columns of `vectors` become its axes.

@@ -59,8 +59,8 @@ std::vector<std::string> limit_warnings(const ExportPartOptions& options, const 
   }
   if (limits.loses_box_start) {
     const Index3& start = how.box->lo;
-    add(fmt::format("does not keep that the box begins at voxel {},{},{} of {}, in which how the "
-                    "patient lies is not known; .nrrd keeps it",
+    add(fmt::format("cannot say that the box begins at voxel {},{},{} of {}, as how the patient "
+                    "lies is not known; .nrrd can",
                     start.x, start.y, start.z, options.input));
   }
   return warnings;

@@ -1,0 +1,13 @@
+// Attributes that several readers of this folder look at.
+#pragma once
+
+#include "octavo/io/dicom/dicom_file.h"
+
+namespace octavo {
+
+inline constexpr DicomTag kRescaleIntercept = 0x00281052;
+inline constexpr DicomTag kRescaleSlope = 0x00281053;
+inline constexpr DicomTag kGridFrameOffsets = 0x3004000c;
+inline constexpr DicomTag kDoseScaling = 0x3004000e;
+
+}  // namespace octavo
