@@ -154,7 +154,8 @@ std::unique_ptr<PlaneSource> open_folder(const std::string& folder, const Source
   if (volumes.size() == 1) return open_source(volumes, options);
   throw Error(ErrorKind::source_rejected,
               volumes.empty()
-                  ? std::string("no DICOM, TIFF, PNG, NIfTI, NRRD, MetaImage, VTK or GIPL files in it")
+                  ? std::string("no DICOM, TIFF, PNG, NIfTI, NRRD, MetaImage, VTK or GIPL files "
+                                "in it")
                   : std::to_string(volumes.size()) + " volumes in it, among them " +
                         escaped(base_name(volumes[0])) + " and " + escaped(base_name(volumes[1])) +
                         ": name one of them",
