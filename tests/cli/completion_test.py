@@ -31,7 +31,7 @@ def needs(program):
 class WithVerbs(cli_test.InFolder):
     def verbs(self):
         """All verbs, as the help of the program lists them."""
-        listed = self.expect(0, "--help").stdout.split("Subcommands:")[1]
+        listed = self.expect(0, "--help").stdout.split("Verbs:")[1]
         return re.findall(r"^  ([a-z][a-z-]*) ", listed, re.MULTILINE)
 
 
