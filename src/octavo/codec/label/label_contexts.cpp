@@ -4,12 +4,12 @@ namespace octavo {
 
 namespace {
 
-struct Direction {
+struct NeighborStep {
   int x, y, z;
 };
 
-consteval std::array<Direction, kLabelNeighbors> directions() {
-  std::array<Direction, kLabelNeighbors> result{};
+consteval std::array<NeighborStep, kLabelNeighbors> directions() {
+  std::array<NeighborStep, kLabelNeighbors> result{};
   std::size_t count = 0;
   for (int z = -1; z <= 1; ++z) {
     for (int y = -1; y <= 1; ++y) {
@@ -25,7 +25,7 @@ consteval std::array<Direction, kLabelNeighbors> directions() {
   return result;
 }
 
-constexpr std::array<Direction, kLabelNeighbors> kDirections = directions();
+constexpr std::array<NeighborStep, kLabelNeighbors> kNeighborSteps = directions();
 
 }  // namespace
 
@@ -36,7 +36,7 @@ LabelNeighborhood label_neighborhood(std::ptrdiff_t row_stride, std::ptrdiff_t p
     const std::ptrdiff_t sign_y = (digit & 1) != 0 ? 1 : -1;
     const std::ptrdiff_t sign_z = (digit >> 2 & 1) != 0 ? 1 : -1;
     for (std::size_t i = 0; i < kLabelNeighbors; ++i) {
-      const Direction d = kDirections[i];
+      const NeighborStep d = kNeighborSteps[i];
       result[digit][i] = sign_x * d.x + sign_y * d.y * row_stride + sign_z * d.z * plane_stride;
     }
   }
