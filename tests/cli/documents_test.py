@@ -53,7 +53,7 @@ class Documents(cli_test.InFolder):
         for line in DAMAGE.findall(page):
             subprocess.run(shlex.split(line), cwd=self.folder, check=True)
         rows = VERB_ROW.findall(page)
-        listed = self.expect(0, "--help").stdout.split("Subcommands:")[1]
+        listed = self.expect(0, "--help").stdout.split("Verbs:")[1]
         self.assertEqual(sorted(verb for verb, _ in rows),
                          sorted(re.findall(r"^  ([a-z][a-z-]*) ", listed, re.MULTILINE)))
         for verb, line in rows:
