@@ -32,20 +32,21 @@ function(octavo_add_test name tier)
     LABELS ${tier} TIMEOUT ${OCTAVO_TEST_TIMEOUT} SKIP_RETURN_CODE 77)
 endfunction()
 
-# octavo_test(NAME TIER SOURCES a.cpp ... USES octavo_core ... [MEDIUM FILTER] [FULL])
-# One gtest program. What matches FILTER is left out of the test NAME and is the test NAME_medium.
+# octavo_test(NAME TIER SOURCES a.cpp ... USES octavo_core ... [MEDIUM FILTERS...] [FULL])
+# One gtest program. What matches one of FILTERS is left out of the test NAME and is the test NAME_medium.
 # FULL adds the test NAME_long, all of it in the form of tools/nightly.
 function(octavo_test name tier)
-  cmake_parse_arguments(arg "FULL" "MEDIUM" "SOURCES;USES;LINKS" ${ARGN})
+  cmake_parse_arguments(arg "FULL" "" "SOURCES;USES;LINKS;MEDIUM" ${ARGN})
+  list(JOIN arg_MEDIUM ":" medium)
   add_executable(test_${name} ${arg_SOURCES})
   target_link_libraries(test_${name}
     PRIVATE ${arg_USES} ${arg_LINKS} octavo_source_folder octavo_test_flags GTest::gtest_main)
   if(NOT CMAKE_CXX_COMPILER_LAUNCHER)
     target_precompile_headers(test_${name} REUSE_FROM octavo_test_headers)
   endif()
-  octavo_add_test(${name} ${tier} test_${name} --gtest_filter=-${arg_MEDIUM})
-  if(arg_MEDIUM)
-    octavo_add_test(${name}_medium medium test_${name} --gtest_filter=${arg_MEDIUM})
+  octavo_add_test(${name} ${tier} test_${name} --gtest_filter=-${medium})
+  if(medium)
+    octavo_add_test(${name}_medium medium test_${name} --gtest_filter=${medium})
   endif()
   if(arg_FULL)
     octavo_add_test(${name}_long long test_${name})
