@@ -33,8 +33,8 @@ function(octavo_add_test name tier)
 endfunction()
 
 # octavo_test(NAME TIER SOURCES a.cpp ... USES octavo_core ... [MEDIUM FILTERS...] [FULL])
-# One gtest program. What matches one of FILTERS is left out of the test NAME and is the test NAME_medium.
-# FULL adds the test NAME_long, all of it in the form of tools/nightly.
+# One gtest program. What matches one of FILTERS is left out of the test NAME and is the test
+# NAME_medium. FULL adds the test NAME_long, all of it in the form of tools/nightly.
 function(octavo_test name tier)
   cmake_parse_arguments(arg "FULL" "" "SOURCES;USES;LINKS;MEDIUM" ${ARGN})
   list(JOIN arg_MEDIUM ":" medium)
