@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "support/dicom_samples.h"
+#include "support/image_folder.h"
 #include "support/image_samples.h"
 #include "support/source_files.h"
 
@@ -36,22 +37,7 @@ TEST(OpenSource, ASiblingIsNeverReadInsteadOfTheFileNamed) {
   EXPECT_EQ(source_error({folder.file("a")}).kind(), ErrorKind::io);
 }
 
-class OpenFolder : public ::testing::Test {
- protected:
-  void add_png(const std::string& name, char value) {
-    write_png(folder_.file(name), 2, 2, 8, 0, std::string(4, value));
-  }
-  void expect_rejected(const std::vector<std::string>& words) {
-    const Error error = source_error({folder_.path()}, options_);
-    EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
-    for (const std::string& word : words) {
-      EXPECT_TRUE(contains(error, word)) << error.what();
-    }
-  }
-
-  TempFolder folder_;
-  SourceOptions options_;
-};
+using OpenFolder = ImageFolder;
 
 TEST_F(OpenFolder, FilesOfSeveralKindsAreRejected) {
   add_png("preview.png", 1);

@@ -5,9 +5,7 @@
 
 namespace octavo {
 
-namespace {
-
-const char* meta_type(VoxelType type) {
+const char* meta_type_name(VoxelType type) {
   switch (type) {
     case VoxelType::int8: return "MET_CHAR";
     case VoxelType::uint8: return "MET_UCHAR";
@@ -19,6 +17,8 @@ const char* meta_type(VoxelType type) {
   }
   throw Error(ErrorKind::invalid_argument, "unknown voxel type");
 }
+
+namespace {
 
 std::string line(const char* key, const std::string& value) {
   return std::string(key) + " = " + value + "\n";
@@ -71,7 +71,7 @@ ByteString meta_header(const ExportPlan& plan, const std::string& data_file) {
     text += line("ElementToIntensityFunctionSlope", exact_text(plan.rescale.slope));
     text += line("ElementToIntensityFunctionOffset", exact_text(plan.rescale.intercept));
   }
-  text += line("ElementType", meta_type(plan.type));
+  text += line("ElementType", meta_type_name(plan.type));
   text += line("ElementDataFile", data_file);
   return ByteString(text.begin(), text.end());
 }

@@ -41,4 +41,7 @@ ExportPlan plan_export(const FileReader& reader, ExportFormat format, const Expo
 /// Throws Error{io} when `path` is taken and may not be replaced, or is no file.
 void require_free(Storage& storage, const std::string& path, bool overwrite);
 
+/// What MetaImage calls a voxel type: "MET_SHORT".
+const char* meta_type_name(VoxelType type);
+
 }  // namespace octavo

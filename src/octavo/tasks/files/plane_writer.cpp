@@ -16,19 +16,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "planes are written as they are");
 
-const char* meta_type(VoxelType type) {
-  switch (type) {
-    case VoxelType::int8: return "MET_CHAR";
-    case VoxelType::uint8: return "MET_UCHAR";
-    case VoxelType::int16: return "MET_SHORT";
-    case VoxelType::uint16: return "MET_USHORT";
-    case VoxelType::int32: return "MET_INT";
-    case VoxelType::uint32: return "MET_UINT";
-    case VoxelType::float32: return "MET_FLOAT";
-  }
-  throw Error(ErrorKind::internal, "unknown voxel type");
-}
-
 std::string meta_header(const VolumeDescription& d, const std::string& raw_name) {
   const Geometry& g = d.geometry;
   // TransformMatrix lists the axes one after another: the columns of the direction.
@@ -42,7 +29,7 @@ std::string meta_header(const VolumeDescription& d, const std::string& raw_name)
       "CompressedData = False\nTransformMatrix ={}\nOffset = {} {} {}\nCenterOfRotation = 0 0 0\n"
       "ElementSpacing = {} {} {}\nDimSize = {} {} {}\nElementType = {}\nElementDataFile = {}\n",
       matrix, g.origin_mm[0], g.origin_mm[1], g.origin_mm[2], g.spacing_mm[0], g.spacing_mm[1],
-      g.spacing_mm[2], d.size.x, d.size.y, d.size.z, meta_type(d.type), raw_name);
+      g.spacing_mm[2], d.size.x, d.size.y, d.size.z, meta_type_name(d.type), raw_name);
 }
 
 std::span<const std::uint8_t> bytes_of(const void* data, std::size_t size) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "support/dicom_samples.h"
+#include "support/image_folder.h"
 #include "support/image_samples.h"
 #include "support/source_files.h"
 
@@ -119,22 +120,7 @@ TEST(DescribedSource, NumbersThatSkipAreRejectedWithBothNamesOrIgnored) {
   }
 }
 
-class NumberedFiles : public ::testing::Test {
- protected:
-  void add_png(const std::string& name, char value) {
-    write_png(folder_.file(name), 2, 2, 8, 0, std::string(4, value));
-  }
-  void expect_rejected(const std::vector<std::string>& words) {
-    const Error error = source_error({folder_.path()}, options_);
-    EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
-    for (const std::string& word : words) {
-      EXPECT_TRUE(contains(error, word)) << error.what();
-    }
-  }
-
-  TempFolder folder_;
-  SourceOptions options_;
-};
+using NumberedFiles = ImageFolder;
 
 TEST_F(NumberedFiles, AStackOfTwoChannelsIsRejectedOrTakenAsAsked) {
   for (const char* name : {"z0_c0.png", "z0_c1.png", "z1_c0.png", "z1_c1.png"}) add_png(name, 5);
