@@ -46,11 +46,11 @@ RawLayout parse_raw_layout(const std::string& text) {
     layout.big_endian = type.ends_with(":be");
     type.remove_suffix(3);
   }
-  const std::optional<VoxelType> known = parse_voxel_type(type);
+  const std::optional<StoredType> known = parse_stored_type(type);
   if (!known) {
     throw Error(ErrorKind::invalid_argument,
                 "raw layout \"" + escaped(text) + "\": unknown type \"" + escaped(type) +
-                    "\"; int8, uint8, int16, uint16, int32, uint32 or float32");
+                    "\"; int8, uint8 and so on to int64, uint64, float32 or float64");
   }
   layout.type = *known;
   return layout;

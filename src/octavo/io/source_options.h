@@ -7,13 +7,13 @@
 
 #include "octavo/core/box.h"
 #include "octavo/core/geometry.h"
-#include "octavo/core/voxel_type.h"
+#include "octavo/io/source/stored_type.h"
 
 namespace octavo {
 
 struct RawLayout {
   Size3 size;
-  VoxelType type = VoxelType::uint8;
+  StoredType type = VoxelType::uint8;
   bool big_endian = false;
   std::uint64_t header_bytes = 0;
 };

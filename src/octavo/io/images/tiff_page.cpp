@@ -36,16 +36,18 @@ T tag_or(TIFF* handle, std::uint32_t tag, T absent) {
   return TIFFGetFieldDefaulted(handle, tag, &value) == 1 ? value : absent;
 }
 
-std::optional<VoxelType> voxel_type_of(std::uint16_t bits, std::uint16_t format) {
+std::optional<StoredType> stored_type_of(std::uint16_t bits, std::uint16_t format) {
   const bool is_signed = format == SAMPLEFORMAT_INT;
   if (format == SAMPLEFORMAT_IEEEFP) {
-    return bits == 32 ? std::optional(VoxelType::float32) : std::nullopt;
+    if (bits == 64) return WideType::float64;
+    return bits == 32 ? std::optional<StoredType>(VoxelType::float32) : std::nullopt;
   }
   if (format != SAMPLEFORMAT_UINT && format != SAMPLEFORMAT_VOID && !is_signed) return std::nullopt;
   switch (bits) {
     case 8: return is_signed ? VoxelType::int8 : VoxelType::uint8;
     case 16: return is_signed ? VoxelType::int16 : VoxelType::uint16;
     case 32: return is_signed ? VoxelType::int32 : VoxelType::uint32;
+    case 64: return is_signed ? StoredType(WideType::int64) : WideType::uint64;
     default: return std::nullopt;
   }
 }
@@ -64,11 +66,11 @@ bool is_record(std::uint32_t tag) {
 }
 
 std::size_t at_voxel(const TiffPage& page, std::int64_t x, std::int64_t y) {
-  return static_cast<std::size_t>((y * page.width + x) * bytes_per_voxel(page.type));
+  return static_cast<std::size_t>(y * page.width + x) * bytes_per_value(page.type);
 }
 
 Alternation one_of(const TiffPage& page, std::int64_t sample) {
-  return {static_cast<std::size_t>(bytes_per_voxel(page.type)), page.samples, sample};
+  return {bytes_per_value(page.type), page.samples, sample};
 }
 
 }  // namespace
@@ -117,10 +119,10 @@ TiffPage TiffFile::page() {
   }
   const auto bits = tag_or<std::uint16_t>(handle_, TIFFTAG_BITSPERSAMPLE, 1);
   const auto format = tag_or<std::uint16_t>(handle_, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT);
-  const std::optional<VoxelType> type = voxel_type_of(bits, format);
+  const std::optional<StoredType> type = stored_type_of(bits, format);
   if (!type) {
     reject(std::to_string(bits) + " bits per sample of format " + std::to_string(format) +
-           " are not read; integers of 8, 16 or 32 bits and float of 32 bits are");
+           " are not read; integers of 8, 16, 32 or 64 bits and float of 32 or 64 bits are");
   }
   page.type = *type;
   const auto compression = tag_or<std::uint16_t>(handle_, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
@@ -236,7 +238,7 @@ void TiffFile::read_tiles(const TiffPage& page, std::int64_t sample, std::span<s
   const std::int64_t tile_width = tag_or<std::uint32_t>(handle_, TIFFTAG_TILEWIDTH, 0);
   const std::int64_t tile_height = tag_or<std::uint32_t>(handle_, TIFFTAG_TILELENGTH, 0);
   if (tile_width <= 0 || tile_height <= 0) reject("tiles without width or height");
-  const auto value_bytes = static_cast<std::size_t>(bytes_per_voxel(page.type));
+  const std::size_t value_bytes = bytes_per_value(page.type);
   const std::int64_t alternating = page.is_separate ? 1 : page.samples;
   const std::uint64_t tile_bytes =
       checked_mul(checked_mul(static_cast<std::uint64_t>(tile_width),

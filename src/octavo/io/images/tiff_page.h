@@ -7,9 +7,9 @@
 #include <span>
 #include <string>
 
-#include "octavo/core/voxel_type.h"
 #include "octavo/io/source/source_file.h"
 #include "octavo/io/source/source_identity.h"
+#include "octavo/io/source/stored_type.h"
 
 struct tiff;
 
@@ -20,7 +20,7 @@ struct TiffPage {
   std::uint64_t directory_offset = 0;
   std::int64_t width = 0;
   std::int64_t height = 0;
-  VoxelType type = VoxelType::uint8;
+  StoredType type = VoxelType::uint8;
   std::int64_t samples = 1;       ///< of each pixel: colors or channels
   bool is_separate = false;       ///< samples stand in planes of their own, else they alternate
   bool is_rgb = false;            ///< the first three samples are red, green and blue
@@ -50,7 +50,8 @@ class TiffFile {
   bool next_page();
   /// Goes to the page at an offset. Throws Error{source_rejected}.
   void go_to(std::uint64_t directory_offset);
-  /// Decodes one sample of the current page, rows of `page.width` values in native order.
+  /// Decodes one sample of the current page, rows of `page.width` values of page.type in
+  /// native order.
   /// Throws Error{source_rejected} when data are missing or damaged.
   void read_voxels(const TiffPage& page, std::int64_t sample, std::span<std::byte> plane);
 

@@ -44,7 +44,7 @@ struct TiffStack {
 
 /// "uint8", "RGB uint16 (white is 0)", "4 samples of uint8", "uint8 (with a palette)".
 std::string type_text(const TiffPage& page) {
-  std::string text(voxel_type_name(page.type));
+  std::string text(stored_type_name(page.type));
   if (page.is_rgb) text = "RGB " + text;
   if (page.samples > (page.is_rgb ? 3 : 1)) {
     text = std::to_string(page.samples) + " samples of " + text;
@@ -290,8 +290,8 @@ void unfold_huge_imagej(TiffStack& stack) {
   const auto images = static_cast<std::uint64_t>(stack.description.images);
   if (stack.files.size() != 1 || images <= stack.planes.size()) return;
   const TiffPage first = stack.planes.front().page;
-  const std::uint64_t plane = static_cast<std::uint64_t>(first.width * first.height *
-                                                         bytes_per_voxel(first.type));
+  const std::uint64_t plane = static_cast<std::uint64_t>(first.width * first.height) *
+                              bytes_per_value(first.type);
   const std::uint64_t needed =
       checked_add(first.data_offset, checked_mul(plane, images, "volume"), "file length");
   const std::uint64_t found = SourceFile(stack.files.front()).size();
@@ -308,29 +308,39 @@ void unfold_huge_imagej(TiffStack& stack) {
   }
 }
 
+/// The stored numbers of plane z, in native byte order.
+void read_stored(const TiffStack& stack, std::int64_t z, std::span<std::byte> numbers) {
+  const TiffPlane& from = stack.planes[static_cast<std::size_t>(z)];
+  const std::string& path = stack.files[from.file];
+  if (from.page.directory_offset == 0) {
+    SourceFile(path).read_exactly(from.page.data_offset, numbers);
+    if (needs_swap(stack.is_big_endian)) {
+      swap_values(numbers, bytes_per_value(from.page.type));
+    }
+    return;
+  }
+  TiffFile file(path);
+  file.go_to(from.page.directory_offset);
+  const TiffPage page = file.page();
+  if (page.width != from.page.width || page.height != from.page.height ||
+      type_text(page) != type_text(from.page)) {
+    throw Error(ErrorKind::source_rejected, "the file changed while it was read", path);
+  }
+  file.read_voxels(page, stack.sample, numbers);
+}
+
 class TiffSource final : public IndexedPlaneSource {
  public:
   TiffSource(SourceFacts facts, TiffStack stack)
       : IndexedPlaneSource(std::move(facts)), stack_(std::move(stack)) {}
 
   void read_plane_at(std::int64_t z, std::span<std::byte> plane) const override {
+    if (!narrowing()) return read_stored(stack_, z, plane);
+    std::vector<std::byte> wide(plane.size() / bytes_per_value(narrowing()->to) *
+                                bytes_per_value(narrowing()->from));
+    read_stored(stack_, z, wide);
     const TiffPlane& from = stack_.planes[static_cast<std::size_t>(z)];
-    const std::string& path = stack_.files[from.file];
-    if (from.page.directory_offset == 0) {
-      SourceFile(path).read_exactly(from.page.data_offset, plane);
-      if (needs_swap(stack_.is_big_endian)) {
-        swap_values(plane, static_cast<std::size_t>(bytes_per_voxel(from.page.type)));
-      }
-      return;
-    }
-    TiffFile file(path);
-    file.go_to(from.page.directory_offset);
-    const TiffPage page = file.page();
-    if (page.width != from.page.width || page.height != from.page.height ||
-        type_text(page) != type_text(from.page)) {
-      throw Error(ErrorKind::source_rejected, "the file changed while it was read", path);
-    }
-    file.read_voxels(page, stack_.sample, plane);
+    narrow(*narrowing(), wide, plane, {stack_.files[from.file], from.page.width, z, 0});
   }
 
  private:
@@ -406,7 +416,7 @@ SourceFacts describe(const TiffStack& stack) {
   facts.format = "TIFF";
   facts.identity = stack.identity;
   facts.file_count = static_cast<std::int64_t>(stack.files.size());
-  facts.description.type = first.type;
+  take_stored_type(facts, first.type);
   facts.description.size = {first.width, first.height,
                             static_cast<std::int64_t>(stack.planes.size())};
   take_spacing(stack, facts);
@@ -436,6 +446,9 @@ std::unique_ptr<PlaneSource> open_tiff_source(const std::vector<std::string>& fi
   facts.components = components;
   settle_number_gaps(stack.files, options, facts);
   settle(facts, options, files.front());
+  settle_narrowing(facts, [&](std::int64_t z, std::span<std::byte> numbers) {
+    read_stored(stack, z, numbers);
+  });
   return std::make_unique<TiffSource>(std::move(facts), std::move(stack));
 }
 

@@ -32,6 +32,11 @@ class Writer : public ByteWriter {
     put_varint(text.size());
     bytes_.insert(bytes_.end(), text.begin(), text.end());
   }
+  void put_stored_type(StoredType type) {
+    put_u8(type.wide() ? 1 : 0);
+    put_u8(type.wide() ? static_cast<std::uint8_t>(*type.wide())
+                       : static_cast<std::uint8_t>(type.voxel()));
+  }
   void put_texts(const std::vector<std::string>& texts) {
     put_varint(texts.size());
     for (const std::string& text : texts) put_text(text);
@@ -89,6 +94,12 @@ class Reader : public ByteReader {
     const std::int64_t y = signed_varint();
     return {x, y, signed_varint()};
   }
+  StoredType stored_type() {
+    if (!flag()) return voxel_type();
+    const auto type = static_cast<WideType>(u8());
+    if (type < WideType::int64 || type > WideType::float64) fail("no such wide type");
+    return type;
+  }
   VoxelType voxel_type() {
     const auto type = static_cast<VoxelType>(u8());
     if (!is_valid(type)) fail("no such voxel type");
@@ -105,7 +116,7 @@ void put_options(Writer& out, const SourceOptions& options) {
   if (raw) {
     const auto& [size, type, big_endian, header_bytes] = *raw;
     out.put_size(size);
-    out.put_u8(static_cast<std::uint8_t>(type));
+    out.put_stored_type(type);
     out.put_u8(big_endian ? 1 : 0);
     out.put_u64(header_bytes);
   }
@@ -130,7 +141,7 @@ SourceOptions take_options(Reader& in) {
   if (in.flag()) {
     RawLayout& raw = options.raw.emplace();
     raw.size = in.size();
-    raw.type = in.voxel_type();
+    raw.type = in.stored_type();
     raw.big_endian = in.flag();
     raw.header_bytes = in.u64();
   }

@@ -115,6 +115,30 @@ void settle(SourceFacts& facts, const SourceOptions& options, const std::string&
   facts.description.metadata = Metadata::of(noted);
 }
 
+void take_stored_type(SourceFacts& facts, StoredType type) {
+  facts.description.type = type.voxel();
+  facts.wide = type.wide();
+}
+
+std::uint64_t stored_plane_bytes(const SourceFacts& facts) {
+  const std::uint64_t bytes = plane_bytes(facts.description);
+  if (!facts.wide) return bytes;
+  return bytes / static_cast<std::uint64_t>(bytes_per_voxel(facts.description.type)) *
+         bytes_per_value(*facts.wide);
+}
+
+void settle_narrowing(SourceFacts& facts, const WidePlaneReader& read) {
+  if (!facts.wide) return;
+  facts.narrowing = choose_narrowing(*facts.wide, facts.description.size.z,
+                                     stored_plane_bytes(facts), read);
+  facts.description.type = facts.narrowing->to;
+  if (!is_integer(facts.description.type)) facts.description.kind = VolumeKind::grey;
+  if (!facts.narrowing->rounds) return;
+  facts.warnings.push_back(
+      "float64 voxels are rounded to float32, to the nearest: each by 1 part in 16,777,216 at "
+      "most");
+}
+
 void settle_number_gaps(const std::vector<std::string>& files, const SourceOptions& options,
                         SourceFacts& facts) {
   const std::vector<std::string> names = differing_names(files);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "octavo/io/source/component_choice.h"
+#include "octavo/io/source/narrowing.h"
 #include "octavo/io/source/source_identity.h"
 #include "octavo/io/source_options.h"
 #include "octavo/planes/plane_source.h"
@@ -18,6 +19,8 @@ namespace octavo {
 struct SourceFacts {
   VolumeDescription description;        ///< its metadata are made by `settle`
   std::vector<Warning> warnings;
+  std::optional<WideType> wide;         ///< of stored numbers that voxels have to be made of
+  std::optional<Narrowing> narrowing;   ///< how; made by `settle_narrowing`
   std::string format;                   ///< "DICOM", "TIFF", ...
   std::int64_t file_count = 1;
   bool spacing_known = false;           ///< the files carry a spacing
@@ -39,6 +42,17 @@ struct SourceFacts {
 ///        as choose_component does
 void settle(SourceFacts& facts, const SourceOptions& options, const std::string& path);
 
+/// Takes note of the type of the stored numbers: that of the voxels, or a wide one.
+void take_stored_type(SourceFacts& facts, StoredType type);
+
+/// Bytes of the stored numbers of one plane. Requires a size within the limits of levels.h.
+std::uint64_t stored_plane_bytes(const SourceFacts& facts);
+
+/// Where numbers are wide, decides by the planes that `read` gives what voxels they become; warns
+/// where they are rounded. Labels that are no whole numbers are grey values.
+/// Requires settled facts. Throws as choose_narrowing does
+void settle_narrowing(SourceFacts& facts, const WidePlaneReader& read);
+
 /// Rejects a stack of files whose numbers skip, as a plane is probably missing, and one in which no
 /// number counts, as its order is not known. With GapPolicy::ignore the files are taken as
 /// neighbors, with a warning and a note in the metadata.
@@ -46,7 +60,6 @@ void settle(SourceFacts& facts, const SourceOptions& options, const std::string&
 /// Throws  Error{source_rejected} naming the two files of the first such place
 void settle_number_gaps(const std::vector<std::string>& files, const SourceOptions& options,
                         SourceFacts& facts);
-
 
 /// The base of the sources in this folder. Requires settled facts.
 class DescribedSource : public PlaneSource {
@@ -58,6 +71,8 @@ class DescribedSource : public PlaneSource {
  protected:
   const ComponentChoice& choice() const { return facts_.choice; }
   void warn(Warning warning) { facts_.warnings.push_back(std::move(warning)); }
+  /// How wide numbers become voxels; nothing where stored numbers are voxels.
+  const std::optional<Narrowing>& narrowing() const { return facts_.narrowing; }
   /// Throws Error{invalid_argument} unless `plane` is one plane long.
   void require_plane(std::span<const std::byte> plane) const;
   /// The index of the next plane; moves on. Throws Error{invalid_argument} behind the last one.

@@ -16,56 +16,98 @@ namespace {
 
 constexpr std::size_t kChunkBytes = std::size_t{1} << 16;
 
+/// The stored numbers of a run, of one channel, in native byte order.
+class StoredNumbers {
+ public:
+  StoredNumbers(const VoxelRun& run, std::size_t value_bytes)
+      : run_(run), value_bytes_(value_bytes), stream_(run.path, run.start_offset, run.coding) {
+    stream_.skip(run.skip_bytes);
+  }
+
+  VoxelStream& stream() { return stream_; }
+
+  /// Fills `numbers` with the next ones.
+  void read(std::span<std::byte> numbers) {
+    if (run_.values_per_voxel == 1) {
+      stream_.read(numbers);
+    } else {
+      read_one_of_several(numbers);
+    }
+    if (needs_swap(run_.big_endian)) swap_values(numbers, value_bytes_);
+  }
+
+ private:
+  void read_one_of_several(std::span<std::byte> numbers) {
+    const std::size_t voxel_bytes = value_bytes_ * static_cast<std::size_t>(run_.values_per_voxel);
+    const Alternation one = {value_bytes_, run_.values_per_voxel, run_.value_index};
+    const std::size_t chunk_voxels = std::max<std::size_t>(kChunkBytes / voxel_bytes, 1);
+    std::vector<std::byte> chunk(chunk_voxels * voxel_bytes);
+    for (std::size_t at = 0; at < numbers.size();) {
+      const std::size_t count = std::min(chunk_voxels, (numbers.size() - at) / value_bytes_);
+      stream_.read(std::span(chunk).first(count * voxel_bytes));
+      take_alternating(one, chunk, numbers.subspan(at, count * value_bytes_));
+      at += count * value_bytes_;
+    }
+  }
+
+  VoxelRun run_;
+  std::size_t value_bytes_;
+  VoxelStream stream_;
+};
+
 class StreamedSource final : public DescribedSource {
  public:
   StreamedSource(SourceFacts facts, const VoxelRun& run)
       : DescribedSource(std::move(facts)),
         run_(run),
-        swap_(needs_swap(run.big_endian)),
-        stream_(run.path, run.start_offset, run.coding) {
-    stream_.skip(run.skip_bytes);
-  }
+        numbers_(run, narrowing() ? bytes_per_value(narrowing()->from)
+                                  : bytes_per_value(description().type)) {}
 
   void read_plane(std::span<std::byte> plane) override {
     require_plane(plane);
     const std::int64_t z = take_plane_index();
-    const auto value_bytes = static_cast<std::size_t>(bytes_per_voxel(description().type));
-    if (run_.values_per_voxel == 1) {
-      stream_.read(plane);
+    if (narrowing()) {
+      read_narrowed(z, plane);
     } else {
-      read_one_of_several(plane, value_bytes);
+      numbers_.read(plane);
     }
-    if (swap_) swap_values(plane, value_bytes);
     const bool is_last = z + 1 == description().size.z;
     if (is_last && run_.coding != StreamCoding::plain) prove_end();
   }
 
  private:
-  void read_one_of_several(std::span<std::byte> plane, std::size_t value_bytes) {
-    const std::size_t voxel_bytes = value_bytes * static_cast<std::size_t>(run_.values_per_voxel);
-    const Alternation one = {value_bytes, run_.values_per_voxel, run_.value_index};
-    const std::size_t chunk_voxels = std::max<std::size_t>(kChunkBytes / voxel_bytes, 1);
-    std::vector<std::byte> chunk(chunk_voxels * voxel_bytes);
+  void read_narrowed(std::int64_t z, std::span<std::byte> plane) {
+    const std::size_t wide_bytes = bytes_per_value(narrowing()->from);
+    const std::size_t voxel_bytes = bytes_per_value(narrowing()->to);
+    std::vector<std::byte> chunk(std::min(kChunkBytes, plane.size() / voxel_bytes * wide_bytes));
     for (std::size_t at = 0; at < plane.size();) {
-      const std::size_t count = std::min(chunk_voxels, (plane.size() - at) / value_bytes);
-      stream_.read(std::span(chunk).first(count * voxel_bytes));
-      take_alternating(one, chunk, plane.subspan(at, count * value_bytes));
-      at += count * value_bytes;
+      const std::size_t count =
+          std::min(chunk.size() / wide_bytes, (plane.size() - at) / voxel_bytes);
+      const std::span<std::byte> wide = std::span(chunk).first(count * wide_bytes);
+      numbers_.read(wide);
+      narrow(*narrowing(), wide, plane.subspan(at, count * voxel_bytes),
+             {run_.path, description().size.x, z, static_cast<std::int64_t>(at / voxel_bytes)});
+      at += count * voxel_bytes;
     }
   }
 
   void prove_end() {
-    stream_.skip(run_.bytes_behind);
-    if (const std::uint64_t left = stream_.finish(); left > 0) {
+    VoxelStream& stream = numbers_.stream();
+    stream.skip(run_.bytes_behind);
+    if (const std::uint64_t left = stream.finish(); left > 0) {
       warn(std::to_string(left) + " bytes behind the voxels were left out: " +
-           escaped(stream_.path()));
+           escaped(stream.path()));
     }
   }
 
   VoxelRun run_;
-  bool swap_;
-  VoxelStream stream_;
+  StoredNumbers numbers_;
 };
+
+std::string_view stored_name(const SourceFacts& facts) {
+  return stored_type_name(facts.wide ? StoredType(*facts.wide)
+                                     : StoredType(facts.description.type));
+}
 
 /// Proves that a plain file holds all voxels.
 void check_plain_length(SourceFacts& facts, const VoxelRun& run, std::uint64_t voxel_bytes) {
@@ -78,7 +120,7 @@ void check_plain_length(SourceFacts& facts, const VoxelRun& run, std::uint64_t v
     throw Error(ErrorKind::source_rejected,
                 "the file is too short: " + std::to_string(needed) + " bytes needed for " +
                     size_text(facts.description.size) + " voxels of " + channels +
-                    std::string(voxel_type_name(facts.description.type)) + ", " +
+                    std::string(stored_name(facts)) + ", " +
                     std::to_string(file.size()) + " found; it is cut or its header is wrong",
                 run.path, file.size());
   }
@@ -100,7 +142,7 @@ void VoxelRun::take_volume(std::int64_t index, std::int64_t count, std::uint64_t
 
 std::unique_ptr<PlaneSource> make_streamed_source(SourceFacts facts, const VoxelRun& run) {
   const std::uint64_t volume_bytes = checked_mul(
-      checked_mul(plane_bytes(facts.description),
+      checked_mul(stored_plane_bytes(facts),
                   static_cast<std::uint64_t>(facts.description.size.z), "volume"),
       static_cast<std::uint64_t>(run.values_per_voxel), "volume");
   const std::uint64_t voxel_bytes = checked_add(volume_bytes, run.bytes_behind, "volumes");
@@ -108,6 +150,12 @@ std::unique_ptr<PlaneSource> make_streamed_source(SourceFacts facts, const Voxel
     check_plain_length(facts, run, voxel_bytes);
   } else if (run.start_offset == 0 && is_gzip_file(run.path)) {
     check_gzip_length(run.path, checked_add(run.skip_bytes, voxel_bytes, "stream length"));
+  }
+  if (facts.wide) {
+    StoredNumbers first_planes(run, bytes_per_value(*facts.wide));
+    settle_narrowing(facts, [&](std::int64_t, std::span<std::byte> plane) {
+      first_planes.read(plane);
+    });
   }
   return std::make_unique<StreamedSource>(std::move(facts), run);
 }

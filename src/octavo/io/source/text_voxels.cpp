@@ -23,16 +23,13 @@ TextVoxels::TextVoxels(const std::string& path, std::uint64_t offset)
   buffer_.reserve(kBufferBytes);
 }
 
-void TextVoxels::read(VoxelType type, std::span<std::byte> values) {
-  switch (type) {
-    case VoxelType::int8: return read_values<std::int8_t>(values);
-    case VoxelType::uint8: return read_values<std::uint8_t>(values);
-    case VoxelType::int16: return read_values<std::int16_t>(values);
-    case VoxelType::uint16: return read_values<std::uint16_t>(values);
-    case VoxelType::int32: return read_values<std::int32_t>(values);
-    case VoxelType::uint32: return read_values<std::uint32_t>(values);
-    case VoxelType::float32: return read_values<float>(values);
-  }
+void TextVoxels::read(StoredType type, std::span<std::byte> values) {
+  if (type.wide() == WideType::int64) return read_values<std::int64_t>(values);
+  if (type.wide() == WideType::uint64) return read_values<std::uint64_t>(values);
+  if (type.wide() == WideType::float64) return read_values<double>(values);
+  with_voxel_type(type.voxel(), [&](auto tag) {
+    read_values<typename decltype(tag)::type>(values);
+  });
 }
 
 template <class T>

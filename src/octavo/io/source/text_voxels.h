@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "octavo/core/voxel_type.h"
 #include "octavo/io/source/source_file.h"
+#include "octavo/io/source/stored_type.h"
 
 namespace octavo {
 
@@ -19,11 +19,11 @@ class TextVoxels {
   /// Throws Error{io}.
   TextVoxels(const std::string& path, std::uint64_t offset);
 
-  /// Fills `values` with the next numbers, as voxels of `type` in native byte order.
+  /// Fills `values` with the next numbers, of `type` in native byte order.
   /// Throws Error{source_rejected} with the byte where there stands what is no number, one that the
   ///        type cannot hold, or one without a blank behind it: the file may be cut within it;
   ///        Error{io}
-  void read(VoxelType type, std::span<std::byte> values);
+  void read(StoredType type, std::span<std::byte> values);
 
   /// Of the byte behind the last number.
   std::uint64_t offset() const { return buffer_offset_ + at_; }

@@ -68,7 +68,7 @@ void require_magic(const GiplHeader& header, const std::string& path) {
 
 std::string type_name(int image_type) {
   static const std::map<int, std::string> kNames = {
-      {65, "float 64 bit"},       {66, "vectors"},           {67, "vectors"},
+      {66, "vectors"},           {67, "vectors"},
       {68, "vectors"},            {69, "vectors"},           {144, "complex 16 bit"},
       {160, "complex 32 bit"},    {192, "complex float 32 bit"}, {193, "complex float 64 bit"},
       {200, "surface"},           {201, "polygon"}};
@@ -77,17 +77,18 @@ std::string type_name(int image_type) {
   return found == kNames.end() ? code : found->second + " (" + code + ")";
 }
 
-VoxelType voxel_type_of(const GiplHeader& header, const std::string& path) {
+StoredType stored_type_of(const GiplHeader& header, const std::string& path) {
   // Binary pictures (1) have a byte for each voxel.
-  static const std::map<int, VoxelType> kTypes = {
+  static const std::map<int, StoredType> kTypes = {
       {1, VoxelType::uint8},   {7, VoxelType::int8},    {8, VoxelType::uint8},
       {15, VoxelType::int16},  {16, VoxelType::uint16}, {31, VoxelType::uint32},
-      {32, VoxelType::int32},  {64, VoxelType::float32}};
+      {32, VoxelType::int32},  {64, VoxelType::float32},
+      {65, WideType::float64}};
   const auto found = kTypes.find(header.image_type);
   if (found != kTypes.end()) return found->second;
   reject(path, "voxels of " + type_name(header.image_type) +
-                   " are not read; integers of 8, 16 or 32 bits and float 32 bit are. Convert it "
-                   "to one of these first");
+                   " are not read; integers of 8, 16 or 32 bits and float of 32 or 64 bits are. "
+                   "Convert it to one of these first");
 }
 
 /// A picture of two dimensions has no third length, or 1.
@@ -118,7 +119,7 @@ std::unique_ptr<PlaneSource> open_gipl_source(const std::string& path,
   SourceFacts facts;
   facts.format = "GIPL";
   facts.description.size = read_size(header, path);
-  facts.description.type = voxel_type_of(header, path);
+  take_stored_type(facts, stored_type_of(header, path));
   facts.description.geometry = read_geometry(header);
   facts.spacing_known = true;
   facts.components.times = std::max<std::int64_t>(header.dims[3], 1);
@@ -131,7 +132,7 @@ std::unique_ptr<PlaneSource> open_gipl_source(const std::string& path,
   run.skip_bytes = kHeaderBytes;
   run.big_endian = true;
   const std::uint64_t volume_bytes =
-      checked_mul(plane_bytes(facts.description),
+      checked_mul(stored_plane_bytes(facts),
                   static_cast<std::uint64_t>(facts.description.size.z), "volume");
   run.take_volume(facts.choice.time, facts.components.times, volume_bytes);
   return make_streamed_source(std::move(facts), run);

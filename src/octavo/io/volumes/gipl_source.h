@@ -24,8 +24,8 @@
 namespace octavo {
 
 /// Streams the voxels plane by plane; a fourth axis is time.
-/// Throws Error{source_rejected} for another magic number, a type without a voxel type (float64,
-///        vectors, complex numbers), an axis without length, a geometry that is none, a cut file;
+/// Throws Error{source_rejected} for another magic number, a type without a voxel type (vectors,
+///        complex numbers), an axis without length, a geometry that is none, a cut file;
 ///        Error{limit_exceeded} for more voxels than a volume holds; Error{io}
 std::unique_ptr<PlaneSource> open_gipl_source(const std::string& path,
                                               const SourceOptions& options);

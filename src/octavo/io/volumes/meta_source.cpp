@@ -102,17 +102,19 @@ class MetaHeader {
   std::uint64_t data_offset_ = 0;
 };
 
-VoxelType voxel_type_of(const MetaHeader& header) {
-  static const std::map<std::string, VoxelType> kTypes = {
+StoredType stored_type_of(const MetaHeader& header) {
+  static const std::map<std::string, StoredType> kTypes = {
       {"MET_CHAR", VoxelType::int8},    {"MET_UCHAR", VoxelType::uint8},
       {"MET_SHORT", VoxelType::int16},  {"MET_USHORT", VoxelType::uint16},
       {"MET_INT", VoxelType::int32},    {"MET_UINT", VoxelType::uint32},
-      {"MET_FLOAT", VoxelType::float32}};
+      {"MET_FLOAT", VoxelType::float32}, {"MET_DOUBLE", WideType::float64},
+      {"MET_LONG", VoxelType::int32},    {"MET_ULONG", VoxelType::uint32},
+      {"MET_LONG_LONG", WideType::int64}, {"MET_ULONG_LONG", WideType::uint64}};
   const std::string name = header.text("ElementType");
   const auto found = kTypes.find(name);
   if (found == kTypes.end()) {
-    reject(header.path(), "voxel type \"" + escaped(name) + "\" is not supported; integers of 8, "
-                          "16 or 32 bits or MET_FLOAT are");
+    reject(header.path(), "voxel type \"" + escaped(name) + "\" is not supported; integers of 8 "
+                          "to 64 bits, MET_FLOAT and MET_DOUBLE are");
   }
   return found->second;
 }
@@ -270,7 +272,7 @@ std::unique_ptr<PlaneSource> open_meta_source(const std::string& path,
   facts.format = "MetaImage";
   facts.identity = header.identity();
   VolumeDescription& description = facts.description;
-  description.type = voxel_type_of(header);
+  take_stored_type(facts, stored_type_of(header));
   description.size = read_size(header);
   const std::size_t dimensions = header.field({"DimSize"}).integers().size();
   facts.spacing_known = read_geometry(header, dimensions, options, description.geometry);
@@ -282,8 +284,9 @@ std::unique_ptr<PlaneSource> open_meta_source(const std::string& path,
     description.rescale.intercept =
         header.field({"ElementToIntensityFunctionOffset"}).numbers(1)[0];
   }
-  const std::int64_t voxels = checked_voxel_count(description.size);
-  const auto volume_bytes = static_cast<std::uint64_t>(voxels * bytes_per_voxel(description.type));
+  checked_voxel_count(description.size);
+  const std::uint64_t volume_bytes =
+      stored_plane_bytes(facts) * static_cast<std::uint64_t>(description.size.z);
   facts.components = components_of(header);
   facts.choice = choose_component(facts.components, options, path);
   const auto channels = static_cast<std::uint64_t>(facts.components.channels);

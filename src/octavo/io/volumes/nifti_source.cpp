@@ -18,17 +18,18 @@ constexpr std::int64_t kIntentLabel = 1002;
 constexpr std::int64_t kRgb = 128;
 constexpr std::int64_t kRgba = 2304;
 
-VoxelType voxel_type_of(const NiftiHeader& header, const std::string& path) {
-  static const std::map<std::int64_t, VoxelType> kTypes = {
+StoredType stored_type_of(const NiftiHeader& header, const std::string& path) {
+  static const std::map<std::int64_t, StoredType> kTypes = {
       {kRgb, VoxelType::uint8}, {kRgba, VoxelType::uint8},
       {2, VoxelType::uint8},   {4, VoxelType::int16},    {8, VoxelType::int32},
       {16, VoxelType::float32}, {256, VoxelType::int8},  {512, VoxelType::uint16},
-      {768, VoxelType::uint32}};
+      {768, VoxelType::uint32}, {64, WideType::float64}, {1024, WideType::int64},
+      {1280, WideType::uint64}};
   const auto found = kTypes.find(header.datatype);
   if (found == kTypes.end()) {
     reject(path, "voxels of " + nifti_type_name(header.datatype) +
-                     " are not read; integers of 8, 16 or 32 bits, float 32 bit, RGB and RGBA are. "
-                     "Convert it to one of these first");
+                     " are not read; integers of 8 to 64 bits, float of 32 or 64 bits, RGB and "
+                     "RGBA are. Convert it to one of these first");
   }
   return found->second;
 }
@@ -75,9 +76,8 @@ Components components_of(const NiftiHeader& header, const std::string& path) {
 
 /// Colors alternate; volumes of other channels and times stand behind one another.
 void take_component(const NiftiHeader& header, const SourceFacts& facts, VoxelRun& run) {
-  const VolumeDescription& volume = facts.description;
   const std::uint64_t bytes = checked_mul(
-      plane_bytes(volume), static_cast<std::uint64_t>(volume.size.z), "volume");
+      stored_plane_bytes(facts), static_cast<std::uint64_t>(facts.description.size.z), "volume");
   const Components& components = facts.components;
   const ComponentChoice& choice = facts.choice;
   if (header.datatype == kRgb || header.datatype == kRgba) {
@@ -118,12 +118,11 @@ std::unique_ptr<PlaneSource> open_nifti_source(const std::string& path,
   facts.file_count = header.is_pair ? 2 : 1;
   VolumeDescription& description = facts.description;
   description.size = read_size(header, path);
-  description.type = voxel_type_of(header, path);
+  take_stored_type(facts, stored_type_of(header, path));
+  const bool may_be_whole = is_integer(description.type) || facts.wide.has_value();
+  if (header.intent == kIntentLabel && may_be_whole) description.kind = VolumeKind::labels;
   facts.components = components_of(header, path);
   description.rescale = read_rescale(header);
-  if (header.intent == kIntentLabel && is_integer(description.type)) {
-    description.kind = VolumeKind::labels;
-  }
   facts.spacing_known = nifti_geometry(header, path, description.geometry, facts.warnings);
   for (Warning& warning : facts.warnings) warning.text += ": " + escaped(path);
   facts.place_known = header.sform_code > 0 || header.qform_code > 0;

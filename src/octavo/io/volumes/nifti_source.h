@@ -11,9 +11,8 @@ namespace octavo {
 /// Streams the stored voxels; scl_slope and scl_inter become the rescale. Exactly the named file is
 /// read.
 /// Geometry: the sform where it is set, else the qform, turned from RAS to LPS.
-/// Throws Error{source_rejected} for 4 dimensions, color, complex or 64-bit voxels, Analyze 7.5
-/// (which
-///        does not say where left is), cut or damaged streams; Error{io} when a file is missing
+/// Throws Error{source_rejected} for complex voxels, Analyze 7.5 (which does not say where left
+///        is), as choose_component does, cut or damaged streams; Error{io} when a file is missing
 std::unique_ptr<PlaneSource> open_nifti_source(const std::string& path,
                                                const SourceOptions& options);
 

@@ -19,8 +19,8 @@ namespace {
 
 constexpr std::int64_t kMaxValuesPerVoxel = std::int64_t{1} << 16;
 
-VoxelType voxel_type_of(const NrrdHeader& header) {
-  static const std::map<std::string, VoxelType> kTypes = {
+StoredType stored_type_of(const NrrdHeader& header) {
+  static const std::map<std::string, StoredType> kTypes = {
       {"signed char", VoxelType::int8},     {"int8", VoxelType::int8},
       {"int8_t", VoxelType::int8},          {"uchar", VoxelType::uint8},
       {"unsigned char", VoxelType::uint8},  {"uint8", VoxelType::uint8},
@@ -34,12 +34,20 @@ VoxelType voxel_type_of(const NrrdHeader& header) {
       {"int32", VoxelType::int32},          {"int32_t", VoxelType::int32},
       {"uint", VoxelType::uint32},          {"unsigned int", VoxelType::uint32},
       {"uint32", VoxelType::uint32},        {"uint32_t", VoxelType::uint32},
-      {"float", VoxelType::float32}};
+      {"float", VoxelType::float32},
+      {"longlong", WideType::int64},        {"long long", WideType::int64},
+      {"long long int", WideType::int64},   {"signed long long", WideType::int64},
+      {"signed long long int", WideType::int64}, {"int64", WideType::int64},
+      {"int64_t", WideType::int64},         {"ulonglong", WideType::uint64},
+      {"unsigned long long", WideType::uint64},
+      {"unsigned long long int", WideType::uint64}, {"uint64", WideType::uint64},
+      {"uint64_t", WideType::uint64},       {"double", WideType::float64}};
   const std::string name = header.text("type");
   const auto found = kTypes.find(lower_case(name));
   if (found == kTypes.end()) {
     reject(header.path(), "voxel type \"" + escaped(name) +
-                              "\" is not supported; integers of 8, 16 or 32 bits or float are");
+                              "\" is not supported; integers of 8 to 64 bits, float and double "
+                              "are");
   }
   return found->second;
 }
@@ -270,7 +278,7 @@ std::unique_ptr<PlaneSource> open_nrrd_source(const std::string& path,
   facts.format = "NRRD";
   facts.identity = header.identity();
   VolumeDescription& description = facts.description;
-  description.type = voxel_type_of(header);
+  take_stored_type(facts, stored_type_of(header));
   const NrrdAxes axes = read_axes(header);
   description.size = size_of(axes);
   facts.components = axes.components;
@@ -283,7 +291,7 @@ std::unique_ptr<PlaneSource> open_nrrd_source(const std::string& path,
   }
   settle(facts, options, path);
   const std::uint64_t volume_bytes =
-      plane_bytes(description) * static_cast<std::uint64_t>(description.size.z);
+      stored_plane_bytes(facts) * static_cast<std::uint64_t>(description.size.z);
   take_component(axes, facts.choice, volume_bytes, run);
   const std::uint64_t bytes_before = run.skip_bytes;
   apply_byte_skip(header,

@@ -13,16 +13,24 @@ namespace octavo {
 
 namespace {
 
+/// The stored numbers of one plane, in native byte order.
+void read_stored(const std::string& path, const RawLayout& layout, std::span<std::byte> numbers) {
+  SourceFile(path).read_exactly(layout.header_bytes, numbers);
+  if (needs_swap(layout.big_endian)) swap_values(numbers, bytes_per_value(layout.type));
+}
+
 class RawPlaneFiles final : public IndexedPlaneSource {
  public:
   RawPlaneFiles(SourceFacts facts, std::vector<std::string> files, const RawLayout& layout)
       : IndexedPlaneSource(std::move(facts)), files_(std::move(files)), layout_(layout) {}
 
   void read_plane_at(std::int64_t z, std::span<std::byte> plane) const override {
-    SourceFile(files_[static_cast<std::size_t>(z)]).read_exactly(layout_.header_bytes, plane);
-    if (needs_swap(layout_.big_endian)) {
-      swap_values(plane, static_cast<std::size_t>(bytes_per_voxel(layout_.type)));
-    }
+    const std::string& path = files_[static_cast<std::size_t>(z)];
+    if (!narrowing()) return read_stored(path, layout_, plane);
+    std::vector<std::byte> wide(plane.size() / bytes_per_value(narrowing()->to) *
+                                bytes_per_value(narrowing()->from));
+    read_stored(path, layout_, wide);
+    narrow(*narrowing(), wide, plane, {path, layout_.size.x, z, 0});
   }
 
  private:
@@ -49,16 +57,16 @@ std::unique_ptr<PlaneSource> open_raw_source(const std::vector<std::string>& fil
   SourceFacts facts;
   facts.format = "raw";
   facts.file_count = static_cast<std::int64_t>(files.size());
-  facts.description.type = layout.type;
+  take_stored_type(facts, layout.type);
   facts.description.size = layout.size;
   settle_number_gaps(files, options, facts);
   settle(facts, options, files.front());
-  const std::uint64_t plane = plane_bytes(facts.description);
+  const std::uint64_t plane = stored_plane_bytes(facts);
   if (files.size() == 1) {
     const std::uint64_t voxels =
         checked_mul(plane, static_cast<std::uint64_t>(layout.size.z), "volume");
     check_length(files.front(), checked_add(layout.header_bytes, voxels, "file length"),
-                 size_text(layout.size) + " " + std::string(voxel_type_name(layout.type)));
+                 size_text(layout.size) + " " + std::string(stored_type_name(layout.type)));
     return make_streamed_source(std::move(facts), {files.front(), layout.header_bytes, 0,
                                                    StreamCoding::plain, layout.big_endian});
   }
@@ -70,8 +78,11 @@ std::unique_ptr<PlaneSource> open_raw_source(const std::vector<std::string>& fil
   for (const std::string& file : files) {
     check_length(file, layout.header_bytes + plane,
                  "a plane of " + size_text(layout.size.x, layout.size.y) + " " +
-                     std::string(voxel_type_name(layout.type)));
+                     std::string(stored_type_name(layout.type)));
   }
+  settle_narrowing(facts, [&](std::int64_t z, std::span<std::byte> numbers) {
+    read_stored(files[static_cast<std::size_t>(z)], layout, numbers);
+  });
   return std::make_unique<RawPlaneFiles>(std::move(facts), files, layout);
 }
 

@@ -133,20 +133,24 @@ Fields read_fields(Lines& lines, const std::string& path) {
   reject(path, "its header has no SCALARS line: volumes of one scalar per point are read");
 }
 
-VoxelType voxel_type_of(const std::string& name, const std::string& path) {
-  static const std::map<std::string, VoxelType> kTypes = {
+StoredType stored_type_of(const std::string& name, const std::string& path) {
+  static const std::map<std::string, StoredType> kTypes = {
       {"char", VoxelType::int8},           {"signed_char", VoxelType::int8},
       {"unsigned_char", VoxelType::uint8}, {"short", VoxelType::int16},
       {"unsigned_short", VoxelType::uint16}, {"int", VoxelType::int32},
-      {"unsigned_int", VoxelType::uint32}, {"float", VoxelType::float32}};
+      {"unsigned_int", VoxelType::uint32}, {"float", VoxelType::float32},
+      {"long", WideType::int64},           {"unsigned_long", WideType::uint64},
+      {"long_long", WideType::int64},      {"unsigned_long_long", WideType::uint64},
+      {"vtktypeint64", WideType::int64},   {"vtktypeuint64", WideType::uint64},
+      {"double", WideType::float64}};
   const auto found = kTypes.find(lower_case(name));
   if (found != kTypes.end()) return found->second;
   reject(path, "voxels of type " + escaped(name) +
-                   " are not read; integers of 8, 16 or 32 bits and float are");
+                   " are not read; integers of 8 to 64 bits, float and double are");
 }
 
 /// SCALARS name type [values per point].
-VoxelType read_scalars_line(const Lines& lines, const std::string& path) {
+StoredType read_scalars_line(const Lines& lines, const std::string& path) {
   const std::vector<std::string> found = words(lines.text());
   if (found.size() < 3 || found.size() > 4) {
     reject(path, "its SCALARS line has " + std::to_string(found.size()) +
@@ -156,7 +160,7 @@ VoxelType read_scalars_line(const Lines& lines, const std::string& path) {
     reject(path, escaped(found[3]) +
                      " values per voxel (color or vectors): one is read; take out one first");
   }
-  return voxel_type_of(found[2], path);
+  return stored_type_of(found[2], path);
 }
 
 /// Moves behind the line of the color table, which some programs leave out.
@@ -232,7 +236,7 @@ bool read_behind(Lines lines, const std::string& path, const SkipColors& skip_co
 
 /// Proves that the values are all there, and what follows them.
 void prove_binary(const SourceFile& file, std::uint64_t points, VtkHeader& header) {
-  const auto value_bytes = static_cast<std::uint64_t>(bytes_per_voxel(header.type));
+  const auto value_bytes = static_cast<std::uint64_t>(bytes_per_value(header.type));
   const std::uint64_t end = checked_add(
       header.voxel_offset, checked_mul(points, value_bytes, "volume"), "file length");
   if (file.size() < end) {

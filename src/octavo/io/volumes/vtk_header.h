@@ -6,6 +6,7 @@
 #include <string>
 
 #include "octavo/core/volume.h"
+#include "octavo/io/source/stored_type.h"
 #include "octavo/io/source/text_voxels.h"
 
 namespace octavo {
@@ -14,7 +15,7 @@ namespace octavo {
 struct VtkHeader {
   std::string title;                 ///< the second line, free text
   Size3 size;
-  VoxelType type = VoxelType::uint8;
+  StoredType type = VoxelType::uint8;
   std::optional<Point3> spacing_mm;  ///< of SPACING or ASPECT_RATIO; absent where neither stands
   Point3 origin_mm{};
   bool is_text = false;              ///< voxels are decimal numbers; else big-endian values

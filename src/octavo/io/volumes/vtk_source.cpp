@@ -22,12 +22,23 @@ class VtkTextSource final : public DescribedSource {
   void read_plane(std::span<std::byte> plane) override {
     require_plane(plane);
     const std::int64_t z = take_plane_index();
-    voxels_.read(description().type, plane);
+    if (narrowing()) {
+      read_narrowed(z, plane);
+    } else {
+      voxels_.read(description().type, plane);
+    }
     if (z + 1 < description().size.z) return;
     if (read_behind_vtk_text(voxels_)) warn(kColorTableLeftOut);
   }
 
  private:
+  void read_narrowed(std::int64_t z, std::span<std::byte> plane) {
+    std::vector<std::byte> wide(plane.size() / bytes_per_value(narrowing()->to) *
+                                bytes_per_value(narrowing()->from));
+    voxels_.read(narrowing()->from, wide);
+    narrow(*narrowing(), wide, plane, {voxels_.path(), description().size.x, z, 0});
+  }
+
   TextVoxels voxels_;
 };
 
@@ -38,7 +49,7 @@ std::unique_ptr<PlaneSource> open_vtk_source(const std::string& path,
   const VtkHeader header = read_vtk_header(path);
   SourceFacts facts;
   facts.format = "VTK";
-  facts.description.type = header.type;
+  take_stored_type(facts, header.type);
   facts.description.size = header.size;
   facts.description.geometry.origin_mm = header.origin_mm;
   facts.spacing_known = header.spacing_mm.has_value();
@@ -46,7 +57,13 @@ std::unique_ptr<PlaneSource> open_vtk_source(const std::string& path,
   if (header.has_color_table) facts.warnings.push_back(kColorTableLeftOut);
   facts.identity.note("title", header.title);
   settle(facts, options, path);
-  if (header.is_text) return std::make_unique<VtkTextSource>(std::move(facts), path, header);
+  if (header.is_text) {
+    TextVoxels first_planes(path, header.voxel_offset);
+    settle_narrowing(facts, [&](std::int64_t, std::span<std::byte> numbers) {
+      first_planes.read(*header.type.wide(), numbers);
+    });
+    return std::make_unique<VtkTextSource>(std::move(facts), path, header);
+  }
 
   VoxelRun run;
   run.path = path;

@@ -70,7 +70,7 @@ TEST(MetaSource, WhatIsNoScalarVolumeIsRejected) {
         "ElementNumberOfChannels = 3\n" + good + "LOCAL\n",
         "BinaryData = False\n" + good + "LOCAL\n",
         std::string(
-            "NDims = 3\nDimSize = 4 3 2\nElementType = MET_DOUBLE\nElementDataFile = LOCAL\n"),
+            "NDims = 3\nDimSize = 4 3 2\nElementType = MET_STRING\nElementDataFile = LOCAL\n"),
         std::string(
             "NDims = 4\nDimSize = 4 3 2 2\nElementType = MET_SHORT\nElementDataFile = LOCAL\n"),
         std::string("NDims = 3\nDimSize = 4 3 2\n")}) {

@@ -52,8 +52,8 @@ TEST(NiftiSource, APairIsReadFromItsOwnFolder) {
 TEST(NiftiSource, WhatIsNoScalarVolumeIsRejectedByName) {
   const TempFolder folder;
   const std::vector<std::pair<std::int16_t, std::string>> types = {
-      {128, "3 channels (red, green, blue)"}, {2304, "alpha"}, {32, "complex"}, {64, "float 64"},
-      {1024, "int 64"}, {1, "1 bit"},   {77, "77"}};
+      {128, "3 channels (red, green, blue)"}, {2304, "alpha"}, {32, "complex"}, {1536, "float 128"},
+      {1, "1 bit"}, {77, "77"}};
   for (const auto& [datatype, word] : types) {
     NiftiSample sample;
     sample.datatype = datatype;

@@ -14,7 +14,7 @@ TEST(NrrdSource, HeadersThatAskForTheUnreadableAreRejected) {
   const std::vector<std::pair<std::string, std::string>> changes = {
       {"encoding: raw", "encoding: bzip2"},
       {"encoding: raw", "encoding: ascii"},
-      {"type: short", "type: double"},
+      {"type: short", "type: block"},
       {"sizes: 4 3 2", "sizes: 4 3"},
       {"sizes: 4 3 2", "sizes: 4 -3 2"},
       {"sizes: 4 3 2", "sizes: 4 3 9999999999"},

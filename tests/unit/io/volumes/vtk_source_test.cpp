@@ -197,8 +197,8 @@ TEST_F(VtkSource, ValuesOfCellsAndOtherArraysAreRejected) {
   expect_rejected(sample, "one value per voxel");
   sample.array = "POINT_DATA 24\nSCALARS s short 3\nLOOKUP_TABLE default\n";
   expect_rejected(sample, "3 values per voxel");
-  sample.array = "POINT_DATA 24\nSCALARS s double 1\nLOOKUP_TABLE default\n";
-  expect_rejected(sample, "type double");
+  sample.array = "POINT_DATA 24\nSCALARS s bit 1\nLOOKUP_TABLE default\n";
+  expect_rejected(sample, "type bit");
 }
 
 TEST_F(VtkSource, HeadersThatContradictThemselvesAreRejected) {
