@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
+#include "common/label_option.h"
 #include "common/options.h"
 #include "common/task_run.h"
 #include "octavo/tasks/files/codes.h"
@@ -267,19 +268,11 @@ std::uint64_t printed_bytes_per_leaf(const Arguments& arguments, const Context& 
   return (arguments.notation == "mixed" ? kOrderedBytes : 0) + (context.json ? kJsonBytes : 0);
 }
 
-bool is_whole_number(const std::string& text) {
-  return !text.empty() && text.find_first_not_of("0123456789", text[0] == '-' ? 1 : 0) ==
-                              std::string::npos;
-}
-
 CodesOptions options_of(const Arguments& arguments, const Context& context) {
   CodesOptions options;
   options.input = arguments.input;
   options.level = arguments.level;
-  for (const std::string& label : arguments.labels) {
-    if (is_whole_number(label)) options.labels.push_back(parse_integer(label, "--label"));
-    else options.names.push_back(label);
-  }
+  options.labels = parse_labels(arguments.labels);
   if (!arguments.range.empty()) options.range = parse_range(arguments.range);
   if (arguments.notation == "linear") options.notation = CodeNotation::hierarchical;
   if (!arguments.neighbors.empty()) options.neighbors_of = arguments.neighbors;
@@ -315,9 +308,7 @@ void add_codes(CLI::App& app, Context& context) {
   Verb verb = add_verb(app, context, kText,
                             [arguments, &context] { return run_codes(*arguments, context); });
   verb.add_input(arguments->input);
-  Option label =
-      verb.add_option("--label", arguments->labels, "Only this label, number or name (may repeat)");
-  label->type_name("LABEL")->allow_extra_args(false);
+  const Option label = add_label_option(verb, arguments->labels, "Only this label");
   verb.add_option("--range", arguments->range, "A mask: real values from LO to HI, both included")
       ->type_name("LO:HI")
       ->excludes(label);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
+#include "common/label_option.h"
 #include "common/options.h"
 #include "common/task_run.h"
 #include "octavo/tasks/measure.h"
@@ -19,19 +20,21 @@ namespace {
 
 constexpr VerbText kText = {
     "measure", "Measure the regions of a label map, and the grey values beneath them.",
-    "For each label but 0: voxels, mm3, surface voxels (with a face on something else),\n"
-    "centroid, bounding box, principal moments and axes; with --of also mean, standard\n"
-    "deviation, minimum, maximum, integrated value (sum times mm3) and percentiles of the grey\n"
-    "volume, in its real units (HU); the table shows those percentiles that are asked for.\n"
-    "Positions are in mm (LPS), boxes in voxels, half-open.\n\n"
+    "For each label but 0, or for those of --label: voxels, mm3, surface voxels (with a face on\n"
+    "something else), centroid, bounding box, principal moments and axes; with --of also mean,\n"
+    "standard deviation, minimum, maximum, integrated value (sum times mm3) and percentiles of\n"
+    "the grey volume, in its real units (HU); the table shows those percentiles that are asked\n"
+    "for. Positions are in mm (LPS), boxes in voxels, half-open.\n\n"
     "Examples:\n"
     "  octavo measure skull.8vo\n"
     "  octavo measure organs.8vo --of ct.8vo --csv > organs.csv\n"
+    "  octavo measure organs.8vo --label liver --label 7\n"
     "  octavo measure organs.8vo --of ct.8vo --percentile 1 --percentile 99 --json"};
 
 struct Arguments {
   std::string input;
   std::string grey;
+  std::vector<std::string> labels;
   std::vector<double> percentiles;
   bool csv = false;
 };
@@ -176,6 +179,7 @@ int run_measure(const Arguments& arguments, Context& context) {
   MeasureOptions options;
   options.labels = arguments.input;
   options.grey = arguments.grey;
+  options.asked = parse_labels(arguments.labels);
   const bool is_asked = !arguments.percentiles.empty();
   if (is_asked) options.percentiles = arguments.percentiles;
   const MeasureResult result = run_task(measure, options, context);
@@ -204,6 +208,7 @@ void add_measure(CLI::App& app, Context& context) {
   verb.add_option("labels", arguments->input, "A label map, .8vo")->type_name("FILE")->required();
   verb.add_option("--of", arguments->grey, "The grey volume to measure under the labels, .8vo")
       ->type_name("GREY");
+  add_label_option(verb, arguments->labels, "Measure this label alone");
   verb.add_option("--percentile", arguments->percentiles,
                   "A percentile, 0 to 100 (default 5, 25, 50, 75, 95)")
       ->type_name("P")

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/failure.h"
+#include "common/label_option.h"
 #include "common/options.h"
 #include "common/task_run.h"
 #include "octavo/tasks/pictures/color_names.h"
@@ -29,9 +30,9 @@ constexpr VerbText kText = {
     "both. Both are fitted to what is drawn. transparency lets what lies inside a grey volume\n"
     "shine through what lies around it, summed or averaged along the lines of voxels that are\n"
     "nearest to the view: one of 26 directions.\n\n"
-    "A label map has one color per label; --range chooses labels. A grey volume needs --range or\n"
-    "--tissue (air, lung, fat, soft, contrast, bone, as in octavo threshold); several are several\n"
-    "colors; where they overlap tissues go before ranges, then the one named first. A\n"
+    "A label map has one color per label; --label and --range choose labels. A grey volume needs\n"
+    "--range or --tissue (air, lung, fat, soft, contrast, bone, as in octavo threshold); several\n"
+    "are several colors; where they overlap tissues go before ranges, then the one named first. A\n"
     "range may have a color, LOW:HIGH=COLOR, and for transparency the opacity of one voxel,\n"
     "LOW:HIGH=COLOR:OPACITY. Transparency without a range draws a volume in HU as flesh and bone,\n"
     "another one in grey.\n\n"
@@ -47,6 +48,7 @@ constexpr VerbText kText = {
     "  octavo render skull.8vo --mode cubes --azimuth 30 --elevation 20 -o cubes.png\n"
     "  octavo render head.8vo --range -300:225=orange --range 226:=sand --cut 'x<128' -o half.png\n"
     "  octavo render atlas.8vo --direction left --size 800x600 --background white -o atlas.png\n"
+    "  octavo render organs.8vo --mode surface --label liver --label 7 -o liver.png\n"
     "  octavo render head.8vo --mode transparency --direction front -o head.png\n"
     "  octavo render rock.8vo --mode transparency --range 90:120=sand:0.01 --range 200:=red:0.2 "
     "-o ores.png"};
@@ -64,6 +66,7 @@ struct Arguments {
   std::string background = "black";
   std::vector<std::string> ranges;
   std::vector<std::string> tissues;
+  std::vector<std::string> labels;
   std::vector<std::string> cuts;
   int level = 0;
   int turntable = 0;
@@ -169,6 +172,7 @@ RenderOptions options_of(const Arguments& arguments, const Context& context) {
   options.level = arguments.level;
   for (const std::string& text : arguments.ranges) options.ranges.push_back(parse_look(text));
   options.tissues = arguments.tissues;
+  options.labels = parse_labels(arguments.labels);
   for (const std::string& text : arguments.cuts) options.cuts.push_back(parse_cut(text));
   options.view = asked_view(arguments);
   take_size(arguments.size, options);
@@ -323,6 +327,7 @@ void add_render(CLI::App& app, Context& context) {
       ->type_name("NAME")
       ->allow_extra_args(false)
       ->check(one_of(tissue_names()));
+  add_label_option(verb, arguments->labels, "Draw this label of a label map");
   verb.add_option("--level", arguments->level, "Level of detail")
       ->type_name("K")
       ->capture_default_str();

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "common/failure.h"
+#include "common/label_option.h"
 #include "common/options.h"
 #include "common/salvage_option.h"
 #include "common/task_run.h"
@@ -33,7 +34,9 @@ constexpr VerbText kText = {
     "--overlay draws another volume over the slices, where it lies in space: labels and masks as\n"
     "outline or wash, grey values as isolines or wash. It can be given several times; options of\n"
     "overlays are given once for all of them, or as often as overlays, in their order.\n"
-    "--overlay-levels are the values of isolines, or the two ends of a wash.\n\n"
+    "--overlay-levels are the values of isolines, or the two ends of a wash.\n"
+    "--label leaves all other labels out: of the file, or where it holds grey values of the label\n"
+    "maps over it.\n\n"
     "Examples:\n"
     "  octavo slice head.8vo -o head.png --window brain\n"
     "  octavo slice head.8vo --axis x --mm -12.5 --window 300,1500 -o side.png\n"
@@ -41,6 +44,7 @@ constexpr VerbText kText = {
     "  octavo slice head.8vo --plane 0,-0.5,1 -o tilted.png\n"
     "  octavo slice head.8vo --montage 4x3 --window brain -o sheet.png\n"
     "  octavo slice chest.8vo --overlay tumor.8vo --overlay-color red -o tumor.png\n"
+    "  octavo slice ct.8vo --overlay organs.8vo --label liver --label spleen -o organs.png\n"
     "  octavo slice plan.8vo --overlay dose.8vo --overlay-levels 20,40,60 -o dose.png"};
 
 struct Arguments {
@@ -60,6 +64,7 @@ struct Arguments {
   std::vector<std::string> overlay_levels;
   std::vector<std::string> overlay_colors;
   std::vector<double> overlay_opacities;
+  std::vector<std::string> labels;
   bool no_scale_bar = false;
   bool no_sides = false;
   bool no_notes = false;
@@ -185,6 +190,7 @@ SliceOptions options_of(const Arguments& arguments, const Context& context) {
   take_window(arguments.window, options);
   options.minimum_side = arguments.minimum_side;
   options.overlays = asked_overlays(arguments);
+  options.labels = parse_labels(arguments.labels);
   options.has_scale_bar = !arguments.no_scale_bar;
   options.has_sides = !arguments.no_sides;
   options.has_notes = !arguments.no_notes;
@@ -322,6 +328,7 @@ void add_slice(CLI::App& app, Context& context) {
       ->type_name("N")
       ->check(whole_within(1, 8192))
       ->capture_default_str();
+  add_label_option(verb, arguments->labels, "Draw this label alone");
   add_overlay_options(verb, *arguments);
   verb.add_flag("--no-scale-bar", arguments->no_scale_bar, "Leave the scale bar out");
   verb.add_flag("--no-sides", arguments->no_sides, "Leave the letters R L A P S I out");

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/failure.h"
+#include "common/label_option.h"
 #include "common/options.h"
 #include "common/task_run.h"
 #include "octavo/tasks/threshold.h"
@@ -20,22 +21,23 @@ namespace {
 constexpr VerbText kText = {
     "threshold", "Make a mask of the voxels whose value lies in a range.",
     "Ranges are in real units (HU), both ends included; an end left out is open. Several ranges\n"
-    "and tissues add up. --class makes a label map of several classes in one pass; where\n"
-    "classes overlap the one named first counts. Bricks whose least and greatest value decide\n"
-    "are not decoded.\n\n"
+    "and tissues add up, and so do labels of a label map. --class makes a label map of several\n"
+    "classes in one pass; where classes overlap the one named first counts. Bricks whose minimum\n"
+    "and maximum decide are not decoded.\n\n"
     "Tissues, in HU, ends included: air (:-900), lung (-900:-500), fat (-190:-30),\n"
     "soft (-30:225), contrast (130:600), bone (226:).\n\n"
     "Examples:\n"
     "  octavo threshold head.8vo --range 226: -o bone.8vo\n"
     "  octavo threshold chest.8vo --tissue lung --tissue air -o gas.8vo\n"
     "  octavo threshold head.8vo --class 1=:-300 --class 2=-300:225 --class 3=226: -o classes.8vo\n"
-    "  octavo threshold atlas.8vo --range 17:17 -o region.8vo"};
+    "  octavo threshold atlas.8vo --label 17 --label Thalamus_L -o regions.8vo"};
 
 struct Arguments {
   std::string input;
   std::string output;
   std::vector<std::string> ranges;
   std::vector<std::string> tissues;
+  std::vector<std::string> labels;
   std::vector<std::string> classes;
   bool stored = false;
 };
@@ -53,9 +55,10 @@ ValueClass parse_class(const std::string& text) {
 }
 
 ThresholdOptions options_of(const Arguments& arguments, const Context& context) {
-  if (arguments.ranges.empty() && arguments.tissues.empty() && arguments.classes.empty()) {
+  if (arguments.ranges.empty() && arguments.tissues.empty() && arguments.labels.empty() &&
+      arguments.classes.empty()) {
     throw Error(ErrorKind::invalid_argument,
-                "threshold needs --range LOW:HIGH, --tissue or --class");
+                "threshold needs --range LOW:HIGH, --tissue, --label or --class");
   }
   ThresholdOptions options;
   options.input = arguments.input;
@@ -64,6 +67,7 @@ ThresholdOptions options_of(const Arguments& arguments, const Context& context) 
     options.ranges.push_back(parse_range(text, "--range"));
   }
   options.tissues = arguments.tissues;
+  options.labels = parse_labels(arguments.labels);
   for (const std::string& text : arguments.classes) options.classes.push_back(parse_class(text));
   options.is_stored = arguments.stored;
   return options;
@@ -114,11 +118,13 @@ void add_threshold(CLI::App& app, Context& context) {
   range->type_name("LOW:HIGH")->allow_extra_args(false);
   Option tissue = verb.add_option("--tissue", arguments->tissues, "A range by name");
   tissue->type_name("NAME")->allow_extra_args(false)->check(one_of(tissue_names()));
+  Option label = add_label_option(verb, arguments->labels, "A label of a label map");
   verb.add_option("--class", arguments->classes, "Values that get a label: LABEL=LOW:HIGH")
       ->type_name("N=LOW:HIGH")
       ->allow_extra_args(false)
       ->excludes(range)
-      ->excludes(tissue);
+      ->excludes(tissue)
+      ->excludes(label);
   verb.add_flag("--stored", arguments->stored, "Ranges are stored values instead of real ones")
       ->excludes(tissue);
 }

@@ -74,8 +74,6 @@ constexpr Advice kAdvice[] = {
 
     // --- Masks, labels and grids
     {kAny, "between", "", "leave the method, or give --grey if these are measured values"},
-    {kAny, "codes.labels", "", "give --range LOW:HIGH"},
-    {kAny, "codes.names", "", "octavo info --metadata lists the names"},
     {kAny, "codes.range", "",
      "give --range LOW:HIGH (real units), or build it with --labels if its numbers are names, or "
      "make cubes of it with octavo condense"},
@@ -88,6 +86,10 @@ constexpr Advice kAdvice[] = {
     {kUsage, "label_names", "",
      "leave out --label-names, or give --labels if its numbers are names of regions"},
     {kAny, "labels.kind", "", "'octavo threshold' makes labels of it"},
+    {kUsage, "labels.mode", "", "leave out --label, or draw them with --mode surface"},
+    {kAny, "labels.names", "", "octavo info --metadata lists the names"},
+    {kUsage, "labels.numbers", "", "give another --label"},
+    {kAny, "labels.range", "", "give --range LOW:HIGH"},
     {kAny, "mask.kind", "", "'octavo threshold' makes a mask of grey values"},
     {kAny, "tissues", "", "give --range LOW:HIGH"},
 

@@ -110,6 +110,31 @@ class LabelNames(cli_test.InFolder):
         self.expect_error(2, ["no label has the name 'Lung'", "info --metadata"],
                           "codes", "a.8vo", "--label", "Lung")
 
+    def test_every_verb_takes_a_label_by_number_and_by_name(self):
+        self.build("a.8vo", AAL)
+        for arguments in [["measure"], ["threshold", "-o", "o.8vo"], ["slice", "-o", "o.png"],
+                          ["render", "-o", "o.png", "--size", "64"], ["codes", "--list"]]:
+            made = []
+            for label in ["5", "Right_Lung"]:
+                shown = self.text(arguments[0], "a.8vo", *arguments[1:], "--label", label,
+                                  *(["-f"] if "-o" in arguments else []))
+                output = self.folder / arguments[2] if "-o" in arguments else None
+                made.append(output.read_bytes() if output else shown)
+            self.assertEqual(*made, arguments)
+            self.expect_error(2, ["a.8vo: no label has the name 'Lung'", "info --metadata"],
+                              arguments[0], "a.8vo", *arguments[1:], "--label", "Lung")
+            self.expect_error(2, ["label 0 is the background"],
+                              arguments[0], "a.8vo", *arguments[1:], "--label", "0")
+        rows = self.json("measure", "a.8vo", "--label", "Left_Lung", "--label", "7")["objects"]
+        self.assertEqual([(row["label"], row["voxels"]) for row in rows], [(3, 64), (7, 1)])
+        made = self.json("threshold", "a.8vo", "--label", "Left_Lung", "--label", "7", "-o",
+                         "m.8vo")
+        self.assertEqual(made["objects"], [{"label": 1, "voxels": 65, "mm3": 65}])
+        absent = self.expect(0, "measure", "a.8vo", "--label", "Elsewhere", "--json",
+                             "--progress", "none")
+        self.assertEqual(json.loads(absent.stdout)["warnings"],
+                         ["a.8vo: no voxel has label 40 (Elsewhere)"])
+
     def test_names_stay_with_labels_and_leave_with_them(self):
         self.build("a.8vo", AAL)
         for arguments in [["transform", "a.8vo", "--rotate", "z:90"], ["build", "a.8vo"]]:

@@ -38,11 +38,12 @@ std::shared_ptr<const FileReader> open_grey(const MeasureOptions& options,
 }
 
 /// What to ask of the stored values: on a falling scale the p-th percentile is the (100 - p)-th.
-RegionMeasureOptions stored_options(std::vector<double> percentiles, const FileReader* grey) {
+RegionMeasureOptions stored_options(std::vector<double> percentiles, const FileReader* grey,
+                                    std::vector<std::int64_t> labels) {
   if (grey != nullptr && grey->description().rescale.slope < 0) {
     for (double& percent : percentiles) percent = 100 - percent;
   }
-  return {std::move(percentiles)};
+  return {std::move(percentiles), std::move(labels)};
 }
 
 /// Grey statistics in real units.
@@ -75,6 +76,16 @@ MeasuredRegion measured(RegionMeasure region, const VolumeDescription& labels,
   return one;
 }
 
+void warn_of_absent(const std::vector<std::int64_t>& labels, const MeasureResult& result,
+                    const std::string& path, const TaskContext& context) {
+  for (const std::int64_t label : labels) {
+    const bool is_there = std::any_of(
+        result.regions.begin(), result.regions.end(),
+        [&](const MeasuredRegion& one) { return one.region.label == label; });
+    if (!is_there) context.warn(path + ": no voxel has " + label_words(result.names, label));
+  }
+}
+
 }  // namespace
 
 MeasureResult measure(const MeasureOptions& options, const TaskContext& context) {
@@ -93,14 +104,17 @@ MeasureResult measure(const MeasureOptions& options, const TaskContext& context)
   context.require_memory((64 + 12 * static_cast<std::uint64_t>(context.thread_count())) * kMiB,
                          "measurements");
 
-  const RegionMeasureOptions asked = stored_options(result.percentiles, grey.get());
+  result.names = volume.metadata.facts().labels;
+  const RegionMeasureOptions asked =
+      stored_options(result.percentiles, grey.get(),
+                     labels_of(options.asked, result.names, options.labels));
   std::vector<RegionMeasure> regions;
   context.on_threads(
       [&] { regions = measure_regions(*labels, grey.get(), asked, context.watcher()); });
   for (RegionMeasure& region : regions) {
     result.regions.push_back(measured(std::move(region), volume, grey.get()));
   }
-  result.names = volume.metadata.facts().labels;
+  warn_of_absent(asked.labels, result, options.labels, context);
   if (grey) result.unit = unit_of(grey->description());
   return result;
 }

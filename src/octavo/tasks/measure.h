@@ -8,6 +8,7 @@
 #include "octavo/core/label_names.h"
 #include "octavo/core/volume.h"
 #include "octavo/ops/measure/measure.h"
+#include "octavo/tasks/asked_labels.h"
 #include "octavo/tasks/task_context.h"
 
 namespace octavo {
@@ -16,6 +17,7 @@ struct MeasureOptions {
   std::string labels;  ///< a label map
   std::string grey;    ///< the volume to measure under the labels, on the same grid; or nothing
   std::vector<double> percentiles = {5, 25, 50, 75, 95};  ///< of 0 .. 100
+  AskedLabels asked = {};                                 ///< only these; with none: all but 0
 };
 
 /// What a region measures in mm.
@@ -32,13 +34,14 @@ struct MeasuredRegion {
 };
 
 struct MeasureResult {
-  std::vector<MeasuredRegion> regions;  ///< every label but 0, ascending
+  std::vector<MeasuredRegion> regions;  ///< of the labels that have voxels, ascending
   std::vector<double> percentiles;      ///< that the grey statistics hold, ascending
   LabelNames names;                     ///< of the labels
   std::string unit;                     ///< of the grey values; empty where none is known
 };
 
-/// Measures every region. Warns where the spacing is not known.
+/// Measures regions. Warns where the spacing is not known, and of labels without voxels that are
+/// asked for.
 /// Throws  as open_volume and measure_regions; Error{invalid_argument} for grey values in place of
 ///         labels, labels in place of grey values, grids that differ, percentiles out of range
 /// Memory  as measure_regions, and 12 MiB per thread

@@ -31,9 +31,19 @@ std::vector<ValueClass> asked_classes(const ThresholdOptions& options,
   for (const std::string& name : options.tissues) {
     classes.push_back({1, tissue_range(name, volume, options.input)});
   }
+  if (!options.labels.is_empty() && volume.kind != VolumeKind::labels) {
+    throw Error(ErrorKind::invalid_argument, "holds grey values, not labels", options.input)
+        .with_field("labels.range");
+  }
+  for (const std::int64_t label :
+       labels_of(options.labels, volume.metadata.facts().labels, options.input)) {
+    const auto value = static_cast<double>(label);
+    classes.push_back({1, {value, value}});
+  }
   classes.insert(classes.end(), options.classes.begin(), options.classes.end());
   if (classes.empty()) {
-    throw Error(ErrorKind::invalid_argument, "a threshold needs a range, a tissue or a class");
+    throw Error(ErrorKind::invalid_argument,
+                "a threshold needs a range, a tissue, a label or a class");
   }
   for (const ValueClass& one : classes) {
     if (one.label >= 1 && one.label <= 255) continue;
@@ -115,10 +125,10 @@ BuildResult write_one_mask(const FileReader& reader, const std::vector<StoredCla
 }  // namespace
 
 ThresholdResult threshold(const ThresholdOptions& options, const TaskContext& context) {
-  require_computed(options.output, {options.input});
   const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
   const VolumeDescription& volume = reader->description();
   const std::vector<ValueClass> asked = asked_classes(options, volume);
+  require_computed(options.output, {options.input});
   const MadeBy made = made_by(options, asked);
   std::vector<StoredClass> classes;
   for (const ValueClass& one : asked) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "octavo/tasks/asked_labels.h"
 #include "octavo/tasks/outputs.h"
 #include "octavo/tasks/task_context.h"
 #include "octavo/tasks/value_ranges.h"
@@ -23,6 +24,7 @@ struct ThresholdOptions {
   /// Ranges of the one label 1; they add up with the tissues.
   std::vector<AskedRange> ranges;
   std::vector<std::string> tissues;
+  AskedLabels labels;  ///< of a label map; they add up with the ranges
   /// In place of both: a label map. Where classes overlap the one named first counts.
   std::vector<ValueClass> classes;
   bool is_stored = false;  ///< ranges are stored values instead of real ones
@@ -42,7 +44,8 @@ struct ThresholdResult {
 /// Writes the voxels whose values lie in the ranges. Bricks whose minimum and maximum decide are
 /// not decoded. Warns of an empty mask.
 /// Throws  as open_volume, require_computed, mask_of_file and build_file; Error{invalid_argument}
-///         without any range, for a label out of range, for tissues where values are not in HU
+///         without any range, label or class, for a label out of range, for tissues where values
+///         are not in HU
 /// Memory  that of the mask; of classes that of a build
 ThresholdResult threshold(const ThresholdOptions& options, const TaskContext& context);
 

@@ -126,6 +126,39 @@ TEST_F(Measure, GreyValuesAreRealOnesOnARisingAndOnAFallingScale) {
   }
 }
 
+TEST_F(Measure, ALabelThatIsAskedForIsMeasuredAsAmongAll) {
+  options_.labels = write_named("named.8vo", labels_, {{3, "lung"}, {7, "heart"}, {9, "spleen"}});
+  options_.grey = write_grey(0.5);
+  const MeasureResult all = measure(options_, context_);
+  ASSERT_EQ(all.regions.size(), 2u);
+  const auto expect_row = [&](const AskedLabels& asked, std::size_t row) {
+    options_.asked = asked;
+    const MeasureResult one = measure(options_, context_);
+    ASSERT_EQ(one.regions.size(), 1u);
+    const RegionMeasure& a = one.regions[0].region;
+    const RegionMeasure& b = all.regions[row].region;
+    EXPECT_EQ(a.label, b.label);
+    EXPECT_EQ(a.voxel_count, b.voxel_count);
+    EXPECT_EQ(a.surface_voxel_count, b.surface_voxel_count);
+    EXPECT_EQ(a.box, b.box);
+    EXPECT_EQ(a.centroid, b.centroid);
+    EXPECT_EQ(a.covariance, b.covariance);
+    EXPECT_EQ(a.grey->mean, b.grey->mean);
+    EXPECT_EQ(a.grey->percentiles, b.grey->percentiles);
+  };
+  expect_row({{3}, {}}, 0);
+  expect_row({{}, {"heart"}}, 1);
+  EXPECT_TRUE(warnings_.empty());
+  expect_row({{3, 3, -5}, {"lung", "spleen"}}, 0);
+  ASSERT_EQ(warnings_.size(), 2u);
+  EXPECT_NE(warnings_[0].find("no voxel has label -5"), std::string::npos);
+  EXPECT_NE(warnings_[1].find("no voxel has label 9 (spleen)"), std::string::npos);
+  options_.asked = {{0}, {}};
+  EXPECT_EQ(failure_of([&] { measure(options_, context_); }).field, "labels.numbers");
+  options_.asked = {{}, {"Lung"}};
+  EXPECT_EQ(failure_of([&] { measure(options_, context_); }).field, "labels.names");
+}
+
 TEST_F(Measure, NothingIsInMmWhereTheSpacingIsNotKnown) {
   options_.labels = write("unknown.8vo", labels_, false);
   for (const MeasuredRegion& one : measure(options_, context_).regions) {

@@ -81,6 +81,22 @@ TEST_F(Threshold, TheClassNamedFirstCounts) {
   EXPECT_EQ(result.objects[1].label, 3);
 }
 
+TEST_F(Threshold, LabelsAddUpWithRangesOfALabelMap) {
+  options_.classes = {{3, {0, 100}}, {5, {101, 200}}, {6, {201, 300}}};
+  threshold(options_, context_);
+  ThresholdOptions again;
+  again.input = mask_;
+  again.output = {folder_.file("again.8vo"), false};
+  again.labels = {{3}, {}};
+  again.ranges = {{6, 9}};
+  mask_ = again.output.path;
+  threshold(again, context_);
+  EXPECT_EQ(wrong_voxels([](double hu) {
+              return (hu >= 0 && hu <= 100) || (hu >= 201 && hu <= 300);
+            }),
+            0u);
+}
+
 TEST_F(Threshold, AnEmptyMaskIsWrittenWithAWarning) {
   options_.ranges = {{5000, 6000}};
   EXPECT_EQ(threshold(options_, context_).objects.front().voxels, 0u);
@@ -109,6 +125,9 @@ TEST_F(Threshold, BadOptionsAreInvalidArguments) {
   options_.classes = {{256, {0, 1}}};
   EXPECT_EQ(kind_of(), ErrorKind::invalid_argument) << "label";
   options_.classes.clear();
+  options_.labels = {{3}, {}};
+  EXPECT_EQ(kind_of(), ErrorKind::invalid_argument) << "labels of grey values";
+  options_.labels = {};
   options_.tissues = {"wood"};
   EXPECT_EQ(kind_of(), ErrorKind::invalid_argument) << "tissue";
   options_.tissues = {"bone"};

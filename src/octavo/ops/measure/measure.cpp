@@ -188,11 +188,26 @@ class Measurement {
     return true;
   }
 
+  bool is_asked(std::int64_t label) const {
+    const std::vector<std::int64_t>& asked = options_.labels;
+    if (asked.empty()) return label != 0;
+    return std::binary_search(asked.begin(), asked.end(), label);
+  }
+
+  // Whether the range of a brick leaves room for a label that is asked for.
+  bool may_hold_asked(const Index3& brick) const {
+    const ValueRange range = labels_.brick(0, brick).range;
+    const std::vector<std::int64_t>& asked = options_.labels;
+    if (asked.empty()) return range.min != 0 || range.max != 0;
+    const auto first = std::lower_bound(asked.begin(), asked.end(), range.min);
+    return first != asked.end() && *first <= range.max;
+  }
+
   GreyByLabel brick_sums(const Index3& brick) const {
     const Box box = labels_.levels().brick_box(0, brick);
     const auto label = single_label(brick);
     GreyByLabel sums;
-    if (label == 0) return sums;
+    if (!may_hold_asked(brick)) return sums;
     if (label && is_enclosed(brick, *label)) {
       sums[*label].moments.add_box(box);
       add_grey_of(box, sums[*label]);
@@ -221,8 +236,8 @@ class Measurement {
   template <class TakeRun>
   void add_runs(const Box& box, LabelBlock& block, GreyByLabel& sums, TakeRun take_run) const {
     const Size3 size = box.size();
-    std::int64_t last_label = 0;
-    Sums* last = nullptr;
+    std::optional<std::int64_t> last_label;
+    Sums* last = nullptr;  // nullptr: not asked for
     for (std::int64_t z = 0; z < size.z; ++z) {
       for (std::int64_t y = 0; y < size.y; ++y) {
         const std::int64_t* const row = block.row(y, z);
@@ -230,8 +245,11 @@ class Measurement {
           const std::int64_t label = row[lo];
           std::int64_t hi = lo + 1;
           while (hi < size.x && row[hi] == label) ++hi;
-          if (label != 0) {
-            if (last == nullptr || label != last_label) last = &sums[last_label = label];
+          if (label != last_label) {
+            last_label = label;
+            last = is_asked(label) ? &sums[label] : nullptr;
+          }
+          if (last != nullptr) {
             last->moments.add_box({{box.lo.x + lo, box.lo.y + y, box.lo.z + z},
                                    {box.lo.x + hi, box.lo.y + y + 1, box.lo.z + z + 1}});
             last->surface += block.surface_of(lo, hi, y, z);

@@ -52,9 +52,11 @@ struct PrincipalAxes {
 
 struct RegionMeasureOptions {
   std::vector<double> percentiles = {5, 25, 50, 75, 95};  ///< of 0 .. 100
+  std::vector<std::int64_t> labels = {};  ///< only these, ascending; none: all but 0
 };
 
-/// All labels but 0, ascending. Uses the threads of the calling task arena.
+/// The regions of all labels but 0 that are asked for and have voxels, ascending; bricks without
+/// any of them are not decoded. Uses the threads of the calling task arena.
 /// grey  nullptr, or a volume on the same grid
 /// Throws what the readers throw, Error{cancelled}; Error{invalid_argument} for a grey volume in
 ///        place of labels, or of another size

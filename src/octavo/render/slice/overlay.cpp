@@ -91,6 +91,7 @@ class OverlayPainter {
     const int level = level_for_pixels(*overlay.reader, section.pixel_mm);
     samples_ = sample_section(*overlay.reader, level, section,
                               is_labels(overlay) ? Interpolation::nearest : Interpolation::linear);
+    if (overlay.kept) keep_labels(samples_, *overlay.kept);
   }
 
   void draw() {
@@ -122,6 +123,7 @@ class OverlayPainter {
       if (std::isnan(value) || value == 0) return;
       const auto label = static_cast<std::int64_t>(value);
       ++pixels[label];
+      ++legend_.label_pixels;
       if (is_outline && outlines[static_cast<std::size_t>(y * samples_.width + x)] == 0) return;
       picture_.blend(at_.x + x, at_.y + y, color_of(label), *look_.opacity);
     });

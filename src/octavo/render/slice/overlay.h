@@ -38,6 +38,7 @@ struct Overlay {
   std::shared_ptr<const FileReader> reader;
   OverlayLook look;
   LabelNames labels;
+  std::optional<std::vector<std::int64_t>> kept;  ///< the labels that are drawn, sorted; else all
   std::string name;        ///< what the legend says of a mask
   std::string unit;        ///< of grey values
   std::size_t number = 0;  ///< chooses the color of a mask that has none
@@ -54,7 +55,8 @@ struct OverlayLegend {
   std::vector<LegendRow> rows;
   std::vector<Color> scale;  ///< of a wash of grey values, the lowest first
   std::array<std::string, 2> scale_ends;
-  std::int64_t pixels = 0;  ///< that lie in the overlay's volume
+  std::int64_t pixels = 0;        ///< that lie in the overlay's volume
+  std::int64_t label_pixels = 0;  ///< that lie in its labels
 };
 
 /// Draws an overlay on the part of a picture that shows `section`, its pixel (0, 0) at `at`. Labels

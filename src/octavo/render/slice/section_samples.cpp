@@ -202,6 +202,14 @@ void to_real(SectionSamples& samples, const Rescale& rescale) {
   for (double& value : samples.values) value = rescale.to_real(value);
 }
 
+void keep_labels(SectionSamples& samples, const std::vector<std::int64_t>& kept) {
+  for (double& value : samples.values) {
+    if (std::isnan(value)) continue;
+    const auto label = static_cast<std::int64_t>(value);
+    if (!std::binary_search(kept.begin(), kept.end(), label)) value = 0;
+  }
+}
+
 int level_for_pixels(const FileReader& reader, double pixel_mm) {
   const Levels& levels = reader.levels();
   int level = 0;

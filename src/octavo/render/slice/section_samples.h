@@ -38,6 +38,9 @@ SectionSamples sample_section(const FileReader& reader, int level, const Section
 /// Turns the stored values of a section into real ones.
 void to_real(SectionSamples& samples, const Rescale& rescale);
 
+/// Makes background of every label but those of `kept`, which are sorted.
+void keep_labels(SectionSamples& samples, const std::vector<std::int64_t>& kept);
+
 /// The coarsest level whose spacing is nowhere coarser than `pixel_mm`; 0 where none is as fine.
 int level_for_pixels(const FileReader& reader, double pixel_mm);
 

@@ -94,6 +94,7 @@ class SlicePainter {
       samples.push_back(sample_section(reader_, options_.level, section,
                                        is_labels ? Interpolation::nearest : Interpolation::linear));
       if (!is_labels) to_real(samples.back(), reader_.description().rescale);
+      else if (options_.kept_labels) keep_labels(samples.back(), *options_.kept_labels);
     }
 
     // Draw it.
@@ -118,7 +119,9 @@ class SlicePainter {
                      plan_.sections[i], overlay, legend);
       }
       result.overlay_pixels.push_back(legend.pixels);
+      result.label_pixels += legend.label_pixels;
     }
+    for (const auto& [label, count] : label_pixels_) result.label_pixels += count;
     write(result.picture);
     return result;
   }

@@ -37,6 +37,8 @@ struct SlicePictureOptions {
   std::optional<Window> window;       ///< real units; default from what is drawn; not for labels
   std::int64_t minimum_side = 512;    ///< smaller pictures are enlarged by a whole number
   LabelNames labels;                  ///< of the file itself
+  /// The labels of the file that are drawn, sorted; else all.
+  std::optional<std::vector<std::int64_t>> kept_labels;
   std::vector<Overlay> overlays;      ///< as `decided` gives them, the lowest first
   SliceCaptions captions;
 };
@@ -48,6 +50,7 @@ struct SlicePicture {
   EdgeLetters letters;                       ///< the patient's sides at the edges
   std::vector<std::int64_t> indices;         ///< of the slices
   std::vector<std::int64_t> overlay_pixels;  ///< pixels that lie in each overlay's volume
+  std::int64_t label_pixels = 0;             ///< pixels that lie in labels, of overlays too
 };
 
 /// Draws sections with square pixels, as fine as the finest spacing: grey values linearly

@@ -46,31 +46,11 @@ bool is_condensed(const VolumeDescription& volume) {
   return made_by && made_by->operation() == "condense";
 }
 
-/// The labels that were asked for by number or by name, ascending.
-std::vector<std::int64_t> asked_labels(const CodesOptions& options, const VolumeDescription& d) {
-  std::vector<std::int64_t> labels = options.labels;
-  for (const std::string& name : options.names) {
-    const std::size_t before = labels.size();
-    for (const auto& [label, entry] : d.metadata.facts().labels.all()) {
-      if (entry.name == name) labels.push_back(label);
-    }
-    if (labels.size() > before) continue;
-    throw Error(ErrorKind::invalid_argument, "no label has the name '" + escaped(name) + "'",
-                options.input)
-        .with_field("codes.names");
-  }
-  std::sort(labels.begin(), labels.end());
-  return labels;
-}
-
 Selection choose(const CodesOptions& options, const VolumeDescription& d) {
   Selection selection;
   selection.rescale = d.rescale;
-  selection.labels = asked_labels(options, d);
+  selection.labels = labels_of(options.labels, d.metadata.facts().labels, options.input);
   selection.real_range = options.range;
-  if (std::binary_search(selection.labels.begin(), selection.labels.end(), 0)) {
-    throw Error(ErrorKind::invalid_argument, "label 0 is the background and has no leaves");
-  }
   if (selection.makes_mask()) return selection;
   if (d.kind == VolumeKind::grey && selection.labels.empty()) {
     selection.has_background = false;
@@ -81,7 +61,7 @@ Selection choose(const CodesOptions& options, const VolumeDescription& d) {
   }
   if (!is_integer(d.type)) {
     throw Error(ErrorKind::invalid_argument, "holds float32 voxels, no labels", options.input)
-        .with_field("codes.labels");
+        .with_field("labels.range");
   }
   return selection;
 }

@@ -10,6 +10,7 @@
 
 #include "octavo/core/volume.h"
 #include "octavo/octree/neighbors.h"
+#include "octavo/tasks/asked_labels.h"
 #include "octavo/tasks/task_context.h"
 #include "octavo/tasks/value_ranges.h"
 
@@ -21,8 +22,7 @@ enum class CodeNotation { mixed_octal, hierarchical };
 struct CodesOptions {
   std::string input;  ///< an .8vo file or a URL of one
   int level = 0;      ///< whose samples are condensed
-  std::vector<std::int64_t> labels = {};  ///< only these; with no names either: all but 0
-  std::vector<std::string> names = {};    ///< and the labels of these names
+  AskedLabels labels = {};                ///< only these; with none: all but 0
   std::optional<AskedRange> range = {};   ///< the mask of these real values
   CodeNotation notation = CodeNotation::mixed_octal;
   /// The cube, in that notation or "-" for the root, whose neighbors are asked for.

@@ -167,6 +167,11 @@ std::vector<Part> label_parts(const FileReader& reader, const RenderOptions& opt
   for (const AskedLook& look : options.ranges) {
     windows.push_back(stored_window(look.range, reader.description(), false));
   }
+  const LabelNames& names = reader.description().metadata.facts().labels;
+  const std::vector<std::int64_t> asked = labels_of(options.labels, names, options.input);
+  for (const std::int64_t label : asked) {
+    windows.push_back({static_cast<double>(label), static_cast<double>(label)});
+  }
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   if (windows.empty()) windows.push_back({-kInfinity, kInfinity});
   std::vector<LabelMask> masks;
@@ -175,7 +180,11 @@ std::vector<Part> label_parts(const FileReader& reader, const RenderOptions& opt
   context.on_threads([&] {
     masks = masks_of_labels(reader, options.level, windows, progress, context.max_memory_bytes);
   });
-  const LabelNames& names = reader.description().metadata.facts().labels;
+  for (const std::int64_t label : asked) {
+    const bool is_there = std::any_of(masks.begin(), masks.end(),
+                                      [&](const LabelMask& mask) { return mask.label == label; });
+    if (!is_there) context.warn(options.input + ": no voxel has " + label_words(names, label));
+  }
   const bool is_mask = masks.size() == 1 && masks.front().label == 1 && names.is_empty();
   const auto color_of = [&](std::int64_t label) {
     for (std::size_t i = 0; i < options.ranges.size(); ++i) {
@@ -218,17 +227,28 @@ std::vector<Part> range_parts(const FileReader& reader, const RenderOptions& opt
 
 }  // namespace
 
-std::unique_ptr<RenderScene> make_cube_scene(const std::shared_ptr<const FileReader>& reader,
-                                             const RenderOptions& options,
-                                             const TaskContext& context) {
-  const VolumeDescription& volume = reader->description();
+void require_cube_scene(const FileReader& reader, const RenderOptions& options) {
+  const VolumeDescription& volume = reader.description();
   for (const std::string& name : options.tissues) tissue_range(name, volume, options.input);
   const bool is_labels = volume.kind == VolumeKind::labels;
+  if (!is_labels && !options.labels.is_empty()) {
+    throw Error(ErrorKind::invalid_argument, "holds grey values, not labels", options.input)
+        .with_field("labels.range");
+  }
   if (!is_labels && options.ranges.empty() && options.tissues.empty()) {
     throw Error(ErrorKind::invalid_argument,
                 "holds grey values; cubes are drawn of those in a range", options.input)
         .with_field("ranges");
   }
+  labels_of(options.labels, volume.metadata.facts().labels, options.input);
+  kept_box(options.cuts, reader, options.level);
+}
+
+std::unique_ptr<RenderScene> make_cube_scene(const std::shared_ptr<const FileReader>& reader,
+                                             const RenderOptions& options,
+                                             const TaskContext& context) {
+  require_cube_scene(*reader, options);
+  const bool is_labels = reader->description().kind == VolumeKind::labels;
   const Box whole = box_of(reader->levels().size(options.level));
   const Box kept = kept_box(options.cuts, *reader, options.level);
   std::vector<Part> parts =

@@ -40,6 +40,9 @@ void check_render(const RenderOptions& options) {
   if (options.mode == RenderMode::transparency) {
     if (options.fade) reject_render("transparency does not fade", "fade");
     if (options.shade) reject_render("transparency has no shades", "shade");
+    if (!options.labels.is_empty()) {
+      reject_render("transparency is of grey values, not of labels", "labels.mode");
+    }
     if (options.is_average && options.window)
       reject_render("a window is of sums, not of averages", "window");
     if (options.turntable > kDirectionsAroundABody) {
@@ -186,7 +189,6 @@ std::string look_text(const AskedLook& look, const VolumeDescription& volume) {
 RenderResult render(const RenderOptions& options, const TaskContext& context) {
   check_render(options);
   const std::vector<std::string> paths = picture_paths(options);
-  for (const std::string& path : paths) require_free({path, options.output.overwrite});
   check_picture(options, context);
   const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
   require_level(reader->levels(), options.level);
@@ -194,6 +196,8 @@ RenderResult render(const RenderOptions& options, const TaskContext& context) {
   const Size3& size = reader->levels().size(options.level);
   make_view(reader->levels().geometry(volume.geometry, options.level), size, box_of(size),
             viewpoint_of(options.view, volume.geometry), frame_of(options));
+  if (options.mode != RenderMode::transparency) require_cube_scene(*reader, options);
+  for (const std::string& path : paths) require_free({path, options.output.overwrite});
 
   const auto scene = make_scene(reader, options, context);
   if (!is_place_known(volume) && (!options.view.steps || options.turntable > 0)) {

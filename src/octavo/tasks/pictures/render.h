@@ -11,6 +11,7 @@
 #include "octavo/render/transparency/transparency.h"
 #include "octavo/render/view.h"
 #include "octavo/render/window.h"
+#include "octavo/tasks/asked_labels.h"
 #include "octavo/tasks/outputs.h"
 #include "octavo/tasks/task_context.h"
 #include "octavo/tasks/value_ranges.h"
@@ -64,6 +65,7 @@ struct RenderOptions {
   int level = 0;
   std::vector<AskedLook> ranges;
   std::vector<std::string> tissues;  ///< names of tissue_names()
+  AskedLabels labels;                ///< of a label map; they add up with the ranges
   std::vector<AskedCut> cuts;
   AskedView view;
   std::int64_t width = 1024;
@@ -108,7 +110,8 @@ struct RenderResult {
 };
 
 /// Draws all pictures and gives them their names when the last is complete. Warns of pictures
-/// without anything in them; notes where the place of the patient is not known.
+/// without anything in them and of labels asked for that are not there; notes where the place of
+/// the patient is not known.
 /// Throws  as open_volume and require_free; Error{invalid_argument} when options do not go together
 ///         or with the volume
 /// Memory  that of the masks or of the lines of voxels, and 9 bytes per pixel

@@ -28,8 +28,13 @@ class RenderScene {
   virtual RenderCounts counts() const = 0;
 };
 
+/// Whether modes cubes and surface can draw what is asked for.
+/// Throws Error{invalid_argument} for grey values without a range or a tissue, for labels that they
+///        cannot have, and as kept_box
+void require_cube_scene(const FileReader& reader, const RenderOptions& options);
+
 /// Modes cubes and surface: the leaves of masks.
-/// Throws Error{invalid_argument} for grey values without a range or a tissue
+/// Throws as require_cube_scene and what reading throws
 std::unique_ptr<RenderScene> make_cube_scene(const std::shared_ptr<const FileReader>& reader,
                                              const RenderOptions& options,
                                              const TaskContext& context);

@@ -119,6 +119,33 @@ CutPlane plane_of(const AskedPlane& asked, const FileReader& reader) {
   return {volume.geometry.to_world(middle), asked.normal};
 }
 
+/// The labels to draw of the label maps above a grey volume. A name counts where it is known; one
+/// that none of them knows is an error.
+void choose_labels(std::vector<Overlay>& overlays, const SliceOptions& options) {
+  const auto is_labels = [](const Overlay& overlay) {
+    return overlay.reader->description().kind == VolumeKind::labels;
+  };
+  if (std::none_of(overlays.begin(), overlays.end(), is_labels)) {
+    throw Error(ErrorKind::invalid_argument,
+                "holds grey values, and no label map is drawn over them", options.input)
+        .with_field("labels.kind");
+  }
+  std::vector<std::string> unknown = options.labels.names;
+  for (std::size_t i = 0; i < overlays.size(); ++i) {
+    if (!is_labels(overlays[i])) continue;
+    const LabelNames names = overlays[i].reader->description().metadata.facts().labels;
+    AskedLabels known = {options.labels.numbers, {}};
+    for (const auto& [label, entry] : names.all()) {
+      const std::vector<std::string>& asked = options.labels.names;
+      if (std::find(asked.begin(), asked.end(), entry.name) == asked.end()) continue;
+      known.names.push_back(entry.name);
+      std::erase(unknown, entry.name);
+    }
+    overlays[i].kept = labels_of(known, names, options.overlays[i].path);
+  }
+  labels_of({{}, unknown}, {}, options.overlays.front().path);
+}
+
 /// The volumes above the slices, and what is to be said of them.
 std::vector<Overlay> opened_overlays(const SliceOptions& options, const FileReader& reader,
                                      const TaskContext& context) {
@@ -202,6 +229,10 @@ std::vector<Drawing> planned(const SliceOptions& options, const FileReader& read
                    options.has_legend,    is_spacing_known(volume), is_place_known(volume),
                    unit_of(volume)};
   look.overlays = opened_overlays(options, reader, context);
+  if (!options.labels.is_empty()) {
+    if (volume.kind == VolumeKind::grey) choose_labels(look.overlays, options);
+    else look.kept_labels = labels_of(options.labels, look.labels, options.input);
+  }
   std::vector<Drawing> drawings;
   for (const int axis : options.axes) {
     Drawing& drawing = drawings.emplace_back();
@@ -244,6 +275,16 @@ void warn_of_unmet_overlays(const SliceOptions& options, const std::vector<Drawi
   }
 }
 
+/// So are labels that lie in other slices.
+void warn_of_unmet_labels(const SliceOptions& options, const std::vector<Drawing>& drawings,
+                          const TaskContext& context) {
+  if (options.labels.is_empty()) return;
+  const bool is_met = std::any_of(drawings.begin(), drawings.end(), [](const Drawing& one) {
+    return one.picture.label_pixels > 0;
+  });
+  if (!is_met) context.warn(options.input + ": none of the labels asked for lies in what is drawn");
+}
+
 }  // namespace
 
 SliceResult slice(const SliceOptions& options, const TaskContext& context) {
@@ -260,6 +301,7 @@ SliceResult slice(const SliceOptions& options, const TaskContext& context) {
     }
   });
   warn_of_unmet_overlays(options, drawings, context);
+  warn_of_unmet_labels(options, drawings, context);
 
   SliceResult result;
   result.volume = reader->description();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "octavo/render/slice/slice_picture.h"
+#include "octavo/tasks/asked_labels.h"
 #include "octavo/tasks/outputs.h"
 #include "octavo/tasks/salvage.h"
 #include "octavo/tasks/task_context.h"
@@ -46,6 +47,9 @@ struct SliceOptions {
   std::string window_preset;     ///< in place of it: one of window_presets, for HU alone
   std::int64_t minimum_side = SlicePictureOptions{}.minimum_side;
   std::vector<AskedOverlay> overlays;  ///< the lowest first
+  /// Only these labels, with none all: of the file, or where it holds grey values of the label maps
+  /// over it, in each of which a name may be missing.
+  AskedLabels labels;
   bool has_scale_bar = true;
   bool has_sides = true;
   bool has_notes = true;  ///< position, window, spacing
@@ -74,7 +78,7 @@ struct SliceResult {
 };
 
 /// Draws all pictures before the first is written. Warns of damaged bricks that were filled, of
-/// overlays whose spacing is not known, and of those that no picture meets.
+/// overlays whose spacing is not known, and of overlays and labels asked for that no picture meets.
 /// Throws  as open_volume, require_free, salvaging and render_slice; Error{invalid_argument} when
 ///         options do not go together or with the volume
 /// Memory  about 26 bytes per pixel, besides the reader's cache

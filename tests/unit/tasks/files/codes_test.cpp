@@ -30,8 +30,8 @@ TEST_F(Codes, LabelsBecomeTheirLargestCubes) {
 }
 
 TEST_F(Codes, OnlyTheLabelsThatAreAskedFor) {
-  EXPECT_EQ(leaf_volume(codes({.input = labels_, .labels = {9}}, context_).octree), 1u);
-  EXPECT_EQ(failure_of([&] { codes({.input = labels_, .labels = {0}}, context_); }).kind,
+  EXPECT_EQ(leaf_volume(codes({.input = labels_, .labels = {{9}}}, context_).octree), 1u);
+  EXPECT_EQ(failure_of([&] { codes({.input = labels_, .labels = {{0}}}, context_); }).kind,
             ErrorKind::invalid_argument);
 }
 
@@ -41,13 +41,13 @@ TEST_F(Codes, LabelsAreAskedForByTheirNamesAsWell) {
   labels.fill({{8, 8, 8}, {12, 12, 12}}, 5);
   labels.at({5, 0, 0}) = 9;
   const std::string path = write_named("named.8vo", labels, {{3, "lung"}, {5, "lung"}, {9, "7"}});
-  const CodesResult lungs = codes({.input = path, .names = {"lung"}}, context_);
+  const CodesResult lungs = codes({.input = path, .labels = {{}, {"lung"}}}, context_);
   EXPECT_EQ(leaf_volume(lungs.octree), 128u);
   EXPECT_EQ(lungs.volume.metadata.facts().labels.name_of(3), "lung");
-  EXPECT_EQ(leaf_volume(codes({.input = path, .labels = {3}, .names = {"7"}}, context_).octree),
+  EXPECT_EQ(leaf_volume(codes({.input = path, .labels = {{3}, {"7"}}}, context_).octree),
             65u);
-  EXPECT_EQ(failure_of([&] { codes({.input = path, .names = {"Lung"}}, context_); }).field,
-            "codes.names");
+  EXPECT_EQ(failure_of([&] { codes({.input = path, .labels = {{}, {"Lung"}}}, context_); }).field,
+            "labels.names");
 }
 
 TEST_F(Codes, AMaskOfARangeHasNoNames) {

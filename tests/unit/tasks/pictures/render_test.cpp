@@ -202,8 +202,27 @@ TEST_F(RenderTask, LabelsHaveALegendWithTheirNames) {
   EXPECT_GT(changed, 500);
 }
 
+TEST_F(RenderTask, LabelsThatAreAskedForAreDrawnAlone) {
+  options_.input = labels_;
+  options_.shade = RenderShade::flat;
+  options_.fade = 0;
+  const auto drawn = [&](const AskedLabels& labels, const std::vector<AskedLook>& ranges) {
+    options_.labels = labels;
+    options_.ranges = ranges;
+    const std::int64_t masks = render(options_, context_).counts.masks;
+    return std::pair(masks, colors());
+  };
+  EXPECT_EQ(drawn({{}, {"block"}}, {}), drawn({}, {{{40, 40}, "", {}, {}}}));
+  EXPECT_EQ(drawn({{90, 40}, {}}, {}), drawn({}, {{{40, 90}, "", {}, {}}}));
+  EXPECT_EQ(drawn({{90}, {}}, {{{40, 40}, "", {}, {}}}).first, 2);
+  EXPECT_TRUE(warnings_.empty());
+  EXPECT_EQ(drawn({{90, 41}, {}}, {}).first, 1);
+  ASSERT_EQ(warnings_.size(), 1u);
+  EXPECT_NE(warnings_[0].find("no voxel has label 41"), std::string::npos);
+}
+
 TEST_F(RenderTask, WhatDoesNotGoTogetherIsRejectedAndWritesNothing) {
-  std::vector<RenderOptions> all(17, options_);
+  std::vector<RenderOptions> all(19, options_);
   all[0].output.path = folder_.file("p.gif");
   all[1].ranges.clear();
   all[2].tissues = {"bone"};
@@ -222,6 +241,8 @@ TEST_F(RenderTask, WhatDoesNotGoTogetherIsRejectedAndWritesNothing) {
   all[14].shade = RenderShade::flat;
   all[15].turntable = 9;
   all[16].input = labels_;
+  all[17].labels = {{40}, {}};
+  all[18].input = labels_, all[18].labels = {{}, {"Block"}};
   for (std::size_t i = 0; i < all.size(); ++i) {
     EXPECT_EQ(kind_of(all[i]), ErrorKind::invalid_argument) << i;
   }

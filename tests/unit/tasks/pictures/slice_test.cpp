@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "octavo/core/error.h"
+#include "octavo/render/label_color.h"
 #include "octavo/render/slice/montage.h"
 #include "support/built_file.h"
 #include "support/read_png.h"
@@ -164,6 +165,46 @@ TEST_F(SliceTask, OverlaysAreDrawnInColor) {
     }
   }
   EXPECT_TRUE(warnings_.empty());
+}
+
+TEST_F(SliceTask, LabelsThatAreAskedForAreDrawnAlone) {
+  const std::string organs = folder_.file("organs.8vo");
+  build(organs, VolumeKind::labels, [](double x, double, double z) {
+    return x < 10 ? 0 : x < 20 ? 4 : z < 6 ? 9 : 5;
+  });
+  options_.has_legend = options_.has_notes = options_.has_scale_bar = options_.has_sides = false;
+  options_.minimum_side = 1;
+  options_.output.overwrite = true;
+  options_.labels = {{4, 9}, {}};
+  const auto expect_bands = [&](bool has_ground) {
+    slice(options_, context_);
+    const Picture drawn = picture(options_.output.path);
+    for (std::int64_t x = 0; x < kSize.x; ++x) {
+      const std::uint8_t* const pixel = drawn.pixels.data() + 3 * (5 * kSize.x + x);
+      const Color found = {pixel[0], pixel[1], pixel[2]};
+      const bool is_kept = x >= 10 && x < 20;
+      EXPECT_EQ(found == label_color(4), is_kept) << x;
+      if (is_kept) continue;
+      // Nothing is drawn, or the grey values below.
+      const std::uint8_t grey = has_ground ? found[0] : std::uint8_t{0};
+      EXPECT_EQ(found, (Color{grey, grey, grey})) << x;
+    }
+  };
+  options_.input = organs;
+  expect_bands(false);
+  options_.input = scan_;
+  options_.overlays = {{organs, {}}, {scan_, {}}};
+  options_.overlays[0].look.kind = options_.overlays[1].look.kind = OverlayKind::wash;
+  options_.overlays[0].look.opacity = 1;
+  options_.overlays[1].look.opacity = 0;
+  expect_bands(true);
+  EXPECT_TRUE(warnings_.empty());
+  options_.labels = {{9}, {}};
+  slice(options_, context_);
+  ASSERT_EQ(warnings_.size(), 1u);
+  EXPECT_NE(warnings_[0].find("none of the labels"), std::string::npos);
+  options_.overlays.clear();
+  EXPECT_EQ(kind_of(options_), ErrorKind::invalid_argument);
 }
 
 TEST_F(SliceTask, AnOverlayThatLiesElsewhereIsWarnedOf) {
