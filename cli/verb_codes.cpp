@@ -11,6 +11,7 @@
 #include "common/label_option.h"
 #include "common/options.h"
 #include "common/task_run.h"
+#include "octavo/core/url_text.h"
 #include "octavo/tasks/files/codes.h"
 #include "text/label_words.h"
 #include "text/quantities.h"
@@ -296,7 +297,7 @@ int run_codes(const Arguments& arguments, Context& context) {
   } else if (arguments.counts) {
     print(counts_text(octree, names));
   } else {
-    print(summary_text(octree, result.volume, arguments.input));
+    print(summary_text(octree, result.volume, public_name(arguments.input)));
   }
   return kExitDone;
 }

@@ -9,6 +9,7 @@
 #include "common/options.h"
 #include "common/scan_arguments.h"
 #include "common/task_run.h"
+#include "octavo/core/url_text.h"
 #include "octavo/tasks/files/compare.h"
 #include "text/comparison_words.h"
 #include "text/quantities.h"
@@ -39,7 +40,8 @@ struct Arguments {
 };
 
 std::string difference_text(const Arguments& arguments, const CompareResult& result) {
-  std::string text = fmt::format("{} and {} differ\n", arguments.a, arguments.b);
+  std::string text = fmt::format("{} and {} differ\n", public_name(arguments.a),
+                                 public_name(arguments.b));
   for (const std::string& line : comparison_lines(result.comparison, result.a, result.b)) {
     text += "  " + line + "\n";
   }
@@ -57,7 +59,8 @@ int run_volumes(const Arguments& arguments, Context& context) {
   } else if (!is_equal) {
     print(difference_text(arguments, result));
   } else if (!context.quiet) {
-    print(fmt::format("{} and {} are {}\n", arguments.a, arguments.b, equal_text(result)));
+    print(fmt::format("{} and {} are {}\n", public_name(arguments.a), public_name(arguments.b),
+                      equal_text(result)));
   }
   return is_equal ? kExitDone : kExitDifferent;
 }
@@ -68,7 +71,7 @@ std::string labels_text(const Arguments& arguments, const CompareLabelsResult& r
                                    [](const LabelAgreement& one) { return one.dice() == 1; });
   const std::string text =
       fmt::format("A = {}, B = {}: {} label{}, {} of them the same in both\n",
-                  escaped(arguments.a), escaped(arguments.b), all.size(),
+                  escaped(public_name(arguments.a)), escaped(public_name(arguments.b)), all.size(),
                   all.size() == 1 ? "" : "s", alike);
   return all.empty() ? text : text + agreement_table(result);
 }

@@ -8,6 +8,7 @@
 #include "common/options.h"
 #include "common/task_run.h"
 #include "octavo/core/text.h"
+#include "octavo/core/url_text.h"
 #include "octavo/tasks/components.h"
 #include "octavo/tasks/volume_facts.h"
 #include "verbs.h"
@@ -74,7 +75,7 @@ nlohmann::ordered_json report_json(const Arguments& arguments, const ComponentsR
 
 std::string table_text(const Arguments& arguments, const ComponentsResult& result) {
   std::string text =
-      fmt::format("{}: {}, {} kept{}\n", arguments.input,
+      fmt::format("{}: {}, {} kept{}\n", public_name(arguments.input),
                   counted_text(static_cast<std::int64_t>(result.found), "component"),
                   count_text(static_cast<std::int64_t>(result.kept)),
                   arguments.output.empty() ? "" : " in " + arguments.output);

@@ -8,6 +8,7 @@
 #include "common/options.h"
 #include "common/task_run.h"
 #include "octavo/core/text.h"
+#include "octavo/core/url_text.h"
 #include "octavo/tasks/shell.h"
 #include "octavo/tasks/volume_facts.h"
 #include "verbs.h"
@@ -53,7 +54,7 @@ int run_shell(const Arguments& arguments, Context& context) {
     print_json(report_json(arguments, result, context));
   } else if (!context.quiet) {
     print(fmt::format("{}: {} of {} leaves lie at the surface, {} removed; {}\n",
-                      arguments.output.empty() ? arguments.input : arguments.output,
+                      arguments.output.empty() ? public_name(arguments.input) : arguments.output,
                       count_text(result.kept), count_text(result.leaves),
                       count_text(result.leaves - result.kept),
                       volume_text(result.voxels, result.volume)));

@@ -10,6 +10,7 @@
 #include "common/options.h"
 #include "common/task_run.h"
 #include "octavo/core/text.h"
+#include "octavo/core/url_text.h"
 #include "octavo/tasks/geometry_words.h"
 #include "octavo/tasks/touch.h"
 #include "octavo/tasks/volume_facts.h"
@@ -85,8 +86,8 @@ const char* relation_of(const Interference& found) {
 std::string masks_text(const Arguments& arguments, const TouchMasksResult& result) {
   const Interference& found = result.found;
   const VolumeDescription& volume = result.volume;
-  const std::string a = escaped(arguments.inputs[0]);
-  const std::string b = escaped(arguments.inputs[1]);
+  const std::string a = escaped(public_name(arguments.inputs[0]));
+  const std::string b = escaped(public_name(arguments.inputs[1]));
   std::string text = fmt::format("{} and {} {}\n", a, b,
                                  found.is_overlap()   ? "overlap"
                                  : found.is_contact() ? "touch"
@@ -107,7 +108,7 @@ std::string masks_text(const Arguments& arguments, const TouchMasksResult& resul
 nlohmann::ordered_json masks_json(const Arguments& arguments, const TouchMasksResult& result,
                                   const Context& context) {
   const Interference& found = result.found;
-  return {{"masks", arguments.inputs},
+  return {{"masks", {public_name(arguments.inputs[0]), public_name(arguments.inputs[1])}},
           {"relation", relation_of(found)},
           {"connectivity", arguments.connectivity},
           {"overlap", extent_json(found.overlap, result.volume)},
@@ -129,7 +130,7 @@ NameColumn names_of(const TouchLabelsResult& result, std::int64_t LabelContact::
 
 std::string labels_text(const Arguments& arguments, const TouchLabelsResult& result) {
   std::string text = fmt::format(
-      "{}: {}\n", escaped(arguments.inputs[0]),
+      "{}: {}\n", escaped(public_name(arguments.inputs[0])),
       counted_text(static_cast<std::int64_t>(result.contacts.size()), "pair of labels touches",
                    "pairs of labels touch"));
   if (result.contacts.empty()) return text;
@@ -166,7 +167,7 @@ nlohmann::ordered_json labels_json(const Arguments& arguments, const TouchLabels
          {"area_mm2", optional_json(area_mm2(contact.face_pairs, result.volume))},
          {"voxel_pairs", contact.voxel_pairs}});
   }
-  return {{"labels", arguments.inputs[0]},
+  return {{"labels", public_name(arguments.inputs[0])},
           {"connectivity", arguments.connectivity},
           {"pairs", pairs},
           {"warnings", context.warnings}};

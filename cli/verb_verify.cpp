@@ -8,6 +8,7 @@
 #include "common/options.h"
 #include "common/scan_arguments.h"
 #include "common/task_run.h"
+#include "octavo/core/url_text.h"
 #include "octavo/tasks/files/verify_volume.h"
 #include "octavo/tasks/volume_facts.h"
 #include "text/comparison_words.h"
@@ -68,7 +69,7 @@ nlohmann::ordered_json damage_json(const Damage& damage) {
 
 nlohmann::ordered_json result_json(const std::string& path, const VerifyVolumeResult& result) {
   const VerifyReport& report = result.report;
-  nlohmann::ordered_json object = {{"file", path},
+  nlohmann::ordered_json object = {{"file", public_name(path)},
                                    {"sound", report.is_sound()},
                                    {"bricks", report.brick_count},
                                    {"damaged_bricks", report.damaged_brick_count},
@@ -110,7 +111,7 @@ std::string extent_text(const VerifyReport& report) {
                 first.offset);
   }
   for (const Damage& damage : report.damages) {
-    context.note(escaped(arguments.input) + ": " + damage.detail);
+    context.note(escaped(public_name(arguments.input)) + ": " + damage.detail);
   }
   const auto listed = static_cast<std::int64_t>(report.damages.size());
   const std::string named =
@@ -125,8 +126,8 @@ std::string extent_text(const VerifyReport& report) {
 std::string difference_text(const Arguments& arguments, const VerifyVolumeResult& result) {
   const VolumeDescription& source = result.against->source;
   const Comparison& c = result.against->comparison;
-  std::string text = fmt::format("{}: sound, but differs from {}\n", arguments.input,
-                                 arguments.against.front());
+  std::string text = fmt::format("{}: sound, but differs from {}\n", public_name(arguments.input),
+                                 public_name(arguments.against.front()));
   for (const std::string& line : comparison_lines(c, result.volume, source)) {
     text += "  " + line + "\n";
   }
@@ -139,7 +140,7 @@ std::string difference_text(const Arguments& arguments, const VerifyVolumeResult
 
 std::string sound_text(const Arguments& arguments, const VerifyVolumeResult& result) {
   const std::string missing = missing_words(result.volume.metadata);
-  return fmt::format("{}: sound; {}, {} read and decoded{}\n", arguments.input,
+  return fmt::format("{}: sound; {}, {} read and decoded{}\n", public_name(arguments.input),
                      counted_text(result.report.brick_count, "brick"),
                      bytes_text(result.report.file_bytes),
                      missing.empty() ? "" : "; but " + missing);
@@ -150,9 +151,9 @@ std::string faithful_text(const Arguments& arguments, const VerifyVolumeResult& 
   const std::string within = distance_text(result.volume, check.allowed_error);
   const bool is_exact = check.allowed_error == 0;
   return fmt::format(
-      "{}: sound; {} {} of {}{}, {}; {} checked\n", arguments.input,
+      "{}: sound; {} {} of {}{}, {}; {} checked\n", public_name(arguments.input),
       is_exact ? "equal to all" : "within " + within + " of all",
-      counted_text(check.comparison.voxels, "voxel"), arguments.against.front(),
+      counted_text(check.comparison.voxels, "voxel"), public_name(arguments.against.front()),
       check.has_planes_between ? " with planes in between" : "",
       check.comparison.is_place_known ? "and in geometry" : "whose spacing is not known",
       counted_text(result.report.brick_count, "brick"));

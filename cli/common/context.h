@@ -25,6 +25,7 @@ struct Context {
   ProgressMode progress = ProgressMode::automatic;
   int threads = 0;                     ///< 0: all cores
   std::uint64_t max_memory_bytes = 0;  ///< 0: no limit
+  double timeout_s = 60;               ///< of servers behind URLs
   std::string verb;
   std::function<int()> run;            ///< set by the verb that was parsed; returns the exit code
   std::vector<std::string> warnings;   ///< all that warn() was told, for the JSON result

@@ -220,6 +220,13 @@ void add_global_options(Verb verb, Context& context) {
           "Refuse work that needs more memory than this (500M, 2G)")
       ->type_name("BYTES")
       ->group(group);
+  verb.add_option("--timeout", context.timeout_s,
+                  "Give up on the server of a URL after so many seconds of silence, or of less "
+                  "than 10 kB a second")
+      ->type_name("SECONDS")
+      ->check(number_within(1, 86400))
+      ->capture_default_str()
+      ->group(group);
   verb.add_flag("-f,--force", context.force,
                 "Replace output files that exist, or whose build was interrupted or still runs")
       ->group(group);

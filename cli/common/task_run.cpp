@@ -8,6 +8,7 @@ TaskContext brief_task(Context& context) {
   TaskContext task;
   task.threads = context.threads;
   task.max_memory_bytes = context.max_memory_bytes;
+  task.timeout_s = context.timeout_s;
   task.on_warning = [&context](const Warning& warning) {
     context.warn(with_advice(warning));
   };

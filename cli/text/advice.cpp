@@ -126,6 +126,7 @@ constexpr Advice kAdvice[] = {
     {kAny, "repair.input", "", "repair cannot restore this, and no verb can read such a file"},
     {kAny, "repair.salvage", "", "export --salvage writes what is whole"},
     {kAny, "salvage", "", "--salvage fills what is damaged"},
+    {kAny, "timeout_s", "", "--timeout SECONDS changes that"},
 };
 
 constexpr std::string_view kPlace = "{}";

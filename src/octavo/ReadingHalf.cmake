@@ -14,6 +14,7 @@ set(OCTAVO_READ_SOURCES
   core/metadata_reading.cpp
   core/powers_of_ten.cpp
   core/sample_coding.cpp
+  core/url_text.cpp
   core/utf8.cpp
   core/volume.cpp
   core/voxel_type.cpp

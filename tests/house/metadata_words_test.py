@@ -26,7 +26,7 @@ OTHERS = {
     "src/octavo/builder/recover.cpp": {"repaired": "what is done"},
     "src/octavo/file/write/interrupted.cpp": {"labels": "a kind of volume"},
     "src/octavo/io/dicom/dicom_stack.cpp": {"fill": "what an option is set to"},
-    "src/octavo/io/http/http_range.cpp": {"identity": "a coding of HTTP"},
+    "src/octavo/io/http/answer_head.cpp": {"identity": "a coding of HTTP"},
     "src/octavo/io/images/tiff_description.cpp": {"unit": "a line of ImageJ"},
     "src/octavo/io/source_options.cpp": {"on_gap": "an option", "segment": "an option"},
     "src/octavo/io/volumes/nrrd_header.cpp": {"labels": "a field of NRRD",

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "octavo/core/url_text.h"
+
 namespace octavo {
 
 namespace {
@@ -50,10 +52,10 @@ std::string escaped(std::string_view text) {
 
 Error::Error(ErrorKind kind, std::string detail, std::string path,
              std::optional<std::uint64_t> offset)
-    : std::runtime_error(line_of(path, detail)),
+    : std::runtime_error(line_of(public_name(path), without_secrets(detail))),
       kind_(kind),
-      detail_(std::move(detail)),
-      path_(std::move(path)),
+      detail_(without_secrets(detail)),
+      path_(public_name(path)),
       offset_(offset) {}
 
 const std::string& Error::field() const noexcept {

@@ -3,13 +3,26 @@
 #include <algorithm>
 
 #include "octavo/core/error.h"
+#include "octavo/core/url_text.h"
 #include "octavo/file/storage/storage.h"
-#include "octavo/io/http/http_range.h"
 #include "octavo/io/http/http_source.h"
 
 namespace octavo {
 
 bool is_octavo_path(const std::string& path) { return is_url(path) || path.ends_with(".8vo"); }
+
+std::shared_ptr<const ByteSource> open_input(const std::string& path,
+                                             const TaskContext& context) {
+  HttpOptions options;
+  options.timeout_s = context.timeout_s;
+  options.on_wait = [note = context.on_note](const std::string& text) {
+    if (note) note(text, "timeout_s");
+  };
+  options.is_cancelled = [watcher = context.progress] {
+    return watcher != nullptr && watcher->is_cancelled();
+  };
+  return open_any(path, options);
+}
 
 std::shared_ptr<FileReader> open_volume(const std::string& path, const TaskContext& context) {
   ReaderOptions options;
@@ -19,7 +32,7 @@ std::shared_ptr<FileReader> open_volume(const std::string& path, const TaskConte
   if (!is_url(path) && local_storage().path_type(path) == PathType::folder) {
     throw Error(ErrorKind::io, "is a folder, not an 8vo file", path).with_field("input.format");
   }
-  return FileReader::open(open_any(path), options);
+  return FileReader::open(open_input(path, context), options);
 }
 
 std::shared_ptr<FileReader> open_labels(const std::string& path, const TaskContext& context,

@@ -12,6 +12,10 @@ namespace octavo {
 /// True when `path` names an .8vo file by its extension, or is a URL.
 bool is_octavo_path(const std::string& path);
 
+/// The bytes of a file or URL; the context says how long its server may take and hears of waiting.
+/// Throws as open_any
+std::shared_ptr<const ByteSource> open_input(const std::string& path, const TaskContext& context);
+
 /// Opens an .8vo file or an http(s) URL of one, with a cache that fits the memory limit.
 /// Throws what FileReader::open throws; Error{io} for a folder
 std::shared_ptr<FileReader> open_volume(const std::string& path, const TaskContext& context);

@@ -7,20 +7,21 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/memory_limit.h"
+#include "octavo/core/url_text.h"
 
 namespace octavo {
 
 void TaskContext::warn(const Warning& warning) const {
   if (is_strict) throw Error(ErrorKind::source_rejected, warning.text).with_field("is_strict");
-  if (on_warning) on_warning(warning);
+  if (on_warning) on_warning(Warning(without_secrets(warning.text), warning.field));
 }
 
 void TaskContext::note(const std::string& text, const std::string& field) const {
-  if (on_note) on_note(text, field);
+  if (on_note) on_note(without_secrets(text), field);
 }
 
 void TaskContext::detail(const std::string& text) const {
-  if (on_detail) on_detail(text);
+  if (on_detail) on_detail(without_secrets(text));
 }
 
 Progress& TaskContext::watcher() const {

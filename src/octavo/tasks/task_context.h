@@ -15,6 +15,7 @@
 
 namespace octavo {
 
+/// What it passes on to its listeners holds no secrets of URLs.
 struct TaskContext {
   using Listener = std::function<void(const std::string&)>;
   using WarningListener = std::function<void(const Warning&)>;
@@ -23,11 +24,12 @@ struct TaskContext {
 
   int threads = 0;                     ///< 0: all cores
   std::uint64_t max_memory_bytes = 0;  ///< 0: no limit
+  double timeout_s = 60;               ///< of servers behind URLs, as in HttpOptions
   /// Watches the work; its is_cancelled() ends the task with Error{cancelled}.
   Progress* progress = nullptr;
   /// Told what the user should know although the task goes on. May throw, which ends the task.
   WarningListener on_warning;
-  /// Told what was done otherwise than asked, in passing.
+  /// Told what was done otherwise than asked, or takes long, in passing; on any thread.
   NoteListener on_note;
   /// Told how the work is done, for those who look closely.
   Listener on_detail;

@@ -6,7 +6,6 @@
 #include "octavo/core/error.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/file/write/copy_described.h"
-#include "octavo/io/http/http_source.h"
 #include "octavo/io/source/place_known.h"
 #include "octavo/ops/mask/mask_transform.h"
 #include "octavo/planes/computed_source.h"
@@ -112,7 +111,7 @@ TransformResult transform(const TransformOptions& options, const TaskContext& co
   result.summary = plan.summary;
   result.file_bytes =
       result.is_copied
-          ? copy_described(open_any(options.input), result.volume, local_storage(),
+          ? copy_described(open_input(options.input, context), result.volume, local_storage(),
                            options.output.path, options.output.overwrite, context.watcher())
           : write_voxels(*reader, plan, result.volume, options, context);
   return result;

@@ -11,6 +11,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/levels.h"
 #include "octavo/core/text.h"
+#include "octavo/core/url_text.h"
 #include "octavo/io/source/place_known.h"
 #include "octavo/tasks/geometry_words.h"
 #include "octavo/tasks/inputs.h"
@@ -328,7 +329,7 @@ void Planner::take_grid_of(const std::string& path) {
   plan_.size = grid.size;
   plan_.geometry = grid.geometry;
   plan_.is_placed = is_place_known(grid);
-  plan_.summary += ", on the grid of " + path;
+  plan_.summary += ", on the grid of " + public_name(path);
   plan_.spacing_from = grid.metadata;
   warn_of_unknown_spacing(grid, path, volume_, path_, context_);
 }

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "octavo/core/error.h"
+#include "octavo/core/url_text.h"
 #include "octavo/file/lru_cache.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/io/http/http_range.h"
-#include "octavo/io/source/source_file.h"
 
 namespace octavo {
 
@@ -23,7 +23,7 @@ using Block = std::shared_ptr<const BlockBytes>;
 
 class HttpSource final : public ByteSource {
  public:
-  explicit HttpSource(const std::string& url) : client_(url) {
+  HttpSource(const std::string& url, const HttpOptions& options) : client_(url, options) {
     RangeAnswer head = client_.fetch(0, kBlockBytes);
     size_ = head.total_bytes;
     validator_ = std::move(head.validator);
@@ -31,7 +31,7 @@ class HttpSource final : public ByteSource {
   }
 
   std::uint64_t size() const override { return size_; }
-  const std::string& name() const override { return client_.url(); }
+  const std::string& name() const override { return client_.name(); }
 
   void read(std::uint64_t offset, std::span<std::uint8_t> out) const override {
     if (offset > size_ || out.size() > size_ - offset) {
@@ -90,18 +90,13 @@ class HttpSource final : public ByteSource {
 
 }  // namespace
 
-bool is_url(const std::string& path) {
-  const std::string start = lower_case(path.substr(0, 8));
-  return start.starts_with("http://") || start.starts_with("https://");
-}
-
-std::shared_ptr<ByteSource> open_url(const std::string& url) {
+std::shared_ptr<ByteSource> open_url(const std::string& url, const HttpOptions& options) {
   if (!is_url(url)) throw Error(ErrorKind::invalid_argument, "is no http or https URL", url);
-  return std::make_shared<HttpSource>(url);
+  return std::make_shared<HttpSource>(url, options);
 }
 
-std::shared_ptr<ByteSource> open_any(const std::string& path) {
-  return is_url(path) ? open_url(path) : open_byte_source(local_storage(), path);
+std::shared_ptr<ByteSource> open_any(const std::string& path, const HttpOptions& options) {
+  return is_url(path) ? open_url(path, options) : open_byte_source(local_storage(), path);
 }
 
 }  // namespace octavo

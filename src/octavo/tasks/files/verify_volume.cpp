@@ -7,7 +7,6 @@
 #include "octavo/core/error.h"
 #include "octavo/file/parallel_read.h"
 #include "octavo/file/repair/repair_bits.h"
-#include "octavo/io/http/http_source.h"
 #include "octavo/tasks/file_planes.h"
 #include "octavo/tasks/files/planes_between.h"
 #include "octavo/tasks/inputs.h"
@@ -20,7 +19,7 @@ namespace {
 VerifyReport checked(const std::string& path, const TaskContext& context) {
   VerifyOptions options;
   options.for_each = for_each_parallel(context.thread_count());
-  const std::shared_ptr<const ByteSource> source = open_any(path);
+  const std::shared_ptr<const ByteSource> source = open_input(path, context);
   try {
     return verify_file(source, options, context.watcher());
   } catch (const Error& error) {

@@ -191,7 +191,7 @@ TEST(Http, OddAnswersAreRejectedInTheirOwnWords) {
       {404, "X-None", "", "no such file"},
       {403, "X-None", "", "denies access"},
       {416, "Content-Range", "bytes */0", "no such range"},
-      {302, "Location", "file:///etc/passwd", "302"},
+      {302, "Location", "file:///etc/passwd", "a URL of 'file'"},
   };
   for (const OddAnswer& odd : answers) {
     TestServer server([&](const Request&, Response& answer) {
@@ -226,12 +226,13 @@ TEST(Http, UnreachableServersAreAnError) {
   EXPECT_NE(failure_of([&] { open_url(url); }).find("cannot be read"), std::string::npos);
 }
 
-TEST(Http, OnlyHttpIsAUrl) {
-  EXPECT_TRUE(is_url("http://x/y"));
-  EXPECT_TRUE(is_url("HTTPS://x/y"));
-  EXPECT_FALSE(is_url("file:///x"));
-  EXPECT_FALSE(is_url("scan.8vo"));
-  EXPECT_THROW(open_url("ftp://x/y"), Error);
+TEST(Http, OnlyHttpIsOpened) { EXPECT_THROW(open_url("ftp://x/y"), Error); }
+
+TEST(Http, TheNameOfASourceHasNoSecrets) {
+  const std::string file = test_bytes();
+  TestServer server([&](const Request& q, Response& a) { answer_range(q, a, file, "\"v1\""); });
+  const std::string secret = "http://user:password@" + server.url().substr(7) + "?token=1";
+  EXPECT_EQ(open_url(secret)->name(), server.url());
 }
 
 }  // namespace
