@@ -14,9 +14,9 @@ std::string DicomElements::u32(std::uint32_t value) const {
 
 void DicomElements::set(std::uint32_t tag, const std::string& vr, const std::string& value) {
   std::string padded = value;
-  const bool is_text = vr != "UI" && vr != "OB" && vr != "OW";
+  const bool is_text = vr != "UI" && !vr.starts_with('O');
   if (padded.size() % 2 == 1) padded += is_text ? ' ' : '\0';
-  const bool is_long = vr == "OW" || vr == "OB" || vr == "SQ";
+  const bool is_long = vr.starts_with('O') || vr == "SQ";
   const auto length = static_cast<std::uint32_t>(padded.size());
   elements_[tag] = tag_bytes(tag) + vr +
                    (is_long ? std::string(2, '\0') + u32(length) : u16(length)) + padded;

@@ -162,6 +162,21 @@ std::unique_ptr<PlaneSource> open_folder(const std::string& folder, const Source
               folder);
 }
 
+/// Rejects MINC, which its name shows, or, in its second version, HDF5 beneath it.
+void require_no_minc(const std::string& path) {
+  using namespace std::string_view_literals;
+  const std::vector<std::byte> head = file_head(path, 8);
+  const std::string_view text(reinterpret_cast<const char*>(head.data()), head.size());
+  const bool is_hdf5 = text == "\x89HDF\r\n\x1a\n"sv;
+  const bool is_minc = has_ending(path, ".mnc") || has_ending(path, ".mnc.gz");
+  if (!is_hdf5 && !is_minc) return;
+  throw Error(ErrorKind::source_rejected,
+              is_minc ? "MINC files are not read; convert it to NIfTI with mnc2nii first"
+                      : "an HDF5 file is not read: convert it to NIfTI or NRRD first (with mnc2nii "
+                        "where it is MINC)",
+              path);
+}
+
 std::unique_ptr<PlaneSource> open_file(const std::string& path, const SourceOptions& options) {
   if (is_dicomdir(path)) {
     const std::string folder = std::filesystem::path(path).parent_path().string();
@@ -184,6 +199,7 @@ std::unique_ptr<PlaneSource> open_file(const std::string& path, const SourceOpti
   if (SourceFile(path).size() == 0) {
     throw Error(ErrorKind::source_rejected, "the file is empty", path);
   }
+  require_no_minc(path);
   throw Error(ErrorKind::source_rejected,
               "not a DICOM, TIFF, PNG, NIfTI, NRRD, MetaImage, VTK or GIPL file", path)
       .with_field("raw");

@@ -92,7 +92,6 @@ TEST(SourceShared, AwkwardSourcesAreRejectedByName) {
       {"MR_truncated.dcm", {"MR_truncated.dcm", "ends early"}},
       {"emri_small.dcm", {"no geometry", "[spacing_mm]"}},
       {"emri_small_j2k_too_short.dcm", {"ends early"}},
-      {"parametric_map_float.dcm", {"float DICOM"}},
       {"seg_deflated_liver.dcm", {"1.2.840.10008.1.2.8.1"}},
       {"SC_rgb_16bit.dcm", {"3 channels", "[channel="}},
       {"rgba_CIT168.nii.gz", {"4 channels", "alpha"}},
@@ -203,6 +202,14 @@ TEST(SourceShared, AwkwardButSoundSourcesAreReadWithTheirGeometry) {
   const std::string bytes = voxels_of(*stripes);
   std::vector<std::int16_t> values(bytes.size() / 2);
   std::memcpy(values.data(), bytes.data(), bytes.size());
+  EXPECT_EQ(stripes->description().size, (Size3{64, 64, 35}));
+  // As nibabel unfolds the mosaic.
+  const Point3 origin = stripes->description().geometry.origin_mm;
+  for (const auto& [found, expected] : {std::pair(origin[0], -108.84054425),
+                                        std::pair(origin[1], -119.56490282),
+                                        std::pair(origin[2], -25.62707867)}) {
+    EXPECT_NEAR(found, expected, 1e-4);
+  }
   for (const std::int16_t value : values) ASSERT_TRUE(value >= -2048 && value <= 2047);
   EXPECT_NE(std::find(values.begin(), values.end(), -241), values.end());
   EXPECT_NE(std::find(values.begin(), values.end(), -1), values.end());

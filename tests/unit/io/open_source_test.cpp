@@ -61,6 +61,18 @@ TEST_F(OpenFolder, DicomBelowOtherFilesIsRejectedAndBesideThemTaken) {
   EXPECT_EQ(open_source({folder_.path()}, options_)->description().size.z, 1);
 }
 
+TEST(OpenSource, MincIsRejectedWithWhatToDo) {
+  const TempFolder folder;
+  const std::string hdf5 = std::string("\x89HDF\r\n\x1a\n", 8) + std::string(500, '\0');
+  write_file(folder.file("a.mnc"), hdf5);
+  write_file(folder.file("b.mnc"), "CDF\1" + std::string(500, '\0'));
+  write_file(folder.file("c.mnc.gz"), gzip(hdf5));
+  write_file(folder.file("d.h5"), hdf5);
+  for (const char* name : {"a.mnc", "b.mnc", "c.mnc.gz", "d.h5"}) {
+    expect_rejected(folder.file(name), {"MINC", "mnc2nii"});
+  }
+}
+
 TEST(OpenSource, OptionsOfDicomAreRejectedForOtherFormats) {
   const TempFolder folder;
   write_png(folder.file("a.png"), 2, 2, 8, 0, "abcd");

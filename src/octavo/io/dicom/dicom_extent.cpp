@@ -25,7 +25,8 @@ constexpr const char* kRunLengths = "1.2.840.10008.1.2.5";
 
 /// Pictures of this size that fill the native pixel data to the last word; 0 when none do.
 std::uint64_t pictures_in(const DicomLayout& layout) {
-  const auto voxels = static_cast<std::uint64_t>(layout.rows * layout.columns * layout.samples);
+  const auto voxels = static_cast<std::uint64_t>(layout.stored_rows() *
+                                                 layout.stored_columns() * layout.samples);
   const std::uint64_t length = layout.pixels.native.length;
   if (layout.bits_allocated != 1) {
     const std::uint64_t frame = layout.frame_bytes();
@@ -41,7 +42,7 @@ void check_native(const DicomLayout& layout) {
   if (length < needed) {
     reject(layout, "the pixel data hold " + std::to_string(length) + " bytes, " +
                        std::to_string(needed) + " are needed for " +
-                       size_text({layout.columns, layout.rows, layout.frames}) +
+                       size_text({layout.stored_columns(), layout.stored_rows(), layout.frames}) +
                        " voxels; the file is cut");
   }
   if (surplus_bytes(layout) == 0) return;

@@ -16,6 +16,8 @@ namespace {
 constexpr std::uint32_t kUndefinedLength = 0xffffffffU;
 constexpr std::uint64_t kStoredValueLimit = 512;
 constexpr std::uint64_t kStoredListLimit = std::uint64_t{1} << 16;
+constexpr std::uint64_t kStoredTableLimit = std::uint64_t{1} << 17;
+constexpr std::uint64_t kSiemensHeaderLimit = std::uint64_t{1} << 20;
 constexpr std::size_t kWindowBytes = std::size_t{1} << 14;
 constexpr int kMaxDepth = 16;
 
@@ -23,6 +25,7 @@ constexpr DicomTag kTransferSyntax = 0x00020010;
 constexpr DicomTag kFloatPixelData = 0x7fe00008;
 constexpr DicomTag kDoublePixelData = 0x7fe00009;
 constexpr DicomTag kPixelData = 0x7fe00010;
+constexpr DicomTag kSiemensGroup = 0x0029;
 constexpr DicomTag kItem = 0xfffee000;
 constexpr DicomTag kItemEnd = 0xfffee00d;
 constexpr DicomTag kSequenceEnd = 0xfffee0dd;
@@ -31,13 +34,14 @@ constexpr DicomTag kSequenceEnd = 0xfffee0dd;
 bool is_kept_sequence(DicomTag tag) {
   static const std::set<DicomTag> kKept = {0x52009229, 0x52009230, 0x00209113, 0x00209116,
                                            0x00289110, 0x00289145, 0x00209111, 0x00283010,
-                                           0x00620002, 0x0062000a, 0x00283000};
+                                           0x00620002, 0x0062000a, 0x00283000, 0x00409096};
   return kKept.contains(tag);
 }
 
 /// A list of numbers for every frame may be long, and a rescale that is too long to be one must not
 /// pass for absent.
 std::uint64_t stored_value_limit(DicomTag tag) {
+  if (tag >= 0x00281201 && tag <= 0x00281203) return kStoredTableLimit;  // of colors
   const bool may_be_long = tag == kGridFrameOffsets || tag == kRescaleSlope ||
                            tag == kRescaleIntercept || tag == kDoseScaling;
   return may_be_long ? kStoredListLimit : kStoredValueLimit;
@@ -48,15 +52,23 @@ class Window {
  public:
   explicit Window(const std::string& path) : file_(path) {}
 
-  std::uint64_t size() const { return file_.size(); }
+  std::uint64_t size() const { return inflated_ ? inflated_->size() : file_.size(); }
   const std::string& path() const { return file_.path(); }
+
+  /// What follows `start` is deflated.
+  std::shared_ptr<InflatedFile> inflate_from(std::uint64_t start) {
+    inflated_ = std::make_shared<InflatedFile>(path(), start);
+    held_.clear();
+    return inflated_;
+  }
 
   /// Requires offset + count <= size().
   std::string bytes(std::uint64_t offset, std::uint64_t count) {
     if (offset < start_ || offset + count > start_ + held_.size()) {
       held_.resize(static_cast<std::size_t>(
           std::min<std::uint64_t>(std::max<std::uint64_t>(count, kWindowBytes), size() - offset)));
-      file_.read_exactly(offset, held_);
+      if (inflated_) inflated_->read_exactly(offset, held_);
+      else file_.read_exactly(offset, held_);
       start_ = offset;
     }
     const auto* from = reinterpret_cast<const char*>(held_.data()) + (offset - start_);
@@ -65,6 +77,7 @@ class Window {
 
  private:
   SourceFile file_;
+  std::shared_ptr<InflatedFile> inflated_;
   std::vector<std::byte> held_;
   std::uint64_t start_ = 0;
 };
@@ -116,6 +129,7 @@ class Walker {
     walk_set(at, window_.size(), syntax, 0, &file.data, &file.pixels);
     file.element_counts = std::move(element_counts_);
     file.private_count = private_count_;
+    file.siemens_header = std::move(siemens_header_);
     return file;
   }
 
@@ -142,9 +156,13 @@ class Walker {
     const std::string& uid = file.transfer_syntax;
     if (uid == "1.2.840.10008.1.2") return {false, false};
     if (uid == "1.2.840.10008.1.2.2") return {true, true};
-    if (uid == "1.2.840.10008.1.2.1.99" || uid == "1.2.840.10008.1.2.8.1") {
-      reject("transfer syntax " + uid + " (deflated) is not read; convert it to another one with "
-             "gdcmconv or dcmconv", at);
+    if (uid == "1.2.840.10008.1.2.1.99") {
+      file.pixels.inflated = window_.inflate_from(at);
+      return {true, false};
+    }
+    if (uid == "1.2.840.10008.1.2.8.1") {
+      reject("transfer syntax " + uid + " (deflated frames) is not read; convert it to another one "
+             "with gdcmconv or dcmconv", at);
     }
     if (uid == "1.2.840.113619.5.2") {
       reject("transfer syntax " + uid + " (GE private) is not read; convert it first", at);
@@ -180,10 +198,24 @@ class Walker {
         if (kept != nullptr && !is_private(head.tag) && is_short) {
           kept->add_value(head.tag, window_.bytes(head.value_offset, head.length));
         }
+        if (depth == 0 && head.tag >> 16 == kSiemensGroup) take_siemens(head);
         at = next;
       }
     }
     return at;
+  }
+
+  /// Element (0029,00nn) names whose the elements (0029,nn00) to (0029,nnff) are.
+  void take_siemens(const ElementHead& head) {
+    const DicomTag element = head.tag & 0xffffU;
+    if (element >= 0x10 && element <= 0xff && head.length <= kStoredValueLimit) {
+      DicomSet owner;
+      owner.add_value(head.tag, window_.bytes(head.value_offset, head.length));
+      if (owner.text(head.tag) == "SIEMENS CSA HEADER") siemens_block_ = element;
+    }
+    const bool is_header = siemens_block_ != 0 && element == (siemens_block_ << 8 | 0x10U);
+    if (!is_header || head.length > kSiemensHeaderLimit) return;
+    siemens_header_ = window_.bytes(head.value_offset, head.length);
   }
 
   static bool is_private(DicomTag tag) { return (tag >> 16 & 1) != 0; }
@@ -319,6 +351,8 @@ class Walker {
   Window window_;
   std::map<DicomTag, std::int64_t> element_counts_;
   std::int64_t private_count_ = 0;
+  DicomTag siemens_block_ = 0;
+  std::string siemens_header_;
 };
 
 }  // namespace

@@ -10,9 +10,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "octavo/io/dicom/dicom_inflated.h"
 
 namespace octavo {
 
@@ -23,7 +26,7 @@ using DicomTag = std::uint32_t;
 std::string dicom_tag_text(DicomTag tag);
 
 /// The short values of one data set or item. Values longer than 512 bytes (64 KiB of a rescale and
-/// of lists that speak of every frame) and private groups are left out.
+/// of lists that speak of every frame, 128 KiB of color tables) and private groups are left out.
 class DicomSet {
  public:
   bool has(DicomTag tag) const;
@@ -34,6 +37,10 @@ class DicomSet {
   std::optional<double> decimal(DicomTag tag) const;
   /// A binary unsigned value of 2 or 4 bytes.
   std::optional<std::int64_t> unsigned_value(DicomTag tag) const;
+  /// The numbers of 16 bits that make up a binary value; none when it is absent or of odd length.
+  std::vector<std::uint16_t> words(DicomTag tag) const;
+  /// A binary float64; nothing where it is absent or not finite.
+  std::optional<double> float64(DicomTag tag) const;
   /// The items of a sequence; none when absent.
   const std::vector<DicomSet>& items(DicomTag tag) const;
 
@@ -60,6 +67,7 @@ struct DicomPixels {
   bool is_words = false;             ///< of 16 bits each (VR OW), whatever a voxel takes
   bool is_encapsulated = false;
   ByteRun native;                    ///< of a plain value
+  std::shared_ptr<InflatedFile> inflated;  ///< what `native` counts in; null: the file itself
   std::vector<std::uint64_t> frame_offsets;  ///< of the basic offset table, when it is there
   std::vector<ByteRun> fragments;    ///< encapsulated: without the basic offset table
 };
@@ -73,13 +81,15 @@ struct DicomFile {
   /// How often every element is there, in sequences as well; private groups are counted in one.
   std::map<DicomTag, std::int64_t> element_counts;
   std::int64_t private_count = 0;
+  std::string siemens_header;  ///< the picture's CSA header, a private element; empty: none
 };
 
 /// True when the file starts as DICOM does: "DICM" behind a preamble, or a first element of group
 /// 0002 or 0008 where there is no preamble. Throws Error{io}.
 bool looks_like_dicom(const std::string& path);
 
-/// Visits the whole file. Deflated and private transfer syntaxes are rejected by name.
+/// Visits the whole file. Frames deflated one by one and private transfer syntaxes are rejected by
+/// name.
 /// Throws Error{source_rejected} naming the element where the file ends early or makes no sense;
 /// Error{io}
 DicomFile read_dicom_file(const std::string& path);

@@ -11,6 +11,7 @@
 #include <mutex>
 
 #include "octavo/core/error.h"
+#include "octavo/io/dicom/dicom_palette.h"
 #include "octavo/io/source/alternating_values.h"
 #include "octavo/io/source/byte_order.h"
 #include "octavo/io/source/described_source.h"
@@ -51,8 +52,8 @@ std::vector<ByteRun> fragments_of(const DicomLayout& layout, std::int64_t frame)
 gdcm::Image image_of(const DicomLayout& layout, const std::vector<ByteRun>& fragments) {
   gdcm::Image image;
   image.SetNumberOfDimensions(2);
-  image.SetDimension(0, static_cast<unsigned>(layout.columns));
-  image.SetDimension(1, static_cast<unsigned>(layout.rows));
+  image.SetDimension(0, static_cast<unsigned>(layout.stored_columns()));
+  image.SetDimension(1, static_cast<unsigned>(layout.stored_rows()));
   image.SetPixelFormat(gdcm::PixelFormat(
       1, static_cast<unsigned short>(layout.bits_allocated),
       static_cast<unsigned short>(layout.bits_stored), static_cast<unsigned short>(layout.high_bit),
@@ -111,20 +112,23 @@ bool has_swapped_words(const DicomLayout& layout) {
   return layout.big_endian && layout.pixels.is_words && layout.bits_allocated <= 8;
 }
 
+/// Bytes of the pixel data's value.
+void read_value(const DicomPixels& pixels, const std::string& path, std::uint64_t at,
+                std::span<std::byte> bytes) {
+  if (pixels.inflated) pixels.inflated->read_exactly(pixels.native.offset + at, bytes);
+  else SourceFile(path).read_exactly(pixels.native.offset + at, bytes);
+}
+
 /// Bytes of the native pixel data from `at` on, those of swapped words in the order of voxels.
 void read_native_bytes(const DicomLayout& layout, std::uint64_t at, std::span<std::byte> bytes) {
   const ByteRun& native = layout.pixels.native;
-  const SourceFile file(layout.path);
-  if (!has_swapped_words(layout)) {
-    file.read_exactly(native.offset + at, bytes);
-    return;
-  }
+  if (!has_swapped_words(layout)) return read_value(layout.pixels, layout.path, at, bytes);
   // A run may start and end in the middle of a word.
   const std::uint64_t first = at - at % 2;
   const std::uint64_t end = at + bytes.size();
   std::vector<std::byte> words(
       static_cast<std::size_t>(std::min(end + end % 2, native.length) - first));
-  file.read_exactly(native.offset + first, words);
+  read_value(layout.pixels, layout.path, first, words);
   swap_values(words, 2);
   std::copy_n(words.begin() + static_cast<std::ptrdiff_t>(at - first), bytes.size(),
               bytes.begin());
@@ -205,47 +209,6 @@ void keep_stored_bits(std::span<std::byte> plane, int shift_up, int shift_down) 
   }
 }
 
-void clean_unused_bits(const DicomLayout& layout, std::span<std::byte> plane) {
-  // Decoders put the stored bits at the bottom; native values keep them below the high bit.
-  const std::int64_t high =
-      layout.pixels.is_encapsulated ? layout.bits_stored - 1 : layout.high_bit;
-  const int shift_up = static_cast<int>(layout.bits_allocated - 1 - high);
-  const int shift_down = static_cast<int>(layout.bits_allocated - layout.bits_stored);
-  if (shift_up == 0 && shift_down == 0) return;
-  with_voxel_type(dicom_voxel_type(layout), [&](auto tag) {
-    using T = typename decltype(tag)::type;
-    if constexpr (std::is_integral_v<T>) keep_stored_bits<T>(plane, shift_up, shift_down);
-  });
-}
-
-/// Rejects segmentations but plain BINARY and FRACTIONAL ones.
-void require_readable_segmentation(const DicomLayout& layout) {
-  const bool is_plain = layout.samples == 1 && !layout.pixels.is_float;
-  const bool is_binary = is_plain && layout.segmentation_type == "BINARY" &&
-                         layout.bits_allocated == 1 && !layout.pixels.is_encapsulated;
-  const bool is_fractional = is_plain && layout.segmentation_type == "FRACTIONAL" &&
-                             layout.bits_allocated == 8 && !layout.is_signed;
-  if (is_binary || is_fractional) return;
-  const std::string type = layout.segmentation_type.empty() ? "unknown" : layout.segmentation_type;
-  reject(layout, "a DICOM segmentation (SEG) of type " + escaped(type) + " with " +
-                     std::to_string(layout.bits_allocated) + " bits per voxel" +
-                     (layout.pixels.is_encapsulated ? ", compressed," : "") +
-                     " is not read; plain BINARY ones of 1 bit and FRACTIONAL ones of 8 bits are. "
-                     "Convert it to NIfTI or NRRD labels first");
-}
-
-/// Rejects pictures but grey and uncompressed RGB ones.
-void require_readable_colors(const DicomLayout& layout) {
-  const bool is_grey = layout.samples == 1 && layout.photometric.starts_with("MONOCHROME");
-  const bool is_rgb = layout.samples == 3 && layout.photometric == "RGB";
-  if (is_grey || (is_rgb && !layout.pixels.is_encapsulated)) return;
-  reject(layout, std::string("a ") + (layout.pixels.is_encapsulated ? "compressed " : "") +
-                     "color picture (" + escaped(layout.photometric) + ", " +
-                     std::to_string(layout.samples) + " samples per pixel) is not read; grey and "
-                     "uncompressed RGB (of which one channel is taken) are. Convert it first, as "
-                     "gdcmconv does by its option raw");
-}
-
 /// The type that holds the bits of a voxel; rejects bits that do not fit together.
 VoxelType integer_type(const DicomLayout& layout) {
   const std::int64_t bits = layout.bits_allocated;
@@ -264,6 +227,94 @@ VoxelType integer_type(const DicomLayout& layout) {
   return layout.is_signed ? VoxelType::int32 : VoxelType::uint32;
 }
 
+void clean_unused_bits(const DicomLayout& layout, std::span<std::byte> plane) {
+  // Decoders put the stored bits at the bottom; native values keep them below the high bit.
+  const std::int64_t high =
+      layout.pixels.is_encapsulated ? layout.bits_stored - 1 : layout.high_bit;
+  const int shift_up = static_cast<int>(layout.bits_allocated - 1 - high);
+  const int shift_down = static_cast<int>(layout.bits_allocated - layout.bits_stored);
+  if (shift_up == 0 && shift_down == 0) return;
+  with_voxel_type(integer_type(layout), [&](auto tag) {
+    using T = typename decltype(tag)::type;
+    if constexpr (std::is_integral_v<T>) keep_stored_bits<T>(plane, shift_up, shift_down);
+  });
+}
+
+/// Double Float Pixel Data as float32.
+void read_doubles(const DicomSlice& slice, std::span<std::byte> plane) {
+  constexpr Narrowing kRounded = {WideType::float64, VoxelType::float32, true};
+  std::vector<std::byte> wide(plane.size() / sizeof(float) * sizeof(double));
+  read_native(slice, wide);
+  narrow(kRounded, wide, plane,
+         {slice.layout->path, slice.layout->stored_columns(), slice.frame, 0});
+}
+
+/// The values of a whole frame as they are stored.
+void read_stored(const DicomSlice& slice, std::span<std::byte> plane) {
+  const DicomLayout& layout = *slice.layout;
+  if (layout.pixels.is_float && layout.bits_allocated == 64) return read_doubles(slice, plane);
+  if (layout.pixels.is_encapsulated) {
+    decode_frame(slice, plane);
+  } else {
+    read_native(slice, plane);
+  }
+  if (!layout.pixels.is_float) clean_unused_bits(layout, plane);
+}
+
+/// One tile out of a mosaic.
+void read_tile(const DicomSlice& slice, std::span<std::byte> plane) {
+  const DicomLayout& layout = *slice.layout;
+  const auto row_bytes = plane.size() / static_cast<std::size_t>(layout.rows);
+  const auto across = static_cast<std::size_t>(layout.tiles_across);
+  std::vector<std::byte> whole(plane.size() * across * across);
+  read_stored(slice, whole);
+  const auto tile = static_cast<std::size_t>(slice.tile);
+  const auto rows = static_cast<std::size_t>(layout.rows);
+  for (std::size_t y = 0; y < rows; ++y) {
+    const std::size_t from = ((tile / across * rows + y) * across + tile % across) * row_bytes;
+    std::copy_n(whole.begin() + static_cast<std::ptrdiff_t>(from), row_bytes,
+                plane.begin() + static_cast<std::ptrdiff_t>(y * row_bytes));
+  }
+}
+
+/// Rejects segmentations but plain BINARY and FRACTIONAL ones.
+void require_readable_segmentation(const DicomLayout& layout) {
+  const bool is_plain = layout.samples == 1 && !layout.pixels.is_float;
+  const bool is_binary = is_plain && layout.segmentation_type == "BINARY" &&
+                         layout.bits_allocated == 1 && !layout.pixels.is_encapsulated;
+  const bool is_fractional = is_plain && layout.segmentation_type == "FRACTIONAL" &&
+                             layout.bits_allocated == 8 && !layout.is_signed;
+  if (is_binary || is_fractional) return;
+  const std::string type = layout.segmentation_type.empty() ? "unknown" : layout.segmentation_type;
+  reject(layout, "a DICOM segmentation (SEG) of type " + escaped(type) + " with " +
+                     std::to_string(layout.bits_allocated) + " bits per voxel" +
+                     (layout.pixels.is_encapsulated ? ", compressed," : "") +
+                     " is not read; plain BINARY ones of 1 bit and FRACTIONAL ones of 8 bits are. "
+                     "Convert it to NIfTI or NRRD labels first");
+}
+
+/// Rejects pictures but grey ones, those with a palette and uncompressed RGB ones.
+void require_readable_colors(const DicomLayout& layout) {
+  if (has_palette(layout)) return;
+  const bool is_grey = layout.samples == 1 && layout.photometric.starts_with("MONOCHROME");
+  const bool is_rgb = layout.samples == 3 && layout.photometric == "RGB";
+  if (is_grey || (is_rgb && !layout.pixels.is_encapsulated)) return;
+  reject(layout, std::string("a ") + (layout.pixels.is_encapsulated ? "compressed " : "") +
+                     "color picture (" + escaped(layout.photometric) + ", " +
+                     std::to_string(layout.samples) + " samples per pixel) is not read; grey, "
+                     "palette color and uncompressed RGB (of which one channel is taken) are. "
+                     "Convert it first, as gdcmconv does by its option raw");
+}
+
+void require_readable_floats(const DicomLayout& layout) {
+  const bool has_width = layout.bits_allocated == 32 || layout.bits_allocated == 64;
+  if (has_width && layout.samples == 1 && !layout.pixels.is_encapsulated) return;
+  reject(layout, std::string(layout.pixels.is_encapsulated ? "compressed " : "") +
+                     "float pixel data of " + std::to_string(layout.bits_allocated) +
+                     " bits and " + std::to_string(layout.samples) +
+                     " samples are not read; plain ones of 32 or 64 bits and 1 sample are");
+}
+
 }  // namespace
 
 VoxelType dicom_voxel_type(const DicomLayout& layout) {
@@ -272,10 +323,13 @@ VoxelType dicom_voxel_type(const DicomLayout& layout) {
     return VoxelType::uint8;
   }
   if (layout.pixels.is_float) {
-    reject(layout, "float DICOM pixel data are not read; convert them to NRRD or NIfTI first");
+    require_readable_floats(layout);
+    return VoxelType::float32;
   }
   require_readable_colors(layout);
-  return integer_type(layout);
+  const VoxelType stored = integer_type(layout);
+  if (layout.color_table == nullptr) return stored;
+  return layout.color_table->bits == 8 ? VoxelType::uint8 : VoxelType::uint16;
 }
 
 void read_dicom_frame(const DicomSlice& slice, std::span<std::byte> plane) {
@@ -287,12 +341,14 @@ void read_dicom_frame(const DicomSlice& slice, std::span<std::byte> plane) {
     }
     return;
   }
-  if (slice.layout->pixels.is_encapsulated) {
-    decode_frame(slice, plane);
-  } else {
-    read_native(slice, plane);
-  }
-  clean_unused_bits(*slice.layout, plane);
+  const DicomLayout& layout = *slice.layout;
+  if (layout.tile_count > 1) return read_tile(slice, plane);
+  if (layout.color_table == nullptr) return read_stored(slice, plane);
+  const VoxelType type = integer_type(layout);
+  std::vector<std::byte> values(static_cast<std::size_t>(layout.columns * layout.rows) *
+                                bytes_per_value(type));
+  read_stored(slice, values);
+  look_up_colors(*layout.color_table, type, values, plane);
 }
 
 }  // namespace octavo

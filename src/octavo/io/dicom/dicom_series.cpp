@@ -159,7 +159,7 @@ SlicePlaces settle_duplicates(DicomStack& stack, const SlicePlaces& all, bool ma
 
 /// The distance of planes of a single slice cannot be measured.
 double lone_spacing(const DicomSlice& slice, DicomStack& stack) {
-  const std::optional<double> thickness = slice.layout->slice_thickness_mm;
+  const std::optional<double> thickness = slice.thickness_mm;
   const bool is_usable = thickness && *thickness > 0;
   stack.warnings.push_back("a single slice: its thickness of " +
                            (is_usable ? mm_text(*thickness) : std::string("1 mm (assumed)")) +

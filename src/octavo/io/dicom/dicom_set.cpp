@@ -1,3 +1,4 @@
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -73,6 +74,31 @@ std::optional<std::int64_t> DicomSet::unsigned_value(DicomTag tag) const {
     value = value << 8 | static_cast<unsigned char>(bytes[from]);
   }
   return value;
+}
+
+std::vector<std::uint16_t> DicomSet::words(DicomTag tag) const {
+  const auto found = values_.find(tag);
+  if (found == values_.end() || found->second.size() % 2 != 0) return {};
+  const std::string& bytes = found->second;
+  std::vector<std::uint16_t> result;
+  for (std::size_t i = 0; i < bytes.size(); i += 2) {
+    const auto low = static_cast<unsigned char>(bytes[big_endian_ ? i + 1 : i]);
+    const auto high = static_cast<unsigned char>(bytes[big_endian_ ? i : i + 1]);
+    result.push_back(static_cast<std::uint16_t>(high << 8 | low));
+  }
+  return result;
+}
+
+std::optional<double> DicomSet::float64(DicomTag tag) const {
+  const auto found = values_.find(tag);
+  if (found == values_.end() || found->second.size() != sizeof(double)) return std::nullopt;
+  std::uint64_t bits = 0;
+  for (std::size_t i = 0; i < sizeof(double); ++i) {
+    const std::size_t from = big_endian_ ? i : sizeof(double) - 1 - i;
+    bits = bits << 8 | static_cast<unsigned char>(found->second[from]);
+  }
+  const auto value = std::bit_cast<double>(bits);
+  return std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
 const std::vector<DicomSet>& DicomSet::items(DicomTag tag) const {

@@ -6,6 +6,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
+#include "octavo/io/dicom/dicom_mosaic.h"
 #include "octavo/io/dicom/dicom_tags.h"
 #include "octavo/io/source/described_source.h"
 #include "octavo/io/source/source_file.h"
@@ -23,8 +24,10 @@ constexpr DicomTag kPlanePosition = 0x00209113;
 constexpr DicomTag kPlaneOrientation = 0x00209116;
 constexpr DicomTag kPixelMeasures = 0x00289110;
 constexpr DicomTag kValueTransformation = 0x00289145;
+constexpr DicomTag kRealWorldMapping = 0x00409096;
 constexpr DicomTag kSegmentIdentification = 0x0062000a;
 constexpr DicomTag kSegmentSequence = 0x00620002;
+constexpr const char* kParametricMap = "1.2.840.10008.5.1.4.1.1.30";
 constexpr const char* kSegmentation = "1.2.840.10008.5.1.4.1.1.66.4";
 constexpr std::int64_t kMaxFrames = std::int64_t{1} << 21;
 constexpr std::int64_t kMaxSide = 65535;
@@ -90,7 +93,8 @@ DicomLayout read_layout(const DicomFile& file) {
   layout.high_bit = data.unsigned_value(0x00280102).value_or(layout.bits_stored - 1);
   layout.is_signed = data.unsigned_value(0x00280103).value_or(0) == 1;
   layout.was_lossy = data.text(0x00282110) == "01" || is_lossy_syntax(file.transfer_syntax);
-  layout.slice_thickness_mm = data.decimal(0x00180050);
+  layout.has_burned_in_text = data.text(0x00280301) == "YES";
+  layout.shows_who_it_is = data.text(0x00280302) == "YES";
   layout.pixels = file.pixels;
   layout.elements.assign(file.element_counts.begin(), file.element_counts.end());
   layout.private_elements = file.private_count;
@@ -133,7 +137,16 @@ void take_place(const DicomSet* position, const DicomSet* orientation, const Dic
     // Pixel Spacing is "distance of rows \ distance of columns".
     const std::vector<double> mm = measures->decimals(0x00280030);
     if (mm.size() == 2) slice.pixel_mm = {mm[1], mm[0]};
+    slice.thickness_mm = measures->decimal(0x00180050);
+    slice.spacing_mm = measures->decimal(0x00180088);
   }
+}
+
+/// A parametric map says what its numbers stand for as a mapping to the real world.
+void take_real_world(const DicomSet* mapping, DicomValues& values) {
+  if (mapping == nullptr || !values.rescale.is_identity()) return;
+  const std::optional<double> slope = mapping->float64(0x00409225);
+  if (slope && *slope != 0) values.rescale = {*slope, mapping->float64(0x00409224).value_or(0)};
 }
 
 /// The frames of an RTDOSE lie along the normal of the first at the offsets that it lists.
@@ -159,13 +172,14 @@ void take_dose_planes(const DicomSet& data, std::vector<DicomSlice>& slices) {
 void reject(const DicomLayout& layout, const std::string& why) { reject(layout.path, why); }
 
 std::uint64_t DicomLayout::frame_bytes() const {
-  return static_cast<std::uint64_t>(rows * columns * samples * ((bits_allocated + 7) / 8));
+  return static_cast<std::uint64_t>(stored_rows() * stored_columns() * samples *
+                                    ((bits_allocated + 7) / 8));
 }
 
 std::uint64_t DicomLayout::native_bytes() const {
   const auto count = static_cast<std::uint64_t>(frames);
   if (bits_allocated != 1) return frame_bytes() * count;
-  return (static_cast<std::uint64_t>(rows * columns * samples) * count + 7) / 8;
+  return (static_cast<std::uint64_t>(stored_rows() * stored_columns() * samples) * count + 7) / 8;
 }
 
 bool DicomLayout::is_segmentation() const { return sop_class == kSegmentation; }
@@ -185,6 +199,7 @@ std::string list_text(std::span<const double> values) {
 
 std::string DicomSlice::name() const {
   const std::string file = escaped(base_name(layout->path));
+  if (layout->tile_count > 1) return file + " tile " + std::to_string(tile + 1);
   return layout->frames == 1 ? file : file + " frame " + std::to_string(frame + 1);
 }
 
@@ -207,6 +222,9 @@ std::vector<DicomSlice> read_dicom_slices(const std::string& path) {
       take_place(macro(shared, own, kPlanePosition), macro(shared, own, kPlaneOrientation),
                  macro(shared, own, kPixelMeasures), slice);
       slice.values = read_dicom_values(file.data, macro(shared, own, kValueTransformation));
+      if (layout->sop_class == kParametricMap) {
+        take_real_world(macro(shared, own, kRealWorldMapping), slice.values);
+      }
       if (const DicomSet* segment = macro(shared, own, kSegmentIdentification)) {
         slice.segment = segment->unsigned_value(0x0062000b).value_or(0);
       }
@@ -218,6 +236,7 @@ std::vector<DicomSlice> read_dicom_slices(const std::string& path) {
     }
     slices.push_back(std::move(slice));
   }
+  if (slices.size() == 1 && is_mosaic(*layout)) return unfold_mosaic(file, slices.front());
   if (layout->modality == "RTDOSE" && layout->frames > 1) take_dose_planes(file.data, slices);
   return slices;
 }

@@ -17,6 +17,8 @@
 
 namespace octavo {
 
+struct DicomColorTable;
+
 struct DicomSegment {
   std::int64_t number = 0;
   std::string label;
@@ -56,7 +58,11 @@ struct DicomLayout {
   bool segments_overlap = false;              ///< of a SEG that says so
   std::int64_t max_fraction = 255;            ///< of a SEG: the stored value of a whole voxel
   bool was_lossy = false;  ///< the header or the transfer syntax says that values were changed
-  std::optional<double> slice_thickness_mm;
+  bool has_burned_in_text = false;         ///< Burned In Annotation is YES
+  bool shows_who_it_is = false;            ///< Recognizable Visual Features is YES
+  std::int64_t tiles_across = 1;  ///< of a mosaic in each direction; columns and rows are a tile's
+  std::int64_t tile_count = 1;    ///< of a mosaic
+  std::shared_ptr<const DicomColorTable> color_table;  ///< of the color that is taken; null: none
   DicomPixels pixels;
   std::vector<std::pair<DicomTag, std::int64_t>> elements;  ///< and how often each is there
   std::int64_t private_elements = 0;
@@ -65,6 +71,9 @@ struct DicomLayout {
   bool is_segmentation() const;
   /// A segmentation whose voxels are in a segment or not, else they are so by a fraction.
   bool is_binary_segmentation() const;
+  /// Voxels of one frame as stored: of a mosaic, those of all its tiles.
+  std::int64_t stored_columns() const { return columns * tiles_across; }
+  std::int64_t stored_rows() const { return rows * tiles_across; }
   /// Bytes of one frame as stored natively; those of 1-bit voxels share bytes and have none.
   std::uint64_t frame_bytes() const;
   /// Bytes of all frames as stored natively.
@@ -78,16 +87,19 @@ struct DicomLayout {
 struct DicomSlice {
   std::shared_ptr<const DicomLayout> layout;
   std::int64_t frame = 0;
+  std::int64_t tile = 0;                              ///< of a mosaic, counted from 0 row by row
   std::optional<Point3> position_mm;                  ///< of the center of its first voxel, LPS
   std::optional<std::array<double, 6>> orientation;   ///< direction of rows, then of columns
   std::optional<std::array<double, 2>> pixel_mm;      ///< along x (columns), y (rows)
+  std::optional<double> thickness_mm;
+  std::optional<double> spacing_mm;                   ///< Spacing Between Slices; by some the gap
   DicomValues values;                                 ///< what its stored values stand for
   std::optional<double> instance_number;
   std::int64_t channel = 0;  ///< of a color picture: the sample that is taken
   std::int64_t segment = 0;  ///< of a SEG: the number of the segment that the frame belongs to
   std::vector<LabelFrame> label_frames;  ///< of a SEG of several segments: all at this place
 
-  /// The file's name, with the frame where it has several.
+  /// The file's name, with the frame or the tile where it has several.
   std::string name() const;
 };
 

@@ -7,6 +7,7 @@
 #include "octavo/io/dicom/dicom_attributes.h"
 #include "octavo/io/dicom/dicom_extent.h"
 #include "octavo/io/dicom/dicom_identity.h"
+#include "octavo/io/dicom/dicom_palette.h"
 #include "octavo/io/dicom/dicom_pixels.h"
 #include "octavo/io/dicom/dicom_plane.h"
 #include "octavo/io/dicom/dicom_segments.h"
@@ -90,6 +91,28 @@ MetadataFacts noted_facts(const DicomStack& stack, const SourceOptions& options,
   return noted;
 }
 
+/// Says what a picture may give away that no metadata do.
+void warn_of_likeness(const DicomStack& stack, std::vector<Warning>& warnings) {
+  const auto example = [&](auto is_so) -> std::string {
+    const auto found = std::find_if(stack.slices.begin(), stack.slices.end(), is_so);
+    return found == stack.slices.end() ? "" : found->name();
+  };
+  const std::string written = example([](const DicomSlice& slice) {
+    return slice.layout->has_burned_in_text;
+  });
+  if (!written.empty()) {
+    warnings.push_back("text is burned into the picture (Burned In Annotation (0028,0301) is YES, "
+                       "as in " + written + "), perhaps a name; voxels are kept as they are");
+  }
+  const std::string likeness = example([](const DicomSlice& slice) {
+    return slice.layout->shows_who_it_is;
+  });
+  if (!likeness.empty()) {
+    warnings.push_back("the picture may show who it is (Recognizable Visual Features (0028,0302) "
+                       "is YES, as in " + likeness + "); voxels are kept as they are");
+  }
+}
+
 SourceFacts describe(const DicomStack& stack, const SourceOptions& options) {
   const DicomSlice& first = stack.slices.front();
   const DicomLayout& layout = *first.layout;
@@ -119,10 +142,12 @@ SourceFacts describe(const DicomStack& stack, const SourceOptions& options) {
     facts.warnings.push_back(
         "larger values are darker in these files (MONOCHROME1); kept as stored");
   }
-  if (layout.image_type.find("MOSAIC") != std::string::npos) {
+  if (layout.pixels.is_float && layout.bits_allocated == 64) {
     facts.warnings.push_back(
-        "a mosaic: each picture holds several slices side by side, which are not taken apart");
+        "float64 voxels are rounded to float32, to the nearest: each by 1 part in 16,777,216 at "
+        "most");
   }
+  warn_of_likeness(stack, facts.warnings);
   facts.identity = dicom_identity(stack);
   facts.noted = noted_facts(stack, options, was_lossy);
   return facts;
@@ -140,8 +165,12 @@ std::unique_ptr<PlaneSource> open_dicom_source(const std::vector<std::string>& f
   }
   slices = choose_series(std::move(slices), options.series, source);
   Components components;
-  components.channels = slices.front().layout->samples;
-  components.channel_names = color_names(components.channels);
+  if (has_palette(*slices.front().layout)) {
+    components = palette_components();
+  } else {
+    components.channels = slices.front().layout->samples;
+    components.channel_names = color_names(components.channels);
+  }
   check_slices(slices, warnings);
   if (options.on_gap == GapPolicy::ignore) {
     throw Error(ErrorKind::invalid_argument,
@@ -150,7 +179,11 @@ std::unique_ptr<PlaneSource> open_dicom_source(const std::vector<std::string>& f
   }
   slices = choose_segments(std::move(slices), options);
   const ComponentChoice choice = choose_component(components, options, slices.front().layout->path);
-  for (DicomSlice& slice : slices) slice.channel = choice.channel;
+  if (has_palette(*slices.front().layout)) {
+    slices = choose_palette_color(std::move(slices), choice.channel);
+  } else {
+    for (DicomSlice& slice : slices) slice.channel = choice.channel;
+  }
   DicomStack stack = prove_stack(std::move(slices), options);
   SourceFacts facts = describe(stack, options);
   facts.warnings.insert(facts.warnings.begin(), warnings.begin(), warnings.end());

@@ -20,6 +20,8 @@ constexpr double kMaxPlaneGrowth = 64;
 constexpr double kAirHounsfield = -1000;
 /// Of a step: less than this behind the last plane is not worth a word.
 constexpr double kNoticeableRest = 0.05;
+/// Slices further apart were not thinned out.
+constexpr double kMaxThinning = 64;
 constexpr std::size_t kMaxListedRuns = 1000;
 /// A shift so near to whole voxels moves voxels unchanged.
 constexpr double kWholeShift = 1e-3;
@@ -74,6 +76,47 @@ void require_even(const DicomStack& stack, const SlicePlaces& places,
   }
   if (!jump.empty()) reject(stack, jump + (faults.empty() ? "" : "; also ") + faults);
   if (!faults.empty()) reject(stack, faults + "; complete the series", hints);
+}
+
+/// How many times further apart slices lie than `expected_mm`, where that is a whole number above
+/// 1; else 0.
+std::int64_t whole_times(double step_mm, std::optional<double> expected_mm) {
+  if (!expected_mm || !(*expected_mm > 0)) return 0;
+  const double times = std::round(step_mm / *expected_mm);
+  const bool is_whole = std::abs(step_mm - times * *expected_mm) <= tolerance_mm(step_mm);
+  return is_whole && times >= 2 && times <= kMaxThinning ? static_cast<std::int64_t>(times) : 0;
+}
+
+/// The step of the instance numbers along the stack; 0 where they have none.
+std::int64_t number_step(const std::vector<DicomSlice>& slices) {
+  std::optional<double> step;
+  for (std::size_t i = 1; i < slices.size(); ++i) {
+    if (!slices[i].instance_number || !slices[i - 1].instance_number) return 0;
+    const double found = std::abs(*slices[i].instance_number - *slices[i - 1].instance_number);
+    if (step.value_or(found) != found) return 0;
+    step = found;
+  }
+  return step && *step <= kMaxThinning ? static_cast<std::int64_t>(*step) : 0;
+}
+
+/// Warns where the slices are even and yet only every second or third of those that were taken may
+/// be there: by the spacing that they state, or by their thickness and their numbers.
+void tell_of_thinning(DicomStack& stack, double step_mm) {
+  const std::optional<double> spacing = stack.slices.front().spacing_mm;
+  const std::optional<double> thickness = stack.slices.front().thickness_mm;
+  // Some programs write the gap between slices there, which is none of contiguous slices.
+  const bool is_gap = spacing && thickness && *spacing != *thickness &&
+                      std::abs(*spacing + *thickness - step_mm) <= tolerance_mm(step_mm);
+  const std::int64_t by_spacing = is_gap ? 0 : whole_times(step_mm, spacing);
+  const std::int64_t by_thickness = whole_times(step_mm, thickness);
+  const bool is_numbered_so = by_thickness >= 2 && number_step(stack.slices) == by_thickness;
+  if (by_spacing == 0 && !is_numbered_so) return;
+  const std::int64_t times = by_spacing != 0 ? by_spacing : by_thickness;
+  stack.warnings.push_back(
+      "the slices lie " + mm_text(step_mm) + " apart, " + std::to_string(times) + " times what " +
+      (by_spacing != 0 ? "their Spacing Between Slices (0018,0088) says"
+                       : "their thickness and their instance numbers say") +
+      ": others may be missing between them; complete the series, or check these lengths");
 }
 
 /// One plane on each slice.
@@ -266,6 +309,7 @@ void plan_planes(DicomStack& stack, const SlicePlaces& places, const SourceOptio
   double& step = stack.geometry.spacing_mm[2];
   if (find_uneven_step(stack.slices, places).empty()) {
     step = take_slices(stack, places);
+    if (!stack.leaves_out_empty) tell_of_thinning(stack, step);
   } else {
     // What a segmentation leaves out is empty, not something between its neighbors.
     const bool fills = options.on_gap == GapPolicy::fill ||

@@ -18,6 +18,7 @@ namespace {
 constexpr std::size_t kInputBytes = std::size_t{1} << 16;
 constexpr int kAutoHeader = 15 + 32;  // zlib: largest window, zlib or gzip header as found
 constexpr int kGzipHeader = 15 + 16;
+constexpr int kNoHeader = -15;
 
 }  // namespace
 
@@ -27,12 +28,13 @@ class VoxelStream::Impl {
       : file_(path), coding_(coding), file_offset_(start_offset) {
     if (coding_ == StreamCoding::plain) return;
     input_.resize(kInputBytes);
-    if (inflateInit2(&zlib_, kAutoHeader) != Z_OK) {
+    const int header = coding_ == StreamCoding::bare_deflated ? kNoHeader : kAutoHeader;
+    if (inflateInit2(&zlib_, header) != Z_OK) {
       throw Error(ErrorKind::out_of_memory, "no memory for decompression", path);
     }
   }
   ~Impl() {
-    if (coding_ == StreamCoding::deflated) inflateEnd(&zlib_);
+    if (coding_ != StreamCoding::plain) inflateEnd(&zlib_);
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -102,6 +104,7 @@ class VoxelStream::Impl {
   /// Behind one gzip member: another one starts here, or the stream is at its end.
   void next_member() {
     at_end_ = true;
+    if (coding_ == StreamCoding::bare_deflated) return;
     const std::uint64_t offset = file_offset_ - zlib_.avail_in;
     std::array<std::byte, 2> magic{};
     if (file_.read_some(offset, magic) < 2) return;

@@ -11,8 +11,8 @@
 namespace octavo {
 
 /// How the bytes stand in the file. `deflated` is zlib or gzip (one member or several); which is
-/// seen.
-enum class StreamCoding { plain, deflated };
+/// seen. `bare_deflated` has neither header nor checksum.
+enum class StreamCoding { plain, deflated, bare_deflated };
 
 /// A byte stream that starts somewhere in a file. One thread at a time.
 /// Memory  64 KiB and zlib's window, whatever the length

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 
 #include "octavo/io/source/prefetch_source.h"
+#include "support/dicom_elements.h"
 #include "support/dicom_samples.h"
 #include "support/source_files.h"
 
@@ -270,6 +272,26 @@ TEST(SourceDicom, RoundedPositionsWithinTheToleranceAreAccepted) {
     write_dicom(folder.file("s" + std::to_string(z)), sample);
   }
   EXPECT_EQ(open_source({folder.path()}, {})->description().size.z, 4);
+}
+
+TEST(SourceDicom, PicturesThatMayTellWhoItIsBringAWarning) {
+  for (const auto& [tag, words] : std::map<std::uint32_t, std::string>{
+           {0x00280301, "text is burned into the picture"},
+           {0x00280302, "the picture may show who it is"}}) {
+    for (const char* value : {"YES", "NO"}) {
+      const TempFolder folder;
+      for (int z = 0; z < 3; ++z) {
+        DicomElements slice = ct_elements(3, 2, 8, z);
+        slice.set(tag, "CS", z == 1 ? value : "NO");
+        slice.write(folder.file("s" + std::to_string(z)), kExplicitLittle);
+      }
+      const auto source = open_source({folder.path()}, {});
+      ASSERT_EQ(source->warnings().size(), value == std::string("YES") ? 1U : 0U);
+      if (source->warnings().empty()) continue;
+      EXPECT_TRUE(contains(source->warnings().front(), words));
+      EXPECT_TRUE(contains(source->warnings().front(), "s1"));
+    }
+  }
 }
 
 TEST(SourceDicom, EveryTruncationIsRejected) {

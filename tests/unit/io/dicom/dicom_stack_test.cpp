@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "octavo/io/source/prefetch_source.h"
+#include "support/dicom_elements.h"
 #include "support/dicom_samples.h"
 #include "support/source_files.h"
 
@@ -375,6 +376,44 @@ TEST(SourceDicomSegmentation, WhatIsNoPlainMaskIsRejected) {
   sample.voxels.resize(16);
   write_segmentation(folder.file("seg.dcm"), sample);
   EXPECT_TRUE(contains(source_error({folder.file("seg.dcm")}), "hold 2 bytes, 4 are"));
+}
+
+/// Slices 4 mm apart, each with these lengths and every `number_step`-th instance number.
+struct ThinnedSample {
+  const char* name;
+  std::string thickness;
+  std::string spacing;
+  int number_step;
+  std::string warning;  ///< empty: none
+};
+
+TEST(SourceDicomThinned, EvenSlicesOfWhichOthersMayBeMissingBringAWarning) {
+  const std::vector<ThinnedSample> rows = {
+      {"every second by its spacing", "2", "2", 1, "2 times what their Spacing Between Slices"},
+      {"overlapping slices", "5", "1", 1, "4 times what their Spacing Between Slices"},
+      {"every second by its number", "2", "", 2, "2 times what their thickness"},
+      {"complete", "4", "4", 1, ""},
+      {"overlapping and complete", "8", "4", 1, ""},
+      {"a gap in place of the spacing", "3", "1", 1, ""},
+      {"thin slices with gaps, numbered one by one", "2", "", 1, ""},
+      {"numbers that skip otherwise", "2", "", 3, ""},
+      {"no whole number of times", "2.7", "2.7", 2, ""},
+      {"lengths of 0", "0", "0", 2, ""}};
+  for (const ThinnedSample& row : rows) {
+    const TempFolder folder;
+    for (int z = 0; z < 4; ++z) {
+      DicomElements slice = ct_elements(3, 2, 8, 4 * z);
+      slice.set(0x00180050, "DS", row.thickness);
+      if (!row.spacing.empty()) slice.set(0x00180088, "DS", row.spacing);
+      slice.set(0x00200013, "IS", std::to_string(1 + z * row.number_step));
+      slice.write(folder.file("s" + std::to_string(z)), kExplicitLittle);
+    }
+    const auto source = open_source({folder.path()}, {});
+    EXPECT_EQ(source->description().geometry.spacing_mm[2], 4) << row.name;
+    ASSERT_EQ(source->warnings().size(), row.warning.empty() ? 0U : 1U) << row.name;
+    if (row.warning.empty()) continue;
+    EXPECT_TRUE(contains(source->warnings().front(), row.warning)) << row.name;
+  }
 }
 
 TEST(SourceDicomFrames, SeveralWithoutGeometryNeedASpacing) {

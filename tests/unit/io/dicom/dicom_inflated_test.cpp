@@ -1,0 +1,103 @@
+#include "octavo/io/dicom/dicom_inflated.h"
+
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include "octavo/io/source/described_source.h"
+#include "octavo/io/source/prefetch_source.h"
+#include "support/dicom_elements.h"
+#include "support/source_files.h"
+
+namespace octavo::testing {
+namespace {
+
+constexpr const char* kDeflated = "1.2.840.10008.1.2.1.99";
+constexpr int kNoHeader = -15;
+
+std::string bare_deflated(const std::string& bytes) {
+  z_stream zlib{};
+  EXPECT_EQ(deflateInit2(&zlib, 6, Z_DEFLATED, kNoHeader, 8, Z_DEFAULT_STRATEGY), Z_OK);
+  std::string result(deflateBound(&zlib, static_cast<uLong>(bytes.size())), '\0');
+  std::string copy = bytes;
+  zlib.next_in = reinterpret_cast<Bytef*>(copy.data());
+  zlib.avail_in = static_cast<uInt>(copy.size());
+  zlib.next_out = reinterpret_cast<Bytef*>(result.data());
+  zlib.avail_out = static_cast<uInt>(result.size());
+  EXPECT_EQ(deflate(&zlib, Z_FINISH), Z_STREAM_END);
+  result.resize(result.size() - zlib.avail_out);
+  deflateEnd(&zlib);
+  return result;
+}
+
+/// The file of `elements` with its data set deflated.
+std::string deflated_file(const TempFolder& folder, const DicomElements& elements) {
+  elements.write(folder.file("plain"), kDeflated);
+  const std::string set = elements.bytes();
+  const std::string whole = read_file(folder.file("plain"));
+  return whole.substr(0, whole.size() - set.size()) + bare_deflated(set);
+}
+
+/// 9 frames of 64 x 40 voxels, larger than what is read at once.
+DicomElements many_frames(std::string& voxels) {
+  DicomElements elements = ct_elements(64, 40, 16);
+  std::vector<std::uint16_t> values(9 * 64 * 40);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = static_cast<std::uint16_t>(i * i % 50021);
+  }
+  voxels = bytes_of(values);
+  elements.set(0x00280008, "IS", "9");
+  elements.set(0x7fe00010, "OW", voxels);
+  return elements;
+}
+
+SourceOptions with_spacing() {
+  SourceOptions options;
+  options.spacing_mm = Point3{1, 1, 1};
+  return options;
+}
+
+TEST(SourceDicomDeflated, FramesAreReadInAnyOrder) {
+  const TempFolder folder;
+  std::string voxels;
+  write_file(folder.file("a.dcm"), deflated_file(folder, many_frames(voxels)));
+  for (const int threads : {1, 5}) {
+    const auto source =
+        make_prefetch_source(open_source({folder.file("a.dcm")}, with_spacing()), {threads});
+    EXPECT_EQ(source->description().size, (Size3{64, 40, 9}));
+    EXPECT_TRUE(voxels_of(*source) == voxels) << threads;
+  }
+  const auto source = open_source({folder.file("a.dcm")}, with_spacing());
+  const auto& planes = dynamic_cast<const IndexedPlaneSource&>(*source);
+  std::string plane(64 * 40 * 2, '\0');
+  for (const int z : {8, 0, 5, 4, 7, 0}) {
+    planes.read_plane_at(z, std::as_writable_bytes(std::span(plane.data(), plane.size())));
+    EXPECT_TRUE(plane == voxels.substr(static_cast<std::size_t>(z) * plane.size(), plane.size()))
+        << z;
+  }
+}
+
+TEST(SourceDicomDeflated, ASeriesOfFilesIsRead) {
+  const TempFolder folder;
+  for (int z = 0; z < 3; ++z) {
+    DicomElements elements = ct_elements(3, 2, 8, 2 * z);
+    elements.set(0x7fe00010, "OB", std::string(6, static_cast<char>('a' + z)));
+    write_file(folder.file("series/s" + std::to_string(z)), deflated_file(folder, elements));
+  }
+  const auto source = open_source({folder.file("series")}, {});
+  EXPECT_EQ(source->description().geometry.spacing_mm[2], 2);
+  EXPECT_EQ(voxels_of(*source), "aaaaaabbbbbbcccccc");
+}
+
+TEST(SourceDicomDeflated, EveryTruncationIsRejected) {
+  const TempFolder folder;
+  const std::string whole = deflated_file(folder, ct_elements(3, 2, 8));
+  for (std::size_t length = 133; length < whole.size(); ++length) {
+    write_file(folder.file("a.dcm"), whole.substr(0, length));
+    EXPECT_EQ(source_error({folder.file("a.dcm")}).kind(), ErrorKind::source_rejected) << length;
+  }
+  write_file(folder.file("a.dcm"), whole + '\0');  // the standard pads to an even length
+  EXPECT_EQ(voxels_of(*open_source({folder.file("a.dcm")}, {})), std::string(6, '\0'));
+}
+
+}  // namespace
+}  // namespace octavo::testing
