@@ -164,7 +164,7 @@ std::unique_ptr<PlaneSource> open_dicom_source(const std::vector<std::string>& f
     throw Error(ErrorKind::source_rejected, "no DICOM file with a picture found", source);
   }
   slices = choose_series(std::move(slices), options.series, source);
-  Components components;
+  SourceComponents components;
   if (has_palette(*slices.front().layout)) {
     components = palette_components();
   } else {

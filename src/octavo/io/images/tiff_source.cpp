@@ -231,9 +231,9 @@ PageCounts count_pages(const TiffStack& stack) {
                                  : " files; save one channel and time as its own stack"));
 }
 
-Components components_of(const TiffStack& stack, const PageCounts& counts) {
+SourceComponents components_of(const TiffStack& stack, const PageCounts& counts) {
   const TiffPage& first = stack.planes.front().page;
-  Components components;
+  SourceComponents components;
   components.times = counts.times;
   components.channels = std::max(counts.channels, first.samples);
   if (first.is_rgb) components.channel_names = color_names(first.samples);
@@ -434,7 +434,7 @@ std::unique_ptr<PlaneSource> open_tiff_source(const std::vector<std::string>& fi
   prove_order_of_files(stack);
   const PageCounts counts = count_pages(stack);
   order_pages(stack, counts);
-  const Components components = components_of(stack, counts);
+  const SourceComponents components = components_of(stack, counts);
   keep_pages(stack, counts, choose_component(components, options, files.front()));
   const TiffPage& first = stack.planes.front().page;
   if (first.has_palette && !stack.description.is_imagej) {

@@ -16,7 +16,7 @@ constexpr std::size_t kMaxNamesShown = 8;
 constexpr std::int64_t kMaxChannels = std::int64_t{1} << 16;
 
 /// "4 channels (red, green, blue, alpha)".
-std::string channels_text(const Components& components) {
+std::string channels_text(const SourceComponents& components) {
   std::string names;
   const std::size_t shown = std::min(components.channel_names.size(), kMaxNamesShown);
   for (std::size_t i = 0; i < shown; ++i) {
@@ -28,7 +28,7 @@ std::string channels_text(const Components& components) {
          (names.empty() ? "" : " (" + names + ")");
 }
 
-std::string times_text(const Components& components) {
+std::string times_text(const SourceComponents& components) {
   return std::to_string(components.times) +
          (components.times == 1 ? " point in time" : " points in time");
 }
@@ -38,17 +38,17 @@ std::string range_text(std::int64_t count) {
 }
 
 /// What can be given for a channel; nothing where there is only one.
-std::string channels_to_give(const Components& components) {
+std::string channels_to_give(const SourceComponents& components) {
   if (components.channels == 1) return "";
   const std::string by_name = components.channel_names.empty() ? "" : "one of these names or ";
   return by_name + range_text(components.channels);
 }
 
-std::string times_to_give(const Components& components) {
+std::string times_to_give(const SourceComponents& components) {
   return components.times == 1 ? "" : range_text(components.times);
 }
 
-Error missing_choice(const Components& components, bool lacks_channel, bool lacks_time,
+Error missing_choice(const SourceComponents& components, bool lacks_channel, bool lacks_time,
                      const std::string& path) {
   const std::string both = lacks_channel && lacks_time ? " and " : "";
   const std::string found = (lacks_channel ? channels_text(components) : "") + both +
@@ -60,7 +60,8 @@ Error missing_choice(const Components& components, bool lacks_channel, bool lack
   return failure;
 }
 
-Error no_channel(const Components& components, const std::string& text, const std::string& path) {
+Error no_channel(const SourceComponents& components, const std::string& text,
+                 const std::string& path) {
   return Error(ErrorKind::invalid_argument,
                "channel " + escaped(text) + " is not there: the source has " +
                    channels_text(components),
@@ -68,7 +69,7 @@ Error no_channel(const Components& components, const std::string& text, const st
       .with_field("channel", channels_to_give(components));
 }
 
-std::int64_t parse_channel(const Components& components, const std::string& text,
+std::int64_t parse_channel(const SourceComponents& components, const std::string& text,
                            const std::string& path) {
   std::int64_t number = 0;
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -84,7 +85,7 @@ std::int64_t parse_channel(const Components& components, const std::string& text
   throw no_channel(components, text, path);
 }
 
-std::int64_t require_time(const Components& components, std::int64_t time,
+std::int64_t require_time(const SourceComponents& components, std::int64_t time,
                           const std::string& path) {
   if (time >= 0 && time < components.times) return time;
   throw Error(ErrorKind::invalid_argument,
@@ -102,7 +103,7 @@ std::vector<std::string> color_names(std::int64_t channels) {
   return {};
 }
 
-ComponentChoice choose_component(const Components& components, const SourceOptions& options,
+ComponentChoice choose_component(const SourceComponents& components, const SourceOptions& options,
                                  const std::string& path) {
   if (components.channels < 1 || components.channels > kMaxChannels || components.times < 1) {
     throw Error(ErrorKind::source_rejected,
@@ -121,7 +122,8 @@ ComponentChoice choose_component(const Components& components, const SourceOptio
   return choice;
 }
 
-std::optional<ChoiceNote> choice_note(const Components& components, const ComponentChoice& choice) {
+std::optional<ChoiceNote> choice_note(const SourceComponents& components,
+                                      const ComponentChoice& choice) {
   if (components.channels <= 1 && components.times <= 1) return std::nullopt;
   ChoiceNote note;
   if (components.channels > 1) {

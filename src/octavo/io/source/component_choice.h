@@ -13,7 +13,7 @@ namespace octavo {
 struct SourceOptions;
 
 /// What a source holds at one place. Counts are at least 1.
-struct Components {
+struct SourceComponents {
   std::int64_t channels = 1;
   std::vector<std::string> channel_names;  ///< one for each channel, or none
   std::int64_t times = 1;
@@ -32,10 +32,11 @@ std::vector<std::string> color_names(std::int64_t channels);
 /// What options.channel (a number from 0 or a name) and options.time say.
 /// Throws Error{source_rejected} with the counts where there are several and none is chosen;
 ///        Error{invalid_argument} where the one chosen is not there
-ComponentChoice choose_component(const Components& components, const SourceOptions& options,
+ComponentChoice choose_component(const SourceComponents& components, const SourceOptions& options,
                                  const std::string& path);
 
 /// The choice for the metadata; nothing where there was none to make.
-std::optional<ChoiceNote> choice_note(const Components& components, const ComponentChoice& choice);
+std::optional<ChoiceNote> choice_note(const SourceComponents& components,
+                                      const ComponentChoice& choice);
 
 }  // namespace octavo

@@ -30,7 +30,7 @@ struct SourceFacts {
   std::optional<bool> place_known;
   MetadataFacts noted;                  ///< what else the metadata are to say
   std::size_t ignored_number_gaps = 0;  ///< of a stack of numbered files
-  Components components;                ///< what stands at each voxel
+  SourceComponents components;          ///< what stands at each voxel
   ComponentChoice choice;               ///< which of them is taken; made by `settle`
 };
 

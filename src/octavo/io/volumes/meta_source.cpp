@@ -134,8 +134,8 @@ Size3 read_size(const MetaHeader& header) {
 }
 
 /// A fourth axis is time; channels alternate.
-Components components_of(const MetaHeader& header) {
-  Components components;
+SourceComponents components_of(const MetaHeader& header) {
+  SourceComponents components;
   const FieldText channels = header.field({"ElementNumberOfChannels"});
   if (!channels.value.empty()) components.channels = channels.integer();
   const std::vector<std::int64_t> size = header.field({"DimSize"}).integers();

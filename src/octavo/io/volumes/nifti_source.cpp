@@ -59,8 +59,8 @@ std::int64_t length_of(const NiftiHeader& header, std::size_t axis) {
 }
 
 /// Axis 4 is time, axis 5 counts the values of a voxel, as does a color.
-Components components_of(const NiftiHeader& header, const std::string& path) {
-  Components components;
+SourceComponents components_of(const NiftiHeader& header, const std::string& path) {
+  SourceComponents components;
   components.times = length_of(header, 4);
   components.channels = length_of(header, 5);
   const std::int64_t colors = header.datatype == kRgb ? 3 : header.datatype == kRgba ? 4 : 1;
@@ -78,7 +78,7 @@ Components components_of(const NiftiHeader& header, const std::string& path) {
 void take_component(const NiftiHeader& header, const SourceFacts& facts, VoxelRun& run) {
   const std::uint64_t bytes = checked_mul(
       stored_plane_bytes(facts), static_cast<std::uint64_t>(facts.description.size.z), "volume");
-  const Components& components = facts.components;
+  const SourceComponents& components = facts.components;
   const ComponentChoice& choice = facts.choice;
   if (header.datatype == kRgb || header.datatype == kRgba) {
     run.values_per_voxel = components.channels;

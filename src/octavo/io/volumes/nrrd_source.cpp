@@ -59,7 +59,7 @@ struct NrrdAxes {
   std::vector<std::size_t> space;      ///< axes that are directions in space
   std::optional<std::size_t> channel;
   std::optional<std::size_t> time;
-  Components components;
+  SourceComponents components;
 
   bool is_before_space(std::size_t axis) const { return axis < space.front(); }
 };

@@ -85,12 +85,13 @@ void check(const Overlay& overlay) {
 /// Draws one overlay on one section.
 class OverlayPainter {
  public:
-  OverlayPainter(Picture& picture, const PixelArea& at, const Section& section,
+  OverlayPainter(Picture& picture, const PixelArea& at, const PlaneSection& section,
                  const Overlay& overlay, OverlayLegend& legend)
       : picture_(picture), at_(at), overlay_(overlay), look_(overlay.look), legend_(legend) {
     const int level = level_for_pixels(*overlay.reader, section.pixel_mm);
     samples_ = sample_section(*overlay.reader, level, section,
-                              is_labels(overlay) ? Interpolation::nearest : Interpolation::linear);
+                              is_labels(overlay) ? SampleInterpolation::nearest
+                                                 : SampleInterpolation::linear);
     if (overlay.kept) keep_labels(samples_, *overlay.kept);
   }
 
@@ -277,7 +278,7 @@ Overlay decided(Overlay overlay) {
   return overlay;
 }
 
-void draw_overlay(Picture& picture, const PixelArea& at, const Section& section,
+void draw_overlay(Picture& picture, const PixelArea& at, const PlaneSection& section,
                   const Overlay& overlay, OverlayLegend& legend) {
   OverlayPainter(picture, at, section, overlay, legend).draw();
 }

@@ -64,7 +64,7 @@ struct OverlayLegend {
 /// overlay  as `decided` gives it
 /// Runs on the threads of the calling task arena; throws what the reader throws.
 /// Memory  about 10 bytes per pixel of the section
-void draw_overlay(Picture& picture, const PixelArea& at, const Section& section,
+void draw_overlay(Picture& picture, const PixelArea& at, const PlaneSection& section,
                   const Overlay& overlay, OverlayLegend& legend);
 
 }  // namespace octavo

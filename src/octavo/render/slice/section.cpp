@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "octavo/core/error.h"
+#include "octavo/core/text.h"
 #include "octavo/core/vectors.h"
 #include "octavo/render/slice_orientation.h"
 
@@ -20,6 +21,15 @@ double pixel_of(double finest, double longest, std::int64_t minimum_side) {
   return finest / std::max(1.0, enlargement);
 }
 
+/// A number of pixels, at least 1, of which few enough fit into a picture.
+std::int64_t whole_pixels(double count) {
+  constexpr double kMostPixels = 1 << 28;
+  if (count <= kMostPixels) return std::max<std::int64_t>(1, std::llround(count));
+  throw Error(ErrorKind::invalid_argument,
+              "is too flat to be drawn: " + number_text(count) + " pixels of its finest spacing "
+              "side by side");
+}
+
 /// One index axis of a slice in its picture: pixel p lies at index first + p * step.
 struct PixelAxis {
   std::int64_t pixels = 1;
@@ -29,7 +39,7 @@ struct PixelAxis {
 
 PixelAxis pixel_axis(std::int64_t samples, double length_mm, double pixel_mm, bool flips) {
   PixelAxis axis;
-  axis.pixels = std::max<std::int64_t>(1, std::llround(length_mm / pixel_mm));
+  axis.pixels = whole_pixels(length_mm / pixel_mm);
   axis.step = static_cast<double>(samples) / static_cast<double>(axis.pixels);
   axis.first = axis.step / 2 - 0.5;
   if (flips) {
@@ -125,7 +135,7 @@ double cleaned(double value, double tolerance) {
 
 }  // namespace
 
-Section axis_section(const Geometry& geometry, const Size3& size, int axis, std::int64_t index,
+PlaneSection axis_section(const Geometry& geometry, const Size3& size, int axis, std::int64_t index,
                      std::int64_t minimum_side) {
   if (axis < 0 || axis > 2) reject("axis", axis, 3);
   if (index < 0 || index >= size[axis]) reject("slice", index, size[axis]);
@@ -134,7 +144,7 @@ Section axis_section(const Geometry& geometry, const Size3& size, int axis, std:
   const auto down_axis = static_cast<std::size_t>(o.down);
   const double across_mm = geometry.spacing_mm[across_axis] * static_cast<double>(size[o.across]);
   const double down_mm = geometry.spacing_mm[down_axis] * static_cast<double>(size[o.down]);
-  Section section;
+  PlaneSection section;
   section.pixel_mm =
       pixel_of(std::min(geometry.spacing_mm[across_axis], geometry.spacing_mm[down_axis]),
                std::max(across_mm, down_mm), minimum_side);
@@ -158,7 +168,7 @@ Section axis_section(const Geometry& geometry, const Size3& size, int axis, std:
   return section;
 }
 
-Section oblique_section(const Geometry& geometry, const Size3& size, const CutPlane& plane,
+PlaneSection oblique_section(const Geometry& geometry, const Size3& size, const CutPlane& plane,
                         std::int64_t minimum_side) {
   const double length = std::sqrt(dot(plane.normal, plane.normal));
   if (!(length > 0) || !std::isfinite(length) || !std::isfinite(dot(plane.point_mm, {1, 1, 1}))) {
@@ -175,12 +185,11 @@ Section oblique_section(const Geometry& geometry, const Size3& size, const CutPl
   const Extent across = extent_along(border, plane.point_mm, axes.right);
   const Extent down = extent_along(border, plane.point_mm, axes.down);
   const double finest = *std::min_element(geometry.spacing_mm.begin(), geometry.spacing_mm.end());
-  Section section;
+  PlaneSection section;
   section.pixel_mm =
       pixel_of(finest, std::max({across.length(), down.length(), finest}), minimum_side);
   const auto pixels = [&](const Extent& extent) {
-    const double count = extent.length() / section.pixel_mm;
-    return std::max<std::int64_t>(1, std::llround(std::ceil(count - 1e-6)));
+    return whole_pixels(std::ceil(extent.length() / section.pixel_mm - 1e-6));
   };
   section.width = pixels(across);
   section.height = pixels(down);

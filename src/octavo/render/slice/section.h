@@ -28,7 +28,8 @@ struct PixelMap {
   }
 };
 
-struct Section {
+/// Square pixels in space.
+struct PlaneSection {
   std::int64_t width = 0;
   std::int64_t height = 0;
   double pixel_mm = 1;  ///< side of a pixel; pixels are square
@@ -45,16 +46,17 @@ struct CutPlane {
 /// The pixels of a slice of a grid of `size`, across index axis `axis`; its index axes become
 /// picture axes as slice_orientation.h says. Pixels are as fine as the finer spacing, and finer by
 /// a whole factor where the longer side would have fewer than `minimum_side` pixels.
-/// Throws Error{invalid_argument} on an axis or index that is not there
-Section axis_section(const Geometry& geometry, const Size3& size, int axis, std::int64_t index,
+/// Throws Error{invalid_argument} on an axis or index that is not there, and on spacings so
+///        different that a side has more than 2^28 pixels
+PlaneSection axis_section(const Geometry& geometry, const Size3& size, int axis, std::int64_t index,
                      std::int64_t minimum_side);
 
 /// The pixels of the part of a plane that lies in a grid of `size`. The picture is upright and seen
 /// as a slice would be that is nearest to the plane: from the feet, from the front or from the
 /// left. Pixels are as fine as the finest spacing, and finer as for axis_section.
-/// Throws Error{invalid_argument} on a normal that is 0 or not finite, and where the plane does not
-///        meet the grid
-Section oblique_section(const Geometry& geometry, const Size3& size, const CutPlane& plane,
+/// Throws Error{invalid_argument} on a normal that is 0 or not finite, where the plane does not
+///        meet the grid, and on spacings as for axis_section
+PlaneSection oblique_section(const Geometry& geometry, const Size3& size, const CutPlane& plane,
                         std::int64_t minimum_side);
 
 /// Where pixels lie in a grid: fractional indices. What is a whole index but for rounding is one.

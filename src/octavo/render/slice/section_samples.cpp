@@ -104,7 +104,7 @@ class TileSamples {
 /// One tile of a section.
 class Tile {
  public:
-  Tile(const PixelMap& map, const Size3& size, Interpolation interpolation)
+  Tile(const PixelMap& map, const Size3& size, SampleInterpolation interpolation)
       : map_(map), size_(size), interpolation_(interpolation) {}
 
   /// Where a pixel lies; false outside the volume.
@@ -117,7 +117,7 @@ class Tile {
           index[a] >= -0.5 - kBorderTolerance && index[a] <= last + 0.5 + kBorderTolerance;
       if (!is_inside) return false;
       const double inside = std::clamp(index[a], 0.0, last);
-      const double at = interpolation_ == Interpolation::nearest
+      const double at = interpolation_ == SampleInterpolation::nearest
                             ? std::min(last, std::floor(inside + 0.5))
                             : inside;
       cell.low[axis] = static_cast<std::int64_t>(at);
@@ -155,13 +155,13 @@ class Tile {
  private:
   const PixelMap& map_;
   Size3 size_;
-  Interpolation interpolation_;
+  SampleInterpolation interpolation_;
 };
 
 }  // namespace
 
-SectionSamples sample_section(const FileReader& reader, int level, const Section& section,
-                              Interpolation interpolation) {
+SectionSamples sample_section(const FileReader& reader, int level, const PlaneSection& section,
+                              SampleInterpolation interpolation) {
   const Levels& levels = reader.levels();
   if (level < 0 || level >= levels.count()) {
     throw Error(ErrorKind::invalid_argument, "there is no level " + std::to_string(level));

@@ -13,7 +13,7 @@
 
 namespace octavo {
 
-enum class Interpolation { linear, nearest };
+enum class SampleInterpolation { linear, nearest };
 
 /// Stored values at the pixels of a section.
 struct SectionSamples {
@@ -32,8 +32,8 @@ struct SectionSamples {
 /// Runs on the threads of the calling task arena; the result does not depend on how many. Throws
 /// Error{invalid_argument} when there is no such level, and what the reader throws.
 /// Memory  8 bytes per pixel, and for each thread the samples of a tile of 64 x 64 pixels
-SectionSamples sample_section(const FileReader& reader, int level, const Section& section,
-                              Interpolation interpolation);
+SectionSamples sample_section(const FileReader& reader, int level, const PlaneSection& section,
+                              SampleInterpolation interpolation);
 
 /// Turns the stored values of a section into real ones.
 void to_real(SectionSamples& samples, const Rescale& rescale);

@@ -25,7 +25,7 @@ constexpr std::int64_t kMaximumPixels = std::int64_t{1} << 28;
 struct Plan {
   Geometry geometry;                  // of the level
   std::vector<std::int64_t> indices;  // none: an oblique section
-  std::vector<Section> sections;
+  std::vector<PlaneSection> sections;
   MontageGrid grid;
 };
 
@@ -90,9 +90,10 @@ class SlicePainter {
 
     // Sample the volume.
     std::vector<SectionSamples> samples;
-    for (const Section& section : plan_.sections) {
+    for (const PlaneSection& section : plan_.sections) {
       samples.push_back(sample_section(reader_, options_.level, section,
-                                       is_labels ? Interpolation::nearest : Interpolation::linear));
+                                       is_labels ? SampleInterpolation::nearest
+                                                 : SampleInterpolation::linear));
       if (!is_labels) to_real(samples.back(), reader_.description().rescale);
       else if (options_.kept_labels) keep_labels(samples.back(), *options_.kept_labels);
     }
@@ -206,7 +207,7 @@ class SlicePainter {
         std::string(1, "xyz"[options_.axis]) + " " + std::to_string(plan_.indices[number]);
     if (!options_.captions.is_spacing_known) return text;
     // The middle of the slice, along the axis of the body that is nearest to its normal.
-    const Section& section = plan_.sections[number];
+    const PlaneSection& section = plan_.sections[number];
     const Point3 middle = section.world.at(static_cast<double>(section.width - 1) / 2,
                                            static_cast<double>(section.height - 1) / 2);
     std::size_t row = 0;

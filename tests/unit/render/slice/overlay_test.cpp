@@ -114,7 +114,7 @@ class Overlays : public ::testing::Test {
   }
 
   Picture drawn(const Overlay& overlay, OverlayLegend& legend, std::int64_t side = 60) const {
-    const Section section = axis_section({}, kSize, 2, 2, side);
+    const PlaneSection section = axis_section({}, kSize, 2, 2, side);
     Picture picture = make_picture(section.width, section.height, 3);
     draw_overlay(picture, {0, 0, picture.width, picture.height}, section, decided(overlay), legend);
     return picture;
@@ -206,8 +206,8 @@ TEST_F(Overlays, IsolinesAreDrawnAlongTheirLevels) {
   lines.unit = "cGy";
   OverlayLegend legend;
   const Picture picture = drawn(lines, legend, 240);
-  const Section section = axis_section({}, kSize, 2, 2, 240);
-  const SectionSamples samples = sample_section(*dose, 0, section, Interpolation::linear);
+  const PlaneSection section = axis_section({}, kSize, 2, 2, 240);
+  const SectionSamples samples = sample_section(*dose, 0, section, SampleInterpolation::linear);
   // Pixels of the color of a level are those near a line of it.
   for (std::size_t i = 0; i < 2; ++i) {
     const Color color = scale_colors(2)[i];

@@ -95,7 +95,7 @@ class SectionSampling : public ::testing::Test {
     reader_ = testing::open_file(folder_.file("v.8vo"));
   }
 
-  Section section_of(const Point3& normal) const {
+  PlaneSection section_of(const Point3& normal) const {
     const Point3 middle = reader_->description().geometry.to_world({70, 71, 44});
     return oblique_section(reader_->description().geometry, kSize, {middle, normal}, 1);
   }
@@ -156,9 +156,9 @@ TEST_F(SectionSampling, ObliqueSectionsAreThoseOfADenseVolume) {
     const Dense volume = dense(*reader_, level);
     for (const Point3& normal :
          {Point3{1, 1, 1}, Point3{0.2, -1, 0.4}, Point3{0, 0.3, 1}, Point3{1, 0, 0}}) {
-      const Section section = section_of(normal);
+      const PlaneSection section = section_of(normal);
       const SectionSamples samples =
-          sample_section(*reader_, level, section, Interpolation::linear);
+          sample_section(*reader_, level, section, SampleInterpolation::linear);
       std::int64_t inside = 0, off = 0;
       for (std::int64_t y = 0; y < section.height; ++y) {
         for (std::int64_t x = 0; x < section.width; ++x) {
@@ -181,8 +181,8 @@ TEST_F(SectionSampling, ObliqueSectionsAreThoseOfADenseVolume) {
 
 TEST_F(SectionSampling, NearestSamplesAreSamples) {
   const Dense volume = dense(*reader_, 0);
-  const Section section = section_of({1, -2, 3});
-  const SectionSamples samples = sample_section(*reader_, 0, section, Interpolation::nearest);
+  const PlaneSection section = section_of({1, -2, 3});
+  const SectionSamples samples = sample_section(*reader_, 0, section, SampleInterpolation::nearest);
   for (std::int64_t y = 0; y < section.height; ++y) {
     for (std::int64_t x = 0; x < section.width; ++x) {
       if (std::isnan(samples.at(x, y))) continue;
@@ -201,8 +201,8 @@ TEST_F(SectionSampling, NearestSamplesAreSamples) {
 TEST_F(SectionSampling, OnlyBricksThatThePlaneMeetsAreRead) {
   for (const Point3& normal : {Point3{1, 1, 1}, Point3{0.1, 0, 1}, Point3{1, -0.5, 0}}) {
     const NotingReader noting(reader_);
-    const Section section = section_of(normal);
-    sample_section(noting, 0, section, Interpolation::linear);
+    const PlaneSection section = section_of(normal);
+    sample_section(noting, 0, section, SampleInterpolation::linear);
     // The bricks of all samples that some pixel lies between.
     std::set<Brick> expected;
     const PixelMap map = index_map(section.world, reader_->description().geometry);
@@ -232,11 +232,12 @@ TEST_F(SectionSampling, OnlyBricksThatThePlaneMeetsAreRead) {
 }
 
 TEST_F(SectionSampling, ThreadsDoNotChangeTheSamples) {
-  const Section section = section_of({3, 2, 1});
+  const PlaneSection section = section_of({3, 2, 1});
   std::vector<SectionSamples> found;
   for (const int threads : {1, 2, 6}) {
-    tbb::task_arena(threads).execute(
-        [&] { found.push_back(sample_section(*reader_, 0, section, Interpolation::linear)); });
+    tbb::task_arena(threads).execute([&] {
+      found.push_back(sample_section(*reader_, 0, section, SampleInterpolation::linear));
+    });
   }
   for (std::size_t i = 0; i < found[0].values.size(); ++i) {
     for (const SectionSamples& other : found) {
@@ -251,7 +252,8 @@ TEST_F(SectionSampling, LevelsFollowThePixels) {
   EXPECT_EQ(level_for_pixels(*reader_, 1.4), 0);
   EXPECT_EQ(level_for_pixels(*reader_, 2.8), 1);
   EXPECT_EQ(level_for_pixels(*reader_, 1e9), reader_->levels().count() - 1);
-  EXPECT_THROW(sample_section(*reader_, 99, section_of({0, 0, 1}), Interpolation::linear), Error);
+  EXPECT_THROW(sample_section(*reader_, 99, section_of({0, 0, 1}), SampleInterpolation::linear),
+               Error);
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ Geometry turned_grid() {
 TEST(Section, PixelsOfASliceAreItsSamples) {
   const Geometry geometry = turned_grid();
   for (int axis = 0; axis < 3; ++axis) {
-    const Section section = axis_section(geometry, kSize, axis, 7, 1);
+    const PlaneSection section = axis_section(geometry, kSize, axis, 7, 1);
     const PixelMap map = index_map(section.world, geometry);
     for (const auto& [x, y] : {std::pair{0.0, 0.0}, std::pair{3.0, 5.0}}) {
       const auto a = static_cast<std::size_t>(axis);
@@ -52,10 +52,10 @@ TEST(Section, PixelsOfASliceAreItsSamples) {
 }
 
 TEST(Section, SmallPicturesAreEnlargedByAWholeNumber) {
-  const Section plain = axis_section({}, kSize, 2, 0, 1);
+  const PlaneSection plain = axis_section({}, kSize, 2, 0, 1);
   EXPECT_EQ(plain.width, 40);
   EXPECT_EQ(plain.height, 30);
-  const Section large = axis_section({}, kSize, 2, 0, 100);
+  const PlaneSection large = axis_section({}, kSize, 2, 0, 100);
   EXPECT_EQ(large.width, 120);
   EXPECT_EQ(large.height, 90);
   EXPECT_DOUBLE_EQ(large.pixel_mm, 1.0 / 3);
@@ -68,7 +68,7 @@ TEST(Section, AnObliquePictureLiesInItsPlaneAndIsSquare) {
   for (int round = 0; round < 40; ++round) {
     const CutPlane plane{geometry.to_world({20 + 5 * any(random), 15, 10}),
                          {any(random), any(random), any(random)}};
-    const Section section = oblique_section(geometry, kSize, plane, 200);
+    const PlaneSection section = oblique_section(geometry, kSize, plane, 200);
     const double length = std::sqrt(dot(plane.normal, plane.normal));
     for (const auto& [x, y] : {std::pair{0.0, 0.0}, std::pair{50.0, 9.0}, std::pair{3.0, 90.0}}) {
       const Point3 off = difference(section.world.at(x, y), plane.point_mm);
@@ -87,7 +87,7 @@ TEST(Section, AnObliquePictureHoldsAllOfThePlaneAndNoMore) {
   std::uniform_real_distribution<double> any(-1, 1);
   for (int round = 0; round < 40; ++round) {
     const CutPlane plane{geometry.to_world({20, 15, 10}), {any(random), any(random), any(random)}};
-    const Section section = oblique_section(geometry, kSize, plane, 300);
+    const PlaneSection section = oblique_section(geometry, kSize, plane, 300);
     const PixelMap map = index_map(section.world, geometry);
     const auto is_inside = [&](std::int64_t x, std::int64_t y) {
       const Point3 at = map.at(static_cast<double>(x), static_cast<double>(y));
@@ -110,6 +110,16 @@ TEST(Section, AnObliquePictureHoldsAllOfThePlaneAndNoMore) {
       near[3] += is_inside(section.width - 4, y) ? 1 : 0;
     }
     for (const int count : near) EXPECT_GT(count, 0);
+  }
+}
+
+TEST(Section, SpacingsThatMakeItTooFlatAreRejected) {
+  Geometry geometry;
+  for (const double flat : {1e-8, 1e-300}) {
+    geometry.spacing_mm = {flat, 1, 1};
+    EXPECT_THROW(axis_section(geometry, kSize, 2, 0, 1), Error) << flat;
+    EXPECT_THROW(oblique_section(geometry, kSize, {{0, 15, 10}, {0, 0, 1}}, 1), Error) << flat;
+    EXPECT_EQ(axis_section(geometry, kSize, 0, 0, 1).width, kSize.y);
   }
 }
 
