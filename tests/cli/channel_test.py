@@ -100,7 +100,8 @@ class Components(cli_test.InFolder):
         self.assertIn("2 x 2 x 2 mm (given by --spacing)", self.expect(0, "info", "a.8vo").stdout)
         self.refuse(2, ["channel 1 is not there", "1 channel", "leave out --channel"],
                     "one.nii", "--channel", "1")
-        self.refuse(2, ["segment applies to DICOM series alone", "leave out --segment"],
+        self.refuse(2, ["one of several segments is chosen in DICOM series alone",
+                        "leave out --segment"],
                     "one.nii", "--segment", "1")
         self.refuse(2, ["stacks of numbered files", "TIFF, PNG, raw", "leave out --on-gap"],
                     "one.nii", "--on-gap", "ignore")
@@ -111,7 +112,8 @@ class Components(cli_test.InFolder):
             (self.folder / "stack" / f"slice {z}.png").write_bytes(png([z]))
         self.refuse(7, ["slice 2.png", "slice 4.png", "1 file is missing", "--on-gap ignore"],
                     "stack")
-        self.refuse(2, ["on_gap applies to DICOM series alone; leave out --on-gap"],
+        self.refuse(2, ["missing planes are made from their neighbors in DICOM series alone; "
+                         "leave out --on-gap"],
                     "stack", "--on-gap", "fill")
         told = self.build("stack", "--on-gap", "ignore")
         self.assertIn("warning: slice 2.png is followed by slice 4.png", told.stderr)

@@ -231,12 +231,21 @@ class Resume(InFolder):
             self.assertIn(word, said)
         for word in ["out.8vo: an interrupted build", "--resume", "--force"]:
             self.assertIn(word, error)
-        self.expect_error(2, ["another preset: small there, fast now"], *command,
-                          "--preset", "fast")
+        anew = "leave out --resume and use --force to start anew"
+        for words, options in [
+                (["another preset: small there, fast now", "it was begun with --preset small"],
+                 ["--preset", "fast"]),
+                (["another max error: 0 there, 2 now", "it was begun with --max-error 0"],
+                 ["--max-error", "2"]),
+                (["another replacement of NaN: not given there, 0 now",
+                  "it was begun without --nan"], ["--nan", "0"]),
+                (["another spacing: 1 1 1 there, 2 2 2 now"], ["--spacing", "2"])]:
+            self.expect_error(2, [*words, "the interrupted build is kept", anew],
+                              *command, *options)
         voxels = bytearray((self.folder / "v.raw").read_bytes())
         voxels[1000] ^= 1
         (self.folder / "v.raw").write_bytes(voxels)
-        self.expect_error(7, ["the first planes hold other voxels"], *command)
+        self.expect_error(7, ["the first planes hold other voxels", anew], *command)
         voxels[1000] ^= 1
         (self.folder / "v.raw").write_bytes(voxels)
         self.assertEqual(len(self.check_left()), 2)

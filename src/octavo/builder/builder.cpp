@@ -41,7 +41,8 @@ void check_options(const VolumeDescription& description, const BuildOptions& opt
   }
   if (description.kind != VolumeKind::labels) return;
   if (options.max_error > 0) {
-    throw Error(ErrorKind::invalid_argument, "label maps are always lossless; leave the max error");
+    throw Error(ErrorKind::invalid_argument, "label maps are always lossless")
+        .with_field("max_error", "0");
   }
   if (!is_integer(description.type)) {
     throw Error(ErrorKind::invalid_argument, "labels are integers; these voxels are float32");
@@ -87,7 +88,7 @@ std::string settings_text(const BuildOptions& options) {
   text += std::string("preset: ") + (options.preset == Preset::fast ? "fast" : "small") + "\n";
   text += "max_error: " + exact_text(options.max_error) + "\n";
   const auto repair = [](const std::optional<float>& value) {
-    return value ? exact_text(*value) : std::string("not given");
+    return value ? exact_text(*value) : std::string(kSettingNotGiven);
   };
   text += "repair.nan: " + repair(options.repair.nan) + "\n";
   return text + "repair.infinity: " + repair(options.repair.infinity) + "\n";

@@ -51,11 +51,20 @@ Format format_of(const std::string& path) {
   return Format::unknown;
 }
 
+/// What an option of SourceOptions::dicom_option does.
+std::string dicom_work(const std::string& field) {
+  if (field == "series") return "one of several series is chosen";
+  if (field == "on_gap") return "missing planes are made from their neighbors";
+  if (field == "drop_duplicates") return "copies of slices are left out";
+  if (field == "segment") return "one of several segments is chosen";
+  return "tilted slices are resampled upright";
+}
+
 /// Rejects options that no reader of this format takes. path names the source in the message.
 void require_fitting(Format format, const SourceOptions& options, const std::string& path) {
   if (const std::string field = options.dicom_option();
       !field.empty() && format != Format::dicom) {
-    throw Error(ErrorKind::invalid_argument, field + " applies to DICOM series alone", path)
+    throw Error(ErrorKind::invalid_argument, dicom_work(field) + " in DICOM series alone", path)
         .with_field(field);
   }
   const bool is_stack =

@@ -179,11 +179,19 @@ TEST(ResumedBuild, NamesTheSettingThatChanged) {
   TextureSource source = source_of(kGrey);
   BuildOptions options = options_of(kGrey, Interrupted::resume);
   options.preset = Preset::fast;
-  reject(source, options, "another preset: small there, fast now");
+  reject(source, options,
+         "another preset: small there, fast now; the interrupted build is kept "
+         "[interrupted.preset=small] [interrupted=discard]");
   TextureSource again = source_of(kGrey);
   options = options_of(kGrey, Interrupted::resume);
   options.max_error = 3;
   reject(again, options, "another max error: 0 there, 3 now");
+  TextureSource repaired = source_of(kGrey);
+  options = options_of(kGrey, Interrupted::resume);
+  options.repair.nan = 0.0F;
+  reject(repaired, options,
+         "another replacement of NaN: not given there, 0 now; the interrupted build is kept "
+         "[interrupted.repair.nan] [interrupted=discard]");
   TextureSource moved = source_of(kGrey);
   moved.mutable_description().geometry.origin_mm[0] = 5;
   reject(moved, options_of(kGrey, Interrupted::resume), "another origin: 0 0 0 there, 5 0 0 now");

@@ -347,7 +347,7 @@ class LocalStorage final : public Storage {
   void rename_new(const std::string& from, const std::string& to) override {
     if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return;
     if (errno == EINVAL || errno == ENOSYS) return Storage::rename_new(from, to);
-    if (errno == EEXIST) throw Error(ErrorKind::io, "exists already", to);
+    if (errno == EEXIST) throw Error(ErrorKind::io, "exists already", to).with_field("overwrite");
     fail("cannot take its final name", to, errno);
   }
 

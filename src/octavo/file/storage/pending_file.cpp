@@ -115,11 +115,9 @@ class PairSwap {
       take_names();
     } catch (const Error& error) {
       if (undo() || !has_earlier_data_) throw;
-      throw Error(error.kind(),
-                  error.detail() + "; the earlier pair lies beside it, " +
-                      escaped(base_name_of(earlier_header_)) +
-                      " and its voxels: the next export of this name puts them back",
-                  error.path(), error.offset());
+      throw error.with_detail(error.detail() + "; the earlier pair lies beside it, " +
+                              escaped(base_name_of(earlier_header_)) +
+                              " and its voxels: the next export of this name puts them back");
     } catch (...) {
       undo();
       throw;
@@ -172,8 +170,7 @@ void with_folder(Storage& storage, const std::string& header, const std::string&
     const auto lock = storage.lock_folder(folder_of(header));
     f();
   } catch (const Error& error) {
-    throw Error(error.kind(), error.detail(), error.path() == data ? data : header,
-                error.offset());
+    throw retold(error, error.kind(), error.detail(), error.path() == data ? data : header);
   }
 }
 

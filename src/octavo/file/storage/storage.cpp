@@ -31,7 +31,7 @@ PathType Storage::path_type(const std::string& path) {
 }
 
 void Storage::rename_new(const std::string& from, const std::string& to) {
-  if (exists(to)) throw Error(ErrorKind::io, "exists already", to);
+  if (exists(to)) throw Error(ErrorKind::io, "exists already", to).with_field("overwrite");
   rename(from, to);
 }
 

@@ -117,19 +117,26 @@ TemporaryFile create_temporary_folder(Storage& storage, const std::string& path)
   return create(storage, path, &Storage::create_folder);
 }
 
+Error retold(const Error& error, ErrorKind kind, const std::string& detail,
+             const std::string& path) {
+  Error other(kind, detail, path, error.offset());
+  for (const OptionHint& hint : error.hints()) other = other.with_field(hint.field, hint.value);
+  return other;
+}
+
 Error with_final_name(const Error& error, const std::string& path) {
   if (error.path().rfind(temporary_prefix(path), 0) != 0) return error;
-  return Error(error.kind(), error.detail(), path, error.offset());
+  return retold(error, error.kind(), error.detail(), path);
 }
 
 void sync_new_name(Storage& storage, const std::string& path) {
   try {
     storage.sync_folder(folder_of(path));
   } catch (const Error& error) {
-    throw Error(error.kind(),
-                error.detail() + "; what is new stands there, whole, but may not outlast a power "
-                                 "cut",
-                path, error.offset());
+    throw retold(error, error.kind(),
+                 error.detail() + "; what is new stands there, whole, but may not outlast a power "
+                                  "cut",
+                 path);
   }
 }
 
@@ -147,7 +154,7 @@ void settle_new_name(Storage& storage, const std::string& path, bool has_replace
     storage.sync_folder(folder_of(path));
   } catch (const Error& error) {
     remove_quietly(storage, path);
-    throw Error(error.kind(), error.detail(), path);
+    throw retold(error, error.kind(), error.detail(), path);
   }
 }
 

@@ -57,6 +57,10 @@ TemporaryFile create_temporary(Storage& storage, const std::string& path);
 /// The same with a new folder.
 TemporaryFile create_temporary_folder(Storage& storage, const std::string& path);
 
+/// A failure of `kind` in other words, about the same place and options as `error`.
+Error retold(const Error& error, ErrorKind kind, const std::string& detail,
+             const std::string& path);
+
 /// `error` with the name that was asked for, where it carries the temporary one of `path`.
 Error with_final_name(const Error& error, const std::string& path);
 

@@ -79,12 +79,30 @@ std::string excerpt(const std::string& text, std::size_t at) {
   return "'" + escaped(text.substr(std::min(from, text.size()), kLength)) + "'";
 }
 
-// name  may be that of an option's field
+// A setting that an option gives.
+struct AskedSetting {
+  std::string_view name;  // in the journal
+  const char* words;
+  const char* field;      // of the options, when they continue a build
+};
+
+constexpr AskedSetting kAskedSettings[] = {
+    {"max error", "max error", "interrupted.max_error"},
+    {"max_error", "max error", "interrupted.max_error"},
+    {"preset", "preset", "interrupted.preset"},
+    {"repair.infinity", "replacement of infinities", "interrupted.repair.infinity"},
+    {"repair.nan", "replacement of NaN", "interrupted.repair.nan"},
+};
+
 Error other_setting(std::string_view name, const std::string& stored, const std::string& now) {
-  return Error(ErrorKind::invalid_argument, "the interrupted build has another " +
-                                                escaped(name) + ": " + stored + " there, " + now +
-                                                " now")
-      .with_field(std::string(name), stored);
+  const auto asked = std::ranges::find(kAskedSettings, name, &AskedSetting::name);
+  const bool is_asked = asked != std::end(kAskedSettings);
+  const Error error(ErrorKind::invalid_argument,
+                    "the interrupted build has another " +
+                        (is_asked ? std::string(asked->words) : escaped(name)) + ": " + stored +
+                        " there, " + now + " now");
+  if (!is_asked) return error;
+  return error.with_field(asked->field, stored == kSettingNotGiven ? "" : stored);
 }
 
 }  // namespace

@@ -32,6 +32,9 @@
 
 namespace octavo {
 
+/// Stands in JournalHead::settings for an option that was left out.
+inline constexpr const char* kSettingNotGiven = "not given";
+
 /// What a build is of and how it is done: equal heads continue each other.
 struct JournalHead {
   std::string settings;       ///< lines "NAME: VALUE"

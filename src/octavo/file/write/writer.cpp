@@ -151,7 +151,7 @@ class FileWriterImpl final : public FileWriter {
       detail += "; existing " + escaped(base_name_of(path_)) + " unchanged";
     }
     const ErrorKind kind = error.kind() == ErrorKind::truncated ? ErrorKind::io : error.kind();
-    return Error(kind, detail, path_, error.offset());
+    return retold(error, kind, detail, path_);
   }
 
   // What goes wrong in here is not reported: the failure that led here is the one to report.
@@ -509,7 +509,7 @@ bool check_target(Storage& storage, const std::string& path, bool overwrite) {
     case PathType::other: throw Error(ErrorKind::io, "exists and is not a regular file", path);
     case PathType::file: break;
   }
-  if (!overwrite) throw Error(ErrorKind::io, "exists already; ask to overwrite it", path);
+  if (!overwrite) throw Error(ErrorKind::io, "exists already", path).with_field("overwrite");
   return true;
 }
 
