@@ -270,6 +270,9 @@ std::uint64_t printed_bytes_per_leaf(const Arguments& arguments, const Context& 
 }
 
 CodesOptions options_of(const Arguments& arguments, const Context& context) {
+  if (arguments.list && arguments.counts && !context.json) {
+    throw Error(ErrorKind::invalid_argument, "--list goes with --counts under --json alone");
+  }
   CodesOptions options;
   options.input = arguments.input;
   options.level = arguments.level;

@@ -85,7 +85,8 @@ std::string csv_value(const nlohmann::ordered_json& value) {
 
 /// The objects as a table with one column per number: what is a list in JSON has a column each;
 /// cells of what is not known are empty.
-std::string csv_text(const nlohmann::ordered_json& objects) {
+/// head  an object for the names of the columns
+std::string csv_text(const nlohmann::ordered_json& head, const nlohmann::ordered_json& objects) {
   const auto name_of = [](std::string pointer) {
     // Where a list is one of axes, its places are called by them.
     constexpr const char* kAxes[] = {"_x", "_y", "_z"};
@@ -103,16 +104,17 @@ std::string csv_text(const nlohmann::ordered_json& objects) {
     return parts.size() == 2 ? "p" + parts[1] : parts[0];
   };
   std::string text;
-  for (const auto& object : objects) {
-    std::string names;
-    std::string values;
+  const auto add_line = [&](const nlohmann::ordered_json& object, const auto& cell_of) {
+    std::string line;
     const nlohmann::ordered_json flat = with_all_places(object).flatten();
     for (const auto& [pointer, value] : flat.items()) {
-      values += (names.empty() ? "" : ",") + csv_value(value);
-      names += (names.empty() ? "" : ",") + name_of(pointer);
+      line += (line.empty() ? "" : ",") + cell_of(pointer, value);
     }
-    if (text.empty()) text = names + "\n";
-    text += values + "\n";
+    text += line + "\n";
+  };
+  add_line(head, [&](const std::string& pointer, const auto&) { return name_of(pointer); });
+  for (const auto& object : objects) {
+    add_line(object, [](const std::string&, const auto& value) { return csv_value(value); });
   }
   return text;
 }
@@ -192,7 +194,11 @@ int run_measure(const Arguments& arguments, Context& context) {
   if (context.json) {
     print_json({{"objects", objects}, {"unit", result.unit}, {"warnings", context.warnings}});
   } else if (arguments.csv) {
-    print(csv_text(objects));
+    MeasuredRegion none;
+    if (!options.grey.empty()) {
+      none.region.grey.emplace().percentiles.resize(result.percentiles.size());
+    }
+    print(csv_text(row_json(none, result), objects));
   } else if (!context.quiet) {
     print(table_text(result, is_asked));
   }

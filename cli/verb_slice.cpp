@@ -259,7 +259,11 @@ int run_slice(const Arguments& arguments, Context& context) {
     if (context.json) slices.push_back(slice_json(one, result));
     else if (!context.quiet) print(slice_text(one, result));
   }
-  if (context.json) print_json({{"slices", slices}, {"salvaged", salvaged_json(result.salvaged)}});
+  if (context.json) {
+    print_json({{"slices", slices},
+                {"salvaged", salvaged_json(result.salvaged)},
+                {"warnings", context.warnings}});
+  }
   return kExitDone;
 }
 
@@ -287,8 +291,9 @@ void add_overlay_options(Verb verb, Arguments& arguments) {
 }
 
 void add_place_options(Verb verb, Arguments& arguments) {
-  verb.add_option("--axis", arguments.axis, "The axis the slice lies across: x, y, z or all")
-      ->type_name("AXIS")
+  Option axis =
+      verb.add_option("--axis", arguments.axis, "The axis the slice lies across: x, y, z or all");
+  axis->type_name("AXIS")
       ->check(one_of({"x", "y", "z", "all"}))
       ->capture_default_str();
   Option index = verb.add_option("--index", arguments.index,
@@ -302,6 +307,7 @@ void add_place_options(Verb verb, Arguments& arguments) {
   every->type_name("N")->check(whole_within(1));
   verb.add_option("--plane", arguments.plane, "An oblique plane in mm (LPS)")
       ->type_name("POINT,NORMAL")
+      ->excludes(axis)
       ->excludes(index)
       ->excludes(mm)
       ->excludes(montage)

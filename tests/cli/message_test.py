@@ -118,6 +118,12 @@ class Messages(cli_test.InFolder):
         empty = self.said("render", "v.8vo", "--range", "900:", "-o", "e.png", "--json")
         self.assertEqual(json.loads(empty.stdout)["warnings"],
                          ["v.8vo: no voxel is drawn; the picture is empty"])
+        for warned, options in [("no voxel is drawn", ["--range", "900:"]),
+                                ("the cuts leave no voxel", ["--range", "30:"])]:
+            cut = self.said("render", "v.8vo", *options, "--cut", "x<2", "-o", "cut.png", "-f",
+                            "--json")
+            self.assertEqual(json.loads(cut.stdout)["warnings"],
+                             [f"v.8vo: {warned}; the picture is empty"])
         lying = self.said("render", "v.8vo", "--range", "30:", "--direction", "front", "-o",
                           "f.png")
         self.assertIn("octavo: v.8vo: does not say how the patient lies", lying.stderr)
@@ -192,6 +198,37 @@ class Messages(cli_test.InFolder):
         self.said("components", "b.8vo", "--max-memory", "40M")
         told = self.expect(6, "components", "b.8vo", "--json", "--max-memory", "40M")
         self.assertIn("the table of components would take", told.stderr)
+
+    def test_layers_of_bricks_count_against_the_limit_of_memory(self):
+        self.expect(0, "phantom", "--size", "200,200,80", "-o", "p.8vo", "-q")
+        kept = self.files()
+        for arguments in [["export", "p.8vo", "-o", "p.raw"], ["compare", "p.8vo", "p.8vo"],
+                          ["verify", "p.8vo"], ["codes", "p.8vo", "--range", "0:"]]:
+            self.expect_error(6, ["would take about", "the limit is 4096 KiB"], *arguments,
+                              "--max-memory", "4M")
+            self.assertEqual(self.files(), kept)
+            self.said(*arguments, "--max-memory", "100M")
+            kept = self.files()
+
+    def test_options_that_would_change_nothing_are_rejected(self):
+        for words, arguments in [
+            (["v.8vo: is an .8vo file", "--spacing changes nothing in it"],
+             ["verify", "v.8vo", "--spacing", "3"]),
+            (["--raw changes nothing in it"], ["verify", "v.8vo", "--raw", "9,9,9,uint8"]),
+            (["--list goes with --counts under --json"], ["codes", "m.8vo", "--list", "--counts"]),
+            (["the max error must not be negative"],
+             ["compare", "v.8vo", "v.8vo", "--max-error", "-1"]),
+        ]:
+            self.expect_error(2, words, *arguments)
+        both = json.loads(self.said("codes", "m.8vo", "--list", "--counts", "--json").stdout)
+        self.assertTrue(both["labels"] and both["codes"])
+
+    def test_a_table_without_regions_has_its_columns(self):
+        self.build("none.8vo", block(0, 0), "uint8", "B", "--labels")
+        for options in [[], ["--of", "v.8vo"], ["--of", "v.8vo", "--percentile", "10"]]:
+            head = self.said("measure", "m.8vo", "--csv", *options).stdout.splitlines()[0]
+            table = self.said("measure", "none.8vo", "--csv", *options).stdout
+            self.assertEqual(table, head + "\n")
 
     def test_more_threads_than_cores_are_started_without_a_word(self):
         threads = str(min(64, 4 * (os.cpu_count() or 1) + 3))

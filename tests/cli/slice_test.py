@@ -35,9 +35,9 @@ class Slices(cli_test.InFolder):
         (self.folder / "m.raw").write_bytes(bytes(mask))
         self.build("m.raw", "m.8vo", "uint8", "--labels")
 
-    def build(self, source, name, kind, *options):
+    def build(self, source, name, kind, *options, spacing="1,1,2"):
         size = ",".join(map(str, SIZE))
-        self.expect(0, "build", source, "--raw", f"{size},{kind}", "--spacing", "1,1,2", "-o", name,
+        self.expect(0, "build", source, "--raw", f"{size},{kind}", "--spacing", spacing, "-o", name,
                     "--preset", "fast", "-q", *options)
 
     def slice(self, *arguments):
@@ -65,6 +65,21 @@ class Slices(cli_test.InFolder):
         self.assertEqual(middle["plane"]["point_mm"], [19.5, 17.5, 23])
         told = self.expect(0, "slice", "v.8vo", "--plane=-1,0,2", "-o", "s.png", "-f").stdout
         self.assertIn("section through 19.5, 17.5, 23 mm, normal -1, 0, 2", told)
+
+    def test_warnings_stand_in_the_result(self):
+        def warnings(overlay):
+            made = self.expect(0, "slice", "v.8vo", "--overlay", overlay, "-o", "s.png", "-f",
+                               "--json", "--progress", "none")
+            return json.loads(made.stdout)["warnings"]
+
+        self.assertEqual(warnings("m.8vo"), [])
+        self.expect(0, "transform", "m.8vo", "--translate", "0,0,500", "-o", "far.8vo", "-q")
+        self.assertEqual(warnings("far.8vo"), ["far.8vo: lies beside what is drawn of v.8vo"])
+
+    def test_voxels_too_flat_for_a_picture_are_rejected(self):
+        self.build("v.raw", "flat.8vo", "int16", spacing="1e-300,1,1")
+        self.expect_error(2, ["too flat"], "slice", "flat.8vo", "-o", "x.png")
+        self.expect_error(2, ["too flat"], "slice", "flat.8vo", "--plane", "1,1,0", "-o", "x.png")
 
     def test_montages_hold_many_slices(self):
         made = self.slice("v.8vo", "--montage", "3x2")
@@ -148,7 +163,8 @@ class Slices(cli_test.InFolder):
             (["direction"], ["--plane", "0,0,0"]),
             (["does not meet"], ["--plane", "0,0,900,0,0,1"]),
             (["--plane", "--index"], ["--plane", "0,0,1", "--index", "3"]),
-            (["several axes"], ["--plane", "0,0,1", "--axis", "all"]),
+            (["--plane", "--axis"], ["--plane", "0,0,1", "--axis", "all"]),
+            (["--plane", "--axis"], ["--plane", "0,0,1", "--axis", "y"]),
             (["--montage", "4x3"], ["--montage", "4"]),
             (["100 slices of 24"], ["--montage", "10x10"]),
             (["--every", "1"], ["--every", "0"]),

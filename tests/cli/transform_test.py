@@ -9,6 +9,7 @@ Everything is generated; expected voxels are computed here, one by one.
 import itertools
 import json
 import math
+import os
 import random
 import struct
 import sys
@@ -305,6 +306,7 @@ class Transforms(cli_test.InFolder):
                            ("last.txt", "1 0 0 0 0 1 0 0 0 0 1 0 1 0 0 1"),
                            ("flat.txt", "1 0 0 0 0 1 0 0 1 1 0 0"), ("long.txt", "0 " * 40000)]:
             (self.folder / name).write_text(text)
+        os.mkfifo(self.folder / "pipe.txt")
         kept = self.files()
         for code, words, arguments in [
             (2, ["needs one of", "--grid-of"], []),
@@ -331,6 +333,7 @@ class Transforms(cli_test.InFolder):
             (7, ["last.txt", "1 0 0 1", "0 0 0 1"], ["--affine", "last.txt"]),
             (7, ["flat.txt", "inverse"], ["--affine", "flat.txt"]),
             (7, ["long.txt", "64 KiB"], ["--affine", "long.txt"]),
+            (5, ["pipe.txt", "is not a regular file"], ["--affine", "pipe.txt"]),
             (5, ["none.8vo"], ["--grid-of", "none.8vo"]),
             (6, ["the limit is 10 MiB", "smaller volume"],
              ["--mirror", "x", "--max-memory", "10M"]),
@@ -338,6 +341,12 @@ class Transforms(cli_test.InFolder):
             with self.subTest(arguments):
                 self.expect_error(code, words, "transform", "v.8vo", *arguments, "-o", "x.8vo")
                 self.assertEqual(self.files(), kept)
+        grid = (self.folder / "m.8vo").read_bytes()
+        self.expect_error(2, ["m.8vo: is the input itself"], "transform", "v.8vo", "--grid-of",
+                          "m.8vo", "-o", "m.8vo", "--force")
+        self.assertEqual((self.folder / "m.8vo").read_bytes(), grid)
+        self.expect_error(2, ["always lossless; leave out --max-error"], "transform", "m.8vo",
+                          "--mirror", "x", "--max-error", "2", "-o", "x.8vo")
         self.expect_error(2, ["labels are names"], "transform", "m.8vo", "--grid-of", "v.8vo",
                           "--interpolation", "linear", "-o", "x.8vo")
         self.expect_error(5, ["exists already"], "transform", "v.8vo", "--mirror", "x", "-o",

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "octavo/render/numbers.h"
+
 namespace octavo {
 
 namespace {
@@ -45,7 +47,8 @@ std::string length_text(double length_mm) {
   constexpr Unit kUnits[] = {{" m", 1000}, {" mm", 1}, {" \u00b5m", 1e-3}, {" nm", 1e-6}};
   const Unit* unit = std::find_if(std::begin(kUnits), std::end(kUnits) - 1,
                                   [&](const Unit& u) { return length_mm >= u.mm * (1 - 1e-9); });
-  return std::to_string(std::llround(length_mm / unit->mm)) + unit->name;
+  const double count = length_mm / unit->mm;
+  return (count < 0.5 ? short_number(count) : std::to_string(std::llround(count))) + unit->name;
 }
 
 Annotator::Annotator(Picture& picture)

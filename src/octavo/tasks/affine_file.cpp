@@ -3,17 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <optional>
 #include <sstream>
 #include <string_view>
-#include <system_error>
 #include <vector>
 
 #include "octavo/core/error.h"
+#include "octavo/io/source/source_file.h"
 
 namespace octavo {
 
@@ -22,23 +20,12 @@ namespace {
 // Longer files are no matrices.
 constexpr std::size_t kMostBytes = 64 << 10;
 
-[[noreturn]] void reject(const std::string& path, const std::string& why) {
-  throw Error(ErrorKind::source_rejected, why, path);
-}
-
 std::string text_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string text(kMostBytes + 1, '\0');
-  if (file) file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!file && !file.eof()) {
-    const int reason = errno != 0 ? errno : EIO;
-    throw Error(ErrorKind::io, "cannot be read: " + std::generic_category().message(reason), path);
-  }
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  if (text.size() > kMostBytes) {
+  const std::vector<std::byte> head = file_head(path, kMostBytes + 1);
+  if (head.size() > kMostBytes) {
     reject(path, "is longer than 64 KiB: no matrix of 12 or 16 numbers");
   }
-  return text;
+  return {reinterpret_cast<const char*>(head.data()), head.size()};
 }
 
 /// A finite number that fills the word.

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <memory>
+#include <string>
+#include <variant>
+#include <vector>
 
 #include "octavo/core/error.h"
 #include "octavo/file/storage/storage.h"
@@ -17,7 +20,6 @@
 namespace octavo {
 
 namespace {
-
 
 /// The description of the new volume; its metadata are those for a file made from the input.
 VolumeDescription new_description(const std::shared_ptr<const FileReader>& reader,
@@ -101,7 +103,9 @@ TransformResult transform(const TransformOptions& options, const TaskContext& co
     throw Error(ErrorKind::invalid_argument, "the max error must not be negative")
         .with_field("max_error");
   }
-  require_computed(options.output, {options.input});
+  std::vector<std::string> inputs = {options.input};
+  if (const auto* step = std::get_if<ResampleStep>(&options.step)) inputs.push_back(step->grid_of);
+  require_computed(options.output, inputs);
   const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
   const TransformPlan plan = plan_transform(options, *reader, context);
   TransformResult result;

@@ -116,6 +116,9 @@ TEST(ScaleBar, LengthsAreRound) {
   EXPECT_EQ(length_text(0.2), "200 \u00b5m");
   EXPECT_EQ(length_text(2000), "2 m");
   EXPECT_EQ(length_text(5e-6), "5 nm");
+  EXPECT_EQ(length_text(1e-6), "1 nm");
+  EXPECT_EQ(length_text(2e-7), "0.2 nm");
+  EXPECT_EQ(length_text(5e-10), "0.0005 nm");
 }
 
 TEST(ScaleBar, IsAsLongAsItSays) {

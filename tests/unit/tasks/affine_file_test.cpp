@@ -1,5 +1,7 @@
 #include "octavo/tasks/affine_file.h"
 
+#include <sys/stat.h>
+
 #include "support/task_files.h"
 
 namespace octavo {
@@ -37,6 +39,9 @@ TEST_F(AffineFile, AnythingElseIsRejected) {
   EXPECT_EQ(failure_of([&] { read_affine(write_text(std::string(70000, ' '))); }).kind,
             ErrorKind::source_rejected);
   EXPECT_EQ(failure_of([&] { read_affine(folder_.file("none.txt")); }).kind, ErrorKind::io);
+  // Nobody writes into this one.
+  ASSERT_EQ(::mkfifo(folder_.file("pipe.txt").c_str(), 0600), 0);
+  EXPECT_EQ(failure_of([&] { read_affine(folder_.file("pipe.txt")); }).kind, ErrorKind::io);
 }
 
 }  // namespace

@@ -360,6 +360,14 @@ void copy_mean(const std::vector<float>& colors, std::int64_t side, std::int64_t
 
 }  // namespace
 
+std::uint64_t relief_memory_bytes(std::int64_t width, std::int64_t height, int threads) {
+  constexpr std::int64_t kBytesPerPixel = 160;  // of a band: its points and their colors
+  const std::int64_t bands = (height + kBandRows - 1) / kBandRows;
+  const std::int64_t at_once = std::min<std::int64_t>(bands, threads);
+  return static_cast<std::uint64_t>(at_once) * static_cast<std::uint64_t>(kBandRows * width) *
+         kBytesPerPixel;
+}
+
 Picture draw_relief(std::span<const PaintedMask> masks, const View& view, const CubeStyle& style,
                     const ReliefField& field, const Box& kept) {
   const View fine = refined(view);

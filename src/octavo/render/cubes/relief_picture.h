@@ -10,6 +10,7 @@
 // once, for as many points as lie there. The picture has four points per pixel.
 #pragma once
 
+#include <cstdint>
 #include <span>
 
 #include "octavo/render/cubes/cube_picture.h"
@@ -17,11 +18,14 @@
 
 namespace octavo {
 
+/// What draw_relief holds at once beside the picture, on `threads` threads.
+std::uint64_t relief_memory_bytes(std::int64_t width, std::int64_t height, int threads);
+
 /// Draws the leaves of masks that are seen, in three channels.
 /// field  on the grid of the view
 /// kept   what of the grid was cut out of the object; a face on its border is shaded as it is
 /// Otherwise as draw_nearest_cubes. Throws what `field` throws.
-/// Memory  128 rows of about 80 bytes per pixel for each thread, beside the picture
+/// Memory  relief_memory_bytes beside the picture
 Picture draw_relief(std::span<const PaintedMask> masks, const View& view, const CubeStyle& style,
                     const ReliefField& field, const Box& kept);
 

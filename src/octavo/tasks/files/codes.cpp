@@ -99,6 +99,9 @@ LinearOctree voxel_leaves(PlaneSource& planes, const Selection& selection,
   CondenseOptions options;
   if (selection.has_background) options.background = 0;
   PlaneCondenser condenser(d.size, options);
+  const auto plane_voxels = static_cast<std::uint64_t>(d.size.x * d.size.y);
+  context.require_memory(planes.resident_bytes() + plane_bytes(d) + plane_voxels,
+                         "a layer of bricks");
   std::vector<std::byte> plane(static_cast<std::size_t>(plane_bytes(d)));
   std::vector<std::byte> mask(static_cast<std::size_t>(d.size.x * d.size.y));
   Progress& progress = context.watcher();

@@ -20,9 +20,14 @@ std::shared_ptr<const FileReader> open_label_map(const std::string& path,
 }  // namespace
 
 CompareResult compare_volumes(const CompareOptions& options, const TaskContext& context) {
+  if (!(options.max_error >= 0)) {
+    throw Error(ErrorKind::invalid_argument, "the max error must not be negative")
+        .with_field("max_error");
+  }
   require_scan_for_options({options.a, options.b}, options.scan);
   const auto a = open_planes({options.a}, options.scan, context, OptionsOf::any_source);
   const auto b = open_planes({options.b}, options.scan, context, OptionsOf::any_source);
+  context.require_memory(compare_memory_bytes(*a, *b), "comparing layers of planes");
   CompareResult result{a->description(), b->description(), {}};
   const double tolerance = compared_tolerance(result.a, result.b, options.max_error);
   result.comparison = compare_planes(*a, *b, tolerance, context.watcher());

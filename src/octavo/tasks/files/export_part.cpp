@@ -33,6 +33,17 @@ ExportOptions export_options(const ExportPartOptions& options, const FileReader&
   return how;
 }
 
+/// Of a layer of bricks of the box, as a target of the widest type takes it.
+std::uint64_t layer_bytes(const FileReader& reader, const ExportOptions& how) {
+  constexpr int kWidestVoxel = 4;
+  const int voxel_bytes =
+      how.stored ? bytes_per_voxel(reader.description().type) : kWidestVoxel;
+  const Box box = how.box.value_or(box_of(reader.levels().size(how.level)));
+  const Size3 size = box.size();
+  const std::int64_t planes = std::min(size.z, brick_side_at(reader.levels(), how.level).z);
+  return static_cast<std::uint64_t>(size.x * size.y * planes * voxel_bytes);
+}
+
 /// "1 mm", "0.5 x 0.5 x 2 mm"
 std::string spacing_text(const FileReader& reader, int level) {
   const Point3 mm = reader.levels().geometry(reader.description().geometry, level).spacing_mm;
@@ -77,6 +88,7 @@ ExportPartResult export_part(const ExportPartOptions& options, const TaskContext
   const std::vector<std::string> warnings = limit_warnings(options, *reader, limits, how);
   // Where a warning is an error nothing is written; elsewhere it is about what was written.
   if (context.is_strict && !warnings.empty()) context.warn(warnings.front());
+  context.require_memory(layer_bytes(*reader, how), "a layer of bricks");
   ExportPartResult result;
   read_salvaging(options.salvage, context, [&] {
     result.written =

@@ -74,6 +74,16 @@ double compared_tolerance(const VolumeDescription& a, const VolumeDescription& b
   return real / std::abs(a.rescale.slope) * (1 + kDivisionRounding);
 }
 
+std::uint64_t compare_memory_bytes(const PlaneSource& a, const PlaneSource& b) {
+  std::uint64_t bytes = 0;
+  for (const PlaneSource* source : {&a, &b}) {
+    const VolumeDescription& d = source->description();
+    const auto voxels = static_cast<std::uint64_t>(d.size.x * d.size.y);
+    bytes += source->resident_bytes() + plane_bytes(d) + voxels * sizeof(double);
+  }
+  return bytes;
+}
+
 Comparison compare_planes(PlaneSource& a, PlaneSource& b, double tolerance, Progress& progress) {
   const VolumeDescription& da = a.description();
   const VolumeDescription& db = b.description();

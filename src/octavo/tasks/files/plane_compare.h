@@ -30,11 +30,14 @@ struct Comparison {
 /// A tolerance in real units as compare_planes takes it for these two volumes.
 double compared_tolerance(const VolumeDescription& a, const VolumeDescription& b, double real);
 
+/// What compare_planes takes, with what the sources hold.
+std::uint64_t compare_memory_bytes(const PlaneSource& a, const PlaneSource& b);
+
 /// Voxels count as different when they are more than `tolerance` apart. Sizes that differ end it at
 /// once. When the rescales are the same stored values are compared, otherwise real ones;
 /// `tolerance` is in the units that are compared.
 /// Throws  what the sources throw; Error{cancelled}
-/// Memory  two planes besides what the sources hold
+/// Memory  compare_memory_bytes: two planes, and those as numbers, besides what the sources hold
 Comparison compare_planes(PlaneSource& a, PlaneSource& b, double tolerance, Progress& progress);
 
 }  // namespace octavo

@@ -17,6 +17,9 @@ namespace octavo {
 namespace {
 
 VerifyReport checked(const std::string& path, const TaskContext& context) {
+  constexpr std::uint64_t kBytesPerThread = std::uint64_t{8} << 20;
+  context.require_memory(kBytesPerThread * static_cast<std::uint64_t>(context.thread_count()),
+                         "decoding bricks on all threads");
   VerifyOptions options;
   options.for_each = for_each_parallel(context.thread_count());
   const std::shared_ptr<const ByteSource> source = open_input(path, context);
@@ -37,6 +40,7 @@ SourceCheck compared(const VerifyVolumeOptions& options,
   const auto read = repeat_isotropic(options.against.front(), std::move(opened), file, context);
   const auto source = make_repaired_source(*read, repair_of(file));
 
+  context.require_memory(compare_memory_bytes(planes, *source), "comparing layers of planes");
   SourceCheck check;
   check.source = source->description();
   check.has_planes_between = check.source.size != opened_size;
@@ -49,6 +53,7 @@ SourceCheck compared(const VerifyVolumeOptions& options,
 }  // namespace
 
 VerifyVolumeResult verify_volume(const VerifyVolumeOptions& options, const TaskContext& context) {
+  if (options.against.empty()) require_scan_for_options({options.input}, options.scan);
   VerifyVolumeResult result{checked(options.input, context), {}, {}};
   if (!result.report.is_sound()) return result;
   const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);

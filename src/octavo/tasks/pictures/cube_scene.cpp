@@ -61,6 +61,11 @@ class CubeScene final : public RenderScene {
         kept_(box_of(reader_->levels().size(options.level))),
         shown_(kept_) {}
 
+  bool is_empty() const {
+    return std::all_of(parts_.begin(), parts_.end(),
+                       [](const Part& part) { return part.tree.voxel_count() == 0; });
+  }
+
   /// Keeps what lies in a box.
   void cut(const Box& kept) {
     kept_ = kept;
@@ -254,12 +259,13 @@ std::unique_ptr<RenderScene> make_cube_scene(const std::shared_ptr<const FileRea
   std::vector<Part> parts =
       is_labels ? label_parts(*reader, options, context) : range_parts(*reader, options, context);
   auto scene = std::make_unique<CubeScene>(reader, std::move(parts), options, context);
+  const bool held_voxels = !scene->is_empty();
   if (kept != whole) scene->cut(kept);
   scene->finish();
   if (scene->counts().leaves == 0) {
-    context.warn(options.input + (options.cuts.empty()
-                                      ? ": no voxel is drawn; the picture is empty"
-                                      : ": the cuts leave no voxel; the picture is empty"));
+    context.warn(options.input + (held_voxels
+                                      ? ": the cuts leave no voxel; the picture is empty"
+                                      : ": no voxel is drawn; the picture is empty"));
   }
   return scene;
 }

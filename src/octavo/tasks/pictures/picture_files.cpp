@@ -2,6 +2,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/file/storage/storage.h"
+#include "octavo/file/storage/temporary.h"
 
 namespace octavo {
 
@@ -22,7 +23,17 @@ void PictureFiles::add(const std::string& path, const Picture& picture) {
 }
 
 void PictureFiles::publish(bool overwrite) {
-  for (const auto& file : files_) file->publish(overwrite);
+  std::vector<std::string> added;
+  try {
+    for (const auto& file : files_) {
+      const bool replaces = overwrite && local_storage().exists(file->path());
+      file->publish(overwrite);
+      if (!replaces) added.push_back(file->path());
+    }
+  } catch (const Error&) {
+    for (const std::string& path : added) remove_quietly(local_storage(), path);
+    throw;
+  }
   files_.clear();
 }
 

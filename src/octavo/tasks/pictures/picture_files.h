@@ -1,4 +1,4 @@
-// PNG files that get their names together: all of them or none.
+// PNG files that get their names together, when the last is complete.
 #pragma once
 
 #include <memory>
@@ -22,7 +22,8 @@ class PictureFiles {
   /// Throws Error{cancelled}, and what writing throws
   void add(const std::string& path, const Picture& picture);
 
-  /// Gives all their names. Throws Error{io} where one is taken and not to be overwritten.
+  /// Gives all their names. Throws Error{io} where one is taken and not to be overwritten: then
+  /// none of them stands there, unless it replaced an earlier one.
   void publish(bool overwrite);
 
  private:

@@ -10,6 +10,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
 #include "octavo/io/source/place_known.h"
+#include "octavo/render/cubes/relief_picture.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/pictures/picture_files.h"
 #include "octavo/tasks/pictures/render_scene.h"
@@ -37,6 +38,7 @@ std::string ends_text(const AskedRange& range) {
 /// Options that contradict each other, whatever the volume.
 void check_render(const RenderOptions& options) {
   require_png(options.output.path);
+  if (options.turntable < 0) reject_render("a turntable has at least one picture", "turntable");
   if (options.mode == RenderMode::transparency) {
     if (options.fade) reject_render("transparency does not fade", "fade");
     if (options.shade) reject_render("transparency has no shades", "shade");
@@ -90,16 +92,20 @@ std::vector<std::string> picture_paths(const RenderOptions& options) {
   return paths;
 }
 
-/// Of three channels three times: as it is drawn, as rows of a PNG file and as that file.
-std::uint64_t picture_bytes(const RenderOptions& options) {
-  constexpr std::uint64_t kBytesPerPixel = 9;
-  return kBytesPerPixel * static_cast<std::uint64_t>(options.width * options.height);
+/// Of three channels three times: as it is drawn, as rows of a PNG file and as that file; where it
+/// is smooth, once beside what drawing takes.
+std::uint64_t picture_bytes(const RenderOptions& options, int threads) {
+  const auto bytes = 3 * static_cast<std::uint64_t>(options.width * options.height);
+  const bool is_relief =
+      options.mode != RenderMode::transparency && shade_of(options) == RenderShade::smooth;
+  if (!is_relief) return 3 * bytes;
+  return std::max(3 * bytes, bytes + relief_memory_bytes(options.width, options.height, threads));
 }
 
 /// What can be rejected without the file is rejected before it is read.
 void check_picture(const RenderOptions& options, const TaskContext& context) {
   fitting_pixel_mm({}, {{0, 0, 0}, {1, 1, 1}}, viewpoint_of(options.view, {}), frame_of(options));
-  context.require_memory(picture_bytes(options), "the picture");
+  context.require_memory(picture_bytes(options, context.thread_count()), "the picture");
 }
 
 std::unique_ptr<RenderScene> make_scene(const std::shared_ptr<const FileReader>& reader,

@@ -114,7 +114,8 @@ struct RenderResult {
 /// the patient is not known.
 /// Throws  as open_volume and require_free; Error{invalid_argument} when options do not go together
 ///         or with the volume
-/// Memory  that of the masks or of the lines of voxels, and 9 bytes per pixel
+/// Memory  that of the masks or of the lines of voxels, and 9 bytes per pixel; for smooth shades
+///         3 bytes per pixel and 10 KiB per column and thread, where that is more
 RenderResult render(const RenderOptions& options, const TaskContext& context);
 
 }  // namespace octavo

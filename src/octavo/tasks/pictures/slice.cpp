@@ -32,6 +32,10 @@ void check_slice(const SliceOptions& options) {
   require_png(options.output.path);
   const bool has_position = options.index || options.position_mm;
   if (options.axes.empty()) reject_slice("no axis is asked for", "axes");
+  for (const int axis : options.axes) {
+    if (axis >= 0 && axis < 3) continue;
+    reject_slice("a slice lies across axis 0, 1 or 2, not " + std::to_string(axis), "axes");
+  }
   if (options.index && options.position_mm) {
     reject_slice("a slice has a number or a position, not both", "index");
   }
@@ -206,7 +210,7 @@ void choose_sections(SlicePictureOptions& look, const SliceOptions& options,
   look.indices = {index};
   if (!options.montage) return;
   look.indices = montage_indices(options, reader, axis, index);
-  const Section cell = axis_section(
+  const PlaneSection cell = axis_section(
       reader.levels().geometry(reader.description().geometry, options.level), size, axis, 0, 1);
   look.columns = options.montage->columns.value_or(
       montage_columns(static_cast<std::int64_t>(look.indices.size()), cell.width, cell.height));

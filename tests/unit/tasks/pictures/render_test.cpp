@@ -222,7 +222,7 @@ TEST_F(RenderTask, LabelsThatAreAskedForAreDrawnAlone) {
 }
 
 TEST_F(RenderTask, WhatDoesNotGoTogetherIsRejectedAndWritesNothing) {
-  std::vector<RenderOptions> all(19, options_);
+  std::vector<RenderOptions> all(20, options_);
   all[0].output.path = folder_.file("p.gif");
   all[1].ranges.clear();
   all[2].tissues = {"bone"};
@@ -243,12 +243,23 @@ TEST_F(RenderTask, WhatDoesNotGoTogetherIsRejectedAndWritesNothing) {
   all[16].input = labels_;
   all[17].labels = {{40}, {}};
   all[18].input = labels_, all[18].labels = {{}, {"Block"}};
+  all[19].turntable = -1;
   for (std::size_t i = 0; i < all.size(); ++i) {
     EXPECT_EQ(kind_of(all[i]), ErrorKind::invalid_argument) << i;
   }
   EXPECT_FALSE(std::filesystem::exists(folder_.file("p.png")));
   context_.max_memory_bytes = 1000;
   EXPECT_EQ(kind_of(options_), ErrorKind::limit_exceeded);
+}
+
+TEST_F(RenderTask, WhatSmoothShadesTakeCountsAgainstTheLimit) {
+  context_.max_memory_bytes = 2 << 20;
+  options_.shade = RenderShade::flat;
+  EXPECT_NO_THROW(render(options_, context_));
+  options_.shade = RenderShade::smooth;
+  EXPECT_EQ(kind_of(options_), ErrorKind::limit_exceeded);
+  context_.max_memory_bytes = 8 << 20;
+  EXPECT_NO_THROW(render(options_, context_));
 }
 
 }  // namespace

@@ -218,7 +218,7 @@ TEST_F(SliceTask, AnOverlayThatLiesElsewhereIsWarnedOf) {
 }
 
 TEST_F(SliceTask, WhatDoesNotGoTogetherIsRejectedAndWritesNothing) {
-  std::vector<SliceOptions> all(13, options_);
+  std::vector<SliceOptions> all(15, options_);
   all[0].output.path = folder_.file("p.gif");
   all[1].axes = {};
   all[2].axes = {0, 1}, all[2].index = 3;
@@ -232,6 +232,8 @@ TEST_F(SliceTask, WhatDoesNotGoTogetherIsRejectedAndWritesNothing) {
   all[10].input = mask_, all[10].window = Window{1, 2};
   all[11].level = 40;
   all[12].overlays = {{mask_, {}}}, all[12].overlays[0].look.kind = OverlayKind::isolines;
+  all[13].axes = {0, 3};
+  all[14].axes = {-1};
   for (std::size_t i = 0; i < all.size(); ++i) {
     EXPECT_EQ(kind_of(all[i]), ErrorKind::invalid_argument) << i;
   }
