@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -27,6 +29,8 @@ struct Cell {
   std::uint64_t place = 0;  // where it is stored, or its label
 };
 
+constexpr const char* kMap = "the label map of components";
+
 // Calls visit(bit) for the set bits, ascending.
 template <class Visit>
 void for_each_bit(std::uint64_t bits, Visit visit) {
@@ -36,7 +40,8 @@ void for_each_bit(std::uint64_t bits, Visit visit) {
 // The cells of a cube, those of components that are not kept left out.
 class CellCollector {
  public:
-  CellCollector(const Components& found, std::size_t kept) : found_(found), kept_(kept) {}
+  CellCollector(const Components& found, std::size_t kept, std::uint64_t max_bytes)
+      : found_(found), kept_(kept), max_bytes_(max_bytes) {}
 
   std::vector<Cell> collect() {
     collect(found_.mask().rank_count() - 1, 0, 0);
@@ -48,6 +53,7 @@ class CellCollector {
  private:
   void collect(int rank, std::uint64_t place, std::uint64_t code) {
     if (rank == kCellRank) {
+      require_room(1);
       cells_.push_back({code, true, place});
       return;
     }
@@ -55,6 +61,7 @@ class CellCollector {
     const int shift = 6 * (rank - 1 - kCellRank);
     found_.visit_parts(rank, place, [&](std::uint32_t label, std::uint64_t bits) {
       if (label > kept_) return;
+      require_room(static_cast<std::uint64_t>(std::popcount(bits)) << shift);
       for_each_bit(bits, [&](int bit) {
         const std::uint64_t first = (code << 6 | static_cast<std::uint64_t>(bit)) << shift;
         for (std::uint64_t i = 0; i < std::uint64_t{1} << shift; ++i) {
@@ -68,8 +75,17 @@ class CellCollector {
     });
   }
 
+  // Before `more` cells are added: what they take, and their parts twice.
+  void require_room(std::uint64_t more) const {
+    constexpr std::uint64_t kBytesPerCell = sizeof(Cell) + 2 * sizeof(LabelPart);
+    const std::uint64_t most = std::numeric_limits<std::uint64_t>::max() / kBytesPerCell;
+    const std::uint64_t count = std::min(most, cells_.size() + more);
+    require_memory_within(count * kBytesPerCell, max_bytes_, kMap);
+  }
+
   const Components& found_;
   std::size_t kept_;
+  std::uint64_t max_bytes_;
   std::vector<Cell> cells_;
 };
 
@@ -160,15 +176,16 @@ class CellFolder {
 
 LabelTree labels_of_components(const Components& found, std::size_t kept,
                                std::uint64_t max_bytes) {
-  const std::vector<Cell> cells = CellCollector(found, kept).collect();
+  const std::vector<Cell> cells = CellCollector(found, kept, max_bytes).collect();
   std::vector<LabelPart> parts(cells.size());
   tbb::enumerable_thread_specific<LabelFold> folds;
+  // With the map that they are joined to, twice.
+  std::atomic<std::uint64_t> bytes = cells.size() * sizeof(LabelPart);
   tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
     parts[i] = {cells[i].code, CellFolder(found, kept, folds.local()).folded(cells[i])};
+    const std::uint64_t own = memory_bytes(parts[i].arrays);
+    require_memory_within(2 * (bytes.fetch_add(own) + own), max_bytes, kMap);
   });
-  std::uint64_t bytes = 0;
-  for (const LabelPart& part : parts) bytes += sizeof part + memory_bytes(part.arrays);
-  require_memory_within(2 * bytes, max_bytes, "the label map of components");
   return join_labels(found.mask().size(), std::move(parts));
 }
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -35,8 +37,8 @@ ExportOptions export_options(const ExportPartOptions& options, const FileReader&
 
 /// Of a layer of bricks of the box, as a target of the widest type takes it.
 std::uint64_t layer_bytes(const FileReader& reader, const ExportOptions& how) {
-  constexpr int kWidestVoxel = 4;
-  const int voxel_bytes =
+  constexpr std::int64_t kWidestVoxel = 4;
+  const std::int64_t voxel_bytes =
       how.stored ? bytes_per_voxel(reader.description().type) : kWidestVoxel;
   const Box box = how.box.value_or(box_of(reader.levels().size(how.level)));
   const Size3 size = box.size();

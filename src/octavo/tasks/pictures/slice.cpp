@@ -16,6 +16,7 @@
 #include "octavo/tasks/masks.h"
 #include "octavo/tasks/pictures/picture_files.h"
 #include "octavo/tasks/volume_facts.h"
+#include "octavo/tasks/volume_parts.h"
 
 namespace octavo {
 

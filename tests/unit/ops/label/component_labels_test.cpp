@@ -75,5 +75,18 @@ TEST(ComponentLabels, AMemoryLimitBelowTheNeedIsAnError) {
   EXPECT_THROW(labels_of_components(found, 1, 100), Error);
 }
 
+TEST(ComponentLabels, ALimitIsAskedBeforeTheMemoryIsTaken) {
+  // Of these cubes of 64^3 no memory has all.
+  const Size3 size = {1 << 20, 1 << 20, 1 << 20};
+  const MaskTree mask = box_mask(size, box_of(size));
+  const Components found(mask, Connectivity::faces);
+  try {
+    labels_of_components(found, 1, std::uint64_t{64} << 20);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::limit_exceeded);
+  }
+}
+
 }  // namespace
 }  // namespace octavo
