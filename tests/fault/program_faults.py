@@ -239,7 +239,8 @@ class Resume(InFolder):
                  ["--max-error", "2"]),
                 (["another replacement of NaN: not given there, 0 now",
                   "it was begun without --nan"], ["--nan", "0"]),
-                (["another spacing: 1 1 1 there, 2 2 2 now"], ["--spacing", "2"])]:
+                (["another kind: grey there, labels now; the interrupted build is kept; leave"],
+                 ["--labels"])]:
             self.expect_error(2, [*words, "the interrupted build is kept", anew],
                               *command, *options)
         voxels = bytearray((self.folder / "v.raw").read_bytes())

@@ -60,8 +60,8 @@ bool has_palette(const DicomLayout& layout) {
          !layout.is_segmentation() && !layout.pixels.is_float;
 }
 
-Components palette_components() {
-  Components components;
+SourceComponents palette_components() {
+  SourceComponents components;
   components.channel_names = {"index", "red", "green", "blue"};
   components.channels = static_cast<std::int64_t>(components.channel_names.size());
   return components;

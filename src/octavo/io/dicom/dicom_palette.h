@@ -24,7 +24,7 @@ struct DicomColorTable {
 bool has_palette(const DicomLayout& layout);
 
 /// What can be taken of such a picture: "index", "red", "green", "blue".
-Components palette_components();
+SourceComponents palette_components();
 
 /// The slices with the table of the color that `channel` counts among palette_components(); with
 /// none for the index. Tables that are alike are held once.
