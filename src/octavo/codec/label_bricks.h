@@ -19,7 +19,8 @@ class LabelBrickCodec : public BrickCodec {
  public:
   /// Encodes the brick of these words.
   /// Throws  Error{invalid_argument} for a label that the codec's voxel type does not have
-  /// Memory  about 8 bytes per voxel of the brick, kept for the thread's next one; thread-safe
+  /// Memory  about 3 bytes per voxel of the brick, 5 more where it is stored, kept for the thread's
+  ///         next one; thread-safe
   virtual EncodedBrick encode_words(const BrickShape& shape, const LabelWords& words) const = 0;
 
   /// Decodes level 0 as words.

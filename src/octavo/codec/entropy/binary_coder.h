@@ -20,7 +20,7 @@ class BinaryEncoder {
  public:
   explicit BinaryEncoder(std::vector<std::uint8_t>& out) : out_(&out) {}
 
-  void put(bool bit, Probability one) {
+  [[gnu::always_inline]] void put(bool bit, Probability one) {
     const std::uint32_t bound = (range_ >> 16) * one;
     if (bit) {
       range_ = bound;
@@ -58,7 +58,7 @@ class BinaryEncoder {
  private:
   static constexpr std::uint32_t kTop = 1u << 24;
 
-  void shift_low() {
+  [[gnu::noinline]] void shift_low() {
     if (low_ < 0xff000000u || low_ > 0xffffffffu) {
       const auto carry = static_cast<std::uint8_t>(low_ >> 32);
       // The very first byte is always 0 and is not written.

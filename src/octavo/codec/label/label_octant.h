@@ -1,6 +1,7 @@
 // The children of an octant inside a brick, under the halving mask of their level.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -19,6 +20,17 @@ constexpr bool is_child_digit(HalvingMask mask, int digit) {
 constexpr Index3 child_position(HalvingMask mask, const Index3& parent, int digit) {
   return {(parent.x << (mask & 1)) + (digit >> 1 & 1), (parent.y << (mask >> 1 & 1)) + (digit & 1),
           (parent.z << (mask >> 2 & 1)) + (digit >> 2 & 1)};
+}
+
+/// Where the children of an octant stand in an array with these strides, from the first one.
+constexpr std::array<std::ptrdiff_t, 8> child_steps(HalvingMask mask, std::ptrdiff_t row,
+                                                    std::ptrdiff_t plane) {
+  std::array<std::ptrdiff_t, 8> steps{};
+  for (std::size_t digit = 0; digit < 8; ++digit) {
+    const Index3 at = child_position(mask, {0, 0, 0}, static_cast<int>(digit));
+    steps[digit] = at.z * plane + at.y * row + at.x;
+  }
+  return steps;
 }
 
 /// Calls visit(digit, position) for the 1 .. 8 children inside a level of `size`, by rising digit.

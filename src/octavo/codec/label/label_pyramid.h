@@ -26,6 +26,7 @@
 #include <vector>
 
 #include "octavo/codec/brick_codec.h"
+#include "octavo/octree/label_words.h"
 
 namespace octavo {
 
@@ -38,6 +39,7 @@ struct LabelPyramid {
 
   std::vector<std::int64_t> labels;
   std::vector<Level> levels;
+  const LabelWords* words = nullptr;  ///< where given, level 0 is there and not in `levels`
 
   bool is_uniform() const { return labels.size() == 1; }
   const Level& root() const { return levels.back(); }

@@ -33,8 +33,9 @@ Bytes listed(const LabelPyramid& pyramid, bool is_listed) {
 }
 
 std::uint64_t byte_count(const LabelPyramid& pyramid, bool is_listed) {
+  const auto voxels = static_cast<std::uint64_t>(pyramid.levels[0].size.voxel_count());
   return listed(pyramid, is_listed).size() +
-         packed_bytes(pyramid.levels[0].rank.size(), width_of(maximum_number(pyramid, is_listed)));
+         packed_bytes(voxels, width_of(maximum_number(pyramid, is_listed)));
 }
 
 bool is_list_shorter(const LabelPyramid& pyramid) {

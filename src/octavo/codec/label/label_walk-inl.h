@@ -17,13 +17,16 @@
 // An Io offers
 //   bool ask(bool target, Probability yes)              the answer
 //   void observe(LabelAsk, const Around&, first, second, answer)
-//   TargetSample target(mask, parent, digit)           what an encoder knows; a decoder returns {}
+//   std::int64_t root_label()                           what an encoder knows; to a decoder they
+//   void visit(parent, digits)                          mean nothing: the targets of some children
+//   TargetSample target(digit)
+//   std::int64_t label_of(const TargetSample&)
 //   void met(std::int64_t label, std::uint32_t slot)   a label got its slot
 
 inline constexpr std::uint32_t kNoLabelSlot = 0xffffffffu;
 
 struct TargetSample {
-  std::int64_t label = 0;
+  std::uint32_t rank = 0;             ///< of its label among those of the brick
   std::uint32_t slot = kNoLabelSlot;  ///< kNoLabelSlot while the label has none
   bool is_uniform = false;
 };
@@ -37,7 +40,7 @@ class LabelWalk {
   /// The brick's root: its label, mixed.
   void root(bool is_pair) {
     work_.start();
-    const std::int64_t label = io_.target(0, {0, 0, 0}, 0).label;
+    const std::int64_t label = io_.root_label();
     work_.is_pair = io_.ask(is_pair, kEvenOdds);
     if (work_.is_pair) {
       const bool is_low = io_.ask(label == range_.min, kEvenOdds);
@@ -61,10 +64,7 @@ class LabelWalk {
     level_category_ = std::min(i, kLabelSecondCategories - 1);
     mask_ = shape.halving[i];
     neighborhood_ = label_neighborhood(grid.row_stride(), grid.plane_stride());
-    for (std::size_t digit = 0; digit < 8; ++digit) {
-      place_[digit] = grid.at(child_position(mask_, {0, 0, 0}, static_cast<int>(digit))) -
-                      grid.at({0, 0, 0});
-    }
+    place_ = child_steps(mask_, grid.row_stride(), grid.plane_stride());
     const Size3& size = parents.size();
     for (std::int64_t z = 0; z < size.z; ++z) {
       for (std::int64_t y = 0; y < size.y; ++y) {
@@ -83,10 +83,11 @@ class LabelWalk {
     Around around(first, neighborhood_, parent_slot);
     std::uint32_t digits = child_digits(grid.size(), mask_, parent);
     LabelOctant octant(parent_slot, std::popcount(digits), work_.labels);
+    io_.visit(parent, digits);
     for (; digits != 0; digits &= digits - 1) {
       const auto digit = static_cast<std::size_t>(std::countr_zero(digits));
       octant.enter();
-      const TargetSample target = io_.target(mask_, parent, static_cast<int>(digit));
+      const TargetSample target = io_.target(digit);
       LabelCell* cell = first + place_[digit];
       *cell = visit_child(around, cell, octant, digit, target);
       around.settle(digit, *cell);
@@ -125,7 +126,7 @@ class LabelWalk {
                        target.is_uniform);
   }
 
-  bool ask_network(LabelAsk kind, const Around& around, std::size_t first, std::size_t second,
+  [[gnu::always_inline]] bool ask_network(LabelAsk kind, const Around& around, std::size_t first, std::size_t second,
                    bool target) {
     const int logit = around.logit(model_.nets[static_cast<std::size_t>(kind)], first, second);
     const bool answer = io_.ask(target, probability_of(logit));
@@ -153,16 +154,16 @@ class LabelWalk {
       const std::size_t second = std::min<std::size_t>(candidates.count() - 1 - j, 3);
       if (ask_network(LabelAsk::candidate, around, first, second, target.slot == slot)) return slot;
     }
-    const std::uint32_t slot = code_distant(target.slot, target.label);
+    const std::uint32_t slot = code_distant(target);
     if (level_ > 0) around.aim(slot);
     return slot;
   }
 
-  std::uint32_t code_distant(std::uint32_t true_slot, std::int64_t true_label) {
-    const bool is_fresh = ask_adaptive(work_.is_fresh, true_slot == kNoLabelSlot);
-    if (is_fresh) return slot_for(code_fresh(true_label));
+  std::uint32_t code_distant(const TargetSample& target) {
+    const bool has_none = target.slot == kNoLabelSlot;
+    if (ask_adaptive(work_.is_fresh, has_none)) return slot_for(code_fresh(io_.label_of(target)));
     return static_cast<std::uint32_t>(
-        code_uniform(true_slot == kNoLabelSlot ? 0 : true_slot, work_.labels.size()));
+        code_uniform(has_none ? 0 : target.slot, work_.labels.size()));
   }
 
   /// A label from the palette within the brick's range, else any value of the range.
@@ -231,7 +232,10 @@ class DecodingIo {
 
   bool ask(bool, Probability yes) { return coder_.get(yes); }
   void observe(LabelAsk, const Around&, std::size_t, std::size_t, bool) {}
-  TargetSample target(HalvingMask, const Index3&, int) const { return {}; }
+  std::int64_t root_label() const { return 0; }
+  void visit(const Index3&, std::uint32_t) {}
+  TargetSample target(std::size_t) const { return {}; }
+  std::int64_t label_of(const TargetSample&) const { return 0; }
   void met(std::int64_t, std::uint32_t) {}
 
   void next(ByteSpan segment) { coder_ = BinaryDecoder(segment); }
@@ -245,16 +249,33 @@ class DecodingIo {
 class TargetIo {
  public:
   explicit TargetIo(const LabelPyramid& pyramid)
-      : pyramid_(pyramid),
-        level_(&pyramid.root()),
-        slot_of_rank_(pyramid.labels.size(), kNoLabelSlot) {}
+      : pyramid_(pyramid), slot_of_rank_(pyramid.labels.size(), kNoLabelSlot) {}
 
-  void enter(int level) { level_ = &pyramid_.levels[static_cast<std::size_t>(level)]; }
+  void enter(const BrickShape& shape, int level) {
+    level_ = &pyramid_.levels[static_cast<std::size_t>(level)];
+    mask_ = shape.halving[static_cast<std::size_t>(level)];
+    is_finest_ = level == 0;
+    steps_ = child_steps(mask_, level_->size.x, level_->size.x * level_->size.y);
+  }
 
-  TargetSample target(HalvingMask mask, const Index3& parent, int digit) const {
-    const std::size_t at = dense_offset(level_->size, child_position(mask, parent, digit));
-    const std::uint32_t rank = level_->rank[at];
-    return {pyramid_.labels[rank], slot_of_rank_[rank], level_->is_uniform[at] != 0};
+  std::int64_t root_label() const { return pyramid_.labels[pyramid_.root().rank[0]]; }
+  std::int64_t label_of(const TargetSample& target) const { return pyramid_.labels[target.rank]; }
+
+  void visit(const Index3& parent, std::uint32_t digits) {
+    if (is_finest_ && pyramid_.words != nullptr) {
+      take_octant(interleave(parent));
+      return;
+    }
+    first_ = dense_offset(level_->size, child_position(mask_, parent, 0));
+    for (std::uint32_t left = digits; left != 0; left &= left - 1) {
+      const auto digit = static_cast<std::size_t>(std::countr_zero(left));
+      rank_[digit] = level_->rank[at(digit)];
+    }
+  }
+
+  TargetSample target(std::size_t digit) const {
+    const std::uint32_t rank = rank_[digit];
+    return {rank, slot_of_rank_[rank], is_finest_ || level_->is_uniform[at(digit)] != 0};
   }
 
   void met(std::int64_t label, std::uint32_t slot) {
@@ -264,8 +285,26 @@ class TargetIo {
   }
 
  private:
+  std::size_t at(std::size_t digit) const {
+    return first_ + static_cast<std::size_t>(steps_[digit]);
+  }
+
+  /// The voxels of an octant, by its o-code.
+  void take_octant(std::uint64_t octant) {
+    for (const LabelWordPart& part : pyramid_.words->parts_of(octant >> 3)) {
+      for (auto left = part.bits >> 8 * (octant & 7) & 0xff; left != 0; left &= left - 1) {
+        rank_[static_cast<std::size_t>(std::countr_zero(left))] = part.label;
+      }
+    }
+  }
+
   const LabelPyramid& pyramid_;
-  const LabelPyramid::Level* level_;
+  const LabelPyramid::Level* level_ = nullptr;
+  HalvingMask mask_ = 0;
+  bool is_finest_ = false;
+  std::array<std::ptrdiff_t, 8> steps_{};  ///< to the children of an octant, from the first
+  std::size_t first_ = 0;
+  std::array<std::uint32_t, 8> rank_{};  ///< of the children of the octant visited
   std::vector<std::uint32_t> slot_of_rank_;
 };
 
@@ -327,7 +366,7 @@ void encode_labels(const LabelModel& model, const BrickShape& shape, const Label
   LabelWalk<EncodingIo> walk(model, {pyramid.labels.front(), pyramid.labels.back()}, io, work);
   walk.root(pyramid.labels.size() == 2);
   for (int i = shape.level_count - 1; i >= 0; --i) {
-    io.enter(i);
+    io.enter(shape, i);
     walk.descend(shape, i);
     io.coder().finish_short();
     segments[static_cast<std::size_t>(i)] = bytes;
@@ -342,7 +381,7 @@ void observe_labels(const LabelModel& model, const BrickShape& shape, const Labe
   LabelWalk<ObservingIo> walk(model, {pyramid.labels.front(), pyramid.labels.back()}, io, work);
   walk.root(pyramid.labels.size() == 2);
   for (int i = shape.level_count - 1; i >= 0; --i) {
-    io.enter(i);
+    io.enter(shape, i);
     walk.descend(shape, i);
   }
 }

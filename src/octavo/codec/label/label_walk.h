@@ -24,6 +24,7 @@
 #include "octavo/codec/label/label_grid.h"
 #include "octavo/codec/label/label_model.h"
 #include "octavo/codec/label/label_pyramid.h"
+#include "octavo/octree/o_code.h"
 
 namespace octavo {
 

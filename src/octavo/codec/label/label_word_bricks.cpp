@@ -30,25 +30,19 @@ constexpr std::array<Place, 64> kPlaces = [] {
   return places;
 }();
 
-// Where a word stands among the words of its brick.
-Index3 place_of_word(std::size_t word) {
-  const Place& cube = kPlaces[word >> 6];
-  const Place& own = kPlaces[word & 63];
-  return {4 * cube.x + own.x, 4 * cube.y + own.y, 4 * cube.z + own.z};
+// Calls visit(word, where it stands among the words of its brick) for all words.
+template <class Visit>
+void visit_words(Visit visit) {
+  std::size_t word = 0;
+  for (const Place& cube : kPlaces) {
+    for (const Place& own : kPlaces) {
+      visit(word++, Index3{4 * cube.x + own.x, 4 * cube.y + own.y, 4 * cube.z + own.z});
+    }
+  }
 }
 
 Index3 scaled(const Index3& place, std::int64_t factor) {
   return {factor * place.x, factor * place.y, factor * place.z};
-}
-
-// Where the children of an octant stand in a dense array, from the first one.
-std::array<std::ptrdiff_t, 8> child_steps(std::ptrdiff_t row, std::ptrdiff_t plane) {
-  std::array<std::ptrdiff_t, 8> steps{};
-  for (std::size_t digit = 0; digit < 8; ++digit) {
-    const Index3 at = child_position(kHalveAll, {0, 0, 0}, static_cast<int>(digit));
-    steps[digit] = at.z * plane + at.y * row + at.x;
-  }
-  return steps;
 }
 
 constexpr unsigned byte_at(std::uint64_t word, std::size_t octant) {
@@ -57,11 +51,11 @@ constexpr unsigned byte_at(std::uint64_t word, std::size_t octant) {
 
 // ---- from words to a pyramid
 
-// The first three levels of a pyramid, word by word: octants vote by their counts of bits.
+// Levels 1 and 2 of a pyramid, word by word: octants vote by their counts of bits.
 class WordVotes {
  public:
   explicit WordVotes(LabelPyramid& pyramid)
-      : voxels_(pyramid.levels[0]), octants_(pyramid.levels[1]), words_(pyramid.levels[2]) {}
+      : octants_(pyramid.levels[1]), words_(pyramid.levels[2]) {}
 
   void take(const Index3& place, std::span<const LabelWordPart> parts) {
     if (parts.empty()) return;
@@ -78,7 +72,7 @@ class WordVotes {
           is_uniform(level.is_uniform.data()),
           row(level.size.x),
           plane(level.size.x * level.size.y),
-          steps(child_steps(row, plane)) {}
+          steps(child_steps(kHalveAll, row, plane)) {}
 
     std::ptrdiff_t at(const Index3& p) const { return p.z * plane + p.y * row + p.x; }
 
@@ -89,12 +83,13 @@ class WordVotes {
     std::array<std::ptrdiff_t, 8> steps;
   };
 
-  // Fills in the octants of a word of several labels, and the voxels of those that have several.
-  // Returns the label that most octants have, the smallest of those.
+  // Fills in the octants of a word of several labels. Returns the label that most of them have, the
+  // smallest of those.
   std::uint32_t winner_of_octants(const Index3& place, std::span<const LabelWordPart> parts) {
     const std::ptrdiff_t octant_at = octants_.at(scaled(place, 2));
-    const std::ptrdiff_t voxel_at = voxels_.at(scaled(place, 4));
-    std::array<int, 64> votes{};
+    std::array<int, 64> votes;
+    const auto votes_end = votes.begin() + static_cast<std::ptrdiff_t>(parts.size());
+    std::fill(votes.begin(), votes_end, 0);
     for (std::size_t octant = 0; octant < 8; ++octant) {
       std::size_t winner = 0;
       int most = 0;
@@ -111,22 +106,11 @@ class WordVotes {
       octants_.rank[at] = parts[winner].label;
       octants_.is_uniform[at] = label_count == 1;
       ++votes[winner];
-      if (label_count > 1) fill_voxels(voxel_at + 2 * voxels_.steps[octant], octant, parts);
     }
-    const auto best = std::max_element(votes.begin(), votes.end());
+    const auto best = std::max_element(votes.begin(), votes_end);
     return parts[static_cast<std::size_t>(best - votes.begin())].label;
   }
 
-  void fill_voxels(std::ptrdiff_t at, std::size_t octant, std::span<const LabelWordPart> parts) {
-    for (const LabelWordPart& part : parts) {
-      for (unsigned left = byte_at(part.bits, octant); left != 0; left &= left - 1) {
-        const auto digit = static_cast<std::size_t>(std::countr_zero(left));
-        voxels_.rank[at + voxels_.steps[digit]] = part.label;
-      }
-    }
-  }
-
-  Samples voxels_;
   Samples octants_;
   Samples words_;
 };
@@ -173,9 +157,9 @@ class CellReader {
   CellReader(const LabelGrid& voxels, const LabelGrid* octants,
              const std::vector<std::uint32_t>& label_of_slot)
       : voxels_(voxels), octants_(octants), label_of_slot_(label_of_slot) {
-    voxel_steps_ = child_steps(voxels.row_stride(), voxels.plane_stride());
+    voxel_steps_ = child_steps(kHalveAll, voxels.row_stride(), voxels.plane_stride());
     if (octants != nullptr) {
-      octant_steps_ = child_steps(octants->row_stride(), octants->plane_stride());
+      octant_steps_ = child_steps(kHalveAll, octants->row_stride(), octants->plane_stride());
     }
     is_pair_ = label_of_slot.size() == 2 && label_of_slot[0] != label_of_slot[1];
   }
@@ -276,10 +260,8 @@ void build_label_pyramid(const BrickShape& shape, const LabelWords& words,
   const auto level_count = static_cast<std::size_t>(shape.level_count);
   pyramid.labels = words.labels;
   pyramid.levels.resize(level_count + 1);
-  LabelPyramid::Level& voxels = pyramid.levels[0];
-  voxels.size = shape.size[0];
-  voxels.rank.resize(static_cast<std::size_t>(voxels.size.voxel_count()));
-  voxels.is_uniform.resize(voxels.rank.size(), 1);  // as all before them
+  pyramid.levels[0].size = shape.size[0];
+  pyramid.words = nullptr;
 
   const bool has_word_levels =
       level_count >= 2 && shape.halving[0] == kHalveAll && shape.halving[1] == kHalveAll;
@@ -289,9 +271,10 @@ void build_label_pyramid(const BrickShape& shape, const LabelWords& words,
       make_level(halved(pyramid.levels[i - 1].size, kHalveAll), pyramid.levels[i]);
     }
     WordVotes votes(pyramid);
-    for (std::size_t word = 0; word < LabelWords::kCount; ++word) {
-      votes.take(place_of_word(word), words.parts_of(word));
-    }
+    visit_words([&](std::size_t word, const Index3& place) {
+      votes.take(place, words.parts_of(word));
+    });
+    pyramid.words = &words;
     made = 2;
   } else {
     complete_voxels(words, pyramid);
@@ -303,8 +286,10 @@ void build_label_pyramid(const BrickShape& shape, const LabelWords& words,
 
 void complete_voxels(const LabelWords& words, LabelPyramid& pyramid) {
   LabelPyramid::Level& voxels = pyramid.levels[0];
-  for (std::size_t word = 0; word < LabelWords::kCount; ++word) {
-    const Index3 corner = scaled(place_of_word(word), 4);
+  make_level(voxels.size, voxels);
+  std::fill(voxels.is_uniform.begin(), voxels.is_uniform.end(), std::uint8_t{1});
+  visit_words([&](std::size_t word, const Index3& place) {
+    const Index3 corner = scaled(place, 4);
     for (const LabelWordPart& part : words.parts_of(word)) {
       for (std::uint64_t left = part.bits; left != 0; left &= left - 1) {
         const Place& at = kPlaces[static_cast<std::size_t>(std::countr_zero(left))];
@@ -312,7 +297,8 @@ void complete_voxels(const LabelWords& words, LabelPyramid& pyramid) {
                                  {corner.x + at.x, corner.y + at.y, corner.z + at.z})] = part.label;
       }
     }
-  }
+  });
+  pyramid.words = nullptr;
 }
 
 void words_of_cells(const BrickShape& shape, const LabelWork& work, LabelWords& words) {
@@ -331,14 +317,13 @@ void words_of_cells(const BrickShape& shape, const LabelWork& work, LabelWords& 
   const Size3& size = shape.size[0];
   const bool is_whole = size == Size3{64, 64, 64};
   words.parts.clear();
-  for (std::size_t word = 0; word < LabelWords::kCount; ++word) {
+  visit_words([&](std::size_t word, const Index3& place) {
     words.first[word] = static_cast<std::uint32_t>(words.parts.size());
-    const Index3 place = place_of_word(word);
     const std::uint64_t inside =
         is_whole ? ~std::uint64_t{0}
                  : bits_within({size.x - 4 * place.x, size.y - 4 * place.y, size.z - 4 * place.z});
     if (inside != 0) cells.read(place, inside, words.parts);
-  }
+  });
   words.first.back() = static_cast<std::uint32_t>(words.parts.size());
   choose_labels(labels, words);
 }
@@ -350,9 +335,9 @@ void words_of_voxels(const Size3& size, const std::vector<std::int64_t>& voxels,
   labels.erase(std::unique(labels.begin(), labels.end()), labels.end());
   WordParts parts;
   words.parts.clear();
-  for (std::size_t word = 0; word < LabelWords::kCount; ++word) {
+  visit_words([&](std::size_t word, const Index3& place) {
     words.first[word] = static_cast<std::uint32_t>(words.parts.size());
-    const Index3 corner = scaled(place_of_word(word), 4);
+    const Index3 corner = scaled(place, 4);
     parts.clear();
     for (std::size_t bit = 0; bit < 64; ++bit) {
       const Place& at = kPlaces[bit];
@@ -363,7 +348,7 @@ void words_of_voxels(const Size3& size, const std::vector<std::int64_t>& voxels,
       parts.add(static_cast<std::uint32_t>(rank), std::uint64_t{1} << bit);
     }
     parts.append_to(words.parts);
-  }
+  });
   words.first.back() = static_cast<std::uint32_t>(words.parts.size());
   words.labels = std::move(labels);
 }

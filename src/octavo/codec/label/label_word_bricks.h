@@ -11,12 +11,13 @@
 namespace octavo {
 
 /// The pyramid over the brick of these words. Where the first two halvings are those of all axes,
-/// samples below a uniform one of level 2 are left as they are: nothing looks at them.
+/// level 0 stays in the words, which outlive the pyramid, and samples of level 1 below a uniform one
+/// are left as they are: nothing looks at them.
 /// Throws   Error{invalid_argument} for a shape whose levels do not end in a single sample
 /// Memory   that of `pyramid`, which is reused
 void build_label_pyramid(const BrickShape& shape, const LabelWords& words, LabelPyramid& pyramid);
 
-/// Fills in the samples of level 0 that were left out.
+/// Brings level 0 out of the words into the levels.
 void complete_voxels(const LabelWords& words, LabelPyramid& pyramid);
 
 /// The words of level 0 of a brick, as a decoder has left it.
