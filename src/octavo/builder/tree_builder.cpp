@@ -1,5 +1,6 @@
 #include "octavo/builder/tree_builder.h"
 
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_group.h>
 
@@ -48,6 +49,12 @@ struct Group {
   std::vector<Index3> mixed;                      // its bricks of several labels, in file order
   Model model;
   tbb::task_group training;
+};
+
+// What a thread works with.
+struct BrickWorkspace {
+  LabelWords words;
+  LabelWords decoded;
 };
 
 struct NumberedBrick {
@@ -173,13 +180,12 @@ class TreeBuild {
     keep_uniform(group);
   }
 
-  EncodedBrick encode_checked(const Model& model, const Index3& brick) const {
+  EncodedBrick encode_checked(const Model& model, const Index3& brick) {
     if (progress_.is_cancelled()) throw cancelled("encoding bricks");
     const BrickShape shape = brick_shape(levels_, 0, brick);
-    LabelWords words;
+    auto& [words, decoded] = workspaces_.local();
     bricks_.words_of_brick(brick, words);
     EncodedBrick encoded = as_label_codec(*model.encoder).encode_words(shape, words);
-    LabelWords decoded;
     const std::vector<ByteSpan> segments(encoded.segments.begin(), encoded.segments.end());
     try {
       as_label_codec(*model.decoder).decode_words(shape, encoded.range, segments, decoded);
@@ -230,6 +236,7 @@ class TreeBuild {
   VoxelType type_;
   Size3 grid_;  // of bricks
   Workers workers_;
+  tbb::enumerable_thread_specific<BrickWorkspace> workspaces_;
   Progress& progress_;
   std::vector<Index3> order_;  // of the bricks of a layer
   std::unique_ptr<FileWriter> writer_;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstring>
+#include <optional>
 
 #include "octavo/codec/label/label_codec.h"
 #include "octavo/codec/label/label_octant.h"
@@ -17,28 +18,41 @@ void fill(const Size3& size, std::int64_t value, void* out) {
   std::fill_n(static_cast<T*>(out), size.voxel_count(), static_cast<T>(value));
 }
 
+/// What four cells in a row are, where they are alike: looked up in the row or, where that lacks the
+/// cells below uniform parents, in theirs.
+std::optional<LabelCell> cell_of_four(bool is_sparse, const LabelCell* row,
+                                      const LabelCell* parents) {
+  if (is_sparse) {
+    const bool is_one = state_of(parents[0]) == kUniform && parents[0] == parents[1];
+    return is_one ? std::optional(parents[0]) : std::nullopt;
+  }
+  std::uint64_t four;
+  std::memcpy(&four, row, sizeof four);
+  return four == row[0] * 0x0001000100010001u ? std::optional(row[0]) : std::nullopt;
+}
+
 /// Rows of labels from rows of cells; four alike cells in a row are usual.
 template <class T>
-void write_labels(const LabelGrid& grid, const std::vector<std::int64_t>& labels, void* out) {
-  std::vector<T> value(labels.size());
-  std::transform(labels.begin(), labels.end(), value.begin(),
+void write_labels(const LabelWork& work, void* out) {
+  const LabelGrid& grid = work.grid;
+  std::vector<T> value(work.labels.size());
+  std::transform(work.labels.begin(), work.labels.end(), value.begin(),
                  [](std::int64_t label) { return static_cast<T>(label); });
   const Size3& size = grid.size();
   T* to = static_cast<T*>(out);
   for (std::int64_t z = 0; z < size.z; ++z) {
     for (std::int64_t y = 0; y < size.y; ++y, to += size.x) {
-      const LabelCell* row = grid.at({0, y, z});
+      const LabelCell* const row = grid.at({0, y, z});
+      const LabelCell* const parents = work.parents.at({0, y >> 1, z >> 1});
       std::int64_t x = 0;
       for (; x + 4 <= size.x; x += 4) {
-        std::uint64_t four;
-        std::memcpy(&four, row + x, sizeof four);
-        if (four == row[x] * 0x0001000100010001u) {
-          std::fill_n(to + x, 4, value[slot_of(row[x])]);
+        if (const auto cell = cell_of_four(work.is_sparse, row + x, parents + (x >> 1))) {
+          std::fill_n(to + x, 4, value[slot_of(*cell)]);
         } else {
-          for (std::int64_t i = x; i < x + 4; ++i) to[i] = value[slot_of(row[i])];
+          for (std::int64_t i = x; i < x + 4; ++i) to[i] = value[slot_of(work.cell({i, y, z}))];
         }
       }
-      for (; x < size.x; ++x) to[x] = value[slot_of(row[x])];
+      for (; x < size.x; ++x) to[x] = value[slot_of(work.cell({x, y, z}))];
     }
   }
 }
@@ -111,7 +125,7 @@ void LabelCodec::decode(const BrickShape& shape, VoxelType type, const ValueRang
   LabelWork& work = thread_label_work();
   label_walk_functions().decode(model_, shape, range, segments, level, work);
   with_voxel_type(type, [&](auto t) {
-    write_labels<typename decltype(t)::type>(work.grid, work.labels, out);
+    write_labels<typename decltype(t)::type>(work, out);
   });
 }
 

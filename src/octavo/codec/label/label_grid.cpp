@@ -1,6 +1,9 @@
 #include "octavo/codec/label/label_grid.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
 
 namespace octavo {
@@ -23,6 +26,21 @@ void expand_row(const LabelCell* parents, std::int64_t size, bool is_halved, Lab
     std::memcpy(children + 2 * x, &twice, sizeof twice);
   }
   if (size & 1) children[size - 1] = inherited(parents[size >> 1]);
+}
+
+/// The children of parents `from` .. `end` along x, all axes halved.
+void expand_rows(const LabelGrid& parents, const Index3& from, std::int64_t end,
+                 LabelGrid& children) {
+  const Index3 first{2 * from.x, 2 * from.y, 2 * from.z};
+  const std::int64_t count = std::min(2 * end, children.size().x) - first.x;
+  LabelCell* const row = children.at(first);
+  expand_row(parents.at(from), count, true, row);
+  const bool has_y = first.y + 1 < children.size().y;
+  const bool has_z = first.z + 1 < children.size().z;
+  LabelCell* const behind = row + children.plane_stride();
+  if (has_y) std::copy_n(row, count, row + children.row_stride());
+  if (has_z) std::copy_n(row, count, behind);
+  if (has_y && has_z) std::copy_n(row, count, behind + children.row_stride());
 }
 
 }  // namespace
@@ -61,6 +79,34 @@ void expand(const LabelGrid& parents, const Size3& size, HalvingMask mask, Label
       } else {
         expand_row(parents.at({0, y >> half_y, z >> half_z}), size.x, (mask & 1) != 0, row);
       }
+    }
+  }
+}
+
+void expand_near_mixed(const LabelGrid& parents, const MixedRows& mixed, const Size3& size,
+                       LabelGrid& children) {
+  children.reset(size);
+  // Two steps of children are one of parents: rows together with those beside them along y, and a
+  // plane of nothing on either side.
+  const Size3& coarse = parents.size();
+  const auto rows = static_cast<std::size_t>(coarse.y);
+  MixedRows beside(rows * static_cast<std::size_t>(coarse.z + 2));
+  for (std::size_t first = 0; first < mixed.size(); first += rows) {
+    for (std::size_t y = 0; y < rows; ++y) {
+      const std::uint64_t* const row = mixed.data() + first + y;
+      beside[rows + first + y] =
+          row[0] | (y > 0 ? row[-1] : 0) | (y + 1 < rows ? row[1] : 0);
+    }
+  }
+
+  std::size_t row = 0;
+  for (std::int64_t z = 0; z < coarse.z; ++z) {
+    for (std::int64_t y = 0; y < coarse.y; ++y, ++row) {
+      const std::uint64_t near = beside[row] | beside[row + rows] | beside[row + 2 * rows];
+      if (near == 0) continue;
+      const std::int64_t lo = std::max(std::countr_zero(near) - 1, 0);
+      const auto hi = std::min(static_cast<std::int64_t>(std::bit_width(near)) + 1, coarse.x);
+      expand_rows(parents, {lo, y, z}, hi, children);
     }
   }
 }

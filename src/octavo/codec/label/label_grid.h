@@ -52,8 +52,16 @@ class LabelGrid {
   std::vector<LabelCell> cells_;
 };
 
+/// Which cells of a grid are mixed: bit x of row size.y * z + y.
+using MixedRows = std::vector<std::uint64_t>;
+
 /// Makes `children` the level of `size` below `parents`: each cell has its parent's label; it is
 /// kUniform where its parent is, kParent elsewhere.
 void expand(const LabelGrid& parents, const Size3& size, HalvingMask mask, LabelGrid& children);
+
+/// As expand where all axes are halved, but leaves out cells more than two steps away from those
+/// below a mixed parent: a traversal does not look at them.
+void expand_near_mixed(const LabelGrid& parents, const MixedRows& mixed, const Size3& size,
+                       LabelGrid& children);
 
 }  // namespace octavo

@@ -48,6 +48,11 @@ class LabelOctant {
     return false;
   }
 
+  /// As must_be_same where a brick has slots 0 and 1 alone.
+  [[gnu::always_inline]] bool is_pair_decided() const {
+    return wins(other_votes_ + 1, 1 - parent_);
+  }
+
   /// True when one more child of `slot` would outvote the parent.
   [[gnu::always_inline]] bool is_excluded(std::uint32_t slot) const {
     int votes = 1;

@@ -19,10 +19,12 @@ class LabelSamples {
  public:
   explicit LabelSamples(std::size_t capacity = std::size_t{1} << 16) : capacity_(capacity) {}
 
+  /// Counts a question; true when it is to be added.
+  bool wants_next() { return (seen_count_++ & (stride_ - 1)) == 0; }
   void add(const LabelQuestion& question, bool answer);
 
   const std::vector<LabelSample>& list() const { return list_; }
-  /// How many were added, those thinned out included.
+  /// How many were counted.
   std::uint64_t seen_count() const { return seen_count_; }
 
  private:
@@ -39,6 +41,9 @@ class LabelSampleCollector final : public LabelObserver {
     samples_.fill(LabelSamples(capacity));
   }
 
+  bool wants_next(LabelAsk kind) override {
+    return samples_[static_cast<std::size_t>(kind)].wants_next();
+  }
   void observe(LabelAsk kind, const LabelQuestion& question, bool answer) override {
     samples_[static_cast<std::size_t>(kind)].add(question, answer);
   }

@@ -51,26 +51,32 @@ class LabelWalk {
     }
     work_.grid.reset({1, 1, 1});
     *work_.grid.at({0, 0, 0}) = label_cell(0, kMixed);
+    work_.mixed.assign(1, 1);
   }
 
   /// Level `level` of the shape from the one above it.
   void descend(const BrickShape& shape, int level) {
     const auto i = static_cast<std::size_t>(level);
+    const Size3& size = shape.size[i];
     std::swap(work_.parents, work_.grid);
+    std::swap(work_.mixed_parents, work_.mixed);
+    work_.mixed.assign(static_cast<std::size_t>(size.y * size.z), 0);
     const LabelGrid& parents = work_.parents;
     LabelGrid& grid = work_.grid;
-    expand(parents, shape.size[i], shape.halving[i], grid);
     level_ = level;
     level_category_ = std::min(i, kLabelSecondCategories - 1);
     mask_ = shape.halving[i];
+    work_.is_sparse = level == 0 && mask_ == kHalveAll;
+    if (work_.is_sparse) expand_near_mixed(parents, work_.mixed_parents, size, grid);
+    else expand(parents, size, mask_, grid);
     neighborhood_ = label_neighborhood(grid.row_stride(), grid.plane_stride());
     place_ = child_steps(mask_, grid.row_stride(), grid.plane_stride());
-    const Size3& size = parents.size();
-    for (std::int64_t z = 0; z < size.z; ++z) {
-      for (std::int64_t y = 0; y < size.y; ++y) {
-        const LabelCell* row = parents.at({0, y, z});
-        for (std::int64_t x = 0; x < size.x; ++x) {
-          if (state_of(row[x]) == kMixed) visit({x, y, z}, slot_of(row[x]));
+    std::size_t row = 0;
+    for (std::int64_t z = 0; z < parents.size().z; ++z) {
+      for (std::int64_t y = 0; y < parents.size().y; ++y, ++row) {
+        for (auto left = work_.mixed_parents[row]; left != 0; left &= left - 1) {
+          const Index3 parent{std::countr_zero(left), y, z};
+          visit(parent, slot_of(*parents.at(parent)));
         }
       }
     }
@@ -91,14 +97,27 @@ class LabelWalk {
       LabelCell* cell = first + place_[digit];
       *cell = visit_child(around, cell, octant, digit, target);
       around.settle(digit, *cell);
+      if (state_of(*cell) == kMixed) mark_mixed(parent, digit);
     }
   }
 
-  LabelCell visit_child(Around& around, const LabelCell* cell, LabelOctant& octant,
-                        std::size_t digit, const TargetSample& target) {
+  void mark_mixed(const Index3& parent, std::size_t digit) {
+    const Index3 at = child_position(mask_, parent, static_cast<int>(digit));
+    const auto row = static_cast<std::size_t>(work_.grid.size().y * at.z + at.y);
+    work_.mixed[row] |= std::uint64_t{1} << at.x;
+  }
+
+  [[gnu::always_inline]] LabelCell visit_child(Around& around, const LabelCell* cell,
+                                               LabelOctant& octant, std::size_t digit,
+                                               const TargetSample& target) {
+    const std::optional<bool> known = is_known_same(octant);
+    if (level_ == 0 && known == true) {
+      octant.leave(octant.parent(), true);
+      return label_cell(octant.parent(), kUniform);
+    }
     around.see(cell, digit);
     std::uint32_t slot = octant.parent();
-    if (!ask_same(around, octant, digit, target)) {
+    if (known ? !*known : !ask_same(around, octant, digit, target)) {
       slot = code_other(around, octant, target);
     }
     const bool is_uniform = level_ == 0 || ask_uniform(around, octant, digit, slot, target);
@@ -106,12 +125,16 @@ class LabelWalk {
     return label_cell(slot, is_uniform ? kUniform : kMixed);
   }
 
-  bool ask_same(const Around& around, const LabelOctant& octant, std::size_t digit,
-                const TargetSample& target) {
+  /// Whether a child has its parent's label, where that follows from the others.
+  std::optional<bool> is_known_same(const LabelOctant& octant) const {
     // A mixed parent has two labels below it; with a single child they are further down.
     if (octant.is_one() && octant.left() == 0 && level_ == 0 && octant.room() > 0) return false;
-    if (octant.must_be_same()) return true;
-    if (work_.is_pair && octant.is_excluded(1 - octant.parent())) return true;
+    const bool must_be = work_.is_pair ? octant.is_pair_decided() : octant.must_be_same();
+    return must_be ? std::optional(true) : std::nullopt;
+  }
+
+  bool ask_same(const Around& around, const LabelOctant& octant, std::size_t digit,
+                const TargetSample& target) {
     const auto others = static_cast<std::size_t>(std::min(octant.other_votes(), 4));
     return ask_network(LabelAsk::same, around, digit * 5 + others, level_category_,
                        target.slot == octant.parent());
@@ -332,6 +355,7 @@ class ObservingIo : public TargetIo {
   bool ask(bool target, Probability) { return target; }
   void observe(LabelAsk kind, const Around& around, std::size_t first, std::size_t second,
                bool answer) {
+    if (!observer_.wants_next(kind)) return;
     around.tell(question_);
     question_.first = static_cast<std::uint8_t>(first);
     question_.second = static_cast<std::uint8_t>(second);

@@ -31,10 +31,12 @@ namespace octavo {
 /// What a network is asked; the order of the networks in a model.
 enum class LabelAsk : std::uint8_t { same, uniform, candidate };
 
-/// Receives every question that a network is asked, with its answer.
+/// Receives the questions that a network is asked, with their answers.
 class LabelObserver {
  public:
   virtual ~LabelObserver() = default;
+  /// Called for every question; those it wants are observed.
+  virtual bool wants_next(LabelAsk kind) = 0;
   virtual void observe(LabelAsk kind, const LabelQuestion& question, bool answer) = 0;
 };
 
@@ -42,6 +44,10 @@ class LabelObserver {
 struct LabelWork {
   LabelGrid grid;     ///< the level being made, then its result
   LabelGrid parents;
+  MixedRows mixed;          ///< of `grid`
+  MixedRows mixed_parents;  ///< of `parents`
+  /// `grid` lacks the cells below uniform parents.
+  bool is_sparse = false;
   std::vector<std::int64_t> labels;  ///< by slot
   bool is_pair = false;              ///< no labels but range.min and range.max
   AdaptiveBit is_fresh;
@@ -49,13 +55,23 @@ struct LabelWork {
 
   /// Forgets the brick.
   void start();
+
+  /// A cell of the result, whether `grid` has it or not.
+  LabelCell cell(const Index3& at) const {
+    if (is_sparse) {
+      const LabelCell parent = *parents.at({at.x >> 1, at.y >> 1, at.z >> 1});
+      if (state_of(parent) == kUniform) return parent;
+    }
+    return *grid.at(at);
+  }
 };
 
 /// The work space of this thread.
 LabelWork& thread_label_work();
 
 struct LabelWalkFunctions {
-  /// Levels from the root down to `level`, into work.grid and work.labels. Throws Error{corrupt}.
+  /// Levels from the root down to `level`, into the cells and the labels of `work`.
+  /// Throws Error{corrupt}.
   void (*decode)(const LabelModel&, const BrickShape&, const ValueRange&,
                  std::span<const ByteSpan> segments, int level, LabelWork& work);
   /// Requires at most kMaxLabelSlots labels.

@@ -24,6 +24,7 @@ struct Recorded {
 class Recorder final : public LabelObserver {
  public:
   explicit Recorder(Recorded& recorded) : recorded_(recorded) {}
+  bool wants_next(LabelAsk) override { return true; }
   void observe(LabelAsk kind, const LabelQuestion& question, bool answer) override {
     std::vector<std::uint8_t> line(question.neighbor.begin(), question.neighbor.end());
     // Whether an absent neighbor is equal means nothing.
@@ -69,7 +70,7 @@ void expect_decodes(const LabelWalkFunctions& walk, const LabelModel& model,
     for (std::int64_t z = 0; z < expected.size.z; ++z) {
       for (std::int64_t y = 0; y < expected.size.y; ++y) {
         for (std::int64_t x = 0; x < expected.size.x; ++x, ++at) {
-          const LabelCell cell = *work.grid.at({x, y, z});
+          const LabelCell cell = work.cell({x, y, z});
           ASSERT_EQ(work.labels[slot_of(cell)], pyramid.labels[expected.rank[at]]);
         }
       }
