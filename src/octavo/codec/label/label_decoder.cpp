@@ -18,8 +18,8 @@ void fill(const Size3& size, std::int64_t value, void* out) {
   std::fill_n(static_cast<T*>(out), size.voxel_count(), static_cast<T>(value));
 }
 
-/// What four cells in a row are, where they are alike: looked up in the row or, where that lacks the
-/// cells below uniform parents, in theirs.
+/// What four cells in a row are, where they are alike: looked up in the row or, where that lacks
+/// the cells below uniform parents, in theirs.
 std::optional<LabelCell> cell_of_four(bool is_sparse, const LabelCell* row,
                                       const LabelCell* parents) {
   if (is_sparse) {

@@ -149,8 +149,8 @@ class LabelWalk {
                        target.is_uniform);
   }
 
-  [[gnu::always_inline]] bool ask_network(LabelAsk kind, const Around& around, std::size_t first, std::size_t second,
-                   bool target) {
+  [[gnu::always_inline]] bool ask_network(LabelAsk kind, const Around& around, std::size_t first,
+                                          std::size_t second, bool target) {
     const int logit = around.logit(model_.nets[static_cast<std::size_t>(kind)], first, second);
     const bool answer = io_.ask(target, probability_of(logit));
     io_.observe(kind, around, first, second, answer);

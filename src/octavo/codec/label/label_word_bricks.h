@@ -11,8 +11,8 @@
 namespace octavo {
 
 /// The pyramid over the brick of these words. Where the first two halvings are those of all axes,
-/// level 0 stays in the words, which outlive the pyramid, and samples of level 1 below a uniform one
-/// are left as they are: nothing looks at them.
+/// level 0 stays in the words, which outlive the pyramid, and samples of level 1 below a uniform
+/// one are left as they are: nothing looks at them.
 /// Throws   Error{invalid_argument} for a shape whose levels do not end in a single sample
 /// Memory   that of `pyramid`, which is reused
 void build_label_pyramid(const BrickShape& shape, const LabelWords& words, LabelPyramid& pyramid);
