@@ -21,6 +21,9 @@ target_compile_options(octavo_test_flags INTERFACE $<$<CONFIG:Release>:-O1>)
 file(GENERATE OUTPUT ${CMAKE_BINARY_DIR}/test_headers.cpp CONTENT "")
 add_library(octavo_test_headers OBJECT ${CMAKE_BINARY_DIR}/test_headers.cpp)
 target_link_libraries(octavo_test_headers PRIVATE octavo_test_flags)
+# Compilers only take headers that were compiled as the programs are.
+set_target_properties(octavo_test_headers PROPERTIES POSITION_INDEPENDENT_CODE OFF)
+target_compile_options(octavo_test_headers PRIVATE ${CMAKE_CXX_COMPILE_OPTIONS_PIE})
 target_precompile_headers(octavo_test_headers PRIVATE
   <gtest/gtest.h> <rapidcheck.h> <algorithm> <array> <cstdint> <map> <random> <span> <string>
   <vector>)
@@ -41,6 +44,7 @@ function(octavo_test name tier)
   add_executable(test_${name} ${arg_SOURCES})
   target_link_libraries(test_${name}
     PRIVATE ${arg_USES} ${arg_LINKS} octavo_source_folder octavo_test_flags GTest::gtest_main)
+  octavo_unity(test_${name})
   if(NOT CMAKE_CXX_COMPILER_LAUNCHER)
     target_precompile_headers(test_${name} REUSE_FROM octavo_test_headers)
   endif()

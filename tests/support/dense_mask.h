@@ -6,8 +6,12 @@
 #include <vector>
 
 #include "octavo/ops/mask/mask_build.h"
+#include "octavo/ops/mask/word_neighbors.h"
 
 namespace octavo::testing {
+
+inline constexpr Connectivity kConnectivities[] = {Connectivity::faces, Connectivity::edges,
+                                                   Connectivity::corners};
 
 struct DenseMask {
   Size3 size;

@@ -1,6 +1,8 @@
 // Bricks of labels for the tests of the label codec.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <random>
@@ -9,6 +11,9 @@
 #include "octavo/codec/brick_codec.h"
 
 namespace octavo::testing {
+
+using LabelTypes = ::testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t,
+                                    std::int32_t, std::uint32_t>;
 
 /// One brick with dense voxels of type T.
 template <class T>

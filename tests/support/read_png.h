@@ -1,4 +1,4 @@
-// PNG files back into pixels.
+// PNG files back into pixels, and single pixels of pictures.
 #pragma once
 
 #include <png.h>
@@ -17,6 +17,12 @@ inline Picture read_png(const Bytes& bytes) {
   Picture picture = make_picture(image.width, image.height, is_color ? 3 : 1);
   png_image_finish_read(&image, nullptr, picture.pixels.data(), 0, nullptr);
   return picture;
+}
+
+/// One pixel of a picture in color.
+inline Color pixel(const Picture& picture, std::int64_t x, std::int64_t y) {
+  const auto at = static_cast<std::size_t>(3 * (y * picture.width + x));
+  return {picture.pixels[at], picture.pixels[at + 1], picture.pixels[at + 2]};
 }
 
 }  // namespace octavo::testing

@@ -79,6 +79,24 @@ std::string voxels_of(PlaneSource& source) {
   return all;
 }
 
+Geometry geometry_of(const std::string& path, const SourceOptions& options) {
+  return open_source({path}, options)->description().geometry;
+}
+
+Point3 spacing_of(const std::string& path) {
+  return open_source({path}, {})->description().geometry.spacing_mm;
+}
+
+SourceOptions with_spacing(double x, double y, double z) {
+  SourceOptions options;
+  options.spacing_mm = Point3{x, y, z};
+  return options;
+}
+
+std::string first_warning(const PlaneSource& source) {
+  return source.warnings().empty() ? "" : with_hints(source.warnings().front());
+}
+
 Error error_of(const std::function<void()>& action) {
   try {
     action();
@@ -107,6 +125,16 @@ void expect_every_truncation_rejected(const std::string& path, const std::string
     write_file(path, whole.substr(0, length));
     EXPECT_EQ(source_error({path}).kind(), ErrorKind::source_rejected) << path << " " << length;
   }
+}
+
+void write_meta(const std::string& path, const std::string& lines) {
+  write_file(path, "NDims = 3\nDimSize = 4 3 2\nElementSpacing = 1 1 2\nElementType = MET_UCHAR\n" +
+                       lines + "\nElementDataFile = LOCAL\n" + std::string(24, '\1'));
+}
+
+void write_nrrd(const std::string& path, const std::string& lines) {
+  write_file(path, "NRRD0005\ntype: uchar\ndimension: 3\nsizes: 4 3 2\nencoding: raw\n" + lines +
+                       "\n\n" + std::string(24, '\1'));
 }
 
 std::string nifti_header(const NiftiSample& s) {

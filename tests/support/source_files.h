@@ -66,6 +66,14 @@ std::string counted(std::size_t bytes, int start);
 /// All planes of a source as one byte string, native order.
 std::string voxels_of(PlaneSource& source);
 
+/// What is known of the place of the volume at `path`.
+Geometry geometry_of(const std::string& path, const SourceOptions& options = {});
+Point3 spacing_of(const std::string& path);
+SourceOptions with_spacing(double x, double y, double z);
+
+/// Empty where there is none.
+std::string first_warning(const PlaneSource& source);
+
 /// The error of `action`, which must throw octavo::Error.
 Error error_of(const std::function<void()>& action);
 /// The error of opening `paths` and reading every plane.
@@ -76,6 +84,12 @@ void expect_rejected(const std::string& path, const std::vector<std::string>& wo
                      const SourceOptions& options = {});
 /// So does reading the first bytes of `whole` under that name, however many they are.
 void expect_every_truncation_rejected(const std::string& path, const std::string& whole);
+
+using Matrix3 = std::array<double, 9>;
+
+/// Files of 4 x 3 x 2 bytes: MetaImage of 1 x 1 x 2 mm and NRRD, each with `lines` in its header.
+void write_meta(const std::string& path, const std::string& lines);
+void write_nrrd(const std::string& path, const std::string& lines);
 
 /// A NIfTI-1 header of 352 bytes with the voxel offset 352.
 struct NiftiSample {

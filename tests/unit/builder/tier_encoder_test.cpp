@@ -67,10 +67,10 @@ class RecordingWriter final : public FileWriter {
 };
 
 // 3 x 2 x 2 bricks of uint8, each filled with its number in [z][y][x] order, with one odd voxel.
-struct Volume {
+struct NumberedBricks {
   Levels levels{Size3{150, 100, 70}, std::vector<HalvingMask>(8, kHalveAll)};
   std::vector<std::uint8_t> voxels;
-  Volume() {
+  NumberedBricks() {
     for (std::int64_t z = 0; z < 70; ++z)
       for (std::int64_t y = 0; y < 100; ++y)
         for (std::int64_t x = 0; x < 150; ++x)
@@ -88,7 +88,7 @@ Model copying_model(int broken, int error = 1) {
 }
 
 TEST(TierEncoder, BricksArriveInFileOrderAndParentsInVoxelOrder) {
-  const Volume volume;
+  const NumberedBricks volume;
   for (const int threads : {1, 2, 5}) {
     RecordingWriter writer;
     NoProgress progress;
@@ -104,7 +104,7 @@ TEST(TierEncoder, BricksArriveInFileOrderAndParentsInVoxelOrder) {
 }
 
 TEST(TierEncoder, ABrickThatDoesNotDecodeToItsVoxelsIsNamed) {
-  const Volume volume;
+  const NumberedBricks volume;
   for (const int threads : {1, 4}) {
     RecordingWriter writer;
     NoProgress progress;
@@ -122,7 +122,7 @@ TEST(TierEncoder, ABrickThatDoesNotDecodeToItsVoxelsIsNamed) {
 }
 
 // The two brick layers of a volume as blocks.
-std::array<VoxelBlock, 2> layers_of(const Volume& volume) {
+std::array<VoxelBlock, 2> layers_of(const NumberedBricks& volume) {
   std::array<VoxelBlock, 2> layers{volume.block(), volume.block()};
   layers[0].size.z = 64;
   layers[1] = {layers[0].voxels + 150 * 100 * 64, VoxelType::uint8, {150, 100, 6}, 64};
@@ -130,7 +130,7 @@ std::array<VoxelBlock, 2> layers_of(const Volume& volume) {
 }
 
 TEST(TierEncoder, BlocksStartedTogetherArriveInOrderEachBehindItsModel) {
-  const Volume volume;
+  const NumberedBricks volume;
   const auto layers = layers_of(volume);
   for (const int threads : {1, 2, 5}) {
     RecordingWriter writer;
@@ -149,7 +149,7 @@ TEST(TierEncoder, BlocksStartedTogetherArriveInOrderEachBehindItsModel) {
 }
 
 TEST(TierEncoder, BlocksAreGivenBackAfterAFailureToo) {
-  const Volume volume;
+  const NumberedBricks volume;
   const auto layers = layers_of(volume);
   for (const int threads : {1, 4}) {
     RecordingWriter writer;
@@ -169,7 +169,7 @@ TEST(TierEncoder, BlocksAreGivenBackAfterAFailureToo) {
 }
 
 TEST(TierEncoder, ErrorsWithinTheBoundAreMeasuredAndOthersRejected) {
-  const Volume volume;
+  const NumberedBricks volume;
   for (const int error : {1, 2, 3}) {
     RecordingWriter writer;
     NoProgress progress;
@@ -188,7 +188,7 @@ TEST(TierEncoder, ErrorsWithinTheBoundAreMeasuredAndOthersRejected) {
 }
 
 TEST(TierEncoder, FloatVoxelsAreComparedThemselves) {
-  const Volume volume;
+  const NumberedBricks volume;
   const SampleCoding coding{VoxelType::uint8, 0.5, 0};
   std::vector<float> floats;
   for (const std::uint8_t code : volume.voxels) floats.push_back(0.5f * code + 0.125f);

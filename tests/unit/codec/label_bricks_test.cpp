@@ -36,22 +36,20 @@ void expect_same(const BrickCodec& codec, const LabelBrick<T>& sample) {
   EXPECT_EQ(decoded, words);
 }
 
-const std::vector<Size3> kSizes = {{64, 64, 64}, {1, 1, 1},   {1, 1, 2},    {2, 2, 2},  {3, 3, 3},
-                                   {4, 4, 4},    {5, 7, 11},  {63, 62, 61}, {64, 1, 1}, {2, 2, 64},
-                                   {37, 64, 5},  {13, 29, 31}};
+const std::vector<Size3> kBrickSizes = {
+    {64, 64, 64}, {1, 1, 1},    {1, 1, 2},  {2, 2, 2},  {3, 3, 3},   {4, 4, 4},
+    {5, 7, 11},   {63, 62, 61}, {64, 1, 1}, {2, 2, 64}, {37, 64, 5}, {13, 29, 31}};
 
 template <class T>
 class LabelBricksOfType : public ::testing::Test {};
-using LabelTypes = ::testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t,
-                                    std::int32_t, std::uint32_t>;
-TYPED_TEST_SUITE(LabelBricksOfType, LabelTypes);
+TYPED_TEST_SUITE(LabelBricksOfType, testing::LabelTypes);
 
 TYPED_TEST(LabelBricksOfType, WordsAndVoxelsHaveTheSameBytes) {
   using T = TypeParam;
   const T low = std::numeric_limits<T>::min();
   const T high = std::numeric_limits<T>::max();
   const auto codec = train_label_model(voxel_type_of<T>(), {});
-  for (const Size3& size : kSizes) {
+  for (const Size3& size : kBrickSizes) {
     for (const Point3& spacing : {Point3{1, 1, 1}, Point3{1, 1, 2}, Point3{4, 1, 1}}) {
       expect_same(*codec, testing::balls<T>(size, {3, low, T(5), high, T(7), T(0)}, spacing));
       expect_same(*codec, testing::balls<T>(size, {0, 1}, spacing));

@@ -15,14 +15,15 @@
 namespace octavo {
 namespace {
 
-constexpr Size3 kSize = {60, 50, 40};
+constexpr Size3 kViewSize = {60, 50, 40};
 
 View look(const Viewpoint& viewpoint, const Geometry& geometry = {}, const ViewFrame& frame = {}) {
-  return make_view(geometry, kSize, box_of(kSize), viewpoint, frame);
+  return make_view(geometry, kViewSize, box_of(kViewSize), viewpoint, frame);
 }
 
 Index3 corner_of_volume(int corner) {
-  return {(corner & 1) * kSize.x, (corner >> 1 & 1) * kSize.y, (corner >> 2 & 1) * kSize.z};
+  return {(corner & 1) * kViewSize.x, (corner >> 1 & 1) * kViewSize.y,
+          (corner >> 2 & 1) * kViewSize.z};
 }
 
 TEST(View, LettersNameThePatientsSides) {
@@ -207,7 +208,7 @@ TEST(View, ZoomEnlargesAroundTheMiddle) {
   frame.zoom = 4;
   const View large = look(viewpoint_at(20, 10), {}, frame);
   EXPECT_NEAR(plain.pixel_mm, 4 * large.pixel_mm, 1e-12);
-  const Place middle = large.place_of({kSize.x / 2, kSize.y / 2, kSize.z / 2});
+  const Place middle = large.place_of({kViewSize.x / 2, kViewSize.y / 2, kViewSize.z / 2});
   EXPECT_NEAR(std::ldexp(static_cast<double>(middle.x), -large.fraction_bits), 512, 0.01);
   EXPECT_NEAR(std::ldexp(static_cast<double>(middle.y), -large.fraction_bits), 512, 0.01);
 }

@@ -9,14 +9,14 @@ namespace {
 
 using testing::DenseMask;
 
-constexpr Size3 kSize = {70, 33, 41};
+constexpr Size3 kCombineSize = {70, 33, 41};
 
 class Combine : public testing::TaskFiles {
  protected:
   void SetUp() override {
     std::mt19937 random(3);
     for (const char* name : {"a.8vo", "b.8vo", "c.8vo"}) {
-      masks_.push_back(testing::random_mask(kSize, random));
+      masks_.push_back(testing::random_mask(kCombineSize, random));
       options_.inputs.push_back(write(name, masks_.back()));
     }
     options_.output.path = folder_.file("out.8vo");
@@ -37,7 +37,7 @@ TEST_F(Combine, MasksAreTakenFromLeftToRight) {
   for (const auto& [combination, operation] : operations) {
     options_.combination = combination;
     const CombineResult result = combine(options_, context_);
-    const auto expected = computed(kSize, [&](const Index3& p) {
+    const auto expected = computed(kCombineSize, [&](const Index3& p) {
       return operation(operation(masks_[0].at(p), masks_[1].at(p)), masks_[2].at(p));
     });
     EXPECT_EQ(read(options_.output.path), expected) << combination_name(combination);
@@ -52,7 +52,7 @@ TEST_F(Combine, TheComplementIsThatOfOneMask) {
   options_.inputs.resize(1);
   combine(options_, context_);
   EXPECT_EQ(read(options_.output.path),
-            computed(kSize, [&](const Index3& p) { return !masks_[0].at(p); }));
+            computed(kCombineSize, [&](const Index3& p) { return !masks_[0].at(p); }));
 }
 
 TEST_F(Combine, OneMaskIsNotCombined) {
@@ -71,7 +71,7 @@ TEST_F(Combine, AnotherGridIsRejectedUnlessItIsResampled) {
   options_.is_resampling = true;
   const CombineResult result = combine(options_, context_);
   EXPECT_EQ(result.resampled, std::vector<std::string>{options_.inputs[1]});
-  EXPECT_EQ(read(options_.output.path), computed(kSize, [&](const Index3& p) {
+  EXPECT_EQ(read(options_.output.path), computed(kCombineSize, [&](const Index3& p) {
               return p.x >= 3 && masks_[0].at(p) && masks_[1].at({p.x - 3, p.y, p.z});
             }));
 }

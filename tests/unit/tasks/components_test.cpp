@@ -13,14 +13,14 @@ using testing::DenseLabels;
 using testing::DenseMask;
 using testing::for_each_voxel;
 
-constexpr Size3 kSize = {68, 30, 27};
+constexpr Size3 kComponentsSize = {68, 30, 27};
 
 class ComponentsTask : public testing::TaskFiles {
  protected:
   void SetUp() override {
     std::mt19937 random(11);
-    mask_ = DenseMask{kSize, std::vector<std::uint8_t>(
-                                 static_cast<std::size_t>(kSize.voxel_count()))};
+    mask_ = DenseMask{kComponentsSize, std::vector<std::uint8_t>(
+                                 static_cast<std::size_t>(kComponentsSize.voxel_count()))};
     for (std::uint8_t& voxel : mask_.voxels) voxel = random() % 8 == 0 ? 1 : 0;
     options_.input = write("mask.8vo", mask_);
   }
@@ -70,7 +70,7 @@ TEST_F(ComponentsTask, TheLabelMapHoldsWhatTheRowsSay) {
   std::vector<Box> boxes(21);
   std::vector<Point3> sums(21, Point3{});
   std::vector<std::uint64_t> counts(21);
-  for_each_voxel(kSize, [&](const Index3& p) {
+  for_each_voxel(kComponentsSize, [&](const Index3& p) {
     const auto label = static_cast<std::size_t>(labels.at(p));
     ASSERT_LE(label, 20u);
     boxes[label] = united(boxes[label], {p, {p.x + 1, p.y + 1, p.z + 1}});

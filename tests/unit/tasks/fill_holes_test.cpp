@@ -12,14 +12,14 @@ using testing::DenseLabels;
 using testing::DenseMask;
 using testing::for_each_voxel;
 
-constexpr Size3 kSize = {66, 21, 19};
+constexpr Size3 kFillHolesSize = {66, 21, 19};
 
 class FillHoles : public testing::TaskFiles {
  protected:
   void SetUp() override {
     std::mt19937 random(5);
-    mask_ = DenseMask{kSize, std::vector<std::uint8_t>(
-                                 static_cast<std::size_t>(kSize.voxel_count()))};
+    mask_ = DenseMask{kFillHolesSize, std::vector<std::uint8_t>(
+                                 static_cast<std::size_t>(kFillHolesSize.voxel_count()))};
     for (std::uint8_t& voxel : mask_.voxels) voxel = random() % 10 < 7 ? 1 : 0;
     options_.input = write("mask.8vo", mask_);
     options_.output = {folder_.file("filled.8vo"), true};
@@ -28,12 +28,12 @@ class FillHoles : public testing::TaskFiles {
   /// Parts of the background that do not reach the border, by their number in `parts`.
   std::map<std::int32_t, std::uint64_t> holes_of(const DenseLabels& parts) const {
     std::map<std::int32_t, std::uint64_t> holes;
-    for_each_voxel(kSize, [&](const Index3& p) {
+    for_each_voxel(kFillHolesSize, [&](const Index3& p) {
       if (mask_.at(p) == 0) ++holes[parts.at(p)];
     });
-    for_each_voxel(kSize, [&](const Index3& p) {
-      const bool is_border = p.x == 0 || p.y == 0 || p.z == 0 || p.x == kSize.x - 1 ||
-                             p.y == kSize.y - 1 || p.z == kSize.z - 1;
+    for_each_voxel(kFillHolesSize, [&](const Index3& p) {
+      const bool is_border = p.x == 0 || p.y == 0 || p.z == 0 || p.x == kFillHolesSize.x - 1 ||
+                             p.y == kFillHolesSize.y - 1 || p.z == kFillHolesSize.z - 1;
       if (is_border) holes.erase(parts.at(p));
     });
     return holes;
@@ -50,7 +50,7 @@ TEST_F(FillHoles, BackgroundThatAFloodFromTheBorderDoesNotReachIsFilled) {
     ASSERT_FALSE(holes.empty() && background == 6);
     options_.connectivity = static_cast<Connectivity>(object);
     const FillHolesResult result = fill_holes(options_, context_);
-    EXPECT_EQ(read(options_.output.path), computed(kSize, [&](const Index3& p) {
+    EXPECT_EQ(read(options_.output.path), computed(kFillHolesSize, [&](const Index3& p) {
                 return mask_.at(p) != 0 || holes.contains(parts.at(p));
               }));
     EXPECT_EQ(result.hole_count, holes.size());

@@ -12,7 +12,7 @@ namespace {
 using testing::DenseLabels;
 using testing::for_each_voxel;
 
-constexpr Size3 kSize = {66, 24, 18};
+constexpr Size3 kMeasureSize = {66, 24, 18};
 
 class Measure : public testing::TaskFiles {
  protected:
@@ -25,14 +25,14 @@ class Measure : public testing::TaskFiles {
   /// Grey voxels of 12 bits; a real value is slope * voxel + 5.
   std::string write_grey(double slope) {
     testing::Volume volume;
-    volume.description.size = kSize;
+    volume.description.size = kMeasureSize;
     volume.description.type = VoxelType::int16;
     volume.description.geometry = geometry_;
     volume.description.rescale = {slope, 5};
     volume.description.metadata = Metadata::read(R"({"unit":"HU"})");
     std::mt19937 random(13);
     grey_.clear();
-    for (std::int64_t i = 0; i < kSize.voxel_count(); ++i) {
+    for (std::int64_t i = 0; i < kMeasureSize.voxel_count(); ++i) {
       grey_.push_back(static_cast<std::int16_t>(random() % 4000));
     }
     const auto* bytes = reinterpret_cast<const std::byte*>(grey_.data());
@@ -42,7 +42,7 @@ class Measure : public testing::TaskFiles {
     return path;
   }
 
-  DenseLabels labels_{kSize};
+  DenseLabels labels_{kMeasureSize};
   std::vector<std::int16_t> grey_;
   MeasureOptions options_;
 };
@@ -63,7 +63,7 @@ TEST_F(Measure, RegionsAreThoseOfTheVoxels) {
     Point3 sum{};
   };
   std::map<std::int64_t, Sums> expected;
-  for_each_voxel(kSize, [&](const Index3& p) {
+  for_each_voxel(kMeasureSize, [&](const Index3& p) {
     const std::int32_t label = labels_.at(p);
     if (label == 0) return;
     Sums& sums = expected[label];
@@ -73,7 +73,7 @@ TEST_F(Measure, RegionsAreThoseOfTheVoxels) {
     const auto steps = testing::neighbor_steps(6);
     sums.surface += std::any_of(steps.begin(), steps.end(), [&](const Index3& step) {
       const Index3 q = testing::moved(p, step);
-      return !box_of(kSize).contains(q) || labels_.at(q) != label;
+      return !box_of(kMeasureSize).contains(q) || labels_.at(q) != label;
     });
   });
   const MeasureResult result = measure(options_, context_);

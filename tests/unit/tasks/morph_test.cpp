@@ -10,13 +10,13 @@ namespace {
 using testing::DenseMask;
 using testing::for_each_voxel;
 
-constexpr Size3 kSize = {67, 20, 22};
+constexpr Size3 kMorphSize = {67, 20, 22};
 
 class Morph : public testing::TaskFiles {
  protected:
   void SetUp() override {
     std::mt19937 random(9);
-    mask_ = testing::random_mask(kSize, random);
+    mask_ = testing::random_mask(kMorphSize, random);
     options_.input = write("mask.8vo", mask_);
     options_.output = {folder_.file("out.8vo"), true};
   }
@@ -24,13 +24,13 @@ class Morph : public testing::TaskFiles {
   /// Voxels of `mask` with value `spread` reach all within 1.2 mm: steps of 0.5, 0.5 and 2 mm.
   static DenseMask spread(const DenseMask& mask, std::uint8_t value) {
     DenseMask result = mask;
-    for_each_voxel(kSize, [&](const Index3& p) {
+    for_each_voxel(kMorphSize, [&](const Index3& p) {
       if (mask.at(p) != value) return;
       for (std::int64_t y = -2; y <= 2; ++y) {
         for (std::int64_t x = -2; x <= 2; ++x) {
           const Index3 q = {p.x + x, p.y + y, p.z};
           const bool is_near = 0.25 * static_cast<double>(x * x + y * y) <= 1.2 * 1.2;
-          if (is_near && box_of(kSize).contains(q)) result.at(q) = value;
+          if (is_near && box_of(kMorphSize).contains(q)) result.at(q) = value;
         }
       }
     });
@@ -38,7 +38,7 @@ class Morph : public testing::TaskFiles {
   }
 
   DenseMask made() const {
-    DenseMask mask{kSize, {}};
+    DenseMask mask{kMorphSize, {}};
     for (const std::int32_t label : read(options_.output.path).voxels) {
       mask.voxels.push_back(static_cast<std::uint8_t>(label));
     }
@@ -73,10 +73,10 @@ TEST_F(Morph, AStepReachesTheNeighbors) {
   for (const int connectivity : {6, 18, 26}) {
     options_.connectivity = static_cast<Connectivity>(connectivity);
     DenseMask expected = mask_;
-    for_each_voxel(kSize, [&](const Index3& p) {
+    for_each_voxel(kMorphSize, [&](const Index3& p) {
       for (const Index3& step : testing::neighbor_steps(connectivity)) {
         const Index3 q = testing::moved(p, step);
-        if (mask_.at(p) != 0 && box_of(kSize).contains(q)) expected.at(q) = 1;
+        if (mask_.at(p) != 0 && box_of(kMorphSize).contains(q)) expected.at(q) = 1;
       }
     });
     morph(options_, context_);

@@ -12,13 +12,13 @@ using testing::DenseLabels;
 using testing::DenseMask;
 using testing::for_each_voxel;
 
-constexpr Size3 kSize = {80, 70, 66};
+constexpr Size3 kShellSize = {80, 70, 66};
 
 class Shell : public testing::TaskFiles {
  protected:
   void SetUp() override {
     std::mt19937 random(21);
-    mask_ = testing::random_mask(kSize, random);
+    mask_ = testing::random_mask(kShellSize, random);
     options_.input = write("mask.8vo", mask_);
   }
 
@@ -43,12 +43,12 @@ TEST_F(Shell, WhatIsKeptIsOfTheMaskAndHoldsItsSurface) {
   const std::vector<Index3> steps = testing::neighbor_steps(6);
   std::uint64_t voxels = 0;
   std::size_t wrong = 0;
-  for_each_voxel(kSize, [&](const Index3& p) {
+  for_each_voxel(kShellSize, [&](const Index3& p) {
     voxels += kept.at(p) != 0 ? 1u : 0u;
     const bool is_surface =
         mask_.at(p) != 0 && std::any_of(steps.begin(), steps.end(), [&](const Index3& step) {
           const Index3 q = testing::moved(p, step);
-          return !box_of(kSize).contains(q) || mask_.at(q) == 0;
+          return !box_of(kShellSize).contains(q) || mask_.at(q) == 0;
         });
     if (kept.at(p) != 0 ? mask_.at(p) == 0 : is_surface) ++wrong;
   });

@@ -12,18 +12,18 @@
 namespace octavo {
 namespace {
 
-constexpr Size3 kSize = {70, 65, 40};
+constexpr Size3 kThresholdSize = {70, 65, 40};
 
 class Threshold : public ::testing::Test {
  protected:
   void SetUp() override {
     testing::Volume volume;
-    volume.description.size = kSize;
+    volume.description.size = kThresholdSize;
     volume.description.type = VoxelType::int16;
     volume.description.rescale = {2, -1000};
     volume.description.metadata = Metadata::read(R"({"spacing_known":true,"unit":"HU"})");
     std::mt19937 random(7);
-    for (std::int64_t i = 0; i < kSize.voxel_count(); ++i) {
+    for (std::int64_t i = 0; i < kThresholdSize.voxel_count(); ++i) {
       voxels_.push_back(static_cast<std::int16_t>(random() % 1000));
     }
     const auto* bytes = reinterpret_cast<const std::byte*>(voxels_.data());
@@ -38,7 +38,7 @@ class Threshold : public ::testing::Test {
   template <class F>
   std::size_t wrong_voxels(F&& label_of) const {
     const auto reader = testing::open_file(mask_);
-    const std::vector<std::byte> labels = testing::read_box(*reader, box_of(kSize), 0);
+    const std::vector<std::byte> labels = testing::read_box(*reader, box_of(kThresholdSize), 0);
     std::size_t wrong = 0;
     for (std::size_t i = 0; i < labels.size(); ++i) {
       if (static_cast<int>(labels[i]) != label_of(2.0 * voxels_[i] - 1000)) ++wrong;

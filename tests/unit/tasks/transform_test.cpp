@@ -10,7 +10,7 @@ namespace {
 
 using testing::DenseLabels;
 
-constexpr Size3 kSize = {68, 25, 19};
+constexpr Size3 kTransformSize = {68, 25, 19};
 
 class Transform : public testing::TaskFiles {
  protected:
@@ -20,7 +20,7 @@ class Transform : public testing::TaskFiles {
       return static_cast<std::int64_t>(random() % 1000) % n;
     };
     for (std::int32_t box = 0; box < 60; ++box) {
-      const Index3 lo = {below(kSize.x), below(kSize.y), below(kSize.z)};
+      const Index3 lo = {below(kTransformSize.x), below(kTransformSize.y), below(kTransformSize.z)};
       labels_.fill({lo, {lo.x + 9, lo.y + 7, lo.z + 5}}, box % 5);
     }
     options_.input = write("labels.8vo", labels_);
@@ -36,10 +36,10 @@ class Transform : public testing::TaskFiles {
 
   /// The label at `p`, or `outside` where that is none of the volume.
   std::int32_t label_at(const Index3& p, std::int32_t outside) const {
-    return box_of(kSize).contains(p) ? labels_.at(p) : outside;
+    return box_of(kTransformSize).contains(p) ? labels_.at(p) : outside;
   }
 
-  DenseLabels labels_{kSize};
+  DenseLabels labels_{kTransformSize};
   TransformOptions options_;
 };
 
@@ -55,12 +55,12 @@ TEST_F(Transform, ATranslationMovesTheOriginAndNothingElse) {
 
 TEST_F(Transform, AShiftDropsWhatFallsOutAndFillsWhatComesIn) {
   apply(ShiftStep{{5, -3, 4}, 9});
-  EXPECT_EQ(result(), computed(kSize, [&](const Index3& p) {
+  EXPECT_EQ(result(), computed(kTransformSize, [&](const Index3& p) {
               return label_at({p.x - 5, p.y + 3, p.z - 4}, 9);
             }));
   EXPECT_TRUE(warnings_.empty());
   apply(ShiftStep{{0, 25, 0}, {}});
-  EXPECT_EQ(result(), DenseLabels(kSize));
+  EXPECT_EQ(result(), DenseLabels(kTransformSize));
   EXPECT_EQ(warnings_.size(), 1u);
 }
 
@@ -71,12 +71,12 @@ TEST_F(Transform, TurnsMoveWholeVoxelsThatKeepTheirPlaceInSpace) {
       {MirrorStep{{0, 2}}, chained(mirror_along(0), mirror_along(2))}};
   for (const auto& [step, turn] : turns) {
     const TransformResult turned_volume = apply(step);
-    EXPECT_EQ(turned_volume.volume.size, turned(kSize, turn));
+    EXPECT_EQ(turned_volume.volume.size, turned(kTransformSize, turn));
     const DenseLabels made = result();
-    EXPECT_EQ(made, computed(turned(kSize, turn), [&, turn = turn](const Index3& p) {
-                return labels_.at(source_of(p, kSize, turn));
+    EXPECT_EQ(made, computed(turned(kTransformSize, turn), [&, turn = turn](const Index3& p) {
+                return labels_.at(source_of(p, kTransformSize, turn));
               }));
-    const Index3 corner = source_of({0, 0, 0}, kSize, turn);
+    const Index3 corner = source_of({0, 0, 0}, kTransformSize, turn);
     const Point3 place = geometry_.to_world({static_cast<double>(corner.x),
                                              static_cast<double>(corner.y),
                                              static_cast<double>(corner.z)});
@@ -92,7 +92,8 @@ TEST_F(Transform, ATurnInPlaceKeepsTheDirection) {
 }
 
 TEST_F(Transform, AMaskIsTurnedAndShiftedOnItsOctreeAsItsVoxelsAre) {
-  const DenseLabels mask = computed(kSize, [&](const Index3& p) { return labels_.at(p) == 1; });
+  const DenseLabels mask =
+      computed(kTransformSize, [&](const Index3& p) { return labels_.at(p) == 1; });
   testing::Volume volume = volume_of(mask, 2);
   volume.description.type = VoxelType::uint8;
   volume.voxels.clear();
@@ -102,13 +103,13 @@ TEST_F(Transform, AMaskIsTurnedAndShiftedOnItsOctreeAsItsVoxelsAre) {
   options_.input = folder_.file("mask.8vo");
   testing::build_volume(volume, options_.input, 1);
   apply(MirrorStep{{1}});
-  EXPECT_EQ(result(), computed(kSize, [&](const Index3& p) {
-              return mask.at({p.x, kSize.y - 1 - p.y, p.z});
+  EXPECT_EQ(result(), computed(kTransformSize, [&](const Index3& p) {
+              return mask.at({p.x, kTransformSize.y - 1 - p.y, p.z});
             }));
   apply(ShiftStep{{-7, 2, 0}, {}});
-  EXPECT_EQ(result(), computed(kSize, [&](const Index3& p) {
+  EXPECT_EQ(result(), computed(kTransformSize, [&](const Index3& p) {
               const Index3 q = {p.x + 7, p.y - 2, p.z};
-              return box_of(kSize).contains(q) && mask.at(q) != 0;
+              return box_of(kTransformSize).contains(q) && mask.at(q) != 0;
             }));
 }
 
@@ -139,7 +140,7 @@ TEST_F(Transform, AMapByWholeVoxelsMovesTheObjectAsAShiftDoes) {
   step.map_mm = Affine{};
   step.map_mm->offset = {3 * 0.5, -2 * 0.5, 1 * 2};
   step.fill = 8;
-  const auto expected = computed(kSize, [&](const Index3& p) {
+  const auto expected = computed(kTransformSize, [&](const Index3& p) {
     return label_at({p.x - 3, p.y + 2, p.z - 1}, 8);
   });
   apply(step);

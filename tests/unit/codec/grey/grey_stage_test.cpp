@@ -229,7 +229,7 @@ Results run(const StageFunctions& functions, RandomSplit& s, bool has_cells) {
   return results;
 }
 
-class StagesOf : public testing::TestWithParam<std::string> {};
+class StagesOf : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(StagesOf, GiveWhatThePortableOnesGive) {
   const auto functions = stage_functions_of(GetParam());
@@ -242,7 +242,7 @@ TEST_P(StagesOf, GiveWhatThePortableOnesGive) {
       for (const Predictor predictor : {Predictor::neighbors, Predictor::means}) {
         for (const int bits : {1, 5, 12, 16}) {
           for (const bool has_cells : {false, true}) {
-            SCOPED_TRACE(testing::Message()
+            SCOPED_TRACE(::testing::Message()
                          << fine.x << "x" << fine.y << "x" << fine.z << " axis " << axis
                          << " predictor " << static_cast<int>(predictor) << " bits " << bits
                          << " cells " << has_cells);
@@ -265,7 +265,7 @@ TEST_P(StagesOf, GiveTheSameAroundEdgesAndGaps) {
       for (const Predictor predictor : {Predictor::neighbors, Predictor::means}) {
         for (const Samples kind : {Samples::sparse, Samples::gapped, Samples::both}) {
           for (const bool has_cells : {false, true}) {
-            SCOPED_TRACE(testing::Message() << fine.x << "x" << fine.y << "x" << fine.z << " axis "
+            SCOPED_TRACE(::testing::Message() << fine.x << "x" << fine.y << "x" << fine.z << " axis "
                                             << axis << " predictor " << static_cast<int>(predictor)
                                             << " samples " << static_cast<int>(kind) << " cells "
                                             << has_cells);
@@ -363,7 +363,7 @@ TEST_P(StagesOf, BoundTheMagnitudeOfTheLowestResidual) {
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryInstructionSet, StagesOf,
-                         testing::Values("scalar", "ssse3", "sse4", "avx2", "avx512", "neon",
+                         ::testing::Values("scalar", "ssse3", "sse4", "avx2", "avx512", "neon",
                                          "wasm"),
                          [](const auto& test) { return test.param; });
 

@@ -62,9 +62,7 @@ void expect_round_trip(const BrickCodec& codec, const LabelBrick<T>& sample) {
 
 template <class T>
 class LabelCodecOfType : public ::testing::Test {};
-using LabelTypes = ::testing::Types<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t,
-                                    std::int32_t, std::uint32_t>;
-TYPED_TEST_SUITE(LabelCodecOfType, LabelTypes);
+TYPED_TEST_SUITE(LabelCodecOfType, testing::LabelTypes);
 
 TYPED_TEST(LabelCodecOfType, EveryLevelIsTheVoteAndLevelZeroTheVoxels) {
   using T = TypeParam;

@@ -98,11 +98,11 @@ void expect_all_alike(const LabelBrick<T>& sample) {
   }
 }
 
-constexpr Size3 kSizes[] = {{64, 64, 64}, {1, 1, 2}, {1, 3, 1}, {64, 1, 1}, {2, 2, 64},
+constexpr Size3 kWalkSizes[] = {{64, 64, 64}, {1, 1, 2}, {1, 3, 1}, {64, 1, 1}, {2, 2, 64},
                             {5, 7, 11},   {63, 1, 33}, {13, 29, 31}, {3, 3, 3}};
 
 TEST(LabelWalk, EveryInstructionSetWritesAndReadsTheSameBytes) {
-  for (const Size3& size : kSizes) {
+  for (const Size3& size : kWalkSizes) {
     SCOPED_TRACE(::testing::Message() << size.x << ' ' << size.y << ' ' << size.z);
     expect_all_alike(testing::balls<std::int16_t>(size, {9, -3, 100, 4, 2000, 0}));
     expect_all_alike(testing::balls<std::uint8_t>(size, {1, 0}));

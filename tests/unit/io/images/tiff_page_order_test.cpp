@@ -6,11 +6,6 @@
 namespace octavo::testing {
 namespace {
 
-/// Empty where there is none.
-std::string first_warning(const PlaneSource& source) {
-  return source.warnings().empty() ? "" : with_hints(source.warnings().front());
-}
-
 /// Pages of 4 x 3 voxels, the number of the page in each.
 std::vector<std::string> numbered_pages(int count) {
   std::vector<std::string> pages;

@@ -7,22 +7,6 @@
 namespace octavo::testing {
 namespace {
 
-SourceOptions with_spacing(double x, double y, double z) {
-  SourceOptions options;
-  options.spacing_mm = Point3{x, y, z};
-  return options;
-}
-
-void write_meta(const std::string& path, const std::string& matrix) {
-  write_file(path, "NDims = 3\nDimSize = 4 3 2\nElementSpacing = 1 1 2\nElementType = MET_UCHAR\n" +
-                       matrix + "\nElementDataFile = LOCAL\n" + std::string(24, '\1'));
-}
-
-void write_nrrd(const std::string& path, const std::string& lines) {
-  write_file(path, "NRRD0005\ntype: uchar\ndimension: 3\nsizes: 4 3 2\nencoding: raw\n" + lines +
-                       "\n\n" + std::string(24, '\1'));
-}
-
 TEST(AxisCheck, ShearIsRejectedInEveryFormat) {
   const TempFolder folder;
   const std::vector<std::string> words = {"sheared", "axes x and y", "63.43495 degrees",

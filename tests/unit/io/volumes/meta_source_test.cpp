@@ -9,22 +9,6 @@
 namespace octavo::testing {
 namespace {
 
-using Matrix3 = std::array<double, 9>;
-
-Geometry geometry_of(const std::string& path, const SourceOptions& options = {}) {
-  return open_source({path}, options)->description().geometry;
-}
-
-SourceOptions with_spacing(double x, double y, double z) {
-  SourceOptions options;
-  options.spacing_mm = Point3{x, y, z};
-  return options;
-}
-
-Point3 spacing_of(const std::string& path) {
-  return open_source({path}, {})->description().geometry.spacing_mm;
-}
-
 std::string zlib_of(const std::string& bytes) {
   uLongf length = compressBound(static_cast<uLong>(bytes.size()));
   std::string out(length, '\0');
@@ -85,11 +69,6 @@ TEST(MetaSource, EveryTruncationIsRejected) {
       folder.file("a.mha"),
       "NDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\nElementDataFile = LOCAL\n" +
           bytes_of(kStoredValues));
-}
-
-void write_meta(const std::string& path, const std::string& matrix) {
-  write_file(path, "NDims = 3\nDimSize = 4 3 2\nElementSpacing = 1 1 2\nElementType = MET_UCHAR\n" +
-                       matrix + "\nElementDataFile = LOCAL\n" + std::string(24, '\1'));
 }
 
 TEST(MetaSource, AxesThatContradictTheSpacingAreRejectedUnlessASpacingIsGiven) {

@@ -10,18 +10,6 @@
 namespace octavo::testing {
 namespace {
 
-using Matrix3 = std::array<double, 9>;
-
-Geometry geometry_of(const std::string& path, const SourceOptions& options = {}) {
-  return open_source({path}, options)->description().geometry;
-}
-
-SourceOptions with_spacing(double x, double y, double z) {
-  SourceOptions options;
-  options.spacing_mm = Point3{x, y, z};
-  return options;
-}
-
 void expect_near(const Matrix3& found, const Matrix3& expected) {
   for (std::size_t i = 0; i < 9; ++i) EXPECT_NEAR(found[i], expected[i], 1e-6) << i;
 }

@@ -7,18 +7,7 @@
 namespace octavo::testing {
 namespace {
 
-using Matrix3 = std::array<double, 9>;
-
 using Rows = std::vector<std::pair<std::string, std::string>>;
-
-Geometry geometry_of(const std::string& path, const SourceOptions& options = {}) {
-  return open_source({path}, options)->description().geometry;
-}
-
-void write_nrrd(const std::string& path, const std::string& lines) {
-  write_file(path, "NRRD0005\ntype: uchar\ndimension: 3\nsizes: 4 3 2\nencoding: raw\n" + lines +
-                       "\n\n" + std::string(24, '\1'));
-}
 
 const std::string kDirections = "space directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (1,2,3)";
 
@@ -139,10 +128,6 @@ TEST(NrrdGeometry, AnAxisRunsBackwardsWhereItsSpacingIsNegative) {
   const Geometry g = geometry_of(path);
   EXPECT_EQ(g.spacing_mm, (Point3{1, 1, 2}));
   EXPECT_EQ(g.direction, (Matrix3{1, 0, 0, 0, -1, 0, 0, 0, 1}));
-}
-
-Point3 spacing_of(const std::string& path) {
-  return open_source({path}, {})->description().geometry.spacing_mm;
 }
 
 TEST(NrrdGeometry, LengthsAreInTheUnitsOfTheHeader) {

@@ -8,11 +8,6 @@
 namespace octavo::testing {
 namespace {
 
-/// Empty where there is none.
-std::string first_warning(const PlaneSource& source) {
-  return source.warnings().empty() ? "" : with_hints(source.warnings().front());
-}
-
 /// 24 values, among them bytes that look like line ends and keywords' letters.
 const std::vector<std::int16_t> kValues = {0,  1,  -1, 10,  2570, 3338, 83, 21313, 8, 9, 32767, -7,
                                            12, 13, 14, -15, 16,   17,   18, 19,    2, 3, 4,     5};

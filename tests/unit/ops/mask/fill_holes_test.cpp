@@ -11,9 +11,6 @@ namespace {
 
 using testing::DenseMask;
 
-constexpr Connectivity kConnectivities[] = {Connectivity::faces, Connectivity::edges,
-                                            Connectivity::corners};
-
 // Floods the background part of `start`; true when it reaches the border.
 bool flood(const DenseMask& mask, const Index3& start, Connectivity connectivity,
            DenseMask& is_seen, std::vector<Index3>& part) {
@@ -52,7 +49,7 @@ DenseMask expected(const DenseMask& mask, Connectivity object, std::size_t max_v
 }
 
 void expect_filled(const DenseMask& mask) {
-  for (const Connectivity object : kConnectivities) {
+  for (const Connectivity object : testing::kConnectivities) {
     for (const std::uint64_t max_voxels : {std::uint64_t{1} << 60, std::uint64_t{3}}) {
       const FilledHoles filled = fill_holes(testing::tree_of(mask), object, max_voxels);
       ASSERT_TRUE(is_valid(filled.mask));

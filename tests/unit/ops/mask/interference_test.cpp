@@ -14,9 +14,6 @@ namespace {
 
 using testing::DenseMask;
 
-constexpr Connectivity kConnectivities[] = {Connectivity::faces, Connectivity::edges,
-                                            Connectivity::corners};
-
 void add_voxel(const Index3& p, VoxelExtent& to) {
   const Box one{p, {p.x + 1, p.y + 1, p.z + 1}};
   if (to.voxel_count++ == 0) to.box = one;
@@ -52,7 +49,7 @@ Interference expected(const DenseMask& a, const DenseMask& b, Connectivity conne
 void expect_interference(const DenseMask& a, const DenseMask& b) {
   const MaskTree tree_a = testing::tree_of(a);
   const MaskTree tree_b = testing::tree_of(b);
-  for (const Connectivity connectivity : kConnectivities) {
+  for (const Connectivity connectivity : testing::kConnectivities) {
     ASSERT_EQ(interference(tree_a, tree_b, connectivity), expected(a, b, connectivity))
         << a.size.x << " " << a.size.y << " " << a.size.z << " by "
         << static_cast<int>(connectivity);

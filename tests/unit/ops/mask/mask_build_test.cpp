@@ -101,13 +101,13 @@ TEST(MakeMask, TakesTheWindowInEveryType) {
   for (const VoxelType type : {VoxelType::int8, VoxelType::uint8, VoxelType::int16,
                                VoxelType::uint16, VoxelType::int32, VoxelType::uint32}) {
     const ValueRange range = value_range(type);
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    const double infinity = std::numeric_limits<double>::infinity();
     const auto min = static_cast<double>(range.min);
     const auto max = static_cast<double>(range.max);
     const std::vector<ValueWindow> windows = {
         {min, min},         {max - 1, max},   {min / 2, max / 3}, {0, 0},
-        {-0.5, 0.5},        {0.25, 0.75},     {min - 5, max + 5}, {-kInfinity, kInfinity},
-        {max + 1, max + 9}, {3, 2},           {1, kInfinity},     {-kInfinity, -1},
+        {-0.5, 0.5},        {0.25, 0.75},     {min - 5, max + 5}, {-infinity, infinity},
+        {max + 1, max + 9}, {3, 2},           {1, infinity},     {-infinity, -1},
         {std::nan(""), 1},  {0, std::nan("")}};
     with_voxel_type(type, [&](auto id) {
       using T = typename decltype(id)::type;

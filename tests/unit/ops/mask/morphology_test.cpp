@@ -17,9 +17,6 @@ namespace {
 
 using testing::DenseMask;
 
-constexpr Connectivity kConnectivities[] = {Connectivity::faces, Connectivity::edges,
-                                            Connectivity::corners};
-
 bool is_within(const Index3& step, double radius_mm, const Point3& spacing_mm) {
   long double sum = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -102,7 +99,7 @@ TEST(Morphology, IsThatOfNeighborsTakenSoManyTimes) {
   std::mt19937 random(3);
   NoProgress progress;
   for (const Size3& size : {Size3{5, 3, 7}, {65, 64, 63}, {130, 67, 21}, {3, 280, 2}}) {
-    for (const Connectivity connectivity : kConnectivities) {
+    for (const Connectivity connectivity : testing::kConnectivities) {
       std::vector<Index3> steps(1);
       for (std::size_t i = 0; i < static_cast<std::size_t>(connectivity); ++i) {
         steps.push_back({kDirections[i].x, kDirections[i].y, kDirections[i].z});

@@ -21,6 +21,7 @@ namespace octavo {
 namespace {
 
 using testing::DenseMask;
+using testing::pixel;
 
 constexpr Color kBackground = {9, 8, 7};
 
@@ -130,11 +131,6 @@ Seen seen_at(const Shot& shot, const std::vector<DenseMask>& masks, std::int64_t
     }
   });
   return seen;
-}
-
-Color pixel(const Picture& picture, std::int64_t x, std::int64_t y) {
-  const auto at = static_cast<std::size_t>((y * picture.width + x) * 3);
-  return {picture.pixels[at], picture.pixels[at + 1], picture.pixels[at + 2]};
 }
 
 TEST(CubePicture, EveryPixelShowsTheNearestVoxelThatItsCenterMeets) {

@@ -10,19 +10,22 @@
 #include "support/built_file.h"
 #include "support/dense_mask.h"
 #include "support/memory_reader.h"
+#include "support/read_png.h"
 
 namespace octavo {
 namespace {
 
 using testing::DenseMask;
+using testing::pixel;
 
-constexpr Size3 kSize = {64, 60, 56};
+constexpr Size3 kReliefSize = {64, 60, 56};
 constexpr Color kGround = {10, 20, 60};
 
 template <class Inside>
 MaskTree mask_of(Inside inside) {
-  DenseMask mask{kSize, std::vector<std::uint8_t>(static_cast<std::size_t>(kSize.voxel_count()))};
-  testing::for_each_voxel(kSize, [&](const Index3& p) { mask.at(p) = inside(p) ? 1 : 0; });
+  const auto voxels = static_cast<std::size_t>(kReliefSize.voxel_count());
+  DenseMask mask{kReliefSize, std::vector<std::uint8_t>(voxels)};
+  testing::for_each_voxel(kReliefSize, [&](const Index3& p) { mask.at(p) = inside(p) ? 1 : 0; });
   return testing::tree_of(mask);
 }
 
@@ -39,10 +42,10 @@ MaskTree ball(double radius) {
 std::unique_ptr<FileReader> hill() {
   VolumeDescription description;
   description.type = VoxelType::int16;
-  description.size = kSize;
-  std::vector<std::byte> voxels(static_cast<std::size_t>(2 * kSize.voxel_count()));
+  description.size = kReliefSize;
+  std::vector<std::byte> voxels(static_cast<std::size_t>(2 * kReliefSize.voxel_count()));
   std::size_t at = 0;
-  testing::for_each_voxel(kSize, [&](const Index3& p) {
+  testing::for_each_voxel(kReliefSize, [&](const Index3& p) {
     const auto value = static_cast<std::int16_t>(1000 - std::lround(20 * from_middle(p)));
     std::memcpy(voxels.data() + at, &value, 2);
     at += 2;
@@ -50,24 +53,19 @@ std::unique_ptr<FileReader> hill() {
   return std::make_unique<testing::MemoryReader>(description, voxels, ValueRange{-500, 1000});
 }
 
-View look(const Viewpoint& viewpoint, std::int64_t side = 120) {
+View looking_from(const Viewpoint& viewpoint, std::int64_t side = 120) {
   // The ball is in the middle, and as large from every side.
-  return make_view({}, kSize, {{11, 9, 7}, {53, 51, 49}}, viewpoint, {side, side, 1, 0.5});
+  return make_view({}, kReliefSize, {{11, 9, 7}, {53, 51, 49}}, viewpoint, {side, side, 1, 0.5});
 }
 
-CubeStyle style() { return {kGround, 0, box_of(kSize)}; }
+CubeStyle style() { return {kGround, 0, box_of(kReliefSize)}; }
 
 Picture relief(const MaskTree& tree, const View& view, const ReliefField* field = nullptr,
-               const Box& kept = box_of(kSize)) {
+               const Box& kept = box_of(kReliefSize)) {
   const PaintedMask painted{&tree, {200, 180, 160}};
   const MaskTree* const masks[] = {&tree};
   const auto own = mask_relief(masks);
   return draw_relief({&painted, 1}, view, style(), field != nullptr ? *field : *own, kept);
-}
-
-Color pixel(const Picture& picture, std::int64_t x, std::int64_t y) {
-  const auto at = static_cast<std::size_t>(3 * (y * picture.width + x));
-  return {picture.pixels[at], picture.pixels[at + 1], picture.pixels[at + 2]};
 }
 
 /// Mean difference of the first channel over pixels that both pictures draw.
@@ -134,9 +132,9 @@ TEST(ReliefPicture, ShowsWhatThePictureOfCubesShows) {
   const MaskTree tree = ball(19);
   for (const auto& [azimuth, elevation] : {std::pair{20.0, 30.0}, std::pair{0.0, 0.0}}) {
     const Viewpoint viewpoint = viewpoint_at(azimuth, elevation);
-    const Picture found = relief(tree, look(viewpoint));
+    const Picture found = relief(tree, looking_from(viewpoint));
     // Four points per pixel, on the same units.
-    View fine = look(viewpoint);
+    View fine = looking_from(viewpoint);
     --fine.fraction_bits;
     fine.width *= 2;
     fine.height *= 2;
@@ -156,12 +154,12 @@ TEST(ReliefPicture, ShowsWhatThePictureOfCubesShows) {
 
 TEST(ReliefPicture, ABallLooksTheSameFromEverySide) {
   const MaskTree tree = ball(20);
-  const Picture front = relief(tree, look(*find_viewpoint("front")));
+  const Picture front = relief(tree, looking_from(*find_viewpoint("front")));
   const PaintedMask painted{&tree, {200, 180, 160}};
   const Picture flat_front =
-      draw_nearest_cubes({&painted, 1}, look(*find_viewpoint("front")), style());
+      draw_nearest_cubes({&painted, 1}, looking_from(*find_viewpoint("front")), style());
   for (const char* side : {"left", "top", "left-front", "left-front-top", "back-bottom"}) {
-    const View view = look(*find_viewpoint(side));
+    const View view = looking_from(*find_viewpoint(side));
     EXPECT_LT(mean_difference(front, relief(tree, view)), 4) << side;
     if (std::string(side).find('-') == std::string::npos) continue;
     EXPECT_GT(mean_difference(flat_front, draw_nearest_cubes({&painted, 1}, view, style())), 8);
@@ -171,7 +169,7 @@ TEST(ReliefPicture, ABallLooksTheSameFromEverySide) {
 TEST(ReliefPicture, ASlantedPlaneHasOneShade) {
   const MaskTree tree = mask_of([](const Index3& p) { return 2 * p.x + 3 * p.y - p.z > 90; });
   const Viewpoint viewpoint = viewpoint_along({}, {-2, -3, 1});
-  const Picture picture = relief(tree, look(viewpoint));
+  const Picture picture = relief(tree, looking_from(viewpoint));
   int low = 255, high = 0;
   for (std::int64_t y = 50; y < 70; ++y) {
     for (std::int64_t x = 50; x < 70; ++x) {
@@ -187,11 +185,11 @@ TEST(ReliefPicture, GreyValuesGiveTheReliefOfTheirMask) {
   const auto reader = hill();
   const auto field = grey_relief(*reader, 0);
   const MaskTree tree = ball(20);
-  const View view = look(*find_viewpoint("right-front-top"));
+  const View view = looking_from(*find_viewpoint("right-front-top"));
   const Picture of_mask = relief(tree, view);
   EXPECT_LT(mean_difference(of_mask, relief(tree, view, field.get())), 4);
   // Values that rise outwards have the same surface.
-  const View into = look(*find_viewpoint("front"));
+  const View into = looking_from(*find_viewpoint("front"));
   const Box kept{{0, 30, 0}, {64, 60, 56}};
   const MaskTree half =
       mask_of([&](const Index3& p) { return kept.contains(p) && from_middle(p) >= 20; });
@@ -214,7 +212,7 @@ TEST(ReliefPicture, ACutThroughGreyValuesIsFlat) {
   const Box kept{{0, 25, 0}, {64, 60, 56}};
   const MaskTree tree =
       mask_of([&](const Index3& p) { return kept.contains(p) && from_middle(p) < 20; });
-  const Picture picture = relief(tree, look(*find_viewpoint("front")), field.get(), kept);
+  const Picture picture = relief(tree, looking_from(*find_viewpoint("front")), field.get(), kept);
   const Color middle = pixel(picture, 60, 60);
   for (std::int64_t y = 40; y < 80; ++y) {
     for (std::int64_t x = 40; x < 80; ++x) ASSERT_EQ(pixel(picture, x, y), middle);
@@ -223,7 +221,7 @@ TEST(ReliefPicture, ACutThroughGreyValuesIsFlat) {
 
 TEST(ReliefPicture, ThreadsDoNotChangeThePicture) {
   const MaskTree tree = ball(18);
-  const View view = look(viewpoint_at(33, 21), 260);
+  const View view = looking_from(viewpoint_at(33, 21), 260);
   std::vector<Picture> pictures;
   for (const int threads : {1, 2, 5}) {
     tbb::task_arena(threads).execute([&] { pictures.push_back(relief(tree, view)); });
@@ -233,8 +231,8 @@ TEST(ReliefPicture, ThreadsDoNotChangeThePicture) {
 }
 
 TEST(ReliefPicture, NothingIsBackground) {
-  const MaskTree tree(kSize);
-  const Picture picture = relief(tree, look(*find_viewpoint("front")));
+  const MaskTree tree(kReliefSize);
+  const Picture picture = relief(tree, looking_from(*find_viewpoint("front")));
   for (std::int64_t i = 0; i < 120 * 120; ++i) ASSERT_EQ(pixel(picture, i % 120, i / 120), kGround);
 }
 

@@ -12,9 +12,12 @@
 #include "octavo/render/slice/montage.h"
 #include "octavo/render/slice/outline.h"
 #include "support/built_file.h"
+#include "support/read_png.h"
 
 namespace octavo {
 namespace {
+
+using testing::pixel;
 
 SectionSamples random_labels(std::int64_t width, std::int64_t height, std::mt19937& random) {
   SectionSamples labels{width, height,
@@ -118,11 +121,6 @@ class Overlays : public ::testing::Test {
     Picture picture = make_picture(section.width, section.height, 3);
     draw_overlay(picture, {0, 0, picture.width, picture.height}, section, decided(overlay), legend);
     return picture;
-  }
-
-  static Color pixel(const Picture& picture, std::int64_t x, std::int64_t y) {
-    const auto at = static_cast<std::size_t>(3 * (y * picture.width + x));
-    return {picture.pixels[at], picture.pixels[at + 1], picture.pixels[at + 2]};
   }
 
   testing::ScratchFolder folder_;

@@ -72,20 +72,20 @@ class NotingReader final : public FileReader {
   mutable std::vector<Box> boxes_;
 };
 
-constexpr Size3 kSize = {150, 140, 90};
+constexpr Size3 kSampledSize = {150, 140, 90};
 
 class SectionSampling : public ::testing::Test {
  protected:
   void SetUp() override {
     volume_.description.type = VoxelType::int16;
-    volume_.description.size = kSize;
+    volume_.description.size = kSampledSize;
     Geometry& geometry = volume_.description.geometry;
     geometry.origin_mm = {-60, 12, 8};
     geometry.spacing_mm = {0.9, 0.7, 1.4};
     const double c = std::cos(0.3), s = std::sin(0.3);
     geometry.direction = {c, -s, 0, s, c, 0, 0, 0, 1};
     std::mt19937 random(1);
-    const auto count = static_cast<std::size_t>(kSize.voxel_count());
+    const auto count = static_cast<std::size_t>(kSampledSize.voxel_count());
     volume_.voxels.resize(2 * count);
     for (std::size_t i = 0; i < count; ++i) {
       const auto value = static_cast<std::int16_t>(random() % 5000);
@@ -97,7 +97,7 @@ class SectionSampling : public ::testing::Test {
 
   PlaneSection section_of(const Point3& normal) const {
     const Point3 middle = reader_->description().geometry.to_world({70, 71, 44});
-    return oblique_section(reader_->description().geometry, kSize, {middle, normal}, 1);
+    return oblique_section(reader_->description().geometry, kSampledSize, {middle, normal}, 1);
   }
 
   testing::ScratchFolder folder_;
@@ -191,7 +191,7 @@ TEST_F(SectionSampling, NearestSamplesAreSamples) {
       std::int64_t nearest[3];
       for (int a = 0; a < 3; ++a) {
         nearest[a] = std::clamp<std::int64_t>(std::llround(index[static_cast<std::size_t>(a)]), 0,
-                                              kSize[a] - 1);
+                                              kSampledSize[a] - 1);
       }
       ASSERT_EQ(samples.at(x, y), volume.at(nearest[0], nearest[1], nearest[2]));
     }
@@ -213,7 +213,7 @@ TEST_F(SectionSampling, OnlyBricksThatThePlaneMeetsAreRead) {
         Box cell;
         for (int a = 0; a < 3; ++a) {
           const double index = at[static_cast<std::size_t>(a)];
-          const auto last = static_cast<double>(kSize[a] - 1);
+          const auto last = static_cast<double>(kSampledSize[a] - 1);
           is_inside = is_inside && index >= -0.5 && index <= last + 0.5;
           const double held = std::clamp(index, 0.0, last);
           cell.lo[a] = static_cast<std::int64_t>(std::floor(held));

@@ -11,7 +11,7 @@
 namespace octavo {
 namespace {
 
-constexpr Size3 kSize = {40, 30, 20};
+constexpr Size3 kSectionSize = {40, 30, 20};
 
 double dot(const Point3& a, const Point3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -32,7 +32,7 @@ Geometry turned_grid() {
 TEST(Section, PixelsOfASliceAreItsSamples) {
   const Geometry geometry = turned_grid();
   for (int axis = 0; axis < 3; ++axis) {
-    const PlaneSection section = axis_section(geometry, kSize, axis, 7, 1);
+    const PlaneSection section = axis_section(geometry, kSectionSize, axis, 7, 1);
     const PixelMap map = index_map(section.world, geometry);
     for (const auto& [x, y] : {std::pair{0.0, 0.0}, std::pair{3.0, 5.0}}) {
       const auto a = static_cast<std::size_t>(axis);
@@ -45,17 +45,18 @@ TEST(Section, PixelsOfASliceAreItsSamples) {
     for (int other = 0; other < 3; ++other) {
       if (other == axis) continue;
       area *=
-          geometry.spacing_mm[static_cast<std::size_t>(other)] * static_cast<double>(kSize[other]);
+          geometry.spacing_mm[static_cast<std::size_t>(other)] *
+          static_cast<double>(kSectionSize[other]);
     }
     EXPECT_NEAR(pixels * section.pixel_mm * section.pixel_mm / area, 1, 0.05);
   }
 }
 
 TEST(Section, SmallPicturesAreEnlargedByAWholeNumber) {
-  const PlaneSection plain = axis_section({}, kSize, 2, 0, 1);
+  const PlaneSection plain = axis_section({}, kSectionSize, 2, 0, 1);
   EXPECT_EQ(plain.width, 40);
   EXPECT_EQ(plain.height, 30);
-  const PlaneSection large = axis_section({}, kSize, 2, 0, 100);
+  const PlaneSection large = axis_section({}, kSectionSize, 2, 0, 100);
   EXPECT_EQ(large.width, 120);
   EXPECT_EQ(large.height, 90);
   EXPECT_DOUBLE_EQ(large.pixel_mm, 1.0 / 3);
@@ -68,7 +69,7 @@ TEST(Section, AnObliquePictureLiesInItsPlaneAndIsSquare) {
   for (int round = 0; round < 40; ++round) {
     const CutPlane plane{geometry.to_world({20 + 5 * any(random), 15, 10}),
                          {any(random), any(random), any(random)}};
-    const PlaneSection section = oblique_section(geometry, kSize, plane, 200);
+    const PlaneSection section = oblique_section(geometry, kSectionSize, plane, 200);
     const double length = std::sqrt(dot(plane.normal, plane.normal));
     for (const auto& [x, y] : {std::pair{0.0, 0.0}, std::pair{50.0, 9.0}, std::pair{3.0, 90.0}}) {
       const Point3 off = difference(section.world.at(x, y), plane.point_mm);
@@ -87,13 +88,13 @@ TEST(Section, AnObliquePictureHoldsAllOfThePlaneAndNoMore) {
   std::uniform_real_distribution<double> any(-1, 1);
   for (int round = 0; round < 40; ++round) {
     const CutPlane plane{geometry.to_world({20, 15, 10}), {any(random), any(random), any(random)}};
-    const PlaneSection section = oblique_section(geometry, kSize, plane, 300);
+    const PlaneSection section = oblique_section(geometry, kSectionSize, plane, 300);
     const PixelMap map = index_map(section.world, geometry);
     const auto is_inside = [&](std::int64_t x, std::int64_t y) {
       const Point3 at = map.at(static_cast<double>(x), static_cast<double>(y));
       for (int a = 0; a < 3; ++a) {
         const double index = at[static_cast<std::size_t>(a)];
-        if (index < -0.5 || index > static_cast<double>(kSize[a]) - 0.5) return false;
+        if (index < -0.5 || index > static_cast<double>(kSectionSize[a]) - 0.5) return false;
       }
       return true;
     };
@@ -117,15 +118,15 @@ TEST(Section, SpacingsThatMakeItTooFlatAreRejected) {
   Geometry geometry;
   for (const double flat : {1e-8, 1e-300}) {
     geometry.spacing_mm = {flat, 1, 1};
-    EXPECT_THROW(axis_section(geometry, kSize, 2, 0, 1), Error) << flat;
-    EXPECT_THROW(oblique_section(geometry, kSize, {{0, 15, 10}, {0, 0, 1}}, 1), Error) << flat;
-    EXPECT_EQ(axis_section(geometry, kSize, 0, 0, 1).width, kSize.y);
+    EXPECT_THROW(axis_section(geometry, kSectionSize, 2, 0, 1), Error) << flat;
+    EXPECT_THROW(oblique_section(geometry, kSectionSize, {{0, 15, 10}, {0, 0, 1}}, 1), Error) << flat;
+    EXPECT_EQ(axis_section(geometry, kSectionSize, 0, 0, 1).width, kSectionSize.y);
   }
 }
 
 TEST(Section, ObliquePicturesAreSeenAsTheNearestSliceIs) {
   const auto letters = [](const Point3& normal) {
-    return oblique_section({}, kSize, {{20, 15, 10}, normal}, 1).letters;
+    return oblique_section({}, kSectionSize, {{20, 15, 10}, normal}, 1).letters;
   };
   for (const double sign : {1.0, -1.0}) {
     EXPECT_EQ(letters({0, 0, sign}), (EdgeLetters{"R", "L", "A", "P"}));
@@ -141,10 +142,10 @@ TEST(Section, WhatIsNoPlaneIsRejected) {
   for (const CutPlane& plane : {CutPlane{{0, 0, 0}, {0, 0, 0}}, CutPlane{{0, 0, 0}, {nan, 0, 1}},
                                 CutPlane{{nan, 0, 0}, {0, 0, 1}}, CutPlane{{0, 0, 19.6}, {0, 0, 1}},
                                 CutPlane{{-30, 0, 0}, {1, 1, 1}}}) {
-    EXPECT_THROW(oblique_section({}, kSize, plane, 1), Error);
+    EXPECT_THROW(oblique_section({}, kSectionSize, plane, 1), Error);
   }
-  EXPECT_THROW(axis_section({}, kSize, 3, 0, 1), Error);
-  EXPECT_THROW(axis_section({}, kSize, 1, 30, 1), Error);
+  EXPECT_THROW(axis_section({}, kSectionSize, 3, 0, 1), Error);
+  EXPECT_THROW(axis_section({}, kSectionSize, 1, 30, 1), Error);
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ Volume numbered_volume(const Geometry& geometry, const Rescale& rescale = {}) {
   return volume;
 }
 
-std::shared_ptr<FileReader> built(const ScratchFolder& folder, const Volume& volume) {
+std::shared_ptr<FileReader> with_slices(const ScratchFolder& folder, const Volume& volume) {
   testing::build_volume(volume, folder.file("a.8vo"), 1);
   return testing::open_file(folder.file("a.8vo"));
 }
@@ -57,7 +57,7 @@ int shade_of(int x, int y, int z) { return Window{255.5, 511}.grey(x + 8 * y + 6
 
 TEST(SlicePicture, SlicesOfAnUprightScanFollowTheConvention) {
   const ScratchFolder folder;
-  const auto reader = built(folder, numbered_volume({}));
+  const auto reader = with_slices(folder, numbered_volume({}));
   const SlicePicture axial = render_slice(*reader, plain(2, 3));
   EXPECT_EQ(shade(axial, 0, 0), shade_of(0, 0, 3));
   EXPECT_EQ(shade(axial, 7, 1), shade_of(7, 1, 3));
@@ -78,7 +78,7 @@ TEST(SlicePicture, FlippedAndSwappedAxesAreTurnedUpright) {
   Geometry geometry;
   // Index x runs up, y to the right of the patient, z to the front: a coronal stack from the back.
   geometry.direction = {0, -0.999, 0.04, 0, -0.04, -0.999, 1, 0, 0};
-  const auto reader = built(folder, numbered_volume(geometry));
+  const auto reader = with_slices(folder, numbered_volume(geometry));
   const SlicePicture coronal = render_slice(*reader, plain(2, 4));
   EXPECT_EQ(coronal.letters.left, "R");
   EXPECT_EQ(coronal.letters.right, "L");
@@ -91,7 +91,7 @@ TEST(SlicePicture, PixelsAreSquare) {
   const ScratchFolder folder;
   Geometry geometry;
   geometry.spacing_mm = {0.5, 0.5, 2};
-  const auto reader = built(folder, numbered_volume(geometry));
+  const auto reader = with_slices(folder, numbered_volume(geometry));
   const SlicePicture coronal = render_slice(*reader, plain(1, 0));
   EXPECT_EQ(coronal.picture.width, 8);
   EXPECT_EQ(coronal.picture.height, 32);
@@ -100,7 +100,7 @@ TEST(SlicePicture, PixelsAreSquare) {
 
 TEST(SlicePicture, WindowsAreInRealUnits) {
   const ScratchFolder folder;
-  const auto reader = built(folder, numbered_volume({}, {2, -100}));
+  const auto reader = with_slices(folder, numbered_volume({}, {2, -100}));
   SlicePictureOptions options = plain(2, 0);
   options.window = Window{-50, 100};
   const SlicePicture slice = render_slice(*reader, options);
@@ -111,7 +111,7 @@ TEST(SlicePicture, WindowsAreInRealUnits) {
 
 TEST(SlicePicture, CoarseLevelsAndDefaultsGiveAPicture) {
   const ScratchFolder folder;
-  const auto reader = built(folder, numbered_volume({}));
+  const auto reader = with_slices(folder, numbered_volume({}));
   for (int level = 0; level < reader->levels().count(); ++level) {
     SlicePictureOptions options;
     options.level = level;
@@ -127,7 +127,7 @@ TEST(SlicePicture, LabelsKeepTheirColors) {
   Volume volume = numbered_volume({});
   volume.description.kind = VolumeKind::labels;
   volume.description.type = VoxelType::uint16;
-  const auto reader = built(folder, volume);
+  const auto reader = with_slices(folder, volume);
   SlicePictureOptions options = plain(2, 0);
   options.minimum_side = 24;
   const Picture picture = render_slice(*reader, options).picture;
@@ -146,7 +146,7 @@ TEST(SlicePicture, APlaneAlongTheGridIsTheSlice) {
   Geometry geometry;
   geometry.origin_mm = {-30.1, 17, 250};
   geometry.spacing_mm = {0.7, 0.7, 2.1};
-  const auto reader = built(folder, numbered_volume(geometry));
+  const auto reader = with_slices(folder, numbered_volume(geometry));
   const Point3 normals[] = {{2, 0, 0}, {0, -3, 0}, {0, 0, 0.1}};
   for (int axis = 0; axis < 3; ++axis) {
     SlicePictureOptions slice = plain(axis, 5);
@@ -164,7 +164,7 @@ TEST(SlicePicture, APlaneAlongTheGridIsTheSlice) {
 
 TEST(SlicePicture, SlicesSideBySideAreTheSlices) {
   const ScratchFolder folder;
-  const auto reader = built(folder, numbered_volume({}));
+  const auto reader = with_slices(folder, numbered_volume({}));
   SlicePictureOptions many = plain(2, 0);
   many.indices = {1, 6, 3, 4, 7};
   many.columns = 3;
@@ -190,7 +190,7 @@ TEST(SlicePicture, SlicesSideBySideAreTheSlices) {
 
 TEST(SlicePicture, CaptionsAreWrittenWhereTheyAreAsked) {
   const ScratchFolder folder;
-  const auto reader = built(folder, numbered_volume({}));
+  const auto reader = with_slices(folder, numbered_volume({}));
   SlicePictureOptions options = plain(2, 3);
   options.minimum_side = 400;
   const auto text_of = [](const SlicePicture& slice) {
@@ -218,7 +218,7 @@ TEST(SlicePicture, CaptionsAreWrittenWhereTheyAreAsked) {
 
 TEST(SlicePicture, ThreadsDoNotChangeThePicture) {
   const ScratchFolder folder;
-  const auto reader = built(folder, numbered_volume({}));
+  const auto reader = with_slices(folder, numbered_volume({}));
   SlicePictureOptions options;
   options.plane = CutPlane{{3, 4, 3}, {1, 2, 3}};
   std::vector<std::vector<std::uint8_t>> pictures;
@@ -232,7 +232,7 @@ TEST(SlicePicture, ThreadsDoNotChangeThePicture) {
 
 TEST(SlicePicture, WhatDoesNotExistIsRejected) {
   const ScratchFolder folder;
-  const auto reader = built(folder, numbered_volume({}));
+  const auto reader = with_slices(folder, numbered_volume({}));
   SlicePictureOptions narrow = plain(2, 0);
   narrow.window = Window{0, 0};
   SlicePictureOptions deep = plain(2, 0);

@@ -13,7 +13,7 @@
 namespace octavo {
 namespace {
 
-constexpr Size3 kSize = {64, 56, 40};
+constexpr Size3 kRenderSize = {64, 56, 40};
 
 /// Value of a voxel: a block of 40 with a hole of one voxel, that bears a smaller block of 90, in a
 /// surrounding of 10.
@@ -48,13 +48,14 @@ class RenderTask : public ::testing::Test {
   void build(const std::string& path, VolumeKind kind, const char* metadata) {
     testing::Volume volume;
     volume.description.kind = kind;
-    volume.description.size = kSize;
+    volume.description.size = kRenderSize;
     volume.description.type = VoxelType::uint8;
     volume.description.geometry.origin_mm = {-20, 5, 30};
     volume.description.metadata = Metadata::read(metadata);
-    for (std::int64_t i = 0; i < kSize.voxel_count(); ++i) {
+    for (std::int64_t i = 0; i < kRenderSize.voxel_count(); ++i) {
+      const std::int64_t row = i / kRenderSize.x;
       volume.voxels.push_back(static_cast<std::byte>(
-          value_at(i % kSize.x, i / kSize.x % kSize.y, i / (kSize.x * kSize.y))));
+          value_at(i % kRenderSize.x, row % kRenderSize.y, row / kRenderSize.y)));
     }
     testing::build_volume(volume, path, 1);
   }

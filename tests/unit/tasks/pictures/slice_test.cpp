@@ -15,7 +15,7 @@
 namespace octavo {
 namespace {
 
-constexpr Size3 kSize = {40, 36, 24};
+constexpr Size3 kSliceSize = {40, 36, 24};
 
 /// Watches nothing and asks to stop.
 class Stopping final : public Progress {
@@ -41,16 +41,17 @@ class SliceTask : public ::testing::Test {
   void build(const std::string& path, VolumeKind kind, F value, double origin_z = -30) {
     testing::Volume volume;
     volume.description.kind = kind;
-    volume.description.size = kSize;
+    volume.description.size = kSliceSize;
     volume.description.type = kind == VolumeKind::grey ? VoxelType::int16 : VoxelType::uint8;
     volume.description.geometry.origin_mm = {-20, -18, origin_z};
     volume.description.geometry.spacing_mm = {1, 1, 2};
     volume.description.metadata =
         Metadata::read(R"({"spacing_known":true,"place_known":true,"unit":"HU"})");
-    for (std::int64_t i = 0; i < kSize.voxel_count(); ++i) {
+    for (std::int64_t i = 0; i < kSliceSize.voxel_count(); ++i) {
+      const std::int64_t row = i / kSliceSize.x;
       const double number =
-          value(static_cast<double>(i % kSize.x), static_cast<double>(i / kSize.x % kSize.y),
-                static_cast<double>(i / (kSize.x * kSize.y)));
+          value(static_cast<double>(i % kSliceSize.x), static_cast<double>(row % kSliceSize.y),
+                static_cast<double>(row / kSliceSize.y));
       const auto stored = static_cast<std::int16_t>(number);
       const auto* bytes = reinterpret_cast<const std::byte*>(&stored);
       volume.voxels.insert(volume.voxels.end(), bytes, bytes + (kind == VolumeKind::grey ? 2 : 1));
@@ -156,9 +157,9 @@ TEST_F(SliceTask, OverlaysAreDrawnInColor) {
   slice(options_, context_);
   const Picture covered = picture(options_.output.path);
   ASSERT_EQ(covered.channels, 3);
-  for (std::int64_t y = 0; y < kSize.y; ++y) {
-    for (std::int64_t x = 0; x < kSize.x; ++x) {
-      const auto at = static_cast<std::size_t>(y * kSize.x + x);
+  for (std::int64_t y = 0; y < kSliceSize.y; ++y) {
+    for (std::int64_t x = 0; x < kSliceSize.x; ++x) {
+      const auto at = static_cast<std::size_t>(y * kSliceSize.x + x);
       const std::uint8_t grey = bare.pixels[at];
       const Color expected = x > 10 && y > 8 ? Color{0, 200, 0} : Color{grey, grey, grey};
       ASSERT_TRUE(std::equal(expected.begin(), expected.end(), covered.pixels.data() + 3 * at));
