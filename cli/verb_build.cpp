@@ -17,7 +17,7 @@ namespace octavo::cli {
 
 namespace {
 
-constexpr VerbText kText = {
+constexpr VerbText kBuildText = {
     "build", "Fold a scan into one .8vo file, losslessly or with a maximum error.",
     "A source is a DICOM folder, a TIFF or PNG stack, a NIfTI, NRRD, MetaImage, VTK or GIPL\n"
     "file, raw voxels or another .8vo file. Stored voxels are kept as they are, unless\n"
@@ -62,7 +62,7 @@ constexpr VerbText kText = {
     "  octavo build scans/head/ --max-error 2 -o small.8vo\n"
     "  octavo build density.nii --max-error 0.001 --nan 0 -o density.8vo"};
 
-struct Arguments {
+struct BuildArguments {
   std::vector<std::string> inputs;
   std::string output;
   bool labels = false;
@@ -84,7 +84,7 @@ std::optional<float> parse_float(const std::string& text, const std::string& wha
   throw Error(ErrorKind::invalid_argument, what + ": '" + escaped(text) + "' is beyond float32");
 }
 
-BuildScanOptions options_of(const Arguments& arguments, const Context& context) {
+BuildScanOptions options_of(const BuildArguments& arguments, const Context& context) {
   BuildScanOptions options;
   options.inputs = arguments.inputs;
   options.output = {arguments.output, context.force};
@@ -104,7 +104,7 @@ BuildScanOptions options_of(const Arguments& arguments, const Context& context) 
   return options;
 }
 
-int run_build(const Arguments& arguments, Context& context) {
+int run_build(const BuildArguments& arguments, Context& context) {
   const BuiltVolume built = run_task(build_scan, options_of(arguments, context), context);
   print_built(built, arguments.output, context);
   return kExitDone;
@@ -113,8 +113,8 @@ int run_build(const Arguments& arguments, Context& context) {
 }  // namespace
 
 void add_build(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
-  Verb verb = add_verb(app, context, kText,
+  const auto arguments = std::make_shared<BuildArguments>();
+  Verb verb = add_verb(app, context, kBuildText,
                             [arguments, &context] { return run_build(*arguments, context); });
   verb.add_option("inputs", arguments->inputs, "One folder or file, or the files of a stack")
       ->type_name("SOURCE")

@@ -21,7 +21,7 @@ namespace octavo::cli {
 
 namespace {
 
-constexpr VerbText kText = {
+constexpr VerbText kCodesText = {
     "codes", "Show a mask or label map as the leaves of an octree: o-codes and counts.",
     "Background (0) gets no leaf. A grey file needs --range, which makes a mask of it, unless\n"
     "octavo condense made it: then every cube is a leaf, its value as it is stored. With\n"
@@ -39,7 +39,7 @@ constexpr VerbText kText = {
 
 constexpr std::size_t kPrintBytes = std::size_t{1} << 16;
 
-struct Arguments {
+struct CodesArguments {
   std::string input;
   int level = 0;
   std::vector<std::string> labels;
@@ -209,7 +209,7 @@ std::string neighbors_text(const CubeSurroundings& around, const CubeWords& word
 }
 
 nlohmann::ordered_json neighbors_json(const CubeSurroundings& around, const CubeWords& words,
-                                      const Arguments& arguments) {
+                                      const CodesArguments& arguments) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < around.neighbors.size(); ++i) {
     const Direction& d = kDirections[i];
@@ -226,7 +226,7 @@ nlohmann::ordered_json neighbors_json(const CubeSurroundings& around, const Cube
 }
 
 nlohmann::ordered_json result_json(const LinearOctree& octree, const LabelNames& names,
-                                   const Arguments& arguments) {
+                                   const CodesArguments& arguments) {
   nlohmann::ordered_json levels = nlohmann::ordered_json::array();
   for (int level = 0; level <= octree.root_level; ++level) {
     const auto leaves = static_cast<std::uint64_t>(leaf_count(octree, level));
@@ -262,14 +262,14 @@ nlohmann::ordered_json result_json(const LinearOctree& octree, const LabelNames&
 }
 
 /// What printing takes for each leaf: in post-order; in JSON, as a tree and as text.
-std::uint64_t printed_bytes_per_leaf(const Arguments& arguments, const Context& context) {
+std::uint64_t printed_bytes_per_leaf(const CodesArguments& arguments, const Context& context) {
   constexpr std::uint64_t kOrderedBytes = 24;
   constexpr std::uint64_t kJsonBytes = 512;
   if (!arguments.list) return 0;
   return (arguments.notation == "mixed" ? kOrderedBytes : 0) + (context.json ? kJsonBytes : 0);
 }
 
-CodesOptions options_of(const Arguments& arguments, const Context& context) {
+CodesOptions options_of(const CodesArguments& arguments, const Context& context) {
   if (arguments.list && arguments.counts && !context.json) {
     throw Error(ErrorKind::invalid_argument, "--list goes with --counts under --json alone");
   }
@@ -284,7 +284,7 @@ CodesOptions options_of(const Arguments& arguments, const Context& context) {
   return options;
 }
 
-int run_codes(const Arguments& arguments, Context& context) {
+int run_codes(const CodesArguments& arguments, Context& context) {
   const CodesOptions options = options_of(arguments, context);
   const CodesResult result = run_task(codes, options, context);
   const LinearOctree& octree = result.octree;
@@ -308,8 +308,8 @@ int run_codes(const Arguments& arguments, Context& context) {
 }  // namespace
 
 void add_codes(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
-  Verb verb = add_verb(app, context, kText,
+  const auto arguments = std::make_shared<CodesArguments>();
+  Verb verb = add_verb(app, context, kCodesText,
                             [arguments, &context] { return run_codes(*arguments, context); });
   verb.add_input(arguments->input);
   const Option label = add_label_option(verb, arguments->labels, "Only this label");

@@ -15,7 +15,7 @@ namespace octavo::cli {
 
 namespace {
 
-constexpr VerbText kText = {
+constexpr VerbText kCombineText = {
     "combine", "Unite, intersect or subtract masks.",
     "A mask is every voxel of a label map that is not 0. The volumes must share one grid: size,\n"
     "spacing, origin and direction; --resample brings every further mask onto the grid of the\n"
@@ -26,7 +26,7 @@ constexpr VerbText kText = {
     "  octavo combine tumor.8vo tumor-mr.8vo --resample --intersect -o agreed.8vo\n"
     "  octavo combine bone.8vo --complement -o rest.8vo"};
 
-struct Arguments {
+struct CombineArguments {
   std::vector<std::string> inputs;
   std::string output;
   bool is_union = false;
@@ -37,7 +37,7 @@ struct Arguments {
   bool is_resampling = false;
 };
 
-CombineOptions options_of(const Arguments& arguments, const Context& context) {
+CombineOptions options_of(const CombineArguments& arguments, const Context& context) {
   CombineOptions options;
   options.inputs = arguments.inputs;
   options.output = {arguments.output, context.force};
@@ -50,7 +50,7 @@ CombineOptions options_of(const Arguments& arguments, const Context& context) {
   return options;
 }
 
-int run_combine(const Arguments& arguments, Context& context) {
+int run_combine(const CombineArguments& arguments, Context& context) {
   const CombineOptions options = options_of(arguments, context);
   const CombineResult result = run_task(combine, options, context);
   if (context.json) {
@@ -70,8 +70,8 @@ int run_combine(const Arguments& arguments, Context& context) {
 }  // namespace
 
 void add_combine(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
-  Verb verb = add_verb(app, context, kText,
+  const auto arguments = std::make_shared<CombineArguments>();
+  Verb verb = add_verb(app, context, kCombineText,
                             [arguments, &context] { return run_combine(*arguments, context); });
   verb.add_option("masks", arguments->inputs, "Label maps, .8vo")->type_name("FILE")->required();
   verb.add_output(arguments->output, "The .8vo mask to write");

@@ -19,7 +19,7 @@ namespace octavo::cli {
 
 namespace {
 
-constexpr VerbText kText = {
+constexpr VerbText kCompareText = {
     "compare", "Compare geometry and voxels of two volumes.",
     "Either side is an .8vo file, a URL of one, or any source that build reads. Stored values are\n"
     "compared where the rescales agree, real values otherwise. Exit code 1 when they differ.\n"
@@ -31,7 +31,7 @@ constexpr VerbText kText = {
     "  octavo compare small.8vo scans/head/ --max-error 2\n"
     "  octavo compare reference.8vo found.8vo --labels"};
 
-struct Arguments {
+struct CompareArguments {
   std::string a;
   std::string b;
   std::string max_error = "0";
@@ -39,7 +39,7 @@ struct Arguments {
   ScanArguments scan;
 };
 
-std::string difference_text(const Arguments& arguments, const CompareResult& result) {
+std::string difference_text(const CompareArguments& arguments, const CompareResult& result) {
   std::string text = fmt::format("{} and {} differ\n", public_name(arguments.a),
                                  public_name(arguments.b));
   for (const std::string& line : comparison_lines(result.comparison, result.a, result.b)) {
@@ -48,7 +48,7 @@ std::string difference_text(const Arguments& arguments, const CompareResult& res
   return text;
 }
 
-int run_volumes(const Arguments& arguments, Context& context) {
+int run_volumes(const CompareArguments& arguments, Context& context) {
   const double max_error = parse_number(arguments.max_error, "--max-error");
   const CompareOptions options = {arguments.a, arguments.b, max_error,
                                   scan_options(arguments.scan)};
@@ -65,7 +65,7 @@ int run_volumes(const Arguments& arguments, Context& context) {
   return is_equal ? kExitDone : kExitDifferent;
 }
 
-std::string labels_text(const Arguments& arguments, const CompareLabelsResult& result) {
+std::string labels_text(const CompareArguments& arguments, const CompareLabelsResult& result) {
   const std::vector<LabelAgreement>& all = result.agreements;
   const auto alike = std::count_if(all.begin(), all.end(),
                                    [](const LabelAgreement& one) { return one.dice() == 1; });
@@ -76,7 +76,7 @@ std::string labels_text(const Arguments& arguments, const CompareLabelsResult& r
   return all.empty() ? text : text + agreement_table(result);
 }
 
-int run_labels(const Arguments& arguments, Context& context) {
+int run_labels(const CompareArguments& arguments, Context& context) {
   require_scan_for_options({arguments.a, arguments.b}, scan_options(arguments.scan));
   const CompareLabelsOptions options = {arguments.a, arguments.b};
   const CompareLabelsResult result = run_task(compare_labels, options, context);
@@ -91,8 +91,8 @@ int run_labels(const Arguments& arguments, Context& context) {
 }  // namespace
 
 void add_compare(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
-  Verb verb = add_verb(app, context, kText,
+  const auto arguments = std::make_shared<CompareArguments>();
+  Verb verb = add_verb(app, context, kCompareText,
                        [arguments, &context] {
                          return arguments->labels ? run_labels(*arguments, context)
                                                   : run_volumes(*arguments, context);

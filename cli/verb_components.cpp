@@ -17,7 +17,7 @@ namespace octavo::cli {
 
 namespace {
 
-constexpr VerbText kText = {
+constexpr VerbText kComponentsText = {
     "components", "Find the connected parts of a mask.",
     "A mask is every voxel of a label map that is not 0. Parts are numbered from 1, the largest\n"
     "first. The label map written with -o is a mask for other verbs as well.\n\n"
@@ -26,7 +26,7 @@ constexpr VerbText kText = {
     "  octavo components bone.8vo --keep-largest 1 -o skull.8vo\n"
     "  octavo components pores.8vo --connectivity 26 --min-mm3 0.5 -o pores-labels.8vo --json"};
 
-struct Arguments {
+struct ComponentsArguments {
   std::string input;
   std::string output;
   int connectivity = 6;
@@ -35,7 +35,7 @@ struct Arguments {
   std::size_t rows = 20;
 };
 
-ComponentsOptions options_of(const Arguments& arguments, const Context& context) {
+ComponentsOptions options_of(const ComponentsArguments& arguments, const Context& context) {
   // A row as a tree of JSON and as text, or as text alone.
   constexpr std::uint64_t kJsonBytes = 2048;
   constexpr std::uint64_t kTextBytes = 256;
@@ -50,8 +50,8 @@ ComponentsOptions options_of(const Arguments& arguments, const Context& context)
   return options;
 }
 
-nlohmann::ordered_json report_json(const Arguments& arguments, const ComponentsResult& result,
-                                   const Context& context) {
+nlohmann::ordered_json report_json(const ComponentsArguments& arguments,
+                                   const ComponentsResult& result, const Context& context) {
   nlohmann::ordered_json objects = nlohmann::ordered_json::array();
   for (const ComponentRow& row : result.rows) {
     const Box& box = row.box;
@@ -73,7 +73,7 @@ nlohmann::ordered_json report_json(const Arguments& arguments, const ComponentsR
   return report;
 }
 
-std::string table_text(const Arguments& arguments, const ComponentsResult& result) {
+std::string table_text(const ComponentsArguments& arguments, const ComponentsResult& result) {
   std::string text =
       fmt::format("{}: {}, {} kept{}\n", public_name(arguments.input),
                   counted_text(static_cast<std::int64_t>(result.found), "component"),
@@ -99,7 +99,7 @@ std::string table_text(const Arguments& arguments, const ComponentsResult& resul
                             count_text(static_cast<std::int64_t>(left)), result.kept);
 }
 
-int run_components(const Arguments& arguments, Context& context) {
+int run_components(const ComponentsArguments& arguments, Context& context) {
   const ComponentsResult result = run_task(components, options_of(arguments, context), context);
   if (context.json) print_json(report_json(arguments, result, context));
   else if (!context.quiet) print(table_text(arguments, result));
@@ -109,8 +109,8 @@ int run_components(const Arguments& arguments, Context& context) {
 }  // namespace
 
 void add_components(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
-  Verb verb = add_verb(app, context, kText,
+  const auto arguments = std::make_shared<ComponentsArguments>();
+  Verb verb = add_verb(app, context, kComponentsText,
                             [arguments, &context] { return run_components(*arguments, context); });
   verb.add_option("mask", arguments->input, "A label map, .8vo")->type_name("FILE")->required();
   verb.add_option("-o,--output", arguments->output, "The .8vo label map to write")

@@ -13,7 +13,7 @@ namespace octavo::cli {
 
 namespace {
 
-constexpr VerbText kText = {
+constexpr VerbText kCondenseText = {
     "condense", "Even out the cubes of a grey volume that hardly vary.",
     "The cubes of the octree, up to the whole volume, whose greatest and least voxel differ by at\n"
     "most --flat take their mean; the largest such cubes count. No voxel changes by more. The\n"
@@ -22,13 +22,13 @@ constexpr VerbText kText = {
     "  octavo condense head.8vo --flat 20 -o cubes.8vo\n"
     "  octavo render cubes.8vo --mode transparency -o cubes.png"};
 
-struct Arguments {
+struct CondenseArguments {
   std::string input;
   std::string output;
   std::string flat;
 };
 
-int run_condense(const Arguments& arguments, Context& context) {
+int run_condense(const CondenseArguments& arguments, Context& context) {
   const double flat = parse_number(arguments.flat, "--flat");
   if (flat < 0) {
     throw Error(ErrorKind::invalid_argument, "--flat " + arguments.flat + ": must not be negative");
@@ -41,8 +41,8 @@ int run_condense(const Arguments& arguments, Context& context) {
 }  // namespace
 
 void add_condense(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
-  Verb verb = add_verb(app, context, kText,
+  const auto arguments = std::make_shared<CondenseArguments>();
+  Verb verb = add_verb(app, context, kCondenseText,
                             [arguments, &context] { return run_condense(*arguments, context); });
   verb.add_input(arguments->input);
   verb.add_output(arguments->output, "The .8vo file to write");

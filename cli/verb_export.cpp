@@ -40,7 +40,7 @@ constexpr VerbText kExtractText = {
     "  octavo extract head.8vo --level 1 --box :,:,20:21 -o plane.tif\n"
     "  octavo extract https://example.org/head.8vo --box-mm=-40:40,-40:40,0:60 -o box.nii.gz"};
 
-struct Arguments {
+struct ExportArguments {
   std::string input;
   std::string output;
   int level = 0;
@@ -51,7 +51,7 @@ struct Arguments {
   SalvageArguments salvage;
 };
 
-ExportPartOptions options_of(const Arguments& arguments, const Context& context) {
+ExportPartOptions options_of(const ExportArguments& arguments, const Context& context) {
   ExportPartOptions options;
   options.input = arguments.input;
   options.output = {arguments.output, context.force};
@@ -87,14 +87,14 @@ std::string result_text(const ExportResult& result, const Box& box, int level) {
                      bytes_text(result.bytes));
 }
 
-int run_export(const Arguments& arguments, Context& context) {
+int run_export(const ExportArguments& arguments, Context& context) {
   const ExportPartResult result = run_task(export_part, options_of(arguments, context), context);
   if (context.json) print_json(result_json(result, arguments.level, context));
   else if (!context.quiet) print(result_text(result.written, result.box, arguments.level));
   return kExitDone;
 }
 
-int run_extract(const Arguments& arguments, Context& context) {
+int run_extract(const ExportArguments& arguments, Context& context) {
   if (arguments.box.empty() && arguments.box_mm.empty() && !arguments.level_given) {
     throw Error(ErrorKind::invalid_argument,
                 "extract needs --box, --box-mm or --level; export writes the whole volume");
@@ -102,7 +102,7 @@ int run_extract(const Arguments& arguments, Context& context) {
   return run_export(arguments, context);
 }
 
-void add_options(Verb verb, const std::shared_ptr<Arguments>& arguments) {
+void add_options(Verb verb, const std::shared_ptr<ExportArguments>& arguments) {
   verb.add_input(arguments->input);
   verb.add_output(arguments->output, "The file or folder/ to write");
   verb.add_option_function<int>(
@@ -127,14 +127,14 @@ void add_options(Verb verb, const std::shared_ptr<Arguments>& arguments) {
 }  // namespace
 
 void add_export(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ExportArguments>();
   Verb verb = add_verb(app, context, kExportText,
                             [arguments, &context] { return run_export(*arguments, context); });
   add_options(verb, arguments);
 }
 
 void add_extract(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ExportArguments>();
   Verb verb = add_verb(app, context, kExtractText,
                             [arguments, &context] { return run_extract(*arguments, context); });
   add_options(verb, arguments);

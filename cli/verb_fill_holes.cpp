@@ -17,7 +17,7 @@ namespace octavo::cli {
 
 namespace {
 
-constexpr VerbText kText = {
+constexpr VerbText kFillHolesText = {
     "fill-holes", "Fill the holes of a mask.",
     "A hole is a part of the background that does not reach the border of the volume.\n"
     "--connectivity is that of the object; the background is connected the other way: with 26\n"
@@ -29,7 +29,7 @@ constexpr VerbText kText = {
     "  octavo fill-holes bone.8vo --max-mm3 5 -o bone-closed.8vo\n"
     "  octavo fill-holes shell.8vo --connectivity 6 -o filled.8vo --json"};
 
-struct Arguments {
+struct FillHolesArguments {
   std::string input;
   std::string output;
   int connectivity = 26;
@@ -48,7 +48,7 @@ std::string holes_text(const FillHolesResult& result) {
                      volume_text(result.hole_voxels, result.volume), left);
 }
 
-int run_fill_holes(const Arguments& arguments, Context& context) {
+int run_fill_holes(const FillHolesArguments& arguments, Context& context) {
   FillHolesOptions options;
   options.input = arguments.input;
   options.output = {arguments.output, context.force};
@@ -76,8 +76,8 @@ int run_fill_holes(const Arguments& arguments, Context& context) {
 }  // namespace
 
 void add_fill_holes(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
-  Verb verb = add_verb(app, context, kText,
+  const auto arguments = std::make_shared<FillHolesArguments>();
+  Verb verb = add_verb(app, context, kFillHolesText,
                             [arguments, &context] { return run_fill_holes(*arguments, context); });
   verb.add_option("mask", arguments->input, "A label map, .8vo")->type_name("FILE")->required();
   verb.add_output(arguments->output, "The .8vo mask to write");

@@ -22,7 +22,7 @@ namespace octavo::cli {
 
 namespace {
 
-constexpr VerbText kText = {
+constexpr VerbText kInfoText = {
     "info", "Show what a file holds.",
     "Reads the header and the index only; min and max are stored values in --json. A max error\n"
     "is shown in real units: what the file promises, and the largest difference found when it\n"
@@ -33,7 +33,7 @@ constexpr VerbText kText = {
     "  octavo info head.8vo --metadata\n"
     "  octavo info https://example.org/head.8vo --json"};
 
-struct Arguments {
+struct InfoArguments {
   std::string input;
   bool show_metadata = false;
 };
@@ -177,7 +177,7 @@ std::string screen(const InfoResult& info, bool show_metadata) {
   return text;
 }
 
-int run_info(const Arguments& arguments, Context& context) {
+int run_info(const InfoArguments& arguments, Context& context) {
   const InfoResult result = info({arguments.input}, brief_task(context));
   if (context.json) print_json(file_json(result));
   else print(screen(result, arguments.show_metadata));
@@ -187,8 +187,8 @@ int run_info(const Arguments& arguments, Context& context) {
 }  // namespace
 
 void add_info(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
-  Verb verb = add_verb(app, context, kText,
+  const auto arguments = std::make_shared<InfoArguments>();
+  Verb verb = add_verb(app, context, kInfoText,
                             [arguments, &context] { return run_info(*arguments, context); });
   verb.add_input(arguments->input);
   verb.add_flag("--metadata", arguments->show_metadata, "Show all metadata as well");

@@ -18,7 +18,7 @@ namespace octavo::cli {
 
 namespace {
 
-constexpr VerbText kText = {
+constexpr VerbText kMeasureText = {
     "measure", "Measure the regions of a label map, and the grey values beneath them.",
     "For each label but 0, or for those of --label: voxels, mm3, surface voxels (with a face on\n"
     "something else), centroid, bounding box, principal moments and axes; with --of also mean,\n"
@@ -31,7 +31,7 @@ constexpr VerbText kText = {
     "  octavo measure organs.8vo --label liver --label 7\n"
     "  octavo measure organs.8vo --of ct.8vo --percentile 1 --percentile 99 --json"};
 
-struct Arguments {
+struct MeasureArguments {
   std::string input;
   std::string grey;
   std::vector<std::string> labels;
@@ -177,7 +177,7 @@ std::string table_text(const MeasureResult& result, bool shows_percentiles) {
   return text;
 }
 
-int run_measure(const Arguments& arguments, Context& context) {
+int run_measure(const MeasureArguments& arguments, Context& context) {
   MeasureOptions options;
   options.labels = arguments.input;
   options.grey = arguments.grey;
@@ -208,8 +208,8 @@ int run_measure(const Arguments& arguments, Context& context) {
 }  // namespace
 
 void add_measure(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
-  Verb verb = add_verb(app, context, kText,
+  const auto arguments = std::make_shared<MeasureArguments>();
+  Verb verb = add_verb(app, context, kMeasureText,
                             [arguments, &context] { return run_measure(*arguments, context); });
   verb.add_option("labels", arguments->input, "A label map, .8vo")->type_name("FILE")->required();
   verb.add_option("--of", arguments->grey, "The grey volume to measure under the labels, .8vo")

@@ -54,7 +54,7 @@ constexpr VerbText kCloseText = {
     "Examples:\n"
     "  octavo close skull.8vo --mm 4 -o sealed.8vo"};
 
-struct Arguments {
+struct MorphArguments {
   std::string input;
   std::string output;
   std::optional<std::string> mm;
@@ -68,7 +68,7 @@ void require_length(bool is_length, const char* option, const std::string& text)
               fmt::format("{}: '{}'; must be 0 or more", option, escaped(text)));
 }
 
-MorphOptions options_of(Morphology morphology, const Arguments& arguments,
+MorphOptions options_of(Morphology morphology, const MorphArguments& arguments,
                         const Context& context) {
   MorphOptions options;
   options.morphology = morphology;
@@ -89,7 +89,7 @@ MorphOptions options_of(Morphology morphology, const Arguments& arguments,
   return options;
 }
 
-int run_morph(Morphology morphology, const Arguments& arguments, Context& context) {
+int run_morph(Morphology morphology, const MorphArguments& arguments, Context& context) {
   const MorphOptions options = options_of(morphology, arguments, context);
   const MorphResult result = run_task(morph, options, context);
   if (context.json) {
@@ -109,7 +109,7 @@ int run_morph(Morphology morphology, const Arguments& arguments, Context& contex
 }
 
 void add_morph(CLI::App& app, Context& context, const VerbText& text, Morphology morphology) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<MorphArguments>();
   Verb verb = add_verb(app, context, text, [arguments, morphology, &context] {
     return run_morph(morphology, *arguments, context);
   });

@@ -17,7 +17,7 @@ namespace octavo::cli {
 
 namespace {
 
-constexpr VerbText kText = {
+constexpr VerbText kPhantomText = {
     "phantom", "Make a test scan: a spherical shell with two cylinders inside.",
     "Writes an .8vo file, or plain voxels as .raw or .mhd (with a .raw beside it). The same\n"
     "options give the same voxels on every machine.\n\n"
@@ -25,7 +25,7 @@ constexpr VerbText kText = {
     "  octavo phantom --size 256 --noise 12 -o phantom.8vo\n"
     "  octavo phantom --size 1024,1024,512 --type uint8 --seed 7 -o planes.mhd"};
 
-struct Arguments {
+struct PhantomArguments {
   std::string output;
   std::string size = "256";
   std::string type = "int16";
@@ -65,7 +65,7 @@ std::vector<double> parse_list(const std::string& text, std::size_t count, const
               fmt::format("{}: '{}'; expected {}", what, escaped(text), form));
 }
 
-PhantomOptions phantom_options(const Arguments& arguments) {
+PhantomOptions phantom_options(const PhantomArguments& arguments) {
   PhantomOptions options = phantom_options_for(parse_type(arguments.type));
   options.size = parse_size(arguments.size);
   options.spacing_mm = parse_spacing(arguments.spacing, "--spacing");
@@ -98,7 +98,7 @@ void print_planes(const PlaneWriteResult& result, const VolumeDescription& volum
   }
 }
 
-int run_phantom(const Arguments& arguments, Context& context) {
+int run_phantom(const PhantomArguments& arguments, Context& context) {
   const WritePhantomOptions options = {phantom_options(arguments),
                                        {arguments.output, context.force}};
   const WritePhantomResult result = run_task(write_phantom, options, context);
@@ -113,8 +113,8 @@ int run_phantom(const Arguments& arguments, Context& context) {
 }  // namespace
 
 void add_phantom(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
-  Verb verb = add_verb(app, context, kText,
+  const auto arguments = std::make_shared<PhantomArguments>();
+  Verb verb = add_verb(app, context, kPhantomText,
                             [arguments, &context] { return run_phantom(*arguments, context); });
   verb.add_output(arguments->output, "The .8vo, .raw or .mhd file to write");
   verb.add_option("--size", arguments->size, "Voxels, x,y,z or one side for a cube")

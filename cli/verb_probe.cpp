@@ -18,7 +18,7 @@ namespace octavo::cli {
 
 namespace {
 
-constexpr VerbText kText = {
+constexpr VerbText kProbeText = {
     "probe", "Show value, place and o-code of a voxel.",
     "Several positions may be given. Millimeters are LPS world coordinates; the nearest voxel\n"
     "answers.\n\n"
@@ -26,7 +26,7 @@ constexpr VerbText kText = {
     "  octavo probe head.8vo --at 128,100,54\n"
     "  octavo probe head.8vo --mm 12.5,-30,81 --level 2 --json"};
 
-struct Arguments {
+struct ProbeArguments {
   std::string input;
   std::vector<std::string> at;
   std::vector<std::string> mm;
@@ -92,7 +92,7 @@ std::string probe_text(const ProbedVoxel& p, const VolumeDescription& d) {
       b.max_error > 0 ? ", within " + distance_text(d, b.max_error) + " of the source" : "");
 }
 
-ProbeOptions options_of(const Arguments& arguments) {
+ProbeOptions options_of(const ProbeArguments& arguments) {
   if (arguments.at.empty() && arguments.mm.empty()) {
     throw Error(ErrorKind::invalid_argument, "probe needs a position: --at x,y,z or --mm x,y,z");
   }
@@ -108,7 +108,7 @@ ProbeOptions options_of(const Arguments& arguments) {
   return options;
 }
 
-int run_probe(const Arguments& arguments, Context& context) {
+int run_probe(const ProbeArguments& arguments, Context& context) {
   const ProbeResult result = probe(options_of(arguments), brief_task(context));
   nlohmann::ordered_json points = nlohmann::ordered_json::array();
   for (const ProbedVoxel& voxel : result.voxels) {
@@ -122,8 +122,8 @@ int run_probe(const Arguments& arguments, Context& context) {
 }  // namespace
 
 void add_probe(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
-  Verb verb = add_verb(app, context, kText,
+  const auto arguments = std::make_shared<ProbeArguments>();
+  Verb verb = add_verb(app, context, kProbeText,
                             [arguments, &context] { return run_probe(*arguments, context); });
   verb.add_input(arguments->input);
   verb.add_option("--at", arguments->at, "x,y,z in voxels of the level")

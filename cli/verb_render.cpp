@@ -22,7 +22,7 @@ namespace octavo::cli {
 
 namespace {
 
-constexpr VerbText kText = {
+constexpr VerbText kRenderText = {
     "render", "Draw what a volume holds, seen from a side, as a PNG picture.",
     "Modes: cubes draws every leaf of a mask as a cube with three shades, back to front; surface\n"
     "draws those alone that are not hidden among others, the nearest first, and shades them\n"
@@ -53,7 +53,7 @@ constexpr VerbText kText = {
     "  octavo render rock.8vo --mode transparency --range 90:120=sand:0.01 --range 200:=red:0.2 "
     "-o ores.png"};
 
-struct Arguments {
+struct RenderArguments {
   std::string input;
   std::string output;
   std::string mode = "cubes";
@@ -88,7 +88,7 @@ void take_size(const std::string& text, RenderOptions& options) {
   options.height = parse_integer(sides.back(), "--size");
 }
 
-AskedView asked_view(const Arguments& arguments) {
+AskedView asked_view(const RenderArguments& arguments) {
   AskedView view;
   view.azimuth_degrees = arguments.azimuth;
   view.elevation_degrees = arguments.elevation;
@@ -159,7 +159,7 @@ Window parse_window(const std::string& text) {
                           escaped(text)));
 }
 
-RenderOptions options_of(const Arguments& arguments, const Context& context) {
+RenderOptions options_of(const RenderArguments& arguments, const Context& context) {
   RenderOptions options;
   options.input = arguments.input;
   options.output = {arguments.output, context.force};
@@ -216,7 +216,7 @@ nlohmann::ordered_json line_counts_json(const RenderCounts& counts, bool is_aver
   return json;
 }
 
-nlohmann::ordered_json report_json(const Arguments& arguments, const RenderResult& result,
+nlohmann::ordered_json report_json(const RenderArguments& arguments, const RenderResult& result,
                                    const Context& context) {
   nlohmann::ordered_json json = {
       {"outputs", result.outputs}, {"mode", arguments.mode},
@@ -252,7 +252,7 @@ std::string counts_text(const std::string& mode, const RenderCounts& counts) {
                      count_text(counts.leaves), count_text(removed), share);
 }
 
-std::string report_text(const Arguments& arguments, const RenderResult& result) {
+std::string report_text(const RenderArguments& arguments, const RenderResult& result) {
   const std::vector<std::string>& paths = result.outputs;
   const std::string names =
       paths.size() == 1 ? paths.front() : fmt::format("{} to {}", paths.front(), paths.back());
@@ -263,14 +263,14 @@ std::string report_text(const Arguments& arguments, const RenderResult& result) 
                      duration_text(result.seconds));
 }
 
-int run_render(const Arguments& arguments, Context& context) {
+int run_render(const RenderArguments& arguments, Context& context) {
   const RenderResult result = run_task(render, options_of(arguments, context), context);
   if (context.json) print_json(report_json(arguments, result, context));
   else if (!context.quiet) print(report_text(arguments, result));
   return kExitDone;
 }
 
-void add_view_options(Verb verb, Arguments& arguments) {
+void add_view_options(Verb verb, RenderArguments& arguments) {
   verb.add_option("--size", arguments.size, "Pixels: W, or WxH")
       ->type_name("W[xH]")
       ->capture_default_str();
@@ -306,8 +306,8 @@ void add_view_options(Verb verb, Arguments& arguments) {
 }  // namespace
 
 void add_render(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
-  Verb verb = add_verb(app, context, kText,
+  const auto arguments = std::make_shared<RenderArguments>();
+  Verb verb = add_verb(app, context, kRenderText,
                        [arguments, &context] { return run_render(*arguments, context); });
   verb.add_input(arguments->input);
   verb.add_output(arguments->output, "The .png file to write");

@@ -16,7 +16,7 @@ namespace octavo::cli {
 
 namespace {
 
-constexpr VerbText kText = {
+constexpr VerbText kRepairText = {
     "repair", "Make a whole file of an interrupted build, or of a file with flipped bits.",
     "FILE is what was being built, or the .NAME.tmp-PID that is left of it: its whole planes go\n"
     "into a file of full size, all others hold the lowest value among them (labels: 0), and the\n"
@@ -31,12 +31,12 @@ constexpr VerbText kText = {
     "  octavo repair scan.8vo -o rescued.8vo\n"
     "  octavo repair .scan.8vo.tmp-4711 -o rescued.8vo"};
 
-struct Arguments {
+struct RepairArguments {
   std::string input;
   std::string output;
 };
 
-nlohmann::ordered_json seal_json(const Arguments& arguments, const SealResult& result) {
+nlohmann::ordered_json seal_json(const RepairArguments& arguments, const SealResult& result) {
   nlohmann::ordered_json object = {{"input", result.input},
                                    {"output", arguments.output},
                                    {"how", "sealed"},
@@ -52,7 +52,7 @@ nlohmann::ordered_json seal_json(const Arguments& arguments, const SealResult& r
   return object;
 }
 
-std::string seal_text(const Arguments& arguments, const SealResult& result) {
+std::string seal_text(const RepairArguments& arguments, const SealResult& result) {
   if (result.whole_planes == result.plane_count) {
     return fmt::format("{}: all {} planes of the interrupted build are whole\n", arguments.output,
                        count_text(result.plane_count));
@@ -63,7 +63,8 @@ std::string seal_text(const Arguments& arguments, const SealResult& result) {
       result.plane_count - 1, number_text(result.fill));
 }
 
-nlohmann::ordered_json repair_json(const Arguments& arguments, const BitRepairResult& result) {
+nlohmann::ordered_json repair_json(const RepairArguments& arguments,
+                                   const BitRepairResult& result) {
   nlohmann::ordered_json object = {{"input", arguments.input},
                                    {"output", arguments.output},
                                    {"how", "repaired"},
@@ -91,7 +92,7 @@ std::string flips_text(const BitRepairResult& result) {
                      places);
 }
 
-std::string repair_text(const Arguments& arguments, const BitRepairResult& result) {
+std::string repair_text(const RepairArguments& arguments, const BitRepairResult& result) {
   std::string text = arguments.output + ": " + flips_text(result);
   if (result.has_new_trailer) text += "trailer made anew; ";
   if (result.dropped_bytes > 0) {
@@ -101,7 +102,7 @@ std::string repair_text(const Arguments& arguments, const BitRepairResult& resul
   return text + "every checksum matches\n";
 }
 
-int run_repair(const Arguments& arguments, Context& context) {
+int run_repair(const RepairArguments& arguments, Context& context) {
   const RepairOptions options = {arguments.input, {arguments.output, context.force}};
   const RepairResult result = run_task(repair, options, context);
   const auto* sealed = std::get_if<SealResult>(&result);
@@ -118,8 +119,8 @@ int run_repair(const Arguments& arguments, Context& context) {
 }  // namespace
 
 void add_repair(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
-  Verb verb = add_verb(app, context, kText,
+  const auto arguments = std::make_shared<RepairArguments>();
+  Verb verb = add_verb(app, context, kRepairText,
                             [arguments, &context] { return run_repair(*arguments, context); });
   verb.add_option("file", arguments->input, "What was being built, what is left of it, or a "
                                             "damaged .8vo file")

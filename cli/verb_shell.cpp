@@ -17,7 +17,7 @@ namespace octavo::cli {
 
 namespace {
 
-constexpr VerbText kText = {
+constexpr VerbText kShellText = {
     "shell", "Keep the leaves of a mask that lie at its surface.",
     "A leaf is left out when leaves of its size or larger cover all six of its sides. A mask is\n"
     "every voxel of a label map that is not 0.\n\n"
@@ -25,12 +25,12 @@ constexpr VerbText kText = {
     "  octavo shell bone.8vo -o bone-shell.8vo\n"
     "  octavo shell bone.8vo --json"};
 
-struct Arguments {
+struct ShellArguments {
   std::string input;
   std::string output;
 };
 
-nlohmann::ordered_json report_json(const Arguments& arguments, const ShellResult& result,
+nlohmann::ordered_json report_json(const ShellArguments& arguments, const ShellResult& result,
                                    const Context& context) {
   nlohmann::ordered_json report = {{"leaves", result.leaves},
                                    {"kept", result.kept},
@@ -45,7 +45,7 @@ nlohmann::ordered_json report_json(const Arguments& arguments, const ShellResult
   return report;
 }
 
-int run_shell(const Arguments& arguments, Context& context) {
+int run_shell(const ShellArguments& arguments, Context& context) {
   ShellOptions options;
   options.input = arguments.input;
   if (!arguments.output.empty()) options.output = {arguments.output, context.force};
@@ -65,8 +65,8 @@ int run_shell(const Arguments& arguments, Context& context) {
 }  // namespace
 
 void add_shell(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
-  Verb verb = add_verb(app, context, kText,
+  const auto arguments = std::make_shared<ShellArguments>();
+  Verb verb = add_verb(app, context, kShellText,
                             [arguments, &context] { return run_shell(*arguments, context); });
   verb.add_option("mask", arguments->input, "A label map, .8vo")->type_name("FILE")->required();
   verb.add_option("-o,--output", arguments->output, "The .8vo mask to write")->type_name("FILE");

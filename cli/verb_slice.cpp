@@ -22,7 +22,7 @@ namespace octavo::cli {
 
 namespace {
 
-constexpr VerbText kText = {
+constexpr VerbText kSliceText = {
     "slice", "Draw slices and oblique sections as PNG pictures.",
     "Pixels are square whatever the spacing. The window is CENTER,WIDTH in real units, a preset\n"
     "in HU (brain, stroke, bone, lung, mediastinum, abdomen, liver) or auto; labels have colors\n"
@@ -47,7 +47,7 @@ constexpr VerbText kText = {
     "  octavo slice ct.8vo --overlay organs.8vo --label liver --label spleen -o organs.png\n"
     "  octavo slice plan.8vo --overlay dose.8vo --overlay-levels 20,40,60 -o dose.png"};
 
-struct Arguments {
+struct SliceArguments {
   std::string input;
   std::string output;
   std::string axis = "z";
@@ -108,7 +108,7 @@ AskedPlane parse_plane(const std::string& text) {
               fmt::format("--plane: '{}'; expected X,Y,Z,NX,NY,NZ or NX,NY,NZ", escaped(text)));
 }
 
-std::optional<AskedMontage> asked_montage(const Arguments& arguments) {
+std::optional<AskedMontage> asked_montage(const SliceArguments& arguments) {
   if (arguments.montage.empty() && !arguments.every) return std::nullopt;
   AskedMontage montage;
   montage.every = arguments.every;
@@ -131,7 +131,7 @@ const T* of_overlay(const std::vector<T>& values, std::size_t number) {
   return &values[values.size() == 1 ? 0 : number];
 }
 
-void require_count(std::size_t count, const Arguments& arguments, const char* option) {
+void require_count(std::size_t count, const SliceArguments& arguments, const char* option) {
   const std::size_t overlays = arguments.overlays.size();
   if (count == 0 || (overlays > 0 && (count == 1 || count == overlays))) return;
   throw Error(ErrorKind::invalid_argument,
@@ -140,7 +140,7 @@ void require_count(std::size_t count, const Arguments& arguments, const char* op
                                           option, count, overlays));
 }
 
-std::vector<AskedOverlay> asked_overlays(const Arguments& arguments) {
+std::vector<AskedOverlay> asked_overlays(const SliceArguments& arguments) {
   require_count(arguments.overlay_kinds.size(), arguments, "--overlay-as");
   require_count(arguments.overlay_levels.size(), arguments, "--overlay-levels");
   require_count(arguments.overlay_colors.size(), arguments, "--overlay-color");
@@ -174,7 +174,7 @@ std::vector<AskedOverlay> asked_overlays(const Arguments& arguments) {
   return overlays;
 }
 
-SliceOptions options_of(const Arguments& arguments, const Context& context) {
+SliceOptions options_of(const SliceArguments& arguments, const Context& context) {
   SliceOptions options;
   options.input = arguments.input;
   options.output = {arguments.output, context.force};
@@ -252,7 +252,7 @@ std::string slice_text(const DrawnSlice& slice, const SliceResult& result) {
                             unit.empty() ? "" : " " + unit);
 }
 
-int run_slice(const Arguments& arguments, Context& context) {
+int run_slice(const SliceArguments& arguments, Context& context) {
   const SliceResult result = run_task(slice, options_of(arguments, context), context);
   nlohmann::ordered_json slices = nlohmann::ordered_json::array();
   for (const DrawnSlice& one : result.pictures) {
@@ -267,7 +267,7 @@ int run_slice(const Arguments& arguments, Context& context) {
   return kExitDone;
 }
 
-void add_overlay_options(Verb verb, Arguments& arguments) {
+void add_overlay_options(Verb verb, SliceArguments& arguments) {
   verb.add_option("--overlay", arguments.overlays, "A mask, labels or grey values to draw above")
       ->type_name("FILE")
       ->allow_extra_args(false);
@@ -290,7 +290,7 @@ void add_overlay_options(Verb verb, Arguments& arguments) {
       ->check(number_within(0, 1));
 }
 
-void add_place_options(Verb verb, Arguments& arguments) {
+void add_place_options(Verb verb, SliceArguments& arguments) {
   Option axis =
       verb.add_option("--axis", arguments.axis, "The axis the slice lies across: x, y, z or all");
   axis->type_name("AXIS")
@@ -320,8 +320,8 @@ void add_place_options(Verb verb, Arguments& arguments) {
 }  // namespace
 
 void add_slice(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
-  Verb verb = add_verb(app, context, kText,
+  const auto arguments = std::make_shared<SliceArguments>();
+  Verb verb = add_verb(app, context, kSliceText,
                        [arguments, &context] { return run_slice(*arguments, context); });
   verb.add_input(arguments->input);
   verb.add_output(arguments->output, "The .png file to write");

@@ -18,7 +18,7 @@ namespace octavo::cli {
 
 namespace {
 
-constexpr VerbText kText = {
+constexpr VerbText kThresholdText = {
     "threshold", "Make a mask of the voxels whose value lies in a range.",
     "Ranges are in real units (HU), both ends included; an end left out is open. Several ranges\n"
     "and tissues add up, and so do labels of a label map. --class makes a label map of several\n"
@@ -32,7 +32,7 @@ constexpr VerbText kText = {
     "  octavo threshold head.8vo --class 1=:-300 --class 2=-300:225 --class 3=226: -o classes.8vo\n"
     "  octavo threshold atlas.8vo --label 17 --label Thalamus_L -o regions.8vo"};
 
-struct Arguments {
+struct ThresholdArguments {
   std::string input;
   std::string output;
   std::vector<std::string> ranges;
@@ -54,7 +54,7 @@ ValueClass parse_class(const std::string& text) {
   return {label, parse_range(text.substr(equals + 1), "--class")};
 }
 
-ThresholdOptions options_of(const Arguments& arguments, const Context& context) {
+ThresholdOptions options_of(const ThresholdArguments& arguments, const Context& context) {
   if (arguments.ranges.empty() && arguments.tissues.empty() && arguments.labels.empty() &&
       arguments.classes.empty()) {
     throw Error(ErrorKind::invalid_argument,
@@ -73,7 +73,7 @@ ThresholdOptions options_of(const Arguments& arguments, const Context& context) 
   return options;
 }
 
-std::string report_text(const Arguments& arguments, const ThresholdResult& result) {
+std::string report_text(const ThresholdArguments& arguments, const ThresholdResult& result) {
   const auto all = static_cast<double>(result.volume.size.voxel_count());
   std::string text;
   for (const LabelVolume& object : result.objects) {
@@ -85,8 +85,8 @@ std::string report_text(const Arguments& arguments, const ThresholdResult& resul
   return text.empty() ? arguments.output + ": no voxel is in any class\n" : text;
 }
 
-nlohmann::ordered_json report_json(const Arguments& arguments, const ThresholdResult& result,
-                                   const Context& context) {
+nlohmann::ordered_json report_json(const ThresholdArguments& arguments,
+                                   const ThresholdResult& result, const Context& context) {
   nlohmann::ordered_json objects = nlohmann::ordered_json::array();
   for (const LabelVolume& object : result.objects) {
     objects.push_back({{"label", object.label},
@@ -99,7 +99,7 @@ nlohmann::ordered_json report_json(const Arguments& arguments, const ThresholdRe
           {"warnings", context.warnings}};
 }
 
-int run_threshold(const Arguments& arguments, Context& context) {
+int run_threshold(const ThresholdArguments& arguments, Context& context) {
   const ThresholdResult result = run_task(threshold, options_of(arguments, context), context);
   if (context.json) print_json(report_json(arguments, result, context));
   else if (!context.quiet) print(report_text(arguments, result));
@@ -109,8 +109,8 @@ int run_threshold(const Arguments& arguments, Context& context) {
 }  // namespace
 
 void add_threshold(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
-  Verb verb = add_verb(app, context, kText,
+  const auto arguments = std::make_shared<ThresholdArguments>();
+  Verb verb = add_verb(app, context, kThresholdText,
                             [arguments, &context] { return run_threshold(*arguments, context); });
   verb.add_input(arguments->input);
   verb.add_output(arguments->output, "The .8vo mask to write");

@@ -21,7 +21,7 @@ namespace octavo::cli {
 
 namespace {
 
-constexpr VerbText kText = {
+constexpr VerbText kTouchText = {
     "touch", "Tell whether two masks overlap or touch, or which labels of one file do.",
     "A mask is every voxel of a label map that is not 0. With two files, A and B: how many voxels\n"
     "are in both and where; and how many voxels of A alone are neighbors of voxels of B alone,\n"
@@ -35,7 +35,7 @@ constexpr VerbText kText = {
     "  octavo touch implant.8vo nerve.8vo --connectivity 26 --json\n"
     "  octavo touch atlas.8vo"};
 
-struct Arguments {
+struct TouchArguments {
   std::vector<std::string> inputs;
   int connectivity = 6;
 };
@@ -83,7 +83,7 @@ const char* relation_of(const Interference& found) {
   return found.is_overlap() ? "overlap" : found.is_contact() ? "touch" : "apart";
 }
 
-std::string masks_text(const Arguments& arguments, const TouchMasksResult& result) {
+std::string masks_text(const TouchArguments& arguments, const TouchMasksResult& result) {
   const Interference& found = result.found;
   const VolumeDescription& volume = result.volume;
   const std::string a = escaped(public_name(arguments.inputs[0]));
@@ -105,7 +105,7 @@ std::string masks_text(const Arguments& arguments, const TouchMasksResult& resul
   return text + fmt::format("  in between: {}\n", faces_text(found.face_pairs, volume));
 }
 
-nlohmann::ordered_json masks_json(const Arguments& arguments, const TouchMasksResult& result,
+nlohmann::ordered_json masks_json(const TouchArguments& arguments, const TouchMasksResult& result,
                                   const Context& context) {
   const Interference& found = result.found;
   return {{"masks", {public_name(arguments.inputs[0]), public_name(arguments.inputs[1])}},
@@ -128,7 +128,7 @@ NameColumn names_of(const TouchLabelsResult& result, std::int64_t LabelContact::
   return NameColumn(names);
 }
 
-std::string labels_text(const Arguments& arguments, const TouchLabelsResult& result) {
+std::string labels_text(const TouchArguments& arguments, const TouchLabelsResult& result) {
   std::string text = fmt::format(
       "{}: {}\n", escaped(public_name(arguments.inputs[0])),
       counted_text(static_cast<std::int64_t>(result.contacts.size()), "pair of labels touches",
@@ -155,7 +155,7 @@ std::string labels_text(const Arguments& arguments, const TouchLabelsResult& res
   return text;
 }
 
-nlohmann::ordered_json labels_json(const Arguments& arguments, const TouchLabelsResult& result,
+nlohmann::ordered_json labels_json(const TouchArguments& arguments, const TouchLabelsResult& result,
                                    const Context& context) {
   nlohmann::ordered_json pairs = nlohmann::ordered_json::array();
   const LabelNames& names = result.volume.metadata.facts().labels;
@@ -173,7 +173,7 @@ nlohmann::ordered_json labels_json(const Arguments& arguments, const TouchLabels
           {"warnings", context.warnings}};
 }
 
-int run_touch(const Arguments& arguments, Context& context) {
+int run_touch(const TouchArguments& arguments, Context& context) {
   const auto connectivity = static_cast<Connectivity>(arguments.connectivity);
   if (arguments.inputs.size() == 1) {
     const TouchLabelsOptions options = {arguments.inputs[0], connectivity};
@@ -192,8 +192,8 @@ int run_touch(const Arguments& arguments, Context& context) {
 }  // namespace
 
 void add_touch(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
-  Verb verb = add_verb(app, context, kText,
+  const auto arguments = std::make_shared<TouchArguments>();
+  Verb verb = add_verb(app, context, kTouchText,
                             [arguments, &context] { return run_touch(*arguments, context); });
   verb.add_option("inputs", arguments->inputs, "Two masks, or one label map, .8vo")
       ->type_name("FILE")

@@ -21,7 +21,7 @@ namespace octavo::cli {
 
 namespace {
 
-constexpr VerbText kText = {
+constexpr VerbText kTransformText = {
     "transform", "Move, turn, mirror or scale a volume, or bring it onto another grid.",
     "--translate and --translate-mm move the whole volume: its origin changes, its bricks are\n"
     "copied and not decoded. --shift moves the voxels within the grid; what falls out is dropped.\n"
@@ -41,7 +41,7 @@ constexpr VerbText kText = {
     "  octavo transform follow-up.8vo --affine register.txt --grid-of head.8vo -o aligned.8vo\n"
     "  octavo transform head.8vo --scale 1/2 -o half.8vo"};
 
-struct Arguments {
+struct TransformArguments {
   std::string input;
   std::string output;
   std::string translate;
@@ -61,7 +61,7 @@ struct Arguments {
 };
 
 /// The one operation, by its option.
-std::string operation_of(const Arguments& arguments) {
+std::string operation_of(const TransformArguments& arguments) {
   std::vector<std::string> asked;
   if (!arguments.translate.empty()) asked.emplace_back("translate");
   if (!arguments.translate_mm.empty()) asked.emplace_back("translate-mm");
@@ -91,7 +91,7 @@ void require_use(bool is_given, const char* option, bool is_of_use, const char* 
 }
 
 /// Rejects options that the operation would ignore.
-void check_options(const Arguments& arguments, const std::string& operation) {
+void check_options(const TransformArguments& arguments, const std::string& operation) {
   const auto is_one_of = [&](std::initializer_list<const char*> names) {
     return std::find(names.begin(), names.end(), operation) != names.end();
   };
@@ -121,7 +121,7 @@ std::optional<double> parse_fill(const std::string& text) {
   return text.empty() ? std::nullopt : std::optional(parse_number(text, "--fill"));
 }
 
-ResampleStep resample_step(const Arguments& arguments) {
+ResampleStep resample_step(const TransformArguments& arguments) {
   ResampleStep step;
   step.interpolation = parse_interpolation(arguments.interpolation);
   step.fill = parse_fill(arguments.fill);
@@ -131,7 +131,7 @@ ResampleStep resample_step(const Arguments& arguments) {
   return step;
 }
 
-TransformStep step_of(const Arguments& arguments, const std::string& operation) {
+TransformStep step_of(const TransformArguments& arguments, const std::string& operation) {
   if (operation == "translate") {
     return TranslateStep{parse_index(arguments.translate, "--translate")};
   }
@@ -162,7 +162,7 @@ TransformStep step_of(const Arguments& arguments, const std::string& operation) 
   return resample_step(arguments);
 }
 
-TransformOptions options_of(const Arguments& arguments, const Context& context) {
+TransformOptions options_of(const TransformArguments& arguments, const Context& context) {
   const std::string operation = operation_of(arguments);
   check_options(arguments, operation);
   TransformOptions options;
@@ -184,8 +184,8 @@ std::string grid_text(const VolumeDescription& volume) {
                      point_text(volume.geometry.origin_mm, ", "));
 }
 
-nlohmann::ordered_json report_json(const Arguments& arguments, const TransformResult& result,
-                                   const Context& context) {
+nlohmann::ordered_json report_json(const TransformArguments& arguments,
+                                   const TransformResult& result, const Context& context) {
   const VolumeDescription& volume = result.volume;
   const auto if_in_mm = [&](const Point3& value) {
     return is_spacing_known(volume) ? nlohmann::ordered_json(value)
@@ -202,7 +202,7 @@ nlohmann::ordered_json report_json(const Arguments& arguments, const TransformRe
           {"warnings", context.warnings}};
 }
 
-int run_transform(const Arguments& arguments, Context& context) {
+int run_transform(const TransformArguments& arguments, Context& context) {
   const TransformResult result = run_task(transform, options_of(arguments, context), context);
   if (context.json) {
     print_json(report_json(arguments, result, context));
@@ -216,8 +216,8 @@ int run_transform(const Arguments& arguments, Context& context) {
 }  // namespace
 
 void add_transform(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
-  Verb verb = add_verb(app, context, kText,
+  const auto arguments = std::make_shared<TransformArguments>();
+  Verb verb = add_verb(app, context, kTransformText,
                             [arguments, &context] { return run_transform(*arguments, context); });
   const auto add = [&](const char* name, std::string& value, const char* text, const char* type) {
     return verb.add_option(name, value, text)->type_name(type);

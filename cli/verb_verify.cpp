@@ -21,7 +21,7 @@ namespace octavo::cli {
 
 namespace {
 
-constexpr VerbText kText = {
+constexpr VerbText kVerifyText = {
     "verify", "Prove that a file is sound, and that it holds what its source holds.",
     "Reads every byte, proves every checksum and decodes every brick. Damage is exit code 4: each\n"
     "damaged brick is named with its place in the file, and whether one flipped bit explains it;\n"
@@ -38,7 +38,7 @@ constexpr const char* kFlipAdvice = "; repair turns flipped bits back";
 constexpr const char* kHidingAdvice =
     "; repair restores it, unless what it hides is damaged as well";
 
-struct Arguments {
+struct VerifyArguments {
   std::string input;
   std::vector<std::string> against;
   ScanArguments scan;
@@ -101,7 +101,7 @@ std::string extent_text(const VerifyReport& report) {
 }
 
 /// Says what is damaged: a line for each place, and the error last. A single place is the error.
-[[noreturn]] void report_damage(const Arguments& arguments, const VerifyVolumeResult& result,
+[[noreturn]] void report_damage(const VerifyArguments& arguments, const VerifyVolumeResult& result,
                                 const Context& context) {
   const VerifyReport& report = result.report;
   const Damage& first = report.damages.front();
@@ -123,7 +123,7 @@ std::string extent_text(const VerifyReport& report) {
               arguments.input, first.offset);
 }
 
-std::string difference_text(const Arguments& arguments, const VerifyVolumeResult& result) {
+std::string difference_text(const VerifyArguments& arguments, const VerifyVolumeResult& result) {
   const VolumeDescription& source = result.against->source;
   const Comparison& c = result.against->comparison;
   std::string text = fmt::format("{}: sound, but differs from {}\n", public_name(arguments.input),
@@ -138,7 +138,7 @@ std::string difference_text(const Arguments& arguments, const VerifyVolumeResult
   return text;
 }
 
-std::string sound_text(const Arguments& arguments, const VerifyVolumeResult& result) {
+std::string sound_text(const VerifyArguments& arguments, const VerifyVolumeResult& result) {
   const std::string missing = missing_words(result.volume.metadata);
   return fmt::format("{}: sound; {}, {} read and decoded{}\n", public_name(arguments.input),
                      counted_text(result.report.brick_count, "brick"),
@@ -146,7 +146,7 @@ std::string sound_text(const Arguments& arguments, const VerifyVolumeResult& res
                      missing.empty() ? "" : "; but " + missing);
 }
 
-std::string faithful_text(const Arguments& arguments, const VerifyVolumeResult& result) {
+std::string faithful_text(const VerifyArguments& arguments, const VerifyVolumeResult& result) {
   const SourceCheck& check = *result.against;
   const std::string within = distance_text(result.volume, check.allowed_error);
   const bool is_exact = check.allowed_error == 0;
@@ -159,7 +159,7 @@ std::string faithful_text(const Arguments& arguments, const VerifyVolumeResult& 
       counted_text(result.report.brick_count, "brick"));
 }
 
-int run_verify(const Arguments& arguments, Context& context) {
+int run_verify(const VerifyArguments& arguments, Context& context) {
   const VerifyVolumeOptions options = {arguments.input, arguments.against,
                                        scan_options(arguments.scan)};
   const VerifyVolumeResult result = run_task(verify_volume, options, context);
@@ -178,8 +178,8 @@ int run_verify(const Arguments& arguments, Context& context) {
 }  // namespace
 
 void add_verify(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<Arguments>();
-  Verb verb = add_verb(app, context, kText,
+  const auto arguments = std::make_shared<VerifyArguments>();
+  Verb verb = add_verb(app, context, kVerifyText,
                             [arguments, &context] { return run_verify(*arguments, context); });
   verb.add_input(arguments->input);
   verb.add_option("--against", arguments->against, "The source it was built from")

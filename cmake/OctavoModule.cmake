@@ -30,10 +30,10 @@ target_link_options(octavo_flags INTERFACE
 
 include(GNUInstallDirs)
 
-# Half of a compiler's time goes into headers that every source of a module reads again.
-option(OCTAVO_UNITY "Compile the sources of a module sixteen at a time" OFF)
+# Half of a compiler's time goes into headers that every source of a target reads again.
+option(OCTAVO_UNITY "Compile the sources of a target sixteen at a time" OFF)
 
-# octavo_unity(TARGET): names in its anonymous namespaces are unique within the module.
+# octavo_unity(TARGET): names in its anonymous namespaces are unique within the target.
 function(octavo_unity target)
   set_target_properties(${target} PROPERTIES
     UNITY_BUILD ${OCTAVO_UNITY} UNITY_BUILD_BATCH_SIZE 16)

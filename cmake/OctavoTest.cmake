@@ -28,11 +28,16 @@ target_precompile_headers(octavo_test_headers PRIVATE
   <gtest/gtest.h> <rapidcheck.h> <algorithm> <array> <cstdint> <map> <random> <span> <string>
   <vector>)
 
-# octavo_add_test(NAME TIER COMMAND...): exit status 77 skips.
+# octavo_add_test(NAME TIER COMMAND...): exit status 77 skips. The short ones run last, so that no
+# core waits for a long one at the end.
 function(octavo_add_test name tier)
   add_test(NAME ${name} COMMAND ${ARGN})
+  set(cost 2)
+  if(tier STREQUAL short)
+    set(cost 1)
+  endif()
   set_tests_properties(${name} PROPERTIES
-    LABELS ${tier} TIMEOUT ${OCTAVO_TEST_TIMEOUT} SKIP_RETURN_CODE 77)
+    LABELS ${tier} COST ${cost} TIMEOUT ${OCTAVO_TEST_TIMEOUT} SKIP_RETURN_CODE 77)
 endfunction()
 
 # octavo_test(NAME TIER SOURCES a.cpp ... USES octavo_core ... [MEDIUM FILTERS...] [FULL])

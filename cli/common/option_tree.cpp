@@ -96,4 +96,10 @@ ProgramEntry option_tree(const CLI::App& app) {
   return program;
 }
 
+std::vector<std::string> verb_names(const ProgramEntry& program) {
+  std::vector<std::string> names;
+  for (const VerbEntry& verb : program.verbs) names.push_back(verb.name);
+  return names;
+}
+
 }  // namespace octavo::cli

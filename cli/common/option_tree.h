@@ -42,4 +42,6 @@ struct ProgramEntry {
 /// The program as far as its verbs have been added.
 ProgramEntry option_tree(const CLI::App& app);
 
+std::vector<std::string> verb_names(const ProgramEntry& program);
+
 }  // namespace octavo::cli

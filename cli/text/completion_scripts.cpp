@@ -12,12 +12,6 @@ std::string joined(const std::vector<std::string>& words, const char* separator)
   return fmt::format("{}", fmt::join(words, separator));
 }
 
-std::vector<std::string> verb_names(const ProgramEntry& program) {
-  std::vector<std::string> names;
-  for (const VerbEntry& verb : program.verbs) names.push_back(verb.name);
-  return names;
-}
-
 /// The options of a verb, those of every verb behind them.
 std::vector<OptionEntry> all_options(const ProgramEntry& program, const VerbEntry& verb) {
   std::vector<OptionEntry> options = verb.options;

@@ -51,12 +51,6 @@ const VerbEntry* verb_named(const ProgramEntry& program, const std::string& name
   return found == program.verbs.end() ? nullptr : &*found;
 }
 
-std::vector<std::string> verb_names(const ProgramEntry& program) {
-  std::vector<std::string> names;
-  for (const VerbEntry& verb : program.verbs) names.push_back(verb.name);
-  return names;
-}
-
 /// The names of the options of a verb and of the program, and the option that a name is of.
 struct OptionNames {
   std::vector<std::string> all = {"-h", "--help"};

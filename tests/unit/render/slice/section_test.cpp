@@ -119,7 +119,8 @@ TEST(Section, SpacingsThatMakeItTooFlatAreRejected) {
   for (const double flat : {1e-8, 1e-300}) {
     geometry.spacing_mm = {flat, 1, 1};
     EXPECT_THROW(axis_section(geometry, kSectionSize, 2, 0, 1), Error) << flat;
-    EXPECT_THROW(oblique_section(geometry, kSectionSize, {{0, 15, 10}, {0, 0, 1}}, 1), Error) << flat;
+    EXPECT_THROW(oblique_section(geometry, kSectionSize, {{0, 15, 10}, {0, 0, 1}}, 1), Error)
+        << flat;
     EXPECT_EQ(axis_section(geometry, kSectionSize, 0, 0, 1).width, kSectionSize.y);
   }
 }
