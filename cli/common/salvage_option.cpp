@@ -13,7 +13,7 @@ namespace octavo::cli {
 
 namespace {
 
-bool is_number(const std::string& text) {
+bool is_finite_number(const std::string& text) {
   double value = 0;
   const char* end = text.data() + text.size();
   const auto parsed = std::from_chars(text.data(), end, value);
@@ -21,7 +21,7 @@ bool is_number(const std::string& text) {
 }
 
 std::string fill_problem(const std::string& fill) {
-  if (fill == "lowest" || fill == "coarse" || is_number(fill)) return "";
+  if (fill == "lowest" || fill == "coarse" || is_finite_number(fill)) return "";
   return fmt::format("'{}' is neither lowest, coarse nor a number; name the file before --salvage",
                      escaped(fill));
 }
@@ -57,7 +57,7 @@ std::optional<SalvageFilling> salvage_filling(const SalvageArguments& arguments)
   if (!arguments.is_asked) return std::nullopt;
   SalvageFilling filling;
   filling.is_from_coarser = arguments.fill == "coarse";
-  if (is_number(arguments.fill)) filling.real_value = parse_number(arguments.fill, "--salvage");
+  if (is_finite_number(arguments.fill)) filling.real_value = parse_number(arguments.fill, "--salvage");
   return filling;
 }
 

@@ -180,8 +180,8 @@ TEST_F(SliceTask, LabelsThatAreAskedForAreDrawnAlone) {
   const auto expect_bands = [&](bool has_ground) {
     slice(options_, context_);
     const Picture drawn = picture(options_.output.path);
-    for (std::int64_t x = 0; x < kSize.x; ++x) {
-      const std::uint8_t* const pixel = drawn.pixels.data() + 3 * (5 * kSize.x + x);
+    for (std::int64_t x = 0; x < kSliceSize.x; ++x) {
+      const std::uint8_t* const pixel = drawn.pixels.data() + 3 * (5 * kSliceSize.x + x);
       const Color found = {pixel[0], pixel[1], pixel[2]};
       const bool is_kept = x >= 10 && x < 20;
       EXPECT_EQ(found == label_color(4), is_kept) << x;
