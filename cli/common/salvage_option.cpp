@@ -57,7 +57,9 @@ std::optional<SalvageFilling> salvage_filling(const SalvageArguments& arguments)
   if (!arguments.is_asked) return std::nullopt;
   SalvageFilling filling;
   filling.is_from_coarser = arguments.fill == "coarse";
-  if (is_finite_number(arguments.fill)) filling.real_value = parse_number(arguments.fill, "--salvage");
+  if (is_finite_number(arguments.fill)) {
+    filling.real_value = parse_number(arguments.fill, "--salvage");
+  }
   return filling;
 }
 

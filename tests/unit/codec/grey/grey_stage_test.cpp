@@ -265,10 +265,10 @@ TEST_P(StagesOf, GiveTheSameAroundEdgesAndGaps) {
       for (const Predictor predictor : {Predictor::neighbors, Predictor::means}) {
         for (const Samples kind : {Samples::sparse, Samples::gapped, Samples::both}) {
           for (const bool has_cells : {false, true}) {
-            SCOPED_TRACE(::testing::Message() << fine.x << "x" << fine.y << "x" << fine.z << " axis "
-                                            << axis << " predictor " << static_cast<int>(predictor)
-                                            << " samples " << static_cast<int>(kind) << " cells "
-                                            << has_cells);
+            SCOPED_TRACE(::testing::Message()
+                         << fine.x << "x" << fine.y << "x" << fine.z << " axis " << axis
+                         << " predictor " << static_cast<int>(predictor) << " samples "
+                         << static_cast<int>(kind) << " cells " << has_cells);
             RandomSplit split = make_split(random, fine, axis, predictor, 7, has_cells, kind);
             const Results expected = run(portable_stage_functions(), split, has_cells);
             ASSERT_TRUE(run(*functions, split, has_cells) == expected);
