@@ -50,23 +50,17 @@ DicomElements many_frames(std::string& voxels) {
   return elements;
 }
 
-SourceOptions with_spacing() {
-  SourceOptions options;
-  options.spacing_mm = Point3{1, 1, 1};
-  return options;
-}
-
 TEST(SourceDicomDeflated, FramesAreReadInAnyOrder) {
   const TempFolder folder;
   std::string voxels;
   write_file(folder.file("a.dcm"), deflated_file(folder, many_frames(voxels)));
   for (const int threads : {1, 5}) {
     const auto source =
-        make_prefetch_source(open_source({folder.file("a.dcm")}, with_spacing()), {threads});
+        make_prefetch_source(open_source({folder.file("a.dcm")}, with_spacing(1, 1, 1)), {threads});
     EXPECT_EQ(source->description().size, (Size3{64, 40, 9}));
     EXPECT_TRUE(voxels_of(*source) == voxels) << threads;
   }
-  const auto source = open_source({folder.file("a.dcm")}, with_spacing());
+  const auto source = open_source({folder.file("a.dcm")}, with_spacing(1, 1, 1));
   const auto& planes = dynamic_cast<const IndexedPlaneSource&>(*source);
   std::string plane(64 * 40 * 2, '\0');
   for (const int z : {8, 0, 5, 4, 7, 0}) {

@@ -46,12 +46,6 @@ std::string counted(std::size_t count) {
   return bytes;
 }
 
-SourceOptions with_spacing() {
-  SourceOptions options;
-  options.spacing_mm = Point3{1, 1, 1};
-  return options;
-}
-
 TEST(SourceDicomWords, OfBigEndianFilesHoldTheFirstOfTwoBytesBehindTheSecond) {
   const TempFolder folder;
   for (const char* vr : {"OW", "OB"}) {
@@ -61,7 +55,8 @@ TEST(SourceDicomWords, OfBigEndianFilesHoldTheFirstOfTwoBytesBehindTheSecond) {
     const std::string voxels = counted(45) + std::string(1, '\0');
     elements.set(kPixelData, vr, vr == std::string("OW") ? swapped_pairs(voxels) : voxels);
     elements.write(folder.file("a.dcm"), kExplicitBig);
-    EXPECT_EQ(voxels_of(*open_source({folder.file("a.dcm")}, with_spacing())), counted(45)) << vr;
+    const auto source = open_source({folder.file("a.dcm")}, with_spacing(1, 1, 1));
+    EXPECT_EQ(voxels_of(*source), counted(45)) << vr;
   }
 }
 
@@ -106,7 +101,7 @@ TEST(SourceDicomWords, OfBigEndianSegmentationsHoldSwappedBits) {
   }
   elements.set(kPixelData, "OW", swapped_pairs(packed));
   elements.write(folder.file("a.dcm"), kExplicitBig);
-  EXPECT_EQ(voxels_of(*open_source({folder.file("a.dcm")}, with_spacing())), labels);
+  EXPECT_EQ(voxels_of(*open_source({folder.file("a.dcm")}, with_spacing(1, 1, 1))), labels);
 }
 
 TEST(SourceDicomExtent, OfMorePicturesThanTheHeaderNamesIsRejected) {
@@ -294,7 +289,7 @@ TEST(SourceDicomValues, OfFramesWithoutATransformationAreThoseOfTheWholeFile) {
   shared.set_items(0x00289145, {transformation});
   elements.set_items(0x52009229, {shared});
   elements.write(folder.file("a.dcm"), kExplicitLittle);
-  EXPECT_EQ(open_source({folder.file("a.dcm")}, with_spacing())->description().rescale,
+  EXPECT_EQ(open_source({folder.file("a.dcm")}, with_spacing(1, 1, 1))->description().rescale,
             (Rescale{3, 7}));
 }
 
