@@ -113,7 +113,8 @@ void narrow_values(const Narrowing& narrowing, std::span<const std::byte> wide,
                       std::abs(value) <= static_cast<From>(std::numeric_limits<To>::max()));
     }
     if (!fits) reject_value(narrowing, value, i, place);
-    const To voxel = static_cast<To>(value);
+    // Adding 0 makes 0 of -0, which no integer behind a float voxel stands for.
+    const To voxel = static_cast<To>(static_cast<To>(value) + To{0});
     std::memcpy(voxels.data() + i * sizeof(To), &voxel, sizeof(To));
   }
 }

@@ -49,7 +49,8 @@ struct RunPlace {
   std::int64_t first = 0;  ///< of the run in its plane
 };
 
-/// Turns wide numbers into voxels of narrowing.to; NaN and infinities stay what they are.
+/// Turns wide numbers into voxels of narrowing.to; NaN and infinities stay what they are, -0 and
+/// what rounds to it become 0.
 /// Requires as many voxels as numbers. Thread-safe.
 /// Throws Error{source_rejected} with the first value that does not fit and its place
 void narrow(const Narrowing& narrowing, std::span<const std::byte> wide,

@@ -141,6 +141,11 @@ TEST(Narrowing, MinusZeroIsZero) {
   const auto source = RawNumbers<double>("float64", std::vector<double>(12, -0.0)).open();
   EXPECT_EQ(source->description().type, VoxelType::int32);
   EXPECT_EQ(voxels_of(*source), std::string(48, '\0'));
+  std::vector<double> numbers(12, -0.0);
+  numbers[5] = 0.1;
+  numbers[6] = -1e-60;  // rounds to it
+  const std::string voxels = voxels_of(*RawNumbers<double>("float64", numbers).open());
+  EXPECT_EQ(voxels.substr(0, 20) + voxels.substr(24), std::string(44, '\0'));
 }
 
 /// The numbers of a file of every format that has them, in either byte order.
