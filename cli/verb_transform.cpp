@@ -2,10 +2,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
 
 #include "common/failure.h"
 #include "common/options.h"
@@ -23,34 +27,42 @@ namespace {
 
 constexpr VerbText kTransformText = {
     "transform", "Move, turn, mirror or scale a volume, or bring it onto another grid.",
-    "--translate and --translate-mm move the whole volume: its origin changes, its bricks are\n"
-    "copied and not decoded. --shift moves the voxels within the grid; what falls out is dropped.\n"
-    "--rotate and --mirror move whole voxels, exactly, and may be repeated; the geometry follows,\n"
-    "so that every voxel keeps its place in space. Rotations are right-handed in index space:\n"
-    "z:90 lays along y what lay along x. --scale 2 makes a finer grid, --scale 1/2 takes the\n"
-    "coarser level. With --in-place the direction and the center of the grid stay and the object\n"
-    "turns, or grows, instead.\n\n"
+    "Steps are done in the order in which they are typed, each as often as it is typed. All\n"
+    "become one map: voxels are interpolated once, and only the last grid drops what lies outside\n"
+    "of it.\n\n"
+    "--translate and --translate-mm move the whole volume: its origin changes; where there is no\n"
+    "other step its bricks are copied and not decoded. --shift moves the voxels within the grid;\n"
+    "what falls out is dropped.\n\n"
+    "--rotate AXIS:DEGREES turns about the center of the grid. The axis is x, y or z of the grid,\n"
+    "or X,Y,Z along them, in mm. It is right-handed: z:90 lays along y what lay along x. The grid\n"
+    "becomes as large as the turned volume. Quarter turns and --mirror move whole voxels,\n"
+    "exactly; other angles interpolate. The geometry follows, so that every voxel keeps its place\n"
+    "in space. --scale 2 makes a finer grid, --scale 1/2 takes the coarser level. With --in-place\n"
+    "the direction and the center of the grid stay and the object turns, or grows, instead.\n\n"
     "--affine moves the object: a point p (mm, LPS) goes to M p. With --inverse M leads from the\n"
     "new place to the old one, as transforms of ITK's resampler do. The grid stays, or is that of\n"
-    "--grid-of. Labels are taken from the nearest voxel, grey values interpolated. Voxels that\n"
-    "come from outside are --fill.\n\n"
+    "--grid-of, which is the last grid wherever it is typed.\n\n"
+    "Labels are taken from the nearest voxel, grey values interpolated: linear, or cubic, which\n"
+    "is Keys' cubic convolution with a = -0.5 (Catmull-Rom), not ITK's B-spline. Voxels that come\n"
+    "from outside are --fill.\n\n"
     "Examples:\n"
     "  octavo transform head.8vo --translate-mm 0,0,-12.5 -o moved.8vo\n"
     "  octavo transform head.8vo --rotate z:90 --rotate x:180 -o turned.8vo\n"
+    "  octavo transform head.8vo --rotate z:-7.5 --mirror x --in-place -o upright.8vo\n"
     "  octavo transform labels.8vo --grid-of head.8vo -o labels-on-head.8vo\n"
     "  octavo transform follow-up.8vo --affine register.txt --grid-of head.8vo -o aligned.8vo\n"
     "  octavo transform head.8vo --scale 1/2 -o half.8vo"};
 
+/// A step as it is typed.
+struct TypedStep {
+  std::string option;  ///< "--shift"
+  std::string text;
+};
+
 struct TransformArguments {
   std::string input;
   std::string output;
-  std::string translate;
-  std::string translate_mm;
-  std::string shift;
-  std::vector<std::string> rotations;
-  std::vector<std::string> mirrors;
-  std::string scale;
-  std::string affine;
+  std::vector<TypedStep> steps;  ///< in the order of the command line
   std::string grid_of;
   bool is_inverse = false;
   bool is_in_place = false;
@@ -60,28 +72,52 @@ struct TransformArguments {
   std::string max_error = "0";
 };
 
-/// The one operation, by its option.
-std::string operation_of(const TransformArguments& arguments) {
-  std::vector<std::string> asked;
-  if (!arguments.translate.empty()) asked.emplace_back("translate");
-  if (!arguments.translate_mm.empty()) asked.emplace_back("translate-mm");
-  if (!arguments.shift.empty()) asked.emplace_back("shift");
-  if (!arguments.rotations.empty()) asked.emplace_back("rotate");
-  if (!arguments.mirrors.empty()) asked.emplace_back("mirror");
-  if (!arguments.scale.empty()) asked.emplace_back("scale");
-  if (!arguments.affine.empty()) asked.emplace_back("affine");
-  else if (!arguments.grid_of.empty()) asked.emplace_back("grid-of");
-  if (asked.empty()) {
-    throw Error(ErrorKind::invalid_argument,
-                "transform needs one of --translate, --translate-mm, --shift, --rotate, --mirror, "
-                "--scale, --affine and --grid-of");
+TransformStep parse_step(const TypedStep& typed, const TransformArguments& arguments) {
+  const auto& [option, text] = typed;
+  if (option == "--translate") return TranslateStep{parse_index(text, option)};
+  if (option == "--translate-mm") return TranslateMmStep{parse_point(text, option)};
+  if (option == "--shift") return ShiftStep{parse_index(text, option)};
+  if (option == "--rotate") return RotateStep{{parse_rotation(text)}, arguments.is_in_place};
+  if (option == "--mirror") return MirrorStep{{parse_mirror(text)}, arguments.is_in_place};
+  if (option == "--affine") return AffineStep{read_affine(text), arguments.is_inverse};
+  ScaleStep scale = parse_scale(text);
+  scale.is_in_place = arguments.is_in_place;
+  return scale;
+}
+
+/// The steps in their order; rotations that follow one another are one step, and so are mirrors.
+std::vector<TransformStep> steps_of(const TransformArguments& arguments) {
+  std::vector<TransformStep> steps;
+  for (const TypedStep& typed : arguments.steps) {
+    TransformStep step = parse_step(typed, arguments);
+    const bool is_joined = !steps.empty() && std::visit(
+        [](auto& last, const auto& next) {
+          using Last = std::decay_t<decltype(last)>;
+          if constexpr (std::is_same_v<Last, std::decay_t<decltype(next)>>) {
+            if constexpr (std::is_same_v<Last, RotateStep>) {
+              last.rotations.push_back(next.rotations.front());
+              return true;
+            } else if constexpr (std::is_same_v<Last, MirrorStep>) {
+              last.axes.push_back(next.axes.front());
+              return true;
+            }
+          }
+          return false;
+        },
+        steps.back(), step);
+    if (!is_joined) steps.push_back(std::move(step));
   }
-  if (asked.size() > 1) {
-    throw Error(ErrorKind::invalid_argument,
-                fmt::format("--{} and --{} are two steps; transform does one at a time", asked[0],
-                            asked[1]));
-  }
-  return asked.front();
+  return steps;
+}
+
+/// A rotation that may have to interpolate.
+bool is_between_axes(const TransformStep& step) {
+  const auto* const rotate = std::get_if<RotateStep>(&step);
+  return rotate != nullptr &&
+         std::any_of(rotate->rotations.begin(), rotate->rotations.end(), [](const AxisRotation& r) {
+           return std::count(r.axis.begin(), r.axis.end(), 0.0) != 2 ||
+                  std::fmod(r.degrees, 90) != 0;
+         });
 }
 
 void require_use(bool is_given, const char* option, bool is_of_use, const char* with) {
@@ -90,23 +126,38 @@ void require_use(bool is_given, const char* option, bool is_of_use, const char* 
               fmt::format("{} changes nothing here; it goes with {}", option, with));
 }
 
-/// Rejects options that the operation would ignore.
-void check_options(const TransformArguments& arguments, const std::string& operation) {
-  const auto is_one_of = [&](std::initializer_list<const char*> names) {
-    return std::find(names.begin(), names.end(), operation) != names.end();
+/// Rejects options that none of the steps heeds.
+void check_options(const TransformArguments& arguments, const std::vector<TransformStep>& steps) {
+  const bool has_grid = !arguments.grid_of.empty();
+  if (steps.empty() && !has_grid) {
+    throw Error(ErrorKind::invalid_argument,
+                "transform needs one of --translate, --translate-mm, --shift, --rotate, --mirror, "
+                "--scale, --affine and --grid-of");
+  }
+  const auto has_one = [&](const auto& is_such) {
+    return std::any_of(steps.begin(), steps.end(), is_such);
   };
-  require_use(!arguments.grid_of.empty(), "--grid-of", is_one_of({"affine", "grid-of"}),
-              "--affine, or alone");
-  require_use(arguments.is_inverse, "--inverse", is_one_of({"affine"}), "--affine");
-  require_use(arguments.is_in_place, "--in-place", is_one_of({"rotate", "mirror", "scale"}),
+  const auto is_a = []<class... Steps>() {
+    return [](const TransformStep& step) { return (std::holds_alternative<Steps>(step) || ...); };
+  };
+  const bool has_affine = has_one(is_a.operator()<AffineStep>());
+  const bool has_scale_up = has_one([](const TransformStep& step) {
+    const auto* const scale = std::get_if<ScaleStep>(&step);
+    return scale != nullptr && scale->is_finer;
+  });
+  const bool is_resampled = has_affine || has_grid || has_one(is_between_axes);
+  require_use(arguments.is_inverse, "--inverse", has_affine, "--affine");
+  require_use(arguments.is_in_place, "--in-place",
+              has_one(is_a.operator()<RotateStep, MirrorStep, ScaleStep>()),
               "--rotate, --mirror and --scale");
-  require_use(!arguments.fill.empty(), "--fill", is_one_of({"shift", "affine", "grid-of"}),
-              "--shift, --affine and --grid-of");
-  require_use(!arguments.interpolation.empty(), "--interpolation",
-              is_one_of({"affine", "grid-of"}) ||
-                  (is_one_of({"scale"}) && arguments.scale.find('/') == std::string::npos),
-              "--affine, --grid-of and --scale N");
-  const bool is_copy = is_one_of({"translate", "translate-mm"});
+  require_use(!arguments.fill.empty(), "--fill",
+              is_resampled || has_one(is_a.operator()<ShiftStep>()),
+              "--shift, --affine, --grid-of and --rotate by other angles than quarter turns");
+  require_use(!arguments.interpolation.empty(), "--interpolation", is_resampled || has_scale_up,
+              "--affine, --grid-of, --scale N and --rotate by other angles than quarter turns");
+  const bool is_copy =
+      !has_grid && std::all_of(steps.begin(), steps.end(),
+                               is_a.operator()<TranslateStep, TranslateMmStep>());
   require_use(arguments.preset != "small", "--preset", !is_copy, "what makes new voxels");
   require_use(arguments.max_error != "0", "--max-error", !is_copy, "what makes new voxels");
 }
@@ -121,54 +172,15 @@ std::optional<double> parse_fill(const std::string& text) {
   return text.empty() ? std::nullopt : std::optional(parse_number(text, "--fill"));
 }
 
-ResampleStep resample_step(const TransformArguments& arguments) {
-  ResampleStep step;
-  step.interpolation = parse_interpolation(arguments.interpolation);
-  step.fill = parse_fill(arguments.fill);
-  if (!arguments.affine.empty()) step.map_mm = read_affine(arguments.affine);
-  step.is_inverse = arguments.is_inverse;
-  step.grid_of = arguments.grid_of;
-  return step;
-}
-
-TransformStep step_of(const TransformArguments& arguments, const std::string& operation) {
-  if (operation == "translate") {
-    return TranslateStep{parse_index(arguments.translate, "--translate")};
-  }
-  if (operation == "translate-mm") {
-    return TranslateMmStep{parse_point(arguments.translate_mm, "--translate-mm")};
-  }
-  if (operation == "shift") {
-    return ShiftStep{parse_index(arguments.shift, "--shift"), parse_fill(arguments.fill)};
-  }
-  if (operation == "rotate") {
-    RotateStep step{{}, arguments.is_in_place};
-    for (const std::string& text : arguments.rotations) {
-      step.rotations.push_back(parse_rotation(text));
-    }
-    return step;
-  }
-  if (operation == "mirror") {
-    MirrorStep step{{}, arguments.is_in_place};
-    for (const std::string& text : arguments.mirrors) step.axes.push_back(parse_mirror(text));
-    return step;
-  }
-  if (operation == "scale") {
-    ScaleStep step = parse_scale(arguments.scale);
-    step.is_in_place = arguments.is_in_place;
-    step.interpolation = parse_interpolation(arguments.interpolation);
-    return step;
-  }
-  return resample_step(arguments);
-}
-
 TransformOptions options_of(const TransformArguments& arguments, const Context& context) {
-  const std::string operation = operation_of(arguments);
-  check_options(arguments, operation);
   TransformOptions options;
+  options.steps = steps_of(arguments);
+  check_options(arguments, options.steps);
   options.input = arguments.input;
   options.output = {arguments.output, context.force};
-  options.step = step_of(arguments, operation);
+  options.grid_of = arguments.grid_of;
+  options.interpolation = parse_interpolation(arguments.interpolation);
+  options.fill = parse_fill(arguments.fill);
   options.preset = arguments.preset == "fast" ? Preset::fast : Preset::small;
   options.max_error = parse_number(arguments.max_error, "--max-error");
   if (options.max_error < 0) {
@@ -224,37 +236,33 @@ void add_transform(CLI::App& app, Context& context) {
   };
   add("file", arguments->input, "An .8vo file or a URL of one", "FILE")->required();
   add("-o,--output", arguments->output, "The .8vo file to write", "FILE")->required();
-  const char* const kOperation = "Operation";
-  add("--translate", arguments->translate, "Move the volume by x,y,z voxels: its origin", "X,Y,Z")
-      ->group(kOperation);
-  add("--translate-mm", arguments->translate_mm, "Move the volume by x,y,z mm (LPS): its origin",
-      "X,Y,Z")
-      ->group(kOperation);
-  add("--shift", arguments->shift, "Move the voxels by x,y,z within the grid", "X,Y,Z")
-      ->group(kOperation);
-  verb.add_option("--rotate", arguments->rotations, "Quarter turns about an index axis")
-      ->type_name("AXIS:DEGREES")
-      ->allow_extra_args(false)
-      ->group(kOperation);
-  verb.add_option("--mirror", arguments->mirrors, "Reverse an index axis: x, y or z")
-      ->type_name("AXIS")
-      ->allow_extra_args(false)
-      ->group(kOperation);
-  add("--scale", arguments->scale, "A grid N times as fine, or 1/N: a coarser level", "N")
-      ->group(kOperation);
-  add("--affine", arguments->affine, "Move the object by a 4 x 4 matrix in a text file (mm, LPS)",
-      "FILE")
-      ->group(kOperation);
-  add("--grid-of", arguments->grid_of, "Resample onto the grid of this .8vo file", "FILE")
-      ->group(kOperation);
-  verb.add_flag("--inverse", arguments->is_inverse, "Take the inverse of the matrix");
+  const char* const kSteps = "Steps, in the order in which they are typed";
+  const auto add_step = [&](const char* name, const char* text, const char* type) {
+    verb.add_option_in_order(name,
+                             [arguments, option = std::string(name)](const std::string& value) {
+                               arguments->steps.push_back({option, value});
+                             },
+                             text)
+        ->type_name(type)
+        ->group(kSteps);
+  };
+  add_step("--translate", "Move the volume by x,y,z voxels: its origin", "X,Y,Z");
+  add_step("--translate-mm", "Move the volume by x,y,z mm (LPS): its origin", "X,Y,Z");
+  add_step("--shift", "Move the voxels by x,y,z within the grid", "X,Y,Z");
+  add_step("--rotate", "Turn about an axis of the grid, or X,Y,Z: z:90, x:-12.5, 1,1,0:30",
+           "AXIS:DEGREES");
+  add_step("--mirror", "Reverse an index axis: x, y or z", "AXIS");
+  add_step("--scale", "A grid N times as fine, or 1/N: a coarser level", "N");
+  add_step("--affine", "Move the object by a 4 x 4 matrix in a text file (mm, LPS)", "FILE");
+  add("--grid-of", arguments->grid_of, "Resample onto the grid of this .8vo file", "FILE");
+  verb.add_flag("--inverse", arguments->is_inverse, "Take the inverse of the matrices");
   verb.add_flag("--in-place", arguments->is_in_place,
                 "Keep direction and center of the grid: the object turns or grows");
   add("--interpolation", arguments->interpolation,
-      "nearest, linear or cubic (default: linear; labels: nearest)", "NAME")
+      "nearest, linear or cubic: Keys, a = -0.5 (default: linear; labels: nearest)", "NAME")
       ->check(one_of({"nearest", "linear", "cubic"}));
   add("--fill", arguments->fill,
-      "Real value from outside (default: the least of the volume; labels: 0)", "V");
+      "Real value from outside (default: the minimum of the volume; labels: 0)", "V");
   add("--preset", arguments->preset, "small: fewest bytes; fast: several times faster", "NAME")
       ->check(one_of({"small", "fast"}))
       ->capture_default_str();

@@ -167,6 +167,13 @@ template Option Verb::add_option_function(const std::string&,
 template Option Verb::add_option_function(const std::string&, std::function<void(const int&)>,
                                           const std::string&);
 
+Option Verb::add_option_in_order(const std::string& names,
+                                 std::function<void(const std::string&)> take,
+                                 const std::string& help) {
+  return Option(app_->add_option_function<std::string>(names, std::move(take), help)
+                    ->trigger_on_parse());
+}
+
 Option Verb::add_flag(const std::string& names, bool& variable, const std::string& help) {
   return Option(app_->add_flag(names, variable, help));
 }

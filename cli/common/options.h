@@ -77,6 +77,10 @@ class Verb {
   template <class T>
   Option add_option_function(const std::string& names, std::function<void(const T&)> take,
                              const std::string& help);
+  /// An option that may be repeated, in any order with others of its kind: `take` gets each value
+  /// as it is read.
+  Option add_option_in_order(const std::string& names,
+                             std::function<void(const std::string&)> take, const std::string& help);
   Option add_flag(const std::string& names, bool& variable, const std::string& help);
 
   /// The positional "file": an .8vo file or a URL of one.

@@ -94,6 +94,8 @@ constexpr Advice kAdvice[] = {
     {kUsage, "labels.numbers", "", "give another --label"},
     {kAny, "labels.range", "", "give --range LOW:HIGH"},
     {kAny, "mask.kind", "", "'octavo threshold' makes a mask of grey values"},
+    {kUsage, "step.is_in_place", "", "--in-place turns, mirrors or scales the object itself"},
+    {kUsage, "steps", "", "give --rotate, --shift or another step, or --grid-of"},
     {kAny, "tissues", "", "give --range LOW:HIGH"},
 
     // --- Pictures

@@ -23,16 +23,20 @@ int axis_of(const std::string& text, const char* option, const std::string& whol
 }  // namespace
 
 AxisRotation parse_rotation(const std::string& text) {
+  constexpr const char* kExpected = "an axis and degrees, as in z:90, x:-12.5 or 1,1,0:30";
   const std::vector<std::string> parts = split(text, ':');
-  const int axis = axis_of(parts.size() == 2 ? parts[0] : "", "--rotate", text,
-                           "x, y or z and 90, 180 or 270: z:90");
-  for (const int degrees : {90, 180, 270, -90}) {
-    if (parts[1] == std::to_string(degrees)) return {axis, degrees};
+  if (parts.size() != 2) axis_of("", "--rotate", text, kExpected);
+  AxisRotation rotation;
+  if (split(parts[0], ',').size() == 3) {
+    rotation.axis = parse_point(parts[0], "--rotate");
+  } else {
+    rotation.axis = {0, 0, 0};
+    rotation.axis[static_cast<std::size_t>(axis_of(parts[0], "--rotate", text, kExpected))] = 1;
   }
+  rotation.degrees = parse_number(parts[1], "--rotate");
+  if (rotation.axis != Point3{0, 0, 0}) return rotation;
   throw Error(ErrorKind::invalid_argument,
-              fmt::format("--rotate: '{}'; expected 90, 180 or 270 degrees; other angles go with "
-                          "--affine",
-                          escaped(text)));
+              fmt::format("--rotate: '{}'; the axis 0,0,0 has no direction", escaped(text)));
 }
 
 int parse_mirror(const std::string& text) {

@@ -8,7 +8,7 @@
 
 namespace octavo::cli {
 
-/// "z:90": 90, 180, 270 or -90 degrees. Throws Error{invalid_argument}
+/// "z:90", "x:-12.5", "1,1,0:30": an axis and degrees. Throws Error{invalid_argument}
 AxisRotation parse_rotation(const std::string& text);
 
 /// "x". Throws Error{invalid_argument}

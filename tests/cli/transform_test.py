@@ -226,6 +226,51 @@ class Transforms(cli_test.InFolder):
         self.assertLessEqual(max(abs(a - b) for a, b in zip(found, again)
                                  if -99 not in (a, b)), 1)
 
+    def test_an_angle_turns_grey_values_about_the_center_in_mm(self):
+        before = self.info("v.8vo")
+        for options in [[], ["--in-place"]]:
+            made = self.transform("v.8vo", "--rotate", "x:20", "--rotate", "x:4.5", "--fill",
+                                  "-99", *options)
+            self.assertEqual(made["size"][0], SIZE[0])
+            size = tuple(made["size"])
+            center = [(n - 1) / 2 for n in size]
+            for a, b in zip(self.world_of(made, center),
+                            self.world_of(before, [(n - 1) / 2 for n in SIZE])):
+                self.assertAlmostEqual(a, b)
+            c, s = math.cos(math.radians(24.5)), math.sin(math.radians(24.5))
+            found = self.voxels_of()
+            for voxel, p in list(zip(found, voxel_order(size)))[::41]:
+                _, v, w = ((i - m) * mm for i, m, mm in zip(p, center, made["spacing_mm"]))
+                at = (p[0], (c * v + s * w) / SPACING[1] + (SIZE[1] - 1) / 2,
+                      (-s * v + c * w) / SPACING[2] + (SIZE[2] - 1) / 2)
+                value = self.linear(at)
+                if value is None:
+                    self.assertEqual(voxel, -99)
+                else:
+                    self.assertLessEqual(abs(voxel - value), 0.5 + 1e-9)
+                if not options:
+                    for a, b in zip(self.world_of(made, p), self.world_of(before, at)):
+                        self.assertAlmostEqual(a, b)
+
+    def test_steps_are_done_in_the_order_of_the_command_line(self):
+        turned = (SIZE[1], SIZE[0], SIZE[2])
+        for name, source, code in [("v.8vo", self.grey, "h"), ("m.8vo", self.mask, "B")]:
+            outside = min(source)
+            self.transform(name, "--rotate", "z:90", "--shift", "2,0,0")
+            self.expect_voxels(source, turned, lambda x, y, z: (y, SIZE[1] - 1 - (x - 2), z),
+                               code, outside)
+            made = self.transform(name, "--shift", "2,0,0", "--rotate", "z:90")
+            self.assertEqual(made["operation"], "shift, rotate")
+            self.expect_voxels(source, turned, lambda x, y, z: (y - 2, SIZE[1] - 1 - x, z), code,
+                               outside)
+            self.assertEqual(self.info("o.8vo")["metadata"]["made_by"],
+                             {"operation": "transform", "step": "steps",
+                              "steps": ["shift 2,0,0", "rotate z:90"]})
+        self.assertIn("made by      transform: steps shift 2,0,0,rotate z:90",
+                      self.expect(0, "info", "o.8vo").stdout)
+        made = self.transform("v.8vo", "--mirror", "x", "--translate", "1,2,3", "--mirror", "x")
+        self.assertEqual(self.voxels_of(), self.grey)
+
     def test_grid_of_brings_a_volume_onto_another_grid(self):
         size, spacing = (30, 25, 40), (1.0, 0.5, 1.5)
         self.build("g.8vo", [0] * (30 * 25 * 40), "uint8", "B", size=size, spacing=spacing)
@@ -295,7 +340,8 @@ class Transforms(cli_test.InFolder):
 
     def test_neither_threads_nor_memory_change_a_byte(self):
         (self.folder / "m.txt").write_text("0.9 0.1 0 3  -0.1 0.8 0.2 0  0 0.1 1.1 -5")
-        for options in [["--rotate", "z:90"], ["--affine", "m.txt", "--interpolation", "cubic"]]:
+        for options in [["--rotate", "z:90"], ["--affine", "m.txt", "--interpolation", "cubic"],
+                        ["--rotate", "1,2,3:40", "--shift", "1,2,3", "--affine", "m.txt"]]:
             self.transform("v.8vo", *options, "-j", "1")
             one = (self.folder / "o.8vo").read_bytes()
             self.transform("v.8vo", *options, "-j", "5", "--max-memory", "600M")
@@ -310,11 +356,15 @@ class Transforms(cli_test.InFolder):
         kept = self.files()
         for code, words, arguments in [
             (2, ["needs one of", "--grid-of"], []),
-            (2, ["--shift and --mirror", "one at a time"], ["--shift", "1,1,1", "--mirror", "x"]),
+            (2, ["scale of 1/2", "before the steps that move"],
+             ["--mirror", "x", "--scale", "1/2"]),
             (2, ["--shift", "x,y,z"], ["--shift", "1,1"]),
             (2, ["z:90"], ["--rotate", "90"]),
             (2, ["z:90"], ["--rotate", "w:90"]),
-            (2, ["--affine"], ["--rotate", "z:45"]),
+            (2, ["'45x'"], ["--rotate", "z:45x"]),
+            (2, ["0,0,0 has no direction"], ["--rotate", "0,0,0:45"]),
+            (2, ["1,1,0:30"], ["--rotate", "1,1:45"]),
+            (2, ["undoes the step", "--in-place"], ["--rotate", "z:45", "--grid-of", "m.8vo"]),
             (2, ["--mirror", "x, y or z"], ["--mirror", "q"]),
             (2, ["power of two"], ["--scale", "3"]),
             (2, ["power of two"], ["--scale", "1/0"]),
@@ -351,6 +401,10 @@ class Transforms(cli_test.InFolder):
                           "--interpolation", "linear", "-o", "x.8vo")
         self.expect_error(5, ["exists already"], "transform", "v.8vo", "--mirror", "x", "-o",
                           "m.8vo")
+        # What is wrong with the arguments comes before what stands in the way.
+        for word, arguments in [("'45x'", ["--rotate", "z:45x"]),
+                                ("fill value 0.5", ["--shift", "1,1,1", "--fill", "0.5"])]:
+            self.expect_error(2, [word], "transform", "v.8vo", *arguments, "-o", "m.8vo")
         self.expect_error(2, ["--resample", "--complement"], "combine", "m.8vo", "--complement",
                           "--resample", "-o", "x.8vo")
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <memory>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "octavo/core/error.h"
@@ -52,8 +51,10 @@ std::int64_t planes_at_once(const VolumeDescription& volume) {
 bool is_for_mask_tree(const FileReader& reader, const TransformPlan& plan) {
   const ValueRange range = reader.range();
   const VolumeDescription& volume = reader.description();
-  return (plan.turn || (plan.shift && plan.outside == 0)) && volume.kind == VolumeKind::labels &&
-         volume.type == VoxelType::uint8 && range.min >= 0 && range.max <= 1;
+  const bool is_in_tree = plan.way == TransformWay::move && plan.level == 0 &&
+                          (plan.shift == Index3{} || plan.outside == 0);
+  return is_in_tree && volume.kind == VolumeKind::labels && volume.type == VoxelType::uint8 &&
+         range.min >= 0 && range.max <= 1;
 }
 
 MaskTree moved_mask(const FileReader& reader, const TransformPlan& plan,
@@ -61,7 +62,8 @@ MaskTree moved_mask(const FileReader& reader, const TransformPlan& plan,
   constexpr ValueWindow kInside = {1, 1};
   MaskTree mask = read_mask(reader, 0, {&kInside, 1}, context);
   context.on_threads([&] {
-    mask = plan.turn ? turned(mask, *plan.turn) : shifted(mask, *plan.shift);
+    if (plan.turn != AxisTurn{}) mask = turned(mask, plan.turn);
+    mask = shifted(mask, plan.shift);
   });
   return mask;
 }
@@ -77,8 +79,7 @@ std::uint64_t write_voxels(const FileReader& reader, const TransformPlan& plan,
   const std::int64_t planes = planes_at_once(volume);
   require_room_for(volume, build, plane_bytes(volume) * static_cast<std::uint64_t>(planes),
                    options.output,
-                   plan.operation == "scale" ? "take a smaller scale"
-                                             : "take a smaller volume or grid");
+                   plan.is_scaled ? "take a smaller scale" : "take a smaller volume or grid");
   const auto build_from = [&](const FillBox& fill) {
     const auto source = make_computed_source(volume, fill, planes);
     return build_file(*source, local_storage(), options.output.path, build, context.watcher())
@@ -103,11 +104,11 @@ TransformResult transform(const TransformOptions& options, const TaskContext& co
     throw Error(ErrorKind::invalid_argument, "the max error must not be negative")
         .with_field("max_error");
   }
-  std::vector<std::string> inputs = {options.input};
-  if (const auto* step = std::get_if<ResampleStep>(&options.step)) inputs.push_back(step->grid_of);
-  require_computed(options.output, inputs);
   const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
   const TransformPlan plan = plan_transform(options, *reader, context);
+  std::vector<std::string> inputs = {options.input};
+  if (!options.grid_of.empty()) inputs.push_back(options.grid_of);
+  require_computed(options.output, inputs);
   TransformResult result;
   result.volume = new_description(reader, plan);
   result.operation = plan.operation;

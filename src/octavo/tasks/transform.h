@@ -3,10 +3,16 @@
 //     step                  what changes                    how
 //     translate             the origin                      bricks are copied, not decoded
 //     shift                 the place within the grid       whole voxels are moved
-//     rotate, mirror        the axes of the grid            whole voxels are moved
+//     rotate, mirror        the axes of the grid            whole voxels are moved; where an axis
+//                                                           comes to lie between two, values are
+//                                                           interpolated
 //     scale to a finer grid                                 values are interpolated
 //     scale to a coarser    the grid is that of a level     whole voxels are moved
-//     resample              the grid, or the object on it   values are interpolated
+//     affine                the object on its grid          values are interpolated
+//     grid of another file                                  values are interpolated
+//
+// Several steps become one map from the voxels of the last grid to those of the file. So values are
+// interpolated once, and only the last grid drops what lies outside of it.
 #pragma once
 
 #include <cstdint>
@@ -32,23 +38,22 @@ struct TranslateMmStep {
   Point3 mm;  ///< LPS
 };
 
+/// Voxels moved within the grid.
 struct ShiftStep {
   Index3 voxels;
-  /// The real value of voxels from outside; without one 0 for labels and the minimum of a grey
-  /// volume.
-  std::optional<double> fill;
 };
 
-/// A rotation about an index axis, right-handed in index space.
+/// A rotation about an axis through the center of the grid, right-handed: one about z moves what
+/// lies along x towards y. Lengths count in mm.
 struct AxisRotation {
-  int axis = 2;      ///< 0 is x
-  int degrees = 90;  ///< a multiple of 90
+  Point3 axis = {0, 0, 1};  ///< along the axes of the grid, of any length but 0
+  double degrees = 90;
 };
 
 struct RotateStep {
   std::vector<AxisRotation> rotations;
   /// The direction and the center of the grid stay and the object turns; otherwise every voxel
-  /// keeps its place in space.
+  /// keeps its place in space. Either way the grid becomes as large as the turned volume.
   bool is_in_place = false;
 };
 
@@ -57,30 +62,33 @@ struct MirrorStep {
   bool is_in_place = false;
 };
 
-/// A grid `factor` times as fine, or the level that is as much coarser.
+/// A grid `factor` times as fine, or the level that is as much coarser, which goes before all steps
+/// that move voxels.
 struct ScaleStep {
   std::int64_t factor = 2;  ///< a power of two, 2 to 64
   bool is_finer = true;
   bool is_in_place = false;  ///< the grid stays about its center and the object grows or shrinks
-  /// Of a finer grid; without one nearest for labels and linear for grey values.
-  std::optional<Interpolation> interpolation = {};
 };
 
-struct ResampleStep {
-  std::optional<Affine> map_mm;  ///< moves the object: a point p (LPS) goes to map_mm(p)
-  bool is_inverse = false;       ///< map_mm leads from the new place to the old one
-  std::string grid_of;           ///< an .8vo file that gives the grid; empty: the grid stays
-  std::optional<Interpolation> interpolation = {};
-  std::optional<double> fill;  ///< as of ShiftStep
+/// The object moved on its grid: a point p (mm, LPS) goes to map_mm(p).
+struct AffineStep {
+  Affine map_mm;
+  bool is_inverse = false;  ///< map_mm leads from the new place to the old one
 };
 
 using TransformStep = std::variant<TranslateStep, TranslateMmStep, ShiftStep, RotateStep,
-                                   MirrorStep, ScaleStep, ResampleStep>;
+                                   MirrorStep, ScaleStep, AffineStep>;
 
 struct TransformOptions {
   std::string input;  ///< an .8vo file or a URL of one
   Output output;
-  TransformStep step;
+  std::vector<TransformStep> steps;  ///< one after another
+  std::string grid_of;               ///< an .8vo file whose grid is the last one; or empty
+  /// Without one nearest for labels, which have no other, and linear for grey values.
+  std::optional<Interpolation> interpolation = {};
+  /// The real value of voxels from outside; without one 0 for labels and the minimum of a grey
+  /// volume.
+  std::optional<double> fill = {};
   // Of new voxels; a translation copies those that are there.
   Preset preset = Preset::small;
   double max_error = 0;
@@ -88,7 +96,7 @@ struct TransformOptions {
 
 struct TransformResult {
   VolumeDescription volume;  ///< that of the new file
-  std::string operation;     ///< "translate", "translate-mm", "rotate", ...
+  std::string operation;     ///< "translate", "rotate, shift", "grid-of", ...
   bool is_copied = false;    ///< the bricks are those of the input
   std::string summary;       ///< what became of the voxels: "voxels shifted within the grid"
   std::uint64_t file_bytes = 0;

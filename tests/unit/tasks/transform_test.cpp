@@ -1,5 +1,6 @@
 #include "octavo/tasks/transform.h"
 
+#include <cmath>
 #include <random>
 
 #include "octavo/ops/grid/axis_turn.h"
@@ -11,6 +12,25 @@ namespace {
 using testing::DenseLabels;
 
 constexpr Size3 kTransformSize = {68, 25, 19};
+constexpr Point3 kAboutX = {1, 0, 0};
+constexpr Point3 kAboutY = {0, 1, 0};
+constexpr Point3 kAboutZ = {0, 0, 1};
+
+/// A point turned about an axis through the origin, right-handed.
+Point3 turned_point(const Point3& p, Point3 axis, double degrees) {
+  const double length = std::sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
+  for (double& part : axis) part /= length;
+  const double angle = degrees * std::acos(-1.0) / 180;
+  const Point3 cross = {axis[1] * p[2] - axis[2] * p[1], axis[2] * p[0] - axis[0] * p[2],
+                        axis[0] * p[1] - axis[1] * p[0]};
+  const double dot = axis[0] * p[0] + axis[1] * p[1] + axis[2] * p[2];
+  Point3 result{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    result[i] = p[i] * std::cos(angle) + cross[i] * std::sin(angle) +
+                axis[i] * dot * (1 - std::cos(angle));
+  }
+  return result;
+}
 
 class Transform : public testing::TaskFiles {
  protected:
@@ -27,8 +47,10 @@ class Transform : public testing::TaskFiles {
     options_.output = {folder_.file("out.8vo"), true};
   }
 
-  TransformResult apply(const TransformStep& step) {
-    options_.step = step;
+  TransformResult apply(const TransformStep& step) { return apply_all({step}); }
+
+  TransformResult apply_all(const std::vector<TransformStep>& steps) {
+    options_.steps = steps;
     return transform(options_, context_);
   }
 
@@ -54,20 +76,23 @@ TEST_F(Transform, ATranslationMovesTheOriginAndNothingElse) {
 }
 
 TEST_F(Transform, AShiftDropsWhatFallsOutAndFillsWhatComesIn) {
-  apply(ShiftStep{{5, -3, 4}, 9});
+  options_.fill = 9;
+  apply(ShiftStep{{5, -3, 4}});
   EXPECT_EQ(result(), computed(kTransformSize, [&](const Index3& p) {
               return label_at({p.x - 5, p.y + 3, p.z - 4}, 9);
             }));
   EXPECT_TRUE(warnings_.empty());
-  apply(ShiftStep{{0, 25, 0}, {}});
+  options_.fill.reset();
+  apply(ShiftStep{{0, 25, 0}});
   EXPECT_EQ(result(), DenseLabels(kTransformSize));
   EXPECT_EQ(warnings_.size(), 1u);
 }
 
 TEST_F(Transform, TurnsMoveWholeVoxelsThatKeepTheirPlaceInSpace) {
   const std::pair<TransformStep, AxisTurn> turns[] = {
-      {RotateStep{{{2, 90}}}, quarter_turns(2, 1)},
-      {RotateStep{{{0, -90}, {1, 180}}}, chained(quarter_turns(0, -1), quarter_turns(1, 2))},
+      {RotateStep{{{kAboutZ, 90}}}, quarter_turns(2, 1)},
+      {RotateStep{{{kAboutX, -90}, {kAboutY, 180}}},
+       chained(quarter_turns(0, -1), quarter_turns(1, 2))},
       {MirrorStep{{0, 2}}, chained(mirror_along(0), mirror_along(2))}};
   for (const auto& [step, turn] : turns) {
     const TransformResult turned_volume = apply(step);
@@ -87,7 +112,7 @@ TEST_F(Transform, TurnsMoveWholeVoxelsThatKeepTheirPlaceInSpace) {
 }
 
 TEST_F(Transform, ATurnInPlaceKeepsTheDirection) {
-  const TransformResult made = apply(RotateStep{{{2, 90}}, true});
+  const TransformResult made = apply(RotateStep{{{kAboutZ, 90}}, true});
   EXPECT_EQ(made.volume.geometry.direction, geometry_.direction);
 }
 
@@ -106,7 +131,7 @@ TEST_F(Transform, AMaskIsTurnedAndShiftedOnItsOctreeAsItsVoxelsAre) {
   EXPECT_EQ(result(), computed(kTransformSize, [&](const Index3& p) {
               return mask.at({p.x, kTransformSize.y - 1 - p.y, p.z});
             }));
-  apply(ShiftStep{{-7, 2, 0}, {}});
+  apply(ShiftStep{{-7, 2, 0}});
   EXPECT_EQ(result(), computed(kTransformSize, [&](const Index3& p) {
               const Index3 q = {p.x + 7, p.y - 2, p.z};
               return box_of(kTransformSize).contains(q) && mask.at(q) != 0;
@@ -136,16 +161,15 @@ TEST_F(Transform, ACoarserGridIsThatOfALevel) {
 }
 
 TEST_F(Transform, AMapByWholeVoxelsMovesTheObjectAsAShiftDoes) {
-  ResampleStep step;
-  step.map_mm = Affine{};
-  step.map_mm->offset = {3 * 0.5, -2 * 0.5, 1 * 2};
-  step.fill = 8;
+  AffineStep step;
+  step.map_mm.offset = {3 * 0.5, -2 * 0.5, 1 * 2};
+  options_.fill = 8;
   const auto expected = computed(kTransformSize, [&](const Index3& p) {
     return label_at({p.x - 3, p.y + 2, p.z - 1}, 8);
   });
   apply(step);
   EXPECT_EQ(result(), expected);
-  step.map_mm = inverse(*step.map_mm);
+  step.map_mm = inverse(step.map_mm).value();
   step.is_inverse = true;
   apply(step);
   EXPECT_EQ(result(), expected);
@@ -153,36 +177,174 @@ TEST_F(Transform, AMapByWholeVoxelsMovesTheObjectAsAShiftDoes) {
 
 TEST_F(Transform, TheGridOfAnotherFileIsTakenOver) {
   geometry_.origin_mm = {-8, 20, 5};
-  ResampleStep step;
-  step.grid_of = write("grid.8vo", DenseLabels({10, 30, 19}, 1));
-  const TransformResult made = apply(step);
+  options_.grid_of = write("grid.8vo", DenseLabels({10, 30, 19}, 1));
+  const TransformResult made = apply_all({});
   EXPECT_EQ(made.volume.geometry, geometry_);
   EXPECT_EQ(result(), computed({10, 30, 19}, [&](const Index3& p) {
               return label_at({p.x + 4, p.y, p.z}, 0);
             }));
   EXPECT_TRUE(warnings_.empty());
   geometry_.origin_mm = {500, 20, 5};
-  step.grid_of = write("far.8vo", labels_);
-  apply(step);
+  options_.grid_of = write("far.8vo", labels_);
+  apply_all({});
   EXPECT_EQ(warnings_.size(), 1u);
 }
 
+/// By brute force: every voxel of the new grid, from the center, in mm, turned back.
+TEST_F(Transform, AnyAngleAboutAnyAxisTurnsLabelsInMm) {
+  const AxisRotation rotations[] = {
+      {kAboutZ, 30}, {kAboutX, -77.5}, {{1, 1, 0}, 30}, {{-2, 1, 0.5}, 200}};
+  for (const AxisRotation& rotation : rotations) {
+    for (const bool is_in_place : {true, false}) {
+      const TransformResult made = apply(RotateStep{{rotation}, is_in_place});
+      const Size3& size = made.volume.size;
+      const Geometry& grid = made.volume.geometry;
+      EXPECT_EQ(grid.direction == geometry_.direction, is_in_place);
+      const DenseLabels found = result();
+      std::int64_t wrong = 0;
+      std::int64_t inside = 0;
+      testing::for_each_voxel(size, [&](const Index3& p) {
+        Point3 from_center{};
+        for (int a = 0; a < 3; ++a) {
+          const auto i = static_cast<std::size_t>(a);
+          from_center[i] = (static_cast<double>(p[a]) - static_cast<double>(size[a] - 1) / 2) *
+                           grid.spacing_mm[i];
+        }
+        const Point3 before = turned_point(from_center, rotation.axis, -rotation.degrees);
+        Index3 source;
+        bool is_on_border = false;
+        Point3 index{};
+        for (int a = 0; a < 3; ++a) {
+          const auto i = static_cast<std::size_t>(a);
+          index[i] = before[i] / geometry_.spacing_mm[i] +
+                     static_cast<double>(kTransformSize[a] - 1) / 2;
+          source[a] = static_cast<std::int64_t>(std::floor(index[i] + 0.5));
+          const double border = index[i] + 0.5;
+          is_on_border = is_on_border || std::abs(border - std::round(border)) < 1e-5;
+        }
+        if (is_on_border) return;
+        inside += box_of(kTransformSize).contains(source);
+        wrong += found.at(p) != label_at(source, 0);
+        if (is_in_place) return;
+        // The place in space is the same.
+        const Point3 here = grid.to_world({static_cast<double>(p.x), static_cast<double>(p.y),
+                                           static_cast<double>(p.z)});
+        const Point3 there = geometry_.to_world(index);
+        for (std::size_t i = 0; i < 3; ++i) wrong += std::abs(here[i] - there[i]) > 1e-9;
+      });
+      EXPECT_EQ(wrong, 0) << rotation.degrees;
+      // The new grid holds the whole volume: as many mm3 of it lie in the source.
+      double mm3 = 1;
+      for (const double mm : grid.spacing_mm) mm3 *= mm;
+      const double volume = static_cast<double>(kTransformSize.voxel_count()) * 0.5;
+      EXPECT_NEAR(static_cast<double>(inside) * mm3, volume, 0.02 * volume) << rotation.degrees;
+    }
+  }
+}
+
+TEST_F(Transform, AnglesThatAddUpToQuartersMoveWholeVoxels) {
+  const TransformResult quarter = apply(RotateStep{{{kAboutZ, 90}}});
+  const DenseLabels expected = result();
+  const TransformResult thirds =
+      apply_all({RotateStep{{{kAboutZ, 30}}}, TranslateStep{{0, 0, 0}},
+                 RotateStep{{{kAboutZ, 60}}}});
+  EXPECT_EQ(result(), expected);
+  EXPECT_EQ(thirds.volume.size, quarter.volume.size);
+  EXPECT_EQ(thirds.volume.geometry.direction, quarter.volume.geometry.direction);
+  // About the diagonal x becomes y, y becomes z, and z becomes x.
+  const TransformResult diagonal = apply(RotateStep{{{{1, 1, 1}, 120}}});
+  EXPECT_EQ(diagonal.volume.size, (Size3{kTransformSize.z, kTransformSize.x, kTransformSize.y}));
+  EXPECT_EQ(result(), computed(diagonal.volume.size, [&](const Index3& p) {
+              return labels_.at({p.y, p.z, p.x});
+            }));
+}
+
+TEST_F(Transform, StepsAreDoneInTheirOrderAndOnlyTheLastGridDropsVoxels) {
+  const RotateStep quarter{{{kAboutZ, 90}}};
+  // Turned: (x, y) was (y, 24 - x).
+  apply_all({quarter, ShiftStep{{3, 0, 0}}});
+  EXPECT_EQ(result(), computed({25, 68, 19}, [&](const Index3& p) {
+              return p.x < 3 ? 0 : labels_.at({p.y, 24 - (p.x - 3), p.z});
+            }));
+  const TransformResult other = apply_all({ShiftStep{{3, 0, 0}}, quarter, MirrorStep{{2}}});
+  EXPECT_EQ(other.operation, "shift, rotate, mirror");
+  EXPECT_EQ(result(), computed({25, 68, 19}, [&](const Index3& p) {
+              return label_at({p.y - 3, 24 - p.x, 18 - p.z}, 0);
+            }));
+  apply_all({ShiftStep{{60, 20, -19}}, ShiftStep{{-60, -20, 19}}, TranslateStep{{1, 0, 0}}});
+  EXPECT_EQ(result(), labels_);
+  EXPECT_TRUE(warnings_.empty());
+}
+
+TEST_F(Transform, AMaskDoesStepsOfWholeVoxelsOnItsOctreeAsItsVoxelsDo) {
+  const DenseLabels mask =
+      computed(kTransformSize, [&](const Index3& p) { return labels_.at(p) == 2; });
+  testing::Volume volume = volume_of(mask, 2);
+  volume.description.type = VoxelType::uint8;
+  volume.voxels.clear();
+  for (const std::int32_t label : mask.voxels) volume.voxels.push_back(std::byte(label));
+  options_.input = folder_.file("mask.8vo");
+  testing::build_volume(volume, options_.input, 1);
+  const std::vector<TransformStep> steps = {ShiftStep{{-4, 3, 2}}, RotateStep{{{kAboutY, 90}}},
+                                            ShiftStep{{1, 0, -30}}, MirrorStep{{0, 1}}};
+  apply_all(steps);
+  const DenseLabels on_tree = result();
+  options_.input = write("wide.8vo", mask);  // int32 goes voxel by voxel
+  apply_all(steps);
+  EXPECT_EQ(result(), on_tree);
+  EXPECT_NE(on_tree, DenseLabels(on_tree.size));
+}
+
+TEST_F(Transform, ValuesAreInterpolatedOnceForAllSteps) {
+  testing::Volume volume = volume_of(labels_, 2);
+  volume.description.kind = VolumeKind::grey;
+  options_.input = folder_.file("grey.8vo");
+  testing::build_volume(volume, options_.input, 1);
+  AffineStep there;
+  there.map_mm.offset = {0.37, -0.21, 0.44};
+  AffineStep back = there;
+  back.is_inverse = true;
+  options_.interpolation = Interpolation::cubic;
+  EXPECT_FALSE(apply_all({there, back}).is_copied);
+  EXPECT_EQ(result(), labels_);
+  apply(there);
+  EXPECT_NE(result(), labels_);
+}
+
+TEST_F(Transform, ALevelIsTakenBeforeOtherSteps) {
+  const ScaleStep half{.factor = 2, .is_finer = false};
+  const TransformResult level = apply(half);
+  const DenseLabels coarse = result();
+  const Size3& size = level.volume.size;
+  apply_all({half, RotateStep{{{kAboutZ, 180}}}});
+  EXPECT_EQ(result(), computed(size, [&](const Index3& p) {
+              return coarse.at({size.x - 1 - p.x, size.y - 1 - p.y, p.z});
+            }));
+  const RotateStep turn{{{kAboutZ, 180}}};
+  EXPECT_EQ(failure_of([&] { apply_all({turn, half}); }).field, "step.factor");
+}
+
 TEST_F(Transform, StepsThatTheVolumeDoesNotAllowAreRejected) {
-  ResampleStep linear;
-  linear.map_mm = Affine{};
-  linear.interpolation = Interpolation::linear;
-  ResampleStep flat;
-  flat.map_mm = Affine{};
-  flat.map_mm->linear[8] = 0;
+  AffineStep flat;
+  flat.map_mm.linear[8] = 0;
+  const double infinite = std::numeric_limits<double>::infinity();
   for (const auto& [step, field] : std::vector<std::pair<TransformStep, std::string>>{
-           {linear, "step.interpolation"},
            {flat, "step.map_mm"},
-           {ResampleStep{}, "step"},
-           {ShiftStep{{1, 1, 1}, 0.5}, "step.fill"},
-           {RotateStep{{{2, 45}}}, "step"},
+           {RotateStep{{{{0, 0, 0}, 45}}}, "step"},
+           {RotateStep{{{kAboutZ, infinite}}}, "step"},
            {MirrorStep{{3}}, "step.axis"}}) {
     EXPECT_EQ(failure_of([&, step = step] { apply(step); }).field, field);
   }
+  EXPECT_EQ(failure_of([&] { apply_all({}); }).field, "steps");
+  options_.fill = 0.5;
+  EXPECT_EQ(failure_of([&] { apply(ShiftStep{{1, 1, 1}}); }).field, "step.fill");
+  options_.fill.reset();
+  options_.interpolation = Interpolation::linear;
+  EXPECT_EQ(failure_of([&] { apply(RotateStep{{{kAboutZ, 45}}}); }).field, "step.interpolation");
+  options_.interpolation.reset();
+  options_.grid_of = write("grid.8vo", labels_);
+  EXPECT_EQ(failure_of([&] { apply(RotateStep{{{kAboutZ, 45}}}); }).field, "step.is_in_place");
+  options_.grid_of.clear();
   options_.max_error = -1;
   EXPECT_EQ(failure_of([&] { apply(MirrorStep{{0}}); }).field, "max_error");
 }

@@ -23,7 +23,9 @@ namespace octavo {
 enum class Interpolation : std::uint8_t {
   nearest,  ///< the voxel whose box holds the point; halfway, the one with the higher index
   linear,   ///< between 8 voxels
-  cubic     ///< Catmull-Rom over 64 voxels; may go beyond the values around
+  /// Keys' cubic convolution with a = -0.5 (Catmull-Rom) over 64 voxels: through every voxel, and
+  /// beyond the values around where they bend. No B-spline, which ITK calls by this order.
+  cubic
 };
 
 /// Computes voxels of a grid from those of a level of a file. The reader must outlive this.

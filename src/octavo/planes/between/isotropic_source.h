@@ -11,10 +11,10 @@
 //   number of pixels (within a thousandth) that is every slice.
 // - The last plane is the last one that does not lie behind the last slice; a rest of less than a
 //   pixel there holds no plane, and is reported.
-// - Grey is mixed from two slices (linear) or four (cubic: Catmull-Rom, with slices beyond the ends
-//   continued in a straight line) as mix_planes says. Linear stays between the two slices; cubic
-//   may leave their range by up to an eighth of the largest difference between the four, and is
-//   held within the voxel type.
+// - Grey is mixed from two slices (linear) or four (cubic: Keys, a = -0.5, with slices beyond the
+//   ends continued in a straight line) as mix_planes says. Linear stays between the two slices;
+//   cubic may leave their range by up to an eighth of the largest difference between the four, and
+//   is held within the voxel type.
 // - Labels are interpolated by their shapes: shape_between.h. No label is made up.
 //
 // Source: thesis section 1.2; Keys, "Cubic convolution interpolation" (1981)
