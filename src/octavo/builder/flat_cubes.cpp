@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cstring>
 #include <limits>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "octavo/builder/float_grid.h"
 #include "octavo/core/error.h"
 #include "octavo/file/parallel_read.h"
 #include "octavo/octree/o_code.h"
@@ -45,7 +47,7 @@ struct Extent {
   }
 };
 
-// A block of 64^3 voxels, dense in its own size.
+// A block of 64^3 voxels as the numbers that bricks hold, dense in its own size.
 struct Block {
   Size3 size;
   std::vector<std::int64_t> voxels;
@@ -85,6 +87,7 @@ class FlatCubes final : public PlaneSource {
             std::int64_t flat, int threads)
       : reader_(std::move(reader)),
         description_(description),
+        coding_(reader_->description().coding.value_or(SampleCoding{})),
         flat_(flat),
         for_each_(for_each_parallel(threads)),
         size_(description.size) {
@@ -120,8 +123,8 @@ class FlatCubes final : public PlaneSource {
   };
 
   void check() const {
-    if (description_.kind != VolumeKind::grey || !is_integer(description_.type)) {
-      throw Error(ErrorKind::invalid_argument, "only grey volumes of whole numbers are condensed");
+    if (description_.kind != VolumeKind::grey) {
+      throw Error(ErrorKind::invalid_argument, "only grey volumes are condensed");
     }
     const std::int64_t most = (std::int64_t{1} << 62) >> std::min(62, 3 * universe_level(size_));
     if (flat_ >= 0 && (flat_ == 0 || flat_ < most)) return;
@@ -141,6 +144,23 @@ class FlatCubes final : public PlaneSource {
   Box block_box(const Index3& block) const {
     const Index3 lo{block.x * kSide, block.y * kSide, block.z * kSide};
     return intersection(box_of(size_), {lo, {lo.x + kSide, lo.y + kSide, lo.z + kSide}});
+  }
+
+  // Voxels as the numbers that bricks hold, and back.
+  template <class T>
+  std::int64_t code_of(T voxel) const {
+    if constexpr (std::is_floating_point_v<T>) {
+      if (const auto code = exact_code(coding_, voxel)) return *code;
+      throw Error(ErrorKind::internal, "a voxel that its file cannot hold");
+    } else {
+      return static_cast<std::int64_t>(voxel);
+    }
+  }
+
+  template <class T>
+  T voxel_of(std::int64_t code) const {
+    if constexpr (std::is_floating_point_v<T>) return coding_.voxel_of(code);
+    else return static_cast<T>(code);
   }
 
   // Calls visit(entry, box) for the bricks of level 0 in a block.
@@ -172,7 +192,7 @@ class FlatCubes final : public PlaneSource {
           for (std::int64_t x = 0; x < size.x; ++x, from += sizeof(T)) {
             T value;
             std::memcpy(&value, from, sizeof value);
-            row[part.lo.x - box.lo.x + x] = static_cast<std::int64_t>(value);
+            row[part.lo.x - box.lo.x + x] = code_of(value);
           }
         }
       });
@@ -287,7 +307,7 @@ class FlatCubes final : public PlaneSource {
           const std::int64_t* const row = block.row(y, z);
           const std::int64_t to = (z * size_.y + cell.y * kSide + y) * size_.x + cell.x * kSide;
           for (std::int64_t x = 0; x < block.size.x; ++x) {
-            const T value = static_cast<T>(row[x]);
+            const T value = voxel_of<T>(row[x]);
             std::memcpy(layer_.data() + static_cast<std::size_t>(to + x) * sizeof value, &value,
                         sizeof value);
           }
@@ -300,6 +320,7 @@ class FlatCubes final : public PlaneSource {
 
   std::shared_ptr<const FileReader> reader_;
   VolumeDescription description_;
+  SampleCoding coding_;  // of float32
   std::int64_t flat_;
   ForEach for_each_;
   Size3 size_;

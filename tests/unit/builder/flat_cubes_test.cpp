@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <span>
 
 #include "octavo/core/error.h"
 #include "support/built_file.h"
@@ -126,15 +127,44 @@ TEST(FlatCubes, OfALossyFileTheyAreThoseOfItsVoxels) {
   EXPECT_EQ(planes_of(*source), expand(octree, scene.size, -1));
 }
 
-TEST(FlatCubes, WhatHasNoMeanIsRejected) {
-  Scene scene = scenes()[1];
-  scene.type = VoxelType::float32;
+TEST(FlatCubes, FloatsAreCondensedAsTheNumbersBehindThem) {
+  const Scene scene{{67, 34, 70}, VoxelType::float32, {1, 1, 1}, 2, 30};
+  const DenseVolume dense = dense_volume(scene);
+  const auto voxel_of = [](std::int64_t number) {
+    return static_cast<float>(static_cast<double>(number) * 0.1 - 7);
+  };
+  Volume volume;
+  volume.description.type = scene.type;
+  volume.description.size = scene.size;
+  for (const std::int64_t number : dense.voxels) {
+    const float voxel = voxel_of(number);
+    const auto* const bytes = reinterpret_cast<const std::byte*>(&voxel);
+    volume.voxels.insert(volume.voxels.end(), bytes, bytes + sizeof voxel);
+  }
   const ScratchFolder folder;
-  const auto floats = file_of(folder, scene, dense_volume(scene));
-  EXPECT_THROW(make_flat_cubes(floats, floats->description(), 1, 1), Error);
-  const ScratchFolder other;
-  scene.type = VoxelType::int16;
-  const auto whole = file_of(other, scene, dense_volume(scene));
+  testing::build_volume(volume, folder.file("v.8vo"), 1);
+  const auto reader = testing::open_file(folder.file("v.8vo"));
+  ASSERT_NEAR(reader->description().coding.value().scale, 0.1, 1e-12);
+  for (const std::int64_t flat : {0, 3, 6, 200}) {
+    const auto octree = testing::recursive_octree(dense, {std::nullopt, flat});
+    const std::vector<std::int64_t> expected = expand(octree, scene.size, -1);
+    const auto source = make_flat_cubes(reader, reader->description(), flat, 2);
+    std::vector<float> plane(static_cast<std::size_t>(scene.size.x * scene.size.y));
+    std::size_t at = 0;
+    for (std::int64_t z = 0; z < scene.size.z; ++z) {
+      source->read_plane(std::as_writable_bytes(std::span(plane)));
+      for (const float voxel : plane) ASSERT_EQ(voxel, voxel_of(expected[at++])) << flat;
+    }
+  }
+}
+
+TEST(FlatCubes, WhatHasNoMeanIsRejected) {
+  const Scene& scene = scenes()[1];
+  const ScratchFolder folder;
+  const auto whole = file_of(folder, scene, dense_volume(scene));
+  VolumeDescription labels = whole->description();
+  labels.kind = VolumeKind::labels;
+  EXPECT_THROW(make_flat_cubes(whole, labels, 1, 1), Error);
   EXPECT_THROW(make_flat_cubes(whole, whole->description(), -1, 1), Error);
   EXPECT_THROW(make_flat_cubes(whole, whole->description(), std::int64_t{1} << 60, 1), Error);
 }

@@ -14,24 +14,19 @@ namespace {
 
 constexpr const char* kCondense = "condense";
 
-/// The asked flatness in whole stored units.
-std::int64_t stored_flat(double flat, const Rescale& rescale) {
+/// The asked flatness in whole numbers of those that bricks hold.
+std::int64_t stored_flat(double flat, const VolumeDescription& volume) {
   constexpr double kMost = 4.6e18;
   constexpr double kRounding = 1e-9;  // of a quotient that should be whole
-  const double slope = rescale.slope == 0 ? 1 : std::abs(rescale.slope);
-  return static_cast<std::int64_t>(std::min(kMost, std::floor(flat / slope * (1 + kRounding))));
+  double step = volume.rescale.slope == 0 ? 1 : std::abs(volume.rescale.slope);
+  if (volume.coding) step *= volume.coding->scale;
+  return static_cast<std::int64_t>(std::min(kMost, std::floor(flat / step * (1 + kRounding))));
 }
 
-void require_grey_integers(const VolumeDescription& volume, const std::string& path) {
-  if (volume.kind == VolumeKind::labels) {
-    throw Error(ErrorKind::invalid_argument,
-                "holds labels, which are condensed as they are; only grey volumes have means",
-                path);
-  }
-  if (!is_integer(volume.type)) {
-    throw Error(ErrorKind::invalid_argument,
-                "holds float32 voxels; only volumes of whole numbers are condensed", path);
-  }
+void require_grey(const VolumeDescription& volume, const std::string& path) {
+  if (volume.kind == VolumeKind::grey) return;
+  throw Error(ErrorKind::invalid_argument,
+              "holds labels, which are condensed as they are; only grey volumes have means", path);
 }
 
 }  // namespace
@@ -40,13 +35,13 @@ BuiltVolume condense_volume(const CondenseVolumeOptions& options, const TaskCont
   if (!(options.flat >= 0)) {
     throw Error(ErrorKind::invalid_argument, "the flatness must not be negative");
   }
-  require_computed(options.output, {options.input});
   const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
-  require_grey_integers(reader->description(), options.input);
+  require_grey(reader->description(), options.input);
+  require_computed(options.output, {options.input});
   VolumeDescription description = FilePlanes(reader, 0, context.thread_count()).description();
   description.metadata.set_made_by(MadeBy(kCondense).set("flat", options.flat));
   const auto source =
-      make_flat_cubes(reader, description, stored_flat(options.flat, description.rescale),
+      make_flat_cubes(reader, description, stored_flat(options.flat, reader->description()),
                       context.thread_count());
   return build_planes(*source, {.is_resumable = false}, options.output, kCondense, context);
 }

@@ -13,9 +13,10 @@ struct CondenseVolumeOptions {
   double flat = 0;  ///< the most by which the voxels of a cube may differ, real units
 };
 
-/// Writes a grey volume whose cubes that hardly vary hold their means.
+/// Writes a grey volume whose cubes that hardly vary hold their means. Means of float32 voxels are
+/// numbers that the bricks of the input can hold, and differences count up to rounding.
 /// Throws  as open_volume, require_computed, make_flat_cubes and build_file;
-///         Error{invalid_argument} for labels, float32 voxels and a negative `flat`
+///         Error{invalid_argument} for labels and a negative `flat`
 BuiltVolume condense_volume(const CondenseVolumeOptions& options, const TaskContext& context);
 
 }  // namespace octavo

@@ -1,5 +1,7 @@
 #include "octavo/tasks/files/condense_volume.h"
 
+#include <span>
+
 #include "support/scan_files.h"
 
 namespace octavo {
@@ -29,6 +31,42 @@ TEST_F(CondenseVolume, NoVoxelMovesFurtherThanAllowed) {
     changed += read_back.voxels[i] != voxels_[i] ? 1u : 0u;
   }
   EXPECT_GT(changed, 0u);
+}
+
+TEST_F(CondenseVolume, FloatsTakeMeansThatTheirFileCanHold) {
+  constexpr Size3 kFloats = {40, 33, 21};
+  testing::Volume volume;
+  volume.description.size = kFloats;
+  volume.description.type = VoxelType::float32;
+  std::vector<float> voxels;
+  for (std::int64_t i = 0; i < kFloats.voxel_count(); ++i) {
+    const std::int64_t noise = i * 2654435761 % 7;
+    voxels.push_back(static_cast<float>(static_cast<double>(i % 40 / 8 * 20 + noise) * 0.25 - 3));
+  }
+  const auto bytes = std::as_bytes(std::span(voxels));
+  volume.voxels.assign(bytes.begin(), bytes.end());
+  options_.input = folder_.file("floats.8vo");
+  testing::build_volume(volume, options_.input, 1);
+  for (const double flat : {0.0, 0.24, 1.5}) {
+    options_.flat = flat;
+    options_.output.overwrite = true;
+    condense_volume(options_, context_);
+    const auto made = testing::open_file(options_.output.path);
+    EXPECT_EQ(made->description().type, VoxelType::float32);
+    EXPECT_EQ(made->max_error(), 0);
+    std::vector<float> condensed(voxels.size());
+    made->read(box_of(kFloats), 0, condensed.data());
+    std::size_t changed = 0;
+    for (std::size_t i = 0; i < voxels.size(); ++i) {
+      ASSERT_LE(std::abs(condensed[i] - voxels[i]), flat) << i;
+      changed += condensed[i] != voxels[i] ? 1u : 0u;
+    }
+    // Steps are 0.25; columns of 8 lie within 1.5.
+    EXPECT_EQ(changed > 0, flat == 1.5);
+    if (flat == 1.5) {
+      for (std::size_t x = 0; x < 8; ++x) EXPECT_EQ(condensed[x], condensed[0]) << x;
+    }
+  }
 }
 
 TEST_F(CondenseVolume, TheMetadataSayHowItWasMade) {
