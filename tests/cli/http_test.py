@@ -107,6 +107,7 @@ def endless_rows(b):
         Row("silent", b.silent, 5, "nothing came .* 2 s; --timeout", timeout=2, seconds=(1.9, 15)),
         Row("stops in a body", b.stops_in_a_body, 5, "nothing came .* 2 s", timeout=2,
             seconds=(1.9, 15)),
+        Row("forgets the connection", b.forgets_the_connection, 0, "sound", timeout=2),
         Row("stops in each body", b.stops_in_each_body, 0, "sound", timeout=2),
         Row("150 bytes a second", b.trickle, 5, "less than 10 kB .* 2 s", timeout=2,
             seconds=(1.9, 15)),

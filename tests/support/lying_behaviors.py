@@ -3,7 +3,10 @@
 import gzip
 import struct
 
+# What a volume of 2^18 voxels a side may need.
 ROOT_BYTES = 3 << 30
+PAGES_BYTES = 10**12
+CLAIMED_BYTES = 512 + PAGES_BYTES + 2 + ROOT_BYTES + 64
 
 TAG = 'ETag: "v1"'
 WEAK_TAG = 'ETag: W/"v1"'
@@ -130,14 +133,12 @@ class Behaviors:
 
     def huge_root(self, x):
         """Claims an index root of 3 GiB, of which a thousand bytes come."""
-        data = claims_a_root(self.data, ROOT_BYTES)
-        total = ROOT_BYTES + 10_000
         if x.number == 0:
-            return self.part(x, TAG, data=data, total=total)
+            return self.part(x, TAG, data=claims_a_root(self.data), total=CLAIMED_BYTES)
         if x.number > 1:
             return self.silent(x)
-        x.head("206 Partial Content", f"Content-Range: bytes {x.first}-{x.last}/{total}", TAG,
-               f"Content-Length: {x.asked}")
+        x.head("206 Partial Content", f"Content-Range: bytes {x.first}-{x.last}/{CLAIMED_BYTES}",
+               TAG, f"Content-Length: {x.asked}")
         x.send(bytes(1000))
         return x.fall_silent()
 
@@ -159,8 +160,11 @@ class Behaviors:
 
     def stops_in_each_body(self, x):
         x.head("206 Partial Content", self.range_header(x), f"Content-Length: {x.asked}")
-        x.send(self.body(x)[:30_000])
+        x.send(self.body(x)[:60_000])
         x.fall_silent()
+
+    def forgets_the_connection(self, x):
+        return self.good(x) if x.place == 0 else x.fall_silent()
 
     def stops_in_a_body(self, x):
         return self.stops_in_each_body(x) if x.number == 0 else self.silent(x)
@@ -207,18 +211,17 @@ def crc32c(data):
     return crc ^ 0xFFFFFFFF
 
 
-def claims_a_root(data, root_bytes):
-    """The header of `data` as that of a huge volume, whose index root has this length."""
+def claims_a_root(data):
+    """The head of `data` as that of a huge volume: its size, and what its parts have to measure."""
     header = bytearray(data[:512])
-    header[14] = 21
-    header[16:48] = bytes([7] * 20 + [3] + [0] * 11)
-    struct.pack_into("<3Q", header, 48, 1 << 21, 1 << 21, 1 << 20)
-    end = root_bytes + 10_000
-    at = end - 64 - root_bytes
-    struct.pack_into("<Q", header, 224, end)
-    struct.pack_into("<QQII", header, 232, at - 2, 2, 0, 0)
-    struct.pack_into("<QQII", header, 256, 512, at - 2 - 512, 0, 0)
-    struct.pack_into("<QQII", header, 280, at, root_bytes, 0, 0)
-    struct.pack_into("<QQII", header, 304, at - 2, 0, 0, 0)
+    header[14] = 18
+    header[16:48] = bytes([7] * 18 + [0] * 14)
+    struct.pack_into("<3Q", header, 48, *[1 << 18] * 3)
+    metadata = 512 + PAGES_BYTES
+    struct.pack_into("<Q", header, 224, CLAIMED_BYTES)
+    struct.pack_into("<QQII", header, 232, metadata, 2, 0, 0)
+    struct.pack_into("<QQII", header, 256, 512, PAGES_BYTES, 0, 0)
+    struct.pack_into("<QQII", header, 280, metadata + 2, ROOT_BYTES, 0, 0)
+    struct.pack_into("<QQII", header, 304, metadata, 0, 0, 0)
     struct.pack_into("<I", header, 508, crc32c(header[:508]))
     return bytes(header) + bytes(1 << 16)

@@ -18,16 +18,17 @@ class Exchange:
     """One request and the connection its answer goes to.
 
     number   of the request of its name, from 0
+    place    of the request on its connection, from 0
     headers  by names in lower case
     first, last, asked  the range that was asked for: asked = last - first + 1
     server   the Server it came to
     """
 
-    def __init__(self, connection, server, target, lines, number):
+    def __init__(self, connection, server, target, lines):
         self._connection = connection
         self.server = server
         self.target = target
-        self.number = number
+        self.number = self.place = 0
         pairs = (line.split(":", 1) for line in lines if ":" in line)
         self.headers = {name.strip().lower(): value.strip() for name, value in pairs}
         found = re.fullmatch(r"bytes=(\d+)-(\d+)", self.headers.get("range", ""))
@@ -117,14 +118,15 @@ class Server:
         try:
             if self._context:
                 connection = self._context.wrap_socket(connection, server_side=True)
-            while self._serve_one(connection):
-                pass
+            for place in itertools.count():
+                if not self._serve_one(connection, place):
+                    return
         except (OSError, ValueError):
             pass  # the other side has left
         finally:
             connection.close()
 
-    def _serve_one(self, connection):
+    def _serve_one(self, connection, place):
         head = b""
         while END not in head:
             data = connection.recv(1 << 16)
@@ -135,8 +137,9 @@ class Server:
         target = request.split()[1]
         # A proxy is asked for whole URLs.
         name = re.sub(r"^https?://[^/]*", "", target).split("/")[1]
+        exchange = Exchange(connection, self, target, lines)
+        exchange.place = place
         with self._lock:
-            number = next(self._numbers.setdefault(name, itertools.count()))
-        exchange = Exchange(connection, self, target, lines, number)
+            exchange.number = next(self._numbers.setdefault(name, itertools.count()))
         self.requests.append((target, exchange.headers))
         return self._behaviors[name](exchange)

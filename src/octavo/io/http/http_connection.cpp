@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <type_traits>
+#include <utility>
 
 #include "octavo/core/error.h"
 
@@ -45,16 +46,19 @@ void start_curl() {
 
 /// A request while it runs.
 struct HttpConnection::Transfer {
+  explicit Transfer(RangeInProgress& wanted) : range(wanted) {}
+
   RangeInProgress& range;
   RequestResult result;
-  Clock::time_point heard;          ///< when the last bytes of the body came, or it began
-  std::uint64_t body_start = 0;     ///< in range.bytes
+  bool may_be_lost = false;                ///< where nothing comes
+  Clock::time_point heard = Clock::now();  ///< when the last bytes of the body came, or it began
+  std::uint64_t body_start = range.bytes.size();
   std::uint64_t head_bytes = 0;
-  std::uint64_t skipped_bytes = 0;  ///< of a body that is no range
+  std::uint64_t skipped_bytes = 0;         ///< of a body that is no range
   bool has_offer = false;
-  bool is_cut = false;              ///< ended by us, as the rest is of no use
-  bool is_ended = false;            ///< result.end says why
-  std::exception_ptr failure;       ///< which must not pass through libcurl
+  bool is_cut = false;                     ///< ended by us, as the rest is of no use
+  bool is_ended = false;                   ///< result.end says why
+  std::exception_ptr failure;              ///< which must not pass through libcurl
 
   bool reject(const std::string& problem) {
     end(RequestEnd::rejected);
@@ -94,6 +98,7 @@ struct HttpConnection::Transfer {
       return reject("the server sends more bytes than were asked for");
     }
     range.bytes.insert(range.bytes.end(), bytes, bytes + count);
+    may_be_lost = true;
     heard = Clock::now();
     range.patience.feed(count, heard);
     return true;
@@ -106,7 +111,8 @@ struct HttpConnection::Transfer {
       end(RequestEnd::cancelled);
     } else if (range.patience.left(now) <= 0) {
       end(RequestEnd::late);
-    } else if (now - heard > std::chrono::duration<double>(range.patience.seconds() / 2)) {
+    } else if (may_be_lost &&
+               now - heard > std::chrono::duration<double>(range.patience.seconds() / 3)) {
       end(RequestEnd::lost);
       result.problem = "the server went silent";
     } else {
@@ -140,7 +146,7 @@ HttpConnection::HttpConnection() {
   set(CURLOPT_HEADERFUNCTION, &HttpConnection::on_header);
   set(CURLOPT_WRITEFUNCTION, &HttpConnection::on_body);
   set(CURLOPT_XFERINFOFUNCTION, &HttpConnection::on_second);
-  // Authorities besides those of the system, named as most programs have them named.
+  // Authorities to trust, named as for most other programs.
   if (const char* authorities = std::getenv("SSL_CERT_FILE")) set(CURLOPT_CAINFO, authorities);
 }
 
@@ -181,10 +187,11 @@ int HttpConnection::on_second(void* user, std::int64_t, std::int64_t, std::int64
 
 RequestResult HttpConnection::request(const std::string& url, RangeInProgress& range) {
   static_assert(std::is_same_v<curl_off_t, std::int64_t>);
-  Transfer transfer{range, {}, Clock::now(), range.bytes.size(), 0, 0, false, false, false, {}};
+  Transfer transfer{range};
+  transfer.may_be_lost = std::exchange(was_put_aside_, false);
   const std::string wanted =
       std::to_string(range.next()) + '-' + std::to_string(range.offset + range.count - 1);
-  const double connect_s = std::min(kLongestConnectSeconds, range.patience.seconds() / 4);
+  const double connect_s = std::min(kLongestConnectSeconds, range.patience.seconds() / 2);
   set(CURLOPT_URL, url.c_str());
   set(CURLOPT_RANGE, wanted.c_str());
   set(CURLOPT_CONNECTTIMEOUT_MS, static_cast<long>(connect_s * 1000));

@@ -32,7 +32,7 @@ struct RangeInProgress {
 enum class RequestEnd {
   answered,   ///< the head says how; a body that is no range is not read to its end
   rejected,   ///< the answer is of no use, whatever is asked next
-  lost,       ///< the connection broke, or was silent for half the patience
+  lost,       ///< the connection broke, or may have done so unseen
   late,       ///< the patience ended
   cancelled,
 };
@@ -54,7 +54,12 @@ class HttpConnection {
 
   /// Asks `url` for what is missing and appends what comes of it to `range.bytes`. Follows no
   /// redirect. Bytes are taken only behind a head that promises them.
+  /// A connection that was put aside, or in the middle of a body, counts as lost after a third of
+  /// the patience in silence: another one may still be answered.
   RequestResult request(const std::string& url, RangeInProgress& range);
+
+  /// Says that the next request comes later. The connection may break meanwhile without a sign.
+  void put_aside() { was_put_aside_ = true; }
 
  private:
   struct Transfer;
@@ -67,6 +72,7 @@ class HttpConnection {
 
   CURL* easy_;
   curl_slist* headers_ = nullptr;
+  bool was_put_aside_ = false;
 };
 
 }  // namespace octavo

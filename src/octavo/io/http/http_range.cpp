@@ -59,6 +59,7 @@ std::unique_ptr<HttpConnection> RangeClient::take_connection() {
 }
 
 void RangeClient::return_connection(std::unique_ptr<HttpConnection> connection) {
+  connection->put_aside();
   const std::lock_guard lock(mutex_);
   idle_.push_back(std::move(connection));
 }
