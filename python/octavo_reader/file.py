@@ -1,6 +1,5 @@
 """A file that is open: docs/format.md, section 10."""
 
-import json
 import os
 from collections.abc import Iterator
 from functools import lru_cache
@@ -12,14 +11,23 @@ from .byte_cursor import crc32c
 from .errors import OctavoError, require
 from .grey_brick import decode_grey_brick
 from .grey_model import GreyModel, parse_grey_model
-from .header import HEADER_LENGTH, LEVELS_PER_TIER, Header, Section, parse_header
-from .index import BRICKS_PER_PAGE, Brick, brick_order, o_code, parse_page, parse_root
+from .header import (
+    BRICKS_PER_PAGE,
+    HEADER_LENGTH,
+    LEVELS_PER_TIER,
+    Header,
+    Section,
+    parse_header,
+)
+from .index import Brick, brick_order, o_code, parse_page, parse_root
 from .label_brick import decode_label_brick
 from .label_model import LabelModel, parse_label_model
+from .metadata import parse_metadata
 
 _TRAILER_LENGTH = 64
 _TRAILER_MAGIC = b"\x8f8VOend\n"
 _MODEL_LEVEL = 255
+_FIRST_PART = 1 << 20
 
 
 class OctavoFile:
@@ -37,7 +45,7 @@ class OctavoFile:
             self.header = parse_header(self._file.read(HEADER_LENGTH))
             self._prove_trailer()
             self._root = parse_root(self._section(self.header.root, "index root"), self.header)
-            self.metadata = self._read_metadata()
+            self.metadata = parse_metadata(self._section(self.header.metadata, "metadata"))
         except BaseException:
             self._file.close()
             raise
@@ -147,15 +155,6 @@ class OctavoFile:
                 and int.from_bytes(data[16:24], "little") == header.file_length
                 and _u32(data, 24) == header.crc, "header and trailer disagree")
 
-    def _read_metadata(self) -> dict:
-        data = self._section(self.header.metadata, "metadata")
-        try:
-            metadata = json.loads(data)
-        except ValueError:
-            metadata = None
-        require(isinstance(metadata, dict), "the metadata is no JSON object")
-        return metadata
-
     def _read_page(self, tier: int, layer: int, number: int) -> list[Brick]:
         page = self._root.pages[tier][layer][number]
         data = self._read(page.offset, page.length)
@@ -183,10 +182,13 @@ class OctavoFile:
 
     def _read(self, offset: int, length: int) -> bytes:
         self._file.seek(offset)
-        data = self._file.read(length)
-        if len(data) < length:
-            raise OctavoError("truncated", f"{length} bytes are due at {offset}")
-        return data
+        data = bytearray()
+        while len(data) < length:
+            part = self._file.read(min(length - len(data), max(_FIRST_PART, len(data))))
+            if not part:
+                raise OctavoError("truncated", f"{length} bytes are due at {offset}")
+            data += part
+        return bytes(data)
 
 
 def _u32(data: bytes, at: int) -> int:

@@ -11,10 +11,15 @@ from .errors import OctavoError, require
 HEADER_LENGTH = 512
 MAGIC = b"\x8f8VO\r\n\x1a\n"
 LEVELS_PER_TIER = 6
+BRICKS_PER_PAGE = 1024
+# Bytes that a page and a brick cost in the index, at least and at most: docs/format.md, section 9.
+PAGE_IN_ROOT = (9, 54)
+BRICK_IN_PAGES = (2, 63)
 VOXEL_TYPES = {1: "int8", 2: "uint8", 3: "int16", 4: "uint16", 5: "int32", 6: "uint32",
                7: "float32"}
 KINDS = {1: "grey", 2: "labels"}
 _CODING_TAG = 0x8001
+_TEXT_LIMIT = 16 << 20
 
 
 @dataclass(frozen=True)
@@ -191,3 +196,19 @@ def _prove(header: Header) -> None:
         at += section.length
     require(at + 64 == header.file_length and header.pages.offset >= HEADER_LENGTH,
             "the sections do not fill the file")
+    for section in (header.thumbnail, header.metadata):
+        require(section.length <= _TEXT_LIMIT, "a section is too long")
+    _prove_index_lengths(header)
+
+
+def _prove_index_lengths(header: Header) -> None:
+    """How many bricks a volume has bounds its index from both sides."""
+    grids = [header.bricks(tier) for tier in range(header.tier_count)]
+    bricks = sum(map(math.prod, grids))
+    pages = sum(-(-x * y // BRICKS_PER_PAGE) * z for x, y, z in grids)
+    slabs = grids[0][2]
+    fewest, most = (pages + bricks * each for each in BRICK_IN_PAGES)
+    require(fewest <= header.pages.length <= most, "the index pages do not fit the volume")
+    fewest, most = (pages * each for each in PAGE_IN_ROOT)
+    require(fewest + slabs <= header.root.length <= most + 16 * slabs + 16,
+            "the index root does not fit the volume")

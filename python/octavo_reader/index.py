@@ -6,12 +6,11 @@ import numpy as np
 
 from .byte_cursor import ByteCursor
 from .errors import require
-from .header import HEADER_LENGTH, Header
+from .header import BRICK_IN_PAGES, BRICKS_PER_PAGE, HEADER_LENGTH, Header
 
-BRICKS_PER_PAGE = 1024
 _MODEL_LIMIT = 16 << 20
-_PAGE_LIMIT = 1 << 20
 _SEGMENT_LIMIT = 4 << 20
+_SLAB_TRAILER_LIMIT = 1 << 30
 
 
 @dataclass(frozen=True)
@@ -97,6 +96,8 @@ def parse_root(data: bytes, header: Header) -> Root:
         for layer in range(layers):
             if tier == 0:
                 trailers.append(cursor.varint())
+                require(trailers[-1] <= min(_SLAB_TRAILER_LIMIT, 30 + 4 * bricks_x * bricks_y),
+                        "a slab trailer is too long")
             pages[tier].append([])
             for first in range(0, bricks_x * bricks_y, BRICKS_PER_PAGE):
                 count = min(BRICKS_PER_PAGE, bricks_x * bricks_y - first)
@@ -118,7 +119,9 @@ def _parse_page_entry(cursor: ByteCursor, header: Header, tier: int, layer: int,
     error = cursor.varint() if tier == 0 and header.max_error > 0 else 0
     uniform_count = cursor.varint()
     level_bytes = [cursor.varint() for _ in header.tier_levels(tier)]
-    require(length <= _PAGE_LIMIT and uniform_count <= count, "the root describes a page wrongly")
+    fewest, most = (1 + count * each for each in BRICK_IN_PAGES)
+    require(fewest <= length <= most and uniform_count <= count,
+            "the root describes a page wrongly")
     _prove_range(header, smallest, largest)
     return Page(tier, layer, count, offset, length, crc, smallest, largest, error, uniform_count,
                 level_bytes)

@@ -46,6 +46,7 @@ set(OCTAVO_READ_SOURCES
   codec/label/label_word_bricks.cpp
   file/bit_flip.cpp
   file/index.cpp
+  file/index_lengths.cpp
   file/index_root.cpp
   file/layer_order.cpp
   file/layout.cpp

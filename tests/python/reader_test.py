@@ -9,6 +9,7 @@ of the package or of the document. Exits with 77, which means skipped, where Num
 
 import os
 import pathlib
+import struct
 import subprocess
 import sys
 import tempfile
@@ -16,7 +17,8 @@ import unittest
 from unittest import mock
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "python"), str(pathlib.Path(__file__).parent)]
+sys.path[:0] = [str(ROOT / "python"), str(pathlib.Path(__file__).parent),
+                str(ROOT / "tests" / "support")]
 
 try:
     import numpy as np
@@ -25,6 +27,7 @@ except ImportError:
     sys.exit(77)
 
 import volumes  # noqa: E402
+from file_bytes import with_metadata  # noqa: E402
 from octavo_reader import OctavoError, OctavoFile, grey_brick  # noqa: E402
 from octavo_reader.byte_cursor import crc32c  # noqa: E402
 
@@ -149,6 +152,56 @@ class Damage(InFolder):
                 is_in_trailer = data.find(b"8slb") <= at < data.find(b"8slb") + 64
                 if not is_in_trailer:
                     self.assertIsNone(self.read_all(bytes(changed)), f"{name}, byte {at}")
+
+
+class Claims(InFolder):
+    """Lengths that a header claims, and metadata that are none; all checksums fit."""
+
+    def rejected(self, data):
+        path = self.folder / "claim.8vo"
+        path.write_bytes(data)
+        with self.assertRaises(OctavoError) as rejection:
+            OctavoFile(path)
+        self.assertEqual(rejection.exception.kind, "corrupt")
+        return str(rejection.exception)
+
+    def test_lengths_of_the_index_follow_from_the_size(self):
+        data = (GOLDEN / "minimal.8vo").read_bytes()
+        pages, root = (struct.unpack_from("<QQ", data, at) for at in (256, 280))
+        for (begin, length), at, name in ((pages, 256, "pages"), (root, 280, "root")):
+            for growth in (200, -length):
+                end = begin + length
+                changed = bytearray(data[:end] + bytes(max(growth, 0)) + data[end:])
+                if growth < 0:
+                    del changed[begin:end]
+                for section in (232, 256, 280, 304):
+                    offset, = struct.unpack_from("<Q", data, section)
+                    behind = offset > begin or (offset == begin and section != at)
+                    struct.pack_into("<Q", changed, section, offset + growth * behind)
+                struct.pack_into("<Q", changed, at + 8, length + growth)
+                struct.pack_into("<I", changed, at + 16,
+                                 crc32c(bytes(changed[begin : end + growth])))
+                struct.pack_into("<Q", changed, 224, len(changed))
+                struct.pack_into("<I", changed, 508, crc32c(bytes(changed[:508])))
+                self.assertIn(f"index {name} do", self.rejected(bytes(changed)))
+
+    def test_metadata_that_are_no_json_object_are_rejected(self):
+        data = (GOLDEN / "minimal.8vo").read_bytes()
+        deep = b'{"a":' + b"[" * 100_000 + b"]" * 100_000 + b"}"
+        for text in (b"", b"  ", b"not json", b"[1]", b"null", b'{"unit":"\xff\xfe"}', b"{} {}",
+                     '{"a":1}'.encode("utf-16"), b'{"a":NaN}', b'{"a":"\\ud800"}', deep,
+                     b'{"a":[' + b"1," * 65536 + b"1]}", b'{"a":"' + b"b" * 65537 + b'"}',
+                     b'{"a":' + b"[" * 16 + b"]" * 16 + b"}"):
+            self.assertIn("metadata", self.rejected(with_metadata(data, text)), text[:40])
+
+    def test_metadata_within_the_limits_are_read(self):
+        data = (GOLDEN / "minimal.8vo").read_bytes()
+        for value in (b"1" * 5000, b'"' + b"[" * 65536 + b'"', b"[" + b"1," * 65533 + b"1]",
+                      b"[" * 15 + b"]" * 15):
+            text = b'{"a":' + value + b"} "
+            (self.folder / "sound.8vo").write_bytes(with_metadata(data, text))
+            with OctavoFile(self.folder / "sound.8vo") as file:
+                self.assertEqual(list(file.metadata), ["a"])
 
 
 class CommandLine(InFolder):

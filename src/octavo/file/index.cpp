@@ -5,15 +5,11 @@
 
 #include "octavo/core/checked.h"
 #include "octavo/file/byte_codec.h"
+#include "octavo/file/index_lengths.h"
 
 namespace octavo {
 
 namespace {
-
-// The fewest bytes a page takes in the root: length, CRC, two for the range, uniform count, one
-// level.
-constexpr std::uint64_t kMinPageRefBytes = 9;
-constexpr std::uint64_t kMaxSlabTrailerBytes = std::uint64_t{1} << 30;
 
 // Ranges stay inside the bounds at every step, so that no difference can overflow.
 ValueRange take_range(ByteReader& in, const ValueRange& bounds, std::int64_t& previous_min) {
@@ -31,14 +27,6 @@ ValueRange take_range(ByteReader& in, const ValueRange& bounds, std::int64_t& pr
 }
 
 std::int64_t page_count_of(const TierIndex& tier) { return tier.layer_pages * tier.grid.z; }
-
-// A page is a byte and at least two for each brick: without room for them nothing is allocated.
-void check_page_room(const ByteReader& in, const TierIndex& tier, std::uint64_t pages_bytes) {
-  const auto bricks = static_cast<std::uint64_t>(tier.layer_bricks * tier.grid.z);
-  if (static_cast<std::uint64_t>(page_count_of(tier)) + 2 * bricks > pages_bytes) {
-    in.fail("pages too short for the bricks of the volume");
-  }
-}
 
 std::uint64_t take_bounded(ByteReader& in, std::uint64_t limit, const char* what) {
   const std::uint64_t value = in.varint();
@@ -91,14 +79,15 @@ void parse_page_ref(ByteReader& in, const TierRules& rules, std::int64_t& previo
                     TierIndex& tier) {
   PageRef ref;
   const std::size_t number = tier.pages.size();
-  ref.length = static_cast<std::uint32_t>(take_bounded(in, kMaxPageBytes, "a page"));
+  const std::int64_t bricks = tier.brick_count(number);
+  const LengthBounds lengths = page_lengths(bricks);
+  ref.length = static_cast<std::uint32_t>(take_bounded(in, lengths.max, "a page"));
+  if (!lengths.holds(ref.length)) in.fail("a page too short for its bricks");
   ref.crc = in.u32();
   ref.range = take_range(in, rules.bounds, previous_min);
   if (rules.has_errors) ref.error_steps = take_error(in, rules);
   const std::uint64_t uniform = in.varint();
-  if (uniform > static_cast<std::uint64_t>(tier.brick_count(number))) {
-    in.fail("more uniform bricks than bricks");
-  }
+  if (uniform > static_cast<std::uint64_t>(bricks)) in.fail("more uniform bricks than bricks");
   ref.uniform_count = static_cast<std::uint32_t>(uniform);
   tier.uniform_count += static_cast<std::int64_t>(uniform);
   for (std::size_t level = 0; level < static_cast<std::size_t>(rules.level_count); ++level) {
@@ -115,11 +104,12 @@ void parse_tier(ByteReader& in, const TierRules& rules, int tier_number, IndexRo
   if (page_count > in.left() / kMinPageRefBytes) in.fail("ends early");
   tier.pages.reserve(page_count);
   if (tier_number == 0) root.slab_trailer_bytes.reserve(static_cast<std::size_t>(tier.grid.z));
+  const std::uint64_t max_trailer_bytes = max_slab_trailer_bytes(tier.layer_bricks);
   std::int64_t previous_min = 0;
   for (std::uint64_t page = 0; page < page_count; ++page) {
     if (tier_number == 0 && tier.first_place(page) == 0) {
       root.slab_trailer_bytes.push_back(
-          static_cast<std::uint32_t>(take_bounded(in, kMaxSlabTrailerBytes, "a slab trailer")));
+          static_cast<std::uint32_t>(take_bounded(in, max_trailer_bytes, "a slab trailer")));
     }
     parse_page_ref(in, rules, previous_min, tier);
   }
@@ -166,7 +156,7 @@ void place_pages(IndexRoot& root, const FileHeader& header, const ByteReader& in
   for (TierIndex& tier : root.tiers) {
     for (PageRef& page : tier.pages) {
       page.offset = cursor;
-      cursor += page.length;  // at most 2^40 pages of 1 MiB
+      cursor += page.length;  // at most 2^48 pages of 64 KiB
     }
   }
   if (cursor != header.pages.end()) in.fail("pages do not fill their section");
@@ -180,7 +170,6 @@ IndexRoot parse_root(ByteSpan bytes, const Levels& levels, const FileHeader& hea
   parse_models(in, levels.brick_grid(0).z - (levels.tier_count() > 1 ? 0 : 1), root);
   for (int tier = 0; tier < levels.tier_count(); ++tier) {
     root.tiers.push_back(make_tier_index(levels, tier));
-    check_page_room(in, root.tiers.back(), header.pages.length);
     parse_tier(in, rules_of(header, levels, tier), tier, root);
   }
   in.expect_end();

@@ -13,8 +13,8 @@
 //   Every page of a layer but the last holds 1024 bricks: the page of a brick is found by division.
 // Consequences
 //   Segments cannot overlap, lie outside the data or leave bytes of it to nobody.
-//   pages <= layers + bricks / 1024, and every brick costs at least two bytes of index: what a
-//   reader allocates is bounded by the bytes of the file before it allocates.
+//   pages <= layers + bricks / 1024, and a brick costs 2 to 63 bytes of index: the header bounds
+//   the index, and what a reader allocates is bounded by the bytes of the file before it allocates.
 #pragma once
 
 #include <array>
@@ -22,12 +22,10 @@
 #include <vector>
 
 #include "octavo/core/levels.h"
+#include "octavo/file/index_lengths.h"
 #include "octavo/file/layout.h"
 
 namespace octavo {
-
-inline constexpr std::int64_t kPageBricks = 1024;
-inline constexpr std::uint64_t kMaxPageBytes = std::uint64_t{1} << 20;
 
 /// A page as the root knows it.
 struct PageRef {

@@ -10,6 +10,7 @@
 #include "octavo/core/crc32c.h"
 #include "octavo/file/bit_flip.h"
 #include "octavo/file/byte_codec.h"
+#include "octavo/file/index_lengths.h"
 
 namespace octavo {
 
@@ -314,6 +315,16 @@ void check_tiling(const FileHeader& header, std::uint64_t source_bytes) {
   }
 }
 
+void check_length(const char* what, const Section& section, const LengthBounds& bounds,
+                  std::size_t at) {
+  if (bounds.holds(section.length)) return;
+  fail(ErrorKind::corrupt,
+       std::string("header: ") + what + " of " + std::to_string(section.length) +
+           " bytes; such a volume takes " + std::to_string(bounds.min) + " to " +
+           std::to_string(bounds.max),
+       at);
+}
+
 }  // namespace
 
 HeaderBlock encode_header(const FileHeader& header) {
@@ -368,6 +379,9 @@ FileHeader parse_header(ByteSpan bytes, std::uint64_t source_bytes) {
   header.root = get_section(bytes, kRootAt);
   header.thumbnail = get_section(bytes, kThumbnailAt);
   check_tiling(header, source_bytes);
+  const Levels levels(header.description.size, header.halvings);
+  check_length("index pages", header.pages, pages_lengths(levels), kPagesAt);
+  check_length("an index root", header.root, root_lengths(levels), kRootAt);
   return header;
 }
 

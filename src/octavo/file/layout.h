@@ -77,8 +77,9 @@ std::uint64_t load_file_bytes(const HeaderBlock& block);
 
 /// The header that stands in `bytes`, the first min(512, source_bytes) bytes of a source that has
 /// `source_bytes` bytes. Everything it says of itself is proven: ranges, the ladder of levels, that
-/// its sections tile the tail of the file. Throws Error{not_octavo, unsupported_version, truncated,
-/// corrupt, limit_exceeded}
+/// its sections tile the tail of the file, and that index pages and root are as long as those of
+/// such a volume can be. Throws Error{not_octavo, unsupported_version, truncated, corrupt,
+/// limit_exceeded}
 FileHeader parse_header(ByteSpan bytes, std::uint64_t source_bytes);
 
 /// The header of a file that is still being written, or whose build was interrupted: everything but

@@ -85,9 +85,7 @@ void OpenFile::read_tail(std::uint64_t max_metadata_bytes) {
 }
 
 Bytes OpenFile::read_bytes(std::uint64_t offset, std::uint64_t length) const {
-  Bytes bytes(length);
-  source_->read(offset, bytes);
-  return bytes;
+  return read_arriving(*source_, offset, length);
 }
 
 std::shared_ptr<const IndexPage> OpenFile::page(int tier, std::size_t number) const {

@@ -47,7 +47,9 @@ void require_labels(const FileReader& reader) {
 class FileReaderImpl final : public FileReader {
  public:
   FileReaderImpl(std::shared_ptr<const ByteSource> source, const ReaderOptions& options)
-      : file_(std::move(source), options), cache_(options.cache_bytes) {}
+      : file_(std::move(source), options),
+        cache_(options.cache_bytes),
+        watcher_(options.watcher) {}
 
   const VolumeDescription& description() const override { return file_.description(); }
   const Levels& levels() const override { return file_.levels(); }
@@ -96,6 +98,12 @@ class FileReaderImpl final : public FileReader {
                     std::int64_t plane_stride) const override;
 
  private:
+  void stop_if_cancelled() const {
+    if (watcher_ != nullptr && watcher_->is_cancelled()) {
+      throw Error(ErrorKind::cancelled, "stopped");
+    }
+  }
+
   void check_level(int level) const;
   void check_box(const Box& box, int level) const;
   void check_segment(const BrickEntry& entry, int in_brick_level) const;
@@ -111,6 +119,7 @@ class FileReaderImpl final : public FileReader {
 
   OpenFile file_;
   mutable LruCache<Bytes> cache_;
+  const Progress* watcher_;
 };
 
 void FileReaderImpl::check_level(int level) const {
@@ -180,6 +189,7 @@ void FileReaderImpl::decode_brick(const BrickEntry& entry, int in_brick_level,
 }
 
 void FileReaderImpl::read_brick(const BrickEntry& entry, int in_brick_level, void* out) const {
+  stop_if_cancelled();
   check_segment(entry, in_brick_level);
   const BrickShape whole = brick_shape(levels(), entry.tier, entry.brick);
   const std::int64_t count = whole.size[static_cast<std::size_t>(in_brick_level)].voxel_count();
@@ -197,6 +207,7 @@ void FileReaderImpl::read_brick(const BrickEntry& entry, int in_brick_level, voi
 }
 
 void FileReaderImpl::read_words(const BrickEntry& entry, LabelWords& words) const {
+  stop_if_cancelled();
   check_segment(entry, 0);
   require_labels(*this);
   if (entry.is_uniform()) {
@@ -227,6 +238,7 @@ std::shared_ptr<const Bytes> FileReaderImpl::decoded(const BrickEntry& entry,
 // Copies what `box` and the brick share.
 void FileReaderImpl::read_part(const BrickEntry& entry, int level, const Box& box, bool is_large,
                                const Target& out) const {
+  stop_if_cancelled();
   const BrickShape shape = brick_shape(levels(), entry.tier, entry.brick);
   const int in_brick = level - shape.first_level;
   const Box whole = brick_box_at(levels(), level, entry.brick);

@@ -13,6 +13,7 @@
 
 #include "octavo/core/bytes.h"
 #include "octavo/core/levels.h"
+#include "octavo/core/progress.h"
 #include "octavo/core/volume.h"
 #include "octavo/file/storage/byte_source.h"
 #include "octavo/octree/label_words.h"
@@ -22,6 +23,9 @@ namespace octavo {
 struct ReaderOptions {
   std::uint64_t cache_bytes = std::uint64_t{256} << 20;  ///< decoded bricks kept, at most
   std::uint64_t max_metadata_bytes = std::uint64_t{16} << 20;
+  /// Its is_cancelled() ends every reading of voxels at the next brick, with Error{cancelled}. It
+  /// outlives the reader; may be null.
+  const Progress* watcher = nullptr;
 };
 
 /// One brick as the index knows it.

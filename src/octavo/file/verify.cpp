@@ -26,8 +26,8 @@ std::string place_text(const Damage& place) {
   if (place.what == "brick") {
     return describe(Piece{place.offset, place.length, 0, place.level, place.code});
   }
-  const bool is_numbered = place.what != "thumbnail" && place.what != "file" &&
-                           place.what != "index pages";
+  const bool is_numbered = place.what != "thumbnail" && place.what != "metadata" &&
+                           place.what != "file" && place.what != "index pages";
   std::string text = place.what;
   if (is_numbered) text += " " + std::to_string(place.code);
   if (place.what == "index page") text += " of tier " + std::to_string(place.tier);
@@ -93,6 +93,7 @@ class Verifier {
     progress_.begin("verifying", static_cast<std::int64_t>(total), "bytes");
     check_stream();
     check_thumbnail();
+    check_metadata();
     check_models();
     check_slab_trailers();
     check_bricks();
@@ -132,6 +133,7 @@ class Verifier {
   void check_stream();
   void check_digest();
   void check_thumbnail();
+  void check_metadata();
   void check_models();
   void check_slab_trailers();
   void check_slab_trailer(std::int64_t slab);
@@ -193,8 +195,7 @@ void Verifier::check_digest() {
 
 void Verifier::check_thumbnail() {
   const Section& section = file_.header().thumbnail;
-  Bytes bytes(section.length);
-  file_.source().read(section.offset, bytes);
+  const Bytes bytes = read_arriving(file_.source(), section.offset, section.length);
   Damage place;
   place.what = "thumbnail";
   place.proof = OtherProof::content;
@@ -206,13 +207,23 @@ void Verifier::check_thumbnail() {
   }
 }
 
+// Their checksum was proven when the file was opened; what they say was not.
+void Verifier::check_metadata() {
+  const Metadata& metadata = file_.description().metadata;
+  if (metadata.is_readable()) return;
+  Damage place;
+  place.what = "metadata";
+  place.offset = file_.header().metadata.offset;
+  place.length = file_.header().metadata.length;
+  add(damaged(place, "no JSON object: " + metadata.defect() + "; no voxel depends on it"));
+}
+
 void Verifier::check_models() {
   const auto& models = file_.root().models;
   is_model_damaged_.resize(models.size());
   for (std::size_t i = 0; i < models.size(); ++i) {
     const Piece piece = file_.model_piece(static_cast<std::uint32_t>(i));
-    Bytes bytes(piece.length);
-    file_.source().read(piece.offset, bytes);
+    const Bytes bytes = read_arriving(file_.source(), piece.offset, piece.length);
     Damage place;
     place.what = "model";
     place.proof = OtherProof::content;
@@ -264,8 +275,7 @@ void Verifier::check_slab_trailer(std::int64_t slab) {
   place.code = static_cast<std::uint64_t>(slab);
   place.offset = root.slab_trailer_offset(slab);
   place.length = root.slab_trailer_bytes[static_cast<std::size_t>(slab)];
-  Bytes bytes(place.length);
-  file_.source().read(place.offset, bytes);
+  const Bytes bytes = read_arriving(file_.source(), place.offset, place.length);
   if (auto damage = slab_checksum_damage(place, bytes)) return add(*damage);
   try {
     const SlabTrailer trailer = parse_slab_trailer(bytes, tier.layer_bricks);
@@ -332,8 +342,7 @@ void Verifier::check_page(int tier, std::size_t number) {
   place.code = number;
   place.offset = ref.offset;
   place.length = ref.length;
-  Bytes bytes(ref.length);
-  file_.source().read(ref.offset, bytes);
+  const Bytes bytes = read_arriving(file_.source(), ref.offset, ref.length);
   const std::int64_t lost = file_.root().tiers[static_cast<std::size_t>(tier)].brick_count(number);
   const auto add_page = [&](Damage damage) {
     report_.unreachable_brick_count += lost;
@@ -400,8 +409,7 @@ std::vector<Damage> Verifier::check_brick(const BrickEntry& entry) const {
     place.offset = segment.offset;
     place.length = segment.length;
     place.proof = proof_of(entry, i);
-    segments[i].resize(segment.length);
-    file_.source().read(segment.offset, segments[i]);
+    segments[i] = read_arriving(file_.source(), segment.offset, segment.length);
     spans[i] = segments[i];
     const std::uint32_t found =
         segment_crc(file_.header().file_id, place.level, entry.code, segments[i]);

@@ -27,7 +27,7 @@ struct VerifyOptions {
 /// One damaged place.
 struct Damage {
   std::string what;  ///< "brick", "model", "index page", "index pages", "slab trailer",
-                     ///< "thumbnail", "file"
+                     ///< "thumbnail", "metadata", "file"
   int tier = 0;                     ///< of a brick
   int level = 0;                    ///< global level of a brick's segment
   Index3 brick;
@@ -59,8 +59,8 @@ struct VerifyReport {
   bool is_sound() const { return damage_count == 0; }
 };
 
-/// Checks all of `source`. A file whose header, trailer, metadata or index root is damaged cannot
-/// be looked into: then it throws what FileReader::open throws.
+/// Checks all of `source`. A file whose header, trailer or index root is damaged, or whose metadata
+/// do not match their checksum, cannot be looked into: then it throws what FileReader::open throws.
 /// Throws  also Error{io} when reading fails, Error{cancelled}
 /// Memory  that of one index page and one brick per thread; reads the file twice
 VerifyReport verify_file(std::shared_ptr<const ByteSource> source, const VerifyOptions& options,

@@ -21,10 +21,10 @@ FileHeader sample_header() {
   header.halvings = choose_halvings(header.description.size, {1, 1, 1});
   header.file_id = 0x0123456789abcdefu;
   header.file_bytes = kFileBytes;
-  header.pages = {5000, 1000, 1};
-  header.thumbnail = {6000, 0, 0};
-  header.metadata = {6000, 2000, 2};
-  header.root = {8000, kFileBytes - kTrailerBytes - 8000, 3};
+  header.pages = {5000, 100, 1};
+  header.thumbnail = {5100, 0, 0};
+  header.metadata = {5100, 4736, 2};
+  header.root = {9836, kFileBytes - kTrailerBytes - 9836, 3};
   return header;
 }
 
@@ -164,7 +164,7 @@ TEST(Header, SectionsThatDoNotTileTheTailAreRejected) {
     return kind_of(encode_header(header), header.file_bytes);
   };
   EXPECT_EQ(kind_with([](FileHeader& h) { ++h.pages.offset; }), ErrorKind::corrupt);
-  EXPECT_EQ(kind_with([](FileHeader& h) { h.pages = {kHeaderBytes - 1, 5489, 1}; }),
+  EXPECT_EQ(kind_with([](FileHeader& h) { h.pages = {kHeaderBytes - 1, 4589, 1}; }),
             ErrorKind::corrupt);
   EXPECT_EQ(kind_with([](FileHeader& h) { h.pages.length = ~std::uint64_t{0}; }),
             ErrorKind::corrupt);
@@ -185,6 +185,36 @@ TEST(Header, SectionsThatDoNotTileTheTailAreRejected) {
   EXPECT_NO_THROW(parse_header(encode_header(largest), largest.file_bytes));
   for (const FileHeader& header : {with_sizes(kMost + 1, 1), with_sizes(1, kMost + 1)}) {
     EXPECT_EQ(kind_of(encode_header(header), header.file_bytes), ErrorKind::limit_exceeded);
+  }
+}
+
+TEST(Header, IndexLengthsFollowFromTheSize) {
+  // 100 x 50 x 3 voxels: a tier of 2 bricks in one page, and one brick above it.
+  const auto with_lengths = [](std::uint64_t pages, std::uint64_t root) {
+    FileHeader header = sample_header();
+    header.pages.length = pages;
+    header.thumbnail.offset = header.pages.end();
+    header.metadata = {header.pages.end(), 2, 2};
+    header.root = {header.metadata.end(), root, 3};
+    header.file_bytes = header.root.end() + kTrailerBytes;
+    return header;
+  };
+  constexpr std::uint64_t kFewestPages = 2 + 2 * 3;
+  constexpr std::uint64_t kMostPages = 2 + 63 * 3;
+  constexpr std::uint64_t kShortestRoot = 1 + 9 * 2;
+  constexpr std::uint64_t kLongestRoot = 16 + 16 * 1 + 54 * 2;
+  for (const auto& [pages, root] : {std::pair{kFewestPages, kShortestRoot},
+                                    {kMostPages, kLongestRoot}}) {
+    const FileHeader header = with_lengths(pages, root);
+    EXPECT_NO_THROW(parse_header(encode_header(header), header.file_bytes));
+  }
+  for (const auto& [pages, root] :
+       {std::pair{kFewestPages - 1, kShortestRoot}, {kMostPages + 1, kLongestRoot},
+        {kFewestPages, kShortestRoot - 1}, {kMostPages, kLongestRoot + 1},
+        {kMostPages, std::uint64_t{3} << 30}, {std::uint64_t{3} << 30, kLongestRoot}}) {
+    const FileHeader header = with_lengths(pages, root);
+    EXPECT_EQ(kind_of(encode_header(header), header.file_bytes), ErrorKind::corrupt)
+        << pages << " and " << root;
   }
 }
 

@@ -200,6 +200,38 @@ TEST(Reader, ASegmentIsItsBytesInTheFile) {
   }
 }
 
+/// Asks to stop from the n-th question on.
+class StoppingWatcher final : public Progress {
+ public:
+  explicit StoppingWatcher(int after) : left_(after) {}
+  void begin(std::string_view, std::int64_t, std::string_view) override {}
+  void advance(std::int64_t) override {}
+  void end() override {}
+  bool is_cancelled() const override { return left_-- <= 0; }
+
+ private:
+  mutable std::atomic<int> left_;
+};
+
+TEST(Reader, ReadingEndsAtTheNextBrickOnceItsWatcherAsksForThat) {
+  SampleVolume volume = make_sample({200, 130, 70}, VoxelType::uint8, Pattern::gradient);
+  const auto source = byte_source_of(sample_file_bytes(volume), "sample.8vo");
+  const Box all = box_of(volume.levels.size(0));
+  std::vector<std::uint8_t> out(static_cast<std::size_t>(all.size().voxel_count()));
+  for (const int threads : {1, 3}) {
+    const StoppingWatcher watcher(2);
+    ReaderOptions options;
+    options.watcher = &watcher;
+    const auto reader = FileReader::open(source, options);
+    try {
+      read_parallel(*reader, all, 0, out.data(), threads);
+      ADD_FAILURE() << "read to the end";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::cancelled);
+    }
+  }
+}
+
 TEST(Reader, MetadataBeyondTheLimitOfTheReaderAreRejected) {
   SampleVolume volume = make_sample({2, 2, 2}, VoxelType::uint8, Pattern::gradient);
   const auto source = byte_source_of(sample_file_bytes(volume), "sample.8vo");

@@ -127,6 +127,19 @@ TEST(Verify, ADamagedIndexPageIsReportedOnce) {
   EXPECT_EQ(report.damages.front().what, "index page");
 }
 
+TEST(Verify, MetadataThatAreNoJsonObjectAreDamage) {
+  for (const char* text : {"", "   ", "not json", "[1]", "null", "{\"unit\":\"\xff\xfe\"}",
+                           "{} {}", "[[[[[[[[[[[[[[[[[]]]]]]]]]]]]]]]]]"}) {
+    SampleVolume volume = make_sample({2, 2, 2}, VoxelType::uint8, Pattern::gradient);
+    volume.description.metadata = Metadata::read(text);
+    const VerifyReport report = verify_bytes(sample_file_bytes(volume));
+    ASSERT_EQ(report.damage_count, 1) << text;
+    EXPECT_EQ(report.damages.front().what, "metadata");
+    EXPECT_FALSE(report.damages.front().is_repairable());
+    EXPECT_EQ(report.damaged_brick_count, 0);
+  }
+}
+
 /// Says that the user asked to stop from the n-th question on.
 class Stopped final : public Progress {
  public:

@@ -55,8 +55,7 @@ bool is_text(ByteSpan bytes) {
 }
 
 void repair_root(const ByteSource& source, const Section& section, std::vector<BitFlip>& flips) {
-  Bytes bytes(static_cast<std::size_t>(section.length));
-  source.read(section.offset, bytes);
+  const Bytes bytes = read_arriving(source, section.offset, section.length);
   const std::uint32_t found = crc32c(bytes);
   if (found == section.crc) return;
   const auto flip = locate_bit_flip(found, section.crc, {section.offset, section.length});
@@ -67,8 +66,7 @@ void repair_root(const ByteSource& source, const Section& section, std::vector<B
 void repair_metadata(const ByteSource& source, const Section& section,
                      std::vector<BitFlip>& flips) {
   if (!is_safe_guess(section.length, OtherProof::content)) return;
-  Bytes bytes(static_cast<std::size_t>(section.length));
-  source.read(section.offset, bytes);
+  Bytes bytes = read_arriving(source, section.offset, section.length);
   const auto flip = find_bit_flip(crc32c(bytes), section.crc, section.length);
   if (!flip) return;
   turn_round(*flip, 0, bytes);

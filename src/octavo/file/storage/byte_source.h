@@ -21,6 +21,12 @@ class ByteSource {
   virtual void read(std::uint64_t offset, std::span<std::uint8_t> out) const = 0;
 };
 
+/// The bytes [offset, offset + length) of a source. They are asked for in parts, the first of at
+/// most 1 MiB, no other longer than what came before it: memory follows the bytes that arrive,
+/// whatever `length` claims. Throws as ByteSource::read
+std::vector<std::uint8_t> read_arriving(const ByteSource& source, std::uint64_t offset,
+                                        std::uint64_t length);
+
 /// A ByteSource over bytes in memory.
 std::shared_ptr<ByteSource> byte_source_of(std::vector<std::uint8_t> bytes, std::string name);
 
