@@ -27,7 +27,8 @@ constexpr VerbText kInfoText = {
     "Reads the header and the index only; min and max are stored values in --json. A max error\n"
     "is shown in real units: what the file promises, and the largest difference found when it\n"
     "was built. --metadata lists what was kept of the identity of the source and what was\n"
-    "dropped, by name and how often it was there; --json holds the same.\n\n"
+    "dropped, by name and how often it was there; --json holds the same. Of metadata that fill\n"
+    "more than 1 MiB both say which bytes of the file they are instead.\n\n"
     "Examples:\n"
     "  octavo info head.8vo\n"
     "  octavo info head.8vo --metadata\n"
@@ -138,6 +139,17 @@ std::string level_table(const InfoResult& info) {
   return text;
 }
 
+/// All metadata for people; of long ones only their place.
+std::string metadata_text(const InfoResult& info) {
+  const Metadata& metadata = info.volume.metadata;
+  const std::string json = metadata_json(metadata).dump(
+      2, ' ', true, nlohmann::ordered_json::error_handler_t::replace);
+  const std::string text = identity_lines(metadata) + "\n" + json + "\n";
+  if (text.size() <= kMaxShownMetadataBytes) return text;
+  return fmt::format("\n  metadata too long to show: {} bytes from byte {} of the file on\n",
+                     metadata.text().size(), info.metadata_offset);
+}
+
 std::string screen(const InfoResult& info, bool show_metadata) {
   const VolumeDescription& d = info.volume;
   const Metadata& metadata = d.metadata;
@@ -167,14 +179,12 @@ std::string screen(const InfoResult& info, bool show_metadata) {
   if (const std::string words = missing_words(metadata); !words.empty()) {
     text += row("missing", words + "; filled");
   }
+  if (!metadata.is_readable()) {
+    text += row("metadata", "cannot be read, no JSON object: " + metadata.defect());
+  }
   text += row("format", "8vo " + info.format_version);
   text += level_table(info);
-  if (show_metadata) {
-    text += identity_lines(metadata);
-    const nlohmann::ordered_json json = metadata_json(metadata);
-    text += "\n" + json.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-  }
-  return text;
+  return show_metadata ? text + metadata_text(info) : text;
 }
 
 int run_info(const InfoArguments& arguments, Context& context) {

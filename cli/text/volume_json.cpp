@@ -26,6 +26,16 @@ nlohmann::ordered_json voxel_json(const VolumeDescription& d, std::int64_t code)
   return d.voxel_of(code);
 }
 
+/// The metadata; of long ones only their place in the file.
+nlohmann::ordered_json shown_metadata_json(const InfoResult& info) {
+  const Metadata& metadata = info.volume.metadata;
+  nlohmann::ordered_json shown = metadata_json(metadata);
+  const nlohmann::ordered_json printed = {{"metadata", shown}};
+  constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
+  if (printed.dump(2, ' ', false, kReplace).size() <= kMaxShownMetadataBytes) return shown;
+  return {{"left_out", {{"offset", info.metadata_offset}, {"bytes", metadata.text().size()}}}};
+}
+
 }  // namespace
 
 nlohmann::ordered_json metadata_json(const Metadata& metadata) {
@@ -82,7 +92,7 @@ nlohmann::ordered_json file_json(const InfoResult& info) {
           {"min", voxel_json(d, info.range.min)},
           {"max", voxel_json(d, info.range.max)},
           {"identity", identity_state(metadata)},
-          {"metadata", metadata_json(metadata)}};
+          {"metadata", shown_metadata_json(info)}};
 }
 
 }  // namespace octavo::cli

@@ -13,6 +13,9 @@ namespace octavo::cli {
 /// The metadata for JSON output; an object with the text under "unreadable" when it is none.
 nlohmann::ordered_json metadata_json(const Metadata& metadata);
 
+/// What a verb prints of the metadata, at most.
+inline constexpr std::size_t kMaxShownMetadataBytes = std::size_t{1} << 20;
+
 /// The number or list as it is, or null where the spacing is not known.
 nlohmann::ordered_json if_in_mm(const VolumeDescription& volume,
                                 const nlohmann::ordered_json& value_mm);

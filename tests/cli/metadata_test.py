@@ -11,47 +11,9 @@ import struct
 import sys
 
 import cli_test
+from file_bytes import with_metadata
 
 SIZE = (16, 16, 16)
-
-
-def crc_table():
-    table = []
-    for byte in range(256):
-        for _ in range(8):
-            byte = (byte >> 1) ^ (0x82F63B78 if byte & 1 else 0)
-        table.append(byte)
-    return table
-
-
-TABLE = crc_table()
-
-
-def crc32c(data):
-    crc = 0xFFFFFFFF
-    for byte in data:
-        crc = TABLE[(crc ^ byte) & 255] ^ (crc >> 8)
-    return crc ^ 0xFFFFFFFF
-
-
-def with_metadata(data, text):
-    """The file with other metadata: docs/format.md, sections 2, 7 and 8."""
-    header, trailer = bytearray(data[:512]), bytearray(data[-64:])
-    begin, length = struct.unpack_from("<QQ", header, 232)
-    root, = struct.unpack_from("<Q", header, 280)
-    growth = len(text) - length
-    struct.pack_into("<QQI", header, 232, begin, len(text), crc32c(text))
-    struct.pack_into("<Q", header, 280, root + growth)
-    struct.pack_into("<Q", header, 224, len(data) + growth)
-    struct.pack_into("<I", header, 508, crc32c(header[:508]))
-    between = data[512:begin] + text + data[begin + length:-64]
-    trailer[8:24] = header[216:232]
-    struct.pack_into("<II", trailer, 24, crc32c(header), crc32c(between))
-    trailer[24:28] = header[508:512]
-    struct.pack_into("<I", trailer, 60, crc32c(trailer[:60]))
-    return bytes(header) + between + bytes(trailer)
-
-
 SIZE_OF_TEXT = 100_000
 # Every verb is given these.
 DEEP = {
@@ -71,7 +33,7 @@ OTHERS = {
 
 # What every verb is given; "out" is new each time.
 OF_GREY = [
-    ["info"], ["info", "--metadata"], ["info", "--json"], ["verify"], ["probe", "--at", "1,1,1"],
+    ["info"], ["info", "--metadata"], ["info", "--json"], ["probe", "--at", "1,1,1"],
     ["threshold", "--range", "20:", "-o", "out.8vo"], ["condense", "-o", "out.8vo", "--flat", "1"],
     ["transform", "--rotate", "z:90", "-o", "out.8vo"], ["build", "-o", "out.8vo"],
     ["build", "--isotropic", "--max-error", "1", "-o", "out.8vo"],
@@ -124,6 +86,37 @@ class Metadata(cli_test.InFolder):
         self.give("v.8vo", text)
         self.expect(0, "verify", "bad.8vo")
         self.assertEqual(self.info("bad.8vo")["metadata"], json.loads(text))
+
+    def test_what_is_no_metadata_is_damage_to_verify_and_named_by_info(self):
+        for what, text in {**DEEP, **OTHERS, "blanks": b"   ", "words": b"not json"}.items():
+            self.give("v.8vo", text)
+            with self.subTest(metadata=what):
+                told = self.expect_error(4, ["metadata at byte", "no JSON object"],
+                                         "verify", "bad.8vo")
+                self.assertLess(len(told.stderr), 1000)
+                self.assertIn("cannot be read", self.expect(0, "info", "bad.8vo").stdout)
+
+    def test_metadata_beyond_1_mib_are_not_shown_but_where_they_stand(self):
+        long_name = "n" * 500
+        names = {str(label): {"name": f"{label} {long_name}"} for label in range(1, 3000)}
+        identity = {f"Name{i}": "w" * 1000 for i in range(1100)}
+        for what, text in {
+                "names": json.dumps({"labels": names}),
+                "identity": json.dumps({"identity": {"kept": True, "attributes": identity}}),
+                "no object": "[" + "1," * 600_000 + "1]",
+                "nested": '{"x":' + "[" * 14 + "1," * 60_000 + "1" + "]" * 14 + "}",
+        }.items():
+            data = text.encode()
+            self.give("l.8vo", data)
+            with self.subTest(metadata=what):
+                place, = struct.unpack_from("<Q", (self.folder / "bad.8vo").read_bytes(), 232)
+                shown = self.expect(0, "info", "bad.8vo", "--metadata").stdout
+                self.assertLess(len(shown), 1 << 16)
+                self.assertIn(f"{len(data)} bytes from byte {place} of the file on", shown)
+                out = self.expect(0, "info", "bad.8vo", "--json").stdout
+                self.assertLess(len(out), 1 << 16)
+                self.assertEqual(json.loads(out)["metadata"],
+                                 {"left_out": {"offset": place, "bytes": len(data)}})
 
     def test_nested_brackets_stop_no_verb_that_reads_grey_values(self):
         for what, text in DEEP.items():

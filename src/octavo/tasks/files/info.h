@@ -31,6 +31,7 @@ struct InfoResult {
   double max_error = 0;        ///< that the file promises, stored units
   double achieved_error = 0;   ///< the largest found when it was built
   bool is_place_known = true;  ///< false: origin and direction say nothing of a patient
+  std::uint64_t metadata_offset = 0;  ///< where the text of the metadata stands in the file
 
   double compression_ratio() const {
     return static_cast<double>(raw_bytes) / static_cast<double>(file_bytes);
