@@ -26,6 +26,7 @@ struct Context {
   int threads = 0;                     ///< 0: all cores
   std::uint64_t max_memory_bytes = 0;  ///< 0: no limit
   double timeout_s = 60;               ///< of servers behind URLs
+  std::uint64_t max_voxels = std::uint64_t{1} << 40;
   std::string verb;
   std::function<int()> run;            ///< set by the verb that was parsed; returns the exit code
   std::vector<std::string> warnings;   ///< all that warn() was told, for the JSON result

@@ -227,6 +227,13 @@ void add_global_options(Verb verb, Context& context) {
           "Refuse work that needs more memory than this (500M, 2G)")
       ->type_name("BYTES")
       ->group(group);
+  verb.add_option_function<std::string>(
+          "--max-voxels",
+          [&context](const std::string& text) { context.max_voxels = parse_voxel_count(text); },
+          "Refuse to read or make a volume of more voxels than this (1e13)")
+      ->type_name("N")
+      ->default_str("2^40")
+      ->group(group);
   verb.add_option("--timeout", context.timeout_s,
                   "Give up on the server of a URL after so many seconds of silence, or of less "
                   "than 10 kB a second")

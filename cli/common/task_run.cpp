@@ -9,6 +9,7 @@ TaskContext brief_task(Context& context) {
   task.threads = context.threads;
   task.max_memory_bytes = context.max_memory_bytes;
   task.timeout_s = context.timeout_s;
+  task.max_voxels = context.max_voxels;
   task.on_warning = [&context](const Warning& warning) {
     context.warn(with_advice(warning));
   };

@@ -125,6 +125,7 @@ constexpr Advice kAdvice[] = {
     {ErrorKind::corrupt, "is_strict", "", "--strict forbids to fill it"},
     {kSource, "is_strict", "", "--strict makes this warning an error"},
     {kAny, "max_memory_bytes", "", "raise --max-memory"},
+    {kAny, "max_voxels", "", "raise --max-voxels"},
     {kAny, "output.format", "", "'octavo export' turns .8vo files into other formats"},
     {ErrorKind::io, "output.overwrite", "", "--force replaces it"},
     {ErrorKind::io, "overwrite", "", "--force replaces it"},

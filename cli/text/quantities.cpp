@@ -77,6 +77,12 @@ std::uint64_t parse_bytes(const std::string& text) {
                      escaped(text)));
 }
 
+std::uint64_t parse_voxel_count(const std::string& text) {
+  const double voxels = parse_number(text, "voxels");
+  if (voxels >= 1 && voxels < 9.2e18) return static_cast<std::uint64_t>(voxels);
+  reject(fmt::format("'{}' is not a number of voxels; expected 1 or more, as 1e13", escaped(text)));
+}
+
 Point3 parse_point(const std::string& text, const std::string& what) {
   const auto parts = three_parts(text, what, "x,y,z");
   return {parse_number(parts[0], what), parse_number(parts[1], what), parse_number(parts[2], what)};

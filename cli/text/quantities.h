@@ -18,6 +18,9 @@ namespace octavo::cli {
 /// "500M", "2G", "1.5GiB", "4096": K, M, G, T are powers of 1024. Throws Error{invalid_argument}.
 std::uint64_t parse_bytes(const std::string& text);
 
+/// "1e13", "1000000". Throws Error{invalid_argument}.
+std::uint64_t parse_voxel_count(const std::string& text);
+
 /// One finite number that fills `text`. Throws Error{invalid_argument} naming `what`.
 double parse_number(const std::string& text, const std::string& what);
 

@@ -56,9 +56,11 @@ class Completion(WithVerbs):
         self.assertEqual(self.offered("ver"), ["verify"])
 
     def test_bash_offers_options_also_those_of_which_one_is_chosen(self):
-        self.assertEqual(self.offered("build", "--max"), ["--max-error", "--max-memory"])
+        self.assertEqual(self.offered("build", "--max"),
+                         ["--max-error", "--max-memory", "--max-voxels"])
         self.assertEqual(self.offered("combine", "a.8vo", "--un"), ["--union"])
-        self.assertEqual(self.offered("-q", "dilate", "a.8vo", "--m"), ["--max-memory", "--mm"])
+        self.assertEqual(self.offered("-q", "dilate", "a.8vo", "--m"),
+                         ["--max-memory", "--max-voxels", "--mm"])
 
     def test_bash_offers_the_values_of_choices_and_files_elsewhere(self):
         (self.folder / "scan.8vo").write_text("")

@@ -13,8 +13,6 @@ namespace octavo {
 
 namespace {
 
-constexpr std::int64_t kLongestSide = 1'000'000;
-
 /// libpng reports a failure by jumping back to the call; no object with a destructor lives in
 /// between.
 struct PngWriter {
@@ -55,8 +53,9 @@ bool write_rows(PngWriter& writer, const Picture& picture) {
 }
 
 void check_picture(const Picture& picture) {
-  const bool is_sized = picture.width > 0 && picture.height > 0 && picture.width <= kLongestSide &&
-                        picture.height <= kLongestSide;
+  const bool is_sized = picture.width > 0 && picture.height > 0 &&
+                        picture.width <= kLongestPictureSide &&
+                        picture.height <= kLongestPictureSide;
   const bool has_channels = picture.channels == 1 || picture.channels == 3;
   if (is_sized && has_channels &&
       picture.pixels.size() ==

@@ -13,6 +13,9 @@ using Color = std::array<std::uint8_t, 3>;  ///< red, green, blue
 
 inline constexpr Color kBlack = {0, 0, 0};
 
+/// The longest side of a PNG file, which readers of such files share.
+inline constexpr std::int64_t kLongestPictureSide = 1'000'000;
+
 /// 8-bit pixels, rows from the top, channels interleaved.
 struct Picture {
   std::int64_t width = 0;

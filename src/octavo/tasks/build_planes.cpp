@@ -60,6 +60,7 @@ double BuiltVolume::mb_per_second() const {
 
 BuiltVolume build_planes(PlaneSource& source, const BuildOptions& options, const Output& output,
                          const std::string& work, const TaskContext& context) {
+  context.require_voxels(source.description().size, output.path);
   tell_memory(source, options, context);
   BuiltVolume built{source.description(), options.kind, {}};
   built.build = build_file(source, local_storage(), output.path,

@@ -32,7 +32,10 @@ std::shared_ptr<FileReader> open_volume(const std::string& path, const TaskConte
   if (!is_url(path) && local_storage().path_type(path) == PathType::folder) {
     throw Error(ErrorKind::io, "is a folder, not an 8vo file", path).with_field("input.format");
   }
-  return FileReader::open(open_input(path, context), options);
+  options.watcher = context.progress;
+  std::shared_ptr<FileReader> reader = FileReader::open(open_input(path, context), options);
+  context.require_voxels(reader->description().size, reader->source().name());
+  return reader;
 }
 
 std::shared_ptr<FileReader> open_labels(const std::string& path, const TaskContext& context,

@@ -17,7 +17,8 @@ bool is_octavo_path(const std::string& path);
 std::shared_ptr<const ByteSource> open_input(const std::string& path, const TaskContext& context);
 
 /// Opens an .8vo file or an http(s) URL of one, with a cache that fits the memory limit.
-/// Throws what FileReader::open throws; Error{io} for a folder
+/// The watcher of the context ends every reading of voxels.
+/// Throws what FileReader::open throws; Error{io} for a folder; as require_voxels
 std::shared_ptr<FileReader> open_volume(const std::string& path, const TaskContext& context);
 
 /// What a label map is opened as: for the words of the error and the field that it is about.

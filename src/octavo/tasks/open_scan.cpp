@@ -90,6 +90,7 @@ std::unique_ptr<PlaneSource> open_scan(const std::vector<std::string>& paths,
   } else {
     source = make_prefetch_source(open_source(paths, how), {.threads = context.thread_count()});
   }
+  context.require_voxels(source->description().size, paths.front());
   return std::make_unique<WatchedSource>(std::move(source), context);
 }
 

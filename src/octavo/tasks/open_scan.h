@@ -19,7 +19,7 @@ struct ScanOptions {
 };
 
 /// Opens a scan and passes its warnings on, those as well that come up while planes are read.
-/// Throws what open_source and open_isolated_source throw
+/// Throws what open_source and open_isolated_source throw; as TaskContext::require_voxels
 std::unique_ptr<PlaneSource> open_scan(const std::vector<std::string>& paths,
                                        const ScanOptions& options, const TaskContext& context);
 

@@ -6,7 +6,9 @@
 #include <thread>
 
 #include "octavo/core/error.h"
+#include "octavo/core/levels.h"
 #include "octavo/core/memory_limit.h"
+#include "octavo/core/text.h"
 #include "octavo/core/url_text.h"
 
 namespace octavo {
@@ -46,6 +48,16 @@ void TaskContext::stop_if_cancelled() const {
 
 void TaskContext::require_memory(std::uint64_t bytes, const char* what) const {
   require_memory_within(bytes, max_memory_bytes, what);
+}
+
+void TaskContext::require_voxels(const Size3& size, const std::string& path) const {
+  const auto voxels = static_cast<std::uint64_t>(checked_voxel_count(size));
+  if (max_voxels == 0 || voxels <= max_voxels) return;
+  throw Error(ErrorKind::limit_exceeded,
+              "a volume of " + size_text(size) + " voxels; the limit is " +
+                  std::to_string(max_voxels),
+              path)
+      .with_field("max_voxels");
 }
 
 }  // namespace octavo

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "octavo/core/box.h"
 #include "octavo/core/progress.h"
 #include "octavo/core/warning.h"
 
@@ -25,6 +26,8 @@ struct TaskContext {
   int threads = 0;                     ///< 0: all cores
   std::uint64_t max_memory_bytes = 0;  ///< 0: no limit
   double timeout_s = 60;               ///< of servers behind URLs, as in HttpOptions
+  /// Of a volume that a task reads or makes; 0: no limit.
+  std::uint64_t max_voxels = std::uint64_t{1} << 40;
   /// Watches the work; its is_cancelled() ends the task with Error{cancelled}.
   Progress* progress = nullptr;
   /// Told what the user should know although the task goes on. May throw, which ends the task.
@@ -59,6 +62,9 @@ struct TaskContext {
   /// Throws Error{limit_exceeded} when `bytes` are above max_memory_bytes.
   /// what  the subject of the message: "the mask"
   void require_memory(std::uint64_t bytes, const char* what) const;
+
+  /// Throws Error{limit_exceeded} about `path` when a volume has more voxels than max_voxels.
+  void require_voxels(const Size3& size, const std::string& path) const;
 };
 
 }  // namespace octavo

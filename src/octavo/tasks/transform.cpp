@@ -77,6 +77,7 @@ std::uint64_t write_voxels(const FileReader& reader, const TransformPlan& plan,
                                                 .max_error = options.max_error,
                                                 .is_resumable = false});
   const std::int64_t planes = planes_at_once(volume);
+  context.require_voxels(volume.size, options.output.path);
   require_room_for(volume, build, plane_bytes(volume) * static_cast<std::uint64_t>(planes),
                    options.output,
                    plan.is_scaled ? "take a smaller scale" : "take a smaller volume or grid");

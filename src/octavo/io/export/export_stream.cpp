@@ -60,6 +60,23 @@ void map_voxels(const ExportPlan& plan, std::byte* voxels, std::size_t count) {
   }
 }
 
+void stop_if_cancelled(const Progress& progress) {
+  if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+}
+
+/// Hands planes on, some at a time: a target may take long over them.
+void write_layer(std::span<const std::byte> planes, std::size_t plane_bytes, ExportTarget& target,
+                 const Progress& progress) {
+  constexpr std::size_t kBytesAtOnce = std::size_t{32} << 20;
+  const std::size_t step = std::max(kBytesAtOnce / plane_bytes, std::size_t{1}) * plane_bytes;
+  while (!planes.empty()) {
+    stop_if_cancelled(progress);
+    const auto some = planes.first(std::min(step, planes.size()));
+    target.write_planes({reinterpret_cast<const std::uint8_t*>(some.data()), some.size()});
+    planes = planes.subspan(some.size());
+  }
+}
+
 }  // namespace
 
 void stream_planes(const FileReader& reader, const ExportPlan& plan, int threads,
@@ -71,7 +88,7 @@ void stream_planes(const FileReader& reader, const ExportPlan& plan, int threads
   std::vector<std::byte> voxels;
   Box layer = plan.box;
   for (layer.lo.z = plan.box.lo.z; layer.lo.z < plan.box.hi.z; layer.lo.z = layer.hi.z) {
-    if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+    stop_if_cancelled(progress);
     layer.hi.z = std::min(layer_end(layer.lo.z, step), plan.box.hi.z);
     const auto count = static_cast<std::uint64_t>(layer.size().voxel_count());
     voxels.resize(checked_mul(count, voxel_room, "bytes of a brick layer"));
@@ -79,8 +96,9 @@ void stream_planes(const FileReader& reader, const ExportPlan& plan, int threads
     map_voxels(plan, voxels.data(), count);
     const std::span<std::byte> written(voxels.data(), count * type_bytes);
     if (needs_swap(false)) swap_values(written, type_bytes);
-    target.write_planes({reinterpret_cast<const std::uint8_t*>(written.data()), written.size()});
-    progress.advance(layer.hi.z - layer.lo.z);
+    const std::int64_t plane_count = layer.hi.z - layer.lo.z;
+    write_layer(written, written.size() / static_cast<std::size_t>(plane_count), target, progress);
+    progress.advance(plane_count);
   }
 }
 

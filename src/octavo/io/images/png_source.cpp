@@ -11,6 +11,7 @@
 #include "octavo/core/text.h"
 #include "octavo/io/source/alternating_values.h"
 #include "octavo/io/source/byte_order.h"
+#include "octavo/io/source/claimed_bytes.h"
 #include "octavo/io/source/source_file.h"
 
 namespace octavo {
@@ -69,6 +70,7 @@ class PngFile {
   PngFile(const PngFile&) = delete;
   PngFile& operator=(const PngFile&) = delete;
 
+  std::uint64_t bytes() const { return input_.file.size(); }
   std::int64_t width() const { return png_get_image_width(png_, info_); }
   std::int64_t height() const { return png_get_image_height(png_, info_); }
   int bit_depth() const { return png_get_bit_depth(png_, info_); }
@@ -146,6 +148,9 @@ PngShape shape_of(const PngFile& file, const std::string& path) {
                 "a color picture with a palette is not read; convert it to grey or RGB first",
                 path);
   }
+  const auto values = static_cast<std::uint64_t>(file.width() * file.height() * file.channels());
+  require_holdable(path, file.bytes(), values * static_cast<std::uint64_t>(file.bit_depth()) / 8,
+                   kDeflateRatio);
   return {file.width(), file.height(),
           file.bit_depth() == 16 ? VoxelType::uint16 : VoxelType::uint8, file.channels()};
 }

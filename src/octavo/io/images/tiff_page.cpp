@@ -12,6 +12,7 @@
 
 #include "octavo/core/checked.h"
 #include "octavo/io/source/alternating_values.h"
+#include "octavo/io/source/claimed_bytes.h"
 
 namespace octavo {
 
@@ -55,6 +56,18 @@ std::optional<StoredType> stored_type_of(std::uint16_t bits, std::uint16_t forma
 bool is_lossy_compression(std::uint16_t compression) {
   return compression == COMPRESSION_JPEG || compression == COMPRESSION_OJPEG ||
          compression == COMPRESSION_LERC || compression == COMPRESSION_WEBP;
+}
+
+/// How many bytes of voxels a byte of the file can stand for; nothing where that is not known.
+std::optional<std::uint64_t> ratio_of(std::uint16_t compression) {
+  switch (compression) {
+    case COMPRESSION_NONE: return kPlainRatio;
+    case COMPRESSION_PACKBITS: return kPackBitsRatio;
+    case COMPRESSION_LZW: return kLzwRatio;
+    case COMPRESSION_DEFLATE:
+    case COMPRESSION_ADOBE_DEFLATE: return kDeflateRatio;
+    default: return std::nullopt;
+  }
 }
 
 /// Tags of cameras and programs that hold records of their own.
@@ -127,6 +140,13 @@ TiffPage TiffFile::page() {
   page.type = *type;
   const auto compression = tag_or<std::uint16_t>(handle_, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
   page.is_lossy = is_lossy_compression(compression);
+  if (const auto ratio = ratio_of(compression)) {
+    const std::uint64_t pixels =
+        static_cast<std::uint64_t>(page.width) * static_cast<std::uint64_t>(page.height);
+    const auto pixel_bytes = static_cast<std::uint64_t>(page.samples) * (bits / 8U);
+    require_holdable(path_, file_.size(), checked_mul(pixels, pixel_bytes, "bytes of a page"),
+                     *ratio);
+  }
   const auto subfile = tag_or<std::uint32_t>(handle_, TIFFTAG_SUBFILETYPE, 0);
   page.is_reduced = (subfile & FILETYPE_REDUCEDIMAGE) != 0;
   page.orientation = tag_or<std::uint16_t>(handle_, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);

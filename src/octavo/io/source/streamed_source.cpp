@@ -8,6 +8,7 @@
 #include "octavo/core/text.h"
 #include "octavo/io/source/alternating_values.h"
 #include "octavo/io/source/byte_order.h"
+#include "octavo/io/source/claimed_bytes.h"
 #include "octavo/io/source/source_file.h"
 
 namespace octavo {
@@ -148,8 +149,10 @@ std::unique_ptr<PlaneSource> make_streamed_source(SourceFacts facts, const Voxel
   const std::uint64_t voxel_bytes = checked_add(volume_bytes, run.bytes_behind, "volumes");
   if (run.coding == StreamCoding::plain) {
     check_plain_length(facts, run, voxel_bytes);
-  } else if (run.start_offset == 0 && is_gzip_file(run.path)) {
-    check_gzip_length(run.path, checked_add(run.skip_bytes, voxel_bytes, "stream length"));
+  } else {
+    const std::uint64_t stream_bytes = checked_add(run.skip_bytes, voxel_bytes, "stream length");
+    require_holdable(run.path, SourceFile(run.path).size(), stream_bytes, kDeflateRatio);
+    if (run.start_offset == 0 && is_gzip_file(run.path)) check_gzip_length(run.path, stream_bytes);
   }
   if (facts.wide) {
     StoredNumbers first_planes(run, bytes_per_value(*facts.wide));

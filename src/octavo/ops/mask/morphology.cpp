@@ -125,7 +125,8 @@ class Targets {
           std::uint64_t max_bytes)
       : mask_(mask), search_(surface, reach), max_bytes_(max_bytes) {}
 
-  std::vector<Target> list() {
+  std::vector<Target> list(const Progress& watcher) {
+    watcher_ = &watcher;
     visit(mask_.rank_count() - 1, 0, {0, 0, 0}, mask_.root(), false);
     return std::move(targets_);
   }
@@ -145,6 +146,7 @@ class Targets {
       is_covered = coverage == Coverage::all;
     }
     if (rank == kTaskRank) {
+      if (watcher_->is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
       targets_.push_back({code, is_covered});
       require_memory_within(targets_.size() * kTargetBytes, max_bytes_, kGrownMask);
       return;
@@ -161,6 +163,7 @@ class Targets {
   const MaskTree& mask_;
   Search search_;
   std::uint64_t max_bytes_;
+  const Progress* watcher_ = nullptr;
   std::vector<Target> targets_;
 };
 
@@ -382,8 +385,8 @@ class MemoryWatch {
 
 MaskTree dilate(const MaskTree& mask, const Reach& reach, Progress& progress,
                 std::uint64_t max_bytes) {
-  const MaskTree surface = surface_voxels(mask);
-  const std::vector<Target> targets = Targets(mask, surface, reach, max_bytes).list();
+  const MaskTree surface = surface_voxels(mask, progress);
+  const std::vector<Target> targets = Targets(mask, surface, reach, max_bytes).list(progress);
   std::vector<MaskPart> parts(targets.size());
   MemoryWatch watch(max_bytes);
   const ProgressScope scope(progress, "grow", static_cast<std::int64_t>(targets.size()), "cubes");

@@ -5,6 +5,7 @@
 #include <bit>
 #include <vector>
 
+#include "octavo/core/error.h"
 #include "octavo/ops/mask/mask_pieces.h"
 #include "octavo/ops/mask/neighborhood.h"
 
@@ -75,12 +76,14 @@ MaskPart surface_of(const MaskTree& mask, const Task& task) {
 
 }  // namespace
 
-MaskTree surface_voxels(const MaskTree& mask) {
+MaskTree surface_voxels(const MaskTree& mask, const Progress& watcher) {
   std::vector<Task> tasks;
   collect(mask, mask.rank_count() - 1, 0, around_root(mask), tasks);
   std::vector<MaskPart> parts(tasks.size());
-  tbb::parallel_for(std::size_t{0}, tasks.size(),
-                    [&](std::size_t i) { parts[i] = surface_of(mask, tasks[i]); });
+  tbb::parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t i) {
+    if (watcher.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+    parts[i] = surface_of(mask, tasks[i]);
+  });
   return assemble(mask.size(), kPieceRank, parts);
 }
 

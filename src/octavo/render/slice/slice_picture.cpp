@@ -71,6 +71,12 @@ Plan planned(const FileReader& reader, const SlicePictureOptions& options) {
     throw Error(ErrorKind::limit_exceeded,
                 "the picture would exceed 2^28 pixels; use a coarser level");
   }
+  const std::int64_t longest = std::max(plan.grid.width(), plan.grid.height());
+  if (longest > kLongestPictureSide) {
+    throw Error(ErrorKind::limit_exceeded,
+                "the picture would be " + std::to_string(longest) + " pixels long, and a PNG is at "
+                    "most " + std::to_string(kLongestPictureSide) + "; use a coarser level");
+  }
   return plan;
 }
 

@@ -58,7 +58,7 @@ struct SlicePicture {
 /// section meets are read.
 /// Runs on the threads of the calling task arena; the picture does not depend on how many.
 /// Throws Error{invalid_argument} when axis, level, index, plane or window make no sense,
-///        Error{limit_exceeded} above 2^28 pixels, and what the readers throw
+///        Error{limit_exceeded} above 2^28 pixels or kLongestPictureSide, what the readers throw
 /// Memory  about 26 bytes per pixel
 SlicePicture render_slice(const FileReader& reader, const SlicePictureOptions& options);
 

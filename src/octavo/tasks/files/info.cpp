@@ -1,13 +1,26 @@
 #include "octavo/tasks/files/info.h"
 
+#include "octavo/file/layout.h"
 #include "octavo/io/source/place_known.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/volume_facts.h"
 
 namespace octavo {
 
+namespace {
+
+std::uint64_t metadata_offset_of(const ByteSource& source) {
+  HeaderBlock block{};
+  source.read(0, block);
+  return parse_header(block, source.size()).metadata.offset;
+}
+
+}  // namespace
+
 InfoResult info(const InfoOptions& options, const TaskContext& context) {
-  const auto reader = open_volume(options.input, context);
+  TaskContext any_size = context;
+  any_size.max_voxels = 0;  // no voxel is read
+  const auto reader = open_volume(options.input, any_size);
   InfoResult result;
   result.name = reader->source().name();
   result.format_version = reader->format_version();
@@ -23,6 +36,7 @@ InfoResult info(const InfoOptions& options, const TaskContext& context) {
   result.max_error = reader->max_error();
   result.achieved_error = reader->achieved_error();
   result.is_place_known = is_place_known(result.volume);
+  result.metadata_offset = metadata_offset_of(reader->source());
   return result;
 }
 

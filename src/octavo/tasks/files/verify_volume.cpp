@@ -56,7 +56,9 @@ VerifyVolumeResult verify_volume(const VerifyVolumeOptions& options, const TaskC
   if (options.against.empty()) require_scan_for_options({options.input}, options.scan);
   VerifyVolumeResult result{checked(options.input, context), {}, {}};
   if (!result.report.is_sound()) return result;
-  const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
+  TaskContext any_size = context;
+  any_size.max_voxels = 0;  // what was proven is what is there, and no voxel of it is kept
+  const std::shared_ptr<const FileReader> reader = open_volume(options.input, any_size);
   result.volume = reader->description();
   if (!options.against.empty()) result.against = compared(options, reader, context);
   return result;

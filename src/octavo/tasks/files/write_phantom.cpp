@@ -8,6 +8,7 @@ WritePhantomResult write_phantom(const WritePhantomOptions& options, const TaskC
   const Output& output = options.output;
   require_free(output);
   const auto source = make_phantom(options.phantom);
+  context.require_voxels(source->description().size, output.path);
   if (is_plain_path(output.path)) {
     return {source->description(),
             write_plain_planes(*source, output.path, output.overwrite, context.watcher())};

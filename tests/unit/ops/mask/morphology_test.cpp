@@ -300,14 +300,14 @@ TEST(SurfaceVoxels, AreThoseWithAFaceOnSomethingElse) {
         if (!box_of(size).contains(q) || mask.at(q) == 0) surface.at(p) = 1;
       }
     });
-    const MaskTree found = surface_voxels(testing::tree_of(mask));
+    const MaskTree found = surface_voxels(testing::tree_of(mask), NoProgress());
     ASSERT_TRUE(is_valid(found));
     ASSERT_EQ(found, testing::tree_of(surface));
   }
   const Size3 size{300, 270, 260};
   const MaskTree box = box_mask(size, {{1, 1, 1}, {260, 260, 258}});
   const MaskTree inner = box_mask(size, {{2, 2, 2}, {259, 259, 257}});
-  EXPECT_EQ(surface_voxels(box), combine(box, inner, SetOperation::subtract));
+  EXPECT_EQ(surface_voxels(box, NoProgress()), combine(box, inner, SetOperation::subtract));
 }
 
 }  // namespace

@@ -1,0 +1,256 @@
+#!/usr/bin/env python3
+"""Files that claim much and hold little: what they cost is what is there.
+
+usage: claims.py OCTAVO [unittest arguments]
+
+Everything is generated. Memory and processor time are those of the program, so that no limit
+depends on what else runs.
+"""
+
+import os
+import pathlib
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+import zlib
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests" / "support"))
+import processor_time  # pylint: disable=wrong-import-position
+from file_bytes import ClaimedVolume, crc32c  # pylint: disable=wrong-import-position
+
+OCTAVO = "octavo"
+GOLDEN = ROOT / "tests" / "golden" / "v1"
+MIB = 1 << 20
+# A program that does nothing takes about 25 MiB.
+SMALL_BYTES = 96 * MIB
+SIDE = 4096
+
+
+def is_odd(i, j, k):
+    return (i + j + k) & 1
+
+
+class InFolder(unittest.TestCase):
+    """All tests of a class share a folder."""
+
+    @classmethod
+    def setUpClass(cls):
+        holder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(holder.cleanup)
+        cls.folder = pathlib.Path(holder.name)
+
+    def start(self, *arguments):
+        return subprocess.Popen([OCTAVO, *arguments, "--progress", "none"], cwd=self.folder,
+                                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+
+    def outcome(self, process):
+        """Exit code, what was said, and what was used."""
+        said = process.stderr.read()
+        process.stderr.close()
+        _, status, used = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        return process.returncode, said, used
+
+    def write(self, name, data):
+        (self.folder / name).write_bytes(data)
+
+
+class Lengths(InFolder):
+    def expect_cheap(self, code, words, *arguments):
+        """An error with `words` in it, in little memory and time."""
+        found, said, used = self.outcome(self.start(*arguments))
+        self.assertEqual(found, code, said)
+        for word in words:
+            self.assertIn(word, said)
+        self.assertLess(used.ru_maxrss * 1024, SMALL_BYTES, said)
+        self.assertLess(used.ru_utime + used.ru_stime, 2, said)
+
+    def sparse_file(self, section, length):
+        """A file of 8 KiB on the disk whose header claims a section of `length` bytes."""
+        data = bytearray((GOLDEN / "minimal.8vo").read_bytes())
+        header, trailer = data[:512], data[-64:]
+        sections = {at: list(struct.unpack_from("<QQ", header, at)) for at in (256, 304, 232, 280)}
+        sections[section][1] = length
+        at = sections[256][0]
+        for field, (_, size) in sections.items():
+            struct.pack_into("<QQ", header, field, at, size)
+            at += size
+        struct.pack_into("<Q", header, 224, at + 64)
+        struct.pack_into("<I", header, 508, crc32c(header[:508]))
+        trailer[8:24] = header[216:232]
+        trailer[24:28] = header[508:512]
+        struct.pack_into("<I", trailer, 60, crc32c(trailer[:60]))
+        with (self.folder / "sparse.8vo").open("wb") as file:
+            file.write(header)
+            file.seek(at)
+            file.write(trailer)
+
+    def test_an_index_that_no_volume_of_the_size_has_is_rejected_before_it_is_read(self):
+        for section, name in ((280, "index root"), (256, "index pages")):
+            self.sparse_file(section, 3 << 30)
+            for verb in (["info"], ["verify"], ["repair", "-o", "out.8vo"],
+                         ["export", "-o", "out.raw"], ["slice", "-o", "out.png"]):
+                with self.subTest(section=name, verb=verb[0]):
+                    self.expect_cheap(4, [name, "such a volume takes"], verb[0], "sparse.8vo",
+                                      *verb[1:])
+
+    def test_voxels_that_compressed_bytes_cannot_hold_are_rejected_before_memory_is_taken(self):
+        side = 60000
+        packed = zlib.compress(bytes(1000))
+        self.write("scan.nrrd", b"NRRD0004\ntype: uint8\ndimension: 3\nencoding: gzip\n" +
+                   f"sizes: {side} {side} 100\n\n".encode() + packed)
+        self.write("scan.mha", f"NDims = 3\nDimSize = {side} {side} 100\n".encode() +
+                   b"ElementType = MET_UCHAR\nCompressedData = True\nElementDataFile = LOCAL\n" +
+                   packed)
+        self.write("scan.png", png(side, packed))
+        self.write("deflated.tif", tiff(8, side, packed))
+        self.write("lzw.tif", tiff(5, side, b"\x80" * 100))
+        self.write("packed.tif", tiff(32773, side, b"\x81\0" * 100))
+        self.write("plain.tif", tiff(1, side, bytes(1000)))
+        for name in ("scan.nrrd", "scan.mha", "scan.png", "deflated.tif", "lzw.tif", "packed.tif",
+                     "plain.tif"):
+            with self.subTest(name):
+                self.expect_cheap(7, [name, "cannot hold"], "build", name, "-o", "out.8vo")
+
+
+def has_ended(process):
+    """Whether it has, without asking what it used: that is told once."""
+    flags = os.WEXITED | os.WNOHANG | os.WNOWAIT
+    return os.waitid(os.P_PID, process.pid, flags) is not None
+
+
+def let_run(process, seconds):
+    """Returns once a process has used `seconds`, or has ended."""
+    processor_time.wait_until(
+        lambda: has_ended(process) or (processor_time.of_process(process) or 0) >= seconds)
+
+
+def png(side, data):
+    def chunk(kind, body):
+        return (struct.pack(">I", len(body)) + kind + body +
+                struct.pack(">I", zlib.crc32(kind + body)))
+
+    head = struct.pack(">IIBBBBB", side, side, 8, 0, 0, 0, 0)
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", data) +
+            chunk(b"IEND", b""))
+
+
+def tiff(compression, side, data):
+    data += bytes(len(data) & 1)
+    fields = [(256, 4, side), (257, 4, side), (258, 3, 8), (259, 3, compression), (262, 3, 1),
+              (273, 4, 8), (277, 3, 1), (278, 4, side), (279, 4, len(data))]
+    listed = b"".join(struct.pack("<HHII", tag, kind, 1, value) for tag, kind, value in fields)
+    return (b"II*\0" + struct.pack("<I", 8 + len(data)) + data +
+            struct.pack("<H", len(fields)) + listed + bytes(4))
+
+
+class Volumes(InFolder):
+    """Volumes of 4096 x 4096 x 4096 voxels in 800 kB."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        grey = (GOLDEN / "minimal.8vo").read_bytes()
+        labels = (GOLDEN / "labels-uint8.8vo").read_bytes()
+        size = (SIDE, SIDE, SIDE)
+        files = {
+            "g.8vo": ClaimedVolume(size, lambda i, j, k: 50 * is_odd(i, j, k), grey),
+            "l.8vo": ClaimedVolume(size, is_odd, labels),
+            "long.8vo": ClaimedVolume((1 << 21, 64, 64), is_odd, labels),
+        }
+        for name, volume in files.items():
+            (cls.folder / name).write_bytes(volume.bytes())
+
+
+class Limits(Volumes):
+    def expect_limit(self, words, *arguments):
+        code, said, used = self.outcome(self.start(*arguments))
+        self.assertEqual(code, 6, said)
+        for word in words:
+            self.assertIn(word, said)
+        self.assertLess(used.ru_utime + used.ru_stime, 1, said)
+        self.assertEqual(list(self.folder.glob("o*")), [])
+
+    def test_a_picture_that_no_png_holds_is_refused_before_a_voxel_is_read(self):
+        for axis in ("y", "z", "all"):
+            with self.subTest(axis):
+                self.expect_limit(["2097152 pixels", "coarser level"],
+                                  "slice", "long.8vo", "--axis", axis, "-o", "o.png")
+
+    def test_no_verb_reads_or_makes_more_voxels_than_asked(self):
+        words = ["4096 x 4096 x 4096 voxels; the limit is 1000000000; raise --max-voxels"]
+        for line in Work.VERBS:
+            if line.startswith("verify"):
+                continue
+            with self.subTest(line):
+                self.expect_limit(words, *line.split(), "--max-voxels", "1e9")
+        self.expect_limit(["limit is 1000; raise"], "phantom", "--size", "64",
+                          "-o", "o.8vo", "--max-voxels", "1000")
+        self.write("v.raw", bytes(1000))
+        layout = ["v.raw", "--raw", "10,10,10,uint8", "--spacing", "1,1,1"]
+        self.expect_limit(["limit is 999; raise"], "build", *layout, "-o", "o.8vo",
+                          "--max-voxels", "999")
+        process = self.start("build", *layout, "-o", "small.8vo", "--max-voxels", "1000", "-q")
+        self.assertEqual(self.outcome(process)[:2], (0, ""))
+        self.expect_limit(["20 x 20 x 20 voxels; the limit is 1000"], "transform", "small.8vo",
+                          "--scale", "2", "-o", "o.8vo", "--max-voxels", "1000")
+
+    def test_what_reads_no_voxel_and_what_proves_all_bytes_has_no_such_limit(self):
+        for verb in ("info", "verify"):
+            process = self.start(verb, "g.8vo", "--max-voxels", "1", "-q")
+            self.assertEqual(self.outcome(process)[:2], (0, ""))
+
+
+class Work(Volumes):
+    VERBS = [
+        "verify g.8vo", "verify g.8vo --against l.8vo",
+        "export g.8vo -o o.raw", "export g.8vo -o o.nii.gz", "export g.8vo -o o.tif",
+        "export g.8vo -o o/", "export g.8vo --salvage coarse -o o.nrrd",
+        "extract g.8vo --box :,:,0:2000 -o o.mha",
+        "slice g.8vo --axis z -o o.png", "slice g.8vo --axis all --overlay l.8vo -o o.png",
+        "render l.8vo -o o.png", "render g.8vo --range 10: --mode surface -o o.png",
+        "render g.8vo --range 10: --mode transparency -o o.png",
+        "compare g.8vo l.8vo", "compare l.8vo l.8vo --labels",
+        "codes l.8vo --list", "codes g.8vo --range 10:", "condense g.8vo --flat 1 -o o.8vo",
+        "threshold g.8vo --range 10: -o o.8vo", "combine l.8vo l.8vo --union -o o.8vo",
+        "components l.8vo", "components l.8vo -o o.8vo", "measure l.8vo",
+        "measure l.8vo --of l.8vo",
+        "touch l.8vo l.8vo", "fill-holes l.8vo -o o.8vo", "dilate l.8vo --voxels 2 -o o.8vo",
+        "erode l.8vo --voxels 2 -o o.8vo", "open l.8vo --voxels 2 -o o.8vo",
+        "close l.8vo --mm 2 -o o.8vo", "shell l.8vo -o o.8vo",
+        "transform g.8vo --rotate z:90 -o o.8vo", "transform l.8vo --mirror x -o o.8vo",
+        "transform g.8vo --scale 2 -o o.8vo", "build g.8vo -o o.8vo",
+        "build g.8vo --max-error 2 -o o.8vo",
+    ]
+
+    def test_a_signal_ends_every_verb_within_2_seconds_of_processor_time(self):
+        stopped = set()
+        for number, line in enumerate(self.VERBS):
+            asked = signal.SIGTERM if number % 2 == 0 else signal.SIGINT
+            process = self.start(*line.split(), "--force")
+            let_run(process, 0.7)
+            before = processor_time.of_process(process) or 0
+            os.kill(process.pid, asked)
+            code, said, used = self.outcome(process)
+            with self.subTest(line):
+                self.assertIn(code, (0, 1, 2, 128 + asked), said)
+                after = used.ru_utime + used.ru_stime - before
+                self.assertLess(after, 2, f"{after:.1f} s after the signal")
+                if code == 128 + asked:
+                    stopped.add(line.split()[0])
+                    left = sorted(p.name for p in self.folder.glob("[.o]*"))
+                    self.assertEqual(left, [], "what is left behind")
+            subprocess.run(["rm", "-rf", *self.folder.glob("[.o]*")], check=True)
+        # Verbs that are done by then show nothing.
+        self.assertGreaterEqual(len(stopped), 12, stopped)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
+    OCTAVO = os.path.abspath(sys.argv.pop(1))
+    unittest.main()
