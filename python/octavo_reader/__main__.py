@@ -38,7 +38,7 @@ def main() -> int:
                 np.save(options.output, samples)
             else:
                 samples.tofile(options.output)
-    except (OctavoError, OSError) as error:
+    except (OctavoError, OSError, MemoryError) as error:
         print(f"{options.file}: {error}", file=sys.stderr)
         return 1
     return 0

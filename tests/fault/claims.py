@@ -118,7 +118,7 @@ class Lengths(InFolder):
 
 
 def has_ended(process):
-    """Whether it has, without asking what it used: that is told once."""
+    """Whether it has, without asking what it used: it is said once."""
     flags = os.WEXITED | os.WNOHANG | os.WNOWAIT
     return os.waitid(os.P_PID, process.pid, flags) is not None
 
@@ -175,7 +175,7 @@ class Limits(Volumes):
         self.assertLess(used.ru_utime + used.ru_stime, 1, said)
         self.assertEqual(list(self.folder.glob("o*")), [])
 
-    def test_a_picture_that_no_png_holds_is_refused_before_a_voxel_is_read(self):
+    def test_a_picture_that_no_png_holds_is_rejected_before_a_voxel_is_read(self):
         for axis in ("y", "z", "all"):
             with self.subTest(axis):
                 self.expect_limit(["2097152 pixels", "coarser level"],
