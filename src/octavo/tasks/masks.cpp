@@ -114,7 +114,13 @@ BuildResult write_label_tree(const LabelTree& labels, const VolumeDescription& d
 BuildResult write_mask(const MaskTree& mask, const VolumeDescription& volume,
                        const MadeBy& made_by, const Output& output,
                        const std::string& work, const TaskContext& context) {
-  const VolumeDescription description = label_description(volume, VoxelType::uint8, made_by);
+  return write_described_mask(mask, label_description(volume, VoxelType::uint8, made_by), output,
+                              work, context);
+}
+
+BuildResult write_described_mask(const MaskTree& mask, const VolumeDescription& description,
+                                 const Output& output, const std::string& work,
+                                 const TaskContext& context) {
   return build_mask_file({mask, description}, local_storage(), output.path,
                          tree_build_options_for(context, output, work), context.watcher());
 }

@@ -63,6 +63,11 @@ BuildResult write_mask(const MaskTree& mask, const VolumeDescription& volume,
                        const MadeBy& made_by, const Output& output,
                        const std::string& work, const TaskContext& context);
 
+/// The same, with a description of its own: of the size of the mask, and of uint8.
+BuildResult write_described_mask(const MaskTree& mask, const VolumeDescription& description,
+                                 const Output& output, const std::string& work,
+                                 const TaskContext& context);
+
 /// Builds the label map that `source` gives.
 BuildResult write_labels(PlaneSource& source, const Output& output, const std::string& work,
                          const TaskContext& context);

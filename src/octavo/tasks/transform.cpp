@@ -68,9 +68,30 @@ MaskTree moved_mask(const FileReader& reader, const TransformPlan& plan,
   return mask;
 }
 
+/// The file is that of the voxels, but none is looked at.
+std::uint64_t write_moved_mask(const FileReader& reader, const TransformPlan& plan,
+                               VolumeDescription volume, const TransformOptions& options,
+                               const TaskContext& context) {
+  if (options.max_error > 0) {
+    throw Error(ErrorKind::invalid_argument, "label maps are always lossless")
+        .with_field("max_error", "0");
+  }
+  if (options.preset == Preset::fast) {
+    CodingNote coding;
+    coding.preset = "fast";
+    volume.metadata.set_coding(coding);
+  }
+  return write_described_mask(moved_mask(reader, plan, context), volume, options.output,
+                              "transform", context)
+      .file_bytes;
+}
+
 std::uint64_t write_voxels(const FileReader& reader, const TransformPlan& plan,
                            const VolumeDescription& volume, const TransformOptions& options,
                            const TaskContext& context) {
+  if (is_for_mask_tree(reader, plan)) {
+    return write_moved_mask(reader, plan, volume, options, context);
+  }
   const BuildOptions build = build_options_for(context, options.output, "transform",
                                                {.kind = volume.kind,
                                                 .preset = options.preset,
@@ -81,21 +102,13 @@ std::uint64_t write_voxels(const FileReader& reader, const TransformPlan& plan,
   require_room_for(volume, build, plane_bytes(volume) * static_cast<std::uint64_t>(planes),
                    options.output,
                    plan.is_scaled ? "take a smaller scale" : "take a smaller volume or grid");
-  const auto build_from = [&](const FillBox& fill) {
-    const auto source = make_computed_source(volume, fill, planes);
-    return build_file(*source, local_storage(), options.output.path, build, context.watcher())
-        .file_bytes;
-  };
-  if (is_for_mask_tree(reader, plan)) {
-    const MaskTree mask = moved_mask(reader, plan, context);
-    return build_from([&](const Box& box, std::byte* voxels) {
-      fill_voxels(mask, box, reinterpret_cast<std::uint8_t*>(voxels));
-    });
-  }
   const Resampler resampler(reader, plan.level, plan.to_source, plan.interpolation, plan.outside);
-  return build_from([&](const Box& box, std::byte* voxels) {
+  const auto fill = [&](const Box& box, std::byte* voxels) {
     context.on_threads([&] { resampler.fill(box, voxels); });
-  });
+  };
+  const auto source = make_computed_source(volume, fill, planes);
+  return build_file(*source, local_storage(), options.output.path, build, context.watcher())
+      .file_bytes;
 }
 
 }  // namespace
