@@ -127,11 +127,19 @@ TEST_F(Transform, AMaskIsTurnedAndShiftedOnItsOctreeAsItsVoxelsAre) {
   }
   options_.input = folder_.file("mask.8vo");
   testing::build_volume(volume, options_.input, 1);
+  // Too little for a build of planes.
+  context_.max_memory_bytes = std::uint64_t{160} << 20;
   apply(MirrorStep{{1}});
   EXPECT_EQ(result(), computed(kTransformSize, [&](const Index3& p) {
               return mask.at({p.x, kTransformSize.y - 1 - p.y, p.z});
             }));
   apply(ShiftStep{{-7, 2, 0}});
+  const auto written = testing::open_file(options_.output.path);
+  volume.description = written->description();
+  volume.voxels = testing::read_box(*written, box_of(kTransformSize), 0);
+  testing::build_volume(volume, folder_.file("planes.8vo"), 1);
+  EXPECT_EQ(testing::bytes_of_file(options_.output.path),
+            testing::bytes_of_file(folder_.file("planes.8vo")));
   EXPECT_EQ(result(), computed(kTransformSize, [&](const Index3& p) {
               const Index3 q = {p.x + 7, p.y - 2, p.z};
               return box_of(kTransformSize).contains(q) && mask.at(q) != 0;
