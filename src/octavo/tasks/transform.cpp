@@ -89,6 +89,7 @@ std::uint64_t write_moved_mask(const FileReader& reader, const TransformPlan& pl
 std::uint64_t write_voxels(const FileReader& reader, const TransformPlan& plan,
                            const VolumeDescription& volume, const TransformOptions& options,
                            const TaskContext& context) {
+  context.require_voxels(volume.size, options.output.path);
   if (is_for_mask_tree(reader, plan)) {
     return write_moved_mask(reader, plan, volume, options, context);
   }
@@ -98,7 +99,6 @@ std::uint64_t write_voxels(const FileReader& reader, const TransformPlan& plan,
                                                 .max_error = options.max_error,
                                                 .is_resumable = false});
   const std::int64_t planes = planes_at_once(volume);
-  context.require_voxels(volume.size, options.output.path);
   require_room_for(volume, build, plane_bytes(volume) * static_cast<std::uint64_t>(planes),
                    options.output,
                    plan.is_scaled ? "take a smaller scale" : "take a smaller volume or grid");
