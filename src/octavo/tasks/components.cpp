@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "octavo/core/error.h"
+#include "octavo/core/size_tolerance.h"
 #include "octavo/ops/label/component_labels.h"
 #include "octavo/ops/mask/components.h"
 #include "octavo/tasks/masks.h"
@@ -18,7 +19,7 @@ std::size_t kept_count(const Components& found, const ComponentsOptions& options
   const auto& all = found.components();
   const auto mm3 = voxel_mm3(volume);
   const auto end = std::find_if(all.begin(), all.end(), [&](const Component& component) {
-    return mm3 && static_cast<double>(component.voxel_count) * *mm3 < options.min_mm3;
+    return mm3 && static_cast<double>(component.voxel_count) * *mm3 < lower_limit(options.min_mm3);
   });
   const auto large = static_cast<std::size_t>(end - all.begin());
   if (options.keep_largest == 0) return large;

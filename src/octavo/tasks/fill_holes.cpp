@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "octavo/core/size_tolerance.h"
 #include "octavo/ops/mask/fill_holes.h"
 #include "octavo/tasks/masks.h"
 #include "octavo/tasks/volume_facts.h"
@@ -16,9 +17,7 @@ namespace {
 std::uint64_t max_voxels(const FillHolesOptions& options, const VolumeDescription& volume) {
   if (!options.max_mm3) return std::numeric_limits<std::uint64_t>::max();
   require_known_spacing(volume, options.input, "a volume in mm3");
-  // A volume of whole voxels is not lost to a rounded quotient.
-  constexpr double kRoundingSlack = 1e-9;
-  const double voxels = *options.max_mm3 / *voxel_mm3(volume) * (1 + kRoundingSlack);
+  const double voxels = upper_limit(*options.max_mm3) / *voxel_mm3(volume);
   return static_cast<std::uint64_t>(std::clamp(std::floor(voxels), 0.0, 1e18));
 }
 

@@ -1,6 +1,7 @@
 #include "octavo/tasks/components.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <random>
 
@@ -98,6 +99,27 @@ TEST_F(ComponentsTask, SmallOnesAreNotKept) {
   EXPECT_EQ(result.kept, static_cast<std::size_t>(std::count_if(
                              counts.begin(), counts.end(), [](auto n) { return n >= 3; })));
   EXPECT_EQ(result.found, counts.size());
+}
+
+TEST_F(ComponentsTask, ASizeOfWholeVoxelsIsKeptWhateverTheSpacingIsRoundedTo) {
+  DenseMask mask{{9, 4, 3}, std::vector<std::uint8_t>(108)};
+  for (const std::size_t voxel : {std::size_t{0}, std::size_t{2}, std::size_t{3}}) {
+    mask.voxels[voxel] = 1;
+  }
+  const double almost_one = 1 - 1e-16;
+  int files = 0;
+  for (const auto& [spacing, of_one] :
+       {std::pair(static_cast<double>(0.7F), 0.343), std::pair(static_cast<double>(0.1F), 0.001),
+        std::pair(almost_one, 1.0), std::pair(std::sqrt(3.0) * std::sqrt(1 / 3.0), 1.0)}) {
+    geometry_.spacing_mm = {spacing, spacing, spacing};
+    options_.input = write("rounded" + std::to_string(++files) + ".8vo", mask);
+    options_.min_mm3 = of_one;
+    EXPECT_EQ(components(options_, context_).kept, 2U) << spacing;
+    options_.min_mm3 = 2 * of_one;
+    EXPECT_EQ(components(options_, context_).kept, 1U) << spacing;
+    options_.min_mm3 = 2.001 * of_one;
+    EXPECT_EQ(components(options_, context_).kept, 0U) << spacing;
+  }
 }
 
 TEST_F(ComponentsTask, RowsAreAsManyAsAskedForAndCountAgainstTheLimit) {

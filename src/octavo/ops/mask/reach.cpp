@@ -5,13 +5,11 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/memory_limit.h"
+#include "octavo/core/size_tolerance.h"
 
 namespace octavo {
 
 namespace {
-
-// Spacings are decimal fractions: three steps of 0.1 mm are 0.3 mm.
-constexpr double kSlack = 2e-9;  // of a square
 
 double square(double value) { return value * value; }
 
@@ -46,7 +44,7 @@ Reach Reach::within_mm(double radius_mm, const Point3& spacing_mm, const Size3& 
   if (!(radius_mm >= 0) || !std::isfinite(radius_mm)) {
     throw Error(ErrorKind::invalid_argument, "a radius must be 0 mm or more");
   }
-  const double limit = square(radius_mm) * (1 + kSlack);
+  const double limit = square(upper_limit(radius_mm));
   Index3 longest;
   for (int axis = 0; axis < 3; ++axis) {
     longest[axis] =

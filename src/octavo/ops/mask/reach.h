@@ -21,7 +21,7 @@ namespace octavo {
 
 class Reach {
  public:
-  /// Steps of at most `radius_mm` from center to center, give or take a billionth of it.
+  /// Steps of at most `radius_mm` from center to center, within the tolerance of sizes.
   /// size  of the volume: longer steps are left out
   /// max_bytes  0: no limit; otherwise Error{limit_exceeded} when the table would be larger
   /// Throws  Error{invalid_argument} on a radius below 0 or not finite

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "octavo/core/error.h"
+#include "octavo/core/size_tolerance.h"
 #include "octavo/ops/mask/set_operations.h"
 #include "octavo/ops/mask/surface_voxels.h"
 #include "support/dense_mask.h"
@@ -24,7 +25,7 @@ bool is_within(const Index3& step, double radius_mm, const Point3& spacing_mm) {
         static_cast<long double>(step[axis]) * spacing_mm[static_cast<std::size_t>(axis)];
     sum += mm * mm;
   }
-  return std::sqrt(sum) <= static_cast<long double>(radius_mm) * (1 + 1e-9L);
+  return std::sqrt(sum) <= static_cast<long double>(radius_mm) * (1 + kSizeTolerance);
 }
 
 // Every step of the volume that lies within the radius, in all directions.
