@@ -15,8 +15,9 @@ namespace {
 
 constexpr VerbText kCondenseText = {
     "condense", "Even out the cubes of a grey volume that hardly vary.",
-    "The cubes of the octree, up to the whole volume, whose greatest and least voxel differ by at\n"
-    "most --flat take their mean; the largest such cubes count. No voxel changes by more. The\n"
+    "The cubes of the octree, up to the whole volume, whose largest and smallest voxel differ by\n"
+    "at most --flat take their mean; the largest such cubes count. Of a cube at the border the\n"
+    "voxels inside count, so slices and thin stacks condense too. No voxel changes by more. The\n"
     "result is an ordinary grey volume with large uniform cubes.\n\n"
     "Examples:\n"
     "  octavo condense head.8vo --flat 20 -o cubes.8vo\n"

@@ -57,8 +57,12 @@ struct Block {
   }
 };
 
-// Evens out the flat cubes in a cube of a block, the smaller ones first. Returns what the voxels
-// were before.
+Box box_from(const Index3& lo, std::int64_t side) {
+  return {lo, {lo.x + side, lo.y + side, lo.z + side}};
+}
+
+// Evens out the flat cubes in a cube of a block, the smaller ones first, as far as the volume goes.
+// Returns what the voxels were before.
 Extent even_out(Block& block, int level, const Index3& corner, std::int64_t flat) {
   Extent extent;
   if (level == 0) {
@@ -71,10 +75,11 @@ Extent even_out(Block& block, int level, const Index3& corner, std::int64_t flat
                        corner.z + side / 2 * (i >> 2)};
     if (box_of(block.size).contains(child)) extent.add(even_out(block, level - 1, child, flat));
   }
-  if (extent.voxels == cube_volume(level) && extent.max - extent.min <= flat) {
-    for (std::int64_t z = corner.z; z < corner.z + side; ++z) {
-      for (std::int64_t y = corner.y; y < corner.y + side; ++y) {
-        std::fill_n(block.row(y, z) + corner.x, side, extent.mean());
+  if (extent.max - extent.min <= flat) {
+    const Box cube = intersection(box_of(block.size), box_from(corner, side));
+    for (std::int64_t z = cube.lo.z; z < cube.hi.z; ++z) {
+      for (std::int64_t y = cube.lo.y; y < cube.hi.y; ++y) {
+        std::fill_n(block.row(y, z) + cube.lo.x, cube.size().x, extent.mean());
       }
     }
   }
@@ -143,7 +148,7 @@ class FlatCubes final : public PlaneSource {
 
   Box block_box(const Index3& block) const {
     const Index3 lo{block.x * kSide, block.y * kSide, block.z * kSide};
-    return intersection(box_of(size_), {lo, {lo.x + kSide, lo.y + kSide, lo.z + kSide}});
+    return intersection(box_of(size_), box_from(lo, kSide));
   }
 
   // Voxels as the numbers that bricks hold, and back.
@@ -239,8 +244,7 @@ class FlatCubes final : public PlaneSource {
     for (std::size_t k = floors.size() - 1; k > 0; --k) {
       for (std::int64_t i = 0; i < floors[k].grid.voxel_count(); ++i) {
         const Extent& extent = floors[k].extents[static_cast<std::size_t>(i)];
-        const int level = kBlockLevel + static_cast<int>(k);
-        if (extent.voxels != cube_volume(level) || extent.max - extent.min > flat_) continue;
+        if (extent.max - extent.min > flat_) continue;
         even_out_large(cell_of(floors[k].grid, i), std::int64_t{1} << k);
       }
     }
@@ -258,11 +262,11 @@ class FlatCubes final : public PlaneSource {
     return floor;
   }
 
-  // Gives the mean of a cube of `count`^3 blocks to each of them.
+  // Gives the mean of a cube of `count`^3 blocks, as far as there are any, to each of them.
   void even_out_large(const Index3& cell, std::int64_t count) {
     const Index3 lo{cell.x * count, cell.y * count, cell.z * count};
     if (means_[place(grid_, lo)] != kNone) return;  // in a larger one
-    const Size3 side{count, count, count};
+    const Size3 side = intersection(box_of(grid_), box_from(lo, count)).size();
     std::vector<Extent> extents(static_cast<std::size_t>(side.voxel_count()));
     const auto block_at = [&](std::int64_t i) {
       const Index3 at = cell_of(side, i);

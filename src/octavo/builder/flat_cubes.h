@@ -1,8 +1,8 @@
 // The region octree of a grey volume: cubes that hardly vary become their mean.
 //
-// A cube of the octree (up to the root) that lies inside the volume and whose voxels differ by at
-// most `flat` takes their mean, halves rounded up; the largest such cubes count. Written as a grey
-// file, these are the uniform cubes of its octree.
+// A cube of the octree (up to the root) whose voxels differ by at most `flat` takes their mean,
+// halves rounded up; the largest such cubes count. Of a cube at the border of the volume the voxels
+// inside count. Written as a grey file, these are the uniform cubes of its octree.
 //
 // Voxels of type float32 are taken as the numbers that the bricks of the file hold, of which every
 // voxel is one: so is every mean, and the new file holds them in the same way.
