@@ -119,9 +119,12 @@ std::unique_ptr<PlaneSource> open_nifti_source(const std::string& path,
   VolumeDescription& description = facts.description;
   description.size = read_size(header, path);
   take_stored_type(facts, stored_type_of(header, path));
-  const bool may_be_whole = is_integer(description.type) || facts.wide.has_value();
-  if (header.intent == kIntentLabel && may_be_whole) description.kind = VolumeKind::labels;
   facts.components = components_of(header, path);
+  const bool may_be_whole = is_integer(description.type) || facts.wide.has_value();
+  const bool is_color = !facts.components.channel_names.empty();
+  if (header.intent == kIntentLabel && may_be_whole && !is_color) {
+    description.kind = VolumeKind::labels;
+  }
   description.rescale = read_rescale(header);
   facts.spacing_known = nifti_geometry(header, path, description.geometry, facts.warnings);
   for (Warning& warning : facts.warnings) warning.text += ": " + escaped(path);

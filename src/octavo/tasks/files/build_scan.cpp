@@ -8,6 +8,7 @@
 #include "octavo/tasks/files/label_hint.h"
 #include "octavo/tasks/files/named_labels.h"
 #include "octavo/tasks/files/planes_between.h"
+#include "octavo/tasks/files/two_values.h"
 #include "octavo/tasks/inputs.h"
 
 namespace octavo {
@@ -65,6 +66,14 @@ std::unique_ptr<PlaneSource> with_names(std::unique_ptr<PlaneSource> source, Vol
   return with_label_names(std::move(source), names);
 }
 
+/// Says that a volume of two values is mostly a mask.
+void note_mask(const std::string& name, const std::pair<std::int64_t, std::int64_t>& values,
+               const TaskContext& context) {
+  context.note(name + ": holds two values only, " + std::to_string(values.first) + " and " +
+                   std::to_string(values.second) + ", as masks do",
+               "two_values");
+}
+
 BuildOptions build_options(const BuildScanOptions& options, VolumeKind kind) {
   BuildOptions build;
   build.kind = kind;
@@ -84,10 +93,16 @@ BuiltVolume build_scan(const BuildScanOptions& options, const TaskContext& conte
   if (!options.label_names.empty()) names = read_label_names(options.label_names);
   auto source = open_planes(options.inputs, options.scan, context);
   const VolumeKind kind = choose_kind(options, source->description(), context);
+  const auto two_values = std::make_shared<TwoValues>();
+  const bool may_be_mask = kind == VolumeKind::grey && !options.kind;
+  if (may_be_mask) source = watch_values(std::move(source), two_values);
   try {
     source = make_isotropic(name, std::move(source), options.between, kind, context);
     source = with_names(std::move(source), kind, options, names);
-    return build_planes(*source, build_options(options, kind), options.output, "build", context);
+    BuiltVolume built =
+        build_planes(*source, build_options(options, kind), options.output, "build", context);
+    if (*two_values) note_mask(name, **two_values, context);
+    return built;
   } catch (const Error& error) {
     const bool names_nothing = error.kind() == ErrorKind::source_rejected && error.path().empty();
     throw names_nothing ? error.with_path(name) : error;

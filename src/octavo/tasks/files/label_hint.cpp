@@ -43,6 +43,9 @@ std::string last_component(const std::string& path) {
 std::optional<std::string> label_hint(const std::string& path,
                                       const VolumeDescription& description) {
   if (!is_integer(description.type) || !description.rescale.is_identity()) return std::nullopt;
+  const std::optional<ChoiceNote>& chosen = description.metadata.facts().chosen;
+  const bool is_color = chosen && chosen->channel && chosen->channel->name;
+  if (is_color) return std::nullopt;
   for (const std::string& word : words_of(last_component(path))) {
     if (std::find(kLabelWords.begin(), kLabelWords.end(), word) != kLabelWords.end()) {
       return fmt::format("its name contains '{}'", word);

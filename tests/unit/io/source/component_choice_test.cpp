@@ -91,6 +91,25 @@ void write_nifti(const std::string& path, const std::vector<std::int16_t>& size,
   write_file(path, path.ends_with("gz") ? gzip(bytes) : bytes);
 }
 
+TEST(SourceComponents, OfColorAreNoLabelsWhateverTheHeaderMeansThemFor) {
+  const TempFolder folder;
+  NiftiSample sample;
+  sample.size = {4, 3, 2};
+  sample.datatype = 2304;
+  sample.bits = 8;
+  std::string bytes = nifti_header(sample) + alternating(4);
+  bytes.replace(68, 2, bytes_of<std::int16_t>({1002}));  // intent: label
+  write_file(folder.file("rgba.nii"), bytes);
+  SourceOptions options;
+  options.channel = "alpha";
+  EXPECT_EQ(open_source({folder.file("rgba.nii")}, options)->description().kind, VolumeKind::grey);
+  sample.datatype = 2;
+  bytes = nifti_header(sample) + volume(0);
+  bytes.replace(68, 2, bytes_of<std::int16_t>({1002}));
+  write_file(folder.file("labels.nii"), bytes);
+  EXPECT_EQ(open_source({folder.file("labels.nii")}, {})->description().kind, VolumeKind::labels);
+}
+
 TEST(SourceComponents, OfNiftiAreColorsTimesAndValues) {
   const TempFolder folder;
   for (const std::string& ending : {std::string(".nii"), std::string(".nii.gz")}) {

@@ -49,6 +49,28 @@ TEST_F(BuildScan, ANameOfLabelsIsNotedWithItsField) {
   EXPECT_EQ(notes_[0].second, "kind");
 }
 
+TEST_F(BuildScan, TwoValuesAreNotedAsAMaskMayBe) {
+  std::vector<std::int16_t> mask(voxels_.size());
+  for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = i % 7 == 3 ? 255 : 0;
+  options_.inputs = {write_raw("root.raw", mask)};
+  EXPECT_EQ(build_scan(options_, context_).kind, VolumeKind::grey);
+  ASSERT_EQ(notes_.size(), 1u);
+  EXPECT_NE(notes_[0].first.find("two values only, 0 and 255"), std::string::npos);
+  EXPECT_EQ(notes_[0].second, "two_values");
+}
+
+TEST_F(BuildScan, OneOrThreeValuesAreNoMask) {
+  for (const std::int16_t last : {std::int16_t{0}, std::int16_t{9}}) {
+    std::vector<std::int16_t> values(voxels_.size());
+    if (last != 0) values[5] = 255;
+    values.back() = last;
+    options_.inputs = {write_raw("values.raw", values)};
+    options_.output.overwrite = true;
+    build_scan(options_, context_);
+    EXPECT_TRUE(notes_.empty()) << last;
+  }
+}
+
 TEST_F(BuildScan, AnAskedKindIsTakenWithoutANote) {
   options_.kind = VolumeKind::labels;
   EXPECT_EQ(build_scan(options_, context_).kind, VolumeKind::labels);
