@@ -20,9 +20,10 @@ namespace {
 constexpr VerbText kExportText = {
     "export", "Write a volume, or a level or box of it, for other programs.",
     "The format follows the name: .raw .nrrd .nii .nii.gz .mha .mhd, and .tif or a folder\n"
-    "(FOLDER/) for a stack. Values are real units (HU) where the format holds them exactly;\n"
-    "--stored writes the stored integers; .raw is always stored, in C order z, y, x,\n"
-    "little-endian. What nobody knows, the spacing or how the patient lies, is left out where the\n"
+    "(FOLDER/) for a stack. Values are real units (HU) where integers hold them, or\n"
+    "where the format has a slope that all programs apply (NIfTI); elsewhere the stored integers,\n"
+    "with a warning. --real writes real units as float32, --stored the stored integers; .raw is\n"
+    "stored unless --real is given, in C order z, y, x, little-endian. What nobody knows, the spacing or how the patient lies, is left out where the\n"
     "format can leave it out; elsewhere a warning says so. A damaged file is rejected (exit code\n"
     "4), unless --salvage says how to fill what is damaged; everything else then equals the\n"
     "original.\n\n"
@@ -48,6 +49,7 @@ struct ExportArguments {
   std::string box;
   std::string box_mm;
   bool stored = false;
+  bool real = false;
   SalvageArguments salvage;
 };
 
@@ -58,7 +60,8 @@ ExportPartOptions options_of(const ExportArguments& arguments, const Context& co
   options.level = arguments.level;
   if (!arguments.box.empty()) options.box = parse_box(arguments.box);
   if (!arguments.box_mm.empty()) options.box_mm = parse_box_mm(arguments.box_mm);
-  options.is_stored = arguments.stored;
+  if (arguments.stored) options.values = ExportValues::stored;
+  if (arguments.real) options.values = ExportValues::real;
   options.salvage = salvage_filling(arguments.salvage);
   return options;
 }
@@ -120,7 +123,10 @@ void add_options(Verb verb, const std::shared_ptr<ExportArguments>& arguments) {
   verb.add_option("--box-mm", arguments->box_mm, "The same in mm: the voxels centered inside")
       ->type_name("BOX")
       ->excludes(box);
-  verb.add_flag("--stored", arguments->stored, "Stored integers instead of real units");
+  Option stored =
+      verb.add_flag("--stored", arguments->stored, "Stored integers instead of real units");
+  verb.add_flag("--real", arguments->real, "Real units as float32, in every format")
+      ->excludes(stored);
   add_salvage_option(verb, arguments->salvage);
 }
 

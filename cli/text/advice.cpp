@@ -97,6 +97,7 @@ constexpr Advice kAdvice[] = {
     {kUsage, "step.is_in_place", "", "--in-place turns, mirrors or scales the object itself"},
     {kUsage, "steps", "", "give --rotate, --shift or another step, or --grid-of"},
     {kAny, "tissues", "", "give --range LOW:HIGH"},
+    {kAny, "two_values", "", "--labels builds it as one, which verbs for masks take"},
 
     // --- Pictures
     {kUsage, "axes", "", "give one --axis"},
@@ -120,6 +121,9 @@ constexpr Advice kAdvice[] = {
     {kUsage, "window_preset", "", "give --window CENTER,WIDTH or auto"},
 
     // --- Reading and writing files
+    {kAny, "export.values", "", "--real writes float32 of them, .nii.gz holds them exactly"},
+    {kUsage, "values", "", "leave out --real"},
+    {kAny, "export.format", "", "pictures (.png) are what slice and render write"},
     {kAny, "input.repair", "", "repair restores it, unless what it hides is damaged as well"},
     {kAny, "input.spacing_mm", "", "build it again with --spacing"},
     {ErrorKind::corrupt, "is_strict", "", "--strict forbids to fill it"},

@@ -36,11 +36,12 @@ class ScanFiles : public TaskFiles {
   }
 
   /// The ramp as a grey file of int16 in HU.
-  std::string write_grey(const std::string& name) {
+  std::string write_grey(const std::string& name, const Rescale& rescale = {}) {
     Volume volume;
     volume.description.size = kScanSize;
     volume.description.type = VoxelType::int16;
     volume.description.geometry = geometry_;
+    volume.description.rescale = rescale;
     volume.description.metadata = Metadata::read(R"({"spacing_known":true,"unit":"HU"})");
     const auto* bytes = reinterpret_cast<const std::byte*>(voxels_.data());
     volume.voxels.assign(bytes, bytes + voxels_.size() * sizeof(std::int16_t));

@@ -62,7 +62,8 @@ ExportFormat export_format_of(const std::string& path) {
   throw Error(ErrorKind::invalid_argument,
               "the name says no format; known are .raw .nrrd .nii .nii.gz .mha .mhd .tif .tiff and "
               "FOLDER/ for a TIFF stack",
-              path);
+              path)
+      .with_field("export.format");
 }
 
 ExportResult export_volume(const FileReader& reader, Storage& storage, const std::string& path,

@@ -16,10 +16,17 @@ enum class ExportFormat { raw, nrrd, nifti, nifti_gz, meta_image, meta_image_det
 /// existing folder: a stack. Throws Error{invalid_argument} listing the known extensions.
 ExportFormat export_format_of(const std::string& path);
 
+/// Which numbers an export of a grey volume holds.
+enum class ExportValues {
+  exact,   ///< real values where integers hold them or the format knows a slope, else stored ones
+  stored,  ///< those of the file, whatever they stand for
+  real,    ///< real values as float32, rounded where it cannot hold them
+};
+
 struct ExportOptions {
   std::optional<Box> box;  ///< in samples of `level`; default the whole level
   int level = 0;
-  bool stored = false;  ///< stored integers even where real units could be written
+  ExportValues values = ExportValues::exact;
   bool overwrite = false;
   int threads = 0;
 };
@@ -29,9 +36,10 @@ struct ExportLimits {
   bool claims_spacing = false;   ///< a number stands for a spacing that is not known
   bool claims_place = false;     ///< it looks as if it said how a patient lies, which is not known
   bool loses_box_start = false;  ///< nothing says where in its volume the box begins
+  bool hides_rescale = false;    ///< real values only for who knows where the rescale is noted
 };
 
-/// What has to be reported of an export before it. Throws Error{invalid_argument} as export_volume.
+/// What has to be reported of an export before it. Throws as export_volume.
 ExportLimits export_limits(const FileReader& reader, ExportFormat format,
                            const ExportOptions& options);
 
@@ -43,10 +51,12 @@ struct ExportResult {
 };
 
 /// Exports through brick layers in order: memory is that of one layer of bricks, for every target.
-/// Real units: where slope and intercept are integers and the result fits an integer type, that
+/// Exact values: where slope and intercept are integers and the result fits an integer type, that
 /// type; where the target knows a slope (NIfTI), stored integers with it; otherwise stored
-/// integers, and real_units is false. RAW is always stored.
+/// integers, and real_units is false. RAW is stored unless real values are asked for.
 /// Where the place of the volume is not known, NIfTI has neither sform nor qform and NRRD no space.
+/// Throws  Error{invalid_argument} for a level or box that is not there, and for real values of
+///         labels
 ExportResult export_volume(const FileReader& reader, Storage& storage, const std::string& path,
                            ExportFormat format, const ExportOptions& options, Progress& progress);
 

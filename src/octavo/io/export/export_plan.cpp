@@ -85,6 +85,30 @@ bool plan_real_integers(ExportPlan& plan, const ValueRange& stored) {
   return true;
 }
 
+/// Turns the plan to real values as float32.
+void plan_real_floats(ExportPlan& plan) {
+  if (plan.kind == VolumeKind::labels) {
+    throw Error(ErrorKind::invalid_argument, "labels are names, which have no real values")
+        .with_field("values");
+  }
+  plan.applied = plan.rescale;
+  plan.type = VoxelType::float32;
+  plan.rescale = Rescale{};
+}
+
+bool is_nifti(ExportFormat format) {
+  return format == ExportFormat::nifti || format == ExportFormat::nifti_gz;
+}
+
+/// Chooses the type and the meaning of the numbers that are written.
+void plan_values(ExportPlan& plan, ExportFormat format, ExportValues values,
+                 const ValueRange& stored) {
+  if (values == ExportValues::real) plan_real_floats(plan);
+  const bool may_map = values == ExportValues::exact && format != ExportFormat::raw;
+  plan.real_units = plan.rescale.is_identity() ||
+                    (may_map && (plan_real_integers(plan, stored) || is_nifti(format)));
+}
+
 }  // namespace
 
 std::uint64_t ExportPlan::plane_bytes() const {
@@ -110,10 +134,8 @@ ExportPlan plan_export(const FileReader& reader, ExportFormat format,
   plan.spacing_known = description.metadata.is_spacing_known();
   plan.place_known = is_place_known(description);
   plan.overwrite = options.overwrite;
-  const bool is_nifti = format == ExportFormat::nifti || format == ExportFormat::nifti_gz;
-  const bool may_map = !options.stored && format != ExportFormat::raw;
-  plan.real_units = plan.rescale.is_identity() ||
-                    (may_map && (plan_real_integers(plan, reader.range()) || is_nifti));
+  plan.unit = description.metadata.unit();
+  plan_values(plan, format, options.values, reader.range());
   return plan;
 }
 
@@ -121,14 +143,15 @@ ExportLimits export_limits(const FileReader& reader, ExportFormat format,
                            const ExportOptions& options) {
   const ExportPlan plan = plan_export(reader, format, options);
   const bool is_nrrd = format == ExportFormat::nrrd;
-  const bool is_nifti = format == ExportFormat::nifti || format == ExportFormat::nifti_gz;
   const bool is_meta =
       format == ExportFormat::meta_image || format == ExportFormat::meta_image_detached;
   ExportLimits limits;
   limits.claims_spacing =
-      !plan.spacing_known && (is_nifti || is_meta || (is_nrrd && plan.place_known));
+      !plan.spacing_known && (is_nifti(format) || is_meta || (is_nrrd && plan.place_known));
   limits.claims_place = !plan.place_known && is_meta;
-  limits.loses_box_start = !plan.place_known && is_nifti && plan.box.lo != Index3{};
+  limits.loses_box_start = !plan.place_known && is_nifti(format) && plan.box.lo != Index3{};
+  limits.hides_rescale = !plan.real_units && options.values == ExportValues::exact &&
+                         format != ExportFormat::raw;
   return limits;
 }
 

@@ -23,12 +23,14 @@ struct ExportPlan {
   Geometry geometry;  ///< of the box's first voxel
   VoxelType stored_type = VoxelType::uint8;
   VoxelType type = VoxelType::uint8;  ///< in the target
-  IntegerMap map;                     ///< from stored_type to type
+  IntegerMap map;                     ///< from stored_type to type, where both are integers
+  Rescale applied;  ///< from stored_type to a type of floats, before they are written
   Rescale rescale;  ///< what a reader of the target still has to apply to reach real units
   bool real_units =
       false;  ///< real values in the target, or a rescale that the format applies itself
   bool spacing_known = true;
   bool place_known = true;  ///< false: origin and direction say nothing of a patient
+  std::string unit;         ///< of real values; empty where it is not known
   bool overwrite = false;
 
   std::uint64_t plane_bytes() const;

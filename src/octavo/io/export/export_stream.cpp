@@ -41,8 +41,30 @@ bool map_in_place(std::byte* voxels, std::size_t count, const IntegerMap& map) {
   return fits;
 }
 
+/// Makes float32 of `count` voxels where they stand.
+template <class From>
+void make_real(std::byte* voxels, std::size_t count, const Rescale& rescale) {
+  const auto make_one = [&](std::size_t i) {
+    From stored;
+    std::memcpy(&stored, voxels + i * sizeof(From), sizeof stored);
+    const auto real = static_cast<float>(rescale.to_real(static_cast<double>(stored)));
+    std::memcpy(voxels + i * sizeof(float), &real, sizeof real);
+  };
+  if constexpr (sizeof(float) > sizeof(From)) {
+    for (std::size_t i = count; i-- > 0;) make_one(i);
+  } else {
+    for (std::size_t i = 0; i < count; ++i) make_one(i);
+  }
+}
+
 void map_voxels(const ExportPlan& plan, std::byte* voxels, std::size_t count) {
-  if (plan.map.is_identity() && plan.type == plan.stored_type) return;
+  if (plan.map.is_identity() && plan.applied.is_identity() && plan.type == plan.stored_type) return;
+  if (!is_integer(plan.type)) {
+    with_voxel_type(plan.stored_type, [&](auto from) {
+      make_real<typename decltype(from)::type>(voxels, count, plan.applied);
+    });
+    return;
+  }
   const bool fits = with_voxel_type(plan.stored_type, [&](auto from) {
     return with_voxel_type(plan.type, [&](auto to) -> bool {
       using From = typename decltype(from)::type;
@@ -50,7 +72,7 @@ void map_voxels(const ExportPlan& plan, std::byte* voxels, std::size_t count) {
       if constexpr (std::is_integral_v<From> && std::is_integral_v<To>) {
         return map_in_place<From, To>(voxels, count, plan.map);
       } else {
-        throw Error(ErrorKind::internal, "float voxels are written as they are");
+        throw Error(ErrorKind::internal, "floats become no integers");
       }
     });
   });

@@ -130,10 +130,12 @@ class TiffFolderTarget final : public ExportTarget {
 
  private:
   void write_file(std::span<const std::uint8_t> plane) {
+    ExportPlan page = plan_;
+    page.geometry = cropped(plan_.geometry, {0, 0, next_plane_});
     const auto file = storage_.create_replacement(
         temporary_ + "/" + plane_name(next_plane_++, plan_.size.z), earlier_plane_);
     TiffOutput tiff(*file, plan_.plane_bytes() > kBigTiffBytes);
-    tiff.add_page(plan_, deflate_page(plan_, plane), tiff_description(plan_, 1));
+    tiff.add_page(page, deflate_page(page, plane), tiff_description(page, 1));
     tiff.finish();
     bytes_ += file->size();
     file->sync();

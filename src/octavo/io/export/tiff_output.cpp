@@ -215,6 +215,15 @@ void TiffOutput::add_page(const ExportPlan& plan, const DeflatedPage& page,
 
 void TiffOutput::finish() { handle_->close(); }
 
+namespace {
+
+/// ImageJ adds 32768 to signed voxels before it calibrates them, and has no signed bytes.
+bool can_imagej_calibrate(VoxelType type) {
+  return type == VoxelType::uint8 || type == VoxelType::uint16;
+}
+
+}  // namespace
+
 std::string tiff_description(const ExportPlan& plan, std::int64_t page_count) {
   std::ostringstream text;
   text << "ImageJ=1.53t\n";
@@ -224,13 +233,20 @@ std::string tiff_description(const ExportPlan& plan, std::int64_t page_count) {
     text << "unit=cm\nspacing=" << exact_text(plan.geometry.spacing_mm[2] / 10) << "\n";
   }
   text << "loop=false\n";
+  if (!plan.unit.empty()) text << "vunit=" << plan.unit << "\n";
+  if (!plan.rescale.is_identity() && can_imagej_calibrate(plan.type)) {
+    text << "cf=0\nc0=" << exact_text(plan.rescale.intercept)
+         << "\nc1=" << exact_text(plan.rescale.slope) << "\n";
+    if (plan.unit.empty()) text << "vunit=Gray Value\n";
+  }
   const auto put = [&](const char* key, std::span<const double> numbers) {
     text << key << " =";
     for (const double v : numbers) text << " " << exact_text(v);
     text << "\n";
   };
+  if (plan.spacing_known) put("spacing_mm", plan.geometry.spacing_mm);
   put("origin_mm", plan.geometry.origin_mm);
-  put("direction", plan.geometry.direction);
+  if (plan.place_known) put("direction", plan.geometry.direction);
   if (!plan.rescale.is_identity()) {
     put("rescale", std::array<double, 2>{plan.rescale.slope, plan.rescale.intercept});
   }

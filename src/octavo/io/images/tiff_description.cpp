@@ -1,5 +1,6 @@
 #include "octavo/io/images/tiff_description.h"
 
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -27,8 +28,10 @@ std::int64_t count_of(std::string_view text) {
   return value && *value >= 0 && *value < 1e15 ? static_cast<std::int64_t>(*value) : 0;
 }
 
-std::map<std::string, std::string, std::less<>> imagej_fields(std::string_view text) {
-  std::map<std::string, std::string, std::less<>> fields;
+using Fields = std::map<std::string, std::string, std::less<>>;
+
+Fields imagej_fields(std::string_view text) {
+  Fields fields;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     const std::string_view line = text.substr(0, end);
@@ -41,11 +44,44 @@ std::map<std::string, std::string, std::less<>> imagej_fields(std::string_view t
   return fields;
 }
 
-using Fields = std::map<std::string, std::string, std::less<>>;
+/// `count` numbers between blanks; nothing where there are more, fewer or other words.
+template <std::size_t count>
+std::optional<std::array<double, count>> numbers(std::string_view text) {
+  std::array<double, count> values{};
+  for (double& value : values) {
+    text = trimmed(text);
+    const std::string_view word = text.substr(0, text.find(' '));
+    const std::optional<double> read = number(word);
+    if (!read) return std::nullopt;
+    value = *read;
+    text.remove_prefix(word.size());
+  }
+  return trimmed(text).empty() ? std::optional(values) : std::nullopt;
+}
+
+/// What our exports note beside ImageJ's lines, which say it less exactly or not at all.
+void read_export_notes(Fields& fields, TiffDescription& result) {
+  constexpr double kSameSpacing = 1e-5;
+  result.origin_mm = numbers<3>(fields["origin_mm"]);
+  result.direction = numbers<9>(fields["direction"]);
+  const auto rescale = numbers<2>(fields["rescale"]);
+  if (rescale && rescale->front() != 0) result.rescale = Rescale{rescale->front(), rescale->back()};
+  const auto spacing = numbers<3>(fields["spacing_mm"]);
+  if (!spacing || !result.x_mm || !result.y_mm || !result.z_mm) return;
+  // Another program may have changed its own lines since.
+  const Point3 told{*result.x_mm, *result.y_mm, *result.z_mm};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (std::abs((*spacing)[axis] - told[axis]) > kSameSpacing * told[axis]) return;
+  }
+  result.x_mm = (*spacing)[0];
+  result.y_mm = (*spacing)[1];
+  result.z_mm = (*spacing)[2];
+}
 
 /// ImageJ's function 0 is c0 + c1 * v; the others are no straight lines.
 void read_calibration(Fields& fields, TiffDescription& result) {
   const std::optional<double> function = number(fields["cf"]);
+  if (!function) result.value_unit = known_value_unit(fields["vunit"]);
   if (!function || *function < 0) return;
   const std::optional<double> intercept = number(fields["c0"]);
   const std::optional<double> slope = number(fields["c1"]);
@@ -84,6 +120,7 @@ void read_imagej(std::string_view text, double x_resolution, double y_resolution
   if (x_unit && x_resolution > 0) result.x_mm = *x_unit / x_resolution;
   if (y_unit && y_resolution > 0) result.y_mm = *y_unit / y_resolution;
   if (z_unit && spacing && *spacing != 0) result.z_mm = std::abs(*spacing) * *z_unit;
+  read_export_notes(fields, result);
 }
 
 }  // namespace

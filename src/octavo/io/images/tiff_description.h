@@ -1,6 +1,7 @@
 // What microscopy programs write into a TIFF's description: ImageJ's lines and OME's XML.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -31,7 +32,7 @@ struct TiffDescription {
   std::int64_t slices = 0;   ///< OME: planes of one channel and time
   std::string order;         ///< of pages: "CZT" where channels change fastest; OME has others
   std::int64_t images = 0;   ///< ImageJ: pages in all
-  std::optional<Rescale> rescale;  ///< ImageJ: a calibration that is a straight line
+  std::optional<Rescale> rescale;  ///< ImageJ: a calibration that is a straight line; or our note
   std::string value_unit;          ///< of calibrated values; empty where none is known
   bool has_other_function = false; ///< ImageJ: a calibration that is no straight line
   std::int64_t other_function = 0; ///< the number that ImageJ gives it
@@ -39,6 +40,8 @@ struct TiffDescription {
   std::optional<double> x_mm;
   std::optional<double> y_mm;
   std::optional<double> z_mm;
+  std::optional<Point3> origin_mm;  ///< of the center of the first voxel, noted by our exports
+  std::optional<std::array<double, 9>> direction;  ///< as in Geometry, noted by our exports
   std::vector<OmePages> ome_pages; ///< empty until read_ome_pages
   std::string file_id;             ///< OME: the UUID of this file
   std::string metadata_file;       ///< OME: the file that has the description instead

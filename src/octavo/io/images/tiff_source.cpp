@@ -401,6 +401,18 @@ void take_spacing(const TiffStack& stack, SourceFacts& facts) {
   }
 }
 
+/// Where our exports say that the volume lies.
+void take_place(const TiffDescription& text, SourceFacts& facts) {
+  Geometry& geometry = facts.description.geometry;
+  if (text.origin_mm) geometry.origin_mm = *text.origin_mm;
+  if (!text.direction) {
+    if (text.origin_mm) facts.place_known = false;
+    return;
+  }
+  geometry.direction = *text.direction;
+  facts.place_known = true;
+}
+
 void take_calibration(const TiffDescription& text, SourceFacts& facts) {
   if (text.rescale) facts.description.rescale = *text.rescale;
   facts.unit = text.value_unit;
@@ -420,6 +432,7 @@ SourceFacts describe(const TiffStack& stack) {
   facts.description.size = {first.width, first.height,
                             static_cast<std::int64_t>(stack.planes.size())};
   take_spacing(stack, facts);
+  take_place(stack.description, facts);
   take_calibration(stack.description, facts);
   add_warnings(stack, facts);
   return facts;

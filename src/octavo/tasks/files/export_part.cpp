@@ -22,7 +22,7 @@ ExportOptions export_options(const ExportPartOptions& options, const FileReader&
   const Size3& size = reader.levels().size(options.level);
   ExportOptions how;
   how.level = options.level;
-  how.stored = options.is_stored;
+  how.values = options.values;
   how.overwrite = options.output.overwrite;
   how.threads = context.thread_count();
   if (options.box) how.box = box_within(*options.box, size);
@@ -54,11 +54,11 @@ std::string spacing_text(const FileReader& reader, int level) {
 }
 
 /// What the file claims though nobody knows it, and what it cannot keep, a warning each.
-std::vector<std::string> limit_warnings(const ExportPartOptions& options, const FileReader& reader,
+std::vector<Warning> limit_warnings(const ExportPartOptions& options, const FileReader& reader,
                                         const ExportLimits& limits, const ExportOptions& how) {
-  std::vector<std::string> warnings;
-  const auto add = [&](const std::string& text) {
-    warnings.push_back(options.output.path + ": " + text);
+  std::vector<Warning> warnings;
+  const auto add = [&](const std::string& text, const std::string& field = {}) {
+    warnings.emplace_back(options.output.path + ": " + text, field);
   };
   if (limits.claims_spacing) {
     add(fmt::format("the spacing of {} is not known; the file says {}, as its format needs a "
@@ -76,6 +76,13 @@ std::vector<std::string> limit_warnings(const ExportPartOptions& options, const 
                     "lies is not known; .nrrd can",
                     start.x, start.y, start.z, options.input));
   }
+  if (limits.hides_rescale) {
+    const Rescale& rescale = reader.description().rescale;
+    add(fmt::format("holds stored values; that {} x stored + {} are the real ones is noted where "
+                    "most programs do not look",
+                    number_text(rescale.slope), number_text(rescale.intercept)),
+        "export.values");
+  }
   return warnings;
 }
 
@@ -87,7 +94,7 @@ ExportPartResult export_part(const ExportPartOptions& options, const TaskContext
   const auto reader = salvaging(open_volume(options.input, context), options.salvage, context);
   const ExportOptions how = export_options(options, *reader, context);
   const ExportLimits limits = export_limits(*reader, format, how);
-  const std::vector<std::string> warnings = limit_warnings(options, *reader, limits, how);
+  const std::vector<Warning> warnings = limit_warnings(options, *reader, limits, how);
   // Where a warning is an error nothing is written; elsewhere it is about what was written.
   if (context.is_strict && !warnings.empty()) context.warn(warnings.front());
   context.require_memory(layer_bytes(*reader, how), "a layer of bricks");
@@ -96,7 +103,7 @@ ExportPartResult export_part(const ExportPartOptions& options, const TaskContext
     result.written =
         export_volume(*reader, local_storage(), output, format, how, context.watcher());
   });
-  for (const std::string& warning : warnings) context.warn(warning);
+  for (const Warning& warning : warnings) context.warn(warning);
   warn_of_salvaged(*reader, context);
   result.box = how.box.value_or(box_of(reader->levels().size(how.level)));
   result.salvaged = salvage_report(*reader);

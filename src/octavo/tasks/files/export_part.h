@@ -17,7 +17,7 @@ struct ExportPartOptions {
   int level = 0;
   std::optional<AskedBox> box;  ///< in samples of the level; default the whole level
   std::optional<BoxMm> box_mm;  ///< the same in mm
-  bool is_stored = false;       ///< stored integers even where real units could be written
+  ExportValues values = ExportValues::exact;
   std::optional<SalvageFilling> salvage;
 };
 

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <functional>
 
+#include "octavo/io/open_source.h"
 #include "support/built_file.h"
 #include "support/memory_reader.h"
 #include "support/memory_storage.h"
@@ -302,7 +303,7 @@ TEST(Export, IntegerRescaleBecomesTheSmallestTypeThatHoldsIt) {
     expect_values(built.folder.file("a.nii"), real, real);
 
     ExportOptions keep;
-    keep.stored = true;
+    keep.values = ExportValues::stored;
     for (const std::string name : {"s.nrrd", "s.nii", "s.mha"}) {
       const ExportResult result = built.export_as(name, keep);
       EXPECT_FALSE(result.real_units);
@@ -310,6 +311,64 @@ TEST(Export, IntegerRescaleBecomesTheSmallestTypeThatHoldsIt) {
       expect_values(built.folder.file(name), stored, name == "s.nii" ? stored : real);
     }
   }
+}
+
+TEST(Export, RealValuesAreFloatsInEveryFormat) {
+  const VoxelType types[] = {VoxelType::uint8, VoxelType::int16, VoxelType::uint32};
+  for (const VoxelType type : types) {
+    Built built(make_volume(type, {33, 5, 4}, {2.2, -7.5}));
+    std::vector<double> real = testing::as_numbers(built.volume.voxels, type);
+    for (double& value : real) value = static_cast<float>(2.2 * value - 7.5);
+    ExportOptions options;
+    options.values = ExportValues::real;
+    for (const std::string name : {"r.nrrd", "r.nii", "r.mha"}) {
+      const ExportResult result = built.export_as(name, options);
+      EXPECT_TRUE(result.real_units) << name;
+      EXPECT_EQ(result.type, VoxelType::float32) << name;
+      expect_values(built.folder.file(name), real, real);
+    }
+    EXPECT_EQ(read_with_libtiff(built.export_as("r.tif", options).files).values, real);
+    built.export_as("r.raw", options);
+    const std::string raw = testing::bytes_of_file(built.folder.file("r.raw"));
+    std::vector<std::byte> bytes(raw.size());
+    std::memcpy(bytes.data(), raw.data(), raw.size());
+    EXPECT_EQ(testing::as_numbers(bytes, VoxelType::float32), real);
+  }
+}
+
+TEST(Export, LabelsHaveNoRealValues) {
+  Volume labels = make_volume(VoxelType::uint8, {9, 9, 9});
+  labels.description.kind = VolumeKind::labels;
+  Built built(std::move(labels));
+  ExportOptions options;
+  options.values = ExportValues::real;
+  EXPECT_EQ(kind_of([&] { built.export_as("r.nrrd", options); }), ErrorKind::invalid_argument);
+  EXPECT_EQ(built.entry_count(), 1u);
+}
+
+/// What opening an export as a source finds in it.
+VolumeDescription opened(const std::string& path) {
+  return open_source({path}, SourceOptions{})->description();
+}
+
+TEST(Export, TiffNotesAreReadBackExactly) {
+  for (const VoxelType type : {VoxelType::uint8, VoxelType::uint16, VoxelType::int16}) {
+    const Rescale rescale{2.208627462387085, -3.25};
+    Built built(make_volume(type, {20, 6, 5}, rescale));
+    for (const std::string name : {"a.tif", "stack/"}) {
+      built.export_as(name);
+      const VolumeDescription found = opened(built.folder.file(name));
+      EXPECT_EQ(found.rescale, rescale) << name;
+      EXPECT_EQ(found.geometry, oblique_geometry()) << name;
+    }
+  }
+}
+
+TEST(Export, APlaneOfATiffStackAloneKnowsWhereItLies) {
+  Built built(make_volume(VoxelType::int16, {20, 6, 5}));
+  const std::string third = built.export_as("stack/").files.at(2);
+  const Geometry expected = cropped(oblique_geometry(), {0, 0, 2});
+  EXPECT_EQ(opened(third).geometry, expected);
 }
 
 TEST(Export, LongAxesGoToNifti2) {

@@ -64,6 +64,27 @@ TEST_F(ExportPart, WhatNobodyKnowsIsWarnedOfAndNotWrittenWhereStrict) {
   EXPECT_FALSE(warnings_.empty());
 }
 
+TEST_F(ExportPart, ARescaleThatMostProgramsLoseIsWarnedOf) {
+  options_.input = write_grey("slope.8vo", {2.2, 0});
+  for (const char* const name : {"part.nrrd", "part.mha", "part.mhd", "part.tif"}) {
+    options_.output.path = folder_.file(name);
+    warnings_.clear();
+    export_part(options_, context_);
+    ASSERT_EQ(warnings_.size(), 1u) << name;
+    EXPECT_NE(warnings_[0].find("2.2 x stored"), std::string::npos) << warnings_[0];
+  }
+  warnings_.clear();
+  options_.output.path = folder_.file("part.nii");
+  export_part(options_, context_);
+  options_.values = ExportValues::real;
+  options_.output.path = folder_.file("real.nrrd");
+  export_part(options_, context_);
+  options_.values = ExportValues::stored;
+  options_.output.path = folder_.file("stored.nrrd");
+  export_part(options_, context_);
+  EXPECT_TRUE(warnings_.empty());
+}
+
 TEST_F(ExportPart, LevelsThatAreNotThereAreRejected) {
   options_.level = 99;
   EXPECT_EQ(failure_of([&] { export_part(options_, context_); }).kind,
