@@ -13,6 +13,7 @@ import struct
 import sys
 
 import cli_test
+from identity_test import tiff
 
 SIZE = (20, 18, 12)
 
@@ -257,17 +258,31 @@ class Messages(cli_test.InFolder):
                 "encoding: raw\nspacings: 1 1 1\n\n").encode()
         (self.folder / "n.nrrd").write_bytes(head + voxels)
         self.expect(0, "build", "n.nrrd", "-o", "n.8vo", "-q")
-        self.said("slice", "n.8vo", "--window", "bone", "-o", "n.png")
+        (self.folder / "gy.tif").write_bytes(tiff({270: "ImageJ=1.53t\nvunit=Gy\n"}))
+        self.expect(0, "build", "gy.tif", "-o", "gy.8vo", "-q")
+        for arguments in [["slice", "n.8vo", "--window", "bone", "-o", "n.png"],
+                          ["threshold", "n.8vo", "--tissue", "air", "--range", "3:", "-o", "n2.8vo"],
+                          ["render", "n.8vo", "--tissue", "soft", "-o", "n3.png"],
+                          ["render", "n.8vo", "--mode", "transparency", "--tissue", "soft", "-o",
+                           "n4.png", "--direction", "1,0,0"]]:
+            with self.subTest(arguments):
+                told = self.said(*arguments).stderr
+                self.assertIn("warning: n.8vo: its unit is not known; ", told)
+                self.assertEqual(told.count("its unit is not known"), 1)
+                self.expect_error(7, ["its unit is not known"], *arguments, "--strict",
+                                           "-f")
         for words, arguments in [
             (["octavo: m.8vo: a window goes with grey values; this file holds labels"],
              ["slice", "m.8vo", "--window", "bone", "-o", "s.png"]),
-            (["octavo: m.8vo: tissue bone: ", "this volume holds labels"],
+            (["octavo: m.8vo: the tissue bone is in HU", "this volume holds labels"],
              ["threshold", "m.8vo", "--tissue", "bone", "-o", "x.8vo"]),
-            (["octavo: n.8vo: tissue bone: ", "is in no known unit"],
-             ["render", "n.8vo", "--tissue", "bone", "-o", "x.png"]),
-            (["octavo: n.8vo: tissue bone: "],
-             ["render", "n.8vo", "--mode", "transparency", "--tissue", "bone", "-o", "x.png",
+            (["octavo: gy.8vo: the tissue bone is in HU, and this volume is in Gy", "--range"],
+             ["render", "gy.8vo", "--tissue", "bone", "-o", "x.png"]),
+            (["octavo: gy.8vo: the tissue bone is in HU, and this volume is in Gy", "--range"],
+             ["render", "gy.8vo", "--mode", "transparency", "--tissue", "bone", "-o", "x.png",
               "--direction", "1,0,0"]),
+            (["octavo: gy.8vo: the window bone is in HU, and this volume is in Gy", "--window"],
+             ["slice", "gy.8vo", "--window", "bone", "-o", "x.png"]),
             (["octavo: m.8vo: holds labels, not grey values"],
              ["measure", "m.8vo", "--of", "m.8vo"]),
         ]:

@@ -25,11 +25,13 @@ struct StoredClass {
 
 /// All that was asked for as classes, in the order in which they count.
 std::vector<ValueClass> asked_classes(const ThresholdOptions& options,
-                                      const VolumeDescription& volume) {
+                                      const VolumeDescription& volume,
+                                      const TaskContext& context) {
+  check_tissues(options.tissues, volume, options.input, context);
   std::vector<ValueClass> classes;
   for (const AskedRange& range : options.ranges) classes.push_back({1, range});
   for (const std::string& name : options.tissues) {
-    classes.push_back({1, tissue_range(name, volume, options.input)});
+    classes.push_back({1, tissue_range(name)});
   }
   if (!options.labels.is_empty() && volume.kind != VolumeKind::labels) {
     throw Error(ErrorKind::invalid_argument, "holds grey values, not labels", options.input)
@@ -127,7 +129,7 @@ BuildResult write_one_mask(const FileReader& reader, const std::vector<StoredCla
 ThresholdResult threshold(const ThresholdOptions& options, const TaskContext& context) {
   const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
   const VolumeDescription& volume = reader->description();
-  const std::vector<ValueClass> asked = asked_classes(options, volume);
+  const std::vector<ValueClass> asked = asked_classes(options, volume, context);
   require_computed(options.output, {options.input});
   const MadeBy made = made_by(options, asked);
   std::vector<StoredClass> classes;

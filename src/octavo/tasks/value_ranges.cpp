@@ -48,23 +48,18 @@ std::vector<std::string> tissue_names() {
   return names;
 }
 
-AskedRange tissue_range(const std::string& name, const VolumeDescription& volume,
-                        const std::string& path) {
-  const std::string unit = unit_of(volume);
-  if (unit != "HU") {
-    const std::string found = volume.kind == VolumeKind::labels ? "holds labels"
-                              : unit.empty()                    ? "is in no known unit"
-                                                                : "is in " + unit;
-    throw Error(ErrorKind::invalid_argument,
-                fmt::format("tissue {}: tissues are ranges in HU, and this volume {}",
-                            escaped(name), found),
-                path)
-        .with_field("tissues");
-  }
+AskedRange tissue_range(const std::string& name) {
   for (const Tissue& tissue : kTissues) {
     if (name == tissue.name) return {tissue.lowest, tissue.highest};
   }
   throw Error(ErrorKind::invalid_argument, "no tissue is called " + escaped(name));
+}
+
+void check_tissues(const std::vector<std::string>& names, const VolumeDescription& volume,
+                   const std::string& path, const TaskContext& context) {
+  if (names.empty()) return;
+  for (const std::string& name : names) tissue_range(name);
+  require_hu(volume, path, "the tissue " + names.front(), "tissues", context);
 }
 
 ValueWindow stored_window(const AskedRange& range, const VolumeDescription& volume,

@@ -7,6 +7,7 @@
 
 #include "octavo/core/volume.h"
 #include "octavo/ops/mask/mask_build.h"
+#include "octavo/tasks/task_context.h"
 
 namespace octavo {
 
@@ -19,11 +20,13 @@ struct AskedRange {
 /// The tissues that have ranges, in HU.
 std::vector<std::string> tissue_names();
 
-/// The range of a tissue.
-/// path    the file of `volume`
-/// Throws  Error{invalid_argument} when the volume is not in HU, or no tissue has this name
-AskedRange tissue_range(const std::string& name, const VolumeDescription& volume,
-                        const std::string& path);
+/// The range of a tissue, in HU. Throws Error{invalid_argument} when no tissue has this name.
+AskedRange tissue_range(const std::string& name);
+
+/// Proves that tissues may be asked of a volume: that each is one, and as require_hu.
+/// path  the file of `volume`
+void check_tissues(const std::vector<std::string>& names, const VolumeDescription& volume,
+                   const std::string& path, const TaskContext& context);
 
 /// Whole stored values whose real ones lie in the range; for float32 the quotients.
 /// is_stored  the range is one of stored values

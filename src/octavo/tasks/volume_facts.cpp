@@ -19,6 +19,24 @@ std::string with_unit(const std::string& number, const std::string& unit) {
 
 std::string unit_of(const VolumeDescription& volume) { return escaped(volume.metadata.unit()); }
 
+void require_hu(const VolumeDescription& volume, const std::string& path, const std::string& what,
+                const std::string& field, const TaskContext& context) {
+  const std::string unit = unit_of(volume);
+  const bool is_grey = volume.kind == VolumeKind::grey;
+  if (is_grey && unit == "HU") return;
+  if (is_grey && unit.empty()) {
+    context.warn({fmt::format("{}: its unit is not known; for {} its values are taken as HU", path,
+                              what),
+                  field});
+    return;
+  }
+  throw Error(ErrorKind::invalid_argument,
+              fmt::format("{} is in HU, and this volume {}", what,
+                          is_grey ? "is in " + unit : "holds labels"),
+              path)
+      .with_field(field);
+}
+
 bool is_spacing_known(const VolumeDescription& volume) {
   return volume.metadata.is_spacing_known();
 }

@@ -6,11 +6,21 @@
 
 #include "octavo/builder/float_planes.h"
 #include "octavo/core/volume.h"
+#include "octavo/tasks/task_context.h"
 
 namespace octavo {
 
 /// "HU" and the like; empty when the metadata name none.
 std::string unit_of(const VolumeDescription& volume);
+
+/// Proves that what is given in HU may be asked of a volume. Where its unit is not known its values
+/// are taken as HU, with a warning.
+/// path    the file of `volume`
+/// what    is in HU: "the window bone"
+/// field   of an options struct, which `what` came from
+/// Throws  Error{invalid_argument} on labels and on values in another unit
+void require_hu(const VolumeDescription& volume, const std::string& path, const std::string& what,
+                const std::string& field, const TaskContext& context);
 
 /// False when the source carried no spacing and 1 mm was assumed.
 bool is_spacing_known(const VolumeDescription& volume);

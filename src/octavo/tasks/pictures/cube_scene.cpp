@@ -220,7 +220,7 @@ std::vector<Part> range_parts(const FileReader& reader, const RenderOptions& opt
   };
   const bool is_one = options.ranges.size() + options.tissues.size() == 1;
   for (const std::string& name : options.tissues) {
-    add(tissue_range(name, volume, options.input), tissue_color(name), name);
+    add(tissue_range(name), tissue_color(name), name);
   }
   std::int64_t number = 0;
   for (const AskedLook& look : options.ranges) {
@@ -234,7 +234,6 @@ std::vector<Part> range_parts(const FileReader& reader, const RenderOptions& opt
 
 void require_cube_scene(const FileReader& reader, const RenderOptions& options) {
   const VolumeDescription& volume = reader.description();
-  for (const std::string& name : options.tissues) tissue_range(name, volume, options.input);
   const bool is_labels = volume.kind == VolumeKind::labels;
   if (!is_labels && !options.labels.is_empty()) {
     throw Error(ErrorKind::invalid_argument, "holds grey values, not labels", options.input)

@@ -14,6 +14,7 @@
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/pictures/picture_files.h"
 #include "octavo/tasks/pictures/render_scene.h"
+#include "octavo/tasks/value_ranges.h"
 #include "octavo/tasks/volume_facts.h"
 #include "octavo/tasks/volume_parts.h"
 
@@ -202,6 +203,7 @@ RenderResult render(const RenderOptions& options, const TaskContext& context) {
   const Size3& size = reader->levels().size(options.level);
   make_view(reader->levels().geometry(volume.geometry, options.level), size, box_of(size),
             viewpoint_of(options.view, volume.geometry), frame_of(options));
+  check_tissues(options.tissues, reader->description(), options.input, context);
   if (options.mode != RenderMode::transparency) require_cube_scene(*reader, options);
   for (const std::string& path : paths) require_free({path, options.output.overwrite});
 

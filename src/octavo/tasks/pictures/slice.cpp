@@ -63,7 +63,8 @@ void check_slice(const SliceOptions& options) {
 }
 
 /// The asked window; nothing for an automatic one. Rejects one that the volume cannot be shown in.
-std::optional<Window> asked_window(const SliceOptions& options, const VolumeDescription& volume) {
+std::optional<Window> asked_window(const SliceOptions& options, const VolumeDescription& volume,
+                                   const TaskContext& context) {
   const bool is_asked = options.window || !options.window_preset.empty();
   if (is_asked && volume.kind == VolumeKind::labels) {
     throw Error(ErrorKind::invalid_argument,
@@ -75,13 +76,9 @@ std::optional<Window> asked_window(const SliceOptions& options, const VolumeDesc
   const auto preset = find_window_preset(options.window_preset);
   if (!preset)
     reject_slice("no window is called " + escaped(options.window_preset), "window_preset");
-  const std::string unit = unit_of(volume);
-  if (unit.empty() || unit == "HU") return preset;
-  throw Error(ErrorKind::invalid_argument,
-              fmt::format("the window {} is in HU, and this volume is in {}", options.window_preset,
-                          escaped(unit)),
-              options.input)
-      .with_field("window_preset");
+  require_hu(volume, options.input, "the window " + options.window_preset, "window_preset",
+             context);
+  return preset;
 }
 
 /// The slice nearest to a position along an axis of the grid, in mm of its dominant body axis.
@@ -227,7 +224,7 @@ std::vector<Drawing> planned(const SliceOptions& options, const FileReader& read
   }
   SlicePictureOptions look;
   look.level = options.level;
-  look.window = asked_window(options, volume);
+  look.window = asked_window(options, volume, context);
   look.minimum_side = options.minimum_side;
   look.labels = volume.metadata.facts().labels;
   look.captions = {options.has_scale_bar, options.has_sides,        options.has_notes,

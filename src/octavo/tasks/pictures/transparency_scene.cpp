@@ -32,9 +32,8 @@ constexpr TissueLook kTissueLooks[] = {
     {"fat", {255, 214, 160}, 0.01},    {"soft", {224, 96, 74}, 0.01},
     {"contrast", {255, 60, 40}, 0.08}, {"bone", {255, 250, 235}, 0.08}};
 
-DensityRange tissue_look(const std::string& name, const VolumeDescription& volume,
-                         const std::string& path) {
-  const AskedRange ends = tissue_range(name, volume, path);
+DensityRange tissue_look(const std::string& name) {
+  const AskedRange ends = tissue_range(name);
   const auto look = std::find_if(std::begin(kTissueLooks), std::end(kTissueLooks),
                                  [&](const TissueLook& one) { return name == one.name; });
   if (look == std::end(kTissueLooks)) return {ends.lowest, ends.highest, {}, kUsualOpacity};
@@ -141,7 +140,7 @@ class TransparencyScene final : public RenderScene {
     const auto& spacing = volume.geometry.spacing_mm;
     const double finest = *std::min_element(spacing.begin(), spacing.end());
     for (const std::string& name : asked_.tissues) {
-      DensityRange range = tissue_look(name, volume, asked_.input);
+      DensityRange range = tissue_look(name);
       range.opacity = 1 - std::pow(1 - range.opacity, finest);
       names_.push_back(name + " " + look_text({{range.lowest, range.highest}, {}, {}, {}}, volume));
       options_.ranges.push_back(range);

@@ -226,7 +226,7 @@ TEST_F(RenderTask, WhatDoesNotGoTogetherIsRejectedAndWritesNothing) {
   std::vector<RenderOptions> all(20, options_);
   all[0].output.path = folder_.file("p.gif");
   all[1].ranges.clear();
-  all[2].tissues = {"bone"};
+  all[2].tissues = {"knee"};
   all[3].level = 77;
   all[4].width = 0;
   all[5].zoom = -1;
