@@ -37,15 +37,6 @@ std::shared_ptr<const FileReader> open_grey(const MeasureOptions& options,
       .with_field("grey.kind");
 }
 
-/// What to ask of the stored values: on a falling scale the p-th percentile is the (100 - p)-th.
-RegionMeasureOptions stored_options(std::vector<double> percentiles, const FileReader* grey,
-                                    std::vector<std::int64_t> labels) {
-  if (grey != nullptr && grey->description().rescale.slope < 0) {
-    for (double& percent : percentiles) percent = 100 - percent;
-  }
-  return {std::move(percentiles), std::move(labels)};
-}
-
 /// Grey statistics in real units.
 GreyStatistics real_statistics(const GreyStatistics& stored, const Rescale& rescale,
                                std::uint64_t voxels) {
@@ -106,8 +97,8 @@ MeasureResult measure(const MeasureOptions& options, const TaskContext& context)
 
   result.names = volume.metadata.facts().labels;
   const RegionMeasureOptions asked =
-      stored_options(result.percentiles, grey.get(),
-                     labels_of(options.asked, result.names, options.labels));
+      {result.percentiles, grey && grey->description().rescale.slope < 0,
+       labels_of(options.asked, result.names, options.labels)};
   std::vector<RegionMeasure> regions;
   context.on_threads(
       [&] { regions = measure_regions(*labels, grey.get(), asked, context.watcher()); });

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <map>
 #include <utility>
@@ -12,6 +11,7 @@
 #include "octavo/core/error.h"
 #include "octavo/ops/label/label_block.h"
 #include "octavo/ops/measure/moment_sums.h"
+#include "octavo/ops/measure/percentiles.h"
 
 namespace octavo {
 
@@ -20,53 +20,11 @@ namespace {
 // Bricks whose sums are held until they are added in order.
 constexpr std::int64_t kBricksAtOnce = 64;
 
-// How many voxels fell into each bin. A few are kept one by one: most regions of a brick, and many
-// of a volume, have fewer voxels than there are bins.
-class Histogram {
- public:
-  void add(std::size_t bin) {
-    if (counts_.empty() && few_.size() < kFew) {
-      few_.push_back(static_cast<std::uint16_t>(bin));
-    } else {
-      spread();
-      ++counts_[bin];
-    }
-  }
-
-  void add(const Histogram& other) {
-    if (other.counts_.empty()) {
-      for (const std::uint16_t bin : other.few_) add(bin);
-      return;
-    }
-    spread();
-    for (std::size_t bin = 0; bin < counts_.size(); ++bin) counts_[bin] += other.counts_[bin];
-  }
-
-  /// The count of every bin.
-  std::vector<std::uint64_t> counts() const {
-    Histogram all = *this;
-    all.spread();
-    return all.counts_;
-  }
-
- private:
-  static constexpr std::size_t kFew = 4 * static_cast<std::size_t>(kPercentileBins);
-
-  void spread() {
-    if (!counts_.empty()) return;
-    counts_.resize(static_cast<std::size_t>(kPercentileBins));
-    for (const std::uint16_t bin : std::exchange(few_, {})) ++counts_[bin];
-  }
-
-  std::vector<std::uint16_t> few_;
-  std::vector<std::uint64_t> counts_;
-};
-
 // Sums over the voxels of one region.
 struct Sums {
   MomentSums moments;
   std::uint64_t surface = 0;
-  // Of the grey voxels less `Bins::minimum`: exact for integers, in order for floats.
+  // Of the grey voxels less `GreyScale::minimum`: exact for integers, in order for floats.
   double minimum = std::numeric_limits<double>::infinity();
   double maximum = -std::numeric_limits<double>::infinity();
   __int128 whole_sum = 0;
@@ -76,50 +34,41 @@ struct Sums {
   Histogram histogram;
 };
 
-// How grey values fall into bins: the k-th holds those from minimum + k * width on. Sums count from
-// the smallest value as well, so that a small spread far from 0 is not lost.
-struct Bins {
+// How grey values are summed: from the smallest one on, so that a small spread far from 0 is not
+// lost.
+struct GreyScale {
   double minimum = 0;
-  double width = 1;
-  std::size_t count = 1;
-  bool is_wanted = false;
-
-  std::size_t bin_of(double value) const {
-    const double at = std::floor((value - minimum) / width);
-    return static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(count - 1)));
-  }
+  std::optional<ValueKeys> keys;  // where percentiles are asked for
+  std::optional<PercentileSearch> search;
 };
 
-Bins bins_of(const FileReader& grey) {
+GreyScale scale_of(const FileReader& grey, const RegionMeasureOptions& options) {
   const VolumeDescription& description = grey.description();
   const double a = description.voxel_of(grey.range().min);
   const double b = description.voxel_of(grey.range().max);
-  Bins bins{std::min(a, b), 1, 1};
-  const double range = std::abs(b - a);
-  if (is_integer(description.type) && range < static_cast<double>(kPercentileBins)) {
-    bins.count = static_cast<std::size_t>(range) + 1;
-  } else if (range > 0) {
-    bins.count = static_cast<std::size_t>(kPercentileBins);
-    bins.width = range / static_cast<double>(kPercentileBins);
-  }
-  return bins;
+  GreyScale scale;
+  scale.minimum = std::min(a, b);
+  if (options.percentiles.empty()) return scale;
+  scale.keys.emplace(grey);
+  scale.search.emplace(*scale.keys, options.percentiles, options.falls);
+  return scale;
 }
 
 template <class T>
-void add_grey(T value, const Bins& bins, Sums& sums) {
+void add_grey(T value, const GreyScale& scale, Sums& sums) {
   const auto v = static_cast<double>(value);
   sums.minimum = std::min(sums.minimum, v);
   sums.maximum = std::max(sums.maximum, v);
   if constexpr (std::is_integral_v<T>) {
-    const auto above = static_cast<std::int64_t>(value) - static_cast<std::int64_t>(bins.minimum);
+    const auto above = static_cast<std::int64_t>(value) - static_cast<std::int64_t>(scale.minimum);
     sums.whole_sum += above;
     sums.whole_squares += static_cast<__int128>(above) * above;
   } else {
-    const long double above = v - bins.minimum;
+    const long double above = v - scale.minimum;
     sums.sum += above;
     sums.squares += above * above;
   }
-  if (bins.is_wanted) sums.histogram.add(bins.bin_of(v));
+  if (scale.search) sums.histogram.add(scale.search->first_bin(scale.keys->key_of(value)));
 }
 
 using GreyByLabel = std::map<std::int64_t, Sums>;
@@ -142,32 +91,105 @@ class Measurement {
               const RegionMeasureOptions& options)
       : labels_(labels), grey_(grey), options_(options), grid_(labels.levels().brick_grid(0)) {
     if (grey == nullptr) return;
-    bins_ = bins_of(*grey);
-    bins_.is_wanted = !options.percentiles.empty();
+    scale_ = scale_of(*grey, options);
   }
 
   std::vector<RegionMeasure> take(Progress& progress) {
-    const std::int64_t count = grid_.voxel_count();
-    const ProgressScope scope(progress, "measure", count, "bricks");
-    for (std::int64_t first = 0; first < count; first += kBricksAtOnce) {
-      const std::int64_t end = std::min(count, first + kBricksAtOnce);
-      std::vector<GreyByLabel> of_bricks(static_cast<std::size_t>(end - first));
-      tbb::parallel_for(first, end, [&](std::int64_t i) {
-        if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped while measuring");
-        of_bricks[static_cast<std::size_t>(i - first)] = brick_sums(
-            {i % grid_.x, i / grid_.x % grid_.y, i / (grid_.x * grid_.y)});
-        progress.advance(1);
-      });
-      for (const GreyByLabel& of_brick : of_bricks) {
-        for (const auto& [label, sums] : of_brick) add(sums, totals_[label]);
-      }
-    }
+    for_bricks<GreyByLabel>(
+        progress, "measure", [&](const Index3& brick) { return brick_sums(brick); },
+        [&](const GreyByLabel& of_brick) {
+          for (const auto& [label, sums] : of_brick) add(sums, totals_[label]);
+        });
+    if (scale_.search) find_percentiles(progress);
     std::vector<RegionMeasure> regions;
     for (const auto& [label, sums] : totals_) regions.push_back(region_of(label, sums));
     return regions;
   }
 
  private:
+  // Calls make(brick) for every brick on all threads, and take(what it gave) in file order.
+  template <class Made, class Make, class Take>
+  void for_bricks(Progress& progress, const char* what, Make make, Take take) const {
+    const std::int64_t count = grid_.voxel_count();
+    const ProgressScope scope(progress, what, count, "bricks");
+    for (std::int64_t first = 0; first < count; first += kBricksAtOnce) {
+      const std::int64_t end = std::min(count, first + kBricksAtOnce);
+      std::vector<Made> of_bricks(static_cast<std::size_t>(end - first));
+      tbb::parallel_for(first, end, [&](std::int64_t i) {
+        if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped while measuring");
+        of_bricks[static_cast<std::size_t>(i - first)] =
+            make(Index3{i % grid_.x, i / grid_.x % grid_.y, i / (grid_.x * grid_.y)});
+        progress.advance(1);
+      });
+      for (const Made& of_brick : of_bricks) take(of_brick);
+    }
+  }
+
+  // Passes over the voxels until every percentile is a value.
+  void find_percentiles(Progress& progress) {
+    PercentileSearch& search = *scale_.search;
+    for (const auto& [label, sums] : totals_) {
+      search.begin(label, sums.moments.count, sums.histogram);
+    }
+    while (!search.is_settled()) {
+      PercentileSearch::Found all;
+      for_bricks<PercentileSearch::Found>(
+          progress, "measure percentiles",
+          [&](const Index3& brick) { return counted_in(brick, search); },
+          [&](const PercentileSearch::Found& found) {
+            for (const auto& [label, histograms] : found) {
+              for (const auto& [prefix, counts] : histograms) all[label][prefix].add(counts);
+            }
+          });
+      search.take(all);
+    }
+  }
+
+  // What a pass counts in a brick.
+  PercentileSearch::Found counted_in(const Index3& brick, const PercentileSearch& search) const {
+    PercentileSearch::Found found;
+    const Box box = labels_.levels().brick_box(0, brick);
+    if (!may_hold_asked(brick) || !may_count(brick, box, search)) return found;
+    LabelBlock block(labels_, box);
+    with_voxel_type(grey_->description().type, [&](auto id) {
+      using T = typename decltype(id)::type;
+      const std::vector<T> values = grey_voxels<T>(box);
+      const Size3 size = box.size();
+      for (std::int64_t z = 0; z < size.z; ++z) {
+        for (std::int64_t y = 0; y < size.y; ++y) {
+          const std::int64_t* const labels = block.row(y, z);
+          const T* const row = values.data() + (z * size.y + y) * size.x;
+          for (std::int64_t lo = 0, hi = 0; lo < size.x; lo = hi) {
+            while (hi < size.x && labels[hi] == labels[lo]) ++hi;
+            if (!is_asked(labels[lo])) continue;
+            const PercentileSearch::Places& places = search.places_of(labels[lo]);
+            PercentileSearch::Counted& counted = found[labels[lo]];
+            for (std::int64_t x = lo; x < hi; ++x) {
+              search.count(places, scale_.keys->key_of(row[x]), counted);
+            }
+          }
+        }
+      }
+    });
+    return found;
+  }
+
+  // Whether the range of the grey brick at the same place has room for what a pass counts.
+  bool may_count(const Index3& brick, const Box& box, const PercentileSearch& search) const {
+    if (grey_->levels().brick_grid(0) != grid_ || grey_->levels().brick_box(0, brick) != box) {
+      return true;
+    }
+    const ValueRange range = grey_->brick(0, brick).range;
+    const VolumeDescription& description = grey_->description();
+    std::uint64_t ends[2];
+    with_voxel_type(description.type, [&](auto id) {
+      using T = typename decltype(id)::type;
+      ends[0] = scale_.keys->key_of(static_cast<T>(description.voxel_of(range.min)));
+      ends[1] = scale_.keys->key_of(static_cast<T>(description.voxel_of(range.max)));
+    });
+    return search.may_count(std::min(ends[0], ends[1]), std::max(ends[0], ends[1]));
+  }
+
   // The label of a brick of one label only.
   std::optional<std::int64_t> single_label(const Index3& brick) const {
     const BrickEntry entry = labels_.brick(0, brick);
@@ -226,7 +248,7 @@ class Measurement {
       add_runs(box, block, sums,
                [&](std::int64_t lo, std::int64_t hi, std::int64_t y, std::int64_t z, Sums& to) {
                  const T* const row = values.data() + (z * size.y + y) * size.x;
-                 for (std::int64_t x = lo; x < hi; ++x) add_grey(row[x], bins_, to);
+                 for (std::int64_t x = lo; x < hi; ++x) add_grey(row[x], scale_, to);
                });
     });
     return sums;
@@ -273,7 +295,7 @@ class Measurement {
     if (grey_ == nullptr) return;
     with_voxel_type(grey_->description().type, [&](auto id) {
       using T = typename decltype(id)::type;
-      for (const T value : grey_voxels<T>(box)) add_grey(value, bins_, sums);
+      for (const T value : grey_voxels<T>(box)) add_grey(value, scale_, sums);
     });
   }
 
@@ -286,6 +308,7 @@ class Measurement {
     region.centroid = sums.moments.centroid();
     region.covariance = sums.moments.covariance();
     if (grey_ != nullptr) region.grey = grey_of(sums);
+    if (scale_.search) region.grey->percentiles = scale_.search->values_of(label);
     return region;
   }
 
@@ -299,38 +322,18 @@ class Measurement {
     const long double mean = sum / count;
     grey.minimum = sums.minimum;
     grey.maximum = sums.maximum;
-    grey.mean = static_cast<double>(mean + bins_.minimum);
-    grey.sum = static_cast<double>(sum + count * bins_.minimum);
+    grey.mean = static_cast<double>(mean + scale_.minimum);
+    grey.sum = static_cast<double>(sum + count * scale_.minimum);
     grey.deviation =
         static_cast<double>(std::sqrt(std::max(0.0L, squares / count - mean * mean)));
-    if (options_.percentiles.empty()) return grey;
-    const std::vector<std::uint64_t> counts = sums.histogram.counts();
-    for (const double percent : options_.percentiles) {
-      grey.percentiles.push_back(percentile(sums, counts, percent));
-    }
     return grey;
-  }
-
-  // The smallest value that at least `percent` of the voxels do not exceed, as far as bins tell.
-  double percentile(const Sums& sums, const std::vector<std::uint64_t>& counts,
-                    double percent) const {
-    const double wanted = percent / 100 * static_cast<double>(sums.moments.count);
-    std::uint64_t seen = 0;
-    for (std::size_t bin = 0; bin < counts.size(); ++bin) {
-      seen += counts[bin];
-      if (seen > 0 && static_cast<double>(seen) >= wanted) {
-        const double value = bins_.minimum + static_cast<double>(bin) * bins_.width;
-        return std::clamp(value, sums.minimum, sums.maximum);
-      }
-    }
-    return sums.maximum;
   }
 
   const FileReader& labels_;
   const FileReader* grey_;
   const RegionMeasureOptions& options_;
   Size3 grid_;
-  Bins bins_;
+  GreyScale scale_;
   GreyByLabel totals_;
 };
 

@@ -26,12 +26,8 @@ struct GreyStatistics {
   double maximum = 0;
   double sum = 0;
   /// As many as were asked for: the smallest value that this share of the voxels does not exceed.
-  /// Exact for integers where the volume's range is below kPercentileBins, else within a
-  /// kPercentileBins-th of that range.
   std::vector<double> percentiles;
 };
-
-inline constexpr std::int64_t kPercentileBins = 8192;
 
 /// One region. Positions and moments are in index space: x, y, z of voxel centers.
 struct RegionMeasure {
@@ -52,6 +48,7 @@ struct PrincipalAxes {
 
 struct RegionMeasureOptions {
   std::vector<double> percentiles = {5, 25, 50, 75, 95};  ///< of 0 .. 100
+  bool falls = false;  ///< the scale of grey values does: percentiles count from the largest down
   std::vector<std::int64_t> labels = {};  ///< only these, ascending; none: all but 0
 };
 
@@ -60,8 +57,10 @@ struct RegionMeasureOptions {
 /// grey  nullptr, or a volume on the same grid
 /// Throws what the readers throw, Error{cancelled}; Error{invalid_argument} for a grey volume in
 ///        place of labels, or of another size
-/// Memory  64 bricks and their sums; per label 200 bytes, and with percentiles 2 bytes per voxel of
-///         it up to 64 KiB
+/// Memory  64 bricks and their sums; per label 200 bytes, and per percentile 2 bytes per voxel of it
+///         up to 64 KiB
+/// Time    one pass over the voxels; with percentiles one more where the values of the volume span
+///         over 2^13, and a third where they do 2^26
 std::vector<RegionMeasure> measure_regions(const FileReader& labels, const FileReader* grey,
                                            const RegionMeasureOptions& options,
                                            Progress& progress);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <random>
 
@@ -184,8 +185,66 @@ TEST(MeasureRegions, TakesFloats) {
   for (std::size_t i = 0; i < of_grey.size(); ++i) {
     EXPECT_NEAR(of_floats[i].grey->mean, 1e4 + of_grey[i].grey->mean / 64, 2e-3);
     EXPECT_NEAR(of_floats[i].grey->deviation, of_grey[i].grey->deviation / 64, 2e-3);
-    EXPECT_NEAR(of_floats[i].grey->percentiles[2], 1e4 + of_grey[i].grey->percentiles[2] / 64, 1);
+    EXPECT_NEAR(of_floats[i].grey->percentiles[2], 1e4 + of_grey[i].grey->percentiles[2] / 64,
+                2e-3);
   }
+}
+
+/// Whether percentiles of a volume of type T are values of it, at the ranks that they say.
+template <class T>
+void expect_exact_percentiles(VoxelType type, const std::function<T(std::uint32_t)>& value_of) {
+  const Size3 size{67, 65, 9};
+  const testing::ScratchFolder folder;
+  std::vector<T> values;
+  std::vector<std::uint8_t> labels;
+  std::uint32_t state = 11;
+  for (std::int64_t i = 0; i < size.voxel_count(); ++i) {
+    state = state * 1664525u + 1013904223u;
+    values.push_back(value_of(state >> 8));
+    labels.push_back(static_cast<std::uint8_t>(i % 5 == 0 ? i % 3 : i / size.x % 4));
+  }
+  const auto mask = testing::open_file(
+      built(folder, size, VoxelType::uint8, labels.data(), VolumeKind::labels, "l.8vo"));
+  const auto grey =
+      testing::open_file(built(folder, size, type, values.data(), VolumeKind::grey, "g.8vo"));
+  grey->read(box_of(size), 0, values.data());  // floats are built within an error
+  RegionMeasureOptions options;
+  options.percentiles = {0, 0.01, 5, 37.5, 50, 99.99, 100};
+  for (const bool falls : {false, true}) {
+    options.falls = falls;
+    NoProgress progress;
+    const auto regions = measure_regions(*mask, grey.get(), options, progress);
+    ASSERT_EQ(regions.size(), 3u);
+    for (const RegionMeasure& region : regions) {
+      std::vector<T> sorted;
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        if (labels[i] == region.label) sorted.push_back(values[i]);
+      }
+      std::sort(sorted.begin(), sorted.end());
+      if (falls) std::reverse(sorted.begin(), sorted.end());
+      for (std::size_t i = 0; i < options.percentiles.size(); ++i) {
+        const double share = options.percentiles[i] / 100 * static_cast<double>(sorted.size());
+        const auto rank = static_cast<std::size_t>(std::max(1.0, std::ceil(share)));
+        EXPECT_EQ(region.grey->percentiles[i], static_cast<double>(sorted[rank - 1]))
+            << options.percentiles[i] << " of label " << region.label << (falls ? " falling" : "");
+      }
+    }
+  }
+}
+
+TEST(MeasureRegions, PercentilesAreValuesThatOccurHoweverFarTheyLieApart) {
+  expect_exact_percentiles<std::uint16_t>(
+      VoxelType::uint16, [](std::uint32_t n) { return static_cast<std::uint16_t>(n); });
+  expect_exact_percentiles<std::int16_t>(
+      VoxelType::int16, [](std::uint32_t n) { return static_cast<std::int16_t>(n); });
+  expect_exact_percentiles<std::int32_t>(VoxelType::int32, [](std::uint32_t n) {
+    return n % 977 == 0 ? 2000000000 : static_cast<std::int32_t>(n % 1000) - 500;
+  });
+  expect_exact_percentiles<std::uint32_t>(
+      VoxelType::uint32, [](std::uint32_t n) { return n % 7 * 613566756u + n % 3; });
+  expect_exact_percentiles<float>(VoxelType::float32, [](std::uint32_t n) {
+    return n % 4999 == 0 ? 4096.0f : static_cast<float>(n % 1000) / 8 - 60;
+  });
 }
 
 TEST(MeasureRegions, DoNotDependOnTheThreads) {
