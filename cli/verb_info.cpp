@@ -68,8 +68,9 @@ std::string geometry_rows(const InfoResult& info, const Metadata& metadata) {
 std::string values_row(const InfoResult& info) {
   const VolumeDescription& d = info.volume;
   const std::string unit = unit_of(d);
-  const double min = d.voxel_of(info.range.min);
-  const double max = d.voxel_of(info.range.max);
+  double min = d.voxel_of(info.range.min);
+  double max = d.voxel_of(info.range.max);
+  if (d.rescale.slope < 0) std::swap(min, max);
   std::string text =
       fmt::format("{} to {}{}", number_text(d.rescale.to_real(min)),
                   number_text(d.rescale.to_real(max)), unit.empty() ? "" : " " + unit);

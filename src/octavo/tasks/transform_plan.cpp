@@ -145,7 +145,11 @@ Interpolation Planner::interpolation_of(const std::optional<Interpolation>& aske
 
 /// The stored value of voxels from outside.
 double Planner::stored_fill(const std::optional<double>& asked) const {
-  if (!asked) return is_labels() ? 0 : volume_.voxel_of(reader_.range().min);
+  if (!asked && is_labels()) return 0;
+  if (!asked) {
+    const ValueRange stored = reader_.range();
+    return volume_.voxel_of(volume_.rescale.slope < 0 ? stored.max : stored.min);
+  }
   const double real = *asked;
   const Rescale& rescale = volume_.rescale;
   const double stored = is_labels() ? real : (real - rescale.intercept) / rescale.slope;

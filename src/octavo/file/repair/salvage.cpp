@@ -231,7 +231,8 @@ void SalvageReader::fill_with_lowest(const Part& part, SalvagedDamage& salvaged)
     range = inner_->range();
     salvaged.fill = SalvageFill::volume_lowest;
   }
-  salvaged.value = description().voxel_of(range.min);
+  const bool falls = description().rescale.slope < 0;
+  salvaged.value = description().voxel_of(falls ? range.max : range.min);
   part.fill_with(description().type, salvaged.value);
 }
 

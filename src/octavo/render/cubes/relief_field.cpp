@@ -33,7 +33,10 @@ class MaskRelief final : public ReliefField {
 
 class GreyRelief final : public ReliefField {
  public:
-  GreyRelief(const FileReader& reader, int level) : reader_(reader), level_(level) {}
+  GreyRelief(const FileReader& reader, int level)
+      : reader_(reader),
+        level_(level),
+        sign_(reader.description().rescale.slope < 0 ? -1.0F : 1.0F) {}
 
   void read(const Box& box, float* values) const override {
     const Box inside = intersection(box, box_of(reader_.levels().size(level_)));
@@ -52,8 +55,8 @@ class GreyRelief final : public ReliefField {
 
  private:
   template <class T>
-  static void spread(const std::vector<std::byte>& bytes, const Box& inside, const Box& box,
-                     float* values) {
+  void spread(const std::vector<std::byte>& bytes, const Box& inside, const Box& box,
+              float* values) const {
     const Size3 held = inside.size();
     for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
       const std::int64_t from_z = std::clamp(z, inside.lo.z, inside.hi.z - 1) - inside.lo.z;
@@ -66,7 +69,7 @@ class GreyRelief final : public ReliefField {
           std::memcpy(&value, bytes.data() + static_cast<std::size_t>(row + from_x) * sizeof value,
                       sizeof value);
           const auto number = static_cast<float>(value);
-          *values++ = std::isfinite(number) ? number : 0.0F;
+          *values++ = std::isfinite(number) ? sign_ * number : 0.0F;
         }
       }
     }
@@ -74,6 +77,7 @@ class GreyRelief final : public ReliefField {
 
   const FileReader& reader_;
   int level_;
+  float sign_;  // so that the field rises where real values do
 };
 
 /// The weights of a Gaussian for offsets 0 .. reach; with both sides they add up to 1.

@@ -32,7 +32,7 @@ DensityClasses DensityClasses::of_ranges(const VolumeDescription& volume,
 
 DensityClasses DensityClasses::ramp(const VolumeDescription& volume, double low, double high,
                                     int steps) {
-  const bool is_sound = std::isfinite(low) && std::isfinite(high) && low < high;
+  const bool is_sound = std::isfinite(low) && std::isfinite(high) && low != high;
   if (!is_sound || steps < 1 || static_cast<std::size_t>(steps) >= kMaxClasses) {
     throw Error(ErrorKind::invalid_argument, "a ramp needs two ends and 1 to 65535 steps");
   }

@@ -159,7 +159,7 @@ Picture draw_lattice(const LineField& field, const Lattice& lattice, const View&
 DensityClasses classes_of(const VolumeDescription& volume, const TransparencyOptions& options) {
   if (!options.ranges.empty()) return DensityClasses::of_ranges(volume, options.ranges);
   const auto& [low, high] = options.ramp;
-  const double span = high - low;
+  const double span = std::abs(high - low);
   const bool is_exact = is_integer(volume.type) && span == std::floor(span);
   const int steps = is_exact && span <= 65535 ? static_cast<int>(std::max(1.0, span)) : 65535;
   return DensityClasses::ramp(volume, low, high, steps);
@@ -280,11 +280,12 @@ NearestLines nearest_lines(const Geometry& geometry, const Point3& toward) {
 ValueRamp robust_ramp(const FileReader& reader, bool is_open) {
   const VolumeDescription& volume = reader.description();
   const Window window = robust_window(reader);
-  ValueRamp ramp{window.center - window.width / 2, window.center + window.width / 2};
-  if (is_open) {
-    const auto [minimum, maximum] =
-        std::minmax({volume.voxel_of(reader.range().min), volume.voxel_of(reader.range().max)});
-    ramp.high = std::max({ramp.high, minimum, maximum});
+  const double half = volume.rescale.slope < 0 ? -window.width / 2 : window.width / 2;
+  ValueRamp ramp{window.center - half, window.center + half};
+  if (!is_open) return ramp;
+  for (const std::int64_t end : {reader.range().min, reader.range().max}) {
+    const double value = volume.voxel_of(end);
+    if ((value - ramp.high) * half > 0) ramp.high = value;
   }
   return ramp;
 }
@@ -327,7 +328,7 @@ TransparencyPicture render_transparency(const FileReader& reader, const View& vi
   const LineSums sums = sum_along_lines(reader, lines, classes, emission_of(classes, options),
                                         is_grey ? 1 : 3, progress);
   const double step =
-      (options.ramp.high - options.ramp.low) / static_cast<double>(classes.count() - 1);
+      std::abs(options.ramp.high - options.ramp.low) / static_cast<double>(classes.count() - 1);
   const double unit = is_grey ? layers * finest_mm(volume.geometry) * step : layers / kEmissionUnit;
   const SumDisplay display(sums, unit, options.window);
   result.window = display.window();

@@ -29,10 +29,11 @@ struct NearestLines {
 /// The direction of voxel lines that is nearest to a unit vector in world space.
 NearestLines nearest_lines(const Geometry& geometry, const Point3& toward);
 
-/// Grey values between two, stored units: the lower gives nothing, the higher the most.
+/// Grey values between two, stored units: the one that stands for the lower real value gives
+/// nothing, the other the most.
 struct ValueRamp {
   double low = 0;
-  double high = 1;
+  double high = 1;  ///< below `low` where the rescale falls
 };
 
 /// The ramp from the 0.5th percentile of a volume to the 99.5th, or to the maximum value when

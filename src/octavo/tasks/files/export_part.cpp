@@ -39,7 +39,8 @@ ExportOptions export_options(const ExportPartOptions& options, const FileReader&
 std::uint64_t layer_bytes(const FileReader& reader, const ExportOptions& how) {
   constexpr std::int64_t kWidestVoxel = 4;
   const std::int64_t voxel_bytes =
-      how.stored ? bytes_per_voxel(reader.description().type) : kWidestVoxel;
+      how.values == ExportValues::stored ? bytes_per_voxel(reader.description().type)
+                                         : kWidestVoxel;
   const Box box = how.box.value_or(box_of(reader.levels().size(how.level)));
   const Size3 size = box.size();
   const std::int64_t planes = std::min(size.z, brick_side_at(reader.levels(), how.level).z);
