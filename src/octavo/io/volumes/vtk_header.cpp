@@ -122,7 +122,7 @@ Fields read_fields(Lines& lines, const std::string& path) {
   Fields fields;
   while (lines.next_filled()) {
     std::string keyword = lines.keyword();
-    if (keyword == "scalars") return fields;
+    if (keyword == "scalars" || keyword == "color_scalars") return fields;
     if (keyword == "aspect_ratio") keyword = "spacing";
     if (!kKnown.contains(keyword)) reject_before_scalars(lines, path);
     if (!fields.emplace(keyword, lines.behind_keyword()).second) {
@@ -147,6 +147,25 @@ StoredType stored_type_of(const std::string& name, const std::string& path) {
   if (found != kTypes.end()) return found->second;
   reject(path, "voxels of type " + escaped(name) +
                    " are not read; integers of 8 to 64 bits, float and double are");
+}
+
+/// COLOR_SCALARS name [values per point]: bytes, or in text shares of 255. VTK writes every volume
+/// of bytes so.
+StoredType read_color_line(const Lines& lines, bool is_text, const std::string& path) {
+  const std::vector<std::string> found = words(lines.text());
+  if (found.size() != 3) {
+    reject(path, "its COLOR_SCALARS line has " + std::to_string(found.size()) +
+                     " words, 3 expected: COLOR_SCALARS, a name, values per point");
+  }
+  if (found[2] != "1") {
+    reject(path, escaped(found[2]) +
+                     " values per voxel (color): one is read; take out one first");
+  }
+  if (is_text) {
+    reject(path, "its voxels are bytes in the form of colors (COLOR_SCALARS), which in text are "
+                 "rounded numbers from 0 to 1; save it as binary");
+  }
+  return VoxelType::uint8;
 }
 
 /// SCALARS name type [values per point].
@@ -268,10 +287,12 @@ VtkHeader read_vtk_header(const std::string& path) {
   read_start(lines, path, header);
   const Fields fields = read_fields(lines, path);
   header.size = read_size(fields, path);
-  header.type = read_scalars_line(lines, path);
+  const bool is_color = lines.keyword() == "color_scalars";
+  header.type = is_color ? read_color_line(lines, header.is_text, path)
+                         : read_scalars_line(lines, path);
   if (fields.contains("spacing")) header.spacing_mm = three_numbers(fields, "spacing", path);
   if (fields.contains("origin")) header.origin_mm = three_numbers(fields, "origin", path);
-  header.voxel_offset = voxel_offset(lines);
+  header.voxel_offset = is_color ? lines.offset() : voxel_offset(lines);
   const auto points = static_cast<std::uint64_t>(header.size.x * header.size.y * header.size.z);
   if (header.is_text) {
     check_text_length(file, points, header);

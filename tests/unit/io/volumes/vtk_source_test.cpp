@@ -167,6 +167,25 @@ TEST_F(VtkSource, NotesAndAColorTableMayFollowTheVoxels) {
   expect_rejected(sample, "ends early");
 }
 
+TEST_F(VtkSource, BytesMayStandAsColorsOfOneValue) {
+  VtkSample sample;
+  sample.array = "POINT_DATA 24\nCOLOR_SCALARS s 1\n";
+  sample.voxels = "LOOKUP_TABLE abcdefghijk";
+  ASSERT_EQ(sample.voxels.size(), 24u);
+  sample.behind = "\n";
+  write_file(path_, bytes_of_vtk(sample));
+  const auto source = open_source({path_}, {});
+  EXPECT_EQ(source->description().type, VoxelType::uint8);
+  EXPECT_EQ(voxels_of(*source), sample.voxels);
+  sample.array = "POINT_DATA 24\nCOLOR_SCALARS s 3\n";
+  expect_rejected(sample, "3 values per voxel (color)");
+  sample.array = "POINT_DATA 24\nCOLOR_SCALARS s\n";
+  expect_rejected(sample, "2 words, 3 expected");
+  sample.kind = text_sample().kind;
+  sample.array = "POINT_DATA 24\nCOLOR_SCALARS s 1\n";
+  expect_rejected(sample, "save it as binary");
+}
+
 TEST_F(VtkSource, SeveralArraysAreRejected) {
   VtkSample sample;
   for (const std::string notes : {"\n", "\nMETADATA\nINFORMATION 0\n\n"}) {
