@@ -252,6 +252,15 @@ class Messages(cli_test.InFolder):
                 said = self.said(*arguments, "-f", "-q", "-j", threads)
                 self.assertEqual(said.stderr, "")
 
+    def test_grids_that_differ_in_their_axes_alone_are_told_by_them(self):
+        for name, axes in [("straight", "(1,0,0) (0,1,0)"), ("turned", "(0.8,0.6,0) (-0.6,0.8,0)")]:
+            head = ("NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\nspace: LPS\n"
+                    f"space directions: {axes} (0,0,1)\nspace origin: (0,0,0)\n\n").encode()
+            (self.folder / f"{name}.nrrd").write_bytes(head + bytes([1] * 7 + [0]))
+            self.expect(0, "build", f"{name}.nrrd", "--labels", "-o", f"{name}.8vo", "-q")
+        self.expect_error(2, ["axes turned by up to 36.8699 degrees"], "touch", "straight.8vo",
+                          "turned.8vo")
+
     def test_windows_and_tissues_in_hu_are_for_grey_values_in_hu(self):
         voxels = struct.pack("<8h", *range(8))
         head = ("NRRD0004\ntype: int16\ndimension: 3\nsizes: 2 2 2\nendian: little\n"
@@ -261,7 +270,8 @@ class Messages(cli_test.InFolder):
         (self.folder / "gy.tif").write_bytes(tiff({270: "ImageJ=1.53t\nvunit=Gy\n"}))
         self.expect(0, "build", "gy.tif", "-o", "gy.8vo", "-q")
         for arguments in [["slice", "n.8vo", "--window", "bone", "-o", "n.png"],
-                          ["threshold", "n.8vo", "--tissue", "air", "--range", "3:", "-o", "n2.8vo"],
+                          ["threshold", "n.8vo", "--tissue", "air", "--range", "3:", "-o",
+                           "n2.8vo"],
                           ["render", "n.8vo", "--tissue", "soft", "-o", "n3.png"],
                           ["render", "n.8vo", "--mode", "transparency", "--tissue", "soft", "-o",
                            "n4.png", "--direction", "1,0,0"]]:

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "octavo/builder/tree_builder.h"
 #include "octavo/core/error.h"
@@ -28,6 +30,19 @@ std::vector<ValueWindow> any_label() {
 bool is_same_grid(const VolumeDescription& a, const VolumeDescription& b) {
   return a.size == b.size &&
          largest_shift_mm(a.geometry, b.geometry, a.size) <= shift_tolerance_mm(a.geometry);
+}
+
+/// The largest angle between an axis of one grid and the same axis of another.
+double largest_turn_degrees(const Geometry& a, const Geometry& b) {
+  double turn = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    double cosine = 0;
+    for (std::size_t row = 0; row < 3; ++row) {
+      cosine += a.direction[3 * row + axis] * b.direction[3 * row + axis];
+    }
+    turn = std::max(turn, std::acos(std::clamp(cosine, -1.0, 1.0)));
+  }
+  return turn * 180 / std::numbers::pi;
 }
 
 }  // namespace
@@ -137,12 +152,16 @@ void require_same_grid(const VolumeDescription& volume, const std::string& name,
   }
   const double shift = largest_shift_mm(volume.geometry, other.geometry, volume.size);
   if (shift <= shift_tolerance_mm(volume.geometry)) return;
+  const double degrees = largest_turn_degrees(volume.geometry, other.geometry);
+  const std::string turn =
+      degrees < 1e-3 ? "" : fmt::format(", axes turned by up to {} degrees", number_text(degrees));
   throw Error(
       ErrorKind::invalid_argument,
-      fmt::format("lies up to {} mm from {}: origin {} against {} mm, spacing {} against {} mm",
+      fmt::format("lies up to {} mm from {}: origin {} against {} mm, spacing {} against {} mm{}",
                   number_text(shift), escaped(name), point_text(other.geometry.origin_mm, ", "),
                   point_text(volume.geometry.origin_mm, ", "),
-                  point_text(other.geometry.spacing_mm), point_text(volume.geometry.spacing_mm)),
+                  point_text(other.geometry.spacing_mm), point_text(volume.geometry.spacing_mm),
+                  turn),
       path)
       .with_field(field);
 }
