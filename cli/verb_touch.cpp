@@ -26,7 +26,7 @@ constexpr VerbText kTouchText = {
     "A mask is every voxel of a label map that is not 0. With two files, A and B: how many voxels\n"
     "are in both and where; and how many voxels of A alone are neighbors of voxels of B alone,\n"
     "and the other way round, with the faces between them and their area. With one file: every\n"
-    "pair of its labels (0 is background) that are neighbors, with the faces they share.\n"
+    "pair of its labels but 0 that are neighbors, with the faces they share.\n"
     "--connectivity says which voxels are neighbors; faces and areas do not depend on it.\n"
     "Boxes are half-open in voxels; in mm (LPS) they enclose the voxels, not their centers.\n"
     "The exit code is 0 whatever is found; programs read \"relation\" with --json.\n\n"

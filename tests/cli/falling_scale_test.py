@@ -72,7 +72,7 @@ class FallingScale(cli_test.InFolder):
                 rising, falling = self.of_both(lambda name: self.picture(name, *arguments))
                 self.assertEqual(rising, falling)
 
-    def test_what_comes_from_outside_is_the_least_value(self):
+    def test_what_comes_from_outside_is_the_minimum_value(self):
         def moved(name):
             self.expect(0, "transform", f"{name}.8vo", "--shift", "3,0,0", "-o", f"{name}-m.8vo")
             rows = self.expect(0, "probe", f"{name}-m.8vo", "--at", "1,1,1", "--at", "9,9,9",
@@ -82,7 +82,7 @@ class FallingScale(cli_test.InFolder):
         self.assertEqual(rising, falling)
         self.assertEqual(rising[0], 20)
 
-    def test_percentiles_count_from_the_least_real_value(self):
+    def test_percentiles_count_from_the_minimum_real_value(self):
         shares = [word for share in "0 5 25 50 75 95 100".split()
                   for word in ("--percentile", share)]
 
@@ -94,11 +94,11 @@ class FallingScale(cli_test.InFolder):
         self.assertEqual(rising, falling)
         self.assertEqual(rising[0]["0"], 160)
 
-    def test_the_least_value_is_named_first(self):
+    def test_the_minimum_is_named_first(self):
         self.assertIn("values       20 to 189", self.expect(0, "info", "rising.8vo").stdout)
         self.assertIn("values       20 to 189", self.expect(0, "info", "falling.8vo").stdout)
 
-    def test_salvage_fills_with_the_least_value(self):
+    def test_salvage_fills_with_the_minimum(self):
         whole = (self.folder / "falling.8vo").read_bytes()
         coded = json.loads(self.expect(0, "info", "falling.8vo", "--json").stdout)
         self.assertGreater(len(whole), 2000, coded)

@@ -47,7 +47,8 @@ def named_fields():
     texts = [path.read_text() for path in sources()]
     fields = set()
     for text in texts:
-        functions = "|".join([*TAKES_FIELD.findall(text), "require_same_grid", r"context\.note"])
+        functions = "|".join([*TAKES_FIELD.findall(text), "require_same_grid", "require_hu",
+                              r"context\.note"])
         called = re.compile(rf'\b(?:{functions})\((?:[^;]|;[^\n])*?'
                             r'"([a-z_]+(?:\.[a-z_]+)*)"\)+;')
         fields |= {name for match in HINT.findall(text) for name in match if name}

@@ -24,10 +24,14 @@ OPTIONS = re.compile(r'(with_field\(|\{\{?)\s*"(max_error|on_gap|segment|channel
 # Words that are names of members as well, and what they are here.
 OTHERS = {
     "src/octavo/builder/recover.cpp": {"repaired": "what is done"},
-    "src/octavo/file/write/interrupted.cpp": {"labels": "a kind of volume"},
+    "src/octavo/file/write/interrupted.cpp": {"labels": "a kind of volume",
+                                              "max_error": "a setting of a build",
+                                              "preset": "a setting of a build"},
+    "src/octavo/io/dicom/dicom_palette.cpp": {"index": "what an option is set to"},
     "src/octavo/io/dicom/dicom_stack.cpp": {"fill": "what an option is set to"},
     "src/octavo/io/http/answer_head.cpp": {"identity": "a coding of HTTP"},
     "src/octavo/io/images/tiff_description.cpp": {"unit": "a line of ImageJ"},
+    "src/octavo/io/open_source.cpp": {"on_gap": "an option", "segment": "an option"},
     "src/octavo/io/source_options.cpp": {"on_gap": "an option", "segment": "an option"},
     "src/octavo/io/volumes/nrrd_header.cpp": {"labels": "a field of NRRD",
                                               "number": "a field of NRRD"},

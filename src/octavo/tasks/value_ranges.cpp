@@ -59,7 +59,7 @@ void check_tissues(const std::vector<std::string>& names, const VolumeDescriptio
                    const std::string& path, const TaskContext& context) {
   if (names.empty()) return;
   for (const std::string& name : names) tissue_range(name);
-  require_hu(volume, path, "the tissue " + names.front(), "tissues", context);
+  require_hu(volume, path, "the tissue " + names.front(), context, "tissues");
 }
 
 ValueWindow stored_window(const AskedRange& range, const VolumeDescription& volume,

@@ -20,7 +20,7 @@ std::string with_unit(const std::string& number, const std::string& unit) {
 std::string unit_of(const VolumeDescription& volume) { return escaped(volume.metadata.unit()); }
 
 void require_hu(const VolumeDescription& volume, const std::string& path, const std::string& what,
-                const std::string& field, const TaskContext& context) {
+                const TaskContext& context, const std::string& field) {
   const std::string unit = unit_of(volume);
   const bool is_grey = volume.kind == VolumeKind::grey;
   if (is_grey && unit == "HU") return;

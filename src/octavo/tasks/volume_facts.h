@@ -20,7 +20,7 @@ std::string unit_of(const VolumeDescription& volume);
 /// field   of an options struct, which `what` came from
 /// Throws  Error{invalid_argument} on labels and on values in another unit
 void require_hu(const VolumeDescription& volume, const std::string& path, const std::string& what,
-                const std::string& field, const TaskContext& context);
+                const TaskContext& context, const std::string& field);
 
 /// False when the source carried no spacing and 1 mm was assumed.
 bool is_spacing_known(const VolumeDescription& volume);

@@ -30,9 +30,9 @@ class DensityClasses {
   static DensityClasses of_ranges(const VolumeDescription& volume,
                                   std::span<const DensityRange> ranges);
 
-  /// Classes 0 .. steps for values from `low` to `high`, stored units, rounded to the nearest; those
-  /// beyond an end have its class. `high` may be the smaller one. Where they differ by `steps`, whole
-  /// values differ by whole classes.
+  /// Classes 0 .. steps for values from `low` to `high`, stored units, rounded to the nearest;
+  /// those beyond an end have its class. `high` may be the smaller one. Where they differ by
+  /// `steps`, whole values differ by whole classes.
   /// Throws Error{invalid_argument} unless low != high, both finite, and 1 <= steps <= 65535.
   static DensityClasses ramp(const VolumeDescription& volume, double low, double high, int steps);
 

@@ -58,8 +58,8 @@ std::string spacing_text(const FileReader& reader, int level) {
 std::vector<Warning> limit_warnings(const ExportPartOptions& options, const FileReader& reader,
                                         const ExportLimits& limits, const ExportOptions& how) {
   std::vector<Warning> warnings;
-  const auto add = [&](const std::string& text, const std::string& field = {}) {
-    warnings.emplace_back(options.output.path + ": " + text, field);
+  const auto add = [&](const std::string& text) {
+    warnings.emplace_back(options.output.path + ": " + text);
   };
   if (limits.claims_spacing) {
     add(fmt::format("the spacing of {} is not known; the file says {}, as its format needs a "
@@ -79,9 +79,11 @@ std::vector<Warning> limit_warnings(const ExportPartOptions& options, const File
   }
   if (limits.hides_rescale) {
     const Rescale& rescale = reader.description().rescale;
-    add(fmt::format("holds stored values; that {} x stored + {} are the real ones is noted where "
-                    "most programs do not look",
-                    number_text(rescale.slope), number_text(rescale.intercept)),
+    warnings.emplace_back(
+        fmt::format("{}: holds stored values, and notes that {} x stored + {} are the real ones "
+                    "where most programs do not look",
+                    options.output.path, number_text(rescale.slope),
+                    number_text(rescale.intercept)),
         "export.values");
   }
   return warnings;

@@ -76,8 +76,8 @@ std::optional<Window> asked_window(const SliceOptions& options, const VolumeDesc
   const auto preset = find_window_preset(options.window_preset);
   if (!preset)
     reject_slice("no window is called " + escaped(options.window_preset), "window_preset");
-  require_hu(volume, options.input, "the window " + options.window_preset, "window_preset",
-             context);
+  require_hu(volume, options.input, "the window " + options.window_preset, context,
+             "window_preset");
   return preset;
 }
 
