@@ -116,6 +116,23 @@ bool is_itk_snap(const Row& row) {
          std::all_of(row.words.begin() + 1, row.words.begin() + kName, is_finite_number);
 }
 
+/// "#ff8000"
+bool is_hex_color(std::string_view word) {
+  return word.size() == 7 && word[0] == '#' &&
+         word.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string_view::npos;
+}
+
+/// Whether text holds a character that changes the direction of what follows: U+202A to U+202E,
+/// U+2066 to U+2069.
+bool turns_text(std::string_view text) {
+  for (std::size_t at = text.find('\xe2'); at < text.size(); at = text.find('\xe2', at + 1)) {
+    const std::string_view next = text.substr(at + 1, 2);
+    if (next >= "\x80\xaa" && next <= "\x80\xae") return true;
+    if (next >= "\x81\xa6" && next <= "\x81\xa9") return true;
+  }
+  return false;
+}
+
 /// In UTF-8, without a byte order mark.
 std::string LabelNamesFile::text_of_file() const {
   const SourceFile file(path_);
@@ -144,7 +161,7 @@ void LabelNamesFile::take_line(std::size_t number, std::string_view line) {
   const auto is_control = [](char c) {
     return (static_cast<unsigned char>(c) < 0x20 && c != '\t') || c == 0x7f;
   };
-  if (std::any_of(line.begin(), line.end(), is_control)) {
+  if (std::any_of(line.begin(), line.end(), is_control) || turns_text(line)) {
     reject_line(number, "holds a control character: no text");
   }
   Row row{number, {}};
@@ -156,6 +173,10 @@ void LabelNamesFile::take_line(std::size_t number, std::string_view line) {
     std::size_t end = is_quoted ? line.find('"', begin) : line.find_first_of(kWordBlanks, begin);
     if (is_quoted && end == std::string_view::npos) reject_line(number, "a quote is not closed");
     end = std::min(end, line.size());
+    const std::size_t next = end + 1;
+    if (is_quoted && next < line.size() && kWordBlanks.find(line[next]) == std::string_view::npos) {
+      reject_line(number, "behind a closed quote stands no blank; names hold no quotes");
+    }
     row.words.push_back({line.substr(begin, end - begin), is_quoted});
     at = end + (is_quoted ? 1 : 0);
   }
@@ -180,12 +201,16 @@ Layout LabelNamesFile::find_layout() const {
   return layout;
 }
 
-/// Whether every row is a number, a name and a number, and the names alone differ.
+/// Whether every row is a number, a name and a number, and the names alone differ. Behind names of
+/// several words small numbers are part of them.
 bool LabelNamesFile::ends_in_codes() const {
-  std::set<std::string_view> names;
+  constexpr double kSmallestCode = 1000;
+  std::set<std::string> names;
   return std::all_of(rows_.begin(), rows_.end(), [&](const Row& row) {
-    return row.words.size() == 3 && numbers_at_end(row) == 1 &&
-           names.insert(row.words[1].text).second;
+    const std::size_t last = row.words.size() - 1;
+    return row.words.size() >= 3 && numbers_at_end(row) == 1 &&
+           (last == 2 || number_in_word<double>(row.words[last]) >= kSmallestCode) &&
+           names.insert(joined(row, 1, last)).second;
   });
 }
 
@@ -258,6 +283,10 @@ void LabelNamesFile::take_name(const Row& row) {
   const std::int64_t number = label(row, label_at);
   LabelName entry{joined(row, name_begin, name_end), {}};
   if (layout_.is_itk_snap || layout_.color_words > 0) entry.color = color(row, color_at);
+  if (is_hex_color(row.words.back().text)) {
+    reject_line(row.line, "ends in a color in hexadecimal; give its parts as three numbers, 0 to "
+                          "255");
+  }
   if (entry.name.empty() && !entry.color) reject_line(row.line, "the name is empty");
   if (entry.name.size() > LabelNames::kMaxNameBytes) {
     reject_line(row.line, "the name is longer than 512 bytes");

@@ -40,6 +40,7 @@ TEST(LabelNamesFile, EveryLayoutGivesItsNamesAndColors) {
            Row{"7 Left_Lung\n8 Heart\n", named("Left_Lung")},
            Row{"7\tLeft Lung\n8\tHeart\n", named("Left Lung")},
            Row{"7 Left_Lung 2001\n8 Heart 2002\n", named("Left_Lung")},
+           Row{"7 Left Lung 2001\n8 Heart 2002\n", named("Left Lung")},
            Row{"7 Left_Lung 255 128 0\n8 Heart 1 2 3\n", named("Left_Lung", kOrange)},
            Row{"7 Left Lung 255 128 0\n8 Heart 1 2 3\n", named("Left Lung", kOrange)},
            Row{"7 Left_Lung 255 128 0 0\n8 Heart 1 2 3 255\n", named("Left_Lung", kOrange)},
@@ -109,6 +110,21 @@ TEST(LabelNamesFile, WhatFitsNoLayoutIsRejectedWithItsLine) {
   expect_line_rejected("1 a 1 2 3\n1 a 1 2 4\n", "line 2: label 1 has another name in line 1");
   expect_line_rejected("1 \"\"\n", "line 1: the name is empty");
   expect_line_rejected("1 \"a\n", "line 1: a quote is not closed");
+}
+
+TEST(LabelNamesFile, SmallNumbersBehindSeveralWordsArePartOfAName) {
+  EXPECT_EQ(names_in("1 Left Crus 2\n2 Left Lobe 4\n"),
+            names_of({{1, named("Left Crus 2")}, {2, named("Left Lobe 4")}}));
+}
+
+TEST(LabelNamesFile, WhatWouldChangeANameUnseenIsRejected) {
+  expect_line_rejected("1 A #ff8000\n", "line 1: ends in a color in hexadecimal");
+  expect_line_rejected("1 B\n2 \"Right \"\"upper\"\" lobe\"\n", "line 2: behind a closed quote");
+  for (const char* const turn : {"\u202a", "\u202e", "\u2066", "\u2069"}) {
+    expect_line_rejected("1 " + std::string(turn) + "B\n", "line 1: holds a control character");
+  }
+  const std::string hebrew = "\u05e8\u05d0\u05e9\u200f";
+  EXPECT_EQ(names_in("1 " + hebrew + "\n"), names_of({{1, named(hebrew)}}));
 }
 
 TEST(LabelNamesFile, WhatIsNoTextIsRejected) {
