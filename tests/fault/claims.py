@@ -19,6 +19,7 @@ import zlib
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "support"))
+import dicom_bytes  # pylint: disable=wrong-import-position
 import processor_time  # pylint: disable=wrong-import-position
 from file_bytes import ClaimedVolume, crc32c  # pylint: disable=wrong-import-position
 
@@ -115,6 +116,49 @@ class Lengths(InFolder):
                      "plain.tif"):
             with self.subTest(name):
                 self.expect_cheap(7, [name, "cannot hold"], "build", name, "-o", "out.8vo")
+
+    def write_slice(self, name, syntax, picture, side=60000, bits=16):
+        self.write(name, dicom_bytes.compressed_slice(syntax, side, bits, picture))
+
+    def test_frames_that_compressed_bytes_cannot_hold_are_rejected_before_memory_is_taken(self):
+        d = dicom_bytes
+        self.write_slice("runs.dcm", d.RUN_LENGTHS, d.run_lengths(51200))
+        self.write_slice("jpeg.dcm", d.JPEG, d.jpeg(60000, 4000), bits=8)
+        self.write_slice("lossless.dcm", d.JPEG_LOSSLESS, bytes(1000))
+        self.write_slice("rows.dcm", d.JPEG_LS, d.jpeg_ls(60000, 1000))
+        for name in ("runs.dcm", "jpeg.dcm", "lossless.dcm", "rows.dcm"):
+            with self.subTest(name):
+                self.expect_cheap(7, [name, "cannot hold"], "build", name, "-o", "out.8vo")
+
+    def test_what_no_decoder_takes_costs_no_plane_of_the_claimed_size(self):
+        d = dicom_bytes
+        side = 40000
+        pictures = {"none.dcm": (side, bytes(1000), "cannot be decoded"),
+                    "cut.dcm": (side, d.jpeg_2000(side, 1000)[:60], "cannot be decoded"),
+                    "other.dcm": (side, d.jpeg_2000(512, 1000), "512 x 512"),
+                    "large.dcm": (60000, d.jpeg_2000(60000, 1000), "GDCM reads 4294967295")}
+        for name, (claimed, picture, words) in pictures.items():
+            self.write_slice(name, d.JPEG_2000, picture, claimed)
+            self.write_slice("copy.dcm", d.JPEG_2000, picture, claimed)
+            for line in (["build", name, "-o", "no.8vo"],
+                         ["build", name, "-o", "no.8vo", "--no-isolation"],
+                         ["build", name, "copy.dcm", "--drop-duplicates", "-o", "no.8vo"],
+                         ["compare", name, name]):
+                with self.subTest(" ".join(line)):
+                    self.expect_cheap(7, [".dcm", words], *line)
+
+    def test_pictures_compressed_as_far_as_can_be_are_read(self):
+        d = dicom_bytes
+        side = 4096
+        for syntax, picture, bits in ((d.RUN_LENGTHS, d.run_lengths(side * side), 16),
+                                      (d.JPEG, d.jpeg(side, side * side // 64), 8),
+                                      (d.JPEG_LS, d.jpeg_ls(side, side), 16),
+                                      (d.JPEG_2000, d.jpeg_2000(side, 100), 16)):
+            with self.subTest(syntax):
+                self.write_slice("scan.dcm", syntax, picture, side, bits)
+                process = self.start("build", "scan.dcm", "-o", "small.8vo", "--force", "-q")
+                code, said, _ = self.outcome(process)
+                self.assertEqual(code, 0, said)
 
 
 def has_ended(process):

@@ -95,7 +95,7 @@ void GroupReader::fill(Buffer& buffer, std::int64_t planes) {
   const auto start = std::chrono::steady_clock::now();
   for (std::size_t at = 0; at < buffer.voxels.size() && !is_stopped_; at += plane_bytes) {
     if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped while reading planes");
-    const auto voxels = std::span(buffer.voxels).subspan(at, plane_bytes);
+    const auto voxels = buffer.voxels.bytes().subspan(at, plane_bytes);
     source_.read_plane(voxels);
     if (floats_ != nullptr) {
       const auto plane = floats_->voxels();

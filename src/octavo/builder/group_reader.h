@@ -17,6 +17,7 @@
 #include "octavo/builder/float_planes.h"
 #include "octavo/builder/voxel_block.h"
 #include "octavo/core/progress.h"
+#include "octavo/core/unset_bytes.h"
 #include "octavo/planes/plane_source.h"
 
 namespace octavo {
@@ -56,7 +57,7 @@ class GroupReader {
  private:
   /// Planes of a group: as the bricks hold them, and as floats where those differ.
   struct Buffer {
-    std::vector<std::byte> voxels;
+    UnsetBytes voxels;
     std::vector<float> floats;
     std::uint32_t crc = 0;
   };

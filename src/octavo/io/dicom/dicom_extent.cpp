@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string_view>
 
+#include "octavo/core/checked.h"
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
+#include "octavo/io/source/claimed_bytes.h"
 #include "octavo/io/source/described_source.h"
 #include "octavo/io/source/source_file.h"
 
@@ -14,6 +17,7 @@ namespace octavo {
 namespace {
 
 constexpr const char* kRunLengths = "1.2.840.10008.1.2.5";
+constexpr std::string_view kJpegs = "1.2.840.10008.1.2.4.";  // two digits more
 
 [[noreturn]] void reject_more(const DicomLayout& layout, std::uint64_t pictures) {
   reject(layout, "the pixel data hold " + std::to_string(pictures) +
@@ -77,6 +81,36 @@ std::uint64_t compressed_pictures(const DicomLayout& layout) {
       }));
 }
 
+/// How many bytes of voxels a compressed byte can stand for, at most. JPEG 2000 has no such bound:
+/// a byte can say that all voxels are alike, however many there are.
+std::optional<std::uint64_t> widest_ratio(const DicomLayout& layout) {
+  const std::string_view syntax = layout.transfer_syntax;
+  if (syntax == kRunLengths) return kPackBitsRatio;
+  if (!syntax.starts_with(kJpegs) || syntax.size() != kJpegs.size() + 2) return std::nullopt;
+  const auto sample_bytes = static_cast<std::uint64_t>((layout.bits_allocated + 7) / 8);
+  switch (syntax[kJpegs.size()]) {
+    case '5':
+    case '6':
+    case '7': return kJpegSamples * sample_bytes;
+    case '8': {
+      // A run ends with its row.
+      const auto columns = static_cast<std::uint64_t>(layout.stored_columns());
+      return 8 * std::min(columns, kJpegLsRun) * sample_bytes;
+    }
+    default: return std::nullopt;
+  }
+}
+
+void check_holdable(const DicomLayout& layout) {
+  const std::optional<std::uint64_t> ratio = widest_ratio(layout);
+  if (!ratio) return;
+  std::uint64_t bytes_there = 0;
+  for (const ByteRun& fragment : layout.pixels.fragments) bytes_there += fragment.length;
+  const std::uint64_t claimed = checked_mul(
+      layout.frame_bytes(), static_cast<std::uint64_t>(layout.frames), "pixel data");
+  require_holdable(layout.path, bytes_there, claimed, *ratio);
+}
+
 void check_compressed(const DicomLayout& layout) {
   const DicomPixels& pixels = layout.pixels;
   const auto frames = static_cast<std::uint64_t>(layout.frames);
@@ -92,6 +126,7 @@ void check_compressed(const DicomLayout& layout) {
                " compressed fragments and no table that tells which is whose; the file is cut "
                "or damaged");
   }
+  check_holdable(layout);
 }
 
 }  // namespace

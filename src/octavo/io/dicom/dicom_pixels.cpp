@@ -9,9 +9,12 @@
 #include <cstring>
 #include <limits>
 #include <mutex>
+#include <optional>
 
 #include "octavo/core/error.h"
+#include "octavo/core/unset_bytes.h"
 #include "octavo/io/dicom/dicom_palette.h"
+#include "octavo/io/dicom/jpeg2000_size.h"
 #include "octavo/io/source/alternating_values.h"
 #include "octavo/io/source/byte_order.h"
 #include "octavo/io/source/described_source.h"
@@ -20,6 +23,8 @@
 namespace octavo {
 
 namespace {
+
+constexpr const char* kJpeg2000 = "1.2.840.10008.1.2.4.9";  // and a digit more
 
 void silence_gdcm() {
   static std::once_flag once;
@@ -49,6 +54,18 @@ std::vector<ByteRun> fragments_of(const DicomLayout& layout, std::int64_t frame)
   return result;
 }
 
+/// Rejects a picture of another size than the header says: the decoder would fill too few voxels.
+void require_claimed_size(const DicomLayout& layout, std::span<const std::byte> picture) {
+  if (!layout.transfer_syntax.starts_with(kJpeg2000)) return;
+  const std::optional<PictureSize> found = jpeg2000_size(picture);
+  if (!found || (found->columns == layout.stored_columns() && found->rows == layout.stored_rows()))
+    return;
+  reject(layout, "the compressed picture has " + std::to_string(found->columns) + " x " +
+                     std::to_string(found->rows) + " voxels, the header says " +
+                     std::to_string(layout.stored_columns()) + " x " +
+                     std::to_string(layout.stored_rows()));
+}
+
 gdcm::Image image_of(const DicomLayout& layout, const std::vector<ByteRun>& fragments) {
   gdcm::Image image;
   image.SetNumberOfDimensions(2);
@@ -67,6 +84,7 @@ gdcm::Image image_of(const DicomLayout& layout, const std::vector<ByteRun>& frag
   for (const ByteRun& run : fragments) {
     bytes.resize(static_cast<std::size_t>(run.length));
     file.read_exactly(run.offset, bytes);
+    if (&run == &fragments.front()) require_claimed_size(layout, bytes);
     gdcm::Fragment fragment;
     fragment.SetByteValue(reinterpret_cast<const char*>(bytes.data()),
                           static_cast<std::uint32_t>(bytes.size()));
@@ -82,6 +100,12 @@ gdcm::Image image_of(const DicomLayout& layout, const std::vector<ByteRun>& frag
 void decode_frame(const DicomSlice& slice, std::span<std::byte> plane) {
   silence_gdcm();
   const DicomLayout& layout = *slice.layout;
+  constexpr std::size_t kMostBytes = std::numeric_limits<std::uint32_t>::max();
+  if (plane.size() > kMostBytes) {
+    reject(layout, "a compressed picture of " + std::to_string(plane.size()) +
+                       " bytes is not read; GDCM reads " + std::to_string(kMostBytes) +
+                       " at most");
+  }
   const gdcm::Image image = image_of(layout, fragments_of(layout, slice.frame));
   const std::size_t found = image.GetBufferLength();
   if (found != plane.size()) {
@@ -266,13 +290,13 @@ void read_tile(const DicomSlice& slice, std::span<std::byte> plane) {
   const DicomLayout& layout = *slice.layout;
   const auto row_bytes = plane.size() / static_cast<std::size_t>(layout.rows);
   const auto across = static_cast<std::size_t>(layout.tiles_across);
-  std::vector<std::byte> whole(plane.size() * across * across);
-  read_stored(slice, whole);
+  UnsetBytes whole(plane.size() * across * across);
+  read_stored(slice, whole.bytes());
   const auto tile = static_cast<std::size_t>(slice.tile);
   const auto rows = static_cast<std::size_t>(layout.rows);
   for (std::size_t y = 0; y < rows; ++y) {
     const std::size_t from = ((tile / across * rows + y) * across + tile % across) * row_bytes;
-    std::copy_n(whole.begin() + static_cast<std::ptrdiff_t>(from), row_bytes,
+    std::copy_n(whole.data() + from, row_bytes,
                 plane.begin() + static_cast<std::ptrdiff_t>(y * row_bytes));
   }
 }
@@ -345,10 +369,10 @@ void read_dicom_frame(const DicomSlice& slice, std::span<std::byte> plane) {
   if (layout.tile_count > 1) return read_tile(slice, plane);
   if (layout.color_table == nullptr) return read_stored(slice, plane);
   const VoxelType type = integer_type(layout);
-  std::vector<std::byte> values(static_cast<std::size_t>(layout.columns * layout.rows) *
-                                bytes_per_value(type));
-  read_stored(slice, values);
-  look_up_colors(*layout.color_table, type, values, plane);
+  UnsetBytes values(static_cast<std::size_t>(layout.columns * layout.rows) *
+                    bytes_per_value(type));
+  read_stored(slice, values.bytes());
+  look_up_colors(*layout.color_table, type, values.bytes(), plane);
 }
 
 }  // namespace octavo

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <vector>
 
+#include "octavo/core/unset_bytes.h"
 #include "octavo/core/voxel_type.h"
 #include "octavo/io/dicom/dicom_pixels.h"
 #include "octavo/planes/between/plane_mixing.h"
@@ -109,11 +110,11 @@ void read_placed(const DicomStack& stack, std::size_t index, std::span<std::byte
     return;
   }
   const VoxelType type = dicom_voxel_type(*slice.layout);
-  std::vector<std::byte> voxels(static_cast<std::size_t>(
+  UnsetBytes voxels(static_cast<std::size_t>(
       slice.layout->columns * slice.layout->rows * bytes_per_voxel(type)));
-  read_dicom_frame(slice, voxels);
+  read_dicom_frame(slice, voxels.bytes());
   with_voxel_type(type, [&](auto tag) {
-    move_slice<typename decltype(tag)::type>(stack, index, voxels, plane);
+    move_slice<typename decltype(tag)::type>(stack, index, voxels.bytes(), plane);
   });
 }
 
@@ -127,11 +128,12 @@ void read_stack_plane(const DicomStack& stack, std::int64_t z, std::span<std::by
   }
   read_placed(stack, origin.below, plane);
   if (origin.weight_above == 0) return;
-  std::vector<std::byte> above(plane.size());
-  read_placed(stack, origin.below + 1, above);
+  UnsetBytes above(plane.size());
+  read_placed(stack, origin.below + 1, above.bytes());
   const double weight = origin.weight_above;
   mix_planes(dicom_voxel_type(*stack.slices[origin.below].layout),
-             {.planes = {plane, above}, .weights = {1 - weight, weight}}, mixing_of(stack), plane);
+             {.planes = {plane, above.bytes()}, .weights = {1 - weight, weight}}, mixing_of(stack),
+             plane);
 }
 
 }  // namespace octavo

@@ -7,6 +7,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
+#include "octavo/core/unset_bytes.h"
 #include "octavo/io/dicom/dicom_pixels.h"
 #include "octavo/io/source/described_source.h"
 
@@ -97,11 +98,11 @@ std::string pair_text(const DicomSlice& a, const DicomSlice& b) {
   return a.name() + " and " + b.name();
 }
 
-std::vector<std::byte> voxels_of(const DicomSlice& slice) {
+UnsetBytes voxels_of(const DicomSlice& slice) {
   const DicomLayout& layout = *slice.layout;
-  std::vector<std::byte> voxels(static_cast<std::size_t>(
+  UnsetBytes voxels(static_cast<std::size_t>(
       layout.columns * layout.rows * bytes_per_voxel(dicom_voxel_type(layout))));
-  read_dicom_frame(slice, voxels);
+  read_dicom_frame(slice, voxels.bytes());
   return voxels;
 }
 
@@ -121,7 +122,7 @@ void require_copy(const DicomSlice& kept, const DicomSlice& slice, double sidewa
     throw Error(ErrorKind::source_rejected, place + "; remove one of them", slice.layout->path)
         .with_field("drop_duplicates");
   }
-  if (voxels_of(kept) == voxels_of(slice)) return;
+  if (std::ranges::equal(voxels_of(kept).bytes(), voxels_of(slice).bytes())) return;
   reject(slice, place + ", but their voxels differ: neither is a copy of the other; remove one of "
                         "them");
 }

@@ -19,6 +19,7 @@
 #include <thread>
 #include <utility>
 
+#include "octavo/core/unset_bytes.h"
 #include "octavo/io/isolation/worker_protocol.h"
 #include "octavo/io/source/described_source.h"
 #include "octavo/io/source/prefetch_source.h"
@@ -211,16 +212,16 @@ ImportRequest read_request() {
 
 void send_planes(PlaneSource& source, ImportLimits& limits, std::int64_t& z) {
   const std::int64_t count = source.description().size.z;
-  std::vector<std::uint8_t> plane(
-      static_cast<std::size_t>(plane_bytes(source.description())));
+  UnsetBytes plane(static_cast<std::size_t>(plane_bytes(source.description())));
+  const std::span payload(reinterpret_cast<const std::uint8_t*>(plane.data()), plane.size());
   std::size_t warnings_sent = source.warnings().size();
   for (z = 0; z < count; ++z) {
-    source.read_plane(std::as_writable_bytes(std::span(plane)));
+    source.read_plane(plane.bytes());
     if (source.warnings().size() != warnings_sent) {
       warnings_sent = source.warnings().size();
       send(MessageKind::warnings, encode(source.warnings()));
     }
-    send(MessageKind::plane, plane, static_cast<std::uint64_t>(z));
+    send(MessageKind::plane, payload, static_cast<std::uint64_t>(z));
     limits.allow_time(1);
   }
 }

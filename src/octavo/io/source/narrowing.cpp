@@ -10,6 +10,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
+#include "octavo/core/unset_bytes.h"
 
 namespace octavo {
 
@@ -123,13 +124,15 @@ void narrow_values(const Narrowing& narrowing, std::span<const std::byte> wide,
 
 Narrowing choose_narrowing(WideType from, std::int64_t plane_count, std::uint64_t plane_bytes,
                            const WidePlaneReader& read) {
-  std::vector<std::byte> plane(static_cast<std::size_t>(plane_bytes));
+  UnsetBytes plane(static_cast<std::size_t>(plane_bytes));
   Fits fits;
   int telling = 0;
   for (std::int64_t z = 0; z < plane_count && telling < kTellingPlanes; ++z) {
-    read(z, plane);
-    with_wide_type(from, [&](auto tag) { look_at<typename decltype(tag)::type>(plane, fits); });
-    if (!is_constant(plane)) ++telling;
+    read(z, plane.bytes());
+    with_wide_type(from, [&](auto tag) {
+      look_at<typename decltype(tag)::type>(plane.bytes(), fits);
+    });
+    if (!is_constant(plane.bytes())) ++telling;
   }
   return narrowing_of(from, fits);
 }

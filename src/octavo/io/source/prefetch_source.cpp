@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/core/unset_bytes.h"
 #include "octavo/io/source/described_source.h"
 #include "octavo/io/source/reader_notes.h"
 
@@ -77,7 +78,7 @@ class PrefetchSource final : public PlaneSource {
 
  private:
   struct Slot {
-    std::vector<std::byte> plane;
+    UnsetBytes plane;
     std::int64_t filled_with = -1;
     std::exception_ptr failure;
   };
@@ -103,9 +104,9 @@ class PrefetchSource final : public PlaneSource {
       note_plane(z);
       try {
         if (indexed_ != nullptr) {
-          indexed_->read_plane_at(z, slot.plane);
+          indexed_->read_plane_at(z, slot.plane.bytes());
         } else {
-          source_->read_plane(slot.plane);
+          source_->read_plane(slot.plane.bytes());
         }
       } catch (...) {
         failure = std::current_exception();

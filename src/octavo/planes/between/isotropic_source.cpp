@@ -12,6 +12,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/levels.h"
 #include "octavo/core/text.h"
+#include "octavo/core/unset_bytes.h"
 #include "octavo/planes/between/plane_mixing.h"
 #include "octavo/planes/between/shape_between.h"
 
@@ -206,13 +207,13 @@ class IsotropicSource final : public PlaneSource {
 
   void read_until(std::int64_t index) {
     while (read_ <= index) {
-      std::vector<std::byte> voxels;
+      UnsetBytes voxels;
       if (held_.size() == held_slices()) {
         voxels = std::move(held_.front());
         held_.pop_front();
       }
       voxels.resize(static_cast<std::size_t>(slice_bytes_));
-      source_->read_plane(voxels);
+      source_->read_plane(voxels.bytes());
       held_.push_back(std::move(voxels));
       ++read_;
     }
@@ -227,7 +228,8 @@ class IsotropicSource final : public PlaneSource {
   }
 
   std::span<const std::byte> slice(std::int64_t index) const {
-    return held_[static_cast<std::size_t>(index + static_cast<std::int64_t>(held_.size()) - read_)];
+    const auto held = static_cast<std::int64_t>(held_.size());
+    return held_[static_cast<std::size_t>(index + held - read_)].bytes();
   }
 
   static void copy(std::span<const std::byte> from, std::span<std::byte> to) {
@@ -288,7 +290,7 @@ class IsotropicSource final : public PlaneSource {
   IsotropicPlan plan_;
   VolumeDescription description_;
   std::uint64_t slice_bytes_ = 0;
-  std::deque<std::vector<std::byte>> held_;
+  std::deque<UnsetBytes> held_;
   std::int64_t read_ = 0;  ///< slices so far
   std::int64_t next_ = 0;
   std::unique_ptr<ShapeBetween> shapes_;

@@ -1,9 +1,11 @@
 #include "octavo/tasks/files/plane_compare.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
 #include "octavo/core/error.h"
+#include "octavo/core/unset_bytes.h"
 #include "octavo/tasks/geometry_words.h"
 #include "octavo/tasks/volume_facts.h"
 
@@ -14,13 +16,12 @@ namespace {
 /// A source with the plane it gave last.
 struct Side {
   PlaneSource& source;
-  std::vector<std::byte> plane;
-  std::vector<double> values;
+  UnsetBytes plane;
+  std::vector<double> values;  ///< once they were asked for
 
   explicit Side(PlaneSource& s) : source(s) {
     const VolumeDescription& d = s.description();
     plane.resize(static_cast<std::size_t>(d.size.x * d.size.y * bytes_per_voxel(d.type)));
-    values.resize(static_cast<std::size_t>(d.size.x * d.size.y));
   }
 };
 
@@ -34,6 +35,7 @@ void fill_values(Side& side, bool real_units) {
   const VolumeDescription& d = side.source.description();
   with_voxel_type(d.type, [&](auto tag) {
     using T = typename decltype(tag)::type;
+    side.values.resize(side.plane.size() / sizeof(T));
     for (std::size_t i = 0; i < side.values.size(); ++i) {
       T voxel;
       std::memcpy(&voxel, side.plane.data() + i * sizeof(T), sizeof(T));
@@ -49,7 +51,10 @@ bool is_different(double a, double b, double tolerance) {
 }
 
 void compare_plane(Side& a, Side& b, std::int64_t z, double tolerance, Comparison& result) {
-  if (!result.is_real_units && result.is_same_type && a.plane == b.plane) return;
+  if (!result.is_real_units && result.is_same_type &&
+      std::ranges::equal(a.plane.bytes(), b.plane.bytes())) {
+    return;
+  }
   fill_values(a, result.is_real_units);
   fill_values(b, result.is_real_units);
   const std::int64_t width = a.source.description().size.x;
@@ -103,8 +108,8 @@ Comparison compare_planes(PlaneSource& a, PlaneSource& b, double tolerance, Prog
   progress.begin("comparing", da.size.z, "planes");
   for (std::int64_t z = 0; z < da.size.z; ++z) {
     if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped on request");
-    a.read_plane(side_a.plane);
-    b.read_plane(side_b.plane);
+    a.read_plane(side_a.plane.bytes());
+    b.read_plane(side_b.plane.bytes());
     compare_plane(side_a, side_b, z, tolerance, result);
     result.voxels += da.size.x * da.size.y;
     progress.advance(1);
