@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""A scale that falls: the larger a stored value, the smaller the real one.
+"""A scale that falls, the larger a stored value, the smaller the real one; and one of small steps.
 
 usage: falling_scale_test.py OCTAVO
 
-Two volumes of the same real values, one stored as they are, one as 200 less them: whatever the
+Volumes of the same real values, stored as they are, as 200 less them, and fourfold: whatever the
 program shows or computes of real values must be the same.
 """
 
@@ -50,6 +50,7 @@ class FallingScale(cli_test.InFolder):
         super().setUp()
         values = ball_values()
         for name, data in [("rising", nifti(values, 1, 0)),
+                           ("fine", nifti([4 * v for v in values], 0.25, 0)),
                            ("falling", nifti([200 - v for v in values], -1, 200))]:
             (self.folder / f"{name}.nii").write_bytes(data)
             self.expect(0, "build", f"{name}.nii", "-o", f"{name}.8vo", "-q")
@@ -71,6 +72,19 @@ class FallingScale(cli_test.InFolder):
             with self.subTest(arguments):
                 rising, falling = self.of_both(lambda name: self.picture(name, *arguments))
                 self.assertEqual(rising, falling)
+
+    def test_sums_are_those_of_real_values(self):
+        for arguments in [[], ["--window", "500,900"]]:
+            told = [json.loads(self.expect(0, "render", f"{name}.8vo", "--mode", "transparency",
+                                           "--size", "90", *arguments, "-o", f"{name}.png", "-f",
+                                           "--json").stdout)
+                    for name in ("rising", "fine", "falling")]
+            self.assertEqual(told[0]["window"], told[1]["window"])
+            self.assertEqual(told[0]["window"], told[2]["window"])
+        pictures = [(self.folder / f"{name}.png").read_bytes()
+                    for name in ("rising", "fine", "falling")]
+        self.assertEqual(pictures[0], pictures[1])
+        self.assertEqual(pictures[0], pictures[2])
 
     def test_what_comes_from_outside_is_the_minimum_value(self):
         def moved(name):

@@ -227,7 +227,7 @@ class Masks(cli_test.InFolder):
             (["needs --range"], ["threshold", "v.8vo", "-o", "x.8vo"]),
             (["LOW:HIGH"], ["threshold", "v.8vo", "--range", "7", "-o", "x.8vo"]),
             (["lower end"], ["threshold", "v.8vo", "--range", "9:7", "-o", "x.8vo"]),
-            (["HU"], ["threshold", "v.8vo", "--tissue", "bone", "-o", "x.8vo"]),
+            (["HU"], ["threshold", "m.8vo", "--tissue", "bone", "-o", "x.8vo"]),
             (["1 to 255"], ["threshold", "v.8vo", "--class", "0=1:2", "-o", "x.8vo"]),
             (["v.8vo", "octavo threshold"], ["components", "v.8vo"]),
             (["v.8vo", "octavo threshold"], ["measure", "v.8vo"]),

@@ -212,10 +212,11 @@ class Pictures(cli_test.InFolder):
         self.assertIn("leaves lie at the surface", told)
 
     def test_errors_name_the_reason_and_leave_nothing(self):
+        self.expect(0, "threshold", "v.8vo", "--range", "7:", "-o", "l.8vo", "-q")
         before = self.files()
         for code, words, arguments in [
             (2, ["v.8vo", "--range", "--tissue"], ["v.8vo"]),
-            (2, ["HU"], ["v.8vo", "--tissue", "bone"]),
+            (2, ["HU", "holds labels"], ["l.8vo", "--tissue", "bone"]),
             (2, ["LOW:HIGH"], ["v.8vo", "--range", "7"]),
             (2, ["--direction", "front"], ["v.8vo", "--range", "7:", "--direction", "up"]),
             (2, ["step"], ["v.8vo", "--range", "7:", "--direction", "0,0,0"]),

@@ -91,7 +91,7 @@ class Transparency(cli_test.InFolder):
             (["--range", "OPACITY"], ["--range", "1:2=red:7"]),
             (["--range", "OPACITY"], ["--range", "1:2=red:0.1:3"]),
             (["--range", "LOW:HIGH"], ["--range", "12"]),
-            (["tissue bone", "HU"], ["--tissue", "bone"]),
+            (["--tissue", "knee"], ["--tissue", "knee"]),
             (["--window"], ["--window", "5"]),
             (["--window"], ["--window", "5,0"]),
             (["--turntable", "8"], ["--turntable", "36"]),

@@ -129,9 +129,9 @@ TYPED_TEST(BoundsOf, NoVoxelBreaksTheBound) {
     const auto codec = train_grey_model(voxel_type_of<T>(), std::span(&training, 1), settings);
     ASSERT_LE(largest_error(*codec, brick), settings.max_error);
     for (int i = 0; i < 12; ++i) {
-      const Brick<T> brick(random);
-      ASSERT_LE(largest_error(*codec, brick), settings.max_error) << "after " << voxels;
-      voxels += brick.voxels.size();
+      const Brick<T> other(random);
+      ASSERT_LE(largest_error(*codec, other), settings.max_error) << "after " << voxels;
+      voxels += other.voxels.size();
     }
     while (goal.done() < voxels / kMillion) {
       if (!goal.next()) return;

@@ -127,7 +127,7 @@ class Planner {
   std::vector<std::string> summaries_;
   std::vector<JsonObject> notes_;  // of each step
   std::vector<std::string> texts_;
-  bool is_told_of_mm_ = false;
+  bool has_warned_of_mm_ = false;
 };
 
 // ---- values
@@ -331,6 +331,11 @@ void Planner::scale_up(const ScaleStep& step) {
   Affine map;
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
+    if (plan_.size[axis] > kMaxAxis / step.factor) {
+      reject(fmt::format("an axis of {} voxels cannot be {} x finer: at most {} are possible",
+                         plan_.size[axis], step.factor, kMaxAxis),
+             path_, "step.factor");
+    }
     plan_.size[axis] *= step.factor;
     plan_.geometry.spacing_mm[a] /= factor;
     map.linear[4 * a] = 1 / factor;
@@ -424,7 +429,7 @@ void Planner::take_grid_of(const std::string& path) {
 
 /// Once, however many steps count in mm.
 void Planner::warn_of_unknown_mm(const char* what) {
-  if (is_spacing_known(volume_) || std::exchange(is_told_of_mm_, true)) return;
+  if (is_spacing_known(volume_) || std::exchange(has_warned_of_mm_, true)) return;
   context_.warn(fmt::format("{}: its spacing is not known; {} is taken for voxels of 1 mm", path_,
                             what));
 }

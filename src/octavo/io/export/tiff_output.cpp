@@ -14,6 +14,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
+#include "octavo/io/source/value_unit.h"
 
 namespace octavo {
 
@@ -233,11 +234,12 @@ std::string tiff_description(const ExportPlan& plan, std::int64_t page_count) {
     text << "unit=cm\nspacing=" << exact_text(plan.geometry.spacing_mm[2] / 10) << "\n";
   }
   text << "loop=false\n";
-  if (!plan.unit.empty()) text << "vunit=" << plan.unit << "\n";
+  const std::string unit = known_value_unit(plan.unit);  // metadata may hold any text
+  if (!unit.empty()) text << "vunit=" << unit << "\n";
   if (!plan.rescale.is_identity() && can_imagej_calibrate(plan.type)) {
     text << "cf=0\nc0=" << exact_text(plan.rescale.intercept)
          << "\nc1=" << exact_text(plan.rescale.slope) << "\n";
-    if (plan.unit.empty()) text << "vunit=Gray Value\n";
+    if (unit.empty()) text << "vunit=Gray Value\n";
   }
   const auto put = [&](const char* key, std::span<const double> numbers) {
     text << key << " =";

@@ -53,7 +53,8 @@ PercentileSearch::PercentileSearch(const ValueKeys& keys, std::vector<double> pe
 }
 
 std::uint64_t PercentileSearch::rank_of(double percent, std::uint64_t voxels) const {
-  const double wanted = std::ceil(percent / 100 * static_cast<double>(voxels));
+  // In this order whole percents give whole ranks: 55 / 100 * 100 is above 55.
+  const double wanted = std::ceil(percent * static_cast<double>(voxels) / 100);
   const std::uint64_t rank =
       std::clamp<std::uint64_t>(static_cast<std::uint64_t>(wanted), 1, voxels);
   return falls_ ? voxels - rank + 1 : rank;

@@ -61,7 +61,7 @@ class ValueKeys {
   }
   double value_of(std::uint64_t key) const;
   /// Binary digits of the largest key.
-  int bit_count() const { return std::bit_width(last_); }
+  int bit_count() const { return static_cast<int>(std::bit_width(last_)); }
 
  private:
   template <class T>

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 namespace octavo {
 
@@ -13,7 +14,9 @@ class MaskRelief final : public ReliefField {
   explicit MaskRelief(std::span<const MaskTree* const> masks)
       : masks_(masks.begin(), masks.end()) {}
 
-  void read(const Box& box, float* values) const override {
+  std::size_t field_of(std::size_t) const override { return 0; }
+
+  void read(std::size_t, const Box& box, float* values) const override {
     std::fill_n(values, box.size().voxel_count(), 0.0F);
     for (const MaskTree* const mask : masks_) {
       visit_items(*mask, box, [&](int rank, std::uint64_t place, const Index3& corner) {
@@ -33,12 +36,12 @@ class MaskRelief final : public ReliefField {
 
 class GreyRelief final : public ReliefField {
  public:
-  GreyRelief(const FileReader& reader, int level)
-      : reader_(reader),
-        level_(level),
-        sign_(reader.description().rescale.slope < 0 ? -1.0F : 1.0F) {}
+  GreyRelief(const FileReader& reader, int level, std::vector<ReliefRange> ranges)
+      : reader_(reader), level_(level), ranges_(std::move(ranges)) {}
 
-  void read(const Box& box, float* values) const override {
+  std::size_t field_of(std::size_t mask) const override { return mask; }
+
+  void read(std::size_t field, const Box& box, float* values) const override {
     const Box inside = intersection(box, box_of(reader_.levels().size(level_)));
     const Size3 held = inside.size();
     const VoxelType type = reader_.description().type;
@@ -47,6 +50,11 @@ class GreyRelief final : public ReliefField {
     reader_.read(inside, level_, bytes.data());
     with_voxel_type(
         type, [&](auto tag) { spread<typename decltype(tag)::type>(bytes, inside, box, values); });
+    const ReliefRange& range = ranges_[field];
+    for (float* value = values; value != values + box.size().voxel_count(); ++value) {
+      const double above = static_cast<double>(*value) - range.lowest;
+      *value = static_cast<float>(std::min(above, range.highest - static_cast<double>(*value)));
+    }
   }
 
   // The values vary smoothly by themselves; what is taken away is noise.
@@ -55,8 +63,8 @@ class GreyRelief final : public ReliefField {
 
  private:
   template <class T>
-  void spread(const std::vector<std::byte>& bytes, const Box& inside, const Box& box,
-              float* values) const {
+  static void spread(const std::vector<std::byte>& bytes, const Box& inside, const Box& box,
+                     float* values) {
     const Size3 held = inside.size();
     for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
       const std::int64_t from_z = std::clamp(z, inside.lo.z, inside.hi.z - 1) - inside.lo.z;
@@ -69,7 +77,7 @@ class GreyRelief final : public ReliefField {
           std::memcpy(&value, bytes.data() + static_cast<std::size_t>(row + from_x) * sizeof value,
                       sizeof value);
           const auto number = static_cast<float>(value);
-          *values++ = std::isfinite(number) ? sign_ * number : 0.0F;
+          *values++ = std::isfinite(number) ? number : 0.0F;
         }
       }
     }
@@ -77,7 +85,7 @@ class GreyRelief final : public ReliefField {
 
   const FileReader& reader_;
   int level_;
-  float sign_;  // so that the field rises where real values do
+  std::vector<ReliefRange> ranges_;
 };
 
 /// The weights of a Gaussian for offsets 0 .. reach; with both sides they add up to 1.
@@ -123,12 +131,13 @@ std::unique_ptr<ReliefField> mask_relief(std::span<const MaskTree* const> masks)
   return std::make_unique<MaskRelief>(masks);
 }
 
-std::unique_ptr<ReliefField> grey_relief(const FileReader& reader, int level) {
-  return std::make_unique<GreyRelief>(reader, level);
+std::unique_ptr<ReliefField> grey_relief(const FileReader& reader, int level,
+                                         std::vector<ReliefRange> ranges) {
+  return std::make_unique<GreyRelief>(reader, level, std::move(ranges));
 }
 
-std::vector<float> smoothed(const ReliefField& field, const Box& box) {
-  const std::vector<float> weights = gaussian(field.smoothing());
+std::vector<float> smoothed(const ReliefField& relief, std::size_t field, const Box& box) {
+  const std::vector<float> weights = gaussian(relief.smoothing());
   const auto reach = static_cast<std::int64_t>(weights.size()) - 1;
   Box wide = box;
   for (int axis = 0; axis < 3; ++axis) {
@@ -138,7 +147,7 @@ std::vector<float> smoothed(const ReliefField& field, const Box& box) {
   const Size3 all = wide.size();
   const Size3 kept = box.size();
   std::vector<float> values(static_cast<std::size_t>(all.voxel_count()));
-  field.read(wide, values.data());
+  relief.read(field, wide, values.data());
   values = smoothed_along(values, all.z * all.y, all.x, 1, weights);
   values = smoothed_along(values, all.z, all.y, kept.x, weights);
   return smoothed_along(values, 1, all.z, kept.y * kept.x, weights);

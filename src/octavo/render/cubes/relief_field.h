@@ -1,6 +1,8 @@
 // Fields whose gradient is the normal of a surface: what gives relief to a picture of voxel faces.
 #pragma once
 
+#include <cstddef>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -10,13 +12,17 @@
 
 namespace octavo {
 
-/// A number at every sample of a grid, and beyond its border. Serves any number of threads.
+/// Numbers at every sample of a grid, and beyond its border, that rise into the object: one field,
+/// or one for each of several masks. Serves any number of threads.
 class ReliefField {
  public:
   virtual ~ReliefField() = default;
 
-  /// Writes the numbers in `box` to `values`, dense [z][y][x].
-  virtual void read(const Box& box, float* values) const = 0;
+  /// The number of the field that the surface of a mask follows.
+  virtual std::size_t field_of(std::size_t mask) const = 0;
+
+  /// Writes the numbers of a field in `box` to `values`, dense [z][y][x].
+  virtual void read(std::size_t field, const Box& box, float* values) const = 0;
 
   /// Standard deviation of the Gaussian that smooths the field before its gradient is taken,
   /// samples.
@@ -30,13 +36,21 @@ class ReliefField {
 /// 1 in any of some masks, 0 elsewhere. The masks must outlive it.
 std::unique_ptr<ReliefField> mask_relief(std::span<const MaskTree* const> masks);
 
-/// The values of a level of a grey volume, those at the border also beyond it. What is no number
-/// counts as 0.
-/// reader  must outlive it
-/// Throws  what the reader throws, in `read`
-std::unique_ptr<ReliefField> grey_relief(const FileReader& reader, int level);
+/// The stored values that a mask holds.
+struct ReliefRange {
+  double lowest = -std::numeric_limits<double>::infinity();
+  double highest = std::numeric_limits<double>::infinity();
+};
 
-/// The field around the samples of `box`, smoothed: dense [z][y][x].
-std::vector<float> smoothed(const ReliefField& field, const Box& box);
+/// How far the values of a level of a grey volume lie within the range of a mask, or below 0 beyond
+/// it; those at the border also outside the volume. What is no number counts as 0.
+/// reader  must outlive it
+/// ranges  of the masks, in their order
+/// Throws  what the reader throws, in `read`
+std::unique_ptr<ReliefField> grey_relief(const FileReader& reader, int level,
+                                         std::vector<ReliefRange> ranges);
+
+/// A field around the samples of `box`, smoothed: dense [z][y][x].
+std::vector<float> smoothed(const ReliefField& relief, std::size_t field, const Box& box);
 
 }  // namespace octavo

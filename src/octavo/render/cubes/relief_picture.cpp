@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "octavo/core/vectors.h"
@@ -129,14 +130,14 @@ class FaceNoter {
 /// The gradient of a smoothed field in one block.
 class BlockGradient {
  public:
-  BlockGradient(const ReliefField& field, const Index3& block) {
+  BlockGradient(const ReliefField& relief, std::size_t field, const Index3& block) {
     Box box;
     for (int axis = 0; axis < 3; ++axis) {
       first_[axis] = block[axis] * kBlockSide;
       box.lo[axis] = first_[axis] - 1;
       box.hi[axis] = first_[axis] + kBlockSide + 2;
     }
-    values_ = smoothed(field, box);
+    values_ = smoothed(relief, field, box);
   }
 
   /// Per sample along each axis. Requires a place in the block, in samples.
@@ -199,10 +200,13 @@ class ReliefScene {
     FaceNoter noter(view_, grid_, shapes_, rows, faces);
     CubeTraversal(trees_, view_, TraversalOrder::nearest_first, noter).run();
 
-    // Find where each pixel meets its face; points of one block follow one another.
+    // Find where each pixel meets its face; points of one block and field follow one another.
     std::vector<Point> points = points_of(rows, faces);
-    std::sort(points.begin(), points.end(), [](const Point& a, const Point& b) {
-      return a.block != b.block ? a.block < b.block : a.pixel < b.pixel;
+    const auto field_of = [&](const Point& point) {
+      return field_.field_of(faces[point.face].mask);
+    };
+    std::sort(points.begin(), points.end(), [&](const Point& a, const Point& b) {
+      return std::tuple(a.block, field_of(a), a.pixel) < std::tuple(b.block, field_of(b), b.pixel);
     });
 
     std::vector<float> colors(static_cast<std::size_t>(3 * view_.width * (end - begin)));
@@ -210,9 +214,10 @@ class ReliefScene {
       colors[i] = static_cast<float>(style_.background[i % 3]);
     }
     for (std::size_t i = 0; i < points.size();) {
-      const BlockGradient gradient(field_, block_at(points[i].block));
-      for (const std::uint64_t block = points[i].block;
-           i < points.size() && points[i].block == block; ++i) {
+      const std::uint64_t block = points[i].block;
+      const std::size_t field = field_of(points[i]);
+      const BlockGradient gradient(field_, field, block_at(block));
+      for (; i < points.size() && points[i].block == block && field_of(points[i]) == field; ++i) {
         shade(points[i], faces, gradient, colors.data() + 3 * points[i].pixel);
       }
     }
@@ -305,7 +310,7 @@ class ReliefScene {
     normal[1] = -normal[1];
     const double length = std::sqrt(dot(normal, normal));
     if (!(length > 0) || !std::isfinite(length)) return straight;
-    // Values may rise out of the object as well; then the normal is the other way round. But the
+    // Beyond a thin wall the field may rise again; then the normal is the other way round. But the
     // steps of a slanted surface have faces that are turned away from it a little.
     const double sign = dot(normal, straight) < -kTurnedAway * length ? -1 : 1;
     return {sign * normal[0] / length, sign * normal[1] / length, sign * normal[2] / length};

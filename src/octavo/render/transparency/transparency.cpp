@@ -327,8 +327,8 @@ TransparencyPicture render_transparency(const FileReader& reader, const View& vi
   const bool is_grey = options.ranges.empty();
   const LineSums sums = sum_along_lines(reader, lines, classes, emission_of(classes, options),
                                         is_grey ? 1 : 3, progress);
-  const double step =
-      std::abs(options.ramp.high - options.ramp.low) / static_cast<double>(classes.count() - 1);
+  const double real_span = std::abs((options.ramp.high - options.ramp.low) * volume.rescale.slope);
+  const double step = real_span / static_cast<double>(classes.count() - 1);
   const double unit = is_grey ? layers * finest_mm(volume.geometry) * step : layers / kEmissionUnit;
   const SumDisplay display(sums, unit, options.window);
   result.window = display.window();

@@ -51,8 +51,8 @@ struct TransparencyOptions {
   std::vector<DensityRange> ranges;  ///< none: grey, by the ramp
   ValueRamp ramp;
   double ramp_opacity = 0.05;  ///< of its high end in an average
-  /// Which sums are black and white. Without ranges in stored units above ramp.low times mm; with
-  /// ranges in opacity times the finest spacing. Default: from the sums.
+  /// Which sums are black and white. Without ranges in real units above that of ramp.low times mm;
+  /// with ranges in opacity times the finest spacing. Default: from the sums.
   std::optional<Window> window;
   Color background{0, 0, 0};
 };

@@ -46,6 +46,7 @@ struct Part {
   MaskTree tree;
   Color color{};
   std::string name;
+  ReliefRange range;  ///< of its stored values, where it is one of a grey volume
   std::uint64_t voxels = 0;
 };
 
@@ -145,7 +146,9 @@ class CubeScene final : public RenderScene {
 
   std::unique_ptr<ReliefField> relief() const {
     if (reader_->description().kind == VolumeKind::grey) {
-      return grey_relief(*reader_, options_.level);
+      std::vector<ReliefRange> ranges;
+      for (const Part& part : parts_) ranges.push_back(part.range);
+      return grey_relief(*reader_, options_.level, std::move(ranges));
     }
     std::vector<const MaskTree*> masks;
     for (const MaskTree& tree : whole_) masks.push_back(&tree);
@@ -201,7 +204,7 @@ std::vector<Part> label_parts(const FileReader& reader, const RenderOptions& opt
   std::vector<Part> parts;
   for (LabelMask& mask : masks) {
     parts.push_back(
-        {std::move(mask.tree), color_of(mask.label), label_text(names, mask.label)});
+        {std::move(mask.tree), color_of(mask.label), label_text(names, mask.label), {}});
   }
   return parts;
 }
@@ -216,7 +219,7 @@ std::vector<Part> range_parts(const FileReader& reader, const RenderOptions& opt
     context.on_threads([&] {
       for (const Part& part : parts) tree = combine(tree, part.tree, SetOperation::subtract);
     });
-    parts.push_back({std::move(tree), color, name});
+    parts.push_back({std::move(tree), color, name, {window.lowest, window.highest}});
   };
   const bool is_one = options.ranges.size() + options.tissues.size() == 1;
   for (const std::string& name : options.tissues) {

@@ -145,7 +145,9 @@ void choose_labels(std::vector<Overlay>& overlays, const SliceOptions& options) 
     }
     overlays[i].kept = labels_of(known, names, options.overlays[i].path);
   }
-  labels_of({{}, unknown}, {}, options.overlays.front().path);
+  const auto first = std::find_if(overlays.begin(), overlays.end(), is_labels);
+  labels_of({{}, unknown}, {},
+            options.overlays[static_cast<std::size_t>(first - overlays.begin())].path);
 }
 
 /// The volumes above the slices, and what is to be said of them.

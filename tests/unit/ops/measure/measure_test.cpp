@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <numeric>
 #include <random>
 
 #include "octavo/core/error.h"
@@ -148,7 +149,7 @@ TEST(MeasureRegions, AgreesWithEveryVoxel) {
     EXPECT_NEAR(region->grey->deviation, std::sqrt(squares / n), 1e-6);
     const double percents[] = {5, 25, 50, 75, 95};
     for (std::size_t i = 0; i < 5; ++i) {
-      const auto rank = static_cast<std::size_t>(std::max(1.0, std::ceil(percents[i] / 100 * n)));
+      const auto rank = static_cast<std::size_t>(std::max(1.0, std::ceil(percents[i] * n / 100)));
       EXPECT_EQ(region->grey->percentiles[i], v[rank - 1]) << percents[i];
     }
     ++region;
@@ -223,7 +224,7 @@ void expect_exact_percentiles(VoxelType type, const std::function<T(std::uint32_
       std::sort(sorted.begin(), sorted.end());
       if (falls) std::reverse(sorted.begin(), sorted.end());
       for (std::size_t i = 0; i < options.percentiles.size(); ++i) {
-        const double share = options.percentiles[i] / 100 * static_cast<double>(sorted.size());
+        const double share = options.percentiles[i] * static_cast<double>(sorted.size()) / 100;
         const auto rank = static_cast<std::size_t>(std::max(1.0, std::ceil(share)));
         EXPECT_EQ(region.grey->percentiles[i], static_cast<double>(sorted[rank - 1]))
             << options.percentiles[i] << " of label " << region.label << (falls ? " falling" : "");
@@ -245,6 +246,25 @@ TEST(MeasureRegions, PercentilesAreValuesThatOccurHoweverFarTheyLieApart) {
   expect_exact_percentiles<float>(VoxelType::float32, [](std::uint32_t n) {
     return n % 4999 == 0 ? 4096.0f : static_cast<float>(n % 1000) / 8 - 60;
   });
+}
+
+TEST(MeasureRegions, WholePercentsOfAHundredVoxelsAreTheVoxelsOfThatRank) {
+  const Size3 size{100, 1, 1};
+  std::vector<std::uint8_t> values(100);
+  std::iota(values.begin(), values.end(), std::uint8_t{0});
+  const std::vector<std::uint8_t> labels(100, 1);
+  const testing::ScratchFolder folder;
+  const auto mask = testing::open_file(
+      built(folder, size, VoxelType::uint8, labels.data(), VolumeKind::labels, "l.8vo"));
+  const auto grey = testing::open_file(
+      built(folder, size, VoxelType::uint8, values.data(), VolumeKind::grey, "g.8vo"));
+  RegionMeasureOptions options;
+  options.percentiles.resize(100);
+  std::iota(options.percentiles.begin(), options.percentiles.end(), 1.0);
+  NoProgress progress;
+  const auto regions = measure_regions(*mask, grey.get(), options, progress);
+  const std::vector<double> expected(values.begin(), values.end());
+  EXPECT_EQ(regions.at(0).grey->percentiles, expected);
 }
 
 TEST(MeasureRegions, DoNotDependOnTheThreads) {

@@ -39,18 +39,18 @@ MaskTree ball(double radius) {
 }
 
 /// Smaller where it is farther from the middle.
-std::unique_ptr<FileReader> hill() {
+std::unique_ptr<FileReader> hill(int sign = 1) {
   VolumeDescription description;
   description.type = VoxelType::int16;
   description.size = kReliefSize;
   std::vector<std::byte> voxels(static_cast<std::size_t>(2 * kReliefSize.voxel_count()));
   std::size_t at = 0;
   testing::for_each_voxel(kReliefSize, [&](const Index3& p) {
-    const auto value = static_cast<std::int16_t>(1000 - std::lround(20 * from_middle(p)));
+    const auto value = static_cast<std::int16_t>(sign * (1000 - std::lround(20 * from_middle(p))));
     std::memcpy(voxels.data() + at, &value, 2);
     at += 2;
   });
-  return std::make_unique<testing::MemoryReader>(description, voxels, ValueRange{-500, 1000});
+  return std::make_unique<testing::MemoryReader>(description, voxels, ValueRange{-1000, 1000});
 }
 
 View looking_from(const Viewpoint& viewpoint, std::int64_t side = 120) {
@@ -87,7 +87,7 @@ TEST(ReliefField, SmoothingIsAGaussianMean) {
   const MaskTree* const masks[] = {&tree};
   const auto field = mask_relief(masks);
   const Box box{{-2, 3, 50}, {9, 10, 60}};  // beyond two borders
-  const std::vector<float> found = smoothed(*field, box);
+  const std::vector<float> found = smoothed(*field, 0, box);
   const double deviation = field->smoothing();
   const auto reach = static_cast<std::int64_t>(std::ceil(2.5 * deviation));
   std::size_t i = 0;
@@ -113,16 +113,17 @@ TEST(ReliefField, SmoothingIsAGaussianMean) {
 
 TEST(ReliefField, GreyValuesGoOnBeyondTheBorder) {
   const auto reader = hill();
-  const auto field = grey_relief(*reader, 0);
+  const auto field = grey_relief(*reader, 0, {{100, 2000}});
   const Box box{{-3, 57, 20}, {4, 63, 22}};
   std::vector<float> values(static_cast<std::size_t>(box.size().voxel_count()));
-  field->read(box, values.data());
+  field->read(0, box, values.data());
   std::size_t i = 0;
   for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
     for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
       for (std::int64_t x = box.lo.x; x < box.hi.x; ++x) {
         const Index3 held{std::max<std::int64_t>(x, 0), std::min<std::int64_t>(y, 59), z};
-        ASSERT_EQ(values[i++], static_cast<float>(1000 - std::lround(20 * from_middle(held))));
+        const auto value = static_cast<float>(1000 - std::lround(20 * from_middle(held)));
+        ASSERT_EQ(values[i++], std::min(value - 100, 2000 - value));
       }
     }
   }
@@ -183,7 +184,7 @@ TEST(ReliefPicture, ASlantedPlaneHasOneShade) {
 
 TEST(ReliefPicture, GreyValuesGiveTheReliefOfTheirMask) {
   const auto reader = hill();
-  const auto field = grey_relief(*reader, 0);
+  const auto field = grey_relief(*reader, 0, {{601, 2000}});
   const MaskTree tree = ball(20);
   const View view = looking_from(*find_viewpoint("right-front-top"));
   const Picture of_mask = relief(tree, view);
@@ -193,7 +194,8 @@ TEST(ReliefPicture, GreyValuesGiveTheReliefOfTheirMask) {
   const Box kept{{0, 30, 0}, {64, 60, 56}};
   const MaskTree half =
       mask_of([&](const Index3& p) { return kept.contains(p) && from_middle(p) >= 20; });
-  const Picture bowl = relief(half, into, field.get(), kept);
+  const auto around = grey_relief(*reader, 0, {{-2000, 600}});
+  const Picture bowl = relief(half, into, around.get(), kept);
   const Picture mask_bowl = relief(half, into);
   std::int64_t compared = 0;
   double sum = 0;
@@ -206,9 +208,21 @@ TEST(ReliefPicture, GreyValuesGiveTheReliefOfTheirMask) {
   EXPECT_LT(sum / static_cast<double>(compared), 6);
 }
 
+TEST(ReliefPicture, ValuesThatRiseOutwardsGiveTheSamePicture) {
+  const auto rising = hill();
+  const auto falling = hill(-1);
+  const MaskTree tree = ball(20);
+  for (const char* const side : {"back", "left-front-top"}) {
+    const View view = looking_from(*find_viewpoint(side), 200);
+    const auto into = grey_relief(*rising, 0, {{601, 5000}});
+    const auto out = grey_relief(*falling, 0, {{-5000, -601}});
+    EXPECT_EQ(relief(tree, view, into.get()).pixels, relief(tree, view, out.get()).pixels) << side;
+  }
+}
+
 TEST(ReliefPicture, ACutThroughGreyValuesIsFlat) {
   const auto reader = hill();
-  const auto field = grey_relief(*reader, 0);
+  const auto field = grey_relief(*reader, 0, {{601, 2000}});
   const Box kept{{0, 25, 0}, {64, 60, 56}};
   const MaskTree tree =
       mask_of([&](const Index3& p) { return kept.contains(p) && from_middle(p) < 20; });
