@@ -129,6 +129,8 @@ def busy_rows(b):
             seconds=(2, SECONDS)),
         Row("503 for 3 s", told(b.busy, busy, "Retry-After: 3"), 5, "asks to wait 3 s", timeout=2,
             seconds=(0, 15)),
+        Row("503 for 1 s before each byte", told(b.busy_before_each_byte, "Retry-After: 1"), 5,
+            "asks to wait 1 s again, after pauses of 2 s in all", timeout=2, seconds=(2, 15)),
         Row("503 for a day", told(b.busy, busy, "Retry-After: 86400"), 5, "asks to wait 86400 s",
             seconds=(0, 15)),
         Row("503 for ever", told(b.busy, busy, "Retry-After: " + "9" * 40), 5,

@@ -185,6 +185,9 @@ class Behaviors:
     def busy(self, x, status, *headers, times=10**9):
         return x.answer(status, *headers) if x.number < times else self.good(x)
 
+    def busy_before_each_byte(self, x, *headers):
+        return self.one_byte(x) if x.number % 2 else self.busy(x, "503 Busy", *headers)
+
     def redirect(self, x, location, status="302 Found"):
         return x.answer(status, f"Location: {location}")
 

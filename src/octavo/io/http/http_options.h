@@ -10,12 +10,14 @@ namespace octavo {
 inline constexpr double kFloorBytesPerSecond = 10'000;
 /// After so long without an answer a wait is reported.
 inline constexpr double kSilentSeconds = 5;
-/// A server that is busy may ask for a pause of so long, or of timeout_s where that is less.
+/// A server that is busy may ask for pauses of so long, all those of a range together, or of
+/// timeout_s where that is less.
 inline constexpr double kLongestPauseSeconds = 60;
 
 struct HttpOptions {
-  /// The silence that one range may cost, all attempts together. Every 10 kB that arrive give a
-  /// second back, so that this is also how long a server may be slower than 10 kB/s.
+  /// The silence that one range may cost, all attempts together, beside the pauses that a busy
+  /// server asks for. Every 10 kB that arrive give a second back, so that this is also how long a
+  /// server may be slower than 10 kB/s.
   double timeout_s = 60;
   /// Told once a URL, on any thread, that the server makes it wait.
   std::function<void(const std::string&)> on_wait;

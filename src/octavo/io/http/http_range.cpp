@@ -125,11 +125,15 @@ void RangeClient::pause_as_asked(RangeInProgress& range, const RequestResult& re
   if (!asked) return pause(range, kFirstPauseSeconds * std::pow(2, tries - 1));
   const std::string words =
       status_words(result.head.status) + " and asks to wait " + seconds_words(*asked);
-  if (*asked > std::min(kLongestPauseSeconds, options_.timeout_s)) fail(words, range);
+  const double longest = std::min(kLongestPauseSeconds, options_.timeout_s);
+  if (*asked > longest) fail(words, range);
+  const double paused = range.patience.left_out();
+  if (paused + *asked > longest) {
+    fail(words + " again, after pauses of " + seconds_words(paused) + " in all", range);
+  }
   if (*asked >= kSilentSeconds) say_once(words);
   pause(range, *asked);
-  // This silence was announced.
-  range.patience = Patience(options_.timeout_s, Clock::now());
+  range.patience.leave_out(*asked);
 }
 
 RangeAnswer RangeClient::fetch(std::uint64_t offset, std::uint64_t count) try {

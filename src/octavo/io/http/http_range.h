@@ -39,8 +39,9 @@ class RangeClient {
   /// for. Without a new byte it tries again three times after lost connections and answers 429 and
   /// 5xx, after the pause that the server asks for. Memory grows with the bytes that arrive.
   /// Throws Error{io} for other answers than a 206 with bytes of that range, not encoded; for more
-  ///        than five redirects, and those that redirect_target does not allow; when a pause is
-  ///        longer than kLongestPauseSeconds or timeout_s; about timeout_s when that has passed.
+  ///        than five redirects, and those that redirect_target does not allow; when its pauses
+  ///        together are longer than kLongestPauseSeconds or timeout_s; about timeout_s when that
+  ///        has passed.
   ///        Error{cancelled}
   RangeAnswer fetch(std::uint64_t offset, std::uint64_t count);
 

@@ -31,7 +31,19 @@ class Patience {
     return left_;
   }
 
-  /// Seconds since the last bytes.
+  /// A silence that was announced, and is over, costs nothing and gives nothing back.
+  void leave_out(double seconds) {
+    const auto time = std::chrono::duration_cast<Time::duration>(
+        std::chrono::duration<double>(seconds));
+    at_ += time;
+    fed_ += time;
+    left_out_ += seconds;
+  }
+
+  /// Seconds that were left out, all together.
+  double left_out() const { return left_out_; }
+
+  /// Seconds since the last bytes, but for those that were left out.
   double silence(Time now) const { return std::chrono::duration<double>(now - fed_).count(); }
 
  private:
@@ -42,6 +54,7 @@ class Patience {
 
   double seconds_;
   double left_;
+  double left_out_ = 0;
   Time at_;
   Time fed_;
 };

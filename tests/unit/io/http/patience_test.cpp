@@ -27,6 +27,16 @@ TEST(Patience, TenThousandBytesGiveASecondBackButNeverMoreThanAtTheStart) {
   EXPECT_DOUBLE_EQ(patience.silence(after(31)), 1);
 }
 
+TEST(Patience, WhatIsLeftOutCostsNothingAndGivesNothingBack) {
+  Patience patience(60, kStart);
+  patience.leave_out(30);
+  EXPECT_DOUBLE_EQ(patience.left(after(50)), 40);
+  EXPECT_DOUBLE_EQ(patience.silence(after(50)), 20);
+  patience.leave_out(5);
+  EXPECT_DOUBLE_EQ(patience.left(after(75)), 20);
+  EXPECT_DOUBLE_EQ(patience.left_out(), 35);
+}
+
 TEST(Patience, WhoKeepsTheFloorIsNeverLateAndATrickleIs) {
   const auto end_at = [](std::uint64_t bytes_per_second) {
     Patience patience(60, kStart);
