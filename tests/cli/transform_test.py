@@ -331,6 +331,7 @@ class Transforms(cli_test.InFolder):
               "the limit is 600 MiB", "take a smaller scale; raise --max-memory"],
              ["v.8vo", "--scale", "64", "--max-memory", "600M"]),
             (["2560000 x 64 x 64", "between 1 and 2097152"], ["line.8vo", "--scale", "64"]),
+            (["64 x finer", "between 1 and 2097152"], ["line.8vo"] + 11 * ["--scale", "64"]),
             # 128000 x 128000 x 64 voxels at once are 977 GiB.
             (["a result of 128000 x 128000 x 64 voxels", "all this machine has"],
              ["flat.8vo", "--scale", "64"]),

@@ -331,10 +331,13 @@ void Planner::scale_up(const ScaleStep& step) {
   Affine map;
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
-    if (plan_.size[axis] > kMaxAxis / step.factor) {
-      reject(fmt::format("an axis of {} voxels cannot be {} x finer: at most {} are possible",
-                         plan_.size[axis], step.factor, kMaxAxis),
-             path_, "step.factor");
+    // Later steps may cut the grid again; what no number holds cannot be.
+    constexpr std::int64_t kMost = std::int64_t{1} << 40;
+    if (plan_.size[axis] > kMost / step.factor) {
+      throw Error(ErrorKind::limit_exceeded,
+                  fmt::format("{} voxels, {} x finer: every axis must be between 1 and {}",
+                              plan_.size[axis], step.factor, kMaxAxis),
+                  path_);
     }
     plan_.size[axis] *= step.factor;
     plan_.geometry.spacing_mm[a] /= factor;
