@@ -130,6 +130,9 @@ class Walker {
     file.element_counts = std::move(element_counts_);
     file.private_count = private_count_;
     file.siemens_header = std::move(siemens_header_);
+    if (file.pixels.inflated) {
+      file.pixels.inflated->close_behind(file.pixels.native.offset + file.pixels.native.length);
+    }
     return file;
   }
 

@@ -14,7 +14,8 @@ constexpr std::size_t kMaxCursors = 32;
 InflatedFile::InflatedFile(const std::string& path, std::uint64_t start)
     : path_(path),
       start_(start),
-      size_(start + VoxelStream(path, start, StreamCoding::bare_deflated).finish()) {}
+      size_(start + VoxelStream(path, start, StreamCoding::bare_deflated).finish()),
+      end_(size_) {}
 
 InflatedFile::Cursor InflatedFile::take_cursor(std::uint64_t offset) {
   const std::lock_guard lock(mutex_);
@@ -35,11 +36,16 @@ void InflatedFile::read_exactly(std::uint64_t offset, std::span<std::byte> bytes
   cursor.stream.skip(offset - cursor.at);
   cursor.stream.read(bytes);
   cursor.at = offset + bytes.size();
-  // Behind the last picture nothing more is read: a series of many files keeps none of them open.
-  if (size_ - cursor.at < bytes.size()) return;
   const std::lock_guard lock(mutex_);
+  if (cursor.at >= end_) return;
   if (cursors_.size() == kMaxCursors) cursors_.erase(cursors_.begin());
   cursors_.push_back(std::move(cursor));
+}
+
+void InflatedFile::close_behind(std::uint64_t end) {
+  const std::lock_guard lock(mutex_);
+  cursors_.clear();
+  end_ = end;
 }
 
 }  // namespace octavo

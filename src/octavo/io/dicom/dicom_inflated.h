@@ -29,6 +29,10 @@ class InflatedFile {
   /// Throws as the constructor does.
   void read_exactly(std::uint64_t offset, std::span<std::byte> bytes);
 
+  /// Closes the streams that stay open. From now on none stays open at `end` or behind it, where
+  /// no more is read: of a series of many files only those that are being read hold a descriptor.
+  void close_behind(std::uint64_t end);
+
  private:
   struct Cursor {
     std::uint64_t at;
@@ -40,6 +44,7 @@ class InflatedFile {
   std::string path_;
   std::uint64_t start_;
   std::uint64_t size_;
+  std::uint64_t end_;  ///< of what is read; guarded, as `cursors_` is
   std::mutex mutex_;
   std::vector<Cursor> cursors_;
 };

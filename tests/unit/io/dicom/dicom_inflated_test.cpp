@@ -1,6 +1,7 @@
 #include "octavo/io/dicom/dicom_inflated.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <zlib.h>
 
 #include "octavo/io/source/described_source.h"
@@ -80,6 +81,40 @@ TEST(SourceDicomDeflated, ASeriesOfFilesIsRead) {
   const auto source = open_source({folder.file("series")}, {});
   EXPECT_EQ(source->description().geometry.spacing_mm[2], 2);
   EXPECT_EQ(voxels_of(*source), "aaaaaabbbbbbcccccc");
+}
+
+/// Lets this process open at most `count` files until the end of the scope.
+class FewDescriptors {
+ public:
+  explicit FewDescriptors(rlim_t count) {
+    EXPECT_EQ(getrlimit(RLIMIT_NOFILE, &before_), 0);
+    const rlimit few{count, before_.rlim_max};
+    EXPECT_EQ(setrlimit(RLIMIT_NOFILE, &few), 0);
+  }
+  ~FewDescriptors() { setrlimit(RLIMIT_NOFILE, &before_); }
+  FewDescriptors(const FewDescriptors&) = delete;
+  FewDescriptors& operator=(const FewDescriptors&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST(SourceDicomDeflated, ASeriesOfMoreFilesThanDescriptorsIsRead) {
+  constexpr int kFiles = 48;
+  constexpr std::size_t kPictureBytes = 192 * 128;  // more than the window on a header takes
+  const TempFolder folder;
+  std::string voxels;
+  for (int z = 0; z < kFiles; ++z) {
+    DicomElements elements = ct_elements(192, 128, 8, z);
+    voxels += std::string(kPictureBytes, static_cast<char>(z));
+    elements.set(0x7fe00010, "OB", voxels.substr(voxels.size() - kPictureBytes));
+    // What follows a picture is larger than the picture itself.
+    elements.set(0xfffcfffc, "OB", std::string(2 * kPictureBytes, 'p'));
+    write_file(folder.file("series/s" + std::to_string(100 + z)),
+               deflated_file(folder, elements));
+  }
+  const FewDescriptors few(32);
+  EXPECT_TRUE(voxels_of(*open_source({folder.file("series")}, {})) == voxels);
 }
 
 TEST(SourceDicomDeflated, EveryTruncationIsRejected) {
