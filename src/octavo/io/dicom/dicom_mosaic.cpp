@@ -21,6 +21,7 @@ using octavo::reject;  // the other files of this folder have some for slices an
 constexpr std::size_t kTagBytes = 84;  // name 64, count 4, type 4, 4, items 4, 4
 constexpr std::size_t kItemHeadBytes = 16;
 constexpr std::int64_t kMaxEntries = 1024;
+constexpr double kMaxTiles = 4096;
 constexpr double kAlongNormal = 0.999;  // the cosine of what rounding may turn a normal by
 
 /// The entries of a scanner's header, which has two forms: the newer one starts with "SV10".
@@ -124,6 +125,10 @@ MosaicPlan read_plan(const DicomFile& file, const DicomSlice& picture) {
   const double most = static_cast<double>(layout.columns * layout.rows);
   if (tiles.size() != 1 || !(tiles[0] >= 1 && tiles[0] <= most) || normal.size() != 3) {
     reject_mosaic(layout, "whose header does not say how many they are and where they lie");
+  }
+  if (tiles[0] > kMaxTiles) {
+    reject_mosaic(layout, "of " + precise_text(tiles[0]) + " slices, of which at most " +
+                              precise_text(kMaxTiles) + " are read");
   }
   if (!order.empty() && order[0] > 1) {
     reject_mosaic(layout, "that is in reverse order");

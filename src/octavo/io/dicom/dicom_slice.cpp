@@ -236,7 +236,7 @@ std::vector<DicomSlice> read_dicom_slices(const std::string& path) {
     }
     slices.push_back(std::move(slice));
   }
-  if (slices.size() == 1 && is_mosaic(*layout)) return unfold_mosaic(file, slices.front());
+  if (is_mosaic(*layout)) return unfold_mosaic(file, slices.front());
   if (layout->modality == "RTDOSE" && layout->frames > 1) take_dose_planes(file.data, slices);
   return slices;
 }

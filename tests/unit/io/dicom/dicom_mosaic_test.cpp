@@ -145,6 +145,25 @@ TEST_F(SourceDicomMosaic, OfUnknownOrContradictoryLayoutIsRejected) {
   }
 }
 
+TEST_F(SourceDicomMosaic, OfMoreSlicesThanAnyScannerTakesIsRejected) {
+  MosaicSample sample;
+  sample.entries[1].second = {"4225"};
+  DicomElements elements = mosaic_elements(sample);
+  elements.set_number(0x00280010, 130);
+  elements.set_number(0x00280011, 130);
+  elements.set(0x7fe00010, "OB", std::string(130 * 130, 'a'));
+  elements.write(path_, kExplicitLittle);
+  octavo::testing::expect_rejected(path_, {"mosaic", "of 4225 slices", "at most 4096"});
+}
+
+TEST_F(SourceDicomMosaic, InSeveralFramesIsRejected) {
+  DicomElements elements = mosaic_elements({});
+  elements.set(0x00280008, "IS", "2");
+  elements.set(0x7fe00010, "OB", std::string(2 * 9 * 6, 'a'));
+  elements.write(path_, kExplicitLittle);
+  octavo::testing::expect_rejected(path_, {"mosaic", "in several frames", "dcm2niix"});
+}
+
 TEST_F(SourceDicomMosaic, ADamagedHeaderIsRejectedWhereverItEnds) {
   const MosaicSample sample;
   const std::string header = scanner_header(sample.entries, true);
