@@ -160,6 +160,11 @@ class Lengths(InFolder):
                 code, said, _ = self.outcome(process)
                 self.assertEqual(code, 0, said)
 
+    def test_a_mosaic_of_millions_of_slices_is_rejected_before_they_are_listed(self):
+        self.write("mosaic.dcm", mosaic(2048))
+        self.expect_cheap(7, ["mosaic.dcm", "4194304 slices", "at most 4096"],
+                          "build", "mosaic.dcm", "-o", "out.8vo")
+
 
 def has_ended(process):
     """Whether it has, without asking what it used: it is said once."""
@@ -190,6 +195,36 @@ def tiff(compression, side, data):
     listed = b"".join(struct.pack("<HHII", tag, kind, 1, value) for tag, kind, value in fields)
     return (b"II*\0" + struct.pack("<I", 8 + len(data)) + data +
             struct.pack("<H", len(fields)) + listed + bytes(4))
+
+
+def mosaic(side):
+    """A DICOM picture of side x side voxels that says it has as many slices."""
+    def element(group, number, kind, value):
+        value += bytes(len(value) & 1)
+        length = struct.pack("<xxI" if kind == "OB" else "<H", len(value))
+        return struct.pack("<HH", group, number) + kind.encode() + length + value
+
+    def entry(name, *values):
+        head = struct.pack("<64si4s3i", name.encode(), len(values), b"DS", 3, len(values), 77)
+        return head + b"".join(struct.pack("<4i", 8, 8, 77, 8) + value.encode().ljust(8, b"\0")
+                               for value in values)
+
+    header = (b"SV10\4\3\2\1" + struct.pack("<2i", 2, 77) +
+              entry("NumberOfImagesInMosaic", str(side * side)) +
+              entry("SliceNormalVector", "0", "0", "1"))
+    numbers = [(2, 1), (0x10, side), (0x11, side), (0x100, 8), (0x101, 8), (0x102, 7), (0x103, 0)]
+    return bytes(128) + b"DICM" + b"".join(
+        [element(2, 0x10, "UI", b"1.2.840.10008.1.2.1"),
+         element(8, 8, "CS", b"ORIGINAL\\PRIMARY\\M\\MOSAIC"),
+         element(0x18, 0x88, "DS", b"3"),
+         element(0x20, 0x32, "DS", b"0\\0\\0"),
+         element(0x20, 0x37, "DS", b"1\\0\\0\\0\\1\\0"),
+         element(0x28, 0x30, "DS", b"1\\1")] +
+        [element(0x28, number, "US", struct.pack("<H", value)) for number, value in numbers] +
+        [element(0x28, 4, "CS", b"MONOCHROME2"),
+         element(0x29, 0x11, "LO", b"SIEMENS CSA HEADER"),
+         element(0x29, 0x1110, "OB", header),
+         element(0x7fe0, 0x10, "OB", bytes(2))])
 
 
 class Volumes(InFolder):
@@ -291,6 +326,19 @@ class Work(Volumes):
             subprocess.run(["rm", "-rf", *self.folder.glob("[.o]*")], check=True)
         # Verbs that are done by then show nothing.
         self.assertGreaterEqual(len(stopped), 12, stopped)
+
+    def test_a_signal_ends_the_choice_of_a_type_for_numbers_of_64_bits(self):
+        with (self.folder / "zeros.raw").open("wb") as file:
+            file.truncate(8 * 1024 * 1024 * 4096)
+        process = self.start("build", "zeros.raw", "--raw", "1024,1024,4096,float64",
+                             "--spacing", "1,1,1", "-o", "o.8vo")
+        let_run(process, 0.4)
+        before = processor_time.of_process(process) or 0
+        os.kill(process.pid, signal.SIGTERM)
+        code, said, used = self.outcome(process)
+        self.assertEqual(code, 128 + signal.SIGTERM, said)
+        self.assertLess(used.ru_utime + used.ru_stime - before, 2)
+        self.assertEqual(list(self.folder.glob("[.o]*")), [], "what is left behind")
 
 
 if __name__ == "__main__":

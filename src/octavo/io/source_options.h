@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -41,6 +42,9 @@ struct SourceOptions {
   std::optional<std::int64_t> time;  ///< from 0, where there are several volumes in time
   bool keep_identity = false;             ///< names, dates, free text enter the metadata
   std::uint64_t max_memory_bytes = 0;     ///< of a process that opens the source; 0: no limit
+
+  /// Asked between the planes that are read before the source is open; may be empty.
+  std::function<bool()> is_cancelled;
 
   /// The field of the first option set here that only DICOM sources understand; or nothing.
   std::string dicom_option() const;

@@ -83,6 +83,7 @@ std::unique_ptr<PlaneSource> open_scan(const std::vector<std::string>& paths,
                                        const ScanOptions& options, const TaskContext& context) {
   SourceOptions how = options.source;
   how.max_memory_bytes = context.max_memory_bytes;
+  how.is_cancelled = [&watcher = context.watcher()] { return watcher.is_cancelled(); };
   const bool is_isolated = options.is_isolated && !context.worker_command.empty();
   std::unique_ptr<PlaneSource> source;
   if (is_isolated && needs_isolation(paths, how)) {

@@ -107,11 +107,12 @@ class Reader : public ByteReader {
   }
 };
 
-// Naming all members at once lets the compiler reject a member that is not sent.
+// Naming all members at once lets the compiler reject a member that is not sent. `is_cancelled`
+// stays here: who waits for a worker asks it, and ends the worker.
 
 void put_options(Writer& out, const SourceOptions& options) {
   const auto& [raw, spacing_mm, series, on_gap, drop_duplicates, untilt, segment, channel,
-               time, keep_identity, max_memory_bytes] = options;
+               time, keep_identity, max_memory_bytes, is_cancelled] = options;
   out.put_u8(raw ? 1 : 0);
   if (raw) {
     const auto& [size, type, big_endian, header_bytes] = *raw;

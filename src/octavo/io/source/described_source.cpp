@@ -79,6 +79,7 @@ std::string gap_text(const std::vector<std::string>& names, const std::vector<Nu
 
 void settle(SourceFacts& facts, const SourceOptions& options, const std::string& path) {
   facts.choice = choose_component(facts.components, options, path);
+  facts.is_cancelled = options.is_cancelled;
   const std::string spacing_source = settle_spacing(facts, options);
   try {
     checked_voxel_count(facts.description.size);
@@ -129,8 +130,14 @@ std::uint64_t stored_plane_bytes(const SourceFacts& facts) {
 
 void settle_narrowing(SourceFacts& facts, const WidePlaneReader& read) {
   if (!facts.wide) return;
+  const auto read_or_stop = [&](std::int64_t z, std::span<std::byte> plane) {
+    if (facts.is_cancelled && facts.is_cancelled()) {
+      throw Error(ErrorKind::cancelled, "stopped while the type of voxels was chosen");
+    }
+    read(z, plane);
+  };
   facts.narrowing = choose_narrowing(*facts.wide, facts.description.size.z,
-                                     stored_plane_bytes(facts), read);
+                                     stored_plane_bytes(facts), read_or_stop);
   facts.description.type = facts.narrowing->to;
   if (!is_integer(facts.description.type)) facts.description.kind = VolumeKind::grey;
   if (!facts.narrowing->rounds) return;

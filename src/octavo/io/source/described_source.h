@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -32,6 +33,7 @@ struct SourceFacts {
   std::size_t ignored_number_gaps = 0;  ///< of a stack of numbered files
   SourceComponents components;          ///< what stands at each voxel
   ComponentChoice choice;               ///< which of them is taken; made by `settle`
+  std::function<bool()> is_cancelled;   ///< of the options; may be empty; made by `settle`
 };
 
 /// Chooses a channel and a time, applies options.spacing_mm, warns when no spacing is known, writes
@@ -50,7 +52,7 @@ std::uint64_t stored_plane_bytes(const SourceFacts& facts);
 
 /// Where numbers are wide, decides by the planes that `read` gives what voxels they become; warns
 /// where they are rounded. Labels that are no whole numbers are grey values.
-/// Requires settled facts. Throws as choose_narrowing does
+/// Requires settled facts. Throws as choose_narrowing does, Error{cancelled}
 void settle_narrowing(SourceFacts& facts, const WidePlaneReader& read);
 
 /// Rejects a stack of files whose numbers skip, as a plane is probably missing, and one in which no
