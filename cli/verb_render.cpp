@@ -33,9 +33,9 @@ constexpr VerbText kRenderText = {
     "A label map has one color per label; --label and --range choose labels. A grey volume needs\n"
     "--range or --tissue (air, lung, fat, soft, contrast, bone, as in octavo threshold); several\n"
     "are several colors; where they overlap tissues go before ranges, then the one named first. A\n"
-    "range may have a color, LOW:HIGH=COLOR, and for transparency the opacity of one voxel,\n"
-    "LOW:HIGH=COLOR:OPACITY. Transparency without a range draws a volume in HU as flesh and bone,\n"
-    "another one in grey.\n\n"
+    "range may have a color, LOW:HIGH=COLOR, and for transparency the opacity of a layer as\n"
+    "thick as the finest spacing, LOW:HIGH=COLOR:OPACITY. Transparency without a range draws a\n"
+    "volume in HU as flesh and bone, another one in grey: sums of real values times mm.\n\n"
     "--direction says where the viewer stands: front, back, left, right, top, bottom of the\n"
     "patient, joined as in left-front-top; or X,Y,Z in voxels along the axes of the grid.\n"
     "--azimuth 0 is the front, 90 the patient's left; --elevation 90 is above the head.\n"
@@ -338,7 +338,8 @@ void add_render(CLI::App& app, Context& context) {
       "--average", arguments->is_average,
       "transparency: what is in front hides what is behind in part, in place of the sum");
   verb.add_option("--window", arguments->window,
-                  "transparency: the sums from black to white (default: from the sums)")
+                  "transparency: the sums from black to white, in real units times mm (default: "
+                  "from the sums)")
       ->type_name("C,W")
       ->excludes(average);
   add_view_options(verb, *arguments);

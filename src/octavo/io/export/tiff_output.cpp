@@ -248,7 +248,8 @@ std::string tiff_description(const ExportPlan& plan, std::int64_t page_count) {
   };
   if (plan.spacing_known) put("spacing_mm", plan.geometry.spacing_mm);
   put("origin_mm", plan.geometry.origin_mm);
-  if (plan.place_known) put("direction", plan.geometry.direction);
+  put("direction", plan.geometry.direction);
+  text << "place_known = " << (plan.place_known ? 1 : 0) << "\n";
   if (!plan.rescale.is_identity()) {
     put("rescale", std::array<double, 2>{plan.rescale.slope, plan.rescale.intercept});
   }

@@ -64,6 +64,7 @@ void read_export_notes(Fields& fields, TiffDescription& result) {
   constexpr double kSameSpacing = 1e-5;
   result.origin_mm = numbers<3>(fields["origin_mm"]);
   result.direction = numbers<9>(fields["direction"]);
+  result.is_place_known = fields["place_known"] == "1";
   const auto rescale = numbers<2>(fields["rescale"]);
   if (rescale && rescale->front() != 0) result.rescale = Rescale{rescale->front(), rescale->back()};
   const auto spacing = numbers<3>(fields["spacing_mm"]);

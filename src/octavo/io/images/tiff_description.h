@@ -42,6 +42,7 @@ struct TiffDescription {
   std::optional<double> z_mm;
   std::optional<Point3> origin_mm;  ///< of the center of the first voxel, noted by our exports
   std::optional<std::array<double, 9>> direction;  ///< as in Geometry, noted by our exports
+  bool is_place_known = false;  ///< these two lead to places in a body
   std::vector<OmePages> ome_pages; ///< empty until read_ome_pages
   std::string file_id;             ///< OME: the UUID of this file
   std::string metadata_file;       ///< OME: the file that has the description instead

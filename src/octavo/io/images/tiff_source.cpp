@@ -403,14 +403,10 @@ void take_spacing(const TiffStack& stack, SourceFacts& facts) {
 
 /// Where our exports say that the volume lies.
 void take_place(const TiffDescription& text, SourceFacts& facts) {
-  Geometry& geometry = facts.description.geometry;
-  if (text.origin_mm) geometry.origin_mm = *text.origin_mm;
-  if (!text.direction) {
-    if (text.origin_mm) facts.place_known = false;
-    return;
-  }
-  geometry.direction = *text.direction;
-  facts.place_known = true;
+  if (!text.origin_mm || !text.direction) return;
+  facts.description.geometry.origin_mm = *text.origin_mm;
+  facts.description.geometry.direction = *text.direction;
+  facts.place_known = text.is_place_known;
 }
 
 void take_calibration(const TiffDescription& text, SourceFacts& facts) {

@@ -364,6 +364,19 @@ TEST(Export, TiffNotesAreReadBackExactly) {
   }
 }
 
+TEST(Export, TiffNotesDoNotMakeAPlaceKnown) {
+  for (const bool is_known : {true, false}) {
+    Volume volume = make_volume(VoxelType::uint8, {20, 6, 5});
+    volume.description.metadata =
+        Metadata::read(is_known ? R"({"place_known":true})" : R"({"place_known":false})");
+    Built built(std::move(volume));
+    built.export_as("a.tif");
+    const VolumeDescription found = opened(built.folder.file("a.tif"));
+    EXPECT_EQ(found.geometry, oblique_geometry());
+    EXPECT_EQ(found.metadata.facts().place_known, is_known);
+  }
+}
+
 TEST(Export, APlaneOfATiffStackAloneKnowsWhereItLies) {
   Built built(make_volume(VoxelType::int16, {20, 6, 5}));
   const std::string third = built.export_as("stack/").files.at(2);
