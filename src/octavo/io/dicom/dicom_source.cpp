@@ -143,9 +143,7 @@ SourceFacts describe(const DicomStack& stack, const SourceOptions& options) {
         "larger values are darker in these files (MONOCHROME1); kept as stored");
   }
   if (layout.pixels.is_float && layout.bits_allocated == 64) {
-    facts.warnings.push_back(
-        "float64 voxels are rounded to float32, to the nearest: each by 1 part in 16,777,216 at "
-        "most");
+    facts.warnings.push_back(float_rounding_warning());
   }
   warn_of_likeness(stack, facts.warnings);
   facts.identity = dicom_identity(stack);

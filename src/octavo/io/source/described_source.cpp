@@ -79,6 +79,7 @@ std::string gap_text(const std::vector<std::string>& names, const std::vector<Nu
 
 void settle(SourceFacts& facts, const SourceOptions& options, const std::string& path) {
   facts.choice = choose_component(facts.components, options, path);
+  facts.path = path;
   facts.is_cancelled = options.is_cancelled;
   const std::string spacing_source = settle_spacing(facts, options);
   try {
@@ -136,14 +137,17 @@ void settle_narrowing(SourceFacts& facts, const WidePlaneReader& read) {
     }
     read(z, plane);
   };
-  facts.narrowing = choose_narrowing(*facts.wide, facts.description.size.z,
-                                     stored_plane_bytes(facts), read_or_stop);
+  try {
+    facts.narrowing = choose_narrowing(*facts.wide, facts.description.size.z,
+                                       stored_plane_bytes(facts), read_or_stop);
+  } catch (const Error& failure) {
+    if (!failure.path().empty() || failure.kind() != ErrorKind::source_rejected) throw;
+    throw failure.with_path(facts.path);
+  }
   facts.description.type = facts.narrowing->to;
   if (!is_integer(facts.description.type)) facts.description.kind = VolumeKind::grey;
   if (!facts.narrowing->rounds) return;
-  facts.warnings.push_back(
-      "float64 voxels are rounded to float32, to the nearest: each by 1 part in 16,777,216 at "
-      "most");
+  facts.warnings.push_back(float_rounding_warning());
 }
 
 void settle_number_gaps(const std::vector<std::string>& files, const SourceOptions& options,

@@ -33,6 +33,7 @@ struct SourceFacts {
   std::size_t ignored_number_gaps = 0;  ///< of a stack of numbered files
   SourceComponents components;          ///< what stands at each voxel
   ComponentChoice choice;               ///< which of them is taken; made by `settle`
+  std::string path;                     ///< names the source in messages; made by `settle`
   std::function<bool()> is_cancelled;   ///< of the options; may be empty; made by `settle`
 };
 

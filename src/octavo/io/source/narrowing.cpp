@@ -50,11 +50,17 @@ bool holds(From value) {
   }
 }
 
+/// True where float32 has this number or one near it, NaN and infinities included.
+bool holds_roughly(double value) {
+  return !std::isfinite(value) || std::abs(value) <= std::numeric_limits<float>::max();
+}
+
 /// What values seen so far fit.
 struct Fits {
   bool int32 = true;
   bool uint32 = true;
   bool float32 = true;
+  double largest = 0;  ///< the distance of a finite value from 0
 };
 
 template <class From>
@@ -65,6 +71,7 @@ void look_at(std::span<const std::byte> plane, Fits& fits) {
     fits.uint32 = fits.uint32 && holds<std::uint32_t>(value);
     if constexpr (std::is_floating_point_v<From>) {
       fits.float32 = fits.float32 && holds<float>(value);
+      if (std::isfinite(value)) fits.largest = std::max(fits.largest, std::abs(value));
     }
   }
 }
@@ -80,6 +87,13 @@ Narrowing narrowing_of(WideType from, const Fits& fits) {
   if (is_signed_first && fits.int32) return {from, VoxelType::int32};
   if (fits.uint32) return {from, VoxelType::uint32};
   if (from != WideType::float64) return {from, StoredType(from).voxel()};
+  if (!fits.float32 && fits.largest < std::numeric_limits<float>::min()) {
+    throw Error(ErrorKind::source_rejected,
+                "no value of the first planes is farther from 0 than " +
+                    precise_text(fits.largest) +
+                    ", where float32, which these float64 voxels become, has few numbers or "
+                    "none; scale them first");
+  }
   return {from, VoxelType::float32, !fits.float32};
 }
 
@@ -91,7 +105,7 @@ template <class From>
   if constexpr (std::is_integral_v<From>) text = std::to_string(value);
   else text = exact_text(value);
   const bool is_late = std::is_floating_point_v<From> && !narrowing.rounds &&
-                       std::abs(static_cast<double>(value)) <= std::numeric_limits<float>::max();
+                       holds_roughly(static_cast<double>(value));
   throw Error(ErrorKind::source_rejected,
               "the value " + text + " at x,y,z = " + std::to_string(at % place.columns) + "," +
                   std::to_string(at / place.columns) + "," + std::to_string(place.z) +
@@ -121,6 +135,11 @@ void narrow_values(const Narrowing& narrowing, std::span<const std::byte> wide,
 }
 
 }  // namespace
+
+std::string float_rounding_warning() {
+  return "float64 voxels are rounded to float32, to the nearest: each by 1 part in 16,777,216 at "
+         "most, those nearer to 0 than 1.2e-38 by 7.1e-46 at most";
+}
 
 Narrowing choose_narrowing(WideType from, std::int64_t plane_count, std::uint64_t plane_bytes,
                            const WidePlaneReader& read) {

@@ -36,10 +36,14 @@ using WidePlaneReader = std::function<void(std::int64_t z, std::span<std::byte> 
 
 /// Chooses how the planes that `read` gives become voxels; they are asked for from 0 on, one after
 /// the other. Values that nothing holds are left to narrow().
-/// Throws as `read`
+/// Throws as `read`; Error{source_rejected}, without a path, where all of these values lie so near
+///        to 0 that float32 has few numbers for them, or none
 /// Memory one plane
 Narrowing choose_narrowing(WideType from, std::int64_t plane_count, std::uint64_t plane_bytes,
                            const WidePlaneReader& read);
+
+/// Tells by how much float64 voxels change where they become float32.
+std::string float_rounding_warning();
 
 /// Where a run of voxels lies, for messages.
 struct RunPlace {

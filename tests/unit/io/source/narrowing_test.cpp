@@ -137,6 +137,30 @@ TEST(Narrowing, TheFirstPlanesThatTellChooseTheType) {
       .expect_rejected({"0.1 at x,y,z = 0,0,36", "float32", "convert it to float32 first"});
 }
 
+TEST(Narrowing, NanAndInfinityBehindWholeNumbersAreSaidToComeLate) {
+  for (const double late : {std::nan(""), -std::numeric_limits<double>::infinity()}) {
+    std::vector<double> numbers = many_planes();
+    numbers[39 * 12 + 5] = late;
+    RawNumbers<double>("float64", numbers)
+        .expect_rejected({"at x,y,z = 1,1,39", "int32", "by what the first planes hold",
+                          "convert it to float32 first"});
+  }
+}
+
+TEST(Narrowing, ValuesThatFloat32HasNothingForAreRejected) {
+  std::vector<double> numbers = counted_numbers(24, 1.0);
+  for (double& number : numbers) number *= 1e-50;
+  numbers[3] = std::nan("");
+  RawNumbers<double>("float64", numbers).expect_rejected({"2.4e-49", "float32", "scale them"});
+  // Beside larger ones they are within the loss that the warning tells.
+  numbers[4] = 0.1;
+  const auto source = RawNumbers<double>("float64", numbers).open();
+  ASSERT_EQ(source->warnings().size(), 2U);
+  EXPECT_NE(source->warnings()[1].text.find("nearer to 0 than 1.2e-38 by 7.1e-46 at most"),
+            std::string::npos);
+  EXPECT_EQ(voxels_of(*source).substr(0, 12), std::string(12, '\0'));
+}
+
 TEST(Narrowing, MinusZeroIsZero) {
   const auto source = RawNumbers<double>("float64", std::vector<double>(12, -0.0)).open();
   EXPECT_EQ(source->description().type, VoxelType::int32);
