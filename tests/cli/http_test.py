@@ -18,6 +18,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 
@@ -87,6 +88,8 @@ def range_rows(b):
         Row("gzip that is none", b.gzip_lie, 5, "encodes the file as gzip"),
         Row("short body", b.short_body, 5, "has 65526 bytes, announced were 65536"),
         Row("endless body", b.long_body, 5, "more bytes than were asked for"),
+        Row("206 of no bytes, to come back", b.empty, 5, "the server sends no bytes",
+            seconds=(0, 15)),
         Row("multipart", b.multipart, 5, "multipart"),
         Row("416", told(b.busy, "416 Range Not Satisfiable"), 5, "no such range"),
         Row("404", told(b.busy, "404 Not Found"), 5, "no such file"),
@@ -393,19 +396,40 @@ class Secrets(Reading):
         self.assertEqual(error["path"], self.server.url("silent"))
 
     def test_no_journal_holds_a_secret(self):
-        def stop_in_the_middle(x):
-            return self.behaviors.silent(x) if x.first > 1 << 16 else self.behaviors.good(x)
+        self.expect(0, "phantom", "--size", "256,256,1024", "-o", "long.8vo", "-q")
+        long = Behaviors((self.folder / "long.8vo").read_bytes())
+        middle = range(len(long.data) // 2, len(long.data) * 3 // 4)
+        stopped = threading.Event()
 
+        def stop_in_the_middle(x):
+            if x.first not in middle:
+                return long.good(x)
+            stopped.set()
+            return long.silent(x)
+
+        (self.folder / "out").mkdir()
         url = with_secrets(self.server.url("half", stop_in_the_middle))
-        with subprocess.Popen([cli_test.OCTAVO, "build", url, "-o", "x.8vo"], cwd=self.folder,
-                              env=clean_environment(), stderr=subprocess.DEVNULL) as process:
-            count = len(self.server.requests)
-            while len(self.server.requests) < count + 2:
-                time.sleep(0.02)
+        with subprocess.Popen([cli_test.OCTAVO, "build", url, "--resume", "-o", "out/x.8vo"],
+                              cwd=self.folder, env=clean_environment(),
+                              stderr=subprocess.DEVNULL) as process:
+            self.assertTrue(stopped.wait(SECONDS))
+            journals = self.wait_for_journals(process)
             process.kill()
-        for path in self.folder.rglob("*"):
+        self.assertEqual(len(journals), 1, self.files())
+        self.assertIn(b"8jrn", journals[0].read_bytes())
+        for path in (self.folder / "out").iterdir():
             self.assertNotIn(SECRET, path.name)
             self.assertNotIn(SECRET.encode(), path.read_bytes(), path)
+
+    def wait_for_journals(self, process):
+        """Those that hold more than their head once `process` has written them, or ended."""
+        end = time.monotonic() + SECONDS
+        while process.poll() is None and time.monotonic() < end:
+            journals = list((self.folder / "out").glob(".*.journal"))
+            if any(path.stat().st_size > 1 << 10 for path in journals):
+                return journals
+            time.sleep(0.02)
+        return []
 
 
 if __name__ == "__main__":

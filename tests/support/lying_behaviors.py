@@ -111,6 +111,9 @@ class Behaviors:
         x.head("206 Partial Content", self.range_header(x), "Connection: close")
         x.send_for_ever(bytes(1 << 16))
 
+    def empty(self, x):
+        x.head("206 Partial Content", self.range_header(x), "Retry-After: 1000")
+
     def multipart(self, x):
         part = (f"--cut\r\n{self.range_header(x)}\r\n\r\n").encode() + self.body(x) + b"\r\n--cut--"
         return x.answer("206 Partial Content", "Content-Type: multipart/byteranges; boundary=cut",

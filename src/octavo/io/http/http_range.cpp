@@ -117,11 +117,11 @@ void RangeClient::pause(RangeInProgress& range, double seconds) const {
   }
 }
 
-/// Before the next attempt: as long as the server asks for, else longer with each.
+/// Before the next attempt: as long as a busy server asks for, else longer with each.
 void RangeClient::pause_as_asked(RangeInProgress& range, const RequestResult& result, int tries) {
+  const bool is_busy = result.end == RequestEnd::answered && result.head.is_busy();
   const std::optional<double> asked =
-      result.end == RequestEnd::answered ? result.head.pause_seconds(std::time(nullptr))
-                                         : std::nullopt;
+      is_busy ? result.head.pause_seconds(std::time(nullptr)) : std::nullopt;
   if (!asked) return pause(range, kFirstPauseSeconds * std::pow(2, tries - 1));
   const std::string words =
       status_words(result.head.status) + " and asks to wait " + seconds_words(*asked);
