@@ -380,6 +380,9 @@ class Secrets(Reading):
             ("info", scan, "--threads", scan), ("info", self.silent, "--timeout", "1"),
             ("info", "https://mallory:hunter2@127.0.0.1:9/x?hunter2", "--timeout", "1"),
             ("info", "http://mallory:hunter2/@nowhere/x"),
+            ("http://mallory: hunter2@h/x",), ("http://mallory:it's \"hunter2@h/x",),
+            ("probe", mask, "--at", "http://127.0.0.1:9/x?a= hunter2"),
+            ("info", "http://mallory: hunter2@127.0.0.1:9/x?a \"hunter2", "--timeout", "1"),
         ]:
             with self.subTest(arguments):
                 self.check_secret(*arguments)

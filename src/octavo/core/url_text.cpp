@@ -50,6 +50,27 @@ bool ends_url(char c) {
   return byte <= ' ' || byte == 0x7f || c == '"' || c == '<' || c == '>';
 }
 
+/// Whether the character at `at` is a quote mark that begins a name in a message: " 'x'".
+bool opens_name(std::string_view text, std::size_t at) {
+  return text[at] == '\'' && (at == 0 || text[at - 1] == ' ' || text[at - 1] == '(');
+}
+
+/// Whether it ends one.
+bool closes_name(std::string_view text, std::size_t at) {
+  constexpr std::string_view kBehindNames = " ,;:.)";
+  return text[at] == '\'' &&
+         (at + 1 == text.size() || kBehindNames.find(text[at + 1]) != std::string_view::npos);
+}
+
+/// Where the URL that begins at `at` ends.
+std::size_t url_end(std::string_view text, std::size_t at, bool is_in_name) {
+  const auto ends = [&](std::size_t i) {
+    return is_in_name ? closes_name(text, i) : ends_url(text[i]);
+  };
+  while (at < text.size() && !ends(at)) ++at;
+  return at;
+}
+
 }  // namespace
 
 bool is_url(std::string_view name) { return start_length(name) != 0; }
@@ -71,14 +92,14 @@ std::string public_name(std::string_view name) {
 
 std::string without_secrets(std::string_view text) {
   std::string out;
+  bool is_in_name = false;
   for (std::size_t at = 0; at < text.size();) {
     if (start_length(text.substr(at)) == 0) {
+      is_in_name = is_in_name ? !closes_name(text, at) : opens_name(text, at);
       out += text[at++];
       continue;
     }
-    std::size_t end = at;
-    while (end < text.size() && !ends_url(text[end])) ++end;
-    std::string_view url = text.substr(at, end - at);
+    std::string_view url = text.substr(at, url_end(text, at, is_in_name) - at);
     at += url.size();
     const std::size_t last = url.find_last_not_of(":;,.'\")");
     const std::string_view punctuation = url.substr(last + 1);

@@ -14,8 +14,9 @@ bool is_url(std::string_view name);
 /// password. What is no URL stays as it is.
 std::string public_name(std::string_view name);
 
-/// `text` with every URL in it as public_name gives it. A URL ends at a blank, a control character,
-/// a double quote, < or >; punctuation at its end stays.
+/// `text` with every URL in it as public_name gives it. A URL in a name between single quotes ends
+/// with the name, at a quote before a blank, punctuation or the end of the text; any other at a
+/// blank, a control character, a double quote, < or >. Punctuation at its end stays.
 std::string without_secrets(std::string_view text);
 
 }  // namespace octavo

@@ -48,6 +48,19 @@ TEST(UrlText, TextKeepsAllButTheSecretsOfItsUrls) {
             "a@b?c \"http://h/x\"HTTP://h/y, http");
 }
 
+TEST(UrlText, BlanksAndQuotesInANameHideNothingLess) {
+  const char* const table[][2] = {
+      {"no verb 'http://u:se cret@h/x'; see 'info'", "no verb 'http://h/x'; see 'info'"},
+      {"'http://h/x?a= secret' is no place", "'http://h/x' is no place"},
+      {"'http://u:it's \"secret\" <1>@h/x?'s': late", "'http://h/x': late"},
+      {"('--at=1 http://u:se cret@h/x y') its 'z'", "('--at=1 http://h/x y') its 'z'"},
+      {"the files' http://u:p@h/x?q 'z'", "the files' http://h/x 'z'"},
+      {"'a' http://h/x?q is 'b c'", "'a' http://h/x is 'b c'"},
+      {"'http://u:secret and so on", "'http://..."},
+  };
+  for (const auto& [text, expected] : table) EXPECT_EQ(without_secrets(text), expected);
+}
+
 TEST(UrlText, NoErrorHoldsASecret) {
   const Error error(ErrorKind::io, "differs from http://u:secret@b/y?secret", "http://a/x?secret");
   EXPECT_STREQ(error.what(), "http://a/x: differs from http://b/y");
