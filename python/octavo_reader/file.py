@@ -112,12 +112,13 @@ class OctavoFile:
         halvings = list(header.halvings[first : first + len(segments)])
         halvings += [7] * (len(segments) - len(halvings))  # beyond the last level
         model = self.model(self._root.model_number(tier, at[2], header.bricks(0)[2]))
+        weights = header.brick_weights(tier, at)
         if header.kind == "labels":
             codes = decode_label_brick(model, brick.smallest, brick.largest, segments, size,
-                                       halvings, level - first)
+                                       halvings, weights, level - first)
         else:
             codes = decode_grey_brick(model, brick.smallest, brick.largest, segments, size,
-                                      halvings[:-1], first, level - first)
+                                      halvings[:-1], weights, level - first)
         return self._voxels(codes)
 
     def _segments(self, tier: int, brick: Brick, place: int, code: int) -> list[bytes]:

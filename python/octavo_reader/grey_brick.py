@@ -11,21 +11,22 @@ import numpy as np
 from .binary_coder import AdaptiveBit, BinaryDecoder
 from .byte_cursor import ByteCursor, unpack_bits
 from .errors import require
-from .grey_details import DetailDecoder, DetailStream, ValueGaps, means_along
+from .grey_details import DetailDecoder, DetailStream, Lifting, ValueGaps, means_along
 from .grey_edges import EdgeStates, EdgeStream
 from .grey_model import GreyModel, ValueMap
 from .header import halved
+from .weights import SampleWeights
 
 
 def decode_grey_brick(model: GreyModel, smallest: int, largest: int, segments: list[bytes],
-                      size: tuple[int, int, int], halvings: list[int], first_level: int,
+                      size: tuple[int, int, int], halvings: list[int], weights: SampleWeights,
                       place: int) -> np.ndarray:
     """The samples of one level of a brick that is not uniform, as int64 of shape [z][y][x].
 
     segments     one per level of the brick, finest first; those finer than `place` are unused
     size         x, y, z of the brick's finest level
     halvings     per level of the brick the mask of axes halved to the next
-    first_level  global level of the brick's finest level
+    weights      of the samples of the brick's finest level
     place        which level of the brick, 0 the finest
     Raises       OctavoError "corrupt"
     """
@@ -39,7 +40,8 @@ def decode_grey_brick(model: GreyModel, smallest: int, largest: int, segments: l
         segments = list(segments)
         plain = 0 if is_stored else -1
         values, segments[plain] = _take_values(model.value_map, smallest, segments[plain])
-    brick = _Brick(model, values, smallest, largest, ordered_size, ordered_halvings, first_level)
+    brick = _Brick(model, values, smallest, largest, ordered_size, ordered_halvings,
+                   weights.ordered(order))
     if is_stored:
         samples, corrections = brick.decode_stored(segments[0], place), None
     else:
@@ -82,7 +84,7 @@ class _Brick:
     """The numbers that all steps of decoding a brick need; samples are codes less `base`."""
 
     def __init__(self, model: GreyModel, values: _BrickValues, smallest: int, largest: int,
-                 size: tuple[int, int, int], halvings: list[int], first_level: int) -> None:
+                 size: tuple[int, int, int], halvings: list[int], weights: SampleWeights) -> None:
         self.model = model
         self.values = values
         self.smallest = smallest
@@ -94,10 +96,11 @@ class _Brick:
         self.shift = 0 if self.is_narrow else self.range.bit_length() - 16
         self.low = -(1 << 15) if self.is_narrow else -(1 << 31)
         self.edge_states = EdgeStates()
-        self.first_level = first_level
         self.halvings = halvings
         self.sizes = [size]
+        self.weights = [weights]
         for mask in halvings:
+            self.weights.append(self.weights[-1].halved(self.sizes[-1], mask))
             self.sizes.append(halved(self.sizes[-1], mask))
 
     def decode_stored(self, segment: bytes, place: int) -> np.ndarray:
@@ -105,8 +108,7 @@ class _Brick:
         for level in range(place):
             for axis in range(3):
                 if self.halvings[level] >> axis & 1:
-                    rounding = (axis + self.first_level + level + 1) & 1
-                    samples = means_along(samples, 2 - axis, rounding)
+                    samples = means_along(samples, 2 - axis, self._lifting(level, axis))
         return samples
 
     def decode_levels(self, segments: list[bytes], place: int) -> tuple[np.ndarray, bytes | None]:
@@ -180,16 +182,25 @@ class _Brick:
         decoder = DetailDecoder(self.model, level, stream, self.low, self.low + self.range,
                                 self.shift, self.is_narrow, edges)
         for axis, flagged in splits:
-            rounding = (axis + self.first_level + level + 1) & 1
+            lifting = self._lifting(level, axis)
             gaps = None
             if level == 0 and axis == splits[-1][0] and self.values.codes is not None:
-                gaps = ValueGaps(self._used_samples(), self.low, self.low + self.range, rounding)
-            samples = decoder.split(samples, axis, self.sizes[level][axis], flagged, rounding,
-                                    gaps)
+                gaps = ValueGaps(self._used_samples(), self.low, self.low + self.range,
+                                 lifting.rounding)
+            samples = decoder.split(samples, axis, self.sizes[level][axis], flagged, lifting, gaps)
         stream.end()
         if edges is not None:
             edges.end(edge_count)
         return samples
+
+    def _lifting(self, level: int, axis: int) -> Lifting:
+        """How the pairs along an axis of a level become means (section 2)."""
+        weights = self.weights[level]
+        coarse = self.weights[level + 1].each
+        turn = sorted(range(3), key=lambda other: -coarse[other]).index(axis)
+        halvings = weights.each[axis].bit_length() - 1
+        first, second = weights.last_pair(axis, self.sizes[level][axis])
+        return Lifting((turn + halvings + 1) & 1, first, second)
 
     def _used_samples(self) -> list[int]:
         inside = range(self.low_code, self.low_code + self.range + 1)

@@ -4,6 +4,7 @@ Arrays are indexed [z][y][x]; x, y, z are axes 0, 1, 2, so that array axis = 2 -
 """
 
 from bisect import bisect_left
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,11 +17,41 @@ _STATE_START = 65536
 _SLOT_MASK = (1 << PROBABILITY_BITS) - 1
 
 
-def means_along(samples: np.ndarray, array_axis: int, rounding: int) -> np.ndarray:
+@dataclass(frozen=True)
+class Lifting:
+    """How the pairs (a, b) along an axis become means and details, and back (section 2).
+
+    rounding       the rounding term
+    first, second  the weights of the last pair, 1 and 1 where they are equal
+    """
+
+    rounding: int
+    first: int
+    second: int
+
+    @property
+    def is_weighted(self) -> bool:
+        return self.first != self.second
+
+    def above_second(self, details: np.ndarray) -> np.ndarray:
+        """How far means lie above the second samples of their pairs, which follow along axis 0."""
+        above = (details + self.rounding) >> 1
+        if self.is_weighted:
+            above[-1] = self.above_last(details[-1])
+        return above
+
+    def above_last(self, detail: int | np.ndarray) -> int | np.ndarray:
+        """The same of a detail of the last pair."""
+        total = self.first + self.second
+        return (self.first * detail + (total - 1 + self.rounding) // 2) // total
+
+
+def means_along(samples: np.ndarray, array_axis: int, lifting: Lifting) -> np.ndarray:
     """Samples of the next level along one axis; a last sample without a partner stays."""
     lines = np.moveaxis(samples, array_axis, 0)
     pairs = len(lines) // 2
-    means = (lines[0 : 2 * pairs : 2] + lines[1 : 2 * pairs : 2] + rounding) >> 1
+    a, b = lines[0 : 2 * pairs : 2], lines[1 : 2 * pairs : 2]
+    means = b + lifting.above_second(a - b)
     return np.moveaxis(np.concatenate([means, lines[2 * pairs :]]), 0, array_axis)
 
 
@@ -163,7 +194,7 @@ class DetailDecoder:
         self._magnitudes: dict[int, np.ndarray] = {}
 
     def split(self, means: np.ndarray, axis: int, length: int, flagged: np.ndarray,
-              rounding: int, gaps: "ValueGaps | None" = None) -> np.ndarray:
+              lifting: Lifting, gaps: "ValueGaps | None" = None) -> np.ndarray:
         """The samples whose means are `means`: `length` of them along `axis`.
 
         flagged  which pairs lie in flagged cells, [z][y][x]
@@ -174,14 +205,19 @@ class DetailDecoder:
             return means
         inside = tuple(slice(0, n) for n in pairs)
         m = means[inside]
+        rounding = lifting.rounding
+        weighted = np.zeros(pairs, bool)
+        if lifting.is_weighted:
+            np.moveaxis(weighted, 2 - axis, 0)[-1] = True
         details_of_edges = np.zeros(pairs, np.int64)
         if self._edges is not None:
-            details_of_edges = self._edges.split(means, axis, flagged, self._lowest,
+            details_of_edges = self._edges.split(means, axis, flagged | weighted, self._lowest,
                                                  self._highest, rounding)
             flagged = flagged | (details_of_edges != 0)
         step = detail_step(self._model, axis, self._level)
         odd_low, odd_high = (0, 0) if step > 1 else (1 - rounding, rounding)
         limit = np.minimum(2 * (m - self._lowest) + odd_low, 2 * (self._highest - m) + odd_high)
+        limit = np.where(weighted, self._highest - self._lowest, limit)
         limit = np.where(flagged, 0, limit)
         e0, e1, e2, slope = _activities(means, axis, self._shift)
         e0, e1, e2, slope = e0[inside], e1[inside], e2[inside], slope[inside]
@@ -198,15 +234,27 @@ class DetailDecoder:
         if self._model.predictor == 1:
             w = self._model.mean_weights[self._group][axis][classes]
             prediction = ((slope * w + 2048) >> 12).clip(-limit, limit)
-            if gaps is None:
-                details = (prediction + residuals).clip(-limit, limit)
-            else:
-                details = np.vectorize(gaps.detail, otypes=[np.int64])(m, prediction, residuals)
-                details = np.where(limit > 0, details, 0)
+            details = (prediction + residuals).clip(-limit, limit)
+            if gaps is not None:
+                possible = np.vectorize(gaps.detail, otypes=[np.int64])(m, prediction, residuals)
+                details = np.where((limit > 0) & ~weighted, possible, details)
             details = np.where(details_of_edges != 0, details_of_edges, details)
-            return _merge(means, axis, length, details, rounding)
-        return self._predicted(means, axis, length, classes, limit, residuals, rounding, gaps,
-                               details_of_edges)
+            return self._merge(means, axis, length, details, lifting)
+        return self._predicted(means, axis, length, classes, limit, residuals, lifting, gaps,
+                               details_of_edges, weighted)
+
+    def _merge(self, means: np.ndarray, axis: int, length: int, details: np.ndarray,
+               lifting: Lifting) -> np.ndarray:
+        """Samples from means and details; a mean without a detail is a sample."""
+        array_axis = 2 - axis
+        m = np.moveaxis(means, array_axis, 0)
+        d = np.moveaxis(details, array_axis, 0)
+        b = m[: len(d)] - lifting.above_second(d)
+        out = np.empty((length,) + m.shape[1:], np.int64)
+        out[0 : 2 * len(d) : 2] = (b + d).clip(self._lowest, self._highest)
+        out[1 : 2 * len(d) : 2] = b.clip(self._lowest, self._highest)
+        out[2 * len(d) :] = m[len(d) :]
+        return np.moveaxis(out, 0, array_axis)
 
     def _earlier(self, axis: int, pairs: tuple[int, int, int], which: int) -> np.ndarray | int:
         """Magnitudes at the same places in a split of this level done before, or 0.
@@ -270,8 +318,9 @@ class DetailDecoder:
         return residuals
 
     def _predicted(self, means: np.ndarray, axis: int, length: int, classes: np.ndarray,
-                   limit: np.ndarray, residuals: np.ndarray, rounding: int,
-                   gaps: "ValueGaps | None", details_of_edges: np.ndarray) -> np.ndarray:
+                   limit: np.ndarray, residuals: np.ndarray, lifting: Lifting,
+                   gaps: "ValueGaps | None", details_of_edges: np.ndarray,
+                   weighted: np.ndarray) -> np.ndarray:
         """Predictor 0: each pair from the pairs before it and the means of those behind."""
         nz, ny, nx = classes.shape
         array_axis = 2 - axis
@@ -295,13 +344,47 @@ class DetailDecoder:
                 for place, (tap_x, tap_y, tap_z) in taps:
                     at = line(tap_x, stride_y * y + tap_y, stride_z * z + tap_z)
                     sums += chosen[:, place] * at
-            pairs = _decode_row(sums.tolist(), classes[z, y].tolist(), limit[z, y].tolist(),
+            pairs = self._decode_row(sums.tolist(), classes[z, y].tolist(), limit[z, y].tolist(),
                                 residuals[z, y].tolist(), means[z, y, :nx].tolist(), left,
-                                rounding, self._is_narrow, gaps, details_of_edges[z, y].tolist())
+                                lifting, gaps, details_of_edges[z, y].tolist(),
+                                weighted[z, y].tolist())
             first, second = np.array(pairs, np.int64).T
             line(0, stride_y * y, stride_z * z)[:] = first
             line(axis == 0, stride_y * y + (axis == 1), stride_z * z + (axis == 2))[:] = second
         return v[2:-2, 2:-2, 8:-8]
+
+    def _decode_row(self, sums: list[int], classes: list[int], limits: list[int],
+                    residuals: list[int], means: list[int], left: list[list[list[int]]],
+                    lifting: Lifting, gaps: "ValueGaps | None", details_of_edges: list[int],
+                    weighted: list[bool]) -> list[tuple[int, int]]:
+        """The pairs of one row; `sums` takes the means for the row's own samples.
+
+        details_of_edges  0 for pairs that are none
+        """
+        reach = len(left[0])
+        pairs = []
+        changes: list[tuple[int, int]] = []
+        for x, (total, kind, limit, residual, m, edge, is_weighted) in enumerate(
+                zip(sums, classes, limits, residuals, means, details_of_edges, weighted)):
+            prediction = 0
+            if kind:
+                for distance in range(1, min(reach, x) + 1):
+                    (wa, wb), (da, db) = left[kind][distance - 1], changes[x - distance]
+                    total += wa * da + wb * db
+                total += 2048
+                prediction = (wrapped(total) if self._is_narrow else total) >> 12
+                prediction = max(-limit, min(limit, prediction))
+            if edge:
+                d = edge
+            elif gaps is None or limit == 0 or is_weighted:
+                d = max(-limit, min(limit, prediction + residual))
+            else:
+                d = gaps.detail(m, prediction, residual)
+            b = m - (lifting.above_last(d) if is_weighted else (d + lifting.rounding) >> 1)
+            a, b = (max(self._lowest, min(self._highest, sample)) for sample in (b + d, b))
+            pairs.append((a, b))
+            changes.append((a - m, b - m))
+        return pairs
 
 
 def _left_taps(axis: int, weights: np.ndarray) -> list[list[list[int]]]:
@@ -316,40 +399,6 @@ def _left_taps(axis: int, weights: np.ndarray) -> list[list[list[int]]]:
     stride, reach = (1, 3) if axis > 0 else (2, 4)
     return [[[row[at - stride * n] for at in rows] for n in range(1, reach + 1)]
             for row in weights.tolist()]
-
-
-def _decode_row(sums: list[int], classes: list[int], limits: list[int], residuals: list[int],
-                means: list[int], left: list[list[list[int]]], rounding: int,
-                is_narrow: bool, gaps: "ValueGaps | None",
-                details_of_edges: list[int]) -> list[tuple[int, int]]:
-    """The pairs of one row; `sums` takes the means for the row's own samples.
-
-    details_of_edges  0 for pairs that are none
-    """
-    reach = len(left[0])
-    pairs = []
-    changes: list[tuple[int, int]] = []
-    for x, (total, kind, limit, residual, m, edge) in enumerate(
-            zip(sums, classes, limits, residuals, means, details_of_edges)):
-        prediction = 0
-        if kind:
-            for distance in range(1, min(reach, x) + 1):
-                (wa, wb), (da, db) = left[kind][distance - 1], changes[x - distance]
-                total += wa * da + wb * db
-            total += 2048
-            prediction = (wrapped(total) if is_narrow else total) >> 12
-            prediction = max(-limit, min(limit, prediction))
-        if edge:
-            d = edge
-        elif gaps is None or limit == 0:
-            d = max(-limit, min(limit, prediction + residual))
-        else:
-            d = gaps.detail(m, prediction, residual)
-        s = 2 * m - rounding + ((d + rounding) & 1)
-        a, b = (s + d) >> 1, (s - d) >> 1
-        pairs.append((a, b))
-        changes.append((a - m, b - m))
-    return pairs
 
 
 def _activities(means: np.ndarray, axis: int, shift: int) -> tuple[np.ndarray, ...]:
@@ -378,17 +427,3 @@ def _half_octaves(t: np.ndarray) -> np.ndarray:
     value = t + 8
     exponents = np.frexp(value.astype(np.float64))[1].astype(np.int64) - 1
     return np.minimum(2 * exponents + (value >> (exponents - 1) & 1) - 6, 29)
-
-
-def _merge(means: np.ndarray, axis: int, length: int, details: np.ndarray,
-           rounding: int) -> np.ndarray:
-    """Samples from means and details; a mean without a detail is a sample."""
-    array_axis = 2 - axis
-    m = np.moveaxis(means, array_axis, 0)
-    d = np.moveaxis(details, array_axis, 0)
-    s = 2 * m[: len(d)] - rounding + ((d + rounding) & 1)
-    out = np.empty((length,) + m.shape[1:], np.int64)
-    out[0 : 2 * len(d) : 2] = (s + d) >> 1
-    out[1 : 2 * len(d) : 2] = (s - d) >> 1
-    out[2 * len(d) :] = m[len(d) :]
-    return np.moveaxis(out, 0, array_axis)

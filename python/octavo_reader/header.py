@@ -7,6 +7,7 @@ import numpy as np
 
 from .byte_cursor import ByteCursor, crc32c
 from .errors import OctavoError, require
+from .weights import SampleWeights
 
 HEADER_LENGTH = 512
 MAGIC = b"\x8f8VO\r\n\x1a\n"
@@ -94,6 +95,17 @@ class Header:
         """Bricks of a tier along x, y, z."""
         size = self.level_size(LEVELS_PER_TIER * tier)
         return tuple(-(-n >> h) for n, h in zip(size, self.brick_shifts(tier)))
+
+    def brick_weights(self, tier: int, at: tuple[int, int, int]) -> SampleWeights:
+        """Those of a brick's samples at the first level of its tier."""
+        first = LEVELS_PER_TIER * tier
+        each, last = [], []
+        for axis, shift in enumerate(self.brick_shifts(tier)):
+            weight = 1 << sum(mask >> axis & 1 for mask in self.halvings[:first])
+            end = min((at[axis] + 1) << shift, self.level_size(first)[axis])
+            each.append(weight)
+            last.append(min(weight, self.size[axis] - (end - 1) * weight))
+        return SampleWeights(tuple(each), tuple(last))
 
     def tier_levels(self, tier: int) -> range:
         """The levels that bricks of a tier hold."""

@@ -1,5 +1,7 @@
 """Label bricks: docs/format-labels.md, sections 1, 2 and 6. Arrays are indexed [z][y][x]."""
 
+import math
+
 import numpy as np
 
 from .binary_coder import AdaptiveBit, BinaryDecoder
@@ -7,6 +9,7 @@ from .byte_cursor import ByteCursor, unpack_bits
 from .errors import require
 from .header import halved
 from .label_model import LabelModel, Network, prove_end
+from .weights import SampleWeights
 
 _LABEL_LIMIT = 16384
 _OUTSIDE, _NOT_VISITED, _MIXED, _UNIFORM = range(4)
@@ -26,12 +29,14 @@ _VOTES = np.array([{1: 12, 2: 5, 3: 3, 4: 2}[x * x + y * y + z * z] for x, y, z 
 
 
 def decode_label_brick(model: LabelModel, smallest: int, largest: int, segments: list[bytes],
-                       size: tuple[int, int, int], halvings: list[int], place: int) -> np.ndarray:
+                       size: tuple[int, int, int], halvings: list[int], weights: SampleWeights,
+                       place: int) -> np.ndarray:
     """The labels of one level of a brick that is not uniform, as int64 of shape [z][y][x].
 
     segments  one per level of the brick, finest first; those finer than `place` are not looked at
     size      x, y, z of the brick's finest level
     halvings  per level of the brick the mask of axes halved to the next, the last to the root
+    weights   of the samples of the brick's finest level
     place     which level of the brick, 0 the finest
     Raises    OctavoError "corrupt"
     """
@@ -39,15 +44,18 @@ def decode_label_brick(model: LabelModel, smallest: int, largest: int, segments:
         require(not any(segments[1:]), "a stored brick has a second segment")
         labels = _decode_stored(segments[0], smallest, largest, size)
         for mask in halvings[:place]:
-            labels = most_frequent(labels, mask)
+            labels = most_frequent(labels, mask, weights)
+            weights = weights.halved(size, mask)
+            size = halved(size, mask)
         return labels
-    sizes = [size]
+    sizes, all_weights = [size], [weights]
     for mask in halvings:
+        all_weights.append(all_weights[-1].halved(sizes[-1], mask))
         sizes.append(halved(sizes[-1], mask))
     require(sizes[-1] == (1, 1, 1), "a brick has no root")
     walk = _Walk(model, smallest, largest)
     for level in range(len(segments) - 1, place - 1, -1):
-        walk.level(level, segments[level], sizes[level], halvings[level])
+        walk.level(level, segments[level], sizes[level], halvings[level], all_weights[level])
     return walk.labels()
 
 
@@ -70,23 +78,32 @@ def _decode_stored(segment: bytes, smallest: int, largest: int,
     return values.reshape(size[::-1])
 
 
-def most_frequent(labels: np.ndarray, mask: int) -> np.ndarray:
-    """The next level: of each octant the most frequent label, of several the smallest."""
+def most_frequent(labels: np.ndarray, mask: int, weights: SampleWeights) -> np.ndarray:
+    """The next level: of each octant the label of the most votes, of several the smallest."""
     margins = [(0, n & (mask >> (2 - axis)) & 1) for axis, n in enumerate(labels.shape)]
-    children, known = [np.pad(labels, margins)], [np.pad(np.ones(labels.shape, bool), margins)]
+    along = [_votes_along(weights, 2 - axis, n) for axis, n in enumerate(labels.shape)]
+    votes = along[0][:, None, None] * along[1][:, None] * along[2]
+    children, weighty = [np.pad(labels, margins)], [np.pad(votes, margins)]
     for array_axis in range(3):
         if mask >> (2 - array_axis) & 1:
             parts = [slice(0, None, 2), slice(1, None, 2)]
             at = (slice(None),) * array_axis
             children = [child[at + (part,)] for child in children for part in parts]
-            known = [child[at + (part,)] for child in known for part in parts]
+            weighty = [child[at + (part,)] for child in weighty for part in parts]
     best, best_count = children[0], np.zeros(children[0].shape, np.int64)
-    for label, is_inside in zip(children, known):
-        count = sum(((other == label) & k).astype(np.int64) for other, k in zip(children, known))
-        wins = is_inside & ((count > best_count) | ((count == best_count) & (label < best)))
+    for label, own in zip(children, weighty):
+        count = sum(np.where(other == label, more, 0) for other, more in zip(children, weighty))
+        wins = (own > 0) & ((count > best_count) | ((count == best_count) & (label < best)))
         best = np.where(wins, label, best)
         best_count = np.where(wins, count, best_count)
     return best
+
+
+def _votes_along(weights: SampleWeights, axis: int, count: int) -> np.ndarray:
+    """The votes of `count` samples along an axis: voxels of level 0 that they stand for."""
+    votes = np.full(count, weights.each[axis], np.int64)
+    votes[-1] = weights.last[axis]
+    return votes
 
 
 class _Walk:
@@ -110,7 +127,8 @@ class _Walk:
         """The labels of the level decoded last, [z][y][x]."""
         return np.array(self._slot_labels, np.int64)[self._slots]
 
-    def level(self, level: int, segment: bytes, size: tuple[int, int, int], mask: int) -> None:
+    def level(self, level: int, segment: bytes, size: tuple[int, int, int], mask: int,
+              weights: SampleWeights) -> None:
         """Decodes one level of x, y, z samples; `mask` leads to the level decoded last."""
         self._coder = BinaryDecoder(segment)
         if not self._slot_labels:
@@ -124,6 +142,7 @@ class _Walk:
         self._flat_states = self._states.reshape(-1)
         self._flat_slots = self._slots.reshape(-1)
 
+        votes = [_votes_along(weights, axis, n).tolist() for axis, n in enumerate(size)]
         strides = (1, self._states.shape[2], self._states.shape[1] * self._states.shape[2])
         digits = [d for d in range(8) if not _bits_of(d) & ~mask]
         around = {d: _neighbor_offsets(d, strides) for d in digits}
@@ -135,7 +154,8 @@ class _Walk:
                 child = [c + (bits >> axis & 1) for axis, c in enumerate(corner)]
                 if all(c < n for c, n in zip(child, size)):
                     at = sum((c + _MARGIN) * stride for c, stride in zip(child, strides))
-                    children.append((d, at, at + around[d]))
+                    weight = math.prod(along[c] for along, c in zip(votes, child))
+                    children.append((d, at, at + around[d], weight))
             self._octant(level, int(parent_slots[pz, py, px]), children)
         prove_end(self._coder, segment)
         inside = (slice(_MARGIN, -_MARGIN),) * 3
@@ -156,22 +176,21 @@ class _Walk:
             return palette[self._coder.uniform(len(palette))]
         return self._smallest + self._coder.uniform(self._largest - self._smallest + 1)
 
-    def _octant(self, level: int, parent: int, children: list[tuple[int, int, np.ndarray]]) -> None:
-        """Decodes the children (digit, place, places of its neighbors) of a mixed sample."""
+    def _octant(self, level: int, parent: int,
+                children: list[tuple[int, int, np.ndarray, int]]) -> None:
+        """Decodes the children (digit, place, places of neighbors, votes) of a mixed sample."""
         left = len(children)
-        same = 0
-        others: dict[int, int] = {}
+        octant = _Octant(parent, sum(votes for *_, votes in children))
         one = True
-        for digit, at, around in children:
+        for digit, at, around, votes in children:
             left -= 1
+            octant.enter(votes)
             states, slots = self._flat_states[around], self._flat_slots[around]
             seen = _Neighborhood(states, slots, 5 * digit, min(level, 3))
-            if self._ask_same(level, parent, left, same, others, one, seen):
-                slot = parent
-                same += 1
-            else:
-                slot = self._other(parent, same + left, others, seen)
-                others[slot] = others.get(slot, 0) + 1
+            known = level == 0 and left == 0 and one and octant.most > 0
+            is_same = not known and self._ask_same(octant, seen)
+            slot = parent if is_same else self._other(octant, seen)
+            octant.leave(slot)
             if level == 0:
                 is_uniform = True
             elif left == 0 and one and slot == parent:
@@ -187,24 +206,25 @@ class _Walk:
         p = network.probability(seen.states, seen.slots == slot, seen.first + category, seen.second)
         return bool(self._coder.get(p))
 
-    def _wins(self, votes: int, slot: int, parent: int, most: int) -> bool:
-        """True when so many children would make another label the parent's."""
+    def _wins(self, votes: int, slot: int, octant: "_Octant") -> bool:
+        """True when so many votes would make another label the parent's."""
         labels = self._slot_labels
-        return votes > most or (votes == most and labels[slot] < labels[parent])
+        return votes > octant.most or (
+            votes == octant.most and labels[slot] < labels[octant.parent])
 
-    def _ask_same(self, level: int, parent: int, left: int, same: int, others: dict[int, int],
-                  one: bool, seen: "_Neighborhood") -> bool:
-        if level == 0 and left == 0 and one and same > 0:
-            return False
-        most = same + left
-        if most == 0 or any(self._wins(v, s, parent, most) for s, v in others.items()):
-            return True
-        if self._is_pair and self._wins(others.get(1 - parent, 0) + 1, 1 - parent, parent, most):
-            return True
-        return self._ask(self._model.same, seen, parent, min(sum(others.values()), 4))
+    def _would_win(self, slot: int, octant: "_Octant") -> bool:
+        return self._wins(octant.votes.get(slot, 0) + octant.own, slot, octant)
 
-    def _other(self, parent: int, most: int, others: dict[int, int], seen: "_Neighborhood") -> int:
+    def _ask_same(self, octant: "_Octant", seen: "_Neighborhood") -> bool:
+        if octant.most == 0 or any(self._wins(v, s, octant) for s, v in octant.votes.items()):
+            return True
+        if self._is_pair and self._would_win(1 - octant.parent, octant):
+            return True
+        return self._ask(self._model.same, seen, octant.parent, min(octant.other_count, 4))
+
+    def _other(self, octant: "_Octant", seen: "_Neighborhood") -> int:
         """The slot of a child whose label is not the parent's."""
+        parent = octant.parent
         if self._is_pair:
             return 1 - parent
         votes: dict[int, int] = {}
@@ -213,7 +233,7 @@ class _Walk:
         for slot, weight in zip(seen.slots[is_candidate].tolist(), weights[is_candidate].tolist()):
             votes[slot] = votes.get(slot, 0) + weight
         candidates = [slot for slot in sorted(votes, key=lambda slot: (-votes[slot], slot))
-                      if not self._wins(others.get(slot, 0) + 1, slot, parent, most)]
+                      if not self._would_win(slot, octant)]
         total = sum(votes[slot] for slot in candidates)
         for j, slot in enumerate(candidates):
             first = 8 * min(j, 3) + min(8 * votes[slot] // total, 7)
@@ -227,6 +247,35 @@ class _Walk:
             self._slot_labels.append(self._fresh())
             return len(self._slot_labels) - 1
         return self._coder.uniform(len(self._slot_labels))
+
+
+class _Octant:
+    """The votes of the children of a sample on their way.
+
+    most    votes of children with the parent's label or to come, without the one being decoded
+    own     votes of that one
+    votes   of the slots met that are not the parent's; other_count: children that have them
+    """
+
+    __slots__ = ("parent", "most", "own", "votes", "other_count")
+
+    def __init__(self, parent: int, most: int) -> None:
+        self.parent = parent
+        self.most = most
+        self.own = 0
+        self.votes: dict[int, int] = {}
+        self.other_count = 0
+
+    def enter(self, votes: int) -> None:
+        self.own = votes
+        self.most -= votes
+
+    def leave(self, slot: int) -> None:
+        if slot == self.parent:
+            self.most += self.own
+        else:
+            self.votes[slot] = self.votes.get(slot, 0) + self.own
+            self.other_count += 1
 
 
 class _Neighborhood:

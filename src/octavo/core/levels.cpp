@@ -151,7 +151,14 @@ BrickShape brick_shape(const Levels& levels, int tier, const Index3& brick) {
   BrickShape shape;
   shape.first_level = Levels::first_level(tier);
   shape.level_count = levels.tier_level_count(tier);
-  Size3 size = levels.brick_box(tier, brick).size();
+  const Box box = levels.brick_box(tier, brick);
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::int64_t each = std::int64_t{1} << levels.halving_count(shape.first_level, axis);
+    const std::int64_t left = levels.size(0)[axis] - (box.hi[axis] - 1) * each;
+    shape.weights.each[axis] = each;
+    shape.weights.last[axis] = std::min(each, left);
+  }
+  Size3 size = box.size();
   for (int i = 0; i < shape.level_count; ++i) {
     const auto slot = static_cast<std::size_t>(i);
     shape.size[slot] = size;
@@ -159,6 +166,20 @@ BrickShape brick_shape(const Levels& levels, int tier, const Index3& brick) {
     size = halved(size, shape.halving[slot]);
   }
   return shape;
+}
+
+SampleWeights weights_of(const BrickShape& shape, int level) {
+  SampleWeights weights = shape.weights;
+  for (int i = 0; i < level; ++i) {
+    const auto slot = static_cast<std::size_t>(i);
+    for (int axis = 0; axis < 3; ++axis) {
+      if ((shape.halving[slot] >> axis & 1) == 0) continue;
+      const bool has_partner = shape.size[slot][axis] % 2 == 0;
+      if (has_partner) weights.last[axis] += weights.each[axis];
+      weights.each[axis] *= 2;
+    }
+  }
+  return weights;
 }
 
 }  // namespace octavo

@@ -78,6 +78,27 @@ class Levels {
 /// ceil(size / 2) along the axes of `mask`.
 Size3 halved(const Size3& size, HalvingMask mask);
 
+/// How many voxels of level 0 the two samples of a pair stand for, along the axis of the pair.
+struct PairWeights {
+  std::int64_t first = 1;
+  std::int64_t second = 1;
+
+  bool are_equal() const { return first == second; }
+};
+
+/// How many voxels of level 0 samples stand for, along each axis: the last one for those that are
+/// left of the volume, all others for as many as the axis was halved to.
+struct SampleWeights {
+  Size3 each{1, 1, 1};
+  Size3 last{1, 1, 1};
+
+  bool operator==(const SampleWeights&) const = default;
+  /// Of the last pair among `count` samples along `axis`; all other pairs weigh alike.
+  PairWeights last_pair(int axis, std::int64_t count) const {
+    return {each[axis], count % 2 == 0 ? last[axis] : each[axis]};
+  }
+};
+
 /// The shape of one brick: the sizes of its own ladder.
 struct BrickShape {
   int first_level = 0;                            ///< global level of its finest samples
@@ -86,9 +107,13 @@ struct BrickShape {
   std::array<HalvingMask, kTierLevels>
       halving{};  ///< halving[i] from first_level+i to the next; the one
                   ///< of the last level leads to the next tier, 0 at the root
+  SampleWeights weights;  ///< of the samples of size[0]
 };
 
 /// The shape of brick `brick` of `tier`.
 BrickShape brick_shape(const Levels& levels, int tier, const Index3& brick);
+
+/// The weights of the samples of in-brick level `level`.
+SampleWeights weights_of(const BrickShape& shape, int level);
 
 }  // namespace octavo

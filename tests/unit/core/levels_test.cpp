@@ -92,5 +92,46 @@ TEST(Levels, BricksAreClippedAtTheBorder) {
   EXPECT_EQ(shape.halving[5], 7);
 }
 
+/// The voxels of level 0 that sample `at` of a level stands for along an axis, counted one by one.
+std::int64_t voxels_below(const Levels& levels, int level, int axis, std::int64_t at) {
+  std::int64_t count = 0;
+  for (std::int64_t v = 0; v < levels.size(0)[axis]; ++v) {
+    count += v >> levels.halving_count(level, axis) == at;
+  }
+  return count;
+}
+
+TEST(Levels, SamplesWeighTheVoxelsInside) {
+  for (const Size3& size : {Size3{3, 1, 1}, Size3{100, 64, 65}, Size3{67, 5, 130}}) {
+    for (const Point3& spacing : {Point3{1, 1, 1}, Point3{1, 1, 5}, Point3{0.4, 1, 0.4}}) {
+      const Levels levels(size, choose_halvings(size, spacing));
+      for (int level = 0; level < levels.count(); ++level) {
+        const int tier = Levels::tier_of(level);
+        const Size3 grid = levels.brick_grid(tier);
+        const Index3 last{grid.x - 1, grid.y - 1, grid.z - 1};
+        const BrickShape shape = brick_shape(levels, tier, last);
+        const SampleWeights weights = weights_of(shape, level - shape.first_level);
+        for (int axis = 0; axis < 3; ++axis) {
+          const std::int64_t end = levels.size(level)[axis] - 1;
+          EXPECT_EQ(weights.last[axis], voxels_below(levels, level, axis, end));
+          EXPECT_EQ(weights.each[axis], std::int64_t{1} << levels.halving_count(level, axis));
+        }
+      }
+    }
+  }
+}
+
+TEST(Levels, OnlyTheLastPairOfAnAxisHasTwoWeights) {
+  const Levels levels({11, 12, 13}, choose_halvings({11, 12, 13}, {1, 1, 1}));
+  const BrickShape shape = brick_shape(levels, 0, {0, 0, 0});
+  const SampleWeights voxels = weights_of(shape, 0);
+  EXPECT_TRUE(voxels.last_pair(1, 12).are_equal());
+  const SampleWeights halves = weights_of(shape, 1);
+  EXPECT_EQ(halves.last_pair(0, 6).first, 2);
+  EXPECT_EQ(halves.last_pair(0, 6).second, 1);
+  EXPECT_TRUE(halves.last_pair(1, 6).are_equal());
+  EXPECT_TRUE(halves.last_pair(2, 7).are_equal());  // the last one has no partner
+}
+
 }  // namespace
 }  // namespace octavo

@@ -19,13 +19,15 @@ void clear_edges(const Stage& stage, Workspace<Sample>& work) {
   }
 }
 
-/// Calls f(x, y, z) for the pairs of a split outside uniform cells.
+/// Calls f(x, y, z) for the pairs of a split that may be edges: those outside uniform cells whose
+/// samples weigh alike.
 template <class F>
 void for_each_pair(const Stage& stage, F&& f) {
   for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
     for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
+      const std::int64_t end = stage.first_weighted(y, z);
       const auto run = [&](std::int64_t first, std::int64_t last, bool is_uniform) {
-        for (std::int64_t x = first; x < last && !is_uniform; ++x) f(x, y, z);
+        for (std::int64_t x = first; x < std::min(last, end) && !is_uniform; ++x) f(x, y, z);
       };
       const std::uint8_t* const cells = row_cells(stage, y, z);
       if (cells == nullptr) run(0, stage.pairs.x, false);

@@ -1,5 +1,7 @@
 #include "octavo/codec/grey/grey_brick.h"
 
+#include <bit>
+
 #include "octavo/codec/entropy/binary_coder.h"
 #include "octavo/codec/grey/voxel_walk.h"
 
@@ -181,7 +183,7 @@ std::unique_ptr<const ValueGaps> gaps_of(const ValueMap& map, const BrickMap& br
   if (!brick.has_gaps || shape.level_count < 2) return nullptr;
   return std::make_unique<const ValueGaps>(
       make_gaps(map, brick, scale.range, scale.min_sample(),
-                rounding_term(finest_axis(shape), shape.first_level)));
+                rounding_term(shape, 0, finest_axis(shape))));
 }
 
 CodeScale code_scale(const Parameters& p, const BrickMap& map) {
@@ -191,6 +193,7 @@ CodeScale code_scale(const Parameters& p, const BrickMap& map) {
 
 BrickShape in_order(const BrickShape& shape, const AxisOrder& order) {
   BrickShape result = shape;
+  result.weights = {in_order(shape.weights.each, order), in_order(shape.weights.last, order)};
   for (std::size_t i = 0; i < shape.size.size(); ++i) {
     result.size[i] = in_order(shape.size[i], order);
     result.halving[i] = 0;
@@ -209,7 +212,8 @@ Stage make_stage(const BrickShape& shape, const SampleScale& scale, const Parame
   stage.has_edges = hints.has_edges;
   stage.group = level_group(level);
   stage.set = table_set(level);
-  stage.rounding = rounding_term(axis, shape.first_level + level);
+  stage.rounding = rounding_term(shape, level, axis);
+  stage.last_pair = weights_of(shape, level).last_pair(axis, fine_size[axis]);
   stage.min = scale.min_sample();
   stage.max = scale.max_sample();
   stage.shift = scale.shift();
@@ -282,11 +286,13 @@ AnalyzedBrick<Sample> analyze(const BrickShape& shape, const BrickView& brick,
     const auto slot = static_cast<std::size_t>(level);
     const bool is_last = level + 1 == shape.level_count;
     if (is_last) result.coarsest = samples;
+    const SampleWeights weights = weights_of(shape, level);
     Size3 size = shape.size[slot];
     for (int axis = 0; axis < 3; ++axis) {
       if ((shape.halving[slot] >> axis & 1) == 0) continue;
       std::vector<Sample> means =
-          means_along(samples, size, axis, rounding_term(axis, shape.first_level + level));
+          means_along(samples, size, axis, rounding_term(shape, level, axis),
+                      weights.last_pair(axis, size[axis]));
       size = halved(size, static_cast<HalvingMask>(1 << axis));
       if (!is_last) result.steps[slot][static_cast<std::size_t>(axis)] = std::move(samples);
       samples = std::move(means);

@@ -292,9 +292,7 @@ void decode_stored(const Source& source, void* out) {
   std::vector<Sample> samples =
       decode_plain<Sample>(source.scale, source.segments[0], shape.size[0]);
   for (int i = 0; i < source.level; ++i) {
-    const auto slot = static_cast<std::size_t>(i);
-    samples = coarser_level(std::move(samples), shape.size[slot], shape.halving[slot],
-                            shape.first_level + i);
+    samples = coarser_level(std::move(samples), shape, i);
   }
   const Size3& size = shape.size[static_cast<std::size_t>(source.level)];
   write_level<Sample>(

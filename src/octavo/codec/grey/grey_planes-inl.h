@@ -39,7 +39,7 @@ inline bool suits_planes(const Parameters& p, const Stage& stage) {
 struct PlaneConstants {
   Halves thresholds[kClasses - 1];  ///< rising; the class is the number of those reached
   SignedHalves class_weights[kClasses];
-  SignedHalves min, max, odd_low, odd_high;
+  SignedHalves min, max, range, odd_low, odd_high;
   SignedHalves pairs[kFeatures / 2];  ///< context weights, two by two
   SignedSums constant;
   SignedSums free_bits;
@@ -56,6 +56,7 @@ struct PlaneConstants {
     }
     min = set(stage.min);
     max = set(stage.max);
+    range = set(stage.max - stage.min);
     odd_low = set(stage.odd_low);
     odd_high = set(stage.odd_high);
     const std::int32_t* const w = p.context_weights[stage.group][stage.axis];
@@ -86,6 +87,7 @@ void prepare_plane(const Parameters& p, const Stage& stage, Workspace<std::int16
     std::int16_t* const predictions = work.predictions.row(y, z);
     std::uint16_t* const limits = work.limits.row(y, z);
     std::uint16_t* const contexts = work.contexts.row(y, z);
+    const auto weighted = static_cast<std::int16_t>(stage.first_weighted(y, z));
     for (int x = 0; x < stage.pairs.x; x += kHalfLanes) {
       const SignedHalves c = hn::LoadU(kSignedHalves, m + x);
       const auto step_to = [&](std::int64_t offset) HWY_ATTR {
@@ -113,8 +115,13 @@ void prepare_plane(const Parameters& p, const Stage& stage, Workspace<std::int16
       // The prediction, within what the value range allows
       const SignedHalves low = hn::Sub(c, constants.min);
       const SignedHalves high = hn::Sub(constants.max, c);
-      const SignedHalves limit = hn::Min(hn::Add(hn::Add(low, low), constants.odd_low),
-                                         hn::Add(hn::Add(high, high), constants.odd_high));
+      SignedHalves limit = hn::Min(hn::Add(hn::Add(low, low), constants.odd_low),
+                                   hn::Add(hn::Add(high, high), constants.odd_high));
+      if (x + kHalfLanes > weighted) {
+        const SignedHalves places = hn::Iota(kSignedHalves, static_cast<std::int16_t>(x));
+        const auto is_before = hn::Lt(places, hn::Set(kSignedHalves, weighted));
+        limit = hn::IfThenElse(is_before, limit, constants.range);
+      }
       const SignedHalves free = hn::MulFixedPoint15(hn::Sub(before, after), weight);
       hn::StoreU(hn::Min(hn::Max(free, hn::Neg(limit)), limit), kSignedHalves, predictions + x);
       hn::StoreU(hn::BitCast(kHalves, limit), kHalves, limits + x);
@@ -244,6 +251,14 @@ void predict_row(const Stage& stage, Workspace<std::int16_t>& work, std::int64_t
   }
 }
 
+/// The pairs of two weights of a row that has been settled or predicted.
+template <class Residual>
+void settle_weighted_row(const Stage& stage, Workspace<std::int16_t>& work, std::int64_t y,
+                         std::int64_t z, const Residual* residuals) {
+  const std::int16_t* const predictions = work.predictions.row(y, z);
+  settle_weighted(stage, work, y, z, residuals, [&](std::int64_t x) { return predictions[x]; });
+}
+
 /// Turns the details of a plane into residuals, samples and magnitudes; leaves the contexts.
 template <int kAxis>
 void predict_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
@@ -253,6 +268,7 @@ void predict_plane(const Parameters& p, const Stage& stage, Workspace<std::int16
     const std::uint8_t* const cells = row_cells(stage, y, z);
     if (cells != nullptr) close_cells(stage, cells, work.limits.row(y, z));
     predict_row<kAxis>(stage, work, y, z);
+    settle_weighted_row(stage, work, y, z, work.residuals.row(y, z));
     fill_margins(work.magnitudes[kAxis].row(y, z), stage.pairs.x);
   }
 }
@@ -277,6 +293,7 @@ void decode_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_
   prepare_plane<kAxis>(p, stage, work, z);
   const auto settle = [&](const std::int16_t* residuals, std::int64_t y) {
     settle_row<kAxis>(stage, work, residuals, y, z);
+    settle_weighted_row(stage, work, y, z, residuals);
     fill_margins(work.magnitudes[kAxis].row(y, z), count);
   };
   if (is_one_row(stage, symbols, z)) {

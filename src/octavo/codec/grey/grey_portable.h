@@ -79,6 +79,61 @@ void close_edges(const Edge* edges, std::int64_t count, Limit* limits) {
   }
 }
 
+/// The details of pairs of two weights leave the samples within the brick's range only if they are
+/// true ones; their limit is the whole range.
+template <class Limit>
+void open_weighted(const Stage& stage, std::int64_t first, Limit* limits,
+                   std::uint16_t* scaled_limits) {
+  const std::int64_t range = stage.max - stage.min;
+  for (std::int64_t x = first; x < stage.pairs.x; ++x) {
+    limits[x] = static_cast<Limit>(range);
+    scaled_limits[x] = static_cast<std::uint16_t>(range >> stage.shift);
+  }
+}
+
+/// The samples of a pair of two weights, within the brick's range.
+template <class Sample>
+Pair<Sample> weighted_pair(const Stage& stage, std::int64_t mean, std::int64_t detail) {
+  const auto pair = weighted_pair_of(mean, detail, stage.last_pair, stage.rounding);
+  return {static_cast<Sample>(std::clamp(pair.a, stage.min, stage.max)),
+          static_cast<Sample>(std::clamp(pair.b, stage.min, stage.max))};
+}
+
+/// A Q12 sum to an integer; wraps like the sum itself.
+template <class Int>
+Int rounded_weights(Int sum) {
+  using Unsigned = std::make_unsigned_t<Int>;
+  return static_cast<Int>(static_cast<Unsigned>(sum) + (1u << (kWeightBits - 1))) >> kWeightBits;
+}
+
+/// What a pair's mean and its two neighbors along the axis foretell.
+template <class Sample>
+Wide<Sample> predict_from_means(const Sample* means, std::int64_t along, std::int32_t weight) {
+  using Int = Wide<Sample>;
+  const Int gradient = Int{means[-along]} - means[along];
+  return rounded_weights<Int>(gradient * weight);
+}
+
+/// Gives the pairs of two weights of a row their samples, after a pass that took them for pairs of
+/// equal weights. From means alone: the other pairs do not see them.
+/// residuals  of the row, as they are coded
+template <class Residual, class PredictionOf>
+void settle_weighted(const Stage& stage, Workspace<std::int16_t>& work, std::int64_t y,
+                     std::int64_t z, const Residual* residuals, PredictionOf&& prediction_of) {
+  const std::uint16_t* const limits = work.limits.row(y, z);
+  const std::int16_t* const means = work.means.row(y, z);
+  std::int16_t* const row = first_of_row(work.fine, stage.axis, y, z);
+  for (std::int64_t x = stage.first_weighted(y, z); x < stage.pairs.x; ++x) {
+    const std::int64_t limit = limits[x];
+    const std::int64_t expected = std::clamp<std::int64_t>(prediction_of(x), -limit, limit);
+    const std::int64_t detail = std::clamp(expected + residuals[x], -limit, limit);
+    const Pair<std::int16_t> pair = weighted_pair<std::int16_t>(stage, means[x], detail);
+    std::int16_t* const at = row + pair_stretch(stage.axis) * x;
+    at[0] = pair.a;
+    at[pair_step<std::int16_t>(stage.axis)] = pair.b;
+  }
+}
+
 /// What is added to a residual's magnitude before it is cut down to a multiple of the step.
 constexpr std::int32_t rounding_bias(std::int32_t step) { return step * 3 / 8; }
 
@@ -153,6 +208,7 @@ struct Passes {
   static void features(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
                        std::int64_t y, std::int64_t z) {
     Kernel::row_features(p, stage, work, y, z);
+    open_weighted(stage, stage.first_weighted(y, z), work.limits.row(y, z), work.row.limit);
     const std::uint8_t* const cells = row_cells(stage, y, z);
     if (cells != nullptr) close_cells(stage, cells, work.limits.row(y, z));
     if (stage.has_edges) {

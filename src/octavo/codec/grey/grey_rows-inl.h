@@ -295,6 +295,10 @@ void reconstruct_from_means(const Parameters& p, const Stage& stage,
       hn::StoreU(hn::DemoteTo(shorts, b), shorts, first + kStep + x);
     }
   }
+  settle_weighted(stage, work, y, z, residuals, [&](std::int64_t x) {
+    const std::int32_t* const of_classes = p.mean_weights[stage.group][kAxis];
+    return predict_from_means(means + x, kStep, of_classes[activities[x]]);
+  });
 }
 
 #endif  // HWY_TARGET != HWY_SCALAR

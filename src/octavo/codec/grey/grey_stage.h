@@ -36,6 +36,7 @@ struct Stage {
   int set = 0;
   int rounding = 0;
   Size3 pairs;  ///< details of this split: pairs along the axis, samples along the others
+  PairWeights last_pair;  ///< along the axis; in all other pairs both samples weigh alike
   std::int64_t min = 0;       ///< value range of the brick, in samples
   std::int64_t max = 0;
   int shift = 0;              ///< magnitudes are measured in units of 2^shift
@@ -54,6 +55,12 @@ struct Stage {
   int cell_shift[3] = {0, 0, 0};        ///< pair coordinate >> shift = cell coordinate
 
   std::int64_t detail_count() const;    ///< coded details, those of uniform cells left out
+  /// Where the pairs of two weights begin in a row; pairs.x when it has none.
+  std::int64_t first_weighted(std::int64_t y, std::int64_t z) const {
+    if (last_pair.are_equal()) return pairs.x;
+    if (axis == 0) return pairs.x - 1;
+    return (axis == 1 ? y + 1 == pairs.y : z + 1 == pairs.z) ? 0 : pairs.x;
+  }
 };
 
 /// The cell flags along a row of pairs, or nullptr when every pair is coded.

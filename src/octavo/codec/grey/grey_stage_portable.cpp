@@ -23,13 +23,6 @@ Wide<Sample> weighted_sum(const Sample* at, const std::int16_t* weights) {
   return static_cast<Wide<Sample>>(sum);
 }
 
-/// A Q12 sum to an integer; wraps like the sum itself.
-template <class Int>
-Int rounded_weights(Int sum) {
-  using Unsigned = std::make_unsigned_t<Int>;
-  return static_cast<Int>(static_cast<Unsigned>(sum) + (1u << (kWeightBits - 1))) >> kWeightBits;
-}
-
 /// Predicted magnitude (Q8) to context: its half-octave, in a second bank where the range limits
 /// it.
 int context_of(std::int32_t predicted, std::int32_t limit) {
@@ -41,14 +34,6 @@ int context_of(std::int32_t predicted, std::int32_t limit) {
   std::memcpy(&bits, &value, sizeof bits);
   const std::int32_t half_octave = std::min((bits >> 22) - 260, kMagnitudes - 1);
   return half_octave + (is_limited ? kMagnitudes : 0);
-}
-
-/// What a pair's mean and its two neighbors along the axis foretell.
-template <class Sample>
-Wide<Sample> predict_from_means(const Sample* means, std::int64_t along, std::int32_t weight) {
-  using Int = Wide<Sample>;
-  const Int gradient = Int{means[-along]} - means[along];
-  return rounded_weights<Int>(gradient * weight);
 }
 
 /// The multiple of a step closest to a residual, with a bias towards 0: small ones cost less.
@@ -76,6 +61,7 @@ void reconstruct_row_along(const Parameters& p, const Stage& stage, Workspace<Sa
   const Int* const edge_details = work.edge_details.row(y, z);
   Sample* const first = first_of_row(work.fine, kAxis, y, z);
   const Sample* const means = work.means.row(y, z);
+  const std::int64_t weighted = stage.first_weighted(y, z);
   for (std::int64_t x = 0; x < stage.pairs.x; ++x) {
     Sample* const at = first + pair_stretch(kAxis) * x;
     const Int limit = limits[x];
@@ -90,7 +76,7 @@ void reconstruct_row_along(const Parameters& p, const Stage& stage, Workspace<Sa
     if (edges != nullptr && edges[x] != Edge::none) {
       detail = edge_details[x];
       residuals[x] = 0;
-    } else if (stage.gaps != nullptr && limit > 0) {
+    } else if (stage.gaps != nullptr && limit > 0 && x < weighted) {
       const int nearest = stage.gaps->nearest(means[x], expected);
       if constexpr (kIsEncoding) {
         detail = residuals[x];
@@ -114,9 +100,15 @@ void reconstruct_row_along(const Parameters& p, const Stage& stage, Workspace<Sa
       detail = static_cast<Int>(std::clamp<std::int64_t>(d, -limit, limit));
     }
     // Mean and detail to the two samples
-    const Pair<Int> pair = pair_of<Int>(means[x], detail, stage.rounding);
-    at[0] = static_cast<Sample>(pair.a);
-    at[kStep] = static_cast<Sample>(pair.b);
+    if (x < weighted) {
+      const Pair<Int> pair = pair_of<Int>(means[x], detail, stage.rounding);
+      at[0] = static_cast<Sample>(pair.a);
+      at[kStep] = static_cast<Sample>(pair.b);
+    } else {
+      const Pair<Sample> pair = weighted_pair<Sample>(stage, means[x], detail);
+      at[0] = pair.a;
+      at[kStep] = pair.b;
+    }
   }
 }
 

@@ -41,6 +41,7 @@ struct WaveRow {
   const std::uint8_t* activities = nullptr;
   const std::uint16_t* limits = nullptr;
   std::int32_t* residuals = nullptr;
+  std::int64_t first_weighted = kBrickSide;
 };
 
 /// The taps around the samples of one row.
@@ -178,11 +179,33 @@ HWY_INLINE void store_pair(std::int16_t* at, std::int32_t both) {
   }
 }
 
+/// The samples of the pairs of two weights among the pairs number `x` of four rows.
+HWY_NOINLINE void weigh_pairs(const Stage& stage, const WaveRow* rows, int x, Quad mean,
+                              Quad detail, Quad& a, Quad& b) {
+  alignas(16) std::int32_t means[kWaves], details[kWaves], first[kWaves], second[kWaves];
+  hn::Store(mean, kQuad, means);
+  hn::Store(detail, kQuad, details);
+  hn::Store(a, kQuad, first);
+  hn::Store(b, kQuad, second);
+  for (int k = 0; k < kWaves; ++k) {
+    if (x < rows[k].first_weighted) continue;
+    const auto pair = weighted_pair<std::int16_t>(stage, means[k], details[k]);
+    first[k] = pair.a;
+    second[k] = pair.b;
+  }
+  a = hn::Load(kQuad, first);
+  b = hn::Load(kQuad, second);
+}
+
 /// Four rows in step. weights: those of class 0; the others follow.
 template <int kAxis, bool kIsEncoding>
 void run_waves(const std::int16_t* weights, const Stage& stage, const WaveRow* rows,
                WaveBuffers& woven) {
   const int count = static_cast<int>(stage.pairs.x);
+  std::int64_t first_weighted = count;
+  for (int k = 0; k < kWaves; ++k) {
+    first_weighted = std::min(first_weighted, rows[k].first_weighted);
+  }
   const StepQuantizer<decltype(kQuad)> quantizer(stage.step);
   weave(rows, count, woven);
   Chain<kAxis> c0(rows[0].at), c1(rows[1].at), c2(rows[2].at), c3(rows[3].at);
@@ -221,8 +244,9 @@ void run_waves(const std::int16_t* weights, const Stage& stage, const WaveRow* r
     // Mean and detail to the two samples, which the next predictions see
     const Quad total = hn::Add(hn::Sub(hn::Add(mean, mean), round),
                                hn::And(hn::Add(detail, round), one));
-    const Quad a = hn::ShiftRight<1>(hn::Add(total, detail));
-    const Quad b = hn::ShiftRight<1>(hn::Sub(total, detail));
+    Quad a = hn::ShiftRight<1>(hn::Add(total, detail));
+    Quad b = hn::ShiftRight<1>(hn::Sub(total, detail));
+    if (x >= first_weighted) weigh_pairs(stage, rows, x, mean, detail, a, b);
     const Quad both = hn::Or(hn::And(a, low_half), hn::ShiftLeft<16>(b));
     c0.template advance<0>(a, b, both);
     c1.template advance<1>(a, b, both);
@@ -250,7 +274,7 @@ struct IdleRow {
 
   WaveRow row() {
     std::int16_t* const middle = samples.data() + samples.size() / 2;
-    return {middle, middle, activities, limits, residuals};
+    return {middle, middle, activities, limits, residuals, kBrickSide};
   }
 };
 
@@ -292,7 +316,8 @@ void reconstruct_waves(const Parameters& p, const Stage& stage, Workspace<std::i
       }
       any = true;
       rows[wave] = {first_of_row(work.fine, kAxis, y, z), work.means.row(y, z),
-                    work.activities.row(y, z), limits, work.residuals.row(y, z)};
+                    work.activities.row(y, z), limits, work.residuals.row(y, z),
+                    stage.first_weighted(y, z)};
     }
     if (!any) continue;
     run_waves<kAxis, kIsEncoding>(p.weights[stage.group][kAxis][0], stage, rows, woven);

@@ -1,13 +1,29 @@
 #include "octavo/codec/grey/octant_transform.h"
 
+#include <bit>
 #include <cstddef>
 #include <utility>
 
 namespace octavo {
 
+int rounding_term(const BrickShape& shape, int level, int axis, const AxisOrder& order) {
+  const Size3 fine = weights_of(shape, level).each;
+  const unsigned mask = shape.halving[static_cast<std::size_t>(level)];
+  const auto coarse_of = [&](int a) { return fine[a] << (mask >> a & 1); };
+  int turn = 0;
+  bool is_before = true;
+  for (const int other : order) {
+    if (other == axis) is_before = false;
+    else turn += coarse_of(other) > coarse_of(axis) ||
+                 (is_before && coarse_of(other) == coarse_of(axis));
+  }
+  const int halvings = std::countr_zero(static_cast<std::uint64_t>(fine[axis]));
+  return (turn + halvings + 1) & 1;
+}
+
 template <class Sample>
 std::vector<Sample> means_along(const std::vector<Sample>& fine, const Size3& size, int axis,
-                                int rounding) {
+                                int rounding, const PairWeights& last_pair) {
   const Size3 coarse = halved(size, static_cast<HalvingMask>(1 << axis));
   const std::int64_t step = axis == 0 ? 1 : axis == 1 ? size.x : size.x * size.y;
   const std::int64_t stretch = axis == 0 ? 2 : 1;
@@ -21,11 +37,19 @@ std::vector<Sample> means_along(const std::vector<Sample>& fine, const Size3& si
       const bool row_is_lone =
           (axis == 1 && fine_y + 1 == size.y) || (axis == 2 && fine_z + 1 == size.z);
       const std::int64_t pairs = row_is_lone ? 0 : axis == 0 ? size.x / 2 : size.x;
-      for (std::int64_t x = 0; x < pairs; ++x) {
-        const std::int64_t a = in[stretch * x];
-        const std::int64_t b = in[stretch * x + step];
-        out[x] = static_cast<Sample>(pair_mean(a, b, rounding));
-      }
+      const bool is_last = axis == 0 || (axis == 1 ? fine_y + 2 == size.y : fine_z + 2 == size.z);
+      const bool has_weighted = is_last && !last_pair.are_equal();
+      const std::int64_t alike = !has_weighted ? pairs : axis == 0 ? pairs - 1 : 0;
+      const auto make_means = [&](std::int64_t from, std::int64_t to, auto&& mean_of) {
+        for (std::int64_t x = from; x < to; ++x) {
+          const std::int64_t a = in[stretch * x];
+          const std::int64_t b = in[stretch * x + step];
+          out[x] = static_cast<Sample>(mean_of(a, b));
+        }
+      };
+      make_means(0, alike, [&](auto a, auto b) { return pair_mean(a, b, rounding); });
+      make_means(alike, pairs,
+                 [&](auto a, auto b) { return weighted_mean(a, b, last_pair, rounding); });
       for (std::int64_t x = pairs; x < coarse.x; ++x) out[x] = in[stretch * x];
       out += coarse.x;
     }
@@ -34,28 +58,31 @@ std::vector<Sample> means_along(const std::vector<Sample>& fine, const Size3& si
 }
 
 template <class Sample>
-std::vector<Sample> coarser_level(std::vector<Sample> fine, Size3 size, HalvingMask mask, int level,
+std::vector<Sample> coarser_level(std::vector<Sample> fine, const BrickShape& shape, int level,
                                   const AxisOrder& order) {
-  for (int place = 0; place < 3; ++place) {
-    const int axis = order[static_cast<std::size_t>(place)];
-    if ((mask >> axis & 1) == 0) continue;
-    fine = means_along(fine, size, axis, rounding_term(place, level));
+  const auto slot = static_cast<std::size_t>(level);
+  const SampleWeights weights = weights_of(shape, level);
+  Size3 size = shape.size[slot];
+  for (const int axis : order) {
+    if ((shape.halving[slot] >> axis & 1) == 0) continue;
+    fine = means_along(fine, size, axis, rounding_term(shape, level, axis, order),
+                       weights.last_pair(axis, size[axis]));
     size = halved(size, static_cast<HalvingMask>(1 << axis));
   }
   return fine;
 }
 
 template std::vector<std::int16_t> means_along(const std::vector<std::int16_t>&, const Size3&, int,
-                                               int);
+                                               int, const PairWeights&);
 template std::vector<std::int32_t> means_along(const std::vector<std::int32_t>&, const Size3&, int,
-                                               int);
+                                               int, const PairWeights&);
 template std::vector<std::int64_t> means_along(const std::vector<std::int64_t>&, const Size3&, int,
-                                               int);
-template std::vector<std::int16_t> coarser_level(std::vector<std::int16_t>, Size3, HalvingMask,
+                                               int, const PairWeights&);
+template std::vector<std::int16_t> coarser_level(std::vector<std::int16_t>, const BrickShape&,
                                                  int, const AxisOrder&);
-template std::vector<std::int32_t> coarser_level(std::vector<std::int32_t>, Size3, HalvingMask,
+template std::vector<std::int32_t> coarser_level(std::vector<std::int32_t>, const BrickShape&,
                                                  int, const AxisOrder&);
-template std::vector<std::int64_t> coarser_level(std::vector<std::int64_t>, Size3, HalvingMask,
+template std::vector<std::int64_t> coarser_level(std::vector<std::int64_t>, const BrickShape&,
                                                  int, const AxisOrder&);
 
 }  // namespace octavo

@@ -52,6 +52,56 @@ constexpr std::uint32_t child_digits(const Size3& size, HalvingMask mask, const 
          (has_both(2) ? 0xffu : 0x0fu);
 }
 
+/// How many voxels of level 0 lie below the children of an octant, by digit; where they are as many
+/// below each, 1.
+using ChildWeights = std::array<std::int64_t, 8>;
+inline constexpr ChildWeights kAlikeChildren = {1, 1, 1, 1, 1, 1, 1, 1};
+
+/// What the children of these digits weigh together.
+constexpr std::int64_t sum_of(const ChildWeights& weights, std::uint32_t digits) {
+  std::int64_t sum = 0;
+  for (std::size_t digit = 0; digit < 8; ++digit) {
+    if ((digits >> digit & 1) != 0) sum += weights[digit];
+  }
+  return sum;
+}
+
+/// The weights of the children in a level: alike but for those at the border of the volume.
+class LevelWeights {
+ public:
+  LevelWeights() = default;
+  LevelWeights(const BrickShape& shape, int level) {
+    const auto i = static_cast<std::size_t>(level);
+    const SampleWeights weights = weights_of(shape, level);
+    const Size3 parents = halved(shape.size[i], shape.halving[i]);
+    for (int axis = 0; axis < 3; ++axis) {
+      if ((shape.halving[i] >> axis & 1) == 0) continue;
+      pairs_[static_cast<std::size_t>(axis)] = weights.last_pair(axis, shape.size[i][axis]);
+      if (!pairs_[static_cast<std::size_t>(axis)].are_equal()) uneven_[axis] = parents[axis] - 1;
+    }
+  }
+
+  bool are_alike(const Index3& parent) const {
+    return parent.x != uneven_.x && parent.y != uneven_.y && parent.z != uneven_.z;
+  }
+  ChildWeights of(const Index3& parent) const {
+    ChildWeights weights = kAlikeChildren;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (parent[axis] != uneven_[axis]) continue;
+      const PairWeights& pair = pairs_[static_cast<std::size_t>(axis)];
+      const int bit = axis == 0 ? 1 : axis == 1 ? 0 : 2;
+      for (std::size_t digit = 0; digit < 8; ++digit) {
+        weights[digit] *= (digit >> bit & 1) != 0 ? pair.second : pair.first;
+      }
+    }
+    return weights;
+  }
+
+ private:
+  std::array<PairWeights, 3> pairs_;
+  Index3 uneven_{-1, -1, -1};  ///< where along each axis the children of octants weigh unlike
+};
+
 inline std::size_t dense_offset(const Size3& size, const Index3& at) {
   return static_cast<std::size_t>((at.z * size.y + at.y) * size.x + at.x);
 }

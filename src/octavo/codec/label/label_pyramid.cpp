@@ -97,14 +97,23 @@ void rank_labels(const LabelSet& set, LabelPyramid& pyramid) {
   for (std::uint32_t& rank : pyramid.levels[0].rank) rank = rank_of[rank];
 }
 
-/// The most frequent of `count` ranks; of those equally frequent, the smallest.
-std::uint32_t vote(const std::array<std::uint32_t, 8>& ranks, int count) {
-  std::uint32_t winner = ranks[0];
-  int most = 0;
-  for (int i = 0; i < count; ++i) {
-    const std::uint32_t rank = ranks[static_cast<std::size_t>(i)];
-    int votes = 0;
-    for (int j = 0; j < count; ++j) votes += ranks[static_cast<std::size_t>(j)] == rank;
+/// The children of an octant, in the order of their digits.
+struct Voters {
+  std::array<std::uint32_t, 8> rank{};
+  ChildWeights weight{};
+  std::size_t count = 0;
+};
+
+/// The rank that most voxels below have; of those equally frequent, the smallest.
+std::uint32_t vote(const Voters& voters) {
+  std::uint32_t winner = voters.rank[0];
+  std::int64_t most = 0;
+  for (std::size_t i = 0; i < voters.count; ++i) {
+    const std::uint32_t rank = voters.rank[i];
+    std::int64_t votes = 0;
+    for (std::size_t j = 0; j < voters.count; ++j) {
+      if (voters.rank[j] == rank) votes += voters.weight[j];
+    }
     if (votes > most || (votes == most && rank < winner)) {
       most = votes;
       winner = rank;
@@ -113,17 +122,17 @@ std::uint32_t vote(const std::array<std::uint32_t, 8>& ranks, int count) {
   return winner;
 }
 
-void condense_octant(const LabelPyramid::Level& fine, HalvingMask mask, const Index3& parent,
-                     std::uint32_t& rank, std::uint8_t& is_uniform) {
-  std::array<std::uint32_t, 8> ranks{};
-  int count = 0;
+void condense_octant(const LabelPyramid::Level& fine, HalvingMask mask, const ChildWeights& weights,
+                     const Index3& parent, std::uint32_t& rank, std::uint8_t& is_uniform) {
+  Voters voters;
   bool is_one = true;
-  for_each_child(fine.size, mask, parent, [&](int, const Index3& child) {
+  for_each_child(fine.size, mask, parent, [&](int digit, const Index3& child) {
     const std::size_t at = dense_offset(fine.size, child);
-    ranks[static_cast<std::size_t>(count++)] = fine.rank[at];
-    is_one = is_one && fine.is_uniform[at] != 0 && fine.rank[at] == ranks[0];
+    voters.rank[voters.count] = fine.rank[at];
+    voters.weight[voters.count++] = weights[static_cast<std::size_t>(digit)];
+    is_one = is_one && fine.is_uniform[at] != 0 && fine.rank[at] == voters.rank[0];
   });
-  rank = is_one ? ranks[0] : vote(ranks, count);
+  rank = is_one ? voters.rank[0] : vote(voters);
   is_uniform = is_one;
 }
 
@@ -144,8 +153,10 @@ bool is_block_uniform(const LabelPyramid::Level& fine, std::size_t at) {
 
 }  // namespace
 
-void condense_labels(const LabelPyramid::Level& fine, HalvingMask mask,
+void condense_labels(const BrickShape& shape, int level, const LabelPyramid::Level& fine,
                      LabelPyramid::Level& coarse) {
+  const HalvingMask mask = shape.halving[static_cast<std::size_t>(level)];
+  const LevelWeights weights(shape, level);
   coarse.size = halved(fine.size, mask);
   const auto count = static_cast<std::size_t>(coarse.size.voxel_count());
   coarse.rank.resize(count);
@@ -162,7 +173,8 @@ void condense_labels(const LabelPyramid::Level& fine, HalvingMask mask,
           coarse.rank[at] = fine.rank[from];
           coarse.is_uniform[at] = 1;
         } else {
-          condense_octant(fine, mask, {x, y, z}, coarse.rank[at], coarse.is_uniform[at]);
+          condense_octant(fine, mask, weights.of({x, y, z}), {x, y, z}, coarse.rank[at],
+                          coarse.is_uniform[at]);
         }
       }
     }
@@ -185,7 +197,7 @@ LabelPyramid build_label_pyramid(const BrickShape& shape, const BrickView& brick
   rank_labels(set, pyramid);
   for (int i = 0; i < shape.level_count; ++i) {
     LabelPyramid::Level coarse;
-    condense_labels(pyramid.levels.back(), shape.halving[static_cast<std::size_t>(i)], coarse);
+    condense_labels(shape, i, pyramid.levels.back(), coarse);
     pyramid.levels.push_back(std::move(coarse));
   }
   return pyramid;

@@ -2,9 +2,9 @@
 //
 //      level 0          level 1       root
 //      2 2 | 5 5
-//      2 7 | 5 5   ->   2  5     ->   2      a sample is the most frequent label of its octant;
-//      ----+----        7  7                 of labels equally frequent, the smallest
-//      7 7 | 7 7
+//      2 7 | 5 5   ->   2  5     ->   7      a sample is the most frequent label of its octant,
+//      ----+----        7  7                 each child counted as often as voxels lie below it; of
+//      7 7 | 7 7                             labels equally frequent, the smallest
 //      7 7 | 7 7
 //
 // Labels are kept as ranks among the distinct labels of the brick, so that ranks compare as labels
@@ -45,8 +45,8 @@ struct LabelPyramid {
   const Level& root() const { return levels.back(); }
 };
 
-/// Makes `coarse` the level above `fine`.
-void condense_labels(const LabelPyramid::Level& fine, HalvingMask mask,
+/// Makes `coarse` the level above `fine`, which is that of in-brick level `level`.
+void condense_labels(const BrickShape& shape, int level, const LabelPyramid::Level& fine,
                      LabelPyramid::Level& coarse);
 
 /// The pyramid over one brick.

@@ -66,6 +66,7 @@ class LabelWalk {
     level_ = level;
     level_category_ = std::min(i, kLabelSecondCategories - 1);
     mask_ = shape.halving[i];
+    weights_ = LevelWeights(shape, level);
     work_.is_sparse = level == 0 && mask_ == kHalveAll;
     if (work_.is_sparse) expand_near_mixed(parents, work_.mixed_parents, size, grid);
     else expand(parents, size, mask_, grid);
@@ -88,11 +89,15 @@ class LabelWalk {
     LabelCell* first = grid.at(child_position(mask_, parent, 0));
     Around around(first, neighborhood_, parent_slot);
     std::uint32_t digits = child_digits(grid.size(), mask_, parent);
-    LabelOctant octant(parent_slot, std::popcount(digits), work_.labels);
+    const bool is_alike = weights_.are_alike(parent);
+    const ChildWeights weights = is_alike ? kAlikeChildren : weights_.of(parent);
+    const int count = std::popcount(digits);
+    LabelOctant octant(parent_slot, count, is_alike ? count : sum_of(weights, digits),
+                       work_.labels);
     io_.visit(parent, digits);
     for (; digits != 0; digits &= digits - 1) {
       const auto digit = static_cast<std::size_t>(std::countr_zero(digits));
-      octant.enter();
+      octant.enter(weights[digit]);
       const TargetSample target = io_.target(digit);
       LabelCell* cell = first + place_[digit];
       *cell = visit_child(around, cell, octant, digit, target);
@@ -135,7 +140,7 @@ class LabelWalk {
 
   bool ask_same(const Around& around, const LabelOctant& octant, std::size_t digit,
                 const TargetSample& target) {
-    const auto others = static_cast<std::size_t>(std::min(octant.other_votes(), 4));
+    const auto others = static_cast<std::size_t>(std::min(octant.others(), 4));
     return ask_network(LabelAsk::same, around, digit * 5 + others, level_category_,
                        target.slot == octant.parent());
   }
@@ -246,6 +251,7 @@ class LabelWalk {
   int level_ = 0;
   std::size_t level_category_ = 0;
   HalvingMask mask_ = 0;
+  LevelWeights weights_;
 };
 
 /// Reads the answers; knows no target.

@@ -51,7 +51,7 @@ constexpr unsigned byte_at(std::uint64_t word, std::size_t octant) {
 
 // ---- from words to a pyramid
 
-// Levels 1 and 2 of a pyramid, word by word: octants vote by their counts of bits.
+// Levels 1 and 2 of a pyramid over voxels, word by word: votes are counts of bits.
 class WordVotes {
  public:
   explicit WordVotes(LabelPyramid& pyramid)
@@ -83,8 +83,8 @@ class WordVotes {
     std::array<std::ptrdiff_t, 8> steps;
   };
 
-  // Fills in the octants of a word of several labels. Returns the label that most of them have, the
-  // smallest of those.
+  // Fills in the octants of a word of several labels. Returns the label that octants of most voxels
+  // have, the smallest of those.
   std::uint32_t winner_of_octants(const Index3& place, std::span<const LabelWordPart> parts) {
     const std::ptrdiff_t octant_at = octants_.at(scaled(place, 2));
     std::array<int, 64> votes;
@@ -93,9 +93,11 @@ class WordVotes {
     for (std::size_t octant = 0; octant < 8; ++octant) {
       std::size_t winner = 0;
       int most = 0;
+      int voxel_count = 0;
       int label_count = 0;
       for (std::size_t i = 0; i < parts.size(); ++i) {
         const int count = std::popcount(byte_at(parts[i].bits, octant));
+        voxel_count += count;
         label_count += count != 0;
         if (count <= most) continue;
         most = count;
@@ -105,7 +107,7 @@ class WordVotes {
       const std::ptrdiff_t at = octant_at + octants_.steps[octant];
       octants_.rank[at] = parts[winner].label;
       octants_.is_uniform[at] = label_count == 1;
-      ++votes[winner];
+      votes[winner] += voxel_count;
     }
     const auto best = std::max_element(votes.begin(), votes_end);
     return parts[static_cast<std::size_t>(best - votes.begin())].label;
@@ -263,8 +265,8 @@ void build_label_pyramid(const BrickShape& shape, const LabelWords& words,
   pyramid.levels[0].size = shape.size[0];
   pyramid.words = nullptr;
 
-  const bool has_word_levels =
-      level_count >= 2 && shape.halving[0] == kHalveAll && shape.halving[1] == kHalveAll;
+  const bool has_word_levels = shape.weights == SampleWeights{} && level_count >= 2 &&
+                               shape.halving[0] == kHalveAll && shape.halving[1] == kHalveAll;
   std::size_t made = 0;
   if (has_word_levels) {
     for (std::size_t i = 1; i <= 2; ++i) {
@@ -280,7 +282,7 @@ void build_label_pyramid(const BrickShape& shape, const LabelWords& words,
     complete_voxels(words, pyramid);
   }
   for (; made < level_count; ++made) {
-    condense_labels(pyramid.levels[made], shape.halving[made], pyramid.levels[made + 1]);
+    condense_labels(shape, static_cast<int>(made), pyramid.levels[made], pyramid.levels[made + 1]);
   }
 }
 

@@ -68,9 +68,7 @@ std::vector<T> reference_level(const std::vector<T>& voxels, const BrickShape& s
                                const AxisOrder& order) {
   std::vector<std::int64_t> samples(voxels.begin(), voxels.end());
   for (int i = 0; i < level; ++i) {
-    const auto slot = static_cast<std::size_t>(i);
-    samples = coarser_level(samples, shape.size[slot], shape.halving[slot], shape.first_level + i,
-                            order);
+    samples = coarser_level(samples, shape, i, order);
   }
   return {samples.begin(), samples.end()};
 }
@@ -247,8 +245,7 @@ TEST(GreyCodec, ParentIsTheNextSampleOfThePyramid) {
   const AxisOrder order = codec->axis_order();
   auto top = reference_level(voxels, shape, 5, order);
   std::vector<std::int64_t> samples(top.begin(), top.end());
-  EXPECT_EQ(encoded.parent,
-            coarser_level(samples, shape.size[5], shape.halving[5], 5, order).front());
+  EXPECT_EQ(encoded.parent, coarser_level(samples, shape, 5, order).front());
 }
 
 /// Values that lie 16 apart are coded as multiples: so are the means.

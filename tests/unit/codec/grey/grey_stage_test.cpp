@@ -88,6 +88,10 @@ RandomSplit make_split(std::mt19937& random, const Size3& fine, int axis, Predic
   s.stage.pairs[axis] /= 2;
   s.stage.min = -32768;
   s.stage.max = -32768 + range;
+  if (below(2) == 0 && fine[axis] % 2 == 0) {
+    const std::int64_t each = std::int64_t{1} << below(20);
+    s.stage.last_pair = {each, 1 + below(static_cast<std::uint32_t>(each))};
+  }
   s.stage.has_edges = is_sparse;
   if (has_gaps) {
     std::vector<std::uint8_t> used(static_cast<std::size_t>(range + 1));
@@ -119,7 +123,7 @@ RandomSplit make_split(std::mt19937& random, const Size3& fine, int axis, Predic
       }
     }
   }
-  s.means = means_along(target, fine, axis, s.stage.rounding);
+  s.means = means_along(target, fine, axis, s.stage.rounding, s.stage.last_pair);
   return s;
 }
 

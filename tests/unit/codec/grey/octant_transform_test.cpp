@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <random>
 
@@ -30,6 +31,61 @@ TEST(OctantTransform, ExtremesOf16BitsNeed17BitDetailsAndComeBack) {
   EXPECT_EQ(pair.b, 32767);
 }
 
+/// Every pair of weights that a volume of up to 40 voxels makes.
+template <class F>
+void for_each_weights(F&& f) {
+  for (std::int64_t first = 1; first <= 32; first *= 2) {
+    for (std::int64_t second = 1; second <= first; ++second) f(PairWeights{first, second});
+  }
+}
+
+TEST(OctantTransform, PairOfTwoWeightsIsRecoveredFromMeanAndDetail) {
+  for_each_weights([](const PairWeights& weights) {
+    for (std::int64_t a = -40; a <= 40; ++a) {
+      for (std::int64_t b = -40; b <= 40; ++b) {
+        for (const int rounding : {0, 1}) {
+          const std::int64_t mean = weighted_mean(a, b, weights, rounding);
+          const auto pair = weighted_pair_of(mean, a - b, weights, rounding);
+          ASSERT_EQ(pair.a, a);
+          ASSERT_EQ(pair.b, b);
+        }
+      }
+    }
+  });
+}
+
+TEST(OctantTransform, MeanByWeightsIsTheNearestAndRoundsHalvesAsThePlainOneDoes) {
+  for_each_weights([](const PairWeights& weights) {
+    const std::int64_t sum = weights.first + weights.second;
+    for (std::int64_t a = -40; a <= 40; ++a) {
+      for (std::int64_t b = -40; b <= 40; ++b) {
+        for (const int rounding : {0, 1}) {
+          const std::int64_t mean = weighted_mean(a, b, weights, rounding);
+          const std::int64_t above = 2 * (mean * sum - weights.first * a - weights.second * b);
+          ASSERT_TRUE(rounding == 1 ? -sum < above && above <= sum : -sum <= above && above < sum)
+              << weights.first << ":" << weights.second << " of " << a << " and " << b;
+          if (weights.are_equal()) {
+            ASSERT_EQ(mean, pair_mean(a, b, rounding));
+          }
+        }
+      }
+    }
+  });
+}
+
+TEST(OctantTransform, WidestPairOfTheLargestWeightsComesBack) {
+  const PairWeights weights{kMaxAxis / 2, kMaxAxis / 2 - 1};
+  const std::int64_t low = std::numeric_limits<std::int32_t>::min();
+  const std::int64_t high = std::numeric_limits<std::int32_t>::max();
+  for (const auto& [a, b] : {Pair<std::int64_t>{low, high}, Pair<std::int64_t>{high, low}}) {
+    const std::int64_t mean = weighted_mean(a, b, weights, 1);
+    EXPECT_NEAR(static_cast<double>(mean), static_cast<double>(a + b) / 2, 2100);
+    const auto pair = weighted_pair_of(mean, a - b, weights, 1);
+    EXPECT_EQ(pair.a, a);
+    EXPECT_EQ(pair.b, b);
+  }
+}
+
 // Thesis 3.3: (9 7 3 5) has means 8 4 and half differences 1 -1, then mean 6 and half difference 2.
 TEST(OctantTransform, ThesisExampleOfFourSamples) {
   const std::vector<std::int16_t> samples = {9, 7, 3, 5};
@@ -51,8 +107,10 @@ TEST(OctantTransform, LoneSampleAtAnOddEdgeIsItsOwnMean) {
 
 TEST(OctantTransform, AxesOutsideTheMaskStay) {
   const std::vector<std::int16_t> samples = {1, 3, 5, 7};
-  EXPECT_EQ(coarser_level(samples, {2, 1, 2}, HalvingMask{1}, 0),
-            (std::vector<std::int16_t>{2, 6}));
+  BrickShape shape;
+  shape.size[0] = {2, 1, 2};
+  shape.halving[0] = 1;
+  EXPECT_EQ(coarser_level(samples, shape, 0), (std::vector<std::int16_t>{2, 6}));
 }
 
 /// Means over six levels of noise stay within 1.5 of the true mean and, where values spread over
@@ -67,7 +125,11 @@ TEST(OctantTransform, MeansStayNearTheTrueMeanAtEveryLevel) {
       v = static_cast<std::int32_t>(random() % static_cast<unsigned>(amplitude + 1));
     std::vector<double> exact(level.begin(), level.end());
     for (int k = 0; k < 6; ++k) {
-      level = coarser_level(level, size, kHalveAll, k);
+      BrickShape shape;
+      shape.size[0] = size;
+      shape.halving[0] = kHalveAll;
+      shape.weights.each = shape.weights.last = {1 << k, 1 << k, 1 << k};
+      level = coarser_level(level, shape, 0);
       const Size3 half = halved(size, kHalveAll);
       std::vector<double> means(level.size());
       for (std::int64_t i = 0; i < size.voxel_count(); ++i) {
