@@ -110,8 +110,9 @@ std::string loss_rows(const InfoResult& info) {
     const std::string offset =
         d.coding->offset == 0 ? "" : " + " + number_text(d.coding->offset);
     text += row("stored as",
-                fmt::format("{} codes; voxel = code * {}{}", voxel_type_name(d.coding->type),
-                            number_text(d.coding->scale), offset));
+                fmt::format("{} codes; voxel = code * {}{}{}", voxel_type_name(d.coding->type),
+                            number_text(d.coding->scale), offset,
+                            d.coding->is_exact ? ", then exact bits where it differs" : ""));
   }
   return text;
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Proves the limits of length: 600 lines a file, 100 columns a line, 600 lines of parser code.
+"""Proves the limits of length: 600 lines a file, 100 columns a line, 800 lines of parser code.
 
 usage: check_lengths.py [ROOT]
 
@@ -12,7 +12,7 @@ import sys
 MAX_LINES = 600
 MAX_README_LINES = 40
 MAX_COLUMNS = 100
-MAX_PARSER_LINES = 600
+MAX_PARSER_LINES = 800
 PARSER = ("src/octavo/file/layout.cpp", "src/octavo/file/index.cpp")
 FOLDERS = ("src", "cli", "tests", "bench", "tools", "examples", "cmake", "web/src", "python")
 GENERATED = {"node_modules", "__pycache__"}

@@ -5,7 +5,7 @@ usage: tools/check_parser.py [ROOT]
 
 Counts lines of code, without comments and blank lines, in the files of the parser; functions
 and classes that only write (encode_..., put_..., make_file_id, ...Writer) are left out. Prints the
-count; exit 1 above 600.
+count; exit 1 above 800.
 """
 
 import pathlib
@@ -14,7 +14,7 @@ import sys
 
 # index_root.cpp looks up what these have proven.
 FILES = ["byte_codec.h", "layout.cpp", "index.cpp"]
-MOST_LINES = 600
+MOST_LINES = 800
 WRITES = re.compile(r"^\S.*?\b(encode_\w+|put_\w+|make_file_id|store_\w+)\(|^class \w*Writer ")
 
 

@@ -56,7 +56,8 @@ nlohmann::ordered_json coding_json(const std::optional<SampleCoding>& coding) {
   if (!coding) return nullptr;
   return {{"type", voxel_type_name(coding->type)},
           {"scale", coding->scale},
-          {"offset", coding->offset}};
+          {"offset", coding->offset},
+          {"exact", coding->is_exact}};
 }
 
 nlohmann::ordered_json file_json(const InfoResult& info) {

@@ -9,6 +9,7 @@ import numpy as np
 
 from .byte_cursor import crc32c
 from .errors import OctavoError, require
+from .exact_floats import ExactCoding, decode_exact_brick
 from .grey_brick import decode_grey_brick
 from .grey_model import GreyModel, parse_grey_model
 from .header import (
@@ -104,7 +105,8 @@ class OctavoFile:
         number = place // BRICKS_PER_PAGE
         brick = self._page(tier, at[2], number)[place % BRICKS_PER_PAGE]
         if brick.smallest == brick.largest:
-            return self._voxels(np.array(brick.smallest))
+            codes = np.array(brick.smallest)
+            return self._exact().voxels(codes) if header.is_exact else self._voxels(codes)
         first = LEVELS_PER_TIER * tier
         segments = self._segments(tier, brick, level - first, o_code(*at))
         size = tuple(min(n - (i << h), 1 << h) for n, i, h in
@@ -117,9 +119,18 @@ class OctavoFile:
             codes = decode_label_brick(model, brick.smallest, brick.largest, segments, size,
                                        halvings, weights, level - first)
         else:
-            codes = decode_grey_brick(model, brick.smallest, brick.largest, segments, size,
-                                      halvings[:-1], weights, level - first)
+            def decode_codes(low: int, high: int, rests: list[bytes]) -> np.ndarray:
+                return decode_grey_brick(model, low, high, rests, size, halvings[:-1], weights,
+                                         level - first)
+
+            if header.is_exact:
+                return decode_exact_brick(self._exact(), brick.smallest, brick.largest, segments,
+                                          size, halvings[:-1], first, level - first, decode_codes)
+            codes = decode_codes(brick.smallest, brick.largest, segments)
         return self._voxels(codes)
+
+    def _exact(self) -> ExactCoding:
+        return ExactCoding(self.header.code_scale, self.header.code_offset)
 
     def _segments(self, tier: int, brick: Brick, place: int, code: int) -> list[bytes]:
         """The segments of a brick that its level `place` takes; the others are left empty."""

@@ -40,6 +40,7 @@ class Header:
     voxel_type       NumPy's name of the type of the voxels
     code_type        NumPy's name of the type of the integers that bricks hold
     code_scale       float32 only: a voxel is code * code_scale + code_offset
+    is_exact         float32 only: voxels are told apart beyond their codes
     halvings         per step from level k to k+1 the halved axes: bit 0 x, bit 1 y, bit 2 z
     size             voxels along x, y, z
     origin, spacing  mm, LPS
@@ -53,6 +54,7 @@ class Header:
     code_type: str
     code_scale: float
     code_offset: float
+    is_exact: bool
     halvings: tuple[int, ...]
     size: tuple[int, int, int]
     origin: tuple[float, float, float]
@@ -150,11 +152,11 @@ def parse_header(data: bytes) -> Header:
     require(all(0 < mask < 8 for mask in masks[:halving_count]), "halving masks are wrong")
     require(all(1 <= n <= 1 << 21 for n in size) and math.prod(size) < 1 << 63, "size is wrong")
     require(all(map(math.isfinite, numbers)), "a number is not finite")
-    code_type, code_scale, code_offset = coding or (voxel_type, 1.0, 0.0)
+    code_type, is_exact, code_scale, code_offset = coding or (voxel_type, False, 1.0, 0.0)
     header = Header(
         KINDS[kind], VOXEL_TYPES[voxel_type], VOXEL_TYPES[code_type], code_scale, code_offset,
-        tuple(masks[:halving_count]), size, numbers[0:3], numbers[3:6], numbers[6:15],
-        numbers[15], numbers[16], numbers[17], file_id, file_length, *sections, crc,
+        bool(is_exact), tuple(masks[:halving_count]), size, numbers[0:3], numbers[3:6],
+        numbers[6:15], numbers[15], numbers[16], numbers[17], file_id, file_length, *sections, crc,
     )
     _prove(header)
     return header
@@ -166,8 +168,8 @@ def _section(cursor: ByteCursor) -> Section:
     return Section(offset, length, crc)
 
 
-def _extensions(cursor: ByteCursor) -> tuple[int, float, float] | None:
-    """The coding (type, scale, offset) if the header has one."""
+def _extensions(cursor: ByteCursor) -> tuple[int, int, float, float] | None:
+    """The coding (type, whether it is exact, scale, offset) if the header has one."""
     coding = None
     count = cursor.u32()
     extensions = ByteCursor(cursor.take(176), "extensions")
@@ -176,9 +178,12 @@ def _extensions(cursor: ByteCursor) -> tuple[int, float, float] | None:
         body = ByteCursor(extensions.take(length), "an extension")
         if tag == _CODING_TAG:
             require(coding is None, "there are two codings")
-            coding = body.unpack("Bdd")
+            coding = body.unpack("BBdd")
             body.end()
-            code_type, scale, offset = coding
+            code_type, flags, scale, offset = coding
+            if flags > 1:
+                raise OctavoError("unsupported_version", "unknown flags of a coding")
+            require(flags == 0 or code_type == 5, "an exact coding has codes of another type")
             require(1 <= code_type <= 6, "unknown type of codes")
             require(math.isfinite(offset) and 0 < scale < math.inf, "the coding is wrong")
         elif tag >= 0x8000:
@@ -196,6 +201,8 @@ def _prove(header: Header) -> None:
     require(header.max_error >= 0, "max error is negative")
     if header.kind == "labels":
         require(header.max_error == 0, "labels have a max error")
+    if header.voxel_type == "float32":
+        require(header.is_exact == (header.max_error == 0), "float32 is exact and has a max error")
     if header.voxel_type != "float32":
         require(header.max_error == int(header.max_error) < 1 << 32, "max error is not whole")
     for tier in range(header.tier_count - 1):

@@ -21,6 +21,11 @@ set(OCTAVO_READ_SOURCES
   octree/label_words.cpp
   octree/o_code.cpp
   codec/codec_of_kind.cpp
+  codec/exact/absent_samples.cpp
+  codec/exact/exact_codec.cpp
+  codec/exact/float_bins.cpp
+  codec/exact/float_codes.cpp
+  codec/exact/float_places.cpp
   codec/grey/edge_pairs.cpp
   codec/grey/grey_brick.cpp
   codec/grey/grey_codec.cpp

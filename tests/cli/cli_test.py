@@ -8,6 +8,7 @@ A test's name states a law. Everything is generated; nothing but the standard li
 
 import array
 import json
+import math
 import os
 import pathlib
 import random
@@ -333,7 +334,8 @@ class Floats(InFolder):
         self.expect(0, "build", *source, "-o", "v.8vo")
         info = self.info("v.8vo")
         self.assertEqual(info["type"], "float32")
-        self.assertEqual(info["coding"], {"type": "int32", "scale": 0.1, "offset": 0.0})
+        self.assertEqual(info["coding"],
+                         {"type": "int32", "scale": 0.1, "offset": 0.0, "exact": True})
         self.assertTrue(info["lossless"])
         self.expect(0, "verify", "v.8vo", "--against", *source)
         self.expect(0, "export", "v.8vo", "-o", "back.raw")
@@ -364,11 +366,53 @@ class Floats(InFolder):
         self.expect(0, "build", *swapped, "-o", "b.8vo")
         self.expect(0, "verify", "b.8vo", "--against", *source)
 
-    def test_noise_needs_a_max_error_and_the_one_proposed_does(self):
+    def test_noise_and_what_is_no_number_come_back_bit_by_bit(self):
+        values = self.noise()
+        values[0] = values[3 + 20 * (4 + 19 * 5)] = float("nan")
+        values[7:9] = [float("inf"), float("-inf")]
+        values[20] = -0.0
+        source = self.raw_floats("v.raw", values)
+        self.expect(0, "build", *source, "-o", "v.8vo")
+        self.expect(0, "verify", "v.8vo", "--against", *source)
+        self.expect(0, "compare", "v.8vo", *source)
+        self.expect(0, "export", "v.8vo", "-o", "back.raw")
+        self.assertEqual((self.folder / "back.raw").read_bytes(),
+                         (self.folder / "v.raw").read_bytes())
+        info = self.info("v.8vo")
+        self.assertTrue(info["lossless"])
+        self.assertTrue(info["coding"]["exact"])
+        finite = [v for v in array.array("f", values) if math.isfinite(v)]
+        self.assertLessEqual(info["min"], min(finite))
+        self.assertGreaterEqual(info["max"], max(finite))
+        self.assertLess(info["max"], 2 * max(finite))
+        self.assertIn("lossless", self.expect(0, "info", "v.8vo").stdout)
+        self.expect(0, "slice", "v.8vo", "-o", "v.png")
+
+    def test_what_is_no_number_lies_in_no_range_and_enters_no_mean(self):
+        values = self.noise()
+        values[40:60] = [float("nan")] * 20
+        values[7:9] = [float("inf"), float("-inf")]
+        source = self.raw_floats("v.raw", values)
+        self.expect(0, "build", *source, "-o", "v.8vo")
+        finite = [v for v in array.array("f", values) if math.isfinite(v)]
+        self.expect(0, "threshold", "v.8vo", "--range", "-1e9:", "-o", "all.8vo")
+        mask = json.loads(self.expect(0, "codes", "all.8vo", "--json").stdout)
+        self.assertEqual(mask["voxels"], len(finite))
+        (self.folder / "ones.raw").write_bytes(bytes([1]) * len(values))
+        self.expect(0, "build", "ones.raw", "--raw", "20,19,18,uint8", "--spacing", "0.5",
+                    "--labels", "-o", "ones.8vo")
+        found = json.loads(self.expect(0, "measure", "ones.8vo", "--of", "v.8vo", "--json").stdout)
+        region = found["objects"][0]
+        self.assertEqual(region["voxels"], len(values))
+        self.assertAlmostEqual(region["mean"], sum(finite) / len(finite), delta=1e-5)
+        self.assertEqual([region["min"], region["max"]], [min(finite), max(finite)])
+        self.assertEqual(region["percentiles"]["50"],
+                         sorted(finite)[math.ceil(len(finite) / 2) - 1])
+        self.assertIn("22 of the voxels measured are NaN or infinite", found["warnings"][0])
+
+    def test_noise_within_a_max_error_says_how_far_it_is(self):
         source = self.raw_floats("n.raw", self.noise())
-        rejected = self.expect_error(7, ["n.raw", "--max-error"], "build", *source, "-o", "n.8vo")
-        self.assertEqual(self.files(), ["n.raw"])
-        error = rejected.stderr.split("--max-error ")[1].split()[0]
+        error = "12"
         self.expect(0, "build", *source, "-o", "n.8vo", "--max-error", error)
         self.expect(0, "verify", "n.8vo", "--against", *source)
         self.expect(0, "compare", "n.8vo", *source, "--max-error", error)
@@ -391,9 +435,10 @@ class Floats(InFolder):
         values[3 + 20 * (4 + 19 * 5)] = float("nan")
         values[0] = values[-1] = float("inf")
         source = self.raw_floats("v.raw", values)
-        self.expect_error(7, ["1 NaN and 2 infinite", "0,0,0"], "build", *source, "-o", "v.8vo")
+        self.expect_error(7, ["1 NaN and 2 infinite", "0,0,0"], "build", *source, "-o", "v.8vo",
+                          "--max-error", "0.5")
         self.expect_error(7, ["2 infinite", "--inf"], "build", *source, "-o", "v.8vo",
-                          "--nan", "0")
+                          "--nan", "0", "--max-error", "0.5")
         self.expect(0, "build", *source, "-o", "v.8vo", "--nan", "0", "--inf", "99.9")
         self.assertEqual(self.info("v.8vo")["max"], array.array("f", [99.9])[0])
         self.expect(0, "verify", "v.8vo", "--against", *source)

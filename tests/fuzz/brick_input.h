@@ -17,16 +17,26 @@ struct BrickInput {
   ValueRange range;
   std::vector<std::vector<std::uint8_t>> segments;
 
+  std::optional<SampleCoding> coding;  ///< of float32 voxels
+
+  /// Of the voxels that the codec gives.
+  VoxelType voxel_type() const { return coding ? VoxelType::float32 : type; }
   std::vector<ByteSpan> spans() const { return {segments.begin(), segments.end()}; }
   std::size_t level_bytes(int level) const {
     return static_cast<std::size_t>(shape.size[static_cast<std::size_t>(level)].voxel_count() *
-                                    bytes_per_voxel(type));
+                                    bytes_per_voxel(voxel_type()));
   }
 };
 
 inline constexpr std::array<VoxelType, 6> kTypes = {VoxelType::int8,  VoxelType::uint8,
                                                     VoxelType::int16, VoxelType::uint16,
                                                     VoxelType::int32, VoxelType::uint32};
+
+inline constexpr std::uint8_t kExactChoice = 48;
+inline constexpr std::array<SampleCoding, 3> kFuzzedCodings = {
+    {{VoxelType::int32, 0.25, 0, true},
+     {VoxelType::int32, 0.1, 1000.3, true},
+     {VoxelType::int32, 0x1p-148, 0, true}}};
 
 /// Sizes that matter: full bricks, odd edges, single rows.
 inline std::int64_t side_of(std::uint8_t byte) {
@@ -46,7 +56,10 @@ inline ValueRange range_of(Input& input, VoxelType type) {
 inline BrickInput take_brick(Input& input) {
   BrickInput brick;
   const auto choice = input.take<std::uint8_t>();
-  brick.type = kTypes[(choice & 0x3f) % kTypes.size()];
+  // Types 48 and up: exact floats.
+  const bool is_exact = (choice & 0x80) == 0 && (choice & 0x3f) >= kExactChoice;
+  brick.type = is_exact ? VoxelType::int32 : kTypes[(choice & 0x3f) % kTypes.size()];
+  if (is_exact) brick.coding = kFuzzedCodings[(choice & 0x3f) % kFuzzedCodings.size()];
   brick.kind = choice & 0x80 ? VolumeKind::labels : VolumeKind::grey;
   Size3 extent;
   for (int axis = 0; axis < 3; ++axis) extent[axis] = side_of(input.take<std::uint8_t>());
@@ -68,11 +81,14 @@ inline BrickInput take_brick(Input& input) {
 inline std::shared_ptr<const BrickCodec> codec_of(const BrickInput& brick) {
   static VolumeKind kept_kind;
   static VoxelType kept_type;
+  static std::optional<SampleCoding> kept_coding;
   static Bytes kept_model;
   static std::shared_ptr<const BrickCodec> kept;
-  if (!kept || brick.kind != kept_kind || brick.type != kept_type || brick.model != kept_model) {
+  if (!kept || brick.kind != kept_kind || brick.type != kept_type ||
+      brick.coding != kept_coding || brick.model != kept_model) {
     kept.reset();
-    kept = parse_model(brick.kind, brick.type, brick.model);
+    kept = parse_model(brick.kind, brick.type, brick.coding, brick.model);
+    kept_coding = brick.coding;
     kept_kind = brick.kind;
     kept_type = brick.type;
     kept_model = brick.model;

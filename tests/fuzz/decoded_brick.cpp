@@ -16,7 +16,8 @@ std::vector<DecodedLevel> decode_brick(const std::uint8_t* data, std::size_t siz
       // A block of exactly its size, so that a sanitizer sees every overrun.
       const auto out = std::make_unique<std::uint8_t[]>(brick.level_bytes(level));
       try {
-        codec->decode(brick.shape, brick.type, brick.range, brick.spans(), level, out.get());
+        codec->decode(brick.shape, brick.voxel_type(), brick.range, brick.spans(), level,
+                      out.get());
         decoded.voxels.assign(out.get(), out.get() + brick.level_bytes(level));
       } catch (const Error& error) {
         decoded.error = error.what();

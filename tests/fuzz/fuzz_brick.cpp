@@ -11,7 +11,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto codec = fuzz::codec_of(brick);
     for (int level = brick.shape.level_count - 1; level >= 0; --level) {
       const auto out = std::make_unique<std::uint8_t[]>(brick.level_bytes(level));
-      codec->decode(brick.shape, brick.type, brick.range, brick.spans(), level, out.get());
+      codec->decode(brick.shape, brick.voxel_type(), brick.range, brick.spans(), level, out.get());
     }
   });
   return 0;

@@ -110,6 +110,22 @@ def has_uniform_brick(file):
     return any(brick.smallest == brick.largest for brick in file.bricks(0))
 
 
+def is_exact(file):
+    return file.header.is_exact
+
+
+def with_gaps(voxels):
+    """Float voxels of which some are NaN of several sorts, infinite or -0."""
+    voxels = voxels.astype("float32")
+    flat = voxels.reshape(-1)
+    flat[: flat.size // 5] = np.nan
+    flat[7::31] = np.inf
+    flat[9::37] = -0.0
+    flat[11::41] = 0.0
+    flat.view(np.uint32)[13::43] = 0xFF800001 + np.arange(flat[13::43].size) % 5
+    return voxels
+
+
 def is_thick_along(axis):
     return lambda file: not file.header.halvings[0] >> axis & 1
 
@@ -126,6 +142,8 @@ GOLDEN_USES = {
     "stored-uint8": is_stored,
     "fast-int16": predicts(1),
     "fast-int32-wide": is_wide,
+    "float32-exact": lambda file: is_exact(file) and len(list(file.bricks(0))) > 1,
+    "float32-exact-fast": lambda file: is_exact(file) and file.model(0).predictor == 1,
     "max-error-rounded": is_rounded,
     "max-error-quantised": is_corrected,
     "max-error-fast": predicts(1),
@@ -173,6 +191,13 @@ def cases():
              ("--max-error", "6"), is_corrected),
         Case("float32 of steps", (np.round(waves((20, 21, 22), 800, 2)) + 5000)
              .astype("float32") * np.float32(0.125), (), predicts(0)),
+        Case("float32 of noise", waves((20, 21, 22), 7, 0.1).astype("float32"), (), is_exact),
+        Case("float32 with gaps", with_gaps(waves((20, 70, 22), 7, 0.1)), (), is_exact),
+        Case("float32 in two tiers, fast", with_gaps(waves((9, 10, 70), 7, 0.1)),
+             ("--preset", "fast"), is_exact),
+        Case("float32 near zero", (waves((12, 11, 10), 7, 1) ** 9 * 1e-20).astype("float32"), (),
+             is_exact),
+        Case("no numbers", np.full((5, 6, 7), np.nan, "float32"), (), is_exact),
         Case("float32 with an error", waves((20, 21, 22), 7, 0.1).astype("float32"),
              ("--max-error", "0.01"), is_rounded),
         Case("labels", blocks((30, 31, 70), 7, 0, 9).astype("uint8"), ("--labels",), is_coded),

@@ -171,7 +171,9 @@ class Build {
 
   void train(const VoxelBlock& group) {
     model_ = workers_.run([&] {
-      return make_model(train_on(levels_, 0, group, description_.kind, settings_), group.type);
+      return make_model(
+          train_on(levels_, 0, group, description_.kind, settings_, description_.coding),
+          description_.coded_type(), description_.coding);
     });
     return_freed_memory();
     settings_.axis_order = model_.encoder->axis_order();
@@ -269,8 +271,10 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
     const std::int64_t first_planes = group_planes(levels, description.type);
     floats.emplace(source, FloatSettings{result.max_error, options.repair, first_planes}, progress);
     description.coding = result.coding = floats->coding();
-    bound = {floats->codec_error(), result.max_error, floats->coding(),
-             floats->roomier_error() * std::abs(description.rescale.slope)};
+    if (result.max_error > 0) {
+      bound = {floats->codec_error(), result.max_error, floats->coding(),
+               floats->roomier_error() * std::abs(description.rescale.slope)};
+    }
   }
 
   // Group by group, then the tiers above

@@ -7,7 +7,7 @@ namespace octavo {
 void encode_coarse_tiers(const TierTarget& target, const Model& first_model,
                          const CodecSettings& settings, std::vector<std::byte> samples) {
   const Levels& levels = target.levels;
-  const VoxelType type = target.description.coded_type();
+  const VoxelType type = target.description.codec_type();
   Model model = first_model;
   if (settings.max_error > 0 && levels.tier_count() > 1) {
     CodecSettings exact = settings;

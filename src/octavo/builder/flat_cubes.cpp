@@ -156,7 +156,10 @@ class FlatCubes final : public PlaneSource {
   std::int64_t code_of(T voxel) const {
     if constexpr (std::is_floating_point_v<T>) {
       if (const auto code = exact_code(coding_, voxel)) return *code;
-      throw Error(ErrorKind::internal, "a voxel that its file cannot hold");
+      throw Error(ErrorKind::invalid_argument,
+                  "holds floats that are no multiples of one number, which have no exact means; "
+                  "only a copy within a max error is condensed",
+                  reader_->source().name());
     } else {
       return static_cast<std::int64_t>(voxel);
     }

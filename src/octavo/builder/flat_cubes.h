@@ -4,8 +4,8 @@
 // halves rounded up; the largest such cubes count. Of a cube at the border of the volume the voxels
 // inside count. Written as a grey file, these are the uniform cubes of its octree.
 //
-// Voxels of type float32 are taken as the numbers that the bricks of the file hold, of which every
-// voxel is one: so is every mean, and the new file holds them in the same way.
+// Voxels of type float32 are taken as the numbers that the bricks of the file hold; every voxel
+// must be one: so is every mean, and the new file holds them in the same way.
 //
 // Invariants
 //   No voxel differs from its source by more than `flat`.
@@ -29,7 +29,8 @@ namespace octavo {
 /// description  what the source says of itself; size and type are those of the file
 /// flat         in the numbers that bricks hold; with 0 the voxels are those of the file
 /// threads      0: all cores
-/// Throws  Error{invalid_argument} for labels, and on flat < 0 or so large that the
+/// Throws  Error{invalid_argument} for labels, for float voxels that are not those of their
+///         numbers, and on flat < 0 or so large that the
 ///         mean of the volume's cube is beyond 64-bit sums (flat >= 2^62 / 8^n); what reading
 ///         throws
 std::unique_ptr<PlaneSource> make_flat_cubes(std::shared_ptr<const FileReader> reader,

@@ -301,7 +301,7 @@ std::optional<std::int64_t> exact_code(const SampleCoding& coding, float voxel) 
 std::optional<SampleCoding> find_coding(std::span<const float> values,
                                         std::span<const SampleCoding> hints) {
   for (SampleCoding hint : hints) {
-    hint.type = VoxelType::int32;
+    hint = {VoxelType::int32, hint.scale, hint.offset};
     if (holds_all(hint, values)) return hint;
   }
   const auto plain = multiples(values);

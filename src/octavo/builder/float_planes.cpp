@@ -19,10 +19,10 @@ constexpr std::size_t kEnoughValues = 64;
 constexpr double kStepsPerError = 32;
 constexpr double kFloatSteps = 1 << 24;
 constexpr double kMinError = 1e-290;
+constexpr std::size_t kMostDifferences = 1 << 20;
+constexpr double kMedianOfDifference = 0.954;  // of two normal numbers of deviation 1
 // Values yet to come may be so much larger than those of the first planes.
 constexpr double kGrowth = 4;
-constexpr const char* kNoiseWords =
-    " (a max error follows from the noise between neighbors and the largest value)";
 
 std::string text_of(double value, int digits = 9) {
   char text[40];
@@ -57,13 +57,6 @@ double to_integer(double value) {
   return value + kShift - kShift;
 }
 
-// One leading digit, downwards: a number to propose.
-double one_digit(double value) {
-  if (!(value > 0)) return 0;
-  const double unit = std::pow(10.0, std::floor(std::log10(value)));
-  return std::strtod(text_of(std::max(1.0, std::floor(value / unit)) * unit, 1).c_str(), nullptr);
-}
-
 class RepairedSource final : public PlaneSource {
  public:
   RepairedSource(PlaneSource& source, const FloatRepair& repair)
@@ -86,6 +79,15 @@ class RepairedSource final : public PlaneSource {
   FloatRepair repair_;
   std::vector<float> voxels_;
 };
+
+// Whether many of the values have floats beside them that are no multiples.
+bool is_coarser_than_floats(const SampleCoding& coding, std::span<const float> values) {
+  constexpr std::ptrdiff_t kMany = 16;  // one of so many
+  const auto count = std::ranges::count_if(values, [&](float v) {
+    return v != 0 && std::ldexp(1.0, std::ilogb(v) - 23) < coding.scale;
+  });
+  return count * kMany > static_cast<std::ptrdiff_t>(values.size());
+}
 
 // Numbers that the source's header would have multiplied its integers by.
 std::vector<SampleCoding> hints_of(const VolumeDescription& source) {
@@ -115,7 +117,7 @@ FloatPlanes::FloatPlanes(PlaneSource& source, const FloatSettings& settings, Pro
   if (settings.max_error > 0 && settings.max_error < kMinError) {
     throw Error(ErrorKind::invalid_argument, "a max error above 0 must be at least 1e-290");
   }
-  description_.type = VoxelType::int32;
+  if (!is_exact()) description_.type = VoxelType::int32;
   description_.coding.reset();
   read_ahead();
 }
@@ -132,20 +134,47 @@ void FloatPlanes::read_ahead() {
     ahead_.push_back(is_alike ? std::vector<float>(1, plane_.front()) : plane_);
   }
   const std::vector<float> values = distinct.sorted();
-  noise_error_ = noise_proposal();
-  if (settings_.max_error == 0) choose_exact(values);
+  if (is_exact()) choose_exact(values);
   else choose_within(values);
 }
 
 void FloatPlanes::choose_exact(std::span<const float> values) {
+  constexpr double kMuchFiner = 32;
   const auto coding = find_coding(values, hints_of(source_.description()));
-  if (!coding) {
-    throw Error(ErrorKind::source_rejected,
-                "its float voxels are no whole multiples of one number and cannot be kept bit by "
-                "bit" + std::string(kNoiseWords))
-        .with_field("max_error", proposal(noise_error_));
+  const double step = noise_step();
+  // Steps far below the noise save nothing unless floats lie closer than they do.
+  const bool is_found =
+      coding && (coding->scale * kMuchFiner > step || is_coarser_than_floats(*coding, values));
+  coding_ = is_found ? *coding : SampleCoding{VoxelType::int32, step, 0};
+  coding_.is_exact = true;
+}
+
+// A power of two that divides the noise into some steps: what is finer than a step no prediction
+// would save, and bins between powers of two then hold as many floats.
+double FloatPlanes::noise_step() const {
+  constexpr int kSmallest = -148;  // half of it is a float
+  constexpr double kStepsOfLargest = 1 << 20;
+  constexpr double kStepsOfNoise = 8;
+  std::vector<double> differences;
+  double largest = 0;
+  for (const std::vector<float>& plane : ahead_) {
+    for (std::size_t i = 1; i < plane.size(); ++i) {
+      const double d = std::abs(static_cast<double>(plane[i]) - static_cast<double>(plane[i - 1]));
+      if (!std::isfinite(d)) continue;
+      largest = std::max(largest, std::abs(static_cast<double>(plane[i])));
+      if (d > 0 && differences.size() < kMostDifferences) differences.push_back(d);
+    }
   }
-  coding_ = *coding;
+  double noise = 0;
+  if (!differences.empty()) {
+    const auto middle =
+        differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+    std::nth_element(differences.begin(), middle, differences.end());
+    noise = *middle / kMedianOfDifference;
+  }
+  int exponent = 0;
+  std::frexp(std::max(noise / kStepsOfNoise, largest / kStepsOfLargest), &exponent);
+  return std::ldexp(1.0, std::max(exponent - 1, kSmallest));
 }
 
 // Takes a coding when the max error leaves room for its roundings.
@@ -200,7 +229,7 @@ void FloatPlanes::next_voxels() {
   const std::int64_t z = planes_read_++;
   if (is_finite(plane_)) return;
   repair_voxels(plane_, settings_.repair);
-  if (!is_finite(plane_)) count_and_reject(z);
+  if (!is_exact() && !is_finite(plane_)) count_and_reject(z);
 }
 
 void FloatPlanes::count_and_reject(std::int64_t z) {
@@ -248,8 +277,10 @@ void FloatPlanes::read_plane(std::span<std::byte> codes) {
   }
   if (!ahead_.empty()) ahead_.pop_front();
   const std::int64_t z = planes_given_++;
-
-  const bool is_exact = settings_.max_error == 0;
+  if (is_exact()) {
+    std::memcpy(codes.data(), plane_.data(), codes.size());
+    return;
+  }
   const double limit = kLargestCode - static_cast<double>(codec_error_);
   for (std::size_t i = 0; i < plane_.size(); ++i) {
     const float v = plane_[i];
@@ -257,9 +288,7 @@ void FloatPlanes::read_plane(std::span<std::byte> codes) {
     if (!(std::abs(steps) < limit)) reject_voxel(z, i, true);
     const auto code = static_cast<std::int32_t>(to_integer(steps));
     const float back = coding_.voxel_of(code);
-    const bool is_good =
-        is_exact ? std::bit_cast<std::uint32_t>(back) == std::bit_cast<std::uint32_t>(v)
-                 : std::abs(static_cast<double>(back) - static_cast<double>(v)) <= slack_;
+    const bool is_good = std::abs(static_cast<double>(back) - static_cast<double>(v)) <= slack_;
     if (!is_good) reject_voxel(z, i, false);
     std::memcpy(codes.data() + i * sizeof code, &code, sizeof code);
   }
@@ -277,21 +306,14 @@ void FloatPlanes::reject_voxel(std::int64_t z, std::size_t at, bool is_too_large
   const double magnitude = std::abs(static_cast<double>(v));
   if (is_too_large) {
     const double enough = magnitude / (kLargestCode / 2) * kStepsPerError * 2;
-    const std::string why = settings_.max_error > 0
-                                ? ", too large for so small a max error"
-                                : ", too large to be a multiple of " + steps + " in 32 bits";
-    throw Error(ErrorKind::source_rejected, place + why)
+    throw Error(ErrorKind::source_rejected, place + ", too large for so small a max error")
         .with_field("max_error", proposal(enough));
   }
   const double next_error = (static_cast<double>(codec_error_) + 0.5) * coding_.scale +
                             2 * rounding_ + 2 * (magnitude + coding_.scale) / kFloatSteps;
-  const std::string why = v == 0 && std::signbit(v)
-                              ? ", and integers have no -0"
-                              : ", no whole multiple of " + steps + " like the planes before";
-  // Steps far below the noise were chance, and half of one is nothing to propose.
-  const bool is_chance = settings_.max_error == 0 && 16 * coding_.scale < noise_error_;
-  throw Error(ErrorKind::source_rejected, place + why + (is_chance ? kNoiseWords : ""))
-      .with_field("max_error", proposal(is_chance ? noise_error_ : next_error));
+  throw Error(ErrorKind::source_rejected,
+              place + ", no whole multiple of " + steps + " like the planes before")
+      .with_field("max_error", proposal(next_error));
 }
 
 // `max_error` in voxel units; people give it in real ones.
@@ -300,26 +322,6 @@ std::string FloatPlanes::proposal(double max_error) const {
   // Two digits, upwards, so that what is proposed is enough.
   const double unit = std::pow(10.0, std::floor(std::log10(real)) - 1);
   return text_of(std::ceil(real / unit - 1e-6) * unit, 2);
-}
-
-// A quarter of the standard deviation that neighbors along x suggest; in voxel units.
-double FloatPlanes::noise_proposal() const {
-  constexpr std::size_t kMost = 1 << 20;
-  constexpr double kMedianOfDifference = 0.954;  // of two normal numbers of deviation 1
-  std::vector<double> differences;
-  double largest = 0;
-  for (const std::vector<float>& plane : ahead_) {
-    for (std::size_t i = 1; i < plane.size(); ++i) {
-      const double d = std::abs(static_cast<double>(plane[i]) - static_cast<double>(plane[i - 1]));
-      largest = std::max(largest, std::abs(static_cast<double>(plane[i])));
-      if (d > 0 && differences.size() < kMost) differences.push_back(d);
-    }
-  }
-  if (differences.empty()) return one_digit(largest / 1e6);
-  const auto middle =
-      differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-  std::nth_element(differences.begin(), middle, differences.end());
-  return one_digit(std::max(*middle / kMedianOfDifference / 4, largest / kFloatSteps));
 }
 
 }  // namespace octavo

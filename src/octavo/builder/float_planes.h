@@ -1,16 +1,18 @@
-// The planes of a float32 source as the integers that bricks hold.
+// The planes of a float32 source, and the coding by which bricks hold them.
 //
-// Exactly (max error 0): the coding is found in the first planes and proven voxel by voxel in every
-// plane that follows. With a max error E > 0 voxels may be changed:
+// Without a max error planes are given as they are, with a coding for exact floats: scale and
+// offset of the number that the first planes are multiples of, or else a power of two that divides
+// their noise into some steps. Later planes may hold anything.
+//
+// With a max error E > 0 planes are given as codes, and voxels may be changed:
 //
 //     |voxel' - voxel| <= codec_error * scale + half a scale + rounding to float32 <= E
 //
-// where the scale is that of an exact coding if the first planes have one, and else the power of
-// two in (E/64, E/32]. A power of two keeps roundings away: below 2^24 scales a code is a float as
-// it stands, and above that every float is a whole number of scales.
-//
-// NaN and infinities have no code. They are replaced by values that were asked for, or rejected
-// once the whole volume has been counted.
+// where the scale is that of the number that the first planes are multiples of, if there is one,
+// and else the power of two in (E/64, E/32]. A power of two keeps roundings away: below 2^24 scales
+// a code is a float as it stands, and above that every float is a whole number of scales. NaN and
+// infinities have no code. They are replaced by values that were asked for, or rejected once the
+// whole volume has been counted.
 #pragma once
 
 #include <cstdint>
@@ -50,7 +52,7 @@ class FloatPlanes final : public PlaneSource {
   /// Memory first_planes planes; planes of one value cost nothing
   FloatPlanes(PlaneSource& source, const FloatSettings& settings, Progress& progress);
 
-  /// That of the source, but the type is that of the codes.
+  /// That of the source, but with a max error the type is that of the codes.
   const VolumeDescription& description() const override { return description_; }
   const std::vector<Warning>& warnings() const override { return source_.warnings(); }
   std::uint64_t resident_bytes() const override { return source_.resident_bytes(); }
@@ -63,12 +65,13 @@ class FloatPlanes final : public PlaneSource {
   /// rounding to float32 takes them beyond this one.
   double roomier_error() const { return roomier_error_; }
 
-  /// The codes of the next plane. Throws as the constructor does.
+  /// The voxels or codes of the next plane. Throws as the constructor does.
   void read_plane(std::span<std::byte> codes) override;
   /// The float voxels of the plane that was read last.
   std::span<const float> voxels() const { return plane_; }
 
  private:
+  bool is_exact() const { return settings_.max_error == 0; }
   void read_ahead();
   void choose_exact(std::span<const float> values);
   void choose_within(std::span<const float> values);
@@ -77,7 +80,7 @@ class FloatPlanes final : public PlaneSource {
   [[noreturn]] void count_and_reject(std::int64_t z);
   [[noreturn]] void reject_voxel(std::int64_t z, std::size_t at, bool is_too_large) const;
   std::string proposal(double max_error) const;
-  double noise_proposal() const;
+  double noise_step() const;
 
   PlaneSource& source_;
   FloatSettings settings_;
@@ -85,7 +88,6 @@ class FloatPlanes final : public PlaneSource {
   VolumeDescription description_;
   SampleCoding coding_;
   std::int64_t codec_error_ = 0;
-  double noise_error_ = 0;                // to propose; in voxel units
   double rounding_ = 0;                   // of floats where a codec changes codes of the scale
   double roomier_error_ = 0;
   double slack_ = 0;                      // how far a code alone may lie from its voxel

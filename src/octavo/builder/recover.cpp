@@ -1,6 +1,7 @@
 #include "octavo/builder/recover.h"
 
 #include <algorithm>
+#include <bit>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -99,6 +100,12 @@ std::uint32_t content_hash_of(const FileHeader& header, std::int64_t planes) {
   return static_cast<std::uint32_t>(header.file_id) ^ static_cast<std::uint32_t>(planes);
 }
 
+// The sample above a brick of one code, as EncodedBrick::parent holds it.
+std::int64_t parent_of(const VolumeDescription& description, std::int64_t code) {
+  if (is_integer(description.codec_type())) return code;
+  return std::bit_cast<std::uint32_t>(description.coding->voxel_of(code));
+}
+
 // Puts the samples of the bricks of a tier in voxel order.
 class Parents {
  public:
@@ -151,10 +158,10 @@ SealResult seal(InterruptedBuild build, Storage& storage, const std::string& out
                          content_hash_of(bricks.header(), result.whole_planes), writing);
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   Workers workers(options.threads > 0 ? options.threads : cores);
-  const VoxelType type = description.coded_type();
+  const VoxelType type = description.codec_type();
   TierEncoder encoder(levels, 0, type, workers, *writer, progress);
   Parents parents(levels, encoder);
-  EncodedBrick missing{{low, low}, low, 0, {}};
+  EncodedBrick missing{{low, low}, parent_of(description, low), 0, {}};
   missing.segments.resize(static_cast<std::size_t>(levels.tier_level_count(0)));
   std::optional<Model> first_model;
   for (std::int64_t layer = 0; layer < grid.z; ++layer) {
@@ -164,7 +171,10 @@ SealResult seal(InterruptedBuild build, Storage& storage, const std::string& out
       if (is_whole && bricks.has_model()) {
         const Bytes model = bricks.model();
         if (!first_model) {
-          first_model = make_model(parse_model(description.kind, type, model), type);
+          const VoxelType coded = description.coded_type();
+          first_model =
+              make_model(parse_model(description.kind, coded, description.coding, model), coded,
+                         description.coding);
         }
         writer->add_model(model);
       }

@@ -1,6 +1,7 @@
 #include "octavo/builder/tier_encoder.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -20,7 +21,7 @@ std::vector<std::byte> decoded_voxels(const BrickCodec& decoder, const BrickShap
                                       const EncodedBrick& encoded, const BrickView& brick) {
   const auto count = static_cast<std::size_t>(brick.size.voxel_count());
   std::vector<std::byte> dense(count * static_cast<std::size_t>(bytes_per_voxel(brick.type)));
-  if (encoded.range.min != encoded.range.max) {
+  if (encoded.range.min != encoded.range.max || !is_integer(brick.type)) {
     const std::vector<ByteSpan> segments(encoded.segments.begin(), encoded.segments.end());
     decoder.decode(shape, brick.type, encoded.range, segments, 0, dense.data());
     return dense;
@@ -116,11 +117,12 @@ void fail_brick(int tier, const Index3& brick, const std::string& why) {
                                        "; please report it with the source");
 }
 
-Model make_model(std::unique_ptr<BrickCodec> codec, VoxelType type) {
+Model make_model(std::unique_ptr<BrickCodec> codec, VoxelType type,
+                 const std::optional<SampleCoding>& coding) {
   Model model;
   model.serialized = codec->serialized();
   try {
-    model.decoder = parse_model(codec->kind(), type, model.serialized);
+    model.decoder = parse_model(codec->kind(), type, coding, model.serialized);
   } catch (const Error& error) {
     throw Error(ErrorKind::internal, "a model does not parse: " + error.detail());
   }
@@ -299,7 +301,10 @@ void TierEncoder::store_parent(const Index3& brick, std::int64_t parent) {
   const Size3 grid = levels_.brick_grid(tier_);
   const std::int64_t at = (brick.z * grid.y + brick.y) * grid.x + brick.x;
   with_voxel_type(type_, [&](auto id) {
-    const auto value = static_cast<typename decltype(id)::type>(parent);
+    using T = typename decltype(id)::type;
+    T value;
+    if constexpr (std::is_integral_v<T>) value = static_cast<T>(parent);
+    else value = std::bit_cast<T>(static_cast<std::uint32_t>(parent));
     std::memcpy(parents_.data() + at * static_cast<std::int64_t>(sizeof value), &value,
                 sizeof value);
   });

@@ -33,8 +33,11 @@ struct Model {
   Bytes serialized;
 };
 
-/// Throws Error{internal} when the bytes of the model do not parse.
-Model make_model(std::unique_ptr<BrickCodec> codec, VoxelType type);
+/// type    of the numbers in bricks
+/// coding  of float32 voxels
+/// Throws  Error{internal} when the bytes of the model do not parse.
+Model make_model(std::unique_ptr<BrickCodec> codec, VoxelType type,
+                 const std::optional<SampleCoding>& coding = std::nullopt);
 
 /// How far the voxels of a tier may end up from those that came in.
 struct ErrorBound {

@@ -44,7 +44,8 @@ std::vector<std::size_t> training_choice(std::span<const std::int64_t> voxel_cou
 }
 
 std::unique_ptr<BrickCodec> train_on(const Levels& levels, int tier, const VoxelBlock& block,
-                                     VolumeKind kind, const CodecSettings& settings) {
+                                     VolumeKind kind, const CodecSettings& settings,
+                                     const std::optional<SampleCoding>& coding) {
   const std::vector<TrainingBrick> candidates = candidates_of(levels, tier, block);
   std::vector<std::int64_t> voxel_counts;
   for (const TrainingBrick& brick : candidates) {
@@ -55,6 +56,7 @@ std::unique_ptr<BrickCodec> train_on(const Levels& levels, int tier, const Voxel
        training_choice(voxel_counts, levels.brick_side(tier).voxel_count())) {
     chosen.push_back(candidates[i]);
   }
+  if (!is_integer(block.type)) return train_exact_model(chosen, settings, *coding);
   return train_model(kind, block.type, chosen, settings);
 }
 

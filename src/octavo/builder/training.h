@@ -21,7 +21,9 @@ std::vector<std::size_t> training_choice(std::span<const std::int64_t> voxel_cou
                                          std::int64_t full_voxel_count);
 
 /// Trains a model for the bricks of a block on a choice of them. Depends on the voxels alone.
+/// coding  that of the block's voxels where these are float32
 std::unique_ptr<BrickCodec> train_on(const Levels& levels, int tier, const VoxelBlock& block,
-                                     VolumeKind kind, const CodecSettings& settings);
+                                     VolumeKind kind, const CodecSettings& settings,
+                                     const std::optional<SampleCoding>& coding = std::nullopt);
 
 }  // namespace octavo

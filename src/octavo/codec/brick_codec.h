@@ -23,6 +23,7 @@
 
 #include "octavo/core/bytes.h"
 #include "octavo/core/levels.h"
+#include "octavo/core/sample_coding.h"
 #include "octavo/core/volume.h"
 
 namespace octavo {
@@ -54,7 +55,8 @@ struct EncodedBrick {
   /// Smallest and largest voxel; decoded ones stay between them. One value in its place when all
   /// voxels lie within the maximum error of it.
   ValueRange range;
-  std::int64_t parent = 0;     ///< the brick's sample at the first level of the next tier
+  /// The brick's sample at the first level of the next tier; of float32 voxels its bits.
+  std::int64_t parent = 0;
   std::int64_t max_error = 0;  ///< largest |voxel - decoded voxel|
   std::vector<Bytes> segments; ///< one per in-brick level, finest first; all empty when uniform
 };
@@ -107,5 +109,21 @@ std::unique_ptr<BrickCodec> train_model(VolumeKind kind, VoxelType type,
 std::unique_ptr<BrickCodec> parse_grey_model(VoxelType type, ByteSpan bytes);
 std::unique_ptr<BrickCodec> parse_label_model(VoxelType type, ByteSpan bytes);
 std::unique_ptr<BrickCodec> parse_model(VolumeKind kind, VoxelType type, ByteSpan bytes);
+
+/// The codec of float32 voxels that come back bit by bit: quantized ones go to `codes`, a codec of
+/// type int32 whose model this codec shares; floats are told apart beside them. EncodedBrick::range
+/// holds codes; the smallest and largest stand for bounds of the finite voxels.
+/// Requires an exact coding
+std::unique_ptr<BrickCodec> make_exact_codec(std::unique_ptr<BrickCodec> codes,
+                                             const SampleCoding& coding);
+
+/// Trains the codec of float32 bricks, the codes being grey values.
+std::unique_ptr<BrickCodec> train_exact_model(std::span<const TrainingBrick> bricks,
+                                              const CodecSettings& settings,
+                                              const SampleCoding& coding);
+
+/// The codec of a model of a volume with that coding, if it has one. Throws Error{corrupt}.
+std::unique_ptr<BrickCodec> parse_model(VolumeKind kind, VoxelType coded_type,
+                                        const std::optional<SampleCoding>& coding, ByteSpan bytes);
 
 }  // namespace octavo

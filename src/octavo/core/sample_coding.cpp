@@ -18,12 +18,15 @@ float voxel_at(double code, double scale, double offset) {
 }  // namespace
 
 float SampleCoding::voxel_of(std::int64_t code) const {
+  if (is_exact && code >= kUnbounded) return kLargestFloat;
+  if (is_exact && code <= -kUnbounded) return -kLargestFloat;
   return voxel_at(static_cast<double>(code), scale, offset);
 }
 
 bool is_valid(const SampleCoding& coding) noexcept {
   return is_valid(coding.type) && is_integer(coding.type) && std::isfinite(coding.scale) &&
-         coding.scale > 0 && std::isfinite(coding.offset);
+         coding.scale > 0 && std::isfinite(coding.offset) &&
+         (!coding.is_exact || coding.type == VoxelType::int32);
 }
 
 void decode_samples(const SampleCoding& coding, const void* codes, std::span<float> voxels) {

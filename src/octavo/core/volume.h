@@ -39,8 +39,11 @@ struct VolumeDescription {
   /// Of a source: a stored value that is no measurement. Files do not hold it.
   std::optional<std::int64_t> padding;
 
-  /// The type of the numbers in bricks and index.
+  /// The type of the numbers in the index, and in bricks.
   VoxelType coded_type() const { return coding ? coding->type : type; }
+  /// The type of what codecs take and give: float32 where its coding is exact, else that of the
+  /// numbers in bricks.
+  VoxelType codec_type() const { return coding && coding->is_exact ? type : coded_type(); }
   /// The voxel that a number in bricks and index stands for.
   double voxel_of(std::int64_t code) const {
     return coding ? static_cast<double>(coding->voxel_of(code)) : static_cast<double>(code);

@@ -51,9 +51,10 @@ constexpr std::size_t kTrailerCrcAt = 60;
 
 constexpr std::uint32_t kCriticalExtension = 0x8000;
 
-// The coding of float32 voxels: u8 type, f64 scale, f64 offset.
+// The coding of float32 voxels: u8 type, u8 flags, f64 scale, f64 offset.
 constexpr std::uint16_t kCodingTag = 0x8001;
-constexpr std::uint16_t kCodingBytes = 17;
+constexpr std::uint16_t kCodingBytes = 18;
+constexpr std::uint8_t kExactCoding = 1;
 
 // The errors of float32 bricks are counted in this part of the max error.
 constexpr std::uint64_t kFloatErrorSteps = 1024;
@@ -160,8 +161,13 @@ SampleCoding get_coding(ByteSpan bytes, std::size_t at, std::size_t length) {
   if (length != kCodingBytes) fail(ErrorKind::corrupt, "header: coding of another length", at);
   SampleCoding coding;
   coding.type = static_cast<VoxelType>(bytes[at]);
-  coding.scale = get_double(bytes.data() + at + 1, "scale", at + 1);
-  coding.offset = get_double(bytes.data() + at + 9, "offset", at + 9);
+  if (bytes[at + 1] > kExactCoding) {
+    fail(ErrorKind::unsupported_version,
+         "a coding of float32 with flags that this program does not know", at + 1);
+  }
+  coding.is_exact = bytes[at + 1] == kExactCoding;
+  coding.scale = get_double(bytes.data() + at + 2, "scale", at + 2);
+  coding.offset = get_double(bytes.data() + at + 10, "offset", at + 10);
   if (!is_valid(coding)) fail(ErrorKind::corrupt, "header: unusable coding of float32", at);
   return coding;
 }
@@ -247,8 +253,9 @@ void put_coding(const SampleCoding& coding, std::uint8_t* block) {
   store_little_endian(kCodingTag, out);
   store_little_endian(kCodingBytes, out + 2);
   out[4] = static_cast<std::uint8_t>(coding.type);
-  put_double(coding.scale, out + 5);
-  put_double(coding.offset, out + 13);
+  out[5] = coding.is_exact ? kExactCoding : 0;
+  put_double(coding.scale, out + 6);
+  put_double(coding.offset, out + 14);
 }
 
 void parse_halvings(ByteSpan bytes, FileHeader& header) {
@@ -274,6 +281,10 @@ FileHeader parse_description(ByteSpan bytes) {
   parse_volume(bytes, header);
   if (header.description.coding.has_value() == is_integer(header.description.type)) {
     fail(ErrorKind::corrupt, "header: float32 and its coding do not go together", kTypeAt);
+  }
+  if (header.description.coding && header.description.coding->is_exact != (header.max_error == 0)) {
+    fail(ErrorKind::corrupt, "header: float32 is exact without a max error, and only then",
+         kMaxErrorAt);
   }
   parse_halvings(bytes, header);
   header.file_id = load_little_endian<std::uint64_t>(bytes.data() + kFileIdAt);

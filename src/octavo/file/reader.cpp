@@ -199,9 +199,9 @@ void FileReaderImpl::read_brick(const BrickEntry& entry, int in_brick_level, voi
   }
   decode_brick(entry, in_brick_level, [&](const BrickCodec& codec, const BrickShape& shape,
                                           std::span<const ByteSpan> segments) {
-    codec.decode(shape, description().coded_type(), entry.range, segments, in_brick_level, out);
+    codec.decode(shape, description().codec_type(), entry.range, segments, in_brick_level, out);
   });
-  if (const auto& coding = description().coding) {
+  if (const auto& coding = description().coding; coding && !coding->is_exact) {
     decode_samples(*coding, out, {static_cast<float*>(out), static_cast<std::size_t>(count)});
   }
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <utility>
 
@@ -58,6 +59,17 @@ std::optional<Damage> checksum_damage(Damage place, std::uint32_t found, std::ui
 std::optional<Damage> checksum_damage(const Damage& place, std::uint32_t found,
                                       std::uint32_t stored) {
   return checksum_damage(place, found, stored, {place.offset, place.length});
+}
+
+// Whether the finite ones of `count` floats lie between the voxels that codes stand for.
+bool are_bounded(const VolumeDescription& volume, const ValueRange& codes, const void* voxels,
+                 std::int64_t count) {
+  const double low = volume.voxel_of(codes.min);
+  const double high = volume.voxel_of(codes.max);
+  const float* const first = static_cast<const float*>(voxels);
+  return std::all_of(first, first + count, [&](float v) {
+    return !std::isfinite(v) || (v >= low && v <= high);
+  });
 }
 
 // Smallest and largest of `count` voxels.
@@ -235,7 +247,8 @@ void Verifier::check_models() {
     std::optional<Damage> damage = checksum_damage(place, found, piece.crc);
     if (!damage) {
       try {
-        parse_model(file_.description().kind, file_.description().coded_type(), bytes);
+        const VolumeDescription& volume = file_.description();
+        parse_model(volume.kind, volume.coded_type(), volume.coding, bytes);
       } catch (const Error& error) {
         damage = damaged(place, error.detail());
       }
@@ -427,7 +440,8 @@ std::vector<Damage> Verifier::check_brick(const BrickEntry& entry) const {
 std::optional<Damage> Verifier::check_voxels(const BrickEntry& entry, Damage place,
                                              std::span<const ByteSpan> segments) const {
   const BrickShape shape = brick_shape(file_.levels(), entry.tier, entry.brick);
-  const VoxelType type = file_.description().coded_type();
+  const VolumeDescription& volume = file_.description();
+  const VoxelType type = volume.codec_type();
   const std::int64_t count = shape.size.front().voxel_count();
   Bytes voxels(static_cast<std::size_t>(count * bytes_per_voxel(type)));
   try {
@@ -435,6 +449,10 @@ std::optional<Damage> Verifier::check_voxels(const BrickEntry& entry, Damage pla
   } catch (const Error& error) {
     require_damage(error);
     return damaged(std::move(place), error.detail());
+  }
+  if (!is_integer(type)) {
+    if (are_bounded(volume, entry.range, voxels.data(), count)) return std::nullopt;
+    return damaged(std::move(place), "its voxels lie outside the range in the index");
   }
   const ValueRange found = range_of(type, voxels.data(), count);
   const bool is_inside = found.min >= entry.range.min && found.max <= entry.range.max;

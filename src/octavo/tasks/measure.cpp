@@ -41,12 +41,14 @@ std::shared_ptr<const FileReader> open_grey(const MeasureOptions& options,
 GreyStatistics real_statistics(const GreyStatistics& stored, const Rescale& rescale,
                                std::uint64_t voxels) {
   GreyStatistics real;
+  real.not_finite = stored.not_finite;
   real.mean = rescale.to_real(stored.mean);
   real.deviation = std::abs(rescale.slope) * stored.deviation;
   real.minimum = rescale.to_real(stored.minimum);
   real.maximum = rescale.to_real(stored.maximum);
   if (rescale.slope < 0) std::swap(real.minimum, real.maximum);
-  real.sum = rescale.slope * stored.sum + rescale.intercept * static_cast<double>(voxels);
+  real.sum = rescale.slope * stored.sum +
+             rescale.intercept * static_cast<double>(voxels - stored.not_finite);
   for (const double value : stored.percentiles) real.percentiles.push_back(rescale.to_real(value));
   return real;
 }
@@ -61,7 +63,11 @@ MeasuredRegion measured(RegionMeasure region, const VolumeDescription& labels,
   if (const auto mm3 = mm3_of(region.voxel_count, labels)) {
     one.in_mm = {*mm3, labels.geometry.to_world(region.centroid),
                  principal_axes(region, labels.geometry), {}};
-    if (region.grey) one.in_mm->integrated = region.grey->mean * *mm3;
+    if (region.grey) {
+      const auto values = static_cast<double>(region.voxel_count - region.grey->not_finite);
+      one.in_mm->integrated =
+          region.grey->mean * (*mm3 * (values / static_cast<double>(region.voxel_count)));
+    }
   }
   one.region = std::move(region);
   return one;
@@ -75,6 +81,17 @@ void warn_of_absent(const std::vector<std::int64_t>& labels, const MeasureResult
         [&](const MeasuredRegion& one) { return one.region.label == label; });
     if (!is_there) context.warn(path + ": no voxel has " + label_words(result.names, label));
   }
+}
+
+void warn_of_not_finite(const MeasureResult& result, const std::string& path,
+                        const TaskContext& context) {
+  std::uint64_t count = 0;
+  for (const MeasuredRegion& one : result.regions) {
+    if (one.region.grey) count += one.region.grey->not_finite;
+  }
+  if (count == 0) return;
+  context.warn(path + ": " + std::to_string(count) +
+               " of the voxels measured are NaN or infinite and left out of grey values");
 }
 
 }  // namespace
@@ -106,6 +123,7 @@ MeasureResult measure(const MeasureOptions& options, const TaskContext& context)
     result.regions.push_back(measured(std::move(region), volume, grey.get()));
   }
   warn_of_absent(asked.labels, result, options.labels, context);
+  warn_of_not_finite(result, options.grey, context);
   if (grey) result.unit = unit_of(grey->description());
   return result;
 }

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <random>
 
 #include "fuzz/brick_input.h"
@@ -73,6 +74,23 @@ void put(Bytes& out, Int value) {
 }
 
 /// The mirror image of fuzz::take_brick.
+Bytes input_of(const BrickCodec& codec, const TrainingBrick& voxels, std::uint8_t choice,
+               std::uint8_t side, std::int64_t lowest) {
+  const EncodedBrick brick = codec.encode(voxels.shape, voxels.view);
+  const Bytes model = codec.serialized();
+  Bytes out = {choice, side, side, side};
+  put(out, static_cast<std::uint16_t>(model.size()));
+  out.insert(out.end(), model.begin(), model.end());
+  put(out, static_cast<std::uint32_t>(brick.range.min - lowest));
+  put(out, static_cast<std::uint32_t>(brick.range.max - lowest));
+  for (std::size_t i = 0; i < brick.segments.size(); ++i) {
+    if (i + 1 < brick.segments.size())
+      put(out, static_cast<std::uint16_t>(brick.segments[i].size()));
+    out.insert(out.end(), brick.segments[i].begin(), brick.segments[i].end());
+  }
+  return out;
+}
+
 Bytes brick_input(std::uint8_t type, VolumeKind kind, std::uint8_t side,
                   const CodecSettings& settings = {}, Content content = Content::shape) {
   const Size3 size{side_of(side), side_of(side), side_of(side)};
@@ -82,21 +100,31 @@ Bytes brick_input(std::uint8_t type, VolumeKind kind, std::uint8_t side,
   const BrickShape shape = brick_shape(levels, 0, {0, 0, 0});
   const TrainingBrick training{shape, view};
   const auto codec = train_model(kind, kTypes[type], std::span(&training, 1), settings);
-  const EncodedBrick brick = codec->encode(shape, view);
-  const Bytes model = codec->serialized();
-  Bytes out = {static_cast<std::uint8_t>(type | (kind == VolumeKind::labels ? 0x80 : 0)), side,
-               side, side};
-  put(out, static_cast<std::uint16_t>(model.size()));
-  out.insert(out.end(), model.begin(), model.end());
-  const std::int64_t lowest = value_range(kTypes[type]).min;
-  put(out, static_cast<std::uint32_t>(brick.range.min - lowest));
-  put(out, static_cast<std::uint32_t>(brick.range.max - lowest));
-  for (std::size_t i = 0; i < brick.segments.size(); ++i) {
-    if (i + 1 < brick.segments.size())
-      put(out, static_cast<std::uint16_t>(brick.segments[i].size()));
-    out.insert(out.end(), brick.segments[i].begin(), brick.segments[i].end());
+  const auto choice = static_cast<std::uint8_t>(type | (kind == VolumeKind::labels ? 0x80 : 0));
+  return input_of(*codec, training, choice, side, value_range(kTypes[type]).min);
+}
+
+/// Floats of one of the codings that brick_input.h knows: noise, zeros, NaN and infinities.
+Bytes exact_brick_input(std::uint8_t coding_number, std::uint8_t side) {
+  const SampleCoding& coding = fuzz::kFuzzedCodings[coding_number];
+  const Size3 size{side_of(side), side_of(side), side_of(side)};
+  std::mt19937 random(side);
+  std::normal_distribution<double> noise(0, 20 * coding.scale);
+  std::vector<float> voxels;
+  for (std::int64_t i = 0; i < size.voxel_count(); ++i) {
+    const std::uint32_t sort = random() % 16;
+    const double value = sort < 4 ? 0 : coding.offset + noise(random);
+    voxels.push_back(sort > 14   ? std::numeric_limits<float>::quiet_NaN()
+                     : sort > 13 ? std::numeric_limits<float>::infinity()
+                                 : static_cast<float>(value));
   }
-  return out;
+  const Levels levels(size, choose_halvings(size, {1, 1, 1}));
+  const TrainingBrick training{
+      brick_shape(levels, 0, {0, 0, 0}),
+      {voxels.data(), VoxelType::float32, size, size.x, size.x * size.y}};
+  const auto codec = train_exact_model({&training, 1}, {}, coding);
+  return input_of(*codec, training, static_cast<std::uint8_t>(fuzz::kExactChoice + coding_number),
+                  side, value_range(coding.type).min);
 }
 
 void write_file_seed(const std::filesystem::path& path, VolumeKind kind, VoxelType type,
@@ -193,6 +221,11 @@ int main(int argc, char** argv) {
         const std::string name = std::to_string(number++) + ".8vo";
         write_file_seed(folder / "files" / name, kind, kTypes[type], size);
       }
+    }
+  }
+  for (std::uint8_t coding = 0; coding < fuzz::kFuzzedCodings.size(); ++coding) {
+    for (const std::uint8_t side : std::to_array<std::uint8_t>({0, 2, 4, 5})) {
+      save(folder / "bricks" / std::to_string(number++), exact_brick_input(coding, side));
     }
   }
   // The voxels are read as floats by their bits: tiny multiples of the smallest one.

@@ -78,14 +78,35 @@ TEST(Header, FloatsWithoutAUsableCodingAreRejected) {
   expect_corrupt([](HeaderBlock& b) { b[334] = 16; });                // length
   expect_corrupt([](HeaderBlock& b) { b[336] = 7; });                 // codes of type float32
   expect_corrupt([](HeaderBlock& b) { b[336] = 0; });
-  expect_corrupt([](HeaderBlock& b) { b[337 + 7] = 0xbf; });          // a negative scale
-  expect_corrupt([](HeaderBlock& b) { b[345 + 6] = b[345 + 7] = 0xff; });  // offset NaN
+  expect_corrupt([](HeaderBlock& b) { b[338 + 7] = 0xbf; });          // a negative scale
+  expect_corrupt([](HeaderBlock& b) { b[346 + 6] = b[346 + 7] = 0xff; });  // offset NaN
   expect_corrupt([](HeaderBlock& b) { std::fill(b.begin() + 328, b.begin() + 508, 0); });
+}
+
+TEST(Header, ACodingIsExactWithoutAMaxErrorAndOnlyThen) {
+  FileHeader exact = float_header();
+  exact.max_error = 0;
+  exact.description.coding = SampleCoding{VoxelType::int32, 0.25, 0, true};
+  const HeaderBlock good = encode_header(exact);
+  EXPECT_EQ(parse_header(good, kFileBytes).description.coding, exact.description.coding);
+  EXPECT_EQ(parse_header(good, kFileBytes).description.codec_type(), VoxelType::float32);
+  EXPECT_EQ(parse_header(good, kFileBytes).description.coded_type(), VoxelType::int32);
+  const auto kind_with = [&](std::size_t at, std::uint8_t byte) {
+    HeaderBlock bad = good;
+    bad[at] = byte;
+    refresh_crc(bad);
+    return kind_of(bad);
+  };
+  EXPECT_EQ(kind_with(337, 0), ErrorKind::corrupt);              // no max error, not exact
+  EXPECT_EQ(kind_with(208 + 7, 0x3f), ErrorKind::corrupt);       // a max error, exact
+  EXPECT_EQ(kind_with(336, 3), ErrorKind::corrupt);              // codes of 16 bits
+  EXPECT_EQ(kind_with(337, 2), ErrorKind::unsupported_version);  // flags of a later version
+  EXPECT_EQ(kind_with(337, 3), ErrorKind::unsupported_version);
 }
 
 TEST(Header, ASecondCodingIsRejected) {
   HeaderBlock block = encode_header(float_header());
-  std::copy_n(block.begin() + 332, 21, block.begin() + 353);
+  std::copy_n(block.begin() + 332, 22, block.begin() + 354);
   block[328] = 2;
   refresh_crc(block);
   EXPECT_EQ(kind_of(block), ErrorKind::unsupported_version);

@@ -132,6 +132,11 @@ class FileMask {
       const auto [lowest, highest] = std::minmax({description.voxel_of(found.entry.range.min),
                                                   description.voxel_of(found.entry.range.max)});
       found.overlap = overlap_of(lowest, highest, windows_);
+      // The range is that of the finite voxels.
+      const bool may_hold_others = description.codec_type() == VoxelType::float32;
+      if (found.overlap == Overlap::all && may_hold_others && !found.entry.is_uniform()) {
+        found.overlap = Overlap::some;
+      }
       return true;
     });
   }

@@ -35,9 +35,10 @@ bool bounds_in(const ValueWindow& window, VoxelType type, T& lowest, T& highest)
   if (!(window.lowest <= window.highest)) return false;
   if constexpr (std::is_floating_point_v<T>) {
     // Rounded inwards, so that float comparisons decide as double ones do.
-    lowest = static_cast<T>(window.lowest);
-    highest = static_cast<T>(window.highest);
     constexpr T kInfinity = std::numeric_limits<T>::infinity();
+    constexpr double kLargest = std::numeric_limits<T>::max();
+    lowest = static_cast<T>(std::clamp(window.lowest, -kLargest, kLargest));
+    highest = static_cast<T>(std::clamp(window.highest, -kLargest, kLargest));
     if (static_cast<double>(lowest) < window.lowest) lowest = std::nextafter(lowest, kInfinity);
     if (static_cast<double>(highest) > window.highest) {
       highest = std::nextafter(highest, -kInfinity);

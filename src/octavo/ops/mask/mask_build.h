@@ -5,6 +5,7 @@
 // per voxel of a plane.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -20,7 +21,10 @@ struct ValueWindow {
   double lowest = 0;
   double highest = 0;
 
-  bool contains(double value) const { return lowest <= value && value <= highest; }
+  /// NaN and infinities are in no window.
+  bool contains(double value) const {
+    return lowest <= value && value <= highest && std::isfinite(value);
+  }
 };
 
 /// Takes the blocks of a volume layer by layer and gives its tree. One thread at a time, but for

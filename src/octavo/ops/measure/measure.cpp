@@ -24,6 +24,7 @@ constexpr std::int64_t kBricksAtOnce = 64;
 struct Sums {
   MomentSums moments;
   std::uint64_t surface = 0;
+  std::uint64_t not_finite = 0;  // grey voxels that enter none of the following
   // Of the grey voxels less `GreyScale::minimum`: exact for integers, in order for floats.
   double minimum = std::numeric_limits<double>::infinity();
   double maximum = -std::numeric_limits<double>::infinity();
@@ -55,7 +56,17 @@ GreyScale scale_of(const FileReader& grey, const RegionMeasureOptions& options) 
 }
 
 template <class T>
+bool is_finite(T value) {
+  if constexpr (std::is_integral_v<T>) return true;
+  else return std::isfinite(value);
+}
+
+template <class T>
 void add_grey(T value, const GreyScale& scale, Sums& sums) {
+  if (!is_finite(value)) {
+    ++sums.not_finite;
+    return;
+  }
   const auto v = static_cast<double>(value);
   sums.minimum = std::min(sums.minimum, v);
   sums.maximum = std::max(sums.maximum, v);
@@ -76,6 +87,7 @@ using GreyByLabel = std::map<std::int64_t, Sums>;
 void add(const Sums& from, Sums& to) {
   to.moments.add(from.moments);
   to.surface += from.surface;
+  to.not_finite += from.not_finite;
   to.minimum = std::min(to.minimum, from.minimum);
   to.maximum = std::max(to.maximum, from.maximum);
   to.whole_sum += from.whole_sum;
@@ -129,7 +141,8 @@ class Measurement {
   void find_percentiles(Progress& progress) {
     PercentileSearch& search = *scale_.search;
     for (const auto& [label, sums] : totals_) {
-      search.begin(label, sums.moments.count, sums.histogram);
+      const std::uint64_t values = sums.moments.count - sums.not_finite;
+      if (values > 0) search.begin(label, values, sums.histogram);
     }
     while (!search.is_settled()) {
       PercentileSearch::Found all;
@@ -165,6 +178,7 @@ class Measurement {
             const PercentileSearch::Places& places = search.places_of(labels[lo]);
             PercentileSearch::Counted& counted = found[labels[lo]];
             for (std::int64_t x = lo; x < hi; ++x) {
+              if (!is_finite(row[x])) continue;
               search.count(places, scale_.keys->key_of(row[x]), counted);
             }
           }
@@ -315,11 +329,16 @@ class Measurement {
   GreyStatistics grey_of(const Sums& sums) const {
     GreyStatistics grey;
     const bool is_whole = is_integer(grey_->description().type);
-    const auto count = static_cast<long double>(sums.moments.count);
+    const auto count = static_cast<long double>(sums.moments.count - sums.not_finite);
+    grey.not_finite = sums.not_finite;
     const long double sum = is_whole ? static_cast<long double>(sums.whole_sum) : sums.sum;
     const long double squares =
         is_whole ? static_cast<long double>(sums.whole_squares) : sums.squares;
     const long double mean = sum / count;
+    if (count == 0) {
+      grey.minimum = grey.maximum = grey.mean = grey.deviation = std::nan("");
+      return grey;
+    }
     grey.minimum = sums.minimum;
     grey.maximum = sums.maximum;
     grey.mean = static_cast<double>(mean + scale_.minimum);

@@ -18,8 +18,10 @@
 
 namespace octavo {
 
-/// The grey voxels of one region, in stored units.
+/// The grey voxels of one region, in stored units. Those that are NaN or infinite are counted and
+/// in no other number, which are NaN where there are no others.
 struct GreyStatistics {
+  std::uint64_t not_finite = 0;
   double mean = 0;
   double deviation = 0;  ///< of the population
   double minimum = 0;

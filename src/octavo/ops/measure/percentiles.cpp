@@ -110,8 +110,9 @@ void PercentileSearch::take(const Found& found) {
 }
 
 std::vector<double> PercentileSearch::values_of(std::int64_t region) const {
+  if (!places_.contains(region)) return std::vector<double>(percentiles_.size(), std::nan(""));
   std::vector<double> values;
-  for (const Place& place : places_.at(region)) values.push_back(keys_.value_of(place.prefix));
+  for (const Place& place : places_of(region)) values.push_back(keys_.value_of(place.prefix));
   return values;
 }
 

@@ -106,8 +106,12 @@ class PercentileSearch {
   /// Whether the percentiles of all regions are settled; otherwise one more pass is needed.
   bool is_settled() const { return rest_ == 0; }
 
-  /// What a pass looks for in a region that has begun.
-  const Places& places_of(std::int64_t region) const { return places_.at(region); }
+  /// What a pass looks for in a region; nothing where it has not begun.
+  const Places& places_of(std::int64_t region) const {
+    static const Places kNone;
+    const auto found = places_.find(region);
+    return found == places_.end() ? kNone : found->second;
+  }
   /// Counts a voxel of a region in a pass, where a percentile may be it.
   void count(const Places& places, std::uint64_t key, Counted& counted) const;
   /// Whether a pass would count any voxel with a key of `first` to `last`.
@@ -115,7 +119,7 @@ class PercentileSearch {
   /// Ends a pass. Throws Error{corrupt} where voxels are not in the range that the index declares.
   void take(const Found& found);
 
-  /// As many as were asked for. Requires is_settled().
+  /// As many as were asked for, NaN of a region that has not begun. Requires is_settled().
   std::vector<double> values_of(std::int64_t region) const;
 
  private:

@@ -76,6 +76,8 @@ std::int32_t ClassOctree::brick_class(const BrickEntry& entry, const Box& covere
       std::minmax({d.voxel_of(entry.range.min), d.voxel_of(entry.range.max)});
   const auto class_id = classes_.common_class(minimum, maximum);
   if (!class_id) return kMixed;
+  // The range is that of the finite voxels.
+  if (d.codec_type() == VoxelType::float32 && !entry.is_uniform()) return kMixed;
   return *class_id == kNothing || kept_.contains(covered) ? std::int32_t{*class_id} : kMixed;
 }
 

@@ -1,0 +1,243 @@
+// Float32 voxels bit by bit: codes by a codec of their own, then which float of its bin each is.
+//
+// A brick starts with a byte of flags. Where samples are absent every level says which; level 0
+// says which floats they are.
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <optional>
+
+#include "octavo/codec/brick_codec.h"
+#include "octavo/codec/entropy/byte_io.h"
+#include "octavo/codec/exact/absent_samples.h"
+#include "octavo/codec/exact/float_bins.h"
+#include "octavo/codec/exact/float_codes.h"
+#include "octavo/codec/exact/float_places.h"
+
+namespace octavo::exact {
+
+namespace {
+
+constexpr float kAbsent = std::numeric_limits<float>::quiet_NaN();
+
+/// What stands at the start of the segment that holds a brick's plain samples.
+struct Head {
+  static constexpr unsigned kHasAbsent = 1;   ///< samples without a value
+  static constexpr unsigned kHasPlaces = 2;   ///< voxels that are not those of their codes
+  static constexpr unsigned kMinIsAbove = 4;  ///< the smallest code is that of the index plus 1
+  static constexpr unsigned kMaxIsBelow = 8;  ///< the largest code is that of the index less 1
+
+  unsigned flags = 0;
+
+  bool has(unsigned flag) const { return (flags & flag) != 0; }
+
+  static Head take(ByteSpan& segment) {
+    Head head;
+    head.flags = take_bytes(segment, 1).front();
+    if (head.flags > 15) throw Error(ErrorKind::corrupt, "unknown flags of a float brick");
+    return head;
+  }
+};
+
+/// The flags of all levels of a brick, finest first; none where all samples are present.
+std::vector<AbsentFlags> flags_of_levels(const BrickShape& shape, const AbsentFlags& finest) {
+  std::vector<AbsentFlags> levels;
+  if (finest.empty()) return levels;
+  levels.push_back(finest);
+  for (std::size_t i = 0; i + 1 < static_cast<std::size_t>(shape.level_count); ++i) {
+    levels.push_back(coarser_flags(levels[i], shape.size[i], shape.halving[i]));
+  }
+  return levels;
+}
+
+std::vector<std::uint32_t> bits_of_all(std::span<const float> voxels) {
+  std::vector<std::uint32_t> bits(voxels.size());
+  std::memcpy(bits.data(), voxels.data(), voxels.size_bytes());
+  return bits;
+}
+
+class ExactCodec final : public BrickCodec {
+ public:
+  ExactCodec(std::unique_ptr<BrickCodec> codes, const SampleCoding& coding)
+      : codes_(std::move(codes)), coding_(coding), bins_(coding) {}
+
+  VolumeKind kind() const noexcept override { return codes_->kind(); }
+  AxisOrder axis_order() const noexcept override { return codes_->axis_order(); }
+  Bytes serialized() const override { return codes_->serialized(); }
+  EncodedBrick encode(const BrickShape& shape, const BrickView& view) const override;
+  void decode(const BrickShape& shape, VoxelType type, const ValueRange& range,
+              std::span<const ByteSpan> segments, int level, void* out) const override;
+
+ private:
+  Head widen(EncodedBrick& encoded, const QuantizedBrick& brick) const;
+  std::vector<Bytes> parts_of(const BrickShape& shape, const QuantizedBrick& brick,
+                              const Head& head, bool is_stored) const;
+  AbsentFlags take_absent(const BrickShape& shape, bool is_stored, std::span<ByteSpan> segments,
+                          int level, std::span<std::uint32_t> bits) const;
+
+  std::unique_ptr<BrickCodec> codes_;
+  SampleCoding coding_;
+  FloatBins bins_;
+};
+
+/// Widens the range of the codes to bounds of the voxels, so far that a brick whose codes do not
+/// say all is not uniform; returns the head that tells what was done.
+Head ExactCodec::widen(EncodedBrick& encoded, const QuantizedBrick& brick) const {
+  Head head;
+  if (!brick.absent.empty()) head.flags |= Head::kHasAbsent;
+  ValueRange& range = encoded.range;
+  const ValueRange codes = range;
+  if (brick.has_places) {
+    head.flags |= Head::kHasPlaces;
+    if (coding_.voxel_of(range.min) > brick.min) --range.min;
+    if (coding_.voxel_of(range.max) < brick.max) ++range.max;
+  }
+  if (head.flags != 0 && range.min == range.max) ++range.max;
+  if (range.min < codes.min) head.flags |= Head::kMinIsAbove;
+  if (range.max > codes.max) head.flags |= Head::kMaxIsBelow;
+  return head;
+}
+
+/// What stands before the segments of the codes.
+std::vector<Bytes> ExactCodec::parts_of(const BrickShape& shape, const QuantizedBrick& brick,
+                                        const Head& head, bool is_stored) const {
+  std::vector<Bytes> parts(static_cast<std::size_t>(shape.level_count));
+  (is_stored ? parts.front() : parts.back()).push_back(static_cast<std::uint8_t>(head.flags));
+  const std::vector<AbsentFlags> flags = flags_of_levels(shape, brick.absent);
+  const std::size_t flagged_levels = is_stored ? std::min<std::size_t>(1, flags.size())
+                                               : flags.size();
+  for (std::size_t i = 0; i < flagged_levels; ++i) {
+    const bool has_coarser = i + 1 < flagged_levels;
+    const bool is_finest = shape.first_level + static_cast<int>(i) == 0;
+    const Bytes coded = encode_absent(
+        flags[i], shape.size[i], has_coarser ? flags[i + 1] : AbsentFlags{}, shape.halving[i],
+        is_finest ? bits_of_all(brick.voxels) : std::vector<std::uint32_t>{});
+    put_varint(parts[i], coded.size());
+    parts[i].insert(parts[i].end(), coded.begin(), coded.end());
+  }
+  if (brick.has_places) {
+    const Bytes places =
+        encode_places(bins_, {shape.size[0], brick.codes, brick.absent}, brick.voxels);
+    parts[0].insert(parts[0].end(), places.begin(), places.end());
+  }
+  return parts;
+}
+
+EncodedBrick ExactCodec::encode(const BrickShape& shape, const BrickView& view) const {
+  const QuantizedBrick brick = quantized(coding_, shape, view);
+  EncodedBrick encoded = codes_->encode(shape, code_view(brick, view.size));
+  const bool is_empty = std::count(brick.absent.begin(), brick.absent.end(), 0) == 0;
+  const float parent =
+      !brick.absent.empty() && is_empty ? kAbsent : coding_.voxel_of(encoded.parent);
+  encoded.parent = bits_of(parent);
+
+  const bool is_stored = encoded.range.min != encoded.range.max && shape.level_count > 1 &&
+                         encoded.segments.back().empty();
+  const Head head = widen(encoded, brick);
+  if (encoded.range.min == encoded.range.max) return encoded;
+  const std::vector<Bytes> parts = parts_of(shape, brick, head, is_stored);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    Bytes& segment = encoded.segments[i];
+    segment.insert(segment.begin(), parts[i].begin(), parts[i].end());
+  }
+  return encoded;
+}
+
+/// Takes the flags off the fronts of the segments; returns those of `level`.
+AbsentFlags ExactCodec::take_absent(const BrickShape& shape, bool is_stored,
+                                    std::span<ByteSpan> segments, int level,
+                                    std::span<std::uint32_t> bits) const {
+  AbsentFlags flags;
+  const int first = is_stored ? 0 : level;
+  for (int i = is_stored ? 0 : shape.level_count - 1; i >= first; --i) {
+    const auto slot = static_cast<std::size_t>(i);
+    const std::uint64_t length = take_varint(segments[slot]);
+    const bool is_finest = shape.first_level + i == 0;
+    flags = decode_absent(take_bytes(segments[slot], length), shape.size[slot], flags,
+                          shape.halving[slot], is_finest ? bits : std::span<std::uint32_t>{});
+  }
+  for (int i = first; i < level; ++i) {
+    const auto slot = static_cast<std::size_t>(i);
+    flags = coarser_flags(flags, shape.size[slot], shape.halving[slot]);
+  }
+  return flags;
+}
+
+void ExactCodec::decode(const BrickShape& shape, VoxelType type, const ValueRange& range,
+                        std::span<const ByteSpan> segments, int level, void* out) const {
+  if (type != VoxelType::float32) {
+    throw Error(ErrorKind::invalid_argument, "exact float voxels are of type float32");
+  }
+  const Size3& size = shape.size[static_cast<std::size_t>(level)];
+  const auto count = static_cast<std::size_t>(size.voxel_count());
+  const std::span<float> voxels(static_cast<float*>(out), count);
+  if (range.min == range.max) {
+    std::fill(voxels.begin(), voxels.end(), coding_.voxel_of(range.min));
+    return;
+  }
+  // The head, and the range of the codes
+  std::vector<ByteSpan> parts(segments.begin(), segments.end());
+  const bool is_stored = shape.level_count > 1 && segments.back().empty();
+  const Head head = Head::take(is_stored ? parts.front() : parts.back());
+  const ValueRange codes{range.min + (head.has(Head::kMinIsAbove) ? 1 : 0),
+                         range.max - (head.has(Head::kMaxIsBelow) ? 1 : 0)};
+  if (codes.min > codes.max || codes.min < -kLargestBin || codes.max > kLargestBin) {
+    throw Error(ErrorKind::corrupt, "a float brick has no codes");
+  }
+  if (head.has(Head::kHasPlaces) && shape.first_level > 0) {
+    throw Error(ErrorKind::corrupt, "a coarse float brick has places");
+  }
+  // Which samples are absent; their bits where level 0 is asked for
+  AbsentFlags absent;
+  std::vector<std::uint32_t> bits;
+  if (head.has(Head::kHasAbsent)) {
+    const bool reads_finest = shape.first_level == 0 && (is_stored || level == 0);
+    if (reads_finest) bits.resize(static_cast<std::size_t>(shape.size[0].voxel_count()));
+    absent = take_absent(shape, is_stored, parts, level, bits);
+  }
+  // The places, whose codes are not there yet
+  ByteSpan places = is_stored || level == 0 ? parts.front() : ByteSpan{};
+  if (head.has(Head::kHasPlaces) && (is_stored || level == 0)) skip_places(parts.front());
+
+  // The codes
+  std::vector<std::int32_t> found(count, static_cast<std::int32_t>(codes.min));
+  if (codes.min != codes.max) {
+    codes_->decode(shape, VoxelType::int32, codes, parts, level, found.data());
+  } else if (std::any_of(parts.begin() + level, parts.end(),
+                         [](ByteSpan part) { return !part.empty(); })) {
+    throw Error(ErrorKind::corrupt, "a float brick of one code holds several");
+  }
+  // The voxels
+  if (level == 0 && head.has(Head::kHasPlaces)) {
+    decode_places(bins_, {size, found, absent}, places, voxels);
+  } else {
+    std::transform(found.begin(), found.end(), voxels.begin(),
+                   [&](std::int32_t code) { return coding_.voxel_of(code); });
+  }
+  const bool has_bits = level == 0 && !bits.empty();
+  for (std::size_t i = 0; i < absent.size(); ++i) {
+    if (absent[i] != 0) voxels[i] = has_bits ? float_of_bits(bits[i]) : kAbsent;
+  }
+}
+
+}  // namespace
+
+}  // namespace octavo::exact
+
+namespace octavo {
+
+std::unique_ptr<BrickCodec> make_exact_codec(std::unique_ptr<BrickCodec> codes,
+                                             const SampleCoding& coding) {
+  return std::make_unique<exact::ExactCodec>(std::move(codes), coding);
+}
+
+std::unique_ptr<BrickCodec> parse_model(VolumeKind kind, VoxelType coded_type,
+                                        const std::optional<SampleCoding>& coding,
+                                        ByteSpan bytes) {
+  auto codec = parse_model(kind, coded_type, bytes);
+  if (!coding || !coding->is_exact) return codec;
+  return make_exact_codec(std::move(codec), *coding);
+}
+
+}  // namespace octavo

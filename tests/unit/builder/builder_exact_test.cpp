@@ -1,0 +1,147 @@
+// Builds of float32 volumes that come back bit by bit.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+
+#include "octavo/file/verify.h"
+#include "support/built_file.h"
+
+namespace octavo {
+namespace {
+
+using namespace octavo::testing;
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr Size3 kSize{150, 67, 131};
+
+/// Noise in a ball, NaN around it and in a slab; some infinities and zeros of both signs.
+std::vector<float> scan() {
+  std::mt19937 random(2);
+  std::normal_distribution<float> noise(900, 25);
+  std::vector<float> voxels;
+  for (std::int64_t z = 0; z < kSize.z; ++z) {
+    for (std::int64_t y = 0; y < kSize.y; ++y) {
+      for (std::int64_t x = 0; x < kSize.x; ++x) {
+        const std::int64_t far = (x - 40) * (x - 40) + (y - 33) * (y - 33) + (z - 60) * (z - 60);
+        const std::uint32_t some = static_cast<std::uint32_t>(random()) % 500;
+        float voxel = far > 3000 || (z > 100 && z < 110) ? kNan : noise(random);
+        if (some == 0) voxel = std::numeric_limits<float>::infinity();
+        if (some == 1) voxel = -0.0f;
+        if (some == 2 && x < 100) voxel = std::bit_cast<float>(0xffc00000u + some);
+        voxels.push_back(x >= 128 ? kNan : voxel);
+      }
+    }
+  }
+  return voxels;
+}
+
+Volume volume_of(const std::vector<float>& voxels) {
+  Volume volume;
+  volume.description.type = VoxelType::float32;
+  volume.description.size = kSize;
+  const auto bytes = std::as_bytes(std::span(voxels));
+  volume.voxels.assign(bytes.begin(), bytes.end());
+  return volume;
+}
+
+void build(const Volume& volume, const BuildOptions& options, const std::string& path) {
+  const auto source = make_memory_source(volume.description, volume.voxels);
+  NoProgress progress;
+  build_file(*source, local_storage(), path, options, progress);
+}
+
+std::vector<float> level_of(const FileReader& reader, int level) {
+  const Size3& size = reader.levels().size(level);
+  std::vector<float> samples(static_cast<std::size_t>(size.voxel_count()));
+  reader.read(box_of(size), level, samples.data());
+  return samples;
+}
+
+TEST(ExactBuild, EveryBitComesBackInAllTiers) {
+  const ScratchFolder folder;
+  const Volume volume = volume_of(scan());
+  for (const Preset preset : {Preset::small, Preset::fast}) {
+    const std::string path = folder.file(preset == Preset::fast ? "fast.8vo" : "small.8vo");
+    build(volume, {.preset = preset}, path);
+    const auto reader = open_file(path);
+    EXPECT_EQ(read_box(*reader, box_of(kSize), 0), volume.voxels);
+    EXPECT_EQ(reader->max_error(), 0);
+    ASSERT_TRUE(reader->description().coding.has_value());
+    EXPECT_TRUE(reader->description().coding->is_exact);
+    NoProgress progress;
+    EXPECT_TRUE(verify_file(open_byte_source(local_storage(), path), {}, progress).is_sound());
+  }
+}
+
+TEST(ExactBuild, TheFileDoesNotDependOnThreads) {
+  const ScratchFolder folder;
+  const Volume volume = volume_of(scan());
+  build(volume, {.preset = Preset::fast, .threads = 1}, folder.file("a"));
+  build(volume, {.preset = Preset::fast, .threads = 4}, folder.file("b"));
+  EXPECT_EQ(bytes_of_file(folder.file("a")), bytes_of_file(folder.file("b")));
+}
+
+TEST(ExactBuild, EveryLevelMeansTheFiniteVoxelsAndIsNanWhereThereAreNone) {
+  const ScratchFolder folder;
+  const Volume volume = volume_of(scan());
+  build(volume, {.preset = Preset::fast}, folder.file("v.8vo"));
+  const auto reader = open_file(folder.file("v.8vo"));
+  const double step = reader->description().coding->scale;
+  const Levels& levels = reader->levels();
+  std::vector<float> fine = level_of(*reader, 0);
+  for (int level = 1; level < levels.count(); ++level) {
+    const Size3& below = levels.size(level - 1);
+    const Size3& size = levels.size(level);
+    const HalvingMask mask = levels.halving(level - 1);
+    std::vector<float> low(static_cast<std::size_t>(size.voxel_count()), kNan);
+    std::vector<float> high = low;
+    for (std::int64_t i = 0; i < below.voxel_count(); ++i) {
+      const float v = fine[static_cast<std::size_t>(i)];
+      if (!std::isfinite(v)) continue;
+      const Index3 at{i % below.x >> (mask & 1), i / below.x % below.y >> (mask >> 1 & 1),
+                      i / (below.x * below.y) >> (mask >> 2 & 1)};
+      const auto place = static_cast<std::size_t>((at.z * size.y + at.y) * size.x + at.x);
+      low[place] = std::fmin(low[place], v);
+      high[place] = std::fmax(high[place], v);
+    }
+    const std::vector<float> coarse = level_of(*reader, level);
+    for (std::size_t i = 0; i < coarse.size(); ++i) {
+      ASSERT_EQ(std::isnan(coarse[i]), std::isnan(low[i])) << "level " << level;
+      if (std::isnan(coarse[i])) {
+        ASSERT_EQ(std::bit_cast<std::uint32_t>(coarse[i]), 0x7fc00000u);
+        continue;
+      }
+      ASSERT_GE(static_cast<double>(coarse[i]), static_cast<double>(low[i]) - 2 * step);
+      ASSERT_LE(static_cast<double>(coarse[i]), static_cast<double>(high[i]) + 2 * step);
+    }
+    fine = coarse;
+  }
+}
+
+TEST(ExactBuild, ValuesFarBeyondThoseOfTheFirstPlanesComeBack) {
+  const ScratchFolder folder;
+  std::mt19937 random(9);
+  std::normal_distribution<float> noise(0, 1e-6f);
+  // The spikes come behind the first group: 512 x 512 x 64 planes of 4 bytes.
+  Volume volume;
+  volume.description.type = VoxelType::float32;
+  volume.description.size = {512, 512, 66};
+  std::vector<float> voxels(512 * 512 * 66);
+  for (std::size_t i = 0; i < voxels.size(); ++i) voxels[i] = i % 512 < 16 ? noise(random) : 0;
+  for (std::size_t i = 0; i < 600; ++i) {
+    voxels[512 * 512 * 65 + 97 * i] = 3e30f + 1e28f * static_cast<float>(i);
+  }
+  const auto bytes = std::as_bytes(std::span(voxels));
+  volume.voxels.assign(bytes.begin(), bytes.end());
+  build(volume, {.preset = Preset::fast}, folder.file("v.8vo"));
+  const auto reader = open_file(folder.file("v.8vo"));
+  EXPECT_EQ(read_box(*reader, box_of(volume.description.size), 0), volume.voxels);
+  EXPECT_GE(reader->description().voxel_of(reader->range().max), 3e30);
+}
+
+}  // namespace
+}  // namespace octavo

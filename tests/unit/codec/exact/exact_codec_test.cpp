@@ -1,0 +1,382 @@
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <utility>
+
+#include "octavo/codec/brick_codec.h"
+#include "octavo/codec/exact/absent_samples.h"
+#include "octavo/codec/exact/float_bins.h"
+#include "octavo/codec/grey/octant_transform.h"
+#include "octavo/core/error.h"
+
+namespace octavo {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kLargest = std::numeric_limits<float>::max();
+
+float of_bits(std::uint32_t bits) { return std::bit_cast<float>(bits); }
+std::uint32_t bits_of(float value) { return std::bit_cast<std::uint32_t>(value); }
+
+SampleCoding exact(double scale, double offset = 0) {
+  return {VoxelType::int32, scale, offset, true};
+}
+
+const SampleCoding kCodings[] = {exact(0.25),   exact(0x1p-148),      exact(0.1),
+                                 exact(1e30),   exact(0.37, 1000.25), exact(1, 0.5),
+                                 exact(3e38),   exact(0x1p-30),       exact(1e-3, -1e6),
+                                 exact(0.1, 7), exact(0x1p127)};
+
+const float kNotable[] = {0.0f,     -0.0f,   1e-45f,        -1e-45f,    1.1754944e-38f, 0.125f,
+                          -0.125f,  0.1f,    0.375f,        1.0f,       -1.0f,          1000.25f,
+                          1000.43f, 3e7f,    -16777216.0f,  1e30f,      -1e30f,         kLargest,
+                          -kLargest, 0.05f,  std::nextafter(0.125f, 0.0f), 2.5f, -7e8f, 3.4e-39f};
+
+TEST(FloatBins, RanksAreInTheOrderOfFloats) {
+  EXPECT_EQ(exact::rank_of(0.0f), 0);
+  EXPECT_EQ(exact::rank_of(-0.0f), -1);
+  EXPECT_EQ(exact::rank_of(of_bits(1)), 1);
+  EXPECT_EQ(exact::rank_of(kInfinity), exact::kInfinityRank);
+  for (const float v : kNotable) {
+    EXPECT_EQ(bits_of(exact::float_of(exact::rank_of(v))), bits_of(v));
+    for (const float w : kNotable) {
+      if (v < w) EXPECT_LT(exact::rank_of(v), exact::rank_of(w)) << v << " " << w;
+    }
+  }
+}
+
+TEST(FloatBins, EveryFloatIsInTheBinOfItsCode) {
+  std::mt19937 random(4);
+  for (const SampleCoding& coding : kCodings) {
+    const exact::FloatBins bins(coding);
+    std::vector<float> values(std::begin(kNotable), std::end(kNotable));
+    for (int i = 0; i < 20000; ++i) values.push_back(of_bits(static_cast<std::uint32_t>(random())));
+    for (const float v : values) {
+      if (!std::isfinite(v)) continue;
+      const std::int64_t code = bins.code_of(v);
+      EXPECT_LE(std::abs(code), exact::kLargestBin);
+      EXPECT_TRUE(bins.bin_of(code, 0).contains(exact::rank_of(v)))
+          << v << " at " << coding.scale << " + " << coding.offset;
+    }
+  }
+}
+
+TEST(FloatBins, BinsLeaveNoFloatOutAndShareNone) {
+  for (const SampleCoding& coding : kCodings) {
+    const exact::FloatBins bins(coding);
+    for (const int short_bits : {0, 5, 23}) {
+      for (std::int64_t code = -70; code < 70; ++code) {
+        const exact::FloatBin bin = bins.bin_of(code, short_bits);
+        EXPECT_LE(bin.first, bin.end);
+        EXPECT_EQ(bin.end, bins.bin_of(code + 1, short_bits).first);
+      }
+      EXPECT_EQ(bins.bin_of(-exact::kLargestBin, 0).first, exact::rank_of(-kLargest));
+      EXPECT_EQ(bins.bin_of(exact::kLargestBin, 0).end, exact::kInfinityRank);
+    }
+  }
+}
+
+/// What a brick may hold.
+enum class Floats {
+  noise, smooth, wide_range, denormals, constant, two_values, multiples, zeros_and_few, halves,
+  sparse_nan, nan_outside, payloads, infinities, all_nan, signed_zeros, beyond_all_codes, any_bits
+};
+constexpr Floats kAllFloats[] = {
+    Floats::noise,       Floats::smooth,        Floats::wide_range,   Floats::denormals,
+    Floats::constant,    Floats::two_values,    Floats::multiples,    Floats::zeros_and_few,
+    Floats::halves,      Floats::sparse_nan,    Floats::nan_outside,  Floats::payloads,
+    Floats::infinities,  Floats::all_nan,       Floats::signed_zeros, Floats::beyond_all_codes,
+    Floats::any_bits};
+
+float float_at(Floats sort, const Index3& p, std::mt19937& random) {
+  const auto at = static_cast<double>(p.x) * 0.11 + static_cast<double>(p.y) * 0.07;
+  const double wave = std::sin(at) * std::cos(0.05 * static_cast<double>(p.z));
+  std::normal_distribution<double> normal(0, 1);
+  const double noise = normal(random);
+  const auto some = static_cast<std::uint32_t>(random());
+  switch (sort) {
+    case Floats::noise: return static_cast<float>(100 * wave + noise);
+    case Floats::smooth: return static_cast<float>(wave);
+    case Floats::wide_range: return static_cast<float>(std::pow(10.0, 30 * wave) * noise);
+    case Floats::denormals: return static_cast<float>(noise * 1e-40);
+    case Floats::constant: return 0.3f;
+    case Floats::two_values: return wave > 0.2 ? 0.7f : -1e-3f;
+    case Floats::multiples: return static_cast<float>(std::floor(90 * wave) * 0.1);
+    case Floats::zeros_and_few: return wave > 0.5 ? static_cast<float>(noise * 1e-9) : 0.0f;
+    case Floats::halves: return of_bits(bits_of(static_cast<float>(noise)) & ~0x1fffu);
+    case Floats::sparse_nan: return some % 50 == 0 ? kNan : static_cast<float>(wave + noise);
+    case Floats::nan_outside: return wave < 0.1 ? kNan : static_cast<float>(9 * wave + noise);
+    case Floats::payloads: return some % 3 == 0 ? of_bits(0xff800001u + some % 9) : 1.5f;
+    case Floats::infinities:
+      return some % 7 == 0 ? kInfinity : some % 11 == 0 ? -kInfinity : static_cast<float>(noise);
+    case Floats::all_nan: return kNan;
+    case Floats::signed_zeros: return some % 3 == 0 ? -0.0f : some % 5 == 0 ? 1.0f : 0.0f;
+    case Floats::beyond_all_codes:
+      return some % 2 == 0 ? kLargest : static_cast<float>(-1e38 * noise);
+    case Floats::any_bits: return of_bits(some);
+  }
+  return 0;
+}
+
+struct Brick {
+  BrickShape shape;
+  std::vector<float> voxels;
+
+  Brick(Floats sort, const Size3& size, int tier = 0) {
+    const Levels levels(size, choose_halvings(size, {1, 1, 1}));
+    shape = brick_shape(levels, 0, {0, 0, 0});
+    shape.first_level = 6 * tier;
+    std::mt19937 random(7);
+    for (std::int64_t z = 0; z < size.z; ++z) {
+      for (std::int64_t y = 0; y < size.y; ++y) {
+        for (std::int64_t x = 0; x < size.x; ++x) {
+          voxels.push_back(float_at(sort, {x, y, z}, random));
+        }
+      }
+    }
+  }
+  BrickView view() const {
+    const Size3& size = shape.size[0];
+    return {voxels.data(), VoxelType::float32, size, size.x, size.x * size.y};
+  }
+};
+
+std::vector<float> decoded(const BrickCodec& codec, const Brick& brick, const EncodedBrick& encoded,
+                           int level) {
+  const Size3& size = brick.shape.size[static_cast<std::size_t>(level)];
+  std::vector<float> samples(static_cast<std::size_t>(size.voxel_count()));
+  std::vector<ByteSpan> segments(encoded.segments.begin(), encoded.segments.end());
+  const bool is_stored = segments.back().empty();
+  for (int i = 0; i < level && !is_stored; ++i) segments[static_cast<std::size_t>(i)] = {};
+  codec.decode(brick.shape, VoxelType::float32, encoded.range, segments, level, samples.data());
+  return samples;
+}
+
+bool are_same(const std::vector<float>& a, const std::vector<float>& b) {
+  return std::ranges::equal(a, b, {}, bits_of, bits_of);
+}
+
+std::unique_ptr<BrickCodec> trained_on(const Brick& brick, const SampleCoding& coding,
+                                       Preset preset = Preset::small) {
+  const TrainingBrick training{brick.shape, brick.view()};
+  return train_exact_model({&training, 1}, {preset, 0}, coding);
+}
+
+const Size3 kSizes[] = {{33, 20, 17}, {1, 1, 1}, {1, 1, 2}, {5, 7, 3}, {2, 2, 2}, {40, 3, 9}};
+
+TEST(ExactCodec, EveryBitOfEveryKindOfFloatComesBack) {
+  for (const Floats sort : kAllFloats) {
+    for (const Size3& size : kSizes) {
+      const Brick brick(sort, size);
+      for (const SampleCoding& coding : kCodings) {
+        // The large ones meet each coding with some of the contents.
+        const auto turn = static_cast<std::size_t>(&coding - kCodings);
+        const bool is_large = size.voxel_count() > 4096;
+        if (is_large && (static_cast<std::size_t>(sort) + turn) % 3 != 0) continue;
+        SCOPED_TRACE(::testing::Message() << "floats " << static_cast<int>(sort) << ", " << size.x
+                                          << " x " << size.y << " x " << size.z << ", scale "
+                                          << coding.scale);
+        const auto trained = trained_on(brick, coding, Preset::fast);
+        const auto codec =
+            parse_model(VolumeKind::grey, VoxelType::int32, coding, trained->serialized());
+        const EncodedBrick encoded = codec->encode(brick.shape, brick.view());
+        ASSERT_TRUE(are_same(decoded(*codec, brick, encoded, 0), brick.voxels));
+      }
+    }
+  }
+}
+
+TEST(ExactCodec, AFullBrickComesBackWithBothPresets) {
+  const std::pair<Preset, Floats> cases[] = {{Preset::small, Floats::nan_outside},
+                                             {Preset::fast, Floats::any_bits}};
+  for (const auto& [preset, sort] : cases) {
+    const Brick brick(sort, {64, 64, 64});
+    const auto codec = trained_on(brick, exact(0.125), preset);
+    const EncodedBrick encoded = codec->encode(brick.shape, brick.view());
+    EXPECT_TRUE(are_same(decoded(*codec, brick, encoded, 0), brick.voxels));
+  }
+}
+
+TEST(ExactCodec, TheRangeBoundsAllFiniteVoxels) {
+  for (const Floats sort : kAllFloats) {
+    const Brick brick(sort, {20, 17, 9});
+    for (const SampleCoding& coding : kCodings) {
+      const EncodedBrick encoded =
+          trained_on(brick, coding, Preset::fast)->encode(brick.shape, brick.view());
+      for (const float v : brick.voxels) {
+        if (!std::isfinite(v)) continue;
+        ASSERT_LE(coding.voxel_of(encoded.range.min), v) << static_cast<int>(sort);
+        ASSERT_GE(coding.voxel_of(encoded.range.max), v) << static_cast<int>(sort);
+      }
+    }
+  }
+}
+
+TEST(ExactCodec, ABrickIsUniformWhereAllVoxelsAreThatOfOneCode) {
+  const Size3 size{9, 8, 7};
+  const auto is_uniform = [&](float voxel) {
+    Brick brick(Floats::constant, size);
+    std::ranges::fill(brick.voxels, voxel);
+    const EncodedBrick encoded = trained_on(brick, exact(0.5))->encode(brick.shape, brick.view());
+    return encoded.range.min == encoded.range.max;
+  };
+  EXPECT_TRUE(is_uniform(0));
+  EXPECT_TRUE(is_uniform(-3.5f));
+  EXPECT_FALSE(is_uniform(-0.0f));
+  EXPECT_FALSE(is_uniform(0.3f));
+  EXPECT_FALSE(is_uniform(kNan));
+}
+
+/// The levels of a brick by the definition: codes by plain means, where nothing is absent.
+TEST(ExactCodec, CoarseLevelsAreTheMeansOfTheCodes) {
+  for (const Floats sort : {Floats::noise, Floats::multiples, Floats::two_values, Floats::smooth}) {
+    const Brick brick(sort, {33, 20, 17});
+    const SampleCoding coding = exact(0.125);
+    const auto codec = trained_on(brick, coding);
+    const EncodedBrick encoded = codec->encode(brick.shape, brick.view());
+    const exact::FloatBins bins(coding);
+    std::vector<std::int64_t> means;
+    for (const float v : brick.voxels) means.push_back(bins.code_of(v));
+    for (int level = 1; level < brick.shape.level_count; ++level) {
+      means = coarser_level(means, brick.shape, level - 1, codec->axis_order());
+      const std::vector<float> samples = decoded(*codec, brick, encoded, level);
+      ASSERT_EQ(samples.size(), means.size());
+      for (std::size_t i = 0; i < means.size(); ++i) {
+        ASSERT_EQ(samples[i], coding.voxel_of(means[i])) << "level " << level;
+      }
+    }
+  }
+}
+
+/// With the mean, of each level, of the samples below that are no NaN.
+TEST(ExactCodec, CoarseLevelsLeaveOutWhatIsNotFinite) {
+  for (const Floats sort : {Floats::sparse_nan, Floats::nan_outside, Floats::infinities}) {
+    const Brick brick(sort, {32, 16, 8});
+    const double step = 1.0 / 1024;
+    const auto codec = trained_on(brick, exact(step));
+    const EncodedBrick encoded = codec->encode(brick.shape, brick.view());
+    std::vector<float> fine = brick.voxels;
+    for (int level = 1; level < brick.shape.level_count; ++level) {
+      const auto slot = static_cast<std::size_t>(level);
+      const Size3& size = brick.shape.size[slot];
+      const Size3& below = brick.shape.size[slot - 1];
+      const HalvingMask mask = brick.shape.halving[slot - 1];
+      const std::vector<float> coarse = decoded(*codec, brick, encoded, level);
+      std::vector<double> sums(coarse.size());
+      std::vector<double> counts(coarse.size());
+      for (std::int64_t i = 0; i < below.voxel_count(); ++i) {
+        const float v = fine[static_cast<std::size_t>(i)];
+        if (!std::isfinite(v)) continue;
+        const std::int64_t x = i % below.x >> (mask & 1);
+        const std::int64_t y = i / below.x % below.y >> (mask >> 1 & 1);
+        const std::int64_t z = i / (below.x * below.y) >> (mask >> 2 & 1);
+        const auto at = static_cast<std::size_t>((z * size.y + y) * size.x + x);
+        sums[at] += static_cast<double>(v);
+        ++counts[at];
+      }
+      for (std::size_t i = 0; i < coarse.size(); ++i) {
+        ASSERT_EQ(std::isnan(coarse[i]), counts[i] == 0);
+        if (counts[i] == 0) continue;
+        // Half a step of the code and half a step for each of three splits.
+        ASSERT_NEAR(static_cast<double>(coarse[i]), sums[i] / counts[i], 2.1 * step);
+      }
+      fine = coarse;
+    }
+  }
+}
+
+TEST(ExactCodec, TheParentIsTheSampleAboveAndNanWhereAllIs) {
+  const Brick nan(Floats::all_nan, {8, 8, 8});
+  const auto parent = [](const Brick& brick) {
+    const EncodedBrick encoded = trained_on(brick, exact(0.25))->encode(brick.shape, brick.view());
+    return of_bits(static_cast<std::uint32_t>(encoded.parent));
+  };
+  EXPECT_EQ(bits_of(parent(nan)), 0x7fc00000u);
+  Brick some = nan;
+  some.voxels[77] = 4.25f;
+  EXPECT_EQ(parent(some), 4.25f);
+}
+
+TEST(ExactCodec, CoarseTiersKeepTheFloatsThatBricksBelowDetermine) {
+  const SampleCoding coding = exact(0.125);
+  Brick brick(Floats::nan_outside, {21, 9, 14}, 1);
+  for (float& v : brick.voxels) v = std::isnan(v) ? kNan : std::round(v * 8) / 8;
+  const auto codec = trained_on(brick, coding);
+  const EncodedBrick encoded = codec->encode(brick.shape, brick.view());
+  EXPECT_TRUE(are_same(decoded(*codec, brick, encoded, 0), brick.voxels));
+}
+
+TEST(ExactCodec, PlacesOfNoiseAreAsManyBitsAsTheBinHas) {
+  // Between 512 and 1023 the bins of width 1/4 hold 2^(-2 + 14) floats each.
+  Brick brick(Floats::constant, {32, 32, 32});
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> uniform(513, 1000);
+  for (float& v : brick.voxels) v = uniform(random);
+  const auto codec = trained_on(brick, exact(0.25), Preset::fast);
+  const EncodedBrick encoded = codec->encode(brick.shape, brick.view());
+  std::size_t bytes = 0;
+  for (const Bytes& segment : encoded.segments) bytes += segment.size();
+  const double bits = 8.0 * static_cast<double>(bytes) / static_cast<double>(brick.voxels.size());
+  // log2(487 * 4) bits of a code and 12 of the place.
+  EXPECT_LE(bits, 10.93 + 12 + 0.4);
+}
+
+TEST(ExactCodec, FloatsThatRepeatAreNotCodedAgain) {
+  // Square roots: no multiples of one number, but few different ones.
+  Brick brick(Floats::constant, {32, 32, 32});
+  std::mt19937 random(3);
+  for (float& v : brick.voxels) v = std::sqrt(static_cast<float>(random() % 64));
+  const auto codec = trained_on(brick, exact(0x1p-5), Preset::fast);
+  const EncodedBrick encoded = codec->encode(brick.shape, brick.view());
+  std::size_t bytes = 0;
+  for (const Bytes& segment : encoded.segments) bytes += segment.size();
+  // 6 bits tell which; the grey codec takes 2 more for so even a choice. Mantissas would take 20.
+  EXPECT_LE(8.0 * static_cast<double>(bytes) / static_cast<double>(brick.voxels.size()), 10);
+  EXPECT_TRUE(are_same(decoded(*codec, brick, encoded, 0), brick.voxels));
+}
+
+TEST(ExactCodec, EveryTruncationAndManyFlipsAreRejectedOrDecode) {
+  for (const Floats sort : {Floats::noise, Floats::infinities, Floats::zeros_and_few,
+                            Floats::two_values, Floats::any_bits}) {
+    const Brick brick(sort, {9, 8, 5});
+    const auto codec = trained_on(brick, exact(0.25));
+    const EncodedBrick encoded = codec->encode(brick.shape, brick.view());
+    int rejected = 0;
+    for (std::size_t level = 0; level < encoded.segments.size(); ++level) {
+      for (std::size_t at = 0; at < encoded.segments[level].size(); ++at) {
+        EncodedBrick cut = encoded;
+        cut.segments[level].resize(at);
+        EXPECT_THROW(decoded(*codec, brick, cut, 0), Error) << level << " " << at;
+        for (const std::uint8_t flip : {1, 16, 255}) {
+          EncodedBrick broken = encoded;
+          broken.segments[level][at] ^= flip;
+          try {
+            decoded(*codec, brick, broken, 0);
+          } catch (const Error& error) {
+            EXPECT_EQ(error.kind(), ErrorKind::corrupt);
+            ++rejected;
+          }
+        }
+      }
+    }
+    EXPECT_GT(rejected, 0);
+  }
+}
+
+TEST(AbsentSamples, FlagsOfALevelFollowThoseAbove) {
+  const Size3 size{5, 3, 2};
+  exact::AbsentFlags flags(30);
+  for (const std::size_t i : {0, 1, 5, 6, 15, 16, 20, 21, 29}) flags[i] = 1;
+  const exact::AbsentFlags coarse = exact::coarser_flags(flags, size, 7);
+  ASSERT_EQ(coarse.size(), 6u);
+  EXPECT_EQ(coarse, (exact::AbsentFlags{1, 0, 0, 0, 0, 0}));
+  const Bytes coded = exact::encode_absent(flags, size, coarse, 7, {});
+  EXPECT_EQ(exact::decode_absent(coded, size, coarse, 7, {}), flags);
+}
+
+}  // namespace
+}  // namespace octavo
