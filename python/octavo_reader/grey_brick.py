@@ -12,7 +12,6 @@ from .binary_coder import AdaptiveBit, BinaryDecoder
 from .byte_cursor import ByteCursor, unpack_bits
 from .errors import require
 from .grey_details import DetailDecoder, DetailStream, Lifting, ValueGaps, means_along
-from .grey_edges import EdgeStates, EdgeStream
 from .grey_model import GreyModel, ValueMap
 from .header import halved
 from .weights import SampleWeights
@@ -40,6 +39,7 @@ def decode_grey_brick(model: GreyModel, smallest: int, largest: int, segments: l
         segments = list(segments)
         plain = 0 if is_stored else -1
         values, segments[plain] = _take_values(model.value_map, smallest, segments[plain])
+        require(values.codes is None or weights.each == (1, 1, 1), "a brick of means has gaps")
     brick = _Brick(model, values, smallest, largest, ordered_size, ordered_halvings,
                    weights.ordered(order))
     if is_stored:
@@ -95,7 +95,6 @@ class _Brick:
         self.is_narrow = self.range <= 65535
         self.shift = 0 if self.is_narrow else self.range.bit_length() - 16
         self.low = -(1 << 15) if self.is_narrow else -(1 << 31)
-        self.edge_states = EdgeStates()
         self.halvings = halvings
         self.sizes = [size]
         self.weights = [weights]
@@ -170,17 +169,9 @@ class _Brick:
                 flagged = self._flagged_pairs(flags, level, axis, tuple(pairs))
                 splits.append((axis, flagged))
         coded_count = sum(int((~flagged).sum()) for _, flagged in splits)
-        edges = None
-        if self.model.has_edges and coded_count > 0:
-            cursor = ByteCursor(data, "a level of details")
-            edge_count = cursor.varint()
-            edges = EdgeStream(cursor.take(cursor.varint()), self.edge_states)
-            coded_count -= edge_count
-            require(coded_count >= 0, "a level has too many edges")
-            data = cursor.rest()
         stream = DetailStream(data, coded_count)
         decoder = DetailDecoder(self.model, level, stream, self.low, self.low + self.range,
-                                self.shift, self.is_narrow, edges)
+                                self.shift, self.is_narrow)
         for axis, flagged in splits:
             lifting = self._lifting(level, axis)
             gaps = None
@@ -189,8 +180,6 @@ class _Brick:
                                  lifting.rounding)
             samples = decoder.split(samples, axis, self.sizes[level][axis], flagged, lifting, gaps)
         stream.end()
-        if edges is not None:
-            edges.end(edge_count)
         return samples
 
     def _lifting(self, level: int, axis: int) -> Lifting:

@@ -10,7 +10,7 @@ import numpy as np
 
 from .byte_cursor import ByteCursor
 from .errors import require
-from .grey_edges import EdgeStream
+from .grey_edges import EdgeTables, edges_of_split
 from .grey_model import CONTEXTS, PROBABILITY_BITS, TAP_ROWS, TOKENS, GreyModel
 
 _STATE_START = 65536
@@ -70,7 +70,10 @@ def wrapped(value: int | np.ndarray) -> int | np.ndarray:
 
 
 class DetailStream:
-    """The coded details of one level, taken row by row. `coded_count` is their number."""
+    """The edges and residuals of one level, taken row by row.
+
+    coded_count  the pairs of the level that lie in no flagged cell
+    """
 
     def __init__(self, data: bytes, coded_count: int) -> None:
         self._plain = b""
@@ -93,7 +96,7 @@ class DetailStream:
 
     def row(self, tables: "TokenTables", contexts: list[int], extra_bits: list[int]) -> list[int]:
         """The numbers u of one row; `extra_bits` holds k of each context."""
-        states, words, tokens_of = self._states, self._words, tables.tokens
+        states, tokens_of = self._states, tables.tokens
         frequencies, firsts = tables.frequencies, tables.firsts
         state_count = len(states)
         numbers = []
@@ -102,23 +105,42 @@ class DetailStream:
             slot = state & _SLOT_MASK
             token = tokens_of[context][slot]
             state = frequencies[context][token] * (state >> PROBABILITY_BITS)
-            state += slot - firsts[context][token]
-            if state < _STATE_START:
-                require(self._word_at < len(words), "details end too early")
-                state = state << 16 | words[self._word_at]
-                self._word_at += 1
-            states[j % state_count] = state
+            states[j % state_count] = self._renewed(state + slot - firsts[context][token])
             k = extra_bits[context]
             if token < 32:
-                numbers.append(token << k | self._bits(k))
+                numbers.append(token << k | self.plain(k))
             elif token < 63:
                 length = 4 + (token - 32) // 2 + k
-                numbers.append((2 + (token & 1)) << length | self._bits(length))
+                numbers.append((2 + (token & 1)) << length | self.plain(length))
             else:
-                numbers.append(self._bits(20 + k))
+                numbers.append(self.plain(20 + k))
         return numbers
 
-    def _bits(self, count: int) -> int:
+    def edge_row(self, starts: list[list[int]], contexts: list[int]) -> list[int]:
+        """The kinds of the pairs of one row that may be edges; `starts` by context and kind."""
+        states = self._states
+        kinds = []
+        for j, context in enumerate(contexts):
+            state = states[j % len(states)]
+            slot = state & _SLOT_MASK
+            first, second = starts[context][1:3]
+            kind = (slot >= first) + (slot >= second)
+            start, end = starts[context][kind : kind + 2]
+            states[j % len(states)] = self._renewed(
+                (end - start) * (state >> PROBABILITY_BITS) + slot - start)
+            kinds.append(kind)
+        return kinds
+
+    def _renewed(self, state: int) -> int:
+        """A state, with the next word below it where it became too small."""
+        if state >= _STATE_START:
+            return state
+        require(self._word_at < len(self._words), "details end too early")
+        self._word_at += 1
+        return state << 16 | self._words[self._word_at - 1]
+
+    def plain(self, count: int) -> int:
+        """The next plain bits."""
         if count == 0:
             return 0
         at = self._plain_at
@@ -153,12 +175,17 @@ class ValueGaps:
     def __init__(self, used: list[int], lowest: int, highest: int, rounding: int) -> None:
         self._lowest = lowest
         self._highest = highest
+        self._used = np.array(used, np.int64)
         self._details: dict[int, list[int]] = {}
         for a in used:
             for b in used:
                 self._details.setdefault((a + b + rounding) >> 1, []).append(a - b)
         for possible in self._details.values():
             possible.sort()
+
+    def occur(self, samples: np.ndarray) -> np.ndarray:
+        """Which of the samples are among those that occur."""
+        return np.isin(samples, self._used)
 
     def detail(self, m: int, prediction: int, residual: int) -> int:
         possible = self._details.get(max(self._lowest, min(self._highest, m)))
@@ -176,12 +203,10 @@ class DetailDecoder:
 
     lowest, highest  the samples of the brick's smallest and largest voxel
     shift, is_narrow as in docs/format-grey.md, section 1
-    edges            where pairs at the edge of the background are told apart
     """
 
     def __init__(self, model: GreyModel, level: int, stream: DetailStream, lowest: int,
-                 highest: int, shift: int, is_narrow: bool, edges: EdgeStream | None) -> None:
-        self._edges = edges
+                 highest: int, shift: int, is_narrow: bool) -> None:
         self._model = model
         self._level = level
         self._group = min(level, 2)
@@ -191,6 +216,7 @@ class DetailDecoder:
         self._shift = shift
         self._is_narrow = is_narrow
         self._tables = TokenTables(model.frequencies[min(level, 1)])
+        self._edge_tables = EdgeTables(model.edge_frequencies) if model.has_edges else None
         self._magnitudes: dict[int, np.ndarray] = {}
 
     def split(self, means: np.ndarray, axis: int, length: int, flagged: np.ndarray,
@@ -210,9 +236,10 @@ class DetailDecoder:
         if lifting.is_weighted:
             np.moveaxis(weighted, 2 - axis, 0)[-1] = True
         details_of_edges = np.zeros(pairs, np.int64)
-        if self._edges is not None:
-            details_of_edges = self._edges.split(means, axis, flagged | weighted, self._lowest,
-                                                 self._highest, rounding)
+        if self._edge_tables is not None:
+            details_of_edges = edges_of_split(self._stream, self._edge_tables, means, axis,
+                                              flagged | weighted, self._lowest, self._highest,
+                                              rounding, gaps)
             flagged = flagged | (details_of_edges != 0)
         step = detail_step(self._model, axis, self._level)
         odd_low, odd_high = (0, 0) if step > 1 else (1 - rounding, rounding)

@@ -1,64 +1,78 @@
-"""Edges of grey bricks: docs/format-grey.md, section 14."""
+"""Edges of grey bricks: docs/format-grey.md, section 14. Arrays are indexed [z][y][x]."""
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .binary_coder import AdaptiveBit, BinaryDecoder
-from .errors import require
+if TYPE_CHECKING:
+    from .grey_details import DetailStream, ValueGaps
 
 
-class EdgeStates:
-    """The adaptive bits of a brick, which go on from level to level."""
+class EdgeTables:
+    """Of each context the first slots of both kinds of edges, [context][0..3]: 0, .., 2048."""
 
-    def __init__(self) -> None:
-        self.is_edge = [[[AdaptiveBit() for _ in range(4)] for _ in range(5)] for _ in range(3)]
-        self.is_first = [[AdaptiveBit() for _ in range(3)] for _ in range(3)]
-
-
-class EdgeStream:
-    """The edges of one level, taken split by split."""
-
-    def __init__(self, data: bytes, states: EdgeStates) -> None:
-        self._data = data
-        self._decoder = BinaryDecoder(data)
-        self._states = states
-        self._count = 0
-
-    def split(self, means: np.ndarray, axis: int, flagged: np.ndarray, lowest: int, highest: int,
-              rounding: int) -> np.ndarray:
-        """The details of the pairs of a split that are edges, 0 for others, [z][y][x]."""
-        decoder, states = self._decoder, self._states
-        details = np.zeros(flagged.shape, np.int64)
-        # 1: the first sample is the lowest; 2: the second. One pair of margin before each axis.
-        kinds = np.zeros([n + 1 for n in flagged.shape], np.int64)
-        ground = np.pad(means, 1, mode="edge") == lowest
-        inside = tuple(slice(0, n) for n in flagged.shape)
-        other = 2 * means[inside] - rounding - lowest
-        possible = ~flagged & (means[inside] > lowest) & (other <= highest)
-        for z, y, x in np.argwhere(possible).tolist():
-            near = [[int(ground[_beside(x, y, z, a, s)]) for s in (-1, 1)] for a in range(3)]
-            before, after = near[axis]
-            across = sum(sum(near[a]) for a in range(3) if a != axis)
-            around = (kinds[z + 1, y + 1, x], kinds[z + 1, y, x + 1], kinds[z, y + 1, x + 1])
-            firsts, seconds = around.count(1), around.count(2)
-            if not decoder.adaptive(states.is_edge[before + after][across][firsts + seconds]):
-                continue
-            lean = 1 + (firsts > seconds) - (firsts < seconds)
-            is_first = decoder.adaptive(states.is_first[1 + before - after][lean])
-            odd = other[z, y, x] < highest and decoder.even_bits(1)
-            size = other[z, y, x] - lowest + int(odd)
-            kinds[z + 1, y + 1, x + 1] = 1 if is_first else 2
-            details[z, y, x] = -size if is_first else size
-            self._count += 1
-        return details
-
-    def end(self, count: int) -> None:
-        """Raises OctavoError "corrupt" unless `count` edges and all bytes were taken."""
-        require(self._count == count and self._decoder.at == len(self._data),
-                "a level has other edges than it says")
+    def __init__(self, frequencies: np.ndarray) -> None:
+        self.starts = np.insert(np.cumsum(frequencies, axis=1), 0, 0, axis=1).tolist()
 
 
-def _beside(x: int, y: int, z: int, axis: int, distance: int) -> tuple[int, int, int]:
-    """The place next to (x, y, z) along an axis, in an array with a margin of one."""
-    place = [z + 1, y + 1, x + 1]
-    place[2 - axis] += distance
-    return tuple(place)
+def edges_of_split(stream: "DetailStream", tables: EdgeTables, means: np.ndarray, axis: int,
+                   flagged: np.ndarray, lowest: int, highest: int, rounding: int,
+                   gaps: "ValueGaps | None") -> np.ndarray:
+    """The details of the pairs of a split that are edges, 0 for others.
+
+    flagged          which pairs lie in flagged cells
+    lowest, highest  the samples of the brick's smallest and largest voxel
+    gaps             of the split that makes voxels, where some values do not occur
+    """
+    inside = tuple(slice(0, n) for n in flagged.shape)
+    m = means[inside] - lowest
+    other = 2 * means[inside] - rounding - lowest
+    may_be_even, may_be_odd = (_may_be(other + odd, highest, gaps) for odd in (0, 1))
+    beside = np.array([[_beside(means, a, side)[inside] for side in (-1, 1)]
+                       for a in (axis, *(a for a in range(3) if a != axis))])
+    ground = beside == lowest
+    before, after = ground[0].astype(np.int64)
+    across = ground[1:].sum(axis=(0, 1))
+    ratio = _ratios(m, beside[0].max(axis=0) - lowest)
+    base = ((before + after) * 4 + np.minimum(across, 3)) * 5 + ratio
+    possible = ~flagged & (m >= 2) & (may_be_even | may_be_odd)
+    is_near = ground.any(axis=(0, 1))
+
+    details = np.zeros(flagged.shape, np.int64)
+    # 1: the first sample is the lowest; -1: the second. A margin of zeros stands for none.
+    kinds = np.zeros((flagged.shape[0] + 1, flagged.shape[1] + 1, flagged.shape[2]), np.int64)
+    for z, y in np.argwhere(possible.any(axis=2)).tolist():
+        near = is_near[z, y] | (kinds[z + 1, y] != 0) | (kinds[z, y + 1] != 0)
+        x = np.flatnonzero(possible[z, y] & near)
+        if len(x) == 0:
+            continue
+        lean = (kinds[z + 1, y] + kinds[z, y + 1])[x]
+        turn = before[z, y, x] - after[z, y, x]
+        turn = np.where(turn != 0, turn, lean)
+        turn = np.where(turn < 0, -1, 1)
+        contexts = 2 * (base[z, y, x] * 3 + 1 + np.sign(lean * turn)) + (axis == 0)
+        found = np.array(stream.edge_row(tables.starts, contexts.tolist()))
+        found = turn * np.array([0, 1, -1])[found]
+        for place, kind in zip(x[found != 0].tolist(), found[found != 0].tolist()):
+            odd = may_be_odd[z, y, place]
+            if odd and may_be_even[z, y, place]:
+                odd = stream.plain(1)
+            kinds[z + 1, y + 1, place] = kind
+            details[z, y, place] = -kind * (other[z, y, place] - lowest + int(odd))
+    return details
+
+
+def _may_be(samples: np.ndarray, highest: int, gaps: "ValueGaps | None") -> np.ndarray:
+    allowed = samples <= highest
+    return allowed if gaps is None else allowed & gaps.occur(samples)
+
+
+def _beside(means: np.ndarray, axis: int, side: int) -> np.ndarray:
+    """The means one place before (-1) or after (1) along an axis; the border repeats."""
+    places = np.arange(means.shape[2 - axis]) + side
+    return means.take(places.clip(0, means.shape[2 - axis] - 1), 2 - axis)
+
+
+def _ratios(m: np.ndarray, beyond: np.ndarray) -> np.ndarray:
+    """The class 0 .. 4 of means beside the larger of those along the axis."""
+    return sum((16 * m >= part * beyond).astype(np.int64) for part in (4, 7, 9, 13))

@@ -11,6 +11,7 @@ from .errors import require
 GROUPS = 3
 CLASSES = 5
 CONTEXTS = 60
+EDGE_CONTEXTS = 360
 TOKENS = 64
 PROBABILITY_BITS = 11
 
@@ -56,6 +57,7 @@ class GreyModel:
     mean_weights     predictor 1: [group][axis], shape (CLASSES,), in 4096ths
     context_weights  [group][axis], shape (16,)
     frequencies      [table set], shape (CONTEXTS, TOKENS), rows of sum 2048
+    edge_frequencies  shape (EDGE_CONTEXTS, 3), rows of sum 2048; None without edges
     """
 
     predictor: int
@@ -71,6 +73,7 @@ class GreyModel:
     mean_weights: list[list[np.ndarray]]
     context_weights: list[list[np.ndarray]]
     frequencies: list[np.ndarray]
+    edge_frequencies: "np.ndarray | None"
 
 
 def parse_grey_model(data: bytes) -> GreyModel:
@@ -104,10 +107,11 @@ def parse_grey_model(data: bytes) -> GreyModel:
         means = _mean_weights(decoder, used)
     contexts = _context_weights(decoder)
     frequencies = _frequencies(decoder)
+    edge_frequencies = _edge_frequencies(decoder) if has_edges else None
     require(decoder.at == len(body), "a grey model does not end where it should")
     return GreyModel(predictor, _AXIS_ORDERS[order], is_lossy, voxel_step, detail_step,
                      correction_step, value_map, has_edges, threshold, taps, means,
-                     contexts, frequencies)
+                     contexts, frequencies, edge_frequencies)
 
 
 def _value_map(cursor: ByteCursor) -> ValueMap:
@@ -192,6 +196,22 @@ def _frequencies(decoder: BinaryDecoder) -> list[np.ndarray]:
             table[context] = above
         sets.append(table)
     return sets
+
+
+def _edge_frequencies(decoder: BinaryDecoder) -> np.ndarray:
+    is_own = AdaptiveNumber(24)
+    states = [AdaptiveNumber(24) for _ in range(2)]
+    table: list[list[int]] = []
+    for context in range(EDGE_CONTEXTS):
+        code = decoder.number(is_own)
+        require(code <= 1 and (code == 1 or context > 0), "a table of edges is not there")
+        if code == 0:
+            table.append(table[-1])
+            continue
+        first, second = (decoder.number(state) + 1 for state in states)
+        require(first + second < 1 << PROBABILITY_BITS, "frequencies exceed their sum")
+        table.append([(1 << PROBABILITY_BITS) - first - second, first, second])
+    return np.array(table, np.int64)
 
 
 def _size(frequency: int) -> int:

@@ -1,6 +1,8 @@
 #include "octavo/codec/grey/edge_pairs.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstring>
 
 #include "octavo/codec/grey/grey_portable.h"
 
@@ -8,140 +10,247 @@ namespace octavo::grey {
 
 namespace {
 
+/// Means closer to the background leave few details: those are as well coded as residuals.
+constexpr int kMinEdgeMean = 2;
+
+/// A pair that may be an edge.
+struct Candidate {
+  std::uint16_t context;
+  std::uint8_t x;
+  bool is_mirrored;  ///< its context is that of the pair seen from the other side
+  bool may_be_even;  ///< its other sample may be `2 mean - rounding - background`
+  bool may_be_odd;   ///< it may be one more
+};
+
+struct CandidateRow {
+  std::array<Candidate, kBrickSide> candidates;
+  int count = 0;
+};
+
+/// The means of a row that are background.
 template <class Sample>
-void clear_edges(const Stage& stage, Workspace<Sample>& work) {
-  work.edges.set_size(stage.pairs);
-  work.edge_details.set_size(stage.pairs);
-  for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
-    for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
-      std::fill_n(work.edges.row(y, z), stage.pairs.x, Edge::none);
-    }
+RowMask background_of(const Sample* means, std::int64_t count, Sample lowest) {
+  // Of 32 at a time, margins and what is behind them included: compilers make vectors of that.
+  constexpr std::int64_t kTogether = 32;
+  static_assert(kBrickSide % kTogether == 0);
+  std::uint8_t flags[kBrickSide];
+  for (std::int64_t first = 0; first < count; first += kTogether) {
+    for (std::int64_t x = first; x < first + kTogether; ++x) flags[x] = means[x] == lowest ? 1 : 0;
   }
+  RowMask mask = 0;
+  for (std::int64_t x = 0; x < count; x += 8) {
+    std::uint64_t eight;
+    std::memcpy(&eight, flags + x, 8);
+    if constexpr (std::endian::native == std::endian::big) eight = __builtin_bswap64(eight);
+    // The lowest bit of each byte to the highest byte, in their order
+    mask |= (eight * 0x0102040810204080u >> 56) << x;
+  }
+  return mask & first_pairs(count);
 }
 
-/// Calls f(x, y, z) for the pairs of a split that may be edges: those outside uniform cells whose
-/// samples weigh alike.
-template <class F>
-void for_each_pair(const Stage& stage, F&& f) {
-  for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
-    for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
-      const std::int64_t end = stage.first_weighted(y, z);
-      const auto run = [&](std::int64_t first, std::int64_t last, bool is_uniform) {
-        for (std::int64_t x = first; x < std::min(last, end) && !is_uniform; ++x) f(x, y, z);
-      };
-      const std::uint8_t* const cells = row_cells(stage, y, z);
-      if (cells == nullptr) run(0, stage.pairs.x, false);
-      else for_each_cell(stage, cells, run);
+/// Where the means of a split are background.
+template <class Sample>
+class Background {
+ public:
+  Background(const Stage& stage, const SampleGrid<Sample>& means, PairMasks& masks)
+      : masks_(masks), size_(means.size()) {
+    for (std::int64_t z = 0; z < size_.z; ++z) {
+      for (std::int64_t y = 0; y < size_.y; ++y) {
+        masks_.row(y, z) = background_of(means.row(y, z), size_.x, static_cast<Sample>(stage.min));
+      }
     }
   }
-}
 
-/// The pairs that may be edges, one after the other, with their contexts.
-template <class Sample, class Code>
-std::int64_t walk_edges(const Stage& stage, Workspace<Sample>& work, EdgeModels& models,
-                        Code&& code) {
+  RowMask of(std::int64_t y, std::int64_t z) const { return masks_.row(y, z); }
+  /// That of the means before and after along an axis; beyond the last one it is the last again.
+  RowMask before(int axis, std::int64_t y, std::int64_t z) const {
+    if (axis == 0) return of(y, z) << 1 | (of(y, z) & 1);
+    return axis == 1 ? of(std::max<std::int64_t>(y - 1, 0), z)
+                     : of(y, std::max<std::int64_t>(z - 1, 0));
+  }
+  RowMask after(int axis, std::int64_t y, std::int64_t z) const {
+    if (axis == 0) return of(y, z) >> 1 | (of(y, z) & RowMask{1} << (size_.x - 1));
+    return axis == 1 ? of(std::min(y + 1, size_.y - 1), z) : of(y, std::min(z + 1, size_.z - 1));
+  }
+
+ private:
+  PairMasks& masks_;
+  Size3 size_;
+};
+
+/// Lists the pairs of a split that may be edges, row by row.
+template <class Sample>
+class Candidates {
+ public:
+  Candidates(const Stage& stage, Workspace<Sample>& work)
+      : stage_(stage), work_(work), background_(stage, work.means, work.background) {}
+
+  void list(std::int64_t y, std::int64_t z, CandidateRow& row) {
+    row.count = 0;
+    const RowMask open = work_.open.row(y, z) & ~background_.of(y, z) &
+                         first_pairs(stage_.first_weighted(y, z));
+    if (open == 0) return;
+    // The background beside the pairs
+    const int axis = stage_.axis;
+    const int across1 = axis == 0 ? 1 : 0;
+    const int across2 = axis == 2 ? 1 : 2;
+    const Beside beside{background_.before(axis, y, z), background_.after(axis, y, z),
+                        {background_.before(across1, y, z), background_.after(across1, y, z),
+                         background_.before(across2, y, z), background_.after(across2, y, z)}};
+    // The edges before
+    const RowMask firsts_up = y > 0 ? work_.edges.firsts.row(y - 1, z) : 0;
+    const RowMask seconds_up = y > 0 ? work_.edges.seconds.row(y - 1, z) : 0;
+    const RowMask firsts_back = z > 0 ? work_.edges.firsts.row(y, z - 1) : 0;
+    const RowMask seconds_back = z > 0 ? work_.edges.seconds.row(y, z - 1) : 0;
+    const RowMask near = beside.before | beside.after | beside.across[0] | beside.across[1] |
+                         beside.across[2] | beside.across[3] | firsts_up | seconds_up |
+                         firsts_back | seconds_back;
+    const Sample* const means = work_.means.row(y, z);
+    for_each_pair(open & near, [&](int x) {
+      const auto bit = [x](RowMask mask) { return static_cast<int>(mask >> x & 1); };
+      const int lean = bit(firsts_up) + bit(firsts_back) - bit(seconds_up) - bit(seconds_back);
+      add(means + x, x, beside, lean, row);
+    });
+  }
+
+ private:
   using Int = Wide<Sample>;
-  const auto lowest = static_cast<Int>(stage.min);
-  const auto highest = static_cast<Int>(stage.max);
-  const std::int64_t along = pair_step<Sample>(stage.axis);
-  const std::int64_t across1 = pair_step<Sample>(stage.axis == 0 ? 1 : 0);
-  const std::int64_t across2 = pair_step<Sample>(stage.axis == 2 ? 1 : 2);
-  std::int64_t count = 0;
-  for_each_pair(stage, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
-    const Sample* const mean = work.means.row(y, z) + x;
-    if (*mean <= lowest) return;
-    // The sample that is not background; one more when the sum of both is odd.
-    const Int other = 2 * Int{*mean} - stage.rounding - lowest;
-    if (other > highest) return;
-    // Is it an edge? By the background around and the edges before.
-    const auto is_background = [&](std::int64_t at) { return mean[at] == lowest ? 1u : 0u; };
-    const unsigned before = is_background(-along);
-    const unsigned after = is_background(along);
-    const unsigned across = is_background(-across1) + is_background(across1) +
-                            is_background(-across2) + is_background(across2);
-    Edge* const edge = work.edges.row(y, z) + x;
-    const Edge near[3] = {x > 0 ? edge[-1] : Edge::none,
-                          y > 0 ? work.edges.row(y - 1, z)[x] : Edge::none,
-                          z > 0 ? work.edges.row(y, z - 1)[x] : Edge::none};
-    const auto firsts = std::count(near, near + 3, Edge::first);
-    const auto seconds = std::count(near, near + 3, Edge::second);
-    auto& is_edge = models.is_edge[before + after][across]
-                                  [static_cast<std::size_t>(firsts + seconds)];
-    if (!code.adaptive(is_edge, *edge != Edge::none)) return;
-    // Which of the two samples is it?
-    const std::size_t lean = firsts > seconds ? 2 : firsts == seconds ? 1 : 0;
-    const bool is_first = code.adaptive(models.is_first[1 + before - after][lean],
-                                        *edge == Edge::first);
-    // Its detail, but for one bit where the sum is odd
-    Int& detail = work.edge_details.row(y, z)[x];
-    const Int size = other - lowest;
-    const Int odd = other < highest && code.even((detail < 0 ? -detail : detail) != size) ? 1 : 0;
-    *edge = is_first ? Edge::first : Edge::second;
-    detail = is_first ? -(size + odd) : size + odd;
-    ++count;
-  });
-  return count;
+  struct Beside {
+    RowMask before, after;
+    RowMask across[4];
+  };
+
+  void add(const Sample* mean, int x, const Beside& beside, int lean, CandidateRow& row) const {
+    // What its other sample would be
+    const Int lowest = static_cast<Int>(stage_.min);
+    if (*mean < lowest + kMinEdgeMean) return;
+    const Int other = 2 * Int{*mean} - stage_.rounding - lowest;
+    const auto may_be = [&](Int sample) {
+      return sample <= stage_.max && (stage_.gaps == nullptr || stage_.gaps->occurs(sample));
+    };
+    const bool may_be_even = may_be(other);
+    const bool may_be_odd = may_be(other + 1);
+    if (!may_be_even && !may_be_odd) return;
+    // The side that background lies on, or else that of the edges before, comes first.
+    const auto bit = [x](RowMask mask) { return static_cast<int>(mask >> x & 1); };
+    const int before = bit(beside.before);
+    const int after = bit(beside.after);
+    const bool is_mirrored = after != before ? after > before : lean < 0;
+    const int across = bit(beside.across[0]) + bit(beside.across[1]) + bit(beside.across[2]) +
+                       bit(beside.across[3]);
+    const std::int64_t step = pair_step<Sample>(stage_.axis);
+    const Int beyond = std::max(Int{mean[-step]}, Int{mean[step]}) - lowest;
+    const int context = edge_context(before + after, across, *mean - lowest, beyond,
+                                     is_mirrored ? -lean : lean);
+    row.candidates[static_cast<std::size_t>(row.count++)] = {
+        static_cast<std::uint16_t>(context), static_cast<std::uint8_t>(x), is_mirrored,
+        may_be_even, may_be_odd};
+  }
+
+  /// along, across  how many means beside the pair are background
+  /// mean, beyond   its own and the larger one along the axis, above background
+  int edge_context(int along, int across, Int mean, Int beyond, int lean) const {
+    const Int sixteenfold = 16 * mean;
+    const int ratio = (sixteenfold >= 4 * beyond) + (sixteenfold >= 7 * beyond) +
+                      (sixteenfold >= 9 * beyond) + (sixteenfold >= 13 * beyond);
+    const int side = lean < 0 ? 0 : lean == 0 ? 1 : 2;
+    return 2 * (((along * 4 + std::min(across, 3)) * 5 + ratio) * 3 + side) +
+           (stage_.axis == 0 ? 1 : 0);
+  }
+
+  const Stage& stage_;
+  Workspace<Sample>& work_;
+  Background<Sample> background_;
+};
+
+/// Notes an edge. is_odd: whether its other sample is one more than an even sum makes it
+template <class Sample>
+void note_edge(const Stage& stage, Workspace<Sample>& work, const Candidate& pair, EdgeKind kind,
+               bool is_odd, std::int64_t y, std::int64_t z) {
+  using Int = Wide<Sample>;
+  const RowMask bit = RowMask{1} << pair.x;
+  Int* const details = work.edges.details.row(y, z);
+  if (work.edges.row(y, z) == 0) std::fill_n(details, stage.pairs.x, Int{0});
+  const Int size = 2 * (Int{work.means.row(y, z)[pair.x]} - static_cast<Int>(stage.min)) -
+                   stage.rounding + (is_odd ? 1 : 0);
+  const bool is_first = (kind == EdgeKind::first) != pair.is_mirrored;
+  (is_first ? work.edges.firsts : work.edges.seconds).row(y, z) |= bit;
+  details[pair.x] = is_first ? -size : size;
 }
 
-struct Putter {
-  BinaryEncoder& coder;
-  bool adaptive(AdaptiveBit& model, bool bit) const {
-    put_adaptive(coder, model, bit);
-    return bit;
+/// Calls f(row, y, z) for the rows of a split, with their candidates.
+template <class Sample, class F>
+void for_each_row_of_candidates(const Stage& stage, Workspace<Sample>& work, F&& f) {
+  find_open_pairs(stage, work.open);
+  work.edges.details.set_size(stage.pairs);
+  Candidates<Sample> candidates(stage, work);
+  CandidateRow row;
+  for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
+    for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
+      work.edges.firsts.row(y, z) = work.edges.seconds.row(y, z) = 0;
+      candidates.list(y, z, row);
+      if (row.count > 0) f(row, y, z);
+    }
   }
-  bool even(bool bit) const {
-    coder.put(bit, kEvenOdds);
-    return bit;
-  }
-};
-
-struct Getter {
-  BinaryDecoder& coder;
-  bool adaptive(AdaptiveBit& model, bool) const { return get_adaptive(coder, model); }
-  bool even(bool) const { return coder.get(kEvenOdds); }
-};
+}
 
 }  // namespace
 
 template <class Sample>
-std::int64_t mark_edges(const Stage& stage, Workspace<Sample>& work) {
+void mark_edges(const Stage& stage, Workspace<Sample>& work) {
   using Int = Wide<Sample>;
   const auto lowest = static_cast<Int>(stage.min);
-  std::int64_t count = 0;
-  clear_edges(stage, work);
-  for_each_pair(stage, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
-    const Int mean = work.means.row(y, z)[x];
-    const Int detail = work.residuals.row(y, z)[x];
-    if (mean == lowest || detail == 0) return;
-    const Pair<Int> pair = pair_of<Int>(mean, detail, stage.rounding);
-    if (pair.a != lowest && pair.b != lowest) return;
-    work.edges.row(y, z)[x] = pair.a == lowest ? Edge::first : Edge::second;
-    work.edge_details.row(y, z)[x] = detail;
-    ++count;
+  work.edge_symbols.clear();
+  for_each_row_of_candidates(stage, work, [&](const CandidateRow& row, std::int64_t y,
+                                              std::int64_t z) {
+    for (int i = 0; i < row.count; ++i) {
+      const Candidate& candidate = row.candidates[static_cast<std::size_t>(i)];
+      const Int mean = work.means.row(y, z)[candidate.x];
+      const Int detail = work.residuals.row(y, z)[candidate.x];
+      const Pair<Int> pair = pair_of<Int>(mean, detail, stage.rounding);
+      const bool is_edge = pair.a == lowest || pair.b == lowest;
+      const unsigned context = kContexts + candidate.context;
+      if (!is_edge) {
+        work.edge_symbols.emplace_back(0u, context, 0u, i);
+        continue;
+      }
+      const bool is_first = (pair.a == lowest) != candidate.is_mirrored;
+      const EdgeKind kind = is_first ? EdgeKind::first : EdgeKind::second;
+      const bool is_odd = ((detail + stage.rounding) & 1) != 0;
+      note_edge(stage, work, candidate, kind, is_odd, y, z);
+      const auto value = static_cast<std::uint64_t>(kind);
+      if (candidate.may_be_even && candidate.may_be_odd) {
+        work.edge_symbols.emplace_back(value << 1 | (is_odd ? 1 : 0), context, 1u, i);
+      } else {
+        work.edge_symbols.emplace_back(value, context, 0u, i);
+      }
+    }
   });
-  return count;
 }
 
 template <class Sample>
-void put_edges(const Stage& stage, Workspace<Sample>& work, BinaryEncoder& coder,
-               EdgeModels& models) {
-  walk_edges(stage, work, models, Putter{coder});
+void take_edges(const Stage& stage, Workspace<Sample>& work, SymbolReader& symbols) {
+  for_each_row_of_candidates(stage, work, [&](const CandidateRow& row, std::int64_t y,
+                                              std::int64_t z) {
+    std::array<EdgeKind, kBrickSide> kinds;
+    for (int i = 0; i < row.count; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      kinds[at] = symbols.take_edge(i, row.candidates[at].context);
+    }
+    for (int i = 0; i < row.count; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      if (kinds[at] == EdgeKind::none) continue;
+      const Candidate& pair = row.candidates[at];
+      const bool is_odd = pair.may_be_odd && (!pair.may_be_even || symbols.take_plain(1) != 0);
+      note_edge(stage, work, pair, kinds[at], is_odd, y, z);
+    }
+    symbols.expect_inside();
+  });
 }
 
-template <class Sample>
-std::int64_t take_edges(const Stage& stage, Workspace<Sample>& work, BinaryDecoder& coder,
-                        EdgeModels& models) {
-  clear_edges(stage, work);
-  return walk_edges(stage, work, models, Getter{coder});
-}
-
-template std::int64_t mark_edges(const Stage&, Workspace<std::int16_t>&);
-template std::int64_t mark_edges(const Stage&, Workspace<std::int32_t>&);
-template void put_edges(const Stage&, Workspace<std::int16_t>&, BinaryEncoder&, EdgeModels&);
-template void put_edges(const Stage&, Workspace<std::int32_t>&, BinaryEncoder&, EdgeModels&);
-template std::int64_t take_edges(const Stage&, Workspace<std::int16_t>&, BinaryDecoder&,
-                                 EdgeModels&);
-template std::int64_t take_edges(const Stage&, Workspace<std::int32_t>&, BinaryDecoder&,
-                                 EdgeModels&);
+template void mark_edges(const Stage&, Workspace<std::int16_t>&);
+template void mark_edges(const Stage&, Workspace<std::int32_t>&);
+template void take_edges(const Stage&, Workspace<std::int16_t>&, SymbolReader&);
+template void take_edges(const Stage&, Workspace<std::int32_t>&, SymbolReader&);
 
 }  // namespace octavo::grey

@@ -267,9 +267,13 @@ ValueRange range_of(const BrickView& brick) {
   ValueRange range{std::numeric_limits<std::int64_t>::max(),
                    std::numeric_limits<std::int64_t>::min()};
   for_each_row(brick, [&](const auto* row) {
-    const auto [lowest, highest] = std::minmax_element(row, row + brick.size.x);
-    range.min = std::min<std::int64_t>(range.min, *lowest);
-    range.max = std::max<std::int64_t>(range.max, *highest);
+    // Two plain loops: compilers make vectors of them, but not of std::minmax_element.
+    auto lowest = row[0];
+    auto highest = row[0];
+    for (std::int64_t x = 1; x < brick.size.x; ++x) lowest = std::min(lowest, row[x]);
+    for (std::int64_t x = 1; x < brick.size.x; ++x) highest = std::max(highest, row[x]);
+    range.min = std::min<std::int64_t>(range.min, lowest);
+    range.max = std::max<std::int64_t>(range.max, highest);
   });
   return range;
 }

@@ -81,35 +81,28 @@ std::vector<Bytes> encode_samples(const Model& model, const BrickShape& shape,
              shape.size[static_cast<std::size_t>(shape.level_count) - 1]);
   // Kept from brick to brick: fresh memory costs more than filling it.
   static thread_local std::vector<Symbol> symbols;
-  EdgeModels edge_models;
   for (int level = shape.level_count - 2; level >= 0; --level) {
     const auto slot = static_cast<std::size_t>(level);
     // Edges and residuals of all splits of the level
     symbols.clear();
-    Bytes edges;
-    BinaryEncoder edge_coder(edges);
-    std::int64_t edge_count = 0;
     run_level(work, shape, brick.scale, model.parameters, level, brick.hints(model.parameters),
               [&](const Stage& stage, const Split& split) {
                 const auto& samples = brick.steps[slot][static_cast<std::size_t>(split.axis)];
                 load_details(work, stage, Target<Sample>{samples.data(), split.fine_size});
                 if (stage.has_edges) {
-                  edge_count += mark_edges(stage, work);
-                  put_edges(stage, work, edge_coder, edge_models);
+                  mark_edges(stage, work);
+                  symbols.insert(symbols.end(), work.edge_symbols.begin(),
+                                 work.edge_symbols.end());
                 }
                 passes.encode(model.parameters, stage, work, symbols);
               });
-    // The segment: flagged cells, edges, residuals
+    // The segment: flagged cells, then edges and residuals
     put_cells(segments[slot], shape, level, brick.cells);
-    if (symbols.empty() && edge_count == 0) continue;
-    if (model.parameters.has_edges) {
-      edge_coder.finish();
-      put_varint(segments[slot], static_cast<std::uint64_t>(edge_count));
-      put_varint(segments[slot], edges.size());
-      segments[slot].insert(segments[slot].end(), edges.begin(), edges.end());
-    }
     if (symbols.empty()) continue;
-    const Bytes coded = encode_symbols(model, table_set(level), symbols, brick.scale.shift());
+    const std::int64_t details =
+        level_detail_count(shape, level, brick.hints(model.parameters).cells);
+    const Bytes coded =
+        encode_symbols(model, table_set(level), symbols, details, brick.scale.shift());
     segments[slot].insert(segments[slot].end(), coded.begin(), coded.end());
   }
   return segments;
@@ -307,30 +300,6 @@ Corrections take_corrections(ByteSpan& segment, const Size3& size) {
   return decode_corrections(take_bytes(segment, length), size);
 }
 
-/// The edges of a level, before its details: a varint of their number, one of the length, bytes.
-struct EdgeSection {
-  std::int64_t count = 0;
-  std::int64_t taken = 0;
-  BinaryDecoder coder{{}};
-
-  EdgeSection(const Parameters& p, ByteSpan& segment) {
-    if (!p.has_edges) return;
-    count = static_cast<std::int64_t>(
-        std::min<std::uint64_t>(take_varint(segment), std::numeric_limits<std::int32_t>::max()));
-    const std::uint64_t length = take_varint(segment);
-    coder = BinaryDecoder(take_bytes(segment, length));
-    is_coded = true;
-  }
-  void finish() const {
-    if (taken != count || (is_coded && !coder.is_consumed())) {
-      throw Error(ErrorKind::corrupt, "a level has other edges than it says");
-    }
-  }
-
- private:
-  bool is_coded = false;
-};
-
 void apply(const Corrections& corrections, std::int64_t step, VoxelType type,
            const ValueRange& range, void* out) {
   with_voxel_type(type, [&](auto tag) {
@@ -357,7 +326,6 @@ void decode_samples(const Source& source, void* out) {
   if (source.level == 0) gaps = gaps_of(parameters.value_map, source.map, shape, source.scale);
   UniformCells cells;
   Corrections corrections;
-  EdgeModels models;
   for (int at = static_cast<int>(last) - 1; at >= source.level; --at) {
     // What stands before the details: corrections, flagged cells
     ByteSpan segment = source.segments[static_cast<std::size_t>(at)];
@@ -371,7 +339,7 @@ void decode_samples(const Source& source, void* out) {
     // A level without details repeats its means
     const BrickHints hints{cells.flags.empty() ? nullptr : &cells, gaps.get(),
                            parameters.has_edges};
-    std::int64_t details = level_detail_count(shape, at, hints.cells);
+    const std::int64_t details = level_detail_count(shape, at, hints.cells);
     if (details == 0) {
       if (!segment.empty())
         throw Error(ErrorKind::corrupt, "a segment without details is not empty");
@@ -381,16 +349,12 @@ void decode_samples(const Source& source, void* out) {
       continue;
     }
     // Edges, then residuals, split by split
-    EdgeSection edges(parameters, segment);
-    if (edges.count > details) throw Error(ErrorKind::corrupt, "a level has too many edges");
-    details -= edges.count;
     SymbolReader symbols(source.model, table_set(at), segment, details, source.scale.shift());
     run_level(work, shape, source.scale, parameters, at, hints,
               [&](const Stage& stage, const Split&) {
-                if (stage.has_edges) edges.taken += take_edges(stage, work, edges.coder, models);
+                if (stage.has_edges) take_edges(stage, work, symbols);
                 stage_functions().of<Sample>().decode(parameters, stage, work, symbols);
               });
-    edges.finish();
     symbols.finish();
   }
   write_level<Sample>(
@@ -448,6 +412,9 @@ void GreyCodec::decode(const BrickShape& shape, VoxelType type, const ValueRange
   BrickMap map;
   if (!parameters.value_map.is_empty()) {
     map = take_brick_map(parameters.value_map, range, is_stored ? parts.front() : parts.back());
+    if (map.has_gaps && shape.first_level > 0) {
+      throw Error(ErrorKind::corrupt, "a brick of means has gaps between its values");
+    }
   }
   const BrickShape inner = in_order(shape, parameters.axis_order);
   const SampleScale scale = SampleScale::of_voxels(range, code_scale(parameters, map));

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <type_traits>
 
 #include "octavo/codec/grey/grey_portable.h"
 #include "octavo/codec/grey/grey_training.h"
@@ -148,10 +149,36 @@ std::vector<double> fit_contexts(const ContextSamples& samples) {
   return weights;
 }
 
-using TokenCounts = std::array<std::int64_t, kTokens>;
-using Counts = std::array<std::array<TokenCounts, kContexts>, kTableSets>;
+template <std::size_t kCount>
+using SymbolCounts = std::array<std::int64_t, kCount>;
+using TokenCounts = SymbolCounts<kTokens>;
+using EdgeCounts = SymbolCounts<kEdgeKinds>;
 
-Counts count_tokens(const Parameters& p, const std::vector<TrainingSample>& training) {
+/// How often each token and each kind of edge is met, by context.
+struct Counts {
+  std::array<std::array<TokenCounts, kContexts>, kTableSets> tokens{};
+  std::array<EdgeCounts, kEdgeContexts> edges{};
+
+  void add(const Symbol& symbol, int set) {
+    const std::uint64_t value = symbol.value() >> symbol.low_bits();
+    if (symbol.context() >= kContexts) {
+      ++edges[symbol.context() - kContexts][value];
+      return;
+    }
+    const auto token = static_cast<std::size_t>(token_of(static_cast<std::uint32_t>(value)));
+    ++tokens[static_cast<std::size_t>(set)][symbol.context()][token];
+  }
+};
+
+template <class Tables>
+void add_counts(Tables& sums, const Tables& more) {
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    if constexpr (std::is_integral_v<typename Tables::value_type>) sums[i] += more[i];
+    else add_counts(sums[i], more[i]);
+  }
+}
+
+Counts count_symbols(const Parameters& p, const std::vector<TrainingSample>& training) {
   const std::size_t every = part_of(training);
   std::vector<Counts> by_sample(training.size());
   tbb::parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
@@ -163,32 +190,29 @@ Counts count_tokens(const Parameters& p, const std::vector<TrainingSample>& trai
       walk_level(p, sample, level,
                  [&](const Stage& stage, Workspace<std::int16_t>& work, const auto&) {
                    stage_functions().narrow.list_symbols(p, stage, work, symbols);
+                   if (!stage.has_edges) return;
+                   for (const Symbol& s : work.edge_symbols) by_sample[i].add(s, stage.set);
                  });
-      for (const Symbol& s : symbols) {
-        const auto token = token_of(static_cast<std::uint32_t>(s.value() >> s.low_bits()));
-        ++by_sample[i][static_cast<std::size_t>(table_set(level))][s.context()]
-                   [static_cast<std::size_t>(token)];
-      }
+      for (const Symbol& s : symbols) by_sample[i].add(s, table_set(level));
     }
   });
-  Counts counts{};
+  Counts counts;
   for (const Counts& one : by_sample) {
-    for (std::size_t set = 0; set < kTableSets; ++set) {
-      for (std::size_t context = 0; context < kContexts; ++context) {
-        for (std::size_t token = 0; token < kTokens; ++token) {
-          counts[set][context][token] += one[set][context][token];
-        }
-      }
-    }
+    add_counts(counts.tokens, one.tokens);
+    add_counts(counts.edges, one.edges);
   }
   return counts;
+}
+
+template <std::size_t kCount>
+std::int64_t total_of(const SymbolCounts<kCount>& counts) {
+  return std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
 }
 
 /// Frequencies in proportion to counts: at least 1 for the escape token, for every token seen and
 /// for the tokens next to one seen; the sum is 2048.
 std::array<std::uint16_t, kTokens> frequencies_of(const TokenCounts& counts) {
-  std::int64_t total = 0;
-  for (const std::int64_t count : counts) total += count;
+  const std::int64_t total = total_of(counts);
   std::array<std::uint16_t, kTokens> frequencies{};
   std::int32_t sum = 0;
   std::size_t most = 0;
@@ -213,10 +237,6 @@ std::array<std::uint16_t, kTokens> frequencies_of(const TokenCounts& counts) {
   return frequencies;
 }
 
-std::int64_t total_of(const TokenCounts& counts) {
-  return std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
-}
-
 /// Logarithms to base 2 of 1 .. 2048 in units of 1/65536, by integer arithmetic alone.
 const std::array<std::int64_t, kTableSize + 1>& logarithms() {
   static const auto table = [] {
@@ -238,18 +258,65 @@ const std::array<std::int64_t, kTableSize + 1>& logarithms() {
   return table;
 }
 
-/// Bits, in units of 1/65536, of counted tokens under their own table and of the table.
-std::int64_t cost_of(const TokenCounts& counts) {
+/// Those of edges: at least 1 for every kind.
+std::array<std::uint16_t, kEdgeKinds> frequencies_of(const EdgeCounts& counts) {
+  const std::int64_t total = total_of(counts) + kEdgeKinds;
+  const auto share = [&](std::size_t kind) {
+    const std::int64_t in_proportion = (counts[kind] + 1) * kTableSize / total;
+    return std::clamp<std::int64_t>(in_proportion, 1, kTableSize / 2 - 1);
+  };
+  const std::int64_t first = share(1);
+  const std::int64_t second = share(2);
+  return {static_cast<std::uint16_t>(kTableSize - first - second),
+          static_cast<std::uint16_t>(first), static_cast<std::uint16_t>(second)};
+}
+
+/// Bits of a table in a model.
+std::int64_t table_bits(const TokenCounts& counts) {
   constexpr std::int64_t kBitsPerFrequency = 6;
-  const auto frequencies = frequencies_of(counts);
-  std::int64_t bits = 0;
   std::int64_t last = 0;
-  for (std::size_t token = 0; token < kTokens; ++token) {
-    if (counts[token] == 0) continue;
-    bits += counts[token] * ((std::int64_t{kTableBits} << 16) - logarithms()[frequencies[token]]);
-    if (token != kEscapeToken) last = static_cast<std::int64_t>(token) + 1;
+  for (std::size_t token = 0; token < kEscapeToken; ++token) {
+    if (counts[token] > 0) last = static_cast<std::int64_t>(token) + 1;
   }
-  return bits + ((last + 1) * kBitsPerFrequency << 16);
+  return (last + 1) * kBitsPerFrequency;
+}
+std::int64_t table_bits(const EdgeCounts&) { return 18; }
+
+/// Bits, in units of 1/65536, of counted symbols under their own table and of the table.
+template <std::size_t kCount>
+std::int64_t cost_of(const SymbolCounts<kCount>& counts) {
+  const auto frequencies = frequencies_of(counts);
+  std::int64_t bits = table_bits(counts) << 16;
+  for (std::size_t symbol = 0; symbol < kCount; ++symbol) {
+    if (counts[symbol] == 0) continue;
+    bits +=
+        counts[symbol] * ((std::int64_t{kTableBits} << 16) - logarithms()[frequencies[symbol]]);
+  }
+  return bits;
+}
+
+/// Tables for a run of contexts: neighbors share one while a second costs more than it saves. A
+/// context never met repeats the one below it; below the first met one, the table stays.
+template <class ContextCounts, class ContextTables>
+void share_tables(const ContextCounts& counts, ContextTables& tables) {
+  std::size_t first = 0;  // of the contexts that share the table being made
+  typename ContextCounts::value_type shared{};
+  for (std::size_t context = 0; context < counts.size(); ++context) {
+    const auto& own = counts[context];
+    auto joined = shared;
+    add_counts(joined, own);
+    if (total_of(own) == 0 || total_of(shared) == 0 ||
+        cost_of(joined) <= cost_of(shared) + cost_of(own)) {
+      if (total_of(shared) == 0 && total_of(own) > 0) first = context;
+      shared = joined;
+    } else {
+      first = context;
+      shared = own;
+    }
+    if (total_of(shared) == 0) continue;
+    const auto frequencies = frequencies_of(shared);
+    for (std::size_t of = first; of <= context; ++of) tables[of] = frequencies;
+  }
 }
 
 }  // namespace
@@ -293,30 +360,12 @@ void learn_contexts(Parameters& p, const std::vector<TrainingSample>& training) 
   });
 }
 
-/// Learns the tables: neighboring contexts share one while a second costs more than it saves. A
-/// context never met repeats the one below it; below the first met one, the default.
 void learn_frequencies(Parameters& p, const std::vector<TrainingSample>& training) {
-  const Counts counts = count_tokens(p, training);
+  const Counts counts = count_symbols(p, training);
   for (std::size_t set = 0; set < kTableSets; ++set) {
-    std::size_t first = 0;  // of the contexts that share the table being made
-    TokenCounts shared{};
-    for (std::size_t context = 0; context < kContexts; ++context) {
-      const TokenCounts& own = counts[set][context];
-      TokenCounts joined = shared;
-      for (std::size_t token = 0; token < kTokens; ++token) joined[token] += own[token];
-      if (total_of(own) == 0 || total_of(shared) == 0 ||
-          cost_of(joined) <= cost_of(shared) + cost_of(own)) {
-        if (total_of(shared) == 0 && total_of(own) > 0) first = context;
-        shared = joined;
-      } else {
-        first = context;
-        shared = own;
-      }
-      if (total_of(shared) == 0) continue;
-      const auto frequencies = frequencies_of(shared);
-      for (std::size_t of = first; of <= context; ++of) p.frequencies[set][of] = frequencies;
-    }
+    share_tables(counts.tokens[set], p.frequencies[set]);
   }
+  if (p.has_edges) share_tables(counts.edges, p.edge_frequencies);
 }
 
 }  // namespace octavo::grey

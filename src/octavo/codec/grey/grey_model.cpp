@@ -165,6 +165,50 @@ void get_context(BinaryDecoder& coder, FrequencyModels& models, ContextFrequenci
   context[kEscapeToken] = static_cast<std::uint16_t>(left);
 }
 
+/// A context that repeats the one before says so; of others the frequencies of both kinds of edges
+/// are put, less 1.
+struct EdgeFrequencyModels {
+  GolombModel is_own;
+  std::array<GolombModel, kEdgeKinds> by_kind;
+};
+
+void put_edge_frequencies(BinaryEncoder& coder, const EdgeFrequencies& frequencies) {
+  EdgeFrequencyModels models;
+  for (std::size_t context = 0; context < kEdgeContexts; ++context) {
+    const auto& own = frequencies[context];
+    const bool is_own = context == 0 || own != frequencies[context - 1];
+    put_golomb(coder, models.is_own, is_own ? 1 : 0);
+    if (!is_own) continue;
+    for (std::size_t kind = 1; kind < kEdgeKinds; ++kind) {
+      put_golomb(coder, models.by_kind[kind], own[kind] - 1u);
+    }
+  }
+}
+
+/// What put_edge_frequencies has put. Throws Error{corrupt}.
+void get_edge_frequencies(BinaryDecoder& coder, EdgeFrequencies& frequencies) {
+  EdgeFrequencyModels models;
+  for (std::size_t context = 0; context < kEdgeContexts; ++context) {
+    const auto code = get_golomb(coder, models.is_own);
+    if (code > 1 || (code == 0 && context == 0)) {
+      throw Error(ErrorKind::corrupt, "model: a table of edges that is not there");
+    }
+    auto& own = frequencies[context];
+    if (code == 0) {
+      own = frequencies[context - 1];
+      continue;
+    }
+    std::uint64_t left = kTableSize;
+    for (std::size_t kind = 1; kind < kEdgeKinds; ++kind) {
+      const std::uint64_t frequency = std::uint64_t{get_golomb(coder, models.by_kind[kind])} + 1;
+      if (frequency >= left) throw Error(ErrorKind::corrupt, "model: a table exceeds its sum");
+      own[kind] = static_cast<std::uint16_t>(frequency);
+      left -= frequency;
+    }
+    own[0] = static_cast<std::uint16_t>(left);
+  }
+}
+
 }  // namespace
 
 Parameters default_parameters() {
@@ -184,6 +228,7 @@ Parameters default_parameters() {
       context[kEscapeToken] = kTableSize - 32 * 48 - 31 * 16;
     }
   }
+  p.edge_frequencies.fill({kTableSize / 2, kTableSize / 4, kTableSize / 4});
   return p;
 }
 
@@ -196,7 +241,31 @@ Encoder encoder_of(std::uint32_t frequency, std::uint32_t start) {
   return {~std::uint64_t{0} / frequency + 1, start, static_cast<std::uint16_t>(frequency), rest};
 }
 
+namespace {
+
+void build_edge_tables(Model& model) {
+  if (!model.parameters.has_edges) return;
+  Tables& tables = model.tables;
+  for (std::size_t context = 0; context < kEdgeContexts; ++context) {
+    const auto& frequencies = model.parameters.edge_frequencies[context];
+    std::uint32_t start = 0;
+    for (std::size_t kind = 0; kind < kEdgeKinds; ++kind) {
+      tables.edge_starts[context][kind] = static_cast<std::uint16_t>(start);
+      for (std::size_t set = 0; set < kTableSets; ++set) {
+        tables.encoders[set][encoder_place(kContexts + context, kind)] =
+            encoder_of(frequencies[kind], start);
+        tables.used[set][kContexts + context] = (1u << kEdgeKinds) - 1;
+      }
+      start += frequencies[kind];
+    }
+    tables.edge_starts[context][kEdgeKinds] = static_cast<std::uint16_t>(start);
+  }
+}
+
+}  // namespace
+
 void build_tables(Model& model) {
+  build_edge_tables(model);
   for (std::size_t set = 0; set < kTableSets; ++set) {
     for (std::size_t context = 0; context < kContexts; ++context) {
       const auto& frequencies = model.parameters.frequencies[set][context];
@@ -206,7 +275,8 @@ void build_tables(Model& model) {
       for (std::uint32_t token = 0; token < kTokens; ++token) {
         const std::uint32_t frequency = frequencies[token];
         if (frequency > 0) model.tables.used[set][context] |= std::uint64_t{1} << token;
-        model.tables.encoders[set][context * kTokens + token] = encoder_of(frequency, start);
+        model.tables.encoders[set][encoder_place(context, token)] =
+            encoder_of(frequency, start);
         for (std::uint32_t i = 0; i < frequency; ++i) {
           slots[start + i] = token | frequency << 6 | i << 18;
         }
@@ -253,6 +323,7 @@ Bytes serialize(const Parameters& parameters) {
       below = &context;
     }
   }
+  if (parameters.has_edges) put_edge_frequencies(coder, parameters.edge_frequencies);
   coder.finish();
   return out;
 }
@@ -332,6 +403,7 @@ Parameters parse_parameters(ByteSpan bytes) {
   walk_weights(p, WeightGetter{coder});
   parse_context_weights(coder, p);
   parse_frequencies(coder, p);
+  if (p.has_edges) get_edge_frequencies(coder, p.edge_frequencies);
   if (!coder.is_consumed()) throw Error(ErrorKind::corrupt, "model: wrong length");
   return p;
 }

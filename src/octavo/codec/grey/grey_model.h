@@ -71,6 +71,15 @@ constexpr int token_of(std::uint32_t value) {
   return kDirectTokens + (octave - 5) * 2 + static_cast<int>(value >> (octave - 1) & 1);
 }
 
+/// What a pair beside background is (edge_pairs.h): no edge, or which of its samples is background.
+enum class EdgeKind : std::uint8_t { none, first, second };
+inline constexpr int kEdgeKinds = 3;
+inline constexpr int kEdgeContexts = 360;
+
+/// Frequencies of the kinds in every context of a pair beside background; each at least 1, each
+/// context's sum to 2048.
+using EdgeFrequencies = std::array<std::array<std::uint16_t, kEdgeKinds>, kEdgeContexts>;
+
 /// Token frequencies of every context; each context's sum to 2048, the escape token has at least 1.
 using Frequencies =
     std::array<std::array<std::array<std::uint16_t, kTokens>, kContexts>, kTableSets>;
@@ -122,6 +131,7 @@ struct Parameters {
   std::int32_t mean_weights[kGroups][3][kClasses] = {};
   std::int32_t context_weights[kGroups][3][kFeatures] = {};
   Frequencies frequencies = {};
+  EdgeFrequencies edge_frequencies = {};  ///< only of a model that tells edges apart
 };
 
 /// How a token of a context is pushed onto a rANS state.
@@ -143,14 +153,26 @@ struct Encoder {
 /// Of a token with that frequency, 1 .. 2048 or 0 where it has no slots, and first slot.
 Encoder encoder_of(std::uint32_t frequency, std::uint32_t start);
 
+/// Contexts of residuals, then those of edges, whose tokens are the kinds.
+inline constexpr std::size_t kAllContexts = kContexts + kEdgeContexts;
+
+/// The place of a token's encoder among those of a table set.
+constexpr std::size_t encoder_place(std::size_t context, std::size_t token) {
+  return context < kContexts
+             ? context * kTokens + token
+             : std::size_t{kContexts} * kTokens + (context - kContexts) * kEdgeKinds + token;
+}
+inline constexpr std::size_t kEncoders = encoder_place(kAllContexts, 0);
+
 /// Tables derived from the frequencies.
 struct Tables {
   /// By context and slot: token | frequency << 6 | (slot - first slot of the token) << 18.
   std::array<std::array<std::array<std::uint32_t, kTableSize>, kContexts>, kTableSets> slots;
   /// By context: bit t tells whether token t has slots.
-  std::array<std::array<std::uint64_t, kContexts>, kTableSets> used;
-  /// By context and token.
-  std::array<std::array<Encoder, std::size_t{kContexts} * kTokens>, kTableSets> encoders;
+  std::array<std::array<std::uint64_t, kAllContexts>, kTableSets> used;
+  std::array<std::array<Encoder, kEncoders>, kTableSets> encoders;
+  /// By context of an edge: the first slot of each kind, and 2048.
+  std::array<std::array<std::uint16_t, kEdgeKinds + 1>, kEdgeContexts> edge_starts;
 };
 
 struct Model {

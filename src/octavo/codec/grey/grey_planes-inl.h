@@ -164,6 +164,14 @@ void prepare_plane(const Parameters& p, const Stage& stage, Workspace<std::int16
   }
 }
 
+/// As many numbers as there are halves; they fit in 16 bits.
+HWY_INLINE SignedHalves load_narrowed(const std::int32_t* from) {
+  const auto narrowed = [](const std::int32_t* at) HWY_ATTR {
+    return hn::DemoteTo(hn::Half<decltype(kSignedHalves)>(), hn::LoadU(kSignedSums, at));
+  };
+  return hn::Combine(kSignedHalves, narrowed(from + kHalfLanes / 2), narrowed(from));
+}
+
 /// A row of pairs once its details are known.
 template <int kAxis>
 class PairRow {
@@ -174,15 +182,19 @@ class PairRow {
         predictions_(work.predictions.row(y, z)),
         limits_(work.limits.row(y, z)),
         magnitudes_(work.magnitudes[kAxis].row(y, z)),
+        edges_(edge_details(stage, work, y, z)),
         first_(first_of_row(work.fine, kAxis, y, z)),
         up_(hn::Set(kSignedHalves, static_cast<std::int16_t>(1 - stage.rounding))) {}
 
   HWY_INLINE SignedHalves prediction(int x) const {
     return hn::LoadU(kSignedHalves, predictions_ + x);
   }
+  /// An edge has no room: its detail is known.
   HWY_INLINE SignedHalves within_limit(int x, SignedHalves detail) const {
     const SignedHalves limit = hn::BitCast(kSignedHalves, hn::LoadU(kHalves, limits_ + x));
-    return hn::Min(hn::Max(detail, hn::Neg(limit)), limit);
+    if (edges_ == nullptr) return hn::Min(hn::Max(detail, hn::Neg(limit)), limit);
+    const SignedHalves known = load_narrowed(edges_ + x);
+    return hn::Min(hn::Max(detail, hn::Sub(known, limit)), hn::Add(known, limit));
   }
 
   HWY_INLINE void keep_magnitudes(int x, SignedHalves residual) const {
@@ -211,6 +223,7 @@ class PairRow {
   const std::int16_t* predictions_;
   const std::uint16_t* limits_;
   std::int16_t* magnitudes_;
+  const std::int32_t* edges_;
   std::int16_t* first_;
   SignedHalves up_;
 };
@@ -233,15 +246,9 @@ void predict_row(const Stage& stage, Workspace<std::int16_t>& work, std::int64_t
                  std::int64_t z) {
   const PairRow<kAxis> row(stage, work, y, z);
   std::int32_t* const details = work.residuals.row(y, z);
-  constexpr int kSumLanes = kHalfLanes / 2;
   alignas(64) std::int16_t residuals[kHalfLanes];
   for (int x = 0; x < stage.pairs.x; x += kHalfLanes) {
-    const auto narrowed = [&](const std::int32_t* from) HWY_ATTR {
-      return hn::DemoteTo(hn::Half<decltype(kSignedHalves)>(), hn::LoadU(kSignedSums, from));
-    };
-    const SignedHalves given = hn::Combine(kSignedHalves, narrowed(details + x + kSumLanes),
-                                           narrowed(details + x));
-    const SignedHalves detail = row.within_limit(x, given);
+    const SignedHalves detail = row.within_limit(x, load_narrowed(details + x));
     const SignedHalves residual = hn::Sub(detail, row.within_limit(x, row.prediction(x)));
     row.keep_magnitudes(x, residual);
     row.put_samples(x, detail);
@@ -265,8 +272,7 @@ void predict_plane(const Parameters& p, const Stage& stage, Workspace<std::int16
                    std::int64_t z) {
   prepare_plane<kAxis>(p, stage, work, z);
   for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
-    const std::uint8_t* const cells = row_cells(stage, y, z);
-    if (cells != nullptr) close_cells(stage, cells, work.limits.row(y, z));
+    close_pairs(coded_pairs(stage, work, y, z), stage.pairs.x, work.limits.row(y, z));
     predict_row<kAxis>(stage, work, y, z);
     settle_weighted_row(stage, work, y, z, work.residuals.row(y, z));
     fill_margins(work.magnitudes[kAxis].row(y, z), stage.pairs.x);
@@ -275,12 +281,12 @@ void predict_plane(const Parameters& p, const Stage& stage, Workspace<std::int16
 
 /// Whether the rows of a plane are one long row to the streams: none of it is left out, and every
 /// row starts with the first state.
-inline bool is_one_row(const Stage& stage, const SymbolReader& symbols, std::int64_t z) {
+inline bool is_one_row(const Stage& stage, Workspace<std::int16_t>& work,
+                       const SymbolReader& symbols, std::int64_t z) {
   if (stage.pairs.x % (static_cast<std::int64_t>(symbols.state_mask) + 1) != 0) return false;
   if (stage.pairs.x % 8 != 0) return false;
-  if (stage.cells == nullptr) return true;
   for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
-    if (row_cells(stage, y, z) != nullptr) return false;
+    if (coded_pairs(stage, work, y, z) != first_pairs(stage.pairs.x)) return false;
   }
   return true;
 }
@@ -296,24 +302,24 @@ void decode_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_
     settle_weighted_row(stage, work, y, z, residuals);
     fill_margins(work.magnitudes[kAxis].row(y, z), count);
   };
-  if (is_one_row(stage, symbols, z)) {
+  if (is_one_row(stage, work, symbols, z)) {
     alignas(64) std::int16_t residuals[kMaxUnchecked + 16] = {};
     const std::int64_t most = kMaxUnchecked / count;
     for (std::int64_t y = 0; y < stage.pairs.y; y += most) {
       const std::int64_t rows = std::min(most, stage.pairs.y - y);
       const int coded = static_cast<int>(rows) * count;
-      take_residuals(symbols, work.contexts.row(y, z), nullptr, coded, coded, residuals);
+      take_residuals(symbols, work.contexts.row(y, z), 0, coded, coded, residuals);
       for (std::int64_t k = 0; k < rows; ++k) settle(residuals + k * count, y + k);
     }
     return;
   }
   alignas(64) std::int16_t residuals[kBrickSide + 16] = {};
   for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
-    const std::uint8_t* const cells = row_cells(stage, y, z);
-    if (cells != nullptr) close_cells(stage, cells, work.limits.row(y, z));
-    const int coded = list_coded(stage, work, y, z);
-    if (coded > 0) {
-      take_residuals(symbols, work.contexts.row(y, z), work.row.order, coded, count, residuals);
+    const RowMask pairs = coded_pairs(stage, work, y, z);
+    close_pairs(pairs, count, work.limits.row(y, z));
+    if (pairs != 0) {
+      take_residuals(symbols, work.contexts.row(y, z), pairs, std::popcount(pairs), count,
+                     residuals);
     } else {
       std::fill_n(residuals, count, std::int16_t{0});
     }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <type_traits>
 
@@ -38,45 +39,45 @@ Sample* first_of_row(SampleGrid<Sample>& fine, int axis, std::int64_t y, std::in
   return fine.row(axis == 1 ? 2 * y : y, axis == 2 ? 2 * z : z);
 }
 
-/// Calls f(first, last, is_uniform) for the runs of pairs of a row that lie in one cell.
+/// Calls f(x) for the pairs of a mask, first to last.
 template <class F>
-void for_each_cell(const Stage& stage, const std::uint8_t* cells, F&& f) {
-  const std::int64_t side = std::int64_t{1} << stage.cell_shift[0];
-  for (std::int64_t x = 0; x < stage.pairs.x; x += side, ++cells) {
-    f(x, std::min(x + side, stage.pairs.x), *cells != 0);
-  }
+void for_each_pair(RowMask pairs, F&& f) {
+  for (; pairs != 0; pairs &= pairs - 1) f(std::countr_zero(pairs));
+}
+
+/// The pairs of a row whose residuals are coded.
+template <class Sample>
+RowMask coded_pairs(const Stage& stage, Workspace<Sample>& work, std::int64_t y, std::int64_t z) {
+  const RowMask open = work.open.row(y, z);
+  return stage.has_edges ? open & ~work.edges.row(y, z) : open;
 }
 
 /// The number of coded pairs of a row; they are listed in work.row.order unless it is all.
 template <class Sample>
 int list_coded(const Stage& stage, Workspace<Sample>& work, std::int64_t y, std::int64_t z) {
-  const std::uint8_t* const cells = row_cells(stage, y, z);
-  if (cells == nullptr && !stage.has_edges) return static_cast<int>(stage.pairs.x);
-  int coded = 0;
-  const auto list = [&](std::int64_t first, std::int64_t last, bool is_uniform) {
-    for (std::int64_t x = first; x < last && !is_uniform; ++x) {
-      if (stage.has_edges && work.edges.row(y, z)[x] != Edge::none) continue;
-      work.row.order[coded++] = static_cast<std::uint8_t>(x);
-    }
-  };
-  if (cells == nullptr) list(0, stage.pairs.x, false);
-  else for_each_cell(stage, cells, list);
-  return coded;
+  const RowMask coded = coded_pairs(stage, work, y, z);
+  const int count = std::popcount(coded);
+  if (count == stage.pairs.x) return count;
+  std::uint8_t* to = work.row.order;
+  for_each_pair(coded, [&](int x) { *to++ = static_cast<std::uint8_t>(x); });
+  return count;
 }
 
-/// Details of uniform cells are known: a limit of 0 makes their predictions and details 0.
+/// The details of pairs that are not coded are known: a limit of 0 makes their predictions 0.
 template <class Limit>
-void close_cells(const Stage& stage, const std::uint8_t* cells, Limit* limits) {
-  for_each_cell(stage, cells, [&](std::int64_t first, std::int64_t last, bool is_uniform) {
-    if (is_uniform) std::fill(limits + first, limits + last, Limit{0});
-  });
-}
-
-template <class Limit>
-void close_edges(const Edge* edges, std::int64_t count, Limit* limits) {
+void close_pairs(RowMask coded, std::int64_t count, Limit* limits) {
+  if (coded == first_pairs(count)) return;
   for (std::int64_t x = 0; x < count; ++x) {
-    if (edges[x] != Edge::none) limits[x] = 0;
+    limits[x] = (coded >> x & 1) != 0 ? limits[x] : Limit{0};
   }
+}
+
+/// The details of the edges of a row, 0 for its other pairs; null where it has none.
+template <class Sample>
+const Wide<Sample>* edge_details(const Stage& stage, Workspace<Sample>& work, std::int64_t y,
+                                 std::int64_t z) {
+  if (!stage.has_edges || work.edges.row(y, z) == 0) return nullptr;
+  return work.edges.details.row(y, z);
 }
 
 /// The details of pairs of two weights leave the samples within the brick's range only if they are
@@ -177,7 +178,7 @@ inline MagnitudeRows magnitude_rows(const SampleGrid<std::int16_t>* magnitudes, 
 /// The passes built on a Kernel, which has
 ///   row_features(p, stage, work, y, z)    fills work.row, and the activities and limits of the row
 ///   row_contexts(p, stage, near, row, contexts)
-///   take_row(symbols, contexts, order, coded, count, residuals)
+///   take_row(symbols, contexts, coded, count, residuals)   0 for pairs that are not coded
 ///   takes_planes(p, stage)                     whether take_plane knows this split from means
 ///   take_plane(p, stage, work, z, symbols)     all of a plane: contexts, residuals and samples
 ///   give_plane(p, stage, work, z)              details of a plane to contexts, residuals, samples
@@ -202,22 +203,28 @@ struct Passes {
     set(work.activities);
     set(work.predictions);
     work.contexts.set_plane_size(stage.pairs);
+    // Whoever marked the edges has found them already.
+    if (!stage.has_edges) find_open_pairs(stage, work.open);
     work.magnitudes[stage.axis].set_size(stage.pairs);
   }
 
   static void features(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
                        std::int64_t y, std::int64_t z) {
+    const RowMask coded = coded_pairs(stage, work, y, z);
+    if (coded == 0) {
+      // Nothing looks at the others.
+      std::fill_n(work.limits.row(y, z), stage.pairs.x, Limit<Sample>{0});
+      std::fill_n(work.activities.row(y, z), stage.pairs.x, std::uint8_t{0});
+      return;
+    }
     Kernel::row_features(p, stage, work, y, z);
     open_weighted(stage, stage.first_weighted(y, z), work.limits.row(y, z), work.row.limit);
-    const std::uint8_t* const cells = row_cells(stage, y, z);
-    if (cells != nullptr) close_cells(stage, cells, work.limits.row(y, z));
-    if (stage.has_edges) {
-      close_edges(work.edges.row(y, z), stage.pairs.x, work.limits.row(y, z));
-    }
+    close_pairs(coded, stage.pairs.x, work.limits.row(y, z));
   }
 
   static void contexts(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
                        std::int64_t y, std::int64_t z) {
+    if (coded_pairs(stage, work, y, z) == 0) return;
     const MagnitudeRows near = magnitude_rows(work.magnitudes, p.predictor, stage.axis, y, z,
                                               work.row.zeros + 8);
     Kernel::row_contexts(p, stage, near, work.row, work.contexts.row(y, z));
@@ -226,12 +233,10 @@ struct Passes {
   static void take(const Stage& stage, Workspace<Sample>& work, std::int64_t y, std::int64_t z,
                    SymbolReader& symbols) {
     const int count = static_cast<int>(stage.pairs.x);
-    const int coded = list_coded(stage, work, y, z);
+    const RowMask coded = coded_pairs(stage, work, y, z);
     Int* const residuals = work.residuals.row(y, z);
-    if (coded < count) std::fill_n(residuals, count, Int{0});
-    if (coded > 0) {
-      Kernel::take_row(symbols, work.contexts.row(y, z), work.row.order, coded, count, residuals);
-    }
+    if (coded == 0) std::fill_n(residuals, count, Int{0});
+    else Kernel::take_row(symbols, work.contexts.row(y, z), coded, count, residuals);
     if (stage.step > 1) {
       using Unsigned = std::make_unsigned_t<Int>;
       for (int x = 0; x < count; ++x) {
@@ -242,24 +247,9 @@ struct Passes {
     keep_magnitudes(stage, work, y, z);
   }
 
-  /// Only plain loops know of gaps between values and of edges.
-  static bool needs_plain(const Stage& stage) { return stage.gaps != nullptr || stage.has_edges; }
   static bool takes_planes(const Parameters& p, const Stage& stage) {
-    return p.predictor == Predictor::means && !needs_plain(stage) && Kernel::takes_planes(p, stage);
-  }
-
-  template <bool kIsEncoding>
-  static void reconstruct_row(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
-                              std::int64_t y, std::int64_t z) {
-    using Plain = PortableKernel<Sample>;
-    if (needs_plain(stage)) Plain::template reconstruct_row<kIsEncoding>(p, stage, work, y, z);
-    else Kernel::template reconstruct_row<kIsEncoding>(p, stage, work, y, z);
-  }
-  template <bool kIsEncoding>
-  static void reconstruct(const Parameters& p, const Stage& stage, Workspace<Sample>& work) {
-    using Plain = PortableKernel<Sample>;
-    if (needs_plain(stage)) Plain::template reconstruct<kIsEncoding>(p, stage, work);
-    else Kernel::template reconstruct<kIsEncoding>(p, stage, work);
+    return p.predictor == Predictor::means && stage.gaps == nullptr &&
+           Kernel::takes_planes(p, stage);
   }
 
   static void decode(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
@@ -282,7 +272,7 @@ struct Passes {
         }
         for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
           take(stage, work, y, z, symbols);
-          reconstruct_row<false>(p, stage, work, y, z);
+          Kernel::template reconstruct_row<false>(p, stage, work, y, z);
         }
       }
       return;
@@ -294,7 +284,7 @@ struct Passes {
         take(stage, work, y, z, symbols);
       }
     }
-    reconstruct<false>(p, stage, work);
+    Kernel::template reconstruct<false>(p, stage, work);
   }
 
   static void predict(const Parameters& p, const Stage& stage, Workspace<Sample>& work) {
@@ -304,11 +294,11 @@ struct Passes {
       for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
         features(p, stage, work, y, z);
         if (p.predictor == Predictor::means) {
-          reconstruct_row<true>(p, stage, work, y, z);
+          Kernel::template reconstruct_row<true>(p, stage, work, y, z);
         }
       }
     }
-    if (p.predictor == Predictor::neighbors) reconstruct<true>(p, stage, work);
+    if (p.predictor == Predictor::neighbors) Kernel::template reconstruct<true>(p, stage, work);
   }
 
   /// Calls prepare_plane(z) for every plane, and prepare_row(y, z, coded pairs) for every row,
@@ -394,12 +384,13 @@ struct PortableKernel {
                            std::int64_t y, std::int64_t z);
   static void row_contexts(const Parameters& p, const Stage& stage, const MagnitudeRows& near,
                            const RowBuffers& row, std::uint16_t* contexts);
-  static void take_row(SymbolReader& symbols, std::uint16_t* contexts, const std::uint8_t* order,
-                       int coded, int count, Int* residuals) {
-    for (int i = 0; i < coded; ++i) {
-      const int x = coded < count ? order[i] : i;
-      residuals[x] = static_cast<Int>(symbols.take(i, contexts[x]));
-    }
+  static void take_row(SymbolReader& symbols, const std::uint16_t* contexts, RowMask coded,
+                       int count, Int* residuals) {
+    std::fill_n(residuals, count, Int{0});
+    int i = 0;
+    for_each_pair(coded, [&](int x) {
+      residuals[x] = static_cast<Int>(symbols.take(i++, contexts[x]));
+    });
     symbols.expect_inside();
   }
   static bool takes_planes(const Parameters&, const Stage&) { return false; }
@@ -422,7 +413,5 @@ struct PortableKernel {
   template <bool kIsEncoding>
   static void reconstruct(const Parameters& p, const Stage& stage, Workspace<Sample>& work);
 };
-
-extern template struct PortableKernel<std::int16_t>;
 
 }  // namespace octavo::grey

@@ -227,6 +227,24 @@ inline void magnitudes_of_row(const std::int32_t* residuals, int count, std::int
   }
 }
 
+/// Pairs where values have gaps: predictions and residuals to details, or predictions and details
+/// to residuals. The means are those of as many pairs as there are lanes.
+template <bool kIsEncoding, class D>
+HWY_INLINE hn::Vec<D> through_gaps(D d, const ValueGaps& gaps, const std::int16_t* means,
+                                   hn::Vec<D> prediction, hn::Vec<D> given) {
+  alignas(64) std::int32_t predictions[hn::MaxLanes(d)];
+  alignas(64) std::int32_t numbers[hn::MaxLanes(d)];
+  hn::Store(prediction, d, predictions);
+  hn::Store(given, d, numbers);
+  for (std::size_t k = 0; k < hn::MaxLanes(d); ++k) {
+    const ValueGaps::Details& possible = gaps.of(means[k]);
+    const int nearest = possible.nearest(predictions[k]);
+    if constexpr (kIsEncoding) numbers[k] = possible.nearest(numbers[k]) - nearest;
+    else numbers[k] = possible.detail(std::int64_t{nearest} + numbers[k]);
+  }
+  return hn::Load(d, numbers);
+}
+
 /// Prediction from means: a row of residuals to samples, or of details to residuals and samples.
 template <int kAxis, bool kIsEncoding>
 void reconstruct_from_means(const Parameters& p, const Stage& stage,
@@ -247,6 +265,7 @@ void reconstruct_from_means(const Parameters& p, const Stage& stage,
   const std::uint8_t* const activities = work.activities.row(y, z);
   const std::uint16_t* const limits = work.limits.row(y, z);
   std::int32_t* const residuals = work.residuals.row(y, z);
+  const std::int32_t* const edges = edge_details(stage, work, y, z);
   std::int16_t* const first = first_of_row(work.fine, kAxis, y, z);
   const std::int16_t* const means = work.means.row(y, z);
   const auto widen = [&](const std::int16_t* from) HWY_ATTR {
@@ -263,20 +282,28 @@ void reconstruct_from_means(const Parameters& p, const Stage& stage,
         hn::IfThenElseZero(hn::Gt(activity, hn::Zero(ints)),
                            hn::TableLookupLanes(weights, hn::IndicesFromVec(ints, place)));
     const auto limit = hn::PromoteTo(ints, hn::LoadU(unsigned_shorts, limits + x));
-    const auto lowest = hn::Neg(limit);
+    // An edge has no room: its detail is known.
+    const auto known = edges != nullptr ? hn::LoadU(ints, edges + x) : hn::Zero(ints);
+    const auto within = [&](auto v) HWY_ATTR {
+      return hn::Min(hn::Max(v, hn::Sub(known, limit)), hn::Add(known, limit));
+    };
     const auto sum = hn::Add(hn::Mul(gradient, weight), set(1 << (kWeightBits - 1)));
-    const auto prediction = hn::Min(hn::Max(hn::ShiftRight<kWeightBits>(sum), lowest), limit);
+    const auto prediction = within(hn::ShiftRight<kWeightBits>(sum));
     // Detail to residual, or residual to detail
     auto detail = hn::LoadU(ints, residuals + x);
-    if constexpr (kIsEncoding) {
-      detail = hn::Min(hn::Max(detail, lowest), limit);
+    if (stage.gaps != nullptr) {
+      const auto found =
+          through_gaps<kIsEncoding>(ints, *stage.gaps, means + x, prediction, detail);
+      if constexpr (kIsEncoding) hn::StoreU(found, ints, residuals + x);
+      else detail = found;
+      detail = within(detail);
+    } else if constexpr (kIsEncoding) {
+      detail = within(detail);
       const auto residual = quantizer(hn::Sub(detail, prediction));
       hn::StoreU(residual, ints, residuals + x);
-      if (stage.step > 1) {
-        detail = hn::Min(hn::Max(hn::Add(prediction, residual), lowest), limit);
-      }
+      if (stage.step > 1) detail = within(hn::Add(prediction, residual));
     } else {
-      detail = hn::Min(hn::Max(hn::Add(prediction, detail), lowest), limit);
+      detail = within(hn::Add(prediction, detail));
     }
     // Mean and detail to the two samples
     const auto round = set(stage.rounding);

@@ -50,7 +50,7 @@ struct Stage {
   const UniformCells* cells = nullptr;  ///< nullptr: every pair is coded
   /// Of the split that makes voxels, where some values do not occur: residuals count details.
   const ValueGaps* gaps = nullptr;
-  /// Edges are marked in the work space: they are neither predicted nor coded as residuals.
+  /// Edges are marked in the work space: they are not coded as residuals.
   bool has_edges = false;
   int cell_shift[3] = {0, 0, 0};        ///< pair coordinate >> shift = cell coordinate
 
@@ -63,8 +63,13 @@ struct Stage {
   }
 };
 
-/// The cell flags along a row of pairs, or nullptr when every pair is coded.
-const std::uint8_t* row_cells(const Stage& stage, std::int64_t y, std::int64_t z);
+/// Some pairs of a row: bit x stands for pair x.
+using RowMask = std::uint64_t;
+static_assert(kBrickSide <= 64);
+
+constexpr RowMask first_pairs(std::int64_t count) {
+  return count == 64 ? ~RowMask{0} : (RowMask{1} << count) - 1;
+}
 
 /// Integers wide enough for sums and differences of samples.
 template <class Sample>
@@ -96,6 +101,31 @@ class PairGrid {
   std::vector<T> values_;
 };
 
+/// Some pairs of every row of a split.
+class PairMasks {
+ public:
+  PairMasks() : rows_(static_cast<std::size_t>(kBrickSide * kBrickSide)) {}
+  RowMask& row(std::int64_t y, std::int64_t z) {
+    return rows_[static_cast<std::size_t>(z * kBrickSide + y)];
+  }
+
+ private:
+  std::vector<RowMask> rows_;
+};
+
+/// The pairs of a split that lie in no uniform cell.
+void find_open_pairs(const Stage& stage, PairMasks& open);
+
+/// Pairs at the edge of the background (edge_pairs.h): of one sample is background, the other not.
+template <class Sample>
+struct EdgePairs {
+  PairMasks firsts;                ///< the first sample is background
+  PairMasks seconds;               ///< the second one is
+  PairGrid<Wide<Sample>> details;  ///< 0 for other pairs; only of rows that have edges
+
+  RowMask row(std::int64_t y, std::int64_t z) { return firsts.row(y, z) | seconds.row(y, z); }
+};
+
 /// Buffers of one row; index 0 is the first pair.
 struct RowBuffers {
   static constexpr int kLength = static_cast<int>(kBrickSide) + 32;
@@ -116,21 +146,20 @@ struct MagnitudeRows {
   const std::int16_t* back_down;
 };
 
-/// Which sample of a pair is background while the other is not (edge_pairs.h).
-enum class Edge : std::uint8_t { none, first, second };
-
 template <class Sample>
 struct Workspace {
   SampleGrid<Sample> means;  ///< input of a split
   SampleGrid<Sample> fine;   ///< output of a split
   SampleGrid<std::int16_t> magnitudes[3];
   PairGrid<Wide<Sample>> residuals;    ///< true details before `predict`, residuals after it
-  PairGrid<Limit<Sample>> limits;      ///< no |detail| is larger; 0 in uniform cells
+  PairGrid<Limit<Sample>> limits;      ///< no |detail| is larger; 0 in uniform cells, for edges
   PairGrid<std::uint8_t> activities;
   PairGrid<std::int16_t> predictions;  ///< kept by passes that predict a plane at a time
   PairGrid<std::uint16_t> contexts;    ///< context | plain bits << 8
-  PairGrid<Edge> edges;                ///< only of stages that have edges, as the details
-  PairGrid<Wide<Sample>> edge_details;
+  PairMasks open;                      ///< pairs that lie in no uniform cell
+  EdgePairs<Sample> edges;             ///< only of stages that have edges
+  std::vector<Symbol> edge_symbols;    ///< of the pairs that may be edges (mark_edges)
+  PairMasks background;                ///< where the means are background
   RowBuffers row{};
 };
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <type_traits>
 
@@ -57,8 +58,7 @@ void reconstruct_row_along(const Parameters& p, const Stage& stage, Workspace<Sa
   const std::uint8_t* const activities = work.activities.row(y, z);
   const Limit<Sample>* const limits = work.limits.row(y, z);
   Int* const residuals = work.residuals.row(y, z);
-  const Edge* const edges = stage.has_edges ? work.edges.row(y, z) : nullptr;
-  const Int* const edge_details = work.edge_details.row(y, z);
+  const Int* const edges = edge_details(stage, work, y, z);
   Sample* const first = first_of_row(work.fine, kAxis, y, z);
   const Sample* const means = work.means.row(y, z);
   const std::int64_t weighted = stage.first_weighted(y, z);
@@ -70,34 +70,36 @@ void reconstruct_row_along(const Parameters& p, const Stage& stage, Workspace<Sa
     const Int prediction =
         is_from_means ? predict_from_means(means + x, kStep, mean_weights[activity])
                       : rounded_weights(weighted_sum<kAxis>(at, weights[activity]));
-    const Int expected = std::clamp<Int>(prediction, -limit, limit);
+    // An edge has no room: its detail is known.
+    const Int known = edges != nullptr ? edges[x] : 0;
+    const Int lowest = known - limit;
+    const Int highest = known + limit;
+    const Int expected = std::clamp<Int>(prediction, lowest, highest);
     // Detail to residual, or residual to detail
     Int detail;
-    if (edges != nullptr && edges[x] != Edge::none) {
-      detail = edge_details[x];
-      residuals[x] = 0;
-    } else if (stage.gaps != nullptr && limit > 0 && x < weighted) {
-      const int nearest = stage.gaps->nearest(means[x], expected);
+    if (stage.gaps != nullptr) {
+      const ValueGaps::Details& possible = stage.gaps->of(means[x]);
+      const int nearest = possible.nearest(expected);
       if constexpr (kIsEncoding) {
         detail = residuals[x];
-        residuals[x] = stage.gaps->nearest(means[x], detail) - nearest;
+        residuals[x] = possible.nearest(detail) - nearest;
       } else {
-        const std::int64_t number = std::int64_t{nearest} + residuals[x];
-        detail = static_cast<Int>(stage.gaps->detail(means[x], number));
+        detail = possible.detail(std::int64_t{nearest} + residuals[x]);
       }
+      detail = std::clamp<Int>(detail, lowest, highest);
     } else if constexpr (kIsEncoding) {
       // The means of quantized details leave other room than the true ones.
-      detail = std::clamp<Int>(residuals[x], -limit, limit);
+      detail = std::clamp<Int>(residuals[x], lowest, highest);
       residuals[x] = detail - expected;
       if (stage.step > 1) {
         residuals[x] = quantized(residuals[x], stage.step);
-        detail = std::clamp<Int>(expected + residuals[x], -limit, limit);
+        detail = std::clamp<Int>(expected + residuals[x], lowest, highest);
       }
     } else {
       // A true detail is within the limit; a damaged one is brought there, so that nothing
       // overflows.
       const std::int64_t d = std::int64_t{expected} + residuals[x];
-      detail = static_cast<Int>(std::clamp<std::int64_t>(d, -limit, limit));
+      detail = static_cast<Int>(std::clamp<std::int64_t>(d, lowest, highest));
     }
     // Mean and detail to the two samples
     if (x < weighted) {
@@ -192,42 +194,56 @@ void PortableKernel<Sample>::reconstruct(const Parameters& p, const Stage& stage
 template struct PortableKernel<std::int16_t>;
 template struct PortableKernel<std::int32_t>;
 
-// What the vectorized passes do in plain loops.
-using Narrow = PortableKernel<std::int16_t>;
-using NarrowWorkspace = Workspace<std::int16_t>;
-template void Narrow::reconstruct<false>(const Parameters&, const Stage&, NarrowWorkspace&);
-template void Narrow::reconstruct<true>(const Parameters&, const Stage&, NarrowWorkspace&);
-template void Narrow::reconstruct_row<false>(const Parameters&, const Stage&, NarrowWorkspace&,
-                                             std::int64_t, std::int64_t);
-template void Narrow::reconstruct_row<true>(const Parameters&, const Stage&, NarrowWorkspace&,
-                                            std::int64_t, std::int64_t);
+namespace {
 
-const std::uint8_t* row_cells(const Stage& stage, std::int64_t y, std::int64_t z) {
-  if (stage.cells == nullptr) return nullptr;
+/// The pairs of a row that lie in no uniform cell.
+RowMask open_pairs(const Stage& stage, std::int64_t y, std::int64_t z) {
+  const RowMask all = first_pairs(stage.pairs.x);
+  if (stage.cells == nullptr) return all;
   const Size3& size = stage.cells->size;
-  const std::uint8_t* const flags =
+  const std::uint8_t* flags =
       stage.cells->flags.data() +
       ((z >> stage.cell_shift[2]) * size.y + (y >> stage.cell_shift[1])) * size.x;
-  const std::int64_t used = ((stage.pairs.x - 1) >> stage.cell_shift[0]) + 1;
-  const bool any = std::any_of(flags, flags + used, [](std::uint8_t flag) { return flag != 0; });
-  return any ? flags : nullptr;
+  const int side = 1 << stage.cell_shift[0];
+  const RowMask cell = first_pairs(side);
+  RowMask open = 0;
+  for (int x = 0; x < stage.pairs.x; x += side, ++flags) {
+    if (*flags == 0) open |= cell << x;
+  }
+  return open & all;
+}
+
+/// Calls f(rows) for the rows of pairs that lie in the same cells: y and z of a box.
+template <class F>
+void for_each_row_of_cells(const Stage& stage, F&& f) {
+  const auto side = [&](int axis) { return std::int64_t{1} << stage.cell_shift[axis]; };
+  for (std::int64_t z = 0; z < stage.pairs.z; z += side(2)) {
+    for (std::int64_t y = 0; y < stage.pairs.y; y += side(1)) {
+      f(Box{{0, y, z},
+            {stage.pairs.x, std::min(y + side(1), stage.pairs.y),
+             std::min(z + side(2), stage.pairs.z)}});
+    }
+  }
+}
+
+}  // namespace
+
+void find_open_pairs(const Stage& stage, PairMasks& open) {
+  for_each_row_of_cells(stage, [&](const Box& rows) {
+    const RowMask pairs = open_pairs(stage, rows.lo.y, rows.lo.z);
+    for (std::int64_t z = rows.lo.z; z < rows.hi.z; ++z) {
+      for (std::int64_t y = rows.lo.y; y < rows.hi.y; ++y) open.row(y, z) = pairs;
+    }
+  });
 }
 
 std::int64_t Stage::detail_count() const {
   if (cells == nullptr) return pairs.voxel_count();
   std::int64_t count = 0;
-  for (std::int64_t z = 0; z < pairs.z; ++z) {
-    for (std::int64_t y = 0; y < pairs.y; ++y) {
-      const std::uint8_t* flags = row_cells(*this, y, z);
-      if (flags == nullptr) {
-        count += pairs.x;
-        continue;
-      }
-      for_each_cell(*this, flags, [&](std::int64_t first, std::int64_t last, bool is_uniform) {
-        if (!is_uniform) count += last - first;
-      });
-    }
-  }
+  for_each_row_of_cells(*this, [&](const Box& rows) {
+    const std::int64_t alike = (rows.hi.y - rows.lo.y) * (rows.hi.z - rows.lo.z);
+    count += alike * std::popcount(open_pairs(*this, rows.lo.y, rows.lo.z));
+  });
   return count;
 }
 

@@ -46,9 +46,9 @@ struct Kernel {
       contexts_of_row<false>(weights, stage, near, row, contexts);
     else contexts_of_row<true>(weights, stage, near, row, contexts);
   }
-  static void take_row(SymbolReader& symbols, std::uint16_t* contexts, const std::uint8_t* order,
-                       int coded, int count, std::int32_t* residuals) {
-    take_residuals(symbols, contexts, order, coded, count, residuals);
+  static void take_row(SymbolReader& symbols, std::uint16_t* contexts, RowMask coded, int count,
+                       std::int32_t* residuals) {
+    take_residuals(symbols, contexts, coded, std::popcount(coded), count, residuals);
   }
   static bool takes_planes(const Parameters& p, const Stage& stage) {
     return suits_planes(p, stage);

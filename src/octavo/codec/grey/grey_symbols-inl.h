@@ -11,6 +11,8 @@
 
 #include <hwy/highway.h>
 
+#include <bit>
+
 #include "octavo/codec/grey/grey_portable.h"
 
 // Places within a row are small numbers.
@@ -27,6 +29,7 @@ constexpr hn::CappedTag<std::uint32_t, 8> kWords{};
 constexpr hn::Rebind<std::uint16_t, decltype(kWords)> kShortWords{};
 using Words = hn::Vec<decltype(kWords)>;
 inline constexpr int kStateLanes = static_cast<int>(hn::MaxLanes(kWords));
+inline constexpr unsigned kAllLanes = (1u << kStateLanes) - 1;
 
 /// Symbols whose plain bits are taken together: their bits fit in 64.
 inline constexpr int kChunk = 8;
@@ -91,9 +94,10 @@ HWY_INLINE void store_tokens(Words token, std::uint16_t* tokens) {
   hn::StoreU(hn::DemoteTo(kShortWords, hn::BitCast(ints, token)), kShortWords, tokens);
 }
 
-/// One step of as many states as there are lanes; gives their tokens.
-HWY_INLINE Words step_states(const std::uint32_t* slots, Words context, Words& state,
-                             const std::uint8_t*& words) {
+/// One step of as many states as there are lanes, of which some stand still; gives their tokens.
+/// moving  a bit for each lane that does not
+HWY_INLINE Words step_states(const std::uint32_t* slots, Words context, unsigned moving,
+                             Words& state, const std::uint8_t*& words) {
   const auto set = [](std::uint32_t value) HWY_ATTR { return hn::Set(kWords, value); };
   const Words slot =
       hn::Or(hn::ShiftLeft<kTableBits>(context), hn::And(state, set(kTableSize - 1)));
@@ -104,10 +108,10 @@ HWY_INLINE Words step_states(const std::uint32_t* slots, Words context, Words& s
   const auto is_low = hn::Eq(hn::ShiftRight<16>(stepped), hn::Zero(kWords));
   std::uint8_t low_lanes[8];
   hn::StoreMaskBits(kWords, is_low, low_lanes);
-  const Words refilled =
-      hn::Or(hn::ShiftLeft<16>(stepped), spread_words(words, low_lanes[0]));
+  const auto low = static_cast<std::uint8_t>(low_lanes[0] & moving);
+  const Words refilled = hn::Or(hn::ShiftLeft<16>(stepped), spread_words(words, low));
   state = hn::IfThenElse(is_low, refilled, stepped);
-  words += 2 * __builtin_popcount(low_lanes[0]);
+  words += 2 * std::popcount(low);
   return hn::And(entry, set(63));
 }
 
@@ -130,7 +134,7 @@ inline Words take_tokens_of_all_states(SymbolReader& symbols, const std::uint16_
       const int at = i + k * kStateLanes;
       const Words packed = hn::PromoteTo(kWords, hn::LoadU(kShortWords, contexts + at));
       const Words token =
-          step_states(slots, hn::And(packed, hn::Set(kWords, 0xff)), states[k], words);
+          step_states(slots, hn::And(packed, hn::Set(kWords, 0xff)), kAllLanes, states[k], words);
       all = hn::Or(all, token);
       store_tokens(token, tokens + at);
     }
@@ -155,27 +159,43 @@ inline bool take_tokens(SymbolReader& symbols, const std::uint16_t* contexts, in
   if (symbols.state_mask + 1 == kMaxStates && coded % kMaxStates == 0) {
     return is_any_big(take_tokens_of_all_states(symbols, contexts, coded, tokens));
   }
-  int i = 0;
-  std::uint32_t any = 0;
   if (symbols.state_mask + 1 >= kStateLanes) {
     const std::uint32_t* const slots = symbols.slots;
     const std::uint8_t* words = symbols.words;
     Words all = hn::Zero(kWords);
+    const auto states_at = [&](int i) {
+      return symbols.states + (static_cast<std::size_t>(i) & symbols.state_mask);
+    };
+    const auto contexts_at = [&](int i) HWY_ATTR {
+      return hn::And(hn::PromoteTo(kWords, hn::LoadU(kShortWords, contexts + i)),
+                     hn::Set(kWords, 0xff));
+    };
+    int i = 0;
     for (; i + kStateLanes <= coded; i += kStateLanes) {
-      std::uint32_t* const states =
-          symbols.states + (static_cast<std::size_t>(i) & symbols.state_mask);
-      const Words packed = hn::PromoteTo(kWords, hn::LoadU(kShortWords, contexts + i));
-      Words state = hn::Load(kWords, states);
+      Words state = hn::Load(kWords, states_at(i));
+      const Words token = step_states(slots, contexts_at(i), kAllLanes, state, words);
+      hn::Store(state, kWords, states_at(i));
+      all = hn::Or(all, token);
+      store_tokens(token, tokens + i);
+    }
+    if (i < coded) {
+      // What lies behind the last context is anything.
+      const auto is_moving = hn::FirstN(kWords, static_cast<std::size_t>(coded - i));
+      const Words before = hn::Load(kWords, states_at(i));
+      Words state = before;
+      const Words context = hn::IfThenElseZero(is_moving, contexts_at(i));
+      const unsigned moving = (1u << (coded - i)) - 1;
       const Words token =
-          step_states(slots, hn::And(packed, hn::Set(kWords, 0xff)), state, words);
-      hn::Store(state, kWords, states);
+          hn::IfThenElseZero(is_moving, step_states(slots, context, moving, state, words));
+      hn::Store(hn::IfThenElse(is_moving, state, before), kWords, states_at(i));
       all = hn::Or(all, token);
       store_tokens(token, tokens + i);
     }
     symbols.words = words;
-    any = is_any_big(all) ? kDirectTokens : 0;
+    return is_any_big(all);
   }
-  for (; i < coded; ++i) {
+  std::uint32_t any = 0;
+  for (int i = 0; i < coded; ++i) {
     const int token = symbols.take_token(i, contexts[i] & 0xff);
     tokens[i] = static_cast<std::uint16_t>(token);
     any |= static_cast<std::uint32_t>(token);
@@ -268,27 +288,77 @@ void finish_residuals(SymbolReader& symbols, const std::uint16_t* contexts,
   symbols.plain_at = at;
 }
 
+/// For every set of 8 lanes: its lanes one after the other, a byte each, the first lowest.
+struct LaneLists {
+  std::uint64_t lists[std::size_t{1} << kChunk];
+};
+constexpr LaneLists make_lane_lists() {
+  LaneLists made{};
+  for (std::uint64_t set = 0; set < std::size(made.lists); ++set) {
+    int count = 0;
+    for (std::uint64_t lane = 0; lane < kChunk; ++lane) {
+      if ((set >> lane & 1) != 0) made.lists[set] |= lane << 8 * count++;
+    }
+  }
+  return made;
+}
+alignas(64) inline constexpr LaneLists kLaneLists = make_lane_lists();
+
+/// Puts the contexts of some pairs of a row side by side.
+inline void gather_contexts(RowMask coded, int count, std::uint16_t* contexts) {
+  const auto set = [](std::uint16_t value) HWY_ATTR { return hn::Set(kChunkHalves, value); };
+  std::uint16_t* to = contexts;
+  for (int x = 0; x < count; x += kChunk) {
+    const auto lanes = static_cast<std::uint8_t>(coded >> x);
+    // A lane to the places of its two bytes
+    const ChunkHalves list = hn::PromoteTo(kChunkHalves, bytes_of(kLaneLists.lists[lanes]));
+    const ChunkHalves places = hn::Add(hn::Mul(list, set(0x0202)), set(0x0100));
+    hn::StoreU(hn::TableLookupBytes(hn::LoadU(kChunkHalves, contexts + x), places), kChunkHalves,
+               to);
+    to += std::popcount(lanes);
+  }
+}
+
+/// Spreads residuals over some pairs of a row; the other pairs have 0.
+template <class Residual>
+void spread_residuals(RowMask coded, int count, const Residual* found, Residual* residuals) {
+  const hn::RebindToSigned<decltype(kWords)> ints;
+  const hn::Rebind<Residual, decltype(kWords)> stored;
+  const hn::Rebind<std::uint8_t, decltype(kWords)> bytes;
+  for (int x = 0; x < count; x += kStateLanes) {
+    const auto lanes = static_cast<std::uint8_t>(coded >> x & ((1u << kStateLanes) - 1));
+    const Words places = hn::PromoteTo(
+        kWords,
+        hn::LoadU(bytes, reinterpret_cast<const std::uint8_t*>(kWordPlaces.places + lanes)));
+    const auto indices = hn::IndicesFromVec(ints, hn::BitCast(ints, places));
+    const auto mask = hn::LoadMaskBits(ints, &lanes);
+    if constexpr (sizeof(Residual) == sizeof(std::int32_t)) {
+      const auto next = hn::LoadU(ints, found);
+      hn::StoreU(hn::IfThenElseZero(mask, hn::TableLookupLanes(next, indices)), ints,
+                 residuals + x);
+    } else {
+      const auto next = hn::PromoteTo(ints, hn::LoadU(stored, found));
+      const auto spread = hn::IfThenElseZero(mask, hn::TableLookupLanes(next, indices));
+      hn::StoreU(hn::DemoteTo(stored, spread), stored, residuals + x);
+    }
+    found += std::popcount(lanes);
+  }
+}
+
 /// Residuals of a row, or of more when none is left out, off the streams: PortableKernel::take_row.
 /// Residuals are padded to a multiple of 8; at most kMaxUnchecked.
 template <class Residual>
-void take_residuals(SymbolReader& symbols, std::uint16_t* contexts, const std::uint8_t* order,
-                    int coded, int count, Residual* residuals) {
+void take_residuals(SymbolReader& symbols, std::uint16_t* contexts, RowMask pairs, int coded,
+                    int count, Residual* residuals) {
   alignas(64) std::uint16_t tokens[kMaxUnchecked + kChunk];
-  if (coded < count) {
-    for (int i = 0; i < coded; ++i) contexts[i] = contexts[order[i]];
-  }
+  Residual found[kBrickSide + 2 * kChunk];
+  if (coded < count) gather_contexts(pairs, count, contexts);
   // The last chunk may reach beyond the row, and so into what pads residuals and magnitudes.
   hn::StoreU(hn::Zero(kChunkHalves), kChunkHalves, tokens + coded);
   const bool has_big = take_tokens(symbols, contexts, coded, tokens);
-  finish_residuals(symbols, contexts, tokens, coded, has_big, residuals);
+  finish_residuals(symbols, contexts, tokens, coded, has_big, coded < count ? found : residuals);
   symbols.expect_inside();
-  if (coded == count) return;
-  // Spread over the row, from its end on.
-  int next = coded - 1;
-  for (int x = count - 1; x >= 0; --x) {
-    const bool is_coded = next >= 0 && order[next] == x;
-    residuals[x] = is_coded ? residuals[next--] : Residual{0};
-  }
+  if (coded < count) spread_residuals(pairs, count, found, residuals);
 }
 
 #endif  // HWY_TARGET != HWY_SCALAR

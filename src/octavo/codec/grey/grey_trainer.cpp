@@ -21,8 +21,7 @@ constexpr int kCoarseWeightStep = 5;         ///< for models that count beside w
 constexpr std::uint64_t kLittleBytes = 1 << 18;
 constexpr std::size_t kOrderBricks = 16;  ///< bricks that orders are tried on
 constexpr double kWorthwhile = 0.0005;   ///< what another order must save
-constexpr double kMuchBackground = 0.4;  ///< of the voxels, where edges are tried
-constexpr std::uint64_t kEdgePercent = 3;  ///< what edges must save: they make decoding slower
+constexpr double kMuchBackground = 0.4;  ///< of the voxels, where edges are told apart
 /// Steps of an orthonormal coefficient to try, in tenths of the maximum error.
 constexpr int kDetailSteps[] = {14, 16, 18, 22};
 
@@ -178,25 +177,18 @@ double background_share(std::span<const TrainingBrick> bricks) {
 /// Learns a lossless model of these bricks, of the kind that codes them best.
 /// predictor  what suits the preset
 Parameters learn_lossless(TrainingSet& set, Predictor predictor) {
-  Parameters best = learn(set, {predictor});
-  const bool is_small = predictor == Predictor::neighbors;
-  const bool is_sparse = background_share(set.bricks()) >= kMuchBackground;
+  const bool has_edges = background_share(set.bricks()) >= kMuchBackground;
+  Parameters best = learn(set, {predictor, {}, kWeightStep, has_edges});
   const bool may_be_all = set.bricks().size() < kManyBricks;
-  if (!is_sparse && !(is_small && may_be_all)) return best;
+  if (predictor == Predictor::means || (!has_edges && !may_be_all)) return best;
   std::uint64_t minimum = cost(set.bricks(), best);
-  std::vector<Plan> others;
-  if (is_small && may_be_all && minimum < kLittleBytes) {
-    // These bricks are all there are, and the model counts beside them.
-    others = {{Predictor::means}, {predictor, {}, kCoarseWeightStep}};
-  }
-  if (is_sparse) {
-    others.push_back({Predictor::means, {}, kWeightStep, true});
-    if (is_small) others.push_back({predictor, {}, kWeightStep, true});
-  }
-  for (const Plan& plan : others) {
+  if (minimum >= kLittleBytes) return best;
+  // The model counts beside bricks that are few, or hold little.
+  const Plan slighter[] = {{Predictor::means, {}, kWeightStep, has_edges},
+                           {predictor, {}, kCoarseWeightStep, has_edges}};
+  for (const Plan& plan : slighter) {
     const Parameters p = learn(set, plan);
-    std::uint64_t bytes = cost(set.bricks(), p);
-    if (plan.has_edges) bytes += bytes * kEdgePercent / 100;
+    const std::uint64_t bytes = cost(set.bricks(), p);
     if (bytes >= minimum) continue;
     minimum = bytes;
     best = p;

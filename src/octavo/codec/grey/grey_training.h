@@ -72,7 +72,7 @@ double detail_cost(Parameters p, const std::vector<TrainingSample>& training);
 /// Learns p.context_weights; needs the weights of the prediction.
 void learn_contexts(Parameters& p, const std::vector<TrainingSample>& training);
 
-/// Learns p.frequencies; needs all weights.
+/// Learns p.frequencies, and p.edge_frequencies where edges are told apart; needs all weights.
 void learn_frequencies(Parameters& p, const std::vector<TrainingSample>& training);
 
 }  // namespace octavo::grey

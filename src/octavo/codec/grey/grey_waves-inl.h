@@ -41,6 +41,7 @@ struct WaveRow {
   const std::uint8_t* activities = nullptr;
   const std::uint16_t* limits = nullptr;
   std::int32_t* residuals = nullptr;
+  const std::int32_t* edges = nullptr;  ///< details of its edges, 0 for other pairs
   std::int64_t first_weighted = kBrickSide;
 };
 
@@ -141,25 +142,34 @@ HWY_INLINE Quad sum_each(Quad v0, Quad v1, Quad v2, Quad v3) {
 /// What four rows need or give, pair by pair.
 struct WaveBuffers {
   static constexpr int kLength = kWaves * (static_cast<int>(kBrickSide) + 8);
-  alignas(64) std::int32_t limits[kLength];
+  alignas(64) std::int32_t lowest[kLength];   ///< no detail is smaller
+  alignas(64) std::int32_t highest[kLength];  ///< none is larger
   alignas(64) std::int32_t residuals[kLength];
   alignas(64) std::int32_t means[kLength];
+  const ValueGaps::Details* details[kLength];  ///< where values have gaps
 };
 
-inline void weave(const WaveRow* rows, int count, WaveBuffers& woven) {
+/// What is between `first` and `last` of four rows; both are multiples of 4.
+inline void weave(const WaveRow* rows, int first, int last, WaveBuffers& woven) {
   const hn::Rebind<std::int16_t, decltype(kQuad)> short_quad;
   const auto load = [](const std::int32_t* from) { return hn::LoadU(kQuad, from); };
   const auto widen = [&](const std::int16_t* from) HWY_ATTR {
     return hn::PromoteTo(kQuad, hn::LoadU(short_quad, from));
   };
   const hn::Rebind<std::uint16_t, decltype(kQuad)> unsigned_quad;
-  const auto limit = [&](const std::uint16_t* from) HWY_ATTR {
-    return hn::PromoteTo(kQuad, hn::LoadU(unsigned_quad, from));
+  const auto limit = [&](int row, int x) HWY_ATTR {
+    return hn::PromoteTo(kQuad, hn::LoadU(unsigned_quad, rows[row].limits + x));
   };
-  for (int x = 0; x < count; x += 4) {
-    hn::StoreInterleaved4(limit(rows[0].limits + x), limit(rows[1].limits + x),
-                          limit(rows[2].limits + x), limit(rows[3].limits + x), kQuad,
-                          woven.limits + 4 * x);
+  for (int x = first; x < last; x += 4) {
+    const Quad known[] = {load(rows[0].edges + x), load(rows[1].edges + x),
+                          load(rows[2].edges + x), load(rows[3].edges + x)};
+    const Quad room[] = {limit(0, x), limit(1, x), limit(2, x), limit(3, x)};
+    hn::StoreInterleaved4(hn::Sub(known[0], room[0]), hn::Sub(known[1], room[1]),
+                          hn::Sub(known[2], room[2]), hn::Sub(known[3], room[3]), kQuad,
+                          woven.lowest + 4 * x);
+    hn::StoreInterleaved4(hn::Add(known[0], room[0]), hn::Add(known[1], room[1]),
+                          hn::Add(known[2], room[2]), hn::Add(known[3], room[3]), kQuad,
+                          woven.highest + 4 * x);
     hn::StoreInterleaved4(load(rows[0].residuals + x), load(rows[1].residuals + x),
                           load(rows[2].residuals + x), load(rows[3].residuals + x), kQuad,
                           woven.residuals + 4 * x);
@@ -167,6 +177,40 @@ inline void weave(const WaveRow* rows, int count, WaveBuffers& woven) {
                           widen(rows[2].means + x), widen(rows[3].means + x), kQuad,
                           woven.means + 4 * x);
   }
+}
+
+/// The details that the means allow where values have gaps. Residuals are brought to where numbers
+/// of details end for certain.
+inline void weave_gaps(const ValueGaps& gaps, int first, int last, WaveBuffers& woven) {
+  const Quad most = hn::Set(kQuad, 2 * ValueGaps::kReach);
+  for (int at = 4 * first; at < 4 * last; at += 4) {
+    const Quad residual = hn::Load(kQuad, woven.residuals + at);
+    hn::Store(hn::Min(hn::Max(residual, hn::Neg(most)), most), kQuad, woven.residuals + at);
+    for (int k = at; k < at + 4; ++k) woven.details[k] = &gaps.of(woven.means[k]);
+  }
+}
+
+/// Of four pairs where values have gaps: predictions and residuals to details, or predictions and
+/// details to residuals.
+template <bool kIsEncoding>
+HWY_INLINE Quad four_through_gaps(const ValueGaps::Details* const* details, Quad prediction,
+                             Quad given) {
+  alignas(16) std::int32_t predictions[4];
+  alignas(16) std::int32_t numbers[4];
+  hn::Store(prediction, kQuad, predictions);
+  hn::Store(given, kQuad, numbers);
+  // All of them fit in 16 bits; a narrow store before a wide load would stall.
+  std::uint64_t found = 0;
+  for (int k = 0; k < 4; ++k) {
+    const ValueGaps::Details& possible = *details[k];
+    const int nearest = possible.nearest(predictions[k]);
+    const int one = kIsEncoding ? possible.nearest(numbers[k]) - nearest
+                                : possible.detail(nearest + numbers[k]);
+    found |= std::uint64_t{static_cast<std::uint16_t>(one)} << 16 * k;
+  }
+  const hn::FixedTag<std::int16_t, 4> shorts;
+  return hn::PromoteTo(
+      kQuad, hn::BitCast(shorts, hn::Set(hn::FixedTag<std::uint64_t, 1>(), found)));
 }
 
 template <int kAxis>
@@ -196,19 +240,45 @@ HWY_NOINLINE void weigh_pairs(const Stage& stage, const WaveRow* rows, int x, Qu
   a = hn::Load(kQuad, first);
   b = hn::Load(kQuad, second);
 }
+/// The pairs of a row from the first to the last one whose detail may differ from 0; widened to
+/// multiples of 4.
+struct WaveSpan {
+  int first = static_cast<int>(kBrickSide);
+  int last = 0;
+
+  void add(const std::uint16_t* limits, const std::int32_t* edges, int count) {
+    const auto may_differ = [&](int x) {
+      return limits[x] != 0 || (edges != nullptr && edges[x] != 0);
+    };
+    int from = 0;
+    while (from < count && !may_differ(from)) ++from;
+    if (from == count) return;
+    while (!may_differ(count - 1)) --count;
+    first = std::min(first, from & ~3);
+    last = std::max(last, (count + 3) & ~3);
+  }
+  void add(const WaveSpan& other) {
+    first = std::min(first, other.first);
+    last = std::max(last, other.last);
+  }
+  bool is_empty() const { return last <= first; }
+};
 
 /// Four rows in step. weights: those of class 0; the others follow.
-template <int kAxis, bool kIsEncoding>
+template <int kAxis, bool kIsEncoding, bool kHasGaps>
 void run_waves(const std::int16_t* weights, const Stage& stage, const WaveRow* rows,
-               WaveBuffers& woven) {
-  const int count = static_cast<int>(stage.pairs.x);
-  std::int64_t first_weighted = count;
+               const WaveSpan& span, WaveBuffers& woven) {
+  const int end = std::min(span.last, static_cast<int>(stage.pairs.x));
+  std::int64_t first_weighted = end;
   for (int k = 0; k < kWaves; ++k) {
     first_weighted = std::min(first_weighted, rows[k].first_weighted);
   }
   const StepQuantizer<decltype(kQuad)> quantizer(stage.step);
-  weave(rows, count, woven);
-  Chain<kAxis> c0(rows[0].at), c1(rows[1].at), c2(rows[2].at), c3(rows[3].at);
+  weave(rows, span.first, span.last, woven);
+  if constexpr (kHasGaps) weave_gaps(*stage.gaps, span.first, span.last, woven);
+  const std::int64_t start = pair_stretch(kAxis) * span.first;
+  Chain<kAxis> c0(rows[0].at + start), c1(rows[1].at + start), c2(rows[2].at + start),
+      c3(rows[3].at + start);
   const Quad half = hn::Set(kQuad, 1 << (kWeightBits - 1));
   const Quad round = hn::Set(kQuad, stage.rounding);
   const Quad one = hn::Set(kQuad, 1);
@@ -216,30 +286,40 @@ void run_waves(const std::int16_t* weights, const Stage& stage, const WaveRow* r
   const auto weights_of = [&](const WaveRow& row, int x) {
     return weights + row.activities[x] * kMaxTaps;
   };
-  for (int x = 0; x < count; ++x) {
+  for (int x = span.first; x < end; ++x) {
     const std::int64_t at = pair_stretch(kAxis) * x;
-    // Predict a sample of each row
-    const Quad sum = sum_each(c0.sums(rows[0].at + at, weights_of(rows[0], x)),
-                              c1.sums(rows[1].at + at, weights_of(rows[1], x)),
-                              c2.sums(rows[2].at + at, weights_of(rows[2], x)),
-                              c3.sums(rows[3].at + at, weights_of(rows[3], x)));
-    const Quad limit = hn::Load(kQuad, woven.limits + 4 * x);
-    const Quad lowest = hn::Neg(limit);
+    // Predict a sample of each row; without room, as an edge or a uniform cell, it is known.
+    const Quad lowest = hn::Load(kQuad, woven.lowest + 4 * x);
+    const Quad highest = hn::Load(kQuad, woven.highest + 4 * x);
+    const auto within = [&](Quad v) HWY_ATTR {
+      return hn::Min(hn::Max(v, lowest), highest);
+    };
+    Quad sum = hn::Zero(kQuad);
+    if (!hn::AllTrue(kQuad, hn::Eq(lowest, highest))) {
+      sum = sum_each(c0.sums(rows[0].at + at, weights_of(rows[0], x)),
+                     c1.sums(rows[1].at + at, weights_of(rows[1], x)),
+                     c2.sums(rows[2].at + at, weights_of(rows[2], x)),
+                     c3.sums(rows[3].at + at, weights_of(rows[3], x)));
+    }
     const Quad mean = hn::Load(kQuad, woven.means + 4 * x);
     const Quad given = hn::Load(kQuad, woven.residuals + 4 * x);
-    const Quad prediction =
-        hn::Min(hn::Max(hn::ShiftRight<kWeightBits>(hn::Add(sum, half)), lowest), limit);
+    const Quad prediction = within(hn::ShiftRight<kWeightBits>(hn::Add(sum, half)));
     // Detail to residual, or residual to detail
     Quad detail;
     if constexpr (kIsEncoding) {
-      detail = hn::Min(hn::Max(given, lowest), limit);
-      const Quad residual = quantizer(hn::Sub(detail, prediction));
-      hn::Store(residual, kQuad, woven.residuals + 4 * x);
-      if (stage.step > 1) {
-        detail = hn::Min(hn::Max(hn::Add(prediction, residual), lowest), limit);
+      detail = within(given);
+      if constexpr (kHasGaps) {
+        hn::Store(four_through_gaps<true>(woven.details + 4 * x, prediction, given), kQuad,
+                  woven.residuals + 4 * x);
+      } else {
+        const Quad residual = quantizer(hn::Sub(detail, prediction));
+        hn::Store(residual, kQuad, woven.residuals + 4 * x);
+        if (stage.step > 1) detail = within(hn::Add(prediction, residual));
       }
+    } else if constexpr (kHasGaps) {
+      detail = within(four_through_gaps<false>(woven.details + 4 * x, prediction, given));
     } else {
-      detail = hn::Min(hn::Max(hn::Add(prediction, given), lowest), limit);
+      detail = within(hn::Add(prediction, given));
     }
     // Mean and detail to the two samples, which the next predictions see
     const Quad total = hn::Add(hn::Sub(hn::Add(mean, mean), round),
@@ -258,8 +338,12 @@ void run_waves(const std::int16_t* weights, const Stage& stage, const WaveRow* r
     store_pair<kAxis>(rows[3].at + at, hn::ExtractLane(both, 3));
   }
   if constexpr (kIsEncoding) {
+    const auto count = static_cast<int>(stage.pairs.x);
     for (int row = 0; row < kWaves; ++row) {
-      for (int x = 0; x < count; ++x) rows[row].residuals[x] = woven.residuals[4 * x + row];
+      std::int32_t* const residuals = rows[row].residuals;
+      std::fill(residuals, residuals + span.first, 0);
+      for (int x = span.first; x < end; ++x) residuals[x] = woven.residuals[4 * x + row];
+      std::fill(residuals + end, residuals + count, 0);
     }
   }
 }
@@ -270,11 +354,12 @@ struct IdleRow {
       std::vector<std::int16_t>(static_cast<std::size_t>(5 * SampleGrid<std::int16_t>::kPlane));
   std::uint16_t limits[kBrickSide + 16] = {};
   std::int32_t residuals[kBrickSide + 16] = {};
+  std::int32_t edges[kBrickSide + 16] = {};
   std::uint8_t activities[kBrickSide + 16] = {};
 
   WaveRow row() {
     std::int16_t* const middle = samples.data() + samples.size() / 2;
-    return {middle, middle, activities, limits, residuals, kBrickSide};
+    return {middle, middle, activities, limits, residuals, edges, kBrickSide};
   }
 };
 
@@ -301,7 +386,7 @@ void reconstruct_waves(const Parameters& p, const Stage& stage, Workspace<std::i
   for (int wave = 0; wave < kWaves; ++wave) plane[wave] = wave;
   for (std::int64_t tick = 0; tick < end; ++tick) {
     WaveRow rows[kWaves];
-    bool any = false;
+    WaveSpan span;
     for (int wave = 0; wave < kWaves; ++wave) {
       rows[wave] = idle.row();
       const std::int64_t z = plane[wave];
@@ -309,18 +394,29 @@ void reconstruct_waves(const Parameters& p, const Stage& stage, Workspace<std::i
       const std::int64_t y = tick - starts[static_cast<std::size_t>(z)];
       if (y + 1 == pairs.y) plane[wave] += kWaves;
       const std::uint16_t* const limits = work.limits.row(y, z);
-      const bool is_coded = std::any_of(limits, limits + pairs.x, [](auto v) { return v != 0; });
-      if (!is_coded) {
+      const std::int32_t* const edges = edge_details(stage, work, y, z);
+      WaveSpan own;
+      own.add(limits, edges, static_cast<int>(pairs.x));
+      if (own.is_empty()) {
         if constexpr (kIsEncoding) std::fill_n(work.residuals.row(y, z), pairs.x, 0);
         continue;
       }
-      any = true;
-      rows[wave] = {first_of_row(work.fine, kAxis, y, z), work.means.row(y, z),
-                    work.activities.row(y, z), limits, work.residuals.row(y, z),
+      span.add(own);
+      rows[wave] = {first_of_row(work.fine, kAxis, y, z),
+                    work.means.row(y, z),
+                    work.activities.row(y, z),
+                    limits,
+                    work.residuals.row(y, z),
+                    edges != nullptr ? edges : idle.edges,
                     stage.first_weighted(y, z)};
     }
-    if (!any) continue;
-    run_waves<kAxis, kIsEncoding>(p.weights[stage.group][kAxis][0], stage, rows, woven);
+    if (span.is_empty()) continue;
+    const std::int16_t* const weights = p.weights[stage.group][kAxis][0];
+    if (stage.gaps != nullptr) {
+      run_waves<kAxis, kIsEncoding, true>(weights, stage, rows, span, woven);
+    } else {
+      run_waves<kAxis, kIsEncoding, false>(weights, stage, rows, span, woven);
+    }
   }
 }
 

@@ -52,7 +52,7 @@ std::uint8_t* split_symbols(std::span<const std::uint64_t> used, const std::vect
   PlainWriter bits(plain);
   for (const Symbol& symbol : symbols) {
     const std::uint64_t value = symbol.value();
-    const int low = symbol.low_bits() + shift;
+    const int low = symbol.low_bits() + (symbol.context() < kContexts ? shift : 0);
     int token = token_of(static_cast<std::uint32_t>(value >> low));
     if ((used[symbol.context()] >> token & 1) == 0) token = kEscapeToken;
     *tokens++ = static_cast<std::uint8_t>(token);
@@ -69,7 +69,7 @@ std::uint16_t* push_tokens(std::span<const Encoder> encoders, const std::vector<
                            std::size_t state_mask, std::uint16_t* end) {
   for (std::size_t i = symbols.size(); i-- > 0;) {
     const Symbol& symbol = symbols[i];
-    const Encoder& e = encoders[symbol.context() * kTokens + tokens[i]];
+    const Encoder& e = encoders[encoder_place(symbol.context(), tokens[i])];
     std::uint32_t& state = states[symbol.state() & state_mask];
     std::uint32_t x = state;
     // Without a branch: whether a word leaves is anyone's guess.
@@ -84,12 +84,13 @@ std::uint16_t* push_tokens(std::span<const Encoder> encoders, const std::vector<
 
 }  // namespace
 
-Bytes encode_symbols(const Model& model, int set, const std::vector<Symbol>& symbols, int shift) {
+Bytes encode_symbols(const Model& model, int set, const std::vector<Symbol>& symbols,
+                     std::int64_t details, int shift) {
   if (symbols.empty()) return {};
   const std::span<const Encoder> encoders = model.tables.encoders[static_cast<std::size_t>(set)];
   const std::span<const std::uint64_t> used = model.tables.used[static_cast<std::size_t>(set)];
   const std::size_t count = symbols.size();
-  const auto state_total = static_cast<std::size_t>(state_count(static_cast<std::int64_t>(count)));
+  const auto state_total = static_cast<std::size_t>(state_count(details));
 
   // Plain bits forwards, tokens backwards: rANS is a stack.
   const auto tokens = unset_array<std::uint8_t>(count);
@@ -117,17 +118,19 @@ Bytes encode_symbols(const Model& model, int set, const std::vector<Symbol>& sym
   return out;
 }
 
-SymbolReader::SymbolReader(const Model& model, int set, ByteSpan segment, std::int64_t symbol_count,
+SymbolReader::SymbolReader(const Model& model, int set, ByteSpan segment, std::int64_t details,
                            int low_shift)
-    : slots(model.tables.slots[static_cast<std::size_t>(set)].data()->data()), shift(low_shift) {
+    : slots(model.tables.slots[static_cast<std::size_t>(set)].data()->data()),
+      edge_starts(model.tables.edge_starts.data()),
+      shift(low_shift) {
   ByteSpan plain_span;
-  if (symbol_count == 0) {
+  if (details == 0) {
     states[0] = kStateFloor;
     if (!segment.empty()) throw Error(ErrorKind::corrupt, "a segment without symbols is not empty");
   } else {
     const std::uint64_t plain_bytes = take_varint(segment);
     plain_span = take_bytes(segment, plain_bytes);
-    const auto state_total = static_cast<std::size_t>(state_count(symbol_count));
+    const auto state_total = static_cast<std::size_t>(state_count(details));
     state_mask = state_total - 1;
     const ByteSpan heads = take_bytes(segment, 4 * state_total);
     for (std::size_t i = 0; i < state_total; ++i) {

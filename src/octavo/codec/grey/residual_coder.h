@@ -24,34 +24,41 @@ namespace octavo::grey {
 
 inline constexpr std::uint32_t kStateFloor = 1u << 16;
 inline constexpr int kMaxStates = 32;
+static_assert(kMaxPlainBits <= 7);
 
 /// Interleaved states of a segment of that many symbols.
 constexpr int state_count(std::int64_t symbols) {
   return symbols >= 16384 ? kMaxStates : symbols >= 1024 ? 8 : symbols >= 128 ? 2 : 1;
 }
 
-/// A residual waiting to be written, in 8 bytes: lists of them pass through memory twice.
+/// A residual or the kind of an edge waiting to be written, in 8 bytes: lists of them pass through
+/// memory twice.
 class Symbol {
  public:
   Symbol() = default;
   /// packed: context | plain bits << 8; place: among the coded pairs of its row
   Symbol(std::uint64_t zigzag_residual, unsigned packed, int place)
-      : bits_(zigzag_residual << 24 | std::uint64_t{packed} |
-              std::uint64_t{static_cast<unsigned>(place) % kMaxStates} << 16) {}
+      : Symbol(zigzag_residual, packed & 0xff, packed >> 8, place) {}
+  /// context: of a pair that may be an edge, kContexts more than its own
+  Symbol(std::uint64_t value, unsigned context, unsigned low_bits, int place)
+      : bits_(value << 24 | std::uint64_t{context} | std::uint64_t{low_bits} << 16 |
+              std::uint64_t{static_cast<unsigned>(place) % kMaxStates} << 19) {}
 
-  std::uint64_t value() const { return bits_ >> 24; }  ///< zigzag residual
-  std::size_t context() const { return bits_ & 0xff; }
-  int low_bits() const { return bits_ >> 8 & 0xff; }   ///< lowest bits stored plain
-  std::size_t state() const { return bits_ >> 16 & 0xff; }
+  std::uint64_t value() const { return bits_ >> 24; }  ///< zigzag residual, or kind and plain bit
+  std::size_t context() const { return bits_ & 0xffff; }
+  int low_bits() const { return bits_ >> 16 & 7; }     ///< lowest bits stored plain
+  std::size_t state() const { return bits_ >> 19 & 31; }
   bool operator==(const Symbol&) const = default;
 
  private:
   std::uint64_t bits_ = 0;
 };
 
-/// The bytes of one segment; none without symbols. shift: low bits of every value that are always
-/// plain (wide samples).
-Bytes encode_symbols(const Model& model, int set, const std::vector<Symbol>& symbols, int shift);
+/// The bytes of one segment; none without symbols.
+/// details  how many the level has: pairs that may be edges are asked for beside them
+/// shift    low bits of every residual that are always plain (wide samples)
+Bytes encode_symbols(const Model& model, int set, const std::vector<Symbol>& symbols,
+                     std::int64_t details, int shift);
 
 /// Symbols that may be taken off a segment from one check that it holds them to the next.
 inline constexpr int kMaxUnchecked = 512;
@@ -62,7 +69,7 @@ inline constexpr int kMaxUnchecked = 512;
 class SymbolReader {
  public:
   /// Throws Error{corrupt} when the segment is too short for its own head.
-  SymbolReader(const Model& model, int set, ByteSpan segment, std::int64_t symbol_count, int shift);
+  SymbolReader(const Model& model, int set, ByteSpan segment, std::int64_t details, int shift);
 
   /// The residual of the i-th coded symbol of a row. packed: context | plain bits << 8
   std::int64_t take(int i, unsigned packed) {
@@ -74,12 +81,19 @@ class SymbolReader {
   int take_token(int i, unsigned context) {
     std::uint32_t& state = states[static_cast<std::size_t>(i) & state_mask];
     const std::uint32_t entry = slots[(context << kTableBits) + (state & (kTableSize - 1))];
-    state = (entry >> 6 & 0xfff) * (state >> kTableBits) + (entry >> 18);
-    if (state < kStateFloor) {
-      state = state << 16 | static_cast<std::uint32_t>(words[0] | words[1] << 8);
-      words += 2;
-    }
+    renew(state, (entry >> 6 & 0xfff) * (state >> kTableBits) + (entry >> 18));
     return static_cast<int>(entry & 63);
+  }
+
+  /// The kind of the i-th pair of a row that may be an edge.
+  EdgeKind take_edge(int i, unsigned context) {
+    std::uint32_t& state = states[static_cast<std::size_t>(i) & state_mask];
+    const std::uint16_t* const starts = edge_starts[context].data();
+    const std::uint32_t slot = state & (kTableSize - 1);
+    const unsigned kind = (slot >= starts[1] ? 1u : 0u) + (slot >= starts[2] ? 1u : 0u);
+    const std::uint32_t start = starts[kind];
+    renew(state, (starts[kind + 1] - start) * (state >> kTableBits) + slot - start);
+    return static_cast<EdgeKind>(kind);
   }
 
   /// The residual of a token, `low` plain bits below it.
@@ -108,6 +122,7 @@ class SymbolReader {
   alignas(64) std::uint32_t states[kMaxStates] = {};
   std::size_t state_mask = 0;
   const std::uint32_t* slots;        ///< of the table set, by context and slot
+  const std::array<std::uint16_t, kEdgeKinds + 1>* edge_starts;  ///< of the model, by context
   const std::uint8_t* words;         ///< next word
   const std::uint8_t* words_end;
   const std::uint8_t* plain;         ///< first byte of the plain bits
@@ -117,6 +132,15 @@ class SymbolReader {
 
  private:
   [[noreturn]] static void fail_short();
+
+  /// Without a branch: whether a word is due is anyone's guess.
+  void renew(std::uint32_t& state, std::uint32_t stepped) {
+    const bool is_low = stepped < kStateFloor;
+    const std::uint32_t filled =
+        stepped << 16 | static_cast<std::uint32_t>(words[0] | words[1] << 8);
+    state = is_low ? filled : stepped;
+    words += is_low ? 2 : 0;
+  }
 
   std::unique_ptr<std::uint8_t[]> padded_;
 };

@@ -214,37 +214,37 @@ BrickMap take_brick_map(const ValueMap& map, const ValueRange& range, ByteSpan& 
 }
 
 ValueGaps::ValueGaps(std::int64_t lowest, std::span<const std::uint8_t> used, int rounding)
-    : lowest_(lowest), rows_(used.size()) {
-  const auto count = static_cast<std::int64_t>(used.size());
-  const auto occurs = [&](std::int64_t at) {
-    return at >= 0 && at < count && used[static_cast<std::size_t>(at)] != 0;
+    : lowest_(lowest),
+      last_(static_cast<std::int64_t>(used.size()) - 1),
+      used_(used.begin(), used.end()),
+      details_(new Details[used.size()]) {  // not cleared: most of it is never looked at
+  const auto count = static_cast<int>(used.size());
+  const auto may_be = [&](int sample) {
+    return sample >= 0 && sample < count && used[static_cast<std::size_t>(sample)] != 0;
   };
-  for (std::int64_t mean = 0; mean < count; ++mean) {
-    Row& row = rows_[static_cast<std::size_t>(mean)];
-    for (std::int64_t a = 0; a < count; ++a) {
-      if (!occurs(a)) continue;
-      // The two samples add up to one of two numbers.
-      for (int odd = 1; odd >= 0; --odd) {
-        const std::int64_t b = 2 * mean - rounding + odd - a;
-        if (occurs(b)) row.details.push_back(static_cast<std::int16_t>(a - b));
-      }
+  for (int mean = 0; mean < count; ++mean) {
+    Details& row = details_[static_cast<std::size_t>(mean)];
+    // The two samples add up to one of two numbers; of every detail, its parity says which.
+    const int sum = 2 * mean - rounding;
+    const int reach = std::min(sum + 1, 2 * (count - 1) - sum);
+    int number = 0;
+    for (int detail = -reach; detail <= reach; ++detail) {
+      const int a = (sum + detail + 1) >> 1;
+      const int b = a - detail;
+      if (!may_be(a) || !may_be(b)) continue;
+      row.values[number++] = static_cast<std::int16_t>(detail);
     }
-    std::size_t at = 0;
-    for (std::int64_t detail = -kReach; detail <= kReach && !row.details.empty(); ++detail) {
-      while (at + 1 < row.details.size() &&
-             row.details[at + 1] - detail < detail - row.details[at]) {
-        ++at;
-      }
-      row.nearest[detail + kReach] = static_cast<std::uint16_t>(at);
+    if (number == 0) row.values[number++] = 0;
+    row.last = number - 1;
+    // A number stands up to the middle between its detail and the next one.
+    int next = 0;
+    for (int k = 0; k < number; ++k) {
+      const int end = k == row.last ? 2 * kReach + 1
+                                    : ((row.values[k] + row.values[k + 1]) >> 1) + kReach + 1;
+      std::fill(row.numbers + next, row.numbers + end, static_cast<std::uint16_t>(k));
+      next = end;
     }
   }
-}
-
-std::int64_t ValueGaps::detail(std::int64_t mean, std::int64_t number) const {
-  const std::vector<std::int16_t>& details = row(mean).details;
-  if (details.empty()) return 0;
-  const auto last = static_cast<std::int64_t>(details.size()) - 1;
-  return details[static_cast<std::size_t>(std::clamp<std::int64_t>(number, 0, last))];
 }
 
 ValueGaps make_gaps(const ValueMap& map, const BrickMap& brick, const ValueRange& codes,

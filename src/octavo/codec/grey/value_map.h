@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct CodeScale {
   std::int64_t offset = 0;
 
   std::int64_t code_of(std::int64_t voxel) const {
+    if (step == 1) return voxel - offset;
     const std::int64_t above = voxel - offset + (step - 1) / 2;
     const std::int64_t quotient = above / step;
     return quotient - (above % step < 0);
@@ -76,30 +78,40 @@ BrickMap take_brick_map(const ValueMap& map, const ValueRange& range, ByteSpan& 
 /// are known by their number among them, smallest first.
 class ValueGaps {
  public:
-  /// used  whether the sample `lowest` + i occurs
+  static constexpr int kReach = static_cast<int>(kMaxMappedCodes) - 1;
+
+  /// The details of one mean. The rows of a table stand in different places of the cache.
+  struct alignas(64) Details {
+    std::uint16_t numbers[2 * kReach + 2];  ///< of the detail nearest to i - kReach
+    std::int16_t values[2 * kReach + 2];    ///< rising
+    std::int32_t last;                      ///< the highest number; a mean without details has a 0
+
+    /// The number of the detail nearest to one within +-kReach; the smaller of two.
+    int nearest(std::int64_t detail) const {
+      return numbers[std::clamp<std::int64_t>(detail, -kReach, kReach) + kReach];
+    }
+    /// The detail of a number, which is brought into their range.
+    int detail(std::int64_t number) const {
+      return values[std::clamp<std::int64_t>(number, 0, last)];
+    }
+  };
+
+  /// used  whether the sample `lowest` + i occurs; not empty
   ValueGaps(std::int64_t lowest, std::span<const std::uint8_t> used, int rounding);
 
-  /// The number of the detail nearest to one within +-255; the smaller of two.
-  int nearest(std::int64_t mean, std::int64_t detail) const {
-    return row(mean).nearest[static_cast<std::size_t>(detail + kReach)];
+  const Details& of(std::int64_t mean) const {
+    return details_[static_cast<std::size_t>(std::clamp(mean - lowest_, std::int64_t{0}, last_))];
   }
-  /// The detail of a number, which is brought into their range; 0 when the mean has none.
-  std::int64_t detail(std::int64_t mean, std::int64_t number) const;
+  bool occurs(std::int64_t sample) const {
+    return sample >= lowest_ && sample - lowest_ <= last_ &&
+           used_[static_cast<std::size_t>(sample - lowest_)] != 0;
+  }
 
  private:
-  static constexpr std::int64_t kReach = kMaxMappedCodes - 1;
-  struct Row {
-    std::uint16_t nearest[2 * kReach + 1] = {};
-    std::vector<std::int16_t> details;
-  };
-  /// Means of damaged bricks may lie outside.
-  const Row& row(std::int64_t mean) const {
-    const auto last = static_cast<std::int64_t>(rows_.size()) - 1;
-    return rows_[static_cast<std::size_t>(std::clamp<std::int64_t>(mean - lowest_, 0, last))];
-  }
-
   std::int64_t lowest_;
-  std::vector<Row> rows_;  ///< by mean
+  std::int64_t last_;
+  std::vector<std::uint8_t> used_;
+  std::unique_ptr<Details[]> details_;  ///< by mean
 };
 
 /// The gaps of a brick with such codes, at most kMaxMappedCodes.

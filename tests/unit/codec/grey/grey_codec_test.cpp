@@ -296,6 +296,14 @@ TEST(GreyCodec, ValuesThatDoNotOccurCostNothing) {
       for (const Bytes& s : codec->encode(shape, view_of(brick, size)).segments) bytes += s.size();
       return bytes;
     };
+    // Means take values that do not occur: only voxels have gaps.
+    const EncodedBrick brick = codec->encode(shape, view_of(voxels, size));
+    BrickShape of_means = shape;
+    of_means.first_level = 6;
+    std::vector<std::uint8_t> out(voxels.size());
+    const auto spans = spans_of(brick);
+    EXPECT_THROW(codec->decode(of_means, VoxelType::uint8, brick.range, spans, 0, out.data()),
+                 Error);
     auto other = voxels;
     // A few values that the model does not know are listed with the brick.
     other[0] = 1;
@@ -333,12 +341,12 @@ TEST(GreyCodec, EdgesOfTheBackgroundAreToldApart) {
     const auto codec = parse_grey_model(VoxelType::uint16, model);
     expect_every_level(*codec, shape, voxels);
     expect_every_level(*codec, shape, make_voxels<std::uint16_t>(size, Content::smooth, 7));
-    // A pair and nothing else: all details of the brick are edges.
+    // A pair and nothing else: no background beside it tells of the edge.
     expect_every_level(*codec, shape_of({2, 1, 1}), std::vector<std::uint16_t>{7, 900});
 
     EncodedBrick other = codec->encode(shape, view_of(voxels, size));
-    // Segment 0 starts with the number of edges.
-    other.segments[0][0] = static_cast<std::uint8_t>(other.segments[0][0] ^ 1);
+    // A state that starts elsewhere does not end where it should.
+    other.segments[0].back() = static_cast<std::uint8_t>(other.segments[0].back() ^ 1);
     std::vector<std::uint16_t> out(voxels.size());
     EXPECT_THROW(
         codec->decode(shape, VoxelType::uint16, other.range, spans_of(other), 0, out.data()),

@@ -61,6 +61,10 @@ TEST(GreyModel, WhatNoEncoderWritesIsCorrupt) {
       [](Parameters& p) { p.quantizer = {1, grey::kMaxDetailStep, kSteps}; },
       [](Parameters& p) { p.value_map.lattice = {16, 15}; },
       [](Parameters& p) { p.has_edges = true; },
+      [](Parameters& p) {
+        p.has_edges = true;
+        p.edge_frequencies[9] = {1, 2, grey::kTableSize - 3};
+      },
       [](Parameters& p) { p.axis_order = {2, 1, 0}; },
       [](Parameters& p) { p.activity_threshold = 1; },
       [](Parameters& p) { p.activity_threshold = grey::kMaxThreshold; },
@@ -107,6 +111,10 @@ TEST(GreyModel, WhatNoEncoderWritesIsCorrupt) {
       },
       [](Parameters& p) { p.context_weights[0][0][1] = 8192; },
       [](Parameters& p) { p.frequencies[0][0][0] = grey::kTableSize; },
+      [](Parameters& p) {
+        p.has_edges = true;
+        p.edge_frequencies[9] = {0, 2, grey::kTableSize - 2};
+      },
   };
   for (std::size_t i = 0; i < std::size(bad); ++i) EXPECT_FALSE(is_accepted(bad[i])) << i;
 }

@@ -65,11 +65,17 @@ RandomSplit make_split(std::mt19937& random, const Size3& fine, int axis, Predic
       for (auto& w : along) w = below(4) == 0 ? below(8192) : below(60);
     }
   }
+  const bool is_sparse = kind == Samples::sparse || kind == Samples::both;
+  p.has_edges = is_sparse;
+  for (auto& context : p.edge_frequencies) {
+    context[1] = static_cast<std::uint16_t>(1 + below(1023));
+    context[2] = static_cast<std::uint16_t>(1 + below(1023));
+    context[0] = static_cast<std::uint16_t>(kTableSize - context[1] - context[2]);
+  }
   build_tables(s.model);
 
   s.fine = fine;
   const std::int32_t range = (1 << bits) - 1;
-  const bool is_sparse = kind == Samples::sparse || kind == Samples::both;
   const bool has_gaps = kind == Samples::gapped || kind == Samples::both;
   std::vector<std::int16_t> target(static_cast<std::size_t>(fine.voxel_count()));
   for (auto& v : target) {
@@ -88,7 +94,7 @@ RandomSplit make_split(std::mt19937& random, const Size3& fine, int axis, Predic
   s.stage.pairs[axis] /= 2;
   s.stage.min = -32768;
   s.stage.max = -32768 + range;
-  if (below(2) == 0 && fine[axis] % 2 == 0) {
+  if (below(2) == 0 && fine[axis] % 2 == 0 && !has_gaps) {
     const std::int64_t each = std::int64_t{1} << below(20);
     s.stage.last_pair = {each, 1 + below(static_cast<std::uint32_t>(each))};
   }
@@ -176,23 +182,6 @@ void load_with_details(Workspace<std::int16_t>& work, const RandomSplit& s) {
   }
 }
 
-std::int64_t encode_edges(Workspace<std::int16_t>& work, const Stage& stage, Bytes& bytes) {
-  const std::int64_t count = mark_edges(stage, work);
-  BinaryEncoder coder(bytes);
-  EdgeModels models;
-  put_edges(stage, work, coder, models);
-  coder.finish();
-  return count;
-}
-
-std::int64_t decode_edges(Workspace<std::int16_t>& work, const Stage& stage, ByteSpan bytes) {
-  BinaryDecoder coder(bytes);
-  EdgeModels models;
-  const std::int64_t count = take_edges(stage, work, coder, models);
-  EXPECT_TRUE(coder.is_consumed());
-  return count;
-}
-
 /// Encodes a split and decodes its segment again.
 Results run(const StageFunctions& functions, RandomSplit& s, bool has_cells) {
   Workspace<std::int16_t> work;
@@ -200,8 +189,11 @@ Results run(const StageFunctions& functions, RandomSplit& s, bool has_cells) {
   s.stage.cells = has_cells ? &s.cells : nullptr;
   const Size3& pairs = s.stage.pairs;
   load_with_details(work, s);
-  Bytes edges;
-  const std::int64_t edge_count = s.stage.has_edges ? encode_edges(work, s.stage, edges) : 0;
+  std::vector<Symbol> edges;
+  if (s.stage.has_edges) {
+    mark_edges(s.stage, work);
+    edges = work.edge_symbols;
+  }
   functions.narrow.predict(s.model.parameters, s.stage, work);
   for (std::int64_t z = 0; z < pairs.z; ++z) {
     for (std::int64_t y = 0; y < pairs.y; ++y) {
@@ -219,14 +211,15 @@ Results run(const StageFunctions& functions, RandomSplit& s, bool has_cells) {
   EXPECT_TRUE(at_once == results.symbols);
   EXPECT_EQ(pairs_of(work, s), results.samples);
 
-  const Bytes segment = encode_symbols(s.model, s.stage.set, results.symbols, 0);
-  const auto count = static_cast<std::int64_t>(results.symbols.size());
-  EXPECT_EQ(count + edge_count, s.stage.detail_count());
+  const std::int64_t count = s.stage.detail_count();
+  const auto is_edge = [](const Symbol& symbol) { return symbol.value() != 0; };
+  const auto edge_count = std::count_if(edges.begin(), edges.end(), is_edge);
+  EXPECT_EQ(static_cast<std::int64_t>(results.symbols.size()) + edge_count, count);
+  edges.insert(edges.end(), results.symbols.begin(), results.symbols.end());
+  const Bytes segment = encode_symbols(s.model, s.stage.set, edges, count, 0);
   load(work, s);
-  if (s.stage.has_edges) {
-    EXPECT_EQ(decode_edges(work, s.stage, edges), edge_count);
-  }
   SymbolReader symbols(s.model, s.stage.set, segment, count, 0);
+  if (s.stage.has_edges) take_edges(s.stage, work, symbols);
   functions.narrow.decode(s.model.parameters, s.stage, work, symbols);
   symbols.finish();
   EXPECT_EQ(pairs_of(work, s), results.samples);
@@ -273,7 +266,9 @@ TEST_P(StagesOf, GiveTheSameAroundEdgesAndGaps) {
                          << fine.x << "x" << fine.y << "x" << fine.z << " axis " << axis
                          << " predictor " << static_cast<int>(predictor) << " samples "
                          << static_cast<int>(kind) << " cells " << has_cells);
-            RandomSplit split = make_split(random, fine, axis, predictor, 7, has_cells, kind);
+            // Only ranges of 8 bits have gaps.
+            const int bits = kind == Samples::sparse && axis != 1 ? 16 : 8;
+            RandomSplit split = make_split(random, fine, axis, predictor, bits, has_cells, kind);
             const Results expected = run(portable_stage_functions(), split, has_cells);
             ASSERT_TRUE(run(*functions, split, has_cells) == expected);
           }
@@ -283,6 +278,43 @@ TEST_P(StagesOf, GiveTheSameAroundEdgesAndGaps) {
   }
 }
 
+TEST_P(StagesOf, GiveTheSameAroundEdgesAndGapsInRowsOfEveryLength) {
+  const auto functions = stage_functions_of(GetParam());
+  if (!functions) GTEST_SKIP() << "this machine has no " << GetParam();
+  std::mt19937 random(24);
+  for (std::int64_t length = 2; length <= kBrickSide; ++length) {
+    for (const Predictor predictor : {Predictor::neighbors, Predictor::means}) {
+      for (const Samples kind : {Samples::sparse, Samples::gapped, Samples::both}) {
+        SCOPED_TRACE(::testing::Message() << length << " predictor " << static_cast<int>(predictor)
+                                          << " samples " << static_cast<int>(kind));
+        const int axis = static_cast<int>(length % 3);
+        RandomSplit split =
+            make_split(random, {length, 12, 10}, axis, predictor, 7, true, kind);
+        const Results expected = run(portable_stage_functions(), split, true);
+        ASSERT_TRUE(run(*functions, split, true) == expected);
+      }
+    }
+  }
+}
+
+/// A pair whose other sample is known to be even or odd, by the range or by the gaps, spends no bit
+/// on it.
+TEST(Edges, SpendNoBitOnWhatCanBeOneNumberAlone) {
+  std::mt19937 random(25);
+  RandomSplit split =
+      make_split(random, {64, 32, 32}, 0, Predictor::neighbors, 8, false, Samples::both);
+  Workspace<std::int16_t> work;
+  load_with_details(work, split);
+  mark_edges(split.stage, work);
+  EXPECT_GT(work.edge_symbols.size(), 1000u);
+  // Multiples of 3 are never neighbors.
+  for (const Symbol& symbol : work.edge_symbols) ASSERT_EQ(symbol.low_bits(), 0);
+  split.stage.gaps = nullptr;
+  mark_edges(split.stage, work);
+  const auto spends = [](const Symbol& symbol) { return symbol.low_bits() == 1; };
+  EXPECT_GT(std::count_if(work.edge_symbols.begin(), work.edge_symbols.end(), spends), 1000);
+}
+
 /// Decodes a stream that nobody encoded; nothing when it ends too early.
 std::optional<std::vector<std::int16_t>> decode_any(const StageFunctions& functions,
                                                     const RandomSplit& s, ByteSpan segment) {
@@ -290,6 +322,7 @@ std::optional<std::vector<std::int16_t>> decode_any(const StageFunctions& functi
   load(work, s);
   SymbolReader symbols(s.model, s.stage.set, segment, s.stage.detail_count(), 0);
   try {
+    if (s.stage.has_edges) take_edges(s.stage, work, symbols);
     functions.narrow.decode(s.model.parameters, s.stage, work, symbols);
   } catch (const Error&) {
     return std::nullopt;
@@ -305,8 +338,11 @@ TEST_P(StagesOf, MakeTheSameOfAnyStream) {
   for (int round = 0; round < 60; ++round) {
     const Size3 fine{static_cast<std::int64_t>(2 + random() % 63), 8, 6};
     const auto predictor = round % 2 == 0 ? Predictor::neighbors : Predictor::means;
-    const int bits = 1 + static_cast<int>(random() % 16);
-    RandomSplit split = make_split(random, fine, round % 3, predictor, bits, false);
+    // Every second split of each kind has edges, gaps or both.
+    const auto kind = static_cast<Samples>(round % 4 < 2 ? 0 : 1 + round / 4 % 3);
+    const bool is_any = kind == Samples::any;
+    const int bits = is_any ? 1 + static_cast<int>(random() % 16) : 7;
+    RandomSplit split = make_split(random, fine, round % 3, predictor, bits, false, kind);
     // Long enough for every symbol, plain bits and words alike.
     Bytes segment(60001);
     for (auto& byte : segment) byte = static_cast<std::uint8_t>(random());
@@ -351,10 +387,10 @@ TEST_P(StagesOf, BoundTheMagnitudeOfTheLowestResidual) {
                           static_cast<unsigned>(symbol.low_bits()) << 8;
       symbol = Symbol(zigzag(-(std::int64_t{1} << 19)), packed, i);
     }
-    const Bytes segment = encode_symbols(split.model, split.stage.set, symbols, 0);
+    const auto count = static_cast<std::int64_t>(symbols.size());
+    const Bytes segment = encode_symbols(split.model, split.stage.set, symbols, count, 0);
     load(work, split);
-    SymbolReader reader(split.model, split.stage.set, segment,
-                        static_cast<std::int64_t>(symbols.size()), 0);
+    SymbolReader reader(split.model, split.stage.set, segment, count, 0);
     try {
       functions->narrow.decode(split.model.parameters, split.stage, work, reader);
     } catch (const Error& error) {

@@ -170,20 +170,20 @@ TEST(ValueGaps, NumberEveryPossibleDetailAndNoOther) {
       auto& possible = details[static_cast<std::size_t>(mean)];
       std::sort(possible.begin(), possible.end());
       if (possible.empty()) {
-        EXPECT_EQ(gaps.detail(lowest + mean, 3), 0);
+        EXPECT_EQ(gaps.of(lowest + mean).detail(3), 0);
         continue;
       }
       for (std::size_t i = 0; i < possible.size(); ++i) {
-        ASSERT_EQ(gaps.detail(lowest + mean, static_cast<std::int64_t>(i)), possible[i]);
+        ASSERT_EQ(gaps.of(lowest + mean).detail(static_cast<std::int64_t>(i)), possible[i]);
       }
-      ASSERT_EQ(gaps.detail(lowest + mean, -1), possible.front());
-      ASSERT_EQ(gaps.detail(lowest + mean, 1000), possible.back());
+      ASSERT_EQ(gaps.of(lowest + mean).detail(-1), possible.front());
+      ASSERT_EQ(gaps.of(lowest + mean).detail(1000), possible.back());
       for (std::int64_t detail = -255; detail <= 255; ++detail) {
         const auto nearest = std::min_element(
             possible.begin(), possible.end(), [&](std::int64_t left, std::int64_t right) {
               return std::abs(left - detail) < std::abs(right - detail);
             });
-        ASSERT_EQ(gaps.nearest(lowest + mean, detail), nearest - possible.begin());
+        ASSERT_EQ(gaps.of(lowest + mean).nearest(detail), nearest - possible.begin());
       }
     }
   }
