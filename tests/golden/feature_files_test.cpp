@@ -106,7 +106,7 @@ double exact_floats(const Index3& p) {
   const std::uint32_t some = noise_at(p);
   if (p.x + p.y < 9) return std::bit_cast<float>(0x7fc00000u + (p.z > 4 ? some % 3 : 0));
   if (some < 300) return some % 2 == 0 ? std::numeric_limits<double>::infinity() : -0.0;
-  if (p.z > 20) return p.x < 20 ? 0.0 : static_cast<double>(some) * 1e-12;
+  if (p.z > 8) return p.x < 20 ? 0.0 : static_cast<double>(some) * 1e-12;
   return static_cast<double>(scan_at(p, 100, 24)) * 0.37 + static_cast<double>(some) / 70001.0;
 }
 /// Steep along x, nearly alike along z: another axis order than the usual one pays.
@@ -140,8 +140,8 @@ std::vector<Feature> features() {
       {"max-error-quantised", {60, 48, 36}, VoxelType::uint16, waves, with(Preset::small, 12)},
       {"max-error-fast", size, VoxelType::uint16, scan<1000, 90>, with(Preset::fast, 60)},
       {"float32-scaled", size, VoxelType::float32, scaled_scan},
-      {"float32-exact", {70, 33, 26}, VoxelType::float32, exact_floats},
-      {"float32-exact-fast", size, VoxelType::float32, exact_floats, with(Preset::fast, 0)},
+      {"float32-exact", {66, 18, 12}, VoxelType::float32, exact_floats},
+      {"float32-exact-fast", {30, 17, 11}, VoxelType::float32, exact_floats, with(Preset::fast, 0)},
       {"float32-max-error", size, VoxelType::float32, smooth_floats, with(Preset::small, 0.05)},
       {"labels-uint8", size, VoxelType::uint8, labels, as_labels},
       {"labels-stored-uint32", {20, 18, 17}, VoxelType::uint32, many_labels, as_labels},

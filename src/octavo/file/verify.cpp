@@ -401,7 +401,10 @@ OtherProof Verifier::proof_of(const BrickEntry& entry, std::size_t in_brick_leve
   const bool is_stored = last > 0 && entry.segments.back().length == 0;
   const bool is_coarsest =
       in_brick_level == last && file_.description().kind == VolumeKind::grey;
-  return is_stored || is_coarsest ? OtherProof::range : OtherProof::content;
+  // Of exact floats most bits are plain, and decoding takes them for what they are.
+  const bool has_places = entry.tier == 0 && in_brick_level == 0 &&
+                          file_.description().codec_type() == VoxelType::float32;
+  return is_stored || is_coarsest || has_places ? OtherProof::range : OtherProof::content;
 }
 
 // Checksums of all segments of a brick; if they hold, its voxels.
