@@ -64,6 +64,24 @@ def detail_step(model: GreyModel, axis: int, level: int) -> int:
     return max(1, (model.detail_step * scale + (1 << 22)) >> 23)
 
 
+def unfolded(residual: int, start: int, last: int) -> int:
+    """The number of a residual among 0 .. last; `start` is that of the prediction (section 6)."""
+    if 2 * start < last:
+        return last - unfolded(residual, last - start, last)
+    if abs(residual) <= last - start:
+        return start + residual
+    return max(last - (2 * residual if residual >= 0 else -2 * residual - 1), 0)
+
+
+def unfolded_details(residuals: np.ndarray, predictions: np.ndarray,
+                     limits: np.ndarray) -> np.ndarray:
+    """The details of residuals around predictions within +-limit."""
+    near = np.abs(predictions) + residuals
+    far = np.maximum(limits - np.where(residuals >= 0, 2 * residuals, -2 * residuals - 1), -limits)
+    details = np.where(np.abs(residuals) <= limits - np.abs(predictions), near, far)
+    return np.where(predictions < 0, -details, details)
+
+
 def wrapped(value: int | np.ndarray) -> int | np.ndarray:
     """Modulo 2^32, read as two's complement; of a number or an array."""
     return ((value + (1 << 31)) & 0xFFFFFFFF) - (1 << 31)
@@ -195,7 +213,7 @@ class ValueGaps:
         if near == len(possible) or (
                 near > 0 and prediction - possible[near - 1] <= possible[near] - prediction):
             near -= 1
-        return possible[max(0, min(len(possible) - 1, near + residual))]
+        return possible[unfolded(residual, near, len(possible) - 1)]
 
 
 class DetailDecoder:
@@ -261,14 +279,15 @@ class DetailDecoder:
         if self._model.predictor == 1:
             w = self._model.mean_weights[self._group][axis][classes]
             prediction = ((slope * w + 2048) >> 12).clip(-limit, limit)
-            details = (prediction + residuals).clip(-limit, limit)
+            details = (unfolded_details(residuals, prediction, limit) if step == 1
+                       else (prediction + residuals).clip(-limit, limit))
             if gaps is not None:
                 possible = np.vectorize(gaps.detail, otypes=[np.int64])(m, prediction, residuals)
                 details = np.where((limit > 0) & ~weighted, possible, details)
             details = np.where(details_of_edges != 0, details_of_edges, details)
             return self._merge(means, axis, length, details, lifting)
         return self._predicted(means, axis, length, classes, limit, residuals, lifting, gaps,
-                               details_of_edges, weighted)
+                               details_of_edges, weighted, step)
 
     def _merge(self, means: np.ndarray, axis: int, length: int, details: np.ndarray,
                lifting: Lifting) -> np.ndarray:
@@ -347,7 +366,7 @@ class DetailDecoder:
     def _predicted(self, means: np.ndarray, axis: int, length: int, classes: np.ndarray,
                    limit: np.ndarray, residuals: np.ndarray, lifting: Lifting,
                    gaps: "ValueGaps | None", details_of_edges: np.ndarray,
-                   weighted: np.ndarray) -> np.ndarray:
+                   weighted: np.ndarray, step: int) -> np.ndarray:
         """Predictor 0: each pair from the pairs before it and the means of those behind."""
         nz, ny, nx = classes.shape
         array_axis = 2 - axis
@@ -374,7 +393,7 @@ class DetailDecoder:
             pairs = self._decode_row(sums.tolist(), classes[z, y].tolist(), limit[z, y].tolist(),
                                 residuals[z, y].tolist(), means[z, y, :nx].tolist(), left,
                                 lifting, gaps, details_of_edges[z, y].tolist(),
-                                weighted[z, y].tolist())
+                                weighted[z, y].tolist(), step)
             first, second = np.array(pairs, np.int64).T
             line(0, stride_y * y, stride_z * z)[:] = first
             line(axis == 0, stride_y * y + (axis == 1), stride_z * z + (axis == 2))[:] = second
@@ -383,7 +402,7 @@ class DetailDecoder:
     def _decode_row(self, sums: list[int], classes: list[int], limits: list[int],
                     residuals: list[int], means: list[int], left: list[list[list[int]]],
                     lifting: Lifting, gaps: "ValueGaps | None", details_of_edges: list[int],
-                    weighted: list[bool]) -> list[tuple[int, int]]:
+                    weighted: list[bool], step: int) -> list[tuple[int, int]]:
         """The pairs of one row; `sums` takes the means for the row's own samples.
 
         details_of_edges  0 for pairs that are none
@@ -403,8 +422,10 @@ class DetailDecoder:
                 prediction = max(-limit, min(limit, prediction))
             if edge:
                 d = edge
-            elif gaps is None or limit == 0 or is_weighted:
+            elif step > 1:
                 d = max(-limit, min(limit, prediction + residual))
+            elif gaps is None or limit == 0 or is_weighted:
+                d = unfolded(residual, prediction + limit, 2 * limit) - limit
             else:
                 d = gaps.detail(m, prediction, residual)
             b = m - (lifting.above_last(d) if is_weighted else (d + lifting.rounding) >> 1)

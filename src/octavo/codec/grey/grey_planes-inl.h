@@ -189,18 +189,16 @@ class PairRow {
   HWY_INLINE SignedHalves prediction(int x) const {
     return hn::LoadU(kSignedHalves, predictions_ + x);
   }
-  /// An edge has no room: its detail is known.
-  HWY_INLINE SignedHalves within_limit(int x, SignedHalves detail) const {
-    const SignedHalves limit = hn::BitCast(kSignedHalves, hn::LoadU(kHalves, limits_ + x));
-    if (edges_ == nullptr) return hn::Min(hn::Max(detail, hn::Neg(limit)), limit);
-    const SignedHalves known = load_narrowed(edges_ + x);
-    return hn::Min(hn::Max(detail, hn::Sub(known, limit)), hn::Add(known, limit));
+  HWY_INLINE SignedHalves limit(int x) const {
+    return hn::BitCast(kSignedHalves, hn::LoadU(kHalves, limits_ + x));
+  }
+  /// An edge has no room: its detail is known. Details are counted from there.
+  HWY_INLINE SignedHalves known(int x) const {
+    return edges_ != nullptr ? load_narrowed(edges_ + x) : hn::Zero(kSignedHalves);
   }
 
   HWY_INLINE void keep_magnitudes(int x, SignedHalves residual) const {
-    // The lowest number has no opposite; saturation finds one.
-    const SignedHalves size =
-        hn::Max(residual, hn::SaturatedSub(hn::Zero(kSignedHalves), residual));
+    const SignedHalves size = residual_sizes(kSignedHalves, residual);
     hn::StoreU(hn::Min(size, hn::Set(kSignedHalves, kMaxMagnitude)), kSignedHalves,
                magnitudes_ + x);
   }
@@ -236,7 +234,9 @@ void settle_row(const Stage& stage, Workspace<std::int16_t>& work, const std::in
   for (int x = 0; x < stage.pairs.x; x += kHalfLanes) {
     const SignedHalves residual = hn::LoadU(kSignedHalves, residuals + x);
     row.keep_magnitudes(x, residual);
-    row.put_samples(x, row.within_limit(x, hn::SaturatedAdd(row.prediction(x), residual)));
+    const SignedHalves detail =
+        details_of(kSignedHalves, residual, row.prediction(x), row.limit(x));
+    row.put_samples(x, hn::Add(detail, row.known(x)));
   }
 }
 
@@ -248,10 +248,12 @@ void predict_row(const Stage& stage, Workspace<std::int16_t>& work, std::int64_t
   std::int32_t* const details = work.residuals.row(y, z);
   alignas(64) std::int16_t residuals[kHalfLanes];
   for (int x = 0; x < stage.pairs.x; x += kHalfLanes) {
-    const SignedHalves detail = row.within_limit(x, load_narrowed(details + x));
-    const SignedHalves residual = hn::Sub(detail, row.within_limit(x, row.prediction(x)));
+    const SignedHalves given = hn::Sub(load_narrowed(details + x), row.known(x));
+    const SignedHalves detail = brought_within(given, row.limit(x));
+    const SignedHalves residual =
+        residuals_of(kSignedHalves, detail, row.prediction(x), row.limit(x));
     row.keep_magnitudes(x, residual);
-    row.put_samples(x, detail);
+    row.put_samples(x, hn::Add(detail, row.known(x)));
     hn::Store(residual, kSignedHalves, residuals);
     const int last = static_cast<int>(std::min<std::int64_t>(stage.pairs.x - x, kHalfLanes));
     for (int k = 0; k < last; ++k) details[x + k] = residuals[k];

@@ -9,6 +9,7 @@
 
 #include "octavo/codec/grey/grey_stage.h"
 #include "octavo/codec/grey/octant_transform.h"
+#include "octavo/codec/grey/residual_fold.h"
 
 namespace octavo::grey {
 
@@ -115,6 +116,14 @@ Wide<Sample> predict_from_means(const Sample* means, std::int64_t along, std::in
   return rounded_weights<Int>(gradient * weight);
 }
 
+/// The detail of a residual; a damaged one is brought within the limit, so that nothing overflows.
+template <class Int>
+Int decoded_detail(Int residual, Int prediction, Int limit, std::int32_t step) {
+  if (step == 1) return detail_of(residual, prediction, limit);
+  const std::int64_t detail = std::int64_t{prediction} + residual;
+  return static_cast<Int>(std::clamp<std::int64_t>(detail, -limit, limit));
+}
+
 /// Gives the pairs of two weights of a row their samples, after a pass that took them for pairs of
 /// equal weights. From means alone: the other pairs do not see them.
 /// residuals  of the row, as they are coded
@@ -127,7 +136,8 @@ void settle_weighted(const Stage& stage, Workspace<std::int16_t>& work, std::int
   for (std::int64_t x = stage.first_weighted(y, z); x < stage.pairs.x; ++x) {
     const std::int64_t limit = limits[x];
     const std::int64_t expected = std::clamp<std::int64_t>(prediction_of(x), -limit, limit);
-    const std::int64_t detail = std::clamp(expected + residuals[x], -limit, limit);
+    const std::int64_t detail =
+        decoded_detail<std::int64_t>(residuals[x], expected, limit, stage.step);
     const Pair<std::int16_t> pair = weighted_pair<std::int16_t>(stage, means[x], detail);
     std::int16_t* const at = row + pair_stretch(stage.axis) * x;
     at[0] = pair.a;

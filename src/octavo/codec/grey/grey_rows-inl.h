@@ -189,24 +189,93 @@ void contexts_of_row(const std::int32_t* w, const Stage& stage, const MagnitudeR
   }
 }
 
-/// Residuals to multiples of a step, see the portable `quantized`.
+template <class V>
+HWY_INLINE V brought_within(V detail, V limit) {
+  return hn::Min(hn::Max(detail, hn::Neg(limit)), limit);
+}
+
+/// The magnitudes of residuals, or of what saturates for them in 16 bits: the lowest number has no
+/// opposite there.
 template <class D>
-class StepQuantizer {
+HWY_INLINE hn::Vec<D> residual_sizes(D d, hn::Vec<D> residual) {
+  if constexpr (sizeof(hn::TFromD<D>) == 2) {
+    return hn::Max(residual, hn::SaturatedSub(hn::Zero(d), residual));
+  } else {
+    return hn::Abs(residual);
+  }
+}
+
+/// residual_of for every lane, from predictions that need not be within the limit. Twice a limit
+/// fits in a lane.
+template <class D>
+HWY_INLINE hn::Vec<D> residuals_of(D d, hn::Vec<D> detail, hn::Vec<D> prediction,
+                                   hn::Vec<D> limit) {
+  const auto sign = hn::BroadcastSignBit(prediction);
+  const auto from = hn::Min(hn::Abs(prediction), limit);
+  const auto to = hn::Sub(hn::Xor(detail, sign), sign);
+  const auto residual = hn::Sub(to, from);
+  const auto left = hn::Sub(limit, to);
+  const auto beyond = hn::Xor(hn::ShiftRight<1>(left),
+                              hn::Neg(hn::And(left, hn::Set(d, 1))));
+  return hn::IfThenElse(hn::Lt(residual, hn::Sub(from, limit)), beyond, residual);
+}
+
+/// detail_of for every lane, likewise.
+template <class D>
+HWY_INLINE hn::Vec<D> details_of(D d, hn::Vec<D> residual, hn::Vec<D> prediction,
+                                 hn::Vec<D> limit) {
+  // What does not wait for the prediction
+  const auto size = residual_sizes(d, residual);
+  const auto room = hn::Sub(limit, size);
+  const auto twice = [&]() HWY_ATTR {
+    if constexpr (sizeof(hn::TFromD<D>) == 2) return hn::SaturatedAdd(size, size);
+    else return hn::Add(size, size);
+  }();
+  const auto left = hn::Add(twice, hn::BroadcastSignBit(residual));
+  const auto beyond = hn::Max(hn::Sub(limit, left), hn::Neg(limit));
+  // What does, the shortest way from it
+  const auto sign = hn::BroadcastSignBit(prediction);
+  const auto from = brought_within(prediction, limit);
+  const auto signed_residual = hn::Sub(hn::Xor(residual, sign), sign);
+  const auto signed_beyond = hn::Sub(hn::Xor(beyond, sign), sign);
+  return hn::IfThenElse(hn::Gt(hn::Abs(from), room), signed_beyond,
+                        hn::Add(from, signed_residual));
+}
+
+/// The way from details to residuals and back: folded, or as multiples of a step above 1, see the
+/// portable `quantized`.
+template <class D>
+class ResidualMap {
  public:
-  explicit HWY_INLINE StepQuantizer(std::int32_t step)
+  using V = hn::Vec<D>;
+  explicit HWY_INLINE ResidualMap(std::int32_t step)
       : step_(step),
         inverse_(hn::Set(kReals, 1.0f / static_cast<float>(step))),
         bias_(hn::Set(D(), rounding_bias(step))) {}
 
-  HWY_INLINE hn::Vec<D> operator()(hn::Vec<D> residual) const {
-    if (step_ == 1) return residual;
+  /// Turns a detail into the one that a decoder will have. Predictions are brought within the
+  /// limit, here and below.
+  HWY_INLINE V residual(V& detail, V prediction, V limit) const {
+    detail = brought_within(detail, limit);
+    if (step_ == 1) return residuals_of(D(), detail, prediction, limit);
+    const V from = brought_within(prediction, limit);
+    const V residual = quantized(hn::Sub(detail, from));
+    detail = brought_within(hn::Add(from, residual), limit);
+    return residual;
+  }
+  HWY_INLINE V detail(V residual, V prediction, V limit) const {
+    if (step_ == 1) return details_of(D(), residual, prediction, limit);
+    return brought_within(hn::Add(brought_within(prediction, limit), residual), limit);
+  }
+
+ private:
+  HWY_INLINE V quantized(V residual) const {
     const auto magnitude = hn::Add(hn::Abs(residual), bias_);
     const auto count = hn::ConvertTo(D(), hn::Mul(hn::ConvertTo(kReals, magnitude), inverse_));
     const auto multiple = hn::Mul(count, hn::Set(D(), step_));
     return hn::IfThenElse(hn::Lt(residual, hn::Zero(D())), hn::Neg(multiple), multiple);
   }
 
- private:
   static constexpr hn::RebindToFloat<D> kReals{};
   std::int32_t step_;
   hn::Vec<hn::RebindToFloat<D>> inverse_;
@@ -239,8 +308,11 @@ HWY_INLINE hn::Vec<D> through_gaps(D d, const ValueGaps& gaps, const std::int16_
   for (std::size_t k = 0; k < hn::MaxLanes(d); ++k) {
     const ValueGaps::Details& possible = gaps.of(means[k]);
     const int nearest = possible.nearest(predictions[k]);
-    if constexpr (kIsEncoding) numbers[k] = possible.nearest(numbers[k]) - nearest;
-    else numbers[k] = possible.detail(std::int64_t{nearest} + numbers[k]);
+    if constexpr (kIsEncoding) {
+      numbers[k] = folded(possible.nearest(numbers[k]), nearest, possible.last);
+    } else {
+      numbers[k] = possible.detail(unfolded<int>(numbers[k], nearest, possible.last));
+    }
   }
   return hn::Load(d, numbers);
 }
@@ -271,7 +343,7 @@ void reconstruct_from_means(const Parameters& p, const Stage& stage,
   const auto widen = [&](const std::int16_t* from) HWY_ATTR {
     return hn::PromoteTo(ints, hn::LoadU(shorts, from));
   };
-  const StepQuantizer<decltype(ints)> quantizer(stage.step);
+  const ResidualMap<decltype(ints)> map(stage.step);
   for (int x = 0; x < stage.pairs.x; x += kLanes) {
     // Predict from the gradient of the means
     const auto mean = widen(means + x);
@@ -282,29 +354,26 @@ void reconstruct_from_means(const Parameters& p, const Stage& stage,
         hn::IfThenElseZero(hn::Gt(activity, hn::Zero(ints)),
                            hn::TableLookupLanes(weights, hn::IndicesFromVec(ints, place)));
     const auto limit = hn::PromoteTo(ints, hn::LoadU(unsigned_shorts, limits + x));
-    // An edge has no room: its detail is known.
-    const auto known = edges != nullptr ? hn::LoadU(ints, edges + x) : hn::Zero(ints);
-    const auto within = [&](auto v) HWY_ATTR {
-      return hn::Min(hn::Max(v, hn::Sub(known, limit)), hn::Add(known, limit));
-    };
     const auto sum = hn::Add(hn::Mul(gradient, weight), set(1 << (kWeightBits - 1)));
-    const auto prediction = within(hn::ShiftRight<kWeightBits>(sum));
+    const auto prediction = hn::ShiftRight<kWeightBits>(sum);
+    // An edge has no room: its detail is known. Details are counted from there.
+    const auto known = edges != nullptr ? hn::LoadU(ints, edges + x) : hn::Zero(ints);
     // Detail to residual, or residual to detail
     auto detail = hn::LoadU(ints, residuals + x);
     if (stage.gaps != nullptr) {
       const auto found =
-          through_gaps<kIsEncoding>(ints, *stage.gaps, means + x, prediction, detail);
+          through_gaps<kIsEncoding>(ints, *stage.gaps, means + x,
+                                    hn::Add(known, brought_within(prediction, limit)), detail);
       if constexpr (kIsEncoding) hn::StoreU(found, ints, residuals + x);
       else detail = found;
-      detail = within(detail);
+      detail = brought_within(hn::Sub(detail, known), limit);
     } else if constexpr (kIsEncoding) {
-      detail = within(detail);
-      const auto residual = quantizer(hn::Sub(detail, prediction));
-      hn::StoreU(residual, ints, residuals + x);
-      if (stage.step > 1) detail = within(hn::Add(prediction, residual));
+      detail = hn::Sub(detail, known);
+      hn::StoreU(map.residual(detail, prediction, limit), ints, residuals + x);
     } else {
-      detail = within(hn::Add(prediction, detail));
+      detail = map.detail(detail, prediction, limit);
     }
+    detail = hn::Add(detail, known);
     // Mean and detail to the two samples
     const auto round = set(stage.rounding);
     const auto total = hn::Add(hn::Sub(hn::Add(mean, mean), round),

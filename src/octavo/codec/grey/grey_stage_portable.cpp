@@ -70,37 +70,34 @@ void reconstruct_row_along(const Parameters& p, const Stage& stage, Workspace<Sa
     const Int prediction =
         is_from_means ? predict_from_means(means + x, kStep, mean_weights[activity])
                       : rounded_weights(weighted_sum<kAxis>(at, weights[activity]));
-    // An edge has no room: its detail is known.
+    const Int expected = std::clamp<Int>(prediction, -limit, limit);
+    // An edge has no room: its detail is known. Details are counted from there.
     const Int known = edges != nullptr ? edges[x] : 0;
-    const Int lowest = known - limit;
-    const Int highest = known + limit;
-    const Int expected = std::clamp<Int>(prediction, lowest, highest);
     // Detail to residual, or residual to detail
     Int detail;
     if (stage.gaps != nullptr) {
       const ValueGaps::Details& possible = stage.gaps->of(means[x]);
-      const int nearest = possible.nearest(expected);
+      const int nearest = possible.nearest(known + expected);
       if constexpr (kIsEncoding) {
         detail = residuals[x];
-        residuals[x] = possible.nearest(detail) - nearest;
+        residuals[x] = folded(possible.nearest(detail), nearest, possible.last);
       } else {
-        detail = possible.detail(std::int64_t{nearest} + residuals[x]);
+        detail = possible.detail(unfolded<Int>(residuals[x], nearest, possible.last));
       }
-      detail = std::clamp<Int>(detail, lowest, highest);
+      detail = std::clamp<Int>(detail - known, -limit, limit);
     } else if constexpr (kIsEncoding) {
       // The means of quantized details leave other room than the true ones.
-      detail = std::clamp<Int>(residuals[x], lowest, highest);
-      residuals[x] = detail - expected;
+      detail = std::clamp<Int>(residuals[x] - known, -limit, limit);
       if (stage.step > 1) {
-        residuals[x] = quantized(residuals[x], stage.step);
-        detail = std::clamp<Int>(expected + residuals[x], lowest, highest);
+        residuals[x] = quantized<Int>(detail - expected, stage.step);
+        detail = std::clamp<Int>(expected + residuals[x], -limit, limit);
+      } else {
+        residuals[x] = residual_of(detail, expected, limit);
       }
     } else {
-      // A true detail is within the limit; a damaged one is brought there, so that nothing
-      // overflows.
-      const std::int64_t d = std::int64_t{expected} + residuals[x];
-      detail = static_cast<Int>(std::clamp<std::int64_t>(d, lowest, highest));
+      detail = decoded_detail<Int>(residuals[x], expected, limit, stage.step);
     }
+    detail += known;
     // Mean and detail to the two samples
     if (x < weighted) {
       const Pair<Int> pair = pair_of<Int>(means[x], detail, stage.rounding);

@@ -142,8 +142,8 @@ HWY_INLINE Quad sum_each(Quad v0, Quad v1, Quad v2, Quad v3) {
 /// What four rows need or give, pair by pair.
 struct WaveBuffers {
   static constexpr int kLength = kWaves * (static_cast<int>(kBrickSide) + 8);
-  alignas(64) std::int32_t lowest[kLength];   ///< no detail is smaller
-  alignas(64) std::int32_t highest[kLength];  ///< none is larger
+  alignas(64) std::int32_t limits[kLength];
+  alignas(64) std::int32_t edges[kLength];
   alignas(64) std::int32_t residuals[kLength];
   alignas(64) std::int32_t means[kLength];
   const ValueGaps::Details* details[kLength];  ///< where values have gaps
@@ -157,19 +157,16 @@ inline void weave(const WaveRow* rows, int first, int last, WaveBuffers& woven) 
     return hn::PromoteTo(kQuad, hn::LoadU(short_quad, from));
   };
   const hn::Rebind<std::uint16_t, decltype(kQuad)> unsigned_quad;
-  const auto limit = [&](int row, int x) HWY_ATTR {
-    return hn::PromoteTo(kQuad, hn::LoadU(unsigned_quad, rows[row].limits + x));
+  const auto limit = [&](const std::uint16_t* from) HWY_ATTR {
+    return hn::PromoteTo(kQuad, hn::LoadU(unsigned_quad, from));
   };
   for (int x = first; x < last; x += 4) {
-    const Quad known[] = {load(rows[0].edges + x), load(rows[1].edges + x),
-                          load(rows[2].edges + x), load(rows[3].edges + x)};
-    const Quad room[] = {limit(0, x), limit(1, x), limit(2, x), limit(3, x)};
-    hn::StoreInterleaved4(hn::Sub(known[0], room[0]), hn::Sub(known[1], room[1]),
-                          hn::Sub(known[2], room[2]), hn::Sub(known[3], room[3]), kQuad,
-                          woven.lowest + 4 * x);
-    hn::StoreInterleaved4(hn::Add(known[0], room[0]), hn::Add(known[1], room[1]),
-                          hn::Add(known[2], room[2]), hn::Add(known[3], room[3]), kQuad,
-                          woven.highest + 4 * x);
+    hn::StoreInterleaved4(limit(rows[0].limits + x), limit(rows[1].limits + x),
+                          limit(rows[2].limits + x), limit(rows[3].limits + x), kQuad,
+                          woven.limits + 4 * x);
+    hn::StoreInterleaved4(load(rows[0].edges + x), load(rows[1].edges + x),
+                          load(rows[2].edges + x), load(rows[3].edges + x), kQuad,
+                          woven.edges + 4 * x);
     hn::StoreInterleaved4(load(rows[0].residuals + x), load(rows[1].residuals + x),
                           load(rows[2].residuals + x), load(rows[3].residuals + x), kQuad,
                           woven.residuals + 4 * x);
@@ -204,8 +201,9 @@ HWY_INLINE Quad four_through_gaps(const ValueGaps::Details* const* details, Quad
   for (int k = 0; k < 4; ++k) {
     const ValueGaps::Details& possible = *details[k];
     const int nearest = possible.nearest(predictions[k]);
-    const int one = kIsEncoding ? possible.nearest(numbers[k]) - nearest
-                                : possible.detail(nearest + numbers[k]);
+    const int one = kIsEncoding
+                        ? folded(possible.nearest(numbers[k]), nearest, possible.last)
+                        : possible.detail(unfolded<int>(numbers[k], nearest, possible.last));
     found |= std::uint64_t{static_cast<std::uint16_t>(one)} << 16 * k;
   }
   const hn::FixedTag<std::int16_t, 4> shorts;
@@ -273,7 +271,7 @@ void run_waves(const std::int16_t* weights, const Stage& stage, const WaveRow* r
   for (int k = 0; k < kWaves; ++k) {
     first_weighted = std::min(first_weighted, rows[k].first_weighted);
   }
-  const StepQuantizer<decltype(kQuad)> quantizer(stage.step);
+  const ResidualMap<decltype(kQuad)> map(stage.step);
   weave(rows, span.first, span.last, woven);
   if constexpr (kHasGaps) weave_gaps(*stage.gaps, span.first, span.last, woven);
   const std::int64_t start = pair_stretch(kAxis) * span.first;
@@ -289,38 +287,32 @@ void run_waves(const std::int16_t* weights, const Stage& stage, const WaveRow* r
   for (int x = span.first; x < end; ++x) {
     const std::int64_t at = pair_stretch(kAxis) * x;
     // Predict a sample of each row; without room, as an edge or a uniform cell, it is known.
-    const Quad lowest = hn::Load(kQuad, woven.lowest + 4 * x);
-    const Quad highest = hn::Load(kQuad, woven.highest + 4 * x);
-    const auto within = [&](Quad v) HWY_ATTR {
-      return hn::Min(hn::Max(v, lowest), highest);
-    };
+    const Quad limit = hn::Load(kQuad, woven.limits + 4 * x);
+    const Quad known = hn::Load(kQuad, woven.edges + 4 * x);
     Quad sum = hn::Zero(kQuad);
-    if (!hn::AllTrue(kQuad, hn::Eq(lowest, highest))) {
+    if (!hn::AllTrue(kQuad, hn::Eq(limit, hn::Zero(kQuad)))) {
       sum = sum_each(c0.sums(rows[0].at + at, weights_of(rows[0], x)),
                      c1.sums(rows[1].at + at, weights_of(rows[1], x)),
                      c2.sums(rows[2].at + at, weights_of(rows[2], x)),
                      c3.sums(rows[3].at + at, weights_of(rows[3], x)));
     }
     const Quad mean = hn::Load(kQuad, woven.means + 4 * x);
-    const Quad given = hn::Load(kQuad, woven.residuals + 4 * x);
-    const Quad prediction = within(hn::ShiftRight<kWeightBits>(hn::Add(sum, half)));
-    // Detail to residual, or residual to detail
-    Quad detail;
-    if constexpr (kIsEncoding) {
-      detail = within(given);
-      if constexpr (kHasGaps) {
-        hn::Store(four_through_gaps<true>(woven.details + 4 * x, prediction, given), kQuad,
-                  woven.residuals + 4 * x);
-      } else {
-        const Quad residual = quantizer(hn::Sub(detail, prediction));
-        hn::Store(residual, kQuad, woven.residuals + 4 * x);
-        if (stage.step > 1) detail = within(hn::Add(prediction, residual));
-      }
-    } else if constexpr (kHasGaps) {
-      detail = within(four_through_gaps<false>(woven.details + 4 * x, prediction, given));
+    const Quad prediction = hn::ShiftRight<kWeightBits>(hn::Add(sum, half));
+    // Detail to residual, or residual to detail, counted from those of edges
+    Quad detail = hn::Load(kQuad, woven.residuals + 4 * x);
+    if constexpr (kHasGaps) {
+      const Quad found = four_through_gaps<kIsEncoding>(
+          woven.details + 4 * x, hn::Add(known, brought_within(prediction, limit)), detail);
+      if constexpr (kIsEncoding) hn::Store(found, kQuad, woven.residuals + 4 * x);
+      else detail = found;
+      detail = brought_within(hn::Sub(detail, known), limit);
+    } else if constexpr (kIsEncoding) {
+      detail = hn::Sub(detail, known);
+      hn::Store(map.residual(detail, prediction, limit), kQuad, woven.residuals + 4 * x);
     } else {
-      detail = within(hn::Add(prediction, given));
+      detail = map.detail(detail, prediction, limit);
     }
+    detail = hn::Add(detail, known);
     // Mean and detail to the two samples, which the next predictions see
     const Quad total = hn::Add(hn::Sub(hn::Add(mean, mean), round),
                                hn::And(hn::Add(detail, round), one));
