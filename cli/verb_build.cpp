@@ -31,6 +31,9 @@ constexpr VerbText kBuildText = {
     "int64, uint64 and float64, which NumPy makes unless told otherwise, become int32, uint32\n"
     "or float32: the first planes choose, and a value that does not fit is rejected with its\n"
     "place. float64 that is no float32 is rounded to it, with a warning.\n\n"
+    "Whoever reads a part of a volume decodes bricks of 64^3 voxels, or quarters of them with\n"
+    "--access slices and eighths with --access boxes: up to 3 times as fast, from files that are\n"
+    "about 0.5 and 0.9 % larger. Preset fast takes slices unless they cost more than 0.7 %.\n\n"
     "The slices of a DICOM series must make an even, upright stack. Where they do not, --on-gap\n"
     "fill interpolates the planes that an even grid lacks (left empty in a segmentation),\n"
     "--on-gap resample makes planes at the smallest regular step, and --untilt moves the slices\n"
@@ -73,6 +76,7 @@ struct BuildArguments {
   std::string label_names;
   bool resume = false;
   std::string preset = "small";
+  std::string access;
   std::string max_error = "0";
   std::string nan;
   std::string infinity;
@@ -87,6 +91,11 @@ std::optional<float> parse_float(const std::string& text, const std::string& wha
   throw Error(ErrorKind::invalid_argument, what + ": '" + escaped(text) + "' is beyond float32");
 }
 
+std::optional<Access> parse_access(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  return text == "none" ? Access::none : text == "slices" ? Access::slices : Access::boxes;
+}
+
 BuildScanOptions options_of(const BuildArguments& arguments, const Context& context) {
   BuildScanOptions options;
   options.inputs = arguments.inputs;
@@ -95,6 +104,7 @@ BuildScanOptions options_of(const BuildArguments& arguments, const Context& cont
   if (arguments.grey) options.kind = VolumeKind::grey;
   options.label_names = arguments.label_names;
   options.preset = arguments.preset == "fast" ? Preset::fast : Preset::small;
+  options.access = parse_access(arguments.access);
   options.max_error = parse_number(arguments.max_error, "--max-error");
   if (options.max_error < 0) {
     throw Error(ErrorKind::invalid_argument, "--max-error: must not be negative");
@@ -135,6 +145,11 @@ void add_build(CLI::App& app, Context& context) {
       ->type_name("NAME")
       ->check(one_of({"small", "fast"}))
       ->capture_default_str();
+  verb.add_option("--access", arguments->access,
+                  "What of a brick of 64^3 voxels decodes alone: none, slices (64 x 32 x 32) or "
+                  "boxes (32^3). Default: slices in fast, none in small")
+      ->type_name("NAME")
+      ->check(one_of({"none", "slices", "boxes"}));
   verb.add_option("--max-error", arguments->max_error,
                   "How far a voxel may end up from its source, real units; 0: lossless")
       ->type_name("E")

@@ -56,6 +56,8 @@ constexpr Advice kAdvice[] = {
     {kUsage, "untilt", "", "leave out --untilt"},
 
     // --- Building
+    {kUsage, "interrupted.access", "", "it was begun with --access {}"},
+    {kUsage, "interrupted.access", "", "it was begun without --access"},
     {kUsage, "interrupted.max_error", "", "it was begun with --max-error {}"},
     {kUsage, "interrupted.preset", "", "it was begun with --preset {}"},
     {kUsage, "interrupted.repair.infinity", "", "it was begun with --inf {}"},

@@ -1,4 +1,4 @@
-"""Grey bricks: docs/format-grey.md, sections 1 to 5, 12 and 13.
+"""Grey bricks: docs/format-grey.md, sections 1 to 5, 12, 13 and 16.
 
 Arrays are indexed [z][y][x]. Inside a brick x, y and z are the axes of the model's order, except in
 `decode_grey_brick`, which gets and gives the brick's own.
@@ -13,6 +13,7 @@ from .byte_cursor import ByteCursor, unpack_bits
 from .errors import require
 from .grey_details import DetailDecoder, DetailStream, Lifting, ValueGaps, means_along
 from .grey_model import GreyModel, ValueMap
+from .grey_samples import PaddedSamples
 from .header import halved
 from .weights import SampleWeights
 
@@ -43,7 +44,7 @@ def decode_grey_brick(model: GreyModel, smallest: int, largest: int, segments: l
     brick = _Brick(model, values, smallest, largest, ordered_size, ordered_halvings,
                    weights.ordered(order))
     if is_stored:
-        samples, corrections = brick.decode_stored(segments[0], place), None
+        samples, corrections = brick.decode_stored(segments[0], place), []
     else:
         samples, corrections = brick.decode_levels(segments, place)
     own = np.transpose(samples, [2 - order.index(axis) for axis in (2, 1, 0)])
@@ -110,30 +111,78 @@ class _Brick:
                     samples = means_along(samples, 2 - axis, self._lifting(level, axis))
         return samples
 
-    def decode_levels(self, segments: list[bytes], place: int) -> tuple[np.ndarray, bytes | None]:
-        """Samples of level `place`, and the bytes of their corrections if they may have some."""
+    def decode_levels(self, segments: list[bytes],
+                      place: int) -> tuple[np.ndarray, list["_Corrections"]]:
+        """Samples of level `place`, and the corrections of their voxels."""
         last = len(segments) - 1
-        samples = self._plain(segments[last], self.sizes[last])
-        corrections = None
+        samples = PaddedSamples.of_level(self._plain(segments[last], self.sizes[last]))
         flags = None
-        for level in range(last - 1, place - 1, -1):
+        lengths: list[int] = []
+        for level in range(last - 1, max(place, 1) - 1, -1):
             cursor = ByteCursor(segments[level], "a grey segment")
-            if level == 0 and self.model.correction_step > 0:
-                corrections = cursor.take(cursor.varint())
+            if level == 1 and self.has_parts:
+                lengths = [_take_length(cursor) for _ in self._parts()]
             if level == 1 and last >= 2:
                 flags = self._cell_flags(cursor.take(cursor.varint()))
-            samples = self._finer(samples, level, flags if level < 2 else None, cursor.rest())
-        return samples, corrections
+            region = _Region.of_level(self.sizes[level], self.sizes[level + 1])
+            samples = self._finer(samples, region, level, flags, cursor.rest())
+        if place > 0 or last == 0:
+            return samples.samples, []
+        if not self.has_parts:
+            region = _Region.of_level(self.sizes[0], self.sizes[1])
+            return self._decode_finest(samples, region, flags, segments[0])
+        cursor = ByteCursor(segments[0], "the parts of a brick")
+        result = np.empty(self.sizes[0][::-1], np.int64)
+        corrections = []
+        for region, length in zip(self._parts(), lengths):
+            around = samples.part(region.coarse_first[::-1], region.coarse_size[::-1])
+            part, own = self._decode_finest(around, region, flags, cursor.take(length))
+            result[region.slices()] = part
+            corrections += own
+        require(not cursor.rest(), "bytes follow the parts of a brick")
+        return result, corrections
 
-    def to_voxels(self, samples: np.ndarray, corrections: bytes | None) -> np.ndarray:
+    @property
+    def has_parts(self) -> bool:
+        """Whether level 0 falls into more than one part."""
+        return len(self._parts()) > 1
+
+    def _parts(self) -> list["_Region"]:
+        sides = [32 if self.model.cut_axes >> a & 1 else max(n, 1)
+                 for a, n in enumerate(self.sizes[0])]
+        if len(self.halvings) < 2:  # fewer than three levels
+            sides = list(self.sizes[0])
+        counts = [-(-n // side) for n, side in zip(self.sizes[0], sides)]
+        regions = []
+        for z, y, x in np.ndindex(counts[2], counts[1], counts[0]):
+            first = tuple(int(i) * side for i, side in zip((x, y, z), sides))
+            size = tuple(min(side, n - at) for at, n, side in zip(first, self.sizes[0], sides))
+            coarse = tuple(at >> (self.halvings[0] >> a & 1) for a, at in enumerate(first))
+            regions.append(_Region(first, size, coarse, halved(size, self.halvings[0])))
+        return regions
+
+    def _decode_finest(self, means: PaddedSamples, region: "_Region", flags: np.ndarray | None,
+                       data: bytes) -> tuple[np.ndarray, list["_Corrections"]]:
+        """Samples of level 0, or of a part of it, and the corrections of their voxels."""
+        cursor = ByteCursor(data, "a grey segment")
+        corrections = []
+        if self.model.correction_step > 0:
+            corrections = [_Corrections(region, cursor.take(cursor.varint()))]
+        samples = self._finer(means, region, 0, flags, cursor.rest())
+        return samples.samples, corrections
+
+    def to_voxels(self, samples: np.ndarray, corrections: list["_Corrections"]) -> np.ndarray:
         """Voxels of samples; both along the brick's own axes."""
         codes = samples - self.low + self.low_code
         voxels = codes * self.values.step + self.values.offset
         if self.model.is_lossy:
             voxels = voxels.clip(self.smallest, self.largest)
-        if corrections:
-            steps = decode_corrections(corrections, voxels.shape) * self.model.correction_step
-            voxels = (voxels + steps).clip(self.smallest, self.largest)
+        for part in corrections:
+            if part.data:
+                box = part.region.slices(self.model.axis_order)
+                steps = decode_corrections(part.data, voxels[box].shape)
+                corrected = voxels[box] + steps * self.model.correction_step
+                voxels[box] = corrected.clip(self.smallest, self.largest)
         return voxels
 
     def _plain(self, segment: bytes, size: tuple[int, int, int]) -> np.ndarray:
@@ -155,40 +204,45 @@ class _Brick:
             require(decoder.at == len(data), "cell flags do not end where they should")
         return flags[1:, 1:, 1:]
 
-    def _finer(self, samples: np.ndarray, level: int, flags: np.ndarray | None,
-               data: bytes) -> np.ndarray:
-        """Level `level` of the brick from the level above it and the bytes of its details."""
+    def _finer(self, samples: PaddedSamples, region: "_Region", level: int,
+               flags: np.ndarray | None, data: bytes) -> PaddedSamples:
+        """A level of the brick, or a part of it, from the next one and the bytes of its details."""
         mask = self.halvings[level]
-        size = list(self.sizes[level + 1])
+        size = list(region.coarse_size)
         splits = []
         for axis in (2, 1, 0):
             if mask >> axis & 1:
                 pairs = list(size)
-                pairs[axis] = self.sizes[level][axis] // 2
-                size[axis] = self.sizes[level][axis]
-                flagged = self._flagged_pairs(flags, level, axis, tuple(pairs))
+                pairs[axis] = region.size[axis] // 2
+                size[axis] = region.size[axis]
+                flagged = self._flagged_pairs(flags, level, axis, tuple(pairs), region)
                 splits.append((axis, flagged))
         coded_count = sum(int((~flagged).sum()) for _, flagged in splits)
-        stream = DetailStream(data, coded_count)
+        most_states = 32
+        if level == 0 and self.has_parts:
+            most_states = 8 if self.model.cut_axes & 1 else 16
+        stream = DetailStream(data, coded_count, most_states)
         decoder = DetailDecoder(self.model, level, stream, self.low, self.low + self.range,
                                 self.shift, self.is_narrow)
         for axis, flagged in splits:
-            lifting = self._lifting(level, axis)
+            lifting = self._lifting(level, axis, region)
             gaps = None
             if level == 0 and axis == splits[-1][0] and self.values.codes is not None:
                 gaps = ValueGaps(self._used_samples(), self.low, self.low + self.range,
                                  lifting.rounding)
-            samples = decoder.split(samples, axis, self.sizes[level][axis], flagged, lifting, gaps)
+            samples = decoder.split(samples, axis, region.size[axis], flagged, lifting, gaps)
         stream.end()
         return samples
 
-    def _lifting(self, level: int, axis: int) -> Lifting:
-        """How the pairs along an axis of a level become means (section 2)."""
+    def _lifting(self, level: int, axis: int, region: "_Region | None" = None) -> Lifting:
+        """How the pairs along an axis of a level, or of a part of it, become means (section 2)."""
         weights = self.weights[level]
         coarse = self.weights[level + 1].each
         turn = sorted(range(3), key=lambda other: -coarse[other]).index(axis)
         halvings = weights.each[axis].bit_length() - 1
-        first, second = weights.last_pair(axis, self.sizes[level][axis])
+        length = self.sizes[level][axis]
+        is_at_end = region is None or region.first[axis] + region.size[axis] == length
+        first, second = weights.last_pair(axis, length) if is_at_end else (1, 1)
         return Lifting((turn + halvings + 1) & 1, first, second)
 
     def _used_samples(self) -> list[int]:
@@ -196,17 +250,53 @@ class _Brick:
         return [code - self.low_code + self.low for code in inside if code in self.values.codes]
 
     def _flagged_pairs(self, flags: np.ndarray | None, level: int, axis: int,
-                       pairs: tuple[int, int, int]) -> np.ndarray:
+                       pairs: tuple[int, int, int], region: "_Region") -> np.ndarray:
         """Which pairs of a split lie in flagged cells, bool of shape [z][y][x]."""
-        if flags is None:
+        if flags is None or level > 1:
             return np.zeros(pairs[::-1], bool)
         places = []
         for a in range(3):
             # Axes split before (z, y, x) count samples of this level, the others of the next.
             first = level if a > axis else level + 1
+            start = region.first[a] if a > axis else region.coarse_first[a]
             halvings = sum(self.halvings[i] >> a & 1 for i in range(first, 2))
-            places.append(np.arange(pairs[a]) >> halvings)
+            places.append((np.arange(pairs[a]) + start) >> halvings)
         return flags[np.ix_(places[2], places[1], places[0])]
+
+
+@dataclass(frozen=True)
+class _Region:
+    """A level or a part of level 0: where it lies there and at the next level, x, y, z."""
+
+    first: tuple[int, int, int]
+    size: tuple[int, int, int]
+    coarse_first: tuple[int, int, int]
+    coarse_size: tuple[int, int, int]
+
+    @classmethod
+    def of_level(cls, size: tuple[int, int, int], coarse: tuple[int, int, int]) -> "_Region":
+        return cls((0, 0, 0), size, (0, 0, 0), coarse)
+
+    def slices(self, axis_order: tuple[int, int, int] = (0, 1, 2)) -> tuple[slice, slice, slice]:
+        """Its place in an array [z][y][x], along the brick's own axes where an order is given."""
+        return tuple(slice(self.first[place], self.first[place] + self.size[place])
+                     for place in (axis_order.index(axis) for axis in (2, 1, 0)))
+
+
+@dataclass(frozen=True)
+class _Corrections:
+    """The bytes of the corrections of a region; none: all are 0."""
+
+    region: _Region
+    data: bytes
+
+
+def _take_length(cursor: ByteCursor) -> int:
+    """The length of a part, off the list of parts; the CRC serves those who read one part alone."""
+    length = cursor.varint()
+    if length > 0:
+        cursor.take(4)
+    return length
 
 
 def decode_corrections(data: bytes, shape: tuple[int, int, int]) -> np.ndarray:

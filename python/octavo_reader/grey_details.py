@@ -12,6 +12,7 @@ from .byte_cursor import ByteCursor
 from .errors import require
 from .grey_edges import EdgeTables, edges_of_split
 from .grey_model import CONTEXTS, PROBABILITY_BITS, TAP_ROWS, TOKENS, GreyModel
+from .grey_samples import PaddedSamples
 
 _STATE_START = 65536
 _SLOT_MASK = (1 << PROBABILITY_BITS) - 1
@@ -88,12 +89,13 @@ def wrapped(value: int | np.ndarray) -> int | np.ndarray:
 
 
 class DetailStream:
-    """The edges and residuals of one level, taken row by row.
+    """The edges and residuals of a level or part, taken row by row.
 
-    coded_count  the pairs of the level that lie in no flagged cell
+    coded_count  its pairs that lie in no flagged cell
+    most_states  how many states there are at most
     """
 
-    def __init__(self, data: bytes, coded_count: int) -> None:
+    def __init__(self, data: bytes, coded_count: int, most_states: int = 32) -> None:
         self._plain = b""
         self._plain_at = 0
         self._states: list[int] = []
@@ -106,6 +108,7 @@ class DetailStream:
         self._plain = cursor.take(cursor.varint())
         counts = ((16384, 32), (1024, 8), (128, 2), (1, 1))
         state_count = next(states for minimum, states in counts if coded_count >= minimum)
+        state_count = min(state_count, most_states)
         self._states = list(cursor.unpack(f"{state_count}I"))
         require(min(self._states) >= _STATE_START, "a state of the details is too small")
         words = cursor.rest()
@@ -217,7 +220,7 @@ class ValueGaps:
 
 
 class DetailDecoder:
-    """Decodes the splits of one level of a brick, in the order z, y, x.
+    """Decodes the splits of one level of a brick, or of a part of it, in the order z, y, x.
 
     lowest, highest  the samples of the brick's smallest and largest voxel
     shift, is_narrow as in docs/format-grey.md, section 1
@@ -237,16 +240,18 @@ class DetailDecoder:
         self._edge_tables = EdgeTables(model.edge_frequencies) if model.has_edges else None
         self._magnitudes: dict[int, np.ndarray] = {}
 
-    def split(self, means: np.ndarray, axis: int, length: int, flagged: np.ndarray,
-              lifting: Lifting, gaps: "ValueGaps | None" = None) -> np.ndarray:
-        """The samples whose means are `means`: `length` of them along `axis`.
+    def split(self, padded: PaddedSamples, axis: int, length: int, flagged: np.ndarray,
+              lifting: Lifting, gaps: "ValueGaps | None" = None) -> PaddedSamples:
+        """The samples whose means are `padded`: `length` of them along `axis`.
 
         flagged  which pairs lie in flagged cells, [z][y][x]
         gaps     of the split that makes voxels, where some values do not occur
         """
+        repeated = padded.repeated(2 - axis, length)
         pairs = flagged.shape
         if 0 in pairs:
-            return means
+            return repeated
+        means = padded.samples
         inside = tuple(slice(0, n) for n in pairs)
         m = means[inside]
         rounding = lifting.rounding
@@ -255,7 +260,7 @@ class DetailDecoder:
             np.moveaxis(weighted, 2 - axis, 0)[-1] = True
         details_of_edges = np.zeros(pairs, np.int64)
         if self._edge_tables is not None:
-            details_of_edges = edges_of_split(self._stream, self._edge_tables, means, axis,
+            details_of_edges = edges_of_split(self._stream, self._edge_tables, padded, axis,
                                               flagged | weighted, self._lowest, self._highest,
                                               rounding, gaps)
             flagged = flagged | (details_of_edges != 0)
@@ -264,7 +269,7 @@ class DetailDecoder:
         limit = np.minimum(2 * (m - self._lowest) + odd_low, 2 * (self._highest - m) + odd_high)
         limit = np.where(weighted, self._highest - self._lowest, limit)
         limit = np.where(flagged, 0, limit)
-        e0, e1, e2, slope = _activities(means, axis, self._shift)
+        e0, e1, e2, slope = _activities(padded, axis, self._shift)
         e0, e1, e2, slope = e0[inside], e1[inside], e2[inside], slope[inside]
         weights = self._model.context_weights[self._group][axis]
         t = sum(w * np.minimum(e, 16383) for w, e in zip(weights, (e0, e1, e2))) + weights[5]
@@ -285,9 +290,9 @@ class DetailDecoder:
                 possible = np.vectorize(gaps.detail, otypes=[np.int64])(m, prediction, residuals)
                 details = np.where((limit > 0) & ~weighted, possible, details)
             details = np.where(details_of_edges != 0, details_of_edges, details)
-            return self._merge(means, axis, length, details, lifting)
-        return self._predicted(means, axis, length, classes, limit, residuals, lifting, gaps,
-                               details_of_edges, weighted, step)
+            return repeated.replaced(self._merge(means, axis, length, details, lifting))
+        return repeated.replaced(self._predicted(means, repeated, axis, classes, limit, residuals,
+                                                 lifting, gaps, details_of_edges, weighted, step))
 
     def _merge(self, means: np.ndarray, axis: int, length: int, details: np.ndarray,
                lifting: Lifting) -> np.ndarray:
@@ -363,15 +368,13 @@ class DetailDecoder:
         self._magnitudes[axis] = rows[:, :, 2:-2]
         return residuals
 
-    def _predicted(self, means: np.ndarray, axis: int, length: int, classes: np.ndarray,
-                   limit: np.ndarray, residuals: np.ndarray, lifting: Lifting,
-                   gaps: "ValueGaps | None", details_of_edges: np.ndarray,
+    def _predicted(self, means: np.ndarray, repeated: PaddedSamples, axis: int,
+                   classes: np.ndarray, limit: np.ndarray, residuals: np.ndarray,
+                   lifting: Lifting, gaps: "ValueGaps | None", details_of_edges: np.ndarray,
                    weighted: np.ndarray, step: int) -> np.ndarray:
         """Predictor 0: each pair from the pairs before it and the means of those behind."""
         nz, ny, nx = classes.shape
-        array_axis = 2 - axis
-        repeated = np.repeat(means, 2, array_axis).take(range(length), array_axis)
-        v = np.pad(repeated, ((2, 2), (2, 2), (8, 8)), mode="edge")
+        v = repeated.with_margins().copy()
         weights = self._model.tap_weights[self._group][axis]
         left = _left_taps(axis, weights)
         taps = [(8 * row + tap, (x0 + tap, y0, z0))
@@ -449,9 +452,11 @@ def _left_taps(axis: int, weights: np.ndarray) -> list[list[list[int]]]:
             for row in weights.tolist()]
 
 
-def _activities(means: np.ndarray, axis: int, shift: int) -> tuple[np.ndarray, ...]:
-    """e0, e1, e2 of section 7, and M before - M after; of the shape of `means`."""
-    padded = np.pad(means, 1, mode="edge")
+def _activities(means_around: PaddedSamples, axis: int,
+                shift: int) -> tuple[np.ndarray, ...]:
+    """e0, e1, e2 of section 7, and M before - M after; of the shape of the means."""
+    means = means_around.samples
+    padded = means_around.with_margins(1)
 
     def neighbor(array_axis: int, distance: int) -> np.ndarray:
         at = [slice(1, -1)] * 3

@@ -4,6 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .grey_samples import PaddedSamples
+
 if TYPE_CHECKING:
     from .grey_details import DetailStream, ValueGaps
 
@@ -15,7 +17,7 @@ class EdgeTables:
         self.starts = np.insert(np.cumsum(frequencies, axis=1), 0, 0, axis=1).tolist()
 
 
-def edges_of_split(stream: "DetailStream", tables: EdgeTables, means: np.ndarray, axis: int,
+def edges_of_split(stream: "DetailStream", tables: EdgeTables, padded: PaddedSamples, axis: int,
                    flagged: np.ndarray, lowest: int, highest: int, rounding: int,
                    gaps: "ValueGaps | None") -> np.ndarray:
     """The details of the pairs of a split that are edges, 0 for others.
@@ -24,11 +26,12 @@ def edges_of_split(stream: "DetailStream", tables: EdgeTables, means: np.ndarray
     lowest, highest  the samples of the brick's smallest and largest voxel
     gaps             of the split that makes voxels, where some values do not occur
     """
+    means = padded.samples
     inside = tuple(slice(0, n) for n in flagged.shape)
     m = means[inside] - lowest
     other = 2 * means[inside] - rounding - lowest
     may_be_even, may_be_odd = (_may_be(other + odd, highest, gaps) for odd in (0, 1))
-    beside = np.array([[_beside(means, a, side)[inside] for side in (-1, 1)]
+    beside = np.array([[_beside(padded, a, side)[inside] for side in (-1, 1)]
                        for a in (axis, *(a for a in range(3) if a != axis))])
     ground = beside == lowest
     before, after = ground[0].astype(np.int64)
@@ -67,10 +70,12 @@ def _may_be(samples: np.ndarray, highest: int, gaps: "ValueGaps | None") -> np.n
     return allowed if gaps is None else allowed & gaps.occur(samples)
 
 
-def _beside(means: np.ndarray, axis: int, side: int) -> np.ndarray:
-    """The means one place before (-1) or after (1) along an axis; the border repeats."""
-    places = np.arange(means.shape[2 - axis]) + side
-    return means.take(places.clip(0, means.shape[2 - axis] - 1), 2 - axis)
+def _beside(padded: PaddedSamples, axis: int, side: int) -> np.ndarray:
+    """The means one place before (-1) or after (1) along an axis."""
+    around = padded.with_margins(1)
+    at = [slice(1, n - 1) for n in around.shape]
+    at[2 - axis] = slice(1 + side, around.shape[2 - axis] - 1 + side)
+    return around[tuple(at)]
 
 
 def _ratios(m: np.ndarray, beyond: np.ndarray) -> np.ndarray:

@@ -6,7 +6,7 @@ import numpy as np
 
 from .binary_coder import AdaptiveNumber, BinaryDecoder
 from .byte_cursor import ByteCursor, unpack_bits
-from .errors import require
+from .errors import OctavoError, require
 
 GROUPS = 3
 CLASSES = 5
@@ -48,6 +48,7 @@ class GreyModel:
 
     predictor        0: taps around a pair; 1: the means before and after it
     axis_order       the axes (0 x, 1 y, 2 z) that take the parts of x, y, z
+    cut_axes         mask of the axes, of that order, that are cut at 32 voxels in level 0
     voxel_step       q: a code stands for q voxels
     value_map        None, or which values occur
     has_edges        whether pairs at the edge of the background are told apart
@@ -62,6 +63,7 @@ class GreyModel:
 
     predictor: int
     axis_order: tuple[int, int, int]
+    cut_axes: int
     is_lossy: bool
     voxel_step: int
     detail_step: int
@@ -77,11 +79,13 @@ class GreyModel:
 
 
 def parse_grey_model(data: bytes) -> GreyModel:
-    """Reads a model. Raises OctavoError "corrupt"."""
+    """Reads a model. Raises OctavoError "corrupt", or "unsupported_version"."""
     cursor = ByteCursor(data, "grey model")
-    flags = cursor.u8()
+    flags, cut_axes = cursor.u8(), cursor.u8()
     predictor, is_lossy, order = flags & 1, bool(flags & 2), flags >> 2 & 7
-    require(order < len(_AXIS_ORDERS) and flags < 128, "a grey model has unknown flags")
+    if order >= len(_AXIS_ORDERS) or flags >= 128 or cut_axes >= 8:
+        raise OctavoError("unsupported_version",
+                          "a grey model of a later version of the format")
     voxel_step, detail_step, correction_step = 1, 0, 0
     if is_lossy:
         voxel_step, detail_step, correction_step = (cursor.varint() for _ in range(3))
@@ -109,7 +113,7 @@ def parse_grey_model(data: bytes) -> GreyModel:
     frequencies = _frequencies(decoder)
     edge_frequencies = _edge_frequencies(decoder) if has_edges else None
     require(decoder.at == len(body), "a grey model does not end where it should")
-    return GreyModel(predictor, _AXIS_ORDERS[order], is_lossy, voxel_step, detail_step,
+    return GreyModel(predictor, _AXIS_ORDERS[order], cut_axes, is_lossy, voxel_step, detail_step,
                      correction_step, value_map, has_edges, threshold, taps, means,
                      contexts, frequencies, edge_frequencies)
 

@@ -31,6 +31,7 @@ set(OCTAVO_READ_SOURCES
   codec/grey/grey_codec.cpp
   codec/grey/grey_corrections.cpp
   codec/grey/grey_model.cpp
+  codec/grey/grey_parts.cpp
   codec/grey/grey_stage_dispatch_portable.cpp
   codec/grey/grey_stage_portable.cpp
   codec/grey/octant_transform.cpp

@@ -96,4 +96,24 @@ inline std::shared_ptr<const BrickCodec> codec_of(const BrickInput& brick) {
   return kept;
 }
 
+/// Decodes the parts of a brick, each alone, into `out`, an array of its level 0; false where it
+/// has none. Throws Error{corrupt}.
+inline bool decode_parts(const BrickCodec& codec, const BrickInput& brick, std::uint8_t* out) {
+  const std::vector<ByteSpan> segments = brick.spans();
+  const auto opened = codec.open_parts(brick.shape, brick.type, brick.range, segments);
+  if (!opened) return false;
+  const Size3& size = brick.shape.size[0];
+  for (std::size_t i = 0; i < opened->parts().size(); ++i) {
+    const BrickParts::Part& part = opened->parts()[i];
+    const ByteSpan finest = segments[0];
+    if (part.offset > finest.size() || part.length > finest.size() - part.offset) {
+      throw Error(ErrorKind::corrupt, "a part beyond its segment");
+    }
+    const std::int64_t first = (part.box.lo.z * size.y + part.box.lo.y) * size.x + part.box.lo.x;
+    opened->decode(i, finest.subspan(part.offset, part.length),
+                   {out + first * bytes_per_voxel(brick.type), size.x, size.x * size.y});
+  }
+  return true;
+}
+
 }  // namespace octavo::fuzz

@@ -12,7 +12,8 @@ struct DecodedLevel {
 };
 
 namespace octavo_portable::fuzz {
-/// Levels from the coarsest to the finest; a single error when the input is no brick.
+/// Levels from the coarsest to the finest, and the finest from parts that decode alone (zeros where
+/// there are none); a single error when the input is no brick.
 std::vector<DecodedLevel> decode_brick(const std::uint8_t* data, std::size_t size);
 }  // namespace octavo_portable::fuzz
 

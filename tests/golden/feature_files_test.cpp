@@ -121,6 +121,11 @@ std::vector<Feature> features() {
     options.max_error = max_error;
     return options;
   };
+  const auto in_parts = [&](Preset preset, Access access, double max_error = 0) {
+    BuildOptions options = with(preset, max_error);
+    options.access = access;
+    return options;
+  };
   BuildOptions as_labels;
   as_labels.kind = VolumeKind::labels;
   const Size3 size{41, 33, 26};
@@ -143,6 +148,22 @@ std::vector<Feature> features() {
       {"float32-exact", {66, 18, 12}, VoxelType::float32, exact_floats},
       {"float32-exact-fast", {30, 17, 11}, VoxelType::float32, exact_floats, with(Preset::fast, 0)},
       {"float32-max-error", size, VoxelType::float32, smooth_floats, with(Preset::small, 0.05)},
+      {"slices-small", {20, 36, 34}, VoxelType::int16, ripples,
+       in_parts(Preset::small, Access::slices)},
+      {"slices-fast", {36, 34, 33}, VoxelType::int16, signed_scan,
+       in_parts(Preset::fast, Access::slices)},
+      {"slices-flat", {34, 36, 12}, VoxelType::uint8, scan<20, 5>,
+       in_parts(Preset::fast, Access::slices), {1, 1, 4}},
+      {"boxes-axis-order", {40, 24, 34}, VoxelType::uint16, streaks,
+       in_parts(Preset::small, Access::boxes)},
+      {"boxes-gaps", {34, 34, 20}, VoxelType::uint8, spread,
+       in_parts(Preset::small, Access::boxes)},
+      {"boxes-edges", {34, 20, 34}, VoxelType::uint8, sparse,
+       in_parts(Preset::fast, Access::boxes)},
+      {"boxes-max-error", {44, 40, 36}, VoxelType::uint16, waves,
+       in_parts(Preset::fast, Access::boxes, 12)},
+      {"boxes-float32", {34, 20, 20}, VoxelType::float32, scaled_scan,
+       in_parts(Preset::fast, Access::boxes)},
       {"labels-uint8", size, VoxelType::uint8, labels, as_labels},
       {"labels-stored-uint32", {20, 18, 17}, VoxelType::uint32, many_labels, as_labels},
   };

@@ -23,8 +23,10 @@ OPTIONS = re.compile(r'(with_field\(|\{\{?)\s*"(max_error|on_gap|segment|channel
 
 # Words that are names of members as well, and what they are here.
 OTHERS = {
+    "src/octavo/builder/builder.cpp": {"slices": "what an option is set to"},
     "src/octavo/builder/recover.cpp": {"repaired": "what is done"},
-    "src/octavo/file/write/interrupted.cpp": {"labels": "a kind of volume",
+    "src/octavo/file/write/interrupted.cpp": {"access": "a setting of a build",
+                                              "labels": "a kind of volume",
                                               "max_error": "a setting of a build",
                                               "preset": "a setting of a build"},
     "src/octavo/io/dicom/dicom_palette.cpp": {"index": "what an option is set to"},

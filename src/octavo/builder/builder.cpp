@@ -58,18 +58,30 @@ std::int64_t whole_units(double max_error, VoxelType type) {
   return static_cast<std::int64_t>(std::min(units, static_cast<double>(range.max - range.min)));
 }
 
+std::optional<std::string> name_of(const std::optional<Access>& access) {
+  if (!access) return std::nullopt;
+  switch (*access) {
+    case Access::none: return "none";
+    case Access::slices: return "slices";
+    case Access::boxes: return "boxes";
+  }
+  return std::nullopt;
+}
+
 // The metadata of the source with what was asked for, where that is not the default.
 Metadata recorded(const VolumeDescription& description, const BuildOptions& options) {
   const bool is_float = !is_integer(description.type);
   CodingNote coding;
   if (options.preset == Preset::fast) coding.preset = "fast";
+  coding.access = name_of(options.access);
   if (options.max_error > 0) coding.max_error = options.max_error;
   if (is_float) {
     coding.nan = options.repair.nan;
     coding.infinity = options.repair.infinity;
   }
   Metadata metadata = description.metadata;
-  const bool is_default = !coding.preset && !coding.max_error && !coding.nan && !coding.infinity;
+  const bool is_default = !coding.preset && !coding.access && !coding.max_error && !coding.nan &&
+                          !coding.infinity;
   if (!is_default) metadata.set_coding(coding);
   return metadata;
 }
@@ -86,6 +98,7 @@ void return_freed_memory() {
 std::string settings_text(const BuildOptions& options) {
   std::string text = "program: " OCTAVO_VERSION "\n";
   text += std::string("preset: ") + (options.preset == Preset::fast ? "fast" : "small") + "\n";
+  text += "access: " + name_of(options.access).value_or(kSettingNotGiven) + "\n";
   text += "max_error: " + exact_text(options.max_error) + "\n";
   const auto repair = [](const std::optional<float>& value) {
     return value ? exact_text(*value) : std::string(kSettingNotGiven);
@@ -104,12 +117,12 @@ std::string crc_text(std::uint32_t crc) {
 class Build {
  public:
   Build(const VolumeDescription& description, const Levels& levels, int threads, Progress& progress,
-        Preset preset, const ErrorBound& bound)
+        const BuildOptions& options, const ErrorBound& bound)
       : description_(description),
         levels_(levels),
         workers_(threads),
         progress_(progress),
-        settings_{preset, bound.codes},
+        settings_{.preset = options.preset, .max_error = bound.codes, .access = options.access},
         bound_(bound) {}
 
   /// Encodes all groups; the writer is created once the first one is known. While a group is being
@@ -278,7 +291,7 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
   }
 
   // Group by group, then the tiers above
-  Build work(description, levels, result.threads, progress, options.preset, bound);
+  Build work(description, levels, result.threads, progress, options, bound);
   WriterOptions writing;
   writing.overwrite = options.overwrite;
   writing.max_error = result.max_error;

@@ -30,6 +30,7 @@ enum class Interrupted {
 struct BuildOptions {
   VolumeKind kind = VolumeKind::grey;
   Preset preset = Preset::small;
+  std::optional<Access> access;  ///< as CodecSettings::access
   /// No voxel ends up further from its source, in real units (|slope| * stored units). 0: lossless.
   /// Integer volumes round it down to whole stored units.
   double max_error = 0;

@@ -37,10 +37,24 @@ struct BrickView {
   std::int64_t plane_stride = 0;
 };
 
+/// Where the voxels of a brick, or of a box of it, go: from the first on. As BrickView.
+struct VoxelTarget {
+  void* voxels = nullptr;
+  std::int64_t row_stride = 0;
+  std::int64_t plane_stride = 0;
+};
+
 /// What a grey model is made for. Both presets are read without any option.
 enum class Preset {
   small,  ///< prediction from up to 96 neighbors: the fewest bytes
   fast    ///< prediction from the means alone: several times faster
+};
+
+/// What decodes alone of level 0 of a brick: less is sooner read by itself, and takes more bytes.
+enum class Access {
+  none,    ///< all 64^3 voxels
+  slices,  ///< 64 x 32 x 32 voxels, in the order of the model's axes
+  boxes    ///< 32^3 voxels
 };
 
 struct CodecSettings {
@@ -49,6 +63,9 @@ struct CodecSettings {
   std::int64_t max_error = 0;
   /// Chosen by trial when absent. All models of a file have the same. Grey only.
   std::optional<AxisOrder> axis_order = std::nullopt;
+  /// Absent: none in the small preset; in the fast one slices, or none where that would cost more
+  /// than 0.7 % of the bytes. Grey only.
+  std::optional<Access> access = std::nullopt;
 };
 
 struct EncodedBrick {
@@ -59,6 +76,27 @@ struct EncodedBrick {
   std::int64_t parent = 0;
   std::int64_t max_error = 0;  ///< largest |voxel - decoded voxel|
   std::vector<Bytes> segments; ///< one per in-brick level, finest first; all empty when uniform
+};
+
+/// A brick whose levels above 0 are decoded, and the parts of level 0, of which each decodes alone.
+/// Thread-safe. The codec outlives it.
+class BrickParts {
+ public:
+  struct Part {
+    Box box;                   ///< of the voxels of the brick, which the parts tile
+    std::uint64_t offset = 0;  ///< of its bytes in segment 0
+    std::uint64_t length = 0;
+  };
+
+  virtual ~BrickParts() = default;
+
+  /// In the order of their bytes, which follow each other.
+  virtual const std::vector<Part>& parts() const noexcept = 0;
+
+  /// Decodes the voxels of a part from its bytes, into an array of the brick's type.
+  /// Throws Error{corrupt} when they are not those that the brick's checksum was made of, or are
+  ///        inconsistent.
+  virtual void decode(std::size_t number, ByteSpan bytes, const VoxelTarget& out) const = 0;
 };
 
 class BrickCodec {
@@ -85,6 +123,18 @@ class BrickCodec {
   ///           outside `out`, never reads outside the segments
   virtual void decode(const BrickShape& shape, VoxelType type, const ValueRange& range,
                       std::span<const ByteSpan> segments, int level, void* out) const = 0;
+
+  /// Whether level 0 of such a brick has parts, unless it is uniform or stored.
+  virtual bool has_parts(const BrickShape& /*shape*/) const noexcept { return false; }
+
+  /// Decodes the levels above 0 of a brick whose level 0 has parts; null for other bricks.
+  /// segments  as for `decode`; segment 0 may be an empty span
+  /// Throws    Error{corrupt}
+  virtual std::unique_ptr<BrickParts> open_parts(const BrickShape& /*shape*/, VoxelType /*type*/,
+                                                 const ValueRange& /*range*/,
+                                                 std::span<const ByteSpan> /*segments*/) const {
+    return nullptr;
+  }
 };
 
 /// A brick to learn from.

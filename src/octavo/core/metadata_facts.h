@@ -92,6 +92,7 @@ struct IdentityNote {
 /// How the file was coded, where not as by default; real units.
 struct CodingNote {
   std::optional<std::string> preset;
+  std::optional<std::string> access;
   std::optional<double> max_error;
   std::optional<double> nan;       ///< what took the place of NaN
   std::optional<double> infinity;  ///< and of infinities

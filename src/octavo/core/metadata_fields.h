@@ -109,6 +109,7 @@ void visit_fields(Visit& visit, IdentityNote& identity) {
 template <class Visit>
 void visit_fields(Visit& visit, CodingNote& coding) {
   visit("preset", coding.preset);
+  visit("access", coding.access);
   visit.exact("max_error", coding.max_error);
   visit.exact("nan", coding.nan);
   visit.exact("inf", coding.infinity);

@@ -215,6 +215,17 @@ int main(int argc, char** argv) {
              {CodecSettings{Preset::fast, 0}, {Preset::small, 1}, {Preset::fast, 25}}) {
           save(folder / "bricks" / std::to_string(number++), brick_input(type, kind, 4, settings));
         }
+        // Parts that decode alone: of both predictors, with edges, with corrections.
+        constexpr std::uint8_t kCutSide = 6;
+        for (const Content content : {Content::shape, Content::speckles}) {
+          for (const CodecSettings& settings :
+               {CodecSettings{.preset = Preset::small, .access = Access::slices},
+                {.preset = Preset::fast, .access = Access::boxes},
+                {.preset = Preset::fast, .max_error = 25, .access = Access::boxes}}) {
+            save(folder / "bricks" / std::to_string(number++),
+                 brick_input(type, kind, kCutSide, settings, content));
+          }
+        }
       }
       for (const Size3& size :
            {Size3{1, 1, 1}, Size3{9, 5, 3}, Size3{16, 16, 16}, Size3{70, 3, 66}}) {

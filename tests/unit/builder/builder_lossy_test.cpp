@@ -184,6 +184,7 @@ TEST(LossyBuild, WhatWasAskedForStandsInTheMetadata) {
   };
   EXPECT_EQ(text({}), "{}");
   EXPECT_EQ(text({.preset = Preset::fast}), R"({"coding":{"preset":"fast"}})");
+  EXPECT_EQ(text({.access = Access::boxes}), R"({"coding":{"access":"boxes"}})");
   volume.description.metadata = Metadata::read(R"({"unit":"HU" })");
   EXPECT_EQ(text({.max_error = 0.5, .repair = {.nan = -1.5f, .infinity = 9.0f}}),
             R"({"unit":"HU","coding":{"max_error":0.5,"nan":-1.5,"inf":9}})");

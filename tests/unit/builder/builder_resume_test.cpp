@@ -182,6 +182,12 @@ TEST(ResumedBuild, NamesTheSettingThatChanged) {
   reject(source, options,
          "another preset: small there, fast now; the interrupted build is kept "
          "[interrupted.preset=small] [interrupted=discard]");
+  TextureSource cut = source_of(kGrey);
+  options = options_of(kGrey, Interrupted::resume);
+  options.access = Access::boxes;
+  reject(cut, options,
+         "another access: not given there, boxes now; the interrupted build is kept "
+         "[interrupted.access] [interrupted=discard]");
   TextureSource again = source_of(kGrey);
   options = options_of(kGrey, Interrupted::resume);
   options.max_error = 3;

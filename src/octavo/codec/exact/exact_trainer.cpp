@@ -17,8 +17,10 @@ std::unique_ptr<BrickCodec> train_exact_model(std::span<const TrainingBrick> bri
   for (std::size_t i = 0; i < bricks.size(); ++i) {
     codes.push_back({bricks[i].shape, exact::code_view(quantized[i], bricks[i].view.size)});
   }
-  return make_exact_codec(
-      train_model(VolumeKind::grey, VoxelType::int32, codes, settings), coding);
+  // What tells floats apart runs through all of a brick: parts of its codes would be of no use.
+  CodecSettings whole = settings;
+  whole.access = Access::none;
+  return make_exact_codec(train_model(VolumeKind::grey, VoxelType::int32, codes, whole), coding);
 }
 
 }  // namespace octavo

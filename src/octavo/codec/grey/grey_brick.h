@@ -18,6 +18,7 @@
 
 #include "octavo/codec/brick_codec.h"
 #include "octavo/codec/entropy/byte_io.h"
+#include "octavo/codec/grey/grey_parts.h"
 #include "octavo/codec/grey/grey_stage.h"
 #include "octavo/codec/grey/octant_transform.h"
 
@@ -98,6 +99,20 @@ struct BrickHints {
   bool has_edges = false;
 };
 
+/// What is known of the samples of a part.
+struct PartHints {
+  UniformCells cells;
+  BrickHints hints;
+
+  PartHints(const Part& part, const BrickHints& brick) : hints(brick) {
+    if (brick.cells == nullptr) return;
+    cells = cells_of(part, *brick.cells);
+    hints.cells = cells.flags.empty() ? nullptr : &cells;
+  }
+  PartHints(const PartHints&) = delete;
+  PartHints& operator=(const PartHints&) = delete;
+};
+
 /// The split along `axis` at in-brick level `level`; `fine_size` is the size of its result.
 Stage make_stage(const BrickShape& shape, const SampleScale& scale, const Parameters& p, int level,
                  int axis, const Size3& fine_size, const BrickHints& hints);
@@ -133,28 +148,54 @@ void load_means(Workspace<Sample>& work, const Sample* samples, const Size3& siz
   work.means.fill_margins();
 }
 
-/// Runs `stage_work(stage, split)` for the splits of a level; before each the fine grid holds the
-/// means repeated, unless it is written without being read; after each its result becomes the next
-/// means.
+/// How far a predictor looks beyond the means of a level.
+constexpr Margins reach_of(Predictor predictor) {
+  return predictor == Predictor::neighbors ? Margins::all : Margins::nearest;
+}
+
+/// Runs `stage_work(stage, split)` for the splits of a level or of a part of it, whose means stand
+/// in the work space with the margins around them. Before each the fine grid holds the means
+/// repeated, unless it is written without being read; after each its result becomes the next means.
+/// reach  how much of the margins of the means stage_work looks at
 template <class Sample, class F>
-void run_level(Workspace<Sample>& work, const BrickShape& shape, const SampleScale& scale,
-               const Parameters& p, int level, const BrickHints& hints, F&& stage_work) {
+void run_level(Workspace<Sample>& work, const Part& part, const SampleScale& scale,
+               const Parameters& p, int level, const BrickHints& hints, Margins reach,
+               F&& stage_work) {
   for (auto& grid : work.magnitudes) grid.set_size({0, 0, 0});
-  for (const Split& split : splits_of(shape, level)) {
-    if (p.predictor == Predictor::neighbors) {
-      repeat_along(work.means, work.fine, split.axis, split.fine_size);
-    } else {
-      work.fine.set_size(split.fine_size);
+  for (const Split& split : splits_of(part.shape, level)) {
+    const bool is_from_means = p.predictor == Predictor::means;
+    if (is_from_means) work.fine.set_size(split.fine_size);
+    else repeat_along(work.means, work.fine, split.axis, split.fine_size);
+    stage_work(make_stage(part.shape, scale, p, level, split.axis, split.fine_size, hints), split);
+    if (is_from_means) {
+      copy_lone(work.means, work.fine, split.axis);
+      const Faces inner = kAllFaces & ~part.outer;
+      if (inner != 0) repeat_margins_along(work.means, work.fine, split.axis, reach, inner);
     }
-    stage_work(make_stage(shape, scale, p, level, split.axis, split.fine_size, hints), split);
-    if (p.predictor == Predictor::means) copy_lone(work.means, work.fine, split.axis);
     work.means.swap(work.fine);
-    if (p.predictor == Predictor::means) work.means.fill_nearest_margins();
-    else work.means.fill_margins();
+    work.means.fill_margins(reach, part.outer);
   }
 }
 
-/// True samples of a split, dense [z][y][x].
+/// Calls f(part, hints) for a level above 0, or for the parts of level 0 one after the other; the
+/// work space holds the means of the level, and before each call those of the part. Those of the
+/// last part are left in the end.
+template <class Sample, class F>
+void for_each_part(Workspace<Sample>& work, const BrickShape& shape, std::uint8_t cut_axes,
+                   int level, const BrickHints& hints, F&& f) {
+  if (level > 0 || !has_parts(shape, cut_axes)) {
+    f(Part{shape, {}, {}, kAllFaces}, hints);
+    return;
+  }
+  const CoarseSamples<Sample> coarse(work.means);
+  for (const Part& part : parts_of(shape, cut_axes)) {
+    coarse.put(part, work.means);
+    const PartHints own(part, hints);
+    f(part, own.hints);
+  }
+}
+
+/// True samples of a split: an array [z][y][x] of `size`, from the first that the split makes on.
 template <class Sample>
 struct Target {
   const Sample* samples = nullptr;
@@ -194,6 +235,22 @@ struct AnalyzedBrick {
     return {cells.flags.empty() ? nullptr : &cells, gaps.get(), p.has_edges};
   }
 };
+
+/// What a split of a level along `axis` shall make of a part.
+template <class Sample>
+Target<Sample> target_of(const AnalyzedBrick<Sample>& brick, const BrickShape& shape,
+                         const Part& part, int level, int axis) {
+  const auto slot = static_cast<std::size_t>(level);
+  const std::vector<Sample>& samples = brick.steps[slot][static_cast<std::size_t>(axis)];
+  // Axes split before, z first, are as fine as this one is.
+  Size3 size = shape.size[slot + 1];
+  Index3 at = part.coarse_at;
+  for (int a = axis; a < 3; ++a) {
+    size[a] = shape.size[slot][a];
+    at[a] = part.at[a];
+  }
+  return {samples.data() + (at.z * size.y + at.y) * size.x + at.x, size};
+}
 
 /// Smallest and largest voxel of a brick.
 ValueRange range_of(const BrickView& brick);

@@ -7,7 +7,10 @@
 #include "octavo/codec/grey/edge_pairs.h"
 #include "octavo/codec/grey/grey_brick.h"
 #include "octavo/codec/grey/grey_corrections.h"
+#include "octavo/codec/grey/grey_parts.h"
+#include "octavo/codec/grey/grey_voxels.h"
 #include "octavo/codec/grey/voxel_walk.h"
+#include "octavo/core/crc32c.h"
 
 namespace octavo::grey {
 
@@ -45,19 +48,6 @@ std::vector<Sample> decode_plain(const SampleScale& scale, ByteSpan bytes, const
   return samples;
 }
 
-/// The voxel of a sample, within the brick's range.
-struct VoxelScale {
-  ValueRange range;
-  std::int64_t base;
-  CodeScale codes;
-
-  VoxelScale(const SampleScale& scale, const ValueRange& voxels)
-      : range(voxels), base(scale.base()), codes(scale.codes) {}
-  std::int64_t operator()(std::int64_t sample) const {
-    return std::clamp(codes.voxel_of(sample + base), range.min, range.max);
-  }
-};
-
 /// The segment of in-brick level 1 starts with the cell flags: a varint of their length, then the
 /// bytes.
 void put_cells(Bytes& segment, const BrickShape& shape, int level, const UniformCells& cells) {
@@ -67,79 +57,132 @@ void put_cells(Bytes& segment, const BrickShape& shape, int level, const Uniform
   segment.insert(segment.end(), flags.begin(), flags.end());
 }
 
-/// Segments of a brick; leaves the samples of level 0, as a decoder will have them, in the thread's
-/// work space.
+/// Corrections of the voxels that quantized details would leave beyond the maximum error.
+template <class Sample>
+class Corrector {
+ public:
+  Corrector(const Parameters& p, const BrickView& view, const SampleScale& scale,
+            const ValueRange& range)
+      : order_(p.axis_order),
+        step_(p.quantizer.correction_step),
+        view_(view),
+        range_(range),
+        voxel_of_(scale, range) {}
+
+  /// The corrections of a part, with their length, from its samples as a decoder will have them.
+  Bytes encode(const Part& part, const SampleGrid<Sample>& grid) {
+    const BrickView view = part_of(view_, own_box(part, order_));
+    const Size3& size = view.size;
+    Corrections corrections;
+    corrections.reserve(static_cast<std::size_t>(size.voxel_count()));
+    Index3 at{0, 0, 0};
+    for_each_voxel(view, [&](std::int64_t voxel) {
+      const auto in = [&](int axis) { return at[order_[static_cast<std::size_t>(axis)]]; };
+      const std::int64_t decoded = voxel_of_(grid.row(in(1), in(2))[in(0)]);
+      const std::int64_t correction = CodeScale{step_}.code_of(voxel - decoded);
+      fits_ = fits_ && correction >= -kMaxCorrection && correction <= kMaxCorrection;
+      corrections.push_back(static_cast<std::int8_t>(correction));
+      const std::int64_t corrected =
+          std::clamp(decoded + correction * step_, range_.min, range_.max);
+      max_error_ = std::max(max_error_, std::abs(voxel - corrected));
+      if (++at.x == size.x) at = {0, at.y + 1, at.z};
+      if (at.y == size.y) at = {0, 0, at.z + 1};
+    });
+    const Bytes coded = encode_corrections(corrections, size);
+    Bytes out;
+    put_varint(out, coded.size());
+    out.insert(out.end(), coded.begin(), coded.end());
+    return out;
+  }
+
+  /// Whether no correction was too large.
+  bool fits() const { return fits_; }
+  /// The largest error that is left.
+  std::int64_t max_error() const { return max_error_; }
+
+ private:
+  static BrickView part_of(const BrickView& view, const Box& box) {
+    BrickView part = view;
+    part.size = box.size();
+    const std::int64_t first =
+        box.lo.z * view.plane_stride + box.lo.y * view.row_stride + box.lo.x;
+    part.voxels = static_cast<const std::byte*>(view.voxels) + first * bytes_per_voxel(view.type);
+    return part;
+  }
+
+  AxisOrder order_;
+  std::int64_t step_;
+  BrickView view_;
+  ValueRange range_;
+  VoxelScale voxel_of_;
+  bool fits_ = true;
+  std::int64_t max_error_ = 0;
+};
+
+/// Edges and residuals of all splits of a level or of a part of it, whose samples, as a decoder
+/// will have them, are left in the work space.
+template <class Sample>
+Bytes encode_details(const Model& model, const BrickShape& shape,
+                     const AnalyzedBrick<Sample>& brick, const Part& part, int level,
+                     const BrickHints& hints, int most_states) {
+  const Parameters& p = model.parameters;
+  Workspace<Sample>& work = thread_workspace<Sample>();
+  // Kept from brick to brick: fresh memory costs more than filling it.
+  static thread_local std::vector<Symbol> symbols;
+  symbols.clear();
+  run_level(work, part, brick.scale, p, level, hints, reach_of(p.predictor),
+            [&](const Stage& stage, const Split& split) {
+              load_details(work, stage, target_of(brick, shape, part, level, split.axis));
+              if (stage.has_edges) {
+                mark_edges(stage, work);
+                symbols.insert(symbols.end(), work.edge_symbols.begin(), work.edge_symbols.end());
+              }
+              stage_functions().of<Sample>().encode(p, stage, work, symbols);
+            });
+  if (symbols.empty()) return {};
+  const std::int64_t details = level_detail_count(part.shape, level, hints.cells);
+  return encode_symbols(model, table_set(level), symbols, details, brick.scale.shift(),
+                        most_states);
+}
+
+/// Segments of a brick.
+/// corrector  null where details are exact
 template <class Sample>
 std::vector<Bytes> encode_samples(const Model& model, const BrickShape& shape,
-                                  const AnalyzedBrick<Sample>& brick) {
+                                  const AnalyzedBrick<Sample>& brick,
+                                  Corrector<Sample>* corrector) {
   std::vector<Bytes> segments(static_cast<std::size_t>(shape.level_count));
   segments.back() = encode_plain(brick.scale, brick.coarsest);
-
-  const StagePasses<Sample>& passes = stage_functions().of<Sample>();
+  const Parameters& p = model.parameters;
+  const bool is_cut = has_parts(shape, p.cut_axes);
   Workspace<Sample>& work = thread_workspace<Sample>();
   load_means(work, brick.coarsest.data(),
              shape.size[static_cast<std::size_t>(shape.level_count) - 1]);
-  // Kept from brick to brick: fresh memory costs more than filling it.
-  static thread_local std::vector<Symbol> symbols;
+  std::vector<PartBytes> entries;
   for (int level = shape.level_count - 2; level >= 0; --level) {
-    const auto slot = static_cast<std::size_t>(level);
-    // Edges and residuals of all splits of the level
-    symbols.clear();
-    run_level(work, shape, brick.scale, model.parameters, level, brick.hints(model.parameters),
-              [&](const Stage& stage, const Split& split) {
-                const auto& samples = brick.steps[slot][static_cast<std::size_t>(split.axis)];
-                load_details(work, stage, Target<Sample>{samples.data(), split.fine_size});
-                if (stage.has_edges) {
-                  mark_edges(stage, work);
-                  symbols.insert(symbols.end(), work.edge_symbols.begin(),
-                                 work.edge_symbols.end());
-                }
-                passes.encode(model.parameters, stage, work, symbols);
-              });
-    // The segment: flagged cells, then edges and residuals
-    put_cells(segments[slot], shape, level, brick.cells);
-    if (symbols.empty()) continue;
-    const std::int64_t details =
-        level_detail_count(shape, level, brick.hints(model.parameters).cells);
-    const Bytes coded =
-        encode_symbols(model, table_set(level), symbols, details, brick.scale.shift());
-    segments[slot].insert(segments[slot].end(), coded.begin(), coded.end());
+    Bytes& segment = segments[static_cast<std::size_t>(level)];
+    put_cells(segment, shape, level, brick.cells);
+    const bool has_entries = level == 0 && is_cut;
+    const int most_states = has_entries ? most_part_states(p.cut_axes) : kMaxStates;
+    for_each_part(work, shape, p.cut_axes, level, brick.hints(p),
+                  [&](const Part& part, const BrickHints& hints) {
+                    const Bytes details =
+                        encode_details(model, shape, brick, part, level, hints, most_states);
+                    Bytes bytes;
+                    if (level == 0 && corrector != nullptr) {
+                      bytes = corrector->encode(part, work.means);
+                    }
+                    bytes.insert(bytes.end(), details.begin(), details.end());
+                    if (has_entries) entries.push_back(PartBytes::of(bytes));
+                    segment.insert(segment.end(), bytes.begin(), bytes.end());
+                  });
+  }
+  if (is_cut) {
+    Bytes list;
+    put_part_list(list, entries);
+    segments[1].insert(segments[1].begin(), list.begin(), list.end());
   }
   return segments;
-}
-
-/// Puts the corrections that a quantized brick needs before its segment 0 and notes the error that
-/// is left; false when a correction would be too large.
-template <class Sample>
-bool put_corrections(EncodedBrick& encoded, const BrickView& view, const SampleScale& scale,
-                     const Parameters& p) {
-  const SampleGrid<Sample>& grid = thread_workspace<Sample>().means;
-  const std::int64_t step = p.quantizer.correction_step;
-  const VoxelScale voxel_of(scale, encoded.range);
-  const Size3& size = view.size;
-  Corrections corrections;
-  corrections.reserve(static_cast<std::size_t>(size.voxel_count()));
-  Index3 at{0, 0, 0};
-  bool fits = true;
-  for_each_voxel(view, [&](std::int64_t voxel) {
-    const auto in = [&](int axis) { return at[p.axis_order[static_cast<std::size_t>(axis)]]; };
-    const std::int64_t decoded = voxel_of(grid.row(in(1), in(2))[in(0)]);
-    const std::int64_t correction = CodeScale{step}.code_of(voxel - decoded);
-    fits = fits && correction >= -kMaxCorrection && correction <= kMaxCorrection;
-    corrections.push_back(static_cast<std::int8_t>(correction));
-    const std::int64_t corrected =
-        std::clamp(decoded + correction * step, encoded.range.min, encoded.range.max);
-    encoded.max_error = std::max(encoded.max_error, std::abs(voxel - corrected));
-    if (++at.x == size.x) at = {0, at.y + 1, at.z};
-    if (at.y == size.y) at = {0, 0, at.z + 1};
-  });
-  Bytes segment;
-  const Bytes coded = encode_corrections(corrections, size);
-  put_varint(segment, coded.size());
-  segment.insert(segment.end(), coded.begin(), coded.end());
-  Bytes& finest = encoded.segments[0];
-  finest.insert(finest.begin(), segment.begin(), segment.end());
-  return fits;
 }
 
 /// The largest error that rounding to the voxel step leaves.
@@ -179,11 +222,14 @@ EncodedBrick encode_brick(const Model& model, const BrickShape& shape, const Bri
   encoded.range = voxels;
   encoded.parent = std::clamp(scale.codes.voxel_of(brick.parent), encoded.range.min,
                               encoded.range.max);
-  encoded.segments = encode_samples(model, shape, brick);
   bool is_possible = true;
   if (quantizer.correction_step > 0 && shape.level_count > 1) {
-    is_possible = put_corrections<Sample>(encoded, view, scale, model.parameters);
+    Corrector<Sample> corrector(model.parameters, view, scale, voxels);
+    encoded.segments = encode_samples(model, shape, brick, &corrector);
+    encoded.max_error = corrector.max_error();
+    is_possible = corrector.fits();
   } else {
+    encoded.segments = encode_samples<Sample>(model, shape, brick, nullptr);
     encoded.max_error = rounding_error(view, scale, encoded.range);
   }
   std::uint64_t coded = 0;
@@ -200,169 +246,209 @@ EncodedBrick encode_brick(const Model& model, const BrickShape& shape, const Bri
   return encoded;
 }
 
-/// Voxels of a row of samples.
-template <class T, class Sample>
-void write_out(const Sample* samples, std::int64_t count, const SampleScale& scale,
-               const VoxelScale* clamping, T* out) {
-  if (clamping != nullptr) {
-    for (std::int64_t i = 0; i < count; ++i) out[i] = static_cast<T>((*clamping)(samples[i]));
-  } else if (scale.codes.step > 1) {
-    // Voxels are sums modulo their type.
-    static_assert(sizeof(T) <= sizeof(std::uint32_t));
-    const auto factor = static_cast<std::uint32_t>(scale.codes.step);
-    const auto base = static_cast<std::uint32_t>(scale.codes.voxel_of(scale.base()));
-    for (std::int64_t i = 0; i < count; ++i) {
-      out[i] = static_cast<T>(static_cast<std::uint32_t>(samples[i]) * factor + base);
-    }
-  } else if constexpr (std::is_integral_v<T> && sizeof(T) <= sizeof(Sample)) {
-    // Voxels are sums modulo their type.
-    using Unsigned = std::make_unsigned_t<T>;
-    const auto base = static_cast<Unsigned>(scale.base());
-    for (std::int64_t i = 0; i < count; ++i) {
-      out[i] = static_cast<T>(static_cast<Unsigned>(static_cast<Unsigned>(samples[i]) + base));
-    }
-  } else {
-    const std::int64_t base = scale.base();
-    for (std::int64_t i = 0; i < count; ++i) out[i] = static_cast<T>(samples[i] + base);
-  }
-}
-
 /// What a decoder needs to know of a brick.
 struct Source {
   const Model& model;
-  const BrickShape& shape;  ///< in the codec's axes
-  const Size3& brick_size;  ///< of level 0, in the brick's
+  BrickShape shape;  ///< in the codec's axes
   VoxelType type;
   ValueRange range;
   SampleScale scale;
   BrickMap map;
-  std::span<const ByteSpan> segments;
-  int level;
 
-  bool is_lossless() const { return model.parameters.quantizer.is_lossless(); }
+  const Parameters& parameters() const { return model.parameters; }
+  bool is_corrected() const { return parameters().quantizer.correction_step > 0; }
+  VoxelWriter writer() const {
+    return {type, range, scale, parameters().axis_order, parameters().quantizer.is_lossless()};
+  }
 };
 
-/// Writes the voxels of a level in the brick's own axes; `row_of(y, z)` gives rows of samples in
-/// the codec's.
-template <class Sample, class RowOf>
-void write_level(const Source& source, RowOf&& row_of, void* out) {
-  const AxisOrder& order = source.model.parameters.axis_order;
-  const VoxelScale voxel_of(source.scale, source.range);
-  const VoxelScale* const clamping = source.is_lossless() ? nullptr : &voxel_of;
-  const Size3& size = source.shape.size[static_cast<std::size_t>(source.level)];
-  // Steps of the dense result along the codec's axes.
-  Size3 dense{1, 1, 1};
-  std::int64_t step = 1;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto at = std::find(order.begin(), order.end(), axis) - order.begin();
-    dense[static_cast<int>(at)] = step;
-    step *= size[static_cast<int>(at)];
-  }
-  with_voxel_type(source.type, [&](auto tag) {
-    using T = typename decltype(tag)::type;
-    T* const voxels = static_cast<T*>(out);
-    for_each_tile(size, dense, [&](std::int64_t y, std::int64_t z, int axis, int count) {
-      T* const first = voxels + y * dense.y + z * dense.z;
-      if (dense.x == 1) {
-        write_out(row_of(y, z), size.x, source.scale, clamping, first);
-        return;
-      }
-      T tile[kTileRows][kBrickSide];
-      for (int k = 0; k < count; ++k) {
-        write_out(row_of(y + (axis == 1 ? k : 0), z + (axis == 2 ? k : 0)), size.x, source.scale,
-                  clamping, tile[k]);
-      }
-      for (std::int64_t x = 0; x < size.x; ++x) {
-        for (int k = 0; k < count; ++k) first[x * dense.x + k] = tile[k][x];
-      }
-    });
-  });
-}
-
 template <class Sample>
-void decode_stored(const Source& source, void* out) {
+void decode_stored(const Source& source, ByteSpan segment, int level, const VoxelTarget& out) {
   const BrickShape& shape = source.shape;
-  std::vector<Sample> samples =
-      decode_plain<Sample>(source.scale, source.segments[0], shape.size[0]);
-  for (int i = 0; i < source.level; ++i) {
+  std::vector<Sample> samples = decode_plain<Sample>(source.scale, segment, shape.size[0]);
+  for (int i = 0; i < level; ++i) {
     samples = coarser_level(std::move(samples), shape, i);
   }
-  const Size3& size = shape.size[static_cast<std::size_t>(source.level)];
-  write_level<Sample>(
-      source,
+  const Size3& size = shape.size[static_cast<std::size_t>(level)];
+  source.writer().write(
+      size,
       [&](std::int64_t y, std::int64_t z) { return samples.data() + (z * size.y + y) * size.x; },
       out);
 }
 
-/// Takes the corrections off the front of segment 0.
+/// Takes the corrections off the front of segment 0, or of a part.
 Corrections take_corrections(ByteSpan& segment, const Size3& size) {
   const std::uint64_t length = take_varint(segment);
   return decode_corrections(take_bytes(segment, length), size);
 }
 
-void apply(const Corrections& corrections, std::int64_t step, VoxelType type,
-           const ValueRange& range, void* out) {
-  with_voxel_type(type, [&](auto tag) {
+void apply(const Corrections& corrections, const Source& source, const Size3& size,
+           const VoxelTarget& out) {
+  const std::int64_t step = source.parameters().quantizer.correction_step;
+  with_voxel_type(source.type, [&](auto tag) {
     using T = typename decltype(tag)::type;
-    T* const voxels = static_cast<T*>(out);
-    for (std::size_t i = 0; i < corrections.size(); ++i) {
-      if (corrections[i] == 0) continue;
-      const auto moved = static_cast<std::int64_t>(voxels[i]) + corrections[i] * step;
-      voxels[i] = static_cast<T>(std::clamp(moved, range.min, range.max));
+    const std::int8_t* correction = corrections.data();
+    for (std::int64_t z = 0; z < size.z; ++z) {
+      for (std::int64_t y = 0; y < size.y; ++y) {
+        T* const row = static_cast<T*>(out.voxels) + z * out.plane_stride + y * out.row_stride;
+        for (std::int64_t x = 0; x < size.x; ++x, ++correction) {
+          if (*correction == 0) continue;
+          const auto moved = static_cast<std::int64_t>(row[x]) + *correction * step;
+          row[x] = static_cast<T>(std::clamp(moved, source.range.min, source.range.max));
+        }
+      }
     }
   });
 }
 
+/// What the levels of a brick tell of the finer ones.
+struct LevelState {
+  UniformCells cells;
+  std::unique_ptr<const ValueGaps> gaps;  ///< only where level 0 is decoded
+  std::vector<PartBytes> entries;  ///< of the parts of level 0; empty when it has none
+
+  BrickHints hints(const Parameters& p) const {
+    return {cells.flags.empty() ? nullptr : &cells, gaps.get(), p.has_edges};
+  }
+};
+
+/// Decodes the splits of a level, or of a part of it, from its edges and residuals; its means stand
+/// in the work space.
 template <class Sample>
-void decode_samples(const Source& source, void* out) {
+void decode_details(const Source& source, const Part& part, int level, ByteSpan segment,
+                    const BrickHints& hints, int most_states) {
+  const Parameters& p = source.parameters();
+  Workspace<Sample>& work = thread_workspace<Sample>();
+  // A level without details repeats its means
+  const std::int64_t details = level_detail_count(part.shape, level, hints.cells);
+  if (details == 0) {
+    if (!segment.empty()) throw Error(ErrorKind::corrupt, "a segment without details has bytes");
+    static const Parameters kRepeating{};
+    run_level(work, part, source.scale, kRepeating, level, hints, Margins::all,
+              [](const Stage&, const Split&) {});
+    return;
+  }
+  // Edges, then residuals, split by split
+  SymbolReader symbols(source.model, table_set(level), segment, details, source.scale.shift(),
+                       most_states);
+  run_level(work, part, source.scale, p, level, hints, reach_of(p.predictor),
+            [&](const Stage& stage, const Split&) {
+              if (stage.has_edges) take_edges(stage, work, symbols);
+              stage_functions().of<Sample>().decode(p, stage, work, symbols);
+            });
+  symbols.finish();
+}
+
+/// Decodes the levels from the coarsest to `level`, but not level 0, into the work space.
+template <class Sample>
+LevelState decode_coarser(const Source& source, std::span<const ByteSpan> segments, int level) {
   const BrickShape& shape = source.shape;
-  const Parameters& parameters = source.model.parameters;
+  const Parameters& p = source.parameters();
   const auto last = static_cast<std::size_t>(shape.level_count) - 1;
   const std::vector<Sample> coarsest =
-      decode_plain<Sample>(source.scale, source.segments[last], shape.size[last]);
-  Workspace<Sample>& work = thread_workspace<Sample>();
-  load_means(work, coarsest.data(), shape.size[last]);
-  std::unique_ptr<const ValueGaps> gaps;
-  if (source.level == 0) gaps = gaps_of(parameters.value_map, source.map, shape, source.scale);
-  UniformCells cells;
-  Corrections corrections;
-  for (int at = static_cast<int>(last) - 1; at >= source.level; --at) {
-    // What stands before the details: corrections, flagged cells
-    ByteSpan segment = source.segments[static_cast<std::size_t>(at)];
-    if (at == 0 && parameters.quantizer.correction_step > 0) {
-      corrections = take_corrections(segment, source.brick_size);
+      decode_plain<Sample>(source.scale, segments[last], shape.size[last]);
+  load_means(thread_workspace<Sample>(), coarsest.data(), shape.size[last]);
+  LevelState state;
+  for (int at = static_cast<int>(last) - 1; at >= std::max(level, 1); --at) {
+    ByteSpan segment = segments[static_cast<std::size_t>(at)];
+    if (at == 1 && has_parts(shape, p.cut_axes)) {
+      state.entries = take_part_list(segment, parts_of(shape, p.cut_axes).size());
     }
     if (at == 1 && has_cells(shape)) {
       const std::uint64_t length = take_varint(segment);
-      cells = decode_cells(take_bytes(segment, length), shape.size[2]);
+      state.cells = decode_cells(take_bytes(segment, length), shape.size[2]);
     }
-    // A level without details repeats its means
-    const BrickHints hints{cells.flags.empty() ? nullptr : &cells, gaps.get(),
-                           parameters.has_edges};
-    const std::int64_t details = level_detail_count(shape, at, hints.cells);
-    if (details == 0) {
-      if (!segment.empty())
-        throw Error(ErrorKind::corrupt, "a segment without details is not empty");
-      static const Parameters kRepeating{};
-      run_level(work, shape, source.scale, kRepeating, at, hints,
-                [&](const Stage&, const Split&) {});
-      continue;
-    }
-    // Edges, then residuals, split by split
-    SymbolReader symbols(source.model, table_set(at), segment, details, source.scale.shift());
-    run_level(work, shape, source.scale, parameters, at, hints,
-              [&](const Stage& stage, const Split&) {
-                if (stage.has_edges) take_edges(stage, work, symbols);
-                stage_functions().of<Sample>().decode(parameters, stage, work, symbols);
-              });
-    symbols.finish();
+    decode_details<Sample>(source, Part{shape, {}, {}, kAllFaces}, at, segment,
+                           state.hints(p), kMaxStates);
   }
-  write_level<Sample>(
-      source, [&](std::int64_t y, std::int64_t z) { return work.means.row(y, z); }, out);
-  if (source.level == 0) {
-    apply(corrections, parameters.quantizer.correction_step, source.type, source.range, out);
-  }
+  if (level == 0) state.gaps = gaps_of(p.value_map, source.map, shape, source.scale);
+  return state;
 }
+
+/// Decodes level 0 of a brick, or a part of it, to voxels; its means stand in the work space.
+template <class Sample>
+void decode_finest(const Source& source, const Part& part, ByteSpan segment,
+                   const BrickHints& hints, int most_states, const VoxelTarget& out) {
+  const Size3 size = own_box(part, source.parameters().axis_order).size();
+  Corrections corrections;
+  if (source.is_corrected()) corrections = take_corrections(segment, size);
+  decode_details<Sample>(source, part, 0, segment, hints, most_states);
+  source.writer().write(thread_workspace<Sample>().means, out);
+  if (source.is_corrected()) apply(corrections, source, size, out);
+}
+
+/// The bytes of the parts in segment 0. Throws Error{corrupt} when the parts do not fill it.
+std::vector<ByteSpan> split_segment(ByteSpan segment, const std::vector<PartBytes>& entries) {
+  std::vector<ByteSpan> parts;
+  for (const PartBytes& entry : entries) parts.push_back(take_bytes(segment, entry.length));
+  if (!segment.empty()) throw Error(ErrorKind::corrupt, "bytes behind the parts of a brick");
+  return parts;
+}
+
+template <class Sample>
+void decode_samples(const Source& source, std::span<const ByteSpan> segments, int level,
+                    const VoxelTarget& out) {
+  const Parameters& p = source.parameters();
+  const LevelState state = decode_coarser<Sample>(source, segments, level);
+  Workspace<Sample>& work = thread_workspace<Sample>();
+  if (level > 0 || source.shape.level_count == 1) {
+    source.writer().write(work.means, out);
+    return;
+  }
+  std::vector<ByteSpan> parts{segments[0]};
+  if (!state.entries.empty()) parts = split_segment(segments[0], state.entries);
+  const int most_states = state.entries.empty() ? kMaxStates : most_part_states(p.cut_axes);
+  auto next = parts.begin();
+  for_each_part(work, source.shape, p.cut_axes, 0, state.hints(p),
+                [&](const Part& part, const BrickHints& hints) {
+                  const Index3 at = own_box(part, p.axis_order).lo;
+                  decode_finest<Sample>(source, part, *next++, hints, most_states,
+                                        target_from(out, at, source.type));
+                });
+}
+
+template <class Sample>
+class GreyParts final : public BrickParts {
+ public:
+  GreyParts(const Source& source, std::span<const ByteSpan> segments)
+      : source_(source),
+        state_(decode_coarser<Sample>(source, segments, 0)),
+        coarse_(thread_workspace<Sample>().means),
+        parts_(parts_of(source.shape, source.parameters().cut_axes)) {
+    std::uint64_t offset = 0;
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      const std::uint64_t length = state_.entries[i].length;
+      const Box box = own_box(parts_[i], source.parameters().axis_order);
+      own_parts_.push_back({box, offset, length});
+      if (length > kMaxPartBytes) throw Error(ErrorKind::corrupt, "a part is too long");
+      offset += length;
+    }
+  }
+
+  const std::vector<BrickParts::Part>& parts() const noexcept override { return own_parts_; }
+
+  void decode(std::size_t number, ByteSpan bytes, const VoxelTarget& out) const override {
+    const PartBytes& entry = state_.entries[number];
+    if (bytes.size() != entry.length || !checksum_matches(crc32c(bytes), entry.crc)) {
+      throw Error(ErrorKind::corrupt, "a part of a brick has another checksum");
+    }
+    const Parameters& p = source_.parameters();
+    coarse_.put(parts_[number], thread_workspace<Sample>().means);
+    const PartHints own(parts_[number], state_.hints(p));
+    decode_finest<Sample>(source_, parts_[number], bytes, own.hints,
+                          most_part_states(p.cut_axes), out);
+  }
+
+ private:
+  /// More than any segment may have: sums of lengths do not overflow.
+  static constexpr std::uint64_t kMaxPartBytes = std::uint64_t{1} << 32;
+
+  Source source_;
+  LevelState state_;
+  CoarseSamples<Sample> coarse_;
+  std::vector<grey::Part> parts_;
+  std::vector<BrickParts::Part> own_parts_;
+};
 
 }  // namespace
 
@@ -392,37 +478,68 @@ EncodedBrick GreyCodec::encode(const BrickShape& shape, const BrickView& view) c
   });
 }
 
+namespace {
+
+/// Whether a brick is stored. Throws Error{corrupt} when it has more than it may then.
+bool is_stored(const BrickShape& shape, std::span<const ByteSpan> segments) {
+  if (shape.level_count == 1 || !segments.back().empty()) return false;
+  const auto holds_bytes = [](ByteSpan segment) { return !segment.empty(); };
+  if (std::any_of(segments.begin() + 1, segments.end(), holds_bytes)) {
+    throw Error(ErrorKind::corrupt, "a stored brick has more than one segment");
+  }
+  return true;
+}
+
+/// plain  the segment with the plain samples, off which the brick's map is taken
+Source source_of(const Model& model, const BrickShape& shape, VoxelType type,
+                 const ValueRange& range, ByteSpan& plain) {
+  const Parameters& p = model.parameters;
+  BrickMap map;
+  if (!p.value_map.is_empty()) map = take_brick_map(p.value_map, range, plain);
+  if (map.has_gaps && shape.first_level > 0) {
+    throw Error(ErrorKind::corrupt, "a brick of means has gaps between its values");
+  }
+  return {model, in_order(shape, p.axis_order), type, range,
+          SampleScale::of_voxels(range, code_scale(p, map)), map};
+}
+
+}  // namespace
+
 void GreyCodec::decode(const BrickShape& shape, VoxelType type, const ValueRange& range,
                        std::span<const ByteSpan> segments, int level, void* out) const {
-  const std::int64_t count = shape.size[static_cast<std::size_t>(level)].voxel_count();
+  const Size3& size = shape.size[static_cast<std::size_t>(level)];
   if (range.min == range.max) {
     with_voxel_type(type, [&](auto tag) {
       using T = typename decltype(tag)::type;
-      std::fill_n(static_cast<T*>(out), count, static_cast<T>(range.min));
+      std::fill_n(static_cast<T*>(out), size.voxel_count(), static_cast<T>(range.min));
     });
     return;
   }
-  const bool is_stored = shape.level_count > 1 && segments.back().empty();
-  const auto holds_bytes = [](ByteSpan segment) { return !segment.empty(); };
-  if (is_stored && std::any_of(segments.begin() + 1, segments.end(), holds_bytes)) {
-    throw Error(ErrorKind::corrupt, "a stored brick has more than one segment");
-  }
-  const Parameters& parameters = model_->parameters;
-  std::vector<ByteSpan> parts(segments.begin(), segments.end());
-  BrickMap map;
-  if (!parameters.value_map.is_empty()) {
-    map = take_brick_map(parameters.value_map, range, is_stored ? parts.front() : parts.back());
-    if (map.has_gaps && shape.first_level > 0) {
-      throw Error(ErrorKind::corrupt, "a brick of means has gaps between its values");
-    }
-  }
-  const BrickShape inner = in_order(shape, parameters.axis_order);
-  const SampleScale scale = SampleScale::of_voxels(range, code_scale(parameters, map));
-  const Source source{*model_, inner, shape.size[0], type, range, scale, map, parts, level};
+  std::vector<ByteSpan> bytes(segments.begin(), segments.end());
+  const bool stored = is_stored(shape, segments);
+  const Source source =
+      source_of(*model_, shape, type, range, stored ? bytes.front() : bytes.back());
+  const VoxelTarget target = dense_target(out, size);
   with_sample_type(source.scale, [&](auto sample) {
     using Sample = decltype(sample);
-    if (is_stored) decode_stored<Sample>(source, out);
-    else decode_samples<Sample>(source, out);
+    if (stored) decode_stored<Sample>(source, bytes[0], level, target);
+    else decode_samples<Sample>(source, bytes, level, target);
+  });
+}
+
+bool GreyCodec::has_parts(const BrickShape& shape) const noexcept {
+  const Parameters& p = model_->parameters;
+  return grey::has_parts(in_order(shape, p.axis_order), p.cut_axes);
+}
+
+std::unique_ptr<BrickParts> GreyCodec::open_parts(const BrickShape& shape, VoxelType type,
+                                                  const ValueRange& range,
+                                                  std::span<const ByteSpan> segments) const {
+  if (range.min == range.max || segments.back().empty() || !has_parts(shape)) return nullptr;
+  std::vector<ByteSpan> bytes(segments.begin(), segments.end());
+  const Source source = source_of(*model_, shape, type, range, bytes.back());
+  return with_sample_type(source.scale, [&](auto sample) -> std::unique_ptr<BrickParts> {
+    return std::make_unique<GreyParts<decltype(sample)>>(source, bytes);
   });
 }
 

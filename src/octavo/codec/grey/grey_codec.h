@@ -18,6 +18,10 @@ class GreyCodec final : public BrickCodec {
   EncodedBrick encode(const BrickShape& shape, const BrickView& brick) const override;
   void decode(const BrickShape& shape, VoxelType type, const ValueRange& range,
               std::span<const ByteSpan> segments, int level, void* out) const override;
+  bool has_parts(const BrickShape& shape) const noexcept override;
+  std::unique_ptr<BrickParts> open_parts(const BrickShape& shape, VoxelType type,
+                                         const ValueRange& range,
+                                         std::span<const ByteSpan> segments) const override;
 
  private:
   std::unique_ptr<const Model> model_;

@@ -188,7 +188,8 @@ Counts count_symbols(const Parameters& p, const std::vector<TrainingSample>& tra
     for (int level = 0; level + 1 < sample.shape.level_count; ++level) {
       symbols.clear();
       walk_level(p, sample, level,
-                 [&](const Stage& stage, Workspace<std::int16_t>& work, const auto&) {
+                 [&](const Stage& stage, Workspace<std::int16_t>& work, const auto&,
+                     const PartNumber&) {
                    stage_functions().narrow.list_symbols(p, stage, work, symbols);
                    if (!stage.has_edges) return;
                    for (const Symbol& s : work.edge_symbols) by_sample[i].add(s, stage.set);
@@ -330,16 +331,20 @@ void learn_contexts(Parameters& p, const std::vector<TrainingSample>& training) 
     std::vector<Symbol> symbols;
     for (int level = 0; level + 1 < sample.shape.level_count; ++level) {
       walk_level(
-          p, sample, level, [&](const Stage& stage, Workspace<std::int16_t>& work, const auto&) {
+          p, sample, level,
+          [&](const Stage& stage, Workspace<std::int16_t>& work, const auto&,
+              const PartNumber& part) {
             // Listing leaves the magnitudes that features look at.
             symbols.clear();
             stage_functions().narrow.list_symbols(p, stage, work, symbols);
             const auto group = static_cast<std::size_t>(stage.group);
             const std::int64_t wanted =
-                kContextSamples[group] / static_cast<std::int64_t>(training.size() / every);
+                kContextSamples[group] / static_cast<std::int64_t>(training.size() / every) /
+                part.count;
+            const auto seed = static_cast<std::uint32_t>(
+                static_cast<std::int64_t>(i) * part.count + part.number + 77);
             take_samples(
-                p, stage, work,
-                Thinning(wanted, stage.pairs.voxel_count(), static_cast<std::uint32_t>(i) + 77),
+                p, stage, work, Thinning(wanted, stage.pairs.voxel_count(), seed),
                 by_sample[i][group][static_cast<std::size_t>(stage.axis)]);
           });
     }

@@ -15,6 +15,8 @@ constexpr int kOrderShift = 2;
 constexpr std::uint8_t kOrderMask = 7;
 constexpr std::uint8_t kMapFlag = 32;
 constexpr std::uint8_t kEdgesFlag = 64;
+constexpr std::uint8_t kUnknownFlags = 128;
+constexpr std::uint8_t kCutMask = 7;  ///< in the second byte
 using GolombModel = octavo::GolombModel<24>;
 
 void put_signed(BinaryEncoder& coder, GolombModel& model, std::int32_t value) {
@@ -297,6 +299,7 @@ Bytes serialize(const Parameters& parameters) {
                                           (parameters.value_map.is_empty() ? 0 : kMapFlag) |
                                           (parameters.has_edges ? kEdgesFlag : 0) |
                                           static_cast<int>(order) << kOrderShift));
+  out.push_back(parameters.cut_axes);
   if (is_lossy != 0) {
     put_varint(out, static_cast<std::uint64_t>(quantizer.voxel_step));
     put_varint(out, static_cast<std::uint64_t>(quantizer.detail_step));
@@ -345,9 +348,15 @@ Quantizer parse_quantizer(ByteSpan& bytes) {
           static_cast<std::int64_t>(correction_step)};
 }
 
-/// The flags in the first byte of a model, and what they announce. Throws Error{corrupt}.
+/// The flags in the first two bytes of a model, and what they announce.
+/// Throws Error{corrupt, unsupported_version}.
 void parse_kind(ByteSpan& bytes, Parameters& p) {
   const std::uint8_t kind = take_bytes(bytes, 1).front();
+  p.cut_axes = take_bytes(bytes, 1).front();
+  const std::size_t order = kind >> kOrderShift & kOrderMask;
+  if (order >= kAxisOrders.size() || (kind & kUnknownFlags) != 0 || p.cut_axes > kCutMask) {
+    throw Error(ErrorKind::unsupported_version, "a grey model of a later version of the format");
+  }
   if ((kind & kLossyFlag) != 0) p.quantizer = parse_quantizer(bytes);
   if ((kind & kMapFlag) != 0) {
     p.value_map = take_value_map(bytes);
@@ -355,11 +364,9 @@ void parse_kind(ByteSpan& bytes, Parameters& p) {
       throw Error(ErrorKind::corrupt, "model: a map of values that says nothing");
     }
   }
-  const std::size_t order = kind >> kOrderShift & kOrderMask;
   p.has_edges = (kind & kEdgesFlag) != 0;
-  if (order >= kAxisOrders.size() || kind >= 2 * kEdgesFlag ||
-      (p.has_edges && !p.quantizer.is_lossless())) {
-    throw Error(ErrorKind::corrupt, "model: unknown flags");
+  if (p.has_edges && !p.quantizer.is_lossless()) {
+    throw Error(ErrorKind::corrupt, "model: edges in a lossy model");
   }
   p.axis_order = kAxisOrders[order];
   p.predictor = static_cast<Predictor>(kind & 1);

@@ -123,6 +123,9 @@ struct Parameters {
   bool has_edges = false;  ///< pairs at the edge of the background are told apart (edge_pairs.h)
   ValueMap value_map;  ///< empty when the quantizer leaves out precision
   AxisOrder axis_order = kStraightOrder;
+  /// The axes, of that order, along which level 0 is cut into parts (grey_parts.h): bits as in a
+  /// HalvingMask.
+  std::uint8_t cut_axes = 0;
   std::int32_t activity_threshold = 8;
   /// Weights are multiples of 2^weight_step.
   int weight_step = 3;

@@ -115,10 +115,11 @@ HWY_INLINE Words step_states(const std::uint32_t* slots, Words context, unsigned
   return hn::And(entry, set(63));
 }
 
-/// The tokens of a multiple of 32 symbols off 32 states, which stay in registers.
-inline Words take_tokens_of_all_states(SymbolReader& symbols, const std::uint16_t* contexts,
-                                       int count, std::uint16_t* tokens) {
-  constexpr int kVectors = kMaxStates / kStateLanes;
+/// The tokens of a multiple of kStates symbols off as many states, which stay in registers.
+template <int kStates>
+Words take_tokens_of_all_states(SymbolReader& symbols, const std::uint16_t* contexts, int count,
+                                std::uint16_t* tokens) {
+  constexpr int kVectors = kStates / kStateLanes;
   const std::uint32_t* const slots = symbols.slots;
   const std::uint8_t* words = symbols.words;
   Words states[kVectors];
@@ -126,7 +127,7 @@ inline Words take_tokens_of_all_states(SymbolReader& symbols, const std::uint16_
     states[k] = hn::Load(kWords, symbols.states + k * kStateLanes);
   }
   Words all = hn::Zero(kWords);
-  for (int i = 0; i < count; i += kMaxStates) {
+  for (int i = 0; i < count; i += kStates) {
 #if HWY_COMPILER_GCC || HWY_COMPILER_CLANG
 #pragma GCC unroll 8
 #endif
@@ -156,8 +157,12 @@ HWY_INLINE bool is_any_big(Words tokens) {
 /// The tokens of a row's coded pairs; gives whether any is big.
 inline bool take_tokens(SymbolReader& symbols, const std::uint16_t* contexts, int coded,
                         std::uint16_t* tokens) {
-  if (symbols.state_mask + 1 == kMaxStates && coded % kMaxStates == 0) {
-    return is_any_big(take_tokens_of_all_states(symbols, contexts, coded, tokens));
+  const auto states = static_cast<int>(symbols.state_mask) + 1;
+  if (states >= 8 && coded % states == 0) {
+    const auto take = states == 32   ? take_tokens_of_all_states<32>
+                      : states == 16 ? take_tokens_of_all_states<16>
+                                     : take_tokens_of_all_states<8>;
+    return is_any_big(take(symbols, contexts, coded, tokens));
   }
   if (symbols.state_mask + 1 >= kStateLanes) {
     const std::uint32_t* const slots = symbols.slots;

@@ -78,7 +78,7 @@ void append_features(const Stage& stage, Workspace<std::int16_t>& work,
 }
 
 /// Takes about `wanted` samples from a split whose samples are known: one out of each of as many
-/// equal parts.
+/// equal shares.
 void take_samples(const Stage& stage, Workspace<std::int16_t>& work,
                   const Target<std::int16_t>& target, std::int64_t wanted, std::uint32_t seed,
                   ClassSamples& samples) {
@@ -86,11 +86,11 @@ void take_samples(const Stage& stage, Workspace<std::int16_t>& work,
   repeat_along(work.means, ahead, stage.axis, work.fine.size());
   copy_margins(ahead, work.fine);
   const std::int64_t total = stage.pairs.voxel_count();
-  const std::int64_t parts = std::min(wanted, total);
+  const std::int64_t shares = std::min(wanted, total);
   std::uint32_t state = seed * 2654435761u + 12345u;
-  for (std::int64_t part = 0; part < parts; ++part) {
+  for (std::int64_t share = 0; share < shares; ++share) {
     state = state * 1664525u + 1013904223u;
-    const std::int64_t at = ((part << 16) + (state >> 16)) * total / parts >> 16;
+    const std::int64_t at = ((share << 16) + (state >> 16)) * total / shares >> 16;
     const std::int64_t row = at / stage.pairs.x;
     const Index3 pair{at % stage.pairs.x, row % stage.pairs.y, row / stage.pairs.y};
     const std::size_t activity = work.activities.row(pair.y, pair.z)[pair.x];
@@ -112,12 +112,15 @@ std::vector<AxisSamples> gather(const Parameters& p, const std::vector<TrainingS
     const TrainingSample& sample = training[i];
     for (int level = group; level < group + levels_of_group(group); ++level) {
       if (level + 1 >= sample.shape.level_count) break;
-      walk_level(gathering, sample, level,
+      walk_level(gathering, sample, level, Margins::all,
                  [&](const Stage& stage, Workspace<std::int16_t>& work,
-                     const Target<std::int16_t>& target) {
+                     const Target<std::int16_t>& target, const PartNumber& part) {
                    const std::int64_t wanted = kTapSamples[group][stage.axis] / share /
-                                               static_cast<std::int64_t>(training.size());
-                   take_samples(stage, work, target, wanted, static_cast<std::uint32_t>(i) + 1,
+                                               static_cast<std::int64_t>(training.size()) /
+                                               part.count;
+                   const auto seed = static_cast<std::uint32_t>(
+                       static_cast<std::int64_t>(i) * part.count + part.number + 1);
+                   take_samples(stage, work, target, wanted, seed,
                                 by_sample[i][static_cast<std::size_t>(stage.axis)]);
                  });
     }
@@ -279,7 +282,8 @@ double detail_cost(Parameters p, const std::vector<TrainingSample>& training) {
   std::vector<std::uint64_t> costs(training.size());
   tbb::parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
     walk_level(p, training[i], 0,
-               [&](const Stage& stage, Workspace<std::int16_t>& work, const auto&) {
+               [&](const Stage& stage, Workspace<std::int16_t>& work, const auto&,
+                   const PartNumber&) {
                  for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
                    for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
                      const std::int32_t* const residuals = work.residuals.row(y, z);
@@ -302,7 +306,7 @@ void learn_mean_weights(Parameters& p, const std::vector<TrainingSample>& traini
       if (level + 1 >= training[i].shape.level_count) break;
       walk_level(p, training[i], level,
                  [&](const Stage& stage, Workspace<std::int16_t>& work,
-                     const Target<std::int16_t>& target) {
+                     const Target<std::int16_t>& target, const PartNumber&) {
                    add_means(stage, work, target, by_sample[i]);
                  });
     }

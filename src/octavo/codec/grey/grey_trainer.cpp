@@ -22,6 +22,9 @@ constexpr std::uint64_t kLittleBytes = 1 << 18;
 constexpr std::size_t kOrderBricks = 16;  ///< bricks that orders are tried on
 constexpr double kWorthwhile = 0.0005;   ///< what another order must save
 constexpr double kMuchBackground = 0.4;  ///< of the voxels, where edges are told apart
+/// What cuts may cost that were not asked for, in thousandths, and bricks that they are counted on.
+constexpr std::uint64_t kMaxCutCost = 7;
+constexpr std::size_t kCutBricks = 16;
 /// Steps of an orthonormal coefficient to try, in tenths of the maximum error.
 constexpr int kDetailSteps[] = {14, 16, 18, 22};
 
@@ -49,15 +52,18 @@ std::int32_t learn_threshold(const std::vector<TrainingSample>& training) {
 /// What a model is learned from.
 class TrainingSet {
  public:
-  TrainingSet(std::span<const TrainingBrick> bricks, const AxisOrder& order, const ValueMap& map)
+  TrainingSet(std::span<const TrainingBrick> bricks, const AxisOrder& order, const ValueMap& map,
+              std::uint8_t cut_axes)
       : bricks_(bricks) {
     start_.axis_order = order;
     start_.value_map = map;
+    start_.cut_axes = cut_axes;
   }
 
   std::span<const TrainingBrick> bricks() const { return bricks_; }
-  /// Default parameters but for the order of the axes and the value map.
+  /// Default parameters but for the order of the axes, the value map and the cuts.
   const Parameters& start() const { return start_; }
+  void leave_whole() { start_.cut_axes = 0; }
 
   /// The training samples for the voxel step of p; kept until another step is asked for.
   const std::vector<TrainingSample>& training(const Parameters& p) {
@@ -136,16 +142,21 @@ AxisOrder learn_order(std::span<const TrainingBrick> bricks, const CodecSettings
   return best;
 }
 
-/// Bytes that a model and bricks take.
-std::uint64_t cost(std::span<const TrainingBrick> bricks, const Parameters& parameters) {
-  const GreyCodec codec(parameters);
+/// Bytes that bricks take.
+std::uint64_t brick_cost(std::span<const TrainingBrick> bricks, const GreyCodec& codec) {
   std::vector<std::uint64_t> bytes(bricks.size());
   tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
     for (const Bytes& segment : codec.encode(bricks[i].shape, bricks[i].view).segments) {
       bytes[i] += segment.size();
     }
   });
-  return std::accumulate(bytes.begin(), bytes.end(), codec.serialized().size());
+  return std::accumulate(bytes.begin(), bytes.end(), std::uint64_t{0});
+}
+
+/// Bytes that a model and bricks take.
+std::uint64_t cost(std::span<const TrainingBrick> bricks, const Parameters& parameters) {
+  const GreyCodec codec(parameters);
+  return codec.serialized().size() + brick_cost(bricks, codec);
 }
 
 /// The ways to keep within a maximum error: rounding the voxels; or rounding the details, with
@@ -196,6 +207,28 @@ Parameters learn_lossless(TrainingSet& set, Predictor predictor) {
   return best;
 }
 
+/// The axes that are cut for an access.
+std::uint8_t cut_axes_of(const CodecSettings& settings) {
+  const Access by_preset = settings.preset == Preset::fast ? Access::slices : Access::none;
+  switch (settings.access.value_or(by_preset)) {
+    case Access::none: return 0;
+    case Access::slices: return 6;
+    case Access::boxes: return 7;
+  }
+  return 0;
+}
+
+/// Whether the cuts of a model cost too much. Its weights and tables, learned with the cuts, do for
+/// whole bricks as well: what they would gain from tables of their own is a small part of the
+/// difference.
+bool cuts_too_much(std::span<const TrainingBrick> bricks, const Parameters& cut) {
+  const std::vector<TrainingBrick> few = some_of(bricks, kCutBricks);
+  Parameters whole = cut;
+  whole.cut_axes = 0;
+  const std::uint64_t bytes = brick_cost(few, GreyCodec(whole));
+  return brick_cost(few, GreyCodec(cut)) > bytes + bytes * kMaxCutCost / 1000;
+}
+
 /// Learns a model that keeps within a maximum error, in the way that codes these bricks best.
 Parameters learn_lossy(TrainingSet& set, Predictor predictor, std::int64_t max_error) {
   Parameters best;
@@ -229,9 +262,17 @@ std::unique_ptr<BrickCodec> train_grey_model(VoxelType type, std::span<const Tra
   const Predictor predictor = is_fast ? Predictor::means : Predictor::neighbors;
   // Voxels that may change have no values of their own.
   const ValueMap map = is_lossless ? learn_value_map(bricks, !is_fast) : ValueMap{};
-  TrainingSet set(bricks, learn_order(bricks, settings, map), map);
-  return std::make_unique<GreyCodec>(is_lossless ? learn_lossless(set, predictor)
-                                                 : learn_lossy(set, predictor, settings.max_error));
+  TrainingSet set(bricks, learn_order(bricks, settings, map), map, cut_axes_of(settings));
+  const auto learn_best = [&] {
+    return is_lossless ? learn_lossless(set, predictor)
+                       : learn_lossy(set, predictor, settings.max_error);
+  };
+  Parameters best = learn_best();
+  if (!settings.access && best.cut_axes != 0 && cuts_too_much(bricks, best)) {
+    set.leave_whole();
+    best = learn_best();
+  }
+  return std::make_unique<GreyCodec>(best);
 }
 
 }  // namespace octavo

@@ -29,31 +29,52 @@ std::vector<TrainingSample> make_training_samples(std::span<const TrainingBrick>
 /// The samples of the level above `level` as the encoder has them, ready in the work space.
 void load_level(Workspace<std::int16_t>& work, const TrainingSample& sample, int level);
 
-/// Runs a level of a training sample through its splits as the encoder does. Calls
-/// `learn(stage, work, target)` after each, when work.residuals holds the residuals of all pairs
-/// and work.fine the samples as a decoder has them. When details are quantized the coarser levels
-/// are run first.
+/// One of the parts that a level is coded in.
+struct PartNumber {
+  std::int64_t number = 0;
+  std::int64_t count = 1;
+};
+
+/// Runs a level of a training sample through its splits as the encoder does, part by part. Calls
+/// `learn(stage, work, target, part)` after each, when work.residuals holds the residuals of all
+/// pairs and work.fine the samples as a decoder has them. When details are quantized the coarser
+/// levels are run first.
+/// reach  how much of the margins of work.means learn looks at
 template <class Learn>
-void walk_level(const Parameters& p, const TrainingSample& sample, int level, Learn&& learn) {
+void walk_level(const Parameters& p, const TrainingSample& sample, int level, Margins reach,
+                Learn&& learn) {
   Workspace<std::int16_t>& work = thread_workspace<std::int16_t>();
   const bool is_exact = p.quantizer.detail_step == 0;
   const int coarsest = sample.shape.level_count - 2;
   load_level(work, sample, is_exact ? level : coarsest);
   for (int at = is_exact ? level : coarsest; at >= level; --at) {
-    run_level(work, sample.shape, sample.brick.scale, p, at, sample.brick.hints(p),
-              [&](const Stage& stage, const Split& split) {
-                const auto& samples =
-                    sample.brick
-                        .steps[static_cast<std::size_t>(at)][static_cast<std::size_t>(split.axis)];
-                const Target<std::int16_t> target{samples.data(), split.fine_size};
-                if (stage.pairs.voxel_count() == 0) return;
-                load_details(work, stage, target);
-                if (stage.has_edges) mark_edges(stage, work);
-                stage_functions().narrow.predict(p, stage, work);
-                if (p.predictor == Predictor::means) copy_lone(work.means, work.fine, stage.axis);
-                if (at == level) learn(stage, work, target);
-              });
+    PartNumber number;
+    if (at == 0) number.count = part_count(sample.shape, p.cut_axes);
+    for_each_part(
+        work, sample.shape, p.cut_axes, at, sample.brick.hints(p),
+        [&](const Part& part, const BrickHints& hints) {
+          run_level(work, part, sample.brick.scale, p, at, hints, reach,
+                    [&](const Stage& stage, const Split& split) {
+                      if (stage.pairs.voxel_count() == 0) return;
+                      const auto target =
+                          target_of(sample.brick, sample.shape, part, at, split.axis);
+                      load_details(work, stage, target);
+                      if (stage.has_edges) mark_edges(stage, work);
+                      stage_functions().narrow.predict(p, stage, work);
+                      if (p.predictor == Predictor::means) {
+                        copy_lone(work.means, work.fine, stage.axis);
+                      }
+                      if (at == level) learn(stage, work, target, number);
+                    });
+          ++number.number;
+        });
   }
+}
+
+/// The same for one that looks at no more of the margins than the predictor does.
+template <class Learn>
+void walk_level(const Parameters& p, const TrainingSample& sample, int level, Learn&& learn) {
+  walk_level(p, sample, level, reach_of(p.predictor), learn);
 }
 
 /// In-brick levels whose details use the weights of a group.

@@ -85,12 +85,12 @@ std::uint16_t* push_tokens(std::span<const Encoder> encoders, const std::vector<
 }  // namespace
 
 Bytes encode_symbols(const Model& model, int set, const std::vector<Symbol>& symbols,
-                     std::int64_t details, int shift) {
+                     std::int64_t details, int shift, int most_states) {
   if (symbols.empty()) return {};
   const std::span<const Encoder> encoders = model.tables.encoders[static_cast<std::size_t>(set)];
   const std::span<const std::uint64_t> used = model.tables.used[static_cast<std::size_t>(set)];
   const std::size_t count = symbols.size();
-  const auto state_total = static_cast<std::size_t>(state_count(details));
+  const auto state_total = static_cast<std::size_t>(std::min(state_count(details), most_states));
 
   // Plain bits forwards, tokens backwards: rANS is a stack.
   const auto tokens = unset_array<std::uint8_t>(count);
@@ -119,7 +119,7 @@ Bytes encode_symbols(const Model& model, int set, const std::vector<Symbol>& sym
 }
 
 SymbolReader::SymbolReader(const Model& model, int set, ByteSpan segment, std::int64_t details,
-                           int low_shift)
+                           int low_shift, int most_states)
     : slots(model.tables.slots[static_cast<std::size_t>(set)].data()->data()),
       edge_starts(model.tables.edge_starts.data()),
       shift(low_shift) {
@@ -130,7 +130,8 @@ SymbolReader::SymbolReader(const Model& model, int set, ByteSpan segment, std::i
   } else {
     const std::uint64_t plain_bytes = take_varint(segment);
     plain_span = take_bytes(segment, plain_bytes);
-    const auto state_total = static_cast<std::size_t>(state_count(details));
+    const auto state_total =
+        static_cast<std::size_t>(std::min(state_count(details), most_states));
     state_mask = state_total - 1;
     const ByteSpan heads = take_bytes(segment, 4 * state_total);
     for (std::size_t i = 0; i < state_total; ++i) {

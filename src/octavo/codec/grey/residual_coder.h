@@ -55,10 +55,11 @@ class Symbol {
 };
 
 /// The bytes of one segment; none without symbols.
-/// details  how many the level has: pairs that may be edges are asked for beside them
-/// shift    low bits of every residual that are always plain (wide samples)
+/// details      how many the level has: pairs that may be edges are asked for beside them
+/// shift        low bits of every residual that are always plain (wide samples)
+/// most_states  a power of two; fewer details have fewer
 Bytes encode_symbols(const Model& model, int set, const std::vector<Symbol>& symbols,
-                     std::int64_t details, int shift);
+                     std::int64_t details, int shift, int most_states = kMaxStates);
 
 /// Symbols that may be taken off a segment from one check that it holds them to the next.
 inline constexpr int kMaxUnchecked = 512;
@@ -69,7 +70,8 @@ inline constexpr int kMaxUnchecked = 512;
 class SymbolReader {
  public:
   /// Throws Error{corrupt} when the segment is too short for its own head.
-  SymbolReader(const Model& model, int set, ByteSpan segment, std::int64_t details, int shift);
+  SymbolReader(const Model& model, int set, ByteSpan segment, std::int64_t details, int shift,
+               int most_states = kMaxStates);
 
   /// The residual of the i-th coded symbol of a row. packed: context | plain bits << 8
   std::int64_t take(int i, unsigned packed) {

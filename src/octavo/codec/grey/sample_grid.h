@@ -3,7 +3,8 @@
 //      x:  [8 left | up to 64 samples | 8 right]      80 samples per row
 //      y:  2 rows above, up to 64, 2 below;  z likewise
 //
-// Margins repeat the nearest sample, so that neighborhoods need no case at the border of a brick.
+// Margins at the border of a brick repeat the nearest sample, so that neighborhoods need no case
+// there. Beyond the inner faces of a part (grey_parts.h) they hold the means around it.
 // A grid over 64^3 int16 samples takes 740 kB.
 #pragma once
 
@@ -17,6 +18,19 @@
 namespace octavo {
 
 inline constexpr std::int64_t kBrickSide = 64;
+
+/// Faces of a box: bit 2 a stands for the one at the low end of axis a, bit 2 a + 1 for the high
+/// end.
+using Faces = unsigned;
+inline constexpr Faces kAllFaces = 63;
+constexpr bool has_low_face(Faces faces, int axis) { return (faces >> 2 * axis & 1) != 0; }
+constexpr bool has_high_face(Faces faces, int axis) { return (faces >> 2 * axis & 2) != 0; }
+
+/// How much of the margins is looked at.
+enum class Margins {
+  nearest,  ///< what lies next to samples
+  all
+};
 
 template <class Sample>
 class SampleGrid {
@@ -39,10 +53,11 @@ class SampleGrid {
     return const_cast<SampleGrid*>(this)->row(y, z);
   }
 
-  /// Repeats the border samples into the margins.
-  void fill_margins() { fill_margins<kMarginX, kMargin>(); }
-  /// The same for those margins alone that lie next to samples.
-  void fill_nearest_margins() { fill_margins<1, 1>(); }
+  /// Repeats the border samples into the margins beyond some faces.
+  void fill_margins(Margins reach = Margins::all, Faces faces = kAllFaces) {
+    if (reach == Margins::all) fill_margins<kMarginX, kMargin>(faces);
+    else fill_margins<1, 1>(faces);
+  }
 
   void swap(SampleGrid& other) noexcept {
     samples_.swap(other.samples_);
@@ -51,26 +66,26 @@ class SampleGrid {
 
  private:
   template <std::int64_t kReachX, std::int64_t kReach>
-  void fill_margins() {
+  void fill_margins(Faces faces) {
     for (std::int64_t z = 0; z < size_.z; ++z) {
-      for (std::int64_t y = 0; y < size_.y; ++y) fill_row_margins<kReachX>(row(y, z));
+      for (std::int64_t y = 0; y < size_.y; ++y) fill_row_margins<kReachX>(row(y, z), faces);
       for (std::int64_t k = 1; k <= kReach; ++k) {
-        copy_row(-k, z, 0, z);
-        copy_row(size_.y - 1 + k, z, size_.y - 1, z);
+        if (has_low_face(faces, 1)) copy_row(-k, z, 0, z);
+        if (has_high_face(faces, 1)) copy_row(size_.y - 1 + k, z, size_.y - 1, z);
       }
     }
     for (std::int64_t k = 1; k <= kReach; ++k) {
       for (std::int64_t y = -kReach; y < size_.y + kReach; ++y) {
-        copy_row(y, -k, y, 0);
-        copy_row(y, size_.z - 1 + k, y, size_.z - 1);
+        if (has_low_face(faces, 2)) copy_row(y, -k, y, 0);
+        if (has_high_face(faces, 2)) copy_row(y, size_.z - 1 + k, y, size_.z - 1);
       }
     }
   }
   template <std::int64_t kReachX>
-  void fill_row_margins(Sample* samples) {
+  void fill_row_margins(Sample* samples, Faces faces) {
     for (std::int64_t i = 1; i <= kReachX; ++i) {
-      samples[-i] = samples[0];
-      samples[size_.x - 1 + i] = samples[size_.x - 1];
+      if (has_low_face(faces, 0)) samples[-i] = samples[0];
+      if (has_high_face(faces, 0)) samples[size_.x - 1 + i] = samples[size_.x - 1];
     }
   }
   void copy_row(std::int64_t to_y, std::int64_t to_z, std::int64_t y, std::int64_t z) {
@@ -82,23 +97,59 @@ class SampleGrid {
   std::vector<Sample> samples_;
 };
 
-/// Fills `fine` with `coarse` repeated along `axis`; `fine_size` has up to twice the samples there.
+/// Repeats a row of `coarse` along `axis` into samples first .. last - 1 of row (y, z) of `fine`,
+/// where an odd number along x may write one more.
+template <class Sample>
+void repeat_row(const SampleGrid<Sample>& coarse, SampleGrid<Sample>& fine, int axis,
+                std::int64_t y, std::int64_t z, std::int64_t first, std::int64_t last) {
+  const Sample* const in = coarse.row(axis == 1 ? y >> 1 : y, axis == 2 ? z >> 1 : z);
+  Sample* const out = fine.row(y, z);
+  if (axis != 0) {
+    std::copy(in + first, in + last, out + first);
+    return;
+  }
+  if ((first & 1) != 0) {
+    out[first] = in[first >> 1];
+    ++first;
+  }
+  for (std::int64_t x = first; x < last; x += 2) out[x] = out[x + 1] = in[x >> 1];
+}
+
+/// Fills `fine` with `coarse` repeated along `axis`, margins included; `fine_size` has up to twice
+/// the samples there.
 template <class Sample>
 void repeat_along(const SampleGrid<Sample>& coarse, SampleGrid<Sample>& fine, int axis,
                   const Size3& fine_size) {
+  constexpr std::int64_t kX = SampleGrid<Sample>::kMarginX;
+  constexpr std::int64_t kYZ = SampleGrid<Sample>::kMargin;
   fine.set_size(fine_size);
-  for (std::int64_t z = 0; z < fine_size.z; ++z) {
-    for (std::int64_t y = 0; y < fine_size.y; ++y) {
-      const Sample* in = coarse.row(axis == 1 ? y / 2 : y, axis == 2 ? z / 2 : z);
-      Sample* out = fine.row(y, z);
-      if (axis == 0) {
-        for (std::int64_t x = 0; x < coarse.size().x; ++x) out[2 * x] = out[2 * x + 1] = in[x];
-      } else {
-        std::memcpy(out, in, static_cast<std::size_t>(fine_size.x) * sizeof(Sample));
+  for (std::int64_t z = -kYZ; z < fine_size.z + kYZ; ++z) {
+    for (std::int64_t y = -kYZ; y < fine_size.y + kYZ; ++y) {
+      repeat_row(coarse, fine, axis, y, z, -kX, fine_size.x + kX);
+    }
+  }
+}
+
+/// The same for the margins alone, those beyond `faces` at least.
+template <class Sample>
+void repeat_margins_along(const SampleGrid<Sample>& coarse, SampleGrid<Sample>& fine, int axis,
+                          Margins reach, Faces faces) {
+  const std::int64_t wide = reach == Margins::all ? SampleGrid<Sample>::kMarginX : 1;
+  const std::int64_t deep = reach == Margins::all ? SampleGrid<Sample>::kMargin : 1;
+  const Size3& size = fine.size();
+  for (std::int64_t z = -deep; z < size.z + deep; ++z) {
+    const bool is_plane_inside = z >= 0 && z < size.z;
+    for (std::int64_t y = -deep; y < size.y + deep; ++y) {
+      if (!is_plane_inside || y < 0 || y >= size.y) {
+        repeat_row(coarse, fine, axis, y, z, -wide, size.x + wide);
+        continue;
+      }
+      if (has_low_face(faces, 0)) repeat_row(coarse, fine, axis, y, z, -wide, 0);
+      if (has_high_face(faces, 0)) {
+        repeat_row(coarse, fine, axis, y, z, size.x, size.x + wide);
       }
     }
   }
-  fine.fill_margins();
 }
 
 /// Gives `to` the margins of `from`, a grid of the same size.

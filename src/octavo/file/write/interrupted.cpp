@@ -87,6 +87,7 @@ struct AskedSetting {
 };
 
 constexpr AskedSetting kAskedSettings[] = {
+    {"access", "access", "interrupted.access"},
     {"max error", "max error", "interrupted.max_error"},
     {"max_error", "max error", "interrupted.max_error"},
     {"preset", "preset", "interrupted.preset"},

@@ -78,6 +78,7 @@ BuildOptions build_options(const BuildScanOptions& options, VolumeKind kind) {
   BuildOptions build;
   build.kind = kind;
   build.preset = options.preset;
+  build.access = options.access;
   build.max_error = options.max_error;
   build.repair = options.repair;
   if (options.is_resuming) build.interrupted = Interrupted::resume;

@@ -20,6 +20,7 @@ struct BuildScanOptions {
   /// A text file with names and colors of the labels, label_names_file.h; or nothing.
   std::string label_names;
   Preset preset = Preset::small;
+  std::optional<Access> access;  ///< as CodecSettings::access
   double max_error = 0;  ///< real units; 0: lossless
   FloatRepair repair;
   /// linear or cubic: makes planes between thick slices until voxels are cubes.

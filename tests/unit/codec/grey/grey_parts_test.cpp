@@ -1,0 +1,379 @@
+#include "octavo/codec/grey/grey_parts.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <random>
+#include <string>
+#include <tuple>
+
+#include "octavo/codec/brick_codec.h"
+#include "octavo/codec/grey/grey_brick.h"
+#include "octavo/codec/grey/grey_model.h"
+#include "octavo/core/error.h"
+
+namespace octavo {
+namespace {
+
+constexpr std::uint8_t kAllCuts = 7;
+
+BrickShape shape_of(const Size3& size, double thickness = 1) {
+  const Levels levels(size, choose_halvings(size, {1, 1, thickness}));
+  return brick_shape(levels, 0, {0, 0, 0});
+}
+
+/// What the streams of a part may hold.
+enum class Streams { residuals, edges, gaps, cells };
+
+template <class T>
+std::vector<T> voxels_of(const Size3& size, Streams streams, unsigned seed) {
+  std::mt19937 random(seed);
+  std::vector<T> voxels;
+  for (std::int64_t z = 0; z < size.z; ++z) {
+    for (std::int64_t y = 0; y < size.y; ++y) {
+      for (std::int64_t x = 0; x < size.x; ++x) {
+        const double wave = std::sin(0.21 * static_cast<double>(x + 2 * y)) +
+                            std::cos(0.17 * static_cast<double>(z - y));
+        const auto grain = static_cast<double>(random() % 5);
+        double voxel = 50 + 20 * wave + grain;
+        if (streams == Streams::edges) voxel = random() % 40 == 0 ? voxel : 3;
+        if (streams == Streams::gaps) voxel = 3 * std::floor(voxel / 3) + (wave > 0.4 ? 1 : 0);
+        if (streams == Streams::cells && (x / 9 + y / 11 + z / 13) % 2 == 0) voxel = 7;
+        voxels.push_back(static_cast<T>(voxel));
+      }
+    }
+  }
+  // Every type uses all its width.
+  if (sizeof(T) > 1) {
+    for (std::size_t i = 0; i < voxels.size() && streams == Streams::residuals; ++i) {
+      voxels[i] = static_cast<T>(voxels[i] * (std::numeric_limits<T>::max() / 128));
+    }
+  }
+  return voxels;
+}
+
+template <class T>
+BrickView view_of(const std::vector<T>& voxels, const Size3& size) {
+  return {voxels.data(), voxel_type_of<T>(), size, size.x, size.x * size.y};
+}
+
+std::vector<ByteSpan> spans_of(const EncodedBrick& brick) {
+  return {brick.segments.begin(), brick.segments.end()};
+}
+
+/// A model of the straight axis order and of whole bricks.
+template <class T>
+Bytes trained_on(Streams streams, CodecSettings settings) {
+  static std::map<std::tuple<Streams, Preset, std::int64_t>, Bytes> kept;
+  Bytes& model = kept[{streams, settings.preset, settings.max_error}];
+  if (!model.empty()) return model;
+  const Size3 size{40, 33, 29};
+  const auto voxels = voxels_of<T>(size, streams, 3);
+  const TrainingBrick training{shape_of(size), view_of(voxels, size)};
+  settings.axis_order = kStraightOrder;
+  settings.access = Access::none;
+  model = train_grey_model(voxel_type_of<T>(), std::span(&training, 1), settings)->serialized();
+  return model;
+}
+
+/// The codec of the same model with these axes cut.
+template <class T>
+std::unique_ptr<BrickCodec> cut_codec(Bytes model, std::uint8_t cut_axes) {
+  model[1] = cut_axes;
+  return parse_grey_model(voxel_type_of<T>(), model);
+}
+
+/// The levels above 0 of a brick, opened; segment 0 is not shown.
+std::unique_ptr<BrickParts> opened(const BrickCodec& codec, const BrickShape& shape,
+                                   VoxelType type, const EncodedBrick& brick) {
+  std::vector<ByteSpan> segments = spans_of(brick);
+  segments[0] = {};
+  return codec.open_parts(shape, type, brick.range, segments);
+}
+
+ByteSpan bytes_of(const EncodedBrick& brick, const BrickParts::Part& part) {
+  return ByteSpan(brick.segments[0]).subspan(part.offset, part.length);
+}
+
+template <class T>
+std::vector<T> whole_of(const BrickCodec& codec, const BrickShape& shape,
+                        const EncodedBrick& brick) {
+  std::vector<T> out(static_cast<std::size_t>(shape.size[0].voxel_count()));
+  codec.decode(shape, voxel_type_of<T>(), brick.range, spans_of(brick), 0, out.data());
+  return out;
+}
+
+/// Decodes every part alone, last one first, into an array of the brick; no voxel beside a part is
+/// touched.
+template <class T>
+std::vector<T> parts_together(const BrickParts& opened, const EncodedBrick& brick,
+                              const Size3& size) {
+  std::vector<T> out(static_cast<std::size_t>(size.voxel_count()));
+  for (std::size_t i = opened.parts().size(); i-- > 0;) {
+    const BrickParts::Part& part = opened.parts()[i];
+    const std::int64_t first = (part.box.lo.z * size.y + part.box.lo.y) * size.x + part.box.lo.x;
+    opened.decode(i, bytes_of(brick, part), {out.data() + first, size.x, size.x * size.y});
+  }
+  return out;
+}
+
+/// A whole brick, and its parts, come back; `expected` when the model is lossless.
+template <class T>
+void expect_parts(const BrickCodec& codec, const BrickShape& shape, const std::vector<T>& voxels,
+                  std::int64_t max_error) {
+  const EncodedBrick brick = codec.encode(shape, view_of(voxels, shape.size[0]));
+  const std::vector<T> whole = whole_of<T>(codec, shape, brick);
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    const auto difference = static_cast<std::int64_t>(whole[i]) - std::int64_t{voxels[i]};
+    ASSERT_LE(std::abs(difference), max_error) << i;
+  }
+  const auto parts = opened(codec, shape, voxel_type_of<T>(), brick);
+  const std::uint8_t cut_axes = codec.serialized()[1];
+  const bool is_stored = brick.segments.back().empty();
+  ASSERT_EQ(parts != nullptr,
+            !is_stored && grey::has_parts(grey::in_order(shape, codec.axis_order()), cut_axes));
+  if (!parts) return;
+  ASSERT_EQ(parts_together<T>(*parts, brick, shape.size[0]), whole);
+}
+
+template <class T>
+class PartsOfType : public ::testing::Test {};
+using SomeTypes = ::testing::Types<std::uint8_t, std::int16_t, std::int32_t>;
+TYPED_TEST_SUITE(PartsOfType, SomeTypes);
+
+const Size3 kSizes[] = {{64, 64, 64}, {33, 40, 35}, {64, 34, 17}, {63, 33, 1}, {32, 64, 32}};
+
+/// With every cut, every kind of stream and both predictors; of the sizes one full brick for each.
+TYPED_TEST(PartsOfType, DecodeAloneToWhatTheWholeBrickHolds) {
+  using T = TypeParam;
+  for (const Preset preset : {Preset::small, Preset::fast}) {
+    for (const Streams streams : {Streams::residuals, Streams::edges, Streams::gaps,
+                                  Streams::cells}) {
+      const auto trained = trained_on<T>(streams, {.preset = preset});
+      for (std::uint8_t cut = 0; cut <= kAllCuts; ++cut) {
+        const auto codec = cut_codec<T>(trained, cut);
+        const bool is_large_turn = cut % 4 == static_cast<std::uint8_t>(streams);
+        for (const Size3& size : kSizes) {
+          if (size.voxel_count() > 100000 && !is_large_turn) continue;
+          SCOPED_TRACE(::testing::Message()
+                       << "streams " << static_cast<int>(streams) << " cut " << int{cut} << " "
+                       << size.x << "x" << size.y << "x" << size.z);
+          expect_parts(*codec, shape_of(size), voxels_of<T>(size, streams, 8), 0);
+        }
+        // Flat bricks: z is not halved on the way to level 1.
+        const Size3 flat{64, 40, 16};
+        expect_parts(*codec, shape_of(flat, 4), voxels_of<T>(flat, streams, 9), 0);
+      }
+    }
+  }
+}
+
+TYPED_TEST(PartsOfType, StayWithinTheMaximumError) {
+  using T = TypeParam;
+  for (const Preset preset : {Preset::small, Preset::fast}) {
+    // The smaller one rounds voxels, the larger one details.
+    for (const std::int64_t max_error : {1, 12}) {
+      const auto trained =
+          trained_on<T>(Streams::cells, {.preset = preset, .max_error = max_error});
+      for (const std::uint8_t cut : std::initializer_list<std::uint8_t>{0, 1, 6, 7}) {
+        const auto codec = cut_codec<T>(trained, cut);
+        for (const Size3& size : {Size3{33, 40, 35}, Size3{40, 33, 64}}) {
+          for (const Streams streams : {Streams::residuals, Streams::cells}) {
+            expect_parts(*codec, shape_of(size), voxels_of<T>(size, streams, 8), max_error);
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(Parts, FollowTheAxesOfTheModel) {
+  const Size3 size{64, 40, 33};
+  const BrickShape shape = shape_of(size);
+  const auto voxels = voxels_of<std::int16_t>(size, Streams::residuals, 4);
+  const Bytes straight = trained_on<std::int16_t>(Streams::residuals, {});
+  for (std::size_t number = 0; number < grey::kAxisOrders.size(); ++number) {
+    const AxisOrder& order = grey::kAxisOrders[number];
+    Bytes model = straight;
+    model[0] = static_cast<std::uint8_t>(model[0] | number << 2);
+    for (const std::uint8_t cut : std::initializer_list<std::uint8_t>{1, 6}) {
+      const auto codec = cut_codec<std::int16_t>(model, cut);
+      ASSERT_EQ(codec->axis_order(), order);
+      expect_parts(*codec, shape, voxels, 0);
+      const EncodedBrick brick = codec->encode(shape, view_of(voxels, size));
+      const auto parts = opened(*codec, shape, VoxelType::int16, brick);
+      ASSERT_TRUE(parts);
+      // The second part lies behind the first along the first axis that is cut.
+      const int axis = order[cut == 1 ? 0 : 1];
+      EXPECT_EQ(parts->parts().back().box.hi, (Index3{size.x, size.y, size.z}));
+      EXPECT_EQ(parts->parts()[1].box.lo[axis], 32);
+    }
+  }
+}
+
+/// At the end of a volume the last pair of a coarse brick has two weights: that of the last part.
+TEST(Parts, OfCoarseBricksWeighTheLastPair) {
+  const Size3 volume{64 * 33 + 5, 64 * 3 + 1, 64 * 34 - 7};
+  const Levels levels(volume, choose_halvings(volume, {1, 1, 1}));
+  const BrickShape shape = brick_shape(levels, 1, {0, 0, 0});
+  ASSERT_EQ(shape.size[0], (Size3{34, 4, 34}));
+  ASSERT_FALSE(shape.weights.last_pair(0, 34).are_equal());
+  for (const Preset preset : {Preset::small, Preset::fast}) {
+    const Bytes trained = trained_on<std::int16_t>(Streams::residuals, {preset});
+    for (std::uint8_t cut = 0; cut <= kAllCuts; ++cut) {
+      expect_parts(*cut_codec<std::int16_t>(trained, cut), shape,
+                   voxels_of<std::int16_t>(shape.size[0], Streams::residuals, 2), 0);
+    }
+  }
+}
+
+/// Where nothing is cut in two, a brick has no parts and its bytes are those of an uncut one.
+TEST(Parts, SmallBricksHaveNone) {
+  const Bytes trained = trained_on<std::int16_t>(Streams::residuals, {});
+  const auto cut = cut_codec<std::int16_t>(trained, kAllCuts);
+  const auto uncut = cut_codec<std::int16_t>(trained, 0);
+  for (const Size3& size : {Size3{32, 32, 32}, Size3{32, 20, 1}, Size3{2, 2, 2}}) {
+    const BrickShape shape = shape_of(size);
+    const auto voxels = voxels_of<std::int16_t>(size, Streams::residuals, 4);
+    const EncodedBrick brick = cut->encode(shape, view_of(voxels, size));
+    EXPECT_EQ(brick.segments, uncut->encode(shape, view_of(voxels, size)).segments);
+    EXPECT_FALSE(opened(*cut, shape, VoxelType::int16, brick));
+  }
+  const Size3 size{33, 20, 20};
+  const auto voxels = voxels_of<std::int16_t>(size, Streams::residuals, 4);
+  const EncodedBrick brick = cut->encode(shape_of(size), view_of(voxels, size));
+  const auto parts = opened(*cut, shape_of(size), VoxelType::int16, brick);
+  ASSERT_TRUE(parts);
+  EXPECT_EQ(parts->parts().size(), 2u);
+}
+
+TEST(Parts, StoredAndUniformBricksHaveNone) {
+  const Size3 size{64, 64, 64};
+  const BrickShape shape = shape_of(size);
+  const auto codec =
+      cut_codec<std::uint16_t>(trained_on<std::uint16_t>(Streams::residuals, {}), kAllCuts);
+  std::mt19937 random(5);
+  std::vector<std::uint16_t> noise(static_cast<std::size_t>(size.voxel_count()));
+  for (auto& voxel : noise) voxel = static_cast<std::uint16_t>(random());
+  const EncodedBrick stored = codec->encode(shape, view_of(noise, size));
+  ASSERT_TRUE(stored.segments.back().empty());
+  EXPECT_FALSE(opened(*codec, shape, VoxelType::uint16, stored));
+  EXPECT_EQ(whole_of<std::uint16_t>(*codec, shape, stored), noise);
+  const std::vector<std::uint16_t> one_value(noise.size(), 9);
+  const EncodedBrick uniform = codec->encode(shape, view_of(one_value, size));
+  EXPECT_FALSE(opened(*codec, shape, VoxelType::uint16, uniform));
+}
+
+/// A damaged part is rejected; the others come back.
+TEST(Parts, DoNotDependOnEachOther) {
+  const Size3 size{64, 40, 64};
+  const BrickShape shape = shape_of(size);
+  const auto voxels = voxels_of<std::int16_t>(size, Streams::cells, 4);
+  std::mt19937 random(6);
+  for (const Preset preset : {Preset::small, Preset::fast}) {
+    const auto codec =
+        cut_codec<std::int16_t>(trained_on<std::int16_t>(Streams::cells, {preset}), kAllCuts);
+    const EncodedBrick good = codec->encode(shape, view_of(voxels, size));
+    const auto parts = opened(*codec, shape, VoxelType::int16, good);
+    ASSERT_TRUE(parts);
+    ASSERT_EQ(parts->parts().size(), 8u);
+    for (std::size_t hit = 0; hit < 8; ++hit) {
+      const BrickParts::Part& damaged = parts->parts()[hit];
+      ASSERT_GT(damaged.length, 0u);
+      EncodedBrick bad = good;
+      bad.segments[0][damaged.offset + random() % damaged.length] ^= 1;
+      for (std::size_t i = 0; i < 8; ++i) {
+        const BrickParts::Part& part = parts->parts()[i];
+        const Size3 box = part.box.size();
+        std::vector<std::int16_t> out(static_cast<std::size_t>(box.voxel_count()));
+        const VoxelTarget target{out.data(), box.x, box.x * box.y};
+        if (i == hit) {
+          EXPECT_THROW(parts->decode(i, bytes_of(bad, part), target), Error);
+          continue;
+        }
+        parts->decode(i, bytes_of(bad, part), target);
+        for (std::int64_t z = 0, at = 0; z < box.z; ++z) {
+          for (std::int64_t y = 0; y < box.y; ++y) {
+            for (std::int64_t x = 0; x < box.x; ++x, ++at) {
+              const std::int64_t in_brick =
+                  ((z + part.box.lo.z) * size.y + y + part.box.lo.y) * size.x + x + part.box.lo.x;
+              ASSERT_EQ(out[static_cast<std::size_t>(at)],
+                        voxels[static_cast<std::size_t>(in_brick)]);
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+/// Lengths that do not add up to the segment, a list that is cut short, or bytes behind the last
+/// part.
+TEST(Parts, AWrongListIsCorrupt) {
+  const Size3 size{64, 40, 33};
+  const BrickShape shape = shape_of(size);
+  const auto voxels = voxels_of<std::int16_t>(size, Streams::residuals, 4);
+  const auto codec =
+      cut_codec<std::int16_t>(trained_on<std::int16_t>(Streams::residuals, {}), kAllCuts);
+  const EncodedBrick good = codec->encode(shape, view_of(voxels, size));
+  const auto expect_corrupt = [&](const EncodedBrick& bad, const std::string& what) {
+    try {
+      whole_of<std::int16_t>(*codec, shape, bad);
+      ADD_FAILURE() << what;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::corrupt) << what;
+    }
+  };
+  EncodedBrick bad = good;
+  bad.segments[0].push_back(0);
+  expect_corrupt(bad, "a byte behind the parts");
+  bad = good;
+  bad.segments[0].pop_back();
+  expect_corrupt(bad, "a byte too few");
+  // The list starts with the length of the first part.
+  bad = good;
+  bad.segments[1][0] ^= 1;
+  expect_corrupt(bad, "another length");
+  bad = good;
+  bad.segments[1].resize(10);
+  expect_corrupt(bad, "half a list");
+}
+
+/// Where a brick takes few bytes, parts take many of them; nobody gets these without asking.
+TEST(Parts, AreLeftOutWhereTheyCostTooMuch) {
+  const Size3 size{64, 64, 64};
+  const BrickShape shape = shape_of(size);
+  const auto cut_of = [&](const std::vector<std::uint8_t>& voxels, const CodecSettings& settings) {
+    const TrainingBrick training{shape, view_of(voxels, size)};
+    return train_grey_model(VoxelType::uint8, std::span(&training, 1), settings)->serialized()[1];
+  };
+  std::mt19937 random(3);
+  std::vector<std::uint8_t> few(static_cast<std::size_t>(size.voxel_count()));
+  for (std::size_t i = 0; i < 90; ++i) few[random() % few.size()] = 9;
+  EXPECT_EQ(cut_of(few, {.preset = Preset::fast}), 0);
+  EXPECT_EQ(cut_of(few, {.preset = Preset::fast, .access = Access::slices}), 6) << "asked for";
+  const auto much = voxels_of<std::uint8_t>(size, Streams::residuals, 4);
+  EXPECT_EQ(cut_of(much, {.preset = Preset::fast}), 6);
+  EXPECT_EQ(cut_of(much, {.preset = Preset::small}), 0);
+  EXPECT_EQ(cut_of(much, {.preset = Preset::fast, .access = Access::none}), 0);
+  EXPECT_EQ(cut_of(much, {.preset = Preset::fast, .access = Access::boxes}), 7);
+}
+
+/// A model with flags that this version does not know is newer, not damaged.
+TEST(Parts, UnknownCutsAreOfALaterVersion) {
+  for (const int flag : {8, 16, 32, 64, 128}) {
+    Bytes model = trained_on<std::uint8_t>(Streams::residuals, {});
+    model[1] = static_cast<std::uint8_t>(model[1] | flag);
+    try {
+      parse_grey_model(VoxelType::uint8, model);
+      ADD_FAILURE() << flag;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::unsupported_version) << flag;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace octavo
