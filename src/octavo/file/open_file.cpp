@@ -145,6 +145,15 @@ Bytes OpenFile::read_piece(const Piece& piece) const {
   }
 }
 
+Bytes OpenFile::read_within(const Piece& piece, std::uint64_t offset,
+                            std::uint64_t length) const {
+  try {
+    return read_bytes(piece.offset + offset, length);
+  } catch (const Error& error) {
+    throw error.with_path(source_->name());
+  }
+}
+
 Bytes OpenFile::read_section(const Section& section, const char* what) const {
   try {
     Bytes bytes = read_bytes(section.offset, section.length);

@@ -54,6 +54,10 @@ class OpenFile {
   /// them.
   Bytes read_piece(const Piece& piece) const;
 
+  /// Bytes from `offset` on inside a piece, whose checksum does not prove them. Requires that the
+  /// piece holds them.
+  Bytes read_within(const Piece& piece, std::uint64_t offset, std::uint64_t length) const;
+
   /// The bytes of a section whose checksum matches.
   Bytes read_section(const Section& section, const char* what) const;
 

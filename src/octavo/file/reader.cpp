@@ -38,6 +38,35 @@ void fill_voxels(const VolumeDescription& volume, std::int64_t code, std::int64_
   });
 }
 
+// Copies what `box` and the samples of `held` share into the array of `box`.
+void copy_shared(const Bytes& samples, const Box& held, const Box& box, const Target& out) {
+  const Box part = intersection(box, held);
+  const Size3 size = held.size();
+  const std::size_t row_bytes = static_cast<std::size_t>(part.size().x) * out.voxel_bytes;
+  for (std::int64_t z = part.lo.z; z < part.hi.z; ++z) {
+    for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
+      const std::int64_t at = ((z - held.lo.z) * size.y + (y - held.lo.y)) * size.x +
+                              (part.lo.x - held.lo.x);
+      std::memcpy(out.row(part.lo.x - box.lo.x, y - box.lo.y, z - box.lo.z),
+                  samples.data() + static_cast<std::size_t>(at) * out.voxel_bytes, row_bytes);
+    }
+  }
+}
+
+Box moved(const Box& box, const Index3& by) {
+  return {{box.lo.x + by.x, box.lo.y + by.y, box.lo.z + by.z},
+          {box.hi.x + by.x, box.hi.y + by.y, box.hi.z + by.z}};
+}
+
+// A brick decoded down to level 1.
+struct OpenedBrick {
+  std::shared_ptr<const BrickCodec> codec;  // of the parts
+  std::unique_ptr<const BrickParts> parts;
+};
+
+// Of the memory for decoded bricks, one part in so many is for opened ones.
+constexpr std::uint64_t kOpenedShare = 8;
+
 void require_labels(const FileReader& reader) {
   if (reader.description().kind == VolumeKind::labels) return;
   throw Error(ErrorKind::invalid_argument, "holds grey values, not labels",
@@ -48,7 +77,8 @@ class FileReaderImpl final : public FileReader {
  public:
   FileReaderImpl(std::shared_ptr<const ByteSource> source, const ReaderOptions& options)
       : file_(std::move(source), options),
-        cache_(options.cache_bytes),
+        cache_(options.cache_bytes - options.cache_bytes / kOpenedShare),
+        opened_cache_(options.cache_bytes / kOpenedShare),
         watcher_(options.watcher) {}
 
   const VolumeDescription& description() const override { return file_.description(); }
@@ -114,11 +144,19 @@ class FileReaderImpl final : public FileReader {
   void decode_brick(const BrickEntry& entry, int in_brick_level, Decode decode) const;
   std::shared_ptr<const Bytes> decoded(const BrickEntry& entry, const BrickShape& shape,
                                        int in_brick_level, bool keep) const;
-  void read_part(const BrickEntry& entry, int level, const Box& box, bool is_large,
-                 const Target& out) const;
+  std::shared_ptr<const OpenedBrick> opened(const BrickEntry& entry,
+                                            const BrickShape& shape) const;
+  void decode_parts(const BrickEntry& entry, const OpenedBrick& brick,
+                    std::span<const std::size_t> numbers,
+                    std::span<std::shared_ptr<const Bytes>> samples) const;
+  bool read_parts(const BrickEntry& entry, const Box& whole, const Box& box,
+                  const Target& out) const;
+  void read_shared(const BrickEntry& entry, int level, const Box& box, bool is_large,
+                   const Target& out) const;
 
   OpenFile file_;
   mutable LruCache<Bytes> cache_;
+  mutable LruCache<OpenedBrick> opened_cache_;
   const Progress* watcher_;
 };
 
@@ -235,33 +273,122 @@ std::shared_ptr<const Bytes> FileReaderImpl::decoded(const BrickEntry& entry,
   return samples;
 }
 
-// Copies what `box` and the brick share.
-void FileReaderImpl::read_part(const BrickEntry& entry, int level, const Box& box, bool is_large,
-                               const Target& out) const {
+// The brick decoded down to level 1; null where its level 0 has no parts.
+std::shared_ptr<const OpenedBrick> FileReaderImpl::opened(const BrickEntry& entry,
+                                                          const BrickShape& shape) const {
+  const auto codec = file_.codec(entry.model);
+  if (!codec->has_parts(shape) || entry.segments.back().length == 0) return nullptr;
+  const LruCache<OpenedBrick>::Key key{static_cast<std::uint64_t>(entry.tier), entry.code};
+  if (auto kept = opened_cache_.find(key)) return kept;
+  auto brick = std::make_shared<OpenedBrick>(OpenedBrick{codec, nullptr});
+  decode_brick(entry, 1, [&](const BrickCodec& of_brick, const BrickShape& of_shape,
+                             std::span<const ByteSpan> segments) {
+    brick->parts =
+        of_brick.open_parts(of_shape, description().coded_type(), entry.range, segments);
+    const BrickParts::Part& last = brick->parts->parts().back();
+    if (last.offset + last.length != entry.segments.front().length) {
+      throw Error(ErrorKind::corrupt, "the parts of level 0 do not fill their segment");
+    }
+  });
+  // Samples of 16 or 32 bits, with margins.
+  constexpr std::uint64_t kMostBytesPerSample = 8;
+  opened_cache_.insert(key, brick, sizeof(OpenedBrick) + kMostBytesPerSample *
+                                       static_cast<std::uint64_t>(shape.size[1].voxel_count()));
+  return brick;
+}
+
+// Reads parts that follow each other with one read, and decodes them.
+void FileReaderImpl::decode_parts(const BrickEntry& entry, const OpenedBrick& brick,
+                                  std::span<const std::size_t> numbers,
+                                  std::span<std::shared_ptr<const Bytes>> samples) const {
+  const std::vector<BrickParts::Part>& parts = brick.parts->parts();
+  const Piece piece = piece_of(entry, 0);
+  const std::uint64_t first = parts[numbers.front()].offset;
+  const BrickParts::Part& last = parts[numbers.back()];
+  const Bytes bytes = file_.read_within(piece, first, last.offset + last.length - first);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const BrickParts::Part& part = parts[numbers[i]];
+    const Size3 size = part.box.size();
+    const auto count = static_cast<std::size_t>(size.voxel_count());
+    const auto voxel_bytes = static_cast<std::size_t>(bytes_per_voxel(description().type));
+    auto voxels = std::make_shared<Bytes>(count * voxel_bytes);
+    try {
+      brick.parts->decode(numbers[i], ByteSpan(bytes).subspan(part.offset - first, part.length),
+                          {voxels->data(), size.x, size.x * size.y});
+    } catch (const Error& error) {
+      throw Error(error.kind(), describe(piece) + ": " + error.detail(), source().name(),
+                  piece.offset + part.offset);
+    }
+    if (const auto& coding = description().coding) {
+      void* const out = voxels->data();
+      decode_samples(*coding, out, {static_cast<float*>(out), count});
+    }
+    samples[i] = std::move(voxels);
+  }
+}
+
+// Reads those parts of a brick's level 0 that a box meets; false where it has none, or where the
+// whole brick is kept.
+bool FileReaderImpl::read_parts(const BrickEntry& entry, const Box& whole, const Box& box,
+                                const Target& out) const {
+  const int first_level = Levels::first_level(entry.tier);
+  if (cache_.find({static_cast<std::uint64_t>(first_level), entry.code})) return false;
+  const auto brick = opened(entry, brick_shape(levels(), entry.tier, entry.brick));
+  if (!brick) return false;
+  // Which, and which of them are kept?
+  const std::vector<BrickParts::Part>& parts = brick->parts->parts();
+  std::vector<std::size_t> wanted;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (!intersection(moved(parts[i].box, whole.lo), box).is_empty()) wanted.push_back(i);
+  }
+  const auto key_of = [&](std::size_t part) {
+    constexpr std::uint64_t kPlaceOfPart = 256;
+    return LruCache<Bytes>::Key{static_cast<std::uint64_t>(first_level) + kPlaceOfPart * (part + 1),
+                                entry.code};
+  };
+  std::vector<std::shared_ptr<const Bytes>> samples(wanted.size());
+  for (std::size_t i = 0; i < wanted.size(); ++i) samples[i] = cache_.find(key_of(wanted[i]));
+  // Runs of the others
+  for (std::size_t first = 0; first < wanted.size();) {
+    std::size_t end = first;
+    const auto follows = [&] { return end == first || wanted[end] == wanted[end - 1] + 1; };
+    while (end < wanted.size() && !samples[end] && follows()) ++end;
+    if (end == first) {
+      ++first;
+      continue;
+    }
+    decode_parts(entry, *brick, std::span(wanted).subspan(first, end - first),
+                 std::span(samples).subspan(first, end - first));
+    for (; first < end; ++first) {
+      cache_.insert(key_of(wanted[first]), samples[first], samples[first]->size() + sizeof(Bytes));
+    }
+  }
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    copy_shared(*samples[i], moved(parts[wanted[i]].box, whole.lo), box, out);
+  }
+  return true;
+}
+
+// Reads what `box` and the brick share.
+void FileReaderImpl::read_shared(const BrickEntry& entry, int level, const Box& box, bool is_large,
+                                 const Target& out) const {
   stop_if_cancelled();
   const BrickShape shape = brick_shape(levels(), entry.tier, entry.brick);
   const int in_brick = level - shape.first_level;
   const Box whole = brick_box_at(levels(), level, entry.brick);
-  const Index3& lo = whole.lo;
-  const Size3 size = whole.size();
   const Box part = intersection(box, whole);
-
-  std::shared_ptr<const Bytes> samples;
-  if (!entry.is_uniform()) {
-    samples = decoded(entry, shape, in_brick, !(is_large && part == whole));
-  }
-  const std::size_t row_bytes = static_cast<std::size_t>(part.size().x) * out.voxel_bytes;
-  for (std::int64_t z = part.lo.z; z < part.hi.z; ++z) {
-    for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
-      std::uint8_t* row = out.row(part.lo.x - box.lo.x, y - box.lo.y, z - box.lo.z);
-      if (!samples) {
-        fill_voxels(description(), entry.range.min, part.size().x, row);
-        continue;
+  if (entry.is_uniform()) {
+    for (std::int64_t z = part.lo.z; z < part.hi.z; ++z) {
+      for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
+        fill_voxels(description(), entry.range.min, part.size().x,
+                    out.row(part.lo.x - box.lo.x, y - box.lo.y, z - box.lo.z));
       }
-      const std::int64_t at = ((z - lo.z) * size.y + (y - lo.y)) * size.x + (part.lo.x - lo.x);
-      std::memcpy(row, samples->data() + static_cast<std::size_t>(at) * out.voxel_bytes, row_bytes);
     }
+    return;
   }
+  if (in_brick == 0 && part != whole && read_parts(entry, whole, box, out)) return;
+  const auto samples = decoded(entry, shape, in_brick, !(is_large && part == whole));
+  copy_shared(*samples, whole, box, out);
 }
 
 void FileReaderImpl::read_strided(const Box& box, int level, void* out, std::int64_t row_stride,
@@ -276,7 +403,7 @@ void FileReaderImpl::read_strided(const Box& box, int level, void* out, std::int
   for (std::int64_t z = box.lo.z / side.z; z * side.z < box.hi.z; ++z) {
     for (std::int64_t y = box.lo.y / side.y; y * side.y < box.hi.y; ++y) {
       for (std::int64_t x = box.lo.x / side.x; x * side.x < box.hi.x; ++x) {
-        read_part(brick(tier, {x, y, z}), level, box, is_large, target);
+        read_shared(brick(tier, {x, y, z}), level, box, is_large, target);
       }
     }
   }

@@ -1,0 +1,158 @@
+// Boxes of files whose bricks have parts that decode alone.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include "octavo/builder/builder.h"
+#include "octavo/core/error.h"
+#include "octavo/file/reader.h"
+#include "octavo/planes/memory_source.h"
+#include "support/memory_storage.h"
+
+namespace octavo {
+namespace {
+
+using namespace octavo::testing;
+
+const Size3 kSize{100, 70, 66};
+
+/// Counts the bytes that are asked for.
+class CountingSource final : public ByteSource {
+ public:
+  explicit CountingSource(std::vector<std::uint8_t> bytes) : bytes_(std::move(bytes)) {}
+  std::uint64_t size() const override { return bytes_.size(); }
+  const std::string& name() const override { return name_; }
+  void read(std::uint64_t offset, std::span<std::uint8_t> out) const override {
+    std::memcpy(out.data(), bytes_.data() + offset, out.size());
+    count_ += out.size();
+  }
+  std::uint64_t count() const { return count_; }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+  std::string name_ = "counted";
+  mutable std::atomic<std::uint64_t> count_ = 0;
+};
+
+std::vector<std::uint8_t> built(VoxelType type, const BuildOptions& options) {
+  VolumeDescription description;
+  description.size = kSize;
+  description.type = type;
+  std::mt19937 random(4);
+  std::vector<std::byte> voxels;
+  with_voxel_type(type, [&](auto tag) {
+    using T = typename decltype(tag)::type;
+    for (std::int64_t i = 0; i < kSize.voxel_count(); ++i) {
+      const double wave = std::sin(0.1 * static_cast<double>(i % kSize.x)) +
+                          std::cos(0.003 * static_cast<double>(i / kSize.x));
+      const auto voxel = static_cast<T>(400 + 100 * wave + static_cast<double>(random() % 8));
+      const auto* const bytes = reinterpret_cast<const std::byte*>(&voxel);
+      voxels.insert(voxels.end(), bytes, bytes + sizeof voxel);
+    }
+  });
+  const auto source = make_memory_source(description, voxels);
+  MemoryStorage storage;
+  NoProgress progress;
+  build_file(*source, storage, "parts.8vo", options, progress);
+  return *storage.files.at("parts.8vo");
+}
+
+Bytes box_of_reader(const FileReader& reader, const Box& box) {
+  Bytes out(static_cast<std::size_t>(box.size().voxel_count() *
+                                     bytes_per_voxel(reader.description().type)));
+  reader.read(box, 0, out.data());
+  return out;
+}
+
+/// The same box cut out of all voxels.
+Bytes cut_out(const Bytes& all, const Box& box, std::size_t voxel_bytes) {
+  Bytes out;
+  for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+    for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
+      const auto at = static_cast<std::size_t>((z * kSize.y + y) * kSize.x + box.lo.x);
+      const auto* const row = all.data() + at * voxel_bytes;
+      out.insert(out.end(), row, row + static_cast<std::size_t>(box.size().x) * voxel_bytes);
+    }
+  }
+  return out;
+}
+
+Box voxel_at(const Index3& p) { return {p, {p.x + 1, p.y + 1, p.z + 1}}; }
+
+TEST(ReaderParts, EveryBoxIsThatOfTheWholeVolume) {
+  std::mt19937 random(7);
+  const BuildOptions options[] = {{.preset = Preset::small, .access = Access::boxes},
+                                  {.preset = Preset::fast, .access = Access::slices},
+                                  {.preset = Preset::fast,
+                                   .access = Access::boxes,
+                                   .max_error = 9}};
+  for (const VoxelType type : {VoxelType::int16, VoxelType::float32}) {
+    for (const BuildOptions& how : options) {
+      const auto bytes = built(type, how);
+      const auto whole = FileReader::open(byte_source_of(bytes, "whole"), {.cache_bytes = 0});
+      const Bytes all = box_of_reader(*whole, box_of(kSize));
+      const auto voxel_bytes = static_cast<std::size_t>(bytes_per_voxel(type));
+      for (const std::uint64_t cache_bytes : {std::uint64_t{0}, std::uint64_t{64} << 20}) {
+        const auto reader =
+            FileReader::open(byte_source_of(bytes, "parts"), {.cache_bytes = cache_bytes});
+        for (int i = 0; i < 40; ++i) {
+          Box box;
+          for (int axis = 0; axis < 3; ++axis) {
+            const auto a = static_cast<std::int64_t>(random() % 1000) * kSize[axis] / 1000;
+            const auto length = i % 3 == 0 ? 1 : 1 + static_cast<std::int64_t>(random() % 40);
+            box.lo[axis] = a;
+            box.hi[axis] = std::min(a + length, kSize[axis]);
+          }
+          ASSERT_EQ(box_of_reader(*reader, box), cut_out(all, box, voxel_bytes)) << i;
+        }
+      }
+    }
+  }
+}
+
+TEST(ReaderParts, AVoxelTakesTheBytesOfItsPartAndOfTheCoarserLevels) {
+  const auto bytes = built(VoxelType::int16, {.preset = Preset::small, .access = Access::boxes});
+  const auto source = std::make_shared<CountingSource>(bytes);
+  const auto reader = FileReader::open(source, {});
+  box_of_reader(*reader, voxel_at({99, 69, 65}));  // reads index and model
+  const std::uint64_t before = source->count();
+  box_of_reader(*reader, voxel_at({1, 1, 1}));
+  const std::uint64_t cold = source->count() - before;
+  const BrickEntry brick = reader->brick(0, {0, 0, 0});
+  std::uint64_t all = 0;
+  for (const auto& segment : brick.segments) all += segment.length;
+  EXPECT_LT(cold, all / 2);
+  // Another part of the brick: the coarser levels are kept.
+  box_of_reader(*reader, voxel_at({40, 1, 1}));
+  const std::uint64_t next = source->count() - before - cold;
+  EXPECT_LT(next, brick.segments.front().length / 4);
+  // The same part: nothing.
+  box_of_reader(*reader, voxel_at({50, 5, 5}));
+  EXPECT_EQ(source->count(), before + cold + next);
+}
+
+TEST(ReaderParts, ADamagedPartIsNamedAndTheOthersAreRead) {
+  auto bytes = built(VoxelType::int16, {.preset = Preset::fast, .access = Access::boxes});
+  const auto good = FileReader::open(byte_source_of(bytes, "good"));
+  const BrickEntry brick = good->brick(0, {0, 0, 0});
+  const Bytes expected = box_of_reader(*good, voxel_at({63, 63, 63}));
+  bytes[brick.segments.front().offset + 20] ^= 1;  // of the first part
+  const auto bad = FileReader::open(byte_source_of(bytes, "bad"));
+  EXPECT_EQ(box_of_reader(*bad, voxel_at({63, 63, 63})), expected);
+  try {
+    box_of_reader(*bad, voxel_at({0, 0, 0}));
+    FAIL() << "a damaged part was read";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::corrupt);
+    EXPECT_NE(std::string(error.what()).find("brick o-code 0x0 level 0"), std::string::npos);
+    EXPECT_EQ(error.path(), "bad");
+  }
+  // So does the whole brick, by the checksum of its piece.
+  EXPECT_THROW(box_of_reader(*bad, box_of(kSize)), Error);
+}
+
+}  // namespace
+}  // namespace octavo
