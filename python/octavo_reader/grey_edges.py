@@ -31,12 +31,14 @@ def edges_of_split(stream: "DetailStream", tables: EdgeTables, padded: PaddedSam
     m = means[inside] - lowest
     other = 2 * means[inside] - rounding - lowest
     may_be_even, may_be_odd = (_may_be(other + odd, highest, gaps) for odd in (0, 1))
-    beside = np.array([[_beside(padded, a, side)[inside] for side in (-1, 1)]
-                       for a in (axis, *(a for a in range(3) if a != axis))])
-    ground = beside == lowest
+    # Background ends at the faces of a part; what the means along the axis foretell does not.
+    alone = PaddedSamples.of_level(means)
+    ground = np.array([[_beside(alone, a, side)[inside] for side in (-1, 1)]
+                       for a in (axis, *(a for a in range(3) if a != axis))]) == lowest
+    along = np.maximum(*(_beside(padded, axis, side)[inside] for side in (-1, 1)))
     before, after = ground[0].astype(np.int64)
     across = ground[1:].sum(axis=(0, 1))
-    ratio = _ratios(m, beside[0].max(axis=0) - lowest)
+    ratio = _ratios(m, along - lowest)
     base = ((before + after) * 4 + np.minimum(across, 3)) * 5 + ratio
     possible = ~flagged & (m >= 2) & (may_be_even | may_be_odd)
     is_near = ground.any(axis=(0, 1))

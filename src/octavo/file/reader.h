@@ -97,8 +97,8 @@ class FileReader {
   virtual void read_words(const BrickEntry& entry, LabelWords& words) const;
 
   /// Reads `box` (in samples of `level`) into `out`, dense [z][y][x] in the volume's type.
-  /// Goes through the brick cache; decodes on the calling thread. Of a brick whose level 0 has parts
-  /// that decode alone, only those that the box meets are read and decoded.
+  /// Goes through the brick cache; decodes on the calling thread. Of a brick whose level 0 has
+  /// parts that decode alone, only those that the box meets are read and decoded.
   /// Throws Error{invalid_argument} when the box is empty or not inside the level; Error{corrupt}
   /// naming brick, level and offset.
   virtual void read(const Box& box, int level, void* out) const = 0;
