@@ -38,7 +38,7 @@ CLI_HEADERS = {
 WITHIN = {
     "codec": {
         "entropy": set(),
-        "grey": {"entropy", "brick_codec.h", "simd_level.h", "simd_targets.h"},
+        "grey": {"entropy", "brick_codec.h", "simd_level.h", "simd_targets.h", "refine_model.h"},
         "label": {
             "entropy",
             "brick_codec.h",

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "octavo/codec/brick_codec.h"
+#include "octavo/codec/refine_model.h"
 #include "octavo/core/error.h"
 
 namespace octavo {
@@ -94,6 +95,12 @@ std::unique_ptr<BrickCodec> train_model(VolumeKind kind, VoxelType type,
                                         std::span<const TrainingBrick>,
                                         const CodecSettings& settings) {
   return std::make_unique<RawCodec>(kind, type, settings.max_error);
+}
+
+std::unique_ptr<BrickCodec> refine_model(const BrickCodec& first, VoxelType type,
+                                         std::span<const TrainingBrick> bricks,
+                                         const CodecSettings& settings) {
+  return train_model(first.kind(), type, bricks, settings);
 }
 
 std::unique_ptr<BrickCodec> parse_model(VolumeKind kind, VoxelType type, ByteSpan bytes) {

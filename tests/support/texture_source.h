@@ -12,7 +12,8 @@
 
 namespace octavo::testing {
 
-/// Planes of zeros, of which a corner holds a texture that is another in every group of 64 planes.
+/// Planes of zeros, of which a corner holds a texture that is another in every group of 64 planes;
+/// or eight bricks of each hold one that is alike in all.
 /// Throws Error{source_rejected} at `failing_plane`.
 class TextureSource final : public PlaneSource {
  public:
@@ -39,11 +40,13 @@ class TextureSource final : public PlaneSource {
     std::fill(plane.begin(), plane.end(), std::byte{0});
     with_voxel_type(description_.type, [&](auto tag) {
       using T = typename decltype(tag)::type;
-      for (std::int64_t y = 0; y < 50; ++y) {
-        for (std::int64_t x = 0; x < 60; ++x) {
+      for (std::int64_t y = 0; y < (is_alike ? 128 : 50); ++y) {
+        for (std::int64_t x = 0; x < (is_alike ? 256 : 60); ++x) {
           state_ = state_ * 1664525u + 1013904223u;
-          const std::uint32_t noise = state_ >> (z_ < kGroupPlanes ? 29 : 27);
-          const auto value = static_cast<T>(static_cast<std::uint32_t>(x + 2 * z_) / 4 + noise);
+          const bool is_quiet = z_ < kGroupPlanes || is_alike;
+          const std::uint32_t noise = state_ >> (is_quiet ? 29 : 27);
+          const std::int64_t depth = is_alike ? z_ % kGroupPlanes : z_;
+          const auto value = static_cast<T>(static_cast<std::uint32_t>(x + 2 * depth) / 4 + noise);
           const auto at = static_cast<std::size_t>(y * description_.size.x + x) * sizeof(T);
           std::memcpy(plane.data() + at, &value, sizeof value);
         }
@@ -54,6 +57,7 @@ class TextureSource final : public PlaneSource {
   }
 
   VolumeDescription& mutable_description() { return description_; }
+  bool is_alike = false;            ///< the groups differ no more than those of one scan
   std::int64_t changed_plane = -1;  ///< in which one more voxel is not 0
 
  private:

@@ -183,9 +183,11 @@ class Build {
   }
 
   void train(const VoxelBlock& group) {
+    // As the file holds it, so that whoever has the file or a part of it comes to the same models.
+    const BrickCodec* const first = first_model_ ? first_model_->decoder.get() : nullptr;
     model_ = workers_.run([&] {
       return make_model(
-          train_on(levels_, 0, group, description_.kind, settings_, description_.coding),
+          train_on(levels_, 0, group, description_.kind, settings_, description_.coding, first),
           description_.coded_type(), description_.coding);
     });
     return_freed_memory();

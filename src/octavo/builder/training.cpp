@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "octavo/codec/refine_model.h"
+
 namespace octavo {
 
 namespace {
@@ -45,7 +47,8 @@ std::vector<std::size_t> training_choice(std::span<const std::int64_t> voxel_cou
 
 std::unique_ptr<BrickCodec> train_on(const Levels& levels, int tier, const VoxelBlock& block,
                                      VolumeKind kind, const CodecSettings& settings,
-                                     const std::optional<SampleCoding>& coding) {
+                                     const std::optional<SampleCoding>& coding,
+                                     const BrickCodec* first) {
   const std::vector<TrainingBrick> candidates = candidates_of(levels, tier, block);
   std::vector<std::int64_t> voxel_counts;
   for (const TrainingBrick& brick : candidates) {
@@ -57,6 +60,7 @@ std::unique_ptr<BrickCodec> train_on(const Levels& levels, int tier, const Voxel
     chosen.push_back(candidates[i]);
   }
   if (!is_integer(block.type)) return train_exact_model(chosen, settings, *coding);
+  if (first != nullptr) return refine_model(*first, block.type, chosen, settings);
   return train_model(kind, block.type, chosen, settings);
 }
 

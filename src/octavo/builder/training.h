@@ -20,10 +20,13 @@ inline constexpr std::size_t kTrainingBricks = 32;
 std::vector<std::size_t> training_choice(std::span<const std::int64_t> voxel_counts,
                                          std::int64_t full_voxel_count);
 
-/// Trains a model for the bricks of a block on a choice of them. Depends on the voxels alone.
+/// Trains a model for the bricks of a block on a choice of them. Depends on the voxels and the
+/// first model alone.
 /// coding  that of the block's voxels where these are float32
+/// first   the model of the first group, trained or parsed, or null for that group itself
 std::unique_ptr<BrickCodec> train_on(const Levels& levels, int tier, const VoxelBlock& block,
                                      VolumeKind kind, const CodecSettings& settings,
-                                     const std::optional<SampleCoding>& coding = std::nullopt);
+                                     const std::optional<SampleCoding>& coding = std::nullopt,
+                                     const BrickCodec* first = nullptr);
 
 }  // namespace octavo

@@ -24,10 +24,13 @@ struct Kind {
   VolumeKind kind = VolumeKind::grey;
   double max_error = 0;
   Preset preset = Preset::small;
+  bool is_alike = false;  ///< the groups, so that models of later ones refine the first
 };
 
 TextureSource source_of(const Kind& kind, std::int64_t failing_plane = -1) {
-  return TextureSource(TextureSource::three_groups(kind.type, kind.kind), failing_plane);
+  TextureSource source(TextureSource::three_groups(kind.type, kind.kind), failing_plane);
+  source.is_alike = kind.is_alike;
+  return source;
 }
 
 BuildOptions options_of(const Kind& kind, Interrupted interrupted, int threads = 2) {
@@ -137,7 +140,11 @@ TEST_P(ResumedBuildOf, HasTheBytesOfABuildWithoutABreak) {
 INSTANTIATE_TEST_SUITE_P(
     EveryKind, ResumedBuildOf,
     ::testing::Values(kGrey, Kind{"fast", VoxelType::int16, VolumeKind::grey, 0, Preset::fast},
+                      Kind{"alike", VoxelType::int16, VolumeKind::grey, 0, Preset::small, true},
+                      Kind{"fast_alike", VoxelType::int16, VolumeKind::grey, 0, Preset::fast, true},
                       Kind{"lossy", VoxelType::int16, VolumeKind::grey, 2},
+                      Kind{"lossy_alike", VoxelType::int16, VolumeKind::grey, 2, Preset::small,
+                           true},
                       Kind{"labels", VoxelType::uint16, VolumeKind::labels},
                       Kind{"float", VoxelType::float32},
                     Kind{"lossy_float", VoxelType::float32, VolumeKind::grey, 0.25}),

@@ -26,6 +26,13 @@ std::vector<Sample> gather(const BrickView& brick, const SampleScale& scale,
     if constexpr (std::is_integral_v<T>) {
       const Size3 size = in_order(brick.size, order);
       const Size3 steps = in_order(Size3{1, brick.row_stride, brick.plane_stride}, order);
+      // Modulo the samples' width, where that is all there is to it: vectors.
+      using Modulo = std::make_unsigned_t<Sample>;
+      const bool is_shift = scale.codes.step <= 1 && drop == 0;
+      const auto offset = static_cast<Modulo>(static_cast<std::uint64_t>(lowest - zero));
+      const auto shifted = [offset](T voxel) {
+        return static_cast<Sample>(static_cast<Modulo>(static_cast<Modulo>(voxel) + offset));
+      };
       const auto sample_of = [&](T voxel) {
         const std::int64_t code = scale.codes.step > 1 ? scale.codes.code_of(voxel)
                                                        : static_cast<std::int64_t>(voxel);
@@ -34,13 +41,20 @@ std::vector<Sample> gather(const BrickView& brick, const SampleScale& scale,
       for_each_tile(size, steps, [&](std::int64_t y, std::int64_t z, int axis, int count) {
         const T* const in = static_cast<const T*>(brick.voxels) + z * steps.z + y * steps.y;
         Sample* const out = samples.data() + (z * size.y + y) * size.x;
+        if (axis == 0 && is_shift) {
+          for (std::int64_t x = 0; x < size.x; ++x) out[x] = shifted(in[x]);
+          return;
+        }
         if (axis == 0) {
           for (std::int64_t x = 0; x < size.x; ++x) out[x] = sample_of(in[x]);
           return;
         }
         const std::int64_t next_row = axis == 1 ? size.x : size.x * size.y;
         for (std::int64_t x = 0; x < size.x; ++x) {
-          for (int k = 0; k < count; ++k) out[k * next_row + x] = sample_of(in[x * steps.x + k]);
+          for (int k = 0; k < count; ++k) {
+            const T voxel = in[x * steps.x + k];
+            out[k * next_row + x] = is_shift ? shifted(voxel) : sample_of(voxel);
+          }
         }
       });
     } else {

@@ -12,6 +12,8 @@ class GreyCodec final : public BrickCodec {
  public:
   explicit GreyCodec(const Parameters& parameters);
 
+  const Parameters& parameters() const noexcept { return model_->parameters; }
+
   VolumeKind kind() const noexcept override { return VolumeKind::grey; }
   AxisOrder axis_order() const noexcept override { return model_->parameters.axis_order; }
   Bytes serialized() const override { return serialize(model_->parameters); }

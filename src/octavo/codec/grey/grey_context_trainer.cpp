@@ -38,22 +38,17 @@ class Thinning {
 constexpr std::int64_t kContextSamples[kGroups] = {20000, 10000, 6000};
 constexpr double kContextRidge = 1e-4;
 
-/// One in so many training samples is enough.
-std::size_t part_of(const std::vector<TrainingSample>& training) {
-  return training.size() >= kManyBricks ? 2 : 1;
-}
-
 /// Features and residual magnitudes that contexts are learned from.
 struct ContextSamples {
-  std::vector<std::array<float, kFeatures>> features;
-  std::vector<float> magnitudes;
+  std::vector<std::array<std::int16_t, kFeatures>> features;
+  std::vector<std::int32_t> magnitudes;
 };
 
 /// Takes about `wanted` samples from a split whose residuals and magnitudes are known.
 void take_samples(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
                   Thinning thinning, ContextSamples& samples) {
   const RowBuffers& r = work.row;
-  const auto f = [](std::int32_t v) { return static_cast<float>(v); };
+  const auto f = [](std::int32_t v) { return static_cast<std::int16_t>(v); };
   std::vector<int> chosen;
   for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
     for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
@@ -70,67 +65,52 @@ void take_samples(const Parameters& p, const Stage& stage, Workspace<std::int16_
       for (const int x : chosen) {
         samples.features.push_back(
             {f(r.gradient_along[x]), f(r.curvature_along[x]), f(r.gradient_across[x]),
-             f(near.sibling[0][x]), f(near.sibling[1][x]), 1.0f, f(near.up[x + 2]),
+             f(near.sibling[0][x]), f(near.sibling[1][x]), 1, f(near.up[x + 2]),
              f(near.up[x - 2]), f(near.up[x]), f(near.up[x - 1]), f(near.up[x + 1]),
              f(near.back[x]), f(near.back[x - 1]), f(near.back[x + 1]), f(near.back_up[x]),
              f(near.back_down[x])});
-        samples.magnitudes.push_back(f(std::min(std::abs(residuals[x]), kMaxMagnitude)));
+        samples.magnitudes.push_back(std::min(std::abs(residuals[x]), kMaxMagnitude));
       }
     }
   }
 }
 
-/// Normal equations of all features, in double precision.
-struct ContextEquations {
-  std::vector<double> matrix = std::vector<double>(std::size_t{kFeatures} * kFeatures);
-  std::vector<double> right = std::vector<double>(kFeatures);
-};
-
-/// With `previous` (not null) a sample weighs 1 / (what these weights predict)^2: relative errors
-/// count.
-ContextEquations accumulate_contexts(const ContextSamples& samples,
-                                     const std::vector<double>* previous) {
-  ContextEquations equations;
+/// Sums of samples. A sample weighs 1 / (what these weights, Q8, predict)^2: relative errors count.
+/// Without weights samples weigh alike.
+void add_samples(const ContextSamples& samples, std::span<const std::int16_t> weights,
+                 NormalEquations& equations) {
   for (std::size_t i = 0; i < samples.magnitudes.size(); ++i) {
-    std::array<double, kFeatures> f;
-    for (std::size_t k = 0; k < kFeatures; ++k) f[k] = static_cast<double>(samples.features[i][k]);
-    double weight = 1;
-    if (previous != nullptr) {
-      double predicted = 0;
-      for (std::size_t k = 0; k < kFeatures; ++k) predicted += (*previous)[k] * f[k];
-      weight = 1 / (predicted * predicted + 0.05);
-    }
-    for (std::size_t k = 0; k < kFeatures; ++k) {
-      const double scaled = f[k] * weight;
-      if (scaled == 0) continue;
-      equations.right[k] += scaled * static_cast<double>(samples.magnitudes[i]);
-      for (std::size_t j = 0; j < kFeatures; ++j) {
-        equations.matrix[k * kFeatures + j] += scaled * f[j];
-      }
-    }
+    const SampleMeasures measured = measure(samples.features[i], weights);
+    const float predicted = static_cast<float>(measured.predicted) / 256;
+    const float root = weights.empty() ? 1 : 1 / std::sqrt(predicted * predicted + 0.05f);
+    equations.add(samples.features[i], samples.magnitudes[i], measured, root);
   }
-  return equations;
 }
 
 /// The solution with the inactive features held at zero.
-std::vector<double> solve_active(ContextEquations equations,
+std::vector<double> solve_active(const NormalEquations& equations,
                                  const std::array<bool, kFeatures>& is_active) {
+  std::vector<double> matrix = equations.matrix();
+  std::vector<double> right = equations.right();
   for (std::size_t k = 0; k < kFeatures; ++k) {
-    if (!is_active[k]) equations.right[k] = 0;
-    for (std::size_t j = 0; j < kFeatures; ++j) {
+    if (!is_active[k]) right[k] = 0;
+    for (std::size_t j = k; j < kFeatures; ++j) {
       if (is_active[k] && is_active[j]) continue;
-      equations.matrix[k * kFeatures + j] = k == j ? 1 : 0;
+      matrix[k * kFeatures + j] = k == j ? 1 : 0;
     }
   }
-  eliminate(kFeatures, equations.matrix, equations.right, kContextRidge);
-  return equations.right;
+  return solve(std::move(matrix), std::move(right), kContextRidge);
 }
 
-/// Non-negative weights that predict the magnitude: features whose weight turns negative drop out.
-std::vector<double> fit_contexts(const ContextSamples& samples) {
-  std::vector<double> weights(kFeatures, 0.0);
+/// Non-negative weights, Q8, that predict the magnitude: features whose weight turns negative drop
+/// out.
+std::vector<std::int16_t> fit_contexts(const ContextSamples& samples) {
+  std::vector<std::int16_t> weights;
   for (int round = 0; round < 3; ++round) {
-    const ContextEquations equations = accumulate_contexts(samples, round > 0 ? &weights : nullptr);
+    NormalEquations equations(kFeatures);
+    add_samples(samples, weights, equations);
+    weights.assign(kFeatures, 0);
+    equations.finish();
     std::array<bool, kFeatures> is_active;
     is_active.fill(true);
     for (int attempt = 0; attempt < kFeatures; ++attempt) {
@@ -142,7 +122,11 @@ std::vector<double> fit_contexts(const ContextSamples& samples) {
         dropped = true;
       }
       if (dropped) continue;
-      for (std::size_t k = 0; k < kFeatures; ++k) weights[k] = is_active[k] ? fitted[k] : 0.0;
+      for (std::size_t k = 0; k < kFeatures; ++k) {
+        if (!is_active[k]) continue;
+        weights[k] = static_cast<std::int16_t>(
+            std::lround(std::clamp<double>(fitted[k] * 256, 0, 8191)));
+      }
       break;
     }
   }
@@ -178,11 +162,12 @@ void add_counts(Tables& sums, const Tables& more) {
   }
 }
 
-Counts count_symbols(const Parameters& p, const std::vector<TrainingSample>& training) {
-  const std::size_t every = part_of(training);
+/// Of one in `share` of the training samples.
+Counts count_symbols(const Parameters& p, const std::vector<TrainingSample>& training,
+                     std::size_t share) {
   std::vector<Counts> by_sample(training.size());
   tbb::parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
-    if (i % every != 0) return;
+    if (i % share != 0) return;
     const TrainingSample& sample = training[i];
     std::vector<Symbol> symbols;
     for (int level = 0; level + 1 < sample.shape.level_count; ++level) {
@@ -322,11 +307,11 @@ void share_tables(const ContextCounts& counts, ContextTables& tables) {
 
 }  // namespace
 
-void learn_contexts(Parameters& p, const std::vector<TrainingSample>& training) {
-  const std::size_t every = part_of(training);
+void learn_contexts(Parameters& p, const std::vector<TrainingSample>& training,
+                    std::size_t share) {
   std::vector<std::array<std::array<ContextSamples, 3>, kGroups>> by_sample(training.size());
   tbb::parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
-    if (i % every != every - 1) return;
+    if (i % share != share - 1) return;
     const TrainingSample& sample = training[i];
     std::vector<Symbol> symbols;
     for (int level = 0; level + 1 < sample.shape.level_count; ++level) {
@@ -339,7 +324,7 @@ void learn_contexts(Parameters& p, const std::vector<TrainingSample>& training) 
             stage_functions().narrow.list_symbols(p, stage, work, symbols);
             const auto group = static_cast<std::size_t>(stage.group);
             const std::int64_t wanted =
-                kContextSamples[group] / static_cast<std::int64_t>(training.size() / every) /
+                kContextSamples[group] / static_cast<std::int64_t>(training.size() / share) /
                 part.count;
             const auto seed = static_cast<std::uint32_t>(
                 static_cast<std::int64_t>(i) * part.count + part.number + 77);
@@ -357,16 +342,38 @@ void learn_contexts(Parameters& p, const std::vector<TrainingSample>& training) 
       all.magnitudes.insert(all.magnitudes.end(), s.magnitudes.begin(), s.magnitudes.end());
     }
     if (all.magnitudes.size() < kFewSamples) return;
-    const std::vector<double> weights = fit_contexts(all);
-    for (std::size_t k = 0; k < kFeatures; ++k) {
-      p.context_weights[task / 3][task % 3][k] =
-          std::clamp(static_cast<std::int32_t>(std::lround(weights[k] * 256)), 0, 8191);
-    }
+    const std::vector<std::int16_t> weights = fit_contexts(all);
+    std::copy(weights.begin(), weights.end(), p.context_weights[task / 3][task % 3]);
   });
 }
 
-void learn_frequencies(Parameters& p, const std::vector<TrainingSample>& training) {
-  const Counts counts = count_symbols(p, training);
+TableCost table_cost(const Parameters& p, const std::vector<TrainingSample>& training,
+                     std::size_t share) {
+  const Counts counts = count_symbols(p, training, share);
+  const auto bits_of = [](std::uint16_t slots) {
+    return (std::int64_t{kTableBits} << 16) - logarithms()[slots];
+  };
+  TableCost cost;
+  for (std::size_t context = 0; context < kContexts; ++context) {
+    const TokenCounts& seen = counts.tokens[0][context];
+    if (total_of(seen) == 0) continue;
+    const auto own = frequencies_of(seen);
+    const auto& given = p.frequencies[0][context];
+    for (std::size_t token = 0; token < kTokens; ++token) {
+      if (seen[token] == 0) continue;
+      cost.own_bits += seen[token] * bits_of(own[token]);
+      const bool escapes = given[token] == 0;
+      cost.given_bits += seen[token] * (escapes ? bits_of(given[kEscapeToken]) +
+                                                      (std::int64_t{kEscapeBits} << 16)
+                                                : bits_of(given[token]));
+    }
+  }
+  return cost;
+}
+
+void learn_frequencies(Parameters& p, const std::vector<TrainingSample>& training,
+                       std::size_t share) {
+  const Counts counts = count_symbols(p, training, share);
   for (std::size_t set = 0; set < kTableSets; ++set) {
     share_tables(counts.tokens[set], p.frequencies[set]);
   }

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -29,17 +30,20 @@ constexpr double kTapRidge = 1e-4;
 constexpr std::size_t kRounds[] = {12, 4, 1};
 constexpr std::size_t kTrialRounds[] = {1};  ///< when an order is tried
 constexpr std::size_t kFewInRound = 2000;
-constexpr std::int64_t kTrialShare = 6;  ///< one in so many samples when an order is tried
+/// One in so many samples when an order is tried, and when weights are refined.
+constexpr std::int64_t kTrialShare = 6;
+constexpr std::int64_t kRefiningShare = 6;
+/// What the weights before weigh in a refinement, relative to the samples.
+constexpr double kStartTrust = 0.003;
 
-/// Neighborhoods and details of one activity class.
-struct TapSamples {
+/// Neighborhoods and details of the pairs of a split axis.
+struct AxisSamples {
   std::vector<std::int16_t> features;  ///< tap_count for each detail
   std::vector<std::int32_t> details;
+  /// By activity, which of them; class 0 is not predicted and has none.
+  std::array<std::vector<std::uint32_t>, kClasses> of_class;
 };
-
-/// By activity; class 0 is not predicted and has none.
-using ClassSamples = std::array<TapSamples, kClasses>;
-using AxisSamples = std::array<ClassSamples, 3>;
+using TapSamples = std::array<AxisSamples, 3>;
 
 /// Where a row of taps of an axis stands in the order of decoding.
 enum class TapRowState { decoded, ahead, own };
@@ -81,12 +85,14 @@ void append_features(const Stage& stage, Workspace<std::int16_t>& work,
 /// equal shares.
 void take_samples(const Stage& stage, Workspace<std::int16_t>& work,
                   const Target<std::int16_t>& target, std::int64_t wanted, std::uint32_t seed,
-                  ClassSamples& samples) {
+                  AxisSamples& samples) {
   static thread_local SampleGrid<std::int16_t> ahead;
   repeat_along(work.means, ahead, stage.axis, work.fine.size());
   copy_margins(ahead, work.fine);
   const std::int64_t total = stage.pairs.voxel_count();
   const std::int64_t shares = std::min(wanted, total);
+  const auto expected = samples.details.size() + static_cast<std::size_t>(shares);
+  samples.features.reserve(expected * static_cast<std::size_t>(tap_count(stage.axis)));
   std::uint32_t state = seed * 2654435761u + 12345u;
   for (std::int64_t share = 0; share < shares; ++share) {
     state = state * 1664525u + 1013904223u;
@@ -95,16 +101,17 @@ void take_samples(const Stage& stage, Workspace<std::int16_t>& work,
     const Index3 pair{at % stage.pairs.x, row % stage.pairs.y, row / stage.pairs.y};
     const std::size_t activity = work.activities.row(pair.y, pair.z)[pair.x];
     if (activity == 0 || work.limits.row(pair.y, pair.z)[pair.x] == 0) continue;
-    append_features(stage, work, ahead, pair, samples[activity].features);
-    samples[activity].details.push_back(target_detail(target, stage.axis, pair.x, pair.y, pair.z));
+    samples.of_class[activity].push_back(static_cast<std::uint32_t>(samples.details.size()));
+    append_features(stage, work, ahead, pair, samples.features);
+    samples.details.push_back(target_detail(target, stage.axis, pair.x, pair.y, pair.z));
   }
 }
 
 /// The samples of the levels of a group that each training sample gives, by axis and class.
 /// share  of the usual number of samples, one in that many
-std::vector<AxisSamples> gather(const Parameters& p, const std::vector<TrainingSample>& training,
-                                int group, std::int64_t share) {
-  std::vector<AxisSamples> by_sample(training.size());
+std::vector<TapSamples> gather(const Parameters& p, const std::vector<TrainingSample>& training,
+                               int group, std::int64_t share) {
+  std::vector<TapSamples> by_sample(training.size());
   // Samples are exact whatever predicts them, so the cheap predictor will do on the way.
   Parameters gathering = p;
   if (p.quantizer.detail_step == 0) gathering.predictor = Predictor::means;
@@ -128,77 +135,81 @@ std::vector<AxisSamples> gather(const Parameters& p, const std::vector<TrainingS
   return by_sample;
 }
 
-/// The magnitude of a sample's residual under the fitted weights.
-float residual_magnitude(const std::int16_t* features, std::int32_t detail,
-                         const std::vector<float>& fitted) {
-  float parts[8] = {};
-  for (std::size_t k = 0; k < fitted.size(); k += 8) {
-    for (std::size_t lane = 0; lane < 8; ++lane) {
-      parts[lane] += fitted[k + lane] * static_cast<float>(features[k + lane]);
+/// The root of a sample's weight. `residual` is what a fit leaves of its detail; without one, the
+/// first fit is to be made. 1 / step, or 1 / ((1 + |residual|) * sqrt(step)).
+float weight_root(const SampleMeasures& measured, std::size_t taps,
+                  std::optional<float> residual) {
+  const float step = 1.0f + static_cast<float>(measured.sum) / static_cast<float>(taps);
+  if (!residual) return 1.0f / std::sqrt(step);
+  return 1.0f / std::sqrt((1.0f + std::fabs(*residual)) * std::sqrt(step));
+}
+
+/// The samples of an activity class among those of a split axis, in order.
+struct ClassSamples {
+  std::vector<const AxisSamples*> of_axis;
+  std::size_t activity = 0;
+  std::size_t count = 0;
+};
+
+/// Adds one in `every` of the samples. weights: of the fit before, Q12; none: there was none
+void add_samples(const ClassSamples& samples, std::size_t taps, std::size_t every,
+                 std::span<const std::int16_t> weights, NormalEquations& equations) {
+  std::size_t skipped = every / 2;
+  for (const AxisSamples* const s : samples.of_axis) {
+    for (const std::uint32_t number : s->of_class[samples.activity]) {
+      if (++skipped < every) continue;
+      skipped = 0;
+      const std::span features(s->features.data() + number * taps, taps);
+      const std::int32_t detail = s->details[number];
+      const SampleMeasures measured = measure(features, weights);
+      std::optional<float> residual;
+      if (!weights.empty()) {
+        residual = static_cast<float>(detail) -
+                   static_cast<float>(measured.predicted) / (1 << kWeightBits);
+      }
+      equations.add(features, detail, measured, weight_root(measured, taps, residual));
     }
   }
-  float predicted = 0;
-  for (const float part : parts) predicted += part;
-  return std::fabs(static_cast<float>(detail) - predicted);
 }
 
-/// 1 + the mean step from a sample to its neighbors.
-float mean_step(const std::int16_t* features, std::size_t taps) {
-  std::int32_t sum = 0;
-  for (std::size_t k = 0; k < taps; ++k) sum += std::abs(std::int32_t{features[k]});
-  return 1.0f + static_cast<float>(sum) / static_cast<float>(taps);
-}
-
-/// Without `fitted`: 1 / step. With it: 1 / ((1 + |residual|) * sqrt(step)).
-std::vector<float> sample_weights(const TapSamples& samples, std::size_t taps,
-                                  const std::vector<double>* fitted) {
-  std::vector<float> weights(samples.details.size());
-  std::vector<float> w;
-  if (fitted != nullptr) w.assign(fitted->begin(), fitted->end());
-  for (std::size_t i = 0; i < weights.size(); ++i) {
-    const std::int16_t* const f = samples.features.data() + i * taps;
-    const float step = mean_step(f, taps);
-    weights[i] = 1.0f / step;
-    if (fitted == nullptr) continue;
-    weights[i] = 1.0f / ((1.0f + residual_magnitude(f, samples.details[i], w)) * std::sqrt(step));
+/// Weights as a fit gives them, rounded to Q12.
+std::vector<std::int16_t> rounded(const std::vector<double>& fitted) {
+  std::vector<std::int16_t> weights;
+  for (const double weight : fitted) {
+    weights.push_back(static_cast<std::int16_t>(
+        std::lround(std::clamp<double>(weight * (1 << kWeightBits), -16000, 16000))));
   }
   return weights;
 }
 
-/// One in `every` of the samples, from the first on.
-TapSamples thinned(const TapSamples& samples, std::size_t taps, std::size_t first,
-                   std::size_t every) {
-  TapSamples few;
-  for (std::size_t i = first; i < samples.details.size(); i += every) {
-    const auto from = samples.features.begin() + static_cast<std::ptrdiff_t>(i * taps);
-    few.features.insert(few.features.end(), from, from + static_cast<std::ptrdiff_t>(taps));
-    few.details.push_back(samples.details[i]);
-  }
-  return few;
-}
-
-std::vector<double> fit_taps(const std::vector<const TapSamples*>& samples, std::size_t count,
-                             int taps, std::span<const std::size_t> rounds) {
+std::vector<double> fit_taps(const ClassSamples& samples, int taps,
+                             std::span<const std::size_t> rounds) {
   std::vector<double> fitted;
   const auto n = static_cast<std::size_t>(taps);
   for (const std::size_t round : rounds) {
-    const std::size_t every = std::clamp<std::size_t>(count / kFewInRound, 1, round);
-    const std::vector<double>* const last = fitted.empty() ? nullptr : &fitted;
-    NormalEquations equations(taps);
-    std::size_t first = every / 2;
-    for (const TapSamples* s : samples) {
-      if (every == 1) {
-        accumulate(equations, s->features, s->details, sample_weights(*s, n, last));
-        continue;
-      }
-      const TapSamples few = thinned(*s, n, first, every);
-      accumulate(equations, few.features, few.details, sample_weights(few, n, last));
-      // The next training sample goes on where this one ends.
-      first += few.details.size() * every - s->details.size();
-    }
-    fitted = solve(equations, kTapRidge);
+    const std::size_t every = std::clamp<std::size_t>(samples.count / kFewInRound, 1, round);
+    NormalEquations equations(n);
+    add_samples(samples, n, every, rounded(fitted), equations);
+    equations.finish();
+    fitted = solve(equations.matrix(), equations.right(), kTapRidge);
   }
   return fitted;
+}
+
+/// Weights between those of another model and those that fit samples best.
+std::vector<double> refine_taps(const ClassSamples& samples, int taps, const std::int16_t* start) {
+  const auto n = static_cast<std::size_t>(taps);
+  NormalEquations equations(n);
+  add_samples(samples, n, 1, {start, n}, equations);
+  equations.finish();
+  std::vector<double> matrix = equations.matrix();
+  std::vector<double> right = equations.right();
+  for (std::size_t k = 0; k < n; ++k) {
+    double& own = matrix[k * n + k];
+    right[k] += kStartTrust * own * start[k] / (1 << kWeightBits);
+    own += kStartTrust * own;
+  }
+  return solve(std::move(matrix), std::move(right), kTapRidge);
 }
 
 void set_weights(std::int16_t* weights, const std::vector<double>& fitted, int axis, int step) {
@@ -220,20 +231,25 @@ void set_weights(std::int16_t* weights, const std::vector<double>& fitted, int a
   weights[center_tap(axis)] = static_cast<std::int16_t>(-sum);
 }
 
-/// Learns p.weights of a group from its samples.
-void fit_weights(Parameters& p, const std::vector<AxisSamples>& by_sample, int group,
-                 std::span<const std::size_t> rounds) {
+/// Learns p.weights of a group from its samples. Where `refines`, weights that are there are a
+/// start.
+void fit_weights(Parameters& p, const std::vector<TapSamples>& by_sample, int group,
+                 std::span<const std::size_t> rounds, bool refines) {
   tbb::parallel_for(0, 3 * (kClasses - 1), [&](int task) {
     const int axis = task % 3;
     const int activity = 1 + task / 3;
-    std::vector<const TapSamples*> all;
-    std::size_t count = 0;
-    for (const AxisSamples& one : by_sample) {
-      all.push_back(&one[static_cast<std::size_t>(axis)][static_cast<std::size_t>(activity)]);
-      count += all.back()->details.size();
+    ClassSamples samples{{}, static_cast<std::size_t>(activity), 0};
+    for (const TapSamples& one : by_sample) {
+      samples.of_axis.push_back(&one[static_cast<std::size_t>(axis)]);
+      samples.count += samples.of_axis.back()->of_class[samples.activity].size();
     }
-    if (count < kFewSamples) return;
-    set_weights(p.weights[group][axis][activity], fit_taps(all, count, tap_count(axis), rounds),
+    if (samples.count < kFewSamples) return;
+    std::int16_t* const weights = p.weights[group][axis][activity];
+    const int taps = tap_count(axis);
+    const bool has_start = std::any_of(weights, weights + taps, [](int w) { return w != 0; });
+    set_weights(weights,
+                refines && has_start ? refine_taps(samples, taps, weights)
+                                     : fit_taps(samples, taps, rounds),
                 axis, p.weight_step);
   });
 }
@@ -274,11 +290,29 @@ void add_means(const Stage& stage, Workspace<std::int16_t>& work,
 }  // namespace
 
 void learn_weights(Parameters& p, const std::vector<TrainingSample>& training, int group) {
-  fit_weights(p, gather(p, training, group, 1), group, kRounds);
+  fit_weights(p, gather(p, training, group, 1), group, kRounds, false);
+}
+
+void refine_weights(Parameters& p, const std::vector<TrainingSample>& training, int group) {
+  fit_weights(p, gather(p, training, group, kRefiningShare), group, kRounds, true);
+}
+
+void coarsen_weights(Parameters& p) {
+  for (auto& group : p.weights) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (auto& weights : group[axis]) {
+        std::vector<double> fine;
+        for (int tap = 0; tap < tap_count(axis); ++tap) {
+          fine.push_back(static_cast<double>(weights[tap]) / (1 << kWeightBits));
+        }
+        set_weights(weights, fine, axis, p.weight_step);
+      }
+    }
+  }
 }
 
 double detail_cost(Parameters p, const std::vector<TrainingSample>& training) {
-  fit_weights(p, gather(p, training, 0, kTrialShare), 0, kTrialRounds);
+  fit_weights(p, gather(p, training, 0, kTrialShare), 0, kTrialRounds, false);
   std::vector<std::uint64_t> costs(training.size());
   tbb::parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
     walk_level(p, training[i], 0,

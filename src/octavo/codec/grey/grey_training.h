@@ -83,6 +83,13 @@ constexpr int levels_of_group(int group) { return group < 2 ? 1 : kTierLevels; }
 /// Learns p.weights of a level group; needs those of the coarser groups when details are quantized.
 void learn_weights(Parameters& p, const std::vector<TrainingSample>& training, int group);
 
+/// Brings p.weights of a level group, learned from other samples, nearer to what these ask for;
+/// takes fewer of them than learning does.
+void refine_weights(Parameters& p, const std::vector<TrainingSample>& training, int group);
+
+/// Brings p.weights to multiples of p.weight_step.
+void coarsen_weights(Parameters& p);
+
 /// Learns p.mean_weights of a level group, as above.
 void learn_mean_weights(Parameters& p, const std::vector<TrainingSample>& training, int group);
 
@@ -91,9 +98,26 @@ void learn_mean_weights(Parameters& p, const std::vector<TrainingSample>& traini
 double detail_cost(Parameters p, const std::vector<TrainingSample>& training);
 
 /// Learns p.context_weights; needs the weights of the prediction.
-void learn_contexts(Parameters& p, const std::vector<TrainingSample>& training);
+/// share  one in so many of the training samples is enough
+void learn_contexts(Parameters& p, const std::vector<TrainingSample>& training, std::size_t share);
+
+/// Bits, in units of 1/65536, that the residuals of level 0 take.
+struct TableCost {
+  std::int64_t own_bits = 0;    ///< under tables of their own
+  std::int64_t given_bits = 0;  ///< under p.frequencies
+
+  /// What the latter are more, as a part of the former.
+  double excess() const {
+    if (own_bits == 0) return 0;
+    return static_cast<double>(given_bits) / static_cast<double>(own_bits) - 1;
+  }
+};
+TableCost table_cost(const Parameters& p, const std::vector<TrainingSample>& training,
+                     std::size_t share);
 
 /// Learns p.frequencies, and p.edge_frequencies where edges are told apart; needs all weights.
-void learn_frequencies(Parameters& p, const std::vector<TrainingSample>& training);
+/// share: as above
+void learn_frequencies(Parameters& p, const std::vector<TrainingSample>& training,
+                       std::size_t share);
 
 }  // namespace octavo::grey

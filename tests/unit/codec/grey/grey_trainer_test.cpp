@@ -1,0 +1,156 @@
+// Models of later groups, which start from the first group's.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "octavo/codec/refine_model.h"
+
+namespace octavo {
+namespace {
+
+/// 32 bricks: a sample of a larger group.
+constexpr Size3 kSize = {512, 256, 16};
+constexpr Size3 kBrick = {64, 64, 16};
+
+/// Waves with noise of so many bits.
+class Group {
+ public:
+  Group(std::uint32_t seed, int noise_bits) {
+    std::mt19937 random(seed);
+    for (std::int64_t z = 0; z < kSize.z; ++z) {
+      for (std::int64_t y = 0; y < kSize.y; ++y) {
+        for (std::int64_t x = 0; x < kSize.x; ++x) {
+          const double wave = std::sin(0.2 * static_cast<double>(x)) *
+                              std::cos(0.15 * static_cast<double>(y + 2 * z));
+          const auto noise = static_cast<double>(random() >> (32 - noise_bits));
+          voxels_.push_back(static_cast<std::int16_t>(std::floor(400 * wave + noise)));
+        }
+      }
+    }
+    const Levels levels(kSize, choose_halvings(kSize, {1, 1, 1}));
+    for (std::int64_t y = 0; y < kSize.y / kBrick.y; ++y) {
+      for (std::int64_t x = 0; x < kSize.x / kBrick.x; ++x) {
+        const std::int64_t at = y * kBrick.y * kSize.x + x * kBrick.x;
+        bricks_.push_back({brick_shape(levels, 0, {x, y, 0}),
+                           {voxels_.data() + at, VoxelType::int16, kBrick, kSize.x,
+                            kSize.x * kSize.y}});
+      }
+    }
+  }
+  Group(const Group&) = delete;
+  Group& operator=(const Group&) = delete;
+
+  std::span<const TrainingBrick> bricks() const { return bricks_; }
+
+ private:
+  std::vector<std::int16_t> voxels_;
+  std::vector<TrainingBrick> bricks_;
+};
+
+std::unique_ptr<BrickCodec> trained(std::span<const TrainingBrick> bricks,
+                                    const CodecSettings& settings) {
+  return train_grey_model(VoxelType::int16, bricks, settings);
+}
+
+std::unique_ptr<BrickCodec> refined(const BrickCodec& first, std::span<const TrainingBrick> bricks,
+                                    const CodecSettings& settings) {
+  return refine_model(first, VoxelType::int16, bricks, settings);
+}
+
+std::size_t size_of(const BrickCodec& codec, const Group& group) {
+  std::size_t size = 0;
+  for (const TrainingBrick& brick : group.bricks()) {
+    for (const Bytes& segment : codec.encode(brick.shape, brick.view).segments) {
+      size += segment.size();
+    }
+  }
+  return size;
+}
+
+std::int64_t largest_error(const BrickCodec& codec, const TrainingBrick& brick) {
+  const EncodedBrick encoded = codec.encode(brick.shape, brick.view);
+  std::vector<std::int16_t> decoded(static_cast<std::size_t>(kBrick.voxel_count()));
+  const std::vector<ByteSpan> segments(encoded.segments.begin(), encoded.segments.end());
+  codec.decode(brick.shape, VoxelType::int16, encoded.range, segments, 0, decoded.data());
+  std::int64_t largest = 0;
+  std::size_t i = 0;
+  for (std::int64_t z = 0; z < kBrick.z; ++z) {
+    for (std::int64_t y = 0; y < kBrick.y; ++y) {
+      const auto* const row = static_cast<const std::int16_t*>(brick.view.voxels) +
+                              z * brick.view.plane_stride + y * brick.view.row_stride;
+      for (std::int64_t x = 0; x < kBrick.x; ++x) {
+        largest = std::max<std::int64_t>(largest, std::abs(decoded[i++] - row[x]));
+      }
+    }
+  }
+  return largest;
+}
+
+class RefinementOf : public ::testing::TestWithParam<CodecSettings> {
+ protected:
+  /// Training, with the order of axes that a first model brings along.
+  std::unique_ptr<BrickCodec> trained_behind(const BrickCodec& first_of,
+                                             std::span<const TrainingBrick> bricks) const {
+    CodecSettings settings = GetParam();
+    settings.axis_order = first_of.axis_order();
+    return trained(bricks, settings);
+  }
+
+  const Group first{1, 4};
+  const Group alike{2, 4};
+  const Group other{3, 7};
+  const std::unique_ptr<BrickCodec> first_model = trained(first.bricks(), GetParam());
+};
+
+TEST_P(RefinementOf, ComesToTheSameFromAParsedModel) {
+  const auto parsed = parse_grey_model(VoxelType::int16, first_model->serialized());
+  EXPECT_EQ(refined(*parsed, alike.bricks(), GetParam())->serialized(),
+            refined(*first_model, alike.bricks(), GetParam())->serialized());
+}
+
+/// Noise asks for no weights of its own: a model that has them fits its own bricks a little better.
+TEST_P(RefinementOf, StartsFromTheFirstModelWhereContentIsAlike) {
+  const auto second_model = trained_behind(*first_model, alike.bricks());
+  const auto refined_model = refined(*first_model, alike.bricks(), GetParam());
+  EXPECT_NE(refined_model->serialized(), second_model->serialized());
+  EXPECT_NE(refined_model->serialized(), first_model->serialized());
+  EXPECT_LE(static_cast<double>(size_of(*refined_model, alike)),
+            static_cast<double>(size_of(*second_model, alike)) * 1.003);
+}
+
+TEST_P(RefinementOf, IsTrainingWhereContentIsAnother) {
+  EXPECT_EQ(refined(*first_model, other.bricks(), GetParam())->serialized(),
+            trained_behind(*first_model, other.bricks())->serialized());
+}
+
+TEST_P(RefinementOf, IsTrainingBehindAGroupWithoutContent) {
+  const auto empty = trained({}, GetParam());
+  EXPECT_EQ(refined(*empty, alike.bricks(), GetParam())->serialized(),
+            trained_behind(*empty, alike.bricks())->serialized());
+}
+
+TEST_P(RefinementOf, IsTrainingWhereBricksAreFew) {
+  const auto few = alike.bricks().first(7);
+  EXPECT_EQ(refined(*first_model, few, GetParam())->serialized(),
+            trained_behind(*first_model, few)->serialized());
+}
+
+TEST_P(RefinementOf, KeepsWithinTheMaximumError) {
+  const auto model = refined(*first_model, alike.bricks(), GetParam());
+  for (const TrainingBrick& brick : alike.bricks().first(3)) {
+    EXPECT_LE(largest_error(*model, brick), GetParam().max_error);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryKind, RefinementOf,
+                         ::testing::Values(CodecSettings{Preset::small, 0},
+                                           CodecSettings{Preset::fast, 0},
+                                           CodecSettings{Preset::small, 2}),
+                         [](const auto& of) {
+                           return std::string(of.param.preset == Preset::fast ? "fast" : "small") +
+                                  (of.param.max_error > 0 ? "_lossy" : "");
+                         });
+
+}  // namespace
+}  // namespace octavo
