@@ -1,4 +1,4 @@
-// Random access to an .8vo file: how many single voxels and boxes a second, nothing cached.
+// Random access to an .8vo file: how many single voxels, boxes and slices a second, nothing cached.
 //
 // usage: bench_access [--commit ID] [--rounds N] [--threads N] [--seconds S] FILE.8vo
 //
@@ -30,16 +30,19 @@ struct AccessSettings : Settings {
   std::string path;
 };
 
+/// As long as the volume.
+inline constexpr std::int64_t kWhole = kMaxAxis;
+
 struct Request {
   const char* operation;
-  std::int64_t side;
+  Size3 sides;
 };
 
-/// A box of at most `side` per axis at a random place.
-Box random_box(const Size3& size, std::int64_t side, std::mt19937_64& random) {
+/// A box of at most such sides at a random place.
+Box random_box(const Size3& size, const Size3& sides, std::mt19937_64& random) {
   Box box;
   for (int axis = 0; axis < 3; ++axis) {
-    const std::int64_t length = std::min(side, size[axis]);
+    const std::int64_t length = std::min(sides[axis], size[axis]);
     box.lo[axis] = std::uniform_int_distribution<std::int64_t>(0, size[axis] - length)(random);
     box.hi[axis] = box.lo[axis] + length;
   }
@@ -54,11 +57,11 @@ Bytes read_box(const FileReader& reader, const Box& box) {
 }
 
 /// Proves one random box against the planes it was cut from.
-void prove(const FileReader& reader, std::int64_t side) {
+void prove(const FileReader& reader, const Size3& sides) {
   std::mt19937_64 random(7);
   const Size3 size = reader.description().size;
   const auto voxel_bytes = static_cast<std::size_t>(bytes_per_voxel(reader.description().type));
-  const Box box = random_box(size, side, random);
+  const Box box = random_box(size, sides, random);
   const Bytes cut = read_box(reader, box);
   const auto row_bytes = static_cast<std::size_t>(box.size().x) * voxel_bytes;
   const std::uint8_t* row = cut.data();
@@ -74,7 +77,7 @@ void prove(const FileReader& reader, std::int64_t side) {
 }
 
 /// Requests done in `seconds` by `threads` threads together.
-std::int64_t requests_done(const FileReader& reader, std::int64_t side,
+std::int64_t requests_done(const FileReader& reader, const Size3& sides,
                            const AccessSettings& settings, std::uint64_t seed, double& elapsed) {
   std::atomic<std::int64_t> done = 0;
   const double start = now_seconds();
@@ -83,7 +86,7 @@ std::int64_t requests_done(const FileReader& reader, std::int64_t side,
     threads.emplace_back([&, i] {
       std::mt19937_64 random(seed + static_cast<std::uint64_t>(i) * 1000003);
       do {
-        read_box(reader, random_box(reader.description().size, side, random));
+        read_box(reader, random_box(reader.description().size, sides, random));
         ++done;
       } while (now_seconds() - start < settings.seconds);
     });
@@ -100,15 +103,16 @@ void measure(const FileReader& reader, const Request& request, const AccessSetti
   row.operation = request.operation;
   const Size3& size = reader.description().size;
   row.voxel_count =
-      static_cast<std::uint64_t>(std::min(request.side, size.x) * std::min(request.side, size.y) *
-                                 std::min(request.side, size.z));
+      static_cast<std::uint64_t>(std::min(request.sides.x, size.x) *
+                                 std::min(request.sides.y, size.y) *
+                                 std::min(request.sides.z, size.z));
   row.bytes =
       row.voxel_count * static_cast<std::uint64_t>(bytes_per_voxel(reader.description().type));
   row.raw_bytes = row.bytes;
   reset_peak_memory();
   for (std::uint64_t run = 0; run < static_cast<std::uint64_t>(settings.rounds); ++run) {
     double elapsed = 0;
-    const std::int64_t done = requests_done(reader, request.side, settings, run + 1, elapsed);
+    const std::int64_t done = requests_done(reader, request.sides, settings, run + 1, elapsed);
     row.seconds.push_back(elapsed / static_cast<double>(done));
   }
   row.peak_memory_bytes = peak_memory_bytes();
@@ -138,10 +142,14 @@ void run(const AccessSettings& settings) {
   const auto source = open_byte_source(local_storage(), settings.path);
   const auto reader = FileReader::open(source, options);
   constexpr Request kRequests[] = {
-      {"read voxel cold", 1}, {"read box 32 cold", 32}, {"read box 192 cold", 192}};
+      {"read voxel cold", {1, 1, 1}},           {"read box 32 cold", {32, 32, 32}},
+      {"read box 192 cold", {192, 192, 192}},   {"read slice z cold", {kWhole, kWhole, 1}},
+      {"read slice y cold", {kWhole, 1, kWhole}}, {"read slice x cold", {1, kWhole, kWhole}}};
   std::cout << csv_header() << "\n";
   for (const Request& request : kRequests) {
-    prove(*reader, std::min<std::int64_t>(request.side, 32));
+    prove(*reader, {std::min<std::int64_t>(request.sides.x, 32),
+                    std::min<std::int64_t>(request.sides.y, 32),
+                    std::min<std::int64_t>(request.sides.z, 32)});
     measure(*reader, request, settings);
   }
 }

@@ -84,13 +84,14 @@ class TaskFiles : public ::testing::Test {
   struct Failure {
     ErrorKind kind = ErrorKind::internal;
     std::string field = "nothing failed";
+    std::string detail = "nothing failed";
   };
 
   static Failure failure_of(const std::function<void()>& work) {
     try {
       work();
     } catch (const Error& error) {
-      return {error.kind(), error.field()};
+      return {error.kind(), error.field(), error.detail()};
     }
     return {};
   }

@@ -37,6 +37,22 @@ std::shared_ptr<const FileReader> open_grey(const MeasureOptions& options,
       .with_field("grey.kind");
 }
 
+std::shared_ptr<const FileReader> open_regions(const MeasureOptions& options,
+                                               const TaskContext& context) {
+  try {
+    return open_labels(options.labels, context, kAsLabels);
+  } catch (const Error& error) {
+    if (error.field() != kAsLabels.field || options.grey.empty() ||
+        open_volume(options.grey, context)->description().kind != VolumeKind::labels) {
+      throw;
+    }
+    throw Error(ErrorKind::invalid_argument,
+                "holds grey values, and " + options.grey +
+                    " holds labels: they stand in each other's place",
+                options.labels);
+  }
+}
+
 /// Grey statistics in real units.
 GreyStatistics real_statistics(const GreyStatistics& stored, const Rescale& rescale,
                                std::uint64_t voxels) {
@@ -97,7 +113,7 @@ void warn_of_not_finite(const MeasureResult& result, const std::string& path,
 }  // namespace
 
 MeasureResult measure(const MeasureOptions& options, const TaskContext& context) {
-  const auto labels = open_labels(options.labels, context, kAsLabels);
+  const std::shared_ptr<const FileReader> labels = open_regions(options, context);
   const VolumeDescription& volume = labels->description();
   std::shared_ptr<const FileReader> grey;
   if (!options.grey.empty()) grey = open_grey(options, volume, context);

@@ -12,6 +12,7 @@
 #include "support/dense_labels.h"
 #include "support/dense_mask.h"
 #include "support/memory_storage.h"
+#include "support/stopping_progress.h"
 
 namespace octavo {
 namespace {
@@ -188,22 +189,6 @@ TEST(TreeBuilder, EveryFailingCallLeavesNothing) {
   }
 }
 
-// Asks to stop at look number `stop_at`.
-class StoppingProgress final : public Progress {
- public:
-  explicit StoppingProgress(int stop_at) : stop_at_(stop_at) {}
-  void begin(std::string_view, std::int64_t total, std::string_view) override { total_ += total; }
-  void advance(std::int64_t units) override { done_ += units; }
-  void end() override { ++ends_; }
-  bool is_cancelled() const override { return looks_++ >= stop_at_; }
-
-  int stop_at_;
-  std::int64_t total_ = 0;
-  std::atomic<std::int64_t> done_ = 0;
-  int ends_ = 0;
-  mutable std::atomic<int> looks_ = 0;
-};
-
 TEST(TreeBuilder, AStopAtAnyLookLeavesNothing) {
   const MaskTree mask = some_mask({200, 130, 66});
   const VolumeDescription description =
@@ -211,7 +196,7 @@ TEST(TreeBuilder, AStopAtAnyLookLeavesNothing) {
   for (const int threads : {1, 2}) {
     for (int k = 0;; ++k) {
       MemoryStorage storage;
-      StoppingProgress progress(k);
+      testing::StoppingProgress progress(k);
       ErrorKind kind = ErrorKind::internal;
       try {
         build_tree(mask, description, storage, {.threads = threads}, progress);
@@ -220,7 +205,7 @@ TEST(TreeBuilder, AStopAtAnyLookLeavesNothing) {
         kind = error.kind();
       }
       EXPECT_EQ(progress.ends_, 1);
-      if (progress.looks_ <= k) {
+      if (progress.questions_ <= k) {
         EXPECT_GT(k, 10);
         EXPECT_EQ(storage.files.size(), 1u);
         break;
@@ -234,7 +219,7 @@ TEST(TreeBuilder, AStopAtAnyLookLeavesNothing) {
 TEST(TreeBuilder, ProgressCountsEveryPlane) {
   for (const Size3& size : {Size3{1, 1, 1}, Size3{70, 70, 300}, Size3{600, 520, 200}}) {
     MemoryStorage storage;
-    StoppingProgress progress(1 << 30);
+    testing::StoppingProgress progress(1 << 30);
     build_tree(box_mask(size, {{0, 0, 0}, {30, 50, 70}}),
                description_of(size, VoxelType::uint8, {1, 1, 1}), storage, {.threads = 2},
                progress);
@@ -247,7 +232,7 @@ TEST(TreeBuilder, ProgressCountsEveryPlane) {
 ErrorKind kind_of_failure(const LabelTree& tree, const VolumeDescription& description,
                           const TreeBuildOptions& options) {
   MemoryStorage storage;
-  StoppingProgress progress(1 << 30);
+  testing::StoppingProgress progress(1 << 30);
   try {
     build_tree(tree, description, storage, options, progress);
   } catch (const Error& error) {

@@ -10,6 +10,7 @@
 #include "octavo/file/write/writer.h"
 #include "octavo/octree/o_code.h"
 #include "support/sample_file.h"
+#include "support/stopping_progress.h"
 
 namespace octavo {
 namespace {
@@ -200,26 +201,13 @@ TEST(Reader, ASegmentIsItsBytesInTheFile) {
   }
 }
 
-/// Asks to stop from the n-th question on.
-class StoppingWatcher final : public Progress {
- public:
-  explicit StoppingWatcher(int after) : left_(after) {}
-  void begin(std::string_view, std::int64_t, std::string_view) override {}
-  void advance(std::int64_t) override {}
-  void end() override {}
-  bool is_cancelled() const override { return left_-- <= 0; }
-
- private:
-  mutable std::atomic<int> left_;
-};
-
 TEST(Reader, ReadingEndsAtTheNextBrickOnceItsWatcherAsksForThat) {
   SampleVolume volume = make_sample({200, 130, 70}, VoxelType::uint8, Pattern::gradient);
   const auto source = byte_source_of(sample_file_bytes(volume), "sample.8vo");
   const Box all = box_of(volume.levels.size(0));
   std::vector<std::uint8_t> out(static_cast<std::size_t>(all.size().voxel_count()));
   for (const int threads : {1, 3}) {
-    const StoppingWatcher watcher(2);
+    const testing::StoppingProgress watcher(2);
     ReaderOptions options;
     options.watcher = &watcher;
     const auto reader = FileReader::open(source, options);

@@ -12,6 +12,7 @@
 #include "octavo/file/verify.h"
 #include "octavo/file/write/writer.h"
 #include "support/sample_file.h"
+#include "support/stopping_progress.h"
 
 namespace octavo {
 namespace {
@@ -140,24 +141,11 @@ TEST(Verify, MetadataThatAreNoJsonObjectAreDamage) {
   }
 }
 
-/// Says that the user asked to stop from the n-th question on.
-class Stopped final : public Progress {
- public:
-  explicit Stopped(int after) : left_(after) {}
-  void begin(std::string_view, std::int64_t, std::string_view) override {}
-  void advance(std::int64_t) override {}
-  void end() override {}
-  bool is_cancelled() const override { return left_-- <= 0; }
-
- private:
-  mutable std::atomic<int> left_;
-};
-
 TEST(Verify, StopsWhenAskedTo) {
   SampleVolume volume = make_sample({66, 20, 70}, VoxelType::int16, Pattern::gradient);
   const auto source = byte_source_of(sample_file_bytes(volume), "sample.8vo");
   for (int after = 0; after < 4; ++after) {
-    Stopped progress(after);
+    testing::StoppingProgress progress(after);
     try {
       verify_file(source, {}, progress);
       ADD_FAILURE() << after;

@@ -2,6 +2,7 @@
 
 #include <random>
 
+#include "support/stopping_progress.h"
 #include "support/task_files.h"
 
 namespace octavo {
@@ -77,12 +78,7 @@ TEST_F(Combine, AnotherGridIsRejectedUnlessItIsResampled) {
 }
 
 TEST_F(Combine, AStopThatIsAskedForLeavesNoFile) {
-  struct Stopped final : Progress {
-    void begin(std::string_view, std::int64_t, std::string_view) override {}
-    void advance(std::int64_t) override {}
-    void end() override {}
-    bool is_cancelled() const override { return true; }
-  } stopped;
+  testing::StoppingProgress stopped;
   context_.progress = &stopped;
   EXPECT_EQ(failure_of([&] { combine(options_, context_); }).kind, ErrorKind::cancelled);
   EXPECT_FALSE(std::filesystem::exists(options_.output.path));

@@ -171,13 +171,25 @@ TEST_F(Measure, FilesOfTheWrongKindAreRejected) {
   const std::string grey = write_grey(1);
   options_.grey = options_.labels;
   EXPECT_EQ(failure_of([&] { measure(options_, context_); }).field, "grey.kind");
-  options_.labels = grey;
+  options_ = {grey, {}, {}};
+  EXPECT_EQ(failure_of([&] { measure(options_, context_); }).field, "labels.kind");
+  options_ = {grey, grey, {}};
   EXPECT_EQ(failure_of([&] { measure(options_, context_); }).field, "labels.kind");
   options_ = {write("again.8vo", labels_), grey, {101}};
   EXPECT_EQ(failure_of([&] { measure(options_, context_); }).kind, ErrorKind::invalid_argument);
   geometry_.origin_mm[2] += 1;
   options_ = {write("moved.8vo", labels_), grey, {50}};
   EXPECT_EQ(failure_of([&] { measure(options_, context_); }).field, "grid");
+}
+
+TEST_F(Measure, FilesInEachOthersPlaceAreNamed) {
+  const std::string labels = options_.labels;
+  options_ = {write_grey(1), labels, {}};
+  const Failure failure = failure_of([&] { measure(options_, context_); });
+  EXPECT_EQ(failure.kind, ErrorKind::invalid_argument);
+  EXPECT_NE(failure.detail.find(labels + " holds labels: they stand in each other's place"),
+            std::string::npos)
+      << failure.detail;
 }
 
 }  // namespace

@@ -50,11 +50,29 @@ SourceCheck compared(const VerifyVolumeOptions& options,
   return check;
 }
 
+/// Whether a scan stands where the file was expected, and the file in its place.
+bool is_swapped(const Error& error, const VerifyVolumeOptions& options) {
+  return error.kind() == ErrorKind::not_octavo && !is_octavo_path(options.input) &&
+         options.against.size() == 1 && is_octavo_path(options.against.front());
+}
+
+VerifyReport checked_file(const VerifyVolumeOptions& options, const TaskContext& context) {
+  try {
+    return checked(options.input, context);
+  } catch (const Error& error) {
+    if (!is_swapped(error, options)) throw;
+    throw Error(ErrorKind::invalid_argument,
+                "no 8vo file, and " + options.against.front() +
+                    " is one by its name: they stand in each other's place",
+                options.input);
+  }
+}
+
 }  // namespace
 
 VerifyVolumeResult verify_volume(const VerifyVolumeOptions& options, const TaskContext& context) {
   if (options.against.empty()) require_scan_for_options({options.input}, options.scan);
-  VerifyVolumeResult result{checked(options.input, context), {}, {}};
+  VerifyVolumeResult result{checked_file(options, context), {}, {}};
   if (!result.report.is_sound()) return result;
   TaskContext any_size = context;
   any_size.max_voxels = 0;  // what was proven is what is there, and no voxel of it is kept

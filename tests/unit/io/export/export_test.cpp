@@ -14,6 +14,7 @@
 #include "support/built_file.h"
 #include "support/memory_reader.h"
 #include "support/memory_storage.h"
+#include "support/stopping_progress.h"
 #include "support/volume_readers.h"
 #include "support/voxel_numbers.h"
 
@@ -542,17 +543,9 @@ TEST(Export, EveryFailingCallLeavesNothing) {
   }
 }
 
-class StopAtOnce final : public Progress {
- public:
-  void begin(std::string_view, std::int64_t, std::string_view) override {}
-  void advance(std::int64_t) override {}
-  void end() override {}
-  bool is_cancelled() const override { return true; }
-};
-
 TEST(Export, ACancelledExportLeavesNothing) {
   Built built(make_volume(VoxelType::uint8, {9, 9, 9}));
-  StopAtOnce progress;
+  testing::StoppingProgress progress;
   for (const std::string name : {"a.raw", "a.mhd", "a.nii.gz", "a.tif", "stack/"}) {
     const std::string path = built.folder.file(name);
     EXPECT_EQ(kind_of([&] {

@@ -12,6 +12,7 @@
 #include "octavo/ops/mask/set_operations.h"
 #include "octavo/ops/mask/surface_voxels.h"
 #include "support/dense_mask.h"
+#include "support/stopping_progress.h"
 
 namespace octavo {
 namespace {
@@ -192,12 +193,7 @@ TEST(Morphology, DoesNotDependOnThreads) {
 }
 
 TEST(Morphology, StopsWhenAsked) {
-  struct Cancelled final : Progress {
-    void begin(std::string_view, std::int64_t, std::string_view) override {}
-    void advance(std::int64_t) override {}
-    void end() override {}
-    bool is_cancelled() const override { return true; }
-  } progress;
+  testing::StoppingProgress progress;
   const Size3 size{100, 90, 80};
   const Reach reach = Reach::within_mm(5, {1, 1, 1}, size);
   EXPECT_THROW(dilate(box_mask(size, {{5, 5, 5}, {20, 20, 20}}), reach, progress), Error);

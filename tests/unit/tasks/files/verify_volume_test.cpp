@@ -49,5 +49,15 @@ TEST_F(VerifyVolume, ADamagedHeaderNamesRepair) {
   EXPECT_EQ(failure_of([&] { verify_volume(options_, context_); }).field, "input.repair");
 }
 
+TEST_F(VerifyVolume, AScanInThePlaceOfTheFileIsNamed) {
+  const std::string file = options_.input;
+  options_.input = write_raw("scan.raw", voxels_);
+  EXPECT_EQ(failure_of([&] { verify_volume(options_, context_); }).kind, ErrorKind::not_octavo);
+  options_.against = {file};
+  const Failure failure = failure_of([&] { verify_volume(options_, context_); });
+  EXPECT_EQ(failure.kind, ErrorKind::invalid_argument);
+  EXPECT_NE(failure.detail.find(file + " is one by its name"), std::string::npos) << failure.detail;
+}
+
 }  // namespace
 }  // namespace octavo

@@ -11,20 +11,12 @@
 #include "octavo/render/slice/montage.h"
 #include "support/built_file.h"
 #include "support/read_png.h"
+#include "support/stopping_progress.h"
 
 namespace octavo {
 namespace {
 
 constexpr Size3 kSliceSize = {40, 36, 24};
-
-/// Watches nothing and asks to stop.
-class Stopping final : public Progress {
- public:
-  void begin(std::string_view, std::int64_t, std::string_view) override {}
-  void advance(std::int64_t) override {}
-  void end() override {}
-  bool is_cancelled() const override { return true; }
-};
 
 class SliceTask : public ::testing::Test {
  protected:
@@ -244,7 +236,7 @@ TEST_F(SliceTask, WhatDoesNotGoTogetherIsRejectedAndWritesNothing) {
 }
 
 TEST_F(SliceTask, ACancelledTaskLeavesNothing) {
-  Stopping stopping;
+  testing::StoppingProgress stopping;
   context_.progress = &stopping;
   EXPECT_EQ(kind_of(options_), ErrorKind::cancelled);
   EXPECT_FALSE(std::filesystem::exists(folder_.file("p.png")));
