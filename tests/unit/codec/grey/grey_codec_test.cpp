@@ -7,10 +7,15 @@
 #include "octavo/codec/brick_codec.h"
 #include "octavo/codec/grey/grey_portable.h"
 #include "octavo/codec/grey/octant_transform.h"
+#include "support/coded_brick.h"
 #include "support/goal_cases.h"
 
 namespace octavo {
 namespace {
+
+using testing::shape_of;
+using testing::spans_of;
+using testing::view_of;
 
 enum class Content { smooth, noise, sparse, checkerboard, ramp, two_values };
 
@@ -46,20 +51,6 @@ std::vector<T> make_voxels(const Size3& size, Content content, std::uint32_t see
     }
   }
   return voxels;
-}
-
-template <class T>
-BrickView view_of(const std::vector<T>& voxels, const Size3& size) {
-  return {voxels.data(), voxel_type_of<T>(), size, size.x, size.x * size.y};
-}
-
-BrickShape shape_of(const Size3& size, const Point3& spacing = {1, 1, 1}) {
-  const Levels levels(size, choose_halvings(size, spacing));
-  return brick_shape(levels, 0, {0, 0, 0});
-}
-
-std::vector<ByteSpan> spans_of(const EncodedBrick& brick) {
-  return {brick.segments.begin(), brick.segments.end()};
 }
 
 /// The reference pyramid: level `level` of a brick by plain means.

@@ -13,16 +13,16 @@
 #include "octavo/codec/grey/grey_brick.h"
 #include "octavo/codec/grey/grey_model.h"
 #include "octavo/core/error.h"
+#include "support/coded_brick.h"
 
 namespace octavo {
 namespace {
 
-constexpr std::uint8_t kAllCuts = 7;
+using testing::shape_of;
+using testing::spans_of;
+using testing::view_of;
 
-BrickShape shape_of(const Size3& size, double thickness = 1) {
-  const Levels levels(size, choose_halvings(size, {1, 1, thickness}));
-  return brick_shape(levels, 0, {0, 0, 0});
-}
+constexpr std::uint8_t kAllCuts = 7;
 
 /// What the streams of a part may hold.
 enum class Streams { residuals, edges, gaps, cells };
@@ -52,15 +52,6 @@ std::vector<T> voxels_of(const Size3& size, Streams streams, unsigned seed) {
     }
   }
   return voxels;
-}
-
-template <class T>
-BrickView view_of(const std::vector<T>& voxels, const Size3& size) {
-  return {voxels.data(), voxel_type_of<T>(), size, size.x, size.x * size.y};
-}
-
-std::vector<ByteSpan> spans_of(const EncodedBrick& brick) {
-  return {brick.segments.begin(), brick.segments.end()};
 }
 
 /// A model of the straight axis order and of whole bricks.
@@ -143,7 +134,7 @@ class PartsOfType : public ::testing::Test {};
 using SomeTypes = ::testing::Types<std::uint8_t, std::int16_t, std::int32_t>;
 TYPED_TEST_SUITE(PartsOfType, SomeTypes);
 
-const Size3 kSizes[] = {{64, 64, 64}, {33, 40, 35}, {64, 34, 17}, {63, 33, 1}, {32, 64, 32}};
+const Size3 kPartSizes[] = {{64, 64, 64}, {33, 40, 35}, {64, 34, 17}, {63, 33, 1}, {32, 64, 32}};
 
 /// With every cut, every kind of stream and both predictors; of the sizes one full brick for each.
 TYPED_TEST(PartsOfType, DecodeAloneToWhatTheWholeBrickHolds) {
@@ -155,7 +146,7 @@ TYPED_TEST(PartsOfType, DecodeAloneToWhatTheWholeBrickHolds) {
       for (std::uint8_t cut = 0; cut <= kAllCuts; ++cut) {
         const auto codec = cut_codec<T>(trained, cut);
         const bool is_large_turn = cut % 4 == static_cast<std::uint8_t>(streams);
-        for (const Size3& size : kSizes) {
+        for (const Size3& size : kPartSizes) {
           if (size.voxel_count() > 100000 && !is_large_turn) continue;
           SCOPED_TRACE(::testing::Message()
                        << "streams " << static_cast<int>(streams) << " cut " << int{cut} << " "
@@ -164,7 +155,7 @@ TYPED_TEST(PartsOfType, DecodeAloneToWhatTheWholeBrickHolds) {
         }
         // Flat bricks: z is not halved on the way to level 1.
         const Size3 flat{64, 40, 16};
-        expect_parts(*codec, shape_of(flat, 4), voxels_of<T>(flat, streams, 9), 0);
+        expect_parts(*codec, shape_of(flat, {1, 1, 4}), voxels_of<T>(flat, streams, 9), 0);
       }
     }
   }
