@@ -1,4 +1,4 @@
-"""What the benches of Python packages share: timed runs in processes of their own, and their rows."""
+"""What the benches of Python packages share: timed runs, each in a process, and their rows."""
 
 import ctypes
 import io

@@ -9,7 +9,7 @@
 
 namespace octavo::testing {
 
-/// Asks to stop from the question after `answered` others on; counts what it is told.
+/// Asks to stop from the question after `answered` others on; counts what is reported to it.
 class StoppingProgress final : public Progress {
  public:
   explicit StoppingProgress(int answered = 0) : answered_(answered) {}
