@@ -22,7 +22,9 @@ namespace {
 constexpr VerbText kCompareText = {
     "compare", "Compare geometry and voxels of two volumes.",
     "Either side is an .8vo file, a URL of one, or any source that build reads. Stored values are\n"
-    "compared where the rescales agree, real values otherwise. Exit code 1 when they differ.\n"
+    "compared where the rescales agree, real values otherwise. Exit code 1 when they differ. Two\n"
+    "files whose ends state the same digest of their voxels are the same without reading any;\n"
+    "--voxels reads them all the same.\n"
     "With --labels, two label maps, A and B: the voxels of each label in A, in B and in both, and\n"
     "its Dice coefficient (twice those in both over the sum of the others, 1 where all agree).\n\n"
     "Examples:\n"
@@ -36,6 +38,7 @@ struct CompareArguments {
   std::string b;
   std::string max_error = "0";
   bool labels = false;
+  bool voxels = false;
   ScanArguments scan;
 };
 
@@ -50,7 +53,7 @@ std::string difference_text(const CompareArguments& arguments, const CompareResu
 
 int run_volumes(const CompareArguments& arguments, Context& context) {
   const double max_error = parse_number(arguments.max_error, "--max-error");
-  const CompareOptions options = {arguments.a, arguments.b, max_error,
+  const CompareOptions options = {arguments.a, arguments.b, max_error, arguments.voxels,
                                   scan_options(arguments.scan)};
   const CompareResult result = run_task(compare_volumes, options, context);
   const bool is_equal = result.comparison.is_equal();
@@ -105,6 +108,8 @@ void add_compare(CLI::App& app, Context& context) {
                   "Largest difference, in real units, that counts as equal")
       ->type_name("E")
       ->capture_default_str()
+      ->excludes(labels);
+  verb.add_flag("--voxels", arguments->voxels, "Read all voxels, whatever the digests of files say")
       ->excludes(labels);
   add_scan_options(verb, arguments->scan);
 }

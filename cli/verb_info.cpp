@@ -7,6 +7,7 @@
 #include "common/failure.h"
 #include "common/options.h"
 #include "common/task_run.h"
+#include "octavo/core/sha256.h"
 #include "octavo/tasks/files/info.h"
 #include "octavo/tasks/geometry_words.h"
 #include "octavo/tasks/volume_facts.h"
@@ -27,7 +28,8 @@ constexpr VerbText kInfoText = {
     "Reads the header and the index only; min and max are stored values in --json. A max error\n"
     "is shown in real units: what the file promises, and the largest difference found when it\n"
     "was built. --metadata lists what was kept of the identity of the source and what was\n"
-    "dropped, by name and how often it was there; --json holds the same. Of metadata that fill\n"
+    "dropped, by name and how often it was there; --json holds the same. sha256 tells whether\n"
+    "files hold the same voxels: it is that of the SHA-256 of each plane. Of metadata that fill\n"
     "more than 1 MiB both say which bytes of the file they are instead.\n\n"
     "Examples:\n"
     "  octavo info head.8vo\n"
@@ -136,7 +138,7 @@ std::string level_table(const InfoResult& info) {
     text += fmt::format("  {:>5}  {:>20}  {:>26}  {:>9}  {:>9}  {:>10}\n", level,
                         size_text(one.size), is_known ? point_text(one.spacing_mm) : "-",
                         count_text(one.summary.bricks), count_text(one.summary.uniform_bricks),
-                        bytes_text(one.summary.bytes));
+                        one.summary.is_in_finer ? "with finer" : bytes_text(one.summary.bytes));
   }
   return text;
 }
@@ -184,6 +186,7 @@ std::string screen(const InfoResult& info, bool show_metadata) {
   if (!metadata.is_readable()) {
     text += row("metadata", "cannot be read, no JSON object: " + metadata.defect());
   }
+  text += row("sha256", hex_text(info.voxel_digest) + " (of the planes' own)");
   text += row("format", "8vo " + info.format_version);
   text += level_table(info);
   return show_metadata ? text + metadata_text(info) : text;

@@ -74,7 +74,7 @@ nlohmann::ordered_json result_json(const std::string& path, const VerifyVolumeRe
                                    {"bricks", report.brick_count},
                                    {"damaged_bricks", report.damaged_brick_count},
                                    {"unreachable_bricks", report.unreachable_brick_count},
-                                   {"segments", report.segment_count},
+                                   {"pieces", report.piece_count},
                                    {"file_bytes", report.file_bytes},
                                    {"damage_count", report.damage_count},
                                    {"damages", nlohmann::ordered_json::array()},

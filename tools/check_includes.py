@@ -80,6 +80,7 @@ LIBRARIES = {
     "FreeType": (re.compile(r"freetype/"), {"render"}),
     "zlib": (re.compile(r"zlib\.h$"), {"io", "render"}),
     "libcurl": (re.compile(r"curl/"), {"io"}),
+    "libcrypto": (re.compile(r"openssl/"), {"builder"}),
     "oneTBB": (re.compile(r"(oneapi/)?tbb/"), set(MAY_INCLUDE) - {"core", "octree"}),
     "Highway": (re.compile(r"hwy/"), {"codec", "ops", "render"}),
     "nlohmann-json": (re.compile(r"nlohmann/"), set()),

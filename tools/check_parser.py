@@ -4,7 +4,7 @@
 usage: tools/check_parser.py [ROOT]
 
 Counts lines of code, without comments and blank lines, in the files of the parser; functions
-and classes that only write (encode_..., put_..., make_file_id, ...Writer) are left out. Prints the
+and classes that only write (encode_..., put_..., make_build_id, ...Writer) are left out. Prints the
 count; exit 1 above 800.
 """
 
@@ -13,9 +13,9 @@ import re
 import sys
 
 # index_root.cpp looks up what these have proven.
-FILES = ["byte_codec.h", "layout.cpp", "index.cpp"]
+FILES = ["byte_codec.h", "layout.cpp", "directory.cpp", "index.cpp", "pieces.cpp"]
 MOST_LINES = 800
-WRITES = re.compile(r"^\S.*?\b(encode_\w+|put_\w+|make_file_id|store_\w+)\(|^class \w*Writer ")
+WRITES = re.compile(r"^\S.*?\b(encode_\w+|put_\w+|make_build_id|store_\w+)\(|^class \w*Writer ")
 
 
 def code_lines(path):
@@ -40,7 +40,8 @@ def main():
     root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ".")
     counts = {name: code_lines(root / "src/octavo/file" / name) for name in FILES}
     total = sum(counts.values())
-    print(f"goal Q2: {total} lines of code parse header, index and trailer, at most {MOST_LINES}"
+    print(f"goal Q2: {total} lines of code parse header, directory, index and trailer, "
+          f"at most {MOST_LINES}"
           f" ({', '.join(f'{name} {count}' for name, count in counts.items())})")
     return 0 if total <= MOST_LINES else 1
 

@@ -56,7 +56,9 @@ nlohmann::ordered_json comparison_json(const Comparison& c) {
                                    {"same_geometry", c.is_same_size && c.is_same_place},
                                    {"geometry_known", c.is_place_known},
                                    {"shift_mm", nullptr},
-                                   {"compared_as", c.is_real_units ? "real" : "stored"},
+                                   {"compared_as", c.is_by_digest    ? "digest"
+                                                   : c.is_real_units ? "real"
+                                                                     : "stored"},
                                    {"voxels", c.voxels},
                                    {"different", c.different},
                                    {"max_difference", c.max_difference},
@@ -72,7 +74,9 @@ std::string equal_text(const CompareResult& result) {
   const Comparison& c = result.comparison;
   std::string text =
       fmt::format("the same: {}, {}", counted_text(c.voxels, "voxel"),
-                  c.is_real_units ? "real values compared" : "stored values compared");
+                  c.is_by_digest    ? "by the digests that both files state"
+                  : c.is_real_units ? "real values compared"
+                                    : "stored values compared");
   if (c.max_difference > 0) {
     text += fmt::format(", largest difference {}", number_text(c.max_difference));
   }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "octavo/core/error.h"
+#include "octavo/core/sha256.h"
 #include "text/identity_words.h"
 #include "text/quantities.h"
 
@@ -12,12 +13,14 @@ namespace {
 
 nlohmann::ordered_json level_json(const InfoResult& info, std::size_t level) {
   const LevelInfo& one = info.levels[level];
+  nlohmann::ordered_json bytes = one.summary.bytes;
+  if (one.summary.is_in_finer) bytes = nullptr;
   return {{"level", level},
           {"size", {one.size.x, one.size.y, one.size.z}},
           {"spacing_mm", one.spacing_mm},
           {"bricks", one.summary.bricks},
           {"uniform_bricks", one.summary.uniform_bricks},
-          {"bytes", one.summary.bytes}};
+          {"bytes", bytes}};
 }
 
 /// The voxel that a number of the index stands for.
@@ -88,6 +91,7 @@ nlohmann::ordered_json file_json(const InfoResult& info) {
           {"max_error_real", info.max_error * slope},
           {"achieved_error_real", info.achieved_error * slope},
           {"lossless", info.max_error == 0},
+          {"voxels_sha256", hex_text(info.voxel_digest)},
           {"source_lossy", metadata.was_source_lossy()},
           {"coding", coding_json(d.coding)},
           {"min", voxel_json(d, info.range.min)},

@@ -12,6 +12,12 @@ class OctavoError(Exception):
         self.kind = kind
 
 
+def require_known(condition: bool, text: str) -> None:
+    """Raises OctavoError "unsupported_version" with `text` unless `condition` holds."""
+    if not condition:
+        raise OctavoError("unsupported_version", f"{text}, which this reader does not know")
+
+
 def require(condition: bool, text: str) -> None:
     """Raises OctavoError "corrupt" with `text` unless `condition` holds."""
     if not condition:

@@ -1,4 +1,4 @@
-"""A file that is open: docs/format.md, section 10."""
+"""A file that is open: docs/format.md, section 11."""
 
 import os
 from collections.abc import Iterator
@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from .byte_cursor import crc32c
-from .errors import OctavoError, require
+from .directory import Part, parse_directory
+from .errors import OctavoError, require, require_known
 from .exact_floats import ExactCoding, decode_exact_brick
 from .grey_brick import decode_grey_brick
 from .grey_model import GreyModel, parse_grey_model
@@ -16,17 +17,17 @@ from .header import (
     BRICKS_PER_PAGE,
     HEADER_LENGTH,
     LEVELS_PER_TIER,
+    TRAILER_LENGTH,
     Header,
     Section,
     parse_header,
 )
-from .index import Brick, brick_order, o_code, parse_page, parse_root
+from .index import Brick, brick_order, o_code, parse_page, parse_root, split_pieces
 from .label_brick import decode_label_brick
 from .label_model import LabelModel, parse_label_model
 from .metadata import parse_metadata
 
-_TRAILER_LENGTH = 64
-_TRAILER_MAGIC = b"\x8f8VOend\n"
+_TRAILER_MAGIC = b"\x8f8voend\n"
 _MODEL_LEVEL = 255
 _FIRST_PART = 1 << 20
 
@@ -34,8 +35,9 @@ _FIRST_PART = 1 << 20
 class OctavoFile:
     """Reads a file; nothing it gives out is uncovered by a checksum.
 
-    header    sizes, geometry and types
-    metadata  the JSON object that builds write
+    header        sizes, geometry and types
+    parts         what stands beside the voxels, as the directory lists it
+    voxel_digest  SHA-256 of those of the planes of level 0, as the trailer has it
     A file is a context manager; not thread-safe.
     """
 
@@ -44,9 +46,11 @@ class OctavoFile:
         self._file = Path(path).open("rb")
         try:
             self.header = parse_header(self._file.read(HEADER_LENGTH))
-            self._prove_trailer()
+            self.voxel_digest = self._prove_trailer()
+            self.parts = parse_directory(self._section(self.header.directory, "directory"),
+                                         self.header)
             self._root = parse_root(self._section(self.header.root, "index root"), self.header)
-            self.metadata = parse_metadata(self._section(self.header.metadata, "metadata"))
+            self._metadata = self._section(self.header.metadata, "metadata")
         except BaseException:
             self._file.close()
             raise
@@ -61,6 +65,15 @@ class OctavoFile:
 
     def close(self) -> None:
         self._file.close()
+
+    @property
+    def metadata(self) -> dict:
+        """The JSON object that builds write. Raises OctavoError "corrupt" where it is none."""
+        return parse_metadata(self._metadata)
+
+    def part(self, part: Part) -> bytes:
+        """The bytes of a part. Raises OctavoError "corrupt"."""
+        return self._section(part.section, "part " + part.tag)
 
     @property
     def model_count(self) -> int:
@@ -134,15 +147,16 @@ class OctavoFile:
 
     def _segments(self, tier: int, brick: Brick, place: int, code: int) -> list[bytes]:
         """The segments of a brick that its level `place` takes; the others are left empty."""
-        is_stored = brick.segments[-1][1] == 0
-        segments = []
-        for i, (offset, length, crc) in enumerate(brick.segments):
-            if length == 0 or (i < place and not is_stored):
-                segments.append(b"")
+        is_stored = brick.pieces[-1][1] == 0
+        pieces = []
+        for i, (offset, length, crc) in enumerate(brick.pieces):
+            is_finer = i < min(place, len(brick.pieces) - 1)
+            if length == 0 or (is_finer and not is_stored):
+                pieces.append(b"")
                 continue
             level = LEVELS_PER_TIER * tier + i
-            segments.append(self._piece(offset, length, crc, level, code, "a segment"))
-        return segments
+            pieces.append(self._piece(offset, length, crc, level, code, "a piece"))
+        return split_pieces(pieces, len(self.header.tier_levels(tier)))
 
     def _voxels(self, codes: np.ndarray) -> np.ndarray:
         """Codes as voxels of the type of the file."""
@@ -151,21 +165,24 @@ class OctavoFile:
             return codes.astype(header.voxel_type)
         most = float(np.finfo(np.float32).max)
         values = codes.astype(np.float64) * header.code_scale + header.code_offset
-        return values.clip(-most, most).astype(np.float32)
+        return values.clip(-most, most).astype(np.float32) + np.float32(0)  # -0 becomes 0
 
-    def _prove_trailer(self) -> None:
+    def _prove_trailer(self) -> bytes:
+        """The voxel digest. Raises OctavoError."""
         header = self.header
         self._file.seek(0, os.SEEK_END)
         if self._file.tell() < header.file_length:
             raise OctavoError("truncated", f"{header.file_length} bytes are due, "
                                            f"{self._file.tell()} are there")
         require(self._file.tell() == header.file_length, "there is something behind the trailer")
-        data = self._read(header.file_length - _TRAILER_LENGTH, _TRAILER_LENGTH)
-        require(data[:8] == _TRAILER_MAGIC and not any(data[32:60]), "the trailer is none")
-        require(_u32(data, 60) == crc32c(data[:60]), "the trailer's checksum is wrong")
-        require(int.from_bytes(data[8:16], "little") == header.file_id
+        data = self._read(header.file_length - TRAILER_LENGTH, TRAILER_LENGTH)
+        require(_u32(data, 92) == crc32c(data[:92]), "the trailer's checksum is wrong")
+        require(data[:8] == _TRAILER_MAGIC
+                and int.from_bytes(data[8:16], "little") == header.build_id
                 and int.from_bytes(data[16:24], "little") == header.file_length
                 and _u32(data, 24) == header.crc, "header and trailer disagree")
+        require_known(not any(data[32:40]) and not any(data[72:92]), "something in the trailer")
+        return data[40:72]
 
     def _read_page(self, tier: int, layer: int, number: int) -> list[Brick]:
         page = self._root.pages[tier][layer][number]
@@ -187,7 +204,7 @@ class OctavoFile:
 
     def _piece(self, offset: int, length: int, crc: int, level: int, code: int, name: str) -> bytes:
         data = self._read(offset, length)
-        before = (self.header.file_id.to_bytes(8, "little") + bytes([level])
+        before = (self.header.build_id.to_bytes(8, "little") + bytes([level])
                   + code.to_bytes(8, "little"))
         require(crc32c(data, before) == crc, f"the checksum of {name} at {offset} is wrong")
         return data

@@ -6,21 +6,27 @@ from dataclasses import dataclass
 import numpy as np
 
 from .byte_cursor import ByteCursor, crc32c
-from .errors import OctavoError, require
+from .errors import OctavoError, require, require_known
 from .weights import SampleWeights
 
 HEADER_LENGTH = 512
-MAGIC = b"\x8f8VO\r\n\x1a\n"
+MAGIC = b"\x8f8vo\r\n\x1a\n"
+TRIAL_MAGIC = b"\x8f8VO\r\n\x1a\n"
+TRAILER_LENGTH = 96
 LEVELS_PER_TIER = 6
 BRICKS_PER_PAGE = 1024
-# Bytes that a page and a brick cost in the index, at least and at most: docs/format.md, section 9.
-PAGE_IN_ROOT = (9, 54)
-BRICK_IN_PAGES = (2, 63)
+# Bytes that a page and a brick cost in the index, at least and at most: docs/format.md, section 10.
+PAGE_IN_ROOT = (9, 44)
+BRICK_IN_PAGES = (2, 47)
 VOXEL_TYPES = {1: "int8", 2: "uint8", 3: "int16", 4: "uint16", 5: "int32", 6: "uint32",
                7: "float32"}
 KINDS = {1: "grey", 2: "labels"}
 _CODING_TAG = 0x8001
-_TEXT_LIMIT = 16 << 20
+_METADATA_LIMIT = 16 << 20
+_DIRECTORY_LIMIT = 1024 * 32
+_AXIS_TOLERANCE = 1e-4
+_SPACING_LIMITS = (1e-9, 1e9)
+_ORIGIN_LIMIT = 1e12
 
 
 @dataclass(frozen=True)
@@ -63,12 +69,12 @@ class Header:
     slope: float
     intercept: float
     max_error: float
-    file_id: int
+    build_id: int
     file_length: int
     metadata: Section
     pages: Section
     root: Section
-    thumbnail: Section
+    directory: Section
     crc: int
 
     @property
@@ -125,6 +131,9 @@ def parse_header(data: bytes) -> Header:
 
     Raises  OctavoError "not_octavo", "unsupported_version", "truncated" or "corrupt"
     """
+    if data[:8] == TRIAL_MAGIC:
+        raise OctavoError("unsupported_version",
+                          "of a trial version of the format, before 1.0; build it again")
     if data[:8] != MAGIC:
         raise OctavoError("not_octavo", "the file does not begin as .8vo files do")
     if len(data) < HEADER_LENGTH:
@@ -140,23 +149,29 @@ def parse_header(data: bytes) -> Header:
     masks = cursor.take(32)
     size = cursor.unpack("3Q")
     numbers = cursor.unpack("18d")
-    file_id, file_length = cursor.unpack("QQ")
+    build_id, file_length = cursor.unpack("QQ")
+    require(sealed != 0, "the file was never finished")
+    require_known(sealed == 1, f"seal {sealed}")
     sections = [_section(cursor) for _ in range(4)]
+    channels, times = cursor.unpack("BB")
     coding = _extensions(cursor)
 
-    require(sealed == 1, "the file was never finished")
-    require(kind in KINDS and voxel_type in VOXEL_TYPES, "unknown kind or voxel type")
+    require_known(kind in KINDS, f"kind {kind}")
+    require_known(voxel_type in VOXEL_TYPES, f"voxel type {voxel_type}")
+    require_known(channels == 1, f"{channels} channels")
+    require_known(times == 1, f"{times} times")
+    require_known(all(mask < 8 for mask in masks), "a halved axis")
     require(KINDS[kind] == "grey" or voxel_type != 7, "labels cannot be float32")
     require((voxel_type == 7) == (coding is not None), "float32 and coding do not go together")
     require(halving_count <= 31 and not any(masks[halving_count:]), "halving masks are wrong")
-    require(all(0 < mask < 8 for mask in masks[:halving_count]), "halving masks are wrong")
+    require(halving_count < 32 and all(masks[:halving_count]), "halving masks are wrong")
     require(all(1 <= n <= 1 << 21 for n in size) and math.prod(size) < 1 << 63, "size is wrong")
     require(all(map(math.isfinite, numbers)), "a number is not finite")
     code_type, is_exact, code_scale, code_offset = coding or (voxel_type, False, 1.0, 0.0)
     header = Header(
         KINDS[kind], VOXEL_TYPES[voxel_type], VOXEL_TYPES[code_type], code_scale, code_offset,
         bool(is_exact), tuple(masks[:halving_count]), size, numbers[0:3], numbers[3:6],
-        numbers[6:15], numbers[15], numbers[16], numbers[17], file_id, file_length, *sections, crc,
+        numbers[6:15], numbers[15], numbers[16], numbers[17], build_id, file_length, *sections, crc,
     )
     _prove(header)
     return header
@@ -164,38 +179,45 @@ def parse_header(data: bytes) -> Header:
 
 def _section(cursor: ByteCursor) -> Section:
     offset, length, crc, zero = cursor.unpack("QQII")
-    require(zero == 0, "a section of the header is wrong")
+    require_known(zero == 0, "something behind a section")
     return Section(offset, length, crc)
 
 
 def _extensions(cursor: ByteCursor) -> tuple[int, int, float, float] | None:
     """The coding (type, whether it is exact, scale, offset) if the header has one."""
     coding = None
-    count = cursor.u32()
+    count = cursor.unpack("H")[0]
     extensions = ByteCursor(cursor.take(176), "extensions")
     for _ in range(count):
         tag, length = extensions.unpack("HH")
         body = ByteCursor(extensions.take(length), "an extension")
         if tag == _CODING_TAG:
             require(coding is None, "there are two codings")
-            coding = body.unpack("BBdd")
+            code_type, flags, scale, offset = body.unpack("BBdd")
             body.end()
-            code_type, flags, scale, offset = coding
-            if flags > 1:
-                raise OctavoError("unsupported_version", "unknown flags of a coding")
+            require_known(1 <= code_type <= 6, f"type {code_type} of codes")
+            require_known(flags <= 1, f"flags {flags} of codes")
             require(flags == 0 or code_type == 5, "an exact coding has codes of another type")
-            require(1 <= code_type <= 6, "unknown type of codes")
+            coding = code_type, flags, scale, offset
             require(math.isfinite(offset) and 0 < scale < math.inf, "the coding is wrong")
         elif tag >= 0x8000:
             raise OctavoError("unsupported_version", f"unknown extension {tag:#x}")
-    require(not any(extensions.rest()), "there is something behind the extensions")
+    require_known(not any(extensions.rest()), "something behind the extensions")
     return coding
 
 
 def _prove(header: Header) -> None:
     last_size = header.level_size(header.level_count - 1)
     require(last_size == (1, 1, 1), "the last level is not one sample")
-    require(all(step > 0 for step in header.spacing), "spacing is not positive")
+    for level, mask in enumerate(header.halvings):
+        size = header.level_size(level)
+        require(halved(size, mask) != size, "a step halves nothing")
+    least, most = _SPACING_LIMITS
+    require(all(least <= step <= most for step in header.spacing), "spacing is out of its limits")
+    require(all(abs(x) <= _ORIGIN_LIMIT for x in header.origin), "the origin is out of its limits")
+    lengths = np.sqrt(np.square(np.array(header.direction).reshape(3, 3)).sum(axis=0))
+    require(all(abs(lengths - 1) <= _AXIS_TOLERANCE), "an axis of direction has another length")
+    _prove_rescale(header)
     determinant = np.linalg.det(np.array(header.direction).reshape(3, 3))
     require(abs(determinant) > 1e-6, "direction is singular")
     require(header.max_error >= 0, "max error is negative")
@@ -209,15 +231,26 @@ def _prove(header: Header) -> None:
         size = header.level_size(LEVELS_PER_TIER * tier)
         shifts = header.brick_shifts(tier)
         require(all(n <= 4 or h >= 2 for n, h in zip(size, shifts)), "a brick is too flat")
-    at = header.pages.offset
-    for section in (header.pages, header.thumbnail, header.metadata, header.root):
+    # Parts stand between the pages and the directory that lists them.
+    require(header.pages.offset >= HEADER_LENGTH
+            and header.directory.offset >= header.pages.offset + header.pages.length,
+            "the sections overlap")
+    at = header.directory.offset
+    for section in (header.directory, header.metadata, header.root):
         require(section.offset == at, "the sections leave a gap")
         at += section.length
-    require(at + 64 == header.file_length and header.pages.offset >= HEADER_LENGTH,
-            "the sections do not fill the file")
-    for section in (header.thumbnail, header.metadata):
-        require(section.length <= _TEXT_LIMIT, "a section is too long")
+    require(at + TRAILER_LENGTH == header.file_length, "the sections do not fill the file")
+    require(header.metadata.length <= _METADATA_LIMIT, "the metadata is too long")
+    require(header.directory.length <= _DIRECTORY_LIMIT, "the directory is too long")
     _prove_index_lengths(header)
+
+
+def _prove_rescale(header: Header) -> None:
+    limits = np.finfo if header.voxel_type == "float32" else np.iinfo
+    ends = limits(header.voxel_type).min, limits(header.voxel_type).max
+    require(header.slope != 0, "the slope is 0")
+    require(all(math.isfinite(header.slope * float(end) + header.intercept) for end in ends),
+            "real values are beyond all numbers")
 
 
 def _prove_index_lengths(header: Header) -> None:

@@ -5,11 +5,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from .byte_cursor import ByteCursor
-from .errors import require
+from .errors import require, require_known
 from .header import BRICK_IN_PAGES, BRICKS_PER_PAGE, HEADER_LENGTH, Header
 
 _MODEL_LIMIT = 16 << 20
-_SEGMENT_LIMIT = 4 << 20
+_PIECE_LIMIT = 4 << 20
+_BRICK_PIECES = 4
 _SLAB_TRAILER_LIMIT = 1 << 30
 
 
@@ -27,7 +28,7 @@ class Model:
 class Page:
     """What the root says of up to 1024 bricks of one layer.
 
-    level_bytes, level_offsets  per level of the tier: length of the page's segments, their place
+    piece_bytes, piece_offsets  per piece of the tier: length of the page's pieces, their place
     """
 
     tier: int
@@ -40,17 +41,17 @@ class Page:
     largest: int
     error: int
     uniform_count: int
-    level_bytes: list[int]
-    level_offsets: list[int] = field(default_factory=list)
+    piece_bytes: list[int]
+    piece_offsets: list[int] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
 class Brick:
-    """Range of a brick's codes and per level of its tier (offset, length, CRC) of its segment."""
+    """Range of a brick's codes and (offset, length, CRC) of each of its pieces."""
 
     smallest: int
     largest: int
-    segments: list[tuple[int, int, int]]
+    pieces: list[tuple[int, int, int]]
 
 
 @dataclass(frozen=True)
@@ -96,8 +97,9 @@ def parse_root(data: bytes, header: Header) -> Root:
         for layer in range(layers):
             if tier == 0:
                 trailers.append(cursor.varint())
-                require(trailers[-1] <= min(_SLAB_TRAILER_LIMIT, 30 + 4 * bricks_x * bricks_y),
-                        "a slab trailer is too long")
+                planes = 1 << header.brick_shifts(0)[2]
+                limit = min(_SLAB_TRAILER_LIMIT, 30 + 4 * bricks_x * bricks_y + 32 * planes)
+                require(trailers[-1] <= limit, "a slab trailer is too long")
             pages[tier].append([])
             for first in range(0, bricks_x * bricks_y, BRICKS_PER_PAGE):
                 count = min(BRICKS_PER_PAGE, bricks_x * bricks_y - first)
@@ -118,13 +120,34 @@ def _parse_page_entry(cursor: ByteCursor, header: Header, tier: int, layer: int,
     largest = smallest + cursor.varint()
     error = cursor.varint() if tier == 0 and header.max_error > 0 else 0
     uniform_count = cursor.varint()
-    level_bytes = [cursor.varint() for _ in header.tier_levels(tier)]
+    piece_bytes = [cursor.varint() for _ in range(piece_count(header, tier))]
     fewest, most = (1 + count * each for each in BRICK_IN_PAGES)
     require(fewest <= length <= most and uniform_count <= count,
             "the root describes a page wrongly")
     _prove_range(header, smallest, largest)
     return Page(tier, layer, count, offset, length, crc, smallest, largest, error, uniform_count,
-                level_bytes)
+                piece_bytes)
+
+
+def piece_count(header: Header, tier: int) -> int:
+    """Pieces of the bricks of a tier."""
+    return min(len(header.tier_levels(tier)), _BRICK_PIECES)
+
+
+def split_pieces(pieces: list[bytes], level_count: int) -> list[bytes]:
+    """The segments of a brick, one per level: section 2. Raises OctavoError "corrupt"."""
+    joint_count = level_count - len(pieces) + 1
+    if joint_count == 1:
+        return pieces
+    segments = pieces[:-1]
+    if not pieces[-1]:
+        return segments + [b""] * joint_count
+    cursor = ByteCursor(pieces[-1], "a piece of several levels")
+    lengths = [cursor.varint() for _ in range(joint_count - 1)]
+    segments += [cursor.take(length) for length in lengths]
+    segments.append(cursor.rest())
+    require(len(segments[-1]) > 0, "a piece has no coarsest samples")
+    return segments
 
 
 def _prove_range(header: Header, smallest: int, largest: int) -> None:
@@ -148,17 +171,17 @@ def _place(header: Header, models: list[tuple[int, int, int]], trailers: list[in
     for slab, layer in enumerate(pages[0]):
         place_model(slab)
         for page in layer:
-            page.level_offsets.append(cursor)
-            cursor += page.level_bytes[0]
+            page.piece_offsets.append(cursor)
+            cursor += page.piece_bytes[0]
         cursor += trailers[slab]
     place_model(len(pages[0]))
     for tier, layers in enumerate(pages):
-        for place in range(len(header.tier_levels(tier))):
+        for place in range(piece_count(header, tier)):
             if tier == 0 and place == 0:
                 continue
             for page in (page for layer in layers for page in layer):
-                page.level_offsets.append(cursor)
-                cursor += page.level_bytes[place]
+                page.piece_offsets.append(cursor)
+                cursor += page.piece_bytes[place]
     require(cursor == header.pages.offset, "the lengths of the pieces do not reach the index")
     return placed
 
@@ -169,7 +192,8 @@ def parse_page(data: bytes, page: Page, header: Header) -> list[Brick]:
     Raises  OctavoError "corrupt", also where the root disagrees
     """
     cursor = ByteCursor(data, "index page")
-    require(cursor.u8() == 0, "an index page has unknown flags")
+    flags = cursor.u8()
+    require_known(flags == 0, f"flags {flags} of an index page")
     has_errors = page.tier == 0 and header.max_error > 0
     ranges = []
     errors = [0]
@@ -186,17 +210,17 @@ def parse_page(data: bytes, page: Page, header: Header) -> list[Brick]:
     uniform = [low == high for low, high in ranges]
     require(sum(uniform) == page.uniform_count, "a page and the root disagree on uniform bricks")
 
-    segments: list[list[tuple[int, int, int]]] = [[] for _ in ranges]
-    for level_bytes, offset in zip(page.level_bytes, page.level_offsets):
+    pieces: list[list[tuple[int, int, int]]] = [[] for _ in ranges]
+    for piece_bytes, offset in zip(page.piece_bytes, page.piece_offsets):
         lengths = [0 if is_uniform else cursor.varint() for is_uniform in uniform]
-        require(sum(lengths) == level_bytes, "a page and the root disagree on the segments")
-        require(max(lengths) <= _SEGMENT_LIMIT, "a segment is too long")
+        require(sum(lengths) == piece_bytes, "a page and the root disagree on the pieces")
+        require(max(lengths) <= _PIECE_LIMIT, "a piece is too long")
         for place, length in enumerate(lengths):
             crc = cursor.u32() if length > 0 else 0
-            segments[place].append((offset, length, crc))
+            pieces[place].append((offset, length, crc))
             offset += length
     cursor.end()
-    return [Brick(low, high, parts) for (low, high), parts in zip(ranges, segments)]
+    return [Brick(low, high, of_brick) for (low, high), of_brick in zip(ranges, pieces)]
 
 
 def o_code(x: int, y: int, z: int) -> int:

@@ -14,6 +14,7 @@ set(OCTAVO_READ_SOURCES
   core/metadata_reading.cpp
   core/powers_of_ten.cpp
   core/sample_coding.cpp
+  core/sha256.cpp
   core/url_text.cpp
   core/utf8.cpp
   core/volume.cpp
@@ -51,12 +52,15 @@ set(OCTAVO_READ_SOURCES
   codec/label/label_walk_portable.cpp
   codec/label/label_word_bricks.cpp
   file/bit_flip.cpp
+  file/directory.cpp
   file/index.cpp
   file/index_lengths.cpp
   file/index_root.cpp
   file/layer_order.cpp
   file/layout.cpp
   file/open_file.cpp
+  file/pieces.cpp
+  file/plane_digests.cpp
   file/reader.cpp
   file/slab_trailer.cpp
   file/storage/byte_source.cpp

@@ -18,7 +18,7 @@ std::uint64_t checksum_bytes(const FileReader& reader) {
     for (std::int64_t i = 0; i < grid.voxel_count(); ++i) {
       const BrickEntry entry =
           reader.brick(tier, {i % grid.x, i / grid.x % grid.y, i / grid.x / grid.y});
-      for (const auto& segment : entry.segments) bytes += segment.length > 0 ? 4 : 0;
+      for (const auto& piece : entry.pieces) bytes += piece.length > 0 ? 4 : 0;
     }
   }
   return bytes;

@@ -73,18 +73,18 @@ class Lengths(InFolder):
     def sparse_file(self, section, length):
         """A file of 8 KiB on the disk whose header claims a section of `length` bytes."""
         data = bytearray((GOLDEN / "minimal.8vo").read_bytes())
-        header, trailer = data[:512], data[-64:]
+        header, trailer = data[:512], data[-TRAILER_LENGTH:]
         sections = {at: list(struct.unpack_from("<QQ", header, at)) for at in (256, 304, 232, 280)}
         sections[section][1] = length
         at = sections[256][0]
         for field, (_, size) in sections.items():
             struct.pack_into("<QQ", header, field, at, size)
             at += size
-        struct.pack_into("<Q", header, 224, at + 64)
+        struct.pack_into("<Q", header, 224, at + TRAILER_LENGTH)
         struct.pack_into("<I", header, 508, crc32c(header[:508]))
         trailer[8:24] = header[216:232]
         trailer[24:28] = header[508:512]
-        struct.pack_into("<I", trailer, 60, crc32c(trailer[:60]))
+        struct.pack_into("<I", trailer, 92, crc32c(trailer[:92]))
         with (self.folder / "sparse.8vo").open("wb") as file:
             file.write(header)
             file.seek(at)

@@ -2,6 +2,7 @@
 
 #include <random>
 
+#include "octavo/file/pieces.h"
 #include "octavo/file/verify.h"
 #include "support/sample_file.h"
 
@@ -74,8 +75,9 @@ TEST(Damage, APartialReadThatTouchesTheBitThrows) {
   for (std::int64_t x = 0; x < 2; ++x) {
     const BrickEntry entry = sound->brick(0, {x, 0, 0});
     for (int level = 0; level < kTierLevels; ++level) {
-      const BrickEntry::Segment& segment = entry.segments[static_cast<std::size_t>(level)];
-      for (std::uint64_t at = segment.offset; at < segment.offset + segment.length; ++at) {
+      const BrickEntry::StoredPiece& piece =
+          entry.pieces[static_cast<std::size_t>(piece_of_level(level))];
+      for (std::uint64_t at = piece.offset; at < piece.offset + piece.length; ++at) {
         bytes[at] ^= 0x40;
         const auto reader = open_bytes(bytes);
         const Size3 side = brick_side_at(volume.levels, level);
@@ -116,8 +118,8 @@ TEST(Damage, SwappedBricksAreFound) {
   SampleVolume volume = make_sample({128, 20, 3}, VoxelType::uint8, Pattern::noisy_half);
   std::vector<std::uint8_t> bytes = sample_file_bytes(volume);
   const auto reader = open_bytes(bytes);
-  const BrickEntry::Segment a = reader->brick(0, {0, 0, 0}).segments[0];
-  const BrickEntry::Segment b = reader->brick(0, {1, 0, 0}).segments[0];
+  const BrickEntry::StoredPiece a = reader->brick(0, {0, 0, 0}).pieces[0];
+  const BrickEntry::StoredPiece b = reader->brick(0, {1, 0, 0}).pieces[0];
   const std::uint64_t length = std::min(a.length, b.length);
   ASSERT_GT(length, 0u);
   const auto at = [&](std::uint64_t offset) {
@@ -136,10 +138,10 @@ TEST(Damage, ABrickOfAnotherFileIsFoundThoughItsIndexCameAlong) {
   two.samples[0][0] = 99;
   const auto a = open_bytes(sample_file_bytes(one));
   const auto b = open_bytes(sample_file_bytes(two));
-  ASSERT_NE(a->file_id(), b->file_id());
+  ASSERT_NE(a->build_id(), b->build_id());
   const BrickEntry foreign = b->brick(0, {1, 0, 0});
-  EXPECT_THROW(a->read_segment(foreign, 0), Error);
-  EXPECT_NO_THROW(b->read_segment(foreign, 0));
+  EXPECT_THROW(a->read_piece(foreign, 0), Error);
+  EXPECT_NO_THROW(b->read_piece(foreign, 0));
 }
 
 TEST(Damage, CoarseDamageIsFound) {

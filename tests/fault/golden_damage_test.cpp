@@ -10,6 +10,7 @@
 #include <random>
 
 #include "fault/reseal.h"
+#include "octavo/file/pieces.h"
 #include "octavo/file/index.h"
 #include "octavo/file/repair/repair_bits.h"
 #include "octavo/file/repair/salvage.h"
@@ -17,7 +18,7 @@
 #include "support/goal_cases.h"
 #include "support/sample_file.h"
 #include "support/source_folder.h"
-#include "support/stored_segments.h"
+#include "support/brick_pieces.h"
 
 namespace octavo {
 namespace {
@@ -185,10 +186,10 @@ void zero_sector(const Golden&, FileContent& bytes, Random& random) {
 }
 
 void swap_bricks(const Golden& golden, FileContent& bytes, Random& random) {
-  const std::vector<StoredSegment> places = segments_of(*golden.reader);
+  const std::vector<BrickPiece> places = pieces_of(*golden.reader);
   if (places.empty()) return;
-  const BrickEntry::Segment a = places[random() % places.size()].segment;
-  const BrickEntry::Segment b = places[random() % places.size()].segment;
+  const BrickEntry::StoredPiece a = places[random() % places.size()].piece;
+  const BrickEntry::StoredPiece b = places[random() % places.size()].piece;
   const auto at = [&](std::uint64_t offset) {
     return bytes.begin() + static_cast<std::ptrdiff_t>(offset);
   };
@@ -200,12 +201,12 @@ void swap_bricks(const Golden& golden, FileContent& bytes, Random& random) {
 
 void take_foreign_brick(const Golden& golden, FileContent& bytes, Random& random) {
   const Golden& other = goldens()[random() % goldens().size()];
-  const std::vector<StoredSegment> here = segments_of(*golden.reader);
-  const std::vector<StoredSegment> there = segments_of(*other.reader);
+  const std::vector<BrickPiece> here = pieces_of(*golden.reader);
+  const std::vector<BrickPiece> there = pieces_of(*other.reader);
   if (here.empty() || there.empty()) return;
   const std::size_t i = random() % here.size();
-  const BrickEntry::Segment to = here[i].segment;
-  const BrickEntry::Segment from = there[i % there.size()].segment;
+  const BrickEntry::StoredPiece to = here[i].piece;
+  const BrickEntry::StoredPiece from = there[i % there.size()].piece;
   std::copy_n(other.bytes.begin() + static_cast<std::ptrdiff_t>(from.offset),
               std::min(from.length, to.length),
               bytes.begin() + static_cast<std::ptrdiff_t>(to.offset));
@@ -296,15 +297,16 @@ TEST(GoldenDamage, DamageOfEverySortIsFound) {
 }
 
 // The golden's voxels and `salvaged` agree outside the damaged brick, at every level; a brick
-// without coarsest samples holds all its levels in the finest segment.
-void expect_equal_outside(const Golden& golden, const StoredSegment& place, int level,
+// without coarsest samples holds all its levels in the finest piece.
+void expect_equal_outside(const Golden& golden, const BrickPiece& place, int level,
                           const Bytes& salvaged) {
   const Levels& levels = golden.reader->levels();
   const Size3& size = levels.size(level);
   const Size3 side = brick_side_at(levels, level);
-  const bool is_one_segment = place.entry.segments.back().length == 0;
+  const bool is_stored = place.entry.pieces.back().length == 0;
+  const int first = Levels::first_level(place.entry.tier);
   const bool may_differ = Levels::tier_of(level) == place.entry.tier &&
-                          (level <= place.level || is_one_segment);
+                          (piece_of_level(level - first) <= place.level - first || is_stored);
   const auto width =
       static_cast<std::size_t>(bytes_per_voxel(golden.reader->description().type));
   const Bytes& original = golden.levels[static_cast<std::size_t>(level)];
@@ -328,17 +330,17 @@ TEST(GoldenDamage, VerifyNamesTheBrickAndTheOthersAreSalvaged) {
   const std::uint64_t cases = case_count(12, 600);
   std::uint64_t count = 0;
   for (const Golden& golden : goldens()) {
-    count += std::min(cases, segments_of(*golden.reader).size());
+    count += std::min(cases, pieces_of(*golden.reader).size());
   }
   GoalCases goal("B4", "damaged bricks named and all others salvaged", count);
   Random random(23);
   for (const Golden& golden : goldens()) {
-    const std::vector<StoredSegment> places = segments_of(*golden.reader);
+    const std::vector<BrickPiece> places = pieces_of(*golden.reader);
     for (std::size_t i = 0; i < std::min(cases, places.size()) && goal.next(); ++i) {
-      const StoredSegment& place =
+      const BrickPiece& place =
           places[cases >= places.size() ? i : random() % places.size()];
       FileContent bytes = golden.bytes;
-      const std::uint64_t at = place.segment.offset + random() % place.segment.length;
+      const std::uint64_t at = place.piece.offset + random() % place.piece.length;
       const int bit = static_cast<int>(random() % 8);
       bytes[at] ^= static_cast<std::uint8_t>(1 << bit);
       const auto report = verify_bytes(bytes, true);
@@ -350,13 +352,13 @@ TEST(GoldenDamage, VerifyNamesTheBrickAndTheOthersAreSalvaged) {
       EXPECT_EQ(damage.code, place.entry.code);
       EXPECT_EQ(damage.tier, place.entry.tier);
       EXPECT_EQ(damage.level, place.level);
-      EXPECT_EQ(damage.offset, place.segment.offset);
+      EXPECT_EQ(damage.offset, place.piece.offset);
       EXPECT_EQ(damage.flipped_byte, at);
       EXPECT_EQ(damage.flipped_bit, bit);
       char name[96];
       std::snprintf(name, sizeof name, "brick o-code 0x%llx level %d at byte %llu: checksum ",
                     static_cast<unsigned long long>(place.entry.code), place.level,
-                    static_cast<unsigned long long>(place.segment.offset));
+                    static_cast<unsigned long long>(place.piece.offset));
       EXPECT_EQ(damage.detail.rfind(name, 0), 0u) << damage.detail;
 
       const SalvageReader salvage(open_bytes(bytes), {i % 2 == 0, {}});
@@ -368,18 +370,18 @@ TEST(GoldenDamage, VerifyNamesTheBrickAndTheOthersAreSalvaged) {
   }
 }
 
-// Only the long segments of stored voxels and of exact floats, whose damage nothing else tells from
+// Only the long pieces of stored voxels and of exact floats, whose damage nothing else tells from
 // a flipped bit.
 bool is_long_and_plain(const Golden& golden, std::uint64_t at) {
-  for (const StoredSegment& place : segments_of(*golden.reader)) {
+  for (const BrickPiece& place : pieces_of(*golden.reader)) {
     const BrickEntry& entry = place.entry;
     const bool is_here =
-        at >= place.segment.offset && at - place.segment.offset < place.segment.length;
+        at >= place.piece.offset && at - place.piece.offset < place.piece.length;
     if (!is_here) continue;
-    const bool is_stored = entry.segments.size() > 1 && entry.segments.back().length == 0;
+    const bool is_stored = entry.pieces.size() > 1 && entry.pieces.back().length == 0;
     const bool has_places = place.level == 0 &&
                             golden.reader->description().codec_type() == VoxelType::float32;
-    return (is_stored || has_places) && place.segment.length > 512;
+    return (is_stored || has_places) && place.piece.length > 512;
   }
   return false;
 }

@@ -124,9 +124,9 @@ TEST(HostileFile, PagesWithoutBytesAreRejected) {
       for (std::size_t i = 0; i < pages.size(); ++i) {
         if (are_zero) pages[i].length = 0;
         // A root that is written holds totals.
-        for (int level = 0; level < volume.levels.tier_level_count(tier); ++level) {
-          auto& start = pages[i].segment_start[static_cast<std::size_t>(level)];
-          start = index.segment_end(tier, i, level) - start;
+        for (int piece = 0; piece < piece_count(volume.levels.tier_level_count(tier)); ++piece) {
+          auto& start = pages[i].piece_start[static_cast<std::size_t>(piece)];
+          start = index.piece_end(tier, i, piece) - start;
         }
       }
     }

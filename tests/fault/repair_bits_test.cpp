@@ -74,13 +74,14 @@ FileContent noise_brick(const Size3& size, VoxelType type, bool is_stored) {
   brick.range = {*low, *high};
   brick.segments.resize(static_cast<std::size_t>(volume.levels.count()));
   brick.segments[0] = volume.samples[0];
+  writer->add_plane_digests(sample_plane_digests(volume, 0));
   writer->add_brick(0, brick);
   writer->finish();
   return *storage.files.at("sample.8vo");
 }
 
 BrickEntry::Segment finest_segment(const FileContent& file) {
-  return open_bytes(file)->brick(0, {0, 0, 0}).segments[0];
+  return open_bytes(file)->brick(0, {0, 0, 0}).pieces[0];
 }
 
 // Random bytes in [begin, end) that no CRC-32C tells from those before: sums of its polynomial, at
@@ -207,11 +208,11 @@ TEST(RepairBits, FlippedBitsBehindOthersAreTurnedBackAsWell) {
   bad[file.header().root.offset + 3] ^= 1;
   bad[file.root().tiers[0].pages[page].offset + 2] ^= 4;
   bad[file.model_piece(entry.model).offset] ^= 8;
-  bad[entry.segments[0].offset + 5] ^= 16;
+  bad[entry.pieces[0].offset + 5] ^= 16;
   expect_repaired(bad, good, 4);
 
   // What cannot be repaired is named, not what hid it.
-  bad[entry.segments[0].offset + 6] ^= 16;
+  bad[entry.pieces[0].offset + 6] ^= 16;
   MemoryStorage storage;
   put(storage, "bad.8vo", bad);
   const Outcome rejected = repair(storage);
@@ -229,7 +230,7 @@ TEST(RepairBits, MoreFlippedBitsThanVerifyDescribesAreTurnedBack) {
   std::size_t flip_count = 0;
   for (Index3 brick; brick.y < 33; ++brick.y) {
     for (brick.x = 0; brick.x < 34; ++brick.x, ++flip_count) {
-      bad[file.entry_at(0, brick).segments[0].offset] ^= 1;
+      bad[file.entry_at(0, brick).pieces[0].offset] ^= 1;
     }
   }
   NoProgress progress;

@@ -11,7 +11,7 @@
 
 namespace octavo::testing {
 
-/// Where the parts of a sound file stand.
+/// Where the sections of a sound file stand.
 inline FileHeader header_of(const std::vector<std::uint8_t>& bytes) {
   return parse_header(ByteSpan(bytes).first(kHeaderBytes), bytes.size());
 }
@@ -32,7 +32,7 @@ inline void reseal(std::vector<std::uint8_t>& bytes, const FileHeader& layout) {
   const ByteSpan between =
       ByteSpan(bytes).subspan(kHeaderBytes, bytes.size() - kHeaderBytes - kTrailerBytes);
   store_little_endian(crc32c(between), trailer + 28);
-  store_little_endian(crc32c({trailer, 60}), trailer + 60);
+  store_little_endian(crc32c({trailer, 92}), trailer + 92);
 }
 
 }  // namespace octavo::testing

@@ -152,7 +152,7 @@ TEST(Salvage, OneDamagedSegmentIsFilledAtItsLevelAndBelow) {
   const BrickEntry entry = open_bytes(good)->brick(0, {1, 0, 1});
   for (const std::size_t level : {0u, 3u, 5u}) {
     std::vector<std::uint8_t> bytes = good;
-    bytes[entry.segments[level].offset] ^= 1;
+    bytes[entry.pieces[level].offset] ^= 1;
     check_every_fill(bytes, volume, static_cast<std::int64_t>(level) + 1);
   }
 }
@@ -199,10 +199,10 @@ TEST(Salvage, SeveralTiersFloatsAndLabelsAreFilledAlike) {
     const Size3 grid = volume->levels.brick_grid(0);
     for (Index3 at; at.z < grid.z; ++at.z) {
       const BrickEntry entry = reader->brick(0, at);
-      if (!entry.is_uniform()) bytes[entry.segments[0].offset + 1] ^= 0x10;
+      if (!entry.is_uniform()) bytes[entry.pieces[0].offset + 1] ^= 0x10;
     }
     const BrickEntry top = reader->brick(1, {0, 0, 0});
-    if (!top.is_uniform()) bytes[top.segments[0].offset] ^= 4;
+    if (!top.is_uniform()) bytes[top.pieces[0].offset] ^= 4;
     check_every_fill(bytes, *volume, 1);
   }
 }
@@ -214,7 +214,7 @@ TEST(Salvage, TheReportNamesEveryPlaceOnceInTheOrderOfTheFile) {
   std::vector<std::uint64_t> offsets;
   for (std::int64_t x = 0; x < 3; ++x) {
     const BrickEntry entry = reader->brick(0, {x, 1, 2});
-    offsets.push_back(entry.segments[0].offset);
+    offsets.push_back(entry.pieces[0].offset);
     bytes[offsets.back()] ^= 0x80;
   }
   const SalvageReader salvage(open_bytes(bytes), {});
@@ -269,7 +269,7 @@ TEST(Salvage, TellsOfTheFileWhatItsReaderDoes) {
   EXPECT_EQ(&salvage.levels(), &plain->levels());
   EXPECT_EQ(&salvage.source(), &plain->source());
   EXPECT_EQ(salvage.file_bytes(), plain->file_bytes());
-  EXPECT_EQ(salvage.file_id(), plain->file_id());
+  EXPECT_EQ(salvage.build_id(), plain->build_id());
   EXPECT_EQ(salvage.format_version(), plain->format_version());
   EXPECT_EQ(salvage.max_error(), 1.5);
   EXPECT_EQ(salvage.achieved_error(), 0.75);
@@ -278,14 +278,14 @@ TEST(Salvage, TellsOfTheFileWhatItsReaderDoes) {
   EXPECT_EQ(salvage.level_summary(0).bytes, plain->level_summary(0).bytes);
   const BrickEntry entry = salvage.brick(0, {1, 0, 1});
   EXPECT_EQ(entry.code, plain->brick(0, {1, 0, 1}).code);
-  EXPECT_EQ(salvage.read_segment(entry, 0), plain->read_segment(entry, 0));
+  EXPECT_EQ(salvage.read_piece(entry, 0), plain->read_piece(entry, 0));
 }
 
 TEST(Salvage, ASingleBrickIsFilledToo) {
   SampleVolume volume = sample();
   std::vector<std::uint8_t> bytes = sample_file_bytes(volume);
   const BrickEntry entry = open_bytes(bytes)->brick(0, {2, 1, 2});
-  bytes[entry.segments[1].offset] ^= 1;
+  bytes[entry.pieces[1].offset] ^= 1;
   const SalvageReader salvage(open_bytes(bytes), {false, 77.0});
   std::vector<std::int16_t> voxels(64 * 64 * 64, 1);
   salvage.read_brick(entry, 0, voxels.data());

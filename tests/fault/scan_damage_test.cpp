@@ -11,7 +11,7 @@
 #include "octavo/io/open_source.h"
 #include "support/ct_head.h"
 #include "support/goal_cases.h"
-#include "support/stored_segments.h"
+#include "support/brick_pieces.h"
 
 namespace octavo::testing {
 namespace {
@@ -93,16 +93,16 @@ TEST_F(ScanDamage, EveryFlippedBitIsFound) {
 
 TEST_F(ScanDamage, ABrickWithAFlippedBitIsRejectedAndAllOthersAreRead) {
   const auto whole = FileReader::open(source());
-  const std::vector<StoredSegment> segments = segments_of(*whole);
-  ASSERT_GT(segments.size(), 100U);
-  const auto box_of_brick = [&](const StoredSegment& stored) {
+  const std::vector<BrickPiece> pieces = pieces_of(*whole);
+  ASSERT_GT(pieces.size(), 100U);
+  const auto box_of_brick = [&](const BrickPiece& stored) {
     return brick_box_at(whole->levels(), stored.level, stored.entry.brick);
   };
   GoalCases goal("B1", "partial reads of a flipped bit rejected", case_count(50, 100'000));
   while (goal.next()) {
-    const StoredSegment& hit = segments[random_() % segments.size()];
-    const StoredSegment& other = segments[random_() % segments.size()];
-    const std::uint64_t bit = 8 * hit.segment.offset + random_() % (8 * hit.segment.length);
+    const BrickPiece& hit = pieces[random_() % pieces.size()];
+    const BrickPiece& other = pieces[random_() % pieces.size()];
+    const std::uint64_t bit = 8 * hit.piece.offset + random_() % (8 * hit.piece.length);
     flip(bit);
     ASSERT_TRUE(is_rejected(box_of_brick(hit), hit.level)) << "bit " << bit;
     if (other.entry.tier != hit.entry.tier || other.entry.brick != hit.entry.brick) {

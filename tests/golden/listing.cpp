@@ -64,30 +64,35 @@ void list_header(Listing& out) {
   out.field(8, "slope");
   out.field(8, "intercept");
   out.field(8, "max error");
-  out.field(8, "file id: content hash, then CRC of the description");
+  out.field(8, "build id: content hash, then CRC of the description");
   out.field(8, "length of the file");
-  for (const char* name : {"metadata", "index pages", "index root", "thumbnail"}) {
+  for (const char* name : {"metadata", "index pages", "index root", "directory"}) {
     out.field(8, std::string(name) + ": offset");
     out.field(8, "length");
     out.field(4, "CRC");
     out.field(4, "zero");
   }
-  out.field(4, "extension count");
+  out.field(1, "channels");
+  out.field(1, "times");
+  out.field(2, "extension count");
   out.field(176, "no extensions");
   out.field(4, "CRC of the header so far");
 }
 
-void list_slab(Listing& out, const IndexRoot& root, const IndexPage& page) {
+void list_slab(Listing& out, const IndexRoot& root, const IndexPage& page, std::int64_t planes) {
   out.heading("slab 0");
   out.field(root.models[0].length, "model 0");
-  const SegmentRef& segment = page.segments.front();
-  out.field(segment.length, "brick 0, level 0: a segment");
+  const PieceRef& piece = page.pieces.front();
+  out.field(piece.length, "brick 0, piece 0: level 0");
   out.field(4, "slab trailer");
-  out.field(8, "file id");
+  out.field(8, "build id");
   out.varint("slab 0");
   out.varint("model 0");
-  for (std::size_t i = 0; i < page.ranges.size(); ++i) out.varint("length of a segment");
-  out.field(4, "CRC of model and segments");
+  for (std::size_t i = 0; i < page.ranges.size(); ++i) out.varint("length of a piece");
+  for (std::int64_t z = 0; z < planes; ++z) {
+    out.field(32, "SHA-256 of plane " + std::to_string(z));
+  }
+  out.field(4, "CRC of model and pieces");
   out.field(4, "length of the slab trailer");
   out.field(4, "CRC of the slab trailer so far");
 }
@@ -99,10 +104,10 @@ void list_page(Listing& out, const IndexPage& page) {
     out.varint("smallest voxel, less that of the brick before; zigzag");
     out.varint("largest voxel less the smallest");
   }
-  const auto levels = static_cast<std::size_t>(page.level_count);
-  for (std::size_t level = 0; level < levels; ++level) {
-    out.varint("length of the segment of level " + std::to_string(level));
-    if (page.segments[level].length > 0) out.field(4, "its CRC");
+  const auto count = static_cast<std::size_t>(page.piece_count);
+  for (std::size_t piece = 0; piece < count; ++piece) {
+    out.varint("length of piece " + std::to_string(piece));
+    if (page.pieces[piece].length > 0) out.field(4, "its CRC");
   }
 }
 
@@ -118,19 +123,21 @@ void list_root(Listing& out, const IndexPage& page) {
   out.varint("smallest voxel, zigzag");
   out.varint("largest less the smallest");
   out.varint("uniform bricks");
-  for (int level = 0; level < page.level_count; ++level) {
-    out.varint("bytes of level " + std::to_string(level));
+  for (int piece = 0; piece < page.piece_count; ++piece) {
+    out.varint("bytes of pieces " + std::to_string(piece));
   }
 }
 
 void list_trailer(Listing& out) {
   out.heading("trailer");
   out.field(8, "magic");
-  out.field(8, "file id");
+  out.field(8, "build id");
   out.field(8, "length of the file");
   out.field(4, "CRC at the end of the header");
   out.field(4, "CRC of all bytes between header and trailer");
-  out.field(28, "zero");
+  out.field(8, "offset of the previous trailer");
+  out.field(32, "voxel digest");
+  out.field(20, "zero");
   out.field(4, "CRC of the trailer so far");
 }
 
@@ -146,12 +153,12 @@ std::string annotated_listing(const std::vector<std::uint8_t>& bytes) {
                                     levels, 0, 0, header);
   Listing out(bytes);
   list_header(out);
-  list_slab(out, root, page);
+  list_slab(out, root, page, header.description.size.z);
   for (int level = 1; level < levels.count(); ++level) {
-    const std::uint64_t length = root.tiers[0].level_bytes[static_cast<std::size_t>(level)];
+    const std::uint64_t length = root.tiers[0].piece_bytes[static_cast<std::size_t>(level)];
     if (length == 0) continue;
     out.heading("level " + std::to_string(level));
-    out.field(length, "segments");
+    out.field(length, "pieces");
   }
   list_page(out, page);
   out.heading("metadata");

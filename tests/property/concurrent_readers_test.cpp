@@ -127,14 +127,14 @@ int read_until_over(const std::string& path, const std::vector<Volume>& versions
     ReaderOptions options;
     options.cache_bytes = 0;
     const auto again = FileReader::open(open_byte_source(local_storage(), path), options);
-    const std::uint64_t id = again->file_id();
+    const std::uint64_t id = again->build_id();
     const auto whole = read_box(*again, box_of(kSize), 0);
     for (int i = 0; i < 20; ++i) {
       const Box box = random_box(kSize, random);
       if (read_box(*again, box, 0) != crop(whole, kSize, 2, box)) return 2;
     }
     ++board.reads;
-    if (open_file(path)->file_id() != id) ++board.replaced_while_reading;
+    if (open_file(path)->build_id() != id) ++board.replaced_while_reading;
   }
   return 0;
 }

@@ -144,7 +144,7 @@ class Damage(InFolder):
             data = (GOLDEN / name).read_bytes()
             with OctavoFile(GOLDEN / name) as file:
                 pages = file.header.pages.offset
-                lengths = sum(length for brick in file.bricks(0) for _, length, _ in brick.segments)
+                lengths = sum(length for brick in file.bricks(0) for _, length, _ in brick.pieces)
             self.assertGreater(lengths, 0)
             for at in range(pages - lengths, pages, lengths // 20):
                 changed = bytearray(data)

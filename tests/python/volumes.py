@@ -98,12 +98,12 @@ def has_edges(file):
 
 
 def is_stored(file):
-    return any(brick.segments[0][1] > 0 and brick.segments[-1][1] == 0
+    return any(brick.pieces[0][1] > 0 and brick.pieces[-1][1] == 0
                for brick in file.bricks(0))
 
 
 def is_coded(file):
-    return any(brick.segments[-1][1] > 0 for brick in file.bricks(0))
+    return any(brick.pieces[-1][1] > 0 for brick in file.bricks(0))
 
 
 def has_uniform_brick(file):

@@ -4,6 +4,7 @@ import struct
 
 MODEL_LEVEL = 255
 PAGE_BRICKS = 1024
+TRAILER_LENGTH = 96
 
 
 def crc_table():
@@ -38,15 +39,15 @@ def zigzag(value):
 
 
 def with_metadata(data, text):
-    """The file with other metadata: sections 2, 7 and 8."""
-    header, trailer = bytearray(data[:512]), bytearray(data[-64:])
+    """The file with other metadata: sections 3, 8 and 9."""
+    header, trailer = bytearray(data[:512]), bytearray(data[-TRAILER_LENGTH:])
     begin, length = struct.unpack_from("<QQ", header, 232)
     root, = struct.unpack_from("<Q", header, 280)
     growth = len(text) - length
     struct.pack_into("<QQI", header, 232, begin, len(text), crc32c(text))
     struct.pack_into("<Q", header, 280, root + growth)
     struct.pack_into("<Q", header, 224, len(data) + growth)
-    between = data[512:begin] + text + data[begin + length:-64]
+    between = data[512:begin] + text + data[begin + length:-TRAILER_LENGTH]
     return sealed(header, between, trailer)
 
 
@@ -56,7 +57,7 @@ def sealed(header, between, trailer):
     trailer[8:24] = header[216:232]
     trailer[24:28] = header[508:512]
     struct.pack_into("<I", trailer, 28, crc32c(between))
-    struct.pack_into("<I", trailer, 60, crc32c(trailer[:60]))
+    struct.pack_into("<I", trailer, 92, crc32c(trailer[:92]))
     return bytes(header) + between + bytes(trailer)
 
 
@@ -91,8 +92,8 @@ class ClaimedVolume:
 
     def __init__(self, size, value, like):
         self._header = bytearray(like[:512])
-        self._trailer = bytearray(like[-64:])
-        self._file_id = like[216:224]
+        self._trailer = bytearray(like[-TRAILER_LENGTH:])
+        self._build_id = like[216:224]
         self._model = first_model(like)
         self._size = size
         self._value = value
@@ -116,18 +117,18 @@ class ClaimedVolume:
                 values = [self._value(i, j, k) if first == 0 else 0 for i, j in order]
                 for at in range(0, len(values), PAGE_BRICKS):
                     before = self._add_page(values[at : at + PAGE_BRICKS], before,
-                                            min(6, step_count + 1 - first))
+                                            min(4, step_count + 1 - first))
         return self._assembled(step_count, slabs)
 
     def _piece_crc(self, level, code, data):
-        return crc32c(self._file_id + struct.pack("<BQ", level, code) + data)
+        return crc32c(self._build_id + struct.pack("<BQ", level, code) + data)
 
     def _slab_trailer(self, slab, brick_count, before):
-        data = b"8slb" + self._file_id + varint(slab) + b"\0" + bytes(brick_count)
+        data = b"8slb" + self._build_id + varint(slab) + b"\0" + bytes(brick_count)
         data += struct.pack("<II", crc32c(before), len(data) + 12)
         return data + struct.pack("<I", crc32c(data))
 
-    def _add_page(self, values, before, level_count):
+    def _add_page(self, values, before, piece_count):
         page = b"\0"
         previous = 0
         for value in values:
@@ -136,7 +137,7 @@ class ClaimedVolume:
         low, high = min(values), max(values)
         self._root += varint(len(page)) + struct.pack("<I", crc32c(page))
         self._root += zigzag(low - before) + varint(high - low) + varint(len(values))
-        self._root += bytes(level_count)
+        self._root += bytes(piece_count)
         self._pages += page
         return low
 
@@ -149,5 +150,5 @@ class ClaimedVolume:
         for field, part in ((256, self._pages), (304, b""), (232, b"{}"), (280, self._root)):
             struct.pack_into("<QQI", header, field, at, len(part), crc32c(part))
             at += len(part)
-        struct.pack_into("<Q", header, 224, at + 64)
+        struct.pack_into("<Q", header, 224, at + TRAILER_LENGTH)
         return sealed(header, slabs + self._pages + b"{}" + self._root, self._trailer)

@@ -25,7 +25,8 @@ class MemoryReader final : public FileReader {
   const VolumeDescription& description() const override { return description_; }
   const Levels& levels() const override { return levels_; }
   std::uint64_t file_bytes() const override { return voxels_.size(); }
-  std::uint64_t file_id() const override { return 1; }
+  std::uint64_t build_id() const override { return 1; }
+  Sha256Digest voxel_digest() const override { return {}; }
   const ByteSource& source() const override { return *source_; }
   std::string format_version() const override { return "1.0"; }
   ValueRange range() const override { return range_; }
@@ -36,7 +37,7 @@ class MemoryReader final : public FileReader {
   Bytes thumbnail() const override { return {}; }
   BrickEntry brick(int, const Index3&) const override { has_none(); }
   void read_brick(const BrickEntry&, int, void*) const override { has_none(); }
-  Bytes read_segment(const BrickEntry&, int) const override { has_none(); }
+  Bytes read_piece(const BrickEntry&, int) const override { has_none(); }
 
   void read(const Box& box, int level, void* out) const override {
     read_strided(box, level, out, box.size().x, box.size().x * box.size().y);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "octavo/file/write/writer.h"
@@ -18,6 +19,13 @@ class RecordingWriter final : public FileWriter {
   void add_brick(int tier, const EncodedBrick& brick) override {
     calls_.push_back([tier, brick](FileWriter& writer) { writer.add_brick(tier, brick); });
     if (tier == 0) bricks_.push_back(calls_.size());
+  }
+  void add_plane_digests(std::span<const Sha256Digest> digests) override {
+    const std::vector<Sha256Digest> kept(digests.begin(), digests.end());
+    calls_.push_back([kept](FileWriter& writer) { writer.add_plane_digests(kept); });
+  }
+  void add_part(Part part) override {
+    calls_.push_back([part](FileWriter& writer) { writer.add_part(part); });
   }
   void end_group(std::uint32_t) override {}
   const std::vector<JournalGroup>& resumed() const override { return none_; }

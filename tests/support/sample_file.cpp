@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "octavo/core/crc32c.h"
+#include "octavo/core/sha256.h"
 #include "octavo/file/layer_order.h"
 
 namespace octavo::testing {
@@ -172,13 +173,16 @@ void encode_sample(FileWriter& writer, SampleVolume& volume) {
         writer.add_model(codec->serialized());
       }
       const BrickCodec& used = tier > 0 && first_codec ? *first_codec : *codec;
+      std::vector<EncodedBrick> encoded;
       for (Index3 brick : layer_order(grid)) {
         brick.z = layer;
-        const EncodedBrick encoded =
-            used.encode(brick_shape(volume.levels, tier, brick), work.view(brick));
-        writer.add_brick(tier, with_error_steps(volume, tier, encoded));
-        work.keep_levels(used, brick, encoded);
-        parents.emplace_back(brick, encoded.parent);
+        encoded.push_back(used.encode(brick_shape(volume.levels, tier, brick), work.view(brick)));
+        work.keep_levels(used, brick, encoded.back());
+        parents.emplace_back(brick, encoded.back().parent);
+      }
+      if (tier == 0) writer.add_plane_digests(sample_plane_digests(volume, layer));
+      for (const EncodedBrick& brick : encoded) {
+        writer.add_brick(tier, with_error_steps(volume, tier, brick));
       }
     }
     if (tier + 1 == volume.levels.tier_count()) continue;
@@ -188,6 +192,32 @@ void encode_sample(FileWriter& writer, SampleVolume& volume) {
                      value);
     }
   }
+}
+
+std::vector<Sha256Digest> digests_of_planes(ByteSpan planes, std::size_t plane_count) {
+  const std::size_t plane_bytes = planes.size() / plane_count;
+  std::vector<Sha256Digest> digests;
+  for (std::size_t z = 0; z < plane_count; ++z) {
+    digests.push_back(sha256(planes.subspan(z * plane_bytes, plane_bytes)));
+  }
+  return digests;
+}
+
+std::vector<Sha256Digest> sample_plane_digests(const SampleVolume& volume, std::int64_t layer) {
+  Box planes = volume.levels.brick_box(0, {0, 0, layer});
+  planes.hi.x = volume.description.size.x;
+  planes.hi.y = volume.description.size.y;
+  const auto plane_count = static_cast<std::size_t>(planes.size().z);
+  const auto voxel_count = static_cast<std::size_t>(planes.size().voxel_count());
+  const auto width = static_cast<std::size_t>(bytes_per_voxel(volume.description.coded_type()));
+  const auto first = static_cast<std::size_t>(planes.lo.z) * (voxel_count / plane_count);
+  const ByteSpan codes =
+      ByteSpan(volume.samples[0]).subspan(first * width, voxel_count * width);
+  if (!volume.description.coding) return digests_of_planes(codes, plane_count);
+  Bytes voxels(voxel_count * sizeof(float));
+  decode_samples(*volume.description.coding, codes.data(),
+                 {reinterpret_cast<float*>(voxels.data()), voxel_count});
+  return digests_of_planes(voxels, plane_count);
 }
 
 SampleVolume make_lossy_float_sample() {

@@ -38,6 +38,12 @@ void write_sample(Storage& storage, const std::string& path, SampleVolume& volum
 /// Encodes all bricks of `volume` and gives them to `writer`, which is not finished.
 void encode_sample(FileWriter& writer, SampleVolume& volume);
 
+/// The digests of `plane_count` planes of equal size.
+std::vector<Sha256Digest> digests_of_planes(ByteSpan planes, std::size_t plane_count);
+
+/// The digests of the planes of a layer of bricks, from volume.samples[0].
+std::vector<Sha256Digest> sample_plane_digests(const SampleVolume& volume, std::int64_t layer);
+
 /// A float32 file of small codes with a max error of 3 codes, of two slabs.
 SampleVolume make_lossy_float_sample();
 

@@ -60,7 +60,7 @@ class ScanFiles : public TaskFiles {
 
   /// Where the bytes of a brick at the finest level begin.
   static std::uint64_t brick_offset(const std::string& path) {
-    return open_file(path)->brick(0, {0, 0, 0}).segments.front().offset;
+    return open_file(path)->brick(0, {0, 0, 0}).pieces.front().offset;
   }
 
   ScanOptions scan_;  ///< reads write_raw("...", voxels_)

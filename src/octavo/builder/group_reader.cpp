@@ -49,8 +49,8 @@ VoxelBlock GroupReader::next() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return read_ > taken_ || failure_ != nullptr; });
   if (read_ == taken_) std::rethrow_exception(failure_);
-  const Buffer& buffer = buffers_[taken_++ % buffers_.size()];
-  VoxelBlock block{buffer.voxels.data(), type_, size_, next_plane_};
+  Buffer& buffer = buffers_[taken_++ % buffers_.size()];
+  VoxelBlock block{buffer.voxels.bytes().data(), type_, size_, next_plane_};
   if (floats_ != nullptr) block.floats = buffer.floats.data();
   next_plane_ = std::min(next_plane_ + planes_per_group_, size_.z);
   block.size.z = next_plane_ - block.first_plane;

@@ -97,7 +97,7 @@ std::optional<InterruptedBuild> find_build(Storage& storage, const std::string& 
 
 // Tells the file from the one that the build would have made, and from less whole ones.
 std::uint32_t content_hash_of(const FileHeader& header, std::int64_t planes) {
-  return static_cast<std::uint32_t>(header.file_id) ^ static_cast<std::uint32_t>(planes);
+  return static_cast<std::uint32_t>(header.build_id) ^ static_cast<std::uint32_t>(planes);
 }
 
 // The sample above a brick of one code, as EncodedBrick::parent holds it.
@@ -163,6 +163,16 @@ SealResult seal(InterruptedBuild build, Storage& storage, const std::string& out
   Parents parents(levels, encoder);
   EncodedBrick missing{{low, low}, parent_of(description, low), 0, {}};
   missing.segments.resize(static_cast<std::size_t>(levels.tier_level_count(0)));
+  // Of whole layers they are known; the planes of others are all alike.
+  const Sha256Digest missing_plane = uniform_plane_digest(description, low);
+  const auto digests_of = [&](std::int64_t layer) -> std::vector<Sha256Digest> {
+    const Box planes = levels.brick_box(0, {0, 0, layer});
+    if (layer >= bricks.layer_count()) {
+      return {static_cast<std::size_t>(planes.size().z), missing_plane};
+    }
+    const auto first = bricks.plane_digests().begin();
+    return {first + planes.lo.z, first + planes.hi.z};
+  };
   std::optional<Model> first_model;
   for (std::int64_t layer = 0; layer < grid.z; ++layer) {
     const bool is_whole = layer < bricks.layer_count();
@@ -179,6 +189,7 @@ SealResult seal(InterruptedBuild build, Storage& storage, const std::string& out
         writer->add_model(model);
       }
       const EncodedBrick brick = is_whole ? bricks.next() : missing;
+      if (place == 0) writer->add_plane_digests(digests_of(layer));
       writer->add_brick(0, brick);
       parents.add(brick.parent);
     }

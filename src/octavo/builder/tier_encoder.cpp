@@ -271,6 +271,8 @@ EncodedBrick TierEncoder::encode_checked(const Model& model, const VoxelBlock& b
     const auto error = integer_error(view, dense, encoded.range);
     if (!error || *error > bound_.codes) fail_brick(tier_, brick, "");
     encoded.max_error = *error;
+    // The digests of planes are of voxels as readers will see them.
+    if (tier_ == 0) put_voxels(block, levels_.brick_box(tier_, brick), dense.data());
   } else if (!is_same(view, dense)) {
     fail_brick(tier_, brick, "");
   }
@@ -291,10 +293,20 @@ EncodedBrick TierEncoder::encode_checked(const Model& model, const VoxelBlock& b
 void TierEncoder::keep(Work& work, Slot slot) {
   if (slot.failure) std::rethrow_exception(slot.failure);
   if (work.brings_model && work.kept == 0) writer_.add_model(work.model.serialized);
+  const auto layer_bricks = static_cast<std::size_t>(levels_.brick_grid(tier_).x *
+                                                     levels_.brick_grid(tier_).y);
+  if (tier_ == 0 && (work.kept + 1) % layer_bricks == 0) add_plane_digests(work);
   writer_.add_brick(tier_, slot.encoded);
   store_parent(work.bricks[work.kept], slot.encoded.parent);
   if (work.brings_model && work.kept + 1 == work.bricks.size()) writer_.end_group(work.block.crc);
   count_progress(work);
+}
+
+// Of the layer whose last brick is kept next.
+void TierEncoder::add_plane_digests(const Work& work) {
+  const Box layer = levels_.brick_box(tier_, work.bricks[work.kept]);
+  const std::int64_t first = layer.lo.z - work.block.first_plane;
+  writer_.add_plane_digests(plane_digests(work.block, first, layer.size().z, bound_.coding));
 }
 
 void TierEncoder::store_parent(const Index3& brick, std::int64_t parent) {

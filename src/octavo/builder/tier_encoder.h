@@ -114,6 +114,7 @@ class TierEncoder {
   EncodedBrick encode_checked(const Model& model, const VoxelBlock& block,
                               const Index3& brick) const;
   void keep(Work& work, Slot slot);
+  void add_plane_digests(const Work& work);
   void store_parent(const Index3& brick, std::int64_t parent);
   void count_progress(const Work& work);
 

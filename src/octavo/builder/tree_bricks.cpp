@@ -1,12 +1,15 @@
 #include "octavo/builder/tree_bricks.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <span>
 #include <type_traits>
 
+#include "octavo/builder/crypto_hasher.h"
 #include "octavo/core/bytes.h"
 #include "octavo/core/crc32c.h"
 #include "octavo/core/error.h"
@@ -37,6 +40,27 @@ class JoinedChecksum {
   std::uint64_t byte_count_ = 0;
   std::uint32_t shift_ = crc32c_shift(0);
 };
+
+// The bytes of one of `planes` planes of voxels.
+template <class T>
+ByteSpan bytes_of_plane(const std::vector<T>& voxels, std::int64_t plane, std::int64_t planes) {
+  const std::size_t run = voxels.size() * sizeof(T) / static_cast<std::size_t>(planes);
+  const auto* first = reinterpret_cast<const std::uint8_t*>(voxels.data());
+  return {first + static_cast<std::size_t>(plane) * run, run};
+}
+
+// Calls f(T()) with the C++ type of labels.
+template <class F>
+auto with_label_type(VoxelType type, F f) {
+  return with_voxel_type(type, [&](auto id) -> decltype(f(std::uint8_t())) {
+    using T = typename decltype(id)::type;
+    if constexpr (std::is_integral_v<T>) {
+      return f(T());
+    } else {
+      throw Error(ErrorKind::invalid_argument, "float32 voxels are no labels");
+    }
+  });
+}
 
 template <class Tree>
 class BricksOf final : public TreeBricks {
@@ -79,25 +103,62 @@ class BricksOf final : public TreeBricks {
     words_of(tree_, levels_.brick_box(0, brick), words);
   }
 
+  std::vector<Sha256Digest> plane_digests(std::int64_t layer, VoxelType type) const override {
+    return with_label_type(type, [&]<class T>(T) { return digests_as<T>(layer); });
+  }
+
   std::uint32_t checksum(std::int64_t planes, VoxelType type) const override {
-    return with_voxel_type(type, [&](auto id) -> std::uint32_t {
-      using T = typename decltype(id)::type;
-      if constexpr (std::is_integral_v<T>) {
-        return checksum_as<T>(planes);
-      } else {
-        throw Error(ErrorKind::invalid_argument, "float32 voxels are no labels");
-      }
-    });
+    return with_label_type(type, [&]<class T>(T) { return checksum_as<T>(planes); });
   }
 
  private:
+  // Four planes at a time, which share their words, strip of rows by strip of rows.
+  template <class T>
+  std::vector<Sha256Digest> digests_as(std::int64_t layer) const {
+    const Size3& size = tree_.size();
+    const std::int64_t first = layer * side_.z;
+    const std::int64_t end = std::min(size.z, first + side_.z);
+    const std::int64_t rows = strip_rows<T>();
+    std::vector<Sha256Digest> digests(static_cast<std::size_t>(end - first));
+    const auto hash_slab = [&](std::int64_t slab) {
+      const std::int64_t z = first + slab * kSlabPlanes;
+      const std::int64_t planes = std::min(kSlabPlanes, end - z);
+      std::array<std::unique_ptr<Hasher>, kSlabPlanes> hashers;
+      for (auto& hasher : hashers) hasher = make_crypto_hasher();
+      std::vector<T> voxels;
+      for (std::int64_t y = 0; y < size.y; y += rows) {
+        const Box box{{0, y, z}, {size.x, std::min(size.y, y + rows), z + planes}};
+        voxels.resize(static_cast<std::size_t>(box.size().voxel_count()));
+        fill_voxels(tree_, box, voxels.data());
+        for (std::int64_t plane = 0; plane < planes; ++plane) {
+          hashers[static_cast<std::size_t>(plane)]->add(bytes_of_plane(voxels, plane, planes));
+        }
+      }
+      for (std::int64_t plane = 0; plane < planes; ++plane) {
+        digests[static_cast<std::size_t>(slab * kSlabPlanes + plane)] =
+            hashers[static_cast<std::size_t>(plane)]->digest();
+      }
+    };
+    tbb::this_task_arena::isolate([&] {
+      tbb::parallel_for(std::int64_t{0}, divided_up(end - first, kSlabPlanes), hash_slab);
+    });
+    return digests;
+  }
+
+  // Rows of a strip of four planes, a multiple of the side of a word.
+  template <class T>
+  std::int64_t strip_rows() const {
+    const Size3& size = tree_.size();
+    const std::int64_t row_bytes = static_cast<std::int64_t>(sizeof(T)) * size.x;
+    return std::clamp<std::int64_t>(kStripBytes / (kSlabPlanes * row_bytes) / 4 * 4, 4, size.y + 3);
+  }
+
   // Slabs of four planes are cut into strips of rows; a strip has a run of bytes in each plane.
   template <class T>
   std::uint32_t checksum_as(std::int64_t planes) const {
     const Size3& size = tree_.size();
     const auto row_bytes = static_cast<std::int64_t>(sizeof(T)) * size.x;
-    const std::int64_t rows =
-        std::clamp<std::int64_t>(kStripBytes / (kSlabPlanes * row_bytes) / 4 * 4, 4, size.y + 3);
+    const std::int64_t rows = strip_rows<T>();
     const std::int64_t strips = divided_up(size.y, rows);
     const std::int64_t slabs = divided_up(planes, kSlabPlanes);
     std::vector<std::uint32_t> crcs(static_cast<std::size_t>(planes * strips));
@@ -107,12 +168,9 @@ class BricksOf final : public TreeBricks {
       const Box box{{0, y, z}, {size.x, std::min(size.y, y + rows), std::min(planes, z + 4)}};
       std::vector<T> voxels(static_cast<std::size_t>(box.size().voxel_count()));
       fill_voxels(tree_, box, voxels.data());
-      const auto run = static_cast<std::size_t>(box.size().y * row_bytes);
-      const ByteSpan bytes(reinterpret_cast<const std::uint8_t*>(voxels.data()),
-                           voxels.size() * sizeof(T));
       for (std::int64_t plane = z; plane < box.hi.z; ++plane) {
         crcs[static_cast<std::size_t>(plane * strips + i % strips)] =
-            crc32c(bytes.subspan(static_cast<std::size_t>(plane - z) * run, run));
+            crc32c(bytes_of_plane(voxels, plane - z, box.size().z));
       }
     });
     JoinedChecksum joined;

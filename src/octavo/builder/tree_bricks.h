@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "octavo/core/hasher.h"
 #include "octavo/core/levels.h"
 #include "octavo/core/voxel_type.h"
 #include "octavo/octree/label_tree.h"
@@ -31,6 +32,11 @@ class TreeBricks {
 
   /// The words of a brick.
   virtual void words_of_brick(const Index3& brick, LabelWords& words) const = 0;
+
+  /// The digests of the planes of a layer, by z, of voxels of the type. Uses the threads of the
+  /// calling task arena.
+  /// Memory  about 1 MiB per thread, or four rows
+  virtual std::vector<Sha256Digest> plane_digests(std::int64_t layer, VoxelType type) const = 0;
 
   /// CRC-32C of the voxels of the first planes, [z][y][x] of the type. Uses the threads of the
   /// calling task arena.

@@ -212,7 +212,21 @@ class TreeBuild {
     }
   }
 
+  // Planes of a layer of one label are alike: one is hashed.
+  std::vector<Sha256Digest> digests_of_layer(const Group& group, std::int64_t layer) const {
+    const auto& labels = group.labels[static_cast<std::size_t>(layer - group.first_layer)];
+    const std::int64_t label = labels.front();
+    const bool is_uniform = label != kSeveralLabels &&
+                            std::ranges::all_of(labels, [&](auto other) { return other == label; });
+    if (!is_uniform) return bricks_.plane_digests(layer, type_);
+    const Size3 size = levels_.brick_box(0, {0, 0, layer}).size();
+    return {static_cast<std::size_t>(size.z), uniform_plane_digest(description_, label)};
+  }
+
   void keep(const Group& group, const Index3& brick, const EncodedBrick& encoded) {
+    if ((kept_ + 1) % order_.size() == 0) {
+      writer_->add_plane_digests(digests_of_layer(group, brick.z));
+    }
     writer_->add_brick(0, encoded);
     with_voxel_type(type_, [&](auto id) {
       const auto value = static_cast<typename decltype(id)::type>(encoded.parent);

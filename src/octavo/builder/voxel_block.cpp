@@ -1,17 +1,29 @@
 #include "octavo/builder/voxel_block.h"
 
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <cstring>
+#include <span>
 
+#include "octavo/builder/crypto_hasher.h"
 #include "octavo/file/layer_order.h"
 
 namespace octavo {
 
+namespace {
+
+// Of a voxel in the block, in voxels.
+std::int64_t offset_of(const VoxelBlock& block, const Index3& at) {
+  return ((at.z - block.first_plane) * block.size.y + at.y) * block.size.x + at.x;
+}
+
+}  // namespace
+
 BrickView view_of(const VoxelBlock& block, const Box& box) {
-  const std::int64_t offset =
-      ((box.lo.z - block.first_plane) * block.size.y + box.lo.y) * block.size.x + box.lo.x;
   BrickView view;
-  view.voxels = block.voxels + offset * bytes_per_voxel(block.type);
+  view.voxels = block.voxels + offset_of(block, box.lo) * bytes_per_voxel(block.type);
   view.type = block.type;
   view.size = box.size();
   view.row_stride = block.size.x;
@@ -20,10 +32,61 @@ BrickView view_of(const VoxelBlock& block, const Box& box) {
 }
 
 BrickView float_view_of(const VoxelBlock& block, const Box& box) {
-  VoxelBlock floats = block;
-  floats.voxels = reinterpret_cast<const std::byte*>(block.floats);
-  floats.type = VoxelType::float32;
-  return view_of(floats, box);
+  BrickView view = view_of(block, box);
+  view.voxels = block.floats + offset_of(block, box.lo);
+  view.type = VoxelType::float32;
+  return view;
+}
+
+void put_voxels(const VoxelBlock& block, const Box& box, const std::byte* voxels) {
+  const std::int64_t width = bytes_per_voxel(block.type);
+  const auto row_bytes = static_cast<std::size_t>(box.size().x * width);
+  for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+    for (std::int64_t y = box.lo.y; y < box.hi.y; ++y, voxels += row_bytes) {
+      const std::int64_t offset = offset_of(block, {box.lo.x, y, z});
+      std::memcpy(block.voxels + offset * width, voxels, row_bytes);
+    }
+  }
+}
+
+std::vector<Sha256Digest> plane_digests(const VoxelBlock& block, std::int64_t first,
+                                        std::int64_t count,
+                                        const std::optional<SampleCoding>& coding) {
+  const auto voxel_count = static_cast<std::size_t>(block.size.x * block.size.y);
+  const std::size_t plane_bytes =
+      voxel_count * static_cast<std::size_t>(bytes_per_voxel(block.type));
+  std::vector<Sha256Digest> digests(static_cast<std::size_t>(count));
+  // A thread that waits here takes none of the bricks that wait for another plane.
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(std::size_t{0}, digests.size(), [&](std::size_t i) {
+      const std::byte* plane =
+          block.voxels + (static_cast<std::size_t>(first) + i) * plane_bytes;
+      std::vector<float> floats(coding ? voxel_count : 0);
+      if (coding) decode_samples(*coding, plane, floats);
+      const std::span<const std::byte> bytes =
+          coding ? std::as_bytes(std::span<const float>(floats)) : std::span(plane, plane_bytes);
+      const auto hasher = make_crypto_hasher();
+      hasher->add({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+      digests[i] = hasher->digest();
+    });
+  });
+  return digests;
+}
+
+Sha256Digest uniform_plane_digest(const VolumeDescription& volume, std::int64_t code) {
+  constexpr std::int64_t kRunVoxels = std::int64_t{1} << 16;
+  const auto hasher = make_crypto_hasher();
+  with_voxel_type(volume.type, [&](auto tag) {
+    using T = typename decltype(tag)::type;
+    std::int64_t left = volume.size.x * volume.size.y;
+    const std::vector<T> run(static_cast<std::size_t>(std::min(left, kRunVoxels)),
+                             static_cast<T>(volume.voxel_of(code)));
+    const ByteSpan bytes(reinterpret_cast<const std::uint8_t*>(run.data()), run.size() * sizeof(T));
+    for (; left > 0; left -= kRunVoxels) {
+      hasher->add(bytes.first(static_cast<std::size_t>(std::min(left, kRunVoxels)) * sizeof(T)));
+    }
+  });
+  return hasher->digest();
 }
 
 bool is_uniform(const BrickView& brick) {

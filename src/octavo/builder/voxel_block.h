@@ -3,17 +3,20 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "octavo/codec/brick_codec.h"
+#include "octavo/core/hasher.h"
 #include "octavo/core/levels.h"
+#include "octavo/core/volume.h"
 
 namespace octavo {
 
 /// Planes first_plane .. first_plane + size.z - 1 of the finest level of a tier, [z][y][x].
 /// The block starts and ends where brick layers do, or where the volume ends.
 struct VoxelBlock {
-  const std::byte* voxels = nullptr;
+  std::byte* voxels = nullptr;
   VoxelType type = VoxelType::uint8;
   Size3 size;
   std::int64_t first_plane = 0;
@@ -26,6 +29,18 @@ struct VoxelBlock {
 BrickView view_of(const VoxelBlock& block, const Box& box);
 /// The same of block.floats.
 BrickView float_view_of(const VoxelBlock& block, const Box& box);
+
+/// Puts voxels, dense [z][y][x] of `box`, into the block in place of those that stand there.
+void put_voxels(const VoxelBlock& block, const Box& box, const std::byte* voxels);
+
+/// The digests of `count` planes of the block, counted from its own first one; of the floats that
+/// `coding` makes of them, if given. Uses the threads of the calling task arena.
+std::vector<Sha256Digest> plane_digests(const VoxelBlock& block, std::int64_t first,
+                                        std::int64_t count,
+                                        const std::optional<SampleCoding>& coding);
+
+/// The digest of a plane of the volume whose voxels are all what `code` stands for.
+Sha256Digest uniform_plane_digest(const VolumeDescription& volume, std::int64_t code);
 
 /// True when all voxels of the brick have one value. Stops at the first that differs.
 bool is_uniform(const BrickView& brick);

@@ -44,8 +44,9 @@ Point3 Geometry::to_index(const Point3& world_mm) const {
 
 bool is_valid(const Geometry& geometry) noexcept {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (!std::isfinite(geometry.origin_mm[axis])) return false;
-    if (!std::isfinite(geometry.spacing_mm[axis]) || geometry.spacing_mm[axis] <= 0) return false;
+    const double spacing = geometry.spacing_mm[axis];
+    if (!(std::abs(geometry.origin_mm[axis]) <= kMaxOriginMm)) return false;
+    if (!(spacing >= kMinSpacingMm && spacing <= kMaxSpacingMm)) return false;
   }
   for (const double v : geometry.direction) {
     if (!std::isfinite(v)) return false;
@@ -53,11 +54,20 @@ bool is_valid(const Geometry& geometry) noexcept {
   return std::abs(determinant(geometry.direction)) > 1e-6;
 }
 
-bool has_unit_axes(const Geometry& geometry) noexcept {
+bool has_unit_axes(const Geometry& geometry, double tolerance) noexcept {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (!(std::abs(axis_length(geometry, axis) - 1) <= kAxisTolerance)) return false;
+    if (!(std::abs(axis_length(geometry, axis) - 1) <= tolerance)) return false;
   }
   return true;
+}
+
+Geometry with_unit_axes(const Geometry& geometry) noexcept {
+  Geometry result = geometry;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double length = axis_length(geometry, axis);
+    for (std::size_t row = 0; row < 3; ++row) result.direction[3 * row + axis] /= length;
+  }
+  return result;
 }
 
 double axis_length(const Geometry& geometry, std::size_t axis) noexcept {

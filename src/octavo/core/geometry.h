@@ -27,15 +27,26 @@ struct Geometry {
   Point3 to_index(const Point3& world_mm) const;
 };
 
-/// True when spacings are finite and positive, all numbers finite and the direction invertible.
+inline constexpr double kMinSpacingMm = 1e-9;
+inline constexpr double kMaxSpacingMm = 1e9;
+inline constexpr double kMaxOriginMm = 1e12;
+
+/// True when spacings and origin lie within their limits, all numbers are finite and the direction
+/// is invertible.
 bool is_valid(const Geometry& geometry) noexcept;
 
 /// How far axes may be from unit length, and the cosine between two of them from 0, for a grid to
 /// count as one of perpendicular unit axes.
 inline constexpr double kAxisTolerance = 1e-3;
 
-/// True when every column of the direction has length 1 within kAxisTolerance.
-bool has_unit_axes(const Geometry& geometry) noexcept;
+/// The same for the length of an axis in a file.
+inline constexpr double kStoredAxisTolerance = 1e-4;
+
+/// True when every column of the direction has length 1 within `tolerance`.
+bool has_unit_axes(const Geometry& geometry, double tolerance = kAxisTolerance) noexcept;
+
+/// The geometry with every column of the direction made as long as 1. Requires a valid one.
+Geometry with_unit_axes(const Geometry& geometry) noexcept;
 
 /// The length of column `axis` of the direction.
 double axis_length(const Geometry& geometry, std::size_t axis) noexcept;

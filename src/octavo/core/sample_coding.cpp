@@ -12,7 +12,8 @@ namespace {
 constexpr double kLargestFloat = std::numeric_limits<float>::max();
 
 float voxel_at(double code, double scale, double offset) {
-  return static_cast<float>(std::clamp(code * scale + offset, -kLargestFloat, kLargestFloat));
+  const double value = std::clamp(code * scale + offset, -kLargestFloat, kLargestFloat);
+  return static_cast<float>(value) + 0.0f;  // -0 becomes 0
 }
 
 }  // namespace

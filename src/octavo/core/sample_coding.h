@@ -2,6 +2,8 @@
 //
 //     voxel = float(clamp(code * scale + offset))      every step in binary64, one rounding each
 //
+// A voxel that would be -0 is 0.
+//
 // The codecs, the levels of detail and the index work on codes; floats are made where voxels leave
 // a file. No step is fused with another, so the same codes give the same bits on every machine.
 //

@@ -27,6 +27,9 @@ struct Rescale {
   bool is_identity() const { return slope == 1 && intercept == 0; }
 };
 
+/// True when the slope is not 0 and the real values of all voxels of `type` are finite.
+bool is_valid(const Rescale& rescale, VoxelType type) noexcept;
+
 struct VolumeDescription {
   VolumeKind kind = VolumeKind::grey;
   VoxelType type = VoxelType::uint8;

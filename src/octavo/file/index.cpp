@@ -61,12 +61,14 @@ struct TierRules {
   ValueRange bounds;
   std::uint64_t max_error_steps = 0;
   bool has_errors = false;
-  int level_count = 0;
+  int piece_count = 0;
+  std::int64_t layer_planes = 0;
 };
 
 TierRules rules_of(const FileHeader& header, const Levels& levels, int tier) {
   return {value_range(header.description.coded_type()), max_error_steps(header),
-          has_errors(header, tier), levels.tier_level_count(tier)};
+          has_errors(header, tier), piece_count(levels.tier_level_count(tier)),
+          levels.brick_side(tier).z};
 }
 
 std::uint64_t take_error(ByteReader& in, const TierRules& rules) {
@@ -90,10 +92,10 @@ void parse_page_ref(ByteReader& in, const TierRules& rules, std::int64_t& previo
   if (uniform > static_cast<std::uint64_t>(bricks)) in.fail("more uniform bricks than bricks");
   ref.uniform_count = static_cast<std::uint32_t>(uniform);
   tier.uniform_count += static_cast<std::int64_t>(uniform);
-  for (std::size_t level = 0; level < static_cast<std::size_t>(rules.level_count); ++level) {
-    ref.segment_start[level] = in.varint();
-    tier.level_bytes[level] =
-        checked_add(tier.level_bytes[level], ref.segment_start[level], "index root: a level");
+  for (std::size_t piece = 0; piece < static_cast<std::size_t>(rules.piece_count); ++piece) {
+    ref.piece_start[piece] = in.varint();
+    tier.piece_bytes[piece] =
+        checked_add(tier.piece_bytes[piece], ref.piece_start[piece], "index root: pieces");
   }
   tier.pages.push_back(ref);
 }
@@ -104,7 +106,8 @@ void parse_tier(ByteReader& in, const TierRules& rules, int tier_number, IndexRo
   if (page_count > in.left() / kMinPageRefBytes) in.fail("ends early");
   tier.pages.reserve(page_count);
   if (tier_number == 0) root.slab_trailer_bytes.reserve(static_cast<std::size_t>(tier.grid.z));
-  const std::uint64_t max_trailer_bytes = max_slab_trailer_bytes(tier.layer_bricks);
+  const std::uint64_t max_trailer_bytes =
+      max_slab_trailer_bytes(tier.layer_bricks, rules.layer_planes);
   std::int64_t previous_min = 0;
   for (std::uint64_t page = 0; page < page_count; ++page) {
     if (tier_number == 0 && tier.first_place(page) == 0) {
@@ -115,17 +118,17 @@ void parse_tier(ByteReader& in, const TierRules& rules, int tier_number, IndexRo
   }
 }
 
-// Turns the total lengths of the pages of one level into offsets.
-void place_level(TierIndex& tier, std::size_t level, std::uint64_t& cursor) {
+// Turns the total lengths of the pieces of one number, page by page, into offsets.
+void place_pieces(TierIndex& tier, std::size_t piece, std::uint64_t& cursor) {
   for (PageRef& page : tier.pages) {
-    const std::uint64_t bytes = page.segment_start[level];
-    page.segment_start[level] = cursor;
+    const std::uint64_t bytes = page.piece_start[piece];
+    page.piece_start[piece] = cursor;
     cursor = checked_add(cursor, bytes, "index root: data");
   }
-  tier.level_end[level] = cursor;
+  tier.piece_end[piece] = cursor;
 }
 
-// The same for level 0 of tier 0, which shares its slabs with models and slab trailers.
+// The same for piece 0 of tier 0, which shares its slabs with models and slab trailers.
 void place_slabs(IndexRoot& root, std::uint64_t& cursor) {
   TierIndex& tier = root.tiers.front();
   auto model = root.models.begin();
@@ -137,11 +140,11 @@ void place_slabs(IndexRoot& root, std::uint64_t& cursor) {
       cursor = checked_add(cursor, model->length, "index root: data");
       ++model;
     }
-    const std::uint64_t bytes = page.segment_start[0];
-    page.segment_start[0] = cursor;
+    const std::uint64_t bytes = page.piece_start[0];
+    page.piece_start[0] = cursor;
     cursor = checked_add(cursor, bytes, "index root: data");
     if (tier.first_place(number) + tier.brick_count(number) == tier.layer_bricks) {
-      tier.level_end[0] = cursor;
+      tier.piece_end[0] = cursor;
       cursor = checked_add(cursor, root.slab_trailer_bytes[static_cast<std::size_t>(slab)],
                            "index root: data");
     }
@@ -178,12 +181,13 @@ IndexRoot parse_root(ByteSpan bytes, const Levels& levels, const FileHeader& hea
   std::uint64_t cursor = kHeaderBytes;
   place_slabs(root, cursor);
   for (int tier = 0; tier < levels.tier_count(); ++tier) {
-    for (int level = tier == 0 ? 1 : 0; level < levels.tier_level_count(tier); ++level) {
-      place_level(root.tiers[static_cast<std::size_t>(tier)], static_cast<std::size_t>(level),
-                  cursor);
+    const int count = piece_count(levels.tier_level_count(tier));
+    for (int piece = tier == 0 ? 1 : 0; piece < count; ++piece) {
+      place_pieces(root.tiers[static_cast<std::size_t>(tier)], static_cast<std::size_t>(piece),
+                   cursor);
     }
   }
-  if (cursor != header.pages.offset) in.fail("segments do not fill the data of the file");
+  if (cursor != header.pages.offset) in.fail("pieces do not fill the data of the file");
   place_pages(root, header, in);
   return root;
 }
@@ -196,13 +200,16 @@ IndexPage parse_page(ByteSpan bytes, const IndexRoot& root, const Levels& levels
   // Flags, and a length that can hold the bricks
   ByteReader in(bytes, "index page");
   const std::uint8_t flags = in.u8();
-  if (flags != 0) in.fail("unknown flags " + std::to_string(flags));
+  if (flags != 0) {
+    throw Error(ErrorKind::unsupported_version, "index page: flags " + std::to_string(flags) +
+                                                    ", which this program does not know");
+  }
   if (in.left() / 2 < count) in.fail("ends early");
 
   // Ranges and errors: equal ends mark a uniform brick.
   IndexPage page;
   const TierRules rules = rules_of(header, levels, tier_number);
-  page.level_count = rules.level_count;
+  page.piece_count = rules.piece_count;
   std::int64_t previous_min = 0;
   std::uint32_t slot_count = 0;
   std::uint64_t error_steps = 0;
@@ -223,22 +230,22 @@ IndexPage parse_page(ByteSpan bytes, const IndexRoot& root, const Levels& levels
     in.fail("contradicts the index root");
   }
 
-  // Segments: lengths of a level, then checksums of those that are not empty.
-  const auto level_count = static_cast<std::size_t>(page.level_count);
-  page.segments.resize(slot_count * level_count);
-  for (std::size_t level = 0; level < level_count; ++level) {
-    std::uint64_t cursor = ref.segment_start[level];
-    for (std::size_t i = level; i < page.segments.size(); i += level_count) {
-      page.segments[i].offset = cursor;
-      page.segments[i].length =
-          static_cast<std::uint32_t>(take_bounded(in, kMaxSegmentBytes, "a segment"));
-      cursor += page.segments[i].length;
+  // Pieces: lengths of those of a number, then checksums of those that are not empty.
+  const auto step = static_cast<std::size_t>(page.piece_count);
+  page.pieces.resize(slot_count * step);
+  for (std::size_t piece = 0; piece < step; ++piece) {
+    std::uint64_t cursor = ref.piece_start[piece];
+    for (std::size_t i = piece; i < page.pieces.size(); i += step) {
+      page.pieces[i].offset = cursor;
+      page.pieces[i].length =
+          static_cast<std::uint32_t>(take_bounded(in, kMaxPieceBytes, "a piece"));
+      cursor += page.pieces[i].length;
     }
-    if (cursor != root.segment_end(tier_number, number, static_cast<int>(level))) {
+    if (cursor != root.piece_end(tier_number, number, static_cast<int>(piece))) {
       in.fail("contradicts the index root");
     }
-    for (std::size_t i = level; i < page.segments.size(); i += level_count) {
-      if (page.segments[i].length > 0) page.segments[i].crc = in.u32();
+    for (std::size_t i = piece; i < page.pieces.size(); i += step) {
+      if (page.pieces[i].length > 0) page.pieces[i].crc = in.u32();
     }
   }
   in.expect_end();

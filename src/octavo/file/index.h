@@ -6,14 +6,14 @@
 // the header.
 //
 //   data = slab 0 .. slab n-1, [model of the other tiers], coarse levels
-//   slab = [model] segments of level 0 of the layer's bricks, slab trailer
-//   coarse levels = segments of level 1 of all bricks of tier 0, of level 2, .. 5; then tier 1; ..
+//   slab = [model] piece 0 of the layer's bricks, slab trailer
+//   coarse levels = piece 1 of all bricks of tier 0, piece 2, piece 3; then those of tier 1; ..
 //
 // Invariants
 //   Every page of a layer but the last holds 1024 bricks: the page of a brick is found by division.
 // Consequences
-//   Segments cannot overlap, lie outside the data or leave bytes of it to nobody.
-//   pages <= layers + bricks / 1024, and a brick costs 2 to 63 bytes of index: the header bounds
+//   Pieces cannot overlap, lie outside the data or leave bytes of it to nobody.
+//   pages <= layers + bricks / 1024, and a brick costs 2 to 47 bytes of index: the header bounds
 //   the index, and what a reader allocates is bounded by the bytes of the file before it allocates.
 #pragma once
 
@@ -24,6 +24,7 @@
 #include "octavo/core/levels.h"
 #include "octavo/file/index_lengths.h"
 #include "octavo/file/layout.h"
+#include "octavo/file/pieces.h"
 
 namespace octavo {
 
@@ -35,8 +36,8 @@ struct PageRef {
   ValueRange range;                ///< of all its bricks
   std::uint64_t error_steps = 0;   ///< the largest of its bricks
   std::uint32_t uniform_count = 0;
-  /// Where the segments of each in-brick level begin; while a file is written, their total length.
-  std::array<std::uint64_t, kTierLevels> segment_start{};
+  /// Where the pieces of each number begin; while a file is written, their total length.
+  std::array<std::uint64_t, kTierPieces> piece_start{};
 };
 
 struct ModelRef {
@@ -52,8 +53,8 @@ struct TierIndex {
   std::int64_t layer_bricks = 0;
   std::int64_t layer_pages = 0;
   std::vector<PageRef> pages;
-  std::array<std::uint64_t, kTierLevels> level_bytes{};
-  std::array<std::uint64_t, kTierLevels> level_end{};
+  std::array<std::uint64_t, kTierPieces> piece_bytes{};
+  std::array<std::uint64_t, kTierPieces> piece_end{};
   std::int64_t uniform_count = 0;
 
   std::int64_t layer_of(std::size_t page) const {
@@ -80,10 +81,10 @@ struct IndexRoot {
   std::uint32_t model_of_slab(std::int64_t slab) const;
   /// The model of the tiers above tier 0: the one behind the slabs if there is one, else model 0.
   std::uint32_t coarse_model() const;
-  /// Where a slab's level-0 segments end and its trailer begins.
+  /// Where the pieces of a slab end and its trailer begins.
   std::uint64_t slab_trailer_offset(std::int64_t slab) const;
-  /// Where the segments of in-brick level `level` of a page end.
-  std::uint64_t segment_end(int tier, std::size_t page, int level) const;
+  /// Where pieces number `piece` of a page end.
+  std::uint64_t piece_end(int tier, std::size_t page, int piece) const;
   /// Smallest and largest voxel.
   ValueRange range() const;
   /// The largest error of a brick, in steps of the header.
@@ -93,8 +94,8 @@ struct IndexRoot {
 /// Throws Error{corrupt} when the bytes do not describe a tiling of the data of `header`.
 IndexRoot parse_root(ByteSpan bytes, const Levels& levels, const FileHeader& header);
 
-/// One segment of a brick: one in-brick level.
-struct SegmentRef {
+/// One piece of a brick.
+struct PieceRef {
   std::uint64_t offset = 0;
   std::uint32_t length = 0;
   std::uint32_t crc = 0;
@@ -102,20 +103,21 @@ struct SegmentRef {
 
 /// What a page says of its bricks, in their order.
 struct IndexPage {
-  int level_count = 0;
+  int piece_count = 0;
   std::vector<ValueRange> ranges;
   std::vector<std::uint64_t> error_steps;  ///< of tier 0 in files with a max error, else empty
   std::vector<std::uint32_t> slots;     ///< number among the bricks that are not uniform
-  std::vector<SegmentRef> segments;     ///< [slot][in-brick level]
+  std::vector<PieceRef> pieces;         ///< [slot][number]
 
   std::size_t memory_bytes() const {
     return sizeof(IndexPage) + ranges.size() * (sizeof(ValueRange) + sizeof(std::uint32_t)) +
-           segments.size() * sizeof(SegmentRef) + error_steps.size() * sizeof(std::uint64_t);
+           pieces.size() * sizeof(PieceRef) + error_steps.size() * sizeof(std::uint64_t);
   }
 };
 
 /// Page number `page` of `tier`, from its bytes after their checksum was proven.
-/// Throws Error{corrupt} when it contradicts the root, the coded type or the max error of `header`.
+/// Throws Error{corrupt} when it contradicts the root, the coded type or the max error of `header`;
+/// Error{unsupported_version}
 IndexPage parse_page(ByteSpan bytes, const IndexRoot& root, const Levels& levels, int tier,
                      std::size_t page, const FileHeader& header);
 

@@ -6,20 +6,22 @@ namespace octavo {
 
 namespace {
 
-// A brick in its page: two varints; with a max error a third; of each of 6 levels a length of up to
+// A brick in its page: two varints; with a max error a third; of each of 4 pieces a length of up to
 // 4 bytes and a CRC.
 constexpr std::uint64_t kMinBrickBytes = 2;
-constexpr std::uint64_t kMaxBrickBytes = 3 * 5 + 6 * (4 + 4);
+constexpr std::uint64_t kMaxBrickBytes = 3 * 5 + 4 * (4 + 4);
 
-// In the root: a page with its length, CRC, range, error, uniform count and 6 level totals; a layer
-// of tier 0 with its slab trailer and a model; the number of models, and one model more.
-constexpr std::uint64_t kMaxPageRefBytes = 3 + 4 + 3 * 5 + 2 + 6 * 5;
+// In the root: a page with its length, CRC, range, error, uniform count and 4 totals; a layer of
+// tier 0 with its slab trailer and a model; the number of models, and one model more.
+constexpr std::uint64_t kMaxPageRefBytes = 3 + 4 + 3 * 5 + 2 + 4 * 5;
 constexpr std::uint64_t kMaxSlabRefBytes = 16;
 constexpr std::uint64_t kMaxRootHeadBytes = 16;
 
-// A slab trailer: magic, file id, slab and model, a length a brick, three numbers at its end.
+// A slab trailer: magic, build id, slab and model, a length a brick, a digest a plane, three
+// numbers at its end.
 constexpr std::uint64_t kMaxTrailerFrameBytes = 30;
 constexpr std::uint64_t kMaxTrailerBrickBytes = 4;
+constexpr std::uint64_t kTrailerPlaneBytes = 32;
 constexpr std::uint64_t kMaxTrailerBytes = std::uint64_t{1} << 30;
 
 struct Counts {
@@ -60,9 +62,11 @@ LengthBounds root_lengths(const Levels& levels) {
           kMaxRootHeadBytes + kMaxSlabRefBytes * slabs + kMaxPageRefBytes * pages};
 }
 
-std::uint64_t max_slab_trailer_bytes(std::int64_t bricks) {
-  return std::min(kMaxTrailerBytes, kMaxTrailerFrameBytes +
-                                        kMaxTrailerBrickBytes * static_cast<std::uint64_t>(bricks));
+std::uint64_t max_slab_trailer_bytes(std::int64_t bricks, std::int64_t planes) {
+  return std::min(kMaxTrailerBytes,
+                  kMaxTrailerFrameBytes +
+                      kMaxTrailerBrickBytes * static_cast<std::uint64_t>(bricks) +
+                      kTrailerPlaneBytes * static_cast<std::uint64_t>(planes));
 }
 
 }  // namespace octavo

@@ -29,21 +29,21 @@ std::uint32_t IndexRoot::coarse_model() const {
 
 std::uint64_t IndexRoot::slab_trailer_offset(std::int64_t slab) const {
   const TierIndex& tier = tiers.front();
-  if (slab + 1 == tier.grid.z) return tier.level_end[0];
+  if (slab + 1 == tier.grid.z) return tier.piece_end[0];
   const std::uint32_t next_model = model_of_slab(slab + 1);
   const auto next_page = static_cast<std::size_t>((slab + 1) * tier.layer_pages);
   const std::uint64_t slab_end = next_model != model_of_slab(slab)
                                      ? models[next_model].offset
-                                     : tier.pages[next_page].segment_start[0];
+                                     : tier.pages[next_page].piece_start[0];
   return slab_end - slab_trailer_bytes[static_cast<std::size_t>(slab)];
 }
 
-std::uint64_t IndexRoot::segment_end(int tier_number, std::size_t page, int level) const {
+std::uint64_t IndexRoot::piece_end(int tier_number, std::size_t page, int piece) const {
   const TierIndex& tier = tiers[static_cast<std::size_t>(tier_number)];
-  const auto l = static_cast<std::size_t>(level);
+  const auto p = static_cast<std::size_t>(piece);
   const bool ends_layer = tier.first_place(page) + tier.brick_count(page) == tier.layer_bricks;
-  if (tier_number == 0 && level == 0 && ends_layer) return slab_trailer_offset(tier.layer_of(page));
-  return page + 1 < tier.pages.size() ? tier.pages[page + 1].segment_start[l] : tier.level_end[l];
+  if (tier_number == 0 && piece == 0 && ends_layer) return slab_trailer_offset(tier.layer_of(page));
+  return page + 1 < tier.pages.size() ? tier.pages[page + 1].piece_start[p] : tier.piece_end[p];
 }
 
 ValueRange IndexRoot::range() const {

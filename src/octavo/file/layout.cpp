@@ -10,6 +10,7 @@
 #include "octavo/core/crc32c.h"
 #include "octavo/file/bit_flip.h"
 #include "octavo/file/byte_codec.h"
+#include "octavo/file/directory.h"
 #include "octavo/file/index_lengths.h"
 
 namespace octavo {
@@ -18,8 +19,10 @@ namespace {
 
 // A high byte catches 7-bit transfers, CR LF and LF catch newline conversion, 0x1a stops a text
 // listing.
-constexpr std::array<std::uint8_t, 8> kMagic = {0x8f, '8', 'V', 'O', 0x0d, 0x0a, 0x1a, 0x0a};
-constexpr std::array<std::uint8_t, 8> kTrailerMagic = {0x8f, '8', 'V', 'O', 'e', 'n', 'd', 0x0a};
+constexpr std::array<std::uint8_t, 8> kMagic = {0x8f, '8', 'v', 'o', 0x0d, 0x0a, 0x1a, 0x0a};
+constexpr std::array<std::uint8_t, 8> kTrailerMagic = {0x8f, '8', 'v', 'o', 'e', 'n', 'd', 0x0a};
+// Of trial versions of the format.
+constexpr std::array<std::uint8_t, 8> kTrialMagic = {0x8f, '8', 'V', 'O', 0x0d, 0x0a, 0x1a, 0x0a};
 
 // Where the fields of the header stand.
 constexpr std::size_t kMajorAt = 8;
@@ -41,13 +44,18 @@ constexpr std::size_t kFileBytesAt = 224;
 constexpr std::size_t kMetadataAt = 232;
 constexpr std::size_t kPagesAt = 256;
 constexpr std::size_t kRootAt = 280;
-constexpr std::size_t kThumbnailAt = 304;
-constexpr std::size_t kExtensionCountAt = 328;
+constexpr std::size_t kDirectoryAt = 304;
+constexpr std::size_t kChannelsAt = 328;
+constexpr std::size_t kTimesAt = 329;
+constexpr std::size_t kExtensionCountAt = 330;
 constexpr std::size_t kExtensionsAt = 332;
 constexpr std::size_t kHeaderCrcAt = 508;
 
-// Where the trailer's own checksum stands in it.
-constexpr std::size_t kTrailerCrcAt = 60;
+// Where the fields of the trailer stand.
+constexpr std::size_t kPreviousAt = 32;
+constexpr std::size_t kDigestAt = 40;
+constexpr std::size_t kTrailerZerosAt = 72;
+constexpr std::size_t kTrailerCrcAt = 92;
 
 constexpr std::uint32_t kCriticalExtension = 0x8000;
 
@@ -62,6 +70,11 @@ constexpr double kLargestIntegerError = 4294967295.0;
 
 [[noreturn]] void fail(ErrorKind kind, const std::string& detail, std::size_t offset) {
   throw Error(kind, detail, {}, offset);
+}
+
+// A number that was not given out when this was written: of a later version.
+[[noreturn]] void fail_newer(const std::string& what, std::size_t offset) {
+  fail(ErrorKind::unsupported_version, what + ", which this program does not know", offset);
 }
 
 [[noreturn]] void fail_checksum(const std::string& what, std::uint32_t found, std::uint32_t stored,
@@ -105,26 +118,37 @@ void put_section(const Section& section, std::uint8_t* out) {
   store_little_endian(section.crc, out + 16);
 }
 
+bool is_zero(ByteSpan bytes) {
+  return std::all_of(bytes.begin(), bytes.end(), [](std::uint8_t byte) { return byte == 0; });
+}
+
+// Bytes that are set aside for later versions.
+void require_zero(ByteSpan bytes, const char* what, std::size_t at) {
+  if (!is_zero(bytes)) fail_newer(std::string(what) + ": holds something at byte " +
+                                  std::to_string(at), at);
+}
+
 Section get_section(ByteSpan bytes, std::size_t at) {
   Section section;
   section.offset = load_little_endian<std::uint64_t>(bytes.data() + at);
   section.length = load_little_endian<std::uint64_t>(bytes.data() + at + 8);
   section.crc = load_little_endian<std::uint32_t>(bytes.data() + at + 16);
-  if (load_little_endian<std::uint32_t>(bytes.data() + at + 20) != 0) {
-    fail(ErrorKind::corrupt, "header: reserved bytes are not zero", at + 20);
-  }
+  require_zero(bytes.subspan(at + 20, 4), "header", at + 20);
   return section;
-}
-
-bool is_zero(ByteSpan bytes) {
-  return std::all_of(bytes.begin(), bytes.end(), [](std::uint8_t byte) { return byte == 0; });
 }
 
 // What must hold before any field can be believed: magic, length, version, checksum, seal.
 void check_envelope(ByteSpan bytes) {
   const std::size_t present = std::min(bytes.size(), kMagic.size());
-  const bool is_ours = std::equal(kMagic.begin(), kMagic.begin() + present, bytes.begin());
+  const auto begins_as = [&](const std::array<std::uint8_t, 8>& magic) {
+    return std::equal(magic.begin(), magic.begin() + present, bytes.begin());
+  };
+  const bool is_ours = begins_as(kMagic);
   if (present == 0) fail(ErrorKind::not_octavo, "not an 8vo file: the file is empty", 0);
+  if (!is_ours && begins_as(kTrialMagic)) {
+    fail(ErrorKind::unsupported_version,
+         "of a trial version of the format, before 1.0; build it again from its source", 0);
+  }
   if (!is_ours) {
     fail(ErrorKind::not_octavo, "not an 8vo file: it starts with other bytes", 0);
   }
@@ -154,16 +178,20 @@ void check_seal(ByteSpan bytes) {
     throw Error(ErrorKind::corrupt, "not sealed: its build was interrupted", {}, kSealedAt)
         .with_field("interrupted");
   }
-  if (bytes[kSealedAt] != 1) fail(ErrorKind::corrupt, "header: bad seal", kSealedAt);
+  if (bytes[kSealedAt] != 1) {
+    fail_newer("header: seal " + std::to_string(bytes[kSealedAt]), kSealedAt);
+  }
 }
 
 SampleCoding get_coding(ByteSpan bytes, std::size_t at, std::size_t length) {
   if (length != kCodingBytes) fail(ErrorKind::corrupt, "header: coding of another length", at);
   SampleCoding coding;
   coding.type = static_cast<VoxelType>(bytes[at]);
+  if (!is_valid(coding.type) || !is_integer(coding.type)) {
+    fail_newer("header: codes of type " + std::to_string(bytes[at]), at);
+  }
   if (bytes[at + 1] > kExactCoding) {
-    fail(ErrorKind::unsupported_version,
-         "a coding of float32 with flags that this program does not know", at + 1);
+    fail_newer("header: coding flags " + std::to_string(bytes[at + 1]), at + 1);
   }
   coding.is_exact = bytes[at + 1] == kExactCoding;
   coding.scale = get_double(bytes.data() + at + 2, "scale", at + 2);
@@ -176,9 +204,9 @@ SampleCoding get_coding(ByteSpan bytes, std::size_t at, std::size_t length) {
 // understood.
 void parse_extensions(ByteSpan bytes, FileHeader& header) {
   std::optional<SampleCoding>& coding = header.description.coding;
-  const auto count = load_little_endian<std::uint32_t>(bytes.data() + kExtensionCountAt);
+  const auto count = load_little_endian<std::uint16_t>(bytes.data() + kExtensionCountAt);
   std::size_t at = kExtensionsAt;
-  for (std::uint32_t i = 0; i < count; ++i) {
+  for (std::uint16_t i = 0; i < count; ++i) {
     if (kHeaderCrcAt - at < 4) fail(ErrorKind::corrupt, "header: extensions end early", at);
     const auto tag = load_little_endian<std::uint16_t>(bytes.data() + at);
     const auto length = load_little_endian<std::uint16_t>(bytes.data() + at + 2);
@@ -193,9 +221,7 @@ void parse_extensions(ByteSpan bytes, FileHeader& header) {
     if (tag == kCodingTag) coding = get_coding(bytes, at, length);
     at += length;
   }
-  if (!is_zero(bytes.subspan(at, kHeaderCrcAt - at))) {
-    fail(ErrorKind::corrupt, "header: reserved bytes are not zero", at);
-  }
+  require_zero(bytes.subspan(at, kHeaderCrcAt - at), "header", at);
 }
 
 void check_max_error(const FileHeader& header) {
@@ -213,15 +239,20 @@ void parse_volume(ByteSpan bytes, FileHeader& header) {
   VolumeDescription& volume = header.description;
   volume.kind = static_cast<VolumeKind>(bytes[kKindAt]);
   if (volume.kind != VolumeKind::grey && volume.kind != VolumeKind::labels) {
-    fail(ErrorKind::corrupt, "header: unknown kind " + std::to_string(bytes[kKindAt]), kKindAt);
+    fail_newer("header: kind " + std::to_string(bytes[kKindAt]), kKindAt);
   }
   volume.type = static_cast<VoxelType>(bytes[kTypeAt]);
   if (!is_valid(volume.type)) {
-    fail(ErrorKind::corrupt, "header: unknown voxel type " + std::to_string(bytes[kTypeAt]),
-         kTypeAt);
+    fail_newer("header: voxel type " + std::to_string(bytes[kTypeAt]), kTypeAt);
   }
   if (volume.kind == VolumeKind::labels && !is_integer(volume.type)) {
     fail(ErrorKind::corrupt, "header: labels of type float32", kTypeAt);
+  }
+  for (const std::size_t at : {kChannelsAt, kTimesAt}) {
+    if (bytes[at] == 1) continue;
+    fail_newer("header: " + std::to_string(bytes[at]) +
+                   (at == kChannelsAt ? " channels" : " times"),
+               at);
   }
   for (int axis = 0; axis < 3; ++axis) {
     const std::size_t at = kSizeAt + 8 * static_cast<std::size_t>(axis);
@@ -237,18 +268,20 @@ void parse_volume(ByteSpan bytes, FileHeader& header) {
   volume.geometry.origin_mm = get_doubles<3>(bytes, kOriginAt, "origin");
   volume.geometry.spacing_mm = get_doubles<3>(bytes, kSpacingAt, "spacing");
   volume.geometry.direction = get_doubles<9>(bytes, kDirectionAt, "direction");
-  if (!is_valid(volume.geometry)) {
-    fail(ErrorKind::corrupt, "header: spacing is not positive or direction not invertible",
-         kSpacingAt);
+  if (!is_valid(volume.geometry) || !has_unit_axes(volume.geometry, kStoredAxisTolerance)) {
+    fail(ErrorKind::corrupt, "header: spacing, origin or direction out of its limits", kOriginAt);
   }
   volume.rescale.slope = get_doubles<1>(bytes, kSlopeAt, "slope")[0];
   volume.rescale.intercept = get_doubles<1>(bytes, kInterceptAt, "intercept")[0];
+  if (!is_valid(volume.rescale, volume.type)) {
+    fail(ErrorKind::corrupt, "header: a slope of 0 or real values beyond all numbers", kSlopeAt);
+  }
   header.max_error = get_doubles<1>(bytes, kMaxErrorAt, "max error")[0];
   check_max_error(header);
 }
 
 void put_coding(const SampleCoding& coding, std::uint8_t* block) {
-  store_little_endian(std::uint32_t{1}, block + kExtensionCountAt);
+  store_little_endian(std::uint16_t{1}, block + kExtensionCountAt);
   std::uint8_t* out = block + kExtensionsAt;
   store_little_endian(kCodingTag, out);
   store_little_endian(kCodingBytes, out + 2);
@@ -269,6 +302,11 @@ void parse_halvings(ByteSpan bytes, FileHeader& header) {
   if (!is_zero(masks.subspan(count))) {
     fail(ErrorKind::corrupt, "header: halved axes beyond the last level", kHalvingsAt + count);
   }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (masks[i] > kHalveAll) {
+      fail_newer("header: halved axes " + std::to_string(masks[i]), kHalvingsAt + i);
+    }
+  }
   const Levels proof(header.description.size, header.halvings);
 }
 
@@ -287,12 +325,13 @@ FileHeader parse_description(ByteSpan bytes) {
          kMaxErrorAt);
   }
   parse_halvings(bytes, header);
-  header.file_id = load_little_endian<std::uint64_t>(bytes.data() + kFileIdAt);
+  header.build_id = load_little_endian<std::uint64_t>(bytes.data() + kFileIdAt);
   header.crc = load_little_endian<std::uint32_t>(bytes.data() + kHeaderCrcAt);
   return header;
 }
 
-// Pages, thumbnail, metadata, root and trailer stand one after the other up to the end of the file.
+// Pages, parts, directory, metadata, root and trailer stand one after the other up to the end of
+// the file. How long the parts are, their directory says.
 void check_tiling(const FileHeader& header, std::uint64_t source_bytes) {
   if (header.file_bytes != source_bytes) {
     const bool is_short = source_bytes < header.file_bytes;
@@ -303,7 +342,9 @@ void check_tiling(const FileHeader& header, std::uint64_t source_bytes) {
   }
   std::uint64_t at = header.pages.offset;
   for (const Section* section :
-       {&header.pages, &header.thumbnail, &header.metadata, &header.root}) {
+       {&header.pages, &header.directory, &header.metadata, &header.root}) {
+    const bool follows_parts = section == &header.directory && section->offset > at;
+    if (follows_parts) at = section->offset;
     if (section->offset != at || at < kHeaderBytes || at > source_bytes ||
         section->length > source_bytes - at) {
       fail(ErrorKind::corrupt, "header: sections do not follow each other inside the file",
@@ -319,10 +360,11 @@ void check_tiling(const FileHeader& header, std::uint64_t source_bytes) {
          "metadata of " + std::to_string(header.metadata.length) + " bytes; at most 16 MiB",
          kMetadataAt);
   }
-  if (header.thumbnail.length > kMaxThumbnailBytes) {
+  if (header.directory.length > kMaxDirectoryBytes) {
     fail(ErrorKind::limit_exceeded,
-         "thumbnail of " + std::to_string(header.thumbnail.length) + " bytes; at most 16 MiB",
-         kThumbnailAt);
+         "directory of " + std::to_string(header.directory.length) + " bytes; at most " +
+             std::to_string(kMaxDirectoryBytes),
+         kDirectoryAt);
   }
 }
 
@@ -360,12 +402,14 @@ HeaderBlock encode_header(const FileHeader& header) {
   put_double(volume.rescale.slope, out + kSlopeAt);
   put_double(volume.rescale.intercept, out + kInterceptAt);
   put_double(header.max_error, out + kMaxErrorAt);
-  store_little_endian(header.file_id, out + kFileIdAt);
+  store_little_endian(header.build_id, out + kFileIdAt);
   store_little_endian(header.file_bytes, out + kFileBytesAt);
   put_section(header.metadata, out + kMetadataAt);
   put_section(header.pages, out + kPagesAt);
   put_section(header.root, out + kRootAt);
-  put_section(header.thumbnail, out + kThumbnailAt);
+  put_section(header.directory, out + kDirectoryAt);
+  out[kChannelsAt] = 1;
+  out[kTimesAt] = 1;
   if (volume.coding) put_coding(*volume.coding, out);
   store_little_endian(crc32c({out, kHeaderCrcAt}), out + kHeaderCrcAt);
   return block;
@@ -388,7 +432,7 @@ FileHeader parse_header(ByteSpan bytes, std::uint64_t source_bytes) {
   header.metadata = get_section(bytes, kMetadataAt);
   header.pages = get_section(bytes, kPagesAt);
   header.root = get_section(bytes, kRootAt);
-  header.thumbnail = get_section(bytes, kThumbnailAt);
+  header.directory = get_section(bytes, kDirectoryAt);
   check_tiling(header, source_bytes);
   const Levels levels(header.description.size, header.halvings);
   check_length("index pages", header.pages, pages_lengths(levels), kPagesAt);
@@ -412,7 +456,7 @@ std::uint64_t max_error_steps(const FileHeader& header) {
   return kFloatErrorSteps;
 }
 
-std::uint64_t make_file_id(const FileHeader& header, std::uint32_t content_hash) {
+std::uint64_t make_build_id(const FileHeader& header, std::uint32_t content_hash) {
   const HeaderBlock block = encode_header(header);
   std::uint32_t crc = crc32c(ByteSpan(block).subspan(kHalvingsAt, kFileIdAt - kHalvingsAt));
   crc = crc32c(ByteSpan(block).subspan(kKindAt, kSealedAt - kKindAt), crc);
@@ -425,10 +469,11 @@ TrailerBlock encode_trailer(const FileTrailer& trailer) {
   TrailerBlock block{};
   std::uint8_t* out = block.data();
   std::copy(kTrailerMagic.begin(), kTrailerMagic.end(), out);
-  store_little_endian(trailer.file_id, out + 8);
+  store_little_endian(trailer.build_id, out + 8);
   store_little_endian(trailer.file_bytes, out + 16);
   store_little_endian(trailer.header_crc, out + 24);
-  store_little_endian(trailer.digest, out + 28);
+  store_little_endian(trailer.crc, out + 28);
+  std::copy(trailer.voxel_digest.begin(), trailer.voxel_digest.end(), out + kDigestAt);
   store_little_endian(crc32c({out, kTrailerCrcAt}), out + kTrailerCrcAt);
   return block;
 }
@@ -442,22 +487,26 @@ FileTrailer parse_trailer(ByteSpan bytes, const FileHeader& header) {
                   {offset, kTrailerCrcAt, offset + kTrailerCrcAt});
   }
   FileTrailer trailer;
-  trailer.file_id = load_little_endian<std::uint64_t>(bytes.data() + 8);
+  trailer.build_id = load_little_endian<std::uint64_t>(bytes.data() + 8);
   trailer.file_bytes = load_little_endian<std::uint64_t>(bytes.data() + 16);
   trailer.header_crc = load_little_endian<std::uint32_t>(bytes.data() + 24);
-  trailer.digest = load_little_endian<std::uint32_t>(bytes.data() + 28);
+  trailer.crc = load_little_endian<std::uint32_t>(bytes.data() + 28);
+  std::copy_n(bytes.begin() + kDigestAt, trailer.voxel_digest.size(), trailer.voxel_digest.begin());
   if (!std::equal(kTrailerMagic.begin(), kTrailerMagic.end(), bytes.begin()) ||
-      !is_zero(bytes.subspan(32, 28)) || trailer.file_id != header.file_id ||
-      trailer.file_bytes != header.file_bytes ||
+      trailer.build_id != header.build_id || trailer.file_bytes != header.file_bytes ||
       !checksum_matches(trailer.header_crc, header.crc)) {
     fail(ErrorKind::corrupt, "trailer does not belong to the header", offset);
   }
+  require_zero(bytes.subspan(kPreviousAt, kDigestAt - kPreviousAt), "trailer",
+               offset + kPreviousAt);
+  require_zero(bytes.subspan(kTrailerZerosAt, kTrailerCrcAt - kTrailerZerosAt), "trailer",
+               offset + kTrailerZerosAt);
   return trailer;
 }
 
-std::uint32_t segment_crc(std::uint64_t file_id, int level, std::uint64_t code, ByteSpan bytes) {
+std::uint32_t piece_crc(std::uint64_t build_id, int level, std::uint64_t code, ByteSpan bytes) {
   std::array<std::uint8_t, 17> prefix{};
-  store_little_endian(file_id, prefix.data());
+  store_little_endian(build_id, prefix.data());
   prefix[8] = static_cast<std::uint8_t>(level);
   store_little_endian(code, prefix.data() + 9);
   return crc32c(bytes, crc32c(prefix));

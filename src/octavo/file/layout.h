@@ -1,16 +1,18 @@
-// The fixed parts of a .8vo file: its 512-byte header and its 64-byte trailer.
+// The fixed sections of a .8vo file: its 512-byte header and its 96-byte trailer.
 //
 //   offset 0                header        512 bytes; one write seals the file
-//          512              slabs         level-0 segments, one slab a layer of bricks
-//                           coarse levels segments of level 1, 2, ... to the root
+//          512              slabs         the finest pieces, one slab a layer of bricks
+//                           coarse levels pieces of level 1, 2, ... to the root
 //          pages.offset     index pages
-//          thumbnail.offset thumbnail     PNG, may be empty
+//          pages.end()      parts         what the directory lists
+//          directory.offset directory     where parts stand; may be empty
 //          metadata.offset  metadata      UTF-8 JSON, may end in spaces
 //          root.offset      index root
-//          file_bytes - 64  trailer
+//          file_bytes - 96  trailer
 //
-// The parts follow each other without a gap, so that every byte belongs to exactly one of them, and
-// every one has a checksum. Normative text: docs/format.md.
+// The sections follow each other without a gap, so that every byte belongs to exactly one of them,
+// and every one has a checksum. What is read here and means nothing to this program is of a newer
+// version, not damaged: Error{unsupported_version}. Normative text: docs/format.md.
 #pragma once
 
 #include <array>
@@ -19,19 +21,19 @@
 #include <vector>
 
 #include "octavo/core/bytes.h"
+#include "octavo/core/hasher.h"
 #include "octavo/core/levels.h"
 #include "octavo/core/volume.h"
 
 namespace octavo {
 
 inline constexpr std::uint64_t kHeaderBytes = 512;
-inline constexpr std::uint64_t kTrailerBytes = 64;
+inline constexpr std::uint64_t kTrailerBytes = 96;
 inline constexpr std::uint16_t kFormatMajor = 1;
 inline constexpr std::uint16_t kFormatMinor = 0;
 inline constexpr std::uint64_t kMaxMetadataBytes = std::uint64_t{16} << 20;
-inline constexpr std::uint64_t kMaxThumbnailBytes = std::uint64_t{16} << 20;
 inline constexpr std::uint64_t kMaxModelBytes = std::uint64_t{16} << 20;
-inline constexpr std::uint64_t kMaxSegmentBytes = std::uint64_t{4} << 20;
+inline constexpr std::uint64_t kMaxPieceBytes = std::uint64_t{4} << 20;
 
 /// A run of bytes of the file and their CRC-32C.
 struct Section {
@@ -48,12 +50,12 @@ struct FileHeader {
   VolumeDescription description;  ///< metadata are not part of the header
   std::vector<HalvingMask> halvings;
   double max_error = 0;           ///< in voxel units, whole for integer types; 0 is lossless
-  std::uint64_t file_id = 0;
+  std::uint64_t build_id = 0;
   std::uint64_t file_bytes = 0;
   Section metadata;
   Section pages;
   Section root;
-  Section thumbnail;
+  Section directory;
   std::uint32_t crc = 0;  ///< of the block the header was parsed from
 };
 
@@ -86,31 +88,32 @@ FileHeader parse_header(ByteSpan bytes, std::uint64_t source_bytes);
 /// its length and sections, which are not known yet. Throws as parse_header does.
 FileHeader parse_unsealed_header(const HeaderBlock& block);
 
-/// file id: a CRC of what the header says of the volume and of the metadata, then `content_hash`.
-std::uint64_t make_file_id(const FileHeader& header, std::uint32_t content_hash);
+/// A CRC of what the header says of the volume and of the metadata, then `content_hash`.
+std::uint64_t make_build_id(const FileHeader& header, std::uint32_t content_hash);
 
 struct FileTrailer {
-  std::uint64_t file_id = 0;
+  std::uint64_t build_id = 0;
   std::uint64_t file_bytes = 0;
   std::uint32_t header_crc = 0;  ///< the last four bytes of the header
-  std::uint32_t digest = 0;      ///< CRC-32C of all bytes between header and trailer
+  std::uint32_t crc = 0;         ///< of all bytes between header and trailer
+  Sha256Digest voxel_digest{};   ///< SHA-256 of those of the planes of level 0
 };
 
 using TrailerBlock = std::array<std::uint8_t, kTrailerBytes>;
 
 TrailerBlock encode_trailer(const FileTrailer& trailer);
 
-/// The trailer in `bytes` (64 of them), proven to belong to `header`.
-/// Throws Error{corrupt}
+/// The trailer in `bytes` (96 of them), proven to belong to `header`.
+/// Throws Error{corrupt, unsupported_version}
 FileTrailer parse_trailer(ByteSpan bytes, const FileHeader& header);
 
 /// What a model's checksum takes in place of a level.
 inline constexpr int kModelLevel = 0xff;
 
-/// Checksum of a segment or model: over the file id, its global level and its o-code as well as its
-/// bytes, so that one that was swapped, shifted or taken from another file does not match.
-/// level  global level of the segment, or kModelLevel
+/// Checksum of a piece: over the build id, its global level and its o-code as well as its bytes, so
+/// that one that was swapped, shifted or taken from another volume's file does not match.
+/// level  global level of its finest segment, or kModelLevel
 /// code   o-code of the brick in its tier, or the number of the model
-std::uint32_t segment_crc(std::uint64_t file_id, int level, std::uint64_t code, ByteSpan bytes);
+std::uint32_t piece_crc(std::uint64_t build_id, int level, std::uint64_t code, ByteSpan bytes);
 
 }  // namespace octavo

@@ -69,13 +69,15 @@ void OpenFile::read_tail(std::uint64_t max_metadata_bytes) {
                     std::to_string(max_metadata_bytes));
   }
   const bool has_pages = header_.file_bytes - header_.pages.offset <= kTailBytes;
-  const std::uint64_t start = has_pages ? header_.pages.offset : header_.metadata.offset;
+  const std::uint64_t start = has_pages ? header_.pages.offset : header_.directory.offset;
   const Bytes tail = read_bytes(start, header_.file_bytes - start);
   const auto part = [&](const Section& section) {
     return ByteSpan(tail).subspan(section.offset - start, section.length);
   };
 
   trailer_ = parse_trailer(ByteSpan(tail).last(kTrailerBytes), header_);
+  check_section(part(header_.directory), header_.directory, "directory");
+  parts_ = parse_directory(part(header_.directory), header_);
   check_section(part(header_.root), header_.root, "index root");
   root_ = parse_root(part(header_.root), levels_, header_);
   check_section(part(header_.metadata), header_.metadata, "metadata");
@@ -114,6 +116,12 @@ Piece OpenFile::model_piece(std::uint32_t model) const {
   return {ref.offset, ref.length, ref.crc, kModelLevel, model};
 }
 
+Piece OpenFile::piece_of(const BrickEntry& entry, int piece) const {
+  const BrickEntry::StoredPiece& stored = entry.pieces[static_cast<std::size_t>(piece)];
+  return {stored.offset, stored.length, stored.crc, Levels::first_level(entry.tier) + piece,
+          entry.code};
+}
+
 std::shared_ptr<const BrickCodec> OpenFile::codec(std::uint32_t model) const {
   const LruCache<BrickCodec>::Key key{0, model};
   if (auto kept = codec_cache_.find(key)) return kept;
@@ -135,7 +143,7 @@ std::shared_ptr<const BrickCodec> OpenFile::codec(std::uint32_t model) const {
 Bytes OpenFile::read_piece(const Piece& piece) const {
   try {
     Bytes bytes = read_bytes(piece.offset, piece.length);
-    const std::uint32_t found = segment_crc(header_.file_id, piece.level, piece.code, bytes);
+    const std::uint32_t found = piece_crc(header_.build_id, piece.level, piece.code, bytes);
     if (!checksum_matches(found, piece.crc)) {
       fail_checksum(describe(piece), found, piece.crc, piece.offset, piece.length);
     }
@@ -152,6 +160,69 @@ Bytes OpenFile::read_within(const Piece& piece, std::uint64_t offset,
   } catch (const Error& error) {
     throw error.with_path(source_->name());
   }
+}
+
+BrickBytes OpenFile::read_segments(const BrickEntry& entry, int in_brick_level) const {
+  BrickBytes bytes;
+  const auto count = static_cast<int>(entry.pieces.size());
+  // A brick without coarsest samples holds all its voxels in the finest segment.
+  const int first = entry.pieces.back().length == 0 ? 0 : piece_of_level(in_brick_level);
+  for (int i = first; i < count; ++i) {
+    const Piece piece = piece_of(entry, i);
+    if (piece.length > 0) bytes.pieces[static_cast<std::size_t>(i)] = read_piece(piece);
+  }
+  try {
+    bytes.segments =
+        segments_of(std::span(bytes.pieces).first(entry.pieces.size()),
+                    levels_.tier_level_count(entry.tier));
+  } catch (const Error& error) {
+    const Piece piece = piece_of(entry, count - 1);
+    throw Error(error.kind(), describe(piece) + ": " + error.detail(), source_->name(),
+                piece.offset);
+  }
+  return bytes;
+}
+
+SlabTrailer OpenFile::slab_trailer(std::int64_t slab) const {
+  const auto length = root_.slab_trailer_bytes[static_cast<std::size_t>(slab)];
+  const Bytes bytes = read_bytes(root_.slab_trailer_offset(slab), length);
+  const Box layer = levels_.brick_box(0, {0, 0, slab});
+  SlabTrailer trailer =
+      parse_slab_trailer(bytes, root_.tiers.front().layer_bricks, layer.size().z);
+  if (trailer.build_id != header_.build_id ||
+      trailer.slab != static_cast<std::uint64_t>(slab) ||
+      trailer.model != root_.model_of_slab(slab)) {
+    throw Error(ErrorKind::corrupt, "slab trailer: belongs to another slab", source_->name());
+  }
+  return trailer;
+}
+
+std::vector<Sha256Digest> OpenFile::plane_digests() const {
+  std::vector<Sha256Digest> all;
+  for (std::int64_t slab = 0; slab < levels_.brick_grid(0).z; ++slab) {
+    const std::vector<Sha256Digest> of_slab = slab_trailer(slab).plane_digests;
+    all.insert(all.end(), of_slab.begin(), of_slab.end());
+  }
+  return all;
+}
+
+const PartEntry* OpenFile::find_part(const PartTag& tag) const {
+  const auto found = std::find_if(parts_.begin(), parts_.end(),
+                                  [&](const PartEntry& part) { return part.tag == tag; });
+  return found == parts_.end() ? nullptr : &*found;
+}
+
+void OpenFile::copy_part(const PartEntry& part, const std::function<void(ByteSpan)>& sink) const {
+  constexpr std::uint64_t kBlockBytes = std::uint64_t{1} << 20;
+  std::uint32_t found = 0;
+  for (std::uint64_t at = part.bytes.offset; at < part.bytes.end(); at += kBlockBytes) {
+    const Bytes block = read_bytes(at, std::min(kBlockBytes, part.bytes.end() - at));
+    found = crc32c(block, found);
+    sink(block);
+  }
+  if (checksum_matches(found, part.bytes.crc)) return;
+  const std::string name = "part '" + std::string(part.tag.begin(), part.tag.end()) + "'";
+  fail_checksum(name, found, part.bytes.crc, part.bytes.offset, part.bytes.length);
 }
 
 Bytes OpenFile::read_section(const Section& section, const char* what) const {
@@ -178,12 +249,12 @@ BrickEntry OpenFile::entry_in_page(const IndexPage& page, int tier_number, std::
     entry.max_error = static_cast<double>(page.error_steps[at]) * error_step(header_);
   }
   entry.model = tier_number == 0 ? root_.model_of_slab(entry.brick.z) : root_.coarse_model();
-  entry.segments.resize(static_cast<std::size_t>(page.level_count));
+  entry.pieces.resize(static_cast<std::size_t>(page.piece_count));
   if (entry.is_uniform()) return entry;
-  const std::size_t first = page.slots[at] * entry.segments.size();
-  for (std::size_t i = 0; i < entry.segments.size(); ++i) {
-    const SegmentRef& segment = page.segments[first + i];
-    entry.segments[i] = {segment.offset, segment.length, segment.crc};
+  const std::size_t first = page.slots[at] * entry.pieces.size();
+  for (std::size_t i = 0; i < entry.pieces.size(); ++i) {
+    const PieceRef& piece = page.pieces[first + i];
+    entry.pieces[i] = {piece.offset, piece.length, piece.crc};
   }
   return entry;
 }

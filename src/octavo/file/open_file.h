@@ -1,24 +1,29 @@
 // An opened .8vo file below the level of voxels: header, index, models, proven bytes.
 #pragma once
 
+#include <array>
+#include <functional>
 #include <memory>
 #include <mutex>
+#include <vector>
 
 #include "octavo/codec/brick_codec.h"
+#include "octavo/file/directory.h"
 #include "octavo/file/index.h"
 #include "octavo/file/layout.h"
 #include "octavo/file/lru_cache.h"
 #include "octavo/file/reader.h"
+#include "octavo/file/slab_trailer.h"
 
 namespace octavo {
 
-/// A piece of the file with its own checksum: a segment or a model.
+/// Bytes of the file with a checksum of their own: a piece of a brick, or a model.
 struct Piece {
   std::uint64_t offset = 0;
   std::uint64_t length = 0;
   std::uint32_t crc = 0;
-  int level = 0;           ///< as segment_crc takes it
-  std::uint64_t code = 0;  ///< as segment_crc takes it
+  int level = 0;           ///< as piece_crc takes it
+  std::uint64_t code = 0;  ///< as piece_crc takes it
 };
 
 /// "brick o-code 0x1a3 level 5 at byte 81920", or "model 2 at byte 512".
@@ -27,10 +32,16 @@ std::string describe(const Piece& piece);
 /// The index pages are read with the tail when both together are not larger than this.
 inline constexpr std::uint64_t kTailBytes = std::uint64_t{1} << 20;
 
+/// The segments of a brick and the bytes that they point into.
+struct BrickBytes {
+  std::array<Bytes, kTierPieces> pieces;
+  std::array<ByteSpan, kTierLevels> segments;
+};
+
 /// Immutable but for its caches; serves any number of threads.
 class OpenFile {
  public:
-  /// Two reads: the header, and the tail from the metadata on; with the pages when the tail stays
+  /// Two reads: the header, and the tail from the directory on; with the pages when the tail stays
   /// within 1 MiB. Throws what FileReader::open throws.
   OpenFile(std::shared_ptr<const ByteSource> source, const ReaderOptions& options);
 
@@ -40,6 +51,10 @@ class OpenFile {
   const VolumeDescription& description() const { return header_.description; }
   const Levels& levels() const { return levels_; }
   const IndexRoot& root() const { return root_; }
+  /// In the order of the file.
+  const std::vector<PartEntry>& parts() const { return parts_; }
+  /// The one part with that tag, or null.
+  const PartEntry* find_part(const PartTag& tag) const;
 
   /// A parsed page; the last ones used are kept. Throws Error{corrupt}.
   std::shared_ptr<const IndexPage> page(int tier, std::size_t number) const;
@@ -48,6 +63,7 @@ class OpenFile {
   std::shared_ptr<const BrickCodec> codec(std::uint32_t model) const;
 
   Piece model_piece(std::uint32_t model) const;
+  Piece piece_of(const BrickEntry& entry, int piece) const;
 
   /// The bytes of a piece whose checksum matches.
   /// Throws Error{corrupt} naming it, both checksums and the flipped bit if a single one explains
@@ -57,6 +73,20 @@ class OpenFile {
   /// Bytes from `offset` on inside a piece, whose checksum does not prove them. Requires that the
   /// piece holds them.
   Bytes read_within(const Piece& piece, std::uint64_t offset, std::uint64_t length) const;
+
+  /// The segments of a brick that one of its levels needs, the others empty; all for level 0.
+  /// Throws Error{corrupt}
+  BrickBytes read_segments(const BrickEntry& entry, int in_brick_level) const;
+
+  /// The trailer of a slab, proven to belong to it. Throws Error{corrupt}.
+  SlabTrailer slab_trailer(std::int64_t slab) const;
+
+  /// The digests of all planes of level 0, from the slab trailers. Throws Error{corrupt}.
+  std::vector<Sha256Digest> plane_digests() const;
+
+  /// Gives the bytes of a part to `sink`, a block at a time. Throws Error{corrupt} at its end where
+  /// its checksum does not match.
+  void copy_part(const PartEntry& part, const std::function<void(ByteSpan)>& sink) const;
 
   /// The bytes of a section whose checksum matches.
   Bytes read_section(const Section& section, const char* what) const;
@@ -76,6 +106,7 @@ class OpenFile {
   FileTrailer trailer_;
   Levels levels_;
   IndexRoot root_;
+  std::vector<PartEntry> parts_;
   Bytes pages_;  ///< the bytes of all pages when they came with the tail
   mutable LruCache<IndexPage> page_cache_;
   mutable LruCache<BrickCodec> codec_cache_;

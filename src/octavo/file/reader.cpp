@@ -84,7 +84,8 @@ class FileReaderImpl final : public FileReader {
   const VolumeDescription& description() const override { return file_.description(); }
   const Levels& levels() const override { return file_.levels(); }
   std::uint64_t file_bytes() const override { return file_.header().file_bytes; }
-  std::uint64_t file_id() const override { return file_.header().file_id; }
+  std::uint64_t build_id() const override { return file_.header().build_id; }
+  Sha256Digest voxel_digest() const override { return file_.trailer().voxel_digest; }
   const ByteSource& source() const override { return file_.source(); }
   ValueRange range() const override { return file_.root().range(); }
   double max_error() const override { return file_.header().max_error; }
@@ -98,7 +99,8 @@ class FileReaderImpl final : public FileReader {
   }
 
   Bytes thumbnail() const override {
-    return file_.read_section(file_.header().thumbnail, "thumbnail");
+    const PartEntry* part = file_.find_part(kThumbnailTag);
+    return part == nullptr ? Bytes{} : file_.read_section(part->bytes, "thumbnail");
   }
 
   LevelSummary level_summary(int level) const override {
@@ -106,15 +108,17 @@ class FileReaderImpl final : public FileReader {
     const int tier_number = Levels::tier_of(level);
     const TierIndex& tier = file_.root().tiers[static_cast<std::size_t>(tier_number)];
     const int in_brick = level - Levels::first_level(tier_number);
-    return {levels().brick_count(tier_number), tier.uniform_count,
-            tier.level_bytes[static_cast<std::size_t>(in_brick)]};
+    const bool is_in_finer = piece_of_level(in_brick) < in_brick;
+    const std::uint64_t bytes =
+        is_in_finer ? 0 : tier.piece_bytes[static_cast<std::size_t>(in_brick)];
+    return {levels().brick_count(tier_number), tier.uniform_count, bytes, is_in_finer};
   }
 
   BrickEntry brick(int tier, const Index3& position) const override {
     return file_.entry_at(tier, position);
   }
 
-  Bytes read_segment(const BrickEntry& entry, int in_brick_level) const override;
+  Bytes read_piece(const BrickEntry& entry, int piece) const override;
   void read_brick(const BrickEntry& entry, int in_brick_level, void* out) const override;
   void read_words(const BrickEntry& entry, LabelWords& words) const override;
 
@@ -136,8 +140,7 @@ class FileReaderImpl final : public FileReader {
 
   void check_level(int level) const;
   void check_box(const Box& box, int level) const;
-  void check_segment(const BrickEntry& entry, int in_brick_level) const;
-  Piece piece_of(const BrickEntry& entry, int in_brick_level) const;
+  void check_brick_level(const BrickEntry& entry, int in_brick_level) const;
   /// Calls decode(codec, shape, segments) for a brick that is not uniform, with the segments that
   /// one of its levels needs.
   template <class Decode>
@@ -180,25 +183,21 @@ void FileReaderImpl::check_box(const Box& box, int level) const {
   }
 }
 
-void FileReaderImpl::check_segment(const BrickEntry& entry, int in_brick_level) const {
-  if (in_brick_level >= 0 && static_cast<std::size_t>(in_brick_level) < entry.segments.size()) {
-    return;
-  }
+void FileReaderImpl::check_brick_level(const BrickEntry& entry, int in_brick_level) const {
+  if (in_brick_level >= 0 && in_brick_level < levels().tier_level_count(entry.tier)) return;
   throw Error(ErrorKind::invalid_argument,
               "no in-brick level " + std::to_string(in_brick_level) + " in tier " +
                   std::to_string(entry.tier),
               source().name());
 }
 
-Piece FileReaderImpl::piece_of(const BrickEntry& entry, int in_brick_level) const {
-  const BrickEntry::Segment& segment = entry.segments[static_cast<std::size_t>(in_brick_level)];
-  return {segment.offset, segment.length, segment.crc,
-          Levels::first_level(entry.tier) + in_brick_level, entry.code};
-}
-
-Bytes FileReaderImpl::read_segment(const BrickEntry& entry, int in_brick_level) const {
-  check_segment(entry, in_brick_level);
-  const Piece piece = piece_of(entry, in_brick_level);
+Bytes FileReaderImpl::read_piece(const BrickEntry& entry, int number) const {
+  if (number < 0 || static_cast<std::size_t>(number) >= entry.pieces.size()) {
+    throw Error(ErrorKind::invalid_argument,
+                "no piece " + std::to_string(number) + " in tier " + std::to_string(entry.tier),
+                source().name());
+  }
+  const Piece piece = file_.piece_of(entry, number);
   return piece.length == 0 ? Bytes{} : file_.read_piece(piece);
 }
 
@@ -206,21 +205,13 @@ template <class Decode>
 void FileReaderImpl::decode_brick(const BrickEntry& entry, int in_brick_level,
                                   Decode decode) const {
   const BrickShape shape = brick_shape(levels(), entry.tier, entry.brick);
-  std::array<Bytes, kTierLevels> segments;
-  std::array<ByteSpan, kTierLevels> spans;
-  // A brick without coarsest samples holds all its voxels in the finest segment.
-  const int first = entry.segments.back().length == 0 ? 0 : in_brick_level;
-  for (int i = first; i < shape.level_count; ++i) {
-    const auto slot = static_cast<std::size_t>(i);
-    segments[slot] = read_segment(entry, i);
-    spans[slot] = segments[slot];
-  }
+  const BrickBytes bytes = file_.read_segments(entry, in_brick_level);
   const auto codec = file_.codec(entry.model);
   try {
     decode(*codec, shape,
-           std::span<const ByteSpan>(spans).first(static_cast<std::size_t>(shape.level_count)));
+           std::span(bytes.segments).first(static_cast<std::size_t>(shape.level_count)));
   } catch (const Error& error) {
-    const Piece piece = piece_of(entry, in_brick_level);
+    const Piece piece = file_.piece_of(entry, piece_of_level(in_brick_level));
     throw Error(error.kind(), describe(piece) + ": " + error.detail(), source().name(),
                 piece.offset);
   }
@@ -228,7 +219,7 @@ void FileReaderImpl::decode_brick(const BrickEntry& entry, int in_brick_level,
 
 void FileReaderImpl::read_brick(const BrickEntry& entry, int in_brick_level, void* out) const {
   stop_if_cancelled();
-  check_segment(entry, in_brick_level);
+  check_brick_level(entry, in_brick_level);
   const BrickShape whole = brick_shape(levels(), entry.tier, entry.brick);
   const std::int64_t count = whole.size[static_cast<std::size_t>(in_brick_level)].voxel_count();
   if (entry.is_uniform()) {
@@ -246,7 +237,7 @@ void FileReaderImpl::read_brick(const BrickEntry& entry, int in_brick_level, voi
 
 void FileReaderImpl::read_words(const BrickEntry& entry, LabelWords& words) const {
   stop_if_cancelled();
-  check_segment(entry, 0);
+  check_brick_level(entry, 0);
   require_labels(*this);
   if (entry.is_uniform()) {
     fill_words(brick_shape(levels(), entry.tier, entry.brick).size[0], entry.range.min, words);

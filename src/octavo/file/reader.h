@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "octavo/core/bytes.h"
+#include "octavo/core/hasher.h"
 #include "octavo/core/levels.h"
 #include "octavo/core/progress.h"
 #include "octavo/core/volume.h"
@@ -36,12 +37,12 @@ struct BrickEntry {
   ValueRange range;         ///< of its voxels; of their codes for float32. Bounds where lossy
   double max_error = 0;     ///< largest |voxel - source voxel| at level 0, voxel units
   bool is_uniform() const { return range.min == range.max; }
-  struct Segment {
+  struct StoredPiece {
     std::uint64_t offset = 0;
     std::uint64_t length = 0;
     std::uint32_t crc = 0;
   };
-  std::vector<Segment> segments;  ///< one per in-brick level, finest first
+  std::vector<StoredPiece> pieces;  ///< finest first (pieces.h)
   std::uint32_t model = 0;
 };
 
@@ -49,7 +50,10 @@ struct BrickEntry {
 struct LevelSummary {
   std::int64_t bricks = 0;
   std::int64_t uniform_bricks = 0;
+  /// Of the pieces that begin with its segments.
   std::uint64_t bytes = 0;
+  /// Its segments stand in the pieces of a finer level, with whose bytes they are counted.
+  bool is_in_finer = false;
 };
 
 /// Side lengths of a full brick of the level's tier, in samples of `level`.
@@ -69,7 +73,9 @@ class FileReader {
   virtual const VolumeDescription& description() const = 0;
   virtual const Levels& levels() const = 0;
   virtual std::uint64_t file_bytes() const = 0;
-  virtual std::uint64_t file_id() const = 0;
+  virtual std::uint64_t build_id() const = 0;
+  /// The SHA-256 of those of the planes of level 0: equal voxels, equal digest.
+  virtual Sha256Digest voxel_digest() const = 0;
   virtual const ByteSource& source() const = 0;
   /// "1.0"
   virtual std::string format_version() const = 0;
@@ -110,8 +116,8 @@ class FileReader {
   /// The PNG picture of the file; empty when it has none. Throws Error{corrupt}.
   virtual Bytes thumbnail() const = 0;
 
-  /// Raw bytes of a segment after its checksum was proven.
-  virtual Bytes read_segment(const BrickEntry& entry, int in_brick_level) const = 0;
+  /// Raw bytes of a piece after its checksum was proven.
+  virtual Bytes read_piece(const BrickEntry& entry, int piece) const = 0;
 };
 
 }  // namespace octavo

@@ -2,34 +2,32 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "octavo/core/progress.h"
+#include "octavo/core/hasher.h"
 #include "octavo/file/bit_flip.h"
+#include "octavo/file/for_each.h"
 #include "octavo/file/reader.h"
 
 namespace octavo {
 
-/// Runs `task(0)` .. `task(count - 1)`, in any order, and returns when all are done.
-using ForEach =
-    std::function<void(std::int64_t count, const std::function<void(std::int64_t)>& task)>;
-
 struct VerifyOptions {
-  bool decode = true;   ///< decode every brick and compare its range with the index
-  ForEach for_each;     ///< how to run the bricks of a page; empty: one after another
+  bool decode = true;   ///< decode every brick; compare its range and the digests of planes
+  ForEach for_each;     ///< how to run the bricks of a layer; empty: one after another
   std::size_t max_listed = 1000;  ///< damages that are described; the others are counted
+  MakeHasher make_hasher;         ///< empty: the portable one
 };
 
 /// One damaged place.
 struct Damage {
   std::string what;  ///< "brick", "model", "index page", "index pages", "slab trailer",
-                     ///< "thumbnail", "metadata", "file"
+                     ///< "part", "metadata", "plane", "file"
   int tier = 0;                     ///< of a brick
-  int level = 0;                    ///< global level of a brick's segment
+  int level = 0;                    ///< global level of a brick's piece
   Index3 brick;
   std::uint64_t code = 0;           ///< o-code of a brick, number of anything else
   std::uint64_t offset = 0;
@@ -51,7 +49,7 @@ struct VerifyReport {
   std::int64_t damaged_brick_count = 0;
   /// Whole themselves, but listed in a damaged index page or coded with a damaged model.
   std::int64_t unreachable_brick_count = 0;
-  std::int64_t segment_count = 0;        ///< that hold bytes
+  std::int64_t piece_count = 0;          ///< of bricks, that hold bytes
   std::int64_t damage_count = 0;         ///< all damages
   std::int64_t repairable_count = 0;     ///< those that repair turns back
   std::uint64_t file_bytes = 0;
@@ -62,7 +60,7 @@ struct VerifyReport {
 /// Checks all of `source`. A file whose header, trailer or index root is damaged, or whose metadata
 /// do not match their checksum, cannot be looked into: then it throws what FileReader::open throws.
 /// Throws  also Error{io} when reading fails, Error{cancelled}
-/// Memory  that of one index page and one brick per thread; reads the file twice
+/// Memory  that of the index, one brick per thread and a row of bricks; reads the file twice
 VerifyReport verify_file(std::shared_ptr<const ByteSource> source, const VerifyOptions& options,
                          Progress& progress);
 

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "octavo/core/error.h"
+#include "octavo/core/sha256.h"
 
 namespace octavo {
 namespace {
@@ -51,6 +52,10 @@ class RecordingWriter final : public FileWriter {
     parents.push_back(brick.parent);
     errors.push_back(brick.max_error);
   }
+  void add_plane_digests(std::span<const Sha256Digest> digests) override {
+    plane_digests.insert(plane_digests.end(), digests.begin(), digests.end());
+  }
+  void add_part(Part) override {}
   void end_group(std::uint32_t) override { groups_before.push_back(parents.size()); }
   const std::vector<JournalGroup>& resumed() const override { return none_; }
   Bytes first_model() const override { return {}; }
@@ -58,6 +63,7 @@ class RecordingWriter final : public FileWriter {
   void finish() override {}
   std::uint64_t bytes_written() const override { return 0; }
   std::vector<std::int64_t> parents;
+  std::vector<Sha256Digest> plane_digests;
   std::vector<std::int64_t> errors;
   std::vector<std::size_t> models_before;  ///< bricks that came before each model
   std::vector<std::size_t> groups_before;  ///< bricks that came before each end of a group
@@ -76,8 +82,8 @@ struct NumberedBricks {
         for (std::int64_t x = 0; x < 150; ++x)
           voxels.push_back(static_cast<std::uint8_t>((z / 64 * 2 + y / 64) * 3 + x / 64));
   }
-  VoxelBlock block() const {
-    return {reinterpret_cast<const std::byte*>(voxels.data()), VoxelType::uint8, {150, 100, 70}, 0};
+  VoxelBlock block() {
+    return {reinterpret_cast<std::byte*>(voxels.data()), VoxelType::uint8, {150, 100, 70}, 0};
   }
 };
 
@@ -88,7 +94,7 @@ Model copying_model(int broken, int error = 1) {
 }
 
 TEST(TierEncoder, BricksArriveInFileOrderAndParentsInVoxelOrder) {
-  const NumberedBricks volume;
+  NumberedBricks volume;
   for (const int threads : {1, 2, 5}) {
     RecordingWriter writer;
     NoProgress progress;
@@ -103,8 +109,34 @@ TEST(TierEncoder, BricksArriveInFileOrderAndParentsInVoxelOrder) {
   }
 }
 
+TEST(TierEncoder, DigestsAreThoseOfThePlanesAsReadersSeeThem) {
+  constexpr std::size_t kPlaneBytes = 150 * 100;
+  for (const int threads : {1, 4}) {
+    for (const int error : {0, 2}) {
+      NumberedBricks volume;
+      std::vector<std::uint8_t> decoded = volume.voxels;
+      // Brick 4, at (1, 1, 0), ends with voxel (127, 99, 63).
+      const std::size_t last = kPlaneBytes * 63 + 150 * 99 + 127;
+      if (error > 0) decoded[last] = static_cast<std::uint8_t>(decoded[last] + error);
+      RecordingWriter writer;
+      NoProgress progress;
+      Workers workers(threads);
+      ErrorBound bound;
+      bound.codes = error;
+      TierEncoder encoder(volume.levels, 0, VoxelType::uint8, workers, writer, progress, bound);
+      encoder.encode(copying_model(error > 0 ? 4 : -1, error), volume.block());
+      ASSERT_EQ(writer.plane_digests.size(), 70u);
+      for (std::size_t z = 0; z < 70; ++z) {
+        EXPECT_EQ(writer.plane_digests[z],
+                  sha256(ByteSpan(decoded).subspan(z * kPlaneBytes, kPlaneBytes)))
+            << "plane " << z << ", error " << error;
+      }
+    }
+  }
+}
+
 TEST(TierEncoder, ABrickThatDoesNotDecodeToItsVoxelsIsNamed) {
-  const NumberedBricks volume;
+  NumberedBricks volume;
   for (const int threads : {1, 4}) {
     RecordingWriter writer;
     NoProgress progress;
@@ -122,7 +154,7 @@ TEST(TierEncoder, ABrickThatDoesNotDecodeToItsVoxelsIsNamed) {
 }
 
 // The two brick layers of a volume as blocks.
-std::array<VoxelBlock, 2> layers_of(const NumberedBricks& volume) {
+std::array<VoxelBlock, 2> layers_of(NumberedBricks& volume) {
   std::array<VoxelBlock, 2> layers{volume.block(), volume.block()};
   layers[0].size.z = 64;
   layers[1] = {layers[0].voxels + 150 * 100 * 64, VoxelType::uint8, {150, 100, 6}, 64};
@@ -130,7 +162,7 @@ std::array<VoxelBlock, 2> layers_of(const NumberedBricks& volume) {
 }
 
 TEST(TierEncoder, BlocksStartedTogetherArriveInOrderEachBehindItsModel) {
-  const NumberedBricks volume;
+  NumberedBricks volume;
   const auto layers = layers_of(volume);
   for (const int threads : {1, 2, 5}) {
     RecordingWriter writer;
@@ -149,7 +181,7 @@ TEST(TierEncoder, BlocksStartedTogetherArriveInOrderEachBehindItsModel) {
 }
 
 TEST(TierEncoder, BlocksAreGivenBackAfterAFailureToo) {
-  const NumberedBricks volume;
+  NumberedBricks volume;
   const auto layers = layers_of(volume);
   for (const int threads : {1, 4}) {
     RecordingWriter writer;
@@ -169,8 +201,8 @@ TEST(TierEncoder, BlocksAreGivenBackAfterAFailureToo) {
 }
 
 TEST(TierEncoder, ErrorsWithinTheBoundAreMeasuredAndOthersRejected) {
-  const NumberedBricks volume;
   for (const int error : {1, 2, 3}) {
+    NumberedBricks volume;
     RecordingWriter writer;
     NoProgress progress;
     Workers workers(2);
@@ -188,7 +220,7 @@ TEST(TierEncoder, ErrorsWithinTheBoundAreMeasuredAndOthersRejected) {
 }
 
 TEST(TierEncoder, FloatVoxelsAreComparedThemselves) {
-  const NumberedBricks volume;
+  NumberedBricks volume;
   const SampleCoding coding{VoxelType::uint8, 0.5, 0};
   std::vector<float> floats;
   for (const std::uint8_t code : volume.voxels) floats.push_back(0.5f * code + 0.125f);

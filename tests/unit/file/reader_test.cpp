@@ -4,6 +4,7 @@
 #include <random>
 #include <thread>
 
+#include "octavo/file/pieces.h"
 #include "octavo/file/layer_order.h"
 #include "octavo/file/parallel_read.h"
 #include "octavo/file/verify.h"
@@ -176,27 +177,28 @@ TEST(Reader, TellsWhatTheFileIs) {
   EXPECT_EQ(reader->axis_order(), kStraightOrder);
   EXPECT_TRUE(reader->thumbnail().empty());
   volume.samples[0][5] ^= 1;
-  EXPECT_NE(open_bytes(sample_file_bytes(volume))->file_id(), reader->file_id());
+  EXPECT_NE(open_bytes(sample_file_bytes(volume))->build_id(), reader->build_id());
 }
 
-TEST(Reader, ASegmentIsItsBytesInTheFile) {
+TEST(Reader, APieceIsItsBytesInTheFile) {
   SampleVolume volume = make_sample({70, 20, 130}, VoxelType::int16, Pattern::noisy_half);
   const std::vector<std::uint8_t> bytes = sample_file_bytes(volume);
   const auto reader = open_bytes(bytes);
   const BrickEntry noisy = reader->brick(0, {1, 0, 1});
   const BrickEntry uniform = reader->brick(0, {1, 0, 0});
   ASSERT_TRUE(uniform.is_uniform());
-  for (int level = 0; level < kTierLevels; ++level) {
-    const BrickEntry::Segment& segment = noisy.segments[static_cast<std::size_t>(level)];
-    const auto from = bytes.begin() + static_cast<std::ptrdiff_t>(segment.offset);
-    const auto length = static_cast<std::ptrdiff_t>(segment.length);
+  ASSERT_EQ(noisy.pieces.size(), 4u);
+  for (int piece = 0; piece < kTierPieces; ++piece) {
+    const BrickEntry::StoredPiece& stored = noisy.pieces[static_cast<std::size_t>(piece)];
+    const auto from = bytes.begin() + static_cast<std::ptrdiff_t>(stored.offset);
+    const auto length = static_cast<std::ptrdiff_t>(stored.length);
     EXPECT_GT(length, 0);
-    EXPECT_EQ(reader->read_segment(noisy, level), Bytes(from, from + length));
-    EXPECT_TRUE(reader->read_segment(uniform, level).empty());
+    EXPECT_EQ(reader->read_piece(noisy, piece), Bytes(from, from + length));
+    EXPECT_TRUE(reader->read_piece(uniform, piece).empty());
   }
   std::int16_t voxel = 0;
   for (const int level : {-1, kTierLevels}) {
-    EXPECT_THROW(reader->read_segment(noisy, level), Error);
+    EXPECT_THROW(reader->read_piece(noisy, level), Error);
     EXPECT_THROW(reader->read_brick(noisy, level, &voxel), Error);
   }
 }
@@ -246,6 +248,7 @@ std::vector<std::uint8_t> file_of(const Bytes& model, const std::vector<Bytes>& 
   EncodedBrick brick;
   brick.range = {0, 5};
   brick.segments = segments;
+  writer->add_plane_digests(digests_of_planes(volume.samples[0], 4));
   writer->add_brick(0, brick);
   writer->finish();
   return *storage.files.at("a.8vo");
@@ -298,13 +301,17 @@ TEST(Reader, LevelSummariesAddUpToTheBricks) {
         EXPECT_EQ(entry.model, tier == 0 ? static_cast<std::uint32_t>(z / 2) : 0u);
         ++sum.bricks;
         sum.uniform_bricks += entry.is_uniform();
-        sum.bytes += entry.segments[static_cast<std::size_t>(level % kTierLevels)].length;
+        // Levels 3, 4 and 5 of a tier share a piece, which is counted with the first of them.
+        const int in_brick = level % kTierLevels;
+        if (in_brick >= kTierPieces) continue;
+        sum.bytes += entry.pieces[static_cast<std::size_t>(in_brick)].length;
       }
     }
     const LevelSummary told = reader->level_summary(level);
     EXPECT_EQ(told.bricks, sum.bricks);
     EXPECT_EQ(told.uniform_bricks, sum.uniform_bricks);
     EXPECT_EQ(told.bytes, sum.bytes);
+    EXPECT_EQ(told.is_in_finer, level % kTierLevels > 3);
   }
 }
 

@@ -38,7 +38,7 @@ TEST(Verify, NamesTheBrickTheLevelAndTheByte) {
   SampleVolume volume = make_sample({130, 70, 129}, VoxelType::int16, Pattern::gradient);
   std::vector<std::uint8_t> bytes = sample_file_bytes(volume);
   const BrickEntry entry = open_bytes(bytes)->brick(0, {1, 1, 1});
-  const BrickEntry::Segment& segment = entry.segments[2];
+  const BrickEntry::StoredPiece& segment = entry.pieces[2];
   const std::uint64_t at = segment.offset + segment.length / 2;
   bytes[at] ^= 16;
   const VerifyReport report = verify_bytes(bytes);
@@ -56,7 +56,7 @@ TEST(Verify, NamesTheBrickTheLevelAndTheByte) {
 TEST(Verify, OneDamagedBrickLeavesTheOthersReadable) {
   SampleVolume volume = make_sample({130, 70, 129}, VoxelType::int16, Pattern::gradient);
   std::vector<std::uint8_t> bytes = sample_file_bytes(volume);
-  bytes[open_bytes(bytes)->brick(0, {1, 1, 1}).segments[0].offset] ^= 1;
+  bytes[open_bytes(bytes)->brick(0, {1, 1, 1}).pieces[0].offset] ^= 1;
   const auto reader = open_bytes(bytes);
   const Box first{{0, 0, 0}, {64, 64, 64}};
   EXPECT_EQ(read_samples(*reader, first, 0), expected_samples(volume, first, 0));
@@ -69,7 +69,7 @@ TEST(Verify, ReportsTheSameForAnyNumberOfThreads) {
   SampleVolume volume = make_sample({200, 140, 70}, VoxelType::int16, Pattern::gradient);
   std::vector<std::uint8_t> bytes = sample_file_bytes(volume);
   const auto reader = open_bytes(bytes);
-  for (std::int64_t x = 0; x < 3; ++x) bytes[reader->brick(0, {x, 1, 0}).segments[0].offset] ^= 2;
+  for (std::int64_t x = 0; x < 3; ++x) bytes[reader->brick(0, {x, 1, 0}).pieces[0].offset] ^= 2;
   const VerifyReport one = verify_bytes(bytes, 1);
   const VerifyReport four = verify_bytes(bytes, 4);
   ASSERT_EQ(one.damages.size(), 3u);
@@ -164,6 +164,7 @@ TEST(Verify, ARangeThatLiesIsFoundByDecoding) {
     writer->add_model({'r', 'a', 'w'});
     Bytes voxels(64, 3);
     voxels[5] = 9;
+    writer->add_plane_digests(digests_of_planes(voxels, 4));
     writer->add_brick(0, {range, 3, 0, {voxels, Bytes(8, 3), Bytes(1, 3)}});
     writer->finish();
     const std::vector<std::uint8_t>& bytes = *storage.files.at("a.8vo");
@@ -190,14 +191,14 @@ TEST(Verify, ASlabTrailerThatLiesUnderFittingChecksumsIsFound) {
     std::function<void(SlabTrailer&)> change;
     const char* words;
   } cases[] = {
-      {[](SlabTrailer& t) { t.file_id ^= 1; }, "belongs to another slab"},
+      {[](SlabTrailer& t) { t.build_id ^= 1; }, "belongs to another slab"},
       {[](SlabTrailer& t) { t.slab ^= 1; }, "belongs to another slab"},
       {[](SlabTrailer& t) { t.model ^= 1; }, "belongs to another slab"},
       {[](SlabTrailer& t) { t.lengths.back() ^= 1; }, "contradicts the index"},
       {[](SlabTrailer& t) { t.slab_crc ^= 1; }, "states another checksum of its slab"},
   };
   for (const auto& c : cases) {
-    SlabTrailer trailer = parse_slab_trailer(ByteSpan(good).subspan(offset, length), 6);
+    SlabTrailer trailer = parse_slab_trailer(ByteSpan(good).subspan(offset, length), 6, 64);
     c.change(trailer);
     const Bytes changed = encode_slab_trailer(trailer);
     ASSERT_EQ(changed.size(), length) << c.words;

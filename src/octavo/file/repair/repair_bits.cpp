@@ -8,6 +8,7 @@
 #include "octavo/core/error.h"
 #include "octavo/file/layout.h"
 #include "octavo/file/open_file.h"
+#include "octavo/file/plane_digests.h"
 #include "octavo/file/repair/repaired_source.h"
 #include "octavo/file/storage/pending_file.h"
 #include "octavo/file/storage/temporary.h"
@@ -41,10 +42,24 @@ VerifyReport verified(std::shared_ptr<const ByteSource> source, const BitRepairO
   VerifyOptions verifying;
   verifying.for_each = options.for_each;
   verifying.max_listed = kListedInARound;
+  verifying.make_hasher = options.make_hasher;
   return verify_file(std::move(source), verifying, progress);
 }
 
-// Gives a trailer that is made anew its digest: of all bytes between header and trailer.
+// The voxel digest that the slab trailers give; zeros where one is damaged, as a later round finds.
+Sha256Digest digest_in_slabs(const std::shared_ptr<const ByteSource>& source,
+                             const Repairs& repairs) {
+  try {
+    return voxel_digest_of(OpenFile(std::make_shared<RepairedSource>(source, repairs), {})
+                               .plane_digests());
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::corrupt) return {};
+    throw;
+  }
+}
+
+// Gives a trailer that is made anew what follows from the rest of the file: the checksum of all
+// bytes between header and trailer, and the digest of the voxels.
 void complete_trailer(const std::shared_ptr<const ByteSource>& source, Repairs& repairs,
                       Progress& progress) {
   const RepairedSource repaired(source, repairs);
@@ -54,17 +69,17 @@ void complete_trailer(const std::shared_ptr<const ByteSource>& source, Repairs& 
   const std::uint64_t end = repaired.size() - kTrailerBytes;
   const ProgressScope scope(progress, "reading", static_cast<std::int64_t>(end - kHeaderBytes),
                             "bytes");
-  std::uint32_t digest = 0;
+  std::uint32_t crc = 0;
   Bytes buffer;
   for (std::uint64_t at = kHeaderBytes; at < end; at += kScanBytes) {
     throw_if_cancelled(progress);
     buffer.resize(std::min<std::uint64_t>(kScanBytes, end - at));
     repaired.read(at, buffer);
-    digest = crc32c(buffer, digest);
+    crc = crc32c(buffer, crc);
     progress.advance(static_cast<std::int64_t>(buffer.size()));
   }
-  repairs.trailer =
-      encode_trailer({header.file_id, header.file_bytes, load_header_crc(block), digest});
+  repairs.trailer = encode_trailer({header.build_id, header.file_bytes, load_header_crc(block), crc,
+                                    digest_in_slabs(source, repairs)});
 }
 
 // What makes the file sound. A damaged index page hides damaged bricks, a damaged model those that

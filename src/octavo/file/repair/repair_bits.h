@@ -27,6 +27,7 @@ namespace octavo {
 struct BitRepairOptions {
   bool overwrite = false;  ///< an existing file, and what an interrupted build of it left
   ForEach for_each;        ///< as in VerifyOptions
+  MakeHasher make_hasher;  ///< as in VerifyOptions
 };
 
 struct BitRepairResult {

@@ -93,7 +93,7 @@ void repair_trailer(const ByteSource& source, const FileHeader& header, Repairs&
   if (repair_block(block, offset, flips)) {
     add_flips(repairs, flips);
   } else {
-    repairs.trailer = encode_trailer({header.file_id, header.file_bytes, header.crc, 0});
+    repairs.trailer = encode_trailer({header.build_id, header.file_bytes, header.crc, 0, {}});
   }
 }
 

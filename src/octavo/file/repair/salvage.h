@@ -60,7 +60,9 @@ class SalvageReader final : public FileReader {
   const VolumeDescription& description() const override { return inner_->description(); }
   const Levels& levels() const override { return inner_->levels(); }
   std::uint64_t file_bytes() const override { return inner_->file_bytes(); }
-  std::uint64_t file_id() const override { return inner_->file_id(); }
+  std::uint64_t build_id() const override { return inner_->build_id(); }
+  /// Of the file before anything was filled.
+  Sha256Digest voxel_digest() const override { return inner_->voxel_digest(); }
   const ByteSource& source() const override { return inner_->source(); }
   std::string format_version() const override { return inner_->format_version(); }
   /// That of the file, widened so that it holds options.value.
@@ -73,8 +75,8 @@ class SalvageReader final : public FileReader {
     return inner_->brick(tier, position);
   }
   Bytes thumbnail() const override { return inner_->thumbnail(); }
-  Bytes read_segment(const BrickEntry& entry, int in_brick_level) const override {
-    return inner_->read_segment(entry, in_brick_level);
+  Bytes read_piece(const BrickEntry& entry, int piece) const override {
+    return inner_->read_piece(entry, piece);
   }
 
   void read_brick(const BrickEntry& entry, int in_brick_level, void* out) const override;

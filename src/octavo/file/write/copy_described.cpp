@@ -25,13 +25,22 @@ EncodedBrick brick_of(const OpenFile& file, int tier, const Index3& position) {
   EncodedBrick brick;
   brick.range = entry.range;
   brick.max_error = std::llround(entry.max_error / error_step(file.header()));
-  for (std::size_t i = 0; i < entry.segments.size(); ++i) {
-    const BrickEntry::Segment& segment = entry.segments[i];
-    const int level = Levels::first_level(tier) + static_cast<int>(i);
-    const Piece piece{segment.offset, segment.length, segment.crc, level, entry.code};
-    brick.segments.push_back(segment.length == 0 ? Bytes{} : file.read_piece(piece));
+  const BrickBytes bytes = file.read_segments(entry, 0);
+  const auto level_count = static_cast<std::size_t>(file.levels().tier_level_count(tier));
+  for (std::size_t i = 0; i < level_count; ++i) {
+    brick.segments.emplace_back(bytes.segments[i].begin(), bytes.segments[i].end());
   }
   return brick;
+}
+
+// Parts that still hold: those that this program knows, and others that stand for themselves.
+void add_parts(const OpenFile& file, FileWriter& writer) {
+  for (const PartEntry& entry : file.parts()) {
+    const bool is_known = entry.tag == kThumbnailTag;
+    if (!is_known && (entry.flags & kDependentPart) != 0) continue;
+    const auto copy = [&file, entry](const auto& sink) { file.copy_part(entry, sink); };
+    writer.add_part({entry.tag, entry.flags, copy});
+  }
 }
 
 }  // namespace
@@ -48,8 +57,8 @@ std::uint64_t copy_described(std::shared_ptr<const ByteSource> source,
   options.discards_interrupted = overwrite;
   options.max_error = file.header().max_error;
   const Levels& levels = file.levels();
-  // The lower half of a file id is the hash of the first voxels.
-  const auto content_hash = static_cast<std::uint32_t>(file.header().file_id);
+  // The lower half of a build id is the hash of the first voxels.
+  const auto content_hash = static_cast<std::uint32_t>(file.header().build_id);
   const auto writer =
       FileWriter::create(storage, path, description, levels, content_hash, options);
 
@@ -68,7 +77,10 @@ std::uint64_t copy_described(std::shared_ptr<const ByteSource> source,
     const std::vector<Index3> order = layer_order(grid);
     if (tier == 1) add_model_of(levels.brick_grid(0).z);
     for (std::int64_t layer = 0; layer < grid.z; ++layer) {
-      if (tier == 0) add_model_of(layer);
+      if (tier == 0) {
+        add_model_of(layer);
+        writer->add_plane_digests(file.slab_trailer(layer).plane_digests);
+      }
       for (const Index3& place : order) {
         if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
         writer->add_brick(tier, brick_of(file, tier, {place.x, place.y, layer}));
@@ -76,6 +88,7 @@ std::uint64_t copy_described(std::shared_ptr<const ByteSource> source,
       }
     }
   }
+  add_parts(file, *writer);
   writer->finish();
   return writer->bytes_written();
 }

@@ -30,7 +30,8 @@ Bytes encode_root(const IndexRoot& root, const Levels& levels, const FileHeader&
   }
   for (std::size_t t = 0; t < root.tiers.size(); ++t) {
     const TierIndex& tier = root.tiers[t];
-    const auto level_count = static_cast<std::size_t>(levels.tier_level_count(static_cast<int>(t)));
+    const auto pieces =
+        static_cast<std::size_t>(piece_count(levels.tier_level_count(static_cast<int>(t))));
     std::int64_t previous_min = 0;
     for (std::size_t number = 0; number < tier.pages.size(); ++number) {
       const PageRef& page = tier.pages[number];
@@ -42,8 +43,8 @@ Bytes encode_root(const IndexRoot& root, const Levels& levels, const FileHeader&
       put_range(out, page.range, previous_min);
       if (has_errors(header, static_cast<int>(t))) out.put_varint(page.error_steps);
       out.put_varint(page.uniform_count);
-      for (std::size_t level = 0; level < level_count; ++level) {
-        out.put_varint(page.segment_start[level]);
+      for (std::size_t piece = 0; piece < pieces; ++piece) {
+        out.put_varint(page.piece_start[piece]);
       }
     }
   }
@@ -59,13 +60,13 @@ Bytes encode_page(const IndexPage& page) {
     put_range(out, page.ranges[i], previous_min);
     if (!page.error_steps.empty()) out.put_varint(page.error_steps[i]);
   }
-  const auto levels = static_cast<std::size_t>(page.level_count);
-  for (std::size_t level = 0; level < levels; ++level) {
-    for (std::size_t i = level; i < page.segments.size(); i += levels) {
-      out.put_varint(page.segments[i].length);
+  const auto step = static_cast<std::size_t>(page.piece_count);
+  for (std::size_t piece = 0; piece < step; ++piece) {
+    for (std::size_t i = piece; i < page.pieces.size(); i += step) {
+      out.put_varint(page.pieces[i].length);
     }
-    for (std::size_t i = level; i < page.segments.size(); i += levels) {
-      if (page.segments[i].length > 0) out.put_u32(page.segments[i].crc);
+    for (std::size_t i = piece; i < page.pieces.size(); i += step) {
+      if (page.pieces[i].length > 0) out.put_u32(page.pieces[i].crc);
     }
   }
   return bytes;
@@ -80,13 +81,13 @@ IndexBuilder::IndexBuilder(const Levels& levels, const FileHeader& header, Spool
 }
 
 void IndexBuilder::add_brick(int tier_number, const ValueRange& range, std::uint64_t error_steps,
-                             const std::vector<SegmentRef>& segments) {
+                             const std::vector<PieceRef>& pieces) {
   const TierIndex& tier = root_.tiers[static_cast<std::size_t>(tier_number)];
-  page_.level_count = levels_.tier_level_count(tier_number);
+  page_.piece_count = piece_count(levels_.tier_level_count(tier_number));
   page_.ranges.push_back(range);
   if (has_errors(header_, tier_number)) page_.error_steps.push_back(error_steps);
   if (range.min != range.max) {
-    page_.segments.insert(page_.segments.end(), segments.begin(), segments.end());
+    page_.pieces.insert(page_.pieces.end(), pieces.begin(), pieces.end());
   }
   const auto count = static_cast<std::int64_t>(page_.ranges.size());
   if (count == tier.brick_count(tier.pages.size())) finish_page(tier_number);
@@ -106,9 +107,9 @@ void IndexBuilder::finish_page(int tier_number) {
   for (const std::uint64_t steps : page_.error_steps) {
     ref.error_steps = std::max(ref.error_steps, steps);
   }
-  const auto levels = static_cast<std::size_t>(page_.level_count);
-  for (std::size_t i = 0; i < page_.segments.size(); ++i) {
-    ref.segment_start[i % levels] += page_.segments[i].length;
+  const auto step = static_cast<std::size_t>(page_.piece_count);
+  for (std::size_t i = 0; i < page_.pieces.size(); ++i) {
+    ref.piece_start[i % step] += page_.pieces[i].length;
   }
   tier.pages.push_back(ref);
   spool_.append(page_stream_, bytes);

@@ -11,7 +11,7 @@ namespace octavo {
 /// The bytes of a root whose PageRefs hold totals.
 Bytes encode_root(const IndexRoot& root, const Levels& levels, const FileHeader& header);
 
-/// The bytes of a page; the offsets of its segments are not looked at.
+/// The bytes of a page; the offsets of its pieces are not looked at.
 Bytes encode_page(const IndexPage& page);
 
 /// Memory  that of the page in work, and about 90 bytes per finished page
@@ -24,10 +24,10 @@ class IndexBuilder {
   void add_model(const ModelRef& model) { root_.models.push_back(model); }
   void add_slab_trailer(std::uint32_t bytes) { root_.slab_trailer_bytes.push_back(bytes); }
 
-  /// The next brick of `tier`; one segment per in-brick level, offsets not needed.
+  /// The next brick of `tier`; offsets of its pieces are not needed.
   /// error_steps  0 unless the tier has errors
   void add_brick(int tier, const ValueRange& range, std::uint64_t error_steps,
-                 const std::vector<SegmentRef>& segments);
+                 const std::vector<PieceRef>& pieces);
 
   /// Takes over a page of tier 0 whose bytes stand in the spool.
   void restore_page(const PageRef& page) { root_.tiers.front().pages.push_back(page); }

@@ -40,12 +40,16 @@ bool follows(const JournalGroup& group, const JournalGroup& before, const Levels
     return model.first_slab >= before.end_layer && model.first_slab < group.end_layer &&
            model.length <= kMaxModelBytes;
   };
+  const std::int64_t planes =
+      planes_in(levels, group.end_layer) - planes_in(levels, before.end_layer);
   const bool has_first = !group.models.empty() && group.models.front().first_slab == 0;
   if (!std::ranges::all_of(group.models, is_inside) || (before.end_layer == 0 && !has_first)) {
     return false;
   }
   return group.slab_trailer_bytes.size() == count && group.pages.size() == count * layer_pages &&
-         group.parents.size() == count * layer_bricks && std::ranges::all_of(blocks, is_known);
+         group.parents.size() == count * layer_bricks &&
+         group.plane_digests.size() == static_cast<std::uint64_t>(planes) &&
+         std::ranges::all_of(blocks, is_known);
 }
 
 // The CRC-32C of bytes begin .. end of a file, continued from `crc`.

@@ -12,7 +12,7 @@ namespace octavo {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x6e726a38;  // "8jrn"
-constexpr std::uint32_t kJournalVersion = 1;
+constexpr std::uint32_t kJournalVersion = 2;
 
 constexpr std::uint32_t kHeadRecord = 1;
 constexpr std::uint32_t kBlockRecord = 2;
@@ -102,7 +102,7 @@ void put_page(ByteWriter& out, const PageRef& page) {
   out.put_signed(page.range.max);
   out.put_varint(page.error_steps);
   out.put_varint(page.uniform_count);
-  for (const std::uint64_t total : page.segment_start) out.put_varint(total);
+  for (const std::uint64_t total : page.piece_start) out.put_varint(total);
 }
 
 PageRef take_page(ByteReader& in) {
@@ -113,7 +113,7 @@ PageRef take_page(ByteReader& in) {
   page.range.max = in.signed_varint();
   page.error_steps = in.varint();
   page.uniform_count = static_cast<std::uint32_t>(in.varint());
-  for (std::uint64_t& total : page.segment_start) total = in.varint();
+  for (std::uint64_t& total : page.piece_start) total = in.varint();
   return page;
 }
 
@@ -137,6 +137,8 @@ Bytes group_payload(const JournalGroup& group) {
   for (const PageRef& page : group.pages) put_page(out, page);
   out.put_varint(group.parents.size());
   for (const std::int64_t parent : group.parents) out.put_signed(parent);
+  out.put_varint(group.plane_digests.size());
+  for (const Sha256Digest& digest : group.plane_digests) put_bytes(bytes, digest);
   return bytes;
 }
 
@@ -168,6 +170,9 @@ JournalGroup parse_group(ByteSpan bytes) {
   for (std::uint64_t left = take_count(in); left > 0; --left) group.pages.push_back(take_page(in));
   for (std::uint64_t left = take_count(in); left > 0; --left) {
     group.parents.push_back(in.signed_varint());
+  }
+  for (std::uint64_t left = take_count(in); left > 0; --left) {
+    std::ranges::copy(in.take(sizeof(Sha256Digest)), group.plane_digests.emplace_back().begin());
   }
   in.expect_end();
   return group;

@@ -52,6 +52,7 @@ struct JournalGroup {
   std::vector<std::uint32_t> slab_trailer_bytes;
   std::vector<PageRef> pages;     ///< of tier 0; totals in segment_start
   std::vector<std::int64_t> parents;  ///< of its bricks, in brick order
+  std::vector<Sha256Digest> plane_digests;  ///< of its planes, by z
 };
 
 /// Bytes of a spooled stream in the journal.

@@ -35,10 +35,12 @@ void WholeBricks::place(const std::vector<WholeGroup>& groups) {
                                     group.slab_trailer_bytes.end());
     tier.pages.insert(tier.pages.end(), group.pages.begin(), group.pages.end());
     parents_.insert(parents_.end(), group.parents.begin(), group.parents.end());
+    plane_digests_.insert(plane_digests_.end(), group.plane_digests.begin(),
+                          group.plane_digests.end());
     for (const JournalBlock& block : blocks) streams_[block.stream].blocks.push_back(block);
   }
   range_ = tier.pages.front().range;
-  std::array<std::uint64_t, kTierLevels> cursor{};
+  std::array<std::uint64_t, kTierPieces> cursor{};
   cursor[0] = kHeaderBytes;
   auto model = root_.models.begin();
   for (std::size_t number = 0; number < tier.pages.size(); ++number) {
@@ -49,17 +51,17 @@ void WholeBricks::place(const std::vector<WholeGroup>& groups) {
       cursor[0] += model->length;
       ++model;
     }
-    for (std::size_t level = 0; level < cursor.size(); ++level) {
-      cursor[level] += std::exchange(page.segment_start[level], cursor[level]);
+    for (std::size_t piece = 0; piece < cursor.size(); ++piece) {
+      cursor[piece] += std::exchange(page.piece_start[piece], cursor[piece]);
     }
     range_ = {std::min(range_.min, page.range.min), std::max(range_.max, page.range.max)};
     if (tier.first_place(number) + tier.brick_count(number) < tier.layer_bricks) continue;
-    tier.level_end[0] = cursor[0];
+    tier.piece_end[0] = cursor[0];
     cursor[0] += root_.slab_trailer_bytes[static_cast<std::size_t>(slab)];
   }
-  std::copy(cursor.begin() + 1, cursor.end(), tier.level_end.begin() + 1);
+  std::copy(cursor.begin() + 1, cursor.end(), tier.piece_end.begin() + 1);
   PageRef behind;
-  behind.segment_start = cursor;
+  behind.piece_start = cursor;
   tier.pages.push_back(behind);
 }
 
@@ -74,7 +76,7 @@ Bytes WholeBricks::model() {
   const ModelRef& model = root_.models[next_model_];
   Bytes bytes(model.length);
   build_.file->read(model.offset, bytes);
-  if (segment_crc(header_.file_id, kModelLevel, next_model_, bytes) != model.crc) {
+  if (piece_crc(header_.build_id, kModelLevel, next_model_, bytes) != model.crc) {
     throw Error(ErrorKind::corrupt, "model " + std::to_string(next_model_) + " is damaged",
                 build_.file->path(), model.offset);
   }
@@ -115,14 +117,14 @@ void WholeBricks::open_page() {
   in_page_ = 0;
 }
 
-Bytes WholeBricks::proven_segment(Bytes bytes, int level, std::uint32_t crc) const {
+Bytes WholeBricks::proven_piece(Bytes bytes, int level, std::uint32_t crc) const {
   const TierIndex& tier = root_.tiers.front();
   const auto layer_bricks = static_cast<std::size_t>(tier.layer_bricks);
   Index3 position =
       position_in_layer(tier.grid, static_cast<std::int64_t>(given_ % layer_bricks));
   position.z = static_cast<std::int64_t>(given_ / layer_bricks);
-  if (segment_crc(header_.file_id, level, interleave(position), bytes) == crc) return bytes;
-  throw Error(ErrorKind::corrupt, "a segment of level " + std::to_string(level) + " is damaged",
+  if (piece_crc(header_.build_id, level, interleave(position), bytes) == crc) return bytes;
+  throw Error(ErrorKind::corrupt, "a piece of level " + std::to_string(level) + " is damaged",
               build_.file->path());
 }
 
@@ -134,17 +136,22 @@ EncodedBrick WholeBricks::next() {
   if (!page_.error_steps.empty()) {
     brick.max_error = static_cast<std::int64_t>(page_.error_steps[in_page_]);
   }
-  const auto level_count = static_cast<std::size_t>(levels_.tier_level_count(0));
-  brick.segments.resize(level_count);
+  const int level_count = levels_.tier_level_count(0);
+  brick.segments.resize(static_cast<std::size_t>(level_count));
   if (brick.range.min != brick.range.max) {
-    const std::size_t slot = page_.slots[in_page_] * level_count;
-    for (std::size_t level = 0; level < level_count; ++level) {
-      const SegmentRef& ref = page_.segments[slot + level];
+    std::array<Bytes, kTierPieces> pieces;
+    const auto count = static_cast<std::size_t>(page_.piece_count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const PieceRef& ref = page_.pieces[page_.slots[in_page_] * count + i];
       if (ref.length == 0) continue;
-      Bytes bytes(level == 0 ? ref.length : 0);
-      if (level == 0) build_.file->read(ref.offset, bytes);
-      else bytes = take(level, ref.length);
-      brick.segments[level] = proven_segment(std::move(bytes), static_cast<int>(level), ref.crc);
+      Bytes bytes(i == 0 ? ref.length : 0);
+      if (i == 0) build_.file->read(ref.offset, bytes);
+      else bytes = take(i, ref.length);
+      pieces[i] = proven_piece(std::move(bytes), static_cast<int>(i), ref.crc);
+    }
+    const auto segments = segments_of(std::span<const Bytes>(pieces).first(count), level_count);
+    for (std::size_t i = 0; i < brick.segments.size(); ++i) {
+      brick.segments[i].assign(segments[i].begin(), segments[i].end());
     }
   }
   ++in_page_;

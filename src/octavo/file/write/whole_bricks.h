@@ -29,6 +29,9 @@ class WholeBricks {
   /// Smallest and largest value in them.
   ValueRange range() const { return range_; }
 
+  /// The digests of the planes of those layers, by z.
+  const std::vector<Sha256Digest>& plane_digests() const { return plane_digests_; }
+
   /// True when a model begins with the next brick, which is the first of its layer.
   bool has_model() const;
   /// That model.
@@ -47,7 +50,7 @@ class WholeBricks {
   void place(const std::vector<WholeGroup>& groups);
   void open_page();
   Bytes take(std::size_t stream, std::uint64_t count);
-  Bytes proven_segment(Bytes bytes, int level, std::uint32_t crc) const;
+  Bytes proven_piece(Bytes bytes, int level, std::uint32_t crc) const;
 
   InterruptedBuild build_;
   FileHeader header_;
@@ -57,6 +60,7 @@ class WholeBricks {
   IndexRoot root_;
   std::vector<Stream> streams_;
   std::vector<std::int64_t> parents_;
+  std::vector<Sha256Digest> plane_digests_;
   std::size_t next_model_ = 0;
   std::size_t next_page_ = 0;
   IndexPage page_;

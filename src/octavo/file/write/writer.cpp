@@ -1,9 +1,12 @@
 #include "octavo/file/write/writer.h"
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "octavo/core/crc32c.h"
+#include "octavo/core/sha256.h"
 #include "octavo/file/layer_order.h"
 #include "octavo/file/slab_trailer.h"
 #include "octavo/file/storage/temporary.h"
@@ -34,6 +37,10 @@ Bytes metadata_bytes(const std::string& json, std::uint64_t file_bytes) {
   return bytes;
 }
 
+bool has_bytes(std::span<const Bytes> segments) {
+  return std::ranges::any_of(segments, [](const Bytes& bytes) { return !bytes.empty(); });
+}
+
 FileHeader make_header(const VolumeDescription& description, const Levels& levels,
                        std::uint32_t content_hash, double max_error) {
   checked_voxel_count(description.size);
@@ -51,11 +58,16 @@ FileHeader make_header(const VolumeDescription& description, const Levels& level
   }
   if (!is_valid(description.geometry)) {
     throw Error(ErrorKind::invalid_argument,
-                "spacing must be positive and direction invertible, all of them finite");
+                "spacing must lie between 1e-9 and 1e9 mm, the origin within 1e12 mm, and the "
+                "direction be invertible");
   }
   if (!has_unit_axes(description.geometry)) {
     throw Error(ErrorKind::invalid_argument,
                 "the axes of the direction must have length 1: lengths belong to the spacing");
+  }
+  if (!is_valid(description.rescale, description.type)) {
+    throw Error(ErrorKind::invalid_argument,
+                "the rescale slope must not be 0, and real values must be finite numbers");
   }
   if (description.metadata.text().size() > kMaxMetadataBytes - kMetadataRoom - kMetadataBlock) {
     throw Error(ErrorKind::limit_exceeded,
@@ -64,9 +76,11 @@ FileHeader make_header(const VolumeDescription& description, const Levels& level
   }
   FileHeader header;
   header.description = description;
+  Geometry& geometry = header.description.geometry;
+  if (!has_unit_axes(geometry, kStoredAxisTolerance)) geometry = with_unit_axes(geometry);
   header.halvings = levels.halvings();
   header.max_error = max_error;
-  header.file_id = make_file_id(header, content_hash);
+  header.build_id = make_build_id(header, content_hash);
   return header;
 }
 
@@ -98,6 +112,12 @@ class FileWriterImpl final : public FileWriter {
   void add_brick(int tier, const EncodedBrick& brick) override {
     guarded([&] { append_brick(tier, brick); });
   }
+
+  void add_plane_digests(std::span<const Sha256Digest> digests) override {
+    guarded([&] { keep_plane_digests(digests); });
+  }
+
+  void add_part(Part part) override { parts_.push_back(std::move(part)); }
 
   void end_group(std::uint32_t voxels_crc) override {
     if (journal_) guarded([&] { append_group(voxels_crc); });
@@ -186,7 +206,9 @@ class FileWriterImpl final : public FileWriter {
   void append_brick(int tier, const EncodedBrick& brick);
   std::uint64_t next_code(int tier);
   void advance(int tier);
+  void keep_plane_digests(std::span<const Sha256Digest> digests);
   void append_slab_trailer();
+  void append_parts();
   void append_tail();
   void seal();
   void publish();
@@ -205,7 +227,7 @@ class FileWriterImpl final : public FileWriter {
 
   FileHeader header_;
   Levels levels_;
-  Spool spool_;  ///< one stream per global level, then the pages
+  Spool spool_;  ///< one stream per global level of a piece, then the pages
   IndexBuilder index_;
 
   // Where the next brick belongs.
@@ -213,6 +235,9 @@ class FileWriterImpl final : public FileWriter {
   std::int64_t layer_ = 0;
   std::int64_t place_ = 0;
 
+  std::vector<Part> parts_;
+  std::vector<Sha256Digest> slab_digests_;  ///< of the planes of the layer
+  Sha256 planes_hasher_;                    ///< of the digests of all planes before it
   std::vector<std::uint64_t> slab_lengths_;
   std::uint32_t slab_crc_ = 0;
 
@@ -226,6 +251,7 @@ class FileWriterImpl final : public FileWriter {
   std::vector<JournalGroup> resumed_;
   Whole whole_;
   std::vector<std::int64_t> group_parents_;
+  std::vector<Sha256Digest> group_digests_;
 };
 
 void FileWriterImpl::begin() {
@@ -303,6 +329,7 @@ void FileWriterImpl::take_over(InterruptedBuild build, std::vector<WholeGroup> g
     for (const auto bytes : whole.group.slab_trailer_bytes) index_.add_slab_trailer(bytes);
     for (const PageRef& page : whole.group.pages) index_.restore_page(page);
     for (const JournalBlock& block : whole.blocks) spool_.restore(block);
+    for (const Sha256Digest& digest : whole.group.plane_digests) planes_hasher_.add(digest);
     resumed_.push_back(std::move(whole.group));
   }
 }
@@ -327,6 +354,7 @@ void FileWriterImpl::append_group(std::uint32_t voxels_crc) {
   group.pages.assign(pages.begin() + whole_.end_layer * root.tiers.front().layer_pages,
                      pages.end());
   group.parents = std::exchange(group_parents_, {});
+  group.plane_digests = std::exchange(group_digests_, {});
   if (options_.is_resuming) {
     if (whole_.end_layer == 0) storage_.sync_folder(folder_of(path_));
     out_->file().sync();
@@ -347,7 +375,7 @@ void FileWriterImpl::append_model(const Bytes& model) {
   ModelRef ref;
   ref.offset = out_->size();
   ref.length = static_cast<std::uint32_t>(model.size());
-  ref.crc = segment_crc(header_.file_id, kModelLevel, models.size(), model);
+  ref.crc = piece_crc(header_.build_id, kModelLevel, models.size(), model);
   ref.first_slab = slab;
   index_.add_model(ref);
   out_->append(model);
@@ -377,24 +405,31 @@ void FileWriterImpl::append_brick(int tier, const EncodedBrick& brick) {
   if (brick.max_error < 0 || static_cast<std::uint64_t>(brick.max_error) > most_error) {
     misused("a brick beyond the max error");
   }
-  std::vector<SegmentRef> refs(level_count);
-  for (std::size_t i = 0; i < level_count; ++i) {
-    const Bytes& segment = brick.segments[i];
-    if (brick.range.min == brick.range.max && !segment.empty()) misused("bytes of a uniform brick");
-    if (segment.size() > kMaxSegmentBytes) misused("a segment above 4 MiB");
+  std::vector<PieceRef> refs(static_cast<std::size_t>(piece_count(levels_.tier_level_count(tier))));
+  if (brick.range.min == brick.range.max && has_bytes(brick.segments)) {
+    misused("bytes of a uniform brick");
+  }
+  for (std::size_t i = 0; i < refs.size(); ++i) {
+    const bool is_joint = i + 1 == refs.size();
+    const Bytes joint = is_joint ? join_segments(std::span(brick.segments).subspan(i)) : Bytes{};
+    const Bytes& piece = is_joint ? joint : brick.segments[i];
+    if (is_joint && joint.empty() && has_bytes(std::span(brick.segments).subspan(i))) {
+      misused("coarse levels without the coarsest one");
+    }
+    if (piece.size() > kMaxPieceBytes) misused("a piece above 4 MiB");
     const int level = Levels::first_level(tier) + static_cast<int>(i);
-    refs[i].length = static_cast<std::uint32_t>(segment.size());
-    if (segment.empty()) continue;
-    refs[i].crc = segment_crc(header_.file_id, level, code, segment);
+    refs[i].length = static_cast<std::uint32_t>(piece.size());
+    if (piece.empty()) continue;
+    refs[i].crc = piece_crc(header_.build_id, level, code, piece);
     if (level == 0) {
-      out_->append(segment);
-      slab_crc_ = crc32c(segment, slab_crc_);
+      out_->append(piece);
+      slab_crc_ = crc32c(piece, slab_crc_);
     } else {
-      spool_.append(static_cast<std::size_t>(level), segment);
+      spool_.append(static_cast<std::size_t>(level), piece);
     }
   }
   index_.add_brick(tier, brick.range, static_cast<std::uint64_t>(brick.max_error), refs);
-  if (tier == 0) slab_lengths_.push_back(brick.segments.front().size());
+  if (tier == 0) slab_lengths_.push_back(refs.front().length);
   if (tier == 0 && journal_) group_parents_.push_back(brick.parent);
   advance(tier);
 }
@@ -409,16 +444,47 @@ void FileWriterImpl::advance(int tier) {
   ++tier_;
 }
 
+void FileWriterImpl::keep_plane_digests(std::span<const Sha256Digest> digests) {
+  const Size3 planes = levels_.brick_box(0, {0, 0, layer_}).size();
+  if (tier_ != 0 || !slab_digests_.empty() ||
+      static_cast<std::int64_t>(digests.size()) != planes.z) {
+    misused("digests of other planes");
+  }
+  slab_digests_.assign(digests.begin(), digests.end());
+}
+
 void FileWriterImpl::append_slab_trailer() {
+  if (slab_digests_.empty()) misused("a layer without the digests of its planes");
+  for (const Sha256Digest& digest : slab_digests_) planes_hasher_.add(digest);
+  if (journal_) {
+    group_digests_.insert(group_digests_.end(), slab_digests_.begin(), slab_digests_.end());
+  }
   SlabTrailer trailer;
-  trailer.file_id = header_.file_id;
+  trailer.build_id = header_.build_id;
   trailer.slab = static_cast<std::uint64_t>(layer_);
   trailer.model = index_.root().models.size() - 1;
   trailer.lengths = std::exchange(slab_lengths_, {});
+  trailer.plane_digests = std::exchange(slab_digests_, {});
   trailer.slab_crc = std::exchange(slab_crc_, 0);
   const Bytes bytes = encode_slab_trailer(trailer);
   index_.add_slab_trailer(static_cast<std::uint32_t>(bytes.size()));
   out_->append(bytes);
+}
+
+// The parts, and the directory that lists them.
+void FileWriterImpl::append_parts() {
+  if (parts_.size() > kMaxParts) misused("more than 1024 parts");
+  std::vector<PartEntry> entries;
+  for (const Part& part : parts_) {
+    PartEntry entry{part.tag, part.flags, {out_->size(), 0, 0}};
+    part.copy_to([&](ByteSpan bytes) {
+      entry.bytes.crc = crc32c(bytes, entry.bytes.crc);
+      out_->append(bytes);
+    });
+    entry.bytes.length = out_->size() - entry.bytes.offset;
+    entries.push_back(entry);
+  }
+  header_.directory = out_->append_section(encode_directory(entries));
 }
 
 void FileWriterImpl::append_tail() {
@@ -432,7 +498,7 @@ void FileWriterImpl::append_tail() {
     out_->append(bytes);
   });
   header_.pages.length = out_->size() - header_.pages.offset;
-  header_.thumbnail = out_->append_section({});
+  append_parts();
   header_.metadata = out_->append_section(
       metadata_bytes(header_.description.metadata.text(), out_->size()));
   header_.root = out_->append_section(encode_root(index_.root(), levels_, header_));
@@ -444,7 +510,8 @@ void FileWriterImpl::seal() {
   const HeaderBlock block = encode_header(header_);
   const std::uint32_t header_crc = load_header_crc(block);
   const TrailerBlock trailer =
-      encode_trailer({header_.file_id, header_.file_bytes, header_crc, out_->digest()});
+      encode_trailer({header_.build_id, header_.file_bytes, header_crc, out_->digest(),
+                      planes_hasher_.digest()});
   out_->append(trailer);
 
   // Everything is on disk before the header says so.

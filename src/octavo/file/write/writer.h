@@ -1,7 +1,7 @@
 // Writes one .8vo file: append, then seal.
 //
-// The file grows under a temporary name beside the final one. Level-0 segments are appended as they
-// come; coarser ones wait in a scratch file, or in a journal, and follow at the end, level by
+// The file grows under a temporary name beside the final one. The finest pieces are appended as
+// they come; coarser ones wait in a scratch file, or in a journal, and follow at the end, level by
 // level. The header says "sealed" only after everything else is on disk; then the file takes its
 // final name. That name never holds anything but a complete file.
 //
@@ -13,11 +13,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "octavo/codec/brick_codec.h"
 #include "octavo/core/levels.h"
 #include "octavo/core/volume.h"
+#include "octavo/file/directory.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/file/write/journal.h"
 
@@ -43,7 +45,7 @@ struct WriterOptions {
 class FileWriter {
  public:
   /// content_hash  of the first voxels, so that two scans alike in everything else get different
-  ///               file ids
+  ///               build ids
   /// description   that of a float32 volume holds its coding; range and parent of bricks are codes
   /// Throws        Error{io} when the target exists (without overwrite), is a folder, or cannot be
   ///               written, and where it shall resume what another program works on; then also
@@ -65,6 +67,13 @@ class FileWriter {
   /// on.
   /// brick.max_error  in steps of the header (error_step); 0 above tier 0
   virtual void add_brick(int tier, const EncodedBrick& brick) = 0;
+
+  /// The SHA-256 of each plane of the layer of tier 0 that is being added, by z, of voxels as they
+  /// will be read. Called before the last brick of the layer.
+  virtual void add_plane_digests(std::span<const Sha256Digest> digests) = 0;
+
+  /// Keeps a part for the end of the file; parts stand in the order in which they come.
+  virtual void add_part(Part part) = 0;
 
   /// Ends a group of whole layers of tier 0: a later writer can continue behind it. Without a
   /// journal it does nothing.

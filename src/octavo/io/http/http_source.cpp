@@ -41,6 +41,10 @@ class HttpSource final : public ByteSource {
                   name(), offset);
     }
     if (out.size() > kBlockBytes) return read_directly(offset, out);
+    // At most two blocks: those that lie side by side come in one request.
+    const std::uint64_t first = offset / kBlockBytes;
+    const std::uint64_t last = out.empty() ? first : (offset + out.size() - 1) / kBlockBytes;
+    if (last > first && !known(first) && !known(last)) fetch_blocks(first, last);
     while (!out.empty()) {
       const std::uint64_t start = offset % kBlockBytes;
       const Block bytes = block(offset / kBlockBytes);
@@ -71,13 +75,28 @@ class HttpSource final : public ByteSource {
     }
   }
 
+  /// The block, if it was fetched before.
+  Block known(std::uint64_t number) const {
+    return number == 0 ? head_ : cache_.find({0, number});
+  }
+
   Block block(std::uint64_t number) const {
-    if (number == 0) return head_;
-    if (Block known = cache_.find({0, number})) return known;
-    const std::uint64_t start = number * kBlockBytes;
-    Block fresh =
-        std::make_shared<const BlockBytes>(fetch(start, std::min(kBlockBytes, size_ - start)));
-    cache_.insert({0, number}, fresh, kBlockBytes);
+    if (Block kept = known(number)) return kept;
+    return fetch_blocks(number, number);
+  }
+
+  /// Keeps the blocks first .. last; returns the last one.
+  Block fetch_blocks(std::uint64_t first, std::uint64_t last) const {
+    const std::uint64_t start = first * kBlockBytes;
+    const std::uint64_t end = std::min((last + 1) * kBlockBytes, size_);
+    const std::vector<std::uint8_t> bytes = fetch(start, end - start);
+    Block fresh;
+    for (std::uint64_t at = start; at < end; at += kBlockBytes) {
+      const auto from = bytes.begin() + static_cast<std::ptrdiff_t>(at - start);
+      const auto count = static_cast<std::ptrdiff_t>(std::min(kBlockBytes, end - at));
+      fresh = std::make_shared<const BlockBytes>(from, from + count);
+      cache_.insert({0, at / kBlockBytes}, fresh, kBlockBytes);
+    }
     return fresh;
   }
 

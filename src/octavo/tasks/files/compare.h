@@ -15,6 +15,7 @@ struct CompareOptions {
   std::string a;  ///< an .8vo file, a URL of one, or a scan
   std::string b;
   double max_error = 0;  ///< the largest difference, real units, that counts as equal
+  bool voxels = false;   ///< read voxels even where the digests of two files are the same
   ScanOptions scan;      ///< of those of the two that are scans
 };
 
@@ -24,7 +25,8 @@ struct CompareResult {
   Comparison comparison;
 };
 
-/// Compares geometry and voxels.
+/// Compares geometry and voxels. Two files whose digests are the same have the same voxels: none is
+/// read, unless that is asked for.
 /// Throws  as open_planes; Error{invalid_argument} for scan options where neither is a scan
 /// Memory  two planes besides what the sources hold
 CompareResult compare_volumes(const CompareOptions& options, const TaskContext& context);

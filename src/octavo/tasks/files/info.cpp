@@ -35,6 +35,7 @@ InfoResult info(const InfoOptions& options, const TaskContext& context) {
   result.range = reader->range();
   result.max_error = reader->max_error();
   result.achieved_error = reader->achieved_error();
+  result.voxel_digest = reader->voxel_digest();
   result.is_place_known = is_place_known(result.volume);
   result.metadata_offset = metadata_offset_of(reader->source());
   return result;

@@ -30,6 +30,7 @@ struct InfoResult {
   ValueRange range;            ///< as FileReader::range
   double max_error = 0;        ///< that the file promises, stored units
   double achieved_error = 0;   ///< the largest found when it was built
+  Sha256Digest voxel_digest{};  ///< as FileReader::voxel_digest
   bool is_place_known = true;  ///< false: origin and direction say nothing of a patient
   std::uint64_t metadata_offset = 0;  ///< where the text of the metadata stands in the file
 

@@ -73,6 +73,20 @@ void compare_plane(Side& a, Side& b, std::int64_t z, double tolerance, Compariso
 
 }  // namespace
 
+Comparison compare_grids(const VolumeDescription& a, const VolumeDescription& b) {
+  Comparison result;
+  result.is_same_size = a.size == b.size;
+  result.is_same_type = a.type == b.type;
+  result.is_same_rescale = is_same(a.rescale, b.rescale);
+  result.is_real_units = !result.is_same_rescale;
+  if (!result.is_same_size) return result;
+  result.shift_mm = largest_shift_mm(a.geometry, b.geometry, a.size);
+  result.is_place_known = is_spacing_known(a) && is_spacing_known(b);
+  result.is_same_place =
+      !result.is_place_known || result.shift_mm <= shift_tolerance_mm(a.geometry);
+  return result;
+}
+
 double compared_tolerance(const VolumeDescription& a, const VolumeDescription& b, double real) {
   constexpr double kDivisionRounding = 1e-12;
   if (!is_same(a.rescale, b.rescale) || a.rescale.slope == 0) return real;
@@ -91,18 +105,8 @@ std::uint64_t compare_memory_bytes(const PlaneSource& a, const PlaneSource& b) {
 
 Comparison compare_planes(PlaneSource& a, PlaneSource& b, double tolerance, Progress& progress) {
   const VolumeDescription& da = a.description();
-  const VolumeDescription& db = b.description();
-  Comparison result;
-  result.is_same_size = da.size == db.size;
-  result.is_same_type = da.type == db.type;
-  result.is_same_rescale = is_same(da.rescale, db.rescale);
-  result.is_real_units = !result.is_same_rescale;
+  Comparison result = compare_grids(da, b.description());
   if (!result.is_same_size) return result;
-  result.shift_mm = largest_shift_mm(da.geometry, db.geometry, da.size);
-  result.is_place_known = is_spacing_known(da) && is_spacing_known(db);
-  result.is_same_place =
-      !result.is_place_known || result.shift_mm <= shift_tolerance_mm(da.geometry);
-
   Side side_a(a);
   Side side_b(b);
   progress.begin("comparing", da.size.z, "planes");

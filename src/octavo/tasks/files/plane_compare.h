@@ -17,6 +17,7 @@ struct Comparison {
   bool is_place_known = true;       ///< false: one of them does not know its spacing
   bool is_same_place = true;        ///< the shift is below a thousandth of a voxel
   bool is_real_units = false;       ///< voxels were compared as real values, not as stored
+  bool is_by_digest = false;        ///< the digests that two files state were compared, no voxel
   std::int64_t voxels = 0;          ///< compared
   std::int64_t different = 0;
   double max_difference = 0;        ///< of all voxels compared
@@ -26,6 +27,9 @@ struct Comparison {
   /// Geometry and voxels alike; number type and rescale may differ when the real values agree.
   bool is_equal() const { return is_same_size && is_same_place && different == 0; }
 };
+
+/// Compares everything but the voxels.
+Comparison compare_grids(const VolumeDescription& a, const VolumeDescription& b);
 
 /// A tolerance in real units as compare_planes takes it for these two volumes.
 double compared_tolerance(const VolumeDescription& a, const VolumeDescription& b, double real);

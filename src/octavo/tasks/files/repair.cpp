@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "octavo/builder/crypto_hasher.h"
 #include "octavo/core/error.h"
 #include "octavo/file/parallel_read.h"
 #include "octavo/file/storage/storage.h"
@@ -28,6 +29,7 @@ BitRepairResult repaired_bits(const RepairOptions& options, const TaskContext& c
   BitRepairOptions how;
   how.overwrite = options.output.overwrite;
   how.for_each = for_each_parallel(context.thread_count());
+  how.make_hasher = make_crypto_hasher;
   try {
     return repair_bits(local_storage(), options.input, options.output.path, how,
                        context.watcher());

@@ -3,6 +3,7 @@
 #include <memory>
 #include <utility>
 
+#include "octavo/builder/crypto_hasher.h"
 #include "octavo/builder/float_planes.h"
 #include "octavo/core/error.h"
 #include "octavo/file/parallel_read.h"
@@ -18,10 +19,14 @@ namespace {
 
 VerifyReport checked(const std::string& path, const TaskContext& context) {
   constexpr std::uint64_t kBytesPerThread = std::uint64_t{8} << 20;
-  context.require_memory(kBytesPerThread * static_cast<std::uint64_t>(context.thread_count()),
-                         "decoding bricks on all threads");
+  // Besides that, rows of bricks whose planes are hashed
+  constexpr std::uint64_t kRowBytes = std::uint64_t{64} << 20;
+  context.require_memory(
+      kBytesPerThread * static_cast<std::uint64_t>(context.thread_count()) + kRowBytes,
+      "decoding bricks on all threads");
   VerifyOptions options;
   options.for_each = for_each_parallel(context.thread_count());
+  options.make_hasher = make_crypto_hasher;
   const std::shared_ptr<const ByteSource> source = open_input(path, context);
   try {
     return verify_file(source, options, context.watcher());

@@ -99,7 +99,7 @@ TEST(CopyDescribed, RejectsADamagedBrickAndLeavesNothing) {
   build(volume, 0, folder.file("a.8vo"));
   const BrickEntry brick = testing::open_file(folder.file("a.8vo"))->brick(0, {0, 0, 0});
   std::fstream file(folder.file("a.8vo"), std::ios::binary | std::ios::in | std::ios::out);
-  file.seekp(static_cast<std::streamoff>(brick.segments[0].offset + 5));
+  file.seekp(static_cast<std::streamoff>(brick.pieces[0].offset + 5));
   file.put('\x55');
   file.put('\xaa');
   file.close();

@@ -90,7 +90,7 @@ TEST(DifferenceOf, OfLongDescriptionsShowsWhereTheyPart) {
 TEST(DifferenceOf, AHeaderThatAloneDiffersMeansOtherVoxels) {
   const JournalHead stored = head_of(header());
   FileHeader other = header();
-  other.file_id = 1;
+  other.build_id = 1;
   const auto difference = difference_of(stored, head_of(other));
   ASSERT_TRUE(difference);
   EXPECT_EQ(difference->kind(), ErrorKind::source_rejected);

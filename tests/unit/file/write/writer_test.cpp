@@ -91,6 +91,7 @@ TEST_F(WriterOnDisk, AFileThatAppearsMeanwhileIsKept) {
   EncodedBrick brick;
   brick.segments.resize(6);
   writer->add_brick(0, brick);
+  writer->add_plane_digests(sample_plane_digests(volume_, 0));
   writer->add_brick(0, brick);
   brick.segments.resize(static_cast<std::size_t>(volume_.levels.tier_level_count(1)));
   writer->add_brick(1, brick);
@@ -195,6 +196,16 @@ TEST(Writer, RejectsBricksOutOfOrder) {
               writer->finish();
             }),
             ErrorKind::internal);
+  // The last brick of a layer, without the digests of its planes, and with those of others
+  EXPECT_EQ(kind_of_failure([&] {
+              const auto writer = start();
+              writer->add_model({1});
+              writer->add_brick(0, uniform);
+              writer->add_brick(0, uniform);
+            }),
+            ErrorKind::internal);
+  EXPECT_EQ(kind_of_failure([&] { start()->add_plane_digests(std::vector<Sha256Digest>(19)); }),
+            ErrorKind::internal);
   EXPECT_TRUE(storage.files.empty());
 }
 
@@ -235,6 +246,11 @@ TEST(Writer, RejectsWhatNoFileCanHave) {
        [](auto& d, auto&) { d.geometry.spacing_mm[1] = 0; }},
       {"axes that are longer than 1", ErrorKind::invalid_argument,
        [](auto& d, auto&) { d.geometry.direction = {2, 0, 0, 0, 2, 0, 0, 0, 2}; }},
+      {"an origin beyond the stars", ErrorKind::invalid_argument,
+       [](auto& d, auto&) { d.geometry.origin_mm[2] = 1e13; }},
+      {"no slope", ErrorKind::invalid_argument, [](auto& d, auto&) { d.rescale.slope = 0; }},
+      {"endless real values", ErrorKind::invalid_argument,
+       [](auto& d, auto&) { d.rescale.slope = 1e305; }},
       {"metadata", ErrorKind::limit_exceeded,
        [](auto& d, auto&) {
          d.metadata = Metadata::read(std::string(std::size_t{16} << 20, ' '));
@@ -269,6 +285,10 @@ TEST(Writer, RejectsBricksThatNoFileCanHave) {
       [](EncodedBrick& b) { b.max_error = -1; },
       [](EncodedBrick& b) { b.max_error = 3; },
       [](EncodedBrick& b) { b.segments[2] = {1}; },
+      [](EncodedBrick& b) {
+        b.range = {0, 1};
+        b.segments[4] = {1};  // a level that the coarsest samples below it do not reach
+      },
   };
   for (const auto& change : changes) {
     MemoryStorage storage;

@@ -38,7 +38,8 @@ class NotingReader final : public FileReader {
   const VolumeDescription& description() const override { return inner_->description(); }
   const Levels& levels() const override { return inner_->levels(); }
   std::uint64_t file_bytes() const override { return inner_->file_bytes(); }
-  std::uint64_t file_id() const override { return inner_->file_id(); }
+  std::uint64_t build_id() const override { return inner_->build_id(); }
+  Sha256Digest voxel_digest() const override { return inner_->voxel_digest(); }
   const ByteSource& source() const override { return inner_->source(); }
   std::string format_version() const override { return inner_->format_version(); }
   ValueRange range() const override { return inner_->range(); }
@@ -62,8 +63,8 @@ class NotingReader final : public FileReader {
     inner_->read_strided(box, level, out, row, plane);
   }
   Bytes thumbnail() const override { return inner_->thumbnail(); }
-  Bytes read_segment(const BrickEntry& entry, int level) const override {
-    return inner_->read_segment(entry, level);
+  Bytes read_piece(const BrickEntry& entry, int piece) const override {
+    return inner_->read_piece(entry, piece);
   }
 
  private:

@@ -1,0 +1,45 @@
+"""Parts and the directory that lists them: docs/format.md, section 7."""
+
+from dataclasses import dataclass
+
+from .byte_cursor import ByteCursor
+from .errors import require, require_known
+from .header import Header, Section
+
+THUMBNAIL = "thmb"
+_REQUIRED = 1
+_KNOWN_FLAGS = 3
+_THUMBNAIL_LIMIT = 256 << 10
+
+
+@dataclass(frozen=True)
+class Part:
+    """A run of bytes with a tag; `flags` bit 0: required, bit 1: depends on others."""
+
+    tag: str
+    flags: int
+    section: Section
+
+
+def parse_directory(data: bytes, header: Header) -> list[Part]:
+    """The parts of a file, in their order.
+
+    Raises  OctavoError "corrupt"; "unsupported_version" for what this reader would need to know
+    """
+    cursor = ByteCursor(data, "directory")
+    parts = []
+    at = header.pages.offset + header.pages.length
+    while cursor.at < len(data):
+        name, flags, offset, length, crc, zero = cursor.unpack("4sIQQII")
+        require(name.isalnum() and name.isascii(), "a tag is no four letters")
+        tag = name.decode()
+        require(offset == at, "the parts leave a gap")
+        at += length
+        require_known(flags & ~_KNOWN_FLAGS == 0 and zero == 0, f"a flag of part {tag}")
+        require_known(flags & _REQUIRED == 0 or tag == THUMBNAIL, f"part {tag}")
+        if tag == THUMBNAIL:
+            require(all(part.tag != THUMBNAIL for part in parts), "there are two thumbnails")
+            require(length <= _THUMBNAIL_LIMIT, "the thumbnail is too long")
+        parts.append(Part(tag, flags, Section(offset, length, crc)))
+    require(at == header.directory.offset, "the parts do not reach the directory")
+    return parts

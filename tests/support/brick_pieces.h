@@ -1,0 +1,33 @@
+// Every piece of every brick of a file.
+#pragma once
+
+#include <vector>
+
+#include "octavo/file/reader.h"
+
+namespace octavo::testing {
+
+struct BrickPiece {
+  BrickEntry entry;  ///< of the brick
+  int level = 0;     ///< of its finest segment
+  BrickEntry::StoredPiece piece;  ///< never empty
+};
+
+inline std::vector<BrickPiece> pieces_of(const FileReader& reader) {
+  std::vector<BrickPiece> pieces;
+  for (int tier = 0; tier < reader.levels().tier_count(); ++tier) {
+    const Size3 grid = reader.levels().brick_grid(tier);
+    for (std::int64_t i = 0; i < grid.voxel_count(); ++i) {
+      const BrickEntry entry =
+          reader.brick(tier, {i % grid.x, i / grid.x % grid.y, i / (grid.x * grid.y)});
+      for (std::size_t i = 0; i < entry.pieces.size(); ++i) {
+        if (entry.pieces[i].length == 0) continue;
+        pieces.push_back(
+            {entry, Levels::first_level(tier) + static_cast<int>(i), entry.pieces[i]});
+      }
+    }
+  }
+  return pieces;
+}
+
+}  // namespace octavo::testing
