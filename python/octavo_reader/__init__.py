@@ -6,12 +6,15 @@ the documents say enough. It reads whole levels, one brick after another, and is
 
 from .errors import OctavoError
 
-__all__ = ["OctavoError", "OctavoFile"]
+__all__ = ["OctavoError", "OctavoFile", "verify"]
 
 
 def __getattr__(name: str):
     # NumPy is imported only here, so that the command line can say that it is missing.
-    if name != "OctavoFile":
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from .file import OctavoFile
-    return OctavoFile
+    if name == "OctavoFile":
+        from .file import OctavoFile
+        return OctavoFile
+    if name == "verify":
+        from .whole_file import verify
+        return verify
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,4 +1,4 @@
-"""python3 -m octavo_reader FILE [--level K -o OUT.npy]"""
+"""python3 -m octavo_reader FILE [--verify] [--level K -o OUT.npy]"""
 
 import argparse
 import sys
@@ -8,13 +8,14 @@ try:
 except ModuleNotFoundError:
     sys.exit(f"octavo_reader: NumPy is missing for {sys.executable}; install python3-numpy")
 
-from . import OctavoError, OctavoFile  # noqa: E402
+from . import OctavoError, OctavoFile, verify  # noqa: E402
 
 
 def _describe(file: OctavoFile) -> None:
     header = file.header
     print(f"{header.kind}, {header.voxel_type}, max error {header.max_error:g}")
     print(f"origin {header.origin} mm, spacing {header.spacing} mm, direction {header.direction}")
+    print(f"sha256 {file.voxel_digest.hex()}")
     print(f"real value = {header.slope:g} * voxel + {header.intercept:g}")
     for level in range(header.level_count):
         print("level {}: {} x {} x {}".format(level, *header.level_size(level)))
@@ -24,12 +25,15 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="octavo_reader", description="Reads .8vo files.")
     parser.add_argument("file", metavar="FILE", help="an .8vo file, described without --level")
     parser.add_argument("--level", type=int, metavar="K", help="read level K; 0 is the scan")
+    parser.add_argument("--verify", action="store_true", help="prove every byte and voxel")
     parser.add_argument("-o", "--output", metavar="OUT", help="array [z][y][x]: .npy, else raw")
     options = parser.parse_args()
     if (options.level is None) != (options.output is None):
         parser.error("--level and -o go together")
     try:
         with OctavoFile(options.file) as file:
+            if options.verify:
+                verify(file)
             if options.level is None:
                 _describe(file)
                 return 0

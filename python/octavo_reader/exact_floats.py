@@ -28,7 +28,7 @@ class ExactCoding:
         values = codes.astype(np.float64) * self.scale + self.offset
         # The index has two codes more, for bounds.
         values = np.where(abs(codes) > _LARGEST_CODE, np.sign(codes) * _LARGEST, values)
-        return values.clip(-_LARGEST, _LARGEST).astype(np.float32)
+        return values.clip(-_LARGEST, _LARGEST).astype(np.float32) + np.float32(0)  # no -0
 
     def first_ranks(self, codes: np.ndarray) -> np.ndarray:
         """The rank of the first float in the bin of each code."""

@@ -22,10 +22,11 @@ from .header import (
     Section,
     parse_header,
 )
-from .index import Brick, brick_order, o_code, parse_page, parse_root, split_pieces
+from .index import Brick, Root, brick_order, o_code, parse_page, parse_root, split_pieces
 from .label_brick import decode_label_brick
 from .label_model import LabelModel, parse_label_model
 from .metadata import parse_metadata
+from .slab_trailer import SlabTrailer, parse_slab_trailer
 
 _TRAILER_MAGIC = b"\x8f8voend\n"
 _MODEL_LEVEL = 255
@@ -76,6 +77,10 @@ class OctavoFile:
         return self._section(part.section, "part " + part.tag)
 
     @property
+    def root(self) -> Root:
+        return self._root
+
+    @property
     def model_count(self) -> int:
         return len(self._root.models)
 
@@ -118,8 +123,7 @@ class OctavoFile:
         number = place // BRICKS_PER_PAGE
         brick = self._page(tier, at[2], number)[place % BRICKS_PER_PAGE]
         if brick.smallest == brick.largest:
-            codes = np.array(brick.smallest)
-            return self._exact().voxels(codes) if header.is_exact else self._voxels(codes)
+            return self.voxels_of(np.array(brick.smallest))
         first = LEVELS_PER_TIER * tier
         segments = self._segments(tier, brick, level - first, o_code(*at))
         size = tuple(min(n - (i << h), 1 << h) for n, i, h in
@@ -140,7 +144,7 @@ class OctavoFile:
                 return decode_exact_brick(self._exact(), brick.smallest, brick.largest, segments,
                                           size, halvings[:-1], first, level - first, decode_codes)
             codes = decode_codes(brick.smallest, brick.largest, segments)
-        return self._voxels(codes)
+        return self.voxels_of(codes)
 
     def _exact(self) -> ExactCoding:
         return ExactCoding(self.header.code_scale, self.header.code_offset)
@@ -158,14 +162,29 @@ class OctavoFile:
             pieces.append(self._piece(offset, length, crc, level, code, "a piece"))
         return split_pieces(pieces, len(self.header.tier_levels(tier)))
 
-    def _voxels(self, codes: np.ndarray) -> np.ndarray:
+    def voxels_of(self, codes: np.ndarray) -> np.ndarray:
         """Codes as voxels of the type of the file."""
         header = self.header
+        if header.is_exact:
+            return self._exact().voxels(codes)
         if header.voxel_type != "float32":
             return codes.astype(header.voxel_type)
         most = float(np.finfo(np.float32).max)
         values = codes.astype(np.float64) * header.code_scale + header.code_offset
         return values.clip(-most, most).astype(np.float32) + np.float32(0)  # -0 becomes 0
+
+    def slab_trailer(self, slab: int) -> SlabTrailer:
+        """What ends a slab. Raises OctavoError "corrupt"."""
+        header = self.header
+        bricks_x, bricks_y, _ = header.bricks(0)
+        depth = 1 << header.brick_shifts(0)[2]
+        planes = min(depth, header.size[2] - slab * depth)
+        data = self.read_bytes(*self._root.slab_trailers[slab])
+        trailer = parse_slab_trailer(data, bricks_x * bricks_y, planes)
+        model = self._root.model_number(0, slab, header.bricks(0)[2])
+        require((trailer.build_id, trailer.slab, trailer.model) == (header.build_id, slab, model),
+                "a slab trailer belongs to another slab")
+        return trailer
 
     def _prove_trailer(self) -> bytes:
         """The voxel digest. Raises OctavoError."""
@@ -175,18 +194,19 @@ class OctavoFile:
             raise OctavoError("truncated", f"{header.file_length} bytes are due, "
                                            f"{self._file.tell()} are there")
         require(self._file.tell() == header.file_length, "there is something behind the trailer")
-        data = self._read(header.file_length - TRAILER_LENGTH, TRAILER_LENGTH)
+        data = self.read_bytes(header.file_length - TRAILER_LENGTH, TRAILER_LENGTH)
         require(_u32(data, 92) == crc32c(data[:92]), "the trailer's checksum is wrong")
         require(data[:8] == _TRAILER_MAGIC
                 and int.from_bytes(data[8:16], "little") == header.build_id
                 and int.from_bytes(data[16:24], "little") == header.file_length
                 and _u32(data, 24) == header.crc, "header and trailer disagree")
         require_known(not any(data[32:40]) and not any(data[72:92]), "something in the trailer")
+        self.body_crc = _u32(data, 28)
         return data[40:72]
 
     def _read_page(self, tier: int, layer: int, number: int) -> list[Brick]:
         page = self._root.pages[tier][layer][number]
-        data = self._read(page.offset, page.length)
+        data = self.read_bytes(page.offset, page.length)
         require(crc32c(data) == page.crc, "the checksum of an index page is wrong")
         return parse_page(data, page, self.header)
 
@@ -198,18 +218,19 @@ class OctavoFile:
         return parse_grey_model(data)
 
     def _section(self, section: Section, name: str) -> bytes:
-        data = self._read(section.offset, section.length)
+        data = self.read_bytes(section.offset, section.length)
         require(crc32c(data) == section.crc, f"the checksum of the {name} is wrong")
         return data
 
     def _piece(self, offset: int, length: int, crc: int, level: int, code: int, name: str) -> bytes:
-        data = self._read(offset, length)
+        data = self.read_bytes(offset, length)
         before = (self.header.build_id.to_bytes(8, "little") + bytes([level])
                   + code.to_bytes(8, "little"))
         require(crc32c(data, before) == crc, f"the checksum of {name} at {offset} is wrong")
         return data
 
-    def _read(self, offset: int, length: int) -> bytes:
+    def read_bytes(self, offset: int, length: int) -> bytes:
+        """Bytes of the file that nothing proves. Raises OctavoError "truncated"."""
         self._file.seek(offset)
         data = bytearray()
         while len(data) < length:

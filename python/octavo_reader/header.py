@@ -78,6 +78,13 @@ class Header:
     crc: int
 
     @property
+    def most_error(self) -> int:
+        """The largest error that the index may hold: 1024ths of the max error for float32."""
+        if self.voxel_type == "float32":
+            return 1024 if self.max_error > 0 else 0
+        return int(self.max_error)
+
+    @property
     def level_count(self) -> int:
         return len(self.halvings) + 1
 

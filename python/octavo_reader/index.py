@@ -56,10 +56,14 @@ class Brick:
 
 @dataclass(frozen=True)
 class Root:
-    """The models and pages of a file; pages[tier][layer] in brick order."""
+    """The models and pages of a file; pages[tier][layer] in brick order.
+
+    slab_trailers  (offset, length) of each
+    """
 
     models: list[Model]
     pages: list[list[list[Page]]]
+    slab_trailers: list[tuple[int, int]]
 
     def model_number(self, tier: int, layer: int, slab_count: int) -> int:
         """The number of the model of the bricks of a layer."""
@@ -110,7 +114,7 @@ def parse_root(data: bytes, header: Header) -> Root:
     cursor.end()
     require(page_offset == header.pages.offset + header.pages.length,
             "the pages have a wrong length")
-    return Root(_place(header, models, trailers, pages), pages)
+    return Root(*_place(header, models, trailers, pages))
 
 
 def _parse_page_entry(cursor: ByteCursor, header: Header, tier: int, layer: int, count: int,
@@ -124,6 +128,7 @@ def _parse_page_entry(cursor: ByteCursor, header: Header, tier: int, layer: int,
     fewest, most = (1 + count * each for each in BRICK_IN_PAGES)
     require(fewest <= length <= most and uniform_count <= count,
             "the root describes a page wrongly")
+    require(error <= header.most_error, "an error exceeds the max error")
     _prove_range(header, smallest, largest)
     return Page(tier, layer, count, offset, length, crc, smallest, largest, error, uniform_count,
                 piece_bytes)
@@ -156,9 +161,11 @@ def _prove_range(header: Header, smallest: int, largest: int) -> None:
 
 
 def _place(header: Header, models: list[tuple[int, int, int]], trailers: list[int],
-           pages: list[list[list[Page]]]) -> list[Model]:
-    """Gives each model and the segments of each page their offsets, in the order of section 3."""
+           pages: list[list[list[Page]]]
+           ) -> tuple[list[Model], list[list[list[Page]]], list[tuple[int, int]]]:
+    """Gives models, slab trailers and the pieces of pages their offsets, as in section 3."""
     placed = []
+    placed_trailers = []
     cursor = HEADER_LENGTH
 
     def place_model(slab: int) -> None:
@@ -173,6 +180,7 @@ def _place(header: Header, models: list[tuple[int, int, int]], trailers: list[in
         for page in layer:
             page.piece_offsets.append(cursor)
             cursor += page.piece_bytes[0]
+        placed_trailers.append((cursor, trailers[slab]))
         cursor += trailers[slab]
     place_model(len(pages[0]))
     for tier, layers in enumerate(pages):
@@ -183,7 +191,7 @@ def _place(header: Header, models: list[tuple[int, int, int]], trailers: list[in
                 page.piece_offsets.append(cursor)
                 cursor += page.piece_bytes[place]
     require(cursor == header.pages.offset, "the lengths of the pieces do not reach the index")
-    return placed
+    return placed, pages, placed_trailers
 
 
 def parse_page(data: bytes, page: Page, header: Header) -> list[Brick]:

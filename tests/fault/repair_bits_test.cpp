@@ -29,7 +29,7 @@ Outcome repair(MemoryStorage& storage) {
   Outcome outcome;
   NoProgress progress;
   try {
-    const BitRepairOptions options{.overwrite = true, .for_each = {}};
+    const BitRepairOptions options{.overwrite = true, .for_each = {}, .make_hasher = {}};
     outcome.flip_count = repair_bits(storage, "bad.8vo", "out.8vo", options, progress).flips.size();
   } catch (const Error& error) {
     outcome.failure = error.what();
@@ -80,7 +80,7 @@ FileContent noise_brick(const Size3& size, VoxelType type, bool is_stored) {
   return *storage.files.at("sample.8vo");
 }
 
-BrickEntry::Segment finest_segment(const FileContent& file) {
+BrickEntry::StoredPiece finest_segment(const FileContent& file) {
   return open_bytes(file)->brick(0, {0, 0, 0}).pieces[0];
 }
 
@@ -159,7 +159,7 @@ TEST(RepairBits, AFlippedBitIsTurnedBackWhereOtherDamageHardlyPassesForOne) {
   };
   for (const auto& c : cases) {
     const FileContent good = noise_brick(c.size, c.type, c.is_stored);
-    const BrickEntry::Segment segment = finest_segment(good);
+    const BrickEntry::StoredPiece segment = finest_segment(good);
     FileContent bad = good;
     bad[segment.offset + segment.length / 3] ^= 16;
     MemoryStorage storage;
@@ -182,7 +182,7 @@ TEST(RepairBits, AFlippedBitIsTurnedBackWhereOtherDamageHardlyPassesForOne) {
 TEST(RepairBits, AGarbledSectorThatPassesForOneFlippedBitIsRejected) {
   constexpr std::uint64_t kSectorBytes = 512;
   const FileContent good = noise_brick({32, 32, 32}, VoxelType::uint8, true);
-  const BrickEntry::Segment segment = finest_segment(good);
+  const BrickEntry::StoredPiece segment = finest_segment(good);
   FileContent bad = good;
   const std::uint64_t sector = (segment.offset / kSectorBytes + 8) * kSectorBytes;
   garble_unseen(bad, sector, sector + kSectorBytes);

@@ -1,7 +1,8 @@
 // Kept files of every feature of the format: today's reader gives back what they were made of.
 //
 // tests/golden/v1/levels.txt lists them: file, level, CRC-32C of the level's voxels (little-endian,
-// [z][y][x]); a reader in another language checks itself against the same list. Run with
+// [z][y][x]); a reader in another language checks itself against the same list. Those of
+// newer/ are rejected with the kind of error in newer/kinds.txt. Run with
 // OCTAVO_WRITE_GOLDEN=1 to make the files that are missing, and to list them; none is replaced.
 #include <gtest/gtest.h>
 
@@ -66,6 +67,8 @@ struct Feature {
   double (*voxel)(const Index3&);
   BuildOptions options = {};
   Point3 spacing = {1, 1, 1};
+  /// Nothing: the file is built as any other; else it is written brick by brick.
+  void (*write)(FileWriter& writer, SampleVolume& volume) = nullptr;
 };
 
 template <std::int64_t kScale, std::int64_t kGrain>
@@ -114,6 +117,33 @@ double streaks(const Index3& p) {
   return static_cast<double>(noise_at({p.x, p.y, p.z / 16}) & 0xfff);
 }
 
+/// One voxel in a plane of 33 x 32 bricks.
+double one_spot(const Index3& p) { return p.x == 2100 && p.y == 2040 ? 9 : p.x < 2050 ? 1 : 0; }
+double ramp(const Index3& p) { return static_cast<double>(p.x % 97 + 3 * p.y + p.z); }
+double with_nan(const Index3& p) {
+  return noise_at(p) < 900 ? std::nan("") : scaled_scan(p);
+}
+
+Part part_of(const PartTag& tag, std::uint32_t flags, const std::string& text) {
+  return {tag, flags, [text](const auto& sink) {
+            sink({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+          }};
+}
+
+/// A model for each of two slabs.
+void write_two_models(FileWriter& writer, SampleVolume& volume) {
+  volume.model_layers = 1;
+  encode_sample(writer, volume);
+}
+
+/// Parts that no program knows, none of which is required.
+void write_parts(FileWriter& writer, SampleVolume& volume) {
+  encode_sample(writer, volume);
+  writer.add_part(part_of({'n', 'o', 't', 'e'}, 0, "stands for itself"));
+  writer.add_part(part_of({'X', 'y', 'z', '9'}, kDependentPart, std::string(3000, 'd')));
+  writer.add_part(part_of({'n', 'o', 't', 'e'}, 0, ""));
+}
+
 std::vector<Feature> features() {
   const auto with = [](Preset preset, double max_error) {
     BuildOptions options;
@@ -126,6 +156,8 @@ std::vector<Feature> features() {
     options.access = access;
     return options;
   };
+  BuildOptions nan_replaced;
+  nan_replaced.repair.nan = -7.5f;
   BuildOptions as_labels;
   as_labels.kind = VolumeKind::labels;
   const Size3 size{41, 33, 26};
@@ -164,6 +196,11 @@ std::vector<Feature> features() {
        in_parts(Preset::fast, Access::boxes, 12)},
       {"boxes-float32", {34, 20, 20}, VoxelType::float32, scaled_scan,
        in_parts(Preset::fast, Access::boxes)},
+      {"float32-nan", size, VoxelType::float32, with_nan, nan_replaced},
+      {"two-pages", {2112, 2048, 1}, VoxelType::uint8, one_spot},
+      {"three-tiers", {4097, 3, 2}, VoxelType::int16, ramp},
+      {"two-models", {20, 18, 70}, VoxelType::int16, signed_scan, {}, {1, 1, 1}, write_two_models},
+      {"parts", {20, 18, 17}, VoxelType::int16, signed_scan, {}, {1, 1, 1}, write_parts},
       {"labels-uint8", size, VoxelType::uint8, labels, as_labels},
       {"labels-stored-uint32", {20, 18, 17}, VoxelType::uint32, many_labels, as_labels},
   };
@@ -187,7 +224,22 @@ std::vector<std::byte> voxels_of(const Feature& feature) {
   return voxels;
 }
 
+/// The file of voxels that are given to the writer brick by brick.
+std::vector<std::uint8_t> write(const Feature& feature) {
+  SampleVolume volume = make_sample(feature.size, feature.type, Pattern::constant);
+  const std::vector<std::byte> voxels = voxels_of(feature);
+  std::memcpy(volume.samples[0].data(), voxels.data(), voxels.size());
+  volume.description.metadata = Metadata::read(R"({"made_for":")" + std::string(5000, 'm') + "\"}");
+  MemoryStorage storage;
+  const auto writer = FileWriter::create(storage, "golden.8vo", volume.description, volume.levels,
+                                         crc32c(volume.samples[0]), {});
+  feature.write(*writer, volume);
+  writer->finish();
+  return *storage.files.at("golden.8vo");
+}
+
 std::vector<std::uint8_t> build(const Feature& feature) {
+  if (feature.write != nullptr) return write(feature);
   VolumeDescription description;
   description.size = feature.size;
   description.type = feature.type;
@@ -230,16 +282,30 @@ std::string lines_for(const Feature& feature, const FileReader& reader) {
   return lines;
 }
 
+/// A sound file but for a part that no program knows and that is required.
+std::vector<std::uint8_t> file_with_required_part() {
+  const Feature feature{"required-part", {20, 18, 17}, VoxelType::int16, signed_scan, {}, {1, 1, 1},
+                        [](FileWriter& writer, SampleVolume& volume) {
+                          encode_sample(writer, volume);
+                          writer.add_part(part_of({'n', 'e', 'e', 'd'}, kRequiredPart, "all"));
+                        }};
+  return write(feature);
+}
+
+void keep(const std::string& name, const std::vector<std::uint8_t>& bytes) {
+  std::ofstream(kFolder + name + ".8vo", std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+}
+
 void write_missing() {
+  if (!std::filesystem::exists(kFolder + "newer/required-part.8vo")) {
+    keep("newer/required-part", file_with_required_part());
+  }
   std::ofstream list(kFolder + "levels.txt", std::ios::binary);
   for (const Feature& feature : features()) {
     const std::string path = kFolder + feature.name + ".8vo";
-    if (!std::filesystem::exists(path)) {
-      const std::vector<std::uint8_t> bytes = build(feature);
-      std::ofstream(path, std::ios::binary)
-          .write(reinterpret_cast<const char*>(bytes.data()),
-                 static_cast<std::streamsize>(bytes.size()));
-    }
+    if (!std::filesystem::exists(path)) keep(feature.name, build(feature));
     list << lines_for(feature, *open_bytes(kept(feature.name)));
   }
 }
@@ -273,6 +339,7 @@ TEST_P(FeatureFile, GivesBackWhatItWasMadeOf) {
       T a, b;
       std::memcpy(&a, found.data() + at, sizeof a);
       std::memcpy(&b, expected.data() + at, sizeof b);
+      if (std::isnan(static_cast<double>(b))) b = static_cast<T>(*feature.options.repair.nan);
       most = std::max(most, std::abs(static_cast<double>(a) - static_cast<double>(b)));
     }
     EXPECT_LE(most, feature.options.max_error);
@@ -286,6 +353,20 @@ TEST_P(FeatureFile, EveryLevelIsAsListed) {
     if (line.starts_with(GetParam().name + ".8vo ")) listed += line + "\n";
   }
   EXPECT_EQ(lines_for(GetParam(), *open_bytes(kept(GetParam().name))), listed);
+}
+
+TEST(NewerFile, IsRejectedAsItsListSays) {
+  std::ifstream list(kFolder + "newer/kinds.txt");
+  int count = 0;
+  for (std::string name, kind; list >> name >> kind; ++count) {
+    try {
+      open_bytes(kept("newer/" + name));
+      ADD_FAILURE() << name << " is opened";
+    } catch (const Error& error) {
+      EXPECT_EQ(error_kind_name(error.kind()), kind) << name << ": " << error.detail();
+    }
+  }
+  EXPECT_GT(count, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Kept, FeatureFile, ::testing::ValuesIn(features()),

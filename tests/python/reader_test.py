@@ -28,7 +28,7 @@ except ImportError:
 
 import volumes  # noqa: E402
 from file_bytes import with_metadata  # noqa: E402
-from octavo_reader import OctavoError, OctavoFile, grey_brick  # noqa: E402
+from octavo_reader import OctavoError, OctavoFile, grey_brick, verify  # noqa: E402
 from octavo_reader.byte_cursor import crc32c  # noqa: E402
 
 OCTAVO = "octavo"
@@ -103,6 +103,25 @@ class GoldenFiles(unittest.TestCase):
                 samples = file.read_level(int(level))
                 self.assertEqual(f"{crc32c(samples.tobytes()):08x}", checksum)
 
+    def test_every_file_is_sound(self):
+        names = {line.split()[0] for line in (GOLDEN / "levels.txt").read_text().splitlines()}
+        for name in sorted(names | {"minimal.8vo"}):
+            with self.subTest(name), OctavoFile(GOLDEN / name) as file:
+                verify(file)
+
+    def test_the_start_weights_of_labels_are_those_of_the_registry(self):
+        table = ROOT / "src" / "octavo" / "codec" / "label" / "label_start_weights.inc"
+        numbers = [int(text) for text in table.read_text().split(",") if text.strip()]
+        checksum = crc32c(bytes(number & 255 for number in numbers))
+        self.assertIn(f"| {checksum:08x} |", (ROOT / "docs" / "registry.md").read_text())
+
+    def test_files_of_other_versions_are_rejected_as_their_list_says(self):
+        lines = [line.split() for line in (GOLDEN / "newer" / "kinds.txt").read_text().splitlines()]
+        self.assertGreater(len(lines), 0)
+        for name, kind in lines:
+            with self.subTest(name), self.assertRaises(OctavoError) as rejection:
+                OctavoFile(GOLDEN / "newer" / f"{name}.8vo")
+            self.assertEqual(rejection.exception.kind, kind)
 
     def test_files_use_what_they_are_named_for(self):
         for name, uses in volumes.GOLDEN_USES.items():
@@ -145,11 +164,13 @@ class Damage(InFolder):
             with OctavoFile(GOLDEN / name) as file:
                 pages = file.header.pages.offset
                 lengths = sum(length for brick in file.bricks(0) for _, length, _ in brick.pieces)
+                planes = file.header.size[2]
+            trailer = data.find(b"8slb")
             self.assertGreater(lengths, 0)
             for at in range(pages - lengths, pages, lengths // 20):
                 changed = bytearray(data)
                 changed[at] ^= 16
-                is_in_trailer = data.find(b"8slb") <= at < data.find(b"8slb") + 64
+                is_in_trailer = trailer <= at < trailer + 64 + 32 * planes
                 if not is_in_trailer:
                     self.assertIsNone(self.read_all(bytes(changed)), f"{name}, byte {at}")
 
@@ -160,8 +181,8 @@ class Claims(InFolder):
     def rejected(self, data):
         path = self.folder / "claim.8vo"
         path.write_bytes(data)
-        with self.assertRaises(OctavoError) as rejection:
-            OctavoFile(path)
+        with self.assertRaises(OctavoError) as rejection, OctavoFile(path) as file:
+            self.assertIsNotNone(file.metadata)
         self.assertEqual(rejection.exception.kind, "corrupt")
         return str(rejection.exception)
 

@@ -1,5 +1,7 @@
 """Bytes of .8vo files as docs/format.md has them: other metadata, and volumes that claim much."""
 
+import functools
+import hashlib
 import struct
 
 MODEL_LEVEL = 255
@@ -82,12 +84,22 @@ def brick_order(bricks_x, bricks_y):
     return sorted(((i, j) for j in range(bricks_y) for i in range(bricks_x)), key=code)
 
 
+@functools.lru_cache
+def plane_digest(values, size_x, size_y):
+    """SHA-256 of a plane of bytes whose squares of 64 x 64 voxels have values[y][x]."""
+    digest = hashlib.sha256()
+    for j, row in enumerate(values):
+        voxels = b"".join(bytes([value]) * 64 for value in row)[:size_x]
+        digest.update(voxels * min(64, size_y - 64 * j))
+    return digest.digest()
+
+
 class ClaimedVolume:
     """A sound file of few bytes a brick: bricks of 64 x 64 x 64 voxels, each of one value.
 
     size    voxels along x, y, z
     value   that of brick (i, j, k) of level 0; the coarser levels hold 0
-    like    a sound file, of which kind, type and model are taken
+    like    a sound file of 8 bits a voxel, of which kind, type and model are taken
     """
 
     def __init__(self, size, value, like):
@@ -104,6 +116,7 @@ class ClaimedVolume:
     def bytes(self):
         step_count = max(n - 1 for n in self._size).bit_length()
         slabs = self._model
+        digests = b""
         grid = self._size
         for first in range(0, step_count + 1, 6):
             grid = [-(-n // 64) for n in grid]
@@ -111,20 +124,32 @@ class ClaimedVolume:
             before = 0
             for k in range(grid[2]):
                 if first == 0:
-                    trailer = self._slab_trailer(k, len(order), self._model if k == 0 else b"")
+                    of_slab = self._plane_digests(k, grid)
+                    digests += of_slab
+                    trailer = self._slab_trailer(k, len(order), of_slab,
+                                                 self._model if k == 0 else b"")
                     slabs += trailer
                     self._root += varint(len(trailer))
                 values = [self._value(i, j, k) if first == 0 else 0 for i, j in order]
                 for at in range(0, len(values), PAGE_BRICKS):
                     before = self._add_page(values[at : at + PAGE_BRICKS], before,
                                             min(4, step_count + 1 - first))
+        self._trailer[40:72] = hashlib.sha256(digests).digest()
         return self._assembled(step_count, slabs)
 
     def _piece_crc(self, level, code, data):
         return crc32c(self._build_id + struct.pack("<BQ", level, code) + data)
 
-    def _slab_trailer(self, slab, brick_count, before):
+    def _plane_digests(self, slab, grid):
+        """Those of the planes of a slab, which are all alike."""
+        x, y, z = self._size
+        values = tuple(tuple(self._value(i, j, slab) for i in range(grid[0]))
+                       for j in range(grid[1]))
+        return plane_digest(values, x, y) * min(64, z - 64 * slab)
+
+    def _slab_trailer(self, slab, brick_count, plane_digests, before):
         data = b"8slb" + self._build_id + varint(slab) + b"\0" + bytes(brick_count)
+        data += plane_digests
         data += struct.pack("<II", crc32c(before), len(data) + 12)
         return data + struct.pack("<I", crc32c(data))
 

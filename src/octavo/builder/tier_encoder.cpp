@@ -306,7 +306,10 @@ void TierEncoder::keep(Work& work, Slot slot) {
 void TierEncoder::add_plane_digests(const Work& work) {
   const Box layer = levels_.brick_box(tier_, work.bricks[work.kept]);
   const std::int64_t first = layer.lo.z - work.block.first_plane;
-  writer_.add_plane_digests(plane_digests(work.block, first, layer.size().z, bound_.coding));
+  // The voxels of an exact coding are there themselves.
+  const bool has_codes = bound_.coding && !bound_.coding->is_exact;
+  const std::optional<SampleCoding> coding = has_codes ? bound_.coding : std::nullopt;
+  writer_.add_plane_digests(plane_digests(work.block, first, layer.size().z, coding));
 }
 
 void TierEncoder::store_parent(const Index3& brick, std::int64_t parent) {

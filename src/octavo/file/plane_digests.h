@@ -3,8 +3,9 @@
 //     plane z    SHA-256 of its voxels, little-endian, row by row, x fastest
 //     volume     SHA-256 of the digests of its planes, z = 0 first
 //
-// A plane meets every brick of its layer. Whole rows of bricks wait in a buffer until none of their
-// voxels is missing; then each plane takes its part of them.
+// A plane meets every brick of its layer. Whole rows of voxels wait in a buffer until none of them
+// is missing; then each plane takes its part of them. Where one row of bricks takes more than the
+// buffer, its bricks come once for each share of their planes or rows.
 #pragma once
 
 #include <cstdint>
@@ -23,43 +24,42 @@ namespace octavo {
 /// The digest of a volume whose planes have these.
 Sha256Digest voxel_digest_of(std::span<const Sha256Digest> planes);
 
-/// Memory  64 MiB, or one row of bricks where that takes more
+/// Memory  64 MiB, or one row of voxels where that takes more
 class PlaneDigests {
  public:
   /// Both references outlive this.
   PlaneDigests(const VolumeDescription& description, const Levels& levels, MakeHasher make_hasher);
 
-  /// Starts with the first row of bricks of a layer of tier 0.
+  /// Starts with the first rows of a layer of tier 0.
   void begin_layer(std::int64_t layer);
 
-  /// The rows of bricks [lo.y, hi.y) that come next, as a box of bricks of the layer; all of them
-  /// are put before add_rows. Empty at the end of the layer.
-  Box next_rows() const;
+  /// The bricks that come next, in no order; empty at the end of the layer.
+  Box next_bricks() const;
 
-  /// The codes of a brick of these rows, dense [z][y][x]. Several threads may put bricks at a time.
-  void put(const Index3& brick, const void* codes);
+  /// What a codec gives of one of these bricks, dense [z][y][x]. Several threads may put bricks at
+  /// a time.
+  void put(const Index3& brick, const void* decoded);
   /// The same for a brick of one code.
   void put_uniform(const Index3& brick, std::int64_t code);
 
-  /// Hashes the rows that were put.
+  /// Hashes what the bricks gave, once all of them were put.
   void add_rows(const ForEach& for_each);
 
-  /// Those of the layer, by z. Requires that no row is left.
+  /// Those of the layer, by z. Requires that no brick is left.
   std::vector<Sha256Digest> digests();
 
  private:
-  void make_room();
-  std::uint8_t* row_at(const Box& brick, std::int64_t y, std::int64_t z);
+  void begin_share(const Index3& lo);
+  std::uint8_t* row_at(std::int64_t x, std::int64_t y, std::int64_t z);
 
   const VolumeDescription& description_;
   const Levels& levels_;
   MakeHasher make_hasher_;
   std::size_t voxel_bytes_;
-  std::int64_t rows_at_once_;  ///< of bricks
-  std::int64_t layer_number_ = 0;
-  std::int64_t next_row_ = 0;  ///< of bricks
-  Box room_;                   ///< in voxels
-  Bytes rows_;                 ///< of `room_`, [z][y][x]
+  Size3 share_;  ///< voxels of the buffer
+  Box layer_;    ///< in voxels
+  Box room_;     ///< the part of the layer that the buffer holds
+  Bytes rows_;   ///< of `room_`, [z][y][x]
   std::vector<std::unique_ptr<Hasher>> hashers_;
 };
 

@@ -419,7 +419,7 @@ void Verifier::check_layer(int tier, std::int64_t layer) {
   const bool has_planes = tier == 0 && options_.decode;
   if (has_planes) {
     planes_.begin_layer(layer);
-    for (Box rows = planes_.next_rows(); !rows.is_empty(); rows = planes_.next_rows()) {
+    for (Box rows = planes_.next_bricks(); !rows.is_empty(); rows = planes_.next_bricks()) {
       check_rows(tier, rows, &planes_);
       planes_.add_rows(options_.for_each);
     }

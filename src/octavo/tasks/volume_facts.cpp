@@ -6,6 +6,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
+#include "octavo/core/unit_code.h"
 
 namespace octavo {
 
@@ -17,7 +18,9 @@ std::string with_unit(const std::string& number, const std::string& unit) {
 
 }  // namespace
 
-std::string unit_of(const VolumeDescription& volume) { return escaped(volume.metadata.unit()); }
+std::string unit_of(const VolumeDescription& volume) {
+  return escaped(shown_unit(volume.metadata.unit()));
+}
 
 void require_hu(const VolumeDescription& volume, const std::string& path, const std::string& what,
                 const TaskContext& context, const std::string& field) {

@@ -116,15 +116,20 @@ TEST(Reader, OpensWithTwoReads) {
 
 TEST(Reader, OpensAFileWithALargeIndexWithTwoReads) {
   SampleVolume volume = make_sample({kMaxAxis, 1, 1}, VoxelType::uint16, Pattern::gradient);
+  // With such metadata, index pages are too far from the end to come with it.
+  const std::string text = "\"" + std::string(60'000, 't') + "\"";
+  std::string texts = text;
+  for (int i = 1; i < 8; ++i) texts += "," + text;
+  volume.description.metadata = Metadata::read("{\"texts\":[" + texts + "]}");
   const auto source = std::make_shared<CountingSource>(sample_file_bytes(volume));
   const auto reader = FileReader::open(source);
   EXPECT_EQ(source->reads, 2);
   EXPECT_EQ(reader->description().metadata.text(), volume.description.metadata.text());
 
-  // A page, the model, the six segments of the brick.
+  // A page, the model, the four pieces of the brick.
   const Box box{{kMaxAxis - 5, 0, 0}, {kMaxAxis, 1, 1}};
   EXPECT_EQ(read_samples(*reader, box, 0), expected_samples(volume, box, 0));
-  EXPECT_EQ(source->reads, 2 + 1 + 1 + 6);
+  EXPECT_EQ(source->reads, 2 + 1 + 1 + 4);
   for (int level = 0; level < volume.levels.count(); ++level) {
     const Box all = box_of(volume.levels.size(level));
     EXPECT_EQ(read_samples(*reader, all, level), expected_samples(volume, all, level));

@@ -31,7 +31,7 @@ TEST(Verify, ASoundFileHasNoDamage) {
   const VerifyReport report = verify_bytes(sample_file_bytes(volume), 3);
   EXPECT_TRUE(report.is_sound());
   EXPECT_EQ(report.brick_count, 3 * 2 * 3 + 1);
-  EXPECT_GT(report.segment_count, 0);
+  EXPECT_GT(report.piece_count, 0);
 }
 
 TEST(Verify, NamesTheBrickTheLevelAndTheByte) {

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "octavo/core/checked.h"
+#include "octavo/core/unit_code.h"
 #include "octavo/file/storage/temporary.h"
 #include "octavo/io/source/described_source.h"
 #include "octavo/io/source/place_known.h"
@@ -134,7 +135,7 @@ ExportPlan plan_export(const FileReader& reader, ExportFormat format,
   plan.spacing_known = description.metadata.is_spacing_known();
   plan.place_known = is_place_known(description);
   plan.overwrite = options.overwrite;
-  plan.unit = description.metadata.unit();
+  plan.unit = shown_unit(description.metadata.unit());
   plan_values(plan, format, options.values, reader.range());
   return plan;
 }

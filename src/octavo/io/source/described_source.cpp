@@ -8,6 +8,7 @@
 #include "octavo/core/checked.h"
 #include "octavo/core/levels.h"
 #include "octavo/core/text.h"
+#include "octavo/core/unit_code.h"
 #include "octavo/io/source/source_file.h"
 #include "octavo/io/source/stack_names.h"
 
@@ -108,7 +109,7 @@ void settle(SourceFacts& facts, const SourceOptions& options, const std::string&
     if (!noted.prepared) noted.prepared.emplace();
     noted.prepared->ignored_number_gaps = static_cast<std::int64_t>(facts.ignored_number_gaps);
   }
-  if (!facts.unit.empty()) noted.unit = facts.unit;
+  if (!facts.unit.empty()) noted.unit = unit_code(facts.unit);
   noted.chosen = choice_note(facts.components, facts.choice);
   if (options.keep_identity) facts.identity.note("FileName", base_name(path));
   if (!facts.identity.is_empty()) {

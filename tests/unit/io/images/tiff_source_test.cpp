@@ -160,7 +160,7 @@ TEST(TiffSource, ImageJCalibrationThatIsALineIsTheRescale) {
   const auto hounsfield =
       described_tiff(folder, start + "cf=0\nc0=-1024\nc1=0.25\nvunit=HU\n", 1);
   EXPECT_EQ(hounsfield->description().rescale, (Rescale{0.25, -1024}));
-  EXPECT_TRUE(contains(hounsfield->description().metadata.text(), "\"unit\":\"HU\""));
+  EXPECT_TRUE(contains(hounsfield->description().metadata.text(), "\"unit\":\"[hnsf'U]\""));
   const auto words =
       described_tiff(folder, start + "cf=0\nc0=-1024\nc1=0.25\nvunit=SECRET name\n", 1);
   EXPECT_FALSE(contains(words->description().metadata.text(), "unit\":"));
