@@ -219,8 +219,8 @@ def _prove(header: Header) -> None:
     for level, mask in enumerate(header.halvings):
         size = header.level_size(level)
         require(halved(size, mask) != size, "a step halves nothing")
-    least, most = _SPACING_LIMITS
-    require(all(least <= step <= most for step in header.spacing), "spacing is out of its limits")
+    fine, wide = _SPACING_LIMITS
+    require(all(fine <= step <= wide for step in header.spacing), "spacing is out of its limits")
     require(all(abs(x) <= _ORIGIN_LIMIT for x in header.origin), "the origin is out of its limits")
     lengths = np.sqrt(np.square(np.array(header.direction).reshape(3, 3)).sum(axis=0))
     require(all(abs(lengths - 1) <= _AXIS_TOLERANCE), "an axis of direction has another length")

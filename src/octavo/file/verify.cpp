@@ -33,16 +33,6 @@ VerifyOptions with_defaults(VerifyOptions options) {
   return options;
 }
 
-// As checksum_matches.
-bool digest_matches([[maybe_unused]] const Sha256Digest& found,
-                    [[maybe_unused]] const Sha256Digest& stored) {
-#if defined(OCTAVO_FUZZING)
-  return true;
-#else
-  return found == stored;
-#endif
-}
-
 // "brick o-code 0x1a3 level 5 at byte 81920", "index page 3 of tier 0 at byte 4711", ..
 std::string place_text(const Damage& place) {
   if (place.what == "brick") {

@@ -180,6 +180,33 @@ TEST(Verify, ARangeThatLiesIsFoundByDecoding) {
   }
 }
 
+// A digest is proven by the voxels, that of the volume by those of its planes.
+TEST(Verify, DigestsOfOtherVoxelsAreFound) {
+  SampleVolume volume = make_sample({66, 20, 70}, VoxelType::int16, Pattern::noisy_half);
+  const std::vector<std::uint8_t> good = sample_file_bytes(volume);
+  const FileHeader layout = header_of(good);
+  std::vector<std::uint8_t> bytes = good;
+  bytes[bytes.size() - kTrailerBytes + 40] ^= 1;
+  reseal(bytes, layout);
+  VerifyReport report = verify_bytes(bytes);
+  ASSERT_EQ(report.damage_count, 1);
+  EXPECT_NE(report.damages.front().detail.find("voxel digest"), std::string::npos);
+  EXPECT_NE(open_bytes(bytes)->voxel_digest(), open_bytes(good)->voxel_digest());
+
+  const OpenFile file(byte_source_of(good, "sample.8vo"), {});
+  SlabTrailer trailer = file.slab_trailer(1);
+  trailer.plane_digests[2][0] ^= 1;  // plane 66
+  const Bytes changed = encode_slab_trailer(trailer);
+  bytes = good;
+  std::copy(changed.begin(), changed.end(),
+            bytes.begin() + static_cast<std::ptrdiff_t>(file.root().slab_trailer_offset(1)));
+  reseal(bytes, layout);
+  report = verify_bytes(bytes);
+  ASSERT_EQ(report.damage_count, 1);
+  EXPECT_EQ(report.damages.front().what, "plane");
+  EXPECT_EQ(report.damages.front().code, 66u);
+}
+
 TEST(Verify, ASlabTrailerThatLiesUnderFittingChecksumsIsFound) {
   SampleVolume volume = make_sample({130, 70, 129}, VoxelType::int16, Pattern::noisy_half);
   const std::vector<std::uint8_t> good = sample_file_bytes(volume);

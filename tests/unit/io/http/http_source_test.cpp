@@ -113,6 +113,21 @@ TEST(Http, SmallReadsOfOneBlockCostOneRequest) {
   EXPECT_EQ(server.request_count, 2);
 }
 
+TEST(Http, ASmallReadAcrossTwoBlocksCostsOneRequest) {
+  const std::string file = test_bytes();
+  TestServer server([&](const Request& q, Response& a) { answer_range(q, a, file, "\"v1\""); });
+  const auto source = open_url(server.url());
+  EXPECT_EQ(read_text(*source, 131'000, 500), file.substr(131'000, 500));
+  EXPECT_EQ(server.request_count, 2);
+  // Both blocks are kept, the last one of the file, too, which is shorter.
+  EXPECT_EQ(read_text(*source, 66'000, 60'000), file.substr(66'000, 60'000));
+  EXPECT_EQ(read_text(*source, 150'000, 40'000), file.substr(150'000, 40'000));
+  EXPECT_EQ(server.request_count, 2);
+  EXPECT_EQ(read_text(*source, 262'000, 500), file.substr(262'000, 500));
+  EXPECT_EQ(read_text(*source, 299'990, 10), file.substr(299'990, 10));
+  EXPECT_EQ(server.request_count, 3);
+}
+
 TEST(Http, ManyThreadsReadOneSource) {
   const std::string file = test_bytes();
   TestServer server([&](const Request& q, Response& a) { answer_range(q, a, file, "\"v1\""); });
