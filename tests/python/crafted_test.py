@@ -36,7 +36,7 @@ CODES_INT16 = (0x8001, struct.pack("<BBdd", 3, 0, 0.5, 1.0))
 STORED = bytes([1, 3, 2, 4, 0, 191, 1, 2])
 
 
-def coding(code_type=3, flags=0, scale=0.5, offset=1.0):
+def coding(code_type=5, flags=1, scale=0.5, offset=1.0):
     return {"type": 7, "extensions": ((0x8001, struct.pack("<BBdd", code_type, flags, scale,
                                                           offset)),)}
 
@@ -111,6 +111,10 @@ ROWS = [
     ("a float without a coding", {"type": 7}, "damaged"),
     ("floats", real(4.5, **coding()), "sound"),
     ("labels of floats", {"kind": 2, **real(4.5, **coding())}, "damaged"),
+    ("floats with a max error", real(4.5, max_error=0.5, **coding(3, 0)), "sound"),
+    ("exact floats with a max error", real(4.5, max_error=0.5, **coding()), "damaged"),
+    ("floats without either", real(4.5, **coding(3, 0)), "damaged"),
+    ("exact floats of 16 bits", real(4.5, **coding(3)), "damaged"),
     ("codes of floats", coding(code_type=7), "newer"),
     ("a flag of codes", coding(flags=2), "newer"),
     ("no scale", coding(scale=0.0), "damaged"),
