@@ -268,7 +268,7 @@ std::shared_ptr<const Bytes> FileReaderImpl::decoded(const BrickEntry& entry,
 std::shared_ptr<const OpenedBrick> FileReaderImpl::opened(const BrickEntry& entry,
                                                           const BrickShape& shape) const {
   const auto codec = file_.codec(entry.model);
-  if (!codec->has_parts(shape) || entry.segments.back().length == 0) return nullptr;
+  if (!codec->has_parts(shape) || entry.pieces.back().length == 0) return nullptr;
   const LruCache<OpenedBrick>::Key key{static_cast<std::uint64_t>(entry.tier), entry.code};
   if (auto kept = opened_cache_.find(key)) return kept;
   auto brick = std::make_shared<OpenedBrick>(OpenedBrick{codec, nullptr});
@@ -277,7 +277,7 @@ std::shared_ptr<const OpenedBrick> FileReaderImpl::opened(const BrickEntry& entr
     brick->parts =
         of_brick.open_parts(of_shape, description().coded_type(), entry.range, segments);
     const BrickParts::Part& last = brick->parts->parts().back();
-    if (last.offset + last.length != entry.segments.front().length) {
+    if (last.offset + last.length != entry.pieces.front().length) {
       throw Error(ErrorKind::corrupt, "the parts of level 0 do not fill their segment");
     }
   });
@@ -293,7 +293,7 @@ void FileReaderImpl::decode_parts(const BrickEntry& entry, const OpenedBrick& br
                                   std::span<const std::size_t> numbers,
                                   std::span<std::shared_ptr<const Bytes>> samples) const {
   const std::vector<BrickParts::Part>& parts = brick.parts->parts();
-  const Piece piece = piece_of(entry, 0);
+  const Piece piece = file_.piece_of(entry, 0);
   const std::uint64_t first = parts[numbers.front()].offset;
   const BrickParts::Part& last = parts[numbers.back()];
   const Bytes bytes = file_.read_within(piece, first, last.offset + last.length - first);

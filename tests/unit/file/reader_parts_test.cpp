@@ -123,12 +123,12 @@ TEST(ReaderParts, AVoxelTakesTheBytesOfItsPartAndOfTheCoarserLevels) {
   const std::uint64_t cold = source->count() - before;
   const BrickEntry brick = reader->brick(0, {0, 0, 0});
   std::uint64_t all = 0;
-  for (const auto& segment : brick.segments) all += segment.length;
+  for (const auto& piece : brick.pieces) all += piece.length;
   EXPECT_LT(cold, all / 2);
   // Another part of the brick: the coarser levels are kept.
   box_of_reader(*reader, voxel_at({40, 1, 1}));
   const std::uint64_t next = source->count() - before - cold;
-  EXPECT_LT(next, brick.segments.front().length / 4);
+  EXPECT_LT(next, brick.pieces.front().length / 4);
   // The same part: nothing.
   box_of_reader(*reader, voxel_at({50, 5, 5}));
   EXPECT_EQ(source->count(), before + cold + next);
@@ -139,7 +139,7 @@ TEST(ReaderParts, ADamagedPartIsNamedAndTheOthersAreRead) {
   const auto good = FileReader::open(byte_source_of(bytes, "good"));
   const BrickEntry brick = good->brick(0, {0, 0, 0});
   const Bytes expected = box_of_reader(*good, voxel_at({63, 63, 63}));
-  bytes[brick.segments.front().offset + 20] ^= 1;  // of the first part
+  bytes[brick.pieces.front().offset + 20] ^= 1;  // of the first part
   const auto bad = FileReader::open(byte_source_of(bytes, "bad"));
   EXPECT_EQ(box_of_reader(*bad, voxel_at({63, 63, 63})), expected);
   try {

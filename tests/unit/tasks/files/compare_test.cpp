@@ -10,7 +10,7 @@ class Compare : public testing::ScanFiles {};
 TEST_F(Compare, AScanEqualsTheFileBuiltFromIt) {
   geometry_.origin_mm = {0, 0, 0};
   const CompareResult result = compare_volumes(
-      {write_grey("scan.8vo"), write_raw("scan.raw", voxels_), 0, scan_}, context_);
+      {write_grey("scan.8vo"), write_raw("scan.raw", voxels_), 0, false, scan_}, context_);
   EXPECT_TRUE(result.comparison.is_equal());
   EXPECT_EQ(result.comparison.voxels, kScanSize.voxel_count());
 }
@@ -19,16 +19,16 @@ TEST_F(Compare, CountsWhatLiesFurtherApartThanAllowed) {
   const std::string a = write_grey("a.8vo");
   voxels_[1234] = static_cast<std::int16_t>(voxels_[1234] + 5);
   const std::string b = write_grey("b.8vo");
-  const Comparison strict = compare_volumes({a, b, 4, {}}, context_).comparison;
+  const Comparison strict = compare_volumes({.a = a, .b = b, .max_error = 4}, context_).comparison;
   EXPECT_EQ(strict.different, 1);
   EXPECT_EQ(strict.max_difference, 5);
   EXPECT_EQ(strict.first, (Index3{1234 % 40, 1234 / 40, 0}));
-  EXPECT_TRUE(compare_volumes({a, b, 5, {}}, context_).comparison.is_equal());
+  EXPECT_TRUE(compare_volumes({.a = a, .b = b, .max_error = 5}, context_).comparison.is_equal());
 }
 
 TEST_F(Compare, OptionsOfScansAreRejectedWhereNeitherIsOne) {
   const std::string a = write_grey("a.8vo");
-  EXPECT_EQ(failure_of([&] { compare_volumes({a, a, 0, scan_}, context_); }).field, "scan.raw");
+  EXPECT_EQ(failure_of([&] { compare_volumes({a, a, 0, false, scan_}, context_); }).field, "scan.raw");
 }
 
 TEST_F(Compare, LabelsAreCountedInEachAndInBoth) {
