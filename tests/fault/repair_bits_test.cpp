@@ -266,7 +266,7 @@ TEST(RepairBits, MetadataAreRepairedToTextOnly) {
 
 TEST(RepairBits, WorseDamageIsRejectedAndNothingIsWritten) {
   const FileContent good = two_tiers();
-  const std::size_t places[] = {100, 700, good.size() / 2, good.size() - 70};
+  const std::size_t places[] = {100, 700, good.size() / 2, good.size() - 102};
   for (const std::size_t place : places) {
     FileContent bad = good;
     for (std::size_t i = 0; i < 4; ++i) bad[place + i] = static_cast<std::uint8_t>(~bad[place + i]);
@@ -335,7 +335,7 @@ TEST(RepairBits, WhatIsRejectedIsNamed) {
   long_and_damaged.resize(good.size() + 9);
   long_and_damaged[60] ^= 0xff;
   FileContent bad_root = good;
-  bad_root[good.size() - 70] ^= 0x3;
+  bad_root[good.size() - 102] ^= 0x3;
   for (const FileContent& bad : {long_and_damaged, bad_root, FileContent(100), FileContent{}}) {
     MemoryStorage storage;
     put(storage, "bad.8vo", bad);

@@ -6,7 +6,7 @@ import struct
 # What a volume of 2^18 voxels a side may need.
 ROOT_BYTES = 3 << 30
 PAGES_BYTES = 10**12
-CLAIMED_BYTES = 512 + PAGES_BYTES + 2 + ROOT_BYTES + 64
+CLAIMED_BYTES = 512 + PAGES_BYTES + 2 + ROOT_BYTES + 96
 
 TAG = 'ETag: "v1"'
 WEAK_TAG = 'ETag: W/"v1"'

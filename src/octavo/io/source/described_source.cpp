@@ -90,7 +90,8 @@ void settle(SourceFacts& facts, const SourceOptions& options, const std::string&
   }
   if (!is_valid(facts.description.geometry)) {
     throw Error(ErrorKind::source_rejected,
-                "its geometry is not usable: spacings must be positive and axes independent; "
+                "its geometry is not usable: spacings must lie between 1e-9 and 1e9 mm, the "
+                "origin within 1e12 mm, and axes be independent; "
                 "repair the header",
                 path)
         .with_field("spacing_mm");

@@ -33,7 +33,7 @@ SourceReport sample_report() {
   report.description.kind = VolumeKind::labels;
   report.description.type = VoxelType::float32;
   report.description.size = {3, 2, 1};
-  report.description.geometry.origin_mm = {-1.5, 2, 1e300};
+  report.description.geometry.origin_mm = {-1.5, 2, 1e12};
   report.description.geometry.direction = {0, 1, 0, 1, 0, 0, 0, 0, -1};
   report.description.rescale = {-2.0222414, 1e-9};
   report.description.metadata = Metadata::read(R"({"a": 1})");

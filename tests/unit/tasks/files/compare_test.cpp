@@ -28,7 +28,8 @@ TEST_F(Compare, CountsWhatLiesFurtherApartThanAllowed) {
 
 TEST_F(Compare, OptionsOfScansAreRejectedWhereNeitherIsOne) {
   const std::string a = write_grey("a.8vo");
-  EXPECT_EQ(failure_of([&] { compare_volumes({a, a, 0, false, scan_}, context_); }).field, "scan.raw");
+  const CompareOptions options = {a, a, 0, false, scan_};
+  EXPECT_EQ(failure_of([&] { compare_volumes(options, context_); }).field, "scan.raw");
 }
 
 TEST_F(Compare, LabelsAreCountedInEachAndInBoth) {
