@@ -203,8 +203,9 @@ class Messages(cli_test.InFolder):
     def test_layers_of_bricks_count_against_the_limit_of_memory(self):
         self.expect(0, "phantom", "--size", "200,200,80", "-o", "p.8vo", "-q")
         kept = self.files()
-        for arguments in [["export", "p.8vo", "-o", "p.raw"], ["compare", "p.8vo", "p.8vo", "--voxels"],
-                          ["verify", "p.8vo"], ["codes", "p.8vo", "--range", "0:"]]:
+        for arguments in [["export", "p.8vo", "-o", "p.raw"],
+                          ["compare", "p.8vo", "p.8vo", "--voxels"], ["verify", "p.8vo"],
+                          ["codes", "p.8vo", "--range", "0:"]]:
             self.expect_error(6, ["would take about", "the limit is 4096 KiB"], *arguments,
                               "--max-memory", "4M")
             self.assertEqual(self.files(), kept)

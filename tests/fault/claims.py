@@ -21,7 +21,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "support"))
 import dicom_bytes  # pylint: disable=wrong-import-position
 import processor_time  # pylint: disable=wrong-import-position
-from file_bytes import TRAILER_LENGTH, ClaimedVolume, crc32c  # pylint: disable=wrong-import-position
+# pylint: disable-next=wrong-import-position
+from file_bytes import TRAILER_LENGTH, ClaimedVolume, crc32c
 
 OCTAVO = "octavo"
 GOLDEN = ROOT / "tests" / "golden" / "v1"

@@ -4,7 +4,7 @@ import gzip
 import struct
 
 # What a volume of 2^18 voxels a side may need.
-ROOT_BYTES = 3 << 30
+ROOT_BYTES = 5 << 29
 PAGES_BYTES = 10**12
 CLAIMED_BYTES = 512 + PAGES_BYTES + 2 + ROOT_BYTES + 96
 
@@ -135,7 +135,7 @@ class Behaviors:
         return False
 
     def huge_root(self, x):
-        """Claims an index root of 3 GiB, of which a thousand bytes come."""
+        """Claims an index root of 2.5 GiB, of which a thousand bytes come."""
         if x.number == 0:
             return self.part(x, TAG, data=claims_a_root(self.data), total=CLAIMED_BYTES)
         if x.number > 1:
