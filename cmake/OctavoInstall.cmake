@@ -19,6 +19,11 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/octavo)
 install(TARGETS octavo_library EXPORT octavoTargets)
 install(EXPORT octavoTargets NAMESPACE octavo:: DESTINATION ${package_folder})
 install(EXPORT octavoReadTargets NAMESPACE octavo:: DESTINATION ${package_folder})
+install(FILES
+  ${CMAKE_SOURCE_DIR}/docs/format.md ${CMAKE_SOURCE_DIR}/docs/format-grey.md
+  ${CMAKE_SOURCE_DIR}/docs/format-labels.md ${CMAKE_SOURCE_DIR}/docs/registry.md
+  ${CMAKE_SOURCE_DIR}/src/octavo/codec/label/label_start_weights.inc
+  DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/src/octavo DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   FILES_MATCHING PATTERN "*.h")
 if(TARGET octavo)

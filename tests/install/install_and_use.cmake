@@ -42,7 +42,8 @@ expect("^1 parts, 1 kept\nlabel 1: 57747 voxels, 7218[.]38 mm3\n$")
 
 foreach(file share/man/man1/octavo.1 share/man/man1/octavo-build.1
     share/bash-completion/completions/octavo share/zsh/site-functions/_octavo
-    share/fish/vendor_completions.d/octavo.fish)
+    share/fish/vendor_completions.d/octavo.fish
+    share/doc/octavo/format-labels.md share/doc/octavo/label_start_weights.inc)
   if(NOT EXISTS ${prefix}/${file})
     message(FATAL_ERROR "not installed: ${file}")
   endif()
