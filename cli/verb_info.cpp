@@ -74,8 +74,9 @@ std::string values_row(const InfoResult& info) {
   double max = d.voxel_of(info.range.max);
   if (d.rescale.slope < 0) std::swap(min, max);
   std::string text =
-      fmt::format("{} to {}{}", number_text(d.rescale.to_real(min)),
-                  number_text(d.rescale.to_real(max)), unit.empty() ? "" : " " + unit);
+      fmt::format("{}{} to {}{}", info.is_range_exact() ? "" : "within ",
+                  number_text(d.rescale.to_real(min)), number_text(d.rescale.to_real(max)),
+                  unit.empty() ? "" : " " + unit);
   if (!d.rescale.is_identity()) {
     text += fmt::format(" (stored {} to {}, slope {}, intercept {})", number_text(min),
                         number_text(max), number_text(d.rescale.slope),

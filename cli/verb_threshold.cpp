@@ -20,10 +20,10 @@ namespace {
 
 constexpr VerbText kThresholdText = {
     "threshold", "Make a mask of the voxels whose value lies in a range.",
-    "Ranges are in real units (HU), both ends included; an end left out is open. Several ranges\n"
-    "and tissues add up, and so do labels of a label map. --class makes a label map of several\n"
-    "classes in one pass; where classes overlap the one named first counts. Bricks whose minimum\n"
-    "and maximum decide are not decoded.\n\n"
+    "Ranges are in real units (HU), both ends included; an end left out is open, but NaN and\n"
+    "infinities are in no range. Several ranges and tissues add up, and so do labels of a label\n"
+    "map. --class makes a label map of several classes in one pass; where classes overlap the one\n"
+    "named first counts. Bricks whose minimum and maximum decide are not decoded.\n\n"
     "Tissues, in HU, ends included: air (:-900), lung (-900:-500), fat (-190:-30),\n"
     "soft (-30:225), contrast (130:600), bone (226:).\n\n"
     "Examples:\n"

@@ -19,6 +19,11 @@ std::string name_in_both(const CompareLabelsResult& result, std::int64_t label) 
   return in_a + " (B: " + in_b + ")";
 }
 
+std::string other_bits_text(const Comparison& c) {
+  return fmt::format("{} of equal value {} other bits: -0 or another NaN",
+                     counted_text(c.other_bits, "voxel"), c.other_bits == 1 ? "has" : "have");
+}
+
 }  // namespace
 
 std::vector<std::string> comparison_lines(const Comparison& c, const VolumeDescription& a,
@@ -45,6 +50,7 @@ std::vector<std::string> comparison_lines(const Comparison& c, const VolumeDescr
         count_text(c.different), count_text(c.voxels), number_text(c.max_difference), c.first.x,
         c.first.y, c.first.z, number_text(c.first_values[0]), number_text(c.first_values[1])));
   }
+  if (c.other_bits > 0) lines.push_back("bits: " + other_bits_text(c));
   return lines;
 }
 
@@ -61,6 +67,7 @@ nlohmann::ordered_json comparison_json(const Comparison& c) {
                                                                      : "stored"},
                                    {"voxels", c.voxels},
                                    {"different", c.different},
+                                   {"other_bits", c.other_bits},
                                    {"max_difference", c.max_difference},
                                    {"first", nullptr}};
   if (c.is_place_known) object["shift_mm"] = c.shift_mm;
@@ -80,6 +87,7 @@ std::string equal_text(const CompareResult& result) {
   if (c.max_difference > 0) {
     text += fmt::format(", largest difference {}", number_text(c.max_difference));
   }
+  if (c.other_bits > 0) text += ", but " + other_bits_text(c);
   if (!c.is_same_type) {
     text += fmt::format(", {} against {}", voxel_type_name(result.a.type),
                         voxel_type_name(result.b.type));

@@ -96,6 +96,7 @@ nlohmann::ordered_json file_json(const InfoResult& info) {
           {"coding", coding_json(d.coding)},
           {"min", voxel_json(d, info.range.min)},
           {"max", voxel_json(d, info.range.max)},
+          {"range_exact", info.is_range_exact()},
           {"identity", identity_state(metadata)},
           {"metadata", shown_metadata_json(info)}};
 }

@@ -71,6 +71,7 @@ def range_rows(b):
         Row("weak ETag", b.weak_tag, 0, sound),
         Row("HTTP/1.0", b.http_1_0, 0, sound),
         Row("garbage behind the body", b.garbage_behind, 0, sound),
+        Row("garbage on a used connection", b.garbage_before, 0, sound),
         Row("wrong charset", b.wrong_charset, 0, sound),
         Row("short 206", b.short, 0, sound),
         Row("breaks off in each body", b.breaks_off, 0, sound),

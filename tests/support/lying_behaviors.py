@@ -11,6 +11,8 @@ CLAIMED_BYTES = 512 + PAGES_BYTES + 2 + ROOT_BYTES + 96
 TAG = 'ETag: "v1"'
 WEAK_TAG = 'ETag: W/"v1"'
 
+GARBAGE = b"HTTP/1.1 200 OK\r\n\x00garbage" * 50
+
 
 class Behaviors:
     """What a server of `data` may do; each takes an Exchange."""
@@ -50,8 +52,13 @@ class Behaviors:
 
     def garbage_behind(self, x):
         self.part(x, TAG)
-        x.send(b"HTTP/1.1 200 OK\r\n\x00garbage" * 50)
+        x.send(GARBAGE)
         return True
+
+    def garbage_before(self, x):
+        if x.place > 0:
+            x.send(GARBAGE)
+        return self.part(x, TAG)
 
     def wrong_charset(self, x):
         return self.part(x, TAG, "Content-Type: text/html; charset=utf-16")

@@ -89,6 +89,30 @@ bool is_coarser_than_floats(const SampleCoding& coding, std::span<const float> v
   return count * kMany > static_cast<std::ptrdiff_t>(values.size());
 }
 
+// The magnitude of the largest value that is not far beyond nearly all others. Each value counts
+// once, however many voxels hold it, as the fill value of a background does.
+double bulk_of(const std::vector<float>& values) {
+  constexpr double kFar = 1 << 10;
+  constexpr std::size_t kFew = 64;  // one of so many values may lie far away
+  if (values.empty()) return 0;
+  std::vector<double> magnitudes;
+  for (const float v : values) magnitudes.push_back(std::abs(static_cast<double>(v)));
+  std::sort(magnitudes.begin(), magnitudes.end());
+  const std::size_t far = (magnitudes.size() + kFew - 1) / kFew;
+  if (far >= magnitudes.size()) return magnitudes.back();
+  const double usual = magnitudes[magnitudes.size() - 1 - far];
+  if (usual == 0) return magnitudes.back();
+  return *(std::upper_bound(magnitudes.begin(), magnitudes.end(), usual * kFar) - 1);
+}
+
+std::vector<float> within_bulk(const std::vector<float>& values, double bulk) {
+  std::vector<float> usual;
+  std::ranges::copy_if(values, std::back_inserter(usual), [bulk](float v) {
+    return std::abs(static_cast<double>(v)) <= bulk;
+  });
+  return usual;
+}
+
 // Numbers that the source's header would have multiplied its integers by.
 std::vector<SampleCoding> hints_of(const VolumeDescription& source) {
   std::vector<SampleCoding> hints;
@@ -138,10 +162,13 @@ void FloatPlanes::read_ahead() {
   else choose_within(values);
 }
 
-void FloatPlanes::choose_exact(std::span<const float> values) {
+void FloatPlanes::choose_exact(const std::vector<float>& values) {
   constexpr double kMuchFiner = 32;
-  const auto coding = find_coding(values, hints_of(source_.description()));
-  const double step = noise_step();
+  const double bulk = bulk_of(values);
+  const std::vector<SampleCoding> hints = hints_of(source_.description());
+  auto coding = find_coding(values, hints);
+  if (!coding) coding = find_coding(within_bulk(values, bulk), hints);
+  const double step = noise_step(bulk);
   // Steps far below the noise save nothing unless floats lie closer than they do.
   const bool is_found =
       coding && (coding->scale * kMuchFiner > step || is_coarser_than_floats(*coding, values));
@@ -151,18 +178,17 @@ void FloatPlanes::choose_exact(std::span<const float> values) {
 
 // A power of two that divides the noise into some steps: what is finer than a step no prediction
 // would save, and bins between powers of two then hold as many floats.
-double FloatPlanes::noise_step() const {
+double FloatPlanes::noise_step(double bulk) const {
   constexpr int kSmallest = -148;  // half of it is a float
-  constexpr double kStepsOfLargest = 1 << 20;
+  constexpr double kStepsOfBulk = 1 << 20;
   constexpr double kStepsOfNoise = 8;
   std::vector<double> differences;
-  double largest = 0;
   for (const std::vector<float>& plane : ahead_) {
     for (std::size_t i = 1; i < plane.size(); ++i) {
       const double d = std::abs(static_cast<double>(plane[i]) - static_cast<double>(plane[i - 1]));
-      if (!std::isfinite(d)) continue;
-      largest = std::max(largest, std::abs(static_cast<double>(plane[i])));
-      if (d > 0 && differences.size() < kMostDifferences) differences.push_back(d);
+      if (std::isfinite(d) && d > 0 && differences.size() < kMostDifferences) {
+        differences.push_back(d);
+      }
     }
   }
   double noise = 0;
@@ -173,7 +199,7 @@ double FloatPlanes::noise_step() const {
     noise = *middle / kMedianOfDifference;
   }
   int exponent = 0;
-  std::frexp(std::max(noise / kStepsOfNoise, largest / kStepsOfLargest), &exponent);
+  std::frexp(std::max(noise / kStepsOfNoise, bulk / kStepsOfBulk), &exponent);
   return std::ldexp(1.0, std::max(exponent - 1, kSmallest));
 }
 

@@ -2,7 +2,8 @@
 //
 // Without a max error planes are given as they are, with a coding for exact floats: scale and
 // offset of the number that the first planes are multiples of, or else a power of two that divides
-// their noise into some steps. Later planes may hold anything.
+// their noise into some steps. Values far beyond the bulk of them (the fill values of many formats)
+// have no say in it. Later planes may hold anything.
 //
 // With a max error E > 0 planes are given as codes, and voxels may be changed:
 //
@@ -73,14 +74,14 @@ class FloatPlanes final : public PlaneSource {
  private:
   bool is_exact() const { return settings_.max_error == 0; }
   void read_ahead();
-  void choose_exact(std::span<const float> values);
+  void choose_exact(const std::vector<float>& values);
   void choose_within(std::span<const float> values);
   bool choose_step(const SampleCoding& coding, double largest);
   void next_voxels();
   [[noreturn]] void count_and_reject(std::int64_t z);
   [[noreturn]] void reject_voxel(std::int64_t z, std::size_t at, bool is_too_large) const;
   std::string proposal(double max_error) const;
-  double noise_step() const;
+  double noise_step(double bulk) const;
 
   PlaneSource& source_;
   FloatSettings settings_;

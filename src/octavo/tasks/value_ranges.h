@@ -11,7 +11,8 @@
 
 namespace octavo {
 
-/// A range of real values, or of stored ones where that is said; both ends included.
+/// A range of real values, or of stored ones where that is said; both ends included. NaN and
+/// infinities lie in none, not in open ones either.
 struct AskedRange {
   double lowest = -std::numeric_limits<double>::infinity();
   double highest = std::numeric_limits<double>::infinity();

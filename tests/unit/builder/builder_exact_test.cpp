@@ -77,6 +77,22 @@ TEST(ExactBuild, EveryBitComesBackInAllTiers) {
   }
 }
 
+TEST(ExactBuild, CoarseLevelsStandWhereVoxelsLieFarAway) {
+  const ScratchFolder folder;
+  std::mt19937 random(2);
+  std::normal_distribution<float> noise(900, 25);
+  std::vector<float> voxels(static_cast<std::size_t>(kSize.voxel_count()));
+  for (float& voxel : voxels) voxel = noise(random);
+  for (const std::size_t at : {0u, 77u, 9000u}) voxels[at] = -1e10f;  // all in the first planes
+  const std::string path = folder.file("far.8vo");
+  build(volume_of(voxels), {}, path);
+  const auto reader = open_file(path);
+  EXPECT_EQ(read_box(*reader, box_of(kSize), 0), volume_of(voxels).voxels);
+  const std::vector<float> samples = level_of(*reader, 3);
+  const auto near = std::ranges::count_if(samples, [](float v) { return v > 850 && v < 950; });
+  EXPECT_GE(near + 3, static_cast<std::ptrdiff_t>(samples.size()));
+}
+
 TEST(ExactBuild, TheFileDoesNotDependOnThreads) {
   const ScratchFolder folder;
   const Volume volume = volume_of(scan());

@@ -151,6 +151,29 @@ TEST(FloatPlanes, TheLowestBitOfNoiseIsNoStep) {
   EXPECT_EQ(run(whole, {.first_planes = 60}).coding.scale, 1.0 / 256);
 }
 
+TEST(FloatPlanes, ValuesFarAwayHaveNoSayInTheStep) {
+  std::mt19937 random(5);
+  std::normal_distribution<float> noise(300, 8);
+  for (const float fill : {-1e10f, 9.96921e36f, -3.4028235e38f}) {
+    const auto far = [&](std::size_t i) { return i % 3 == 0 || i == 7 ? fill : noise(random); };
+    const Floats noisy(60, far);
+    const Outcome outcome = run(noisy, {.first_planes = 8});
+    EXPECT_GE(8 / outcome.coding.scale, 6) << fill;
+    EXPECT_LE(8 / outcome.coding.scale, 20) << fill;
+    expect_bits_back(noisy, outcome);
+    const Floats multiples(60, [&](std::size_t i) { return i % 3 == 0 ? fill : tenth(i); });
+    EXPECT_EQ(run(multiples, {.first_planes = 8}).coding.scale, 0.1) << fill;
+  }
+}
+
+TEST(FloatPlanes, BrightSpotsAreNotFarAway) {
+  // A background of 1 and few values up to 500 times as large.
+  const Floats floats(60, [](std::size_t i) {
+    return i % 100 == 0 ? 500.0f + static_cast<float>(i) / 7 : 1.0f + static_cast<float>(i) / 9001;
+  });
+  EXPECT_LE(700 / run(floats, {.first_planes = 60}).coding.scale, 0x1p31);
+}
+
 TEST(FloatPlanes, StepsSuitVolumesWithoutNoiseOrNumbers) {
   const auto coding_of = [](const std::function<float(std::size_t)>& voxel) {
     return run(Floats(4, voxel), {.first_planes = 4}).coding;

@@ -286,8 +286,8 @@ bool cuts_too_much(std::span<const TrainingBrick> bricks, const Parameters& cut)
   return brick_cost(few, GreyCodec(cut)) > bytes + bytes * kMaxCutCost / 1000;
 }
 
-/// Learns a model that keeps within a maximum error, in the way that codes these bricks best.
-Parameters learn_lossy(TrainingSet& set, Predictor predictor, std::int64_t max_error) {
+/// Learns a model that keeps within a maximum error, in the way that rounds these bricks best.
+Parameters learn_rounding(TrainingSet& set, Predictor predictor, std::int64_t max_error) {
   Parameters best;
   std::uint64_t minimum = ~std::uint64_t{0};
   for (const Plan& plan : plans_for(predictor, max_error)) {
@@ -298,6 +298,18 @@ Parameters learn_lossy(TrainingSet& set, Predictor predictor, std::int64_t max_e
     best = p;
   }
   return best;
+}
+
+/// Learns a model that keeps within a maximum error. Rounding hides which values do not occur: where
+/// that saves more than it does, nothing is rounded.
+/// gaps  what a lossless model would know of the values
+Parameters learn_lossy(TrainingSet& set, Predictor predictor, std::int64_t max_error,
+                       const ValueMap& gaps) {
+  const Parameters rounding = learn_rounding(set, predictor, max_error);
+  if (gaps.is_empty()) return rounding;
+  TrainingSet whole(set.bricks(), set.start().axis_order, gaps, set.start().cut_axes);
+  const Parameters lossless = learn_lossless(whole, predictor);
+  return cost(set.bricks(), lossless) < cost(set.bricks(), rounding) ? lossless : rounding;
 }
 
 }  // namespace
@@ -317,12 +329,13 @@ std::unique_ptr<BrickCodec> train_grey_model(VoxelType type, std::span<const Tra
   const bool is_fast = settings.preset == Preset::fast;
   const bool is_lossless = settings.max_error == 0;
   const Predictor predictor = is_fast ? Predictor::means : Predictor::neighbors;
+  const ValueMap gaps = learn_value_map(bricks, !is_fast);
   // Voxels that may change have no values of their own.
-  const ValueMap map = is_lossless ? learn_value_map(bricks, !is_fast) : ValueMap{};
+  const ValueMap map = is_lossless ? gaps : ValueMap{};
   TrainingSet set(bricks, learn_order(bricks, settings, map), map, cut_axes_of(settings));
   const auto learn_best = [&] {
     return is_lossless ? learn_lossless(set, predictor)
-                       : learn_lossy(set, predictor, settings.max_error);
+                       : learn_lossy(set, predictor, settings.max_error, gaps);
   };
   Parameters best = learn_best();
   if (!settings.access && best.cut_axes != 0 && cuts_too_much(bricks, best)) {

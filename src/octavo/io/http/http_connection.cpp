@@ -29,7 +29,8 @@ bool is_lost(CURLcode code) {
     case CURLE_GOT_NOTHING:
     case CURLE_SEND_ERROR:
     case CURLE_RECV_ERROR:
-    case CURLE_UNSUPPORTED_PROTOCOL:  // garbage on a connection that was used before
+    case CURLE_UNSUPPORTED_PROTOCOL:   // garbage on a connection that was used before
+    case CURLE_BAD_FUNCTION_ARGUMENT:  // the same, with zero bytes
     case CURLE_WEIRD_SERVER_REPLY:
     case CURLE_HTTP2:
     case CURLE_HTTP2_STREAM: return true;

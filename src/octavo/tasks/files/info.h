@@ -34,6 +34,10 @@ struct InfoResult {
   bool is_place_known = true;  ///< false: origin and direction say nothing of a patient
   std::uint64_t metadata_offset = 0;  ///< where the text of the metadata stands in the file
 
+  /// Whether both ends of the range are values of voxels; otherwise they are bounds.
+  bool is_range_exact() const {
+    return max_error == 0 && volume.codec_type() != VoxelType::float32;
+  }
   double compression_ratio() const {
     return static_cast<double>(raw_bytes) / static_cast<double>(file_bytes);
   }

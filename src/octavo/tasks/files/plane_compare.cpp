@@ -50,6 +50,18 @@ bool is_different(double a, double b, double tolerance) {
   return a != b && !(std::abs(a - b) <= tolerance);
 }
 
+/// Voxels that are alike as values, but not bit by bit. Requires one type and values of both.
+std::int64_t count_other_bits(const Side& a, const Side& b) {
+  const auto bytes = static_cast<std::size_t>(bytes_per_voxel(a.source.description().type));
+  std::int64_t count = 0;
+  for (std::size_t i = 0; i < a.values.size(); ++i) {
+    const std::byte* const at_a = a.plane.data() + i * bytes;
+    const std::byte* const at_b = b.plane.data() + i * bytes;
+    if (std::memcmp(at_a, at_b, bytes) != 0 && !is_different(a.values[i], b.values[i], 0)) ++count;
+  }
+  return count;
+}
+
 void compare_plane(Side& a, Side& b, std::int64_t z, double tolerance, Comparison& result) {
   if (!result.is_real_units && result.is_same_type &&
       std::ranges::equal(a.plane.bytes(), b.plane.bytes())) {
@@ -57,6 +69,9 @@ void compare_plane(Side& a, Side& b, std::int64_t z, double tolerance, Compariso
   }
   fill_values(a, result.is_real_units);
   fill_values(b, result.is_real_units);
+  if (!result.is_real_units && result.is_same_type && tolerance == 0) {
+    result.other_bits += count_other_bits(a, b);
+  }
   const std::int64_t width = a.source.description().size.x;
   for (std::size_t i = 0; i < a.values.size(); ++i) {
     const double distance = std::abs(a.values[i] - b.values[i]);

@@ -23,9 +23,16 @@ struct Comparison {
   double max_difference = 0;        ///< of all voxels compared
   Index3 first;                     ///< the first different voxel in z, y, x order
   std::array<double, 2> first_values{};
+  /// Voxels of one value but of other bits, -0 and the payloads of NaN, where stored floats are
+  /// compared without a tolerance.
+  std::int64_t other_bits = 0;
 
   /// Geometry and voxels alike; number type and rescale may differ when the real values agree.
   bool is_equal() const { return is_same_size && is_same_place && different == 0; }
+  /// Stored values alike as well, bit by bit.
+  bool is_same_data() const {
+    return is_equal() && is_same_type && is_same_rescale && other_bits == 0;
+  }
 };
 
 /// Compares everything but the voxels.

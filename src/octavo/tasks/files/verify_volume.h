@@ -24,10 +24,8 @@ struct SourceCheck {
   double allowed_error = 0;  ///< stored units: the largest that was found when the file was built
   Comparison comparison;
 
-  /// What is stored counts: number type and rescale must be the same as well.
-  bool is_faithful() const {
-    return comparison.is_equal() && comparison.is_same_type && comparison.is_same_rescale;
-  }
+  /// What is stored counts: number type, rescale and all bits must be the same as well.
+  bool is_faithful() const { return comparison.is_same_data(); }
 };
 
 struct VerifyVolumeResult {

@@ -17,6 +17,7 @@ TEST_F(Info, SaysWhatTheFileHolds) {
   EXPECT_EQ(result.range.min, *low);
   EXPECT_EQ(result.range.max, *high);
   EXPECT_EQ(result.max_error, 0);
+  EXPECT_TRUE(result.is_range_exact());
   ASSERT_GT(result.levels.size(), 1u);
   EXPECT_EQ(result.levels[0].size, kScanSize);
   EXPECT_EQ(result.levels[0].spacing_mm, geometry_.spacing_mm);
