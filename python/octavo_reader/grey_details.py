@@ -269,8 +269,7 @@ class DetailDecoder:
         limit = np.minimum(2 * (m - self._lowest) + odd_low, 2 * (self._highest - m) + odd_high)
         limit = np.where(weighted, self._highest - self._lowest, limit)
         limit = np.where(flagged, 0, limit)
-        e0, e1, e2, slope = _activities(padded, axis, self._shift)
-        e0, e1, e2, slope = e0[inside], e1[inside], e2[inside], slope[inside]
+        e0, e1, e2 = (e[inside] for e in _activities(padded, axis, self._shift))
         weights = self._model.context_weights[self._group][axis]
         t = sum(w * np.minimum(e, 16383) for w, e in zip(weights, (e0, e1, e2))) + weights[5]
         for which in (0, 1):
@@ -283,12 +282,16 @@ class DetailDecoder:
                    + (activity >= threshold) + (activity >= 4 * threshold))
         if self._model.predictor == 1:
             w = self._model.mean_weights[self._group][axis][classes]
-            prediction = ((slope * w + 2048) >> 12).clip(-limit, limit)
-            details = (unfolded_details(residuals, prediction, limit) if step == 1
-                       else (prediction + residuals).clip(-limit, limit))
-            if gaps is not None:
-                possible = np.vectorize(gaps.detail, otypes=[np.int64])(m, prediction, residuals)
-                details = np.where((limit > 0) & ~weighted, possible, details)
+            behind_weights = self._model.behind_weights[self._group][axis][classes]
+            slope = _slopes(padded, axis, self._model.far_shares[self._group][axis])[inside]
+            likely = ((slope * w + 2048) >> 12).clip(-limit, limit)
+            details = np.empty_like(likely)
+            excess = np.zeros_like(likely[0])
+            for z, room in enumerate(limit):
+                prediction = likely[z] + ((excess * behind_weights[z] + 64) >> 7)
+                details[z] = _details_of_plane(residuals[z], prediction.clip(-room, room), room,
+                                               step, m[z], gaps, ~weighted[z])
+                excess = details[z] - likely[z]
             details = np.where(details_of_edges != 0, details_of_edges, details)
             return repeated.replaced(self._merge(means, axis, length, details, lifting))
         return repeated.replaced(self._predicted(means, repeated, axis, classes, limit, residuals,
@@ -452,27 +455,48 @@ def _left_taps(axis: int, weights: np.ndarray) -> list[list[list[int]]]:
             for row in weights.tolist()]
 
 
+def _details_of_plane(residuals: np.ndarray, predictions: np.ndarray, limits: np.ndarray,
+                      step: int, means: np.ndarray, gaps: "ValueGaps | None",
+                      is_gapped: np.ndarray) -> np.ndarray:
+    """The details of residuals; `is_gapped` tells the pairs that know of gaps."""
+    if step > 1:
+        return (predictions + residuals).clip(-limits, limits)
+    details = unfolded_details(residuals, predictions, limits)
+    if gaps is None:
+        return details
+    possible = np.vectorize(gaps.detail, otypes=[np.int64])(means, predictions, residuals)
+    return np.where((limits > 0) & is_gapped, possible, details)
+
+
+def _neighbors(means_around: PaddedSamples, array_axis: int, distance: int) -> np.ndarray:
+    """The mean so far from each mean along an axis."""
+    padded = means_around.with_margins(2)
+    at = [slice(2, -2)] * 3
+    at[array_axis] = slice(2 + distance, padded.shape[array_axis] - 2 + distance)
+    return padded[tuple(at)]
+
+
+def _slopes(means_around: PaddedSamples, axis: int, far_share: int) -> np.ndarray:
+    """The slopes of section 6 that predictor 1 sees."""
+    near, far = (_neighbors(means_around, 2 - axis, -distance)
+                 - _neighbors(means_around, 2 - axis, distance) for distance in (1, 2))
+    return near + ((far * far_share + 64) >> 7)
+
+
 def _activities(means_around: PaddedSamples, axis: int,
                 shift: int) -> tuple[np.ndarray, ...]:
-    """e0, e1, e2 of section 7, and M before - M after; of the shape of the means."""
+    """e0, e1, e2 of section 7; of the shape of the means."""
     means = means_around.samples
-    padded = means_around.with_margins(1)
-
-    def neighbor(array_axis: int, distance: int) -> np.ndarray:
-        at = [slice(1, -1)] * 3
-        at[array_axis] = slice(1 + distance, padded.shape[array_axis] - 1 + distance)
-        return padded[tuple(at)]
-
     array_axis = 2 - axis
-    before, after = neighbor(array_axis, -1), neighbor(array_axis, 1)
+    before, after = (_neighbors(means_around, array_axis, distance) for distance in (-1, 1))
     e0 = (np.abs(before - means) >> shift) + (np.abs(after - means) >> shift)
     e1 = np.abs(before - means + after - means) >> shift
     e2 = np.zeros_like(e0)
     for other in range(3):
         if other != array_axis:
             for distance in (-1, 1):
-                e2 += np.abs(neighbor(other, distance) - means) >> shift
-    return e0, e1, e2, before - after
+                e2 += np.abs(_neighbors(means_around, other, distance) - means) >> shift
+    return e0, e1, e2
 
 
 def _half_octaves(t: np.ndarray) -> np.ndarray:

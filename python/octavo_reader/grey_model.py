@@ -56,6 +56,8 @@ class GreyModel:
     threshold        T of the activity class
     tap_weights      predictor 0: [group][axis], shape (CLASSES, taps), in 4096ths
     mean_weights     predictor 1: [group][axis], shape (CLASSES,), in 4096ths
+    far_shares       predictor 1: [group][axis], in 128ths
+    behind_weights   predictor 1: [group][axis], shape (CLASSES,), in 128ths
     context_weights  [group][axis], shape (16,)
     frequencies      [table set], shape (CONTEXTS, TOKENS), rows of sum 2048
     edge_frequencies  shape (EDGE_CONTEXTS, 3), rows of sum 2048; None without edges
@@ -73,6 +75,8 @@ class GreyModel:
     threshold: int
     tap_weights: list[list[np.ndarray]]
     mean_weights: list[list[np.ndarray]]
+    far_shares: list[list[int]]
+    behind_weights: list[list[np.ndarray]]
     context_weights: list[list[np.ndarray]]
     frequencies: list[np.ndarray]
     edge_frequencies: "np.ndarray | None"
@@ -104,18 +108,18 @@ def parse_grey_model(data: bytes) -> GreyModel:
     body = cursor.rest()
     decoder = BinaryDecoder(body)
     used = AdaptiveNumber(24)
-    taps = means = []
+    taps = means = shares = behind = []
     if predictor == 0:
         taps = _tap_weights(decoder, used, weight_step)
     else:
-        means = _mean_weights(decoder, used)
+        shares, means, behind = _mean_weights(decoder, used)
     contexts = _context_weights(decoder)
     frequencies = _frequencies(decoder)
     edge_frequencies = _edge_frequencies(decoder) if has_edges else None
     require(decoder.at == len(body), "a grey model does not end where it should")
     return GreyModel(predictor, _AXIS_ORDERS[order], cut_axes, is_lossy, voxel_step, detail_step,
                      correction_step, value_map, has_edges, threshold, taps, means,
-                     contexts, frequencies, edge_frequencies)
+                     shares, behind, contexts, frequencies, edge_frequencies)
 
 
 def _value_map(cursor: ByteCursor) -> ValueMap:
@@ -159,13 +163,27 @@ def _tap_weights(decoder: BinaryDecoder, used: AdaptiveNumber, step: int) -> lis
     return weights
 
 
-def _mean_weights(decoder: BinaryDecoder, used: AdaptiveNumber) -> list[list[np.ndarray]]:
-    weights = []
+def _mean_weights(decoder: BinaryDecoder, used: AdaptiveNumber) -> tuple[
+        list[list[int]], list[list[np.ndarray]], list[list[np.ndarray]]]:
+    """The far shares, the weights of the means, and those of what is behind."""
+    share_state, behind_state = AdaptiveNumber(24), AdaptiveNumber(24)
+    shares: list[list[int]] = []
+    weights: list[list[np.ndarray]] = []
+    behind: list[list[np.ndarray]] = []
     for _ in range(GROUPS):
-        rows = [[0] + [decoder.signed(used) for _ in range(1, CLASSES)] for _ in range(3)]
-        require(all(abs(w) <= 8191 for row in rows for w in row), "a weight is too large")
-        weights.append([np.array(row, np.int64) for row in rows])
-    return weights
+        shares.append([])
+        weights.append([])
+        behind.append([])
+        for _ in range(3):
+            share = decoder.signed(share_state)
+            pairs = [(0, 0)] + [(decoder.signed(used), decoder.signed(behind_state))
+                                for _ in range(1, CLASSES)]
+            require(abs(share) <= 127 and all(abs(w) <= 8191 and abs(b) <= 127
+                                              for w, b in pairs), "a weight is too large")
+            shares[-1].append(share)
+            weights[-1].append(np.array([w for w, _ in pairs], np.int64))
+            behind[-1].append(np.array([b for _, b in pairs], np.int64))
+    return shares, weights, behind
 
 
 def _context_weights(decoder: BinaryDecoder) -> list[list[np.ndarray]]:

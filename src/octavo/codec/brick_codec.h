@@ -47,7 +47,7 @@ struct VoxelTarget {
 /// What a grey model is made for. Both presets are read without any option.
 enum class Preset {
   small,  ///< prediction from up to 96 neighbors: the fewest bytes
-  fast    ///< prediction from the means alone: several times faster
+  fast    ///< prediction from the means and the plane behind: several times faster
 };
 
 /// What decodes alone of level 0 of a brick: less is sooner read by itself, and takes more bytes.

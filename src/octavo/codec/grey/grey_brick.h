@@ -150,7 +150,7 @@ void load_means(Workspace<Sample>& work, const Sample* samples, const Size3& siz
 
 /// How far a predictor looks beyond the means of a level.
 constexpr Margins reach_of(Predictor predictor) {
-  return predictor == Predictor::neighbors ? Margins::all : Margins::nearest;
+  return predictor == Predictor::neighbors ? Margins::all : Margins::near;
 }
 
 /// Runs `stage_work(stage, split)` for the splits of a level or of a part of it, whose means stand

@@ -162,32 +162,46 @@ void add_counts(Tables& sums, const Tables& more) {
   }
 }
 
-/// Of one in `share` of the training samples.
-Counts count_symbols(const Parameters& p, const std::vector<TrainingSample>& training,
-                     std::size_t share) {
-  std::vector<Counts> by_sample(training.size());
-  tbb::parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
-    if (i % share != 0) return;
-    const TrainingSample& sample = training[i];
-    std::vector<Symbol> symbols;
-    for (int level = 0; level + 1 < sample.shape.level_count; ++level) {
-      symbols.clear();
-      walk_level(p, sample, level,
-                 [&](const Stage& stage, Workspace<std::int16_t>& work, const auto&,
-                     const PartNumber&) {
-                   stage_functions().narrow.list_symbols(p, stage, work, symbols);
-                   if (!stage.has_edges) return;
-                   for (const Symbol& s : work.edge_symbols) by_sample[i].add(s, stage.set);
-                 });
-      for (const Symbol& s : symbols) by_sample[i].add(s, table_set(level));
-    }
-  });
+Counts sum_of(const std::vector<Counts>& by_sample) {
   Counts counts;
   for (const Counts& one : by_sample) {
     add_counts(counts.tokens, one.tokens);
     add_counts(counts.edges, one.edges);
   }
   return counts;
+}
+
+/// Runs a training sample through its splits and counts its symbols. Calls
+/// `learn(stage, work, part)` after each split, when work.residuals holds the residuals and the
+/// magnitudes are those of the split.
+template <class Learn>
+void list_sample(const Parameters& p, const TrainingSample& sample, Counts& counts,
+                 Learn&& learn) {
+  std::vector<Symbol> symbols;
+  for (int level = 0; level + 1 < sample.shape.level_count; ++level) {
+    walk_level(p, sample, level,
+               [&](const Stage& stage, Workspace<std::int16_t>& work,
+                   const Target<std::int16_t>& target, const PartNumber& part) {
+                 symbols.clear();
+                 list_split(p, stage, work, target, symbols);
+                 for (const Symbol& s : symbols) counts.add(s, stage.set);
+                 if (stage.has_edges) {
+                   for (const Symbol& s : work.edge_symbols) counts.add(s, stage.set);
+                 }
+                 learn(stage, work, part);
+               });
+  }
+}
+
+/// Of the samples whose number leaves `rest` when divided by `share`.
+Counts count_symbols(const Parameters& p, const std::vector<TrainingSample>& training,
+                     std::size_t share, std::size_t rest) {
+  std::vector<Counts> by_sample(training.size());
+  tbb::parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
+    if (i % share != rest) return;
+    list_sample(p, training[i], by_sample[i], [](const auto&...) {});
+  });
+  return sum_of(by_sample);
 }
 
 template <std::size_t kCount>
@@ -305,51 +319,8 @@ void share_tables(const ContextCounts& counts, ContextTables& tables) {
   }
 }
 
-}  // namespace
-
-void learn_contexts(Parameters& p, const std::vector<TrainingSample>& training,
-                    std::size_t share) {
-  std::vector<std::array<std::array<ContextSamples, 3>, kGroups>> by_sample(training.size());
-  tbb::parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
-    if (i % share != share - 1) return;
-    const TrainingSample& sample = training[i];
-    std::vector<Symbol> symbols;
-    for (int level = 0; level + 1 < sample.shape.level_count; ++level) {
-      walk_level(
-          p, sample, level,
-          [&](const Stage& stage, Workspace<std::int16_t>& work, const auto&,
-              const PartNumber& part) {
-            // Listing leaves the magnitudes that features look at.
-            symbols.clear();
-            stage_functions().narrow.list_symbols(p, stage, work, symbols);
-            const auto group = static_cast<std::size_t>(stage.group);
-            const std::int64_t wanted =
-                kContextSamples[group] / static_cast<std::int64_t>(training.size() / share) /
-                part.count;
-            const auto seed = static_cast<std::uint32_t>(
-                static_cast<std::int64_t>(i) * part.count + part.number + 77);
-            take_samples(
-                p, stage, work, Thinning(wanted, stage.pairs.voxel_count(), seed),
-                by_sample[i][group][static_cast<std::size_t>(stage.axis)]);
-          });
-    }
-  });
-  tbb::parallel_for(0, kGroups * 3, [&](int task) {
-    ContextSamples all;
-    for (auto& sample : by_sample) {
-      auto& s = sample[static_cast<std::size_t>(task / 3)][static_cast<std::size_t>(task % 3)];
-      all.features.insert(all.features.end(), s.features.begin(), s.features.end());
-      all.magnitudes.insert(all.magnitudes.end(), s.magnitudes.begin(), s.magnitudes.end());
-    }
-    if (all.magnitudes.size() < kFewSamples) return;
-    const std::vector<std::int16_t> weights = fit_contexts(all);
-    std::copy(weights.begin(), weights.end(), p.context_weights[task / 3][task % 3]);
-  });
-}
-
-TableCost table_cost(const Parameters& p, const std::vector<TrainingSample>& training,
-                     std::size_t share) {
-  const Counts counts = count_symbols(p, training, share);
+/// What the counted residuals of level 0 cost under p's tables and under their own.
+TableCost cost_under(const Parameters& p, const Counts& counts) {
   const auto bits_of = [](std::uint16_t slots) {
     return (std::int64_t{kTableBits} << 16) - logarithms()[slots];
   };
@@ -371,9 +342,50 @@ TableCost table_cost(const Parameters& p, const std::vector<TrainingSample>& tra
   return cost;
 }
 
+}  // namespace
+
+TableCost learn_contexts(Parameters& p, const std::vector<TrainingSample>& training,
+                         std::size_t share) {
+  std::vector<Counts> counts(training.size());
+  std::vector<std::array<std::array<ContextSamples, 3>, kGroups>> by_sample(training.size());
+  tbb::parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
+    if (i % share != share - 1) return;
+    list_sample(p, training[i], counts[i],
+                [&](const Stage& stage, Workspace<std::int16_t>& work, const PartNumber& part) {
+                  const auto group = static_cast<std::size_t>(stage.group);
+                  const std::int64_t wanted =
+                      kContextSamples[group] /
+                      static_cast<std::int64_t>(training.size() / share) / part.count;
+                  const auto seed = static_cast<std::uint32_t>(
+                      static_cast<std::int64_t>(i) * part.count + part.number + 77);
+                  take_samples(p, stage, work,
+                               Thinning(wanted, stage.pairs.voxel_count(), seed),
+                               by_sample[i][group][static_cast<std::size_t>(stage.axis)]);
+                });
+  });
+  const TableCost cost = cost_under(p, sum_of(counts));
+  tbb::parallel_for(0, kGroups * 3, [&](int task) {
+    ContextSamples all;
+    for (auto& sample : by_sample) {
+      auto& s = sample[static_cast<std::size_t>(task / 3)][static_cast<std::size_t>(task % 3)];
+      all.features.insert(all.features.end(), s.features.begin(), s.features.end());
+      all.magnitudes.insert(all.magnitudes.end(), s.magnitudes.begin(), s.magnitudes.end());
+    }
+    if (all.magnitudes.size() < kFewSamples) return;
+    const std::vector<std::int16_t> weights = fit_contexts(all);
+    std::copy(weights.begin(), weights.end(), p.context_weights[task / 3][task % 3]);
+  });
+  return cost;
+}
+
+TableCost table_cost(const Parameters& p, const std::vector<TrainingSample>& training,
+                     std::size_t share) {
+  return cost_under(p, count_symbols(p, training, share, share - 1));
+}
+
 void learn_frequencies(Parameters& p, const std::vector<TrainingSample>& training,
                        std::size_t share) {
-  const Counts counts = count_symbols(p, training, share);
+  const Counts counts = count_symbols(p, training, share, 0);
   for (std::size_t set = 0; set < kTableSets; ++set) {
     share_tables(counts.tokens[set], p.frequencies[set]);
   }

@@ -35,9 +35,15 @@ template <class Params, class Code>
 void walk_weights(Params& p, Code&& code) {
   GolombModel is_used;
   if (p.predictor == Predictor::means) {
-    for (auto& group : p.mean_weights) {
-      for (auto& axis : group) {
-        for (int cls = 1; cls < kClasses; ++cls) code.mean_weight(is_used, axis[cls]);
+    GolombModel share;
+    GolombModel behind;
+    for (int group = 0; group < kGroups; ++group) {
+      for (int axis = 0; axis < 3; ++axis) {
+        code.bounded(share, p.far_shares[group][axis], kMaxShare);
+        for (int cls = 1; cls < kClasses; ++cls) {
+          code.bounded(is_used, p.mean_weights[group][axis][cls], kMaxMeanWeight);
+          code.bounded(behind, p.behind_weights[group][axis][cls], kMaxShare);
+        }
       }
     }
     return;
@@ -64,7 +70,9 @@ int tap_distance(int axis, int tap) {
 
 struct WeightPutter {
   BinaryEncoder& coder;
-  void mean_weight(GolombModel& model, std::int32_t weight) { put_signed(coder, model, weight); }
+  void bounded(GolombModel& model, std::int32_t weight, std::int32_t) {
+    put_signed(coder, model, weight);
+  }
   void weight_set(GolombModel& is_used, GolombModel* models, const std::int16_t* weights, int axis,
                   int step) {
     bool any = false;
@@ -80,9 +88,9 @@ struct WeightPutter {
 
 struct WeightGetter {
   BinaryDecoder& coder;
-  void mean_weight(GolombModel& model, std::int32_t& weight) {
+  void bounded(GolombModel& model, std::int32_t& weight, std::int32_t most) {
     weight = get_signed(coder, model);
-    if (weight < -kMaxMeanWeight || weight > kMaxMeanWeight) {
+    if (weight < -most || weight > most) {
       throw Error(ErrorKind::corrupt, "model: bad weight of the means");
     }
   }

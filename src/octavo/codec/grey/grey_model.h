@@ -33,6 +33,9 @@ inline constexpr int kTableSize = 1 << kTableBits;
 /// Fourfold, it fits in 16 bits.
 inline constexpr std::int32_t kMaxThreshold = 16383;
 inline constexpr std::int32_t kMaxMeanWeight = 8191;
+/// Far shares and weights of what is behind are in Q7.
+inline constexpr int kShareBits = 7;
+inline constexpr std::int32_t kMaxShare = 127;
 inline constexpr std::int32_t kMaxFeature = 16383;
 inline constexpr std::int32_t kMaxMagnitude = 2047;
 
@@ -91,7 +94,7 @@ inline constexpr std::array<AxisOrder, 6> kAxisOrders = {
 /// What a detail is predicted from.
 enum class Predictor : std::uint8_t {
   neighbors = 0,  ///< up to 96 taps, decoded samples among them
-  means = 1        ///< the step between the two means beside the pair
+  means = 1        ///< the slope of the means beside the pair, and the detail behind it
 };
 
 /// How a model with a maximum error leaves out precision. All off: lossless.
@@ -130,8 +133,13 @@ struct Parameters {
   /// Weights are multiples of 2^weight_step.
   int weight_step = 3;
   alignas(64) std::int16_t weights[kGroups][3][kClasses][kMaxTaps] = {};
-  /// Of the step between the means before and after, Q12.
+  /// Of the slope of the means, Q12.
   std::int32_t mean_weights[kGroups][3][kClasses] = {};
+  /// The slope is the step between the means before and after the pair, and this much, Q7, of the
+  /// step between those two away.
+  std::int32_t far_shares[kGroups][3] = {};
+  /// Of what the detail behind, in the plane before, was beyond the prediction from its slope, Q7.
+  std::int32_t behind_weights[kGroups][3][kClasses] = {};
   std::int32_t context_weights[kGroups][3][kFeatures] = {};
   Frequencies frequencies = {};
   EdgeFrequencies edge_frequencies = {};  ///< only of a model that tells edges apart

@@ -39,6 +39,8 @@ inline bool suits_planes(const Parameters& p, const Stage& stage) {
 struct PlaneConstants {
   Halves thresholds[kClasses - 1];  ///< rising; the class is the number of those reached
   SignedHalves class_weights[kClasses];
+  SignedHalves behind_weights[kClasses];
+  SignedHalves far_share;
   SignedHalves min, max, range, odd_low, odd_high;
   SignedHalves pairs[kFeatures / 2];  ///< context weights, two by two
   SignedSums constant;
@@ -48,12 +50,16 @@ struct PlaneConstants {
     const auto set = [](std::int64_t v) HWY_ATTR {
       return hn::Set(kSignedHalves, static_cast<std::int16_t>(v));
     };
+    constexpr std::int32_t kShareUnit = 1 << (15 - kShareBits);
     const std::int32_t t = p.activity_threshold;
     const std::int32_t rising[] = {std::min(1, t / 4), std::max(1, t / 4), t, 4 * t};
     for (int k = 0; k < kClasses; ++k) {
       if (k > 0) thresholds[k - 1] = hn::BitCast(kHalves, set(rising[k - 1]));
       class_weights[k] = set(k == 0 ? 0 : 8 * p.mean_weights[stage.group][stage.axis][k]);
+      behind_weights[k] =
+          set(k == 0 ? 0 : kShareUnit * p.behind_weights[stage.group][stage.axis][k]);
     }
+    far_share = set(kShareUnit * p.far_shares[stage.group][stage.axis]);
     min = set(stage.min);
     max = set(stage.max);
     range = set(stage.max - stage.min);
@@ -71,7 +77,8 @@ struct PlaneConstants {
   }
 };
 
-/// Predictions, limits and contexts of a plane.
+/// Predictions, limits and contexts of a plane. What is predicted from slopes alone takes the place
+/// of the excesses behind.
 template <int kAxis>
 void prepare_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
                    std::int64_t z) {
@@ -85,6 +92,7 @@ void prepare_plane(const Parameters& p, const Stage& stage, Workspace<std::int16
                                               work.row.zeros + 8);
     const std::int16_t* const m = work.means.row(y, z);
     std::int16_t* const predictions = work.predictions.row(y, z);
+    std::int16_t* const excesses = work.plane_excesses.row(y, z);
     std::uint16_t* const limits = work.limits.row(y, z);
     std::uint16_t* const contexts = work.contexts.row(y, z);
     const auto weighted = static_cast<std::int16_t>(stage.first_weighted(y, z));
@@ -104,13 +112,15 @@ void prepare_plane(const Parameters& p, const Stage& stage, Workspace<std::int16
       const Halves e2 = hn::Add(hn::Add(size_of(step_to(-kAcross1)), size_of(step_to(kAcross1))),
                                 hn::Add(size_of(step_to(-kAcross2)), size_of(step_to(kAcross2))));
 
-      // The weight of the activity class
+      // The weights of the activity class
       const Halves g = hn::SaturatedAdd(e0, e2);
       SignedHalves weight = constants.class_weights[0];
+      SignedHalves behind_weight = constants.behind_weights[0];
       for (int k = 1; k < kClasses; ++k) {
-        const auto is_reached = hn::Eq(hn::Max(g, constants.thresholds[k - 1]), g);
-        weight = hn::IfThenElse(hn::RebindMask(kSignedHalves, is_reached),
-                                constants.class_weights[k], weight);
+        const auto is_reached = hn::RebindMask(
+            kSignedHalves, hn::Eq(hn::Max(g, constants.thresholds[k - 1]), g));
+        weight = hn::IfThenElse(is_reached, constants.class_weights[k], weight);
+        behind_weight = hn::IfThenElse(is_reached, constants.behind_weights[k], behind_weight);
       }
       // The prediction, within what the value range allows
       const SignedHalves low = hn::Sub(c, constants.min);
@@ -122,8 +132,17 @@ void prepare_plane(const Parameters& p, const Stage& stage, Workspace<std::int16
         const auto is_before = hn::Lt(places, hn::Set(kSignedHalves, weighted));
         limit = hn::IfThenElse(is_before, limit, constants.range);
       }
-      const SignedHalves free = hn::MulFixedPoint15(hn::Sub(before, after), weight);
-      hn::StoreU(hn::Min(hn::Max(free, hn::Neg(limit)), limit), kSignedHalves, predictions + x);
+      const SignedHalves far = hn::Sub(hn::LoadU(kSignedHalves, m + x - 2 * kAlong),
+                                       hn::LoadU(kSignedHalves, m + x + 2 * kAlong));
+      const SignedHalves slope =
+          hn::Add(hn::Sub(before, after), hn::MulFixedPoint15(far, constants.far_share));
+      const SignedHalves likely = brought_within(hn::MulFixedPoint15(slope, weight), limit);
+      const SignedHalves behind =
+          z > 0 ? hn::LoadU(kSignedHalves, excesses + x) : hn::Zero(kSignedHalves);
+      const SignedHalves expected =
+          hn::SaturatedAdd(likely, hn::MulFixedPoint15(behind, behind_weight));
+      hn::StoreU(likely, kSignedHalves, excesses + x);
+      hn::StoreU(brought_within(expected, limit), kSignedHalves, predictions + x);
       hn::StoreU(hn::BitCast(kHalves, limit), kHalves, limits + x);
 
       // The expected magnitude: features and earlier residuals, weighted
@@ -180,6 +199,7 @@ class PairRow {
                      std::int64_t z)
       : means_(work.means.row(y, z)),
         predictions_(work.predictions.row(y, z)),
+        excesses_(work.plane_excesses.row(y, z)),
         limits_(work.limits.row(y, z)),
         magnitudes_(work.magnitudes[kAxis].row(y, z)),
         edges_(edge_details(stage, work, y, z)),
@@ -203,6 +223,12 @@ class PairRow {
                magnitudes_ + x);
   }
 
+  /// detail: less a known one
+  HWY_INLINE void keep_excess(int x, SignedHalves detail) const {
+    const SignedHalves likely = hn::LoadU(kSignedHalves, excesses_ + x);
+    hn::StoreU(hn::Sub(detail, brought_within(likely, limit(x))), kSignedHalves, excesses_ + x);
+  }
+
   /// pair_of, in other words: half of an odd detail is rounded as the mean was not.
   HWY_INLINE void put_samples(int x, SignedHalves detail) const {
     const SignedHalves mean = hn::LoadU(kSignedHalves, means_ + x);
@@ -219,6 +245,7 @@ class PairRow {
  private:
   const std::int16_t* means_;
   const std::int16_t* predictions_;
+  std::int16_t* excesses_;
   const std::uint16_t* limits_;
   std::int16_t* magnitudes_;
   const std::int32_t* edges_;
@@ -236,6 +263,7 @@ void settle_row(const Stage& stage, Workspace<std::int16_t>& work, const std::in
     row.keep_magnitudes(x, residual);
     const SignedHalves detail =
         details_of(kSignedHalves, residual, row.prediction(x), row.limit(x));
+    row.keep_excess(x, detail);
     row.put_samples(x, hn::Add(detail, row.known(x)));
   }
 }
@@ -253,6 +281,7 @@ void predict_row(const Stage& stage, Workspace<std::int16_t>& work, std::int64_t
     const SignedHalves residual =
         residuals_of(kSignedHalves, detail, row.prediction(x), row.limit(x));
     row.keep_magnitudes(x, residual);
+    row.keep_excess(x, detail);
     row.put_samples(x, hn::Add(detail, row.known(x)));
     hn::Store(residual, kSignedHalves, residuals);
     const int last = static_cast<int>(std::min<std::int64_t>(stage.pairs.x - x, kHalfLanes));
@@ -265,7 +294,12 @@ template <class Residual>
 void settle_weighted_row(const Stage& stage, Workspace<std::int16_t>& work, std::int64_t y,
                          std::int64_t z, const Residual* residuals) {
   const std::int16_t* const predictions = work.predictions.row(y, z);
-  settle_weighted(stage, work, y, z, residuals, [&](std::int64_t x) { return predictions[x]; });
+  const std::uint16_t* const limits = work.limits.row(y, z);
+  settle_weighted(stage, work, y, z, [&](std::int64_t x) {
+    const std::int32_t limit = limits[x];
+    const std::int32_t expected = std::clamp<std::int32_t>(predictions[x], -limit, limit);
+    return detail_of<std::int32_t>(residuals[x], expected, limit);
+  });
 }
 
 /// Turns the details of a plane into residuals, samples and magnitudes; leaves the contexts.

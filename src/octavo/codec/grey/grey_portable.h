@@ -108,12 +108,18 @@ Int rounded_weights(Int sum) {
   return static_cast<Int>(static_cast<Unsigned>(sum) + (1u << (kWeightBits - 1))) >> kWeightBits;
 }
 
-/// What a pair's mean and its two neighbors along the axis foretell.
+/// Half of the unit of shares, for rounding.
+inline constexpr std::int32_t kHalfShare = 1 << (kShareBits - 1);
+
+/// What the two means before a pair and the two after it foretell.
 template <class Sample>
-Wide<Sample> predict_from_means(const Sample* means, std::int64_t along, std::int32_t weight) {
+Wide<Sample> predict_from_means(const Sample* means, std::int64_t along, std::int32_t weight,
+                                std::int32_t far_share) {
   using Int = Wide<Sample>;
-  const Int gradient = Int{means[-along]} - means[along];
-  return rounded_weights<Int>(gradient * weight);
+  const Int near = Int{means[-along]} - means[along];
+  const Int far = Int{means[-2 * along]} - means[2 * along];
+  const Int slope = near + ((far * far_share + kHalfShare) >> kShareBits);
+  return rounded_weights<Int>(slope * weight);
 }
 
 /// The detail of a residual; a damaged one is brought within the limit, so that nothing overflows.
@@ -125,20 +131,14 @@ Int decoded_detail(Int residual, Int prediction, Int limit, std::int32_t step) {
 }
 
 /// Gives the pairs of two weights of a row their samples, after a pass that took them for pairs of
-/// equal weights. From means alone: the other pairs do not see them.
-/// residuals  of the row, as they are coded
-template <class Residual, class PredictionOf>
+/// equal weights. Of a prediction from means: the other pairs of the plane do not see them.
+template <class DetailAt>
 void settle_weighted(const Stage& stage, Workspace<std::int16_t>& work, std::int64_t y,
-                     std::int64_t z, const Residual* residuals, PredictionOf&& prediction_of) {
-  const std::uint16_t* const limits = work.limits.row(y, z);
+                     std::int64_t z, DetailAt&& detail_at) {
   const std::int16_t* const means = work.means.row(y, z);
   std::int16_t* const row = first_of_row(work.fine, stage.axis, y, z);
   for (std::int64_t x = stage.first_weighted(y, z); x < stage.pairs.x; ++x) {
-    const std::int64_t limit = limits[x];
-    const std::int64_t expected = std::clamp<std::int64_t>(prediction_of(x), -limit, limit);
-    const std::int64_t detail =
-        decoded_detail<std::int64_t>(residuals[x], expected, limit, stage.step);
-    const Pair<std::int16_t> pair = weighted_pair<std::int16_t>(stage, means[x], detail);
+    const Pair<std::int16_t> pair = weighted_pair<std::int16_t>(stage, means[x], detail_at(x));
     std::int16_t* const at = row + pair_stretch(stage.axis) * x;
     at[0] = pair.a;
     at[pair_step<std::int16_t>(stage.axis)] = pair.b;
@@ -212,6 +212,8 @@ struct Passes {
     set(work.limits);
     set(work.activities);
     set(work.predictions);
+    work.excesses.set_plane_size(stage.pairs);
+    work.plane_excesses.set_plane_size(stage.pairs);
     work.contexts.set_plane_size(stage.pairs);
     // Whoever marked the edges has found them already.
     if (!stage.has_edges) find_open_pairs(stage, work.open);
@@ -264,7 +266,7 @@ struct Passes {
 
   static void decode(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
                      SymbolReader& symbols) {
-    // From means alone, a plane's details are done with at its end.
+    // Predicted from means, a plane's details are done with at its end.
     set_sizes(stage, p.predictor == Predictor::neighbors, work);
     if (stage.pairs.voxel_count() == 0) return;
     if (takes_planes(p, stage)) {
@@ -295,6 +297,13 @@ struct Passes {
       }
     }
     Kernel::template reconstruct<false>(p, stage, work);
+  }
+
+  static void measure(const Parameters& p, const Stage& stage, Workspace<Sample>& work) {
+    set_sizes(stage, true, work);
+    for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
+      for (std::int64_t y = 0; y < stage.pairs.y; ++y) features(p, stage, work, y, z);
+    }
   }
 
   static void predict(const Parameters& p, const Stage& stage, Workspace<Sample>& work) {
@@ -381,7 +390,7 @@ struct Passes {
   }
 
   static constexpr StagePasses<Sample> functions() {
-    return {decode, predict, list_symbols, encode};
+    return {decode, measure, predict, list_symbols, encode};
   }
 };
 

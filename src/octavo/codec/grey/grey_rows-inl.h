@@ -329,10 +329,13 @@ void reconstruct_from_means(const Parameters& p, const Stage& stage,
   constexpr int kLanes = static_cast<int>(hn::MaxLanes(kWords));
   // Four classes have weights; lane k of the table is class k + 1.
   alignas(64) std::int32_t class_weights[8] = {};
+  alignas(64) std::int32_t class_behind_weights[8] = {};
   for (int k = 1; k < kClasses; ++k) {
     class_weights[(k - 1) % kLanes] = p.mean_weights[stage.group][kAxis][k];
+    class_behind_weights[(k - 1) % kLanes] = p.behind_weights[stage.group][kAxis][k];
   }
   const auto weights = hn::Load(ints, class_weights);
+  const auto behind_weights = hn::Load(ints, class_behind_weights);
   const auto set = [&](std::int32_t value) HWY_ATTR { return hn::Set(ints, value); };
   const std::uint8_t* const activities = work.activities.row(y, z);
   const std::uint16_t* const limits = work.limits.row(y, z);
@@ -340,22 +343,33 @@ void reconstruct_from_means(const Parameters& p, const Stage& stage,
   const std::int32_t* const edges = edge_details(stage, work, y, z);
   std::int16_t* const first = first_of_row(work.fine, kAxis, y, z);
   const std::int16_t* const means = work.means.row(y, z);
+  std::int32_t* const excesses = work.excesses.row(y, z);
   const auto widen = [&](const std::int16_t* from) HWY_ATTR {
     return hn::PromoteTo(ints, hn::LoadU(shorts, from));
   };
+  const auto far_share = set(p.far_shares[stage.group][kAxis]);
+  const auto share_of = [&](auto number, auto share) HWY_ATTR {
+    return hn::ShiftRight<kShareBits>(hn::Add(hn::Mul(number, share), set(kHalfShare)));
+  };
   const ResidualMap<decltype(ints)> map(stage.step);
   for (int x = 0; x < stage.pairs.x; x += kLanes) {
-    // Predict from the gradient of the means
+    // Predict from the slope of the means
     const auto mean = widen(means + x);
-    const auto gradient = hn::Sub(widen(means + x - kStep), widen(means + x + kStep));
+    const auto near = hn::Sub(widen(means + x - kStep), widen(means + x + kStep));
+    const auto far = hn::Sub(widen(means + x - 2 * kStep), widen(means + x + 2 * kStep));
+    const auto slope = hn::Add(near, share_of(far, far_share));
     const auto activity = hn::PromoteTo(ints, hn::LoadU(bytes, activities + x));
     const auto place = hn::And(hn::Sub(activity, set(1)), set(3));
-    const auto weight =
-        hn::IfThenElseZero(hn::Gt(activity, hn::Zero(ints)),
-                           hn::TableLookupLanes(weights, hn::IndicesFromVec(ints, place)));
+    const auto has_weights = hn::Gt(activity, hn::Zero(ints));
+    const auto places = hn::IndicesFromVec(ints, place);
+    const auto weight = hn::IfThenElseZero(has_weights, hn::TableLookupLanes(weights, places));
+    const auto behind_weight =
+        hn::IfThenElseZero(has_weights, hn::TableLookupLanes(behind_weights, places));
     const auto limit = hn::PromoteTo(ints, hn::LoadU(unsigned_shorts, limits + x));
-    const auto sum = hn::Add(hn::Mul(gradient, weight), set(1 << (kWeightBits - 1)));
-    const auto prediction = hn::ShiftRight<kWeightBits>(sum);
+    const auto sum = hn::Add(hn::Mul(slope, weight), set(1 << (kWeightBits - 1)));
+    const auto likely = brought_within(hn::ShiftRight<kWeightBits>(sum), limit);
+    const auto behind = z > 0 ? hn::LoadU(ints, excesses + x) : hn::Zero(ints);
+    const auto prediction = hn::Add(likely, share_of(behind, behind_weight));
     // An edge has no room: its detail is known. Details are counted from there.
     const auto known = edges != nullptr ? hn::LoadU(ints, edges + x) : hn::Zero(ints);
     // Detail to residual, or residual to detail
@@ -373,6 +387,7 @@ void reconstruct_from_means(const Parameters& p, const Stage& stage,
     } else {
       detail = map.detail(detail, prediction, limit);
     }
+    hn::StoreU(hn::Sub(detail, likely), ints, excesses + x);
     detail = hn::Add(detail, known);
     // Mean and detail to the two samples
     const auto round = set(stage.rounding);
@@ -391,9 +406,12 @@ void reconstruct_from_means(const Parameters& p, const Stage& stage,
       hn::StoreU(hn::DemoteTo(shorts, b), shorts, first + kStep + x);
     }
   }
-  settle_weighted(stage, work, y, z, residuals, [&](std::int64_t x) {
-    const std::int32_t* const of_classes = p.mean_weights[stage.group][kAxis];
-    return predict_from_means(means + x, kStep, of_classes[activities[x]]);
+  settle_weighted(stage, work, y, z, [&](std::int64_t x) {
+    const std::int32_t weight = p.mean_weights[stage.group][kAxis][activities[x]];
+    const std::int32_t limit = limits[x];
+    const std::int32_t likely =
+        predict_from_means(means + x, kStep, weight, p.far_shares[stage.group][kAxis]);
+    return excesses[x] + std::clamp(likely, -limit, limit);
   });
 }
 

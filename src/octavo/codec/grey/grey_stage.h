@@ -79,13 +79,13 @@ using Wide = std::conditional_t<sizeof(Sample) == 2, std::int32_t, std::int64_t>
 template <class Sample>
 using Limit = std::conditional_t<sizeof(Sample) == 2, std::uint16_t, std::int64_t>;
 
-/// A number per pair of a split, dense [z][y][x] with rows padded to a multiple of 8.
-template <class T>
+/// A number per pair of a split, dense [z][y][x] with rows padded to a multiple of kPadding.
+template <class T, std::int64_t kPadding = 8>
 class PairGrid {
  public:
   PairGrid() : values_(static_cast<std::size_t>(kBrickSide * kBrickSide * kBrickSide / 2 + 64)) {}
   void set_size(const Size3& pairs) {
-    row_ = (pairs.x + 7) & ~std::int64_t{7};
+    row_ = (pairs.x + kPadding - 1) & ~(kPadding - 1);
     plane_ = row_ * pairs.y;
   }
   /// Keeps one plane at a time: every plane stands in the same place.
@@ -155,6 +155,10 @@ struct Workspace {
   PairGrid<Limit<Sample>> limits;      ///< no |detail| is larger; 0 in uniform cells, for edges
   PairGrid<std::uint8_t> activities;
   PairGrid<std::int16_t> predictions;  ///< kept by passes that predict a plane at a time
+  /// What the details of the plane behind were beyond the predictions from their slopes. Rows are
+  /// changed in place, by vectors that reach into the padding.
+  PairGrid<Wide<Sample>, 16> excesses;
+  PairGrid<std::int16_t, 16> plane_excesses;  ///< the same of those passes
   PairGrid<std::uint16_t> contexts;    ///< context | plain bits << 8
   PairMasks open;                      ///< pairs that lie in no uniform cell
   EdgePairs<Sample> edges;             ///< only of stages that have edges
@@ -168,6 +172,8 @@ template <class Sample>
 struct StagePasses {
   /// Takes the residuals off `symbols` and completes the fine grid.
   void (*decode)(const Parameters&, const Stage&, Workspace<Sample>&, SymbolReader&);
+  /// Finds the activities and limits of all pairs.
+  void (*measure)(const Parameters&, const Stage&, Workspace<Sample>&);
   /// Turns the details in `residuals` into residuals, brought to multiples of the step, and
   /// completes the fine grid as a decoder will have it.
   void (*predict)(const Parameters&, const Stage&, Workspace<Sample>&);

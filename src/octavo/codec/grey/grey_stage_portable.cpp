@@ -55,6 +55,10 @@ void reconstruct_row_along(const Parameters& p, const Stage& stage, Workspace<Sa
   const bool is_from_means = p.predictor == Predictor::means;
   const auto& weights = p.weights[stage.group][kAxis];
   const auto& mean_weights = p.mean_weights[stage.group][kAxis];
+  const auto& behind_weights = p.behind_weights[stage.group][kAxis];
+  const std::int32_t far_share = p.far_shares[stage.group][kAxis];
+  Int* const excesses = work.excesses.row(y, z);
+  if (is_from_means && z == 0) std::fill_n(excesses, stage.pairs.x, Int{0});
   const std::uint8_t* const activities = work.activities.row(y, z);
   const Limit<Sample>* const limits = work.limits.row(y, z);
   Int* const residuals = work.residuals.row(y, z);
@@ -67,10 +71,15 @@ void reconstruct_row_along(const Parameters& p, const Stage& stage, Workspace<Sa
     const Int limit = limits[x];
     const std::uint8_t activity = activities[x];
     // Predict, within what the value range allows
-    const Int prediction =
-        is_from_means ? predict_from_means(means + x, kStep, mean_weights[activity])
-                      : rounded_weights(weighted_sum<kAxis>(at, weights[activity]));
-    const Int expected = std::clamp<Int>(prediction, -limit, limit);
+    const Int likely = std::clamp<Int>(
+        is_from_means ? predict_from_means(means + x, kStep, mean_weights[activity], far_share)
+                      : rounded_weights(weighted_sum<kAxis>(at, weights[activity])),
+        -limit, limit);
+    Int expected = likely;
+    if (is_from_means) {
+      expected += (excesses[x] * behind_weights[activity] + kHalfShare) >> kShareBits;
+      expected = std::clamp<Int>(expected, -limit, limit);
+    }
     // An edge has no room: its detail is known. Details are counted from there.
     const Int known = edges != nullptr ? edges[x] : 0;
     // Detail to residual, or residual to detail
@@ -97,6 +106,7 @@ void reconstruct_row_along(const Parameters& p, const Stage& stage, Workspace<Sa
     } else {
       detail = decoded_detail<Int>(residuals[x], expected, limit, stage.step);
     }
+    if (is_from_means) excesses[x] = detail - likely;
     detail += known;
     // Mean and detail to the two samples
     if (x < weighted) {

@@ -112,9 +112,10 @@ void take_samples(const Stage& stage, Workspace<std::int16_t>& work,
 std::vector<TapSamples> gather(const Parameters& p, const std::vector<TrainingSample>& training,
                                int group, std::int64_t share) {
   std::vector<TapSamples> by_sample(training.size());
-  // Samples are exact whatever predicts them, so the cheap predictor will do on the way.
+  // Exact details need no prediction on the way.
+  const bool is_exact = p.quantizer.detail_step == 0;
   Parameters gathering = p;
-  if (p.quantizer.detail_step == 0) gathering.predictor = Predictor::means;
+  if (is_exact) gathering.predictor = Predictor::means;
   tbb::parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
     const TrainingSample& sample = training[i];
     for (int level = group; level < group + levels_of_group(group); ++level) {
@@ -122,6 +123,8 @@ std::vector<TapSamples> gather(const Parameters& p, const std::vector<TrainingSa
       walk_level(gathering, sample, level, Margins::all,
                  [&](const Stage& stage, Workspace<std::int16_t>& work,
                      const Target<std::int16_t>& target, const PartNumber& part) {
+                   if (is_exact) measure_split(gathering, stage, work, target);
+                   else predict_split(gathering, stage, work, target);
                    const std::int64_t wanted = kTapSamples[group][stage.axis] / share /
                                                static_cast<std::int64_t>(training.size()) /
                                                part.count;
@@ -260,31 +263,114 @@ std::uint64_t logarithm(std::uint64_t n) {
   return (static_cast<std::uint64_t>(whole) << 8) + ((n << 8 >> whole) - 256);
 }
 
-/// Sums for the least squares of details on the steps between the means beside them.
+/// Sums of products of what details are predicted from when it is the means: the steps between
+/// those one and two away, and what the detail behind has beyond a usual share of its step.
+/// Integers: exact in any order.
 struct MeanSums {
-  double step_squares = 0;
-  double products = 0;
-};
-using ClassMeanSums = std::array<std::array<MeanSums, kClasses>, 3>;
+  enum Term { kNear, kFar, kBehind, kDetail, kTerms };
+  std::int64_t of[kTerms][kTerms] = {};
 
-/// Details weigh 1 / (1 + step): large steps would decide alone.
+  void add(const std::int64_t (&terms)[kTerms], std::int64_t weight) {
+    for (int i = 0; i < kDetail; ++i) {
+      const std::int64_t weighted = weight * terms[i];
+      for (int j = i; j < kTerms; ++j) of[i][j] += weighted * terms[j];
+    }
+  }
+  void add(const MeanSums& more) {
+    for (int i = 0; i < kDetail; ++i) {
+      for (int j = i; j < kTerms; ++j) of[i][j] += more.of[i][j];
+    }
+  }
+  double real(Term a, Term b) const { return static_cast<double>(of[a][b]); }
+};
+using ClassMeanSums = std::array<MeanSums, kClasses>;
+
+/// One row in so many is enough for a few weights.
+constexpr std::int64_t kMeanRows = 4;
+
+/// Details weigh 1 / (1 + steps): large steps would decide alone, and sums outgrow 64 bits.
 void add_means(const Stage& stage, Workspace<std::int16_t>& work,
                const Target<std::int16_t>& target, ClassMeanSums& sums) {
+  constexpr std::int64_t kUnit = 1 << 16;
+  constexpr int kUsualShare = 2;  // a logarithm
   const std::int64_t along = pair_step<std::int16_t>(stage.axis);
-  auto& of_classes = sums[static_cast<std::size_t>(stage.axis)];
+  const auto near_at = [along](const std::int16_t* means) {
+    return std::int64_t{means[-along]} - means[along];
+  };
   for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
-    for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
+    for (std::int64_t y = z % kMeanRows; y < stage.pairs.y; y += kMeanRows) {
       const std::int16_t* const means = work.means.row(y, z);
       const std::uint8_t* const activities = work.activities.row(y, z);
+      const std::uint16_t* const limits = work.limits.row(y, z);
+      const std::int16_t* const means_behind = z > 0 ? work.means.row(y, z - 1) : nullptr;
+      const std::uint16_t* const limits_behind = z > 0 ? work.limits.row(y, z - 1) : nullptr;
       for (std::int64_t x = 0; x < stage.pairs.x; ++x) {
-        const double step = means[x - along] - means[x + along];
-        const double weight = 1 / (1 + std::fabs(step));
-        MeanSums& s = of_classes[activities[x]];
-        s.step_squares += weight * step * step;
-        s.products += weight * step * target_detail(target, stage.axis, x, y, z);
+        if (limits[x] == 0) continue;
+        std::int64_t behind = 0;
+        if (z > 0 && limits_behind[x] != 0) {
+          behind = target_detail(target, stage.axis, x, y, z - 1) -
+                   (near_at(means_behind + x) >> kUsualShare);
+        }
+        const std::int64_t terms[] = {near_at(means + x), means[x - 2 * along] - means[x + 2 * along],
+                                      behind, target_detail(target, stage.axis, x, y, z)};
+        const std::int64_t steps = std::abs(terms[0]) + std::abs(terms[1]) + std::abs(behind);
+        sums[activities[x]].add(terms, kUnit / (1 + steps));
       }
     }
   }
+}
+
+/// The weights of a class that explain most of the details, given the far share of slopes.
+struct MeanWeights {
+  double slope = 0;
+  double behind = 0;
+  double explained = 0;
+};
+
+MeanWeights fit_means(const MeanSums& sums, std::int32_t far_share) {
+  using enum MeanSums::Term;
+  const double share = static_cast<double>(far_share) / (1 << kShareBits);
+  const double slopes = sums.real(kNear, kNear) +
+                        share * (2 * sums.real(kNear, kFar) + share * sums.real(kFar, kFar));
+  const double both = sums.real(kNear, kBehind) + share * sums.real(kFar, kBehind);
+  const double behinds = sums.real(kBehind, kBehind);
+  const double slope_details = sums.real(kNear, kDetail) + share * sums.real(kFar, kDetail);
+  const double behind_details = sums.real(kBehind, kDetail);
+  const double determinant = slopes * behinds - both * both;
+  MeanWeights fitted;
+  if (determinant > 1e-6 * slopes * behinds) {
+    fitted.slope = (slope_details * behinds - behind_details * both) / determinant;
+    fitted.behind = (behind_details * slopes - slope_details * both) / determinant;
+  } else if (slopes > 0) {
+    fitted.slope = slope_details / slopes;
+  }
+  fitted.explained = fitted.slope * slope_details + fitted.behind * behind_details;
+  return fitted;
+}
+
+std::int32_t best_far_share(const ClassMeanSums& sums) {
+  const auto explained = [&](std::int32_t share) {
+    double total = 0;
+    for (std::size_t activity = 1; activity < kClasses; ++activity) {
+      total += fit_means(sums[activity], share).explained;
+    }
+    return total;
+  };
+  std::int32_t best = 0;
+  double most = explained(0);
+  for (std::int32_t share = -kMaxShare; share <= kMaxShare; ++share) {
+    const double part = explained(share);
+    if (part <= most) continue;
+    most = part;
+    best = share;
+  }
+  return best;
+}
+
+/// A weight in units of 1 / 2^bits, at most `most`.
+std::int32_t fixed_point(double weight, int bits, std::int32_t most) {
+  return static_cast<std::int32_t>(
+      std::lround(std::clamp<double>(weight * (1 << bits), -most, most)));
 }
 
 }  // namespace
@@ -316,8 +402,9 @@ double detail_cost(Parameters p, const std::vector<TrainingSample>& training) {
   std::vector<std::uint64_t> costs(training.size());
   tbb::parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
     walk_level(p, training[i], 0,
-               [&](const Stage& stage, Workspace<std::int16_t>& work, const auto&,
-                   const PartNumber&) {
+               [&](const Stage& stage, Workspace<std::int16_t>& work,
+                   const Target<std::int16_t>& target, const PartNumber&) {
+                 predict_split(p, stage, work, target);
                  for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
                    for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
                      const std::int32_t* const residuals = work.residuals.row(y, z);
@@ -334,28 +421,36 @@ double detail_cost(Parameters p, const std::vector<TrainingSample>& training) {
 }
 
 void learn_mean_weights(Parameters& p, const std::vector<TrainingSample>& training, int group) {
-  std::vector<ClassMeanSums> by_sample(training.size());
+  const bool is_exact = p.quantizer.detail_step == 0;
+  std::vector<std::array<ClassMeanSums, 3>> by_sample(training.size());
   tbb::parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
     for (int level = group; level < group + levels_of_group(group); ++level) {
       if (level + 1 >= training[i].shape.level_count) break;
       walk_level(p, training[i], level,
                  [&](const Stage& stage, Workspace<std::int16_t>& work,
                      const Target<std::int16_t>& target, const PartNumber&) {
-                   add_means(stage, work, target, by_sample[i]);
+                   if (is_exact) measure_split(p, stage, work, target);
+                   else predict_split(p, stage, work, target);
+                   add_means(stage, work, target,
+                             by_sample[i][static_cast<std::size_t>(stage.axis)]);
                  });
     }
   });
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (std::size_t activity = 1; activity < kClasses; ++activity) {
-      MeanSums sum;
-      for (const ClassMeanSums& one : by_sample) {
-        sum.step_squares += one[axis][activity].step_squares;
-        sum.products += one[axis][activity].products;
+    ClassMeanSums sums;
+    for (const auto& one : by_sample) {
+      for (std::size_t activity = 1; activity < kClasses; ++activity) {
+        sums[activity].add(one[axis][activity]);
       }
-      if (sum.step_squares < 1) continue;
-      const double weight = sum.products / sum.step_squares * (1 << kWeightBits);
-      p.mean_weights[group][axis][activity] = static_cast<std::int32_t>(
-          std::lround(std::clamp<double>(weight, -kMaxMeanWeight, kMaxMeanWeight)));
+    }
+    const std::int32_t far_share = best_far_share(sums);
+    p.far_shares[group][axis] = far_share;
+    for (std::size_t activity = 1; activity < kClasses; ++activity) {
+      const MeanWeights fitted = fit_means(sums[activity], far_share);
+      if (fitted.explained <= 0) continue;
+      p.mean_weights[group][axis][activity] =
+          fixed_point(fitted.slope, kWeightBits, kMaxMeanWeight);
+      p.behind_weights[group][axis][activity] = fixed_point(fitted.behind, kShareBits, kMaxShare);
     }
   }
 }

@@ -21,7 +21,9 @@ namespace {
 constexpr int kWeightStep = 3;
 constexpr int kCoarseWeightStep = 5;         ///< for models that count beside what they code
 constexpr std::uint64_t kLittleBytes = 1 << 18;
-constexpr std::size_t kOrderBricks = 16;  ///< bricks that orders are tried on
+constexpr std::size_t kOrderBricks = 16;  ///< bricks with crops that orders are tried on
+constexpr std::size_t kCropsOfBrick = 4;  ///< at most
+constexpr std::int64_t kCropSide = 32;
 constexpr std::size_t kRefiningBricks = 16;  ///< bricks that another group's model is refined on
 constexpr std::size_t kFewBricks = 8;        ///< fewer are trained on in full
 /// What tables of another group may cost above those of a group's own, and what refined weights may
@@ -154,12 +156,11 @@ std::optional<Parameters> refined(TrainingSet& set, const Parameters& start) {
     if (p.predictor == Predictor::means) learn_mean_weights(p, training, group);
     else refine_weights(p, training, group);
   }
-  const TableCost after = table_cost(p, training, share);
+  const TableCost after = learn_contexts(p, training, share);
   if (static_cast<double>(after.own_bits) <
       static_cast<double>(before.own_bits) * (1 - kOtherWeights)) {
     return std::nullopt;
   }
-  learn_contexts(p, training, share);
   learn_frequencies(p, training, share);
   return p;
 }
@@ -174,19 +175,62 @@ std::vector<TrainingBrick> some_of(std::span<const TrainingBrick> bricks, std::s
   return some;
 }
 
-/// The order of the axes whose details come out smallest on a few bricks.
+/// The level 0 of a box of a brick, at its low or high end of each axis: bits of `corner` as in a
+/// HalvingMask.
+TrainingBrick crop_of(const TrainingBrick& brick, unsigned corner) {
+  TrainingBrick crop = brick;
+  BrickShape& shape = crop.shape;
+  shape.level_count = 2;
+  shape.halving[1] = 0;
+  const std::int64_t steps[3] = {1, brick.view.row_stride, brick.view.plane_stride};
+  std::int64_t first = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::int64_t size = brick.view.size[axis];
+    const bool is_high = (corner >> axis & 1) != 0;
+    const std::int64_t at = is_high ? std::max<std::int64_t>(size - kCropSide, 0) & ~1 : 0;
+    const std::int64_t length = std::min(size - at, kCropSide);
+    if (at + length < size) shape.weights.last[axis] = shape.weights.each[axis];
+    crop.view.size[axis] = shape.size[0][axis] = length;
+    first += at * steps[axis];
+  }
+  shape.size[1] = halved(shape.size[0], shape.halving[0]);
+  crop.view.voxels =
+      static_cast<const std::byte*>(brick.view.voxels) + first * bytes_per_voxel(brick.view.type);
+  return crop;
+}
+
+/// Crops of a few bricks: more of each where these are few, from corners that share no face.
+std::vector<TrainingBrick> crops_of(std::span<const TrainingBrick> bricks) {
+  constexpr unsigned kCorners[kCropsOfBrick] = {0, 3, 5, 6};
+  const std::vector<TrainingBrick> few = some_of(bricks, kOrderBricks);
+  std::vector<TrainingBrick> crops;
+  for (std::size_t i = 0; i < few.size(); ++i) {
+    const BrickShape& shape = few[i].shape;
+    if (shape.level_count < 2) continue;
+    const bool is_little = shape.size[0].x <= kCropSide && shape.size[0].y <= kCropSide &&
+                           shape.size[0].z <= kCropSide;
+    const std::size_t count =
+        is_little ? 1 : std::clamp<std::size_t>(kOrderBricks / few.size(), 1, kCropsOfBrick);
+    for (std::size_t k = 0; k < count; ++k) {
+      crops.push_back(crop_of(few[i], kCorners[(i + k) % kCropsOfBrick]));
+    }
+  }
+  return crops;
+}
+
+/// The order of the axes whose details come out smallest on a few crops.
 AxisOrder learn_order(std::span<const TrainingBrick> bricks, const CodecSettings& settings,
                       const ValueMap& map) {
   if (settings.axis_order) return *settings.axis_order;
   if (settings.preset == Preset::fast) return kStraightOrder;
-  const std::vector<TrainingBrick> few = some_of(bricks, kOrderBricks);
+  const std::vector<TrainingBrick> crops = crops_of(bricks);
   AxisOrder best = kStraightOrder;
   double minimum = 0;
   for (const AxisOrder& order : kAxisOrders) {
     Parameters p = default_parameters();
     p.axis_order = order;
     p.value_map = map;
-    const std::vector<TrainingSample> training = make_training_samples(few, p);
+    const std::vector<TrainingSample> training = make_training_samples(crops, p);
     if (training.empty()) return kStraightOrder;
     p.activity_threshold = learn_threshold(training);
     double cost = detail_cost(p, training);

@@ -35,14 +35,25 @@ struct PartNumber {
   std::int64_t count = 1;
 };
 
-/// Runs a level of a training sample through its splits as the encoder does, part by part. Calls
-/// `learn(stage, work, target, part)` after each, when work.residuals holds the residuals of all
-/// pairs and work.fine the samples as a decoder has them. When details are quantized the coarser
-/// levels are run first.
-/// reach  how much of the margins of work.means learn looks at
-template <class Learn>
+/// The ways to work on a split whose means stand in the work space. All leave work.fine as a decoder
+/// will have it; but `measure` leaves the true samples, which suits exact details alone.
+///   predict    work.residuals holds the residuals of all pairs
+///   list       the same, and appends the symbols; the magnitudes are those of the split
+///   measure    work.activities and work.limits are those of all pairs
+void predict_split(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
+                   const Target<std::int16_t>& target);
+void list_split(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
+                const Target<std::int16_t>& target, std::vector<Symbol>& symbols);
+void measure_split(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
+                   const Target<std::int16_t>& target);
+
+/// Runs a level of a training sample through its splits as the encoder does, part by part:
+/// `work_on(stage, work, target, part)` shall leave work.fine as a decoder has it. When details are
+/// quantized the coarser levels are run first.
+/// reach  how much of the margins of work.means work_on looks at
+template <class WorkOn>
 void walk_level(const Parameters& p, const TrainingSample& sample, int level, Margins reach,
-                Learn&& learn) {
+                WorkOn&& work_on) {
   Workspace<std::int16_t>& work = thread_workspace<std::int16_t>();
   const bool is_exact = p.quantizer.detail_step == 0;
   const int coarsest = sample.shape.level_count - 2;
@@ -58,13 +69,8 @@ void walk_level(const Parameters& p, const TrainingSample& sample, int level, Ma
                       if (stage.pairs.voxel_count() == 0) return;
                       const auto target =
                           target_of(sample.brick, sample.shape, part, at, split.axis);
-                      load_details(work, stage, target);
-                      if (stage.has_edges) mark_edges(stage, work);
-                      stage_functions().narrow.predict(p, stage, work);
-                      if (p.predictor == Predictor::means) {
-                        copy_lone(work.means, work.fine, stage.axis);
-                      }
-                      if (at == level) learn(stage, work, target, number);
+                      if (at == level) work_on(stage, work, target, number);
+                      else predict_split(p, stage, work, target);
                     });
           ++number.number;
         });
@@ -72,9 +78,9 @@ void walk_level(const Parameters& p, const TrainingSample& sample, int level, Ma
 }
 
 /// The same for one that looks at no more of the margins than the predictor does.
-template <class Learn>
-void walk_level(const Parameters& p, const TrainingSample& sample, int level, Learn&& learn) {
-  walk_level(p, sample, level, reach_of(p.predictor), learn);
+template <class WorkOn>
+void walk_level(const Parameters& p, const TrainingSample& sample, int level, WorkOn&& work_on) {
+  walk_level(p, sample, level, reach_of(p.predictor), work_on);
 }
 
 /// In-brick levels whose details use the weights of a group.
@@ -97,10 +103,6 @@ void learn_mean_weights(Parameters& p, const std::vector<TrainingSample>& traini
 /// weights learned from a few of them; compares orders of the axes.
 double detail_cost(Parameters p, const std::vector<TrainingSample>& training);
 
-/// Learns p.context_weights; needs the weights of the prediction.
-/// share  one in so many of the training samples is enough
-void learn_contexts(Parameters& p, const std::vector<TrainingSample>& training, std::size_t share);
-
 /// Bits, in units of 1/65536, that the residuals of level 0 take.
 struct TableCost {
   std::int64_t own_bits = 0;    ///< under tables of their own
@@ -112,6 +114,13 @@ struct TableCost {
     return static_cast<double>(given_bits) / static_cast<double>(own_bits) - 1;
   }
 };
+
+/// Learns p.context_weights; needs the weights of the prediction. Gives the costs before that.
+/// share  one in so many of the training samples is enough
+TableCost learn_contexts(Parameters& p, const std::vector<TrainingSample>& training,
+                         std::size_t share);
+
+/// The same costs, of the same samples, alone.
 TableCost table_cost(const Parameters& p, const std::vector<TrainingSample>& training,
                      std::size_t share);
 

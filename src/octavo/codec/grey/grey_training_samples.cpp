@@ -27,6 +27,42 @@ std::vector<TrainingSample> make_training_samples(std::span<const TrainingBrick>
   return training;
 }
 
+namespace {
+
+/// Puts the details of a split into work.residuals and notes its edges.
+void load_split(const Stage& stage, Workspace<std::int16_t>& work,
+                const Target<std::int16_t>& target) {
+  load_details(work, stage, target);
+  if (stage.has_edges) mark_edges(stage, work);
+}
+
+}  // namespace
+
+void predict_split(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
+                   const Target<std::int16_t>& target) {
+  load_split(stage, work, target);
+  stage_functions().narrow.predict(p, stage, work);
+}
+
+void list_split(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
+                const Target<std::int16_t>& target, std::vector<Symbol>& symbols) {
+  load_split(stage, work, target);
+  stage_functions().narrow.encode(p, stage, work, symbols);
+}
+
+void measure_split(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
+                   const Target<std::int16_t>& target) {
+  if (stage.has_edges) load_split(stage, work, target);
+  stage_functions().narrow.measure(p, stage, work);
+  const Size3& size = work.fine.size();
+  for (std::int64_t z = 0; z < size.z; ++z) {
+    for (std::int64_t y = 0; y < size.y; ++y) {
+      std::copy_n(target.samples + (z * target.size.y + y) * target.size.x, size.x,
+                  work.fine.row(y, z));
+    }
+  }
+}
+
 void load_level(Workspace<std::int16_t>& work, const TrainingSample& sample, int level) {
   const auto next = static_cast<std::size_t>(level) + 1;
   const Size3& size = sample.shape.size[next];

@@ -28,7 +28,7 @@ constexpr bool has_high_face(Faces faces, int axis) { return (faces >> 2 * axis 
 
 /// How much of the margins is looked at.
 enum class Margins {
-  nearest,  ///< what lies next to samples
+  near,  ///< two samples deep
   all
 };
 
@@ -56,7 +56,7 @@ class SampleGrid {
   /// Repeats the border samples into the margins beyond some faces.
   void fill_margins(Margins reach = Margins::all, Faces faces = kAllFaces) {
     if (reach == Margins::all) fill_margins<kMarginX, kMargin>(faces);
-    else fill_margins<1, 1>(faces);
+    else fill_margins<2, 2>(faces);
   }
 
   void swap(SampleGrid& other) noexcept {
@@ -134,8 +134,8 @@ void repeat_along(const SampleGrid<Sample>& coarse, SampleGrid<Sample>& fine, in
 template <class Sample>
 void repeat_margins_along(const SampleGrid<Sample>& coarse, SampleGrid<Sample>& fine, int axis,
                           Margins reach, Faces faces) {
-  const std::int64_t wide = reach == Margins::all ? SampleGrid<Sample>::kMarginX : 1;
-  const std::int64_t deep = reach == Margins::all ? SampleGrid<Sample>::kMargin : 1;
+  constexpr std::int64_t deep = SampleGrid<Sample>::kMargin;
+  const std::int64_t wide = reach == Margins::all ? SampleGrid<Sample>::kMarginX : deep;
   const Size3& size = fine.size();
   for (std::int64_t z = -deep; z < size.z + deep; ++z) {
     const bool is_plane_inside = z >= 0 && z < size.z;

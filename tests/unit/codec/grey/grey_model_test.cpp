@@ -77,6 +77,13 @@ TEST(GreyModel, WhatNoEncoderWritesIsCorrupt) {
         p.predictor = grey::Predictor::means;
         p.mean_weights[1][2][1] = grey::kMaxMeanWeight;
       },
+      [](Parameters& p) {
+        p.predictor = grey::Predictor::means;
+        p.far_shares[0][0] = -grey::kMaxShare;
+        p.far_shares[2][2] = grey::kMaxShare;
+        p.behind_weights[0][1][1] = -grey::kMaxShare;
+        p.behind_weights[2][0][4] = grey::kMaxShare;
+      },
       [](Parameters& p) { p.context_weights[0][0][1] = 8191; },
   };
   for (std::size_t i = 0; i < std::size(good); ++i) EXPECT_TRUE(is_accepted(good[i])) << i;
@@ -108,6 +115,22 @@ TEST(GreyModel, WhatNoEncoderWritesIsCorrupt) {
       [](Parameters& p) {
         p.predictor = grey::Predictor::means;
         p.mean_weights[1][2][1] = grey::kMaxMeanWeight + 1;
+      },
+      [](Parameters& p) {
+        p.predictor = grey::Predictor::means;
+        p.far_shares[0][0] = -grey::kMaxShare - 1;
+      },
+      [](Parameters& p) {
+        p.predictor = grey::Predictor::means;
+        p.far_shares[2][2] = grey::kMaxShare + 1;
+      },
+      [](Parameters& p) {
+        p.predictor = grey::Predictor::means;
+        p.behind_weights[0][1][1] = -grey::kMaxShare - 1;
+      },
+      [](Parameters& p) {
+        p.predictor = grey::Predictor::means;
+        p.behind_weights[2][0][4] = grey::kMaxShare + 1;
       },
       [](Parameters& p) { p.context_weights[0][0][1] = 8192; },
       [](Parameters& p) { p.frequencies[0][0][0] = grey::kTableSize; },

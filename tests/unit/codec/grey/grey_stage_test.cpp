@@ -60,6 +60,14 @@ RandomSplit make_split(std::mt19937& random, const Size3& fine, int axis, Predic
       }
     }
   }
+  for (auto& group : p.far_shares) {
+    for (auto& share : group) share = below(2 * kMaxShare + 1) - kMaxShare;
+  }
+  for (auto& group : p.behind_weights) {
+    for (auto& along : group) {
+      for (int cls = 1; cls < kClasses; ++cls) along[cls] = below(2 * kMaxShare + 1) - kMaxShare;
+    }
+  }
   for (auto& group : p.context_weights) {
     for (auto& along : group) {
       for (auto& w : along) w = below(4) == 0 ? below(8192) : below(60);

@@ -1,9 +1,11 @@
-// Models within a max error, and of later groups, which start from the first group's.
+// What models learn, within a max error as well, and models of later groups, which start from the
+// first group's.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
+#include "octavo/codec/grey/grey_codec.h"
 #include "octavo/codec/refine_model.h"
 
 namespace octavo {
@@ -16,15 +18,22 @@ constexpr Size3 kBrick = {64, 64, 16};
 /// Waves with noise of so many bits, all of them multiples of a step.
 class Group {
  public:
-  Group(std::uint32_t seed, int noise_bits, double step = 1) {
+  /// short_waves  how high shorter waves along x are, beside the usual ones
+  /// repeats      whether all planes have the same noise, but for its last two bits
+  Group(std::uint32_t seed, int noise_bits, double step = 1, double short_waves = 0,
+        bool repeats = false) {
     std::mt19937 random(seed);
     for (std::int64_t z = 0; z < kSize.z; ++z) {
+      std::mt19937 of_plane(seed);
       for (std::int64_t y = 0; y < kSize.y; ++y) {
         for (std::int64_t x = 0; x < kSize.x; ++x) {
           const double wave = std::sin(0.2 * static_cast<double>(x)) *
-                              std::cos(0.15 * static_cast<double>(y + 2 * z));
-          const auto noise = static_cast<double>(random() >> (32 - noise_bits));
-          voxels_.push_back(static_cast<std::int16_t>(step * std::floor(400 * wave + noise)));
+                                  std::cos(0.15 * static_cast<double>(y + 2 * z)) +
+                              short_waves * std::sin(0.9 * static_cast<double>(x));
+          const auto noise = repeats ? (of_plane() >> (32 - noise_bits)) + (random() >> 30)
+                                     : random() >> (32 - noise_bits);
+          voxels_.push_back(static_cast<std::int16_t>(
+              step * std::floor(400 * wave + static_cast<double>(noise))));
         }
       }
     }
@@ -95,6 +104,33 @@ TEST(GreyTrainer, RoundingNeverHidesGapsAtACost) {
     EXPECT_LE(size_of(*within, stretched), size_of(*lossless, stretched));
     EXPECT_LE(largest_error(*within, stretched.bricks().front()), 1);
   }
+}
+
+/// Bytes of the group's bricks under a model of the fast preset with some of its weights left out,
+/// relative to those under the model itself.
+double size_without(const Group& group, void (*leave_out)(grey::Parameters&)) {
+  using grey::GreyCodec;
+  const auto model = trained(group.bricks(), {Preset::fast, 0});
+  grey::Parameters p = dynamic_cast<const GreyCodec&>(*model).parameters();
+  leave_out(p);
+  return static_cast<double>(size_of(GreyCodec(p), group)) /
+         static_cast<double>(size_of(*model, group));
+}
+
+TEST(FastModel, PredictsNoiseThatThePlaneBehindHasToo) {
+  const auto leave_out = [](grey::Parameters& p) {
+    for (auto& group : p.behind_weights) {
+      for (auto& along : group) std::fill(std::begin(along), std::end(along), 0);
+    }
+  };
+  EXPECT_GT(size_without(Group(4, 6, 1, 0, true), leave_out), 1.1);
+}
+
+TEST(FastModel, PredictsShortWavesFromMeansTwoAway) {
+  const auto leave_out = [](grey::Parameters& p) {
+    for (auto& group : p.far_shares) std::fill(std::begin(group), std::end(group), 0);
+  };
+  EXPECT_GT(size_without(Group(5, 2, 1, 0.5), leave_out), 1.02);
 }
 
 class RefinementOf : public ::testing::TestWithParam<CodecSettings> {
