@@ -54,6 +54,9 @@ constexpr VerbText kBuildText = {
     "files; info --metadata lists what was dropped. --keep-identity puts them into the metadata:\n"
     "of DICOM the attributes of the first slice that are text, and the labels of segments, which\n"
     "without it are numbers alone. Exports never hold them.\n\n"
+    "--thumbnail puts a PNG of at most 256 x 256 pixels into the file: a coronal plane through\n"
+    "the middle, seen from the front; of flat volumes the plane of the longer sides. info\n"
+    "--thumbnail writes it, verify proves it, and transform makes it anew.\n\n"
     "With --resume a build that was interrupted (a signal, a full disk, a power cut) continues\n"
     "behind the last whole group of planes. The scan is read again and must be the same; so is\n"
     "the finished file, byte for byte. Give --resume from the start where work may not be lost.\n\n"
@@ -75,6 +78,7 @@ struct BuildArguments {
   bool grey = false;
   std::string label_names;
   bool resume = false;
+  bool thumbnail = false;
   std::string preset = "small";
   std::string access;
   std::string max_error = "0";
@@ -99,7 +103,7 @@ std::optional<Access> parse_access(const std::string& text) {
 BuildScanOptions options_of(const BuildArguments& arguments, const Context& context) {
   BuildScanOptions options;
   options.inputs = arguments.inputs;
-  options.output = {arguments.output, context.force};
+  options.output = {arguments.output, context.force, arguments.thumbnail};
   if (arguments.labels) options.kind = VolumeKind::labels;
   if (arguments.grey) options.kind = VolumeKind::grey;
   options.label_names = arguments.label_names;
@@ -161,6 +165,8 @@ void add_build(CLI::App& app, Context& context) {
       ->type_name("VALUE");
   verb.add_flag("--keep-identity", arguments->scan.keep_identity,
                 "Keep names, dates and free text of the source in the metadata");
+  verb.add_flag("--thumbnail", arguments->thumbnail,
+                "Put a small picture into the file, for file managers and viewers");
   add_isotropic_option(verb, arguments->isotropic);
   verb.add_flag("--resume", arguments->resume,
                 "Continue an interrupted build of FILE, and keep this one if it is interrupted");

@@ -30,15 +30,18 @@ constexpr VerbText kInfoText = {
     "was built. --metadata lists what was kept of the identity of the source and what was\n"
     "dropped, by name and how often it was there; --json holds the same. sha256 tells whether\n"
     "files hold the same voxels: it is that of the SHA-256 of each plane. Of metadata that fill\n"
-    "more than 1 MiB both say which bytes of the file they are instead.\n\n"
+    "more than 1 MiB both say which bytes of the file they are instead. --thumbnail writes the\n"
+    "small picture that build --thumbnail puts into a file, and makes it of any other file.\n\n"
     "Examples:\n"
     "  octavo info head.8vo\n"
     "  octavo info head.8vo --metadata\n"
+    "  octavo info head.8vo --thumbnail head.png\n"
     "  octavo info https://example.org/head.8vo --json"};
 
 struct InfoArguments {
   std::string input;
   bool show_metadata = false;
+  std::string thumbnail;
 };
 
 std::string row(const char* name, const std::string& text) {
@@ -187,6 +190,9 @@ std::string screen(const InfoResult& info, bool show_metadata) {
   if (!metadata.is_readable()) {
     text += row("metadata", "cannot be read, no JSON object: " + metadata.defect());
   }
+  if (info.thumbnail_bytes > 0) {
+    text += row("thumbnail", bytes_text(info.thumbnail_bytes) + " (info --thumbnail writes it)");
+  }
   text += row("sha256", hex_text(info.voxel_digest) + " (of the planes' own)");
   text += row("format", "8vo " + info.format_version);
   text += level_table(info);
@@ -194,7 +200,8 @@ std::string screen(const InfoResult& info, bool show_metadata) {
 }
 
 int run_info(const InfoArguments& arguments, Context& context) {
-  const InfoResult result = info({arguments.input}, brief_task(context));
+  const InfoResult result = info({arguments.input, {arguments.thumbnail, context.force}},
+                                 brief_task(context));
   if (context.json) print_json(file_json(result));
   else print(screen(result, arguments.show_metadata));
   return kExitDone;
@@ -208,6 +215,8 @@ void add_info(CLI::App& app, Context& context) {
                             [arguments, &context] { return run_info(*arguments, context); });
   verb.add_input(arguments->input);
   verb.add_flag("--metadata", arguments->show_metadata, "Show all metadata as well");
+  verb.add_option("--thumbnail", arguments->thumbnail, "Write the thumbnail to a PNG file")
+      ->type_name("FILE");
 }
 
 }  // namespace octavo::cli

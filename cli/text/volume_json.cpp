@@ -92,6 +92,7 @@ nlohmann::ordered_json file_json(const InfoResult& info) {
           {"achieved_error_real", info.achieved_error * slope},
           {"lossless", info.max_error == 0},
           {"voxels_sha256", hex_text(info.voxel_digest)},
+          {"thumbnail_bytes", info.thumbnail_bytes},
           {"source_lossy", metadata.was_source_lossy()},
           {"coding", coding_json(d.coding)},
           {"min", voxel_json(d, info.range.min)},

@@ -5,10 +5,12 @@ import hashlib
 import numpy as np
 
 from .byte_cursor import crc32c
+from .directory import THUMBNAIL
 from .errors import require
 from .file import OctavoFile
 from .header import HEADER_LENGTH, TRAILER_LENGTH
 from .index import brick_order
+from .thumbnail import thumbnail_of
 
 
 def verify(file: OctavoFile) -> None:
@@ -36,6 +38,10 @@ def verify(file: OctavoFile) -> None:
         require(found == expected, f"plane {z} has another digest than its slab trailer says")
     require(hashlib.sha256(b"".join(digests)).digest() == file.voxel_digest,
             "the voxels have another digest than the trailer says")
+    for part in file.parts:
+        if part.tag == THUMBNAIL:
+            require(file.part(part) == thumbnail_of(header, levels.__getitem__),
+                    "the thumbnail is not that of these voxels")
 
 
 def _verify_slabs(file: OctavoFile, body: bytes) -> None:

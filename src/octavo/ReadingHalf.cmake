@@ -8,6 +8,7 @@ set(OCTAVO_READ_SOURCES
   core/json_number.cpp
   core/json_reader.cpp
   core/json_text.cpp
+  core/label_color.cpp
   core/label_names.cpp
   core/levels.cpp
   core/made_by.cpp
@@ -54,6 +55,7 @@ set(OCTAVO_READ_SOURCES
   codec/label/label_word_bricks.cpp
   file/bit_flip.cpp
   file/directory.cpp
+  file/fixed_png.cpp
   file/index.cpp
   file/index_lengths.cpp
   file/index_root.cpp
@@ -65,6 +67,8 @@ set(OCTAVO_READ_SOURCES
   file/reader.cpp
   file/slab_trailer.cpp
   file/storage/byte_source.cpp
+  file/thumbnail.cpp
+  file/thumbnail_check.cpp
   file/verify.cpp
 )
 list(TRANSFORM OCTAVO_READ_SOURCES PREPEND ${CMAKE_CURRENT_LIST_DIR}/)

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Runs the commands of README.md and docs/verbs.md, on a phantom that has the names of the demo,
-and compares the sizes that README.md states with bench/results/sizes.csv.
+compares the sizes that README.md states with bench/results/sizes.csv, and gives the magic of
+docs/registry.md to file(1).
 
 Those of docs/gallery.md are run by tools/gallery.
 
@@ -11,8 +12,10 @@ import csv
 import pathlib
 import re
 import shlex
+import shutil
 import subprocess
 import sys
+import unittest
 
 import cli_test
 
@@ -89,6 +92,28 @@ class Documents(cli_test.InFolder):
         pictures = [path.name for path in (ROOT / "docs/gallery").iterdir()]
         self.assertEqual(sorted(shown), sorted(pictures))
         self.assertEqual(sorted(name for name in made if name.endswith(".png")), sorted(shown))
+
+    @unittest.skipUnless(shutil.which("file"), "file(1) is not installed")
+    def test_the_magic_of_the_registry_names_what_a_file_holds(self):
+        page = (ROOT / "docs/registry.md").read_text()
+        (self.folder / "magic").write_text(re.search(r"```text\n(.*?)```", page, re.DOTALL)[1])
+
+        def named(name, *options):
+            command = ["file", "--brief", "-m", self.folder / "magic", *options, name]
+            return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+        for name, words in [("small-int16", "grey, 44 x 36 x 30 voxels"),
+                            ("labels-uint8", "labels, 41 x 33 x 26 voxels")]:
+            golden = ROOT / f"tests/golden/v1/{name}.8vo"
+            self.assertEqual(named(golden), f"Octavo volume version 1.0, {words}\n")
+            self.assertEqual(named(golden, "--mime-type"), "application/vnd.octavo\n")
+            self.assertEqual(named(golden, "--extension"), "8vo\n")
+        unfinished = bytearray((ROOT / "tests/golden/v1/small-int16.8vo").read_bytes()[:512])
+        unfinished[15] = 0
+        (self.folder / "u.8vo").write_bytes(unfinished)
+        self.assertEqual(named(self.folder / "u.8vo"),
+                         "Octavo volume version 1.0, grey, 44 x 36 x 30 voxels, unfinished\n")
+        self.assertEqual(named(ROOT / "tests/golden/v1/newer/trial.8vo"), "data\n")
 
 
 if __name__ == "__main__":

@@ -27,12 +27,14 @@ struct Ended {
   MemoryStorage storage;
   std::string growing;
 
-  Ended(SampleVolume sample, std::size_t layers) : volume(std::move(sample)) {
+  Ended(SampleVolume sample, std::size_t layers, const std::string& settings = {})
+      : volume(std::move(sample)) {
     RecordingWriter recording;
     encode_sample(recording, volume);
     WriterOptions options;
     options.max_error = volume.max_error;
     options.has_journal = options.is_resuming = true;
+    options.settings = settings;
     const auto writer = FileWriter::create(storage, "a.8vo", volume.description, volume.levels, 1,
                                            options);
     const Size3 grid = volume.levels.brick_grid(0);
@@ -130,6 +132,16 @@ TEST(Repair, WhereEveryPlaneIsWholeNothingIsMissing) {
   for (int level = 0; level < ended.volume.levels.count(); ++level) {
     const Box all = box_of(ended.volume.levels.size(level));
     EXPECT_EQ(read_samples(*reader, all, level), expected_samples(ended.volume, all, level));
+  }
+}
+
+TEST(Repair, AThumbnailThatWasAskedForIsMade) {
+  for (const std::string settings : {"", "thumbnail: not given\n", "thumbnail: given\n"}) {
+    Ended ended(four_layers(VoxelType::uint8), 2, settings);
+    ASSERT_TRUE(ended.seal().has_value());
+    EXPECT_TRUE(is_sound(ended.storage));
+    const auto reader = open_bytes(*ended.storage.files.at("out.8vo"));
+    EXPECT_EQ(reader->thumbnail_bytes() > 0, settings == kThumbnailSetting);
   }
 }
 

@@ -24,6 +24,7 @@
 #include "octavo/core/crc32c.h"
 #include "octavo/core/progress.h"
 #include "octavo/file/reader.h"
+#include "octavo/file/thumbnail.h"
 #include "octavo/file/write/writer.h"
 #include "octavo/planes/memory_source.h"
 #include "support/memory_storage.h"
@@ -69,6 +70,8 @@ struct Feature {
   Point3 spacing = {1, 1, 1};
   /// Nothing: the file is built as any other; else it is written brick by brick.
   void (*write)(FileWriter& writer, SampleVolume& volume) = nullptr;
+  /// What it is built of, where that is not `voxel`.
+  double (*source)(const Index3&) = nullptr;
 };
 
 template <std::int64_t kScale, std::int64_t kGrain>
@@ -112,6 +115,20 @@ double exact_floats(const Index3& p) {
   if (p.z > 8) return p.x < 20 ? 0.0 : static_cast<double>(some) * 1e-12;
   return static_cast<double>(scan_at(p, 100, 24)) * 0.37 + static_cast<double>(some) / 70001.0;
 }
+/// NaN and infinities in smooth floats, and what takes their place.
+double holed_floats(const Index3& p) {
+  const std::uint32_t some = noise_at(p);
+  if (some < 900) return std::numeric_limits<double>::quiet_NaN();
+  if (some > 65000) return (some % 2 == 0 ? 1 : -1) * std::numeric_limits<double>::infinity();
+  return smooth_floats(p);
+}
+constexpr float kForNaN = -1.5F;
+constexpr float kForInfinity = 40;
+double filled_floats(const Index3& p) {
+  const double value = holed_floats(p);
+  if (std::isnan(value)) return kForNaN;
+  return std::isinf(value) ? std::copysign(kForInfinity, value) : value;
+}
 /// Steep along x, nearly alike along z: another axis order than the usual one pays.
 double streaks(const Index3& p) {
   return static_cast<double>(noise_at({p.x, p.y, p.z / 16}) & 0xfff);
@@ -130,6 +147,17 @@ Part part_of(const PartTag& tag, std::uint32_t flags, const std::string& text) {
 /// A model for each of two slabs.
 void write_two_models(FileWriter& writer, SampleVolume& volume) {
   volume.model_layers = 1;
+  encode_sample(writer, volume);
+}
+
+/// The axes of a mask cut in level 0: all that a model can say, of which builds choose three.
+template <std::uint8_t kCutAxes>
+void write_cut(FileWriter& writer, SampleVolume& volume) {
+  volume.changed_codec = [&](const BrickCodec& codec) {
+    Bytes model = codec.serialized();
+    model[1] = kCutAxes;
+    return parse_model(codec.kind(), volume.description.type, model);
+  };
   encode_sample(writer, volume);
 }
 
@@ -155,7 +183,14 @@ std::vector<Feature> features() {
   };
   BuildOptions as_labels;
   as_labels.kind = VolumeKind::labels;
+  BuildOptions filled = with(Preset::small, 0.05);
+  filled.repair = {kForNaN, kForInfinity};
+  const auto shown = [](BuildOptions options) {
+    options.has_thumbnail = true;
+    return options;
+  };
   const Size3 size{41, 33, 26};
+  const Size3 cut_size{35, 34, 36};
   return {
       {"small-int16", {44, 36, 30}, VoxelType::int16, ripples},
       {"small-uint8-thick", {41, 33, 12}, VoxelType::uint8, scan<20, 5>, {}, {1, 1, 4}},
@@ -175,6 +210,8 @@ std::vector<Feature> features() {
       {"float32-exact", {66, 18, 12}, VoxelType::float32, exact_floats},
       {"float32-exact-fast", {30, 17, 11}, VoxelType::float32, exact_floats, with(Preset::fast, 0)},
       {"float32-max-error", size, VoxelType::float32, smooth_floats, with(Preset::small, 0.05)},
+      {"float32-filled", {24, 20, 17}, VoxelType::float32, filled_floats, filled, {1, 1, 1},
+       nullptr, holed_floats},
       {"slices-small", {20, 36, 34}, VoxelType::int16, ripples,
        in_parts(Preset::small, Access::slices)},
       {"slices-fast", {36, 34, 33}, VoxelType::int16, signed_scan,
@@ -189,18 +226,25 @@ std::vector<Feature> features() {
        in_parts(Preset::fast, Access::boxes)},
       {"boxes-max-error", {44, 40, 36}, VoxelType::uint16, waves,
        in_parts(Preset::fast, Access::boxes, 12)},
-      {"boxes-float32", {34, 20, 20}, VoxelType::float32, scaled_scan,
-       in_parts(Preset::fast, Access::boxes)},
+      {"boxes-float32", {34, 36, 20}, VoxelType::float32, smooth_floats,
+       in_parts(Preset::fast, Access::boxes, 0.05)},
+      {"cut-x", cut_size, VoxelType::uint8, scan<20, 5>, {}, {1, 1, 1}, write_cut<1>},
+      {"cut-y", cut_size, VoxelType::uint8, scan<20, 5>, {}, {1, 1, 1}, write_cut<2>},
+      {"cut-xy", cut_size, VoxelType::uint8, scan<20, 5>, {}, {1, 1, 1}, write_cut<3>},
+      {"cut-z", cut_size, VoxelType::uint8, scan<20, 5>, {}, {1, 1, 1}, write_cut<4>},
+      {"cut-xz", cut_size, VoxelType::uint8, scan<20, 5>, {}, {1, 1, 1}, write_cut<5>},
       {"two-pages", {2112, 2048, 1}, VoxelType::uint8, one_spot},
       {"three-tiers", {4097, 3, 2}, VoxelType::int16, ramp},
       {"two-models", {20, 18, 70}, VoxelType::int16, signed_scan, {}, {1, 1, 1}, write_two_models},
       {"parts", {20, 18, 17}, VoxelType::int16, signed_scan, {}, {1, 1, 1}, write_parts},
+      {"thumbnail", {300, 7, 40}, VoxelType::int16, signed_scan, shown({}), {1, 1, 2.5}},
+      {"thumbnail-labels", size, VoxelType::uint8, labels, shown(as_labels)},
       {"labels-uint8", size, VoxelType::uint8, labels, as_labels},
       {"labels-stored-uint32", {20, 18, 17}, VoxelType::uint32, many_labels, as_labels},
   };
 }
 
-std::vector<std::byte> voxels_of(const Feature& feature) {
+std::vector<std::byte> voxels_of(const Feature& feature, double (*voxel_at)(const Index3&)) {
   std::vector<std::byte> voxels(static_cast<std::size_t>(feature.size.voxel_count() *
                                                          bytes_per_voxel(feature.type)));
   with_voxel_type(feature.type, [&](auto tag) {
@@ -209,13 +253,17 @@ std::vector<std::byte> voxels_of(const Feature& feature) {
     for (std::int64_t z = 0; z < feature.size.z; ++z) {
       for (std::int64_t y = 0; y < feature.size.y; ++y) {
         for (std::int64_t x = 0; x < feature.size.x; ++x, out += sizeof(T)) {
-          const auto voxel = static_cast<T>(feature.voxel({x, y, z}));
+          const auto voxel = static_cast<T>(voxel_at({x, y, z}));
           std::memcpy(out, &voxel, sizeof voxel);
         }
       }
     }
   });
   return voxels;
+}
+
+std::vector<std::byte> voxels_of(const Feature& feature) {
+  return voxels_of(feature, feature.voxel);
 }
 
 /// The file of voxels that are given to the writer brick by brick.
@@ -239,7 +287,8 @@ std::vector<std::uint8_t> build(const Feature& feature) {
   description.type = feature.type;
   description.kind = feature.options.kind;
   description.geometry.spacing_mm = feature.spacing;
-  const auto voxels = voxels_of(feature);
+  const auto voxels =
+      voxels_of(feature, feature.source == nullptr ? feature.voxel : feature.source);
   const auto source = make_memory_source(description, voxels);
   MemoryStorage storage;
   NoProgress progress;
@@ -346,6 +395,12 @@ TEST_P(FeatureFile, EveryLevelIsAsListed) {
     if (line.starts_with(GetParam().name + ".8vo ")) listed += line + "\n";
   }
   EXPECT_EQ(lines_for(GetParam(), *open_bytes(kept(GetParam().name))), listed);
+}
+
+TEST_P(FeatureFile, HasAThumbnailOfItsVoxelsWhereOneIsAskedFor) {
+  const auto reader = open_bytes(kept(GetParam().name));
+  EXPECT_EQ(reader->thumbnail_bytes() > 0, GetParam().options.has_thumbnail);
+  EXPECT_TRUE(!GetParam().options.has_thumbnail || has_true_thumbnail(*reader));
 }
 
 TEST(NewerFile, IsRejectedAsItsListSays) {

@@ -34,6 +34,10 @@ OUTCOME_OF_KIND = {"not_octavo": "newer", "unsupported_version": "newer", "corru
                    "truncated": "damaged"}
 CODES_INT16 = (0x8001, struct.pack("<BBdd", 3, 0, 0.5, 1.0))
 STORED = bytes([1, 3, 2, 4, 0, 191, 1, 2])
+# Two by two pixels, all black.
+BLACK = bytes.fromhex(
+    "89504e470d0a1a0a0000000d494844520000000200000002080000000057dd52f80000000a494441"
+    "5478016300030000060001795e978f0000000049454e44ae426082")
 
 
 def coding(code_type=5, flags=1, scale=0.5, offset=1.0):
@@ -151,6 +155,14 @@ ROWS = [
     ("a flag of a part", {"parts": ((b"note", 4, b"text"),)}, "newer"),
     ("a tag with a blank", {"parts": ((b"no e", 0, b"text"),)}, "damaged"),
     ("two thumbnails", {"parts": ((b"thmb", 0, b""), (b"thmb", 0, b""))}, "damaged"),
+    ("a thumbnail", {"parts": ((b"note", 0, b"text"), (b"thmb", 2, BLACK))}, "sound"),
+    ("a thumbnail without flags", {"parts": ((b"thmb", 0, BLACK),)}, "sound"),
+    ("a thumbnail of other voxels", {"low": 9, "high": 200, "stored": STORED,
+                                     "voxels": (10, 12, 11, 13, 9, 200, 10, 11),
+                                     "parts": ((b"thmb", 2, BLACK),)}, "sound", "damaged"),
+    ("an empty thumbnail", {"parts": ((b"thmb", 2, b""),)}, "sound", "damaged"),
+    ("a thumbnail with more behind it", {"parts": ((b"thmb", 2, BLACK + b" "),)},
+     "sound", "damaged"),
     ("a part in no directory", {"parts": ((b"note", 0, b"text"),), "directory": b""}, "damaged"),
     ("half an entry", {"directory": bytes(16)}, "damaged"),
     # Digests

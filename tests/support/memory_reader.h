@@ -34,6 +34,7 @@ class MemoryReader final : public FileReader {
   double achieved_error() const override { return 0; }
   LevelSummary level_summary(int) const override { return {}; }
   AxisOrder axis_order() const override { return kStraightOrder; }
+  std::uint64_t thumbnail_bytes() const override { return 0; }
   Bytes thumbnail() const override { return {}; }
   BrickEntry brick(int, const Index3&) const override { has_none(); }
   void read_brick(const BrickEntry&, int, void*) const override { has_none(); }

@@ -170,6 +170,7 @@ void encode_sample(FileWriter& writer, SampleVolume& volume) {
       if (tier == 0 && layer % volume.model_layers == 0) {
         if (layer > 0 && !first_codec) first_codec = std::move(codec);
         codec = train_on_layer(work, layer);
+        if (volume.changed_codec) codec = volume.changed_codec(*codec);
         writer.add_model(codec->serialized());
       }
       const BrickCodec& used = tier > 0 && first_codec ? *first_codec : *codec;

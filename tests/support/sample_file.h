@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,6 +22,8 @@ struct SampleVolume {
   std::int64_t model_layers = 1;  ///< a new model every so many layers
   double max_error = 0;           ///< of the file, voxel units
   std::int64_t codec_error = 0;   ///< what its bricks are coded with; samples are codes then
+  /// What takes the place of the codec of each group; none: that one itself.
+  std::function<std::unique_ptr<BrickCodec>(const BrickCodec&)> changed_codec = {};
 };
 
 /// How the voxels of a sample vary.

@@ -104,7 +104,9 @@ std::string settings_text(const BuildOptions& options) {
     return value ? exact_text(*value) : std::string(kSettingNotGiven);
   };
   text += "repair.nan: " + repair(options.repair.nan) + "\n";
-  return text + "repair.infinity: " + repair(options.repair.infinity) + "\n";
+  text += "repair.infinity: " + repair(options.repair.infinity) + "\n";
+  return text + (options.has_thumbnail ? kThumbnailSetting
+                                       : std::string("thumbnail: ") + kSettingNotGiven + "\n");
 }
 
 std::string crc_text(std::uint32_t crc) {
@@ -297,6 +299,7 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
   WriterOptions writing;
   writing.overwrite = options.overwrite;
   writing.max_error = result.max_error;
+  writing.has_thumbnail = options.has_thumbnail;
   writing.is_resuming = options.interrupted == Interrupted::resume;
   writing.discards_interrupted = options.interrupted == Interrupted::discard;
   const bool is_one_group = group_planes(levels, description.coded_type()) == description.size.z;

@@ -35,6 +35,7 @@ struct BuildOptions {
   /// Integer volumes round it down to whole stored units.
   double max_error = 0;
   FloatRepair repair = {};  ///< of NaN and infinities in float32 volumes
+  bool has_thumbnail = false;  ///< as WriterOptions::has_thumbnail
   bool overwrite = false;
   Interrupted interrupted = Interrupted::reject;
   /// Whether a journal is kept, for Interrupted::resume after the program was killed. Without one

@@ -153,6 +153,7 @@ SealResult seal(InterruptedBuild build, Storage& storage, const std::string& out
   writing.overwrite = options.overwrite;
   writing.discards_interrupted = options.overwrite;
   writing.max_error = bricks.header().max_error;
+  writing.has_thumbnail = bricks.settings().find(kThumbnailSetting) != std::string::npos;
   const auto writer =
       FileWriter::create(storage, output, description, levels,
                          content_hash_of(bricks.header(), result.whole_planes), writing);

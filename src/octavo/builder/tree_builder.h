@@ -40,6 +40,7 @@ struct TreeBuildOptions {
   /// What becomes of an interrupted build of the same file; a build of a tree leaves none and
   /// continues none.
   Interrupted interrupted = Interrupted::reject;
+  bool has_thumbnail = false;  ///< as WriterOptions::has_thumbnail
   int threads = 0;  ///< 0: all cores
   /// 0: no limit; otherwise Error{limit_exceeded} before work starts when the need is above it.
   std::uint64_t max_memory_bytes = 0;

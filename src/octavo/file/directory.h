@@ -27,7 +27,7 @@ inline constexpr std::uint64_t kMaxThumbnailBytes = std::uint64_t{256} << 10;
 
 using PartTag = std::array<char, 4>;
 
-/// A PNG of one plane.
+/// A PNG of one plane, thumbnail.h. Depends on voxels and header.
 inline constexpr PartTag kThumbnailTag = {'t', 'h', 'm', 'b'};
 
 /// Who does not know such a part cannot read the file.

@@ -46,6 +46,7 @@ class OpenFile {
   OpenFile(std::shared_ptr<const ByteSource> source, const ReaderOptions& options);
 
   const ByteSource& source() const { return *source_; }
+  const std::shared_ptr<const ByteSource>& shared_source() const { return source_; }
   const FileHeader& header() const { return header_; }
   const FileTrailer& trailer() const { return trailer_; }
   const VolumeDescription& description() const { return header_.description; }

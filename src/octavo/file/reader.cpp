@@ -98,6 +98,11 @@ class FileReaderImpl final : public FileReader {
     return std::to_string(file_.header().major) + "." + std::to_string(file_.header().minor);
   }
 
+  std::uint64_t thumbnail_bytes() const override {
+    const PartEntry* part = file_.find_part(kThumbnailTag);
+    return part == nullptr ? 0 : part->bytes.length;
+  }
+
   Bytes thumbnail() const override {
     const PartEntry* part = file_.find_part(kThumbnailTag);
     return part == nullptr ? Bytes{} : file_.read_section(part->bytes, "thumbnail");

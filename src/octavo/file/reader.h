@@ -113,6 +113,8 @@ class FileReader {
   virtual void read_strided(const Box& box, int level, void* out, std::int64_t row_stride,
                             std::int64_t plane_stride) const = 0;
 
+  /// The length of the thumbnail; 0 when there is none.
+  virtual std::uint64_t thumbnail_bytes() const = 0;
   /// The PNG picture of the file; empty when it has none. Throws Error{corrupt}.
   virtual Bytes thumbnail() const = 0;
 

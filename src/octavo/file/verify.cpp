@@ -10,12 +10,12 @@
 
 #include "octavo/core/crc32c.h"
 #include "octavo/core/sha256.h"
-#include "octavo/file/bit_flip.h"
 #include "octavo/file/byte_codec.h"
 #include "octavo/file/layer_order.h"
 #include "octavo/file/open_file.h"
 #include "octavo/file/plane_digests.h"
 #include "octavo/file/slab_trailer.h"
+#include "octavo/file/thumbnail_check.h"
 
 namespace octavo {
 
@@ -125,6 +125,8 @@ class Verifier {
     if (lying_slab_trailer_ && report_.damage_count == 0) add(*lying_slab_trailer_);
     if (report_.damage_count == 0) check_file_crc();
     if (report_.damage_count == 0) check_voxel_digest();
+    const bool is_read = options_.decode && report_.is_sound();
+    if (const auto odd = is_read ? thumbnail_damage(file_, progress_) : std::nullopt) add(*odd);
     progress_.end();
     return std::move(report_);
   }

@@ -16,7 +16,7 @@
 namespace octavo {
 
 struct VerifyOptions {
-  bool decode = true;   ///< decode every brick; compare its range and the digests of planes
+  bool decode = true;   ///< decode every brick; compare its range, plane digests, the thumbnail
   ForEach for_each;     ///< how to run the bricks of a layer; empty: one after another
   std::size_t max_listed = 1000;  ///< damages that are described; the others are counted
   MakeHasher make_hasher;         ///< empty: the portable one

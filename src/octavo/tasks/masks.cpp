@@ -112,6 +112,7 @@ TreeBuildOptions tree_build_options_for(const TaskContext& context, const Output
                                         const std::string& work) {
   return {.overwrite = output.overwrite,
           .interrupted = output.overwrite ? Interrupted::discard : Interrupted::reject,
+          .has_thumbnail = output.has_thumbnail,
           .threads = context.threads,
           .max_memory_bytes = context.max_memory_bytes,
           .progress_name = work};

@@ -81,6 +81,7 @@ BuildOptions build_options_for(const TaskContext& context, const Output& output,
   options.threads = context.threads;
   options.max_memory_bytes = context.max_memory_bytes;
   options.progress_name = work;
+  options.has_thumbnail = output.has_thumbnail;
   return options;
 }
 

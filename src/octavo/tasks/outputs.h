@@ -13,6 +13,7 @@ namespace octavo {
 struct Output {
   std::string path;
   bool overwrite = false;  ///< a file of that name, or what is left of its build, is replaced
+  bool has_thumbnail = false;  ///< an .8vo file gets one
 };
 
 /// Throws Error{io} when the name cannot be used: too long, a folder, taken and not to be

@@ -113,12 +113,14 @@ std::uint64_t write_voxels(const FileReader& reader, const TransformPlan& plan,
 
 }  // namespace
 
-TransformResult transform(const TransformOptions& options, const TaskContext& context) {
-  if (options.max_error < 0) {
+TransformResult transform(const TransformOptions& asked, const TaskContext& context) {
+  if (asked.max_error < 0) {
     throw Error(ErrorKind::invalid_argument, "the max error must not be negative")
         .with_field("max_error");
   }
-  const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
+  const std::shared_ptr<const FileReader> reader = open_volume(asked.input, context);
+  TransformOptions options = asked;
+  options.output.has_thumbnail |= reader->thumbnail_bytes() > 0;
   const TransformPlan plan = plan_transform(options, *reader, context);
   std::vector<std::string> inputs = {options.input};
   if (!options.grid_of.empty()) inputs.push_back(options.grid_of);

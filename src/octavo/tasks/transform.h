@@ -102,8 +102,8 @@ struct TransformResult {
   std::uint64_t file_bytes = 0;
 };
 
-/// Writes the transformed volume. Warns where no voxel of the input is left in the grid and where
-/// an unknown spacing counts.
+/// Writes the transformed volume, with a thumbnail if the input has one. Warns where no voxel of
+/// the input is left in the grid and where an unknown spacing counts.
 /// Throws  as open_volume, require_computed, build_file and copy_described;
 ///         Error{invalid_argument} for steps that the volume does not allow; Error{limit_exceeded}
 ///         for results that are too large, before any work

@@ -150,6 +150,20 @@ INSTANTIATE_TEST_SUITE_P(
                     Kind{"lossy_float", VoxelType::float32, VolumeKind::grey, 0.25}),
     [](const auto& of) { return std::string(of.param.name); });
 
+TEST(ResumedBuild, HasTheThumbnailOfABuildWithoutABreak) {
+  BuildOptions options = options_of(kGrey, Interrupted::resume);
+  options.has_thumbnail = true;
+  TextureSource whole = source_of(kGrey);
+  MemoryStorage unbroken;
+  build(whole, unbroken, options);
+  MemoryStorage storage;
+  TextureSource torn = source_of(kGrey, 149);
+  failure_of(torn, storage, options, ErrorKind::source_rejected);
+  TextureSource again = source_of(kGrey);
+  EXPECT_GE(build(again, storage, options).resumed_planes, 64);
+  EXPECT_TRUE(*storage.files.at("a.8vo") == *unbroken.files.at("a.8vo"));
+}
+
 TEST(ResumedBuild, NamesThePlanesThatChanged) {
   const auto files = interrupted_grey();
   const struct {
@@ -195,6 +209,12 @@ TEST(ResumedBuild, NamesTheSettingThatChanged) {
   reject(cut, options,
          "another access: not given there, boxes now; the interrupted build is kept "
          "[interrupted.access] [interrupted=discard]");
+  TextureSource shown = source_of(kGrey);
+  options = options_of(kGrey, Interrupted::resume);
+  options.has_thumbnail = true;
+  reject(shown, options,
+         "another thumbnail: not given there, given now; the interrupted build is kept "
+         "[interrupted.thumbnail] [interrupted=discard]");
   TextureSource again = source_of(kGrey);
   options = options_of(kGrey, Interrupted::resume);
   options.max_error = 3;

@@ -141,6 +141,38 @@ TEST(Verify, MetadataThatAreNoJsonObjectAreDamage) {
   }
 }
 
+TEST(Verify, AThumbnailOfOtherVoxelsIsFound) {
+  const SampleVolume volume = make_sample({4, 4, 4}, VoxelType::uint8, Pattern::gradient);
+  const auto file_with = [&](std::uint8_t voxel, const Bytes& thumbnail) {
+    MemoryStorage storage;
+    WriterOptions options;
+    options.has_thumbnail = thumbnail.empty();
+    const auto writer =
+        FileWriter::create(storage, "a.8vo", volume.description, volume.levels, 1, options);
+    writer->add_model({'r', 'a', 'w'});
+    Bytes voxels(64, 3);
+    voxels[37] = voxel;  // in the plane that is shown
+    writer->add_plane_digests(digests_of_planes(voxels, 4));
+    writer->add_brick(0, {{3, voxel}, 3, 0, {voxels, Bytes(8, 3), Bytes(1, 3)}});
+    if (!thumbnail.empty()) {
+      writer->add_part({{'n', 'o', 't', 'e'}, 0, [](const auto& sink) { sink(Bytes(9)); }});
+      writer->add_part({kThumbnailTag, 2, [&](const auto& sink) { sink(thumbnail); }});
+    }
+    writer->finish();
+    return *storage.files.at("a.8vo");
+  };
+  const auto own = file_with(9, {});
+  EXPECT_TRUE(verify_bytes(own).is_sound());
+  const Bytes thumbnail = open_bytes(own)->thumbnail();
+  EXPECT_TRUE(verify_bytes(file_with(9, thumbnail)).is_sound());
+  const VerifyReport report = verify_bytes(file_with(3, thumbnail));
+  ASSERT_EQ(report.damage_count, 1);
+  EXPECT_EQ(report.damages.front().what, "part");
+  EXPECT_EQ(report.damages.front().code, 1u);
+  EXPECT_FALSE(report.damages.front().is_repairable());
+  EXPECT_NE(report.damages.front().detail.find("part 'thmb' at byte"), std::string::npos);
+}
+
 TEST(Verify, StopsWhenAskedTo) {
   SampleVolume volume = make_sample({66, 20, 70}, VoxelType::int16, Pattern::gradient);
   const auto source = byte_source_of(sample_file_bytes(volume), "sample.8vo");

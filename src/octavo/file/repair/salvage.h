@@ -74,6 +74,7 @@ class SalvageReader final : public FileReader {
   BrickEntry brick(int tier, const Index3& position) const override {
     return inner_->brick(tier, position);
   }
+  std::uint64_t thumbnail_bytes() const override { return inner_->thumbnail_bytes(); }
   Bytes thumbnail() const override { return inner_->thumbnail(); }
   Bytes read_piece(const BrickEntry& entry, int piece) const override {
     return inner_->read_piece(entry, piece);

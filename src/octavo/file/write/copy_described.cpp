@@ -33,11 +33,10 @@ EncodedBrick brick_of(const OpenFile& file, int tier, const Index3& position) {
   return brick;
 }
 
-// Parts that still hold: those that this program knows, and others that stand for themselves.
+// Parts that stand for themselves; the writer makes a thumbnail anew.
 void add_parts(const OpenFile& file, FileWriter& writer) {
   for (const PartEntry& entry : file.parts()) {
-    const bool is_known = entry.tag == kThumbnailTag;
-    if (!is_known && (entry.flags & kDependentPart) != 0) continue;
+    if (entry.tag == kThumbnailTag || (entry.flags & kDependentPart) != 0) continue;
     const auto copy = [&file, entry](const auto& sink) { file.copy_part(entry, sink); };
     writer.add_part({entry.tag, entry.flags, copy});
   }
@@ -56,6 +55,7 @@ std::uint64_t copy_described(std::shared_ptr<const ByteSource> source,
   options.overwrite = overwrite;
   options.discards_interrupted = overwrite;
   options.max_error = file.header().max_error;
+  options.has_thumbnail = file.find_part(kThumbnailTag) != nullptr;
   const Levels& levels = file.levels();
   // The lower half of a build id is the hash of the first voxels.
   const auto content_hash = static_cast<std::uint32_t>(file.header().build_id);

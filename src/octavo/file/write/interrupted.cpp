@@ -97,6 +97,7 @@ constexpr AskedSetting kAskedSettings[] = {
     {"preset", "preset", "interrupted.preset"},
     {"repair.infinity", "replacement of infinities", "interrupted.repair.infinity"},
     {"repair.nan", "replacement of NaN", "interrupted.repair.nan"},
+    {"thumbnail", "thumbnail", "interrupted.thumbnail"},
 };
 
 Error other_setting(std::string_view name, const std::string& stored, const std::string& now) {

@@ -35,6 +35,9 @@ namespace octavo {
 /// Stands in JournalHead::settings for an option that was left out.
 inline constexpr const char* kSettingNotGiven = "not given";
 
+/// The line in JournalHead::settings of a file that is to have a thumbnail.
+inline constexpr const char* kThumbnailSetting = "thumbnail: given\n";
+
 /// What a build is of and how it is done: equal heads continue each other.
 struct JournalHead {
   std::string settings;       ///< lines "NAME: VALUE"

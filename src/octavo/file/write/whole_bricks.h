@@ -23,6 +23,8 @@ class WholeBricks {
   /// The volume, its metadata and its max error.
   const FileHeader& header() const { return header_; }
   const Levels& levels() const { return levels_; }
+  /// As JournalHead::settings.
+  const std::string& settings() const { return build_.head.settings; }
 
   /// Layers of tier 0 that are whole.
   std::int64_t layer_count() const { return layer_count_; }

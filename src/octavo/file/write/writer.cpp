@@ -13,6 +13,7 @@
 #include "octavo/file/write/append_file.h"
 #include "octavo/file/write/index_builder.h"
 #include "octavo/file/write/interrupted.h"
+#include "octavo/file/write/own_thumbnail.h"
 #include "octavo/octree/o_code.h"
 
 namespace octavo {
@@ -498,6 +499,10 @@ void FileWriterImpl::append_tail() {
     out_->append(bytes);
   });
   header_.pages.length = out_->size() - header_.pages.offset;
+  if (options_.has_thumbnail) {
+    out_->flush();
+    parts_.insert(parts_.begin(), own_thumbnail(out_->file(), header_, index_.root(), levels_));
+  }
   append_parts();
   header_.metadata = out_->append_section(
       metadata_bytes(header_.description.metadata.text(), out_->size()));

@@ -38,6 +38,8 @@ struct WriterOptions {
   /// Gives up what interrupted builds of the file have encoded; otherwise Error{io} where some of
   /// it is whole.
   bool discards_interrupted = false;
+  /// Puts a thumbnail (thumbnail.h) before all other parts.
+  bool has_thumbnail = false;
   /// How the bricks are made, lines "NAME: VALUE": writers of other settings do not continue.
   std::string settings = {};
 };

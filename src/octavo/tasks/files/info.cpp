@@ -1,6 +1,11 @@
 #include "octavo/tasks/files/info.h"
 
+#include <filesystem>
+
+#include "octavo/core/error.h"
 #include "octavo/file/layout.h"
+#include "octavo/file/storage/pending_file.h"
+#include "octavo/file/thumbnail.h"
 #include "octavo/io/source/place_known.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/volume_facts.h"
@@ -15,12 +20,32 @@ std::uint64_t metadata_offset_of(const ByteSource& source) {
   return parse_header(block, source.size()).metadata.offset;
 }
 
+void require_picture(const Output& output, const std::string& input) {
+  std::error_code none;
+  if (is_octavo_path(output.path) || std::filesystem::equivalent(output.path, input, none)) {
+    throw Error(ErrorKind::invalid_argument, "is no name of a picture", output.path)
+        .with_field("thumbnail");
+  }
+  require_free(output);
+}
+
+void write_thumbnail(const FileReader& reader, const Output& output) {
+  const bool has_one = reader.thumbnail_bytes() > 0;
+  PendingFile file(local_storage(), output.path);
+  file.append(has_one ? reader.thumbnail() : thumbnail_of(reader));
+  file.seal();
+  file.publish(output.overwrite);
+}
+
 }  // namespace
 
 InfoResult info(const InfoOptions& options, const TaskContext& context) {
   TaskContext any_size = context;
-  any_size.max_voxels = 0;  // no voxel is read
+  any_size.max_voxels = 0;  // no voxel is read, or one plane of a coarse level
+  const bool wants_thumbnail = !options.thumbnail.path.empty();
+  if (wants_thumbnail) require_picture(options.thumbnail, options.input);
   const auto reader = open_volume(options.input, any_size);
+  if (wants_thumbnail) write_thumbnail(*reader, options.thumbnail);
   InfoResult result;
   result.name = reader->source().name();
   result.format_version = reader->format_version();
@@ -37,6 +62,7 @@ InfoResult info(const InfoOptions& options, const TaskContext& context) {
   result.achieved_error = reader->achieved_error();
   result.voxel_digest = reader->voxel_digest();
   result.is_place_known = is_place_known(result.volume);
+  result.thumbnail_bytes = reader->thumbnail_bytes();
   result.metadata_offset = metadata_offset_of(reader->source());
   return result;
 }

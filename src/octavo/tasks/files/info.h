@@ -6,12 +6,15 @@
 #include <vector>
 
 #include "octavo/file/reader.h"
+#include "octavo/tasks/outputs.h"
 #include "octavo/tasks/task_context.h"
 
 namespace octavo {
 
 struct InfoOptions {
   std::string input;  ///< an .8vo file or a URL of one
+  /// Gets the thumbnail as PNG, made anew where the file has none; nothing where its path is empty.
+  Output thumbnail = {};
 };
 
 struct LevelInfo {
@@ -32,6 +35,7 @@ struct InfoResult {
   double achieved_error = 0;   ///< the largest found when it was built
   Sha256Digest voxel_digest{};  ///< as FileReader::voxel_digest
   bool is_place_known = true;  ///< false: origin and direction say nothing of a patient
+  std::uint64_t thumbnail_bytes = 0;  ///< 0: the file has none
   std::uint64_t metadata_offset = 0;  ///< where the text of the metadata stands in the file
 
   /// Whether both ends of the range are values of voxels; otherwise they are bounds.
@@ -46,7 +50,8 @@ struct InfoResult {
   }
 };
 
-/// Throws as open_volume
+/// Throws as open_volume; of a thumbnail, what reading and writing throw, and
+///        Error{invalid_argument} for a name that ends in .8vo or is that of the input
 InfoResult info(const InfoOptions& options, const TaskContext& context);
 
 }  // namespace octavo

@@ -29,12 +29,14 @@ testing::Volume noisy(const Size3& size, std::int64_t noisy_width) {
   return volume;
 }
 
-void build(const testing::Volume& volume, double max_error, const std::string& path) {
+void build(const testing::Volume& volume, double max_error, const std::string& path,
+           bool has_thumbnail = false) {
   NoProgress progress;
   BuildOptions options;
   options.kind = volume.description.kind;
   options.preset = Preset::fast;
   options.max_error = max_error;
+  options.has_thumbnail = has_thumbnail;
   build_file(*make_memory_source(volume.description, volume.voxels), local_storage(), path, options,
              progress);
 }
@@ -47,13 +49,13 @@ std::uint64_t copy(const std::string& from, const VolumeDescription& description
 }
 
 // A copy under another description has the bytes of a build under it.
-void expect_copied(testing::Volume volume, double max_error) {
+void expect_copied(testing::Volume volume, double max_error, bool has_thumbnail = false) {
   const testing::ScratchFolder folder;
-  build(volume, max_error, folder.file("a.8vo"));
+  build(volume, max_error, folder.file("a.8vo"), has_thumbnail);
   volume.description.geometry.origin_mm = {1, -2, 3.5};
   volume.description.geometry.direction = {0, 1, 0, 1, 0, 0, 0, 0, 1};
   volume.description.metadata.set_made_by(MadeBy("transform"));
-  build(volume, max_error, folder.file("b.8vo"));
+  build(volume, max_error, folder.file("b.8vo"), has_thumbnail);
   const VolumeDescription wanted = testing::open_file(folder.file("b.8vo"))->description();
   const std::uint64_t bytes = copy(folder.file("a.8vo"), wanted, folder.file("c.8vo"));
   const std::string copied = testing::bytes_of_file(folder.file("c.8vo"));
@@ -68,6 +70,11 @@ TEST(CopyDescribed, GivesTheBytesOfABuildUnderThatDescription) {
   testing::Volume labels = noisy<std::uint8_t>({140, 67, 65}, 20);
   labels.description.kind = VolumeKind::labels;
   expect_copied(labels, 0);
+}
+
+// The axes of the copy run otherwise: its picture is another one.
+TEST(CopyDescribed, MakesTheThumbnailAnew) {
+  expect_copied(noisy<std::int16_t>({70, 67, 130}, 70), 0, true);
 }
 
 TEST(CopyDescribed, CopiesEveryModel) {
