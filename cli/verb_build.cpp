@@ -34,6 +34,11 @@ constexpr VerbText kBuildText = {
     "Whoever reads a part of a volume decodes bricks of 64^3 voxels, or quarters of them with\n"
     "--access slices and eighths with --access boxes: up to 3 times as fast, from files that are\n"
     "about 0.5 and 0.9 % larger. Preset fast takes slices unless they cost more than 0.7 %.\n\n"
+    "--keep-details K keeps the details of level K (cubes of side 2^K) and of all coarser levels,\n"
+    "which come out as those of a lossless file. Finer levels take no bytes and are interpolated:\n"
+    "the largest and the RMS error and the PSNR are measured, printed and kept in the metadata.\n"
+    "At the same size --max-error keeps more of most scans; this is for previews that share the\n"
+    "grid of their scan. Integer grey values only, K from 1 to 5.\n\n"
     "The slices of a DICOM series must make an even, upright stack. Where they do not, --on-gap\n"
     "fill interpolates the planes that an even grid lacks (left empty in a segmentation),\n"
     "--on-gap resample makes planes at the smallest regular step, and --untilt moves the slices\n"
@@ -69,6 +74,7 @@ constexpr VerbText kBuildText = {
     "  octavo build scans/tilted/ --untilt --on-gap resample -o upright.8vo\n"
     "  octavo build scans/thick/ --isotropic -o cubes.8vo\n"
     "  octavo build scans/head/ --max-error 2 -o small.8vo\n"
+    "  octavo build scans/head/ --keep-details 1 -o preview.8vo\n"
     "  octavo build density.nii --max-error 0.001 --nan 0 -o density.8vo"};
 
 struct BuildArguments {
@@ -82,6 +88,7 @@ struct BuildArguments {
   std::string preset = "small";
   std::string access;
   std::string max_error = "0";
+  int keep_details = 0;
   std::string nan;
   std::string infinity;
   std::string isotropic;
@@ -113,6 +120,7 @@ BuildScanOptions options_of(const BuildArguments& arguments, const Context& cont
   if (options.max_error < 0) {
     throw Error(ErrorKind::invalid_argument, "--max-error: must not be negative");
   }
+  options.keep_details = arguments.keep_details;
   options.repair.nan = parse_float(arguments.nan, "--nan");
   options.repair.infinity = parse_float(arguments.infinity, "--inf");
   options.between = isotropic_method(arguments.isotropic);
@@ -158,6 +166,10 @@ void add_build(CLI::App& app, Context& context) {
                   "How far a voxel may end up from its source, real units; 0: lossless")
       ->type_name("E")
       ->capture_default_str();
+  verb.add_option("--keep-details", arguments->keep_details,
+                  "The finest level whose details are kept; finer ones are interpolated")
+      ->type_name("K")
+      ->check(whole_within(1, 5));
   verb.add_option("--nan", arguments->nan, "float32: what takes the place of NaN")
       ->type_name("VALUE");
   verb.add_option("--inf", arguments->infinity,

@@ -1,6 +1,7 @@
 // octavo info: what a file holds, on one screen.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -11,6 +12,7 @@
 #include "octavo/tasks/files/info.h"
 #include "octavo/tasks/geometry_words.h"
 #include "octavo/tasks/volume_facts.h"
+#include "text/detail_words.h"
 #include "text/identity_words.h"
 #include "text/label_words.h"
 #include "text/made_by_words.h"
@@ -90,6 +92,7 @@ std::string values_row(const InfoResult& info) {
 
 /// How the voxels of the file relate to those of its source, in a few words.
 std::string loss_words(const InfoResult& info, const Metadata& metadata) {
+  if (info.detail_level > 0) return "interpolated where fine";
   if (info.max_error > 0) return "with a max error";
   if (!missing_words(metadata).empty()) return "lossless where it is whole";
   if (is_condensed(metadata)) return "condensed, not lossless";
@@ -101,7 +104,12 @@ std::string loss_rows(const InfoResult& info) {
   const VolumeDescription& d = info.volume;
   const std::string unit = unit_of(d);
   std::string text;
-  if (info.max_error > 0) {
+  if (info.detail_level > 0) {
+    DetailErrors errors = info.detail_errors.value_or(DetailErrors{});
+    if (!errors.max) errors.max = info.achieved_error * std::abs(d.rescale.slope);
+    text += row("details", fmt::format("from level {} on; {}", info.detail_level,
+                                       detail_error_words(d, errors)));
+  } else if (info.max_error > 0) {
     text += row("max error", fmt::format("{} promised, {} found when it was built",
                                          distance_text(d, info.max_error),
                                          distance_text(d, info.achieved_error)));

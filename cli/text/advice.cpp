@@ -58,6 +58,8 @@ constexpr Advice kAdvice[] = {
     // --- Building
     {kUsage, "interrupted.access", "", "it was begun with --access {}"},
     {kUsage, "interrupted.access", "", "it was begun without --access"},
+    {kUsage, "interrupted.keep_details", "", "it was begun with --keep-details {}"},
+    {kUsage, "interrupted.keep_details", "", "it was begun without --keep-details"},
     {kUsage, "interrupted.max_error", "", "it was begun with --max-error {}"},
     {kUsage, "interrupted.preset", "", "it was begun with --preset {}"},
     {kUsage, "interrupted.repair.infinity", "", "it was begun with --inf {}"},
@@ -66,6 +68,8 @@ constexpr Advice kAdvice[] = {
     {kUsage, "interrupted.repair.nan", "", "it was begun without --nan"},
     {kUsage, "interrupted.thumbnail", "given", "it was begun with --thumbnail"},
     {kUsage, "interrupted.thumbnail", "", "it was begun without --thumbnail"},
+    {kUsage, "keep_details", "", "give --keep-details {}"},
+    {kUsage, "keep_details", "", "leave out --keep-details"},
     {kUsage, "max_error", "0", "leave out --max-error"},
     {kSource, "max_error", "", "--max-error {} keeps every voxel within {} of its source"},
     {kSource, "repair.infinity", "", "--inf VALUE replaces infinities"},

@@ -7,6 +7,7 @@
 
 #include "octavo/core/text.h"
 #include "octavo/tasks/volume_facts.h"
+#include "text/detail_words.h"
 #include "text/volume_json.h"
 
 namespace octavo::cli {
@@ -15,6 +16,9 @@ namespace {
 
 /// What the file promises: nothing to add for a lossless one.
 std::string promise_text(const BuiltVolume& built) {
+  if (built.build.detail_errors) {
+    return ", " + detail_error_words(built.volume, *built.build.detail_errors);
+  }
   if (built.build.max_error == 0) return "";
   return ", every voxel within " + distance_text(built.volume, built.build.max_error);
 }
@@ -62,6 +66,7 @@ nlohmann::ordered_json built_json(const BuiltVolume& built, const std::string& o
           {"resumed_planes", build.resumed_planes},
           {"max_error", build.max_error},
           {"max_error_real", built.max_error_real()},
+          {"detail_errors", detail_errors_json(build.detail_errors)},
           {"coding", coding_json(build.coding)},
           {"warnings", context.warnings}};
 }

@@ -63,6 +63,16 @@ nlohmann::ordered_json coding_json(const std::optional<SampleCoding>& coding) {
           {"exact", coding->is_exact}};
 }
 
+nlohmann::ordered_json detail_errors_json(const std::optional<DetailErrors>& errors) {
+  if (!errors) return nullptr;
+  const auto number = [](const std::optional<double>& value) {
+    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+  };
+  return {{"max", number(errors->max)},
+          {"rms", number(errors->rms)},
+          {"psnr_db", number(errors->psnr_db)}};
+}
+
 nlohmann::ordered_json file_json(const InfoResult& info) {
   const VolumeDescription& d = info.volume;
   nlohmann::ordered_json levels = nlohmann::ordered_json::array();
@@ -91,6 +101,8 @@ nlohmann::ordered_json file_json(const InfoResult& info) {
           {"max_error_real", info.max_error * slope},
           {"achieved_error_real", info.achieved_error * slope},
           {"lossless", info.max_error == 0},
+          {"detail_level", info.detail_level},
+          {"detail_errors", detail_errors_json(info.detail_errors)},
           {"voxels_sha256", hex_text(info.voxel_digest)},
           {"thumbnail_bytes", info.thumbnail_bytes},
           {"source_lossy", metadata.was_source_lossy()},

@@ -29,4 +29,7 @@ const char* kind_name(VolumeKind kind);
 /// {"type", "scale", "offset"}, or null.
 nlohmann::ordered_json coding_json(const std::optional<SampleCoding>& coding);
 
+/// Errors of details that were left out, or null.
+nlohmann::ordered_json detail_errors_json(const std::optional<DetailErrors>& errors);
+
 }  // namespace octavo::cli

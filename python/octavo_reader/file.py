@@ -132,13 +132,14 @@ class OctavoFile:
         halvings += [7] * (len(segments) - len(halvings))  # beyond the last level
         model = self.model(self._root.model_number(tier, at[2], header.bricks(0)[2]))
         weights = header.brick_weights(tier, at)
+        detailed = header.detail_level if tier == 0 else 0
         if header.kind == "labels":
             codes = decode_label_brick(model, brick.smallest, brick.largest, segments, size,
                                        halvings, weights, level - first)
         else:
             def decode_codes(low: int, high: int, rests: list[bytes]) -> np.ndarray:
                 return decode_grey_brick(model, low, high, rests, size, halvings[:-1], weights,
-                                         level - first)
+                                         level - first, detailed)
 
             if header.is_exact:
                 return decode_exact_brick(self._exact(), brick.smallest, brick.largest, segments,
@@ -215,7 +216,10 @@ class OctavoFile:
         data = self._piece(model.offset, model.length, model.crc, _MODEL_LEVEL, number, "a model")
         if self.header.kind == "labels":
             return parse_label_model(data, self.header.voxel_type)
-        return parse_grey_model(data)
+        model = parse_grey_model(data)
+        require(self.header.detail_level == 0 or not (model.is_lossy or model.cut_axes),
+                "a model with a max error or parts, where details are left out")
+        return model
 
     def _section(self, section: Section, name: str) -> bytes:
         data = self.read_bytes(section.offset, section.length)

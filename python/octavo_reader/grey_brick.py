@@ -1,4 +1,4 @@
-"""Grey bricks: docs/format-grey.md, sections 1 to 5, 12, 13 and 16.
+"""Grey bricks: docs/format-grey.md, sections 1 to 5, 12, 13, 16 and 17.
 
 Arrays are indexed [z][y][x]. Inside a brick x, y and z are the axes of the model's order, except in
 `decode_grey_brick`, which gets and gives the brick's own.
@@ -12,6 +12,7 @@ from .binary_coder import AdaptiveBit, BinaryDecoder
 from .byte_cursor import ByteCursor, unpack_bits
 from .errors import require
 from .grey_details import DetailDecoder, DetailStream, Lifting, ValueGaps, means_along
+from .grey_interpolation import interpolated_split
 from .grey_model import GreyModel, ValueMap
 from .grey_samples import PaddedSamples
 from .header import halved
@@ -20,7 +21,7 @@ from .weights import SampleWeights
 
 def decode_grey_brick(model: GreyModel, smallest: int, largest: int, segments: list[bytes],
                       size: tuple[int, int, int], halvings: list[int], weights: SampleWeights,
-                      place: int) -> np.ndarray:
+                      place: int, detailed: int = 0) -> np.ndarray:
     """The samples of one level of a brick that is not uniform, as int64 of shape [z][y][x].
 
     segments     one per level of the brick, finest first; those finer than `place` are unused
@@ -28,25 +29,31 @@ def decode_grey_brick(model: GreyModel, smallest: int, largest: int, segments: l
     halvings     per level of the brick the mask of axes halved to the next
     weights      of the samples of the brick's finest level
     place        which level of the brick, 0 the finest
+    detailed     the finest level of the brick that has details
     Raises       OctavoError "corrupt"
     """
     order = model.axis_order
     ordered_size = tuple(size[axis] for axis in order)
     ordered_halvings = [_ordered_mask(mask, order) for mask in halvings]
-    is_stored = len(segments) > 1 and not segments[-1]
+    is_stored = len(segments) - detailed > 1 and not segments[-1]
     require(not is_stored or not any(segments[1:]), "a stored brick has a second segment")
+    require(is_stored or not any(segments[:detailed]), "a level without details has bytes")
     values = _BrickValues(model.voxel_step, 0, None)
     if model.value_map is not None:
         segments = list(segments)
         plain = 0 if is_stored else -1
         values, segments[plain] = _take_values(model.value_map, smallest, segments[plain])
-        require(values.codes is None or weights.each == (1, 1, 1), "a brick of means has gaps")
-    brick = _Brick(model, values, smallest, largest, ordered_size, ordered_halvings,
+        is_of_voxels = weights.each == (1, 1, 1) and detailed == 0
+        require(values.codes is None or is_of_voxels, "a brick of means has gaps")
+    whole = _Brick(model, values, smallest, largest, ordered_size, ordered_halvings,
                    weights.ordered(order))
+    brick = whole.from_level(detailed)
+    start = max(place, detailed)
     if is_stored:
-        samples, corrections = brick.decode_stored(segments[0], place), []
+        samples, corrections = brick.decode_stored(segments[0], start - detailed), []
     else:
-        samples, corrections = brick.decode_levels(segments, place)
+        samples, corrections = brick.decode_levels(segments[detailed:], start - detailed)
+    samples = whole.interpolated(samples, start, place)
     own = np.transpose(samples, [2 - order.index(axis) for axis in (2, 1, 0)])
     return brick.to_voxels(own, corrections)
 
@@ -102,6 +109,21 @@ class _Brick:
         for mask in halvings:
             self.weights.append(self.weights[-1].halved(self.sizes[-1], mask))
             self.sizes.append(halved(self.sizes[-1], mask))
+
+    def from_level(self, level: int) -> "_Brick":
+        """The brick that begins at one of the levels of this one."""
+        return _Brick(self.model, self.values, self.smallest, self.largest, self.sizes[level],
+                      self.halvings[level:], self.weights[level])
+
+    def interpolated(self, samples: np.ndarray, start: int, place: int) -> np.ndarray:
+        """Samples of level `place` from those of level `start`, where none between has details."""
+        for level in range(start - 1, place - 1, -1):
+            for axis in (2, 1, 0):
+                if self.halvings[level] >> axis & 1:
+                    samples = interpolated_split(samples, 2 - axis, self.sizes[level][axis],
+                                                 self._lifting(level, axis), self.low,
+                                                 self.low + self.range)
+        return samples
 
     def decode_stored(self, segment: bytes, place: int) -> np.ndarray:
         samples = self._plain(segment, self.sizes[0])

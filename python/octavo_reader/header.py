@@ -22,6 +22,7 @@ VOXEL_TYPES = {1: "int8", 2: "uint8", 3: "int16", 4: "uint16", 5: "int32", 6: "u
                7: "float32"}
 KINDS = {1: "grey", 2: "labels"}
 _CODING_TAG = 0x8001
+_DETAIL_TAG = 0x8002
 _METADATA_LIMIT = 16 << 20
 _DIRECTORY_LIMIT = 1024 * 32
 _AXIS_TOLERANCE = 1e-4
@@ -52,7 +53,8 @@ class Header:
     origin, spacing  mm, LPS
     direction        row-major 3 x 3; column a is the unit vector of index axis a
     slope, intercept real value = slope * voxel + intercept
-    max_error        no voxel differs from its source by more; 0: lossless
+    max_error        no voxel differs from its source by more; 0: lossless, or interpolated
+    detail_level     the finest level that has details; finer ones are interpolated
     """
 
     kind: str
@@ -69,6 +71,7 @@ class Header:
     slope: float
     intercept: float
     max_error: float
+    detail_level: int
     build_id: int
     file_length: int
     metadata: Section
@@ -80,9 +83,16 @@ class Header:
     @property
     def most_error(self) -> int:
         """The largest error that the index may hold: 1024ths of the max error for float32."""
+        if self.detail_level > 0:
+            limits = np.iinfo(self.voxel_type)
+            return int(limits.max) - int(limits.min)
         if self.voxel_type == "float32":
             return 1024 if self.max_error > 0 else 0
         return int(self.max_error)
+
+    def has_errors(self, tier: int) -> bool:
+        """Whether the index holds errors of the bricks of a tier; their ranges are bounds then."""
+        return tier == 0 and (self.max_error > 0 or self.detail_level > 0)
 
     @property
     def level_count(self) -> int:
@@ -161,7 +171,7 @@ def parse_header(data: bytes) -> Header:
     require_known(sealed == 1, f"seal {sealed}")
     sections = [_section(cursor) for _ in range(4)]
     channels, times = cursor.unpack("BB")
-    coding = _extensions(cursor)
+    coding, detail_level = _extensions(cursor)
 
     require_known(kind in KINDS, f"kind {kind}")
     require_known(voxel_type in VOXEL_TYPES, f"voxel type {voxel_type}")
@@ -178,7 +188,8 @@ def parse_header(data: bytes) -> Header:
     header = Header(
         KINDS[kind], VOXEL_TYPES[voxel_type], VOXEL_TYPES[code_type], code_scale, code_offset,
         bool(is_exact), tuple(masks[:halving_count]), size, numbers[0:3], numbers[3:6],
-        numbers[6:15], numbers[15], numbers[16], numbers[17], build_id, file_length, *sections, crc,
+        numbers[6:15], numbers[15], numbers[16], numbers[17], detail_level, build_id, file_length,
+        *sections, crc,
     )
     _prove(header)
     return header
@@ -190,9 +201,12 @@ def _section(cursor: ByteCursor) -> Section:
     return Section(offset, length, crc)
 
 
-def _extensions(cursor: ByteCursor) -> tuple[int, int, float, float] | None:
-    """The coding (type, whether it is exact, scale, offset) if the header has one."""
+def _extensions(cursor: ByteCursor) -> tuple[tuple[int, int, float, float] | None, int]:
+    """The coding (type, whether it is exact, scale, offset) if the header has one, and the finest
+    level that has details.
+    """
     coding = None
+    detail_level = 0
     count = cursor.unpack("H")[0]
     extensions = ByteCursor(cursor.take(176), "extensions")
     for _ in range(count):
@@ -207,10 +221,16 @@ def _extensions(cursor: ByteCursor) -> tuple[int, int, float, float] | None:
             require(flags == 0 or code_type == 5, "an exact coding has codes of another type")
             coding = code_type, flags, scale, offset
             require(math.isfinite(offset) and 0 < scale < math.inf, "the coding is wrong")
+        elif tag == _DETAIL_TAG:
+            require_known(detail_level == 0, "there are two levels of details")
+            detail_level = body.u8()
+            body.end()
+            require(detail_level > 0, "details are left out below level 0")
+            require_known(detail_level < LEVELS_PER_TIER, f"details from level {detail_level} on")
         elif tag >= 0x8000:
             raise OctavoError("unsupported_version", f"unknown extension {tag:#x}")
     require_known(not any(extensions.rest()), "something behind the extensions")
-    return coding
+    return coding, detail_level
 
 
 def _prove(header: Header) -> None:
@@ -234,6 +254,10 @@ def _prove(header: Header) -> None:
         require(header.is_exact == (header.max_error == 0), "float32 is exact and has a max error")
     if header.voxel_type != "float32":
         require(header.max_error == int(header.max_error) < 1 << 32, "max error is not whole")
+    if header.detail_level > 0:
+        require(header.kind == "grey" and header.voxel_type != "float32" and header.max_error == 0
+                and header.detail_level < len(header.tier_levels(0)),
+                "details are left out wrongly")
     for tier in range(header.tier_count - 1):
         size = header.level_size(LEVELS_PER_TIER * tier)
         shifts = header.brick_shifts(tier)

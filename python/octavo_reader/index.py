@@ -122,7 +122,7 @@ def _parse_page_entry(cursor: ByteCursor, header: Header, tier: int, layer: int,
     length, crc = cursor.varint(), cursor.u32()
     smallest = before + cursor.zigzag()
     largest = smallest + cursor.varint()
-    error = cursor.varint() if tier == 0 and header.max_error > 0 else 0
+    error = cursor.varint() if header.has_errors(tier) else 0
     uniform_count = cursor.varint()
     piece_bytes = [cursor.varint() for _ in range(piece_count(header, tier))]
     fewest, most = (1 + count * each for each in BRICK_IN_PAGES)
@@ -202,7 +202,7 @@ def parse_page(data: bytes, page: Page, header: Header) -> list[Brick]:
     cursor = ByteCursor(data, "index page")
     flags = cursor.u8()
     require_known(flags == 0, f"flags {flags} of an index page")
-    has_errors = page.tier == 0 and header.max_error > 0
+    has_errors = header.has_errors(page.tier)
     ranges = []
     errors = [0]
     before = 0

@@ -60,8 +60,8 @@ def _verify_slabs(file: OctavoFile, body: bytes) -> None:
 
 
 def _verify_ranges(file: OctavoFile, levels: list[np.ndarray]) -> None:
-    """The range of every brick is that of its voxels; with a max error, and of exact floats,
-    bounds of them."""
+    """The range of every brick is that of its voxels; in lossy files, and of exact floats, bounds
+    of them."""
     header = file.header
     for tier in range(header.tier_count):
         samples = levels[header.tier_levels(tier).start]
@@ -73,7 +73,7 @@ def _verify_ranges(file: OctavoFile, levels: list[np.ndarray]) -> None:
             box = samples[z : z + sides[2], y : y + sides[1], x : x + sides[0]]
             low, high = (file.voxels_of(np.array(end)) for end in (brick.smallest, brick.largest))
             box = box[np.isfinite(box)]
-            if header.is_exact or (tier == 0 and header.max_error > 0):
+            if header.is_exact or header.has_errors(tier):
                 require(((low <= box) & (box <= high)).all(), "a voxel is out of its range")
             else:
                 require(low == box.min() and box.max() == high,

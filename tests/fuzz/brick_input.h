@@ -18,6 +18,7 @@ struct BrickInput {
   std::vector<std::vector<std::uint8_t>> segments;
 
   std::optional<SampleCoding> coding;  ///< of float32 voxels
+  int detail_level = 0;                ///< as CodecSettings::detail_level
 
   /// Of the voxels that the codec gives.
   VoxelType voxel_type() const { return coding ? VoxelType::float32 : type; }
@@ -60,6 +61,9 @@ inline BrickInput take_brick(Input& input) {
   const bool is_exact = (choice & 0x80) == 0 && (choice & 0x3f) >= kExactChoice;
   brick.type = is_exact ? VoxelType::int32 : kTypes[(choice & 0x3f) % kTypes.size()];
   if (is_exact) brick.coding = kFuzzedCodings[(choice & 0x3f) % kFuzzedCodings.size()];
+  // Types 6 and up: with details left out.
+  constexpr int kTypeCount = static_cast<int>(kTypes.size());
+  if (!is_exact) brick.detail_level = (choice & 0x3f) / kTypeCount % kTierLevels;
   brick.kind = choice & 0x80 ? VolumeKind::labels : VolumeKind::grey;
   Size3 extent;
   for (int axis = 0; axis < 3; ++axis) extent[axis] = side_of(input.take<std::uint8_t>());
@@ -82,13 +86,16 @@ inline std::shared_ptr<const BrickCodec> codec_of(const BrickInput& brick) {
   static VolumeKind kept_kind;
   static VoxelType kept_type;
   static std::optional<SampleCoding> kept_coding;
+  static int kept_level;
   static Bytes kept_model;
   static std::shared_ptr<const BrickCodec> kept;
   if (!kept || brick.kind != kept_kind || brick.type != kept_type ||
-      brick.coding != kept_coding || brick.model != kept_model) {
+      brick.coding != kept_coding || brick.detail_level != kept_level ||
+      brick.model != kept_model) {
     kept.reset();
-    kept = parse_model(brick.kind, brick.type, brick.coding, brick.model);
+    kept = parse_model(brick.kind, brick.type, brick.coding, brick.model, brick.detail_level);
     kept_coding = brick.coding;
+    kept_level = brick.detail_level;
     kept_kind = brick.kind;
     kept_type = brick.type;
     kept_model = brick.model;

@@ -181,6 +181,11 @@ std::vector<Feature> features() {
     options.access = access;
     return options;
   };
+  const auto details = [&](int level, Preset preset) {
+    BuildOptions options = with(preset, 0);
+    options.keep_details = level;
+    return options;
+  };
   BuildOptions as_labels;
   as_labels.kind = VolumeKind::labels;
   BuildOptions filled = with(Preset::small, 0.05);
@@ -233,6 +238,10 @@ std::vector<Feature> features() {
       {"cut-xy", cut_size, VoxelType::uint8, scan<20, 5>, {}, {1, 1, 1}, write_cut<3>},
       {"cut-z", cut_size, VoxelType::uint8, scan<20, 5>, {}, {1, 1, 1}, write_cut<4>},
       {"cut-xz", cut_size, VoxelType::uint8, scan<20, 5>, {}, {1, 1, 1}, write_cut<5>},
+      {"details-int16", {70, 35, 31}, VoxelType::int16, ripples, details(1, Preset::small)},
+      {"details-uint8-thick", {41, 33, 13}, VoxelType::uint8, scan<20, 5>,
+       details(2, Preset::fast), {1, 1, 4}},
+      {"details-stored", {20, 35, 17}, VoxelType::uint8, white_noise, details(1, Preset::small)},
       {"two-pages", {2112, 2048, 1}, VoxelType::uint8, one_spot},
       {"three-tiers", {4097, 3, 2}, VoxelType::int16, ramp},
       {"two-models", {20, 18, 70}, VoxelType::int16, signed_scan, {}, {1, 1, 1}, write_two_models},

@@ -106,7 +106,8 @@ class Crafted:
 
     def _index(self, model, trailer):
         ends = zigzag(self.low) + varint(self.high - self.low)
-        error = varint(self.error) if self.max_error > 0 else b""
+        leaves_details_out = any(tag == 0x8002 for tag, _ in self.extensions)
+        error = varint(self.error) if self.max_error > 0 or leaves_details_out else b""
         page = bytes([self.page_flags]) + ends + error
         piece_count = min(len(self.masks) + 1, 4)
         if self.low != self.high:

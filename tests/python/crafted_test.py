@@ -45,6 +45,10 @@ def coding(code_type=5, flags=1, scale=0.5, offset=1.0):
                                                           offset)),)}
 
 
+def details(level):
+    return {"extensions": ((0x8002, bytes([level])),)}
+
+
 def real(value, **more):
     """A float32 file whose one code stands for `value`."""
     return {"voxels": (value,) * 8, **more}
@@ -129,6 +133,22 @@ ROWS = [
      "sound"),
     ("floats that nearly vanish", real(0.0, low=-1, high=-1, **coding(scale=1e-46, offset=-0.0)),
      "sound"),
+    # Details left out
+    ("details of level 1 on", {**details(1), "error": 9}, "sound"),
+    ("details of level 0 on", details(0), "damaged"),
+    ("details of a level that is not there", details(2), "damaged"),
+    ("details of a level beyond the bricks", details(6), "newer"),
+    ("details of any level", details(255), "newer"),
+    ("details of two levels", {"extensions": ((0x8002, b"\1"), (0x8002, b"\1"))}, "newer"),
+    ("details of two bytes", {"extensions": ((0x8002, b"\1\0"),)}, "damaged"),
+    ("details without a level", {"extensions": ((0x8002, b""),)}, "damaged"),
+    ("details of labels", {"kind": 2, **details(1)}, "damaged"),
+    ("details and a max error", {"max_error": 3.0, **details(1)}, "damaged"),
+    ("details of floats", real(4.5, type=7, extensions=(*coding()["extensions"],
+                                                        *details(1)["extensions"])), "damaged"),
+    ("an error beyond the voxel type", {**details(1), "error": 256}, "damaged"),
+    ("a level without details that has bytes", {**details(1), "low": 9, "high": 200,
+     "stored": STORED, "voxels": (10, 12, 11, 13, 9, 200, 10, 11)}, "damaged"),
     # Ladder of levels
     ("a step that halves nothing", {"size": (2, 1, 1), "masks": (6, 1)}, "damaged"),
     ("a step of no axis", {"size": (2, 1, 1), "masks": (0, 1)}, "damaged"),

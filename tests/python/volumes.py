@@ -130,6 +130,10 @@ def is_thick_along(axis):
     return lambda file: not file.header.halvings[0] >> axis & 1
 
 
+def leaves_details_out(file):
+    return file.header.detail_level > 0
+
+
 GOLDEN_USES = {
     "small-int16": predicts(0),
     "small-int32-wide": is_wide,
@@ -147,6 +151,9 @@ GOLDEN_USES = {
     "max-error-rounded": is_rounded,
     "max-error-quantised": is_corrected,
     "max-error-fast": predicts(1),
+    "details-int16": leaves_details_out,
+    "details-uint8-thick": leaves_details_out,
+    "details-stored": lambda file: leaves_details_out(file) and is_stored(file),
 }
 
 
@@ -189,6 +196,26 @@ def cases():
              ("--max-error", "3"), is_rounded),
         Case("corrected", object_in_air((50, 60, 70)).astype("int16"),
              ("--max-error", "6"), is_corrected),
+        Case("details left out", waves((27, 34, 41), 300, 2).astype("int16"),
+             ("--keep-details", "1"), leaves_details_out),
+        Case("details left out, fast", waves((9, 30, 70), 50, 1).astype("int8"),
+             ("--keep-details", "2", "--preset", "fast"), leaves_details_out),
+        Case("details left out, thick y", waves((33, 9, 37), 300, 9).astype("uint16") // 3,
+             ("--keep-details", "3"), leaves_details_out, "1,4,1"),
+        Case("details left out, multiples", waves((27, 34, 41), 200, 2).astype("uint16") // 5 * 16,
+             ("--keep-details", "1"),
+             lambda file: leaves_details_out(file) and is_on_lattice(file)),
+        Case("details left out, gaps", (np.abs(waves((27, 34, 41), 60, 2)).astype("int64") % 70
+                                        * 255 // 70).astype("uint8"), ("--keep-details", "1"),
+             leaves_details_out),
+        Case("details left out, cells", object_in_air((40, 41, 42)).astype("int16"),
+             ("--keep-details", "1"), leaves_details_out),
+        Case("details left out, wide", waves((20, 21, 22), 1.5e9, 1e3).astype("int32"),
+             ("--keep-details", "2"), lambda file: leaves_details_out(file) and is_wide(file)),
+        Case("details left out, noise", noise(0, 256, (19, 20, 21)).astype("uint8"),
+             ("--keep-details", "1"), lambda file: leaves_details_out(file) and is_stored(file)),
+        Case("all details left out", waves((20, 21, 37), 300, 2).astype("int16"),
+             ("--keep-details", "5"), leaves_details_out),
         Case("float32 of steps", (np.round(waves((20, 21, 22), 800, 2)) + 5000)
              .astype("float32") * np.float32(0.125), (), predicts(0)),
         Case("float32 of noise", waves((20, 21, 22), 7, 0.1).astype("float32"), (), is_exact),

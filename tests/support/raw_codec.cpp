@@ -103,7 +103,7 @@ std::unique_ptr<BrickCodec> refine_model(const BrickCodec& first, VoxelType type
   return train_model(first.kind(), type, bricks, settings);
 }
 
-std::unique_ptr<BrickCodec> parse_model(VolumeKind kind, VoxelType type, ByteSpan bytes) {
+std::unique_ptr<BrickCodec> parse_model(VolumeKind kind, VoxelType type, ByteSpan bytes, int) {
   if (bytes.size() != 3) throw Error(ErrorKind::corrupt, "model of another size");
   return std::make_unique<RawCodec>(kind, type);
 }

@@ -31,6 +31,8 @@ class RecordingWriter final : public FileWriter {
   const std::vector<JournalGroup>& resumed() const override { return none_; }
   Bytes first_model() const override { return {}; }
   std::int64_t kept_layers() const override { return 0; }
+  WrittenErrors written_errors() const override { return {}; }
+  void set_metadata(const Metadata&) override {}
   void finish() override {}
   std::uint64_t bytes_written() const override { return 0; }
 

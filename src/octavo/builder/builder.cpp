@@ -32,6 +32,30 @@ constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
 // Training and the file's own buffers.
 constexpr std::uint64_t kFixedBytes = 192 * kMiB;
 
+// Whether details can be left out of such a volume.
+void check_keep_details(const VolumeDescription& description, const BuildOptions& options) {
+  const auto reject = [](const std::string& why, const std::string& value = "") {
+    throw Error(ErrorKind::invalid_argument, why).with_field("keep_details", value);
+  };
+  if (description.kind == VolumeKind::labels) {
+    reject("label maps are always lossless: their details cannot be left out");
+  }
+  if (!is_integer(description.type)) {
+    reject("details can be left out of integer voxels; these are float32");
+  }
+  if (options.max_error > 0) {
+    reject("without details no max error is kept: one of them can be given");
+  }
+  if (options.access.value_or(Access::none) != Access::none) {
+    reject("level 0 has no bytes to be cut into parts where its details are left out");
+  }
+  const int most = levels_of(description).tier_level_count(0) - 1;
+  if (options.keep_details >= 1 && options.keep_details <= most) return;
+  if (most == 0) reject("the volume has one level: it has no details");
+  reject("details cannot be kept from level " + std::to_string(options.keep_details) + " on",
+         most == 1 ? "1" : "1 to " + std::to_string(most));
+}
+
 void check_options(const VolumeDescription& description, const BuildOptions& options) {
   if (!std::isfinite(options.max_error) || options.max_error < 0) {
     throw Error(ErrorKind::invalid_argument, "a max error must be a number and not below 0");
@@ -39,6 +63,7 @@ void check_options(const VolumeDescription& description, const BuildOptions& opt
   if (options.max_error > 0 && description.rescale.slope == 0) {
     throw Error(ErrorKind::invalid_argument, "a max error needs a rescale slope other than 0");
   }
+  if (options.keep_details != 0) check_keep_details(description, options);
   if (description.kind != VolumeKind::labels) return;
   if (options.max_error > 0) {
     throw Error(ErrorKind::invalid_argument, "label maps are always lossless")
@@ -69,7 +94,9 @@ std::optional<std::string> name_of(const std::optional<Access>& access) {
 }
 
 // The metadata of the source with what was asked for, where that is not the default.
-Metadata recorded(const VolumeDescription& description, const BuildOptions& options) {
+// errors  of details that were left out, once they are known
+Metadata recorded(const VolumeDescription& description, const BuildOptions& options,
+                  const std::optional<DetailErrors>& errors = std::nullopt) {
   const bool is_float = !is_integer(description.type);
   CodingNote coding;
   if (options.preset == Preset::fast) coding.preset = "fast";
@@ -80,10 +107,28 @@ Metadata recorded(const VolumeDescription& description, const BuildOptions& opti
     coding.infinity = options.repair.infinity;
   }
   Metadata metadata = description.metadata;
+  if (options.keep_details > 0) coding.keep_details = options.keep_details;
+  coding.detail_errors = errors;
   const bool is_default = !coding.preset && !coding.access && !coding.max_error && !coding.nan &&
-                          !coding.infinity;
+                          !coding.infinity && !coding.keep_details;
   if (!is_default) metadata.set_coding(coding);
   return metadata;
+}
+
+// The errors of all voxels, and how they compare to the range of the voxels.
+DetailErrors detail_errors_of(const WrittenErrors& written, const VolumeDescription& description) {
+  const double slope = std::abs(description.rescale.slope);
+  DetailErrors errors;
+  errors.max = static_cast<double>(written.max_steps) * slope;
+  errors.rms =
+      std::sqrt(written.squared / static_cast<double>(description.size.voxel_count())) * slope;
+  const auto range = static_cast<double>(written.range.max - written.range.min);
+  if (written.squared > 0) {
+    // Logarithms differ from machine to machine, in digits that say nothing.
+    constexpr double kDigits = 100;
+    errors.psnr_db = std::round(kDigits * 20 * std::log10(range * slope / *errors.rms)) / kDigits;
+  }
+  return errors;
 }
 
 // malloc keeps what a thread freed for that thread alone. Any of them may train next: in the end
@@ -100,6 +145,9 @@ std::string settings_text(const BuildOptions& options) {
   text += std::string("preset: ") + (options.preset == Preset::fast ? "fast" : "small") + "\n";
   text += "access: " + name_of(options.access).value_or(kSettingNotGiven) + "\n";
   text += "max_error: " + exact_text(options.max_error) + "\n";
+  text += "keep_details: " +
+          (options.keep_details > 0 ? std::to_string(options.keep_details) : kSettingNotGiven) +
+          "\n";
   const auto repair = [](const std::optional<float>& value) {
     return value ? exact_text(*value) : std::string(kSettingNotGiven);
   };
@@ -124,7 +172,10 @@ class Build {
         levels_(levels),
         workers_(threads),
         progress_(progress),
-        settings_{.preset = options.preset, .max_error = bound.codes, .access = options.access},
+        settings_{.preset = options.preset,
+                  .max_error = bound.codes,
+                  .access = options.access,
+                  .detail_level = options.keep_details},
         bound_(bound) {}
 
   /// Encodes all groups; the writer is created once the first one is known. While a group is being
@@ -163,7 +214,11 @@ class Build {
                         settings_, std::move(samples));
   }
 
-  std::uint64_t finish() {
+  WrittenErrors written_errors() const { return writer_->written_errors(); }
+
+  /// metadata  in place of those that the file was begun with
+  std::uint64_t finish(const Metadata& metadata) {
+    writer_->set_metadata(metadata);
     writer_->finish();
     return writer_->bytes_written();
   }
@@ -190,7 +245,7 @@ class Build {
     model_ = workers_.run([&] {
       return make_model(
           train_on(levels_, 0, group, description_.kind, settings_, description_.coding, first),
-          description_.coded_type(), description_.coding);
+          description_.coded_type(), description_.coding, settings_.detail_level);
     });
     return_freed_memory();
     settings_.axis_order = model_.encoder->axis_order();
@@ -254,7 +309,8 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
   VolumeDescription description = source.description();
   description.kind = options.kind;
   check_options(description, options);
-  description.metadata = recorded(description, options);
+  const VolumeDescription original = description;
+  description.metadata = recorded(original, options);
   description.coding.reset();
   const Levels levels = levels_of(description);
   BuildResult result;
@@ -282,6 +338,7 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
   result.max_error = options.max_error / std::abs(description.rescale.slope);
   if (is_integer(description.type)) {
     bound.codes = options.max_error == 0 ? 0 : whole_units(result.max_error, description.type);
+    bound.detail_level = options.keep_details;
     result.max_error = static_cast<double>(bound.codes);
   } else {
     if (options.max_error == 0) result.max_error = 0;
@@ -300,6 +357,7 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
   writing.overwrite = options.overwrite;
   writing.max_error = result.max_error;
   writing.has_thumbnail = options.has_thumbnail;
+  writing.detail_level = options.keep_details;
   writing.is_resuming = options.interrupted == Interrupted::resume;
   writing.discards_interrupted = options.interrupted == Interrupted::discard;
   const bool is_one_group = group_planes(levels, description.coded_type()) == description.size.z;
@@ -314,7 +372,12 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
       result.read_seconds = reader.read_seconds();
     }
     work.encode_tiers(std::move(parents));
-    result.file_bytes = work.finish();
+    if (options.keep_details > 0) {
+      const WrittenErrors errors = work.written_errors();
+      result.max_error = static_cast<double>(errors.max_steps);
+      result.detail_errors = detail_errors_of(errors, description);
+    }
+    result.file_bytes = work.finish(recorded(original, options, result.detail_errors));
   } catch (const std::bad_alloc&) {
     throw with_kept(out_of_build_memory(path), work.kept_planes(), description.size.z, path);
   } catch (const Error& error) {

@@ -30,10 +30,14 @@ enum class Interrupted {
 struct BuildOptions {
   VolumeKind kind = VolumeKind::grey;
   Preset preset = Preset::small;
-  std::optional<Access> access;  ///< as CodecSettings::access
+  std::optional<Access> access = {};  ///< as CodecSettings::access
   /// No voxel ends up further from its source, in real units (|slope| * stored units). 0: lossless.
   /// Integer volumes round it down to whole stored units.
   double max_error = 0;
+  /// The finest level whose details are kept, below the number of levels and 6: finer ones are
+  /// interpolated, and their error is measured. 0: all are. Grey integers alone, without a max
+  /// error and an access.
+  int keep_details = 0;
   FloatRepair repair = {};  ///< of NaN and infinities in float32 volumes
   bool has_thumbnail = false;  ///< as WriterOptions::has_thumbnail
   bool overwrite = false;
@@ -54,6 +58,7 @@ struct BuildResult {
   double total_seconds = 0;
   int threads = 0;
   double max_error = 0;      ///< the bound that the file promises, voxel units
+  std::optional<DetailErrors> detail_errors;  ///< where details were left out; real units
   std::int64_t resumed_planes = 0;  ///< that an interrupted build had encoded
   std::optional<SampleCoding> coding;  ///< of a float32 volume
 };

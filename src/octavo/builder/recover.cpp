@@ -154,6 +154,7 @@ SealResult seal(InterruptedBuild build, Storage& storage, const std::string& out
   writing.discards_interrupted = options.overwrite;
   writing.max_error = bricks.header().max_error;
   writing.has_thumbnail = bricks.settings().find(kThumbnailSetting) != std::string::npos;
+  writing.detail_level = bricks.header().detail_level;
   const auto writer =
       FileWriter::create(storage, output, description, levels,
                          content_hash_of(bricks.header(), result.whole_planes), writing);
@@ -184,8 +185,9 @@ SealResult seal(InterruptedBuild build, Storage& storage, const std::string& out
         if (!first_model) {
           const VoxelType coded = description.coded_type();
           first_model =
-              make_model(parse_model(description.kind, coded, description.coding, model), coded,
-                         description.coding);
+              make_model(parse_model(description.kind, coded, description.coding, model,
+                                     writing.detail_level),
+                         coded, description.coding);
         }
         writer->add_model(model);
       }

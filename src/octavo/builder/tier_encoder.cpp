@@ -16,14 +16,17 @@ namespace {
 
 constexpr std::size_t kBricksPerThread = 4;
 
-// The voxels that the reader's codec makes of what was encoded, dense [z][y][x].
+// The samples of an in-brick level that the reader's codec makes of what was encoded, dense
+// [z][y][x].
 std::vector<std::byte> decoded_voxels(const BrickCodec& decoder, const BrickShape& shape,
-                                      const EncodedBrick& encoded, const BrickView& brick) {
-  const auto count = static_cast<std::size_t>(brick.size.voxel_count());
+                                      const EncodedBrick& encoded, const BrickView& brick,
+                                      int level = 0) {
+  const Size3& size = shape.size[static_cast<std::size_t>(level)];
+  const auto count = static_cast<std::size_t>(size.voxel_count());
   std::vector<std::byte> dense(count * static_cast<std::size_t>(bytes_per_voxel(brick.type)));
   if (encoded.range.min != encoded.range.max || !is_integer(brick.type)) {
     const std::vector<ByteSpan> segments(encoded.segments.begin(), encoded.segments.end());
-    decoder.decode(shape, brick.type, encoded.range, segments, 0, dense.data());
+    decoder.decode(shape, brick.type, encoded.range, segments, level, dense.data());
     return dense;
   }
   with_voxel_type(brick.type, [&](auto id) {
@@ -57,24 +60,30 @@ bool is_same(const BrickView& brick, const std::vector<std::byte>& dense) {
   });
 }
 
-// The largest difference between a voxel and what it became, or nothing when one lies outside
-// `range`: readers skip bricks by their range.
-std::optional<std::int64_t> integer_error(const BrickView& brick,
+// How far voxels lie from what they became.
+struct VoxelErrors {
+  std::int64_t largest = 0;
+  double squared = 0;  // the sum of the squares
+};
+
+// Nothing when a voxel lies outside `range`: readers skip bricks by their range.
+std::optional<VoxelErrors> integer_errors(const BrickView& brick,
                                           const std::vector<std::byte>& dense,
                                           const ValueRange& range) {
-  return with_voxel_type(brick.type, [&](auto id) -> std::optional<std::int64_t> {
+  return with_voxel_type(brick.type, [&](auto id) -> std::optional<VoxelErrors> {
     using T = typename decltype(id)::type;
-    std::int64_t largest = 0;
+    VoxelErrors errors;
     bool is_inside = true;
     for_each_row_pair<T>(brick, dense.data(), [&](const T* source, const T* found) {
       for (std::int64_t x = 0; x < brick.size.x; ++x) {
-        const auto was = static_cast<std::int64_t>(source[x]);
         const auto is = static_cast<std::int64_t>(found[x]);
-        largest = std::max(largest, was > is ? was - is : is - was);
+        const std::int64_t difference = std::abs(static_cast<std::int64_t>(source[x]) - is);
+        errors.largest = std::max(errors.largest, difference);
+        errors.squared += static_cast<double>(difference) * static_cast<double>(difference);
         is_inside = is_inside && is >= range.min && is <= range.max;
       }
     });
-    return is_inside ? std::optional(largest) : std::nullopt;
+    return is_inside ? std::optional(errors) : std::nullopt;
   });
 }
 
@@ -118,11 +127,11 @@ void fail_brick(int tier, const Index3& brick, const std::string& why) {
 }
 
 Model make_model(std::unique_ptr<BrickCodec> codec, VoxelType type,
-                 const std::optional<SampleCoding>& coding) {
+                 const std::optional<SampleCoding>& coding, int detail_level) {
   Model model;
   model.serialized = codec->serialized();
   try {
-    model.decoder = parse_model(codec->kind(), type, coding, model.serialized);
+    model.decoder = parse_model(codec->kind(), type, coding, model.serialized, detail_level);
   } catch (const Error& error) {
     throw Error(ErrorKind::internal, "a model does not parse: " + error.detail());
   }
@@ -267,15 +276,19 @@ EncodedBrick TierEncoder::encode_checked(const Model& model, const VoxelBlock& b
     fail_brick(tier_, brick, " (" + error.detail() + ")");
   }
   encoded.max_error = 0;
-  if (bound_.codes > 0) {
-    const auto error = integer_error(view, dense, encoded.range);
-    if (!error || *error > bound_.codes) fail_brick(tier_, brick, "");
-    encoded.max_error = *error;
+  if (!bound_.is_lossless()) {
+    measure_errors(encoded, view, dense, brick);
+    const int level = bound_.detail_level;
+    if (!encoded.detailed.empty() &&
+        decoded_voxels(*model.decoder, shape, encoded, view, level) != encoded.detailed) {
+      fail_brick(tier_, brick, " of level " + std::to_string(level));
+    }
     // The digests of planes are of voxels as readers will see them.
     if (tier_ == 0) put_voxels(block, levels_.brick_box(tier_, brick), dense.data());
   } else if (!is_same(view, dense)) {
     fail_brick(tier_, brick, "");
   }
+  encoded.detailed.clear();
   if (block.floats == nullptr) return encoded;
 
   const BrickView floats = float_view_of(block, levels_.brick_box(tier_, brick));
@@ -288,6 +301,17 @@ EncodedBrick TierEncoder::encode_checked(const Model& model, const VoxelBlock& b
   }
   encoded.max_error = float_error_steps(found, bound_.voxels);
   return encoded;
+}
+
+// Of a brick that may differ from its voxels.
+void TierEncoder::measure_errors(EncodedBrick& encoded, const BrickView& view,
+                                 const std::vector<std::byte>& dense,
+                                 const Index3& brick) const {
+  const auto errors = integer_errors(view, dense, encoded.range);
+  const bool is_bounded = bound_.detail_level == 0;
+  if (!errors || (is_bounded && errors->largest > bound_.codes)) fail_brick(tier_, brick, "");
+  encoded.max_error = errors->largest;
+  encoded.squared_error = errors->squared;
 }
 
 void TierEncoder::keep(Work& work, Slot slot) {

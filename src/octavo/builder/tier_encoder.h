@@ -33,11 +33,12 @@ struct Model {
   Bytes serialized;
 };
 
-/// type    of the numbers in bricks
-/// coding  of float32 voxels
-/// Throws  Error{internal} when the bytes of the model do not parse.
+/// type          of the numbers in bricks
+/// coding        of float32 voxels
+/// detail_level  as CodecSettings::detail_level
+/// Throws        Error{internal} when the bytes of the model do not parse.
 Model make_model(std::unique_ptr<BrickCodec> codec, VoxelType type,
-                 const std::optional<SampleCoding>& coding = std::nullopt);
+                 const std::optional<SampleCoding>& coding = std::nullopt, int detail_level = 0);
 
 /// How far the voxels of a tier may end up from those that came in.
 struct ErrorBound {
@@ -45,6 +46,11 @@ struct ErrorBound {
   double voxels = 0;                   ///< of float voxels, where the block has them
   std::optional<SampleCoding> coding;  ///< that turns integers into those float voxels
   double proposal = 0;                 ///< real units, for when float32 cannot keep the bound
+  /// Where details are left out any voxel may differ, but none of a level from this one on; the
+  /// squares of the differences are summed up.
+  int detail_level = 0;
+
+  bool is_lossless() const { return codes == 0 && detail_level == 0; }
 };
 
 /// Throws Error{internal} that names a brick which does not decode to its voxels.
@@ -113,6 +119,8 @@ class TierEncoder {
   void work_on(const Work& work, const Index3& brick, std::size_t number);
   EncodedBrick encode_checked(const Model& model, const VoxelBlock& block,
                               const Index3& brick) const;
+  void measure_errors(EncodedBrick& encoded, const BrickView& view,
+                      const std::vector<std::byte>& dense, const Index3& brick) const;
   void keep(Work& work, Slot slot);
   void add_plane_digests(const Work& work);
   void store_parent(const Index3& brick, std::int64_t parent);

@@ -66,6 +66,9 @@ struct CodecSettings {
   /// Absent: none in the small preset; in the fast one slices, or none where that would cost more
   /// than 0.7 % of the bytes. Grey only.
   std::optional<Access> access = std::nullopt;
+  /// The finest level of the volume whose details are coded, 0 .. 5: voxels are interpolated from
+  /// it. Above 0 without a maximum error and parts. Grey only.
+  int detail_level = 0;
 };
 
 struct EncodedBrick {
@@ -76,6 +79,10 @@ struct EncodedBrick {
   std::int64_t parent = 0;
   std::int64_t max_error = 0;  ///< largest |voxel - decoded voxel|
   std::vector<Bytes> segments; ///< one per in-brick level, finest first; all empty when uniform
+  /// The samples of the finest level that has details, dense [z][y][x], where that is not the
+  /// finest one of the brick and the brick is not uniform: a decoder gives them back.
+  std::vector<std::byte> detailed = {};
+  double squared_error = 0;    ///< the sum of (voxel - decoded voxel)^2, where it is asked for
 };
 
 /// A brick whose levels above 0 are decoded, and the parts of level 0, of which each decodes alone.
@@ -156,9 +163,11 @@ std::unique_ptr<BrickCodec> train_model(VolumeKind kind, VoxelType type,
                                         const CodecSettings& settings = {});
 
 /// The codec of a serialized model. Throws Error{corrupt}.
-std::unique_ptr<BrickCodec> parse_grey_model(VoxelType type, ByteSpan bytes);
+/// detail_level  as CodecSettings::detail_level
+std::unique_ptr<BrickCodec> parse_grey_model(VoxelType type, ByteSpan bytes, int detail_level = 0);
 std::unique_ptr<BrickCodec> parse_label_model(VoxelType type, ByteSpan bytes);
-std::unique_ptr<BrickCodec> parse_model(VolumeKind kind, VoxelType type, ByteSpan bytes);
+std::unique_ptr<BrickCodec> parse_model(VolumeKind kind, VoxelType type, ByteSpan bytes,
+                                        int detail_level = 0);
 
 /// The codec of float32 voxels that come back bit by bit: quantized ones go to `codes`, a codec of
 /// type int32 whose model this codec shares; floats are told apart beside them. EncodedBrick::range
@@ -174,6 +183,7 @@ std::unique_ptr<BrickCodec> train_exact_model(std::span<const TrainingBrick> bri
 
 /// The codec of a model of a volume with that coding, if it has one. Throws Error{corrupt}.
 std::unique_ptr<BrickCodec> parse_model(VolumeKind kind, VoxelType coded_type,
-                                        const std::optional<SampleCoding>& coding, ByteSpan bytes);
+                                        const std::optional<SampleCoding>& coding, ByteSpan bytes,
+                                        int detail_level = 0);
 
 }  // namespace octavo

@@ -89,6 +89,14 @@ struct IdentityNote {
   std::optional<bool> kept;
 };
 
+/// How far voxels that were interpolated lie from their source; real units.
+struct DetailErrors {
+  std::optional<double> max;
+  std::optional<double> rms;
+  /// The range of the voxels over the RMS, in dB; none where nothing was lost.
+  std::optional<double> psnr_db;
+};
+
 /// How the file was coded, where not as by default; real units.
 struct CodingNote {
   std::optional<std::string> preset;
@@ -96,6 +104,8 @@ struct CodingNote {
   std::optional<double> max_error;
   std::optional<double> nan;       ///< what took the place of NaN
   std::optional<double> infinity;  ///< and of infinities
+  std::optional<std::int64_t> keep_details;  ///< the finest level that has details
+  std::optional<DetailErrors> detail_errors;
 };
 
 /// The file was made of what an interrupted build left.

@@ -107,12 +107,21 @@ void visit_fields(Visit& visit, IdentityNote& identity) {
 }
 
 template <class Visit>
+void visit_fields(Visit& visit, DetailErrors& errors) {
+  visit.exact("max", errors.max);
+  visit.exact("rms", errors.rms);
+  visit.exact("psnr_db", errors.psnr_db);
+}
+
+template <class Visit>
 void visit_fields(Visit& visit, CodingNote& coding) {
   visit("preset", coding.preset);
   visit("access", coding.access);
   visit.exact("max_error", coding.max_error);
   visit.exact("nan", coding.nan);
   visit.exact("inf", coding.infinity);
+  visit("keep_details", coding.keep_details);
+  visit("detail_errors", coding.detail_errors);
 }
 
 template <class Visit>

@@ -105,7 +105,7 @@ struct PieceRef {
 struct IndexPage {
   int piece_count = 0;
   std::vector<ValueRange> ranges;
-  std::vector<std::uint64_t> error_steps;  ///< of tier 0 in files with a max error, else empty
+  std::vector<std::uint64_t> error_steps;  ///< of tier 0 in lossy files, else empty
   std::vector<std::uint32_t> slots;     ///< number among the bricks that are not uniform
   std::vector<PieceRef> pieces;         ///< [slot][number]
 

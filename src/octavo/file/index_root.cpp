@@ -5,7 +5,9 @@
 
 namespace octavo {
 
-bool has_errors(const FileHeader& header, int tier) { return tier == 0 && header.max_error > 0; }
+bool has_errors(const FileHeader& header, int tier) {
+  return tier == 0 && (header.max_error > 0 || header.detail_level > 0);
+}
 
 TierIndex make_tier_index(const Levels& levels, int tier) {
   TierIndex index;

@@ -64,6 +64,10 @@ constexpr std::uint16_t kCodingTag = 0x8001;
 constexpr std::uint16_t kCodingBytes = 18;
 constexpr std::uint8_t kExactCoding = 1;
 
+// The finest level that has details: u8.
+constexpr std::uint16_t kDetailTag = 0x8002;
+constexpr std::uint16_t kDetailBytes = 1;
+
 // The errors of float32 bricks are counted in this part of the max error.
 constexpr std::uint64_t kFloatErrorSteps = 1024;
 constexpr double kLargestIntegerError = 4294967295.0;
@@ -200,6 +204,16 @@ SampleCoding get_coding(ByteSpan bytes, std::size_t at, std::size_t length) {
   return coding;
 }
 
+int get_detail_level(ByteSpan bytes, std::size_t at, std::size_t length) {
+  if (length != kDetailBytes) fail(ErrorKind::corrupt, "header: details of another length", at);
+  const int level = bytes[at];
+  if (level == 0) fail(ErrorKind::corrupt, "header: details left out below level 0", at);
+  if (level >= kTierLevels) {
+    fail_newer("header: details left out below level " + std::to_string(level), at);
+  }
+  return level;
+}
+
 // Extensions are (u16 tag, u16 length, bytes); those whose tag has the high bit set must be
 // understood.
 void parse_extensions(ByteSpan bytes, FileHeader& header) {
@@ -210,7 +224,9 @@ void parse_extensions(ByteSpan bytes, FileHeader& header) {
     if (kHeaderCrcAt - at < 4) fail(ErrorKind::corrupt, "header: extensions end early", at);
     const auto tag = load_little_endian<std::uint16_t>(bytes.data() + at);
     const auto length = load_little_endian<std::uint16_t>(bytes.data() + at + 2);
-    if (tag & kCriticalExtension && (tag != kCodingTag || coding)) {
+    const bool is_known = (tag == kCodingTag && !coding) ||
+                          (tag == kDetailTag && header.detail_level == 0);
+    if (tag & kCriticalExtension && !is_known) {
       char text[96];
       std::snprintf(text, sizeof text, "needs extension 0x%04x, which this program does not know",
                     static_cast<unsigned>(tag));
@@ -219,6 +235,7 @@ void parse_extensions(ByteSpan bytes, FileHeader& header) {
     at += 4;
     if (kHeaderCrcAt - at < length) fail(ErrorKind::corrupt, "header: extensions end early", at);
     if (tag == kCodingTag) coding = get_coding(bytes, at, length);
+    if (tag == kDetailTag) header.detail_level = get_detail_level(bytes, at, length);
     at += length;
   }
   require_zero(bytes.subspan(at, kHeaderCrcAt - at), "header", at);
@@ -280,11 +297,21 @@ void parse_volume(ByteSpan bytes, FileHeader& header) {
   check_max_error(header);
 }
 
-void put_coding(const SampleCoding& coding, std::uint8_t* block) {
+// The one extension that a file has: a coding is of float32, the other one of integers.
+void put_extension(std::uint16_t tag, std::uint16_t length, std::uint8_t* block) {
   store_little_endian(std::uint16_t{1}, block + kExtensionCountAt);
+  store_little_endian(tag, block + kExtensionsAt);
+  store_little_endian(length, block + kExtensionsAt + 2);
+}
+
+void put_detail_level(int level, std::uint8_t* block) {
+  put_extension(kDetailTag, kDetailBytes, block);
+  block[kExtensionsAt + 4] = static_cast<std::uint8_t>(level);
+}
+
+void put_coding(const SampleCoding& coding, std::uint8_t* block) {
+  put_extension(kCodingTag, kCodingBytes, block);
   std::uint8_t* out = block + kExtensionsAt;
-  store_little_endian(kCodingTag, out);
-  store_little_endian(kCodingBytes, out + 2);
   out[4] = static_cast<std::uint8_t>(coding.type);
   out[5] = coding.is_exact ? kExactCoding : 0;
   put_double(coding.scale, out + 6);
@@ -307,7 +334,13 @@ void parse_halvings(ByteSpan bytes, FileHeader& header) {
       fail_newer("header: halved axes " + std::to_string(masks[i]), kHalvingsAt + i);
     }
   }
-  const Levels proof(header.description.size, header.halvings);
+  const Levels levels(header.description.size, header.halvings);
+  if (header.detail_level > 0 &&
+      (header.max_error > 0 ||
+       !can_leave_details_out(header.description, levels, header.detail_level))) {
+    fail(ErrorKind::corrupt, "header: details left out of a volume that cannot be without them",
+         kExtensionsAt);
+  }
 }
 
 // What is known of a file before it is sealed.
@@ -411,6 +444,7 @@ HeaderBlock encode_header(const FileHeader& header) {
   out[kChannelsAt] = 1;
   out[kTimesAt] = 1;
   if (volume.coding) put_coding(*volume.coding, out);
+  if (header.detail_level > 0) put_detail_level(header.detail_level, out);
   store_little_endian(crc32c({out, kHeaderCrcAt}), out + kHeaderCrcAt);
   return block;
 }
@@ -445,12 +479,22 @@ FileHeader parse_unsealed_header(const HeaderBlock& block) {
   return parse_description(block);
 }
 
+bool can_leave_details_out(const VolumeDescription& volume, const Levels& levels,
+                           int detail_level) {
+  return volume.kind == VolumeKind::grey && is_integer(volume.type) &&
+         detail_level < levels.tier_level_count(0);
+}
+
 double error_step(const FileHeader& header) {
   if (is_integer(header.description.type)) return 1;
   return header.max_error / static_cast<double>(kFloatErrorSteps);
 }
 
 std::uint64_t max_error_steps(const FileHeader& header) {
+  if (header.detail_level > 0) {
+    const ValueRange all = value_range(header.description.type);
+    return static_cast<std::uint64_t>(all.max - all.min);
+  }
   if (header.max_error == 0) return 0;
   if (is_integer(header.description.type)) return static_cast<std::uint64_t>(header.max_error);
   return kFloatErrorSteps;

@@ -50,6 +50,9 @@ struct FileHeader {
   VolumeDescription description;  ///< metadata are not part of the header
   std::vector<HalvingMask> halvings;
   double max_error = 0;           ///< in voxel units, whole for integer types; 0 is lossless
+  /// Levels below it have no details and are interpolated: with a max error of 0, but lossy. 0: all
+  /// have some.
+  int detail_level = 0;
   std::uint64_t build_id = 0;
   std::uint64_t file_bytes = 0;
   Section metadata;
@@ -58,6 +61,10 @@ struct FileHeader {
   Section directory;
   std::uint32_t crc = 0;  ///< of the block the header was parsed from
 };
+
+/// True when a volume can be without details below `detail_level`, which is above 0: grey integers,
+/// and a level inside the bricks of tier 0.
+bool can_leave_details_out(const VolumeDescription& volume, const Levels& levels, int detail_level);
 
 /// What the errors in the index count, in voxel units: 1 for integer types, a 1024th of the max
 /// error for float32.

@@ -131,7 +131,8 @@ std::shared_ptr<const BrickCodec> OpenFile::codec(std::uint32_t model) const {
   const Bytes bytes = read_piece(piece);
   try {
     const std::shared_ptr<const BrickCodec> codec =
-        parse_model(description().kind, description().coded_type(), description().coding, bytes);
+        parse_model(description().kind, description().coded_type(), description().coding, bytes,
+                    header_.detail_level);
     codec_cache_.insert(key, codec, 1);
     return codec;
   } catch (const Error& error) {

@@ -88,7 +88,10 @@ class FileReaderImpl final : public FileReader {
   Sha256Digest voxel_digest() const override { return file_.trailer().voxel_digest; }
   const ByteSource& source() const override { return file_.source(); }
   ValueRange range() const override { return file_.root().range(); }
-  double max_error() const override { return file_.header().max_error; }
+  double max_error() const override {
+    return detail_level() > 0 ? achieved_error() : file_.header().max_error;
+  }
+  int detail_level() const override { return file_.header().detail_level; }
   AxisOrder axis_order() const override { return file_.codec(0)->axis_order(); }
   double achieved_error() const override {
     return static_cast<double>(file_.root().error_steps()) * error_step(file_.header());

@@ -83,7 +83,10 @@ class FileReader {
   /// description().voxel_of turns into voxels. In a lossy file these are bounds.
   virtual ValueRange range() const = 0;
   /// The promise: no voxel of level 0 differs from its source by more, voxel units; 0 is lossless.
+  /// Where details were left out, what was measured.
   virtual double max_error() const = 0;
+  /// The finest level that has details; finer ones are interpolated from it.
+  virtual int detail_level() const { return 0; }
   /// The largest difference that was measured when the file was built; at most max_error().
   virtual double achieved_error() const = 0;
   virtual LevelSummary level_summary(int level) const = 0;

@@ -78,9 +78,8 @@ bool are_bounded(const VolumeDescription& volume, const ValueRange& codes, const
   const double low = volume.voxel_of(codes.min);
   const double high = volume.voxel_of(codes.max);
   const float* const first = static_cast<const float*>(voxels);
-  return std::all_of(first, first + count, [&](float v) {
-    return !std::isfinite(v) || (v >= low && v <= high);
-  });
+  const auto is_bounded = [&](float v) { return !std::isfinite(v) || (v >= low && v <= high); };
+  return std::all_of(first, first + count, is_bounded);
 }
 
 // Smallest and largest of `count` voxels.
@@ -298,7 +297,8 @@ void Verifier::check_models() {
     if (!damage) {
       try {
         const VolumeDescription& volume = file_.description();
-        parse_model(volume.kind, volume.coded_type(), volume.coding, bytes);
+        parse_model(volume.kind, volume.coded_type(), volume.coding, bytes,
+                    file_.header().detail_level);
       } catch (const Error& error) {
         damage = damaged(place, error.detail());
       }
@@ -584,9 +584,9 @@ std::optional<Damage> Verifier::check_voxels(const BrickEntry& entry, Damage pla
   }
   const ValueRange found = range_of(type, voxels.data(), count);
   const bool is_inside = found.min >= entry.range.min && found.max <= entry.range.max;
-  // With a max error the index may hold bounds that are wider than the voxels.
-  const bool may_be_wider = has_errors(file_.header(), entry.tier);
-  if (found == entry.range || (may_be_wider && is_inside)) return std::nullopt;
+  // Of lossy files the index may hold bounds that are wider than the voxels.
+  const bool may_differ = is_inside && has_errors(file_.header(), entry.tier);
+  if (found == entry.range || may_differ) return std::nullopt;
   return damaged(std::move(place), "its voxels have another range than the index says");
 }
 

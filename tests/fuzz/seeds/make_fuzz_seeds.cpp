@@ -100,7 +100,10 @@ Bytes brick_input(std::uint8_t type, VolumeKind kind, std::uint8_t side,
   const BrickShape shape = brick_shape(levels, 0, {0, 0, 0});
   const TrainingBrick training{shape, view};
   const auto codec = train_model(kind, kTypes[type], std::span(&training, 1), settings);
-  const auto choice = static_cast<std::uint8_t>(type | (kind == VolumeKind::labels ? 0x80 : 0));
+  const auto type_choice =
+      static_cast<int>(type) + settings.detail_level * static_cast<int>(kTypes.size());
+  const auto choice =
+      static_cast<std::uint8_t>(type_choice | (kind == VolumeKind::labels ? 0x80 : 0));
   return input_of(*codec, training, choice, side, value_range(kTypes[type]).min);
 }
 
@@ -214,6 +217,11 @@ int main(int argc, char** argv) {
         for (const CodecSettings& settings :
              {CodecSettings{Preset::fast, 0}, {Preset::small, 1}, {Preset::fast, 25}}) {
           save(folder / "bricks" / std::to_string(number++), brick_input(type, kind, 4, settings));
+        }
+        // Details left out.
+        for (const CodecSettings& settings : {CodecSettings{.detail_level = 1},
+                                              {.preset = Preset::fast, .detail_level = 2}}) {
+          save(folder / "bricks" / std::to_string(number++), brick_input(type, kind, 5, settings));
         }
         // Parts that decode alone: of both predictors, with edges, with corrections.
         constexpr std::uint8_t kCutSide = 6;

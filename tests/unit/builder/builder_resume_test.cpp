@@ -25,6 +25,7 @@ struct Kind {
   double max_error = 0;
   Preset preset = Preset::small;
   bool is_alike = false;  ///< the groups, so that models of later ones refine the first
+  int keep_details = 0;
 };
 
 TextureSource source_of(const Kind& kind, std::int64_t failing_plane = -1) {
@@ -38,6 +39,7 @@ BuildOptions options_of(const Kind& kind, Interrupted interrupted, int threads =
   options.kind = kind.kind;
   options.max_error = kind.max_error;
   options.preset = kind.preset;
+  options.keep_details = kind.keep_details;
   options.interrupted = interrupted;
   options.threads = threads;
   return options;
@@ -145,6 +147,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Kind{"lossy", VoxelType::int16, VolumeKind::grey, 2},
                       Kind{"lossy_alike", VoxelType::int16, VolumeKind::grey, 2, Preset::small,
                            true},
+                      Kind{"details_left_out", VoxelType::int16, VolumeKind::grey, 0, Preset::fast,
+                           true, 2},
                       Kind{"labels", VoxelType::uint16, VolumeKind::labels},
                       Kind{"float", VoxelType::float32},
                     Kind{"lossy_float", VoxelType::float32, VolumeKind::grey, 0.25}),

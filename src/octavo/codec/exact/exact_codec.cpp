@@ -233,9 +233,9 @@ std::unique_ptr<BrickCodec> make_exact_codec(std::unique_ptr<BrickCodec> codes,
 }
 
 std::unique_ptr<BrickCodec> parse_model(VolumeKind kind, VoxelType coded_type,
-                                        const std::optional<SampleCoding>& coding,
-                                        ByteSpan bytes) {
-  auto codec = parse_model(kind, coded_type, bytes);
+                                        const std::optional<SampleCoding>& coding, ByteSpan bytes,
+                                        int detail_level) {
+  auto codec = parse_model(kind, coded_type, bytes, detail_level);
   if (!coding || !coding->is_exact) return codec;
   return make_exact_codec(std::move(codec), *coding);
 }

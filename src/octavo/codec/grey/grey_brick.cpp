@@ -3,6 +3,7 @@
 #include <bit>
 
 #include "octavo/codec/entropy/binary_coder.h"
+#include "octavo/codec/grey/grey_interpolation.h"
 #include "octavo/codec/grey/voxel_walk.h"
 
 namespace octavo::grey {
@@ -293,11 +294,13 @@ ValueRange range_of(const BrickView& brick) {
 }
 
 template <class Sample>
-AnalyzedBrick<Sample> analyze(const BrickShape& shape, const BrickView& brick,
-                              const SampleScale& scale, const AxisOrder& order) {
+AnalyzedBrick<Sample> analyze(const BrickShape& whole, const BrickView& brick,
+                              const SampleScale& scale, const AxisOrder& order, int first) {
   AnalyzedBrick<Sample> result;
   result.scale = scale;
   std::vector<Sample> samples = gather<Sample>(brick, result.scale, order);
+  for (int i = 0; i < first; ++i) samples = coarser_level(std::move(samples), whole, i);
+  const BrickShape shape = shape_from(whole, first);
   if (has_cells(shape)) result.cells = find_cells(shape, samples);
   result.steps.resize(static_cast<std::size_t>(shape.level_count));
   for (int level = 0; level < shape.level_count; ++level) {
@@ -321,8 +324,8 @@ AnalyzedBrick<Sample> analyze(const BrickShape& shape, const BrickView& brick,
 }
 
 template AnalyzedBrick<std::int16_t> analyze(const BrickShape&, const BrickView&,
-                                             const SampleScale&, const AxisOrder&);
+                                             const SampleScale&, const AxisOrder&, int);
 template AnalyzedBrick<std::int32_t> analyze(const BrickShape&, const BrickView&,
-                                             const SampleScale&, const AxisOrder&);
+                                             const SampleScale&, const AxisOrder&, int);
 
 }  // namespace octavo::grey

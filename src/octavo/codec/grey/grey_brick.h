@@ -256,10 +256,12 @@ Target<Sample> target_of(const AnalyzedBrick<Sample>& brick, const BrickShape& s
 ValueRange range_of(const BrickView& brick);
 
 /// Requires a range of more than one code. When Sample is 16 bits and the range is wider, samples
-/// keep the highest 16 bits (training only). shape: in the codec's axes
+/// keep the highest 16 bits (training only).
+/// whole  the shape in the codec's axes
+/// first  the in-brick level from which on the brick is analyzed, as one that begins there
 template <class Sample>
-AnalyzedBrick<Sample> analyze(const BrickShape& shape, const BrickView& brick,
-                              const SampleScale& scale, const AxisOrder& order);
+AnalyzedBrick<Sample> analyze(const BrickShape& whole, const BrickView& brick,
+                              const SampleScale& scale, const AxisOrder& order, int first = 0);
 
 /// The codes that a model makes of voxels, those of a brick with a map.
 CodeScale code_scale(const Parameters& p, const BrickMap& map);

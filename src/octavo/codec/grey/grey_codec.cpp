@@ -7,46 +7,16 @@
 #include "octavo/codec/grey/edge_pairs.h"
 #include "octavo/codec/grey/grey_brick.h"
 #include "octavo/codec/grey/grey_corrections.h"
+#include "octavo/codec/grey/grey_interpolation.h"
 #include "octavo/codec/grey/grey_parts.h"
 #include "octavo/codec/grey/grey_voxels.h"
+#include "octavo/codec/grey/plain_samples.h"
 #include "octavo/codec/grey/voxel_walk.h"
 #include "octavo/core/crc32c.h"
 
 namespace octavo::grey {
 
 namespace {
-
-std::uint64_t stored_bytes(const SampleScale& scale, const Size3& size) {
-  return (static_cast<std::uint64_t>(size.voxel_count()) *
-              static_cast<std::uint64_t>(scale.plain_width()) + 7) / 8;
-}
-
-/// Samples as plain bits above the smallest one.
-template <class Sample>
-Bytes encode_plain(const SampleScale& scale, const std::vector<Sample>& samples) {
-  Bytes out;
-  BitWriter bits(out);
-  for (const Sample s : samples) {
-    bits.put(static_cast<std::uint64_t>(s - scale.min_sample()), scale.plain_width());
-  }
-  bits.finish();
-  return out;
-}
-
-template <class Sample>
-std::vector<Sample> decode_plain(const SampleScale& scale, ByteSpan bytes, const Size3& size) {
-  if (bytes.size() != stored_bytes(scale, size)) {
-    throw Error(ErrorKind::corrupt, "plain samples: " + std::to_string(bytes.size()) + " bytes, " +
-                                        std::to_string(stored_bytes(scale, size)) + " expected");
-  }
-  std::vector<Sample> samples(static_cast<std::size_t>(size.voxel_count()));
-  BitReader bits(bytes);
-  for (Sample& s : samples) {
-    const auto above = static_cast<std::int64_t>(bits.get(scale.plain_width()));
-    s = static_cast<Sample>(std::min(scale.min_sample() + above, scale.max_sample()));
-  }
-  return samples;
-}
 
 /// The segment of in-brick level 1 starts with the cell flags: a varint of their length, then the
 /// bytes.
@@ -198,24 +168,31 @@ std::int64_t rounding_error(const BrickView& view, const SampleScale& scale,
   return most;
 }
 
-/// A brick that coding would enlarge is stored: all voxels plain in segment 0, the other segments
-/// empty.
+/// A brick that coding would enlarge is stored: all its samples plain in segment 0, the other
+/// segments empty.
 template <class Sample>
-void store(EncodedBrick& encoded, const BrickShape& shape, const BrickView& view,
-           const SampleScale& scale, const AxisOrder& order) {
-  BrickShape flat = shape;
-  flat.level_count = 1;
+void store(EncodedBrick& encoded, const AnalyzedBrick<Sample>& brick, const BrickView& view) {
   for (Bytes& segment : encoded.segments) segment.clear();
-  encoded.segments[0] = encode_plain(scale, analyze<Sample>(flat, view, scale, order).coarsest);
-  encoded.max_error = rounding_error(view, scale, encoded.range);
+  encoded.segments[0] = encode_plain(brick.scale, finest_samples(brick));
+  encoded.max_error = rounding_error(view, brick.scale, encoded.range);
+}
+
+/// Puts the segments of a brick that begins at in-brick level `first` where the whole brick has
+/// them: that of a stored one stays in front.
+void move_up(std::vector<Bytes>& segments, int first) {
+  const bool is_stored = segments.back().empty();
+  const auto place = is_stored ? segments.end() : segments.begin();
+  segments.insert(place, static_cast<std::size_t>(first), Bytes{});
 }
 
 template <class Sample>
-EncodedBrick encode_brick(const Model& model, const BrickShape& shape, const BrickView& view,
+EncodedBrick encode_brick(const Model& model, const BrickShape& whole, const BrickView& view,
                           const ValueRange& voxels, const SampleScale& scale,
                           const BrickMap& map) {
   const AxisOrder& order = model.parameters.axis_order;
-  auto brick = analyze<Sample>(shape, view, scale, order);
+  const int first = detailed_level(model.parameters, whole);
+  const BrickShape shape = shape_from(whole, first);
+  auto brick = analyze<Sample>(whole, view, scale, order, first);
   brick.gaps = gaps_of(model.parameters.value_map, map, shape, scale);
   const Quantizer& quantizer = model.parameters.quantizer;
   EncodedBrick encoded;
@@ -235,13 +212,18 @@ EncodedBrick encode_brick(const Model& model, const BrickShape& shape, const Bri
   std::uint64_t coded = 0;
   for (const Bytes& segment : encoded.segments) coded += segment.size();
   const bool is_larger = shape.level_count > 1 && coded >= stored_bytes(scale, shape.size[0]);
-  if (is_larger || !is_possible) store<Sample>(encoded, shape, view, scale, order);
+  if (is_larger || !is_possible) store(encoded, brick, view);
   if (!model.parameters.value_map.is_empty()) {
     Bytes& plain = encoded.segments.back().empty() ? encoded.segments.front()
                                                    : encoded.segments.back();
     Bytes start;
     put_brick_map(start, map);
     plain.insert(plain.begin(), start.begin(), start.end());
+  }
+  if (first > 0) {
+    encoded.detailed =
+        finest_voxels(brick, shape.size[0], {view.type, voxels, scale, order, true});
+    move_up(encoded.segments, first);
   }
   return encoded;
 }
@@ -407,6 +389,28 @@ void decode_samples(const Source& source, std::span<const ByteSpan> segments, in
                 });
 }
 
+/// Decodes a level that has no details.
+/// source    of the brick from its first level with details on, and so are segments
+/// whole     the shape of all of it, in the codec's axes
+template <class Sample>
+void decode_interpolated(const Source& source, const BrickShape& whole, bool is_stored,
+                         std::span<const ByteSpan> segments, int level, const VoxelTarget& out) {
+  const BrickShape& shape = source.shape;
+  Workspace<Sample>& work = thread_workspace<Sample>();
+  if (is_stored) {
+    load_means(work, decode_plain<Sample>(source.scale, segments[0], shape.size[0]).data(),
+               shape.size[0]);
+  } else {
+    const LevelState state = decode_coarser<Sample>(source, segments, 0);
+    if (shape.level_count > 1) {
+      decode_details<Sample>(source, Part{shape, {}, {}, kAllFaces}, 0, segments[0],
+                             state.hints(source.parameters()), kMaxStates);
+    }
+  }
+  interpolate_levels(work, whole, source.scale, whole.level_count - shape.level_count, level);
+  source.writer().write(work.means, out);
+}
+
 template <class Sample>
 class GreyParts final : public BrickParts {
  public:
@@ -470,7 +474,8 @@ EncodedBrick GreyCodec::encode(const BrickShape& shape, const BrickView& view) c
             std::vector<Bytes>(static_cast<std::size_t>(shape.level_count))};
   }
   const Parameters& parameters = model_->parameters;
-  const BrickMap map = map_brick(parameters.value_map, view, voxels, shape.first_level == 0);
+  const bool has_voxels = shape.first_level == 0 && detailed_level(parameters, shape) == 0;
+  const BrickMap map = map_brick(parameters.value_map, view, voxels, has_voxels);
   const SampleScale scale = SampleScale::of_voxels(voxels, code_scale(parameters, map));
   const BrickShape inner = in_order(shape, parameters.axis_order);
   return with_sample_type(scale, [&](auto sample) {
@@ -480,10 +485,16 @@ EncodedBrick GreyCodec::encode(const BrickShape& shape, const BrickView& view) c
 
 namespace {
 
-/// Whether a brick is stored. Throws Error{corrupt} when it has more than it may then.
-bool is_stored(const BrickShape& shape, std::span<const ByteSpan> segments) {
-  if (shape.level_count == 1 || !segments.back().empty()) return false;
+/// Whether a brick with details from in-brick level `first` on is stored.
+/// Throws Error{corrupt} where it has segments that it cannot have then
+bool is_stored(const BrickShape& shape, int first, std::span<const ByteSpan> segments) {
   const auto holds_bytes = [](ByteSpan segment) { return !segment.empty(); };
+  if (shape.level_count - first == 1 || !segments.back().empty()) {
+    if (std::any_of(segments.begin(), segments.begin() + first, holds_bytes)) {
+      throw Error(ErrorKind::corrupt, "a level without details has bytes");
+    }
+    return false;
+  }
   if (std::any_of(segments.begin() + 1, segments.end(), holds_bytes)) {
     throw Error(ErrorKind::corrupt, "a stored brick has more than one segment");
   }
@@ -515,15 +526,22 @@ void GreyCodec::decode(const BrickShape& shape, VoxelType type, const ValueRange
     });
     return;
   }
-  std::vector<ByteSpan> bytes(segments.begin(), segments.end());
-  const bool stored = is_stored(shape, segments);
-  const Source source =
-      source_of(*model_, shape, type, range, stored ? bytes.front() : bytes.back());
+  const int first = detailed_level(model_->parameters, shape);
+  const bool stored = is_stored(shape, first, segments);
+  std::vector<ByteSpan> bytes(segments.begin() + (stored ? 0 : first), segments.end());
+  const Source source = source_of(*model_, shape_from(shape, first), type, range,
+                                  stored ? bytes.front() : bytes.back());
   const VoxelTarget target = dense_target(out, size);
   with_sample_type(source.scale, [&](auto sample) {
     using Sample = decltype(sample);
-    if (stored) decode_stored<Sample>(source, bytes[0], level, target);
-    else decode_samples<Sample>(source, bytes, level, target);
+    if (level < first) {
+      const BrickShape whole = in_order(shape, model_->parameters.axis_order);
+      decode_interpolated<Sample>(source, whole, stored, bytes, level, target);
+    } else if (stored) {
+      decode_stored<Sample>(source, bytes[0], level - first, target);
+    } else {
+      decode_samples<Sample>(source, bytes, level - first, target);
+    }
   });
 }
 
@@ -547,9 +565,14 @@ std::unique_ptr<BrickParts> GreyCodec::open_parts(const BrickShape& shape, Voxel
 
 namespace octavo {
 
-std::unique_ptr<BrickCodec> parse_grey_model(VoxelType type, ByteSpan bytes) {
+std::unique_ptr<BrickCodec> parse_grey_model(VoxelType type, ByteSpan bytes, int detail_level) {
   if (!is_integer(type)) throw Error(ErrorKind::corrupt, "a grey model for float voxels");
-  return std::make_unique<grey::GreyCodec>(grey::parse_parameters(bytes));
+  grey::Parameters parameters = grey::parse_parameters(bytes);
+  parameters.detail_level = detail_level;
+  if (detail_level > 0 && (!parameters.quantizer.is_lossless() || parameters.cut_axes != 0)) {
+    throw Error(ErrorKind::corrupt, "a model with a max error or parts where details are left out");
+  }
+  return std::make_unique<grey::GreyCodec>(parameters);
 }
 
 }  // namespace octavo

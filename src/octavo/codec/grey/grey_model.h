@@ -129,6 +129,8 @@ struct Parameters {
   /// The axes, of that order, along which level 0 is cut into parts (grey_parts.h): bits as in a
   /// HalvingMask.
   std::uint8_t cut_axes = 0;
+  /// As CodecSettings::detail_level; the model's form in a file does not hold it.
+  int detail_level = 0;
   std::int32_t activity_threshold = 8;
   /// Weights are multiples of 2^weight_step.
   int weight_step = 3;

@@ -63,11 +63,12 @@ std::int32_t learn_threshold(const std::vector<TrainingSample>& training) {
 class TrainingSet {
  public:
   TrainingSet(std::span<const TrainingBrick> bricks, const AxisOrder& order, const ValueMap& map,
-              std::uint8_t cut_axes)
+              std::uint8_t cut_axes, int detail_level)
       : bricks_(bricks) {
     start_.axis_order = order;
     start_.value_map = map;
     start_.cut_axes = cut_axes;
+    start_.detail_level = detail_level;
   }
 
   std::span<const TrainingBrick> bricks() const { return bricks_; }
@@ -310,6 +311,7 @@ Parameters learn_lossless(TrainingSet& set, Predictor predictor) {
 
 /// The axes that are cut for an access.
 std::uint8_t cut_axes_of(const CodecSettings& settings) {
+  if (settings.detail_level > 0) return 0;
   const Access by_preset = settings.preset == Preset::fast ? Access::slices : Access::none;
   switch (settings.access.value_or(by_preset)) {
     case Access::none: return 0;
@@ -351,7 +353,8 @@ Parameters learn_lossy(TrainingSet& set, Predictor predictor, std::int64_t max_e
                        const ValueMap& gaps) {
   const Parameters rounding = learn_rounding(set, predictor, max_error);
   if (gaps.is_empty()) return rounding;
-  TrainingSet whole(set.bricks(), set.start().axis_order, gaps, set.start().cut_axes);
+  TrainingSet whole(set.bricks(), set.start().axis_order, gaps, set.start().cut_axes,
+                    set.start().detail_level);
   const Parameters lossless = learn_lossless(whole, predictor);
   return cost(set.bricks(), lossless) < cost(set.bricks(), rounding) ? lossless : rounding;
 }
@@ -370,13 +373,22 @@ std::unique_ptr<BrickCodec> train_grey_model(VoxelType type, std::span<const Tra
   if (settings.max_error < 0 || 2 * settings.max_error + 1 > kMaxVoxelStep) {
     throw Error(ErrorKind::invalid_argument, "the maximum error is out of range");
   }
+  const bool has_parts = settings.access.value_or(Access::none) != Access::none;
+  if (settings.detail_level < 0 || settings.detail_level >= kTierLevels ||
+      (settings.detail_level > 0 && (settings.max_error > 0 || has_parts))) {
+    throw Error(ErrorKind::invalid_argument,
+                "details are left out below a level from 1 to 5, without maximum error and parts");
+  }
   const bool is_fast = settings.preset == Preset::fast;
   const bool is_lossless = settings.max_error == 0;
   const Predictor predictor = is_fast ? Predictor::means : Predictor::neighbors;
   const ValueMap gaps = learn_value_map(bricks, !is_fast);
   // Voxels that may change have no values of their own.
-  const ValueMap map = is_lossless ? gaps : ValueMap{};
-  TrainingSet set(bricks, learn_order(bricks, settings, map), map, cut_axes_of(settings));
+  ValueMap map = is_lossless ? gaps : ValueMap{};
+  const AxisOrder order = learn_order(bricks, settings, map);
+  // Means take any value between.
+  if (settings.detail_level > 0) map.used.clear();
+  TrainingSet set(bricks, order, map, cut_axes_of(settings), settings.detail_level);
   const auto learn_best = [&] {
     return is_lossless ? learn_lossless(set, predictor)
                        : learn_lossy(set, predictor, settings.max_error, gaps);
@@ -396,10 +408,10 @@ std::unique_ptr<BrickCodec> refine_grey_model(const BrickCodec& first, VoxelType
   const Parameters& start = dynamic_cast<const GreyCodec&>(first).parameters();
   ValueMap map;
   if (start.quantizer.is_lossless()) {
-    map = learn_value_map(bricks, settings.preset != Preset::fast);
+    map = learn_value_map(bricks, settings.preset != Preset::fast && start.detail_level == 0);
   }
   const std::vector<TrainingBrick> few = some_of(bricks, kRefiningBricks);
-  TrainingSet set(few, start.axis_order, map, start.cut_axes);
+  TrainingSet set(few, start.axis_order, map, start.cut_axes, start.detail_level);
   if (const auto p = refined(set, start)) return std::make_unique<GreyCodec>(*p);
   CodecSettings same_order = settings;
   same_order.axis_order = start.axis_order;

@@ -1,5 +1,6 @@
 #include <tbb/parallel_for.h>
 
+#include "octavo/codec/grey/grey_interpolation.h"
 #include "octavo/codec/grey/grey_training.h"
 
 namespace octavo::grey {
@@ -10,12 +11,14 @@ std::vector<TrainingSample> make_training_samples(std::span<const TrainingBrick>
   std::vector<TrainingSample> training(bricks.size());
   tbb::parallel_for(std::size_t{0}, bricks.size(), [&](std::size_t i) {
     const ValueRange range = range_of(bricks[i].view);
-    const BrickMap map =
-        map_brick(p.value_map, bricks[i].view, range, bricks[i].shape.first_level == 0);
+    const int first = detailed_level(p, bricks[i].shape);
+    const BrickMap map = map_brick(p.value_map, bricks[i].view, range,
+                                   bricks[i].shape.first_level == 0 && first == 0);
     const SampleScale scale = SampleScale::of_voxels(range, code_scale(p, map));
     if (scale.range.min == scale.range.max) return;
-    const BrickShape shape = in_order(bricks[i].shape, order);
-    training[i] = {shape, analyze<std::int16_t>(shape, bricks[i].view, scale, order)};
+    const BrickShape whole = in_order(bricks[i].shape, order);
+    const BrickShape shape = shape_from(whole, first);
+    training[i] = {shape, analyze<std::int16_t>(whole, bricks[i].view, scale, order, first)};
     if (scale.is_wide()) {
       training[i].brick.scale =
           SampleScale{{0, (scale.range.max - scale.range.min) >> scale.shift()}, {}, true};

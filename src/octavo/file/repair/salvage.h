@@ -68,6 +68,7 @@ class SalvageReader final : public FileReader {
   /// That of the file, widened so that it holds options.value.
   ValueRange range() const override;
   double max_error() const override { return inner_->max_error(); }
+  int detail_level() const override { return inner_->detail_level(); }
   double achieved_error() const override { return inner_->achieved_error(); }
   LevelSummary level_summary(int level) const override { return inner_->level_summary(level); }
   AxisOrder axis_order() const override { return inner_->axis_order(); }

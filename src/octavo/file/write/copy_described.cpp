@@ -56,6 +56,7 @@ std::uint64_t copy_described(std::shared_ptr<const ByteSource> source,
   options.discards_interrupted = overwrite;
   options.max_error = file.header().max_error;
   options.has_thumbnail = file.find_part(kThumbnailTag) != nullptr;
+  options.detail_level = file.header().detail_level;
   const Levels& levels = file.levels();
   // The lower half of a build id is the hash of the first voxels.
   const auto content_hash = static_cast<std::uint32_t>(file.header().build_id);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -29,6 +30,9 @@ bool follows(const JournalGroup& group, const JournalGroup& before, const Levels
   const Size3 grid = levels.brick_grid(0);
   const std::int64_t layers = group.end_layer - before.end_layer;
   if (layers <= 0 || group.end_layer > grid.z || group.file_bytes < before.file_bytes) return false;
+  const bool is_sum = group.squared_error >= before.squared_error &&
+                      group.squared_error <= std::numeric_limits<double>::max();
+  if (!is_sum) return false;
   const auto layer_bricks = static_cast<std::uint64_t>(grid.x * grid.y);
   const std::uint64_t layer_pages = (layer_bricks + kPageBricks - 1) / kPageBricks;
   const auto count = static_cast<std::uint64_t>(layers);
@@ -92,6 +96,7 @@ struct AskedSetting {
 
 constexpr AskedSetting kAskedSettings[] = {
     {"access", "access", "interrupted.access"},
+    {"keep_details", "level of details", "interrupted.keep_details"},
     {"max error", "max error", "interrupted.max_error"},
     {"max_error", "max error", "interrupted.max_error"},
     {"preset", "preset", "interrupted.preset"},
@@ -161,6 +166,7 @@ std::vector<WholeGroup> proven_groups(const StorageFile& file, const StorageFile
     before.end_layer = group.end_layer;
     before.file_bytes = group.file_bytes;
     before.digest = group.digest;
+    before.squared_error = group.squared_error;
     ++whole;
   }
   groups.erase(groups.begin() + static_cast<std::ptrdiff_t>(whole), groups.end());

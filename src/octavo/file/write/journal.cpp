@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <utility>
 
 #include "octavo/core/crc32c.h"
@@ -12,7 +13,7 @@ namespace octavo {
 namespace {
 
 constexpr std::uint32_t kMagic = 0x6e726a38;  // "8jrn"
-constexpr std::uint32_t kJournalVersion = 2;
+constexpr std::uint32_t kJournalVersion = 3;
 
 constexpr std::uint32_t kHeadRecord = 1;
 constexpr std::uint32_t kBlockRecord = 2;
@@ -124,6 +125,7 @@ Bytes group_payload(const JournalGroup& group) {
   out.put_u32(group.voxels_crc);
   out.put_varint(group.file_bytes);
   out.put_u32(group.digest);
+  out.put_u64(std::bit_cast<std::uint64_t>(group.squared_error));
   out.put_varint(group.models.size());
   for (const ModelRef& model : group.models) {
     out.put_varint(model.offset);
@@ -156,6 +158,7 @@ JournalGroup parse_group(ByteSpan bytes) {
   group.voxels_crc = in.u32();
   group.file_bytes = in.varint();
   group.digest = in.u32();
+  group.squared_error = std::bit_cast<double>(in.u64());
   for (std::uint64_t left = take_count(in); left > 0; --left) {
     ModelRef model;
     model.offset = in.varint();

@@ -51,6 +51,7 @@ struct JournalGroup {
   std::uint32_t voxels_crc = 0;   ///< CRC-32C of its voxels, as the source gave them
   std::uint64_t file_bytes = 0;   ///< of the growing file at its end
   std::uint32_t digest = 0;       ///< CRC-32C of the growing file behind its header, up to there
+  double squared_error = 0;       ///< of all bricks up to there (EncodedBrick::squared_error)
   std::vector<ModelRef> models;
   std::vector<std::uint32_t> slab_trailer_bytes;
   std::vector<PageRef> pages;     ///< of tier 0; totals in segment_start

@@ -1,7 +1,6 @@
 #include "octavo/file/write/writer.h"
 
 #include <algorithm>
-#include <cmath>
 #include <span>
 #include <utility>
 
@@ -13,6 +12,7 @@
 #include "octavo/file/write/append_file.h"
 #include "octavo/file/write/index_builder.h"
 #include "octavo/file/write/interrupted.h"
+#include "octavo/file/write/new_header.h"
 #include "octavo/file/write/own_thumbnail.h"
 #include "octavo/octree/o_code.h"
 
@@ -22,12 +22,6 @@ namespace {
 
 // Files above this get room for longer metadata.
 constexpr std::uint64_t kPaddedFileBytes = std::uint64_t{1} << 20;
-constexpr std::size_t kMetadataRoom = 256;
-constexpr std::size_t kMetadataBlock = 512;
-
-[[noreturn]] void misused(const std::string& what) {
-  throw Error(ErrorKind::internal, "file writer: " + what);
-}
 
 // Metadata as it stands in the file: large files can have it edited in place.
 Bytes metadata_bytes(const std::string& json, std::uint64_t file_bytes) {
@@ -40,49 +34,6 @@ Bytes metadata_bytes(const std::string& json, std::uint64_t file_bytes) {
 
 bool has_bytes(std::span<const Bytes> segments) {
   return std::ranges::any_of(segments, [](const Bytes& bytes) { return !bytes.empty(); });
-}
-
-FileHeader make_header(const VolumeDescription& description, const Levels& levels,
-                       std::uint32_t content_hash, double max_error) {
-  checked_voxel_count(description.size);
-  if (levels.count() == 0 || levels.size(0) != description.size) misused("levels of another size");
-  if (!is_valid(description.type)) misused("unknown voxel type");
-  if (description.coding.has_value() == is_integer(description.type) ||
-      (description.coding && !is_valid(*description.coding))) {
-    misused("float32 without a usable coding, or integers with one");
-  }
-  const bool is_grey = description.kind == VolumeKind::grey;
-  if (!is_grey && !is_integer(description.type)) misused("labels of type float32");
-  if (!std::isfinite(max_error) || max_error < 0 || (max_error > 0 && !is_grey) ||
-      (is_integer(description.type) && max_error != std::floor(max_error))) {
-    misused("a max error that the voxels cannot have");
-  }
-  if (!is_valid(description.geometry)) {
-    throw Error(ErrorKind::invalid_argument,
-                "spacing must lie between 1e-9 and 1e9 mm, the origin within 1e12 mm, and the "
-                "direction be invertible");
-  }
-  if (!has_unit_axes(description.geometry)) {
-    throw Error(ErrorKind::invalid_argument,
-                "the axes of the direction must have length 1: lengths belong to the spacing");
-  }
-  if (!is_valid(description.rescale, description.type)) {
-    throw Error(ErrorKind::invalid_argument,
-                "the rescale slope must not be 0, and real values must be finite numbers");
-  }
-  if (description.metadata.text().size() > kMaxMetadataBytes - kMetadataRoom - kMetadataBlock) {
-    throw Error(ErrorKind::limit_exceeded,
-                "metadata of " + std::to_string(description.metadata.text().size()) +
-                    " bytes; at most 16 MiB");
-  }
-  FileHeader header;
-  header.description = description;
-  Geometry& geometry = header.description.geometry;
-  if (!has_unit_axes(geometry, kStoredAxisTolerance)) geometry = with_unit_axes(geometry);
-  header.halvings = levels.halvings();
-  header.max_error = max_error;
-  header.build_id = make_build_id(header, content_hash);
-  return header;
 }
 
 class FileWriterImpl final : public FileWriter {
@@ -116,6 +67,17 @@ class FileWriterImpl final : public FileWriter {
 
   void add_plane_digests(std::span<const Sha256Digest> digests) override {
     guarded([&] { keep_plane_digests(digests); });
+  }
+
+  WrittenErrors written_errors() const override {
+    return {index_.root().error_steps(), squared_error_, index_.root().range()};
+  }
+
+  void set_metadata(const Metadata& metadata) override {
+    guarded([&] {
+      check_room(metadata);
+      header_.description.metadata = metadata;
+    });
   }
 
   void add_part(Part part) override { parts_.push_back(std::move(part)); }
@@ -236,6 +198,7 @@ class FileWriterImpl final : public FileWriter {
   std::int64_t layer_ = 0;
   std::int64_t place_ = 0;
 
+  double squared_error_ = 0;  ///< of the bricks of tier 0, in their order
   std::vector<Part> parts_;
   std::vector<Sha256Digest> slab_digests_;  ///< of the planes of the layer
   Sha256 planes_hasher_;                    ///< of the digests of all planes before it
@@ -320,6 +283,7 @@ void FileWriterImpl::take_over(InterruptedBuild build, std::vector<WholeGroup> g
   build.file->truncate(last.file_bytes);
   out_ = std::make_unique<AppendFile>(std::move(build.file), last.file_bytes, last.digest);
   out_->write_header(encode_header(header_));
+  squared_error_ = last.squared_error;
   layer_ = last.end_layer;
   if (layer_ == levels_.brick_grid(0).z) {
     layer_ = 0;
@@ -347,6 +311,7 @@ void FileWriterImpl::append_group(std::uint32_t voxels_crc) {
   group.voxels_crc = voxels_crc;
   group.file_bytes = out_->size();
   group.digest = out_->digest();
+  group.squared_error = squared_error_;
   for (const ModelRef& model : root.models) {
     if (model.first_slab >= whole_.end_layer) group.models.push_back(model);
   }
@@ -430,6 +395,7 @@ void FileWriterImpl::append_brick(int tier, const EncodedBrick& brick) {
     }
   }
   index_.add_brick(tier, brick.range, static_cast<std::uint64_t>(brick.max_error), refs);
+  if (tier == 0) squared_error_ += brick.squared_error;
   if (tier == 0) slab_lengths_.push_back(refs.front().length);
   if (tier == 0 && journal_) group_parents_.push_back(brick.parent);
   advance(tier);
@@ -590,8 +556,7 @@ std::unique_ptr<FileWriter> FileWriter::create(Storage& storage, const std::stri
                                                const Levels& levels, std::uint32_t content_hash,
                                                const WriterOptions& options) {
   auto writer = std::make_unique<FileWriterImpl>(
-      storage, path, make_header(description, levels, content_hash, options.max_error), levels,
-      options);
+      storage, path, new_header(description, levels, content_hash, options), levels, options);
   writer->start();
   return writer;
 }

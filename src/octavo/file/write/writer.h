@@ -29,6 +29,8 @@ struct WriterOptions {
   bool overwrite = false;  ///< replace an existing file at finish(); otherwise Error{io} at once
   /// No voxel of tier 0 lies further from its source, in voxel units; whole for integer types.
   double max_error = 0;
+  /// The finest level that has details, as FileHeader::detail_level.
+  int detail_level = 0;
   /// Keeps a journal beside the growing file, so that a later writer can continue it.
   bool has_journal = false;
   /// Continues what is left of an interrupted build of the same volume, if there is any; makes
@@ -42,6 +44,13 @@ struct WriterOptions {
   bool has_thumbnail = false;
   /// How the bricks are made, lines "NAME: VALUE": writers of other settings do not continue.
   std::string settings = {};
+};
+
+/// How far the voxels of bricks lie from their source.
+struct WrittenErrors {
+  std::uint64_t max_steps = 0;  ///< in steps of the header
+  double squared = 0;           ///< the sum of EncodedBrick::squared_error
+  ValueRange range;             ///< of the bricks
 };
 
 class FileWriter {
@@ -69,6 +78,13 @@ class FileWriter {
   /// on.
   /// brick.max_error  in steps of the header (error_step); 0 above tier 0
   virtual void add_brick(int tier, const EncodedBrick& brick) = 0;
+
+  /// The error of the bricks of tier 0 so far, those that were taken over included.
+  virtual WrittenErrors written_errors() const = 0;
+
+  /// Other metadata than those that the file was begun with; its build id stays.
+  /// Throws Error{limit_exceeded}
+  virtual void set_metadata(const Metadata& metadata) = 0;
 
   /// The SHA-256 of each plane of the layer of tier 0 that is being added, by z, of voxels as they
   /// will be read. Called before the last brick of the layer.

@@ -80,6 +80,7 @@ BuildOptions build_options(const BuildScanOptions& options, VolumeKind kind) {
   build.preset = options.preset;
   build.access = options.access;
   build.max_error = options.max_error;
+  build.keep_details = options.keep_details;
   build.repair = options.repair;
   if (options.is_resuming) build.interrupted = Interrupted::resume;
   return build;

@@ -22,6 +22,7 @@ struct BuildScanOptions {
   Preset preset = Preset::small;
   std::optional<Access> access;  ///< as CodecSettings::access
   double max_error = 0;  ///< real units; 0: lossless
+  int keep_details = 0;  ///< as BuildOptions::keep_details
   FloatRepair repair;
   /// linear or cubic: makes planes between thick slices until voxels are cubes.
   std::optional<PlaneInterpolation> between;

@@ -60,6 +60,11 @@ InfoResult info(const InfoOptions& options, const TaskContext& context) {
   result.range = reader->range();
   result.max_error = reader->max_error();
   result.achieved_error = reader->achieved_error();
+  result.detail_level = reader->detail_level();
+  if (result.detail_level > 0) {
+    result.detail_errors =
+        result.volume.metadata.facts().coding.value_or(CodingNote{}).detail_errors;
+  }
   result.voxel_digest = reader->voxel_digest();
   result.is_place_known = is_place_known(result.volume);
   result.thumbnail_bytes = reader->thumbnail_bytes();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,8 @@ struct InfoResult {
   ValueRange range;            ///< as FileReader::range
   double max_error = 0;        ///< that the file promises, stored units
   double achieved_error = 0;   ///< the largest found when it was built
+  int detail_level = 0;        ///< as FileReader::detail_level
+  std::optional<DetailErrors> detail_errors;  ///< as the metadata have them, where that is above 0
   Sha256Digest voxel_digest{};  ///< as FileReader::voxel_digest
   bool is_place_known = true;  ///< false: origin and direction say nothing of a patient
   std::uint64_t thumbnail_bytes = 0;  ///< 0: the file has none
