@@ -141,7 +141,8 @@ TEST(Thumbnail, KeepsTheProportionsOfThickSlices) {
   using Sides = std::pair<std::int64_t, std::int64_t>;
   EXPECT_EQ(sides_of({20, 20, 5}, {1, 1, 8}), Sides(20, 40));
   EXPECT_EQ(sides_of({20, 20, 5}, {1, 1, 1.3}), Sides(20, 7));  // 6.5
-  EXPECT_EQ(sides_of({20, 20, 200}, {0.001, 1, 1}), Sides(1, 200));
+  EXPECT_EQ(sides_of({1, 20, 200}, {30, 1, 1}), Sides(30, 200));
+  EXPECT_EQ(sides_of({20, 20, 1}, {1, 0.02, 1.2}), Sides(20, 1));
   const Picture picture =
       picture_of(description_of({2, 2, 2}, VoxelType::uint8, {1, 1, 3}),
                  [](const Index3& p) { return p.z; });
@@ -164,7 +165,7 @@ TEST(Thumbnail, RunsFromTheLowestToTheHighestHundredth) {
   EXPECT_EQ(row[2], 0);
   EXPECT_EQ(row[3], 0);
   EXPECT_EQ(row[4], 1);
-  EXPECT_EQ(row[197], 253);
+  EXPECT_EQ(row[197], 254);
   EXPECT_EQ(row[199], 255);
 }
 
@@ -224,6 +225,7 @@ std::shared_ptr<FileReader> built(const VolumeDescription& description, const Vo
   options.kind = description.kind;
   options.threads = threads;
   options.has_thumbnail = true;
+  options.preset = Preset::fast;
   build_file(*source, storage, "a.8vo", options, progress);
   return testing::open_bytes(*storage.files.at("a.8vo"));
 }

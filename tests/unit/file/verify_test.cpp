@@ -151,9 +151,10 @@ TEST(Verify, AThumbnailOfOtherVoxelsIsFound) {
         FileWriter::create(storage, "a.8vo", volume.description, volume.levels, 1, options);
     writer->add_model({'r', 'a', 'w'});
     Bytes voxels(64, 3);
-    voxels[37] = voxel;  // in the plane that is shown
+    voxels[0] = 20;
+    voxels[41] = voxel;  // in the plane that is shown
     writer->add_plane_digests(digests_of_planes(voxels, 4));
-    writer->add_brick(0, {{3, voxel}, 3, 0, {voxels, Bytes(8, 3), Bytes(1, 3)}});
+    writer->add_brick(0, {{3, 20}, 3, 0, {voxels, Bytes(8, 3), Bytes(1, 3)}});
     if (!thumbnail.empty()) {
       writer->add_part({{'n', 'o', 't', 'e'}, 0, [](const auto& sink) { sink(Bytes(9)); }});
       writer->add_part({kThumbnailTag, 2, [&](const auto& sink) { sink(thumbnail); }});
