@@ -20,35 +20,63 @@ namespace {
 // Bricks whose sums are held until they are added in order.
 constexpr std::int64_t kBricksAtOnce = 64;
 
+// Sums of floats less the first of them, so that a small spread far from 0 is not lost. The first
+// one is a value of the region: what the index says of the volume may lie as far off as floats go.
+class FloatSums {
+ public:
+  void add(double value) {
+    if (count_ == 0) first_ = value;
+    const long double above = static_cast<long double>(value) - first_;
+    ++count_;
+    sum_ += above;
+    squares_ += above * above;
+  }
+
+  void add(const FloatSums& other) {
+    if (other.count_ == 0) return;
+    if (count_ == 0) first_ = other.first_;
+    const long double shift = static_cast<long double>(other.first_) - first_;
+    const auto count = static_cast<long double>(other.count_);
+    count_ += other.count_;
+    sum_ += other.sum_ + count * shift;
+    squares_ += other.squares_ + 2 * shift * other.sum_ + count * shift * shift;
+  }
+
+  double first() const { return first_; }
+  long double sum() const { return sum_; }
+  long double squares() const { return squares_; }
+
+ private:
+  double first_ = 0;
+  std::uint64_t count_ = 0;
+  long double sum_ = 0;
+  long double squares_ = 0;
+};
+
 // Sums over the voxels of one region.
 struct Sums {
   MomentSums moments;
   std::uint64_t surface = 0;
   std::uint64_t not_finite = 0;  // grey voxels that enter none of the following
-  // Of the grey voxels less `GreyScale::minimum`: exact for integers, in order for floats.
   double minimum = std::numeric_limits<double>::infinity();
   double maximum = -std::numeric_limits<double>::infinity();
+  // Of integers less `GreyScale::minimum`: exact
   __int128 whole_sum = 0;
   __int128 whole_squares = 0;
-  long double sum = 0;
-  long double squares = 0;
+  FloatSums floats;
   Histogram histogram;
 };
 
-// How grey values are summed: from the smallest one on, so that a small spread far from 0 is not
-// lost.
+// How grey values are summed.
 struct GreyScale {
-  double minimum = 0;
+  std::int64_t minimum = 0;       // of integers
   std::optional<ValueKeys> keys;  // where percentiles are asked for
   std::optional<PercentileSearch> search;
 };
 
 GreyScale scale_of(const FileReader& grey, const RegionMeasureOptions& options) {
-  const VolumeDescription& description = grey.description();
-  const double a = description.voxel_of(grey.range().min);
-  const double b = description.voxel_of(grey.range().max);
   GreyScale scale;
-  scale.minimum = std::min(a, b);
+  if (is_integer(grey.description().type)) scale.minimum = grey.range().min;
   if (options.percentiles.empty()) return scale;
   scale.keys.emplace(grey);
   scale.search.emplace(*scale.keys, options.percentiles, options.falls);
@@ -71,13 +99,11 @@ void add_grey(T value, const GreyScale& scale, Sums& sums) {
   sums.minimum = std::min(sums.minimum, v);
   sums.maximum = std::max(sums.maximum, v);
   if constexpr (std::is_integral_v<T>) {
-    const auto above = static_cast<std::int64_t>(value) - static_cast<std::int64_t>(scale.minimum);
+    const auto above = static_cast<std::int64_t>(value) - scale.minimum;
     sums.whole_sum += above;
     sums.whole_squares += static_cast<__int128>(above) * above;
   } else {
-    const long double above = v - scale.minimum;
-    sums.sum += above;
-    sums.squares += above * above;
+    sums.floats.add(v);
   }
   if (scale.search) sums.histogram.add(scale.search->first_bin(scale.keys->key_of(value)));
 }
@@ -92,8 +118,7 @@ void add(const Sums& from, Sums& to) {
   to.maximum = std::max(to.maximum, from.maximum);
   to.whole_sum += from.whole_sum;
   to.whole_squares += from.whole_squares;
-  to.sum += from.sum;
-  to.squares += from.squares;
+  to.floats.add(from.floats);
   to.histogram.add(from.histogram);
 }
 
@@ -328,21 +353,24 @@ class Measurement {
 
   GreyStatistics grey_of(const Sums& sums) const {
     GreyStatistics grey;
-    const bool is_whole = is_integer(grey_->description().type);
-    const auto count = static_cast<long double>(sums.moments.count - sums.not_finite);
     grey.not_finite = sums.not_finite;
-    const long double sum = is_whole ? static_cast<long double>(sums.whole_sum) : sums.sum;
-    const long double squares =
-        is_whole ? static_cast<long double>(sums.whole_squares) : sums.squares;
-    const long double mean = sum / count;
-    if (count == 0) {
-      grey.minimum = grey.maximum = grey.mean = grey.deviation = std::nan("");
+    if (sums.moments.count == sums.not_finite) {
+      grey.minimum = grey.maximum = grey.mean = grey.deviation = grey.sum = std::nan("");
       return grey;
     }
+    const bool is_whole = is_integer(grey_->description().type);
+    const auto count = static_cast<long double>(sums.moments.count - sums.not_finite);
+    const long double first =
+        is_whole ? static_cast<long double>(scale_.minimum) : sums.floats.first();
+    const long double sum =
+        is_whole ? static_cast<long double>(sums.whole_sum) : sums.floats.sum();
+    const long double squares =
+        is_whole ? static_cast<long double>(sums.whole_squares) : sums.floats.squares();
+    const long double mean = sum / count;
     grey.minimum = sums.minimum;
     grey.maximum = sums.maximum;
-    grey.mean = static_cast<double>(mean + scale_.minimum);
-    grey.sum = static_cast<double>(sum + count * scale_.minimum);
+    grey.mean = static_cast<double>(mean + first);
+    grey.sum = static_cast<double>(sum + count * first);
     grey.deviation =
         static_cast<double>(std::sqrt(std::max(0.0L, squares / count - mean * mean)));
     return grey;

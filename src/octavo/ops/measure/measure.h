@@ -59,7 +59,7 @@ struct RegionMeasureOptions {
 /// grey  nullptr, or a volume on the same grid
 /// Throws what the readers throw, Error{cancelled}; Error{invalid_argument} for a grey volume in
 ///        place of labels, or of another size
-/// Memory  64 bricks and their sums; per label 200 bytes, and per percentile 2 bytes a voxel of it
+/// Memory  64 bricks and their sums; per label 500 bytes, and per percentile 2 bytes a voxel of it
 ///         up to 64 KiB
 /// Time    one pass over the voxels; with percentiles one more where the values of the volume span
 ///         over 2^13, and a third where they do 2^26

@@ -4,6 +4,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <cfloat>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -52,7 +53,8 @@ Scene make_scene() {
 }
 
 std::string built(const testing::ScratchFolder& folder, const Size3& size, VoxelType type,
-                  const void* voxels, VolumeKind kind, const std::string& name) {
+                  const void* voxels, VolumeKind kind, const std::string& name,
+                  double max_error_of_floats = 1e-3) {
   VolumeDescription description;
   description.size = size;
   description.type = type;
@@ -60,7 +62,7 @@ std::string built(const testing::ScratchFolder& folder, const Size3& size, Voxel
   NoProgress progress;
   BuildOptions options;
   options.kind = kind;
-  if (type == VoxelType::float32) options.max_error = 1e-3;
+  if (type == VoxelType::float32) options.max_error = max_error_of_floats;
   build_file(*make_memory_source(description, {static_cast<const std::byte*>(voxels), bytes}),
              local_storage(), folder.file(name), options, progress);
   return folder.file(name);
@@ -189,6 +191,84 @@ TEST(MeasureRegions, TakesFloats) {
     EXPECT_NEAR(of_floats[i].grey->percentiles[2], 1e4 + of_grey[i].grey->percentiles[2] / 64,
                 2e-3);
   }
+}
+
+// Rows of labels 1 and 2 in several bricks, and the voxel (0, 0, 0) outside both.
+struct FloatRows {
+  Size3 size{70, 66, 2};
+  std::vector<std::uint8_t> labels;
+  std::vector<float> values;
+
+  explicit FloatRows(const std::function<float(std::uint8_t label)>& value_of) {
+    for_each_voxel(size, [&](const Index3& p, std::size_t i) {
+      labels.push_back(i == 0 ? 0 : p.y % 2 == 0 ? 1 : 2);
+      values.push_back(value_of(labels.back()));
+    });
+  }
+
+  std::vector<RegionMeasure> measured() const {
+    const testing::ScratchFolder folder;
+    const auto mask = testing::open_file(
+        built(folder, size, VoxelType::uint8, labels.data(), VolumeKind::labels, "l.8vo"));
+    const auto grey = testing::open_file(
+        built(folder, size, VoxelType::float32, values.data(), VolumeKind::grey, "g.8vo", 0));
+    NoProgress progress;
+    return measure_regions(*mask, grey.get(), {}, progress);
+  }
+
+  void expect_statistics(const RegionMeasure& region) const {
+    SCOPED_TRACE(region.label);
+    std::vector<long double> of_label;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (labels[i] == region.label) of_label.push_back(values[i]);
+    }
+    const auto count = static_cast<long double>(of_label.size());
+    const long double sum = std::accumulate(of_label.begin(), of_label.end(), 0.0L);
+    long double squares = 0;
+    for (const long double v : of_label) squares += (v - sum / count) * (v - sum / count);
+    const auto deviation = static_cast<double>(std::sqrt(squares / count));
+    EXPECT_DOUBLE_EQ(region.grey->mean, static_cast<double>(sum / count));
+    EXPECT_DOUBLE_EQ(region.grey->sum, static_cast<double>(sum));
+    EXPECT_NEAR(region.grey->deviation, deviation, 1e-12 * deviation);
+  }
+};
+
+TEST(MeasureRegions, AFloatFarOffElsewhereChangesNoNumberOfARegion) {
+  std::mt19937 random(3);
+  std::normal_distribution<float> noise(0, 1);
+  for (const float around : {100.0f, -1e6f}) {
+    for (const float outside : {-FLT_MAX, FLT_MAX}) {
+      const FloatRows rows([&](std::uint8_t label) {
+        return label == 0 ? outside : around + static_cast<float>(label) * noise(random);
+      });
+      const auto regions = rows.measured();
+      ASSERT_EQ(regions.size(), 2u);
+      for (const RegionMeasure& region : regions) rows.expect_statistics(region);
+    }
+  }
+}
+
+TEST(MeasureRegions, AFloatFarOffInsideARegionEntersItsNumbers) {
+  std::uint32_t n = 0;
+  const FloatRows rows([&](std::uint8_t) { return ++n == 3000 ? -FLT_MAX : 8.0f; });
+  for (const RegionMeasure& region : rows.measured()) rows.expect_statistics(region);
+}
+
+TEST(MeasureRegions, WhatHasNoFiniteVoxelHasNoNumbers) {
+  const FloatRows rows([](std::uint8_t label) {
+    return label == 2 ? std::nanf("") : label == 1 ? 3.0f : -FLT_MAX;
+  });
+  const auto regions = rows.measured();
+  ASSERT_EQ(regions.size(), 2u);
+  EXPECT_EQ(regions[0].grey->not_finite, 0u);
+  EXPECT_EQ(regions[0].grey->percentiles, std::vector<double>(5, 3.0));
+  const GreyStatistics& none = *regions[1].grey;
+  EXPECT_EQ(none.not_finite, regions[1].voxel_count);
+  for (const double number : {none.mean, none.deviation, none.minimum, none.maximum, none.sum}) {
+    EXPECT_TRUE(std::isnan(number));
+  }
+  ASSERT_EQ(none.percentiles.size(), 5u);
+  for (const double number : none.percentiles) EXPECT_TRUE(std::isnan(number));
 }
 
 /// Whether percentiles of a volume of type T are values of it, at the ranks that they say.
