@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstring>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -70,5 +71,16 @@ class MemoryReader final : public FileReader {
   ValueRange range_;
   std::shared_ptr<ByteSource> source_;
 };
+
+/// Exact floats among which one voxel lies beyond what the codes of the file reach: an end of the
+/// range in its index is none.
+inline MemoryReader reader_of_unbounded(const Size3& size, std::span<const float> voxels) {
+  VolumeDescription description;
+  description.size = size;
+  description.type = VoxelType::float32;
+  description.coding = SampleCoding{VoxelType::int32, 0.5, 0, true};
+  const auto bytes = std::as_bytes(voxels);
+  return {description, {bytes.begin(), bytes.end()}, {0, SampleCoding::kUnbounded}};
+}
 
 }  // namespace octavo::testing

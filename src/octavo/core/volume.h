@@ -47,6 +47,12 @@ struct VolumeDescription {
   /// The type of what codecs take and give: float32 where its coding is exact, else that of the
   /// numbers in bricks.
   VoxelType codec_type() const { return coding && coding->is_exact ? type : coded_type(); }
+  /// Whether an end of a range in the index is none: of exact floats one may lie beyond all codes,
+  /// nobody knows how far.
+  bool is_unbounded(std::int64_t end) const {
+    return coding && coding->is_exact &&
+           (end == SampleCoding::kUnbounded || end == -SampleCoding::kUnbounded);
+  }
   /// The voxel that a number in bricks and index stands for.
   double voxel_of(std::int64_t code) const {
     return coding ? static_cast<double>(coding->voxel_of(code)) : static_cast<double>(code);

@@ -34,7 +34,8 @@ struct BrickEntry {
   int tier = 0;
   Index3 brick;             ///< position in the tier's brick grid
   std::uint64_t code = 0;   ///< o-code of that position
-  ValueRange range;         ///< of its voxels; of their codes for float32. Bounds where lossy
+  /// Smallest and largest voxel; for float32 their codes. Bounds where lossy and of exact floats.
+  ValueRange range;
   double max_error = 0;     ///< largest |voxel - source voxel| at level 0, voxel units
   bool is_uniform() const { return range.min == range.max; }
   struct StoredPiece {
@@ -80,7 +81,8 @@ class FileReader {
   /// "1.0"
   virtual std::string format_version() const = 0;
   /// Smallest and largest stored voxel; for float32 those of the codes, which
-  /// description().voxel_of turns into voxels. In a lossy file these are bounds.
+  /// description().voxel_of turns into voxels. In a lossy file, and of exact floats, these are
+  /// bounds, the latter as far off as floats go where description().is_unbounded says so.
   virtual ValueRange range() const = 0;
   /// The promise: no voxel of level 0 differs from its source by more, voxel units; 0 is lossless.
   /// Where details were left out, what was measured.

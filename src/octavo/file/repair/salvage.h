@@ -20,8 +20,9 @@ struct SalvageOptions {
   /// Fill from the finest coarser level that is whole at that place, each sample repeated; only
   /// where there is none, with `value`.
   bool from_coarser = false;
-  /// A voxel of the file's type. Without it: the lowest voxel of the brick, or of the volume where
-  /// the brick's index page is damaged.
+  /// A voxel of the file's type. Without it: the lowest voxel of the brick as the index has it
+  /// (FileReader::range says when that is a bound), or of the volume where the brick's index page
+  /// is damaged.
   std::optional<double> value;
 };
 

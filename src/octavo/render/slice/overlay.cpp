@@ -36,17 +36,19 @@ std::int64_t line_px(const PixelArea& area) {
   return std::max<std::int64_t>(1, std::llround(side / 300));
 }
 
-/// Round real values of the volume up to its highest.
+/// Round real values of the volume up to its highest, where the index knows that.
 std::vector<double> usual_levels(const Overlay& overlay) {
   const VolumeDescription& volume = overlay.reader->description();
   const Window window = robust_window(*overlay.reader);
   const ValueRange range = overlay.reader->range();
   const double ends[] = {volume.rescale.to_real(window.center - window.width / 2),
-                         volume.rescale.to_real(window.center + window.width / 2),
-                         volume.rescale.to_real(volume.voxel_of(range.min)),
-                         volume.rescale.to_real(volume.voxel_of(range.max))};
+                         volume.rescale.to_real(window.center + window.width / 2)};
   const double low = std::min(ends[0], ends[1]);
-  const double high = *std::max_element(std::begin(ends), std::end(ends));
+  double high = std::max(ends[0], ends[1]);
+  for (const std::int64_t end : {range.min, range.max}) {
+    if (volume.is_unbounded(end)) continue;
+    high = std::max(high, volume.rescale.to_real(volume.voxel_of(end)));
+  }
   std::vector<double> levels = round_levels(low, high, kMaximumLevels);
   if (levels.empty()) levels.push_back(low);
   if (*overlay.look.kind == OverlayKind::wash)

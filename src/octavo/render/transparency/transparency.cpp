@@ -284,6 +284,7 @@ ValueRamp robust_ramp(const FileReader& reader, bool is_open) {
   ValueRamp ramp{window.center - half, window.center + half};
   if (!is_open) return ramp;
   for (const std::int64_t end : {reader.range().min, reader.range().max}) {
+    if (volume.is_unbounded(end)) continue;
     const double value = volume.voxel_of(end);
     if ((value - ramp.high) * half > 0) ramp.high = value;
   }

@@ -36,8 +36,8 @@ struct ValueRamp {
   double high = 1;  ///< below `low` where the rescale falls
 };
 
-/// The ramp from the 0.5th percentile of a volume to the 99.5th, or to the maximum value when
-/// `is_open`, taken from a level of at most 2^21 samples.
+/// The ramp from the 0.5th percentile of a volume to the 99.5th, taken from a level of at most 2^21
+/// samples. When `is_open` it ends at the maximum value, or its bound, where the index knows one.
 ValueRamp robust_ramp(const FileReader& reader, bool is_open);
 
 /// Ranges in HU that let bone be seen through skin: fat and soft tissue faint and warm, bone dense.

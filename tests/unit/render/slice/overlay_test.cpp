@@ -12,6 +12,7 @@
 #include "octavo/render/slice/montage.h"
 #include "octavo/render/slice/outline.h"
 #include "support/built_file.h"
+#include "support/memory_reader.h"
 #include "support/read_png.h"
 
 namespace octavo {
@@ -238,6 +239,16 @@ TEST_F(Overlays, LevelsAreRoundWhereNoneAreAsked) {
   EXPECT_EQ(decided(lines).look.levels, (std::vector<double>{10, 20, 30, 40, 50, 60}));
   lines.look.kind = OverlayKind::wash;
   EXPECT_EQ(decided(lines).look.levels.size(), 2u);
+}
+
+TEST_F(Overlays, LevelsEndWithMostVoxelsWhereNobodyKnowsTheHighest) {
+  const Size3 size{70, 20, 20};
+  std::vector<float> voxels(static_cast<std::size_t>(size.voxel_count()));
+  for (std::size_t i = 0; i < voxels.size(); ++i) voxels[i] = static_cast<float>(i % 70);
+  voxels[7] = 1e30f;
+  const auto dose = std::make_shared<testing::MemoryReader>(
+      testing::reader_of_unbounded(size, voxels));
+  EXPECT_EQ(decided(overlay(dose)).look.levels, (std::vector<double>{10, 20, 30, 40, 50, 60}));
 }
 
 TEST_F(Overlays, WhatDoesNotGoTogetherIsRejected) {

@@ -12,6 +12,7 @@
 #include "octavo/core/error.h"
 #include "octavo/planes/phantom.h"
 #include "support/built_file.h"
+#include "support/memory_reader.h"
 #include "support/source_folder.h"
 
 namespace octavo {
@@ -334,6 +335,16 @@ TEST(Transparency, ARampLeavesAFewExtremesOut) {
   EXPECT_NEAR(closed.low, 50, 1);
   EXPECT_NEAR(closed.high, 99, 1);
   EXPECT_EQ(robust_ramp(*reader, true).high, 255);
+}
+
+TEST(Transparency, AnOpenRampEndsWhereNobodyKnowsTheMaximumAsAClosedOneDoes) {
+  const Size3 size{20, 20, 20};
+  std::vector<float> voxels(static_cast<std::size_t>(size.voxel_count()));
+  for (std::size_t i = 0; i < voxels.size(); ++i) voxels[i] = static_cast<float>(50 + i % 50);
+  voxels[7] = 1e30f;
+  const testing::MemoryReader reader = testing::reader_of_unbounded(size, voxels);
+  EXPECT_EQ(robust_ramp(reader, true).high, robust_ramp(reader, false).high);
+  EXPECT_NEAR(robust_ramp(reader, true).high, 99, 1);
 }
 
 TEST(Transparency, WrongViewsAndWindowsAreRejected) {
