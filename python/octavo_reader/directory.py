@@ -33,7 +33,8 @@ def parse_directory(data: bytes, header: Header) -> list[Part]:
         name, flags, offset, length, crc, zero = cursor.unpack("4sIQQII")
         require(name.isalnum() and name.isascii(), "a tag is no four letters")
         tag = name.decode()
-        require(offset == at, "the parts leave a gap")
+        require(offset == at and length <= header.directory.offset - at,
+                "the parts do not follow each other")
         at += length
         require_known(flags & ~_KNOWN_FLAGS == 0 and zero == 0, f"a flag of part {tag}")
         require_known(flags & _REQUIRED == 0 or tag == THUMBNAIL, f"part {tag}")

@@ -23,6 +23,7 @@ VOXEL_TYPES = {1: "int8", 2: "uint8", 3: "int16", 4: "uint16", 5: "int32", 6: "u
 KINDS = {1: "grey", 2: "labels"}
 _CODING_TAG = 0x8001
 _DETAIL_TAG = 0x8002
+_REQUIRED_TAG = 0x8000  # and above
 _METADATA_LIMIT = 16 << 20
 _DIRECTORY_LIMIT = 1024 * 32
 _AXIS_TOLERANCE = 1e-4
@@ -178,10 +179,10 @@ def parse_header(data: bytes) -> Header:
     require_known(channels == 1, f"{channels} channels")
     require_known(times == 1, f"{times} times")
     require_known(all(mask < 8 for mask in masks), "a halved axis")
+    require_known(not any(masks[halving_count:]), "halved axes behind the last level")
     require(KINDS[kind] == "grey" or voxel_type != 7, "labels cannot be float32")
     require((voxel_type == 7) == (coding is not None), "float32 and coding do not go together")
-    require(halving_count <= 31 and not any(masks[halving_count:]), "halving masks are wrong")
-    require(halving_count < 32 and all(masks[:halving_count]), "halving masks are wrong")
+    require(halving_count <= 31 and all(masks[:halving_count]), "halving masks are wrong")
     require(all(1 <= n <= 1 << 21 for n in size) and math.prod(size) < 1 << 63, "size is wrong")
     require(all(map(math.isfinite, numbers)), "a number is not finite")
     code_type, is_exact, code_scale, code_offset = coding or (voxel_type, False, 1.0, 0.0)
@@ -211,6 +212,8 @@ def _extensions(cursor: ByteCursor) -> tuple[tuple[int, int, float, float] | Non
     extensions = ByteCursor(cursor.take(176), "extensions")
     for _ in range(count):
         tag, length = extensions.unpack("HH")
+        is_known = tag in (_CODING_TAG, _DETAIL_TAG)
+        require_known(is_known or tag < _REQUIRED_TAG, f"extension {tag:#x}")
         body = ByteCursor(extensions.take(length), "an extension")
         if tag == _CODING_TAG:
             require(coding is None, "there are two codings")
@@ -222,13 +225,11 @@ def _extensions(cursor: ByteCursor) -> tuple[tuple[int, int, float, float] | Non
             coding = code_type, flags, scale, offset
             require(math.isfinite(offset) and 0 < scale < math.inf, "the coding is wrong")
         elif tag == _DETAIL_TAG:
-            require_known(detail_level == 0, "there are two levels of details")
+            require(detail_level == 0, "there are two levels of details")
             detail_level = body.u8()
             body.end()
             require(detail_level > 0, "details are left out below level 0")
             require_known(detail_level < LEVELS_PER_TIER, f"details from level {detail_level} on")
-        elif tag >= 0x8000:
-            raise OctavoError("unsupported_version", f"unknown extension {tag:#x}")
     require_known(not any(extensions.rest()), "something behind the extensions")
     return coding, detail_level
 

@@ -38,14 +38,18 @@ class Crafted:
     times: int = 1
     extensions: tuple = ()
     behind_extensions: bytes = b""
+    extension_count: int | None = None
     section_zeros: int = 0
     low: int = 7
     high: int = 7
     error: int = 0
     stored: bytes = b""
     voxels: tuple = ()
+    model_flags: int = 0
+    masks_behind: bytes = b""
     page_flags: int = 0
     parts: tuple = ()
+    part_length: int | None = None
     directory: bytes | None = None
     metadata: bytes = b"{}"
     digest: bytes | None = None
@@ -55,7 +59,8 @@ class Crafted:
     model_slab: int = 0
 
     def bytes(self):
-        model = first_model(self.like)
+        model = bytearray(first_model(self.like))
+        model[0] |= self.model_flags
         slab = model + self.stored
         digests = self._plane_digests()
         trailer = self._slab_trailer(slab, digests)
@@ -65,7 +70,8 @@ class Crafted:
         header[:8] = b"\x8f8vo\r\n\x1a\n"
         struct.pack_into("<HH4B", header, 8, self.major, self.minor, self.kind, self.type,
                          len(self.masks), self.seal)
-        header[16 : 16 + len(self.masks)] = bytes(self.masks)
+        masks = bytes(self.masks) + self.masks_behind
+        header[16 : 16 + len(masks)] = masks
         struct.pack_into("<3Q18d", header, 48, *self.size, *self.origin, *self.spacing,
                          *self.direction, self.slope, self.intercept, self.max_error)
         struct.pack_into("<Q", header, 216, BUILD_ID)
@@ -79,7 +85,8 @@ class Crafted:
         struct.pack_into("<Q", header, 224, 512 + len(body) + 96)
         extensions = b"".join(struct.pack("<HH", tag, len(data)) + data
                               for tag, data in self.extensions)
-        struct.pack_into("<BBH", header, 328, self.channels, self.times, len(self.extensions))
+        count = len(self.extensions) if self.extension_count is None else self.extension_count
+        struct.pack_into("<BBH", header, 328, self.channels, self.times, count)
         extensions += self.behind_extensions
         header[332 : 332 + len(extensions)] = extensions
         end = bytearray(b"\x8f8voend\n" + bytes(88))
@@ -122,7 +129,8 @@ class Crafted:
     def _parts(self, begin):
         data = directory = b""
         for tag, flags, part in self.parts:
-            directory += struct.pack("<4sIQQII", tag, flags, begin + len(data), len(part),
+            length = len(part) if self.part_length is None else self.part_length
+            directory += struct.pack("<4sIQQII", tag, flags, begin + len(data), length,
                                      crc32c(part), 0)
             data += part
         return data, directory if self.directory is None else self.directory

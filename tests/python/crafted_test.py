@@ -33,7 +33,8 @@ OUTCOME_OF_EXIT = {0: "sound", 3: "newer", 4: "damaged", 6: "damaged"}
 OUTCOME_OF_KIND = {"not_octavo": "newer", "unsupported_version": "newer", "corrupt": "damaged",
                    "truncated": "damaged"}
 CODES_INT16 = (0x8001, struct.pack("<BBdd", 3, 0, 0.5, 1.0))
-STORED = bytes([1, 3, 2, 4, 0, 191, 1, 2])
+STORED_BRICK = {"low": 9, "high": 200, "stored": bytes([1, 3, 2, 4, 0, 191, 1, 2]),
+                "voxels": (10, 12, 11, 13, 9, 200, 10, 11)}
 # Two by two pixels, all black.
 BLACK = bytes.fromhex(
     "89504e470d0a1a0a0000000d494844520000000200000002080000000057dd52f80000000a494441"
@@ -106,6 +107,9 @@ ROWS = [
     ("another seal", {"seal": 2}, "newer"),
     ("no seal", {"seal": 0}, "damaged"),
     ("a fourth axis", {"masks": (15,)}, "newer"),
+    ("a mask behind the last level", {"masks_behind": b"\1"}, "newer"),
+    ("a fourth axis behind the last level", {"masks_behind": b"\x08"}, "newer"),
+    ("a flag of a model", {**STORED_BRICK, "model_flags": 0x80}, "newer"),
     ("a flag of a page", {"page_flags": 1}, "newer"),
     ("something behind a section", {"section_zeros": 1}, "newer"),
     ("something behind the extensions", {"behind_extensions": b"\0\0\0\0\1"}, "newer"),
@@ -115,6 +119,10 @@ ROWS = [
     ("an optional extension", {"extensions": ((9, b"\xaa"),)}, "sound"),
     ("one of them twice", {"extensions": ((9, b"\xaa"), (9, b"\xaa"))}, "sound"),
     ("a required extension", {"extensions": ((0x8123, b""),)}, "newer"),
+    ("a required extension that ends behind the header",
+     {"behind_extensions": struct.pack("<HH", 0x8123, 300), "extension_count": 1}, "newer"),
+    ("an optional extension that ends behind the header",
+     {"behind_extensions": struct.pack("<HH", 9, 300), "extension_count": 1}, "damaged"),
     ("an integer with a coding", {"extensions": (CODES_INT16,)}, "damaged"),
     ("a float without a coding", {"type": 7}, "damaged"),
     ("floats", real(4.5, **coding()), "sound"),
@@ -123,6 +131,7 @@ ROWS = [
     ("exact floats with a max error", real(4.5, max_error=0.5, **coding()), "damaged"),
     ("floats without either", real(4.5, **coding(3, 0)), "damaged"),
     ("exact floats of 16 bits", real(4.5, **coding(3)), "damaged"),
+    ("two codings", {"type": 7, "extensions": coding()["extensions"] * 2}, "damaged"),
     ("codes of floats", coding(code_type=7), "newer"),
     ("a flag of codes", coding(flags=2), "newer"),
     ("no scale", coding(scale=0.0), "damaged"),
@@ -139,7 +148,7 @@ ROWS = [
     ("details of a level that is not there", details(2), "damaged"),
     ("details of a level beyond the bricks", details(6), "newer"),
     ("details of any level", details(255), "newer"),
-    ("details of two levels", {"extensions": ((0x8002, b"\1"), (0x8002, b"\1"))}, "newer"),
+    ("details of two levels", {"extensions": ((0x8002, b"\1"), (0x8002, b"\1"))}, "damaged"),
     ("details of two bytes", {"extensions": ((0x8002, b"\1\0"),)}, "damaged"),
     ("details without a level", {"extensions": ((0x8002, b""),)}, "damaged"),
     ("details of labels", {"kind": 2, **details(1)}, "damaged"),
@@ -147,8 +156,8 @@ ROWS = [
     ("details of floats", real(4.5, type=7, extensions=(*coding()["extensions"],
                                                         *details(1)["extensions"])), "damaged"),
     ("an error beyond the voxel type", {**details(1), "error": 256}, "damaged"),
-    ("a level without details that has bytes", {**details(1), "low": 9, "high": 200,
-     "stored": STORED, "voxels": (10, 12, 11, 13, 9, 200, 10, 11)}, "damaged"),
+    ("a level without details that has bytes", {**details(1), **STORED_BRICK},
+     "damaged"),
     # Ladder of levels
     ("a step that halves nothing", {"size": (2, 1, 1), "masks": (6, 1)}, "damaged"),
     ("a step of no axis", {"size": (2, 1, 1), "masks": (0, 1)}, "damaged"),
@@ -158,11 +167,8 @@ ROWS = [
     ("an axis beyond the limit", {"size": ((1 << 21) + 1, 1, 1), "masks": (1,) * 22,
                                   "plane_digest": bytes(32)}, "damaged"),
     # Index and bricks
-    ("a stored brick", {"low": 9, "high": 200, "stored": STORED,
-                        "voxels": (10, 12, 11, 13, 9, 200, 10, 11)}, "sound"),
-    ("a range wider than the voxels", {"low": 9, "high": 201, "stored": STORED,
-                                       "voxels": (10, 12, 11, 13, 9, 200, 10, 11)},
-     "sound", "damaged"),
+    ("a stored brick", STORED_BRICK, "sound"),
+    ("a range wider than the voxels", {**STORED_BRICK, "high": 201}, "sound", "damaged"),
     ("a range beyond the voxel type", {"low": 256, "high": 256, "plane_digest": bytes(32)},
      "damaged"),
     ("a range below the voxel type", {"low": -1, "high": -1, "plane_digest": bytes(32)},
@@ -177,12 +183,15 @@ ROWS = [
     ("two thumbnails", {"parts": ((b"thmb", 0, b""), (b"thmb", 0, b""))}, "damaged"),
     ("a thumbnail", {"parts": ((b"note", 0, b"text"), (b"thmb", 2, BLACK))}, "sound"),
     ("a thumbnail without flags", {"parts": ((b"thmb", 0, BLACK),)}, "sound"),
-    ("a thumbnail of other voxels", {"low": 9, "high": 200, "stored": STORED,
-                                     "voxels": (10, 12, 11, 13, 9, 200, 10, 11),
-                                     "parts": ((b"thmb", 2, BLACK),)}, "sound", "damaged"),
+    ("a thumbnail of other voxels", {**STORED_BRICK, "parts": ((b"thmb", 2, BLACK),)},
+     "sound", "damaged"),
     ("an empty thumbnail", {"parts": ((b"thmb", 2, b""),)}, "sound", "damaged"),
     ("a thumbnail with more behind it", {"parts": ((b"thmb", 2, BLACK + b" "),)},
      "sound", "damaged"),
+    ("a part that ends behind the directory", {"parts": ((b"note", 0, b"text"),),
+                                               "part_length": 1000}, "damaged"),
+    ("a required part that does", {"parts": ((b"need", 1, b"text"),), "part_length": 1000},
+     "damaged"),
     ("a part in no directory", {"parts": ((b"note", 0, b"text"),), "directory": b""}, "damaged"),
     ("half an entry", {"directory": bytes(16)}, "damaged"),
     # Digests

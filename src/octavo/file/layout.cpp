@@ -39,7 +39,7 @@ constexpr std::size_t kDirectionAt = 120;
 constexpr std::size_t kSlopeAt = 192;
 constexpr std::size_t kInterceptAt = 200;
 constexpr std::size_t kMaxErrorAt = 208;
-constexpr std::size_t kFileIdAt = 216;
+constexpr std::size_t kBuildIdAt = 216;
 constexpr std::size_t kFileBytesAt = 224;
 constexpr std::size_t kMetadataAt = 232;
 constexpr std::size_t kPagesAt = 256;
@@ -224,9 +224,7 @@ void parse_extensions(ByteSpan bytes, FileHeader& header) {
     if (kHeaderCrcAt - at < 4) fail(ErrorKind::corrupt, "header: extensions end early", at);
     const auto tag = load_little_endian<std::uint16_t>(bytes.data() + at);
     const auto length = load_little_endian<std::uint16_t>(bytes.data() + at + 2);
-    const bool is_known = (tag == kCodingTag && !coding) ||
-                          (tag == kDetailTag && header.detail_level == 0);
-    if (tag & kCriticalExtension && !is_known) {
+    if (tag & kCriticalExtension && tag != kCodingTag && tag != kDetailTag) {
       char text[96];
       std::snprintf(text, sizeof text, "needs extension 0x%04x, which this program does not know",
                     static_cast<unsigned>(tag));
@@ -234,6 +232,9 @@ void parse_extensions(ByteSpan bytes, FileHeader& header) {
     }
     at += 4;
     if (kHeaderCrcAt - at < length) fail(ErrorKind::corrupt, "header: extensions end early", at);
+    if ((tag == kCodingTag && coding) || (tag == kDetailTag && header.detail_level > 0)) {
+      fail(ErrorKind::corrupt, "header: two extensions of a kind that stands once", at);
+    }
     if (tag == kCodingTag) coding = get_coding(bytes, at, length);
     if (tag == kDetailTag) header.detail_level = get_detail_level(bytes, at, length);
     at += length;
@@ -253,6 +254,7 @@ void check_max_error(const FileHeader& header) {
 }
 
 void parse_volume(ByteSpan bytes, FileHeader& header) {
+  // Kind and type
   VolumeDescription& volume = header.description;
   volume.kind = static_cast<VolumeKind>(bytes[kKindAt]);
   if (volume.kind != VolumeKind::grey && volume.kind != VolumeKind::labels) {
@@ -271,6 +273,8 @@ void parse_volume(ByteSpan bytes, FileHeader& header) {
                    (at == kChannelsAt ? " channels" : " times"),
                at);
   }
+
+  // Size
   for (int axis = 0; axis < 3; ++axis) {
     const std::size_t at = kSizeAt + 8 * static_cast<std::size_t>(axis);
     const auto size = load_little_endian<std::uint64_t>(bytes.data() + at);
@@ -282,6 +286,8 @@ void parse_volume(ByteSpan bytes, FileHeader& header) {
     }
     volume.size[axis] = static_cast<std::int64_t>(size);
   }
+
+  // Geometry and values
   volume.geometry.origin_mm = get_doubles<3>(bytes, kOriginAt, "origin");
   volume.geometry.spacing_mm = get_doubles<3>(bytes, kSpacingAt, "spacing");
   volume.geometry.direction = get_doubles<9>(bytes, kDirectionAt, "direction");
@@ -326,9 +332,7 @@ void parse_halvings(ByteSpan bytes, FileHeader& header) {
   }
   const ByteSpan masks = bytes.subspan(kHalvingsAt, kMaxLevels);
   header.halvings.assign(masks.begin(), masks.begin() + static_cast<std::ptrdiff_t>(count));
-  if (!is_zero(masks.subspan(count))) {
-    fail(ErrorKind::corrupt, "header: halved axes beyond the last level", kHalvingsAt + count);
-  }
+  require_zero(masks.subspan(count), "header", kHalvingsAt + count);
   for (std::size_t i = 0; i < count; ++i) {
     if (masks[i] > kHalveAll) {
       fail_newer("header: halved axes " + std::to_string(masks[i]), kHalvingsAt + i);
@@ -358,7 +362,7 @@ FileHeader parse_description(ByteSpan bytes) {
          kMaxErrorAt);
   }
   parse_halvings(bytes, header);
-  header.build_id = load_little_endian<std::uint64_t>(bytes.data() + kFileIdAt);
+  header.build_id = load_little_endian<std::uint64_t>(bytes.data() + kBuildIdAt);
   header.crc = load_little_endian<std::uint32_t>(bytes.data() + kHeaderCrcAt);
   return header;
 }
@@ -435,7 +439,7 @@ HeaderBlock encode_header(const FileHeader& header) {
   put_double(volume.rescale.slope, out + kSlopeAt);
   put_double(volume.rescale.intercept, out + kInterceptAt);
   put_double(header.max_error, out + kMaxErrorAt);
-  store_little_endian(header.build_id, out + kFileIdAt);
+  store_little_endian(header.build_id, out + kBuildIdAt);
   store_little_endian(header.file_bytes, out + kFileBytesAt);
   put_section(header.metadata, out + kMetadataAt);
   put_section(header.pages, out + kPagesAt);
@@ -502,7 +506,7 @@ std::uint64_t max_error_steps(const FileHeader& header) {
 
 std::uint64_t make_build_id(const FileHeader& header, std::uint32_t content_hash) {
   const HeaderBlock block = encode_header(header);
-  std::uint32_t crc = crc32c(ByteSpan(block).subspan(kHalvingsAt, kFileIdAt - kHalvingsAt));
+  std::uint32_t crc = crc32c(ByteSpan(block).subspan(kHalvingsAt, kBuildIdAt - kHalvingsAt));
   crc = crc32c(ByteSpan(block).subspan(kKindAt, kSealedAt - kKindAt), crc);
   const std::string& text = header.description.metadata.text();
   crc = crc32c({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, crc);

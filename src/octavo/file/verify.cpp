@@ -300,6 +300,7 @@ void Verifier::check_models() {
         parse_model(volume.kind, volume.coded_type(), volume.coding, bytes,
                     file_.header().detail_level);
       } catch (const Error& error) {
+        require_damage(error.with_path(file_.source().name()));
         damage = damaged(place, error.detail());
       }
     }
