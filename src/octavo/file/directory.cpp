@@ -26,18 +26,22 @@ PartTag take_tag(ByteReader& in) {
 
 [[noreturn]] void fail_unknown(const PartEntry& entry, const std::string& what) {
   throw Error(ErrorKind::unsupported_version,
-              "part '" + std::string(entry.tag.begin(), entry.tag.end()) + "' " + what +
-                  ", which this program does not know",
-              {}, entry.bytes.offset);
+              name_of(entry.tag) + " " + what + ", which this program does not know", {},
+              entry.bytes.offset);
 }
 
 void prove_known(const PartEntry& entry, std::uint32_t zero) {
   if ((entry.flags & ~kKnownFlags) != 0 || zero != 0) fail_unknown(entry, "has flags");
-  const bool is_known = entry.tag == kThumbnailTag;
-  if ((entry.flags & kRequiredPart) != 0 && !is_known) fail_unknown(entry, "is needed");
+  if ((entry.flags & kRequiredPart) != 0 && !is_known(entry.tag)) fail_unknown(entry, "is needed");
 }
 
 }  // namespace
+
+bool is_known(const PartTag& tag) { return tag == kThumbnailTag; }
+
+std::string name_of(const PartTag& tag) {
+  return "part '" + std::string(tag.begin(), tag.end()) + "'";
+}
 
 Bytes encode_directory(std::span<const PartEntry> entries) {
   Bytes bytes;

@@ -30,6 +30,12 @@ using PartTag = std::array<char, 4>;
 /// A PNG of one plane, thumbnail.h. Depends on voxels and header.
 inline constexpr PartTag kThumbnailTag = {'t', 'h', 'm', 'b'};
 
+/// Whether this program knows what such parts hold.
+bool is_known(const PartTag& tag);
+
+/// "part 'thmb'"
+std::string name_of(const PartTag& tag);
+
 /// Who does not know such a part cannot read the file.
 inline constexpr std::uint32_t kRequiredPart = 1;
 /// Such a part goes with what it stands beside: who changes the file and does not know it leaves it

@@ -50,16 +50,24 @@ std::string describe(const Piece& piece) {
   return text;
 }
 
+// What `read` returns; its failures name the file.
+template <class F>
+auto OpenFile::named(F read) const {
+  try {
+    return read();
+  } catch (const Error& error) {
+    throw error.with_path(source_->name());
+  }
+}
+
 OpenFile::OpenFile(std::shared_ptr<const ByteSource> source, const ReaderOptions& options)
     : source_(std::move(source)), page_cache_(kPageCacheBytes), codec_cache_(kCodecCacheCount) {
-  try {
+  named([&] {
     const std::uint64_t source_bytes = source_->size();
     header_ = parse_header(read_bytes(0, std::min(kHeaderBytes, source_bytes)), source_bytes);
     levels_ = Levels(header_.description.size, header_.halvings);
     read_tail(options.max_metadata_bytes);
-  } catch (const Error& error) {
-    throw error.with_path(source_->name());
-  }
+  });
 }
 
 void OpenFile::read_tail(std::uint64_t max_metadata_bytes) {
@@ -95,7 +103,7 @@ std::shared_ptr<const IndexPage> OpenFile::page(int tier, std::size_t number) co
   if (auto kept = page_cache_.find(key)) return kept;
   const PageRef& ref = root_.tiers[static_cast<std::size_t>(tier)].pages[number];
   const Section section{ref.offset, ref.length, ref.crc};
-  try {
+  return named([&] {
     const Bytes read = pages_.empty() ? read_bytes(section.offset, section.length) : Bytes{};
     const ByteSpan bytes =
         pages_.empty() ? ByteSpan(read)
@@ -106,9 +114,7 @@ std::shared_ptr<const IndexPage> OpenFile::page(int tier, std::size_t number) co
         parse_page(bytes, root_, levels_, tier, number, header_));
     page_cache_.insert(key, page, page->memory_bytes());
     return page;
-  } catch (const Error& error) {
-    throw error.with_path(source_->name());
-  }
+  });
 }
 
 Piece OpenFile::model_piece(std::uint32_t model) const {
@@ -142,25 +148,19 @@ std::shared_ptr<const BrickCodec> OpenFile::codec(std::uint32_t model) const {
 }
 
 Bytes OpenFile::read_piece(const Piece& piece) const {
-  try {
+  return named([&] {
     Bytes bytes = read_bytes(piece.offset, piece.length);
     const std::uint32_t found = piece_crc(header_.build_id, piece.level, piece.code, bytes);
     if (!checksum_matches(found, piece.crc)) {
       fail_checksum(describe(piece), found, piece.crc, piece.offset, piece.length);
     }
     return bytes;
-  } catch (const Error& error) {
-    throw error.with_path(source_->name());
-  }
+  });
 }
 
 Bytes OpenFile::read_within(const Piece& piece, std::uint64_t offset,
                             std::uint64_t length) const {
-  try {
-    return read_bytes(piece.offset + offset, length);
-  } catch (const Error& error) {
-    throw error.with_path(source_->name());
-  }
+  return named([&] { return read_bytes(piece.offset + offset, length); });
 }
 
 BrickBytes OpenFile::read_segments(const BrickEntry& entry, int in_brick_level) const {
@@ -184,18 +184,31 @@ BrickBytes OpenFile::read_segments(const BrickEntry& entry, int in_brick_level) 
   return bytes;
 }
 
-SlabTrailer OpenFile::slab_trailer(std::int64_t slab) const {
-  const auto length = root_.slab_trailer_bytes[static_cast<std::size_t>(slab)];
-  const Bytes bytes = read_bytes(root_.slab_trailer_offset(slab), length);
+SlabTrailer OpenFile::parse_trailer_of(std::int64_t slab, ByteSpan bytes) const {
   const Box layer = levels_.brick_box(0, {0, 0, slab});
   SlabTrailer trailer =
       parse_slab_trailer(bytes, root_.tiers.front().layer_bricks, layer.size().z);
   if (trailer.build_id != header_.build_id ||
       trailer.slab != static_cast<std::uint64_t>(slab) ||
       trailer.model != root_.model_of_slab(slab)) {
-    throw Error(ErrorKind::corrupt, "slab trailer: belongs to another slab", source_->name());
+    throw Error(ErrorKind::corrupt, std::string(kSlabTrailer) + ": belongs to another slab");
   }
   return trailer;
+}
+
+SlabTrailer OpenFile::slab_trailer(std::int64_t slab) const {
+  const std::uint64_t offset = root_.slab_trailer_offset(slab);
+  const auto length = root_.slab_trailer_bytes[static_cast<std::size_t>(slab)];
+  const Bytes bytes = named([&] { return read_bytes(offset, length); });
+  try {
+    return parse_trailer_of(slab, bytes);
+  } catch (const Error& error) {
+    const std::string problem = error.detail().substr(std::string_view(kSlabTrailer).size());
+    throw Error(error.kind(),
+                std::string(kSlabTrailer) + " " + std::to_string(slab) + " at byte " +
+                    std::to_string(offset) + problem,
+                source_->name(), offset);
+  }
 }
 
 std::vector<Sha256Digest> OpenFile::plane_digests() const {
@@ -217,23 +230,24 @@ void OpenFile::copy_part(const PartEntry& part, const std::function<void(ByteSpa
   constexpr std::uint64_t kBlockBytes = std::uint64_t{1} << 20;
   std::uint32_t found = 0;
   for (std::uint64_t at = part.bytes.offset; at < part.bytes.end(); at += kBlockBytes) {
-    const Bytes block = read_bytes(at, std::min(kBlockBytes, part.bytes.end() - at));
+    const std::uint64_t length = std::min(kBlockBytes, part.bytes.end() - at);
+    const Bytes block = named([&] { return read_bytes(at, length); });
     found = crc32c(block, found);
     sink(block);
   }
   if (checksum_matches(found, part.bytes.crc)) return;
-  const std::string name = "part '" + std::string(part.tag.begin(), part.tag.end()) + "'";
-  fail_checksum(name, found, part.bytes.crc, part.bytes.offset, part.bytes.length);
+  named([&] {
+    fail_checksum(name_of(part.tag) + " at byte " + std::to_string(part.bytes.offset), found,
+                  part.bytes.crc, part.bytes.offset, part.bytes.length);
+  });
 }
 
 Bytes OpenFile::read_section(const Section& section, const char* what) const {
-  try {
+  return named([&] {
     Bytes bytes = read_bytes(section.offset, section.length);
     check_section(bytes, section, what);
     return bytes;
-  } catch (const Error& error) {
-    throw error.with_path(source_->name());
-  }
+  });
 }
 
 BrickEntry OpenFile::entry_in_page(const IndexPage& page, int tier_number, std::size_t number,

@@ -79,7 +79,10 @@ class OpenFile {
   /// Throws Error{corrupt}
   BrickBytes read_segments(const BrickEntry& entry, int in_brick_level) const;
 
-  /// The trailer of a slab, proven to belong to it. Throws Error{corrupt}.
+  /// The trailer of a slab in its bytes, proven to belong to it. Throws Error{corrupt}.
+  SlabTrailer parse_trailer_of(std::int64_t slab, ByteSpan bytes) const;
+
+  /// The trailer of a slab. Throws Error{corrupt} naming it.
   SlabTrailer slab_trailer(std::int64_t slab) const;
 
   /// The digests of all planes of level 0, from the slab trailers. Throws Error{corrupt}.
@@ -99,6 +102,8 @@ class OpenFile {
   BrickEntry entry_at(int tier, const Index3& position) const;
 
  private:
+  template <class F>
+  auto named(F read) const;
   void read_tail(std::uint64_t max_metadata_bytes);
   Bytes read_bytes(std::uint64_t offset, std::uint64_t length) const;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "octavo/core/error.h"
 #include "octavo/file/byte_codec.h"
 
 namespace octavo {
@@ -21,15 +22,27 @@ void split(ByteSpan piece, std::span<ByteSpan> segments) {
   segments.back() = in.take(in.left());
 }
 
-}  // namespace
-
-Bytes join_segments(std::span<const Bytes> segments) {
+Bytes encode_joint(std::span<const Bytes> segments) {
   Bytes piece;
-  if (segments.back().empty()) return piece;
+  if (segments.back().empty()) {
+    const auto is_empty = [](const Bytes& segment) { return segment.empty(); };
+    if (std::all_of(segments.begin(), segments.end(), is_empty)) return piece;
+    throw Error(ErrorKind::internal, "pieces: coarse levels without the coarsest one");
+  }
   ByteWriter out(piece);
   for (const Bytes& segment : segments.first(segments.size() - 1)) out.put_varint(segment.size());
   for (const Bytes& segment : segments) piece.insert(piece.end(), segment.begin(), segment.end());
   return piece;
+}
+
+}  // namespace
+
+std::array<Bytes, kTierPieces> encode_pieces(std::span<const Bytes> segments) {
+  std::array<Bytes, kTierPieces> pieces;
+  const std::size_t alone = std::min<std::size_t>(segments.size(), kTierPieces) - 1;
+  std::copy_n(segments.begin(), alone, pieces.begin());
+  pieces[alone] = encode_joint(segments.subspan(alone));
+  return pieces;
 }
 
 std::array<ByteSpan, kTierLevels> segments_of(std::span<const Bytes> pieces, int level_count) {

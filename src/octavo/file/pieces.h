@@ -32,9 +32,10 @@ constexpr int piece_of_level(int in_brick_level) {
   return in_brick_level < kTierPieces ? in_brick_level : kTierPieces - 1;
 }
 
-/// The bytes of the last piece of a brick of four levels or more.
-/// segments  those of levels 3 .. last; where the last one is empty, all of them are
-Bytes join_segments(std::span<const Bytes> segments);
+/// The pieces of a brick from all its segments, of which it has at least one; those behind
+/// piece_count() are empty.
+/// Throws Error{internal} where the last piece would hold segments, but not the last of them
+std::array<Bytes, kTierPieces> encode_pieces(std::span<const Bytes> segments);
 
 /// The segments of a brick of `level_count` levels, which point into its pieces; those in pieces
 /// that are left empty are empty.

@@ -32,7 +32,7 @@ Bytes encode_slab_trailer(const SlabTrailer& trailer) {
 }
 
 SlabTrailer parse_slab_trailer(ByteSpan bytes, std::int64_t brick_count, std::int64_t plane_count) {
-  ByteReader in(bytes, "slab trailer");
+  ByteReader in(bytes, kSlabTrailer);
   const auto magic = in.take(kSlabMagic.size());
   if (!std::equal(magic.begin(), magic.end(), kSlabMagic.begin())) in.fail("starts otherwise");
   SlabTrailer trailer;

@@ -16,6 +16,9 @@
 
 namespace octavo {
 
+/// What errors call it.
+inline constexpr char kSlabTrailer[] = "slab trailer";
+
 struct SlabTrailer {
   std::uint64_t build_id = 0;
   std::uint64_t slab = 0;

@@ -333,9 +333,8 @@ std::optional<Damage> Verifier::slab_checksum_damage(const Damage& place, ByteSp
 
 void Verifier::check_slab_trailer(std::int64_t slab) {
   const IndexRoot& root = file_.root();
-  const TierIndex& tier = root.tiers.front();
   Damage place;
-  place.what = "slab trailer";
+  place.what = kSlabTrailer;
   place.proof = OtherProof::checksums;
   place.code = static_cast<std::uint64_t>(slab);
   place.offset = root.slab_trailer_offset(slab);
@@ -343,12 +342,7 @@ void Verifier::check_slab_trailer(std::int64_t slab) {
   const Bytes bytes = read_arriving(file_.source(), place.offset, place.length);
   if (auto damage = slab_checksum_damage(place, bytes)) return add(*damage);
   try {
-    SlabTrailer trailer = parse_slab_trailer(
-        bytes, tier.layer_bricks, file_.levels().brick_box(0, {0, 0, slab}).size().z);
-    if (trailer.build_id != file_.header().build_id || trailer.slab != place.code ||
-        trailer.model != root.model_of_slab(slab)) {
-      throw Error(ErrorKind::corrupt, "slab trailer: belongs to another slab");
-    }
+    SlabTrailer trailer = file_.parse_trailer_of(slab, bytes);
     check_slab_lengths(trailer, slab);
     const std::uint32_t found = slab_crcs_[static_cast<std::size_t>(slab)];
     if (found != trailer.slab_crc && !lying_slab_trailer_) {

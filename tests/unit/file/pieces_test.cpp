@@ -17,21 +17,29 @@ TEST(Pieces, SegmentsComeBackFromTheirPieces) {
     segments.back() = Bytes(5, 9);
     const auto count = static_cast<std::size_t>(piece_count(level_count));
     EXPECT_EQ(count, std::min<std::size_t>(levels, 4));
-    std::vector<Bytes> pieces = segments;
-    pieces.resize(count);
-    pieces.back() = join_segments(std::span(segments).subspan(count - 1));
-    const auto found = segments_of(pieces, level_count);
+    const std::array<Bytes, kTierPieces> pieces = encode_pieces(segments);
+    for (std::size_t i = 0; i + 1 < count; ++i) EXPECT_EQ(pieces[i], segments[i]) << i;
+    for (std::size_t i = count; i < pieces.size(); ++i) EXPECT_TRUE(pieces[i].empty()) << i;
+    const auto found = segments_of(std::span(pieces).first(count), level_count);
     for (std::size_t i = 0; i < levels; ++i) EXPECT_EQ(bytes_of(found[i]), segments[i]) << i;
   }
 }
 
 TEST(Pieces, AStoredBrickHasNoCoarseOnes) {
-  const std::vector<Bytes> none(3);
-  EXPECT_TRUE(join_segments(none).empty());
-  const std::vector<Bytes> pieces = {Bytes(64, 1), {}, {}, {}};
+  std::vector<Bytes> segments(kTierLevels);
+  segments.front() = Bytes(64, 1);
+  const std::array<Bytes, kTierPieces> pieces = encode_pieces(segments);
+  EXPECT_EQ(pieces[0], segments[0]);
+  for (std::size_t i = 1; i < pieces.size(); ++i) EXPECT_TRUE(pieces[i].empty()) << i;
   const auto found = segments_of(pieces, kTierLevels);
   EXPECT_EQ(found[0].size(), 64u);
   for (std::size_t i = 1; i < found.size(); ++i) EXPECT_TRUE(found[i].empty());
+}
+
+TEST(Pieces, NoneHoldsCoarseSegmentsWithoutTheCoarsest) {
+  std::vector<Bytes> segments(kTierLevels, Bytes(2, 1));
+  segments.back().clear();
+  EXPECT_THROW(encode_pieces(segments), Error);
 }
 
 TEST(Pieces, ThoseThatDoNotHoldTheirSegmentsAreRejected) {

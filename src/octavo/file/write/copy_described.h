@@ -20,7 +20,7 @@ namespace octavo {
 /// Returns      the bytes of the new file
 /// Throws       Error{invalid_argument} for another kind of volume; Error{io} where the target
 ///              exists (without overwrite) or cannot be written, or an interrupted build of it
-///              waits; Error{cancelled}; what FileReader::open and read_segment throw. Then nothing
+///              waits; Error{cancelled}; what FileReader::open and read_piece throw. Then nothing
 ///              stands under `path`
 /// Memory       one brick and the index
 std::uint64_t copy_described(std::shared_ptr<const ByteSource> source,

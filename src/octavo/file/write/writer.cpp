@@ -32,10 +32,6 @@ Bytes metadata_bytes(const std::string& json, std::uint64_t file_bytes) {
   return bytes;
 }
 
-bool has_bytes(std::span<const Bytes> segments) {
-  return std::ranges::any_of(segments, [](const Bytes& bytes) { return !bytes.empty(); });
-}
-
 class FileWriterImpl final : public FileWriter {
  public:
   FileWriterImpl(Storage& storage, std::string path, FileHeader header, const Levels& levels,
@@ -133,6 +129,7 @@ class FileWriterImpl final : public FileWriter {
     } else if (replaces_) {
       detail += "; existing " + escaped(base_name_of(path_)) + " unchanged";
     }
+    if (!failed_source_.empty()) return retold(error, error.kind(), detail, failed_source_);
     const ErrorKind kind = error.kind() == ErrorKind::truncated ? ErrorKind::io : error.kind();
     return retold(error, kind, detail, path_);
   }
@@ -166,6 +163,7 @@ class FileWriterImpl final : public FileWriter {
   JournalHead journal_head() const;
   void append_group(std::uint32_t voxels_crc);
   void append_model(const Bytes& model);
+  void check_brick(int tier, const EncodedBrick& brick) const;
   void append_brick(int tier, const EncodedBrick& brick);
   std::uint64_t next_code(int tier);
   void advance(int tier);
@@ -200,6 +198,7 @@ class FileWriterImpl final : public FileWriter {
 
   double squared_error_ = 0;  ///< of the bricks of tier 0, in their order
   std::vector<Part> parts_;
+  std::string failed_source_;               ///< that a part could not be copied from
   std::vector<Sha256Digest> slab_digests_;  ///< of the planes of the layer
   Sha256 planes_hasher_;                    ///< of the digests of all planes before it
   std::vector<std::uint64_t> slab_lengths_;
@@ -358,8 +357,7 @@ std::uint64_t FileWriterImpl::next_code(int tier) {
   return interleave(position);
 }
 
-void FileWriterImpl::append_brick(int tier, const EncodedBrick& brick) {
-  const std::uint64_t code = next_code(tier);
+void FileWriterImpl::check_brick(int tier, const EncodedBrick& brick) const {
   const auto level_count = static_cast<std::size_t>(levels_.tier_level_count(tier));
   if (brick.segments.size() != level_count) misused("a brick with another number of levels");
   const ValueRange bounds = value_range(header_.description.coded_type());
@@ -371,21 +369,21 @@ void FileWriterImpl::append_brick(int tier, const EncodedBrick& brick) {
   if (brick.max_error < 0 || static_cast<std::uint64_t>(brick.max_error) > most_error) {
     misused("a brick beyond the max error");
   }
+  const bool is_empty = std::ranges::all_of(brick.segments, &Bytes::empty);
+  if (brick.range.min == brick.range.max && !is_empty) misused("bytes of a uniform brick");
+}
+
+void FileWriterImpl::append_brick(int tier, const EncodedBrick& brick) {
+  const std::uint64_t code = next_code(tier);
+  check_brick(tier, brick);
+  const auto pieces = encode_pieces(brick.segments);
   std::vector<PieceRef> refs(static_cast<std::size_t>(piece_count(levels_.tier_level_count(tier))));
-  if (brick.range.min == brick.range.max && has_bytes(brick.segments)) {
-    misused("bytes of a uniform brick");
-  }
   for (std::size_t i = 0; i < refs.size(); ++i) {
-    const bool is_joint = i + 1 == refs.size();
-    const Bytes joint = is_joint ? join_segments(std::span(brick.segments).subspan(i)) : Bytes{};
-    const Bytes& piece = is_joint ? joint : brick.segments[i];
-    if (is_joint && joint.empty() && has_bytes(std::span(brick.segments).subspan(i))) {
-      misused("coarse levels without the coarsest one");
-    }
+    const Bytes& piece = pieces[i];
     if (piece.size() > kMaxPieceBytes) misused("a piece above 4 MiB");
-    const int level = Levels::first_level(tier) + static_cast<int>(i);
     refs[i].length = static_cast<std::uint32_t>(piece.size());
     if (piece.empty()) continue;
+    const int level = Levels::first_level(tier) + static_cast<int>(i);
     refs[i].crc = piece_crc(header_.build_id, level, code, piece);
     if (level == 0) {
       out_->append(piece);
@@ -444,10 +442,18 @@ void FileWriterImpl::append_parts() {
   std::vector<PartEntry> entries;
   for (const Part& part : parts_) {
     PartEntry entry{part.tag, part.flags, {out_->size(), 0, 0}};
-    part.copy_to([&](ByteSpan bytes) {
-      entry.bytes.crc = crc32c(bytes, entry.bytes.crc);
-      out_->append(bytes);
-    });
+    bool is_ours = false;  // what fails
+    try {
+      part.copy_to([&](ByteSpan bytes) {
+        is_ours = true;
+        entry.bytes.crc = crc32c(bytes, entry.bytes.crc);
+        out_->append(bytes);
+        is_ours = false;
+      });
+    } catch (const Error& error) {
+      if (!is_ours) failed_source_ = error.path();
+      throw;
+    }
     entry.bytes.length = out_->size() - entry.bytes.offset;
     entries.push_back(entry);
   }

@@ -2,11 +2,19 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <random>
 #include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "fault/reseal.h"
 #include "octavo/core/error.h"
+#include "octavo/file/open_file.h"
+#include "octavo/file/verify.h"
 #include "support/built_file.h"
+#include "support/source_folder.h"
 
 namespace octavo {
 namespace {
@@ -75,6 +83,116 @@ TEST(CopyDescribed, GivesTheBytesOfABuildUnderThatDescription) {
 // The axes of the copy run otherwise: its picture is another one.
 TEST(CopyDescribed, MakesTheThumbnailAnew) {
   expect_copied(noisy<std::int16_t>({70, 67, 130}, 70), 0, true);
+}
+
+// A golden file with parts: two of "note", the second one without bytes, and one that depends on
+// others.
+Bytes file_with_parts() {
+  const std::string bytes =
+      testing::bytes_of_file(testing::source_folder() + "/tests/golden/v1/parts.8vo");
+  return {bytes.begin(), bytes.end()};
+}
+
+// A folder with a file, and where a copy of it under another place goes.
+class CopiedBytes : public testing::ScratchFolder {
+ public:
+  explicit CopiedBytes(const Bytes& bytes) {
+    std::ofstream out(from, std::ios::binary);
+    out.write(reinterpret_cast<const char*>(bytes.data()),
+              static_cast<std::streamsize>(bytes.size()));
+  }
+
+  OpenFile opened(const std::string& path) const {
+    return OpenFile(open_byte_source(local_storage(), path), {});
+  }
+
+  void copy_moved() const {
+    VolumeDescription moved = testing::open_file(from)->description();
+    moved.geometry.origin_mm = {1, 2, 3};
+    copy(from, moved, to);
+  }
+
+  const std::string from = file("a.8vo");
+  const std::string to = file("b.8vo");
+};
+
+// How the copy of damaged bytes fails; nothing is left of it.
+Error failure_of(const Bytes& bytes) {
+  const CopiedBytes folder(bytes);
+  try {
+    folder.copy_moved();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.path(), folder.from) << error.what();
+    EXPECT_EQ(error.kind(), ErrorKind::corrupt) << error.what();
+    std::filesystem::remove(folder.from);
+    EXPECT_TRUE(folder.is_empty());
+    return error;
+  }
+  ADD_FAILURE() << "copied";
+  return Error(ErrorKind::internal, "");
+}
+
+void expect_place(const Error& error, const std::string& what, std::uint64_t offset) {
+  const std::string place = what + " at byte " + std::to_string(offset) + ": ";
+  EXPECT_TRUE(error.detail().starts_with(place)) << error.detail();
+  EXPECT_EQ(error.offset(), offset);
+}
+
+TEST(CopyDescribed, NamesTheFileAndThePlaceOfADamagedPart) {
+  Bytes bytes = file_with_parts();
+  const OpenFile sound(byte_source_of(bytes, "a.8vo"), {});
+  const Section part = sound.parts().front().bytes;
+  bytes[part.offset] ^= 0xff;
+  bytes[part.offset + 2] ^= 0xff;
+  expect_place(failure_of(bytes), "part 'note'", part.offset);
+}
+
+TEST(CopyDescribed, NamesTheFileAndThePlaceOfADamagedSlabTrailer) {
+  Bytes bytes = file_with_parts();
+  const OpenFile sound(byte_source_of(bytes, "a.8vo"), {});
+  const std::uint64_t trailer = sound.root().slab_trailer_offset(0);
+  bytes[trailer + 20] ^= 0xff;
+  expect_place(failure_of(bytes), "slab trailer 0", trailer);
+}
+
+TEST(CopyDescribed, KeepsUnknownPartsThatStandForThemselves) {
+  const CopiedBytes folder(file_with_parts());
+  folder.copy_moved();
+  const auto parts_of = [&](const std::string& path) {
+    const OpenFile file = folder.opened(path);
+    std::vector<std::pair<std::string, Bytes>> parts;
+    for (const PartEntry& part : file.parts()) {
+      if ((part.flags & kDependentPart) != 0) continue;
+      Bytes all;
+      file.copy_part(part, [&](ByteSpan block) {
+        all.insert(all.end(), block.begin(), block.end());
+      });
+      parts.emplace_back(name_of(part.tag), all);
+    }
+    return parts;
+  };
+  EXPECT_EQ(folder.opened(folder.from).parts().size(), 3u);
+  EXPECT_EQ(folder.opened(folder.to).parts().size(), 2u);
+  EXPECT_EQ(parts_of(folder.to), parts_of(folder.from));
+  EXPECT_EQ(parts_of(folder.to).front().second.size(), 17u);
+  NoProgress progress;
+  EXPECT_TRUE(verify_file(open_byte_source(local_storage(), folder.to), {}, progress).is_sound());
+}
+
+// Nothing says whether they still hold.
+TEST(CopyDescribed, LeavesOutExtensionsAndTheMinorVersionThatTheyCameWith) {
+  Bytes bytes = file_with_parts();
+  const FileHeader layout = testing::header_of(bytes);
+  const Bytes extension = {1, 0, 0x01, 0x7f, 2, 0, 0xaa, 0xbb};  // one, of tag 0x7f01 and 2 bytes
+  std::copy(extension.begin(), extension.end(), bytes.begin() + 330);
+  bytes[10] = 3;
+  testing::reseal(bytes, layout);
+  const CopiedBytes folder(bytes);
+  EXPECT_EQ(testing::open_file(folder.from)->format_version(), "1.3");
+  folder.copy_moved();
+  EXPECT_EQ(testing::open_file(folder.to)->format_version(), "1.0");
+  const std::string copied = testing::bytes_of_file(folder.to);
+  EXPECT_EQ(copied.substr(330, 178), std::string(178, '\0'));
 }
 
 TEST(CopyDescribed, CopiesEveryModel) {
