@@ -278,30 +278,6 @@ class RoundTrips(InFolder):
             self.assertEqual(found["first"]["index"], [5, 6, 7])
         self.assertIn("5,6,7", self.expect(1, "compare", "a.8vo", "b.raw", *source).stdout)
 
-    def test_label_maps_are_compared_label_by_label(self):
-        layout = self.random_raw("a_labels.raw", (12, 11, 10), "B", 4)
-        a = (self.folder / "a_labels.raw").read_bytes()
-        b = bytes(9 if i % 7 == 0 and v == 2 else v for i, v in enumerate(a))
-        (self.folder / "b_labels.raw").write_bytes(b)
-        for name in "ab":
-            self.expect(0, "build", f"{name}_labels.raw", "--raw", layout, "--spacing", "1",
-                        "--labels", "-o", f"{name}.8vo")
-        same = json.loads(self.expect(0, "compare", "a.8vo", "a.8vo", "--labels", "--json").stdout)
-        self.assertEqual([one["dice"] for one in same["labels"]], [1] * len(set(a) - {0}))
-        told = json.loads(self.expect(1, "compare", "a.8vo", "b.8vo", "--labels", "--json").stdout)
-        for one in told["labels"]:
-            in_a, in_b = a.count(one["label"]), b.count(one["label"])
-            both = sum(x == y == one["label"] for x, y in zip(a, b))
-            self.assertEqual([one["a_voxels"], one["b_voxels"], one["both_voxels"]],
-                             [in_a, in_b, both])
-            self.assertAlmostEqual(one["dice"], 2 * both / (in_a + in_b))
-        self.assertEqual([one["label"] for one in told["labels"]], sorted(set(a + b) - {0}))
-        text = self.expect(1, "compare", "a.8vo", "b.8vo", "--labels").stdout
-        self.assertIn("2 of them the same in both", text)
-        self.expect(0, "phantom", "--size", "12", "-o", "p.8vo", "-q")
-        self.expect_error(2, ["p.8vo", "grey"], "compare", "a.8vo", "p.8vo", "--labels")
-        self.expect(2, "compare", "a.8vo", "b.8vo", "--labels", "--max-error", "1")
-
     def test_a_box_equals_the_crop(self):
         layout = self.random_raw("v.raw", (20, 19, 18))
         self.expect(0, "build", "v.raw", "--raw", layout, "--spacing", "1", "-o", "v.8vo")

@@ -423,6 +423,9 @@ TEST(NewerFile, IsRejectedAsItsListSays) {
       EXPECT_EQ(error_kind_name(error.kind()), kind) << name << ": " << error.detail();
     }
   }
+  const auto is_8vo = [](const auto& entry) { return entry.path().extension() == ".8vo"; };
+  EXPECT_EQ(count, std::ranges::count_if(std::filesystem::directory_iterator(kFolder + "newer"),
+                                         std::filesystem::directory_iterator(), is_8vo));
   EXPECT_GT(count, 0);
 }
 

@@ -8,12 +8,6 @@
 
 namespace octavo {
 
-namespace {
-
-constexpr std::int64_t kRowsBytes = std::int64_t{64} << 20;
-
-}  // namespace
-
 Sha256Digest voxel_digest_of(std::span<const Sha256Digest> planes) {
   Sha256 hasher;
   for (const Sha256Digest& plane : planes) hasher.add(plane);
@@ -21,7 +15,7 @@ Sha256Digest voxel_digest_of(std::span<const Sha256Digest> planes) {
 }
 
 PlaneDigests::PlaneDigests(const VolumeDescription& description, const Levels& levels,
-                           MakeHasher make_hasher)
+                           MakeHasher make_hasher, std::int64_t rows_bytes)
     : description_(description),
       levels_(levels),
       make_hasher_(std::move(make_hasher)),
@@ -30,7 +24,7 @@ PlaneDigests::PlaneDigests(const VolumeDescription& description, const Levels& l
   const Size3 side = levels.brick_side(0);
   // As many rows of bricks as fit, else as many of their planes, else as many rows of one plane
   const std::int64_t row = size.x * static_cast<std::int64_t>(voxel_bytes_);
-  const std::int64_t rows = std::max(std::int64_t{1}, kRowsBytes / row);
+  const std::int64_t rows = std::max(std::int64_t{1}, rows_bytes / row);
   const std::int64_t depth = std::min(side.z, size.z);
   share_ = {size.x, std::min(rows, side.y), std::clamp(rows / side.y, std::int64_t{1}, depth)};
   if (rows / side.y >= depth) share_.y = rows / depth / side.y * side.y;

@@ -34,11 +34,15 @@ inline bool digest_matches([[maybe_unused]] const Sha256Digest& found,
 #endif
 }
 
-/// Memory  64 MiB, or one row of voxels where that takes more
+/// Memory  `rows_bytes`; one row of voxels where that takes more: at most 8 MiB
 class PlaneDigests {
  public:
+  static constexpr std::int64_t kRowsBytes = std::int64_t{64} << 20;
+
   /// Both references outlive this.
-  PlaneDigests(const VolumeDescription& description, const Levels& levels, MakeHasher make_hasher);
+  /// rows_bytes  the size of the buffer; no digest depends on it
+  PlaneDigests(const VolumeDescription& description, const Levels& levels, MakeHasher make_hasher,
+               std::int64_t rows_bytes = kRowsBytes);
 
   /// Starts with the first rows of a layer of tier 0.
   void begin_layer(std::int64_t layer);

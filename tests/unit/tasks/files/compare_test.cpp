@@ -26,6 +26,33 @@ TEST_F(Compare, CountsWhatLiesFurtherApartThanAllowed) {
   EXPECT_TRUE(compare_volumes({.a = a, .b = b, .max_error = 5}, context_).comparison.is_equal());
 }
 
+TEST_F(Compare, ReadsNoVoxelWhereFilesStateTheSameDigestUnlessAsked) {
+  const std::string a = write_grey("a.8vo");
+  const std::string b = write_grey("b.8vo");
+  damage(b, brick_offset(b) + 3, 0x41);
+  const Comparison stated = compare_volumes({.a = a, .b = b}, context_).comparison;
+  EXPECT_TRUE(stated.is_by_digest);
+  EXPECT_TRUE(stated.is_equal());
+  EXPECT_EQ(stated.voxels, kScanSize.voxel_count());
+  EXPECT_EQ(failure_of([&] { compare_volumes({.a = a, .b = b, .voxels = true}, context_); }).kind,
+            ErrorKind::corrupt);
+  const Comparison read = compare_volumes({.a = a, .b = a, .voxels = true}, context_).comparison;
+  EXPECT_FALSE(read.is_by_digest);
+  EXPECT_TRUE(read.is_equal());
+}
+
+TEST_F(Compare, DigestsTellNothingOfOtherVoxelsOrAnotherRescale) {
+  const std::string a = write_grey("a.8vo");
+  const Comparison scaled =
+      compare_volumes({.a = a, .b = write_grey("s.8vo", {2, 1})}, context_).comparison;
+  EXPECT_FALSE(scaled.is_by_digest);
+  EXPECT_GT(scaled.different, 0);
+  ++voxels_[77];
+  const Comparison other = compare_volumes({.a = a, .b = write_grey("b.8vo")}, context_).comparison;
+  EXPECT_FALSE(other.is_by_digest);
+  EXPECT_EQ(other.different, 1);
+}
+
 TEST_F(Compare, OptionsOfScansAreRejectedWhereNeitherIsOne) {
   const std::string a = write_grey("a.8vo");
   const CompareOptions options = {a, a, 0, false, scan_};
