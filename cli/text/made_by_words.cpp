@@ -7,7 +7,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/json_reader.h"
 #include "octavo/core/text.h"
-#include "octavo/core/unit_code.h"
+#include "octavo/tasks/volume_facts.h"
 
 namespace octavo::cli {
 
@@ -95,7 +95,7 @@ std::string made_by_words(const Metadata& metadata) {
   const auto& made_by = metadata.facts().made_by;
   if (!made_by) return "";
   if (const auto flat = made_by->number("flat"); flat && is_condensed(metadata)) {
-    const std::string unit = escaped(shown_unit(metadata.unit()));
+    const std::string unit = unit_of(metadata);
     return fmt::format("condensed with tolerance {}{}: cubes that vary no more hold their mean",
                        number_text(*flat), unit.empty() ? "" : " " + unit);
   }

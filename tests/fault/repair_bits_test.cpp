@@ -441,9 +441,9 @@ TEST(RepairBits, EveryFailingCallLeavesNothingAndNamesTheFileThatWasAskedFor) {
 }
 
 // Asks to stop as soon as some work has begun.
-class StoppingProgress final : public Progress {
+class StopsInWork final : public Progress {
  public:
-  explicit StoppingProgress(std::string_view work) : work_(work) {}
+  explicit StopsInWork(std::string_view work) : work_(work) {}
   void begin(std::string_view what, std::int64_t, std::string_view) override {
     has_begun_ = has_begun_ || what == work_;
   }
@@ -464,7 +464,7 @@ TEST(RepairBits, StopsBehindTheNextBlockAndLeavesNothing) {
   for (const std::string_view work : {"verifying", "writing"}) {
     MemoryStorage storage;
     put(storage, "bad.8vo", bad);
-    StoppingProgress progress(work);
+    StopsInWork progress(work);
     try {
       repair_bits(storage, "bad.8vo", "out.8vo", {}, progress);
       ADD_FAILURE() << "not stopped while " << work;

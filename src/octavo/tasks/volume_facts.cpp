@@ -18,9 +18,9 @@ std::string with_unit(const std::string& number, const std::string& unit) {
 
 }  // namespace
 
-std::string unit_of(const VolumeDescription& volume) {
-  return escaped(shown_unit(volume.metadata.unit()));
-}
+std::string unit_of(const Metadata& metadata) { return escaped(shown_unit(metadata.unit())); }
+
+std::string unit_of(const VolumeDescription& volume) { return unit_of(volume.metadata); }
 
 void require_hu(const VolumeDescription& volume, const std::string& path, const std::string& what,
                 const TaskContext& context, const std::string& field) {

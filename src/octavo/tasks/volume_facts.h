@@ -10,8 +10,9 @@
 
 namespace octavo {
 
-/// "HU" and the like; empty when the metadata name none.
+/// "HU" and the like, as it is shown; empty when the metadata name none.
 std::string unit_of(const VolumeDescription& volume);
+std::string unit_of(const Metadata& metadata);
 
 /// Proves that what is given in HU may be asked of a volume. Where its unit is not known its values
 /// are taken as HU, with a warning.

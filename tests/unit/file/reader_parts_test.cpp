@@ -10,6 +10,7 @@
 #include "octavo/core/error.h"
 #include "octavo/file/reader.h"
 #include "octavo/planes/memory_source.h"
+#include "support/counting_source.h"
 #include "support/memory_storage.h"
 
 namespace octavo {
@@ -18,24 +19,6 @@ namespace {
 using namespace octavo::testing;
 
 const Size3 kSize{100, 70, 66};
-
-/// Counts the bytes that are asked for.
-class CountingSource final : public ByteSource {
- public:
-  explicit CountingSource(std::vector<std::uint8_t> bytes) : bytes_(std::move(bytes)) {}
-  std::uint64_t size() const override { return bytes_.size(); }
-  const std::string& name() const override { return name_; }
-  void read(std::uint64_t offset, std::span<std::uint8_t> out) const override {
-    std::memcpy(out.data(), bytes_.data() + offset, out.size());
-    count_ += out.size();
-  }
-  std::uint64_t count() const { return count_; }
-
- private:
-  std::vector<std::uint8_t> bytes_;
-  std::string name_ = "counted";
-  mutable std::atomic<std::uint64_t> count_ = 0;
-};
 
 std::vector<std::uint8_t> built(VoxelType type, const BuildOptions& options) {
   VolumeDescription description;
@@ -118,20 +101,20 @@ TEST(ReaderParts, AVoxelTakesTheBytesOfItsPartAndOfTheCoarserLevels) {
   const auto source = std::make_shared<CountingSource>(bytes);
   const auto reader = FileReader::open(source, {});
   box_of_reader(*reader, voxel_at({99, 69, 65}));  // reads index and model
-  const std::uint64_t before = source->count();
+  const std::uint64_t before = source->bytes;
   box_of_reader(*reader, voxel_at({1, 1, 1}));
-  const std::uint64_t cold = source->count() - before;
+  const std::uint64_t cold = source->bytes - before;
   const BrickEntry brick = reader->brick(0, {0, 0, 0});
   std::uint64_t all = 0;
   for (const auto& piece : brick.pieces) all += piece.length;
   EXPECT_LT(cold, all / 2);
   // Another part of the brick: the coarser levels are kept.
   box_of_reader(*reader, voxel_at({40, 1, 1}));
-  const std::uint64_t next = source->count() - before - cold;
+  const std::uint64_t next = source->bytes - before - cold;
   EXPECT_LT(next, brick.pieces.front().length / 4);
   // The same part: nothing.
   box_of_reader(*reader, voxel_at({50, 5, 5}));
-  EXPECT_EQ(source->count(), before + cold + next);
+  EXPECT_EQ(source->bytes, before + cold + next);
 }
 
 TEST(ReaderParts, ADamagedPartIsNamedAndTheOthersAreRead) {

@@ -10,6 +10,7 @@
 #include "octavo/file/verify.h"
 #include "octavo/file/write/writer.h"
 #include "octavo/octree/o_code.h"
+#include "support/counting_source.h"
 #include "support/sample_file.h"
 #include "support/stopping_progress.h"
 
@@ -17,23 +18,6 @@ namespace octavo {
 namespace {
 
 using namespace octavo::testing;
-
-// Counts the reads that reach the bytes.
-class CountingSource final : public ByteSource {
- public:
-  explicit CountingSource(std::vector<std::uint8_t> bytes)
-      : inner_(byte_source_of(std::move(bytes), "sample.8vo")) {}
-  std::uint64_t size() const override { return inner_->size(); }
-  const std::string& name() const override { return inner_->name(); }
-  void read(std::uint64_t offset, std::span<std::uint8_t> out) const override {
-    ++reads;
-    inner_->read(offset, out);
-  }
-  mutable std::atomic<int> reads = 0;
-
- private:
-  std::shared_ptr<ByteSource> inner_;
-};
 
 struct Case {
   Size3 size;
