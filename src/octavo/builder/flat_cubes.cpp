@@ -1,6 +1,7 @@
 #include "octavo/builder/flat_cubes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <type_traits>
@@ -156,10 +157,13 @@ class FlatCubes final : public PlaneSource {
   std::int64_t code_of(T voxel) const {
     if constexpr (std::is_floating_point_v<T>) {
       if (const auto code = exact_code(coding_, voxel)) return *code;
-      throw Error(ErrorKind::invalid_argument,
-                  "holds floats that are no multiples of one number, which have no exact means; "
-                  "only a copy within a max error is condensed",
-                  reader_->source().name());
+      const char* const why =
+          std::isfinite(voxel)
+              ? "holds floats that are no multiples of one number, which have no exact means; "
+                "only a copy within a max error is condensed"
+              : "holds NaN or infinite values, which have no mean; only a copy with other values "
+                "in their place is condensed";
+      throw Error(ErrorKind::invalid_argument, why, reader_->source().name());
     } else {
       return static_cast<std::int64_t>(voxel);
     }

@@ -58,7 +58,7 @@ SourceCheck compared(const VerifyVolumeOptions& options,
 /// Whether a scan stands where the file was expected, and the file in its place.
 bool is_swapped(const Error& error, const VerifyVolumeOptions& options) {
   return error.kind() == ErrorKind::not_octavo && !is_octavo_path(options.input) &&
-         options.against.size() == 1 && is_octavo_path(options.against.front());
+         options.against.size() == 1 && options.against.front().ends_with(".8vo");
 }
 
 VerifyReport checked_file(const VerifyVolumeOptions& options, const TaskContext& context) {

@@ -1,5 +1,6 @@
 #include "octavo/tasks/files/condense_volume.h"
 
+#include <cmath>
 #include <span>
 
 #include "support/scan_files.h"
@@ -67,6 +68,30 @@ TEST_F(CondenseVolume, FloatsTakeMeansThatTheirFileCanHold) {
       for (std::size_t x = 0; x < 8; ++x) EXPECT_EQ(condensed[x], condensed[0]) << x;
     }
   }
+}
+
+TEST_F(CondenseVolume, FloatsWithoutAMeanAreRejectedForWhatTheyAre) {
+  testing::Volume volume;
+  volume.description.size = {40, 33, 21};
+  volume.description.type = VoxelType::float32;
+  const auto says = [&](const char* name, float odd, const char* words) {
+    std::vector<float> voxels;
+    for (std::int64_t i = 0; i < volume.description.size.voxel_count(); ++i) {
+      voxels.push_back(static_cast<float>(i % 7) * 0.5f);
+    }
+    voxels[1000] = odd;
+    const auto bytes = std::as_bytes(std::span(voxels));
+    volume.voxels.assign(bytes.begin(), bytes.end());
+    options_.input = folder_.file(name);
+    options_.flat = 1;
+    testing::build_volume(volume, options_.input, 1);
+    const auto failure = failure_of([&] { condense_volume(options_, context_); });
+    EXPECT_EQ(failure.kind, ErrorKind::invalid_argument);
+    EXPECT_NE(failure.detail.find(words), std::string::npos) << failure.detail;
+  };
+  says("nan.8vo", std::nanf(""), "NaN or infinite");
+  says("infinite.8vo", -INFINITY, "NaN or infinite");
+  says("odd.8vo", 0.123f, "no multiples of one number");
 }
 
 TEST_F(CondenseVolume, TheMetadataSayHowItWasMade) {
