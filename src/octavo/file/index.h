@@ -1,7 +1,7 @@
-// The index of a .8vo file: where every segment stands, and the range of every brick.
+// The index of a .8vo file: where every piece stands, and the range of every brick.
 //
 // Two storeys. A page describes up to 1024 bricks of one layer of one tier, in o-code order; the
-// root describes the pages. Neither holds an offset: segments stand one after another in the order
+// root describes the pages. Neither holds an offset: pieces stand one after another in the order
 // of the index, so that offsets are sums of lengths, and the sums must come out at the offsets in
 // the header.
 //

@@ -60,7 +60,9 @@ struct VerifyReport {
 /// Checks all of `source`. A file whose header, trailer or index root is damaged, or whose metadata
 /// do not match their checksum, cannot be looked into: then it throws what FileReader::open throws.
 /// Throws  also Error{io} when reading fails, Error{cancelled}
-/// Memory  that of the index, one brick per thread and a row of bricks; reads the file twice
+/// Memory  that of the index, one brick per thread and a row of bricks, 64 MiB of it
+/// Time    reads the file twice; where a row of bricks takes more, those of tier 0 once for each
+///         64 MiB of it
 VerifyReport verify_file(std::shared_ptr<const ByteSource> source, const VerifyOptions& options,
                          Progress& progress);
 
