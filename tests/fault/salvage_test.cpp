@@ -9,6 +9,7 @@
 #include "octavo/file/index.h"
 #include "octavo/file/parallel_read.h"
 #include "octavo/file/repair/salvage.h"
+#include "support/memory_reader.h"
 #include "support/sample_file.h"
 
 namespace octavo {
@@ -305,6 +306,36 @@ TEST(Salvage, TheFillMustBeAVoxelAndWidensTheRange) {
   EXPECT_EQ(SalvageReader(reader, {false, -5.0}).range(), (ValueRange{-5, reader->range().max}));
   EXPECT_EQ(SalvageReader(reader, {false, 9000.0}).range(),
             (ValueRange{reader->range().min, 9000}));
+}
+
+/// Exact floats whose one brick is damaged; the index knows no end of its range but the largest.
+class LostFloats final : public MemoryReader {
+ public:
+  LostFloats() : MemoryReader(description_of_floats(), {}, {-SampleCoding::kUnbounded, 9}) {}
+  BrickEntry brick(int, const Index3&) const override {
+    BrickEntry entry;
+    entry.range = range();
+    return entry;
+  }
+  void read_strided(const Box&, int, void*, std::int64_t, std::int64_t) const override {
+    throw Error(ErrorKind::corrupt, "damaged", "lost.8vo", 512);
+  }
+
+ private:
+  static VolumeDescription description_of_floats() {
+    VolumeDescription description;
+    description.size = {3, 3, 3};
+    description.type = VoxelType::float32;
+    description.coding = SampleCoding{VoxelType::int32, 0.25, 0, true};
+    return description;
+  }
+};
+
+TEST(Salvage, WhereNobodyKnowsTheLowestFloatTheFillIsWhatCoarseLevelsShow) {
+  const SalvageReader salvage(std::make_shared<LostFloats>(), {});
+  std::vector<float> voxels(27);
+  salvage.read(box_of({3, 3, 3}), 0, voxels.data());
+  EXPECT_EQ(voxels, std::vector<float>(27, static_cast<float>(0.25 * (2 - 0x1p31))));
 }
 
 TEST(Salvage, WhatIsNoDamageIsThrown) {

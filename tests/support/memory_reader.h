@@ -12,7 +12,7 @@
 
 namespace octavo::testing {
 
-class MemoryReader final : public FileReader {
+class MemoryReader : public FileReader {
  public:
   /// voxels  dense [z][y][x] of description.type; `range` is given as it is
   MemoryReader(VolumeDescription description, std::vector<std::byte> voxels, ValueRange range)

@@ -136,7 +136,7 @@ SealResult seal(InterruptedBuild build, Storage& storage, const std::string& out
   const Size3 grid = levels.brick_grid(0);
   VolumeDescription description = bricks.header().description;
   const bool is_grey = description.kind == VolumeKind::grey;
-  const std::int64_t low = is_grey ? bricks.range().min : 0;
+  const std::int64_t low = is_grey ? description.code_near(bricks.range().min) : 0;
   result.plane_count = description.size.z;
   result.whole_planes = planes_in(levels, bricks.layer_count());
   result.fill = description.voxel_of(low);

@@ -53,6 +53,11 @@ struct VolumeDescription {
     return coding && coding->is_exact &&
            (end == SampleCoding::kUnbounded || end == -SampleCoding::kUnbounded);
   }
+  /// The number of voxels that is nearest to an end of a range: what coarse samples take those
+  /// beyond it for.
+  std::int64_t code_near(std::int64_t end) const {
+    return is_unbounded(end) ? end - end / SampleCoding::kUnbounded : end;
+  }
   /// The voxel that a number in bricks and index stands for.
   double voxel_of(std::int64_t code) const {
     return coding ? static_cast<double>(coding->voxel_of(code)) : static_cast<double>(code);

@@ -232,7 +232,7 @@ void SalvageReader::fill_with_lowest(const Part& part, SalvagedDamage& salvaged)
     salvaged.fill = SalvageFill::volume_lowest;
   }
   const bool falls = description().rescale.slope < 0;
-  salvaged.value = description().voxel_of(falls ? range.max : range.min);
+  salvaged.value = description().voxel_of(description().code_near(falls ? range.max : range.min));
   part.fill_with(description().type, salvaged.value);
 }
 

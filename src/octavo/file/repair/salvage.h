@@ -22,7 +22,7 @@ struct SalvageOptions {
   bool from_coarser = false;
   /// A voxel of the file's type. Without it: the lowest voxel of the brick as the index has it
   /// (FileReader::range says when that is a bound), or of the volume where the brick's index page
-  /// is damaged.
+  /// is damaged. Where the index knows no end it is what coarse levels show in its place.
   std::optional<double> value;
 };
 
