@@ -371,14 +371,13 @@ TEST(GoldenDamage, VerifyNamesTheBrickAndTheOthersAreSalvaged) {
   }
 }
 
-// Only the long pieces of stored voxels and of exact floats, and long parts, whose damage nothing
-// else tells from a flipped bit.
-bool is_long_and_plain(const Golden& golden, std::uint64_t at) {
+// Parts, and the long pieces of stored voxels and of exact floats: nothing else tells their damage
+// from a flipped bit.
+bool is_guesswork(const Golden& golden, std::uint64_t at) {
   constexpr std::uint64_t kLong = 512;
   const OpenFile file(byte_source_of(golden.bytes, golden.name), {});
   for (const PartEntry& part : file.parts()) {
-    const bool is_inside = at >= part.bytes.offset && at < part.bytes.end();
-    if (is_inside && part.bytes.length > kLong) return true;
+    if (at >= part.bytes.offset && at < part.bytes.end()) return true;
   }
   for (const BrickPiece& place : pieces_of(*golden.reader)) {
     const BrickEntry& entry = place.entry;
@@ -404,7 +403,7 @@ TEST(GoldenDamage, ANamedFlippedBitIsTurnedBackOrRejected) {
       MemoryStorage storage;
       storage.files["bad.8vo"] = std::make_shared<FileContent>(golden.bytes);
       storage.files["bad.8vo"]->at(at) ^= static_cast<std::uint8_t>(1 << random() % 8);
-      const bool is_rejected = is_long_and_plain(golden, at);
+      const bool is_rejected = is_guesswork(golden, at);
       try {
         repair_bits(storage, "bad.8vo", "out.8vo", {}, progress);
         EXPECT_FALSE(is_rejected) << golden.name << " byte " << at;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <random>
 
+#include "fault/reseal.h"
 #include "octavo/core/error.h"
 #include "octavo/file/bit_flip.h"
 #include "octavo/file/layout.h"
@@ -76,6 +77,20 @@ FileContent noise_brick(const Size3& size, VoxelType type, bool is_stored) {
   brick.segments[0] = volume.samples[0];
   writer->add_plane_digests(sample_plane_digests(volume, 0));
   writer->add_brick(0, brick);
+  writer->finish();
+  return *storage.files.at("sample.8vo");
+}
+
+// A file with a part of that tag and text.
+FileContent with_part(const PartTag& tag, const std::string& text) {
+  SampleVolume volume = make_sample({2, 2, 2}, VoxelType::uint8, Pattern::gradient);
+  MemoryStorage storage;
+  const auto writer =
+      FileWriter::create(storage, "sample.8vo", volume.description, volume.levels, 1, {});
+  encode_sample(*writer, volume);
+  writer->add_part({tag, 0, [text](const std::function<void(ByteSpan)>& sink) {
+                      sink({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+                    }});
   writer->finish();
   return *storage.files.at("sample.8vo");
 }
@@ -176,6 +191,26 @@ TEST(RepairBits, AFlippedBitIsTurnedBackWhereOtherDamageHardlyPassesForOne) {
     EXPECT_NE(outcome.failure.find("one flipped bit would explain it, but so would other damage"),
               std::string::npos);
     EXPECT_EQ(outcome.field, "repair.salvage");
+  }
+}
+
+TEST(RepairBits, ABitOfAPartIsNotTurnedBackAsNothingElseProvesIt) {
+  for (const PartTag& tag : {kThumbnailTag, PartTag{'n', 'o', 't', 'e'}}) {
+    const FileContent good = with_part(tag, "some bytes");
+    FileContent bad = good;
+    bad[header_of(good).pages.end() + 1] ^= 4;
+    NoProgress progress;
+    const VerifyReport report = verify_file(byte_source_of(bad, "bad.8vo"), {}, progress);
+    ASSERT_EQ(report.damage_count, 1);
+    EXPECT_TRUE(report.damages.front().flipped_byte.has_value());
+    EXPECT_EQ(report.repairable_count, 0);
+    MemoryStorage storage;
+    put(storage, "bad.8vo", bad);
+    const Outcome outcome = repair(storage);
+    EXPECT_EQ(outcome.kind, ErrorKind::corrupt);
+    EXPECT_NE(outcome.failure.find("nothing else proves these bytes"), std::string::npos)
+        << outcome.failure;
+    EXPECT_EQ(storage.files.size(), 1u);
   }
 }
 

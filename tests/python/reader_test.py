@@ -16,20 +16,12 @@ import tempfile
 import unittest
 from unittest import mock
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "python"), str(pathlib.Path(__file__).parent),
-                str(ROOT / "tests" / "support")]
-
-try:
-    import numpy as np
-except ImportError:
-    print(f"skipped: {sys.executable} has no numpy; tools/setup installs python3-numpy")
-    sys.exit(77)
-
-import volumes  # noqa: E402
-from file_bytes import with_metadata  # noqa: E402
-from octavo_reader import OctavoError, OctavoFile, grey_brick, verify  # noqa: E402
-from octavo_reader.byte_cursor import crc32c  # noqa: E402
+from reader_path import ROOT  # first: it finds the others
+import numpy as np
+import volumes
+from file_bytes import with_metadata
+from octavo_reader import OctavoError, OctavoFile, grey_brick, verify
+from octavo_reader.byte_cursor import crc32c
 
 OCTAVO = "octavo"
 GOLDEN = ROOT / "tests" / "golden" / "v1"

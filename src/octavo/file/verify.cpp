@@ -257,8 +257,7 @@ void Verifier::check_parts() {
     Damage place;
     place.what = "part";
     place.code = i;
-    // A thumbnail is proven to be a picture of the voxels; nothing is known of other parts.
-    place.proof = part.tag == kThumbnailTag ? OtherProof::content : OtherProof::none;
+    place.proof = OtherProof::none;  // nothing but the checksum proves them
     place.offset = part.bytes.offset;
     place.length = part.bytes.length;
     if (auto damage = checksum_damage(place, part_crcs_[i], part.bytes.crc)) {

@@ -3,8 +3,9 @@
 // A pair (a, b) becomes its rounded mean m = floor((a + b + r) / 2) and its detail d = a - b. The
 // parity of a + b is that of d, so m and d give the pair back exactly. The rounding term r is 0 or
 // 1 and alternates from level to level along each axis, and from axis to axis, so that roundings up
-// and down balance: the means of noise are expected at most 0.25 above the true ones, where without
-// it they would drift by about half a unit per level. A detail of 16-bit samples needs 17 bits.
+// and down balance: the means of noise are expected at most 0.25 above the true ones (0.5 where no
+// two axes are halved alike), where without it they would drift by about half a unit per level. A
+// detail of 16-bit samples needs 17 bits.
 //
 // Where the volume ends inside a coarse sample, that sample is the mean of fewer voxels. The last
 // pair along an axis may so have two weights, wa voxels and wb <= wa, and is lifted instead:

@@ -28,12 +28,19 @@ void throw_if_cancelled(const Progress& progress) {
   if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
 }
 
+// Why a damage is not turned back.
+const char* reason_against(const Damage& damage) {
+  if (!damage.flipped_byte) return "more than one flipped bit, which nothing can turn back";
+  if (damage.proof == OtherProof::none) {
+    return "one flipped bit would explain it, but so would other damage, and nothing else proves "
+           "these bytes";
+  }
+  return "one flipped bit would explain it, but so would other damage of a part this long";
+}
+
 [[noreturn]] void reject(const Damage& damage, const std::string& input) {
-  const char* reason = damage.flipped_byte
-                           ? "one flipped bit would explain it, but so would other damage of a "
-                             "part this long"
-                           : "more than one flipped bit, which nothing can turn back";
-  throw Error(ErrorKind::corrupt, damage.detail + ": " + reason, input, damage.offset)
+  throw Error(ErrorKind::corrupt, damage.detail + ": " + reason_against(damage), input,
+              damage.offset)
       .with_field("repair.salvage");
 }
 
