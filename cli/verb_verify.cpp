@@ -23,9 +23,10 @@ namespace {
 
 constexpr VerbText kVerifyText = {
     "verify", "Prove that a file is sound, and that it holds what its source holds.",
-    "Reads every byte, proves every checksum and decodes every brick. Damage is exit code 4: each\n"
-    "damaged brick is named with its place in the file, and whether one flipped bit explains it;\n"
-    "--json lists the same. repair turns flipped bits back, where other damage would hardly pass\n"
+    "Reads every byte, proves every checksum and decodes every brick, whose coarsest sample must\n"
+    "be that of the next tier, which coarse views start from. Damage is exit code 4: each damaged\n"
+    "brick is named with its place in the file, and whether one flipped bit explains it; --json\n"
+    "lists the same. repair turns flipped bits back, where other damage would hardly pass\n"
     "for one; what is whole otherwise, export --salvage writes. With --against the geometry and\n"
     "every stored voxel are compared with the source as well; a difference beyond what the file\n"
     "says of itself is exit code 1. NaN and infinities that were replaced are replaced in the\n"

@@ -38,11 +38,19 @@ CLI_HEADERS = {
 WITHIN = {
     "codec": {
         "entropy": set(),
-        "grey": {"entropy", "brick_codec.h", "simd_level.h", "simd_targets.h", "refine_model.h"},
+        "grey": {
+            "entropy",
+            "brick_codec.h",
+            "stored_brick.h",
+            "simd_level.h",
+            "simd_targets.h",
+            "refine_model.h",
+        },
         "label": {
             "entropy",
             "brick_codec.h",
             "label_bricks.h",
+            "stored_brick.h",
             "simd_level.h",
             "simd_targets.h",
         },

@@ -7,7 +7,7 @@ import numpy as np
 
 from .binary_coder import AdaptiveBit, BinaryDecoder
 from .byte_cursor import ByteCursor
-from .errors import require
+from .errors import require, require_known
 from .header import halved
 
 _INFINITY_RANK = 0x7F800000
@@ -58,7 +58,7 @@ def decode_exact_brick(coding: ExactCoding, smallest: int, largest: int, segment
     segments, size, halvings, place as of decode_grey_brick
     first_level   global level of the brick's finest level
     decode_codes  gives the codes of the level from their range and what is left of the segments
-    Raises        OctavoError "corrupt"
+    Raises        OctavoError "corrupt", "unsupported_version"
     """
     sizes = [size]
     for mask in halvings:
@@ -66,8 +66,9 @@ def decode_exact_brick(coding: ExactCoding, smallest: int, largest: int, segment
     cursors = [ByteCursor(segment, "a float segment") for segment in segments]
     is_stored = len(segments) > 1 and not segments[-1]
     head = cursors[0 if is_stored else -1]
+    require(not is_stored or not any(segments[1:]), "a stored brick has a second segment")
     flags = head.u8()
-    require(flags < 16, "a float brick has unknown flags")
+    require_known(flags < 16, f"flags {flags} of a float brick")
     has_absent, has_places = flags & 1, flags & 2
     require(first_level == 0 or not has_places, "a coarse float brick has places")
     low, high = smallest + (flags >> 2 & 1), largest - (flags >> 3 & 1)
@@ -79,6 +80,8 @@ def decode_exact_brick(coding: ExactCoding, smallest: int, largest: int, segment
     places = None
     if has_places and (is_stored or place == 0):
         style = cursors[0].u8()
+        require_known(style < 64, f"style {style} of places")
+        require(style & 31 <= _MANTISSA_BITS, "places leave out too many bits")
         places = [style, *(cursors[0].take(cursors[0].varint()) for _ in range(2))]
 
     rests = [cursor.rest() for cursor in cursors]
@@ -109,14 +112,14 @@ def _take_absent(cursors: list[ByteCursor], sizes: list[tuple[int, int, int]],
     """The flags of absent samples of level `place`, and their bits at level 0 of the file."""
     absent = bits = None
     last = 0 if is_stored else len(cursors) - 1
-    for level in range(last, (0 if is_stored else place) - 1, -1):
+    first = 0 if is_stored else min(place, last)
+    for level in range(last, first - 1, -1):
         data = cursors[level].take(cursors[level].varint())
         below = None if absent is None else _repeated(absent, sizes[level], halvings[level])
         is_finest = first_level == 0 and level == 0
         absent, bits = _decode_absent(data, sizes[level], below, is_finest)
-    if is_stored:
-        for level in range(place):
-            absent = _coarser(absent, sizes[level], halvings[level])
+    for level in range(first, place):
+        absent = _coarser(absent, sizes[level], halvings[level])
     return absent, bits
 
 
@@ -246,7 +249,6 @@ class _PlainBits:
 def _decode_places(coding: ExactCoding, codes: np.ndarray, absent: np.ndarray | None,
                    style: int, decisions: bytes, plain_bytes: bytes) -> np.ndarray:
     has_repeats, short_bits = style >> 5, style & 31
-    require(style < 64 and short_bits <= _MANTISSA_BITS, "places of an unknown style")
     first, end = coding.bins(codes, short_bits)
     is_central = (first <= 0) & (end >= 0) & (end - first > 1)
     plain = _PlainBits(plain_bytes)

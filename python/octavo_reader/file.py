@@ -94,10 +94,12 @@ class OctavoFile:
             for number in range(len(pages)):
                 yield from self._page(tier, layer, number)
 
-    def read_level(self, level: int) -> np.ndarray:
+    def read_level(self, level: int, proves_parts: bool = False) -> np.ndarray:
         """All samples of a level, of the voxel type of the file and shape [z][y][x].
 
-        Raises  OctavoError "invalid_argument" if there is no such level, "corrupt" on damage
+        proves_parts  proves the CRC of each part of a brick as well, which no sample depends on
+        Raises  OctavoError "invalid_argument" if there is no such level, "corrupt" on damage,
+                "unsupported_version"
         """
         header = self.header
         if not 0 <= level < header.level_count:
@@ -111,14 +113,30 @@ class OctavoFile:
         bricks_x, bricks_y, layers = header.bricks(tier)
         for k in range(layers):
             for place, (i, j) in enumerate(brick_order(bricks_x, bricks_y)):
-                box = self._read_brick(tier, level, (i, j, k), place)
+                box = self._read_brick(tier, level, (i, j, k), place, proves_parts)
                 x, y, z = (n * side for n, side in zip((i, j, k), sides))
                 samples[z : z + sides[2], y : y + sides[1], x : x + sides[0]] = box
         return samples
 
-    def _read_brick(self, tier: int, level: int, at: tuple[int, int, int],
-                    place: int) -> np.ndarray:
-        """The samples of one level of a brick, or the one value that all of them have."""
+    def parents(self, tier: int) -> np.ndarray:
+        """The samples of the first level of the next tier, as the bricks of a tier determine them.
+
+        Raises  as read_level
+        """
+        bricks_x, bricks_y, layers = self.header.bricks(tier)
+        samples = np.empty((layers, bricks_y, bricks_x), self.header.voxel_type)
+        for k in range(layers):
+            for place, (i, j) in enumerate(brick_order(bricks_x, bricks_y)):
+                parent = self._read_brick(tier, LEVELS_PER_TIER * (tier + 1), (i, j, k), place)
+                samples[k, j, i] = parent.reshape(())
+        return samples
+
+    def _read_brick(self, tier: int, level: int, at: tuple[int, int, int], place: int,
+                    proves_parts: bool = False) -> np.ndarray:
+        """The samples of one level of a brick, or the one value that all of them have.
+
+        level  also the first one of the next tier, of which a brick determines one sample
+        """
         header = self.header
         number = place // BRICKS_PER_PAGE
         brick = self._page(tier, at[2], number)[place % BRICKS_PER_PAGE]
@@ -138,12 +156,12 @@ class OctavoFile:
                                        halvings, weights, level - first)
         else:
             def decode_codes(low: int, high: int, rests: list[bytes]) -> np.ndarray:
-                return decode_grey_brick(model, low, high, rests, size, halvings[:-1], weights,
-                                         level - first, detailed)
+                return decode_grey_brick(model, low, high, rests, size, halvings, weights,
+                                         level - first, detailed, proves_parts)
 
             if header.is_exact:
                 return decode_exact_brick(self._exact(), brick.smallest, brick.largest, segments,
-                                          size, halvings[:-1], first, level - first, decode_codes)
+                                          size, halvings, first, level - first, decode_codes)
             codes = decode_codes(brick.smallest, brick.largest, segments)
         return self.voxels_of(codes)
 

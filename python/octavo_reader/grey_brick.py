@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from .binary_coder import AdaptiveBit, BinaryDecoder
-from .byte_cursor import ByteCursor, unpack_bits
-from .errors import require
+from .byte_cursor import ByteCursor, crc32c, unpack_bits
+from .errors import require, require_known
 from .grey_details import DetailDecoder, DetailStream, Lifting, ValueGaps, means_along
 from .grey_interpolation import interpolated_split
 from .grey_model import GreyModel, ValueMap
@@ -21,16 +21,17 @@ from .weights import SampleWeights
 
 def decode_grey_brick(model: GreyModel, smallest: int, largest: int, segments: list[bytes],
                       size: tuple[int, int, int], halvings: list[int], weights: SampleWeights,
-                      place: int, detailed: int = 0) -> np.ndarray:
+                      place: int, detailed: int = 0, proves_parts: bool = False) -> np.ndarray:
     """The samples of one level of a brick that is not uniform, as int64 of shape [z][y][x].
 
-    segments     one per level of the brick, finest first; those finer than `place` are unused
-    size         x, y, z of the brick's finest level
-    halvings     per level of the brick the mask of axes halved to the next
-    weights      of the samples of the brick's finest level
-    place        which level of the brick, 0 the finest
-    detailed     the finest level of the brick that has details
-    Raises       OctavoError "corrupt"
+    segments      one per level of the brick, finest first; those finer than `place` are unused
+    size          x, y, z of the brick's finest level
+    halvings      per level the mask of axes halved to the next, the last to the next tier
+    weights       of the samples of the brick's finest level
+    place         which level, 0 the finest; behind the last: the brick's sample in the next tier
+    detailed      the finest level of the brick that has details
+    proves_parts  whether the CRC of each part is proven, beside that of the piece
+    Raises        OctavoError "corrupt", "unsupported_version"
     """
     order = model.axis_order
     ordered_size = tuple(size[axis] for axis in order)
@@ -52,7 +53,8 @@ def decode_grey_brick(model: GreyModel, smallest: int, largest: int, segments: l
     if is_stored:
         samples, corrections = brick.decode_stored(segments[0], start - detailed), []
     else:
-        samples, corrections = brick.decode_levels(segments[detailed:], start - detailed)
+        samples, corrections = brick.decode_levels(segments[detailed:], start - detailed,
+                                                   proves_parts)
     samples = whole.interpolated(samples, start, place)
     own = np.transpose(samples, [2 - order.index(axis) for axis in (2, 1, 0)])
     return brick.to_voxels(own, corrections)
@@ -79,7 +81,8 @@ def _take_values(value_map: ValueMap, smallest: int, segment: bytes) -> tuple[_B
     cursor = ByteCursor(segment, "a brick's map")
     flags = cursor.u8()
     has_gaps = bool(flags & 2)
-    require(flags < 4 and (not has_gaps or bool(value_map.codes)), "a brick's map is wrong")
+    require_known(flags < 4, f"flags {flags} of a brick's map")
+    require(not has_gaps or bool(value_map.codes), "a brick's map is wrong")
     step, offset = (value_map.step, value_map.offset) if flags & 1 else (1, 0)
     codes = None
     if has_gaps:
@@ -128,22 +131,30 @@ class _Brick:
     def decode_stored(self, segment: bytes, place: int) -> np.ndarray:
         samples = self._plain(segment, self.sizes[0])
         for level in range(place):
-            for axis in range(3):
-                if self.halvings[level] >> axis & 1:
-                    samples = means_along(samples, 2 - axis, self._lifting(level, axis))
+            samples = self._coarser(samples, level)
         return samples
 
-    def decode_levels(self, segments: list[bytes],
-                      place: int) -> tuple[np.ndarray, list["_Corrections"]]:
+    def _coarser(self, samples: np.ndarray, level: int) -> np.ndarray:
+        """The next level."""
+        for axis in range(3):
+            if self.halvings[level] >> axis & 1:
+                samples = means_along(samples, 2 - axis, self._lifting(level, axis))
+        return samples
+
+    def decode_levels(self, segments: list[bytes], place: int,
+                      proves_parts: bool) -> tuple[np.ndarray, list["_Corrections"]]:
         """Samples of level `place`, and the corrections of their voxels."""
         last = len(segments) - 1
-        samples = PaddedSamples.of_level(self._plain(segments[last], self.sizes[last]))
+        coarsest = self._plain(segments[last], self.sizes[last])
+        if place > last:
+            return self._coarser(coarsest, last), []
+        samples = PaddedSamples.of_level(coarsest)
         flags = None
-        lengths: list[int] = []
+        entries: list[_PartEntry] = []
         for level in range(last - 1, max(place, 1) - 1, -1):
             cursor = ByteCursor(segments[level], "a grey segment")
             if level == 1 and self.has_parts:
-                lengths = [_take_length(cursor) for _ in self._parts()]
+                entries = [_PartEntry.take(cursor) for _ in self._parts()]
             if level == 1 and last >= 2:
                 flags = self._cell_flags(cursor.take(cursor.varint()))
             region = _Region.of_level(self.sizes[level], self.sizes[level + 1])
@@ -156,9 +167,12 @@ class _Brick:
         cursor = ByteCursor(segments[0], "the parts of a brick")
         result = np.empty(self.sizes[0][::-1], np.int64)
         corrections = []
-        for region, length in zip(self._parts(), lengths):
+        for region, entry in zip(self._parts(), entries):
             around = samples.part(region.coarse_first[::-1], region.coarse_size[::-1])
-            part, own = self._decode_finest(around, region, flags, cursor.take(length))
+            data = cursor.take(entry.length)
+            require(not proves_parts or crc32c(data) == entry.crc,
+                    "the checksum of a part of a brick is wrong")
+            part, own = self._decode_finest(around, region, flags, data)
             result[region.slices()] = part
             corrections += own
         require(not cursor.rest(), "bytes follow the parts of a brick")
@@ -172,7 +186,7 @@ class _Brick:
     def _parts(self) -> list["_Region"]:
         sides = [32 if self.model.cut_axes >> a & 1 else max(n, 1)
                  for a, n in enumerate(self.sizes[0])]
-        if len(self.halvings) < 2:  # fewer than three levels
+        if len(self.halvings) < 3:  # levels
             sides = list(self.sizes[0])
         counts = [-(-n // side) for n, side in zip(self.sizes[0], sides)]
         regions = []
@@ -313,12 +327,17 @@ class _Corrections:
     data: bytes
 
 
-def _take_length(cursor: ByteCursor) -> int:
-    """The length of a part, off the list of parts; the CRC serves those who read one part alone."""
-    length = cursor.varint()
-    if length > 0:
-        cursor.take(4)
-    return length
+@dataclass(frozen=True)
+class _PartEntry:
+    """What the list of parts says of one."""
+
+    length: int
+    crc: int
+
+    @classmethod
+    def take(cls, cursor: ByteCursor) -> "_PartEntry":
+        length = cursor.varint()
+        return cls(length, cursor.u32() if length > 0 else 0)
 
 
 def decode_corrections(data: bytes, shape: tuple[int, int, int]) -> np.ndarray:

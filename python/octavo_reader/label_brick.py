@@ -37,7 +37,7 @@ def decode_label_brick(model: LabelModel, smallest: int, largest: int, segments:
     size      x, y, z of the brick's finest level
     halvings  per level of the brick the mask of axes halved to the next, the last to the root
     weights   of the samples of the brick's finest level
-    place     which level of the brick, 0 the finest
+    place     which level of the brick, 0 the finest; behind the last its root
     Raises    OctavoError "corrupt"
     """
     if len(segments) > 1 and not segments[-1]:
@@ -54,9 +54,10 @@ def decode_label_brick(model: LabelModel, smallest: int, largest: int, segments:
         sizes.append(halved(sizes[-1], mask))
     require(sizes[-1] == (1, 1, 1), "a brick has no root")
     walk = _Walk(model, smallest, largest)
-    for level in range(len(segments) - 1, place - 1, -1):
+    last = len(segments) - 1
+    for level in range(last, min(place, last) - 1, -1):
         walk.level(level, segments[level], sizes[level], halvings[level], all_weights[level])
-    return walk.labels()
+    return walk.labels() if place <= last else walk.root()
 
 
 def _decode_stored(segment: bytes, smallest: int, largest: int,
@@ -127,12 +128,16 @@ class _Walk:
         """The labels of the level decoded last, [z][y][x]."""
         return np.array(self._slot_labels, np.int64)[self._slots]
 
+    def root(self) -> np.ndarray:
+        """The label of the root, once a level is decoded."""
+        return np.array(self._slot_labels[0], np.int64).reshape(1, 1, 1)
+
     def level(self, level: int, segment: bytes, size: tuple[int, int, int], mask: int,
               weights: SampleWeights) -> None:
         """Decodes one level of x, y, z samples; `mask` leads to the level decoded last."""
         self._coder = BinaryDecoder(segment)
         if not self._slot_labels:
-            self._root()
+            self._start()
         parents = [np.arange(n) >> (mask >> axis & 1) for axis, n in enumerate(size)]
         chosen = np.ix_(parents[2], parents[1], parents[0])
         parent_slots, parent_states = self._slots, self._states
@@ -161,7 +166,7 @@ class _Walk:
         inside = (slice(_MARGIN, -_MARGIN),) * 3
         self._states, self._slots = self._states[inside], self._slots[inside]
 
-    def _root(self) -> None:
+    def _start(self) -> None:
         self._is_pair = bool(self._coder.get(32768))
         if self._is_pair:
             pair = [self._smallest, self._largest]

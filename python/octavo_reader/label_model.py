@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from .binary_coder import AdaptiveBit, AdaptiveNumber, BinaryDecoder
-from .errors import require
+from .errors import require, require_known
 
 NEIGHBORS = 32
 _WIDTH = 16
@@ -67,11 +67,14 @@ def _start_weights() -> np.ndarray:
 
 
 def parse_label_model(data: bytes, voxel_type: str) -> LabelModel:
-    """Reads a model of a file whose voxels have this NumPy type. Raises OctavoError "corrupt"."""
+    """Reads a model of a file whose voxels have this NumPy type.
+
+    Raises  OctavoError "corrupt", "unsupported_version"
+    """
     decoder = BinaryDecoder(data)
     limits = np.iinfo(voxel_type)
     length = decoder.number(AdaptiveNumber(33))
-    require(length <= _PALETTE_LIMIT, "a palette is too long")
+    require_known(length <= _PALETTE_LIMIT, "a label model of a later version")
     steps = AdaptiveNumber(33)
     palette = []
     next_label = int(limits.min)

@@ -8,7 +8,7 @@ from .byte_cursor import crc32c
 from .directory import THUMBNAIL
 from .errors import require
 from .file import OctavoFile
-from .header import HEADER_LENGTH, TRAILER_LENGTH
+from .header import HEADER_LENGTH, TRAILER_LENGTH, Section
 from .index import brick_order
 from .thumbnail import thumbnail_of
 
@@ -22,14 +22,17 @@ def verify(file: OctavoFile) -> None:
     header = file.header
     body = file.read_bytes(HEADER_LENGTH, header.file_length - TRAILER_LENGTH - HEADER_LENGTH)
     require(crc32c(body) == file.body_crc, "the checksum of all bytes is wrong")
+    require(crc32c(_section(body, header.pages)) == header.pages.crc,
+            "the checksum of the index pages is wrong")
     require(isinstance(file.metadata, dict), "the metadata is no JSON object")
     for part in file.parts:
         file.part(part)
     for number in range(file.model_count):
         file.model(number)
     _verify_slabs(file, body)
-    levels = [file.read_level(level) for level in range(header.level_count)]
+    levels = [file.read_level(level, proves_parts=True) for level in range(header.level_count)]
     _verify_ranges(file, levels)
+    _verify_tiers(file, levels)
     digests = [hashlib.sha256(plane.astype(plane.dtype.newbyteorder("<")).tobytes()).digest()
                for plane in levels[0]]
     stored = [digest for slab in range(header.bricks(0)[2])
@@ -42,6 +45,11 @@ def verify(file: OctavoFile) -> None:
         if part.tag == THUMBNAIL:
             require(file.part(part) == thumbnail_of(header, levels.__getitem__),
                     "the thumbnail is not that of these voxels")
+
+
+def _section(body: bytes, section: Section) -> bytes:
+    begin = section.offset - HEADER_LENGTH
+    return body[begin : begin + section.length]
 
 
 def _verify_slabs(file: OctavoFile, body: bytes) -> None:
@@ -57,6 +65,14 @@ def _verify_slabs(file: OctavoFile, body: bytes) -> None:
         end = offset - HEADER_LENGTH
         require(crc32c(body[begin:end]) == trailer.slab_crc, "the checksum of a slab is wrong")
         begin = end + length
+
+
+def _verify_tiers(file: OctavoFile, levels: list[np.ndarray]) -> None:
+    """The samples that the bricks of a tier determine are those of the next tier."""
+    for tier in range(1, file.header.tier_count):
+        level = file.header.tier_levels(tier).start
+        require(file.parents(tier - 1).tobytes() == levels[level].tobytes(),
+                f"level {level} is not made of the bricks below")
 
 
 def _verify_ranges(file: OctavoFile, levels: list[np.ndarray]) -> None:

@@ -55,6 +55,8 @@ set(OCTAVO_READ_SOURCES
   codec/label/label_walk_portable.cpp
   codec/label/label_word_bricks.cpp
   file/bit_flip.cpp
+  file/brick_check.cpp
+  file/damage.cpp
   file/directory.cpp
   file/fixed_png.cpp
   file/index.cpp

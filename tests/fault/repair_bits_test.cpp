@@ -195,7 +195,7 @@ TEST(RepairBits, AFlippedBitIsTurnedBackWhereOtherDamageHardlyPassesForOne) {
 }
 
 TEST(RepairBits, ABitOfAPartIsNotTurnedBackAsNothingElseProvesIt) {
-  for (const PartTag& tag : {kThumbnailTag, PartTag{'n', 'o', 't', 'e'}}) {
+  for (const PartTag& tag : {PartTag{'n', 'o', 't', 'e'}, PartTag{'X', 'y', 'z', '9'}}) {
     const FileContent good = with_part(tag, "some bytes");
     FileContent bad = good;
     bad[header_of(good).pages.end() + 1] ^= 4;

@@ -1,4 +1,4 @@
-"""Files of one brick, made field by field as docs/format.md has them, with right checksums."""
+"""Files of few bricks, made field by field as docs/format.md has them, with right checksums."""
 
 import dataclasses
 import hashlib
@@ -14,10 +14,15 @@ BUILD_ID = 0x1122334455667788
 class Crafted:
     """A file of 2 x 2 x 2 voxels of type uint8 that all are 7, unless something is said.
 
-    stored   piece 0 of a brick that holds its voxels as they are; none: they all are `low`
-    voxels   as they are read, where they are not all `low`
-    parts    (tag, flags, bytes) of each
-    before   changes header and bytes behind it before checksums are made
+    like    a file whose first model it takes
+    model   other bytes of the model
+    bricks  of tier 0, all alike, along x; two where there are two tiers
+    pieces  of a brick that is not uniform; none: it is, all voxels are `low`
+    above   of two tiers: the one value that the next tier has
+    voxels  as they are read, where they are not all `low`
+    parts   (tag, flags, bytes) of each
+    patches (section, place, length, bytes) of what stands elsewhere than it would: in "header",
+            "slab trailer", "pages", "directory", "root" or "trailer"; what covers it is made of it
     """
 
     like: bytes
@@ -43,7 +48,10 @@ class Crafted:
     low: int = 7
     high: int = 7
     error: int = 0
-    stored: bytes = b""
+    model: bytes | None = None
+    bricks: int = 1
+    pieces: tuple = ()
+    above: int | None = None
     voxels: tuple = ()
     model_flags: int = 0
     masks_behind: bytes = b""
@@ -57,15 +65,20 @@ class Crafted:
     trailer_zeros: bytes = bytes(20)
     previous: int = 0
     model_slab: int = 0
+    patches: tuple = ()
 
     def bytes(self):
-        model = bytearray(first_model(self.like))
+        model = bytearray(first_model(self.like) if self.model is None else self.model)
         model[0] |= self.model_flags
-        slab = model + self.stored
+        slab = model + self._all_of_piece(0)
         digests = self._plane_digests()
         trailer = self._slab_trailer(slab, digests)
-        page, root = self._index(model, trailer)
-        parts, directory = self._parts(512 + len(slab) + len(trailer) + len(page))
+        pages, root = self._index(model, trailer)
+        root = self._patched("root", root)
+        coarse = b"".join(self._all_of_piece(number) for number in range(1, self._piece_count(0)))
+        body = slab + trailer + coarse
+        parts, directory = self._parts(512 + len(body) + len(pages))
+        directory = self._patched("directory", directory)
         header = bytearray(512)
         header[:8] = b"\x8f8vo\r\n\x1a\n"
         struct.pack_into("<HH4B", header, 8, self.major, self.minor, self.kind, self.type,
@@ -75,8 +88,7 @@ class Crafted:
         struct.pack_into("<3Q18d", header, 48, *self.size, *self.origin, *self.spacing,
                          *self.direction, self.slope, self.intercept, self.max_error)
         struct.pack_into("<Q", header, 216, BUILD_ID)
-        body = slab + trailer
-        for field, section in ((256, page), (0, parts), (304, directory), (232, self.metadata),
+        for field, section in ((256, pages), (0, parts), (304, directory), (232, self.metadata),
                                (280, root)):
             if field:
                 struct.pack_into("<QQII", header, field, 512 + len(body), len(section),
@@ -93,7 +105,9 @@ class Crafted:
         struct.pack_into("<Q", end, 32, self.previous)
         end[40:72] = self.digest or hashlib.sha256(b"".join(digests)).digest()
         end[72:92] = self.trailer_zeros
-        return sealed(header, body, end)
+        data = sealed(bytearray(self._patched("header", bytes(header))), body, end)
+        end = self._patched("trailer", data[-96:-4])
+        return data[:-96] + end + struct.pack("<I", crc32c(end))
 
     def _plane_digests(self):
         x, y, z = self.size
@@ -106,25 +120,60 @@ class Crafted:
                 for plane in planes]
 
     def _slab_trailer(self, slab, digests):
-        data = b"8slb" + struct.pack("<Q", BUILD_ID) + b"\0\0" + varint(len(self.stored))
+        data = b"8slb" + struct.pack("<Q", BUILD_ID) + b"\0\0"
+        data += varint(len(self._piece(0))) * self.bricks
         data += b"".join(digests)
         data += struct.pack("<II", crc32c(slab), len(data) + 12)
+        data = self._patched("slab trailer", data)
         return data + struct.pack("<I", crc32c(data))
 
+    def _patched(self, name, data):
+        for section, at, length, changed in self.patches:
+            if section == name:
+                data = data[:at] + changed + data[at + length :]
+        return data
+
+    def _piece_count(self, tier):
+        return min(len(self.masks) + 1 - 6 * tier, 4)
+
+    def _piece(self, number):
+        return self.pieces[number] if number < len(self.pieces) else b""
+
+    def _all_of_piece(self, number):
+        return self._piece(number) * self.bricks
+
     def _index(self, model, trailer):
-        ends = zigzag(self.low) + varint(self.high - self.low)
-        leaves_details_out = any(tag == 0x8002 for tag, _ in self.extensions)
-        error = varint(self.error) if self.max_error > 0 or leaves_details_out else b""
-        page = bytes([self.page_flags]) + ends + error
-        piece_count = min(len(self.masks) + 1, 4)
-        if self.low != self.high:
-            crc = struct.pack("<I", piece_crc(0, 0, self.stored))
-            page += varint(len(self.stored)) + crc + bytes(piece_count - 1)
+        """All pages, and the root."""
         root = b"\1" + varint(self.model_slab) + varint(len(model))
         root += struct.pack("<I", piece_crc(MODEL_LEVEL, 0, model)) + varint(len(trailer))
-        root += varint(len(page)) + struct.pack("<I", crc32c(page)) + ends + error
-        root += varint(self.low == self.high) + varint(len(self.stored)) + bytes(piece_count - 1)
-        return page, root
+        page, entry = self._page(self.low, self.high, self.bricks, 0)
+        root += entry
+        if self.above is None:
+            return page, root
+        above, entry = self._page(self.above, self.above, 1, 1)
+        return page + above, root + entry
+
+    def _page(self, low, high, count, tier):
+        """A page of bricks that are alike, and what the root says of it."""
+        leaves_details_out = any(tag == 0x8002 for tag, _ in self.extensions)
+        has_error = tier == 0 and (self.max_error > 0 or leaves_details_out)
+        error = varint(self.error) if has_error else b""
+        range_length = varint(high - low)
+        page = bytes([self.page_flags])
+        for brick in range(count):
+            page += (zigzag(low) if brick == 0 else b"\0") + range_length + error
+        totals = b""
+        for number in range(self._piece_count(tier)):
+            piece = b"" if tier else self._piece(number)
+            if low != high:
+                page += varint(len(piece)) * count
+                if piece:
+                    page += b"".join(struct.pack("<I", piece_crc(number, code, piece))
+                                     for code in range(0, 2 * count, 2))
+            totals += varint(len(piece) * count)
+        page = self._patched("pages", page)
+        entry = varint(len(page)) + struct.pack("<I", crc32c(page)) + zigzag(low) + range_length
+        return page, entry + error + varint(count * (low == high)) + totals
 
     def _parts(self, begin):
         data = directory = b""

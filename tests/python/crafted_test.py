@@ -14,27 +14,22 @@ import sys
 import tempfile
 import unittest
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "python"), str(pathlib.Path(__file__).parent),
-                str(ROOT / "tests" / "support")]
-
-try:
-    import numpy  # noqa: F401
-except ImportError:
-    print(f"skipped: {sys.executable} has no numpy; tools/setup installs python3-numpy")
-    sys.exit(77)
-
-from crafted_files import Crafted  # noqa: E402
-from octavo_reader import OctavoError, OctavoFile, verify  # noqa: E402
+from reader_path import ROOT  # first: it finds the others
+from crafted_files import Crafted
+from file_bytes import TRAILER_LENGTH, crc32c, sealed
+from octavo_reader import OctavoError, OctavoFile, verify
 
 OCTAVO = "octavo"
-LIKE = (ROOT / "tests" / "golden" / "v1" / "minimal.8vo").read_bytes()
+GOLDEN = ROOT / "tests" / "golden" / "v1"
+LIKE = (GOLDEN / "minimal.8vo").read_bytes()
+LIKE_LABELS = (GOLDEN / "labels-uint8.8vo").read_bytes()
+LIKE_GAPS = (GOLDEN / "small-gaps.8vo").read_bytes()
 OUTCOME_OF_EXIT = {0: "sound", 3: "newer", 4: "damaged", 6: "damaged"}
 OUTCOME_OF_KIND = {"not_octavo": "newer", "unsupported_version": "newer", "corrupt": "damaged",
                    "truncated": "damaged"}
 CODES_INT16 = (0x8001, struct.pack("<BBdd", 3, 0, 0.5, 1.0))
-STORED_BRICK = {"low": 9, "high": 200, "stored": bytes([1, 3, 2, 4, 0, 191, 1, 2]),
-                "voxels": (10, 12, 11, 13, 9, 200, 10, 11)}
+STORED = bytes([1, 3, 2, 4, 0, 191, 1, 2])
+NOTE = ((b"note", 0, b"text"),)
 # Two by two pixels, all black.
 BLACK = bytes.fromhex(
     "89504e470d0a1a0a0000000d494844520000000200000002080000000057dd52f80000000a494441"
@@ -59,6 +54,43 @@ def turned(*direction):
     return {"direction": direction}
 
 
+def patched(section, at, length, data, **more):
+    return {"patches": ((section, at, length, data),), **more}
+
+
+def stored(piece=STORED, **more):
+    """A brick of the voxels 10 12 11 13 9 200 10 11, or one that no reader gets to."""
+    return {"low": 9, "high": 200, "pieces": (piece,), "voxels": (10, 12, 11, 13, 9, 200, 10, 11),
+            **more}
+
+
+def long_brick(last_piece):
+    """A brick of 5 levels whose last piece holds the two coarsest."""
+    return {"size": (16, 1, 1), "masks": (1,) * 4, "low": 0, "high": 1,
+            "pieces": (b"", b"", b"", last_piece)}
+
+
+def voxel_of_code(code):
+    return code * 0.5 + 1
+
+
+def stored_floats(head, **more):
+    voxels = tuple(map(voxel_of_code, (10, 12, 11, 13, 9, 200, 10, 11)))
+    return stored(head + STORED, **{**coding(), "voxels": voxels, **more})
+
+
+def two_tiers(above, **more):
+    """Two bricks of 64 voxels in a row, and a sample above each."""
+    return {"size": (128, 1, 1), "masks": (1,) * 7, "bricks": 2, "above": above, **more}
+
+
+def ramps(above, head=b"", voxel_of=int, **more):
+    """Bricks of the voxels or codes 0 to 63, stored."""
+    fields = sum(code << 6 * code for code in range(64)).to_bytes(48, "little")
+    return two_tiers(above, low=0, high=63, pieces=(head + fields,),
+                     voxels=tuple(map(voxel_of, range(64))) * 2, **more)
+
+
 # What is changed; the outcome of opening and reading, and of verification where that differs.
 ROWS = [
     ("nothing", {}, "sound"),
@@ -80,14 +112,18 @@ ROWS = [
     ("an axis beyond it", turned(1.0002, 0, 0, 0, 1.0, 0, 0, 0, 1.0), "damaged"),
     ("axes in a plane", turned(1.0, 1.0, 0, 0, 0, 0, 0, 0, 1.0), "damaged"),
     ("no axes", turned(*(0.0,) * 9), "damaged"),
+    ("an axis that is no number", turned(float("nan"), 0, 0, 0, 1.0, 0, 0, 0, 1.0), "damaged"),
     ("a mirrored volume", turned(-1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0), "sound"),
     # Rescale and max error
     ("no slope", {"slope": 0.0}, "damaged"),
     ("a falling slope", {"slope": -2.5}, "sound"),
+    ("a slope that is no number", {"slope": float("nan")}, "damaged"),
     ("a slope beyond all numbers", {"slope": 1e308}, "damaged"),
     ("an intercept beyond all numbers", {"slope": 1e305, "intercept": 1.7e308}, "damaged"),
     ("an endless intercept", {"intercept": float("-inf")}, "damaged"),
     ("a negative max error", {"max_error": -1.0}, "damaged"),
+    ("a max error that is no number", {"max_error": float("nan")}, "damaged"),
+    ("an endless max error", {"max_error": float("inf")}, "damaged"),
     ("half a voxel unit as max error", {"max_error": 0.5}, "damaged"),
     ("a max error beyond integers", {"max_error": 4294967296.0}, "damaged"),
     ("a max error", {"max_error": 3.0, "error": 2}, "sound"),
@@ -105,11 +141,19 @@ ROWS = [
     ("the last minor version", {"minor": 65535}, "sound"),
     ("a later major version", {"major": 2}, "newer"),
     ("another seal", {"seal": 2}, "newer"),
+    ("a flag of a grey model", stored(model=b"\x81\0"), "newer"),
+    ("a flag of a grey model that no brick needs", {"model": b"\x81\0"}, "sound", "newer"),
+    ("an axis order", stored(model=bytes([6 << 2, 0])), "newer"),
+    ("a fourth cut axis", stored(model=b"\0\x08"), "newer"),
+    ("a label model that announces more", stored(kind=2, model=b"\xff" * 8), "newer"),
+    ("a flag of a brick's map", stored(b"\x04" + STORED, like=LIKE_GAPS), "newer"),
+    ("a flag of a float brick", stored_floats(b"\x10"), "newer"),
+    ("a flag of places", stored_floats(b"\x02\x40\0\0"), "newer"),
     ("no seal", {"seal": 0}, "damaged"),
     ("a fourth axis", {"masks": (15,)}, "newer"),
     ("a mask behind the last level", {"masks_behind": b"\1"}, "newer"),
     ("a fourth axis behind the last level", {"masks_behind": b"\x08"}, "newer"),
-    ("a flag of a model", {**STORED_BRICK, "model_flags": 0x80}, "newer"),
+    ("a flag of a model", stored(model_flags=0x80), "newer"),
     ("a flag of a page", {"page_flags": 1}, "newer"),
     ("something behind a section", {"section_zeros": 1}, "newer"),
     ("something behind the extensions", {"behind_extensions": b"\0\0\0\0\1"}, "newer"),
@@ -123,6 +167,10 @@ ROWS = [
      {"behind_extensions": struct.pack("<HH", 0x8123, 300), "extension_count": 1}, "newer"),
     ("an optional extension that ends behind the header",
      {"behind_extensions": struct.pack("<HH", 9, 300), "extension_count": 1}, "damaged"),
+    ("two codings", {"type": 7, "extensions": 2 * coding()["extensions"]}, "damaged"),
+    ("a coding that is too long", {"type": 7, "extensions": ((0x8001, bytes(19)),)}, "damaged"),
+    ("extensions that end early", patched("header", 330, 2, b"\x2d\0"), "damaged"),
+    ("an extension that ends late", patched("header", 330, 6, b"\1\0\7\0\xad\0"), "damaged"),
     ("an integer with a coding", {"extensions": (CODES_INT16,)}, "damaged"),
     ("a float without a coding", {"type": 7}, "damaged"),
     ("floats", real(4.5, **coding()), "sound"),
@@ -156,9 +204,40 @@ ROWS = [
     ("details of floats", real(4.5, type=7, extensions=(*coding()["extensions"],
                                                         *details(1)["extensions"])), "damaged"),
     ("an error beyond the voxel type", {**details(1), "error": 256}, "damaged"),
-    ("a level without details that has bytes", {**details(1), **STORED_BRICK},
+    ("a level without details that has bytes", {**details(1), **stored()},
      "damaged"),
+    ("the largest code", real(3.4028234663852886e38, low=(1 << 31) - 1, high=(1 << 31) - 1,
+                              **coding(scale=1e-9)), "sound"),
+    ("the smallest code", real(-3.4028234663852886e38, low=1 - (1 << 31), high=1 - (1 << 31),
+                               **coding(scale=1e-9)), "sound"),
+    # Sections
+    ("pages in the header", patched("header", 256, 2, b"\xff\1"), "damaged"),
+    ("a gap before the directory", patched("header", 304, 1, b"\xff"), "damaged"),
+    ("a gap before the metadata", patched("header", 232, 1, b"\xff"), "damaged"),
+    ("a gap before the root", patched("header", 280, 1, b"\xff"), "damaged"),
+    ("another CRC of the metadata", patched("header", 248, 4, b"none"), "damaged"),
+    ("another CRC of the root", patched("header", 296, 4, b"none"), "damaged"),
+    ("another CRC of all pages", patched("header", 272, 4, b"none"), "sound", "damaged"),
+    ("no magic in the trailer", patched("trailer", 0, 1, b"\0"), "damaged"),
+    ("the build id of another file", patched("trailer", 8, 1, b"\0"), "damaged"),
+    ("another length of the file", patched("trailer", 16, 2, b"\0\0"), "damaged"),
+    ("the CRC of another header", patched("trailer", 24, 4, b"none"), "damaged"),
+    ("another CRC of all bytes", patched("trailer", 28, 4, b"none"), "sound", "damaged"),
+    # Slab trailers
+    ("no magic in a slab trailer", patched("slab trailer", 0, 1, b"9"), "sound", "damaged"),
+    ("a slab trailer of another file", patched("slab trailer", 4, 1, b"\0"), "sound", "damaged"),
+    ("a slab trailer of another slab", patched("slab trailer", 12, 1, b"\1"), "sound", "damaged"),
+    ("a slab trailer of another model", patched("slab trailer", 13, 1, b"\1"), "sound", "damaged"),
+    ("another length of a piece in a slab trailer", patched("slab trailer", 14, 1, b"\1"), "sound",
+     "damaged"),
+    ("a needless byte in a slab trailer", patched("slab trailer", 14, 1, b"\x80\0"), "sound",
+     "damaged"),
+    ("another CRC of a slab", patched("slab trailer", 79, 4, b"none"), "sound", "damaged"),
+    ("another length of a slab trailer", patched("slab trailer", 83, 4, b"none"), "sound",
+     "damaged"),
+    ("a slab trailer that is too long", patched("slab trailer", 83, 0, bytes(2100)), "damaged"),
     # Ladder of levels
+    ("more than 32 levels", {"masks": (1,) * 32}, "damaged"),
     ("a step that halves nothing", {"size": (2, 1, 1), "masks": (6, 1)}, "damaged"),
     ("a step of no axis", {"size": (2, 1, 1), "masks": (0, 1)}, "damaged"),
     ("a step of two axes, one of them short", {"size": (2, 1, 1), "masks": (3,)}, "sound"),
@@ -167,23 +246,75 @@ ROWS = [
     ("an axis beyond the limit", {"size": ((1 << 21) + 1, 1, 1), "masks": (1,) * 22,
                                   "plane_digest": bytes(32)}, "damaged"),
     # Index and bricks
-    ("a stored brick", STORED_BRICK, "sound"),
-    ("a range wider than the voxels", {**STORED_BRICK, "high": 201}, "sound", "damaged"),
+    ("a stored brick", stored(), "sound"),
+    ("a model that ends early", stored(model=b"\0\0"), "damaged"),
+    ("a damaged model that no brick needs", {"model": b"\0\0"}, "sound", "damaged"),
+    ("a stored brick of labels", stored(b"\0" + STORED, kind=2, like=LIKE_LABELS), "sound"),
+    ("a stored brick of floats", stored_floats(b"\0"), "sound"),
+    ("places that leave out too many bits", stored_floats(b"\x02\x18\0\0"), "damaged"),
+    ("a stored brick that is too short", stored(STORED[:-1]), "damaged"),
+    ("a stored brick that is too long", stored(STORED + b"\0"), "damaged"),
+    ("a range wider than the voxels", stored(high=201), "sound", "damaged"),
     ("a range beyond the voxel type", {"low": 256, "high": 256, "plane_digest": bytes(32)},
      "damaged"),
     ("a range below the voxel type", {"low": -1, "high": -1, "plane_digest": bytes(32)},
      "damaged"),
+    ("no model", patched("root", 0, 1, b"\0"), "damaged"),
+    ("a model that is not there", patched("root", 0, 1, b"\2"), "damaged"),
+    ("a needless byte in the root", patched("root", 0, 1, b"\x81\0"), "damaged"),
+    ("a byte behind the root", patched("root", 1000, 0, b"\0"), "damaged"),
+    ("a model that is a byte shorter", patched("root", 2, 1, b"\x90"), "damaged"),
+    ("another CRC of a page", patched("root", 10, 4, b"none"), "damaged"),
+    ("another smallest voxel of a page", patched("root", 14, 1, b"\x0c"), "damaged"),
+    ("another largest voxel of a page", patched("root", 15, 1, b"\1"), "damaged"),
+    ("fewer uniform bricks of a page", patched("root", 16, 1, b"\0"), "damaged"),
+    ("more uniform bricks than bricks", patched("root", 16, 1, b"\2"), "damaged"),
+    ("pieces that are not there", patched("root", 17, 1, b"\1"), "damaged"),
+    ("another voxel in a page", patched("pages", 1, 1, b"\x0c"), "damaged"),
+    ("a needless byte in a page", patched("pages", 2, 1, b"\x80\0"), "damaged"),
+    ("a byte behind a page", patched("pages", 3, 0, b"\0"), "damaged"),
+    ("another CRC of a piece", patched("pages", 5, 4, b"none", **stored()), "damaged"),
+    ("a second segment of a stored brick",
+     {**stored(), "masks": (1, 6), "pieces": (STORED, b"\0")}, "damaged"),
+    ("a last piece without coarsest samples", long_brick(b"\0"), "damaged"),
+    ("a last piece that ends early", long_brick(b"\x05\0"), "damaged"),
+    ("a last piece with a needless byte", long_brick(b"\x80\0\0"), "damaged"),
     ("a model behind the first slab", {"model_slab": 1}, "damaged"),
+    # Tiers
+    ("two tiers", two_tiers(7), "sound"),
+    ("another next tier", two_tiers(8), "sound", "damaged"),
+    ("two tiers of means", ramps(32), "sound"),
+    ("another mean in the next tier", ramps(31), "sound", "damaged"),
+    ("two tiers of votes", ramps(0, b"\0", kind=2, like=LIKE_LABELS), "sound"),
+    ("another vote in the next tier", ramps(1, b"\0", kind=2, like=LIKE_LABELS), "sound",
+     "damaged"),
+    ("two tiers of floats", ramps(32, b"\0", voxel_of_code, **coding()), "sound"),
+    ("another float in the next tier", ramps(33, b"\0", voxel_of_code, **coding()), "sound",
+     "damaged"),
+    ("two tiers of rounded floats", ramps(32, b"", voxel_of_code, max_error=0.5, **coding(3, 0)),
+     "sound"),
+    ("another rounded float in the next tier",
+     ramps(33, b"", voxel_of_code, max_error=0.5, **coding(3, 0)), "sound", "damaged"),
+    ("a code in the next tier that stands for the same float",
+     two_tiers(8, voxels=(1.0,) * 128, max_error=0.5, **coding(3, 0, 1e-300)), "sound"),
     # Parts
     ("an optional part", {"parts": ((b"note", 0, b"text"),)}, "sound"),
     ("two of a tag", {"parts": ((b"note", 0, b"text"), (b"note", 2, b""))}, "sound"),
     ("a required part", {"parts": ((b"need", 1, b"text"),)}, "newer"),
     ("a flag of a part", {"parts": ((b"note", 4, b"text"),)}, "newer"),
     ("a tag with a blank", {"parts": ((b"no e", 0, b"text"),)}, "damaged"),
+    ("a large thumbnail", {"parts": ((b"thmb", 0, bytes(256 << 10)),)}, "sound", "damaged"),
+    ("too large a thumbnail", {"parts": ((b"thmb", 0, bytes((256 << 10) + 1)),)}, "damaged"),
+    ("1024 parts", {"parts": ((b"note", 0, b""),) * 1024}, "sound"),
+    ("more parts", {"parts": ((b"note", 0, b""),) * 1025}, "damaged"),
+    ("a part elsewhere", patched("directory", 8, 1, b"\0", parts=NOTE), "damaged"),
+    ("a longer part", patched("directory", 16, 1, b"\5", parts=NOTE), "damaged"),
+    ("another CRC of a part", patched("directory", 24, 4, b"none", parts=NOTE), "sound", "damaged"),
+    ("something behind a part", patched("directory", 28, 1, b"\1", parts=NOTE), "newer"),
     ("two thumbnails", {"parts": ((b"thmb", 0, b""), (b"thmb", 0, b""))}, "damaged"),
     ("a thumbnail", {"parts": ((b"note", 0, b"text"), (b"thmb", 2, BLACK))}, "sound"),
     ("a thumbnail without flags", {"parts": ((b"thmb", 0, BLACK),)}, "sound"),
-    ("a thumbnail of other voxels", {**STORED_BRICK, "parts": ((b"thmb", 2, BLACK),)},
+    ("a thumbnail of other voxels", stored(parts=((b"thmb", 2, BLACK),)),
      "sound", "damaged"),
     ("an empty thumbnail", {"parts": ((b"thmb", 2, b""),)}, "sound", "damaged"),
     ("a thumbnail with more behind it", {"parts": ((b"thmb", 2, BLACK + b" "),)},
@@ -199,6 +330,8 @@ ROWS = [
     ("other digests of planes", {"plane_digest": b"p" * 32}, "sound", "damaged"),
     # Metadata
     ("long metadata", {"metadata": b'{"a":"' + b"b" * 65536 + b'"}  '}, "sound"),
+    ("too long a string", {"metadata": b'{"a":"' + b"b" * 65537 + b'"}'}, "sound", "damaged"),
+    ("a number that JSON lacks", {"metadata": b'{"a":NaN}'}, "sound", "damaged"),
     ("one name twice", {"metadata": b'{"a":1,"a":2}'}, "sound"),
     ("no metadata", {"metadata": b""}, "sound", "damaged"),
     ("blank metadata", {"metadata": b"   "}, "sound", "damaged"),
@@ -210,6 +343,25 @@ ROWS = [
      "sound", "damaged"),
     ("too many values", {"metadata": b'{"a":[' + b"1," * 65536 + b"1]}"}, "sound", "damaged"),
 ]
+
+
+def with_piece_changed(data, page, piece, level):
+    """The file with new checksums of its first brick's changed piece, and of what lists it."""
+    offset, length, crc = piece
+    renewed = crc32c(data[216:224] + struct.pack("<BQ", level, 0) + data[offset : offset + length])
+    replace(data, page.offset, page.length, crc, renewed)
+    pages, root = (struct.unpack_from("<QQ", data, field) for field in (256, 280))
+    renewed = crc32c(data[page.offset : page.offset + page.length])
+    replace(data, *root, page.crc, renewed)
+    for field, (begin, size) in ((256, pages), (280, root)):
+        struct.pack_into("<I", data, field + 16, crc32c(data[begin : begin + size]))
+    return sealed(data[:512], bytes(data[512:-TRAILER_LENGTH]), data[-TRAILER_LENGTH:])
+
+
+def replace(data, begin, length, old, new):
+    """Replaces the one place of a checksum."""
+    at = data.index(struct.pack("<I", old), begin, begin + length)
+    data[at : at + 4] = struct.pack("<I", new)
 
 
 class Crafts(unittest.TestCase):
@@ -231,10 +383,28 @@ class Crafts(unittest.TestCase):
         except OctavoError as error:
             return OUTCOME_OF_KIND.get(error.kind, error.kind), str(error)
 
+    def test_the_list_of_parts_of_a_brick_is_verified_alone(self):
+        data = (GOLDEN / "boxes-edges.8vo").read_bytes()
+        with OctavoFile(GOLDEN / "boxes-edges.8vo") as file:
+            brick = next(file.bricks(0))
+            page = file.root.pages[0][0][0]
+        offset, length, _ = brick.pieces[1]
+        at = offset
+        while data[at] >= 128:  # the length of the first part
+            at += 1
+        data = bytearray(data)
+        data[at + 1] ^= 1
+        self.path.write_bytes(with_piece_changed(data, page, brick.pieces[1], 1))
+        self.assertEqual(self.of_program("verify")[0], "damaged")
+        self.assertEqual(self.of_package(verify)[0], "damaged")
+        out = str(self.path.parent / "out.raw")
+        self.assertEqual(self.of_program("export", "-o", out, "--stored")[0], "sound")
+        self.assertEqual(self.of_package(lambda file: file.read_level(0))[0], "sound")
+
     def test_both_readers_reject_the_same_files(self):
         out = str(self.path.parent / "out.raw")
         for name, changes, opening, *verifying in ROWS:
-            self.path.write_bytes(Crafted(like=LIKE, **changes).bytes())
+            self.path.write_bytes(Crafted(**{"like": LIKE, **changes}).bytes())
             with self.subTest(name, reader="program", verb="export"):
                 found, said = self.of_program("export", "-o", out, "--stored", "--force")
                 self.assertEqual(found, opening, said)

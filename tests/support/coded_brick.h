@@ -24,4 +24,15 @@ inline std::vector<ByteSpan> spans_of(const EncodedBrick& brick) {
   return {brick.segments.begin(), brick.segments.end()};
 }
 
+/// The parent that the coarsest segment of a brick alone tells; of a stored brick segment 0.
+inline std::int64_t decoded_parent(const BrickCodec& codec, const BrickShape& shape,
+                                   VoxelType type, const EncodedBrick& brick) {
+  std::vector<ByteSpan> segments = spans_of(brick);
+  const std::size_t kept = segments.back().empty() ? 0 : segments.size() - 1;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    if (i != kept) segments[i] = {};
+  }
+  return codec.decode_parent(shape, type, brick.range, segments);
+}
+
 }  // namespace octavo::testing

@@ -67,6 +67,18 @@ class RawCodec final : public BrickCodec {
     std::memcpy(out, segments[slot].data(), segments[slot].size());
   }
 
+  std::int64_t decode_parent(const BrickShape&, VoxelType type, const ValueRange& range,
+                             std::span<const ByteSpan> segments) const override {
+    if (range.min == range.max) return range.min;
+    const ByteSpan coarsest = segments.back();
+    if (coarsest.empty()) throw Error(ErrorKind::corrupt, "no coarsest samples");
+    return with_voxel_type(type, [&](auto tag) {
+      typename decltype(tag)::type first;
+      std::memcpy(&first, coarsest.data(), sizeof first);
+      return static_cast<std::int64_t>(first);
+    });
+  }
+
  private:
   // Multiples of e + 1 that the type holds.
   template <class T>

@@ -89,7 +89,7 @@ struct TierWork {
   }
 
   void put_value(std::uint8_t* out, std::int64_t value) const {
-    with_voxel_type(volume.description.type, [&](auto tag) {
+    with_voxel_type(volume.description.coded_type(), [&](auto tag) {
       const auto v = static_cast<typename decltype(tag)::type>(value);
       std::memcpy(out, &v, sizeof v);
     });
@@ -190,7 +190,7 @@ void encode_sample(FileWriter& writer, SampleVolume& volume) {
     Bytes& above = work.samples(Levels::first_level(tier + 1));
     for (const auto& [brick, value] : parents) {
       work.put_value(above.data() + flat(grid, brick.x, brick.y, brick.z) * work.voxel_bytes(),
-                     value);
+                     value + volume.parent_error);
     }
   }
 }

@@ -24,6 +24,8 @@ struct SampleVolume {
   std::int64_t codec_error = 0;   ///< what its bricks are coded with; samples are codes then
   /// What takes the place of the codec of each group; none: that one itself.
   std::function<std::unique_ptr<BrickCodec>(const BrickCodec&)> changed_codec = {};
+  /// How far the samples of the next tier lie from what the bricks determine.
+  std::int64_t parent_error = 0;
 };
 
 /// How the voxels of a sample vary.

@@ -1,7 +1,6 @@
 #include "octavo/builder/recover.h"
 
 #include <algorithm>
-#include <bit>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -9,6 +8,7 @@
 #include "octavo/builder/coarse_tiers.h"
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
+#include "octavo/file/brick_check.h"
 #include "octavo/file/storage/temporary.h"
 #include "octavo/file/write/whole_bricks.h"
 #include "octavo/file/write/writer.h"
@@ -100,12 +100,6 @@ std::uint32_t content_hash_of(const FileHeader& header, std::int64_t planes) {
   return static_cast<std::uint32_t>(header.build_id) ^ static_cast<std::uint32_t>(planes);
 }
 
-// The sample above a brick of one code, as EncodedBrick::parent holds it.
-std::int64_t parent_of(const VolumeDescription& description, std::int64_t code) {
-  if (is_integer(description.codec_type())) return code;
-  return std::bit_cast<std::uint32_t>(description.coding->voxel_of(code));
-}
-
 // Puts the samples of the bricks of a tier in voxel order.
 class Parents {
  public:
@@ -163,7 +157,7 @@ SealResult seal(InterruptedBuild build, Storage& storage, const std::string& out
   const VoxelType type = description.codec_type();
   TierEncoder encoder(levels, 0, type, workers, *writer, progress);
   Parents parents(levels, encoder);
-  EncodedBrick missing{{low, low}, parent_of(description, low), 0, {}};
+  EncodedBrick missing{{low, low}, uniform_parent(description, low), 0, {}};
   missing.segments.resize(static_cast<std::size_t>(levels.tier_level_count(0)));
   // Of whole layers they are known; the planes of others are all alike.
   const Sha256Digest missing_plane = uniform_plane_digest(description, low);

@@ -126,10 +126,19 @@ class BrickCodec {
   /// `type`.
   /// segments  one per in-brick level; those finer than `level` may be empty spans, unless the
   ///           brick is stored
-  /// Throws    Error{corrupt} when a segment is too long, too short or inconsistent; never writes
-  ///           outside `out`, never reads outside the segments
+  /// Throws    Error{corrupt} when a segment is too long, too short or inconsistent,
+  ///           Error{unsupported_version} for a flag that was not given out; never writes outside
+  ///           `out`, never reads outside the segments
   virtual void decode(const BrickShape& shape, VoxelType type, const ValueRange& range,
                       std::span<const ByteSpan> segments, int level, void* out) const = 0;
+
+  /// The brick's sample at the first level of the next tier, as EncodedBrick::parent, from its
+  /// coarsest segment; from segment 0 where the brick is stored.
+  /// segments  as for `decode`; the others may be empty spans
+  /// Throws    Error{corrupt}
+  virtual std::int64_t decode_parent(const BrickShape& shape, VoxelType type,
+                                     const ValueRange& range,
+                                     std::span<const ByteSpan> segments) const = 0;
 
   /// Whether level 0 of such a brick has parts, unless it is uniform or stored.
   virtual bool has_parts(const BrickShape& /*shape*/) const noexcept { return false; }
@@ -162,7 +171,7 @@ std::unique_ptr<BrickCodec> train_model(VolumeKind kind, VoxelType type,
                                         std::span<const TrainingBrick> bricks,
                                         const CodecSettings& settings = {});
 
-/// The codec of a serialized model. Throws Error{corrupt}.
+/// The codec of a serialized model. Throws Error{corrupt, unsupported_version}.
 /// detail_level  as CodecSettings::detail_level
 std::unique_ptr<BrickCodec> parse_grey_model(VoxelType type, ByteSpan bytes, int detail_level = 0);
 std::unique_ptr<BrickCodec> parse_label_model(VoxelType type, ByteSpan bytes);
@@ -181,7 +190,8 @@ std::unique_ptr<BrickCodec> train_exact_model(std::span<const TrainingBrick> bri
                                               const CodecSettings& settings,
                                               const SampleCoding& coding);
 
-/// The codec of a model of a volume with that coding, if it has one. Throws Error{corrupt}.
+/// The codec of a model of a volume with that coding, if it has one.
+/// Throws Error{corrupt, unsupported_version}.
 std::unique_ptr<BrickCodec> parse_model(VolumeKind kind, VoxelType coded_type,
                                         const std::optional<SampleCoding>& coding, ByteSpan bytes,
                                         int detail_level = 0);

@@ -1,15 +1,14 @@
 #include "octavo/file/verify.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstring>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 #include "octavo/core/crc32c.h"
 #include "octavo/core/sha256.h"
+#include "octavo/file/brick_check.h"
 #include "octavo/file/byte_codec.h"
 #include "octavo/file/layer_order.h"
 #include "octavo/file/open_file.h"
@@ -31,71 +30,6 @@ VerifyOptions with_defaults(VerifyOptions options) {
   if (!options.for_each) options.for_each = run_in_order;
   if (!options.make_hasher) options.make_hasher = [] { return std::make_unique<Sha256>(); };
   return options;
-}
-
-// "brick o-code 0x1a3 level 5 at byte 81920", "index page 3 of tier 0 at byte 4711", ..
-std::string place_text(const Damage& place) {
-  if (place.what == "brick") {
-    return describe(Piece{place.offset, place.length, 0, place.level, place.code});
-  }
-  const bool is_numbered = place.what != "metadata" && place.what != "file" &&
-                           place.what != "index pages";
-  std::string text = place.what;
-  if (is_numbered) text += " " + std::to_string(place.code);
-  if (place.what == "index page") text += " of tier " + std::to_string(place.tier);
-  return text + " at byte " + std::to_string(place.offset);
-}
-
-// `place` with what is wrong there; parsers name the part themselves, which is said once.
-Damage damaged(Damage place, const std::string& problem) {
-  const std::string name = place.what + ": ";
-  const bool has_name = problem.compare(0, name.size(), name) == 0;
-  place.detail = place_text(place) + ": " + (has_name ? problem.substr(name.size()) : problem);
-  return place;
-}
-
-// Compares two checksums; says what one flipped bit would explain.
-std::optional<Damage> checksum_damage(Damage place, std::uint32_t found, std::uint32_t stored,
-                                      const CheckedBytes& checked) {
-  if (checksum_matches(found, stored)) return std::nullopt;
-  place.found = found;
-  place.stored = stored;
-  if (const auto flip = locate_bit_flip(found, stored, checked)) {
-    place.flipped_byte = flip->byte;
-    place.flipped_bit = flip->bit;
-  }
-  return damaged(std::move(place), describe_checksums(found, stored, checked));
-}
-
-std::optional<Damage> checksum_damage(const Damage& place, std::uint32_t found,
-                                      std::uint32_t stored) {
-  return checksum_damage(place, found, stored, {place.offset, place.length});
-}
-
-// Whether the finite ones of `count` floats lie between the voxels that codes stand for.
-bool are_bounded(const VolumeDescription& volume, const ValueRange& codes, const void* voxels,
-                 std::int64_t count) {
-  const double low = volume.voxel_of(codes.min);
-  const double high = volume.voxel_of(codes.max);
-  const float* const first = static_cast<const float*>(voxels);
-  const auto is_bounded = [&](float v) { return !std::isfinite(v) || (v >= low && v <= high); };
-  return std::all_of(first, first + count, is_bounded);
-}
-
-// Smallest and largest of `count` voxels.
-ValueRange range_of(VoxelType type, const void* voxels, std::int64_t count) {
-  return with_voxel_type(type, [&](auto tag) -> ValueRange {
-    using T = typename decltype(tag)::type;
-    const T* first = static_cast<const T*>(voxels);
-    const auto [low, high] = std::minmax_element(first, first + count);
-    return {static_cast<std::int64_t>(*low), static_cast<std::int64_t>(*high)};
-  });
-}
-
-// What cannot be read because the disk fails is no damage; passes that on.
-void require_damage(const Error& error) {
-  if (error.kind() == ErrorKind::corrupt || error.kind() == ErrorKind::limit_exceeded) return;
-  throw error;
 }
 
 class Verifier {
@@ -172,12 +106,11 @@ class Verifier {
   std::int64_t check_page(int tier, std::size_t number);
   void check_layer(int tier, std::int64_t layer);
   void check_rows(int tier, const Box& rows, PlaneDigests* planes);
+  void check_parents(int tier, const Box& rows);
+  void check_parents_in(const Index3& above, int tier, const Box& rows);
+  void add_other_parent(int tier, const Index3& brick, std::int64_t parent, std::int64_t sample);
   void report_layer(int tier, std::int64_t layer);
-  void check_planes(std::int64_t slab, const std::vector<Sha256Digest>& found, bool is_whole);
-  OtherProof proof_of(const BrickEntry& entry, std::size_t in_brick_level) const;
-  std::vector<Damage> check_brick(const BrickEntry& entry, PlaneDigests* planes) const;
-  std::optional<Damage> check_voxels(const BrickEntry& entry, Damage place,
-                                     std::span<const Bytes> pieces, PlaneDigests* planes) const;
+  void check_planes(std::int64_t slab, const std::vector<Sha256Digest>& found);
 
   OpenFile file_;
   VerifyOptions options_;
@@ -195,6 +128,9 @@ class Verifier {
   std::vector<bool> is_page_damaged_;
   std::mutex mutex_;
   std::map<std::int64_t, std::vector<Damage>> brick_damages_;  ///< by place; guarded by mutex_
+  bool has_lost_voxels_ = false;                               ///< guarded by mutex_
+  /// What rows of bricks determine of the next tier, [y][x]; each written by one thread.
+  std::vector<std::optional<std::int64_t>> parents_;
   /// A slab whose checksum differs; reported only when none of its segments is found damaged.
   std::optional<Damage> lying_slab_trailer_;
 };
@@ -257,7 +193,8 @@ void Verifier::check_parts() {
     Damage place;
     place.what = "part";
     place.code = i;
-    place.proof = OtherProof::none;  // nothing but the checksum proves them
+    // A thumbnail is proven to be a picture of the voxels; nothing is known of other parts.
+    place.proof = part.tag == kThumbnailTag ? OtherProof::content : OtherProof::none;
     place.offset = part.bytes.offset;
     place.length = part.bytes.length;
     if (auto damage = checksum_damage(place, part_crcs_[i], part.bytes.crc)) {
@@ -402,6 +339,7 @@ void Verifier::check_layer(int tier, std::int64_t layer) {
     is_page_damaged_[static_cast<std::size_t>(p)] = lost > 0;
     unreachable += lost;
   }
+  has_lost_voxels_ = unreachable > 0;
   const bool has_planes = tier == 0 && options_.decode;
   if (has_planes) {
     planes_.begin_layer(layer);
@@ -412,26 +350,82 @@ void Verifier::check_layer(int tier, std::int64_t layer) {
   } else {
     check_rows(tier, {{0, 0, layer}, {index.grid.x, index.grid.y, layer + 1}}, nullptr);
   }
-  const bool is_whole = unreachable == 0 && brick_damages_.empty();
   report_layer(tier, layer);
-  if (has_planes) check_planes(layer, planes_.digests(), is_whole);
+  if (has_planes) check_planes(layer, planes_.digests());
 }
 
 // Bricks [rows.lo, rows.hi), on all threads.
 void Verifier::check_rows(int tier, const Box& rows, PlaneDigests* planes) {
   const Size3 count = rows.size();
   const TierIndex& index = file_.root().tiers[static_cast<std::size_t>(tier)];
+  parents_.assign(static_cast<std::size_t>(count.x * count.y), std::nullopt);
   options_.for_each(count.x * count.y, [&](std::int64_t i) {
     if (progress_.is_cancelled()) return;
     const Index3 brick{rows.lo.x + i % count.x, rows.lo.y + i / count.x, rows.lo.z};
     const std::int64_t place = place_in_layer(index.grid, brick);
     if (is_page_damaged_[static_cast<std::size_t>(place / kPageBricks)]) return;
-    std::vector<Damage> damages = check_brick(file_.entry_at(tier, brick), planes);
-    if (damages.empty()) return;
+    const BrickEntry entry = file_.entry_at(tier, brick);
+    CheckedBrick checked =
+        check_brick(file_, entry, {options_.decode && !is_model_damaged_[entry.model], planes});
+    parents_[static_cast<std::size_t>(i)] = checked.parent;
+    if (checked.damages.empty()) return;
     const std::lock_guard lock(mutex_);
-    brick_damages_.emplace(place, std::move(damages));
+    has_lost_voxels_ = true;
+    brick_damages_.emplace(place, std::move(checked.damages));
   });
   throw_if_cancelled();
+  check_parents(tier, rows);
+}
+
+// What bricks [rows.lo, rows.hi) determine of the next tier, against what that holds.
+void Verifier::check_parents(int tier, const Box& rows) {
+  if (!options_.decode || tier + 1 == file_.levels().tier_count()) return;
+  const Size3 side = file_.levels().brick_side(tier + 1);
+  const Index3 first{rows.lo.x / side.x, rows.lo.y / side.y, rows.lo.z / side.z};
+  const std::int64_t count_x = (rows.hi.x - 1) / side.x - first.x + 1;
+  const std::int64_t count_y = (rows.hi.y - 1) / side.y - first.y + 1;
+  options_.for_each(count_x * count_y, [&](std::int64_t i) {
+    if (progress_.is_cancelled()) return;
+    check_parents_in({first.x + i % count_x, first.y + i / count_x, first.z}, tier, rows);
+  });
+  throw_if_cancelled();
+}
+
+// The same for what one brick of the next tier holds of it.
+void Verifier::check_parents_in(const Index3& above, int tier, const Box& rows) {
+  const Box held = file_.levels().brick_box(tier + 1, above);
+  std::vector<std::int64_t> samples;
+  try {
+    samples = parents_in(file_, file_.entry_at(tier + 1, above));
+  } catch (const Error& error) {
+    require_damage(error);  // reported with the tier that it stands in
+    return;
+  }
+  const Box shared = intersection(held, rows);
+  for (Index3 at = shared.lo; at.y < shared.hi.y; ++at.y) {
+    for (at.x = shared.lo.x; at.x < shared.hi.x; ++at.x) {
+      const std::int64_t row = (at.z - held.lo.z) * held.size().y + at.y - held.lo.y;
+      const std::int64_t sample =
+          samples[static_cast<std::size_t>(row * held.size().x + at.x - held.lo.x)];
+      const std::int64_t place = (at.y - rows.lo.y) * rows.size().x + at.x - rows.lo.x;
+      const auto& parent = parents_[static_cast<std::size_t>(place)];
+      if (!parent || are_read_alike(file_.description(), *parent, sample)) continue;
+      add_other_parent(tier, at, *parent, sample);
+    }
+  }
+}
+
+void Verifier::add_other_parent(int tier, const Index3& brick, std::int64_t parent,
+                                std::int64_t sample) {
+  const VolumeDescription& volume = file_.description();
+  const int level = Levels::first_level(tier + 1);
+  Damage damage = damaged(
+      brick_place(file_.entry_at(tier, brick), 0),
+      "its sample of level " + std::to_string(level) + " is " + sample_text(volume, parent) +
+          ", but that level holds " + sample_text(volume, sample));
+  const TierIndex& index = file_.root().tiers[static_cast<std::size_t>(tier)];
+  const std::lock_guard lock(mutex_);
+  brick_damages_[place_in_layer(index.grid, brick)] = {std::move(damage)};
 }
 
 // What was checked and found, in the order of the file; whole bricks of a damaged model are lost.
@@ -462,10 +456,10 @@ void Verifier::report_layer(int tier, std::int64_t layer) {
 }
 
 // What the slab trailer says of the voxels of its planes, where all of them are known.
-void Verifier::check_planes(std::int64_t slab, const std::vector<Sha256Digest>& found,
-                            bool is_whole) {
+void Verifier::check_planes(std::int64_t slab, const std::vector<Sha256Digest>& found) {
   const auto& stored = plane_digests_[static_cast<std::size_t>(slab)];
-  const bool is_known = is_whole && !is_model_damaged_[file_.root().model_of_slab(slab)];
+  const bool is_known =
+      !has_lost_voxels_ && !is_model_damaged_[file_.root().model_of_slab(slab)];
   if (!is_known || stored.empty()) return;
   Damage place;
   place.what = "plane";
@@ -505,83 +499,6 @@ std::int64_t Verifier::check_page(int tier, std::size_t number) {
   damage->detail += "; the bricks it lists cannot be read: " + std::to_string(lost);
   add(*damage);
   return lost;
-}
-
-// Of a stored brick, and of the coarsest level of a grey one, a segment holds voxels as they are.
-OtherProof Verifier::proof_of(const BrickEntry& entry, std::size_t piece) const {
-  const std::size_t last = entry.pieces.size() - 1;
-  const bool is_stored = last > 0 && entry.pieces.back().length == 0;
-  const bool is_coarsest = piece == last &&
-                           file_.levels().tier_level_count(entry.tier) <= kTierPieces &&
-                           file_.description().kind == VolumeKind::grey;
-  // Of exact floats most bits are plain, and decoding takes them for what they are.
-  const bool has_places = entry.tier == 0 && piece == 0 &&
-                          file_.description().codec_type() == VoxelType::float32;
-  return is_stored || is_coarsest || has_places ? OtherProof::range : OtherProof::content;
-}
-
-// Checksums of all pieces of a brick; if they hold, its voxels, which `planes` gets, if any.
-std::vector<Damage> Verifier::check_brick(const BrickEntry& entry, PlaneDigests* planes) const {
-  std::vector<Damage> damages;
-  if (entry.is_uniform()) {
-    if (planes != nullptr) planes->put_uniform(entry.brick, entry.range.min);
-    return damages;
-  }
-  std::array<Bytes, kTierPieces> pieces;
-  Damage place;
-  place.what = "brick";
-  place.tier = entry.tier;
-  place.brick = entry.brick;
-  place.code = entry.code;
-  for (std::size_t i = 0; i < entry.pieces.size(); ++i) {
-    const BrickEntry::StoredPiece& piece = entry.pieces[i];
-    if (piece.length == 0) continue;
-    place.level = Levels::first_level(entry.tier) + static_cast<int>(i);
-    place.offset = piece.offset;
-    place.length = piece.length;
-    place.proof = proof_of(entry, i);
-    pieces[i] = read_arriving(file_.source(), piece.offset, piece.length);
-    const std::uint32_t found =
-        piece_crc(file_.header().build_id, place.level, entry.code, pieces[i]);
-    if (auto damage = checksum_damage(place, found, piece.crc)) damages.push_back(*damage);
-  }
-  if (!damages.empty() || !options_.decode || is_model_damaged_[entry.model]) return damages;
-  place.level = Levels::first_level(entry.tier);
-  place.offset = entry.pieces.front().offset;
-  place.length = entry.pieces.front().length;
-  const auto all = std::span<const Bytes>(pieces).first(entry.pieces.size());
-  if (auto damage = check_voxels(entry, place, all, planes)) damages.push_back(*damage);
-  return damages;
-}
-
-std::optional<Damage> Verifier::check_voxels(const BrickEntry& entry, Damage place,
-                                             std::span<const Bytes> pieces,
-                                             PlaneDigests* planes) const {
-  const BrickShape shape = brick_shape(file_.levels(), entry.tier, entry.brick);
-  const VolumeDescription& volume = file_.description();
-  const VoxelType type = volume.codec_type();
-  const std::int64_t count = shape.size.front().voxel_count();
-  Bytes voxels(static_cast<std::size_t>(count * bytes_per_voxel(type)));
-  try {
-    const auto segments = segments_of(pieces, shape.level_count);
-    file_.codec(entry.model)->decode(
-        shape, type, entry.range,
-        std::span(segments).first(static_cast<std::size_t>(shape.level_count)), 0, voxels.data());
-  } catch (const Error& error) {
-    require_damage(error);
-    return damaged(std::move(place), error.detail());
-  }
-  if (planes != nullptr) planes->put(entry.brick, voxels.data());
-  if (!is_integer(type)) {
-    if (are_bounded(volume, entry.range, voxels.data(), count)) return std::nullopt;
-    return damaged(std::move(place), "its voxels lie outside the range in the index");
-  }
-  const ValueRange found = range_of(type, voxels.data(), count);
-  const bool is_inside = found.min >= entry.range.min && found.max <= entry.range.max;
-  // Of lossy files the index may hold bounds that are wider than the voxels.
-  const bool may_differ = is_inside && has_errors(file_.header(), entry.tier);
-  if (found == entry.range || may_differ) return std::nullopt;
-  return damaged(std::move(place), "its voxels have another range than the index says");
 }
 
 }  // namespace

@@ -1,47 +1,24 @@
-// Proves a whole file: every checksum, every brick decoded, every promise of the index kept.
+// Proves a whole file: every checksum, every brick decoded, every promise of the index kept, and
+// every tier made of the one below.
 #pragma once
 
 #include <cstdint>
 #include <memory>
-#include <optional>
-#include <string>
 #include <vector>
 
 #include "octavo/core/progress.h"
 #include "octavo/core/hasher.h"
-#include "octavo/file/bit_flip.h"
+#include "octavo/file/damage.h"
 #include "octavo/file/for_each.h"
 #include "octavo/file/reader.h"
 
 namespace octavo {
 
 struct VerifyOptions {
-  bool decode = true;   ///< decode every brick; compare its range, plane digests, the thumbnail
+  bool decode = true;   ///< decode every brick; compare what the index, digests and tiers say of it
   ForEach for_each;     ///< how to run the bricks of a layer; empty: one after another
   std::size_t max_listed = 1000;  ///< damages that are described; the others are counted
   MakeHasher make_hasher;         ///< empty: the portable one
-};
-
-/// One damaged place.
-struct Damage {
-  std::string what;  ///< "brick", "model", "index page", "index pages", "slab trailer",
-                     ///< "part", "metadata", "plane", "file"
-  int tier = 0;                     ///< of a brick
-  int level = 0;                    ///< global level of a brick's piece
-  Index3 brick;
-  std::uint64_t code = 0;           ///< o-code of a brick, number of anything else
-  std::uint64_t offset = 0;
-  std::uint64_t length = 0;
-  std::optional<std::uint32_t> stored;        ///< checksums, when they differ
-  std::optional<std::uint32_t> found;
-  std::optional<std::uint64_t>
-      flipped_byte;  ///< offset in the file, when one flipped bit explains it
-  int flipped_bit = 0;
-  OtherProof proof = OtherProof::none;  ///< of its bytes
-  std::string detail;               ///< one line for people: the place, then what is wrong
-
-  /// Whether repair turns it back: one flipped bit explains it, and other damage hardly would.
-  bool is_repairable() const { return flipped_byte && is_safe_guess(length, proof); }
 };
 
 struct VerifyReport {

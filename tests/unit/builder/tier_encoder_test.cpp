@@ -39,6 +39,10 @@ class CopyingCodec final : public BrickCodec {
               int, void* out) const override {
     std::memcpy(out, segments[0].data(), segments[0].size());
   }
+  std::int64_t decode_parent(const BrickShape&, VoxelType, const ValueRange&,
+                             std::span<const ByteSpan> segments) const override {
+    return segments[0][0];
+  }
 
  private:
   int broken_;

@@ -213,6 +213,43 @@ TEST(Verify, ARangeThatLiesIsFoundByDecoding) {
   }
 }
 
+// What stands in the next tier is a copy of what the bricks of a tier determine.
+TEST(Verify, ATierThatIsNotMadeOfTheOneBelowIsFound) {
+  SampleVolume volumes[] = {
+      make_sample({130, 70, 129}, VoxelType::int16, Pattern::noisy_half),
+      make_sample({130, 70, 129}, VoxelType::uint8, Pattern::noisy_half, VolumeKind::labels),
+      make_sample({66, 20, 4098}, VoxelType::uint8, Pattern::gradient), make_lossy_float_sample()};
+  for (SampleVolume& volume : volumes) {
+    volume.parent_error = 1;
+    const std::vector<std::uint8_t> bytes = sample_file_bytes(volume);
+    const VerifyReport report = verify_bytes(bytes, 3);
+    std::int64_t wrong = 0;
+    for (int tier = 0; tier + 1 < volume.levels.tier_count(); ++tier) {
+      wrong += volume.levels.brick_count(tier);
+    }
+    ASSERT_EQ(report.damage_count, wrong);
+    EXPECT_EQ(report.damaged_brick_count, wrong);
+    EXPECT_EQ(report.repairable_count, 0);
+    const Damage& damage = report.damages.front();
+    EXPECT_EQ(damage.what, "brick");
+    EXPECT_NE(damage.detail.find("level 0"), std::string::npos) << damage.detail;
+    EXPECT_NE(damage.detail.find("its sample of level 6 is "), std::string::npos) << damage.detail;
+    // The voxels are what they are.
+    const Box all = box_of(volume.levels.size(0));
+    EXPECT_NO_THROW(read_samples(*open_bytes(bytes), all, 0));
+  }
+}
+
+TEST(Verify, TheSamplesOfADamagedBrickOfTheNextTierAreNotCompared) {
+  SampleVolume volume = make_sample({130, 70, 129}, VoxelType::int16, Pattern::noisy_half);
+  volume.parent_error = 1;
+  std::vector<std::uint8_t> bytes = sample_file_bytes(volume);
+  bytes[open_bytes(bytes)->brick(1, {0, 0, 0}).pieces[0].offset] ^= 1;
+  const VerifyReport report = verify_bytes(bytes);
+  ASSERT_EQ(report.damage_count, 1);
+  EXPECT_EQ(report.damages.front().tier, 1);
+}
+
 // A digest is proven by the voxels, that of the volume by those of its planes.
 TEST(Verify, DigestsOfOtherVoxelsAreFound) {
   SampleVolume volume = make_sample({66, 20, 70}, VoxelType::int16, Pattern::noisy_half);

@@ -14,6 +14,7 @@
 #include "octavo/codec/exact/float_bins.h"
 #include "octavo/codec/exact/float_codes.h"
 #include "octavo/codec/exact/float_places.h"
+#include "octavo/codec/stored_brick.h"
 
 namespace octavo::exact {
 
@@ -35,9 +36,20 @@ struct Head {
   static Head take(ByteSpan& segment) {
     Head head;
     head.flags = take_bytes(segment, 1).front();
-    if (head.flags > 15) throw Error(ErrorKind::corrupt, "unknown flags of a float brick");
+    if (head.flags > 15) {
+      throw Error(ErrorKind::unsupported_version,
+                  "a float brick of a later version of the format");
+    }
     return head;
   }
+};
+
+/// A brick that is not uniform, its head taken off.
+struct OpenedBrick {
+  std::vector<ByteSpan> parts;  ///< what is left of the segments
+  bool is_stored = false;
+  Head head;
+  ValueRange codes;
 };
 
 /// The flags of all levels of a brick, finest first; none where all samples are present.
@@ -57,6 +69,29 @@ std::vector<std::uint32_t> bits_of_all(std::span<const float> voxels) {
   return bits;
 }
 
+/// Takes the flags off the fronts of the segments; returns those of `level`, none where no sample
+/// is absent.
+/// bits  of the voxels of level 0 of the file, if its flags are among them
+AbsentFlags take_absent(OpenedBrick& brick, const BrickShape& shape, int level,
+                        std::vector<std::uint32_t>& bits) {
+  AbsentFlags flags;
+  if (!brick.head.has(Head::kHasAbsent)) return flags;
+  const int first = brick.is_stored ? 0 : level;
+  for (int i = brick.is_stored ? 0 : shape.level_count - 1; i >= first; --i) {
+    const auto slot = static_cast<std::size_t>(i);
+    const std::uint64_t length = take_varint(brick.parts[slot]);
+    const bool is_finest = shape.first_level + i == 0;
+    if (is_finest) bits.resize(static_cast<std::size_t>(shape.size[0].voxel_count()));
+    flags = decode_absent(take_bytes(brick.parts[slot], length), shape.size[slot], flags,
+                          shape.halving[slot], bits);
+  }
+  for (int i = first; i < level; ++i) {
+    const auto slot = static_cast<std::size_t>(i);
+    flags = coarser_flags(flags, shape.size[slot], shape.halving[slot]);
+  }
+  return flags;
+}
+
 class ExactCodec final : public BrickCodec {
  public:
   ExactCodec(std::unique_ptr<BrickCodec> codes, const SampleCoding& coding)
@@ -68,13 +103,15 @@ class ExactCodec final : public BrickCodec {
   EncodedBrick encode(const BrickShape& shape, const BrickView& view) const override;
   void decode(const BrickShape& shape, VoxelType type, const ValueRange& range,
               std::span<const ByteSpan> segments, int level, void* out) const override;
+  std::int64_t decode_parent(const BrickShape& shape, VoxelType type, const ValueRange& range,
+                             std::span<const ByteSpan> segments) const override;
 
  private:
   Head widen(EncodedBrick& encoded, const QuantizedBrick& brick) const;
   std::vector<Bytes> parts_of(const BrickShape& shape, const QuantizedBrick& brick,
                               const Head& head, bool is_stored) const;
-  AbsentFlags take_absent(const BrickShape& shape, bool is_stored, std::span<ByteSpan> segments,
-                          int level, std::span<std::uint32_t> bits) const;
+  OpenedBrick open(const BrickShape& shape, VoxelType type, const ValueRange& range,
+                   std::span<const ByteSpan> segments) const;
 
   std::unique_ptr<BrickCodec> codes_;
   SampleCoding coding_;
@@ -144,31 +181,29 @@ EncodedBrick ExactCodec::encode(const BrickShape& shape, const BrickView& view) 
   return encoded;
 }
 
-/// Takes the flags off the fronts of the segments; returns those of `level`.
-AbsentFlags ExactCodec::take_absent(const BrickShape& shape, bool is_stored,
-                                    std::span<ByteSpan> segments, int level,
-                                    std::span<std::uint32_t> bits) const {
-  AbsentFlags flags;
-  const int first = is_stored ? 0 : level;
-  for (int i = is_stored ? 0 : shape.level_count - 1; i >= first; --i) {
-    const auto slot = static_cast<std::size_t>(i);
-    const std::uint64_t length = take_varint(segments[slot]);
-    const bool is_finest = shape.first_level + i == 0;
-    flags = decode_absent(take_bytes(segments[slot], length), shape.size[slot], flags,
-                          shape.halving[slot], is_finest ? bits : std::span<std::uint32_t>{});
+OpenedBrick ExactCodec::open(const BrickShape& shape, VoxelType type, const ValueRange& range,
+                             std::span<const ByteSpan> segments) const {
+  if (type != VoxelType::float32) {
+    throw Error(ErrorKind::invalid_argument, "exact float voxels are of type float32");
   }
-  for (int i = first; i < level; ++i) {
-    const auto slot = static_cast<std::size_t>(i);
-    flags = coarser_flags(flags, shape.size[slot], shape.halving[slot]);
+  OpenedBrick brick;
+  brick.parts.assign(segments.begin(), segments.end());
+  brick.is_stored = is_stored(shape, segments);
+  brick.head = Head::take(brick.is_stored ? brick.parts.front() : brick.parts.back());
+  brick.codes = {range.min + (brick.head.has(Head::kMinIsAbove) ? 1 : 0),
+                 range.max - (brick.head.has(Head::kMaxIsBelow) ? 1 : 0)};
+  if (brick.codes.min > brick.codes.max || brick.codes.min < -kLargestBin ||
+      brick.codes.max > kLargestBin) {
+    throw Error(ErrorKind::corrupt, "a float brick has no codes");
   }
-  return flags;
+  if (brick.head.has(Head::kHasPlaces) && shape.first_level > 0) {
+    throw Error(ErrorKind::corrupt, "a coarse float brick has places");
+  }
+  return brick;
 }
 
 void ExactCodec::decode(const BrickShape& shape, VoxelType type, const ValueRange& range,
                         std::span<const ByteSpan> segments, int level, void* out) const {
-  if (type != VoxelType::float32) {
-    throw Error(ErrorKind::invalid_argument, "exact float voxels are of type float32");
-  }
   const Size3& size = shape.size[static_cast<std::size_t>(level)];
   const auto count = static_cast<std::size_t>(size.voxel_count());
   const std::span<float> voxels(static_cast<float*>(out), count);
@@ -176,34 +211,20 @@ void ExactCodec::decode(const BrickShape& shape, VoxelType type, const ValueRang
     std::fill(voxels.begin(), voxels.end(), coding_.voxel_of(range.min));
     return;
   }
-  // The head, and the range of the codes
-  std::vector<ByteSpan> parts(segments.begin(), segments.end());
-  const bool is_stored = shape.level_count > 1 && segments.back().empty();
-  const Head head = Head::take(is_stored ? parts.front() : parts.back());
-  const ValueRange codes{range.min + (head.has(Head::kMinIsAbove) ? 1 : 0),
-                         range.max - (head.has(Head::kMaxIsBelow) ? 1 : 0)};
-  if (codes.min > codes.max || codes.min < -kLargestBin || codes.max > kLargestBin) {
-    throw Error(ErrorKind::corrupt, "a float brick has no codes");
-  }
-  if (head.has(Head::kHasPlaces) && shape.first_level > 0) {
-    throw Error(ErrorKind::corrupt, "a coarse float brick has places");
-  }
-  // Which samples are absent; their bits where level 0 is asked for
-  AbsentFlags absent;
+  OpenedBrick brick = open(shape, type, range, segments);
+  const Head& head = brick.head;
+  // Which samples are absent; their bits where level 0 is read
   std::vector<std::uint32_t> bits;
-  if (head.has(Head::kHasAbsent)) {
-    const bool reads_finest = shape.first_level == 0 && (is_stored || level == 0);
-    if (reads_finest) bits.resize(static_cast<std::size_t>(shape.size[0].voxel_count()));
-    absent = take_absent(shape, is_stored, parts, level, bits);
-  }
+  const AbsentFlags absent = take_absent(brick, shape, level, bits);
   // The places, whose codes are not there yet
-  ByteSpan places = is_stored || level == 0 ? parts.front() : ByteSpan{};
-  if (head.has(Head::kHasPlaces) && (is_stored || level == 0)) skip_places(parts.front());
+  std::vector<ByteSpan>& parts = brick.parts;
+  ByteSpan places = brick.is_stored || level == 0 ? parts.front() : ByteSpan{};
+  if (head.has(Head::kHasPlaces) && (brick.is_stored || level == 0)) skip_places(parts.front());
 
   // The codes
-  std::vector<std::int32_t> found(count, static_cast<std::int32_t>(codes.min));
-  if (codes.min != codes.max) {
-    codes_->decode(shape, VoxelType::int32, codes, parts, level, found.data());
+  std::vector<std::int32_t> found(count, static_cast<std::int32_t>(brick.codes.min));
+  if (brick.codes.min != brick.codes.max) {
+    codes_->decode(shape, VoxelType::int32, brick.codes, parts, level, found.data());
   } else if (std::any_of(parts.begin() + level, parts.end(),
                          [](ByteSpan part) { return !part.empty(); })) {
     throw Error(ErrorKind::corrupt, "a float brick of one code holds several");
@@ -219,6 +240,23 @@ void ExactCodec::decode(const BrickShape& shape, VoxelType type, const ValueRang
   for (std::size_t i = 0; i < absent.size(); ++i) {
     if (absent[i] != 0) voxels[i] = has_bits ? float_of_bits(bits[i]) : kAbsent;
   }
+}
+
+std::int64_t ExactCodec::decode_parent(const BrickShape& shape, VoxelType type,
+                                       const ValueRange& range,
+                                       std::span<const ByteSpan> segments) const {
+  if (range.min == range.max) return bits_of(coding_.voxel_of(range.min));
+  OpenedBrick brick = open(shape, type, range, segments);
+  std::vector<std::uint32_t> bits;
+  const AbsentFlags absent = take_absent(brick, shape, shape.level_count - 1, bits);
+  const auto is_absent = [](std::uint8_t flag) { return flag != 0; };
+  if (!absent.empty() && std::all_of(absent.begin(), absent.end(), is_absent)) {
+    return bits_of(kAbsent);
+  }
+  if (brick.codes.min == brick.codes.max) return bits_of(coding_.voxel_of(brick.codes.min));
+  if (brick.is_stored && brick.head.has(Head::kHasPlaces)) skip_places(brick.parts.front());
+  return bits_of(coding_.voxel_of(
+      codes_->decode_parent(shape, VoxelType::int32, brick.codes, brick.parts)));
 }
 
 }  // namespace

@@ -261,6 +261,19 @@ Bytes encode_in_style(const FloatBins& bins, const PlaceBox& box, const PlaceSty
   return out;
 }
 
+PlaceStyle take_style(ByteSpan& segment) {
+  const std::uint8_t byte = take_bytes(segment, 1).front();
+  if (byte >= 2 * PlaceStyle::kRepeatsFlag) {
+    throw Error(ErrorKind::unsupported_version,
+                "a float brick whose places are of a later version of the format");
+  }
+  const PlaceStyle style{byte % PlaceStyle::kRepeatsFlag, byte >= PlaceStyle::kRepeatsFlag};
+  if (style.short_bits > kMantissaBits) {
+    throw Error(ErrorKind::corrupt, "places leave out more bits than a mantissa has");
+  }
+  return style;
+}
+
 }  // namespace
 
 Bytes encode_places(const FloatBins& bins, const PlaceBox& box, std::span<const float> voxels) {
@@ -274,11 +287,7 @@ Bytes encode_places(const FloatBins& bins, const PlaceBox& box, std::span<const 
 
 void decode_places(const FloatBins& bins, const PlaceBox& box, ByteSpan& segment,
                    std::span<float> voxels) {
-  const std::uint8_t first = take_bytes(segment, 1).front();
-  const PlaceStyle style{first % PlaceStyle::kRepeatsFlag, first >= PlaceStyle::kRepeatsFlag};
-  if (first >= 2 * PlaceStyle::kRepeatsFlag || style.short_bits > kMantissaBits) {
-    throw Error(ErrorKind::corrupt, "places of an unknown style");
-  }
+  const PlaceStyle style = take_style(segment);
   const ByteSpan decisions = take_bytes(segment, take_varint(segment));
   const ByteSpan plain = take_bytes(segment, take_varint(segment));
   PlaceDecoder decoder{BinaryDecoder(decisions), BitReader(plain)};
@@ -293,7 +302,7 @@ void decode_places(const FloatBins& bins, const PlaceBox& box, ByteSpan& segment
 }
 
 void skip_places(ByteSpan& segment) {
-  take_bytes(segment, 1);
+  take_style(segment);
   for (int part = 0; part < 2; ++part) take_bytes(segment, take_varint(segment));
 }
 

@@ -28,11 +28,11 @@ struct PlaceBox {
 Bytes encode_places(const FloatBins& bins, const PlaceBox& box, std::span<const float> voxels);
 
 /// Takes the places off the front of `segment`; writes the voxels that are present.
-/// Throws  Error{corrupt}
+/// Throws  Error{corrupt, unsupported_version}
 void decode_places(const FloatBins& bins, const PlaceBox& box, ByteSpan& segment,
                    std::span<float> voxels);
 
-/// Takes the places off the front of `segment` unread. Throws Error{corrupt}.
+/// Takes the places off the front of `segment` unread. Throws as decode_places.
 void skip_places(ByteSpan& segment);
 
 }  // namespace octavo::exact

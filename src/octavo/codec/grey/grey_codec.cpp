@@ -12,6 +12,7 @@
 #include "octavo/codec/grey/grey_voxels.h"
 #include "octavo/codec/grey/plain_samples.h"
 #include "octavo/codec/grey/voxel_walk.h"
+#include "octavo/codec/stored_brick.h"
 #include "octavo/core/crc32c.h"
 
 namespace octavo::grey {
@@ -258,6 +259,21 @@ void decode_stored(const Source& source, ByteSpan segment, int level, const Voxe
       out);
 }
 
+template <class Sample>
+std::int64_t decode_parent_sample(const Source& source, std::span<const ByteSpan> segments,
+                                  bool is_stored) {
+  const BrickShape& shape = source.shape;
+  const int first = is_stored ? 0 : shape.level_count - 1;
+  const auto slot = static_cast<std::size_t>(first);
+  std::vector<Sample> samples =
+      decode_plain<Sample>(source.scale, segments[slot], shape.size[slot]);
+  for (int level = first; level < shape.level_count; ++level) {
+    samples = coarser_level(std::move(samples), shape, level);
+  }
+  const std::int64_t code = samples.front() + source.scale.base();
+  return std::clamp(source.scale.codes.voxel_of(code), source.range.min, source.range.max);
+}
+
 /// Takes the corrections off the front of segment 0, or of a part.
 Corrections take_corrections(ByteSpan& segment, const Size3& size) {
   const std::uint64_t length = take_varint(segment);
@@ -485,22 +501,6 @@ EncodedBrick GreyCodec::encode(const BrickShape& shape, const BrickView& view) c
 
 namespace {
 
-/// Whether a brick with details from in-brick level `first` on is stored.
-/// Throws Error{corrupt} where it has segments that it cannot have then
-bool is_stored(const BrickShape& shape, int first, std::span<const ByteSpan> segments) {
-  const auto holds_bytes = [](ByteSpan segment) { return !segment.empty(); };
-  if (shape.level_count - first == 1 || !segments.back().empty()) {
-    if (std::any_of(segments.begin(), segments.begin() + first, holds_bytes)) {
-      throw Error(ErrorKind::corrupt, "a level without details has bytes");
-    }
-    return false;
-  }
-  if (std::any_of(segments.begin() + 1, segments.end(), holds_bytes)) {
-    throw Error(ErrorKind::corrupt, "a stored brick has more than one segment");
-  }
-  return true;
-}
-
 /// plain  the segment with the plain samples, off which the brick's map is taken
 Source source_of(const Model& model, const BrickShape& shape, VoxelType type,
                  const ValueRange& range, ByteSpan& plain) {
@@ -527,7 +527,7 @@ void GreyCodec::decode(const BrickShape& shape, VoxelType type, const ValueRange
     return;
   }
   const int first = detailed_level(model_->parameters, shape);
-  const bool stored = is_stored(shape, first, segments);
+  const bool stored = is_stored(shape, segments, first);
   std::vector<ByteSpan> bytes(segments.begin() + (stored ? 0 : first), segments.end());
   const Source source = source_of(*model_, shape_from(shape, first), type, range,
                                   stored ? bytes.front() : bytes.back());
@@ -542,6 +542,20 @@ void GreyCodec::decode(const BrickShape& shape, VoxelType type, const ValueRange
     } else {
       decode_samples<Sample>(source, bytes, level - first, target);
     }
+  });
+}
+
+std::int64_t GreyCodec::decode_parent(const BrickShape& shape, VoxelType type,
+                                      const ValueRange& range,
+                                      std::span<const ByteSpan> segments) const {
+  if (range.min == range.max) return range.min;
+  const int first = detailed_level(model_->parameters, shape);
+  const bool stored = is_stored(shape, segments, first);
+  std::vector<ByteSpan> bytes(segments.begin() + (stored ? 0 : first), segments.end());
+  const Source source = source_of(*model_, shape_from(shape, first), type, range,
+                                  stored ? bytes.front() : bytes.back());
+  return with_sample_type(source.scale, [&](auto sample) {
+    return decode_parent_sample<decltype(sample)>(source, bytes, stored);
   });
 }
 

@@ -20,6 +20,8 @@ class GreyCodec final : public BrickCodec {
   EncodedBrick encode(const BrickShape& shape, const BrickView& brick) const override;
   void decode(const BrickShape& shape, VoxelType type, const ValueRange& range,
               std::span<const ByteSpan> segments, int level, void* out) const override;
+  std::int64_t decode_parent(const BrickShape& shape, VoxelType type, const ValueRange& range,
+                             std::span<const ByteSpan> segments) const override;
   bool has_parts(const BrickShape& shape) const noexcept override;
   std::unique_ptr<BrickParts> open_parts(const BrickShape& shape, VoxelType type,
                                          const ValueRange& range,

@@ -199,8 +199,12 @@ BrickMap take_brick_map(const ValueMap& map, const ValueRange& range, ByteSpan& 
   const std::uint8_t flags = take_bytes(bytes, 1).front();
   brick.is_on_lattice = (flags & kLatticeFlag) != 0;
   brick.has_gaps = (flags & kGapsFlag) != 0;
-  if (flags > (kLatticeFlag | kGapsFlag) || (brick.has_gaps && map.used.empty())) {
-    throw Error(ErrorKind::corrupt, "a brick has an unknown map of values");
+  if (flags > (kLatticeFlag | kGapsFlag)) {
+    throw Error(ErrorKind::unsupported_version,
+                "a brick whose map of values is of a later version of the format");
+  }
+  if (brick.has_gaps && map.used.empty()) {
+    throw Error(ErrorKind::corrupt, "a brick has gaps that its model does not know");
   }
   if (!brick.has_gaps) return brick;
   const ByteSpan extras = take_bytes(bytes, take_bytes(bytes, 1).front());

@@ -16,6 +16,8 @@ class LabelCodec final : public LabelBrickCodec {
   EncodedBrick encode(const BrickShape& shape, const BrickView& brick) const override;
   void decode(const BrickShape& shape, VoxelType type, const ValueRange& range,
               std::span<const ByteSpan> segments, int level, void* out) const override;
+  std::int64_t decode_parent(const BrickShape& shape, VoxelType type, const ValueRange& range,
+                             std::span<const ByteSpan> segments) const override;
   EncodedBrick encode_words(const BrickShape& shape, const LabelWords& words) const override;
   void decode_words(const BrickShape& shape, const ValueRange& range,
                     std::span<const ByteSpan> segments, LabelWords& words) const override;

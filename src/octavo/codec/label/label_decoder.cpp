@@ -8,6 +8,7 @@
 #include "octavo/codec/label/label_stored.h"
 #include "octavo/codec/label/label_walk.h"
 #include "octavo/codec/label/label_word_bricks.h"
+#include "octavo/codec/stored_brick.h"
 
 namespace octavo {
 
@@ -57,6 +58,7 @@ void write_labels(const LabelWork& work, void* out) {
   }
 }
 
+/// The labels of a level of a stored brick; those of the level above the last are its parent.
 template <class T>
 void decode_stored(const BrickShape& shape, const ValueRange& range, ByteSpan segment, int level,
                    T* out) {
@@ -76,15 +78,6 @@ void decode_stored(const BrickShape& shape, const ValueRange& range, ByteSpan se
   std::transform(wanted.rank.begin(), wanted.rank.end(), out, [&](std::uint32_t rank) {
     return static_cast<T>(pyramid.labels[rank]);
   });
-}
-
-bool is_stored(const BrickShape& shape, std::span<const ByteSpan> segments) {
-  if (shape.level_count == 1 || !segments.back().empty()) return false;
-  const auto holds_bytes = [](ByteSpan segment) { return !segment.empty(); };
-  if (std::any_of(segments.begin() + 1, segments.end(), holds_bytes)) {
-    throw Error(ErrorKind::corrupt, "a stored brick has more than one segment");
-  }
-  return true;
 }
 
 void check(const BrickShape& shape, VoxelType type, const ValueRange& range,
@@ -127,6 +120,25 @@ void LabelCodec::decode(const BrickShape& shape, VoxelType type, const ValueRang
   with_voxel_type(type, [&](auto t) {
     write_labels<typename decltype(t)::type>(work, out);
   });
+}
+
+std::int64_t LabelCodec::decode_parent(const BrickShape& shape, VoxelType type,
+                                       const ValueRange& range,
+                                       std::span<const ByteSpan> segments) const {
+  const int coarsest = shape.level_count - 1;
+  check(shape, type, range, segments, coarsest);
+  if (range.min == range.max) return range.min;
+  if (is_stored(shape, segments)) {
+    return with_voxel_type(type, [&](auto t) {
+      typename decltype(t)::type parent;
+      decode_stored(shape, range, segments[0], shape.level_count, &parent);
+      return static_cast<std::int64_t>(parent);
+    });
+  }
+  // A traversal starts from the parent: its label is the first that it meets
+  LabelWork& work = thread_label_work();
+  label_walk_functions().decode(model_, shape, range, segments, coarsest, work);
+  return work.labels.front();
 }
 
 void LabelCodec::decode_words(const BrickShape& shape, const ValueRange& range,

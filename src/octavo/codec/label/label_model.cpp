@@ -41,7 +41,10 @@ std::vector<std::int64_t> get_palette(BinaryDecoder& coder, const ValueRange& ra
   NumberBits count_bits;
   NumberBits bits;
   const std::uint64_t count = get_golomb(coder, count_bits);
-  if (count > kMaxPalette) reject("the palette is longer than 4096 labels");
+  if (count > kMaxPalette) {
+    throw Error(ErrorKind::unsupported_version,
+                "a label model of a later version of the format");
+  }
   std::vector<std::int64_t> palette;
   std::int64_t next = range.min;
   for (std::uint64_t i = 0; i < count; ++i) {

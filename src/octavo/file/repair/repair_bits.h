@@ -6,9 +6,9 @@
 //
 //   voxels as they are stored, the header       up to 2^12 bits, odds of 2^-20
 //   coded segments, models, index pages,        up to 2^20 bits, odds of 2^-12 times those that
-//   metadata                                    they decode, parse or read as text all the same
+//   thumbnail, metadata                         they decode, parse or read as text all the same
 //   index root, slab trailers, trailer          any length: all their numbers are proven again
-//   parts                                       none: nothing else proves them
+//   other parts                                 none: nothing else proves them
 //
 // Larger ones are rejected as damage of more bits is. Only a trailer may be damaged as it will: all
 // that stands in it is made of the rest.

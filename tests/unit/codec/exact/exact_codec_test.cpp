@@ -11,6 +11,7 @@
 #include "octavo/codec/exact/float_bins.h"
 #include "octavo/codec/grey/octant_transform.h"
 #include "octavo/core/error.h"
+#include "support/coded_brick.h"
 
 namespace octavo {
 namespace {
@@ -185,6 +186,9 @@ TEST(ExactCodec, EveryBitOfEveryKindOfFloatComesBack) {
             parse_model(VolumeKind::grey, VoxelType::int32, coding, trained->serialized());
         const EncodedBrick encoded = codec->encode(brick.shape, brick.view());
         ASSERT_TRUE(are_same(decoded(*codec, brick, encoded, 0), brick.voxels));
+        ASSERT_EQ(
+            testing::decoded_parent(*codec, brick.shape, VoxelType::float32, encoded),
+            encoded.parent);
       }
     }
   }

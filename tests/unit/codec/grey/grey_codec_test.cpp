@@ -13,6 +13,7 @@
 namespace octavo {
 namespace {
 
+using testing::decoded_parent;
 using testing::shape_of;
 using testing::spans_of;
 using testing::view_of;
@@ -78,6 +79,7 @@ void expect_every_level(const BrickCodec& codec, const BrickShape& shape,
     ASSERT_EQ(decoded, reference_level(voxels, shape, level, codec.axis_order()))
         << "level " << level;
   }
+  ASSERT_EQ(decoded_parent(codec, shape, voxel_type_of<T>(), encoded), encoded.parent);
 }
 
 constexpr Content kContents[] = {Content::smooth, Content::noise,        Content::sparse,
@@ -144,6 +146,7 @@ void expect_within(const BrickCodec& codec, const BrickShape& shape, const std::
   }
   ASSERT_LE(largest, max_error);
   ASSERT_EQ(largest, encoded.max_error);
+  ASSERT_EQ(decoded_parent(codec, shape, voxel_type_of<T>(), encoded), encoded.parent);
 }
 
 TYPED_TEST(GreyCodecOfType, EveryVoxelStaysWithinTheMaximumError) {

@@ -10,6 +10,7 @@
 #include "octavo/codec/label/label_model.h"
 #include "octavo/codec/label/label_pyramid.h"
 #include "octavo/core/error.h"
+#include "support/coded_brick.h"
 #include "support/label_brick.h"
 
 namespace octavo {
@@ -70,6 +71,7 @@ void expect_round_trip(const BrickCodec& codec, const LabelBrick<T>& sample) {
   }
   ASSERT_EQ(expected.labels.size(), 1u);
   EXPECT_EQ(brick.parent, static_cast<std::int64_t>(expected.labels[0]));
+  EXPECT_EQ(testing::decoded_parent(codec, sample.shape, voxel_type_of<T>(), brick), brick.parent);
 }
 
 template <class T>
