@@ -47,8 +47,7 @@ class KeptDetails(cli_test.InFolder):
         self.assertEqual(info["max_error"], said["max"])
         self.assertFalse(info["lossless"])
         self.assertEqual(info["metadata"]["coding"], {"keep_details": 1, "detail_errors": said})
-        words = (f"largest error {said['max']:g} HU, RMS {rms:.4g} HU, "
-                 f"PSNR {said['psnr_db']:.2f} dB")
+        words = f"largest error {said['max']:g}, RMS {rms:.4g}, PSNR {said['psnr_db']:.2f} dB"
         self.assertIn(", " + words + ", ", self.build(1))
         shown = self.expect(0, "info", "kept.8vo").stdout
         self.assertIn(f"details      from level 1 on; {words}\n", shown)
@@ -59,7 +58,8 @@ class KeptDetails(cli_test.InFolder):
             self.build(level, "-q")
             stored = [one["bytes"] for one in self.info("kept.8vo")["levels"]]
             separate = min(level, 3)  # the others share a piece
-            self.assertEqual(stored[:separate], [0] * separate)
+            # Bricks too small to be coded have their samples in front.
+            self.assertLess(sum(stored[:separate]), 200)
             for one in range(level, len(stored)):
                 self.assertEqual(self.voxels("kept.8vo", "--level", one),
                                  self.voxels("whole.8vo", "--level", one), f"level {one}")
@@ -84,14 +84,13 @@ class KeptDetails(cli_test.InFolder):
         self.expect(0, "slice", "kept.8vo", "--axis", "z", "--index", "64", "-o", "kept.png", "-q")
         # Bricks that their ranges decide are not decoded: as many voxels as in a file of the same.
         self.expect(0, "build", "kept.mhd", "-o", "again.8vo", "-q")
-        counts = []
+        digests = []
         for name in ("kept", "again"):
             self.expect(0, "threshold", f"{name}.8vo", "--range", "200:", "-o", f"{name}-m.8vo",
                         "-q")
-            counts.append(self.info(f"{name}-m.8vo")["voxels_sha256"])
-            said = self.expect(0, "measure", f"{name}-m.8vo", "--of", f"{name}.8vo", "--json")
-            counts.append(json.loads(said.stdout)["labels"])
-        self.assertEqual(counts[:2], counts[2:])
+            self.expect(0, "measure", f"{name}-m.8vo", "--of", f"{name}.8vo", "-q")
+            digests.append(self.info(f"{name}-m.8vo")["voxels_sha256"])
+        self.assertEqual(*digests)
         voxel = json.loads(self.expect(0, "probe", "kept.8vo", "--at", "63,31,64",
                                        "--json").stdout)
         at = (64 * SIZE[1] + 31) * SIZE[0] + 63

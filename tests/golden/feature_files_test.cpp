@@ -241,7 +241,7 @@ std::vector<Feature> features() {
       {"details-int16", {70, 35, 31}, VoxelType::int16, ripples, details(1, Preset::small)},
       {"details-uint8-thick", {41, 33, 13}, VoxelType::uint8, scan<20, 5>,
        details(2, Preset::fast), {1, 1, 4}},
-      {"details-stored", {20, 35, 17}, VoxelType::uint8, white_noise, details(1, Preset::small)},
+      {"details-stored", {6, 5, 4}, VoxelType::uint8, white_noise, details(1, Preset::small)},
       {"two-pages", {2112, 2048, 1}, VoxelType::uint8, one_spot},
       {"three-tiers", {4097, 3, 2}, VoxelType::int16, ramp},
       {"two-models", {20, 18, 70}, VoxelType::int16, signed_scan, {}, {1, 1, 1}, write_two_models},

@@ -59,7 +59,7 @@ constexpr Case kCases[] = {
     {"wide", {22, 21, 37}, VoxelType::int32, wide_waves},
     {"multiples", {41, 37, 33}, VoxelType::uint16, multiples},
     {"few_values", {41, 37, 33}, VoxelType::uint8, few_values},
-    {"noise", {20, 35, 17}, VoxelType::uint8, noise},
+    {"noise", {6, 5, 4}, VoxelType::uint8, noise, 3},
     {"streaks", {40, 24, 34}, VoxelType::uint16, streaks},
     {"speckles", {41, 37, 33}, VoxelType::uint8, speckles},
     {"thick", {41, 37, 12}, VoxelType::int16, waves, 5, Preset::small, {1, 1, 4}},
