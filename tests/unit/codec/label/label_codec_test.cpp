@@ -269,7 +269,8 @@ TEST(LabelModel, WhatNoEncoderWritesIsCorrupt) {
   const LabelModel most(palette, start);
   EXPECT_EQ(kind_of(most, VoxelType::int32, VoxelType::int32), ErrorKind::internal);
   palette.push_back(palette.back() + 1);
-  EXPECT_EQ(kind_of({palette, start}, VoxelType::int32, VoxelType::int32), ErrorKind::corrupt);
+  EXPECT_EQ(kind_of({palette, start}, VoxelType::int32, VoxelType::int32),
+            ErrorKind::unsupported_version);
   for (const std::vector<std::int64_t>& beyond : {std::vector<std::int64_t>{256}, {255, 256}}) {
     EXPECT_EQ(kind_of({beyond, start}, VoxelType::uint16, VoxelType::uint16),
               ErrorKind::internal);
