@@ -365,7 +365,9 @@ void expect_contained(const BrickShape& shape, const std::vector<T>& voxels, std
     try {
       codec->decode(shape, voxel_type_of<T>(), good.range, spans_of(bad), 0, out.data());
     } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::corrupt);
+      // A flipped bit may be a flag that was not given out.
+      EXPECT_TRUE(error.kind() == ErrorKind::corrupt ||
+                  error.kind() == ErrorKind::unsupported_version);
     }
   }
 }
@@ -408,7 +410,9 @@ TEST(GreyCodec, DamagedWideSegmentsAreContained) {
     try {
       codec->decode(shape, VoxelType::int32, range, spans_of(bad), 0, out.data());
     } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::corrupt);
+      // A flipped bit may be a flag that was not given out.
+      EXPECT_TRUE(error.kind() == ErrorKind::corrupt ||
+                  error.kind() == ErrorKind::unsupported_version);
     }
   }
 }
