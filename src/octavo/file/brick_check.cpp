@@ -77,7 +77,7 @@ void decode_finest(const BrickCodec& codec, const BrickShape& shape, VoxelType t
   if (!left.empty()) throw Error(ErrorKind::corrupt, "bytes behind the parts of a brick");
 }
 
-// Of a stored brick, and of the coarsest level of a grey one, a segment holds voxels as they are.
+// Of a stored brick, and of the coarsest level of a grey one, a piece holds voxels as they are.
 OtherProof proof_of(const OpenFile& file, const BrickEntry& entry, std::size_t piece) {
   const std::size_t last = entry.pieces.size() - 1;
   const bool is_stored = last > 0 && entry.pieces.back().length == 0;

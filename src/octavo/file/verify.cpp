@@ -131,7 +131,7 @@ class Verifier {
   bool has_lost_voxels_ = false;                               ///< guarded by mutex_
   /// What rows of bricks determine of the next tier, [y][x]; each written by one thread.
   std::vector<std::optional<std::int64_t>> parents_;
-  /// A slab whose checksum differs; reported only when none of its segments is found damaged.
+  /// A slab whose checksum differs; reported only when none of its pieces is found damaged.
   std::optional<Damage> lying_slab_trailer_;
 };
 
