@@ -6,7 +6,7 @@
 //
 //   voxels as they are stored, the header       up to 2^12 bits, odds of 2^-20
 //   coded segments, models, index pages,        up to 2^20 bits, odds of 2^-12 times those that
-//   thumbnail, metadata                         they decode, parse or read as text all the same
+//   thumbnail, directory, metadata              they decode, parse or read as text all the same
 //   index root, slab trailers, trailer          any length: all their numbers are proven again
 //   other parts                                 none: nothing else proves them
 //

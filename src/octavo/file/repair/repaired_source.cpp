@@ -7,6 +7,7 @@
 #include "octavo/core/crc32c.h"
 #include "octavo/core/error.h"
 #include "octavo/file/byte_codec.h"
+#include "octavo/file/directory.h"
 
 namespace octavo {
 
@@ -73,6 +74,28 @@ void repair_metadata(const ByteSource& source, const Section& section,
   if (is_text(bytes)) flips.push_back({section.offset + flip->byte, flip->bit});
 }
 
+// Whether the bytes parse as the directory of the file, though this program may not know a part.
+bool is_directory(ByteSpan bytes, const FileHeader& header) {
+  try {
+    parse_directory(bytes, header);
+    return true;
+  } catch (const Error& error) {
+    return error.kind() == ErrorKind::unsupported_version;
+  }
+}
+
+// Tags are proven by nothing else; but parts tile the file.
+void repair_directory(const ByteSource& source, const FileHeader& header,
+                      std::vector<BitFlip>& flips) {
+  const Section& section = header.directory;
+  if (!is_safe_guess(section.length, OtherProof::content)) return;
+  Bytes bytes = read_arriving(source, section.offset, section.length);
+  const auto flip = find_bit_flip(crc32c(bytes), section.crc, section.length);
+  if (!flip) return;
+  turn_round(*flip, 0, bytes);
+  if (is_directory(bytes, header)) flips.push_back({section.offset + flip->byte, flip->bit});
+}
+
 // Rejects the header of a file that was still growing.
 void reject_growing(const HeaderBlock& block, const std::string& input) {
   if (encode_header(parse_unsealed_header(block)) != block) return;
@@ -110,6 +133,7 @@ Repairs repairs_of(const ByteSource& source) {
   const FileHeader header = parse_header(block, repairs.size);
   repair_metadata(source, header.metadata, flips);
   repair_root(source, header.root, flips);
+  repair_directory(source, header, flips);
   add_flips(repairs, flips);
   repair_trailer(source, header, repairs);
   return repairs;
