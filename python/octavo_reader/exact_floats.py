@@ -85,6 +85,7 @@ def decode_exact_brick(coding: ExactCoding, smallest: int, largest: int, segment
         places = [style, *(cursors[0].take(cursors[0].varint()) for _ in range(2))]
 
     rests = [cursor.rest() for cursor in cursors]
+    require(low == high or is_stored or rests[-1], "a coded float brick has no coarsest codes")
     if low == high:
         require(not any(rests[place:]), "a float brick of one code holds several")
         codes = np.full(sizes[place][::-1], low, np.int64)

@@ -237,6 +237,8 @@ class OctavoFile:
         model = parse_grey_model(data)
         require(self.header.detail_level == 0 or not (model.is_lossy or model.cut_axes),
                 "a model with a max error or parts, where details are left out")
+        require(not self.header.is_exact or model.cut_axes == 0,
+                "a model of exact floats cuts axes")
         return model
 
     def _section(self, section: Section, name: str) -> bytes:

@@ -23,9 +23,11 @@ OPTIONS = re.compile(r'(with_field\(|\{\{?)\s*"(max_error|on_gap|segment|channel
 
 # Words that are names of members as well, and what they are here.
 OTHERS = {
-    "src/octavo/builder/builder.cpp": {"slices": "what an option is set to"},
+    "src/octavo/builder/builder.cpp": {"keep_details": "a field of an error",
+                                       "slices": "what an option is set to"},
     "src/octavo/builder/recover.cpp": {"repaired": "what is done"},
     "src/octavo/file/write/interrupted.cpp": {"access": "a setting of a build",
+                                              "keep_details": "a setting of a build",
                                               "labels": "a kind of volume",
                                               "max_error": "a setting of a build",
                                               "preset": "a setting of a build"},
@@ -37,6 +39,7 @@ OTHERS = {
     "src/octavo/io/open_source.cpp": {"on_gap": "an option", "segment": "an option"},
     "src/octavo/io/source_options.cpp": {"on_gap": "an option", "segment": "an option"},
     "src/octavo/io/volumes/nrrd_header.cpp": {"labels": "a field of NRRD",
+                                              "max": "a field of NRRD",
                                               "number": "a field of NRRD"},
     "src/octavo/io/volumes/nrrd_source.cpp": {"time": "a kind of NRRD"},
     "src/octavo/tasks/files/export_part.cpp": {"number": "a noun"},

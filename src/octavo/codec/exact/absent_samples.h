@@ -32,8 +32,8 @@ AbsentFlags decode_absent(ByteSpan bytes, const Size3& size, const AbsentFlags& 
                           HalvingMask halving, std::span<std::uint32_t> bits);
 
 /// Gives absent voxels codes of which nothing is seen: in each cube they become the mean of the
-/// samples that are present beside them, by how many voxels inside the volume these stand for, so
-/// that the means of codes are those of what is present.
+/// samples that are present beside them, each by how many voxels inside the volume lie below it,
+/// absent ones too, so that the means of codes are those of the samples present, level by level.
 /// codes   dense [z][y][x] of shape.size[0]; 0 where all are absent
 void fill_absent(const BrickShape& shape, const AbsentFlags& flags,
                  std::vector<std::int32_t>& codes);

@@ -221,7 +221,10 @@ void ExactCodec::decode(const BrickShape& shape, VoxelType type, const ValueRang
   ByteSpan places = brick.is_stored || level == 0 ? parts.front() : ByteSpan{};
   if (head.has(Head::kHasPlaces) && (brick.is_stored || level == 0)) skip_places(parts.front());
 
-  // The codes
+  // The codes, which would be read as those of a stored brick without their coarsest segment
+  if (brick.codes.min != brick.codes.max && !brick.is_stored && parts.back().empty()) {
+    throw Error(ErrorKind::corrupt, "a coded float brick has no coarsest codes");
+  }
   std::vector<std::int32_t> found(count, static_cast<std::int32_t>(brick.codes.min));
   if (brick.codes.min != brick.codes.max) {
     codes_->decode(shape, VoxelType::int32, brick.codes, parts, level, found.data());
@@ -259,6 +262,13 @@ std::int64_t ExactCodec::decode_parent(const BrickShape& shape, VoxelType type,
       codes_->decode_parent(shape, VoxelType::int32, brick.codes, brick.parts)));
 }
 
+/// Whether any axis is cut: then a whole brick has parts.
+bool cuts_axes(const BrickCodec& codec) {
+  const Size3 size{64, 64, 64};
+  const Levels levels(size, choose_halvings(size, {1, 1, 1}));
+  return codec.has_parts(brick_shape(levels, 0, {0, 0, 0}));
+}
+
 }  // namespace
 
 }  // namespace octavo::exact
@@ -275,6 +285,9 @@ std::unique_ptr<BrickCodec> parse_model(VolumeKind kind, VoxelType coded_type,
                                         int detail_level) {
   auto codec = parse_model(kind, coded_type, bytes, detail_level);
   if (!coding || !coding->is_exact) return codec;
+  if (exact::cuts_axes(*codec)) {
+    throw Error(ErrorKind::corrupt, "a model of exact floats cuts axes");
+  }
   return make_exact_codec(std::move(codec), *coding);
 }
 

@@ -311,8 +311,9 @@ void add_means(const Stage& stage, Workspace<std::int16_t>& work,
           behind = target_detail(target, stage.axis, x, y, z - 1) -
                    (near_at(means_behind + x) >> kUsualShare);
         }
-        const std::int64_t terms[] = {near_at(means + x), means[x - 2 * along] - means[x + 2 * along],
-                                      behind, target_detail(target, stage.axis, x, y, z)};
+        const std::int64_t far = means[x - 2 * along] - means[x + 2 * along];
+        const std::int64_t terms[] = {near_at(means + x), far, behind,
+                                      target_detail(target, stage.axis, x, y, z)};
         const std::int64_t steps = std::abs(terms[0]) + std::abs(terms[1]) + std::abs(behind);
         sums[activities[x]].add(terms, kUnit / (1 + steps));
       }

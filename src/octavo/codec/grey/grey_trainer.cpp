@@ -346,8 +346,8 @@ Parameters learn_rounding(TrainingSet& set, Predictor predictor, std::int64_t ma
   return best;
 }
 
-/// Learns a model that keeps within a maximum error. Rounding hides which values do not occur: where
-/// that saves more than it does, nothing is rounded.
+/// Learns a model that keeps within a maximum error. Rounding hides which values do not occur:
+/// where that saves more than it does, nothing is rounded.
 /// gaps  what a lossless model would know of the values
 Parameters learn_lossy(TrainingSet& set, Predictor predictor, std::int64_t max_error,
                        const ValueMap& gaps) {

@@ -35,8 +35,8 @@ struct PartNumber {
   std::int64_t count = 1;
 };
 
-/// The ways to work on a split whose means stand in the work space. All leave work.fine as a decoder
-/// will have it; but `measure` leaves the true samples, which suits exact details alone.
+/// The ways to work on a split whose means stand in the work space. All leave work.fine as a
+/// decoder will have it; but `measure` leaves the true samples, which suits exact details alone.
 ///   predict    work.residuals holds the residuals of all pairs
 ///   list       the same, and appends the symbols; the magnitudes are those of the split
 ///   measure    work.activities and work.limits are those of all pairs

@@ -138,6 +138,9 @@ SymbolReader::SymbolReader(const Model& model, int set, ByteSpan segment, std::i
       for (std::size_t byte = 0; byte < 4; ++byte) {
         states[i] |= static_cast<std::uint32_t>(heads[4 * i + byte]) << (8 * byte);
       }
+      if (states[i] < kStateFloor) {
+        throw Error(ErrorKind::corrupt, "a state of a segment is too small");
+      }
     }
     if (segment.size() % 2 != 0) throw Error(ErrorKind::corrupt, "a segment has half a word");
   }
