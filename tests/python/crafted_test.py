@@ -16,12 +16,13 @@ import unittest
 
 from reader_path import ROOT  # first: it finds the others
 from crafted_files import Crafted
-from file_bytes import TRAILER_LENGTH, crc32c, sealed
+from file_bytes import TRAILER_LENGTH, crc32c, first_model, sealed
 from octavo_reader import OctavoError, OctavoFile, verify
 
 OCTAVO = "octavo"
 GOLDEN = ROOT / "tests" / "golden" / "v1"
 LIKE = (GOLDEN / "minimal.8vo").read_bytes()
+LIKE_MODEL = first_model(LIKE)
 LIKE_LABELS = (GOLDEN / "labels-uint8.8vo").read_bytes()
 LIKE_GAPS = (GOLDEN / "small-gaps.8vo").read_bytes()
 OUTCOME_OF_EXIT = {0: "sound", 3: "newer", 4: "damaged", 6: "damaged"}
@@ -29,6 +30,9 @@ OUTCOME_OF_KIND = {"not_octavo": "newer", "unsupported_version": "newer", "corru
                    "truncated": "damaged"}
 CODES_INT16 = (0x8001, struct.pack("<BBdd", 3, 0, 0.5, 1.0))
 STORED = bytes([1, 3, 2, 4, 0, 191, 1, 2])
+CODES = (0, 1, 2, 1, 0, 2, 1, 0)
+PLAIN_CODES = sum(code << 2 * i for i, code in enumerate(CODES)).to_bytes(2, "little")
+CUT_MODEL = LIKE_MODEL[:1] + b"\4" + LIKE_MODEL[2:]
 NOTE = ((b"note", 0, b"text"),)
 # Two by two pixels, all black.
 BLACK = bytes.fromhex(
@@ -77,6 +81,18 @@ def voxel_of_code(code):
 def stored_floats(head, **more):
     voxels = tuple(map(voxel_of_code, (10, 12, 11, 13, 9, 200, 10, 11)))
     return stored(head + STORED, **{**coding(), "voxels": voxels, **more})
+
+
+def exact(*pieces, **more):
+    """Exact floats that are their codes, 0 to 2."""
+    return {**coding(scale=1.0, offset=0.0), "low": 0, "high": 2, "pieces": pieces,
+            "voxels": tuple(map(float, CODES)), **more}
+
+
+def pair(state, *words):
+    """Two voxels, 9 and 10, whose one detail is read from `state`."""
+    return {"size": (2, 1, 1), "masks": (1,), "low": 9, "high": 10, "voxels": (9, 10),
+            "pieces": (b"\0" + struct.pack(f"<I{len(words)}H", state, *words), b"\1")}
 
 
 def two_tiers(above, **more):
@@ -251,6 +267,13 @@ ROWS = [
     ("a damaged model that no brick needs", {"model": b"\0\0"}, "sound", "damaged"),
     ("a stored brick of labels", stored(b"\0" + STORED, kind=2, like=LIKE_LABELS), "sound"),
     ("a stored brick of floats", stored_floats(b"\0"), "sound"),
+    ("exact floats as they are", exact(b"\0" + PLAIN_CODES), "sound"),
+    ("exact floats coded without coarsest codes", exact(PLAIN_CODES, b"\0"), "damaged"),
+    ("exact floats of a model that cuts an axis",
+     exact(b"\0" + PLAIN_CODES, model=CUT_MODEL), "damaged"),
+    ("a model that cuts an axis", stored(model=CUT_MODEL), "sound"),
+    ("a coded brick", pair(0x38252), "sound"),
+    ("a coded brick whose first state is too small", pair(2, 0), "damaged"),
     ("places that leave out too many bits", stored_floats(b"\x02\x18\0\0"), "damaged"),
     ("a stored brick that is too short", stored(STORED[:-1]), "damaged"),
     ("a stored brick that is too long", stored(STORED + b"\0"), "damaged"),

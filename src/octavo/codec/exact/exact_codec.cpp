@@ -92,6 +92,13 @@ AbsentFlags take_absent(OpenedBrick& brick, const BrickShape& shape, int level,
   return flags;
 }
 
+/// Proves that the coarsest codes of a coded brick are there, all before them being taken: without
+/// them the codec of codes would read a stored brick.
+void require_coarsest_codes(const OpenedBrick& brick) {
+  if (brick.codes.min == brick.codes.max || brick.is_stored || !brick.parts.back().empty()) return;
+  throw Error(ErrorKind::corrupt, "a coded float brick has no coarsest codes");
+}
+
 class ExactCodec final : public BrickCodec {
  public:
   ExactCodec(std::unique_ptr<BrickCodec> codes, const SampleCoding& coding)
@@ -221,10 +228,8 @@ void ExactCodec::decode(const BrickShape& shape, VoxelType type, const ValueRang
   ByteSpan places = brick.is_stored || level == 0 ? parts.front() : ByteSpan{};
   if (head.has(Head::kHasPlaces) && (brick.is_stored || level == 0)) skip_places(parts.front());
 
-  // The codes, which would be read as those of a stored brick without their coarsest segment
-  if (brick.codes.min != brick.codes.max && !brick.is_stored && parts.back().empty()) {
-    throw Error(ErrorKind::corrupt, "a coded float brick has no coarsest codes");
-  }
+  // The codes
+  require_coarsest_codes(brick);
   std::vector<std::int32_t> found(count, static_cast<std::int32_t>(brick.codes.min));
   if (brick.codes.min != brick.codes.max) {
     codes_->decode(shape, VoxelType::int32, brick.codes, parts, level, found.data());
@@ -257,6 +262,7 @@ std::int64_t ExactCodec::decode_parent(const BrickShape& shape, VoxelType type,
     return bits_of(kAbsent);
   }
   if (brick.codes.min == brick.codes.max) return bits_of(coding_.voxel_of(brick.codes.min));
+  require_coarsest_codes(brick);
   if (brick.is_stored && brick.head.has(Head::kHasPlaces)) skip_places(brick.parts.front());
   return bits_of(coding_.voxel_of(
       codes_->decode_parent(shape, VoxelType::int32, brick.codes, brick.parts)));
