@@ -239,6 +239,7 @@ class Volumes(InFolder):
         size = (SIDE, SIDE, SIDE)
         files = {
             "g.8vo": ClaimedVolume(size, lambda i, j, k: 50 * is_odd(i, j, k), grey),
+            "flat.8vo": ClaimedVolume(size, lambda i, j, k: 0, grey),
             "l.8vo": ClaimedVolume(size, is_odd, labels),
             "long.8vo": ClaimedVolume((1 << 21, 64, 64), is_odd, labels),
         }
@@ -281,7 +282,7 @@ class Limits(Volumes):
 
     def test_what_reads_no_voxel_and_what_proves_all_bytes_has_no_such_limit(self):
         for verb in ("info", "verify"):
-            process = self.start(verb, "g.8vo", "--max-voxels", "1", "-q")
+            process = self.start(verb, "flat.8vo", "--max-voxels", "1", "-q")
             self.assertEqual(self.outcome(process)[:2], (0, ""))
 
 

@@ -95,10 +95,11 @@ def plane_digest(values, size_x, size_y):
 
 
 class ClaimedVolume:
-    """A sound file of few bytes a brick: bricks of 64 x 64 x 64 voxels, each of one value.
+    """A file of few bytes a brick: bricks of 64 x 64 x 64 voxels, each of one value.
 
     size    voxels along x, y, z
-    value   that of brick (i, j, k) of level 0; the coarser levels hold 0
+    value   that of brick (i, j, k) of level 0; the coarser levels hold 0, so that the file is sound
+            where all values are 0
     like    a sound file of 8 bits a voxel, of which kind, type and model are taken
     """
 
