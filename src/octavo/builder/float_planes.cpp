@@ -185,10 +185,11 @@ double FloatPlanes::noise_step(double bulk) const {
   std::vector<double> differences;
   for (const std::vector<float>& plane : ahead_) {
     for (std::size_t i = 1; i < plane.size(); ++i) {
-      const double d = std::abs(static_cast<double>(plane[i]) - static_cast<double>(plane[i - 1]));
-      if (std::isfinite(d) && d > 0 && differences.size() < kMostDifferences) {
-        differences.push_back(d);
-      }
+      const double value = plane[i];
+      const double before = plane[i - 1];
+      const double d = std::abs(value - before);
+      const bool is_usual = std::max(std::abs(value), std::abs(before)) <= bulk;  // of numbers
+      if (is_usual && d > 0 && differences.size() < kMostDifferences) differences.push_back(d);
     }
   }
   double noise = 0;
