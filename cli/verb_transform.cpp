@@ -262,7 +262,7 @@ void add_transform(CLI::App& app, Context& context) {
       "nearest, linear or cubic: Keys, a = -0.5 (default: linear; labels: nearest)", "NAME")
       ->check(one_of({"nearest", "linear", "cubic"}));
   add("--fill", arguments->fill,
-      "Real value from outside (default: the minimum that info shows; labels: 0)", "V");
+      "Real value from outside (default: the minimum, of lossless floats near it; labels: 0)", "V");
   add("--preset", arguments->preset, "small: fewest bytes; fast: several times faster", "NAME")
       ->check(one_of({"small", "fast"}))
       ->capture_default_str();

@@ -31,7 +31,7 @@ def edges_of_split(stream: "DetailStream", tables: EdgeTables, padded: PaddedSam
     m = means[inside] - lowest
     other = 2 * means[inside] - rounding - lowest
     may_be_even, may_be_odd = (_may_be(other + odd, highest, gaps) for odd in (0, 1))
-    # Background ends at the faces of a part; what the means along the axis foretell does not.
+    # Background ends at the faces of a part; what the means along the axis predict does not.
     alone = PaddedSamples.of_level(means)
     ground = np.array([[_beside(alone, a, side)[inside] for side in (-1, 1)]
                        for a in (axis, *(a for a in range(3) if a != axis))]) == lowest

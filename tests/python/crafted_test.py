@@ -195,7 +195,6 @@ ROWS = [
     ("exact floats with a max error", real(4.5, max_error=0.5, **coding()), "damaged"),
     ("floats without either", real(4.5, **coding(3, 0)), "damaged"),
     ("exact floats of 16 bits", real(4.5, **coding(3)), "damaged"),
-    ("two codings", {"type": 7, "extensions": coding()["extensions"] * 2}, "damaged"),
     ("codes of floats", coding(code_type=7), "newer"),
     ("a flag of codes", coding(flags=2), "newer"),
     ("no scale", coding(scale=0.0), "damaged"),

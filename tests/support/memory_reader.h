@@ -35,6 +35,7 @@ class MemoryReader : public FileReader {
   double achieved_error() const override { return 0; }
   LevelSummary level_summary(int) const override { return {}; }
   AxisOrder axis_order() const override { return kStraightOrder; }
+  int detail_level() const override { return 0; }
   std::uint64_t thumbnail_bytes() const override { return 0; }
   Bytes thumbnail() const override { return {}; }
   BrickEntry brick(int, const Index3&) const override { has_none(); }

@@ -167,7 +167,8 @@ void FloatPlanes::choose_exact(const std::vector<float>& values) {
   const double bulk = bulk_of(values);
   const std::vector<SampleCoding> hints = hints_of(source_.description());
   auto coding = find_coding(values, hints);
-  if (!coding) coding = find_coding(within_bulk(values, bulk), hints);
+  const std::vector<float> usual = within_bulk(values, bulk);
+  if (!coding && usual.size() < values.size()) coding = find_coding(usual, hints);
   const double step = noise_step(bulk);
   // Steps far below the noise save nothing unless floats lie closer than they do.
   const bool is_found =
@@ -184,12 +185,12 @@ double FloatPlanes::noise_step(double bulk) const {
   constexpr double kStepsOfNoise = 8;
   std::vector<double> differences;
   for (const std::vector<float>& plane : ahead_) {
-    for (std::size_t i = 1; i < plane.size(); ++i) {
+    for (std::size_t i = 1; i < plane.size() && differences.size() < kMostDifferences; ++i) {
       const double value = plane[i];
       const double before = plane[i - 1];
       const double d = std::abs(value - before);
       const bool is_usual = std::max(std::abs(value), std::abs(before)) <= bulk;  // of numbers
-      if (is_usual && d > 0 && differences.size() < kMostDifferences) differences.push_back(d);
+      if (is_usual && d > 0) differences.push_back(d);
     }
   }
   double noise = 0;

@@ -181,7 +181,7 @@ SealResult seal(InterruptedBuild build, Storage& storage, const std::string& out
           first_model =
               make_model(parse_model(description.kind, coded, description.coding, model,
                                      writing.detail_level),
-                         coded, description.coding);
+                         coded, description.coding, writing.detail_level);
         }
         writer->add_model(model);
       }

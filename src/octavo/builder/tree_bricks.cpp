@@ -103,8 +103,10 @@ class BricksOf final : public TreeBricks {
     words_of(tree_, levels_.brick_box(0, brick), words);
   }
 
-  std::vector<Sha256Digest> plane_digests(std::int64_t layer, VoxelType type) const override {
-    return with_label_type(type, [&]<class T>(T) { return digests_as<T>(layer); });
+  std::vector<Sha256Digest> plane_digests(std::int64_t layer, std::int64_t planes, VoxelType type,
+                                          const Progress& watcher) const override {
+    return with_label_type(type,
+                           [&]<class T>(T) { return digests_as<T>(layer, planes, watcher); });
   }
 
   std::uint32_t checksum(std::int64_t planes, VoxelType type) const override {
@@ -114,10 +116,11 @@ class BricksOf final : public TreeBricks {
  private:
   // Four planes at a time, which share their words, strip of rows by strip of rows.
   template <class T>
-  std::vector<Sha256Digest> digests_as(std::int64_t layer) const {
+  std::vector<Sha256Digest> digests_as(std::int64_t layer, std::int64_t count,
+                                       const Progress& watcher) const {
     const Size3& size = tree_.size();
     const std::int64_t first = layer * side_.z;
-    const std::int64_t end = std::min(size.z, first + side_.z);
+    const std::int64_t end = first + count;
     const std::int64_t rows = strip_rows<T>();
     std::vector<Sha256Digest> digests(static_cast<std::size_t>(end - first));
     const auto hash_slab = [&](std::int64_t slab) {
@@ -127,6 +130,7 @@ class BricksOf final : public TreeBricks {
       for (auto& hasher : hashers) hasher = make_crypto_hasher();
       std::vector<T> voxels;
       for (std::int64_t y = 0; y < size.y; y += rows) {
+        if (watcher.is_cancelled()) return;
         const Box box{{0, y, z}, {size.x, std::min(size.y, y + rows), z + planes}};
         voxels.resize(static_cast<std::size_t>(box.size().voxel_count()));
         fill_voxels(tree_, box, voxels.data());
@@ -142,6 +146,7 @@ class BricksOf final : public TreeBricks {
     tbb::this_task_arena::isolate([&] {
       tbb::parallel_for(std::int64_t{0}, divided_up(end - first, kSlabPlanes), hash_slab);
     });
+    if (watcher.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped while hashing planes");
     return digests;
   }
 

@@ -8,6 +8,7 @@
 
 #include "octavo/core/hasher.h"
 #include "octavo/core/levels.h"
+#include "octavo/core/progress.h"
 #include "octavo/core/voxel_type.h"
 #include "octavo/octree/label_tree.h"
 #include "octavo/octree/label_words.h"
@@ -33,10 +34,14 @@ class TreeBricks {
   /// The words of a brick.
   virtual void words_of_brick(const Index3& brick, LabelWords& words) const = 0;
 
-  /// The digests of the planes of a layer, by z, of voxels of the type. Uses the threads of the
-  /// calling task arena.
+  /// The digests of the first planes of a layer, by z, of voxels of the type. Uses the threads of
+  /// the calling task arena.
+  /// planes  how many of them; at most those of the layer
+  /// Throws  Error{cancelled}
   /// Memory  about 1 MiB per thread, or four rows
-  virtual std::vector<Sha256Digest> plane_digests(std::int64_t layer, VoxelType type) const = 0;
+  virtual std::vector<Sha256Digest> plane_digests(std::int64_t layer, std::int64_t planes,
+                                                  VoxelType type,
+                                                  const Progress& watcher) const = 0;
 
   /// CRC-32C of the voxels of the first planes, [z][y][x] of the type. Uses the threads of the
   /// calling task arena.

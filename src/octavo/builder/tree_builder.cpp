@@ -212,15 +212,17 @@ class TreeBuild {
     }
   }
 
-  // Planes of a layer of one label are alike: one is hashed.
+  // Planes of a layer whose bricks are each of one label are alike: one is hashed.
   std::vector<Sha256Digest> digests_of_layer(const Group& group, std::int64_t layer) const {
     const auto& labels = group.labels[static_cast<std::size_t>(layer - group.first_layer)];
-    const std::int64_t label = labels.front();
-    const bool is_uniform = label != kSeveralLabels &&
-                            std::ranges::all_of(labels, [&](auto other) { return other == label; });
-    if (!is_uniform) return bricks_.plane_digests(layer, type_);
-    const Size3 size = levels_.brick_box(0, {0, 0, layer}).size();
-    return {static_cast<std::size_t>(size.z), uniform_plane_digest(description_, label)};
+    const std::int64_t planes = levels_.brick_box(0, {0, 0, layer}).size().z;
+    if (std::ranges::count(labels, kSeveralLabels) > 0) {
+      return bricks_.plane_digests(layer, planes, type_, progress_);
+    }
+    const bool is_uniform = std::ranges::count(labels, labels.front()) == std::ssize(labels);
+    return {static_cast<std::size_t>(planes),
+            is_uniform ? uniform_plane_digest(description_, labels.front())
+                       : bricks_.plane_digests(layer, 1, type_, progress_).front()};
   }
 
   void keep(const Group& group, const Index3& brick, const EncodedBrick& encoded) {

@@ -1,4 +1,4 @@
-// Bricks that coding would enlarge: segment 0 holds all their voxels, the others are empty.
+// Bricks that coding would enlarge: segment 0 holds all their samples, the others are empty.
 #pragma once
 
 #include <algorithm>

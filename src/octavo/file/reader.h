@@ -88,7 +88,7 @@ class FileReader {
   /// Where details were left out, what was measured.
   virtual double max_error() const = 0;
   /// The finest level that has details; finer ones are interpolated from it.
-  virtual int detail_level() const { return 0; }
+  virtual int detail_level() const = 0;
   /// The largest difference that was measured when the file was built; at most max_error().
   virtual double achieved_error() const = 0;
   virtual LevelSummary level_summary(int level) const = 0;

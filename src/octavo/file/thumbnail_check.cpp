@@ -18,8 +18,7 @@ std::optional<Damage> thumbnail_damage(const OpenFile& file, const Progress& wat
   damage.code = static_cast<std::uint64_t>(part - file.parts().data());
   damage.offset = part->bytes.offset;
   damage.length = part->bytes.length;
-  damage.detail = "part 'thmb' at byte " +
-                  std::to_string(damage.offset) +
+  damage.detail = name_of(part->tag) + " at byte " + std::to_string(damage.offset) +
                   ": is not the thumbnail of these voxels; no voxel depends on it";
   return damage;
 }

@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "octavo/core/progress.h"
+#include "octavo/file/damage.h"
 #include "octavo/file/open_file.h"
-#include "octavo/file/verify.h"
 
 namespace octavo {
 

@@ -106,8 +106,8 @@ class Verifier {
   std::int64_t check_page(int tier, std::size_t number);
   void check_layer(int tier, std::int64_t layer);
   void check_rows(int tier, const Box& rows, PlaneDigests* planes);
-  void check_parents(int tier, const Box& rows);
-  void check_parents_in(const Index3& above, int tier, const Box& rows);
+  void check_parents(int tier, const Box& bricks);
+  void check_parents_in(const Index3& above, int tier, const Box& bricks);
   void add_other_parent(int tier, const Index3& brick, std::int64_t parent, std::int64_t sample);
   void report_layer(int tier, std::int64_t layer);
   void check_planes(std::int64_t slab, const std::vector<Sha256Digest>& found);
@@ -129,7 +129,7 @@ class Verifier {
   std::mutex mutex_;
   std::map<std::int64_t, std::vector<Damage>> brick_damages_;  ///< by place; guarded by mutex_
   bool has_lost_voxels_ = false;                               ///< guarded by mutex_
-  /// What rows of bricks determine of the next tier, [y][x]; each written by one thread.
+  /// What its bricks determine of the next tier, [y][x]; each written by one thread.
   std::vector<std::optional<std::int64_t>> parents_;
   /// A slab whose checksum differs; reported only when none of its pieces is found damaged.
   std::optional<Damage> lying_slab_trailer_;
@@ -340,6 +340,7 @@ void Verifier::check_layer(int tier, std::int64_t layer) {
     unreachable += lost;
   }
   has_lost_voxels_ = unreachable > 0;
+  parents_.assign(static_cast<std::size_t>(index.grid.x * index.grid.y), std::nullopt);
   const bool has_planes = tier == 0 && options_.decode;
   if (has_planes) {
     planes_.begin_layer(layer);
@@ -350,6 +351,7 @@ void Verifier::check_layer(int tier, std::int64_t layer) {
   } else {
     check_rows(tier, {{0, 0, layer}, {index.grid.x, index.grid.y, layer + 1}}, nullptr);
   }
+  check_parents(tier, {{0, 0, layer}, {index.grid.x, index.grid.y, layer + 1}});
   report_layer(tier, layer);
   if (has_planes) check_planes(layer, planes_.digests());
 }
@@ -358,7 +360,6 @@ void Verifier::check_layer(int tier, std::int64_t layer) {
 void Verifier::check_rows(int tier, const Box& rows, PlaneDigests* planes) {
   const Size3 count = rows.size();
   const TierIndex& index = file_.root().tiers[static_cast<std::size_t>(tier)];
-  parents_.assign(static_cast<std::size_t>(count.x * count.y), std::nullopt);
   options_.for_each(count.x * count.y, [&](std::int64_t i) {
     if (progress_.is_cancelled()) return;
     const Index3 brick{rows.lo.x + i % count.x, rows.lo.y + i / count.x, rows.lo.z};
@@ -367,32 +368,31 @@ void Verifier::check_rows(int tier, const Box& rows, PlaneDigests* planes) {
     const BrickEntry entry = file_.entry_at(tier, brick);
     CheckedBrick checked =
         check_brick(file_, entry, {options_.decode && !is_model_damaged_[entry.model], planes});
-    parents_[static_cast<std::size_t>(i)] = checked.parent;
+    parents_[static_cast<std::size_t>(brick.y * index.grid.x + brick.x)] = checked.parent;
     if (checked.damages.empty()) return;
     const std::lock_guard lock(mutex_);
     has_lost_voxels_ = true;
     brick_damages_.emplace(place, std::move(checked.damages));
   });
   throw_if_cancelled();
-  check_parents(tier, rows);
 }
 
-// What bricks [rows.lo, rows.hi) determine of the next tier, against what that holds.
-void Verifier::check_parents(int tier, const Box& rows) {
+// What the bricks of a layer determine of the next tier, against what that holds.
+void Verifier::check_parents(int tier, const Box& bricks) {
   if (!options_.decode || tier + 1 == file_.levels().tier_count()) return;
   const Size3 side = file_.levels().brick_side(tier + 1);
-  const Index3 first{rows.lo.x / side.x, rows.lo.y / side.y, rows.lo.z / side.z};
-  const std::int64_t count_x = (rows.hi.x - 1) / side.x - first.x + 1;
-  const std::int64_t count_y = (rows.hi.y - 1) / side.y - first.y + 1;
+  const Index3 first{bricks.lo.x / side.x, bricks.lo.y / side.y, bricks.lo.z / side.z};
+  const std::int64_t count_x = (bricks.hi.x - 1) / side.x - first.x + 1;
+  const std::int64_t count_y = (bricks.hi.y - 1) / side.y - first.y + 1;
   options_.for_each(count_x * count_y, [&](std::int64_t i) {
     if (progress_.is_cancelled()) return;
-    check_parents_in({first.x + i % count_x, first.y + i / count_x, first.z}, tier, rows);
+    check_parents_in({first.x + i % count_x, first.y + i / count_x, first.z}, tier, bricks);
   });
   throw_if_cancelled();
 }
 
 // The same for what one brick of the next tier holds of it.
-void Verifier::check_parents_in(const Index3& above, int tier, const Box& rows) {
+void Verifier::check_parents_in(const Index3& above, int tier, const Box& bricks) {
   const Box held = file_.levels().brick_box(tier + 1, above);
   std::vector<std::int64_t> samples;
   try {
@@ -401,13 +401,13 @@ void Verifier::check_parents_in(const Index3& above, int tier, const Box& rows) 
     require_damage(error);  // reported with the tier that it stands in
     return;
   }
-  const Box shared = intersection(held, rows);
+  const Box shared = intersection(held, bricks);
   for (Index3 at = shared.lo; at.y < shared.hi.y; ++at.y) {
     for (at.x = shared.lo.x; at.x < shared.hi.x; ++at.x) {
       const std::int64_t row = (at.z - held.lo.z) * held.size().y + at.y - held.lo.y;
       const std::int64_t sample =
           samples[static_cast<std::size_t>(row * held.size().x + at.x - held.lo.x)];
-      const std::int64_t place = (at.y - rows.lo.y) * rows.size().x + at.x - rows.lo.x;
+      const std::int64_t place = (at.y - bricks.lo.y) * bricks.size().x + at.x - bricks.lo.x;
       const auto& parent = parents_[static_cast<std::size_t>(place)];
       if (!parent || are_read_alike(file_.description(), *parent, sample)) continue;
       add_other_parent(tier, at, *parent, sample);

@@ -38,8 +38,8 @@ struct VerifyReport {
 /// do not match their checksum, cannot be looked into: then it throws what FileReader::open throws.
 /// Throws  also Error{io} when reading fails, Error{cancelled}
 /// Memory  that of the index, one brick per thread and a row of bricks, 64 MiB of it
-/// Time    reads the file twice; where a row of bricks takes more, those of tier 0 once for each
-///         64 MiB of it
+/// Time    reads the file twice, and bricks of higher tiers once more for each layer below them;
+///         where a row of bricks takes more than 64 MiB, those of tier 0 once for each such share
 VerifyReport verify_file(std::shared_ptr<const ByteSource> source, const VerifyOptions& options,
                          Progress& progress);
 

@@ -148,7 +148,8 @@ double Planner::stored_fill(const std::optional<double>& asked) const {
   if (!asked && is_labels()) return 0;
   if (!asked) {
     const ValueRange stored = reader_.range();
-    return volume_.voxel_of(volume_.rescale.slope < 0 ? stored.max : stored.min);
+    return volume_.voxel_of(
+        volume_.code_near(volume_.rescale.slope < 0 ? stored.max : stored.min));
   }
   const double real = *asked;
   const Rescale& rescale = volume_.rescale;

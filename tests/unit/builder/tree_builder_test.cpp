@@ -141,6 +141,19 @@ TEST(TreeBuilder, EmptyAndFullMasksHaveTheFileOfTheirVoxels) {
 }
 
 // 32 MiB make a group.
+TEST(TreeBuilder, BricksOfOneLabelEachHaveTheFileOfTheirVoxels) {
+  constexpr std::int64_t kSide = 64;
+  const Size3 size{150, 100, 130};
+  DenseLabels labels(size);
+  visit_cells(box_of(size), {kSide, kSide, kSide}, [&](const Index3& cell) {
+    const Index3 lo{cell.x * kSide, cell.y * kSide, cell.z * kSide};
+    const Box box{lo, {lo.x + kSide, lo.y + kSide, lo.z + kSide}};
+    labels.fill(intersection(box, box_of(size)), (cell.x + cell.y + cell.z) % 2 == 0 ? 2 : 3);
+    return true;
+  });
+  expect_same_file(testing::tree_of(labels), VoxelType::uint16, {1, 1, 1});
+}
+
 TEST(TreeBuilder, VolumesOfSeveralGroupsHaveTheFileOfTheirVoxels) {
   const Size3 size{420, 400, 260};
   std::mt19937 random(44);

@@ -8,9 +8,9 @@ namespace octavo::grey {
 
 namespace {
 
-/// What the means around a place foretell; `along` is the distance of neighbors.
+/// What the means around a place predict; `along` is the distance of neighbors.
 template <class Sample>
-Wide<Sample> foretold(const Sample* mean, std::int64_t along) {
+Wide<Sample> predicted_detail(const Sample* mean, std::int64_t along) {
   using Int = Wide<Sample>;
   const Int near = Int{mean[-along]} - mean[along];
   const Int far = Int{mean[-2 * along]} - mean[2 * along];
@@ -43,7 +43,7 @@ void interpolate_split(const Stage& stage, Workspace<Sample>& work) {
       const std::int64_t weighted = stage.first_weighted(y, z);
       for (std::int64_t x = 0; x < stage.pairs.x; ++x) {
         const Pair<Sample> pair = interpolated_pair<Sample>(
-            stage, means[x], foretold(means + x, along), x >= weighted);
+            stage, means[x], predicted_detail(means + x, along), x >= weighted);
         Sample* const at = first + stretch * x;
         at[0] = pair.a;
         at[along] = pair.b;

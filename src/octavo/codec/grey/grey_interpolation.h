@@ -2,7 +2,7 @@
 //
 // Of a file that keeps details down to level K the bricks of tier 0 are coded as if they began
 // there. The levels below are made by the same splits as ever, but each detail is what the means
-// around its pair foretell:
+// around its pair predict:
 //
 //      means       M-2   M-1    m    M+1   M+2      d = (14 (M-1 - M+1) - 3 (M-2 - M+2)) / 32,
 //                              / \                      within the room that the range leaves

@@ -111,7 +111,7 @@ Int rounded_weights(Int sum) {
 /// Half of the unit of shares, for rounding.
 inline constexpr std::int32_t kHalfShare = 1 << (kShareBits - 1);
 
-/// What the two means before a pair and the two after it foretell.
+/// What the two means before a pair and the two after it predict.
 template <class Sample>
 Wide<Sample> predict_from_means(const Sample* means, std::int64_t along, std::int32_t weight,
                                 std::int32_t far_share) {
@@ -158,7 +158,7 @@ template <class Sample>
 struct PortableKernel;
 
 /// The rows of magnitudes around row (y, z) of the split along `axis`. A model that predicts from
-/// means alone does not look at the row above, nor anywhere in the own plane.
+/// means does not look at the row above, nor anywhere in the own plane.
 inline MagnitudeRows magnitude_rows(const SampleGrid<std::int16_t>* magnitudes, Predictor predictor,
                                     int axis, std::int64_t y, std::int64_t z,
                                     const std::int16_t* zeros) {

@@ -332,16 +332,19 @@ bool cuts_too_much(std::span<const TrainingBrick> bricks, const Parameters& cut)
   return brick_cost(few, GreyCodec(cut)) > bytes + bytes * kMaxCutCost / 1000;
 }
 
+/// A model, and the bytes that it and the bricks take.
+struct CostedModel {
+  Parameters parameters;
+  std::uint64_t bytes = ~std::uint64_t{0};
+};
+
 /// Learns a model that keeps within a maximum error, in the way that rounds these bricks best.
-Parameters learn_rounding(TrainingSet& set, Predictor predictor, std::int64_t max_error) {
-  Parameters best;
-  std::uint64_t minimum = ~std::uint64_t{0};
+CostedModel learn_rounding(TrainingSet& set, Predictor predictor, std::int64_t max_error) {
+  CostedModel best;
   for (const Plan& plan : plans_for(predictor, max_error)) {
     const Parameters p = learn(set, plan);
     const std::uint64_t bytes = cost(set.bricks(), p);
-    if (bytes >= minimum) continue;
-    minimum = bytes;
-    best = p;
+    if (bytes < best.bytes) best = {p, bytes};
   }
   return best;
 }
@@ -351,12 +354,12 @@ Parameters learn_rounding(TrainingSet& set, Predictor predictor, std::int64_t ma
 /// gaps  what a lossless model would know of the values
 Parameters learn_lossy(TrainingSet& set, Predictor predictor, std::int64_t max_error,
                        const ValueMap& gaps) {
-  const Parameters rounding = learn_rounding(set, predictor, max_error);
-  if (gaps.is_empty()) return rounding;
+  const CostedModel rounding = learn_rounding(set, predictor, max_error);
+  if (gaps.is_empty()) return rounding.parameters;
   TrainingSet whole(set.bricks(), set.start().axis_order, gaps, set.start().cut_axes,
                     set.start().detail_level);
   const Parameters lossless = learn_lossless(whole, predictor);
-  return cost(set.bricks(), lossless) < cost(set.bricks(), rounding) ? lossless : rounding;
+  return cost(set.bricks(), lossless) < rounding.bytes ? lossless : rounding.parameters;
 }
 
 }  // namespace

@@ -24,7 +24,10 @@ EncodedBrick brick_of(const OpenFile& file, int tier, const Index3& position) {
   const BrickEntry entry = file.entry_at(tier, position);
   EncodedBrick brick;
   brick.range = entry.range;
-  brick.max_error = std::llround(entry.max_error / error_step(file.header()));
+  // Bricks of exact floats have no error, nor a step to count it in.
+  if (entry.max_error > 0) {
+    brick.max_error = std::llround(entry.max_error / error_step(file.header()));
+  }
   const BrickBytes bytes = file.read_segments(entry, 0);
   const auto level_count = static_cast<std::size_t>(file.levels().tier_level_count(tier));
   for (std::size_t i = 0; i < level_count; ++i) {

@@ -14,7 +14,8 @@ namespace octavo {
 
 /// Writes `path` with the bricks and models of `source` and the place and metadata of
 /// `description`. The checksum of every part is proven on the way. The file is the one that a build
-/// of the same voxels under that description gives, and as far from their source. A thumbnail is
+/// of the same voxels under that description gives, but for the build id where details were left
+/// out, and as far from their source. A thumbnail is
 /// made anew; parts of others are kept unless they depend on the rest of the file.
 /// description  of the kind, type, size, rescale and coding of the file, and with the same halvings
 /// Returns      the bytes of the new file

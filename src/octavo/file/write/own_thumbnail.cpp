@@ -1,6 +1,7 @@
 #include "octavo/file/write/own_thumbnail.h"
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <utility>
 

@@ -75,6 +75,7 @@ TEST(CopyDescribed, GivesTheBytesOfABuildUnderThatDescription) {
   expect_copied(noisy<std::int16_t>({70, 67, 130}, 70), 0);
   expect_copied(noisy<std::int16_t>({70, 67, 65}, 70), 5);
   expect_copied(noisy<float>({70, 67, 65}, 70), 0.3);
+  expect_copied(noisy<float>({70, 67, 65}, 70), 0);
   testing::Volume labels = noisy<std::uint8_t>({140, 67, 65}, 20);
   labels.description.kind = VolumeKind::labels;
   expect_copied(labels, 0);

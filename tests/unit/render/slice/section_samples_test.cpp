@@ -62,6 +62,7 @@ class NotingReader final : public FileReader {
                     std::int64_t plane) const override {
     inner_->read_strided(box, level, out, row, plane);
   }
+  int detail_level() const override { return inner_->detail_level(); }
   std::uint64_t thumbnail_bytes() const override { return inner_->thumbnail_bytes(); }
   Bytes thumbnail() const override { return inner_->thumbnail(); }
   Bytes read_piece(const BrickEntry& entry, int piece) const override {
