@@ -59,8 +59,9 @@ std::uint64_t write_components(const Components& found, std::size_t kept,
                                const VolumeDescription& volume, const ComponentsOptions& options,
                                const TaskContext& context) {
   LabelTree labels;
-  context.on_threads(
-      [&] { labels = labels_of_components(found, kept, context.max_memory_bytes); });
+  context.on_threads([&] {
+    labels = labels_of_components(found, kept, context.max_memory_bytes, &context.watcher());
+  });
   return write_label_tree(labels, label_description(volume, label_type(kept), made_by(options)),
                           *options.output, "components", context)
       .file_bytes;

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "octavo/core/error.h"
 #include "octavo/core/memory_limit.h"
 #include "octavo/octree/tree_child.h"
 #include "octavo/ops/label/label_pieces.h"
@@ -175,17 +176,20 @@ class CellFolder {
 }  // namespace
 
 LabelTree labels_of_components(const Components& found, std::size_t kept,
-                               std::uint64_t max_bytes) {
+                               std::uint64_t max_bytes, const Progress* watcher) {
+  const auto is_stopped = [watcher] { return watcher != nullptr && watcher->is_cancelled(); };
   const std::vector<Cell> cells = CellCollector(found, kept, max_bytes).collect();
   std::vector<LabelPart> parts(cells.size());
   tbb::enumerable_thread_specific<LabelFold> folds;
   // With the map that they are joined to, twice.
   std::atomic<std::uint64_t> bytes = cells.size() * sizeof(LabelPart);
   tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
+    if (is_stopped()) return;
     parts[i] = {cells[i].code, CellFolder(found, kept, folds.local()).folded(cells[i])};
     const std::uint64_t own = memory_bytes(parts[i].arrays);
     require_memory_within(2 * (bytes.fetch_add(own) + own), max_bytes, kMap);
   });
+  if (is_stopped()) throw Error(ErrorKind::cancelled, "stopped while labeling components");
   return join_labels(found.mask().size(), std::move(parts));
 }
 

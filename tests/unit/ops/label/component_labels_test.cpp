@@ -9,6 +9,7 @@
 #include "octavo/core/error.h"
 #include "support/dense_labels.h"
 #include "support/dense_mask.h"
+#include "support/stopping_progress.h"
 
 namespace octavo {
 namespace {
@@ -73,6 +74,19 @@ TEST(ComponentLabels, AMemoryLimitBelowTheNeedIsAnError) {
   const MaskTree mask = box_mask({70, 70, 70}, {{3, 3, 3}, {61, 61, 61}});
   const Components found(mask, Connectivity::faces);
   EXPECT_THROW(labels_of_components(found, 1, 100), Error);
+}
+
+TEST(ComponentLabels, StopsWhenAsked) {
+  const Size3 size = {130, 70, 66};
+  const MaskTree mask = box_mask(size, box_of(size));
+  const Components found(mask, Connectivity::faces);
+  const testing::StoppingProgress progress;
+  try {
+    labels_of_components(found, 1, 0, &progress);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::cancelled);
+  }
 }
 
 TEST(ComponentLabels, ALimitIsAskedBeforeTheMemoryIsTaken) {
