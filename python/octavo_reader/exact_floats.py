@@ -9,6 +9,7 @@ from .binary_coder import AdaptiveBit, BinaryDecoder
 from .byte_cursor import ByteCursor
 from .errors import require, require_known
 from .header import halved
+from .weights import SampleWeights
 
 _INFINITY_RANK = 0x7F800000
 _USUAL_NAN = 0x7FC00000
@@ -40,6 +41,19 @@ class ExactCoding:
         ranks[(codes <= -_LARGEST_CODE) | (begins < -_LARGEST)] = -_INFINITY_RANK
         return ranks
 
+    def codes(self, voxels: np.ndarray) -> np.ndarray:
+        """The code of the bin that holds each voxel; 0 for those that are not finite."""
+        finite = np.where(np.isfinite(voxels), voxels, np.float32(0))
+        steps = (finite.astype(np.float64) - self.offset) / self.scale
+        codes = np.rint(steps.clip(-_LARGEST_CODE, _LARGEST_CODE)).astype(np.int64)
+        # Rounding may have led to the bin beside.
+        ranks = _ranks(finite)
+        while (above := ranks < self.first_ranks(codes)).any():
+            codes -= above
+        while (below := ranks >= self.first_ranks(codes + 1)).any():
+            codes += below
+        return np.where(np.isfinite(voxels), codes, 0)
+
     def bins(self, codes: np.ndarray, short_bits: int) -> tuple[np.ndarray, np.ndarray]:
         """Short ranks [first, end) of the bin of each code."""
         ends = []
@@ -51,13 +65,16 @@ class ExactCoding:
 
 def decode_exact_brick(coding: ExactCoding, smallest: int, largest: int, segments: list[bytes],
                        size: tuple[int, int, int], halvings: list[int], first_level: int,
-                       place: int, decode_codes: Callable[[int, int, list[bytes]], np.ndarray]
+                       place: int, decode_codes: Callable[[int, int, list[bytes]], np.ndarray],
+                       weights: SampleWeights, coarse_codes: Callable[[np.ndarray], np.ndarray]
                        ) -> np.ndarray:
     """The samples of one level of a brick that is not uniform, float32 of shape [z][y][x].
 
     segments, size, halvings, place as of decode_grey_brick
     first_level   global level of the brick's finest level
     decode_codes  gives the codes of the level from their range and what is left of the segments
+    weights       of the samples of the brick's finest level
+    coarse_codes  gives the codes of the level from those of the finest one
     Raises        OctavoError "corrupt", "unsupported_version"
     """
     sizes = [size]
@@ -68,11 +85,25 @@ def decode_exact_brick(coding: ExactCoding, smallest: int, largest: int, segment
     head = cursors[0 if is_stored else -1]
     require(not is_stored or not any(segments[1:]), "a stored brick has a second segment")
     flags = head.u8()
-    require_known(flags < 16, f"flags {flags} of a float brick")
+    require_known(flags < 32, f"flags {flags} of a float brick")
     has_absent, has_places = flags & 1, flags & 2
     require(first_level == 0 or not has_places, "a coarse float brick has places")
     low, high = smallest + (flags >> 2 & 1), largest - (flags >> 3 & 1)
     require(-_LARGEST_CODE <= low <= high <= _LARGEST_CODE, "a float brick has no codes")
+
+    if flags & 16:
+        is_alone = (is_stored or len(segments) == 1) and first_level == 0
+        require(is_alone and not has_absent and not has_places, "plain floats are not alone")
+        voxels = _plain_floats(coding, low, high, head.rest(), size)
+        if place == 0:
+            return voxels
+        gone = ~np.isfinite(voxels)
+        codes = _filled_codes(coding.codes(voxels), gone, sizes, halvings, weights)
+        for level in range(place):
+            gone = _coarser(gone, sizes[level], halvings[level])
+        samples = coding.voxels(coarse_codes(codes))
+        samples.view(np.uint32)[gone] = _USUAL_NAN
+        return samples
 
     absent = bits = None
     if has_absent:
@@ -105,6 +136,47 @@ def decode_exact_brick(coding: ExactCoding, smallest: int, largest: int, segment
 def _ranks(voxels: np.ndarray) -> np.ndarray:
     bits = voxels.view(np.int32).astype(np.int64)
     return np.where(bits >= 0, bits, ~(bits & 0x7FFFFFFF))
+
+
+def _plain_floats(coding: ExactCoding, low: int, high: int, data: bytes,
+                  size: tuple[int, int, int]) -> np.ndarray:
+    require(len(data) == 4 * size[0] * size[1] * size[2], "plain floats of a wrong length")
+    voxels = np.frombuffer(data, "<f4").astype(np.float32).reshape(size[::-1])
+    first, end = coding.first_ranks(np.array([low, high + 1]))
+    ranks = _ranks(voxels)[np.isfinite(voxels)]
+    require(bool(((ranks >= first) & (ranks < end)).all()),
+            "a plain float lies outside the range of its brick")
+    return voxels
+
+
+def _filled_codes(codes: np.ndarray, gone: np.ndarray, sizes: list[tuple[int, int, int]],
+                  halvings: list[int], weights: SampleWeights) -> np.ndarray:
+    """Codes of which absent ones have that of the first sample above them that is present."""
+    if not gone.any():
+        return codes
+    means, counts = codes, np.where(gone, 0, 1)
+    levels = [(means, counts)]
+    for size, mask in zip(sizes, halvings):
+        each = [np.array([weights.each[axis]] * (n - 1) + [weights.last[axis]])
+                for axis, n in enumerate(size)]
+        weighed = np.where(counts > 0, each[2][:, None, None] * each[1][:, None] * each[0], 0)
+        sums, counts = _octant_sums(means * weighed, mask), _octant_sums(weighed, mask)
+        means, rest = np.divmod(sums, np.maximum(counts, 1))
+        means += (2 * rest > counts) | ((2 * rest == counts) & (counts > 0) & (means & 1 == 1))
+        levels.append((means, counts))
+        weights = weights.halved(size, mask)
+    filled = levels[-1][0]
+    for (means, counts), size, mask in reversed(list(zip(levels, sizes, halvings))):
+        filled = np.where(counts > 0, means, _repeated(filled, size, mask))
+    return filled
+
+
+def _octant_sums(samples: np.ndarray, mask: int) -> np.ndarray:
+    for axis in range(3):
+        if mask >> axis & 1:
+            starts = np.arange(0, samples.shape[2 - axis], 2)
+            samples = np.add.reduceat(samples, starts, 2 - axis)
+    return samples
 
 
 def _take_absent(cursors: list[ByteCursor], sizes: list[tuple[int, int, int]],

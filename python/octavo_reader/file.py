@@ -11,7 +11,7 @@ from .byte_cursor import crc32c
 from .directory import Part, parse_directory
 from .errors import OctavoError, require, require_known
 from .exact_floats import ExactCoding, decode_exact_brick
-from .grey_brick import decode_grey_brick
+from .grey_brick import coarse_codes, decode_grey_brick
 from .grey_model import GreyModel, parse_grey_model
 from .header import (
     BRICKS_PER_PAGE,
@@ -159,9 +159,13 @@ class OctavoFile:
                 return decode_grey_brick(model, low, high, rests, size, halvings, weights,
                                          level - first, detailed, proves_parts)
 
+            def coarsened(finest: np.ndarray) -> np.ndarray:
+                return coarse_codes(model, finest, halvings, weights, level - first)
+
             if header.is_exact:
                 return decode_exact_brick(self._exact(), brick.smallest, brick.largest, segments,
-                                          size, halvings, first, level - first, decode_codes)
+                                          size, halvings, first, level - first, decode_codes,
+                                          weights, coarsened)
             codes = decode_codes(brick.smallest, brick.largest, segments)
         return self.voxels_of(codes)
 

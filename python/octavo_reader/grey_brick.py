@@ -60,6 +60,22 @@ def decode_grey_brick(model: GreyModel, smallest: int, largest: int, segments: l
     return brick.to_voxels(own, corrections)
 
 
+def coarse_codes(model: GreyModel, codes: np.ndarray, halvings: list[int],
+                 weights: SampleWeights, place: int) -> np.ndarray:
+    """Codes of level `place` of a brick from those of its finest one, both [z][y][x].
+
+    halvings, weights, place as of decode_grey_brick
+    """
+    order = model.axis_order
+    size = tuple(codes.shape[2 - axis] for axis in order)
+    brick = _Brick(model, _BrickValues(1, 0, None), 0, 0, size,
+                   [_ordered_mask(mask, order) for mask in halvings], weights.ordered(order))
+    samples = np.transpose(codes, [2 - order[axis] for axis in (2, 1, 0)])
+    for level in range(place):
+        samples = brick.coarser(samples, level)
+    return np.transpose(samples, [2 - order.index(axis) for axis in (2, 1, 0)])
+
+
 def _ordered_mask(mask: int, order: tuple[int, int, int]) -> int:
     return sum((mask >> axis & 1) << place for place, axis in enumerate(order))
 
@@ -131,10 +147,10 @@ class _Brick:
     def decode_stored(self, segment: bytes, place: int) -> np.ndarray:
         samples = self._plain(segment, self.sizes[0])
         for level in range(place):
-            samples = self._coarser(samples, level)
+            samples = self.coarser(samples, level)
         return samples
 
-    def _coarser(self, samples: np.ndarray, level: int) -> np.ndarray:
+    def coarser(self, samples: np.ndarray, level: int) -> np.ndarray:
         """The next level."""
         for axis in range(3):
             if self.halvings[level] >> axis & 1:
@@ -147,7 +163,7 @@ class _Brick:
         last = len(segments) - 1
         coarsest = self._plain(segments[last], self.sizes[last])
         if place > last:
-            return self._coarser(coarsest, last), []
+            return self.coarser(coarsest, last), []
         samples = PaddedSamples.of_level(coarsest)
         flags = None
         entries: list[_PartEntry] = []

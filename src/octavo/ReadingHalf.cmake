@@ -29,6 +29,7 @@ set(OCTAVO_READ_SOURCES
   codec/exact/float_bins.cpp
   codec/exact/float_codes.cpp
   codec/exact/float_places.cpp
+  codec/exact/plain_floats.cpp
   codec/grey/edge_pairs.cpp
   codec/grey/grey_brick.cpp
   codec/grey/grey_codec.cpp

@@ -115,6 +115,10 @@ double exact_floats(const Index3& p) {
   if (p.z > 8) return p.x < 20 ? 0.0 : static_cast<double>(some) * 1e-12;
   return static_cast<double>(scan_at(p, 100, 24)) * 0.37 + static_cast<double>(some) / 70001.0;
 }
+/// Finite or not, all bits are random: no code says less than the floats do.
+double any_floats(const Index3& p) {
+  return std::bit_cast<float>(noise_at(p) << 16 | noise_at({p.y + 50, p.z + 60, p.x + 70}));
+}
 /// NaN and infinities in smooth floats, and what takes their place.
 double holed_floats(const Index3& p) {
   const std::uint32_t some = noise_at(p);
@@ -214,6 +218,7 @@ std::vector<Feature> features() {
       {"float32-scaled", size, VoxelType::float32, scaled_scan},
       {"float32-exact", {66, 18, 12}, VoxelType::float32, exact_floats},
       {"float32-exact-fast", {30, 17, 11}, VoxelType::float32, exact_floats, with(Preset::fast, 0)},
+      {"float32-plain", {19, 18, 13}, VoxelType::float32, any_floats},
       {"float32-max-error", size, VoxelType::float32, smooth_floats, with(Preset::small, 0.05)},
       {"float32-filled", {24, 20, 17}, VoxelType::float32, filled_floats, filled, {1, 1, 1},
        nullptr, holed_floats},

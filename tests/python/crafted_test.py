@@ -32,6 +32,8 @@ CODES_INT16 = (0x8001, struct.pack("<BBdd", 3, 0, 0.5, 1.0))
 STORED = bytes([1, 3, 2, 4, 0, 191, 1, 2])
 CODES = (0, 1, 2, 1, 0, 2, 1, 0)
 PLAIN_CODES = sum(code << 2 * i for i, code in enumerate(CODES)).to_bytes(2, "little")
+PLAIN_FLOATS = struct.pack("<8f", *CODES)
+NAN = (float("nan"),)
 CUT_MODEL = LIKE_MODEL[:1] + b"\4" + LIKE_MODEL[2:]
 NOTE = ((b"note", 0, b"text"),)
 # Two by two pixels, all black.
@@ -89,6 +91,10 @@ def exact(*pieces, **more):
             "voxels": tuple(map(float, CODES)), **more}
 
 
+def plain_floats(floats=PLAIN_FLOATS, head=b"\x10", **more):
+    return exact(head + floats, **more)
+
+
 def pair(state, *words):
     """Two voxels, 9 and 10, whose one detail is read from `state`."""
     return {"size": (2, 1, 1), "masks": (1,), "low": 9, "high": 10, "voxels": (9, 10),
@@ -105,6 +111,13 @@ def ramps(above, head=b"", voxel_of=int, **more):
     fields = sum(code << 6 * code for code in range(64)).to_bytes(48, "little")
     return two_tiers(above, low=0, high=63, pieces=(head + fields,),
                      voxels=tuple(map(voxel_of, range(64))) * 2, **more)
+
+
+def plain_ramps(above, start=()):
+    """Bricks of the floats 0 to 63, the first of them replaced by others, as they are."""
+    voxels = (*start, *map(float, range(len(start), 64)))
+    return two_tiers(int(above), **coding(scale=1.0, offset=0.0), low=0, high=63,
+                     pieces=(b"\x10" + struct.pack("<64f", *voxels),), voxels=voxels * 2)
 
 
 # What is changed; the outcome of opening and reading, and of verification where that differs.
@@ -163,7 +176,7 @@ ROWS = [
     ("a fourth cut axis", stored(model=b"\0\x08"), "newer"),
     ("a label model that announces more", stored(kind=2, model=b"\xff" * 8), "newer"),
     ("a flag of a brick's map", stored(b"\x04" + STORED, like=LIKE_GAPS), "newer"),
-    ("a flag of a float brick", stored_floats(b"\x10"), "newer"),
+    ("a flag of a float brick", stored_floats(b"\x20"), "newer"),
     ("a flag of places", stored_floats(b"\x02\x40\0\0"), "newer"),
     ("no seal", {"seal": 0}, "damaged"),
     ("a fourth axis", {"masks": (15,)}, "newer"),
@@ -267,6 +280,16 @@ ROWS = [
     ("a stored brick of labels", stored(b"\0" + STORED, kind=2, like=LIKE_LABELS), "sound"),
     ("a stored brick of floats", stored_floats(b"\0"), "sound"),
     ("exact floats as they are", exact(b"\0" + PLAIN_CODES), "sound"),
+    ("plain floats", plain_floats(), "sound"),
+    ("plain floats that end early", plain_floats(PLAIN_FLOATS[:-1]), "damaged"),
+    ("plain floats with a byte behind them", plain_floats(PLAIN_FLOATS + b"\0"), "damaged"),
+    ("plain floats of which some are absent", plain_floats(head=b"\x11"), "damaged"),
+    ("plain floats with places", plain_floats(head=b"\x12"), "damaged"),
+    ("plain floats below their range", plain_floats(low=1), "damaged"),
+    ("plain floats above their range", plain_floats(high=1), "damaged"),
+    ("plain floats above the range that a flag makes", plain_floats(head=b"\x18"), "damaged"),
+    ("plain floats in the range that a flag makes", plain_floats(head=b"\x18", high=3), "sound"),
+    ("plain floats behind a coarsest segment", exact(PLAIN_FLOATS, b"\x10"), "damaged"),
     ("exact floats coded without coarsest codes", exact(PLAIN_CODES, b"\0"), "damaged"),
     ("exact floats of a model that cuts an axis",
      exact(b"\0" + PLAIN_CODES, model=CUT_MODEL), "damaged"),
@@ -313,6 +336,10 @@ ROWS = [
     ("two tiers of floats", ramps(32, b"\0", voxel_of_code, **coding()), "sound"),
     ("another float in the next tier", ramps(33, b"\0", voxel_of_code, **coding()), "sound",
      "damaged"),
+    ("two tiers of plain floats", plain_ramps(32.0), "sound"),
+    ("another float above plain ones", plain_ramps(33.0), "sound", "damaged"),
+    ("two tiers of plain floats and NaN", plain_ramps(47.0, NAN * 32), "sound"),
+    ("another float above plain ones and NaN", plain_ramps(48.0, NAN * 32), "sound", "damaged"),
     ("two tiers of rounded floats", ramps(32, b"", voxel_of_code, max_error=0.5, **coding(3, 0)),
      "sound"),
     ("another rounded float in the next tier",

@@ -97,9 +97,12 @@ def has_edges(file):
     return file.model(0).has_edges
 
 
+def is_stored_brick(brick):
+    return brick.pieces[0][1] > 0 and brick.pieces[-1][1] == 0
+
+
 def is_stored(file):
-    return any(brick.pieces[0][1] > 0 and brick.pieces[-1][1] == 0
-               for brick in file.bricks(0))
+    return any(is_stored_brick(brick) for brick in file.bricks(0))
 
 
 def is_coded(file):
@@ -108,6 +111,12 @@ def is_coded(file):
 
 def has_uniform_brick(file):
     return any(brick.smallest == brick.largest for brick in file.bricks(0))
+
+
+def holds_plain_floats(file):
+    heads = (file.read_bytes(brick.pieces[0][0], 1)[0] for brick in file.bricks(0)
+             if is_stored_brick(brick))
+    return file.header.is_exact and any(head & 16 for head in heads)
 
 
 def is_exact(file):
@@ -148,6 +157,7 @@ GOLDEN_USES = {
     "fast-int32-wide": is_wide,
     "float32-exact": lambda file: is_exact(file) and len(list(file.bricks(0))) > 1,
     "float32-exact-fast": lambda file: is_exact(file) and file.model(0).predictor == 1,
+    "float32-plain": holds_plain_floats,
     "max-error-rounded": is_rounded,
     "max-error-quantised": is_corrected,
     "max-error-fast": predicts(1),
@@ -224,6 +234,10 @@ def cases():
              ("--preset", "fast"), is_exact),
         Case("float32 near zero", (waves((12, 11, 10), 7, 1) ** 9 * 1e-20).astype("float32"), (),
              is_exact),
+        Case("float32 of any bits", noise(0, 2**32, (11, 23, 37), "uint32").view("float32"), (),
+             holds_plain_floats),
+        Case("float32 of any bits, thick y", noise(0, 2**32, (13, 9, 70), "uint32").view("float32"),
+             ("--preset", "fast"), holds_plain_floats, "1,4,1"),
         Case("no numbers", np.full((5, 6, 7), np.nan, "float32"), (), is_exact),
         Case("float32 with an error", waves((20, 21, 22), 7, 0.1).astype("float32"),
              ("--max-error", "0.01"), is_rounded),

@@ -1,7 +1,7 @@
 // Float32 voxels bit by bit: codes by a codec of their own, then which float of its bin each is.
 //
 // A brick starts with a byte of flags. Where samples are absent every level says which; level 0
-// says which floats they are.
+// says which floats they are. What takes more than the floats themselves stands plain.
 
 #include <algorithm>
 #include <cstring>
@@ -14,6 +14,7 @@
 #include "octavo/codec/exact/float_bins.h"
 #include "octavo/codec/exact/float_codes.h"
 #include "octavo/codec/exact/float_places.h"
+#include "octavo/codec/exact/plain_floats.h"
 #include "octavo/codec/stored_brick.h"
 
 namespace octavo::exact {
@@ -28,6 +29,7 @@ struct Head {
   static constexpr unsigned kHasPlaces = 2;   ///< voxels that are not those of their codes
   static constexpr unsigned kMinIsAbove = 4;  ///< the smallest code is that of the index plus 1
   static constexpr unsigned kMaxIsBelow = 8;  ///< the largest code is that of the index less 1
+  static constexpr unsigned kIsPlain = 16;    ///< the voxels follow as they are, and nothing else
 
   unsigned flags = 0;
 
@@ -36,7 +38,7 @@ struct Head {
   static Head take(ByteSpan& segment) {
     Head head;
     head.flags = take_bytes(segment, 1).front();
-    if (head.flags > 15) {
+    if (head.flags >= 2 * kIsPlain) {
       throw Error(ErrorKind::unsupported_version,
                   "a float brick of a later version of the format");
     }
@@ -119,6 +121,10 @@ class ExactCodec final : public BrickCodec {
                               const Head& head, bool is_stored) const;
   OpenedBrick open(const BrickShape& shape, VoxelType type, const ValueRange& range,
                    std::span<const ByteSpan> segments) const;
+  void make_plain(EncodedBrick& encoded, const BrickShape& shape, const QuantizedBrick& brick,
+                  Head head) const;
+  void decode_plain(const BrickShape& shape, const OpenedBrick& brick, int level,
+                    std::span<float> samples) const;
 
   std::unique_ptr<BrickCodec> codes_;
   SampleCoding coding_;
@@ -185,7 +191,26 @@ EncodedBrick ExactCodec::encode(const BrickShape& shape, const BrickView& view) 
     Bytes& segment = encoded.segments[i];
     segment.insert(segment.begin(), parts[i].begin(), parts[i].end());
   }
+  if (shape.first_level == 0) {
+    std::size_t coded = 0;
+    for (const Bytes& segment : encoded.segments) coded += segment.size();
+    if (coded > 1 + sizeof(float) * brick.voxels.size()) make_plain(encoded, shape, brick, head);
+  }
   return encoded;
+}
+
+/// Puts the voxels as they are in the place of the segments.
+/// head  of the brick as it was coded
+void ExactCodec::make_plain(EncodedBrick& encoded, const BrickShape& shape,
+                            const QuantizedBrick& brick, Head head) const {
+  head.flags = (head.flags & (Head::kMinIsAbove | Head::kMaxIsBelow)) | Head::kIsPlain;
+  for (Bytes& segment : encoded.segments) segment.clear();
+  Bytes& segment = encoded.segments.front();
+  segment = encode_plain_floats(brick.voxels);
+  segment.insert(segment.begin(), static_cast<std::uint8_t>(head.flags));
+  const CodedLevel above = level_of(brick, shape, shape.level_count, codes_->axis_order());
+  const bool is_absent = !above.absent.empty() && above.absent.front() != 0;
+  encoded.parent = bits_of(is_absent ? kAbsent : coding_.voxel_of(above.codes.front()));
 }
 
 OpenedBrick ExactCodec::open(const BrickShape& shape, VoxelType type, const ValueRange& range,
@@ -206,7 +231,32 @@ OpenedBrick ExactCodec::open(const BrickShape& shape, VoxelType type, const Valu
   if (brick.head.has(Head::kHasPlaces) && shape.first_level > 0) {
     throw Error(ErrorKind::corrupt, "a coarse float brick has places");
   }
+  if (brick.head.has(Head::kIsPlain)) {
+    const bool is_alone = brick.is_stored || shape.level_count == 1;
+    const bool has_more = brick.head.has(Head::kHasAbsent) || brick.head.has(Head::kHasPlaces);
+    if (!is_alone || has_more || shape.first_level > 0) {
+      throw Error(ErrorKind::corrupt, "a brick of plain floats has something beside them");
+    }
+  }
   return brick;
+}
+
+/// The samples of a level of a brick whose voxels stand as they are, of its parent at the level
+/// behind the last.
+void ExactCodec::decode_plain(const BrickShape& shape, const OpenedBrick& brick, int level,
+                              std::span<float> samples) const {
+  const ByteSpan bytes = brick.parts.front();
+  if (level == 0) return decode_plain_floats(bytes, bins_, brick.codes, samples);
+  const Size3& size = shape.size[0];
+  std::vector<float> voxels(static_cast<std::size_t>(size.voxel_count()));
+  decode_plain_floats(bytes, bins_, brick.codes, voxels);
+  const BrickView view{voxels.data(), VoxelType::float32, size, size.x, size.x * size.y};
+  const CodedLevel found =
+      level_of(quantized(coding_, shape, view), shape, level, codes_->axis_order());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const bool is_absent = !found.absent.empty() && found.absent[i] != 0;
+    samples[i] = is_absent ? kAbsent : coding_.voxel_of(found.codes[i]);
+  }
 }
 
 void ExactCodec::decode(const BrickShape& shape, VoxelType type, const ValueRange& range,
@@ -220,6 +270,7 @@ void ExactCodec::decode(const BrickShape& shape, VoxelType type, const ValueRang
   }
   OpenedBrick brick = open(shape, type, range, segments);
   const Head& head = brick.head;
+  if (head.has(Head::kIsPlain)) return decode_plain(shape, brick, level, voxels);
   // Which samples are absent; their bits where level 0 is read
   std::vector<std::uint32_t> bits;
   const AbsentFlags absent = take_absent(brick, shape, level, bits);
@@ -255,6 +306,11 @@ std::int64_t ExactCodec::decode_parent(const BrickShape& shape, VoxelType type,
                                        std::span<const ByteSpan> segments) const {
   if (range.min == range.max) return bits_of(coding_.voxel_of(range.min));
   OpenedBrick brick = open(shape, type, range, segments);
+  if (brick.head.has(Head::kIsPlain)) {
+    float parent = 0;
+    decode_plain(shape, brick, shape.level_count, {&parent, 1});
+    return bits_of(parent);
+  }
   std::vector<std::uint32_t> bits;
   const AbsentFlags absent = take_absent(brick, shape, shape.level_count - 1, bits);
   const auto is_absent = [](std::uint8_t flag) { return flag != 0; };

@@ -343,6 +343,111 @@ TEST(ExactCodec, FloatsThatRepeatAreNotCodedAgain) {
   EXPECT_TRUE(are_same(decoded(*codec, brick, encoded, 0), brick.voxels));
 }
 
+std::size_t bytes_of(const EncodedBrick& encoded) {
+  std::size_t bytes = 0;
+  for (const Bytes& segment : encoded.segments) bytes += segment.size();
+  return bytes;
+}
+
+TEST(ExactCodec, NoBrickTakesMoreThanItsFloatsAndAByte) {
+  for (const Floats sort : kAllFloats) {
+    for (const Size3& size : kSizes) {
+      const Brick brick(sort, size);
+      for (const SampleCoding& coding : {exact(0.25), exact(0x1p-148), exact(1e30)}) {
+        const auto codec = trained_on(brick, coding, Preset::fast);
+        const EncodedBrick encoded = codec->encode(brick.shape, brick.view());
+        EXPECT_LE(bytes_of(encoded), 1 + 4 * brick.voxels.size())
+            << "floats " << static_cast<int>(sort) << ", scale " << coding.scale;
+      }
+    }
+  }
+}
+
+TEST(ExactCodec, OneOutlierDoesNotMakeABrickLargerThanItsFloats) {
+  Brick brick(Floats::noise, {32, 32, 32});
+  const auto codec = trained_on(brick, exact(0.125), Preset::fast);
+  brick.voxels[1234] = 1e30f;
+  const EncodedBrick encoded = codec->encode(brick.shape, brick.view());
+  EXPECT_LE(bytes_of(encoded), 1 + 4 * brick.voxels.size());
+  EXPECT_TRUE(are_same(decoded(*codec, brick, encoded, 0), brick.voxels));
+}
+
+constexpr std::uint8_t kPlainFlag = 16;
+
+/// A coded brick with its voxels as they are in the place of its segments.
+EncodedBrick with_plain_floats(const Brick& brick, EncodedBrick encoded) {
+  const bool is_stored = encoded.segments.back().empty();
+  const Bytes& first = is_stored ? encoded.segments.front() : encoded.segments.back();
+  Bytes plain = {static_cast<std::uint8_t>((first.front() & 12) | kPlainFlag)};
+  for (const float voxel : brick.voxels) {
+    for (int shift = 0; shift < 32; shift += 8) {
+      plain.push_back(static_cast<std::uint8_t>(bits_of(voxel) >> shift));
+    }
+  }
+  for (Bytes& segment : encoded.segments) segment.clear();
+  encoded.segments.front() = plain;
+  return encoded;
+}
+
+TEST(ExactCodec, PlainFloatsHaveTheLevelsOfCodedOnes) {
+  for (const Floats sort : {Floats::noise, Floats::smooth, Floats::sparse_nan, Floats::infinities,
+                            Floats::nan_outside, Floats::all_nan, Floats::wide_range}) {
+    for (const Size3& size : kSizes) {
+      const Brick brick(sort, size);
+      const auto codec = trained_on(brick, exact(0.25), Preset::fast);
+      const EncodedBrick coded = codec->encode(brick.shape, brick.view());
+      if (coded.range.min == coded.range.max) continue;
+      const EncodedBrick plain = with_plain_floats(brick, coded);
+      for (int level = 0; level < brick.shape.level_count; ++level) {
+        EXPECT_TRUE(are_same(decoded(*codec, brick, plain, level),
+                             decoded(*codec, brick, coded, level)))
+            << "floats " << static_cast<int>(sort) << ", level " << level;
+      }
+      EXPECT_EQ(testing::decoded_parent(*codec, brick.shape, VoxelType::float32, plain),
+                coded.parent);
+    }
+  }
+}
+
+TEST(ExactCodec, PlainFloatsStandAloneAndInTheirRange) {
+  const Brick brick(Floats::noise, {5, 4, 3});
+  const auto codec = trained_on(brick, exact(0.25));
+  const EncodedBrick coded = codec->encode(brick.shape, brick.view());
+  const EncodedBrick plain = with_plain_floats(brick, coded);
+  const auto is_rejected = [&](auto&& change, ErrorKind kind = ErrorKind::corrupt) {
+    EncodedBrick changed = plain;
+    Brick other = brick;
+    change(changed, other);
+    for (const int level : {0, 1}) {
+      try {
+        decoded(*codec, other, changed, level);
+        return false;
+      } catch (const Error& error) {
+        if (error.kind() != kind) return false;
+      }
+    }
+    return true;
+  };
+  EXPECT_FALSE(is_rejected([](EncodedBrick&, Brick&) {}));
+  const auto head = [](EncodedBrick& encoded) -> std::uint8_t& {
+    return encoded.segments.front().front();
+  };
+  EXPECT_TRUE(is_rejected([&](auto& encoded, Brick&) { head(encoded) |= 1; }));
+  EXPECT_TRUE(is_rejected([&](auto& encoded, Brick&) { head(encoded) |= 2; }));
+  EXPECT_TRUE(is_rejected([&](auto& encoded, Brick&) { head(encoded) |= 32; },
+                          ErrorKind::unsupported_version));
+  EXPECT_TRUE(is_rejected([](auto& encoded, Brick&) { encoded.segments[0].pop_back(); }));
+  EXPECT_TRUE(is_rejected([](auto& encoded, Brick&) { encoded.segments[0].push_back(0); }));
+  EXPECT_TRUE(is_rejected([](auto& encoded, Brick&) { encoded.segments[0].resize(1); }));
+  EXPECT_TRUE(is_rejected([](auto&, Brick& other) { other.shape.first_level = 6; }));
+  EXPECT_TRUE(is_rejected([](auto& encoded, Brick&) { encoded.range.max -= 4; }));
+  EXPECT_TRUE(is_rejected([](auto& encoded, Brick&) { encoded.range.min += 4; }));
+  EXPECT_TRUE(is_rejected([&](auto& encoded, Brick&) {
+    encoded.segments = coded.segments;
+    encoded.segments.back().front() = kPlainFlag;
+  }));
+}
+
 TEST(ExactCodec, EveryTruncationAndManyFlipsAreRejectedOrDecode) {
   for (const Floats sort : {Floats::noise, Floats::infinities, Floats::zeros_and_few,
                             Floats::two_values, Floats::any_bits}) {
