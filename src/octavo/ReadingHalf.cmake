@@ -34,6 +34,7 @@ set(OCTAVO_READ_SOURCES
   codec/grey/grey_brick.cpp
   codec/grey/grey_codec.cpp
   codec/grey/grey_corrections.cpp
+  codec/grey/grey_decoder.cpp
   codec/grey/grey_interpolation.cpp
   codec/grey/grey_model.cpp
   codec/grey/grey_parts.cpp

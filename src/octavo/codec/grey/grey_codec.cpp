@@ -2,18 +2,16 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <type_traits>
 
 #include "octavo/codec/grey/edge_pairs.h"
 #include "octavo/codec/grey/grey_brick.h"
 #include "octavo/codec/grey/grey_corrections.h"
+#include "octavo/codec/grey/grey_decoder.h"
 #include "octavo/codec/grey/grey_interpolation.h"
 #include "octavo/codec/grey/grey_parts.h"
 #include "octavo/codec/grey/grey_voxels.h"
 #include "octavo/codec/grey/plain_samples.h"
 #include "octavo/codec/grey/voxel_walk.h"
-#include "octavo/codec/stored_brick.h"
-#include "octavo/core/crc32c.h"
 
 namespace octavo::grey {
 
@@ -229,247 +227,6 @@ EncodedBrick encode_brick(const Model& model, const BrickShape& whole, const Bri
   return encoded;
 }
 
-/// What a decoder needs to know of a brick.
-struct Source {
-  const Model& model;
-  BrickShape shape;  ///< in the codec's axes
-  VoxelType type;
-  ValueRange range;
-  SampleScale scale;
-  BrickMap map;
-
-  const Parameters& parameters() const { return model.parameters; }
-  bool is_corrected() const { return parameters().quantizer.correction_step > 0; }
-  VoxelWriter writer() const {
-    return {type, range, scale, parameters().axis_order, parameters().quantizer.is_lossless()};
-  }
-};
-
-template <class Sample>
-void decode_stored(const Source& source, ByteSpan segment, int level, const VoxelTarget& out) {
-  const BrickShape& shape = source.shape;
-  std::vector<Sample> samples = decode_plain<Sample>(source.scale, segment, shape.size[0]);
-  for (int i = 0; i < level; ++i) {
-    samples = coarser_level(std::move(samples), shape, i);
-  }
-  const Size3& size = shape.size[static_cast<std::size_t>(level)];
-  source.writer().write(
-      size,
-      [&](std::int64_t y, std::int64_t z) { return samples.data() + (z * size.y + y) * size.x; },
-      out);
-}
-
-template <class Sample>
-std::int64_t decode_parent_sample(const Source& source, std::span<const ByteSpan> segments,
-                                  bool is_stored) {
-  const BrickShape& shape = source.shape;
-  const int first = is_stored ? 0 : shape.level_count - 1;
-  const auto slot = static_cast<std::size_t>(first);
-  std::vector<Sample> samples =
-      decode_plain<Sample>(source.scale, segments[slot], shape.size[slot]);
-  for (int level = first; level < shape.level_count; ++level) {
-    samples = coarser_level(std::move(samples), shape, level);
-  }
-  const std::int64_t code = samples.front() + source.scale.base();
-  return std::clamp(source.scale.codes.voxel_of(code), source.range.min, source.range.max);
-}
-
-/// Takes the corrections off the front of segment 0, or of a part.
-Corrections take_corrections(ByteSpan& segment, const Size3& size) {
-  const std::uint64_t length = take_varint(segment);
-  return decode_corrections(take_bytes(segment, length), size);
-}
-
-void apply(const Corrections& corrections, const Source& source, const Size3& size,
-           const VoxelTarget& out) {
-  const std::int64_t step = source.parameters().quantizer.correction_step;
-  with_voxel_type(source.type, [&](auto tag) {
-    using T = typename decltype(tag)::type;
-    const std::int8_t* correction = corrections.data();
-    for (std::int64_t z = 0; z < size.z; ++z) {
-      for (std::int64_t y = 0; y < size.y; ++y) {
-        T* const row = static_cast<T*>(out.voxels) + z * out.plane_stride + y * out.row_stride;
-        for (std::int64_t x = 0; x < size.x; ++x, ++correction) {
-          if (*correction == 0) continue;
-          const auto moved = static_cast<std::int64_t>(row[x]) + *correction * step;
-          row[x] = static_cast<T>(std::clamp(moved, source.range.min, source.range.max));
-        }
-      }
-    }
-  });
-}
-
-/// What the levels of a brick tell of the finer ones.
-struct LevelState {
-  UniformCells cells;
-  std::unique_ptr<const ValueGaps> gaps;  ///< only where level 0 is decoded
-  std::vector<PartBytes> entries;  ///< of the parts of level 0; empty when it has none
-
-  BrickHints hints(const Parameters& p) const {
-    return {cells.flags.empty() ? nullptr : &cells, gaps.get(), p.has_edges};
-  }
-};
-
-/// Decodes the splits of a level, or of a part of it, from its edges and residuals; its means stand
-/// in the work space.
-template <class Sample>
-void decode_details(const Source& source, const Part& part, int level, ByteSpan segment,
-                    const BrickHints& hints, int most_states) {
-  const Parameters& p = source.parameters();
-  Workspace<Sample>& work = thread_workspace<Sample>();
-  // A level without details repeats its means
-  const std::int64_t details = level_detail_count(part.shape, level, hints.cells);
-  if (details == 0) {
-    if (!segment.empty()) throw Error(ErrorKind::corrupt, "a segment without details has bytes");
-    static const Parameters kRepeating{};
-    run_level(work, part, source.scale, kRepeating, level, hints, Margins::all,
-              [](const Stage&, const Split&) {});
-    return;
-  }
-  // Edges, then residuals, split by split
-  SymbolReader symbols(source.model, table_set(level), segment, details, source.scale.shift(),
-                       most_states);
-  run_level(work, part, source.scale, p, level, hints, reach_of(p.predictor),
-            [&](const Stage& stage, const Split&) {
-              if (stage.has_edges) take_edges(stage, work, symbols);
-              stage_functions().of<Sample>().decode(p, stage, work, symbols);
-            });
-  symbols.finish();
-}
-
-/// Decodes the levels from the coarsest to `level`, but not level 0, into the work space.
-template <class Sample>
-LevelState decode_coarser(const Source& source, std::span<const ByteSpan> segments, int level) {
-  const BrickShape& shape = source.shape;
-  const Parameters& p = source.parameters();
-  const auto last = static_cast<std::size_t>(shape.level_count) - 1;
-  const std::vector<Sample> coarsest =
-      decode_plain<Sample>(source.scale, segments[last], shape.size[last]);
-  load_means(thread_workspace<Sample>(), coarsest.data(), shape.size[last]);
-  LevelState state;
-  for (int at = static_cast<int>(last) - 1; at >= std::max(level, 1); --at) {
-    ByteSpan segment = segments[static_cast<std::size_t>(at)];
-    if (at == 1 && has_parts(shape, p.cut_axes)) {
-      state.entries = take_part_list(segment, parts_of(shape, p.cut_axes).size());
-    }
-    if (at == 1 && has_cells(shape)) {
-      const std::uint64_t length = take_varint(segment);
-      state.cells = decode_cells(take_bytes(segment, length), shape.size[2]);
-    }
-    decode_details<Sample>(source, Part{shape, {}, {}, kAllFaces}, at, segment,
-                           state.hints(p), kMaxStates);
-  }
-  if (level == 0) state.gaps = gaps_of(p.value_map, source.map, shape, source.scale);
-  return state;
-}
-
-/// Decodes level 0 of a brick, or a part of it, to voxels; its means stand in the work space.
-template <class Sample>
-void decode_finest(const Source& source, const Part& part, ByteSpan segment,
-                   const BrickHints& hints, int most_states, const VoxelTarget& out) {
-  const Size3 size = own_box(part, source.parameters().axis_order).size();
-  Corrections corrections;
-  if (source.is_corrected()) corrections = take_corrections(segment, size);
-  decode_details<Sample>(source, part, 0, segment, hints, most_states);
-  source.writer().write(thread_workspace<Sample>().means, out);
-  if (source.is_corrected()) apply(corrections, source, size, out);
-}
-
-/// The bytes of the parts in segment 0. Throws Error{corrupt} when the parts do not fill it.
-std::vector<ByteSpan> split_segment(ByteSpan segment, const std::vector<PartBytes>& entries) {
-  std::vector<ByteSpan> parts;
-  for (const PartBytes& entry : entries) parts.push_back(take_bytes(segment, entry.length));
-  if (!segment.empty()) throw Error(ErrorKind::corrupt, "bytes behind the parts of a brick");
-  return parts;
-}
-
-template <class Sample>
-void decode_samples(const Source& source, std::span<const ByteSpan> segments, int level,
-                    const VoxelTarget& out) {
-  const Parameters& p = source.parameters();
-  const LevelState state = decode_coarser<Sample>(source, segments, level);
-  Workspace<Sample>& work = thread_workspace<Sample>();
-  if (level > 0 || source.shape.level_count == 1) {
-    source.writer().write(work.means, out);
-    return;
-  }
-  std::vector<ByteSpan> parts{segments[0]};
-  if (!state.entries.empty()) parts = split_segment(segments[0], state.entries);
-  const int most_states = state.entries.empty() ? kMaxStates : most_part_states(p.cut_axes);
-  auto next = parts.begin();
-  for_each_part(work, source.shape, p.cut_axes, 0, state.hints(p),
-                [&](const Part& part, const BrickHints& hints) {
-                  const Index3 at = own_box(part, p.axis_order).lo;
-                  decode_finest<Sample>(source, part, *next++, hints, most_states,
-                                        target_from(out, at, source.type));
-                });
-}
-
-/// Decodes a level that has no details.
-/// source    of the brick from its first level with details on, and so are segments
-/// whole     the shape of all of it, in the codec's axes
-template <class Sample>
-void decode_interpolated(const Source& source, const BrickShape& whole, bool is_stored,
-                         std::span<const ByteSpan> segments, int level, const VoxelTarget& out) {
-  const BrickShape& shape = source.shape;
-  Workspace<Sample>& work = thread_workspace<Sample>();
-  if (is_stored) {
-    load_means(work, decode_plain<Sample>(source.scale, segments[0], shape.size[0]).data(),
-               shape.size[0]);
-  } else {
-    const LevelState state = decode_coarser<Sample>(source, segments, 0);
-    if (shape.level_count > 1) {
-      decode_details<Sample>(source, Part{shape, {}, {}, kAllFaces}, 0, segments[0],
-                             state.hints(source.parameters()), kMaxStates);
-    }
-  }
-  interpolate_levels(work, whole, source.scale, whole.level_count - shape.level_count, level);
-  source.writer().write(work.means, out);
-}
-
-template <class Sample>
-class GreyParts final : public BrickParts {
- public:
-  GreyParts(const Source& source, std::span<const ByteSpan> segments)
-      : source_(source),
-        state_(decode_coarser<Sample>(source, segments, 0)),
-        coarse_(thread_workspace<Sample>().means),
-        parts_(parts_of(source.shape, source.parameters().cut_axes)) {
-    std::uint64_t offset = 0;
-    for (std::size_t i = 0; i < parts_.size(); ++i) {
-      const std::uint64_t length = state_.entries[i].length;
-      const Box box = own_box(parts_[i], source.parameters().axis_order);
-      own_parts_.push_back({box, offset, length});
-      if (length > kMaxPartBytes) throw Error(ErrorKind::corrupt, "a part is too long");
-      offset += length;
-    }
-  }
-
-  const std::vector<BrickParts::Part>& parts() const noexcept override { return own_parts_; }
-
-  void decode(std::size_t number, ByteSpan bytes, const VoxelTarget& out) const override {
-    const PartBytes& entry = state_.entries[number];
-    if (bytes.size() != entry.length || !checksum_matches(crc32c(bytes), entry.crc)) {
-      throw Error(ErrorKind::corrupt, "a part of a brick has another checksum");
-    }
-    const Parameters& p = source_.parameters();
-    coarse_.put(parts_[number], thread_workspace<Sample>().means);
-    const PartHints own(parts_[number], state_.hints(p));
-    decode_finest<Sample>(source_, parts_[number], bytes, own.hints,
-                          most_part_states(p.cut_axes), out);
-  }
-
- private:
-  /// More than any segment may have: sums of lengths do not overflow.
-  static constexpr std::uint64_t kMaxPartBytes = std::uint64_t{1} << 32;
-
-  Source source_;
-  LevelState state_;
-  CoarseSamples<Sample> coarse_;
-  std::vector<grey::Part> parts_;
-  std::vector<BrickParts::Part> own_parts_;
-};
-
 }  // namespace
 
 GreyCodec::GreyCodec(const Parameters& parameters) {
@@ -499,64 +256,15 @@ EncodedBrick GreyCodec::encode(const BrickShape& shape, const BrickView& view) c
   });
 }
 
-namespace {
-
-/// plain  the segment with the plain samples, off which the brick's map is taken
-Source source_of(const Model& model, const BrickShape& shape, VoxelType type,
-                 const ValueRange& range, ByteSpan& plain) {
-  const Parameters& p = model.parameters;
-  BrickMap map;
-  if (!p.value_map.is_empty()) map = take_brick_map(p.value_map, range, plain);
-  if (map.has_gaps && shape.first_level > 0) {
-    throw Error(ErrorKind::corrupt, "a brick of means has gaps between its values");
-  }
-  return {model, in_order(shape, p.axis_order), type, range,
-          SampleScale::of_voxels(range, code_scale(p, map)), map};
-}
-
-}  // namespace
-
 void GreyCodec::decode(const BrickShape& shape, VoxelType type, const ValueRange& range,
                        std::span<const ByteSpan> segments, int level, void* out) const {
-  const Size3& size = shape.size[static_cast<std::size_t>(level)];
-  if (range.min == range.max) {
-    with_voxel_type(type, [&](auto tag) {
-      using T = typename decltype(tag)::type;
-      std::fill_n(static_cast<T*>(out), size.voxel_count(), static_cast<T>(range.min));
-    });
-    return;
-  }
-  const int first = detailed_level(model_->parameters, shape);
-  const bool stored = is_stored(shape, segments, first);
-  std::vector<ByteSpan> bytes(segments.begin() + (stored ? 0 : first), segments.end());
-  const Source source = source_of(*model_, shape_from(shape, first), type, range,
-                                  stored ? bytes.front() : bytes.back());
-  const VoxelTarget target = dense_target(out, size);
-  with_sample_type(source.scale, [&](auto sample) {
-    using Sample = decltype(sample);
-    if (level < first) {
-      const BrickShape whole = in_order(shape, model_->parameters.axis_order);
-      decode_interpolated<Sample>(source, whole, stored, bytes, level, target);
-    } else if (stored) {
-      decode_stored<Sample>(source, bytes[0], level - first, target);
-    } else {
-      decode_samples<Sample>(source, bytes, level - first, target);
-    }
-  });
+  decode_brick(*model_, shape, type, range, segments, level, out);
 }
 
 std::int64_t GreyCodec::decode_parent(const BrickShape& shape, VoxelType type,
                                       const ValueRange& range,
                                       std::span<const ByteSpan> segments) const {
-  if (range.min == range.max) return range.min;
-  const int first = detailed_level(model_->parameters, shape);
-  const bool stored = is_stored(shape, segments, first);
-  std::vector<ByteSpan> bytes(segments.begin() + (stored ? 0 : first), segments.end());
-  const Source source = source_of(*model_, shape_from(shape, first), type, range,
-                                  stored ? bytes.front() : bytes.back());
-  return with_sample_type(source.scale, [&](auto sample) {
-    return decode_parent_sample<decltype(sample)>(source, bytes, stored);
-  });
+  return grey::decode_parent(*model_, shape, type, range, segments);
 }
 
 bool GreyCodec::has_parts(const BrickShape& shape) const noexcept {
@@ -567,12 +275,7 @@ bool GreyCodec::has_parts(const BrickShape& shape) const noexcept {
 std::unique_ptr<BrickParts> GreyCodec::open_parts(const BrickShape& shape, VoxelType type,
                                                   const ValueRange& range,
                                                   std::span<const ByteSpan> segments) const {
-  if (range.min == range.max || segments.back().empty() || !has_parts(shape)) return nullptr;
-  std::vector<ByteSpan> bytes(segments.begin(), segments.end());
-  const Source source = source_of(*model_, shape, type, range, bytes.back());
-  return with_sample_type(source.scale, [&](auto sample) -> std::unique_ptr<BrickParts> {
-    return std::make_unique<GreyParts<decltype(sample)>>(source, bytes);
-  });
+  return grey::open_parts(*model_, shape, type, range, segments);
 }
 
 }  // namespace octavo::grey

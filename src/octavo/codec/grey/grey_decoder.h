@@ -1,0 +1,28 @@
+// The decoding half of the grey codec: segments to voxels, whole bricks or parts of level 0.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "octavo/codec/brick_codec.h"
+#include "octavo/codec/grey/grey_model.h"
+
+namespace octavo::grey {
+
+/// As BrickCodec::decode. Throws Error{corrupt, unsupported_version}.
+void decode_brick(const Model& model, const BrickShape& shape, VoxelType type,
+                  const ValueRange& range, std::span<const ByteSpan> segments, int level,
+                  void* out);
+
+/// As BrickCodec::decode_parent. Throws Error{corrupt, unsupported_version}.
+std::int64_t decode_parent(const Model& model, const BrickShape& shape, VoxelType type,
+                           const ValueRange& range, std::span<const ByteSpan> segments);
+
+/// As BrickCodec::open_parts; the model outlives the result.
+/// Throws Error{corrupt, unsupported_version}.
+std::unique_ptr<BrickParts> open_parts(const Model& model, const BrickShape& shape,
+                                       VoxelType type, const ValueRange& range,
+                                       std::span<const ByteSpan> segments);
+
+}  // namespace octavo::grey
