@@ -5,6 +5,8 @@
 
 #include <cstdint>
 
+#include "octavo/codec/brick_codec.h"
+
 namespace octavo {
 
 namespace {
@@ -18,6 +20,23 @@ Size3 bricks_met(const Box& box, const Size3& side) {
   const Index3 first = first_brick(box, side);
   return {(box.hi.x - 1) / side.x - first.x + 1, (box.hi.y - 1) / side.y - first.y + 1,
           (box.hi.z - 1) / side.z - first.z + 1};
+}
+
+/// So many bricks for each thread are enough to go round.
+constexpr std::int64_t kBricksPerThread = 4;
+
+std::int64_t thread_count(int threads) {
+  return threads > 0 ? threads : tbb::this_task_arena::max_concurrency();
+}
+
+/// Runs tasks on the threads of the caller's arena. A thread that waits takes no other work up: it
+/// stands in the midst of a brick.
+void run_among_threads(std::int64_t count, const std::function<void(std::int64_t)>& task) {
+  if (count == 1) return task(0);
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(std::int64_t{0}, count, [&](std::int64_t i) { task(i); },
+                      tbb::simple_partitioner());
+  });
 }
 
 }  // namespace
@@ -42,14 +61,21 @@ void read_parallel(const FileReader& reader, const Box& box, int level, void* ou
   const Size3 met = bricks_met(box, side);
   const Size3 size = box.size();
   const std::int64_t voxel_bytes = bytes_per_voxel(reader.description().type);
+  const ForEach of_parts = run_among_threads;
   for_each_parallel(threads)(met.voxel_count(), [&](std::int64_t i) {
     const Index3 brick{first.x + i % met.x, first.y + i / met.x % met.y,
                        first.z + i / (met.x * met.y)};
     const Box part = intersection(box, brick_box_at(levels, level, brick));
     const std::int64_t at = ((part.lo.z - box.lo.z) * size.y + (part.lo.y - box.lo.y)) * size.x +
                             (part.lo.x - box.lo.x);
-    reader.read_strided(part, level, static_cast<std::uint8_t*>(out) + at * voxel_bytes, size.x,
-                        size.x * size.y);
+    const VoxelTarget target{static_cast<std::uint8_t*>(out) + at * voxel_bytes, size.x,
+                             size.x * size.y};
+    // Where bricks alone keep the threads busy, they are read whole.
+    if (met.voxel_count() < kBricksPerThread * thread_count(threads)) {
+      reader.read_in_tasks(part, level, target, of_parts);
+    } else {
+      reader.read_strided(part, level, target.voxels, target.row_stride, target.plane_stride);
+    }
   });
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <exception>
 #include <utility>
 
 #include "octavo/codec/label/label_word_bricks.h"
@@ -63,6 +64,35 @@ struct OpenedBrick {
   std::shared_ptr<const BrickCodec> codec;  // of the parts
   std::unique_ptr<const BrickParts> parts;
 };
+
+// How the voxels that a request shares with a brick are read.
+struct BrickReading {
+  bool keeps = true;             // in the cache what was decoded
+  const ForEach* run = nullptr;  // parts in its tasks; null: one after the other
+};
+
+void run_here(std::int64_t count, const std::function<void(std::int64_t)>& task) {
+  for (std::int64_t i = 0; i < count; ++i) task(i);
+}
+
+// Runs tasks to the end, and throws what the first of them threw, by number.
+void run_to_end(const ForEach* run, std::size_t count,
+                const std::function<void(std::size_t)>& task) {
+  std::vector<std::exception_ptr> errors(count);
+  const auto caught = [&](std::int64_t number) {
+    const auto i = static_cast<std::size_t>(number);
+    try {
+      task(i);
+    } catch (...) {
+      errors[i] = std::current_exception();
+    }
+  };
+  if (run != nullptr) (*run)(static_cast<std::int64_t>(count), caught);
+  else run_here(static_cast<std::int64_t>(count), caught);
+  for (const std::exception_ptr& error : errors) {
+    if (error) std::rethrow_exception(error);
+  }
+}
 
 // Of the memory for decoded bricks, one part in so many is for opened ones.
 constexpr std::uint64_t kOpenedShare = 8;
@@ -137,7 +167,14 @@ class FileReaderImpl final : public FileReader {
   }
 
   void read_strided(const Box& box, int level, void* out, std::int64_t row_stride,
-                    std::int64_t plane_stride) const override;
+                    std::int64_t plane_stride) const override {
+    read_bricks(box, level, {out, row_stride, plane_stride}, nullptr);
+  }
+
+  void read_in_tasks(const Box& box, int level, const VoxelTarget& out,
+                     const ForEach& run) const override {
+    read_bricks(box, level, out, &run);
+  }
 
  private:
   void stop_if_cancelled() const {
@@ -157,13 +194,16 @@ class FileReaderImpl final : public FileReader {
                                        int in_brick_level, bool keep) const;
   std::shared_ptr<const OpenedBrick> opened(const BrickEntry& entry,
                                             const BrickShape& shape) const;
-  void decode_parts(const BrickEntry& entry, const OpenedBrick& brick,
+  std::shared_ptr<const Bytes> decoded_part(const BrickEntry& entry, const OpenedBrick& brick,
+                                            std::size_t number, ByteSpan bytes) const;
+  void decode_parts(const BrickEntry& entry, const OpenedBrick& brick, const ForEach* run,
                     std::span<const std::size_t> numbers,
                     std::span<std::shared_ptr<const Bytes>> samples) const;
   bool read_parts(const BrickEntry& entry, const Box& whole, const Box& box,
-                  const Target& out) const;
-  void read_shared(const BrickEntry& entry, int level, const Box& box, bool is_large,
+                  const BrickReading& how, const Target& out) const;
+  void read_shared(const BrickEntry& entry, int level, const Box& box, const BrickReading& how,
                    const Target& out) const;
+  void read_bricks(const Box& box, int level, const VoxelTarget& out, const ForEach* run) const;
 
   OpenFile file_;
   mutable LruCache<Bytes> cache_;
@@ -296,81 +336,93 @@ std::shared_ptr<const OpenedBrick> FileReaderImpl::opened(const BrickEntry& entr
   return brick;
 }
 
-// Reads parts that follow each other with one read, and decodes them.
+std::shared_ptr<const Bytes> FileReaderImpl::decoded_part(const BrickEntry& entry,
+                                                          const OpenedBrick& brick,
+                                                          std::size_t number,
+                                                          ByteSpan bytes) const {
+  const BrickParts::Part& part = brick.parts->parts()[number];
+  const Size3 size = part.box.size();
+  const auto count = static_cast<std::size_t>(size.voxel_count());
+  const auto voxel_bytes = static_cast<std::size_t>(bytes_per_voxel(description().type));
+  auto voxels = std::make_shared<Bytes>(count * voxel_bytes);
+  try {
+    brick.parts->decode(number, bytes, {voxels->data(), size.x, size.x * size.y});
+  } catch (const Error& error) {
+    const Piece piece = file_.piece_of(entry, 0);
+    throw Error(error.kind(), describe(piece) + ": " + error.detail(), source().name(),
+                piece.offset + part.offset);
+  }
+  if (const auto& coding = description().coding) {
+    void* const out = voxels->data();
+    decode_samples(*coding, out, {static_cast<float*>(out), count});
+  }
+  return voxels;
+}
+
+// Reads parts of a brick and decodes them. Those that follow each other take one read.
+// numbers  rising
 void FileReaderImpl::decode_parts(const BrickEntry& entry, const OpenedBrick& brick,
-                                  std::span<const std::size_t> numbers,
+                                  const ForEach* run, std::span<const std::size_t> numbers,
                                   std::span<std::shared_ptr<const Bytes>> samples) const {
   const std::vector<BrickParts::Part>& parts = brick.parts->parts();
   const Piece piece = file_.piece_of(entry, 0);
-  const std::uint64_t first = parts[numbers.front()].offset;
-  const BrickParts::Part& last = parts[numbers.back()];
-  const Bytes bytes = file_.read_within(piece, first, last.offset + last.length - first);
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const BrickParts::Part& part = parts[numbers[i]];
-    const Size3 size = part.box.size();
-    const auto count = static_cast<std::size_t>(size.voxel_count());
-    const auto voxel_bytes = static_cast<std::size_t>(bytes_per_voxel(description().type));
-    auto voxels = std::make_shared<Bytes>(count * voxel_bytes);
-    try {
-      brick.parts->decode(numbers[i], ByteSpan(bytes).subspan(part.offset - first, part.length),
-                          {voxels->data(), size.x, size.x * size.y});
-    } catch (const Error& error) {
-      throw Error(error.kind(), describe(piece) + ": " + error.detail(), source().name(),
-                  piece.offset + part.offset);
+  std::vector<Bytes> reads;
+  std::vector<ByteSpan> bytes(numbers.size());
+  for (std::size_t first = 0; first < numbers.size();) {
+    std::size_t end = first + 1;
+    while (end < numbers.size() && numbers[end] == numbers[end - 1] + 1) ++end;
+    const std::uint64_t start = parts[numbers[first]].offset;
+    const BrickParts::Part& last = parts[numbers[end - 1]];
+    const Bytes& read =
+        reads.emplace_back(file_.read_within(piece, start, last.offset + last.length - start));
+    for (; first < end; ++first) {
+      const BrickParts::Part& part = parts[numbers[first]];
+      bytes[first] = ByteSpan(read).subspan(part.offset - start, part.length);
     }
-    if (const auto& coding = description().coding) {
-      void* const out = voxels->data();
-      decode_samples(*coding, out, {static_cast<float*>(out), count});
-    }
-    samples[i] = std::move(voxels);
   }
+  run_to_end(run, numbers.size(), [&](std::size_t i) {
+    stop_if_cancelled();
+    samples[i] = decoded_part(entry, brick, numbers[i], bytes[i]);
+  });
 }
 
 // Reads those parts of a brick's level 0 that a box meets; false where it has none, or where the
 // whole brick is kept.
 bool FileReaderImpl::read_parts(const BrickEntry& entry, const Box& whole, const Box& box,
-                                const Target& out) const {
+                                const BrickReading& how, const Target& out) const {
   const int first_level = Levels::first_level(entry.tier);
   if (cache_.find({static_cast<std::uint64_t>(first_level), entry.code})) return false;
   const auto brick = opened(entry, brick_shape(levels(), entry.tier, entry.brick));
   if (!brick) return false;
-  // Which, and which of them are kept?
-  const std::vector<BrickParts::Part>& parts = brick->parts->parts();
-  std::vector<std::size_t> wanted;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (!intersection(moved(parts[i].box, whole.lo), box).is_empty()) wanted.push_back(i);
-  }
   const auto key_of = [&](std::size_t part) {
     constexpr std::uint64_t kPlaceOfPart = 256;
     return LruCache<Bytes>::Key{static_cast<std::uint64_t>(first_level) + kPlaceOfPart * (part + 1),
                                 entry.code};
   };
-  std::vector<std::shared_ptr<const Bytes>> samples(wanted.size());
-  for (std::size_t i = 0; i < wanted.size(); ++i) samples[i] = cache_.find(key_of(wanted[i]));
-  // Runs of the others
-  for (std::size_t first = 0; first < wanted.size();) {
-    std::size_t end = first;
-    const auto follows = [&] { return end == first || wanted[end] == wanted[end - 1] + 1; };
-    while (end < wanted.size() && !samples[end] && follows()) ++end;
-    if (end == first) {
-      ++first;
-      continue;
-    }
-    decode_parts(entry, *brick, std::span(wanted).subspan(first, end - first),
-                 std::span(samples).subspan(first, end - first));
-    for (; first < end; ++first) {
-      cache_.insert(key_of(wanted[first]), samples[first], samples[first]->size() + sizeof(Bytes));
-    }
+  // Kept ones, and those that are missing
+  const std::vector<BrickParts::Part>& parts = brick->parts->parts();
+  std::vector<std::size_t> missing;
+  const auto copy_part = [&](std::size_t number, const Bytes& samples) {
+    copy_shared(samples, moved(parts[number].box, whole.lo), box, out);
+  };
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (intersection(moved(parts[i].box, whole.lo), box).is_empty()) continue;
+    if (const auto kept = cache_.find(key_of(i))) copy_part(i, *kept);
+    else missing.push_back(i);
   }
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    copy_shared(*samples[i], moved(parts[wanted[i]].box, whole.lo), box, out);
+  std::vector<std::shared_ptr<const Bytes>> samples(missing.size());
+  decode_parts(entry, *brick, how.run, missing, samples);
+  for (std::size_t i = 0; i < missing.size(); ++i) {
+    copy_part(missing[i], *samples[i]);
+    if (!how.keeps) continue;
+    cache_.insert(key_of(missing[i]), samples[i], samples[i]->size() + sizeof(Bytes));
   }
   return true;
 }
 
 // Reads what `box` and the brick share.
-void FileReaderImpl::read_shared(const BrickEntry& entry, int level, const Box& box, bool is_large,
-                                 const Target& out) const {
+void FileReaderImpl::read_shared(const BrickEntry& entry, int level, const Box& box,
+                                 const BrickReading& how, const Target& out) const {
   stop_if_cancelled();
   const BrickShape shape = brick_shape(levels(), entry.tier, entry.brick);
   const int in_brick = level - shape.first_level;
@@ -385,24 +437,28 @@ void FileReaderImpl::read_shared(const BrickEntry& entry, int level, const Box& 
     }
     return;
   }
-  if (in_brick == 0 && part != whole && read_parts(entry, whole, box, out)) return;
-  const auto samples = decoded(entry, shape, in_brick, !(is_large && part == whole));
+  const BrickReading own{how.keeps || part != whole, how.run};
+  const bool is_in_parts = in_brick == 0 && (part != whole || how.run != nullptr);
+  if (is_in_parts && read_parts(entry, whole, box, own, out)) return;
+  const auto samples = decoded(entry, shape, in_brick, own.keeps);
   copy_shared(*samples, whole, box, out);
 }
 
-void FileReaderImpl::read_strided(const Box& box, int level, void* out, std::int64_t row_stride,
-                                  std::int64_t plane_stride) const {
+void FileReaderImpl::read_bricks(const Box& box, int level, const VoxelTarget& out,
+                                 const ForEach* run) const {
   check_box(box, level);
   const auto voxel_bytes = static_cast<std::size_t>(bytes_per_voxel(description().type));
-  const Target target{static_cast<std::uint8_t*>(out), voxel_bytes, row_stride, plane_stride};
+  const Target target{static_cast<std::uint8_t*>(out.voxels), voxel_bytes, out.row_stride,
+                      out.plane_stride};
   const bool is_large =
       static_cast<std::uint64_t>(box.size().voxel_count()) * voxel_bytes > cache_.capacity() / 4;
+  const BrickReading how{!is_large, run};
   const Size3 side = brick_side_at(levels(), level);
   const int tier = Levels::tier_of(level);
   for (std::int64_t z = box.lo.z / side.z; z * side.z < box.hi.z; ++z) {
     for (std::int64_t y = box.lo.y / side.y; y * side.y < box.hi.y; ++y) {
       for (std::int64_t x = box.lo.x / side.x; x * side.x < box.hi.x; ++x) {
-        read_shared(brick(tier, {x, y, z}), level, box, is_large, target);
+        read_shared(brick(tier, {x, y, z}), level, box, how, target);
       }
     }
   }
@@ -425,6 +481,11 @@ Box brick_box_at(const Levels& levels, int level, const Index3& brick) {
   const Index3 lo{brick.x * side.x, brick.y * side.y, brick.z * side.z};
   return intersection({lo, {lo.x + side.x, lo.y + side.y, lo.z + side.z}},
                       box_of(levels.size(level)));
+}
+
+void FileReader::read_in_tasks(const Box& box, int level, const VoxelTarget& out,
+                               const ForEach& /*run*/) const {
+  read_strided(box, level, out.voxels, out.row_stride, out.plane_stride);
 }
 
 void FileReader::read_words(const BrickEntry& entry, LabelWords& words) const {

@@ -16,10 +16,13 @@
 #include "octavo/core/levels.h"
 #include "octavo/core/progress.h"
 #include "octavo/core/volume.h"
+#include "octavo/file/for_each.h"
 #include "octavo/file/storage/byte_source.h"
 #include "octavo/octree/label_words.h"
 
 namespace octavo {
+
+struct VoxelTarget;
 
 struct ReaderOptions {
   std::uint64_t cache_bytes = std::uint64_t{256} << 20;  ///< decoded bricks kept, at most
@@ -117,6 +120,12 @@ class FileReader {
   /// The same into a part of a larger array: `row_stride` and `plane_stride` in voxels.
   virtual void read_strided(const Box& box, int level, void* out, std::int64_t row_stride,
                             std::int64_t plane_stride) const = 0;
+
+  /// The same; those parts of a brick that decode alone are tasks of `run`, which may give them to
+  /// several threads. Neither the voxels nor the error of a damaged file depend on how it does.
+  /// Readers of no such parts read on the calling thread.
+  virtual void read_in_tasks(const Box& box, int level, const VoxelTarget& out,
+                             const ForEach& run) const;
 
   /// The length of the thumbnail; 0 when there is none.
   virtual std::uint64_t thumbnail_bytes() const = 0;

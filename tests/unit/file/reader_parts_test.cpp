@@ -4,14 +4,19 @@
 #include <atomic>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <random>
+#include <string>
 
 #include "octavo/builder/builder.h"
+#include "octavo/codec/brick_codec.h"
 #include "octavo/core/error.h"
+#include "octavo/file/parallel_read.h"
 #include "octavo/file/reader.h"
 #include "octavo/planes/memory_source.h"
 #include "support/counting_source.h"
 #include "support/memory_storage.h"
+#include "support/stopping_progress.h"
 
 namespace octavo {
 namespace {
@@ -135,6 +140,96 @@ TEST(ReaderParts, ADamagedPartIsNamedAndTheOthersAreRead) {
   }
   // So does the whole brick, by the checksum of its piece.
   EXPECT_THROW(box_of_reader(*bad, box_of(kSize)), Error);
+}
+
+/// Runs tasks last one first, and counts them.
+ForEach backwards(std::int64_t& task_count) {
+  return [&task_count](std::int64_t count, const std::function<void(std::int64_t)>& task) {
+    task_count += count;
+    for (std::int64_t i = count; i-- > 0;) task(i);
+  };
+}
+
+void read_dense(const FileReader& reader, const Box& box, const ForEach& run, Bytes& out) {
+  const Size3 size = box.size();
+  out.assign(
+      static_cast<std::size_t>(size.voxel_count() * bytes_per_voxel(reader.description().type)), 0);
+  reader.read_in_tasks(box, 0, {out.data(), size.x, size.x * size.y}, run);
+}
+
+TEST(ReaderParts, InTasksEveryBoxIsWhatOneThreadReads) {
+  const auto bytes = built(VoxelType::int16, {.preset = Preset::fast, .access = Access::boxes});
+  const Box boxes[] = {box_of(kSize), {{0, 0, 0}, {64, 64, 64}}, {{3, 9, 20}, {61, 50, 33}},
+                       {{30, 31, 5}, {100, 33, 6}}, {{99, 69, 65}, {100, 70, 66}}};
+  for (const std::uint64_t cache_bytes : {std::uint64_t{0}, std::uint64_t{64} << 20}) {
+    const auto reader = FileReader::open(byte_source_of(bytes, "parts"), {cache_bytes});
+    const auto other = FileReader::open(byte_source_of(bytes, "other"), {cache_bytes});
+    for (const Box& box : boxes) {
+      const Bytes expected = box_of_reader(*other, box);
+      Bytes found;
+      std::int64_t task_count = 0;
+      read_dense(*reader, box, backwards(task_count), found);
+      ASSERT_EQ(found, expected);
+      read_dense(*reader, box, for_each_parallel(3), found);
+      ASSERT_EQ(found, expected);
+      std::fill(found.begin(), found.end(), std::uint8_t{0});
+      read_parallel(*reader, box, 0, found.data(), 4);
+      ASSERT_EQ(found, expected);
+    }
+  }
+}
+
+TEST(ReaderParts, EachPartOfABrickIsATask) {
+  const auto bytes = built(VoxelType::int16, {.preset = Preset::fast, .access = Access::boxes});
+  const auto reader = FileReader::open(byte_source_of(bytes, "parts"), {.cache_bytes = 0});
+  Bytes found;
+  std::int64_t task_count = 0;
+  read_dense(*reader, {{0, 0, 0}, {64, 64, 64}}, backwards(task_count), found);
+  EXPECT_EQ(task_count, 8);
+  task_count = 0;
+  read_dense(*reader, {{1, 1, 1}, {63, 2, 2}}, backwards(task_count), found);
+  EXPECT_EQ(task_count, 2);
+}
+
+TEST(ReaderParts, OfDamagedPartsTheFirstIsNamedWhateverTheOrderOfTasks) {
+  auto bytes = built(VoxelType::int16, {.preset = Preset::fast, .access = Access::boxes});
+  const auto good = FileReader::open(byte_source_of(bytes, "good"));
+  const auto piece = good->brick(0, {0, 0, 0}).pieces.front();
+  for (const std::uint64_t at : {20, 40}) bytes[piece.offset + piece.length * at / 100] ^= 1;
+  const auto failure = [&](const ForEach& run) {
+    const auto bad = FileReader::open(byte_source_of(bytes, "bad"));
+    Bytes found;
+    try {
+      read_dense(*bad, {{0, 0, 0}, {64, 64, 64}}, run, found);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("nothing");
+  };
+  std::int64_t task_count = 0;
+  const std::string first = failure([](std::int64_t count, const auto& task) {
+    for (std::int64_t i = 0; i < count; ++i) task(i);
+  });
+  EXPECT_NE(first.find("brick o-code 0x0 level 0"), std::string::npos) << first;
+  EXPECT_EQ(failure(backwards(task_count)), first);
+  EXPECT_EQ(failure(for_each_parallel(4)), first);
+}
+
+TEST(ReaderParts, ReadingInTasksEndsAtTheNextPartOnceItsWatcherAsksForThat) {
+  const auto bytes = built(VoxelType::int16, {.preset = Preset::fast, .access = Access::boxes});
+  for (const int calls : {0, 1, 4}) {
+    const testing::StoppingProgress watcher(calls);
+    ReaderOptions options;
+    options.watcher = &watcher;
+    const auto reader = FileReader::open(byte_source_of(bytes, "parts"), options);
+    Bytes found;
+    try {
+      read_dense(*reader, {{0, 0, 0}, {64, 64, 64}}, for_each_parallel(3), found);
+      ADD_FAILURE() << "read to the end";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::cancelled);
+    }
+  }
 }
 
 }  // namespace
