@@ -180,6 +180,7 @@ class VolumePlanes final : public PlaneSource {
     std::memcpy(plane.data(), volume_.voxels.data() + next_++ * volume_.plane_bytes(),
                 plane.size());
   }
+  void seek(std::int64_t first, std::int64_t) override { next_ = first; }
 
  private:
   const RawVolume& volume_;

@@ -55,6 +55,16 @@ class TextureSource final : public PlaneSource {
     });
     ++z_;
   }
+  // Its noise goes from voxel to voxel.
+  void seek(std::int64_t first, std::int64_t) override {
+    if (first < z_) {
+      z_ = 0;
+      state_ = 1;
+    }
+    std::vector<std::byte> passed(static_cast<std::size_t>(plane_bytes(description_)));
+    while (z_ < first) read_plane(passed);
+  }
+  bool can_seek() const override { return false; }
 
   VolumeDescription& mutable_description() { return description_; }
   bool is_alike = false;            ///< the groups differ no more than those of one scan

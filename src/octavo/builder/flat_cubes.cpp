@@ -12,6 +12,7 @@
 #include "octavo/core/error.h"
 #include "octavo/file/parallel_read.h"
 #include "octavo/octree/o_code.h"
+#include "octavo/planes/plane_cursor.h"
 
 namespace octavo {
 
@@ -96,7 +97,8 @@ class FlatCubes final : public PlaneSource {
         coding_(reader_->description().coding.value_or(SampleCoding{})),
         flat_(flat),
         for_each_(for_each_parallel(threads)),
-        size_(description.size) {
+        size_(description.size),
+        cursor_(size_.z) {
     check();
     for (int axis = 0; axis < 3; ++axis) grid_[axis] = (size_[axis] + kSide - 1) / kSide;
     find_large_cubes();
@@ -113,13 +115,16 @@ class FlatCubes final : public PlaneSource {
   void read_plane(std::span<std::byte> plane) override {
     const auto bytes =
         static_cast<std::size_t>(size_.x * size_.y * bytes_per_voxel(description_.type));
-    if (next_ == size_.z || plane.size() != bytes) {
-      throw Error(ErrorKind::invalid_argument, "no such plane");
+    if (plane.size() != bytes) {
+      throw Error(ErrorKind::invalid_argument, "a buffer of another size than that of a plane");
     }
-    if (next_ % kSide == 0) make_layer(next_ / kSide);
-    const auto at = static_cast<std::size_t>(next_++ % kSide) * bytes;
+    const std::int64_t z = cursor_.take();
+    if (z / kSide != layer_at_) make_layer(z / kSide);
+    const auto at = static_cast<std::size_t>(z % kSide) * bytes;
     std::memcpy(plane.data(), layer_.data() + at, bytes);
   }
+
+  void seek(std::int64_t first, std::int64_t end) override { cursor_.seek(first, end); }
 
  private:
   // The cubes of side 64 * 2^k, all of them or none flat.
@@ -292,6 +297,7 @@ class FlatCubes final : public PlaneSource {
   }
 
   void make_layer(std::int64_t z) {
+    layer_at_ = z;
     const std::int64_t planes = std::min(kSide, size_.z - z * kSide);
     layer_.resize(
         static_cast<std::size_t>(size_.x * size_.y * planes * bytes_per_voxel(description_.type)));
@@ -339,7 +345,8 @@ class FlatCubes final : public PlaneSource {
   std::vector<std::int64_t> means_;  // of each block's large cube, or kNone
   std::vector<Warning> warnings_;
   std::vector<std::byte> layer_;  // 64 planes
-  std::int64_t next_ = 0;
+  std::int64_t layer_at_ = -1;    // which of the layers it is
+  PlaneCursor cursor_;
 };
 
 }  // namespace

@@ -74,6 +74,9 @@ class RepairedSource final : public PlaneSource {
     std::memcpy(plane.data(), voxels_.data(), plane.size());
   }
 
+  bool can_seek() const override { return source_.can_seek(); }
+  void seek(std::int64_t first, std::int64_t end) override { source_.seek(first, end); }
+
  private:
   PlaneSource& source_;
   FloatRepair repair_;
@@ -137,6 +140,7 @@ FloatPlanes::FloatPlanes(PlaneSource& source, const FloatSettings& settings, Pro
       settings_(settings),
       progress_(progress),
       description_(source.description()),
+      cursor_(description_.size.z),
       plane_(static_cast<std::size_t>(description_.size.x * description_.size.y)) {
   if (settings.max_error > 0 && settings.max_error < kMinError) {
     throw Error(ErrorKind::invalid_argument, "a max error above 0 must be at least 1e-290");
@@ -274,7 +278,7 @@ void FloatPlanes::count_and_reject(std::int64_t z) {
     nans += std::count_if(plane_.begin(), plane_.end(), [](float v) { return std::isnan(v); });
     infinities +=
         std::count_if(plane_.begin(), plane_.end(), [](float v) { return std::isinf(v); });
-    if (planes_read_ == description_.size.z) break;
+    if (planes_read_ == cursor_.end()) break;
     if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped while reading planes");
     source_.read_plane(std::as_writable_bytes(std::span(plane_)));
     ++planes_read_;
@@ -285,7 +289,12 @@ void FloatPlanes::count_and_reject(std::int64_t z) {
   if (infinities > 0) {
     what += (what.empty() ? "" : " and ") + std::to_string(infinities) + " infinite";
   }
-  Error failure(ErrorKind::source_rejected, "holds " + what + " voxels, the first " + first);
+  const bool is_part = first_sought_ > 0 || cursor_.end() < description_.size.z;
+  const std::string where = is_part ? " in planes " + std::to_string(first_sought_) + " to " +
+                                          std::to_string(cursor_.end() - 1)
+                                    : "";
+  Error failure(ErrorKind::source_rejected,
+                "holds " + what + " voxels" + where + ", the first " + first);
   if (nans > 0) failure = failure.with_field("repair.nan");
   if (infinities > 0) failure = failure.with_field("repair.infinity");
   throw failure;
@@ -293,7 +302,7 @@ void FloatPlanes::count_and_reject(std::int64_t z) {
 
 void FloatPlanes::read_plane(std::span<std::byte> codes) {
   if (codes.size() != plane_.size() * sizeof(std::int32_t) ||
-      planes_given_ == description_.size.z) {
+      cursor_.is_done()) {
     throw Error(ErrorKind::invalid_argument, "a plane of another size, or behind the last one");
   }
   if (ahead_.empty()) {
@@ -304,7 +313,7 @@ void FloatPlanes::read_plane(std::span<std::byte> codes) {
     plane_ = std::move(ahead_.front());
   }
   if (!ahead_.empty()) ahead_.pop_front();
-  const std::int64_t z = planes_given_++;
+  const std::int64_t z = cursor_.take();
   if (is_exact()) {
     std::memcpy(codes.data(), plane_.data(), codes.size());
     return;
@@ -320,6 +329,14 @@ void FloatPlanes::read_plane(std::span<std::byte> codes) {
     if (!is_good) reject_voxel(z, i, false);
     std::memcpy(codes.data() + i * sizeof code, &code, sizeof code);
   }
+}
+
+void FloatPlanes::seek(std::int64_t first, std::int64_t end) {
+  cursor_.seek(first, end);
+  source_.seek(first, end);
+  first_sought_ = first;
+  ahead_.clear();
+  planes_read_ = first;
 }
 
 void FloatPlanes::reject_voxel(std::int64_t z, std::size_t at, bool is_too_large) const {

@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "octavo/core/progress.h"
+#include "octavo/planes/plane_cursor.h"
 #include "octavo/planes/plane_source.h"
 
 namespace octavo {
@@ -68,6 +69,9 @@ class FloatPlanes final : public PlaneSource {
 
   /// The voxels or codes of the next plane. Throws as the constructor does.
   void read_plane(std::span<std::byte> codes) override;
+  bool can_seek() const override { return source_.can_seek(); }
+  /// The coding stays. What cannot be kept is counted up to `end`.
+  void seek(std::int64_t first, std::int64_t end) override;
   /// The float voxels of the plane that was read last.
   std::span<const float> voxels() const { return plane_; }
 
@@ -93,9 +97,10 @@ class FloatPlanes final : public PlaneSource {
   double roomier_error_ = 0;
   double slack_ = 0;                      // how far a code alone may lie from its voxel
   std::deque<std::vector<float>> ahead_;  // planes read for the coding; one float: all alike
+  PlaneCursor cursor_;
   std::vector<float> plane_;
   std::int64_t planes_read_ = 0;   // from the source
-  std::int64_t planes_given_ = 0;
+  std::int64_t first_sought_ = 0;
 };
 
 }  // namespace octavo

@@ -5,6 +5,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/levels.h"
+#include "octavo/planes/plane_cursor.h"
 
 namespace octavo {
 
@@ -13,7 +14,10 @@ namespace {
 class ComputedSource final : public PlaneSource {
  public:
   ComputedSource(const VolumeDescription& description, FillBox fill, std::int64_t planes_at_once)
-      : description_(description), fill_(std::move(fill)), planes_at_once_(planes_at_once) {
+      : description_(description),
+        fill_(std::move(fill)),
+        planes_at_once_(planes_at_once),
+        cursor_(description.size.z) {
     checked_voxel_count(description.size);
   }
 
@@ -30,18 +34,21 @@ class ComputedSource final : public PlaneSource {
     const Size3& size = description_.size;
     const auto bytes =
         static_cast<std::size_t>(size.x * size.y * bytes_per_voxel(description_.type));
-    if (next_ == size.z || plane.size() != bytes) {
-      throw Error(ErrorKind::invalid_argument, "no such plane");
+    if (plane.size() != bytes) {
+      throw Error(ErrorKind::invalid_argument, "a buffer of another size than that of a plane");
     }
-    if (next_ == end_) {
-      end_ = std::min(size.z, next_ + planes_at_once_);
-      first_ = next_;
+    const std::int64_t z = cursor_.take();
+    if (z < first_ || z >= end_) {
+      end_ = std::min(cursor_.end(), z + planes_at_once_);
+      first_ = z;
       voxels_.resize(bytes * static_cast<std::size_t>(end_ - first_));
       fill_({{0, 0, first_}, {size.x, size.y, end_}}, voxels_.data());
     }
-    const auto at = static_cast<std::ptrdiff_t>(bytes) * (next_++ - first_);
+    const auto at = static_cast<std::ptrdiff_t>(bytes) * (z - first_);
     std::copy_n(voxels_.begin() + at, bytes, plane.begin());
   }
+
+  void seek(std::int64_t first, std::int64_t end) override { cursor_.seek(first, end); }
 
  private:
   VolumeDescription description_;
@@ -51,7 +58,7 @@ class ComputedSource final : public PlaneSource {
   std::vector<std::byte> voxels_;  // of planes first_ .. end_
   std::int64_t first_ = 0;
   std::int64_t end_ = 0;
-  std::int64_t next_ = 0;
+  PlaneCursor cursor_;
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "octavo/core/checked.h"
 #include "octavo/core/error.h"
 #include "octavo/core/levels.h"
+#include "octavo/planes/plane_cursor.h"
 
 namespace octavo {
 
@@ -14,27 +15,28 @@ namespace {
 class MemorySource final : public PlaneSource {
  public:
   MemorySource(const VolumeDescription& description, std::span<const std::byte> voxels)
-      : description_(description), voxels_(voxels) {}
+      : description_(description), voxels_(voxels), cursor_(description.size.z) {}
 
   const VolumeDescription& description() const override { return description_; }
   const std::vector<Warning>& warnings() const override { return warnings_; }
   std::uint64_t resident_bytes() const override { return voxels_.size(); }
 
   void read_plane(std::span<std::byte> plane) override {
-    if (voxels_.size() - next_ < plane.size()) {
-      throw Error(ErrorKind::invalid_argument,
-                  "no plane is left of the " + std::to_string(description_.size.z) + " in memory");
+    if (plane.size() * static_cast<std::size_t>(description_.size.z) != voxels_.size()) {
+      throw Error(ErrorKind::invalid_argument, "a buffer of another size than that of a plane");
     }
-    const auto from = voxels_.subspan(next_, plane.size());
+    const auto z = static_cast<std::size_t>(cursor_.take());
+    const auto from = voxels_.subspan(z * plane.size(), plane.size());
     std::copy(from.begin(), from.end(), plane.begin());
-    next_ += plane.size();
   }
+
+  void seek(std::int64_t first, std::int64_t end) override { cursor_.seek(first, end); }
 
  private:
   VolumeDescription description_;
   std::span<const std::byte> voxels_;
   std::vector<Warning> warnings_;
-  std::size_t next_ = 0;
+  PlaneCursor cursor_;
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/levels.h"
 #include "octavo/core/text.h"
+#include "octavo/planes/plane_cursor.h"
 
 namespace octavo {
 
@@ -99,6 +100,7 @@ class Phantom final : public PlaneSource {
   const VolumeDescription& description() const override { return description_; }
   const std::vector<Warning>& warnings() const override { return warnings_; }
   void read_plane(std::span<std::byte> plane) override;
+  void seek(std::int64_t first, std::int64_t end) override { cursor_.seek(first, end); }
 
  private:
   double centered(int axis, std::int64_t index) const;
@@ -115,10 +117,10 @@ class Phantom final : public PlaneSource {
   Cylinder second_{};
   std::vector<double> x_mm_;       // of every voxel of a row, from the center
   std::vector<double> densities_;  // of the row at hand
-  std::int64_t next_z_ = 0;
+  PlaneCursor cursor_;
 };
 
-Phantom::Phantom(const PhantomOptions& options) : options_(options) {
+Phantom::Phantom(const PhantomOptions& options) : options_(options), cursor_(options.size.z) {
   check(options);
   description_.type = options.type;
   description_.size = options.size;
@@ -140,21 +142,22 @@ Phantom::Phantom(const PhantomOptions& options) : options_(options) {
 void Phantom::read_plane(std::span<std::byte> plane) {
   const Size3& size = options_.size;
   const std::int64_t row_bytes = size.x * bytes_per_voxel(options_.type);
-  if (next_z_ == size.z || plane.size() != static_cast<std::size_t>(row_bytes * size.y)) {
-    throw Error(ErrorKind::invalid_argument, "phantom: plane " + std::to_string(next_z_) + " of " +
-                                                 std::to_string(size.z) + " asked for with " +
+  if (cursor_.is_done() || plane.size() != static_cast<std::size_t>(row_bytes * size.y)) {
+    throw Error(ErrorKind::invalid_argument, "phantom: plane " + std::to_string(cursor_.next()) +
+                                                 " of " + std::to_string(size.z) +
+                                                 " asked for with " +
                                                  std::to_string(plane.size()) + " bytes");
   }
+  const std::int64_t z = cursor_.take();
   for (std::int64_t y = 0; y < size.y; ++y) {
-    fill_densities(y, next_z_);
+    fill_densities(y, z);
     with_voxel_type(options_.type, [&](auto id) {
       using T = typename decltype(id)::type;
       if constexpr (sizeof(T) <= 2) {
-        write_row(y, next_z_, reinterpret_cast<T*>(plane.data() + y * row_bytes));
+        write_row(y, z, reinterpret_cast<T*>(plane.data() + y * row_bytes));
       }
     });
   }
-  ++next_z_;
 }
 
 // The position of a voxel's center, mm from the center of the volume.

@@ -12,7 +12,8 @@
 
 namespace octavo {
 
-/// A volume delivered plane by plane, z = 0 first. One thread at a time.
+/// A volume delivered plane by plane, z = 0 first unless another one is sought. One thread at a
+/// time.
 class PlaneSource {
  public:
   virtual ~PlaneSource() = default;
@@ -26,8 +27,19 @@ class PlaneSource {
 
   /// Fills `plane` ([y][x], size.x * size.y voxels of the type, native byte order) with the next
   /// plane.
-  /// Throws Error{source_rejected} naming the file, or Error{io}.
+  /// Throws Error{source_rejected} naming the file, or Error{io}; Error{invalid_argument} where no
+  ///        plane is left.
   virtual void read_plane(std::span<std::byte> plane) = 0;
+
+  /// Makes plane `first` the next one. None from `end` on will be asked for: who reads ahead stops
+  /// there. Planes are the same from wherever they are sought.
+  /// Throws Error{invalid_argument} unless 0 <= first <= end <= size.z; what reading throws where
+  ///        planes are passed by reading
+  virtual void seek(std::int64_t first, std::int64_t end) = 0;
+
+  /// Whether `seek` reads nothing of the planes that it passes. Otherwise it reads those between
+  /// the next one and the one sought, or, backwards, all before that one.
+  virtual bool can_seek() const { return true; }
 
   /// Bytes the source holds in memory; 0 where it reads one plane after the other.
   virtual std::uint64_t resident_bytes() const { return 0; }

@@ -32,6 +32,7 @@ FilePlanes::FilePlanes(std::shared_ptr<const FileReader> reader, int level, int 
   description_.metadata =
       description_.metadata.for_copy(reader_->achieved_error() * slope, keep_identity);
   description_.size = reader_->levels().size(level);
+  cursor_ = PlaneCursor(description_.size.z);
   description_.geometry = reader_->levels().geometry(reader_->description().geometry, level);
 }
 
@@ -44,19 +45,20 @@ std::uint64_t FilePlanes::resident_bytes() const {
 void FilePlanes::read_plane(std::span<std::byte> plane) {
   const Size3& size = description_.size;
   const auto bytes = static_cast<std::size_t>(size.x * size.y * bytes_per_voxel(description_.type));
-  if (plane.size() != bytes || next_z_ >= size.z) {
+  if (plane.size() != bytes || cursor_.is_done()) {
     throw Error(ErrorKind::internal, "a plane of the wrong size or beyond the last was asked for",
                 reader_->source().name());
   }
-  if (next_z_ >= layer_end_) read_layer();
-  const auto at = static_cast<std::size_t>(next_z_ - layer_z_) * bytes;
+  const std::int64_t z = cursor_.next();
+  if (z < layer_z_ || z >= layer_end_) read_layer_of(z);
+  const auto at = static_cast<std::size_t>(z - layer_z_) * bytes;
   std::memcpy(plane.data(), layer_.data() + at, bytes);
-  ++next_z_;
+  cursor_.take();
 }
 
-void FilePlanes::read_layer() {
+void FilePlanes::read_layer_of(std::int64_t z) {
   const Size3& size = description_.size;
-  layer_z_ = layer_end_;
+  layer_z_ = z - z % layer_planes_;
   layer_end_ = std::min(layer_z_ + layer_planes_, size.z);
   layer_.resize(static_cast<std::size_t>(size.x * size.y * (layer_end_ - layer_z_) *
                                          bytes_per_voxel(description_.type)));

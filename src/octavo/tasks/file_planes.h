@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "octavo/file/reader.h"
+#include "octavo/planes/plane_cursor.h"
 #include "octavo/planes/plane_source.h"
 
 namespace octavo {
@@ -23,9 +24,10 @@ class FilePlanes final : public PlaneSource {
   /// A layer of bricks.
   std::uint64_t resident_bytes() const override;
   void read_plane(std::span<std::byte> plane) override;
+  void seek(std::int64_t first, std::int64_t end) override { cursor_.seek(first, end); }
 
  private:
-  void read_layer();
+  void read_layer_of(std::int64_t z);
 
   std::shared_ptr<const FileReader> reader_;
   int level_;
@@ -33,7 +35,7 @@ class FilePlanes final : public PlaneSource {
   VolumeDescription description_;
   std::vector<Warning> warnings_;
   std::int64_t layer_planes_;  // of one brick at this level
-  std::int64_t next_z_ = 0;
+  PlaneCursor cursor_{0};
   std::int64_t layer_z_ = 0;
   std::int64_t layer_end_ = 0;
   std::vector<std::byte> layer_;

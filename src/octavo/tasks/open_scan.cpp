@@ -32,6 +32,9 @@ class WatchedSource final : public PlaneSource {
     pass_warnings_on();
   }
 
+  bool can_seek() const override { return source_->can_seek(); }
+  void seek(std::int64_t first, std::int64_t end) override { source_->seek(first, end); }
+
  private:
   void pass_warnings_on() {
     const std::vector<Warning>& all = source_->warnings();

@@ -76,7 +76,7 @@ class ClassPlanes final : public PlaneSource {
 
   const VolumeDescription& description() const override { return description_; }
   const std::vector<Warning>& warnings() const override { return values_->warnings(); }
-  /// Voxels of each label.
+  /// Voxels of each label in the planes that were read.
   const LabelCounts& counts() const { return counts_; }
 
   void read_plane(std::span<std::byte> plane) override {
@@ -94,6 +94,9 @@ class ClassPlanes final : public PlaneSource {
       }
     });
   }
+
+  bool can_seek() const override { return values_->can_seek(); }
+  void seek(std::int64_t first, std::int64_t end) override { values_->seek(first, end); }
 
  private:
   std::uint8_t label_of(double value) const {

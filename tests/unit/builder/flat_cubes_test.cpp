@@ -9,6 +9,7 @@
 #include "octavo/core/error.h"
 #include "octavo/octree/o_code.h"
 #include "support/built_file.h"
+#include "support/sought_planes.h"
 
 namespace octavo {
 namespace {
@@ -169,6 +170,13 @@ TEST(FlatCubes, TheyAreThoseOfTheDefinition) {
           << scene.size.x << " flat " << flat;
     }
   }
+}
+
+TEST(FlatCubes, PlanesAreTheSameFromAnywhere) {
+  const Scene& scene = scenes()[2];
+  const ScratchFolder folder;
+  const auto reader = file_of(folder, scene, dense_volume(scene));
+  testing::expect_same_from_anywhere(*make_flat_cubes(reader, reader->description(), 6, 2));
 }
 
 TEST(FlatCubes, OfALossyFileTheyAreThoseOfItsVoxels) {

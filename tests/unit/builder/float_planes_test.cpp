@@ -11,6 +11,7 @@
 #include "octavo/core/error.h"
 #include "octavo/planes/memory_source.h"
 #include "support/hints.h"
+#include "support/sought_planes.h"
 
 namespace octavo {
 namespace {
@@ -90,6 +91,32 @@ double proposed(const std::string& error) {
   const std::size_t at = error.find(mark);
   EXPECT_NE(at, std::string::npos) << error;
   return at == std::string::npos ? 0 : std::stod(error.substr(at + mark.size()));
+}
+
+TEST(FloatPlanes, PlanesAreTheSameFromAnywhere) {
+  const Floats floats(9, [](std::size_t i) { return i < 64 ? 0 : tenth(i * i); });
+  for (const double max_error : {0.0, 0.05}) {
+    NoProgress progress;
+    const auto source = floats.source();
+    FloatPlanes planes(*source, {max_error, {}, 2}, progress);
+    EXPECT_TRUE(planes.can_seek());
+    testing::expect_same_from_anywhere(planes);
+  }
+}
+
+TEST(FloatPlanes, WhatHasNoCodeIsCountedUpToTheEndThatWasSought) {
+  const Floats floats(9, [](std::size_t i) { return i % 32 == 5 && i > 96 ? kNan : tenth(i); });
+  NoProgress progress;
+  const auto source = floats.source();
+  FloatPlanes planes(*source, {0.05, {}, 2}, progress);
+  planes.seek(4, 7);
+  std::vector<std::byte> plane(128);
+  try {
+    planes.read_plane(plane);
+    FAIL() << "NaN was taken";
+  } catch (const Error& error) {
+    expect_words(error.what(), {"3 NaN", "x,y,z = 5,0,4", "in planes 4 to 6"});
+  }
 }
 
 TEST(FloatPlanes, MultiplesComeBackBitByBit) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "octavo/core/error.h"
+#include "support/sought_planes.h"
 
 namespace octavo {
 namespace {
@@ -27,6 +28,12 @@ TEST(MemorySource, PlanesComeInOrderAndEnd) {
   }
   EXPECT_EQ(all, voxels);
   EXPECT_THROW(source->read_plane(plane), Error);
+}
+
+TEST(MemorySource, PlanesAreTheSameFromAnywhere) {
+  std::vector<std::byte> voxels;
+  for (int i = 0; i < 80; ++i) voxels.push_back(static_cast<std::byte>(i));
+  testing::expect_same_from_anywhere(*make_memory_source(description_of({2, 2, 10}), voxels));
 }
 
 TEST(MemorySource, BytesThatAreNotThoseOfTheDescriptionAreRejected) {

@@ -6,6 +6,7 @@
 
 #include "octavo/core/crc32c.h"
 #include "octavo/core/error.h"
+#include "support/sought_planes.h"
 
 namespace octavo {
 namespace {
@@ -41,6 +42,10 @@ TEST(Phantom, EveryRegionHasItsDensity) {
   EXPECT_EQ(at(voxels, size, {20, 22, 24}), 40);
   EXPECT_EQ(at(voxels, size, {13, 19, 24}), 300);
   EXPECT_EQ(at(voxels, size, {26, 22, 24}), -100);
+}
+
+TEST(Phantom, PlanesAreTheSameFromAnywhere) {
+  testing::expect_same_from_anywhere(*make_phantom(small_phantom(5)));
 }
 
 TEST(Phantom, ShellHasTheVolumeOfTwoSpheres) {

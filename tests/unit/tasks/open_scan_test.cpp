@@ -1,6 +1,7 @@
 #include "octavo/tasks/open_scan.h"
 
 #include "support/scan_files.h"
+#include "support/sought_planes.h"
 
 namespace octavo {
 namespace {
@@ -19,6 +20,12 @@ TEST_F(OpenScan, AScanAndAFileGiveTheSamePlanes) {
     b->read_plane(plane_b);
     ASSERT_EQ(plane_a, plane_b) << z;
   }
+}
+
+TEST_F(OpenScan, PlanesAreTheSameFromAnywhere) {
+  testing::expect_same_from_anywhere(
+      *open_planes({write_raw("scan.raw", voxels_)}, scan_, context_));
+  testing::expect_same_from_anywhere(*open_planes({write_grey("scan.8vo")}, {}, context_));
 }
 
 TEST_F(OpenScan, WarningsArePassedOn) {

@@ -210,12 +210,20 @@ ImportRequest read_request() {
   return decode_request(bytes);
 }
 
-void send_planes(PlaneSource& source, ImportLimits& limits, std::int64_t& z) {
+/// The planes that are asked for: first, and end.
+std::pair<std::int64_t, std::int64_t> planes_of(const ImportRequest& request,
+                                                const PlaneSource& source) {
   const std::int64_t count = source.description().size.z;
+  return {request.first_plane, request.end_plane < 0 ? count : request.end_plane};
+}
+
+void send_planes(PlaneSource& source, const ImportRequest& request, ImportLimits& limits,
+                 std::int64_t& z) {
+  const auto [first, end] = planes_of(request, source);
   UnsetBytes plane(static_cast<std::size_t>(plane_bytes(source.description())));
   const std::span payload(reinterpret_cast<const std::uint8_t*>(plane.data()), plane.size());
   std::size_t warnings_sent = source.warnings().size();
-  for (z = 0; z < count; ++z) {
+  for (z = first; z < end; ++z) {
     source.read_plane(plane.bytes());
     if (source.warnings().size() != warnings_sent) {
       warnings_sent = source.warnings().size();
@@ -256,10 +264,12 @@ void read_and_send(const SourceOpener& opener, const ImportRequest& request,
   try {
     source = opener(request.paths, request.options);
     source = make_prefetch_source(std::move(source), {.threads = request.threads});
+    const auto [first, end] = planes_of(request, *source);
+    source->seek(first, end);
     limits.know(*source);
     send(MessageKind::report, encode(SourceReport{source->description(), source->warnings(),
                                                   source->resident_bytes()}));
-    send_planes(*source, limits, z);
+    send_planes(*source, request, limits, z);
   } catch (...) {
     const std::string name = request.paths.empty() ? "" : request.paths.front();
     send(MessageKind::failure, encode(failure_of(std::current_exception(), z, limits, name)));

@@ -17,6 +17,7 @@
 #include "octavo/io/isolation/worker_process.h"
 #include "octavo/io/isolation/worker_protocol.h"
 #include "octavo/io/source/described_source.h"
+#include "octavo/planes/plane_cursor.h"
 
 namespace octavo {
 
@@ -50,10 +51,13 @@ class IsolatedSource final : public PlaneSource {
  public:
   IsolatedSource(const ImportRequest& request, const IsolationOptions& options)
       : options_(options),
+        request_(request),
         name_(request.paths.front()),
-        worker_(std::make_unique<WorkerProcess>(options.command, encode(request))) {
-    report_ = take_report();
-    plane_bytes_ = plane_bytes(report_.description);
+        worker_(std::make_unique<WorkerProcess>(options.command, encode(request))),
+        report_(take_report()),
+        plane_bytes_(plane_bytes(report_.description)),
+        cursor_(report_.description.size.z) {
+    cursor_.seek(request.first_plane, end_plane());
   }
 
   const VolumeDescription& description() const override { return report_.description; }
@@ -61,10 +65,10 @@ class IsolatedSource final : public PlaneSource {
   std::uint64_t resident_bytes() const override { return report_.resident_bytes; }
 
   void read_plane(std::span<std::byte> plane) override {
-    if (next_ + 1 > report_.description.size.z || plane.size() != plane_bytes_ || !worker_) {
+    if (cursor_.is_done() || plane.size() != plane_bytes_ || !worker_) {
       throw Error(ErrorKind::invalid_argument, "no such plane, or a buffer of another size");
     }
-    z_ = next_;
+    z_ = cursor_.next();
     MessageHead head = take_head();
     if (head.kind == MessageKind::warnings) {
       report_.warnings = understood([&] { return decode_warnings(take_words(head)); });
@@ -75,10 +79,38 @@ class IsolatedSource final : public PlaneSource {
       reject("the reader sent something else" + place() + kAdvice);
     }
     take_payload(head, {reinterpret_cast<std::uint8_t*>(plane.data()), plane.size()});
-    if (++next_ == report_.description.size.z) finish(kEndPatienceMs);
+    cursor_.take();
+    if (z_ + 1 == end_plane()) finish(kEndPatienceMs);
+  }
+
+  /// A worker that sends the planes sought, and has sent none of them, goes on; else a new one
+  /// opens the source again.
+  void seek(std::int64_t first, std::int64_t end) override {
+    const bool goes_on = worker_ && first == cursor_.next() && first >= request_.first_plane &&
+                         end <= end_plane();
+    cursor_.seek(first, end);
+    if (first == end || goes_on) return;
+    if (worker_) finish(0);
+    request_.first_plane = first;
+    request_.end_plane = end;
+    z_ = -1;
+    worker_ = std::make_unique<WorkerProcess>(options_.command, encode(request_));
+    SourceReport report = take_report();
+    const VolumeDescription& now = report.description;
+    const VolumeDescription& before = report_.description;
+    if (now.size != before.size || now.type != before.type || now.kind != before.kind ||
+        now.geometry != before.geometry || now.metadata.text() != before.metadata.text()) {
+      reject("the source changed since it was opened");
+    }
+    report_ = std::move(report);
   }
 
  private:
+  /// Behind the last plane that the worker sends.
+  std::int64_t end_plane() const {
+    return request_.end_plane < 0 ? report_.description.size.z : request_.end_plane;
+  }
+
   // --- Messages
 
   SourceReport take_report() {
@@ -225,12 +257,13 @@ class IsolatedSource final : public PlaneSource {
   }
 
   IsolationOptions options_;
+  ImportRequest request_;
   std::string name_;
+  std::int64_t z_ = -1;  ///< the plane waited for; -1: the description
   std::unique_ptr<WorkerProcess> worker_;
   SourceReport report_;
   std::uint64_t plane_bytes_ = 0;
-  std::int64_t next_ = 0;
-  std::int64_t z_ = -1;  ///< the plane waited for; -1: the description
+  PlaneCursor cursor_;
 };
 
 }  // namespace
@@ -247,6 +280,8 @@ std::unique_ptr<PlaneSource> open_isolated_source(const std::vector<std::string>
   request.options = source_options;
   request.threads = std::max(1, options.threads);
   request.memory_bytes = options.memory_bytes;
+  request.first_plane = options.first_plane;
+  request.end_plane = options.end_plane;
   request.limit_ms = static_cast<std::uint64_t>(options.plane_limit.count());
   return std::make_unique<IsolatedSource>(request, options);
 }

@@ -27,6 +27,10 @@ struct IsolationOptions {
   /// Memory the worker may take beyond what its program needs; 0: that of the machine or
   /// SourceOptions::max_memory_bytes to open the source, then what its planes call for.
   std::uint64_t memory_bytes = 0;
+  /// The planes that will be asked for, where that is known before the source is opened: others are
+  /// not read. A seek beyond them opens the source anew.
+  std::int64_t first_plane = 0;
+  std::int64_t end_plane = -1;  ///< -1: that of the volume
   std::function<bool()> is_cancelled;  ///< asked several times a second while waiting; may be empty
   /// Gets, at the end, what the worker wrote to standard output and standard error; may be empty.
   std::function<void(const std::string&)> on_output;

@@ -245,6 +245,8 @@ Payload encode(const ImportRequest& request) {
   out.put_signed(request.threads);
   out.put_u64(request.memory_bytes);
   out.put_u64(request.limit_ms);
+  out.put_signed(request.first_plane);
+  out.put_signed(request.end_plane);
   return payload;
 }
 
@@ -288,6 +290,8 @@ ImportRequest decode_request(std::span<const std::uint8_t> payload) {
   request.threads = static_cast<int>(in.signed_varint());
   request.memory_bytes = in.u64();
   request.limit_ms = in.u64();
+  request.first_plane = in.signed_varint();
+  request.end_plane = in.signed_varint();
   in.expect_end();
   return request;
 }

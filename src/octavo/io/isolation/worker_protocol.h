@@ -5,9 +5,9 @@
 //     head     mark, kind, index, length, CRC-32C of the payload, CRC-32C of the head   32 bytes
 //     payload  `length` bytes
 //
-// in this order: what the source is; its planes, z = 0 first, each behind the warnings that are new
-// by then; a failure in the place of any of them ends it. Both ends are one program on one machine:
-// numbers stand in its own byte order.
+// in this order: what the source is; the planes asked for, by z, each behind the warnings that are
+// new by then; a failure in the place of any of them ends it. Both ends are one program on one
+// machine: numbers stand in its own byte order.
 #pragma once
 
 #include <cstdint>
@@ -34,6 +34,8 @@ struct ImportRequest {
   int threads = 1;
   std::uint64_t memory_bytes = 0;  ///< beyond what the program itself takes; 0: by the source
   std::uint64_t limit_ms = 60000;  ///< for one plane
+  std::int64_t first_plane = 0;
+  std::int64_t end_plane = -1;     ///< behind the last one to be sent; -1: all are
 };
 
 /// What a source is before its first plane.

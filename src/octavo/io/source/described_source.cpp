@@ -168,20 +168,14 @@ void settle_number_gaps(const std::vector<std::string>& files, const SourceOptio
   facts.warnings.push_back(found + "; taken as neighbors");
 }
 
-DescribedSource::DescribedSource(SourceFacts facts) : facts_(std::move(facts)) {}
+DescribedSource::DescribedSource(SourceFacts facts)
+    : facts_(std::move(facts)), cursor_(facts_.description.size.z) {}
 
 void DescribedSource::require_plane(std::span<const std::byte> plane) const {
   if (plane.size() == plane_bytes(facts_.description)) return;
   throw Error(ErrorKind::invalid_argument,
               "a plane buffer of " + std::to_string(plane.size()) + " bytes, " +
                   std::to_string(plane_bytes(facts_.description)) + " needed");
-}
-
-std::int64_t DescribedSource::take_plane_index() {
-  if (next_plane_ >= facts_.description.size.z) {
-    throw Error(ErrorKind::invalid_argument, "no plane behind the last one");
-  }
-  return next_plane_++;
 }
 
 }  // namespace octavo

@@ -12,6 +12,7 @@
 #include "octavo/io/source/narrowing.h"
 #include "octavo/io/source/source_identity.h"
 #include "octavo/io/source_options.h"
+#include "octavo/planes/plane_cursor.h"
 #include "octavo/planes/plane_source.h"
 
 namespace octavo {
@@ -70,6 +71,8 @@ class DescribedSource : public PlaneSource {
   explicit DescribedSource(SourceFacts facts);
   const VolumeDescription& description() const override { return facts_.description; }
   const std::vector<Warning>& warnings() const override { return facts_.warnings; }
+  /// For sources that find every plane by its number alone; others do more.
+  void seek(std::int64_t first, std::int64_t end) override { cursor_.seek(first, end); }
 
  protected:
   const ComponentChoice& choice() const { return facts_.choice; }
@@ -79,11 +82,12 @@ class DescribedSource : public PlaneSource {
   /// Throws Error{invalid_argument} unless `plane` is one plane long.
   void require_plane(std::span<const std::byte> plane) const;
   /// The index of the next plane; moves on. Throws Error{invalid_argument} behind the last one.
-  std::int64_t take_plane_index();
+  std::int64_t take_plane_index() { return cursor_.take(); }
+  const PlaneCursor& cursor() const { return cursor_; }
 
  private:
   SourceFacts facts_;
-  std::int64_t next_plane_ = 0;
+  PlaneCursor cursor_;
 };
 
 /// A source that can deliver any plane, from many threads at once: one file per plane, or pages.

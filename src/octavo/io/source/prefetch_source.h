@@ -13,7 +13,8 @@ struct PrefetchOptions {
   std::uint64_t max_bytes = std::uint64_t{64} << 20;  ///< planes held ahead; at least two are held
 };
 
-/// Wraps `source`: the same planes in the same order, read ahead. Sources of separate files (DICOM,
+/// Wraps `source`: the same planes in the same order, read ahead from the first one that is asked
+/// for. Sources of separate files (DICOM,
 /// TIFF, PNG stacks) are decoded by several threads at once, others by one. What a plane throws is
 /// thrown when that plane is asked for; destroying the wrapper early stops and joins the threads.
 /// Memory  options.max_bytes, or two planes

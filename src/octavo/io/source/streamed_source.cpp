@@ -61,19 +61,38 @@ class StreamedSource final : public DescribedSource {
   StreamedSource(SourceFacts facts, const VoxelRun& run)
       : DescribedSource(std::move(facts)),
         run_(run),
-        numbers_(run, narrowing() ? bytes_per_value(narrowing()->from)
-                                  : bytes_per_value(description().type)) {}
+        value_bytes_(narrowing() ? bytes_per_value(narrowing()->from)
+                                 : bytes_per_value(description().type)),
+        numbers_(run, value_bytes_) {}
 
   void read_plane(std::span<std::byte> plane) override {
     require_plane(plane);
     const std::int64_t z = take_plane_index();
+    at_ = description().size.z;  // should it fail: nobody knows where
     if (narrowing()) {
       read_narrowed(z, plane);
     } else {
       numbers_.read(plane);
     }
-    const bool is_last = z + 1 == description().size.z;
+    at_ = z + 1;
+    const bool is_last = at_ == description().size.z;
     if (is_last && run_.coding != StreamCoding::plain) prove_end();
+  }
+
+  bool can_seek() const override { return run_.coding == StreamCoding::plain; }
+
+  void seek(std::int64_t first, std::int64_t end) override {
+    DescribedSource::seek(first, end);
+    if (first == end) return;
+    if (first < at_) {
+      numbers_ = StoredNumbers(run_, value_bytes_);
+      at_ = 0;
+    }
+    const Size3& size = description().size;
+    const std::uint64_t plane_bytes = static_cast<std::uint64_t>(size.x * size.y) * value_bytes_ *
+                                      static_cast<std::uint64_t>(run_.values_per_voxel);
+    numbers_.stream().skip(static_cast<std::uint64_t>(first - at_) * plane_bytes);
+    at_ = first;
   }
 
  private:
@@ -102,7 +121,9 @@ class StreamedSource final : public DescribedSource {
   }
 
   VoxelRun run_;
+  std::size_t value_bytes_;
   StoredNumbers numbers_;
+  std::int64_t at_ = 0;  ///< the plane that stands next in the stream
 };
 
 std::string_view stored_name(const SourceFacts& facts) {

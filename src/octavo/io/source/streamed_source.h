@@ -26,7 +26,9 @@ struct VoxelRun {
   void take_volume(std::int64_t index, std::int64_t count, std::uint64_t volume_bytes);
 };
 
-/// Delivers the planes of `run` one after the other; memory is that of a read buffer. Where numbers
+/// Delivers the planes of `run` one after the other; memory is that of a read buffer. A plain file
+/// is read from any plane on, a deflated one from its start, and planes that are passed inflated as
+/// well. Where numbers
 /// are wide, the first planes are read here as well, to choose what voxels they become.
 /// A plain file that is too short is rejected here; a deflated stream is proven to its trailer when
 /// the last plane is read. Bytes behind the voxels bring a warning.

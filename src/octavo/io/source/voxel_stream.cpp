@@ -60,6 +60,16 @@ class VoxelStream::Impl {
     return count;
   }
 
+  /// Passes over bytes of a plain file; false where it has fewer, or where the stream is deflated.
+  bool jump(std::uint64_t count) {
+    const bool is_there = coding_ == StreamCoding::plain && file_offset_ <= file_.size() &&
+                          count <= file_.size() - file_offset_;
+    if (!is_there) return false;
+    file_offset_ += count;
+    delivered_ += count;
+    return true;
+  }
+
  private:
   std::size_t read_plain(std::span<std::byte> bytes) {
     const std::size_t count = file_.read_some(file_offset_, bytes);
@@ -140,6 +150,7 @@ const std::string& VoxelStream::path() const { return impl_->path(); }
 void VoxelStream::read(std::span<std::byte> bytes) { impl_->read(bytes); }
 
 void VoxelStream::skip(std::uint64_t count) {
+  if (impl_->jump(count)) return;
   std::vector<std::byte> buffer(std::min<std::uint64_t>(count, kInputBytes));
   while (count > 0) {
     const std::size_t chunk = std::min<std::uint64_t>(count, buffer.size());

@@ -30,7 +30,7 @@ class VoxelStream {
   /// Throws Error{source_rejected} when the stream is damaged or ends early, Error{io}.
   void read(std::span<std::byte> bytes);
 
-  /// Passes over `count` bytes. Throws as read does.
+  /// Passes over `count` bytes; those of a plain file are not read. Throws as read does.
   void skip(std::uint64_t count);
 
   /// Reads to the end of a deflated stream so that its checksums and lengths are proven; returns

@@ -1,5 +1,6 @@
 #include "octavo/io/volumes/vtk_source.h"
 
+#include <optional>
 #include <utility>
 
 #include "octavo/io/source/source_file.h"
@@ -17,29 +18,54 @@ constexpr const char* kColorTableLeftOut =
 class VtkTextSource final : public DescribedSource {
  public:
   VtkTextSource(SourceFacts facts, const std::string& path, const VtkHeader& header)
-      : DescribedSource(std::move(facts)), voxels_(path, header.voxel_offset) {}
+      : DescribedSource(std::move(facts)),
+        path_(path),
+        voxel_offset_(header.voxel_offset),
+        voxels_(std::in_place, path_, voxel_offset_) {}
 
   void read_plane(std::span<std::byte> plane) override {
     require_plane(plane);
     const std::int64_t z = take_plane_index();
+    at_ = description().size.z;  // should it fail: nobody knows where
     if (narrowing()) {
       read_narrowed(z, plane);
     } else {
-      voxels_.read(description().type, plane);
+      voxels_->read(description().type, plane);
     }
-    if (z + 1 < description().size.z) return;
-    if (read_behind_vtk_text(voxels_)) warn(kColorTableLeftOut);
+    at_ = z + 1;
+    if (at_ < description().size.z) return;
+    if (read_behind_vtk_text(*voxels_)) warn(kColorTableLeftOut);
+  }
+
+  bool can_seek() const override { return false; }
+
+  void seek(std::int64_t first, std::int64_t end) override {
+    DescribedSource::seek(first, end);
+    if (first == end) return;
+    if (first < at_) {
+      voxels_.emplace(path_, voxel_offset_);
+      at_ = 0;
+    }
+    const StoredType type = narrowing() ? StoredType(narrowing()->from)
+                                        : StoredType(description().type);
+    const Size3& size = description().size;
+    std::vector<std::byte> passed(static_cast<std::size_t>(size.x * size.y) *
+                                  bytes_per_value(type));
+    for (; at_ < first; ++at_) voxels_->read(type, passed);
   }
 
  private:
   void read_narrowed(std::int64_t z, std::span<std::byte> plane) {
     std::vector<std::byte> wide(plane.size() / bytes_per_value(narrowing()->to) *
                                 bytes_per_value(narrowing()->from));
-    voxels_.read(narrowing()->from, wide);
-    narrow(*narrowing(), wide, plane, {voxels_.path(), description().size.x, z, 0});
+    voxels_->read(narrowing()->from, wide);
+    narrow(*narrowing(), wide, plane, {path_, description().size.x, z, 0});
   }
 
-  TextVoxels voxels_;
+  std::string path_;
+  std::uint64_t voxel_offset_;
+  std::optional<TextVoxels> voxels_;
+  std::int64_t at_ = 0;  ///< the plane that stands next in the file
 };
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "octavo/core/unset_bytes.h"
 #include "octavo/planes/between/plane_mixing.h"
 #include "octavo/planes/between/shape_between.h"
+#include "octavo/planes/plane_cursor.h"
 
 namespace octavo {
 
@@ -60,6 +61,21 @@ PlaneRun slices_of(const IsotropicPlan& plan, std::int64_t z) {
   if (plan.method != PlaneInterpolation::cubic) return {place.below, place.below + 1};
   return {std::max<std::int64_t>(place.below - 1, 0),
           std::min(place.below + 2, plan.slices - 1)};
+}
+
+/// The slices that planes first .. end are made of, up to the last of all where the last plane is
+/// among them; an empty run for no planes.
+PlaneRun slices_of(const IsotropicPlan& plan, std::int64_t first, std::int64_t end) {
+  if (first == end) return {0, -1};
+  PlaneRun slices = slices_of(plan, first);
+  // A plane at a slice takes part in none of its neighbors, which the plane beside it may.
+  for (const std::int64_t z : {first + 1, end - 2, end - 1}) {
+    if (z < first || z >= end) continue;
+    const PlaneRun of_plane = slices_of(plan, z);
+    slices = {std::min(slices[0], of_plane[0]), std::max(slices[1], of_plane[1])};
+  }
+  if (end == plan.planes) slices[1] = plan.slices - 1;
+  return slices;
 }
 
 /// Runs that the metadata tell of, where they rise and lie within the slices.
@@ -147,7 +163,10 @@ CubicWeights cubic_weights(const WayUp& way, bool is_first, bool is_last) {
 class IsotropicSource final : public PlaneSource {
  public:
   IsotropicSource(std::unique_ptr<PlaneSource> source, const IsotropicPlan& plan)
-      : source_(std::move(source)), plan_(plan), description_(source_->description()) {
+      : source_(std::move(source)),
+        plan_(plan),
+        description_(source_->description()),
+        cursor_(plan.planes) {
     slice_bytes_ = plane_bytes(description_);
     if (plan_.method == PlaneInterpolation::shape) {
       shapes_ = make_shape_between(description_.size.x, description_.size.y, description_.type);
@@ -170,10 +189,10 @@ class IsotropicSource final : public PlaneSource {
   }
 
   void read_plane(std::span<std::byte> plane) override {
-    if (next_ >= plan_.planes || plane.size() != slice_bytes_) {
-      throw Error(ErrorKind::invalid_argument, "no such plane, or a buffer of another size");
+    if (plane.size() != slice_bytes_) {
+      throw Error(ErrorKind::invalid_argument, "a buffer of another size than that of a plane");
     }
-    const std::int64_t z = next_++;
+    const std::int64_t z = cursor_.take();
     const PlanePlace place = place_of(plan_, z);
     if (place.way.part == 0) {
       hold(place.below, place.below);
@@ -184,7 +203,19 @@ class IsotropicSource final : public PlaneSource {
       mix(place, plane);
     }
     // What comes late is reported by the source itself: a stream is proven at its end.
-    if (next_ == plan_.planes) read_until(plan_.slices - 1);
+    if (cursor_.is_behind_last()) read_until(plan_.slices - 1);
+  }
+
+  bool can_seek() const override { return source_->can_seek(); }
+
+  void seek(std::int64_t first, std::int64_t end) override {
+    cursor_.seek(first, end);
+    const PlaneRun slices = slices_of(plan_, first, end);
+    read_ = slices[0];
+    source_->seek(slices[0], slices[1] + 1);
+    held_.clear();
+    pair_below_ = -1;
+    decided_ = 0;
   }
 
  private:
@@ -291,8 +322,8 @@ class IsotropicSource final : public PlaneSource {
   VolumeDescription description_;
   std::uint64_t slice_bytes_ = 0;
   std::deque<UnsetBytes> held_;
-  std::int64_t read_ = 0;  ///< slices so far
-  std::int64_t next_ = 0;
+  std::int64_t read_ = 0;  ///< the slice that the source gives next
+  PlaneCursor cursor_;
   std::unique_ptr<ShapeBetween> shapes_;
   std::int64_t pair_below_ = -1;
   std::int64_t decided_from_ = 0;

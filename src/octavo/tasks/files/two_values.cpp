@@ -30,6 +30,15 @@ class WatchedValues final : public PlaneSource {
     *found_ = has_two ? TwoValues(std::minmax(values_[0], values_[1])) : std::nullopt;
   }
 
+  bool can_seek() const override { return source_->can_seek(); }
+
+  // Some planes do not say what all of them hold.
+  void seek(std::int64_t first, std::int64_t end) override {
+    source_->seek(first, end);
+    is_over_ = true;
+    found_->reset();
+  }
+
  private:
   static constexpr std::size_t kVoxelsAtOnce = 4096;
 

@@ -14,7 +14,8 @@ namespace octavo {
 using TwoValues = std::optional<std::pair<std::int64_t, std::int64_t>>;
 
 /// The planes of `source`, looked at on their way; after the last of them `found` says what they
-/// hold. It costs a pass over each plane while no third value has come.
+/// hold, nothing once one was sought. It costs a pass over each plane while no third value has
+/// come.
 std::unique_ptr<PlaneSource> watch_values(std::unique_ptr<PlaneSource> source,
                                           std::shared_ptr<TwoValues> found);
 

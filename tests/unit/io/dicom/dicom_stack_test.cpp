@@ -8,6 +8,7 @@
 #include "octavo/io/source/prefetch_source.h"
 #include "support/dicom_elements.h"
 #include "support/dicom_samples.h"
+#include "support/sought_planes.h"
 #include "support/source_files.h"
 
 namespace octavo::testing {namespace {
@@ -64,6 +65,7 @@ TEST(SourceDicomGaps, FillingMakesMissingPlanesAndKeepsTheOthers) {
   EXPECT_EQ(source->description().size, (Size3{4, 3, 6}));
   EXPECT_DOUBLE_EQ(source->description().geometry.spacing_mm[2], 2);
   EXPECT_EQ(voxels_of(*source), planes_at({0, 2, 4, 6, 8, 10}));
+  expect_same_from_anywhere(*source);
   ASSERT_EQ(source->warnings().size(), 1U);
   EXPECT_TRUE(contains(source->warnings()[0], "2 missing planes interpolated"));
   const nlohmann::json gaps = prepared(*source)["gaps"];
@@ -255,6 +257,7 @@ TEST(SourceDicomTilt, UnevenTiltedSlicesNeedBothOptions) {
                        "[untilt]"));
   const auto source = open_source({folder.path()}, upright(GapPolicy::resample));
   EXPECT_EQ(source->description().size, (Size3{4, 14, 6}));
+  expect_same_from_anywhere(*source);
 }
 
 TEST(SourceDicomTilt, PlanesBetweenTiltedSlicesAreInterpolatedAlongTheNormal) {

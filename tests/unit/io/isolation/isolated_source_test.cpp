@@ -11,6 +11,7 @@
 #include "support/dicom_samples.h"
 #include "support/image_samples.h"
 #include "support/shared_data.h"
+#include "support/sought_planes.h"
 #include "support/source_files.h"
 
 namespace octavo::testing {
@@ -88,6 +89,65 @@ TEST(IsolatedSource, PlanesAndFactsAreThoseOfTheSource) {
   for (const char* name : {"dicom", "a.tif", "a.png", "a.nii"}) {
     expect_same(folder.file(name));
   }
+}
+
+TEST(IsolatedSource, PlanesAreTheSameFromAnywhere) {
+  const TempFolder folder;
+  for (int z = 0; z < 7; ++z) {
+    write_dicom(folder.file("dicom/" + std::to_string(z) + ".dcm"), slice(z));
+  }
+  const auto source = open_apart(folder.file("dicom"));
+  EXPECT_TRUE(source->can_seek());
+  expect_same_from_anywhere(*source);
+}
+
+// Plane 2 ends whoever reads it.
+TEST(IsolatedSource, PlanesThatAreNotAskedForAreNotRead) {
+  for (const auto& [first, end] :
+       std::vector<std::pair<std::int64_t, std::int64_t>>{{3, 6}, {0, 2}, {4, 4}}) {
+    IsolationOptions options = worker_options();
+    options.first_plane = first;
+    options.end_plane = end;
+    const auto source = open_apart("plane:abort", options);
+    EXPECT_EQ(source->description().size.z, 6);
+    std::vector<std::byte> plane(12);
+    for (std::int64_t z = first; z < end; ++z) {
+      source->read_plane(plane);
+      EXPECT_EQ(plane.front(), static_cast<std::byte>(z));
+    }
+    EXPECT_EQ(error_of([&] { source->read_plane(plane); }).kind(), ErrorKind::invalid_argument);
+    source->seek(5, 6);
+    source->read_plane(plane);
+    EXPECT_EQ(plane.front(), std::byte{5});
+    source->seek(1, 3);
+    const Error error = error_of([&] {
+      source->read_plane(plane);
+      source->read_plane(plane);
+    });
+    expect_words(error, {"slice-2: ", "plane 2"});
+    source->seek(3, 4);
+    source->read_plane(plane);
+    EXPECT_EQ(plane.front(), std::byte{3}) << "after a failure";
+  }
+}
+
+TEST(IsolatedSource, PlanesThatTheVolumeLacksAreRejected) {
+  IsolationOptions options = worker_options();
+  options.first_plane = 3;
+  options.end_plane = 7;
+  EXPECT_EQ(error_of([&] { open_apart("plane:nothing", options); }).kind(),
+            ErrorKind::invalid_argument);
+}
+
+TEST(IsolatedSource, ASourceThatChangesBetweenSeeksIsRejected) {
+  const TempFolder folder;
+  write_png(folder.file("a.png"), 4, 3, 8, 0, std::string(12, 'c'));
+  const auto source = open_apart(folder.file("a.png"));
+  voxels_of(*source);
+  write_png(folder.file("a.png"), 3, 4, 8, 0, std::string(12, 'c'));
+  const Error error = error_of([&] { source->seek(0, 1); });
+  EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
+  expect_words(error, {"a.png", "changed since it was opened"});
 }
 
 TEST(IsolatedSource, LargePlanesCrossThePipeWhole) {

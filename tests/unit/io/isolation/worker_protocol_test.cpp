@@ -25,6 +25,8 @@ ImportRequest sample_request() {
   request.threads = 7;
   request.memory_bytes = 123456789;
   request.limit_ms = 400;
+  request.first_plane = 17;
+  request.end_plane = 1000000007;
   return request;
 }
 
@@ -68,6 +70,8 @@ TEST(WorkerProtocol, ARequestComesBackAsItWas) {
   EXPECT_EQ(got.threads, sent.threads);
   EXPECT_EQ(got.memory_bytes, sent.memory_bytes);
   EXPECT_EQ(got.limit_ms, sent.limit_ms);
+  EXPECT_EQ(got.first_plane, sent.first_plane);
+  EXPECT_EQ(got.end_plane, sent.end_plane);
 }
 
 TEST(WorkerProtocol, AReportComesBackAsItWas) {

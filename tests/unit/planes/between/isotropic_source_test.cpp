@@ -9,6 +9,7 @@
 #include <random>
 
 #include "octavo/planes/memory_source.h"
+#include "support/sought_planes.h"
 #include "support/source_files.h"
 
 namespace octavo::testing {
@@ -242,6 +243,31 @@ TEST(IsotropicSource, MetadataOfAnyShapeAreTaken) {
   }
 }
 
+TEST(IsotropicSource, PlanesAreTheSameFromAnywhere) {
+  // Slices a whole number of pixels apart, and not; few values make shapes.
+  for (const double slice_mm : {3.0, 1.7, 1.25}) {
+    for (const PlaneInterpolation method : {linear, cubic, shape}) {
+      Volume<std::uint8_t> volume = noise<std::uint8_t>({9, 7, 6}, {1, 1, slice_mm});
+      for (std::uint8_t& voxel : volume.voxels) voxel = static_cast<std::uint8_t>(voxel % 3);
+      const VolumeDescription description = description_of(volume);
+      const auto source = make_isotropic_source(
+          make_memory_source(description, std::as_bytes(std::span(volume.voxels))),
+          plan_isotropic(description, method));
+      SCOPED_TRACE(std::string(interpolation_name(method)) + " " + std::to_string(slice_mm));
+      EXPECT_TRUE(source->can_seek());
+      const std::int64_t count = source->description().size.z;
+      const auto all = planes_between(*source, 0, count);
+      for (std::int64_t first = 0; first < count; ++first) {
+        for (std::int64_t end = first; end <= count; ++end) {
+          const auto planes = planes_between(*source, first, end);
+          ASSERT_TRUE(std::equal(planes.begin(), planes.end(), all.begin() + first)) << first;
+        }
+      }
+      expect_same_from_anywhere(*source);
+    }
+  }
+}
+
 /// Counts the slices that were read.
 class CountedSource final : public PlaneSource {
  public:
@@ -253,12 +279,38 @@ class CountedSource final : public PlaneSource {
     std::fill(plane.begin(), plane.end(), std::byte{1});
     ++count_;
   }
+  void seek(std::int64_t first, std::int64_t end) override { sought_ = {first, end}; }
+  std::pair<std::int64_t, std::int64_t> sought() const { return sought_; }
 
  private:
   VolumeDescription description_;
   std::vector<Warning> warnings_;
   std::int64_t& count_;
+  std::pair<std::int64_t, std::int64_t> sought_;
 };
+
+TEST(IsotropicSource, NoSliceIsSoughtThatTakesNoPart) {
+  const struct {
+    PlaneInterpolation method;
+    std::int64_t first, end;
+    std::pair<std::int64_t, std::int64_t> slices;
+  } table[] = {{linear, 0, 5, {0, 2}},    {linear, 5, 6, {1, 2}},     {linear, 21, 26, {4, 6}},
+               {cubic, 0, 5, {0, 3}},     {cubic, 21, 24, {3, 7}},    {cubic, 20, 26, {3, 7}},
+               {shape, 21, 25, {4, 6}},   {linear, 241, 246, {48, 50}}, {linear, 7, 7, {0, 0}}};
+  for (const auto& [method, first, end, slices] : table) {
+    const Volume<std::uint8_t> volume{{4, 4, 50}, {1, 1, 5}, {}};
+    std::int64_t count = 0;
+    auto counted = std::make_unique<CountedSource>(description_of(volume), count);
+    const CountedSource& inner = *counted;
+    const auto source = make_isotropic_source(std::move(counted),
+                                              plan_isotropic(description_of(volume), method));
+    source->seek(first, end);
+    EXPECT_EQ(inner.sought(), slices) << interpolation_name(method) << first;
+    std::vector<std::byte> plane(16);
+    for (std::int64_t z = first; z < end; ++z) source->read_plane(plane);
+    EXPECT_LE(count, slices.second - slices.first) << interpolation_name(method) << first;
+  }
+}
 
 TEST(IsotropicSource, NoSliceIsReadBeforeItTakesPart) {
   for (const PlaneInterpolation method : {linear, cubic, shape}) {
