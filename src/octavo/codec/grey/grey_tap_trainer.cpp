@@ -2,7 +2,7 @@
 //
 // Least squares alone would follow the few large residuals. Samples are weighted so that the fit
 // comes close to the bits that residuals take: first by the steps among their neighbors, then,
-// twice, by the residual that the last fit leaves as well.
+// round after round, by the residual that the last fit leaves as well.
 
 #include <tbb/parallel_for.h>
 
@@ -27,7 +27,7 @@ constexpr std::int64_t kTapSamples[kGroups][3] = {
 constexpr std::int32_t kMaxDifference = 32000;
 constexpr double kTapRidge = 1e-4;
 /// Rounds of a fit: one in so many samples takes part, the first weighted by steps alone.
-constexpr std::size_t kRounds[] = {12, 4, 1};
+constexpr std::size_t kRounds[] = {12, 4, 4, 2, 1};
 constexpr std::size_t kTrialRounds[] = {1};  ///< when an order is tried
 constexpr std::size_t kFewInRound = 2000;
 /// One in so many samples when an order is tried, and when weights are refined.
@@ -199,6 +199,27 @@ std::vector<double> fit_taps(const ClassSamples& samples, int taps,
   return fitted;
 }
 
+/// Whether details take fewer bits without these weights, by one in so many samples. Squares follow
+/// the steps at edges, where details are all or nothing.
+bool is_better_without(const ClassSamples& samples, std::span<const std::int16_t> weights) {
+  constexpr std::size_t kEvery = 4;
+  std::uint64_t with = 0;
+  std::uint64_t without = 0;
+  std::size_t skipped = kEvery - 1;
+  for (const AxisSamples* const s : samples.of_axis) {
+    for (const std::uint32_t number : s->of_class[samples.activity]) {
+      if (++skipped < kEvery) continue;
+      skipped = 0;
+      const std::int32_t detail = s->details[number];
+      const std::span features(s->features.data() + number * weights.size(), weights.size());
+      const std::int32_t predicted = measure(features, weights).predicted >> (kWeightBits - 4);
+      with += logarithm(16 + static_cast<std::uint64_t>(std::abs(16 * detail - predicted)));
+      without += logarithm(16 + static_cast<std::uint64_t>(std::abs(16 * detail)));
+    }
+  }
+  return without <= with;
+}
+
 /// Weights between those of another model and those that fit samples best.
 std::vector<double> refine_taps(const ClassSamples& samples, int taps, const std::int16_t* start) {
   const auto n = static_cast<std::size_t>(taps);
@@ -254,124 +275,10 @@ void fit_weights(Parameters& p, const std::vector<TapSamples>& by_sample, int gr
                 refines && has_start ? refine_taps(samples, taps, weights)
                                      : fit_taps(samples, taps, rounds),
                 axis, p.weight_step);
+    if (is_better_without(samples, {weights, static_cast<std::size_t>(taps)})) {
+      std::fill_n(weights, kMaxTaps, std::int16_t{0});
+    }
   });
-}
-
-/// The logarithm to base 2 of n > 0 in 1/256, linear between powers of two.
-std::uint64_t logarithm(std::uint64_t n) {
-  const int whole = bit_length(n) - 1;
-  return (static_cast<std::uint64_t>(whole) << 8) + ((n << 8 >> whole) - 256);
-}
-
-/// Sums of products of what details are predicted from when it is the means: the steps between
-/// those one and two away, and what the detail behind has beyond a usual share of its step.
-/// Integers: exact in any order.
-struct MeanSums {
-  enum Term { kNear, kFar, kBehind, kDetail, kTerms };
-  std::int64_t of[kTerms][kTerms] = {};
-
-  void add(const std::int64_t (&terms)[kTerms], std::int64_t weight) {
-    for (int i = 0; i < kDetail; ++i) {
-      const std::int64_t weighted = weight * terms[i];
-      for (int j = i; j < kTerms; ++j) of[i][j] += weighted * terms[j];
-    }
-  }
-  void add(const MeanSums& more) {
-    for (int i = 0; i < kDetail; ++i) {
-      for (int j = i; j < kTerms; ++j) of[i][j] += more.of[i][j];
-    }
-  }
-  double real(Term a, Term b) const { return static_cast<double>(of[a][b]); }
-};
-using ClassMeanSums = std::array<MeanSums, kClasses>;
-
-/// One row in so many is enough for a few weights.
-constexpr std::int64_t kMeanRows = 4;
-
-/// Details weigh 1 / (1 + steps): large steps would decide alone, and sums outgrow 64 bits.
-void add_means(const Stage& stage, Workspace<std::int16_t>& work,
-               const Target<std::int16_t>& target, ClassMeanSums& sums) {
-  constexpr std::int64_t kUnit = 1 << 16;
-  constexpr int kUsualShare = 2;  // a logarithm
-  const std::int64_t along = pair_step<std::int16_t>(stage.axis);
-  const auto near_at = [along](const std::int16_t* means) {
-    return std::int64_t{means[-along]} - means[along];
-  };
-  for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
-    for (std::int64_t y = z % kMeanRows; y < stage.pairs.y; y += kMeanRows) {
-      const std::int16_t* const means = work.means.row(y, z);
-      const std::uint8_t* const activities = work.activities.row(y, z);
-      const std::uint16_t* const limits = work.limits.row(y, z);
-      const std::int16_t* const means_behind = z > 0 ? work.means.row(y, z - 1) : nullptr;
-      const std::uint16_t* const limits_behind = z > 0 ? work.limits.row(y, z - 1) : nullptr;
-      for (std::int64_t x = 0; x < stage.pairs.x; ++x) {
-        if (limits[x] == 0) continue;
-        std::int64_t behind = 0;
-        if (z > 0 && limits_behind[x] != 0) {
-          behind = target_detail(target, stage.axis, x, y, z - 1) -
-                   (near_at(means_behind + x) >> kUsualShare);
-        }
-        const std::int64_t far = means[x - 2 * along] - means[x + 2 * along];
-        const std::int64_t terms[] = {near_at(means + x), far, behind,
-                                      target_detail(target, stage.axis, x, y, z)};
-        const std::int64_t steps = std::abs(terms[0]) + std::abs(terms[1]) + std::abs(behind);
-        sums[activities[x]].add(terms, kUnit / (1 + steps));
-      }
-    }
-  }
-}
-
-/// The weights of a class that explain most of the details, given the far share of slopes.
-struct MeanWeights {
-  double slope = 0;
-  double behind = 0;
-  double explained = 0;
-};
-
-MeanWeights fit_means(const MeanSums& sums, std::int32_t far_share) {
-  using enum MeanSums::Term;
-  const double share = static_cast<double>(far_share) / (1 << kShareBits);
-  const double slopes = sums.real(kNear, kNear) +
-                        share * (2 * sums.real(kNear, kFar) + share * sums.real(kFar, kFar));
-  const double both = sums.real(kNear, kBehind) + share * sums.real(kFar, kBehind);
-  const double behinds = sums.real(kBehind, kBehind);
-  const double slope_details = sums.real(kNear, kDetail) + share * sums.real(kFar, kDetail);
-  const double behind_details = sums.real(kBehind, kDetail);
-  const double determinant = slopes * behinds - both * both;
-  MeanWeights fitted;
-  if (determinant > 1e-6 * slopes * behinds) {
-    fitted.slope = (slope_details * behinds - behind_details * both) / determinant;
-    fitted.behind = (behind_details * slopes - slope_details * both) / determinant;
-  } else if (slopes > 0) {
-    fitted.slope = slope_details / slopes;
-  }
-  fitted.explained = fitted.slope * slope_details + fitted.behind * behind_details;
-  return fitted;
-}
-
-std::int32_t best_far_share(const ClassMeanSums& sums) {
-  const auto explained = [&](std::int32_t share) {
-    double total = 0;
-    for (std::size_t activity = 1; activity < kClasses; ++activity) {
-      total += fit_means(sums[activity], share).explained;
-    }
-    return total;
-  };
-  std::int32_t best = 0;
-  double most = explained(0);
-  for (std::int32_t share = -kMaxShare; share <= kMaxShare; ++share) {
-    const double part = explained(share);
-    if (part <= most) continue;
-    most = part;
-    best = share;
-  }
-  return best;
-}
-
-/// A weight in units of 1 / 2^bits, at most `most`.
-std::int32_t fixed_point(double weight, int bits, std::int32_t most) {
-  return static_cast<std::int32_t>(
-      std::lround(std::clamp<double>(weight * (1 << bits), -most, most)));
 }
 
 }  // namespace
@@ -419,41 +326,6 @@ double detail_cost(Parameters p, const std::vector<TrainingSample>& training) {
   });
   const std::uint64_t cost = std::accumulate(costs.begin(), costs.end(), std::uint64_t{0});
   return static_cast<double>(cost);
-}
-
-void learn_mean_weights(Parameters& p, const std::vector<TrainingSample>& training, int group) {
-  const bool is_exact = p.quantizer.detail_step == 0;
-  std::vector<std::array<ClassMeanSums, 3>> by_sample(training.size());
-  tbb::parallel_for(std::size_t{0}, training.size(), [&](std::size_t i) {
-    for (int level = group; level < group + levels_of_group(group); ++level) {
-      if (level + 1 >= training[i].shape.level_count) break;
-      walk_level(p, training[i], level,
-                 [&](const Stage& stage, Workspace<std::int16_t>& work,
-                     const Target<std::int16_t>& target, const PartNumber&) {
-                   if (is_exact) measure_split(p, stage, work, target);
-                   else predict_split(p, stage, work, target);
-                   add_means(stage, work, target,
-                             by_sample[i][static_cast<std::size_t>(stage.axis)]);
-                 });
-    }
-  });
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    ClassMeanSums sums;
-    for (const auto& one : by_sample) {
-      for (std::size_t activity = 1; activity < kClasses; ++activity) {
-        sums[activity].add(one[axis][activity]);
-      }
-    }
-    const std::int32_t far_share = best_far_share(sums);
-    p.far_shares[group][axis] = far_share;
-    for (std::size_t activity = 1; activity < kClasses; ++activity) {
-      const MeanWeights fitted = fit_means(sums[activity], far_share);
-      if (fitted.explained <= 0) continue;
-      p.mean_weights[group][axis][activity] =
-          fixed_point(fitted.slope, kWeightBits, kMaxMeanWeight);
-      p.behind_weights[group][axis][activity] = fixed_point(fitted.behind, kShareBits, kMaxShare);
-    }
-  }
 }
 
 }  // namespace octavo::grey

@@ -1,5 +1,5 @@
 // Learns a grey model: chooses the order of the axes and what precision to leave out, then has the
-// weights of the prediction (grey_tap_trainer.cpp), contexts and frequencies
+// weights of the prediction (grey_tap_trainer.cpp, grey_mean_trainer.cpp), contexts and frequencies
 // (grey_context_trainer.cpp) learned.
 
 #include <tbb/parallel_for.h>

@@ -83,6 +83,12 @@ void walk_level(const Parameters& p, const TrainingSample& sample, int level, Wo
   walk_level(p, sample, level, reach_of(p.predictor), work_on);
 }
 
+/// The logarithm to base 2 of n > 0 in 1/256, linear between powers of two.
+inline std::uint64_t logarithm(std::uint64_t n) {
+  const int whole = bit_length(n) - 1;
+  return (static_cast<std::uint64_t>(whole) << 8) + ((n << 8 >> whole) - 256);
+}
+
 /// In-brick levels whose details use the weights of a group.
 constexpr int levels_of_group(int group) { return group < 2 ? 1 : kTierLevels; }
 

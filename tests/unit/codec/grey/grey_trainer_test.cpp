@@ -20,8 +20,9 @@ class Group {
  public:
   /// short_waves  how high shorter waves along x are, beside the usual ones
   /// repeats      whether all planes have the same noise, but for its last two bits
+  /// balls        how far balls rise out of a plain that is there in place of the waves
   Group(std::uint32_t seed, int noise_bits, double step = 1, double short_waves = 0,
-        bool repeats = false) {
+        bool repeats = false, double balls = 0) {
     std::mt19937 random(seed);
     for (std::int64_t z = 0; z < kSize.z; ++z) {
       std::mt19937 of_plane(seed);
@@ -33,7 +34,8 @@ class Group {
           const auto noise = repeats ? (of_plane() >> (32 - noise_bits)) + (random() >> 30)
                                      : random() >> (32 - noise_bits);
           voxels_.push_back(static_cast<std::int16_t>(
-              step * std::floor(400 * wave + static_cast<double>(noise))));
+              step * std::floor((balls > 0 ? balls * is_in_ball(x, y, z) : 400 * wave) +
+                                static_cast<double>(noise))));
         }
       }
     }
@@ -53,6 +55,13 @@ class Group {
   std::span<const TrainingBrick> bricks() const { return bricks_; }
 
  private:
+  static bool is_in_ball(std::int64_t x, std::int64_t y, std::int64_t z) {
+    const std::int64_t from_center[] = {x % 64 - 32, y % 64 - 32, 2 * z - 16};
+    std::int64_t squares = 0;
+    for (const std::int64_t d : from_center) squares += d * d;
+    return squares < 28 * 28;
+  }
+
   std::vector<std::int16_t> voxels_;
   std::vector<TrainingBrick> bricks_;
 };
@@ -131,6 +140,18 @@ TEST(FastModel, PredictsShortWavesFromMeansTwoAway) {
     for (auto& group : p.far_shares) std::fill(std::begin(group), std::end(group), 0);
   };
   EXPECT_GT(size_without(Group(5, 2, 1, 0.5), leave_out), 1.02);
+}
+
+/// At an edge details are all or nothing: what is predicted between the two makes most of them
+/// larger, and costs more than the edges themselves.
+TEST(GreyTrainer, PredictsNothingWhereEdgesStandInNoise) {
+  constexpr int kNoiseBits = 3;
+  const Group balls(6, kNoiseBits, 1, 0, false, 1000);
+  const auto noise_bytes = static_cast<double>(kSize.voxel_count() * kNoiseBits / 8);
+  for (const Preset preset : {Preset::small, Preset::fast}) {
+    const auto model = trained(balls.bricks(), {preset, 0});
+    EXPECT_LT(static_cast<double>(size_of(*model, balls)), 1.22 * noise_bytes);
+  }
 }
 
 class RefinementOf : public ::testing::TestWithParam<CodecSettings> {
