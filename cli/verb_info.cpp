@@ -1,6 +1,7 @@
 // octavo info: what a file holds, on one screen.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -155,6 +156,47 @@ std::string level_table(const InfoResult& info) {
   return text;
 }
 
+/// What its flags say of a part, in words.
+std::string part_words(const PartInfo& part) {
+  std::string text = part.is_known ? "" : "unknown to this program";
+  const auto add = [&text](const char* words) {
+    text += text.empty() ? "" : ", ";
+    text += words;
+  };
+  if (part.is_required) add("required");
+  if (part.follows_from_voxels) add("follows from the voxels");
+  if (part.follows_from_rest) add("follows from the rest of the file");
+  if (!part.follows_from_voxels && !part.follows_from_rest) add("stands for itself");
+  return text;
+}
+
+std::string part_rows(const InfoResult& info) {
+  constexpr std::size_t kMostRows = 8;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(info.parts.size(), kMostRows); ++i) {
+    const PartInfo& part = info.parts[i];
+    text += row("part", fmt::format("{}, {}: {}", part.tag, bytes_text(part.bytes),
+                                    part_words(part)));
+  }
+  if (info.parts.size() > kMostRows) {
+    text += row("parts", fmt::format("{} more; --json lists them", info.parts.size() - kMostRows));
+  }
+  for (const ExtensionInfo& extension : info.unknown_extensions) {
+    text += row("extension", fmt::format("0x{:04x}, {}: unknown to this program", extension.tag,
+                                         bytes_text(extension.bytes)));
+  }
+  return text;
+}
+
+/// The program that coded the voxels.
+std::string writer_row(const Metadata& metadata) {
+  const WriterNote writer = metadata.facts().written_by.value_or(WriterNote{});
+  if (!writer.name) return "";
+  std::string text = escaped(*writer.name);
+  if (writer.revision) text += ", revision " + std::to_string(*writer.revision);
+  return row("coded by", text);
+}
+
 /// All metadata for people; of long ones only their place.
 std::string metadata_text(const InfoResult& info) {
   const Metadata& metadata = info.volume.metadata;
@@ -201,8 +243,10 @@ std::string screen(const InfoResult& info, bool show_metadata) {
   if (info.thumbnail_bytes > 0) {
     text += row("thumbnail", bytes_text(info.thumbnail_bytes) + " (info --thumbnail writes it)");
   }
+  text += part_rows(info);
   text += row("sha256", hex_text(info.voxel_digest) + " (of the planes' own)");
   text += row("format", "8vo " + info.format_version);
+  text += writer_row(metadata);
   text += level_table(info);
   return show_metadata ? text + metadata_text(info) : text;
 }

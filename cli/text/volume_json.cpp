@@ -1,5 +1,7 @@
 #include "text/volume_json.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "octavo/core/error.h"
@@ -21,6 +23,37 @@ nlohmann::ordered_json level_json(const InfoResult& info, std::size_t level) {
           {"bricks", one.summary.bricks},
           {"uniform_bricks", one.summary.uniform_bricks},
           {"bytes", bytes}};
+}
+
+nlohmann::ordered_json parts_json(const std::vector<PartInfo>& parts) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const PartInfo& part : parts) {
+    list.push_back({{"tag", part.tag},
+                    {"bytes", part.bytes},
+                    {"known", part.is_known},
+                    {"required", part.is_required},
+                    {"follows_from_voxels", part.follows_from_voxels},
+                    {"follows_from_rest", part.follows_from_rest}});
+  }
+  return list;
+}
+
+nlohmann::ordered_json extensions_json(const std::vector<ExtensionInfo>& extensions) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const ExtensionInfo& extension : extensions) {
+    list.push_back({{"tag", fmt::format("0x{:04x}", extension.tag)}, {"bytes", extension.bytes}});
+  }
+  return list;
+}
+
+/// {"name", "revision"}, or null.
+nlohmann::ordered_json writer_json(const Metadata& metadata) {
+  const std::optional<WriterNote>& writer = metadata.facts().written_by;
+  if (!writer) return nullptr;
+  nlohmann::ordered_json object = {{"name", nullptr}, {"revision", nullptr}};
+  if (writer->name) object["name"] = *writer->name;
+  if (writer->revision) object["revision"] = *writer->revision;
+  return object;
 }
 
 /// The voxel that a number of the index stands for.
@@ -105,6 +138,9 @@ nlohmann::ordered_json file_json(const InfoResult& info) {
           {"detail_errors", detail_errors_json(info.detail_errors)},
           {"voxels_sha256", hex_text(info.voxel_digest)},
           {"thumbnail_bytes", info.thumbnail_bytes},
+          {"parts", parts_json(info.parts)},
+          {"unknown_extensions", extensions_json(info.unknown_extensions)},
+          {"written_by", writer_json(metadata)},
           {"source_lossy", metadata.was_source_lossy()},
           {"coding", coding_json(d.coding)},
           {"min", voxel_json(d, info.range.min)},

@@ -9,6 +9,10 @@ except ModuleNotFoundError:
     sys.exit(f"octavo_reader: NumPy is missing for {sys.executable}; install python3-numpy")
 
 from . import OctavoError, OctavoFile, verify  # noqa: E402
+from .errors import EXIT_STATUS  # noqa: E402
+
+_READING_FAILED = 5
+_OUT_OF_MEMORY = 6
 
 
 def _describe(file: OctavoFile) -> None:
@@ -44,7 +48,9 @@ def main() -> int:
                 samples.tofile(options.output)
     except (OctavoError, OSError, MemoryError) as error:
         print(f"{options.file}: {error}", file=sys.stderr)
-        return 1
+        if isinstance(error, OctavoError):
+            return EXIT_STATUS[error.kind]
+        return _OUT_OF_MEMORY if isinstance(error, MemoryError) else _READING_FAILED
     return 0
 
 

@@ -219,11 +219,11 @@ class OctavoFile:
         require(self._file.tell() == header.file_length, "there is something behind the trailer")
         data = self.read_bytes(header.file_length - TRAILER_LENGTH, TRAILER_LENGTH)
         require(_u32(data, 92) == crc32c(data[:92]), "the trailer's checksum is wrong")
-        require(data[:8] == _TRAILER_MAGIC
-                and int.from_bytes(data[8:16], "little") == header.build_id
+        require(data[:8] == _TRAILER_MAGIC, "the trailer begins as none does")
+        require_known(not any(data[32:40]) and not any(data[72:92]), "something in the trailer")
+        require(int.from_bytes(data[8:16], "little") == header.build_id
                 and int.from_bytes(data[16:24], "little") == header.file_length
                 and _u32(data, 24) == header.crc, "header and trailer disagree")
-        require_known(not any(data[32:40]) and not any(data[72:92]), "something in the trailer")
         self.body_crc = _u32(data, 28)
         return data[40:72]
 
@@ -239,6 +239,11 @@ class OctavoFile:
         if self.header.kind == "labels":
             return parse_label_model(data, self.header.voxel_type)
         model = parse_grey_model(data)
+        require(not model.is_lossy or self.header.max_error > 0,
+                "a model leaves out precision in a file without a max error")
+        coarse = self._root.model_number(1, 0, self.header.bricks(0)[2])
+        require(not model.is_lossy or self.header.tier_count == 1 or number != coarse,
+                "a model leaves out precision of coarse levels")
         require(self.header.detail_level == 0 or not (model.is_lossy or model.cut_axes),
                 "a model with a max error or parts, where details are left out")
         require(not self.header.is_exact or model.cut_axes == 0,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .byte_cursor import ByteCursor, crc32c
-from .errors import OctavoError, require, require_known
+from .errors import OctavoError, require, require_known, require_within
 from .weights import SampleWeights
 
 HEADER_LENGTH = 512
@@ -22,8 +22,12 @@ VOXEL_TYPES = {1: "int8", 2: "uint8", 3: "int16", 4: "uint16", 5: "int32", 6: "u
                7: "float32"}
 KINDS = {1: "grey", 2: "labels"}
 _CODING_TAG = 0x8001
+_CODING_LENGTH = 18
 _DETAIL_TAG = 0x8002
 _REQUIRED_TAG = 0x8000  # and above
+_LEVEL_LIMIT = 32
+_AXIS_LIMIT = 1 << 21
+_VOXEL_LIMIT = (1 << 63) - 1
 _METADATA_LIMIT = 16 << 20
 _DIRECTORY_LIMIT = 1024 * 32
 _AXIS_TOLERANCE = 1e-4
@@ -147,7 +151,8 @@ def halved(size: tuple[int, int, int], mask: int) -> tuple[int, int, int]:
 def parse_header(data: bytes) -> Header:
     """Reads and proves the first 512 bytes of a file.
 
-    Raises  OctavoError "not_octavo", "unsupported_version", "truncated" or "corrupt"
+    Raises  OctavoError "not_octavo", "unsupported_version", "truncated", "corrupt" or
+            "limit_exceeded"
     """
     if data[:8] == TRIAL_MAGIC:
         raise OctavoError("unsupported_version",
@@ -163,27 +168,23 @@ def parse_header(data: bytes) -> Header:
         raise OctavoError("unsupported_version", f"format version {major}, this reader knows 1")
     crc = int.from_bytes(data[508:512], "little")
     require(crc32c(data[:508]) == crc, "the header's checksum is wrong")
+    extensions = _list_extensions(data)
+    _prove_known(data, extensions)
     kind, voxel_type, halving_count, sealed = cursor.unpack("4B")
     masks = cursor.take(32)
     size = cursor.unpack("3Q")
     numbers = cursor.unpack("18d")
     build_id, file_length = cursor.unpack("QQ")
-    require(sealed != 0, "the file was never finished")
-    require_known(sealed == 1, f"seal {sealed}")
-    sections = [_section(cursor) for _ in range(4)]
-    channels, times = cursor.unpack("BB")
-    coding, detail_level = _extensions(cursor)
-
-    require_known(kind in KINDS, f"kind {kind}")
-    require_known(voxel_type in VOXEL_TYPES, f"voxel type {voxel_type}")
-    require_known(channels == 1, f"{channels} channels")
-    require_known(times == 1, f"{times} times")
-    require_known(all(mask < 8 for mask in masks), "a halved axis")
-    require_known(not any(masks[halving_count:]), "halved axes behind the last level")
+    sections = [Section(*cursor.unpack("QQI4x")) for _ in range(4)]
+    require(sealed == 1, "the file was never finished")
+    coding, detail_level = _take_extensions(extensions)
     require(KINDS[kind] == "grey" or voxel_type != 7, "labels cannot be float32")
     require((voxel_type == 7) == (coding is not None), "float32 and coding do not go together")
-    require(halving_count <= 31 and all(masks[:halving_count]), "halving masks are wrong")
-    require(all(1 <= n <= 1 << 21 for n in size) and math.prod(size) < 1 << 63, "size is wrong")
+    require_within(halving_count + 1, _LEVEL_LIMIT, "levels")
+    require(all(masks[:halving_count]), "halving masks are wrong")
+    require(all(size), "an axis has no voxels")
+    require_within(max(size), _AXIS_LIMIT, "voxels of an axis")
+    require_within(math.prod(size), _VOXEL_LIMIT, "voxels")
     require(all(map(math.isfinite, numbers)), "a number is not finite")
     code_type, is_exact, code_scale, code_offset = coding or (voxel_type, False, 1.0, 0.0)
     header = Header(
@@ -196,31 +197,70 @@ def parse_header(data: bytes) -> Header:
     return header
 
 
-def _section(cursor: ByteCursor) -> Section:
-    offset, length, crc, zero = cursor.unpack("QQII")
-    require_known(zero == 0, "something behind a section")
-    return Section(offset, length, crc)
+@dataclass(frozen=True)
+class _Extensions:
+    """Tag, length and bytes of each, as far as they stand in the header; `behind` what is left, or
+    None where the last one passes its end.
+    """
+
+    all: list[tuple[int, int, bytes]]
+    behind: bytes | None
 
 
-def _extensions(cursor: ByteCursor) -> tuple[tuple[int, int, float, float] | None, int]:
+def _list_extensions(data: bytes) -> _Extensions:
+    count = int.from_bytes(data[330:332], "little")
+    left = data[332:508]
+    found = []
+    for _ in range(count):
+        if len(left) < 4:
+            return _Extensions(found, None)
+        tag, length = (int.from_bytes(left[at : at + 2], "little") for at in (0, 2))
+        found.append((tag, length, left[4 : 4 + length]))
+        if length > len(left) - 4:
+            return _Extensions(found, None)
+        left = left[4 + length :]
+    return _Extensions(found, left)
+
+
+def _prove_known(data: bytes, extensions: _Extensions) -> None:
+    """No number of the header is one of a later version: before any other rule."""
+    kind, voxel_type, halving_count, sealed = data[12:16]
+    masks = data[16:48]
+    require_known(sealed <= 1, f"seal {sealed}")
+    require_known(kind in KINDS, f"kind {kind}")
+    require_known(voxel_type in VOXEL_TYPES, f"voxel type {voxel_type}")
+    require_known(data[328] == 1, f"{data[328]} channels")
+    require_known(data[329] == 1, f"{data[329]} times")
+    require_known(all(mask < 8 for mask in masks), "a halved axis")
+    require_known(not any(masks[halving_count:]), "halved axes behind the last level")
+    require_known(not any(any(data[at + 20 : at + 24]) for at in (232, 256, 280, 304)),
+                  "something behind a section")
+    for tag, length, body in extensions.all:
+        is_whole = len(body) == length
+        require_known(tag in (_CODING_TAG, _DETAIL_TAG) or tag < _REQUIRED_TAG,
+                      f"extension {tag:#x}")
+        if tag == _CODING_TAG and is_whole and length == _CODING_LENGTH:
+            require_known(1 <= body[0] <= 6, f"type {body[0]} of codes")
+            require_known(body[1] <= 1, f"flags {body[1]} of codes")
+        if tag == _DETAIL_TAG and is_whole and length == 1:
+            require_known(body[0] < LEVELS_PER_TIER, f"details from level {body[0]} on")
+    require_known(not any(extensions.behind or b""), "something behind the extensions")
+
+
+def _take_extensions(
+        extensions: _Extensions) -> tuple[tuple[int, int, float, float] | None, int]:
     """The coding (type, whether it is exact, scale, offset) if the header has one, and the finest
     level that has details.
     """
     coding = None
     detail_level = 0
-    count = cursor.unpack("H")[0]
-    extensions = ByteCursor(cursor.take(176), "extensions")
-    for _ in range(count):
-        tag, length = extensions.unpack("HH")
-        is_known = tag in (_CODING_TAG, _DETAIL_TAG)
-        require_known(is_known or tag < _REQUIRED_TAG, f"extension {tag:#x}")
-        body = ByteCursor(extensions.take(length), "an extension")
+    require(extensions.behind is not None, "the extensions end too late")
+    for tag, _, data in extensions.all:
+        body = ByteCursor(data, "an extension")
         if tag == _CODING_TAG:
             require(coding is None, "there are two codings")
             code_type, flags, scale, offset = body.unpack("BBdd")
             body.end()
-            require_known(1 <= code_type <= 6, f"type {code_type} of codes")
-            require_known(flags <= 1, f"flags {flags} of codes")
             require(flags == 0 or code_type == 5, "an exact coding has codes of another type")
             coding = code_type, flags, scale, offset
             require(math.isfinite(offset) and 0 < scale < math.inf, "the coding is wrong")
@@ -229,8 +269,6 @@ def _extensions(cursor: ByteCursor) -> tuple[tuple[int, int, float, float] | Non
             detail_level = body.u8()
             body.end()
             require(detail_level > 0, "details are left out below level 0")
-            require_known(detail_level < LEVELS_PER_TIER, f"details from level {detail_level} on")
-    require_known(not any(extensions.rest()), "something behind the extensions")
     return coding, detail_level
 
 
@@ -272,8 +310,8 @@ def _prove(header: Header) -> None:
         require(section.offset == at, "the sections leave a gap")
         at += section.length
     require(at + TRAILER_LENGTH == header.file_length, "the sections do not fill the file")
-    require(header.metadata.length <= _METADATA_LIMIT, "the metadata is too long")
-    require(header.directory.length <= _DIRECTORY_LIMIT, "the directory is too long")
+    require_within(header.metadata.length, _METADATA_LIMIT, "bytes of metadata")
+    require_within(header.directory.length, _DIRECTORY_LIMIT, "bytes of the directory")
     _prove_index_lengths(header)
 
 

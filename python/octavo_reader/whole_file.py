@@ -28,7 +28,9 @@ def verify(file: OctavoFile) -> None:
     for part in file.parts:
         file.part(part)
     for number in range(file.model_count):
-        file.model(number)
+        model = file.model(number)
+        require(header.kind == "labels" or model.axis_order == file.model(0).axis_order,
+                f"model {number} has another axis order than model 0")
     _verify_slabs(file, body)
     levels = [file.read_level(level, proves_parts=True) for level in range(header.level_count)]
     _verify_ranges(file, levels)

@@ -165,12 +165,20 @@ void write_cut(FileWriter& writer, SampleVolume& volume) {
   encode_sample(writer, volume);
 }
 
+/// A private part: what it holds stands behind the name of whose it is.
+Part private_part(const PartTag& tag, std::uint32_t flags, const std::string& text) {
+  const std::string owner = "octavo.example";
+  return part_of(tag, flags, static_cast<char>(owner.size()) + owner + text);
+}
+
 /// Parts that no program knows, none of which is required.
 void write_parts(FileWriter& writer, SampleVolume& volume) {
   encode_sample(writer, volume);
-  writer.add_part(part_of({'n', 'o', 't', 'e'}, 0, "stands for itself"));
-  writer.add_part(part_of({'X', 'y', 'z', '9'}, kDependentPart, std::string(3000, 'd')));
-  writer.add_part(part_of({'n', 'o', 't', 'e'}, 0, ""));
+  writer.add_part(private_part({'X', 'n', 'o', 't'}, 0, "stands for itself"));
+  writer.add_part(private_part({'X', 'v', 'o', 'x'}, kVoxelPart, std::string(3000, 'd')));
+  writer.add_part(private_part({'X', 'm', 'e', 't'}, kRestPart, "5000 letters"));
+  writer.add_part(private_part({'X', 'a', 'l', 'l'}, kVoxelPart | kRestPart, ""));
+  writer.add_part(private_part({'X', 'n', 'o', 't'}, 0, ""));
 }
 
 std::vector<Feature> features() {

@@ -16,6 +16,7 @@ class Crafted:
 
     like    a file whose first model it takes
     model   other bytes of the model
+    coarse_model  the model of the second of two tiers, if it has one of its own
     bricks  of tier 0, all alike, along x; two where there are two tiers
     pieces  of a brick that is not uniform; none: it is, all voxels are `low`
     above   of two tiers: the one value that the next tier has
@@ -23,6 +24,8 @@ class Crafted:
     parts   (tag, flags, bytes) of each
     patches (section, place, length, bytes) of what stands elsewhere than it would: in "header",
             "slab trailer", "pages", "directory", "root" or "trailer"; what covers it is made of it
+    cut     how many bytes are missing at the end
+    header_crc  the checksum of the header, where it is another one
     """
 
     like: bytes
@@ -49,6 +52,7 @@ class Crafted:
     high: int = 7
     error: int = 0
     model: bytes | None = None
+    coarse_model: bytes | None = None
     bricks: int = 1
     pieces: tuple = ()
     above: int | None = None
@@ -66,6 +70,8 @@ class Crafted:
     previous: int = 0
     model_slab: int = 0
     patches: tuple = ()
+    cut: int = 0
+    header_crc: bytes | None = None
 
     def bytes(self):
         model = bytearray(first_model(self.like) if self.model is None else self.model)
@@ -76,7 +82,7 @@ class Crafted:
         pages, root = self._index(model, trailer)
         root = self._patched("root", root)
         coarse = b"".join(self._all_of_piece(number) for number in range(1, self._piece_count(0)))
-        body = slab + trailer + coarse
+        body = slab + trailer + (self.coarse_model or b"") + coarse
         parts, directory = self._parts(512 + len(body) + len(pages))
         directory = self._patched("directory", directory)
         header = bytearray(512)
@@ -107,7 +113,10 @@ class Crafted:
         end[72:92] = self.trailer_zeros
         data = sealed(bytearray(self._patched("header", bytes(header))), body, end)
         end = self._patched("trailer", data[-96:-4])
-        return data[:-96] + end + struct.pack("<I", crc32c(end))
+        data = data[:-96] + end + struct.pack("<I", crc32c(end))
+        if self.header_crc is not None:
+            data = data[:508] + self.header_crc + data[512:]
+        return data[: len(data) - self.cut]
 
     def _plane_digests(self):
         x, y, z = self.size
@@ -144,8 +153,14 @@ class Crafted:
 
     def _index(self, model, trailer):
         """All pages, and the root."""
-        root = b"\1" + varint(self.model_slab) + varint(len(model))
-        root += struct.pack("<I", piece_crc(MODEL_LEVEL, 0, model)) + varint(len(trailer))
+        models = [(self.model_slab, model)]
+        if self.coarse_model is not None:
+            models.append((1, self.coarse_model))
+        root = varint(len(models))
+        for number, (step, data) in enumerate(models):
+            root += varint(step) + varint(len(data))
+            root += struct.pack("<I", piece_crc(MODEL_LEVEL, number, data))
+        root += varint(len(trailer))
         page, entry = self._page(self.low, self.high, self.bricks, 0)
         root += entry
         if self.above is None:

@@ -3,8 +3,9 @@
 
 usage: crafted_test.py OCTAVO [unittest arguments]
 
-"newer" files are rejected by what they state (exit status 3), "damaged" ones break a rule; what
-only the whole file shows, opens and reads. Exits with 77, which means skipped, without NumPy.
+"newer" files are rejected by what they state (exit status 3), also where something else is wrong
+with them, "damaged" ones break a rule (4), "large" ones pass a limit of the header (6); what only
+the whole file shows, opens and reads. Exits with 77, which means skipped, without NumPy.
 """
 
 import pathlib
@@ -25,9 +26,9 @@ LIKE = (GOLDEN / "minimal.8vo").read_bytes()
 LIKE_MODEL = first_model(LIKE)
 LIKE_LABELS = (GOLDEN / "labels-uint8.8vo").read_bytes()
 LIKE_GAPS = (GOLDEN / "small-gaps.8vo").read_bytes()
-OUTCOME_OF_EXIT = {0: "sound", 3: "newer", 4: "damaged", 6: "damaged"}
+OUTCOME_OF_EXIT = {0: "sound", 3: "newer", 4: "damaged", 6: "large"}
 OUTCOME_OF_KIND = {"not_octavo": "newer", "unsupported_version": "newer", "corrupt": "damaged",
-                   "truncated": "damaged"}
+                   "truncated": "damaged", "limit_exceeded": "large"}
 CODES_INT16 = (0x8001, struct.pack("<BBdd", 3, 0, 0.5, 1.0))
 STORED = bytes([1, 3, 2, 4, 0, 191, 1, 2])
 CODES = (0, 1, 2, 1, 0, 2, 1, 0)
@@ -35,7 +36,13 @@ PLAIN_CODES = sum(code << 2 * i for i, code in enumerate(CODES)).to_bytes(2, "li
 PLAIN_FLOATS = struct.pack("<8f", *CODES)
 NAN = (float("nan"),)
 CUT_MODEL = LIKE_MODEL[:1] + b"\4" + LIKE_MODEL[2:]
+# Models that leave out precision: two thirds of all voxels, or details.
+ROUNDING_MODEL = b"\3\0\3\0\0" + LIKE_MODEL[2:]
+QUANTIZING_MODEL = b"\3\0\1\x80\4\1" + LIKE_MODEL[2:]
+# The axes in the order z, y, x.
+TURNED_MODEL = bytes([LIKE_MODEL[0] | 5 << 2]) + LIKE_MODEL[1:]
 NOTE = ((b"note", 0, b"text"),)
+NEEDED = ((b"need", 1, b"text"),)
 # Two by two pixels, all black.
 BLACK = bytes.fromhex(
     "89504e470d0a1a0a0000000d494844520000000200000002080000000057dd52f80000000a494441"
@@ -188,6 +195,37 @@ ROWS = [
     ("something behind the extensions", {"behind_extensions": b"\0\0\0\0\1"}, "newer"),
     ("something in the trailer", {"trailer_zeros": bytes(19) + b"\1"}, "newer"),
     ("a trailer before", {"previous": 512}, "newer"),
+    # Newer and damaged: what a later version may have changed is not looked at
+    ("another kind without a slope", {"kind": 3, "slope": 0.0}, "newer"),
+    ("another voxel type without a coding", {"type": 8, "max_error": -1.0}, "newer"),
+    ("another kind that was never finished", {"kind": 3, "seal": 0}, "newer"),
+    ("two channels, and a gap before the root",
+     patched("header", 280, 1, b"\xff", channels=2), "newer"),
+    ("two times of no voxels", {"times": 2, "size": (0, 2, 2)}, "newer"),
+    ("a fourth axis of too many levels", {"masks": (15,) + (1,) * 31}, "newer"),
+    ("something behind a section, and no spacing",
+     {"section_zeros": 1, "spacing": (0.0, 1.0, 1.0)}, "newer"),
+    ("something behind the extensions, and two codings",
+     {"type": 7, "extensions": 2 * coding()["extensions"], "behind_extensions": b"\1"}, "newer"),
+    ("a required extension behind a coding that is too long",
+     {"type": 7, "extensions": ((0x8001, bytes(19)), (0x8123, b""))}, "newer"),
+    ("a required extension without axes",
+     {"extensions": ((0x8123, b""),), "direction": (0.0,) * 9}, "newer"),
+    ("a flag of codes without a scale", coding(flags=2, scale=0.0), "newer"),
+    ("details of any level, and a max error", {"max_error": 3.0, **details(255)}, "newer"),
+    ("another kind, cut short", {"kind": 3, "cut": 5}, "newer"),
+    ("a file that is cut short", {"cut": 5}, "damaged"),
+    ("a header that is cut short", {"major": 2, "cut": 600}, "damaged"),
+    ("another kind and another CRC", {"kind": 3, "header_crc": b"none"}, "damaged"),
+    ("a later major version and another CRC", {"major": 2, "header_crc": b"none"}, "newer"),
+    ("something in the trailer, and a gap before the root",
+     patched("header", 280, 1, b"\xff", trailer_zeros=bytes(19) + b"\1"), "damaged"),
+    ("something in the trailer of another file",
+     patched("trailer", 8, 1, b"\0", trailer_zeros=bytes(19) + b"\1"), "newer"),
+    ("something in what is no trailer",
+     patched("trailer", 0, 1, b"\0", trailer_zeros=bytes(19) + b"\1"), "damaged"),
+    ("a trailer before, and a part elsewhere",
+     patched("directory", 8, 1, b"\0", parts=NOTE, previous=512), "newer"),
     # Extensions and codings
     ("an optional extension", {"extensions": ((9, b"\xaa"),)}, "sound"),
     ("one of them twice", {"extensions": ((9, b"\xaa"), (9, b"\xaa"))}, "sound"),
@@ -265,14 +303,18 @@ ROWS = [
      "damaged"),
     ("a slab trailer that is too long", patched("slab trailer", 83, 0, bytes(2100)), "damaged"),
     # Ladder of levels
-    ("more than 32 levels", {"masks": (1,) * 32}, "damaged"),
+    ("more than 32 levels", {"masks": (1,) * 32}, "large"),
     ("a step that halves nothing", {"size": (2, 1, 1), "masks": (6, 1)}, "damaged"),
     ("a step of no axis", {"size": (2, 1, 1), "masks": (0, 1)}, "damaged"),
     ("a step of two axes, one of them short", {"size": (2, 1, 1), "masks": (3,)}, "sound"),
     ("a ladder that ends early", {"size": (4, 4, 4), "masks": (7,)}, "damaged"),
     ("no voxels", {"size": (0, 2, 2), "masks": (7,)}, "damaged"),
     ("an axis beyond the limit", {"size": ((1 << 21) + 1, 1, 1), "masks": (1,) * 22,
-                                  "plane_digest": bytes(32)}, "damaged"),
+                                  "plane_digest": bytes(32)}, "large"),
+    ("2^63 voxels", patched("header", 48, 24, struct.pack("<3Q", *(1 << 21,) * 3),
+                            masks=(7,) * 21), "large"),
+    ("an axis beyond the limit, and a fourth one",
+     patched("header", 48, 8, struct.pack("<Q", 1 << 40), masks=(15,)), "newer"),
     # Index and bricks
     ("a stored brick", stored(), "sound"),
     ("a model that ends early", stored(model=b"\0\0"), "damaged"),
@@ -294,6 +336,13 @@ ROWS = [
     ("exact floats of a model that cuts an axis",
      exact(b"\0" + PLAIN_CODES, model=CUT_MODEL), "damaged"),
     ("a model that cuts an axis", stored(model=CUT_MODEL), "sound"),
+    ("a model that rounds voxels of a lossless file", stored(model=ROUNDING_MODEL), "damaged"),
+    ("a model that rounds details of a lossless file", stored(model=QUANTIZING_MODEL), "damaged"),
+    ("one that no brick needs", {"model": ROUNDING_MODEL}, "sound", "damaged"),
+    ("a model that rounds voxels", {"model": ROUNDING_MODEL, "max_error": 1.0}, "sound"),
+    ("a model that rounds details", {"model": QUANTIZING_MODEL, "max_error": 1.0}, "sound"),
+    ("exact floats of a model that rounds voxels",
+     exact(b"\0" + PLAIN_CODES, model=ROUNDING_MODEL), "damaged"),
     ("a coded brick", pair(0x38252), "sound"),
     ("a coded brick whose first state is too small", pair(2, 0), "damaged"),
     ("places that leave out too many bits", stored_floats(b"\x02\x18\0\0"), "damaged"),
@@ -315,6 +364,7 @@ ROWS = [
     ("fewer uniform bricks of a page", patched("root", 16, 1, b"\0"), "damaged"),
     ("more uniform bricks than bricks", patched("root", 16, 1, b"\2"), "damaged"),
     ("pieces that are not there", patched("root", 17, 1, b"\1"), "damaged"),
+    ("pieces beyond any file", patched("root", 17, 1, b"\xff" * 9 + b"\1"), "damaged"),
     ("another voxel in a page", patched("pages", 1, 1, b"\x0c"), "damaged"),
     ("a needless byte in a page", patched("pages", 2, 1, b"\x80\0"), "damaged"),
     ("a byte behind a page", patched("pages", 3, 0, b"\0"), "damaged"),
@@ -328,6 +378,13 @@ ROWS = [
     # Tiers
     ("two tiers", two_tiers(7), "sound"),
     ("another next tier", two_tiers(8), "sound", "damaged"),
+    ("a model of the next tier", two_tiers(7, coarse_model=LIKE_MODEL), "sound"),
+    ("a model of the next tier that rounds voxels",
+     two_tiers(7, coarse_model=ROUNDING_MODEL, max_error=1.0), "sound", "damaged"),
+    ("a model of all tiers that rounds voxels",
+     two_tiers(7, model=ROUNDING_MODEL, max_error=1.0), "sound", "damaged"),
+    ("a model of the first tier that rounds voxels",
+     two_tiers(7, model=ROUNDING_MODEL, coarse_model=LIKE_MODEL, max_error=1.0), "sound"),
     ("two tiers of means", ramps(32), "sound"),
     ("another mean in the next tier", ramps(31), "sound", "damaged"),
     ("two tiers of votes", ramps(0, b"\0", kind=2, like=LIKE_LABELS), "sound"),
@@ -350,19 +407,24 @@ ROWS = [
     ("an optional part", {"parts": ((b"note", 0, b"text"),)}, "sound"),
     ("two of a tag", {"parts": ((b"note", 0, b"text"), (b"note", 2, b""))}, "sound"),
     ("a required part", {"parts": ((b"need", 1, b"text"),)}, "newer"),
-    ("a flag of a part", {"parts": ((b"note", 4, b"text"),)}, "newer"),
+    ("a part that follows from more than the voxels", {"parts": ((b"note", 4, b"text"),)}, "sound"),
+    ("a part that follows from everything", {"parts": ((b"note", 6, b"text"),)}, "sound"),
+    ("a flag of a part", {"parts": ((b"note", 8, b"text"),)}, "newer"),
     ("a tag with a blank", {"parts": ((b"no e", 0, b"text"),)}, "damaged"),
-    ("a large thumbnail", {"parts": ((b"thmb", 0, bytes(256 << 10)),)}, "sound", "damaged"),
-    ("too large a thumbnail", {"parts": ((b"thmb", 0, bytes((256 << 10) + 1)),)}, "damaged"),
+    ("a large thumbnail", {"parts": ((b"thmb", 2, bytes(256 << 10)),)}, "sound", "damaged"),
+    ("too large a thumbnail", {"parts": ((b"thmb", 2, bytes((256 << 10) + 1)),)}, "damaged"),
     ("1024 parts", {"parts": ((b"note", 0, b""),) * 1024}, "sound"),
-    ("more parts", {"parts": ((b"note", 0, b""),) * 1025}, "damaged"),
+    ("more parts", {"parts": ((b"note", 0, b""),) * 1025}, "large"),
+    ("more parts, and another kind", {"parts": ((b"note", 0, b""),) * 1025, "kind": 3}, "newer"),
     ("a part elsewhere", patched("directory", 8, 1, b"\0", parts=NOTE), "damaged"),
     ("a longer part", patched("directory", 16, 1, b"\5", parts=NOTE), "damaged"),
     ("another CRC of a part", patched("directory", 24, 4, b"none", parts=NOTE), "sound", "damaged"),
     ("something behind a part", patched("directory", 28, 1, b"\1", parts=NOTE), "newer"),
-    ("two thumbnails", {"parts": ((b"thmb", 0, b""), (b"thmb", 0, b""))}, "damaged"),
+    ("two thumbnails", {"parts": ((b"thmb", 2, b""), (b"thmb", 2, b""))}, "damaged"),
     ("a thumbnail", {"parts": ((b"note", 0, b"text"), (b"thmb", 2, BLACK))}, "sound"),
-    ("a thumbnail without flags", {"parts": ((b"thmb", 0, BLACK),)}, "sound"),
+    *((f"a thumbnail with flags {flags}", {"parts": ((b"thmb", flags, BLACK),)}, "damaged")
+      for flags in (0, 1, 3, 4, 6)),
+    ("a thumbnail with a flag of a later version", {"parts": ((b"thmb", 10, BLACK),)}, "newer"),
     ("a thumbnail of other voxels", stored(parts=((b"thmb", 2, BLACK),)),
      "sound", "damaged"),
     ("an empty thumbnail", {"parts": ((b"thmb", 2, b""),)}, "sound", "damaged"),
@@ -370,8 +432,16 @@ ROWS = [
      "sound", "damaged"),
     ("a part that ends behind the directory", {"parts": ((b"note", 0, b"text"),),
                                                "part_length": 1000}, "damaged"),
-    ("a required part that does", {"parts": ((b"need", 1, b"text"),), "part_length": 1000},
-     "damaged"),
+    ("a required part that does", {"parts": NEEDED, "part_length": 1000}, "newer"),
+    ("a required part with a blank in its tag", {"parts": ((b"ne d", 1, b"text"),)}, "newer"),
+    ("a required part behind one elsewhere",
+     patched("directory", 8, 1, b"\0", parts=NOTE + NEEDED), "newer"),
+    ("a required part and half an entry",
+     patched("directory", 32, 0, bytes(16), parts=NEEDED), "damaged"),
+    ("a required part and another CRC of the root",
+     patched("header", 296, 4, b"none", parts=NEEDED), "newer"),
+    ("a required part and another CRC of the directory",
+     patched("header", 320, 4, b"none", parts=NEEDED), "damaged"),
     ("a part in no directory", {"parts": ((b"note", 0, b"text"),), "directory": b""}, "damaged"),
     ("half an entry", {"directory": bytes(16)}, "damaged"),
     # Digests
@@ -449,6 +519,43 @@ class Crafts(unittest.TestCase):
         out = str(self.path.parent / "out.raw")
         self.assertEqual(self.of_program("export", "-o", out, "--stored")[0], "sound")
         self.assertEqual(self.of_package(lambda file: file.read_level(0))[0], "sound")
+
+    def test_models_of_other_axis_orders_are_named(self):
+        for model, coarse, outcome in ((TURNED_MODEL, TURNED_MODEL, "sound"),
+                                       (LIKE_MODEL, TURNED_MODEL, "damaged"),
+                                       (TURNED_MODEL, LIKE_MODEL, "damaged")):
+            crafted = Crafted(like=LIKE, **two_tiers(7, model=model, coarse_model=coarse))
+            self.path.write_bytes(crafted.bytes())
+            self.assertEqual(self.of_package(lambda file: file.read_level(0))[0], "sound")
+            for found, said in (self.of_program("verify"), self.of_package(verify)):
+                self.assertEqual(found, outcome, said)
+                self.assertEqual("model 1" in said and "axis order" in said, outcome == "damaged",
+                                 said)
+
+    def test_metadata_beyond_their_limit_are_not_read(self):
+        data = Crafted(LIKE).bytes()
+        begin, length = struct.unpack_from("<QQ", data, 232)
+        for growth, outcome in (((16 << 20) - length + 1, "large"), (7, "damaged")):
+            header, trailer = bytearray(data[:512]), bytearray(data[-TRAILER_LENGTH:])
+            for field, value in ((240, length), (280, begin + length), (224, len(data))):
+                struct.pack_into("<Q", header, field, value + growth)
+            struct.pack_into("<I", header, 508, crc32c(header[:508]))
+            trailer[16:28] = header[224:232] + header[508:512]
+            struct.pack_into("<I", trailer, 92, crc32c(trailer[:92]))
+            between = data[512 : begin + length] + b" " * growth
+            self.path.write_bytes(header + between + data[begin + length : -TRAILER_LENGTH] + trailer)
+            self.assertEqual(self.of_program("verify")[0], outcome)
+            self.assertEqual(self.of_package(verify)[0], outcome)
+
+    def test_the_package_ends_with_the_exit_status_of_the_program(self):
+        for changes in ({}, {"kind": 3}, {"slope": 0.0}, {"masks": (1,) * 32}):
+            self.path.write_bytes(Crafted(**{"like": LIKE, **changes}).bytes())
+            command = [OCTAVO, "verify", str(self.path), "--quiet"]
+            program = subprocess.run(command, capture_output=True, check=False)
+            command = [sys.executable, "-m", "octavo_reader", str(self.path), "--verify"]
+            package = subprocess.run(command, capture_output=True, check=False,
+                                     cwd=ROOT / "python")
+            self.assertEqual(package.returncode, program.returncode, changes)
 
     def test_both_readers_reject_the_same_files(self):
         out = str(self.path.parent / "out.raw")

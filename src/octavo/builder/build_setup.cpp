@@ -5,6 +5,13 @@
 
 namespace octavo {
 
+WriterNote this_writer() {
+  WriterNote writer;
+  writer.name = "octavo";
+  writer.revision = kEncodingRevision;
+  return writer;
+}
+
 int build_threads(int wanted) {
   if (wanted > 0) return wanted;
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));

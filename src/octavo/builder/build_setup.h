@@ -6,12 +6,20 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/levels.h"
+#include "octavo/core/metadata_facts.h"
 #include "octavo/core/volume.h"
 
 namespace octavo {
 
 /// What a thread needs while it encodes and trains.
 inline constexpr std::uint64_t kThreadBytes = std::uint64_t{24} << 20;
+
+/// Counts the changes of what a build makes of the same voxels and options: one more whenever bytes
+/// of its files become others. docs/registry.md says what each number stands for.
+inline constexpr std::int64_t kEncodingRevision = 1;
+
+/// What builds say of themselves in the metadata.
+WriterNote this_writer();
 
 /// `wanted`, or for 0 all cores.
 int build_threads(int wanted);

@@ -93,7 +93,8 @@ std::optional<std::string> name_of(const std::optional<Access>& access) {
   return std::nullopt;
 }
 
-// The metadata of the source with what was asked for, where that is not the default.
+// The metadata of the source with what was asked for, where that is not the default, and who codes
+// the voxels.
 // errors  of details that were left out, once they are known
 Metadata recorded(const VolumeDescription& description, const BuildOptions& options,
                   const std::optional<DetailErrors>& errors = std::nullopt) {
@@ -112,6 +113,7 @@ Metadata recorded(const VolumeDescription& description, const BuildOptions& opti
   const bool is_default = !coding.preset && !coding.access && !coding.max_error && !coding.nan &&
                           !coding.infinity && !coding.keep_details;
   if (!is_default) metadata.set_coding(coding);
+  metadata.set_written_by(this_writer());
   return metadata;
 }
 

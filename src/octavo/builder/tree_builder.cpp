@@ -278,6 +278,7 @@ BuildResult build(const Volume& volume, Storage& storage, const std::string& pat
   VolumeDescription description = volume.description;
   description.kind = VolumeKind::labels;
   description.coding.reset();
+  description.metadata.set_written_by(this_writer());
   const Levels levels = levels_of(description);
   const auto bricks = bricks_of_tree(volume.tree, levels);
   check_request(description, volume.tree.size(), *bricks, options);

@@ -115,6 +115,9 @@ class BrickCodec {
   /// The order in which the axes of a level are halved.
   virtual AxisOrder axis_order() const noexcept { return kStraightOrder; }
 
+  /// Whether decoded voxels are those that were encoded, or of exact floats their codes.
+  virtual bool is_lossless() const noexcept { return true; }
+
   /// The model as it stands in the file; parse_model gives an equal codec back.
   virtual Bytes serialized() const = 0;
 

@@ -172,6 +172,14 @@ void Metadata::set_spacing(bool is_known, const std::string& source) {
   put_behind(std::move(facts));
 }
 
+void Metadata::set_written_by(const WriterNote& writer) {
+  MetadataFacts facts;
+  facts.written_by = writer;
+  Metadata with_writer = *this;
+  with_writer.put_behind(std::move(facts));
+  if (with_writer.is_readable()) *this = std::move(with_writer);
+}
+
 void Metadata::drop_labels() {
   if (facts_.labels.is_empty()) return;
   JsonObject members = json_members(text_);
@@ -210,7 +218,7 @@ void Metadata::set_isotropic(const IsotropicNote& isotropic,
 Metadata Metadata::for_labels(const MadeBy& made_by) const {
   JsonObject members = normal_members();
   for (const char* name : {kUnit, kCoding, kSourceMaxError, kLossySource, kIdentity, kSegments,
-                           kSegment, kChosen, kLabels}) {
+                           kSegment, kChosen, kLabels, kWrittenBy}) {
     members.erase(name);
   }
   members.set_json(kMadeBy, written(made_by));
@@ -221,10 +229,19 @@ Metadata Metadata::for_copy(double lost, bool keep_identity) const {
   lost += source_max_error();
   JsonObject members = normal_members();
   const bool drops_identity = !keep_identity && has(members, kIdentity);
-  if (lost == 0 && !has(members, kCoding) && !drops_identity) return *this;
+  const bool says_how = has(members, kCoding) || has(members, kWrittenBy);
+  if (lost == 0 && !says_how && !drops_identity) return *this;
   if (drops_identity) drop_attributes(members);
   members.erase(kCoding);
+  members.erase(kWrittenBy);
   if (lost > 0) members.set(kSourceMaxError, lost);
+  return read(members.text());
+}
+
+Metadata Metadata::for_same_bricks() const {
+  JsonObject members = normal_members();
+  if (!has(members, kIdentity)) return *this;
+  drop_attributes(members);
   return read(members.text());
 }
 

@@ -49,6 +49,8 @@ class Metadata {
   void set_place_known(bool is_known);
   void set_repaired(const RepairNote& repaired);
   void set_spacing(bool is_known, const std::string& source);
+  /// Is left out where the text has no room for it.
+  void set_written_by(const WriterNote& writer);
   void drop_labels();
 
   /// Notes planes made between slices and puts all members in the order of their names.
@@ -67,6 +69,10 @@ class Metadata {
   /// lost           how far its voxels lay from their source, real units
   /// keep_identity  whether what was kept of the identity of the source is passed on
   Metadata for_copy(double lost, bool keep_identity) const;
+
+  /// For a file with the same bricks: how they were coded still holds, what was kept of the identity
+  /// of the source is not passed on.
+  Metadata for_same_bricks() const;
 
   bool operator==(const Metadata& other) const { return text_ == other.text_; }
 

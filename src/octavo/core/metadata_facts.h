@@ -114,6 +114,12 @@ struct RepairNote {
   std::optional<double> fill;  ///< the stored value that they hold
 };
 
+/// The program that coded the voxels.
+struct WriterNote {
+  std::optional<std::string> name;
+  std::optional<std::int64_t> revision;  ///< counts changes of the bytes it makes
+};
+
 struct MetadataFacts {
   std::optional<ChoiceNote> chosen;
   std::optional<CodingNote> coding;
@@ -135,6 +141,7 @@ struct MetadataFacts {
   std::optional<std::string> spacing_source;  ///< "file", "user" or "assumed"
   /// Of real values: a code of UCUM (unit_code.h) or any text.
   std::optional<std::string> unit;
+  std::optional<WriterNote> written_by;
 };
 
 }  // namespace octavo

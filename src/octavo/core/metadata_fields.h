@@ -28,6 +28,7 @@ constexpr const char* kSegment = "segment";
 constexpr const char* kSegments = "segments";
 constexpr const char* kSourceMaxError = "source_max_error";
 constexpr const char* kUnit = "unit";
+constexpr const char* kWrittenBy = "written_by";
 
 // Members of objects that are read and written by hand.
 constexpr const char* kOperation = "operation";  // of made_by
@@ -131,6 +132,12 @@ void visit_fields(Visit& visit, RepairNote& repair) {
 }
 
 template <class Visit>
+void visit_fields(Visit& visit, WriterNote& writer) {
+  visit("name", writer.name);
+  visit("revision", writer.revision);
+}
+
+template <class Visit>
 void visit_fields(Visit& visit, MetadataFacts& facts) {
   visit(kChosen, facts.chosen);
   visit(kCoding, facts.coding);
@@ -149,6 +156,7 @@ void visit_fields(Visit& visit, MetadataFacts& facts) {
   visit("spacing_known", facts.spacing_known);
   visit("spacing_source", facts.spacing_source);
   visit(kUnit, facts.unit);
+  visit(kWrittenBy, facts.written_by);
 }
 
 }  // namespace octavo

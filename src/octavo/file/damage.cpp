@@ -4,6 +4,7 @@
 
 #include "octavo/core/crc32c.h"
 #include "octavo/file/open_file.h"
+#include "octavo/file/slab_trailer.h"
 
 namespace octavo {
 
@@ -14,8 +15,8 @@ std::string place_text(const Damage& place) {
   if (place.what == "brick") {
     return describe(Piece{place.offset, place.length, 0, place.level, place.code});
   }
-  const bool is_numbered = place.what != "metadata" && place.what != "file" &&
-                           place.what != "index pages";
+  const bool is_numbered = place.what == "model" || place.what == "index page" ||
+                           place.what == kSlabTrailer || place.what == "plane";
   std::string text = place.what;
   if (is_numbered) text += " " + std::to_string(place.code);
   if (place.what == "index page") text += " of tier " + std::to_string(place.tier);

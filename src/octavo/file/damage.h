@@ -14,7 +14,7 @@ namespace octavo {
 
 struct Damage {
   std::string what;  ///< "brick", "model", "index page", "index pages", "slab trailer",
-                     ///< "part", "metadata", "plane", "file"
+                     ///< "part 'thmb'", "metadata", "plane", "file"
   int tier = 0;                     ///< of a brick
   int level = 0;                    ///< global level of a brick's piece
   Index3 brick;

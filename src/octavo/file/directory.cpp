@@ -9,19 +9,10 @@ namespace octavo {
 
 namespace {
 
-constexpr std::uint32_t kKnownFlags = kRequiredPart | kDependentPart;
+constexpr std::uint32_t kKnownFlags = kRequiredPart | kVoxelPart | kRestPart;
 
 bool is_tag_letter(char c) {
   return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
-}
-
-PartTag take_tag(ByteReader& in) {
-  PartTag tag{};
-  const ByteSpan bytes = in.take(tag.size());
-  std::transform(bytes.begin(), bytes.end(), tag.begin(),
-                 [](std::uint8_t byte) { return static_cast<char>(byte); });
-  if (!std::all_of(tag.begin(), tag.end(), is_tag_letter)) in.fail("a tag that is no four letters");
-  return tag;
 }
 
 [[noreturn]] void fail_unknown(const PartEntry& entry, const std::string& what) {
@@ -35,12 +26,36 @@ void prove_known(const PartEntry& entry, std::uint32_t zero) {
   if ((entry.flags & kRequiredPart) != 0 && !is_known(entry.tag)) fail_unknown(entry, "is needed");
 }
 
+// Requires whole entries.
+std::vector<PartEntry> take_entries(ByteReader& in) {
+  std::vector<PartEntry> entries;
+  while (in.left() > 0) {
+    PartEntry& entry = entries.emplace_back();
+    const ByteSpan tag = in.take(entry.tag.size());
+    std::transform(tag.begin(), tag.end(), entry.tag.begin(),
+                   [](std::uint8_t byte) { return static_cast<char>(byte); });
+    entry.flags = in.u32();
+    entry.bytes.offset = in.u64();
+    entry.bytes.length = in.u64();
+    entry.bytes.crc = in.u32();
+    prove_known(entry, in.u32());
+  }
+  return entries;
+}
+
+void prove_thumbnail(const PartEntry& entry, const ByteReader& in) {
+  if (entry.flags != kThumbnailFlags) in.fail("a thumbnail with other flags");
+  if (entry.bytes.length > kMaxThumbnailBytes) in.fail("a thumbnail above 256 KiB");
+}
+
 }  // namespace
 
 bool is_known(const PartTag& tag) { return tag == kThumbnailTag; }
 
 std::string name_of(const PartTag& tag) {
-  return "part '" + std::string(tag.begin(), tag.end()) + "'";
+  std::string text(tag.begin(), tag.end());
+  std::replace_if(text.begin(), text.end(), [](char c) { return !is_tag_letter(c); }, '?');
+  return "part '" + text + "'";
 }
 
 Bytes encode_directory(std::span<const PartEntry> entries) {
@@ -60,27 +75,21 @@ Bytes encode_directory(std::span<const PartEntry> entries) {
 std::vector<PartEntry> parse_directory(ByteSpan bytes, const FileHeader& header) {
   ByteReader in(bytes, "directory");
   if (bytes.size() % kPartEntryBytes != 0) in.fail("ends inside an entry");
-  std::vector<PartEntry> entries;
+  std::vector<PartEntry> entries = take_entries(in);
   std::uint64_t at = header.pages.end();
-  while (in.left() > 0) {
-    PartEntry entry;
-    entry.tag = take_tag(in);
-    entry.flags = in.u32();
-    entry.bytes.offset = in.u64();
-    entry.bytes.length = in.u64();
-    entry.bytes.crc = in.u32();
-    const std::uint32_t zero = in.u32();
+  bool has_thumbnail = false;
+  for (const PartEntry& entry : entries) {
+    if (!std::all_of(entry.tag.begin(), entry.tag.end(), is_tag_letter)) {
+      in.fail("a tag that is no four letters");
+    }
     if (entry.bytes.offset != at || entry.bytes.length > header.directory.offset - at) {
       in.fail("parts do not follow each other");
     }
     at = entry.bytes.end();
-    prove_known(entry, zero);
-    if (entry.tag == kThumbnailTag) {
-      const auto is_same = [](const PartEntry& e) { return e.tag == kThumbnailTag; };
-      if (std::any_of(entries.begin(), entries.end(), is_same)) in.fail("two thumbnails");
-      if (entry.bytes.length > kMaxThumbnailBytes) in.fail("a thumbnail above 256 KiB");
-    }
-    entries.push_back(entry);
+    if (entry.tag != kThumbnailTag) continue;
+    if (has_thumbnail) in.fail("two thumbnails");
+    prove_thumbnail(entry, in);
+    has_thumbnail = true;
   }
   if (at != header.directory.offset) in.fail("parts do not fill what is before it");
   return entries;

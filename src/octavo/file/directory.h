@@ -38,9 +38,15 @@ std::string name_of(const PartTag& tag);
 
 /// Who does not know such a part cannot read the file.
 inline constexpr std::uint32_t kRequiredPart = 1;
-/// Such a part goes with what it stands beside: who changes the file and does not know it leaves it
-/// out.
-inline constexpr std::uint32_t kDependentPart = 2;
+/// Such a part follows from the voxels or from what the header says of them: who changes these and
+/// does not know it leaves it out.
+inline constexpr std::uint32_t kVoxelPart = 2;
+/// Such a part follows from something else in the file: metadata, extensions, other parts, build id
+/// or coded bytes. Who changes anything and does not know it leaves it out.
+inline constexpr std::uint32_t kRestPart = 4;
+
+/// A thumbnail has these flags and no others.
+inline constexpr std::uint32_t kThumbnailFlags = kVoxelPart;
 
 struct PartEntry {
   PartTag tag{};
@@ -58,7 +64,8 @@ struct Part {
 
 Bytes encode_directory(std::span<const PartEntry> entries);
 
-/// The parts in their order, proven to fill what is between pages and directory of `header`.
+/// The parts in their order, proven to fill what is between pages and directory of `header`; first
+/// of all that none of them is of a later version.
 /// Throws Error{corrupt}; Error{unsupported_version} for a required part that this program does not
 /// know, or an unknown flag
 std::vector<PartEntry> parse_directory(ByteSpan bytes, const FileHeader& header);

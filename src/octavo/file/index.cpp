@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <string>
 
-#include "octavo/core/checked.h"
 #include "octavo/file/byte_codec.h"
 #include "octavo/file/index_lengths.h"
 
@@ -27,6 +26,12 @@ ValueRange take_range(ByteReader& in, const ValueRange& bounds, std::int64_t& pr
 }
 
 std::int64_t page_count_of(const TierIndex& tier) { return tier.layer_pages * tier.grid.z; }
+
+// No file is as long as what passes 64 bits.
+std::uint64_t added(const ByteReader& in, std::uint64_t a, std::uint64_t b) {
+  if (b > ~std::uint64_t{0} - a) in.fail("lengths beyond 64 bits");
+  return a + b;
+}
 
 std::uint64_t take_bounded(ByteReader& in, std::uint64_t limit, const char* what) {
   const std::uint64_t value = in.varint();
@@ -95,7 +100,7 @@ void parse_page_ref(ByteReader& in, const TierRules& rules, std::int64_t& previo
   for (std::size_t piece = 0; piece < static_cast<std::size_t>(rules.piece_count); ++piece) {
     ref.piece_start[piece] = in.varint();
     tier.piece_bytes[piece] =
-        checked_add(tier.piece_bytes[piece], ref.piece_start[piece], "index root: pieces");
+        added(in, tier.piece_bytes[piece], ref.piece_start[piece]);
   }
   tier.pages.push_back(ref);
 }
@@ -119,17 +124,18 @@ void parse_tier(ByteReader& in, const TierRules& rules, int tier_number, IndexRo
 }
 
 // Turns the total lengths of the pieces of one number, page by page, into offsets.
-void place_pieces(TierIndex& tier, std::size_t piece, std::uint64_t& cursor) {
+void place_pieces(TierIndex& tier, std::size_t piece, std::uint64_t& cursor,
+                  const ByteReader& in) {
   for (PageRef& page : tier.pages) {
     const std::uint64_t bytes = page.piece_start[piece];
     page.piece_start[piece] = cursor;
-    cursor = checked_add(cursor, bytes, "index root: data");
+    cursor = added(in, cursor, bytes);
   }
   tier.piece_end[piece] = cursor;
 }
 
 // The same for piece 0 of tier 0, which shares its slabs with models and slab trailers.
-void place_slabs(IndexRoot& root, std::uint64_t& cursor) {
+void place_slabs(IndexRoot& root, std::uint64_t& cursor, const ByteReader& in) {
   TierIndex& tier = root.tiers.front();
   auto model = root.models.begin();
   for (std::size_t number = 0; number < tier.pages.size(); ++number) {
@@ -137,21 +143,20 @@ void place_slabs(IndexRoot& root, std::uint64_t& cursor) {
     const std::int64_t slab = tier.layer_of(number);
     if (tier.first_place(number) == 0 && model != root.models.end() && model->first_slab == slab) {
       model->offset = cursor;
-      cursor = checked_add(cursor, model->length, "index root: data");
+      cursor = added(in, cursor, model->length);
       ++model;
     }
     const std::uint64_t bytes = page.piece_start[0];
     page.piece_start[0] = cursor;
-    cursor = checked_add(cursor, bytes, "index root: data");
+    cursor = added(in, cursor, bytes);
     if (tier.first_place(number) + tier.brick_count(number) == tier.layer_bricks) {
       tier.piece_end[0] = cursor;
-      cursor = checked_add(cursor, root.slab_trailer_bytes[static_cast<std::size_t>(slab)],
-                           "index root: data");
+      cursor = added(in, cursor, root.slab_trailer_bytes[static_cast<std::size_t>(slab)]);
     }
   }
   if (model == root.models.end()) return;
   model->offset = cursor;
-  cursor = checked_add(cursor, model->length, "index root: data");
+  cursor = added(in, cursor, model->length);
 }
 
 void place_pages(IndexRoot& root, const FileHeader& header, const ByteReader& in) {
@@ -179,12 +184,12 @@ IndexRoot parse_root(ByteSpan bytes, const Levels& levels, const FileHeader& hea
 
   // Lengths become offsets; they must come out at the first page.
   std::uint64_t cursor = kHeaderBytes;
-  place_slabs(root, cursor);
+  place_slabs(root, cursor, in);
   for (int tier = 0; tier < levels.tier_count(); ++tier) {
     const int count = piece_count(levels.tier_level_count(tier));
     for (int piece = tier == 0 ? 1 : 0; piece < count; ++piece) {
       place_pieces(root.tiers[static_cast<std::size_t>(tier)], static_cast<std::size_t>(piece),
-                   cursor);
+                   cursor, in);
     }
   }
   if (cursor != header.pages.offset) in.fail("pieces do not fill the data of the file");

@@ -137,11 +137,10 @@ Section get_section(ByteSpan bytes, std::size_t at) {
   section.offset = load_little_endian<std::uint64_t>(bytes.data() + at);
   section.length = load_little_endian<std::uint64_t>(bytes.data() + at + 8);
   section.crc = load_little_endian<std::uint32_t>(bytes.data() + at + 16);
-  require_zero(bytes.subspan(at + 20, 4), "header", at + 20);
   return section;
 }
 
-// What must hold before any field can be believed: magic, length, version, checksum, seal.
+// What must hold before any field can be believed: magic, length, version, checksum.
 void check_envelope(ByteSpan bytes) {
   const std::size_t present = std::min(bytes.size(), kMagic.size());
   const auto begins_as = [&](const std::array<std::uint8_t, 8>& magic) {
@@ -177,26 +176,103 @@ void check_envelope(ByteSpan bytes) {
   }
 }
 
-void check_seal(ByteSpan bytes) {
-  if (bytes[kSealedAt] == 0) {
-    throw Error(ErrorKind::corrupt, "not sealed: its build was interrupted", {}, kSealedAt)
-        .with_field("interrupted");
+// An extension: (u16 tag, u16 length, bytes). Those whose tag has the high bit set must be
+// understood.
+struct Extension {
+  std::uint16_t tag = 0;
+  std::size_t at = 0;  // of its bytes
+  std::size_t length = 0;
+};
+
+// The extensions as far as they stand in the header; the last one may pass its end.
+struct ExtensionList {
+  std::vector<Extension> all;
+  std::size_t end = kExtensionsAt;
+  bool is_whole = true;
+};
+
+ExtensionList list_extensions(ByteSpan bytes) {
+  ExtensionList list;
+  const auto count = load_little_endian<std::uint16_t>(bytes.data() + kExtensionCountAt);
+  for (std::uint16_t i = 0; i < count && list.is_whole; ++i) {
+    list.is_whole = kHeaderCrcAt - list.end >= 4;
+    if (!list.is_whole) break;
+    const std::uint8_t* const head = bytes.data() + list.end;
+    list.all.push_back({load_little_endian<std::uint16_t>(head), list.end + 4,
+                        load_little_endian<std::uint16_t>(head + 2)});
+    list.is_whole = kHeaderCrcAt - list.all.back().at >= list.all.back().length;
+    if (list.is_whole) list.end = list.all.back().at + list.all.back().length;
   }
-  if (bytes[kSealedAt] != 1) {
+  return list;
+}
+
+void require_known_extension(ByteSpan bytes, const Extension& extension) {
+  const auto [tag, at, length] = extension;
+  if (tag & kCriticalExtension && tag != kCodingTag && tag != kDetailTag) {
+    char text[96];
+    std::snprintf(text, sizeof text, "needs extension 0x%04x, which this program does not know",
+                  static_cast<unsigned>(tag));
+    fail(ErrorKind::unsupported_version, text, at - 4);
+  }
+  if (length > kHeaderCrcAt - at) return;
+  if (tag == kCodingTag && length == kCodingBytes) {
+    const auto type = static_cast<VoxelType>(bytes[at]);
+    if (!is_valid(type) || !is_integer(type)) {
+      fail_newer("header: codes of type " + std::to_string(bytes[at]), at);
+    }
+    if (bytes[at + 1] > kExactCoding) {
+      fail_newer("header: coding flags " + std::to_string(bytes[at + 1]), at + 1);
+    }
+  }
+  if (tag == kDetailTag && length == kDetailBytes && bytes[at] >= kTierLevels) {
+    fail_newer("header: details left out below level " + std::to_string(bytes[at]), at);
+  }
+}
+
+void require_known_masks(ByteSpan bytes) {
+  const std::size_t count = std::min<std::size_t>(bytes[kHalvingCountAt], kMaxLevels);
+  const ByteSpan masks = bytes.subspan(kHalvingsAt, kMaxLevels);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (masks[i] > kHalveAll) {
+      fail_newer("header: halved axes " + std::to_string(masks[i]), kHalvingsAt + i);
+    }
+  }
+  require_zero(masks.subspan(count), "header", kHalvingsAt + count);
+}
+
+// Numbers that were not given out when this was written, and bytes that were set aside: all of them
+// before any other rule, which a later version may have changed.
+void require_known(ByteSpan bytes, const ExtensionList& extensions) {
+  if (bytes[kSealedAt] > 1) {
     fail_newer("header: seal " + std::to_string(bytes[kSealedAt]), kSealedAt);
   }
+  const auto kind = static_cast<VolumeKind>(bytes[kKindAt]);
+  if (kind != VolumeKind::grey && kind != VolumeKind::labels) {
+    fail_newer("header: kind " + std::to_string(bytes[kKindAt]), kKindAt);
+  }
+  if (!is_valid(static_cast<VoxelType>(bytes[kTypeAt]))) {
+    fail_newer("header: voxel type " + std::to_string(bytes[kTypeAt]), kTypeAt);
+  }
+  for (const std::size_t at : {kChannelsAt, kTimesAt}) {
+    if (bytes[at] == 1) continue;
+    fail_newer("header: " + std::to_string(bytes[at]) +
+                   (at == kChannelsAt ? " channels" : " times"),
+               at);
+  }
+  require_known_masks(bytes);
+  for (const std::size_t at : {kMetadataAt, kPagesAt, kRootAt, kDirectoryAt}) {
+    require_zero(bytes.subspan(at + 20, 4), "header", at + 20);
+  }
+  for (const Extension& extension : extensions.all) require_known_extension(bytes, extension);
+  if (!extensions.is_whole) return;
+  require_zero(bytes.subspan(extensions.end, kHeaderCrcAt - extensions.end), "header",
+               extensions.end);
 }
 
 SampleCoding get_coding(ByteSpan bytes, std::size_t at, std::size_t length) {
   if (length != kCodingBytes) fail(ErrorKind::corrupt, "header: coding of another length", at);
   SampleCoding coding;
   coding.type = static_cast<VoxelType>(bytes[at]);
-  if (!is_valid(coding.type) || !is_integer(coding.type)) {
-    fail_newer("header: codes of type " + std::to_string(bytes[at]), at);
-  }
-  if (bytes[at + 1] > kExactCoding) {
-    fail_newer("header: coding flags " + std::to_string(bytes[at + 1]), at + 1);
-  }
   coding.is_exact = bytes[at + 1] == kExactCoding;
   coding.scale = get_double(bytes.data() + at + 2, "scale", at + 2);
   coding.offset = get_double(bytes.data() + at + 10, "offset", at + 10);
@@ -208,38 +284,22 @@ int get_detail_level(ByteSpan bytes, std::size_t at, std::size_t length) {
   if (length != kDetailBytes) fail(ErrorKind::corrupt, "header: details of another length", at);
   const int level = bytes[at];
   if (level == 0) fail(ErrorKind::corrupt, "header: details left out below level 0", at);
-  if (level >= kTierLevels) {
-    fail_newer("header: details left out below level " + std::to_string(level), at);
-  }
   return level;
 }
 
-// Extensions are (u16 tag, u16 length, bytes); those whose tag has the high bit set must be
-// understood.
-void parse_extensions(ByteSpan bytes, FileHeader& header) {
+void parse_extensions(ByteSpan bytes, const ExtensionList& extensions, FileHeader& header) {
   std::optional<SampleCoding>& coding = header.description.coding;
-  const auto count = load_little_endian<std::uint16_t>(bytes.data() + kExtensionCountAt);
-  std::size_t at = kExtensionsAt;
-  for (std::uint16_t i = 0; i < count; ++i) {
-    if (kHeaderCrcAt - at < 4) fail(ErrorKind::corrupt, "header: extensions end early", at);
-    const auto tag = load_little_endian<std::uint16_t>(bytes.data() + at);
-    const auto length = load_little_endian<std::uint16_t>(bytes.data() + at + 2);
-    if (tag & kCriticalExtension && tag != kCodingTag && tag != kDetailTag) {
-      char text[96];
-      std::snprintf(text, sizeof text, "needs extension 0x%04x, which this program does not know",
-                    static_cast<unsigned>(tag));
-      fail(ErrorKind::unsupported_version, text, at);
-    }
-    at += 4;
-    if (kHeaderCrcAt - at < length) fail(ErrorKind::corrupt, "header: extensions end early", at);
+  if (!extensions.is_whole) {
+    fail(ErrorKind::corrupt, "header: extensions end early", extensions.end);
+  }
+  for (const auto& [tag, at, length] : extensions.all) {
     if ((tag == kCodingTag && coding) || (tag == kDetailTag && header.detail_level > 0)) {
       fail(ErrorKind::corrupt, "header: two extensions of a kind that stands once", at);
     }
     if (tag == kCodingTag) coding = get_coding(bytes, at, length);
-    if (tag == kDetailTag) header.detail_level = get_detail_level(bytes, at, length);
-    at += length;
+    else if (tag == kDetailTag) header.detail_level = get_detail_level(bytes, at, length);
+    else header.unknown_extensions.push_back({tag, length});
   }
-  require_zero(bytes.subspan(at, kHeaderCrcAt - at), "header", at);
 }
 
 void check_max_error(const FileHeader& header) {
@@ -257,30 +317,19 @@ void parse_volume(ByteSpan bytes, FileHeader& header) {
   // Kind and type
   VolumeDescription& volume = header.description;
   volume.kind = static_cast<VolumeKind>(bytes[kKindAt]);
-  if (volume.kind != VolumeKind::grey && volume.kind != VolumeKind::labels) {
-    fail_newer("header: kind " + std::to_string(bytes[kKindAt]), kKindAt);
-  }
   volume.type = static_cast<VoxelType>(bytes[kTypeAt]);
-  if (!is_valid(volume.type)) {
-    fail_newer("header: voxel type " + std::to_string(bytes[kTypeAt]), kTypeAt);
-  }
   if (volume.kind == VolumeKind::labels && !is_integer(volume.type)) {
     fail(ErrorKind::corrupt, "header: labels of type float32", kTypeAt);
-  }
-  for (const std::size_t at : {kChannelsAt, kTimesAt}) {
-    if (bytes[at] == 1) continue;
-    fail_newer("header: " + std::to_string(bytes[at]) +
-                   (at == kChannelsAt ? " channels" : " times"),
-               at);
   }
 
   // Size
   for (int axis = 0; axis < 3; ++axis) {
     const std::size_t at = kSizeAt + 8 * static_cast<std::size_t>(axis);
     const auto size = load_little_endian<std::uint64_t>(bytes.data() + at);
-    if (size < 1 || size > static_cast<std::uint64_t>(kMaxAxis)) {
+    if (size == 0) fail(ErrorKind::corrupt, "header: an axis without voxels", at);
+    if (size > static_cast<std::uint64_t>(kMaxAxis)) {
       fail(ErrorKind::limit_exceeded,
-           "header: axis of " + std::to_string(size) + " voxels; 1 to " +
+           "header: axis of " + std::to_string(size) + " voxels; at most " +
                std::to_string(kMaxAxis) + " are possible",
            at);
     }
@@ -332,12 +381,6 @@ void parse_halvings(ByteSpan bytes, FileHeader& header) {
   }
   const ByteSpan masks = bytes.subspan(kHalvingsAt, kMaxLevels);
   header.halvings.assign(masks.begin(), masks.begin() + static_cast<std::ptrdiff_t>(count));
-  require_zero(masks.subspan(count), "header", kHalvingsAt + count);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (masks[i] > kHalveAll) {
-      fail_newer("header: halved axes " + std::to_string(masks[i]), kHalvingsAt + i);
-    }
-  }
   const Levels levels(header.description.size, header.halvings);
   if (header.detail_level > 0 &&
       (header.max_error > 0 ||
@@ -347,12 +390,21 @@ void parse_halvings(ByteSpan bytes, FileHeader& header) {
   }
 }
 
+void require_sealed(ByteSpan bytes) {
+  if (bytes[kSealedAt] == 1) return;
+  throw Error(ErrorKind::corrupt, "not sealed: its build was interrupted", {}, kSealedAt)
+      .with_field("interrupted");
+}
+
 // What is known of a file before it is sealed.
-FileHeader parse_description(ByteSpan bytes) {
+FileHeader parse_description(ByteSpan bytes, bool is_sealed) {
+  const ExtensionList extensions = list_extensions(bytes);
+  require_known(bytes, extensions);
+  if (is_sealed) require_sealed(bytes);
   FileHeader header;
   header.major = load_little_endian<std::uint16_t>(bytes.data() + kMajorAt);
   header.minor = load_little_endian<std::uint16_t>(bytes.data() + kMinorAt);
-  parse_extensions(bytes, header);
+  parse_extensions(bytes, extensions, header);
   parse_volume(bytes, header);
   if (header.description.coding.has_value() == is_integer(header.description.type)) {
     fail(ErrorKind::corrupt, "header: float32 and its coding do not go together", kTypeAt);
@@ -463,8 +515,7 @@ std::uint64_t load_file_bytes(const HeaderBlock& block) {
 
 FileHeader parse_header(ByteSpan bytes, std::uint64_t source_bytes) {
   check_envelope(bytes);
-  check_seal(bytes);
-  FileHeader header = parse_description(bytes);
+  FileHeader header = parse_description(bytes, true);
   header.is_sealed = true;
   header.file_bytes = load_little_endian<std::uint64_t>(bytes.data() + kFileBytesAt);
   header.metadata = get_section(bytes, kMetadataAt);
@@ -480,7 +531,7 @@ FileHeader parse_header(ByteSpan bytes, std::uint64_t source_bytes) {
 
 FileHeader parse_unsealed_header(const HeaderBlock& block) {
   check_envelope(block);
-  return parse_description(block);
+  return parse_description(block, false);
 }
 
 bool can_leave_details_out(const VolumeDescription& volume, const Levels& levels,
@@ -534,21 +585,23 @@ FileTrailer parse_trailer(ByteSpan bytes, const FileHeader& header) {
     fail_checksum("trailer at byte " + std::to_string(offset), found, stored,
                   {offset, kTrailerCrcAt, offset + kTrailerCrcAt});
   }
+  const auto require_trailer = [&](bool holds) {
+    if (!holds) fail(ErrorKind::corrupt, "trailer does not belong to the header", offset);
+  };
+  require_trailer(std::equal(kTrailerMagic.begin(), kTrailerMagic.end(), bytes.begin()));
+  require_zero(bytes.subspan(kPreviousAt, kDigestAt - kPreviousAt), "trailer",
+               offset + kPreviousAt);
+  require_zero(bytes.subspan(kTrailerZerosAt, kTrailerCrcAt - kTrailerZerosAt), "trailer",
+               offset + kTrailerZerosAt);
   FileTrailer trailer;
   trailer.build_id = load_little_endian<std::uint64_t>(bytes.data() + 8);
   trailer.file_bytes = load_little_endian<std::uint64_t>(bytes.data() + 16);
   trailer.header_crc = load_little_endian<std::uint32_t>(bytes.data() + 24);
   trailer.crc = load_little_endian<std::uint32_t>(bytes.data() + 28);
   std::copy_n(bytes.begin() + kDigestAt, trailer.voxel_digest.size(), trailer.voxel_digest.begin());
-  if (!std::equal(kTrailerMagic.begin(), kTrailerMagic.end(), bytes.begin()) ||
-      trailer.build_id != header.build_id || trailer.file_bytes != header.file_bytes ||
-      !checksum_matches(trailer.header_crc, header.crc)) {
-    fail(ErrorKind::corrupt, "trailer does not belong to the header", offset);
-  }
-  require_zero(bytes.subspan(kPreviousAt, kDigestAt - kPreviousAt), "trailer",
-               offset + kPreviousAt);
-  require_zero(bytes.subspan(kTrailerZerosAt, kTrailerCrcAt - kTrailerZerosAt), "trailer",
-               offset + kTrailerZerosAt);
+  require_trailer(trailer.build_id == header.build_id &&
+                  trailer.file_bytes == header.file_bytes &&
+                  checksum_matches(trailer.header_crc, header.crc));
   return trailer;
 }
 

@@ -43,6 +43,12 @@ struct Section {
   std::uint64_t end() const { return offset + length; }
 };
 
+/// What an extension of the header that this program does not know says of itself.
+struct UnknownExtension {
+  std::uint16_t tag = 0;
+  std::uint64_t length = 0;  ///< in bytes
+};
+
 struct FileHeader {
   std::uint16_t major = kFormatMajor;
   std::uint16_t minor = kFormatMinor;
@@ -53,6 +59,8 @@ struct FileHeader {
   /// Levels below it have no details and are interpolated: with a max error of 0, but lossy. 0: all
   /// have some.
   int detail_level = 0;
+  /// Of a file that was read; none of them is written.
+  std::vector<UnknownExtension> unknown_extensions;
   std::uint64_t build_id = 0;
   std::uint64_t file_bytes = 0;
   Section metadata;
@@ -85,9 +93,9 @@ std::uint32_t load_header_crc(const HeaderBlock& block);
 std::uint64_t load_file_bytes(const HeaderBlock& block);
 
 /// The header that stands in `bytes`, the first min(512, source_bytes) bytes of a source that has
-/// `source_bytes` bytes. Everything it says of itself is proven: ranges, the ladder of levels, that
-/// its sections tile the tail of the file, and that index pages and root are as long as those of
-/// such a volume can be. Throws Error{not_octavo, unsupported_version, truncated, corrupt,
+/// `source_bytes` bytes. Everything it says of itself is proven: first that no number in it is one of
+/// a later version, then ranges, the ladder of levels, that its sections tile the tail of the file,
+/// and that index pages and root are as long as those of such a volume can be. Throws Error{not_octavo, unsupported_version, truncated, corrupt,
 /// limit_exceeded}
 FileHeader parse_header(ByteSpan bytes, std::uint64_t source_bytes);
 

@@ -136,15 +136,28 @@ std::shared_ptr<const BrickCodec> OpenFile::codec(std::uint32_t model) const {
   const Piece piece = model_piece(model);
   const Bytes bytes = read_piece(piece);
   try {
-    const std::shared_ptr<const BrickCodec> codec =
-        parse_model(description().kind, description().coded_type(), description().coding, bytes,
-                    header_.detail_level);
+    const std::shared_ptr<const BrickCodec> codec = parse_model_in(model, bytes);
     codec_cache_.insert(key, codec, 1);
     return codec;
   } catch (const Error& error) {
     throw Error(error.kind(), describe(piece) + ": " + error.detail(), source_->name(),
                 piece.offset);
   }
+}
+
+std::shared_ptr<const BrickCodec> OpenFile::parse_model_in(std::uint32_t model,
+                                                           ByteSpan bytes) const {
+  std::shared_ptr<const BrickCodec> codec =
+      parse_model(description().kind, description().coded_type(), description().coding, bytes,
+                  header_.detail_level);
+  if (codec->is_lossless()) return codec;
+  if (header_.max_error == 0) {
+    throw Error(ErrorKind::corrupt, "leaves out precision in a file without a max error");
+  }
+  if (levels_.tier_count() > 1 && model == root_.coarse_model()) {
+    throw Error(ErrorKind::corrupt, "leaves out precision of coarse levels");
+  }
+  return codec;
 }
 
 Bytes OpenFile::read_piece(const Piece& piece) const {

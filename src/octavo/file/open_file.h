@@ -63,6 +63,10 @@ class OpenFile {
   /// The codec of a model; the last ones used are kept. Throws Error{corrupt}.
   std::shared_ptr<const BrickCodec> codec(std::uint32_t model) const;
 
+  /// The codec of a model in its bytes, proven to be one that such a file may have.
+  /// Throws Error{corrupt, unsupported_version}
+  std::shared_ptr<const BrickCodec> parse_model_in(std::uint32_t model, ByteSpan bytes) const;
+
   Piece model_piece(std::uint32_t model) const;
   Piece piece_of(const BrickEntry& entry, int piece) const;
 

@@ -141,6 +141,11 @@ class FileReaderImpl final : public FileReader {
     return part == nullptr ? Bytes{} : file_.read_section(part->bytes, "thumbnail");
   }
 
+  std::vector<PartEntry> parts() const override { return file_.parts(); }
+  std::vector<UnknownExtension> unknown_extensions() const override {
+    return file_.header().unknown_extensions;
+  }
+
   LevelSummary level_summary(int level) const override {
     check_level(level);
     const int tier_number = Levels::tier_of(level);

@@ -16,6 +16,7 @@
 #include "octavo/core/levels.h"
 #include "octavo/core/progress.h"
 #include "octavo/core/volume.h"
+#include "octavo/file/directory.h"
 #include "octavo/file/for_each.h"
 #include "octavo/file/storage/byte_source.h"
 #include "octavo/octree/label_words.h"
@@ -131,6 +132,11 @@ class FileReader {
   virtual std::uint64_t thumbnail_bytes() const = 0;
   /// The PNG picture of the file; empty when it has none. Throws Error{corrupt}.
   virtual Bytes thumbnail() const = 0;
+
+  /// What stands beside the voxels, in the order of the file.
+  virtual std::vector<PartEntry> parts() const { return {}; }
+  /// Extensions of the header that this program does not know.
+  virtual std::vector<UnknownExtension> unknown_extensions() const { return {}; }
 
   /// Raw bytes of a piece after its checksum was proven.
   virtual Bytes read_piece(const BrickEntry& entry, int piece) const = 0;

@@ -1,6 +1,6 @@
 #include "octavo/file/thumbnail_check.h"
 
-#include <string>
+#include <utility>
 
 #include "octavo/file/reader.h"
 #include "octavo/file/thumbnail.h"
@@ -13,14 +13,13 @@ std::optional<Damage> thumbnail_damage(const OpenFile& file, const Progress& wat
   ReaderOptions options;
   options.watcher = &watcher;
   if (has_true_thumbnail(*FileReader::open(file.shared_source(), options))) return std::nullopt;
-  Damage damage;
-  damage.what = "part";
-  damage.code = static_cast<std::uint64_t>(part - file.parts().data());
-  damage.offset = part->bytes.offset;
-  damage.length = part->bytes.length;
-  damage.detail = name_of(part->tag) + " at byte " + std::to_string(damage.offset) +
-                  ": is not the thumbnail of these voxels; no voxel depends on it";
-  return damage;
+  Damage place;
+  place.what = name_of(part->tag);
+  place.code = static_cast<std::uint64_t>(part - file.parts().data());
+  place.offset = part->bytes.offset;
+  place.length = part->bytes.length;
+  return damaged(std::move(place),
+                 "is not the thumbnail of these voxels; no voxel depends on it");
 }
 
 }  // namespace octavo

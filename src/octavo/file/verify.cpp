@@ -21,6 +21,8 @@ namespace octavo {
 namespace {
 
 constexpr std::size_t kBlockBytes = std::size_t{1} << 20;
+constexpr const char* kOtherOrder =
+    "its axis order is another one than that of the first model: coarse levels are not of a piece";
 
 void run_in_order(std::int64_t count, const std::function<void(std::int64_t)>& task) {
   for (std::int64_t i = 0; i < count; ++i) task(i);
@@ -191,7 +193,7 @@ void Verifier::check_parts() {
   for (std::size_t i = 0; i < part_crcs_.size(); ++i) {
     const PartEntry& part = file_.parts()[i];
     Damage place;
-    place.what = "part";
+    place.what = name_of(part.tag);
     place.code = i;
     // A thumbnail is proven to be a picture of the voxels; nothing is known of other parts.
     place.proof = part.tag == kThumbnailTag ? OtherProof::content : OtherProof::none;
@@ -218,6 +220,7 @@ void Verifier::check_metadata() {
 void Verifier::check_models() {
   const auto& models = file_.root().models;
   is_model_damaged_.resize(models.size());
+  std::optional<AxisOrder> first_order;
   for (std::size_t i = 0; i < models.size(); ++i) {
     const Piece piece = file_.model_piece(static_cast<std::uint32_t>(i));
     const Bytes bytes = read_arriving(file_.source(), piece.offset, piece.length);
@@ -232,9 +235,10 @@ void Verifier::check_models() {
     std::optional<Damage> damage = checksum_damage(place, found, piece.crc);
     if (!damage) {
       try {
-        const VolumeDescription& volume = file_.description();
-        parse_model(volume.kind, volume.coded_type(), volume.coding, bytes,
-                    file_.header().detail_level);
+        const AxisOrder order = file_.parse_model_in(static_cast<std::uint32_t>(i), bytes)
+                                    ->axis_order();
+        if (!first_order) first_order = order;
+        if (order != *first_order) add(damaged(place, kOtherOrder));
       } catch (const Error& error) {
         require_damage(error.with_path(file_.source().name()));
         damage = damaged(place, error.detail());

@@ -24,6 +24,9 @@ namespace {
 VolumeDescription new_description(const std::shared_ptr<const FileReader>& reader,
                                   const TransformPlan& plan) {
   VolumeDescription volume = FilePlanes(reader, plan.level, 1).description();
+  if (plan.way == TransformWay::copy) {
+    volume.metadata = reader->description().metadata.for_same_bricks();
+  }
   volume.size = plan.size;
   volume.geometry = plan.geometry;
   if (plan.way == TransformWay::resample) volume.coding.reset();

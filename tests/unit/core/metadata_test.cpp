@@ -226,6 +226,25 @@ TEST(Metadata, PassesOnToACopyWhatIsStillSo) {
   EXPECT_EQ(metadata(R"({ "unit":"HU"})").for_copy(0, false).text(), R"({ "unit":"HU"})");
 }
 
+TEST(Metadata, SaysWhoCodedTheVoxelsAsLongAsTheseBricksStand) {
+  const std::string identity = R"("identity":{"attributes":{"A":"y"},"dropped":{},"kept":true})";
+  Metadata coded = metadata("{\"coding\":{\"preset\":\"fast\"}," + identity + "}");
+  WriterNote writer;
+  writer.name = "octavo";
+  writer.revision = 3;
+  coded.set_written_by(writer);
+  const std::string said = R"("written_by":{"name":"octavo","revision":3}})";
+  EXPECT_EQ(coded.text(), "{\"coding\":{\"preset\":\"fast\"}," + identity + "," + said);
+  EXPECT_EQ(coded.facts().written_by->revision, 3);
+  EXPECT_EQ(coded.for_copy(0, true).text(), "{" + identity + "}");
+  EXPECT_EQ(coded.for_labels(MadeBy("xor")).text(), R"({"made_by":{"operation":"xor"}})");
+  EXPECT_EQ(coded.for_same_bricks().text(),
+            R"({"coding":{"preset":"fast"},"identity":{"dropped":{"A":1},"kept":false},)" + said);
+  writer.revision = 4;
+  coded.set_written_by(writer);
+  EXPECT_EQ(coded.facts().written_by->revision, 4);
+}
+
 TEST(Metadata, HoldsAsManyLabelNamesAsAreTaken) {
   LabelNames names;
   const std::string longest(LabelNames::kMaxNameBytes, '"');

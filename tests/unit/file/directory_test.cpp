@@ -20,7 +20,7 @@ FileHeader header_with_parts() {
 }
 
 std::vector<PartEntry> two_parts() {
-  return {{kNotes, kDependentPart, {1000, 10, 7}}, {kThumbnailTag, 0, {1010, 20, 8}}};
+  return {{kNotes, kRestPart, {1000, 10, 7}}, {kThumbnailTag, kThumbnailFlags, {1010, 20, 8}}};
 }
 
 TEST(Directory, ParsesBackToWhatWasEncoded) {
@@ -28,7 +28,7 @@ TEST(Directory, ParsesBackToWhatWasEncoded) {
   const auto parts = parse_directory(bytes, header_with_parts());
   ASSERT_EQ(parts.size(), 2u);
   EXPECT_EQ(parts[0].tag, kNotes);
-  EXPECT_EQ(parts[0].flags, kDependentPart);
+  EXPECT_EQ(parts[0].flags, kRestPart);
   EXPECT_EQ(parts[1].bytes.offset, 1010u);
   EXPECT_EQ(parts[1].bytes.length, 20u);
   EXPECT_EQ(parts[1].bytes.crc, 8u);
@@ -51,7 +51,9 @@ TEST(Directory, WhatItCannotHoldIsDamageAndWhatIsUnknownIsNewer) {
        [](auto& p, auto&) { p[0].bytes.length = ~std::uint64_t{0}; }},
       {"before the directory", ErrorKind::corrupt, [](auto&, auto& h) { ++h.directory.offset; }},
       {"a tag that is no word", ErrorKind::corrupt, [](auto& p, auto&) { p[0].tag[2] = ' '; }},
-      {"two thumbnails", ErrorKind::corrupt, [](auto& p, auto&) { p[0].tag = kThumbnailTag; }},
+      {"two thumbnails", ErrorKind::corrupt, [](auto& p, auto&) { p[0] = {kThumbnailTag, kThumbnailFlags, p[0].bytes}; }},
+      {"a thumbnail with other flags", ErrorKind::corrupt,
+       [](auto& p, auto&) { p[1].flags |= kRestPart; }},
       {"a large thumbnail", ErrorKind::corrupt,
        [](auto& p, auto& h) {
          p[1].bytes.length = kMaxThumbnailBytes + 1;
@@ -59,7 +61,13 @@ TEST(Directory, WhatItCannotHoldIsDamageAndWhatIsUnknownIsNewer) {
        }},
       {"a required part", ErrorKind::unsupported_version,
        [](auto& p, auto&) { p[0].flags = kRequiredPart; }},
-      {"a flag", ErrorKind::unsupported_version, [](auto& p, auto&) { p[0].flags = 4; }},
+      {"a flag", ErrorKind::unsupported_version, [](auto& p, auto&) { p[0].flags = 8; }},
+      {"a required part behind a gap", ErrorKind::unsupported_version,
+       [](auto& p, auto&) {
+         ++p[0].bytes.offset;
+         p[1].tag = kNotes;
+         p[1].flags = kRequiredPart;
+       }},
       {"a high flag", ErrorKind::unsupported_version,
        [](auto& p, auto&) { p[1].flags = 0x80000000u; }},
   };

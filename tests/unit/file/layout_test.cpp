@@ -81,7 +81,7 @@ TEST(Header, FloatsWithoutAUsableCodingAreRejected) {
   };
   expect_corrupt([](HeaderBlock& b) { b[12] = 2; });                  // labels
   expect_corrupt([](HeaderBlock& b) { b[13] = 3; });                  // integers with a coding
-  expect_corrupt([](HeaderBlock& b) { b[334] = 16; });                // length
+  expect_corrupt([](HeaderBlock& b) { b[334] = 19; });                // length
   expect_newer([](HeaderBlock& b) { b[336] = 7; });                   // codes of type float32
   expect_newer([](HeaderBlock& b) { b[336] = 0; });
   expect_newer([](HeaderBlock& b) { b[337] = 0x80; });                // a flag

@@ -168,7 +168,7 @@ TEST(Verify, AThumbnailOfOtherVoxelsIsFound) {
   EXPECT_TRUE(verify_bytes(file_with(9, thumbnail)).is_sound());
   const VerifyReport report = verify_bytes(file_with(3, thumbnail));
   ASSERT_EQ(report.damage_count, 1);
-  EXPECT_EQ(report.damages.front().what, "part");
+  EXPECT_EQ(report.damages.front().what, "part 'thmb'");
   EXPECT_EQ(report.damages.front().code, 1u);
   EXPECT_FALSE(report.damages.front().is_repairable());
   EXPECT_NE(report.damages.front().detail.find("part 'thmb' at byte"), std::string::npos);

@@ -108,6 +108,7 @@ class ExactCodec final : public BrickCodec {
 
   VolumeKind kind() const noexcept override { return codes_->kind(); }
   AxisOrder axis_order() const noexcept override { return codes_->axis_order(); }
+  bool is_lossless() const noexcept override { return codes_->is_lossless(); }
   Bytes serialized() const override { return codes_->serialized(); }
   EncodedBrick encode(const BrickShape& shape, const BrickView& view) const override;
   void decode(const BrickShape& shape, VoxelType type, const ValueRange& range,

@@ -16,6 +16,9 @@ class GreyCodec final : public BrickCodec {
 
   VolumeKind kind() const noexcept override { return VolumeKind::grey; }
   AxisOrder axis_order() const noexcept override { return model_->parameters.axis_order; }
+  bool is_lossless() const noexcept override {
+    return model_->parameters.quantizer.is_lossless();
+  }
   Bytes serialized() const override { return serialize(model_->parameters); }
   EncodedBrick encode(const BrickShape& shape, const BrickView& brick) const override;
   void decode(const BrickShape& shape, VoxelType type, const ValueRange& range,

@@ -73,6 +73,10 @@ class SalvageReader final : public FileReader {
   double achieved_error() const override { return inner_->achieved_error(); }
   LevelSummary level_summary(int level) const override { return inner_->level_summary(level); }
   AxisOrder axis_order() const override { return inner_->axis_order(); }
+  std::vector<PartEntry> parts() const override { return inner_->parts(); }
+  std::vector<UnknownExtension> unknown_extensions() const override {
+    return inner_->unknown_extensions();
+  }
   BrickEntry brick(int tier, const Index3& position) const override {
     return inner_->brick(tier, position);
   }

@@ -36,10 +36,13 @@ EncodedBrick brick_of(const OpenFile& file, int tier, const Index3& position) {
   return brick;
 }
 
-// Parts that stand for themselves; the writer makes a thumbnail anew.
-void add_parts(const OpenFile& file, FileWriter& writer) {
+// Parts that still hold: the build id of the copy is another one, and its place may be. The writer
+// makes a thumbnail anew.
+void add_parts(const OpenFile& file, const VolumeDescription& description, FileWriter& writer) {
+  const bool is_moved = !(description.geometry == file.description().geometry);
+  const std::uint32_t lost = kRestPart | (is_moved ? kVoxelPart : 0);
   for (const PartEntry& entry : file.parts()) {
-    if (entry.tag == kThumbnailTag || (entry.flags & kDependentPart) != 0) continue;
+    if (entry.tag == kThumbnailTag || (entry.flags & lost) != 0) continue;
     const auto copy = [&file, entry](const auto& sink) { file.copy_part(entry, sink); };
     writer.add_part({entry.tag, entry.flags, copy});
   }
@@ -92,7 +95,7 @@ std::uint64_t copy_described(std::shared_ptr<const ByteSource> source,
       }
     }
   }
-  add_parts(file, *writer);
+  add_parts(file, description, *writer);
   writer->finish();
   return writer->bytes_written();
 }

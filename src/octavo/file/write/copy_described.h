@@ -16,7 +16,8 @@ namespace octavo {
 /// `description`. The checksum of every part is proven on the way. The file is the one that a build
 /// of the same voxels under that description gives, but for the build id where details were left
 /// out, and as far from their source. A thumbnail is
-/// made anew; parts of others are kept unless they depend on the rest of the file.
+/// made anew; parts of others are kept unless they follow from more than the voxels, or from the
+/// voxels where the place is another one.
 /// description  of the kind, type, size, rescale and coding of the file, and with the same halvings
 /// Returns      the bytes of the new file
 /// Throws       Error{invalid_argument} for another kind of volume; Error{io} where the target

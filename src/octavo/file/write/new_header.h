@@ -9,7 +9,7 @@
 
 namespace octavo {
 
-/// Metadata in files that are to be edited in place have as many spaces at least, and fill blocks.
+/// Metadata of large files end in as many spaces at least, and fill blocks.
 inline constexpr std::size_t kMetadataRoom = 256;
 inline constexpr std::size_t kMetadataBlock = 512;
 

@@ -82,7 +82,7 @@ Part own_thumbnail(const StorageFile& file, const FileHeader& header, const Inde
   options.cache_bytes = kThumbnailCacheBytes;
   const auto view = std::make_shared<SealedView>(file, header, root, levels);
   Bytes png = thumbnail_of(*FileReader::open(view, options));
-  return {kThumbnailTag, kDependentPart,
+  return {kThumbnailTag, kThumbnailFlags,
           [png = std::move(png)](const std::function<void(ByteSpan)>& sink) { sink(png); }};
 }
 

@@ -23,7 +23,7 @@ namespace {
 // Files above this get room for longer metadata.
 constexpr std::uint64_t kPaddedFileBytes = std::uint64_t{1} << 20;
 
-// Metadata as it stands in the file: large files can have it edited in place.
+// Metadata as it stands in the file: in a copy of a large one a few more change nothing else.
 Bytes metadata_bytes(const std::string& json, std::uint64_t file_bytes) {
   Bytes bytes(json.begin(), json.end());
   if (file_bytes <= kPaddedFileBytes) return bytes;

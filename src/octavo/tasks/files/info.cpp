@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "octavo/core/error.h"
+#include "octavo/file/directory.h"
 #include "octavo/file/layout.h"
 #include "octavo/file/storage/pending_file.h"
 #include "octavo/file/thumbnail.h"
@@ -18,6 +19,15 @@ std::uint64_t metadata_offset_of(const ByteSource& source) {
   HeaderBlock block{};
   source.read(0, block);
   return parse_header(block, source.size()).metadata.offset;
+}
+
+PartInfo info_of(const PartEntry& part) {
+  return {{part.tag.begin(), part.tag.end()},
+          (part.flags & kRequiredPart) != 0,
+          (part.flags & kVoxelPart) != 0,
+          (part.flags & kRestPart) != 0,
+          part.bytes.length,
+          is_known(part.tag)};
 }
 
 void require_picture(const Output& output, const std::string& input) {
@@ -68,6 +78,10 @@ InfoResult info(const InfoOptions& options, const TaskContext& context) {
   result.voxel_digest = reader->voxel_digest();
   result.is_place_known = is_place_known(result.volume);
   result.thumbnail_bytes = reader->thumbnail_bytes();
+  for (const PartEntry& part : reader->parts()) result.parts.push_back(info_of(part));
+  for (const UnknownExtension& extension : reader->unknown_extensions()) {
+    result.unknown_extensions.push_back({extension.tag, extension.length});
+  }
   result.metadata_offset = metadata_offset_of(reader->source());
   return result;
 }

@@ -24,6 +24,22 @@ struct LevelInfo {
   LevelSummary summary;
 };
 
+/// A part of the file beside its voxels.
+struct PartInfo {
+  std::string tag;
+  bool is_required = false;
+  bool follows_from_voxels = false;
+  bool follows_from_rest = false;  ///< from metadata, other parts, coded bytes
+  std::uint64_t bytes = 0;
+  bool is_known = false;
+};
+
+/// An extension of the header that this program does not know.
+struct ExtensionInfo {
+  std::uint16_t tag = 0;
+  std::uint64_t bytes = 0;
+};
+
 struct InfoResult {
   std::string name;
   std::string format_version;
@@ -39,6 +55,8 @@ struct InfoResult {
   Sha256Digest voxel_digest{};  ///< as FileReader::voxel_digest
   bool is_place_known = true;  ///< false: origin and direction say nothing of a patient
   std::uint64_t thumbnail_bytes = 0;  ///< 0: the file has none
+  std::vector<PartInfo> parts;        ///< in the order of the file
+  std::vector<ExtensionInfo> unknown_extensions;
   std::uint64_t metadata_offset = 0;  ///< where the text of the metadata stands in the file
 
   /// Whether both ends of the range are values of voxels; otherwise they are bounds.

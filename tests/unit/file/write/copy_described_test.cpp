@@ -86,8 +86,8 @@ TEST(CopyDescribed, MakesTheThumbnailAnew) {
   expect_copied(noisy<std::int16_t>({70, 67, 130}, 70), 0, true);
 }
 
-// A golden file with parts: two of "note", the second one without bytes, and one that depends on
-// others.
+// A golden file with parts: two of "Xnot" that stand for themselves, one that follows from the
+// voxels, one from something else, one from both.
 Bytes file_with_parts() {
   const std::string bytes =
       testing::bytes_of_file(testing::source_folder() + "/tests/golden/v1/parts.8vo");
@@ -111,6 +111,35 @@ class CopiedBytes : public testing::ScratchFolder {
     VolumeDescription moved = testing::open_file(from)->description();
     moved.geometry.origin_mm = {1, 2, 3};
     copy(from, moved, to);
+  }
+
+  void copy_with_metadata(const std::string& text) const {
+    VolumeDescription other = testing::open_file(from)->description();
+    other.metadata = Metadata::read(text);
+    copy(from, other, to);
+  }
+
+  /// Names and bytes of the parts of a file.
+  std::vector<std::pair<std::string, Bytes>> parts_of(const std::string& path) const {
+    const OpenFile file = opened(path);
+    std::vector<std::pair<std::string, Bytes>> parts;
+    for (const PartEntry& part : file.parts()) {
+      Bytes all;
+      file.copy_part(part, [&](ByteSpan block) {
+        all.insert(all.end(), block.begin(), block.end());
+      });
+      parts.emplace_back(name_of(part.tag), all);
+    }
+    return parts;
+  }
+
+  void expect_kept(const std::vector<std::size_t>& numbers) const {
+    const auto all = parts_of(from);
+    std::vector<std::pair<std::string, Bytes>> kept;
+    for (const std::size_t number : numbers) kept.push_back(all.at(number));
+    EXPECT_EQ(parts_of(to), kept);
+    NoProgress progress;
+    EXPECT_TRUE(verify_file(open_byte_source(local_storage(), to), {}, progress).is_sound());
   }
 
   const std::string from = file("a.8vo");
@@ -145,7 +174,7 @@ TEST(CopyDescribed, NamesTheFileAndThePlaceOfADamagedPart) {
   const Section part = sound.parts().front().bytes;
   bytes[part.offset] ^= 0xff;
   bytes[part.offset + 2] ^= 0xff;
-  expect_place(failure_of(bytes), "part 'note'", part.offset);
+  expect_place(failure_of(bytes), "part 'Xnot'", part.offset);
 }
 
 TEST(CopyDescribed, NamesTheFileAndThePlaceOfADamagedSlabTrailer) {
@@ -159,25 +188,15 @@ TEST(CopyDescribed, NamesTheFileAndThePlaceOfADamagedSlabTrailer) {
 TEST(CopyDescribed, KeepsUnknownPartsThatStandForThemselves) {
   const CopiedBytes folder(file_with_parts());
   folder.copy_moved();
-  const auto parts_of = [&](const std::string& path) {
-    const OpenFile file = folder.opened(path);
-    std::vector<std::pair<std::string, Bytes>> parts;
-    for (const PartEntry& part : file.parts()) {
-      if ((part.flags & kDependentPart) != 0) continue;
-      Bytes all;
-      file.copy_part(part, [&](ByteSpan block) {
-        all.insert(all.end(), block.begin(), block.end());
-      });
-      parts.emplace_back(name_of(part.tag), all);
-    }
-    return parts;
-  };
-  EXPECT_EQ(folder.opened(folder.from).parts().size(), 3u);
-  EXPECT_EQ(folder.opened(folder.to).parts().size(), 2u);
-  EXPECT_EQ(parts_of(folder.to), parts_of(folder.from));
-  EXPECT_EQ(parts_of(folder.to).front().second.size(), 17u);
-  NoProgress progress;
-  EXPECT_TRUE(verify_file(open_byte_source(local_storage(), folder.to), {}, progress).is_sound());
+  EXPECT_EQ(folder.parts_of(folder.from).size(), 5u);
+  folder.expect_kept({0, 4});
+}
+
+// The voxels are where they were: what follows from them alone still holds.
+TEST(CopyDescribed, KeepsPartsThatFollowFromTheVoxelsUnderOtherMetadata) {
+  const CopiedBytes folder(file_with_parts());
+  folder.copy_with_metadata(R"({"unit":"mm"})");
+  folder.expect_kept({0, 1, 4});
 }
 
 // Nothing says whether they still hold.
