@@ -13,11 +13,11 @@ void encode_coarse_tiers(const TierTarget& target, const Model& first_model,
     CodecSettings exact = settings;
     exact.max_error = 0;
     model = make_model(train_model(target.description.kind, type, {}, exact), type);
-    target.writer.add_model(model.serialized);
+    target.sink.add_model(model.serialized);
   }
   for (int tier = 1; tier < levels.tier_count(); ++tier) {
     const Size3& size = levels.size(Levels::first_level(tier));
-    TierEncoder encoder(levels, tier, type, target.workers, target.writer, target.progress);
+    TierEncoder encoder(levels, tier, type, target.workers, target.sink, target.progress);
     encoder.encode(model, {samples.data(), type, size, 0});
     samples = encoder.take_parents();
   }

@@ -13,7 +13,7 @@ struct TierTarget {
   const VolumeDescription& description;
   const Levels& levels;
   Workers& workers;
-  FileWriter& writer;
+  BrickSink& sink;
   Progress& progress;
 };
 

@@ -140,12 +140,12 @@ Model make_model(std::unique_ptr<BrickCodec> codec, VoxelType type,
 }
 
 TierEncoder::TierEncoder(const Levels& levels, int tier, VoxelType type, Workers& workers,
-                         FileWriter& writer, Progress& progress, const ErrorBound& bound)
+                         BrickSink& sink, Progress& progress, const ErrorBound& bound)
     : levels_(levels),
       tier_(tier),
       type_(type),
       workers_(workers),
-      writer_(writer),
+      sink_(sink),
       progress_(progress),
       bound_(bound),
       parents_(static_cast<std::size_t>(levels.brick_count(tier) * bytes_per_voxel(type))),
@@ -316,13 +316,13 @@ void TierEncoder::measure_errors(EncodedBrick& encoded, const BrickView& view,
 
 void TierEncoder::keep(Work& work, Slot slot) {
   if (slot.failure) std::rethrow_exception(slot.failure);
-  if (work.brings_model && work.kept == 0) writer_.add_model(work.model.serialized);
+  if (work.brings_model && work.kept == 0) sink_.add_model(work.model.serialized);
   const auto layer_bricks = static_cast<std::size_t>(levels_.brick_grid(tier_).x *
                                                      levels_.brick_grid(tier_).y);
   if (tier_ == 0 && (work.kept + 1) % layer_bricks == 0) add_plane_digests(work);
-  writer_.add_brick(tier_, slot.encoded);
+  sink_.add_brick(tier_, slot.encoded);
   store_parent(work.bricks[work.kept], slot.encoded.parent);
-  if (work.brings_model && work.kept + 1 == work.bricks.size()) writer_.end_group(work.block.crc);
+  if (work.brings_model && work.kept + 1 == work.bricks.size()) sink_.end_group(work.block.crc);
   count_progress(work);
 }
 
@@ -333,7 +333,7 @@ void TierEncoder::add_plane_digests(const Work& work) {
   // The voxels of an exact coding are there themselves.
   const bool has_codes = bound_.coding && !bound_.coding->is_exact;
   const std::optional<SampleCoding> coding = has_codes ? bound_.coding : std::nullopt;
-  writer_.add_plane_digests(plane_digests(work.block, first, layer.size().z, coding));
+  sink_.add_plane_digests(plane_digests(work.block, first, layer.size().z, coding));
 }
 
 void TierEncoder::store_parent(const Index3& brick, std::int64_t parent) {

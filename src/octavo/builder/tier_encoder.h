@@ -22,7 +22,7 @@
 #include "octavo/builder/voxel_block.h"
 #include "octavo/builder/workers.h"
 #include "octavo/core/progress.h"
-#include "octavo/file/write/writer.h"
+#include "octavo/file/write/brick_sink.h"
 
 namespace octavo {
 
@@ -60,7 +60,7 @@ struct ErrorBound {
 class TierEncoder {
  public:
   /// All but `tier`, `type` and `bound` must outlive the encoder.
-  TierEncoder(const Levels& levels, int tier, VoxelType type, Workers& workers, FileWriter& writer,
+  TierEncoder(const Levels& levels, int tier, VoxelType type, Workers& workers, BrickSink& sink,
               Progress& progress, const ErrorBound& bound = {});
 
   /// Waits for the bricks that are being encoded and drops the rest.
@@ -130,7 +130,7 @@ class TierEncoder {
   int tier_;
   VoxelType type_;
   Workers& workers_;
-  FileWriter& writer_;
+  BrickSink& sink_;
   Progress& progress_;
   ErrorBound bound_;
   std::vector<std::byte> parents_;

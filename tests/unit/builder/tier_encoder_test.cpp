@@ -8,6 +8,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/sha256.h"
+#include "octavo/file/write/writer.h"
 
 namespace octavo {
 namespace {

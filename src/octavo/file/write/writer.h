@@ -13,7 +13,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <string>
 
 #include "octavo/codec/brick_codec.h"
@@ -21,6 +20,7 @@
 #include "octavo/core/volume.h"
 #include "octavo/file/directory.h"
 #include "octavo/file/storage/storage.h"
+#include "octavo/file/write/brick_sink.h"
 #include "octavo/file/write/journal.h"
 
 namespace octavo {
@@ -53,7 +53,8 @@ struct WrittenErrors {
   ValueRange range;             ///< of the bricks
 };
 
-class FileWriter {
+/// Where a journal is kept, a later writer can continue behind every group that ended.
+class FileWriter : public BrickSink {
  public:
   /// content_hash  of the first voxels, so that two scans alike in everything else get different
   ///               build ids
@@ -66,19 +67,6 @@ class FileWriter {
                                             const VolumeDescription& description,
                                             const Levels& levels, std::uint32_t content_hash,
                                             const WriterOptions& options);
-  virtual ~FileWriter() = default;
-
-  /// Appends a model; the bricks that follow use it. Called before the first brick of a group; a
-  /// model before the first brick of tier 1 is that of all tiers above tier 0, which otherwise use
-  /// the first one.
-  virtual void add_model(const Bytes& model) = 0;
-
-  /// Appends the next brick of `tier`. Bricks of tier 0 come layer by layer (z), inside a layer in
-  /// o-code order (see layer_order); after all of them those of tier 1 in the same order, and so
-  /// on.
-  /// brick.max_error  in steps of the header (error_step); 0 above tier 0
-  virtual void add_brick(int tier, const EncodedBrick& brick) = 0;
-
   /// The error of the bricks of tier 0 so far, those that were taken over included.
   virtual WrittenErrors written_errors() const = 0;
 
@@ -86,17 +74,8 @@ class FileWriter {
   /// Throws Error{limit_exceeded}
   virtual void set_metadata(const Metadata& metadata) = 0;
 
-  /// The SHA-256 of each plane of the layer of tier 0 that is being added, by z, of voxels as they
-  /// will be read. Called before the last brick of the layer.
-  virtual void add_plane_digests(std::span<const Sha256Digest> digests) = 0;
-
   /// Keeps a part for the end of the file; parts stand in the order in which they come.
   virtual void add_part(Part part) = 0;
-
-  /// Ends a group of whole layers of tier 0: a later writer can continue behind it. Without a
-  /// journal it does nothing.
-  /// voxels_crc  CRC-32C of the group's voxels, by which they are known again
-  virtual void end_group(std::uint32_t voxels_crc) = 0;
 
   /// The groups that were taken over; the bricks of the next layer come first.
   virtual const std::vector<JournalGroup>& resumed() const = 0;
