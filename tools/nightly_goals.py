@@ -43,9 +43,12 @@ def fuzz(*targets):
 
 
 GOALS = [
-    Goal("A1", "fuzz: header and index parser under ASan and UBSan", [fuzz("open")]),
-    Goal("A2", "fuzz: brick decoders, portable and vectorized", [fuzz("brick", "simd")]),
-    Goal("A3", "fuzz: the whole reader, verify and partial reads", [fuzz("reader")]),
+    Goal("A1", "fuzz: every section of a file under ASan and UBSan",
+         [fuzz("open", "header", "directory", "slab_trailer", "index", "pieces", "journal")]),
+    Goal("A2", "fuzz: brick decoders, portable and vectorized, and every stream of theirs",
+         [fuzz("brick", "simd", "grey_streams", "exact_streams", "label_streams")]),
+    Goal("A3", "fuzz: the whole reader, verify, partial reads and reading around damage",
+         [fuzz("reader", "salvage")]),
     Goal("A4", "fuzz: metadata are read within their limits, changed and written again",
          [fuzz("metadata")]),
     Goal("A5", "fuzz: volumes are built twice with the same bytes, and read back",

@@ -12,6 +12,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::expect_error_or_success([&] {
     const fuzz::BrickInput brick = fuzz::take_brick(input);
     const auto codec = fuzz::codec_of(brick);
+    fuzz::expect_error_or_success([&] {
+      codec->decode_parent(brick.shape, brick.voxel_type(), brick.range, brick.spans());
+    });
     const auto parts = std::make_unique<std::uint8_t[]>(brick.level_bytes(0));
     bool has_parts = false;
     bool has_thrown = true;

@@ -1,8 +1,6 @@
 // Metadata of arbitrary bytes: whatever is read keeps its text and the limits, says the same when
 // it is written again, and takes every change; whatever is not read stays as it is.
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -14,18 +12,10 @@
 namespace {
 
 using namespace octavo;
+using fuzz::require;
 
 constexpr std::size_t kMaxTextBytes = 160 << 10;
 constexpr std::uint8_t kPowers = 18;
-
-[[noreturn]] void fail(const char* what) {
-  std::fprintf(stderr, "metadata: %s\n", what);
-  std::abort();
-}
-
-void require(bool is_true, const char* what) {
-  if (!is_true) fail(what);
-}
 
 /// Bytes that begin with a power of two below kPowers give a text in which a part is repeated so
 /// often, less a few times, so that short inputs reach all limits. Others are a text.
@@ -61,7 +51,7 @@ Extent extent_of(std::string_view json) {
     const char c = json[at];
     if (c == '"') {
       const std::size_t begin = ++at;
-      for (; json[at] != '"'; ++at) at += json[at] == '\\' ? 1 : 0;
+      for (; json[at] != '"'; ++at) at += json[at] == '\\' ? 1u : 0u;
       extent.longest_string = std::max(extent.longest_string, at - begin);
     } else if (c == '{' || c == '[') {
       extent.depth = std::max(extent.depth, ++depth);
@@ -121,9 +111,17 @@ LabelNames two_names() {
   return names;
 }
 
+CodingNote coding_note() {
+  CodingNote note;
+  note.preset = "fast";
+  note.max_error = 2.5;
+  note.nan = -1000;
+  return note;
+}
+
 const Change kChanges[] = {
-    {[](Metadata& m) { m.set_coding({"fast", 2.5, {}, -1000}); },
-     [](MetadataFacts& f) { f.coding = CodingNote{"fast", 2.5, {}, -1000}; }},
+    {[](Metadata& m) { m.set_coding(coding_note()); },
+     [](MetadataFacts& f) { f.coding = coding_note(); }},
     {[](Metadata& m) { m.set_labels(two_names()); },
      [](MetadataFacts& f) { f.labels = two_names(); }},
     {[](Metadata& m) { m.set_made_by(MadeBy("union").set("connectivity", 6)); },

@@ -1,4 +1,4 @@
-// The whole reader on arbitrary bytes: verification, every level, boxes.
+// The whole reader on arbitrary bytes: verification, every level, boxes, labels as words.
 
 #include "fuzz/fuzz_target.h"
 #include "octavo/core/progress.h"
@@ -25,6 +25,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       std::vector<std::uint8_t> out(static_cast<std::size_t>(
           box.size().voxel_count() * bytes_per_voxel(reader->description().type)));
       fuzz::expect_error_or_success([&] { reader->read(box, level, out.data()); });
+    }
+    if (reader->description().kind == VolumeKind::labels) {
+      LabelWords words;
+      fuzz::expect_error_or_success([&] { reader->read_words(reader->brick(0, {}), words); });
     }
     reader->thumbnail();
   });

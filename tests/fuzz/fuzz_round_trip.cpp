@@ -2,8 +2,6 @@
 // within the max error, and building it again gives the same bytes.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 #include "fuzz/fuzz_target.h"
 #include "octavo/builder/builder.h"
@@ -14,6 +12,7 @@
 namespace {
 
 using namespace octavo;
+using fuzz::fail;
 
 constexpr std::uint8_t kMostVoxelsOfAnAxis = 8;
 
@@ -62,11 +61,6 @@ std::vector<std::uint8_t> build(const Volume& volume) {
   build_file(*make_memory_source(volume.description, volume.voxels), storage, "a", volume.options,
              progress);
   return *storage.files.at("a");
-}
-
-[[noreturn]] void fail(const char* what) {
-  std::fprintf(stderr, "round trip: %s\n", what);
-  std::abort();
 }
 
 template <class T>

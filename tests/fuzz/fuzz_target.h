@@ -2,8 +2,11 @@
 // under test.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <span>
@@ -42,6 +45,16 @@ class Input {
  private:
   std::span<const std::uint8_t> rest_;
 };
+
+/// Ends the program: a law that every target states does not hold.
+[[noreturn]] inline void fail(const char* what) {
+  std::fprintf(stderr, "fuzz: %s\n", what);
+  std::abort();
+}
+
+inline void require(bool is_true, const char* what) {
+  if (!is_true) fail(what);
+}
 
 /// Runs `f`; an octavo::Error is an answer like any other.
 template <class F>
