@@ -9,11 +9,15 @@ of the block.
 
 import json
 import os
+import pathlib
 import struct
 import sys
 
 import cli_test
+from file_bytes import TRAILER_LENGTH, sealed, with_metadata
 from identity_test import tiff
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 SIZE = (20, 18, 12)
 
@@ -160,6 +164,60 @@ class Messages(cli_test.InFolder):
             self.assertEqual(row("made.8vo"), [words])
         self.said("condense", "v.8vo", "--flat", "7", "-o", "flat.8vo")
         self.assertIn("grey, condensed, not lossless\n", self.said("info", "flat.8vo").stdout)
+
+    def rows(self, name, begin):
+        lines = self.said("info", name).stdout.splitlines()
+        return [line[15:] for line in lines if line.startswith(f"  {begin:<12} ")]
+
+    def test_info_lists_parts_and_extensions(self):
+        golden = ROOT / "tests" / "golden" / "v1"
+        self.assertEqual(self.rows(golden / "parts.8vo", "part"), [
+            "Xnot, 32 bytes: unknown to this program, stands for itself",
+            "Xvox, 3.02 kB: unknown to this program, follows from the voxels",
+            "Xmet, 27 bytes: unknown to this program, follows from the rest of the file",
+            "Xall, 15 bytes: unknown to this program, follows from the voxels, follows from the "
+            "rest of the file",
+            "Xnot, 15 bytes: unknown to this program, stands for itself"])
+        info = self.info(golden / "parts.8vo")
+        self.assertEqual(info["parts"][1], {
+            "tag": "Xvox", "bytes": 3015, "known": False, "required": False,
+            "follows_from_voxels": True, "follows_from_rest": False})
+        self.assertEqual(info["unknown_extensions"], [])
+        info = self.info(golden / "thumbnail.8vo")
+        self.assertEqual([(part["tag"], part["known"]) for part in info["parts"]], [("thmb", True)])
+        self.assertEqual(len(self.rows(golden / "thumbnail.8vo", "part")), 1)
+        self.assertEqual(self.rows("v.8vo", "part") + self.info("v.8vo")["parts"], [])
+
+        data = (self.folder / "v.8vo").read_bytes()
+        header = bytearray(data[:512])
+        header[330:338] = bytes([1, 0, 0x01, 0x7f, 2, 0, 0xaa, 0xbb])
+        between, trailer = data[512:-TRAILER_LENGTH], bytearray(data[-TRAILER_LENGTH:])
+        (self.folder / "x.8vo").write_bytes(sealed(header, between, trailer))
+        self.assertEqual(self.rows("x.8vo", "extension"),
+                         ["0x7f01, 2 bytes: unknown to this program"])
+        self.assertEqual(self.info("x.8vo")["unknown_extensions"], [{"tag": "0x7f01", "bytes": 2}])
+
+    def test_info_says_who_coded_the_voxels(self):
+        own = {"name": "octavo", "revision": 1}
+        self.assertEqual(self.info("v.8vo")["written_by"], own)
+        self.assertEqual(self.rows("v.8vo", "coded by"), ["octavo, revision 1"])
+        data = (self.folder / "v.8vo").read_bytes()
+        text = json.dumps({"coding": {"preset": "fast"},
+                           "written_by": {"name": "other\n", "revision": 7}}).encode()
+        (self.folder / "x.8vo").write_bytes(with_metadata(data, text))
+        self.assertIn("  coded by     other\\n, revision 7\n", self.said("info", "x.8vo").stdout)
+        # Bricks that are copied stay as they were coded.
+        self.said("transform", "x.8vo", "--translate", "1,2,3", "-o", "moved.8vo")
+        self.assertEqual(self.info("moved.8vo")["written_by"]["revision"], 7)
+        self.assertEqual(self.info("moved.8vo")["metadata"]["coding"], {"preset": "fast"})
+        for arguments in (["build", "x.8vo"], ["transform", "x.8vo", "--mirror", "x", "--in-place"],
+                          ["threshold", "x.8vo", "--range", "30:"], ["condense", "x.8vo", "--flat", "1"]):
+            self.said(*arguments, "-o", "made.8vo", "-f")
+            self.assertEqual(self.info("made.8vo")["written_by"], own, arguments)
+            self.assertNotIn("revision\": 7", json.dumps(self.info("made.8vo")), arguments)
+        (self.folder / "x.8vo").write_bytes(with_metadata(data, b"{}"))
+        self.assertIsNone(self.info("x.8vo")["written_by"])
+        self.assertNotIn("coded by", self.said("info", "x.8vo").stdout)
 
     def test_codes_says_what_the_cube_itself_is(self):
         voxels = [0] * 64

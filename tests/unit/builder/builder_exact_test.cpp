@@ -7,8 +7,13 @@
 #include <limits>
 #include <random>
 
+#include "octavo/builder/recover.h"
+#include "octavo/core/error.h"
 #include "octavo/file/verify.h"
+#include "octavo/planes/computed_source.h"
 #include "support/built_file.h"
+#include "support/memory_storage.h"
+#include "support/sample_file.h"
 
 namespace octavo {
 namespace {
@@ -157,6 +162,48 @@ TEST(ExactBuild, ValuesFarBeyondThoseOfTheFirstPlanesComeBack) {
   const auto reader = open_file(folder.file("v.8vo"));
   EXPECT_EQ(read_box(*reader, box_of(volume.description.size), 0), volume.voxels);
   EXPECT_GE(reader->description().voxel_of(reader->range().max), 3e30);
+}
+
+/// Faint noise at one side; far below it a voxel of the second group. The fourth group fails.
+void fill_until_torn(const Box& box, std::byte* voxels) {
+  if (box.hi.z > 192) throw Error(ErrorKind::source_rejected, "torn");
+  for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+    for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
+      for (std::int64_t x = box.lo.x; x < box.hi.x; ++x, voxels += sizeof(float)) {
+        float voxel = x < 16 ? 1e-8f * static_cast<float>((7 * x + 13 * y + 5 * z) % 97) : 0;
+        if (x == 100 && y == 200 && z == 70) voxel = -3e30f;
+        std::memcpy(voxels, &voxel, sizeof voxel);
+      }
+    }
+  }
+}
+
+// The index knows no end of such a range: missing planes get the lowest voxel that codes reach.
+TEST(ExactBuild, WhatAnInterruptedOneLeftCanBeSealedWhereAFloatLiesBelowAllCodes) {
+  VolumeDescription description;
+  description.type = VoxelType::float32;
+  description.size = {256, 512, 200};
+  const auto torn = make_computed_source(description, fill_until_torn);
+  MemoryStorage storage;
+  NoProgress progress;
+  EXPECT_THROW(build_file(*torn, storage, "b.8vo",
+                          {.preset = Preset::fast, .interrupted = Interrupted::resume}, progress),
+               Error);
+  const auto sealed = seal_interrupted(storage, "b.8vo", "a.8vo", {}, progress);
+  ASSERT_TRUE(sealed);
+  EXPECT_GE(sealed->whole_planes, 128);
+  const auto source = byte_source_of(*storage.files.at("a.8vo"), "a.8vo");
+  EXPECT_TRUE(verify_file(source, {}, progress).is_sound());
+  const auto reader = FileReader::open(source);
+  EXPECT_TRUE(reader->description().is_unbounded(reader->range().min));
+  const auto voxel_at = [&](const Index3& at) {
+    float voxel = 0;
+    reader->read({at, {at.x + 1, at.y + 1, at.z + 1}}, 0, &voxel);
+    return voxel;
+  };
+  EXPECT_EQ(voxel_at({100, 200, 70}), -3e30f);
+  EXPECT_EQ(voxel_at({0, 0, 199}), static_cast<float>(sealed->fill));
+  EXPECT_EQ(sealed->fill, reader->description().voxel_of(2 - (std::int64_t{1} << 31)));
 }
 
 }  // namespace

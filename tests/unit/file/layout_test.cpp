@@ -166,7 +166,10 @@ TEST(Header, UnknownExtensionsAreSkippedUnlessCritical) {
   block[334] = 2;
   block[336] = 0xaa;
   refresh_crc(block);
-  EXPECT_NO_THROW(parse_header(block, kFileBytes));
+  const FileHeader header = parse_header(block, kFileBytes);
+  ASSERT_EQ(header.unknown_extensions.size(), 1u);
+  EXPECT_EQ(header.unknown_extensions.front().tag, 9);
+  EXPECT_EQ(header.unknown_extensions.front().length, 2u);
   block[333] = 0x80;
   refresh_crc(block);
   EXPECT_EQ(kind_of(block), ErrorKind::unsupported_version);
@@ -190,6 +193,19 @@ TEST(Header, WhatMeansNothingYetIsNewer) {
     block[c.at] = c.value;
     refresh_crc(block);
     EXPECT_EQ(kind_of(block), ErrorKind::unsupported_version) << c.at;
+  }
+}
+
+// A later version may have changed all other rules.
+TEST(Header, WhatIsNewerIsSoWhateverElseIsWrong) {
+  for (const std::size_t damaged_at : {48u, 96u, 192u, 208u, 224u, 280u, 336u}) {
+    HeaderBlock block = encode_header(float_header());
+    block[damaged_at] ^= 0xff;
+    block[damaged_at + 7] ^= 0x80;
+    block[328] = 2;
+    refresh_crc(block);
+    EXPECT_EQ(kind_of(block), ErrorKind::unsupported_version) << damaged_at;
+    EXPECT_EQ(kind_of(block, kFileBytes - 1), ErrorKind::unsupported_version) << damaged_at;
   }
 }
 
