@@ -67,6 +67,21 @@ double step_of(std::span<const Measured> distances) {
   return step.value;
 }
 
+// The step between values: the short distances, those to the next value, tell what it is, the long
+// ones how long it is.
+// values     ascending, different
+// distances  further ones, positive
+double step_between(std::span<const float> values, std::vector<Measured> distances) {
+  for (std::size_t i = 1; i < values.size(); ++i) {
+    const double a = values[i - 1];
+    const double b = values[i];
+    distances.push_back({b - a, rounding_of(std::abs(a)) + rounding_of(std::abs(b))});
+  }
+  std::sort(distances.begin(), distances.end(),
+            [](const Measured& a, const Measured& b) { return a.value < b.value; });
+  return step_of(distances);
+}
+
 double rounded(double value, int digits) {
   char text[40];
   const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::scientific,
@@ -138,9 +153,7 @@ std::optional<SampleCoding> multiples(std::span<const float> values) {
     const double d = std::abs(static_cast<double>(v));
     if (d != 0) distances.push_back({d, rounding_of(d)});
   }
-  std::sort(distances.begin(), distances.end(),
-            [](const Measured& a, const Measured& b) { return a.value < b.value; });
-  const double step = step_of(distances);
+  const double step = step_between(values, distances);
   if (step == 0) return std::nullopt;
 
   // A value stands for all numbers that round to it; divided by its code they bound the scale.
@@ -228,7 +241,7 @@ std::optional<SampleCoding> shifted_multiples(std::span<const float> values) {
   std::vector<Measured> distances;
   const double error = 2 * rounding_of(largest);
   for (const float v : values.subspan(1)) distances.push_back({v - first, error});
-  const double step = step_of(distances);
+  const double step = step_between(values, distances);
   if (step == 0) return std::nullopt;
 
   std::vector<CodedValue> coded;

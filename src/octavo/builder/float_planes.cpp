@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstring>
 #include <limits>
+#include <optional>
 
 #include "octavo/builder/float_grid.h"
 #include "octavo/core/error.h"
@@ -19,7 +20,6 @@ constexpr std::size_t kEnoughValues = 64;
 constexpr double kStepsPerError = 32;
 constexpr double kFloatSteps = 1 << 24;
 constexpr double kMinError = 1e-290;
-constexpr std::size_t kMostDifferences = 1 << 20;
 constexpr double kMedianOfDifference = 0.954;  // of two normal numbers of deviation 1
 // Values yet to come may be so much larger than those of the first planes.
 constexpr double kGrowth = 4;
@@ -108,12 +108,117 @@ double bulk_of(const std::vector<float>& values) {
   return *(std::upper_bound(magnitudes.begin(), magnitudes.end(), usual * kFar) - 1);
 }
 
+using Planes = std::deque<std::vector<float>>;
+
+// The floats that many voxels of some planes are, as the fill values of a background.
+std::vector<float> frequent_values(const Planes& planes) {
+  constexpr std::size_t kMany = 16;  // one of so many voxels
+  constexpr std::size_t kSamples = 1 << 16;
+  std::size_t count = 0;
+  for (const std::vector<float>& plane : planes) count += plane.size();
+  const std::size_t stride = count / kSamples + 1;
+  std::vector<float> samples;
+  for (const std::vector<float>& plane : planes) {
+    for (std::size_t i = 0; i < plane.size(); i += stride) {
+      if (std::isfinite(plane[i])) samples.push_back(plane[i]);
+    }
+  }
+  std::sort(samples.begin(), samples.end());
+  std::vector<float> frequent;
+  for (auto from = samples.begin(); from != samples.end();) {
+    const auto to = std::upper_bound(from, samples.end(), *from);
+    if (static_cast<std::size_t>(to - from) * kMany > samples.size()) frequent.push_back(*from);
+    from = to;
+  }
+  return frequent;
+}
+
+// Differences between voxels that follow each other, none of them 0.
+class Differences {
+ public:
+  void start() { before_.reset(); }
+  void add(double value) {
+    if (before_ && value != *before_ && differences_.size() < kMost) {
+      differences_.push_back(std::abs(value - *before_));
+    }
+    before_ = value;
+  }
+  const std::vector<double>& all() const { return differences_; }
+
+ private:
+  static constexpr std::size_t kMost = 1 << 20;
+  std::vector<double> differences_;
+  std::optional<double> before_;
+};
+
+// Differences that tell of noise: between neighbors of which neither is a frequent value; where
+// these are rare, between voxels with frequent ones between them, or between all.
+std::vector<double> differences_between(const Planes& planes, double bulk) {
+  constexpr std::size_t kEnough = 16;
+  const std::vector<float> frequent = frequent_values(planes);
+  Differences beside;
+  Differences behind;
+  Differences of_all;
+  for (const std::vector<float>& plane : planes) {
+    beside.start();
+    of_all.start();
+    for (const float voxel : plane) {
+      const double value = voxel;
+      if (!(std::abs(value) <= bulk)) {  // NaN as well
+        beside.start();
+        of_all.start();
+        continue;
+      }
+      of_all.add(value);
+      if (std::ranges::find(frequent, voxel) != frequent.end()) {
+        beside.start();
+      } else {
+        beside.add(value);
+        behind.add(value);
+      }
+    }
+  }
+  if (beside.all().size() >= kEnough) return beside.all();
+  return behind.all().empty() ? of_all.all() : behind.all();
+}
+
 std::vector<float> within_bulk(const std::vector<float>& values, double bulk) {
   std::vector<float> usual;
   std::ranges::copy_if(values, std::back_inserter(usual), [bulk](float v) {
     return std::abs(static_cast<double>(v)) <= bulk;
   });
   return usual;
+}
+
+// Sorted values without the first and the last few, as far as these lie farther from the others
+// than the others reach.
+std::vector<float> without_lone_ends(std::vector<float> values) {
+  constexpr std::size_t kMost = 4;
+  std::span<const float> left(values);
+  for (std::size_t i = 0; i < kMost && left.size() > 2; ++i) {
+    const double spread = static_cast<double>(left.back()) - static_cast<double>(left.front());
+    const auto is_far = [&](float a, float b) {
+      return 2 * (static_cast<double>(b) - static_cast<double>(a)) > spread;
+    };
+    if (is_far(left[0], left[1])) left = left.subspan(1);
+    else if (is_far(left[left.size() - 2], left.back())) left = left.first(left.size() - 1);
+  }
+  return {left.begin(), left.end()};
+}
+
+// Values that may be multiples of one number: all, or all but those that a program filled in.
+std::vector<std::vector<float>> likely_multiples(const std::vector<float>& values, double bulk,
+                                                 const std::vector<float>& frequent) {
+  std::vector<std::vector<float>> choices = {values};
+  const auto offer = [&](std::vector<float> some) {
+    if (some.size() < choices.back().size()) choices.push_back(std::move(some));
+  };
+  offer(within_bulk(values, bulk));
+  std::vector<float> rare = choices.back();
+  std::erase_if(rare, [&](float v) { return std::ranges::find(frequent, v) != frequent.end(); });
+  rare = without_lone_ends(std::move(rare));
+  if (rare.size() >= kEnoughValues) offer(std::move(rare));
+  return choices;
 }
 
 // Numbers that the source's header would have multiplied its integers by.
@@ -170,14 +275,17 @@ void FloatPlanes::choose_exact(const std::vector<float>& values) {
   constexpr double kMuchFiner = 32;
   const double bulk = bulk_of(values);
   const std::vector<SampleCoding> hints = hints_of(source_.description());
-  auto coding = find_coding(values, hints);
-  const std::vector<float> usual = within_bulk(values, bulk);
-  if (!coding && usual.size() < values.size()) coding = find_coding(usual, hints);
   const double step = noise_step(bulk);
-  // Steps far below the noise save nothing unless floats lie closer than they do.
-  const bool is_found =
-      coding && (coding->scale * kMuchFiner > step || is_coarser_than_floats(*coding, values));
-  coding_ = is_found ? *coding : SampleCoding{VoxelType::int32, step, 0};
+  coding_ = {VoxelType::int32, step, 0};
+  for (const std::vector<float>& some : likely_multiples(values, bulk, frequent_values(ahead_))) {
+    const auto coding = find_coding(some, hints);
+    // Steps far below the noise save nothing unless floats lie closer than they do.
+    if (coding &&
+        (coding->scale * kMuchFiner > step || is_coarser_than_floats(*coding, some))) {
+      coding_ = *coding;
+      break;
+    }
+  }
   coding_.is_exact = true;
 }
 
@@ -187,16 +295,7 @@ double FloatPlanes::noise_step(double bulk) const {
   constexpr int kSmallest = -148;  // half of it is a float
   constexpr double kStepsOfBulk = 1 << 20;
   constexpr double kStepsOfNoise = 8;
-  std::vector<double> differences;
-  for (const std::vector<float>& plane : ahead_) {
-    for (std::size_t i = 1; i < plane.size() && differences.size() < kMostDifferences; ++i) {
-      const double value = plane[i];
-      const double before = plane[i - 1];
-      const double d = std::abs(value - before);
-      const bool is_usual = std::max(std::abs(value), std::abs(before)) <= bulk;  // of numbers
-      if (is_usual && d > 0) differences.push_back(d);
-    }
-  }
+  std::vector<double> differences = differences_between(ahead_, bulk);
   double noise = 0;
   if (!differences.empty()) {
     const auto middle =

@@ -2,8 +2,8 @@
 //
 // Without a max error planes are given as they are, with a coding for exact floats: scale and
 // offset of the number that the first planes are multiples of, or else a power of two that divides
-// their noise into some steps. Values far beyond the bulk of them (the fill values of many formats)
-// have no say in it. Later planes may hold anything.
+// their noise into some steps. Fill values have no say in it: those that many voxels are, and
+// those far beyond the bulk of the others. Later planes may hold anything.
 //
 // With a max error E > 0 planes are given as codes, and voxels may be changed:
 //

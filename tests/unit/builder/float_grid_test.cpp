@@ -60,6 +60,18 @@ TEST(FloatGrid, StepsNeedNotStandBesideEachOther) {
   EXPECT_EQ(find_coding(sorted({0.6f, 1.0f, -1.5f}), {})->scale, 0.1);
 }
 
+TEST(FloatGrid, ValuesFarFromZeroTellTheirStepByWhatLiesBetweenThem) {
+  for (const double first : {10.1, 90.2, 901.4}) {
+    std::vector<float> values = {0};
+    for (const double steps : {0, 14, 16, 17, 18, 19, 21}) {
+      values.push_back(static_cast<float>(first + steps * 0.1));
+    }
+    const auto coding = find_coding(sorted(values), {});
+    ASSERT_TRUE(coding) << first;
+    EXPECT_EQ(coding->scale, 0.1) << first;
+  }
+}
+
 TEST(FloatGrid, FloatsOfSimilarSizeAreMultiplesOfTheirLastBit) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> value(1, 2);

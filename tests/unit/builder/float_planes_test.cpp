@@ -193,6 +193,45 @@ TEST(FloatPlanes, ValuesFarAwayHaveNoSayInTheStep) {
   }
 }
 
+const float kFills[] = {0, -1, -1024, 1e20f, -std::numeric_limits<float>::max(), kNan};
+
+TEST(FloatPlanes, FillsHaveNoSayInTheStepOfNoise) {
+  for (const auto& [mean, deviation] : {std::pair{1000.0f, 1.0f}, {0.02f, 0.001f}, {0.0f, 30.0f}}) {
+    for (const float fill : kFills) {
+      for (const double share : {0.01, 0.35, 0.9, 0.999}) {
+        std::mt19937 random(5);
+        std::normal_distribution<float> noise(mean, deviation);
+        std::uniform_real_distribution<double> uniform(0, 1);
+        const Floats floats(2000, [&](std::size_t) {
+          return uniform(random) < share ? fill : noise(random);
+        });
+        const double scale = run(floats, {.first_planes = 2000}).coding.scale;
+        EXPECT_GE(static_cast<double>(deviation) / scale, 4) << fill << " at " << share;
+        EXPECT_LE(static_cast<double>(deviation) / scale, 64) << fill << " at " << share;
+      }
+    }
+  }
+}
+
+TEST(FloatPlanes, FillsHaveNoSayInTheNumberThatOthersAreMultiplesOf) {
+  for (const double offset : {0.0, 7.77}) {
+    for (const float fill : kFills) {
+      for (const double share : {0.01, 0.35, 0.9}) {
+        std::mt19937 random(3);
+        std::normal_distribution<double> noise(1000, 20);
+        std::uniform_real_distribution<double> uniform(0, 1);
+        const Floats floats(2000, [&](std::size_t) {
+          const double value = std::round(noise(random)) * 0.1 + offset;
+          return uniform(random) < share ? fill : static_cast<float>(value);
+        });
+        const Outcome outcome = run(floats, {.first_planes = 2000});
+        EXPECT_NEAR(outcome.coding.scale, 0.1, 1e-6) << fill << " at " << share;
+        expect_bits_back(floats, outcome);
+      }
+    }
+  }
+}
+
 TEST(FloatPlanes, BrightSpotsAreNotFarAway) {
   // A background of 1 and few values up to 500 times as large.
   const Floats floats(60, [](std::size_t i) {
