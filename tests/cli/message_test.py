@@ -211,7 +211,8 @@ class Messages(cli_test.InFolder):
         self.assertEqual(self.info("moved.8vo")["written_by"]["revision"], 7)
         self.assertEqual(self.info("moved.8vo")["metadata"]["coding"], {"preset": "fast"})
         for arguments in (["build", "x.8vo"], ["transform", "x.8vo", "--mirror", "x", "--in-place"],
-                          ["threshold", "x.8vo", "--range", "30:"], ["condense", "x.8vo", "--flat", "1"]):
+                          ["threshold", "x.8vo", "--range", "30:"],
+                          ["condense", "x.8vo", "--flat", "1"]):
             self.said(*arguments, "-o", "made.8vo", "-f")
             self.assertEqual(self.info("made.8vo")["written_by"], own, arguments)
             self.assertNotIn("revision\": 7", json.dumps(self.info("made.8vo")), arguments)

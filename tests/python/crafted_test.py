@@ -542,8 +542,9 @@ class Crafts(unittest.TestCase):
             struct.pack_into("<I", header, 508, crc32c(header[:508]))
             trailer[16:28] = header[224:232] + header[508:512]
             struct.pack_into("<I", trailer, 92, crc32c(trailer[:92]))
-            between = data[512 : begin + length] + b" " * growth
-            self.path.write_bytes(header + between + data[begin + length : -TRAILER_LENGTH] + trailer)
+            between = (data[512 : begin + length] + b" " * growth
+                       + data[begin + length : -TRAILER_LENGTH])
+            self.path.write_bytes(header + between + trailer)
             self.assertEqual(self.of_program("verify")[0], outcome)
             self.assertEqual(self.of_package(verify)[0], outcome)
 

@@ -43,10 +43,6 @@ std::vector<PartEntry> take_entries(ByteReader& in) {
   return entries;
 }
 
-void prove_thumbnail(const PartEntry& entry, const ByteReader& in) {
-  if (entry.flags != kThumbnailFlags) in.fail("a thumbnail with other flags");
-  if (entry.bytes.length > kMaxThumbnailBytes) in.fail("a thumbnail above 256 KiB");
-}
 
 }  // namespace
 
@@ -88,7 +84,8 @@ std::vector<PartEntry> parse_directory(ByteSpan bytes, const FileHeader& header)
     at = entry.bytes.end();
     if (entry.tag != kThumbnailTag) continue;
     if (has_thumbnail) in.fail("two thumbnails");
-    prove_thumbnail(entry, in);
+    if (entry.flags != kThumbnailFlags) in.fail("a thumbnail with other flags");
+    if (entry.bytes.length > kMaxThumbnailBytes) in.fail("a thumbnail above 256 KiB");
     has_thumbnail = true;
   }
   if (at != header.directory.offset) in.fail("parts do not fill what is before it");

@@ -121,6 +121,13 @@ struct IndexPage {
 IndexPage parse_page(ByteSpan bytes, const IndexRoot& root, const Levels& levels, int tier,
                      std::size_t page, const FileHeader& header);
 
+/// What the errors in the index count, in voxel units: 1 for integer types, a 1024th of the max
+/// error for float32.
+double error_step(const FileHeader& header);
+
+/// The largest error that may stand in the index, in steps.
+std::uint64_t max_error_steps(const FileHeader& header);
+
 /// True when the bricks of a tier have an error in the index: those of tier 0 in a lossy file.
 bool has_errors(const FileHeader& header, int tier);
 

@@ -5,6 +5,28 @@
 
 namespace octavo {
 
+namespace {
+
+// The errors of float32 bricks are counted in this part of the max error.
+constexpr std::uint64_t kFloatErrorSteps = 1024;
+
+}  // namespace
+
+double error_step(const FileHeader& header) {
+  if (is_integer(header.description.type)) return 1;
+  return header.max_error / static_cast<double>(kFloatErrorSteps);
+}
+
+std::uint64_t max_error_steps(const FileHeader& header) {
+  if (header.detail_level > 0) {
+    const ValueRange all = value_range(header.description.type);
+    return static_cast<std::uint64_t>(all.max - all.min);
+  }
+  if (header.max_error == 0) return 0;
+  if (is_integer(header.description.type)) return static_cast<std::uint64_t>(header.max_error);
+  return kFloatErrorSteps;
+}
+
 bool has_errors(const FileHeader& header, int tier) {
   return tier == 0 && (header.max_error > 0 || header.detail_level > 0);
 }

@@ -68,8 +68,6 @@ constexpr std::uint8_t kExactCoding = 1;
 constexpr std::uint16_t kDetailTag = 0x8002;
 constexpr std::uint16_t kDetailBytes = 1;
 
-// The errors of float32 bricks are counted in this part of the max error.
-constexpr std::uint64_t kFloatErrorSteps = 1024;
 constexpr double kLargestIntegerError = 4294967295.0;
 
 [[noreturn]] void fail(ErrorKind kind, const std::string& detail, std::size_t offset) {
@@ -255,9 +253,8 @@ void require_known(ByteSpan bytes, const ExtensionList& extensions) {
   }
   for (const std::size_t at : {kChannelsAt, kTimesAt}) {
     if (bytes[at] == 1) continue;
-    fail_newer("header: " + std::to_string(bytes[at]) +
-                   (at == kChannelsAt ? " channels" : " times"),
-               at);
+    fail_newer(std::string("header: ") + (at == kChannelsAt ? "channels " : "times ") +
+                   std::to_string(bytes[at]), at);
   }
   require_known_masks(bytes);
   for (const std::size_t at : {kMetadataAt, kPagesAt, kRootAt, kDirectoryAt}) {
@@ -281,17 +278,14 @@ SampleCoding get_coding(ByteSpan bytes, std::size_t at, std::size_t length) {
 }
 
 int get_detail_level(ByteSpan bytes, std::size_t at, std::size_t length) {
-  if (length != kDetailBytes) fail(ErrorKind::corrupt, "header: details of another length", at);
-  const int level = bytes[at];
-  if (level == 0) fail(ErrorKind::corrupt, "header: details left out below level 0", at);
-  return level;
+  if (length == kDetailBytes && bytes[at] > 0) return bytes[at];
+  fail(ErrorKind::corrupt, "header: unusable level of details", at);
 }
 
 void parse_extensions(ByteSpan bytes, const ExtensionList& extensions, FileHeader& header) {
   std::optional<SampleCoding>& coding = header.description.coding;
-  if (!extensions.is_whole) {
-    fail(ErrorKind::corrupt, "header: extensions end early", extensions.end);
-  }
+  const std::size_t end = extensions.end;
+  if (!extensions.is_whole) fail(ErrorKind::corrupt, "header: extensions end early", end);
   for (const auto& [tag, at, length] : extensions.all) {
     if ((tag == kCodingTag && coding) || (tag == kDetailTag && header.detail_level > 0)) {
       fail(ErrorKind::corrupt, "header: two extensions of a kind that stands once", at);
@@ -390,17 +384,14 @@ void parse_halvings(ByteSpan bytes, FileHeader& header) {
   }
 }
 
-void require_sealed(ByteSpan bytes) {
-  if (bytes[kSealedAt] == 1) return;
-  throw Error(ErrorKind::corrupt, "not sealed: its build was interrupted", {}, kSealedAt)
-      .with_field("interrupted");
-}
-
 // What is known of a file before it is sealed.
 FileHeader parse_description(ByteSpan bytes, bool is_sealed) {
   const ExtensionList extensions = list_extensions(bytes);
   require_known(bytes, extensions);
-  if (is_sealed) require_sealed(bytes);
+  if (is_sealed && bytes[kSealedAt] != 1) {
+    throw Error(ErrorKind::corrupt, "not sealed: its build was interrupted", {}, kSealedAt)
+        .with_field("interrupted");
+  }
   FileHeader header;
   header.major = load_little_endian<std::uint16_t>(bytes.data() + kMajorAt);
   header.minor = load_little_endian<std::uint16_t>(bytes.data() + kMinorAt);
@@ -538,21 +529,6 @@ bool can_leave_details_out(const VolumeDescription& volume, const Levels& levels
                            int detail_level) {
   return volume.kind == VolumeKind::grey && is_integer(volume.type) &&
          detail_level < levels.tier_level_count(0);
-}
-
-double error_step(const FileHeader& header) {
-  if (is_integer(header.description.type)) return 1;
-  return header.max_error / static_cast<double>(kFloatErrorSteps);
-}
-
-std::uint64_t max_error_steps(const FileHeader& header) {
-  if (header.detail_level > 0) {
-    const ValueRange all = value_range(header.description.type);
-    return static_cast<std::uint64_t>(all.max - all.min);
-  }
-  if (header.max_error == 0) return 0;
-  if (is_integer(header.description.type)) return static_cast<std::uint64_t>(header.max_error);
-  return kFloatErrorSteps;
 }
 
 std::uint64_t make_build_id(const FileHeader& header, std::uint32_t content_hash) {

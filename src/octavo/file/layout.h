@@ -74,13 +74,6 @@ struct FileHeader {
 /// and a level inside the bricks of tier 0.
 bool can_leave_details_out(const VolumeDescription& volume, const Levels& levels, int detail_level);
 
-/// What the errors in the index count, in voxel units: 1 for integer types, a 1024th of the max
-/// error for float32.
-double error_step(const FileHeader& header);
-
-/// The largest error that may stand in the index, in steps.
-std::uint64_t max_error_steps(const FileHeader& header);
-
 using HeaderBlock = std::array<std::uint8_t, kHeaderBytes>;
 
 /// The block of a header, its CRC included.
@@ -93,10 +86,10 @@ std::uint32_t load_header_crc(const HeaderBlock& block);
 std::uint64_t load_file_bytes(const HeaderBlock& block);
 
 /// The header that stands in `bytes`, the first min(512, source_bytes) bytes of a source that has
-/// `source_bytes` bytes. Everything it says of itself is proven: first that no number in it is one of
-/// a later version, then ranges, the ladder of levels, that its sections tile the tail of the file,
-/// and that index pages and root are as long as those of such a volume can be. Throws Error{not_octavo, unsupported_version, truncated, corrupt,
-/// limit_exceeded}
+/// `source_bytes` bytes. Everything it says of itself is proven: first that no number in it is one
+/// of a later version, then ranges, the ladder of levels, that its sections tile the tail of the
+/// file, and that index pages and root are as long as those of such a volume can be.
+/// Throws Error{not_octavo, unsupported_version, truncated, corrupt, limit_exceeded}
 FileHeader parse_header(ByteSpan bytes, std::uint64_t source_bytes);
 
 /// The header of a file that is still being written, or whose build was interrupted: everything but

@@ -7,6 +7,7 @@
 #include "octavo/file/bit_flip.h"
 #include "octavo/file/byte_codec.h"
 #include "octavo/file/directory.h"
+#include "octavo/file/index.h"
 #include "octavo/file/layout.h"
 #include "octavo/file/slab_trailer.h"
 
