@@ -70,8 +70,8 @@ class Metadata {
   /// keep_identity  whether what was kept of the identity of the source is passed on
   Metadata for_copy(double lost, bool keep_identity) const;
 
-  /// For a file with the same bricks: how they were coded still holds, what was kept of the identity
-  /// of the source is not passed on.
+  /// For a file with the same bricks: how they were coded still holds, what was kept of the
+  /// identity of the source is not passed on.
   Metadata for_same_bricks() const;
 
   bool operator==(const Metadata& other) const { return text_ == other.text_; }
