@@ -502,7 +502,7 @@ class Crafts(unittest.TestCase):
         except OctavoError as error:
             return OUTCOME_OF_KIND.get(error.kind, error.kind), str(error)
 
-    def test_the_list_of_parts_of_a_brick_is_verified_alone(self):
+    def test_the_list_of_parts_of_a_brick_is_proven_by_who_reads_parts_and_by_verify(self):
         data = (GOLDEN / "boxes-edges.8vo").read_bytes()
         with OctavoFile(GOLDEN / "boxes-edges.8vo") as file:
             brick = next(file.bricks(0))
@@ -517,7 +517,8 @@ class Crafts(unittest.TestCase):
         self.assertEqual(self.of_program("verify")[0], "damaged")
         self.assertEqual(self.of_package(verify)[0], "damaged")
         out = str(self.path.parent / "out.raw")
-        self.assertEqual(self.of_program("export", "-o", out, "--stored")[0], "sound")
+        box = ("--box", "0:34,0:20,0:32", "-o", out, "--stored")
+        self.assertEqual(self.of_program("extract", *box)[0], "damaged")
         self.assertEqual(self.of_package(lambda file: file.read_level(0))[0], "sound")
 
     def test_models_of_other_axis_orders_are_named(self):
