@@ -7,7 +7,7 @@
 
 namespace octavo {
 
-/// Throws Error{internal} where libcrypto has no SHA-256.
+/// Throws Error{internal} where libcrypto has no SHA-256; std::bad_alloc
 std::unique_ptr<Hasher> make_crypto_hasher();
 
 }  // namespace octavo
