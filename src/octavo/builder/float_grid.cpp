@@ -10,7 +10,7 @@ namespace octavo {
 
 namespace {
 
-constexpr std::uint32_t kEmpty = 0x7fc00000;  // a NaN
+constexpr auto kEmpty = std::bit_cast<std::uint32_t>(std::numeric_limits<float>::quiet_NaN());
 constexpr std::size_t kSlots = 2 * DistinctValues::kMost;
 
 // Codes stay far below the 2^24 steps that a float tells apart.

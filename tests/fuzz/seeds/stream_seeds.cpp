@@ -55,7 +55,7 @@ void save_absent(SeedFolder& seeds) {
   std::vector<std::uint32_t> bits(flags.size());
   for (std::size_t i = 0; i < flags.size(); ++i) {
     flags[i] = random() % 3 == 0;
-    bits[i] = random() % 4 == 0 ? static_cast<std::uint32_t>(random()) : 0x7fc00000u;
+    bits[i] = random() % 4 == 0 ? static_cast<std::uint32_t>(random()) : exact::kUsualNan;
   }
   const std::uint8_t whole[] = {kHalveAll};
   save_stream(seeds, "exact_streams", 0, whole,

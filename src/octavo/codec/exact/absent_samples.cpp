@@ -11,7 +11,6 @@ namespace octavo::exact {
 
 namespace {
 
-constexpr std::uint32_t kUsualNan = 0x7fc00000;
 constexpr std::uint32_t kExponentMask = 0x7f800000;
 
 /// By which power of two an axis is divided.

@@ -13,6 +13,9 @@
 
 namespace octavo::exact {
 
+/// The bits of a coarse sample that is absent, and of most voxels that are.
+inline constexpr std::uint32_t kUsualNan = 0x7fc00000;
+
 /// 1 where a sample is absent, dense [z][y][x].
 using AbsentFlags = std::vector<std::uint8_t>;
 

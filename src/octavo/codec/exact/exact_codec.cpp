@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
 #include <optional>
 
 #include "octavo/codec/brick_codec.h"
@@ -21,7 +20,7 @@ namespace octavo::exact {
 
 namespace {
 
-constexpr float kAbsent = std::numeric_limits<float>::quiet_NaN();
+const float kAbsent = float_of_bits(kUsualNan);
 
 /// What stands at the start of the segment that holds a brick's plain samples.
 struct Head {

@@ -12,9 +12,13 @@
 #include "octavo/codec/grey/octant_transform.h"
 #include "octavo/core/error.h"
 #include "support/coded_brick.h"
+#include "support/exact_codings.h"
 
 namespace octavo {
 namespace {
+
+using testing::exact_coding;
+using testing::kExactCodings;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -22,64 +26,6 @@ constexpr float kLargest = std::numeric_limits<float>::max();
 
 float of_bits(std::uint32_t bits) { return std::bit_cast<float>(bits); }
 std::uint32_t bits_of(float value) { return std::bit_cast<std::uint32_t>(value); }
-
-SampleCoding exact(double scale, double offset = 0) {
-  return {VoxelType::int32, scale, offset, true};
-}
-
-const SampleCoding kCodings[] = {exact(0.25),   exact(0x1p-148),      exact(0.1),
-                                 exact(1e30),   exact(0.37, 1000.25), exact(1, 0.5),
-                                 exact(3e38),   exact(0x1p-30),       exact(1e-3, -1e6),
-                                 exact(0.1, 7), exact(0x1p127)};
-
-const float kNotable[] = {0.0f,     -0.0f,   1e-45f,        -1e-45f,    1.1754944e-38f, 0.125f,
-                          -0.125f,  0.1f,    0.375f,        1.0f,       -1.0f,          1000.25f,
-                          1000.43f, 3e7f,    -16777216.0f,  1e30f,      -1e30f,         kLargest,
-                          -kLargest, 0.05f,  std::nextafter(0.125f, 0.0f), 2.5f, -7e8f, 3.4e-39f};
-
-TEST(FloatBins, RanksAreInTheOrderOfFloats) {
-  EXPECT_EQ(exact::rank_of(0.0f), 0);
-  EXPECT_EQ(exact::rank_of(-0.0f), -1);
-  EXPECT_EQ(exact::rank_of(of_bits(1)), 1);
-  EXPECT_EQ(exact::rank_of(kInfinity), exact::kInfinityRank);
-  for (const float v : kNotable) {
-    EXPECT_EQ(bits_of(exact::float_of(exact::rank_of(v))), bits_of(v));
-    for (const float w : kNotable) {
-      if (v < w) EXPECT_LT(exact::rank_of(v), exact::rank_of(w)) << v << " " << w;
-    }
-  }
-}
-
-TEST(FloatBins, EveryFloatIsInTheBinOfItsCode) {
-  std::mt19937 random(4);
-  for (const SampleCoding& coding : kCodings) {
-    const exact::FloatBins bins(coding);
-    std::vector<float> values(std::begin(kNotable), std::end(kNotable));
-    for (int i = 0; i < 20000; ++i) values.push_back(of_bits(static_cast<std::uint32_t>(random())));
-    for (const float v : values) {
-      if (!std::isfinite(v)) continue;
-      const std::int64_t code = bins.code_of(v);
-      EXPECT_LE(std::abs(code), exact::kLargestBin);
-      EXPECT_TRUE(bins.bin_of(code, 0).contains(exact::rank_of(v)))
-          << v << " at " << coding.scale << " + " << coding.offset;
-    }
-  }
-}
-
-TEST(FloatBins, BinsLeaveNoFloatOutAndShareNone) {
-  for (const SampleCoding& coding : kCodings) {
-    const exact::FloatBins bins(coding);
-    for (const int short_bits : {0, 5, 23}) {
-      for (std::int64_t code = -70; code < 70; ++code) {
-        const exact::FloatBin bin = bins.bin_of(code, short_bits);
-        EXPECT_LE(bin.first, bin.end);
-        EXPECT_EQ(bin.end, bins.bin_of(code + 1, short_bits).first);
-      }
-      EXPECT_EQ(bins.bin_of(-exact::kLargestBin, 0).first, exact::rank_of(-kLargest));
-      EXPECT_EQ(bins.bin_of(exact::kLargestBin, 0).end, exact::kInfinityRank);
-    }
-  }
-}
 
 /// What a brick may hold.
 enum class Floats {
@@ -173,9 +119,9 @@ TEST(ExactCodec, EveryBitOfEveryKindOfFloatComesBack) {
   for (const Floats sort : kAllFloats) {
     for (const Size3& size : kSizes) {
       const Brick brick(sort, size);
-      for (const SampleCoding& coding : kCodings) {
+      for (const SampleCoding& coding : kExactCodings) {
         // The large ones meet each coding with some of the contents.
-        const auto turn = static_cast<std::size_t>(&coding - kCodings);
+        const auto turn = static_cast<std::size_t>(&coding - kExactCodings);
         const bool is_large = size.voxel_count() > 4096;
         if (is_large && (static_cast<std::size_t>(sort) + turn) % 3 != 0) continue;
         SCOPED_TRACE(::testing::Message() << "floats " << static_cast<int>(sort) << ", " << size.x
@@ -199,7 +145,7 @@ TEST(ExactCodec, AFullBrickComesBackWithBothPresets) {
                                              {Preset::fast, Floats::any_bits}};
   for (const auto& [preset, sort] : cases) {
     const Brick brick(sort, {64, 64, 64});
-    const auto codec = trained_on(brick, exact(0.125), preset);
+    const auto codec = trained_on(brick, exact_coding(0.125), preset);
     const EncodedBrick encoded = codec->encode(brick.shape, brick.view());
     EXPECT_TRUE(are_same(decoded(*codec, brick, encoded, 0), brick.voxels));
   }
@@ -208,7 +154,7 @@ TEST(ExactCodec, AFullBrickComesBackWithBothPresets) {
 TEST(ExactCodec, TheRangeBoundsAllFiniteVoxels) {
   for (const Floats sort : kAllFloats) {
     const Brick brick(sort, {20, 17, 9});
-    for (const SampleCoding& coding : kCodings) {
+    for (const SampleCoding& coding : kExactCodings) {
       const EncodedBrick encoded =
           trained_on(brick, coding, Preset::fast)->encode(brick.shape, brick.view());
       for (const float v : brick.voxels) {
@@ -225,7 +171,7 @@ TEST(ExactCodec, ABrickIsUniformWhereAllVoxelsAreThatOfOneCode) {
   const auto is_uniform = [&](float voxel) {
     Brick brick(Floats::constant, size);
     std::ranges::fill(brick.voxels, voxel);
-    const EncodedBrick encoded = trained_on(brick, exact(0.5))->encode(brick.shape, brick.view());
+    const EncodedBrick encoded = trained_on(brick, exact_coding(0.5))->encode(brick.shape, brick.view());
     return encoded.range.min == encoded.range.max;
   };
   EXPECT_TRUE(is_uniform(0));
@@ -239,7 +185,7 @@ TEST(ExactCodec, ABrickIsUniformWhereAllVoxelsAreThatOfOneCode) {
 TEST(ExactCodec, CoarseLevelsAreTheMeansOfTheCodes) {
   for (const Floats sort : {Floats::noise, Floats::multiples, Floats::two_values, Floats::smooth}) {
     const Brick brick(sort, {33, 20, 17});
-    const SampleCoding coding = exact(0.125);
+    const SampleCoding coding = exact_coding(0.125);
     const auto codec = trained_on(brick, coding);
     const EncodedBrick encoded = codec->encode(brick.shape, brick.view());
     const exact::FloatBins bins(coding);
@@ -261,7 +207,7 @@ TEST(ExactCodec, CoarseLevelsLeaveOutWhatIsNotFinite) {
   for (const Floats sort : {Floats::sparse_nan, Floats::nan_outside, Floats::infinities}) {
     const Brick brick(sort, {32, 16, 8});
     const double step = 1.0 / 1024;
-    const auto codec = trained_on(brick, exact(step));
+    const auto codec = trained_on(brick, exact_coding(step));
     const EncodedBrick encoded = codec->encode(brick.shape, brick.view());
     std::vector<float> fine = brick.voxels;
     for (int level = 1; level < brick.shape.level_count; ++level) {
@@ -296,17 +242,17 @@ TEST(ExactCodec, CoarseLevelsLeaveOutWhatIsNotFinite) {
 TEST(ExactCodec, TheParentIsTheSampleAboveAndNanWhereAllIs) {
   const Brick nan(Floats::all_nan, {8, 8, 8});
   const auto parent = [](const Brick& brick) {
-    const EncodedBrick encoded = trained_on(brick, exact(0.25))->encode(brick.shape, brick.view());
+    const EncodedBrick encoded = trained_on(brick, exact_coding(0.25))->encode(brick.shape, brick.view());
     return of_bits(static_cast<std::uint32_t>(encoded.parent));
   };
-  EXPECT_EQ(bits_of(parent(nan)), 0x7fc00000u);
+  EXPECT_EQ(bits_of(parent(nan)), exact::kUsualNan);
   Brick some = nan;
   some.voxels[77] = 4.25f;
   EXPECT_EQ(parent(some), 4.25f);
 }
 
 TEST(ExactCodec, CoarseTiersKeepTheFloatsThatBricksBelowDetermine) {
-  const SampleCoding coding = exact(0.125);
+  const SampleCoding coding = exact_coding(0.125);
   Brick brick(Floats::nan_outside, {21, 9, 14}, 1);
   for (float& v : brick.voxels) v = std::isnan(v) ? kNan : std::round(v * 8) / 8;
   const auto codec = trained_on(brick, coding);
@@ -320,7 +266,7 @@ TEST(ExactCodec, PlacesOfNoiseAreAsManyBitsAsTheBinHas) {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> uniform(513, 1000);
   for (float& v : brick.voxels) v = uniform(random);
-  const auto codec = trained_on(brick, exact(0.25), Preset::fast);
+  const auto codec = trained_on(brick, exact_coding(0.25), Preset::fast);
   const EncodedBrick encoded = codec->encode(brick.shape, brick.view());
   std::size_t bytes = 0;
   for (const Bytes& segment : encoded.segments) bytes += segment.size();
@@ -334,7 +280,7 @@ TEST(ExactCodec, FloatsThatRepeatAreNotCodedAgain) {
   Brick brick(Floats::constant, {32, 32, 32});
   std::mt19937 random(3);
   for (float& v : brick.voxels) v = std::sqrt(static_cast<float>(random() % 64));
-  const auto codec = trained_on(brick, exact(0x1p-5), Preset::fast);
+  const auto codec = trained_on(brick, exact_coding(0x1p-5), Preset::fast);
   const EncodedBrick encoded = codec->encode(brick.shape, brick.view());
   std::size_t bytes = 0;
   for (const Bytes& segment : encoded.segments) bytes += segment.size();
@@ -353,7 +299,7 @@ TEST(ExactCodec, NoBrickTakesMoreThanItsFloatsAndAByte) {
   for (const Floats sort : kAllFloats) {
     for (const Size3& size : kSizes) {
       const Brick brick(sort, size);
-      for (const SampleCoding& coding : {exact(0.25), exact(0x1p-148), exact(1e30)}) {
+      for (const SampleCoding& coding : {exact_coding(0.25), exact_coding(0x1p-148), exact_coding(1e30)}) {
         const auto codec = trained_on(brick, coding, Preset::fast);
         const EncodedBrick encoded = codec->encode(brick.shape, brick.view());
         EXPECT_LE(bytes_of(encoded), 1 + 4 * brick.voxels.size())
@@ -365,7 +311,7 @@ TEST(ExactCodec, NoBrickTakesMoreThanItsFloatsAndAByte) {
 
 TEST(ExactCodec, OneOutlierDoesNotMakeABrickLargerThanItsFloats) {
   Brick brick(Floats::noise, {32, 32, 32});
-  const auto codec = trained_on(brick, exact(0.125), Preset::fast);
+  const auto codec = trained_on(brick, exact_coding(0.125), Preset::fast);
   brick.voxels[1234] = 1e30f;
   const EncodedBrick encoded = codec->encode(brick.shape, brick.view());
   EXPECT_LE(bytes_of(encoded), 1 + 4 * brick.voxels.size());
@@ -394,7 +340,7 @@ TEST(ExactCodec, PlainFloatsHaveTheLevelsOfCodedOnes) {
                             Floats::nan_outside, Floats::all_nan, Floats::wide_range}) {
     for (const Size3& size : kSizes) {
       const Brick brick(sort, size);
-      const auto codec = trained_on(brick, exact(0.25), Preset::fast);
+      const auto codec = trained_on(brick, exact_coding(0.25), Preset::fast);
       const EncodedBrick coded = codec->encode(brick.shape, brick.view());
       if (coded.range.min == coded.range.max) continue;
       const EncodedBrick plain = with_plain_floats(brick, coded);
@@ -411,7 +357,7 @@ TEST(ExactCodec, PlainFloatsHaveTheLevelsOfCodedOnes) {
 
 TEST(ExactCodec, PlainFloatsStandAloneAndInTheirRange) {
   const Brick brick(Floats::noise, {5, 4, 3});
-  const auto codec = trained_on(brick, exact(0.25));
+  const auto codec = trained_on(brick, exact_coding(0.25));
   const EncodedBrick coded = codec->encode(brick.shape, brick.view());
   const EncodedBrick plain = with_plain_floats(brick, coded);
   const auto is_rejected = [&](auto&& change, ErrorKind kind = ErrorKind::corrupt) {
@@ -452,7 +398,7 @@ TEST(ExactCodec, EveryTruncationAndManyFlipsAreRejectedOrDecode) {
   for (const Floats sort : {Floats::noise, Floats::infinities, Floats::zeros_and_few,
                             Floats::two_values, Floats::any_bits}) {
     const Brick brick(sort, {9, 8, 5});
-    const auto codec = trained_on(brick, exact(0.25));
+    const auto codec = trained_on(brick, exact_coding(0.25));
     const EncodedBrick encoded = codec->encode(brick.shape, brick.view());
     int rejected = 0;
     for (std::size_t level = 0; level < encoded.segments.size(); ++level) {
@@ -476,17 +422,6 @@ TEST(ExactCodec, EveryTruncationAndManyFlipsAreRejectedOrDecode) {
     }
     EXPECT_GT(rejected, 0);
   }
-}
-
-TEST(AbsentSamples, FlagsOfALevelFollowThoseAbove) {
-  const Size3 size{5, 3, 2};
-  exact::AbsentFlags flags(30);
-  for (const std::size_t i : {0, 1, 5, 6, 15, 16, 20, 21, 29}) flags[i] = 1;
-  const exact::AbsentFlags coarse = exact::coarser_flags(flags, size, 7);
-  ASSERT_EQ(coarse.size(), 6u);
-  EXPECT_EQ(coarse, (exact::AbsentFlags{1, 0, 0, 0, 0, 0}));
-  const Bytes coded = exact::encode_absent(flags, size, coarse, 7, {});
-  EXPECT_EQ(exact::decode_absent(coded, size, coarse, 7, {}), flags);
 }
 
 }  // namespace
