@@ -1,4 +1,5 @@
 // octavo build: a scan in, one .8vo file out.
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -103,8 +104,9 @@ std::optional<float> parse_float(const std::string& text, const std::string& wha
 }
 
 std::optional<Access> parse_access(const std::string& text) {
-  if (text.empty()) return std::nullopt;
-  return text == "none" ? Access::none : text == "slices" ? Access::slices : Access::boxes;
+  const auto* const name = std::find(kAccessNames.begin(), kAccessNames.end(), text);
+  if (name == kAccessNames.end()) return std::nullopt;
+  return static_cast<Access>(name - kAccessNames.begin());
 }
 
 BuildScanOptions options_of(const BuildArguments& arguments, const Context& context) {
@@ -161,7 +163,7 @@ void add_build(CLI::App& app, Context& context) {
                   "What of a brick of 64^3 voxels decodes alone: none, slices (64 x 32 x 32) or "
                   "boxes (32^3). Default: slices in fast, none in small")
       ->type_name("NAME")
-      ->check(one_of({"none", "slices", "boxes"}));
+      ->check(one_of({kAccessNames.begin(), kAccessNames.end()}));
   verb.add_option("--max-error", arguments->max_error,
                   "How far a voxel may end up from its source, real units; 0: lossless")
       ->type_name("E")

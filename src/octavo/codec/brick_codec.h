@@ -14,6 +14,7 @@
 // are empty, and decoding any level needs segment 0.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -56,6 +57,9 @@ enum class Access {
   slices,  ///< 64 x 32 x 32 voxels, in the order of the model's axes
   boxes    ///< 32^3 voxels
 };
+
+/// What people call them, by Access.
+inline constexpr std::array<const char*, 3> kAccessNames = {"none", "slices", "boxes"};
 
 struct CodecSettings {
   Preset preset = Preset::small;
