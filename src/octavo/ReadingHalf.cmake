@@ -16,7 +16,6 @@ set(OCTAVO_READ_SOURCES
   core/powers_of_ten.cpp
   core/sample_coding.cpp
   core/sha256.cpp
-  core/unit_code.cpp
   core/url_text.cpp
   core/utf8.cpp
   core/volume.cpp

@@ -32,7 +32,7 @@ class Metadata {
 
   /// False when the source carried no spacing and 1 mm was assumed.
   bool is_spacing_known() const { return facts_.spacing_known.value_or(true); }
-  /// A code of UCUM (unit_code.h), or any text, as it stands there; empty where none does.
+  /// A code of UCUM, or any text, as it stands there; empty where none does.
   std::string unit() const { return facts_.unit.value_or(""); }
   /// How far the source of a file lay from its own source, real units; 0 when nothing is known.
   double source_max_error() const { return facts_.source_max_error.value_or(0); }

@@ -139,7 +139,7 @@ struct MetadataFacts {
   std::optional<double> source_max_error;
   std::optional<bool> spacing_known;  ///< false: no spacing was found, 1 mm was assumed
   std::optional<std::string> spacing_source;  ///< "file", "user" or "assumed"
-  /// Of real values: a code of UCUM (unit_code.h) or any text.
+  /// Of real values: a code of UCUM or any text.
   std::optional<std::string> unit;
   std::optional<WriterNote> written_by;
 };

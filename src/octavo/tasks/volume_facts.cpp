@@ -6,7 +6,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
-#include "octavo/core/unit_code.h"
+#include "octavo/io/source/value_unit.h"
 
 namespace octavo {
 

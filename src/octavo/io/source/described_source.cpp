@@ -8,9 +8,9 @@
 #include "octavo/core/checked.h"
 #include "octavo/core/levels.h"
 #include "octavo/core/text.h"
-#include "octavo/core/unit_code.h"
 #include "octavo/io/source/source_file.h"
 #include "octavo/io/source/stack_names.h"
+#include "octavo/io/source/value_unit.h"
 
 namespace octavo {
 

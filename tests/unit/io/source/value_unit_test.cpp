@@ -1,11 +1,11 @@
-#include "octavo/core/unit_code.h"
+#include "octavo/io/source/value_unit.h"
 
 #include <gtest/gtest.h>
 
 namespace octavo {
 namespace {
 
-TEST(UnitCode, FilesHoldTheCodeAndPeopleReadTheUnit) {
+TEST(ValueUnit, FilesHoldTheCodeAndPeopleReadTheUnit) {
   const struct {
     const char* written;
     const char* code;
@@ -19,6 +19,16 @@ TEST(UnitCode, FilesHoldTheCodeAndPeopleReadTheUnit) {
   }
   // Other texts, which metadata may hold, are shown as they are.
   for (const char* text : {"HU", "{}", "{", "furlong"}) EXPECT_EQ(shown_unit(text), text);
+}
+
+TEST(ValueUnit, OnlyKnownUnitsOfStrangersAreKept) {
+  for (const char* unit : {"mg/ml", "MG/ML", "od", "HU", "%"}) {
+    EXPECT_EQ(known_value_unit(unit), unit);
+  }
+  EXPECT_EQ(known_value_unit("Hounsfield Units"), "HU");
+  for (const char* text : {"", "John Smith", "[hnsf'U]", "{suv}"}) {
+    EXPECT_EQ(known_value_unit(text), "") << text;
+  }
 }
 
 }  // namespace
