@@ -42,6 +42,18 @@ inline std::span<const std::uint8_t> take_bytes(std::span<const std::uint8_t>& b
   return taken;
 }
 
+/// Appends the length of `bytes` as a varint, then the bytes.
+inline void put_counted(std::vector<std::uint8_t>& out, std::span<const std::uint8_t> bytes) {
+  put_varint(out, bytes.size());
+  out.insert(out.end(), bytes.begin(), bytes.end());
+}
+
+/// Takes what put_counted wrote off the front of `bytes`. Throws Error{corrupt}.
+inline std::span<const std::uint8_t> take_counted(std::span<const std::uint8_t>& bytes) {
+  const std::uint64_t count = take_varint(bytes);
+  return take_bytes(bytes, count);
+}
+
 /// Significant bits of a number; 0 for 0.
 constexpr int bit_length(std::uint64_t value) {
   return value == 0 ? 0 : 64 - __builtin_clzll(value);

@@ -80,10 +80,9 @@ AbsentFlags take_absent(OpenedBrick& brick, const BrickShape& shape, int level,
   const int first = brick.is_stored ? 0 : level;
   for (int i = brick.is_stored ? 0 : shape.level_count - 1; i >= first; --i) {
     const auto slot = static_cast<std::size_t>(i);
-    const std::uint64_t length = take_varint(brick.parts[slot]);
     const bool is_finest = shape.first_level + i == 0;
     if (is_finest) bits.resize(static_cast<std::size_t>(shape.size[0].voxel_count()));
-    flags = decode_absent(take_bytes(brick.parts[slot], length), shape.size[slot], flags,
+    flags = decode_absent(take_counted(brick.parts[slot]), shape.size[slot], flags,
                           shape.halving[slot], bits);
   }
   for (int i = first; i < level; ++i) {
@@ -163,8 +162,7 @@ std::vector<Bytes> ExactCodec::parts_of(const BrickShape& shape, const Quantized
     const Bytes coded = encode_absent(
         flags[i], shape.size[i], has_coarser ? flags[i + 1] : AbsentFlags{}, shape.halving[i],
         is_finest ? bits_of_all(brick.voxels) : std::vector<std::uint32_t>{});
-    put_varint(parts[i], coded.size());
-    parts[i].insert(parts[i].end(), coded.begin(), coded.end());
+    put_counted(parts[i], coded);
   }
   if (brick.has_places) {
     const Bytes places =

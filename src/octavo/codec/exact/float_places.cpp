@@ -254,10 +254,8 @@ Bytes encode_in_style(const FloatBins& bins, const PlaceBox& box, const PlaceSty
   encoder.writer.finish();
   Bytes out = {static_cast<std::uint8_t>(style.short_bits |
                                          (style.has_repeats ? PlaceStyle::kRepeatsFlag : 0))};
-  put_varint(out, encoder.decisions.size());
-  out.insert(out.end(), encoder.decisions.begin(), encoder.decisions.end());
-  put_varint(out, encoder.plain_bytes.size());
-  out.insert(out.end(), encoder.plain_bytes.begin(), encoder.plain_bytes.end());
+  put_counted(out, encoder.decisions);
+  put_counted(out, encoder.plain_bytes);
   return out;
 }
 
@@ -288,8 +286,8 @@ Bytes encode_places(const FloatBins& bins, const PlaceBox& box, std::span<const 
 void decode_places(const FloatBins& bins, const PlaceBox& box, ByteSpan& segment,
                    std::span<float> voxels) {
   const PlaceStyle style = take_style(segment);
-  const ByteSpan decisions = take_bytes(segment, take_varint(segment));
-  const ByteSpan plain = take_bytes(segment, take_varint(segment));
+  const ByteSpan decisions = take_counted(segment);
+  const ByteSpan plain = take_counted(segment);
   PlaceDecoder decoder{BinaryDecoder(decisions), BitReader(plain)};
   walk_places(
       bins, box, style, decoder, [](std::size_t) { return 0.0f; },
@@ -303,7 +301,7 @@ void decode_places(const FloatBins& bins, const PlaceBox& box, ByteSpan& segment
 
 void skip_places(ByteSpan& segment) {
   take_style(segment);
-  for (int part = 0; part < 2; ++part) take_bytes(segment, take_varint(segment));
+  for (int part = 0; part < 2; ++part) take_counted(segment);
 }
 
 }  // namespace octavo::exact

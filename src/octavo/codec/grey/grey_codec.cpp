@@ -21,9 +21,7 @@ namespace {
 /// bytes.
 void put_cells(Bytes& segment, const BrickShape& shape, int level, const UniformCells& cells) {
   if (level != 1 || !has_cells(shape)) return;
-  const Bytes flags = encode_cells(cells);
-  put_varint(segment, flags.size());
-  segment.insert(segment.end(), flags.begin(), flags.end());
+  put_counted(segment, encode_cells(cells));
 }
 
 /// Corrections of the voxels that quantized details would leave beyond the maximum error.
@@ -57,10 +55,8 @@ class Corrector {
       if (++at.x == size.x) at = {0, at.y + 1, at.z};
       if (at.y == size.y) at = {0, 0, at.z + 1};
     });
-    const Bytes coded = encode_corrections(corrections, size);
     Bytes out;
-    put_varint(out, coded.size());
-    out.insert(out.end(), coded.begin(), coded.end());
+    put_counted(out, encode_corrections(corrections, size));
     return out;
   }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 #include <span>
 #include <utility>
@@ -29,6 +30,24 @@ TEST(Varint, TruncatedAndOversizedAreRejected) {
         std::vector<std::uint8_t>(11, 0xff)}) {
     std::span<const std::uint8_t> rest = bytes;
     EXPECT_THROW(take_varint(rest), Error);
+  }
+}
+
+TEST(CountedBytes, ComeBackOneAfterTheOther) {
+  const std::vector<std::vector<std::uint8_t>> all = {
+      {}, {7}, std::vector<std::uint8_t>(300, 0x80), {1, 2}};
+  std::vector<std::uint8_t> out;
+  for (const auto& bytes : all) put_counted(out, bytes);
+  std::span<const std::uint8_t> rest = out;
+  for (const auto& bytes : all) EXPECT_TRUE(std::ranges::equal(take_counted(rest), bytes));
+  EXPECT_TRUE(rest.empty());
+}
+
+TEST(CountedBytes, ThatEndEarlyAreRejected) {
+  const std::vector<std::uint8_t> bytes = {3, 1, 2};
+  for (std::size_t length = 0; length <= bytes.size(); ++length) {
+    std::span<const std::uint8_t> rest = std::span(bytes).first(length);
+    EXPECT_THROW(take_counted(rest), Error) << length;
   }
 }
 

@@ -43,7 +43,9 @@ TEST(FloatBins, EveryFloatIsInTheBinOfItsCode) {
   for (const SampleCoding& coding : kExactCodings) {
     const FloatBins bins(coding);
     std::vector<float> values(std::begin(kNotable), std::end(kNotable));
-    for (int i = 0; i < 20000; ++i) values.push_back(float_of_bits(static_cast<std::uint32_t>(random())));
+    for (int i = 0; i < 20000; ++i) {
+      values.push_back(float_of_bits(static_cast<std::uint32_t>(random())));
+    }
     for (const float v : values) {
       if (!std::isfinite(v)) continue;
       const std::int64_t code = bins.code_of(v);
