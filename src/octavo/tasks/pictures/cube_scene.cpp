@@ -42,7 +42,7 @@ Color tissue_color(const std::string& name) {
 }
 
 /// A mask, its color and what the legend says of it.
-struct Part {
+struct ScenePart {
   MaskTree tree;
   Color color{};
   std::string name;
@@ -52,7 +52,7 @@ struct Part {
 
 class CubeScene final : public RenderScene {
  public:
-  CubeScene(std::shared_ptr<const FileReader> reader, std::vector<Part> parts,
+  CubeScene(std::shared_ptr<const FileReader> reader, std::vector<ScenePart> parts,
             const RenderOptions& options, const TaskContext& context)
       : reader_(std::move(reader)),
         parts_(std::move(parts)),
@@ -64,14 +64,14 @@ class CubeScene final : public RenderScene {
 
   bool is_empty() const {
     return std::all_of(parts_.begin(), parts_.end(),
-                       [](const Part& part) { return part.tree.voxel_count() == 0; });
+                       [](const ScenePart& part) { return part.tree.voxel_count() == 0; });
   }
 
   /// Keeps what lies in a box.
   void cut(const Box& kept) {
     kept_ = kept;
     context_.on_threads([&] {
-      for (Part& part : parts_) {
+      for (ScenePart& part : parts_) {
         part.tree = combine(part.tree, box_mask(part.tree.size(), kept), SetOperation::intersect);
       }
     });
@@ -82,7 +82,7 @@ class CubeScene final : public RenderScene {
     const auto start = std::chrono::steady_clock::now();
     set_shown();
     counts_.masks = static_cast<std::int64_t>(parts_.size());
-    for (Part& part : parts_) {
+    for (ScenePart& part : parts_) {
       counts_.leaves += leaf_count(part.tree);
       part.voxels = part.tree.voxel_count();
     }
@@ -90,13 +90,13 @@ class CubeScene final : public RenderScene {
     if (options_.mode != RenderMode::surface) return;
     // A relief is that of whole masks.
     if (is_smooth_) {
-      for (const Part& part : parts_) whole_.push_back(part.tree);
+      for (const ScenePart& part : parts_) whole_.push_back(part.tree);
     }
     context_.on_threads([&] {
-      for (Part& part : parts_) part.tree = shell(part.tree);
+      for (ScenePart& part : parts_) part.tree = shell(part.tree);
     });
     counts_.drawn = 0;
-    for (const Part& part : parts_) counts_.drawn += leaf_count(part.tree);
+    for (const ScenePart& part : parts_) counts_.drawn += leaf_count(part.tree);
     counts_.shell_seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
@@ -105,7 +105,7 @@ class CubeScene final : public RenderScene {
 
   Picture draw(const View& view, const Color& background) override {
     std::vector<PaintedMask> masks;
-    for (const Part& part : parts_) masks.push_back({&part.tree, part.color});
+    for (const ScenePart& part : parts_) masks.push_back({&part.tree, part.color});
     const CubeStyle style{background, options_.fade.value_or(kUsualFade), shown_};
     Picture picture;
     context_.on_threads([&] {
@@ -124,13 +124,13 @@ class CubeScene final : public RenderScene {
     std::vector<LegendRow> rows;
     if (parts_.size() < 2) return rows;
     // The largest first: of many labels not all have room.
-    std::vector<const Part*> sorted;
-    for (const Part& part : parts_) sorted.push_back(&part);
+    std::vector<const ScenePart*> sorted;
+    for (const ScenePart& part : parts_) sorted.push_back(&part);
     if (reader_->description().kind == VolumeKind::labels) {
       std::stable_sort(sorted.begin(), sorted.end(),
-                       [](const Part* a, const Part* b) { return a->voxels > b->voxels; });
+                       [](const ScenePart* a, const ScenePart* b) { return a->voxels > b->voxels; });
     }
-    for (const Part* part : sorted) rows.push_back({part->color, part->name});
+    for (const ScenePart* part : sorted) rows.push_back({part->color, part->name});
     return rows;
   }
 
@@ -140,26 +140,26 @@ class CubeScene final : public RenderScene {
   /// What the masks fill; the whole level where they are empty.
   void set_shown() {
     Box filled;
-    for (const Part& part : parts_) filled = united(filled, bounding_box(part.tree));
+    for (const ScenePart& part : parts_) filled = united(filled, bounding_box(part.tree));
     if (!filled.is_empty()) shown_ = filled;
   }
 
   std::unique_ptr<ReliefField> relief() const {
     if (reader_->description().kind == VolumeKind::grey) {
       std::vector<ReliefRange> ranges;
-      for (const Part& part : parts_) ranges.push_back(part.range);
+      for (const ScenePart& part : parts_) ranges.push_back(part.range);
       return grey_relief(*reader_, options_.level, std::move(ranges));
     }
     std::vector<const MaskTree*> masks;
     for (const MaskTree& tree : whole_) masks.push_back(&tree);
     if (masks.empty()) {
-      for (const Part& part : parts_) masks.push_back(&part.tree);
+      for (const ScenePart& part : parts_) masks.push_back(&part.tree);
     }
     return mask_relief(masks);
   }
 
   std::shared_ptr<const FileReader> reader_;
-  std::vector<Part> parts_;
+  std::vector<ScenePart> parts_;
   std::vector<MaskTree> whole_;  // with the hidden leaves, where those are dropped
   const RenderOptions& options_;
   const TaskContext& context_;
@@ -169,7 +169,7 @@ class CubeScene final : public RenderScene {
   RenderCounts counts_;
 };
 
-std::vector<Part> label_parts(const FileReader& reader, const RenderOptions& options,
+std::vector<ScenePart> label_parts(const FileReader& reader, const RenderOptions& options,
                               const TaskContext& context) {
   std::vector<ValueWindow> windows;
   for (const AskedLook& look : options.ranges) {
@@ -201,7 +201,7 @@ std::vector<Part> label_parts(const FileReader& reader, const RenderOptions& opt
     }
     return is_mask ? kIvory : label_color(names, label);
   };
-  std::vector<Part> parts;
+  std::vector<ScenePart> parts;
   for (LabelMask& mask : masks) {
     parts.push_back(
         {std::move(mask.tree), color_of(mask.label), label_text(names, mask.label), {}});
@@ -209,15 +209,15 @@ std::vector<Part> label_parts(const FileReader& reader, const RenderOptions& opt
   return parts;
 }
 
-std::vector<Part> range_parts(const FileReader& reader, const RenderOptions& options,
+std::vector<ScenePart> range_parts(const FileReader& reader, const RenderOptions& options,
                               const TaskContext& context) {
   const VolumeDescription& volume = reader.description();
-  std::vector<Part> parts;
+  std::vector<ScenePart> parts;
   const auto add = [&](const AskedRange& range, const Color& color, const std::string& name) {
     const ValueWindow window = stored_window(range, volume, false);
     MaskTree tree = read_mask(reader, options.level, {&window, 1}, context);
     context.on_threads([&] {
-      for (const Part& part : parts) tree = combine(tree, part.tree, SetOperation::subtract);
+      for (const ScenePart& part : parts) tree = combine(tree, part.tree, SetOperation::subtract);
     });
     parts.push_back({std::move(tree), color, name, {window.lowest, window.highest}});
   };
@@ -258,7 +258,7 @@ std::unique_ptr<RenderScene> make_cube_scene(const std::shared_ptr<const FileRea
   const bool is_labels = reader->description().kind == VolumeKind::labels;
   const Box whole = box_of(reader->levels().size(options.level));
   const Box kept = kept_box(options.cuts, *reader, options.level);
-  std::vector<Part> parts =
+  std::vector<ScenePart> parts =
       is_labels ? label_parts(*reader, options, context) : range_parts(*reader, options, context);
   auto scene = std::make_unique<CubeScene>(reader, std::move(parts), options, context);
   const bool held_voxels = !scene->is_empty();
