@@ -23,7 +23,7 @@ struct Candidate {
 };
 
 struct CandidateRow {
-  std::array<Candidate, kBrickSide> candidates;
+  std::array<Candidate, kBrickSide + 1> candidates;  ///< and room for one that is none
   int count = 0;
 };
 
@@ -87,75 +87,100 @@ class Candidates {
 
   void list(std::int64_t y, std::int64_t z, CandidateRow& row) {
     row.count = 0;
-    const RowMask open = work_.open.row(y, z) & ~background_.of(y, z) &
+    const RowMask open = open_pairs(stage_, work_, y, z) & ~background_.of(y, z) &
                          first_pairs(stage_.first_weighted(y, z));
     if (open == 0) return;
-    // The background beside the pairs
     const int axis = stage_.axis;
     const int across1 = axis == 0 ? 1 : 0;
     const int across2 = axis == 2 ? 1 : 2;
-    const Beside beside{background_.before(axis, y, z), background_.after(axis, y, z),
-                        {background_.before(across1, y, z), background_.after(across1, y, z),
-                         background_.before(across2, y, z), background_.after(across2, y, z)}};
-    // The edges before
-    const RowMask firsts_up = y > 0 ? work_.edges.firsts.row(y - 1, z) : 0;
-    const RowMask seconds_up = y > 0 ? work_.edges.seconds.row(y - 1, z) : 0;
-    const RowMask firsts_back = z > 0 ? work_.edges.firsts.row(y, z - 1) : 0;
-    const RowMask seconds_back = z > 0 ? work_.edges.seconds.row(y, z - 1) : 0;
-    const RowMask near = beside.before | beside.after | beside.across[0] | beside.across[1] |
-                         beside.across[2] | beside.across[3] | firsts_up | seconds_up |
-                         firsts_back | seconds_back;
+    const RowMask across[] = {background_.before(across1, y, z), background_.after(across1, y, z),
+                              background_.before(across2, y, z), background_.after(across2, y, z)};
+    const RowMask before = background_.before(axis, y, z);
+    const RowMask after = background_.after(axis, y, z);
+    const Beside beside = beside_of(before, after, across, EdgesBefore(work_.edges, y, z));
     const Sample* const means = work_.means.row(y, z);
-    for_each_pair(open & near, [&](int x) {
-      const auto bit = [x](RowMask mask) { return static_cast<int>(mask >> x & 1); };
-      const int lean = bit(firsts_up) + bit(firsts_back) - bit(seconds_up) - bit(seconds_back);
-      add(means + x, x, beside, lean, row);
-    });
+    for_each_pair(open & beside.any, [&](int x) { add(means + x, x, beside, row); });
   }
 
  private:
   using Int = Wide<Sample>;
-  struct Beside {
-    RowMask before, after;
-    RowMask across[4];
+
+  /// Edges of the rows above and behind.
+  struct EdgesBefore {
+    RowMask firsts_up, firsts_back, seconds_up, seconds_back;
+
+    EdgesBefore(EdgePairs<Sample>& edges, std::int64_t y, std::int64_t z)
+        : firsts_up(y > 0 ? edges.firsts.row(y - 1, z) : 0),
+          firsts_back(z > 0 ? edges.firsts.row(y, z - 1) : 0),
+          seconds_up(y > 0 ? edges.seconds.row(y - 1, z) : 0),
+          seconds_back(z > 0 ? edges.seconds.row(y, z - 1) : 0) {}
   };
 
-  void add(const Sample* mean, int x, const Beside& beside, int lean, CandidateRow& row) const {
+  /// What contexts know of all pairs of a row: numbers of two bits are two masks.
+  struct Beside {
+    RowMask any;            ///< there is background or an edge
+    RowMask along1, along2;    ///< how many of the two means along the axis are background
+    RowMask across1, across2;  ///< of the four across it, 3 at most
+    RowMask is_mirrored;
+    RowMask side1, side2;      ///< 0, 1, 2: how the edges before lean, seen from the first side
+  };
+
+  static Beside beside_of(RowMask before, RowMask after, const RowMask (&across)[4],
+                          const EdgesBefore& edges) {
+    Beside beside;
+    beside.any = before | after | across[0] | across[1] | across[2] | across[3] |
+                 edges.firsts_up | edges.firsts_back | edges.seconds_up | edges.seconds_back;
+    beside.along1 = before ^ after;
+    beside.along2 = before & after;
+    // Sums of bits, all pairs at once
+    const RowMask one = across[0] ^ across[1];
+    const RowMask two = across[0] & across[1];
+    const RowMask other_one = across[2] ^ across[3];
+    const RowMask other_two = across[2] & across[3];
+    beside.across1 = (one ^ other_one) | (two & other_two);
+    beside.across2 = two | other_two | (one & other_one);
+    const RowMask first1 = edges.firsts_up ^ edges.firsts_back;
+    const RowMask first2 = edges.firsts_up & edges.firsts_back;
+    const RowMask second1 = edges.seconds_up ^ edges.seconds_back;
+    const RowMask second2 = edges.seconds_up & edges.seconds_back;
+    const RowMask is_alike = ~(first2 ^ second2);
+    const RowMask to_first = (first2 & ~second2) | (is_alike & first1 & ~second1);
+    const RowMask to_second = (second2 & ~first2) | (is_alike & second1 & ~first1);
+    // The side that background lies on, or else that of the edges before, comes first.
+    beside.is_mirrored = (beside.along1 & after) | (~beside.along1 & to_second);
+    const RowMask ahead = (to_first & ~beside.is_mirrored) | (to_second & beside.is_mirrored);
+    const RowMask behind = (to_second & ~beside.is_mirrored) | (to_first & beside.is_mirrored);
+    beside.side1 = ~(ahead | behind);
+    beside.side2 = ahead;
+    return beside;
+  }
+
+  /// Without a branch on the values: a pair that cannot be an edge is overwritten by the next.
+  void add(const Sample* mean, int x, const Beside& beside, CandidateRow& row) const {
     // What its other sample would be
     const Int lowest = static_cast<Int>(stage_.min);
-    if (*mean < lowest + kMinEdgeMean) return;
     const Int other = 2 * Int{*mean} - stage_.rounding - lowest;
     const auto may_be = [&](Int sample) {
       return sample <= stage_.max && (stage_.gaps == nullptr || stage_.gaps->occurs(sample));
     };
     const bool may_be_even = may_be(other);
     const bool may_be_odd = may_be(other + 1);
-    if (!may_be_even && !may_be_odd) return;
-    // The side that background lies on, or else that of the edges before, comes first.
     const auto bit = [x](RowMask mask) { return static_cast<int>(mask >> x & 1); };
-    const int before = bit(beside.before);
-    const int after = bit(beside.after);
-    const bool is_mirrored = after != before ? after > before : lean < 0;
-    const int across = bit(beside.across[0]) + bit(beside.across[1]) + bit(beside.across[2]) +
-                       bit(beside.across[3]);
+    const auto number = [&](RowMask low, RowMask high) { return bit(low) + 2 * bit(high); };
     const std::int64_t step = pair_step<Sample>(stage_.axis);
     const Int beyond = std::max(Int{mean[-step]}, Int{mean[step]}) - lowest;
-    const int context = edge_context(before + after, across, *mean - lowest, beyond,
-                                     is_mirrored ? -lean : lean);
-    row.candidates[static_cast<std::size_t>(row.count++)] = {
-        static_cast<std::uint16_t>(context), static_cast<std::uint8_t>(x), is_mirrored,
-        may_be_even, may_be_odd};
-  }
-
-  /// along, across  how many means beside the pair are background
-  /// mean, beyond   its own and the larger one along the axis, above background
-  int edge_context(int along, int across, Int mean, Int beyond, int lean) const {
-    const Int sixteenfold = 16 * mean;
+    const Int sixteenfold = 16 * (*mean - lowest);
     const int ratio = (sixteenfold >= 4 * beyond) + (sixteenfold >= 7 * beyond) +
                       (sixteenfold >= 9 * beyond) + (sixteenfold >= 13 * beyond);
-    const int side = lean < 0 ? 0 : lean == 0 ? 1 : 2;
-    return 2 * (((along * 4 + std::min(across, 3)) * 5 + ratio) * 3 + side) +
-           (stage_.axis == 0 ? 1 : 0);
+    const int context = 2 * (((number(beside.along1, beside.along2) * 4 +
+                               number(beside.across1, beside.across2)) * 5 + ratio) * 3 +
+                             number(beside.side1, beside.side2)) +
+                        (stage_.axis == 0 ? 1 : 0);
+    row.candidates[static_cast<std::size_t>(row.count)] = {
+        static_cast<std::uint16_t>(context), static_cast<std::uint8_t>(x),
+        bit(beside.is_mirrored) != 0, may_be_even, may_be_odd};
+    const bool is_candidate = *mean >= lowest + kMinEdgeMean;
+    row.count += static_cast<int>(is_candidate & (may_be_even | may_be_odd));
   }
 
   const Stage& stage_;
@@ -181,7 +206,7 @@ void note_edge(const Stage& stage, Workspace<Sample>& work, const Candidate& pai
 /// Calls f(row, y, z) for the rows of a split, with their candidates.
 template <class Sample, class F>
 void for_each_row_of_candidates(const Stage& stage, Workspace<Sample>& work, F&& f) {
-  find_open_pairs(stage, work.open);
+  if (stage.cells != nullptr) find_open_pairs(stage, work.open);
   work.edges.details.set_size(stage.pairs);
   Candidates<Sample> candidates(stage, work);
   CandidateRow row;
@@ -232,17 +257,23 @@ template <class Sample>
 void take_edges(const Stage& stage, Workspace<Sample>& work, SymbolReader& symbols) {
   for_each_row_of_candidates(stage, work, [&](const CandidateRow& row, std::int64_t y,
                                               std::int64_t z) {
-    std::array<EdgeKind, kBrickSide> kinds;
+    // Which are edges: whether the next one is, is anyone's guess
+    std::array<EdgeKind, kBrickSide + 1> kinds;
+    std::array<std::uint8_t, kBrickSide + 1> places;
+    std::size_t edge_count = 0;
     for (int i = 0; i < row.count; ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      kinds[at] = symbols.take_edge(i, row.candidates[at].context);
+      const EdgeKind kind =
+          symbols.take_edge(i, row.candidates[static_cast<std::size_t>(i)].context);
+      kinds[edge_count] = kind;
+      places[edge_count] = static_cast<std::uint8_t>(i);
+      edge_count += kind != EdgeKind::none ? 1 : 0;
     }
-    for (int i = 0; i < row.count; ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      if (kinds[at] == EdgeKind::none) continue;
-      const Candidate& pair = row.candidates[at];
-      const bool is_odd = pair.may_be_odd && (!pair.may_be_even || symbols.take_plain(1) != 0);
-      note_edge(stage, work, pair, kinds[at], is_odd, y, z);
+    for (std::size_t k = 0; k < edge_count; ++k) {
+      const Candidate& pair = row.candidates[places[k]];
+      const auto asked = static_cast<unsigned>(pair.may_be_even & pair.may_be_odd);
+      const bool is_odd = (symbols.take_plain(static_cast<int>(asked)) |
+                           (static_cast<unsigned>(pair.may_be_odd) ^ asked)) != 0;
+      note_edge(stage, work, pair, kinds[k], is_odd, y, z);
     }
     symbols.expect_inside();
   });

@@ -129,8 +129,9 @@ struct Split {
 };
 std::vector<Split> splits_of(const BrickShape& shape, int level);
 
-/// The work space of the calling thread, made at first use.
-template <class Sample>
+/// A work space of the calling thread, made at first use.
+/// kNumber  the other one is for a second part at the same time
+template <class Sample, int kNumber = 0>
 Workspace<Sample>& thread_workspace() {
   static thread_local const auto workspace = std::make_unique<Workspace<Sample>>();
   return *workspace;
@@ -153,27 +154,47 @@ constexpr Margins reach_of(Predictor predictor) {
   return predictor == Predictor::neighbors ? Margins::all : Margins::near;
 }
 
-/// Runs `stage_work(stage, split)` for the splits of a level or of a part of it, whose means stand
-/// in the work space with the margins around them. Before each the fine grid holds the means
-/// repeated, unless it is written without being read; after each its result becomes the next means.
+/// Readies a split of a level or of a part of it, whose means stand in the work space with the
+/// margins around them: the fine grid holds them repeated, unless it is written without being read.
+template <class Sample>
+Stage begin_split(Workspace<Sample>& work, const Part& part, const SampleScale& scale,
+                  const Parameters& p, int level, const BrickHints& hints, const Split& split) {
+  if (p.predictor == Predictor::means) work.fine.set_size(split.fine_size);
+  else repeat_along(work.means, work.fine, split.axis, split.fine_size);
+  return make_stage(part.shape, scale, p, level, split.axis, split.fine_size, hints);
+}
+
+/// Makes the result of a split the next means.
+/// reach    how much of their margins is looked at
+/// is_last  they are the samples of level 0: nothing looks beyond them
+template <class Sample>
+void end_split(Workspace<Sample>& work, const Part& part, const Parameters& p,
+               const Split& split, Margins reach, bool is_last) {
+  const bool is_from_means = p.predictor == Predictor::means;
+  if (is_from_means) copy_lone(work.means, work.fine, split.axis);
+  if (is_last) {
+    work.means.swap(work.fine);
+    return;
+  }
+  const Faces inner = kAllFaces & ~part.outer;
+  if (is_from_means && inner != 0) {
+    repeat_margins_along(work.means, work.fine, split.axis, reach, inner);
+  }
+  work.means.swap(work.fine);
+  work.means.fill_margins(reach, part.outer);
+}
+
+/// Runs `stage_work(stage, split)` for the splits of a level or of a part of it.
 /// reach  how much of the margins of the means stage_work looks at
 template <class Sample, class F>
 void run_level(Workspace<Sample>& work, const Part& part, const SampleScale& scale,
                const Parameters& p, int level, const BrickHints& hints, Margins reach,
                F&& stage_work) {
   for (auto& grid : work.magnitudes) grid.set_size({0, 0, 0});
-  for (const Split& split : splits_of(part.shape, level)) {
-    const bool is_from_means = p.predictor == Predictor::means;
-    if (is_from_means) work.fine.set_size(split.fine_size);
-    else repeat_along(work.means, work.fine, split.axis, split.fine_size);
-    stage_work(make_stage(part.shape, scale, p, level, split.axis, split.fine_size, hints), split);
-    if (is_from_means) {
-      copy_lone(work.means, work.fine, split.axis);
-      const Faces inner = kAllFaces & ~part.outer;
-      if (inner != 0) repeat_margins_along(work.means, work.fine, split.axis, reach, inner);
-    }
-    work.means.swap(work.fine);
-    work.means.fill_margins(reach, part.outer);
+  const std::vector<Split> splits = splits_of(part.shape, level);
+  for (const Split& split : splits) {
+    stage_work(begin_split(work, part, scale, p, level, hints, split), split);
+    end_split(work, part, p, split, reach, level == 0 && &split == &splits.back());
   }
 }
 

@@ -119,7 +119,7 @@ void decode_details(const Source& source, const Part& part, int level, ByteSpan 
   run_level(work, part, source.scale, p, level, hints, reach_of(p.predictor),
             [&](const Stage& stage, const Split&) {
               if (stage.has_edges) take_edges(stage, work, symbols);
-              stage_functions().of<Sample>().decode(p, stage, work, symbols);
+              stage_functions().of<Sample>().decode(p, {stage, work, symbols});
             });
   symbols.finish();
 }
@@ -162,6 +162,104 @@ void decode_finest(const Source& source, const Part& part, ByteSpan segment,
   if (source.is_corrected()) apply(corrections, source, size, out);
 }
 
+/// Decodes parts of level 0, given the samples of level 1.
+template <class Sample>
+class PartDecoder {
+ public:
+  PartDecoder(const Source& source, const LevelState& state, const CoarseSamples<Sample>& coarse)
+      : source_(source),
+        hints_(state.hints(source.parameters())),
+        most_states_(most_part_states(source.parameters().cut_axes)),
+        coarse_(coarse) {}
+
+  struct Task {
+    const Part& part;
+    ByteSpan bytes;
+    VoxelTarget out;
+  };
+
+  void decode(const Task& task) const {
+    coarse_.put(task.part, thread_workspace<Sample>().means);
+    const PartHints own(task.part, hints_);
+    decode_finest<Sample>(source_, task.part, task.bytes, own.hints, most_states_, task.out);
+  }
+
+  /// Two parts at the same time where that is faster.
+  void decode_two(const Task& first, const Task& second) const {
+    if (goes_in_step(first) && goes_in_step(second)) {
+      try {
+        decode_in_step(first, second);
+        return;
+      } catch (const Error&) {
+        // What is wrong with the first one is said before what is wrong with the second.
+      }
+    }
+    decode(first);
+    decode(second);
+  }
+
+ private:
+  /// A part whose splits are run one by one.
+  struct Running {
+    Running(const PartDecoder& decoder, const Task& own, Workspace<Sample>& space)
+        : task(own),
+          hints(own.part, decoder.hints_),
+          work(space),
+          symbols(decoder.source_.model, table_set(0), own.bytes,
+                  level_detail_count(own.part.shape, 0, hints.hints.cells),
+                  decoder.source_.scale.shift(), decoder.most_states_),
+          splits(splits_of(own.part.shape, 0)) {
+      decoder.coarse_.put(task.part, work.means);
+      for (auto& grid : work.magnitudes) grid.set_size({0, 0, 0});
+    }
+
+    const Task& task;
+    PartHints hints;
+    Workspace<Sample>& work;
+    SymbolReader symbols;
+    std::vector<Split> splits;
+  };
+
+  /// Predicted from neighbors, a part keeps the machine busy by itself.
+  bool goes_in_step(const Task& task) const {
+    return source_.parameters().predictor == Predictor::means && !source_.is_corrected() &&
+           !task.bytes.empty();
+  }
+
+  void decode_in_step(const Task& first, const Task& second) const {
+    const Parameters& p = source_.parameters();
+    Running a(*this, first, thread_workspace<Sample>());
+    Running b(*this, second, thread_workspace<Sample, 1>());
+    for (std::size_t i = 0; i < a.splits.size(); ++i) {
+      const Stage stage_of_a = begun(a, i);
+      const Stage stage_of_b = begun(b, i);
+      stage_functions().of<Sample>().decode_two(p, {stage_of_a, a.work, a.symbols},
+                                                {stage_of_b, b.work, b.symbols});
+      for (Running* part : {&a, &b}) {
+        end_split(part->work, part->task.part, p, part->splits[i], reach_of(p.predictor),
+                  i + 1 == a.splits.size());
+      }
+    }
+    for (Running* part : {&a, &b}) {
+      part->symbols.finish();
+      source_.writer().write(part->work.means, part->task.out);
+    }
+  }
+
+  /// The i-th split of a part, its edges taken.
+  Stage begun(Running& part, std::size_t i) const {
+    const Stage stage = begin_split(part.work, part.task.part, source_.scale,
+                                    source_.parameters(), 0, part.hints.hints, part.splits[i]);
+    if (stage.has_edges) take_edges(stage, part.work, part.symbols);
+    return stage;
+  }
+
+  const Source& source_;
+  BrickHints hints_;
+  int most_states_;
+  const CoarseSamples<Sample>& coarse_;
+};
+
 /// The bytes of the parts in segment 0. Throws Error{corrupt} when the parts do not fill it.
 std::vector<ByteSpan> split_segment(ByteSpan segment, const std::vector<PartBytes>& entries) {
   std::vector<ByteSpan> parts;
@@ -180,16 +278,23 @@ void decode_samples(const Source& source, std::span<const ByteSpan> segments, in
     source.writer().write(work.means, out);
     return;
   }
-  std::vector<ByteSpan> parts{segments[0]};
-  if (!state.entries.empty()) parts = split_segment(segments[0], state.entries);
-  const int most_states = state.entries.empty() ? kMaxStates : most_part_states(p.cut_axes);
-  auto next = parts.begin();
-  for_each_part(work, source.shape, p.cut_axes, 0, state.hints(p),
-                [&](const Part& part, const BrickHints& hints) {
-                  const Index3 at = own_box(part, p.axis_order).lo;
-                  decode_finest<Sample>(source, part, *next++, hints, most_states,
-                                        target_from(out, at, source.type));
-                });
+  if (state.entries.empty()) {
+    decode_finest<Sample>(source, Part{source.shape, {}, {}, kAllFaces}, segments[0],
+                          state.hints(p), kMaxStates, out);
+    return;
+  }
+  const std::vector<ByteSpan> bytes = split_segment(segments[0], state.entries);
+  const std::vector<Part> parts = parts_of(source.shape, p.cut_axes);
+  const CoarseSamples<Sample> coarse(work.means);
+  const PartDecoder<Sample> decoder(source, state, coarse);
+  const auto task_of = [&](std::size_t i) -> typename PartDecoder<Sample>::Task {
+    return {parts[i], bytes[i],
+            target_from(out, own_box(parts[i], p.axis_order).lo, source.type)};
+  };
+  for (std::size_t i = 0; i + 1 < parts.size(); i += 2) {
+    decoder.decode_two(task_of(i), task_of(i + 1));
+  }
+  if (parts.size() % 2 != 0) decoder.decode(task_of(parts.size() - 1));
 }
 
 /// Decodes a level that has no details.
@@ -239,11 +344,7 @@ class GreyParts final : public BrickParts {
     if (bytes.size() != entry.length || !checksum_matches(crc32c(bytes), entry.crc)) {
       throw Error(ErrorKind::corrupt, "a part of a brick has another checksum");
     }
-    const Parameters& p = source_.parameters();
-    coarse_.put(parts_[number], thread_workspace<Sample>().means);
-    const PartHints own(parts_[number], state_.hints(p));
-    decode_finest<Sample>(source_, parts_[number], bytes, own.hints,
-                          most_part_states(p.cut_axes), out);
+    PartDecoder<Sample>(source_, state_, coarse_).decode({parts_[number], bytes, out});
   }
 
  private:

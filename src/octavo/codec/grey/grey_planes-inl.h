@@ -26,6 +26,11 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 inline constexpr int kHalfLanes = static_cast<int>(hn::MaxLanes(kHalves));
 
+/// Whether any of the pairs from x on that share a vector is among some pairs of a row.
+HWY_INLINE bool is_any_from(RowMask pairs, int x) {
+  return (pairs >> x & first_pairs(kHalfLanes)) != 0;
+}
+
 /// Whether the plane pass gives what the row pass gives: differences, limits and what follows from
 /// residuals fit in 16 bits, and eight times a weight does.
 inline bool suits_planes(const Parameters& p, const Stage& stage) {
@@ -78,7 +83,7 @@ struct PlaneConstants {
 };
 
 /// Predictions, limits and contexts of a plane. What is predicted from slopes alone takes the place
-/// of the excesses behind.
+/// of the excesses behind. Nothing is predicted where a vector has no pair outside of uniform cells.
 template <int kAxis>
 void prepare_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
                    std::int64_t z) {
@@ -96,7 +101,13 @@ void prepare_plane(const Parameters& p, const Stage& stage, Workspace<std::int16
     std::uint16_t* const limits = work.limits.row(y, z);
     std::uint16_t* const contexts = work.contexts.row(y, z);
     const auto weighted = static_cast<std::int16_t>(stage.first_weighted(y, z));
+    const RowMask open = open_pairs(stage, work, y, z);
     for (int x = 0; x < stage.pairs.x; x += kHalfLanes) {
+      if (!is_any_from(open, x)) {
+        hn::StoreU(hn::Zero(kSignedHalves), kSignedHalves, excesses + x);
+        hn::StoreU(hn::Zero(kHalves), kHalves, limits + x);
+        continue;
+      }
       const SignedHalves c = hn::LoadU(kSignedHalves, m + x);
       const auto step_to = [&](std::int64_t offset) HWY_ATTR {
         return hn::Sub(hn::LoadU(kSignedHalves, m + x + offset), c);
@@ -217,6 +228,12 @@ class PairRow {
     return edges_ != nullptr ? load_narrowed(edges_ + x) : hn::Zero(kSignedHalves);
   }
 
+  /// Where nothing is coded, nor predicted.
+  HWY_INLINE void repeat_means(int x) const {
+    hn::StoreU(hn::Zero(kSignedHalves), kSignedHalves, magnitudes_ + x);
+    put_samples(x, hn::Zero(kSignedHalves));
+  }
+
   HWY_INLINE void keep_magnitudes(int x, SignedHalves residual) const {
     const SignedHalves size = residual_sizes(kSignedHalves, residual);
     hn::StoreU(hn::Min(size, hn::Set(kSignedHalves, kMaxMagnitude)), kSignedHalves,
@@ -258,7 +275,12 @@ template <int kAxis>
 void settle_row(const Stage& stage, Workspace<std::int16_t>& work, const std::int16_t* residuals,
                 std::int64_t y, std::int64_t z) {
   const PairRow<kAxis> row(stage, work, y, z);
+  const RowMask open = open_pairs(stage, work, y, z);
   for (int x = 0; x < stage.pairs.x; x += kHalfLanes) {
+    if (!is_any_from(open, x)) {
+      row.repeat_means(x);
+      continue;
+    }
     const SignedHalves residual = hn::LoadU(kSignedHalves, residuals + x);
     row.keep_magnitudes(x, residual);
     const SignedHalves detail =
@@ -293,6 +315,7 @@ void predict_row(const Stage& stage, Workspace<std::int16_t>& work, std::int64_t
 template <class Residual>
 void settle_weighted_row(const Stage& stage, Workspace<std::int16_t>& work, std::int64_t y,
                          std::int64_t z, const Residual* residuals) {
+  if (stage.first_weighted(y, z) >= stage.pairs.x) return;
   const std::int16_t* const predictions = work.predictions.row(y, z);
   const std::uint16_t* const limits = work.limits.row(y, z);
   settle_weighted(stage, work, y, z, [&](std::int64_t x) {
@@ -315,51 +338,131 @@ void predict_plane(const Parameters& p, const Stage& stage, Workspace<std::int16
   }
 }
 
-/// Whether the rows of a plane are one long row to the streams: none of it is left out, and every
-/// row starts with the first state.
-inline bool is_one_row(const Stage& stage, Workspace<std::int16_t>& work,
-                       const SymbolReader& symbols, std::int64_t z) {
-  if (stage.pairs.x % (static_cast<std::int64_t>(symbols.state_mask) + 1) != 0) return false;
-  if (stage.pairs.x % 8 != 0) return false;
-  for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
-    if (coded_pairs(stage, work, y, z) != first_pairs(stage.pairs.x)) return false;
+/// A plane of pairs on its way from contexts to samples, some rows at a time.
+template <int kAxis>
+class PlaneDecoder {
+ public:
+  PlaneDecoder(const Parameters& p, const SplitTask<std::int16_t>& task, std::int64_t z)
+      : stage_(task.stage), work_(task.work), symbols_(task.symbols), z_(z) {
+    prepare_plane<kAxis>(p, stage_, work_, z);
   }
-  return true;
-}
+
+  SymbolReader& symbols() { return symbols_; }
+
+  /// The symbols of the next rows, as many rows as may be taken unchecked; of none at the end.
+  TokenRows gather() {
+    first_ = last_;
+    coded_ = 0;
+    const auto count = static_cast<int>(stage_.pairs.x);
+    while (last_ < stage_.pairs.y && coded_ + count <= kMaxUnchecked) count_row(last_++);
+    is_all_coded_ = coded_ == count * row_count();
+    TokenRows rows{counts_, row_count(), contexts_, tokens_};
+    if (is_all_coded_ && count % kChunk == 0) {
+      // They stand side by side already.
+      rows.contexts = work_.contexts.row(first_, z_);
+      const bool is_one_row = count % (static_cast<int>(symbols_.state_mask) + 1) == 0;
+      if (is_one_row && rows.row_count > 0) {
+        // Every row starts with the first state: to the streams they are one.
+        counts_[0] = coded_;
+        rows.row_count = 1;
+      }
+    } else {
+      gather_rows();
+    }
+    contexts_of_all_ = rows.contexts;
+    return rows;
+  }
+
+  /// The samples of the rows whose tokens were taken.
+  void settle(bool has_big) {
+    // What is behind the last residual takes part in vectors.
+    hn::StoreU(hn::Zero(kChunkHalves), kChunkHalves, tokens_ + coded_);
+    for (int i = coded_ & ~(kChunk - 1); i < coded_ + 2 * kHalfLanes; i += kChunk) {
+      hn::StoreU(hn::Zero(kChunkResiduals), kChunkResiduals, residuals_ + i);
+    }
+    finish_residuals(symbols_, contexts_of_all_, tokens_, coded_, has_big, residuals_);
+    symbols_.expect_inside();
+    const auto count = static_cast<int>(stage_.pairs.x);
+    const std::int16_t* found = residuals_;
+    alignas(64) std::int16_t spread[kBrickSide + 2 * kHalfLanes] = {};
+    for (std::int64_t y = first_; y < last_; ++y) {
+      if (is_all_coded_) {
+        settle_one(found, y);
+        found += count;
+        continue;
+      }
+      const RowMask pairs = pairs_[y - first_];
+      spread_residuals(pairs, count, found, spread);
+      settle_one(spread, y);
+      found += std::popcount(pairs);
+    }
+  }
+
+ private:
+  static constexpr hn::FixedTag<std::int16_t, kChunk> kChunkResiduals{};
+
+  int row_count() const { return static_cast<int>(last_ - first_); }
+
+  void count_row(std::int64_t y) {
+    const RowMask pairs = coded_pairs(stage_, work_, y, z_);
+    close_pairs(pairs, stage_.pairs.x, work_.limits.row(y, z_));
+    const int coded = std::popcount(pairs);
+    pairs_[y - first_] = pairs;
+    counts_[y - first_] = coded;
+    coded_ += coded;
+  }
+  void gather_rows() {
+    std::uint16_t* to = contexts_;
+    for (std::int64_t y = first_; y < last_; ++y) {
+      gather_contexts(pairs_[y - first_], static_cast<int>(stage_.pairs.x),
+                      work_.contexts.row(y, z_), to);
+      to += counts_[y - first_];
+    }
+  }
+  void settle_one(const std::int16_t* residuals, std::int64_t y) {
+    settle_row<kAxis>(stage_, work_, residuals, y, z_);
+    settle_weighted_row(stage_, work_, y, z_, residuals);
+    fill_margins(work_.magnitudes[kAxis].row(y, z_), stage_.pairs.x);
+  }
+
+  const Stage& stage_;
+  Workspace<std::int16_t>& work_;
+  SymbolReader& symbols_;
+  std::int64_t z_;
+  std::int64_t first_ = 0;  ///< the rows on their way
+  std::int64_t last_ = 0;
+  int coded_ = 0;
+  bool is_all_coded_ = false;
+  const std::uint16_t* contexts_of_all_ = nullptr;
+  RowMask pairs_[kBrickSide];
+  int counts_[kBrickSide];
+  alignas(64) std::uint16_t contexts_[kMaxUnchecked + 2 * kChunk];
+  alignas(64) std::uint16_t tokens_[kMaxUnchecked + 2 * kChunk];
+  alignas(64) std::int16_t residuals_[kMaxUnchecked + 4 * kHalfLanes];
+};
 
 /// Decodes a plane of pairs: all contexts, then all residuals and samples.
 template <int kAxis>
-void decode_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
-                  std::int64_t z, SymbolReader& symbols) {
-  const int count = static_cast<int>(stage.pairs.x);
-  prepare_plane<kAxis>(p, stage, work, z);
-  const auto settle = [&](const std::int16_t* residuals, std::int64_t y) {
-    settle_row<kAxis>(stage, work, residuals, y, z);
-    settle_weighted_row(stage, work, y, z, residuals);
-    fill_margins(work.magnitudes[kAxis].row(y, z), count);
-  };
-  if (is_one_row(stage, work, symbols, z)) {
-    alignas(64) std::int16_t residuals[kMaxUnchecked + 16] = {};
-    const std::int64_t most = kMaxUnchecked / count;
-    for (std::int64_t y = 0; y < stage.pairs.y; y += most) {
-      const std::int64_t rows = std::min(most, stage.pairs.y - y);
-      const int coded = static_cast<int>(rows) * count;
-      take_residuals(symbols, work.contexts.row(y, z), 0, coded, coded, residuals);
-      for (std::int64_t k = 0; k < rows; ++k) settle(residuals + k * count, y + k);
-    }
-    return;
+void decode_plane(const Parameters& p, const SplitTask<std::int16_t>& task, std::int64_t z) {
+  PlaneDecoder<kAxis> plane(p, task, z);
+  for (TokenRows rows = plane.gather(); rows.row_count > 0; rows = plane.gather()) {
+    plane.settle(take_token_rows(plane.symbols(), rows));
   }
-  alignas(64) std::int16_t residuals[kBrickSide + 16] = {};
-  for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
-    const RowMask pairs = coded_pairs(stage, work, y, z);
-    close_pairs(pairs, count, work.limits.row(y, z));
-    if (pairs != 0) {
-      take_residuals(symbols, work.contexts.row(y, z), pairs, std::popcount(pairs), count,
-                     residuals);
-    } else {
-      std::fill_n(residuals, count, std::int16_t{0});
-    }
-    settle(residuals, y);
+}
+
+/// The same of two parts, whose streams do not wait for each other.
+template <int kAxis>
+void decode_two_planes(const Parameters& p, const SplitTask<std::int16_t>& first,
+                       const SplitTask<std::int16_t>& second, std::int64_t z) {
+  PlaneDecoder<kAxis> a(p, first, z);
+  PlaneDecoder<kAxis> b(p, second, z);
+  while (true) {
+    const TokenRows of_a = a.gather();
+    const TokenRows of_b = b.gather();
+    if (of_a.row_count == 0 && of_b.row_count == 0) return;
+    const auto has_big = take_token_rows(a.symbols(), of_a, b.symbols(), of_b);
+    if (of_a.row_count > 0) a.settle(has_big[0]);
+    if (of_b.row_count > 0) b.settle(has_big[1]);
   }
 }
 

@@ -46,10 +46,16 @@ void for_each_pair(RowMask pairs, F&& f) {
   for (; pairs != 0; pairs &= pairs - 1) f(std::countr_zero(pairs));
 }
 
+/// The pairs of a row that lie in no uniform cell.
+template <class Sample>
+RowMask open_pairs(const Stage& stage, Workspace<Sample>& work, std::int64_t y, std::int64_t z) {
+  return stage.cells == nullptr ? first_pairs(stage.pairs.x) : work.open.row(y, z);
+}
+
 /// The pairs of a row whose residuals are coded.
 template <class Sample>
 RowMask coded_pairs(const Stage& stage, Workspace<Sample>& work, std::int64_t y, std::int64_t z) {
-  const RowMask open = work.open.row(y, z);
+  const RowMask open = open_pairs(stage, work, y, z);
   return stage.has_edges ? open & ~work.edges.row(y, z) : open;
 }
 
@@ -190,7 +196,8 @@ inline MagnitudeRows magnitude_rows(const SampleGrid<std::int16_t>* magnitudes, 
 ///   row_contexts(p, stage, near, row, contexts)
 ///   take_row(symbols, contexts, coded, count, residuals)   0 for pairs that are not coded
 ///   takes_planes(p, stage)                     whether take_plane knows this split from means
-///   take_plane(p, stage, work, z, symbols)     all of a plane: contexts, residuals and samples
+///   take_plane(p, task, z)                     all of a plane: contexts, residuals and samples
+///   take_two_planes(p, task, other task, z)    the same for two parts
 ///   give_plane(p, stage, work, z)              details of a plane to contexts, residuals, samples
 ///                                              and magnitudes
 ///   keep_magnitudes(residuals, count, shift, magnitudes)
@@ -216,7 +223,7 @@ struct Passes {
     work.plane_excesses.set_plane_size(stage.pairs);
     work.contexts.set_plane_size(stage.pairs);
     // Whoever marked the edges has found them already.
-    if (!stage.has_edges) find_open_pairs(stage, work.open);
+    if (stage.cells != nullptr && !stage.has_edges) find_open_pairs(stage, work.open);
     work.magnitudes[stage.axis].set_size(stage.pairs);
   }
 
@@ -264,14 +271,14 @@ struct Passes {
            Kernel::takes_planes(p, stage);
   }
 
-  static void decode(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
-                     SymbolReader& symbols) {
+  static void decode(const Parameters& p, const SplitTask<Sample>& task) {
+    const auto& [stage, work, symbols] = task;
     // Predicted from means, a plane's details are done with at its end.
     set_sizes(stage, p.predictor == Predictor::neighbors, work);
     if (stage.pairs.voxel_count() == 0) return;
     if (takes_planes(p, stage)) {
       for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
-        Kernel::take_plane(p, stage, work, z, symbols);
+        Kernel::take_plane(p, task, z);
       }
       return;
     }
@@ -297,6 +304,24 @@ struct Passes {
       }
     }
     Kernel::template reconstruct<false>(p, stage, work);
+  }
+
+  static void decode_two(const Parameters& p, const SplitTask<Sample>& first,
+                         const SplitTask<Sample>& second) {
+    const auto is_of_planes = [&](const SplitTask<Sample>& task) {
+      return task.stage.pairs.voxel_count() > 0 && takes_planes(p, task.stage);
+    };
+    if (!is_of_planes(first) || !is_of_planes(second)) {
+      decode(p, first);
+      decode(p, second);
+      return;
+    }
+    for (const auto* task : {&first, &second}) set_sizes(task->stage, false, task->work);
+    const std::int64_t both = std::min(first.stage.pairs.z, second.stage.pairs.z);
+    for (std::int64_t z = 0; z < both; ++z) Kernel::take_two_planes(p, first, second, z);
+    for (const auto* task : {&first, &second}) {
+      for (std::int64_t z = both; z < task->stage.pairs.z; ++z) Kernel::take_plane(p, *task, z);
+    }
   }
 
   static void measure(const Parameters& p, const Stage& stage, Workspace<Sample>& work) {
@@ -390,7 +415,7 @@ struct Passes {
   }
 
   static constexpr StagePasses<Sample> functions() {
-    return {decode, measure, predict, list_symbols, encode};
+    return {decode, decode_two, measure, predict, list_symbols, encode};
   }
 };
 
@@ -413,8 +438,9 @@ struct PortableKernel {
     symbols.expect_inside();
   }
   static bool takes_planes(const Parameters&, const Stage&) { return false; }
-  static void take_plane(const Parameters&, const Stage&, Workspace<Sample>&, std::int64_t,
-                         SymbolReader&) {}
+  static void take_plane(const Parameters&, const SplitTask<Sample>&, std::int64_t) {}
+  static void take_two_planes(const Parameters&, const SplitTask<Sample>&,
+                              const SplitTask<Sample>&, std::int64_t) {}
   static void give_plane(const Parameters&, const Stage&, Workspace<Sample>&, std::int64_t) {}
   static void keep_magnitudes(const Int* residuals, int count, int shift,
                               std::int16_t* magnitudes) {

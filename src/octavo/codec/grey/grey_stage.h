@@ -167,11 +167,22 @@ struct Workspace {
   RowBuffers row{};
 };
 
+/// A split to decode: what its symbols and means stand for, and where its samples go.
+template <class Sample>
+struct SplitTask {
+  const Stage& stage;
+  Workspace<Sample>& work;
+  SymbolReader& symbols;
+};
+
 /// The passes of a split for samples of 16 bits (sums wrap at 32 bits) and of 32 bits (64).
 template <class Sample>
 struct StagePasses {
-  /// Takes the residuals off `symbols` and completes the fine grid.
-  void (*decode)(const Parameters&, const Stage&, Workspace<Sample>&, SymbolReader&);
+  /// Takes the residuals off the symbols and completes the fine grid.
+  void (*decode)(const Parameters&, const SplitTask<Sample>&);
+  /// The same for two parts with work spaces and symbols of their own, along one axis; the machine
+  /// may overlap them.
+  void (*decode_two)(const Parameters&, const SplitTask<Sample>&, const SplitTask<Sample>&);
   /// Finds the activities and limits of all pairs.
   void (*measure)(const Parameters&, const Stage&, Workspace<Sample>&);
   /// Turns the details in `residuals` into residuals, brought to multiples of the step, and

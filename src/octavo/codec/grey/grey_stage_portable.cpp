@@ -204,7 +204,7 @@ template struct PortableKernel<std::int32_t>;
 namespace {
 
 /// The pairs of a row that lie in no uniform cell.
-RowMask open_pairs(const Stage& stage, std::int64_t y, std::int64_t z) {
+RowMask pairs_beside_cells(const Stage& stage, std::int64_t y, std::int64_t z) {
   const RowMask all = first_pairs(stage.pairs.x);
   if (stage.cells == nullptr) return all;
   const Size3& size = stage.cells->size;
@@ -237,7 +237,7 @@ void for_each_row_of_cells(const Stage& stage, F&& f) {
 
 void find_open_pairs(const Stage& stage, PairMasks& open) {
   for_each_row_of_cells(stage, [&](const Box& rows) {
-    const RowMask pairs = open_pairs(stage, rows.lo.y, rows.lo.z);
+    const RowMask pairs = pairs_beside_cells(stage, rows.lo.y, rows.lo.z);
     for (std::int64_t z = rows.lo.z; z < rows.hi.z; ++z) {
       for (std::int64_t y = rows.lo.y; y < rows.hi.y; ++y) open.row(y, z) = pairs;
     }
@@ -249,7 +249,7 @@ std::int64_t Stage::detail_count() const {
   std::int64_t count = 0;
   for_each_row_of_cells(*this, [&](const Box& rows) {
     const std::int64_t alike = (rows.hi.y - rows.lo.y) * (rows.hi.z - rows.lo.z);
-    count += alike * std::popcount(open_pairs(*this, rows.lo.y, rows.lo.z));
+    count += alike * std::popcount(pairs_beside_cells(*this, rows.lo.y, rows.lo.z));
   });
   return count;
 }

@@ -48,16 +48,22 @@ struct Kernel {
   }
   static void take_row(SymbolReader& symbols, std::uint16_t* contexts, RowMask coded, int count,
                        std::int32_t* residuals) {
-    take_residuals(symbols, contexts, coded, std::popcount(coded), count, residuals);
+    take_residuals(symbols, contexts, coded, count, residuals);
   }
   static bool takes_planes(const Parameters& p, const Stage& stage) {
     return suits_planes(p, stage);
   }
-  static void take_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
-                         std::int64_t z, SymbolReader& symbols) {
-    if (stage.axis == 0) decode_plane<0>(p, stage, work, z, symbols);
-    else if (stage.axis == 1) decode_plane<1>(p, stage, work, z, symbols);
-    else decode_plane<2>(p, stage, work, z, symbols);
+  static void take_plane(const Parameters& p, const SplitTask<std::int16_t>& task,
+                         std::int64_t z) {
+    if (task.stage.axis == 0) decode_plane<0>(p, task, z);
+    else if (task.stage.axis == 1) decode_plane<1>(p, task, z);
+    else decode_plane<2>(p, task, z);
+  }
+  static void take_two_planes(const Parameters& p, const SplitTask<std::int16_t>& first,
+                              const SplitTask<std::int16_t>& second, std::int64_t z) {
+    if (first.stage.axis == 0) decode_two_planes<0>(p, first, second, z);
+    else if (first.stage.axis == 1) decode_two_planes<1>(p, first, second, z);
+    else decode_two_planes<2>(p, first, second, z);
   }
   static void give_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
                          std::int64_t z) {

@@ -11,6 +11,7 @@
 
 #include <hwy/highway.h>
 
+#include <array>
 #include <bit>
 
 #include "octavo/codec/grey/grey_portable.h"
@@ -115,97 +116,177 @@ HWY_INLINE Words step_states(const std::uint32_t* slots, Words context, unsigned
   return hn::And(entry, set(63));
 }
 
-/// The tokens of a multiple of kStates symbols off as many states, which stay in registers.
+/// The kStates states of a stream, held in registers while tokens are taken off them.
 template <int kStates>
-Words take_tokens_of_all_states(SymbolReader& symbols, const std::uint16_t* contexts, int count,
-                                std::uint16_t* tokens) {
-  constexpr int kVectors = kStates / kStateLanes;
-  const std::uint32_t* const slots = symbols.slots;
-  const std::uint8_t* words = symbols.words;
-  Words states[kVectors];
-  for (int k = 0; k < kVectors; ++k) {
-    states[k] = hn::Load(kWords, symbols.states + k * kStateLanes);
+class TokenStates {
+ public:
+  HWY_INLINE explicit TokenStates(const SymbolReader& symbols)
+      : slots_(symbols.slots), words_(symbols.words), all_(hn::Zero(kWords)) {
+    for (int k = 0; k < kVectors; ++k) {
+      states_[k] = hn::Load(kWords, symbols.states + k * kStateLanes);
+    }
   }
-  Words all = hn::Zero(kWords);
-  for (int i = 0; i < count; i += kStates) {
+  HWY_INLINE void give_back(SymbolReader& symbols) const {
+    for (int k = 0; k < kVectors; ++k) {
+      hn::Store(states_[k], kWords, symbols.states + k * kStateLanes);
+    }
+    symbols.words = words_;
+  }
+
+  /// One symbol off each state.
+  HWY_INLINE void take_round(const std::uint16_t* contexts, std::uint16_t* tokens) {
+#if HWY_COMPILER_GCC || HWY_COMPILER_CLANG
+#pragma GCC unroll 8
+#endif
+    for (int k = 0; k < kVectors; ++k) {
+      take_vector(k, contexts + k * kStateLanes, tokens + k * kStateLanes);
+    }
+  }
+
+  /// The tokens of a row from its i-th symbol on, a multiple of kStates. What lies behind the last
+  /// context and the last token is anything.
+  HWY_INLINE void take_rest(const std::uint16_t* contexts, int i, int count,
+                            std::uint16_t* tokens) {
+    for (; i + kStates <= count; i += kStates) take_round(contexts + i, tokens + i);
 #if HWY_COMPILER_GCC || HWY_COMPILER_CLANG
 #pragma GCC unroll 8
 #endif
     for (int k = 0; k < kVectors; ++k) {
       const int at = i + k * kStateLanes;
-      const Words packed = hn::PromoteTo(kWords, hn::LoadU(kShortWords, contexts + at));
-      const Words token =
-          step_states(slots, hn::And(packed, hn::Set(kWords, 0xff)), kAllLanes, states[k], words);
-      all = hn::Or(all, token);
-      store_tokens(token, tokens + at);
+      if (at + kStateLanes <= count) take_vector(k, contexts + at, tokens + at);
+      else if (at < count) take_some(k, contexts + at, count - at, tokens + at);
     }
   }
-  for (int k = 0; k < kVectors; ++k) {
-    hn::Store(states[k], kWords, symbols.states + k * kStateLanes);
+
+  /// Whether any token has bits of its own, beyond the plain bits of its context.
+  HWY_INLINE bool is_any_big() const {
+    const hn::RebindToSigned<decltype(kWords)> ints;
+    return !hn::AllFalse(
+        ints, hn::TestBit(hn::BitCast(ints, all_), hn::Set(ints, kDirectTokens)));
   }
-  symbols.words = words;
-  return all;
+
+ private:
+  static constexpr int kVectors = kStates / kStateLanes;
+
+  static HWY_INLINE Words contexts_at(const std::uint16_t* contexts) {
+    return hn::And(hn::PromoteTo(kWords, hn::LoadU(kShortWords, contexts)),
+                   hn::Set(kWords, 0xff));
+  }
+  HWY_INLINE void take_vector(int k, const std::uint16_t* contexts, std::uint16_t* tokens) {
+    const Words token = step_states(slots_, contexts_at(contexts), kAllLanes, states_[k], words_);
+    all_ = hn::Or(all_, token);
+    store_tokens(token, tokens);
+  }
+  HWY_INLINE void take_some(int k, const std::uint16_t* contexts, int count,
+                            std::uint16_t* tokens) {
+    const auto is_moving = hn::FirstN(kWords, static_cast<std::size_t>(count));
+    const Words context = hn::IfThenElseZero(is_moving, contexts_at(contexts));
+    const Words before = states_[k];
+    const Words token = hn::IfThenElseZero(
+        is_moving, step_states(slots_, context, (1u << count) - 1, states_[k], words_));
+    states_[k] = hn::IfThenElse(is_moving, states_[k], before);
+    all_ = hn::Or(all_, token);
+    store_tokens(token, tokens);
+  }
+
+  const std::uint32_t* slots_;
+  const std::uint8_t* words_;
+  Words all_;
+  Words states_[kVectors];
+};
+
+/// Symbols of some rows, side by side: how many each row has, all their contexts, and room for
+/// their tokens and a vector more.
+struct TokenRows {
+  const int* counts = nullptr;
+  int row_count = 0;
+  const std::uint16_t* contexts = nullptr;
+  std::uint16_t* tokens = nullptr;
+};
+
+/// Takes the tokens of some rows; gives whether any is big. Every row starts with the first state.
+template <int kStates>
+bool take_rows_of(SymbolReader& symbols, const TokenRows& rows) {
+  TokenStates<kStates> states(symbols);
+  int at = 0;
+  for (int r = 0; r < rows.row_count; ++r) {
+    states.take_rest(rows.contexts + at, 0, rows.counts[r], rows.tokens + at);
+    at += rows.counts[r];
+  }
+  states.give_back(symbols);
+  return states.is_any_big();
 }
 
-/// Whether any token has bits of its own, beyond the plain bits of its context.
-HWY_INLINE bool is_any_big(Words tokens) {
-  const hn::RebindToSigned<decltype(kWords)> ints;
-  return !hn::AllFalse(
-      ints, hn::TestBit(hn::BitCast(ints, tokens), hn::Set(ints, kDirectTokens)));
-}
-
-/// The tokens of a row's coded pairs; gives whether any is big.
-inline bool take_tokens(SymbolReader& symbols, const std::uint16_t* contexts, int coded,
-                        std::uint16_t* tokens) {
-  const auto states = static_cast<int>(symbols.state_mask) + 1;
-  if (states >= 8 && coded % states == 0) {
-    const auto take = states == 32   ? take_tokens_of_all_states<32>
-                      : states == 16 ? take_tokens_of_all_states<16>
-                                     : take_tokens_of_all_states<8>;
-    return is_any_big(take(symbols, contexts, coded, tokens));
-  }
-  if (symbols.state_mask + 1 >= kStateLanes) {
-    const std::uint32_t* const slots = symbols.slots;
-    const std::uint8_t* words = symbols.words;
-    Words all = hn::Zero(kWords);
-    const auto states_at = [&](int i) {
-      return symbols.states + (static_cast<std::size_t>(i) & symbols.state_mask);
-    };
-    const auto contexts_at = [&](int i) HWY_ATTR {
-      return hn::And(hn::PromoteTo(kWords, hn::LoadU(kShortWords, contexts + i)),
-                     hn::Set(kWords, 0xff));
-    };
-    int i = 0;
-    for (; i + kStateLanes <= coded; i += kStateLanes) {
-      Words state = hn::Load(kWords, states_at(i));
-      const Words token = step_states(slots, contexts_at(i), kAllLanes, state, words);
-      hn::Store(state, kWords, states_at(i));
-      all = hn::Or(all, token);
-      store_tokens(token, tokens + i);
-    }
-    if (i < coded) {
-      // What lies behind the last context is anything.
-      const auto is_moving = hn::FirstN(kWords, static_cast<std::size_t>(coded - i));
-      const Words before = hn::Load(kWords, states_at(i));
-      Words state = before;
-      const Words context = hn::IfThenElseZero(is_moving, contexts_at(i));
-      const unsigned moving = (1u << (coded - i)) - 1;
-      const Words token =
-          hn::IfThenElseZero(is_moving, step_states(slots, context, moving, state, words));
-      hn::Store(hn::IfThenElse(is_moving, state, before), kWords, states_at(i));
-      all = hn::Or(all, token);
-      store_tokens(token, tokens + i);
-    }
-    symbols.words = words;
-    return is_any_big(all);
-  }
+/// Few symbols have few states.
+inline bool take_rows_of_few(SymbolReader& symbols, const TokenRows& rows) {
   std::uint32_t any = 0;
-  for (int i = 0; i < coded; ++i) {
-    const int token = symbols.take_token(i, contexts[i] & 0xff);
-    tokens[i] = static_cast<std::uint16_t>(token);
-    any |= static_cast<std::uint32_t>(token);
+  int at = 0;
+  for (int r = 0; r < rows.row_count; ++r) {
+    for (int i = 0; i < rows.counts[r]; ++i, ++at) {
+      const int token = symbols.take_token(i, rows.contexts[at] & 0xff);
+      rows.tokens[at] = static_cast<std::uint16_t>(token);
+      any |= static_cast<std::uint32_t>(token);
+    }
   }
   return (any & kDirectTokens) != 0;
+}
+
+inline bool take_token_rows(SymbolReader& symbols, const TokenRows& rows) {
+  switch (symbols.state_mask + 1) {
+    case 32: return take_rows_of<32>(symbols, rows);
+    case 16: return take_rows_of<16>(symbols, rows);
+    case 8: return take_rows_of<8>(symbols, rows);
+    default: return take_rows_of_few(symbols, rows);
+  }
+}
+
+/// Rows of two streams that do not wait for each other; gives whether any token of each is big.
+template <int kStates>
+std::array<bool, 2> take_rows_of_both(SymbolReader& first, const TokenRows& rows,
+                                      SymbolReader& second, const TokenRows& others) {
+  TokenStates<kStates> a(first);
+  TokenStates<kStates> b(second);
+  TokenRows of_a = rows;
+  TokenRows of_b = others;
+  const int both = std::min(rows.row_count, others.row_count);
+  for (int r = 0; r < both; ++r) {
+    const int count_a = rows.counts[r];
+    const int count_b = others.counts[r];
+    int i = 0;
+    for (; i + kStates <= std::min(count_a, count_b); i += kStates) {
+      a.take_round(of_a.contexts + i, of_a.tokens + i);
+      b.take_round(of_b.contexts + i, of_b.tokens + i);
+    }
+    a.take_rest(of_a.contexts, i, count_a, of_a.tokens);
+    b.take_rest(of_b.contexts, i, count_b, of_b.tokens);
+    of_a.contexts += count_a;
+    of_a.tokens += count_a;
+    of_b.contexts += count_b;
+    of_b.tokens += count_b;
+  }
+  const auto take_others = [both](TokenStates<kStates>& states, TokenRows& left) HWY_ATTR {
+    for (int r = both; r < left.row_count; ++r) {
+      states.take_rest(left.contexts, 0, left.counts[r], left.tokens);
+      left.contexts += left.counts[r];
+      left.tokens += left.counts[r];
+    }
+  };
+  take_others(a, of_a);
+  take_others(b, of_b);
+  a.give_back(first);
+  b.give_back(second);
+  return {a.is_any_big(), b.is_any_big()};
+}
+
+inline std::array<bool, 2> take_token_rows(SymbolReader& first, const TokenRows& rows,
+                                           SymbolReader& second, const TokenRows& others) {
+  if (first.state_mask == 15 && second.state_mask == 15) {
+    return take_rows_of_both<16>(first, rows, second, others);
+  }
+  if (first.state_mask == 7 && second.state_mask == 7) {
+    return take_rows_of_both<8>(first, rows, second, others);
+  }
+  return {take_token_rows(first, rows), take_token_rows(second, others)};
 }
 
 /// The plain bits of 8 symbols: as many to each byte of the result as the same byte of the mask
@@ -309,10 +390,11 @@ constexpr LaneLists make_lane_lists() {
 }
 alignas(64) inline constexpr LaneLists kLaneLists = make_lane_lists();
 
-/// Puts the contexts of some pairs of a row side by side.
-inline void gather_contexts(RowMask coded, int count, std::uint16_t* contexts) {
+/// Puts the contexts of some pairs of a row side by side, into a place of their own with room for a
+/// chunk more, or where they stand.
+inline void gather_contexts(RowMask coded, int count, const std::uint16_t* contexts,
+                            std::uint16_t* to) {
   const auto set = [](std::uint16_t value) HWY_ATTR { return hn::Set(kChunkHalves, value); };
-  std::uint16_t* to = contexts;
   for (int x = 0; x < count; x += kChunk) {
     const auto lanes = static_cast<std::uint8_t>(coded >> x);
     // A lane to the places of its two bytes
@@ -350,17 +432,18 @@ void spread_residuals(RowMask coded, int count, const Residual* found, Residual*
   }
 }
 
-/// Residuals of a row, or of more when none is left out, off the streams: PortableKernel::take_row.
-/// Residuals are padded to a multiple of 8; at most kMaxUnchecked.
+/// Residuals of a row off the streams: PortableKernel::take_row. Residuals are padded to a multiple
+/// of 8.
 template <class Residual>
-void take_residuals(SymbolReader& symbols, std::uint16_t* contexts, RowMask pairs, int coded,
-                    int count, Residual* residuals) {
-  alignas(64) std::uint16_t tokens[kMaxUnchecked + kChunk];
+void take_residuals(SymbolReader& symbols, std::uint16_t* contexts, RowMask pairs, int count,
+                    Residual* residuals) {
+  alignas(64) std::uint16_t tokens[kBrickSide + 2 * kChunk];
   Residual found[kBrickSide + 2 * kChunk];
-  if (coded < count) gather_contexts(pairs, count, contexts);
+  const int coded = std::popcount(pairs);
+  if (coded < count) gather_contexts(pairs, count, contexts, contexts);
+  const bool has_big = take_token_rows(symbols, {&coded, 1, contexts, tokens});
   // The last chunk may reach beyond the row, and so into what pads residuals and magnitudes.
   hn::StoreU(hn::Zero(kChunkHalves), kChunkHalves, tokens + coded);
-  const bool has_big = take_tokens(symbols, contexts, coded, tokens);
   finish_residuals(symbols, contexts, tokens, coded, has_big, coded < count ? found : residuals);
   symbols.expect_inside();
   if (coded < count) spread_residuals(pairs, count, found, residuals);

@@ -238,28 +238,31 @@ HWY_NOINLINE void weigh_pairs(const Stage& stage, const WaveRow* rows, int x, Qu
   a = hn::Load(kQuad, first);
   b = hn::Load(kQuad, second);
 }
-/// The pairs of a row from the first to the last one whose detail may differ from 0; widened to
-/// multiples of 4.
+
+/// The pairs of a row that have a limit.
+inline RowMask pairs_with_limits(const std::uint16_t* limits, int count) {
+  RowMask pairs = 0;
+  constexpr int kLanes = static_cast<int>(hn::MaxLanes(kHalves));
+  for (int x = 0; x < count; x += kLanes) {
+    const auto has_limit = hn::Ne(hn::LoadU(kHalves, limits + x), hn::Zero(kHalves));
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(kHalves, has_limit, bits);
+    pairs |= static_cast<RowMask>(bits[0] | bits[1] << 8) << x;
+  }
+  return pairs & first_pairs(count);
+}
+
+/// From the first to the last pair of a row whose detail may differ from 0; widened to multiples
+/// of 4.
 struct WaveSpan {
   int first = static_cast<int>(kBrickSide);
   int last = 0;
 
-  void add(const std::uint16_t* limits, const std::int32_t* edges, int count) {
-    const auto may_differ = [&](int x) {
-      return limits[x] != 0 || (edges != nullptr && edges[x] != 0);
-    };
-    int from = 0;
-    while (from < count && !may_differ(from)) ++from;
-    if (from == count) return;
-    while (!may_differ(count - 1)) --count;
-    first = std::min(first, from & ~3);
-    last = std::max(last, (count + 3) & ~3);
+  void add(RowMask pairs) {
+    if (pairs == 0) return;
+    first = std::min(first, std::countr_zero(pairs) & ~3);
+    last = std::max(last, (64 - std::countl_zero(pairs) + 3) & ~3);
   }
-  void add(const WaveSpan& other) {
-    first = std::min(first, other.first);
-    last = std::max(last, other.last);
-  }
-  bool is_empty() const { return last <= first; }
 };
 
 /// Four rows in step. weights: those of class 0; the others follow.
@@ -387,13 +390,13 @@ void reconstruct_waves(const Parameters& p, const Stage& stage, Workspace<std::i
       if (y + 1 == pairs.y) plane[wave] += kWaves;
       const std::uint16_t* const limits = work.limits.row(y, z);
       const std::int32_t* const edges = edge_details(stage, work, y, z);
-      WaveSpan own;
-      own.add(limits, edges, static_cast<int>(pairs.x));
-      if (own.is_empty()) {
+      RowMask moving = pairs_with_limits(limits, static_cast<int>(pairs.x));
+      if (edges != nullptr) moving |= work.edges.row(y, z);
+      if (moving == 0) {
         if constexpr (kIsEncoding) std::fill_n(work.residuals.row(y, z), pairs.x, 0);
         continue;
       }
-      span.add(own);
+      span.add(moving);
       rows[wave] = {first_of_row(work.fine, kAxis, y, z),
                     work.means.row(y, z),
                     work.activities.row(y, z),
@@ -402,7 +405,7 @@ void reconstruct_waves(const Parameters& p, const Stage& stage, Workspace<std::i
                     edges != nullptr ? edges : idle.edges,
                     stage.first_weighted(y, z)};
     }
-    if (span.is_empty()) continue;
+    if (span.last == 0) continue;
     const std::int16_t* const weights = p.weights[stage.group][kAxis][0];
     if (stage.gaps != nullptr) {
       run_waves<kAxis, kIsEncoding, true>(weights, stage, rows, span, woven);

@@ -130,18 +130,23 @@ void repeat_along(const SampleGrid<Sample>& coarse, SampleGrid<Sample>& fine, in
   }
 }
 
-/// The same for the margins alone, those beyond `faces` at least.
+/// The same for the margins alone, those beyond `faces` at least. Near ones are those in front of
+/// the faces: what lies beyond two of them is left as it is.
 template <class Sample>
 void repeat_margins_along(const SampleGrid<Sample>& coarse, SampleGrid<Sample>& fine, int axis,
                           Margins reach, Faces faces) {
   constexpr std::int64_t deep = SampleGrid<Sample>::kMargin;
-  const std::int64_t wide = reach == Margins::all ? SampleGrid<Sample>::kMarginX : deep;
+  const bool is_near = reach == Margins::near;
+  const std::int64_t wide = is_near ? deep : SampleGrid<Sample>::kMarginX;
+  const std::int64_t beside = is_near ? 0 : wide;
   const Size3& size = fine.size();
   for (std::int64_t z = -deep; z < size.z + deep; ++z) {
     const bool is_plane_inside = z >= 0 && z < size.z;
     for (std::int64_t y = -deep; y < size.y + deep; ++y) {
-      if (!is_plane_inside || y < 0 || y >= size.y) {
-        repeat_row(coarse, fine, axis, y, z, -wide, size.x + wide);
+      const bool is_row_inside = y >= 0 && y < size.y;
+      if (is_near && !is_plane_inside && !is_row_inside) continue;
+      if (!is_plane_inside || !is_row_inside) {
+        repeat_row(coarse, fine, axis, y, z, -beside, size.x + beside);
         continue;
       }
       if (has_low_face(faces, 0)) repeat_row(coarse, fine, axis, y, z, -wide, 0);

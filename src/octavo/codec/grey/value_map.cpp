@@ -222,21 +222,25 @@ ValueGaps::ValueGaps(std::int64_t lowest, std::span<const std::uint8_t> used, in
       last_(static_cast<std::int64_t>(used.size()) - 1),
       used_(used.begin(), used.end()),
       details_(new Details[used.size()]) {  // not cleared: most of it is never looked at
+  // One more at either end, which no value takes
   const auto count = static_cast<int>(used.size());
-  const auto may_be = [&](int sample) {
-    return sample >= 0 && sample < count && used[static_cast<std::size_t>(sample)] != 0;
-  };
+  std::vector<std::uint8_t> around(used.size() + 2);
+  std::transform(used.begin(), used.end(), around.begin() + 1,
+                 [](std::uint8_t flag) { return static_cast<std::uint8_t>(flag != 0 ? 1 : 0); });
+  const std::uint8_t* const occurs = around.data() + 1;
   for (int mean = 0; mean < count; ++mean) {
     Details& row = details_[static_cast<std::size_t>(mean)];
-    // The two samples add up to one of two numbers; of every detail, its parity says which.
+    // The two samples add up to `sum` or to one more. Details rise with the first sample, without
+    // a branch: whether two values occur is anyone's guess.
     const int sum = 2 * mean - rounding;
-    const int reach = std::min(sum + 1, 2 * (count - 1) - sum);
+    const int last_first = std::min(count - 1, sum + 1);
     int number = 0;
-    for (int detail = -reach; detail <= reach; ++detail) {
-      const int a = (sum + detail + 1) >> 1;
-      const int b = a - detail;
-      if (!may_be(a) || !may_be(b)) continue;
-      row.values[number++] = static_cast<std::int16_t>(detail);
+    for (int a = std::max(0, sum - count + 1); a <= last_first; ++a) {
+      const int detail = 2 * a - sum;
+      row.values[number] = static_cast<std::int16_t>(detail - 1);
+      number += occurs[a] & occurs[sum + 1 - a];
+      row.values[number] = static_cast<std::int16_t>(detail);
+      number += occurs[a] & occurs[sum - a];
     }
     if (number == 0) row.values[number++] = 0;
     row.last = number - 1;

@@ -300,6 +300,62 @@ TEST(Parts, DoNotDependOnEachOther) {
   }
 }
 
+/// Some parts hold one value alone: they have no bytes, beside others that do.
+TEST(Parts, WithoutBytesStandBesideOthers) {
+  const Size3 size{64, 64, 64};
+  const BrickShape shape = shape_of(size);
+  for (const Preset preset : {Preset::small, Preset::fast}) {
+    const auto codec =
+        cut_codec<std::int16_t>(trained_on<std::int16_t>(Streams::cells, {preset}), kAllCuts);
+    for (const unsigned empty : {0x01u, 0x02u, 0x55u, 0x3fu}) {
+      auto voxels = voxels_of<std::int16_t>(size, Streams::residuals, 4);
+      for (std::size_t i = 0; i < voxels.size(); ++i) {
+        const std::size_t part = (i >> 17 & 1) << 2 | (i >> 11 & 1) << 1 | (i >> 5 & 1);
+        if ((empty >> part & 1) != 0) voxels[i] = 7;
+      }
+      expect_parts(*codec, shape, voxels, 0);
+      const EncodedBrick brick = codec->encode(shape, view_of(voxels, size));
+      const auto parts = opened(*codec, shape, VoxelType::int16, brick);
+      ASSERT_TRUE(parts);
+      for (std::size_t part = 0; part < 8; ++part) {
+        EXPECT_EQ(parts->parts()[part].length == 0, (empty >> part & 1) != 0) << part;
+      }
+    }
+  }
+}
+
+/// Parts may be decoded at the same time: what is wrong with the first of two is reported, however
+/// early the second one fails.
+TEST(Parts, OfTwoDamagedOnesTheFirstIsReported) {
+  const Size3 size{64, 40, 40};
+  const BrickShape shape = shape_of(size);
+  const auto voxels = voxels_of<std::int16_t>(size, Streams::residuals, 4);
+  const auto codec = cut_codec<std::int16_t>(
+      trained_on<std::int16_t>(Streams::residuals, {.preset = Preset::fast}), 6);
+  const EncodedBrick good = codec->encode(shape, view_of(voxels, size));
+  const auto parts = opened(*codec, shape, VoxelType::int16, good)->parts();
+  const auto failure = [&](const EncodedBrick& bad) -> std::string {
+    try {
+      whole_of<std::int16_t>(*codec, shape, bad);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "nothing";
+  };
+  // The first one has another last word, the second one the length of no plain bits.
+  EncodedBrick late = good;
+  late.segments[0][parts[1].offset - 1] ^= 1;
+  EncodedBrick early = good;
+  for (std::uint64_t i = 0; i < 4; ++i) early.segments[0][parts[1].offset + i] = 0xff;
+  EncodedBrick both = late;
+  both.segments[0] = early.segments[0];
+  both.segments[0][parts[1].offset - 1] ^= 1;
+  EXPECT_NE(failure(late), "nothing");
+  EXPECT_NE(failure(early), "nothing");
+  EXPECT_NE(failure(early), failure(late));
+  EXPECT_EQ(failure(both), failure(late));
+}
+
 /// Lengths that do not add up to the segment, a list that is cut short, or bytes behind the last
 /// part.
 TEST(Parts, AWrongListIsCorrupt) {

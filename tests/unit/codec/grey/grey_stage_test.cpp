@@ -123,6 +123,11 @@ RandomSplit make_split(std::mt19937& random, const Size3& fine, int axis, Predic
     s.cells.size = {fine.x / 2 + 1, fine.y / 2 + 1, fine.z / 2 + 1};
     s.cells.flags.resize(static_cast<std::size_t>(s.cells.size.voxel_count()));
     for (auto& flag : s.cells.flags) flag = static_cast<std::uint8_t>(below(2));
+    // Every second time whole rows and planes are alike.
+    const std::int64_t row = s.cells.size.x;
+    for (std::size_t i = 0; below(2) == 0 && i < s.cells.flags.size(); ++i) {
+      if (static_cast<std::int64_t>(i) % row != 0) s.cells.flags[i] = s.cells.flags[i - 1];
+    }
     for (int& shift : s.stage.cell_shift) shift = 1;
   }
   // Both samples of a pair in a uniform cell are alike.
@@ -228,7 +233,7 @@ Results run(const StageFunctions& functions, RandomSplit& s, bool has_cells) {
   load(work, s);
   SymbolReader symbols(s.model, s.stage.set, segment, count, 0);
   if (s.stage.has_edges) take_edges(s.stage, work, symbols);
-  functions.narrow.decode(s.model.parameters, s.stage, work, symbols);
+  functions.narrow.decode(s.model.parameters, {s.stage, work, symbols});
   symbols.finish();
   EXPECT_EQ(pairs_of(work, s), results.samples);
   return results;
@@ -331,7 +336,7 @@ std::optional<std::vector<std::int16_t>> decode_any(const StageFunctions& functi
   SymbolReader symbols(s.model, s.stage.set, segment, s.stage.detail_count(), 0);
   try {
     if (s.stage.has_edges) take_edges(s.stage, work, symbols);
-    functions.narrow.decode(s.model.parameters, s.stage, work, symbols);
+    functions.narrow.decode(s.model.parameters, {s.stage, work, symbols});
   } catch (const Error&) {
     return std::nullopt;
   }
@@ -369,6 +374,69 @@ TEST_P(StagesOf, MakeTheSameOfAnyStream) {
   EXPECT_GT(complete, 30);
 }
 
+/// The segment of a split whose true details are known, with at most so many states.
+Bytes segment_of(const RandomSplit& s, int most_states) {
+  Workspace<std::int16_t> work;
+  load_with_details(work, s);
+  std::vector<Symbol> symbols;
+  if (s.stage.has_edges) {
+    mark_edges(s.stage, work);
+    symbols = work.edge_symbols;
+  }
+  portable_stage_functions().narrow.encode(s.model.parameters, s.stage, work, symbols);
+  return encode_symbols(s.model, s.stage.set, symbols, s.stage.detail_count(), 0, most_states);
+}
+
+std::vector<std::int16_t> samples_of(const RandomSplit& s) {
+  Workspace<std::int16_t> work;
+  load_with_details(work, s);
+  if (s.stage.has_edges) mark_edges(s.stage, work);
+  portable_stage_functions().narrow.predict(s.model.parameters, s.stage, work);
+  return pairs_of(work, s);
+}
+
+/// Of every two sizes, with and without cells, edges and gaps, whatever the number of states.
+TEST_P(StagesOf, DecodeTwoPartsAtOnceToWhatEachHolds) {
+  const auto functions = stage_functions_of(GetParam());
+  if (!functions) GTEST_SKIP() << "this machine has no " << GetParam();
+  std::mt19937 random(27);
+  const Size3 sizes[] = {{64, 32, 32}, {64, 32, 7}, {33, 5, 32}, {2, 1, 2}, {16, 40, 9}};
+  Workspace<std::int16_t> works[2];
+  for (int round = 0; round < 60; ++round) {
+    SCOPED_TRACE(round);
+    const int axis = round % 3;
+    const auto predictor = round % 4 == 0 ? Predictor::neighbors : Predictor::means;
+    const auto kind = static_cast<Samples>(round / 3 % 4);
+    const int bits = kind == Samples::any ? 12 : 7;
+    const int most_states = 1 << (round % 6);
+    Size3 fine[2] = {sizes[random() % 5], sizes[random() % 5]};
+    for (Size3& size : fine) size[axis] += size[axis] % 2;
+    RandomSplit a = make_split(random, fine[0], axis, predictor, bits, round % 2 == 0, kind);
+    RandomSplit b = make_split(random, fine[1], axis, predictor, bits, round % 5 == 0, kind);
+    a.stage.cells = round % 2 == 0 ? &a.cells : nullptr;
+    b.stage.cells = round % 5 == 0 ? &b.cells : nullptr;
+    // Both are of one model.
+    b.model.parameters = a.model.parameters;
+    build_tables(b.model);
+    b.stage.group = a.stage.group;
+    load(works[0], a);
+    load(works[1], b);
+    const Bytes bytes[2] = {segment_of(a, most_states), segment_of(b, most_states)};
+    SymbolReader of_a(a.model, a.stage.set, bytes[0], a.stage.detail_count(), 0, most_states);
+    SymbolReader of_b(b.model, b.stage.set, bytes[1], b.stage.detail_count(), 0, most_states);
+    if (a.stage.has_edges) {
+      take_edges(a.stage, works[0], of_a);
+      take_edges(b.stage, works[1], of_b);
+    }
+    functions->narrow.decode_two(a.model.parameters, {a.stage, works[0], of_a},
+                                 {b.stage, works[1], of_b});
+    of_a.finish();
+    of_b.finish();
+    ASSERT_EQ(pairs_of(works[0], a), samples_of(a));
+    ASSERT_EQ(pairs_of(works[1], b), samples_of(b));
+  }
+}
+
 /// Times a step, a damaged residual can become the lowest 32-bit number, which has no opposite: its
 /// magnitude must stay one that contexts can be made of.
 TEST_P(StagesOf, BoundTheMagnitudeOfTheLowestResidual) {
@@ -400,7 +468,7 @@ TEST_P(StagesOf, BoundTheMagnitudeOfTheLowestResidual) {
     load(work, split);
     SymbolReader reader(split.model, split.stage.set, segment, count, 0);
     try {
-      functions->narrow.decode(split.model.parameters, split.stage, work, reader);
+      functions->narrow.decode(split.model.parameters, {split.stage, work, reader});
     } catch (const Error& error) {
       // The second plane has other contexts now and may take more than there is.
       EXPECT_EQ(error.kind(), ErrorKind::corrupt);
