@@ -39,7 +39,8 @@ constexpr VerbText kBuildText = {
     "which come out as those of a lossless file. Finer levels take no bytes and are interpolated:\n"
     "the largest and the RMS error and the PSNR are measured, printed and kept in the metadata.\n"
     "At the same size --max-error keeps more of most scans; this is for previews that share the\n"
-    "grid of their scan. Integer grey values only, K from 1 to 5.\n\n"
+    "grid of their scan. Integer grey values only, K from 1 to 5; not with --max-error, nor with\n"
+    "--access slices or boxes: level 0 has no bytes to be cut.\n\n"
     "The slices of a DICOM series must make an even, upright stack. Where they do not, --on-gap\n"
     "fill interpolates the planes that an even grid lacks (left empty in a segmentation),\n"
     "--on-gap resample makes planes at the smallest regular step, and --untilt moves the slices\n"
@@ -64,7 +65,8 @@ constexpr VerbText kBuildText = {
     "the middle, seen from the front; of flat volumes the plane of the longer sides. info\n"
     "--thumbnail writes it, verify proves it, and transform makes it anew.\n\n"
     "With --resume a build that was interrupted (a signal, a full disk, a power cut) continues\n"
-    "behind the last whole group of planes. The scan is read again and must be the same; so is\n"
+    "behind the last whole group of planes, which hold 32 MiB of voxels or somewhat more: what\n"
+    "stops in the first group keeps nothing. The scan is read again and must be the same; so is\n"
     "the finished file, byte for byte. Give --resume from the start where work may not be lost.\n\n"
     "Examples:\n"
     "  octavo build scans/head/ -o head.8vo\n"
@@ -169,7 +171,8 @@ void add_build(CLI::App& app, Context& context) {
       ->type_name("E")
       ->capture_default_str();
   verb.add_option("--keep-details", arguments->keep_details,
-                  "The finest level whose details are kept; finer ones are interpolated")
+                  "The finest level whose details are kept; finer ones are interpolated. Not with "
+                  "--max-error, nor with --access slices or boxes")
       ->type_name("K")
       ->check(whole_within(1, 5));
   verb.add_option("--nan", arguments->nan, "float32: what takes the place of NaN")

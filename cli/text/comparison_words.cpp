@@ -45,10 +45,11 @@ std::vector<std::string> comparison_lines(const Comparison& c, const VolumeDescr
                                 number_text(b.rescale.slope), number_text(b.rescale.intercept)));
   }
   if (c.different > 0) {
+    const auto [first_a, first_b] = unlike_texts(c.first_values[0], c.first_values[1]);
     lines.push_back(fmt::format(
         "voxels: {} of {} differ, by at most {}; first at x,y,z = {},{},{}: {} against {}",
         count_text(c.different), count_text(c.voxels), number_text(c.max_difference), c.first.x,
-        c.first.y, c.first.z, number_text(c.first_values[0]), number_text(c.first_values[1])));
+        c.first.y, c.first.z, first_a, first_b));
   }
   if (c.other_bits > 0) lines.push_back("bits: " + other_bits_text(c));
   return lines;

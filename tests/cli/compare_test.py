@@ -8,6 +8,7 @@ Everything is generated.
 
 import hashlib
 import json
+import struct
 import sys
 
 import cli_test
@@ -32,6 +33,14 @@ class Compare(cli_test.InFolder):
         self.assertEqual((told["compared_as"], told["equal"]), ("digest", True))
         told = json.loads(self.expect(0, *files, "--voxels", "--json").stdout)
         self.assertEqual((told["compared_as"], told["equal"]), ("stored", True))
+
+    def test_neighbors_among_floats_are_told_apart(self):
+        for name, last in (("a", 1.0), ("b", 1.0 + 2**-23)):
+            (self.folder / f"{name}.raw").write_bytes(struct.pack("<8f", *range(7), last))
+            self.expect(0, "build", f"{name}.raw", "--raw", "2,2,2,float32", "--spacing", "1",
+                        "-o", f"{name}.8vo")
+        text = self.expect(1, "compare", "a.8vo", "b.8vo").stdout
+        self.assertIn("first at x,y,z = 1,1,1: 1 against 1.0000001", text)
 
     def test_label_maps_are_compared_label_by_label(self):
         layout = self.random_raw("a_labels.raw", (12, 11, 10), "B", 4)

@@ -27,6 +27,15 @@ std::string exact_text(double value) {
 
 std::string number_text(double value) { return formatted("%.6g", value == 0 ? 0.0 : value); }
 
+std::pair<std::string, std::string> unlike_texts(double a, double b) {
+  constexpr int kAllDigits = 17;
+  for (int digits = 6;; ++digits) {
+    const std::string of_a = formatted("%.*g", digits, a == 0 ? 0.0 : a);
+    const std::string of_b = formatted("%.*g", digits, b == 0 ? 0.0 : b);
+    if (of_a != of_b || digits == kAllDigits) return {of_a, of_b};
+  }
+}
+
 std::string precise_text(double value) { return formatted("%.7g", value); }
 
 std::string point_text(const Point3& point, const std::string& separator) {

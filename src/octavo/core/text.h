@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include "octavo/core/box.h"
 #include "octavo/core/geometry.h"
@@ -15,7 +16,10 @@ std::string exact_text(double value);
 /// A number as people write it: up to six significant digits, no trailing zeros; "0.957", "-1024".
 std::string number_text(double value);
 
-/// The same with up to seven digits, for positions and spacings that are compared.
+/// Two numbers with as many digits as tell them apart, six at least: "1", "1.0000001".
+std::pair<std::string, std::string> unlike_texts(double a, double b);
+
+/// A number with up to seven digits, for positions and spacings that are compared.
 std::string precise_text(double value);
 
 /// "0.957 x 0.957 x 1.5".

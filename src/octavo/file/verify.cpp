@@ -110,6 +110,8 @@ class Verifier {
   void check_rows(int tier, const Box& rows, PlaneDigests* planes);
   void check_parents(int tier, const Box& bricks);
   void check_parents_in(const Index3& above, int tier, const Box& bricks);
+  Damage sample_place(int tier, const Index3& sample) const;
+  Damage page_place(int tier, std::size_t number) const;
   void add_other_parent(int tier, const Index3& brick, std::int64_t parent, std::int64_t sample);
   void report_layer(int tier, std::int64_t layer);
   void check_planes(std::int64_t slab, const std::vector<Sha256Digest>& found);
@@ -419,14 +421,31 @@ void Verifier::check_parents_in(const Index3& above, int tier, const Box& bricks
   }
 }
 
+// Where a sample of the finest level of a tier stands: the piece of its brick that holds it, or the
+// index page where that says all of the brick.
+Damage Verifier::sample_place(int tier, const Index3& sample) const {
+  const Size3 side = file_.levels().brick_side(tier);
+  const Index3 brick{sample.x / side.x, sample.y / side.y, sample.z / side.z};
+  const BrickEntry entry = file_.entry_at(tier, brick);
+  for (std::size_t piece = 0; piece < entry.pieces.size() && !entry.is_uniform(); ++piece) {
+    if (entry.pieces[piece].length > 0) return brick_place(entry, static_cast<int>(piece));
+  }
+  const TierIndex& index = file_.root().tiers[static_cast<std::size_t>(tier)];
+  const std::int64_t number =
+      brick.z * index.layer_pages + place_in_layer(index.grid, brick) / kPageBricks;
+  return page_place(tier, static_cast<std::size_t>(number));
+}
+
 void Verifier::add_other_parent(int tier, const Index3& brick, std::int64_t parent,
                                 std::int64_t sample) {
   const VolumeDescription& volume = file_.description();
-  const int level = Levels::first_level(tier + 1);
+  const std::string name = std::to_string(brick.x) + "," + std::to_string(brick.y) + "," +
+                           std::to_string(brick.z);
   Damage damage = damaged(
-      brick_place(file_.entry_at(tier, brick), 0),
-      "its sample of level " + std::to_string(level) + " is " + sample_text(volume, parent) +
-          ", but that level holds " + sample_text(volume, sample));
+      sample_place(tier + 1, brick),
+      "sample " + name + " of level " + std::to_string(Levels::first_level(tier + 1)) + " is " +
+          sample_text(volume, sample) + ", but the brick below makes it " +
+          sample_text(volume, parent));
   const TierIndex& index = file_.root().tiers[static_cast<std::size_t>(tier)];
   const std::lock_guard lock(mutex_);
   brick_damages_[place_in_layer(index.grid, brick)] = {std::move(damage)};
@@ -477,8 +496,7 @@ void Verifier::check_planes(std::int64_t slab, const std::vector<Sha256Digest>& 
   }
 }
 
-// Proves a page. Returns the number of its bricks where they cannot be read.
-std::int64_t Verifier::check_page(int tier, std::size_t number) {
+Damage Verifier::page_place(int tier, std::size_t number) const {
   const PageRef& ref = file_.root().tiers[static_cast<std::size_t>(tier)].pages[number];
   Damage place;
   place.what = "index page";
@@ -487,6 +505,13 @@ std::int64_t Verifier::check_page(int tier, std::size_t number) {
   place.code = number;
   place.offset = ref.offset;
   place.length = ref.length;
+  return place;
+}
+
+// Proves a page. Returns the number of its bricks where they cannot be read.
+std::int64_t Verifier::check_page(int tier, std::size_t number) {
+  const PageRef& ref = file_.root().tiers[static_cast<std::size_t>(tier)].pages[number];
+  const Damage place = page_place(tier, number);
   const Bytes bytes = read_arriving(file_.source(), ref.offset, ref.length);
   auto damage = checksum_damage(place, crc32c(bytes), ref.crc);
   if (!damage) {
