@@ -20,6 +20,7 @@ MAY_INCLUDE = {
     "codec": {"core", "octree"},
     "file": BELOW_FILE,
     "builder": BELOW_FILE | {"file", "planes"},
+    "dist": BELOW_FILE | {"file", "planes", "builder"},
     "io": BELOW_FILE | {"file", "planes"},
     "ops": BELOW_FILE | {"file", "planes"},
     "render": BELOW_FILE | {"file"},

@@ -241,6 +241,14 @@ std::unique_ptr<PlaneSource> make_repaired_source(PlaneSource& source, const Flo
 }
 
 FloatPlanes::FloatPlanes(PlaneSource& source, const FloatSettings& settings, Progress& progress)
+    : FloatPlanes(source, settings, progress, nullptr) {}
+
+FloatPlanes::FloatPlanes(PlaneSource& source, const FloatSettings& settings,
+                         const FloatChoice& known, Progress& progress)
+    : FloatPlanes(source, settings, progress, &known) {}
+
+FloatPlanes::FloatPlanes(PlaneSource& source, const FloatSettings& settings, Progress& progress,
+                         const FloatChoice* known)
     : source_(source),
       settings_(settings),
       progress_(progress),
@@ -252,7 +260,15 @@ FloatPlanes::FloatPlanes(PlaneSource& source, const FloatSettings& settings, Pro
   }
   if (!is_exact()) description_.type = VoxelType::int32;
   description_.coding.reset();
-  read_ahead();
+  if (known == nullptr) {
+    read_ahead();
+    return;
+  }
+  coding_ = known->coding;
+  codec_error_ = known->codec_error;
+  rounding_ = known->rounding;
+  roomier_error_ = known->roomier_error;
+  slack_ = known->slack;
 }
 
 // Reads planes until enough of them are not constant, and chooses the coding.

@@ -46,6 +46,17 @@ struct FloatSettings {
   std::int64_t first_planes = 1;  ///< planes that differ in themselves to find the coding in
 };
 
+/// What the first planes decide for all of them.
+struct FloatChoice {
+  SampleCoding coding;
+  std::int64_t codec_error = 0;
+  double rounding = 0;  ///< of floats where a codec changes codes of the scale
+  double roomier_error = 0;
+  double slack = 0;     ///< how far a code alone may lie from its voxel
+
+  bool operator==(const FloatChoice&) const = default;
+};
+
 class FloatPlanes final : public PlaneSource {
  public:
   /// Reads the first planes of `source` (float32), which must outlive this, and finds the coding.
@@ -53,6 +64,13 @@ class FloatPlanes final : public PlaneSource {
   ///        place and a max error that would do; Error{cancelled}; what the source throws
   /// Memory first_planes planes; planes of one value cost nothing
   FloatPlanes(PlaneSource& source, const FloatSettings& settings, Progress& progress);
+  /// Reads nothing yet: others have read the first planes of the same source.
+  FloatPlanes(PlaneSource& source, const FloatSettings& settings, const FloatChoice& known,
+              Progress& progress);
+
+  FloatChoice choice() const {
+    return {coding_, codec_error_, rounding_, roomier_error_, slack_};
+  }
 
   /// That of the source, but with a max error the type is that of the codes.
   const VolumeDescription& description() const override { return description_; }
@@ -76,6 +94,8 @@ class FloatPlanes final : public PlaneSource {
   std::span<const float> voxels() const { return plane_; }
 
  private:
+  FloatPlanes(PlaneSource& source, const FloatSettings& settings, Progress& progress,
+              const FloatChoice* known);
   bool is_exact() const { return settings_.max_error == 0; }
   void read_ahead();
   void choose_exact(const std::vector<float>& values);

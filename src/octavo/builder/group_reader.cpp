@@ -28,12 +28,25 @@ std::int64_t group_planes(const Levels& levels, VoxelType type) {
 
 GroupReader::GroupReader(PlaneSource& source, const Levels& levels, Progress& progress,
                          const FloatPlanes* floats)
+    : GroupReader(source, levels, progress, floats, 0, levels.size(0).z, false) {}
+
+GroupReader::GroupReader(PlaneSource& source, const Levels& levels, Progress& progress,
+                         const FloatPlanes* floats, std::int64_t first, std::int64_t end)
+    : GroupReader(source, levels, progress, floats, first, end, true) {}
+
+GroupReader::GroupReader(PlaneSource& source, const Levels& levels, Progress& progress,
+                         const FloatPlanes* floats, std::int64_t first, std::int64_t end,
+                         bool seeks)
     : source_(source),
       progress_(progress),
       floats_(floats),
       size_(levels.size(0)),
       type_(source.description().type),
       planes_per_group_(group_planes(levels, type_)),
+      seeks_(seeks),
+      first_plane_(first),
+      next_plane_(first),
+      end_plane_(end),
       thread_([this] { read_groups(); }) {}
 
 GroupReader::~GroupReader() {
@@ -52,7 +65,7 @@ VoxelBlock GroupReader::next() {
   Buffer& buffer = buffers_[taken_++ % buffers_.size()];
   VoxelBlock block{buffer.voxels.bytes().data(), type_, size_, next_plane_};
   if (floats_ != nullptr) block.floats = buffer.floats.data();
-  next_plane_ = std::min(next_plane_ + planes_per_group_, size_.z);
+  next_plane_ = std::min(next_plane_ + planes_per_group_, end_plane_);
   block.size.z = next_plane_ - block.first_plane;
   block.crc = buffer.crc;
   return block;
@@ -66,10 +79,11 @@ void GroupReader::release() {
 
 void GroupReader::read_groups() {
   try {
+    if (seeks_) source_.seek(first_plane_, end_plane_);
     std::size_t group = 0;
-    for (std::int64_t at = 0; at < size_.z; at += planes_per_group_, ++group) {
+    for (std::int64_t at = first_plane_; at < end_plane_; at += planes_per_group_, ++group) {
       if (!wait_for_room(group)) return;
-      fill(buffers_[group % buffers_.size()], std::min(planes_per_group_, size_.z - at));
+      fill(buffers_[group % buffers_.size()], std::min(planes_per_group_, end_plane_ - at));
       const std::lock_guard lock(mutex_);
       read_ = group + 1;
       changed_.notify_all();

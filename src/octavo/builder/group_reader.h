@@ -34,6 +34,11 @@ class GroupReader {
   GroupReader(PlaneSource& source, const Levels& levels, Progress& progress,
               const FloatPlanes* floats = nullptr);
 
+  /// The same of some groups: those from plane `first` up to `end`, where groups begin. The source
+  /// is sought there.
+  GroupReader(PlaneSource& source, const Levels& levels, Progress& progress,
+              const FloatPlanes* floats, std::int64_t first, std::int64_t end);
+
   /// Stops at the next plane and joins the reading thread.
   ~GroupReader();
 
@@ -41,7 +46,7 @@ class GroupReader {
   GroupReader& operator=(const GroupReader&) = delete;
 
   /// True when all groups were taken.
-  bool is_done() const { return next_plane_ == size_.z; }
+  bool is_done() const { return next_plane_ == end_plane_; }
 
   /// Waits for the next group. The block stays valid until it is released.
   /// Two blocks may be out at a time: it waits for one of them to be released as well.
@@ -62,6 +67,9 @@ class GroupReader {
     std::uint32_t crc = 0;
   };
 
+  GroupReader(PlaneSource& source, const Levels& levels, Progress& progress,
+              const FloatPlanes* floats, std::int64_t first, std::int64_t end, bool seeks);
+
   void read_groups();
   bool wait_for_room(std::size_t group);
   void fill(Buffer& buffer, std::int64_t planes);
@@ -72,7 +80,10 @@ class GroupReader {
   Size3 size_;
   VoxelType type_;
   std::int64_t planes_per_group_;
-  std::int64_t next_plane_ = 0;  // first plane of the group that next() gives
+  bool seeks_;               // whether the source may stand elsewhere
+  std::int64_t first_plane_;
+  std::int64_t next_plane_;  // first plane of the group that next() gives
+  std::int64_t end_plane_;
   std::size_t taken_ = 0;        // groups that next() gave
   std::array<Buffer, 2> buffers_;
   std::atomic<bool> is_stopped_ = false;

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "octavo/builder/crypto_hasher.h"
+#include "octavo/core/crc32c.h"
 #include "octavo/file/layer_order.h"
 
 namespace octavo {
@@ -29,6 +30,13 @@ BrickView view_of(const VoxelBlock& block, const Box& box) {
   view.row_stride = block.size.x;
   view.plane_stride = block.size.x * block.size.y;
   return view;
+}
+
+std::uint32_t content_hash_of(const VoxelBlock& block) {
+  if (block.floats == nullptr) return block.crc;
+  const auto bytes =
+      static_cast<std::size_t>(block.size.voxel_count() * bytes_per_voxel(block.type));
+  return crc32c({reinterpret_cast<const std::uint8_t*>(block.voxels), bytes});
 }
 
 BrickView float_view_of(const VoxelBlock& block, const Box& box) {

@@ -33,6 +33,10 @@ BrickView float_view_of(const VoxelBlock& block, const Box& box);
 /// Puts voxels, dense [z][y][x] of `box`, into the block in place of those that stand there.
 void put_voxels(const VoxelBlock& block, const Box& box, const std::byte* voxels);
 
+/// CRC-32C of the block's voxels as bricks hold them: of the first group, what the build id takes
+/// for the voxels.
+std::uint32_t content_hash_of(const VoxelBlock& block);
+
 /// The digests of `count` planes of the block, counted from its own first one; of the floats that
 /// `coding` makes of them, if given. Uses the threads of the calling task arena.
 std::vector<Sha256Digest> plane_digests(const VoxelBlock& block, std::int64_t first,

@@ -24,36 +24,13 @@ std::string numbers_text(const Numbers& numbers) {
   return text;
 }
 
-// True when a group follows `before` as the writer would have made it.
-bool follows(const JournalGroup& group, const JournalGroup& before, const Levels& levels,
-             const std::vector<JournalBlock>& blocks) {
-  const Size3 grid = levels.brick_grid(0);
-  const std::int64_t layers = group.end_layer - before.end_layer;
-  if (layers <= 0 || group.end_layer > grid.z || group.file_bytes < before.file_bytes) return false;
-  const bool is_sum = group.squared_error >= before.squared_error &&
-                      group.squared_error <= std::numeric_limits<double>::max();
-  if (!is_sum) return false;
-  const auto layer_bricks = static_cast<std::uint64_t>(grid.x * grid.y);
-  const std::uint64_t layer_pages = (layer_bricks + kPageBricks - 1) / kPageBricks;
-  const auto count = static_cast<std::uint64_t>(layers);
+// Blocks of streams that such a volume has.
+bool are_known(const std::vector<JournalBlock>& blocks, const Levels& levels) {
   const auto is_known = [&](const JournalBlock& block) {
     return block.stream <= static_cast<std::size_t>(levels.count()) &&
            block.length <= kMaxBlockBytes;
   };
-  const auto is_inside = [&](const ModelRef& model) {
-    return model.first_slab >= before.end_layer && model.first_slab < group.end_layer &&
-           model.length <= kMaxModelBytes;
-  };
-  const std::int64_t planes =
-      planes_in(levels, group.end_layer) - planes_in(levels, before.end_layer);
-  const bool has_first = !group.models.empty() && group.models.front().first_slab == 0;
-  if (!std::ranges::all_of(group.models, is_inside) || (before.end_layer == 0 && !has_first)) {
-    return false;
-  }
-  return group.slab_trailer_bytes.size() == count && group.pages.size() == count * layer_pages &&
-         group.parents.size() == count * layer_bricks &&
-         group.plane_digests.size() == static_cast<std::uint64_t>(planes) &&
-         std::ranges::all_of(blocks, is_known);
+  return std::ranges::all_of(blocks, is_known);
 }
 
 // The CRC-32C of bytes begin .. end of a file, continued from `crc`.
@@ -153,6 +130,31 @@ void discard_interrupted(Storage& storage, const std::string& path) noexcept {
   }
 }
 
+bool follows(const JournalGroup& group, const JournalGroup& before, const Levels& levels) {
+  const Size3 grid = levels.brick_grid(0);
+  const std::int64_t layers = group.end_layer - before.end_layer;
+  if (layers <= 0 || group.end_layer > grid.z || group.file_bytes < before.file_bytes) return false;
+  const bool is_sum = group.squared_error >= before.squared_error &&
+                      group.squared_error <= std::numeric_limits<double>::max();
+  if (!is_sum) return false;
+  const auto layer_bricks = static_cast<std::uint64_t>(grid.x * grid.y);
+  const std::uint64_t layer_pages = (layer_bricks + kPageBricks - 1) / kPageBricks;
+  const auto count = static_cast<std::uint64_t>(layers);
+  const auto is_inside = [&](const ModelRef& model) {
+    return model.first_slab >= before.end_layer && model.first_slab < group.end_layer &&
+           model.length <= kMaxModelBytes;
+  };
+  const std::int64_t planes =
+      planes_in(levels, group.end_layer) - planes_in(levels, before.end_layer);
+  const bool has_first = !group.models.empty() && group.models.front().first_slab == 0;
+  if (!std::ranges::all_of(group.models, is_inside) || (before.end_layer == 0 && !has_first)) {
+    return false;
+  }
+  return group.slab_trailer_bytes.size() == count && group.pages.size() == count * layer_pages &&
+         group.parents.size() == count * layer_bricks &&
+         group.plane_digests.size() == static_cast<std::uint64_t>(planes);
+}
+
 std::vector<WholeGroup> proven_groups(const StorageFile& file, const StorageFile& journal,
                                       const Levels& levels) {
   std::vector<WholeGroup> groups = read_journal_groups(journal);
@@ -161,7 +163,8 @@ std::vector<WholeGroup> proven_groups(const StorageFile& file, const StorageFile
   before.file_bytes = kHeaderBytes;
   std::size_t whole = 0;
   for (const auto& [group, blocks, end] : groups) {
-    if (!follows(group, before, levels, blocks) || group.file_bytes > size) break;
+    const bool is_known = follows(group, before, levels) && are_known(blocks, levels);
+    if (!is_known || group.file_bytes > size) break;
     if (crc_of(file, before.file_bytes, group.file_bytes, before.digest) != group.digest) break;
     before.end_layer = group.end_layer;
     before.file_bytes = group.file_bytes;

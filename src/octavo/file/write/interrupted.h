@@ -35,6 +35,9 @@ std::vector<InterruptedBuild> find_interrupted(Storage& storage, const std::stri
 /// Removes the interrupted builds of `path`. What cannot be removed stays.
 void discard_interrupted(Storage& storage, const std::string& path) noexcept;
 
+/// True when a group follows `before` as the writer would have made it.
+bool follows(const JournalGroup& group, const JournalGroup& before, const Levels& levels);
+
 /// The groups that are whole in the journal and in the growing file, both of which are read.
 /// levels  of the volume
 /// Throws  Error{io}

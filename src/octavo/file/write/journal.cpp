@@ -118,7 +118,24 @@ PageRef take_page(ByteReader& in) {
   return page;
 }
 
-Bytes group_payload(const JournalGroup& group) {
+// How many things follow, each of which takes at least one byte.
+std::uint64_t take_count(ByteReader& in) {
+  const std::uint64_t count = in.varint();
+  if (count > in.left()) in.fail("ends early");
+  return count;
+}
+
+// The record of the head, when it is one.
+std::optional<Record> head_record(const StorageFile& file) {
+  constexpr std::uint64_t kMaxHeadBytes = kMaxMetadataBytes + (std::uint64_t{1} << 20);
+  const auto record = record_at(file, 0);
+  if (!record || record->type != kHeadRecord || record->length > kMaxHeadBytes) return std::nullopt;
+  return record;
+}
+
+}  // namespace
+
+Bytes encode_group(const JournalGroup& group) {
   Bytes bytes;
   ByteWriter out(bytes);
   out.put_varint(static_cast<std::uint64_t>(group.end_layer));
@@ -142,13 +159,6 @@ Bytes group_payload(const JournalGroup& group) {
   out.put_varint(group.plane_digests.size());
   for (const Sha256Digest& digest : group.plane_digests) put_bytes(bytes, digest);
   return bytes;
-}
-
-// How many things follow, each of which takes at least one byte.
-std::uint64_t take_count(ByteReader& in) {
-  const std::uint64_t count = in.varint();
-  if (count > in.left()) in.fail("ends early");
-  return count;
 }
 
 JournalGroup parse_group(ByteSpan bytes) {
@@ -181,16 +191,6 @@ JournalGroup parse_group(ByteSpan bytes) {
   return group;
 }
 
-// The record of the head, when it is one.
-std::optional<Record> head_record(const StorageFile& file) {
-  constexpr std::uint64_t kMaxHeadBytes = kMaxMetadataBytes + (std::uint64_t{1} << 20);
-  const auto record = record_at(file, 0);
-  if (!record || record->type != kHeadRecord || record->length > kMaxHeadBytes) return std::nullopt;
-  return record;
-}
-
-}  // namespace
-
 Journal::Journal(std::unique_ptr<StorageFile> file, const JournalHead& head)
     : file_(std::move(file)) {
   append(kHeadRecord, 0, head_payload(head));
@@ -220,7 +220,7 @@ std::uint64_t Journal::append_block(std::size_t stream, ByteSpan bytes) {
 }
 
 void Journal::append_group(const JournalGroup& group) {
-  append(kGroupRecord, 0, group_payload(group));
+  append(kGroupRecord, 0, encode_group(group));
 }
 
 std::optional<JournalHead> read_journal_head(const StorageFile& file) {

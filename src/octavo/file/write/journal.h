@@ -66,6 +66,12 @@ struct JournalBlock {
   std::uint32_t length = 0;
 };
 
+/// A group as journals and parts of a file hold it.
+Bytes encode_group(const JournalGroup& group);
+
+/// Throws Error{corrupt} where the bytes are no group; what it says is not proven.
+JournalGroup parse_group(ByteSpan bytes);
+
 /// Appends records. Every call throws Error{io}.
 class Journal {
  public:

@@ -1,6 +1,6 @@
 #include "octavo/file/write/writer.h"
 
-#include <algorithm>
+#include <functional>
 #include <optional>
 #include <span>
 #include <utility>
@@ -83,6 +83,7 @@ class FileWriterImpl final : public FileWriter {
       if (!run_->is_complete()) misused("finished before the last brick");
       FileSealer sealer(*out_, header_, levels_, run_->root());
       sealer.append_streams([&](std::size_t stream, const auto& sink) {
+        for (const auto& run : options_.runs) copy_stream(*run, stream, sink);
         spool_.copy(stream, sink);
       });
       append_sections(sealer);
@@ -147,6 +148,9 @@ class FileWriterImpl final : public FileWriter {
 
   void begin();
   bool resume();
+  void append_run(const EncodedRun& run);
+  void copy_stream(const EncodedRun& run, std::size_t stream,
+                   const std::function<void(ByteSpan)>& sink);
   void take_over(InterruptedBuild build, std::vector<WholeGroup> groups);
   JournalHead journal_head() const;
   void append_group(std::uint32_t voxels_crc);
@@ -170,7 +174,7 @@ class FileWriterImpl final : public FileWriter {
   Spool spool_;
   std::optional<RunWriter> run_;  ///< once there is a file to write to
   std::vector<Part> parts_;
-  std::string failed_source_;     ///< that a part could not be copied from
+  std::string failed_source_;     ///< that a part or a run could not be copied from
 
   // What the journal says is whole, and what it does not know yet.
   struct Whole {
@@ -194,6 +198,7 @@ void FileWriterImpl::begin() {
   out_ = std::make_unique<AppendFile>(std::move(temporary.file));
   out_->write_header(encode_header(header_));
   run_.emplace(header_, levels_, *out_, spool_, options_.has_journal);
+  for (const auto& run : options_.runs) append_run(*run);
   if (!options_.has_journal) return;
   journal_ = std::make_unique<Journal>(
       storage_.create_replacement(temporary_ + kJournalEnding, path_), journal_head());
@@ -269,6 +274,31 @@ void FileWriterImpl::append_group(std::uint32_t voxels_crc) {
   journal_->append_group(group);
   if (options_.is_resuming) journal_->file().sync();
   whole_ = {group.end_layer, group.file_bytes, journal_->size()};
+}
+
+// Level 0 of a run, and what is known of its groups.
+void FileWriterImpl::append_run(const EncodedRun& run) {
+  const std::uint64_t begin = out_->size();
+  copy_stream(run, 0, [&](ByteSpan bytes) { out_->append(bytes); });
+  for (JournalGroup group : run.groups()) {
+    for (ModelRef& model : group.models) model.offset += begin;
+    run_->take_over(group);
+  }
+}
+
+void FileWriterImpl::copy_stream(const EncodedRun& run, std::size_t stream,
+                                 const std::function<void(ByteSpan)>& sink) {
+  bool is_ours = false;  // what fails
+  try {
+    run.copy(stream, [&](ByteSpan bytes) {
+      is_ours = true;
+      sink(bytes);
+      is_ours = false;
+    });
+  } catch (const Error& error) {
+    if (!is_ours) failed_source_ = error.path();
+    throw;
+  }
 }
 
 void FileWriterImpl::append_sections(FileSealer& sealer) {

@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "octavo/codec/brick_codec.h"
 #include "octavo/core/levels.h"
@@ -21,6 +22,7 @@
 #include "octavo/file/directory.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/file/write/brick_sink.h"
+#include "octavo/file/write/encoded_run.h"
 #include "octavo/file/write/journal.h"
 
 namespace octavo {
@@ -42,6 +44,9 @@ struct WriterOptions {
   bool discards_interrupted = false;
   /// Puts a thumbnail (thumbnail.h) before all other parts.
   bool has_thumbnail = false;
+  /// The first layers of tier 0 where others have encoded them: their bricks do not come again. A
+  /// file without a journal.
+  std::vector<std::shared_ptr<const EncodedRun>> runs = {};
   /// How the bricks are made, lines "NAME: VALUE": writers of other settings do not continue.
   std::string settings = {};
 };

@@ -1,11 +1,12 @@
-// Every format gives any of its planes, and says whether it has to read those before.
-#include "support/sought_planes.h"
+// Every format gives any of its planes, read ahead or not, and says whether it has to read those
+// before.
+#include "octavo/io/source/prefetch_source.h"
 
 #include <gtest/gtest.h>
 
-#include "octavo/io/source/prefetch_source.h"
 #include "support/dicom_samples.h"
 #include "support/image_samples.h"
+#include "support/sought_planes.h"
 #include "support/source_files.h"
 
 namespace octavo::testing {

@@ -1,0 +1,246 @@
+#include "octavo/dist/part_file.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <utility>
+
+#include "octavo/core/crc32c.h"
+#include "octavo/core/error.h"
+#include "octavo/file/byte_codec.h"
+#include "octavo/file/storage/temporary.h"
+#include "octavo/file/write/interrupted.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::array<std::uint8_t, 8> kPartMagic = {0x8f, '8', 'p', 'r', 't', 0x0d, 0x0a, 0x1a};
+constexpr std::size_t kHeadCrcAt = kHeaderBytes - 4;
+constexpr std::size_t kCopyBytes = std::size_t{1} << 20;
+constexpr const char* kTail = "the tail of the part";
+
+/// Where the tail stands.
+HeaderBlock encode_head(const PartPlace& place, const Section& tail) {
+  Bytes bytes(kPartMagic.begin(), kPartMagic.end());
+  ByteWriter out(bytes);
+  out.put_u32(kPartVersion);
+  out.put_u64(place.plan);
+  out.put_u64(static_cast<std::uint64_t>(place.first_group));
+  out.put_u64(static_cast<std::uint64_t>(place.end_group));
+  out.put_u64(tail.offset);
+  out.put_u64(tail.length);
+  out.put_u32(tail.crc);
+  HeaderBlock block{};
+  std::ranges::copy(bytes, block.begin());
+  store_little_endian(crc32c(ByteSpan(block).first(kHeadCrcAt)), block.data() + kHeadCrcAt);
+  return block;
+}
+
+// How many things follow, each of which takes at least one byte.
+std::size_t take_count(ByteReader& in) {
+  const std::uint64_t count = in.varint();
+  if (count > in.left()) in.fail("ends early");
+  return static_cast<std::size_t>(count);
+}
+
+}  // namespace
+
+PartWriter::PartWriter(Storage& storage, std::string path, const FileHeader& header,
+                       const Levels& levels, const PartPlace& place, const RunStart& start)
+    : storage_(storage),
+      path_(std::move(path)),
+      header_(header),
+      levels_(levels),
+      place_(place),
+      spool_(storage, folder_of(path_), run_streams(levels)),
+      errors_(1) {
+  TemporaryFile temporary = create_temporary(storage_, path_);
+  temporary_ = std::move(temporary.path);
+  out_ = std::make_unique<AppendFile>(std::move(temporary.file));
+  run_ = std::make_unique<RunWriter>(header_, levels_, *out_, spool_, true, start);
+}
+
+PartWriter::~PartWriter() {
+  if (temporary_.empty()) return;
+  try {
+    storage_.remove(temporary_);
+  } catch (const std::exception&) {
+    // What stays is removed by who makes the part next.
+  }
+}
+
+void PartWriter::add_brick(int tier, const EncodedBrick& brick) {
+  run_->add_brick(tier, brick);
+  if (header_.detail_level > 0) errors_.back().push_back(brick.squared_error);
+}
+
+void PartWriter::end_group(std::uint32_t voxels_crc) {
+  JournalGroup group = run_->take_group(voxels_crc);
+  for (ModelRef& model : group.models) model.offset -= kHeaderBytes;
+  groups_.push_back(std::move(group));
+  errors_.emplace_back();
+}
+
+Bytes PartWriter::tail() const {
+  Bytes bytes;
+  ByteWriter out(bytes);
+  out.put_varint(streams_.size());
+  for (const Section& stream : streams_) {
+    out.put_varint(stream.length);
+    out.put_u32(stream.crc);
+  }
+  out.put_varint(groups_.size());
+  for (std::size_t i = 0; i < groups_.size(); ++i) {
+    const Bytes group = encode_group(groups_[i]);
+    out.put_varint(group.size());
+    bytes.insert(bytes.end(), group.begin(), group.end());
+    out.put_varint(errors_[i].size());
+    for (const double squared : errors_[i]) out.put_u64(std::bit_cast<std::uint64_t>(squared));
+  }
+  return bytes;
+}
+
+void PartWriter::finish() {
+  streams_ = {{kHeaderBytes, out_->size() - kHeaderBytes, out_->digest()}};
+  for (std::size_t stream = 1; stream < run_streams(levels_); ++stream) {
+    Section section{out_->size(), 0, 0};
+    spool_.copy(stream, [&](ByteSpan bytes) {
+      section.crc = crc32c(bytes, section.crc);
+      out_->append(bytes);
+    });
+    section.length = out_->size() - section.offset;
+    streams_.push_back(section);
+  }
+  const Section tail_section = out_->append_section(tail());
+  out_->flush();
+  out_->file().sync();
+  out_->write_header(encode_head(place_, tail_section));
+  out_->file().sync();
+  out_->file().close();
+  storage_.rename(temporary_, path_);
+  temporary_.clear();
+  storage_.sync_folder(folder_of(path_));
+}
+
+void PartFile::fail(const std::string& what) const {
+  throw Error(ErrorKind::corrupt, what + "; make the part anew", path());
+}
+
+std::unique_ptr<PartFile> PartFile::open(Storage& storage, const std::string& path) {
+  std::unique_ptr<PartFile> part(new PartFile(storage.open_read(path)));
+  const std::uint64_t size = part->file_->size();
+  HeaderBlock head{};
+  const auto head_bytes = static_cast<std::size_t>(std::min<std::uint64_t>(size, kHeaderBytes));
+  part->file_->read(0, std::span(head).first(head_bytes));
+  if (!std::equal(kPartMagic.begin(), kPartMagic.end(), head.begin())) {
+    throw Error(ErrorKind::not_octavo, "is no part of a build", path);
+  }
+  ByteReader in(ByteSpan(head).subspan(kPartMagic.size()), "the head of the part");
+  const std::uint32_t version = in.u32();
+  if (head_bytes < kHeaderBytes) {
+    throw Error(ErrorKind::truncated, "the part ends within its head", path, size);
+  }
+  const auto head_crc = load_little_endian<std::uint32_t>(head.data() + kHeadCrcAt);
+  if (crc32c(ByteSpan(head).first(kHeadCrcAt)) != head_crc) {
+    part->fail("the head of the part fails its checksum");
+  }
+  if (version != kPartVersion) {
+    throw Error(ErrorKind::unsupported_version,
+                "a part of version " + std::to_string(version) + "; this program knows " +
+                    std::to_string(kPartVersion),
+                path);
+  }
+  part->place_.plan = in.u64();
+  part->place_.first_group = static_cast<std::int64_t>(in.u64());
+  part->place_.end_group = static_cast<std::int64_t>(in.u64());
+  Section tail{in.u64(), 0, 0};
+  tail.length = in.u64();
+  tail.crc = in.u32();
+  if (tail.offset < kHeaderBytes || tail.offset > size || tail.length != size - tail.offset) {
+    throw Error(ErrorKind::truncated,
+                "the part has " + std::to_string(size) + " bytes, " +
+                    std::to_string(tail.end()) + " expected; make the part anew",
+                path, size);
+  }
+  Bytes bytes(static_cast<std::size_t>(tail.length));
+  part->file_->read(tail.offset, bytes);
+  if (crc32c(bytes) != tail.crc) part->fail("the tail of the part fails its checksum");
+  try {
+    part->read_tail(bytes, tail.offset);
+  } catch (const Error& error) {
+    throw error.path().empty() ? error.with_path(path) : error;
+  }
+  return part;
+}
+
+void PartFile::read_tail(ByteSpan bytes, std::uint64_t tail_offset) {
+  ByteReader in(bytes, kTail);
+  std::uint64_t at = kHeaderBytes;
+  for (std::size_t left = take_count(in); left > 0; --left) {
+    Section stream{at, in.varint(), 0};
+    stream.crc = in.u32();
+    if (stream.length > tail_offset - at) in.fail("a stream beyond its end");
+    at = stream.end();
+    streams_.push_back(stream);
+  }
+  if (at != tail_offset) in.fail("bytes that belong to no stream");
+  for (std::size_t left = take_count(in); left > 0; --left) {
+    groups_.push_back(parse_group(in.take(take_count(in))));
+    std::vector<double>& squares = errors_.emplace_back();
+    for (std::size_t bricks = take_count(in); bricks > 0; --bricks) {
+      squares.push_back(std::bit_cast<double>(in.u64()));
+    }
+  }
+  in.expect_end();
+  const std::int64_t count = place_.end_group - place_.first_group;
+  if (place_.first_group < 0 || static_cast<std::int64_t>(groups_.size()) != count) {
+    in.fail("groups other than those of its head");
+  }
+}
+
+void PartFile::require_groups(const Levels& levels, std::int64_t first_layer) const {
+  JournalGroup before;
+  before.end_layer = first_layer;
+  before.file_bytes = kHeaderBytes;
+  if (streams_.size() != run_streams(levels)) fail("the part has other levels than the plan");
+  for (std::size_t i = 0; i < groups_.size(); ++i) {
+    const JournalGroup& group = groups_[i];
+    const bool has_errors = errors_[i].empty() || errors_[i].size() == group.parents.size();
+    const bool begins = !group.models.empty() &&
+                        group.models.front().first_slab ==
+                            static_cast<std::uint32_t>(before.end_layer);
+    if (!begins || !has_errors || !follows(group, before, levels)) {
+      fail("the part has other layers than the plan");
+    }
+    before.end_layer = group.end_layer;
+    before.file_bytes = group.file_bytes;
+    before.squared_error = group.squared_error;
+  }
+}
+
+double PartFile::add_errors(double before) {
+  for (std::size_t i = 0; i < groups_.size(); ++i) {
+    for (const double squared : errors_[i]) before += squared;
+    groups_[i].squared_error = before;
+  }
+  return before;
+}
+
+void PartFile::copy(std::size_t stream, const std::function<void(ByteSpan)>& sink) const {
+  const Section& section = streams_.at(stream);
+  std::uint32_t crc = 0;
+  Bytes buffer(static_cast<std::size_t>(std::min<std::uint64_t>(section.length, kCopyBytes)));
+  for (std::uint64_t at = 0; at < section.length; at += buffer.size()) {
+    const auto count = std::min<std::uint64_t>(buffer.size(), section.length - at);
+    const auto bytes = std::span(buffer).first(static_cast<std::size_t>(count));
+    file_->read(section.offset + at, bytes);
+    crc = crc32c(bytes, crc);
+    sink(bytes);
+  }
+  if (crc != section.crc) {
+    fail("stream " + std::to_string(stream) + " of the part fails its checksum");
+  }
+}
+
+}  // namespace octavo

@@ -1,0 +1,111 @@
+// A file that holds some groups of a build, encoded.
+//
+//   head     512 bytes: magic 8f '8prt' 0d 0a 1a, u32 version, u64 plan, u64 first group,
+//            u64 end group, u64 offset of the tail, u64 its length, u32 its CRC; at byte 508 the
+//            CRC of the bytes before
+//   streams  those of a run (run_writer.h), one behind the other, level 0 first
+//   tail     length and CRC of each stream; the groups as in a journal, and the squared errors of
+//            their bricks where details are left out
+//
+// Invariants
+//   A part depends on the plan and on the planes of its groups; made twice it has the same bytes.
+//   Its name holds a whole part or none.
+// Consequences
+//   Nobody who writes a part needs a lock, and who finds a part that fits the plan can keep it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "octavo/core/levels.h"
+#include "octavo/file/layout.h"
+#include "octavo/file/storage/storage.h"
+#include "octavo/file/write/append_file.h"
+#include "octavo/file/write/brick_sink.h"
+#include "octavo/file/write/encoded_run.h"
+#include "octavo/file/write/run_writer.h"
+#include "octavo/file/write/spool.h"
+
+namespace octavo {
+
+inline constexpr std::uint32_t kPartVersion = 1;
+
+/// Which part of which build.
+struct PartPlace {
+  std::uint64_t plan = 0;  ///< BuildPlan::id
+  std::int64_t first_group = 0;
+  std::int64_t end_group = 0;
+};
+
+/// Writes the bricks of a part. Destroyed before finish() it leaves nothing.
+class PartWriter final : public BrickSink {
+ public:
+  /// start  the first layer and, as its model, the first group
+  /// Throws Error{io}
+  PartWriter(Storage& storage, std::string path, const FileHeader& header, const Levels& levels,
+             const PartPlace& place, const RunStart& start);
+  ~PartWriter() override;
+
+  void add_model(const Bytes& model) override { run_->add_model(model); }
+  void add_brick(int tier, const EncodedBrick& brick) override;
+  void add_plane_digests(std::span<const Sha256Digest> digests) override {
+    run_->add_plane_digests(digests);
+  }
+  void end_group(std::uint32_t voxels_crc) override;
+
+  /// Writes the rest, syncs, and gives the file its name in place of whatever has it.
+  void finish();
+
+ private:
+  Bytes tail() const;
+
+  Storage& storage_;
+  std::string path_;
+  FileHeader header_;
+  Levels levels_;
+  PartPlace place_;
+  std::string temporary_;
+  std::unique_ptr<AppendFile> out_;
+  Spool spool_;
+  std::unique_ptr<RunWriter> run_;
+  std::vector<JournalGroup> groups_;
+  std::vector<std::vector<double>> errors_;  ///< of the bricks of each group, and of the next one
+  std::vector<Section> streams_;
+};
+
+/// A part that is read. Its streams are proven as they are copied.
+class PartFile final : public EncodedRun {
+ public:
+  /// Throws  Error{not_octavo} for what is no part, Error{unsupported_version}, Error{corrupt},
+  ///         Error{truncated}, Error{io}
+  static std::unique_ptr<PartFile> open(Storage& storage, const std::string& path);
+
+  const std::string& path() const { return file_->path(); }
+  const PartPlace& place() const { return place_; }
+
+  /// Proves that its groups are those of a volume of these levels, from `first_layer` on.
+  /// Throws Error{corrupt}
+  void require_groups(const Levels& levels, std::int64_t first_layer) const;
+
+  /// Adds the squared errors of its bricks, one by one, to those of all bricks before; its groups
+  /// then hold sums as those of a whole build. Returns the sum.
+  double add_errors(double before);
+
+  const std::vector<JournalGroup>& groups() const override { return groups_; }
+  void copy(std::size_t stream, const std::function<void(ByteSpan)>& sink) const override;
+
+ private:
+  explicit PartFile(std::unique_ptr<StorageFile> file) : file_(std::move(file)) {}
+  void read_tail(ByteSpan bytes, std::uint64_t tail_offset);
+  [[noreturn]] void fail(const std::string& what) const;
+
+  std::unique_ptr<StorageFile> file_;
+  PartPlace place_;
+  std::vector<Section> streams_;
+  std::vector<JournalGroup> groups_;
+  std::vector<std::vector<double>> errors_;
+};
+
+}  // namespace octavo

@@ -1,0 +1,226 @@
+#include "octavo/dist/parts.h"
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <utility>
+
+#include "octavo/builder/build_setup.h"
+#include "octavo/builder/coarse_tiers.h"
+#include "octavo/builder/group_reader.h"
+#include "octavo/builder/group_trainer.h"
+#include "octavo/core/checked.h"
+#include "octavo/core/error.h"
+#include "octavo/core/text.h"
+
+namespace octavo {
+
+namespace {
+
+void require_planned(const BuildPlan& plan, const VolumeDescription& source) {
+  const VolumeDescription& planned = plan.source;
+  const char* what = nullptr;
+  if (source.size != planned.size) what = "size";
+  else if (source.type != planned.type || source.kind != planned.kind) what = "voxel type";
+  else if (source.geometry != planned.geometry) what = "geometry";
+  else if (source.rescale != planned.rescale) what = "rescale";
+  else if (source.metadata.text() != planned.metadata.text()) what = "metadata";
+  if (what == nullptr) return;
+  throw Error(ErrorKind::source_rejected,
+              std::string("its ") + what +
+                  " is not that of the source that was planned; plan again");
+}
+
+void require_first_voxels(const BuildPlan& plan, const VoxelBlock& group, const Model& model) {
+  if (content_hash_of(group) != plan.content_hash) {
+    throw Error(ErrorKind::source_rejected,
+                "the first planes hold other voxels than when the build was planned; plan again");
+  }
+  if (model.serialized == plan.first_model) return;
+  throw Error(ErrorKind::invalid_argument,
+              "the build was planned by another version of the program; plan again with this one");
+}
+
+std::string groups_text(std::int64_t first, std::int64_t end) {
+  return end - first == 1 ? "group " + std::to_string(first)
+                          : "groups " + std::to_string(first) + " to " + std::to_string(end - 1);
+}
+
+std::vector<PartPlace> gaps_of(const BuildPlan& plan,
+                               const std::vector<std::shared_ptr<PartFile>>& sorted) {
+  std::vector<PartPlace> gaps;
+  std::int64_t at = 0;
+  const auto close = [&](std::int64_t begin) {
+    if (begin > at) gaps.push_back({plan.id, at, begin});
+  };
+  for (const auto& part : sorted) {
+    close(part->place().first_group);
+    at = std::max(at, part->place().end_group);
+  }
+  close(plan.group_count);
+  return gaps;
+}
+
+bool comes_before(const std::shared_ptr<PartFile>& a, const std::shared_ptr<PartFile>& b) {
+  return a->place().first_group < b->place().first_group;
+}
+
+/// Proves that sorted parts are of the plan and hold each of its groups once.
+void require_all(const BuildPlan& plan, const std::vector<std::shared_ptr<PartFile>>& parts,
+                 const std::string& path) {
+  std::int64_t at = 0;
+  for (const auto& part : parts) {
+    const PartPlace& place = part->place();
+    if (place.plan != plan.id) {
+      throw Error(ErrorKind::invalid_argument, "is a part of another plan", part->path());
+    }
+    if (place.first_group >= place.end_group || place.end_group > plan.group_count) {
+      throw Error(ErrorKind::corrupt, "holds groups that the plan does not have", part->path());
+    }
+    if (place.first_group < at) {
+      throw Error(ErrorKind::invalid_argument,
+                  "holds " + groups_text(place.first_group, std::min(at, place.end_group)) +
+                      ", which another part holds as well; give each part once",
+                  part->path());
+    }
+    at = place.end_group;
+  }
+  const std::vector<PartPlace> gaps = gaps_of(plan, parts);
+  if (gaps.empty()) return;
+  std::string text;
+  for (const PartPlace& gap : gaps) {
+    text += (text.empty() ? "" : ", ") + groups_text(gap.first_group, gap.end_group);
+  }
+  throw Error(ErrorKind::io, "no part holds " + text + " of " + std::to_string(plan.group_count),
+              path);
+}
+
+std::int64_t first_layer_of(const BuildPlan& plan, const Levels& levels, std::int64_t group) {
+  return first_plane_of(plan, group) / levels.brick_side(0).z;
+}
+
+}  // namespace
+
+void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_group,
+                std::int64_t end_group, Storage& storage, const std::string& path,
+                const PartWork& work, Progress& progress) {
+  if (first_group < 0 || first_group >= end_group || end_group > plan.group_count) {
+    throw Error(ErrorKind::invalid_argument,
+                groups_text(first_group, end_group) + " of " + std::to_string(plan.group_count) +
+                    " asked for");
+  }
+  require_planned(plan, source.description());
+  const int threads = build_threads(work.threads);
+  check_build_memory(build_memory_bytes(plan.source, threads, plan.options.max_error) +
+                         source.resident_bytes(),
+                     work.max_memory_bytes);
+  const std::int64_t first_plane = first_plane_of(plan, first_group);
+  const std::int64_t end_plane = first_plane_of(plan, end_group);
+  const ProgressScope scope(progress, "part", 2 * (end_plane - first_plane), "plane passes");
+
+  const BuildOutline outline = outline_of(plan, source, progress);
+  const Levels& levels = outline.levels;
+  PartWriter writer(storage, path, header_of(plan, outline), levels,
+                    {plan.id, first_group, end_group},
+                    {first_layer_of(plan, levels, first_group),
+                     static_cast<std::uint64_t>(first_group)});
+  Workers workers(threads);
+  GroupTrainer trainer(outline.description, levels, workers, outline.settings);
+  if (first_group > 0) trainer.begin_with(plan.first_model);
+  GroupReader reader(outline.planes(source), levels, progress, outline.float_voxels(), first_plane,
+                     end_plane);
+  {
+    // As in a whole build the next group is read and trained on while one is encoded.
+    TierEncoder encoder(levels, 0, outline.description.codec_type(), workers, writer, progress,
+                        outline.bound);
+    for (std::int64_t group = first_group; group < end_group; ++group) {
+      const VoxelBlock block = reader.next();
+      encoder.check();
+      const Model& model = trainer.train(block);
+      if (group == 0) require_first_voxels(plan, block, model);
+      encoder.start(model, block, true, [&reader] { reader.release(); });
+    }
+    encoder.finish();
+  }
+  writer.finish();
+}
+
+std::vector<PartPlace> missing_groups(const BuildPlan& plan,
+                                      const std::vector<std::shared_ptr<PartFile>>& parts) {
+  std::vector<std::shared_ptr<PartFile>> sorted = parts;
+  std::ranges::sort(sorted, comes_before);
+  return gaps_of(plan, sorted);
+}
+
+BuildResult join_parts(const BuildPlan& plan, std::vector<std::shared_ptr<PartFile>> parts,
+                       Storage& storage, const std::string& path, bool overwrite,
+                       const PartWork& work, Progress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  std::ranges::sort(parts, comes_before);
+  require_all(plan, parts, path);
+  BuildOutline outline = outline_build(plan.source, plan.options);
+  // Nobody reads a plane: the floats have nothing to read from.
+  struct NoPlanes final : PlaneSource {
+    explicit NoPlanes(const VolumeDescription& volume) : volume_(volume) {}
+    const VolumeDescription& description() const override { return volume_; }
+    const std::vector<Warning>& warnings() const override { return warnings_; }
+    void read_plane(std::span<std::byte>) override {
+      throw Error(ErrorKind::internal, "a join reads no planes");
+    }
+    void seek(std::int64_t, std::int64_t) override {}
+    const VolumeDescription& volume_;
+    std::vector<Warning> warnings_;
+  } none(plan.source);
+  choose_bounds(outline, none, plan.options, progress, plan.floats ? &*plan.floats : nullptr);
+  const Levels& levels = outline.levels;
+  const ProgressScope scope(progress, "join", static_cast<std::int64_t>(parts.size()), "parts");
+
+  // What the parts hold, proven and summed up in the order of the bricks
+  BuildResult result;
+  result.threads = build_threads(work.threads);
+  double squared_error = 0;
+  Workers workers(result.threads);
+  std::vector<std::byte> samples;
+  WriterOptions writing = outline.writing;
+  writing.overwrite = overwrite;
+  for (const auto& part : parts) {
+    part->require_groups(levels, first_layer_of(plan, levels, part->place().first_group));
+    squared_error = part->add_errors(squared_error);
+    writing.runs.push_back(part);
+  }
+
+  // The file: level 0, the tiers above, and what seals it
+  const auto writer = FileWriter::create(storage, path, outline.description, levels,
+                                         plan.content_hash, writing);
+  {
+    TierEncoder encoder(levels, 0, outline.description.codec_type(), workers, *writer, progress,
+                        outline.bound);
+    for (const auto& part : parts) {
+      for (const JournalGroup& group : part->groups()) encoder.restore_parents(group.parents);
+      progress.advance(1);
+    }
+    samples = encoder.take_parents();
+  }
+  GroupTrainer trainer(outline.description, levels, workers, outline.settings);
+  trainer.begin_with(plan.first_model);
+  encode_coarse_tiers({outline.description, levels, workers, *writer, progress}, trainer.first(),
+                      trainer.settings(), std::move(samples));
+  result.max_error = outline.writing.max_error;
+  result.coding = outline.description.coding;
+  if (plan.options.keep_details > 0) {
+    const WrittenErrors errors = writer->written_errors();
+    result.max_error = static_cast<double>(errors.max_steps);
+    result.detail_errors = detail_errors_of(errors, outline.description);
+  }
+  writer->set_metadata(recorded_metadata(outline.original, plan.options, result.detail_errors));
+  writer->finish();
+  result.file_bytes = writer->bytes_written();
+  result.raw_bytes = checked_mul(
+      static_cast<std::uint64_t>(plan.source.size.voxel_count()),
+      static_cast<std::uint64_t>(bytes_per_voxel(plan.source.type)), "the volume");
+  result.total_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+}  // namespace octavo

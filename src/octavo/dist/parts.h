@@ -1,0 +1,50 @@
+// A build in parts: each part encodes groups of its own, and a join makes the file of them.
+//
+//   plan_build --> plan --+--> build_part 0 --> part file --+
+//                         +--> build_part 1 --> part file --+--> join_parts --> .8vo
+//                         +--> ..                           |
+//                         +---------------------------------+
+//
+// The file is that of build_file, byte for byte, however its groups are parted, wherever and in
+// whatever order parts are made.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "octavo/dist/build_plan.h"
+#include "octavo/dist/part_file.h"
+
+namespace octavo {
+
+/// How much of a machine one part or a join may take.
+struct PartWork {
+  int threads = 0;                     ///< 0: all cores
+  std::uint64_t max_memory_bytes = 0;  ///< 0: no limit
+};
+
+/// Encodes groups first .. end of the plan into a part file at `path`, which replaces what has that
+/// name. Of the source only their planes are read.
+/// Throws  Error{source_rejected} where the source is not the one that was planned, by its
+///         description or by the voxels of the first group; Error{invalid_argument} for groups that
+///         the plan does not have; as build_file
+/// Memory  as build_file
+void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_group,
+                std::int64_t end_group, Storage& storage, const std::string& path,
+                const PartWork& work, Progress& progress);
+
+/// The groups that no part holds, as runs first .. end.
+std::vector<PartPlace> missing_groups(const BuildPlan& plan,
+                                      const std::vector<std::shared_ptr<PartFile>>& parts);
+
+/// Joins parts, in any order, into the sealed file at `path`. Voxels are not read; every byte of a
+/// part is proven by its checksum.
+/// Throws  Error{invalid_argument} that names a part of another plan, or two of the same groups;
+///         Error{io} where groups are missing; Error{corrupt} for a damaged part; as FileWriter
+/// Memory  a sample per brick, and that of the tiers above tier 0
+BuildResult join_parts(const BuildPlan& plan, std::vector<std::shared_ptr<PartFile>> parts,
+                       Storage& storage, const std::string& path, bool overwrite,
+                       const PartWork& work, Progress& progress);
+
+}  // namespace octavo

@@ -1,0 +1,28 @@
+// Layers that another writer has encoded.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "octavo/core/bytes.h"
+#include "octavo/file/write/journal.h"
+
+namespace octavo {
+
+/// A run as run_writer.h describes it. Thread-compatible.
+class EncodedRun {
+ public:
+  virtual ~EncodedRun() = default;
+
+  /// Its groups, which tile its layers; offsets of models are counted from the start of stream 0.
+  virtual const std::vector<JournalGroup>& groups() const = 0;
+
+  /// Hands the bytes of a stream to `sink`, a block at a time: 0 is level 0 with models and slab
+  /// trailers, the others are those of the spool.
+  /// Throws  Error{corrupt, truncated} behind the last block where they are not those that were
+  ///         written; Error{io}
+  virtual void copy(std::size_t stream, const std::function<void(ByteSpan)>& sink) const = 0;
+};
+
+}  // namespace octavo
