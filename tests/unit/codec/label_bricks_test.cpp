@@ -38,7 +38,8 @@ void expect_same(const BrickCodec& codec, const LabelBrick<T>& sample) {
 
 const std::vector<Size3> kBrickSizes = {
     {64, 64, 64}, {1, 1, 1},    {1, 1, 2},  {2, 2, 2},  {3, 3, 3},   {4, 4, 4},
-    {5, 7, 11},   {63, 62, 61}, {64, 1, 1}, {2, 2, 64}, {37, 64, 5}, {13, 29, 31}};
+    {5, 7, 11},   {63, 62, 61}, {64, 1, 1}, {2, 2, 64}, {37, 64, 5}, {13, 29, 31},
+    {1, 1, 5},    {1, 5, 5},    {5, 5, 1}};
 
 template <class T>
 class LabelBricksOfType : public ::testing::Test {};

@@ -176,12 +176,12 @@ class CellReader {
       return;
     }
     if (is_pair_) {
-      append_pair(inside, inside & second_of_pair(octant, voxel), parts);
+      append_pair(inside, inside & second_of_pair(octant, voxel, inside), parts);
       return;
     }
     word_.clear();
     for (std::size_t i = 0; i < 8; ++i) {
-      const LabelCell cell = octant != nullptr ? octant[octant_steps_[i]] : LabelCell{kMixed};
+      const LabelCell cell = octant_cell(octant, i, inside);
       if (state_of(cell) == kUniform) {
         word_.add(label_of_slot_[slot_of(cell)], std::uint64_t{0xff} << 8 * i & inside);
       } else if (state_of(cell) != kOutside) {
@@ -204,11 +204,19 @@ class CellReader {
     return differs == 0;
   }
 
+  // Without cells of their own all octants are looked into that have voxels inside: around others
+  // the grid ends.
+  LabelCell octant_cell(const LabelCell* octant, std::size_t i, std::uint64_t inside) const {
+    if (octant != nullptr) return octant[octant_steps_[i]];
+    return (inside >> 8 * i & 0xff) != 0 ? LabelCell{kMixed} : LabelCell{kOutside};
+  }
+
   // The bits of slot 1 in a word, where there are two slots.
-  std::uint64_t second_of_pair(const LabelCell* octant, const LabelCell* voxel) const {
+  std::uint64_t second_of_pair(const LabelCell* octant, const LabelCell* voxel,
+                               std::uint64_t inside) const {
     std::uint64_t bits = 0;
     for (std::size_t i = 0; i < 8; ++i) {
-      const LabelCell cell = octant != nullptr ? octant[octant_steps_[i]] : LabelCell{kMixed};
+      const LabelCell cell = octant_cell(octant, i, inside);
       if (state_of(cell) == kUniform) {
         bits |= (slot_of(cell) * std::uint64_t{0xff}) << 8 * i;
       } else if (state_of(cell) != kOutside) {
