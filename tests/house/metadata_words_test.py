@@ -25,6 +25,7 @@ OPTIONS = re.compile(r'(with_field\(|\{\{?)\s*"(max_error|on_gap|segment|channel
 OTHERS = {
     "src/octavo/builder/builder.cpp": {"keep_details": "a field of an error",
                                        "slices": "what an option is set to"},
+    "src/octavo/codec/brick_codec.h": {"slices": "what an option is set to"},
     "src/octavo/builder/recover.cpp": {"repaired": "what is done"},
     "src/octavo/file/write/interrupted.cpp": {"access": "a setting of a build",
                                               "keep_details": "a setting of a build",

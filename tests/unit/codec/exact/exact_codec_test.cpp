@@ -171,7 +171,8 @@ TEST(ExactCodec, ABrickIsUniformWhereAllVoxelsAreThatOfOneCode) {
   const auto is_uniform = [&](float voxel) {
     Brick brick(Floats::constant, size);
     std::ranges::fill(brick.voxels, voxel);
-    const EncodedBrick encoded = trained_on(brick, exact_coding(0.5))->encode(brick.shape, brick.view());
+    const auto codec = trained_on(brick, exact_coding(0.5));
+    const EncodedBrick encoded = codec->encode(brick.shape, brick.view());
     return encoded.range.min == encoded.range.max;
   };
   EXPECT_TRUE(is_uniform(0));
@@ -242,7 +243,8 @@ TEST(ExactCodec, CoarseLevelsLeaveOutWhatIsNotFinite) {
 TEST(ExactCodec, TheParentIsTheSampleAboveAndNanWhereAllIs) {
   const Brick nan(Floats::all_nan, {8, 8, 8});
   const auto parent = [](const Brick& brick) {
-    const EncodedBrick encoded = trained_on(brick, exact_coding(0.25))->encode(brick.shape, brick.view());
+    const auto codec = trained_on(brick, exact_coding(0.25));
+    const EncodedBrick encoded = codec->encode(brick.shape, brick.view());
     return of_bits(static_cast<std::uint32_t>(encoded.parent));
   };
   EXPECT_EQ(bits_of(parent(nan)), exact::kUsualNan);
@@ -299,7 +301,8 @@ TEST(ExactCodec, NoBrickTakesMoreThanItsFloatsAndAByte) {
   for (const Floats sort : kAllFloats) {
     for (const Size3& size : kSizes) {
       const Brick brick(sort, size);
-      for (const SampleCoding& coding : {exact_coding(0.25), exact_coding(0x1p-148), exact_coding(1e30)}) {
+      for (const double scale : {0.25, 0x1p-148, 1e30}) {
+        const SampleCoding coding = exact_coding(scale);
         const auto codec = trained_on(brick, coding, Preset::fast);
         const EncodedBrick encoded = codec->encode(brick.shape, brick.view());
         EXPECT_LE(bytes_of(encoded), 1 + 4 * brick.voxels.size())
