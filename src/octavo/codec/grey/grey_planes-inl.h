@@ -83,7 +83,7 @@ struct PlaneConstants {
 };
 
 /// Predictions, limits and contexts of a plane. What is predicted from slopes alone takes the place
-/// of the excesses behind. Nothing is predicted where a vector has no pair outside of uniform cells.
+/// of the excesses behind. Where all pairs of a vector lie in uniform cells nothing is predicted.
 template <int kAxis>
 void prepare_plane(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
                    std::int64_t z) {

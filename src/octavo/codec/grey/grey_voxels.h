@@ -63,6 +63,23 @@ inline VoxelTarget target_from(const VoxelTarget& out, const Index3& at, VoxelTy
   return result;
 }
 
+/// Writes a tile of rows, a voxel of each side by side.
+/// step  from the voxels of one place in the rows to those of the next
+template <class T>
+void write_turned(const T (&tile)[kTileRows][kBrickSide], std::int64_t width, int rows,
+                  std::int64_t step, T* out) {
+  if (rows == kTileRows) {
+    // A number that compilers know
+    for (std::int64_t x = 0; x < width; ++x, out += step) {
+      for (int k = 0; k < kTileRows; ++k) out[k] = tile[k][x];
+    }
+    return;
+  }
+  for (std::int64_t x = 0; x < width; ++x, out += step) {
+    for (int k = 0; k < rows; ++k) out[k] = tile[k][x];
+  }
+}
+
 /// Writes the voxels of a brick's samples.
 struct VoxelWriter {
   VoxelType type;
@@ -92,9 +109,7 @@ struct VoxelWriter {
           write_out(row_of(y + (axis == 1 ? k : 0), z + (axis == 2 ? k : 0)), size.x, scale,
                     clamping, tile[k]);
         }
-        for (std::int64_t x = 0; x < size.x; ++x) {
-          for (int k = 0; k < count; ++k) first[x * steps.x + k] = tile[k][x];
-        }
+        write_turned(tile, size.x, count, steps.x, first);
       });
     });
   }

@@ -112,7 +112,14 @@ void repeat_row(const SampleGrid<Sample>& coarse, SampleGrid<Sample>& fine, int 
     out[first] = in[first >> 1];
     ++first;
   }
-  for (std::int64_t x = first; x < last; x += 2) out[x] = out[x + 1] = in[x >> 1];
+  // Of different grids: compilers make vectors of that.
+  const Sample* __restrict const from = in + (first >> 1);
+  Sample* __restrict const to = out + first;
+  const std::int64_t count = (last - first + 1) >> 1;
+  for (std::int64_t i = 0; i < count; ++i) {
+    to[2 * i] = from[i];
+    to[2 * i + 1] = from[i];
+  }
 }
 
 /// Fills `fine` with `coarse` repeated along `axis`, margins included; `fine_size` has up to twice
