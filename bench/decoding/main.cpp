@@ -89,7 +89,7 @@ void prove(const std::vector<Contender>& contenders) {
 }
 
 /// Seconds of one decoding.
-double decoding_seconds(const FileReader& reader, double least) {
+double decoding_seconds(const FileReader& reader, double minimum) {
   int count = 0;
   const double start = cpu_seconds();
   double elapsed = 0;
@@ -97,7 +97,7 @@ double decoding_seconds(const FileReader& reader, double least) {
     for_each_brick(reader, [](ByteSpan) {});
     ++count;
     elapsed = cpu_seconds() - start;
-  } while (elapsed < least);
+  } while (elapsed < minimum);
   return elapsed / count;
 }
 

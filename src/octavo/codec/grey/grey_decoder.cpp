@@ -220,10 +220,12 @@ class PartDecoder {
     std::vector<Split> splits;
   };
 
-  /// Predicted from neighbors, a part keeps the machine busy by itself.
+  /// Predicted from neighbors, a part keeps the machine busy by itself. Where rows are short, as
+  /// pairs are left out or edges, two work spaces cost more than two streams bring.
   bool goes_in_step(const Task& task) const {
-    return source_.parameters().predictor == Predictor::means && !source_.is_corrected() &&
-           !task.bytes.empty();
+    const bool has_whole_rows = hints_.cells == nullptr && !hints_.has_edges;
+    return source_.parameters().predictor == Predictor::means && has_whole_rows &&
+           !source_.is_corrected() && !task.bytes.empty();
   }
 
   void decode_in_step(const Task& first, const Task& second) const {
@@ -246,12 +248,10 @@ class PartDecoder {
     }
   }
 
-  /// The i-th split of a part, its edges taken.
+  /// The i-th split of a part.
   Stage begun(Running& part, std::size_t i) const {
-    const Stage stage = begin_split(part.work, part.task.part, source_.scale,
-                                    source_.parameters(), 0, part.hints.hints, part.splits[i]);
-    if (stage.has_edges) take_edges(stage, part.work, part.symbols);
-    return stage;
+    return begin_split(part.work, part.task.part, source_.scale, source_.parameters(), 0,
+                       part.hints.hints, part.splits[i]);
   }
 
   const Source& source_;
