@@ -1,6 +1,9 @@
 #include "octavo/codec/grey/grey_brick.h"
 
+#include <algorithm>
+#include <array>
 #include <bit>
+#include <limits>
 
 #include "octavo/codec/entropy/binary_coder.h"
 #include "octavo/codec/grey/grey_interpolation.h"
@@ -275,22 +278,61 @@ void load_details(Workspace<Sample>& work, const Stage& stage, const Target<Samp
 template void load_details(Workspace<std::int16_t>&, const Stage&, const Target<std::int16_t>&);
 template void load_details(Workspace<std::int32_t>&, const Stage&, const Target<std::int32_t>&);
 
+namespace {
+
+/// The ranges of every 32nd voxel of rows: compilers make vectors of them.
+template <class T>
+class ColumnRanges {
+ public:
+  ColumnRanges() {
+    lowest_.fill(std::numeric_limits<T>::max());
+    highest_.fill(std::numeric_limits<T>::lowest());
+  }
+
+  void add(const T* row, std::int64_t length) {
+    for (; length >= kColumns; length -= kColumns, row += kColumns) add_some(row, kColumns);
+    add_some(row, length);
+  }
+
+  ValueRange range() const {
+    return {static_cast<std::int64_t>(*std::min_element(lowest_.begin(), lowest_.end())),
+            static_cast<std::int64_t>(*std::max_element(highest_.begin(), highest_.end()))};
+  }
+
+ private:
+  static constexpr std::int64_t kColumns = 32;
+
+  void add_some(const T* row, std::int64_t count) {
+    T* const lowest = lowest_.data();
+    T* const highest = highest_.data();
+    for (std::int64_t i = 0; i < count; ++i) {
+      lowest[i] = std::min(lowest[i], row[i]);
+      highest[i] = std::max(highest[i], row[i]);
+    }
+  }
+
+  std::array<T, kColumns> lowest_;
+  std::array<T, kColumns> highest_;
+};
+
+}  // namespace
+
 ValueRange range_of(const BrickView& brick) {
   if (!is_integer(brick.type)) {
     throw Error(ErrorKind::invalid_argument, "float voxels have no grey codec");
   }
-  ValueRange range{std::numeric_limits<std::int64_t>::max(),
-                   std::numeric_limits<std::int64_t>::min()};
-  for_each_row(brick, [&](const auto* row) {
-    // Two plain loops: compilers make vectors of them, but not of std::minmax_element.
-    auto lowest = row[0];
-    auto highest = row[0];
-    for (std::int64_t x = 1; x < brick.size.x; ++x) lowest = std::min(lowest, row[x]);
-    for (std::int64_t x = 1; x < brick.size.x; ++x) highest = std::max(highest, row[x]);
-    range.min = std::min<std::int64_t>(range.min, lowest);
-    range.max = std::max<std::int64_t>(range.max, highest);
+  return with_voxel_type(brick.type, [&](auto tag) -> ValueRange {
+    using T = typename decltype(tag)::type;
+    ColumnRanges<T> columns;
+    for (std::int64_t z = 0; z < brick.size.z; ++z) {
+      for (std::int64_t y = 0; y < brick.size.y; ++y) {
+        columns.add(static_cast<const T*>(brick.voxels) + z * brick.plane_stride +
+                        y * brick.row_stride,
+                    brick.size.x);
+      }
+    }
+    return columns.range();
   });
-  return range;
 }
 
 template <class Sample>

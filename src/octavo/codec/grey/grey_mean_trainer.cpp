@@ -50,7 +50,7 @@ using ClassMeanSums = std::array<MeanSums, kClasses>;
 
 /// Samples of a split axis at a level, about; all there are where they are few. A few weights need
 /// no more.
-constexpr std::int64_t kMeanSamples = 300000;
+constexpr std::int64_t kMeanSamples = 150000;
 
 /// Takes the pairs of one row in `every`.
 void take_means(const Stage& stage, Workspace<std::int16_t>& work,

@@ -24,10 +24,13 @@ namespace {
 /// Samples by level group and split axis: more where there are more details.
 constexpr std::int64_t kTapSamples[kGroups][3] = {
     {120000, 60000, 30000}, {60000, 30000, 15000}, {30000, 15000, 15000}};
+/// Of a split, one in so many pairs at most: neighboring pairs tell much the same.
+constexpr std::int64_t kPairsOfSample = 3;
+constexpr std::int64_t kEnoughOfSplit = 8000;
 constexpr std::int32_t kMaxDifference = 32000;
 constexpr double kTapRidge = 1e-4;
 /// Rounds of a fit: one in so many samples takes part, the first weighted by steps alone.
-constexpr std::size_t kRounds[] = {12, 4, 4, 2, 1};
+constexpr std::size_t kRounds[] = {12, 8, 8, 4, 2};
 constexpr std::size_t kTrialRounds[] = {1};  ///< when an order is tried
 constexpr std::size_t kFewInRound = 2000;
 /// One in so many samples when an order is tried, and when weights are refined.
@@ -125,9 +128,10 @@ std::vector<TapSamples> gather(const Parameters& p, const std::vector<TrainingSa
                      const Target<std::int16_t>& target, const PartNumber& part) {
                    if (is_exact) measure_split(gathering, stage, work, target);
                    else predict_split(gathering, stage, work, target);
-                   const std::int64_t wanted = kTapSamples[group][stage.axis] / share /
-                                               static_cast<std::int64_t>(training.size()) /
-                                               part.count;
+                   const std::int64_t wanted = std::min(
+                       kTapSamples[group][stage.axis] / share /
+                           static_cast<std::int64_t>(training.size()) / part.count,
+                       std::max(kEnoughOfSplit, stage.pairs.voxel_count() / kPairsOfSample));
                    const auto seed = static_cast<std::uint32_t>(
                        static_cast<std::int64_t>(i) * part.count + part.number + 1);
                    take_samples(stage, work, target, wanted, seed,
