@@ -205,7 +205,7 @@ class Messages(cli_test.InFolder):
         text = json.dumps({"coding": {"preset": "fast"},
                            "written_by": {"name": "other\n", "revision": 7}}).encode()
         (self.folder / "x.8vo").write_bytes(with_metadata(data, text))
-        self.assertIn("  coded by     other\\n, revision 7\n", self.said("info", "x.8vo").stdout)
+        self.assertIn("  coded by     other\\x0a, revision 7\n", self.said("info", "x.8vo").stdout)
         # Bricks that are copied stay as they were coded.
         self.said("transform", "x.8vo", "--translate", "1,2,3", "-o", "moved.8vo")
         self.assertEqual(self.info("moved.8vo")["written_by"]["revision"], 7)
