@@ -7,8 +7,9 @@ foreach(target ${targets})
   set_source_files_properties(fuzz_${target}.cpp
     PROPERTIES COMPILE_DEFINITIONS LLVMFuzzerTestOneInput=fuzz_${target})
   string(APPEND names "X(${target})")
+  string(REPLACE simd brick corpus ${target})
   octavo_add_test(fuzz_corpus_${target} medium
-    run_corpus ${target} ${CMAKE_CURRENT_SOURCE_DIR}/corpus/${target})
+    run_corpus ${target} ${CMAKE_CURRENT_SOURCE_DIR}/corpus/${corpus})
 endforeach()
 
 # fuzz_simd holds portable decoders against those of this build.
