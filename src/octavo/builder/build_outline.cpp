@@ -146,6 +146,22 @@ BuildOutline outline_build(const VolumeDescription& source, const BuildOptions& 
 
 void choose_bounds(BuildOutline& outline, PlaneSource& source, const BuildOptions& options,
                    Progress& progress, const FloatChoice* known) {
+  if (is_integer(outline.description.type)) {
+    take_bounds(outline, options, {});
+    return;
+  }
+  const double max_error =
+      options.max_error == 0 ? 0 : options.max_error / std::abs(outline.description.rescale.slope);
+  const FloatSettings settings{max_error, options.repair,
+                               group_planes(outline.levels, outline.description.type)};
+  outline.floats = known != nullptr
+                       ? std::make_unique<FloatPlanes>(source, settings, *known, progress)
+                       : std::make_unique<FloatPlanes>(source, settings, progress);
+  take_bounds(outline, options, outline.floats->choice());
+}
+
+void take_bounds(BuildOutline& outline, const BuildOptions& options,
+                 const std::optional<FloatChoice>& floats) {
   VolumeDescription& description = outline.description;
   const double slope = std::abs(description.rescale.slope);
   double max_error = options.max_error / slope;
@@ -156,15 +172,9 @@ void choose_bounds(BuildOutline& outline, PlaneSource& source, const BuildOption
     max_error = static_cast<double>(bound.codes);
   } else {
     if (options.max_error == 0) max_error = 0;
-    const FloatSettings settings{max_error, options.repair,
-                                 group_planes(outline.levels, description.type)};
-    outline.floats = known != nullptr
-                         ? std::make_unique<FloatPlanes>(source, settings, *known, progress)
-                         : std::make_unique<FloatPlanes>(source, settings, progress);
-    const FloatPlanes& floats = *outline.floats;
-    description.coding = floats.coding();
+    description.coding = floats.value().coding;
     if (max_error > 0) {
-      bound = {floats.codec_error(), max_error, floats.coding(), floats.roomier_error() * slope};
+      bound = {floats->codec_error, max_error, floats->coding, floats->roomier_error * slope};
     }
   }
   outline.writing.max_error = max_error;

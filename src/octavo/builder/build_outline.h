@@ -44,6 +44,11 @@ BuildOutline outline_build(const VolumeDescription& source, const BuildOptions& 
 void choose_bounds(BuildOutline& outline, PlaneSource& source, const BuildOptions& options,
                    Progress& progress, const FloatChoice* known = nullptr);
 
+/// The same for who reads no planes: without floats.
+/// floats  for a float32 volume what its first planes decided
+void take_bounds(BuildOutline& outline, const BuildOptions& options,
+                 const std::optional<FloatChoice>& floats);
+
 /// The metadata of the source with what was asked for, where that is not the default, and who codes
 /// the voxels.
 /// errors  of details that were left out, once they are known

@@ -8,6 +8,8 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "octavo/builder/build_outline.h"
 #include "octavo/builder/builder.h"
@@ -15,6 +17,7 @@
 #include "octavo/core/bytes.h"
 #include "octavo/core/progress.h"
 #include "octavo/core/volume.h"
+#include "octavo/dist/source_stamp.h"
 #include "octavo/file/layout.h"
 #include "octavo/planes/plane_source.h"
 
@@ -30,23 +33,38 @@ struct BuildPlan {
   Bytes first_model;
   std::int64_t planes_per_group = 0;
   std::int64_t group_count = 0;
-  /// A digest of all that bytes of the file depend on, but for the voxels behind the first group.
+  std::vector<SourceStamp> files;  ///< of the source, as they were when it was planned
+  /// A digest of all that bytes of the file depend on: for the voxels behind the first group the
+  /// files stand.
   std::uint64_t id = 0;
 };
 
 /// Reads the first planes of `source` and trains on them.
-/// Throws  as build_file
-BuildPlan plan_build(PlaneSource& source, const BuildOptions& options, Progress& progress);
+/// files   that the source reads: who works by the plan proves that none was changed since. None
+///         for voxels that stand in no file
+/// Throws  as build_file and stamps_of; Error{source_rejected} for a file that changes meanwhile
+BuildPlan plan_build(PlaneSource& source, const BuildOptions& options, Progress& progress,
+                     const std::vector<std::string>& files = {});
+
+/// Proves that a plan has the groups that this program would make.
+/// Throws Error{invalid_argument}, Error{limit_exceeded}
+void require_groups(const BuildPlan& plan);
+
+/// What BuildPlan::id is to be. Throws as outline_build
+std::uint64_t id_of(const BuildPlan& plan);
 
 /// What the plan says, as a build would have found it.
 /// source  read by the floats of the outline; nothing of it is read here
 /// Throws  as outline_build
 BuildOutline outline_of(const BuildPlan& plan, PlaneSource& source, Progress& progress);
 
+/// The same for who reads no plane: without floats.
+BuildOutline outline_of(const BuildPlan& plan);
+
 /// The header that the file begins with.
 FileHeader header_of(const BuildPlan& plan, const BuildOutline& outline);
 
-/// Planes of groups first .. end.
+/// The first plane of a group; for the count of groups, that of planes.
 std::int64_t first_plane_of(const BuildPlan& plan, std::int64_t group);
 
 }  // namespace octavo

@@ -110,6 +110,7 @@ void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_g
                     " asked for");
   }
   require_planned(plan, source.description());
+  require_unchanged(plan.files);
   const int threads = build_threads(work.threads);
   check_build_memory(build_memory_bytes(plan.source, threads, plan.options.max_error) +
                          source.resident_bytes(),
@@ -142,6 +143,8 @@ void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_g
     }
     encoder.finish();
   }
+  // What was changed while it was read is in no part.
+  require_unchanged(plan.files);
   writer.finish();
 }
 
@@ -158,20 +161,7 @@ BuildResult join_parts(const BuildPlan& plan, std::vector<std::shared_ptr<PartFi
   const auto start = std::chrono::steady_clock::now();
   std::ranges::sort(parts, comes_before);
   require_all(plan, parts, path);
-  BuildOutline outline = outline_build(plan.source, plan.options);
-  // Nobody reads a plane: the floats have nothing to read from.
-  struct NoPlanes final : PlaneSource {
-    explicit NoPlanes(const VolumeDescription& volume) : volume_(volume) {}
-    const VolumeDescription& description() const override { return volume_; }
-    const std::vector<Warning>& warnings() const override { return warnings_; }
-    void read_plane(std::span<std::byte>) override {
-      throw Error(ErrorKind::internal, "a join reads no planes");
-    }
-    void seek(std::int64_t, std::int64_t) override {}
-    const VolumeDescription& volume_;
-    std::vector<Warning> warnings_;
-  } none(plan.source);
-  choose_bounds(outline, none, plan.options, progress, plan.floats ? &*plan.floats : nullptr);
+  const BuildOutline outline = outline_of(plan);
   const Levels& levels = outline.levels;
   const ProgressScope scope(progress, "join", static_cast<std::int64_t>(parts.size()), "parts");
 

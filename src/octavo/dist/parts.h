@@ -27,7 +27,8 @@ struct PartWork {
 /// Encodes groups first .. end of the plan into a part file at `path`, which replaces what has that
 /// name. Of the source only their planes are read.
 /// Throws  Error{source_rejected} where the source is not the one that was planned, by its
-///         description or by the voxels of the first group; Error{invalid_argument} for groups that
+///         description, by the voxels of the first group, or by a file that was changed before the
+///         part was done; Error{invalid_argument} for groups that
 ///         the plan does not have; as build_file
 /// Memory  as build_file
 void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_group,

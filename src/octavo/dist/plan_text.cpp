@@ -1,0 +1,283 @@
+#include "octavo/dist/plan_text.h"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include "octavo/core/error.h"
+#include "octavo/core/json_members.h"
+#include "octavo/core/json_reader.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::size_t kHexChunk = 32768;  // digits in a string: readers take twice as many
+constexpr std::string_view kDigits = "0123456789abcdef";
+
+[[noreturn]] void fail(const std::string& why) {
+  throw Error(ErrorKind::corrupt, "the plan " + why + "; plan again");
+}
+
+// --- Bytes and numbers as digits. Doubles stand as their bits, so that no digit is rounded.
+
+std::vector<std::string> hex_of(ByteSpan bytes) {
+  std::vector<std::string> chunks;
+  for (const std::uint8_t byte : bytes) {
+    if (chunks.empty() || chunks.back().size() == kHexChunk) chunks.emplace_back();
+    chunks.back() += kDigits[byte >> 4];
+    chunks.back() += kDigits[byte & 15];
+  }
+  return chunks;
+}
+
+std::string hex_of(std::uint64_t bits) {
+  std::string text;
+  for (int shift = 60; shift >= 0; shift -= 4) text += kDigits[bits >> shift & 15];
+  return text;
+}
+
+std::vector<std::string> hex_of(std::span<const double> values) {
+  std::vector<std::string> all;
+  for (const double value : values) all.push_back(hex_of(std::bit_cast<std::uint64_t>(value)));
+  return all;
+}
+
+std::uint64_t bits_of(std::string_view digits) {
+  std::uint64_t bits = 0;
+  for (const char digit : digits) {
+    const std::size_t value = kDigits.find(digit);
+    if (value == std::string_view::npos) fail("has a digit that is none");
+    bits = bits << 4 | value;
+  }
+  return bits;
+}
+
+/// Requires bytes of two digits each; an odd digit is found when the text is made again.
+Bytes bytes_of(const std::vector<std::string>& chunks) {
+  Bytes bytes;
+  for (const std::string& chunk : chunks) {
+    for (std::size_t i = 0; i + 1 < chunk.size(); i += 2) {
+      bytes.push_back(static_cast<std::uint8_t>(bits_of(std::string_view(chunk).substr(i, 2))));
+    }
+  }
+  return bytes;
+}
+
+// --- Lists
+
+std::vector<std::int64_t> integers_of(std::string_view json) {
+  JsonReader in(json);
+  std::vector<std::int64_t> all;
+  if (in.next() != JsonToken::begin_list) fail("has no list where one belongs");
+  while (in.next() == JsonToken::integer && in.integer()) all.push_back(*in.integer());
+  return all;
+}
+
+std::vector<std::string> texts_of(std::string_view json) {
+  JsonReader in(json);
+  std::vector<std::string> all;
+  if (in.next() != JsonToken::begin_list) fail("has no list where one belongs");
+  while (in.next() == JsonToken::string) all.push_back(in.string());
+  return all;
+}
+
+std::vector<double> doubles_of(std::string_view json) {
+  std::vector<double> all;
+  for (const std::string& text : texts_of(json)) {
+    all.push_back(std::bit_cast<double>(bits_of(text)));
+  }
+  return all;
+}
+
+template <class T>
+std::vector<double> list_of(const std::optional<T>& value) {
+  return value ? std::vector<double>{static_cast<double>(*value)} : std::vector<double>{};
+}
+
+std::vector<double> numbers_of(const SampleCoding& coding) {
+  return {static_cast<double>(coding.type), coding.scale, coding.offset,
+          coding.is_exact ? 1.0 : 0.0};
+}
+
+SampleCoding coding_of(std::span<const double> numbers) {
+  const double type = numbers[0];
+  if (!(type >= 0 && type <= 255)) fail("has an unusable coding of floats");
+  const SampleCoding coding{static_cast<VoxelType>(type), numbers[1], numbers[2], numbers[3] == 1};
+  if (!is_valid(coding.type) || !is_valid(coding)) fail("has an unusable coding of floats");
+  return coding;
+}
+
+std::vector<double> place_of(const VolumeDescription& source) {
+  const auto& [origin_mm, spacing_mm, direction] = source.geometry;
+  std::vector<double> all(origin_mm.begin(), origin_mm.end());
+  all.insert(all.end(), spacing_mm.begin(), spacing_mm.end());
+  all.insert(all.end(), direction.begin(), direction.end());
+  all.push_back(source.rescale.slope);
+  all.push_back(source.rescale.intercept);
+  return all;
+}
+
+JsonObject object_of(const BuildPlan& plan) {
+  const BuildOptions& options = plan.options;
+  const VolumeDescription& source = plan.source;
+  const Size3& size = source.size;
+  JsonObject object;
+  object.set("octavo_plan", kPlanVersion);
+  object.set("id", hex_of(plan.id));
+  object.set("build.choices",
+             std::vector<std::int64_t>{
+                 static_cast<std::int64_t>(options.kind),
+                 static_cast<std::int64_t>(options.preset),
+                 options.access ? static_cast<std::int64_t>(*options.access) : -1,
+                 options.keep_details, options.has_thumbnail ? 1 : 0});
+  object.set("build.bound", hex_of(std::vector<double>{options.max_error}));
+  object.set("build.for_nan", hex_of(list_of(options.repair.nan)));
+  object.set("build.for_infinity", hex_of(list_of(options.repair.infinity)));
+  object.set("source.voxels", std::vector<std::int64_t>{static_cast<std::int64_t>(source.kind),
+                                                        static_cast<std::int64_t>(source.type),
+                                                        size.x, size.y, size.z});
+  object.set("source.place", hex_of(place_of(source)));
+  object.set("source.hint", hex_of(source.coding ? numbers_of(*source.coding)
+                                                 : std::vector<double>{}));
+  object.set("source.no_measurement",
+             source.padding ? std::vector<std::int64_t>{*source.padding}
+                            : std::vector<std::int64_t>{});
+  object.set_json("source.metadata", source.metadata.text());
+  std::vector<double> floats;
+  if (plan.floats) {
+    floats = numbers_of(plan.floats->coding);
+    floats.insert(floats.end(), {static_cast<double>(plan.floats->codec_error),
+                                 plan.floats->rounding, plan.floats->roomier_error,
+                                 plan.floats->slack});
+  }
+  object.set("groups.floats", hex_of(floats));
+  object.set("groups.count", std::vector<std::int64_t>{plan.planes_per_group, plan.group_count});
+  object.set("groups.first_voxels", std::vector<std::int64_t>{plan.content_hash});
+  object.set("groups.first_model", hex_of(plan.first_model));
+  object.sort_by_name();
+  return object;
+}
+
+std::int64_t within(std::int64_t value, std::int64_t lowest, std::int64_t highest) {
+  if (value < lowest || value > highest) fail("has a number that none of its kind can be");
+  return value;
+}
+
+/// The values of a list of so many.
+template <class T>
+std::vector<T> exactly(std::size_t count, std::vector<T> values) {
+  if (values.size() != count) fail("has a list of another length");
+  return values;
+}
+
+BuildOptions options_of(const JsonObject& object) {
+  BuildOptions options;
+  const auto choices = exactly(5, integers_of(object.json_of("build.choices")));
+  options.kind = static_cast<VolumeKind>(within(choices[0], 1, 2));
+  options.preset = static_cast<Preset>(within(choices[1], 0, 1));
+  if (choices[2] != -1) options.access = static_cast<Access>(within(choices[2], 0, 2));
+  options.keep_details = static_cast<int>(within(choices[3], 0, 64));
+  options.has_thumbnail = within(choices[4], 0, 1) == 1;
+  options.max_error = exactly(1, doubles_of(object.json_of("build.bound"))).front();
+  const auto nan = doubles_of(object.json_of("build.for_nan"));
+  const auto infinity = doubles_of(object.json_of("build.for_infinity"));
+  if (!nan.empty()) options.repair.nan = static_cast<float>(nan.front());
+  if (!infinity.empty()) options.repair.infinity = static_cast<float>(infinity.front());
+  return options;
+}
+
+VolumeDescription source_of(const JsonObject& object) {
+  VolumeDescription source;
+  const auto voxels = exactly(5, integers_of(object.json_of("source.voxels")));
+  source.kind = static_cast<VolumeKind>(within(voxels[0], 1, 2));
+  source.type = static_cast<VoxelType>(within(voxels[1], 0, 255));
+  if (!is_valid(source.type)) fail("has no such type of voxels");
+  source.size = {voxels[2], voxels[3], voxels[4]};
+  const auto place = exactly(17, doubles_of(object.json_of("source.place")));
+  const auto at = [&](std::ptrdiff_t first) { return place.begin() + first; };
+  std::copy(at(0), at(3), source.geometry.origin_mm.begin());
+  std::copy(at(3), at(6), source.geometry.spacing_mm.begin());
+  std::copy(at(6), at(15), source.geometry.direction.begin());
+  source.rescale = {place[15], place[16]};
+  const auto hint = doubles_of(object.json_of("source.hint"));
+  if (!hint.empty()) source.coding = coding_of(exactly(4, hint));
+  const auto padding = integers_of(object.json_of("source.no_measurement"));
+  if (!padding.empty()) source.padding = padding.front();
+  source.metadata = Metadata::read(std::string(object.json_of("source.metadata")));
+  if (!source.metadata.is_readable()) fail("has metadata that cannot be read");
+  return source;
+}
+
+std::optional<FloatChoice> floats_of(const JsonObject& object) {
+  const auto numbers = doubles_of(object.json_of("groups.floats"));
+  if (numbers.empty()) return std::nullopt;
+  exactly(8, numbers);
+  constexpr double kMostCodes = 1 << 30;
+  if (!(numbers[4] >= 0 && numbers[4] <= kMostCodes)) fail("has an unusable coding of floats");
+  return FloatChoice{coding_of(std::span(numbers).first(4)),
+                     static_cast<std::int64_t>(numbers[4]), numbers[5], numbers[6], numbers[7]};
+}
+
+std::string_view take_line(std::string_view& text) {
+  const std::size_t end = text.find('\n');
+  if (end == std::string_view::npos) fail("breaks off");
+  const std::string_view line = text.substr(0, end);
+  text.remove_prefix(end + 1);
+  return line;
+}
+
+SourceStamp stamp_of(std::string_view line) {
+  JsonReader in(line);
+  SourceStamp stamp;
+  if (in.next() != JsonToken::begin_list || in.next() != JsonToken::string) fail("has an odd file");
+  stamp.path = in.string();
+  for (std::int64_t* const number : {&stamp.bytes, &stamp.written_ns}) {
+    if (in.next() != JsonToken::integer || !in.integer()) fail("has an odd file");
+    *number = *in.integer();
+  }
+  return stamp;
+}
+
+}  // namespace
+
+std::string plan_text(const BuildPlan& plan) {
+  std::string text = object_of(plan).text() + "\n";
+  for (const SourceStamp& file : plan.files) {
+    text += "[" + json_text(file.path) + "," + json_text(file.bytes) + "," +
+            json_text(file.written_ns) + "]\n";
+  }
+  return text;
+}
+
+BuildPlan parse_plan(std::string_view text) {
+  BuildPlan plan;
+  std::string_view rest = text;
+  const JsonObject object = json_members(take_line(rest));
+  if (object.json_of("octavo_plan").empty()) fail("is none");
+  if (object.json_of("octavo_plan") != std::to_string(kPlanVersion)) {
+    throw Error(ErrorKind::unsupported_version,
+                "a plan of version " + std::string(object.json_of("octavo_plan")).substr(0, 20) +
+                    "; this program knows " + std::to_string(kPlanVersion));
+  }
+  plan.options = options_of(object);
+  plan.source = source_of(object);
+  plan.floats = floats_of(object);
+  const auto counts = exactly(2, integers_of(object.json_of("groups.count")));
+  plan.planes_per_group = counts[0];
+  plan.group_count = counts[1];
+  plan.content_hash = static_cast<std::uint32_t>(
+      within(exactly(1, integers_of(object.json_of("groups.first_voxels"))).front(), 0,
+             0xffffffff));
+  plan.first_model = bytes_of(texts_of(object.json_of("groups.first_model")));
+  while (!rest.empty()) plan.files.push_back(stamp_of(take_line(rest)));
+
+  // What was changed gives another id or another text.
+  if (plan.floats.has_value() == is_integer(plan.source.type)) fail("has floats of integers");
+  require_groups(plan);
+  plan.id = id_of(plan);
+  if (plan_text(plan) != text) fail("is not as it was written");
+  return plan;
+}
+
+}  // namespace octavo

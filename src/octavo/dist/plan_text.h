@@ -1,0 +1,28 @@
+// A plan as text, for those who make parts elsewhere: lines of JSON.
+//
+//   line 1   an object: what the first group decides, members by name
+//   others   ["PATH",LENGTH,TIME] for each file of the source
+//
+// Invariants
+//   A plan has one text, and a text that was changed in any byte is no plan.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "octavo/dist/build_plan.h"
+
+namespace octavo {
+
+inline constexpr int kPlanVersion = 1;
+
+/// The text, each line with its end.
+std::string plan_text(const BuildPlan& plan);
+
+/// The plan of a text.
+/// Throws  Error{corrupt} for what is no plan or was changed, Error{unsupported_version},
+///         Error{limit_exceeded}; Error{invalid_argument} for a plan whose groups this program
+///         would make otherwise
+BuildPlan parse_plan(std::string_view text);
+
+}  // namespace octavo

@@ -1,0 +1,163 @@
+#include "octavo/dist/plan_text.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "octavo/core/error.h"
+#include "octavo/dist/parts.h"
+#include "octavo/planes/memory_source.h"
+#include "support/built_file.h"
+#include "support/memory_storage.h"
+
+namespace octavo {
+namespace {
+
+using testing::MemoryStorage;
+using testing::ScratchFolder;
+using testing::Volume;
+
+Volume volume_of(VoxelType type, VolumeKind kind = VolumeKind::grey) {
+  Volume volume;
+  volume.description.type = type;
+  volume.description.kind = kind;
+  volume.description.size = {70, 66, 65};
+  volume.description.geometry.spacing_mm = {0.1, 1.0 / 3, 0.7};
+  volume.description.geometry.origin_mm = {-1e-7, 12345.678, 0};
+  volume.description.rescale = {-0.1, 1e-3};
+  volume.description.padding = -2000;
+  volume.description.metadata = Metadata::read(R"({"a": [1, {"b":"c \"d\" é"}], "z":1e3})");
+  const auto count = static_cast<std::size_t>(volume.description.size.voxel_count());
+  with_voxel_type(type, [&](auto id) {
+    using T = typename decltype(id)::type;
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto value = static_cast<T>(i * i / 64 % 90);
+      const auto* const bytes = reinterpret_cast<const std::byte*>(&value);
+      volume.voxels.insert(volume.voxels.end(), bytes, bytes + sizeof value);
+    }
+  });
+  return volume;
+}
+
+BuildPlan plan_of(const Volume& volume, const BuildOptions& options,
+                  const std::vector<std::string>& files = {}) {
+  NoProgress progress;
+  const auto source = make_memory_source(volume.description, volume.voxels);
+  return plan_build(*source, options, progress, files);
+}
+
+void make_part(const Volume& volume, const BuildPlan& plan, MemoryStorage& storage) {
+  NoProgress progress;
+  const auto source = make_memory_source(volume.description, volume.voxels);
+  build_part(plan, *source, 0, plan.group_count, storage, "part", {.threads = 1}, progress);
+}
+
+std::vector<std::uint8_t> joined(const Volume& volume, const BuildPlan& plan) {
+  NoProgress progress;
+  MemoryStorage storage;
+  make_part(volume, plan, storage);
+  join_parts(plan, {PartFile::open(storage, "part")}, storage, "a.8vo", false, {.threads = 1},
+             progress);
+  return *storage.files.at("a.8vo");
+}
+
+std::vector<std::uint8_t> built(const Volume& volume, const BuildOptions& options) {
+  NoProgress progress;
+  MemoryStorage storage;
+  const auto source = make_memory_source(volume.description, volume.voxels);
+  build_file(*source, storage, "a.8vo", options, progress);
+  return *storage.files.at("a.8vo");
+}
+
+TEST(PlanText, APlanReadBackMakesTheSameFile) {
+  BuildOptions grey;
+  grey.threads = 1;
+  grey.access = Access::slices;
+  grey.max_error = 0.3;
+  BuildOptions labels;
+  labels.threads = 1;
+  labels.kind = VolumeKind::labels;
+  BuildOptions details;
+  details.threads = 1;
+  details.preset = Preset::fast;
+  details.keep_details = 2;
+  details.has_thumbnail = true;
+  BuildOptions floats;
+  floats.threads = 1;
+  floats.repair = {1.5f, -2.0f};
+  BuildOptions within = floats;
+  within.max_error = 0.017;
+  const std::vector<std::pair<Volume, BuildOptions>> rows = {
+      {volume_of(VoxelType::int16), grey},
+      {volume_of(VoxelType::uint16), details},
+      {volume_of(VoxelType::uint8, VolumeKind::labels), labels},
+      {volume_of(VoxelType::float32), floats},
+      {volume_of(VoxelType::float32), within}};
+  for (const auto& [volume, options] : rows) {
+    const BuildPlan plan = plan_of(volume, options);
+    const std::string text = plan_text(plan);
+    const BuildPlan again = parse_plan(text);
+    EXPECT_EQ(again.id, plan.id);
+    EXPECT_EQ(again.floats, plan.floats);
+    EXPECT_EQ(again.first_model, plan.first_model);
+    EXPECT_EQ(again.source.padding, plan.source.padding);
+    EXPECT_EQ(plan_text(again), text);
+    EXPECT_TRUE(joined(volume, again) == built(volume, options)) << text;
+  }
+}
+
+TEST(PlanText, EveryChangeIsRejected) {
+  const ScratchFolder folder;
+  std::ofstream(folder.file("a.raw")) << "voxels";
+  BuildOptions options;
+  options.threads = 1;
+  const BuildPlan plan = plan_of(volume_of(VoxelType::int16), options, {folder.file("a.raw")});
+  const std::string text = plan_text(plan);
+  ASSERT_EQ(parse_plan(text).files, plan.files);
+  const auto is_rejected = [](const std::string& changed) {
+    try {
+      parse_plan(changed);
+      return false;
+    } catch (const Error&) {
+      return true;
+    }
+  };
+  for (std::size_t at = 0; at < text.size(); at += 1 + text.size() / 400) {
+    for (const char other : {'0', ' ', '"'}) {
+      std::string changed = text;
+      if (changed[at] == other) continue;
+      changed[at] = other;
+      EXPECT_TRUE(is_rejected(changed)) << at << ": " << text.substr(at, 20);
+    }
+  }
+  for (std::size_t length = 0; length < text.size(); length += 1 + text.size() / 100) {
+    EXPECT_TRUE(is_rejected(text.substr(0, length))) << length;
+  }
+  EXPECT_TRUE(is_rejected(text + "\n"));
+  EXPECT_TRUE(is_rejected("{\"octavo_plan\":2}\n"));
+}
+
+// A change behind the first group, which no voxel of the plan tells of.
+TEST(PlanText, AFileThatWasChangedSinceIsRejectedByName) {
+  const ScratchFolder folder;
+  const std::string path = folder.file("slice");
+  std::ofstream(path) << "voxels";
+  BuildOptions options;
+  options.threads = 1;
+  const Volume volume = volume_of(VoxelType::uint8);
+  const BuildPlan plan = parse_plan(plan_text(plan_of(volume, options, {path})));
+  EXPECT_NE(plan.id, plan_of(volume, options).id);
+  MemoryStorage storage;
+  make_part(volume, plan, storage);
+  std::ofstream(path) << "voxel";
+  try {
+    make_part(volume, plan, storage);
+    FAIL() << "a changed source was taken";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
+    EXPECT_EQ(error.path(), path);
+  }
+}
+
+}  // namespace
+}  // namespace octavo

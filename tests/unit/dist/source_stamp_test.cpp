@@ -1,0 +1,60 @@
+#include "octavo/dist/source_stamp.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "octavo/core/error.h"
+#include "support/built_file.h"
+
+namespace octavo {
+namespace {
+
+using testing::ScratchFolder;
+
+void write(const std::string& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+std::string failure_of(const std::vector<SourceStamp>& stamps, ErrorKind kind) {
+  try {
+    require_unchanged(stamps);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), kind) << error.what();
+    return error.what();
+  }
+  return "";
+}
+
+TEST(SourceStamp, AChangeIsSeenByItsLengthAndByItsTime) {
+  const ScratchFolder folder;
+  const std::string a = folder.file("a");
+  const std::string b = folder.file("b");
+  write(a, "12345");
+  write(b, "678");
+  const auto stamps = stamps_of({a, b});
+  ASSERT_EQ(stamps.size(), 2u);
+  EXPECT_EQ(stamps[0].bytes, 5);
+  EXPECT_EQ(failure_of(stamps, ErrorKind::internal), "");
+  // Of the same length
+  const auto time = std::filesystem::last_write_time(b);
+  write(b, "679");
+  std::filesystem::last_write_time(b, time + std::chrono::nanoseconds(1));
+  const std::string changed = failure_of(stamps, ErrorKind::source_rejected);
+  EXPECT_NE(changed.find(b), std::string::npos) << changed;
+  EXPECT_NE(changed.find("3 bytes of 2"), std::string::npos) << changed;
+  // Of the same time
+  write(b, "6789");
+  std::filesystem::last_write_time(b, time);
+  EXPECT_NE(failure_of(stamps, ErrorKind::source_rejected).find("4 bytes of"), std::string::npos);
+  write(b, "678");
+  std::filesystem::last_write_time(b, time);
+  EXPECT_EQ(failure_of(stamps, ErrorKind::internal), "");
+  std::filesystem::remove(a);
+  EXPECT_NE(failure_of(stamps, ErrorKind::io).find(a), std::string::npos);
+  EXPECT_THROW(stamps_of({a}), Error);
+}
+
+}  // namespace
+}  // namespace octavo
