@@ -128,7 +128,7 @@ class CubeScene final : public RenderScene {
     for (const ScenePart& part : parts_) sorted.push_back(&part);
     if (reader_->description().kind == VolumeKind::labels) {
       std::stable_sort(sorted.begin(), sorted.end(),
-                       [](const ScenePart* a, const ScenePart* b) { return a->voxels > b->voxels; });
+                       [](const auto* a, const auto* b) { return a->voxels > b->voxels; });
     }
     for (const ScenePart* part : sorted) rows.push_back({part->color, part->name});
     return rows;
