@@ -173,6 +173,7 @@ void take_bounds(BuildOutline& outline, const BuildOptions& options,
   } else {
     if (options.max_error == 0) max_error = 0;
     description.coding = floats.value().coding;
+    if (description.coding->is_exact) max_error = 0;
     if (max_error > 0) {
       bound = {floats->codec_error, max_error, floats->coding, floats->roomier_error * slope};
     }

@@ -9,12 +9,16 @@
 #include <optional>
 
 #include "octavo/builder/float_grid.h"
+#include "octavo/builder/float_trial.h"
 #include "octavo/core/error.h"
 
 namespace octavo {
 
 namespace {
 
+// Of more different values none comes often enough that rounding would cost more than it saves.
+constexpr std::size_t kFewValues = std::size_t{1} << 16;
+constexpr std::size_t kEnoughVoxels = 1024;
 // A coding seen in fewer values than this may be chance: a max error then does without it.
 constexpr std::size_t kEnoughValues = 64;
 constexpr double kStepsPerError = 32;
@@ -251,6 +255,7 @@ FloatPlanes::FloatPlanes(PlaneSource& source, const FloatSettings& settings, Pro
                          const FloatChoice* known)
     : source_(source),
       settings_(settings),
+      takes_all_(settings.max_error == 0),
       progress_(progress),
       description_(source.description()),
       cursor_(description_.size.z),
@@ -269,6 +274,14 @@ FloatPlanes::FloatPlanes(PlaneSource& source, const FloatSettings& settings, Pro
   rounding_ = known->rounding;
   roomier_error_ = known->roomier_error;
   slack_ = known->slack;
+  if (coding_.is_exact) keep_bits();
+}
+
+// Gives the floats as they are, whatever max error was asked for.
+void FloatPlanes::keep_bits() {
+  settings_.max_error = 0;
+  codec_error_ = 0;
+  description_.type = VoxelType::float32;
 }
 
 // Reads planes until enough of them are not constant, and chooses the coding.
@@ -284,7 +297,25 @@ void FloatPlanes::read_ahead() {
   }
   const std::vector<float> values = distinct.sorted();
   if (is_exact()) choose_exact(values);
-  else choose_within(values);
+  else if (!take_exact(values)) choose_within(values);
+}
+
+// Takes the floats bit by bit where that needs fewer bytes than the max error.
+bool FloatPlanes::take_exact(const std::vector<float>& values) {
+  std::size_t voxels = 0;
+  for (const std::vector<float>& plane : ahead_) voxels += plane.size();
+  if (values.size() > kFewValues || voxels < kEnoughVoxels) return false;
+  choose_within(values);
+  const SampleCoding within = coding_;
+  const double limit = kLargestCode - static_cast<double>(codec_error_);
+  const bool have_codes = std::ranges::all_of(values, [&](float v) {
+    return std::abs((static_cast<double>(v) - within.offset) / within.scale) < limit;
+  });
+  choose_exact(values);
+  const FloatStack stack{ahead_, description_.size.x, description_.size.y};
+  if (!have_codes || !is_smaller_exact(stack, coding_, within, codec_error_)) return false;
+  keep_bits();
+  return true;
 }
 
 void FloatPlanes::choose_exact(const std::vector<float>& values) {
@@ -376,7 +407,7 @@ void FloatPlanes::next_voxels() {
   const std::int64_t z = planes_read_++;
   if (is_finite(plane_)) return;
   repair_voxels(plane_, settings_.repair);
-  if (!is_exact() && !is_finite(plane_)) count_and_reject(z);
+  if (!takes_all_ && !is_finite(plane_)) count_and_reject(z);
 }
 
 void FloatPlanes::count_and_reject(std::int64_t z) {

@@ -13,7 +13,8 @@
 // and else the power of two in (E/64, E/32]. A power of two keeps roundings away: below 2^24 scales
 // a code is a float as it stands, and above that every float is a whole number of scales. NaN and
 // infinities have no code. They are replaced by values that were asked for, or rejected once the
-// whole volume has been counted.
+// whole volume has been counted. Few different values may take fewer bytes bit by bit: where the
+// first planes do, all are given as without a max error, but for NaN and infinities.
 #pragma once
 
 #include <cstdint>
@@ -72,12 +73,13 @@ class FloatPlanes final : public PlaneSource {
     return {coding_, codec_error_, rounding_, roomier_error_, slack_};
   }
 
-  /// That of the source, but with a max error the type is that of the codes.
+  /// That of the source, but above a max error of 0 the type is that of the codes.
   const VolumeDescription& description() const override { return description_; }
   const std::vector<Warning>& warnings() const override { return source_.warnings(); }
   std::uint64_t resident_bytes() const override { return source_.resident_bytes(); }
 
   const SampleCoding& coding() const { return coding_; }
+  /// 0 where the first planes take fewer bytes bit by bit than within the one that was asked for.
   double max_error() const { return settings_.max_error; }
   /// By how much a codec may change a code.
   std::int64_t codec_error() const { return codec_error_; }
@@ -99,6 +101,8 @@ class FloatPlanes final : public PlaneSource {
   bool is_exact() const { return settings_.max_error == 0; }
   void read_ahead();
   void choose_exact(const std::vector<float>& values);
+  void keep_bits();
+  bool take_exact(const std::vector<float>& values);
   void choose_within(std::span<const float> values);
   bool choose_step(const SampleCoding& coding, double largest);
   void next_voxels();
@@ -109,6 +113,7 @@ class FloatPlanes final : public PlaneSource {
 
   PlaneSource& source_;
   FloatSettings settings_;
+  bool takes_all_;  ///< NaN and infinities as well
   Progress& progress_;
   VolumeDescription description_;
   SampleCoding coding_;

@@ -359,6 +359,49 @@ TEST(FloatPlanes, ScaledIntegersKeepTheirScaleWithinAnError) {
   EXPECT_EQ(outcome.codec_error, 5);
 }
 
+TEST(FloatPlanes, FewValuesComeBitByBitWhereThatTakesFewerBytes) {
+  const auto square_root = [](std::size_t i) {
+    return std::sqrt(static_cast<float>(i * 2654435761u >> 7 & 15));
+  };
+  const FloatSettings fine = {.max_error = 1e-4, .first_planes = 64};
+  for (const auto& voxel : {std::function<float(std::size_t)>(square_root),
+                            std::function<float(std::size_t)>(
+                                [](std::size_t i) { return (i * 2654435761u >> 9 & 1) * 0.37f; })}) {
+    const Floats floats(80, voxel);
+    NoProgress progress;
+    const auto source = floats.source();
+    const FloatPlanes planes(*source, fine, progress);
+    EXPECT_EQ(planes.max_error(), 0);
+    EXPECT_TRUE(planes.coding().is_exact);
+    EXPECT_EQ(planes.description().type, VoxelType::float32);
+    EXPECT_EQ(planes.codec_error(), 0);
+    const FloatPlanes others(*source, fine, planes.choice(), progress);
+    EXPECT_EQ(others.max_error(), 0);
+    EXPECT_EQ(others.description().type, VoxelType::float32);
+  }
+  // What takes fewer bytes when it is rounded, is
+  std::mt19937 random(5);
+  std::normal_distribution<float> noise(0, 1);
+  const Floats noisy(80, [&](std::size_t) { return noise(random); });
+  NoProgress progress;
+  const auto source = noisy.source();
+  EXPECT_EQ(FloatPlanes(*source, fine, progress).max_error(), 1e-4);
+}
+
+TEST(FloatPlanes, NothingButNumbersIsTakenWhereAMaxErrorWasAskedFor) {
+  Floats floats(80, [](std::size_t i) { return (i * 2654435761u >> 9 & 1) * 0.37f; });
+  floats.voxels[70 * 32 + 9] = kNan;
+  NoProgress progress;
+  const auto source = floats.source();
+  FloatPlanes planes(*source, {.max_error = 1e-4, .first_planes = 64}, progress);
+  EXPECT_EQ(planes.max_error(), 0);
+  std::vector<std::int32_t> plane(32);
+  const auto read_all = [&] {
+    for (int z = 0; z < 80; ++z) planes.read_plane(std::as_writable_bytes(std::span(plane)));
+  };
+  EXPECT_THROW(read_all(), Error);
+}
+
 TEST(FloatPlanes, ValuesTooLargeForTheErrorAreRejectedWithOneThatWorks) {
   Floats floats(2, tenth);
   floats.voxels[50] = 1e12f;

@@ -1,0 +1,94 @@
+#include "octavo/builder/float_trial.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "octavo/codec/brick_codec.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::int64_t kSide = 32;
+constexpr std::int64_t kMostBoxes = 8;
+/// Bit by bit must save so much: planes yet to come may hold more values.
+constexpr double kWorthwhile = 0.95;
+
+/// Boxes spread evenly along the diagonal of the stack, one after another, dense [z][y][x].
+std::vector<float> boxes_of(const FloatStack& stack, const Size3& side, std::int64_t count) {
+  const auto planes = static_cast<std::int64_t>(stack.planes.size());
+  const auto first = [&](std::int64_t i, std::int64_t size, std::int64_t length) {
+    return (size - length) * (2 * i + 1) / (2 * count);
+  };
+  std::vector<float> voxels;
+  voxels.reserve(static_cast<std::size_t>(side.voxel_count() * count));
+  for (std::int64_t i = 0; i < count; ++i) {
+    const std::int64_t z = first(i, planes, side.z);
+    // Along another diagonal of the plane every other time
+    const std::int64_t y = first(i % 2 == 0 ? i : count - 1 - i, stack.y, side.y);
+    const std::int64_t x = first(i, stack.x, side.x);
+    for (std::int64_t k = 0; k < side.z; ++k) {
+      const std::vector<float>& plane = stack.planes[static_cast<std::size_t>(z + k)];
+      for (std::int64_t j = 0; j < side.y; ++j) {
+        for (std::int64_t h = 0; h < side.x; ++h) {
+          const std::int64_t at = (y + j) * stack.x + x + h;
+          voxels.push_back(plane.size() == 1 ? plane.front() : plane[static_cast<std::size_t>(at)]);
+        }
+      }
+    }
+  }
+  return voxels;
+}
+
+/// Boxes as bricks of their own.
+std::vector<TrainingBrick> bricks_of(const void* voxels, VoxelType type, const Size3& side,
+                                     std::int64_t count) {
+  const Levels levels(side, choose_halvings(side, {1, 1, 1}));
+  const BrickShape shape = brick_shape(levels, 0, {0, 0, 0});
+  const auto* first = static_cast<const std::byte*>(voxels);
+  std::vector<TrainingBrick> bricks;
+  for (std::int64_t i = 0; i < count; ++i, first += side.voxel_count() * bytes_per_voxel(type)) {
+    bricks.push_back({shape, {first, type, side, side.x, side.x * side.y}});
+  }
+  return bricks;
+}
+
+std::size_t bytes_of(const BrickCodec& codec, const std::vector<TrainingBrick>& bricks) {
+  std::size_t bytes = 0;
+  for (const TrainingBrick& brick : bricks) {
+    for (const Bytes& segment : codec.encode(brick.shape, brick.view).segments) {
+      bytes += segment.size();
+    }
+  }
+  return bytes;
+}
+
+}  // namespace
+
+bool is_smaller_exact(const FloatStack& stack, const SampleCoding& exact,
+                      const SampleCoding& within, std::int64_t codec_error) {
+  const auto planes = static_cast<std::int64_t>(stack.planes.size());
+  const Size3 side{std::min(stack.x, kSide), std::min(stack.y, kSide), std::min(planes, kSide)};
+  const std::int64_t count =
+      std::clamp<std::int64_t>(stack.x * stack.y * planes / side.voxel_count(), 1, kMostBoxes);
+  const std::vector<float> voxels = boxes_of(stack, side, count);
+  std::vector<std::int32_t> codes;
+  codes.reserve(voxels.size());
+  for (const float voxel : voxels) {
+    const double steps = (static_cast<double>(voxel) - within.offset) / within.scale;
+    codes.push_back(static_cast<std::int32_t>(std::nearbyint(steps)));
+  }
+  CodecSettings settings;
+  settings.preset = Preset::fast;
+  settings.access = Access::none;
+  const auto floats = bricks_of(voxels.data(), VoxelType::float32, side, count);
+  const std::size_t exact_bytes =
+      bytes_of(*train_exact_model(floats, settings, exact), floats);
+  settings.max_error = codec_error;
+  const auto rounded = bricks_of(codes.data(), VoxelType::int32, side, count);
+  const std::size_t rounded_bytes = bytes_of(
+      *train_model(VolumeKind::grey, VoxelType::int32, rounded, settings), rounded);
+  return static_cast<double>(exact_bytes) < kWorthwhile * static_cast<double>(rounded_bytes);
+}
+
+}  // namespace octavo
