@@ -94,10 +94,9 @@ class OctavoFile:
             for number in range(len(pages)):
                 yield from self._page(tier, layer, number)
 
-    def read_level(self, level: int, proves_parts: bool = False) -> np.ndarray:
+    def read_level(self, level: int) -> np.ndarray:
         """All samples of a level, of the voxel type of the file and shape [z][y][x].
 
-        proves_parts  proves the CRC of each part of a brick as well, which no sample depends on
         Raises  OctavoError "invalid_argument" if there is no such level, "corrupt" on damage,
                 "unsupported_version"
         """
@@ -113,7 +112,7 @@ class OctavoFile:
         bricks_x, bricks_y, layers = header.bricks(tier)
         for k in range(layers):
             for place, (i, j) in enumerate(brick_order(bricks_x, bricks_y)):
-                box = self._read_brick(tier, level, (i, j, k), place, proves_parts)
+                box = self._read_brick(tier, level, (i, j, k), place)
                 x, y, z = (n * side for n, side in zip((i, j, k), sides))
                 samples[z : z + sides[2], y : y + sides[1], x : x + sides[0]] = box
         return samples
@@ -131,8 +130,8 @@ class OctavoFile:
                 samples[k, j, i] = parent.reshape(())
         return samples
 
-    def _read_brick(self, tier: int, level: int, at: tuple[int, int, int], place: int,
-                    proves_parts: bool = False) -> np.ndarray:
+    def _read_brick(self, tier: int, level: int, at: tuple[int, int, int], place: int
+                    ) -> np.ndarray:
         """The samples of one level of a brick, or the one value that all of them have.
 
         level  also the first one of the next tier, of which a brick determines one sample
@@ -157,7 +156,7 @@ class OctavoFile:
         else:
             def decode_codes(low: int, high: int, rests: list[bytes]) -> np.ndarray:
                 return decode_grey_brick(model, low, high, rests, size, halvings, weights,
-                                         level - first, detailed, proves_parts)
+                                         level - first, detailed)
 
             def coarsened(finest: np.ndarray) -> np.ndarray:
                 return coarse_codes(model, finest, halvings, weights, level - first)

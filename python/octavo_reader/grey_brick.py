@@ -21,7 +21,7 @@ from .weights import SampleWeights
 
 def decode_grey_brick(model: GreyModel, smallest: int, largest: int, segments: list[bytes],
                       size: tuple[int, int, int], halvings: list[int], weights: SampleWeights,
-                      place: int, detailed: int = 0, proves_parts: bool = False) -> np.ndarray:
+                      place: int, detailed: int = 0) -> np.ndarray:
     """The samples of one level of a brick that is not uniform, as int64 of shape [z][y][x].
 
     segments      one per level of the brick, finest first; those finer than `place` are unused
@@ -30,7 +30,6 @@ def decode_grey_brick(model: GreyModel, smallest: int, largest: int, segments: l
     weights       of the samples of the brick's finest level
     place         which level, 0 the finest; behind the last: the brick's sample in the next tier
     detailed      the finest level of the brick that has details
-    proves_parts  whether the CRC of each part is proven, beside that of the piece
     Raises        OctavoError "corrupt", "unsupported_version"
     """
     order = model.axis_order
@@ -53,8 +52,7 @@ def decode_grey_brick(model: GreyModel, smallest: int, largest: int, segments: l
     if is_stored:
         samples, corrections = brick.decode_stored(segments[0], start - detailed), []
     else:
-        samples, corrections = brick.decode_levels(segments[detailed:], start - detailed,
-                                                   proves_parts)
+        samples, corrections = brick.decode_levels(segments[detailed:], start - detailed)
     samples = whole.interpolated(samples, start, place)
     own = np.transpose(samples, [2 - order.index(axis) for axis in (2, 1, 0)])
     return brick.to_voxels(own, corrections)
@@ -157,8 +155,8 @@ class _Brick:
                 samples = means_along(samples, 2 - axis, self._lifting(level, axis))
         return samples
 
-    def decode_levels(self, segments: list[bytes], place: int,
-                      proves_parts: bool) -> tuple[np.ndarray, list["_Corrections"]]:
+    def decode_levels(self, segments: list[bytes], place: int
+                      ) -> tuple[np.ndarray, list["_Corrections"]]:
         """Samples of level `place`, and the corrections of their voxels."""
         last = len(segments) - 1
         coarsest = self._plain(segments[last], self.sizes[last])
@@ -186,8 +184,7 @@ class _Brick:
         for region, entry in zip(self._parts(), entries):
             around = samples.part(region.coarse_first[::-1], region.coarse_size[::-1])
             data = cursor.take(entry.length)
-            require(not proves_parts or crc32c(data) == entry.crc,
-                    "the checksum of a part of a brick is wrong")
+            require(crc32c(data) == entry.crc, "the checksum of a part of a brick is wrong")
             part, own = self._decode_finest(around, region, flags, data)
             result[region.slices()] = part
             corrections += own

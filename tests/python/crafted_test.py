@@ -98,6 +98,11 @@ def exact(*pieces, **more):
             "voxels": tuple(map(float, CODES)), **more}
 
 
+def largest_floats(sign):
+    end = sign * ((1 << 31) - 1)
+    return exact(low=end, high=end, voxels=(sign * 3.4028234663852886e38,) * 8)
+
+
 def plain_floats(floats=PLAIN_FLOATS, head=b"\x10", **more):
     return exact(head + floats, **more)
 
@@ -321,6 +326,11 @@ ROWS = [
     ("a damaged model that no brick needs", {"model": b"\0\0"}, "sound", "damaged"),
     ("a stored brick of labels", stored(b"\0" + STORED, kind=2, like=LIKE_LABELS), "sound"),
     ("a stored brick of floats", stored_floats(b"\0"), "sound"),
+    ("exact floats below all ranges", exact(PLAIN_CODES, low=-(1 << 31)), "damaged"),
+    ("exact floats in the widest range",
+     plain_floats(head=b"\x1c", low=1 - (1 << 31), high=(1 << 31) - 1), "sound"),
+    ("the largest float", largest_floats(1), "sound"),
+    ("the smallest float", largest_floats(-1), "sound"),
     ("exact floats as they are", exact(b"\0" + PLAIN_CODES), "sound"),
     ("plain floats", plain_floats(), "sound"),
     ("plain floats that end early", plain_floats(PLAIN_FLOATS[:-1]), "damaged"),
@@ -502,7 +512,7 @@ class Crafts(unittest.TestCase):
         except OctavoError as error:
             return OUTCOME_OF_KIND.get(error.kind, error.kind), str(error)
 
-    def test_the_list_of_parts_of_a_brick_is_proven_by_who_reads_parts_and_by_verify(self):
+    def test_the_list_of_parts_of_a_brick_is_proven_by_who_reads_parts(self):
         data = (GOLDEN / "boxes-edges.8vo").read_bytes()
         with OctavoFile(GOLDEN / "boxes-edges.8vo") as file:
             brick = next(file.bricks(0))
@@ -519,7 +529,11 @@ class Crafts(unittest.TestCase):
         out = str(self.path.parent / "out.raw")
         box = ("--box", "0:34,0:20,0:32", "-o", out, "--stored")
         self.assertEqual(self.of_program("extract", *box)[0], "damaged")
-        self.assertEqual(self.of_package(lambda file: file.read_level(0))[0], "sound")
+        for threads in ("1", "2"):
+            whole = ("-o", out, "--force", "--threads", threads)
+            self.assertEqual(self.of_program("export", *whole)[0], "damaged")
+        self.assertEqual(self.of_package(lambda file: file.read_level(0))[0], "damaged")
+        self.assertEqual(self.of_package(lambda file: file.read_level(1))[0], "sound")
 
     def test_models_of_other_axis_orders_are_named(self):
         for model, coarse, outcome in ((TURNED_MODEL, TURNED_MODEL, "sound"),

@@ -47,6 +47,11 @@ struct VolumeDescription {
   /// The type of what codecs take and give: float32 where its coding is exact, else that of the
   /// numbers in bricks.
   VoxelType codec_type() const { return coding && coding->is_exact ? type : coded_type(); }
+  /// What ends of ranges in the index lie within.
+  ValueRange coded_range() const {
+    if (coding && coding->is_exact) return {-SampleCoding::kUnbounded, SampleCoding::kUnbounded};
+    return value_range(coded_type());
+  }
   /// Whether an end of a range in the index is none: of exact floats one may lie beyond all codes,
   /// nobody knows how far.
   bool is_unbounded(std::int64_t end) const {

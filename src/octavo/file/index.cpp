@@ -71,7 +71,7 @@ struct TierRules {
 };
 
 TierRules rules_of(const FileHeader& header, const Levels& levels, int tier) {
-  return {value_range(header.description.coded_type()), max_error_steps(header),
+  return {header.description.coded_range(), max_error_steps(header),
           has_errors(header, tier), piece_count(levels.tier_level_count(tier)),
           levels.brick_side(tier).z};
 }

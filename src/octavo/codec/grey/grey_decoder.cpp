@@ -260,10 +260,20 @@ class PartDecoder {
   const CoarseSamples<Sample>& coarse_;
 };
 
-/// The bytes of the parts in segment 0. Throws Error{corrupt} when the parts do not fill it.
+void prove_part(ByteSpan bytes, const PartBytes& entry) {
+  if (bytes.size() != entry.length || !checksum_matches(crc32c(bytes), entry.crc)) {
+    throw Error(ErrorKind::corrupt, "a part of a brick has another checksum");
+  }
+}
+
+/// The bytes of the parts in segment 0. Throws Error{corrupt} when the parts do not fill it, or have
+/// other checksums.
 std::vector<ByteSpan> split_segment(ByteSpan segment, const std::vector<PartBytes>& entries) {
   std::vector<ByteSpan> parts;
-  for (const PartBytes& entry : entries) parts.push_back(take_bytes(segment, entry.length));
+  for (const PartBytes& entry : entries) {
+    parts.push_back(take_bytes(segment, entry.length));
+    prove_part(parts.back(), entry);
+  }
   if (!segment.empty()) throw Error(ErrorKind::corrupt, "bytes behind the parts of a brick");
   return parts;
 }
@@ -340,10 +350,7 @@ class GreyParts final : public BrickParts {
   const std::vector<BrickParts::Part>& parts() const noexcept override { return own_parts_; }
 
   void decode(std::size_t number, ByteSpan bytes, const VoxelTarget& out) const override {
-    const PartBytes& entry = state_.entries[number];
-    if (bytes.size() != entry.length || !checksum_matches(crc32c(bytes), entry.crc)) {
-      throw Error(ErrorKind::corrupt, "a part of a brick has another checksum");
-    }
+    prove_part(bytes, state_.entries[number]);
     PartDecoder<Sample>(source_, state_, coarse_).decode({parts_[number], bytes, out});
   }
 
