@@ -68,7 +68,8 @@ std::size_t bytes_of(const BrickCodec& codec, const std::vector<TrainingBrick>& 
 bool is_smaller_exact(const FloatStack& stack, const SampleCoding& exact,
                       const SampleCoding& within, std::int64_t codec_error) {
   const auto planes = static_cast<std::int64_t>(stack.planes.size());
-  const Size3 side{std::min(stack.x, kTrialSide), std::min(stack.y, kTrialSide), std::min(planes, kTrialSide)};
+  const Size3 side{std::min(stack.x, kTrialSide), std::min(stack.y, kTrialSide),
+                   std::min(planes, kTrialSide)};
   const std::int64_t count =
       std::clamp<std::int64_t>(stack.x * stack.y * planes / side.voxel_count(), 1, kMostBoxes);
   const std::vector<float> voxels = boxes_of(stack, side, count);
