@@ -30,7 +30,7 @@ constexpr std::int64_t kEnoughOfSplit = 8000;
 constexpr std::int32_t kMaxDifference = 32000;
 constexpr double kTapRidge = 1e-4;
 /// Rounds of a fit: one in so many samples takes part, the first weighted by steps alone.
-constexpr std::size_t kRounds[] = {12, 8, 8, 4, 2};
+constexpr std::size_t kRounds[] = {12, 4, 4, 2, 1};
 constexpr std::size_t kTrialRounds[] = {1};  ///< when an order is tried
 constexpr std::size_t kFewInRound = 2000;
 /// One in so many samples when an order is tried, and when weights are refined.
