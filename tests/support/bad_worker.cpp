@@ -96,7 +96,7 @@ void send(const MessageHead& head, std::span<const std::uint8_t> payload) {
 
 /// Sends what a worker whose memory was overwritten might send.
 [[noreturn]] void lie(const std::string& how) {
-  SourceReport report{small_facts().description, {}, 0};
+  SourceReport report{small_facts().description, {}, 0, {}};
   if (how == "size") report.description.size.x = -4;
   if (how == "type") report.description.type = VoxelType{99};
   if (how == "metadata") report.description.metadata = Metadata::read("{");

@@ -98,6 +98,7 @@ class FlatCubes final : public PlaneSource {
         flat_(flat),
         for_each_(for_each_parallel(threads)),
         size_(description.size),
+        files_(files_of_volume({reader_->source().name()})),
         cursor_(size_.z) {
     check();
     for (int axis = 0; axis < 3; ++axis) grid_[axis] = (size_[axis] + kSide - 1) / kSide;
@@ -106,6 +107,7 @@ class FlatCubes final : public PlaneSource {
 
   const VolumeDescription& description() const override { return description_; }
   const std::vector<Warning>& warnings() const override { return warnings_; }
+  const PlaneFiles& files() const override { return files_; }
 
   std::uint64_t resident_bytes() const override {
     return static_cast<std::uint64_t>(size_.x * size_.y * std::min(size_.z, kSide) *
@@ -341,6 +343,7 @@ class FlatCubes final : public PlaneSource {
   std::int64_t flat_;
   ForEach for_each_;
   Size3 size_;
+  PlaneFiles files_;
   Size3 grid_;                       // of blocks
   std::vector<std::int64_t> means_;  // of each block's large cube, or kNone
   std::vector<Warning> warnings_;

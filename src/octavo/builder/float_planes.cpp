@@ -68,6 +68,7 @@ class RepairedSource final : public PlaneSource {
   const VolumeDescription& description() const override { return source_.description(); }
   const std::vector<Warning>& warnings() const override { return source_.warnings(); }
   std::uint64_t resident_bytes() const override { return source_.resident_bytes(); }
+  const PlaneFiles& files() const override { return source_.files(); }
 
   void read_plane(std::span<std::byte> plane) override {
     source_.read_plane(plane);

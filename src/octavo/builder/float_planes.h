@@ -77,6 +77,7 @@ class FloatPlanes final : public PlaneSource {
   const VolumeDescription& description() const override { return description_; }
   const std::vector<Warning>& warnings() const override { return source_.warnings(); }
   std::uint64_t resident_bytes() const override { return source_.resident_bytes(); }
+  const PlaneFiles& files() const override { return source_.files(); }
 
   const SampleCoding& coding() const { return coding_; }
   /// 0 where the first planes take fewer bytes bit by bit than within the one that was asked for.

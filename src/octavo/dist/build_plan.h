@@ -40,8 +40,8 @@ struct BuildPlan {
 };
 
 /// Reads the first planes of `source` and trains on them.
-/// files   that the source reads: who works by the plan proves that none was changed since. None
-///         for voxels that stand in no file
+/// files   that the source reads (PlaneSource::files): who works by the plan proves that none was
+///         changed since. None for voxels that stand in no file
 /// Throws  as build_file and stamps_of; Error{source_rejected} for a file that changes meanwhile
 BuildPlan plan_build(PlaneSource& source, const BuildOptions& options, Progress& progress,
                      const std::vector<std::string>& files = {});

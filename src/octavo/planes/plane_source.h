@@ -9,6 +9,7 @@
 
 #include "octavo/core/volume.h"
 #include "octavo/core/warning.h"
+#include "octavo/planes/plane_files.h"
 
 namespace octavo {
 
@@ -43,6 +44,13 @@ class PlaneSource {
 
   /// Bytes the source holds in memory; 0 where it reads one plane after the other.
   virtual std::uint64_t resident_bytes() const { return 0; }
+
+  /// The files that voxels come from; none for voxels that are computed or in memory. Known before
+  /// the first plane; who wraps another source passes its files on.
+  virtual const PlaneFiles& files() const {
+    static const PlaneFiles kNone;
+    return kNone;
+  }
 };
 
 }  // namespace octavo

@@ -27,6 +27,7 @@ FilePlanes::FilePlanes(std::shared_ptr<const FileReader> reader, int level, int 
       level_(level),
       threads_(threads),
       description_(reader_->description()),
+      files_(files_of_volume({reader_->source().name()})),
       layer_planes_(layer_planes(reader_->levels(), level)) {
   const double slope = std::abs(description_.rescale.slope);
   description_.metadata =

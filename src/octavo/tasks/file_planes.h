@@ -23,6 +23,8 @@ class FilePlanes final : public PlaneSource {
   const std::vector<Warning>& warnings() const override { return warnings_; }
   /// A layer of bricks.
   std::uint64_t resident_bytes() const override;
+  /// The .8vo file, unless it stands behind a URL.
+  const PlaneFiles& files() const override { return files_; }
   void read_plane(std::span<std::byte> plane) override;
   void seek(std::int64_t first, std::int64_t end) override { cursor_.seek(first, end); }
 
@@ -34,6 +36,7 @@ class FilePlanes final : public PlaneSource {
   int threads_;
   VolumeDescription description_;
   std::vector<Warning> warnings_;
+  PlaneFiles files_;
   std::int64_t layer_planes_;  // of one brick at this level
   PlaneCursor cursor_{0};
   std::int64_t layer_z_ = 0;

@@ -76,6 +76,7 @@ class ClassPlanes final : public PlaneSource {
 
   const VolumeDescription& description() const override { return description_; }
   const std::vector<Warning>& warnings() const override { return values_->warnings(); }
+  const PlaneFiles& files() const override { return values_->files(); }
   /// Voxels of each label in the planes that were read.
   const LabelCounts& counts() const { return counts_; }
 

@@ -90,5 +90,153 @@ TEST(OpenSource, OptionsOfDicomAreRejectedForOtherFormats) {
   }
 }
 
+// --- Files that a source is read from
+
+PlaneFiles files_of(const std::vector<std::string>& paths, const SourceOptions& options = {}) {
+  return open_source(paths, options)->files();
+}
+
+TEST(OpenSource, AVolumeNamesItsHeaderAndItsData) {
+  const TempFolder folder;
+  const std::string voxels = bytes_of(kStoredValues);
+  const std::string meta =
+      "NDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\nElementDataFile = ";
+  const std::string nrrd =
+      "NRRD0004\ntype: short\ndimension: 3\nsizes: 4 3 2\nendian: little\nencoding: raw\n";
+  std::string pair = nifti_header({});
+  pair.replace(108, 4, bytes_of(std::vector<float>{0}));
+  pair.replace(344, 4, std::string("ni1\0", 4));
+  const struct {
+    std::string name, header, data;
+  } table[] = {{"a.nii", nifti_header({}) + voxels, ""},
+               {"b.nii.gz", gzip(nifti_header({}) + voxels), ""},
+               {"c.hdr", pair, "c.img"},
+               {"d.mha", meta + "LOCAL\n" + voxels, ""},
+               {"e.mhd", meta + "data/e.raw\n", "data/e.raw"},
+               {"f.nrrd", nrrd + "\n" + voxels, ""},
+               {"g.nhdr", nrrd + "data file: g.raw\n", "g.raw"},
+               {"h.vtk",
+                "# vtk DataFile Version 3.0\nt\nBINARY\nDATASET STRUCTURED_POINTS\n"
+                "DIMENSIONS 4 3 2\nORIGIN 0 0 0\nSPACING 1 1 1\nPOINT_DATA 24\n"
+                "SCALARS v short 1\nLOOKUP_TABLE default\n" + voxels,
+                ""}};
+  for (const auto& [name, header, data] : table) {
+    std::vector<std::string> expected = {folder.file(name)};
+    write_file(expected.front(), header);
+    if (!data.empty()) {
+      expected.push_back(folder.file(data));
+      write_file(expected.back(), voxels);
+    }
+    const PlaneFiles files = files_of({folder.file(name)});
+    EXPECT_EQ(files.paths, expected);
+    EXPECT_TRUE(files.of_plane.empty()) << name;
+  }
+}
+
+TEST(OpenSource, FilesHaveAbsolutePaths) {
+  const TempFolder folder;
+  write_file(folder.file("a.nii"), nifti_header({}) + bytes_of(kStoredValues));
+  const fs::path relative = fs::relative(folder.file("a.nii"));
+  ASSERT_TRUE(relative.is_relative());
+  EXPECT_EQ(files_of({relative.string()}).paths,
+            std::vector<std::string>{(fs::current_path() / relative).string()});
+}
+
+TEST(OpenSource, RawVoxelsNameTheirFiles) {
+  const TempFolder folder;
+  SourceOptions options;
+  options.raw = RawLayout{{4, 3, 2}, VoxelType::uint8, false, 0};
+  write_file(folder.file("all.raw"), counted(24, 0));
+  EXPECT_EQ(files_of({folder.file("all.raw")}, options).paths,
+            std::vector<std::string>{folder.file("all.raw")});
+  const std::vector<std::string> planes = {folder.file("p9.raw"), folder.file("p10.raw")};
+  for (const std::string& path : planes) write_file(path, counted(12, 0));
+  const PlaneFiles files = files_of({planes[1], planes[0]}, options);
+  EXPECT_EQ(files.paths, planes);
+  EXPECT_EQ(files.of_plane, (std::vector<FileRange>{{0, 1}, {1, 2}}));
+}
+
+// In the natural order, not in that of bytes; of a folder and of files given in any order.
+TEST(OpenSource, PicturesNameTheFileOfEachPlane) {
+  const TempFolder folder;
+  for (const char* ending : {"png", "tif"}) {
+    const std::vector<std::string> planes = {folder.file(std::string(ending) + "/s9." + ending),
+                                             folder.file(std::string(ending) + "/s10." + ending),
+                                             folder.file(std::string(ending) + "/s11." + ending)};
+    for (const std::string& path : planes) {
+      TiffSample sample;
+      sample.pages = {std::string(12, 'x')};
+      if (path.ends_with("tif")) write_tiff(path, sample);
+      else write_png(path, 4, 3, 8, 0, std::string(12, 'x'));
+    }
+    const std::vector<FileRange> one_each = {{0, 1}, {1, 2}, {2, 3}};
+    const std::vector<std::string> mixed = {planes[2], planes[0], planes[1]};
+    for (const auto& paths : {std::vector{folder.file(ending)}, mixed}) {
+      const PlaneFiles files = files_of(paths);
+      EXPECT_EQ(files.paths, planes);
+      EXPECT_EQ(files.of_plane, one_each) << ending;
+    }
+  }
+}
+
+TEST(OpenSource, PagesOfOneChannelAreAllOfOneFile) {
+  const TempFolder folder;
+  TiffSample sample;
+  sample.description = "ImageJ=1.53\nimages=4\nchannels=2\nslices=2\nhyperstack=true\n";
+  sample.pages = std::vector<std::string>(4, std::string(12, 'x'));
+  write_tiff(folder.file("a.tif"), sample);
+  SourceOptions options;
+  options.channel = "2";
+  const PlaneFiles files = files_of({folder.file("a.tif")}, options);
+  EXPECT_EQ(files.paths, std::vector<std::string>{folder.file("a.tif")});
+  EXPECT_EQ(files.of_plane, (std::vector<FileRange>{{0, 1}, {0, 1}}));
+}
+
+class DicomFiles : public ::testing::Test {
+ protected:
+  /// The slices stand in the order of their places, which is not that of their names.
+  void write(const std::string& name, const std::string& position) {
+    DicomSample sample;
+    sample.position = position;
+    write_dicom(folder_.file(name), sample);
+    expected_.push_back(folder_.file(name));
+  }
+
+  TempFolder folder_;
+  std::vector<std::string> expected_;
+};
+
+TEST_F(DicomFiles, SlicesStandInTheOrderOfPlanes) {
+  write("z", "0\\0\\0");
+  write("y", "0\\0\\3");
+  write("below/a", "0\\0\\6");
+  write_file(folder_.file("notes.txt"), "no slice");
+  const PlaneFiles files = files_of({folder_.path()});
+  EXPECT_EQ(files.paths, expected_);
+  EXPECT_EQ(files.of_plane, (std::vector<FileRange>{{0, 1}, {1, 2}, {2, 3}}));
+}
+
+TEST_F(DicomFiles, APlaneInAGapIsMadeOfTheSlicesBesideIt) {
+  write("z", "0\\0\\0");
+  write("y", "0\\0\\3");
+  write("a", "0\\0\\9");
+  SourceOptions options;
+  options.on_gap = GapPolicy::fill;
+  const PlaneFiles files = files_of({folder_.path()}, options);
+  EXPECT_EQ(files.paths, expected_);
+  EXPECT_EQ(files.of_plane, (std::vector<FileRange>{{0, 1}, {1, 2}, {1, 3}, {2, 3}}));
+}
+
+TEST_F(DicomFiles, SlicesThatWereMovedStandInTheirFiles) {
+  write("z", "0\\0\\0");
+  write("y", "0\\1\\3");
+  write("a", "0\\2\\6");
+  SourceOptions options;
+  options.untilt = true;
+  const PlaneFiles files = files_of({folder_.path()}, options);
+  EXPECT_EQ(files.paths, expected_);
+  EXPECT_EQ(files.of_plane, (std::vector<FileRange>{{0, 1}, {1, 2}, {2, 3}}));
+}
+
 }  // namespace
 }  // namespace octavo::testing

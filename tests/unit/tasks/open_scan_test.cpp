@@ -28,6 +28,13 @@ TEST_F(OpenScan, PlanesAreTheSameFromAnywhere) {
   testing::expect_same_from_anywhere(*open_planes({write_grey("scan.8vo")}, {}, context_));
 }
 
+TEST_F(OpenScan, FilesArePassedOn) {
+  const std::string raw = write_raw("scan.raw", voxels_);
+  const std::string file = write_grey("scan.8vo");
+  EXPECT_EQ(open_planes({raw}, scan_, context_)->files(), files_of_volume({raw}));
+  EXPECT_EQ(open_planes({file}, {}, context_)->files(), files_of_volume({file}));
+}
+
 TEST_F(OpenScan, WarningsArePassedOn) {
   scan_.source.spacing_mm.reset();
   open_scan({write_raw("scan.raw", voxels_)}, scan_, context_);

@@ -113,6 +113,24 @@ void warn_of_likeness(const DicomStack& stack, std::vector<Warning>& warnings) {
   }
 }
 
+/// A plane between two slices is made of both, one that no slice speaks of of none.
+PlaneFiles files_of(const DicomStack& stack) {
+  std::vector<std::string> paths;
+  for (const DicomSlice& slice : stack.slices) paths.push_back(slice.layout->path);
+  PlaneFiles files = files_of_slices(paths);
+  const std::vector<FileRange> of_slice = std::move(files.of_plane);
+  files.of_plane.clear();
+  for (const PlaneOrigin& plane : stack.planes) {
+    FileRange range;
+    if (!plane.is_background) range = of_slice[plane.below];
+    if (plane.weight_above > 0 && !plane.is_background) {
+      range = joined(range, of_slice[plane.below + 1]);
+    }
+    files.of_plane.push_back(range);
+  }
+  return files;
+}
+
 SourceFacts describe(const DicomStack& stack, const SourceOptions& options) {
   const DicomSlice& first = stack.slices.front();
   const DicomLayout& layout = *first.layout;
@@ -126,13 +144,10 @@ SourceFacts describe(const DicomStack& stack, const SourceOptions& options) {
   facts.description.padding = layout.padding_value;
   facts.spacing_known = stack.spacing_known;
   facts.unit = first.values.unit;
-  std::set<std::string> paths;
-  bool was_lossy = false;
-  for (const DicomSlice& slice : stack.slices) {
-    paths.insert(slice.layout->path);
-    was_lossy = was_lossy || slice.layout->was_lossy;
-  }
-  facts.file_count = static_cast<std::int64_t>(paths.size());
+  facts.files = files_of(stack);
+  facts.file_count = static_cast<std::int64_t>(facts.files.paths.size());
+  const bool was_lossy = std::ranges::any_of(
+      stack.slices, [](const DicomSlice& slice) { return slice.layout->was_lossy; });
   if (was_lossy) {
     facts.warnings.push_back(
         "some slices were compressed with loss before they came here; what is kept is what is "

@@ -262,6 +262,7 @@ std::unique_ptr<PlaneSource> open_png_source(const std::vector<std::string>& fil
   facts.file_count = static_cast<std::int64_t>(files.size());
   facts.description.type = first.type;
   facts.description.size = {first.width, first.height, facts.file_count};
+  facts.files = files_of_slices(files);
   add_depth_warning(stack, facts);
   settle_number_gaps(files, options, facts);
   facts.components.channels = first.channels;

@@ -427,6 +427,9 @@ SourceFacts describe(const TiffStack& stack) {
   take_stored_type(facts, first.type);
   facts.description.size = {first.width, first.height,
                             static_cast<std::int64_t>(stack.planes.size())};
+  std::vector<std::string> paths;
+  for (const TiffPlane& plane : stack.planes) paths.push_back(stack.files[plane.file]);
+  facts.files = files_of_slices(paths);
   take_spacing(stack, facts);
   take_place(stack.description, facts);
   take_calibration(stack.description, facts);

@@ -267,8 +267,9 @@ void read_and_send(const SourceOpener& opener, const ImportRequest& request,
     const auto [first, end] = planes_of(request, *source);
     source->seek(first, end);
     limits.know(*source);
-    send(MessageKind::report, encode(SourceReport{source->description(), source->warnings(),
-                                                  source->resident_bytes()}));
+    send(MessageKind::report,
+         encode(SourceReport{source->description(), source->warnings(), source->resident_bytes(),
+                             source->files()}));
     send_planes(*source, request, limits, z);
   } catch (...) {
     const std::string name = request.paths.empty() ? "" : request.paths.front();

@@ -63,6 +63,7 @@ class IsolatedSource final : public PlaneSource {
   const VolumeDescription& description() const override { return report_.description; }
   const std::vector<Warning>& warnings() const override { return report_.warnings; }
   std::uint64_t resident_bytes() const override { return report_.resident_bytes; }
+  const PlaneFiles& files() const override { return report_.files; }
 
   void read_plane(std::span<std::byte> plane) override {
     if (cursor_.is_done() || plane.size() != plane_bytes_ || !worker_) {
@@ -99,7 +100,8 @@ class IsolatedSource final : public PlaneSource {
     const VolumeDescription& now = report.description;
     const VolumeDescription& before = report_.description;
     if (now.size != before.size || now.type != before.type || now.kind != before.kind ||
-        now.geometry != before.geometry || now.metadata.text() != before.metadata.text()) {
+        now.geometry != before.geometry || now.metadata.text() != before.metadata.text() ||
+        report.files != report_.files) {
       reject("the source changed since it was opened");
     }
     report_ = std::move(report);

@@ -220,6 +220,36 @@ VolumeDescription take_description(Reader& in) {
   return description;
 }
 
+void put_files(Writer& out, const PlaneFiles& files) {
+  const auto& [paths, of_plane] = files;
+  out.put_texts(paths);
+  out.put_varint(of_plane.size());
+  for (const auto& [first, end] : of_plane) {
+    out.put_signed(first);
+    out.put_signed(end - first);
+  }
+}
+
+PlaneFiles take_files(Reader& in, std::int64_t planes) {
+  PlaneFiles files;
+  files.paths = in.texts();
+  const auto file_count = static_cast<std::int64_t>(files.paths.size());
+  const std::uint64_t count = in.varint();
+  if (count > in.left()) in.fail("a list ends early");
+  if (count != 0 && count != static_cast<std::uint64_t>(planes)) {
+    in.fail("it names the files of other planes than there are");
+  }
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const std::int64_t first = in.signed_varint();
+    const std::int64_t length = in.signed_varint();
+    if (first < 0 || first > file_count || length < 0 || length > file_count - first) {
+      in.fail("a plane is in files that are not there");
+    }
+    files.of_plane.push_back({first, first + length});
+  }
+  return files;
+}
+
 }  // namespace
 
 MessageHead head_for(MessageKind kind, std::uint64_t index, std::span<const std::uint8_t> payload) {
@@ -256,6 +286,7 @@ Payload encode(const SourceReport& report) {
   put_description(out, report.description);
   out.put_warnings(report.warnings);
   out.put_u64(report.resident_bytes);
+  put_files(out, report.files);
   return payload;
 }
 
@@ -302,6 +333,7 @@ SourceReport decode_report(std::span<const std::uint8_t> payload) {
   report.description = take_description(in);
   report.warnings = in.warnings();
   report.resident_bytes = in.u64();
+  report.files = take_files(in, report.description.size.z);
   in.expect_end();
   return report;
 }

@@ -19,6 +19,7 @@
 #include "octavo/core/volume.h"
 #include "octavo/core/warning.h"
 #include "octavo/io/source_options.h"
+#include "octavo/planes/plane_files.h"
 
 namespace octavo {
 
@@ -43,6 +44,7 @@ struct SourceReport {
   VolumeDescription description;
   std::vector<Warning> warnings;
   std::uint64_t resident_bytes = 0;
+  PlaneFiles files;
 };
 
 enum class MessageKind : std::uint32_t { report = 1, warnings, plane, failure };

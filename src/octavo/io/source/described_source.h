@@ -13,6 +13,7 @@
 #include "octavo/io/source/source_identity.h"
 #include "octavo/io/source_options.h"
 #include "octavo/planes/plane_cursor.h"
+#include "octavo/planes/plane_files.h"
 #include "octavo/planes/plane_source.h"
 
 namespace octavo {
@@ -35,6 +36,7 @@ struct SourceFacts {
   SourceComponents components;          ///< what stands at each voxel
   ComponentChoice choice;               ///< which of them is taken; made by `settle`
   std::string path;                     ///< names the source in messages; made by `settle`
+  PlaneFiles files;                     ///< that the planes are read from
   std::function<bool()> is_cancelled;   ///< of the options; may be empty; made by `settle`
 };
 
@@ -71,6 +73,7 @@ class DescribedSource : public PlaneSource {
   explicit DescribedSource(SourceFacts facts);
   const VolumeDescription& description() const override { return facts_.description; }
   const std::vector<Warning>& warnings() const override { return facts_.warnings; }
+  const PlaneFiles& files() const override { return facts_.files; }
   /// For sources that find every plane by its number alone; others do more.
   void seek(std::int64_t first, std::int64_t end) override { cursor_.seek(first, end); }
 

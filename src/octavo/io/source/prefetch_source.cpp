@@ -50,6 +50,7 @@ class PrefetchSource final : public PlaneSource {
   std::uint64_t resident_bytes() const override {
     return source_->resident_bytes() + slots_.size() * slots_.front().plane.size();
   }
+  const PlaneFiles& files() const override { return source_->files(); }
 
   void read_plane(std::span<std::byte> plane) override {
     if (cursor_.is_done() || plane.size() != slots_.front().plane.size()) {

@@ -175,6 +175,7 @@ std::unique_ptr<PlaneSource> make_streamed_source(SourceFacts facts, const Voxel
     require_holdable(run.path, SourceFile(run.path).size(), stream_bytes, kDeflateRatio);
     if (run.start_offset == 0 && is_gzip_file(run.path)) check_gzip_length(run.path, stream_bytes);
   }
+  facts.files = files_of_volume({facts.path, run.path});
   if (facts.wide) {
     StoredNumbers first_planes(run, bytes_per_value(*facts.wide));
     settle_narrowing(facts, [&](std::int64_t, std::span<std::byte> plane) {

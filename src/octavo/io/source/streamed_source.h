@@ -32,6 +32,7 @@ struct VoxelRun {
 /// are wide, the first planes are read here as well, to choose what voxels they become.
 /// A plain file that is too short is rejected here; a deflated stream is proven to its trailer when
 /// the last plane is read. Bytes behind the voxels bring a warning.
+/// The files are facts.path, which has the header, and run.path.
 /// Requires settled facts. Throws Error{source_rejected} with both lengths, Error{io}.
 std::unique_ptr<PlaneSource> make_streamed_source(SourceFacts facts, const VoxelRun& run);
 

@@ -80,6 +80,7 @@ std::unique_ptr<PlaneSource> open_raw_source(const std::vector<std::string>& fil
                  "a plane of " + size_text(layout.size.x, layout.size.y) + " " +
                      std::string(stored_type_name(layout.type)));
   }
+  facts.files = files_of_slices(files);
   settle_narrowing(facts, [&](std::int64_t z, std::span<std::byte> numbers) {
     read_stored(files[static_cast<std::size_t>(z)], layout, numbers);
   });

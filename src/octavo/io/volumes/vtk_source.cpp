@@ -84,6 +84,7 @@ std::unique_ptr<PlaneSource> open_vtk_source(const std::string& path,
   facts.identity.note("title", header.title);
   settle(facts, options, path);
   if (header.is_text) {
+    facts.files = files_of_volume({path});
     TextVoxels first_planes(path, header.voxel_offset);
     settle_narrowing(facts, [&](std::int64_t, std::span<std::byte> numbers) {
       first_planes.read(*header.type.wide(), numbers);

@@ -78,6 +78,17 @@ PlaneRun slices_of(const IsotropicPlan& plan, std::int64_t first, std::int64_t e
   return slices;
 }
 
+/// The files of the planes, of those of the slices.
+PlaneFiles files_between(const PlaneFiles& slices, const IsotropicPlan& plan) {
+  PlaneFiles files = {slices.paths, {}};
+  if (slices.of_plane.empty()) return files;
+  for (std::int64_t z = 0; z < plan.planes; ++z) {
+    const PlaneRun run = slices_of(plan, z);
+    files.of_plane.push_back(files_of_planes(slices, run[0], run[1] + 1));
+  }
+  return files;
+}
+
 /// Runs that the metadata tell of, where they rise and lie within the slices.
 std::optional<std::vector<PlaneRun>> proven(const std::optional<std::vector<PlaneRun>>& runs,
                                             std::int64_t slices) {
@@ -174,12 +185,14 @@ class IsotropicSource final : public PlaneSource {
     description_.size.z = plan_.planes;
     description_.geometry.spacing_mm[2] = plan_.plane_mm;
     const MetadataFacts& facts = source_->description().metadata.facts();
+    files_ = files_between(source_->files(), plan_);
     description_.metadata.set_isotropic(note(), made_planes_of(plan_, facts),
                                         missing_planes_of(plan_, facts));
   }
 
   const VolumeDescription& description() const override { return description_; }
   const std::vector<Warning>& warnings() const override { return source_->warnings(); }
+  const PlaneFiles& files() const override { return files_; }
 
   std::uint64_t resident_bytes() const override {
     const Size3& size = description_.size;
@@ -320,6 +333,7 @@ class IsotropicSource final : public PlaneSource {
   std::unique_ptr<PlaneSource> source_;
   IsotropicPlan plan_;
   VolumeDescription description_;
+  PlaneFiles files_;
   std::uint64_t slice_bytes_ = 0;
   std::deque<UnsetBytes> held_;
   std::int64_t read_ = 0;  ///< the slice that the source gives next

@@ -29,6 +29,7 @@ class NamedLabels final : public PlaneSource {
   const VolumeDescription& description() const override { return description_; }
   const std::vector<Warning>& warnings() const override { return source_->warnings(); }
   std::uint64_t resident_bytes() const override { return source_->resident_bytes(); }
+  const PlaneFiles& files() const override { return source_->files(); }
   void read_plane(std::span<std::byte> plane) override { source_->read_plane(plane); }
   bool can_seek() const override { return source_->can_seek(); }
   void seek(std::int64_t first, std::int64_t end) override { source_->seek(first, end); }

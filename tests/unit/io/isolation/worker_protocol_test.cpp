@@ -1,6 +1,8 @@
 // What a worker and its reader say to each other, there and back and damaged.
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "octavo/core/error.h"
 #include "octavo/io/isolation/worker_protocol.h"
 #include "support/source_files.h"
@@ -43,6 +45,7 @@ SourceReport sample_report() {
   report.description.padding = -2000;
   report.warnings = {{"one", "spacing_mm"}, {""}, {"three"}};
   report.resident_bytes = 42;
+  report.files = {{"/a", "/b c", "/d"}, {{1, 3}}};
   return report;
 }
 
@@ -87,6 +90,18 @@ TEST(WorkerProtocol, AReportComesBackAsItWas) {
   EXPECT_EQ(got.description.padding, sent.description.padding);
   EXPECT_EQ(got.warnings, sent.warnings);
   EXPECT_EQ(got.resident_bytes, sent.resident_bytes);
+  EXPECT_EQ(got.files, sent.files);
+}
+
+TEST(WorkerProtocol, FilesThatAPlaneCannotHaveAreRejected) {
+  using Ranges = std::vector<FileRange>;
+  for (const Ranges& ranges :
+       {Ranges{{0, 4}}, {{4, 4}}, {{-1, 1}}, {{2, 1}}, {{0, 1}, {1, 2}},
+        {{0, std::numeric_limits<std::int64_t>::max()}}}) {
+    SourceReport report = sample_report();
+    report.files.of_plane = ranges;
+    EXPECT_EQ(error_of([&] { decode_report(encode(report)); }).kind(), ErrorKind::corrupt);
+  }
 }
 
 TEST(WorkerProtocol, FailuresOfEveryKindComeBackAsTheyWere) {
