@@ -186,7 +186,7 @@ TEST(OpenSource, PagesOfOneChannelAreAllOfOneFile) {
   sample.pages = std::vector<std::string>(4, std::string(12, 'x'));
   write_tiff(folder.file("a.tif"), sample);
   SourceOptions options;
-  options.channel = "2";
+  options.channel = "1";
   const PlaneFiles files = files_of({folder.file("a.tif")}, options);
   EXPECT_EQ(files.paths, std::vector<std::string>{folder.file("a.tif")});
   EXPECT_EQ(files.of_plane, (std::vector<FileRange>{{0, 1}, {0, 1}}));
