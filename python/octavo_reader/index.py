@@ -157,8 +157,8 @@ def split_pieces(pieces: list[bytes], level_count: int) -> list[bytes]:
 
 def _prove_range(header: Header, smallest: int, largest: int) -> None:
     limits = np.iinfo(header.code_type)
-    least = -limits.max if header.is_exact else limits.min
-    require(least <= smallest <= largest <= limits.max, "a range leaves the voxel type")
+    lowest = -limits.max if header.is_exact else limits.min
+    require(lowest <= smallest <= largest <= limits.max, "a range leaves the voxel type")
 
 
 def _place(header: Header, models: list[tuple[int, int, int]], trailers: list[int],

@@ -364,9 +364,10 @@ TEST(FloatPlanes, FewValuesComeBitByBitWhereThatTakesFewerBytes) {
     return std::sqrt(static_cast<float>(i * 2654435761u >> 7 & 15));
   };
   const FloatSettings fine = {.max_error = 1e-4, .first_planes = 64};
-  for (const auto& voxel : {std::function<float(std::size_t)>(square_root),
-                            std::function<float(std::size_t)>(
-                                [](std::size_t i) { return (i * 2654435761u >> 9 & 1) * 0.37f; })}) {
+  const auto two_values = [](std::size_t i) { return (i * 2654435761u >> 9 & 1) * 0.37f; };
+  for (const std::function<float(std::size_t)>& voxel :
+       {std::function<float(std::size_t)>(square_root),
+        std::function<float(std::size_t)>(two_values)}) {
     const Floats floats(80, voxel);
     NoProgress progress;
     const auto source = floats.source();

@@ -266,8 +266,8 @@ void prove_part(ByteSpan bytes, const PartBytes& entry) {
   }
 }
 
-/// The bytes of the parts in segment 0. Throws Error{corrupt} when the parts do not fill it, or have
-/// other checksums.
+/// The bytes of the parts in segment 0. Throws Error{corrupt} when the parts do not fill it, or
+/// have other checksums.
 std::vector<ByteSpan> split_segment(ByteSpan segment, const std::vector<PartBytes>& entries) {
   std::vector<ByteSpan> parts;
   for (const PartBytes& entry : entries) {
