@@ -170,7 +170,7 @@ GOLDEN_USES = {
 def cases():
     noise = np.random.default_rng(1).integers
     return [
-        Case("small", waves((27, 34, 41), 300, 2).astype("int16"), (), predicts(0)),
+        Case("small", waves((27, 34, 41), 300, 1).astype("int16"), (), predicts(0)),
         Case("fast", waves((27, 34, 41), 300, 2).astype("uint16") // 2,
              ("--preset", "fast"), predicts(1)),
         Case("two tiers", waves((9, 30, 70), 50, 1).astype("int8"), (),
