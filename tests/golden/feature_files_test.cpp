@@ -119,6 +119,15 @@ double exact_floats(const Index3& p) {
 double any_floats(const Index3& p) {
   return std::bit_cast<float>(noise_at(p) << 16 | noise_at({p.y + 50, p.z + 60, p.x + 70}));
 }
+/// Floats of 10 bits: few small ones, many large ones that have codes of their own, NaN in every row.
+double repeated_floats(const Index3& p) {
+  const std::uint32_t some = noise_at(p);
+  if (some < 9800) return std::numeric_limits<double>::quiet_NaN();
+  const auto other = static_cast<float>(noise_at({p.y + 50, p.z + 60, p.x + 70}));
+  const float value =
+      some < 22000 ? 1000 + other * 0.045F : std::sqrt(static_cast<float>(some % 40)) - 3;
+  return std::bit_cast<float>(std::bit_cast<std::uint32_t>(value) & ~0x1fffU);
+}
 /// NaN and infinities in smooth floats, and what takes their place.
 double holed_floats(const Index3& p) {
   const std::uint32_t some = noise_at(p);
@@ -227,6 +236,7 @@ std::vector<Feature> features() {
       {"float32-exact", {66, 18, 12}, VoxelType::float32, exact_floats},
       {"float32-exact-fast", {30, 17, 11}, VoxelType::float32, exact_floats, with(Preset::fast, 0)},
       {"float32-plain", {19, 18, 13}, VoxelType::float32, any_floats},
+      {"float32-repeats", {40, 21, 11}, VoxelType::float32, repeated_floats},
       {"float32-max-error", size, VoxelType::float32, smooth_floats, with(Preset::small, 0.05)},
       {"float32-filled", {24, 20, 17}, VoxelType::float32, filled_floats, filled, {1, 1, 1},
        nullptr, holed_floats},
@@ -254,6 +264,7 @@ std::vector<Feature> features() {
       {"details-int16", {70, 35, 31}, VoxelType::int16, ripples, details(1, Preset::small)},
       {"details-uint8-thick", {41, 33, 13}, VoxelType::uint8, scan<20, 5>,
        details(2, Preset::fast), {1, 1, 4}},
+      {"details-last", {12, 10, 9}, VoxelType::int16, ripples, details(4, Preset::small)},
       {"details-stored", {6, 5, 4}, VoxelType::uint8, white_noise, details(1, Preset::small)},
       {"two-pages", {2112, 2048, 1}, VoxelType::uint8, one_spot},
       {"three-tiers", {4097, 3, 2}, VoxelType::int16, ramp},

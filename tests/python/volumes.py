@@ -163,6 +163,7 @@ GOLDEN_USES = {
     "max-error-fast": predicts(1),
     "details-int16": leaves_details_out,
     "details-uint8-thick": leaves_details_out,
+    "details-last": leaves_details_out,
     "details-stored": lambda file: leaves_details_out(file) and is_stored(file),
 }
 
