@@ -119,7 +119,7 @@ double exact_floats(const Index3& p) {
 double any_floats(const Index3& p) {
   return std::bit_cast<float>(noise_at(p) << 16 | noise_at({p.y + 50, p.z + 60, p.x + 70}));
 }
-/// Floats of 10 bits: few small ones, many large ones that have codes of their own, NaN in every row.
+/// Floats of 10 bits: few small ones, many large ones that have their own codes, NaN in every row.
 double repeated_floats(const Index3& p) {
   const std::uint32_t some = noise_at(p);
   if (some < 9800) return std::numeric_limits<double>::quiet_NaN();
