@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <cstdint>
 
@@ -29,14 +30,18 @@ std::int64_t thread_count(int threads) {
   return threads > 0 ? threads : tbb::this_task_arena::max_concurrency();
 }
 
+/// A failure elsewhere does not leave out tasks here: what one loop fills, its caller relies on.
+void run_on_threads(std::int64_t count, const std::function<void(std::int64_t)>& task) {
+  tbb::task_group_context own(tbb::task_group_context::isolated);
+  tbb::parallel_for(std::int64_t{0}, count, [&](std::int64_t i) { task(i); },
+                    tbb::simple_partitioner(), own);
+}
+
 /// Runs tasks on the threads of the caller's arena. A thread that waits takes no other work up: it
 /// stands in the midst of a brick.
 void run_among_threads(std::int64_t count, const std::function<void(std::int64_t)>& task) {
   if (count == 1) return task(0);
-  tbb::this_task_arena::isolate([&] {
-    tbb::parallel_for(std::int64_t{0}, count, [&](std::int64_t i) { task(i); },
-                      tbb::simple_partitioner());
-  });
+  tbb::this_task_arena::isolate([&] { run_on_threads(count, task); });
 }
 
 }  // namespace
@@ -44,10 +49,7 @@ void run_among_threads(std::int64_t count, const std::function<void(std::int64_t
 ForEach for_each_parallel(int threads) {
   return [threads](std::int64_t count, const std::function<void(std::int64_t)>& task) {
     tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-    arena.execute([&] {
-      tbb::parallel_for(std::int64_t{0}, count, [&](std::int64_t i) { task(i); },
-                        tbb::simple_partitioner());
-    });
+    arena.execute([&] { run_on_threads(count, task); });
   };
 }
 

@@ -142,6 +142,18 @@ TEST(ReaderParts, ADamagedPartIsNamedAndTheOthersAreRead) {
   EXPECT_THROW(box_of_reader(*bad, box_of(kSize)), Error);
 }
 
+/// One brick fails while the parts of others wait for their turn.
+TEST(ReaderParts, OfManyThreadsADamagedPartFailsOnceAndForAll) {
+  auto bytes = built(VoxelType::int16, {.preset = Preset::fast, .access = Access::boxes});
+  const auto good = FileReader::open(byte_source_of(bytes, "good"));
+  bytes[good->brick(0, {0, 0, 0}).pieces.front().offset + 20] ^= 1;
+  const auto bad = FileReader::open(byte_source_of(bytes, "bad"), {.cache_bytes = 0});
+  Bytes out(static_cast<std::size_t>(kSize.voxel_count()) * sizeof(std::int16_t));
+  for (int round = 0; round < 60; ++round) {
+    EXPECT_THROW(read_parallel(*bad, box_of(kSize), 0, out.data(), 4), Error);
+  }
+}
+
 /// Runs tasks last one first, and counts them.
 ForEach backwards(std::int64_t& task_count) {
   return [&task_count](std::int64_t count, const std::function<void(std::int64_t)>& task) {
