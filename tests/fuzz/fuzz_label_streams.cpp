@@ -12,11 +12,13 @@
 #include "octavo/codec/label/label_stored.h"
 #include "octavo/codec/label/label_word_bricks.h"
 #include "octavo/codec/label_bricks.h"
+#include "support/voxel_numbers.h"
 
 namespace {
 
 using namespace octavo;
 using fuzz::require;
+using octavo::testing::as_numbers;
 
 /// What `decode` gives; nothing where it throws.
 template <class F>
@@ -26,19 +28,6 @@ auto unless_damaged(F&& decode) -> std::optional<decltype(decode())> {
   } catch (const Error&) {
     return std::nullopt;
   }
-}
-
-std::vector<std::int64_t> labels_of(const Bytes& bytes, VoxelType type) {
-  std::vector<std::int64_t> labels;
-  with_voxel_type(type, [&](auto id) {
-    using T = typename decltype(id)::type;
-    for (std::size_t at = 0; at < bytes.size(); at += sizeof(T)) {
-      T label;
-      std::memcpy(&label, bytes.data() + at, sizeof label);
-      labels.push_back(static_cast<std::int64_t>(label));
-    }
-  });
-  return labels;
 }
 
 void check_brick(fuzz::Input& input) {
@@ -59,7 +48,7 @@ void check_brick(fuzz::Input& input) {
   require(voxels.has_value() == words.has_value(), "voxels without words or words without voxels");
   if (!words) return;
   LabelWords of_voxels;
-  words_of_voxels(brick.shape.size[0], labels_of(*voxels, brick.type), of_voxels);
+  words_of_voxels(brick.shape.size[0], as_numbers<std::int64_t>(*voxels, brick.type), of_voxels);
   require(*words == of_voxels, "words of other labels");
 
   const EncodedBrick encoded = labels.encode_words(brick.shape, *words);

@@ -23,8 +23,7 @@ OPTIONS = re.compile(r'(with_field\(|\{\{?)\s*"(max_error|on_gap|segment|channel
 
 # Words that are names of members as well, and what they are here.
 OTHERS = {
-    "src/octavo/builder/build_outline.cpp": {"keep_details": "a field of an error",
-                                             "slices": "what an option is set to"},
+    "src/octavo/builder/build_outline.cpp": {"keep_details": "a field of an error"},
     "src/octavo/codec/brick_codec.h": {"slices": "what an option is set to"},
     "src/octavo/builder/recover.cpp": {"repaired": "what is done"},
     "src/octavo/file/write/interrupted.cpp": {"access": "a setting of a build",

@@ -9,15 +9,17 @@
 
 namespace octavo::testing {
 
-/// The voxels in `bytes`, one number each.
-inline std::vector<double> as_numbers(const std::vector<std::byte>& bytes, VoxelType type) {
-  std::vector<double> numbers;
+/// The voxels in `bytes`, one number each. Requires a type of numbers that holds them.
+template <class Number = double, class ByteVector>
+std::vector<Number> as_numbers(const ByteVector& bytes, VoxelType type) {
+  static_assert(sizeof(*bytes.data()) == 1);
+  std::vector<Number> numbers;
   with_voxel_type(type, [&](auto id) {
     using T = typename decltype(id)::type;
     for (std::size_t at = 0; at < bytes.size(); at += sizeof(T)) {
       T voxel;
       std::memcpy(&voxel, bytes.data() + at, sizeof voxel);
-      numbers.push_back(static_cast<double>(voxel));
+      numbers.push_back(static_cast<Number>(voxel));
     }
   });
   return numbers;

@@ -66,12 +66,7 @@ std::int64_t whole_units(double max_error, VoxelType type) {
 
 std::optional<std::string> name_of(const std::optional<Access>& access) {
   if (!access) return std::nullopt;
-  switch (*access) {
-    case Access::none: return "none";
-    case Access::slices: return "slices";
-    case Access::boxes: return "boxes";
-  }
-  return std::nullopt;
+  return kAccessNames[static_cast<std::size_t>(*access)];
 }
 
 // How the bricks are made, as far as the header does not say it; options by their fields.

@@ -13,6 +13,7 @@
 #include "support/hints.h"
 #include "support/memory_storage.h"
 #include "support/texture_source.h"
+#include "support/voxel_numbers.h"
 
 namespace octavo {
 namespace {
@@ -108,16 +109,7 @@ bool is_sound(MemoryStorage& storage) {
 
 std::vector<std::int64_t> numbers_of(const FileReader& reader, int level) {
   const auto bytes = read_box(reader, box_of(reader.levels().size(level)), level);
-  std::vector<std::int64_t> numbers;
-  with_voxel_type(reader.description().type, [&](auto tag) {
-    using T = typename decltype(tag)::type;
-    for (std::size_t at = 0; at < bytes.size(); at += sizeof(T)) {
-      T number;
-      std::memcpy(&number, bytes.data() + at, sizeof number);
-      numbers.push_back(static_cast<std::int64_t>(number));
-    }
-  });
-  return numbers;
+  return as_numbers<std::int64_t>(bytes, reader.description().type);
 }
 
 /// Whether no brick has bytes of a level below; one that is stored has its samples in front.
