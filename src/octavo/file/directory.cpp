@@ -43,7 +43,6 @@ std::vector<PartEntry> take_entries(ByteReader& in) {
   return entries;
 }
 
-
 }  // namespace
 
 bool is_known(const PartTag& tag) { return tag == kThumbnailTag; }

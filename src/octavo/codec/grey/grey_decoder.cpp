@@ -63,8 +63,7 @@ std::int64_t decode_parent_sample(const Source& source, std::span<const ByteSpan
 
 /// Takes the corrections off the front of segment 0, or of a part.
 Corrections take_corrections(ByteSpan& segment, const Size3& size) {
-  const std::uint64_t length = take_varint(segment);
-  return decode_corrections(take_bytes(segment, length), size);
+  return decode_corrections(take_counted(segment), size);
 }
 
 void apply(const Corrections& corrections, const Source& source, const Size3& size,
@@ -140,8 +139,7 @@ LevelState decode_coarser(const Source& source, std::span<const ByteSpan> segmen
       state.entries = take_part_list(segment, parts_of(shape, p.cut_axes).size());
     }
     if (at == 1 && has_cells(shape)) {
-      const std::uint64_t length = take_varint(segment);
-      state.cells = decode_cells(take_bytes(segment, length), shape.size[2]);
+      state.cells = decode_cells(take_counted(segment), shape.size[2]);
     }
     decode_details<Sample>(source, Part{shape, {}, {}, kAllFaces}, at, segment,
                            state.hints(p), kMaxStates);
@@ -365,7 +363,6 @@ class GreyParts final : public BrickParts {
   std::vector<BrickParts::Part> own_parts_;
 };
 
-
 /// plain  the segment with the plain samples, off which the brick's map is taken
 Source source_of(const Model& model, const BrickShape& shape, VoxelType type,
                  const ValueRange& range, ByteSpan& plain) {
@@ -378,7 +375,6 @@ Source source_of(const Model& model, const BrickShape& shape, VoxelType type,
   return {model, in_order(shape, p.axis_order), type, range,
           SampleScale::of_voxels(range, code_scale(p, map)), map};
 }
-
 
 }  // namespace
 
