@@ -31,6 +31,10 @@ std::uint64_t id_of(const BuildPlan& plan) {
   out.put_varint(static_cast<std::uint64_t>(plan.planes_per_group));
   out.put_varint(plan.first_model.size());
   bytes.insert(bytes.end(), plan.first_model.begin(), plan.first_model.end());
+  put_text(bytes, plan.recipe);
+  out.put_varint(static_cast<std::uint64_t>(plan.part_count));
+  out.put_varint(plan.inputs.size());
+  for (const std::string& input : plan.inputs) put_text(bytes, input);
   for (const SourceStamp& file : plan.files) {
     put_text(bytes, file.path);
     ByteWriter stamp(bytes);
@@ -95,6 +99,13 @@ FileHeader header_of(const BuildPlan& plan, const BuildOutline& outline) {
 
 std::int64_t first_plane_of(const BuildPlan& plan, std::int64_t group) {
   return std::min(group * plan.planes_per_group, plan.source.size.z);
+}
+
+std::int64_t first_group_of(const BuildPlan& plan, std::int64_t part) {
+  // part * group_count / part_count, without a product that may be too large.
+  const std::int64_t each = plan.group_count / plan.part_count;
+  const std::int64_t rest = plan.group_count % plan.part_count;
+  return part * each + part * rest / plan.part_count;
 }
 
 }  // namespace octavo

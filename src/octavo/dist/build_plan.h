@@ -33,6 +33,12 @@ struct BuildPlan {
   Bytes first_model;
   std::int64_t planes_per_group = 0;
   std::int64_t group_count = 0;
+  /// What opens the source, for whoever does: names in their order, and a JSON object of options.
+  /// Nothing here looks into them.
+  std::vector<std::string> inputs;
+  std::string recipe = "{}";
+  /// The groups are dealt out to so many parts, evenly: 1 to group_count.
+  std::int64_t part_count = 1;
   std::vector<SourceStamp> files;  ///< of the source, as they were when it was planned
   /// A digest of all that bytes of the file depend on: for the voxels behind the first group the
   /// files stand.
@@ -66,5 +72,8 @@ FileHeader header_of(const BuildPlan& plan, const BuildOutline& outline);
 
 /// The first plane of a group; for the count of groups, that of planes.
 std::int64_t first_plane_of(const BuildPlan& plan, std::int64_t group);
+
+/// The first group of a part, 0 <= part; for the count of parts, that of groups.
+std::int64_t first_group_of(const BuildPlan& plan, std::int64_t part);
 
 }  // namespace octavo

@@ -144,6 +144,7 @@ JsonObject object_of(const BuildPlan& plan) {
              source.padding ? std::vector<std::int64_t>{*source.padding}
                             : std::vector<std::int64_t>{});
   object.set_json("source.metadata", source.metadata.text());
+  object.set_json("source.recipe", plan.recipe);
   std::vector<double> floats;
   if (plan.floats) {
     floats = numbers_of(plan.floats->coding);
@@ -152,7 +153,8 @@ JsonObject object_of(const BuildPlan& plan) {
                                  plan.floats->slack});
   }
   object.set("groups.floats", hex_of(floats));
-  object.set("groups.count", std::vector<std::int64_t>{plan.planes_per_group, plan.group_count});
+  object.set("groups.count", std::vector<std::int64_t>{plan.planes_per_group, plan.group_count,
+                                                       plan.part_count});
   object.set("groups.first_voxels", std::vector<std::int64_t>{plan.content_hash});
   object.set("groups.first_model", hex_of(plan.first_model));
   object.sort_by_name();
@@ -227,22 +229,29 @@ std::string_view take_line(std::string_view& text) {
   return line;
 }
 
-SourceStamp stamp_of(std::string_view line) {
+/// A line behind the first one: a name, or a file.
+void take_name(std::string_view line, BuildPlan& plan) {
   JsonReader in(line);
   SourceStamp stamp;
   if (in.next() != JsonToken::begin_list || in.next() != JsonToken::string) fail("has an odd file");
   stamp.path = in.string();
-  for (std::int64_t* const number : {&stamp.bytes, &stamp.written_ns}) {
-    if (in.next() != JsonToken::integer || !in.integer()) fail("has an odd file");
-    *number = *in.integer();
+  if (in.next() == JsonToken::end_list) {
+    plan.inputs.push_back(stamp.path);
+    return;
   }
-  return stamp;
+  for (std::int64_t* const number : {&stamp.bytes, &stamp.written_ns}) {
+    if (in.token() != JsonToken::integer || !in.integer()) fail("has an odd file");
+    *number = *in.integer();
+    in.next();
+  }
+  plan.files.push_back(std::move(stamp));
 }
 
 }  // namespace
 
 std::string plan_text(const BuildPlan& plan) {
   std::string text = object_of(plan).text() + "\n";
+  for (const std::string& input : plan.inputs) text += "[" + json_text(input) + "]\n";
   for (const SourceStamp& file : plan.files) {
     text += "[" + json_text(file.path) + "," + json_text(file.bytes) + "," +
             json_text(file.written_ns) + "]\n";
@@ -263,18 +272,20 @@ BuildPlan parse_plan(std::string_view text) {
   plan.options = options_of(object);
   plan.source = source_of(object);
   plan.floats = floats_of(object);
-  const auto counts = exactly(2, integers_of(object.json_of("groups.count")));
+  const auto counts = exactly(3, integers_of(object.json_of("groups.count")));
   plan.planes_per_group = counts[0];
   plan.group_count = counts[1];
+  plan.recipe = object.json_of("source.recipe");
   plan.content_hash = static_cast<std::uint32_t>(
       within(exactly(1, integers_of(object.json_of("groups.first_voxels"))).front(), 0,
              0xffffffff));
   plan.first_model = bytes_of(texts_of(object.json_of("groups.first_model")));
-  while (!rest.empty()) plan.files.push_back(stamp_of(take_line(rest)));
+  while (!rest.empty()) take_name(take_line(rest), plan);
 
   // What was changed gives another id or another text.
   if (plan.floats.has_value() == is_integer(plan.source.type)) fail("has floats of integers");
   require_groups(plan);
+  plan.part_count = within(counts[2], 1, plan.group_count);
   plan.id = id_of(plan);
   if (plan_text(plan) != text) fail("is not as it was written");
   return plan;

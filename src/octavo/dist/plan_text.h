@@ -1,7 +1,8 @@
 // A plan as text, for those who make parts elsewhere: lines of JSON.
 //
 //   line 1   an object: what the first group decides, members by name
-//   others   ["PATH",LENGTH,TIME] for each file of the source
+//   others   ["NAME"] for each name that the source is opened by, then
+//            ["PATH",LENGTH,TIME] for each file of the source
 //
 // Invariants
 //   A plan has one text, and a text that was changed in any byte is no plan.

@@ -111,9 +111,15 @@ TEST(PlanText, EveryChangeIsRejected) {
   std::ofstream(folder.file("a.raw")) << "voxels";
   BuildOptions options;
   options.threads = 1;
-  const BuildPlan plan = plan_of(volume_of(VoxelType::int16), options, {folder.file("a.raw")});
+  BuildPlan plan = plan_of(volume_of(VoxelType::int16), options, {folder.file("a.raw")});
+  plan.inputs = {"a.raw", "\"b\""};
+  plan.recipe = R"({"kind":"grey"})";
+  plan.id = id_of(plan);
   const std::string text = plan_text(plan);
-  ASSERT_EQ(parse_plan(text).files, plan.files);
+  const BuildPlan again = parse_plan(text);
+  ASSERT_EQ(again.files, plan.files);
+  ASSERT_EQ(again.inputs, plan.inputs);
+  ASSERT_EQ(again.recipe, plan.recipe);
   const auto is_rejected = [](const std::string& changed) {
     try {
       parse_plan(changed);
@@ -135,6 +141,22 @@ TEST(PlanText, EveryChangeIsRejected) {
   }
   EXPECT_TRUE(is_rejected(text + "\n"));
   EXPECT_TRUE(is_rejected("{\"octavo_plan\":2}\n"));
+}
+
+TEST(PlanText, PartsHoldEveryGroupOnceAndDifferByOneAtMost) {
+  for (const std::int64_t groups : {1, 2, 7, 117, 466}) {
+    for (std::int64_t parts = 1; parts <= groups; ++parts) {
+      BuildPlan plan;
+      plan.group_count = groups;
+      plan.part_count = parts;
+      ASSERT_EQ(first_group_of(plan, 0), 0);
+      ASSERT_EQ(first_group_of(plan, parts), groups);
+      for (std::int64_t part = 0; part < parts; ++part) {
+        const std::int64_t count = first_group_of(plan, part + 1) - first_group_of(plan, part);
+        ASSERT_TRUE(count == groups / parts || count == (groups + parts - 1) / parts);
+      }
+    }
+  }
 }
 
 // A change behind the first group, which no voxel of the plan tells of.
