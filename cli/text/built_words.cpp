@@ -50,6 +50,12 @@ std::string built_text(const BuiltVolume& built, const std::string& output) {
                      counted_text(build.threads, "thread"));
 }
 
+/// Null where coarse levels hold all voxels.
+nlohmann::ordered_json clipped_json(const ClippedVoxels& clipped) {
+  if (clipped.count == 0) return nullptr;
+  return {{"voxels", clipped.count}, {"farthest", clipped.farthest}, {"limit", clipped.limit}};
+}
+
 nlohmann::ordered_json built_json(const BuiltVolume& built, const std::string& output,
                                   const Context& context) {
   const BuildResult& build = built.build;
@@ -68,6 +74,7 @@ nlohmann::ordered_json built_json(const BuiltVolume& built, const std::string& o
           {"max_error_real", built.max_error_real()},
           {"detail_errors", detail_errors_json(build.detail_errors)},
           {"coding", coding_json(build.coding)},
+          {"clipped", clipped_json(build.clipped)},
           {"warnings", context.warnings}};
 }
 

@@ -110,6 +110,13 @@ Metadata recorded_metadata(const VolumeDescription& description, const BuildOpti
   return metadata;
 }
 
+ClippedVoxels clipped_of(const BuildOutline& outline, const ClippedListener& on_clipped) {
+  if (!outline.floats) return {};
+  const ClippedVoxels clipped = outline.floats->clipped();
+  if (clipped.count > 0 && on_clipped) on_clipped(clipped);
+  return clipped;
+}
+
 DetailErrors detail_errors_of(const WrittenErrors& written, const VolumeDescription& description) {
   const double slope = std::abs(description.rescale.slope);
   DetailErrors errors;

@@ -37,7 +37,7 @@ struct BuildOutline {
 /// Throws  Error{invalid_argument} where a volume cannot be built so, Error{limit_exceeded}
 BuildOutline outline_build(const VolumeDescription& source, const BuildOptions& options);
 
-/// Fills in bound, settings, max error and, for float32, what the first planes decide.
+/// Fills in bound, settings, max error and, for float32, what planes of it decide.
 /// source  read from its start, and outlives the outline
 /// known   what other readers of the source have found; otherwise float planes are read for it
 /// Throws  as FloatPlanes
@@ -45,7 +45,7 @@ void choose_bounds(BuildOutline& outline, PlaneSource& source, const BuildOption
                    Progress& progress, const FloatChoice* known = nullptr);
 
 /// The same for who reads no planes: without floats.
-/// floats  for a float32 volume what its first planes decided
+/// floats  for a float32 volume what its planes decided
 void take_bounds(BuildOutline& outline, const BuildOptions& options,
                  const std::optional<FloatChoice>& floats);
 
@@ -54,6 +54,10 @@ void take_bounds(BuildOutline& outline, const BuildOptions& options,
 /// errors  of details that were left out, once they are known
 Metadata recorded_metadata(const VolumeDescription& original, const BuildOptions& options,
                            const std::optional<DetailErrors>& errors = std::nullopt);
+
+/// The floats, of the planes that were read, which only level 0 holds. Where there are any,
+/// `on_clipped` was told of them.
+ClippedVoxels clipped_of(const BuildOutline& outline, const ClippedListener& on_clipped);
 
 /// The errors of all voxels, and how they compare to the range of the voxels.
 DetailErrors detail_errors_of(const WrittenErrors& written, const VolumeDescription& description);

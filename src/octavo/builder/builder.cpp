@@ -195,6 +195,7 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
       parents = work.encode_groups(reader, storage, path, writing);
       result.read_seconds = reader.read_seconds();
     }
+    result.clipped = clipped_of(outline, options.on_clipped);
     work.encode_tiers(std::move(parents));
     if (options.keep_details > 0) {
       const WrittenErrors errors = work.written_errors();

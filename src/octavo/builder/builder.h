@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 
+#include "octavo/builder/exact_coding.h"
 #include "octavo/builder/float_planes.h"
 #include "octavo/codec/brick_codec.h"
 #include "octavo/core/progress.h"
@@ -49,6 +50,7 @@ struct BuildOptions {
   /// 0: no limit; otherwise Error{limit_exceeded} before work starts when the need is above it.
   std::uint64_t max_memory_bytes = 0;
   std::string progress_name = "build";  ///< of the work, for Progress::begin
+  ClippedListener on_clipped = {};
 };
 
 struct BuildResult {
@@ -61,6 +63,7 @@ struct BuildResult {
   std::optional<DetailErrors> detail_errors;  ///< where details were left out; real units
   std::int64_t resumed_planes = 0;  ///< that an interrupted build had encoded
   std::optional<SampleCoding> coding;  ///< of a float32 volume
+  ClippedVoxels clipped;               ///< floats that only level 0 holds
 };
 
 /// Builds `path` from `source`.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <optional>
 
@@ -24,7 +25,6 @@ constexpr std::size_t kEnoughValues = 64;
 constexpr double kStepsPerError = 32;
 constexpr double kFloatSteps = 1 << 24;
 constexpr double kMinError = 1e-290;
-constexpr double kMedianOfDifference = 0.954;  // of two normal numbers of deviation 1
 // Values yet to come may be so much larger than those of the first planes.
 constexpr double kGrowth = 4;
 
@@ -87,144 +87,6 @@ class RepairedSource final : public PlaneSource {
   FloatRepair repair_;
   std::vector<float> voxels_;
 };
-
-// Whether many of the values have floats beside them that are no multiples.
-bool is_coarser_than_floats(const SampleCoding& coding, std::span<const float> values) {
-  constexpr std::ptrdiff_t kMany = 16;  // one of so many
-  const auto count = std::ranges::count_if(values, [&](float v) {
-    return v != 0 && std::ldexp(1.0, std::ilogb(v) - 23) < coding.scale;
-  });
-  return count * kMany > static_cast<std::ptrdiff_t>(values.size());
-}
-
-// The magnitude of the largest value that is not far beyond nearly all others. Each value counts
-// once, however many voxels hold it, as the fill value of a background does.
-double bulk_of(const std::vector<float>& values) {
-  constexpr double kFar = 1 << 10;
-  constexpr std::size_t kFew = 64;  // one of so many values may lie far away
-  if (values.empty()) return 0;
-  std::vector<double> magnitudes;
-  for (const float v : values) magnitudes.push_back(std::abs(static_cast<double>(v)));
-  std::sort(magnitudes.begin(), magnitudes.end());
-  const std::size_t far = (magnitudes.size() + kFew - 1) / kFew;
-  if (far >= magnitudes.size()) return magnitudes.back();
-  const double usual = magnitudes[magnitudes.size() - 1 - far];
-  if (usual == 0) return magnitudes.back();
-  return *(std::upper_bound(magnitudes.begin(), magnitudes.end(), usual * kFar) - 1);
-}
-
-using Planes = std::deque<std::vector<float>>;
-
-// The floats that many voxels of some planes are, as the fill values of a background.
-std::vector<float> frequent_values(const Planes& planes) {
-  constexpr std::size_t kMany = 16;  // one of so many voxels
-  constexpr std::size_t kSamples = 1 << 16;
-  std::size_t count = 0;
-  for (const std::vector<float>& plane : planes) count += plane.size();
-  const std::size_t stride = count / kSamples + 1;
-  std::vector<float> samples;
-  for (const std::vector<float>& plane : planes) {
-    for (std::size_t i = 0; i < plane.size(); i += stride) {
-      if (std::isfinite(plane[i])) samples.push_back(plane[i]);
-    }
-  }
-  std::sort(samples.begin(), samples.end());
-  std::vector<float> frequent;
-  for (auto from = samples.begin(); from != samples.end();) {
-    const auto to = std::upper_bound(from, samples.end(), *from);
-    if (static_cast<std::size_t>(to - from) * kMany > samples.size()) frequent.push_back(*from);
-    from = to;
-  }
-  return frequent;
-}
-
-// Differences between voxels that follow each other, none of them 0.
-class Differences {
- public:
-  void start() { before_.reset(); }
-  void add(double value) {
-    if (before_ && value != *before_ && differences_.size() < kMost) {
-      differences_.push_back(std::abs(value - *before_));
-    }
-    before_ = value;
-  }
-  const std::vector<double>& all() const { return differences_; }
-
- private:
-  static constexpr std::size_t kMost = 1 << 20;
-  std::vector<double> differences_;
-  std::optional<double> before_;
-};
-
-// Differences that tell of noise: between neighbors of which neither is a frequent value; where
-// these are rare, between voxels with frequent ones between them, or between all.
-std::vector<double> differences_between(const Planes& planes, double bulk) {
-  constexpr std::size_t kEnough = 16;
-  const std::vector<float> frequent = frequent_values(planes);
-  Differences beside;
-  Differences behind;
-  Differences of_all;
-  for (const std::vector<float>& plane : planes) {
-    beside.start();
-    of_all.start();
-    for (const float voxel : plane) {
-      const double value = voxel;
-      if (!(std::abs(value) <= bulk)) {  // NaN as well
-        beside.start();
-        of_all.start();
-        continue;
-      }
-      of_all.add(value);
-      if (std::ranges::find(frequent, voxel) != frequent.end()) {
-        beside.start();
-      } else {
-        beside.add(value);
-        behind.add(value);
-      }
-    }
-  }
-  if (beside.all().size() >= kEnough) return beside.all();
-  return behind.all().empty() ? of_all.all() : behind.all();
-}
-
-std::vector<float> within_bulk(const std::vector<float>& values, double bulk) {
-  std::vector<float> usual;
-  std::ranges::copy_if(values, std::back_inserter(usual), [bulk](float v) {
-    return std::abs(static_cast<double>(v)) <= bulk;
-  });
-  return usual;
-}
-
-// Sorted values without the first and the last few, as far as these lie farther from the others
-// than the others reach.
-std::vector<float> without_lone_ends(std::vector<float> values) {
-  constexpr std::size_t kMost = 4;
-  std::span<const float> left(values);
-  for (std::size_t i = 0; i < kMost && left.size() > 2; ++i) {
-    const double spread = static_cast<double>(left.back()) - static_cast<double>(left.front());
-    const auto is_far = [&](float a, float b) {
-      return 2 * (static_cast<double>(b) - static_cast<double>(a)) > spread;
-    };
-    if (is_far(left[0], left[1])) left = left.subspan(1);
-    else if (is_far(left[left.size() - 2], left.back())) left = left.first(left.size() - 1);
-  }
-  return {left.begin(), left.end()};
-}
-
-// Values that may be multiples of one number: all, or all but those that a program filled in.
-std::vector<std::vector<float>> likely_multiples(const std::vector<float>& values, double bulk,
-                                                 const std::vector<float>& frequent) {
-  std::vector<std::vector<float>> choices = {values};
-  const auto offer = [&](std::vector<float> some) {
-    if (some.size() < choices.back().size()) choices.push_back(std::move(some));
-  };
-  offer(within_bulk(values, bulk));
-  std::vector<float> rare = choices.back();
-  std::erase_if(rare, [&](float v) { return std::ranges::find(frequent, v) != frequent.end(); });
-  rare = without_lone_ends(std::move(rare));
-  if (rare.size() >= kEnoughValues) offer(std::move(rare));
-  return choices;
-}
 
 // Numbers that the source's header would have multiplied its integers by.
 std::vector<SampleCoding> hints_of(const VolumeDescription& source) {
@@ -289,22 +151,59 @@ void FloatPlanes::keep_bits() {
 void FloatPlanes::read_ahead() {
   DistinctValues distinct;
   std::int64_t telling = 0;
+  std::deque<std::vector<float>>& ahead = sample_.planes;
   while (telling < settings_.first_planes && planes_read_ < description_.size.z) {
     next_voxels();
     distinct.add(plane_);
     const bool is_alike = is_constant(plane_);
     if (!is_alike) ++telling;
-    ahead_.push_back(is_alike ? std::vector<float>(1, plane_.front()) : plane_);
+    ahead.push_back(is_alike ? std::vector<float>(1, plane_.front()) : plane_);
   }
-  const std::vector<float> values = distinct.sorted();
-  if (is_exact()) choose_exact(values);
-  else if (!take_exact(values)) choose_within(values);
+  sample_.first_values = distinct.sorted();
+  sample_.values = sample_.first_values;
+  look_further();
+  if (is_exact()) choose_exact();
+  else if (!take_exact()) choose_within(sample_.values);
+  sample_.rows.clear();
+  sample_.values.clear();
+  sample_.first_values.clear();
+}
+
+// Looks at planes spread over those that were not read ahead, where these can be sought.
+void FloatPlanes::look_further() {
+  constexpr std::int64_t kMostPlanes = 64;
+  constexpr std::int64_t kShare = 4;  // at most one of so many planes is read twice
+  constexpr std::int64_t kVoxelsOfRows = 1 << 14;
+  const std::int64_t left = description_.size.z - planes_read_;
+  if (left == 0 || !source_.can_seek()) return;
+  const std::int64_t count = std::min(kMostPlanes, (left + kShare - 1) / kShare);
+  const std::int64_t width = description_.size.x;
+  const std::int64_t row_count =
+      std::clamp<std::int64_t>(kVoxelsOfRows / width, 1, description_.size.y);
+  DistinctValues distinct;
+  for (std::int64_t i = 0; i < count; ++i) {
+    const std::int64_t z = planes_read_ + left * (2 * i + 1) / (2 * count);
+    source_.seek(z, z + 1);
+    read_voxels();
+    repair_voxels(plane_, settings_.repair);
+    distinct.add(plane_);
+    for (std::int64_t k = 0; k < row_count; ++k) {
+      const std::int64_t y = description_.size.y * (2 * k + 1) / (2 * row_count);
+      const auto row = plane_.begin() + y * width;
+      sample_.rows.emplace_back(row, row + width);
+    }
+  }
+  source_.seek(planes_read_, description_.size.z);
+  const std::vector<float> further = distinct.sorted();
+  sample_.values.clear();
+  std::ranges::set_union(sample_.first_values, further, std::back_inserter(sample_.values));
 }
 
 // Takes the floats bit by bit where that needs fewer bytes than the max error.
-bool FloatPlanes::take_exact(const std::vector<float>& values) {
+bool FloatPlanes::take_exact() {
+  const std::vector<float>& values = sample_.values;
   std::size_t voxels = 0;
-  for (const std::vector<float>& plane : ahead_) voxels += plane.size();
+  for (const std::vector<float>& plane : sample_.planes) voxels += plane.size();
   if (values.size() > kFewValues || voxels < kEnoughVoxels) return false;
   choose_within(values);
   const SampleCoding within = coding_;
@@ -312,48 +211,15 @@ bool FloatPlanes::take_exact(const std::vector<float>& values) {
   const bool have_codes = std::ranges::all_of(values, [&](float v) {
     return std::abs((static_cast<double>(v) - within.offset) / within.scale) < limit;
   });
-  choose_exact(values);
-  const FloatStack stack{ahead_, description_.size.x, description_.size.y};
+  choose_exact();
+  const FloatStack stack{sample_.planes, description_.size.x, description_.size.y};
   if (!have_codes || !is_smaller_exact(stack, coding_, within, codec_error_)) return false;
   keep_bits();
   return true;
 }
 
-void FloatPlanes::choose_exact(const std::vector<float>& values) {
-  constexpr double kMuchFiner = 32;
-  const double bulk = bulk_of(values);
-  const std::vector<SampleCoding> hints = hints_of(source_.description());
-  const double step = noise_step(bulk);
-  coding_ = {VoxelType::int32, step, 0};
-  for (const std::vector<float>& some : likely_multiples(values, bulk, frequent_values(ahead_))) {
-    const auto coding = find_coding(some, hints);
-    // Steps far below the noise save nothing unless floats lie closer than they do.
-    if (coding &&
-        (coding->scale * kMuchFiner > step || is_coarser_than_floats(*coding, some))) {
-      coding_ = *coding;
-      break;
-    }
-  }
-  coding_.is_exact = true;
-}
-
-// A power of two that divides the noise into some steps: what is finer than a step no prediction
-// would save, and bins between powers of two then hold as many floats.
-double FloatPlanes::noise_step(double bulk) const {
-  constexpr int kSmallest = -148;  // half of it is a float
-  constexpr double kStepsOfBulk = 1 << 20;
-  constexpr double kStepsOfNoise = 8;
-  std::vector<double> differences = differences_between(ahead_, bulk);
-  double noise = 0;
-  if (!differences.empty()) {
-    const auto middle =
-        differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-    std::nth_element(differences.begin(), middle, differences.end());
-    noise = *middle / kMedianOfDifference;
-  }
-  int exponent = 0;
-  std::frexp(std::max(noise / kStepsOfNoise, bulk / kStepsOfBulk), &exponent);
-  return std::ldexp(1.0, std::max(exponent - 1, kSmallest));
+void FloatPlanes::choose_exact() {
+  coding_ = exact_coding_of(sample_, hints_of(source_.description()));
 }
 
 // Takes a coding when the max error leaves room for its roundings.
@@ -401,10 +267,14 @@ void FloatPlanes::choose_within(std::span<const float> values) {
   roomier_error_ = kStepsPerError * coding_.scale;
 }
 
-// The next plane of the source, repaired and proven finite.
-void FloatPlanes::next_voxels() {
+void FloatPlanes::read_voxels() {
   if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped while reading planes");
   source_.read_plane(std::as_writable_bytes(std::span(plane_)));
+}
+
+// The next plane of the source, repaired and proven finite.
+void FloatPlanes::next_voxels() {
+  read_voxels();
   const std::int64_t z = planes_read_++;
   if (is_finite(plane_)) return;
   repair_voxels(plane_, settings_.repair);
@@ -452,16 +322,18 @@ void FloatPlanes::read_plane(std::span<std::byte> codes) {
       cursor_.is_done()) {
     throw Error(ErrorKind::invalid_argument, "a plane of another size, or behind the last one");
   }
-  if (ahead_.empty()) {
+  std::deque<std::vector<float>>& ahead = sample_.planes;
+  if (ahead.empty()) {
     next_voxels();
-  } else if (ahead_.front().size() == 1) {
-    std::fill(plane_.begin(), plane_.end(), ahead_.front().front());
+  } else if (ahead.front().size() == 1) {
+    std::fill(plane_.begin(), plane_.end(), ahead.front().front());
   } else {
-    plane_ = std::move(ahead_.front());
+    plane_ = std::move(ahead.front());
   }
-  if (!ahead_.empty()) ahead_.pop_front();
+  if (!ahead.empty()) ahead.pop_front();
   const std::int64_t z = cursor_.take();
   if (is_exact()) {
+    count_clipped(coding_, plane_, clipped_);
     std::memcpy(codes.data(), plane_.data(), codes.size());
     return;
   }
@@ -482,7 +354,7 @@ void FloatPlanes::seek(std::int64_t first, std::int64_t end) {
   cursor_.seek(first, end);
   source_.seek(first, end);
   first_sought_ = first;
-  ahead_.clear();
+  sample_.planes.clear();
   planes_read_ = first;
 }
 

@@ -1,15 +1,15 @@
 // The planes of a float32 source, and the coding by which bricks hold them.
 //
 // Without a max error planes are given as they are, with a coding for exact floats: scale and
-// offset of the number that the first planes are multiples of, or else a power of two that divides
-// their noise into some steps. Fill values have no say in it: those that many voxels are, and
-// those far beyond the bulk of the others. Later planes may hold anything.
+// offset of the number that they are multiples of, or else a power of two that divides their noise
+// into some steps (exact_coding.h). The first planes choose it and, of a source that can seek, some
+// spread over the others. Any plane may hold anything: voxels that codes cannot reach are counted.
 //
 // With a max error E > 0 planes are given as codes, and voxels may be changed:
 //
 //     |voxel' - voxel| <= codec_error * scale + half a scale + rounding to float32 <= E
 //
-// where the scale is that of the number that the first planes are multiples of, if there is one,
+// where the scale is that of the number that those planes are multiples of, if there is one,
 // and else the power of two in (E/64, E/32]. A power of two keeps roundings away: below 2^24 scales
 // a code is a float as it stands, and above that every float is a whole number of scales. NaN and
 // infinities have no code. They are replaced by values that were asked for, or rejected once the
@@ -24,6 +24,7 @@
 #include <string>
 #include <vector>
 
+#include "octavo/builder/exact_coding.h"
 #include "octavo/core/progress.h"
 #include "octavo/planes/plane_cursor.h"
 #include "octavo/planes/plane_source.h"
@@ -47,7 +48,7 @@ struct FloatSettings {
   std::int64_t first_planes = 1;  ///< planes that differ in themselves to find the coding in
 };
 
-/// What the first planes decide for all of them.
+/// What the planes that were looked at decide for all of them.
 struct FloatChoice {
   SampleCoding coding;
   std::int64_t codec_error = 0;
@@ -60,12 +61,13 @@ struct FloatChoice {
 
 class FloatPlanes final : public PlaneSource {
  public:
-  /// Reads the first planes of `source` (float32), which must outlive this, and finds the coding.
+  /// Reads the first planes of `source` (float32), which must outlive this, and up to 64 of the
+  /// others where it can seek, and finds the coding.
   /// Throws Error{source_rejected} when the voxels do not allow what the settings ask for, with the
   ///        place and a max error that would do; Error{cancelled}; what the source throws
   /// Memory first_planes planes; planes of one value cost nothing
   FloatPlanes(PlaneSource& source, const FloatSettings& settings, Progress& progress);
-  /// Reads nothing yet: others have read the first planes of the same source.
+  /// Reads nothing yet: others have read planes of the same source.
   FloatPlanes(PlaneSource& source, const FloatSettings& settings, const FloatChoice& known,
               Progress& progress);
 
@@ -80,13 +82,16 @@ class FloatPlanes final : public PlaneSource {
   const PlaneFiles& files() const override { return source_.files(); }
 
   const SampleCoding& coding() const { return coding_; }
-  /// 0 where the first planes take fewer bytes bit by bit than within the one that was asked for.
+  /// 0 where these take fewer bytes bit by bit than within the one that was asked for.
   double max_error() const { return settings_.max_error; }
   /// By how much a codec may change a code.
   std::int64_t codec_error() const { return codec_error_; }
   /// A max error, voxel units, to propose where values later in the volume are so large that
   /// rounding to float32 takes them beyond this one.
   double roomier_error() const { return roomier_error_; }
+
+  /// Of the planes that were read. None with a max error: what has no code is rejected.
+  const ClippedVoxels& clipped() const { return clipped_; }
 
   /// The voxels or codes of the next plane. Throws as the constructor does.
   void read_plane(std::span<std::byte> codes) override;
@@ -101,16 +106,17 @@ class FloatPlanes final : public PlaneSource {
               const FloatChoice* known);
   bool is_exact() const { return settings_.max_error == 0; }
   void read_ahead();
-  void choose_exact(const std::vector<float>& values);
+  void look_further();
+  void choose_exact();
   void keep_bits();
-  bool take_exact(const std::vector<float>& values);
+  bool take_exact();
   void choose_within(std::span<const float> values);
   bool choose_step(const SampleCoding& coding, double largest);
+  void read_voxels();
   void next_voxels();
   [[noreturn]] void count_and_reject(std::int64_t z);
   [[noreturn]] void reject_voxel(std::int64_t z, std::size_t at, bool is_too_large) const;
   std::string proposal(double max_error) const;
-  double noise_step(double bulk) const;
 
   PlaneSource& source_;
   FloatSettings settings_;
@@ -122,7 +128,8 @@ class FloatPlanes final : public PlaneSource {
   double rounding_ = 0;                   // of floats where a codec changes codes of the scale
   double roomier_error_ = 0;
   double slack_ = 0;                      // how far a code alone may lie from its voxel
-  std::deque<std::vector<float>> ahead_;  // planes read for the coding; one float: all alike
+  FloatSample sample_;                    // of its planes those that were not given yet
+  ClippedVoxels clipped_;
   PlaneCursor cursor_;
   std::vector<float> plane_;
   std::int64_t planes_read_ = 0;   // from the source

@@ -143,6 +143,7 @@ void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_g
     }
     encoder.finish();
   }
+  clipped_of(outline, work.on_clipped);
   // What was changed while it was read is in no part.
   require_unchanged(plan.files);
   writer.finish();

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "octavo/builder/exact_coding.h"
 #include "octavo/dist/build_plan.h"
 #include "octavo/dist/part_file.h"
 
@@ -22,6 +23,7 @@ namespace octavo {
 struct PartWork {
   int threads = 0;                     ///< 0: all cores
   std::uint64_t max_memory_bytes = 0;  ///< 0: no limit
+  ClippedListener on_clipped = {};     ///< told of floats of a part that only level 0 holds
 };
 
 /// Encodes groups first .. end of the plan into a part file at `path`, which replaces what has that

@@ -1,7 +1,9 @@
 #include "octavo/tasks/outputs.h"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "octavo/core/error.h"
@@ -73,6 +75,16 @@ void require_room_for(const VolumeDescription& volume, const BuildOptions& optio
   }
 }
 
+ClippedListener clipped_listener(const std::string& path, const TaskContext& context) {
+  return [path, context](const ClippedVoxels& clipped) {
+    context.warn(fmt::format("{}: {} lie beyond what coarse levels hold, the farthest at {}: there "
+                             "they count as {}; level 0 has them as they are",
+                             path, counted_text(clipped.count, "voxel"),
+                             number_text(clipped.farthest),
+                             number_text(std::copysign(clipped.limit, clipped.farthest))));
+  };
+}
+
 BuildOptions build_options_for(const TaskContext& context, const Output& output,
                                const std::string& work, BuildOptions options) {
   options.overwrite = output.overwrite;
@@ -82,6 +94,7 @@ BuildOptions build_options_for(const TaskContext& context, const Output& output,
   options.max_memory_bytes = context.max_memory_bytes;
   options.progress_name = work;
   options.has_thumbnail = output.has_thumbnail;
+  options.on_clipped = clipped_listener(output.path, context);
   return options;
 }
 

@@ -32,6 +32,9 @@ void require_computed(const Output& output, const std::vector<std::string>& inpu
 void require_room_for(const VolumeDescription& volume, const BuildOptions& options,
                       std::uint64_t source_bytes, const Output& output, const char* advice);
 
+/// Warns of floats that coarse levels of `path` do not hold.
+ClippedListener clipped_listener(const std::string& path, const TaskContext& context);
+
 /// `options` with what the context and the output say: threads, memory, overwriting, and what
 /// becomes of an interrupted build (Interrupted::resume is kept).
 /// work  names the progress

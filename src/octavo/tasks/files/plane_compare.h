@@ -29,10 +29,10 @@ struct Comparison {
 
   /// Geometry and voxels alike; number type and rescale may differ when the real values agree.
   bool is_equal() const { return is_same_size && is_same_place && different == 0; }
-  /// Stored values alike as well, bit by bit.
-  bool is_same_data() const {
-    return is_equal() && is_same_type && is_same_rescale && other_bits == 0;
-  }
+  /// Stored values alike as well.
+  bool is_same_stored() const { return is_equal() && is_same_type && is_same_rescale; }
+  /// The same bit by bit.
+  bool is_same_data() const { return is_same_stored() && other_bits == 0; }
 };
 
 /// Compares everything but the voxels.

@@ -51,6 +51,7 @@ SourceCheck compared(const VerifyVolumeOptions& options,
   check.has_planes_between = check.source.size != opened_size;
   // It is at most the promised one.
   check.allowed_error = reader->achieved_error();
+  check.is_bounded = reader->max_error() > 0;
   check.comparison = compare_planes(planes, *source, check.allowed_error, context.watcher());
   return check;
 }

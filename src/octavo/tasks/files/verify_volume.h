@@ -22,10 +22,14 @@ struct SourceCheck {
   VolumeDescription source;  ///< as it is compared: with the planes that the build made in between
   bool has_planes_between = false;
   double allowed_error = 0;  ///< stored units: the largest that was found when the file was built
+  bool is_bounded = false;   ///< a max error is promised: of floats their values count, no -0
   Comparison comparison;
 
-  /// What is stored counts: number type, rescale and all bits must be the same as well.
-  bool is_faithful() const { return comparison.is_same_data(); }
+  /// What is stored counts: number type, rescale and, where nothing else is promised, all bits must
+  /// be the same as well.
+  bool is_faithful() const {
+    return is_bounded ? comparison.is_same_stored() : comparison.is_same_data();
+  }
 };
 
 struct VerifyVolumeResult {

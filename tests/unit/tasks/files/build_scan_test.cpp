@@ -49,6 +49,25 @@ TEST_F(BuildScan, ANameOfLabelsIsNotedWithItsField) {
   EXPECT_EQ(notes_[0].second, "kind");
 }
 
+TEST_F(BuildScan, FloatsThatCoarseLevelsDoNotHoldAreAWarning) {
+  std::vector<float> floats(voxels_.begin(), voxels_.end());
+  for (std::size_t i = 0; i < floats.size(); ++i) floats[i] += static_cast<float>(i % 97) / 89;
+  for (std::size_t i = 0; i < 30; ++i) floats[i * 501] = 1e20f;
+  options_.inputs = {write_raw("scan.raw", floats)};
+  options_.scan.source.raw->type = VoxelType::float32;
+  const BuiltVolume built = build_scan(options_, context_);
+  EXPECT_EQ(built.build.clipped.count, 30);
+  ASSERT_EQ(warnings_.size(), 1u);
+  EXPECT_NE(warnings_[0].find("30 voxels lie beyond what coarse levels hold, the farthest at 1e+20"),
+            std::string::npos)
+      << warnings_[0];
+
+  context_.is_strict = true;
+  options_.output.path = folder_.file("strict.8vo");
+  EXPECT_EQ(failure_of([&] { build_scan(options_, context_); }).field, "is_strict");
+  EXPECT_FALSE(local_storage().exists(options_.output.path));
+}
+
 TEST_F(BuildScan, TwoValuesAreNotedAsAMaskMayBe) {
   std::vector<std::int16_t> mask(voxels_.size());
   for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = i % 7 == 3 ? 255 : 0;

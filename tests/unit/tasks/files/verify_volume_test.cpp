@@ -36,6 +36,36 @@ TEST_F(VerifyVolume, AnotherSourceIsADifference) {
   EXPECT_EQ(check.comparison.different, 1);
 }
 
+TEST_F(VerifyVolume, AMaxErrorPromisesNoSignOfZero) {
+  // Whole numbers: the largest error that is found is 0.
+  std::vector<float> floats(voxels_.begin(), voxels_.end());
+  for (float& voxel : floats) voxel = voxel == 0 ? -0.0f : voxel;
+  testing::Volume volume;
+  volume.description.size = kScanSize;
+  volume.description.type = VoxelType::float32;
+  volume.description.geometry = geometry_;
+  volume.description.metadata = Metadata::read(R"({"spacing_known":true})");
+  const auto bytes = std::as_bytes(std::span(floats));
+  volume.voxels.assign(bytes.begin(), bytes.end());
+  const auto source = make_memory_source(volume.description, volume.voxels);
+  NoProgress progress;
+  const std::string bounded = folder_.file("bounded.8vo");
+  build_file(*source, local_storage(), bounded, {.max_error = 0.5}, progress);
+  ASSERT_GT(testing::open_file(bounded)->max_error(), 0);
+
+  options_ = {bounded, {write_raw("floats.raw", floats)}, scan_};
+  options_.scan.source.raw = RawLayout{kScanSize, VoxelType::float32};
+  EXPECT_TRUE(verify_volume(options_, context_).against->is_faithful());
+
+  // Bit by bit it counts.
+  options_.input = folder_.file("exact.8vo");
+  testing::build_volume(volume, options_.input, 1);
+  EXPECT_TRUE(verify_volume(options_, context_).against->is_faithful());
+  for (float& voxel : floats) voxel = voxel == 0 ? 0.0f : voxel;
+  options_.against = {write_raw("zeros.raw", floats)};
+  EXPECT_FALSE(verify_volume(options_, context_).against->is_faithful());
+}
+
 TEST_F(VerifyVolume, DamageIsAResult) {
   damage(options_.input, brick_offset(options_.input), 0x55);
   options_.against = {folder_.file("not opened")};

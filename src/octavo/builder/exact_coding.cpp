@@ -1,0 +1,261 @@
+#include "octavo/builder/exact_coding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "octavo/builder/float_grid.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr double kMedianOfDifference = 0.954;  // of two normal numbers of deviation 1
+// A coding seen in fewer values than this may be chance.
+constexpr std::size_t kEnoughMultiples = 64;
+constexpr double kMostFloat = std::numeric_limits<float>::max();
+
+// Whether many of the values have floats beside them that are no multiples.
+bool is_coarser_than_floats(const SampleCoding& coding, std::span<const float> values) {
+  constexpr std::ptrdiff_t kMany = 16;  // one of so many
+  const auto count = std::ranges::count_if(values, [&](float v) {
+    return v != 0 && std::ldexp(1.0, std::ilogb(v) - 23) < coding.scale;
+  });
+  return count * kMany > static_cast<std::ptrdiff_t>(values.size());
+}
+
+// Each value counts once, however many voxels hold it, as the fill value of a background does.
+std::vector<double> magnitudes_of(std::span<const float> values) {
+  std::vector<double> magnitudes;
+  for (const float v : values) magnitudes.push_back(std::abs(static_cast<double>(v)));
+  std::sort(magnitudes.begin(), magnitudes.end());
+  return magnitudes;
+}
+
+// The largest of ascending magnitudes that is not far beyond all others but a few.
+double largest_but_few(std::span<const double> magnitudes, std::size_t few) {
+  constexpr double kFar = 1 << 10;
+  if (magnitudes.empty()) return 0;
+  if (few >= magnitudes.size()) return magnitudes.back();
+  const double usual = magnitudes[magnitudes.size() - 1 - few];
+  if (usual == 0) return magnitudes.back();
+  return *(std::upper_bound(magnitudes.begin(), magnitudes.end(), usual * kFar) - 1);
+}
+
+// How far values reach.
+struct FloatExtent {
+  double bulk = 0;   // of nearly all: what noise is looked for in
+  double reach = 0;  // of all but a few, such as fill values: what codes shall hold
+};
+
+FloatExtent value_extent(std::span<const float> values) {
+  constexpr std::size_t kShare = 64;  // one of so many values may lie beyond the bulk
+  constexpr std::size_t kFew = 256;
+  // No measured values of one volume differ by more.
+  constexpr double kFarthest = 0x1p48;
+  const std::vector<double> magnitudes = magnitudes_of(values);
+  const std::size_t far = (magnitudes.size() + kShare - 1) / kShare;
+  FloatExtent extent;
+  extent.bulk = largest_but_few(magnitudes, far);
+  extent.reach = std::clamp(largest_but_few(magnitudes, std::min(far, kFew)), extent.bulk,
+                            extent.bulk * kFarthest);
+  return extent;
+}
+
+using SampledPlanes = std::deque<std::vector<float>>;
+
+// The floats that many voxels of some planes are, as the fill values of a background.
+std::vector<float> frequent_values(const SampledPlanes& planes) {
+  constexpr std::size_t kMany = 16;  // one of so many voxels
+  constexpr std::size_t kSamples = 1 << 16;
+  std::size_t count = 0;
+  for (const std::vector<float>& plane : planes) count += plane.size();
+  const std::size_t stride = count / kSamples + 1;
+  std::vector<float> samples;
+  for (const std::vector<float>& plane : planes) {
+    for (std::size_t i = 0; i < plane.size(); i += stride) {
+      if (std::isfinite(plane[i])) samples.push_back(plane[i]);
+    }
+  }
+  std::sort(samples.begin(), samples.end());
+  std::vector<float> frequent;
+  for (auto from = samples.begin(); from != samples.end();) {
+    const auto to = std::upper_bound(from, samples.end(), *from);
+    if (static_cast<std::size_t>(to - from) * kMany > samples.size()) frequent.push_back(*from);
+    from = to;
+  }
+  return frequent;
+}
+
+// Differences between voxels that follow each other, none of them 0.
+class Differences {
+ public:
+  void start() { before_.reset(); }
+  void add(double value) {
+    if (before_ && value != *before_ && differences_.size() < kMost) {
+      differences_.push_back(std::abs(value - *before_));
+    }
+    before_ = value;
+  }
+  const std::vector<double>& all() const { return differences_; }
+
+ private:
+  static constexpr std::size_t kMost = 1 << 20;
+  std::vector<double> differences_;
+  std::optional<double> before_;
+};
+
+// Differences that tell of noise: between neighbors of which neither is a frequent value; where
+// these are rare, between voxels with frequent ones between them, or between all.
+std::vector<double> differences_between(const SampledPlanes& planes, double bulk) {
+  constexpr std::size_t kEnough = 16;
+  const std::vector<float> frequent = frequent_values(planes);
+  Differences beside;
+  Differences behind;
+  Differences of_all;
+  for (const std::vector<float>& plane : planes) {
+    beside.start();
+    of_all.start();
+    for (const float voxel : plane) {
+      const double value = voxel;
+      if (!(std::abs(value) <= bulk)) {  // NaN as well
+        beside.start();
+        of_all.start();
+        continue;
+      }
+      of_all.add(value);
+      if (std::ranges::find(frequent, voxel) != frequent.end()) {
+        beside.start();
+      } else {
+        beside.add(value);
+        behind.add(value);
+      }
+    }
+  }
+  if (beside.all().size() >= kEnough) return beside.all();
+  return behind.all().empty() ? of_all.all() : behind.all();
+}
+
+std::vector<float> within_bulk(const std::vector<float>& values, double bulk) {
+  std::vector<float> usual;
+  std::ranges::copy_if(values, std::back_inserter(usual), [bulk](float v) {
+    return std::abs(static_cast<double>(v)) <= bulk;
+  });
+  return usual;
+}
+
+// Sorted values without the first and the last few, as far as these lie farther from the others
+// than the others reach.
+std::vector<float> without_lone_ends(std::vector<float> values) {
+  constexpr std::size_t kMost = 4;
+  std::span<const float> left(values);
+  for (std::size_t i = 0; i < kMost && left.size() > 2; ++i) {
+    const double spread = static_cast<double>(left.back()) - static_cast<double>(left.front());
+    const auto is_far = [&](float a, float b) {
+      return 2 * (static_cast<double>(b) - static_cast<double>(a)) > spread;
+    };
+    if (is_far(left[0], left[1])) left = left.subspan(1);
+    else if (is_far(left[left.size() - 2], left.back())) left = left.first(left.size() - 1);
+  }
+  return {left.begin(), left.end()};
+}
+
+// Values that may be multiples of one number: all, or all but those that a program filled in.
+std::vector<std::vector<float>> likely_multiples(const std::vector<float>& values, double bulk,
+                                                 const std::vector<float>& frequent) {
+  std::vector<std::vector<float>> choices = {values};
+  const auto offer = [&](std::vector<float> some) {
+    if (some.size() < choices.back().size()) choices.push_back(std::move(some));
+  };
+  offer(within_bulk(values, bulk));
+  std::vector<float> rare = choices.back();
+  std::erase_if(rare, [&](float v) { return std::ranges::find(frequent, v) != frequent.end(); });
+  rare = without_lone_ends(std::move(rare));
+  if (rare.size() >= kEnoughMultiples) offer(std::move(rare));
+  return choices;
+}
+
+// A power of two that divides the noise into some steps: what is finer than a step no prediction
+// would save, and bins between powers of two then hold as many floats.
+double noise_step(const FloatSample& sample, const FloatExtent& extent) {
+  constexpr int kSmallest = -148;  // half of it is a float
+  constexpr double kStepsOfBulk = 1 << 20;
+  constexpr double kStepsOfNoise = 8;
+  constexpr double kStepsOfReach = 1 << 30;
+  std::vector<double> differences = differences_between(sample.planes, extent.bulk);
+  const std::vector<double> further = differences_between(sample.rows, extent.bulk);
+  differences.insert(differences.end(), further.begin(), further.end());
+  double noise = 0;
+  if (!differences.empty()) {
+    const auto middle =
+        differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+    std::nth_element(differences.begin(), middle, differences.end());
+    noise = *middle / kMedianOfDifference;
+  }
+  int exponent = 0;
+  std::frexp(std::max({noise / kStepsOfNoise, extent.bulk / kStepsOfBulk,
+                       extent.reach / kStepsOfReach}),
+             &exponent);
+  return std::ldexp(1.0, std::max(exponent - 1, kSmallest));
+}
+
+// Steps far below the noise save nothing unless floats lie closer than they do.
+bool is_useful(const SampleCoding& coding, std::span<const float> values, double noise_step) {
+  constexpr double kMuchFiner = 32;
+  return coding.scale * kMuchFiner > noise_step || is_coarser_than_floats(coding, values);
+}
+
+// The number that all values, or the likely ones among them, are multiples of.
+std::optional<SampleCoding> multiples_in(const FloatSample& sample,
+                                         const std::vector<float>& values, double step,
+                                         std::span<const SampleCoding> hints) {
+  const FloatExtent extent = value_extent(values);
+  for (const std::vector<float>& some :
+       likely_multiples(values, extent.bulk, frequent_values(sample.planes))) {
+    const auto coding = find_coding(some, hints);
+    if (coding && is_useful(*coding, some, step)) return coding;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+SampleCoding exact_coding_of(const FloatSample& sample, std::span<const SampleCoding> hints) {
+  const FloatExtent extent = value_extent(sample.values);
+  const double step = noise_step(sample, extent);
+  // What holds for all values that were seen, else what does for those at the start
+  std::optional<SampleCoding> coding = multiples_in(sample, sample.values, step, hints);
+  if (!coding && sample.first_values.size() < sample.values.size()) {
+    coding = multiples_in(sample, sample.first_values, step, hints);
+  }
+  const bool has_codes =
+      coding && (extent.reach + std::abs(coding->offset)) / coding->scale < kLargestCode;
+  if (!has_codes) coding = SampleCoding{VoxelType::int32, step, 0};
+  coding->is_exact = true;
+  return *coding;
+}
+
+void count_clipped(const SampleCoding& coding, std::span<const float> voxels,
+                   ClippedVoxels& clipped) {
+  // The last code is 2^31 - 2; half a step beyond it a voxel has no nearest one.
+  const double last = kLargestCode - 1;
+  const double high = (last + 0.5) * coding.scale + coding.offset;
+  const double low = (-last - 0.5) * coding.scale + coding.offset;
+  if (high >= kMostFloat && low <= -kMostFloat) return;
+  const auto is_beyond = [&](float v) {
+    const double value = v;
+    return (value > high) | (value < low);
+  };
+  std::int64_t count = 0;
+  for (const float v : voxels) count += is_beyond(v) ? 1 : 0;
+  if (count == 0) return;
+  clipped.limit = last * coding.scale;
+  for (const float v : voxels) {
+    if (!is_beyond(v) || std::isinf(v)) continue;
+    ++clipped.count;
+    if (std::abs(v) > std::abs(clipped.farthest)) clipped.farthest = v;
+  }
+}
+
+}  // namespace octavo

@@ -1,0 +1,48 @@
+// The coding of floats that are kept bit by bit: in which steps their codes, and so the coarse
+// levels, count.
+//
+// The scale is that of the number that the values are multiples of, or else a power of two that
+// divides their noise into some steps. Fill values have no say in it: those that many voxels are,
+// and few different ones far beyond the bulk of the others. Values beyond 2^31 steps clip in
+// coarse levels: where many different ones lie so far away, steps are wider.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "octavo/core/sample_coding.h"
+
+namespace octavo {
+
+/// What is known of a float32 volume before its coding is chosen.
+struct FloatSample {
+  std::deque<std::vector<float>> planes;  ///< its first ones; of one float: all alike
+  std::deque<std::vector<float>> rows;    ///< of planes spread over the rest
+  std::vector<float> first_values;        ///< of the planes: different, finite, ascending
+  std::vector<float> values;              ///< the same of all planes that were looked at
+};
+
+/// hints  codings to try first, in their order
+SampleCoding exact_coding_of(const FloatSample& sample, std::span<const SampleCoding> hints);
+
+/// Finite voxels whose codes are not the nearest to them, as these end at +-(2^31 - 2): level 0 has
+/// them bit by bit, coarse levels as the last code.
+struct ClippedVoxels {
+  std::int64_t count = 0;
+  float farthest = 0;  ///< the one of the largest magnitude
+  double limit = 0;    ///< the magnitude at which coarse levels end
+
+  bool operator==(const ClippedVoxels&) const = default;
+};
+
+/// Told of them before what was built is sealed. May throw: then nothing stands.
+using ClippedListener = std::function<void(const ClippedVoxels&)>;
+
+/// Adds those among `voxels` to `clipped`.
+void count_clipped(const SampleCoding& coding, std::span<const float> voxels,
+                   ClippedVoxels& clipped);
+
+}  // namespace octavo

@@ -1,0 +1,135 @@
+#include "octavo/builder/exact_coding.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+
+#include "octavo/builder/float_planes.h"
+#include "octavo/planes/computed_source.h"
+
+namespace octavo {
+namespace {
+
+constexpr Size3 kSize{32, 16, 160};
+constexpr std::int64_t kFirstPlanes = 16;
+
+VolumeDescription floats() {
+  VolumeDescription description;
+  description.type = VoxelType::float32;
+  description.size = kSize;
+  return description;
+}
+
+/// Voxels by their place in a plane and their plane, each asked for in this order.
+std::unique_ptr<PlaneSource> source_of(const std::function<float(std::int64_t, std::int64_t)>& f) {
+  const auto fill = [f](const Box& box, std::byte* voxels) {
+    auto* out = reinterpret_cast<float*>(voxels);
+    for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+      for (std::int64_t i = 0; i < kSize.x * kSize.y; ++i) *out++ = f(i, z);
+    }
+  };
+  return make_computed_source(floats(), fill, 1);
+}
+
+/// Noise that depends on the place alone.
+float noise_at(std::int64_t i, std::int64_t z) {
+  std::minstd_rand random(static_cast<std::uint32_t>(i + z * 7919 + 1));
+  random.discard(3);
+  return static_cast<float>(random()) / 2147483647.0f;
+}
+
+/// Reads every plane. Returns what only level 0 holds.
+ClippedVoxels clipped_of(PlaneSource& source, SampleCoding* coding = nullptr) {
+  NoProgress progress;
+  FloatPlanes planes(source, {.first_planes = kFirstPlanes}, progress);
+  if (coding != nullptr) *coding = planes.coding();
+  std::vector<std::byte> plane(kSize.x * kSize.y * sizeof(float));
+  for (std::int64_t z = 0; z < kSize.z; ++z) planes.read_plane(plane);
+  return planes.clipped();
+}
+
+/// Air of 1e-7, and from plane 70 on a body of 5e4 that fills a share of each plane.
+float positron(std::int64_t i, std::int64_t z, std::int64_t share) {
+  return (z >= 70 && i % share == 0 ? 5e4f : 1e-7f) * noise_at(i, z);
+}
+
+class NoSeek final : public PlaneSource {
+ public:
+  explicit NoSeek(std::unique_ptr<PlaneSource> source) : source_(std::move(source)) {}
+  const VolumeDescription& description() const override { return source_->description(); }
+  const std::vector<Warning>& warnings() const override { return source_->warnings(); }
+  void read_plane(std::span<std::byte> plane) override { source_->read_plane(plane); }
+  bool can_seek() const override { return false; }
+  void seek(std::int64_t, std::int64_t) override { FAIL() << "it was sought"; }
+
+ private:
+  std::unique_ptr<PlaneSource> source_;
+};
+
+TEST(ExactCoding, LaterPlanesHaveTheirSayInTheStep) {
+  for (const std::int64_t share : {2, 9, 40}) {
+    const auto source = source_of([share](std::int64_t i, std::int64_t z) {
+      return positron(i, z, share);
+    });
+    SampleCoding coding;
+    EXPECT_EQ(clipped_of(*source, &coding), ClippedVoxels{}) << share;
+    EXPECT_LE(coding.scale, 0.1) << share;
+  }
+}
+
+TEST(ExactCoding, WhatNoPlaneAnnouncedIsCountedWithTheFarthest) {
+  const auto source = source_of([](std::int64_t i, std::int64_t z) {
+    if (z == 159 && i == 5) return -1e20f;
+    if (z == 159 && i < 5) return 1e19f;
+    return 10 + noise_at(i, z);
+  });
+  SampleCoding coding;
+  const ClippedVoxels clipped = clipped_of(*source, &coding);
+  EXPECT_EQ(clipped.count, 6);
+  EXPECT_EQ(clipped.farthest, -1e20f);
+  EXPECT_EQ(clipped.limit, coding.scale * (0x1p31 - 2));
+  EXPECT_LT(coding.scale, 0.1);
+}
+
+TEST(ExactCoding, FillsAreCountedAndHaveNoSay) {
+  constexpr float kFill = -std::numeric_limits<float>::max();
+  const auto source = source_of([](std::int64_t i, std::int64_t z) {
+    return i % 3 == 0 ? kFill : 10 + noise_at(i, z);
+  });
+  SampleCoding coding;
+  const ClippedVoxels clipped = clipped_of(*source, &coding);
+  EXPECT_EQ(clipped.count, (kSize.x * kSize.y + 2) / 3 * kSize.z);
+  EXPECT_EQ(clipped.farthest, kFill);
+  EXPECT_LT(coding.scale, 0.1);
+}
+
+TEST(ExactCoding, InfinitiesAndNanAreNotCounted) {
+  const auto source = source_of([](std::int64_t i, std::int64_t z) {
+    if (i == 3) return std::numeric_limits<float>::infinity();
+    return i == 4 ? std::nanf("") : noise_at(i, z);
+  });
+  EXPECT_EQ(clipped_of(*source).count, 0);
+}
+
+TEST(ExactCoding, ASourceThatCannotSeekIsReadOnce) {
+  NoSeek source(source_of([](std::int64_t i, std::int64_t z) { return positron(i, z, 2); }));
+  const ClippedVoxels clipped = clipped_of(source);
+  EXPECT_GT(clipped.count, 0);
+  EXPECT_GT(clipped.farthest, 4e4f);
+}
+
+TEST(ExactCoding, ANumberThatAllPlanesAreMultiplesOfGoesBeforeThatOfTheFirst) {
+  const auto source = source_of([](std::int64_t i, std::int64_t z) {
+    const auto steps = std::floor(1000 * noise_at(i, z));
+    return static_cast<float>(z < 40 ? steps : 0.1 * static_cast<double>(steps));
+  });
+  SampleCoding coding;
+  clipped_of(*source, &coding);
+  EXPECT_EQ(coding.scale, 0.1);
+}
+
+}  // namespace
+}  // namespace octavo
