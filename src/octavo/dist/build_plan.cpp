@@ -1,6 +1,8 @@
 #include "octavo/dist/build_plan.h"
 
 #include <algorithm>
+#include <bit>
+#include <string_view>
 
 #include "octavo/builder/build_setup.h"
 #include "octavo/builder/group_reader.h"
@@ -19,6 +21,40 @@ void put_text(Bytes& bytes, const std::string& text) {
   bytes.insert(bytes.end(), text.begin(), text.end());
 }
 
+/// What of a stack decides about voxels. The rest is the plan's own.
+void put_stack(Bytes& bytes, const SliceStack& stack) {
+  put_text(bytes, stack.description.metadata.text());
+  const SliceOutline& outline = *stack.files.outline;
+  ByteWriter out(bytes);
+  const auto put_double = [&out](double value) { out.put_u64(std::bit_cast<std::uint64_t>(value)); };
+  for (const std::int64_t axis : {stack.description.size.x, stack.description.size.y,
+                                  stack.description.size.z}) {
+    out.put_signed(axis);
+  }
+  for (const double mm : stack.description.geometry.spacing_mm) put_double(mm);
+  for (const PlaneOrigin& plane : outline.planes) {
+    out.put_varint(plane.below);
+    put_double(plane.weight_above);
+  }
+  if (outline.padding) out.put_signed(*outline.padding);
+  if (!outline.tilt) return;
+  put_double(outline.tilt->outside);
+  for (const auto& [x, y] : outline.tilt->shift) {
+    put_double(x);
+    put_double(y);
+  }
+}
+
+/// The folder that holds all files, with a slash at its end; nothing where there is none.
+std::string shared_folder(const std::vector<SourceStamp>& files) {
+  std::string_view shared = files.empty() ? std::string_view() : files.front().path;
+  for (const SourceStamp& file : files) {
+    const auto ends = std::ranges::mismatch(shared, file.path);
+    shared = shared.substr(0, static_cast<std::size_t>(ends.in1 - shared.begin()));
+  }
+  return std::string(shared.substr(0, shared.rfind('/') + 1));
+}
+
 }  // namespace
 
 std::uint64_t id_of(const BuildPlan& plan) {
@@ -35,6 +71,7 @@ std::uint64_t id_of(const BuildPlan& plan) {
   out.put_varint(static_cast<std::uint64_t>(plan.part_count));
   out.put_varint(plan.inputs.size());
   for (const std::string& input : plan.inputs) put_text(bytes, input);
+  if (plan.stack) put_stack(bytes, *plan.stack);
   for (const SourceStamp& file : plan.files) {
     put_text(bytes, file.path);
     ByteWriter stamp(bytes);
@@ -54,7 +91,8 @@ void require_groups(const BuildPlan& plan) {
 }
 
 BuildPlan plan_build(PlaneSource& source, const BuildOptions& options, Progress& progress,
-                     const std::vector<std::string>& files) {
+                     const std::vector<std::string>& files,
+                     const std::optional<SliceStack>& stack) {
   BuildOutline outline = outline_build(source.description(), options);
   const std::int64_t first_planes = group_planes(outline.levels, source.description().type);
   const ProgressScope scope(progress, "plan", first_planes, "planes");
@@ -63,6 +101,7 @@ BuildPlan plan_build(PlaneSource& source, const BuildOptions& options, Progress&
   BuildPlan plan;
   plan.options = options;
   plan.files = stamps_of(files);
+  if (stack && stack->files.paths == files) plan.stack = stack;
   plan.source = source.description();
   if (outline.floats) plan.floats = outline.floats->choice();
   plan.planes_per_group = first_planes;
@@ -79,6 +118,29 @@ BuildPlan plan_build(PlaneSource& source, const BuildOptions& options, Progress&
   require_unchanged(plan.files);
   plan.id = id_of(plan);
   return plan;
+}
+
+std::vector<SourceStamp> files_of(const BuildPlan& plan, const PlaneSource& source,
+                                  std::int64_t first, std::int64_t end) {
+  const PlaneFiles& files = source.files();
+  const bool is_planned = std::ranges::equal(files.paths, plan.files, {}, {}, &SourceStamp::path);
+  if (!is_planned) return plan.files;
+  const FileRange range = files_of_planes(files, first, end);
+  return {plan.files.begin() + range.first, plan.files.begin() + range.end};
+}
+
+void move_files(BuildPlan& plan, const std::string& folder) {
+  const std::string from = shared_folder(plan.files);
+  if (from.empty()) return;
+  const std::string to = folder.ends_with('/') ? folder : folder + "/";
+  const auto move = [&](std::string& path) {
+    if (path.starts_with(from)) path = to + path.substr(from.size());
+    else if (path + "/" == from) path = folder;
+  };
+  for (SourceStamp& file : plan.files) move(file.path);
+  for (std::string& input : plan.inputs) move(input);
+  if (!plan.stack) return;
+  for (std::string& path : plan.stack->files.paths) move(path);
 }
 
 BuildOutline outline_of(const BuildPlan& plan, PlaneSource& source, Progress& progress) {

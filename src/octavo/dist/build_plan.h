@@ -20,6 +20,7 @@
 #include "octavo/dist/source_stamp.h"
 #include "octavo/file/layout.h"
 #include "octavo/planes/plane_source.h"
+#include "octavo/planes/slice_stack.h"
 
 namespace octavo {
 
@@ -40,6 +41,9 @@ struct BuildPlan {
   /// The groups are dealt out to so many parts, evenly: 1 to group_count.
   std::int64_t part_count = 1;
   std::vector<SourceStamp> files;  ///< of the source, as they were when it was planned
+  /// The slices that planes are made of, where a part can open those of its planes alone: path i is
+  /// that of files[i].
+  std::optional<SliceStack> stack;
   /// A digest of all that bytes of the file depend on: for the voxels behind the first group the
   /// files stand.
   std::uint64_t id = 0;
@@ -58,6 +62,16 @@ void require_groups(const BuildPlan& plan);
 
 /// What BuildPlan::id is to be. Throws as outline_build
 std::uint64_t id_of(const BuildPlan& plan);
+
+/// The files that planes first .. end are made of: all where the source does not say which.
+/// source  that of the plan, which tells by PlaneSource::files
+std::vector<SourceStamp> files_of(const BuildPlan& plan, const PlaneSource& source,
+                                  std::int64_t first, std::int64_t end);
+
+/// Looks for the files of the source in `folder` from now on: it takes the place of the folder that
+/// holds all of them, in their paths and in those of the inputs. The id stays: the same files stand
+/// elsewhere.
+void move_files(BuildPlan& plan, const std::string& folder);
 
 /// What the plan says, as a build would have found it.
 /// source  read by the floats of the outline; nothing of it is read here

@@ -110,13 +110,14 @@ void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_g
                     " asked for");
   }
   require_planned(plan, source.description());
-  require_unchanged(plan.files);
+  const std::int64_t first_plane = first_plane_of(plan, first_group);
+  const std::int64_t end_plane = first_plane_of(plan, end_group);
+  const std::vector<SourceStamp> files = files_of(plan, source, first_plane, end_plane);
+  require_unchanged(files);
   const int threads = build_threads(work.threads);
   check_build_memory(build_memory_bytes(plan.source, threads, plan.options.max_error) +
                          source.resident_bytes(),
                      work.max_memory_bytes);
-  const std::int64_t first_plane = first_plane_of(plan, first_group);
-  const std::int64_t end_plane = first_plane_of(plan, end_group);
   const ProgressScope scope(progress, "part", 2 * (end_plane - first_plane), "plane passes");
 
   const BuildOutline outline = outline_of(plan, source, progress);
@@ -145,7 +146,7 @@ void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_g
   }
   clipped_of(outline, work.on_clipped);
   // What was changed while it was read is in no part.
-  require_unchanged(plan.files);
+  require_unchanged(files);
   writer.finish();
 }
 

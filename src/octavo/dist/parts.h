@@ -27,7 +27,7 @@ struct PartWork {
 };
 
 /// Encodes groups first .. end of the plan into a part file at `path`, which replaces what has that
-/// name. Of the source only their planes are read.
+/// name. Of the source only their planes are read, and of its files only theirs are looked at.
 /// Throws  Error{source_rejected} where the source is not the one that was planned, by its
 ///         description, by the voxels of the first group, or by a file that was changed before the
 ///         part was done; Error{invalid_argument} for groups that

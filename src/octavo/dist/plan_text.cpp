@@ -118,10 +118,46 @@ std::vector<double> place_of(const VolumeDescription& source) {
   return all;
 }
 
+/// name  of the description, in the names of its members
+void set_description(JsonObject& object, const std::string& name,
+                     const VolumeDescription& source) {
+  const Size3& size = source.size;
+  object.set(name + ".voxels", std::vector<std::int64_t>{static_cast<std::int64_t>(source.kind),
+                                                         static_cast<std::int64_t>(source.type),
+                                                         size.x, size.y, size.z});
+  object.set(name + ".place", hex_of(place_of(source)));
+  object.set(name + ".hint", hex_of(source.coding ? numbers_of(*source.coding)
+                                                  : std::vector<double>{}));
+  object.set(name + ".no_measurement",
+             source.padding ? std::vector<std::int64_t>{*source.padding}
+                            : std::vector<std::int64_t>{});
+  object.set_json(name + ".metadata", source.metadata.text());
+}
+
+void set_stack(JsonObject& object, const SliceStack& stack) {
+  set_description(object, "stack", stack.description);
+  const auto& [planes, tilt, padding] = *stack.files.outline;
+  std::vector<std::int64_t> below;
+  std::vector<double> weights;
+  for (const PlaneOrigin& plane : planes) {
+    below.push_back(static_cast<std::int64_t>(plane.below));
+    weights.push_back(plane.weight_above);
+  }
+  std::vector<double> tilted;
+  if (tilt) {
+    tilted = {tilt->angle_degrees, static_cast<double>(tilt->columns),
+              static_cast<double>(tilt->rows), tilt->outside};
+    for (const auto& shift : tilt->shift) tilted.insert(tilted.end(), shift.begin(), shift.end());
+  }
+  object.set("stack.slices", below);
+  object.set("stack.weights", hex_of(weights));
+  object.set("stack.tilt", hex_of(tilted));
+  object.set("stack.padding", padding ? std::vector<std::int64_t>{*padding}
+                                      : std::vector<std::int64_t>{});
+}
+
 JsonObject object_of(const BuildPlan& plan) {
   const BuildOptions& options = plan.options;
-  const VolumeDescription& source = plan.source;
-  const Size3& size = source.size;
   JsonObject object;
   object.set("octavo_plan", kPlanVersion);
   object.set("id", hex_of(plan.id));
@@ -134,16 +170,8 @@ JsonObject object_of(const BuildPlan& plan) {
   object.set("build.bound", hex_of(std::vector<double>{options.max_error}));
   object.set("build.for_nan", hex_of(list_of(options.repair.nan)));
   object.set("build.for_infinity", hex_of(list_of(options.repair.infinity)));
-  object.set("source.voxels", std::vector<std::int64_t>{static_cast<std::int64_t>(source.kind),
-                                                        static_cast<std::int64_t>(source.type),
-                                                        size.x, size.y, size.z});
-  object.set("source.place", hex_of(place_of(source)));
-  object.set("source.hint", hex_of(source.coding ? numbers_of(*source.coding)
-                                                 : std::vector<double>{}));
-  object.set("source.no_measurement",
-             source.padding ? std::vector<std::int64_t>{*source.padding}
-                            : std::vector<std::int64_t>{});
-  object.set_json("source.metadata", source.metadata.text());
+  set_description(object, "source", plan.source);
+  if (plan.stack) set_stack(object, *plan.stack);
   object.set_json("source.recipe", plan.recipe);
   std::vector<double> floats;
   if (plan.floats) {
@@ -189,26 +217,67 @@ BuildOptions options_of(const JsonObject& object) {
   return options;
 }
 
-VolumeDescription source_of(const JsonObject& object) {
+/// name  as in set_description
+VolumeDescription description_of(const JsonObject& object, const std::string& name) {
+  const auto json_of = [&](const char* member) { return object.json_of(name + member); };
   VolumeDescription source;
-  const auto voxels = exactly(5, integers_of(object.json_of("source.voxels")));
+  const auto voxels = exactly(5, integers_of(json_of(".voxels")));
   source.kind = static_cast<VolumeKind>(within(voxels[0], 1, 2));
   source.type = static_cast<VoxelType>(within(voxels[1], 0, 255));
   if (!is_valid(source.type)) fail("has no such type of voxels");
   source.size = {voxels[2], voxels[3], voxels[4]};
-  const auto place = exactly(17, doubles_of(object.json_of("source.place")));
+  const auto place = exactly(17, doubles_of(json_of(".place")));
   const auto at = [&](std::ptrdiff_t first) { return place.begin() + first; };
   std::copy(at(0), at(3), source.geometry.origin_mm.begin());
   std::copy(at(3), at(6), source.geometry.spacing_mm.begin());
   std::copy(at(6), at(15), source.geometry.direction.begin());
   source.rescale = {place[15], place[16]};
-  const auto hint = doubles_of(object.json_of("source.hint"));
+  const auto hint = doubles_of(json_of(".hint"));
   if (!hint.empty()) source.coding = coding_of(exactly(4, hint));
-  const auto padding = integers_of(object.json_of("source.no_measurement"));
+  const auto padding = integers_of(json_of(".no_measurement"));
   if (!padding.empty()) source.padding = padding.front();
-  source.metadata = Metadata::read(std::string(object.json_of("source.metadata")));
+  source.metadata = Metadata::read(std::string(json_of(".metadata")));
   if (!source.metadata.is_readable()) fail("has metadata that cannot be read");
   return source;
+}
+
+/// Requires plan.files, whose paths are those of the slices.
+std::optional<SliceStack> stack_of(const JsonObject& object, const BuildPlan& plan) {
+  if (object.json_of("stack.voxels").empty()) return std::nullopt;
+  SliceStack stack{description_of(object, "stack"), {}};
+  for (const SourceStamp& file : plan.files) stack.files.paths.push_back(file.path);
+  auto& [planes, tilt, padding] = stack.files.outline.emplace();
+  // What planes are made of
+  const auto below = integers_of(object.json_of("stack.slices"));
+  const auto weights = exactly(below.size(), doubles_of(object.json_of("stack.weights")));
+  for (std::size_t z = 0; z < below.size(); ++z) {
+    const std::int64_t slice = within(below[z], 0, std::int64_t{1} << 40);
+    planes.push_back({static_cast<std::size_t>(slice), weights[z]});
+    stack.files.of_plane.push_back({slice, slice + (weights[z] > 0 ? 2 : 1)});
+  }
+  const auto slices = static_cast<std::int64_t>(stack.files.paths.size());
+  for (std::int64_t z = 0; planes.empty() && z < slices; ++z) {
+    stack.files.of_plane.push_back({z, z + 1});
+  }
+  // How far slices are moved
+  const auto tilted = doubles_of(object.json_of("stack.tilt"));
+  if (!tilted.empty()) {
+    exactly(4 + 2 * stack.files.paths.size(), tilted);
+    constexpr double kMostVoxels = 1 << 30;
+    if (!(tilted[1] >= 0 && tilted[1] <= kMostVoxels && tilted[2] >= 0 &&
+          tilted[2] <= kMostVoxels)) {
+      fail("has a canvas without end");
+    }
+    tilt = TiltRemoval{tilted[0], {}, static_cast<std::int64_t>(tilted[1]),
+                       static_cast<std::int64_t>(tilted[2]), tilted[3]};
+    for (std::size_t i = 4; i < tilted.size(); i += 2) {
+      tilt->shift.push_back({tilted[i], tilted[i + 1]});
+    }
+  }
+  const auto paddings = integers_of(object.json_of("stack.padding"));
+  if (!paddings.empty()) padding = paddings.front();
+  if (const std::string fault = fault_of(stack); !fault.empty()) fail("has a stack of " + fault);
+  return stack;
 }
 
 std::optional<FloatChoice> floats_of(const JsonObject& object) {
@@ -270,7 +339,7 @@ BuildPlan parse_plan(std::string_view text) {
                     "; this program knows " + std::to_string(kPlanVersion));
   }
   plan.options = options_of(object);
-  plan.source = source_of(object);
+  plan.source = description_of(object, "source");
   plan.floats = floats_of(object);
   const auto counts = exactly(3, integers_of(object.json_of("groups.count")));
   plan.planes_per_group = counts[0];
@@ -281,6 +350,7 @@ BuildPlan parse_plan(std::string_view text) {
              0xffffffff));
   plan.first_model = bytes_of(texts_of(object.json_of("groups.first_model")));
   while (!rest.empty()) take_name(take_line(rest), plan);
+  plan.stack = stack_of(object, plan);
 
   // What was changed gives another id or another text.
   if (plan.floats.has_value() == is_integer(plan.source.type)) fail("has floats of integers");

@@ -251,8 +251,26 @@ std::vector<std::string> without_folders(const std::vector<std::string>& paths) 
   return sorted(std::move(files));
 }
 
+/// Slices of a stack, in the order given.
+std::unique_ptr<PlaneSource> open_excerpt(const std::vector<std::string>& files,
+                                          const SourceOptions& options) {
+  if (options.raw) {
+    RawLayout layout = *options.raw;
+    layout.size.z = static_cast<std::int64_t>(files.size());
+    return open_raw_source(files, layout, options);
+  }
+  switch (format_of(files.front())) {
+    case Format::dicom: return open_dicom_source(files, files.front(), options);
+    case Format::tiff: return open_tiff_source(files, options);
+    case Format::png: return open_png_source(files, options);
+    default: break;
+  }
+  throw Error(ErrorKind::source_rejected, "no slice of a stack", files.front());
+}
+
 std::unique_ptr<PlaneSource> dispatch(const std::vector<std::string>& paths,
                                       const SourceOptions& options) {
+  if (options.excerpt) return open_excerpt(paths, options);
   if (options.raw) {
     const bool is_one_folder = paths.size() == 1 && is_folder(paths.front());
     const std::vector<std::string> files =

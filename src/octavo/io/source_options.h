@@ -9,6 +9,7 @@
 #include "octavo/core/box.h"
 #include "octavo/core/geometry.h"
 #include "octavo/io/source/stored_type.h"
+#include "octavo/planes/plane_files.h"
 
 namespace octavo {
 
@@ -42,6 +43,10 @@ struct SourceOptions {
   std::optional<std::int64_t> time;  ///< from 0, where there are several volumes in time
   bool keep_identity = false;             ///< names, dates, free text enter the metadata
   std::uint64_t max_memory_bytes = 0;     ///< of a process that opens the source; 0: no limit
+  /// The paths are slices, in their order, of a stack that was proven when all of it was open: how
+  /// they become planes. Nothing is asked that only a whole stack tells; the description is that of
+  /// the type and the size alone.
+  std::optional<SliceOutline> excerpt = {};
 
   /// Asked between the planes that are read before the source is open; may be empty.
   std::function<bool()> is_cancelled;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "octavo/core/url_text.h"
@@ -46,7 +47,7 @@ PlaneFiles files_of_volume(const std::vector<std::string>& paths) {
     if (is_url(path) || std::ranges::find(files, path) != files.end()) continue;
     files.push_back(path);
   }
-  return {absolute(std::move(files)), {}};
+  return {absolute(std::move(files)), {}, {}};
 }
 
 PlaneFiles files_of_slices(const std::vector<std::string>& paths) {
@@ -60,6 +61,11 @@ PlaneFiles files_of_slices(const std::vector<std::string>& paths) {
   }
   files.paths = absolute(std::move(files.paths));
   return files;
+}
+
+std::optional<SliceOutline> outline_of_slices(const PlaneFiles& files) {
+  const bool is_stack = files.paths.size() > 1 && files.paths.size() == files.of_plane.size();
+  return is_stack ? std::optional(SliceOutline{}) : std::nullopt;
 }
 
 }  // namespace octavo

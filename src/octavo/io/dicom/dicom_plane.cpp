@@ -33,7 +33,7 @@ bool is_padding(const Mixing& mixing, T value) {
 }
 
 Mixing mixing_of(const DicomStack& stack) {
-  return {stack.holds_labels, stack.slices.front().layout->padding_value};
+  return {stack.holds_labels, stack.padding};
 }
 
 /// Where a voxel of the canvas comes from along one axis: between `low` and `high`.

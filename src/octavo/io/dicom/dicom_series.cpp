@@ -208,6 +208,23 @@ void order_by_number(std::vector<DicomSlice>& slices) {
   });
 }
 
+/// Slices of a stack that was proven before, in their order.
+void take_excerpt(DicomStack& stack, const SliceOutline& outline) {
+  stack.planes = outline.planes;
+  stack.tilt = outline.tilt;
+  stack.padding = outline.padding;
+  if (stack.planes.empty()) {
+    for (std::size_t i = 0; i < stack.slices.size(); ++i) stack.planes.push_back({i});
+  }
+  const auto lies_beyond = [&](const PlaneOrigin& plane) {
+    return plane.below + (plane.weight_above > 0 ? 1 : 0) >= stack.slices.size();
+  };
+  if (std::ranges::any_of(stack.planes, lies_beyond) ||
+      (stack.tilt && stack.tilt->shift.size() != stack.slices.size())) {
+    reject(stack.slices.back(), "the slices given are fewer than those that planes are made of");
+  }
+}
+
 struct SeriesSummary {
   std::size_t slice_count = 0;
   const DicomSlice* first = nullptr;
@@ -250,7 +267,12 @@ DicomStack prove_stack(std::vector<DicomSlice> slices, const SourceOptions& opti
   stack.slices = std::move(slices);
   stack.leaves_out_empty = stack.slices.front().layout->is_segmentation();
   stack.holds_labels = stack.slices.front().layout->is_binary_segmentation();
+  stack.padding = stack.slices.front().layout->padding_value;
   for (const DicomSlice& slice : stack.slices) require_alike(stack.slices.front(), slice);
+  if (options.excerpt) {
+    take_excerpt(stack, *options.excerpt);
+    return stack;
+  }
   require_one_space(stack.slices);
   const auto lacking = std::find_if_not(stack.slices.begin(), stack.slices.end(), has_geometry);
   if (lacking == stack.slices.end()) {

@@ -128,6 +128,10 @@ PlaneFiles files_of(const DicomStack& stack) {
     }
     files.of_plane.push_back(range);
   }
+  const bool is_one_each = files.paths.size() == stack.slices.size();
+  if (is_one_each && !stack.leaves_out_empty && stack.slices.size() > 1) {
+    files.outline = SliceOutline{stack.planes, stack.tilt, stack.padding};
+  }
   return files;
 }
 

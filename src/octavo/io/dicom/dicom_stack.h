@@ -14,24 +14,9 @@
 #include "octavo/core/warning.h"
 #include "octavo/io/dicom/dicom_places.h"
 #include "octavo/io/source_options.h"
+#include "octavo/planes/plane_files.h"
 
 namespace octavo {
-
-/// What one plane is made of.
-struct PlaneOrigin {
-  std::size_t below = 0;       ///< the slice at the plane's height, or the next one below
-  double weight_above = 0;     ///< of the slice after `below`; 0: `below` alone
-  bool is_background = false;  ///< no slice speaks of it: a segmentation leaves empty slices out
-};
-
-/// Tilted slices moved within their planes until they stand above one another.
-struct TiltRemoval {
-  double angle_degrees = 0;
-  std::vector<std::array<double, 2>> shift;  ///< of each slice on the canvas, in voxels, >= 0
-  std::int64_t columns = 0;                  ///< of the canvas, which holds all slices whole
-  std::int64_t rows = 0;
-  double outside = 0;                        ///< the stored value where no slice reaches
-};
 
 /// What was done about missing and uneven slices.
 struct GapRepair {
@@ -48,6 +33,7 @@ struct DicomStack {
   std::size_t dropped_duplicates = 0;
   bool leaves_out_empty = false;  ///< planes without a slice are empty, as in a segmentation
   bool holds_labels = false;   ///< nothing is interpolated: the nearest voxel counts
+  std::optional<std::int64_t> padding;  ///< the stored value that takes part in no mixing
   Geometry geometry;
   bool spacing_known = false;  ///< as is the place; false: slices taken by their numbers
   std::vector<Warning> warnings;

@@ -263,6 +263,7 @@ std::unique_ptr<PlaneSource> open_png_source(const std::vector<std::string>& fil
   facts.description.type = first.type;
   facts.description.size = {first.width, first.height, facts.file_count};
   facts.files = files_of_slices(files);
+  if (!stack.is_expanded()) facts.files.outline = outline_of_slices(facts.files);
   add_depth_warning(stack, facts);
   settle_number_gaps(files, options, facts);
   facts.components.channels = first.channels;

@@ -430,6 +430,7 @@ SourceFacts describe(const TiffStack& stack) {
   std::vector<std::string> paths;
   for (const TiffPlane& plane : stack.planes) paths.push_back(stack.files[plane.file]);
   facts.files = files_of_slices(paths);
+  if (!facts.wide && stack.reduced_pages == 0) facts.files.outline = outline_of_slices(facts.files);
   take_spacing(stack, facts);
   take_place(stack.description, facts);
   take_calibration(stack.description, facts);
@@ -442,14 +443,19 @@ SourceFacts describe(const TiffStack& stack) {
 std::unique_ptr<PlaneSource> open_tiff_source(const std::vector<std::string>& files,
                                               const SourceOptions& options) {
   TiffStack stack = examine(files, options.spacing_mm.has_value());
-  unfold_huge_imagej(stack);
-  prove_order_of_files(stack);
-  const PageCounts counts = count_pages(stack);
-  order_pages(stack, counts);
+  PageCounts counts;
+  if (options.excerpt) {
+    counts.slices = static_cast<std::int64_t>(stack.planes.size());
+  } else {
+    unfold_huge_imagej(stack);
+    prove_order_of_files(stack);
+    counts = count_pages(stack);
+    order_pages(stack, counts);
+  }
   const SourceComponents components = components_of(stack, counts);
   keep_pages(stack, counts, choose_component(components, options, files.front()));
   const TiffPage& first = stack.planes.front().page;
-  if (first.has_palette && !stack.description.is_imagej) {
+  if (first.has_palette && !stack.description.is_imagej && !options.excerpt) {
     throw Error(ErrorKind::source_rejected,
                 "a color picture with a palette: grey is read; convert it to grey first",
                 files.front());

@@ -9,6 +9,7 @@
 #include "octavo/core/crc32c.h"
 #include "octavo/core/levels.h"
 #include "octavo/file/byte_codec.h"
+#include "octavo/planes/slice_stack.h"
 
 namespace octavo {
 
@@ -107,12 +108,67 @@ class Reader : public ByteReader {
   }
 };
 
+void put_outline(Writer& out, const std::optional<SliceOutline>& outline) {
+  out.put_u8(outline ? 1 : 0);
+  if (!outline) return;
+  const auto& [planes, tilt, padding] = *outline;
+  out.put_varint(planes.size());
+  for (const auto& [below, weight_above, is_background] : planes) {
+    out.put_varint(below);
+    out.put_double(weight_above);
+    out.put_u8(is_background ? 1 : 0);
+  }
+  out.put_u8(tilt ? 1 : 0);
+  if (tilt) {
+    const auto& [angle_degrees, shift, columns, rows, outside] = *tilt;
+    out.put_double(angle_degrees);
+    out.put_varint(shift.size());
+    for (const auto& [x, y] : shift) {
+      out.put_double(x);
+      out.put_double(y);
+    }
+    out.put_signed(columns);
+    out.put_signed(rows);
+    out.put_double(outside);
+  }
+  out.put_u8(padding ? 1 : 0);
+  if (padding) out.put_signed(*padding);
+}
+
+std::optional<SliceOutline> take_outline(Reader& in) {
+  if (!in.flag()) return std::nullopt;
+  SliceOutline outline;
+  const auto take_count = [&in] {
+    const std::uint64_t count = in.varint();
+    if (count > in.left()) in.fail("a list ends early");
+    return count;
+  };
+  for (std::uint64_t left = take_count(); left > 0; --left) {
+    PlaneOrigin& plane = outline.planes.emplace_back();
+    plane.below = static_cast<std::size_t>(in.varint());
+    plane.weight_above = in.number();
+    plane.is_background = in.flag();
+  }
+  if (in.flag()) {
+    TiltRemoval& tilt = outline.tilt.emplace();
+    tilt.angle_degrees = in.number();
+    for (std::uint64_t left = take_count(); left > 0; --left) {
+      for (double& voxels : tilt.shift.emplace_back()) voxels = in.number();
+    }
+    tilt.columns = in.signed_varint();
+    tilt.rows = in.signed_varint();
+    tilt.outside = in.number();
+  }
+  if (in.flag()) outline.padding = in.signed_varint();
+  return outline;
+}
+
 // Naming all members at once lets the compiler reject a member that is not sent. `is_cancelled`
 // stays here: who waits for a worker asks it, and ends the worker.
 
 void put_options(Writer& out, const SourceOptions& options) {
   const auto& [raw, spacing_mm, series, on_gap, drop_duplicates, untilt, segment, channel,
-               time, keep_identity, max_memory_bytes, is_cancelled] = options;
+               time, keep_identity, max_memory_bytes, excerpt, is_cancelled] = options;
   out.put_u8(raw ? 1 : 0);
   if (raw) {
     const auto& [size, type, big_endian, header_bytes] = *raw;
@@ -135,6 +191,7 @@ void put_options(Writer& out, const SourceOptions& options) {
   if (time) out.put_signed(*time);
   out.put_u8(keep_identity ? 1 : 0);
   out.put_u64(max_memory_bytes);
+  put_outline(out, excerpt);
 }
 
 SourceOptions take_options(Reader& in) {
@@ -159,6 +216,7 @@ SourceOptions take_options(Reader& in) {
   if (in.flag()) options.time = in.signed_varint();
   options.keep_identity = in.flag();
   options.max_memory_bytes = in.u64();
+  options.excerpt = take_outline(in);
   return options;
 }
 
@@ -221,13 +279,14 @@ VolumeDescription take_description(Reader& in) {
 }
 
 void put_files(Writer& out, const PlaneFiles& files) {
-  const auto& [paths, of_plane] = files;
+  const auto& [paths, of_plane, outline] = files;
   out.put_texts(paths);
   out.put_varint(of_plane.size());
   for (const auto& [first, end] : of_plane) {
     out.put_signed(first);
     out.put_signed(end - first);
   }
+  put_outline(out, outline);
 }
 
 PlaneFiles take_files(Reader& in, std::int64_t planes) {
@@ -247,6 +306,7 @@ PlaneFiles take_files(Reader& in, std::int64_t planes) {
     }
     files.of_plane.push_back({first, first + length});
   }
+  files.outline = take_outline(in);
   return files;
 }
 
@@ -335,6 +395,9 @@ SourceReport decode_report(std::span<const std::uint8_t> payload) {
   report.resident_bytes = in.u64();
   report.files = take_files(in, report.description.size.z);
   in.expect_end();
+  if (!report.files.outline) return report;
+  const std::string fault = fault_of(SliceStack{report.description, report.files});
+  if (!fault.empty()) in.fail(fault);
   return report;
 }
 

@@ -154,6 +154,7 @@ void settle_narrowing(SourceFacts& facts, const WidePlaneReader& read) {
 
 void settle_number_gaps(const std::vector<std::string>& files, const SourceOptions& options,
                         SourceFacts& facts) {
+  if (options.excerpt) return;
   const std::vector<std::string> names = differing_names(files);
   const std::vector<NumberGap> gaps = number_gaps(names);
   if (gaps.empty()) return;

@@ -81,6 +81,7 @@ std::unique_ptr<PlaneSource> open_raw_source(const std::vector<std::string>& fil
                      std::string(stored_type_name(layout.type)));
   }
   facts.files = files_of_slices(files);
+  if (!facts.wide) facts.files.outline = outline_of_slices(facts.files);
   settle_narrowing(facts, [&](std::int64_t z, std::span<std::byte> numbers) {
     read_stored(files[static_cast<std::size_t>(z)], layout, numbers);
   });

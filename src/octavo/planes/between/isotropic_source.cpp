@@ -80,7 +80,7 @@ PlaneRun slices_of(const IsotropicPlan& plan, std::int64_t first, std::int64_t e
 
 /// The files of the planes, of those of the slices.
 PlaneFiles files_between(const PlaneFiles& slices, const IsotropicPlan& plan) {
-  PlaneFiles files = {slices.paths, {}};
+  PlaneFiles files = {slices.paths, {}, {}};
   if (slices.of_plane.empty()) return files;
   for (std::int64_t z = 0; z < plan.planes; ++z) {
     const PlaneRun run = slices_of(plan, z);

@@ -61,6 +61,8 @@ void expect_same(const std::string& path) {
   EXPECT_EQ(a.geometry, b.geometry);
   EXPECT_EQ(a.rescale, b.rescale);
   EXPECT_EQ(a.metadata.text(), b.metadata.text());
+  EXPECT_EQ(apart->files(), here->files());
+  EXPECT_FALSE(apart->files().paths.empty());
   EXPECT_EQ(apart->warnings(), here->warnings());
   EXPECT_EQ(voxels_of(*apart), voxels_of(*here)) << path;
   EXPECT_EQ(apart->warnings(), here->warnings());

@@ -24,6 +24,7 @@ ImportRequest sample_request() {
   request.options.time = 3;
   request.options.keep_identity = true;
   request.options.max_memory_bytes = std::uint64_t{1} << 63;
+  request.options.excerpt = SliceOutline{{{0}, {0, 0.25}, {7, 0, true}}, std::nullopt, -2000};
   request.threads = 7;
   request.memory_bytes = 123456789;
   request.limit_ms = 400;
@@ -46,6 +47,8 @@ SourceReport sample_report() {
   report.warnings = {{"one", "spacing_mm"}, {""}, {"three"}};
   report.resident_bytes = 42;
   report.files = {{"/a", "/b c", "/d"}, {{1, 3}}};
+  report.files.outline =
+      SliceOutline{{{1, 0.25}}, TiltRemoval{-7.5, {{0, 0}, {0.5, 1}, {2, 0}}, 3, 2, -1024}, 5};
   return report;
 }
 
@@ -70,6 +73,7 @@ TEST(WorkerProtocol, ARequestComesBackAsItWas) {
   EXPECT_EQ(got.options.time, sent.options.time);
   EXPECT_EQ(got.options.keep_identity, sent.options.keep_identity);
   EXPECT_EQ(got.options.max_memory_bytes, sent.options.max_memory_bytes);
+  EXPECT_EQ(got.options.excerpt, sent.options.excerpt);
   EXPECT_EQ(got.threads, sent.threads);
   EXPECT_EQ(got.memory_bytes, sent.memory_bytes);
   EXPECT_EQ(got.limit_ms, sent.limit_ms);
