@@ -20,7 +20,7 @@ namespace octavo {
 
 namespace {
 
-constexpr std::int64_t kStripBytes = std::int64_t{1} << 20;
+constexpr std::int64_t kStripBytes = std::int64_t{1} << 17;
 constexpr std::int64_t kSlabPlanes = 4;  // words are as thick
 
 std::int64_t divided_up(std::int64_t a, std::int64_t b) { return (a + b - 1) / b; }

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <random>
+#include <string>
 
 #include "octavo/codec/grey/grey_codec.h"
 #include "octavo/codec/refine_model.h"
@@ -154,6 +156,11 @@ TEST(GreyTrainer, PredictsNothingWhereEdgesStandInNoise) {
   }
 }
 
+std::string name_of(const CodecSettings& settings) {
+  return std::string(settings.preset == Preset::fast ? "fast" : "small") +
+         (settings.max_error > 0 ? "_lossy" : "");
+}
+
 class RefinementOf : public ::testing::TestWithParam<CodecSettings> {
  protected:
   /// Training, with the order of axes that a first model brings along.
@@ -164,49 +171,66 @@ class RefinementOf : public ::testing::TestWithParam<CodecSettings> {
     return trained(bricks, settings);
   }
 
-  const Group first{1, 4};
-  const Group alike{2, 4};
-  const Group other{3, 7};
-  const std::unique_ptr<BrickCodec> first_model = trained(first.bricks(), GetParam());
+  /// Made once for all laws: to make them takes most of the time.
+  static const Group& alike() {
+    static const Group group(2, 4);
+    return group;
+  }
+  static const Group& other() {
+    static const Group group(3, 7);
+    return group;
+  }
+  static const BrickCodec& first_model() {
+    static const Group group(1, 4);
+    static std::map<std::string, std::unique_ptr<BrickCodec>> models;
+    auto& model = models[name_of(GetParam())];
+    if (!model) model = trained(group.bricks(), GetParam());
+    return *model;
+  }
+  /// The first model, refined for the group that is alike.
+  static const BrickCodec& refined_model() {
+    static std::map<std::string, std::unique_ptr<BrickCodec>> models;
+    auto& model = models[name_of(GetParam())];
+    if (!model) model = refined(first_model(), alike().bricks(), GetParam());
+    return *model;
+  }
 };
 
 TEST_P(RefinementOf, ComesToTheSameFromAParsedModel) {
-  const auto parsed = parse_grey_model(VoxelType::int16, first_model->serialized());
-  EXPECT_EQ(refined(*parsed, alike.bricks(), GetParam())->serialized(),
-            refined(*first_model, alike.bricks(), GetParam())->serialized());
+  const auto parsed = parse_grey_model(VoxelType::int16, first_model().serialized());
+  EXPECT_EQ(refined(*parsed, alike().bricks(), GetParam())->serialized(),
+            refined_model().serialized());
 }
 
 /// Noise asks for no weights of its own: a model that has them fits its own bricks a little better.
 TEST_P(RefinementOf, StartsFromTheFirstModelWhereContentIsAlike) {
-  const auto second_model = trained_behind(*first_model, alike.bricks());
-  const auto refined_model = refined(*first_model, alike.bricks(), GetParam());
-  EXPECT_NE(refined_model->serialized(), second_model->serialized());
-  EXPECT_NE(refined_model->serialized(), first_model->serialized());
-  EXPECT_LE(static_cast<double>(size_of(*refined_model, alike)),
-            static_cast<double>(size_of(*second_model, alike)) * 1.003);
+  const auto second_model = trained_behind(first_model(), alike().bricks());
+  EXPECT_NE(refined_model().serialized(), second_model->serialized());
+  EXPECT_NE(refined_model().serialized(), first_model().serialized());
+  EXPECT_LE(static_cast<double>(size_of(refined_model(), alike())),
+            static_cast<double>(size_of(*second_model, alike())) * 1.003);
 }
 
 TEST_P(RefinementOf, IsTrainingWhereContentIsAnother) {
-  EXPECT_EQ(refined(*first_model, other.bricks(), GetParam())->serialized(),
-            trained_behind(*first_model, other.bricks())->serialized());
+  EXPECT_EQ(refined(first_model(), other().bricks(), GetParam())->serialized(),
+            trained_behind(first_model(), other().bricks())->serialized());
 }
 
 TEST_P(RefinementOf, IsTrainingBehindAGroupWithoutContent) {
   const auto empty = trained({}, GetParam());
-  EXPECT_EQ(refined(*empty, alike.bricks(), GetParam())->serialized(),
-            trained_behind(*empty, alike.bricks())->serialized());
+  EXPECT_EQ(refined(*empty, alike().bricks(), GetParam())->serialized(),
+            trained_behind(*empty, alike().bricks())->serialized());
 }
 
 TEST_P(RefinementOf, IsTrainingWhereBricksAreFew) {
-  const auto few = alike.bricks().first(7);
-  EXPECT_EQ(refined(*first_model, few, GetParam())->serialized(),
-            trained_behind(*first_model, few)->serialized());
+  const auto few = alike().bricks().first(7);
+  EXPECT_EQ(refined(first_model(), few, GetParam())->serialized(),
+            trained_behind(first_model(), few)->serialized());
 }
 
 TEST_P(RefinementOf, KeepsWithinTheMaximumError) {
-  const auto model = refined(*first_model, alike.bricks(), GetParam());
-  for (const TrainingBrick& brick : alike.bricks().first(3)) {
-    EXPECT_LE(largest_error(*model, brick), GetParam().max_error);
+  for (const TrainingBrick& brick : alike().bricks().first(3)) {
+    EXPECT_LE(largest_error(refined_model(), brick), GetParam().max_error);
   }
 }
 
@@ -214,10 +238,7 @@ INSTANTIATE_TEST_SUITE_P(EveryKind, RefinementOf,
                          ::testing::Values(CodecSettings{Preset::small, 0},
                                            CodecSettings{Preset::fast, 0},
                                            CodecSettings{Preset::small, 2}),
-                         [](const auto& of) {
-                           return std::string(of.param.preset == Preset::fast ? "fast" : "small") +
-                                  (of.param.max_error > 0 ? "_lossy" : "");
-                         });
+                         [](const auto& of) { return name_of(of.param); });
 
 }  // namespace
 }  // namespace octavo
