@@ -94,20 +94,19 @@ Bytes encode_details(const Model& model, const BrickShape& shape,
   Workspace<Sample>& work = thread_workspace<Sample>();
   // Kept from brick to brick: fresh memory costs more than filling it.
   static thread_local std::vector<Symbol> symbols;
-  symbols.clear();
+  SymbolWriter writer(model, table_set(level), brick.scale.shift(), stage_functions().push);
   run_level(work, part, brick.scale, p, level, hints, reach_of(p.predictor),
             [&](const Stage& stage, const Split& split) {
               load_details(work, stage, target_of(brick, shape, part, level, split.axis));
               if (stage.has_edges) {
                 mark_edges(stage, work);
-                symbols.insert(symbols.end(), work.edge_symbols.begin(), work.edge_symbols.end());
+                writer.add(work.edge_symbols);
               }
+              symbols.clear();
               stage_functions().of<Sample>().encode(p, stage, work, symbols);
+              writer.add(symbols);
             });
-  if (symbols.empty()) return {};
-  const std::int64_t details = level_detail_count(part.shape, level, hints.cells);
-  return encode_symbols(model, table_set(level), symbols, details, brick.scale.shift(),
-                        most_states);
+  return writer.finish(level_detail_count(part.shape, level, hints.cells), most_states);
 }
 
 /// Segments of a brick.

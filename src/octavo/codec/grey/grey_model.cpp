@@ -243,12 +243,11 @@ Parameters default_parameters() {
 }
 
 Encoder encoder_of(std::uint32_t frequency, std::uint32_t start) {
-  const auto rest = static_cast<std::uint16_t>(kTableSize - frequency);
   if (frequency == 0) return {};
-  // 2^64 itself has no place in 64 bits: one less gives a quotient one too low, which the bias
-  // makes up for.
-  if (frequency == 1) return {~std::uint64_t{0}, start + rest, 1, rest};
-  return {~std::uint64_t{0} / frequency + 1, start, static_cast<std::uint16_t>(frequency), rest};
+  // 2^32 itself has no place in 32 bits.
+  const std::uint64_t reciprocal = frequency == 1 ? ~0u : (std::uint64_t{1} << 32) / frequency;
+  return {static_cast<std::uint32_t>(reciprocal), static_cast<std::uint16_t>(frequency),
+          static_cast<std::uint16_t>(start)};
 }
 
 namespace {

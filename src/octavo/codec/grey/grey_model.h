@@ -148,18 +148,17 @@ struct Parameters {
 };
 
 /// How a token of a context is pushed onto a rANS state.
-struct Encoder {
-  std::uint64_t reciprocal = 0;  ///< 2^64 / frequency, rounded up
-  std::uint32_t bias = 0;
+struct alignas(8) Encoder {
+  std::uint32_t reciprocal = 0;  ///< 2^32 / frequency, rounded down
   std::uint16_t frequency = 0;
-  std::uint16_t rest = 0;        ///< 2048 - frequency
+  std::uint16_t start = 0;       ///< first slot
 
-  /// (x / frequency << 11) + x % frequency + first slot, without a division: 2^64 is so far above
-  /// any x times frequency that the quotient is exact.
+  /// (x / frequency << 11) + x % frequency + first slot, without a division: of an x below 2^21
+  /// times frequency the quotient comes out right or 1 too low.
   std::uint32_t pushed(std::uint32_t x) const {
-    __extension__ using Wide = unsigned __int128;
-    const auto quotient = static_cast<std::uint32_t>(Wide{reciprocal} * x >> 64);
-    return x + bias + quotient * rest;
+    auto quotient = static_cast<std::uint32_t>(std::uint64_t{reciprocal} * x >> 32);
+    quotient += x - quotient * frequency >= frequency ? 1 : 0;
+    return x + start + quotient * (std::uint32_t{kTableSize} - frequency);
   }
 };
 

@@ -198,6 +198,7 @@ struct StagePasses {
 struct StageFunctions {
   StagePasses<std::int16_t> narrow;
   StagePasses<std::int32_t> wide;
+  PushTokens push;
 
   template <class Sample>
   const StagePasses<Sample>& of() const {

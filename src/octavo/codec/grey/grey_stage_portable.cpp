@@ -257,7 +257,7 @@ std::int64_t Stage::detail_count() const {
 const StageFunctions& portable_stage_functions() {
   static constexpr StageFunctions kFunctions = {
       Passes<std::int16_t, PortableKernel<std::int16_t>>::functions(),
-      Passes<std::int32_t, PortableKernel<std::int32_t>>::functions()};
+      Passes<std::int32_t, PortableKernel<std::int32_t>>::functions(), push_tokens};
   return kFunctions;
 }
 

@@ -19,6 +19,7 @@
 
 // clang-format off
 #include "octavo/codec/grey/grey_planes-inl.h"
+#include "octavo/codec/grey/grey_push-inl.h"
 #include "octavo/codec/grey/grey_rows-inl.h"
 #include "octavo/codec/grey/grey_symbols-inl.h"
 #include "octavo/codec/grey/grey_waves-inl.h"
@@ -31,6 +32,7 @@ namespace HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR
 
 StagePasses<std::int16_t> narrow_passes() { return portable_stage_functions().narrow; }
+PushTokens push_pass() { return push_tokens; }
 
 #else
 
@@ -92,6 +94,7 @@ struct Kernel {
 };
 
 StagePasses<std::int16_t> narrow_passes() { return Passes<std::int16_t, Kernel>::functions(); }
+PushTokens push_pass() { return push_token_vectors; }
 
 #endif
 
@@ -103,6 +106,7 @@ HWY_AFTER_NAMESPACE();
 namespace octavo::grey {
 
 HWY_EXPORT(narrow_passes);
+HWY_EXPORT(push_pass);
 
 namespace {
 
@@ -112,6 +116,7 @@ StageFunctions functions_of(std::int64_t targets) {
   if (targets == 0) return functions;
   const SimdTargetsInUse in_use(targets);
   functions.narrow = HWY_DYNAMIC_DISPATCH(narrow_passes)();
+  functions.push = HWY_DYNAMIC_DISPATCH(push_pass)();
   return functions;
 }
 

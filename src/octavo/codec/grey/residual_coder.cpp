@@ -9,6 +9,8 @@ namespace {
 /// A symbol takes at most one word and so many plain bits, 16 of them for wide samples alone;
 /// vectors read ahead by 16 bytes.
 constexpr std::size_t kMaxSymbolBits = kEscapeBits + kMaxPlainBits + 16;
+/// Symbols that are looked at together: their plain bits fit in a number.
+constexpr std::size_t kSymbolChunk = 8;
 constexpr std::size_t kWordPadding = kMaxUnchecked * 2 + 32;
 constexpr std::size_t kPlainPadding = kMaxUnchecked * kMaxSymbolBits / 8 + 32;
 
@@ -23,54 +25,19 @@ std::uint8_t* put_little(std::uint8_t* to, std::uint64_t value, int bytes) {
   return to;
 }
 
-/// Bits to memory that has 8 bytes to spare, lowest bit first.
-class PlainWriter {
- public:
-  explicit PlainWriter(std::uint8_t* to) : to_(to) {}
-  /// At most 56 bits.
-  void put(std::uint64_t value, int count) {
-    pending_ |= value << used_;
-    used_ += count;
-    if constexpr (std::endian::native == std::endian::little) std::memcpy(to_, &pending_, 8);
-    else put_little(to_, pending_, 8);
-    to_ += used_ >> 3;
-    pending_ >>= used_ & ~7;
-    used_ &= 7;
-  }
-  std::uint8_t* end() const { return to_ + (used_ > 0 ? 1 : 0); }
-
- private:
-  std::uint8_t* to_;
-  std::uint64_t pending_ = 0;
-  int used_ = 0;
-};
-
-/// Splits symbols into tokens and plain bits; gives the end of the plain bits. Tokens without a
-/// slot go through the escape token.
-std::uint8_t* split_symbols(std::span<const std::uint64_t> used, const std::vector<Symbol>& symbols,
-                            int shift, std::uint8_t* tokens, std::uint8_t* plain) {
-  PlainWriter bits(plain);
-  for (const Symbol& symbol : symbols) {
-    const std::uint64_t value = symbol.value();
-    const int low = symbol.low_bits() + (symbol.context() < kContexts ? shift : 0);
-    int token = token_of(static_cast<std::uint32_t>(value >> low));
-    if ((used[symbol.context()] >> token & 1) == 0) token = kEscapeToken;
-    *tokens++ = static_cast<std::uint8_t>(token);
-    const int count = token_shape(token).bits + low;
-    bits.put(value & ((std::uint64_t{1} << count) - 1), count);
-  }
-  return bits.end();
+/// Room for at least so much, and for as much as there ever was.
+template <class T>
+void grow(std::vector<T>& values, std::size_t count) {
+  if (values.size() < count) values.resize(count);
 }
 
-/// Pushes tokens onto the states, last one first; words grow downwards from `end`. Gives the first
-/// word.
-std::uint16_t* push_tokens(std::span<const Encoder> encoders, const std::vector<Symbol>& symbols,
-                           const std::uint8_t* tokens, std::uint32_t* states,
-                           std::size_t state_mask, std::uint16_t* end) {
-  for (std::size_t i = symbols.size(); i-- > 0;) {
-    const Symbol& symbol = symbols[i];
-    const Encoder& e = encoders[encoder_place(symbol.context(), tokens[i])];
-    std::uint32_t& state = states[symbol.state() & state_mask];
+}  // namespace
+
+std::uint16_t* push_tokens(const TokenRun& run, std::uint32_t* states, std::size_t state_mask,
+                           std::uint16_t* end) {
+  for (std::size_t i = run.count; i-- > 0;) {
+    const Encoder& e = run.encoders[run.places[i]];
+    std::uint32_t& state = states[run.states[i] & state_mask];
     std::uint32_t x = state;
     // Without a branch: whether a word leaves is anyone's guess.
     const bool is_full = x >> (32 - kTableBits) >= e.frequency;
@@ -82,40 +49,122 @@ std::uint16_t* push_tokens(std::span<const Encoder> encoders, const std::vector<
   return end;
 }
 
-}  // namespace
+SymbolWriter::SymbolWriter(const Model& model, int set, int shift, PushTokens push)
+    : encoders_(model.tables.encoders[static_cast<std::size_t>(set)].data()),
+      used_(model.tables.used[static_cast<std::size_t>(set)].data()),
+      shift_(shift),
+      push_(push),
+      buffers_(thread_buffers()) {}
 
-Bytes encode_symbols(const Model& model, int set, const std::vector<Symbol>& symbols,
-                     std::int64_t details, int shift, int most_states) {
-  if (symbols.empty()) return {};
-  const std::span<const Encoder> encoders = model.tables.encoders[static_cast<std::size_t>(set)];
-  const std::span<const std::uint64_t> used = model.tables.used[static_cast<std::size_t>(set)];
-  const std::size_t count = symbols.size();
+SymbolWriter::Buffers& SymbolWriter::thread_buffers() {
+  // Kept from brick to brick: fresh memory costs more than filling it.
+  static thread_local Buffers buffers;
+  return buffers;
+}
+
+void SymbolWriter::make_room(std::size_t symbols) {
+  grow(buffers_.places, count_ + symbols);
+  grow(buffers_.states, count_ + symbols);
+  grow(buffers_.plain, plain_at_ + symbols * kMaxSymbolBits / 8 + 16);
+}
+
+void SymbolWriter::add(std::span<const Symbol> symbols) {
+  make_room(symbols.size());
+  while (symbols.size() >= kSymbolChunk) {
+    if (!add_chunk(symbols.data())) {
+      for (const Symbol& symbol : symbols.first<kSymbolChunk>()) add_one(symbol);
+    }
+    symbols = symbols.subspan(kSymbolChunk);
+  }
+  for (const Symbol& symbol : symbols) add_one(symbol);
+}
+
+/// Adds some symbols at a time whose tokens stand for themselves, as nearly all do; nothing where
+/// another one is among them.
+bool SymbolWriter::add_chunk(const Symbol* symbols) {
+  if (shift_ > 0) return false;
+  std::uint16_t* const places = buffers_.places.data() + count_;
+  std::uint8_t* const states = buffers_.states.data() + count_;
+  std::uint64_t tokens = 0;
+  std::uint64_t has_slots = 1;
+  std::uint64_t plain = 0;
+  int plain_count = 0;
+  for (std::size_t k = 0; k < kSymbolChunk; ++k) {
+    const std::uint64_t value = symbols[k].value();
+    const std::size_t context = symbols[k].context();
+    const int low = symbols[k].low_bits();
+    const std::uint64_t token = value >> low;
+    tokens |= token;
+    has_slots &= used_[context] >> (token & 63);
+    plain |= (value ^ token << low) << plain_count;
+    plain_count += low;
+    places[k] = static_cast<std::uint16_t>(encoder_place(context, token));
+    states[k] = static_cast<std::uint8_t>(symbols[k].state());
+  }
+  if (tokens >= kDirectTokens || has_slots == 0) return false;
+  put_plain(plain, plain_count);
+  count_ += kSymbolChunk;
+  return true;
+}
+
+/// A token without a slot goes through the escape token.
+void SymbolWriter::add_one(const Symbol& symbol) {
+  const std::uint64_t value = symbol.value();
+  const std::size_t context = symbol.context();
+  const int low = symbol.low_bits() + (context < kContexts ? shift_ : 0);
+  int token = token_of(static_cast<std::uint32_t>(value >> low));
+  if ((used_[context] >> token & 1) == 0) token = kEscapeToken;
+  buffers_.places[count_] =
+      static_cast<std::uint16_t>(encoder_place(context, static_cast<std::size_t>(token)));
+  buffers_.states[count_] = static_cast<std::uint8_t>(symbol.state());
+  ++count_;
+  const int count = token_shape(token).bits + low;
+  put_plain(value & ((std::uint64_t{1} << count) - 1), count);
+}
+
+/// At most 56 bits, lowest first.
+void SymbolWriter::put_plain(std::uint64_t value, int count) {
+  std::uint8_t* const to = buffers_.plain.data() + plain_at_;
+  pending_ |= value << pending_count_;
+  pending_count_ += count;
+  if constexpr (std::endian::native == std::endian::little) std::memcpy(to, &pending_, 8);
+  else put_little(to, pending_, 8);
+  plain_at_ += static_cast<std::size_t>(pending_count_ >> 3);
+  pending_ >>= pending_count_ & ~7;
+  pending_count_ &= 7;
+}
+
+Bytes SymbolWriter::finish(std::int64_t details, int most_states) {
+  if (count_ == 0) return {};
   const auto state_total = static_cast<std::size_t>(std::min(state_count(details), most_states));
-
-  // Plain bits forwards, tokens backwards: rANS is a stack.
-  const auto tokens = unset_array<std::uint8_t>(count);
-  const auto plain = unset_array<std::uint8_t>(count * kMaxSymbolBits / 8 + 16);
-  const std::uint8_t* const plain_end =
-      split_symbols(used, symbols, shift, tokens.get(), plain.get());
-  std::array<std::uint32_t, kMaxStates> states;
+  const std::size_t plain_bytes = plain_at_ + (pending_count_ > 0 ? 1 : 0);
+  // Backwards: rANS is a stack.
+  alignas(64) std::array<std::uint32_t, kMaxStates> states;
   states.fill(kStateFloor);
-  const auto words = unset_array<std::uint16_t>(count + 1);
-  const std::uint16_t* const words_end = words.get() + count + 1;
-  const std::uint16_t* word = push_tokens(encoders, symbols, tokens.get(), states.data(),
-                                          state_total - 1, words.get() + count + 1);
+  grow(buffers_.words, kSpareWords + count_);
+  std::uint16_t* const words_end = buffers_.words.data() + kSpareWords + count_;
+  const std::uint16_t* word =
+      push_({encoders_, buffers_.places.data(), buffers_.states.data(), count_}, states.data(),
+            state_total - 1, words_end);
 
   Bytes out;
-  const auto plain_bytes = static_cast<std::size_t>(plain_end - plain.get());
-  out.reserve(10 + plain_bytes + 4 * state_total +
-              2 * static_cast<std::size_t>(words_end - word));
+  const std::size_t tail_bytes = 4 * state_total + 2 * static_cast<std::size_t>(words_end - word);
+  out.reserve(10 + plain_bytes + tail_bytes);
   put_varint(out, plain_bytes);
-  out.insert(out.end(), plain.get(), plain.get() + plain_bytes);
-  std::size_t at = out.size();
-  out.resize(at + 4 * state_total + 2 * static_cast<std::size_t>(words_end - word));
+  out.insert(out.end(), buffers_.plain.data(), buffers_.plain.data() + plain_bytes);
+  const std::size_t at = out.size();
+  out.resize(at + tail_bytes);
   std::uint8_t* to = out.data() + at;
   for (std::size_t i = 0; i < state_total; ++i) to = put_little(to, states[i], 4);
   while (word != words_end) to = put_little(to, *word++, 2);
   return out;
+}
+
+Bytes encode_symbols(const Model& model, int set, std::span<const Symbol> symbols,
+                     std::int64_t details, int shift, int most_states, PushTokens push) {
+  SymbolWriter writer(model, set, shift, push);
+  writer.add(symbols);
+  return writer.finish(details, most_states);
 }
 
 SymbolReader::SymbolReader(const Model& model, int set, ByteSpan segment, std::int64_t details,

@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <cstring>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "octavo/codec/entropy/byte_io.h"
@@ -31,11 +32,11 @@ constexpr int state_count(std::int64_t symbols) {
   return symbols >= 16384 ? kMaxStates : symbols >= 1024 ? 8 : symbols >= 128 ? 2 : 1;
 }
 
-/// A residual or the kind of an edge waiting to be written, in 8 bytes: lists of them pass through
-/// memory twice.
+/// A residual or the kind of an edge waiting to be written, in 8 bytes.
 class Symbol {
  public:
-  Symbol() = default;
+  /// Not cleared: room for lists of them is made before they are written.
+  Symbol() noexcept {}  // NOLINT(cppcoreguidelines-pro-type-member-init,modernize-use-equals-default)
   /// packed: context | plain bits << 8; place: among the coded pairs of its row
   Symbol(std::uint64_t zigzag_residual, unsigned packed, int place)
       : Symbol(zigzag_residual, packed & 0xff, packed >> 8, place) {}
@@ -51,15 +52,72 @@ class Symbol {
   bool operator==(const Symbol&) const = default;
 
  private:
-  std::uint64_t bits_ = 0;
+  std::uint64_t bits_;
 };
 
-/// The bytes of one segment; none without symbols.
-/// details      how many the level has: pairs that may be edges are asked for beside them
-/// shift        low bits of every residual that are always plain (wide samples)
-/// most_states  a power of two; fewer details have fewer
-Bytes encode_symbols(const Model& model, int set, const std::vector<Symbol>& symbols,
-                     std::int64_t details, int shift, int most_states = kMaxStates);
+/// Tokens of whole rows, waiting to be pushed onto states.
+struct TokenRun {
+  const Encoder* encoders;
+  const std::uint16_t* places;  ///< of their encoders
+  const std::uint8_t* states;   ///< of each the number of its state, Symbol::state
+  std::size_t count;
+};
+
+/// Words in front of those that a run leaves which may be written to as well.
+inline constexpr std::size_t kSpareWords = 8;
+
+/// Pushes tokens, last one first, onto the states of a mask; words grow downwards from `end`. Gives
+/// the first word.
+using PushTokens = std::uint16_t* (*)(const TokenRun&, std::uint32_t* states,
+                                      std::size_t state_mask, std::uint16_t* end);
+std::uint16_t* push_tokens(const TokenRun& run, std::uint32_t* states, std::size_t state_mask,
+                           std::uint16_t* end);
+
+/// Makes a segment out of symbols. Keeps them in memory of the thread, which has one at a time.
+class SymbolWriter {
+ public:
+  /// shift  low bits of every residual that are always plain (wide samples)
+  SymbolWriter(const Model& model, int set, int shift, PushTokens push = push_tokens);
+
+  /// Adds the symbols of whole rows.
+  void add(std::span<const Symbol> symbols);
+
+  /// The bytes of the segment; none without symbols.
+  /// details      how many the level has: pairs that may be edges are asked for beside them
+  /// most_states  a power of two; fewer details have fewer
+  Bytes finish(std::int64_t details, int most_states = kMaxStates);
+
+ private:
+  /// What symbols have become: where their encoders stand, which states they go to, plain bits;
+  /// and room for words.
+  struct Buffers {
+    std::vector<std::uint16_t> places;
+    std::vector<std::uint8_t> states;
+    std::vector<std::uint8_t> plain;
+    std::vector<std::uint16_t> words;
+  };
+  static Buffers& thread_buffers();
+
+  void make_room(std::size_t symbols);
+  bool add_chunk(const Symbol* symbols);
+  void add_one(const Symbol& symbol);
+  void put_plain(std::uint64_t value, int count);
+
+  const Encoder* encoders_;
+  const std::uint64_t* used_;
+  int shift_;
+  PushTokens push_;
+  Buffers& buffers_;
+  std::size_t count_ = 0;
+  std::size_t plain_at_ = 0;    ///< whole bytes of plain bits
+  std::uint64_t pending_ = 0;   ///< plain bits behind them
+  int pending_count_ = 0;
+};
+
+/// The bytes of a segment of these symbols.
+Bytes encode_symbols(const Model& model, int set, std::span<const Symbol> symbols,
+                     std::int64_t details, int shift, int most_states = kMaxStates,
+                     PushTokens push = push_tokens);
 
 /// Symbols that may be taken off a segment from one check that it holds them to the next.
 inline constexpr int kMaxUnchecked = 512;

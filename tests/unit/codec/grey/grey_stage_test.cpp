@@ -230,6 +230,12 @@ Results run(const StageFunctions& functions, RandomSplit& s, bool has_cells) {
   EXPECT_EQ(static_cast<std::int64_t>(results.symbols.size()) + edge_count, count);
   edges.insert(edges.end(), results.symbols.begin(), results.symbols.end());
   const Bytes segment = encode_symbols(s.model, s.stage.set, edges, count, 0);
+  for (const int most_states : {kMaxStates, 16, 8}) {
+    const auto encoded = [&](PushTokens push) {
+      return encode_symbols(s.model, s.stage.set, edges, count, 0, most_states, push);
+    };
+    EXPECT_EQ(encoded(functions.push), encoded(push_tokens)) << most_states << " states";
+  }
   load(work, s);
   SymbolReader symbols(s.model, s.stage.set, segment, count, 0);
   if (s.stage.has_edges) take_edges(s.stage, work, symbols);
