@@ -15,14 +15,21 @@ ByteSpan bytes_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()};
 }
 
+std::atomic<std::uint64_t> bytes_of_group = kGroupBytes;
+
 }  // namespace
+
+SmallGroups::SmallGroups(std::uint64_t bytes) { bytes_of_group = bytes; }
+
+SmallGroups::~SmallGroups() { bytes_of_group = kGroupBytes; }
 
 std::int64_t group_planes(const Levels& levels, VoxelType type) {
   const Size3& size = levels.size(0);
   const std::int64_t layer_planes = levels.brick_side(0).z;
   const auto layer_bytes =
       static_cast<std::uint64_t>(size.x * size.y * layer_planes * bytes_per_voxel(type));
-  const auto layers = static_cast<std::int64_t>((kGroupBytes + layer_bytes - 1) / layer_bytes);
+  const std::uint64_t bytes = bytes_of_group;
+  const auto layers = static_cast<std::int64_t>((bytes + layer_bytes - 1) / layer_bytes);
   return std::min(layers * layer_planes, size.z);
 }
 

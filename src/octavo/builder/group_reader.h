@@ -24,6 +24,16 @@ namespace octavo {
 
 inline constexpr std::uint64_t kGroupBytes = std::uint64_t{32} << 20;
 
+/// While it lives, groups hold so many bytes instead: for tests of many groups, whose files are
+/// those of no other program.
+class SmallGroups {
+ public:
+  explicit SmallGroups(std::uint64_t bytes);
+  ~SmallGroups();
+  SmallGroups(const SmallGroups&) = delete;
+  SmallGroups& operator=(const SmallGroups&) = delete;
+};
+
 /// Planes of a group of `levels`: whole layers, at most the volume's planes.
 std::int64_t group_planes(const Levels& levels, VoxelType type);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdio>
 #include <string_view>
 
 #include "octavo/builder/build_setup.h"
@@ -9,6 +10,7 @@
 #include "octavo/builder/group_trainer.h"
 #include "octavo/core/error.h"
 #include "octavo/core/sha256.h"
+#include "octavo/dist/codec_check.h"
 #include "octavo/file/byte_codec.h"
 #include "octavo/file/write/new_header.h"
 
@@ -26,7 +28,9 @@ void put_stack(Bytes& bytes, const SliceStack& stack) {
   put_text(bytes, stack.description.metadata.text());
   const SliceOutline& outline = *stack.files.outline;
   ByteWriter out(bytes);
-  const auto put_double = [&out](double value) { out.put_u64(std::bit_cast<std::uint64_t>(value)); };
+  const auto put_double = [&out](double value) {
+    out.put_u64(std::bit_cast<std::uint64_t>(value));
+  };
   for (const std::int64_t axis : {stack.description.size.x, stack.description.size.y,
                                   stack.description.size.z}) {
     out.put_signed(axis);
@@ -64,6 +68,7 @@ std::uint64_t id_of(const BuildPlan& plan) {
   put_text(bytes, outline.description.metadata.text());
   put_text(bytes, outline.writing.settings);
   ByteWriter out(bytes);
+  out.put_u32(plan.codec_check);
   out.put_varint(static_cast<std::uint64_t>(plan.planes_per_group));
   out.put_varint(plan.first_model.size());
   bytes.insert(bytes.end(), plan.first_model.begin(), plan.first_model.end());
@@ -90,6 +95,16 @@ void require_groups(const BuildPlan& plan) {
               "the build was planned by another version of the program; plan again with this one");
 }
 
+void require_codec(const BuildPlan& plan) {
+  const std::uint32_t here = codec_check();
+  if (plan.codec_check == here) return;
+  char text[32];
+  std::snprintf(text, sizeof text, "%08x there, %08x here", plan.codec_check, here);
+  throw Error(ErrorKind::invalid_argument,
+              "the build was planned by a program that makes other bytes of the same voxels (codec "
+              "check " + std::string(text) + "); plan again with this one");
+}
+
 BuildPlan plan_build(PlaneSource& source, const BuildOptions& options, Progress& progress,
                      const std::vector<std::string>& files,
                      const std::optional<SliceStack>& stack) {
@@ -114,6 +129,7 @@ BuildPlan plan_build(PlaneSource& source, const BuildOptions& options, Progress&
                      first_planes);
   const VoxelBlock group = reader.next();
   plan.content_hash = content_hash_of(group);
+  plan.codec_check = codec_check();
   plan.first_model = trainer.train(group).serialized;
   require_unchanged(plan.files);
   plan.id = id_of(plan);

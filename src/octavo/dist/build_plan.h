@@ -31,6 +31,7 @@ struct BuildPlan {
   VolumeDescription source;           ///< as the source described itself
   std::optional<FloatChoice> floats;  ///< of a float32 source
   std::uint32_t content_hash = 0;     ///< of the first group
+  std::uint32_t codec_check = 0;      ///< codec_check() of the program that made the plan
   Bytes first_model;
   std::int64_t planes_per_group = 0;
   std::int64_t group_count = 0;
@@ -52,13 +53,18 @@ struct BuildPlan {
 /// Reads the first planes of `source` and trains on them.
 /// files   that the source reads (PlaneSource::files): who works by the plan proves that none was
 ///         changed since. None for voxels that stand in no file
+/// stack   slice_stack_of what `source` was made of, where its paths are those of `files`
 /// Throws  as build_file and stamps_of; Error{source_rejected} for a file that changes meanwhile
 BuildPlan plan_build(PlaneSource& source, const BuildOptions& options, Progress& progress,
-                     const std::vector<std::string>& files = {});
+                     const std::vector<std::string>& files = {},
+                     const std::optional<SliceStack>& stack = std::nullopt);
 
 /// Proves that a plan has the groups that this program would make.
 /// Throws Error{invalid_argument}, Error{limit_exceeded}
 void require_groups(const BuildPlan& plan);
+
+/// Proves that this program makes the bytes that the plan's makes. Throws Error{invalid_argument}
+void require_codec(const BuildPlan& plan);
 
 /// What BuildPlan::id is to be. Throws as outline_build
 std::uint64_t id_of(const BuildPlan& plan);

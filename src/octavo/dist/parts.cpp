@@ -109,6 +109,7 @@ void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_g
                 groups_text(first_group, end_group) + " of " + std::to_string(plan.group_count) +
                     " asked for");
   }
+  require_codec(plan);
   require_planned(plan, source.description());
   const std::int64_t first_plane = first_plane_of(plan, first_group);
   const std::int64_t end_plane = first_plane_of(plan, end_group);
@@ -161,6 +162,7 @@ BuildResult join_parts(const BuildPlan& plan, std::vector<std::shared_ptr<PartFi
                        Storage& storage, const std::string& path, bool overwrite,
                        const PartWork& work, Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
+  require_codec(plan);
   std::ranges::sort(parts, comes_before);
   require_all(plan, parts, path);
   const BuildOutline outline = outline_of(plan);

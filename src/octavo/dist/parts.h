@@ -30,8 +30,8 @@ struct PartWork {
 /// name. Of the source only their planes are read, and of its files only theirs are looked at.
 /// Throws  Error{source_rejected} where the source is not the one that was planned, by its
 ///         description, by the voxels of the first group, or by a file that was changed before the
-///         part was done; Error{invalid_argument} for groups that
-///         the plan does not have; as build_file
+///         part was done; Error{invalid_argument} for groups that the plan does not have, and as
+///         require_codec; as build_file
 /// Memory  as build_file
 void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_group,
                 std::int64_t end_group, Storage& storage, const std::string& path,
@@ -43,8 +43,9 @@ std::vector<PartPlace> missing_groups(const BuildPlan& plan,
 
 /// Joins parts, in any order, into the sealed file at `path`. Voxels are not read; every byte of a
 /// part is proven by its checksum.
-/// Throws  Error{invalid_argument} that names a part of another plan, or two of the same groups;
-///         Error{io} where groups are missing; Error{corrupt} for a damaged part; as FileWriter
+/// Throws  Error{invalid_argument} that names a part of another plan, or two of the same groups,
+///         and as require_codec; Error{io} where groups are missing; Error{corrupt} for a damaged
+///         part; as FileWriter
 /// Memory  a sample per brick, and that of the tiers above tier 0
 BuildResult join_parts(const BuildPlan& plan, std::vector<std::shared_ptr<PartFile>> parts,
                        Storage& storage, const std::string& path, bool overwrite,

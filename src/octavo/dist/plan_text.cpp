@@ -161,6 +161,7 @@ JsonObject object_of(const BuildPlan& plan) {
   JsonObject object;
   object.set("octavo_plan", kPlanVersion);
   object.set("id", hex_of(plan.id));
+  object.set("codec_check", std::vector<std::int64_t>{plan.codec_check});
   object.set("build.choices",
              std::vector<std::int64_t>{
                  static_cast<std::int64_t>(options.kind),
@@ -290,6 +291,11 @@ std::optional<FloatChoice> floats_of(const JsonObject& object) {
                      static_cast<std::int64_t>(numbers[4]), numbers[5], numbers[6], numbers[7]};
 }
 
+std::uint32_t checksum_of(const JsonObject& object, const char* name) {
+  const auto values = exactly(1, integers_of(object.json_of(name)));
+  return static_cast<std::uint32_t>(within(values.front(), 0, 0xffffffff));
+}
+
 std::string_view take_line(std::string_view& text) {
   const std::size_t end = text.find('\n');
   if (end == std::string_view::npos) fail("breaks off");
@@ -345,9 +351,8 @@ BuildPlan parse_plan(std::string_view text) {
   plan.planes_per_group = counts[0];
   plan.group_count = counts[1];
   plan.recipe = object.json_of("source.recipe");
-  plan.content_hash = static_cast<std::uint32_t>(
-      within(exactly(1, integers_of(object.json_of("groups.first_voxels"))).front(), 0,
-             0xffffffff));
+  plan.content_hash = checksum_of(object, "groups.first_voxels");
+  plan.codec_check = checksum_of(object, "codec_check");
   plan.first_model = bytes_of(texts_of(object.json_of("groups.first_model")));
   while (!rest.empty()) take_name(take_line(rest), plan);
   plan.stack = stack_of(object, plan);

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <functional>
 
 #include "octavo/core/error.h"
+#include "octavo/dist/codec_check.h"
 #include "octavo/dist/parts.h"
 #include "octavo/planes/memory_source.h"
 #include "support/built_file.h"
@@ -157,6 +159,33 @@ TEST(PlanText, PartsHoldEveryGroupOnceAndDifferByOneAtMost) {
       }
     }
   }
+}
+
+TEST(PlanText, AProgramThatMakesOtherBytesIsRejected) {
+  BuildOptions options;
+  options.threads = 1;
+  const Volume volume = volume_of(VoxelType::uint8);
+  BuildPlan other = plan_of(volume, options);
+  EXPECT_EQ(other.codec_check, codec_check());
+  ++other.codec_check;
+  other.id = id_of(other);
+  const BuildPlan plan = parse_plan(plan_text(other));
+  EXPECT_EQ(plan.codec_check, other.codec_check);
+  MemoryStorage storage;
+  for (const auto& action : {std::function<void()>([&] { make_part(volume, plan, storage); }),
+                             std::function<void()>([&] {
+                               NoProgress progress;
+                               join_parts(plan, {}, storage, "a.8vo", false, {}, progress);
+                             })}) {
+    try {
+      action();
+      FAIL() << "another program was taken";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::invalid_argument);
+      EXPECT_NE(error.detail().find("codec check"), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_TRUE(storage.files.empty());
 }
 
 // A change behind the first group, which no voxel of the plan tells of.
