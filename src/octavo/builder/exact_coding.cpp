@@ -219,21 +219,55 @@ std::optional<SampleCoding> multiples_in(const FloatSample& sample,
   return std::nullopt;
 }
 
+bool holds_most(const SampleCoding& coding, std::span<const float> values) {
+  constexpr std::ptrdiff_t kFew = 16;  // one of so many may be something else
+  const auto others = std::ranges::count_if(
+      values, [&](float v) { return !exact_code(coding, v).has_value(); });
+  return others * kFew <= static_cast<std::ptrdiff_t>(values.size());
+}
+
 }  // namespace
 
 SampleCoding exact_coding_of(const FloatSample& sample, std::span<const SampleCoding> hints) {
   const FloatExtent extent = value_extent(sample.values);
   const double step = noise_step(sample, extent);
-  // What holds for all values that were seen, else what does for those at the start
-  std::optional<SampleCoding> coding = multiples_in(sample, sample.values, step, hints);
-  if (!coding && sample.first_values.size() < sample.values.size()) {
-    coding = multiples_in(sample, sample.first_values, step, hints);
+  // What holds for those at the start, and for nearly all others; else what holds for all
+  std::optional<SampleCoding> coding = multiples_in(sample, sample.first_values, step, hints);
+  if (!coding || !holds_most(*coding, sample.values)) {
+    const auto of_all = multiples_in(sample, sample.values, step, hints);
+    if (of_all) coding = of_all;
   }
   const bool has_codes =
       coding && (extent.reach + std::abs(coding->offset)) / coding->scale < kLargestCode;
   if (!has_codes) coding = SampleCoding{VoxelType::int32, step, 0};
   coding->is_exact = true;
   return *coding;
+}
+
+std::optional<SampleCoding> coding_of_few(const FloatSample& sample, const SampleCoding& usual) {
+  constexpr std::size_t kFewValues = 256;
+  constexpr double kCodes = 256;
+  const std::vector<float>& values = sample.values;
+  if (values.size() < 2 || values.size() > kFewValues) return std::nullopt;
+  const double first = values.front();
+  const double last = values.back();
+  SampleCoding coding{VoxelType::int32, 0, 0, true};
+  if (values.size() == 2) {
+    // As a mask: two codes, of which the smaller value has 0
+    coding.offset = std::abs(first) < std::abs(last) ? first : last;
+    coding.scale = last - first;
+    const bool is_usual = (last - first) / usual.scale < 1.5;
+    const bool holds = exact_code(coding, values.front()) && exact_code(coding, values.back());
+    return is_usual || !holds ? std::nullopt : std::optional(coding);
+  }
+  // The values that codes shall hold, without fill values
+  const double reach = value_extent(values).reach;
+  const double low = std::max(first, -reach);
+  const double high = std::min(last, reach);
+  int exponent = 0;
+  std::frexp((high - low) / kCodes, &exponent);
+  coding.scale = std::ldexp(1.0, exponent);
+  return coding.scale <= usual.scale ? std::nullopt : std::optional(coding);
 }
 
 void count_clipped(const SampleCoding& coding, std::span<const float> voxels,

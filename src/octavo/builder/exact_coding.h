@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -27,6 +28,11 @@ struct FloatSample {
 
 /// hints  codings to try first, in their order
 SampleCoding exact_coding_of(const FloatSample& sample, std::span<const SampleCoding> hints);
+
+/// Wider steps for a volume of few different values, to be tried beside its usual coding: these have
+/// few codes, and which float of its step a voxel is mostly follows from the voxels before it.
+/// None for other volumes, or where the usual one has as few codes.
+std::optional<SampleCoding> coding_of_few(const FloatSample& sample, const SampleCoding& usual);
 
 /// Finite voxels whose codes are not the nearest to them, as these end at +-(2^31 - 2): level 0 has
 /// them bit by bit, coarse levels as the last code.

@@ -169,22 +169,37 @@ void FloatPlanes::read_ahead() {
   sample_.first_values.clear();
 }
 
+// False where the plane cannot be read: that is an error once its turn comes, so that what is whole
+// ahead of it can be kept.
+bool FloatPlanes::reads_voxels_of(std::int64_t z) {
+  try {
+    source_.seek(z, z + 1);
+    read_voxels();
+    return true;
+  } catch (const Error& error) {
+    const bool is_of_plane = error.kind() == ErrorKind::source_rejected ||
+                             error.kind() == ErrorKind::corrupt || error.kind() == ErrorKind::io ||
+                             error.kind() == ErrorKind::truncated;
+    if (!is_of_plane) throw;
+    return false;
+  }
+}
+
 // Looks at planes spread over those that were not read ahead, where these can be sought.
 void FloatPlanes::look_further() {
   constexpr std::int64_t kMostPlanes = 64;
   constexpr std::int64_t kShare = 4;  // at most one of so many planes is read twice
   constexpr std::int64_t kVoxelsOfRows = 1 << 14;
   const std::int64_t left = description_.size.z - planes_read_;
-  if (left == 0 || !source_.can_seek()) return;
+  is_spread_ = left == 0 || source_.can_seek();
+  if (left == 0 || !is_spread_) return;
   const std::int64_t count = std::min(kMostPlanes, (left + kShare - 1) / kShare);
   const std::int64_t width = description_.size.x;
   const std::int64_t row_count =
       std::clamp<std::int64_t>(kVoxelsOfRows / width, 1, description_.size.y);
   DistinctValues distinct;
   for (std::int64_t i = 0; i < count; ++i) {
-    const std::int64_t z = planes_read_ + left * (2 * i + 1) / (2 * count);
-    source_.seek(z, z + 1);
-    read_voxels();
+    if (!reads_voxels_of(planes_read_ + left * (2 * i + 1) / (2 * count))) break;
     repair_voxels(plane_, settings_.repair);
     distinct.add(plane_);
     for (std::int64_t k = 0; k < row_count; ++k) {
@@ -220,6 +235,11 @@ bool FloatPlanes::take_exact() {
 
 void FloatPlanes::choose_exact() {
   coding_ = exact_coding_of(sample_, hints_of(source_.description()));
+  if (!is_spread_) return;
+  const auto few = coding_of_few(sample_, coding_);
+  const FloatStack stack{sample_.planes, description_.size.x, description_.size.y};
+  // Two values are as a mask, however few of them some boxes hold.
+  if (few && (sample_.values.size() == 2 || is_smaller_exact(stack, *few, coding_))) coding_ = *few;
 }
 
 // Takes a coding when the max error leaves room for its roundings.

@@ -107,6 +107,7 @@ class FloatPlanes final : public PlaneSource {
   bool is_exact() const { return settings_.max_error == 0; }
   void read_ahead();
   void look_further();
+  bool reads_voxels_of(std::int64_t z);
   void choose_exact();
   void keep_bits();
   bool take_exact();
@@ -129,6 +130,7 @@ class FloatPlanes final : public PlaneSource {
   double roomier_error_ = 0;
   double slack_ = 0;                      // how far a code alone may lie from its voxel
   FloatSample sample_;                    // of its planes those that were not given yet
+  bool is_spread_ = false;                // the sample is of the whole volume
   ClippedVoxels clipped_;
   PlaneCursor cursor_;
   std::vector<float> plane_;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::int64_t kTrialSide = 32;
 constexpr std::int64_t kMostBoxes = 8;
-/// Bit by bit must save so much: planes yet to come may hold more values.
+/// What few values take must be so much less: planes yet to come may hold more of them.
 constexpr double kWorthwhile = 0.95;
 
 /// Boxes spread evenly along the diagonal of the stack, one after another, dense [z][y][x].
@@ -63,33 +63,64 @@ std::size_t bytes_of(const BrickCodec& codec, const std::vector<TrainingBrick>& 
   return bytes;
 }
 
-}  // namespace
+/// Boxes of a stack, and how many and large they are.
+struct TrialBoxes {
+  Size3 side;
+  std::int64_t count = 0;
+  std::vector<float> voxels;
+};
 
-bool is_smaller_exact(const FloatStack& stack, const SampleCoding& exact,
-                      const SampleCoding& within, std::int64_t codec_error) {
+TrialBoxes trial_boxes(const FloatStack& stack) {
   const auto planes = static_cast<std::int64_t>(stack.planes.size());
-  const Size3 side{std::min(stack.x, kTrialSide), std::min(stack.y, kTrialSide),
-                   std::min(planes, kTrialSide)};
-  const std::int64_t count =
-      std::clamp<std::int64_t>(stack.x * stack.y * planes / side.voxel_count(), 1, kMostBoxes);
-  const std::vector<float> voxels = boxes_of(stack, side, count);
-  std::vector<std::int32_t> codes;
-  codes.reserve(voxels.size());
-  for (const float voxel : voxels) {
-    const double steps = (static_cast<double>(voxel) - within.offset) / within.scale;
-    codes.push_back(static_cast<std::int32_t>(std::nearbyint(steps)));
-  }
+  TrialBoxes boxes;
+  boxes.side = {std::min(stack.x, kTrialSide), std::min(stack.y, kTrialSide),
+                std::min(planes, kTrialSide)};
+  boxes.count = std::clamp<std::int64_t>(
+      stack.x * stack.y * planes / boxes.side.voxel_count(), 1, kMostBoxes);
+  boxes.voxels = boxes_of(stack, boxes.side, boxes.count);
+  return boxes;
+}
+
+CodecSettings trial_settings() {
   CodecSettings settings;
   settings.preset = Preset::fast;
   settings.access = Access::none;
-  const auto floats = bricks_of(voxels.data(), VoxelType::float32, side, count);
-  const std::size_t exact_bytes =
-      bytes_of(*train_exact_model(floats, settings, exact), floats);
+  return settings;
+}
+
+std::size_t exact_bytes(const TrialBoxes& boxes, const SampleCoding& coding) {
+  const auto bricks =
+      bricks_of(boxes.voxels.data(), VoxelType::float32, boxes.side, boxes.count);
+  return bytes_of(*train_exact_model(bricks, trial_settings(), coding), bricks);
+}
+
+bool is_clearly_less(std::size_t bytes, std::size_t than) {
+  return static_cast<double>(bytes) < kWorthwhile * static_cast<double>(than);
+}
+
+}  // namespace
+
+bool is_smaller_exact(const FloatStack& stack, const SampleCoding& one,
+                      const SampleCoding& other) {
+  const TrialBoxes boxes = trial_boxes(stack);
+  return is_clearly_less(exact_bytes(boxes, one), exact_bytes(boxes, other));
+}
+
+bool is_smaller_exact(const FloatStack& stack, const SampleCoding& exact,
+                      const SampleCoding& within, std::int64_t codec_error) {
+  const TrialBoxes boxes = trial_boxes(stack);
+  std::vector<std::int32_t> codes;
+  codes.reserve(boxes.voxels.size());
+  for (const float voxel : boxes.voxels) {
+    const double steps = (static_cast<double>(voxel) - within.offset) / within.scale;
+    codes.push_back(static_cast<std::int32_t>(std::nearbyint(steps)));
+  }
+  CodecSettings settings = trial_settings();
   settings.max_error = codec_error;
-  const auto rounded = bricks_of(codes.data(), VoxelType::int32, side, count);
+  const auto rounded = bricks_of(codes.data(), VoxelType::int32, boxes.side, boxes.count);
   const std::size_t rounded_bytes = bytes_of(
       *train_model(VolumeKind::grey, VoxelType::int32, rounded, settings), rounded);
-  return static_cast<double>(exact_bytes) < kWorthwhile * static_cast<double>(rounded_bytes);
+  return is_clearly_less(exact_bytes(boxes, exact), rounded_bytes);
 }
 
 }  // namespace octavo

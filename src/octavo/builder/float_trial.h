@@ -18,6 +18,9 @@ struct FloatStack {
   std::int64_t y = 0;
 };
 
+/// Codes some boxes of the planes bit by bit with both codings, by the fast preset.
+bool is_smaller_exact(const FloatStack& stack, const SampleCoding& one, const SampleCoding& other);
+
 /// Codes some boxes of the planes in both ways, by the fast preset.
 /// exact        for floats bit by bit
 /// within       for floats within a maximum error; all have such codes

@@ -153,12 +153,13 @@ TEST(LossyBuild, SpikesThatRoundBeyondTheBoundAreRejectedWithAnErrorThatWorks) {
   const ScratchFolder folder;
   std::mt19937 random(9);
   std::normal_distribution<float> noise(0, 100);
-  // The spike comes behind the first group: 512 x 512 x 64 planes of 4 bytes.
+  // The spikes come behind the first group, 512 x 512 x 64 planes of 4 bytes, where no plane is
+  // looked at beforehand.
   const Size3 size{512, 512, 66};
   std::vector<float> voxels(static_cast<std::size_t>(size.voxel_count()));
   for (float& v : voxels) v = noise(random);
   for (std::size_t i = 0; i < 600; ++i) {
-    voxels[512 * 512 * 65 + i] = 3e7f + 2 * static_cast<float>(i);
+    voxels[512 * 512 * 64 + i] = 3e7f + 2 * static_cast<float>(i);
   }
   const Volume volume = make_volume(size, voxels);
   try {

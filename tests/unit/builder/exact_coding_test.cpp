@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include "octavo/builder/float_planes.h"
 #include "octavo/planes/computed_source.h"
@@ -129,6 +132,46 @@ TEST(ExactCoding, ANumberThatAllPlanesAreMultiplesOfGoesBeforeThatOfTheFirst) {
   SampleCoding coding;
   clipped_of(*source, &coding);
   EXPECT_EQ(coding.scale, 0.1);
+}
+
+TEST(ExactCoding, TwoValuesHaveTwoCodes) {
+  const std::pair<float, float> pairs[] = {
+      {-1000, 3071.5f}, {0.1f, 0.7300001f}, {1.5f, -3.4028235e38f}, {1, 1.0000001f}, {0, 255}};
+  for (const auto& [one, other] : pairs) {
+    const auto source = source_of([one = one, other = other](std::int64_t i, std::int64_t z) {
+      return noise_at(i, z) < 0.3f ? one : other;
+    });
+    SampleCoding coding;
+    EXPECT_EQ(clipped_of(*source, &coding).count, 0) << one;
+    const double steps = (static_cast<double>(other) - static_cast<double>(one)) / coding.scale;
+    EXPECT_NEAR(std::abs(steps), 1, 1e-6) << one;
+  }
+}
+
+TEST(ExactCoding, FewArbitraryValuesHaveFewCodes) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> any(0, 1);
+  std::vector<float> values;
+  for (int i = 0; i < 8; ++i) values.push_back(any(random));
+  const auto [low, high] = std::ranges::minmax(values);
+  const auto source = source_of([&](std::int64_t i, std::int64_t z) {
+    return values[static_cast<std::size_t>(8 * noise_at(i / 4, z / 4)) % 8];
+  });
+  SampleCoding coding;
+  clipped_of(*source, &coding);
+  const double codes = static_cast<double>(high - low) / coding.scale;
+  EXPECT_GE(codes, 127);
+  EXPECT_LE(codes, 257);
+}
+
+TEST(ExactCoding, OfASourceThatCannotSeekTwoValuesAreNoMask) {
+  const auto value = [](std::int64_t i, std::int64_t z) {
+    return z < 2 * kFirstPlanes ? (i % 3 == 0 ? -1024.0f : 3.25f) : 100 * noise_at(i, z);
+  };
+  NoSeek source(source_of(value));
+  SampleCoding coding;
+  clipped_of(source, &coding);
+  EXPECT_LT(coding.scale, 1);
 }
 
 }  // namespace

@@ -12,8 +12,13 @@ namespace octavo::grey {
 
 namespace {
 
-/// With fewer steps between the smallest and the largest value, means keep the units of the voxels.
+/// With fewer steps between the smallest and the largest value, means take parts of a step.
 constexpr std::int64_t kFewSteps = 32;
+/// These parts are so many: as many as the values of a byte, which gaps can be among; where a step
+/// has no such parts, more, or at least as many as kFewSteps.
+constexpr std::int64_t kMeanParts = 128;
+constexpr std::int64_t kMostParts = 255;
+constexpr std::int64_t kManyParts = 1 << 16;
 /// Gaps between values are left out of account when they save fewer bits per voxel.
 constexpr double kWorthwhileBits = 0.05;
 /// Voxels per value that tell a rule from chance: that values lie a step apart, and that some do
@@ -93,6 +98,24 @@ double predicted_saving(const std::vector<std::int64_t>& counts) {
   return bits / voxels;
 }
 
+/// The step of a lattice for values that lie `step` apart, so many of them: that one, or a part of
+/// it where means need finer ones.
+std::int64_t lattice_step(std::int64_t step, std::int64_t steps) {
+  if (steps >= kFewSteps) return step;
+  const auto parts_for = [&](std::int64_t all) { return (all + steps - 1) / steps; };
+  const std::int64_t most = kMostParts / steps;
+  for (std::int64_t parts = most; parts >= parts_for(kMeanParts); --parts) {
+    if (step % parts == 0) return step / parts;
+  }
+  for (std::int64_t parts = most + 1; parts <= std::min(step, kManyParts); ++parts) {
+    if (step % parts == 0) return step / parts;
+  }
+  for (std::int64_t parts = parts_for(kMeanParts); parts >= parts_for(kFewSteps); --parts) {
+    if (step % parts == 0) return step / parts;
+  }
+  return 1;
+}
+
 }  // namespace
 
 ValueMap learn_value_map(std::span<const TrainingBrick> bricks, bool finds_gaps) {
@@ -102,10 +125,10 @@ ValueMap learn_value_map(std::span<const TrainingBrick> bricks, bool finds_gaps)
   std::int64_t voxels = 0;
   for (const TrainingBrick& brick : bricks) voxels += brick.view.size.voxel_count();
   const std::int64_t steps = (values.max - values.min) / values.step;
-  if (values.step > 1 && values.step <= kMaxLatticeStep && steps >= kFewSteps &&
-      voxels >= kEnoughForLattice * steps) {
-    const std::int64_t offset = values.min % values.step;
-    map.lattice = {values.step, offset < 0 ? offset + values.step : offset};
+  const std::int64_t step = lattice_step(values.step, steps);
+  if (step > 1 && step <= kMaxLatticeStep && voxels >= kEnoughForLattice * steps) {
+    const std::int64_t offset = values.min % step;
+    map.lattice = {step, offset < 0 ? offset + step : offset};
   }
   const std::int64_t first = map.lattice.code_of(values.min);
   const std::int64_t codes = map.lattice.code_of(values.max) - first + 1;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <random>
+#include <tuple>
 #include <vector>
 
 namespace octavo::grey {
@@ -47,6 +48,17 @@ TEST(ValueMap, FewStepsKeepTheMeansOfTheVoxels) {
   EXPECT_EQ(map.lattice.step, 1);
   EXPECT_EQ(map.used.size(), 256u);
   EXPECT_TRUE(map_of(voxels_on(255, 0, 2), false).is_empty());
+}
+
+TEST(ValueMap, FewLongStepsAreDividedIntoAsManyPartsAsAByteHasValues) {
+  for (const auto& [step, count, expected] :
+       {std::tuple{65535u, 2u, 257}, {21845u, 4u, 257}, {1000u, 11u, 40}, {30000u, 3u, 240}}) {
+    const ValueMap map = map_of(voxels_on(step, 0, count));
+    EXPECT_EQ(map.lattice.step, expected) << step;
+    EXPECT_FALSE(map.used.empty()) << step;
+  }
+  // Of a prime there are no parts.
+  EXPECT_TRUE(map_of(voxels_on(65521, 0, 2)).is_empty());
 }
 
 TEST(ValueMap, ValuesWithoutGapsHaveNone) {
