@@ -73,6 +73,7 @@ set(OCTAVO_READ_SOURCES
   file/storage/byte_source.cpp
   file/thumbnail.cpp
   file/thumbnail_check.cpp
+  file/verified_part.cpp
   file/verify.cpp
 )
 list(TRANSFORM OCTAVO_READ_SOURCES PREPEND ${CMAKE_CURRENT_LIST_DIR}/)

@@ -20,6 +20,12 @@ namespace octavo {
 
 namespace {
 
+// The steps in whose order damages are reported.
+enum class Step { parts, metadata, models, slab_trailers, bricks };
+
+// Bricks are found tier by tier.
+int step_of(int tier) { return static_cast<int>(Step::bricks) + tier; }
+
 constexpr std::size_t kBlockBytes = std::size_t{1} << 20;
 constexpr const char* kOtherOrder =
     "its axis order is another one than that of the first model: coarse levels are not of a piece";
@@ -36,41 +42,62 @@ VerifyOptions with_defaults(VerifyOptions options) {
 
 class Verifier {
  public:
-  Verifier(std::shared_ptr<const ByteSource> source, const VerifyOptions& options,
-           Progress& progress)
+  Verifier(std::shared_ptr<const ByteSource> source, const WorkPart& part,
+           const VerifyOptions& options, Progress& progress)
       : file_(std::move(source), {}),
         options_(with_defaults(options)),
         progress_(progress),
         planes_(file_.description(), file_.levels(), options_.make_hasher) {
-    report_.file_bytes = file_.header().file_bytes;
+    const FileHeader& header = file_.header();
+    found_.part = part;
+    found_.file = {header.build_id, header.file_bytes, file_.trailer().crc,
+                   file_.trailer().voxel_digest};
+    found_.is_decoded = options_.decode;
+    report_.file_bytes = header.file_bytes;
   }
 
-  VerifyReport run() {
-    std::uint64_t total = file_.header().file_bytes - kHeaderBytes - kTrailerBytes;
+  VerifiedPart run() {
+    const WorkPart& part = found_.part;
+    const auto slabs = static_cast<std::int64_t>(file_.root().slab_trailer_bytes.size());
+    std::uint64_t total = start_of_part(part.end_of(slabs)) - start_of_part(part.begin_of(slabs));
     for (const TierIndex& tier : file_.root().tiers) {
-      for (const std::uint64_t bytes : tier.piece_bytes) total += bytes;
+      for (const std::uint64_t bytes : tier.piece_bytes) {
+        total += bytes / static_cast<std::uint64_t>(part.count);
+      }
     }
     progress_.begin("verifying", static_cast<std::int64_t>(total), "bytes");
     check_stream();
-    check_parts();
-    check_metadata();
+    if (part.is_last()) {
+      check_parts();
+      check_metadata();
+    }
     check_models();
     check_slab_trailers();
     check_bricks();
-    if (lying_slab_trailer_ && report_.damage_count == 0) add(*lying_slab_trailer_);
-    if (report_.damage_count == 0) check_file_crc();
-    if (report_.damage_count == 0) check_voxel_digest();
-    const bool is_read = options_.decode && report_.is_sound();
-    if (const auto odd = is_read ? thumbnail_damage(file_, progress_) : std::nullopt) add(*odd);
+    if (part.is_last()) look_at_whole_file();
     progress_.end();
-    return std::move(report_);
+    found_.crc = file_crc_;
+    return std::move(found_);
   }
 
  private:
-  void add(Damage damage) {
+  void add(Step step, Damage damage) { add(static_cast<int>(step), std::move(damage)); }
+
+  void add(int step, Damage damage) {
     ++report_.damage_count;
     if (damage.is_repairable()) ++report_.repairable_count;
-    if (report_.damages.size() < options_.max_listed) report_.damages.push_back(std::move(damage));
+    if (report_.damages.size() >= options_.max_listed) return;
+    report_.damages.push_back(std::move(damage));
+    found_.steps.push_back(step);
+  }
+
+  // Where the bytes start that are read with a slab: those behind the slabs belong to the last one.
+  std::uint64_t start_of_part(std::int64_t slab) const {
+    const auto& trailers = file_.root().slab_trailer_bytes;
+    if (slab == 0) return kHeaderBytes;
+    if (slab == std::ssize(trailers)) return file_.header().file_bytes - kTrailerBytes;
+    return file_.root().slab_trailer_offset(slab - 1) +
+           trailers[static_cast<std::size_t>(slab - 1)];
   }
 
   void step(std::uint64_t bytes) {
@@ -84,6 +111,7 @@ class Verifier {
 
   // Reads [begin, end) once, feeding the checksum of the file and `crc`.
   void stream(std::uint64_t begin, std::uint64_t end, std::uint32_t& crc) {
+    found_.bytes_read += end - begin;
     for (std::uint64_t at = begin; at < end; at += block_.size()) {
       block_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kBlockBytes, end - at)));
       file_.source().read(at, block_);
@@ -94,8 +122,9 @@ class Verifier {
   }
 
   void check_stream();
-  void check_file_crc();
-  void check_voxel_digest();
+  void look_at_whole_file();
+  std::optional<Damage> pages_damage() const;
+  std::optional<Damage> voxel_digest_damage() const;
   void check_parts();
   void check_metadata();
   void check_models();
@@ -120,12 +149,13 @@ class Verifier {
   VerifyOptions options_;
   Progress& progress_;
   PlaneDigests planes_;
-  VerifyReport report_;
+  VerifiedPart found_;
+  VerifyReport& report_ = found_.report;
   Bytes block_;
   std::uint32_t file_crc_ = 0;
   std::uint32_t pages_crc_ = 0;
   std::vector<std::uint32_t> part_crcs_;
-  std::vector<std::uint32_t> slab_crcs_;
+  std::vector<std::uint32_t> slab_crcs_;  ///< 0 for those of other parts
   std::vector<bool> is_model_damaged_;
   std::vector<std::vector<Sha256Digest>> plane_digests_;  ///< of slabs whose trailer is whole
   // Of the layer that is being checked
@@ -135,25 +165,26 @@ class Verifier {
   bool has_lost_voxels_ = false;                               ///< guarded by mutex_
   /// What its bricks determine of the next tier, [y][x]; each written by one thread.
   std::vector<std::optional<std::int64_t>> parents_;
-  /// A slab whose checksum differs; reported only when none of its pieces is found damaged.
-  std::optional<Damage> lying_slab_trailer_;
 };
 
-// One pass over all bytes between header and trailer: the digest, and the checksum of every slab.
+// One pass over the bytes of this part: their checksum, and that of every slab.
 void Verifier::check_stream() {
   const IndexRoot& root = file_.root();
-  std::uint64_t at = kHeaderBytes;
+  const auto slabs = static_cast<std::int64_t>(root.slab_trailer_bytes.size());
+  slab_crcs_.resize(root.slab_trailer_bytes.size());
   std::uint32_t unused = 0;
-  for (std::size_t slab = 0; slab < root.slab_trailer_bytes.size(); ++slab) {
-    std::uint32_t crc = 0;
-    const std::uint64_t trailer = root.slab_trailer_offset(static_cast<std::int64_t>(slab));
-    stream(at, trailer, crc);
-    slab_crcs_.push_back(crc);
-    at = trailer + root.slab_trailer_bytes[slab];
-    stream(trailer, at, unused);
+  const std::int64_t end = found_.part.end_of(slabs);
+  for (std::int64_t slab = found_.part.begin_of(slabs); slab < end; ++slab) {
+    const std::uint64_t at = start_of_part(slab);
+    const std::uint64_t trailer = root.slab_trailer_offset(slab);
+    stream(at, trailer, slab_crcs_[static_cast<std::size_t>(slab)]);
+    stream(trailer, trailer + root.slab_trailer_bytes[static_cast<std::size_t>(slab)], unused);
   }
+  if (!found_.part.is_last()) return;
   const Section& pages = file_.header().pages;
-  stream(at, pages.offset, unused);
+  const std::uint64_t behind_slabs =
+      root.slab_trailer_offset(slabs - 1) + root.slab_trailer_bytes.back();
+  stream(behind_slabs, pages.offset, unused);
   stream(pages.offset, pages.end(), pages_crc_);
   for (const PartEntry& part : file_.parts()) {
     std::uint32_t crc = 0;
@@ -163,32 +194,39 @@ void Verifier::check_stream() {
   stream(file_.header().directory.offset, file_.header().file_bytes - kTrailerBytes, unused);
 }
 
-// What no section of the file explains: bytes changed together with their own checksum.
-void Verifier::check_file_crc() {
+// What can only be damaged where nothing else is. Other parts may find that something is: what
+// cannot be read then is theirs to report.
+void Verifier::look_at_whole_file() {
+  if (report_.damage_count > 0) return;
+  found_.pages = pages_damage();
+  try {
+    found_.voxel_digest = voxel_digest_damage();
+    if (options_.decode) found_.thumbnail = thumbnail_damage(file_, progress_);
+  } catch (const Error& error) {
+    require_damage(error);
+  }
+}
+
+// Index pages that were changed together with their own checksums.
+std::optional<Damage> Verifier::pages_damage() const {
   const Section& pages = file_.header().pages;
   Damage place;
   place.what = "index pages";
   place.offset = pages.offset;
   place.length = pages.length;
-  if (auto damage = checksum_damage(place, pages_crc_, pages.crc)) return add(*damage);
-  place.what = "file";
-  place.offset = kHeaderBytes;
-  place.length = file_.header().file_bytes - kHeaderBytes - kTrailerBytes;
-  if (auto damage = checksum_damage(place, file_crc_, file_.trailer().crc)) add(*damage);
+  return checksum_damage(place, pages_crc_, pages.crc);
 }
 
 // The digests of the planes are those of the voxels: what is left is their own.
-void Verifier::check_voxel_digest() {
-  std::vector<Sha256Digest> all;
-  for (const auto& of_slab : plane_digests_) all.insert(all.end(), of_slab.begin(), of_slab.end());
-  const Sha256Digest found = voxel_digest_of(all);
-  if (digest_matches(found, file_.trailer().voxel_digest)) return;
+std::optional<Damage> Verifier::voxel_digest_damage() const {
+  const Sha256Digest found = voxel_digest_of(file_.plane_digests());
+  if (digest_matches(found, file_.trailer().voxel_digest)) return std::nullopt;
   Damage place;
   place.what = "file";
   place.offset = file_.header().file_bytes - kTrailerBytes;
   place.length = kTrailerBytes;
-  add(damaged(place, "voxel digest " + hex_text(file_.trailer().voxel_digest) +
-                         ", but that of its planes is " + hex_text(found)));
+  return damaged(place, "voxel digest " + hex_text(file_.trailer().voxel_digest) +
+                            ", but that of its planes is " + hex_text(found));
 }
 
 void Verifier::check_parts() {
@@ -203,7 +241,7 @@ void Verifier::check_parts() {
     place.length = part.bytes.length;
     if (auto damage = checksum_damage(place, part_crcs_[i], part.bytes.crc)) {
       damage->detail += "; no voxel depends on it";
-      add(*damage);
+      add(Step::parts, *damage);
     }
   }
 }
@@ -216,13 +254,16 @@ void Verifier::check_metadata() {
   place.what = "metadata";
   place.offset = file_.header().metadata.offset;
   place.length = file_.header().metadata.length;
-  add(damaged(place, "no JSON object: " + metadata.defect() + "; no voxel depends on it"));
+  add(Step::metadata,
+      damaged(place, "no JSON object: " + metadata.defect() + "; no voxel depends on it"));
 }
 
+// Every part has to know which are damaged; the last one reports them.
 void Verifier::check_models() {
   const auto& models = file_.root().models;
   is_model_damaged_.resize(models.size());
   std::optional<AxisOrder> first_order;
+  const bool is_last = found_.part.is_last();
   for (std::size_t i = 0; i < models.size(); ++i) {
     const Piece piece = file_.model_piece(static_cast<std::uint32_t>(i));
     const Bytes bytes = read_arriving(file_.source(), piece.offset, piece.length);
@@ -240,24 +281,25 @@ void Verifier::check_models() {
         const AxisOrder order = file_.parse_model_in(static_cast<std::uint32_t>(i), bytes)
                                     ->axis_order();
         if (!first_order) first_order = order;
-        if (order != *first_order) add(damaged(place, kOtherOrder));
+        if (order != *first_order && is_last) add(Step::models, damaged(place, kOtherOrder));
       } catch (const Error& error) {
         require_damage(error.with_path(file_.source().name()));
         damage = damaged(place, error.detail());
       }
     }
     is_model_damaged_[i] = damage.has_value();
-    if (!damage) continue;
+    if (!damage || !is_last) continue;
     damage->detail += "; the bricks coded with it cannot be read";
-    add(*damage);
+    add(Step::models, *damage);
   }
 }
 
 void Verifier::check_slab_trailers() {
-  const std::size_t count = file_.root().slab_trailer_bytes.size();
-  plane_digests_.resize(count);
-  for (std::size_t slab = 0; slab < count; ++slab) {
-    check_slab_trailer(static_cast<std::int64_t>(slab));
+  const auto count = static_cast<std::int64_t>(file_.root().slab_trailer_bytes.size());
+  plane_digests_.resize(static_cast<std::size_t>(count));
+  const std::int64_t end = found_.part.end_of(count);
+  for (std::int64_t slab = found_.part.begin_of(count); slab < end; ++slab) {
+    check_slab_trailer(slab);
   }
 }
 
@@ -282,18 +324,18 @@ void Verifier::check_slab_trailer(std::int64_t slab) {
   place.offset = root.slab_trailer_offset(slab);
   place.length = root.slab_trailer_bytes[static_cast<std::size_t>(slab)];
   const Bytes bytes = read_arriving(file_.source(), place.offset, place.length);
-  if (auto damage = slab_checksum_damage(place, bytes)) return add(*damage);
+  if (auto damage = slab_checksum_damage(place, bytes)) return add(Step::slab_trailers, *damage);
   try {
     SlabTrailer trailer = file_.parse_trailer_of(slab, bytes);
     check_slab_lengths(trailer, slab);
     const std::uint32_t found = slab_crcs_[static_cast<std::size_t>(slab)];
-    if (found != trailer.slab_crc && !lying_slab_trailer_) {
-      lying_slab_trailer_ = damaged(place, "states another checksum of its slab");
+    if (found != trailer.slab_crc && !found_.lying_slab_trailer) {
+      found_.lying_slab_trailer = damaged(place, "states another checksum of its slab");
     }
     plane_digests_[static_cast<std::size_t>(slab)] = std::move(trailer.plane_digests);
   } catch (const Error& error) {
     require_damage(error);
-    add(damaged(place, error.detail()));
+    add(Step::slab_trailers, damaged(place, error.detail()));
   }
 }
 
@@ -327,8 +369,10 @@ void Verifier::check_slab_lengths(const SlabTrailer& trailer, std::int64_t slab)
 void Verifier::check_bricks() {
   const auto& tiers = file_.root().tiers;
   for (std::size_t tier = 0; tier < tiers.size(); ++tier) {
-    report_.brick_count += file_.levels().brick_count(static_cast<int>(tier));
-    for (std::int64_t layer = 0; layer < tiers[tier].grid.z; ++layer) {
+    const Size3& grid = tiers[tier].grid;
+    const std::int64_t end = found_.part.end_of(grid.z);
+    for (std::int64_t layer = found_.part.begin_of(grid.z); layer < end; ++layer) {
+      report_.brick_count += grid.x * grid.y;
       check_layer(static_cast<int>(tier), layer);
     }
   }
@@ -473,7 +517,7 @@ void Verifier::report_layer(int tier, std::int64_t layer) {
   }
   for (const auto& [place, damages] : brick_damages_) {
     ++report_.damaged_brick_count;
-    for (const Damage& damage : damages) add(damage);
+    for (const Damage& damage : damages) add(step_of(tier), damage);
   }
   brick_damages_.clear();
 }
@@ -491,7 +535,7 @@ void Verifier::check_planes(std::int64_t slab, const std::vector<Sha256Digest>& 
   for (std::size_t z = 0; z < found.size(); ++z) {
     if (digest_matches(found[z], stored[z])) continue;
     place.code = static_cast<std::uint64_t>(slab * file_.levels().brick_side(0).z) + z;
-    add(damaged(place, "its voxels have the SHA-256 " + hex_text(found[z]) +
+    add(step_of(0), damaged(place, "its voxels have the SHA-256 " + hex_text(found[z]) +
                            ", the slab trailer says " + hex_text(stored[z])));
   }
 }
@@ -526,7 +570,7 @@ std::int64_t Verifier::check_page(int tier, std::size_t number) {
   const std::int64_t lost = file_.root().tiers[static_cast<std::size_t>(tier)].brick_count(number);
   report_.unreachable_brick_count += lost;
   damage->detail += "; the bricks it lists cannot be read: " + std::to_string(lost);
-  add(*damage);
+  add(step_of(tier), *damage);
   return lost;
 }
 
@@ -534,7 +578,14 @@ std::int64_t Verifier::check_page(int tier, std::size_t number) {
 
 VerifyReport verify_file(std::shared_ptr<const ByteSource> source, const VerifyOptions& options,
                          Progress& progress) {
-  return Verifier(std::move(source), options, progress).run();
+  const VerifiedPart whole = verify_part(std::move(source), {}, options, progress);
+  return joined_report({&whole, 1}, options.max_listed);
+}
+
+VerifiedPart verify_part(std::shared_ptr<const ByteSource> source, const WorkPart& part,
+                         const VerifyOptions& options, Progress& progress) {
+  require_part(part);
+  return Verifier(std::move(source), part, options, progress).run();
 }
 
 }  // namespace octavo

@@ -2,15 +2,15 @@
 // every tier made of the one below.
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <memory>
-#include <vector>
 
-#include "octavo/core/progress.h"
 #include "octavo/core/hasher.h"
-#include "octavo/file/damage.h"
+#include "octavo/core/progress.h"
+#include "octavo/core/work_part.h"
 #include "octavo/file/for_each.h"
 #include "octavo/file/reader.h"
+#include "octavo/file/verified_part.h"
 
 namespace octavo {
 
@@ -21,19 +21,6 @@ struct VerifyOptions {
   MakeHasher make_hasher;         ///< empty: the portable one
 };
 
-struct VerifyReport {
-  std::int64_t brick_count = 0;          ///< in all tiers
-  std::int64_t damaged_brick_count = 0;
-  /// Whole themselves, but listed in a damaged index page or coded with a damaged model.
-  std::int64_t unreachable_brick_count = 0;
-  std::int64_t piece_count = 0;          ///< of bricks, that hold bytes
-  std::int64_t damage_count = 0;         ///< all damages
-  std::int64_t repairable_count = 0;     ///< those that repair turns back
-  std::uint64_t file_bytes = 0;
-  std::vector<Damage> damages;           ///< the first max_listed found
-  bool is_sound() const { return damage_count == 0; }
-};
-
 /// Checks all of `source`. A file whose header, trailer or index root is damaged, or whose metadata
 /// do not match their checksum, cannot be looked into: then it throws what FileReader::open throws.
 /// Throws  also Error{io} when reading fails, Error{cancelled}
@@ -42,5 +29,11 @@ struct VerifyReport {
 ///         where a row of bricks takes more than 64 MiB, those of tier 0 once for each such share
 VerifyReport verify_file(std::shared_ptr<const ByteSource> source, const VerifyOptions& options,
                          Progress& progress);
+
+/// Checks what belongs to one part of the work; joined_report makes the report of all parts.
+/// Throws  as verify_file; Error{invalid_argument} for a part that cannot be
+/// Time    a share of that of verify_file; every part proves all models
+VerifiedPart verify_part(std::shared_ptr<const ByteSource> source, const WorkPart& part,
+                         const VerifyOptions& options, Progress& progress);
 
 }  // namespace octavo

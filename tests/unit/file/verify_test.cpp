@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <functional>
+#include <random>
 
 #include "fault/reseal.h"
 #include "octavo/core/error.h"
@@ -19,11 +20,43 @@ namespace {
 
 using namespace octavo::testing;
 
-VerifyReport verify_bytes(std::vector<std::uint8_t> bytes, int threads = 1) {
+/// What the parts of a verification found, the last one first.
+std::vector<VerifiedPart> parts_of(const std::vector<std::uint8_t>& bytes, std::int64_t count,
+                                   const VerifyOptions& options) {
+  NoProgress progress;
+  std::vector<VerifiedPart> parts;
+  for (std::int64_t number = count; number-- > 0;) {
+    parts.push_back(
+        verify_part(byte_source_of(bytes, "sample.8vo"), {number, count}, options, progress));
+  }
+  return parts;
+}
+
+void expect_same(const VerifyReport& joined, const VerifyReport& whole) {
+  EXPECT_EQ(joined.brick_count, whole.brick_count);
+  EXPECT_EQ(joined.damaged_brick_count, whole.damaged_brick_count);
+  EXPECT_EQ(joined.unreachable_brick_count, whole.unreachable_brick_count);
+  EXPECT_EQ(joined.piece_count, whole.piece_count);
+  EXPECT_EQ(joined.damage_count, whole.damage_count);
+  EXPECT_EQ(joined.repairable_count, whole.repairable_count);
+  EXPECT_EQ(joined.file_bytes, whole.file_bytes);
+  ASSERT_EQ(joined.damages.size(), whole.damages.size());
+  for (std::size_t i = 0; i < whole.damages.size(); ++i) {
+    EXPECT_EQ(joined.damages[i].what, whole.damages[i].what);
+    EXPECT_EQ(joined.damages[i].detail, whole.damages[i].detail);
+    EXPECT_EQ(joined.damages[i].offset, whole.damages[i].offset);
+    EXPECT_EQ(joined.damages[i].flipped_byte, whole.damages[i].flipped_byte);
+  }
+}
+
+/// The report, which is that of three parts as well.
+VerifyReport verify_bytes(const std::vector<std::uint8_t>& bytes, int threads = 1) {
   NoProgress progress;
   VerifyOptions options;
   options.for_each = for_each_parallel(threads);
-  return verify_file(byte_source_of(std::move(bytes), "sample.8vo"), options, progress);
+  const VerifyReport report = verify_file(byte_source_of(bytes, "sample.8vo"), options, progress);
+  expect_same(joined_report(parts_of(bytes, 3, options), options.max_listed), report);
+  return report;
 }
 
 TEST(Verify, ASoundFileHasNoDamage) {
@@ -77,6 +110,69 @@ TEST(Verify, ReportsTheSameForAnyNumberOfThreads) {
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(one.damages[i].offset, four.damages[i].offset);
     EXPECT_EQ(one.damages[i].detail, four.damages[i].detail);
+  }
+}
+
+/// Flipped bits anywhere, few damages listed, more parts than layers.
+TEST(Verify, AnyNumberOfPartsReportsTheSame) {
+  SampleVolume volume = make_sample({34, 20, 257}, VoxelType::uint8, Pattern::noisy_half);
+  const std::vector<std::uint8_t> good = sample_file_bytes(volume);
+  std::mt19937 random(9);
+  int damaged = 0;
+  for (int round = 0; round < 24; ++round) {
+    SCOPED_TRACE(round);
+    std::vector<std::uint8_t> bytes = good;
+    for (int flips = round % 4; flips > 0; --flips) {
+      bytes[kHeaderBytes + random() % (good.size() - kHeaderBytes)] ^=
+          static_cast<std::uint8_t>(1 << random() % 8);
+    }
+    VerifyOptions options;
+    options.decode = round % 5 != 0;
+    options.max_listed = round % 3;
+    NoProgress progress;
+    VerifyReport whole;
+    try {
+      whole = verify_file(byte_source_of(bytes, "sample.8vo"), options, progress);
+    } catch (const Error&) {
+      EXPECT_THROW(parts_of(bytes, 2, options), Error);
+      continue;
+    }
+    damaged += whole.is_sound() ? 0 : 1;
+    for (const std::int64_t count : {1, 2, 5, 40}) {
+      expect_same(joined_report(parts_of(bytes, count, options), options.max_listed), whole);
+    }
+  }
+  EXPECT_GT(damaged, 10);
+}
+
+TEST(Verify, PartsThatDoNotMakeAWholeAreRejected) {
+  SampleVolume volume = make_sample({20, 20, 140}, VoxelType::uint8, Pattern::gradient);
+  SampleVolume other = make_sample({20, 20, 140}, VoxelType::uint8, Pattern::noisy_half);
+  const std::vector<std::uint8_t> bytes = sample_file_bytes(volume);
+  const auto parts = parts_of(bytes, 3, {});
+  VerifyOptions checksums;
+  checksums.decode = false;
+  const auto expect_rejected = [](std::vector<VerifiedPart> some, const std::string& words) {
+    try {
+      joined_report(some, 1);
+      ADD_FAILURE() << words;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::invalid_argument);
+      EXPECT_NE(error.detail().find(words), std::string::npos) << error.detail();
+    }
+  };
+  expect_rejected({}, "there are none");
+  expect_rejected({parts[0]}, "of 3 these are missing: 0, 1");
+  expect_rejected({parts[0], parts[1], parts[1]}, "number 1 is there twice");
+  expect_rejected({parts[0], parts[1], parts_of(bytes, 4, {})[3]}, "different verifications");
+  expect_rejected({parts[0], parts[1], parts_of(bytes, 3, checksums)[2]},
+                  "different verifications");
+  expect_rejected({parts[0], parts[1], parts_of(sample_file_bytes(other), 3, {})[2]},
+                  "different files");
+  NoProgress progress;
+  for (const WorkPart& part : {WorkPart{3, 3}, WorkPart{-1, 3}, WorkPart{0, 0},
+                               WorkPart{0, WorkPart::kMostParts + 1}}) {
+    EXPECT_THROW(verify_part(byte_source_of(bytes, "sample.8vo"), part, {}, progress), Error);
   }
 }
 

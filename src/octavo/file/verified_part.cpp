@@ -1,0 +1,99 @@
+#include "octavo/file/verified_part.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "octavo/core/crc32c.h"
+#include "octavo/core/error.h"
+#include "octavo/file/layout.h"
+
+namespace octavo {
+
+namespace {
+
+[[noreturn]] void reject(const std::string& why) {
+  throw Error(ErrorKind::invalid_argument, "parts of a verification: " + why);
+}
+
+// The parts by their numbers, each of them once.
+std::vector<const VerifiedPart*> in_order(std::span<const VerifiedPart> parts) {
+  if (parts.empty()) reject("there are none");
+  const VerifiedPart& first = parts.front();
+  require_part(first.part);
+  std::vector<const VerifiedPart*> ordered(static_cast<std::size_t>(first.part.count));
+  for (const VerifiedPart& one : parts) {
+    require_part(one.part);
+    if (one.file != first.file) reject("they are of different files");
+    if (one.part.count != first.part.count || one.is_decoded != first.is_decoded) {
+      reject("they are of different verifications");
+    }
+    const VerifiedPart*& place = ordered[static_cast<std::size_t>(one.part.number)];
+    if (place != nullptr) reject("number " + std::to_string(one.part.number) + " is there twice");
+    place = &one;
+  }
+  std::string missing;
+  for (std::size_t number = 0; number < ordered.size(); ++number) {
+    if (ordered[number] != nullptr) continue;
+    missing += (missing.empty() ? "" : ", ") + std::to_string(number);
+  }
+  if (!missing.empty()) {
+    reject("of " + std::to_string(ordered.size()) + " these are missing: " + missing);
+  }
+  return ordered;
+}
+
+// What is wrong with the file as a whole, where each place of it is sound.
+std::optional<Damage> file_damage(std::span<const VerifiedPart* const> parts) {
+  std::uint32_t crc = 0;
+  std::uint64_t bytes = 0;
+  for (const VerifiedPart* const one : parts) {
+    crc = crc32c_joined(crc, one->crc, crc32c_shift(one->bytes_read));
+    bytes += one->bytes_read;
+  }
+  Damage place;
+  place.what = "file";
+  place.offset = kHeaderBytes;
+  place.length = bytes;
+  return checksum_damage(place, crc, parts.front()->file.crc);
+}
+
+}  // namespace
+
+VerifyReport joined_report(std::span<const VerifiedPart> parts, std::size_t max_listed) {
+  const std::vector<const VerifiedPart*> ordered = in_order(parts);
+  const VerifiedPart& last = *ordered.back();
+  VerifyReport all;
+  all.file_bytes = last.file.bytes;
+  std::vector<std::pair<int, const Damage*>> found;
+  std::optional<Damage> lying_slab_trailer;
+  for (const VerifiedPart* const one : ordered) {
+    const VerifyReport& report = one->report;
+    all.brick_count += report.brick_count;
+    all.damaged_brick_count += report.damaged_brick_count;
+    all.unreachable_brick_count += report.unreachable_brick_count;
+    all.piece_count += report.piece_count;
+    all.damage_count += report.damage_count;
+    all.repairable_count += report.repairable_count;
+    for (std::size_t i = 0; i < report.damages.size(); ++i) {
+      found.emplace_back(one->steps[i], &report.damages[i]);
+    }
+    if (!lying_slab_trailer) lying_slab_trailer = one->lying_slab_trailer;
+  }
+  std::ranges::stable_sort(found, {}, [](const auto& one) { return one.first; });
+  for (const auto& [step, damage] : found) {
+    if (all.damages.size() < max_listed) all.damages.push_back(*damage);
+  }
+
+  // What counts only where nothing else explains it
+  for (const std::optional<Damage>& damage :
+       {lying_slab_trailer, last.pages, file_damage(ordered), last.voxel_digest, last.thumbnail}) {
+    if (!damage || !all.is_sound()) continue;
+    all.damage_count = 1;
+    all.repairable_count = damage->is_repairable() ? 1 : 0;
+    if (max_listed > 0) all.damages.push_back(*damage);
+  }
+  return all;
+}
+
+}  // namespace octavo
