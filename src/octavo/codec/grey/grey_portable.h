@@ -201,6 +201,9 @@ inline MagnitudeRows magnitude_rows(const SampleGrid<std::int16_t>* magnitudes, 
 ///   give_plane(p, stage, work, z)              details of a plane to contexts, residuals, samples
 ///                                              and magnitudes
 ///   keep_magnitudes(residuals, count, shift, magnitudes)
+///   predicts_rows(p, stage)                    whether predict_row knows this split
+///   predict_row(p, stage, work, y, z)          details to residuals and samples, after the rows
+///                                              before it
 ///   reconstruct_row<is_encoding>(p, stage, work, y, z)   from means: residuals to samples, or
 ///                                              details to residuals and samples
 ///   reconstruct<is_encoding>(p, stage, work)   the same from neighbors, for all rows
@@ -334,15 +337,14 @@ struct Passes {
   static void predict(const Parameters& p, const Stage& stage, Workspace<Sample>& work) {
     set_sizes(stage, true, work);
     if (stage.pairs.voxel_count() == 0) return;
+    const bool predicts_rows = Kernel::predicts_rows(p, stage);
     for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
       for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
         features(p, stage, work, y, z);
-        if (p.predictor == Predictor::means) {
-          Kernel::template reconstruct_row<true>(p, stage, work, y, z);
-        }
+        if (predicts_rows) Kernel::predict_row(p, stage, work, y, z);
       }
     }
-    if (p.predictor == Predictor::neighbors) Kernel::template reconstruct<true>(p, stage, work);
+    if (!predicts_rows) Kernel::template reconstruct<true>(p, stage, work);
   }
 
   /// Calls prepare_plane(z) for every plane, and prepare_row(y, z, coded pairs) for every row,
@@ -378,15 +380,26 @@ struct Passes {
 
   static void encode(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
                      std::vector<Symbol>& symbols) {
-    if (!takes_planes(p, stage)) {
+    const bool has_planes = takes_planes(p, stage);
+    if (!has_planes && !Kernel::predicts_rows(p, stage)) {
       predict(p, stage, work);
       list_symbols(p, stage, work, symbols);
       return;
     }
     set_sizes(stage, false, work);
     work.residuals.set_size(stage.pairs);
-    list(stage, work, symbols, [&](std::int64_t z) { Kernel::give_plane(p, stage, work, z); },
-         [](std::int64_t, std::int64_t, int) {});
+    if (has_planes) {
+      list(stage, work, symbols, [&](std::int64_t z) { Kernel::give_plane(p, stage, work, z); },
+           [](std::int64_t, std::int64_t, int) {});
+      return;
+    }
+    list(stage, work, symbols, [](std::int64_t) {},
+         [&](std::int64_t y, std::int64_t z, int coded) {
+           features(p, stage, work, y, z);
+           Kernel::predict_row(p, stage, work, y, z);
+           keep_magnitudes(stage, work, y, z);
+           if (coded > 0) contexts(p, stage, work, y, z);
+         });
   }
 
   static void keep_magnitudes(const Stage& stage, Workspace<Sample>& work, std::int64_t y,
@@ -442,6 +455,11 @@ struct PortableKernel {
   static void take_two_planes(const Parameters&, const SplitTask<Sample>&,
                               const SplitTask<Sample>&, std::int64_t) {}
   static void give_plane(const Parameters&, const Stage&, Workspace<Sample>&, std::int64_t) {}
+  static bool predicts_rows(const Parameters&, const Stage&) { return true; }
+  static void predict_row(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                          std::int64_t y, std::int64_t z) {
+    reconstruct_row<true>(p, stage, work, y, z);
+  }
   static void keep_magnitudes(const Int* residuals, int count, int shift,
                               std::int16_t* magnitudes) {
     for (int x = 0; x < count; ++x) {

@@ -18,6 +18,7 @@
 #include <hwy/highway.h>
 
 // clang-format off
+#include "octavo/codec/grey/grey_exact-inl.h"
 #include "octavo/codec/grey/grey_planes-inl.h"
 #include "octavo/codec/grey/grey_push-inl.h"
 #include "octavo/codec/grey/grey_rows-inl.h"
@@ -76,6 +77,16 @@ struct Kernel {
   static void keep_magnitudes(const std::int32_t* residuals, int count, int,
                               std::int16_t* magnitudes) {
     magnitudes_of_row(residuals, count, magnitudes);
+  }
+  static bool predicts_rows(const Parameters& p, const Stage& stage) {
+    return p.predictor == Predictor::means || stage.step == 1;
+  }
+  static void predict_row(const Parameters& p, const Stage& stage, Workspace<std::int16_t>& work,
+                          std::int64_t y, std::int64_t z) {
+    if (p.predictor == Predictor::means) reconstruct_row<true>(p, stage, work, y, z);
+    else if (stage.axis == 0) predict_exact_row<0>(p, stage, work, y, z);
+    else if (stage.axis == 1) predict_exact_row<1>(p, stage, work, y, z);
+    else predict_exact_row<2>(p, stage, work, y, z);
   }
   template <bool kIsEncoding>
   static void reconstruct_row(const Parameters& p, const Stage& stage,

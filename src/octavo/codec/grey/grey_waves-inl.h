@@ -55,6 +55,8 @@ class Chain {
   HWY_INLINE explicit Chain(const std::int16_t* first)
       : written_(hn::LoadU(kTaps, first - 8)),
         written_partner_(hn::LoadU(kTaps, first + kPartner - 8)) {}
+  HWY_INLINE Chain(Taps written, Taps written_partner)
+      : written_(written), written_partner_(written_partner) {}
 
   /// Four partial sums of weight times tap.
   HWY_INLINE Quad sums(const std::int16_t* at, const std::int16_t* weights) const {
