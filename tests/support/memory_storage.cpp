@@ -92,6 +92,13 @@ std::unique_ptr<StorageFile> MemoryStorage::open_update(const std::string& path)
   return std::make_unique<MemoryFile>(*this, found->second, path);
 }
 
+std::unique_ptr<StorageFile> MemoryStorage::open_shared(const std::string& path) {
+  call("open_shared", path);
+  const auto found = files.find(path);
+  if (found == files.end()) throw Error(ErrorKind::io, "no such file", path);
+  return std::make_unique<MemoryFile>(*this, found->second, path);
+}
+
 std::unique_ptr<StorageFile> MemoryStorage::create_scratch(const std::string& folder) {
   call("create_scratch", folder);
   return std::make_unique<MemoryFile>(*this, std::make_shared<std::vector<std::uint8_t>>(),

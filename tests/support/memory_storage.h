@@ -33,6 +33,7 @@ class MemoryStorage final : public Storage {
   std::unique_ptr<StorageFile> open_read(const std::string& path) override;
   std::unique_ptr<StorageFile> create_exclusive(const std::string& path) override;
   std::unique_ptr<StorageFile> open_update(const std::string& path) override;
+  std::unique_ptr<StorageFile> open_shared(const std::string& path) override;
   std::unique_ptr<StorageFile> create_scratch(const std::string& folder) override;
   bool exists(const std::string& path) override;
   void rename(const std::string& from, const std::string& to) override;

@@ -7,6 +7,7 @@
 
 #include "octavo/core/crc32c.h"
 #include "octavo/core/error.h"
+#include "octavo/core/unset_bytes.h"
 #include "octavo/file/byte_codec.h"
 #include "octavo/file/storage/temporary.h"
 #include "octavo/file/write/interrupted.h"
@@ -17,7 +18,7 @@ namespace {
 
 constexpr std::array<std::uint8_t, 8> kPartMagic = {0x8f, '8', 'p', 'r', 't', 0x0d, 0x0a, 0x1a};
 constexpr std::size_t kHeadCrcAt = kHeaderBytes - 4;
-constexpr std::size_t kCopyBytes = std::size_t{1} << 20;
+constexpr std::uint64_t kCopyBytes = std::uint64_t{8} << 20;
 constexpr const char* kTail = "the tail of the part";
 
 /// Where the tail stands.
@@ -128,11 +129,12 @@ void PartFile::fail(const std::string& what) const {
 }
 
 std::unique_ptr<PartFile> PartFile::open(Storage& storage, const std::string& path) {
-  std::unique_ptr<PartFile> part(new PartFile(storage.open_read(path)));
-  const std::uint64_t size = part->file_->size();
+  std::unique_ptr<PartFile> part(new PartFile(storage, path));
+  const std::unique_ptr<StorageFile> file = storage.open_read(path);
+  const std::uint64_t size = file->size();
   HeaderBlock head{};
   const auto head_bytes = static_cast<std::size_t>(std::min<std::uint64_t>(size, kHeaderBytes));
-  part->file_->read(0, std::span(head).first(head_bytes));
+  file->read(0, std::span(head).first(head_bytes));
   if (!std::equal(kPartMagic.begin(), kPartMagic.end(), head.begin())) {
     throw Error(ErrorKind::not_octavo, "is no part of a build", path);
   }
@@ -164,7 +166,7 @@ std::unique_ptr<PartFile> PartFile::open(Storage& storage, const std::string& pa
                 path, size);
   }
   Bytes bytes(static_cast<std::size_t>(tail.length));
-  part->file_->read(tail.offset, bytes);
+  file->read(tail.offset, bytes);
   if (crc32c(bytes) != tail.crc) part->fail("the tail of the part fails its checksum");
   try {
     part->read_tail(bytes, tail.offset);
@@ -227,19 +229,43 @@ double PartFile::add_errors(double before) {
   return before;
 }
 
+std::uint64_t PartFile::stream_bytes() const {
+  std::uint64_t bytes = 0;
+  for (const Section& stream : streams_) bytes += stream.length;
+  return bytes;
+}
+
+void PartFile::read(std::size_t stream, std::uint64_t offset, std::span<std::uint8_t> out) const {
+  storage_.open_read(path_)->read(streams_.at(stream).offset + offset, out);
+}
+
 void PartFile::copy(std::size_t stream, const std::function<void(ByteSpan)>& sink) const {
   const Section& section = streams_.at(stream);
+  if (section.length == 0) return;
+  const std::unique_ptr<StorageFile> file = storage_.open_read(path_);
   std::uint32_t crc = 0;
-  Bytes buffer(static_cast<std::size_t>(std::min<std::uint64_t>(section.length, kCopyBytes)));
-  for (std::uint64_t at = 0; at < section.length; at += buffer.size()) {
-    const auto count = std::min<std::uint64_t>(buffer.size(), section.length - at);
-    const auto bytes = std::span(buffer).first(static_cast<std::size_t>(count));
-    file_->read(section.offset + at, bytes);
+  UnsetBytes buffer;
+  buffer.resize(static_cast<std::size_t>(std::min(section.length, kCopyBytes)));
+  const std::span all(reinterpret_cast<std::uint8_t*>(buffer.bytes().data()), buffer.size());
+  for (std::uint64_t at = 0; at < section.length; at += kCopyBytes) {
+    if (progress_ != nullptr && progress_->is_cancelled()) {
+      throw Error(ErrorKind::cancelled, "stopped while parts were copied");
+    }
+    const auto count = std::min(kCopyBytes, section.length - at);
+    const auto bytes = all.first(static_cast<std::size_t>(count));
+    file->read(section.offset + at, bytes);
     crc = crc32c(bytes, crc);
     sink(bytes);
+    if (progress_ != nullptr) progress_->advance(static_cast<std::int64_t>(count));
   }
   if (crc != section.crc) {
     fail("stream " + std::to_string(stream) + " of the part fails its checksum");
+  }
+}
+
+void PartFile::prove() const {
+  for (std::size_t stream = 0; stream < streams_.size(); ++stream) {
+    copy(stream, [](ByteSpan) {});
   }
 }
 

@@ -16,10 +16,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "octavo/core/levels.h"
+#include "octavo/core/progress.h"
 #include "octavo/file/layout.h"
 #include "octavo/file/storage/storage.h"
 #include "octavo/file/write/append_file.h"
@@ -75,14 +78,15 @@ class PartWriter final : public BrickSink {
   std::vector<Section> streams_;
 };
 
-/// A part that is read. Its streams are proven as they are copied.
+/// A part that is read. Its streams are proven as they are copied. Between two calls the file is
+/// not open: there may be more parts than a process can have open files.
 class PartFile final : public EncodedRun {
  public:
   /// Throws  Error{not_octavo} for what is no part, Error{unsupported_version}, Error{corrupt},
   ///         Error{truncated}, Error{io}
   static std::unique_ptr<PartFile> open(Storage& storage, const std::string& path);
 
-  const std::string& path() const { return file_->path(); }
+  const std::string& path() const { return path_; }
   const PartPlace& place() const { return place_; }
 
   /// Proves that its groups are those of a volume of these levels, from `first_layer` on.
@@ -93,19 +97,52 @@ class PartFile final : public EncodedRun {
   /// then hold sums as those of a whole build. Returns the sum.
   double add_errors(double before);
 
+  /// From now on copies advance `progress`, which outlives them, by their bytes, and end with
+  /// Error{cancelled} when it says so. Null: nobody watches.
+  void watch(Progress* progress) { progress_ = progress; }
+
+  /// Proves every byte of its streams. Throws as copy
+  void prove() const;
+
+  std::size_t stream_count() const { return streams_.size(); }
+  /// Of all streams.
+  std::uint64_t stream_bytes() const;
+
   const std::vector<JournalGroup>& groups() const override { return groups_; }
+  Section stream(std::size_t number) const override { return streams_.at(number); }
+  void read(std::size_t stream, std::uint64_t offset,
+            std::span<std::uint8_t> out) const override;
   void copy(std::size_t stream, const std::function<void(ByteSpan)>& sink) const override;
 
  private:
-  explicit PartFile(std::unique_ptr<StorageFile> file) : file_(std::move(file)) {}
+  PartFile(Storage& storage, std::string path) : storage_(storage), path_(std::move(path)) {}
   void read_tail(ByteSpan bytes, std::uint64_t tail_offset);
   [[noreturn]] void fail(const std::string& what) const;
 
-  std::unique_ptr<StorageFile> file_;
+  Storage& storage_;
+  std::string path_;
+  Progress* progress_ = nullptr;
   PartPlace place_;
   std::vector<Section> streams_;
   std::vector<JournalGroup> groups_;
   std::vector<std::vector<double>> errors_;
+};
+
+/// Has parts watched while it lives.
+class WatchedParts {
+ public:
+  WatchedParts(const std::vector<std::shared_ptr<PartFile>>& parts, Progress& progress)
+      : parts_(parts) {
+    for (const auto& part : parts_) part->watch(&progress);
+  }
+  ~WatchedParts() {
+    for (const auto& part : parts_) part->watch(nullptr);
+  }
+  WatchedParts(const WatchedParts&) = delete;
+  WatchedParts& operator=(const WatchedParts&) = delete;
+
+ private:
+  std::vector<std::shared_ptr<PartFile>> parts_;
 };
 
 }  // namespace octavo

@@ -161,13 +161,23 @@ std::vector<PartPlace> missing_groups(const BuildPlan& plan,
 BuildResult join_parts(const BuildPlan& plan, std::vector<std::shared_ptr<PartFile>> parts,
                        Storage& storage, const std::string& path, bool overwrite,
                        const PartWork& work, Progress& progress) {
+  return lay_out_parts(plan, std::move(parts), storage, path, overwrite, work, progress, {});
+}
+
+BuildResult lay_out_parts(const BuildPlan& plan, std::vector<std::shared_ptr<PartFile>> parts,
+                          Storage& storage, const std::string& path, bool overwrite,
+                          const PartWork& work, Progress& progress, const LeaveOut& leave_out) {
   const auto start = std::chrono::steady_clock::now();
   require_codec(plan);
   std::ranges::sort(parts, comes_before);
   require_all(plan, parts, path);
   const BuildOutline outline = outline_of(plan);
   const Levels& levels = outline.levels;
-  const ProgressScope scope(progress, "join", static_cast<std::int64_t>(parts.size()), "parts");
+  std::uint64_t bytes = 0;
+  for (const auto& part : parts) bytes += part->stream_bytes();
+  const WatchedParts watched(parts, progress);
+  const ProgressScope scope(progress, "join",
+                            leave_out ? 0 : static_cast<std::int64_t>(bytes), "bytes");
 
   // What the parts hold, proven and summed up in the order of the bricks
   BuildResult result;
@@ -177,6 +187,11 @@ BuildResult join_parts(const BuildPlan& plan, std::vector<std::shared_ptr<PartFi
   std::vector<std::byte> samples;
   WriterOptions writing = outline.writing;
   writing.overwrite = overwrite;
+  if (leave_out) {
+    writing.leave_out = [&](const PlacedStream& placed) {
+      leave_out(*parts[placed.run], placed.stream, placed.bytes);
+    };
+  }
   for (const auto& part : parts) {
     part->require_groups(levels, first_layer_of(plan, levels, part->place().first_group));
     squared_error = part->add_errors(squared_error);
@@ -191,7 +206,6 @@ BuildResult join_parts(const BuildPlan& plan, std::vector<std::shared_ptr<PartFi
                         outline.bound);
     for (const auto& part : parts) {
       for (const JournalGroup& group : part->groups()) encoder.restore_parents(group.parents);
-      progress.advance(1);
     }
     samples = encoder.take_parents();
   }

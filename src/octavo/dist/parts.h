@@ -9,6 +9,8 @@
 // whatever order parts are made.
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -41,6 +43,10 @@ void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_g
 std::vector<PartPlace> missing_groups(const BuildPlan& plan,
                                       const std::vector<std::shared_ptr<PartFile>>& parts);
 
+/// Is told where a stream of a part belongs in the file.
+using LeaveOut =
+    std::function<void(const PartFile& part, std::size_t stream, const Section& bytes)>;
+
 /// Joins parts, in any order, into the sealed file at `path`. Voxels are not read; every byte of a
 /// part is proven by its checksum.
 /// Throws  Error{invalid_argument} that names a part of another plan, or two of the same groups,
@@ -50,5 +56,11 @@ std::vector<PartPlace> missing_groups(const BuildPlan& plan,
 BuildResult join_parts(const BuildPlan& plan, std::vector<std::shared_ptr<PartFile>> parts,
                        Storage& storage, const std::string& path, bool overwrite,
                        const PartWork& work, Progress& progress);
+
+/// The same file without the streams of parts, which are copied to their places later: there it
+/// holds nothing. With an empty `leave_out`, join_parts.
+BuildResult lay_out_parts(const BuildPlan& plan, std::vector<std::shared_ptr<PartFile>> parts,
+                          Storage& storage, const std::string& path, bool overwrite,
+                          const PartWork& work, Progress& progress, const LeaveOut& leave_out);
 
 }  // namespace octavo

@@ -312,6 +312,15 @@ class LocalStorage final : public Storage {
     return file;
   }
 
+  std::unique_ptr<StorageFile> open_shared(const std::string& path) override {
+    auto file = std::make_unique<LocalFile>(path);
+    if (!file->open(path, O_RDWR | O_NOFOLLOW | O_NONBLOCK)) fail("cannot open", path, errno);
+    struct stat status {};
+    if (fstat(file->descriptor(), &status) != 0) fail("cannot open", path, errno);
+    if (S_ISREG(status.st_mode)) return file;
+    throw Error(ErrorKind::io, "cannot open: not a regular file", path);
+  }
+
   std::unique_ptr<StorageFile> create_scratch(const std::string& folder) override {
     auto file = std::make_unique<LocalFile>(folder + " (scratch file)");
     if (file->open(folder, O_RDWR | O_TMPFILE, 0600)) return file;
@@ -402,6 +411,16 @@ class LocalStorage final : public Storage {
     for (std::string& path : paths) path.insert(0, folder);
     std::sort(paths.begin(), paths.end());
     return paths;
+  }
+
+  std::optional<DiskSpace> disk_space(const std::string& folder) override {
+    struct stat status {};
+    struct statvfs disk {};
+    if (::stat(folder.c_str(), &status) != 0 || ::statvfs(folder.c_str(), &disk) != 0) {
+      return std::nullopt;
+    }
+    return DiskSpace{std::uint64_t{disk.f_bavail} * disk.f_frsize,
+                     static_cast<std::uint64_t>(status.st_dev)};
   }
 
   void sync_folder(const std::string& folder) override {

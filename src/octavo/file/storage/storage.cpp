@@ -42,6 +42,12 @@ std::unique_ptr<StorageFile> Storage::create_replacement(const std::string& path
   return create_exclusive(path);
 }
 
+std::unique_ptr<StorageFile> Storage::open_shared(const std::string& path) {
+  throw Error(ErrorKind::io, "cannot be shared: this storage has one user at a time", path);
+}
+
+std::optional<DiskSpace> Storage::disk_space(const std::string&) { return std::nullopt; }
+
 std::unique_ptr<StorageFile> Storage::create_folder(const std::string& path, const std::string&) {
   throw Error(ErrorKind::io, "cannot make the folder: this storage has none", path);
 }

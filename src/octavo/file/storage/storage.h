@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -31,6 +32,12 @@ class StorageFile {
   virtual void close() = 0;
 };
 
+/// Of the disk that a folder lies on.
+struct DiskSpace {
+  std::uint64_t free_bytes = 0;
+  std::uint64_t disk = 0;  ///< equal for folders on one disk
+};
+
 /// What a path names, links followed.
 enum class PathType { missing, file, folder, other };
 
@@ -48,6 +55,9 @@ class Storage {
   /// An existing file for reading and writing, locked while it is open; null when somebody else has
   /// the lock, when the file system has none, and when there is no file that may be written.
   virtual std::unique_ptr<StorageFile> open_update(const std::string& path) = 0;
+  /// The same of a file that another process has locked with whom this one works on it, and that
+  /// stays locked by that one alone; Error{io} when there is none, and unless overridden.
+  virtual std::unique_ptr<StorageFile> open_shared(const std::string& path);
   /// A nameless scratch file in `folder` that vanishes when closed.
   virtual std::unique_ptr<StorageFile> create_scratch(const std::string& folder) = 0;
   virtual bool exists(const std::string& path) = 0;
@@ -73,6 +83,8 @@ class Storage {
   /// The files whose path starts with `prefix`, in the order of their names.
   virtual std::vector<std::string> list(const std::string& prefix) = 0;
   virtual void sync_folder(const std::string& folder) = 0;
+  /// Nothing where it is not known, and unless overridden.
+  virtual std::optional<DiskSpace> disk_space(const std::string& folder);
   /// Locks a folder while what is returned lives, for who changes several names in it; waits for
   /// others, then Error{io}. Null where the file system has no locks, and unless overridden.
   virtual std::unique_ptr<StorageFile> lock_folder(const std::string& folder);

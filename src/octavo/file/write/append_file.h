@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "octavo/core/bytes.h"
 #include "octavo/file/layout.h"
@@ -13,6 +14,9 @@ namespace octavo {
 /// Memory  1 MiB
 class AppendFile {
  public:
+  /// A file in memory: what is appended waits for take().
+  AppendFile() = default;
+
   explicit AppendFile(std::unique_ptr<StorageFile> file) : file_(std::move(file)) {}
 
   /// Continues a file of `size` bytes whose CRC behind the header is `digest`.
@@ -30,6 +34,12 @@ class AppendFile {
   /// Appends and describes what was appended.
   Section append_section(ByteSpan bytes);
 
+  /// Goes on behind so many bytes of this CRC that others have put there.
+  void pass_over(std::uint64_t length, std::uint32_t crc);
+
+  /// What was appended to a file in memory, block by block.
+  std::vector<Bytes> take();
+
   void write_header(const HeaderBlock& block) { file_->write(0, block); }
 
   /// Writes what is still held back.
@@ -38,7 +48,10 @@ class AppendFile {
   StorageFile& file() { return *file_; }
 
  private:
-  std::unique_ptr<StorageFile> file_;
+  void write(ByteSpan bytes);
+
+  std::unique_ptr<StorageFile> file_;  ///< null in memory
+  std::vector<Bytes> kept_;
   std::uint64_t written_ = kHeaderBytes;
   std::uint32_t digest_ = 0;
   Bytes buffer_;

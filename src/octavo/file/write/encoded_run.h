@@ -2,10 +2,13 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "octavo/core/bytes.h"
+#include "octavo/file/layout.h"
 #include "octavo/file/write/journal.h"
 
 namespace octavo {
@@ -17,6 +20,13 @@ class EncodedRun {
 
   /// Its groups, which tile its layers; offsets of models are counted from the start of stream 0.
   virtual const std::vector<JournalGroup>& groups() const = 0;
+
+  /// The length and the checksum of a stream.
+  virtual Section stream(std::size_t number) const = 0;
+
+  /// Reads bytes of a stream from `offset` on, unproven. Throws Error{io, truncated}
+  virtual void read(std::size_t stream, std::uint64_t offset,
+                    std::span<std::uint8_t> out) const = 0;
 
   /// Hands the bytes of a stream to `sink`, a block at a time: 0 is level 0 with models and slab
   /// trailers, the others are those of the spool.

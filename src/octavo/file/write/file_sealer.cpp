@@ -28,16 +28,26 @@ FileSealer::FileSealer(AppendFile& out, FileHeader& header, const Levels& levels
                        const IndexRoot& root)
     : out_(out), header_(header), levels_(levels), root_(root) {}
 
-void FileSealer::append_streams(const CopyStream& copy) {
-  const auto levels = static_cast<std::size_t>(levels_.count());
-  for (std::size_t level = 1; level < levels; ++level) {
-    copy(level, [&](ByteSpan bytes) { out_.append(bytes); });
+// Returns the CRC-32C of the stream.
+std::uint32_t FileSealer::append_stream(std::size_t stream, const CopyStream& copy,
+                                        const std::vector<PlacedBytes>& placed) {
+  std::uint32_t crc = 0;
+  if (stream < placed.size()) {
+    crc = placed[stream].crc;
+    out_.pass_over(placed[stream].length, crc);
   }
-  header_.pages = {out_.size(), 0, 0};
-  copy(levels, [&](ByteSpan bytes) {
-    header_.pages.crc = crc32c(bytes, header_.pages.crc);
+  copy(stream, [&](ByteSpan bytes) {
+    crc = crc32c(bytes, crc);
     out_.append(bytes);
   });
+  return crc;
+}
+
+void FileSealer::append_streams(const CopyStream& copy, const std::vector<PlacedBytes>& placed) {
+  const auto levels = static_cast<std::size_t>(levels_.count());
+  for (std::size_t level = 1; level < levels; ++level) append_stream(level, copy, placed);
+  header_.pages = {out_.size(), 0, 0};
+  header_.pages.crc = append_stream(levels, copy, placed);
   header_.pages.length = out_.size() - header_.pages.offset;
 }
 

@@ -19,13 +19,20 @@ namespace octavo {
 using CopyStream =
     std::function<void(std::size_t stream, const std::function<void(ByteSpan)>& sink)>;
 
+/// Of a stream, what others have put in its place already: the first bytes of it.
+struct PlacedBytes {
+  std::uint64_t length = 0;
+  std::uint32_t crc = 0;
+};
+
 class FileSealer {
  public:
   /// All outlive the sealer. `out` holds all of level 0; sections of `header` are filled in.
   FileSealer(AppendFile& out, FileHeader& header, const Levels& levels, const IndexRoot& root);
 
   /// Appends the levels above 0 and the index pages.
-  void append_streams(const CopyStream& copy);
+  /// placed  by stream; none: nothing stands there
+  void append_streams(const CopyStream& copy, const std::vector<PlacedBytes>& placed = {});
 
   /// Appends parts, directory, metadata and root.
   /// has_thumbnail  whether one is made of what stands in the file, as the first part
@@ -39,6 +46,8 @@ class FileSealer {
   const std::string& failed_source() const { return failed_source_; }
 
  private:
+  std::uint32_t append_stream(std::size_t stream, const CopyStream& copy,
+                              const std::vector<PlacedBytes>& placed);
   void append_parts(const std::vector<Part>& parts);
 
   AppendFile& out_;

@@ -5,9 +5,11 @@
 #include <span>
 #include <utility>
 
+#include "octavo/core/crc32c.h"
 #include "octavo/file/storage/temporary.h"
 #include "octavo/file/write/append_file.h"
 #include "octavo/file/write/file_sealer.h"
+#include "octavo/file/write/hollow_file.h"
 #include "octavo/file/write/interrupted.h"
 #include "octavo/file/write/new_header.h"
 #include "octavo/file/write/run_writer.h"
@@ -82,10 +84,9 @@ class FileWriterImpl final : public FileWriter {
     guarded([&] {
       if (!run_->is_complete()) misused("finished before the last brick");
       FileSealer sealer(*out_, header_, levels_, run_->root());
-      sealer.append_streams([&](std::size_t stream, const auto& sink) {
-        for (const auto& run : options_.runs) copy_stream(*run, stream, sink);
-        spool_.copy(stream, sink);
-      });
+      sealer.append_streams(
+          [&](std::size_t stream, const auto& sink) { spool_.copy(stream, sink); },
+          place_streams());
       append_sections(sealer);
       sealer.seal(run_->voxel_digest());
       publish();
@@ -148,9 +149,10 @@ class FileWriterImpl final : public FileWriter {
 
   void begin();
   bool resume();
-  void append_run(const EncodedRun& run);
-  void copy_stream(const EncodedRun& run, std::size_t stream,
-                   const std::function<void(ByteSpan)>& sink);
+  void append_run(std::size_t number);
+  std::vector<PlacedBytes> place_streams();
+  void place_stream(std::size_t number, std::size_t stream, std::uint64_t offset);
+  void copy_stream(const EncodedRun& run, std::size_t stream, std::uint64_t offset);
   void take_over(InterruptedBuild build, std::vector<WholeGroup> groups);
   JournalHead journal_head() const;
   void append_group(std::uint32_t voxels_crc);
@@ -167,6 +169,7 @@ class FileWriterImpl final : public FileWriter {
   bool is_durable_ = false;  ///< under its final name
   std::string temporary_;
   std::uint64_t final_bytes_ = 0;
+  HollowFile* hollow_ = nullptr;  ///< what `out_` writes to, where runs are left out
   std::unique_ptr<AppendFile> out_;
 
   FileHeader header_;
@@ -195,10 +198,15 @@ void FileWriterImpl::begin() {
   }
   TemporaryFile temporary = create_temporary(storage_, path_);
   temporary_ = std::move(temporary.path);
+  if (options_.leave_out) {
+    auto hollow = std::make_unique<HollowFile>(std::move(temporary.file));
+    hollow_ = hollow.get();
+    temporary.file = std::move(hollow);
+  }
   out_ = std::make_unique<AppendFile>(std::move(temporary.file));
   out_->write_header(encode_header(header_));
   run_.emplace(header_, levels_, *out_, spool_, options_.has_journal);
-  for (const auto& run : options_.runs) append_run(*run);
+  for (std::size_t run = 0; run < options_.runs.size(); ++run) append_run(run);
   if (!options_.has_journal) return;
   journal_ = std::make_unique<Journal>(
       storage_.create_replacement(temporary_ + kJournalEnding, path_), journal_head());
@@ -277,22 +285,54 @@ void FileWriterImpl::append_group(std::uint32_t voxels_crc) {
 }
 
 // Level 0 of a run, and what is known of its groups.
-void FileWriterImpl::append_run(const EncodedRun& run) {
+void FileWriterImpl::append_run(std::size_t number) {
+  const EncodedRun& run = *options_.runs[number];
   const std::uint64_t begin = out_->size();
-  copy_stream(run, 0, [&](ByteSpan bytes) { out_->append(bytes); });
+  const Section stream = run.stream(0);
+  place_stream(number, 0, begin);
+  out_->pass_over(stream.length, stream.crc);
   for (JournalGroup group : run.groups()) {
     for (ModelRef& model : group.models) model.offset += begin;
     run_->take_over(group);
   }
 }
 
+// The other streams of the runs, in front of those of the spool.
+std::vector<PlacedBytes> FileWriterImpl::place_streams() {
+  std::vector<PlacedBytes> placed;
+  if (options_.runs.empty()) return placed;
+  placed.resize(run_streams(levels_));
+  std::uint64_t offset = out_->size();
+  for (std::size_t stream = 1; stream < placed.size(); ++stream) {
+    PlacedBytes& bytes = placed[stream];
+    for (std::size_t run = 0; run < options_.runs.size(); ++run) {
+      const Section section = options_.runs[run]->stream(stream);
+      place_stream(run, stream, offset);
+      offset += section.length;
+      bytes.length += section.length;
+      bytes.crc = crc32c_joined(bytes.crc, section.crc, crc32c_shift(section.length));
+    }
+    offset += spool_.size(stream);
+  }
+  return placed;
+}
+
+void FileWriterImpl::place_stream(std::size_t number, std::size_t stream, std::uint64_t offset) {
+  const EncodedRun& run = *options_.runs[number];
+  if (hollow_ == nullptr) return copy_stream(run, stream, offset);
+  hollow_->leave_out(offset, run, stream);
+  const Section bytes = run.stream(stream);
+  options_.leave_out({number, stream, {offset, bytes.length, bytes.crc}});
+}
+
 void FileWriterImpl::copy_stream(const EncodedRun& run, std::size_t stream,
-                                 const std::function<void(ByteSpan)>& sink) {
+                                 std::uint64_t offset) {
   bool is_ours = false;  // what fails
   try {
     run.copy(stream, [&](ByteSpan bytes) {
       is_ours = true;
-      sink(bytes);
+      out_->file().write(offset, bytes);
+      offset += bytes.size();
       is_ours = false;
     });
   } catch (const Error& error) {

@@ -11,7 +11,9 @@
 // left.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -26,6 +28,13 @@
 #include "octavo/file/write/journal.h"
 
 namespace octavo {
+
+/// Where a stream of a run belongs in a file.
+struct PlacedStream {
+  std::size_t run = 0;     ///< of WriterOptions::runs
+  std::size_t stream = 0;  ///< of the run
+  Section bytes;           ///< of the file
+};
 
 struct WriterOptions {
   bool overwrite = false;  ///< replace an existing file at finish(); otherwise Error{io} at once
@@ -47,6 +56,9 @@ struct WriterOptions {
   /// The first layers of tier 0 where others have encoded them: their bricks do not come again. A
   /// file without a journal.
   std::vector<std::shared_ptr<const EncodedRun>> runs = {};
+  /// Is told where the streams of runs belong; then they are not copied, and their places hold
+  /// nothing when the file is sealed. Empty: they are copied.
+  std::function<void(const PlacedStream&)> leave_out = {};
   /// How the bricks are made, lines "NAME: VALUE": writers of other settings do not continue.
   std::string settings = {};
 };

@@ -222,7 +222,7 @@ TEST(SliceSource, AStackThatNamesOtherSlicesThanThereAreIsRejected) {
   expect_fault([](SliceStack& s) { s.files.outline->planes.pop_back(); });
   expect_fault([](SliceStack& s) { s.files.outline->planes.back().weight_above = 0.5; });
   expect_fault([](SliceStack& s) { s.files.outline->planes[1].weight_above = -0.5; });
-  expect_fault([](SliceStack& s) { s.files.outline->planes[1].below = 1; });
+  expect_fault([](SliceStack& s) { s.files.outline->planes[1].below = 2; });
   expect_fault([](SliceStack& s) { s.files.outline->tilt.emplace(); });
   expect_fault([](SliceStack& s) {
     s.files.outline->tilt = TiltRemoval{1, {{0, 0}, {0, 1}, {0, 2}, {0, 3}}, 4, 3, 0};

@@ -1,0 +1,396 @@
+#include "octavo/dist/join_steps.h"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <span>
+#include <utility>
+
+#include "octavo/core/error.h"
+#include "octavo/core/json_members.h"
+#include "octavo/core/json_reader.h"
+#include "octavo/core/text.h"
+#include "octavo/file/storage/temporary.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr int kLayoutVersion = 1;
+constexpr const char* kLayoutEnding = "-layout";
+constexpr const char* kCopiedEnding = "-copied-";
+
+[[noreturn]] void fail_layout(const std::string& why) {
+  throw Error(ErrorKind::corrupt, "the layout of the join " + why + "; lay it out again");
+}
+
+/// What joins leave beside a name: ".NAME.join" as temporary names are made, so that long ones fit.
+std::string join_prefix(const std::string& path) {
+  constexpr std::string_view kEnding = ".tmp-";
+  const std::string prefix = temporary_prefix(path);
+  return prefix.substr(0, prefix.size() - kEnding.size()) + ".join";
+}
+
+std::string layout_name(const std::string& path) { return join_prefix(path) + kLayoutEnding; }
+
+std::string copied_name(const std::string& path, const PartPlace& place) {
+  return join_prefix(path) + kCopiedEnding + std::to_string(place.first_group) + "-" +
+         std::to_string(place.end_group);
+}
+
+std::string groups_of(const PartPlace& place) {
+  return std::to_string(place.first_group) + " to " + std::to_string(place.end_group - 1);
+}
+
+/// A file of these bytes under a name, whole or not at all.
+void put_file(Storage& storage, const std::string& name, std::string_view bytes) {
+  TemporaryFile temporary = create_temporary(storage, name);
+  try {
+    temporary.file->write(0, {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+    temporary.file->sync();
+    temporary.file->close();
+    storage.rename(temporary.path, name);
+  } catch (...) {
+    remove_quietly(storage, temporary.path);
+    throw;
+  }
+  storage.sync_folder(folder_of(name));
+}
+
+std::string file_text(Storage& storage, const std::string& name) {
+  const std::unique_ptr<StorageFile> file = storage.open_read(name);
+  std::string text(static_cast<std::size_t>(file->size()), '\0');
+  file->read(0, {reinterpret_cast<std::uint8_t*>(text.data()), text.size()});
+  return text;
+}
+
+/// Everything that joins to `path` have left. The marks of copies go first: a layout without them
+/// is copied anew, marks without a layout would say what is not so.
+void discard_join(Storage& storage, const std::string& path) {
+  std::vector<std::string> names = storage.list(join_prefix(path) + kCopiedEnding);
+  names.push_back(layout_name(path));
+  names.push_back(joined_name(path));
+  for (const std::string& name : names) {
+    if (storage.exists(name)) storage.remove(name);
+  }
+  storage.sync_folder(folder_of(path));
+}
+
+/// Names the file that was asked for, where a failure names the one that grows for it.
+template <class F>
+auto about(const std::string& path, F action) -> decltype(action()) {
+  try {
+    return action();
+  } catch (const Error& error) {
+    const bool is_growing = error.path() == joined_name(path);
+    throw is_growing ? error.with_path(path) : error;
+  }
+}
+
+/// A join that was not finished may be all that is left of parts that are gone.
+void require_none_of_others(const BuildPlan& plan, Storage& storage, const std::string& path) {
+  if (!storage.exists(layout_name(path))) return;
+  if (storage.list(join_prefix(path) + kCopiedEnding).empty()) return;
+  std::uint64_t other = plan.id;
+  try {
+    other = parse_layout(file_text(storage, layout_name(path))).plan;
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::io) throw;
+  }
+  if (other == plan.id) return;
+  throw Error(ErrorKind::io,
+              "a join by another plan has begun here (" + escaped(joined_name(path)) +
+                  " and what is called so); finish it, or remove that",
+              path);
+}
+
+/// Whether the file of a plan stands under its name.
+bool is_joined(const BuildPlan& plan, Storage& storage, const std::string& path) {
+  if (storage.path_type(path) != PathType::file) return false;
+  const std::unique_ptr<StorageFile> file = storage.open_read(path);
+  HeaderBlock block{};
+  if (file->size() < block.size()) return false;
+  file->read(0, block);
+  try {
+    const FileHeader header = parse_header(block, file->size());
+    return header.is_sealed && header.file_bytes == file->size() &&
+           header.build_id == header_of(plan, outline_of(plan)).build_id;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+void prove_all(const std::vector<std::shared_ptr<PartFile>>& parts, Progress& progress) {
+  std::uint64_t bytes = 0;
+  for (const auto& part : parts) bytes += part->stream_bytes();
+  const WatchedParts watched(parts, progress);
+  const ProgressScope scope(progress, "check parts", static_cast<std::int64_t>(bytes), "bytes");
+  for (const auto& part : parts) part->prove();
+}
+
+/// Where a part goes as soon as it is copied, the largest of them needs room; where it stands on
+/// another disk, that makes no room.
+void require_room(Storage& storage, const std::string& path,
+                  const std::vector<std::shared_ptr<PartFile>>& parts) {
+  const std::optional<DiskSpace> here = storage.disk_space(folder_of(path));
+  if (!here) return;
+  std::uint64_t largest = 0;
+  std::uint64_t from_elsewhere = 0;
+  for (const auto& part : parts) {
+    const std::optional<DiskSpace> there = storage.disk_space(folder_of(part->path()));
+    const bool makes_room = there && there->disk == here->disk;
+    if (makes_room) largest = std::max(largest, part->stream_bytes());
+    else from_elsewhere += part->stream_bytes();
+  }
+  const std::uint64_t needed = largest + from_elsewhere;
+  if (here->free_bytes >= needed) return;
+  constexpr std::uint64_t kMebibyte = std::uint64_t{1} << 20;
+  throw Error(ErrorKind::io,
+              "no room: " + std::to_string(needed / kMebibyte + 1) + " MiB are needed, " +
+                  std::to_string(here->free_bytes / kMebibyte) +
+                  " MiB are free; no part was removed",
+              path);
+}
+
+std::uint64_t number_of(JsonReader& in) {
+  if (in.next() != JsonToken::integer || !in.integer() || *in.integer() < 0) {
+    fail_layout("has a number that is none");
+  }
+  return static_cast<std::uint64_t>(*in.integer());
+}
+
+CopiedRun run_of(std::string_view line) {
+  JsonReader in(line);
+  if (in.next() != JsonToken::begin_list) fail_layout("has an odd line");
+  CopiedRun run;
+  run.first_group = static_cast<std::int64_t>(number_of(in));
+  run.end_group = static_cast<std::int64_t>(number_of(in));
+  run.part_offset = number_of(in);
+  run.file_offset = number_of(in);
+  run.length = number_of(in);
+  run.crc = static_cast<std::uint32_t>(number_of(in));
+  if (in.next() != JsonToken::end_list) fail_layout("has an odd line");
+  return run;
+}
+
+}  // namespace
+
+std::string joined_name(const std::string& path) { return join_prefix(path); }
+
+std::vector<PartPlace> parts_of(const JoinLayout& layout) {
+  std::set<std::pair<std::int64_t, std::int64_t>> groups;
+  for (const CopiedRun& run : layout.runs) groups.emplace(run.first_group, run.end_group);
+  std::vector<PartPlace> places;
+  for (const auto& [first, end] : groups) places.push_back({layout.plan, first, end});
+  return places;
+}
+
+std::vector<Section> own_bytes_of(const JoinLayout& layout) {
+  std::vector<Section> own;
+  std::uint64_t at = 0;
+  const auto add = [&](std::uint64_t end) {
+    if (end > at) own.push_back({at, end - at, 0});
+  };
+  for (const CopiedRun& run : layout.runs) {
+    add(run.file_offset);
+    at = run.file_offset + run.length;
+  }
+  add(layout.file_bytes);
+  return own;
+}
+
+std::string layout_text(const JoinLayout& layout) {
+  JsonObject object;
+  object.set("octavo_join", kLayoutVersion);
+  object.set("plan", std::to_string(layout.plan));
+  object.set("bytes", static_cast<std::int64_t>(layout.file_bytes));
+  object.sort_by_name();
+  std::string text = object.text() + "\n";
+  for (const CopiedRun& run : layout.runs) {
+    text += "[";
+    for (const std::uint64_t number :
+         {static_cast<std::uint64_t>(run.first_group), static_cast<std::uint64_t>(run.end_group),
+          run.part_offset, run.file_offset, run.length}) {
+      text += std::to_string(number) + ",";
+    }
+    text += std::to_string(run.crc) + "]\n";
+  }
+  return text;
+}
+
+JoinLayout parse_layout(std::string_view text) {
+  std::string_view rest = text;
+  const auto take = [&rest] {
+    const std::size_t end = rest.find('\n');
+    if (end == std::string_view::npos) fail_layout("breaks off");
+    const std::string_view line = rest.substr(0, end);
+    rest.remove_prefix(end + 1);
+    return line;
+  };
+  const JsonObject object = json_members(take());
+  if (object.json_of("octavo_join").empty()) fail_layout("is none");
+  if (object.json_of("octavo_join") != std::to_string(kLayoutVersion)) {
+    throw Error(ErrorKind::unsupported_version, "a layout of another version of the program");
+  }
+  JoinLayout layout;
+  JsonReader plan(object.json_of("plan"));
+  if (plan.next() == JsonToken::string) {
+    for (const char digit : plan.string().substr(0, 20)) {
+      layout.plan = layout.plan * 10 + static_cast<std::uint64_t>(digit - '0');
+    }
+  }
+  JsonReader bytes(object.json_of("bytes"));
+  layout.file_bytes = number_of(bytes);
+  while (!rest.empty()) layout.runs.push_back(run_of(take()));
+
+  // Runs follow each other within the file; what was changed gives another text.
+  std::uint64_t at = 0;
+  for (const CopiedRun& run : layout.runs) {
+    if (run.length == 0 || run.file_offset < at || run.file_offset > layout.file_bytes ||
+        run.length > layout.file_bytes - run.file_offset) {
+      fail_layout("has runs that are not in the file");
+    }
+    at = run.file_offset + run.length;
+  }
+  if (layout_text(layout) != text) fail_layout("is not as it was written");
+  return layout;
+}
+
+std::optional<JoinLayout> find_layout(const BuildPlan& plan, Storage& storage,
+                                      const std::string& path) {
+  if (!storage.exists(layout_name(path)) || !storage.exists(joined_name(path))) {
+    return std::nullopt;
+  }
+  try {
+    JoinLayout layout = parse_layout(file_text(storage, layout_name(path)));
+    const bool is_whole =
+        storage.open_read(joined_name(path))->size() == layout.file_bytes;
+    if (layout.plan == plan.id && is_whole) return layout;
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::io) throw;
+  }
+  return std::nullopt;
+}
+
+JoinLayout lay_out_join(const BuildPlan& plan, const std::vector<std::shared_ptr<PartFile>>& parts,
+                        Storage& storage, const std::string& path, bool overwrite,
+                        const PartWork& work, Progress& progress) {
+  check_target(storage, path, overwrite);
+  if (std::optional<JoinLayout> layout = find_layout(plan, storage, path)) return *layout;
+  require_none_of_others(plan, storage, path);
+  discard_join(storage, path);
+  JoinLayout layout{plan.id, 0, {}};
+  const BuildResult result = about(path, [&] {
+    return lay_out_parts(plan, parts, storage, joined_name(path), true, work, progress,
+                         [&](const PartFile& part, std::size_t stream, const Section& bytes) {
+                           if (bytes.length == 0) return;
+                           layout.runs.push_back({part.place().first_group, part.place().end_group,
+                                                  part.stream(stream).offset, bytes.offset,
+                                                  bytes.length, bytes.crc});
+                         });
+  });
+  layout.file_bytes = result.file_bytes;
+  put_file(storage, layout_name(path), layout_text(layout));
+  return layout;
+}
+
+void copy_part(const BuildPlan& plan, const std::shared_ptr<PartFile>& part, Storage& storage,
+               const std::string& path, Progress& progress) {
+  const std::optional<JoinLayout> layout = find_layout(plan, storage, path);
+  if (!layout) throw Error(ErrorKind::io, "nothing is laid out for this plan", path);
+  const PartPlace& place = part->place();
+  if (storage.exists(copied_name(path, place))) return;
+
+  // The runs of this part, as it has them
+  std::vector<CopiedRun> runs;
+  std::ranges::copy_if(layout->runs, std::back_inserter(runs), [&](const CopiedRun& run) {
+    return run.first_group == place.first_group && run.end_group == place.end_group;
+  });
+  std::vector<std::size_t> streams;
+  for (std::size_t stream = 0; stream < part->stream_count(); ++stream) {
+    if (part->stream(stream).length > 0) streams.push_back(stream);
+  }
+  const auto is_laid_out = [&](std::size_t stream, const CopiedRun& run) {
+    const Section& bytes = part->stream(stream);
+    return bytes.offset == run.part_offset && bytes.length == run.length && bytes.crc == run.crc;
+  };
+  if (place.plan != plan.id || !std::ranges::equal(streams, runs, is_laid_out)) {
+    throw Error(ErrorKind::invalid_argument, "is not a part of the file that was laid out",
+                part->path());
+  }
+
+  // Their bytes, then the mark that says that they are there
+  const WatchedParts watched({part}, progress);
+  const ProgressScope scope(progress, "copy", static_cast<std::int64_t>(part->stream_bytes()),
+                            "bytes");
+  about(path, [&] {
+    const std::unique_ptr<StorageFile> file = storage.open_shared(joined_name(path));
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      std::uint64_t at = runs[i].file_offset;
+      part->copy(streams[i], [&](ByteSpan bytes) {
+        file->write(at, bytes);
+        at += bytes.size();
+      });
+    }
+    file->sync();
+    file->close();
+  });
+  put_file(storage, copied_name(path, place), "");
+}
+
+std::vector<PartPlace> uncopied_parts(const JoinLayout& layout, Storage& storage,
+                                      const std::string& path) {
+  std::vector<PartPlace> places = parts_of(layout);
+  std::erase_if(places, [&](const PartPlace& place) {
+    return storage.exists(copied_name(path, place));
+  });
+  return places;
+}
+
+std::uint64_t seal_join(const BuildPlan& plan, Storage& storage, const std::string& path,
+                        bool overwrite) {
+  const std::optional<JoinLayout> layout = find_layout(plan, storage, path);
+  if (!layout) {
+    // The name was given already, or nothing was begun.
+    if (!is_joined(plan, storage, path)) {
+      throw Error(ErrorKind::io, "nothing is laid out for this plan", path);
+    }
+    discard_join(storage, path);
+    return storage.open_read(path)->size();
+  }
+  const std::vector<PartPlace> missing = uncopied_parts(*layout, storage, path);
+  if (!missing.empty()) {
+    std::string text;
+    for (const PartPlace& place : missing) text += (text.empty() ? "" : ", ") + groups_of(place);
+    throw Error(ErrorKind::io, "parts were not copied: those of groups " + text, path);
+  }
+  check_target(storage, path, overwrite);
+  const std::string growing = joined_name(path);
+  if (overwrite) storage.rename(growing, path);
+  else storage.rename_new(growing, path);
+  storage.sync_folder(folder_of(path));
+  discard_join(storage, path);
+  return layout->file_bytes;
+}
+
+std::uint64_t consume_parts(const BuildPlan& plan, const std::vector<std::string>& paths,
+                            Storage& storage, const std::string& path, bool overwrite,
+                            const PartWork& work, Progress& progress) {
+  std::vector<std::shared_ptr<PartFile>> parts;
+  for (const std::string& name : paths) {
+    if (storage.exists(name)) parts.push_back(PartFile::open(storage, name));
+  }
+  check_target(storage, path, overwrite);
+  const bool goes_on = find_layout(plan, storage, path).has_value();
+  prove_all(parts, progress);
+  lay_out_join(plan, parts, storage, path, overwrite, work, progress);
+  // A part that was cut off in the middle takes room already.
+  if (!goes_on) require_room(storage, path, parts);
+  for (const auto& part : parts) {
+    copy_part(plan, part, storage, path, progress);
+    storage.remove(part->path());
+  }
+  return seal_join(plan, storage, path, overwrite);
+}
+
+}  // namespace octavo

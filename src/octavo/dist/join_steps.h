@@ -1,0 +1,102 @@
+// A join in steps, of which many machines can do one at a time.
+//
+//   lay_out     the file at its full size, with all that is not a part's; what belongs where
+//   copy_part   the streams of one part to their places: any number of them side by side
+//   seal        the name, once every part is there
+//
+// Beside NAME stand meanwhile
+//
+//   .NAME.join                 the file that grows
+//   .NAME.join-layout          the layout, once the file is laid out
+//   .NAME.join-copied-A-B      for each part, groups A .. B, whose bytes are on disk
+//
+// Invariants
+//   A step that is done again changes nothing. NAME holds a whole file or what it held before.
+// Consequences
+//   Who is killed starts again; what stands already is kept, and a part that is copied is needed no
+//   more.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "octavo/dist/parts.h"
+
+namespace octavo {
+
+/// Bytes of a part and their place in the file.
+struct CopiedRun {
+  std::int64_t first_group = 0;  ///< of the part
+  std::int64_t end_group = 0;
+  std::uint64_t part_offset = 0;
+  std::uint64_t file_offset = 0;
+  std::uint64_t length = 0;      ///< above 0
+  std::uint32_t crc = 0;
+
+  bool operator==(const CopiedRun&) const = default;
+};
+
+struct JoinLayout {
+  std::uint64_t plan = 0;        ///< BuildPlan::id
+  std::uint64_t file_bytes = 0;
+  std::vector<CopiedRun> runs;   ///< in the order of the file
+};
+
+/// The parts of a layout by their groups.
+std::vector<PartPlace> parts_of(const JoinLayout& layout);
+
+/// The bytes of the file that are no part's.
+std::vector<Section> own_bytes_of(const JoinLayout& layout);
+
+/// Lines of JSON: an object of the plan and the length, then for each run
+/// [A,B,PART OFFSET,FILE OFFSET,LENGTH,CRC].
+std::string layout_text(const JoinLayout& layout);
+
+/// Throws Error{corrupt} for what is no layout, Error{unsupported_version}
+JoinLayout parse_layout(std::string_view text);
+
+/// Where the file for `path` grows.
+std::string joined_name(const std::string& path);
+
+/// The layout that stands there for a plan; nothing where none does.
+/// Throws Error{io}
+std::optional<JoinLayout> find_layout(const BuildPlan& plan, Storage& storage,
+                                      const std::string& path);
+
+/// Lays out the file for `path`; where that was done for this plan, what stands there counts and
+/// no part is asked for.
+/// Throws as join_parts
+JoinLayout lay_out_join(const BuildPlan& plan, const std::vector<std::shared_ptr<PartFile>>& parts,
+                        Storage& storage, const std::string& path, bool overwrite,
+                        const PartWork& work, Progress& progress);
+
+/// Copies a part to its places, proves it on the way, and makes it durable there.
+/// Throws Error{invalid_argument} for a part that is not the one laid out; as PartFile::copy;
+///        Error{io}, also where nothing is laid out
+void copy_part(const BuildPlan& plan, const std::shared_ptr<PartFile>& part, Storage& storage,
+               const std::string& path, Progress& progress);
+
+/// The parts of the layout that were not copied.
+std::vector<PartPlace> uncopied_parts(const JoinLayout& layout, Storage& storage,
+                                      const std::string& path);
+
+/// Gives the file its name and removes what stood beside it. Where it has its name, nothing is
+/// done.
+/// Returns the length of the file
+/// Throws  Error{io} that names the parts that were not copied; as FileWriter
+std::uint64_t seal_join(const BuildPlan& plan, Storage& storage, const std::string& path,
+                        bool overwrite);
+
+/// Joins parts and removes each as soon as it is copied, so that no more is needed beside the file
+/// than the largest of them. All are proven before the first goes. Killed, it goes on with those
+/// that are left.
+/// paths  of the parts, of which some may be gone after an earlier join
+/// Throws as the steps; Error{io} before anything is removed where the disk is too small
+/// Returns the length of the file
+std::uint64_t consume_parts(const BuildPlan& plan, const std::vector<std::string>& paths,
+                            Storage& storage, const std::string& path, bool overwrite,
+                            const PartWork& work, Progress& progress);
+
+}  // namespace octavo

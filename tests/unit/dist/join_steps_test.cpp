@@ -1,0 +1,296 @@
+// A join in steps makes the file of a join in one, and of a build; whoever is stopped goes on.
+#include "octavo/dist/join_steps.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+
+#include "octavo/builder/group_reader.h"
+#include "octavo/core/error.h"
+#include "support/hints.h"
+#include "support/small_parts.h"
+#include "support/stopping_progress.h"
+
+namespace octavo::testing {
+namespace {
+
+/// A disk that has little room.
+class FullDisk final : public Storage {
+ public:
+  FullDisk(MemoryStorage& files, std::uint64_t free_bytes) : files_(files), free_(free_bytes) {}
+
+  std::unique_ptr<StorageFile> open_read(const std::string& p) override {
+    return files_.open_read(p);
+  }
+  std::unique_ptr<StorageFile> create_exclusive(const std::string& p) override {
+    return files_.create_exclusive(p);
+  }
+  std::unique_ptr<StorageFile> open_update(const std::string& p) override {
+    return files_.open_update(p);
+  }
+  std::unique_ptr<StorageFile> open_shared(const std::string& p) override {
+    return files_.open_shared(p);
+  }
+  std::unique_ptr<StorageFile> create_scratch(const std::string& p) override {
+    return files_.create_scratch(p);
+  }
+  bool exists(const std::string& p) override { return files_.exists(p); }
+  void rename(const std::string& a, const std::string& b) override { files_.rename(a, b); }
+  void remove(const std::string& p) override { files_.remove(p); }
+  std::vector<std::string> list(const std::string& p) override { return files_.list(p); }
+  void sync_folder(const std::string& p) override { files_.sync_folder(p); }
+  std::optional<DiskSpace> disk_space(const std::string& folder) override {
+    return DiskSpace{free_, folder == "elsewhere" ? 2U : 1U};
+  }
+
+ private:
+  MemoryStorage& files_;
+  std::uint64_t free_;
+};
+
+class JoinSteps : public ::testing::Test {
+ protected:
+  JoinSteps() {
+    volume_.options.has_thumbnail = true;
+    plan_ = planned(volume_);
+    whole_ = built(volume_);
+    for (const GroupRun& run : runs_) make_part(volume_, plan_, run, storage_);
+  }
+
+  JoinLayout lay_out(const std::vector<GroupRun>& runs) {
+    return lay_out_join(plan_, open_parts(storage_, runs), storage_, "a.8vo", false,
+                        {.threads = 1}, progress_);
+  }
+  void copy(const GroupRun& run) {
+    copy_part(plan_, PartFile::open(storage_, part_name(run)), storage_, "a.8vo", progress_);
+  }
+  std::uint64_t consume() {
+    std::vector<std::string> names;
+    for (const GroupRun& run : runs_) names.push_back(part_name(run));
+    return consume_parts(plan_, names, storage_, "a.8vo", false, {.threads = 1}, progress_);
+  }
+  /// Parts and file apart, nothing else is there.
+  void expect_done(std::size_t part_count) {
+    ASSERT_EQ(storage_.files.count("a.8vo"), 1U);
+    EXPECT_TRUE(*storage_.files.at("a.8vo") == whole_);
+    EXPECT_EQ(storage_.files.size(), part_count + 1);
+  }
+  std::string failure_of(const std::function<void()>& action, ErrorKind kind) {
+    try {
+      action();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), kind) << error.what();
+      return with_hints(error);
+    }
+    ADD_FAILURE() << "nothing failed";
+    return {};
+  }
+
+  SmallGroups groups_{std::uint64_t{1} << 18};
+  SmallVolume volume_ = small_volume("steps", VoxelType::int16, {70, 66, 330});
+  std::vector<GroupRun> runs_ = {{4, 6}, {0, 1}, {1, 4}};
+  MemoryStorage storage_;
+  NoProgress progress_;
+  BuildPlan plan_;
+  std::vector<std::uint8_t> whole_;
+};
+
+TEST_F(JoinSteps, InAnyOrderAndTwiceTheyMakeTheFile) {
+  ASSERT_EQ(plan_.group_count, 6);
+  const JoinLayout layout = lay_out(runs_);
+  EXPECT_EQ(layout.file_bytes, whole_.size());
+  EXPECT_EQ(parts_of(layout).size(), 3U);
+  copy({1, 4});
+  EXPECT_EQ(layout_text(lay_out({})), layout_text(layout)) << "it needs no part any more";
+  copy({4, 6});
+  EXPECT_EQ(uncopied_parts(layout, storage_, "a.8vo").front().end_group, 1);
+  const std::string early = failure_of([&] { seal_join(plan_, storage_, "a.8vo", false); },
+                                       ErrorKind::io);
+  EXPECT_NE(early.find("groups 0 to 0"), std::string::npos) << early;
+  EXPECT_EQ(storage_.files.count("a.8vo"), 0U);
+  copy({0, 1});
+  copy({4, 6});
+  EXPECT_EQ(seal_join(plan_, storage_, "a.8vo", false), whole_.size());
+  EXPECT_EQ(seal_join(plan_, storage_, "a.8vo", false), whole_.size()) << "again";
+  expect_done(3);
+}
+
+TEST_F(JoinSteps, TheFileIsItsOwnBytesAndThoseOfItsRuns) {
+  const JoinLayout layout = lay_out(runs_);
+  const std::vector<std::uint8_t>& hollow = *storage_.files.at(joined_name("a.8vo"));
+  std::vector<std::uint8_t> file(layout.file_bytes);
+  std::uint64_t own_bytes = 0;
+  for (const Section& own : own_bytes_of(layout)) {
+    std::copy_n(hollow.begin() + static_cast<std::ptrdiff_t>(own.offset), own.length,
+                file.begin() + static_cast<std::ptrdiff_t>(own.offset));
+    own_bytes += own.length;
+  }
+  for (const CopiedRun& run : layout.runs) {
+    const auto& part = *storage_.files.at(part_name({run.first_group, run.end_group}));
+    std::copy_n(part.begin() + static_cast<std::ptrdiff_t>(run.part_offset), run.length,
+                file.begin() + static_cast<std::ptrdiff_t>(run.file_offset));
+    own_bytes += run.length;
+  }
+  EXPECT_EQ(own_bytes, layout.file_bytes);
+  EXPECT_TRUE(file == whole_);
+}
+
+TEST_F(JoinSteps, ALayoutThatWasChangedIsNone) {
+  const std::string text = layout_text(lay_out(runs_));
+  EXPECT_EQ(layout_text(parse_layout(text)), text);
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    std::string changed = text;
+    changed[at] = changed[at] == '7' ? '8' : '7';
+    try {
+      // A number may be another one, but no run lies outside the file.
+      for (const CopiedRun& run : parse_layout(changed).runs) {
+        EXPECT_LE(run.file_offset + run.length, parse_layout(changed).file_bytes);
+      }
+    } catch (const Error&) {
+    }
+    EXPECT_THROW(parse_layout(text.substr(0, at)), Error) << at;
+  }
+}
+
+TEST_F(JoinSteps, APartThatWasNotLaidOutIsRejectedByName) {
+  lay_out(runs_);
+  make_part(volume_, plan_, {1, 2}, storage_);
+  const std::string text = failure_of([&] { copy({1, 2}); }, ErrorKind::invalid_argument);
+  EXPECT_NE(text.find("part-1-2"), std::string::npos) << text;
+}
+
+TEST_F(JoinSteps, WithoutALayoutNothingIsCopiedOrSealed) {
+  failure_of([&] { copy({0, 1}); }, ErrorKind::io);
+  failure_of([&] { seal_join(plan_, storage_, "a.8vo", false); }, ErrorKind::io);
+}
+
+TEST_F(JoinSteps, ADamagedPartIsNotCopied) {
+  lay_out(runs_);
+  (*storage_.files.at("part-1-4"))[5000] ^= 1;
+  const std::string text = failure_of([&] { copy({1, 4}); }, ErrorKind::corrupt);
+  EXPECT_NE(text.find("part-1-4"), std::string::npos) << text;
+  (*storage_.files.at("part-1-4"))[5000] ^= 1;
+  for (const GroupRun& run : runs_) copy(run);
+  seal_join(plan_, storage_, "a.8vo", false);
+  expect_done(3);
+}
+
+TEST_F(JoinSteps, WhatAnotherPlanHasBegunIsNotTakenAway) {
+  lay_out(runs_);
+  copy({0, 1});
+  SmallVolume other = volume_;
+  other.options.max_error = 2;
+  const BuildPlan plan = planned(other);
+  MemoryStorage parts;
+  make_part(other, plan, {0, 6}, parts);
+  storage_.files["other"] = parts.files.at("part-0-6");
+  const std::string text = failure_of(
+      [&] {
+        lay_out_join(plan, {PartFile::open(storage_, "other")}, storage_, "a.8vo", false, {},
+                     progress_);
+      },
+      ErrorKind::io);
+  EXPECT_NE(text.find("another plan"), std::string::npos) << text;
+  copy({4, 6});
+  copy({1, 4});
+  seal_join(plan_, storage_, "a.8vo", false);
+  EXPECT_TRUE(*storage_.files.at("a.8vo") == whole_);
+}
+
+TEST_F(JoinSteps, AFileThatStandsThereIsReplacedOnlyWhenAsked) {
+  storage_.files["a.8vo"] = std::make_shared<std::vector<std::uint8_t>>(3);
+  failure_of([&] { lay_out(runs_); }, ErrorKind::io);
+  lay_out_join(plan_, open_parts(storage_, runs_), storage_, "a.8vo", true, {}, progress_);
+  for (const GroupRun& run : runs_) copy(run);
+  failure_of([&] { seal_join(plan_, storage_, "a.8vo", false); }, ErrorKind::io);
+  EXPECT_EQ(storage_.files.at("a.8vo")->size(), 3U);
+  seal_join(plan_, storage_, "a.8vo", true);
+  expect_done(3);
+}
+
+TEST_F(JoinSteps, ConsumedPartsAreGoneAndTheFileIsThere) {
+  EXPECT_EQ(consume(), whole_.size());
+  expect_done(0);
+}
+
+TEST_F(JoinSteps, NothingIsConsumedBeforeAllIsProvenAndThereIsRoom) {
+  (*storage_.files.at("part-1-4"))[5000] ^= 1;
+  failure_of([&] { consume(); }, ErrorKind::corrupt);
+  (*storage_.files.at("part-1-4"))[5000] ^= 1;
+  std::vector<std::string> names;
+  std::uint64_t largest = 0;
+  std::uint64_t all = 0;
+  for (const GroupRun& run : runs_) {
+    names.push_back(part_name(run));
+    const std::uint64_t bytes = PartFile::open(storage_, names.back())->stream_bytes();
+    largest = std::max(largest, bytes);
+    all += bytes;
+  }
+  FullDisk full(storage_, largest - 1);
+  const auto consume_on = [&](Storage& storage) {
+    return consume_parts(plan_, names, storage, "a.8vo", false, {.threads = 1}, progress_);
+  };
+  const std::string text = failure_of([&] { consume_on(full); }, ErrorKind::io);
+  EXPECT_NE(text.find("no room"), std::string::npos) << text;
+  EXPECT_EQ(open_parts(storage_, runs_).size(), 3U);
+  storage_.files.erase(joined_name("a.8vo"));
+  for (std::string& name : names) {
+    storage_.files["elsewhere/" + name] = storage_.files.at(name);
+    storage_.files.erase(name);
+    name = "elsewhere/" + name;
+  }
+  FullDisk apart(storage_, all - 1);
+  failure_of([&] { consume_on(apart); }, ErrorKind::io);
+  storage_.files.erase(joined_name("a.8vo"));
+  FullDisk enough(storage_, all);
+  EXPECT_EQ(consume_on(enough), whole_.size());
+  expect_done(0);
+}
+
+// Killed at any call, it goes on; what a process leaves is all that the next one has.
+TEST_F(JoinSteps, AConsumingJoinThatIsKilledGoesOn) {
+  const auto before = copied(storage_.files);
+  storage_.calls.clear();
+  consume();
+  const std::size_t calls = storage_.calls.size();
+  for (std::size_t call = 1; call <= calls; call += 1 + calls / 150) {
+    for (const bool is_dying : {true, false}) {
+      storage_.files = copied(before);
+      storage_.calls.clear();
+      storage_.has_failed = false;
+      storage_.fail_at = call;
+      storage_.is_dying = is_dying;
+      try {
+        consume();
+      } catch (const Error&) {
+      }
+      storage_.fail_at = 0;
+      storage_.is_dying = false;
+      storage_.has_failed = false;
+      const auto found = storage_.files.find("a.8vo");
+      if (found != storage_.files.end()) {
+        ASSERT_TRUE(*found->second == whole_) << call;
+        seal_join(plan_, storage_, "a.8vo", false);
+      } else {
+        ASSERT_EQ(consume(), whole_.size()) << call;
+      }
+      ASSERT_TRUE(*storage_.files.at("a.8vo") == whole_) << call;
+    }
+  }
+}
+
+TEST_F(JoinSteps, AJoinThatIsStoppedLeavesThePartsAndNoFile) {
+  StoppingProgress stopping(2);
+  try {
+    join_parts(plan_, open_parts(storage_, runs_), storage_, "a.8vo", false, {.threads = 1},
+               stopping);
+    ADD_FAILURE() << "nobody stopped it";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::cancelled) << error.what();
+  }
+  EXPECT_EQ(storage_.files.size(), 3U);
+}
+
+}  // namespace
+}  // namespace octavo::testing
