@@ -6,10 +6,11 @@
 
 #include "common/failure.h"
 #include "common/options.h"
+#include "common/part_options.h"
 #include "common/scan_arguments.h"
 #include "common/task_run.h"
 #include "octavo/core/url_text.h"
-#include "octavo/tasks/files/verify_volume.h"
+#include "octavo/tasks/files/verify_parts.h"
 #include "octavo/tasks/volume_facts.h"
 #include "text/comparison_words.h"
 #include "text/preparation_words.h"
@@ -31,9 +32,13 @@ constexpr VerbText kVerifyText = {
     "every stored voxel are compared with the source as well; a difference beyond what the file\n"
     "says of itself is exit code 1. NaN and infinities that were replaced are replaced in the\n"
     "source, too, and planes that --isotropic made are made again.\n\n"
+    "--part I/N verifies a part of a large file, as a task of an array of N does, and writes what\n"
+    "it found; --join says of the findings of all parts what verify says of the file.\n\n"
     "Examples:\n"
     "  octavo verify head.8vo\n"
-    "  octavo verify head.8vo --against scans/head/"};
+    "  octavo verify head.8vo --against scans/head/\n"
+    "  octavo verify brain.8vo --part 3/8 -o found-3.json\n"
+    "  octavo verify brain.8vo --join found-*.json"};
 
 constexpr const char* kFlipAdvice = "; repair turns flipped bits back";
 constexpr const char* kHidingAdvice =
@@ -43,6 +48,7 @@ struct VerifyArguments {
   std::string input;
   std::vector<std::string> against;
   ScanArguments scan;
+  PartArguments parts;
 };
 
 nlohmann::ordered_json damage_json(const Damage& damage) {
@@ -160,10 +166,39 @@ std::string faithful_text(const VerifyArguments& arguments, const VerifyVolumeRe
       counted_text(result.report.brick_count, "brick"));
 }
 
-int run_verify(const VerifyArguments& arguments, Context& context) {
+int run_verify_part(const VerifyArguments& arguments, Context& context) {
+  const VerifyPartOptions options = {arguments.input, part_of(arguments.parts),
+                                     part_output(arguments.parts, context)};
+  const VerifiedPart found = run_task(verify_volume_part, options, context);
+  if (context.json) {
+    print_json(result_json(arguments.input, {found.report, {}, {}}));
+  } else if (!context.quiet) {
+    print(fmt::format("{}: part {} of {} of {}: {}, {}\n", options.output.path, found.part.number,
+                      found.part.count, public_name(arguments.input),
+                      counted_text(found.report.brick_count, "brick"),
+                      counted_text(found.report.damage_count, "damaged place")));
+  }
+  return kExitDone;
+}
+
+VerifyVolumeResult verified(const VerifyArguments& arguments, Context& context) {
+  if (!arguments.parts.join.empty()) {
+    const JoinVerifiedOptions options = {arguments.input, arguments.parts.join};
+    return run_task(join_verified, options, context);
+  }
   const VerifyVolumeOptions options = {arguments.input, arguments.against,
                                        scan_options(arguments.scan)};
-  const VerifyVolumeResult result = run_task(verify_volume, options, context);
+  return run_task(verify_volume, options, context);
+}
+
+int run_verify(const VerifyArguments& arguments, Context& context) {
+  check_part_options(arguments.parts);
+  const bool is_in_parts = !arguments.parts.part.empty() || !arguments.parts.join.empty();
+  if (is_in_parts && !arguments.against.empty()) {
+    throw Error(ErrorKind::invalid_argument, "--against goes without --part and --join");
+  }
+  if (!arguments.parts.part.empty()) return run_verify_part(arguments, context);
+  const VerifyVolumeResult result = verified(arguments, context);
   if (!result.report.is_sound()) report_damage(arguments, result, context);
   const bool is_good = !result.against || result.against->is_faithful();
   if (context.json) {
@@ -186,6 +221,7 @@ void add_verify(CLI::App& app, Context& context) {
   verb.add_option("--against", arguments->against, "The source it was built from")
       ->type_name("SOURCE");
   add_scan_options(verb, arguments->scan);
+  add_part_options(verb, arguments->parts);
 }
 
 }  // namespace octavo::cli

@@ -5,12 +5,9 @@
 
 #include "octavo/builder/crypto_hasher.h"
 #include "octavo/builder/float_planes.h"
-#include "octavo/core/error.h"
 #include "octavo/file/parallel_read.h"
-#include "octavo/file/repair/repair_bits.h"
 #include "octavo/tasks/file_planes.h"
 #include "octavo/tasks/files/planes_between.h"
-#include "octavo/tasks/inputs.h"
 #include "octavo/tasks/volume_facts.h"
 
 namespace octavo {
@@ -18,22 +15,11 @@ namespace octavo {
 namespace {
 
 VerifyReport checked(const std::string& path, const TaskContext& context) {
-  constexpr std::uint64_t kBytesPerThread = std::uint64_t{8} << 20;
-  // Besides that, rows of bricks whose planes are hashed
-  constexpr std::uint64_t kRowBytes = std::uint64_t{64} << 20;
-  context.require_memory(
-      kBytesPerThread * static_cast<std::uint64_t>(context.thread_count()) + kRowBytes,
-      "decoding bricks on all threads");
-  VerifyOptions options;
-  options.for_each = for_each_parallel(context.thread_count());
-  options.make_hasher = make_crypto_hasher;
-  const std::shared_ptr<const ByteSource> source = open_input(path, context);
-  try {
-    return verify_file(source, options, context.watcher());
-  } catch (const Error& error) {
-    if (error.kind() != ErrorKind::corrupt || !opens_repaired(source)) throw;
-    throw error.with_field("input.repair");
-  }
+  return with_verify_options(
+      path, context,
+      [&](const std::shared_ptr<const ByteSource>& source, const VerifyOptions& options) {
+        return verify_file(source, options, context.watcher());
+      });
 }
 
 SourceCheck compared(const VerifyVolumeOptions& options,
@@ -75,6 +61,19 @@ VerifyReport checked_file(const VerifyVolumeOptions& options, const TaskContext&
 }
 
 }  // namespace
+
+VerifyOptions verify_options(const TaskContext& context) {
+  constexpr std::uint64_t kBytesPerThread = std::uint64_t{8} << 20;
+  // Besides that, rows of bricks whose planes are hashed
+  constexpr std::uint64_t kRowBytes = std::uint64_t{64} << 20;
+  context.require_memory(
+      kBytesPerThread * static_cast<std::uint64_t>(context.thread_count()) + kRowBytes,
+      "decoding bricks on all threads");
+  VerifyOptions options;
+  options.for_each = for_each_parallel(context.thread_count());
+  options.make_hasher = make_crypto_hasher;
+  return options;
+}
 
 VerifyVolumeResult verify_volume(const VerifyVolumeOptions& options, const TaskContext& context) {
   if (options.against.empty()) require_scan_for_options({options.input}, options.scan);

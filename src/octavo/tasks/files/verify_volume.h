@@ -1,12 +1,16 @@
 // Is a file sound, and does it hold what its source holds?
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "octavo/core/error.h"
+#include "octavo/file/repair/repair_bits.h"
 #include "octavo/file/verify.h"
 #include "octavo/tasks/files/plane_compare.h"
+#include "octavo/tasks/inputs.h"
 #include "octavo/tasks/open_scan.h"
 
 namespace octavo {
@@ -42,5 +46,23 @@ struct VerifyVolumeResult {
 /// Throws  as verify_file, about the field "input.repair" where repair would open the file; as
 ///         open_planes and repeat_isotropic for the source
 VerifyVolumeResult verify_volume(const VerifyVolumeOptions& options, const TaskContext& context);
+
+/// How the threads and the memory of a context verify.
+/// Throws Error{limit_exceeded}
+VerifyOptions verify_options(const TaskContext& context);
+
+/// Calls verify(source, options) with the file and with how this machine verifies.
+/// Throws what that throws, corrupt about the field "input.repair" where repair would open the file
+template <class Verify>
+auto with_verify_options(const std::string& path, const TaskContext& context, Verify verify) {
+  const VerifyOptions options = verify_options(context);
+  const std::shared_ptr<const ByteSource> source = open_input(path, context);
+  try {
+    return verify(source, options);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::corrupt || !opens_repaired(source)) throw;
+    throw error.with_field("input.repair");
+  }
+}
 
 }  // namespace octavo

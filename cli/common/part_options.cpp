@@ -1,0 +1,44 @@
+#include "common/part_options.h"
+
+#include "octavo/core/error.h"
+#include "text/quantities.h"
+
+namespace octavo::cli {
+
+void add_part_options(Verb verb, PartArguments& arguments) {
+  const char* const kParts = "Parts, done on many machines or one after another";
+  Option part = verb.add_option("--part", arguments.part, "Do part I of N alone, from 0");
+  part->type_name("I/N")->group(kParts);
+  verb.add_option("-o,--output", arguments.output, "Where --part puts what it found")
+      ->type_name("FILE")
+      ->group(kParts);
+  verb.add_option("--join", arguments.join, "Say what these parts found together")
+      ->type_name("FILE")
+      ->group(kParts)
+      ->excludes(part);
+}
+
+WorkPart part_of(const PartArguments& arguments) {
+  const std::vector<std::string> numbers = split(arguments.part, '/');
+  if (numbers.size() != 2) {
+    throw Error(ErrorKind::invalid_argument,
+                "--part: '" + escaped(arguments.part) + "'; expected I/N, as in 0/8");
+  }
+  const WorkPart part = {parse_integer(numbers[0], "--part"), parse_integer(numbers[1], "--part")};
+  require_part(part);
+  return part;
+}
+
+Output part_output(const PartArguments& arguments, const Context& context) {
+  if (arguments.output.empty()) {
+    throw Error(ErrorKind::invalid_argument, "--part needs -o FILE for what it finds");
+  }
+  return {arguments.output, context.force};
+}
+
+void check_part_options(const PartArguments& arguments) {
+  if (arguments.output.empty() || !arguments.part.empty()) return;
+  throw Error(ErrorKind::invalid_argument, "-o goes with --part");
+}
+
+}  // namespace octavo::cli

@@ -1,0 +1,30 @@
+// Work in parts: --part I/N -o FILE does one of them, --join FILE... says what all of them found.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/options.h"
+#include "octavo/core/work_part.h"
+#include "octavo/tasks/outputs.h"
+
+namespace octavo::cli {
+
+struct PartArguments {
+  std::string part;
+  std::string output;
+  std::vector<std::string> join;
+};
+
+/// Adds --part, -o and --join.
+void add_part_options(Verb verb, PartArguments& arguments);
+
+/// The part that is asked for, and where to put what it finds. Requires a --part.
+/// Throws Error{invalid_argument}
+WorkPart part_of(const PartArguments& arguments);
+Output part_output(const PartArguments& arguments, const Context& context);
+
+/// Throws Error{invalid_argument} for -o without --part.
+void check_part_options(const PartArguments& arguments);
+
+}  // namespace octavo::cli
