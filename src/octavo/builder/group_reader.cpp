@@ -35,21 +35,23 @@ std::int64_t group_planes(const Levels& levels, VoxelType type) {
 
 GroupReader::GroupReader(PlaneSource& source, const Levels& levels, Progress& progress,
                          const FloatPlanes* floats)
-    : GroupReader(source, levels, progress, floats, 0, levels.size(0).z, false) {}
-
-GroupReader::GroupReader(PlaneSource& source, const Levels& levels, Progress& progress,
-                         const FloatPlanes* floats, std::int64_t first, std::int64_t end)
-    : GroupReader(source, levels, progress, floats, first, end, true) {}
+    : GroupReader(source, levels, progress, floats, 0, levels.size(0).z, 1, false) {}
 
 GroupReader::GroupReader(PlaneSource& source, const Levels& levels, Progress& progress,
                          const FloatPlanes* floats, std::int64_t first, std::int64_t end,
-                         bool seeks)
+                         std::int64_t step)
+    : GroupReader(source, levels, progress, floats, first, end, step, true) {}
+
+GroupReader::GroupReader(PlaneSource& source, const Levels& levels, Progress& progress,
+                         const FloatPlanes* floats, std::int64_t first, std::int64_t end,
+                         std::int64_t step, bool seeks)
     : source_(source),
       progress_(progress),
       floats_(floats),
       size_(levels.size(0)),
       type_(source.description().type),
       planes_per_group_(group_planes(levels, type_)),
+      step_planes_(step * planes_per_group_),
       seeks_(seeks),
       first_plane_(first),
       next_plane_(first),
@@ -72,8 +74,8 @@ VoxelBlock GroupReader::next() {
   Buffer& buffer = buffers_[taken_++ % buffers_.size()];
   VoxelBlock block{buffer.voxels.bytes().data(), type_, size_, next_plane_};
   if (floats_ != nullptr) block.floats = buffer.floats.data();
-  next_plane_ = std::min(next_plane_ + planes_per_group_, end_plane_);
-  block.size.z = next_plane_ - block.first_plane;
+  block.size.z = end_of_group(next_plane_) - next_plane_;
+  next_plane_ += step_planes_;
   block.crc = buffer.crc;
   return block;
 }
@@ -84,13 +86,19 @@ void GroupReader::release() {
   changed_.notify_all();
 }
 
+std::int64_t GroupReader::end_of_group(std::int64_t first) const {
+  return std::min(first + planes_per_group_, end_plane_);
+}
+
 void GroupReader::read_groups() {
+  const bool has_gaps = step_planes_ > planes_per_group_;
   try {
-    if (seeks_) source_.seek(first_plane_, end_plane_);
+    if (seeks_ && !has_gaps) source_.seek(first_plane_, end_plane_);
     std::size_t group = 0;
-    for (std::int64_t at = first_plane_; at < end_plane_; at += planes_per_group_, ++group) {
+    for (std::int64_t at = first_plane_; at < end_plane_; at += step_planes_, ++group) {
       if (!wait_for_room(group)) return;
-      fill(buffers_[group % buffers_.size()], std::min(planes_per_group_, end_plane_ - at));
+      if (has_gaps) source_.seek(at, end_of_group(at));
+      fill(buffers_[group % buffers_.size()], end_of_group(at) - at);
       const std::lock_guard lock(mutex_);
       read_ = group + 1;
       changed_.notify_all();

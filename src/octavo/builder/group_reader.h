@@ -46,8 +46,10 @@ class GroupReader {
 
   /// The same of some groups: those from plane `first` up to `end`, where groups begin. The source
   /// is sought there.
+  /// step  1: all of them; n: each n-th one, beginning with the first
   GroupReader(PlaneSource& source, const Levels& levels, Progress& progress,
-              const FloatPlanes* floats, std::int64_t first, std::int64_t end);
+              const FloatPlanes* floats, std::int64_t first, std::int64_t end,
+              std::int64_t step = 1);
 
   /// Stops at the next plane and joins the reading thread.
   ~GroupReader();
@@ -56,7 +58,7 @@ class GroupReader {
   GroupReader& operator=(const GroupReader&) = delete;
 
   /// True when all groups were taken.
-  bool is_done() const { return next_plane_ == end_plane_; }
+  bool is_done() const { return next_plane_ >= end_plane_; }
 
   /// Waits for the next group. The block stays valid until it is released.
   /// Two blocks may be out at a time: it waits for one of them to be released as well.
@@ -78,10 +80,12 @@ class GroupReader {
   };
 
   GroupReader(PlaneSource& source, const Levels& levels, Progress& progress,
-              const FloatPlanes* floats, std::int64_t first, std::int64_t end, bool seeks);
+              const FloatPlanes* floats, std::int64_t first, std::int64_t end, std::int64_t step,
+              bool seeks);
 
   void read_groups();
   bool wait_for_room(std::size_t group);
+  std::int64_t end_of_group(std::int64_t first) const;
   void fill(Buffer& buffer, std::int64_t planes);
 
   PlaneSource& source_;
@@ -90,6 +94,7 @@ class GroupReader {
   Size3 size_;
   VoxelType type_;
   std::int64_t planes_per_group_;
+  std::int64_t step_planes_;  // from the start of a group to that of the next one
   bool seeks_;               // whether the source may stand elsewhere
   std::int64_t first_plane_;
   std::int64_t next_plane_;  // first plane of the group that next() gives

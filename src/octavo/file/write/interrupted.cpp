@@ -33,20 +33,6 @@ bool are_known(const std::vector<JournalBlock>& blocks, const Levels& levels) {
   return std::ranges::all_of(blocks, is_known);
 }
 
-// The CRC-32C of bytes begin .. end of a file, continued from `crc`.
-std::uint32_t crc_of(const StorageFile& file, std::uint64_t begin, std::uint64_t end,
-                     std::uint32_t crc) {
-  Bytes buffer(kReadBytes);
-  while (begin < end) {
-    const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kReadBytes, end - begin));
-    const auto part = std::span(buffer).first(count);
-    file.read(begin, part);
-    crc = crc32c(part, crc);
-    begin += count;
-  }
-  return crc;
-}
-
 // Takes the next line "NAME: VALUE" off the front of `lines`.
 std::pair<std::string_view, std::string_view> take_line(std::string_view& lines) {
   const std::string_view line = lines.substr(0, lines.find('\n'));
@@ -94,6 +80,19 @@ Error other_setting(std::string_view name, const std::string& stored, const std:
 }
 
 }  // namespace
+
+std::uint32_t crc_of(const StorageFile& file, std::uint64_t begin, std::uint64_t end,
+                     std::uint32_t crc) {
+  Bytes buffer(kReadBytes);
+  while (begin < end) {
+    const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kReadBytes, end - begin));
+    const auto part = std::span(buffer).first(count);
+    file.read(begin, part);
+    crc = crc32c(part, crc);
+    begin += count;
+  }
+  return crc;
+}
 
 std::vector<InterruptedBuild> find_interrupted(Storage& storage, const std::string& path,
                                                std::vector<std::string>* held) {

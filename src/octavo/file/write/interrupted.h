@@ -35,6 +35,10 @@ std::vector<InterruptedBuild> find_interrupted(Storage& storage, const std::stri
 /// Removes the interrupted builds of `path`. What cannot be removed stays.
 void discard_interrupted(Storage& storage, const std::string& path) noexcept;
 
+/// The CRC-32C of bytes begin .. end of a file, continued from `crc`. Throws Error{io, truncated}
+std::uint32_t crc_of(const StorageFile& file, std::uint64_t begin, std::uint64_t end,
+                     std::uint32_t crc);
+
 /// True when a group follows `before` as the writer would have made it.
 bool follows(const JournalGroup& group, const JournalGroup& before, const Levels& levels);
 

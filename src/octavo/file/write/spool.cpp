@@ -12,10 +12,14 @@ constexpr std::size_t kSpoolTailBytes = std::size_t{256} << 10;
 }  // namespace
 
 Spool::Spool(Storage& storage, std::string folder, std::size_t stream_count)
-    : storage_(storage), folder_(std::move(folder)), streams_(stream_count) {}
+    : storage_(&storage), folder_(std::move(folder)), streams_(stream_count) {}
 
 void Spool::append(std::size_t number, ByteSpan bytes) {
   Stream& stream = streams_[number];
+  if (storage_ == nullptr) {
+    stream.tail.insert(stream.tail.end(), bytes.begin(), bytes.end());
+    return;
+  }
   while (!bytes.empty()) {
     const std::size_t count = std::min(bytes.size(), kSpoolTailBytes - stream.tail.size());
     const ByteSpan head = bytes.first(count);
@@ -31,7 +35,7 @@ void Spool::send_tail(std::size_t number) {
   if (journal_ != nullptr) {
     offset = journal_->append_block(number, stream.tail);
   } else {
-    if (!scratch_) scratch_ = storage_.create_scratch(folder_);
+    if (!scratch_) scratch_ = storage_->create_scratch(folder_);
     scratch_->write(offset, stream.tail);
     scratch_bytes_ += stream.tail.size();
   }

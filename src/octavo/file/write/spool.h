@@ -22,6 +22,9 @@ class Spool {
  public:
   Spool(Storage& storage, std::string folder, std::size_t stream_count);
 
+  /// One that keeps all in memory.
+  explicit Spool(std::size_t stream_count) : streams_(stream_count) {}
+
   /// Blocks go to `journal`, which must outlive their use, from now on. Before the first append.
   void keep_in(Journal& journal) { journal_ = &journal; }
 
@@ -51,7 +54,7 @@ class Spool {
 
   void send_tail(std::size_t stream);
 
-  Storage& storage_;
+  Storage* storage_ = nullptr;  ///< null: all in memory
   std::string folder_;
   Journal* journal_ = nullptr;
   std::unique_ptr<StorageFile> scratch_;
