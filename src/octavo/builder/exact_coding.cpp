@@ -262,8 +262,9 @@ std::optional<SampleCoding> coding_of_few(const FloatSample& sample, const Sampl
   }
   // The values that codes shall hold, without fill values
   const double reach = value_extent(values).reach;
-  const double low = std::max(first, -reach);
-  const double high = std::min(last, reach);
+  const auto is_near = [&](float v) { return std::abs(static_cast<double>(v)) <= reach; };
+  const auto low = static_cast<double>(*std::ranges::find_if(values, is_near));
+  const auto high = static_cast<double>(*std::find_if(values.rbegin(), values.rend(), is_near));
   int exponent = 0;
   std::frexp((high - low) / kCodes, &exponent);
   coding.scale = std::ldexp(1.0, exponent);

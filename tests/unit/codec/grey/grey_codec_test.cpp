@@ -5,6 +5,7 @@
 #include <random>
 
 #include "octavo/codec/brick_codec.h"
+#include "octavo/codec/grey/grey_codec.h"
 #include "octavo/codec/grey/grey_portable.h"
 #include "octavo/codec/grey/octant_transform.h"
 #include "support/coded_brick.h"
@@ -54,21 +55,27 @@ std::vector<T> make_voxels(const Size3& size, Content content, std::uint32_t see
   return voxels;
 }
 
-/// The reference pyramid: level `level` of a brick by plain means.
+/// The reference pyramid: level `level` of a brick by plain means, of the codes of its lattice.
 template <class T>
 std::vector<T> reference_level(const std::vector<T>& voxels, const BrickShape& shape, int level,
-                               const AxisOrder& order) {
-  std::vector<std::int64_t> samples(voxels.begin(), voxels.end());
+                               const AxisOrder& order, const grey::CodeScale& scale = {}) {
+  std::vector<std::int64_t> samples;
+  for (const T voxel : voxels) samples.push_back(scale.code_of(voxel));
   for (int i = 0; i < level; ++i) {
     samples = coarser_level(samples, shape, i, order);
   }
-  return {samples.begin(), samples.end()};
+  std::vector<T> values;
+  for (const std::int64_t sample : samples) {
+    values.push_back(static_cast<T>(scale.voxel_of(sample)));
+  }
+  return values;
 }
 
 template <class T>
 void expect_every_level(const BrickCodec& codec, const BrickShape& shape,
                         const std::vector<T>& voxels) {
   const EncodedBrick encoded = codec.encode(shape, view_of(voxels, shape.size[0]));
+  const auto& lattice = dynamic_cast<const grey::GreyCodec&>(codec).parameters().value_map.lattice;
   ASSERT_EQ(encoded.segments.size(), static_cast<std::size_t>(shape.level_count));
   for (int level = 0; level < shape.level_count; ++level) {
     const auto count =
@@ -76,7 +83,7 @@ void expect_every_level(const BrickCodec& codec, const BrickShape& shape,
     std::vector<T> decoded(count);
     codec.decode(shape, voxel_type_of<T>(), encoded.range, spans_of(encoded), level,
                  decoded.data());
-    ASSERT_EQ(decoded, reference_level(voxels, shape, level, codec.axis_order()))
+    ASSERT_EQ(decoded, reference_level(voxels, shape, level, codec.axis_order(), lattice))
         << "level " << level;
   }
   ASSERT_EQ(decoded_parent(codec, shape, voxel_type_of<T>(), encoded), encoded.parent);
