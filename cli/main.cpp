@@ -36,6 +36,9 @@ constexpr const char* kExitCodes =
 
 void add_verbs(CLI::App& app, Context& context) {
   add_build(app, context);
+  add_plan(app, context);
+  add_part(app, context);
+  add_join(app, context);
   add_info(app, context);
   add_verify(app, context);
   add_repair(app, context);

@@ -1,17 +1,13 @@
 // octavo build: a scan in, one .8vo file out.
-#include <algorithm>
-#include <cmath>
 #include <memory>
 #include <optional>
 
+#include "common/build_arguments.h"
 #include "common/failure.h"
-#include "common/isotropic_option.h"
 #include "common/options.h"
-#include "common/scan_arguments.h"
 #include "common/task_run.h"
-#include "octavo/tasks/files/build_scan.h"
+#include "octavo/tasks/parts/build_in_parts.h"
 #include "text/built_words.h"
-#include "text/quantities.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -70,6 +66,9 @@ constexpr VerbText kBuildText = {
     "behind the last whole group of planes, which hold 32 MiB of voxels or somewhat more: what\n"
     "stops in the first group keeps nothing. The scan is read again and must be the same; so is\n"
     "the finished file, byte for byte. Give --resume from the start where work may not be lost.\n\n"
+    "--parts N builds in parts that know nothing of each other, side by side on the threads of -j,\n"
+    "and joins them: the same file. It is there to try what plan, part and join do on many\n"
+    "machines. The parts stand in a hidden folder beside the file until they are joined.\n\n"
     "Examples:\n"
     "  octavo build scans/head/ -o head.8vo\n"
     "  octavo build slices/*.tif --spacing 0.0195 -o bone.8vo\n"
@@ -80,63 +79,23 @@ constexpr VerbText kBuildText = {
     "  octavo build scans/thick/ --isotropic -o cubes.8vo\n"
     "  octavo build scans/head/ --max-error 2 -o small.8vo\n"
     "  octavo build scans/head/ --keep-details 1 -o preview.8vo\n"
+    "  octavo build scans/head/ --parts 4 -o parted.8vo\n"
     "  octavo build density.nii --max-error 0.001 --nan 0 -o density.8vo"};
 
-struct BuildArguments {
-  std::vector<std::string> inputs;
+struct BuildVerb {
+  BuildArguments build;
   std::string output;
-  bool labels = false;
-  bool grey = false;
-  std::string label_names;
   bool resume = false;
-  bool thumbnail = false;
-  std::string preset = "small";
-  std::string access;
-  std::string max_error = "0";
-  int keep_details = 0;
-  std::string nan;
-  std::string infinity;
-  std::string isotropic;
-  ScanArguments scan;
+  std::optional<std::int64_t> parts;
 };
 
-std::optional<float> parse_float(const std::string& text, const std::string& what) {
-  if (text.empty()) return std::nullopt;
-  const auto value = static_cast<float>(parse_number(text, what));
-  if (std::isfinite(value)) return value;
-  throw Error(ErrorKind::invalid_argument, what + ": '" + escaped(text) + "' is beyond float32");
-}
-
-std::optional<Access> parse_access(const std::string& text) {
-  const auto* const name = std::find(kAccessNames.begin(), kAccessNames.end(), text);
-  if (name == kAccessNames.end()) return std::nullopt;
-  return static_cast<Access>(name - kAccessNames.begin());
-}
-
-BuildScanOptions options_of(const BuildArguments& arguments, const Context& context) {
-  BuildScanOptions options;
-  options.inputs = arguments.inputs;
-  options.output = {arguments.output, context.force, arguments.thumbnail};
-  if (arguments.labels) options.kind = VolumeKind::labels;
-  if (arguments.grey) options.kind = VolumeKind::grey;
-  options.label_names = arguments.label_names;
-  options.preset = arguments.preset == "fast" ? Preset::fast : Preset::small;
-  options.access = parse_access(arguments.access);
-  options.max_error = parse_number(arguments.max_error, "--max-error");
-  if (options.max_error < 0) {
-    throw Error(ErrorKind::invalid_argument, "--max-error: must not be negative");
-  }
-  options.keep_details = arguments.keep_details;
-  options.repair.nan = parse_float(arguments.nan, "--nan");
-  options.repair.infinity = parse_float(arguments.infinity, "--inf");
-  options.between = isotropic_method(arguments.isotropic);
+int run_build(const BuildVerb& arguments, Context& context) {
+  BuildScanOptions options = build_scan_options(arguments.build, arguments.output, context);
   options.is_resuming = arguments.resume;
-  options.scan = scan_options(arguments.scan);
-  return options;
-}
-
-int run_build(const BuildArguments& arguments, Context& context) {
-  const BuiltVolume built = run_task(build_scan, options_of(arguments, context), context);
+  const BuiltVolume built =
+      arguments.parts
+          ? run_task(build_in_parts, BuildInPartsOptions{options, *arguments.parts}, context)
+          : run_task(build_scan, options, context);
   print_built(built, arguments.output, context);
   return kExitDone;
 }
@@ -144,52 +103,18 @@ int run_build(const BuildArguments& arguments, Context& context) {
 }  // namespace
 
 void add_build(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<BuildArguments>();
+  const auto arguments = std::make_shared<BuildVerb>();
   Verb verb = add_verb(app, context, kBuildText,
-                            [arguments, &context] { return run_build(*arguments, context); });
-  verb.add_option("inputs", arguments->inputs, "One folder or file, or the files of a stack")
-      ->type_name("SOURCE")
-      ->required();
+                       [arguments, &context] { return run_build(*arguments, context); });
+  add_build_options(verb, arguments->build);
   verb.add_output(arguments->output, "The file to write");
-  Option labels =
-      verb.add_flag("--labels", arguments->labels, "A mask or label map: numbers are names");
-  verb.add_flag("--grey", arguments->grey,
-                "Measured values (default; labels are told by their name)")
-      ->excludes(labels);
-  verb.add_option("--label-names", arguments->label_names,
-                  "A text file with names and colors of the labels")
-      ->type_name("FILE");
-  verb.add_option("--preset", arguments->preset, "small: fewest bytes; fast: several times faster")
-      ->type_name("NAME")
-      ->check(one_of({"small", "fast"}))
-      ->capture_default_str();
-  verb.add_option("--access", arguments->access,
-                  "What of a brick of 64^3 voxels decodes alone: none, slices (64 x 32 x 32) or "
-                  "boxes (32^3). Default: slices in fast, none in small")
-      ->type_name("NAME")
-      ->check(one_of({kAccessNames.begin(), kAccessNames.end()}));
-  verb.add_option("--max-error", arguments->max_error,
-                  "How far a voxel may end up from its source, real units; 0: lossless")
-      ->type_name("E")
-      ->capture_default_str();
-  verb.add_option("--keep-details", arguments->keep_details,
-                  "The finest level whose details are kept; finer ones are interpolated. Not with "
-                  "--max-error, nor with --access slices or boxes")
-      ->type_name("K")
-      ->check(whole_within(1, 5));
-  verb.add_option("--nan", arguments->nan, "float32: what takes the place of NaN")
-      ->type_name("VALUE");
-  verb.add_option("--inf", arguments->infinity,
-                  "float32: what takes the place of +infinity; of -infinity its negative")
-      ->type_name("VALUE");
-  verb.add_flag("--keep-identity", arguments->scan.keep_identity,
-                "Keep names, dates and free text of the source in the metadata");
-  verb.add_flag("--thumbnail", arguments->thumbnail,
-                "Put a small picture into the file, for file managers and viewers");
-  add_isotropic_option(verb, arguments->isotropic);
-  verb.add_flag("--resume", arguments->resume,
-                "Continue an interrupted build of FILE, and keep this one if it is interrupted");
-  add_scan_options(verb, arguments->scan);
+  Option resume = verb.add_flag(
+      "--resume", arguments->resume,
+      "Continue an interrupted build of FILE, and keep this one if it is interrupted");
+  verb.add_option("--parts", arguments->parts, "Build in N parts, and join them")
+      ->type_name("N")
+      ->check(whole_within(1))
+      ->excludes(resume);
 }
 
 }  // namespace octavo::cli

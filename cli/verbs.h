@@ -11,6 +11,9 @@ class App;
 namespace octavo::cli {
 
 void add_build(CLI::App& app, Context& context);
+void add_plan(CLI::App& app, Context& context);
+void add_part(CLI::App& app, Context& context);
+void add_join(CLI::App& app, Context& context);
 void add_threshold(CLI::App& app, Context& context);
 void add_combine(CLI::App& app, Context& context);
 void add_components(CLI::App& app, Context& context);

@@ -83,6 +83,12 @@ constexpr Advice kAdvice[] = {
     {ErrorKind::io, "interrupted", "",
      "continue it with build --resume where a scan was being built, or give it up with --force"},
 
+    // --- Building in parts
+    {kUsage, "is_resuming", "", "leave out --resume, or --parts"},
+    {kUsage, "parts.plan", "", "--force replaces it, another folder (-o) keeps both"},
+    {kUsage, "parts.which", "", "give --part I"},
+    {ErrorKind::io, "parts.missing", "", "octavo part PLAN --part {} makes one"},
+
     // --- Masks, labels and grids
     {kAny, "between", "", "leave the method, or give --grey if these are measured values"},
     {kAny, "codes.range", "",

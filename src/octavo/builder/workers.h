@@ -4,6 +4,7 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 
@@ -13,8 +14,10 @@ namespace octavo {
 /// place to one of them. The number may exceed the cores of the machine.
 class Workers {
  public:
-  explicit Workers(int threads)
-      : limit_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads) + 1),
+  /// of_all  the threads of all that work side by side in this process, where there are others
+  explicit Workers(int threads, int of_all = 0)
+      : limit_(tbb::global_control::max_allowed_parallelism,
+               static_cast<std::size_t>(std::max(threads, of_all)) + 1),
         arena_(threads, 0),
         threads_(threads) {}
 

@@ -104,7 +104,7 @@ void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_g
                     {plan.id, first_group, end_group},
                     {first_layer_of(plan, levels, first_group),
                      static_cast<std::uint64_t>(first_group)});
-  Workers workers(threads);
+  Workers workers(threads, work.threads_of_all);
   GroupTrainer trainer(outline.description, levels, workers, outline.settings);
   if (first_group > 0) trainer.begin_with(plan.first_model);
   GroupReader reader(outline.planes(source), levels, progress, outline.float_voxels(), first_plane,

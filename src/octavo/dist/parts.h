@@ -26,6 +26,7 @@ struct PartWork {
   int threads = 0;                     ///< 0: all cores
   std::uint64_t max_memory_bytes = 0;  ///< 0: no limit
   ClippedListener on_clipped = {};     ///< told of floats of a part that only level 0 holds
+  int threads_of_all = 0;              ///< of parts that are made side by side in this process
 };
 
 /// Encodes groups first .. end of the plan into a part file at `path`, which replaces what has that

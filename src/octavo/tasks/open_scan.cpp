@@ -8,6 +8,7 @@
 #include "octavo/io/isolation/isolated_source.h"
 #include "octavo/io/open_source.h"
 #include "octavo/io/source/prefetch_source.h"
+#include "octavo/io/source/slice_source.h"
 #include "octavo/tasks/file_planes.h"
 #include "octavo/tasks/inputs.h"
 
@@ -73,6 +74,22 @@ IsolationOptions isolation_options(const TaskContext& context) {
   return options;
 }
 
+SourceOptions source_options(const ScanOptions& options, const TaskContext& context) {
+  SourceOptions how = options.source;
+  how.max_memory_bytes = context.max_memory_bytes;
+  how.is_cancelled = [&watcher = context.watcher()] { return watcher.is_cancelled(); };
+  return how;
+}
+
+/// In the process that the options and the files call for.
+std::unique_ptr<PlaneSource> opened(const std::vector<std::string>& paths, bool is_isolated,
+                                    const SourceOptions& how, const TaskContext& context) {
+  if (is_isolated && !context.worker_command.empty() && needs_isolation(paths, how)) {
+    return open_isolated_source(paths, how, isolation_options(context));
+  }
+  return make_prefetch_source(open_source(paths, how), {.threads = context.thread_count()});
+}
+
 }  // namespace
 
 void require_scan_for_options(const std::vector<std::string>& paths, const ScanOptions& options) {
@@ -85,18 +102,19 @@ void require_scan_for_options(const std::vector<std::string>& paths, const ScanO
 
 std::unique_ptr<PlaneSource> open_scan(const std::vector<std::string>& paths,
                                        const ScanOptions& options, const TaskContext& context) {
-  SourceOptions how = options.source;
-  how.max_memory_bytes = context.max_memory_bytes;
-  how.is_cancelled = [&watcher = context.watcher()] { return watcher.is_cancelled(); };
-  const bool is_isolated = options.is_isolated && !context.worker_command.empty();
-  std::unique_ptr<PlaneSource> source;
-  if (is_isolated && needs_isolation(paths, how)) {
-    source = open_isolated_source(paths, how, isolation_options(context));
-  } else {
-    source = make_prefetch_source(open_source(paths, how), {.threads = context.thread_count()});
-  }
+  auto source = opened(paths, options.is_isolated, source_options(options, context), context);
   context.require_voxels(source->description().size, paths.front());
   return std::make_unique<WatchedSource>(std::move(source), context);
+}
+
+std::unique_ptr<PlaneSource> open_slices(const SliceStack& stack, const ScanOptions& options,
+                                         const TaskContext& context) {
+  const auto open = [is_isolated = options.is_isolated, context](
+                        const std::vector<std::string>& paths, const SourceOptions& how) {
+    return opened(paths, is_isolated, how, context);
+  };
+  return std::make_unique<WatchedSource>(
+      make_slice_source(stack, source_options(options, context), open), context);
 }
 
 std::unique_ptr<PlaneSource> open_planes(const std::vector<std::string>& paths,

@@ -7,6 +7,7 @@
 
 #include "octavo/io/source_options.h"
 #include "octavo/planes/plane_source.h"
+#include "octavo/planes/slice_stack.h"
 #include "octavo/tasks/task_context.h"
 
 namespace octavo {
@@ -22,6 +23,12 @@ struct ScanOptions {
 /// Throws what open_source and open_isolated_source throw; as TaskContext::require_voxels
 std::unique_ptr<PlaneSource> open_scan(const std::vector<std::string>& paths,
                                        const ScanOptions& options, const TaskContext& context);
+
+/// A stack that slice_stack_of has told of what open_scan returned: only the files of planes that
+/// are sought are opened, once the first of them is read. Warnings of opening are not given again.
+/// Throws as make_slice_source
+std::unique_ptr<PlaneSource> open_slices(const SliceStack& stack, const ScanOptions& options,
+                                         const TaskContext& context);
 
 /// Throws Error{invalid_argument} about the field "scan.NAME" when an option says how a scan is
 /// read and all of `paths` are .8vo files, in which it changes nothing.

@@ -1,0 +1,188 @@
+// octavo join: the file of a planned build, from its parts.
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "common/failure.h"
+#include "common/options.h"
+#include "common/task_run.h"
+#include "octavo/core/text.h"
+#include "octavo/tasks/parts/join_in_steps.h"
+#include "text/built_words.h"
+#include "verbs.h"
+
+namespace octavo::cli {
+
+namespace {
+
+constexpr VerbText kJoinText = {
+    "join", "Join the parts of a planned build into one .8vo file.",
+    "The file is that of octavo build with the options of the plan, byte for byte. No voxel is\n"
+    "read or decoded: bytes of the parts are copied and their checksums proven, and the levels\n"
+    "above are made of one sample per brick. The source need not be there.\n\n"
+    "Parts are looked for in the folder of the plan, in another folder, or are given one by one,\n"
+    "in any order. One that is missing, damaged or of another plan is named.\n\n"
+    "--consume removes each part once it is in the file, so that the disk holds no more than the\n"
+    "file and the largest part. All parts are proven before the first one goes; a join that was\n"
+    "ended goes on where it is given again.\n\n"
+    "A join is shared by many machines in three steps, each of which may be repeated: --step layout\n"
+    "makes a hidden file of full size, --step copy --part I copies one part to its place (the\n"
+    "number comes from the scheduler as in octavo part; without one all that are left are copied),\n"
+    "--step seal gives the file its name.\n\n"
+    "--runs lays the file out and lists the bytes that it consists of: path, offset and length, in\n"
+    "their order, of parts and of the hidden file. The server of an object store can put them\n"
+    "together without sending them through this machine.\n\n"
+    "--missing joins nothing: it proves every part and prints the numbers of those that have to be\n"
+    "made, as 3,17-19, ready for sbatch --array. It ends with 1 while there are any.\n\n"
+    "Examples:\n"
+    "  octavo join scan.plan parts/ -o scan.8vo\n"
+    "  octavo join scan.plan parts/ --consume -o scan.8vo\n"
+    "  octavo join scan.plan parts/ --step copy --part 7 -o scan.8vo\n"
+    "  octavo join scan.plan parts/ --runs --json -o scan.8vo\n"
+    "  octavo join scan.plan parts/ --missing\n"
+    "  sbatch --array=$(octavo join scan.plan parts/ --missing) array.sh"};
+
+struct JoinArguments {
+  JoinOptions options;
+  std::string step;
+  std::string part;
+  std::string parts;
+  bool is_missing = false;
+  bool is_runs = false;
+};
+
+int print_missing(const JoinArguments& arguments, Context& context) {
+  const MissingParts missing = run_task(missing_parts, arguments.options, context);
+  if (context.json) {
+    nlohmann::ordered_json parts = nlohmann::ordered_json::array();
+    for (const MissingPart& part : missing.missing) {
+      nlohmann::ordered_json why = nullptr;
+      if (!part.why.empty()) why = part.why;
+      parts.push_back({{"part", part.number}, {"why", why}});
+    }
+    print_json({{"part_count", missing.part_count}, {"missing", parts}});
+  } else if (!missing.missing.empty()) {
+    print(missing.list() + "\n");
+  }
+  return missing.missing.empty() ? kExitDone : kExitDifferent;
+}
+
+int print_runs(const JoinOptions& options, Context& context) {
+  const JoinRuns joined = run_task(join_runs, options, context);
+  if (context.json) {
+    nlohmann::ordered_json runs = nlohmann::ordered_json::array();
+    for (const FileRun& run : joined.runs) {
+      runs.push_back({{"path", run.path}, {"offset", run.offset}, {"length", run.length}});
+    }
+    print_json({{"output", options.output.path},
+                {"own_file", joined.own_file},
+                {"file_bytes", joined.file_bytes},
+                {"runs", runs}});
+    return kExitDone;
+  }
+  std::string text;
+  for (const FileRun& run : joined.runs) {
+    text += fmt::format("{} {} {}\n", run.path, run.offset, run.length);
+  }
+  print(text);
+  return kExitDone;
+}
+
+JoinStep step_of(const std::string& name) {
+  if (name == "layout") return JoinStep::layout;
+  return name == "copy" ? JoinStep::copy : JoinStep::seal;
+}
+
+std::string step_words(const JoinStepResult& done, JoinStep step, const std::string& path) {
+  if (step == JoinStep::seal) return fmt::format("{}: {}\n", path, bytes_text(done.file_bytes));
+  const std::string left = fmt::format("{} of {} to be copied", done.uncopied.size(),
+                                       counted_text(done.part_count, "part"));
+  if (step == JoinStep::layout) {
+    return fmt::format("{}: laid out, {}; {}\n", path, bytes_text(done.file_bytes), left);
+  }
+  return fmt::format("{}: {} copied; {}\n", path,
+                     counted_text(static_cast<std::int64_t>(done.copied.size()), "part"), left);
+}
+
+int run_step(const JoinArguments& arguments, const JoinOptions& join, Context& context) {
+  JoinStepOptions options;
+  options.join = join;
+  options.step = step_of(arguments.step);
+  options.numbers = arguments.part.empty() ? arguments.parts : arguments.part;
+  options.variables = [](const char* name) { return std::getenv(name); };
+  const JoinStepResult done = run_task(join_step, options, context);
+  if (context.json) {
+    print_json({{"output", join.output.path},
+                {"step", arguments.step},
+                {"file_bytes", done.file_bytes},
+                {"part_count", done.part_count},
+                {"copied", done.copied},
+                {"uncopied", done.uncopied}});
+  } else if (!context.quiet) {
+    print(step_words(done, options.step, join.output.path));
+  }
+  return kExitDone;
+}
+
+void require_words(const JoinArguments& arguments) {
+  if (arguments.options.output.path.empty()) {
+    throw Error(ErrorKind::invalid_argument, "--output is required, unless --missing is given");
+  }
+  const bool has_number = !arguments.part.empty() || !arguments.parts.empty();
+  if (has_number && arguments.step != "copy") {
+    throw Error(ErrorKind::invalid_argument, "--part goes with --step copy");
+  }
+}
+
+int run_join(const JoinArguments& arguments, Context& context) {
+  if (arguments.is_missing) return print_missing(arguments, context);
+  require_words(arguments);
+  JoinOptions options = arguments.options;
+  options.output.overwrite = context.force;
+  if (arguments.is_runs) return print_runs(options, context);
+  if (!arguments.step.empty()) return run_step(arguments, options, context);
+  print_built(run_task(join_scan, options, context), options.output.path, context);
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_join(CLI::App& app, Context& context) {
+  const auto arguments = std::make_shared<JoinArguments>();
+  Verb verb = add_verb(app, context, kJoinText,
+                       [arguments, &context] { return run_join(*arguments, context); });
+  verb.add_option("plan", arguments->options.plan, "The plan of the parts")
+      ->type_name("PLAN")
+      ->required();
+  verb.add_option("parts", arguments->options.parts,
+                  "Parts, or the folder in which they are; default: that of the plan")
+      ->type_name("PART");
+  Option output = verb.add_option("-o,--output", arguments->options.output.path,
+                                  "The .8vo file to write")
+                      ->type_name("FILE");
+  Option missing = verb.add_flag("--missing", arguments->is_missing,
+                                 "Print the numbers of parts to be made")
+                       ->excludes(output);
+  Option consume = verb.add_flag("--consume", arguments->options.consumes_parts,
+                                 "Remove each part once it is in the file")
+                       ->excludes(missing);
+  Option step = verb.add_option("--step", arguments->step, "One step of a join that many share")
+                    ->type_name("STEP")
+                    ->check(one_of({"layout", "copy", "seal"}))
+                    ->excludes(missing);
+  Option part = verb.add_option("--part", arguments->part, "The part that is copied")
+                    ->type_name("I")
+                    ->excludes(missing);
+  verb.add_option("--parts", arguments->parts, "Parts that are copied: 3,17-19")
+      ->type_name("LIST")
+      ->excludes(missing)
+      ->excludes(part);
+  verb.add_flag("--runs", arguments->is_runs, "List the bytes that the file consists of")
+      ->excludes(missing)
+      ->excludes(step)
+      ->excludes(consume);
+}
+
+}  // namespace octavo::cli

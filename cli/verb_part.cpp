@@ -1,0 +1,97 @@
+// octavo part: some of the parts of a plan.
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "common/failure.h"
+#include "common/options.h"
+#include "common/task_run.h"
+#include "octavo/core/text.h"
+#include "octavo/tasks/parts/make_parts.h"
+#include "verbs.h"
+
+namespace octavo::cli {
+
+namespace {
+
+constexpr VerbText kPartText = {
+    "part", "Make parts of a planned build.",
+    "A part depends on its plan and its slices alone, and made twice it has the same bytes: parts\n"
+    "are made in any order, anywhere, as often as you like. A part that stands whole is kept; one\n"
+    "that is damaged is made anew. So the same job, started again, makes what is missing.\n\n"
+    "Parts count from 0. Without --part the number comes from the scheduler, and a line says from\n"
+    "where: SLURM_ARRAY_TASK_ID, PBS_ARRAY_INDEX, LSB_JOBINDEX and SGE_TASK_ID (which count from\n"
+    "1), AWS_BATCH_JOB_ARRAY_INDEX, JOB_COMPLETION_INDEX. Ranks of Open MPI, PMIx and srun share\n"
+    "the parts: rank r of n makes parts r, r + n, and so on. An array of Slurm or Grid Engine with\n"
+    "as many tasks as there are parts makes the first part first, whatever its numbers.\n\n"
+    "A part has its name only when it is whole and on disk.\n\n"
+    "Examples:\n"
+    "  octavo part scan.plan --part 7 -o parts/\n"
+    "  octavo part scan.plan --parts 3,17-19 -o parts/\n"
+    "  sbatch --array=0-116 --mem=5G --wrap 'octavo part scan.plan -j 1 -o parts/'"};
+
+struct PartArguments {
+  MakePartsOptions options;
+  std::string part;
+};
+
+nlohmann::ordered_json made_parts_json(const MakePartsResult& result, const Context& context) {
+  nlohmann::ordered_json parts = nlohmann::ordered_json::array();
+  for (const MadePart& part : result.parts) {
+    parts.push_back({{"part", part.number},
+                     {"output", part.path},
+                     {"file_bytes", part.file_bytes},
+                     {"was_there", part.was_there}});
+  }
+  nlohmann::ordered_json from = nullptr;
+  if (result.scheduled) from = result.scheduled->variable;
+  return {{"part_count", result.part_count},
+          {"number_from", from},
+          {"parts", parts},
+          {"warnings", context.warnings}};
+}
+
+int run_part(const PartArguments& arguments, Context& context) {
+  MakePartsOptions options = arguments.options;
+  if (!arguments.part.empty()) options.parts = arguments.part;
+  options.variables = [](const char* name) { return std::getenv(name); };
+  options.overwrite = context.force;
+  const MakePartsResult result = run_task(make_parts, options, context);
+  if (context.json) {
+    print_json(made_parts_json(result, context));
+    return kExitDone;
+  }
+  for (const MadePart& part : result.parts) {
+    if (context.quiet) break;
+    const std::string name = fmt::format("part {} of {}", part.number, result.part_count);
+    print(part.was_there ? name + " is there already\n"
+                         : fmt::format("{}: {}, {}\n", name, part.path, bytes_text(part.file_bytes)));
+  }
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_part(CLI::App& app, Context& context) {
+  const auto arguments = std::make_shared<PartArguments>();
+  Verb verb = add_verb(app, context, kPartText,
+                       [arguments, &context] { return run_part(*arguments, context); });
+  verb.add_option("plan", arguments->options.plan, "A plan that octavo plan has written")
+      ->type_name("PLAN")
+      ->required();
+  Option part =
+      verb.add_option("--part", arguments->part, "The number of one part")->type_name("I");
+  verb.add_option("--parts", arguments->options.parts, "Several parts: 3,17-19")
+      ->type_name("LIST")
+      ->excludes(part);
+  verb.add_option("-o,--output", arguments->options.folder,
+                  "The folder for the parts; default: that of the plan")
+      ->type_name("FOLDER");
+  verb.add_option("--source-root", arguments->options.source_root,
+                  "Where the files of the source stand on this machine")
+      ->type_name("FOLDER");
+}
+
+}  // namespace octavo::cli

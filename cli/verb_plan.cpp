@@ -1,0 +1,144 @@
+// octavo plan: what has to be known before a scan is built in parts.
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "common/build_arguments.h"
+#include "common/failure.h"
+#include "common/options.h"
+#include "common/task_run.h"
+#include "octavo/core/text.h"
+#include "octavo/tasks/parts/plan_scan.h"
+#include "text/quantities.h"
+#include "text/volume_json.h"
+#include "verbs.h"
+
+namespace octavo::cli {
+
+namespace {
+
+constexpr VerbText kPlanText = {
+    "plan", "Plan a build in parts, for many machines.",
+    "Reads and trains on the first group of slices, and writes what every part has to know. Parts\n"
+    "are then made by octavo part, in any order, on any number of machines, and octavo join makes\n"
+    "the file of them: byte for byte the one of octavo build with the same options.\n\n"
+    "The plan keeps the length and the time of every file of the source. A part is refused where\n"
+    "one of its files was changed since.\n\n"
+    "A part has whole groups of slices. --parts says how many parts there are, at most as many as\n"
+    "groups; --part-size how many bytes of voxels a part holds at most, 4G unless told otherwise.\n"
+    "A source that is compressed as one stream (.nii.gz) is read from its start by every part:\n"
+    "the plan says so and proposes 8 parts at most.\n\n"
+    "Paths below the folder of the plan stand relative to it in the plan, others absolute, so that\n"
+    "a job may run in any folder. --source-root DIR makes paths relative to DIR instead; part\n"
+    "--source-root takes the same files from another place.\n\n"
+    "Examples:\n"
+    "  octavo plan slices/ --spacing 0.0195 -o scan.plan\n"
+    "  octavo plan slices/ --spacing 0.0195 --part-size 8G -o scan.plan\n"
+    "  octavo plan scans/head/ --max-error 2 --parts 16 -o head.plan"};
+
+struct PlanArguments {
+  BuildArguments build;
+  std::string output;
+  std::optional<std::int64_t> parts;
+  std::string part_size;
+  std::string source_root;
+};
+
+PlanScanOptions options_of(const PlanArguments& arguments, const Context& context) {
+  PlanScanOptions options;
+  options.scan = build_scan_options(arguments.build, arguments.output, context);
+  options.parts = arguments.parts;
+  if (!arguments.part_size.empty()) options.part_bytes = parse_bytes(arguments.part_size);
+  options.source_root = arguments.source_root;
+  return options;
+}
+
+/// For a shell.
+std::string shell_word(const std::string& word) {
+  constexpr const char* kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./+-:@%,=";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string quoted = "\"";
+  for (const char c : word) {
+    if (c == '"' || c == '\\' || c == '$' || c == '`') quoted += '\\';
+    quoted += c;
+  }
+  return quoted + "\"";
+}
+
+std::string groups_of_parts(const PlanResult& plan) {
+  const std::int64_t fewest = plan.group_count / plan.part_count;
+  if (fewest == plan.groups_per_part) return counted_text(fewest, "group");
+  return fmt::format("{} or {} groups", fewest, plan.groups_per_part);
+}
+
+std::string plan_words(const PlanResult& plan, const std::string& path) {
+  std::string stem = path;
+  if (stem.ends_with(".plan")) stem.resize(stem.size() - 5);
+  constexpr std::uint64_t kGiB = std::uint64_t{1} << 30;
+  const std::string file = shell_word(path);
+  std::string text = fmt::format(
+      "plan      {} voxels of {}, {}; {} of {}, {} each\n", size_text(plan.volume.size),
+      voxel_type_name(plan.volume.type), bytes_text(plan.raw_bytes),
+      counted_text(plan.group_count, "group"), counted_text(plan.planes_per_group, "plane"),
+      bytes_text(plan.group_bytes));
+  if (!plan.can_seek) {
+    text += "source    is compressed as one stream: every part reads it from its start\n";
+  }
+  text += fmt::format("parts     {} of {}; each needs {} of memory with 1 thread\n", plan.part_count,
+                      groups_of_parts(plan), bytes_text(plan.part_memory_bytes));
+  text += fmt::format(
+      "next      sbatch --array=0-{} --mem={}G --wrap 'octavo part {} -j 1 -o parts/'\n"
+      "          octavo join {} parts/ -o {}\n",
+      plan.part_count - 1, (plan.part_memory_bytes + kGiB - 1) / kGiB, file, file,
+      shell_word(stem + ".8vo"));
+  return text;
+}
+
+int run_plan(const PlanArguments& arguments, Context& context) {
+  const PlanResult plan = run_task(plan_scan, options_of(arguments, context), context);
+  if (context.json) {
+    print_json({{"output", arguments.output},
+                {"size", {plan.volume.size.x, plan.volume.size.y, plan.volume.size.z}},
+                {"type", voxel_type_name(plan.volume.type)},
+                {"kind", kind_name(plan.kind)},
+                {"raw_bytes", plan.raw_bytes},
+                {"groups", plan.group_count},
+                {"planes_per_group", plan.planes_per_group},
+                {"group_bytes", plan.group_bytes},
+                {"parts", plan.part_count},
+                {"groups_per_part", plan.groups_per_part},
+                {"part_memory_bytes", plan.part_memory_bytes},
+                {"thread_bytes", plan.thread_bytes},
+                {"files", plan.file_count},
+                {"reads_from_start", !plan.can_seek},
+                {"warnings", context.warnings}});
+  } else if (!context.quiet) {
+    print(plan_words(plan, arguments.output));
+  }
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_plan(CLI::App& app, Context& context) {
+  const auto arguments = std::make_shared<PlanArguments>();
+  Verb verb = add_verb(app, context, kPlanText,
+                       [arguments, &context] { return run_plan(*arguments, context); });
+  add_build_options(verb, arguments->build);
+  verb.add_output(arguments->output, "The plan to write, NAME.plan");
+  Option parts = verb.add_option("--parts", arguments->parts, "Into how many parts")
+                     ->type_name("N")
+                     ->check(whole_within(1));
+  verb.add_option("--part-size", arguments->part_size,
+                  "Parts of so many bytes of voxels at most (8G). Default: 4G")
+      ->type_name("BYTES")
+      ->excludes(parts);
+  verb.add_option("--source-root", arguments->source_root,
+                  "Keep paths below this folder relative to it")
+      ->type_name("FOLDER");
+}
+
+}  // namespace octavo::cli

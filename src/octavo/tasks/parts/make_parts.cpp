@@ -1,0 +1,96 @@
+#include "octavo/tasks/parts/make_parts.h"
+
+#include <filesystem>
+
+#include "octavo/builder/build_setup.h"
+#include "octavo/core/error.h"
+#include "octavo/dist/parts.h"
+#include "octavo/file/storage/storage.h"
+#include "octavo/tasks/files/scan_planes.h"
+#include "octavo/tasks/parts/plan_file.h"
+#include "octavo/tasks/parts/planned_source.h"
+#include "octavo/tasks/parts/standing_part.h"
+
+namespace octavo {
+
+namespace {
+
+/// The parts that are to be made.
+std::vector<std::int64_t> wanted_parts(const MakePartsOptions& options, MakePartsResult& result,
+                                       const TaskContext& context) {
+  const std::int64_t count = result.part_count;
+  if (!options.parts.empty()) return parse_part_list(options.parts, count);
+  if (options.variables) result.scheduled = scheduled_parts(options.variables, count);
+  if (result.scheduled) {
+    context.note(scheduled_text(*result.scheduled, count));
+    return result.scheduled->parts;
+  }
+  if (count == 1) return {0};
+  throw Error(ErrorKind::invalid_argument,
+              "which of " + std::to_string(count) +
+                  " parts? No scheduler has set a number in the environment",
+              options.plan)
+      .with_field("parts.which");
+}
+
+void make_folder(const std::string& folder) {
+  std::error_code problem;
+  std::filesystem::create_directories(folder, problem);
+  if (problem) throw Error(ErrorKind::io, problem.message(), folder);
+}
+
+/// Whether the part need not be made.
+bool is_kept(const BuildPlan& plan, std::int64_t part, const std::string& path,
+              const TaskContext& context) {
+  if (local_storage().path_type(path) == PathType::missing) return false;
+  try {
+    open_whole_part(plan, part, path);
+    return true;
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::io) throw;
+    if (error.kind() == ErrorKind::invalid_argument) throw error.with_field("parts.plan");
+    context.note(std::string(error.what()) + ": it is made anew");
+    return false;
+  }
+}
+
+}  // namespace
+
+MadePart make_part(const BuildPlan& plan, std::int64_t part, const std::string& path,
+                   int threads_of_all, const TaskContext& context) {
+  const std::int64_t first = first_group_of(plan, part);
+  const std::int64_t end = first_group_of(plan, part + 1);
+  try {
+    const auto source =
+        open_planned(plan, first_plane_of(plan, first), first_plane_of(plan, end), context);
+    build_part(plan, *source, first, end, local_storage(), path,
+               {context.threads, context.max_memory_bytes, clipped_listener(path, context),
+                threads_of_all},
+               context.watcher());
+  } catch (const Error& error) {
+    throw about_scan(error, plan.inputs.front());
+  }
+  return {part, path, local_storage().open_read(path)->size(), false};
+}
+
+MakePartsResult make_parts(const MakePartsOptions& options, const TaskContext& context) {
+  const BuildPlan plan = read_plan(options.plan, options.source_root);
+  MakePartsResult result;
+  result.part_count = plan.part_count;
+  const std::vector<std::int64_t> parts = wanted_parts(options, result, context);
+  const std::string folder = options.folder.empty() ? folder_of(options.plan) : options.folder;
+  make_folder(folder);
+  for (const std::int64_t part : parts) {
+    context.stop_if_cancelled();
+    const std::string path =
+        (std::filesystem::path(folder) / part_name(options.plan, part, plan.part_count)).string();
+    if (!options.overwrite && is_kept(plan, part, path, context)) {
+      result.parts.push_back({part, path, local_storage().open_read(path)->size(), true});
+    } else {
+      result.parts.push_back(make_part(plan, part, path, 0, context));
+    }
+  }
+  return result;
+}
+
+}  // namespace octavo

@@ -1,0 +1,184 @@
+#include "octavo/tasks/parts/part_numbers.h"
+
+#include <algorithm>
+#include <charconv>
+#include <string_view>
+
+#include "octavo/core/error.h"
+
+namespace octavo {
+
+namespace {
+
+/// A number of 0 or more that fills `text`.
+std::optional<std::int64_t> count_in(std::string_view text) {
+  std::int64_t value = 0;
+  const auto* const end = text.data() + text.size();
+  const auto [at, failure] = std::from_chars(text.data(), end, value);
+  if (failure != std::errc{} || at != end || value < 0) return std::nullopt;
+  return value;
+}
+
+std::string parts_there_are(std::int64_t count) {
+  return count == 1 ? "the plan has one part, number 0"
+                    : "the plan has parts 0 to " + std::to_string(count - 1);
+}
+
+/// A variable that numbers the tasks of an array.
+struct ArrayVariable {
+  const char* name;
+  std::int64_t first;
+  const char* minimum;  ///< the variable of the first task of the array; null where there is none
+  const char* maximum;
+};
+
+constexpr ArrayVariable kArrays[] = {
+    {"SLURM_ARRAY_TASK_ID", 0, "SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_MAX"},
+    {"PBS_ARRAY_INDEX", 0, nullptr, nullptr},
+    {"PBS_ARRAYID", 0, nullptr, nullptr},
+    {"LSB_JOBINDEX", 1, nullptr, nullptr},
+    {"SGE_TASK_ID", 1, "SGE_TASK_FIRST", "SGE_TASK_LAST"},
+    {"AWS_BATCH_JOB_ARRAY_INDEX", 0, nullptr, nullptr},
+    {"JOB_COMPLETION_INDEX", 0, nullptr, nullptr},
+};
+
+/// A variable that numbers ranks, and those that say how many there are.
+struct RankVariable {
+  const char* name;
+  std::vector<const char*> sizes;
+};
+
+const RankVariable kRanks[] = {
+    {"OMPI_COMM_WORLD_RANK", {"OMPI_COMM_WORLD_SIZE"}},
+    {"PMIX_RANK", {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS", "SLURM_NTASKS"}},
+    {"PMI_RANK", {"PMI_SIZE", "SLURM_STEP_NUM_TASKS", "SLURM_NTASKS"}},
+    {"SLURM_PROCID", {"SLURM_STEP_NUM_TASKS", "SLURM_NTASKS"}},
+};
+
+/// What LSF and Grid Engine say where a job is no array.
+bool is_no_array(const ArrayVariable& array, std::string_view value) {
+  return value == "undefined" || (array.first == 1 && value == "0");
+}
+
+std::int64_t variable_number(const char* name, std::string_view value) {
+  if (const auto number = count_in(value)) return *number;
+  throw Error(ErrorKind::invalid_argument,
+              std::string(name) + " is '" + escaped(value) + "', no number of a task")
+      .with_field("parts");
+}
+
+ScheduledParts array_parts(const ArrayVariable& array, std::string_view value,
+                           const Variables& variables, std::int64_t count) {
+  const std::int64_t number = variable_number(array.name, value);
+  std::int64_t first = array.first;
+  // Of as many tasks as there are parts, or more, the first one makes the first part.
+  bool is_whole = false;
+  const char* const minimum = array.minimum == nullptr ? nullptr : variables(array.minimum);
+  const char* const maximum = array.maximum == nullptr ? nullptr : variables(array.maximum);
+  if (minimum != nullptr && maximum != nullptr) {
+    const auto lowest = count_in(minimum);
+    const auto highest = count_in(maximum);
+    is_whole = lowest && highest && *highest - *lowest >= count - 1;
+    if (is_whole) first = *lowest;
+  }
+  ScheduledParts scheduled{array.name, number - first, 0, {}};
+  if (scheduled.task >= 0 && scheduled.task < count) scheduled.parts = {scheduled.task};
+  if (!scheduled.parts.empty() || is_whole) return scheduled;
+  throw Error(ErrorKind::invalid_argument,
+              std::string(array.name) + " is " + std::to_string(number) + ", and " +
+                  parts_there_are(count) +
+                  (array.first == 0 ? ": the tasks of the array count from 0"
+                                    : ": the tasks of the array count from 1"))
+      .with_field("parts");
+}
+
+ScheduledParts rank_parts(const RankVariable& rank, std::string_view value,
+                          const Variables& variables, std::int64_t count) {
+  ScheduledParts scheduled{rank.name, variable_number(rank.name, value), 0, {}};
+  for (const char* const name : rank.sizes) {
+    const char* const size = variables(name);
+    if (size == nullptr) continue;
+    scheduled.stride = variable_number(name, size);
+    break;
+  }
+  if (scheduled.task >= scheduled.stride) {
+    throw Error(ErrorKind::invalid_argument,
+                std::string(rank.name) + " is " + std::to_string(scheduled.task) +
+                    ", but nothing says of how many ranks")
+        .with_field("parts");
+  }
+  for (std::int64_t part = scheduled.task; part < count; part += scheduled.stride) {
+    scheduled.parts.push_back(part);
+  }
+  return scheduled;
+}
+
+}  // namespace
+
+std::string part_list_text(const std::vector<std::int64_t>& parts) {
+  std::string text;
+  for (std::size_t begin = 0; begin < parts.size();) {
+    std::size_t end = begin + 1;
+    while (end < parts.size() && parts[end] == parts[end - 1] + 1) ++end;
+    if (!text.empty()) text += ",";
+    text += std::to_string(parts[begin]);
+    if (end - begin > 1) text += "-" + std::to_string(parts[end - 1]);
+    begin = end;
+  }
+  return text;
+}
+
+std::vector<std::int64_t> parse_part_list(const std::string& text, std::int64_t count) {
+  std::vector<std::int64_t> parts;
+  std::string_view rest = text;
+  for (bool is_last = false; !is_last;) {
+    const std::size_t comma = rest.find(',');
+    is_last = comma == std::string_view::npos;
+    const std::string_view run = rest.substr(0, comma);
+    if (!is_last) rest.remove_prefix(comma + 1);
+    const std::size_t dash = run.find('-');
+    const auto first = count_in(run.substr(0, dash));
+    const auto last = dash == std::string_view::npos ? first : count_in(run.substr(dash + 1));
+    if (!first || !last || *first > *last) {
+      throw Error(ErrorKind::invalid_argument,
+                  "'" + escaped(text) + "' is no list of parts such as 3,17-19")
+          .with_field("parts");
+    }
+    if (*last >= count) {
+      throw Error(ErrorKind::invalid_argument,
+                  "there is no part " + std::to_string(*last) + ": " + parts_there_are(count))
+          .with_field("parts");
+    }
+    for (std::int64_t part = *first; part <= *last; ++part) parts.push_back(part);
+  }
+  std::ranges::sort(parts);
+  const auto doubles = std::ranges::unique(parts);
+  parts.erase(doubles.begin(), doubles.end());
+  return parts;
+}
+
+std::string scheduled_text(const ScheduledParts& scheduled, std::int64_t count) {
+  std::string text = scheduled.variable + " says ";
+  text += scheduled.stride == 0 ? "task " + std::to_string(scheduled.task)
+                                : "rank " + std::to_string(scheduled.task) + " of " +
+                                      std::to_string(scheduled.stride);
+  const std::vector<std::int64_t>& parts = scheduled.parts;
+  if (parts.empty()) return text + ": there are fewer parts, " + std::to_string(count);
+  return text + (parts.size() == 1 ? ": part " : ": parts ") + part_list_text(parts) + " of " +
+         std::to_string(count);
+}
+
+std::optional<ScheduledParts> scheduled_parts(const Variables& variables, std::int64_t count) {
+  for (const ArrayVariable& array : kArrays) {
+    const char* const value = variables(array.name);
+    if (value == nullptr || is_no_array(array, value)) continue;
+    return array_parts(array, value, variables, count);
+  }
+  for (const RankVariable& rank : kRanks) {
+    const char* const value = variables(rank.name);
+    if (value != nullptr) return rank_parts(rank, value, variables, count);
+  }
+  return std::nullopt;
+}
+
+}  // namespace octavo

@@ -1,0 +1,98 @@
+#include "octavo/tasks/parts/plan_scan.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "octavo/builder/build_setup.h"
+#include "octavo/core/error.h"
+#include "octavo/core/url_text.h"
+#include "octavo/tasks/parts/plan_file.h"
+#include "octavo/tasks/parts/scan_recipe.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::uint64_t kPartBytes = std::uint64_t{4} << 30;
+constexpr std::int64_t kPartsThatReadAll = 8;
+
+void require_plan_name(const Output& output) {
+  if (output.path.ends_with(".8vo")) {
+    throw Error(ErrorKind::invalid_argument, "is the name of a volume; name the plan NAME.plan",
+                output.path);
+  }
+  require_free(output);
+}
+
+void require_files(const std::vector<std::string>& inputs) {
+  for (const std::string& input : inputs) {
+    if (!is_url(input)) continue;
+    throw Error(ErrorKind::invalid_argument,
+                "nothing tells whether a source behind a URL stays as it is; download it first",
+                public_name(input));
+  }
+}
+
+void describe_plan(const BuildPlan& plan, const PlaneSource& source, PlanResult& result) {
+  const VolumeDescription& volume = plan.source;
+  result.volume = volume;
+  result.kind = plan.options.kind;
+  result.raw_bytes = static_cast<std::uint64_t>(volume.size.voxel_count() *
+                                                bytes_per_voxel(volume.type));
+  result.group_count = plan.group_count;
+  result.planes_per_group = plan.planes_per_group;
+  result.group_bytes = plane_bytes(volume) * static_cast<std::uint64_t>(plan.planes_per_group);
+  result.part_memory_bytes =
+      build_memory_bytes(volume, 1, plan.options.max_error) + source.resident_bytes();
+  result.thread_bytes = kThreadBytes;
+  result.can_seek = source.can_seek();
+  result.file_count = static_cast<std::int64_t>(plan.files.size());
+}
+
+}  // namespace
+
+std::int64_t part_count_for(const PlanScanOptions& options, std::int64_t group_count,
+                            std::uint64_t group_bytes, bool can_seek) {
+  if (options.parts) return std::clamp<std::int64_t>(*options.parts, 1, group_count);
+  const std::uint64_t part_bytes = options.part_bytes.value_or(kPartBytes);
+  const auto per_part = static_cast<std::int64_t>(
+      std::max<std::uint64_t>(part_bytes / std::max<std::uint64_t>(group_bytes, 1), 1));
+  const std::int64_t count = group_count / per_part + (group_count % per_part != 0 ? 1 : 0);
+  return can_seek || options.part_bytes ? count : std::min(count, kPartsThatReadAll);
+}
+
+BuildPlan plan_in_memory(const PlanScanOptions& options, const TaskContext& context,
+                         PlanResult& result) {
+  const BuildScanOptions& wanted = options.scan;
+  require_files(wanted.inputs);
+  const ScanPlanes scan = open_scan_planes(wanted, context);
+  BuildOptions build = build_options_for(context, wanted.output, "plan",
+                                         build_options_of(wanted, scan.kind));
+  try {
+    BuildPlan plan = plan_build(*scan.planes, build, context.watcher(),
+                                scan.planes->files().paths, scan.stack);
+    describe_plan(plan, *scan.planes, result);
+    plan.inputs = wanted.inputs;
+    plan.recipe =
+        recipe_text({wanted.scan, wanted.between, !wanted.label_names.empty(), ""});
+    plan.part_count =
+        part_count_for(options, plan.group_count, result.group_bytes, result.can_seek);
+    result.part_count = plan.part_count;
+    result.groups_per_part = (plan.group_count + plan.part_count - 1) / plan.part_count;
+    plan.id = id_of(plan);
+    return plan;
+  } catch (const Error& error) {
+    throw about_scan(error, wanted.inputs.front());
+  }
+}
+
+PlanResult plan_scan(const PlanScanOptions& options, const TaskContext& context) {
+  const Output& output = options.scan.output;
+  require_plan_name(output);
+  PlanResult result;
+  BuildPlan plan = plan_in_memory(options, context, result);
+  write_plan(std::move(plan), output.path, options.source_root, output.overwrite);
+  return result;
+}
+
+}  // namespace octavo

@@ -1,0 +1,326 @@
+#!/usr/bin/env python3
+"""Builds scans in parts, as job arrays do, and joins them.
+
+usage: parts_test.py OCTAVO [unittest arguments]
+
+The volume has three groups of planes; everything is generated.
+"""
+
+import array
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+
+import cli_test
+
+SIZE = (512, 512, 140)  # of uint16: groups of 64, 64 and 12 planes
+PLANE = SIZE[0] * SIZE[1]
+
+SCHEDULERS = ["SLURM_ARRAY_TASK_ID", "PBS_ARRAY_INDEX", "LSB_JOBINDEX", "SGE_TASK_ID",
+              "AWS_BATCH_JOB_ARRAY_INDEX", "JOB_COMPLETION_INDEX", "OMPI_COMM_WORLD_RANK",
+              "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"]
+
+
+def voxels():
+    """Planes that differ, of few values, so that they are encoded fast."""
+    numbers = random.Random(5)
+    rows = [array.array("H", (x // 8 * y % 97 for x in range(SIZE[0]))) for y in range(97)]
+    planes = []
+    for z in range(SIZE[2]):
+        shift = numbers.randrange(97)
+        planes.append(b"".join(rows[(y // 4 + shift) % 97].tobytes() for y in range(SIZE[1])))
+    return b"".join(planes)
+
+
+VOXELS = voxels()
+
+
+def without_schedulers(**variables):
+    kept = {name: value for name, value in os.environ.items()
+            if not name.startswith(("SLURM_", "PBS_", "OMPI_", "PMI"))
+            and name not in SCHEDULERS}
+    return {**kept, **variables}
+
+
+class InParts(cli_test.InFolder):
+    def setUp(self):
+        super().setUp()
+        (self.folder / "scan.raw").write_bytes(VOXELS)
+
+    raw = ("scan.raw", "--raw", "512,512,140,uint16", "--spacing", "1", "--preset", "fast", "-q")
+
+    def plan(self, *options):
+        self.expect(0, "plan", *self.raw, *options, "-o", "scan.plan")
+
+    def part(self, code, *arguments, **variables):
+        return self.expect(code, "part", "scan.plan", *arguments, "--progress", "none",
+                           env=without_schedulers(**variables))
+
+    def built(self):
+        self.expect(0, "build", *self.raw, "-o", "whole.8vo")
+        return (self.folder / "whole.8vo").read_bytes()
+
+    def bytes_of(self, name):
+        return (self.folder / name).read_bytes()
+
+
+class Joined(InParts):
+    def test_a_file_joined_from_parts_is_that_of_a_build(self):
+        whole = self.built()
+        self.plan("--parts", "2")
+        self.part(0, "--part", "1", "-o", "parts")
+        self.part(0, "--part", "0", "-o", "parts")
+        self.expect(0, "join", "scan.plan", "parts", "-o", "scan.8vo")
+        self.assertEqual(self.bytes_of("scan.8vo"), whole)
+        self.expect(0, "build", *self.raw, "--parts", "3", "-o", "parted.8vo")
+        self.assertEqual(self.bytes_of("parted.8vo"), whole)
+        self.assertEqual(self.files(), [
+            "parted.8vo", "parts", "scan.8vo", "scan.part-0000-of-0002",
+            "scan.part-0001-of-0002", "scan.plan", "scan.raw", "whole.8vo"])
+
+    def test_a_part_made_twice_has_the_same_bytes(self):
+        self.plan("--parts", "3")
+        self.part(0, "--part", "1")
+        first = self.bytes_of("scan.part-0001-of-0003")
+        again = self.part(0, "--part", "1")
+        self.assertIn("part 1 of 3 is there already", again.stdout)
+        made = json.loads(self.part(0, "--part", "1", "--force", "--json").stdout)
+        self.assertFalse(made["parts"][0]["was_there"])
+        self.assertEqual(self.bytes_of("scan.part-0001-of-0003"), first)
+
+    def test_more_parts_than_groups_are_as_many_as_groups(self):
+        self.plan("--parts", "50", "--json")
+        self.part(0, "--parts", "0-2")
+        self.assertIn("scan.part-0002-of-0003", self.files())
+
+    def test_a_plan_says_what_a_part_needs_and_what_comes_next(self):
+        said = self.expect(0, "plan", *self.raw[:-1], "--part-size", "40M", "-o", "scan.plan").stdout
+        self.assertIn("512 x 512 x 140 voxels of uint16, 73.4 MB; 3 groups of 64 planes", said)
+        self.assertIn("3 of 1 group; each needs", said)
+        self.assertIn("octavo join scan.plan parts/ -o scan.8vo", said)
+        told = json.loads(self.expect(0, "plan", *self.raw, "-f", "-o", "scan.plan", "--json").stdout)
+        self.assertEqual((told["groups"], told["parts"]), (3, 1))
+        self.assertGreater(told["part_memory_bytes"], 2 * told["group_bytes"])
+        self.assertFalse(told["reads_from_start"])
+
+
+class Refused(InParts):
+    def setUp(self):
+        super().setUp()
+        self.plan("--parts", "3")
+        self.part(0, "--parts", "0,2", "-q")
+
+    def test_missing_parts_are_listed_for_a_job_array(self):
+        listed = self.expect(1, "join", "scan.plan", "--missing", "--progress", "none")
+        self.assertEqual(listed.stdout, "1\n")
+        self.expect_error(5, ["1 of 3 parts is missing: 1", "octavo part PLAN --part 1"],
+                          "join", "scan.plan", "-o", "scan.8vo")
+        self.part(0, "--parts", "1", "-q")
+        self.assertEqual(self.expect(0, "join", "scan.plan", "--missing").stdout, "")
+
+    def test_a_damaged_part_is_named_and_made_anew(self):
+        name = "scan.part-0002-of-0003"
+        good = self.bytes_of(name)
+        bad = bytearray(good)
+        bad[len(bad) // 2] ^= 4
+        (self.folder / name).write_bytes(bad)
+        self.part(0, "--part", "1", "-q")
+        self.expect_error(4, [name], "join", "scan.plan", "-o", "scan.8vo")
+        self.assertNotIn("scan.8vo", self.files())
+        self.assertEqual(self.expect(1, "join", "scan.plan", "--missing").stdout, "2\n")
+        again = self.part(0, "--part", "2")
+        self.assertIn("made anew", again.stderr)
+        self.assertEqual(self.bytes_of(name), good)
+        (self.folder / name).write_bytes(good[:-9])
+        self.expect_error(4, [name], "join", "scan.plan", "-o", "scan.8vo")
+
+    def test_a_part_of_another_plan_is_refused_and_kept(self):
+        other = bytearray(VOXELS)
+        other[5] ^= 1
+        (self.folder / "scan.raw").write_bytes(other)
+        self.expect(0, "plan", *self.raw, "-f", "--parts", "3", "-o", "scan.plan")
+        before = self.bytes_of("scan.part-0000-of-0003")
+        refused = self.part(2, "--part", "0")
+        self.assertIn("another plan", refused.stderr)
+        self.assertIn("--force", refused.stderr)
+        self.assertEqual(self.bytes_of("scan.part-0000-of-0003"), before)
+        self.part(0, "--part", "0", "-f")
+        self.part(0, "--part", "1")
+        self.expect_error(2, ["scan.part-0002-of-0003", "another plan"],
+                          "join", "scan.plan", "-o", "scan.8vo")
+
+    def test_a_source_changed_behind_the_first_group_is_refused(self):
+        with open(self.folder / "scan.raw", "r+b") as file:
+            file.seek(2 * PLANE * 100)
+            file.write(b"\1\2\3\4")
+        refused = self.part(7, "--part", "1")
+        self.assertIn("scan.raw: was changed after the build was planned", refused.stderr)
+        self.assertNotIn("scan.part-0001-of-0003", self.files())
+
+    def test_parts_given_one_by_one_may_have_any_name_but_come_once(self):
+        self.part(0, "--part", "1", "-q")
+        for part in range(3):
+            (self.folder / f"scan.part-000{part}-of-0003").rename(self.folder / f"p{part}")
+        self.expect_error(2, ["p0", "give each part once"],
+                          "join", "scan.plan", "p0", "p1", "p2", "p0", "-o", "scan.8vo")
+        self.expect_error(5, ["is missing: 1"], "join", "scan.plan", "p0", "p2", "-o", "scan.8vo")
+        self.expect(0, "join", "scan.plan", "p2", "p0", "p1", "-o", "scan.8vo", "-q")
+        self.assertEqual(self.bytes_of("scan.8vo"), self.built())
+
+    def test_what_is_no_plan_no_part_or_no_number_is_rejected(self):
+        (self.folder / "text").write_text("text, and long enough to be a head " * 40)
+        for code, words, arguments in [
+            (3, ["no plan"], ["part", "text"]),
+            (5, ["none.plan"], ["part", "none.plan"]),
+            (2, ["no part 3", "parts 0 to 2"], ["part", "scan.plan", "--part", "3"]),
+            (2, ["list of parts"], ["part", "scan.plan", "--parts", "2-"]),
+            (3, ["text"], ["join", "scan.plan", "text", "-o", "scan.8vo"]),
+            (2, ["--output is required"], ["join", "scan.plan"]),
+            (2, [".8vo"], ["join", "scan.plan", "-o", "scan"]),
+            (2, [".plan"], ["plan", *self.raw, "-o", "plan.8vo"]),
+            (2, ["URL"], ["plan", "https://example.org/a.8vo", "-o", "url.plan"]),
+            (2, ["--resume"], ["build", *self.raw, "--parts", "2", "--resume", "-o", "x.8vo"]),
+        ]:
+            with self.subTest(arguments):
+                self.expect_error(code, words, *arguments)
+        changed = self.bytes_of("scan.plan").replace(b"16", b"17", 1)
+        (self.folder / "changed.plan").write_bytes(changed)
+        self.expect_error(4, ["changed.plan"], "part", "changed.plan", "--part", "0")
+
+
+class Scheduled(InParts):
+    def setUp(self):
+        super().setUp()
+        self.plan("--parts", "3")
+
+    def made_by(self, **variables):
+        said = self.part(0, "--json", **variables)
+        told = json.loads(said.stdout)
+        name = told["number_from"]
+        self.assertIn(f"octavo: {name} says ", said.stderr)
+        return name, [part["part"] for part in told["parts"]]
+
+    def test_the_number_of_a_part_comes_from_the_scheduler(self):
+        self.part(0, "--parts", "0-2", "-q")  # what is there is kept
+        slurm = {"SLURM_ARRAY_TASK_MIN": "1", "SLURM_ARRAY_TASK_MAX": "3"}
+        ranks = {"OMPI_COMM_WORLD_SIZE": "2"}
+        for variables, name, parts in [
+            ({"SLURM_ARRAY_TASK_ID": "2"}, "SLURM_ARRAY_TASK_ID", [2]),
+            ({"SLURM_ARRAY_TASK_ID": "3", **slurm}, "SLURM_ARRAY_TASK_ID", [2]),
+            ({"SLURM_ARRAY_TASK_ID": "1", "SLURM_ARRAY_TASK_MIN": "1",
+              "SLURM_ARRAY_TASK_MAX": "2"}, "SLURM_ARRAY_TASK_ID", [1]),
+            ({"SLURM_ARRAY_TASK_ID": "9", "SLURM_ARRAY_TASK_MIN": "0",
+              "SLURM_ARRAY_TASK_MAX": "9"}, "SLURM_ARRAY_TASK_ID", []),
+            ({"PBS_ARRAY_INDEX": "1"}, "PBS_ARRAY_INDEX", [1]),
+            ({"LSB_JOBINDEX": "1"}, "LSB_JOBINDEX", [0]),
+            ({"SGE_TASK_ID": "3"}, "SGE_TASK_ID", [2]),
+            ({"AWS_BATCH_JOB_ARRAY_INDEX": "0"}, "AWS_BATCH_JOB_ARRAY_INDEX", [0]),
+            ({"JOB_COMPLETION_INDEX": "2"}, "JOB_COMPLETION_INDEX", [2]),
+            ({"OMPI_COMM_WORLD_RANK": "0", **ranks}, "OMPI_COMM_WORLD_RANK", [0, 2]),
+            ({"OMPI_COMM_WORLD_RANK": "1", "SLURM_PROCID": "0", "SLURM_NTASKS": "1", **ranks},
+             "OMPI_COMM_WORLD_RANK", [1]),
+            ({"PMIX_RANK": "1", "SLURM_STEP_NUM_TASKS": "2"}, "PMIX_RANK", [1]),
+            ({"SLURM_PROCID": "0", "SLURM_NTASKS": "3"}, "SLURM_PROCID", [0]),
+            ({"SLURM_PROCID": "7", "SLURM_NTASKS": "8"}, "SLURM_PROCID", []),
+            ({"LSB_JOBINDEX": "0", "SGE_TASK_ID": "undefined", "PBS_ARRAY_INDEX": "2"},
+             "PBS_ARRAY_INDEX", [2]),
+        ]:
+            with self.subTest(variables):
+                self.assertEqual(self.made_by(**variables), (name, parts))
+
+    def test_a_number_without_a_part_is_rejected(self):
+        for variables, words in [
+            ({}, ["which of 3 parts", "--part"]),
+            ({"SLURM_ARRAY_TASK_ID": "3"}, ["SLURM_ARRAY_TASK_ID is 3", "parts 0 to 2"]),
+            ({"LSB_JOBINDEX": "4"}, ["LSB_JOBINDEX is 4", "from 1"]),
+            ({"PBS_ARRAY_INDEX": "two"}, ["'two'"]),
+            ({"PMIX_RANK": "1"}, ["how many ranks"]),
+        ]:
+            with self.subTest(variables):
+                said = self.part(2, **variables)
+                for word in words:
+                    self.assertIn(word, said.stderr)
+        self.assertEqual(self.files(), ["scan.plan", "scan.raw"])
+
+    def test_a_number_that_is_given_counts_more_than_a_scheduler(self):
+        told = json.loads(self.part(0, "--part", "1", "--json", SLURM_ARRAY_TASK_ID="2").stdout)
+        self.assertIsNone(told["number_from"])
+        self.assertEqual(told["parts"][0]["part"], 1)
+
+
+class Elsewhere(InParts):
+    def test_a_plan_holds_in_every_folder_and_moves_with_its_source(self):
+        self.plan("--parts", "3")
+        away = self.folder / "away"
+        away.mkdir()
+        result = cli_test.run("part", "../scan.plan", "--part", "0", cwd=away)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        (away / "scan.raw").write_bytes(VOXELS)
+        times = os.stat(self.folder / "scan.raw")
+        os.utime(away / "scan.raw", ns=(times.st_atime_ns, times.st_mtime_ns))
+        (self.folder / "scan.raw").unlink()
+        (self.folder / "scan.plan").rename(away / "scan.plan")
+        for part in (1, 2):
+            result = cli_test.run("part", "away/scan.plan", "--part", part, "-o", ".",
+                                  cwd=self.folder)
+            self.assertEqual(result.returncode, 0, result.stderr)
+        self.expect(0, "join", "away/scan.plan", ".", "-o", "scan.8vo", "-q")
+
+    def test_a_source_may_have_another_root(self):
+        self.expect(0, "plan", *self.raw, "--source-root", ".", "-o", "scan.plan")
+        self.check_moved("mounted")
+
+    def test_a_plan_of_absolute_paths_follows_the_folder_of_its_files(self):
+        (self.folder / "plans").mkdir()
+        self.expect(0, "plan", *self.raw, "-o", "plans/scan.plan")
+        (self.folder / "plans/scan.plan").rename(self.folder / "scan.plan")
+        self.check_moved("elsewhere")
+
+    def check_moved(self, name):
+        (self.folder / name).mkdir()
+        (self.folder / "scan.raw").rename(self.folder / name / "scan.raw")
+        self.part(5)
+        self.part(0, "--source-root", name, "-q")
+        self.assertIn("scan.part-0000-of-0001", self.files())
+
+
+class Stopped(InParts):
+    def test_a_part_that_is_ended_leaves_nothing_and_says_143(self):
+        self.plan("--parts", "1", "--max-error", "2")
+        command = [cli_test.OCTAVO, "part", "scan.plan", "--progress", "json", "-j", "1"]
+        with subprocess.Popen(command, cwd=self.folder, stderr=subprocess.PIPE, text=True,
+                              env=without_schedulers()) as running:
+            running.stderr.readline()
+            running.send_signal(signal.SIGTERM)
+            running.stderr.read()
+            self.assertEqual(running.wait(), 143)
+        self.assertEqual(self.files(), ["scan.plan", "scan.raw"])
+
+    def test_parts_of_a_build_are_gone_after_a_failure_and_after_a_kill(self):
+        command = [cli_test.OCTAVO, "build", *self.raw[:-1], "--parts", "3", "-j", "2",
+                   "--progress", "json", "-o", "scan.8vo"]
+        for number, code in [(signal.SIGTERM, 143), (signal.SIGKILL, -9)]:
+            with subprocess.Popen(command, cwd=self.folder, stderr=subprocess.PIPE,
+                                  text=True) as running:
+                for line in running.stderr:
+                    if '"parts"' in line:
+                        break
+                running.send_signal(number)
+                running.stderr.read()
+                self.assertEqual(running.wait(), code)
+            if number == signal.SIGTERM:
+                self.assertEqual(self.files(), ["scan.raw"])
+        deadline = time.monotonic() + 60
+        while self.expect(0, "build", *self.raw, "--parts", "2", "-f", "-o", "scan.8vo") and \
+                len(self.files()) > 2 and time.monotonic() < deadline:
+            time.sleep(0.2)
+        self.assertEqual(self.files(), ["scan.8vo", "scan.raw"])
+
+
+if __name__ == "__main__":
+    cli_test.OCTAVO = os.path.abspath(sys.argv.pop(1))
+    cli_test.unittest.main()
