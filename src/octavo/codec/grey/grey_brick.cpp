@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <limits>
+#include <type_traits>
 
 #include "octavo/codec/entropy/binary_coder.h"
 #include "octavo/codec/grey/grey_interpolation.h"
@@ -280,13 +281,14 @@ template void load_details(Workspace<std::int32_t>&, const Stage&, const Target<
 
 namespace {
 
-/// The ranges of every 32nd voxel of rows: compilers make vectors of them.
+/// The ranges of every 32nd voxel of rows: compilers make vectors of them, of types of 8 and 16 bits
+/// that any machine can compare. Other types of that size have their highest bit turned over.
 template <class T>
 class ColumnRanges {
  public:
   ColumnRanges() {
-    lowest_.fill(std::numeric_limits<T>::max());
-    highest_.fill(std::numeric_limits<T>::lowest());
+    lowest_.fill(std::numeric_limits<Compared>::max());
+    highest_.fill(std::numeric_limits<Compared>::lowest());
   }
 
   void add(const T* row, std::int64_t length) {
@@ -295,25 +297,42 @@ class ColumnRanges {
   }
 
   ValueRange range() const {
-    return {static_cast<std::int64_t>(*std::min_element(lowest_.begin(), lowest_.end())),
-            static_cast<std::int64_t>(*std::max_element(highest_.begin(), highest_.end()))};
+    const auto voxel = [](Compared c) { return static_cast<std::int64_t>(turned<T>(c)); };
+    return {voxel(*std::min_element(lowest_.begin(), lowest_.end())),
+            voxel(*std::max_element(highest_.begin(), highest_.end()))};
   }
 
  private:
+  using Compared = std::conditional_t<sizeof(T) == 1, std::uint8_t,
+                                      std::conditional_t<sizeof(T) == 2, std::int16_t, T>>;
   static constexpr std::int64_t kColumns = 32;
 
+  template <class To, class From>
+  static To turned(From number) {
+    if constexpr (std::is_same_v<T, Compared>) return number;
+    else return static_cast<To>(number ^ (1 << (8 * sizeof(T) - 1)));
+  }
+
   void add_some(const T* row, std::int64_t count) {
-    T* const lowest = lowest_.data();
-    T* const highest = highest_.data();
+    Compared* const lowest = lowest_.data();
+    Compared* const highest = highest_.data();
     for (std::int64_t i = 0; i < count; ++i) {
-      lowest[i] = std::min(lowest[i], row[i]);
-      highest[i] = std::max(highest[i], row[i]);
+      const auto number = turned<Compared>(row[i]);
+      lowest[i] = std::min(lowest[i], number);
+      highest[i] = std::max(highest[i], number);
     }
   }
 
-  std::array<T, kColumns> lowest_;
-  std::array<T, kColumns> highest_;
+  std::array<Compared, kColumns> lowest_;
+  std::array<Compared, kColumns> highest_;
 };
+
+/// Has a row fetched that will be read soon: rows of a brick lie far apart.
+template <class T>
+void fetch_row(const T* row, std::int64_t length) {
+  constexpr std::int64_t kLine = 64 / sizeof(T);
+  for (std::int64_t x = 0; x < length; x += kLine) __builtin_prefetch(row + x);
+}
 
 }  // namespace
 
@@ -325,10 +344,10 @@ ValueRange range_of(const BrickView& brick) {
     using T = typename decltype(tag)::type;
     ColumnRanges<T> columns;
     for (std::int64_t z = 0; z < brick.size.z; ++z) {
-      for (std::int64_t y = 0; y < brick.size.y; ++y) {
-        columns.add(static_cast<const T*>(brick.voxels) + z * brick.plane_stride +
-                        y * brick.row_stride,
-                    brick.size.x);
+      const T* row = static_cast<const T*>(brick.voxels) + z * brick.plane_stride;
+      for (std::int64_t y = 0; y < brick.size.y; ++y, row += brick.row_stride) {
+        if (z + 1 < brick.size.z) fetch_row(row + brick.plane_stride, brick.size.x);
+        columns.add(row, brick.size.x);
       }
     }
     return columns.range();

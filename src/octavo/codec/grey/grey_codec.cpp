@@ -92,8 +92,6 @@ Bytes encode_details(const Model& model, const BrickShape& shape,
                      const BrickHints& hints, int most_states) {
   const Parameters& p = model.parameters;
   Workspace<Sample>& work = thread_workspace<Sample>();
-  // Kept from brick to brick: fresh memory costs more than filling it.
-  static thread_local std::vector<Symbol> symbols;
   SymbolWriter writer(model, table_set(level), brick.scale.shift(), stage_functions().push);
   run_level(work, part, brick.scale, p, level, hints, reach_of(p.predictor),
             [&](const Stage& stage, const Split& split) {
@@ -102,9 +100,7 @@ Bytes encode_details(const Model& model, const BrickShape& shape,
                 mark_edges(stage, work);
                 writer.add(work.edge_symbols);
               }
-              symbols.clear();
-              stage_functions().of<Sample>().encode(p, stage, work, symbols);
-              writer.add(symbols);
+              stage_functions().of<Sample>().write(p, stage, work, writer);
             });
   return writer.finish(level_detail_count(part.shape, level, hints.cells), most_states);
 }

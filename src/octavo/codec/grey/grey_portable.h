@@ -200,6 +200,7 @@ inline MagnitudeRows magnitude_rows(const SampleGrid<std::int16_t>* magnitudes, 
 ///   take_two_planes(p, task, other task, z)    the same for two parts
 ///   give_plane(p, stage, work, z)              details of a plane to contexts, residuals, samples
 ///                                              and magnitudes
+///   write_row(residuals, contexts, count, writer)
 ///   keep_magnitudes(residuals, count, shift, magnitudes)
 ///   predicts_rows(p, stage)                    whether predict_row knows this split
 ///   predict_row(p, stage, work, y, z)          details to residuals and samples, after the rows
@@ -348,58 +349,90 @@ struct Passes {
   }
 
   /// Calls prepare_plane(z) for every plane, and prepare_row(y, z, coded pairs) for every row,
-  /// before their residuals and contexts are listed.
-  template <class PreparePlane, class PrepareRow>
-  static void list(const Stage& stage, Workspace<Sample>& work, std::vector<Symbol>& symbols,
-                   PreparePlane&& prepare_plane, PrepareRow&& prepare_row) {
+  /// before take(coded pairs, y, z) takes its residuals and contexts.
+  template <class PreparePlane, class PrepareRow, class Take>
+  static void list(const Stage& stage, Workspace<Sample>& work, PreparePlane&& prepare_plane,
+                   PrepareRow&& prepare_row, Take&& take) {
     if (stage.pairs.voxel_count() == 0) return;
-    const std::size_t listed = symbols.size();
-    symbols.resize(listed + static_cast<std::size_t>(stage.pairs.voxel_count()));
-    Symbol* next = symbols.data() + listed;
     for (std::int64_t z = 0; z < stage.pairs.z; ++z) {
       prepare_plane(z);
       for (std::int64_t y = 0; y < stage.pairs.y; ++y) {
         const int coded = list_coded(stage, work, y, z);
         prepare_row(y, z, coded);
-        next = list_row(stage, work, coded, y, z, next);
+        take(coded, y, z);
       }
     }
-    symbols.resize(static_cast<std::size_t>(next - symbols.data()));
   }
 
-  static void list_symbols(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
-                           std::vector<Symbol>& symbols) {
-    list(stage, work, symbols, [](std::int64_t) {},
+  /// The same of a split whose residuals are known.
+  template <class Take>
+  static void list_known(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                         Take&& take) {
+    list(stage, work, [](std::int64_t) {},
          [&](std::int64_t y, std::int64_t z, int coded) {
            keep_magnitudes(stage, work, y, z);
            if (coded == 0) return;
            features(p, stage, work, y, z);
            contexts(p, stage, work, y, z);
-         });
+         },
+         take);
   }
 
-  static void encode(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
-                     std::vector<Symbol>& symbols) {
+  /// The same of one whose details are known.
+  template <class Take>
+  static void encode_rows(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                          Take&& take) {
     const bool has_planes = takes_planes(p, stage);
     if (!has_planes && !Kernel::predicts_rows(p, stage)) {
       predict(p, stage, work);
-      list_symbols(p, stage, work, symbols);
+      list_known(p, stage, work, take);
       return;
     }
     set_sizes(stage, false, work);
     work.residuals.set_size(stage.pairs);
     if (has_planes) {
-      list(stage, work, symbols, [&](std::int64_t z) { Kernel::give_plane(p, stage, work, z); },
-           [](std::int64_t, std::int64_t, int) {});
+      list(stage, work, [&](std::int64_t z) { Kernel::give_plane(p, stage, work, z); },
+           [](std::int64_t, std::int64_t, int) {}, take);
       return;
     }
-    list(stage, work, symbols, [](std::int64_t) {},
+    list(stage, work, [](std::int64_t) {},
          [&](std::int64_t y, std::int64_t z, int coded) {
            features(p, stage, work, y, z);
            Kernel::predict_row(p, stage, work, y, z);
            keep_magnitudes(stage, work, y, z);
            if (coded > 0) contexts(p, stage, work, y, z);
-         });
+         },
+         take);
+  }
+
+  /// Calls pass(take) and appends the symbols of the rows that it takes.
+  template <class Pass>
+  static void append(const Stage& stage, Workspace<Sample>& work, std::vector<Symbol>& symbols,
+                     Pass&& pass) {
+    const std::size_t listed = symbols.size();
+    symbols.resize(listed + static_cast<std::size_t>(stage.pairs.voxel_count()));
+    Symbol* next = symbols.data() + listed;
+    pass([&](int coded, std::int64_t y, std::int64_t z) {
+      next = list_row(stage, work, coded, y, z, next);
+    });
+    symbols.resize(static_cast<std::size_t>(next - symbols.data()));
+  }
+
+  static void list_symbols(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                           std::vector<Symbol>& symbols) {
+    append(stage, work, symbols, [&](auto&& take) { list_known(p, stage, work, take); });
+  }
+
+  static void encode(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                     std::vector<Symbol>& symbols) {
+    append(stage, work, symbols, [&](auto&& take) { encode_rows(p, stage, work, take); });
+  }
+
+  static void write(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                    SymbolWriter& writer) {
+    encode_rows(p, stage, work, [&](int coded, std::int64_t y, std::int64_t z) {
+      write_row(stage, work, coded, y, z, writer);
+    });
   }
 
   static void keep_magnitudes(const Stage& stage, Workspace<Sample>& work, std::int64_t y,
@@ -427,8 +460,27 @@ struct Passes {
     return to + coded;
   }
 
+  /// Adds the coded pairs of a row to a segment.
+  static void write_row(const Stage& stage, Workspace<Sample>& work, int coded, std::int64_t y,
+                        std::int64_t z, SymbolWriter& writer) {
+    const Int* residuals = work.residuals.row(y, z);
+    const std::uint16_t* context = work.contexts.row(y, z);
+    Int own_residuals[kBrickSide];
+    std::uint16_t own_contexts[kBrickSide];
+    if (coded < stage.pairs.x || stage.step > 1) {
+      for (int i = 0; i < coded; ++i) {
+        const int x = coded == stage.pairs.x ? i : work.row.order[i];
+        own_residuals[i] = stage.step > 1 ? residuals[x] / stage.step : residuals[x];
+        own_contexts[i] = context[x];
+      }
+      residuals = own_residuals;
+      context = own_contexts;
+    }
+    Kernel::write_row(residuals, context, coded, writer);
+  }
+
   static constexpr StagePasses<Sample> functions() {
-    return {decode, decode_two, measure, predict, list_symbols, encode};
+    return {decode, decode_two, measure, predict, list_symbols, encode, write};
   }
 };
 
@@ -459,6 +511,13 @@ struct PortableKernel {
   static void predict_row(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
                           std::int64_t y, std::int64_t z) {
     reconstruct_row<true>(p, stage, work, y, z);
+  }
+  static void write_row(const Int* residuals, const std::uint16_t* contexts, int count,
+                        SymbolWriter& writer) {
+    writer.make_room(static_cast<std::size_t>(count));
+    for (int i = 0; i < count; ++i) {
+      writer.add(Symbol(zigzag(std::int64_t{residuals[i]}), contexts[i], i));
+    }
   }
   static void keep_magnitudes(const Int* residuals, int count, int shift,
                               std::int16_t* magnitudes) {

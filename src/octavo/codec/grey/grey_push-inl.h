@@ -1,4 +1,5 @@
-// Tokens onto the rANS streams, vectorized: as many states at a time as there are lanes.
+// Residuals onto the rANS streams, vectorized: rows to tokens and plain bits; then tokens onto as
+// many states at a time as there are lanes.
 // Included once per instruction set by grey_stage_simd.cpp.
 
 #if defined(OCTAVO_CODEC_GREY_PUSH_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -23,6 +24,83 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 static_assert(kStateLanes <= static_cast<int>(kSpareWords));
+
+/// The bits of 8 bytes that a mask takes out of each, side by side: take_plain the other way.
+HWY_INLINE std::uint64_t gather_plain(std::uint64_t bytes, std::uint64_t mask) {
+#if HWY_ARCH_X86_64 && HWY_TARGET <= HWY_AVX2
+  return _pext_u64(bytes, mask);
+#else
+  std::uint64_t gathered = 0;
+  int count = 0;
+  for (int lane = 0; lane < kChunk; ++lane) {
+    const std::uint64_t own = mask >> 8 * lane & 0xff;
+    gathered |= (bytes >> 8 * lane & own) << count;
+    count += std::popcount(own);
+  }
+  return gathered;
+#endif
+}
+
+/// Adds the i-th residual of a row and the 7 behind it; nothing where one of their tokens is big or
+/// has no slot.
+HWY_INLINE bool write_chunk(const std::int32_t* residuals, const std::uint16_t* contexts, int i,
+                            SymbolWriter& writer) {
+  alignas(16) static constexpr std::uint8_t kMasks[16] = {0, 1, 3, 7, 15, 31, 63, 127};
+  alignas(16) static constexpr std::uint8_t kParts[16] = {128, 64, 32, 16, 8, 4, 2, 1};
+  const hn::FixedTag<std::uint8_t, 16> table;
+  const hn::RebindToSigned<decltype(kChunkHalves)> signed_halves;
+  const hn::FixedTag<std::int32_t, 4> quad;
+  const hn::FixedTag<std::int16_t, 4> half;
+  const auto set = [](std::uint16_t value) HWY_ATTR { return hn::Set(kChunkHalves, value); };
+  // What does not fit in 16 bits stays big.
+  const auto residual =
+      hn::Combine(signed_halves, hn::DemoteTo(half, hn::LoadU(quad, residuals + i + 4)),
+                  hn::DemoteTo(half, hn::LoadU(quad, residuals + i)));
+  const ChunkHalves packed = hn::LoadU(kChunkHalves, contexts + i);
+  const auto zigzag = hn::BitCast(
+      kChunkHalves, hn::Xor(hn::ShiftLeft<1>(residual), hn::BroadcastSignBit(residual)));
+  // Tokens, by a product in the place of a shift, and the plain bits below them
+  const auto counts = hn::DemoteTo(
+      kChunkBytes, hn::BitCast(signed_halves, hn::ShiftRight<8>(packed)));
+  const auto lane_masks = hn::TableLookupBytes(hn::Load(table, kMasks), counts);
+  const auto parts = hn::ShiftLeft<8>(
+      hn::PromoteTo(kChunkHalves, hn::TableLookupBytes(hn::Load(table, kParts), counts)));
+  const ChunkHalves token =
+      hn::MulHigh(hn::ShiftLeft<1>(hn::Min(zigzag, set(0x7fff))), parts);
+  const ChunkHalves big = hn::And(token, set(0xffff & ~(kDirectTokens - 1)));
+  if (!hn::AllTrue(kChunkHalves, hn::Eq(big, hn::Zero(kChunkHalves)))) return false;
+  const auto plain = hn::DemoteTo(
+      kChunkBytes,
+      hn::BitCast(signed_halves, hn::And(zigzag, hn::PromoteTo(kChunkHalves, lane_masks))));
+  static_assert(kTokens == 1 << 6 && kContexts <= 0xff);
+  std::uint16_t* const places = writer.next_places();
+  hn::StoreU(hn::Add(hn::ShiftLeft<6>(hn::And(packed, set(0xff))), token), kChunkHalves, places);
+  bool has_slots = true;
+  for (int k = 0; k < kChunk; ++k) has_slots &= writer.encoders()[places[k]].frequency != 0;
+  if (!has_slots) return false;
+  hn::StoreU(hn::Iota(kChunkBytes, static_cast<std::uint8_t>(i % kMaxStates)), kChunkBytes,
+             writer.next_states());
+  const hn::FixedTag<std::uint64_t, 1> single;
+  const std::uint64_t mask = hn::GetLane(hn::BitCast(single, lane_masks));
+  writer.keep(kChunk, gather_plain(hn::GetLane(hn::BitCast(single, plain)), mask),
+              std::popcount(mask));
+  return true;
+}
+
+/// Adds the residuals of a row with their contexts.
+inline void write_residuals(const std::int32_t* residuals, const std::uint16_t* contexts, int count,
+                            SymbolWriter& writer) {
+  writer.make_room(static_cast<std::size_t>(count));
+  const auto add = [&](int i) {
+    writer.add(Symbol(zigzag(std::int64_t{residuals[i]}), contexts[i], i));
+  };
+  int i = 0;
+  for (; i + kChunk <= count; i += kChunk) {
+    if (write_chunk(residuals, contexts, i, writer)) continue;
+    for (int k = i; k < i + kChunk; ++k) add(k);
+  }
+  for (; i < count; ++i) add(i);
+}
 
 /// For every set of lanes: its lanes one after the other in the last places, a byte each.
 struct LastLanes {

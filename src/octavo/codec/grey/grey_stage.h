@@ -190,9 +190,10 @@ struct StagePasses {
   void (*predict)(const Parameters&, const Stage&, Workspace<Sample>&);
   /// Appends the residuals of coded pairs with their contexts.
   void (*list_symbols)(const Parameters&, const Stage&, Workspace<Sample>&, std::vector<Symbol>&);
-  /// Both at once. The fine grid and the magnitudes are as a decoder will have them; the residuals
-  /// are not kept.
+  /// Both at once. The fine grid and the magnitudes are as a decoder will have them.
   void (*encode)(const Parameters&, const Stage&, Workspace<Sample>&, std::vector<Symbol>&);
+  /// The same, to a segment.
+  void (*write)(const Parameters&, const Stage&, Workspace<Sample>&, SymbolWriter&);
 };
 
 struct StageFunctions {

@@ -95,6 +95,10 @@ struct Kernel {
     else if (stage.axis == 1) reconstruct_from_means<1, kIsEncoding>(p, stage, work, y, z);
     else reconstruct_from_means<2, kIsEncoding>(p, stage, work, y, z);
   }
+  static void write_row(const std::int32_t* residuals, const std::uint16_t* contexts, int count,
+                        SymbolWriter& writer) {
+    write_residuals(residuals, contexts, count, writer);
+  }
   template <bool kIsEncoding>
   static void reconstruct(const Parameters& p, const Stage& stage,
                           Workspace<std::int16_t>& work) {

@@ -9,8 +9,6 @@ namespace {
 /// A symbol takes at most one word and so many plain bits, 16 of them for wide samples alone;
 /// vectors read ahead by 16 bytes.
 constexpr std::size_t kMaxSymbolBits = kEscapeBits + kMaxPlainBits + 16;
-/// Symbols that are looked at together: their plain bits fit in a number.
-constexpr std::size_t kSymbolChunk = 8;
 constexpr std::size_t kWordPadding = kMaxUnchecked * 2 + 32;
 constexpr std::size_t kPlainPadding = kMaxUnchecked * kMaxSymbolBits / 8 + 32;
 
@@ -70,68 +68,21 @@ void SymbolWriter::make_room(std::size_t symbols) {
 
 void SymbolWriter::add(std::span<const Symbol> symbols) {
   make_room(symbols.size());
-  while (symbols.size() >= kSymbolChunk) {
-    if (!add_chunk(symbols.data())) {
-      for (const Symbol& symbol : symbols.first<kSymbolChunk>()) add_one(symbol);
-    }
-    symbols = symbols.subspan(kSymbolChunk);
-  }
-  for (const Symbol& symbol : symbols) add_one(symbol);
-}
-
-/// Adds some symbols at a time whose tokens stand for themselves, as nearly all do; nothing where
-/// another one is among them.
-bool SymbolWriter::add_chunk(const Symbol* symbols) {
-  if (shift_ > 0) return false;
-  std::uint16_t* const places = buffers_.places.data() + count_;
-  std::uint8_t* const states = buffers_.states.data() + count_;
-  std::uint64_t tokens = 0;
-  std::uint64_t has_slots = 1;
-  std::uint64_t plain = 0;
-  int plain_count = 0;
-  for (std::size_t k = 0; k < kSymbolChunk; ++k) {
-    const std::uint64_t value = symbols[k].value();
-    const std::size_t context = symbols[k].context();
-    const int low = symbols[k].low_bits();
-    const std::uint64_t token = value >> low;
-    tokens |= token;
-    has_slots &= used_[context] >> (token & 63);
-    plain |= (value ^ token << low) << plain_count;
-    plain_count += low;
-    places[k] = static_cast<std::uint16_t>(encoder_place(context, token));
-    states[k] = static_cast<std::uint8_t>(symbols[k].state());
-  }
-  if (tokens >= kDirectTokens || has_slots == 0) return false;
-  put_plain(plain, plain_count);
-  count_ += kSymbolChunk;
-  return true;
+  for (const Symbol& symbol : symbols) add(symbol);
 }
 
 /// A token without a slot goes through the escape token.
-void SymbolWriter::add_one(const Symbol& symbol) {
+void SymbolWriter::add(const Symbol& symbol) {
   const std::uint64_t value = symbol.value();
   const std::size_t context = symbol.context();
   const int low = symbol.low_bits() + (context < kContexts ? shift_ : 0);
   int token = token_of(static_cast<std::uint32_t>(value >> low));
   if ((used_[context] >> token & 1) == 0) token = kEscapeToken;
-  buffers_.places[count_] =
+  *next_places() =
       static_cast<std::uint16_t>(encoder_place(context, static_cast<std::size_t>(token)));
-  buffers_.states[count_] = static_cast<std::uint8_t>(symbol.state());
-  ++count_;
+  *next_states() = static_cast<std::uint8_t>(symbol.state());
   const int count = token_shape(token).bits + low;
-  put_plain(value & ((std::uint64_t{1} << count) - 1), count);
-}
-
-/// At most 56 bits, lowest first.
-void SymbolWriter::put_plain(std::uint64_t value, int count) {
-  std::uint8_t* const to = buffers_.plain.data() + plain_at_;
-  pending_ |= value << pending_count_;
-  pending_count_ += count;
-  if constexpr (std::endian::native == std::endian::little) std::memcpy(to, &pending_, 8);
-  else put_little(to, pending_, 8);
-  plain_at_ += static_cast<std::size_t>(pending_count_ >> 3);
-  pending_ >>= pending_count_ & ~7;
-  pending_count_ &= 7;
+  keep(1, value & ((std::uint64_t{1} << count) - 1), count);
 }
 
 Bytes SymbolWriter::finish(std::int64_t details, int most_states) {

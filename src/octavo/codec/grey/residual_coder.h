@@ -82,6 +82,20 @@ class SymbolWriter {
   /// Adds the symbols of whole rows.
   void add(std::span<const Symbol> symbols);
 
+  /// What follows is open to the vectorized copies of `add`: a number of symbols that there is room
+  /// for, symbols one by one, and tokens with slots whose encoders' places and states are written
+  /// already.
+  void make_room(std::size_t symbols);
+  void add(const Symbol& symbol);
+  const Encoder* encoders() const { return encoders_; }
+  std::uint16_t* next_places() { return buffers_.places.data() + count_; }
+  std::uint8_t* next_states() { return buffers_.states.data() + count_; }
+  /// plain  at most 56 bits, lowest first
+  void keep(std::size_t tokens, std::uint64_t plain, int plain_count) {
+    count_ += tokens;
+    put_plain(plain, plain_count);
+  }
+
   /// The bytes of the segment; none without symbols.
   /// details      how many the level has: pairs that may be edges are asked for beside them
   /// most_states  a power of two; fewer details have fewer
@@ -98,10 +112,16 @@ class SymbolWriter {
   };
   static Buffers& thread_buffers();
 
-  void make_room(std::size_t symbols);
-  bool add_chunk(const Symbol* symbols);
-  void add_one(const Symbol& symbol);
-  void put_plain(std::uint64_t value, int count);
+  void put_plain(std::uint64_t value, int count) {
+    std::uint8_t* const to = buffers_.plain.data() + plain_at_;
+    pending_ |= value << pending_count_;
+    pending_count_ += count;
+    if constexpr (std::endian::native == std::endian::little) std::memcpy(to, &pending_, 8);
+    else for (int i = 0; i < 8; ++i) to[i] = static_cast<std::uint8_t>(pending_ >> 8 * i);
+    plain_at_ += static_cast<std::size_t>(pending_count_ >> 3);
+    pending_ >>= pending_count_ & ~7;
+    pending_count_ &= 7;
+  }
 
   const Encoder* encoders_;
   const std::uint64_t* used_;
@@ -109,8 +129,8 @@ class SymbolWriter {
   PushTokens push_;
   Buffers& buffers_;
   std::size_t count_ = 0;
-  std::size_t plain_at_ = 0;    ///< whole bytes of plain bits
-  std::uint64_t pending_ = 0;   ///< plain bits behind them
+  std::size_t plain_at_ = 0;   ///< whole bytes of plain bits
+  std::uint64_t pending_ = 0;  ///< plain bits behind them
   int pending_count_ = 0;
 };
 

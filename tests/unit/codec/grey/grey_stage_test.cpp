@@ -236,6 +236,15 @@ Results run(const StageFunctions& functions, RandomSplit& s, bool has_cells) {
     };
     EXPECT_EQ(encoded(functions.push), encoded(push_tokens)) << most_states << " states";
   }
+  load_with_details(work, s);
+  SymbolWriter writer(s.model, s.stage.set, 0, functions.push);
+  if (s.stage.has_edges) {
+    mark_edges(s.stage, work);
+    writer.add(work.edge_symbols);
+  }
+  functions.narrow.write(s.model.parameters, s.stage, work, writer);
+  EXPECT_EQ(writer.finish(count), segment);
+  EXPECT_EQ(pairs_of(work, s), results.samples);
   load(work, s);
   SymbolReader symbols(s.model, s.stage.set, segment, count, 0);
   if (s.stage.has_edges) take_edges(s.stage, work, symbols);
