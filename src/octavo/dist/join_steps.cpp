@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "octavo/core/crc32c.h"
 #include "octavo/core/error.h"
 #include "octavo/core/json_members.h"
 #include "octavo/core/json_reader.h"
@@ -152,6 +153,10 @@ void require_room(Storage& storage, const std::string& path,
               path);
 }
 
+std::uint32_t text_crc(const std::string& text) {
+  return crc32c({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
 std::uint64_t number_of(JsonReader& in) {
   if (in.next() != JsonToken::integer || !in.integer() || *in.integer() < 0) {
     fail_layout("has a number that is none");
@@ -200,22 +205,25 @@ std::vector<Section> own_bytes_of(const JoinLayout& layout) {
 }
 
 std::string layout_text(const JoinLayout& layout) {
+  std::string runs;
+  for (const CopiedRun& run : layout.runs) {
+    runs += "[";
+    for (const std::uint64_t number :
+         {static_cast<std::uint64_t>(run.first_group), static_cast<std::uint64_t>(run.end_group),
+          run.part_offset, run.file_offset, run.length}) {
+      runs += std::to_string(number) + ",";
+    }
+    runs += std::to_string(run.crc) + "]\n";
+  }
   JsonObject object;
   object.set("octavo_join", kLayoutVersion);
   object.set("plan", std::to_string(layout.plan));
   object.set("bytes", static_cast<std::int64_t>(layout.file_bytes));
   object.sort_by_name();
-  std::string text = object.text() + "\n";
-  for (const CopiedRun& run : layout.runs) {
-    text += "[";
-    for (const std::uint64_t number :
-         {static_cast<std::uint64_t>(run.first_group), static_cast<std::uint64_t>(run.end_group),
-          run.part_offset, run.file_offset, run.length}) {
-      text += std::to_string(number) + ",";
-    }
-    text += std::to_string(run.crc) + "]\n";
-  }
-  return text;
+  const std::uint32_t check = text_crc(object.text() + runs);
+  object.set("check", static_cast<std::int64_t>(check));
+  object.sort_by_name();
+  return object.text() + "\n" + runs;
 }
 
 JoinLayout parse_layout(std::string_view text) {

@@ -50,7 +50,7 @@ std::vector<PartPlace> parts_of(const JoinLayout& layout);
 /// The bytes of the file that are no part's.
 std::vector<Section> own_bytes_of(const JoinLayout& layout);
 
-/// Lines of JSON: an object of the plan and the length, then for each run
+/// Lines of JSON: an object of the plan, the length and a checksum of all, then for each run
 /// [A,B,PART OFFSET,FILE OFFSET,LENGTH,CRC].
 std::string layout_text(const JoinLayout& layout);
 

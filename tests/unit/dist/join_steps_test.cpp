@@ -142,13 +142,7 @@ TEST_F(JoinSteps, ALayoutThatWasChangedIsNone) {
   for (std::size_t at = 0; at < text.size(); ++at) {
     std::string changed = text;
     changed[at] = changed[at] == '7' ? '8' : '7';
-    try {
-      // A number may be another one, but no run lies outside the file.
-      for (const CopiedRun& run : parse_layout(changed).runs) {
-        EXPECT_LE(run.file_offset + run.length, parse_layout(changed).file_bytes);
-      }
-    } catch (const Error&) {
-    }
+    EXPECT_THROW(parse_layout(changed), Error) << at;
     EXPECT_THROW(parse_layout(text.substr(0, at)), Error) << at;
   }
 }
