@@ -16,8 +16,8 @@ namespace {
 constexpr VerbText kCondenseText = {
     "condense", "Even out the cubes of a grey volume that hardly vary.",
     "The cubes of the octree, up to the whole volume, whose largest and smallest voxel differ by\n"
-    "at most --flat take their mean, of float32 the nearest number that the file can hold; the\n"
-    "largest such cubes count. Of a cube at the border the voxels inside count, so slices and\n"
+    "at most --flat take their mean; the largest such cubes count. float32 voxels must be\n"
+    "multiples of one number, and a mean is the nearest of these. Of a cube at the border the voxels inside count, so slices and\n"
     "thin stacks condense too. No voxel changes by more. The result is an ordinary grey volume\n"
     "with large uniform cubes.\n\n"
     "Examples:\n"

@@ -28,7 +28,8 @@ namespace {
 
 constexpr VerbText kInfoText = {
     "info", "Show what a file holds.",
-    "Reads the header and the index only; min and max are stored values in --json. A max error\n"
+    "Reads the header and the index, of lossless float32 also the coarsest sample; min and max\n"
+    "are stored values in --json, null where every voxel is NaN or infinite. A max error\n"
     "is shown in real units: what the file promises, and the largest difference found when it\n"
     "was built. --metadata lists what was kept of the identity of the source and what was\n"
     "dropped, by name and how often it was there; --json holds the same. sha256 tells whether\n"
@@ -75,6 +76,7 @@ std::string geometry_rows(const InfoResult& info, const Metadata& metadata) {
 }
 
 std::string values_row(const InfoResult& info) {
+  if (!info.has_values) return row("values", "none: every voxel is NaN or infinite");
   const VolumeDescription& d = info.volume;
   const std::string unit = unit_of(d);
   double min = d.voxel_of(info.range.min);

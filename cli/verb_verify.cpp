@@ -191,6 +191,20 @@ VerifyVolumeResult verified(const VerifyArguments& arguments, Context& context) 
   return run_task(verify_volume, options, context);
 }
 
+/// Where that fails, as of what cannot be opened, the error is in the JSON object.
+VerifyVolumeResult verified_or_error(const VerifyArguments& arguments, Context& context) {
+  try {
+    return verified(arguments, context);
+  } catch (const Error& error) {
+    if (context.json) {
+      print_json({{"file", public_name(arguments.input)},
+                  {"sound", nullptr},
+                  {"error", error_json(error)}});
+    }
+    throw;
+  }
+}
+
 int run_verify(const VerifyArguments& arguments, Context& context) {
   check_part_options(arguments.parts);
   const bool is_in_parts = !arguments.parts.part.empty() || !arguments.parts.join.empty();
@@ -198,7 +212,7 @@ int run_verify(const VerifyArguments& arguments, Context& context) {
     throw Error(ErrorKind::invalid_argument, "--against goes without --part and --join");
   }
   if (!arguments.parts.part.empty()) return run_verify_part(arguments, context);
-  const VerifyVolumeResult result = verified(arguments, context);
+  const VerifyVolumeResult result = verified_or_error(arguments, context);
   if (!result.report.is_sound()) report_damage(arguments, result, context);
   const bool is_good = !result.against || result.against->is_faithful();
   if (context.json) {

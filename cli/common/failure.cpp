@@ -12,19 +12,17 @@ namespace octavo::cli {
 
 namespace {
 
+/// What to do, behind what happened.
+std::string ending_of(const Error& error) {
+  const std::string advice = advice_for(error);
+  return advice.empty() ? "" : "; " + advice;
+}
+
 int report(const Context& context, const Error& error) {
   const int code = exit_code_of(error.kind());
-  const std::string advice = advice_for(error);
-  const std::string ending = advice.empty() ? "" : "; " + advice;
-  std::string text = "octavo: " + one_line(error.what() + ending) + "\n";
+  std::string text = "octavo: " + one_line(error.what() + ending_of(error)) + "\n";
   if (context.json) {
-    nlohmann::ordered_json object = {{"kind", error_kind_name(error.kind())},
-                                     {"path", error.path()},
-                                     {"offset", nullptr},
-                                     {"detail", error.detail() + ending},
-                                     {"exit_code", code}};
-    if (error.offset()) object["offset"] = *error.offset();
-    const nlohmann::ordered_json line = {{"error", object}};
+    const nlohmann::ordered_json line = {{"error", error_json(error)}};
     text += line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
   }
   std::fwrite(text.data(), 1, text.size(), stderr);
@@ -48,6 +46,16 @@ int exit_code_of(ErrorKind kind) {
     case ErrorKind::internal: return kExitInternal;
   }
   return kExitInternal;
+}
+
+nlohmann::ordered_json error_json(const Error& error) {
+  nlohmann::ordered_json object = {{"kind", error_kind_name(error.kind())},
+                                   {"path", error.path()},
+                                   {"offset", nullptr},
+                                   {"detail", error.detail() + ending_of(error)},
+                                   {"exit_code", exit_code_of(error.kind())}};
+  if (error.offset()) object["offset"] = *error.offset();
+  return object;
 }
 
 int report_failure(const Context& context, std::exception_ptr failure) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <exception>
+#include <nlohmann/json_fwd.hpp>
 
 #include "common/context.h"
 #include "octavo/core/error.h"
@@ -16,6 +17,9 @@ inline constexpr int kExitInternal = 8;
 /// 2 usage, 3 not an 8vo file or a newer version, 4 damaged, 5 input/output, 6 limit or memory,
 /// 7 source rejected, 8 our bug, 128 + signal when stopped.
 int exit_code_of(ErrorKind kind);
+
+/// Kind, path, offset, what happened with what to do, and the exit code.
+nlohmann::ordered_json error_json(const Error& error);
 
 /// Writes the line (and with --json the object {"error": ...} after it) and returns the exit code.
 int report_failure(const Context& context, std::exception_ptr failure);

@@ -143,8 +143,8 @@ nlohmann::ordered_json file_json(const InfoResult& info) {
           {"written_by", writer_json(metadata)},
           {"source_lossy", metadata.was_source_lossy()},
           {"coding", coding_json(d.coding)},
-          {"min", voxel_json(d, info.range.min)},
-          {"max", voxel_json(d, info.range.max)},
+          {"min", info.has_values ? voxel_json(d, info.range.min) : nullptr},
+          {"max", info.has_values ? voxel_json(d, info.range.max) : nullptr},
           {"range_exact", info.is_range_exact()},
           {"identity", identity_state(metadata)},
           {"metadata", shown_metadata_json(info)}};

@@ -45,6 +45,11 @@ void check_options(const VolumeDescription& description, const BuildOptions& opt
     throw Error(ErrorKind::invalid_argument, "a max error needs a rescale slope other than 0");
   }
   if (options.keep_details != 0) check_keep_details(description, options);
+  if (is_integer(description.type) && options.repair != FloatRepair{}) {
+    throw Error(ErrorKind::invalid_argument,
+                std::string("only float32 voxels can be NaN or infinite; these are ") +
+                    std::string(voxel_type_name(description.type)));
+  }
   if (description.kind != VolumeKind::labels) return;
   if (options.max_error > 0) {
     throw Error(ErrorKind::invalid_argument, "label maps are always lossless")

@@ -378,7 +378,27 @@ void FloatPlanes::seek(std::int64_t first, std::int64_t end) {
   planes_read_ = first;
 }
 
-void FloatPlanes::reject_voxel(std::int64_t z, std::size_t at, bool is_too_large) const {
+// The largest magnitude in the plane that was read last and in all behind it.
+double FloatPlanes::largest_left() {
+  double largest = 0;
+  const auto look_at = [&largest](std::span<const float> voxels) {
+    for (const float v : voxels) {
+      if (std::isfinite(v)) largest = std::max(largest, std::abs(static_cast<double>(v)));
+    }
+  };
+  look_at(plane_);
+  for (const std::vector<float>& plane : sample_.planes) look_at(plane);
+  const std::vector<float> rejected = plane_;
+  for (; planes_read_ < cursor_.end(); ++planes_read_) {
+    read_voxels();
+    repair_voxels(plane_, settings_.repair);
+    look_at(plane_);
+  }
+  plane_ = rejected;
+  return largest;
+}
+
+void FloatPlanes::reject_voxel(std::int64_t z, std::size_t at, bool is_too_large) {
   const float v = plane_[at];
   const std::int64_t width = description_.size.x;
   const std::string place = "plane " + std::to_string(z) + ": the voxel at x,y = " +
@@ -387,9 +407,13 @@ void FloatPlanes::reject_voxel(std::int64_t z, std::size_t at, bool is_too_large
                             text_of(v);
   const std::string steps = text_of(coding_.scale) +
                             (coding_.offset == 0 ? "" : " + " + text_of(coding_.offset));
-  const double magnitude = std::abs(static_cast<double>(v));
+  // What is proposed holds for all voxels, not for this one alone.
+  const double magnitude = largest_left();
+  const bool is_any_too_large =
+      (magnitude + std::abs(coding_.offset)) / coding_.scale >=
+      kLargestCode - static_cast<double>(codec_error_);
+  const double enough = magnitude / (kLargestCode / 2) * kStepsPerError * 2;
   if (is_too_large) {
-    const double enough = magnitude / (kLargestCode / 2) * kStepsPerError * 2;
     throw Error(ErrorKind::source_rejected, place + ", too large for so small a max error")
         .with_field("max_error", proposal(enough));
   }
@@ -397,7 +421,8 @@ void FloatPlanes::reject_voxel(std::int64_t z, std::size_t at, bool is_too_large
                             2 * rounding_ + 2 * (magnitude + coding_.scale) / kFloatSteps;
   throw Error(ErrorKind::source_rejected,
               place + ", no whole multiple of " + steps + " like the planes before")
-      .with_field("max_error", proposal(next_error));
+      .with_field("max_error",
+                  proposal(is_any_too_large ? std::max(enough, next_error) : next_error));
 }
 
 // `max_error` in voxel units; people give it in real ones.

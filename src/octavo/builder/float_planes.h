@@ -116,7 +116,8 @@ class FloatPlanes final : public PlaneSource {
   void read_voxels();
   void next_voxels();
   [[noreturn]] void count_and_reject(std::int64_t z);
-  [[noreturn]] void reject_voxel(std::int64_t z, std::size_t at, bool is_too_large) const;
+  double largest_left();
+  [[noreturn]] void reject_voxel(std::int64_t z, std::size_t at, bool is_too_large);
   std::string proposal(double max_error) const;
 
   PlaneSource& source_;

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "octavo/builder/build_outline.h"
 #include "octavo/builder/coarse_tiers.h"
 #include "octavo/core/error.h"
 #include "octavo/core/text.h"
@@ -119,6 +120,19 @@ class Parents {
   std::vector<std::int64_t> layer_;
 };
 
+// The metadata with the errors of the details that whole planes lack.
+Metadata with_errors(const VolumeDescription& description, WrittenErrors errors,
+                     const WholeBricks& bricks) {
+  VolumeDescription whole = description;
+  whole.size.z = planes_in(bricks.levels(), bricks.layer_count());
+  errors.squared = bricks.squared_error();
+  Metadata metadata = description.metadata;
+  CodingNote coding = metadata.facts().coding.value_or(CodingNote{});
+  coding.detail_errors = detail_errors_of(errors, whole);
+  metadata.set_coding(coding);
+  return metadata;
+}
+
 SealResult seal(InterruptedBuild build, Storage& storage, const std::string& output,
                 const SealOptions& options, Progress& progress) {
   // What is whole, and what takes the place of the rest
@@ -199,6 +213,9 @@ SealResult seal(InterruptedBuild build, Storage& storage, const std::string& out
   settings.max_error = bricks.header().max_error > 0 ? 1 : 0;
   encode_coarse_tiers({description, levels, workers, *writer, progress}, *first_model, settings,
                       encoder.take_parents());
+  if (writing.detail_level > 0) {
+    writer->set_metadata(with_errors(description, writer->written_errors(), bricks));
+  }
   writer->finish();
   result.file_bytes = writer->bytes_written();
   return result;

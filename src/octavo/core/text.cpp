@@ -25,7 +25,10 @@ std::string exact_text(double value) {
   return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
 
-std::string number_text(double value) { return formatted("%.6g", value == 0 ? 0.0 : value); }
+std::string number_text(double value) {
+  if (std::isnan(value)) return "nan";  // whatever its sign
+  return formatted("%.6g", value == 0 ? 0.0 : value);
+}
 
 std::pair<std::string, std::string> unlike_texts(double a, double b) {
   constexpr int kAllDigits = 17;

@@ -273,6 +273,25 @@ TEST(KeptDetailsBuild, WhatAnInterruptedOneLeftCanBeSealed) {
   const auto reader = reader_of(storage);
   EXPECT_EQ(reader->detail_level(), 1);
   EXPECT_GT(reader->achieved_error(), 0);
+
+  // The errors are those of the whole planes.
+  const auto coding = reader->description().metadata.facts().coding;
+  ASSERT_TRUE(coding && coding->detail_errors);
+  EXPECT_EQ(coding->detail_errors->max, reader->achieved_error());
+  TextureSource source(TextureSource::three_groups());
+  const Size3& size = source.description().size;
+  std::vector<std::int16_t> plane(static_cast<std::size_t>(size.x * size.y));
+  std::vector<std::int16_t> kept(plane.size());
+  double squared = 0;
+  for (std::int64_t z = 0; z < sealed->whole_planes; ++z) {
+    source.read_plane(std::as_writable_bytes(std::span(plane)));
+    reader->read({{0, 0, z}, {size.x, size.y, z + 1}}, 0, kept.data());
+    for (std::size_t i = 0; i < plane.size(); ++i) {
+      squared += std::pow(static_cast<double>(plane[i]) - static_cast<double>(kept[i]), 2);
+    }
+  }
+  const double rms = std::sqrt(squared / static_cast<double>(size.x * size.y * 64));
+  EXPECT_NEAR(coding->detail_errors->rms.value(), rms, 1e-9 * rms);
 }
 
 }  // namespace

@@ -412,5 +412,19 @@ TEST(FloatPlanes, ValuesTooLargeForTheErrorAreRejectedWithOneThatWorks) {
   EXPECT_EQ(run(floats, {.max_error = proposed(rejected.error)}).error, "");
 }
 
+TEST(FloatPlanes, WhatIsProposedWorksForTheVoxelsBehindTheRejectedOneToo) {
+  for (const float first : {1e12f, 0.7771f}) {
+    Floats floats(9, tenth);
+    floats.voxels[6 * 32 + 1] = first;
+    floats.voxels[6 * 32 + 7] = 1e13f;
+    floats.voxels[8 * 32 + 5] = -1e15f;
+    const FloatSettings settings{.max_error = 0.01, .first_planes = 4};
+    const Outcome rejected = run(floats, settings);
+    expect_words(rejected.error, {"plane 6", "x,y = 1,0"});
+    const double enough = proposed(rejected.error);
+    EXPECT_EQ(run(floats, {.max_error = enough, .first_planes = 4}).error, "") << enough;
+  }
+}
+
 }  // namespace
 }  // namespace octavo

@@ -25,6 +25,7 @@ WholeBricks::WholeBricks(InterruptedBuild build) : build_(std::move(build)) {
 // streams of the journal. A page behind the last one tells where that ends.
 void WholeBricks::place(const std::vector<WholeGroup>& groups) {
   layer_count_ = groups.back().group.end_layer;
+  squared_error_ = groups.back().group.squared_error;
   streams_.resize(static_cast<std::size_t>(levels_.count()) + 1);
   root_.tiers.push_back(make_tier_index(levels_, 0));
   TierIndex& tier = root_.tiers.front();

@@ -30,6 +30,8 @@ class WholeBricks {
   std::int64_t layer_count() const { return layer_count_; }
   /// Smallest and largest value in them.
   ValueRange range() const { return range_; }
+  /// The sum of EncodedBrick::squared_error of their bricks.
+  double squared_error() const { return squared_error_; }
 
   /// The digests of the planes of those layers, by z.
   const std::vector<Sha256Digest>& plane_digests() const { return plane_digests_; }
@@ -59,6 +61,7 @@ class WholeBricks {
   Levels levels_;
   std::int64_t layer_count_ = 0;
   ValueRange range_;
+  double squared_error_ = 0;
   IndexRoot root_;
   std::vector<Stream> streams_;
   std::vector<std::int64_t> parents_;

@@ -9,11 +9,11 @@ namespace octavo {
 
 namespace {
 
-/// A build never replaces the scan it reads; an .8vo file may be built anew.
+/// A build never replaces what it reads.
 void require_no_input(const std::string& output, const std::vector<std::string>& inputs) {
   std::error_code none;
   for (const std::string& input : inputs) {
-    if (is_octavo_path(input) || !std::filesystem::equivalent(output, input, none)) continue;
+    if (!std::filesystem::equivalent(output, input, none)) continue;
     throw Error(ErrorKind::invalid_argument, "is the source itself; name another output", output);
   }
 }

@@ -6,8 +6,8 @@
 
 namespace octavo {
 
-/// Throws Error{invalid_argument} for a name that does not end in .8vo, and for a scan that would be
-/// its own output, even with overwrite; as require_free
+/// Throws Error{invalid_argument} for a name that does not end in .8vo, and for a source that would
+/// be its own output, even with overwrite; as require_free
 void require_scan_output(const BuildScanOptions& options);
 
 /// Builds a file from a scan, or from another .8vo file. Notes where the kind was not asked for.

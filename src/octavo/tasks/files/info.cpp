@@ -1,5 +1,6 @@
 #include "octavo/tasks/files/info.h"
 
+#include <cmath>
 #include <filesystem>
 
 #include "octavo/core/error.h"
@@ -28,6 +29,19 @@ PartInfo info_of(const PartEntry& part) {
           (part.flags & kRestPart) != 0,
           part.bytes.length,
           is_known(part.tag)};
+}
+
+/// Whether a voxel is finite: the coarsest sample is NaN where none is.
+bool has_finite_voxels(const FileReader& reader) {
+  const auto& coding = reader.description().coding;
+  if (!coding || !coding->is_exact) return true;
+  float sample = 0;
+  try {
+    reader.read({{0, 0, 0}, {1, 1, 1}}, reader.levels().count() - 1, &sample);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::corrupt) throw;
+  }
+  return !std::isnan(sample);
 }
 
 void require_picture(const Output& output, const std::string& input) {
@@ -68,6 +82,7 @@ InfoResult info(const InfoOptions& options, const TaskContext& context) {
   result.file_bytes = reader->file_bytes();
   result.raw_bytes = raw_bytes_of(result.volume);
   result.range = reader->range();
+  result.has_values = has_finite_voxels(*reader);
   result.max_error = reader->max_error();
   result.achieved_error = reader->achieved_error();
   result.detail_level = reader->detail_level();

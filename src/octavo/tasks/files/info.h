@@ -48,6 +48,7 @@ struct InfoResult {
   std::uint64_t file_bytes = 0;
   std::uint64_t raw_bytes = 0;
   ValueRange range;            ///< as FileReader::range
+  bool has_values = true;      ///< false: every voxel is NaN or infinite
   double max_error = 0;        ///< that the file promises, stored units
   double achieved_error = 0;   ///< the largest found when it was built
   int detail_level = 0;        ///< as FileReader::detail_level
