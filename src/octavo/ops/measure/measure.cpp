@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <utility>
+#include <optional>
 
 #include "octavo/core/error.h"
 #include "octavo/ops/label/label_block.h"
@@ -20,50 +20,11 @@ namespace {
 // Bricks whose sums are held until they are added in order.
 constexpr std::int64_t kBricksAtOnce = 64;
 
-// Sums of floats less the first of them, so that a small spread far from 0 is not lost. The first
-// one is a value of the region: what the index says of the volume may lie as far off as floats go.
-class FloatSums {
- public:
-  void add(double value) {
-    if (count_ == 0) first_ = value;
-    const long double above = static_cast<long double>(value) - first_;
-    ++count_;
-    sum_ += above;
-    squares_ += above * above;
-  }
+// Values that parts can count one by one.
+constexpr int kMostPartBits = 16;
 
-  void add(const FloatSums& other) {
-    if (other.count_ == 0) return;
-    if (count_ == 0) first_ = other.first_;
-    const long double shift = static_cast<long double>(other.first_) - first_;
-    const auto count = static_cast<long double>(other.count_);
-    count_ += other.count_;
-    sum_ += other.sum_ + count * shift;
-    squares_ += other.squares_ + 2 * shift * other.sum_ + count * shift * shift;
-  }
-
-  double first() const { return first_; }
-  long double sum() const { return sum_; }
-  long double squares() const { return squares_; }
-
- private:
-  double first_ = 0;
-  std::uint64_t count_ = 0;
-  long double sum_ = 0;
-  long double squares_ = 0;
-};
-
-// Sums over the voxels of one region.
-struct Sums {
-  MomentSums moments;
-  std::uint64_t surface = 0;
-  std::uint64_t not_finite = 0;  // grey voxels that enter none of the following
-  double minimum = std::numeric_limits<double>::infinity();
-  double maximum = -std::numeric_limits<double>::infinity();
-  // Of integers less `GreyScale::minimum`: exact
-  __int128 whole_sum = 0;
-  __int128 whole_squares = 0;
-  FloatSums floats;
+// Sums, and the first pass of percentiles.
+struct Sums : RegionSums {
   Histogram histogram;
 };
 
@@ -103,7 +64,7 @@ void add_grey(T value, const GreyScale& scale, Sums& sums) {
     sums.whole_sum += above;
     sums.whole_squares += static_cast<__int128>(above) * above;
   } else {
-    sums.floats.add(v);
+    sums.floats.add(value);
   }
   if (scale.search) sums.histogram.add(scale.search->first_bin(scale.keys->key_of(value)));
 }
@@ -111,46 +72,75 @@ void add_grey(T value, const GreyScale& scale, Sums& sums) {
 using GreyByLabel = std::map<std::int64_t, Sums>;
 
 void add(const Sums& from, Sums& to) {
-  to.moments.add(from.moments);
-  to.surface += from.surface;
-  to.not_finite += from.not_finite;
-  to.minimum = std::min(to.minimum, from.minimum);
-  to.maximum = std::max(to.maximum, from.maximum);
-  to.whole_sum += from.whole_sum;
-  to.whole_squares += from.whole_squares;
-  to.floats.add(from.floats);
+  to.RegionSums::add(from);
   to.histogram.add(from.histogram);
 }
 
 class Measurement {
  public:
   Measurement(const FileReader& labels, const FileReader* grey,
-              const RegionMeasureOptions& options)
-      : labels_(labels), grey_(grey), options_(options), grid_(labels.levels().brick_grid(0)) {
+              const RegionMeasureOptions& options, const WorkPart& part)
+      : labels_(labels),
+        grey_(grey),
+        options_(options),
+        part_(part),
+        grid_(labels.levels().brick_grid(0)) {
     if (grey == nullptr) return;
     scale_ = scale_of(*grey, options);
   }
 
   std::vector<RegionMeasure> take(Progress& progress) {
+    sum_bricks(progress);
+    if (scale_.search) find_percentiles(progress);
+    std::vector<RegionMeasure> regions;
+    for (const auto& [label, sums] : totals_) {
+      regions.push_back(measured_by(label, sums, grey_));
+      if (scale_.search) regions.back().grey->percentiles = scale_.search->values_of(label);
+    }
+    return regions;
+  }
+
+  PartOfRegions take_part(Progress& progress) {
+    const int bits = scale_.keys ? scale_.keys->bit_count() : 0;
+    if (bits > kMostPartBits) {
+      throw Error(ErrorKind::invalid_argument,
+                  "percentiles of values that span over more than 2^16 take passes that parts do "
+                  "not make",
+                  grey_->source().name())
+          .with_field("percentiles");
+    }
+    sum_bricks(progress);
+    PartOfRegions regions;
+    for (const auto& [label, sums] : totals_) {
+      PartOfRegion& region = regions[label];
+      region.sums = sums;
+      if (!scale_.search || bits > kPercentileBits) continue;
+      const std::vector<std::uint64_t> counts = sums.histogram.counts();
+      for (std::size_t key = 0; key < counts.size(); ++key) {
+        if (counts[key] > 0) region.values[key] = counts[key];
+      }
+    }
+    if (bits > kPercentileBits) count_values(progress, regions);
+    return regions;
+  }
+
+ private:
+  void sum_bricks(Progress& progress) {
     for_bricks<GreyByLabel>(
         progress, "measure", [&](const Index3& brick) { return brick_sums(brick); },
         [&](const GreyByLabel& of_brick) {
           for (const auto& [label, sums] : of_brick) add(sums, totals_[label]);
         });
-    if (scale_.search) find_percentiles(progress);
-    std::vector<RegionMeasure> regions;
-    for (const auto& [label, sums] : totals_) regions.push_back(region_of(label, sums));
-    return regions;
   }
 
- private:
   // Calls make(brick) for every brick on all threads, and take(what it gave) in file order.
   template <class Made, class Make, class Take>
   void for_bricks(Progress& progress, const char* what, Make make, Take take) const {
-    const std::int64_t count = grid_.voxel_count();
-    const ProgressScope scope(progress, what, count, "bricks");
-    for (std::int64_t first = 0; first < count; first += kBricksAtOnce) {
-      const std::int64_t end = std::min(count, first + kBricksAtOnce);
+    const std::int64_t begin = part_.begin_of(grid_.z) * grid_.x * grid_.y;
+    const std::int64_t last = part_.end_of(grid_.z) * grid_.x * grid_.y;
+    const ProgressScope scope(progress, what, last - begin, "bricks");
+    for (std::int64_t first = begin; first < last; first += kBricksAtOnce) {
+      const std::int64_t end = std::min(last, first + kBricksAtOnce);
       std::vector<Made> of_bricks(static_cast<std::size_t>(end - first));
       tbb::parallel_for(first, end, [&](std::int64_t i) {
         if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped while measuring");
@@ -188,6 +178,19 @@ class Measurement {
     PercentileSearch::Found found;
     const Box box = labels_.levels().brick_box(0, brick);
     if (!may_hold_asked(brick) || !may_count(brick, box, search)) return found;
+    visit_values(box, [&](std::int64_t label, auto first, auto last) {
+      const PercentileSearch::Places& places = search.places_of(label);
+      PercentileSearch::Counted& counted = found[label];
+      for (; first != last; ++first) {
+        if (is_finite(*first)) search.count(places, scale_.keys->key_of(*first), counted);
+      }
+    });
+    return found;
+  }
+
+  // Calls visit(label, first value, end of them) for the runs of voxels that are asked for.
+  template <class Visit>
+  void visit_values(const Box& box, Visit visit) const {
     LabelBlock block(labels_, box);
     with_voxel_type(grey_->description().type, [&](auto id) {
       using T = typename decltype(id)::type;
@@ -199,18 +202,42 @@ class Measurement {
           const T* const row = values.data() + (z * size.y + y) * size.x;
           for (std::int64_t lo = 0, hi = 0; lo < size.x; lo = hi) {
             while (hi < size.x && labels[hi] == labels[lo]) ++hi;
-            if (!is_asked(labels[lo])) continue;
-            const PercentileSearch::Places& places = search.places_of(labels[lo]);
-            PercentileSearch::Counted& counted = found[labels[lo]];
-            for (std::int64_t x = lo; x < hi; ++x) {
-              if (!is_finite(row[x])) continue;
-              search.count(places, scale_.keys->key_of(row[x]), counted);
-            }
+            if (is_asked(labels[lo])) visit(labels[lo], row + lo, row + hi);
           }
         }
       }
     });
-    return found;
+  }
+
+  // One more pass, over all values of regions.
+  void count_values(Progress& progress, PartOfRegions& regions) const {
+    using Keys = std::map<std::int64_t, std::vector<std::uint16_t>>;
+    std::map<std::int64_t, std::vector<std::uint64_t>> counts;
+    const auto keys_in = [&](const Index3& brick) {
+      Keys keys;
+      if (!may_hold_asked(brick)) return keys;
+      const Box box = labels_.levels().brick_box(0, brick);
+      visit_values(box, [&](std::int64_t label, auto first, auto last) {
+        std::vector<std::uint16_t>& of_label = keys[label];
+        for (; first != last; ++first) {
+          if (!is_finite(*first)) continue;
+          of_label.push_back(static_cast<std::uint16_t>(scale_.keys->key_of(*first)));
+        }
+      });
+      return keys;
+    };
+    for_bricks<Keys>(progress, "measure percentiles", keys_in, [&](const Keys& of_brick) {
+      for (const auto& [label, keys] : of_brick) {
+        std::vector<std::uint64_t>& all = counts[label];
+        all.resize(std::size_t{1} << kMostPartBits);
+        for (const std::uint16_t key : keys) ++all[key];
+      }
+    });
+    for (const auto& [label, all] : counts) {
+      for (std::size_t key = 0; key < all.size(); ++key) {
+        if (all[key] > 0) regions[label].values[key] = all[key];
+      }
+    }
   }
 
   // Whether the range of the grey brick at the same place has room for what a pass counts.
@@ -338,47 +365,10 @@ class Measurement {
     });
   }
 
-  RegionMeasure region_of(std::int64_t label, const Sums& sums) const {
-    RegionMeasure region;
-    region.label = label;
-    region.voxel_count = sums.moments.count;
-    region.surface_voxel_count = sums.surface;
-    region.box = sums.moments.box;
-    region.centroid = sums.moments.centroid();
-    region.covariance = sums.moments.covariance();
-    if (grey_ != nullptr) region.grey = grey_of(sums);
-    if (scale_.search) region.grey->percentiles = scale_.search->values_of(label);
-    return region;
-  }
-
-  GreyStatistics grey_of(const Sums& sums) const {
-    GreyStatistics grey;
-    grey.not_finite = sums.not_finite;
-    if (sums.moments.count == sums.not_finite) {
-      grey.minimum = grey.maximum = grey.mean = grey.deviation = grey.sum = std::nan("");
-      return grey;
-    }
-    const bool is_whole = is_integer(grey_->description().type);
-    const auto count = static_cast<long double>(sums.moments.count - sums.not_finite);
-    const long double first =
-        is_whole ? static_cast<long double>(scale_.minimum) : sums.floats.first();
-    const long double sum =
-        is_whole ? static_cast<long double>(sums.whole_sum) : sums.floats.sum();
-    const long double squares =
-        is_whole ? static_cast<long double>(sums.whole_squares) : sums.floats.squares();
-    const long double mean = sum / count;
-    grey.minimum = sums.minimum;
-    grey.maximum = sums.maximum;
-    grey.mean = static_cast<double>(mean + first);
-    grey.sum = static_cast<double>(sum + count * first);
-    grey.deviation =
-        static_cast<double>(std::sqrt(std::max(0.0L, squares / count - mean * mean)));
-    return grey;
-  }
-
   const FileReader& labels_;
   const FileReader* grey_;
   const RegionMeasureOptions& options_;
+  WorkPart part_;
   Size3 grid_;
   GreyScale scale_;
   GreyByLabel totals_;
@@ -420,11 +410,7 @@ void diagonalise(double (&m)[3][3], double (&vectors)[3][3]) {
   }
 }
 
-}  // namespace
-
-std::vector<RegionMeasure> measure_regions(const FileReader& labels, const FileReader* grey,
-                                           const RegionMeasureOptions& options,
-                                           Progress& progress) {
+void check_volumes(const FileReader& labels, const FileReader* grey) {
   if (labels.description().kind != VolumeKind::labels) {
     throw Error(ErrorKind::invalid_argument, "holds grey values, not labels",
                 labels.source().name());
@@ -433,7 +419,45 @@ std::vector<RegionMeasure> measure_regions(const FileReader& labels, const FileR
     throw Error(ErrorKind::invalid_argument, "has another size than the labels",
                 grey->source().name());
   }
-  return Measurement(labels, grey, options).take(progress);
+}
+
+}  // namespace
+
+std::vector<RegionMeasure> measure_regions(const FileReader& labels, const FileReader* grey,
+                                           const RegionMeasureOptions& options,
+                                           Progress& progress) {
+  check_volumes(labels, grey);
+  return Measurement(labels, grey, options, {}).take(progress);
+}
+
+PartOfRegions measure_part(const FileReader& labels, const FileReader* grey,
+                           const RegionMeasureOptions& options, const WorkPart& part,
+                           Progress& progress) {
+  check_volumes(labels, grey);
+  require_part(part);
+  return Measurement(labels, grey, options, part).take_part(progress);
+}
+
+void add_part(const PartOfRegions& part, PartOfRegions& all) {
+  for (const auto& [label, region] : part) {
+    PartOfRegion& to = all[label];
+    to.sums.add(region.sums);
+    for (const auto& [key, count] : region.values) to.values[key] += count;
+  }
+}
+
+std::vector<RegionMeasure> joined_regions(const PartOfRegions& all, const FileReader* grey,
+                                          const RegionMeasureOptions& options) {
+  std::vector<RegionMeasure> regions;
+  std::optional<ValueKeys> keys;
+  if (grey != nullptr && !options.percentiles.empty()) keys.emplace(*grey);
+  for (const auto& [label, region] : all) {
+    regions.push_back(measured_by(label, region.sums, grey));
+    if (!keys) continue;
+    regions.back().grey->percentiles =
+        percentiles_of(region.values, *keys, options.percentiles, options.falls);
+  }
+  return regions;
 }
 
 PrincipalAxes principal_axes(const RegionMeasure& region, const Geometry& geometry) {

@@ -2,45 +2,23 @@
 //
 // Bricks are taken in file order. A brick of one label among bricks of the same label, over grey
 // voxels of one value, is settled from the index; others are decoded once, run by run along x.
-// Sums are exact where voxels are integers, and are added in file order, so the result does not
-// depend on the number of threads.
+// Sums are exact, so the result does not depend on the number of threads, nor on that of the parts
+// in which a volume is measured.
 //
 // Source  thesis 1.2
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <optional>
+#include <map>
 #include <vector>
 
 #include "octavo/core/progress.h"
+#include "octavo/core/work_part.h"
 #include "octavo/file/reader.h"
+#include "octavo/ops/measure/region_sums.h"
 
 namespace octavo {
-
-/// The grey voxels of one region, in stored units. Those that are NaN or infinite are counted and
-/// in no other number, which are NaN where there are no others.
-struct GreyStatistics {
-  std::uint64_t not_finite = 0;
-  double mean = 0;
-  double deviation = 0;  ///< of the population
-  double minimum = 0;
-  double maximum = 0;
-  double sum = 0;
-  /// As many as were asked for: the smallest value that this share of the voxels does not exceed.
-  std::vector<double> percentiles;
-};
-
-/// One region. Positions and moments are in index space: x, y, z of voxel centers.
-struct RegionMeasure {
-  std::int64_t label = 0;
-  std::uint64_t voxel_count = 0;
-  std::uint64_t surface_voxel_count = 0;  ///< of which a face neighbor is not in the region
-  Box box;
-  std::array<double, 3> centroid{};
-  std::array<double, 6> covariance{};     ///< xx, yy, zz, xy, xz, yz
-  std::optional<GreyStatistics> grey;
-};
 
 /// The spread of a region along its own axes, in mm and world space.
 struct PrincipalAxes {
@@ -66,6 +44,30 @@ struct RegionMeasureOptions {
 std::vector<RegionMeasure> measure_regions(const FileReader& labels, const FileReader* grey,
                                            const RegionMeasureOptions& options,
                                            Progress& progress);
+
+/// What a part of a measurement found of a region.
+struct PartOfRegion {
+  RegionSums sums;
+  /// Where percentiles are asked for, how many voxels have which value, by its ValueKeys.
+  std::map<std::uint64_t, std::uint64_t> values = {};
+};
+using PartOfRegions = std::map<std::int64_t, PartOfRegion>;  ///< by label
+
+/// What measure_regions sums over the layers of bricks of one part of the work.
+/// Throws  as measure_regions; Error{invalid_argument} of field "percentiles" for those of values
+///         that span over more than 2^16, Error{invalid_argument} for a part that cannot be
+/// Memory  as measure_regions, and 48 bytes for each value of each region
+/// Time    a share of that of measure_regions; two passes where values span over 2^13
+PartOfRegions measure_part(const FileReader& labels, const FileReader* grey,
+                           const RegionMeasureOptions& options, const WorkPart& part,
+                           Progress& progress);
+
+/// Adds what one more part found.
+void add_part(const PartOfRegions& part, PartOfRegions& all);
+
+/// What measure_regions gives, of all parts added up.
+std::vector<RegionMeasure> joined_regions(const PartOfRegions& all, const FileReader* grey,
+                                          const RegionMeasureOptions& options);
 
 /// The principal axes of a region on a grid.
 PrincipalAxes principal_axes(const RegionMeasure& region, const Geometry& geometry);

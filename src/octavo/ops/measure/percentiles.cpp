@@ -8,6 +8,19 @@
 
 namespace octavo {
 
+namespace {
+
+// Which voxel is the percentile, from 1 by rising values.
+std::uint64_t rank_of(double percent, std::uint64_t voxels, bool falls) {
+  // In this order whole percents give whole ranks: 55 / 100 * 100 is above 55.
+  const double wanted = std::ceil(percent * static_cast<double>(voxels) / 100);
+  const std::uint64_t rank =
+      std::clamp<std::uint64_t>(static_cast<std::uint64_t>(wanted), 1, voxels);
+  return falls ? voxels - rank + 1 : rank;
+}
+
+}  // namespace
+
 void Histogram::add(const Histogram& other) {
   if (other.counts_.empty()) {
     for (const std::uint16_t bin : other.few_) add(bin);
@@ -52,14 +65,6 @@ PercentileSearch::PercentileSearch(const ValueKeys& keys, std::vector<double> pe
   rest_ = std::max(0, keys.bit_count() - kPercentileBits);
 }
 
-std::uint64_t PercentileSearch::rank_of(double percent, std::uint64_t voxels) const {
-  // In this order whole percents give whole ranks: 55 / 100 * 100 is above 55.
-  const double wanted = std::ceil(percent * static_cast<double>(voxels) / 100);
-  const std::uint64_t rank =
-      std::clamp<std::uint64_t>(static_cast<std::uint64_t>(wanted), 1, voxels);
-  return falls_ ? voxels - rank + 1 : rank;
-}
-
 void PercentileSearch::descend(Place& place, const std::vector<std::uint64_t>& counts,
                                std::uint64_t first_prefix) {
   std::size_t bin = 0;
@@ -71,7 +76,7 @@ void PercentileSearch::begin(std::int64_t region, std::uint64_t voxels, const Hi
   const std::vector<std::uint64_t> counts = counted.counts();
   Places& places = places_[region];
   for (const double percent : percentiles_) {
-    places.push_back({0, rank_of(percent, voxels)});
+    places.push_back({0, rank_of(percent, voxels, falls_)});
     descend(places.back(), counts, 0);
   }
 }
@@ -113,6 +118,25 @@ std::vector<double> PercentileSearch::values_of(std::int64_t region) const {
   if (!places_.contains(region)) return std::vector<double>(percentiles_.size(), std::nan(""));
   std::vector<double> values;
   for (const Place& place : places_of(region)) values.push_back(keys_.value_of(place.prefix));
+  return values;
+}
+
+std::vector<double> percentiles_of(const std::map<std::uint64_t, std::uint64_t>& counts,
+                                   const ValueKeys& keys, const std::vector<double>& percentiles,
+                                   bool falls) {
+  std::uint64_t voxels = 0;
+  for (const auto& [key, count] : counts) voxels += count;
+  std::vector<double> values;
+  for (const double percent : percentiles) {
+    if (voxels == 0) {
+      values.push_back(std::nan(""));
+      continue;
+    }
+    std::uint64_t left = rank_of(percent, voxels, falls);
+    auto at = counts.begin();
+    for (; at->second < left; ++at) left -= at->second;
+    values.push_back(keys.value_of(at->first));
+  }
   return values;
 }
 

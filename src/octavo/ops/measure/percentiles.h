@@ -124,7 +124,6 @@ class PercentileSearch {
 
  private:
   int next_rest() const { return rest_ > kPercentileBits ? rest_ - kPercentileBits : 0; }
-  std::uint64_t rank_of(double percent, std::uint64_t voxels) const;
   static void descend(Place& place, const std::vector<std::uint64_t>& counts,
                       std::uint64_t first_prefix);
 
@@ -134,5 +133,11 @@ class PercentileSearch {
   int rest_ = 0;  ///< binary digits of keys that no pass has looked at
   std::map<std::int64_t, Places> places_;  ///< by region, one per percentile
 };
+
+/// The values that a search finds, by how many voxels have which key; NaN where there are none.
+/// percentiles, falls  as in PercentileSearch
+std::vector<double> percentiles_of(const std::map<std::uint64_t, std::uint64_t>& counts,
+                                   const ValueKeys& keys, const std::vector<double>& percentiles,
+                                   bool falls);
 
 }  // namespace octavo

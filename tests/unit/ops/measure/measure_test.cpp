@@ -10,6 +10,7 @@
 #include <map>
 #include <numeric>
 #include <random>
+#include <sstream>
 
 #include "octavo/core/error.h"
 #include "support/built_file.h"
@@ -88,6 +89,41 @@ class MeasuredScene : public testing::ScratchFolder {
 const MeasuredScene& measured() {
   static const MeasuredScene scene;
   return scene;
+}
+
+/// Every number with all its digits; NaN is NaN.
+std::string digits_of(const RegionMeasure& region) {
+  std::ostringstream text;
+  text << std::hexfloat << region.label << ' ' << region.voxel_count << ' '
+       << region.surface_voxel_count;
+  for (int axis = 0; axis < 3; ++axis) text << ' ' << region.box.lo[axis] << region.box.hi[axis];
+  for (const double number : region.centroid) text << ' ' << number;
+  for (const double number : region.covariance) text << ' ' << number;
+  if (!region.grey) return text.str();
+  const GreyStatistics& grey = *region.grey;
+  text << " grey " << grey.not_finite << ' ' << grey.mean << ' ' << grey.deviation << ' '
+       << grey.minimum << ' ' << grey.maximum << ' ' << grey.sum;
+  for (const double number : grey.percentiles) text << ' ' << number;
+  return text.str();
+}
+
+/// Parts of any number, joined, give every digit of one measurement.
+void expect_same_in_parts(const FileReader& labels, const FileReader* grey,
+                          const RegionMeasureOptions& options) {
+  NoProgress progress;
+  const auto whole = measure_regions(labels, grey, options, progress);
+  for (const std::int64_t count : {1, 2, 3, 8}) {
+    SCOPED_TRACE(count);
+    PartOfRegions all;
+    for (std::int64_t number = 0; number < count; ++number) {
+      add_part(measure_part(labels, grey, options, {number, count}, progress), all);
+    }
+    const auto joined = joined_regions(all, grey, options);
+    ASSERT_EQ(joined.size(), whole.size());
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+      EXPECT_EQ(digits_of(joined[i]), digits_of(whole[i]));
+    }
+  }
 }
 
 TEST(MeasureRegions, AgreesWithEveryVoxel) {
@@ -295,6 +331,7 @@ void expect_exact_percentiles(VoxelType type, const std::function<T(std::uint32_
     options.falls = falls;
     NoProgress progress;
     const auto regions = measure_regions(*mask, grey.get(), options, progress);
+    if (sizeof(T) == 2) expect_same_in_parts(*mask, grey.get(), options);
     ASSERT_EQ(regions.size(), 3u);
     for (const RegionMeasure& region : regions) {
       std::vector<T> sorted;
@@ -359,6 +396,42 @@ TEST(MeasureRegions, DoNotDependOnTheThreads) {
   for (std::size_t i = 0; i < all[0].size(); ++i) {
     EXPECT_EQ(all[0][i].covariance, all[1][i].covariance);
     EXPECT_EQ(all[0][i].grey->deviation, all[1][i].grey->deviation);
+  }
+}
+
+TEST(MeasureRegions, DoNotDependOnTheParts) {
+  const MeasuredScene& files = measured();
+  expect_same_in_parts(*files.labels, files.grey.get(), {});
+  expect_same_in_parts(*files.labels, files.grey.get(), {{1, 50}, true, {3, 7, 30000}});
+  expect_same_in_parts(*files.labels, nullptr, {});
+}
+
+/// With differences between floats that a sum in floating point loses.
+TEST(MeasureRegions, OfFloatsDoNotDependOnTheParts) {
+  const Size3 size{30, 20, 200};
+  std::vector<std::uint8_t> labels;
+  std::vector<float> values;
+  std::mt19937 random(4);
+  for_each_voxel(size, [&](const Index3& p, std::size_t i) {
+    labels.push_back(static_cast<std::uint8_t>((p.x / 7 + p.z / 50) % 3));
+    const auto value = static_cast<float>(random() % 1000);
+    values.push_back(i % 50 == 0 ? 1e20f * value : i % 3 == 0 ? -1e-20f * value : value);
+  });
+  values[77] = std::nanf("");
+  const testing::ScratchFolder folder;
+  const auto mask = testing::open_file(
+      built(folder, size, VoxelType::uint8, labels.data(), VolumeKind::labels, "l.8vo"));
+  const auto floats = testing::open_file(
+      built(folder, size, VoxelType::float32, values.data(), VolumeKind::grey, "f.8vo", 0));
+  ASSERT_GT(mask->levels().brick_grid(0).z, 2);
+  expect_same_in_parts(*mask, floats.get(), {{}, false, {}});
+  NoProgress progress;
+  try {
+    measure_part(*mask, floats.get(), {}, {0, 2}, progress);
+    ADD_FAILURE() << "percentiles of wide floats in parts";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::invalid_argument);
+    EXPECT_EQ(error.field(), "percentiles");
   }
 }
 
