@@ -61,6 +61,7 @@ void add_verbs(CLI::App& app, Context& context) {
   add_open(app, context);
   add_close(app, context);
   add_shell(app, context);
+  add_surface(app, context);
   add_transform(app, context);
   add_phantom(app, context);
   add_completion(app, context);

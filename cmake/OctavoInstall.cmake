@@ -5,7 +5,7 @@ include(CMakePackageConfigHelpers)
 # The program is the target `octavo`, so the library's own name differs until it is exported.
 add_library(octavo_library INTERFACE)
 set_target_properties(octavo_library PROPERTIES EXPORT_NAME octavo)
-foreach(module core octree planes codec file builder dist io ops render tasks)
+foreach(module core octree planes codec file builder dist io ops render mesh tasks)
   if(TARGET octavo_${module})
     target_link_libraries(octavo_library INTERFACE octavo_${module})
   endif()

@@ -24,6 +24,7 @@ MAY_INCLUDE = {
     "io": BELOW_FILE | {"file", "planes"},
     "ops": BELOW_FILE | {"file", "planes"},
     "render": BELOW_FILE | {"file"},
+    "mesh": BELOW_FILE | {"file"},
 }
 MAY_INCLUDE["tasks"] = set(MAY_INCLUDE)
 

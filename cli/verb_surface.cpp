@@ -1,0 +1,145 @@
+// octavo surface: a surface as triangles, for printers, solvers and viewers.
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "common/failure.h"
+#include "common/label_option.h"
+#include "common/options.h"
+#include "common/task_run.h"
+#include "octavo/core/sha256.h"
+#include "octavo/tasks/surface.h"
+#include "octavo/tasks/volume_facts.h"
+#include "text/quantities.h"
+#include "verbs.h"
+
+namespace octavo::cli {
+
+namespace {
+
+constexpr VerbText kSurfaceText = {
+    "surface", "Make a surface of triangles: STL, PLY or OBJ.",
+    "Of grey values the surface of what is at or above --isovalue, in real units (HU); of a label\n"
+    "map that of --label, or of every voxel but 0. It is closed, also where the volume ends, and\n"
+    "manifold, with triangles outward; both are proven before anything is written, and a surface\n"
+    "that is not gives exit code 1 and the counts. Coordinates are mm in LPS, or with --space ras\n"
+    "in RAS. Bricks whose minimum and maximum decide are not decoded.\n\n"
+    "Examples:\n"
+    "  octavo surface head.8vo --isovalue 226 -o bone.stl\n"
+    "  octavo surface head.8vo --isovalue 226 --level 1 --seed 64,20,27 -o skull.ply\n"
+    "  octavo surface organs.8vo --label liver -o liver.obj --space ras"};
+
+struct SurfaceArguments {
+  std::string input;
+  std::string output;
+  std::optional<double> isovalue;
+  std::vector<std::string> labels;
+  std::string seed;
+  std::string space = "lps";
+  int level = 0;
+  bool stored = false;
+  bool allow_open = false;
+};
+
+SurfaceOptions options_of(const SurfaceArguments& arguments, const Context& context) {
+  SurfaceOptions options;
+  options.input = arguments.input;
+  options.output = {arguments.output, context.force};
+  options.isovalue = arguments.isovalue;
+  options.is_stored = arguments.stored;
+  options.labels = parse_labels(arguments.labels);
+  options.level = arguments.level;
+  if (!arguments.seed.empty()) options.seed = parse_point(arguments.seed, "--seed");
+  options.space = arguments.space == "ras" ? MeshSpace::ras : MeshSpace::lps;
+  options.allows_faults = arguments.allow_open;
+  return options;
+}
+
+std::string fault_words(const MeshCheck& check) {
+  return fmt::format(
+      "{} open sides, {} repeated ones, {} points where parts touch, {} points at one place",
+      check.open_sides, check.repeated_sides, check.pinched_points, check.coincident_points);
+}
+
+bool is_sound(const MeshCheck& check) { return check.is_closed() && check.is_manifold(); }
+
+std::string report_text(const SurfaceArguments& arguments, const SurfaceResult& result) {
+  if (!result.is_written) {
+    return fmt::format("{}: not written, the surface has {}; --allow-open writes it\n",
+                       arguments.output, fault_words(result.check));
+  }
+  std::string text = fmt::format("{}: {} triangles, {} {}\n", arguments.output,
+                                 result.triangle_count, result.check.components,
+                                 result.check.components == 1 ? "piece" : "pieces");
+  text += is_sound(result.check) ? "closed, manifold\n" : fault_words(result.check) + "\n";
+  if (is_spacing_known(result.volume)) {
+    text += fmt::format("area {:.6g} mm2, volume {:.6g} mm3\n", result.measures.area_mm2,
+                        result.measures.volume_mm3);
+  }
+  return text;
+}
+
+nlohmann::ordered_json if_spaced(const SurfaceResult& result, double value) {
+  return optional_json(is_spacing_known(result.volume) ? std::optional(value) : std::nullopt);
+}
+
+nlohmann::ordered_json report_json(const SurfaceArguments& arguments, const SurfaceResult& result,
+                                   const Context& context) {
+  return {{"output", arguments.output},
+          {"is_written", result.is_written},
+          {"file_bytes", result.file_bytes},
+          {"voxel_digest", hex_text(result.voxel_digest)},
+          {"isovalue", optional_json(arguments.isovalue)},
+          {"level", arguments.level},
+          {"space", arguments.space},
+          {"triangles", result.triangle_count},
+          {"points", result.point_count},
+          {"components", result.check.components},
+          {"closed", result.check.is_closed()},
+          {"manifold", result.check.is_manifold()},
+          {"euler_number", result.check.euler_number},
+          {"open_sides", result.check.open_sides},
+          {"repeated_sides", result.check.repeated_sides},
+          {"pinched_points", result.check.pinched_points},
+          {"coincident_points", result.check.coincident_points},
+          {"area_mm2", if_spaced(result, result.measures.area_mm2)},
+          {"volume_mm3", if_spaced(result, result.measures.volume_mm3)},
+          {"warnings", context.warnings}};
+}
+
+int run_surface(const SurfaceArguments& arguments, Context& context) {
+  const SurfaceResult result = run_task(surface, options_of(arguments, context), context);
+  if (context.json) print_json(report_json(arguments, result, context));
+  else if (!context.quiet || !result.is_written) print(report_text(arguments, result));
+  return result.is_written ? kExitDone : kExitDifferent;
+}
+
+}  // namespace
+
+void add_surface(CLI::App& app, Context& context) {
+  const auto arguments = std::make_shared<SurfaceArguments>();
+  Verb verb = add_verb(app, context, kSurfaceText,
+                       [arguments, &context] { return run_surface(*arguments, context); });
+  verb.add_input(arguments->input);
+  verb.add_output(arguments->output, "The .stl, .ply or .obj file to write");
+  Option isovalue = verb.add_option("--isovalue", arguments->isovalue,
+                                    "Of grey values: what is at or above lies inside");
+  isovalue->type_name("VALUE");
+  add_label_option(verb, arguments->labels, "A label that lies inside")->excludes(isovalue);
+  verb.add_option("--level", arguments->level, "0 is the scan, coarser levels have fewer voxels")
+      ->type_name("N")
+      ->capture_default_str();
+  verb.add_option("--seed", arguments->seed,
+                  "x,y,z in voxels of the level: only the piece of the surface there")
+      ->type_name("X,Y,Z");
+  verb.add_option("--space", arguments->space, "Axes of the coordinates")
+      ->type_name("SPACE")
+      ->check(one_of({"lps", "ras"}))
+      ->capture_default_str();
+  verb.add_flag("--stored", arguments->stored, "The isovalue is a stored value, not a real one");
+  verb.add_flag("--allow-open", arguments->allow_open,
+                "Write a surface with faults as well, with exit code 0");
+}
+
+}  // namespace octavo::cli

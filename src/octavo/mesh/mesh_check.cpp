@@ -1,0 +1,136 @@
+#include "octavo/mesh/mesh_check.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "octavo/core/vectors.h"
+#include "octavo/mesh/mesh_pieces.h"
+#include "octavo/mesh/point_distance.h"
+
+namespace octavo {
+
+namespace {
+
+/// A side of a triangle at a point: to the next corner, and the one that comes back from the last.
+struct CornerSides {
+  std::uint32_t to;
+  std::uint32_t from;
+};
+
+/// The triangles around each point.
+class PointCorners {
+ public:
+  explicit PointCorners(const TriangleMesh& mesh)
+      : ends_(mesh.points.size() + 1), sides_(3 * mesh.triangles.size()) {
+    for (const MeshTriangle& t : mesh.triangles) {
+      for (const std::uint32_t point : t) ++ends_[point + 1];
+    }
+    for (std::size_t i = 1; i < ends_.size(); ++i) ends_[i] += ends_[i - 1];
+    std::vector<std::size_t> next(ends_.begin(), ends_.end() - 1);
+    for (const MeshTriangle& t : mesh.triangles) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        sides_[next[t[k]]++] = {t[(k + 1) % 3], t[(k + 2) % 3]};
+      }
+    }
+  }
+
+  std::span<const CornerSides> at(std::size_t point) const {
+    return {sides_.data() + ends_[point], ends_[point + 1] - ends_[point]};
+  }
+
+ private:
+  std::vector<std::size_t> ends_;
+  std::vector<CornerSides> sides_;
+};
+
+/// What the triangles around one point say.
+void add_point(std::span<const CornerSides> corners, MeshCheck& check) {
+  std::size_t reached = 0;
+  bool is_fan = !corners.empty();
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const auto has_end = [&](const CornerSides& c) { return c.from == corners[i].to; };
+    const auto has_start = [&](const CornerSides& c) { return c.to == corners[i].to; };
+    const auto ends = std::count_if(corners.begin(), corners.end(), has_end);
+    const auto starts = std::count_if(corners.begin(), corners.end(), has_start);
+    if (ends == 0) ++check.open_sides;
+    // Counted at the first corner that has it.
+    const bool is_first = std::find_if(corners.begin(), corners.end(), has_start) ==
+                          corners.begin() + static_cast<std::ptrdiff_t>(i);
+    if (is_first) check.repeated_sides += static_cast<std::uint64_t>(starts - 1);
+    is_fan = is_fan && ends == 1 && starts == 1;
+  }
+  if (corners.empty()) return;
+  ++check.euler_number;
+  if (!is_fan) return;
+  // Round the point from triangle to triangle: a fan comes back when all were seen.
+  std::uint32_t at = corners[0].to;
+  do {
+    const auto next = std::find_if(corners.begin(), corners.end(),
+                                   [&](const CornerSides& c) { return c.to == at; });
+    at = next->from;
+    ++reached;
+  } while (at != corners[0].to && reached <= corners.size());
+  if (reached != corners.size()) ++check.pinched_points;
+}
+
+MeshCheck sum_of(const MeshCheck& a, const MeshCheck& b) {
+  MeshCheck sum = a;
+  sum.open_sides += b.open_sides;
+  sum.repeated_sides += b.repeated_sides;
+  sum.pinched_points += b.pinched_points;
+  sum.euler_number += b.euler_number;
+  return sum;
+}
+
+std::uint64_t coincident_points(const TriangleMesh& mesh) {
+  std::vector<MeshPoint> sorted = mesh.points;
+  tbb::parallel_sort(sorted.begin(), sorted.end());
+  std::uint64_t count = 0;
+  for (std::size_t i = 1; i < sorted.size(); ++i) count += sorted[i] == sorted[i - 1] ? 1u : 0u;
+  return count;
+}
+
+
+
+}  // namespace
+
+MeshCheck check_mesh(const TriangleMesh& mesh) {
+  const PointCorners corners(mesh);
+  MeshCheck check = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, mesh.points.size(), 4096), MeshCheck(),
+      [&](const tbb::blocked_range<std::size_t>& range, MeshCheck part) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) add_point(corners.at(i), part);
+        return part;
+      },
+      sum_of);
+  // Every triangle has three sides, half an edge each.
+  check.euler_number -= static_cast<std::int64_t>(mesh.triangles.size() + 1) / 2;
+  check.coincident_points = coincident_points(mesh);
+  check.components = mesh_pieces(mesh).count;
+  return check;
+}
+
+MeshMeasures measure_mesh(const TriangleMesh& mesh) {
+  MeshMeasures measures;
+  if (mesh.points.empty()) return measures;
+  // From a point of the mesh, as volumes from a far origin cancel badly.
+  const Point3 origin = place_of_point(mesh.points.front());
+  for (const MeshTriangle& t : mesh.triangles) {
+    const Point3 a = difference(place_of_point(mesh.points[t[0]]), origin);
+    const Point3 b = difference(place_of_point(mesh.points[t[1]]), origin);
+    const Point3 c = difference(place_of_point(mesh.points[t[2]]), origin);
+    const Point3 normal = cross(difference(b, a), difference(c, a));
+    measures.area_mm2 += std::sqrt(dot(normal, normal)) / 2;
+    measures.volume_mm3 += dot(a, cross(b, c)) / 6;
+  }
+  return measures;
+}
+
+}  // namespace octavo

@@ -1,0 +1,185 @@
+#include "octavo/tasks/surface.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "octavo/core/error.h"
+#include "octavo/core/sha256.h"
+#include "octavo/core/text.h"
+#include "octavo/file/storage/pending_file.h"
+#include "octavo/mesh/extraction.h"
+#include "octavo/mesh/mesh_pieces.h"
+#include "octavo/tasks/inputs.h"
+#include "octavo/tasks/value_ranges.h"
+#include "octavo/tasks/volume_facts.h"
+#include "octavo/tasks/volume_parts.h"
+
+namespace octavo {
+
+namespace {
+
+[[noreturn]] void reject(const std::string& text, const std::string& path, const char* field) {
+  throw Error(ErrorKind::invalid_argument, text, path).with_field(field);
+}
+
+MeshFormat format_of(const SurfaceOptions& options) {
+  const std::optional<MeshFormat> format = mesh_format_of(options.output.path);
+  if (!format) {
+    reject(std::string("a surface is written as ") + mesh_format_endings(), options.output.path,
+           "surface.output");
+  }
+  require_free(options.output);
+  std::error_code none;
+  if (std::filesystem::equivalent(options.output.path, options.input, none)) {
+    reject("is the input itself; name another output", options.output.path, "");
+  }
+  return *format;
+}
+
+/// Proves that options and volume go together.
+void check_kind(const SurfaceOptions& options, const VolumeDescription& volume) {
+  if (volume.kind == VolumeKind::labels) {
+    if (options.isovalue) reject("holds labels, which have no isovalue", options.input, "isovalue");
+    return;
+  }
+  if (!options.labels.is_empty()) {
+    reject("holds grey values, not labels", options.input, "labels.kind");
+  }
+  if (!options.isovalue) {
+    reject("holds grey values; a surface needs an isovalue", options.input, "isovalue.missing");
+  }
+  if (!std::isfinite(*options.isovalue)) reject("the isovalue is no number", options.input, "");
+}
+
+SurfaceField field_of(const SurfaceOptions& options, const VolumeDescription& volume) {
+  if (volume.kind == VolumeKind::labels) {
+    return SurfaceField::of_labels(
+        labels_of(options.labels, volume.metadata.facts().labels, options.input));
+  }
+  const ValueWindow window =
+      stored_window({*options.isovalue, AskedRange{}.highest}, volume, options.is_stored);
+  const bool is_falling = !options.is_stored && volume.rescale.slope < 0;
+  return SurfaceField::of_grey(is_falling ? window.highest : window.lowest, is_falling,
+                               volume.type);
+}
+
+/// What lies inside, in words: "226 HU", "a label that was asked for".
+std::string inside_words(const SurfaceOptions& options, const VolumeDescription& volume) {
+  if (volume.kind == VolumeKind::labels) {
+    return options.labels.is_empty() ? "a label" : "a label that was asked for";
+  }
+  const std::string unit = options.is_stored ? "" : unit_of(volume);
+  return number_text(*options.isovalue) + (unit.empty() ? "" : " " + unit) + " or more";
+}
+
+/// Proves by the range of the whole volume that something lies inside, and not all.
+void check_range(const FileReader& reader, const SurfaceField& field,
+                 const SurfaceOptions& options) {
+  const VolumeDescription& volume = reader.description();
+  const ValueRange range = reader.range();
+  const bool may_hold_others = volume.codec_type() == VoxelType::float32;
+  const double lowest = volume.voxel_of(range.min);
+  const double highest = volume.voxel_of(range.max);
+  const InsideShare share = inside_share(field, lowest, highest, may_hold_others);
+  if (share == InsideShare::some) return;
+  const std::string values =
+      options.is_stored ? number_text(lowest) + " to " + number_text(highest)
+                        : real_text(volume, lowest) + " to " + real_text(volume, highest);
+  const char* const field_name = volume.kind == VolumeKind::grey ? "isovalue.range" : "";
+  reject(fmt::format("has no surface: {} voxel has {}; its values run from {}",
+                     share == InsideShare::none ? "no" : "every", inside_words(options, volume),
+                     values),
+         options.input, field_name);
+}
+
+TriangleMesh extracted(const FileReader& reader, const SurfaceField& field,
+                       const SurfaceOptions& options, const TaskContext& context) {
+  MeshCollector collector(context.max_memory_bytes);
+  const ProgressScope scope(context.watcher(), "surface",
+                            reader.levels().size(options.level).z, "planes");
+  context.on_threads([&] {
+    extract_surface(reader, options.level, field, collector, context.watcher());
+  });
+  TriangleMesh mesh = collector.take();
+  if (!mesh.triangles.empty()) return mesh;
+  reject(fmt::format("has no surface: no voxel of level {} has {}", options.level,
+                     inside_words(options, reader.description())),
+         options.input, "");
+}
+
+/// The piece that comes nearest to a seed, which lies within a voxel of it.
+TriangleMesh piece_at_seed(const TriangleMesh& mesh, const Point3& seed, const Geometry& geometry,
+                           const Size3& size, const SurfaceOptions& options) {
+  const std::string place =
+      fmt::format("{},{},{}", number_text(seed[0]), number_text(seed[1]), number_text(seed[2]));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto limit = static_cast<double>(size[static_cast<int>(axis)]);
+    if (seed[axis] >= -0.5 && seed[axis] <= limit - 0.5) continue;
+    reject(fmt::format("the seed {} lies outside its {} voxels", place, size_text(size)),
+           options.input, "seed");
+  }
+  const NearestTriangle nearest = nearest_triangle(mesh, geometry.to_world(seed));
+  const auto& [x, y, z] = geometry.spacing_mm;
+  if (nearest.distance_mm > std::sqrt(x * x + y * y + z * z)) {
+    reject(fmt::format("no surface passes within a voxel of the seed {}; the nearest is {} mm away",
+                       place, number_text(nearest.distance_mm)),
+           options.input, "seed");
+  }
+  return piece_of_point(mesh, mesh.triangles[nearest.triangle][0]);
+}
+
+std::vector<std::string> comments_of(const SurfaceOptions& options, const FileReader& reader) {
+  std::vector<std::string> comments = {
+      "octavo surface of voxels with SHA-256 " + hex_text(reader.voxel_digest()),
+      fmt::format("level {}, inside: {}", options.level,
+                  inside_words(options, reader.description()))};
+  return comments;
+}
+
+}  // namespace
+
+SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context) {
+  const MeshFormat format = format_of(options);
+  const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
+  const VolumeDescription& volume = reader->description();
+  require_level(reader->levels(), options.level);
+  check_kind(options, volume);
+  const SurfaceField field = field_of(options, volume);
+  check_range(*reader, field, options);
+  if (!is_spacing_known(volume)) {
+    context.warn(options.input +
+                 ": its spacing is not known; the surface is written as if voxels were 1 mm");
+  }
+
+  TriangleMesh mesh = extracted(*reader, field, options, context);
+  if (options.seed) {
+    mesh = piece_at_seed(mesh, *options.seed,
+                         reader->levels().geometry(volume.geometry, options.level),
+                         reader->levels().size(options.level), options);
+  }
+  SurfaceResult result;
+  result.volume = volume;
+  result.voxel_digest = reader->voxel_digest();
+  result.point_count = mesh.points.size();
+  result.triangle_count = mesh.triangles.size();
+  context.on_threads([&] { result.check = check_mesh(mesh); });
+  result.measures = measure_mesh(mesh);
+  const bool is_sound = result.check.is_closed() && result.check.is_manifold();
+  if (!is_sound && !options.allows_faults) return result;
+
+  PendingFile file(local_storage(), options.output.path);
+  write_mesh(mesh, format, options.space, comments_of(options, *reader), file);
+  context.stop_if_cancelled();
+  file.seal();
+  file.publish(options.output.overwrite);
+  result.is_written = true;
+  result.file_bytes = file.size();
+  return result;
+}
+
+}  // namespace octavo

@@ -1,0 +1,50 @@
+// The surface of what lies inside, as a file of triangles.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "octavo/core/hasher.h"
+#include "octavo/mesh/mesh_check.h"
+#include "octavo/mesh/mesh_file.h"
+#include "octavo/tasks/asked_labels.h"
+#include "octavo/tasks/outputs.h"
+#include "octavo/tasks/task_context.h"
+
+namespace octavo {
+
+struct SurfaceOptions {
+  std::string input;  ///< an .8vo file or a URL of one
+  Output output;      ///< ends in .stl, .ply or .obj
+  /// Of grey values, in real units: what is at or above it lies inside.
+  std::optional<double> isovalue;
+  bool is_stored = false;  ///< the isovalue is a stored value instead of a real one
+  AskedLabels labels;      ///< of a label map these; with none every voxel but 0
+  int level = 0;
+  /// Only the piece of the surface that comes nearest to this place, in voxels of the level.
+  std::optional<Point3> seed;
+  MeshSpace space = MeshSpace::lps;
+  bool allows_faults = false;  ///< a surface that is not closed or not manifold is written as well
+};
+
+struct SurfaceResult {
+  VolumeDescription volume;  ///< that the surface was taken from
+  Sha256Digest voxel_digest{};
+  std::uint64_t point_count = 0;
+  std::uint64_t triangle_count = 0;
+  MeshCheck check;
+  MeshMeasures measures;         ///< of voxels of 1 mm where the spacing is not known
+  bool is_written = false;       ///< not where the check found faults that are not allowed
+  std::uint64_t file_bytes = 0;
+};
+
+/// Writes the surface of a level: closed, also where the volume ends, triangles outward.
+/// Throws  as open_volume, require_free, labels_of, extract_surface and write_mesh;
+///         Error{invalid_argument} where no or every voxel lies inside, for a seed that no surface
+///         passes within a voxel, when options do not go together or with the volume
+/// Memory  that of extract_surface, 36 bytes per triangle of the level's surface, and as much again
+///         while it is checked
+SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context);
+
+}  // namespace octavo

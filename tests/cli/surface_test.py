@@ -1,0 +1,119 @@
+#!/usr/bin/env python3
+"""Makes surfaces as a user does, and reads the files back.
+
+usage: surface_test.py OCTAVO [unittest arguments]
+
+Everything is generated.
+"""
+
+import collections
+import json
+import struct
+import sys
+
+import cli_test
+
+SIZE = (24, 20, 16)
+SPACING = (0.5, 0.75, 2.0)
+BODY = ((4, 12), (5, 15), (6, 10))
+
+
+def voxels(value):
+    x, y, z = (range(*side) for side in BODY)
+    return bytes(value if i in x and j in y and k in z else 0
+                 for k in range(SIZE[2]) for j in range(SIZE[1]) for i in range(SIZE[0]))
+
+
+def read_stl(path):
+    """Corners of the triangles, and the header."""
+    data = path.read_bytes()
+    (count,) = struct.unpack_from("<I", data, 80)
+    assert len(data) == 84 + 50 * count
+    records = (struct.unpack_from("<12f", data, 84 + 50 * i) for i in range(count))
+    return [(r[3:6], r[6:9], r[9:12]) for r in records], data[:80].decode()
+
+
+def read_obj(path):
+    lines = [line.split() for line in path.read_text().splitlines()]
+    points = [tuple(map(float, words[1:])) for words in lines if words[0] == "v"]
+    return [tuple(points[int(n) - 1] for n in words[1:]) for words in lines if words[0] == "f"]
+
+
+def volume_of(triangles):
+    return sum((a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])
+                + a[2] * (b[0] * c[1] - b[1] * c[0])) / 6 for a, b, c in triangles)
+
+
+def open_sides(triangles):
+    sides = collections.Counter((t[k], t[(k + 1) % 3]) for t in triangles for k in range(3))
+    return [side for side in sides if sides[side] != 1 or sides[side[::-1]] != 1]
+
+
+class Surfaces(cli_test.InFolder):
+    def setUp(self):
+        super().setUp()
+        self.build("grey.8vo", 100, "--grey")
+        self.build("mask.8vo", 1, "--labels")
+
+    def build(self, name, value, *arguments):
+        (self.folder / "v.raw").write_bytes(voxels(value))
+        self.expect(0, "build", "v.raw", "--raw", ",".join(map(str, SIZE)) + ",uint8", "--spacing",
+                    ",".join(map(str, SPACING)), "-o", name, "-q", "-f", *arguments)
+
+    def json(self, *arguments):
+        return json.loads(self.expect(0, *arguments, "--json", "--progress", "none").stdout)
+
+    def test_files_hold_one_closed_body_outward(self):
+        report = self.json("surface", "grey.8vo", "--isovalue", "50", "-o", "m.stl")
+        triangles, header = read_stl(self.folder / "m.stl")
+        self.assertIn("SPACE=LPS", header)
+        self.assertEqual(report["triangles"], len(triangles))
+        self.assertEqual((report["closed"], report["manifold"], report["components"]),
+                         (True, True, 1))
+        self.assertEqual(open_sides(triangles), [])
+        self.assertAlmostEqual(volume_of(triangles), report["volume_mm3"], delta=0.01)
+        body = 8 * 10 * 4 * 0.5 * 0.75 * 2
+        self.assertAlmostEqual(report["volume_mm3"], body, delta=0.1 * body)
+        self.expect(0, "surface", "mask.8vo", "-o", "m.obj", "-q")
+        self.assertEqual(open_sides(read_obj(self.folder / "m.obj")), [])
+
+    def test_ras_turns_x_and_y_round(self):
+        self.expect(0, "surface", "mask.8vo", "-o", "l.stl", "-q")
+        self.expect(0, "surface", "mask.8vo", "-o", "r.stl", "--space", "ras", "-q")
+        lps, _ = read_stl(self.folder / "l.stl")
+        ras, header = read_stl(self.folder / "r.stl")
+        self.assertIn("SPACE=RAS", header)
+        self.assertEqual([tuple((-x, -y, z) for x, y, z in t) for t in lps], ras)
+
+    def test_ply_says_what_it_was_made_of(self):
+        report = self.json("surface", "grey.8vo", "--isovalue", "50", "-o", "m.ply")
+        header = (self.folder / "m.ply").read_bytes().split(b"end_header\n")[0].decode()
+        self.assertIn(report["voxel_digest"], header)
+        self.assertIn("element face %d\n" % report["triangles"], header)
+
+    def test_bad_input_is_one_sentence_and_no_file(self):
+        before = sorted(path.name for path in self.folder.iterdir())
+        for code, words, expected in [
+                (2, ["grey.8vo", "-o", "m.stl"], "give --isovalue VALUE"),
+                (2, ["grey.8vo", "--isovalue", "500", "-o", "m.stl"], "no voxel has 500 or more"),
+                (2, ["grey.8vo", "--isovalue", "0", "-o", "m.stl"], "every voxel has 0 or more"),
+                (2, ["grey.8vo", "--isovalue", "nan", "-o", "m.stl"], "isovalue"),
+                (2, ["mask.8vo", "--isovalue", "1", "-o", "m.stl"], "leave out --isovalue"),
+                (2, ["grey.8vo", "--label", "1", "-o", "m.stl"], "octavo threshold"),
+                (2, ["mask.8vo", "--label", "9", "-o", "m.stl"], "has no surface"),
+                (2, ["mask.8vo", "--seed", "20,2,2", "-o", "m.stl"], "give another --seed"),
+                (2, ["mask.8vo", "--seed", "90,2,2", "-o", "m.stl"], "outside"),
+                (2, ["mask.8vo", "--level", "30", "-o", "m.stl"], "level 30"),
+                (2, ["mask.8vo", "-o", "m.off"], ".stl, .ply or .obj"),
+                (5, ["mask.8vo", "-o", "missing/m.stl"], "missing"),
+                (5, ["gone.8vo", "-o", "m.stl"], "gone.8vo")]:
+            with self.subTest(words=words):
+                failure = self.expect(code, "surface", *words)
+                self.assertIn(expected, failure.stderr)
+                self.assertEqual(len(failure.stderr.strip().splitlines()), 1)
+                self.assertEqual(sorted(path.name for path in self.folder.iterdir()), before)
+
+
+if __name__ == "__main__":
+    cli_test.OCTAVO = cli_test.os.path.abspath(sys.argv.pop(1))
+    cli_test.unittest.main()

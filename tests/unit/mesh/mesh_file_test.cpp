@@ -1,0 +1,107 @@
+#include "octavo/mesh/mesh_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "octavo/core/error.h"
+#include "support/built_file.h"
+#include "support/memory_storage.h"
+
+namespace octavo {
+namespace {
+
+const TriangleMesh kWritten = {{{0.5f, -2, 3}, {1, 0, 0.1f}, {0, 1e-7f, 0}, {0, 0, 1}},
+                               {{0, 2, 1}, {0, 1, 3}}};
+
+std::string written(MeshFormat format, MeshSpace space) {
+  testing::MemoryStorage storage;
+  PendingFile file(storage, "mesh");
+  write_mesh(kWritten, format, space, {"made of nothing"}, file);
+  file.seal();
+  file.publish(false);
+  const auto& bytes = *storage.files.at("mesh");
+  return {bytes.begin(), bytes.end()};
+}
+
+MeshPoint point_in(const std::string& bytes, std::size_t at) {
+  MeshPoint point;
+  std::memcpy(&point, bytes.data() + at, sizeof point);
+  return point;
+}
+
+TEST(MeshFile, StlHoldsNormalsAndCornersOfEveryTriangle) {
+  const std::string bytes = written(MeshFormat::stl, MeshSpace::lps);
+  ASSERT_EQ(bytes.size(), 84 + 2 * 50u);
+  EXPECT_NE(bytes.find("SPACE=LPS"), std::string::npos);
+  EXPECT_FALSE(bytes.starts_with("solid"));
+  EXPECT_EQ(bytes[80], 2);
+  EXPECT_EQ(point_in(bytes, 84 + 12), kWritten.points[0]);
+  EXPECT_EQ(point_in(bytes, 84 + 24), kWritten.points[2]);
+  EXPECT_EQ(point_in(bytes, 84 + 50 + 36), kWritten.points[3]);
+  const MeshPoint normal = point_in(bytes, 84);
+  EXPECT_NEAR(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2], 1, 1e-6);
+}
+
+TEST(MeshFile, RasTurnsTwoAxesRound) {
+  const std::string bytes = written(MeshFormat::stl, MeshSpace::ras);
+  EXPECT_NE(bytes.find("SPACE=RAS"), std::string::npos);
+  EXPECT_EQ(point_in(bytes, 84 + 12), (MeshPoint{-0.5f, 2, 3}));
+}
+
+TEST(MeshFile, PlyHoldsPointsAndNumbers) {
+  const std::string bytes = written(MeshFormat::ply, MeshSpace::lps);
+  EXPECT_NE(bytes.find("comment made of nothing\n"), std::string::npos);
+  EXPECT_NE(bytes.find("element vertex 4\n"), std::string::npos);
+  EXPECT_NE(bytes.find("element face 2\n"), std::string::npos);
+  const std::string end = "end_header\n";
+  const std::size_t data = bytes.find(end) + end.size();
+  ASSERT_EQ(bytes.size(), data + 4 * 12 + 2 * 13u);
+  EXPECT_EQ(point_in(bytes, data + 12), kWritten.points[1]);
+  EXPECT_EQ(bytes[data + 48], 3);
+  MeshTriangle last;
+  std::memcpy(&last, bytes.data() + data + 48 + 14, sizeof last);
+  EXPECT_EQ(last, kWritten.triangles[1]);
+}
+
+TEST(MeshFile, ObjCountsFromOneAndKeepsAllDigits) {
+  const std::string text = written(MeshFormat::obj, MeshSpace::lps);
+  EXPECT_NE(text.find("# made of nothing\n"), std::string::npos);
+  EXPECT_NE(text.find("v 0.5 -2 3\nv 1 0 0.1\nv 0 1e-07 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\n"),
+            std::string::npos);
+}
+
+TEST(MeshFile, FormatsAreKnownByTheirEndings) {
+  EXPECT_EQ(mesh_format_of("a.b.stl"), MeshFormat::stl);
+  EXPECT_EQ(mesh_format_of("a.ply"), MeshFormat::ply);
+  EXPECT_EQ(mesh_format_of("a.obj"), MeshFormat::obj);
+  EXPECT_EQ(mesh_format_of("a.off"), std::nullopt);
+}
+
+TEST(MeshFile, AFailureLeavesNothing) {
+  testing::MemoryStorage counted;
+  {
+    PendingFile file(counted, "mesh.stl");
+    write_mesh(kWritten, MeshFormat::stl, MeshSpace::lps, {}, file);
+    file.seal();
+    file.publish(false);
+  }
+  for (std::size_t call = 1; call <= counted.calls.size(); ++call) {
+    testing::MemoryStorage storage;
+    storage.fail_at = call;
+    const auto write = [&] {
+      PendingFile file(storage, "mesh.stl");
+      write_mesh(kWritten, MeshFormat::stl, MeshSpace::lps, {}, file);
+      file.seal();
+      file.publish(false);
+    };
+    try {
+      write();
+    } catch (const Error&) {
+      EXPECT_TRUE(storage.files.empty()) << "call " << call;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace octavo

@@ -1,0 +1,177 @@
+#include "octavo/tasks/surface.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "octavo/core/error.h"
+#include "support/built_file.h"
+
+namespace octavo {
+namespace {
+
+constexpr Size3 kSurfaceSize = {40, 30, 20};
+
+/// Two bodies of 1000 HU in air: one of 8^3 voxels, one of 4^3.
+class Surface : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    scan_ = built("scan.8vo", VolumeKind::grey);
+    labels_ = built("labels.8vo", VolumeKind::labels);
+    options_.input = scan_;
+    options_.isovalue = 500;
+    options_.output.path = folder_.file("m.stl");
+    context_.on_warning = [this](const Warning& warning) { warnings_.push_back(warning.text); };
+  }
+
+  std::string built(const std::string& name, VolumeKind kind) const {
+    testing::Volume volume;
+    volume.description.kind = kind;
+    volume.description.size = kSurfaceSize;
+    volume.description.type = VoxelType::int16;
+    volume.description.geometry.spacing_mm = {0.5, 0.5, 1};
+    if (kind == VolumeKind::grey) volume.description.rescale = {2, -1000};
+    volume.description.metadata = Metadata::read(
+        kind == VolumeKind::grey ? R"({"spacing_known":true,"unit":"HU"})"
+                                 : R"({"spacing_known":true})");
+    std::vector<std::int16_t> voxels(static_cast<std::size_t>(kSurfaceSize.voxel_count()));
+    const std::int16_t in_large = kind == VolumeKind::grey ? 1000 : 2;
+    const std::int16_t in_small = kind == VolumeKind::grey ? 1000 : 7;
+    for (std::int64_t z = 0; z < kSurfaceSize.z; ++z) {
+      for (std::int64_t y = 0; y < kSurfaceSize.y; ++y) {
+        for (std::int64_t x = 0; x < kSurfaceSize.x; ++x) {
+          const auto in = [&](std::int64_t from, std::int64_t end) {
+            return x >= from && x < end && y >= from && y < end && z >= from && z < end;
+          };
+          const std::int16_t value =
+              in(2, 10) ? in_large : in(13, 17) ? in_small : std::int16_t{0};
+          voxels[static_cast<std::size_t>((z * kSurfaceSize.y + y) * kSurfaceSize.x + x)] = value;
+        }
+      }
+    }
+    const auto* bytes = reinterpret_cast<const std::byte*>(voxels.data());
+    volume.voxels.assign(bytes, bytes + voxels.size() * sizeof(std::int16_t));
+    testing::build_volume(volume, folder_.file(name), 1);
+    return folder_.file(name);
+  }
+
+  /// The error of the task, after which nothing may stand at the name of the output.
+  std::string rejected(const char* field) {
+    try {
+      surface(options_, context_);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::invalid_argument);
+      EXPECT_EQ(error.field(), field);
+      EXPECT_FALSE(std::filesystem::exists(options_.output.path));
+      return error.what();
+    }
+    ADD_FAILURE() << "nothing was thrown";
+    return "";
+  }
+
+  testing::ScratchFolder folder_;
+  std::string scan_;
+  std::string labels_;
+  std::vector<std::string> warnings_;
+  SurfaceOptions options_;
+  TaskContext context_;
+};
+
+TEST_F(Surface, OfGreyValuesIsClosedAndWritten) {
+  const SurfaceResult result = surface(options_, context_);
+  EXPECT_TRUE(result.is_written);
+  EXPECT_TRUE(result.check.is_closed());
+  EXPECT_TRUE(result.check.is_manifold());
+  EXPECT_EQ(result.check.components, 2u);
+  EXPECT_EQ(result.check.euler_number, 4);
+  EXPECT_EQ(result.file_bytes, 84 + 50 * result.triangle_count);
+  EXPECT_EQ(std::filesystem::file_size(options_.output.path), result.file_bytes);
+  // 749.5 of 0 .. 1000 lies a quarter of a step outside the last voxels: 7.5^3 and 3.5^3 voxels,
+  // without edges and corners.
+  EXPECT_NEAR(result.measures.volume_mm3, 0.25 * (7.5 * 7.5 * 7.5 + 3.5 * 3.5 * 3.5), 2);
+}
+
+TEST_F(Surface, AtASeedIsOnePiece) {
+  options_.seed = Point3{13, 15, 15};
+  const SurfaceResult result = surface(options_, context_);
+  EXPECT_EQ(result.check.components, 1u);
+  EXPECT_LT(result.measures.volume_mm3, 16);
+  options_.output.overwrite = true;
+  options_.seed = Point3{30, 25, 15};
+  options_.output.path = folder_.file("n.stl");
+  EXPECT_NE(rejected("seed").find("no surface passes within a voxel"), std::string::npos);
+  options_.seed = Point3{13, 15, 20};
+  EXPECT_NE(rejected("seed").find("outside"), std::string::npos);
+}
+
+TEST_F(Surface, OfLabelsTakesThoseAskedFor) {
+  options_.input = labels_;
+  options_.isovalue.reset();
+  options_.output.path = folder_.file("all.ply");
+  EXPECT_EQ(surface(options_, context_).check.components, 2u);
+  options_.labels = {{7}, {}};
+  options_.output.path = folder_.file("one.obj");
+  const SurfaceResult one = surface(options_, context_);
+  EXPECT_EQ(one.check.components, 1u);
+  EXPECT_NEAR(one.measures.volume_mm3, 0.25 * 64, 3);
+}
+
+TEST_F(Surface, OfACoarserLevelHasFewerTriangles) {
+  const SurfaceResult fine = surface(options_, context_);
+  options_.output.path = folder_.file("coarse.stl");
+  options_.level = 1;
+  const SurfaceResult coarse = surface(options_, context_);
+  EXPECT_TRUE(coarse.check.is_closed());
+  EXPECT_LT(2 * coarse.triangle_count, fine.triangle_count);
+}
+
+TEST_F(Surface, WithoutInsideOrOutsideIsRejectedWithTheRange) {
+  options_.isovalue = 1001;
+  EXPECT_NE(rejected("isovalue.range").find("no voxel has 1001 HU or more; its values run from "
+                                            "-1000 HU to 1000 HU"),
+            std::string::npos);
+  options_.isovalue = -1000;
+  EXPECT_NE(rejected("isovalue.range").find("every voxel"), std::string::npos);
+  // Means of a coarse level may stay below what single voxels reach.
+  options_.isovalue = 999;
+  options_.level = 4;
+  EXPECT_NE(rejected("").find("no voxel of level 4"), std::string::npos);
+}
+
+TEST_F(Surface, RejectsOptionsThatDoNotGoTogether) {
+  options_.isovalue.reset();
+  rejected("isovalue.missing");
+  options_.labels = {{7}, {}};
+  rejected("labels.kind");
+  options_.input = labels_;
+  options_.isovalue = 3;
+  rejected("isovalue");
+  options_.isovalue.reset();
+  options_.labels = {{9}, {}};
+  rejected("");
+  options_.labels = {};
+  options_.output.path = folder_.file("m.off");
+  rejected("surface.output");
+}
+
+TEST_F(Surface, AnExistingFileIsReplacedOnlyWhenAsked) {
+  surface(options_, context_);
+  EXPECT_THROW(surface(options_, context_), Error);
+  options_.output.overwrite = true;
+  EXPECT_NO_THROW(surface(options_, context_));
+}
+
+TEST_F(Surface, IsTheSameForAnyNumberOfThreads) {
+  context_.threads = 1;
+  surface(options_, context_);
+  const std::string bytes = testing::bytes_of_file(options_.output.path);
+  options_.output.overwrite = true;
+  context_.threads = 5;
+  surface(options_, context_);
+  EXPECT_EQ(testing::bytes_of_file(options_.output.path), bytes);
+}
+
+}  // namespace
+}  // namespace octavo
