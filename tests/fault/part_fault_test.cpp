@@ -52,7 +52,7 @@ TEST(PartFaults, WhateverCallFailsAPartIsWholeOrNotThere) {
   const std::size_t calls = calls_of(storage, make);
   const std::vector<std::uint8_t> part = *storage.files.at(part_name(run));
   for (const bool is_dying : {false, true}) {
-    GoalCases cases("P4", "failing calls of a part", calls);
+    GoalCases cases("D8", "failing calls of a part", calls);
     for (std::size_t call = 1; cases.next(); ++call) {
       storage.files.clear();
       fail_call(storage, call, is_dying, make, [&] {
@@ -92,7 +92,7 @@ TEST(PartFaults, WhateverCallFailsAJoinedFileIsWholeOrNotThere) {
     storage.files = copied(parts);
     const std::size_t calls = calls_of(storage, work);
     for (const bool is_dying : {false, true}) {
-      GoalCases cases("P5", "failing calls of a join", calls);
+      GoalCases cases("D8", "failing calls of a join", calls);
       for (std::size_t call = 1; cases.next(); ++call) {
         storage.files = copied(parts);
         bool is_there = false;

@@ -173,7 +173,7 @@ TEST(PartProcesses, AKilledPartIsMadeAgainAlike) {
   time = time_of([&] { folder.make(run); });
   const std::string part = bytes_of_file(folder.part(run));
   fs::remove(folder.part(run));
-  GoalCases cases("P2", "killed parts", case_count(10, 200));
+  GoalCases cases("D8", "killed parts", case_count(10, 200));
   std::uint64_t killed = 0;
   for (std::uint64_t i = 0; cases.next(); ++i) {
     std::mt19937 random(static_cast<std::uint32_t>(i));
@@ -201,7 +201,7 @@ TEST(PartProcesses, AKilledJoinIsDoneAgainAlike) {
   }
   const std::chrono::microseconds time = time_of([&] { folder.join(runs); });
   fs::remove(folder.file("a.8vo"));
-  GoalCases cases("P3", "killed joins", case_count(10, 100));
+  GoalCases cases("D8", "killed joins", case_count(10, 100));
   std::uint64_t killed = 0;
   for (std::uint64_t i = 0; cases.next(); ++i) {
     std::mt19937 random(static_cast<std::uint32_t>(i));

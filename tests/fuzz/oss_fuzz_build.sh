@@ -24,6 +24,7 @@ for program in "$work"/octavo/tests/fuzz/fuzz_*; do
   case $target in
     brick | *_streams) words=brick ;;
     metadata) words=metadata ;;
+    plan | part) words=$target ;;
     *) words=file ;;
   esac
   cp "$program" "$OUT/$name"

@@ -144,7 +144,7 @@ std::unique_ptr<PartFile> PartFile::open(Storage& storage, const std::string& pa
     throw Error(ErrorKind::truncated, "the part ends within its head", path, size);
   }
   const auto head_crc = load_little_endian<std::uint32_t>(head.data() + kHeadCrcAt);
-  if (crc32c(ByteSpan(head).first(kHeadCrcAt)) != head_crc) {
+  if (!checksum_matches(crc32c(ByteSpan(head).first(kHeadCrcAt)), head_crc)) {
     part->fail("the head of the part fails its checksum");
   }
   if (version != kPartVersion) {
@@ -167,7 +167,7 @@ std::unique_ptr<PartFile> PartFile::open(Storage& storage, const std::string& pa
   }
   Bytes bytes(static_cast<std::size_t>(tail.length));
   file->read(tail.offset, bytes);
-  if (crc32c(bytes) != tail.crc) part->fail("the tail of the part fails its checksum");
+  if (!checksum_matches(crc32c(bytes), tail.crc)) part->fail("the tail of the part fails its checksum");
   try {
     part->read_tail(bytes, tail.offset);
   } catch (const Error& error) {
@@ -258,7 +258,7 @@ void PartFile::copy(std::size_t stream, const std::function<void(ByteSpan)>& sin
     sink(bytes);
     if (progress_ != nullptr) progress_->advance(static_cast<std::int64_t>(count));
   }
-  if (crc != section.crc) {
+  if (!checksum_matches(crc, section.crc)) {
     fail("stream " + std::to_string(stream) + " of the part fails its checksum");
   }
 }

@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   }
   fuzz::SeedFolder seeds(argv[2]);
   fuzz::save_metadata(seeds);
+  fuzz::save_parts(seeds);
   fuzz::save_streams(seeds);
   fuzz::save_bricks(seeds);
   fuzz::save_files(seeds);

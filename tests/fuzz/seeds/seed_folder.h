@@ -54,6 +54,9 @@ void save_files(SeedFolder& seeds);
 /// Metadata of every sort.
 void save_metadata(SeedFolder& seeds);
 
+/// Plans of builds in parts, and parts.
+void save_parts(SeedFolder& seeds);
+
 /// The small streams of bricks, and a journal.
 void save_streams(SeedFolder& seeds);
 
