@@ -158,25 +158,38 @@ struct ClassSamples {
   std::size_t count = 0;
 };
 
+/// Calls f(features, detail) for one in `every` of the samples, from the `first` on.
+template <class F>
+void for_some_samples(const ClassSamples& samples, std::size_t taps, std::size_t every,
+                      std::size_t first, F&& f) {
+  std::size_t next = first;
+  for (const AxisSamples* const s : samples.of_axis) {
+    const std::vector<std::uint32_t>& numbers = s->of_class[samples.activity];
+    const auto features = [&](std::size_t i) {
+      return std::span(s->features.data() + numbers[i] * taps, taps);
+    };
+    for (; next < numbers.size(); next += every) {
+      const std::size_t ahead = next + kFetchedAhead * every;
+      if (ahead < numbers.size()) fetch_features(features(ahead));
+      f(features(next), s->details[numbers[next]]);
+    }
+    next -= numbers.size();
+  }
+}
+
 /// Adds one in `every` of the samples. weights: of the fit before, Q12; none: there was none
 void add_samples(const ClassSamples& samples, std::size_t taps, std::size_t every,
                  std::span<const std::int16_t> weights, NormalEquations& equations) {
-  std::size_t skipped = every / 2;
-  for (const AxisSamples* const s : samples.of_axis) {
-    for (const std::uint32_t number : s->of_class[samples.activity]) {
-      if (++skipped < every) continue;
-      skipped = 0;
-      const std::span features(s->features.data() + number * taps, taps);
-      const std::int32_t detail = s->details[number];
-      const SampleMeasures measured = measure(features, weights);
-      std::optional<float> residual;
-      if (!weights.empty()) {
-        residual = static_cast<float>(detail) -
-                   static_cast<float>(measured.predicted) / (1 << kWeightBits);
-      }
-      equations.add(features, detail, measured, weight_root(measured, taps, residual));
+  const std::size_t first = every - 1 - every / 2;
+  for_some_samples(samples, taps, every, first, [&](auto features, std::int32_t detail) {
+    const SampleMeasures measured = measure(features, weights);
+    std::optional<float> residual;
+    if (!weights.empty()) {
+      residual = static_cast<float>(detail) -
+                 static_cast<float>(measured.predicted) / (1 << kWeightBits);
     }
-  }
+    equations.add(features, detail, measured, weight_root(measured, taps, residual));
+  });
 }
 
 /// Weights as a fit gives them, rounded to Q12.
@@ -209,18 +222,11 @@ bool is_better_without(const ClassSamples& samples, std::span<const std::int16_t
   constexpr std::size_t kEvery = 4;
   std::uint64_t with = 0;
   std::uint64_t without = 0;
-  std::size_t skipped = kEvery - 1;
-  for (const AxisSamples* const s : samples.of_axis) {
-    for (const std::uint32_t number : s->of_class[samples.activity]) {
-      if (++skipped < kEvery) continue;
-      skipped = 0;
-      const std::int32_t detail = s->details[number];
-      const std::span features(s->features.data() + number * weights.size(), weights.size());
-      const std::int32_t predicted = measure(features, weights).predicted >> (kWeightBits - 4);
-      with += logarithm(16 + static_cast<std::uint64_t>(std::abs(16 * detail - predicted)));
-      without += logarithm(16 + static_cast<std::uint64_t>(std::abs(16 * detail)));
-    }
-  }
+  for_some_samples(samples, weights.size(), kEvery, 0, [&](auto features, std::int32_t detail) {
+    const std::int32_t predicted = measure(features, weights).predicted >> (kWeightBits - 4);
+    with += logarithm(16 + static_cast<std::uint64_t>(std::abs(16 * detail - predicted)));
+    without += logarithm(16 + static_cast<std::uint64_t>(std::abs(16 * detail)));
+  });
   return without <= with;
 }
 

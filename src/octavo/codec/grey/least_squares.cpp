@@ -119,6 +119,23 @@ void scale_features(const std::int16_t* features, float scale, bool is_second, s
   }
 }
 
+/// out[.] += the lanes of a vector.
+HWY_INLINE void add_to(Sums numbers, double* out) {
+#if HWY_HAVE_FLOAT64
+  const hn::Half<decltype(kSums)> half;
+  const hn::Rebind<double, decltype(half)> real;
+  const auto add = [&](auto some, double* to) HWY_ATTR {
+    hn::StoreU(hn::Add(hn::LoadU(real, to), hn::PromoteTo(real, some)), real, to);
+  };
+  add(hn::LowerHalf(half, numbers), out);
+  add(hn::UpperHalf(half, numbers), out + hn::MaxLanes(half));
+#else
+  alignas(64) std::int32_t lanes[hn::MaxLanes(kSums)];
+  hn::Store(numbers, kSums, lanes);
+  for (std::size_t lane = 0; lane < hn::MaxLanes(kSums); ++lane) out[lane] += lanes[lane];
+#endif
+}
+
 /// sums[.][0 .. 15] += products of the pairs factors[.] and columns[0 .. 15] over `count` pairs of
 /// samples, `n` apart; as many of the factors as vectors of 16 columns leave registers for.
 template <std::size_t kRows>
@@ -145,12 +162,10 @@ HWY_INLINE void add_tile(const std::int32_t* factors, std::size_t factor_step,
       }
     }
   }
-  alignas(64) std::int32_t lanes[kLanes];
   for (std::size_t row = 0; row < kRows; ++row) {
     for (std::size_t v = 0; v < kVectors; ++v) {
-      hn::Store(hn::RearrangeToOddPlusEven(products[row][v], more[row][v]), kSums, lanes);
-      double* const out = sums + row * sums_step + v * kLanes;
-      for (std::size_t lane = 0; lane < kLanes; ++lane) out[lane] += lanes[lane];
+      add_to(hn::RearrangeToOddPlusEven(products[row][v], more[row][v]),
+             sums + row * sums_step + v * kLanes);
     }
   }
 }
@@ -197,6 +212,14 @@ struct PairBlock {
 
 }  // namespace
 
+void fetch_features(std::span<const std::int16_t> features) {
+  constexpr std::size_t kLine = 64 / sizeof(std::int16_t);
+  for (std::size_t k = 0; k < features.size(); k += kLine) {
+    __builtin_prefetch(features.data() + k);
+  }
+  __builtin_prefetch(features.data() + features.size() - 1);
+}
+
 SampleMeasures measure(std::span<const std::int16_t> features,
                        std::span<const std::int16_t> weights) {
   return HWY_DYNAMIC_DISPATCH(measure_features)(
@@ -229,7 +252,9 @@ void NormalEquations::finish() {
                                        n_, matrix_.data(), right_.data());
     waiting = 0;
   };
-  for (const Sample& sample : samples_) {
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    const Sample& sample = samples_[i];
+    fetch_features({samples_[std::min(i + kFetchedAhead, samples_.size() - 1)].features, n_});
     const float scale =
         std::min(sample.root * unit, kLargest / static_cast<float>(sample.maximum));
     const bool is_second = waiting % 2 != 0;

@@ -28,6 +28,11 @@ struct SampleMeasures {
   std::int32_t predicted = 0;  ///< the sum of features times weights
 };
 
+/// So many samples ahead memory is asked for features: samples lie about, and far more of them than a
+/// cache holds.
+inline constexpr std::size_t kFetchedAhead = 8;
+void fetch_features(std::span<const std::int16_t> features);
+
 /// features  of which none is -32768; a multiple of 16, at most 128
 /// weights   as many; or none, then nothing is predicted
 SampleMeasures measure(std::span<const std::int16_t> features,
