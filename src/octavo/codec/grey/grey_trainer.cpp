@@ -355,13 +355,13 @@ CostedModel learn_rounding(TrainingSet& set, Predictor predictor, std::int64_t m
   return best;
 }
 
-/// Learns a model that keeps within a maximum error. Rounding hides which values do not occur:
-/// where that saves more than it does, nothing is rounded.
+/// Learns a model that keeps within a maximum error. Rounding hides which values do not occur, and
+/// that they are few: where that saves more than it does, nothing is rounded.
 /// gaps  what a lossless model would know of the values
 Parameters learn_lossy(TrainingSet& set, Predictor predictor, std::int64_t max_error,
                        const ValueMap& gaps) {
   const CostedModel rounding = learn_rounding(set, predictor, max_error);
-  if (gaps.is_empty()) return rounding.parameters;
+  if (gaps.is_empty() && !has_few_values(set.bricks())) return rounding.parameters;
   TrainingSet whole(set.bricks(), set.start().axis_order, gaps, set.start().cut_axes,
                     set.start().detail_level);
   const Parameters lossless = learn_lossless(whole, predictor);

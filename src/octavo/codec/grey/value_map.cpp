@@ -140,6 +140,24 @@ ValueMap learn_value_map(std::span<const TrainingBrick> bricks, bool finds_gaps)
   return map;
 }
 
+bool has_few_values(std::span<const TrainingBrick> bricks) {
+  constexpr std::size_t kFew = 16;
+  std::vector<std::int64_t> values;
+  for (const TrainingBrick& brick : bricks) {
+    for_each_row(brick.view, [&](const auto* row) {
+      if (values.size() > kFew) return;
+      for (std::int64_t x = 0; x < brick.view.size.x; ++x) {
+        const bool is_known = (x > 0 && row[x] == row[x - 1]) ||
+                              std::ranges::find(values, std::int64_t{row[x]}) != values.end();
+        if (!is_known) values.push_back(row[x]);
+        if (values.size() > kFew) return;
+      }
+    });
+    if (values.size() > kFew) return false;
+  }
+  return true;
+}
+
 void put_value_map(Bytes& out, const ValueMap& map) {
   put_varint(out, static_cast<std::uint64_t>(map.lattice.step));
   put_varint(out, static_cast<std::uint64_t>(map.lattice.offset));

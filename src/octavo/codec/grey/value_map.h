@@ -49,6 +49,9 @@ inline constexpr std::size_t kMaxMappedCodes = 256;
 /// finds_gaps  whether to look for values that do not occur
 ValueMap learn_value_map(std::span<const TrainingBrick> bricks, bool finds_gaps);
 
+/// Whether the voxels of bricks are of at most 16 values.
+bool has_few_values(std::span<const TrainingBrick> bricks);
+
 /// Both directions of its form in a model (docs/format-grey.md, section 11).
 void put_value_map(Bytes& out, const ValueMap& map);
 /// Throws Error{corrupt}.

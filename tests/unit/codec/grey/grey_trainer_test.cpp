@@ -117,6 +117,17 @@ TEST(GreyTrainer, RoundingNeverHidesGapsAtACost) {
   }
 }
 
+TEST(GreyTrainer, RoundingNeverHidesFewValuesAtACost) {
+  const Group balls(1, 1, 61, 0, false, 3);
+  for (const Preset preset : {Preset::small, Preset::fast}) {
+    const auto lossless = trained(balls.bricks(), {preset, 0});
+    for (const std::int64_t max_error : {1, 3}) {
+      const auto within = trained(balls.bricks(), {preset, max_error});
+      EXPECT_LE(size_of(*within, balls), size_of(*lossless, balls)) << max_error;
+    }
+  }
+}
+
 /// Bytes of the group's bricks under a model of the fast preset with some of its weights left out,
 /// relative to those under the model itself.
 double size_without(const Group& group, void (*leave_out)(grey::Parameters&)) {
