@@ -33,6 +33,9 @@ CLI_MAY_INCLUDE = {"tasks", "core"}
 CLI_HEADERS = {
     "octavo/io/isolation/import_worker.h",  # main runs as the process that reads a scan
     "octavo/planes/between/isotropic_source.h",  # a type of the options of build_scan
+    "octavo/dist/communicator.h",  # what ranks speak through, which cli/mpi makes
+    "octavo/dist/rank_report.h",  # a result that cli/mpi prints
+    "octavo/dist/mpi/mpi_communicator.h",
 }
 
 # Inside a room: its folders, and the files at its root ("."), by what they may include of the same
@@ -95,6 +98,7 @@ LIBRARIES = {
     "Highway": (re.compile(r"hwy/"), {"codec", "ops", "render"}),
     "nlohmann-json": (re.compile(r"nlohmann/"), set()),
     "fmt": (re.compile(r"fmt/"), {"io", "tasks"}),
+    "MPI": (re.compile(r"mpi\.h$"), {"dist"}),
     "CLI11": (re.compile(r"CLI/"), set()),
 }
 

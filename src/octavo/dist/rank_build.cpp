@@ -116,6 +116,21 @@ std::vector<SourceStamp> own_files(const BuildPlan& plan, const PlaneSource& sou
   return own;
 }
 
+// Of each brick one sample goes up, that of the first level above it.
+RankReport report_of(const Levels& levels, GatherPlan gather,
+                     const std::vector<RankShare>& shares) {
+  RankReport report{gather, {}, shares};
+  for (int level = 0; level < levels.count(); ++level) {
+    LevelTraffic row{level, static_cast<std::uint64_t>(levels.size(level).voxel_count()), 0};
+    for (std::size_t rank = 0; level == kTierLevels && rank < shares.size(); ++rank) {
+      const int hops = hop_count(gather, static_cast<int>(rank), static_cast<int>(shares.size()));
+      row.sent += static_cast<std::uint64_t>(hops) * shares[rank].top_codes;
+    }
+    report.levels.push_back(row);
+  }
+  return report;
+}
+
 // Two groups are held encoded besides what a build holds.
 std::uint64_t rank_memory_bytes(const BuildPlan& plan, int threads) {
   const auto planes = static_cast<std::uint64_t>(plan.planes_per_group);
@@ -128,7 +143,7 @@ std::uint64_t rank_memory_bytes(const BuildPlan& plan, int threads) {
 
 BuildResult build(const BuildPlan& plan, PlaneSource& source, Communicator& ranks,
                   Storage& storage, const std::string& path, const RankBuildOptions& options,
-                  Progress& progress) {
+                  Progress& progress, RankReport* report) {
   const auto start = std::chrono::steady_clock::now();
   // Whether this rank may work by the plan, and the name is free
   BuildResult result;
@@ -142,7 +157,8 @@ BuildResult build(const BuildPlan& plan, PlaneSource& source, Communicator& rank
   // What earlier jobs left
   const BuildOutline outline = outline_of(plan, source, progress);
   const FileHeader header = header_of(plan, outline);
-  const RankJob job{plan, outline, header, ranks, storage, path, options, progress};
+  RankShare share;
+  const RankJob job{plan, outline, header, ranks, storage, path, options, progress, share};
   RankFiles files = open_rank_files(ranks, storage, path, plan, outline.levels,
                                     rank_head(plan, outline, header),
                                     options.discards_interrupted);
@@ -170,7 +186,15 @@ BuildResult build(const BuildPlan& plan, PlaneSource& source, Communicator& rank
   // What was changed while it was read is in no file.
   require_unchanged(files_read);
   groups.merge(files.groups);
+  for (const auto& [number, placed] : groups) share.top_codes += placed.group.parents.size();
+  share.units = groups.size();
   seal_by_ranks(job, workers, trainer.first(), trainer.settings(), files, groups, result);
+
+  // The file has its name once rank 0 says so
+  share.processor_seconds = processor_seconds();
+  const std::vector<RankShare> shares = collect_shares(ranks, share);
+  if (report != nullptr) *report = report_of(outline.levels, options.gather, shares);
+  ranks.barrier();
   result.raw_bytes = checked_mul(static_cast<std::uint64_t>(plan.source.size.z),
                                  plane_bytes(plan.source), "the volume");
   result.total_seconds =
@@ -182,9 +206,10 @@ BuildResult build(const BuildPlan& plan, PlaneSource& source, Communicator& rank
 
 BuildResult build_by_ranks(const BuildPlan& plan, PlaneSource& source, Communicator& ranks,
                            Storage& storage, const std::string& path,
-                           const RankBuildOptions& options, Progress& progress) {
+                           const RankBuildOptions& options, Progress& progress,
+                           RankReport* report) {
   try {
-    return build(plan, source, ranks, storage, path, options, progress);
+    return build(plan, source, ranks, storage, path, options, progress, report);
   } catch (const std::bad_alloc&) {
     throw out_of_build_memory(path);
   } catch (const Error& error) {

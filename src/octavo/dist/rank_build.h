@@ -24,6 +24,7 @@
 #include "octavo/dist/communicator.h"
 #include "octavo/dist/gather.h"
 #include "octavo/dist/parts.h"
+#include "octavo/dist/rank_report.h"
 #include "octavo/file/storage/storage.h"
 
 namespace octavo {
@@ -38,6 +39,7 @@ struct RankBuildOptions {
 /// Collective: builds `path` by the plan, which all ranks have alike.
 /// source   of this rank; read at its groups alone
 /// storage  in which all ranks see the same files
+/// report   when given, gets at rank 0 what the ranks sent, held and did
 /// Returns  at rank 0 as build_file; at the others without what they do not know
 /// Throws   as build_part and FileWriter, and Error{io} where ranks do not share the folder of the
 ///          file or another job works on it; nothing stands under `path` then, and what is whole is
@@ -45,6 +47,7 @@ struct RankBuildOptions {
 /// Memory   as build_file and two encoded groups
 BuildResult build_by_ranks(const BuildPlan& plan, PlaneSource& source, Communicator& ranks,
                            Storage& storage, const std::string& path,
-                           const RankBuildOptions& options, Progress& progress);
+                           const RankBuildOptions& options, Progress& progress,
+                           RankReport* report = nullptr);
 
 }  // namespace octavo

@@ -227,10 +227,14 @@ Bytes write_streams(const RankJob& job, StorageFile& growing, const PlacedGroups
       std::uint64_t at = load_little_endian<std::uint64_t>(places.subspan(8 * index, 8).data());
       std::uint32_t crc = 0;
       copy_stream(placed, stream, [&](ByteSpan bytes) {
+        if (job.progress.is_cancelled()) {
+          throw Error(ErrorKind::cancelled, "stopped while writing coarse levels");
+        }
         growing.write(at, bytes);
         at += bytes.size();
         crc = crc32c(bytes, crc);
       });
+      job.share.held += stream_bytes(placed, stream);
       out.put_varint(index);
       out.put_u32(crc);
     }
@@ -261,13 +265,13 @@ void seal_by_ranks(const RankJob& job, Workers& workers, const Model& first_mode
   Communicator& ranks = job.ranks;
   const Levels& levels = job.outline.levels;
   // The top codes go up
-  const std::vector<Bytes> given =
-      gather(job.options.gather, ranks, top_code_bytes(groups, levels));
+  const Bytes own = top_code_bytes(groups, levels);
+  job.share.message_bytes = own.size();
+  const std::vector<Bytes> given = gather(job.options.gather, ranks, own);
   if (!ranks.is_first()) {
     const Bytes places = ranks.broadcast({});
     ranks.collect(write_streams(job, *files.growing, groups, places));
     files.growing->close();
-    ranks.barrier();
     return;
   }
 
@@ -284,7 +288,6 @@ void seal_by_ranks(const RankJob& job, Workers& workers, const Model& first_mode
   const std::vector<Bytes> crcs =
       ranks.collect(write_streams(job, growing, groups, place_bytes));
   first.seal(crcs_in(crcs, places.size()), result);
-  ranks.barrier();
 }
 
 }  // namespace octavo

@@ -6,6 +6,7 @@
 #include "octavo/builder/workers.h"
 #include "octavo/dist/rank_build.h"
 #include "octavo/dist/rank_files.h"
+#include "octavo/dist/rank_report.h"
 
 namespace octavo {
 
@@ -19,6 +20,7 @@ struct RankJob {
   const std::string& path;
   const RankBuildOptions& options;
   Progress& progress;
+  RankShare& share;
 };
 
 /// Collective: seals the file and gives it its name, once level 0 of all groups stands in it.

@@ -1,0 +1,197 @@
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <new>
+
+#include "common/failure.h"
+#include "common/task_run.h"
+#include "mpi/mpi_verbs.h"
+#include "octavo/core/error.h"
+#include "octavo/dist/mpi/mpi_communicator.h"
+
+namespace octavo::cli {
+
+namespace {
+
+/// Passes progress on, and shows the other ranks that this one works.
+class WatchedProgress final : public Progress {
+ public:
+  WatchedProgress(Progress& shown, RankPulse& pulse) : shown_(shown), pulse_(pulse) {}
+  void begin(std::string_view what, std::int64_t total, std::string_view unit) override {
+    ++pulse_.steps;
+    pulse_.is_at_work = true;
+    shown_.begin(what, total, unit);
+  }
+  void advance(std::int64_t units) override {
+    ++pulse_.steps;
+    shown_.advance(units);
+  }
+  void end() override {
+    pulse_.is_at_work = false;
+    shown_.end();
+  }
+  bool is_cancelled() const override {
+    ++pulse_.steps;
+    return shown_.is_cancelled();
+  }
+
+ private:
+  Progress& shown_;
+  RankPulse& pulse_;
+};
+
+/// Counts waiting for others as a step of the rank that waits.
+class SteppingRanks final : public Communicator {
+ public:
+  SteppingRanks(Communicator& ranks, RankPulse& pulse) : ranks_(ranks), pulse_(pulse) {}
+  int rank() const override { return ranks_.rank(); }
+  int size() const override { return ranks_.size(); }
+  void send(int to, ByteSpan bytes) override {
+    const Rest rest(pulse_);
+    ranks_.send(to, bytes);
+  }
+  Bytes receive(int from) override {
+    const Rest rest(pulse_);
+    return ranks_.receive(from);
+  }
+  RankSums sum_before(std::span<const std::uint64_t> values) override {
+    const Rest rest(pulse_);
+    return ranks_.sum_before(values);
+  }
+  Bytes broadcast(ByteSpan bytes) override {
+    const Rest rest(pulse_);
+    return ranks_.broadcast(bytes);
+  }
+  void barrier() override {
+    const Rest rest(pulse_);
+    ranks_.barrier();
+  }
+
+ private:
+  /// No work of its own while it lives.
+  class Rest {
+   public:
+    explicit Rest(RankPulse& pulse) : pulse_(pulse), was_at_work_(pulse.is_at_work) {
+      pulse_.is_at_work = false;
+    }
+    ~Rest() {
+      ++pulse_.steps;
+      pulse_.is_at_work = was_at_work_;
+    }
+    Rest(const Rest&) = delete;
+    Rest& operator=(const Rest&) = delete;
+
+   private:
+    RankPulse& pulse_;
+    bool was_at_work_;
+  };
+
+  Communicator& ranks_;
+  RankPulse& pulse_;
+};
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  if (::gethostname(name.data(), name.size() - 1) != 0) return "an unknown machine";
+  return name.data();
+}
+
+/// Whose failure it is.
+std::exception_ptr named(std::exception_ptr failure, const Communicator& ranks) {
+  const std::string who = " (rank " + std::to_string(ranks.rank()) + " of " +
+                          std::to_string(ranks.size()) + " on " + host_name() + ")";
+  try {
+    std::rethrow_exception(failure);
+  } catch (const Error& error) {
+    return std::make_exception_ptr(error.with_detail(error.detail() + who));
+  } catch (const std::bad_alloc&) {
+    return std::make_exception_ptr(Error(ErrorKind::out_of_memory, "out of memory" + who));
+  } catch (const std::exception& error) {
+    return std::make_exception_ptr(Error(ErrorKind::internal, error.what() + who));
+  }
+}
+
+/// Only the first rank says how the work goes; any says why it failed.
+void keep_quiet(Context& context) {
+  context.quiet = true;
+  context.verbose = false;
+  context.progress = ProgressMode::none;
+}
+
+bool is_cancellation(const std::exception_ptr& failure) {
+  try {
+    std::rethrow_exception(failure);
+  } catch (const Error& error) {
+    return error.kind() == ErrorKind::cancelled;
+  } catch (...) {
+    return false;
+  }
+}
+
+}  // namespace
+
+int run_at_ranks(const RankArguments& arguments, Context& context, const RankWork& work) {
+  MpiJob job;
+  if (!job.ranks().is_first()) keep_quiet(context);
+  // Ranks are the threads of a job.
+  if (context.threads == 0) context.threads = 1;
+  RankPulse pulse;
+  const auto on_lost = [&](const std::string& text) {
+    report_failure(context, std::make_exception_ptr(Error(ErrorKind::io, text + "; the job ends")));
+    job.abort(exit_code_of(ErrorKind::io));
+  };
+  const AliveWatch watch(job, {arguments.silent_s, arguments.stalled_s}, pulse, on_lost);
+  SteppingRanks ranks(job.ranks(), pulse);
+  // Others may wait for this one: a failure is caught while the watch lives, and ends them all.
+  try {
+    const TaskRun run(context);
+    WatchedProgress progress(run.context().watcher(), pulse);
+    TaskContext task = run.context();
+    task.progress = &progress;
+    return work(ranks, task);
+  } catch (...) {
+    const std::exception_ptr failure = named(std::current_exception(), ranks);
+    const bool is_told = is_cancellation(failure) && !ranks.is_first();
+    job.abort(is_told ? exit_code_of(ErrorKind::cancelled) : report_failure(context, failure));
+  }
+}
+
+void add_rank_options(Verb verb, RankArguments& arguments) {
+  verb.add_option("--gather", arguments.gather,
+                  "How top codes come to the first rank: tree, or mesh with pairwise exchange")
+      ->type_name("PLAN")
+      ->check(one_of({"tree", "mesh"}))
+      ->capture_default_str();
+  verb.add_option("--report", arguments.report,
+                  "Print what ranks sent, held and did beside the model of the thesis: text "
+                  "(default) or json")
+      ->type_name("[FORMAT]")
+      ->check(one_of({"text", "json"}));
+  verb.add_option("--silent-limit", arguments.silent_s,
+                  "End the job where a rank has not been heard of for so many seconds")
+      ->type_name("SECONDS")
+      ->check(above_zero())
+      ->capture_default_str();
+  verb.add_option("--stall-limit", arguments.stalled_s,
+                  "End the job where the work of a rank stands still for so many seconds; 0: never")
+      ->type_name("SECONDS")
+      ->check(not_negative())
+      ->capture_default_str();
+}
+
+GatherPlan gather_plan(const RankArguments& arguments) {
+  return arguments.gather == "mesh" ? GatherPlan::mesh : GatherPlan::tree;
+}
+
+std::vector<std::string> with_report_format(std::vector<std::string> words) {
+  const auto end = std::find(words.begin(), words.end(), "--");
+  for (auto word = words.begin(); word != end; ++word) {
+    const bool has_format = word + 1 != end && (*(word + 1) == "text" || *(word + 1) == "json");
+    if (*word == "--report" && !has_format) *word += "=text";
+  }
+  return words;
+}
+
+}  // namespace octavo::cli
