@@ -8,6 +8,7 @@
 #include "common/failure.h"
 #include "common/label_option.h"
 #include "common/options.h"
+#include "common/part_options.h"
 #include "common/task_run.h"
 #include "octavo/tasks/measure.h"
 #include "text/label_words.h"
@@ -25,6 +26,9 @@ constexpr VerbText kMeasureText = {
     "standard deviation, minimum, maximum, integrated value (sum times mm3) and percentiles of\n"
     "the grey volume, in its real units (HU); the table shows those percentiles that are asked\n"
     "for. Positions are in mm (LPS), boxes in voxels, half-open.\n\n"
+    "--part I/N measures a part of large files, as a task of an array of N does, and writes what\n"
+    "it found; --join, with the same options, says of all parts what measure says, to every digit.\n"
+    "Parts give percentiles of values that span over at most 2^16.\n\n"
     "Examples:\n"
     "  octavo measure skull.8vo\n"
     "  octavo measure organs.8vo --of ct.8vo --csv > organs.csv\n"
@@ -36,7 +40,9 @@ struct MeasureArguments {
   std::string grey;
   std::vector<std::string> labels;
   std::vector<double> percentiles;
+  bool no_percentiles = false;
   bool csv = false;
+  PartArguments parts;
 };
 
 nlohmann::ordered_json row_json(const MeasuredRegion& row, const MeasureResult& result) {
@@ -61,6 +67,7 @@ nlohmann::ordered_json row_json(const MeasuredRegion& row, const MeasureResult& 
   object["min"] = r.grey->minimum;
   object["max"] = r.grey->maximum;
   object["integrated_mm3"] = optional_json(in_mm.integrated);
+  if (result.percentiles.empty()) return object;
   nlohmann::ordered_json& of_percent = object["percentiles"];
   for (std::size_t i = 0; i < result.percentiles.size(); ++i) {
     of_percent[number_text(result.percentiles[i])] = r.grey->percentiles[i];
@@ -177,14 +184,43 @@ std::string table_text(const MeasureResult& result, bool shows_percentiles) {
   return text;
 }
 
-int run_measure(const MeasureArguments& arguments, Context& context) {
+MeasureOptions options_of(const MeasureArguments& arguments) {
   MeasureOptions options;
   options.labels = arguments.input;
   options.grey = arguments.grey;
   options.asked = parse_labels(arguments.labels);
-  const bool is_asked = !arguments.percentiles.empty();
-  if (is_asked) options.percentiles = arguments.percentiles;
-  const MeasureResult result = run_task(measure, options, context);
+  if (!arguments.percentiles.empty()) options.percentiles = arguments.percentiles;
+  if (arguments.no_percentiles) options.percentiles.clear();
+  return options;
+}
+
+int run_measure_part(const MeasureArguments& arguments, Context& context) {
+  const MeasurePartOptions options = {options_of(arguments), part_of(arguments.parts),
+                                      part_output(arguments.parts, context)};
+  const std::size_t regions = run_task(measure_volume_part, options, context);
+  if (context.json) {
+    print_json({{"output", options.output.path},
+                {"part", {options.part.number, options.part.count}},
+                {"regions", regions},
+                {"warnings", context.warnings}});
+  } else if (!context.quiet) {
+    print(fmt::format("{}: part {} of {}: {}\n", options.output.path, options.part.number,
+                      options.part.count,
+                      counted_text(static_cast<std::int64_t>(regions), "region")));
+  }
+  return kExitDone;
+}
+
+MeasureResult measured(const MeasureArguments& arguments, Context& context) {
+  if (arguments.parts.join.empty()) return run_task(measure, options_of(arguments), context);
+  const JoinMeasuredOptions options = {options_of(arguments), arguments.parts.join};
+  return run_task(join_measured, options, context);
+}
+
+int run_measure(const MeasureArguments& arguments, Context& context) {
+  check_part_options(arguments.parts);
+  if (!arguments.parts.part.empty()) return run_measure_part(arguments, context);
+  const MeasureResult result = measured(arguments, context);
   nlohmann::ordered_json objects = nlohmann::ordered_json::array();
   if (context.json || arguments.csv) {
     for (const MeasuredRegion& row : result.regions) {
@@ -195,12 +231,12 @@ int run_measure(const MeasureArguments& arguments, Context& context) {
     print_json({{"objects", objects}, {"unit", result.unit}, {"warnings", context.warnings}});
   } else if (arguments.csv) {
     MeasuredRegion none;
-    if (!options.grey.empty()) {
+    if (!arguments.grey.empty()) {
       none.region.grey.emplace().percentiles.resize(result.percentiles.size());
     }
     print(csv_text(row_json(none, result), objects));
   } else if (!context.quiet) {
-    print(table_text(result, is_asked));
+    print(table_text(result, !arguments.percentiles.empty()));
   }
   return kExitDone;
 }
@@ -215,12 +251,13 @@ void add_measure(CLI::App& app, Context& context) {
   verb.add_option("--of", arguments->grey, "The grey volume to measure under the labels, .8vo")
       ->type_name("GREY");
   add_label_option(verb, arguments->labels, "Measure this label alone");
-  verb.add_option("--percentile", arguments->percentiles,
-                  "A percentile, 0 to 100 (default 5, 25, 50, 75, 95)")
-      ->type_name("P")
-      ->allow_extra_args(false)
-      ->check(number_within(0, 100));
+  const Option percentile = verb.add_option("--percentile", arguments->percentiles,
+                                            "A percentile, 0 to 100 (default 5, 25, 50, 75, 95)");
+  Option(percentile).type_name("P").allow_extra_args(false).check(number_within(0, 100));
+  verb.add_flag("--no-percentiles", arguments->no_percentiles, "Leave percentiles out")
+      ->excludes(percentile);
   verb.add_flag("--csv", arguments->csv, "One line per region, comma-separated");
+  add_part_options(verb, arguments->parts);
 }
 
 }  // namespace octavo::cli

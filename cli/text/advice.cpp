@@ -115,6 +115,7 @@ constexpr Advice kAdvice[] = {
     {kUsage, "seed", "", "give another --seed"},
     {kUsage, "step.is_in_place", "", "--in-place turns, mirrors or scales the object itself"},
     {kUsage, "steps", "", "give --rotate, --shift or another step, or --grid-of"},
+    {kAny, "percentiles", "", "--no-percentiles leaves them out"},
     {kAny, "tissues", "", "give --range LOW:HIGH"},
     {kAny, "two_values", "", "--labels builds it as one, which verbs for masks take"},
 

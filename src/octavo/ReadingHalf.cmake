@@ -20,6 +20,7 @@ set(OCTAVO_READ_SOURCES
   core/utf8.cpp
   core/volume.cpp
   core/voxel_type.cpp
+  core/work_part.cpp
   octree/label_words.cpp
   octree/o_code.cpp
   codec/codec_of_kind.cpp

@@ -151,6 +151,23 @@ class Masks(cli_test.InFolder):
         large = self.json("components", "m.8vo", "--min-mm3", "1")
         self.assertEqual(large["kept"], 2)
 
+    def test_parts_of_a_measurement_join_to_every_digit(self):
+        self.threshold("m.8vo", "40:")
+        self.json("components", "m.8vo", "-o", "l.8vo")
+        question = ["measure", "l.8vo", "--of", "v.8vo"]
+        for i in range(2):
+            self.expect(0, *question, "--part", f"{i}/2", "-o", f"sums-{i}")
+        for form in ["--json", "--csv"]:
+            self.assertEqual(self.expect(0, *question, form, "--join", "sums-1", "sums-0").stdout,
+                             self.expect(0, *question, form).stdout)
+        none = self.json(*question, "--no-percentiles")["objects"][0]
+        self.assertNotIn("percentiles", none)
+        for words, command in [
+                ("another measurement", [*question, "--no-percentiles", "--join", "sums-0"]),
+                ("missing: 1", [*question, "--join", "sums-0"]),
+                ("verb", ["verify", "l.8vo", "--join", "sums-0"])]:
+            self.assertIn(words, self.octavo(*command).stderr)
+
     def test_measure_gives_what_lies_beneath_labels(self):
         self.threshold("m.8vo", "40:")
         self.json("components", "m.8vo", "-o", "l.8vo")

@@ -2,10 +2,10 @@
 // number alone, so that each can be done by itself, on any machine.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <string>
-
-#include "octavo/core/error.h"
+#include <span>
+#include <vector>
 
 namespace octavo {
 
@@ -26,12 +26,10 @@ struct WorkPart {
 };
 
 /// Throws Error{invalid_argument} unless 0 <= number < count <= kMostParts.
-inline void require_part(const WorkPart& part) {
-  if (part.number >= 0 && part.number < part.count && part.count <= WorkPart::kMostParts) return;
-  throw Error(ErrorKind::invalid_argument,
-              "part " + std::to_string(part.number) + " of " + std::to_string(part.count) +
-                  ": parts are numbered from 0, and at most " +
-                  std::to_string(WorkPart::kMostParts));
-}
+void require_part(const WorkPart& part);
+
+/// Where the parts stand among `parts`, by their numbers.
+/// Throws Error{invalid_argument} unless each part of one work is there once
+std::vector<std::size_t> order_of_all_parts(std::span<const WorkPart> parts);
 
 }  // namespace octavo

@@ -12,33 +12,18 @@ namespace octavo {
 
 namespace {
 
-[[noreturn]] void reject(const std::string& why) {
-  throw Error(ErrorKind::invalid_argument, "parts of a verification: " + why);
-}
-
 // The parts by their numbers, each of them once.
 std::vector<const VerifiedPart*> in_order(std::span<const VerifiedPart> parts) {
-  if (parts.empty()) reject("there are none");
-  const VerifiedPart& first = parts.front();
-  require_part(first.part);
-  std::vector<const VerifiedPart*> ordered(static_cast<std::size_t>(first.part.count));
-  for (const VerifiedPart& one : parts) {
-    require_part(one.part);
-    if (one.file != first.file) reject("they are of different files");
-    if (one.part.count != first.part.count || one.is_decoded != first.is_decoded) {
-      reject("they are of different verifications");
+  std::vector<WorkPart> numbers;
+  for (const VerifiedPart& one : parts) numbers.push_back(one.part);
+  std::vector<const VerifiedPart*> ordered;
+  for (const std::size_t place : order_of_all_parts(numbers)) ordered.push_back(&parts[place]);
+  for (const VerifiedPart* const one : ordered) {
+    if (one->file == ordered.front()->file && one->is_decoded == ordered.front()->is_decoded) {
+      continue;
     }
-    const VerifiedPart*& place = ordered[static_cast<std::size_t>(one.part.number)];
-    if (place != nullptr) reject("number " + std::to_string(one.part.number) + " is there twice");
-    place = &one;
-  }
-  std::string missing;
-  for (std::size_t number = 0; number < ordered.size(); ++number) {
-    if (ordered[number] != nullptr) continue;
-    missing += (missing.empty() ? "" : ", ") + std::to_string(number);
-  }
-  if (!missing.empty()) {
-    reject("of " + std::to_string(ordered.size()) + " these are missing: " + missing);
+    throw Error(ErrorKind::invalid_argument,
+                "the parts make no whole: they are of different files or verifications");
   }
   return ordered;
 }

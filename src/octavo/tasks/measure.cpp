@@ -6,14 +6,19 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/core/sha256.h"
 #include "octavo/core/text.h"
+#include "octavo/tasks/files/part_file.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/masks.h"
+#include "octavo/tasks/region_lines.h"
 #include "octavo/tasks/volume_facts.h"
 
 namespace octavo {
 
 namespace {
+
+constexpr const char* kMeasureKind = "measure";
 
 /// The percentiles from low to high, each once.
 std::vector<double> sorted_percentiles(std::vector<double> percentiles) {
@@ -110,38 +115,116 @@ void warn_of_not_finite(const MeasureResult& result, const std::string& path,
                " of the voxels measured are NaN or infinite and left out of grey values");
 }
 
-}  // namespace
+/// The files of a measurement, and what is asked of them.
+struct Measurement {
+  std::shared_ptr<const FileReader> labels;
+  std::shared_ptr<const FileReader> grey;  // null where there is none
+  LabelNames names;
+  RegionMeasureOptions asked;
+};
 
-MeasureResult measure(const MeasureOptions& options, const TaskContext& context) {
-  const std::shared_ptr<const FileReader> labels = open_regions(options, context);
-  const VolumeDescription& volume = labels->description();
-  std::shared_ptr<const FileReader> grey;
-  if (!options.grey.empty()) grey = open_grey(options, volume, context);
-  MeasureResult result;
-  result.percentiles = sorted_percentiles(options.percentiles);
-  if (!is_spacing_known(volume)) {
-    context.warn(options.labels + ": its spacing is not known, so nothing is given in mm; give it "
-                                  "when the volume is built");
-  }
+Measurement opened_to_measure(const MeasureOptions& options, const TaskContext& context) {
+  Measurement work;
+  work.labels = open_regions(options, context);
+  const VolumeDescription& volume = work.labels->description();
+  if (!options.grey.empty()) work.grey = open_grey(options, volume, context);
+  work.names = volume.metadata.facts().labels;
+  work.asked = {sorted_percentiles(options.percentiles),
+                work.grey && work.grey->description().rescale.slope < 0,
+                labels_of(options.asked, work.names, options.labels)};
+  return work;
+}
+
+void require_memory_to_measure(const TaskContext& context) {
   // A brick with its labels widened per thread, and the sums of 64 bricks.
   constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
   context.require_memory((64 + 12 * static_cast<std::uint64_t>(context.thread_count())) * kMiB,
                          "measurements");
+}
 
-  result.names = volume.metadata.facts().labels;
-  const RegionMeasureOptions asked =
-      {result.percentiles, grey && grey->description().rescale.slope < 0,
-       labels_of(options.asked, result.names, options.labels)};
-  std::vector<RegionMeasure> regions;
-  context.on_threads(
-      [&] { regions = measure_regions(*labels, grey.get(), asked, context.watcher()); });
+void warn_of_spacing(const Measurement& work, const std::string& path,
+                     const TaskContext& context) {
+  if (is_spacing_known(work.labels->description())) return;
+  context.warn(path + ": its spacing is not known, so nothing is given in mm; give it when the "
+                      "volume is built");
+}
+
+MeasureResult result_of(const Measurement& work, std::vector<RegionMeasure> regions,
+                        const MeasureOptions& options, const TaskContext& context) {
+  MeasureResult result;
+  result.percentiles = work.asked.percentiles;
+  result.names = work.names;
   for (RegionMeasure& region : regions) {
-    result.regions.push_back(measured(std::move(region), volume, grey.get()));
+    result.regions.push_back(
+        measured(std::move(region), work.labels->description(), work.grey.get()));
   }
-  warn_of_absent(asked.labels, result, options.labels, context);
+  warn_of_absent(work.asked.labels, result, options.labels, context);
   warn_of_not_finite(result, options.grey, context);
-  if (grey) result.unit = unit_of(grey->description());
+  if (work.grey) result.unit = unit_of(work.grey->description());
   return result;
+}
+
+/// What all parts of one measurement have in common: voxels, labels and percentiles.
+JsonObject question_of(const Measurement& work) {
+  JsonObject question;
+  question.set("labels", hex_text(work.labels->voxel_digest()));
+  question.set("grey", work.grey ? hex_text(work.grey->voxel_digest()) : "");
+  question.set("asked", work.asked.labels);
+  std::vector<std::string> percentiles;
+  for (const double percent : work.asked.percentiles) percentiles.push_back(exact_text(percent));
+  question.set("percentiles", percentiles);
+  question.set("falls", work.asked.falls);
+  return question;
+}
+
+}  // namespace
+
+MeasureResult measure(const MeasureOptions& options, const TaskContext& context) {
+  const Measurement work = opened_to_measure(options, context);
+  warn_of_spacing(work, options.labels, context);
+  require_memory_to_measure(context);
+  std::vector<RegionMeasure> regions;
+  context.on_threads([&] {
+    regions = measure_regions(*work.labels, work.grey.get(), work.asked, context.watcher());
+  });
+  return result_of(work, std::move(regions), options, context);
+}
+
+std::size_t measure_volume_part(const MeasurePartOptions& options, const TaskContext& context) {
+  require_free(options.output);
+  const Measurement work = opened_to_measure(options.measure, context);
+  require_memory_to_measure(context);
+  PartOfRegions regions;
+  context.on_threads([&] {
+    regions = measure_part(*work.labels, work.grey.get(), work.asked, options.part,
+                           context.watcher());
+  });
+  std::vector<JsonObject> lines = lines_of_regions(regions);
+  lines.insert(lines.begin(), question_of(work));
+  write_part_file(options.output, kMeasureKind, options.part, lines);
+  return regions.size();
+}
+
+MeasureResult join_measured(const JoinMeasuredOptions& options, const TaskContext& context) {
+  const Measurement work = opened_to_measure(options.measure, context);
+  warn_of_spacing(work, options.measure.labels, context);
+  const std::string question = question_of(work).text();
+  std::vector<WorkPart> parts;
+  std::vector<PartOfRegions> found;
+  for (const std::string& path : options.parts) {
+    PartFile file = read_part_file(path, kMeasureKind);
+    if (file.lines.empty() || file.lines.front().text() != question) {
+      throw Error(ErrorKind::invalid_argument,
+                  "is part of another measurement: of other files, labels or percentiles", path);
+    }
+    file.lines.erase(file.lines.begin());
+    parts.push_back(file.part);
+    found.push_back(regions_of_lines(file.lines));
+  }
+  PartOfRegions all;
+  for (const std::size_t place : order_of_all_parts(parts)) add_part(found[place], all);
+  return result_of(work, joined_regions(all, work.grey.get(), work.asked), options.measure,
+                   context);
 }
 
 }  // namespace octavo

@@ -7,8 +7,10 @@
 
 #include "octavo/core/label_names.h"
 #include "octavo/core/volume.h"
+#include "octavo/core/work_part.h"
 #include "octavo/ops/measure/measure.h"
 #include "octavo/tasks/asked_labels.h"
+#include "octavo/tasks/outputs.h"
 #include "octavo/tasks/task_context.h"
 
 namespace octavo {
@@ -40,11 +42,32 @@ struct MeasureResult {
   std::string unit;                     ///< of the grey values; empty where none is known
 };
 
+struct MeasurePartOptions {
+  MeasureOptions measure;
+  WorkPart part;
+  Output output;  ///< what the part found
+};
+
+struct JoinMeasuredOptions {
+  MeasureOptions measure;          ///< those of the parts
+  std::vector<std::string> parts;  ///< what measure_volume_part wrote
+};
+
 /// Measures regions. Warns where the spacing is not known, and of labels without voxels that are
 /// asked for.
 /// Throws  as open_volume and measure_regions; Error{invalid_argument} for grey values in place of
 ///         labels, labels in place of grey values, grids that differ, percentiles out of range
 /// Memory  as measure_regions, and 12 MiB per thread
 MeasureResult measure(const MeasureOptions& options, const TaskContext& context);
+
+/// Sums up the regions in the layers of bricks of one part, and writes that. Returns how many
+/// regions it has met.
+/// Throws  as measure, measure_part and write_part_file
+std::size_t measure_volume_part(const MeasurePartOptions& options, const TaskContext& context);
+
+/// What measure gives, every digit of it, of the parts of one measurement.
+/// Throws  as measure and read_part_file; Error{invalid_argument} for parts that are missing, there
+///         twice, or of other files, labels or percentiles
+MeasureResult join_measured(const JoinMeasuredOptions& options, const TaskContext& context);
 
 }  // namespace octavo

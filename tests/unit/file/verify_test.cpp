@@ -164,11 +164,11 @@ TEST(Verify, PartsThatDoNotMakeAWholeAreRejected) {
   expect_rejected({}, "there are none");
   expect_rejected({parts[0]}, "of 3 these are missing: 0, 1");
   expect_rejected({parts[0], parts[1], parts[1]}, "number 1 is there twice");
-  expect_rejected({parts[0], parts[1], parts_of(bytes, 4, {})[3]}, "different verifications");
+  expect_rejected({parts[0], parts[1], parts_of(bytes, 4, {})[3]}, "some are of 3, some of 4");
   expect_rejected({parts[0], parts[1], parts_of(bytes, 3, checksums)[2]},
-                  "different verifications");
+                  "different files or verifications");
   expect_rejected({parts[0], parts[1], parts_of(sample_file_bytes(other), 3, {})[2]},
-                  "different files");
+                  "different files or verifications");
   NoProgress progress;
   for (const WorkPart& part : {WorkPart{3, 3}, WorkPart{-1, 3}, WorkPart{0, 0},
                                WorkPart{0, WorkPart::kMostParts + 1}}) {

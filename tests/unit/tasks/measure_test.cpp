@@ -192,5 +192,53 @@ TEST_F(Measure, FilesInEachOthersPlaceAreNamed) {
       << failure.detail;
 }
 
+/// Files of parts in any order; a slope that falls, so that percentiles count from the top.
+TEST_F(Measure, PartsJoinToEveryDigit) {
+  options_.grey = write_grey(-0.5);
+  const auto found_by = [&](std::int64_t count, const MeasureOptions& options) {
+    std::vector<std::string> paths;
+    for (std::int64_t number = count; number-- > 0;) {
+      paths.push_back(folder_.file("sums-" + std::to_string(number)));
+      measure_volume_part({options, {number, count}, {paths.back(), true}}, context_);
+    }
+    return paths;
+  };
+  const MeasureResult whole = measure(options_, context_);
+  ASSERT_EQ(whole.regions.size(), 2u);
+  for (const std::int64_t count : {1, 2, 5}) {
+    const MeasureResult joined = join_measured({options_, found_by(count, options_)}, context_);
+    EXPECT_EQ(joined.percentiles, whole.percentiles);
+    EXPECT_EQ(joined.unit, whole.unit);
+    ASSERT_EQ(joined.regions.size(), whole.regions.size());
+    for (std::size_t i = 0; i < whole.regions.size(); ++i) {
+      const RegionMeasure& a = joined.regions[i].region;
+      const RegionMeasure& b = whole.regions[i].region;
+      EXPECT_EQ(a.label, b.label);
+      EXPECT_EQ(a.voxel_count, b.voxel_count);
+      EXPECT_EQ(a.surface_voxel_count, b.surface_voxel_count);
+      EXPECT_EQ(a.box, b.box);
+      EXPECT_EQ(a.centroid, b.centroid);
+      EXPECT_EQ(a.covariance, b.covariance);
+      EXPECT_EQ(a.grey->mean, b.grey->mean);
+      EXPECT_EQ(a.grey->deviation, b.grey->deviation);
+      EXPECT_EQ(a.grey->minimum, b.grey->minimum);
+      EXPECT_EQ(a.grey->maximum, b.grey->maximum);
+      EXPECT_EQ(a.grey->sum, b.grey->sum);
+      EXPECT_EQ(a.grey->percentiles, b.grey->percentiles);
+    }
+  }
+
+  // Of other questions, or not all of one
+  const std::vector<std::string> found = found_by(2, options_);
+  MeasureOptions other = options_;
+  other.percentiles = {50};
+  for (const JoinMeasuredOptions& join :
+       {JoinMeasuredOptions{other, found}, JoinMeasuredOptions{options_, {found[0]}},
+        JoinMeasuredOptions{options_, {found[0], found[1], found[1]}}}) {
+    EXPECT_EQ(failure_of([&] { join_measured(join, context_); }).kind,
+              ErrorKind::invalid_argument);
+  }
+}
+
 }  // namespace
 }  // namespace octavo
