@@ -258,22 +258,24 @@ std::int64_t level_detail_count(const BrickShape& shape, int level, const Unifor
 template <class Sample>
 void load_details(Workspace<Sample>& work, const Stage& stage, const Target<Sample>& target) {
   const Size3& pairs = stage.pairs;
-  const std::int64_t step = stage.axis == 0   ? 1
-                            : stage.axis == 1 ? target.size.x
-                                              : target.size.x * target.size.y;
-  const std::int64_t stretch = stage.axis == 0 ? 2 : 1;
   work.residuals.set_size(pairs);
-  for (std::int64_t z = 0; z < pairs.z; ++z) {
-    for (std::int64_t y = 0; y < pairs.y; ++y) {
-      const std::int64_t fine_y = stage.axis == 1 ? 2 * y : y;
-      const std::int64_t fine_z = stage.axis == 2 ? 2 * z : z;
-      const Sample* a = target.samples + (fine_z * target.size.y + fine_y) * target.size.x;
-      Wide<Sample>* const details = work.residuals.row(y, z);
-      for (std::int64_t x = 0; x < pairs.x; ++x) {
-        details[x] = static_cast<Wide<Sample>>(a[stretch * x]) - a[stretch * x + step];
+  const auto load = [&](auto stretch, std::int64_t step) {
+    for (std::int64_t z = 0; z < pairs.z; ++z) {
+      for (std::int64_t y = 0; y < pairs.y; ++y) {
+        const std::int64_t fine_y = stage.axis == 1 ? 2 * y : y;
+        const std::int64_t fine_z = stage.axis == 2 ? 2 * z : z;
+        const Sample* const a = target.samples + (fine_z * target.size.y + fine_y) * target.size.x;
+        Wide<Sample>* const details = work.residuals.row(y, z);
+        for (std::int64_t x = 0; x < pairs.x; ++x) {
+          details[x] = static_cast<Wide<Sample>>(a[stretch * x]) - a[stretch * x + step];
+        }
       }
     }
-  }
+  };
+  // Distances that compilers know make vectors.
+  if (stage.axis == 0) load(std::integral_constant<int, 2>(), 1);
+  else load(std::integral_constant<int, 1>(),
+            stage.axis == 1 ? target.size.x : target.size.x * target.size.y);
 }
 
 template void load_details(Workspace<std::int16_t>&, const Stage&, const Target<std::int16_t>&);

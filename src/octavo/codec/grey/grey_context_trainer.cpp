@@ -58,7 +58,10 @@ void take_samples(const Parameters& p, const Stage& stage, Workspace<std::int16_
         if (thinning.keeps_next()) chosen.push_back(coded == stage.pairs.x ? i : r.order[i]);
       }
       if (chosen.empty()) continue;
-      PortableKernel<std::int16_t>::row_features(p, stage, work, y, z);
+      for (const int x : chosen) {
+        PortableKernel<std::int16_t>::some_features(p, stage, work,
+                                                    {{x, y, z}, {x + 1, y + 1, z + 1}});
+      }
       const MagnitudeRows near =
           magnitude_rows(work.magnitudes, p.predictor, stage.axis, y, z, r.zeros + 8);
       const std::int32_t* const residuals = work.residuals.row(y, z);

@@ -490,7 +490,12 @@ struct PortableKernel {
   using Int = Wide<Sample>;
 
   static void row_features(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
-                           std::int64_t y, std::int64_t z);
+                           std::int64_t y, std::int64_t z) {
+    some_features(p, stage, work, {{0, y, z}, {stage.pairs.x, y + 1, z + 1}});
+  }
+  /// The same of some pairs of a row.
+  static void some_features(const Parameters& p, const Stage& stage, Workspace<Sample>& work,
+                            const Box& pairs);
   static void row_contexts(const Parameters& p, const Stage& stage, const MagnitudeRows& near,
                            const RowBuffers& row, std::uint16_t* contexts);
   static void take_row(SymbolReader& symbols, const std::uint16_t* contexts, RowMask coded,

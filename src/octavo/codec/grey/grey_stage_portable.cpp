@@ -124,15 +124,14 @@ void reconstruct_row_along(const Parameters& p, const Stage& stage, Workspace<Sa
 }  // namespace
 
 template <class Sample>
-void PortableKernel<Sample>::row_features(const Parameters& p, const Stage& stage,
-                                          Workspace<Sample>& work, std::int64_t y,
-                                          std::int64_t z) {
+void PortableKernel<Sample>::some_features(const Parameters& p, const Stage& stage,
+                                           Workspace<Sample>& work, const Box& pairs) {
   const std::int64_t along = pair_step<Sample>(stage.axis);
   const std::int64_t across1 = pair_step<Sample>(stage.axis == 0 ? 1 : 0);
   const std::int64_t across2 = pair_step<Sample>(stage.axis == 2 ? 1 : 2);
-  const Sample* m = work.means.row(y, z);
-  std::uint8_t* const activities = work.activities.row(y, z);
-  Limit<Sample>* const limits = work.limits.row(y, z);
+  const Sample* m = work.means.row(pairs.lo.y, pairs.lo.z);
+  std::uint8_t* const activities = work.activities.row(pairs.lo.y, pairs.lo.z);
+  Limit<Sample>* const limits = work.limits.row(pairs.lo.y, pairs.lo.z);
   const int shift = stage.shift;
   const auto min = static_cast<Int>(stage.min);
   const auto max = static_cast<Int>(stage.max);
@@ -141,7 +140,7 @@ void PortableKernel<Sample>::row_features(const Parameters& p, const Stage& stag
   const auto feature = [](Int sum) {
     return static_cast<std::uint16_t>(std::min<Int>(sum, kMaxFeature));
   };
-  for (std::int64_t x = 0; x < stage.pairs.x; ++x) {
+  for (std::int64_t x = pairs.lo.x; x < pairs.hi.x; ++x) {
     const Int c = m[x];
     const Int before = m[x - along] - c;
     const Int after = m[x + along] - c;

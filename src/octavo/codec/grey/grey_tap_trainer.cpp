@@ -58,9 +58,24 @@ TapRowState state_of(int axis, int r) {
   return state == 'd' ? TapRowState::decoded : state == 'a' ? TapRowState::ahead : TapRowState::own;
 }
 
-std::int16_t difference(std::int32_t tap, std::int32_t mean) {
-  return static_cast<std::int16_t>(std::clamp(tap - mean, -kMaxDifference, kMaxDifference));
-}
+/// 8 neighbors less a mean, within +-kMaxDifference.
+struct Differences {
+  explicit Differences(std::int32_t mean)
+      : from(static_cast<std::int16_t>(mean)),
+        lowest(static_cast<std::int16_t>(std::max(mean - kMaxDifference, -32768))),
+        highest(static_cast<std::int16_t>(std::min(mean + kMaxDifference, 32767))) {}
+
+  void put(const std::int16_t* __restrict taps, int first, int last,
+           std::int16_t* __restrict to) const {
+    for (int i = first; i < last; ++i) {
+      to[i] = static_cast<std::int16_t>(std::min(std::max(taps[i], lowest), highest) - from);
+    }
+  }
+
+  std::int16_t from;
+  std::int16_t lowest;
+  std::int16_t highest;
+};
 
 /// The differences between the neighbors of pair (x, y, z) and its mean, as taps see them.
 void append_features(const Stage& stage, Workspace<std::int16_t>& work,
@@ -70,17 +85,15 @@ void append_features(const Stage& stage, Workspace<std::int16_t>& work,
   const std::int64_t along = pair_stretch(axis) * pair.x;
   const std::int16_t* const decoded = first_of_row(work.fine, axis, pair.y, pair.z) + along;
   const std::int16_t* const means = first_of_row(ahead, axis, pair.y, pair.z) + along;
-  const std::int32_t mean = *means;
+  const Differences differences(*means);
   const std::size_t length = features.size();
   features.resize(length + static_cast<std::size_t>(tap_count(axis)));
   std::int16_t* feature = features.data() + length;
   for (int r = 0; r < TapRows<std::int16_t>::kCount[axis]; ++r, feature += 8) {
     const std::int64_t offset = TapRows<std::int16_t>::kOffsets[axis][r];
     const TapRowState state = state_of(axis, r);
-    const std::int16_t* const taps = (state == TapRowState::decoded ? decoded : means) + offset;
-    for (int i = 0; i < 8; ++i) feature[i] = difference(taps[i], mean);
-    if (state != TapRowState::own) continue;
-    for (int i = 0; i < 3; ++i) feature[i] = difference(decoded[offset + i], mean);
+    differences.put((state == TapRowState::decoded ? decoded : means) + offset, 0, 8, feature);
+    if (state == TapRowState::own) differences.put(decoded + offset, 0, 3, feature);
   }
 }
 

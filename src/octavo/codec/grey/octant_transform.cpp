@@ -2,6 +2,8 @@
 
 #include <bit>
 #include <cstddef>
+#include <cstdint>
+#include <type_traits>
 #include <utility>
 
 namespace octavo {
@@ -20,6 +22,23 @@ int rounding_term(const BrickShape& shape, int level, int axis, const AxisOrder&
   const int halvings = std::countr_zero(static_cast<std::uint64_t>(fine[axis]));
   return (turn + halvings + 1) & 1;
 }
+
+namespace {
+
+/// The means of pairs of equal weights. Distances and widths that compilers know make vectors.
+/// kStretch  from the first sample of a pair to that of the next; `step` to its partner
+template <std::int64_t kStretch, class Sample>
+void pair_means(const Sample* __restrict in, std::int64_t step, std::int64_t count, int rounding,
+                Sample* __restrict out) {
+  using Sum = std::conditional_t<sizeof(Sample) == 2, std::int32_t, std::int64_t>;
+  for (std::int64_t x = 0; x < count; ++x) {
+    const Sum a = in[kStretch * x];
+    const Sum b = in[kStretch * x + step];
+    out[x] = static_cast<Sample>(pair_mean<Sum>(a, b, rounding));
+  }
+}
+
+}  // namespace
 
 template <class Sample>
 std::vector<Sample> means_along(const std::vector<Sample>& fine, const Size3& size, int axis,
@@ -40,16 +59,13 @@ std::vector<Sample> means_along(const std::vector<Sample>& fine, const Size3& si
       const bool is_last = axis == 0 || (axis == 1 ? fine_y + 2 == size.y : fine_z + 2 == size.z);
       const bool has_weighted = is_last && !last_pair.are_equal();
       const std::int64_t alike = !has_weighted ? pairs : axis == 0 ? pairs - 1 : 0;
-      const auto make_means = [&](std::int64_t from, std::int64_t to, auto&& mean_of) {
-        for (std::int64_t x = from; x < to; ++x) {
-          const std::int64_t a = in[stretch * x];
-          const std::int64_t b = in[stretch * x + step];
-          out[x] = static_cast<Sample>(mean_of(a, b));
-        }
-      };
-      make_means(0, alike, [&](auto a, auto b) { return pair_mean(a, b, rounding); });
-      make_means(alike, pairs,
-                 [&](auto a, auto b) { return weighted_mean(a, b, last_pair, rounding); });
+      if (axis == 0) pair_means<2>(in, 1, alike, rounding, out);
+      else pair_means<1>(in, step, alike, rounding, out);
+      for (std::int64_t x = alike; x < pairs; ++x) {
+        const std::int64_t a = in[stretch * x];
+        const std::int64_t b = in[stretch * x + step];
+        out[x] = static_cast<Sample>(weighted_mean(a, b, last_pair, rounding));
+      }
       for (std::int64_t x = pairs; x < coarse.x; ++x) out[x] = in[stretch * x];
       out += coarse.x;
     }
