@@ -22,6 +22,7 @@
 #include "common/option_tree.h"
 #include "common/options.h"
 #include "octavo/io/isolation/import_worker.h"
+#include "planned_work.h"
 #include "text/usage_words.h"
 #include "verbs.h"
 
@@ -109,7 +110,8 @@ int run_program(const std::vector<std::string>& words) {
       print(app.help());
       return kExitUsage;
     }
-    app.parse(reversed(with_isotropic_method(settled_words(words))));
+    const std::vector<std::string> own = without_planned_words(words, context);
+    app.parse(reversed(with_isotropic_method(settled_words(own))));
     if (context.max_memory_bytes != 0) limit_malloc_arenas(context.thread_count());
     // With room for the thread that waits; without a limit oneTBB starts no more than the cores
     // have room for, and says so on standard error.

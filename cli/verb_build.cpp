@@ -66,8 +66,8 @@ constexpr VerbText kBuildText = {
     "behind the last whole group of planes, which hold 32 MiB of voxels or somewhat more: what\n"
     "stops in the first group keeps nothing. The scan is read again and must be the same; so is\n"
     "the finished file, byte for byte. Give --resume from the start where work may not be lost.\n\n"
-    "--parts N builds in parts that know nothing of each other, side by side on the threads of -j,\n"
-    "and joins them: the same file. It is there to try what plan, part and join do on many\n"
+    "--parts N builds in parts that know nothing of each other, side by side on the threads of\n"
+    "-j, and joins them: the same file. It is there to try what plan, part and join do on many\n"
     "machines. The parts stand in a hidden folder beside the file until they are joined.\n\n"
     "Examples:\n"
     "  octavo build scans/head/ -o head.8vo\n"
@@ -106,7 +106,7 @@ void add_build(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<BuildVerb>();
   Verb verb = add_verb(app, context, kBuildText,
                        [arguments, &context] { return run_build(*arguments, context); });
-  add_build_options(verb, arguments->build);
+  add_build_options(verb, arguments->build)->required();
   verb.add_output(arguments->output, "The file to write");
   Option resume = verb.add_flag(
       "--resume", arguments->resume,

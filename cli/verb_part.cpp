@@ -10,6 +10,7 @@
 #include "common/task_run.h"
 #include "octavo/core/text.h"
 #include "octavo/tasks/parts/make_parts.h"
+#include "planned_work.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -24,8 +25,8 @@ constexpr VerbText kPartText = {
     "Parts count from 0. Without --part the number comes from the scheduler, and a line says from\n"
     "where: SLURM_ARRAY_TASK_ID, PBS_ARRAY_INDEX, LSB_JOBINDEX and SGE_TASK_ID (which count from\n"
     "1), AWS_BATCH_JOB_ARRAY_INDEX, JOB_COMPLETION_INDEX. Ranks of Open MPI, PMIx and srun share\n"
-    "the parts: rank r of n makes parts r, r + n, and so on. An array of Slurm or Grid Engine with\n"
-    "as many tasks as there are parts makes the first part first, whatever its numbers.\n\n"
+    "the parts: rank r of n makes parts r, r + n, and so on. An array of Slurm or Grid Engine\n"
+    "that has as many tasks as there are parts may begin at any number.\n\n"
     "A part has its name only when it is whole and on disk.\n\n"
     "Examples:\n"
     "  octavo part scan.plan --part 7 -o parts/\n"
@@ -57,6 +58,7 @@ int run_part(const PartArguments& arguments, Context& context) {
   MakePartsOptions options = arguments.options;
   if (!arguments.part.empty()) options.parts = arguments.part;
   options.variables = [](const char* name) { return std::getenv(name); };
+  options.parser = parse_work;
   options.overwrite = context.force;
   const MakePartsResult result = run_task(make_parts, options, context);
   if (context.json) {
@@ -65,9 +67,10 @@ int run_part(const PartArguments& arguments, Context& context) {
   }
   for (const MadePart& part : result.parts) {
     if (context.quiet) break;
-    const std::string name = fmt::format("part {} of {}", part.number, result.part_count);
-    print(part.was_there ? name + " is there already\n"
-                         : fmt::format("{}: {}, {}\n", name, part.path, bytes_text(part.file_bytes)));
+    const std::string what =
+        part.was_there ? " is there already"
+                       : fmt::format(": {}, {}", part.path, bytes_text(part.file_bytes));
+    print(fmt::format("part {} of {}{}\n", part.number, result.part_count, what));
   }
   return kExitDone;
 }

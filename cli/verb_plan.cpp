@@ -11,6 +11,7 @@
 #include "common/task_run.h"
 #include "octavo/core/text.h"
 #include "octavo/tasks/parts/plan_scan.h"
+#include "planned_work.h"
 #include "text/quantities.h"
 #include "text/volume_json.h"
 #include "verbs.h"
@@ -24,19 +25,25 @@ constexpr VerbText kPlanText = {
     "Reads and trains on the first group of slices, and writes what every part has to know. Parts\n"
     "are then made by octavo part, in any order, on any number of machines, and octavo join makes\n"
     "the file of them: byte for byte the one of octavo build with the same options.\n\n"
-    "The plan keeps the length and the time of every file of the source. A part is refused where\n"
+    "The plan keeps the length and the time of every file of the source. A part is rejected where\n"
     "one of its files was changed since.\n\n"
     "A part has whole groups of slices. --parts says how many parts there are, at most as many as\n"
     "groups; --part-size how many bytes of voxels a part holds at most, 4G unless told otherwise.\n"
     "A source that is compressed as one stream (.nii.gz) is read from its start by every part:\n"
     "the plan says so and proposes 8 parts at most.\n\n"
-    "Paths below the folder of the plan stand relative to it in the plan, others absolute, so that\n"
-    "a job may run in any folder. --source-root DIR makes paths relative to DIR instead; part\n"
+    "Paths below the folder of the plan stand relative to it, others absolute, so that a job may\n"
+    "run in any folder. --source-root DIR makes paths relative to DIR instead; part\n"
     "--source-root takes the same files from another place.\n\n"
+    "octavo plan -o work.plan -- VERB ... plans the volume that threshold, condense, transform or\n"
+    "combine computes of .8vo files: the words are those of the verb without its -o. Two cases\n"
+    "are not computed voxel by voxel and need no parts: a translation, which copies bricks, and\n"
+    "combine --resample, which works on octrees. A matrix of --affine is read again by each part:\n"
+    "give its absolute path.\n\n"
     "Examples:\n"
     "  octavo plan slices/ --spacing 0.0195 -o scan.plan\n"
     "  octavo plan slices/ --spacing 0.0195 --part-size 8G -o scan.plan\n"
-    "  octavo plan scans/head/ --max-error 2 --parts 16 -o head.plan"};
+    "  octavo plan scans/head/ --max-error 2 --parts 16 -o head.plan\n"
+    "  octavo plan --parts 64 -o turned.plan -- transform bone.8vo --rotate z:30"};
 
 struct PlanArguments {
   BuildArguments build;
@@ -46,8 +53,25 @@ struct PlanArguments {
   std::string source_root;
 };
 
+/// A source, or a verb behind two dashes.
+void require_one_source(const PlanArguments& arguments, const Context& context) {
+  if (context.planned.empty()) {
+    if (!arguments.build.inputs.empty()) return;
+    throw Error(ErrorKind::invalid_argument, "a source is required; see octavo plan --help");
+  }
+  if (arguments.build == BuildArguments()) return;
+  throw Error(ErrorKind::invalid_argument,
+              "what is computed has its sources and options behind --, those of a build do not go "
+              "with it");
+}
+
 PlanScanOptions options_of(const PlanArguments& arguments, const Context& context) {
   PlanScanOptions options;
+  require_one_source(arguments, context);
+  if (!context.planned.empty()) {
+    options.words.assign(context.planned.begin() + 1, context.planned.end());
+    options.work = parse_work(options.words);
+  }
   options.scan = build_scan_options(arguments.build, arguments.output, context);
   options.parts = arguments.parts;
   if (!arguments.part_size.empty()) options.part_bytes = parse_bytes(arguments.part_size);
@@ -87,8 +111,8 @@ std::string plan_words(const PlanResult& plan, const std::string& path) {
   if (!plan.can_seek) {
     text += "source    is compressed as one stream: every part reads it from its start\n";
   }
-  text += fmt::format("parts     {} of {}; each needs {} of memory with 1 thread\n", plan.part_count,
-                      groups_of_parts(plan), bytes_text(plan.part_memory_bytes));
+  text += fmt::format("parts     {} of {}; each needs {} of memory with 1 thread\n",
+                      plan.part_count, groups_of_parts(plan), bytes_text(plan.part_memory_bytes));
   text += fmt::format(
       "next      sbatch --array=0-{} --mem={}G --wrap 'octavo part {} -j 1 -o parts/'\n"
       "          octavo join {} parts/ -o {}\n",

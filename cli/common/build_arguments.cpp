@@ -27,10 +27,10 @@ std::optional<Access> parse_access(const std::string& text) {
 
 }  // namespace
 
-void add_build_options(Verb verb, BuildArguments& arguments) {
-  verb.add_option("inputs", arguments.inputs, "One folder or file, or the files of a stack")
-      ->type_name("SOURCE")
-      ->required();
+Option add_build_options(Verb verb, BuildArguments& arguments) {
+  const Option inputs =
+      verb.add_option("inputs", arguments.inputs, "One folder or file, or the files of a stack")
+          ->type_name("SOURCE");
   Option labels =
       verb.add_flag("--labels", arguments.labels, "A mask or label map: numbers are names");
   verb.add_flag("--grey", arguments.grey,
@@ -68,6 +68,7 @@ void add_build_options(Verb verb, BuildArguments& arguments) {
                 "Put a small picture into the file, for file managers and viewers");
   add_isotropic_option(verb, arguments.isotropic);
   add_scan_options(verb, arguments.scan);
+  return inputs;
 }
 
 BuildScanOptions build_scan_options(const BuildArguments& arguments, const std::string& output,

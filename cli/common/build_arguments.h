@@ -26,10 +26,12 @@ struct BuildArguments {
   std::string infinity;
   std::string isotropic;
   ScanArguments scan;
+
+  bool operator==(const BuildArguments&) const = default;
 };
 
-/// The sources, and all options of a build but --output and --resume.
-void add_build_options(Verb verb, BuildArguments& arguments);
+/// The sources, and all options of a build but --output and --resume. Returns the sources.
+Option add_build_options(Verb verb, BuildArguments& arguments);
 
 /// output  the file to write
 /// Throws  Error{invalid_argument} naming the option that cannot be understood

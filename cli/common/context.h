@@ -4,6 +4,7 @@
 // --json. Standard error carries notes, warnings, progress and the one line of a failure.
 #pragma once
 
+#include <any>
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
@@ -29,6 +30,8 @@ struct Context {
   std::uint64_t max_voxels = std::uint64_t{1} << 40;
   std::string verb;
   std::function<int()> run;            ///< set by the verb that was parsed; returns the exit code
+  std::vector<std::string> planned;    ///< words of `plan -- VERB ...` from VERB on
+  std::any* taken = nullptr;           ///< where the options of a task go instead of to the task
   std::vector<std::string> warnings;   ///< all that warn() was told, for the JSON result
 
   /// Writes "octavo: TEXT" to standard error unless --quiet.

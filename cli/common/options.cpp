@@ -10,6 +10,7 @@
 
 #include "octavo/core/error.h"
 #include "text/quantities.h"
+#include "text/usage_words.h"
 
 namespace octavo::cli {
 
@@ -202,6 +203,23 @@ Verb add_verb(CLI::App& app, Context& context, const VerbText& text, std::functi
   });
   add_global_options(Verb(verb), context);
   return Verb(verb);
+}
+
+void parse_words(const std::vector<std::string>& words, const std::function<void(CLI::App&)>& add) {
+  CLI::App app;
+  app.require_subcommand(1);
+  add(app);
+  refuse_empty_texts(app);
+  std::vector<std::string> reversed = settled_words(words);
+  std::reverse(reversed.begin(), reversed.end());
+  try {
+    app.parse(reversed);
+  } catch (const CLI::Success&) {
+    throw Error(ErrorKind::invalid_argument, "see octavo " + words.front() + " --help");
+  } catch (const CLI::ParseError& problem) {
+    throw Error(ErrorKind::invalid_argument,
+                std::string(problem.what()) + "; see octavo " + words.front() + " --help");
+  }
 }
 
 void add_global_options(Verb verb, Context& context) {

@@ -105,6 +105,10 @@ struct VerbText {
 /// the exit code.
 Verb add_verb(CLI::App& app, Context& context, const VerbText& text, std::function<int()> run);
 
+/// Parses words of a verb that `add` declares, apart from those of the program.
+/// Throws Error{invalid_argument} where they are not understood
+void parse_words(const std::vector<std::string>& words, const std::function<void(CLI::App&)>& add);
+
 /// The global options, which the program and every verb have.
 void add_global_options(Verb verb, Context& context);
 

@@ -20,6 +20,8 @@ struct ScanArguments {
   std::string time;
   bool no_isolation = false;
   bool keep_identity = false;  ///< asked for by build alone
+
+  bool operator==(const ScanArguments&) const = default;
 };
 
 void add_scan_options(Verb verb, ScanArguments& arguments);

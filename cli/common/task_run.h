@@ -23,10 +23,17 @@ class TaskRun {
   TaskContext task_;
 };
 
+/// Thrown where the context takes the options of a task.
+struct OptionsTaken {};
+
 /// The result of task(options, context).
 template <class Result, class Options>
 Result run_task(Result (*task)(const Options&, const TaskContext&), const Options& options,
                 Context& context) {
+  if (context.taken != nullptr) {
+    *context.taken = options;
+    throw OptionsTaken();
+  }
   const TaskRun run(context);
   return task(options, run.context());
 }

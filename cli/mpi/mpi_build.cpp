@@ -70,7 +70,7 @@ void add_mpi_build(CLI::App& app, Context& context) {
   const auto arguments = std::make_shared<MpiBuildArguments>();
   Verb verb = add_verb(app, context, kMpiBuildText,
                        [arguments, &context] { return run_mpi_build(*arguments, context); });
-  add_build_options(verb, arguments->build);
+  add_build_options(verb, arguments->build)->required();
   verb.add_output(arguments->output, "The file to write");
   add_rank_options(verb, arguments->ranks);
 }

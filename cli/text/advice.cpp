@@ -85,6 +85,7 @@ constexpr Advice kAdvice[] = {
 
     // --- Building in parts
     {kUsage, "is_resuming", "", "leave out --resume, or --parts"},
+    {ErrorKind::io, "join.layout", "", "begin with --step layout"},
     {kUsage, "parts.plan", "", "--force replaces it, another folder (-o) keeps both"},
     {kUsage, "parts.which", "", "give --part I"},
     {ErrorKind::io, "parts.missing", "", "octavo part PLAN --part {} makes one"},

@@ -98,17 +98,125 @@ class Joined(InParts):
         self.assertIn("scan.part-0002-of-0003", self.files())
 
     def test_a_plan_says_what_a_part_needs_and_what_comes_next(self):
-        said = self.expect(0, "plan", *self.raw[:-1], "--part-size", "40M", "-o", "scan.plan").stdout
+        raw = self.raw[:-1]
+        said = self.expect(0, "plan", *raw, "--part-size", "40M", "-o", "scan.plan").stdout
         self.assertIn("512 x 512 x 140 voxels of uint16, 73.4 MB; 3 groups of 64 planes", said)
         self.assertIn("3 of 1 group; each needs", said)
         self.assertIn("octavo join scan.plan parts/ -o scan.8vo", said)
-        told = json.loads(self.expect(0, "plan", *self.raw, "-f", "-o", "scan.plan", "--json").stdout)
+        told = json.loads(self.expect(0, "plan", *raw, "-fo", "scan.plan", "--json").stdout)
         self.assertEqual((told["groups"], told["parts"]), (3, 1))
         self.assertGreater(told["part_memory_bytes"], 2 * told["group_bytes"])
         self.assertFalse(told["reads_from_start"])
 
 
-class Refused(InParts):
+class JoinedInOtherWays(InParts):
+    def setUp(self):
+        super().setUp()
+        self.whole = self.built()
+        self.plan("--parts", "3")
+        self.part(0, "--parts", "0-2", "-o", "parts", "-q")
+
+    def step(self, code, *arguments, **variables):
+        return self.expect(code, "join", "scan.plan", "parts", *arguments, "-o", "scan.8vo",
+                           "--progress", "none", env=without_schedulers(**variables))
+
+    def test_a_join_in_steps_makes_the_same_file(self):
+        self.assertEqual(self.step(5, "--step", "copy").stdout, "")
+        self.step(0, "--step", "layout")
+        self.step(0, "--step", "layout")
+        self.step(0, "--step", "copy", "--part", "1")
+        told = json.loads(self.step(0, "--step", "copy", "--json", PBS_ARRAY_INDEX="2").stdout)
+        self.assertEqual((told["copied"], told["uncopied"]), ([2], [0]))
+        self.step(5, "--step", "seal")
+        self.assertNotIn("scan.8vo", self.files())
+        self.step(0, "--step", "copy")
+        self.step(0, "--step", "seal")
+        self.assertEqual(self.bytes_of("scan.8vo"), self.whole)
+        self.step(0, "--step", "seal")
+        self.assertEqual([name for name in self.files() if name.startswith(".")], [])
+
+    def test_a_join_that_consumes_its_parts_makes_the_same_file(self):
+        self.step(0, "--consume")
+        self.assertEqual(self.bytes_of("scan.8vo"), self.whole)
+        self.assertEqual(self.files(),
+                         ["parts", "scan.8vo", "scan.plan", "scan.raw", "whole.8vo"])
+
+    def test_nothing_is_consumed_where_a_part_is_damaged(self):
+        name = "parts/scan.part-0002-of-0003"
+        bad = bytearray(self.bytes_of(name))
+        bad[len(bad) // 2] ^= 4
+        (self.folder / name).write_bytes(bad)
+        self.step(4, "--consume")
+        self.assertEqual(len([n for n in self.files() if ".part-" in n]), 3)
+        self.assertNotIn("scan.8vo", self.files())
+
+    def test_the_listed_runs_are_the_file(self):
+        told = json.loads(self.step(0, "--runs", "--json").stdout)
+        joined = b""
+        for run in told["runs"]:
+            with open(self.folder / run["path"], "rb") as file:
+                file.seek(run["offset"])
+                joined += file.read(run["length"])
+        self.assertEqual(len(joined), told["file_bytes"])
+        self.assertEqual(joined, self.whole)
+        of_parts = sum(run["length"] for run in told["runs"] if ".part-" in run["path"])
+        self.assertGreater(of_parts, 0.9 * len(joined))
+        lines = self.step(0, "--runs").stdout.splitlines()
+        self.assertEqual(len(lines), len(told["runs"]))
+
+    def test_options_of_steps_that_do_not_fit_are_rejected(self):
+        for arguments in [("--part", "1"), ("--step", "seal", "--parts", "0-1"),
+                          ("--step", "layout", "--missing"), ("--runs", "--consume")]:
+            with self.subTest(arguments):
+                self.step(2, *arguments)
+
+
+class Computed(cli_test.InFolder):
+    """Volumes that verbs compute, planned and joined: what the verb itself writes."""
+
+    def setUp(self):
+        super().setUp()
+        self.expect(0, "phantom", "--size", "512,512,140", "--noise", "9", "--preset", "fast",
+                    "-o", "grey.8vo", "-q")
+
+    def check(self, *work, parts=2):
+        self.expect(0, *work, "-o", "once.8vo", "-q", "-f")
+        self.expect(0, "plan", "--parts", parts, "-o", "work.plan", "-f", "-q", "--", *work)
+        for part in reversed(range(parts)):
+            self.expect(0, "part", "work.plan", "--part", part, "-f", "-q")
+        self.expect(0, "join", "work.plan", "-o", "joined.8vo", "-f", "-q")
+        self.assertEqual((self.folder / "joined.8vo").read_bytes(),
+                         (self.folder / "once.8vo").read_bytes(), work)
+
+    def test_what_verbs_compute_is_the_same_in_parts(self):
+        self.check("threshold", "grey.8vo", "--range", "300:")
+        self.check("threshold", "grey.8vo", "--class", "1=300:600", "--class", "7=:0")
+        self.check("condense", "grey.8vo", "--flat", "40")
+        self.check("transform", "grey.8vo", "--mirror", "z", "--preset", "fast")
+        self.check("transform", "grey.8vo", "--rotate", "z:10", "--preset", "fast")
+        self.expect(0, "threshold", "grey.8vo", "--range", "300:", "-o", "a.8vo", "-q")
+        self.expect(0, "threshold", "grey.8vo", "--range", ":600", "-o", "b.8vo", "-q")
+        for operation in ("--union", "--intersect", "--subtract", "--xor"):
+            self.check("combine", "a.8vo", "b.8vo", operation)
+        self.check("combine", "a.8vo", "--complement")
+
+    def test_what_cannot_be_planned_is_said(self):
+        for words, arguments in [
+            (["copied as they are"], ["--", "transform", "grey.8vo", "--translate", "1,0,0"]),
+            (["octrees"], ["--", "combine", "grey.8vo", "grey.8vo", "--union", "--resample"]),
+            (["threshold, condense"], ["--", "measure", "grey.8vo"]),
+            (["octavo join"], ["--", "threshold", "grey.8vo", "--range", "1:", "-o", "a.8vo"]),
+            (["before --"], ["--", "threshold", "grey.8vo", "--range", "1:", "-j", "2"]),
+            (["octavo threshold --help"], ["--", "threshold", "grey.8vo", "--rang", "1:"]),
+            (["behind --"], ["--preset", "fast", "--", "threshold", "grey.8vo", "--range", "1:"]),
+            (["a source is required"], []),
+        ]:
+            with self.subTest(arguments):
+                self.expect_error(2, words, "plan", "-o", "work.plan", *arguments)
+        self.assertEqual(self.files(), ["grey.8vo"])
+
+
+class Rejected(InParts):
     def setUp(self):
         super().setUp()
         self.plan("--parts", "3")
@@ -138,27 +246,27 @@ class Refused(InParts):
         (self.folder / name).write_bytes(good[:-9])
         self.expect_error(4, [name], "join", "scan.plan", "-o", "scan.8vo")
 
-    def test_a_part_of_another_plan_is_refused_and_kept(self):
+    def test_a_part_of_another_plan_is_rejected_and_kept(self):
         other = bytearray(VOXELS)
         other[5] ^= 1
         (self.folder / "scan.raw").write_bytes(other)
         self.expect(0, "plan", *self.raw, "-f", "--parts", "3", "-o", "scan.plan")
         before = self.bytes_of("scan.part-0000-of-0003")
-        refused = self.part(2, "--part", "0")
-        self.assertIn("another plan", refused.stderr)
-        self.assertIn("--force", refused.stderr)
+        said = self.part(2, "--part", "0")
+        self.assertIn("another plan", said.stderr)
+        self.assertIn("--force", said.stderr)
         self.assertEqual(self.bytes_of("scan.part-0000-of-0003"), before)
         self.part(0, "--part", "0", "-f")
         self.part(0, "--part", "1")
         self.expect_error(2, ["scan.part-0002-of-0003", "another plan"],
                           "join", "scan.plan", "-o", "scan.8vo")
 
-    def test_a_source_changed_behind_the_first_group_is_refused(self):
+    def test_a_source_changed_behind_the_first_group_is_rejected(self):
         with open(self.folder / "scan.raw", "r+b") as file:
             file.seek(2 * PLANE * 100)
             file.write(b"\1\2\3\4")
-        refused = self.part(7, "--part", "1")
-        self.assertIn("scan.raw: was changed after the build was planned", refused.stderr)
+        said = self.part(7, "--part", "1")
+        self.assertIn("scan.raw: was changed after the build was planned", said.stderr)
         self.assertNotIn("scan.part-0001-of-0003", self.files())
 
     def test_parts_given_one_by_one_may_have_any_name_but_come_once(self):

@@ -1,6 +1,7 @@
 // Planes into a file, for every task that builds a grey volume or any scan.
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "octavo/builder/builder.h"
@@ -19,6 +20,12 @@ struct BuiltVolume {
   double max_error_real() const;
   double compression_ratio() const;  ///< raw bytes over bytes of the file
   double mb_per_second() const;      ///< of raw bytes, 10^6 each
+};
+
+/// A volume that is computed plane by plane, and how it is built.
+struct ComputedVolume {
+  std::unique_ptr<PlaneSource> planes;
+  BuildOptions build;
 };
 
 /// Builds the file that `output` names; what the context says goes before `options`. Notes where an

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "octavo/core/volume.h"
+#include "octavo/tasks/build_planes.h"
 #include "octavo/tasks/outputs.h"
 #include "octavo/tasks/task_context.h"
 
@@ -30,6 +31,12 @@ struct CombineResult {
   std::vector<std::string> resampled = {};  ///< inputs that lay on another grid
   std::uint64_t file_bytes = 0;
 };
+
+/// The planes that `combine` writes, of masks on one grid.
+/// Throws  as combine does before it writes, the name of the output apart; Error{invalid_argument}
+///         for masks that are to be resampled
+/// Memory  a layer of bricks of each mask
+ComputedVolume combined_planes(const CombineOptions& options, const TaskContext& context);
 
 /// Writes what is left of the masks, taken from left to right. Notes which were resampled; warns as
 /// open_mask_on does.

@@ -130,6 +130,20 @@ BuildResult write_one_mask(const FileReader& reader, const std::vector<StoredCla
 
 }  // namespace
 
+ComputedVolume threshold_planes(const ThresholdOptions& options, const TaskContext& context) {
+  const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
+  const VolumeDescription& volume = reader->description();
+  const std::vector<ValueClass> asked = asked_classes(options, volume, context);
+  std::vector<StoredClass> classes;
+  for (const ValueClass& one : asked) {
+    classes.push_back({one.label, stored_window(one.range, volume, options.is_stored)});
+  }
+  return {std::make_unique<ClassPlanes>(
+              std::make_unique<FilePlanes>(reader, 0, context.thread_count()), std::move(classes),
+              made_by(options, asked)),
+          {.kind = VolumeKind::labels, .is_resumable = false}};
+}
+
 ThresholdResult threshold(const ThresholdOptions& options, const TaskContext& context) {
   const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
   const VolumeDescription& volume = reader->description();

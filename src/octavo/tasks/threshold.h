@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "octavo/tasks/asked_labels.h"
+#include "octavo/tasks/build_planes.h"
 #include "octavo/tasks/outputs.h"
 #include "octavo/tasks/task_context.h"
 #include "octavo/tasks/value_ranges.h"
@@ -40,6 +41,10 @@ struct ThresholdResult {
   std::vector<LabelVolume> objects;  ///< that have voxels; of a mask always label 1
   std::uint64_t file_bytes = 0;
 };
+
+/// The planes that `threshold` writes: of one mask, or of classes.
+/// Throws  as threshold does before it writes, the name of the output apart
+ComputedVolume threshold_planes(const ThresholdOptions& options, const TaskContext& context);
 
 /// Writes the voxels whose values lie in the ranges. Bricks whose minimum and maximum decide are
 /// not decoded. Warns of an empty mask.

@@ -89,38 +89,68 @@ std::uint64_t write_moved_mask(const FileReader& reader, const TransformPlan& pl
       .file_bytes;
 }
 
-std::uint64_t write_voxels(const FileReader& reader, const TransformPlan& plan,
-                           const VolumeDescription& volume, const TransformOptions& options,
-                           const TaskContext& context) {
+/// The planes of the new volume.
+ComputedVolume computed_planes(std::shared_ptr<const FileReader> reader, const TransformPlan& plan,
+                               const VolumeDescription& volume, const TransformOptions& options,
+                               const TaskContext& context) {
+  BuildOptions build{.kind = volume.kind,
+                     .preset = options.preset,
+                     .max_error = options.max_error,
+                     .has_thumbnail = options.output.has_thumbnail,
+                     .is_resumable = false};
+  auto resampler = std::make_shared<const Resampler>(*reader, plan.level, plan.to_source,
+                                                     plan.interpolation, plan.outside);
+  const auto fill = [reader, resampler, context](const Box& box, std::byte* voxels) {
+    context.on_threads([&] { resampler->fill(box, voxels); });
+  };
+  return {make_computed_source(volume, fill, planes_at_once(volume)), build};
+}
+
+std::uint64_t write_voxels(const std::shared_ptr<const FileReader>& reader,
+                           const TransformPlan& plan, const VolumeDescription& volume,
+                           const TransformOptions& options, const TaskContext& context) {
   context.require_voxels(volume.size, options.output.path);
-  if (is_for_mask_tree(reader, plan)) {
-    return write_moved_mask(reader, plan, volume, options, context);
+  if (is_for_mask_tree(*reader, plan)) {
+    return write_moved_mask(*reader, plan, volume, options, context);
   }
-  const BuildOptions build = build_options_for(context, options.output, "transform",
-                                               {.kind = volume.kind,
-                                                .preset = options.preset,
-                                                .max_error = options.max_error,
-                                                .is_resumable = false});
-  const std::int64_t planes = planes_at_once(volume);
-  require_room_for(volume, build, plane_bytes(volume) * static_cast<std::uint64_t>(planes),
+  const ComputedVolume computed = computed_planes(reader, plan, volume, options, context);
+  const BuildOptions build =
+      build_options_for(context, options.output, "transform", computed.build);
+  require_room_for(volume, build,
+                   plane_bytes(volume) * static_cast<std::uint64_t>(planes_at_once(volume)),
                    options.output,
                    plan.is_scaled ? "take a smaller scale" : "take a smaller volume or grid");
-  const Resampler resampler(reader, plan.level, plan.to_source, plan.interpolation, plan.outside);
-  const auto fill = [&](const Box& box, std::byte* voxels) {
-    context.on_threads([&] { resampler.fill(box, voxels); });
-  };
-  const auto source = make_computed_source(volume, fill, planes);
-  return build_file(*source, local_storage(), options.output.path, build, context.watcher())
+  return build_file(*computed.planes, local_storage(), options.output.path, build,
+                    context.watcher())
       .file_bytes;
+}
+
+void require_bound(const TransformOptions& options) {
+  if (options.max_error >= 0) return;
+  throw Error(ErrorKind::invalid_argument, "the max error must not be negative")
+      .with_field("max_error");
 }
 
 }  // namespace
 
-TransformResult transform(const TransformOptions& asked, const TaskContext& context) {
-  if (asked.max_error < 0) {
-    throw Error(ErrorKind::invalid_argument, "the max error must not be negative")
-        .with_field("max_error");
+ComputedVolume transformed_planes(const TransformOptions& asked, const TaskContext& context) {
+  require_bound(asked);
+  const std::shared_ptr<const FileReader> reader = open_volume(asked.input, context);
+  TransformOptions options = asked;
+  options.output.has_thumbnail |= reader->thumbnail_bytes() > 0;
+  const TransformPlan plan = plan_transform(options, *reader, context);
+  if (plan.way == TransformWay::copy) {
+    throw Error(ErrorKind::invalid_argument,
+                "nothing is computed: the bricks are copied as they are, which needs no parts",
+                options.input);
   }
+  const VolumeDescription volume = new_description(reader, plan);
+  context.require_voxels(volume.size, options.input);
+  return computed_planes(reader, plan, volume, options, context);
+}
+
+TransformResult transform(const TransformOptions& asked, const TaskContext& context) {
+  require_bound(asked);
   const std::shared_ptr<const FileReader> reader = open_volume(asked.input, context);
   TransformOptions options = asked;
   options.output.has_thumbnail |= reader->thumbnail_bytes() > 0;
@@ -137,7 +167,7 @@ TransformResult transform(const TransformOptions& asked, const TaskContext& cont
       result.is_copied
           ? copy_described(open_input(options.input, context), result.volume, local_storage(),
                            options.output.path, options.output.overwrite, context.watcher())
-          : write_voxels(*reader, plan, result.volume, options, context);
+          : write_voxels(reader, plan, result.volume, options, context);
   return result;
 }
 

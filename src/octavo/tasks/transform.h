@@ -25,6 +25,7 @@
 #include "octavo/core/volume.h"
 #include "octavo/ops/grid/affine.h"
 #include "octavo/ops/grid/resample.h"
+#include "octavo/tasks/build_planes.h"
 #include "octavo/tasks/outputs.h"
 #include "octavo/tasks/task_context.h"
 
@@ -101,6 +102,11 @@ struct TransformResult {
   std::string summary;       ///< what became of the voxels: "voxels shifted within the grid"
   std::uint64_t file_bytes = 0;
 };
+
+/// The planes that `transform` writes.
+/// Throws  as transform does before it writes, the name of the output apart;
+///         Error{invalid_argument} for a translation, which copies bricks
+ComputedVolume transformed_planes(const TransformOptions& options, const TaskContext& context);
 
 /// Writes the transformed volume, with a thumbnail if the input has one. Warns where no voxel of
 /// the input is left in the grid and where an unknown spacing counts.

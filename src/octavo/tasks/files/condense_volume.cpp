@@ -31,19 +31,23 @@ void require_grey(const VolumeDescription& volume, const std::string& path) {
 
 }  // namespace
 
-BuiltVolume condense_volume(const CondenseVolumeOptions& options, const TaskContext& context) {
+ComputedVolume condensed_planes(const CondenseVolumeOptions& options, const TaskContext& context) {
   if (!(options.flat >= 0)) {
     throw Error(ErrorKind::invalid_argument, "the flatness must not be negative");
   }
   const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
   require_grey(reader->description(), options.input);
-  require_computed(options.output, {options.input});
   VolumeDescription description = FilePlanes(reader, 0, context.thread_count()).description();
   description.metadata.set_made_by(MadeBy(kCondense).set("flat", options.flat));
-  const auto source =
-      make_flat_cubes(reader, description, stored_flat(options.flat, reader->description()),
-                      context.thread_count());
-  return build_planes(*source, {.is_resumable = false}, options.output, kCondense, context);
+  return {make_flat_cubes(reader, description, stored_flat(options.flat, reader->description()),
+                          context.thread_count()),
+          {.is_resumable = false}};
+}
+
+BuiltVolume condense_volume(const CondenseVolumeOptions& options, const TaskContext& context) {
+  const ComputedVolume condensed = condensed_planes(options, context);
+  require_computed(options.output, {options.input});
+  return build_planes(*condensed.planes, condensed.build, options.output, kCondense, context);
 }
 
 }  // namespace octavo

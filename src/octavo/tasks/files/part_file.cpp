@@ -17,7 +17,7 @@ namespace octavo {
 namespace {
 
 constexpr int kPartFileVersion = 1;
-constexpr std::size_t kMostBytes = std::size_t{1} << 30;
+constexpr std::size_t kMostPartBytes = std::size_t{1} << 30;
 
 [[noreturn]] void fail_part_file(const std::string& why) {
   throw Error(ErrorKind::corrupt, "no result of a part, or damaged: " + why + "; make it anew");
@@ -33,8 +33,8 @@ std::string checksum_line(std::string_view before) {
 }
 
 std::string text_of_file(const std::string& path) {
-  const std::vector<std::byte> head = file_head(path, kMostBytes + 1);
-  if (head.size() > kMostBytes) {
+  const std::vector<std::byte> head = file_head(path, kMostPartBytes + 1);
+  if (head.size() > kMostPartBytes) {
     throw Error(ErrorKind::limit_exceeded, "is longer than 1 GiB: no result of a part");
   }
   return {reinterpret_cast<const char*>(head.data()), head.size()};

@@ -99,7 +99,8 @@ std::vector<std::string> make_all_parts(const BuildPlan& plan, const std::string
   const auto work = [&] {
     for (std::int64_t part = next++; part < plan.part_count && !has_failed; part = next++) {
       try {
-        make_part(plan, part, paths[static_cast<std::size_t>(part)], context.thread_count(), own);
+        const std::string& path = paths[static_cast<std::size_t>(part)];
+        make_part(plan, part, path, context.thread_count(), {}, own);
       } catch (...) {
         const std::lock_guard lock(mutex);
         if (!has_failed.exchange(true)) failure = std::current_exception();
@@ -126,7 +127,7 @@ BuiltVolume build_in_parts(const BuildInPartsOptions& options, const TaskContext
   if (options.parts < 1) throw Error(ErrorKind::invalid_argument, "a build has one part or more");
   require_scan_output(scan);
   PlanResult planned;
-  const BuildPlan plan = plan_in_memory({scan, options.parts, {}, ""}, context, planned);
+  const BuildPlan plan = plan_in_memory({.scan = scan, .parts = options.parts}, context, planned);
   const std::int64_t at_once = parts_at_once(planned, context);
   context.detail(std::to_string(plan.part_count) + " parts, " + std::to_string(at_once) +
                  " at once");

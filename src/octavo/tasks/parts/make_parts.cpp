@@ -57,12 +57,12 @@ bool is_kept(const BuildPlan& plan, std::int64_t part, const std::string& path,
 }  // namespace
 
 MadePart make_part(const BuildPlan& plan, std::int64_t part, const std::string& path,
-                   int threads_of_all, const TaskContext& context) {
+                   int threads_of_all, const WorkParser& parser, const TaskContext& context) {
   const std::int64_t first = first_group_of(plan, part);
   const std::int64_t end = first_group_of(plan, part + 1);
   try {
-    const auto source =
-        open_planned(plan, first_plane_of(plan, first), first_plane_of(plan, end), context);
+    const auto source = open_planned(plan, first_plane_of(plan, first), first_plane_of(plan, end),
+                                     context, parser);
     build_part(plan, *source, first, end, local_storage(), path,
                {context.threads, context.max_memory_bytes, clipped_listener(path, context),
                 threads_of_all},
@@ -87,7 +87,7 @@ MakePartsResult make_parts(const MakePartsOptions& options, const TaskContext& c
     if (!options.overwrite && is_kept(plan, part, path, context)) {
       result.parts.push_back({part, path, local_storage().open_read(path)->size(), true});
     } else {
-      result.parts.push_back(make_part(plan, part, path, 0, context));
+      result.parts.push_back(make_part(plan, part, path, 0, options.parser, context));
     }
   }
   return result;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "octavo/dist/build_plan.h"
+#include "octavo/tasks/parts/computed_planes.h"
 #include "octavo/tasks/parts/part_numbers.h"
 #include "octavo/tasks/task_context.h"
 
@@ -16,6 +17,7 @@ struct MakePartsOptions {
   std::string plan;
   std::string parts;       ///< their numbers, "3,17-19"; empty: those that a scheduler gives
   Variables variables;     ///< of the environment, where a scheduler says which
+  WorkParser parser;       ///< of plans of computed volumes
   std::string folder;      ///< that they are written to; empty: that of the plan
   std::string source_root;  ///< as read_plan
   bool overwrite = false;  ///< parts are made that are there, whatever they are of
@@ -44,6 +46,6 @@ MakePartsResult make_parts(const MakePartsOptions& options, const TaskContext& c
 
 /// One of them, for a plan that was read. threads_of_all: as PartWork
 MadePart make_part(const BuildPlan& plan, std::int64_t part, const std::string& path,
-                   int threads_of_all, const TaskContext& context);
+                   int threads_of_all, const WorkParser& parser, const TaskContext& context);
 
 }  // namespace octavo

@@ -63,8 +63,7 @@ bool is_no_array(const ArrayVariable& array, std::string_view value) {
 std::int64_t variable_number(const char* name, std::string_view value) {
   if (const auto number = count_in(value)) return *number;
   throw Error(ErrorKind::invalid_argument,
-              std::string(name) + " is '" + escaped(value) + "', no number of a task")
-      .with_field("parts");
+              std::string(name) + " is '" + escaped(value) + "', no number of a task");
 }
 
 ScheduledParts array_parts(const ArrayVariable& array, std::string_view value,
@@ -88,8 +87,7 @@ ScheduledParts array_parts(const ArrayVariable& array, std::string_view value,
               std::string(array.name) + " is " + std::to_string(number) + ", and " +
                   parts_there_are(count) +
                   (array.first == 0 ? ": the tasks of the array count from 0"
-                                    : ": the tasks of the array count from 1"))
-      .with_field("parts");
+                                    : ": the tasks of the array count from 1"));
 }
 
 ScheduledParts rank_parts(const RankVariable& rank, std::string_view value,
@@ -104,8 +102,7 @@ ScheduledParts rank_parts(const RankVariable& rank, std::string_view value,
   if (scheduled.task >= scheduled.stride) {
     throw Error(ErrorKind::invalid_argument,
                 std::string(rank.name) + " is " + std::to_string(scheduled.task) +
-                    ", but nothing says of how many ranks")
-        .with_field("parts");
+                    ", but nothing says of how many ranks");
   }
   for (std::int64_t part = scheduled.task; part < count; part += scheduled.stride) {
     scheduled.parts.push_back(part);
@@ -141,13 +138,11 @@ std::vector<std::int64_t> parse_part_list(const std::string& text, std::int64_t 
     const auto last = dash == std::string_view::npos ? first : count_in(run.substr(dash + 1));
     if (!first || !last || *first > *last) {
       throw Error(ErrorKind::invalid_argument,
-                  "'" + escaped(text) + "' is no list of parts such as 3,17-19")
-          .with_field("parts");
+                  "'" + escaped(text) + "' is no list of parts such as 3,17-19");
     }
     if (*last >= count) {
       throw Error(ErrorKind::invalid_argument,
-                  "there is no part " + std::to_string(*last) + ": " + parts_there_are(count))
-          .with_field("parts");
+                  "there is no part " + std::to_string(*last) + ": " + parts_there_are(count));
     }
     for (std::int64_t part = *first; part <= *last; ++part) parts.push_back(part);
   }

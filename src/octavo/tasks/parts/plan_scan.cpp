@@ -1,6 +1,7 @@
 #include "octavo/tasks/parts/plan_scan.h"
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 
 #include "octavo/builder/build_setup.h"
@@ -49,6 +50,40 @@ void describe_plan(const BuildPlan& plan, const PlaneSource& source, PlanResult&
   result.file_count = static_cast<std::int64_t>(plan.files.size());
 }
 
+/// What a plan is made of, opened.
+struct PlannedPlanes {
+  std::unique_ptr<PlaneSource> planes;
+  BuildOptions build;
+  std::vector<std::string> files;
+  std::optional<SliceStack> stack;
+  ScanRecipe recipe;
+};
+
+PlannedPlanes open_to_plan(const PlanScanOptions& options, const TaskContext& context) {
+  const BuildScanOptions& wanted = options.scan;
+  PlannedPlanes opened;
+  if (options.work) {
+    ComputedVolume computed = open_computed(*options.work, context);
+    const bool has_thumbnail = computed.build.has_thumbnail;
+    opened.planes = std::move(computed.planes);
+    opened.build = build_options_for(context, wanted.output, "plan", computed.build);
+    opened.build.has_thumbnail = has_thumbnail;
+    opened.files = files_of_volume(inputs_of(*options.work)).paths;
+    opened.recipe.words = options.words;
+    return opened;
+  }
+  ScanPlanes scan = open_scan_planes(wanted, context);
+  opened.planes = std::move(scan.planes);
+  opened.build =
+      build_options_for(context, wanted.output, "plan", build_options_of(wanted, scan.kind));
+  opened.files = opened.planes->files().paths;
+  opened.stack = std::move(scan.stack);
+  opened.recipe.scan = wanted.scan;
+  opened.recipe.between = wanted.between;
+  opened.recipe.has_given_names = !wanted.label_names.empty();
+  return opened;
+}
+
 }  // namespace
 
 std::int64_t part_count_for(const PlanScanOptions& options, std::int64_t group_count,
@@ -63,18 +98,16 @@ std::int64_t part_count_for(const PlanScanOptions& options, std::int64_t group_c
 
 BuildPlan plan_in_memory(const PlanScanOptions& options, const TaskContext& context,
                          PlanResult& result) {
-  const BuildScanOptions& wanted = options.scan;
-  require_files(wanted.inputs);
-  const ScanPlanes scan = open_scan_planes(wanted, context);
-  BuildOptions build = build_options_for(context, wanted.output, "plan",
-                                         build_options_of(wanted, scan.kind));
+  const std::vector<std::string> inputs =
+      options.work ? inputs_of(*options.work) : options.scan.inputs;
+  require_files(inputs);
   try {
-    BuildPlan plan = plan_build(*scan.planes, build, context.watcher(),
-                                scan.planes->files().paths, scan.stack);
-    describe_plan(plan, *scan.planes, result);
-    plan.inputs = wanted.inputs;
-    plan.recipe =
-        recipe_text({wanted.scan, wanted.between, !wanted.label_names.empty(), ""});
+    PlannedPlanes opened = open_to_plan(options, context);
+    BuildPlan plan = plan_build(*opened.planes, opened.build, context.watcher(),
+                                opened.files, opened.stack);
+    describe_plan(plan, *opened.planes, result);
+    plan.inputs = inputs;
+    plan.recipe = recipe_text(opened.recipe);
     plan.part_count =
         part_count_for(options, plan.group_count, result.group_bytes, result.can_seek);
     result.part_count = plan.part_count;
@@ -82,7 +115,7 @@ BuildPlan plan_in_memory(const PlanScanOptions& options, const TaskContext& cont
     plan.id = id_of(plan);
     return plan;
   } catch (const Error& error) {
-    throw about_scan(error, wanted.inputs.front());
+    throw inputs.empty() ? error : about_scan(error, inputs.front());
   }
 }
 

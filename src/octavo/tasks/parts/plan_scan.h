@@ -4,18 +4,23 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "octavo/dist/build_plan.h"
 #include "octavo/tasks/files/scan_planes.h"
+#include "octavo/tasks/parts/computed_planes.h"
 
 namespace octavo {
 
 struct PlanScanOptions {
   /// What is built; its output is the plan.
   BuildScanOptions scan;
-  std::optional<std::int64_t> parts;         ///< so many at most; no more than there are groups
-  std::optional<std::uint64_t> part_bytes;   ///< in place of that: voxels of a part, at most
-  std::string source_root;                   ///< as write_plan
+  /// In place of a scan: a volume that is computed, and the words that a WorkParser will get.
+  std::optional<ComputedWork> work = {};
+  std::vector<std::string> words = {};
+  std::optional<std::int64_t> parts = {};        ///< so many at most; no more than there are groups
+  std::optional<std::uint64_t> part_bytes = {};  ///< in place of that: voxels of a part, at most
+  std::string source_root = {};                  ///< as write_plan
 };
 
 struct PlanResult {
@@ -35,8 +40,8 @@ struct PlanResult {
 
 /// The plan of a scan: its first group is read and trained on.
 /// part_count_for says how many parts there are.
-/// Throws  as open_scan_planes and plan_build; Error{invalid_argument} for a source behind a URL,
-///         which nothing tells to be unchanged
+/// Throws  as open_scan_planes, open_computed and plan_build; Error{invalid_argument} for a source
+///         behind a URL, which nothing tells to be unchanged
 BuildPlan plan_in_memory(const PlanScanOptions& options, const TaskContext& context,
                          PlanResult& result);
 

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "octavo/core/error.h"
 #include "octavo/tasks/files/named_labels.h"
 #include "octavo/tasks/files/planes_between.h"
 #include "octavo/tasks/open_scan.h"
@@ -24,23 +25,39 @@ TaskContext quiet_until(const std::shared_ptr<const bool>& is_open, const TaskCo
   return quiet;
 }
 
-}  // namespace
-
-std::unique_ptr<PlaneSource> open_planned(const BuildPlan& plan, std::int64_t first,
-                                          std::int64_t end, const TaskContext& context) {
-  const auto is_open = std::make_shared<bool>(false);
-  const TaskContext quiet = quiet_until(is_open, context);
-  const ScanRecipe recipe = parse_recipe(plan.recipe);
-  auto source = plan.stack ? open_slices(*plan.stack, recipe.scan, quiet)
-                           : open_planes(plan.inputs, recipe.scan, quiet);
+std::unique_ptr<PlaneSource> opened_scan(const BuildPlan& plan, const ScanRecipe& recipe,
+                                         const TaskContext& context) {
+  auto source = plan.stack ? open_slices(*plan.stack, recipe.scan, context)
+                           : open_planes(plan.inputs, recipe.scan, context);
   source = make_isotropic(plan.inputs.front(), std::move(source), recipe.between,
-                          plan.options.kind, quiet);
+                          plan.options.kind, context);
   const LabelNames& labels = plan.source.metadata.facts().labels;
   const bool drops_names = plan.options.kind == VolumeKind::grey &&
                            !source->description().metadata.facts().labels.is_empty();
-  if (recipe.has_given_names || drops_names) {
-    source = with_label_names(std::move(source), recipe.has_given_names ? labels : LabelNames());
+  if (!recipe.has_given_names && !drops_names) return source;
+  return with_label_names(std::move(source), recipe.has_given_names ? labels : LabelNames());
+}
+
+std::unique_ptr<PlaneSource> opened_work(const BuildPlan& plan, const ScanRecipe& recipe,
+                                         const WorkParser& parser, const TaskContext& context) {
+  if (parser) {
+    return open_computed(with_inputs(parser(recipe.words), plan.inputs), context).planes;
   }
+  throw Error(ErrorKind::invalid_argument,
+              "a volume is planned that is computed, which is not understood here",
+              plan.inputs.front());
+}
+
+}  // namespace
+
+std::unique_ptr<PlaneSource> open_planned(const BuildPlan& plan, std::int64_t first,
+                                          std::int64_t end, const TaskContext& context,
+                                          const WorkParser& parser) {
+  const auto is_open = std::make_shared<bool>(false);
+  const TaskContext quiet = quiet_until(is_open, context);
+  const ScanRecipe recipe = parse_recipe(plan.recipe);
+  auto source = recipe.words.empty() ? opened_scan(plan, recipe, quiet)
+                                     : opened_work(plan, recipe, parser, quiet);
   source->seek(first, end);
   *is_open = true;
   return source;

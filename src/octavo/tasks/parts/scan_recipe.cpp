@@ -12,7 +12,7 @@ namespace octavo {
 
 namespace {
 
-constexpr std::array<const char*, 4> kGapNames = {"error", "fill", "ignore", "resample"};
+constexpr std::array<const char*, 4> kGapNames = {"rejected", "filled", "ignored", "resampled"};
 constexpr std::array kMethods = {PlaneInterpolation::linear, PlaneInterpolation::cubic};
 
 [[noreturn]] void fail_recipe(std::string_view member) {
@@ -50,6 +50,19 @@ std::vector<double> recipe_numbers(const JsonObject& object, const char* member)
   return numbers;
 }
 
+std::vector<std::string> recipe_words(const JsonObject& object, const char* member) {
+  const std::string_view json = object.json_of(member);
+  std::vector<std::string> words;
+  if (json.empty()) return words;
+  JsonReader in(json);
+  if (in.next() != JsonToken::begin_list) fail_recipe(member);
+  for (JsonToken token = in.next(); token != JsonToken::end_list; token = in.next()) {
+    if (token != JsonToken::string) fail_recipe(member);
+    words.push_back(in.string());
+  }
+  return words;
+}
+
 // --- Headerless voxels: [nx,ny,nz,bytes of the header] and the type behind them
 
 void set_raw(const RawLayout& raw, JsonObject& object) {
@@ -85,17 +98,17 @@ SourceOptions source_of_recipe(const JsonObject& object) {
     source.spacing_mm = Point3{mm[0], mm[1], mm[2]};
   }
   source.series = recipe_word(object, "series");
-  if (const std::string name = recipe_word(object, "on_gap"); !name.empty()) {
+  if (const std::string name = recipe_word(object, "scan.on_gap"); !name.empty()) {
     std::size_t policy = 0;
     while (policy < kGapNames.size() && name != kGapNames[policy]) ++policy;
-    if (policy == kGapNames.size()) fail_recipe("on_gap");
+    if (policy == kGapNames.size()) fail_recipe("scan.on_gap");
     source.on_gap = static_cast<GapPolicy>(policy);
   }
   source.drop_duplicates = recipe_flag(object, "drop_duplicates");
   source.untilt = recipe_flag(object, "untilt");
-  source.segment = recipe_word(object, "segment");
-  source.channel = recipe_word(object, "channel");
-  if (const auto time = recipe_numbers(object, "time"); !time.empty()) {
+  source.segment = recipe_word(object, "scan.segment");
+  source.channel = recipe_word(object, "scan.channel");
+  if (const auto time = recipe_numbers(object, "scan.time"); !time.empty()) {
     source.time = static_cast<std::int64_t>(time.front());
   }
   source.keep_identity = recipe_flag(object, "keep_identity");
@@ -120,17 +133,18 @@ std::string recipe_text(const ScanRecipe& recipe) {
   }
   set_word("series", source.series);
   if (source.on_gap != GapPolicy::error) {
-    object.set("on_gap", kGapNames[static_cast<std::size_t>(source.on_gap)]);
+    object.set("scan.on_gap", kGapNames[static_cast<std::size_t>(source.on_gap)]);
   }
   set_flag("drop_duplicates", source.drop_duplicates);
   set_flag("untilt", source.untilt);
-  set_word("segment", source.segment);
-  set_word("channel", source.channel);
-  if (source.time) object.set("time", std::vector<std::int64_t>{*source.time});
+  set_word("scan.segment", source.segment);
+  set_word("scan.channel", source.channel);
+  if (source.time) object.set("scan.time", std::vector<std::int64_t>{*source.time});
   set_flag("keep_identity", source.keep_identity);
   set_flag("is_read_in_process", !recipe.scan.is_isolated);
   if (recipe.between) object.set("between", interpolation_name(*recipe.between));
   set_flag("has_given_names", recipe.has_given_names);
+  if (!recipe.words.empty()) object.set("words", recipe.words);
   set_word("root", recipe.root);
   object.sort_by_name();
   return object.text();
@@ -142,6 +156,7 @@ ScanRecipe parse_recipe(std::string_view text) {
   recipe.scan.source = source_of_recipe(object);
   recipe.scan.is_isolated = !recipe_flag(object, "is_read_in_process");
   recipe.has_given_names = recipe_flag(object, "has_given_names");
+  recipe.words = recipe_words(object, "words");
   recipe.root = recipe_word(object, "root");
   const std::string method = recipe_word(object, "between");
   for (const PlaneInterpolation one : kMethods) {

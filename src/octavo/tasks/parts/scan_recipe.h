@@ -13,6 +13,7 @@ struct ScanRecipe {
   ScanOptions scan;
   std::optional<PlaneInterpolation> between;  ///< as BuildScanOptions::between
   bool has_given_names = false;  ///< labels were given names: those of the plan's metadata
+  std::vector<std::string> words;  ///< of a computed volume, for who understands them; else empty
   std::string root;  ///< where relative paths begin; empty: the folder of the plan
 };
 
