@@ -9,7 +9,8 @@
 //        0-------1
 //
 // The table is computed, by three rules:
-//   Inside corners that lie across a face stay separate: what is inside is connected by faces.
+//   Inside corners that lie across a face stay separate: what is inside is connected by faces,
+//   what is outside by faces and edges.
 //   No triangle has a side in a face of the cube that is not one of its loop.
 //   Of the triangulations left the first is taken whose triangles cross for no places of the points
 //   on their edges: of 16 tries half have random places, half extreme ones.

@@ -2,6 +2,7 @@
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
@@ -50,11 +51,22 @@ class BlockMaker {
 
   const SurfaceFrame& frame() const { return frame_; }
 
+  /// Has the reader decode and keep the bricks that begin in a block.
+  void fetch(const Index3& place, BlockSpace<T>& space) const {
+    const Index3 corner = corner_of(place);
+    find_parts(corner, space.parts);
+    for (const BrickPart& part : space.parts) {
+      const Index3& lo = part.box.lo;
+      if (part.share == InsideShare::some && lo.x >= 0 && lo.y >= 0 && lo.z >= 0) {
+        read(part, corner, space.values);
+      }
+    }
+  }
+
   /// The block at a place of the grid of blocks, its numbers counted from 0; nothing where the
   /// surface cuts none of its edges.
   std::unique_ptr<SurfaceBlock> make(const Index3& place, BlockSpace<T>& space) const {
-    const Index3 corner = {place.x * kSurfaceSide, place.y * kSurfaceSide,
-                           place.z * kSurfaceSide};
+    const Index3 corner = corner_of(place);
     find_parts(corner, space.parts);
     const auto is_outside = [](const BrickPart& part) { return part.share == InsideShare::none; };
     if (std::all_of(space.parts.begin(), space.parts.end(), is_outside)) return nullptr;
@@ -68,6 +80,10 @@ class BlockMaker {
   }
 
  private:
+  static Index3 corner_of(const Index3& place) {
+    return {place.x * kSurfaceSide, place.y * kSurfaceSide, place.z * kSurfaceSide};
+  }
+
   void find_parts(const Index3& corner, std::vector<BrickPart>& parts) const {
     const VolumeDescription& description = reader_.description();
     const bool may_hold_others = description.codec_type() == VoxelType::float32;
@@ -186,21 +202,34 @@ class Extraction {
   }
 
  private:
+  static constexpr std::size_t kFetchedBlocks = 128;
+
   std::size_t layer_blocks() const { return static_cast<std::size_t>(grid_.x * grid_.y); }
 
   template <class Work>
-  void for_each_block(Work work) {
-    tbb::parallel_for(std::int64_t{0}, grid_.x * grid_.y, [&](std::int64_t i) {
+  void for_each_block(std::size_t first, std::size_t end, Work work) {
+    tbb::parallel_for(first, end, [&](std::size_t i) {
       if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
-      work(static_cast<std::size_t>(i), i % grid_.x, i / grid_.x);
+      const auto at = static_cast<std::int64_t>(i);
+      work(i, at % grid_.x, at / grid_.x);
     });
   }
 
+  /// Blocks overlap in the bricks that they read. So that no two threads decode the same one, those
+  /// of some blocks are all fetched before these are made.
   BlockLayer make_layer(std::int64_t z) {
     BlockLayer layer(layer_blocks());
-    for_each_block([&](std::size_t i, std::int64_t x, std::int64_t y) {
-      layer[i] = maker_.make({x, y, z}, spaces_.local());
-    });
+    for (std::size_t first = 0; first < layer.size(); first += kFetchedBlocks) {
+      const std::size_t end = std::min(first + kFetchedBlocks, layer.size());
+      if (tbb::this_task_arena::max_concurrency() > 1) {
+        for_each_block(first, end, [&](std::size_t, std::int64_t x, std::int64_t y) {
+          maker_.fetch({x, y, z}, spaces_.local());
+        });
+      }
+      for_each_block(first, end, [&](std::size_t i, std::int64_t x, std::int64_t y) {
+        layer[i] = maker_.make({x, y, z}, spaces_.local());
+      });
+    }
     return layer;
   }
 
@@ -224,7 +253,7 @@ class Extraction {
   void join(const BlockLayer& before, const BlockLayer& layer) {
     std::vector<std::vector<MeshTriangle>> triangles(layer.size());
     const bool is_mirrored = maker_.frame().is_mirrored();
-    for_each_block([&](std::size_t i, std::int64_t x, std::int64_t y) {
+    for_each_block(0, layer.size(), [&](std::size_t i, std::int64_t x, std::int64_t y) {
       if (!layer[i]) return;
       BlocksBefore blocks{};
       for (std::size_t dz = 0; dz < 2; ++dz) {

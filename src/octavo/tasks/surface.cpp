@@ -23,20 +23,20 @@ namespace octavo {
 
 namespace {
 
-[[noreturn]] void reject_surface(const std::string& text, const std::string& path, const char* field) {
+[[noreturn]] void reject_mesh(const std::string& text, const std::string& path, const char* field) {
   throw Error(ErrorKind::invalid_argument, text, path).with_field(field);
 }
 
 MeshFormat format_of(const SurfaceOptions& options) {
   const std::optional<MeshFormat> format = mesh_format_of(options.output.path);
   if (!format) {
-    reject_surface(std::string("a surface is written as ") + mesh_format_endings(), options.output.path,
-           "surface.output");
+    reject_mesh(std::string("a surface is written as ") + mesh_format_endings(),
+                options.output.path, "surface.output");
   }
   require_free(options.output);
   std::error_code none;
   if (std::filesystem::equivalent(options.output.path, options.input, none)) {
-    reject_surface("is the input itself; name another output", options.output.path, "");
+    reject_mesh("is the input itself; name another output", options.output.path, "");
   }
   return *format;
 }
@@ -44,16 +44,19 @@ MeshFormat format_of(const SurfaceOptions& options) {
 /// Proves that options and volume go together.
 void check_kind(const SurfaceOptions& options, const VolumeDescription& volume) {
   if (volume.kind == VolumeKind::labels) {
-    if (options.isovalue) reject_surface("holds labels, which have no isovalue", options.input, "isovalue");
-    return;
+    if (!options.isovalue) return;
+    reject_mesh("holds labels, which have no isovalue", options.input, "isovalue");
   }
   if (!options.labels.is_empty()) {
-    reject_surface("holds grey values, not labels", options.input, "labels.kind");
+    reject_mesh("holds grey values, not labels", options.input, "labels.kind");
   }
   if (!options.isovalue) {
-    reject_surface("holds grey values; a surface needs an isovalue", options.input, "isovalue.missing");
+    reject_mesh("holds grey values; a surface needs an isovalue", options.input,
+                "isovalue.missing");
   }
-  if (!std::isfinite(*options.isovalue)) reject_surface("the isovalue is no number", options.input, "");
+  if (!std::isfinite(*options.isovalue)) {
+    reject_mesh("the isovalue is no number", options.input, "");
+  }
 }
 
 SurfaceField field_of(const SurfaceOptions& options, const VolumeDescription& volume) {
@@ -91,7 +94,7 @@ void check_range(const FileReader& reader, const SurfaceField& field,
       options.is_stored ? number_text(lowest) + " to " + number_text(highest)
                         : real_text(volume, lowest) + " to " + real_text(volume, highest);
   const char* const field_name = volume.kind == VolumeKind::grey ? "isovalue.range" : "";
-  reject_surface(fmt::format("has no surface: {} voxel has {}; its values run from {}",
+  reject_mesh(fmt::format("has no surface: {} voxel has {}; its values run from {}",
                      share == InsideShare::none ? "no" : "every", inside_words(options, volume),
                      values),
          options.input, field_name);
@@ -107,7 +110,7 @@ TriangleMesh extracted(const FileReader& reader, const SurfaceField& field,
   });
   TriangleMesh mesh = collector.take();
   if (!mesh.triangles.empty()) return mesh;
-  reject_surface(fmt::format("has no surface: no voxel of level {} has {}", options.level,
+  reject_mesh(fmt::format("has no surface: no voxel of level {} has {}", options.level,
                      inside_words(options, reader.description())),
          options.input, "");
 }
@@ -120,15 +123,16 @@ TriangleMesh piece_at_seed(const TriangleMesh& mesh, const Point3& seed, const G
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto limit = static_cast<double>(size[static_cast<int>(axis)]);
     if (seed[axis] >= -0.5 && seed[axis] <= limit - 0.5) continue;
-    reject_surface(fmt::format("the seed {} lies outside its {} voxels", place, size_text(size)),
-           options.input, "seed");
+    reject_mesh(fmt::format("the seed {} lies outside its {} voxels", place, size_text(size)),
+                options.input, "seed");
   }
   const NearestTriangle nearest = nearest_triangle(mesh, geometry.to_world(seed));
   const auto& [x, y, z] = geometry.spacing_mm;
   if (nearest.distance_mm > std::sqrt(x * x + y * y + z * z)) {
-    reject_surface(fmt::format("no surface passes within a voxel of the seed {}; the nearest is {} mm away",
-                       place, number_text(nearest.distance_mm)),
-           options.input, "seed");
+    reject_mesh(fmt::format("no surface passes within a voxel of the seed {}; the nearest is {} mm "
+                            "away",
+                            place, number_text(nearest.distance_mm)),
+                options.input, "seed");
   }
   return piece_of_point(mesh, mesh.triangles[nearest.triangle][0]);
 }

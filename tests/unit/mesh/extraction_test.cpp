@@ -79,8 +79,8 @@ std::vector<std::int16_t> random_voxels(const Size3& size, unsigned seed, int sm
   return voxels;
 }
 
-/// Components of a padded mask, and the Euler number of its inside as a body whose voxels hang
-/// together by faces.
+/// Components of a padded mask, and the Euler number of its inside as a body. Voxels inside hang
+/// together by faces, those outside by faces and edges.
 struct MaskTopology {
   std::uint64_t inside_components = 0;
   std::uint64_t outside_components = 0;
@@ -103,7 +103,7 @@ class PaddedMask {
   }
 
   MaskTopology topology() const {
-    return {components(1, 1), components(0, 3), euler_number()};
+    return {components(1, 1), components(0, 2), euler_number()};
   }
 
  private:
@@ -141,12 +141,14 @@ class PaddedMask {
     }
   }
 
-  /// Voxels - pairs + squares of four - cubes of eight.
+  /// Voxels - pairs + squares of four - cubes of eight, and a body fills the ring of six voxels
+  /// around the middle of a cube.
   std::int64_t euler_number() const {
     std::int64_t sum = 0;
     for (std::int64_t z = 0; z + 1 < size_.z; ++z) {
       for (std::int64_t y = 0; y + 1 < size_.y; ++y) {
         for (std::int64_t x = 0; x + 1 < size_.x; ++x) {
+          sum += is_ring({x, y, z}) ? 1 : 0;
           for (std::int64_t extent = 0; extent < 8; ++extent) {
             bool is_full = true;
             for (std::int64_t corner = 0; corner < 8; ++corner) {
@@ -161,6 +163,17 @@ class PaddedMask {
       }
     }
     return sum;
+  }
+
+  /// Whether of the cube of eight at a voxel two opposite ones alone lie outside.
+  bool is_ring(const Index3& p) const {
+    unsigned outside = 0;
+    for (unsigned corner = 0; corner < 8; ++corner) {
+      const std::size_t at =
+          voxel_place(size_, p.x + (corner & 1), p.y + (corner >> 1 & 1), p.z + (corner >> 2));
+      if (bits_[at] == 0) outside |= 1u << corner;
+    }
+    return outside == 0x81 || outside == 0x42 || outside == 0x24 || outside == 0x18;
   }
 
   Size3 size_;
