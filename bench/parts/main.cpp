@@ -67,10 +67,12 @@ std::string part_path(const Choice& choice, std::int64_t first) {
   return choice.folder + "/part-" + std::to_string(first);
 }
 
-void copy_by_cp(const std::string& from, const std::string& to) {
+/// A join makes its file durable before it has its name; so does the copy that is synced.
+void copy_by_cp(const std::string& from, const std::string& to, bool is_synced) {
+  const std::string command = is_synced ? R"(cp "$0" "$1" && sync "$1")" : R"(cp "$0" "$1")";
   const pid_t process = ::fork();
   if (process == 0) {
-    ::execlp("cp", "cp", from.c_str(), to.c_str(), nullptr);
+    ::execlp("sh", "sh", "-c", command.c_str(), from.c_str(), to.c_str(), nullptr);
     ::_exit(127);
   }
   int status = 0;
@@ -86,7 +88,7 @@ bool are_same(const std::string& a, const std::string& b) {
 }
 
 struct Times {
-  std::vector<double> build, plan, parts, join, copy;
+  std::vector<double> build, plan, parts, join, copy, synced_copy;
 };
 
 void run_round(const Choice& choice, Times& times) {
@@ -109,6 +111,7 @@ void run_round(const Choice& choice, Times& times) {
                  local_storage(), part_path(choice, first), {.threads = 1}, progress);
     }
   }));
+  std::filesystem::remove(joined);
   times.join.push_back(processor_seconds_of([&] {
     std::vector<std::shared_ptr<PartFile>> parts;
     for (std::int64_t first = 0; first < plan.group_count; first += kGroupsOfPart) {
@@ -116,8 +119,13 @@ void run_round(const Choice& choice, Times& times) {
     }
     join_parts(plan, parts, local_storage(), joined, true, {.threads = 1}, progress);
   }));
-  times.copy.push_back(processor_seconds_of(
-      [&] { copy_by_cp(joined, choice.folder + "/copy.8vo"); }, RUSAGE_CHILDREN));
+  const auto copy = [&](bool is_synced) {
+    const std::string path = choice.folder + "/copy.8vo";
+    std::filesystem::remove(path);
+    return processor_seconds_of([&] { copy_by_cp(joined, path, is_synced); }, RUSAGE_CHILDREN);
+  };
+  times.copy.push_back(copy(false));
+  times.synced_copy.push_back(copy(true));
   if (!are_same(whole, joined)) throw Error(ErrorKind::internal, "the files differ", joined);
 }
 
@@ -142,6 +150,7 @@ void run(const Choice& choice) {
   const double parts = median(times.parts);
   const double join = median(times.join);
   const double copy = median(times.copy);
+  const double synced_copy = median(times.synced_copy);
   std::printf("commit,machine,data_set,operation,runs,value,unit,goal\n");
   print_row(choice, "build", build, "CPU s", "");
   print_row(choice, "plan", plan, "CPU s", "");
@@ -150,7 +159,9 @@ void run(const Choice& choice) {
   print_row(choice, "cp of the file", copy, "CPU s", "");
   print_row(choice, "plan + parts + join over build", (plan + parts + join) / build, "times",
             "1.03");
+  print_row(choice, "cp and sync of the file", synced_copy, "CPU s", "");
   print_row(choice, "join over cp", join / copy, "times", "1.5");
+  print_row(choice, "join over cp and sync", join / synced_copy, "times", "1.5");
 }
 
 Choice choice_of(int count, char** words) {

@@ -3,12 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <thread>
 
 #include "octavo/builder/group_reader.h"
 #include "octavo/core/error.h"
 #include "octavo/dist/join_steps.h"
+#include "support/built_file.h"
 #include "support/goal_cases.h"
 #include "support/part_volumes.h"
+#include "support/stopping_progress.h"
 
 namespace octavo::testing {
 namespace {
@@ -111,6 +114,43 @@ TEST(PartFaults, WhateverCallFailsAJoinedFileIsWholeOrNotThere) {
         ASSERT_TRUE(*storage.files.at("a.8vo") == whole) << call;
       }
     }
+  }
+}
+
+TEST(PartFaults, TwoWritersOfOnePartDoNoHarm) {
+  const SmallGroups groups(kPartGroupBytes);
+  const SmallVolume volume = small_volume("twice", VoxelType::int16, {33, 20, 300});
+  const BuildPlan plan = planned(volume);
+  const GroupRun run = {0, plan.group_count};
+  const ScratchFolder folder;
+  const auto make = [&] {
+    for (int i = 0; i < 5; ++i) make_part(volume, plan, run, local_storage(), folder.file(""));
+  };
+  std::thread other(make);
+  make();
+  other.join();
+  MemoryStorage storage;
+  make_part(volume, plan, run, storage);
+  const std::vector<std::uint8_t>& alone = *storage.files.at(part_name(run));
+  EXPECT_EQ(bytes_of_file(folder.file(part_name(run))), std::string(alone.begin(), alone.end()));
+  EXPECT_EQ(local_storage().list(folder.file("")).size(), 1U) << "something is left behind";
+}
+
+TEST(PartFaults, APartThatIsStoppedLeavesNothing) {
+  const SmallGroups groups(kPartGroupBytes);
+  const SmallVolume volume = small_volume("stopped", VoxelType::int16, {33, 20, 300});
+  const BuildPlan plan = planned(volume);
+  MemoryStorage storage;
+  for (const int answered : {0, 1, 40, 130}) {
+    StoppingProgress progress(answered);
+    try {
+      build_part(plan, *volume.open(), 0, plan.group_count, storage, "part", {.threads = 1},
+                 progress);
+      ADD_FAILURE() << "nobody stopped it after " << answered;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::cancelled) << error.what();
+    }
+    EXPECT_TRUE(storage.files.empty()) << answered;
   }
 }
 

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <functional>
 
+#include "octavo/builder/group_reader.h"
 #include "octavo/core/error.h"
 #include "octavo/dist/codec_check.h"
 #include "octavo/dist/parts.h"
@@ -184,6 +185,62 @@ TEST(PlanText, AProgramThatMakesOtherBytesIsRejected) {
       EXPECT_EQ(error.kind(), ErrorKind::invalid_argument);
       EXPECT_NE(error.detail().find("codec check"), std::string::npos) << error.what();
     }
+  }
+  EXPECT_TRUE(storage.files.empty());
+}
+
+TEST(PlanText, GroupsOfAnotherProgramAreRejected) {
+  BuildOptions options;
+  options.threads = 1;
+  std::string text;
+  {
+    const SmallGroups groups(1 << 10);
+    text = plan_text(plan_of(volume_of(VoxelType::uint8), options));
+  }
+  try {
+    parse_plan(text);
+    FAIL() << "groups of another program were taken";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::invalid_argument);
+    EXPECT_NE(error.detail().find("another version"), std::string::npos) << error.what();
+  }
+}
+
+/// Whose file is written again while its planes are read.
+class RestlessSource final : public PlaneSource {
+ public:
+  RestlessSource(const Volume& volume, std::string path)
+      : source_(make_memory_source(volume.description, volume.voxels)), path_(std::move(path)) {}
+  const VolumeDescription& description() const override { return source_->description(); }
+  const std::vector<Warning>& warnings() const override { return source_->warnings(); }
+  void seek(std::int64_t first, std::int64_t end) override { source_->seek(first, end); }
+  void read_plane(std::span<std::byte> plane) override {
+    source_->read_plane(plane);
+    std::ofstream(path_, std::ios::app) << "more";
+  }
+
+ private:
+  std::unique_ptr<PlaneSource> source_;
+  std::string path_;
+};
+
+TEST(PlanText, AFileThatChangesWhileItIsReadIsInNoPart) {
+  const ScratchFolder folder;
+  const std::string path = folder.file("slice");
+  std::ofstream(path) << "voxels";
+  BuildOptions options;
+  options.threads = 1;
+  const Volume volume = volume_of(VoxelType::uint8);
+  const BuildPlan plan = plan_of(volume, options, {path});
+  RestlessSource source(volume, path);
+  MemoryStorage storage;
+  NoProgress progress;
+  try {
+    build_part(plan, source, 0, plan.group_count, storage, "part", {.threads = 1}, progress);
+    FAIL() << "a source that changed was taken";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
+    EXPECT_EQ(error.path(), path);
   }
   EXPECT_TRUE(storage.files.empty());
 }
