@@ -47,6 +47,7 @@ int run_mpi_program(std::vector<std::string> words) {
   add_global_options(Verb(app), context);
   try {
     add_mpi_build(app, context);
+    add_mpi_codes(app, context);
     if (words.empty()) {
       print_once(app.help());
       return kExitUsage;

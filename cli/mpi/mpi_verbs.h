@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "common/context.h"
 #include "common/options.h"
@@ -34,5 +35,6 @@ int run_at_ranks(const RankArguments& arguments, Context& context, const RankWor
 std::vector<std::string> with_report_format(std::vector<std::string> words);
 
 void add_mpi_build(CLI::App& app, Context& context);
+void add_mpi_codes(CLI::App& app, Context& context);
 
 }  // namespace octavo::cli

@@ -50,7 +50,7 @@ std::string report_text(const RankReport& report, const ReportUnits& units) {
       "speed-up  {:.2f} by processor time ({:.0f} % of {}); thesis 2.8: time 1/{}\n\n",
       report.speed_up(), 100 * report.speed_up() / count, report.ranks.size(),
       report.ranks.size());
-  text += fmt::format("  {:>5}  {:>8}  {:>13}  {:>10}\n", "rank", units.units, "gave bytes",
+  text += fmt::format("  {:>5}  {:>8}  {:>13}  {:>10}\n", "rank", units.units, "sent bytes",
                       "CPU s");
   for (std::size_t rank = 0; rank < report.ranks.size(); ++rank) {
     const RankShare& share = report.ranks[rank];
@@ -70,7 +70,7 @@ nlohmann::ordered_json report_json(const RankReport& report, const ReportUnits& 
   nlohmann::ordered_json ranks = nlohmann::ordered_json::array();
   for (const RankShare& share : report.ranks) {
     ranks.push_back({{units.units, share.units},
-                     {"gave_bytes", share.message_bytes},
+                     {"sent_bytes", share.message_bytes},
                      {"held_" + units.held, share.held},
                      {"processor_seconds", share.processor_seconds}});
   }

@@ -145,6 +145,29 @@ class BuildByRanks(ByRanks):
         self.assertEqual(job.returncode, 2)
 
 
+class CodesByRanks(ByRanks):
+    def test_codes_are_those_of_one_process(self):
+        size = (40, 36, 50)
+        labels = bytes((x // 9 + y // 12 + z // 16) % 3
+                       for z in range(size[2]) for y in range(size[1]) for x in range(size[0]))
+        (self.folder / "labels.raw").write_bytes(labels)
+        self.expect(0, "build", "labels.raw", "--raw", "40,36,50,uint8", "--spacing", "1",
+                    "--labels", "-q", "-o", "labels.8vo")
+        for options in ([], ["--list"], ["--list", "--notation", "linear"], ["--counts"],
+                        ["--label", "2", "--list"], ["--range", "1:1", "--list"],
+                        ["--level", "1", "--list"], ["--neighbors", "-"], ["--json"]):
+            expected = self.expect(0, "codes", "labels.8vo", *options).stdout
+            for ranks, plan in (1, "tree"), (3, "tree"), (3, "mesh"):
+                job = self.start(ranks, "codes", "labels.8vo", *options, "--gather", plan)
+                out, error = job.communicate()
+                self.assertEqual(job.returncode, 0, error)
+                self.assertEqual(out, expected, (options, ranks, plan))
+        job = self.start(3, "codes", "labels.8vo", "--report=json")
+        report = json.loads(job.communicate()[0])["report"]
+        self.assertEqual(sum(share["planes"] for share in report["shares"]), size[2])
+        self.assertGreater(report["codes_sent"], 0)
+
+
 class LostRanks(ByRanks):
     def wait_for_work(self, job, ranks):
         """Until the ranks write into the growing file."""

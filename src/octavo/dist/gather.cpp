@@ -59,7 +59,8 @@ GatherSteps steps_of(GatherPlan plan, int rank, int size) {
   return plan == GatherPlan::tree ? tree_steps(rank, size) : mesh_steps(rank, size);
 }
 
-std::vector<Bytes> gather(GatherPlan plan, Communicator& ranks, ByteSpan own) {
+std::vector<Bytes> gather(GatherPlan plan, Communicator& ranks, ByteSpan own,
+                          std::uint64_t* sent) {
   const GatherSteps steps = steps_of(plan, ranks.rank(), ranks.size());
   Bytes heard;
   put_given(heard, ranks.rank(), own);
@@ -69,6 +70,7 @@ std::vector<Bytes> gather(GatherPlan plan, Communicator& ranks, ByteSpan own) {
   }
   if (steps.tells >= 0) {
     ranks.send(steps.tells, heard);
+    if (sent != nullptr) *sent += heard.size();
     return {};
   }
   std::vector<Bytes> all(static_cast<std::size_t>(ranks.size()));

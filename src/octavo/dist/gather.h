@@ -33,7 +33,9 @@ struct GatherSteps {
 GatherSteps steps_of(GatherPlan plan, int rank, int size);
 
 /// Collective: what each rank gives, at rank 0 by their numbers; nothing at the others.
+/// sent    when given, grows by the bytes that this rank sends
 /// Throws  as Communicator::send; Error{corrupt} for a message that was not sent so
-std::vector<Bytes> gather(GatherPlan plan, Communicator& ranks, ByteSpan own);
+std::vector<Bytes> gather(GatherPlan plan, Communicator& ranks, ByteSpan own,
+                          std::uint64_t* sent = nullptr);
 
 }  // namespace octavo

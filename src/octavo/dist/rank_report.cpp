@@ -23,10 +23,7 @@ std::uint64_t RankReport::codes_sent() const {
 
 std::uint64_t RankReport::bytes_sent() const {
   std::uint64_t sum = 0;
-  for (std::size_t rank = 0; rank < ranks.size(); ++rank) {
-    const int hops = hop_count(gather, static_cast<int>(rank), static_cast<int>(ranks.size()));
-    sum += static_cast<std::uint64_t>(hops) * ranks[rank].message_bytes;
-  }
+  for (const RankShare& rank : ranks) sum += rank.message_bytes;
   return sum;
 }
 

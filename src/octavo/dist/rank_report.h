@@ -21,7 +21,7 @@ struct LevelTraffic {
 struct RankShare {
   std::uint64_t units = 0;          ///< groups or planes
   std::uint64_t top_codes = 0;      ///< that it gave
-  std::uint64_t message_bytes = 0;  ///< that it gave
+  std::uint64_t message_bytes = 0;  ///< that it sent, those passed on included
   std::uint64_t held = 0;           ///< beside the result: bytes of a build, codes of an octree
   double processor_seconds = 0;
 };

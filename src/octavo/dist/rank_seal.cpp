@@ -265,9 +265,9 @@ void seal_by_ranks(const RankJob& job, Workers& workers, const Model& first_mode
   Communicator& ranks = job.ranks;
   const Levels& levels = job.outline.levels;
   // The top codes go up
-  const Bytes own = top_code_bytes(groups, levels);
-  job.share.message_bytes = own.size();
-  const std::vector<Bytes> given = gather(job.options.gather, ranks, own);
+  const std::vector<Bytes> given = gather(job.options.gather, ranks,
+                                          top_code_bytes(groups, levels),
+                                          &job.share.message_bytes);
   if (!ranks.is_first()) {
     const Bytes places = ranks.broadcast({});
     ranks.collect(write_streams(job, *files.growing, groups, places));

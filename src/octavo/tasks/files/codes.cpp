@@ -8,6 +8,7 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/metadata.h"
+#include "octavo/dist/rank_codes.h"
 #include "octavo/octree/condense.h"
 #include "octavo/tasks/file_planes.h"
 #include "octavo/tasks/inputs.h"
@@ -93,32 +94,61 @@ void mark(const Selection& selection, VoxelType type, std::span<const std::byte>
   });
 }
 
+/// The planes of the object: other voxels are background.
+class ObjectPlanes {
+ public:
+  /// Throws Error{limit_exceeded} where the memory limit leaves no room for a layer of bricks.
+  ObjectPlanes(PlaneSource& planes, const Selection& selection, const TaskContext& context)
+      : planes_(planes), selection_(selection), context_(context) {
+    const VolumeDescription& d = planes.description();
+    const auto plane_voxels = static_cast<std::uint64_t>(d.size.x * d.size.y);
+    context.require_memory(planes.resident_bytes() + plane_bytes(d) + plane_voxels,
+                           "a layer of bricks");
+    plane_.resize(static_cast<std::size_t>(plane_bytes(d)));
+    mask_.resize(static_cast<std::size_t>(plane_voxels));
+  }
+
+  CondenseOptions options() const {
+    CondenseOptions options;
+    if (selection_.has_background) options.background = 0;
+    return options;
+  }
+
+  /// Gives the next plane to a condenser. Throws Error{limit_exceeded} where its leaves take more
+  /// than the memory limit.
+  void add_next(PlaneCondenser& condenser) {
+    const VoxelType type = planes_.description().type;
+    planes_.read_plane(plane_);
+    if (selection_.makes_mask()) {
+      mark(selection_, type, plane_, mask_);
+      condenser.add_plane(VoxelType::uint8, mask_);
+    } else {
+      apply(selection_, type, plane_);
+      condenser.add_plane(type, plane_);
+    }
+    context_.require_memory(
+        planes_.resident_bytes() + plane_.size() + mask_.size() + condenser.memory_bytes(),
+        "the octree");
+  }
+
+ private:
+  PlaneSource& planes_;
+  const Selection& selection_;
+  const TaskContext& context_;
+  std::vector<std::byte> plane_;
+  std::vector<std::byte> mask_;
+};
+
 LinearOctree voxel_leaves(PlaneSource& planes, const Selection& selection,
                           const TaskContext& context) {
-  const VolumeDescription& d = planes.description();
-  CondenseOptions options;
-  if (selection.has_background) options.background = 0;
-  PlaneCondenser condenser(d.size, options);
-  const auto plane_voxels = static_cast<std::uint64_t>(d.size.x * d.size.y);
-  context.require_memory(planes.resident_bytes() + plane_bytes(d) + plane_voxels,
-                         "a layer of bricks");
-  std::vector<std::byte> plane(static_cast<std::size_t>(plane_bytes(d)));
-  std::vector<std::byte> mask(static_cast<std::size_t>(d.size.x * d.size.y));
+  ObjectPlanes object(planes, selection, context);
+  const Size3& size = planes.description().size;
+  PlaneCondenser condenser(size, object.options());
   Progress& progress = context.watcher();
-  const ProgressScope scope(progress, "condensing", d.size.z, "planes");
-  for (std::int64_t z = 0; z < d.size.z; ++z) {
+  const ProgressScope scope(progress, "condensing", size.z, "planes");
+  for (std::int64_t z = 0; z < size.z; ++z) {
     if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped on request");
-    planes.read_plane(plane);
-    if (selection.makes_mask()) {
-      mark(selection, d.type, plane, mask);
-      condenser.add_plane(VoxelType::uint8, mask);
-    } else {
-      apply(selection, d.type, plane);
-      condenser.add_plane(d.type, plane);
-    }
-    context.require_memory(
-        planes.resident_bytes() + plane.size() + mask.size() + condenser.memory_bytes(),
-        "the octree");
+    object.add_next(condenser);
     progress.advance(1);
   }
   return condenser.finish();
@@ -144,19 +174,12 @@ OCode asked_cube(const CodesOptions& options, int root_level) {
                           escaped(text), text.size(), root_level));
 }
 
-}  // namespace
+bool is_label_map(const FileReader& reader, const Selection& selection) {
+  return reader.description().kind == VolumeKind::labels && !selection.makes_mask();
+}
 
-CodesResult codes(const CodesOptions& options, const TaskContext& context) {
-  const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
-  require_level(reader->levels(), options.level);
-  const Selection selection = choose(options, reader->description());
-  FilePlanes planes(reader, options.level, context.thread_count());
-  const bool is_label_map =
-      reader->description().kind == VolumeKind::labels && !selection.makes_mask();
-  CodesResult result{planes.description(), {}, {}};
-  if (!is_label_map) result.volume.metadata.drop_labels();
-  result.octree = is_label_map ? label_leaves(*reader, options.level, selection, context)
-                               : voxel_leaves(planes, selection, context);
+/// What is asked for besides the octree.
+void complete(CodesResult& result, const CodesOptions& options, const TaskContext& context) {
   if (options.neighbors_of) {
     const OCode cube = asked_cube(options, result.octree.root_level);
     result.surroundings = {cube, leaf_at(result.octree, cube), neighbors_in(result.octree, cube)};
@@ -164,6 +187,40 @@ CodesResult codes(const CodesOptions& options, const TaskContext& context) {
     const auto leaves = static_cast<std::uint64_t>(leaf_count(result.octree));
     context.require_memory((kLeafBytes + options.bytes_per_leaf) * leaves, "the list of leaves");
   }
+}
+
+}  // namespace
+
+CodesResult codes(const CodesOptions& options, const TaskContext& context) {
+  const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
+  require_level(reader->levels(), options.level);
+  const Selection selection = choose(options, reader->description());
+  FilePlanes planes(reader, options.level, context.thread_count());
+  const bool has_labels = is_label_map(*reader, selection);
+  CodesResult result{planes.description(), {}, {}};
+  if (!has_labels) result.volume.metadata.drop_labels();
+  result.octree = has_labels ? label_leaves(*reader, options.level, selection, context)
+                             : voxel_leaves(planes, selection, context);
+  complete(result, options, context);
+  return result;
+}
+
+CodesResult codes_by_ranks(const CodesOptions& options, Communicator& ranks, GatherPlan plan,
+                           const TaskContext& context, RankReport* report) {
+  const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
+  require_level(reader->levels(), options.level);
+  const Selection selection = choose(options, reader->description());
+  FilePlanes planes(reader, options.level, context.thread_count());
+  CodesResult result{planes.description(), {}, {}};
+  if (!is_label_map(*reader, selection)) result.volume.metadata.drop_labels();
+  ObjectPlanes object(planes, selection, context);
+  const CondensedPlanes own = {
+      planes.description().size,
+      [&](std::int64_t first, std::int64_t end) { planes.seek(first, end); },
+      [&](PlaneCondenser& condenser) { object.add_next(condenser); }};
+  result.octree = condense_by_ranks(own, object.options().background, ranks, plan,
+                                    context.watcher(), report);
+  if (ranks.is_first()) complete(result, options, context);
   return result;
 }
 

@@ -9,6 +9,9 @@
 #include <vector>
 
 #include "octavo/core/volume.h"
+#include "octavo/dist/communicator.h"
+#include "octavo/dist/gather.h"
+#include "octavo/dist/rank_report.h"
 #include "octavo/octree/neighbors.h"
 #include "octavo/tasks/asked_labels.h"
 #include "octavo/tasks/task_context.h"
@@ -50,6 +53,12 @@ struct CodesResult {
 ///         there, for label 0, for a name that no label has, for a grey volume without a range, for
 ///         a bad code; Error{limit_exceeded}
 CodesResult codes(const CodesOptions& options, const TaskContext& context);
+
+/// Collective: the same at rank 0 of a job, where every rank condenses planes of its own; at the
+/// others without leaves.
+/// report  as condense_by_ranks
+CodesResult codes_by_ranks(const CodesOptions& options, Communicator& ranks, GatherPlan plan,
+                           const TaskContext& context, RankReport* report = nullptr);
 
 /// Leaves of each label, by level from 0 to the root.
 std::map<std::int64_t, std::vector<std::int64_t>> leaves_by_label(const LinearOctree& octree);

@@ -1,0 +1,299 @@
+#include "common/codes_arguments.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "common/label_option.h"
+#include "octavo/core/url_text.h"
+#include "text/label_words.h"
+#include "text/quantities.h"
+
+namespace octavo::cli {
+
+namespace {
+
+constexpr std::size_t kPrintBytes = std::size_t{1} << 16;
+
+AskedRange parse_range(const std::string& text) {
+  const std::vector<std::string> ends = split(text, ':');
+  if (ends.size() != 2) {
+    throw Error(ErrorKind::invalid_argument, "--range: '" + escaped(text) + "'; expected LO:HI");
+  }
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const AskedRange range = {
+      ends[0].empty() ? -kInfinity : parse_number(ends[0], "--range"),
+      ends[1].empty() ? kInfinity : parse_number(ends[1], "--range")};
+  if (range.lowest > range.highest) {
+    throw Error(ErrorKind::invalid_argument,
+                "--range: '" + escaped(text) + "' is empty; expected LO <= HI");
+  }
+  return range;
+}
+
+std::string summary_text(const LinearOctree& octree, const VolumeDescription& d,
+                         const std::string& path) {
+  std::string text =
+      fmt::format("{}: {} voxels in a universe of side 2^{}\n\n  {:>5}  {:>8}  {:>13}  {:>16}\n",
+                  path, size_text(d.size), octree.root_level, "level", "side", "leaves", "voxels");
+  for (int level = 0; level <= octree.root_level; ++level) {
+    const std::int64_t leaves = leaf_count(octree, level);
+    if (leaves == 0) continue;
+    const auto voxels =
+        static_cast<std::int64_t>(static_cast<std::uint64_t>(leaves) * cube_volume(level));
+    text += fmt::format("  {:>5}  {:>8}  {:>13}  {:>16}\n", level, cube_side(level),
+                        count_text(leaves), count_text(voxels));
+  }
+  const std::int64_t leaves = leaf_count(octree);
+  const auto voxels = static_cast<std::int64_t>(leaf_volume(octree));
+  text += fmt::format("  {:>5}  {:>8}  {:>13}  {:>16}\n", "all", "", count_text(leaves),
+                      count_text(voxels));
+  if (leaves > 0) {
+    text +=
+        fmt::format("\n  {:.1f} % of the volume, {:.1f} voxels a leaf\n",
+                    100 * static_cast<double>(voxels) / static_cast<double>(d.size.voxel_count()),
+                    static_cast<double>(voxels) / static_cast<double>(leaves));
+  }
+  return text;
+}
+
+std::string counts_text(const LinearOctree& octree, const LabelNames& label_names) {
+  const auto rows = leaves_by_label(octree);
+  std::vector<std::string> all_names;
+  for (const auto& [label, row] : rows) all_names.push_back(label_names.name_of(label));
+  const NameColumn names(all_names);
+  std::string text = fmt::format("  {:>10}{}  {:>13}  {:>16}  leaves of level 0, 1, ...\n",
+                                 "label", names.head(), "leaves", "voxels");
+  std::size_t at = 0;
+  for (const auto& [label, row] : rows) {
+    std::int64_t leaves = 0;
+    std::string levels;
+    for (std::size_t level = 0; level < row.size(); ++level) {
+      leaves += row[level];
+      levels += (level == 0 ? "" : " ") + std::to_string(row[level]);
+    }
+    text += fmt::format("  {:>10}{}  {:>13}  {:>16}  {}\n", label, names.cell(at++),
+                        count_text(leaves),
+                        count_text(static_cast<std::int64_t>(voxels_under(row))), levels);
+  }
+  return text;
+}
+
+/// Calls `take(code text, leaf)` for every leaf in the order of the notation.
+template <class F>
+void for_each_leaf(const LinearOctree& octree, bool is_mixed, const F& take) {
+  if (is_mixed) {
+    for (const Leaf& leaf : leaves_in_post_order(octree)) {
+      take(to_mixed_octal(leaf.cube, octree.root_level), leaf);
+    }
+    return;
+  }
+  for (int level = 0; level <= octree.root_level; ++level) {
+    const LinearOctree::Level& list = octree.levels[static_cast<std::size_t>(level)];
+    for (std::size_t i = 0; i < list.codes.size(); ++i) {
+      const Leaf leaf = {{level, list.codes[i]}, list.values[i]};
+      take(to_hierarchical(leaf.cube, octree.root_level), leaf);
+    }
+  }
+}
+
+void print_list(const LinearOctree& octree, bool is_mixed) {
+  std::string text;
+  for_each_leaf(octree, is_mixed, [&](const std::string& code, const Leaf& leaf) {
+    const std::string shown = code.empty() ? "-" : code;
+    if (is_mixed) text += fmt::format("{} {}\n", shown, leaf.value);
+    else text += fmt::format("{} {} {}\n", leaf.cube.level, shown, leaf.value);
+    if (text.size() < kPrintBytes) return;
+    print(text);
+    text.clear();
+  });
+  print(text);
+}
+
+constexpr std::array<const char*, 4> kNeighborKinds = {"outside", "background", "smaller", "leaf"};
+
+const char* kind_of(const Neighbor& found) {
+  return kNeighborKinds[static_cast<std::size_t>(found.kind)];
+}
+
+/// What is said of one cube: in codes of the notation that was asked for.
+struct CubeWords {
+  int root_level;
+  CodeNotation notation;
+  const LabelNames& names;
+
+  /// A value and its name.
+  std::string value(std::int64_t value) const {
+    return std::to_string(value) + name_suffix(names, value);
+  }
+
+  std::string code(const OCode& cube) const { return code_text(cube, root_level, notation); }
+
+  /// What fills the cube itself.
+  std::string filling(const Neighbor& filling, const OCode& cube) const {
+    if (filling.kind == NeighborKind::background) return "background";
+    if (filling.kind == NeighborKind::smaller) return "divided into smaller leaves";
+    if (filling.leaf.cube == cube) return "a leaf of value " + value(filling.leaf.value);
+    return fmt::format("part of the leaf {} of level {} and value {}", code(filling.leaf.cube),
+                       filling.leaf.cube.level, value(filling.leaf.value));
+  }
+
+  nlohmann::ordered_json found(const Neighbor& found) const {
+    nlohmann::ordered_json object = {{"kind", kind_of(found)}};
+    if (found.kind != NeighborKind::leaf) return object;
+    object["level"] = found.leaf.cube.level;
+    object["code"] = code(found.leaf.cube);
+    object["value"] = found.leaf.value;
+    if (const std::string& name = names.name_of(found.leaf.value); !name.empty()) {
+      object["name"] = name;
+    }
+    return object;
+  }
+};
+
+std::string neighbors_text(const CubeSurroundings& around, const CubeWords& words) {
+  const int width = std::max(words.root_level, 10);
+  std::string text =
+      fmt::format("{}: level {}, side {}; {}\n  {:>2} {:>2} {:>2}  {:<{}}  {:>5}  {}\n",
+                  words.code(around.cube), around.cube.level, cube_side(around.cube.level),
+                  words.filling(around.filling, around.cube), "x", "y", "z", "neighbor", width,
+                  "level", "value");
+  for (std::size_t i = 0; i < around.neighbors.size(); ++i) {
+    const Direction& d = kDirections[i];
+    const Neighbor& neighbor = around.neighbors[i];
+    text += fmt::format("  {:>2} {:>2} {:>2}  ", d.x, d.y, d.z);
+    if (neighbor.kind != NeighborKind::leaf) {
+      text += fmt::format("{}\n", kind_of(neighbor));
+      continue;
+    }
+    const Leaf& leaf = neighbor.leaf;
+    text += fmt::format("{:<{}}  {:>5}  {}\n", words.code(leaf.cube), width, leaf.cube.level,
+                        words.value(leaf.value));
+  }
+  return text;
+}
+
+nlohmann::ordered_json neighbors_json(const CubeSurroundings& around, const CubeWords& words,
+                                      const CodesArguments& arguments) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < around.neighbors.size(); ++i) {
+    const Direction& d = kDirections[i];
+    nlohmann::ordered_json row = {{"direction", {d.x, d.y, d.z}}};
+    row.update(words.found(around.neighbors[i]));
+    rows.push_back(row);
+  }
+  return {{"root_level", words.root_level},
+          {"notation", arguments.notation},
+          {"code", words.code(around.cube)},
+          {"level", around.cube.level},
+          {"cube", words.found(around.filling)},
+          {"neighbors", rows}};
+}
+
+nlohmann::ordered_json result_json(const LinearOctree& octree, const LabelNames& names,
+                                   const CodesArguments& arguments) {
+  nlohmann::ordered_json levels = nlohmann::ordered_json::array();
+  for (int level = 0; level <= octree.root_level; ++level) {
+    const auto leaves = static_cast<std::uint64_t>(leaf_count(octree, level));
+    levels.push_back({{"level", level},
+                      {"side", cube_side(level)},
+                      {"leaves", leaves},
+                      {"voxels", leaves * cube_volume(level)}});
+  }
+  nlohmann::ordered_json object = {{"root_level", octree.root_level},
+                                   {"leaves", leaf_count(octree)},
+                                   {"voxels", leaf_volume(octree)},
+                                   {"levels", levels}};
+  if (arguments.counts) {
+    nlohmann::ordered_json labels = nlohmann::ordered_json::array();
+    for (const auto& [label, row] : leaves_by_label(octree)) {
+      labels.push_back({{"label", label},
+                        {"name", name_json(names, label)},
+                        {"voxels", voxels_under(row)},
+                        {"leaves_by_level", row}});
+    }
+    object["labels"] = labels;
+  }
+  if (arguments.list) {
+    nlohmann::ordered_json codes = nlohmann::ordered_json::array();
+    for_each_leaf(
+        octree, arguments.notation == "mixed", [&](const std::string& code, const Leaf& leaf) {
+          codes.push_back({{"level", leaf.cube.level}, {"code", code}, {"value", leaf.value}});
+        });
+    object["notation"] = arguments.notation;
+    object["codes"] = codes;
+  }
+  return object;
+}
+
+/// What printing takes for each leaf: in post-order; in JSON, as a tree and as text.
+std::uint64_t printed_bytes_per_leaf(const CodesArguments& arguments, const Context& context) {
+  constexpr std::uint64_t kOrderedBytes = 24;
+  constexpr std::uint64_t kJsonBytes = 512;
+  if (!arguments.list) return 0;
+  return (arguments.notation == "mixed" ? kOrderedBytes : 0) + (context.json ? kJsonBytes : 0);
+}
+
+}  // namespace
+
+void add_codes_options(Verb verb, CodesArguments& arguments) {
+  verb.add_input(arguments.input);
+  const Option label = add_label_option(verb, arguments.labels, "Only this label");
+  verb.add_option("--range", arguments.range, "A mask: real values from LO to HI, both included")
+      ->type_name("LO:HI")
+      ->excludes(label);
+  verb.add_option("--level", arguments.level, "Level of detail whose samples are condensed")
+      ->type_name("K")
+      ->capture_default_str();
+  Option list = verb.add_flag("--list", arguments.list, "Print every leaf");
+  Option counts =
+      verb.add_flag("--counts", arguments.counts, "Count leaves by label and level");
+  verb.add_option("--neighbors", arguments.neighbors, "Print what lies beside this cube")
+      ->type_name("CODE")
+      ->excludes(list)
+      ->excludes(counts);
+  verb.add_option("--notation", arguments.notation, "Of codes: mixed (mixed-octal) or linear")
+      ->type_name("NAME")
+      ->check(one_of({"mixed", "linear"}))
+      ->capture_default_str();
+}
+
+CodesOptions codes_options(const CodesArguments& arguments, const Context& context) {
+  if (arguments.list && arguments.counts && !context.json) {
+    throw Error(ErrorKind::invalid_argument, "--list goes with --counts under --json alone");
+  }
+  CodesOptions options;
+  options.input = arguments.input;
+  options.level = arguments.level;
+  options.labels = parse_labels(arguments.labels);
+  if (!arguments.range.empty()) options.range = parse_range(arguments.range);
+  if (arguments.notation == "linear") options.notation = CodeNotation::hierarchical;
+  if (!arguments.neighbors.empty()) options.neighbors_of = arguments.neighbors;
+  options.bytes_per_leaf = printed_bytes_per_leaf(arguments, context);
+  return options;
+}
+
+void print_codes(const CodesResult& result, const CodesArguments& arguments,
+                 const Context& context) {
+  const LinearOctree& octree = result.octree;
+  const LabelNames& names = result.volume.metadata.facts().labels;
+  const CodeNotation notation =
+      arguments.notation == "linear" ? CodeNotation::hierarchical : CodeNotation::mixed_octal;
+  if (result.surroundings) {
+    const CubeWords words = {octree.root_level, notation, names};
+    if (context.json) print_json(neighbors_json(*result.surroundings, words, arguments));
+    else print(neighbors_text(*result.surroundings, words));
+  } else if (context.json) {
+    print_json(result_json(octree, names, arguments));
+  } else if (arguments.list) {
+    print_list(octree, arguments.notation == "mixed");
+  } else if (arguments.counts) {
+    print(counts_text(octree, names));
+  } else {
+    print(summary_text(octree, result.volume, public_name(arguments.input)));
+  }
+}
+
+}  // namespace octavo::cli
