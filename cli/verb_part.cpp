@@ -33,7 +33,7 @@ constexpr VerbText kPartText = {
     "  octavo part scan.plan --parts 3,17-19 -o parts/\n"
     "  sbatch --array=0-116 --mem=5G --wrap 'octavo part scan.plan -j 1 -o parts/'"};
 
-struct PartArguments {
+struct PartVerbArguments {
   MakePartsOptions options;
   std::string part;
 };
@@ -54,7 +54,7 @@ nlohmann::ordered_json made_parts_json(const MakePartsResult& result, const Cont
           {"warnings", context.warnings}};
 }
 
-int run_part(const PartArguments& arguments, Context& context) {
+int run_part(const PartVerbArguments& arguments, Context& context) {
   MakePartsOptions options = arguments.options;
   if (!arguments.part.empty()) options.parts = arguments.part;
   options.variables = [](const char* name) { return std::getenv(name); };
@@ -78,7 +78,7 @@ int run_part(const PartArguments& arguments, Context& context) {
 }  // namespace
 
 void add_part(CLI::App& app, Context& context) {
-  const auto arguments = std::make_shared<PartArguments>();
+  const auto arguments = std::make_shared<PartVerbArguments>();
   Verb verb = add_verb(app, context, kPartText,
                        [arguments, &context] { return run_part(*arguments, context); });
   verb.add_option("plan", arguments->options.plan, "A plan that octavo plan has written")
