@@ -229,14 +229,16 @@ class Components::Census {
     number_roots();
     const MaskTree& mask = all_.mask_;
     visit(mask.rank_count() - 1, 0, 0);
-    for (std::size_t i = 0; i < tallies_.size(); ++i) finish(tallies_[i]);
+    for (Tally& tally : tallies_) {
+      tally.component.centroid = tally.sums.centroid(tally.component.voxel_count);
+    }
     sort();
   }
 
  private:
   struct Tally {
     Component component;
-    std::uint64_t first_code = std::numeric_limits<std::uint64_t>::max();
+    ComponentSums sums;
   };
 
   // Before there is a tally for each.
@@ -246,10 +248,12 @@ class Components::Census {
       count += all_.labels_[part] == part ? 1u : 0u;
     }
     // Those of the result, those that are counted, and their order.
-    constexpr std::uint64_t kBytes = sizeof(Component) + sizeof(Tally) + 2 * sizeof(std::uint32_t);
+    constexpr std::uint64_t kBytes = sizeof(Component) + sizeof(ComponentSums) + sizeof(Tally) +
+                                     2 * sizeof(std::uint32_t);
     require_memory_within(all_.memory_bytes() + count * kBytes, max_bytes, kSubject);
     tallies_.reserve(count);
     all_.components_.reserve(count);
+    all_.sums_.reserve(count);
   }
 
   // A part's link leads to a smaller one, which has its number by then.
@@ -292,8 +296,8 @@ class Components::Census {
     const bool is_first = to.voxel_count == 0;
     to.voxel_count += count * volume;
     const auto low_bit = static_cast<std::uint64_t>(std::countr_zero(part));
-    tally.first_code = std::min(tally.first_code, (code << 6 | low_bit) << 3 * shift);
-    const double half = 0.5 * static_cast<double>((std::int64_t{1} << shift) - 1);
+    ComponentSums& sums = tally.sums;
+    sums.first_code = std::min(sums.first_code, (code << 6 | low_bit) << 3 * shift);
     for (int axis = 0; axis < 3; ++axis) {
       int lowest = 3;
       int highest = 0;
@@ -309,17 +313,12 @@ class Components::Census {
       const std::int64_t hi = corner[axis] + ((std::int64_t{highest} + 1) << shift);
       to.box.lo[axis] = is_first ? lo : std::min(to.box.lo[axis], lo);
       to.box.hi[axis] = is_first ? hi : std::max(to.box.hi[axis], hi);
-      const double mean_step =
-          static_cast<double>(steps << shift) / static_cast<double>(count);
-      to.centroid[static_cast<std::size_t>(axis)] +=
-          (static_cast<double>(corner[axis]) + half + mean_step) *
-          static_cast<double>(count * volume);
-    }
-  }
-
-  static void finish(Tally& tally) {
-    for (double& sum : tally.component.centroid) {
-      sum /= static_cast<double>(tally.component.voxel_count);
+      // Of one voxel at the middle of all children, and of all voxels
+      const std::int64_t ends = 2 * corner[axis] + (std::int64_t{1} << shift) - 1;
+      const std::int64_t of_children =
+          static_cast<std::int64_t>(count) * ends + 2 * (steps << shift);
+      sums.doubled[static_cast<std::size_t>(axis)] += static_cast<__int128>(of_children) *
+                                                      static_cast<__int128>(volume);
     }
   }
 
@@ -329,12 +328,13 @@ class Components::Census {
     std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
       const std::uint64_t of_a = tallies_[a].component.voxel_count;
       const std::uint64_t of_b = tallies_[b].component.voxel_count;
-      return of_a != of_b ? of_a > of_b : tallies_[a].first_code < tallies_[b].first_code;
+      return of_a != of_b ? of_a > of_b : tallies_[a].sums.first_code < tallies_[b].sums.first_code;
     });
     std::vector<std::uint32_t> label_of(order.size());
     for (std::uint32_t place = 0; place < order.size(); ++place) {
       label_of[order[place]] = place + 1;
       all_.components_.push_back(tallies_[order[place]].component);
+      all_.sums_.push_back(tallies_[order[place]].sums);
     }
     for (std::uint32_t& label : all_.labels_) label = label_of[label];
   }
@@ -353,7 +353,8 @@ Components::Components(const MaskTree& mask, Connectivity connectivity, std::uin
 std::uint64_t Components::memory_bytes() const noexcept {
   std::uint64_t bytes = parts_.capacity() * sizeof(std::uint64_t) +
                         labels_.capacity() * sizeof(std::uint32_t) +
-                        components_.capacity() * sizeof(Component);
+                        components_.capacity() * sizeof(Component) +
+                        sums_.capacity() * sizeof(ComponentSums);
   for (const auto& firsts : first_parts_) bytes += firsts.capacity() * sizeof(std::uint32_t);
   return bytes;
 }

@@ -9,8 +9,11 @@
 //         Discipline of Programming, 1976
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "octavo/octree/mask_tree.h"
@@ -25,10 +28,29 @@ struct Component {
   std::array<double, 3> centroid{};  ///< mean of the positions of its voxels, x, y, z
 };
 
+/// Of a component, without any rounding: what components of parts of a mask add up.
+struct ComponentSums {
+  std::uint64_t first_code = std::numeric_limits<std::uint64_t>::max();  ///< of its first voxel
+  std::array<__int128, 3> doubled{};  ///< twice the sum of the positions of its voxels
+
+  void add(const ComponentSums& more) {
+    first_code = std::min(first_code, more.first_code);
+    for (std::size_t axis = 0; axis < 3; ++axis) doubled[axis] += more.doubled[axis];
+  }
+  std::array<double, 3> centroid(std::uint64_t voxel_count) const {
+    std::array<double, 3> center;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      center[axis] =
+          static_cast<double>(doubled[axis]) / (2 * static_cast<double>(voxel_count));
+    }
+    return center;
+  }
+};
+
 /// The components of one mask, the largest first; among equals the one with the first voxel in
 /// o-code order. The mask must outlive this.
-/// Memory  4 bytes per stored word and cube, 12 per part of one, 80 per component, and while these
-///         are counted 96 more of each
+/// Memory  4 bytes per stored word and cube, 12 per part of one, 144 per component, and while these
+///         are counted 152 more of each
 class Components {
  public:
   /// Uses the threads of the calling task arena; the result does not depend on their number.
@@ -37,6 +59,9 @@ class Components {
   Components(const MaskTree& mask, Connectivity connectivity, std::uint64_t max_bytes = 0);
 
   const std::vector<Component>& components() const { return components_; }
+
+  /// Of each of them.
+  const std::vector<ComponentSums>& sums() const { return sums_; }
 
   /// That they are of.
   const MaskTree& mask() const { return mask_; }
@@ -81,6 +106,7 @@ class Components {
   std::vector<std::uint32_t>
       labels_;  ///< of each part; while linking, an earlier part joined to it
   std::vector<Component> components_;
+  std::vector<ComponentSums> sums_;
 };
 
 // ---- implementation of the template

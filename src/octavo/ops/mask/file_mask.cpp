@@ -13,6 +13,7 @@
 #include "octavo/octree/label_words.h"
 #include "octavo/octree/tree_child.h"
 #include "octavo/octree/word_steps.h"
+#include "octavo/ops/mask/component_parts.h"
 #include "octavo/ops/mask/mask_pieces.h"
 
 namespace octavo {
@@ -52,19 +53,20 @@ struct Workspace {
 class FileMask {
  public:
   FileMask(const FileReader& reader, int level, std::span<const ValueWindow> windows,
-           Progress& progress, std::uint64_t max_bytes)
+           Progress& progress, std::uint64_t max_bytes, const WorkPart& part)
       : reader_(reader),
         level_(level),
         windows_(windows),
         progress_(progress),
         max_bytes_(max_bytes),
-        size_(reader.levels().size(level)) {}
+        size_(reader.levels().size(level)),
+        planes_(planes_of_part(size_.z, part)) {}
 
   MaskTree make() {
     const std::int64_t columns = (size_.x + kCellSide - 1) / kCellSide;
     const std::int64_t rows = (size_.y + kCellSide - 1) / kCellSide;
     std::uint64_t bytes = 0;
-    for (std::int64_t z = 0; z < size_.z; z += kCellSide) {
+    for (std::int64_t z = planes_.first; z < planes_.end; z += kCellSide) {
       std::vector<MaskPart> layer(static_cast<std::size_t>(columns * rows));
       tbb::parallel_for(std::int64_t{0}, columns * rows, [&](std::int64_t i) {
         if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
@@ -79,7 +81,7 @@ class FileMask {
       // Twice over: the tree is a copy of its parts.
       require_memory_within(2 * bytes + spaces_.size() * sizeof(Workspace), max_bytes_,
                             "the mask", kAdvice);
-      progress_.advance(std::min(kCellSide, size_.z - z));
+      progress_.advance(std::min(kCellSide, planes_.end - z));
     }
     std::sort(parts_.begin(), parts_.end(), [](const MaskPart& a, const MaskPart& b) {
       return a.pieces.front().code < b.pieces.front().code;
@@ -217,6 +219,7 @@ class FileMask {
   Progress& progress_;
   std::uint64_t max_bytes_;
   Size3 size_;
+  PlanesOfPart planes_;
   std::vector<MaskPart> parts_;  // a cell each
   tbb::enumerable_thread_specific<Workspace> spaces_;
 };
@@ -224,11 +227,12 @@ class FileMask {
 }  // namespace
 
 MaskTree mask_of_file(const FileReader& reader, int level, std::span<const ValueWindow> windows,
-                      Progress& progress, std::uint64_t max_bytes) {
+                      Progress& progress, std::uint64_t max_bytes, const WorkPart& part) {
   if (level < 0 || level >= reader.levels().count()) {
     throw Error(ErrorKind::invalid_argument, "there is no level " + std::to_string(level));
   }
-  return FileMask(reader, level, windows, progress, max_bytes).make();
+  require_part(part);
+  return FileMask(reader, level, windows, progress, max_bytes, part).make();
 }
 
 }  // namespace octavo
