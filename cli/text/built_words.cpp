@@ -69,6 +69,7 @@ nlohmann::ordered_json built_json(const BuiltVolume& built, const std::string& o
           {"read_seconds", build.read_seconds},
           {"mb_per_s", built.mb_per_second()},
           {"threads", build.threads},
+          {"in_bands", build.is_in_bands},
           {"resumed_planes", build.resumed_planes},
           {"max_error", build.max_error},
           {"max_error_real", built.max_error_real()},

@@ -22,13 +22,14 @@ Levels levels_of(const VolumeDescription& description) {
   return {description.size, choose_halvings(description.size, description.geometry.spacing_mm)};
 }
 
-void check_build_memory(std::uint64_t needed_bytes, std::uint64_t limit_bytes) {
+void check_build_memory(std::uint64_t needed_bytes, std::uint64_t limit_bytes,
+                        const char* why) {
   constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
   if (limit_bytes == 0 || needed_bytes <= limit_bytes) return;
   throw Error(ErrorKind::limit_exceeded,
               "the build needs about " + std::to_string((needed_bytes + kMiB - 1) / kMiB) +
                   " MiB of memory; the limit is " + std::to_string(limit_bytes / kMiB) +
-                  " MiB; raise the limit or use fewer threads");
+                  " MiB; raise the limit or use fewer threads" + why);
 }
 
 Error out_of_build_memory(const std::string& path) {

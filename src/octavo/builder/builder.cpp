@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 
+#include "octavo/builder/band_reader.h"
 #include "octavo/builder/build_outline.h"
 #include "octavo/builder/build_setup.h"
 #include "octavo/builder/coarse_tiers.h"
@@ -54,26 +55,41 @@ class Build {
     std::optional<TierEncoder> encoder;
     for (std::size_t number = 0; !reader.is_done(); ++number) {
       const VoxelBlock group = reader.next();
-      if (!writer_) {
-        writer_ = FileWriter::create(storage, path, description_, levels_, content_hash_of(group),
-                                     options);
-        encoder.emplace(levels_, 0, group.type, workers_, *writer_, progress_, bound_);
-      }
+      if (!encoder) create_writer(encoder, group, storage, path, options);
       encoder->check();
-      const bool is_encoded = number < writer_->resumed().size();
-      if (is_encoded) check_group(group, writer_->resumed()[number]);
-      if (!is_encoded || number == 0) model_ = trainer_.train(group);
-      if (is_encoded) {
-        if (number == 0) check_model();
-        encoder->restore_parents(writer_->resumed()[number].parents);
-        resumed_planes_ += group.size.z;
-        progress_.advance(group.size.z);
-        reader.release();
-      } else {
-        encoder->start(model_, group, true, [&reader] { reader.release(); });
-      }
+      const auto train = [&] { model_ = trainer_.train(group); };
+      if (is_restored(*encoder, group, number, train)) reader.release();
+      else encoder->start(model_, group, true, [&reader] { reader.release(); });
     }
     encoder->finish();
+    return encoder->take_parents();
+  }
+
+  /// The same of groups that memory does not hold: bands of their bricks, each read while the one
+  /// before is being encoded.
+  std::vector<std::byte> encode_bands(PlaneSource& source, std::uint64_t band_bytes,
+                                      Storage& storage, const std::string& path,
+                                      const WriterOptions& options) {
+    const std::int64_t planes = group_planes(levels_, description_.type);
+    std::unique_ptr<BandReader> bands;  // longer than who encodes its bricks
+    std::optional<TierEncoder> encoder;
+    std::size_t number = 0;
+    for (std::int64_t first = 0; first < description_.size.z; first += planes, ++number) {
+      const std::int64_t end = std::min(first + planes, description_.size.z);
+      bands = std::make_unique<BandReader>(source, levels_, first, end, band_bytes, progress_);
+      if (!encoder) create_writer(encoder, bands->group(), storage, path, options);
+      const auto train = [&] {
+        model_ = trainer_.train(bands->training_bricks(), description_.type);
+      };
+      if (is_restored(*encoder, bands->group(), number, train)) continue;
+      while (!bands->is_done()) {
+        VoxelBlock block = bands->group();
+        block.band = &bands->next();
+        encoder->finish();
+        encoder->start(model_, block, true, {});
+      }
+      encoder->finish();
+    }
     return encoder->take_parents();
   }
 
@@ -100,6 +116,29 @@ class Build {
   }
 
  private:
+  void create_writer(std::optional<TierEncoder>& encoder, const VoxelBlock& group,
+                     Storage& storage, const std::string& path, const WriterOptions& options) {
+    writer_ = FileWriter::create(storage, path, description_, levels_, content_hash_of(group),
+                                 options);
+    encoder.emplace(levels_, 0, group.type, workers_, *writer_, progress_, bound_);
+  }
+
+  // Has a group that is to be encoded trained on; the first one anyhow. True when an interrupted
+  // build has encoded it.
+  template <class Train>
+  bool is_restored(TierEncoder& encoder, const VoxelBlock& group, std::size_t number,
+                   const Train& train) {
+    const bool is_encoded = number < writer_->resumed().size();
+    if (is_encoded) check_group(group, writer_->resumed()[number]);
+    if (!is_encoded || number == 0) train();
+    if (!is_encoded) return false;
+    if (number == 0) check_model();
+    encoder.restore_parents(writer_->resumed()[number].parents);
+    resumed_planes_ += group.size.z;
+    progress_.advance(group.size.z);
+    return true;
+  }
+
   // Proves that a group which an interrupted build encoded has the voxels it had then.
   void check_group(const VoxelBlock& group, const JournalGroup& stored) {
     is_other_ = true;
@@ -149,6 +188,37 @@ Error with_kept(const Error& error, std::int64_t planes, std::int64_t count,
   return (is_ours ? kept.with_path(path) : kept).with_field("interrupted", "resume");
 }
 
+// What a build takes besides the voxels of groups.
+std::uint64_t base_bytes(int threads) {
+  return static_cast<std::uint64_t>(threads) * kThreadBytes + kFixedBytes;
+}
+
+// The bytes of voxels in a band, or 0 where whole groups have room.
+// Throws Error{limit_exceeded} where bands have none either, or cannot be read.
+std::uint64_t band_bytes_of(const PlaneSource& source, const BuildOutline& outline,
+                            const BuildOptions& options, int threads) {
+  const VolumeDescription& volume = outline.description;
+  const std::uint64_t held = source.resident_bytes();
+  const std::uint64_t whole =
+      checked_add(build_memory_bytes(volume, threads, options.max_error), held, "the memory");
+  const bool fits = options.max_memory_bytes == 0 || whole <= options.max_memory_bytes;
+  if (options.band_bytes == 0 && fits) return 0;
+  const bool is_exact = is_integer(volume.type) && options.max_error == 0 &&
+                        options.keep_details == 0;
+  if (!is_exact || !source.can_seek()) {
+    if (options.band_bytes > 0) throw Error(ErrorKind::invalid_argument, "bands cannot be read");
+    check_build_memory(whole, options.max_memory_bytes,
+                       is_exact ? "; bands of bricks need less, but this source can only be read "
+                                  "from its start on"
+                                : "; bands of bricks need less, but are for integers without loss");
+  }
+  if (options.band_bytes > 0) return options.band_bytes;
+  constexpr std::uint64_t kFewestBytes = 16 * kMiB;
+  const std::uint64_t base = band_memory_bytes(volume, threads, 0) + held;
+  check_build_memory(base + 2 * kFewestBytes, options.max_memory_bytes);
+  return (options.max_memory_bytes - base) / 2;
+}
+
 BuildResult build(PlaneSource& source, Storage& storage, const std::string& path,
                   const BuildOptions& options, Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
@@ -160,9 +230,8 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
   result.raw_bytes =
       checked_mul(static_cast<std::uint64_t>(description.size.voxel_count()),
                   static_cast<std::uint64_t>(bytes_per_voxel(description.type)), "the volume");
-  check_build_memory(build_memory_bytes(description, result.threads, options.max_error) +
-                   source.resident_bytes(),
-               options.max_memory_bytes);
+  const std::uint64_t band_bytes = band_bytes_of(source, outline, options, result.threads);
+  result.is_in_bands = band_bytes > 0;
 
   // Whether the name is free
   check_target(storage, path, options.overwrite);
@@ -190,10 +259,14 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
   try {
     std::vector<std::byte> parents;
     {
-      GroupReader reader(outline.planes(source), outline.levels, progress,
-                         outline.float_voxels());
-      parents = work.encode_groups(reader, storage, path, writing);
-      result.read_seconds = reader.read_seconds();
+      if (band_bytes > 0) {
+        parents = work.encode_bands(source, band_bytes, storage, path, writing);
+      } else {
+        GroupReader reader(outline.planes(source), outline.levels, progress,
+                           outline.float_voxels());
+        parents = work.encode_groups(reader, storage, path, writing);
+        result.read_seconds = reader.read_seconds();
+      }
     }
     result.clipped = clipped_of(outline, options.on_clipped);
     work.encode_tiers(std::move(parents));
@@ -238,8 +311,18 @@ std::uint64_t build_memory_bytes(const VolumeDescription& description, int threa
   // float32: the planes read for the coding; with a max error the voxels beside their codes.
   const std::uint64_t count = is_integer(description.type) ? 2 : max_error > 0 ? 5 : 3;
   const std::uint64_t groups = checked_mul(count * planes, plane_bytes, "the memory of groups");
-  const auto workers = static_cast<std::uint64_t>(build_threads(threads)) * kThreadBytes;
-  return checked_add(groups, workers + kFixedBytes, "the memory of a build");
+  return checked_add(groups, base_bytes(build_threads(threads)), "the memory of a build");
+}
+
+std::uint64_t band_memory_bytes(const VolumeDescription& description, int threads,
+                                std::uint64_t band_bytes) {
+  constexpr std::uint64_t kBytesPerBrick = 192;
+  const Size3 grid = levels_of(description).brick_grid(0);
+  const auto plane = static_cast<std::uint64_t>(description.size.x * description.size.y *
+                                                bytes_per_voxel(description.type));
+  const auto bricks = static_cast<std::uint64_t>(grid.voxel_count()) * kBytesPerBrick;
+  return checked_add(checked_add(plane + bricks, 2 * band_bytes, "the memory of bands"),
+                     base_bytes(build_threads(threads)), "the memory of bands");
 }
 
 }  // namespace octavo

@@ -47,8 +47,11 @@ struct BuildOptions {
   /// the next build of the file removes what a killed one left.
   bool is_resumable = true;
   int threads = 0;  ///< 0: all cores
-  /// 0: no limit; otherwise Error{limit_exceeded} before work starts when the need is above it.
+  /// 0: no limit. Where groups of planes do not fit it, integers without loss are built in bands of
+  /// bricks, for each of which a source that can seek is read again. Error{limit_exceeded} before
+  /// work starts where that does not do.
   std::uint64_t max_memory_bytes = 0;
+  std::uint64_t band_bytes = 0;  ///< of voxels in a band, whatever fits; 0: by the limit
   std::string progress_name = "build";  ///< of the work, for Progress::begin
   ClippedListener on_clipped = {};
 };
@@ -59,6 +62,7 @@ struct BuildResult {
   double read_seconds = 0;  ///< time the source took
   double total_seconds = 0;
   int threads = 0;
+  bool is_in_bands = false;  ///< memory did not hold whole groups
   double max_error = 0;      ///< the bound that the file promises, voxel units
   std::optional<DetailErrors> detail_errors;  ///< where details were left out; real units
   std::int64_t resumed_planes = 0;  ///< that an interrupted build had encoded
@@ -77,13 +81,18 @@ struct BuildResult {
 /// interrupted build is of something else (Error{source_rejected} when its voxels are others); in
 /// every case nothing but a complete file stands under `path`.
 /// Memory  2 groups (float32: 3, with a max error 5) + 24 MiB per thread + 192 MiB (training,
-///         buffers) + what the source holds
+///         buffers) + what the source holds; with bands 2 of these, a plane and 192 bytes per brick
+///         in place of the groups
 /// Source  thesis 2.4 (Fig. 2.3), 2.6
 BuildResult build_file(PlaneSource& source, Storage& storage, const std::string& path,
                        const BuildOptions& options, Progress& progress);
 
-/// Memory build_file will need for a volume, bytes.
+/// Memory build_file needs for a volume where groups have room, bytes.
 std::uint64_t build_memory_bytes(const VolumeDescription& description, int threads,
                                  double max_error = 0);
+
+/// The same with bands of so many bytes in their place.
+std::uint64_t band_memory_bytes(const VolumeDescription& description, int threads,
+                                std::uint64_t band_bytes);
 
 }  // namespace octavo

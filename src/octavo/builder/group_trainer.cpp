@@ -29,12 +29,24 @@ void GroupTrainer::begin_with(ByteSpan first_model) {
 }
 
 const Model& GroupTrainer::train(const VoxelBlock& group) {
+  return take([&](const BrickCodec* first) {
+    return train_on(levels_, 0, group, description_.kind, settings_, description_.coding, first);
+  });
+}
+
+const Model& GroupTrainer::train(std::span<const TrainingBrick> chosen, VoxelType type) {
+  return take([&](const BrickCodec* first) {
+    return train_on_choice(chosen, type, description_.kind, settings_, description_.coding, first);
+  });
+}
+
+const Model& GroupTrainer::take(
+    const std::function<std::unique_ptr<BrickCodec>(const BrickCodec*)>& train) {
   // As the file holds it, so that whoever has the file or a part of it comes to the same models.
   const BrickCodec* const first = first_ ? first_->decoder.get() : nullptr;
   model_ = workers_.run([&] {
-    return make_model(
-        train_on(levels_, 0, group, description_.kind, settings_, description_.coding, first),
-        description_.coded_type(), description_.coding, settings_.detail_level);
+    return make_model(train(first), description_.coded_type(), description_.coding,
+                      settings_.detail_level);
   });
   return_freed_memory();
   settings_.axis_order = model_.encoder->axis_order();

@@ -1,7 +1,9 @@
 // The models of groups, one after the other: what the first group decides holds for all.
 #pragma once
 
+#include <functional>
 #include <optional>
+#include <span>
 
 #include "octavo/builder/tier_encoder.h"
 #include "octavo/builder/voxel_block.h"
@@ -25,6 +27,8 @@ class GroupTrainer {
 
   /// The model of a group. Without a first one it becomes that.
   const Model& train(const VoxelBlock& group);
+  /// The same by the bricks that training chooses of it.
+  const Model& train(std::span<const TrainingBrick> chosen, VoxelType type);
 
   /// Requires train or begin_with.
   const Model& first() const { return *first_; }
@@ -32,6 +36,8 @@ class GroupTrainer {
   const CodecSettings& settings() const { return settings_; }
 
  private:
+  const Model& take(const std::function<std::unique_ptr<BrickCodec>(const BrickCodec*)>& train);
+
   const VolumeDescription& description_;
   const Levels& levels_;
   Workers& workers_;

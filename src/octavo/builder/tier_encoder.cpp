@@ -171,7 +171,12 @@ void TierEncoder::restore_parents(std::span<const std::int64_t> parents) {
 
 void TierEncoder::start(const Model& model, const VoxelBlock& block, bool brings_model,
                         std::function<void()> when_done) {
-  Work work{model, block, brings_model, std::move(when_done), bricks_of(levels_, tier_, block)};
+  Work work{model, block, brings_model, std::move(when_done), {}};
+  work.bricks = block.band != nullptr ? block.band->bricks : bricks_of(levels_, tier_, block);
+  work.first = block.band != nullptr ? block.band->first : 0;
+  const Size3 grid = levels_.brick_grid(tier_);
+  const std::int64_t planes = levels_.brick_side(tier_).z;
+  work.all = static_cast<std::size_t>(grid.x * grid.y * ((block.size.z + planes - 1) / planes));
   const std::lock_guard lock(mutex_);
   works_.push_back(std::move(work));
   take_bricks();
@@ -199,10 +204,10 @@ void TierEncoder::take_bricks() {
     while (work.taken < work.bricks.size()) {
       const bool is_full = taken_ - kept_ == slots_.size() || running_ == workers_.count();
       if (is_full || failure_) return;
-      const Index3 brick = work.bricks[work.taken++];
+      const std::size_t place = work.taken++;
       const std::size_t number = taken_++;
       try {
-        workers_.start([this, &work, brick, number] { work_on(work, brick, number); });
+        workers_.start([this, &work, place, number] { work_on(work, place, number); });
       } catch (...) {
         failure_ = std::current_exception();
         return;
@@ -212,13 +217,13 @@ void TierEncoder::take_bricks() {
   }
 }
 
-void TierEncoder::work_on(const Work& work, const Index3& brick, std::size_t number) {
+void TierEncoder::work_on(const Work& work, std::size_t place, std::size_t number) {
   Slot slot{.is_ready = true, .encoded = {}, .failure = nullptr};
   try {
     if (progress_.is_cancelled()) {
       throw Error(ErrorKind::cancelled, "stopped while encoding bricks");
     }
-    slot.encoded = encode_checked(work.model, work.block, brick);
+    slot.encoded = encode_checked(work, place);
   } catch (...) {
     slot.failure = std::current_exception();
   }
@@ -264,10 +269,14 @@ void TierEncoder::release_if_failed() {
   }
 }
 
-EncodedBrick TierEncoder::encode_checked(const Model& model, const VoxelBlock& block,
-                                         const Index3& brick) const {
+EncodedBrick TierEncoder::encode_checked(const Work& work, std::size_t place) const {
+  const Model& model = work.model;
+  const VoxelBlock& block = work.block;
+  const Index3& brick = work.bricks[place];
   const BrickShape shape = brick_shape(levels_, tier_, brick);
-  const BrickView view = view_of(block, levels_.brick_box(tier_, brick));
+  const BrickView view = block.band != nullptr
+                             ? block.band->views[place]
+                             : view_of(block, levels_.brick_box(tier_, brick));
   EncodedBrick encoded = model.encoder->encode(shape, view);
   std::vector<std::byte> dense;
   try {
@@ -316,13 +325,13 @@ void TierEncoder::measure_errors(EncodedBrick& encoded, const BrickView& view,
 
 void TierEncoder::keep(Work& work, Slot slot) {
   if (slot.failure) std::rethrow_exception(slot.failure);
-  if (work.brings_model && work.kept == 0) sink_.add_model(work.model.serialized);
+  if (work.brings_model && work.number() == 0) sink_.add_model(work.model.serialized);
   const auto layer_bricks = static_cast<std::size_t>(levels_.brick_grid(tier_).x *
                                                      levels_.brick_grid(tier_).y);
-  if (tier_ == 0 && (work.kept + 1) % layer_bricks == 0) add_plane_digests(work);
+  if (tier_ == 0 && (work.number() + 1) % layer_bricks == 0) add_plane_digests(work);
   sink_.add_brick(tier_, slot.encoded);
   store_parent(work.bricks[work.kept], slot.encoded.parent);
-  if (work.brings_model && work.kept + 1 == work.bricks.size()) sink_.end_group(work.block.crc);
+  if (work.brings_model && work.number() + 1 == work.all) sink_.end_group(work.block.crc);
   count_progress(work);
 }
 
@@ -330,6 +339,11 @@ void TierEncoder::keep(Work& work, Slot slot) {
 void TierEncoder::add_plane_digests(const Work& work) {
   const Box layer = levels_.brick_box(tier_, work.bricks[work.kept]);
   const std::int64_t first = layer.lo.z - work.block.first_plane;
+  if (work.block.band != nullptr) {
+    sink_.add_plane_digests(work.block.band->digests.subspan(
+        static_cast<std::size_t>(first), static_cast<std::size_t>(layer.size().z)));
+    return;
+  }
   // The voxels of an exact coding are there themselves.
   const bool has_codes = bound_.coding && !bound_.coding->is_exact;
   const std::optional<SampleCoding> coding = has_codes ? bound_.coding : std::nullopt;
@@ -352,8 +366,8 @@ void TierEncoder::store_parent(const Index3& brick, std::int64_t parent) {
 void TierEncoder::count_progress(const Work& work) {
   // Planes of tier 0 count as work done; the tiers above it are too small to count.
   const std::int64_t planes = tier_ == 0 ? work.block.size.z : 0;
-  const auto count = static_cast<std::int64_t>(work.bricks.size());
-  const auto kept = static_cast<std::int64_t>(work.kept);
+  const auto count = static_cast<std::int64_t>(work.all);
+  const auto kept = static_cast<std::int64_t>(work.number());
   const std::int64_t units = (kept + 1) * planes / count - kept * planes / count;
   if (units > 0) progress_.advance(units);
 }

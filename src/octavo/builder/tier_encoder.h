@@ -72,7 +72,8 @@ class TierEncoder {
   /// Takes the samples of bricks that need no encoding, the first ones of the tier in file order.
   void restore_parents(std::span<const std::int64_t> parents);
 
-  /// Starts to encode the next block of the tier, behind those started before.
+  /// Starts to encode the next block of the tier, or of a band its bricks, behind those started
+  /// before. Bands are of tier 0, where no voxel may differ.
   /// brings_model  gives the model to the writer before the block's first brick, and ends a group
   ///               behind its last
   /// when_done     called once, from any thread, when the block is not looked at any more
@@ -100,8 +101,13 @@ class TierEncoder {
     bool brings_model;
     std::function<void()> when_done;
     std::vector<Index3> bricks;
+    std::size_t first = 0;  ///< the first of them among those of the block
+    std::size_t all = 0;    ///< bricks of the block
     std::size_t taken = 0;
     std::size_t kept = 0;
+
+    /// Of the brick that is kept next.
+    std::size_t number() const { return first + kept; }
   };
 
   /// A brick between its worker and the writer.
@@ -116,9 +122,8 @@ class TierEncoder {
   void release_if_failed();
   void keep_ready(std::unique_lock<std::mutex>& lock);
 
-  void work_on(const Work& work, const Index3& brick, std::size_t number);
-  EncodedBrick encode_checked(const Model& model, const VoxelBlock& block,
-                              const Index3& brick) const;
+  void work_on(const Work& work, std::size_t place, std::size_t number);
+  EncodedBrick encode_checked(const Work& work, std::size_t place) const;
   void measure_errors(EncodedBrick& encoded, const BrickView& view,
                       const std::vector<std::byte>& dense, const Index3& brick) const;
   void keep(Work& work, Slot slot);

@@ -45,10 +45,8 @@ std::vector<std::size_t> training_choice(std::span<const std::int64_t> voxel_cou
   return chosen;
 }
 
-std::unique_ptr<BrickCodec> train_on(const Levels& levels, int tier, const VoxelBlock& block,
-                                     VolumeKind kind, const CodecSettings& settings,
-                                     const std::optional<SampleCoding>& coding,
-                                     const BrickCodec* first) {
+std::vector<TrainingBrick> training_bricks_of(const Levels& levels, int tier,
+                                              const VoxelBlock& block) {
   const std::vector<TrainingBrick> candidates = candidates_of(levels, tier, block);
   std::vector<std::int64_t> voxel_counts;
   for (const TrainingBrick& brick : candidates) {
@@ -59,9 +57,24 @@ std::unique_ptr<BrickCodec> train_on(const Levels& levels, int tier, const Voxel
        training_choice(voxel_counts, levels.brick_side(tier).voxel_count())) {
     chosen.push_back(candidates[i]);
   }
-  if (!is_integer(block.type)) return train_exact_model(chosen, settings, *coding);
-  if (first != nullptr) return refine_model(*first, block.type, chosen, settings);
-  return train_model(kind, block.type, chosen, settings);
+  return chosen;
+}
+
+std::unique_ptr<BrickCodec> train_on_choice(std::span<const TrainingBrick> chosen, VoxelType type,
+                                            VolumeKind kind, const CodecSettings& settings,
+                                            const std::optional<SampleCoding>& coding,
+                                            const BrickCodec* first) {
+  if (!is_integer(type)) return train_exact_model(chosen, settings, *coding);
+  if (first != nullptr) return refine_model(*first, type, chosen, settings);
+  return train_model(kind, type, chosen, settings);
+}
+
+std::unique_ptr<BrickCodec> train_on(const Levels& levels, int tier, const VoxelBlock& block,
+                                     VolumeKind kind, const CodecSettings& settings,
+                                     const std::optional<SampleCoding>& coding,
+                                     const BrickCodec* first) {
+  return train_on_choice(training_bricks_of(levels, tier, block), block.type, kind, settings,
+                         coding, first);
 }
 
 }  // namespace octavo

@@ -20,6 +20,16 @@ inline constexpr std::size_t kTrainingBricks = 32;
 std::vector<std::size_t> training_choice(std::span<const std::int64_t> voxel_counts,
                                          std::int64_t full_voxel_count);
 
+/// Trains a model on bricks that were chosen, as train_on does.
+std::unique_ptr<BrickCodec> train_on_choice(std::span<const TrainingBrick> chosen, VoxelType type,
+                                            VolumeKind kind, const CodecSettings& settings,
+                                            const std::optional<SampleCoding>& coding,
+                                            const BrickCodec* first);
+
+/// The bricks of a block that a model for it is trained on.
+std::vector<TrainingBrick> training_bricks_of(const Levels& levels, int tier,
+                                              const VoxelBlock& block);
+
 /// Trains a model for the bricks of a block on a choice of them. Depends on the voxels and the
 /// first model alone.
 /// coding  that of the block's voxels where these are float32

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "octavo/codec/brick_codec.h"
@@ -12,6 +13,16 @@
 #include "octavo/core/volume.h"
 
 namespace octavo {
+
+/// A run of bricks of a block whose planes are not in memory.
+struct BrickBand {
+  std::size_t first = 0;                       ///< its first brick among those of the block
+  std::vector<std::size_t> numbers;            ///< of its bricks among those of the block
+  std::vector<Index3> bricks;                  ///< in file order
+  std::vector<BrickView> views;                ///< of each brick
+  std::vector<std::vector<std::byte>> voxels;  ///< what the views look at
+  std::span<const Sha256Digest> digests;       ///< of all planes of the block
+};
 
 /// Planes first_plane .. first_plane + size.z - 1 of the finest level of a tier, [z][y][x].
 /// The block starts and ends where brick layers do, or where the volume ends.
@@ -23,6 +34,7 @@ struct VoxelBlock {
   /// The float voxels that the integers stand for, [z][y][x], where these do not say all of them.
   const float* floats = nullptr;
   std::uint32_t crc = 0;  ///< CRC-32C of the floats if there are any, else of the voxels
+  const BrickBand* band = nullptr;  ///< the bricks that are there, where `voxels` is null
 };
 
 /// The voxels of `box` (in the tier's samples), which lies in the block.

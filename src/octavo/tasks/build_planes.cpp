@@ -30,6 +30,11 @@ void tell_outcome(const BuiltVolume& built, const BuildOptions& options, const O
     context.note(fmt::format("{}: continued behind plane {} of {}", output.path, resumed - 1,
                              built.volume.size.z));
   }
+  if (built.build.is_in_bands) {
+    context.note(fmt::format("{}: the limit of memory holds no layer of bricks: built in bands, "
+                             "for each of which the planes were read again",
+                             output.path));
+  }
   if (options.interrupted == Interrupted::resume && resumed == 0) {
     context.note(fmt::format("{}: no interrupted build of it to continue; built from plane 0 on",
                              output.path));

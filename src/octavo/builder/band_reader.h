@@ -1,0 +1,69 @@
+// A group of planes that is larger than memory, read some bricks at a time.
+//
+// The planes are read several times: once to learn what depends on all of them (checksum, digests,
+// which bricks are uniform), once for the bricks that a model is trained on, once for each band: a
+// run of bricks in file order. Uniform bricks take no room in a band. The bricks are those that a
+// block of all planes has, so that the file is the same, whatever bands hold.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "octavo/builder/voxel_block.h"
+#include "octavo/core/levels.h"
+#include "octavo/core/progress.h"
+#include "octavo/core/unset_bytes.h"
+#include "octavo/planes/plane_source.h"
+
+namespace octavo {
+
+class BandReader {
+ public:
+  /// Reads planes first .. end, a group, and learns of them what `group` says. `source`, of
+  /// integers and sought here, `levels` and `progress` must outlive it.
+  /// band_bytes  of voxels that a band may hold; one brick at least
+  /// Throws what the source throws; Error{cancelled}
+  /// Memory  a plane, two bands, and 192 bytes per brick
+  BandReader(PlaneSource& source, const Levels& levels, std::int64_t first, std::int64_t end,
+             std::uint64_t band_bytes, Progress& progress);
+
+  /// The group without its voxels.
+  const VoxelBlock& group() const { return group_; }
+
+  /// Those that a model of the group is trained on. They last until the first band is read.
+  std::vector<TrainingBrick> training_bricks();
+
+  /// True when all bands were given.
+  bool is_done() const { return next_ == bricks_.size(); }
+
+  /// The next band. It lasts until the one behind the next is read. Throws as the constructor.
+  const BrickBand& next();
+
+ private:
+  void look_at(std::int64_t z);
+  void read_plane();
+  std::vector<std::byte> room_for(std::size_t brick) const;
+  void read_bricks(BrickBand& band);
+  BrickView view_of_brick(std::size_t brick, const std::vector<std::byte>& voxels) const;
+  const std::byte* row_at(const Index3& at) const;
+
+  PlaneSource& source_;
+  const Levels& levels_;
+  Progress& progress_;
+  std::uint64_t band_bytes_;
+  std::int64_t width_;  // bytes of a voxel
+  VoxelBlock group_;
+  UnsetBytes plane_;
+  std::vector<Sha256Digest> digests_;
+  std::vector<Index3> bricks_;            // in file order
+  std::vector<std::uint8_t> is_uniform_;  // by brick
+  std::vector<std::byte> values_;         // the first voxel of each brick
+  std::array<BrickBand, 2> bands_;
+  std::size_t turn_ = 0;
+  std::size_t next_ = 0;  // the first brick of the next band
+};
+
+}  // namespace octavo
