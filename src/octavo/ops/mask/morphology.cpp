@@ -26,7 +26,7 @@ namespace {
 
 constexpr int kTaskRank = 1;
 constexpr std::int64_t kSide = 64;  // of the cubes of that rank
-constexpr std::size_t kWordsPerCube = 4096;
+constexpr std::size_t kWordsOfCube = 4096;
 
 /// What the surface does to a cube.
 enum class Coverage { none, some, all };
@@ -207,7 +207,7 @@ class GrownCube {
         reach_(reach),
         code_(target.code),
         corner_(corner_of({2 * (kTaskRank + 2), target.code})),
-        rows_(kWordsPerCube) {
+        rows_(kWordsOfCube) {
     const Box cube{corner_, {corner_.x + kSide, corner_.y + kSide, corner_.z + kSide}};
     inside_ = intersection(cube, box_of(surface.size()));
     const Size3 size = inside_.size();
@@ -331,7 +331,7 @@ class GrownCube {
 
   MaskPart folded() const {
     constexpr std::size_t kCells = 16;  // words along an axis
-    std::vector<std::uint64_t> words(kWordsPerCube);
+    std::vector<std::uint64_t> words(kWordsOfCube);
     std::array<std::uint64_t, 16 * kCells> rows;
     std::array<std::uint64_t, 16 * kCells> layer;
     for (std::size_t z = 0; z < kCells; ++z) {
@@ -419,7 +419,7 @@ std::uint64_t dilation_thread_bytes(const Reach& reach, const Size3& size) noexc
   const std::int64_t rows =
       std::min(size.z, kSide) * std::min(size.y, kSide + 2 * reach.longest().y);
   return static_cast<std::uint64_t>(rows) * sizeof(SurfaceRow) +
-         2 * kWordsPerCube * sizeof(std::uint64_t);
+         2 * kWordsOfCube * sizeof(std::uint64_t);
 }
 
 }  // namespace octavo
