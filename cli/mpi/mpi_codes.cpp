@@ -14,10 +14,10 @@ namespace {
 
 constexpr VerbText kMpiCodesText = {
     "codes", "Show a mask or label map as the leaves of an octree, condensed by all ranks.",
-    "Prints what octavo codes prints. Each rank condenses runs of 2^p planes alone, levels 0 to p.\n"
-    "Codes of level p go up by the plan, tree or mesh, and are condensed on their way; then the\n"
-    "lists of the levels below are harvested and merged into one. --report sets the codes that\n"
-    "were sent and held beside the thesis's formulas; --report=json prints it alone.\n\n"
+    "Prints what octavo codes prints. A rank condenses runs of 2^p planes alone, up to level p.\n"
+    "Codes of level p go up by the plan, tree or mesh, and are condensed on their way; lists of\n"
+    "lower levels are then harvested and merged into one. --report sets the codes that were sent\n"
+    "and held beside the thesis's formulas; --report=json prints it alone.\n\n"
     "Examples:\n"
     "  mpirun -n 4 octavo-mpi codes aal.8vo --list --gather mesh\n"
     "  mpirun -n 4 octavo-mpi codes aal.8vo --label 37 --report"};
