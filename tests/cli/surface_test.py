@@ -77,6 +77,17 @@ class Surfaces(cli_test.InFolder):
         self.expect(0, "surface", "mask.8vo", "-o", "m.obj", "-q")
         self.assertEqual(open_sides(read_obj(self.folder / "m.obj")), [])
 
+    def test_fewer_triangles_within_a_deviation(self):
+        self.expect(0, "surface", "mask.8vo", "-o", "full.stl", "-q")
+        light = self.json("surface", "mask.8vo", "--max-deviation", "0.5voxel", "-o", "m.stl")
+        triangles, _ = read_stl(self.folder / "m.stl")
+        self.assertEqual(open_sides(triangles), [])
+        self.assertEqual(light["full_triangles"], len(read_stl(self.folder / "full.stl")[0]))
+        self.assertLess(3 * light["triangles"], light["full_triangles"])
+        self.assertEqual((light["max_deviation_mm"], light["self_intersections"]), (0.25, 0))
+        text = self.expect(0, "surface", "mask.8vo", "--max-deviation", "0.1", "-o", "n.stl").stdout
+        self.assertIn("proven within 0.1 mm", text)
+
     def test_ras_turns_x_and_y_round(self):
         self.expect(0, "surface", "mask.8vo", "-o", "l.stl", "-q")
         self.expect(0, "surface", "mask.8vo", "-o", "r.stl", "--space", "ras", "-q")
@@ -104,6 +115,8 @@ class Surfaces(cli_test.InFolder):
                 (2, ["mask.8vo", "--seed", "20,2,2", "-o", "m.stl"], "give another --seed"),
                 (2, ["mask.8vo", "--seed", "90,2,2", "-o", "m.stl"], "outside"),
                 (2, ["mask.8vo", "--level", "30", "-o", "m.stl"], "level 30"),
+                (2, ["mask.8vo", "--max-deviation", "wide", "-o", "m.stl"], "--max-deviation"),
+                (2, ["mask.8vo", "--max-deviation", "-1", "-o", "m.stl"], "0 or more"),
                 (2, ["mask.8vo", "-o", "m.off"], ".stl, .ply or .obj"),
                 (5, ["mask.8vo", "-o", "missing/m.stl"], "missing"),
                 (5, ["gone.8vo", "-o", "m.stl"], "gone.8vo")]:

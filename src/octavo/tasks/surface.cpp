@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -12,6 +13,7 @@
 #include "octavo/core/sha256.h"
 #include "octavo/core/text.h"
 #include "octavo/file/storage/pending_file.h"
+#include "octavo/mesh/decimation.h"
 #include "octavo/mesh/extraction.h"
 #include "octavo/mesh/mesh_pieces.h"
 #include "octavo/tasks/inputs.h"
@@ -57,6 +59,11 @@ void check_kind(const SurfaceOptions& options, const VolumeDescription& volume) 
   if (!std::isfinite(*options.isovalue)) {
     reject_mesh("the isovalue is no number", options.input, "");
   }
+}
+
+void check_deviation(const AskedDeviation& asked) {
+  if (asked.amount >= 0 && std::isfinite(asked.amount)) return;
+  throw Error(ErrorKind::invalid_argument, "the deviation must be a number of 0 or more");
 }
 
 SurfaceField field_of(const SurfaceOptions& options, const VolumeDescription& volume) {
@@ -137,6 +144,25 @@ TriangleMesh piece_at_seed(const TriangleMesh& mesh, const Point3& seed, const G
   return piece_of_point(mesh, mesh.triangles[nearest.triangle][0]);
 }
 
+double deviation_mm(const AskedDeviation& asked, const Geometry& geometry) {
+  const auto& [x, y, z] = geometry.spacing_mm;
+  return asked.amount * (asked.is_in_voxels ? std::min({x, y, z}) : 1);
+}
+
+/// Takes triangles away as far as the deviation allows.
+void reduce_mesh(TriangleMesh& mesh, const Geometry& geometry, const TaskContext& context,
+                 SurfaceResult& result) {
+  constexpr std::uint64_t kBytesPerPoint = 350;
+  context.require_memory(kBytesPerPoint * mesh.points.size(), "the surface");
+  const ProgressScope scope(context.watcher(), "fewer triangles", 1, "surface");
+  Decimated reduced;
+  context.on_threads([&] {
+    reduced = decimate(mesh, {result.max_deviation_mm, geometry}, context.watcher());
+  });
+  mesh = std::move(reduced.mesh);
+  result.crossing_triangles = reduced.crossing_triangles;
+}
+
 std::vector<std::string> comments_of(const SurfaceOptions& options, const FileReader& reader) {
   std::vector<std::string> comments = {
       "octavo surface of voxels with SHA-256 " + hex_text(reader.voxel_digest()),
@@ -152,6 +178,7 @@ SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context)
   const std::shared_ptr<const FileReader> reader = open_volume(options.input, context);
   const VolumeDescription& volume = reader->description();
   require_level(reader->levels(), options.level);
+  check_deviation(options.max_deviation);
   check_kind(options, volume);
   const SurfaceField field = field_of(options, volume);
   check_range(*reader, field, options);
@@ -161,19 +188,23 @@ SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context)
   }
 
   TriangleMesh mesh = extracted(*reader, field, options, context);
+  const Geometry geometry = reader->levels().geometry(volume.geometry, options.level);
   if (options.seed) {
-    mesh = piece_at_seed(mesh, *options.seed,
-                         reader->levels().geometry(volume.geometry, options.level),
-                         reader->levels().size(options.level), options);
+    mesh = piece_at_seed(mesh, *options.seed, geometry, reader->levels().size(options.level),
+                         options);
   }
   SurfaceResult result;
   result.volume = volume;
   result.voxel_digest = reader->voxel_digest();
+  result.full_triangle_count = mesh.triangles.size();
+  result.max_deviation_mm = deviation_mm(options.max_deviation, geometry);
+  if (result.max_deviation_mm > 0) reduce_mesh(mesh, geometry, context, result);
   result.point_count = mesh.points.size();
   result.triangle_count = mesh.triangles.size();
   context.on_threads([&] { result.check = check_mesh(mesh); });
   result.measures = measure_mesh(mesh);
-  const bool is_sound = result.check.is_closed() && result.check.is_manifold();
+  const bool is_sound = result.check.is_closed() && result.check.is_manifold() &&
+                        result.crossing_triangles.value_or(0) == 0;
   if (!is_sound && !options.allows_faults) return result;
 
   PendingFile file(local_storage(), options.output.path);

@@ -14,6 +14,12 @@
 
 namespace octavo {
 
+/// How far a surface with fewer triangles may lie from the full one, and the full one from it.
+struct AskedDeviation {
+  double amount = 0;        ///< 0: all triangles are kept
+  bool is_in_voxels = true;  ///< of the shortest side of a voxel of the level; else mm
+};
+
 struct SurfaceOptions {
   std::string input;  ///< an .8vo file or a URL of one
   Output output;      ///< ends in .stl, .ply or .obj
@@ -24,6 +30,7 @@ struct SurfaceOptions {
   int level = 0;
   /// Only the piece of the surface that comes nearest to this place, in voxels of the level.
   std::optional<Point3> seed;
+  AskedDeviation max_deviation;
   MeshSpace space = MeshSpace::lps;
   bool allows_faults = false;  ///< a surface that is not closed or not manifold is written as well
 };
@@ -33,6 +40,10 @@ struct SurfaceResult {
   Sha256Digest voxel_digest{};
   std::uint64_t point_count = 0;
   std::uint64_t triangle_count = 0;
+  std::uint64_t full_triangle_count = 0;  ///< before there were fewer
+  double max_deviation_mm = 0;            ///< proven, in both directions
+  /// Triangles that cross others; nothing where all triangles are kept, which cross nowhere.
+  std::optional<std::uint64_t> crossing_triangles;
   MeshCheck check;
   MeshMeasures measures;         ///< of voxels of 1 mm where the spacing is not known
   bool is_written = false;       ///< not where the check found faults that are not allowed
@@ -44,7 +55,7 @@ struct SurfaceResult {
 ///         Error{invalid_argument} where no or every voxel lies inside, for a seed that no surface
 ///         passes within a voxel, when options do not go together or with the volume
 /// Memory  that of extract_surface, 36 bytes per triangle of the level's surface, and as much again
-///         while it is checked
+///         while it is checked; with a deviation that of decimate
 SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context);
 
 }  // namespace octavo

@@ -127,6 +127,25 @@ TEST_F(Surface, OfACoarserLevelHasFewerTriangles) {
   EXPECT_LT(2 * coarse.triangle_count, fine.triangle_count);
 }
 
+TEST_F(Surface, WithADeviationHasFewerTrianglesOfTheSameShape) {
+  const SurfaceResult full = surface(options_, context_);
+  EXPECT_EQ(full.full_triangle_count, full.triangle_count);
+  EXPECT_EQ(full.crossing_triangles, std::nullopt);
+  options_.output.overwrite = true;
+  options_.max_deviation = {0.5, true};
+  const SurfaceResult light = surface(options_, context_);
+  EXPECT_TRUE(light.is_written);
+  EXPECT_EQ(light.crossing_triangles, 0u);
+  EXPECT_DOUBLE_EQ(light.max_deviation_mm, 0.25);
+  EXPECT_EQ(light.full_triangle_count, full.triangle_count);
+  EXPECT_LT(4 * light.triangle_count, full.triangle_count);
+  EXPECT_EQ(light.check.components, 2u);
+  EXPECT_NEAR(light.measures.volume_mm3, full.measures.volume_mm3,
+              0.05 * full.measures.volume_mm3);
+  options_.max_deviation = {-1, false};
+  EXPECT_THROW(surface(options_, context_), Error);
+}
+
 TEST_F(Surface, WithoutInsideOrOutsideIsRejectedWithTheRange) {
   options_.isovalue = 1001;
   EXPECT_NE(rejected("isovalue.range").find("no voxel has 1001 HU or more; its values run from "

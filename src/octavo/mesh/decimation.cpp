@@ -1,0 +1,330 @@
+#include "octavo/mesh/decimation.h"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "octavo/core/error.h"
+#include "octavo/mesh/certificate.h"
+#include "octavo/mesh/collapse.h"
+#include "octavo/mesh/point_distance.h"
+#include "octavo/mesh/triangle_tree.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::uint32_t kNone = TriangleTree::kNone;
+constexpr double kPartSide = 32;             // voxels
+constexpr double kToleranceShare = 0.5;      // of the deviation, for attached points
+constexpr double kTightened = 0.4;           // of the tolerance where a proof failed
+constexpr int kLockingRound = 2;             // from which points are locked instead
+constexpr double kRoundingMargin = 1e-5;     // voxels, taken off the deviation that is proven
+
+/// The surface as it is while it gets fewer triangles. Points keep their numbers.
+struct ReducedSurface {
+  TriangleMesh mesh;
+  std::vector<Quadric> quadrics;       // of points, about the origin
+  std::vector<std::uint32_t> nearest;  // of each point of the full surface: its triangle
+};
+
+/// The triangles of all parts, one part after the other.
+struct PartTriangles {
+  std::vector<std::uint32_t> order;
+  std::vector<std::size_t> ends;  // behind the triangles of each part
+  std::vector<bool> is_locked;    // points that several parts have
+};
+
+/// What becomes of a part.
+struct ReducedPart {
+  std::vector<MeshTriangle> triangles;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> attached;  // point, place in triangles
+};
+
+/// What a thread works with.
+struct PartSpace {
+  CollapsePart part;
+  std::vector<std::uint32_t> points;    // of the mesh, by vertex of the part
+  std::vector<std::uint32_t> attached;  // points of the full surface, by point of the part
+  std::vector<int> vertices;            // by point of the mesh; -1
+};
+
+class Decimation {
+ public:
+  Decimation(const TriangleMesh& full, const DecimationOptions& options, Progress& progress)
+      : full_(full),
+        geometry_(options.geometry),
+        progress_(progress),
+        origin_(place_of_point(full.points.front())),
+        tolerances_(full.points.size(), 1),
+        is_frozen_(full.points.size()) {
+    const auto& [x, y, z] = geometry_.spacing_mm;
+    deviation_ = options.max_deviation_mm - kRoundingMargin * std::min({x, y, z});
+    tolerance_ = kToleranceShare * options.max_deviation_mm;
+    start_.mesh = full;
+    set_quadrics();
+    start_.nearest.resize(full.points.size());
+    for (std::size_t i = 0; i < full.triangles.size(); ++i) {
+      for (const std::uint32_t point : full.triangles[i]) {
+        start_.nearest[point] = static_cast<std::uint32_t>(i);
+      }
+    }
+  }
+
+  Decimated run() {
+    const TriangleTree full_tree(full_);
+    for (int round = 0;; ++round) {
+      ReducedSurface reduced = start_;
+      for (const double shift : {0.0, 0.5}) reduce(reduced, shift);
+      if (tighten(reduced, full_tree, round)) continue;
+      return {compacted(reduced.mesh), round + 1, crossing_count_};
+    }
+  }
+
+ private:
+  Point3 place(const MeshPoint& point) const {
+    return difference(place_of_point(point), origin_);
+  }
+
+  void stop_if_cancelled() const {
+    if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+  }
+
+  void set_quadrics() {
+    start_.quadrics.resize(full_.points.size());
+    for (const MeshTriangle& t : full_.triangles) {
+      const Point3 a = place(full_.points[t[0]]);
+      const Point3 normal = cross(difference(place(full_.points[t[1]]), a),
+                                  difference(place(full_.points[t[2]]), a));
+      const double length = std::sqrt(dot(normal, normal));
+      if (!(length > 0)) continue;
+      for (const std::uint32_t point : t) {
+        start_.quadrics[point].add_plane(scaled(normal, 1 / length), a, length);
+      }
+    }
+  }
+
+  /// One pass over all parts, their cubes shifted by a share of their side.
+  void reduce(ReducedSurface& surface, double shift) {
+    stop_if_cancelled();
+    const PartTriangles parts = cut(surface.mesh, shift);
+    const auto [first_attached, next_attached] = attached_points(surface);
+    std::vector<ReducedPart> reduced(parts.ends.size());
+    tbb::enumerable_thread_specific<PartSpace> spaces([&] {
+      PartSpace space;
+      space.vertices.assign(full_.points.size(), -1);
+      return space;
+    });
+    tbb::parallel_for(std::size_t{0}, parts.ends.size(), [&](std::size_t i) {
+      if (progress_.is_cancelled()) return;
+      PartSpace& space = spaces.local();
+      load(surface, parts, i, first_attached, next_attached, space);
+      space.part.run(tolerance_);
+      store(parts, space, surface, reduced[i]);
+    });
+    stop_if_cancelled();
+    join(reduced, surface);
+  }
+
+  /// The triangles by the cubes that their middles lie in.
+  PartTriangles cut(const TriangleMesh& mesh, double shift) const {
+    std::vector<std::pair<std::array<std::int32_t, 3>, std::uint32_t>> placed(
+        mesh.triangles.size());
+    tbb::parallel_for(std::size_t{0}, placed.size(), [&](std::size_t i) {
+      const TrianglePlaces places = places_of(mesh, mesh.triangles[i]);
+      const Point3 middle = geometry_.to_index(
+          scaled(sum(sum(places[0], places[1]), places[2]), 1.0 / 3));
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        placed[i].first[2 - axis] =
+            static_cast<std::int32_t>(std::floor((middle[axis] + 1) / kPartSide + shift));
+      }
+      placed[i].second = static_cast<std::uint32_t>(i);
+    });
+    std::sort(placed.begin(), placed.end());
+    PartTriangles parts;
+    parts.order.resize(placed.size());
+    parts.is_locked.assign(is_frozen_.begin(), is_frozen_.end());
+    std::vector<std::uint32_t> part_of(mesh.points.size(), kNone);
+    for (std::size_t i = 0; i < placed.size(); ++i) {
+      if (i > 0 && placed[i].first != placed[i - 1].first) parts.ends.push_back(i);
+      parts.order[i] = placed[i].second;
+      const auto part = static_cast<std::uint32_t>(parts.ends.size());
+      for (const std::uint32_t point : mesh.triangles[placed[i].second]) {
+        if (part_of[point] == kNone) part_of[point] = part;
+        else if (part_of[point] != part) parts.is_locked[point] = true;
+      }
+    }
+    parts.ends.push_back(placed.size());
+    return parts;
+  }
+
+  using PointLists = std::pair<std::vector<std::uint32_t>, std::vector<std::uint32_t>>;
+
+  /// Of each triangle the first point of the full surface attached to it; of each point the next.
+  static PointLists attached_points(const ReducedSurface& surface) {
+    PointLists lists{std::vector<std::uint32_t>(surface.mesh.triangles.size(), kNone),
+                     std::vector<std::uint32_t>(surface.nearest.size(), kNone)};
+    for (std::size_t point = surface.nearest.size(); point-- > 0;) {
+      std::uint32_t& first = lists.first[surface.nearest[point]];
+      lists.second[point] = std::exchange(first, static_cast<std::uint32_t>(point));
+    }
+    return lists;
+  }
+
+  void load(const ReducedSurface& surface, const PartTriangles& parts, std::size_t number,
+            const std::vector<std::uint32_t>& first_attached,
+            const std::vector<std::uint32_t>& next_attached, PartSpace& space) const {
+    CollapsePart& part = space.part;
+    part.clear();
+    space.points.clear();
+    space.attached.clear();
+    for (std::size_t i = number == 0 ? 0 : parts.ends[number - 1]; i < parts.ends[number]; ++i) {
+      CollapseTriangle& t = part.triangles.emplace_back();
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t point = surface.mesh.triangles[parts.order[i]][k];
+        int& vertex = space.vertices[point];
+        if (vertex < 0) {
+          vertex = static_cast<int>(part.vertices.size());
+          part.vertices.push_back({place(surface.mesh.points[point]), surface.quadrics[point],
+                                   parts.is_locked[point]});
+          space.points.push_back(point);
+        }
+        t.corners[k] = vertex;
+      }
+      for (std::uint32_t point = first_attached[parts.order[i]]; point != kNone;
+           point = next_attached[point]) {
+        const double tolerance = tolerance_ * static_cast<double>(tolerances_[point]);
+        const auto added = static_cast<int>(part.points.size());
+        part.points.push_back({place(full_.points[point]), tolerance * tolerance,
+                               std::exchange(t.first_point, added)});
+        space.attached.push_back(point);
+      }
+    }
+  }
+
+  /// Points that are not locked belong to one part alone, which moves them.
+  void store(const PartTriangles& parts, PartSpace& space, ReducedSurface& surface,
+             ReducedPart& reduced) const {
+    const CollapsePart& part = space.part;
+    for (std::size_t i = 0; i < part.vertices.size(); ++i) {
+      const std::uint32_t point = space.points[i];
+      space.vertices[point] = -1;
+      if (parts.is_locked[point]) continue;
+      const Point3 world = sum(part.vertices[i].place, origin_);
+      surface.mesh.points[point] = {static_cast<float>(world[0]), static_cast<float>(world[1]),
+                                    static_cast<float>(world[2])};
+      surface.quadrics[point] = part.vertices[i].quadric;
+    }
+    for (const CollapseTriangle& t : part.triangles) {
+      if (!t.is_left) continue;
+      const auto own = static_cast<std::uint32_t>(reduced.triangles.size());
+      MeshTriangle& numbers = reduced.triangles.emplace_back();
+      for (std::size_t k = 0; k < 3; ++k) {
+        numbers[k] = space.points[static_cast<std::size_t>(t.corners[k])];
+      }
+      for (int p = t.first_point; p >= 0; p = part.points[static_cast<std::size_t>(p)].next) {
+        reduced.attached.emplace_back(space.attached[static_cast<std::size_t>(p)], own);
+      }
+    }
+  }
+
+  static void join(const std::vector<ReducedPart>& parts, ReducedSurface& surface) {
+    surface.mesh.triangles.clear();
+    for (const ReducedPart& part : parts) {
+      const auto first = static_cast<std::uint32_t>(surface.mesh.triangles.size());
+      surface.mesh.triangles.insert(surface.mesh.triangles.end(), part.triangles.begin(),
+                                    part.triangles.end());
+      for (const auto& [point, triangle] : part.attached) {
+        surface.nearest[point] = first + triangle;
+      }
+    }
+  }
+
+  /// Makes tolerances smaller where the reduced surface is not proven; false where all of it is, or
+  /// where only triangles of the full surface cross.
+  bool tighten(const ReducedSurface& reduced, const TriangleTree& full_tree, int round) {
+    stop_if_cancelled();
+    const TriangleTree tree(reduced.mesh);
+    const std::vector<std::uint32_t> full_failed =
+        unproven_triangles(full_, tree, deviation_, reduced.nearest);
+    stop_if_cancelled();
+    std::vector<std::uint32_t> failed = unproven_triangles(reduced.mesh, full_tree, deviation_);
+    const std::vector<std::uint32_t> crossing = crossing_triangles(tree);
+    crossing_count_ = crossing.size();
+    failed.insert(failed.end(), crossing.begin(), crossing.end());
+    if (full_failed.empty() && failed.empty()) return false;
+
+    // Triangles that failed with a ring around them, and those that failing ones of the full
+    // surface are attached to.
+    std::vector<bool> is_near(reduced.mesh.points.size());
+    for (const std::uint32_t triangle : failed) {
+      for (const std::uint32_t point : reduced.mesh.triangles[triangle]) is_near[point] = true;
+    }
+    std::vector<bool> is_failed(reduced.mesh.triangles.size());
+    for (std::size_t i = 0; i < is_failed.size(); ++i) {
+      const MeshTriangle& t = reduced.mesh.triangles[i];
+      is_failed[i] = is_near[t[0]] || is_near[t[1]] || is_near[t[2]];
+    }
+    for (const std::uint32_t triangle : full_failed) {
+      for (const std::uint32_t point : full_.triangles[triangle]) {
+        is_failed[reduced.nearest[point]] = true;
+      }
+    }
+    bool is_changed = false;
+    for (std::size_t point = 0; point < tolerances_.size(); ++point) {
+      if (!is_failed[reduced.nearest[point]] || is_frozen_[point]) continue;
+      tolerances_[point] *= static_cast<float>(kTightened);
+      is_frozen_[point] = round >= kLockingRound;
+      is_changed = true;
+    }
+    return is_changed;
+  }
+
+  /// Without the points that no triangle has.
+  static TriangleMesh compacted(const TriangleMesh& mesh) {
+    std::vector<std::uint32_t> numbers(mesh.points.size(), kNone);
+    TriangleMesh compact;
+    compact.triangles.reserve(mesh.triangles.size());
+    for (const MeshTriangle& t : mesh.triangles) {
+      MeshTriangle& renumbered = compact.triangles.emplace_back();
+      for (std::size_t k = 0; k < 3; ++k) {
+        std::uint32_t& number = numbers[t[k]];
+        if (number == kNone) {
+          number = static_cast<std::uint32_t>(compact.points.size());
+          compact.points.push_back(mesh.points[t[k]]);
+        }
+        renumbered[k] = number;
+      }
+    }
+    return compact;
+  }
+
+  const TriangleMesh& full_;
+  const Geometry& geometry_;
+  Progress& progress_;
+  Point3 origin_;         // near which places are computed
+  double deviation_ = 0;  // that is proven
+  double tolerance_ = 0;
+  std::uint64_t crossing_count_ = 0;
+  ReducedSurface start_;
+  std::vector<float> tolerances_;  // of points of the full surface, as shares
+  std::vector<bool> is_frozen_;    // points that stay as they are
+};
+
+}  // namespace
+
+Decimated decimate(const TriangleMesh& full, const DecimationOptions& options,
+                   Progress& progress) {
+  if (full.triangles.empty()) return {full, 0, 0};
+  return Decimation(full, options, progress).run();
+}
+
+}  // namespace octavo

@@ -1,0 +1,40 @@
+// A surface with few triangles that is proven to lie within a distance of the full one, and the
+// full one within that distance of it.
+//
+// Triangles are cut into parts, cubes of 32 voxels, whose edges are collapsed (collapse.h); points
+// that parts share stay. A second pass, its cubes shifted by half their side, takes those. Then
+// both distances are proven (certificate.h), and that no triangles cross. Where that fails the
+// points around get a smaller tolerance, in the end none, and all is done again: since the full
+// surface passes, this ends. Parts depend on nothing but their triangles, so the result does not
+// depend on threads.
+//
+// Components, handles and closedness stay as they are.
+#pragma once
+
+#include <cstdint>
+
+#include "octavo/core/geometry.h"
+#include "octavo/core/progress.h"
+#include "octavo/core/triangle_mesh.h"
+
+namespace octavo {
+
+struct DecimationOptions {
+  double max_deviation_mm = 0;  ///< above 0
+  Geometry geometry;            ///< of the grid that the surface was taken from
+};
+
+struct Decimated {
+  TriangleMesh mesh;
+  int rounds = 0;  ///< that it took
+  /// Triangles that cross others: of a full surface without any, none.
+  std::uint64_t crossing_triangles = 0;
+};
+
+/// Requires a closed manifold. Uses the threads of the calling task arena.
+/// Throws  Error{cancelled}
+/// Memory  about 350 bytes per point of the full surface
+Decimated decimate(const TriangleMesh& full, const DecimationOptions& options,
+                   Progress& progress);
+
+}  // namespace octavo

@@ -1,0 +1,153 @@
+#include "octavo/mesh/triangle_tree.h"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include "octavo/mesh/point_distance.h"
+#include "octavo/mesh/triangle_crossing.h"
+#include "octavo/octree/o_code.h"
+
+namespace octavo {
+
+namespace {
+
+/// The o-code of a place in a cube of 2^21 steps around all points.
+class PlaceCode {
+ public:
+  explicit PlaceCode(const SpaceBox& all) : lo_(all.lo) {
+    float side = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      side = std::max(side, all.hi[axis] - all.lo[axis]);
+    }
+    steps_ = side > 0 ? static_cast<float>((1 << 21) - 1) / side : 0;
+  }
+  std::uint64_t of(const SpaceBox& box) const {
+    const auto step = [&](std::size_t axis) {
+      const float middle = (box.lo[axis] + box.hi[axis]) / 2;
+      return static_cast<std::int64_t>((middle - lo_[axis]) * steps_);
+    };
+    return interleave({step(0), step(1), step(2)});
+  }
+
+ private:
+  MeshPoint lo_;
+  float steps_ = 0;
+};
+
+double squared_distance_to(const SpaceBox& box, const Point3& place) {
+  double squared = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double below = static_cast<double>(box.lo[axis]) - place[axis];
+    const double above = place[axis] - static_cast<double>(box.hi[axis]);
+    const double outside = std::max({below, above, 0.0});
+    squared += outside * outside;
+  }
+  return squared;
+}
+
+}  // namespace
+
+SpaceBox box_of_triangle(const TriangleMesh& mesh, const MeshTriangle& triangle) {
+  SpaceBox box;
+  for (const std::uint32_t point : triangle) box.add(mesh.points[point]);
+  return box;
+}
+
+TriangleTree::TriangleTree(const TriangleMesh& mesh) : mesh_(mesh), order_(mesh.triangles.size()) {
+  SpaceBox all;
+  for (const MeshPoint& point : mesh.points) all.add(point);
+  const PlaceCode code(all);
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> coded(order_.size());
+  tbb::parallel_for(std::size_t{0}, coded.size(), [&](std::size_t i) {
+    coded[i] = {code.of(box_of_triangle(mesh, mesh.triangles[i])), static_cast<std::uint32_t>(i)};
+  });
+  tbb::parallel_sort(coded.begin(), coded.end());
+
+  leaves_ = std::bit_ceil(static_cast<std::uint32_t>((order_.size() + kLeaf - 1) / kLeaf));
+  boxes_.resize(std::size_t{2} * leaves_);
+  own_boxes_.resize(order_.size());
+  tbb::parallel_for(std::size_t{0}, std::size_t{leaves_}, [&](std::size_t leaf) {
+    const std::size_t end = std::min((leaf + 1) * kLeaf, order_.size());
+    for (std::size_t i = leaf * kLeaf; i < end; ++i) {
+      order_[i] = coded[i].second;
+      own_boxes_[i] = box_of_triangle(mesh, mesh.triangles[order_[i]]);
+      boxes_[leaves_ + leaf].add(own_boxes_[i]);
+    }
+  });
+  for (std::size_t node = leaves_ - 1; node > 0; --node) {
+    boxes_[node] = boxes_[2 * node];
+    boxes_[node].add(boxes_[2 * node + 1]);
+  }
+}
+
+TriangleTree::Nearest TriangleTree::nearest(const Point3& place, double limit) const {
+  Nearest found{kNone, limit};
+  if (order_.empty()) return found;
+  double best = limit * limit;
+  struct Waiting {
+    std::uint32_t node;
+    double squared;
+  };
+  std::array<Waiting, 64> waiting;
+  std::size_t count = 0;
+  waiting[count++] = {1, squared_distance_to(boxes_[1], place)};
+  while (count > 0) {
+    const auto [node, squared] = waiting[--count];
+    if (squared >= best) continue;
+    if (node < leaves_) {
+      // The nearer child is visited first.
+      Waiting near = {2 * node, squared_distance_to(boxes_[2 * node], place)};
+      Waiting far = {2 * node + 1, squared_distance_to(boxes_[2 * node + 1], place)};
+      if (far.squared < near.squared) std::swap(near, far);
+      if (far.squared < best) waiting[count++] = far;
+      if (near.squared < best) waiting[count++] = near;
+      continue;
+    }
+    const std::size_t end = std::min((node - leaves_ + 1) * kLeaf, order_.size());
+    for (std::size_t i = (node - leaves_) * kLeaf; i < end; ++i) {
+      if (squared_distance_to(own_boxes_[i], place) >= best) continue;
+      const double own =
+          squared_distance(place, places_of(mesh_, mesh_.triangles[order_[i]]));
+      if (own >= best) continue;
+      best = own;
+      found.triangle = order_[i];
+    }
+  }
+  if (found.triangle != kNone) found.distance = std::sqrt(best);
+  return found;
+}
+
+std::vector<std::uint32_t> crossing_triangles(const TriangleTree& tree) {
+  const TriangleMesh& mesh = tree.mesh();
+  tbb::enumerable_thread_specific<std::vector<std::uint32_t>> found;
+  tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(mesh.triangles.size()),
+                    [&](std::uint32_t number) {
+    const MeshTriangle& triangle = mesh.triangles[number];
+    const SpaceBox box = box_of_triangle(mesh, triangle);
+    const TrianglePlaces places = places_of(mesh, triangle);
+    tree.visit(box, [&](std::uint32_t other) {
+      if (other <= number) return true;
+      const MeshTriangle& second = mesh.triangles[other];
+      if (!box_of_triangle(mesh, second).meets(box)) return true;
+      if (do_cross(places, triangle, places_of(mesh, second), second)) {
+        found.local().insert(found.local().end(), {number, other});
+      }
+      return true;
+    });
+  });
+  std::vector<std::uint32_t> all;
+  for (const std::vector<std::uint32_t>& some : found) {
+    all.insert(all.end(), some.begin(), some.end());
+  }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
+}  // namespace octavo

@@ -1,0 +1,126 @@
+#include "octavo/mesh/decimation.h"
+
+#include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+
+#include <cmath>
+
+#include "octavo/core/error.h"
+#include "octavo/mesh/extraction.h"
+#include "octavo/mesh/mesh_check.h"
+#include "octavo/mesh/point_distance.h"
+#include "octavo/mesh/triangle_tree.h"
+#include "support/built_file.h"
+#include "support/stopping_progress.h"
+
+namespace octavo {
+namespace {
+
+/// Two balls and a ring around one of them, on a grid that is oblique and far from the origin.
+class Bodies : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const Size3 size = {72, 40, 40};
+    testing::Volume volume;
+    volume.description.size = size;
+    volume.description.type = VoxelType::int16;
+    Geometry& geometry = volume.description.geometry;
+    const double c = std::cos(0.3);
+    const double s = std::sin(0.3);
+    geometry = {{-300, 120, 900}, {0.5, 0.75, 1}, {c, -s, 0, s, c, 0, 0, 0, 1}};
+    std::vector<std::int16_t> voxels;
+    for (std::int64_t z = 0; z < size.z; ++z) {
+      for (std::int64_t y = 0; y < size.y; ++y) {
+        for (std::int64_t x = 0; x < size.x; ++x) voxels.push_back(value_at(x, y, z));
+      }
+    }
+    const auto* bytes = reinterpret_cast<const std::byte*>(voxels.data());
+    volume.voxels.assign(bytes, bytes + voxels.size() * sizeof(std::int16_t));
+    testing::build_volume(volume, folder_.file("v.8vo"), 1);
+    const auto reader = testing::open_file(folder_.file("v.8vo"));
+    MeshCollector collector;
+    extract_surface(*reader, 0, SurfaceField::of_grey(0, false, VoxelType::int16), collector,
+                    progress_);
+    full_ = collector.take();
+    options_ = {0.25, geometry};
+  }
+
+  static std::int16_t value_at(std::int64_t x, std::int64_t y, std::int64_t z) {
+    const auto from = [&](double cx) {
+      return std::hypot(static_cast<double>(x) - cx, static_cast<double>(y) - 20,
+                        static_cast<double>(z) - 20);
+    };
+    const double ring = std::hypot(
+        std::hypot(static_cast<double>(x) - 20, static_cast<double>(y) - 20) - 16,
+        static_cast<double>(z) - 20);
+    const double inside = std::max({9 - from(20), 13 - from(55), 2.5 - ring});
+    return static_cast<std::int16_t>(std::clamp(inside * 100, -2000.0, 2000.0));
+  }
+
+  /// The largest distance of corners, middles of sides and middles of triangles.
+  static double largest_distance(const TriangleMesh& from, const TriangleMesh& to) {
+    const TriangleTree tree(to);
+    double largest = 0;
+    for (const MeshTriangle& t : from.triangles) {
+      const TrianglePlaces p = places_of(from, t);
+      const Point3 middle = scaled(sum(sum(p[0], p[1]), p[2]), 1.0 / 3);
+      for (const Point3& place : {p[0], p[1], p[2], middle, scaled(sum(p[0], p[1]), 0.5)}) {
+        largest = std::max(largest, tree.nearest(place, 100).distance);
+      }
+    }
+    return largest;
+  }
+
+  testing::ScratchFolder folder_;
+  NoProgress progress_;
+  TriangleMesh full_;
+  DecimationOptions options_;
+};
+
+TEST_F(Bodies, KeepTheirTopologyWithinTheDeviation) {
+  const Decimated reduced = decimate(full_, options_, progress_);
+  const MeshCheck before = check_mesh(full_);
+  const MeshCheck after = check_mesh(reduced.mesh);
+  EXPECT_LT(10 * reduced.mesh.triangles.size(), full_.triangles.size());
+  EXPECT_TRUE(after.is_closed());
+  EXPECT_TRUE(after.is_manifold());
+  EXPECT_EQ(after.components, before.components);
+  EXPECT_EQ(after.euler_number, before.euler_number);
+  EXPECT_EQ(after.components, 3u);
+  EXPECT_EQ(after.euler_number, 4);
+  EXPECT_EQ(reduced.crossing_triangles, 0u);
+  EXPECT_TRUE(crossing_triangles(TriangleTree(reduced.mesh)).empty());
+  EXPECT_LE(largest_distance(full_, reduced.mesh), options_.max_deviation_mm);
+  EXPECT_LE(largest_distance(reduced.mesh, full_), options_.max_deviation_mm);
+  EXPECT_NEAR(measure_mesh(reduced.mesh).volume_mm3, measure_mesh(full_).volume_mm3,
+              0.03 * measure_mesh(full_).volume_mm3);
+}
+
+TEST_F(Bodies, HaveFewerTrianglesWhereMoreDeviationIsAllowed) {
+  std::size_t last = full_.triangles.size();
+  for (const double deviation : {0.02, 0.1, 0.5}) {
+    options_.max_deviation_mm = deviation;
+    const std::size_t count = decimate(full_, options_, progress_).mesh.triangles.size();
+    EXPECT_LT(count, last);
+    last = count;
+  }
+}
+
+TEST_F(Bodies, DoNotDependOnThreads) {
+  const auto with = [&](int threads) {
+    TriangleMesh mesh;
+    tbb::task_arena(threads).execute([&] { mesh = decimate(full_, options_, progress_).mesh; });
+    return mesh;
+  };
+  const TriangleMesh one = with(1);
+  EXPECT_EQ(with(2), one);
+  EXPECT_EQ(with(7), one);
+}
+
+TEST_F(Bodies, StopWhenAskedTo) {
+  testing::StoppingProgress stopping;
+  EXPECT_THROW(decimate(full_, options_, stopping), Error);
+}
+
+}  // namespace
+}  // namespace octavo
