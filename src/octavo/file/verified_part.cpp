@@ -65,7 +65,8 @@ VerifyReport joined_report(std::span<const VerifiedPart> parts, std::size_t max_
     }
     if (!lying_slab_trailer) lying_slab_trailer = one->lying_slab_trailer;
   }
-  std::ranges::stable_sort(found, {}, [](const auto& one) { return one.first; });
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
   for (const auto& [step, damage] : found) {
     if (all.damages.size() < max_listed) all.damages.push_back(*damage);
   }

@@ -212,7 +212,7 @@ MeasureResult join_measured(const JoinMeasuredOptions& options, const TaskContex
   std::vector<WorkPart> parts;
   std::vector<PartOfRegions> found;
   for (const std::string& path : options.parts) {
-    PartFile file = read_part_file(path, kMeasureKind);
+    FoundPart file = read_part_file(path, kMeasureKind);
     if (file.lines.empty() || file.lines.front().text() != question) {
       throw Error(ErrorKind::invalid_argument,
                   "is part of another measurement: of other files, labels or percentiles", path);

@@ -56,7 +56,7 @@ void write_part_file(const Output& output, std::string_view kind, const WorkPart
   file.publish(output.overwrite);
 }
 
-PartFile read_part_file(const std::string& path, std::string_view kind) {
+FoundPart read_part_file(const std::string& path, std::string_view kind) {
   try {
     const std::string text = text_of_file(path);
     const std::size_t proof = text.size() < 2 ? 0 : text.rfind('\n', text.size() - 2) + 1;
@@ -64,7 +64,7 @@ PartFile read_part_file(const std::string& path, std::string_view kind) {
     if (proof == 0 || text.substr(proof) != checksum_line(proven)) {
       fail_part_file("its last line is not the checksum of the others");
     }
-    PartFile file;
+    FoundPart file;
     for (std::size_t at = 0; at < proof;) {
       const std::size_t end = text.find('\n', at);
       file.lines.push_back(json_members(std::string_view(text).substr(at, end - at)));

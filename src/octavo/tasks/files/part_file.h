@@ -21,7 +21,7 @@ namespace octavo {
 void write_part_file(const Output& output, std::string_view kind, const WorkPart& part,
                      const std::vector<JsonObject>& lines);
 
-struct PartFile {
+struct FoundPart {
   WorkPart part;
   std::vector<JsonObject> lines;
 };
@@ -29,7 +29,7 @@ struct PartFile {
 /// Reads what write_part_file wrote for that kind of work.
 /// Throws Error{io}; Error{corrupt} where it is no such file, or was changed; Error{limit_exceeded}
 ///        above 1 GiB
-PartFile read_part_file(const std::string& path, std::string_view kind);
+FoundPart read_part_file(const std::string& path, std::string_view kind);
 
 /// A member of a line, of a list of integers or of texts, of which all have to be there.
 /// Throws Error{corrupt}

@@ -99,7 +99,7 @@ std::vector<JsonObject> lines_of(const VerifiedPart& found) {
   return lines;
 }
 
-VerifiedPart verified_part_of(const PartFile& file) {
+VerifiedPart verified_part_of(const FoundPart& file) {
   VerifiedPart found;
   found.part = file.part;
   const JsonObject head = file.lines.empty() ? JsonObject() : file.lines.front();
