@@ -15,8 +15,10 @@ namespace {
 
 /// More than one page of bricks a layer, and three tiers: too large to be built often.
 std::vector<SmallVolume> large_volumes() {
-  return {small_volume("1089 bricks a layer", VoxelType::uint8, {2060, 2060, 130}),
-          small_volume("three tiers", VoxelType::uint8, {4, 4, 4300})};
+  // Of thick slices, so that a layer has few planes
+  SmallVolume wide = small_volume("1056 bricks a layer", VoxelType::uint8, {2112, 2048, 12});
+  wide.description.geometry.spacing_mm = {1, 1, 16};
+  return {wide, small_volume("three tiers", VoxelType::uint8, {4, 4, 4300})};
 }
 
 std::vector<GroupRun> random_runs(std::int64_t groups, std::mt19937& random) {
