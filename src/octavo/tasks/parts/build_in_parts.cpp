@@ -1,5 +1,9 @@
 #include "octavo/tasks/parts/build_in_parts.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -23,11 +27,35 @@ namespace octavo {
 
 namespace {
 
+constexpr const char* kPlanName = "scan.plan";  // that parts have their names from
+
+/// Whether nobody works in a folder of parts any more.
+bool is_left_behind(const std::string& folder) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (descriptor < 0) return false;
+  bool is_left = ::flock(descriptor, LOCK_EX | LOCK_NB) == 0;
+  std::error_code problem;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, problem)) {
+    const std::string name = entry.path().filename().string();
+    is_left = is_left && name.find("scan.part-") <= 1;  // one that grows begins with a dot
+  }
+  ::close(descriptor);
+  return is_left && !problem;
+}
+
+/// Removes what killed builds of `output` left.
+void remove_left_parts(const std::string& output) {
+  std::error_code none;
+  for (const std::string& name : list_temporaries(local_storage(), output)) {
+    if (is_left_behind(name)) std::filesystem::remove_all(name, none);
+  }
+}
+
 /// Holds parts until they are joined; removed with all that stands in it.
 class PartsFolder {
  public:
   explicit PartsFolder(const std::string& output)
-      : folder_(create_temporary_folder(local_storage(), output)) {}
+      : folder_(made_beside(output)) {}
   ~PartsFolder() {
     std::error_code none;
     std::filesystem::remove_all(folder_.path, none);
@@ -38,6 +66,11 @@ class PartsFolder {
   const std::string& path() const { return folder_.path; }
 
  private:
+  static TemporaryFile made_beside(const std::string& output) {
+    remove_left_parts(output);
+    return create_temporary_folder(local_storage(), output);
+  }
+
   TemporaryFile folder_;
 };
 
@@ -75,7 +108,7 @@ std::vector<std::string> make_all_parts(const BuildPlan& plan, const std::string
   std::vector<std::string> paths;
   for (std::int64_t part = 0; part < plan.part_count; ++part) {
     paths.push_back(
-        (std::filesystem::path(folder) / part_name("scan.plan", part, plan.part_count)).string());
+        (std::filesystem::path(folder) / part_name(kPlanName, part, plan.part_count)).string());
   }
   std::atomic<bool> has_failed = false;
   std::mutex mutex;
