@@ -283,8 +283,8 @@ template void load_details(Workspace<std::int32_t>&, const Stage&, const Target<
 
 namespace {
 
-/// The ranges of every 32nd voxel of rows: compilers make vectors of them, of types of 8 and 16 bits
-/// that any machine can compare. Other types of that size have their highest bit turned over.
+/// The ranges of every 32nd voxel of rows: compilers make vectors of them. Types of 8 and 16 bits
+/// are compared as those that any machine has vectors for: others have their highest bit turned.
 template <class T>
 class ColumnRanges {
  public:

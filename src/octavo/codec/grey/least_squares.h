@@ -28,8 +28,8 @@ struct SampleMeasures {
   std::int32_t predicted = 0;  ///< the sum of features times weights
 };
 
-/// So many samples ahead memory is asked for features: samples lie about, and far more of them than a
-/// cache holds.
+/// Asks memory for the features of a sample that is used so many samples later: they lie about, and
+/// are far more than a cache holds.
 inline constexpr std::size_t kFetchedAhead = 8;
 void fetch_features(std::span<const std::int16_t> features);
 

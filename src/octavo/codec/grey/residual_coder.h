@@ -36,7 +36,7 @@ constexpr int state_count(std::int64_t symbols) {
 class Symbol {
  public:
   /// Not cleared: room for lists of them is made before they are written.
-  Symbol() noexcept {}  // NOLINT(cppcoreguidelines-pro-type-member-init,modernize-use-equals-default)
+  Symbol() noexcept {}  // NOLINT(cppcoreguidelines-pro-type-member-init)
   /// packed: context | plain bits << 8; place: among the coded pairs of its row
   Symbol(std::uint64_t zigzag_residual, unsigned packed, int place)
       : Symbol(zigzag_residual, packed & 0xff, packed >> 8, place) {}
