@@ -227,7 +227,10 @@ class Computed(InParts):
             (["a source is required"], []),
         ]:
             with self.subTest(arguments):
-                self.expect_error(2, words, "plan", "-o", "work.plan", *arguments)
+                said = self.expect(2, "plan", "-o", "work.plan", *arguments).stderr
+                self.assertEqual(said.count("\n"), 1, said)
+                for word in words:
+                    self.assertIn(word, said)
         self.assertEqual(self.files(), ["grey.8vo", "scan.raw"])
 
 
