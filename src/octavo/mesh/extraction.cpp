@@ -241,7 +241,7 @@ class Extraction {
       if (point_count_ + block->points.size() > kMost) {
         throw Error(ErrorKind::limit_exceeded,
                     "the surface has more than " + std::to_string(kMost) +
-                        " points; take a coarser level")
+                        " points")
             .with_field("level");
       }
       block->first_point = static_cast<std::uint32_t>(point_count_);

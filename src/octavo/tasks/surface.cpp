@@ -100,11 +100,12 @@ void check_range(const FileReader& reader, const SurfaceField& field,
   const std::string values =
       options.is_stored ? number_text(lowest) + " to " + number_text(highest)
                         : real_text(volume, lowest) + " to " + real_text(volume, highest);
-  const char* const field_name = volume.kind == VolumeKind::grey ? "isovalue.range" : "";
-  reject_mesh(fmt::format("has no surface: {} voxel has {}; its values run from {}",
-                     share == InsideShare::none ? "no" : "every", inside_words(options, volume),
-                     values),
-         options.input, field_name);
+  const std::string text =
+      fmt::format("has no surface: {} voxel has {}; its values run from {}",
+                  share == InsideShare::none ? "no" : "every", inside_words(options, volume),
+                  values);
+  if (volume.kind == VolumeKind::labels) reject_mesh(text, options.input, "");
+  reject_mesh(text, options.input, "isovalue.range");
 }
 
 TriangleMesh extracted(const FileReader& reader, const SurfaceField& field,
@@ -118,8 +119,8 @@ TriangleMesh extracted(const FileReader& reader, const SurfaceField& field,
   TriangleMesh mesh = collector.take();
   if (!mesh.triangles.empty()) return mesh;
   reject_mesh(fmt::format("has no surface: no voxel of level {} has {}", options.level,
-                     inside_words(options, reader.description())),
-         options.input, "");
+                          inside_words(options, reader.description())),
+              options.input, "");
 }
 
 /// The piece that comes nearest to a seed, which lies within a voxel of it.
