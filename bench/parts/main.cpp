@@ -4,8 +4,8 @@
 //
 // A phantom with noise of N x N x planes voxels of 16 bits; parts of four groups. Builds, plan,
 // parts, join and cp take turns on one thread; times are processor time, medians of the rounds.
-// FOLDER is made for the files and goes with them. The file of the join is that of the build, or the
-// program ends with an error.
+// FOLDER is made for the files and goes with them. The file of the join is that of the build, or
+// the program ends with an error.
 
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -131,11 +131,13 @@ void run_round(const Choice& choice, Times& times) {
 
 void print_row(const Choice& choice, const char* operation, double value, const char* unit,
                const char* goal) {
-  std::printf("%s,%s,phantom %lld x %lld x %lld %s,%s,%d,%.3f,%s,%s\n", choice.settings.commit.c_str(),
-              machine_name().c_str(), static_cast<long long>(choice.side),
-              static_cast<long long>(choice.side), static_cast<long long>(choice.planes),
-              choice.preset == Preset::fast ? "fast" : "small", operation, choice.settings.rounds, value,
-              unit, goal);
+  const std::string size = std::to_string(choice.side);
+  const std::string phantom = "phantom " + size + " x " + size + " x " +
+                              std::to_string(choice.planes) +
+                              (choice.preset == Preset::fast ? " fast" : " small");
+  std::printf("%s,%s,%s,%s,%d,%.3f,%s,%s\n", choice.settings.commit.c_str(),
+              machine_name().c_str(), phantom.c_str(), operation, choice.settings.rounds, value, unit,
+              goal);
 }
 
 void run(const Choice& choice) {

@@ -102,7 +102,9 @@ inline std::vector<std::shared_ptr<PartFile>> open_parts(Storage& storage,
                                                          const std::vector<GroupRun>& runs,
                                                          const std::string& folder = "") {
   std::vector<std::shared_ptr<PartFile>> parts;
-  for (const GroupRun& run : runs) parts.push_back(PartFile::open(storage, folder + part_name(run)));
+  for (const GroupRun& run : runs) {
+    parts.push_back(PartFile::open(storage, folder + part_name(run)));
+  }
   return parts;
 }
 

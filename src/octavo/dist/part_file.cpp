@@ -167,7 +167,9 @@ std::unique_ptr<PartFile> PartFile::open(Storage& storage, const std::string& pa
   }
   Bytes bytes(static_cast<std::size_t>(tail.length));
   file->read(tail.offset, bytes);
-  if (!checksum_matches(crc32c(bytes), tail.crc)) part->fail("the tail of the part fails its checksum");
+  if (!checksum_matches(crc32c(bytes), tail.crc)) {
+    part->fail("the tail of the part fails its checksum");
+  }
   try {
     part->read_tail(bytes, tail.offset);
   } catch (const Error& error) {

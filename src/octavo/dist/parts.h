@@ -44,7 +44,7 @@ void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_g
 std::vector<PartPlace> missing_groups(const BuildPlan& plan,
                                       const std::vector<std::shared_ptr<PartFile>>& parts);
 
-/// Is told where a stream of a part belongs in the file.
+/// Takes note of where a stream of a part belongs in the file.
 using LeaveOut =
     std::function<void(const PartFile& part, std::size_t stream, const Section& bytes)>;
 

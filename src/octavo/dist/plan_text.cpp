@@ -122,20 +122,20 @@ std::vector<double> place_of(const VolumeDescription& source) {
 void set_description(JsonObject& object, const std::string& name,
                      const VolumeDescription& source) {
   const Size3& size = source.size;
-  object.set(name + ".voxels", std::vector<std::int64_t>{static_cast<std::int64_t>(source.kind),
+  object.set(name + "voxels", std::vector<std::int64_t>{static_cast<std::int64_t>(source.kind),
                                                          static_cast<std::int64_t>(source.type),
                                                          size.x, size.y, size.z});
-  object.set(name + ".place", hex_of(place_of(source)));
-  object.set(name + ".hint", hex_of(source.coding ? numbers_of(*source.coding)
+  object.set(name + "place", hex_of(place_of(source)));
+  object.set(name + "hint", hex_of(source.coding ? numbers_of(*source.coding)
                                                   : std::vector<double>{}));
-  object.set(name + ".no_measurement",
+  object.set(name + "no_measurement",
              source.padding ? std::vector<std::int64_t>{*source.padding}
                             : std::vector<std::int64_t>{});
-  object.set_json(name + ".metadata", source.metadata.text());
+  object.set_json(name + "metadata", source.metadata.text());
 }
 
 void set_stack(JsonObject& object, const SliceStack& stack) {
-  set_description(object, "stack", stack.description);
+  set_description(object, "stack.", stack.description);
   const auto& [planes, tilt, padding] = *stack.files.outline;
   std::vector<std::int64_t> below;
   std::vector<double> weights;
@@ -171,7 +171,7 @@ JsonObject object_of(const BuildPlan& plan) {
   object.set("build.bound", hex_of(std::vector<double>{options.max_error}));
   object.set("build.for_nan", hex_of(list_of(options.repair.nan)));
   object.set("build.for_infinity", hex_of(list_of(options.repair.infinity)));
-  set_description(object, "source", plan.source);
+  set_description(object, "source.", plan.source);
   if (plan.stack) set_stack(object, *plan.stack);
   object.set_json("source.recipe", plan.recipe);
   std::vector<double> floats;
@@ -222,22 +222,22 @@ BuildOptions options_of(const JsonObject& object) {
 VolumeDescription description_of(const JsonObject& object, const std::string& name) {
   const auto json_of = [&](const char* member) { return object.json_of(name + member); };
   VolumeDescription source;
-  const auto voxels = exactly(5, integers_of(json_of(".voxels")));
+  const auto voxels = exactly(5, integers_of(json_of("voxels")));
   source.kind = static_cast<VolumeKind>(within(voxels[0], 1, 2));
   source.type = static_cast<VoxelType>(within(voxels[1], 0, 255));
   if (!is_valid(source.type)) fail("has no such type of voxels");
   source.size = {voxels[2], voxels[3], voxels[4]};
-  const auto place = exactly(17, doubles_of(json_of(".place")));
+  const auto place = exactly(17, doubles_of(json_of("place")));
   const auto at = [&](std::ptrdiff_t first) { return place.begin() + first; };
   std::copy(at(0), at(3), source.geometry.origin_mm.begin());
   std::copy(at(3), at(6), source.geometry.spacing_mm.begin());
   std::copy(at(6), at(15), source.geometry.direction.begin());
   source.rescale = {place[15], place[16]};
-  const auto hint = doubles_of(json_of(".hint"));
+  const auto hint = doubles_of(json_of("hint"));
   if (!hint.empty()) source.coding = coding_of(exactly(4, hint));
-  const auto padding = integers_of(json_of(".no_measurement"));
+  const auto padding = integers_of(json_of("no_measurement"));
   if (!padding.empty()) source.padding = padding.front();
-  source.metadata = Metadata::read(std::string(json_of(".metadata")));
+  source.metadata = Metadata::read(std::string(json_of("metadata")));
   if (!source.metadata.is_readable()) fail("has metadata that cannot be read");
   return source;
 }
@@ -245,7 +245,7 @@ VolumeDescription description_of(const JsonObject& object, const std::string& na
 /// Requires plan.files, whose paths are those of the slices.
 std::optional<SliceStack> stack_of(const JsonObject& object, const BuildPlan& plan) {
   if (object.json_of("stack.voxels").empty()) return std::nullopt;
-  SliceStack stack{description_of(object, "stack"), {}};
+  SliceStack stack{description_of(object, "stack."), {}};
   for (const SourceStamp& file : plan.files) stack.files.paths.push_back(file.path);
   auto& [planes, tilt, padding] = stack.files.outline.emplace();
   // What planes are made of
@@ -345,7 +345,7 @@ BuildPlan parse_plan(std::string_view text) {
                     "; this program knows " + std::to_string(kPlanVersion));
   }
   plan.options = options_of(object);
-  plan.source = description_of(object, "source");
+  plan.source = description_of(object, "source.");
   plan.floats = floats_of(object);
   const auto counts = exactly(3, integers_of(object.json_of("groups.count")));
   plan.planes_per_group = counts[0];
