@@ -17,9 +17,9 @@ constexpr VerbText kCondenseText = {
     "condense", "Even out the cubes of a grey volume that hardly vary.",
     "The cubes of the octree, up to the whole volume, whose largest and smallest voxel differ by\n"
     "at most --flat take their mean; the largest such cubes count. float32 voxels must be\n"
-    "multiples of one number, and a mean is the nearest of these. Of a cube at the border the voxels inside count, so slices and\n"
-    "thin stacks condense too. No voxel changes by more. The result is an ordinary grey volume\n"
-    "with large uniform cubes.\n\n"
+    "multiples of one number, and a mean is the nearest of these. Of a cube at the border the\n"
+    "voxels inside count, so slices and thin stacks condense too. No voxel changes by more. The\n"
+    "result is an ordinary grey volume with large uniform cubes.\n\n"
     "Examples:\n"
     "  octavo condense head.8vo --flat 20 -o cubes.8vo\n"
     "  octavo render cubes.8vo --mode transparency -o cubes.png"};

@@ -241,34 +241,6 @@ class Outputs(InFolder):
                               "-o", name)
         self.assertEqual((self.folder / "v.8vo").read_bytes(), before)
 
-    def test_values_in_place_of_nan_are_for_floats(self):
-        layout = self.random_raw("v.raw", (10, 9, 8))
-        for option in ["--nan", "--inf"]:
-            self.expect_error(2, ["float32", "int16"], "build", "v.raw", "--raw", layout,
-                              "--spacing", "1", option, "3", "-o", "v.8vo")
-        self.assertEqual(self.files(), ["v.raw"])
-
-    def test_verify_prints_json_of_what_cannot_be_opened(self):
-        (self.folder / "no.8vo").write_bytes(b"no such thing" * 99)
-        for name, code in [("no.8vo", 3), ("missing.8vo", 5)]:
-            result = self.octavo("verify", name, "--json")
-            self.assertEqual(result.returncode, code)
-            said = json.loads(result.stdout)
-            self.assertEqual((said["file"], said["sound"]), (name, None))
-            self.assertEqual(said["error"]["exit_code"], code)
-            self.assertEqual(said["error"], json.loads(result.stderr.splitlines()[-1])["error"])
-
-    def test_a_volume_of_nan_alone_has_no_values(self):
-        (self.folder / "n.raw").write_bytes(b"\x00\x00\xc0\xff" * (70 * 9 * 66))
-        self.expect(0, "build", "n.raw", "--raw", "70,9,66,float32", "--spacing", "1", "-o",
-                    "n.8vo")
-        self.assertIn("values       none: every voxel is NaN or infinite\n",
-                      self.expect(0, "info", "n.8vo").stdout)
-        info = self.info("n.8vo")
-        self.assertEqual((info["min"], info["max"]), (None, None))
-        probe = self.expect(0, "probe", "n.8vo", "--at", "3,3,3").stdout
-        self.assertIn("value   nan\n", probe)
-
 
 class RoundTrips(InFolder):
     def test_raw_in_raw_out_is_identity(self):

@@ -29,8 +29,8 @@ struct FloatSample {
 /// hints  codings to try first, in their order
 SampleCoding exact_coding_of(const FloatSample& sample, std::span<const SampleCoding> hints);
 
-/// Wider steps for a volume of few different values, to be tried beside its usual coding: these have
-/// few codes, and which float of its step a voxel is mostly follows from the voxels before it.
+/// Wider steps for a volume of few different values, to be tried beside its usual coding: these
+/// have few codes, and which float of its step a voxel is mostly follows from the voxels before it.
 /// None for other volumes, or where the usual one has as few codes.
 std::optional<SampleCoding> coding_of_few(const FloatSample& sample, const SampleCoding& usual);
 

@@ -148,7 +148,8 @@ bool has_few_values(std::span<const TrainingBrick> bricks) {
       if (values.size() > kFew) return;
       for (std::int64_t x = 0; x < brick.view.size.x; ++x) {
         const bool is_known = (x > 0 && row[x] == row[x - 1]) ||
-                              std::ranges::find(values, std::int64_t{row[x]}) != values.end();
+                              std::find(values.begin(), values.end(), std::int64_t{row[x]}) !=
+                                  values.end();
         if (!is_known) values.push_back(row[x]);
         if (values.size() > kFew) return;
       }
