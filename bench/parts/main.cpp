@@ -136,8 +136,8 @@ void print_row(const Choice& choice, const char* operation, double value, const 
                               std::to_string(choice.planes) +
                               (choice.preset == Preset::fast ? " fast" : " small");
   std::printf("%s,%s,%s,%s,%d,%.3f,%s,%s\n", choice.settings.commit.c_str(),
-              machine_name().c_str(), phantom.c_str(), operation, choice.settings.rounds, value, unit,
-              goal);
+              machine_name().c_str(), phantom.c_str(), operation, choice.settings.rounds, value,
+              unit, goal);
 }
 
 void run(const Choice& choice) {

@@ -56,7 +56,7 @@ struct WriterOptions {
   /// The first layers of tier 0 where others have encoded them: their bricks do not come again. A
   /// file without a journal.
   std::vector<std::shared_ptr<const EncodedRun>> runs = {};
-  /// Takes note of where the streams of runs belong; then they are not copied, and their places hold
+  /// Takes note of where streams of runs belong; then they are not copied, and their places hold
   /// nothing when the file is sealed. Empty: they are copied.
   std::function<void(const PlacedStream&)> leave_out = {};
   /// How the bricks are made, lines "NAME: VALUE": writers of other settings do not continue.
