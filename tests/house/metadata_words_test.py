@@ -26,6 +26,7 @@ OTHERS = {
     "src/octavo/builder/build_outline.cpp": {"keep_details": "a field of an error"},
     "src/octavo/codec/brick_codec.h": {"slices": "what an option is set to"},
     "src/octavo/builder/recover.cpp": {"repaired": "what is done"},
+    "src/octavo/core/text.cpp": {"nan": "how a number is printed"},
     "src/octavo/file/write/interrupted.cpp": {"access": "a setting of a build",
                                               "keep_details": "a setting of a build",
                                               "labels": "a kind of volume",

@@ -167,8 +167,8 @@ MeasureResult result_of(const Measurement& work, std::vector<RegionMeasure> regi
 /// What all parts of one measurement have in common: voxels, labels and percentiles.
 JsonObject question_of(const Measurement& work) {
   JsonObject question;
-  question.set("labels", hex_text(work.labels->voxel_digest()));
-  question.set("grey", work.grey ? hex_text(work.grey->voxel_digest()) : "");
+  question.set("label_digest", hex_text(work.labels->voxel_digest()));
+  question.set("grey_digest", work.grey ? hex_text(work.grey->voxel_digest()) : "");
   question.set("asked", work.asked.labels);
   std::vector<std::string> percentiles;
   for (const double percent : work.asked.percentiles) percentiles.push_back(exact_text(percent));
