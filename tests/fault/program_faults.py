@@ -196,7 +196,8 @@ class Resume(InFolder):
             self.assertIn(code, (0, -how, 128 + how), said)
             spared += "continued behind plane" in said
             left = self.check_left()
-            if code == 0:
+            # A program may also be killed between its last step and its end.
+            if code == 0 or (how == signal.SIGKILL and (self.folder / "out.8vo").exists()):
                 self.assertEqual(left, [])
                 self.assertEqual((self.folder / "out.8vo").read_bytes(),
                                  (self.folder / "reference.8vo").read_bytes())
@@ -237,8 +238,8 @@ class Resume(InFolder):
                  ["--preset", "fast"]),
                 (["another max error: 0 there, 2 now", "it was begun with --max-error 0"],
                  ["--max-error", "2"]),
-                (["another replacement of NaN: not given there, 0 now",
-                  "it was begun without --nan"], ["--nan", "0"]),
+                (["another thumbnail: not given there, given now",
+                  "it was begun without --thumbnail"], ["--thumbnail"]),
                 (["another kind: grey there, labels now; the interrupted build is kept; leave"],
                  ["--labels"])]:
             self.expect_error(2, [*words, "the interrupted build is kept", anew],
