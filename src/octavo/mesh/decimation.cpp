@@ -15,6 +15,7 @@
 #include "octavo/core/error.h"
 #include "octavo/mesh/certificate.h"
 #include "octavo/mesh/collapse.h"
+#include "octavo/mesh/mesh_pieces.h"
 #include "octavo/mesh/point_distance.h"
 #include "octavo/mesh/triangle_tree.h"
 
@@ -65,11 +66,13 @@ class Decimation {
         progress_(progress),
         origin_(place_of_point(full.points.front())),
         tolerances_(full.points.size(), 1),
-        is_frozen_(full.points.size()) {
+        is_frozen_(full.points.size()),
+        pieces_(mesh_pieces(full)) {
     const auto& [x, y, z] = geometry_.spacing_mm;
     deviation_ = options.max_deviation_mm - kRoundingMargin * std::min({x, y, z});
     tolerance_ = kToleranceShare * options.max_deviation_mm;
     start_.mesh = full;
+    volumes_ = piece_volumes(full);
     set_quadrics();
     start_.nearest.resize(full.points.size());
     for (std::size_t i = 0; i < full.triangles.size(); ++i) {
@@ -110,6 +113,31 @@ class Decimation {
         start_.quadrics[point].add_plane(scaled(normal, 1 / length), a, length);
       }
     }
+  }
+
+  /// What each piece of the full surface encloses, times six; negative around a hollow.
+  std::vector<double> piece_volumes(const TriangleMesh& mesh) const {
+    std::vector<double> volumes(pieces_.count);
+    for (const MeshTriangle& t : mesh.triangles) {
+      volumes[pieces_.of_point[t[0]]] +=
+          dot(place(mesh.points[t[0]]),
+              cross(place(mesh.points[t[1]]), place(mesh.points[t[2]])));
+    }
+    return volumes;
+  }
+
+  /// The triangles of pieces that are turned inside out: a large deviation lets a piece pass
+  /// through itself as a whole, without any triangle that crosses another.
+  std::vector<std::uint32_t> turned_triangles(const TriangleMesh& mesh) const {
+    const std::vector<double> volumes = piece_volumes(mesh);
+    std::vector<std::uint32_t> turned;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+      const std::uint32_t piece = pieces_.of_point[mesh.triangles[i][0]];
+      if ((volumes[piece] > 0) != (volumes_[piece] > 0)) {
+        turned.push_back(static_cast<std::uint32_t>(i));
+      }
+    }
+    return turned;
   }
 
   /// One pass over all parts, their cubes shifted by a share of their side.
@@ -260,6 +288,8 @@ class Decimation {
     const std::vector<std::uint32_t> crossing = crossing_triangles(tree);
     crossing_count_ = crossing.size();
     failed.insert(failed.end(), crossing.begin(), crossing.end());
+    const std::vector<std::uint32_t> turned = turned_triangles(reduced.mesh);
+    failed.insert(failed.end(), turned.begin(), turned.end());
     if (full_failed.empty() && failed.empty()) return false;
 
     // Triangles that failed with a ring around them, and those that failing ones of the full
@@ -317,6 +347,8 @@ class Decimation {
   ReducedSurface start_;
   std::vector<float> tolerances_;  // of points of the full surface, as shares
   std::vector<bool> is_frozen_;    // points that stay as they are
+  MeshPieces pieces_;              // of the full surface
+  std::vector<double> volumes_;    // that they enclose
 };
 
 }  // namespace

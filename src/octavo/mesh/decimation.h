@@ -3,10 +3,10 @@
 //
 // Triangles are cut into parts, cubes of 32 voxels, whose edges are collapsed (collapse.h); points
 // that parts share stay. A second pass, its cubes shifted by half their side, takes those. Then
-// both distances are proven (certificate.h), and that no triangles cross. Where that fails the
-// points around get a smaller tolerance, in the end none, and all is done again: since the full
-// surface passes, this ends. Parts depend on nothing but their triangles, so the result does not
-// depend on threads.
+// both distances are proven (certificate.h), and that no triangles cross and no piece is turned
+// inside out. Where that fails the points around get a smaller tolerance, in the end none, and all
+// is done again: since the full surface passes, this ends. Parts depend on nothing but their
+// triangles, so the result does not depend on threads.
 //
 // Components, handles and closedness stay as they are.
 #pragma once

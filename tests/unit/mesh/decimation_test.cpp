@@ -117,6 +117,28 @@ TEST_F(Bodies, DoNotDependOnThreads) {
   EXPECT_EQ(with(7), one);
 }
 
+TEST_F(Bodies, AreNotTurnedInsideOut) {
+  // A piece of a mask that passed through itself as a whole where 2 mm are allowed.
+  testing::Volume volume;
+  volume.description.size = {5, 5, 5};
+  volume.description.type = VoxelType::uint8;
+  volume.description.kind = VolumeKind::labels;
+  volume.voxels.resize(125);
+  for (const std::size_t voxel : {38, 41, 42, 62, 63, 66, 67, 88, 92}) {
+    volume.voxels[voxel] = std::byte{1};
+  }
+  testing::build_volume(volume, folder_.file("turned.8vo"), 1);
+  const auto reader = testing::open_file(folder_.file("turned.8vo"));
+  MeshCollector collector;
+  extract_surface(*reader, 0, SurfaceField::of_labels({}), collector, progress_);
+  const TriangleMesh full = collector.take();
+  for (const double deviation : {0.5, 2.0, 20.0}) {
+    const Decimated reduced =
+        decimate(full, {deviation, volume.description.geometry}, progress_);
+    EXPECT_GT(measure_mesh(reduced.mesh).volume_mm3, 0) << deviation;
+  }
+}
+
 TEST_F(Bodies, StopWhenAskedTo) {
   testing::StoppingProgress stopping;
   EXPECT_THROW(decimate(full_, options_, stopping), Error);
