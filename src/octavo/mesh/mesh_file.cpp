@@ -1,10 +1,12 @@
 #include "octavo/mesh/mesh_file.h"
 
 #include <bit>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <filesystem>
 #include <limits>
 
 #include "octavo/core/bytes.h"
@@ -143,9 +145,13 @@ void write_obj(const TriangleMesh& mesh, MeshSpace space, const std::vector<std:
 }  // namespace
 
 std::optional<MeshFormat> mesh_format_of(const std::string& path) {
-  if (path.ends_with(".stl")) return MeshFormat::stl;
-  if (path.ends_with(".ply")) return MeshFormat::ply;
-  if (path.ends_with(".obj")) return MeshFormat::obj;
+  std::string ending = std::filesystem::path(path).extension();
+  for (char& letter : ending) {
+    letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  }
+  if (ending == ".stl") return MeshFormat::stl;
+  if (ending == ".ply") return MeshFormat::ply;
+  if (ending == ".obj") return MeshFormat::obj;
   return std::nullopt;
 }
 

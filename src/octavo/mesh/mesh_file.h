@@ -12,7 +12,7 @@ namespace octavo {
 
 enum class MeshFormat { stl, ply, obj };
 
-/// By the ending of a name.
+/// By the ending of a name, in letters of either case.
 std::optional<MeshFormat> mesh_format_of(const std::string& path);
 
 /// ".stl, .ply or .obj"

@@ -74,6 +74,7 @@ TEST(MeshFile, ObjCountsFromOneAndKeepsAllDigits) {
 TEST(MeshFile, FormatsAreKnownByTheirEndings) {
   EXPECT_EQ(mesh_format_of("a.b.stl"), MeshFormat::stl);
   EXPECT_EQ(mesh_format_of("a.ply"), MeshFormat::ply);
+  EXPECT_EQ(mesh_format_of("A.Ply"), MeshFormat::ply);
   EXPECT_EQ(mesh_format_of("a.obj"), MeshFormat::obj);
   EXPECT_EQ(mesh_format_of("a.off"), std::nullopt);
 }
