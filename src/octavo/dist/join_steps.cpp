@@ -88,17 +88,21 @@ auto about(const std::string& path, F action) -> decltype(action()) {
   }
 }
 
-/// A join that was not finished may be all that is left of parts that are gone.
-void require_none_of_others(const BuildPlan& plan, Storage& storage, const std::string& path) {
-  if (!storage.exists(layout_name(path))) return;
-  if (storage.list(join_prefix(path) + kCopiedEnding).empty()) return;
-  std::uint64_t other = plan.id;
+/// Whether a join by another plan has begun beside this name.
+bool is_begun_by_another(const BuildPlan& plan, Storage& storage, const std::string& path) {
+  if (!storage.exists(layout_name(path))) return false;
+  if (storage.list(join_prefix(path) + kCopiedEnding).empty()) return false;
   try {
-    other = parse_layout(file_text(storage, layout_name(path))).plan;
+    return parse_layout(file_text(storage, layout_name(path))).plan != plan.id;
   } catch (const Error& error) {
     if (error.kind() == ErrorKind::io) throw;
   }
-  if (other == plan.id) return;
+  return false;
+}
+
+/// A join that was not finished may be all that is left of parts that are gone.
+void require_none_of_others(const BuildPlan& plan, Storage& storage, const std::string& path) {
+  if (!is_begun_by_another(plan, storage, path)) return;
   throw Error(ErrorKind::io,
               "a join by another plan has begun here (" + escaped(joined_name(path)) +
                   " and what is called so); finish it, or remove that",
@@ -284,12 +288,17 @@ JoinLayout lay_out_join(const BuildPlan& plan, const std::vector<std::shared_ptr
                         Storage& storage, const std::string& path, bool overwrite,
                         const PartWork& work, Progress& progress) {
   check_target(storage, path, overwrite);
-  if (std::optional<JoinLayout> layout = find_layout(plan, storage, path)) return *layout;
-  require_none_of_others(plan, storage, path);
-  discard_join(storage, path);
+  {
+    // Nobody else's layout may come, with parts copied into it, between the look and the removal.
+    const auto lock = storage.lock_folder(folder_of(path));
+    if (std::optional<JoinLayout> layout = find_layout(plan, storage, path)) return *layout;
+    require_none_of_others(plan, storage, path);
+    discard_join(storage, path);
+  }
   JoinLayout layout{plan.id, 0, {}};
   const BuildResult result = about(path, [&] {
-    return lay_out_parts(plan, parts, storage, joined_name(path), true, work, progress,
+    // What somebody else has laid out meanwhile may hold parts already: it stays.
+    return lay_out_parts(plan, parts, storage, joined_name(path), false, work, progress,
                          [&](const PartFile& part, std::size_t stream, const Section& bytes) {
                            if (bytes.length == 0) return;
                            layout.runs.push_back({part.place().first_group, part.place().end_group,
@@ -307,7 +316,6 @@ void copy_part(const BuildPlan& plan, const std::shared_ptr<PartFile>& part, Sto
   const std::optional<JoinLayout> layout = find_layout(plan, storage, path);
   if (!layout) throw Error(ErrorKind::io, "nothing is laid out for this plan", path);
   const PartPlace& place = part->place();
-  if (storage.exists(copied_name(path, place))) return;
 
   // The runs of this part, as it has them
   std::vector<CopiedRun> runs;
@@ -326,6 +334,7 @@ void copy_part(const BuildPlan& plan, const std::shared_ptr<PartFile>& part, Sto
     throw Error(ErrorKind::invalid_argument, "is not a part of the file that was laid out",
                 part->path());
   }
+  if (storage.exists(copied_name(path, place))) return;
 
   // Their bytes, then the mark that says that they are there
   const WatchedParts watched({part}, progress);
@@ -363,7 +372,7 @@ std::uint64_t seal_join(const BuildPlan& plan, Storage& storage, const std::stri
     if (!is_joined(plan, storage, path)) {
       throw Error(ErrorKind::io, "nothing is laid out for this plan", path);
     }
-    discard_join(storage, path);
+    if (!is_begun_by_another(plan, storage, path)) discard_join(storage, path);
     return storage.open_read(path)->size();
   }
   const std::vector<PartPlace> missing = uncopied_parts(*layout, storage, path);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <utility>
 
 #include "octavo/builder/group_reader.h"
 #include "octavo/core/error.h"
@@ -190,6 +191,42 @@ TEST_F(JoinSteps, WhatAnotherPlanHasBegunIsNotTakenAway) {
   copy({1, 4});
   seal_join(plan_, storage_, "a.8vo", false);
   EXPECT_TRUE(*storage_.files.at("a.8vo") == whole_);
+}
+
+TEST_F(JoinSteps, SealingAgainKeepsWhatAnotherPlanHasBegun) {
+  lay_out(runs_);
+  for (const GroupRun& run : runs_) copy(run);
+  seal_join(plan_, storage_, "a.8vo", false);
+  SmallVolume other = volume_;
+  other.options.max_error = 2;
+  const BuildPlan plan = planned(other);
+  MemoryStorage parts;
+  make_part(other, plan, {0, 6}, parts);
+  storage_.files["other"] = parts.files.at("part-0-6");
+  const std::shared_ptr<PartFile> part = PartFile::open(storage_, "other");
+  lay_out_join(plan, {part}, storage_, "a.8vo", true, {}, progress_);
+  copy_part(plan, part, storage_, "a.8vo", progress_);
+  storage_.files.erase("other");
+  EXPECT_EQ(seal_join(plan_, storage_, "a.8vo", true), whole_.size());
+  seal_join(plan, storage_, "a.8vo", true);
+  EXPECT_TRUE(*storage_.files.at("a.8vo") == built(other));
+}
+
+TEST_F(JoinSteps, WhoLaysOutLaterTakesNoPartsAway) {
+  // Another job lays out and copies after this one found no layout.
+  bool is_over = false;
+  storage_.meanwhile = [&](const std::string& what) {
+    if (what != "create" || std::exchange(is_over, true)) return;
+    lay_out(runs_);
+    copy({0, 1});
+    storage_.files.erase(part_name({0, 1}));
+  };
+  failure_of([&] { lay_out(runs_); }, ErrorKind::io);
+  EXPECT_TRUE(is_over);
+  copy({1, 4});
+  copy({4, 6});
+  seal_join(plan_, storage_, "a.8vo", false);
+  expect_done(2);
 }
 
 TEST_F(JoinSteps, AFileThatStandsThereIsReplacedOnlyWhenAsked) {
