@@ -197,8 +197,8 @@ void PartFile::read_tail(ByteSpan bytes, std::uint64_t tail_offset) {
     }
   }
   in.expect_end();
-  const std::int64_t count = place_.end_group - place_.first_group;
-  if (place_.first_group < 0 || static_cast<std::int64_t>(groups_.size()) != count) {
+  if (place_.first_group < 0 || place_.end_group < place_.first_group ||
+      static_cast<std::int64_t>(groups_.size()) != place_.end_group - place_.first_group) {
     in.fail("groups other than those of its head");
   }
 }

@@ -77,6 +77,7 @@ BuildPlan read_plan(const std::string& path, const std::string& root) {
   if (!text.starts_with("{\"")) throw Error(ErrorKind::not_octavo, "is no plan of a build", path);
   try {
     BuildPlan plan = parse_plan(text);
+    if (plan.inputs.empty()) throw Error(ErrorKind::corrupt, "the plan names no source");
     const ScanRecipe recipe = parse_recipe(plan.recipe);
     const bool has_relative =
         std::ranges::any_of(plan.inputs, is_relative) ||
