@@ -212,7 +212,6 @@ class Measurement {
   // One more pass, over all values of regions.
   void count_values(Progress& progress, PartOfRegions& regions) const {
     using Keys = std::map<std::int64_t, std::vector<std::uint16_t>>;
-    std::map<std::int64_t, std::vector<std::uint64_t>> counts;
     const auto keys_in = [&](const Index3& brick) {
       Keys keys;
       if (!may_hold_asked(brick)) return keys;
@@ -224,20 +223,18 @@ class Measurement {
           of_label.push_back(static_cast<std::uint16_t>(scale_.keys->key_of(*first)));
         }
       });
+      for (auto& [label, of_label] : keys) std::ranges::sort(of_label);
       return keys;
     };
     for_bricks<Keys>(progress, "measure percentiles", keys_in, [&](const Keys& of_brick) {
       for (const auto& [label, keys] : of_brick) {
-        std::vector<std::uint64_t>& all = counts[label];
-        all.resize(std::size_t{1} << kMostPartBits);
-        for (const std::uint16_t key : keys) ++all[key];
+        std::map<std::uint64_t, std::uint64_t>& values = regions[label].values;
+        for (auto key = keys.begin(), next = key; key != keys.end(); key = next) {
+          next = std::upper_bound(key, keys.end(), *key);
+          values[*key] += static_cast<std::uint64_t>(next - key);
+        }
       }
     });
-    for (const auto& [label, all] : counts) {
-      for (std::size_t key = 0; key < all.size(); ++key) {
-        if (all[key] > 0) regions[label].values[key] = all[key];
-      }
-    }
   }
 
   // Whether the range of the grey brick at the same place has room for what a pass counts.
