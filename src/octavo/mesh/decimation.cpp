@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -88,6 +86,7 @@ class Decimation {
       ReducedSurface reduced = start_;
       for (const double shift : {0.0, 0.5}) reduce(reduced, shift);
       if (tighten(reduced, full_tree, round)) continue;
+      if (!is_proven_) return {full_, round + 1, crossing_triangles(full_tree).size()};
       return {compacted(reduced.mesh), round + 1, crossing_count_};
     }
   }
@@ -277,7 +276,7 @@ class Decimation {
   }
 
   /// Makes tolerances smaller where the reduced surface is not proven; false where all of it is, or
-  /// where only triangles of the full surface cross.
+  /// where nothing is left that could be made smaller.
   bool tighten(const ReducedSurface& reduced, const TriangleTree& full_tree, int round) {
     stop_if_cancelled();
     const TriangleTree tree(reduced.mesh);
@@ -290,6 +289,7 @@ class Decimation {
     failed.insert(failed.end(), crossing.begin(), crossing.end());
     const std::vector<std::uint32_t> turned = turned_triangles(reduced.mesh);
     failed.insert(failed.end(), turned.begin(), turned.end());
+    is_proven_ = full_failed.empty() && failed.size() == crossing.size();
     if (full_failed.empty() && failed.empty()) return false;
 
     // Triangles that failed with a ring around them, and those that failing ones of the full
@@ -344,6 +344,7 @@ class Decimation {
   double deviation_ = 0;  // that is proven
   double tolerance_ = 0;
   std::uint64_t crossing_count_ = 0;
+  bool is_proven_ = false;  // all but that no triangles cross
   ReducedSurface start_;
   std::vector<float> tolerances_;  // of points of the full surface, as shares
   std::vector<bool> is_frozen_;    // points that stay as they are
@@ -356,6 +357,10 @@ class Decimation {
 Decimated decimate(const TriangleMesh& full, const DecimationOptions& options,
                    Progress& progress) {
   if (full.triangles.empty()) return {full, 0, 0};
+  const auto& [x, y, z] = options.geometry.spacing_mm;
+  if (options.max_deviation_mm <= 2 * kRoundingMargin * std::min({x, y, z})) {
+    return {full, 0, crossing_triangles(TriangleTree(full)).size()};
+  }
   return Decimation(full, options, progress).run();
 }
 
