@@ -395,6 +395,10 @@ class Elsewhere(InParts):
         self.expect(0, "plan", *self.raw, "--source-root", ".", "-o", "scan.plan")
         self.check_moved("mounted")
 
+    def test_slashes_behind_the_folder_of_the_plan_are_one(self):
+        self.expect(0, "plan", f"{self.folder}//scan.raw", *self.raw[1:], "-o", "scan.plan")
+        self.part(0, "-q")
+
     def test_a_plan_of_absolute_paths_follows_the_folder_of_its_files(self):
         (self.folder / "plans").mkdir()
         self.expect(0, "plan", *self.raw, "-o", "plans/scan.plan")

@@ -31,7 +31,9 @@ std::string absolute_path(const std::string& path) {
 
 std::string kept_path(const std::string& path, const std::string& root) {
   const std::string whole = absolute_path(path);
-  return whole.starts_with(root) && whole.size() > root.size() ? whole.substr(root.size()) : whole;
+  if (!whole.starts_with(root)) return whole;
+  const std::size_t below = whole.find_first_not_of('/', root.size());
+  return below == std::string::npos ? whole : whole.substr(below);
 }
 
 bool is_relative(const std::string& path) { return !is_url(path) && !path.starts_with('/'); }
