@@ -279,6 +279,16 @@ class Rejected(InParts):
         self.expect_error(2, ["scan.part-0002-of-0003", "another plan"],
                           "join", "scan.plan", "-o", "scan.8vo")
 
+    def test_a_file_that_is_no_part_is_rejected_and_kept(self):
+        name = "scan.part-0001-of-0003"
+        notes = b"notes of mine, and long enough to be a head " * 40
+        (self.folder / name).write_bytes(notes)
+        said = self.part(2, "--part", "1")
+        self.assertIn(name + ": is no part of a build", said.stderr)
+        self.assertIn("--force", said.stderr)
+        self.assertEqual(self.bytes_of(name), notes)
+        self.part(0, "--part", "1", "-f")
+
     def test_a_source_changed_behind_the_first_group_is_rejected(self):
         self.write_scan(VOXELS[:2 * PLANE * 100] + b"\1\2\3\4" + VOXELS[2 * PLANE * 100 + 4:])
         said = self.part(7, "--part", "1")

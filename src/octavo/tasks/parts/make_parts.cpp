@@ -41,7 +41,7 @@ void make_folder(const std::string& folder) {
 
 /// Whether the part need not be made.
 bool is_kept(const BuildPlan& plan, std::int64_t part, const std::string& path,
-              const TaskContext& context) {
+             const TaskContext& context) {
   if (local_storage().path_type(path) == PathType::missing) return false;
   try {
     open_whole_part(plan, part, path);
@@ -49,6 +49,10 @@ bool is_kept(const BuildPlan& plan, std::int64_t part, const std::string& path,
   } catch (const Error& error) {
     if (error.kind() == ErrorKind::io) throw;
     if (error.kind() == ErrorKind::invalid_argument) throw error.with_field("parts.plan");
+    if (error.kind() == ErrorKind::not_octavo) {
+      throw Error(ErrorKind::invalid_argument, "is no part of a build", path)
+          .with_field("parts.plan");
+    }
     context.note(std::string(error.what()) + ": it is made anew");
     return false;
   }

@@ -40,7 +40,7 @@ struct MakePartsResult {
 /// is kept, what is damaged is made anew. Notes which parts a scheduler gave.
 /// Throws  as read_plan, parse_part_list, scheduled_parts, open_planned and build_part;
 ///         Error{invalid_argument} where nothing says which of several parts and, without
-///         overwrite, where a part of another plan has the name
+///         overwrite, where a part of another plan, or what is no part, has the name
 /// Memory  as build_part
 MakePartsResult make_parts(const MakePartsOptions& options, const TaskContext& context);
 
