@@ -108,14 +108,18 @@ void require_codec(const BuildPlan& plan) {
 BuildPlan plan_build(PlaneSource& source, const BuildOptions& options, Progress& progress,
                      const std::vector<std::string>& files,
                      const std::optional<SliceStack>& stack) {
+  const int threads = build_threads(options.threads);
+  check_build_memory(build_memory_bytes(source.description(), threads, options.max_error) +
+                         source.resident_bytes(),
+                     options.max_memory_bytes);
+  BuildPlan plan;
+  plan.files = stamps_of(files);  // before any plane is read
   BuildOutline outline = outline_build(source.description(), options);
   const std::int64_t first_planes = group_planes(outline.levels, source.description().type);
   const ProgressScope scope(progress, "plan", first_planes, "planes");
   choose_bounds(outline, source, options, progress);
 
-  BuildPlan plan;
   plan.options = options;
-  plan.files = stamps_of(files);
   if (stack && stack->files.paths == files) plan.stack = stack;
   plan.source = source.description();
   if (outline.floats) plan.floats = outline.floats->choice();
@@ -123,7 +127,7 @@ BuildPlan plan_build(PlaneSource& source, const BuildOptions& options, Progress&
   const std::int64_t planes = outline.levels.size(0).z;
   plan.group_count = (planes + first_planes - 1) / first_planes;
 
-  Workers workers(build_threads(options.threads));
+  Workers workers(threads);
   GroupTrainer trainer(outline.description, outline.levels, workers, outline.settings);
   GroupReader reader(outline.planes(source), outline.levels, progress, outline.float_voxels(), 0,
                      first_planes);

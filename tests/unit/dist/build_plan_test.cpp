@@ -6,12 +6,14 @@
 #include <fstream>
 #include <set>
 
+#include "octavo/builder/builder.h"
 #include "octavo/builder/group_reader.h"
 #include "octavo/dist/parts.h"
 #include "octavo/dist/plan_text.h"
 #include "octavo/io/open_source.h"
 #include "octavo/io/source/slice_source.h"
 #include "octavo/planes/between/isotropic_source.h"
+#include "octavo/planes/memory_source.h"
 #include "support/memory_storage.h"
 #include "support/source_files.h"
 
@@ -161,6 +163,54 @@ TEST(OwnSlices, SlicesThatStandElsewhereMakeTheSameParts) {
   EXPECT_EQ(plan.inputs, std::vector<std::string>{stack.folder() + "/moved"});
   stack.make_part(plan, 1, 2, storage, "here");
   EXPECT_TRUE(*storage.files.at("there") == *storage.files.at("here"));
+}
+
+/// Floats of a file that somebody writes to as soon as its first plane is read.
+class WrittenWhileRead final : public PlaneSource {
+ public:
+  explicit WrittenWhileRead(std::string path) : path_(std::move(path)) {
+    VolumeDescription volume;
+    volume.type = VoxelType::float32;
+    volume.size = {8, 8, 8};
+    planes_ = make_memory_source(volume, zeros_);
+    std::ofstream(path_) << "before";
+  }
+  const VolumeDescription& description() const override { return planes_->description(); }
+  const std::vector<Warning>& warnings() const override { return planes_->warnings(); }
+  void seek(std::int64_t first, std::int64_t end) override { planes_->seek(first, end); }
+  void read_plane(std::span<std::byte> plane) override {
+    std::ofstream(path_) << "and afterwards";
+    planes_->read_plane(plane);
+  }
+
+ private:
+  std::string path_;
+  std::vector<std::byte> zeros_ = std::vector<std::byte>(8 * 8 * 8 * 4);
+  std::unique_ptr<PlaneSource> planes_;
+};
+
+TEST(Planned, AFileThatChangesWhileItIsReadIsRejected) {
+  const TempFolder folder;
+  const std::string path = folder.file("floats");
+  WrittenWhileRead source(path);
+  NoProgress progress;
+  const Error error = error_of([&] { plan_build(source, {}, progress, {path}); });
+  EXPECT_EQ(error.kind(), ErrorKind::source_rejected) << error.what();
+  EXPECT_EQ(error.path(), path);
+}
+
+TEST(Planned, NoMoreMemoryIsTakenThanIsAllowed) {
+  const RawStack stack(70);
+  const auto source = stack.open_all();
+  BuildOptions options;
+  options.threads = 1;
+  options.max_memory_bytes =
+      build_memory_bytes(source->description(), 1, 0) + source->resident_bytes();
+  NoProgress progress;
+  plan_build(*source, options, progress);
+  --options.max_memory_bytes;
+  const Error error = error_of([&] { plan_build(*source, options, progress); });
+  EXPECT_EQ(error.kind(), ErrorKind::limit_exceeded) << error.what();
 }
 
 // Where a plan is read, a part opened and its first plane read, the rest of a large stack costs
