@@ -358,8 +358,12 @@ class Scheduled(InParts):
             ({"OMPI_COMM_WORLD_RANK": "1", "SLURM_PROCID": "0", "SLURM_NTASKS": "1", **ranks},
              "OMPI_COMM_WORLD_RANK", [1]),
             ({"PMIX_RANK": "1", "SLURM_STEP_NUM_TASKS": "2"}, "PMIX_RANK", [1]),
-            ({"SLURM_PROCID": "0", "SLURM_NTASKS": "3"}, "SLURM_PROCID", [0]),
-            ({"SLURM_PROCID": "7", "SLURM_NTASKS": "8"}, "SLURM_PROCID", []),
+            ({"SLURM_PROCID": "0", "SLURM_STEP_NUM_TASKS": "3"}, "SLURM_PROCID", [0]),
+            ({"SLURM_PROCID": "7", "SLURM_STEP_NUM_TASKS": "8"}, "SLURM_PROCID", []),
+            ({"PBS_ARRAY_INDEX": "3"}, "PBS_ARRAY_INDEX", []),
+            ({"LSB_JOBINDEX": "4"}, "LSB_JOBINDEX", []),
+            ({"AWS_BATCH_JOB_ARRAY_INDEX": "3"}, "AWS_BATCH_JOB_ARRAY_INDEX", []),
+            ({"JOB_COMPLETION_INDEX": "9"}, "JOB_COMPLETION_INDEX", []),
             ({"LSB_JOBINDEX": "0", "SGE_TASK_ID": "undefined", "PBS_ARRAY_INDEX": "2"},
              "PBS_ARRAY_INDEX", [2]),
         ]:
@@ -370,7 +374,9 @@ class Scheduled(InParts):
         for variables, words in [
             ({}, ["which of 3 parts", "--part"]),
             ({"SLURM_ARRAY_TASK_ID": "3"}, ["SLURM_ARRAY_TASK_ID is 3", "parts 0 to 2"]),
-            ({"LSB_JOBINDEX": "4"}, ["LSB_JOBINDEX is 4", "from 1"]),
+            ({"SLURM_PROCID": "0", "SLURM_NTASKS": "3"}, ["which of 3 parts", "--part"]),
+            ({"SGE_TASK_ID": "4"}, ["SGE_TASK_ID is 4", "from 1"]),
+            ({"LSB_JOBINDEX": "-4"}, ["'-4'"]),
             ({"PBS_ARRAY_INDEX": "two"}, ["'two'"]),
             ({"PMIX_RANK": "1"}, ["how many ranks"]),
         ]:

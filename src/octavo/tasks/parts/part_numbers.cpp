@@ -52,8 +52,14 @@ const RankVariable kRanks[] = {
     {"OMPI_COMM_WORLD_RANK", {"OMPI_COMM_WORLD_SIZE"}},
     {"PMIX_RANK", {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS", "SLURM_NTASKS"}},
     {"PMI_RANK", {"PMI_SIZE", "SLURM_STEP_NUM_TASKS", "SLURM_NTASKS"}},
-    {"SLURM_PROCID", {"SLURM_STEP_NUM_TASKS", "SLURM_NTASKS"}},
+    {"SLURM_PROCID", {"SLURM_STEP_NUM_TASKS"}},
 };
+
+/// What a batch script of Slurm has as well that runs before any srun.
+bool is_no_rank(const RankVariable& rank, const Variables& variables) {
+  return std::string_view(rank.name) == "SLURM_PROCID" &&
+         variables("SLURM_STEP_NUM_TASKS") == nullptr;
+}
 
 /// What LSF and Grid Engine say where a job is no array.
 bool is_no_array(const ArrayVariable& array, std::string_view value) {
@@ -82,7 +88,9 @@ ScheduledParts array_parts(const ArrayVariable& array, std::string_view value,
   }
   ScheduledParts scheduled{array.name, number - first, 0, {}};
   if (scheduled.task >= 0 && scheduled.task < count) scheduled.parts = {scheduled.task};
-  if (!scheduled.parts.empty() || is_whole) return scheduled;
+  // Where nothing says how many tasks there are, those behind the last part are too many.
+  const bool is_surplus = array.minimum == nullptr && scheduled.task >= count;
+  if (!scheduled.parts.empty() || is_whole || is_surplus) return scheduled;
   throw Error(ErrorKind::invalid_argument,
               std::string(array.name) + " is " + std::to_string(number) + ", and " +
                   parts_there_are(count) +
@@ -171,7 +179,8 @@ std::optional<ScheduledParts> scheduled_parts(const Variables& variables, std::i
   }
   for (const RankVariable& rank : kRanks) {
     const char* const value = variables(rank.name);
-    if (value != nullptr) return rank_parts(rank, value, variables, count);
+    if (value == nullptr || is_no_rank(rank, variables)) continue;
+    return rank_parts(rank, value, variables, count);
   }
   return std::nullopt;
 }

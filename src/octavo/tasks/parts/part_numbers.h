@@ -34,7 +34,8 @@ using Variables = std::function<const char*(const char* name)>;
 /// else what Open MPI, PMIx and srun set in ranks: rank r of n makes parts r, r + n, ...
 /// Arrays of LSF and Grid Engine begin at 1, all others at 0. Where Slurm and Grid Engine say that
 /// an array has as many tasks as there are parts, or more, its first task makes the first part,
-/// whatever its number; the tasks that are too many make none.
+/// whatever its number; the tasks that are too many make none, those of other schedulers neither.
+/// SLURM_PROCID counts in a step of srun alone: a batch script has it, too.
 /// Returns  nothing where no variable is set
 /// Throws   Error{invalid_argument} for a task that has no part, or is no number
 std::optional<ScheduledParts> scheduled_parts(const Variables& variables, std::int64_t count);

@@ -77,6 +77,24 @@ TEST(PartNumbers, ArraysOfSlurmAreTakenAsTheyAreMeant) {
   EXPECT_THROW(part(12, 12, 13), Error);
 }
 
+TEST(PartNumbers, TasksBehindTheLastPartHaveNone) {
+  for (const char* const name :
+       {"PBS_ARRAY_INDEX", "PBS_ARRAYID", "AWS_BATCH_JOB_ARRAY_INDEX", "JOB_COMPLETION_INDEX"}) {
+    EXPECT_EQ(scheduled({{name, "2"}}, 3)->parts, Numbers{2}) << name;
+    EXPECT_EQ(scheduled({{name, "3"}}, 3)->parts, Numbers{}) << name;
+    EXPECT_THROW(scheduled({{name, "3x"}}, 3), Error) << name;
+  }
+  EXPECT_EQ(scheduled({{"LSB_JOBINDEX", "3"}}, 3)->parts, Numbers{2});
+  EXPECT_EQ(scheduled({{"LSB_JOBINDEX", "4"}}, 3)->parts, Numbers{});
+  EXPECT_THROW(scheduled({{"SLURM_ARRAY_TASK_ID", "3"}}, 3), Error);
+}
+
+TEST(PartNumbers, RanksOfSlurmAreThoseOfSteps) {
+  EXPECT_FALSE(scheduled({{"SLURM_PROCID", "0"}, {"SLURM_NTASKS", "3"}}, 3));
+  EXPECT_EQ(scheduled({{"SLURM_PROCID", "1"}, {"SLURM_STEP_NUM_TASKS", "2"}}, 4)->parts,
+            (Numbers{1, 3}));
+}
+
 TEST(PartNumbers, NoVariableIsNothing) {
   EXPECT_FALSE(scheduled({}, 3));
   EXPECT_FALSE(scheduled({{"LSB_JOBINDEX", "0"}, {"SGE_TASK_ID", "undefined"}}, 3));
