@@ -3,42 +3,14 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <numeric>
 
+#include "octavo/core/joined_sets.h"
 #include "octavo/mesh/point_distance.h"
 
 namespace octavo {
 
-namespace {
-
-/// Sets that are joined; the smallest member stands for a set.
-class JoinedPoints {
- public:
-  explicit JoinedPoints(std::size_t count) : parents_(count) {
-    std::iota(parents_.begin(), parents_.end(), 0u);
-  }
-  std::uint32_t find(std::uint32_t point) {
-    while (parents_[point] != point) {
-      parents_[point] = parents_[parents_[point]];
-      point = parents_[point];
-    }
-    return point;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = find(a);
-    b = find(b);
-    if (a < b) parents_[b] = a;
-    else parents_[a] = b;
-  }
-
- private:
-  std::vector<std::uint32_t> parents_;
-};
-
-}  // namespace
-
 MeshPieces mesh_pieces(const TriangleMesh& mesh) {
-  JoinedPoints joined(mesh.points.size());
+  JoinedSets<std::uint32_t> joined(mesh.points.size());
   std::vector<bool> is_used(mesh.points.size());
   for (const MeshTriangle& t : mesh.triangles) {
     joined.join(t[0], t[1]);
@@ -49,7 +21,7 @@ MeshPieces mesh_pieces(const TriangleMesh& mesh) {
   pieces.of_point.assign(mesh.points.size(), MeshPieces::kNone);
   for (std::uint32_t i = 0; i < mesh.points.size(); ++i) {
     if (!is_used[i]) continue;
-    const std::uint32_t first = joined.find(i);
+    const std::uint32_t first = joined.first_of(i);
     if (first == i) pieces.of_point[i] = static_cast<std::uint32_t>(pieces.count++);
     else pieces.of_point[i] = pieces.of_point[first];
   }

@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <numeric>
 
-#include "octavo/octree/tree_child.h"
-#include "octavo/octree/word_steps.h"
+#include "octavo/core/joined_sets.h"
+#include "octavo/ops/mask/file_mask.h"
 
 namespace octavo {
 
@@ -69,26 +69,6 @@ void visit_touching(std::span<const LabelRun> below, std::span<const LabelRun> a
   }
 }
 
-// Links of components to smaller ones of the same set.
-class Links {
- public:
-  explicit Links(std::size_t count) : links_(count) {
-    std::iota(links_.begin(), links_.end(), std::size_t{0});
-  }
-  std::size_t root_of(std::size_t at) {
-    while (links_[at] != at) at = links_[at] = links_[links_[at]];
-    return at;
-  }
-  void join(std::size_t a, std::size_t b) {
-    a = root_of(a);
-    b = root_of(b);
-    links_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::size_t> links_;
-};
-
 // A component of the whole mask.
 struct Whole {
   Component component;
@@ -104,12 +84,6 @@ void add(const Component& component, const ComponentSums& sums, Whole& to) {
 }
 
 }  // namespace
-
-PlanesOfPart planes_of_part(std::int64_t plane_count, const WorkPart& part) {
-  const std::int64_t cells = (plane_count + kCellSide - 1) / kCellSide;
-  return {std::min(plane_count, part.begin_of(cells) * kCellSide),
-          std::min(plane_count, part.end_of(cells) * kCellSide)};
-}
 
 PartOfComponents part_of_components(const Components& found, const WorkPart& part) {
   require_part(part);
@@ -136,7 +110,7 @@ JoinedComponents joined_components(std::span<const PartOfComponents> parts,
   }
 
   // Which are one
-  Links links(first_of.back());
+  JoinedSets<std::size_t> joined_sets(first_of.back());
   std::size_t below = places.size();  // the last part with planes
   for (std::size_t i = 0; i < places.size(); ++i) {
     const PartOfComponents& part = parts[places[i]];
@@ -144,7 +118,7 @@ JoinedComponents joined_components(std::span<const PartOfComponents> parts,
     if (below < places.size()) {
       visit_touching(parts[places[below]].last_plane, part.first_plane, connectivity,
                      [&](std::uint32_t a, std::uint32_t b) {
-                       links.join(first_of[below] + a - 1, first_of[i] + b - 1);
+                       joined_sets.join(first_of[below] + a - 1, first_of[i] + b - 1);
                      });
     }
     below = i;
@@ -157,7 +131,7 @@ JoinedComponents joined_components(std::span<const PartOfComponents> parts,
     const PartOfComponents& part = parts[places[i]];
     for (std::size_t k = 0; k < part.components.size(); ++k) {
       const std::size_t own = first_of[i] + k;
-      const std::size_t root = links.root_of(own);
+      const std::size_t root = joined_sets.first_of(own);
       if (root == own) {
         whole_of[own] = wholes.size();
         wholes.emplace_back();

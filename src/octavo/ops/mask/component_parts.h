@@ -35,13 +35,6 @@ struct PartOfComponents {
   std::vector<LabelRun> last_plane;
 };
 
-/// The planes [first, end) of a part: those of whole cells of 64 planes.
-struct PlanesOfPart {
-  std::int64_t first = 0;
-  std::int64_t end = 0;
-};
-PlanesOfPart planes_of_part(std::int64_t plane_count, const WorkPart& part);
-
 /// What to hand on of the components of a part.
 /// Requires that the mask of `found`, which has the size of the whole one, is empty outside the
 /// planes of the part

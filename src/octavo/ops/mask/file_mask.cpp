@@ -13,7 +13,6 @@
 #include "octavo/octree/label_words.h"
 #include "octavo/octree/tree_child.h"
 #include "octavo/octree/word_steps.h"
-#include "octavo/ops/mask/component_parts.h"
 #include "octavo/ops/mask/mask_pieces.h"
 
 namespace octavo {
@@ -225,6 +224,12 @@ class FileMask {
 };
 
 }  // namespace
+
+PlanesOfPart planes_of_part(std::int64_t plane_count, const WorkPart& part) {
+  const std::int64_t cells = (plane_count + kCellSide - 1) / kCellSide;
+  return {std::min(plane_count, part.begin_of(cells) * kCellSide),
+          std::min(plane_count, part.end_of(cells) * kCellSide)};
+}
 
 MaskTree mask_of_file(const FileReader& reader, int level, std::span<const ValueWindow> windows,
                       Progress& progress, std::uint64_t max_bytes, const WorkPart& part) {

@@ -12,6 +12,13 @@
 
 namespace octavo {
 
+/// The planes [first, end) of a part: those of whole cells of 64 planes.
+struct PlanesOfPart {
+  std::int64_t first = 0;
+  std::int64_t end = 0;
+};
+PlanesOfPart planes_of_part(std::int64_t plane_count, const WorkPart& part);
+
 /// The voxels of a level whose values lie in one of `windows`, in stored units. At level 0 bricks
 /// that their minimum and maximum decide are not decoded. Uses the threads of the calling task
 /// arena.
