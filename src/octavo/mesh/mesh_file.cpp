@@ -56,7 +56,8 @@ class MeshBytes {
 
 MeshPoint in_space(const MeshPoint& point, MeshSpace space) {
   if (space == MeshSpace::lps) return point;
-  return {-point[0], -point[1], point[2]};
+  // Not the negative, which is -0 for 0.
+  return {0 - point[0], 0 - point[1], point[2]};
 }
 
 std::string space_name(MeshSpace space) { return space == MeshSpace::lps ? "LPS" : "RAS"; }

@@ -71,6 +71,12 @@ TEST(MeshFile, ObjCountsFromOneAndKeepsAllDigits) {
             std::string::npos);
 }
 
+TEST(MeshFile, ObjTurnedRoundHasNoNegativeZero) {
+  const std::string text = written(MeshFormat::obj, MeshSpace::ras);
+  EXPECT_NE(text.find("v -0.5 2 3\nv -1 0 0.1\nv 0 -1e-07 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\n"),
+            std::string::npos);
+}
+
 TEST(MeshFile, FormatsAreKnownByTheirEndings) {
   EXPECT_EQ(mesh_format_of("a.b.stl"), MeshFormat::stl);
   EXPECT_EQ(mesh_format_of("a.ply"), MeshFormat::ply);
