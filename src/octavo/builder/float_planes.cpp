@@ -239,7 +239,9 @@ void FloatPlanes::choose_exact() {
   const auto few = coding_of_few(sample_, coding_);
   const FloatStack stack{sample_.planes, description_.size.x, description_.size.y};
   // Two values are as a mask, however few of them some boxes hold.
-  if (few && (sample_.values.size() == 2 || is_smaller_exact(stack, *few, coding_))) coding_ = *few;
+  if (few && (sample_.values.size() == 2 || is_smaller_coding(stack, *few, coding_))) {
+    coding_ = *few;
+  }
 }
 
 // Takes a coding when the max error leaves room for its roundings.

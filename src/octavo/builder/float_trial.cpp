@@ -100,8 +100,8 @@ bool is_clearly_less(std::size_t bytes, std::size_t than) {
 
 }  // namespace
 
-bool is_smaller_exact(const FloatStack& stack, const SampleCoding& one,
-                      const SampleCoding& other) {
+bool is_smaller_coding(const FloatStack& stack, const SampleCoding& one,
+                       const SampleCoding& other) {
   const TrialBoxes boxes = trial_boxes(stack);
   return is_clearly_less(exact_bytes(boxes, one), exact_bytes(boxes, other));
 }

@@ -18,10 +18,12 @@ struct FloatStack {
   std::int64_t y = 0;
 };
 
-/// Codes some boxes of the planes bit by bit with both codings, by the fast preset.
-bool is_smaller_exact(const FloatStack& stack, const SampleCoding& one, const SampleCoding& other);
+/// Whether `one` takes fewer bytes than `other`: codes some boxes of the planes bit by bit with
+/// both, by the fast preset.
+bool is_smaller_coding(const FloatStack& stack, const SampleCoding& one, const SampleCoding& other);
 
-/// Codes some boxes of the planes in both ways, by the fast preset.
+/// Whether bit by bit takes fewer bytes than within a maximum error: codes some boxes of the planes
+/// in both ways, by the fast preset.
 /// exact        for floats bit by bit
 /// within       for floats within a maximum error; all have such codes
 /// codec_error  by how much a codec may change these codes

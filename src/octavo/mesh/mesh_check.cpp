@@ -97,8 +97,6 @@ std::uint64_t coincident_points(const TriangleMesh& mesh) {
   return count;
 }
 
-
-
 }  // namespace
 
 MeshCheck check_mesh(const TriangleMesh& mesh) {
