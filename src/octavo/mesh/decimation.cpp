@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -52,7 +53,14 @@ struct PartSpace {
   CollapsePart part;
   std::vector<std::uint32_t> points;    // of the mesh, by vertex of the part
   std::vector<std::uint32_t> attached;  // points of the full surface, by point of the part
-  std::vector<int> vertices;            // by point of the mesh; -1
+  std::vector<std::uint32_t> corners;   // points of the mesh that the part has, ascending
+  std::vector<int> vertices;            // by place in corners; -1
+
+  /// The vertex of a point, -1 before it has one.
+  int& vertex_of(std::uint32_t point) {
+    const auto at = std::lower_bound(corners.begin(), corners.end(), point);
+    return vertices[static_cast<std::size_t>(at - corners.begin())];
+  }
 };
 
 class Decimation {
@@ -144,14 +152,9 @@ class Decimation {
     const PartTriangles parts = cut(surface.mesh, shift);
     const auto [first_attached, next_attached] = attached_points(surface);
     std::vector<ReducedPart> reduced(parts.ends.size());
-    tbb::enumerable_thread_specific<PartSpace> spaces([&] {
-      PartSpace space;
-      space.vertices.assign(full_.points.size(), -1);
-      return space;
-    });
     tbb::parallel_for(std::size_t{0}, parts.ends.size(), [&](std::size_t i) {
       if (progress_.is_cancelled()) return;
-      PartSpace& space = spaces.local();
+      PartSpace& space = spaces_.local();
       load(surface, parts, i, first_attached, next_attached, space);
       space.part.run(tolerance_);
       store(parts, space, surface, reduced[i]);
@@ -205,6 +208,20 @@ class Decimation {
     return lists;
   }
 
+  /// The points that some triangles have, without vertices.
+  static void find_corners(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles,
+                           PartSpace& space) {
+    std::vector<std::uint32_t>& corners = space.corners;
+    corners.clear();
+    for (const std::uint32_t number : triangles) {
+      const MeshTriangle& t = mesh.triangles[number];
+      corners.insert(corners.end(), t.begin(), t.end());
+    }
+    std::sort(corners.begin(), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    space.vertices.assign(corners.size(), -1);
+  }
+
   void load(const ReducedSurface& surface, const PartTriangles& parts, std::size_t number,
             const std::vector<std::uint32_t>& first_attached,
             const std::vector<std::uint32_t>& next_attached, PartSpace& space) const {
@@ -212,11 +229,16 @@ class Decimation {
     part.clear();
     space.points.clear();
     space.attached.clear();
-    for (std::size_t i = number == 0 ? 0 : parts.ends[number - 1]; i < parts.ends[number]; ++i) {
+    const std::size_t first = number == 0 ? 0 : parts.ends[number - 1];
+    find_corners(surface.mesh, {parts.order.begin() + static_cast<std::ptrdiff_t>(first),
+                                parts.order.begin() +
+                                    static_cast<std::ptrdiff_t>(parts.ends[number])},
+                 space);
+    for (std::size_t i = first; i < parts.ends[number]; ++i) {
       CollapseTriangle& t = part.triangles.emplace_back();
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t point = surface.mesh.triangles[parts.order[i]][k];
-        int& vertex = space.vertices[point];
+        int& vertex = space.vertex_of(point);
         if (vertex < 0) {
           vertex = static_cast<int>(part.vertices.size());
           part.vertices.push_back({place(surface.mesh.points[point]), surface.quadrics[point],
@@ -237,12 +259,11 @@ class Decimation {
   }
 
   /// Points that are not locked belong to one part alone, which moves them.
-  void store(const PartTriangles& parts, PartSpace& space, ReducedSurface& surface,
+  void store(const PartTriangles& parts, const PartSpace& space, ReducedSurface& surface,
              ReducedPart& reduced) const {
     const CollapsePart& part = space.part;
     for (std::size_t i = 0; i < part.vertices.size(); ++i) {
       const std::uint32_t point = space.points[i];
-      space.vertices[point] = -1;
       if (parts.is_locked[point]) continue;
       const Point3 world = sum(part.vertices[i].place, origin_);
       surface.mesh.points[point] = {static_cast<float>(world[0]), static_cast<float>(world[1]),
@@ -345,6 +366,7 @@ class Decimation {
   std::uint64_t crossing_count_ = 0;
   bool is_proven_ = false;  // all but that no triangles cross
   ReducedSurface start_;
+  tbb::enumerable_thread_specific<PartSpace> spaces_;
   std::vector<float> tolerances_;  // of points of the full surface, as shares
   std::vector<bool> is_frozen_;    // points that stay as they are
   MeshPieces pieces_;              // of the full surface

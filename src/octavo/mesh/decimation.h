@@ -33,7 +33,7 @@ struct Decimated {
 
 /// Requires a closed manifold. Uses the threads of the calling task arena.
 /// Throws  Error{cancelled}
-/// Memory  about 350 bytes per point of the full surface
+/// Memory  about 350 bytes per point of the full surface, and a part of it per thread
 Decimated decimate(const TriangleMesh& full, const DecimationOptions& options,
                    Progress& progress);
 
