@@ -7,6 +7,29 @@ namespace octavo {
 
 namespace {
 
+/// The sum of the squares of the distances of integers from their mean, times their count: of whole
+/// numbers, and rounded once.
+long double squared_distances(__int128 sum, __int128 squares, std::uint64_t count) {
+  using Bits = unsigned __int128;  // may overflow
+  const auto all = static_cast<__int128>(count);
+  // From the whole part of the mean, which leaves small numbers
+  const __int128 mean = sum / all;
+  const __int128 rest = sum % all;
+  const auto about_mean = static_cast<__int128>(
+      static_cast<Bits>(squares) - static_cast<Bits>(mean) * static_cast<Bits>(sum + rest));
+  // all * about_mean - rest^2
+  __int128 product;
+  __int128 distances;
+  if (!__builtin_mul_overflow(all, about_mean, &product) &&
+      !__builtin_sub_overflow(product, rest * rest, &distances)) {
+    return static_cast<long double>(std::max<__int128>(distances, 0));
+  }
+  // So large that the square of less than the count is a small part of it
+  const auto fraction = static_cast<long double>(rest);
+  return std::max(0.0L, static_cast<long double>(all) * static_cast<long double>(about_mean) -
+                            fraction * fraction);
+}
+
 void set_mean(const RegionSums& sums, std::uint64_t count, const FileReader& grey,
               GreyStatistics& result) {
   const auto voxels = static_cast<long double>(count);
@@ -20,12 +43,12 @@ void set_mean(const RegionSums& sums, std::uint64_t count, const FileReader& gre
   }
   const auto first = static_cast<long double>(grey.range().min);
   const auto sum = static_cast<long double>(sums.whole_sum);
-  const auto squares = static_cast<long double>(sums.whole_squares);
   const long double mean = sum / voxels;
   result.mean = static_cast<double>(mean + first);
   result.sum = static_cast<double>(sum + voxels * first);
   result.deviation =
-      static_cast<double>(std::sqrt(std::max(0.0L, squares / voxels - mean * mean)));
+      static_cast<double>(
+          std::sqrt(squared_distances(sums.whole_sum, sums.whole_squares, count)) / voxels);
 }
 
 GreyStatistics grey_of(const RegionSums& sums, const FileReader& grey) {

@@ -290,6 +290,29 @@ TEST(MeasureRegions, AFloatFarOffInsideARegionEntersItsNumbers) {
   for (const RegionMeasure& region : rows.measured()) rows.expect_statistics(region);
 }
 
+TEST(MeasureRegions, SeesASmallSpreadOfLargeIntegers) {
+  const Size3 size{40, 8, 8};
+  const testing::ScratchFolder folder;
+  std::vector<std::uint32_t> values;
+  std::vector<std::uint8_t> labels;
+  for_each_voxel(size, [&](const Index3& p, std::size_t i) {
+    labels.push_back(p.x < 8 ? 0 : p.x < 24 ? 1 : 2);
+    const std::uint32_t odd = i % 2;
+    values.push_back(labels[i] == 0 ? 0 : labels[i] == 1 ? 4000000000u + odd : 4294967295u * odd);
+  });
+  const auto mask = testing::open_file(
+      built(folder, size, VoxelType::uint8, labels.data(), VolumeKind::labels, "l.8vo"));
+  const auto grey = testing::open_file(
+      built(folder, size, VoxelType::uint32, values.data(), VolumeKind::grey, "g.8vo"));
+  NoProgress progress;
+  const auto regions = measure_regions(*mask, grey.get(), {}, progress);
+  ASSERT_EQ(regions.size(), 2u);
+  EXPECT_EQ(regions[0].grey->mean, 4000000000.5);
+  EXPECT_EQ(regions[0].grey->deviation, 0.5);
+  EXPECT_EQ(regions[1].grey->mean, 2147483647.5);
+  EXPECT_EQ(regions[1].grey->deviation, 2147483647.5);
+}
+
 TEST(MeasureRegions, WhatHasNoFiniteVoxelHasNoNumbers) {
   const FloatRows rows([](std::uint8_t label) {
     return label == 2 ? std::nanf("") : label == 1 ? 3.0f : -FLT_MAX;
