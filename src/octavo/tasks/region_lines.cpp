@@ -31,6 +31,29 @@ __int128 whole_of(const std::string& digits) {
       bits_of_digits(all.substr(half)));
 }
 
+[[noreturn]] void fail_region(const std::string& name) {
+  throw Error(ErrorKind::corrupt,
+              "no result of a part, or damaged: '" + name + "' is no sum of voxels; make it anew");
+}
+
+// More than a part measures: 2^46 voxels of 32 bits. What all parts add up to overflows nothing.
+constexpr std::int64_t kMostCount = std::int64_t{1} << 46;
+constexpr __int128 kMostSum = static_cast<__int128>(1) << 110;
+static_assert(WorkPart::kMostParts <= 1 << 16);
+
+/// Digits as ExactSum has them: all but the last in [0, 2^32), and the last far from overflowing.
+template <std::size_t kCount>
+std::array<std::int64_t, kCount> exact_digits(const JsonObject& line, const std::string& name) {
+  constexpr std::int64_t kBase = std::int64_t{1} << 32;
+  std::array<std::int64_t, kCount> digits;
+  std::ranges::copy(integers_in(line, name, kCount), digits.begin());
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const std::int64_t lowest = i + 1 < kCount ? 0 : -kBase;
+    if (digits[i] < lowest || digits[i] >= kBase) fail_region(name);
+  }
+  return digits;
+}
+
 /// The numbers of 128 bits, in the order in which they stand in a line.
 template <class Sums>
 auto whole_numbers(Sums& sums) {
@@ -64,6 +87,11 @@ JsonObject line_of(std::int64_t label, const RegionSums& sums) {
 RegionSums sums_of(const JsonObject& line) {
   RegionSums sums;
   const auto counts = integers_in(line, "counts", 9);
+  const bool is_negative =
+      std::ranges::any_of(counts, [](std::int64_t count) { return count < 0; });
+  if (is_negative || counts[0] > kMostCount || counts[1] > counts[0] || counts[2] > counts[0]) {
+    fail_region("counts");
+  }
   sums.moments.count = static_cast<std::uint64_t>(counts[0]);
   sums.surface = static_cast<std::uint64_t>(counts[1]);
   sums.not_finite = static_cast<std::uint64_t>(counts[2]);
@@ -72,13 +100,12 @@ RegionSums sums_of(const JsonObject& line) {
   sums.maximum = std::bit_cast<double>(bits_of_digits(text_in(line, "maximum")));
   int place = 0;
   for (auto* const number : whole_numbers(sums)) {
-    *number = whole_of(text_in(line, "sum" + std::to_string(place++)));
+    const std::string name = "sum" + std::to_string(place++);
+    *number = whole_of(text_in(line, name));
+    if (*number > kMostSum || *number < -kMostSum) fail_region(name);
   }
-  ExactSum::SumDigits sum;
-  ExactSum::SquareDigits squares;
-  std::ranges::copy(integers_in(line, "float_sum", sum.size()), sum.begin());
-  std::ranges::copy(integers_in(line, "float_squares", squares.size()), squares.begin());
-  sums.floats = ExactSum(sum, squares);
+  sums.floats = ExactSum(exact_digits<ExactSum::kSumDigits>(line, "float_sum"),
+                         exact_digits<ExactSum::kSquareDigits>(line, "float_squares"));
   return sums;
 }
 
