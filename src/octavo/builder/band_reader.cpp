@@ -1,6 +1,7 @@
 #include "octavo/builder/band_reader.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 
 #include "octavo/builder/crypto_hasher.h"
@@ -51,7 +52,9 @@ BandReader::BandReader(PlaneSource& source, const Levels& levels, std::int64_t f
 
 void BandReader::read_plane() {
   if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped while reading planes");
+  const auto start = std::chrono::steady_clock::now();
   source_.read_plane(plane_.bytes());
+  read_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 // The voxel of a column and row in the plane that was read last.

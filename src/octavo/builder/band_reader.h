@@ -30,6 +30,9 @@ class BandReader {
   BandReader(PlaneSource& source, const Levels& levels, std::int64_t first, std::int64_t end,
              std::uint64_t band_bytes, Progress& progress);
 
+  /// Time the source took.
+  double read_seconds() const { return read_seconds_; }
+
   /// The group without its voxels.
   const VoxelBlock& group() const { return group_; }
 
@@ -63,6 +66,7 @@ class BandReader {
   std::vector<std::byte> values_;         // the first voxel of each brick
   std::array<BrickBand, 2> bands_;
   std::size_t turn_ = 0;
+  double read_seconds_ = 0;
   std::size_t next_ = 0;  // the first brick of the next band
 };
 

@@ -81,14 +81,15 @@ class Build {
       const auto train = [&] {
         model_ = trainer_.train(bands->training_bricks(), description_.type);
       };
-      if (is_restored(*encoder, bands->group(), number, train)) continue;
-      while (!bands->is_done()) {
+      const bool is_kept = is_restored(*encoder, bands->group(), number, train);
+      while (!is_kept && !bands->is_done()) {
         VoxelBlock block = bands->group();
         block.band = &bands->next();
         encoder->finish();
         encoder->start(model_, block, true, {});
       }
       encoder->finish();
+      band_seconds_ += bands->read_seconds();
     }
     return encoder->take_parents();
   }
@@ -109,6 +110,9 @@ class Build {
   }
 
   std::int64_t resumed_planes() const { return resumed_planes_; }
+
+  /// Time the source took where groups were read in bands.
+  double band_seconds() const { return band_seconds_; }
 
   /// The planes that the same build can continue behind when this one ends now.
   std::int64_t kept_planes() const {
@@ -174,6 +178,7 @@ class Build {
   std::unique_ptr<FileWriter> writer_;
   Model model_;  ///< of the group that was trained on last
   std::int64_t resumed_planes_ = 0;
+  double band_seconds_ = 0;
   bool is_other_ = false;  ///< than the interrupted build that it was to continue
 };
 
@@ -261,6 +266,7 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
     {
       if (band_bytes > 0) {
         parents = work.encode_bands(source, band_bytes, storage, path, writing);
+        result.read_seconds = work.band_seconds();
       } else {
         GroupReader reader(outline.planes(source), outline.levels, progress,
                            outline.float_voxels());

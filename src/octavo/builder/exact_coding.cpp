@@ -285,7 +285,7 @@ void count_clipped(const SampleCoding& coding, std::span<const float> voxels,
   std::int64_t count = 0;
   for (const float v : voxels) count += is_beyond(v) ? 1 : 0;
   if (count == 0) return;
-  clipped.limit = last * coding.scale;
+  clipped.limit = last * coding.scale + std::abs(coding.offset);
   for (const float v : voxels) {
     if (!is_beyond(v) || std::isinf(v)) continue;
     ++clipped.count;

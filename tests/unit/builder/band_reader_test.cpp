@@ -53,6 +53,8 @@ std::vector<std::uint8_t> built(PlaneSource& source, BuildOptions options) {
   options.threads = 3;
   const BuildResult result = build_file(source, storage, "a.8vo", options, progress);
   EXPECT_EQ(result.is_in_bands, options.band_bytes > 0 || options.max_memory_bytes > 0);
+  EXPECT_GT(result.read_seconds, 0);
+  EXPECT_LE(result.read_seconds, result.total_seconds);
   EXPECT_EQ(storage.files.size(), 1u);
   return *storage.files.at("a.8vo");
 }

@@ -83,6 +83,17 @@ TEST(ExactCoding, LaterPlanesHaveTheirSayInTheStep) {
   }
 }
 
+TEST(ExactCoding, TheLimitIsTheFartherEndOfTheCodes) {
+  for (const double offset : {0.0, 100.0, -100.0}) {
+    const SampleCoding coding{VoxelType::int32, 0.5, offset, true};
+    ClippedVoxels clipped;
+    const std::vector<float> voxels = {3, 1e20f};
+    count_clipped(coding, voxels, clipped);
+    EXPECT_EQ(clipped.count, 1) << offset;
+    EXPECT_EQ(clipped.limit, 0.5 * (0x1p31 - 2) + 100 * (offset != 0 ? 1 : 0)) << offset;
+  }
+}
+
 TEST(ExactCoding, WhatNoPlaneAnnouncedIsCountedWithTheFarthest) {
   const auto source = source_of([](std::int64_t i, std::int64_t z) {
     if (z == 159 && i == 5) return -1e20f;
