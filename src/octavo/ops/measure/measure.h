@@ -37,7 +37,7 @@ struct RegionMeasureOptions {
 /// grey  nullptr, or a volume on the same grid
 /// Throws what the readers throw, Error{cancelled}; Error{invalid_argument} for a grey volume in
 ///        place of labels, or of another size
-/// Memory  64 bricks and their sums; per label 500 bytes, and per percentile 2 bytes a voxel of it
+/// Memory  64 bricks and their sums; per label 900 bytes, and per percentile 2 bytes a voxel of it
 ///         up to 64 KiB
 /// Time    one pass over the voxels; with percentiles one more where the values of the volume span
 ///         over 2^13, and a third where they do 2^26
@@ -56,7 +56,7 @@ using PartOfRegions = std::map<std::int64_t, PartOfRegion>;  ///< by label
 /// What measure_regions sums over the layers of bricks of one part of the work.
 /// Throws  as measure_regions; Error{invalid_argument} of field "percentiles" for those of values
 ///         that span over more than 2^16, Error{invalid_argument} for a part that cannot be
-/// Memory  as measure_regions, and 48 bytes for each value of each region
+/// Memory  as measure_regions, 600 bytes per label, and 48 bytes for each value of each region
 /// Time    a share of that of measure_regions; two passes where values span over 2^13
 PartOfRegions measure_part(const FileReader& labels, const FileReader* grey,
                            const RegionMeasureOptions& options, const WorkPart& part,
