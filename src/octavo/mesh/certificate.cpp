@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "octavo/core/error.h"
 #include "octavo/mesh/point_distance.h"
 
 namespace octavo {
@@ -117,7 +118,7 @@ class Certificate {
 }  // namespace
 
 std::vector<std::uint32_t> unproven_triangles(const TriangleMesh& mesh, const TriangleTree& tree,
-                                              double distance,
+                                              double distance, const Progress& progress,
                                               std::span<const std::uint32_t> hints) {
   const Certificate certificate(tree, distance);
   std::vector<std::uint8_t> is_used(mesh.points.size());
@@ -126,6 +127,7 @@ std::vector<std::uint32_t> unproven_triangles(const TriangleMesh& mesh, const Tr
   }
   std::vector<NearCorner> corners(mesh.points.size());
   tbb::parallel_for(std::size_t{0}, corners.size(), [&](std::size_t i) {
+    stop_now_and_then(i, progress);
     if (is_used[i] == 0) return;
     corners[i] = certificate.corner_at(place_of_point(mesh.points[i]),
                                        hints.empty() ? TriangleTree::kNone : hints[i]);
@@ -133,6 +135,7 @@ std::vector<std::uint32_t> unproven_triangles(const TriangleMesh& mesh, const Tr
   tbb::enumerable_thread_specific<std::vector<std::uint32_t>> found;
   tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(mesh.triangles.size()),
                     [&](std::uint32_t number) {
+    stop_now_and_then(number, progress);
     const MeshTriangle& t = mesh.triangles[number];
     if (certificate.proves({corners[t[0]], corners[t[1]], corners[t[2]]})) return;
     found.local().push_back(number);

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "octavo/core/progress.h"
 #include "octavo/core/triangle_mesh.h"
 #include "octavo/mesh/triangle_tree.h"
 
@@ -17,10 +18,12 @@ namespace octavo {
 
 /// Triangles of `mesh` that are not proven to lie within `distance` of the surface of `tree`,
 /// ascending. Uses the threads of the calling task arena.
-/// hints  of each point of the mesh: a triangle of the tree that may be near, or
-///        TriangleTree::kNone; empty: none
+/// hints     of each point of the mesh: a triangle of the tree that may be near, or
+///           TriangleTree::kNone; empty: none
+/// progress  is asked whether to stop, and told nothing
+/// Throws  Error{cancelled}
 std::vector<std::uint32_t> unproven_triangles(const TriangleMesh& mesh, const TriangleTree& tree,
-                                              double distance,
+                                              double distance, const Progress& progress,
                                               std::span<const std::uint32_t> hints = {});
 
 }  // namespace octavo

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -90,10 +91,13 @@ class Decimation {
   Decimated run() {
     const TriangleTree full_tree(full_);
     for (int round = 0;; ++round) {
+      // Two passes, what of the full surface is near, what of the reduced one is
+      const ProgressScope scope(progress_, "fewer triangles, round " + std::to_string(round + 1),
+                                4, "steps");
       ReducedSurface reduced = start_;
       for (const double shift : {0.0, 0.5}) reduce(reduced, shift);
       if (tighten(reduced, full_tree, round)) continue;
-      if (!is_proven_) return {full_, round + 1, crossing_triangles(full_tree).size()};
+      if (!is_proven_) return {full_, round + 1, crossing_triangles(full_tree, progress_).size()};
       return {compacted(reduced.mesh), round + 1, crossing_count_};
     }
   }
@@ -161,6 +165,7 @@ class Decimation {
     });
     stop_if_cancelled();
     join(reduced, surface);
+    progress_.advance(1);
   }
 
   /// The triangles by the cubes that their middles lie in.
@@ -301,10 +306,12 @@ class Decimation {
     stop_if_cancelled();
     const TriangleTree tree(reduced.mesh);
     const std::vector<std::uint32_t> full_failed =
-        unproven_triangles(full_, tree, deviation_, reduced.nearest);
-    stop_if_cancelled();
-    std::vector<std::uint32_t> failed = unproven_triangles(reduced.mesh, full_tree, deviation_);
-    const std::vector<std::uint32_t> crossing = crossing_triangles(tree);
+        unproven_triangles(full_, tree, deviation_, progress_, reduced.nearest);
+    progress_.advance(1);
+    std::vector<std::uint32_t> failed =
+        unproven_triangles(reduced.mesh, full_tree, deviation_, progress_);
+    const std::vector<std::uint32_t> crossing = crossing_triangles(tree, progress_);
+    progress_.advance(1);
     crossing_count_ = crossing.size();
     failed.insert(failed.end(), crossing.begin(), crossing.end());
     const std::vector<std::uint32_t> turned = turned_triangles(reduced.mesh);
@@ -378,11 +385,19 @@ class Decimation {
 Decimated decimate(const TriangleMesh& full, const DecimationOptions& options,
                    Progress& progress) {
   if (full.triangles.empty()) return {full, 0, 0};
+  require_numbered(full.triangles.size());
   const auto& [x, y, z] = options.geometry.spacing_mm;
   if (options.max_deviation_mm <= 2 * kRoundingMargin * std::min({x, y, z})) {
-    return {full, 0, crossing_triangles(TriangleTree(full)).size()};
+    return {full, 0, crossing_triangles(TriangleTree(full), progress).size()};
   }
   return Decimation(full, options, progress).run();
+}
+
+void require_numbered(std::uint64_t triangle_count) {
+  if (triangle_count <= kNone) return;
+  throw Error(ErrorKind::limit_exceeded, "the surface has " + std::to_string(triangle_count) +
+                                             " triangles, more than " + std::to_string(kNone))
+      .with_field("level");
 }
 
 }  // namespace octavo

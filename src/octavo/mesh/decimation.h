@@ -32,9 +32,12 @@ struct Decimated {
 };
 
 /// Requires a closed manifold. Uses the threads of the calling task arena.
-/// Throws  Error{cancelled}
-/// Memory  about 350 bytes per point of the full surface, and a part of it per thread
+/// Throws  Error{cancelled}; as require_numbered
+/// Memory  about 400 bytes per point of the full surface, and a part of it per thread
 Decimated decimate(const TriangleMesh& full, const DecimationOptions& options,
                    Progress& progress);
+
+/// Triangles have numbers of 32 bits. Throws Error{limit_exceeded} for more.
+void require_numbered(std::uint64_t triangle_count);
 
 }  // namespace octavo

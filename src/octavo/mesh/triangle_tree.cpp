@@ -9,6 +9,7 @@
 #include <cmath>
 #include <utility>
 
+#include "octavo/core/error.h"
 #include "octavo/mesh/point_distance.h"
 #include "octavo/mesh/triangle_crossing.h"
 #include "octavo/octree/o_code.h"
@@ -123,11 +124,12 @@ TriangleTree::Nearest TriangleTree::nearest(const Point3& place, double limit) c
   return found;
 }
 
-std::vector<std::uint32_t> crossing_triangles(const TriangleTree& tree) {
+std::vector<std::uint32_t> crossing_triangles(const TriangleTree& tree, const Progress& progress) {
   const TriangleMesh& mesh = tree.mesh();
   tbb::enumerable_thread_specific<std::vector<std::uint32_t>> found;
   tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(mesh.triangles.size()),
                     [&](std::uint32_t number) {
+    stop_now_and_then(number, progress);
     const MeshTriangle& triangle = mesh.triangles[number];
     const SpaceBox box = box_of_triangle(mesh, triangle);
     const TrianglePlaces places = places_of(mesh, triangle);
@@ -148,6 +150,13 @@ std::vector<std::uint32_t> crossing_triangles(const TriangleTree& tree) {
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
   return all;
+}
+
+void stop_now_and_then(std::size_t number, const Progress& progress) {
+  constexpr std::size_t kQuestions = 256;  // one for so many
+  if (number % kQuestions == 0 && progress.is_cancelled()) {
+    throw Error(ErrorKind::cancelled, "stopped");
+  }
 }
 
 }  // namespace octavo

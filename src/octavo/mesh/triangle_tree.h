@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "octavo/core/geometry.h"
+#include "octavo/core/progress.h"
 #include "octavo/core/triangle_mesh.h"
 
 namespace octavo {
@@ -46,7 +47,8 @@ SpaceBox box_of_triangle(const TriangleMesh& mesh, const MeshTriangle& triangle)
 /// Immutable. The mesh must outlive this and stay as it is.
 class TriangleTree {
  public:
-  /// Uses the threads of the calling task arena. Memory 36 bytes per triangle.
+  /// Uses the threads of the calling task arena. Memory 34 to 40 bytes per triangle, and 16 more
+  /// while the tree is made.
   explicit TriangleTree(const TriangleMesh& mesh);
 
   const TriangleMesh& mesh() const { return mesh_; }
@@ -97,6 +99,11 @@ class TriangleTree {
 
 /// The triangles that cross or touch another one where they should not, ascending. Uses the threads
 /// of the calling task arena. Exact.
-std::vector<std::uint32_t> crossing_triangles(const TriangleTree& tree);
+/// progress  is asked whether to stop, and told nothing
+/// Throws  Error{cancelled}
+std::vector<std::uint32_t> crossing_triangles(const TriangleTree& tree, const Progress& progress);
+
+/// Asks now and then of many triangles: throws Error{cancelled} when the user asked to stop.
+void stop_now_and_then(std::size_t number, const Progress& progress);
 
 }  // namespace octavo

@@ -153,9 +153,9 @@ double deviation_mm(const AskedDeviation& asked, const Geometry& geometry) {
 /// Takes triangles away as far as the deviation allows.
 void reduce_mesh(TriangleMesh& mesh, const Geometry& geometry, const TaskContext& context,
                  SurfaceResult& result) {
-  constexpr std::uint64_t kBytesPerPoint = 350;
+  require_numbered(mesh.triangles.size());
+  constexpr std::uint64_t kBytesPerPoint = 400;
   context.require_memory(kBytesPerPoint * mesh.points.size(), "the surface");
-  const ProgressScope scope(context.watcher(), "fewer triangles", 1, "surface");
   Decimated reduced;
   context.on_threads([&] {
     reduced = decimate(mesh, {result.max_deviation_mm, geometry}, context.watcher());

@@ -4,6 +4,7 @@
 #include <tbb/task_arena.h>
 
 #include <cmath>
+#include <limits>
 
 #include "octavo/core/error.h"
 #include "octavo/mesh/extraction.h"
@@ -89,7 +90,7 @@ TEST_F(Bodies, KeepTheirTopologyWithinTheDeviation) {
   EXPECT_EQ(after.components, 3u);
   EXPECT_EQ(after.euler_number, 4);
   EXPECT_EQ(reduced.crossing_triangles, 0u);
-  EXPECT_TRUE(crossing_triangles(TriangleTree(reduced.mesh)).empty());
+  EXPECT_TRUE(crossing_triangles(TriangleTree(reduced.mesh), progress_).empty());
   EXPECT_LE(largest_distance(full_, reduced.mesh), options_.max_deviation_mm);
   EXPECT_LE(largest_distance(reduced.mesh, full_), options_.max_deviation_mm);
   EXPECT_NEAR(measure_mesh(reduced.mesh).volume_mm3, measure_mesh(full_).volume_mm3,
@@ -140,8 +141,30 @@ TEST_F(Bodies, AreNotTurnedInsideOut) {
 }
 
 TEST_F(Bodies, StopWhenAskedTo) {
-  testing::StoppingProgress stopping;
-  EXPECT_THROW(decimate(full_, options_, stopping), Error);
+  testing::StoppingProgress watching(std::numeric_limits<int>::max());
+  const Decimated whole = decimate(full_, options_, watching);
+  EXPECT_EQ(watching.ends_, whole.rounds);
+  EXPECT_EQ(watching.done_, watching.total_);
+  const int last = watching.questions_ - 1;
+  for (const int answered : {0, 1, last / 2, last}) {
+    testing::StoppingProgress stopping(answered);
+    try {
+      decimate(full_, options_, stopping);
+      ADD_FAILURE() << "was not stopped at question " << answered << " of " << last;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::cancelled);
+    }
+  }
+}
+
+TEST(Decimation, NumbersTrianglesWith32Bits) {
+  EXPECT_NO_THROW(require_numbered(0xffffffff));
+  try {
+    require_numbered(std::uint64_t{1} << 32);
+    FAIL() << "more triangles than numbers";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::limit_exceeded);
+  }
 }
 
 }  // namespace
