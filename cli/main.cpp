@@ -69,13 +69,19 @@ void add_verbs(CLI::App& app, Context& context) {
   add_manual(app, context);
 }
 
-/// The verb on the command line, for the hint of a usage error.
-void note_verb(const CLI::App& app, const std::vector<std::string>& words, Context& context) {
+/// The verb on the command line; empty where none is.
+std::string verb_in(const CLI::App& app, const std::vector<std::string>& words) {
   for (const std::string& word : words) {
-    if (word == "--json") context.json = true;
     const auto has_name = [&](const CLI::App* verb) { return verb->get_name() == word; };
-    if (context.verb.empty() && !app.get_subcommands(has_name).empty()) context.verb = word;
+    if (!app.get_subcommands(has_name).empty()) return word;
   }
+  return "";
+}
+
+/// For the hint of a usage error.
+void note_verb(const CLI::App& app, const std::vector<std::string>& words, Context& context) {
+  if (std::ranges::find(words, "--json") != words.end()) context.json = true;
+  if (context.verb.empty()) context.verb = verb_in(app, words);
 }
 
 /// As CLI11 takes them: the first word last.
@@ -110,7 +116,7 @@ int run_program(const std::vector<std::string>& words) {
       print(app.help());
       return kExitUsage;
     }
-    const std::vector<std::string> own = without_planned_words(words, context);
+    const std::vector<std::string> own = without_planned_words(words, verb_in(app, words), context);
     app.parse(reversed(with_isotropic_method(settled_words(own))));
     if (context.max_memory_bytes != 0) limit_malloc_arenas(context.thread_count());
     // With room for the thread that waits; without a limit oneTBB starts no more than the cores

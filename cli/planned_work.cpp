@@ -48,12 +48,11 @@ void require_no_globals(const Context& context) {
 
 }  // namespace
 
-std::vector<std::string> without_planned_words(std::vector<std::string> words, Context& context) {
-  const auto is_verb = [](const std::string& word) { return !word.starts_with('-'); };
-  const auto verb = std::ranges::find_if(words, is_verb);
-  if (verb == words.end() || *verb != "plan") return words;
+std::vector<std::string> without_planned_words(std::vector<std::string> words,
+                                               const std::string& verb, Context& context) {
   const auto dashes = std::ranges::find(words, "--");
-  if (dashes == words.end()) return words;
+  const bool is_plan = verb == "plan" && std::find(words.begin(), dashes, verb) != dashes;
+  if (!is_plan || dashes == words.end()) return words;
   context.planned.assign(dashes, words.end());
   words.erase(dashes, words.end());
   return words;

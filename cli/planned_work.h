@@ -10,7 +10,9 @@
 namespace octavo::cli {
 
 /// Takes what stands behind `plan ... --` from the words of a command line into the context.
-std::vector<std::string> without_planned_words(std::vector<std::string> words, Context& context);
+/// verb  that is on it
+std::vector<std::string> without_planned_words(std::vector<std::string> words,
+                                               const std::string& verb, Context& context);
 
 /// What `VERB ...` computes: threshold, condense, transform or combine.
 /// Throws Error{invalid_argument} for words that are not understood, and for options that belong to

@@ -215,6 +215,11 @@ class Computed(InParts):
             self.check("combine", "a.8vo", "b.8vo", operation)
         self.check("combine", "a.8vo", "--complement")
 
+    def test_options_of_every_verb_stand_before_plan_as_well(self):
+        for options in (["-j", "2"], ["--max-memory", "2G", "-q"], ["--quiet"]):
+            self.expect(0, *options, "plan", "-f", "-o", "work.plan", "--", "threshold",
+                        "grey.8vo", "--range", "300:")
+
     def test_what_cannot_be_planned_is_said(self):
         for words, arguments in [
             (["copied as they are"], ["--", "transform", "grey.8vo", "--translate", "1,0,0"]),
