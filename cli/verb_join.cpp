@@ -134,6 +134,11 @@ void require_words(const JoinArguments& arguments) {
   if (has_number && arguments.step != "copy") {
     throw Error(ErrorKind::invalid_argument, "--part goes with --step copy");
   }
+  const bool copies = arguments.step.empty() || arguments.step == "copy";
+  if (arguments.options.consumes_parts && !copies) {
+    throw Error(ErrorKind::invalid_argument,
+                "--consume goes with --step copy: the other steps copy no part");
+  }
 }
 
 int run_join(const JoinArguments& arguments, Context& context) {

@@ -219,6 +219,9 @@ MeasureResult measured(const MeasureArguments& arguments, Context& context) {
 
 int run_measure(const MeasureArguments& arguments, Context& context) {
   check_part_options(arguments.parts);
+  if (arguments.csv && !arguments.parts.part.empty()) {
+    throw Error(ErrorKind::invalid_argument, "--csv goes with --join, not with --part");
+  }
   if (!arguments.parts.part.empty()) return run_measure_part(arguments, context);
   const MeasureResult result = measured(arguments, context);
   nlohmann::ordered_json objects = nlohmann::ordered_json::array();

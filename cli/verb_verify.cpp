@@ -211,6 +211,10 @@ int run_verify(const VerifyArguments& arguments, Context& context) {
   if (is_in_parts && !arguments.against.empty()) {
     throw Error(ErrorKind::invalid_argument, "--against goes without --part and --join");
   }
+  if (is_in_parts && arguments.scan != ScanArguments()) {
+    throw Error(ErrorKind::invalid_argument,
+                "options of a source go with --against, not with --part and --join");
+  }
   if (!arguments.parts.part.empty()) return run_verify_part(arguments, context);
   const VerifyVolumeResult result = verified_or_error(arguments, context);
   if (!result.report.is_sound()) report_damage(arguments, result, context);

@@ -182,7 +182,8 @@ class JoinedInOtherWays(InParts):
 
     def test_options_of_steps_that_do_not_fit_are_rejected(self):
         for arguments in [("--part", "1"), ("--step", "seal", "--parts", "0-1"),
-                          ("--step", "layout", "--missing"), ("--runs", "--consume")]:
+                          ("--step", "layout", "--missing"), ("--runs", "--consume"),
+                          ("--step", "layout", "--consume"), ("--step", "seal", "--consume")]:
             with self.subTest(arguments):
                 self.step(2, *arguments)
 
@@ -268,6 +269,16 @@ class Rejected(InParts):
         self.assertEqual(self.bytes_of(name), good)
         (self.folder / name).write_bytes(good[:-9])
         self.expect_error(4, [name], "join", "scan.plan", "-o", "scan.8vo")
+
+    def test_a_volume_of_more_voxels_than_allowed_is_rejected(self):
+        (self.folder / "slices").mkdir()
+        for z in range(SIZE[2]):
+            plane = VOXELS[2 * PLANE * z:2 * PLANE * (z + 1)]
+            (self.folder / "slices" / f"s{z:04}").write_bytes(plane)
+        self.expect(0, "plan", "slices", *self.raw[1:], "--parts", "3", "-o", "slices.plan")
+        self.expect_error(6, ["--max-voxels"], "part", "slices.plan", "--part", "1",
+                          "--max-voxels", "20000000")
+        self.expect(0, "part", "slices.plan", "--part", "1", "--max-voxels", "40000000")
 
     def test_a_part_of_another_plan_is_rejected_and_kept(self):
         other = bytearray(VOXELS)

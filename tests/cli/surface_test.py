@@ -110,6 +110,7 @@ class Surfaces(cli_test.InFolder):
                 (2, ["grey.8vo", "--isovalue", "0", "-o", "m.stl"], "every voxel has 0 or more"),
                 (2, ["grey.8vo", "--isovalue", "nan", "-o", "m.stl"], "isovalue"),
                 (2, ["mask.8vo", "--isovalue", "1", "-o", "m.stl"], "leave out --isovalue"),
+                (2, ["mask.8vo", "--stored", "-o", "m.stl"], "leave out --stored"),
                 (2, ["grey.8vo", "--label", "1", "-o", "m.stl"], "octavo threshold"),
                 (2, ["mask.8vo", "--label", "9", "-o", "m.stl"], "has no surface"),
                 (2, ["mask.8vo", "--seed", "20,2,2", "-o", "m.stl"], "give another --seed"),

@@ -33,8 +33,16 @@ class WorkInParts(cli_test.InFolder):
         self.expect_error(2, ["numbered from 0"], "verify", "good.8vo", "--part", "2/2", "-o", "x")
         self.expect_error(2, ["-o FILE"], "verify", "good.8vo", "--part", "0/2")
         self.expect_error(2, ["-o goes with --part"], "verify", "good.8vo", "-o", "x")
+        self.expect_error(2, ["--against"], "verify", "good.8vo", "--part", "0/2", "-o", "x",
+                          "--spacing", "1")
+        self.expect_error(2, ["--against"], "verify", "flip.8vo", *found, "--untilt")
         self.expect_error(4, ["no result of a part"], "verify", "good.8vo", "--join", "good.8vo")
         self.assertNotIn("x", self.files())
+
+    def test_a_part_of_a_measurement_prints_no_table(self):
+        self.expect_error(2, ["--csv", "--join"], "measure", "good.8vo", "--part", "0/2", "-o",
+                          "x", "--csv")
+        self.assertEqual(self.files(), ["good.8vo"])
 
 
 if __name__ == "__main__":

@@ -46,8 +46,13 @@ MeshFormat format_of(const SurfaceOptions& options) {
 /// Proves that options and volume go together.
 void check_kind(const SurfaceOptions& options, const VolumeDescription& volume) {
   if (volume.kind == VolumeKind::labels) {
-    if (!options.isovalue) return;
-    reject_mesh("holds labels, which have no isovalue", options.input, "isovalue");
+    if (options.isovalue) {
+      reject_mesh("holds labels, which have no isovalue", options.input, "isovalue");
+    }
+    if (options.is_stored) {
+      reject_mesh("holds labels, which are no stored values", options.input, "isovalue.stored");
+    }
+    return;
   }
   if (!options.labels.is_empty()) {
     reject_mesh("holds grey values, not labels", options.input, "labels.kind");

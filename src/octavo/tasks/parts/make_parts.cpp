@@ -79,6 +79,7 @@ MadePart make_part(const BuildPlan& plan, std::int64_t part, const std::string& 
 
 MakePartsResult make_parts(const MakePartsOptions& options, const TaskContext& context) {
   const BuildPlan plan = read_plan(options.plan, options.source_root);
+  context.require_voxels(plan.source.size, options.plan);
   MakePartsResult result;
   result.part_count = plan.part_count;
   const std::vector<std::int64_t> parts = wanted_parts(options, result, context);
