@@ -33,7 +33,8 @@ constexpr VerbText kVerifyText = {
     "says of itself is exit code 1. NaN and infinities that were replaced are replaced in the\n"
     "source, too, and planes that --isotropic made are made again.\n\n"
     "--part I/N verifies a part of a large file, as a task of an array of N does, and writes what\n"
-    "it found; --join says of the findings of all parts what verify says of the file.\n\n"
+    "it found, with exit code 0 for damage as well; --join says of the findings of all parts what\n"
+    "verify says of the file, with its exit code.\n\n"
     "Examples:\n"
     "  octavo verify head.8vo\n"
     "  octavo verify head.8vo --against scans/head/\n"
@@ -171,7 +172,9 @@ int run_verify_part(const VerifyArguments& arguments, Context& context) {
                                      part_output(arguments.parts, context)};
   const VerifiedPart found = run_task(verify_volume_part, options, context);
   if (context.json) {
-    print_json(result_json(arguments.input, {found.report, {}, {}}));
+    nlohmann::ordered_json object = result_json(arguments.input, {found.report, {}, {}});
+    object.erase("sound");  // that all parts together say
+    print_json(object);
   } else if (!context.quiet) {
     print(fmt::format("{}: part {} of {} of {}: {}, {}\n", options.output.path, found.part.number,
                       found.part.count, public_name(arguments.input),

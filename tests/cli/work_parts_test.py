@@ -4,6 +4,7 @@
 usage: work_parts_test.py OCTAVO [unittest arguments]
 """
 
+import json
 import sys
 
 import cli_test
@@ -20,7 +21,9 @@ class WorkInParts(cli_test.InFolder):
         (self.folder / "flip.8vo").write_bytes(flipped)
         for name, code in [("good.8vo", 0), ("flip.8vo", 4)]:
             for i in range(2):
-                self.expect(0, "verify", name, "--part", f"{i}/2", "-o", f"found-{i}", "-f")
+                said = self.expect(0, "verify", name, "--part", f"{i}/2", "-o", f"found-{i}", "-f",
+                                   "--json")
+                self.assertNotIn("sound", json.loads(said.stdout))
             found = ["--join", "found-1", "found-0"]
             whole = self.expect(code, "verify", name, "--json")
             self.assertEqual(self.expect(code, "verify", name, "--json", *found).stdout,
