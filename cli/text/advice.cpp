@@ -77,6 +77,7 @@ constexpr Advice kAdvice[] = {
     {kAny, "interrupted", "resume", "the same command with --resume goes on behind them"},
     {ErrorKind::io, "interrupted", "discard", "--force builds beside it"},
     {kAny, "interrupted", "discard", "leave out --resume and use --force to start anew"},
+    {kAny, "ranks.interrupted", "", "--force starts anew"},
     {kAny, "interrupted", "reject", "or leave out --resume"},
     {ErrorKind::corrupt, "interrupted", "",
      "build --resume continues it, repair seals what is whole"},

@@ -243,7 +243,7 @@ TEST_F(RankBuild, WhatIsLeftOfOtherWorkIsRejectedUnlessDiscarded) {
   const OpenSource sound = ranked_texture(VoxelType::int16);
   const BuildOptions other = ranked_options(Preset::fast, 2);
   expect_rank_words(rank_failure([&] { build(2, sound, other); }, ErrorKind::invalid_argument),
-                    {"a.8vo", "max error", "interrupted=discard"});
+                    {"a.8vo", "max error", "ranks.interrupted=discard"});
   RankBuildOptions discarding;
   discarding.discards_interrupted = true;
   EXPECT_EQ(build(2, sound, other, discarding).resumed_planes, 0);
