@@ -92,6 +92,16 @@ std::string shell_word(const std::string& word) {
   return quoted + "\"";
 }
 
+/// Words as one word of a shell, which reads them again.
+std::string quoted_words(const std::string& words) {
+  std::string quoted = "'";
+  for (const char c : words) {
+    if (c == '\'') quoted += "'\\''";
+    else quoted += c;
+  }
+  return quoted + "'";
+}
+
 std::string groups_of_parts(const PlanResult& plan) {
   const std::int64_t fewest = plan.group_count / plan.part_count;
   if (fewest == plan.groups_per_part) return counted_text(fewest, "group");
@@ -114,9 +124,10 @@ std::string plan_words(const PlanResult& plan, const std::string& path) {
   text += fmt::format("parts     {} of {}; each needs {} of memory with 1 thread\n",
                       plan.part_count, groups_of_parts(plan), bytes_text(plan.part_memory_bytes));
   text += fmt::format(
-      "next      sbatch --array=0-{} --mem={}G --wrap 'octavo part {} -j 1 -o parts/'\n"
+      "next      sbatch --array=0-{} --mem={}G --wrap {}\n"
       "          octavo join {} parts/ -o {}\n",
-      plan.part_count - 1, (plan.part_memory_bytes + kGiB - 1) / kGiB, file, file,
+      plan.part_count - 1, (plan.part_memory_bytes + kGiB - 1) / kGiB,
+      quoted_words("octavo part " + file + " -j 1 -o parts/"), file,
       shell_word(stem + ".8vo"));
   return text;
 }

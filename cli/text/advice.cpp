@@ -89,7 +89,6 @@ constexpr Advice kAdvice[] = {
     {ErrorKind::io, "join.layout", "", "begin with --step layout"},
     {kUsage, "parts.plan", "", "--force replaces it, another folder (-o) keeps both"},
     {kUsage, "parts.which", "", "give --part I"},
-    {ErrorKind::io, "parts.missing", "", "octavo part PLAN --part {} makes one"},
 
     // --- Masks, labels and grids
     {kAny, "between", "", "leave the method, or give --grey if these are measured values"},
@@ -224,6 +223,15 @@ std::string build_advice(const Error& error) {
          ".8vo' makes one of a scan";
 }
 
+/// How to make a part that is missing.
+std::string part_advice(const Error& error) {
+  std::string plan = "PLAN";
+  for (const OptionHint& hint : error.hints()) {
+    if (hint.field == "parts.plan_path") plan = escaped(hint.value);
+  }
+  return "octavo part " + plan + " --part " + error.hints().front().value + " makes one";
+}
+
 /// "scan.on_gap" as it is typed, "--on-gap"; empty for other fields.
 std::string scan_option(const std::string& field) {
   const std::string prefix = "scan.";
@@ -242,6 +250,7 @@ std::string advice_for_note(const std::string& field) {
 
 std::string advice_for(const Error& error) {
   if (is_about_scan(error)) return build_advice(error);
+  if (error.field() == "parts.missing") return part_advice(error);
   if (const std::string option = scan_option(error.field()); !option.empty()) {
     return option + " changes nothing in it: leave it out";
   }

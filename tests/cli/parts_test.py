@@ -11,6 +11,7 @@ import json
 import os
 import pathlib
 import random
+import shlex
 import signal
 import subprocess
 import sys
@@ -119,6 +120,9 @@ class Joined(InParts):
         self.assertIn("512 x 512 x 140 voxels of uint16, 73.4 MB; 3 groups of 64 planes", said)
         self.assertIn("3 of 1 group; each needs", said)
         self.assertIn("octavo join scan.plan parts/ -o scan.8vo", said)
+        said = self.expect(0, "plan", *raw, "-o", "bob's \"own\".plan").stdout
+        line = next(line for line in said.splitlines() if "--wrap" in line)
+        self.assertEqual(shlex.split(shlex.split(line)[-1])[2], "bob's \"own\".plan")
         told = json.loads(self.expect(0, "plan", *raw, "-fo", "scan.plan", "--json").stdout)
         self.assertEqual((told["groups"], told["parts"]), (3, 1))
         self.assertGreater(told["part_memory_bytes"], 2 * told["group_bytes"])
@@ -249,7 +253,7 @@ class Rejected(InParts):
     def test_missing_parts_are_listed_for_a_job_array(self):
         listed = self.expect(1, "join", "scan.plan", "--missing", "--progress", "none")
         self.assertEqual(listed.stdout, "1\n")
-        self.expect_error(5, ["1 of 3 parts is missing: 1", "octavo part PLAN --part 1"],
+        self.expect_error(5, ["1 of 3 parts is missing: 1", "octavo part scan.plan --part 1"],
                           "join", "scan.plan", "-o", "scan.8vo")
         self.part(0, "--parts", "1", "-q")
         self.assertEqual(self.expect(0, "join", "scan.plan", "--missing").stdout, "")

@@ -40,7 +40,7 @@ JoinLayout laid_out(const BuildPlan& plan, const JoinOptions& options, const Tas
   if (auto layout = find_layout(plan, local_storage(), path)) return *layout;
   const PartPlaces places = places_of(options);
   const auto found = found_parts(plan, places, options.plan);
-  require_all_found(plan, found, places);
+  require_all_found(plan, found, places, options.plan);
   std::vector<std::shared_ptr<PartFile>> parts;
   for (const auto& [part, file] : found) {
     context.stop_if_cancelled();
@@ -77,7 +77,8 @@ void copy_numbers(const JoinStepOptions& options, const BuildPlan& plan, const J
     const auto file = found.find(number);
     if (file == found.end()) {
       throw Error(ErrorKind::io, "part " + std::to_string(number) + " is not there", path)
-          .with_field("parts.missing", std::to_string(number));
+          .with_field("parts.missing", std::to_string(number))
+          .with_field("parts.plan_path", options.join.plan);
     }
     copy_part(plan, open_part(plan, number, file->second), local_storage(), path,
               context.watcher());

@@ -25,7 +25,7 @@ std::vector<std::string> paths_of_all(const BuildPlan& plan, const JoinOptions& 
   const auto found = found_parts(plan, places, options.plan);
   const bool goes_on =
       options.consumes_parts && find_layout(plan, local_storage(), options.output.path);
-  if (!goes_on) require_all_found(plan, found, places);
+  if (!goes_on) require_all_found(plan, found, places, options.plan);
   std::vector<std::string> paths;
   for (const auto& [part, path] : found) paths.push_back(path);
   return paths;

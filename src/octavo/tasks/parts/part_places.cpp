@@ -56,7 +56,7 @@ std::map<std::int64_t, std::string> found_parts(const BuildPlan& plan, const Par
 }
 
 void require_all_found(const BuildPlan& plan, const std::map<std::int64_t, std::string>& found,
-                       const PartPlaces& places) {
+                       const PartPlaces& places, const std::string& plan_path) {
   std::vector<std::int64_t> missing;
   for (std::int64_t part = 0; part < plan.part_count; ++part) {
     if (!found.contains(part)) missing.push_back(part);
@@ -69,7 +69,8 @@ void require_all_found(const BuildPlan& plan, const std::map<std::int64_t, std::
                   counted_text(plan.part_count, "part") + (missing.size() == 1 ? " is" : " are") +
                   " missing: " + list,
               places.name())
-      .with_field("parts.missing", std::to_string(missing.front()));
+      .with_field("parts.missing", std::to_string(missing.front()))
+      .with_field("parts.plan_path", plan_path);
 }
 
 }  // namespace octavo

@@ -33,6 +33,6 @@ std::map<std::int64_t, std::string> found_parts(const BuildPlan& plan, const Par
 
 /// Throws Error{io} that lists the parts which were not found.
 void require_all_found(const BuildPlan& plan, const std::map<std::int64_t, std::string>& found,
-                       const PartPlaces& places);
+                       const PartPlaces& places, const std::string& plan_path);
 
 }  // namespace octavo
