@@ -82,11 +82,6 @@ std::string fault_words(const SurfaceResult& result) {
       result.crossing_triangles.value_or(0));
 }
 
-bool is_sound(const SurfaceResult& result) {
-  return result.check.is_closed() && result.check.is_manifold() &&
-         result.crossing_triangles.value_or(0) == 0;
-}
-
 std::string report_text(const SurfaceArguments& arguments, const SurfaceResult& result) {
   if (!result.is_written) {
     return fmt::format("{}: not written, the surface has {}; --allow-open writes it\n",
@@ -95,7 +90,7 @@ std::string report_text(const SurfaceArguments& arguments, const SurfaceResult& 
   std::string text = fmt::format("{}: {} triangles, {} {}\n", arguments.output,
                                  result.triangle_count, result.check.components,
                                  result.check.components == 1 ? "piece" : "pieces");
-  text += is_sound(result) ? "closed, manifold\n" : fault_words(result) + "\n";
+  text += result.is_sound ? "closed, manifold\n" : fault_words(result) + "\n";
   if (result.max_deviation_mm > 0) {
     text += fmt::format("{:.3g} % of {} triangles, proven within {:.4g} mm\n",
                         100 * static_cast<double>(result.triangle_count) /

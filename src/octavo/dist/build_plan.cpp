@@ -190,4 +190,13 @@ std::int64_t first_group_of(const BuildPlan& plan, std::int64_t part) {
   return part * each + part * rest / plan.part_count;
 }
 
+std::int64_t part_of_group(const BuildPlan& plan, std::int64_t group) {
+  std::int64_t low = 0;
+  for (std::int64_t high = plan.part_count; high - low > 1;) {
+    const std::int64_t middle = low + (high - low) / 2;
+    (first_group_of(plan, middle) <= group ? low : high) = middle;
+  }
+  return low;
+}
+
 }  // namespace octavo

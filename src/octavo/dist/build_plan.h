@@ -96,4 +96,7 @@ std::int64_t first_plane_of(const BuildPlan& plan, std::int64_t group);
 /// The first group of a part, 0 <= part; for the count of parts, that of groups.
 std::int64_t first_group_of(const BuildPlan& plan, std::int64_t part);
 
+/// The part that a group is in, 0 <= group < group_count.
+std::int64_t part_of_group(const BuildPlan& plan, std::int64_t group);
+
 }  // namespace octavo

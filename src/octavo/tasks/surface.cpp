@@ -209,9 +209,9 @@ SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context)
   result.triangle_count = mesh.triangles.size();
   context.on_threads([&] { result.check = check_mesh(mesh); });
   result.measures = measure_mesh(mesh);
-  const bool is_sound = result.check.is_closed() && result.check.is_manifold() &&
-                        result.crossing_triangles.value_or(0) == 0;
-  if (!is_sound && !options.allows_faults) return result;
+  result.is_sound = result.check.is_closed() && result.check.is_manifold() &&
+                    result.crossing_triangles.value_or(0) == 0;
+  if (!result.is_sound && !options.allows_faults) return result;
 
   PendingFile file(local_storage(), options.output.path);
   write_mesh(mesh, format, options.space, comments_of(options, *reader), file);

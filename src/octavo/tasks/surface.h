@@ -46,6 +46,7 @@ struct SurfaceResult {
   std::optional<std::uint64_t> crossing_triangles;
   MeshCheck check;
   MeshMeasures measures;         ///< of voxels of 1 mm where the spacing is not known
+  bool is_sound = false;         ///< closed, manifold, and no triangle crosses another
   bool is_written = false;       ///< not where the check found faults that are not allowed
   std::uint64_t file_bytes = 0;
 };

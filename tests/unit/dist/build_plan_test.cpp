@@ -189,6 +189,19 @@ class WrittenWhileRead final : public PlaneSource {
   std::unique_ptr<PlaneSource> planes_;
 };
 
+TEST(Planned, EveryGroupIsInItsPart) {
+  BuildPlan plan;
+  for (plan.group_count = 1; plan.group_count < 40; ++plan.group_count) {
+    for (plan.part_count = 1; plan.part_count <= plan.group_count; ++plan.part_count) {
+      for (std::int64_t group = 0; group < plan.group_count; ++group) {
+        const std::int64_t part = part_of_group(plan, group);
+        ASSERT_LE(first_group_of(plan, part), group);
+        ASSERT_GT(first_group_of(plan, part + 1), group);
+      }
+    }
+  }
+}
+
 TEST(Planned, AFileThatChangesWhileItIsReadIsRejected) {
   const TempFolder folder;
   const std::string path = folder.file("floats");

@@ -17,18 +17,11 @@ namespace octavo {
 
 namespace {
 
-std::int64_t part_at(const BuildPlan& plan, std::int64_t first_group) {
-  std::int64_t part = first_group * plan.part_count / plan.group_count;
-  while (first_group_of(plan, part) < first_group) ++part;
-  while (first_group_of(plan, part) > first_group) --part;
-  return part;
-}
-
 std::vector<std::int64_t> uncopied_numbers(const BuildPlan& plan, const JoinLayout& layout,
                                            const std::string& path) {
   std::vector<std::int64_t> numbers;
   for (const PartPlace& place : uncopied_parts(layout, local_storage(), path)) {
-    numbers.push_back(part_at(plan, place.first_group));
+    numbers.push_back(part_of_group(plan, place.first_group));
   }
   std::ranges::sort(numbers);
   return numbers;
@@ -119,7 +112,7 @@ JoinRuns join_runs(const JoinOptions& options, const TaskContext& context) {
     by_offset[own.offset] = {result.own_file, own.offset, own.length};
   }
   for (const CopiedRun& run : layout.runs) {
-    const std::int64_t part = part_at(plan, run.first_group);
+    const std::int64_t part = part_of_group(plan, run.first_group);
     const auto file = found.find(part);
     const std::string path = file != found.end()
                                  ? file->second

@@ -10,15 +10,10 @@ std::int64_t number_of(const BuildPlan& plan, const PartFile& part) {
   if (place.plan != plan.id) {
     throw Error(ErrorKind::invalid_argument, "is a part of another plan", part.path());
   }
-  // Parts differ by one group at most: the number is found where the groups are evenly dealt out.
-  std::int64_t low = 0;
-  for (std::int64_t high = plan.part_count; high - low > 1;) {
-    const std::int64_t middle = low + (high - low) / 2;
-    (first_group_of(plan, middle) <= place.first_group ? low : high) = middle;
-  }
-  if (first_group_of(plan, low) == place.first_group &&
-      first_group_of(plan, low + 1) == place.end_group) {
-    return low;
+  const std::int64_t number = part_of_group(plan, place.first_group);
+  if (first_group_of(plan, number) == place.first_group &&
+      first_group_of(plan, number + 1) == place.end_group) {
+    return number;
   }
   throw Error(ErrorKind::corrupt, "holds other groups than any part of the plan; make it anew",
               part.path());
