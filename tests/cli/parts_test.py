@@ -155,6 +155,13 @@ class JoinedInOtherWays(InParts):
         self.step(0, "--step", "seal")
         self.assertEqual([name for name in self.files() if name.startswith(".")], [])
 
+    def test_a_file_of_an_earlier_state_of_the_source_is_not_taken_for_sealed(self):
+        self.expect(0, "join", "scan.plan", "parts", "-o", "scan.8vo", "-q")
+        self.step(0, "--step", "seal")
+        self.write_scan(VOXELS[:2 * PLANE * 100] + b"\1\2\3\4" + VOXELS[2 * PLANE * 100 + 4:])
+        self.expect(0, "plan", *self.raw, "-f", "--parts", "3", "-o", "scan.plan")
+        self.assertIn("nothing is laid out", self.step(5, "--step", "seal").stderr)
+
     def test_a_join_that_consumes_its_parts_makes_the_same_file(self):
         self.step(0, "--consume")
         self.assertEqual(self.bytes_of("scan.8vo"), self.whole)

@@ -20,6 +20,7 @@ namespace {
 constexpr int kLayoutVersion = 1;
 constexpr const char* kLayoutEnding = "-layout";
 constexpr const char* kCopiedEnding = "-copied-";
+constexpr const char* kSealedEnding = "-sealed-";
 
 [[noreturn]] void fail_layout(const std::string& why) {
   throw Error(ErrorKind::corrupt, "the layout of the join " + why + "; lay it out again");
@@ -37,6 +38,10 @@ std::string layout_name(const std::string& path) { return join_prefix(path) + kL
 std::string copied_name(const std::string& path, const PartPlace& place) {
   return join_prefix(path) + kCopiedEnding + std::to_string(place.first_group) + "-" +
          std::to_string(place.end_group);
+}
+
+std::string sealed_name(const std::string& path, const BuildPlan& plan) {
+  return join_prefix(path) + kSealedEnding + std::to_string(plan.id);
 }
 
 std::string groups_of(const PartPlace& place) {
@@ -66,11 +71,14 @@ std::string file_text(Storage& storage, const std::string& name) {
 }
 
 /// Everything that joins to `path` have left. The marks of copies go first: a layout without them
-/// is copied anew, marks without a layout would say what is not so.
+/// is copied anew, marks without a layout would say what is not so. That of the plan goes last: it
+/// says that all is done.
 void discard_join(Storage& storage, const std::string& path) {
   std::vector<std::string> names = storage.list(join_prefix(path) + kCopiedEnding);
   names.push_back(layout_name(path));
   names.push_back(joined_name(path));
+  const std::vector<std::string> sealed = storage.list(join_prefix(path) + kSealedEnding);
+  names.insert(names.end(), sealed.begin(), sealed.end());
   for (const std::string& name : names) {
     if (storage.exists(name)) storage.remove(name);
   }
@@ -109,8 +117,9 @@ void require_none_of_others(const BuildPlan& plan, Storage& storage, const std::
               path);
 }
 
-/// Whether the file of a plan stands under its name.
-bool is_joined(const BuildPlan& plan, Storage& storage, const std::string& path) {
+/// Whether a file of the plan's build stands under the name: by its header, which knows the first
+/// group alone.
+bool has_header_of(const BuildPlan& plan, Storage& storage, const std::string& path) {
   if (storage.path_type(path) != PathType::file) return false;
   const std::unique_ptr<StorageFile> file = storage.open_read(path);
   HeaderBlock block{};
@@ -123,6 +132,18 @@ bool is_joined(const BuildPlan& plan, Storage& storage, const std::string& path)
   } catch (const Error&) {
     return false;
   }
+}
+
+/// Whether the file of a plan stands under its name, from which every mark has been removed. What is
+/// older than a file of the source was made of another state of it.
+bool is_joined(const BuildPlan& plan, Storage& storage, const std::string& path) {
+  if (!has_header_of(plan, storage, path)) return false;
+  if (!storage.list(join_prefix(path) + kSealedEnding).empty()) return false;
+  if (plan.files.empty()) return true;
+  const std::int64_t written_ns = stamps_of({path}).front().written_ns;
+  return std::ranges::all_of(plan.files, [&](const SourceStamp& file) {
+    return file.written_ns <= written_ns;
+  });
 }
 
 void prove_all(const std::vector<std::shared_ptr<PartFile>>& parts, Progress& progress) {
@@ -185,6 +206,11 @@ CopiedRun run_of(std::string_view line) {
 }  // namespace
 
 std::string joined_name(const std::string& path) { return join_prefix(path); }
+
+bool is_sealed(const BuildPlan& plan, Storage& storage, const std::string& path) {
+  return storage.exists(sealed_name(path, plan)) && !find_layout(plan, storage, path) &&
+         has_header_of(plan, storage, path);
+}
 
 std::vector<PartPlace> parts_of(const JoinLayout& layout) {
   std::set<std::pair<std::int64_t, std::int64_t>> groups;
@@ -369,7 +395,7 @@ std::uint64_t seal_join(const BuildPlan& plan, Storage& storage, const std::stri
   const std::optional<JoinLayout> layout = find_layout(plan, storage, path);
   if (!layout) {
     // The name was given already, or nothing was begun.
-    if (!is_joined(plan, storage, path)) {
+    if (!is_sealed(plan, storage, path) && !is_joined(plan, storage, path)) {
       throw Error(ErrorKind::io, "nothing is laid out for this plan", path);
     }
     if (!is_begun_by_another(plan, storage, path)) discard_join(storage, path);
@@ -382,6 +408,7 @@ std::uint64_t seal_join(const BuildPlan& plan, Storage& storage, const std::stri
     throw Error(ErrorKind::io, "parts were not copied: those of groups " + text, path);
   }
   check_target(storage, path, overwrite);
+  put_file(storage, sealed_name(path, plan), "");
   const std::string growing = joined_name(path);
   if (overwrite) storage.rename(growing, path);
   else storage.rename_new(growing, path);
@@ -393,6 +420,7 @@ std::uint64_t seal_join(const BuildPlan& plan, Storage& storage, const std::stri
 std::uint64_t consume_parts(const BuildPlan& plan, const std::vector<std::string>& paths,
                             Storage& storage, const std::string& path, bool overwrite,
                             const PartWork& work, Progress& progress) {
+  if (is_sealed(plan, storage, path)) return seal_join(plan, storage, path, overwrite);
   std::vector<std::shared_ptr<PartFile>> parts;
   for (const std::string& name : paths) {
     if (storage.exists(name)) parts.push_back(PartFile::open(storage, name));

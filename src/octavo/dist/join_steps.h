@@ -9,6 +9,7 @@
 //   .NAME.join                 the file that grows
 //   .NAME.join-layout          the layout, once the file is laid out
 //   .NAME.join-copied-A-B      for each part, groups A .. B, whose bytes are on disk
+//   .NAME.join-sealed-PLAN     once the file is whole, until nothing else of this is left
 //
 // Invariants
 //   A step that is done again changes nothing. NAME holds a whole file or what it held before.
@@ -60,6 +61,10 @@ JoinLayout parse_layout(std::string_view text);
 /// Where the file for `path` grows.
 std::string joined_name(const std::string& path);
 
+/// Whether the file of a plan has its name, and not all that stood beside it is removed.
+/// Throws Error{io}
+bool is_sealed(const BuildPlan& plan, Storage& storage, const std::string& path);
+
 /// The layout that stands there for a plan; nothing where none does.
 /// Throws Error{io}
 std::optional<JoinLayout> find_layout(const BuildPlan& plan, Storage& storage,
@@ -83,7 +88,7 @@ std::vector<PartPlace> uncopied_parts(const JoinLayout& layout, Storage& storage
                                       const std::string& path);
 
 /// Gives the file its name and removes what stood beside it. Where it has its name, nothing is
-/// done.
+/// done: by its mark, or by its header where it is no older than the files of the source.
 /// Returns the length of the file
 /// Throws  Error{io} that names the parts that were not copied; as FileWriter
 std::uint64_t seal_join(const BuildPlan& plan, Storage& storage, const std::string& path,

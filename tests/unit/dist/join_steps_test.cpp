@@ -311,6 +311,23 @@ TEST_F(JoinSteps, AConsumingJoinThatIsKilledGoesOn) {
   }
 }
 
+// The file has its name, the parts are gone, and marks are left.
+TEST_F(JoinSteps, AConsumingJoinThatIsKilledBehindTheRenameEndsWhenGivenAgain) {
+  storage_.meanwhile = [&](const std::string&) {
+    if (storage_.files.contains("a.8vo")) throw Error(ErrorKind::io, "killed");
+  };
+  failure_of([&] { consume(); }, ErrorKind::io);
+  storage_.meanwhile = {};
+  BuildPlan later = plan_;  // whose first group is the same
+  later.recipe = R"({"other":1})";
+  later.id = id_of(later);
+  EXPECT_FALSE(is_sealed(later, storage_, "a.8vo"));
+  failure_of([&] { seal_join(later, storage_, "a.8vo", true); }, ErrorKind::io);
+  EXPECT_TRUE(is_sealed(plan_, storage_, "a.8vo"));
+  EXPECT_EQ(consume(), whole_.size());
+  expect_done(0);
+}
+
 TEST_F(JoinSteps, AJoinThatIsStoppedLeavesThePartsAndNoFile) {
   StoppingProgress stopping(2);
   try {

@@ -23,8 +23,9 @@ namespace {
 std::vector<std::string> paths_of_all(const BuildPlan& plan, const JoinOptions& options) {
   const PartPlaces places = places_of(options);
   const auto found = found_parts(plan, places, options.plan);
-  const bool goes_on =
-      options.consumes_parts && find_layout(plan, local_storage(), options.output.path);
+  const std::string& output = options.output.path;
+  const bool goes_on = options.consumes_parts && (find_layout(plan, local_storage(), output) ||
+                                                  is_sealed(plan, local_storage(), output));
   if (!goes_on) require_all_found(plan, found, places, options.plan);
   std::vector<std::string> paths;
   for (const auto& [part, path] : found) paths.push_back(path);
@@ -84,7 +85,9 @@ BuiltVolume join_planned(const BuildPlan& plan, const std::vector<std::string>& 
 
 BuiltVolume join_scan(const JoinOptions& options, const TaskContext& context) {
   const BuildPlan plan = read_plan(options.plan);
-  require_joined_name(options.output);
+  const bool is_done =
+      options.consumes_parts && is_sealed(plan, local_storage(), options.output.path);
+  if (!is_done) require_joined_name(options.output);
   const std::vector<std::string> paths = paths_of_all(plan, options);
   return options.consumes_parts ? consume_planned(plan, paths, options.output, context)
                                 : join_planned(plan, paths, options.output, context);
