@@ -9,7 +9,7 @@
 
 #include "octavo/builder/group_reader.h"
 #include "octavo/core/error.h"
-#include "support/hints.h"
+#include "support/failure_text.h"
 #include "support/small_parts.h"
 #include "support/stopping_progress.h"
 
@@ -76,16 +76,6 @@ class JoinSteps : public ::testing::Test {
     ASSERT_EQ(storage_.files.count("a.8vo"), 1U);
     EXPECT_TRUE(*storage_.files.at("a.8vo") == whole_);
     EXPECT_EQ(storage_.files.size(), part_count + 1);
-  }
-  std::string failure_of(const std::function<void()>& action, ErrorKind kind) {
-    try {
-      action();
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), kind) << error.what();
-      return with_hints(error);
-    }
-    ADD_FAILURE() << "nothing failed";
-    return {};
   }
 
   SmallGroups groups_{std::uint64_t{1} << 18};

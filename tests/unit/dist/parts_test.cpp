@@ -9,13 +9,15 @@
 #include "octavo/planes/between/isotropic_source.h"
 #include "octavo/planes/memory_source.h"
 #include "octavo/planes/phantom.h"
-#include "support/hints.h"
+#include "support/failure_text.h"
 #include "support/memory_storage.h"
 #include "support/texture_source.h"
 
 namespace octavo {
 namespace {
 
+using testing::expect_words;
+using testing::failure_of;
 using testing::MemoryStorage;
 using testing::TextureSource;
 
@@ -157,23 +159,6 @@ TEST(Parts, APartMadeTwiceHasTheSameBytes) {
   make_part(plan, row.open, 1, 2, other);
   EXPECT_TRUE(*one.files.at("part-1") == *other.files.at("part-1"));
   EXPECT_EQ(other.files.size(), 1u);
-}
-
-std::string failure_of(const std::function<void()>& action, ErrorKind kind) {
-  try {
-    action();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), kind) << error.what();
-    return testing::with_hints(error);
-  }
-  ADD_FAILURE() << "nothing failed";
-  return {};
-}
-
-void expect_words(const std::string& text, const std::vector<std::string>& words) {
-  for (const std::string& word : words) {
-    EXPECT_NE(text.find(word), std::string::npos) << word << " in: " << text;
-  }
 }
 
 TEST(Parts, WrongPartsAreRejectedByName) {

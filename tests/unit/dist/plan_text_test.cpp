@@ -224,15 +224,23 @@ class RestlessSource final : public PlaneSource {
   std::string path_;
 };
 
-TEST(PlanText, AFileThatChangesWhileItIsReadIsInNoPart) {
-  const ScratchFolder folder;
-  const std::string path = folder.file("slice");
-  std::ofstream(path) << "voxels";
+/// A volume, and the file that plans of it name.
+struct PlannedFile {
+  PlannedFile() {
+    std::ofstream(path) << "voxels";
+    options.threads = 1;
+  }
+
+  ScratchFolder folder;
+  std::string path = folder.file("slice");
   BuildOptions options;
-  options.threads = 1;
-  const Volume volume = volume_of(VoxelType::uint8);
-  const BuildPlan plan = plan_of(volume, options, {path});
-  RestlessSource source(volume, path);
+  Volume volume = volume_of(VoxelType::uint8);
+};
+
+TEST(PlanText, AFileThatChangesWhileItIsReadIsInNoPart) {
+  const PlannedFile file;
+  const BuildPlan plan = plan_of(file.volume, file.options, {file.path});
+  RestlessSource source(file.volume, file.path);
   MemoryStorage storage;
   NoProgress progress;
   try {
@@ -240,30 +248,25 @@ TEST(PlanText, AFileThatChangesWhileItIsReadIsInNoPart) {
     FAIL() << "a source that changed was taken";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
-    EXPECT_EQ(error.path(), path);
+    EXPECT_EQ(error.path(), file.path);
   }
   EXPECT_TRUE(storage.files.empty());
 }
 
 // A change behind the first group, which no voxel of the plan tells of.
 TEST(PlanText, AFileThatWasChangedSinceIsRejectedByName) {
-  const ScratchFolder folder;
-  const std::string path = folder.file("slice");
-  std::ofstream(path) << "voxels";
-  BuildOptions options;
-  options.threads = 1;
-  const Volume volume = volume_of(VoxelType::uint8);
-  const BuildPlan plan = parse_plan(plan_text(plan_of(volume, options, {path})));
-  EXPECT_NE(plan.id, plan_of(volume, options).id);
+  const PlannedFile file;
+  const BuildPlan plan = parse_plan(plan_text(plan_of(file.volume, file.options, {file.path})));
+  EXPECT_NE(plan.id, plan_of(file.volume, file.options).id);
   MemoryStorage storage;
-  make_part(volume, plan, storage);
-  std::ofstream(path) << "voxel";
+  make_part(file.volume, plan, storage);
+  std::ofstream(file.path) << "voxel";
   try {
-    make_part(volume, plan, storage);
+    make_part(file.volume, plan, storage);
     FAIL() << "a changed source was taken";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
-    EXPECT_EQ(error.path(), path);
+    EXPECT_EQ(error.path(), file.path);
   }
 }
 

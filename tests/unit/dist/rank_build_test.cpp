@@ -15,14 +15,16 @@
 #include "octavo/planes/phantom.h"
 #include "support/built_file.h"
 #include "support/dying_storage.h"
+#include "support/failure_text.h"
 #include "support/goal_cases.h"
-#include "support/hints.h"
 #include "support/texture_source.h"
 
 namespace octavo {
 namespace {
 
 using testing::DyingStorage;
+using testing::expect_words;
+using testing::failure_of;
 using testing::ScratchFolder;
 using testing::TextureSource;
 
@@ -208,28 +210,11 @@ TEST_F(RankBuild, InterruptedJobsAreContinuedByAnyNumberOfRanks) {
   EXPECT_GT(resumed, 0);
 }
 
-std::string rank_failure(const std::function<void()>& action, ErrorKind kind) {
-  try {
-    action();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), kind) << error.what();
-    return testing::with_hints(error);
-  }
-  ADD_FAILURE() << "nothing failed";
-  return {};
-}
-
-void expect_rank_words(const std::string& text, const std::vector<std::string>& words) {
-  for (const std::string& word : words) {
-    EXPECT_NE(text.find(word), std::string::npos) << word << " in: " << text;
-  }
-}
-
 TEST_F(RankBuild, AFailingSourceLeavesNoFileAndWhatIsWhole) {
   const BuildOptions options = ranked_options(Preset::fast);
   const OpenSource sound = ranked_texture(VoxelType::int16);
-  expect_rank_words(
-      rank_failure([&] { build(2, torn_source, options); }, ErrorKind::source_rejected),
+  expect_words(
+      failure_of([&] { build(2, torn_source, options); }, ErrorKind::source_rejected),
       {"slice.dcm", "torn"});
   EXPECT_FALSE(std::filesystem::exists(path()));
   EXPECT_TRUE(std::filesystem::exists(ranks_name(path())));
@@ -239,11 +224,11 @@ TEST_F(RankBuild, AFailingSourceLeavesNoFileAndWhatIsWhole) {
 
 TEST_F(RankBuild, WhatIsLeftOfOtherWorkIsRejectedUnlessDiscarded) {
   const BuildOptions options = ranked_options(Preset::fast);
-  rank_failure([&] { build(2, torn_source, options); }, ErrorKind::source_rejected);
+  failure_of([&] { build(2, torn_source, options); }, ErrorKind::source_rejected);
   const OpenSource sound = ranked_texture(VoxelType::int16);
   const BuildOptions other = ranked_options(Preset::fast, 2);
-  expect_rank_words(rank_failure([&] { build(2, sound, other); }, ErrorKind::invalid_argument),
-                    {"a.8vo", "max error", "ranks.interrupted=discard"});
+  expect_words(failure_of([&] { build(2, sound, other); }, ErrorKind::invalid_argument),
+               {"a.8vo", "max error", "ranks.interrupted=discard"});
   RankBuildOptions discarding;
   discarding.discards_interrupted = true;
   EXPECT_EQ(build(2, sound, other, discarding).resumed_planes, 0);
@@ -254,8 +239,8 @@ TEST_F(RankBuild, WhatIsLeftOfOtherWorkIsRejectedUnlessDiscarded) {
 TEST_F(RankBuild, TwoJobsDoNotWorkOnOneFile) {
   const auto held = undying_.create_exclusive(ranks_name(path()));
   const OpenSource open = ranked_texture(VoxelType::int16);
-  expect_rank_words(
-      rank_failure([&] { build(2, open, ranked_options(Preset::fast)); }, ErrorKind::io),
+  expect_words(
+      failure_of([&] { build(2, open, ranked_options(Preset::fast)); }, ErrorKind::io),
       {"a.8vo", "another job"});
 }
 
@@ -263,8 +248,8 @@ TEST_F(RankBuild, AnExistingFileStays) {
   const OpenSource open = ranked_texture(VoxelType::int16);
   const BuildOptions options = ranked_options(Preset::fast);
   build(1, open, options);
-  expect_rank_words(rank_failure([&] { build(2, open, options); }, ErrorKind::io),
-                    {"a.8vo", "exists already"});
+  expect_words(failure_of([&] { build(2, open, options); }, ErrorKind::io),
+               {"a.8vo", "exists already"});
   EXPECT_EQ(file_count(), 1u);
 }
 
@@ -278,8 +263,8 @@ TEST_F(RankBuild, AnotherSourceThanThePlannedOneIsRejected) {
     const auto source = ranked_texture(type)();
     build_by_ranks(plan, *source, ranks, undying_, path(), {.work = {.threads = 1}}, quiet);
   };
-  expect_rank_words(rank_failure([&] { run_thread_ranks(2, work); }, ErrorKind::source_rejected),
-                    {"voxel type", "plan again"});
+  expect_words(failure_of([&] { run_thread_ranks(2, work); }, ErrorKind::source_rejected),
+               {"voxel type", "plan again"});
   EXPECT_FALSE(std::filesystem::exists(path()));
 }
 

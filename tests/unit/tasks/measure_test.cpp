@@ -12,6 +12,22 @@ namespace {
 using testing::DenseLabels;
 using testing::for_each_voxel;
 
+/// Every number, those of grey voxels as well.
+void expect_same(const RegionMeasure& a, const RegionMeasure& b) {
+  EXPECT_EQ(a.label, b.label);
+  EXPECT_EQ(a.voxel_count, b.voxel_count);
+  EXPECT_EQ(a.surface_voxel_count, b.surface_voxel_count);
+  EXPECT_EQ(a.box, b.box);
+  EXPECT_EQ(a.centroid, b.centroid);
+  EXPECT_EQ(a.covariance, b.covariance);
+  EXPECT_EQ(a.grey->mean, b.grey->mean);
+  EXPECT_EQ(a.grey->deviation, b.grey->deviation);
+  EXPECT_EQ(a.grey->minimum, b.grey->minimum);
+  EXPECT_EQ(a.grey->maximum, b.grey->maximum);
+  EXPECT_EQ(a.grey->sum, b.grey->sum);
+  EXPECT_EQ(a.grey->percentiles, b.grey->percentiles);
+}
+
 constexpr Size3 kMeasureSize = {66, 24, 18};
 
 class Measure : public testing::TaskFiles {
@@ -135,16 +151,7 @@ TEST_F(Measure, ALabelThatIsAskedForIsMeasuredAsAmongAll) {
     options_.asked = asked;
     const MeasureResult one = measure(options_, context_);
     ASSERT_EQ(one.regions.size(), 1u);
-    const RegionMeasure& a = one.regions[0].region;
-    const RegionMeasure& b = all.regions[row].region;
-    EXPECT_EQ(a.label, b.label);
-    EXPECT_EQ(a.voxel_count, b.voxel_count);
-    EXPECT_EQ(a.surface_voxel_count, b.surface_voxel_count);
-    EXPECT_EQ(a.box, b.box);
-    EXPECT_EQ(a.centroid, b.centroid);
-    EXPECT_EQ(a.covariance, b.covariance);
-    EXPECT_EQ(a.grey->mean, b.grey->mean);
-    EXPECT_EQ(a.grey->percentiles, b.grey->percentiles);
+    expect_same(one.regions[0].region, all.regions[row].region);
   };
   expect_row({{3}, {}}, 0);
   expect_row({{}, {"heart"}}, 1);
@@ -211,20 +218,7 @@ TEST_F(Measure, PartsJoinToEveryDigit) {
     EXPECT_EQ(joined.unit, whole.unit);
     ASSERT_EQ(joined.regions.size(), whole.regions.size());
     for (std::size_t i = 0; i < whole.regions.size(); ++i) {
-      const RegionMeasure& a = joined.regions[i].region;
-      const RegionMeasure& b = whole.regions[i].region;
-      EXPECT_EQ(a.label, b.label);
-      EXPECT_EQ(a.voxel_count, b.voxel_count);
-      EXPECT_EQ(a.surface_voxel_count, b.surface_voxel_count);
-      EXPECT_EQ(a.box, b.box);
-      EXPECT_EQ(a.centroid, b.centroid);
-      EXPECT_EQ(a.covariance, b.covariance);
-      EXPECT_EQ(a.grey->mean, b.grey->mean);
-      EXPECT_EQ(a.grey->deviation, b.grey->deviation);
-      EXPECT_EQ(a.grey->minimum, b.grey->minimum);
-      EXPECT_EQ(a.grey->maximum, b.grey->maximum);
-      EXPECT_EQ(a.grey->sum, b.grey->sum);
-      EXPECT_EQ(a.grey->percentiles, b.grey->percentiles);
+      expect_same(joined.regions[i].region, whole.regions[i].region);
     }
   }
 
