@@ -7,7 +7,7 @@
 
 #include "octavo/core/hasher.h"
 #include "octavo/mesh/mesh_check.h"
-#include "octavo/mesh/mesh_file.h"
+#include "octavo/mesh/formats/mesh_file.h"
 #include "octavo/tasks/asked_labels.h"
 #include "octavo/tasks/outputs.h"
 #include "octavo/tasks/task_context.h"

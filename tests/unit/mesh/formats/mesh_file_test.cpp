@@ -1,4 +1,4 @@
-#include "octavo/mesh/mesh_file.h"
+#include "octavo/mesh/formats/mesh_file.h"
 
 #include <gtest/gtest.h>
 
