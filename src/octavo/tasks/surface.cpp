@@ -214,7 +214,8 @@ SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context)
   if (!result.is_sound && !options.allows_faults) return result;
 
   PendingFile file(local_storage(), options.output.path);
-  write_mesh(mesh, format, options.space, comments_of(options, *reader), file);
+  const std::vector<std::string> comments = comments_of(options, *reader);
+  write_mesh({.mesh = mesh, .comments = comments, .space = options.space}, format, file);
   context.stop_if_cancelled();
   file.seal();
   file.publish(options.output.overwrite);

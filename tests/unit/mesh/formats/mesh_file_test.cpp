@@ -14,14 +14,19 @@ namespace {
 const TriangleMesh kWritten = {{{0.5f, -2, 3}, {1, 0, 0.1f}, {0, 1e-7f, 0}, {0, 0, 1}},
                                {{0, 2, 1}, {0, 1, 3}}};
 
-std::string written(MeshFormat format, MeshSpace space) {
+std::string written(MeshFormat format, MeshDescription described) {
   testing::MemoryStorage storage;
   PendingFile file(storage, "mesh");
-  write_mesh(kWritten, format, space, {"made of nothing"}, file);
+  write_mesh(described, format, file);
   file.seal();
   file.publish(false);
   const auto& bytes = *storage.files.at("mesh");
   return {bytes.begin(), bytes.end()};
+}
+
+std::string written(MeshFormat format, MeshSpace space) {
+  const std::vector<std::string> comments = {"made of nothing"};
+  return written(format, {.mesh = kWritten, .comments = comments, .space = space});
 }
 
 MeshPoint point_in(const std::string& bytes, std::size_t at) {
@@ -77,6 +82,68 @@ TEST(MeshFile, ObjTurnedRoundHasNoNegativeZero) {
             std::string::npos);
 }
 
+/// Both triangles of kWritten, an object each, with normals.
+struct Parts {
+  std::vector<MeshPoint> normals = {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}};
+  std::vector<MeshPart> parts = {{"left lung\n\"x\"", 7, LabelColor{1, 2, 3}, 0, 1},
+                                 {"", 300, {}, 1, 2}};
+  std::vector<LabelPair> pairs = {{7, 300}, {300, 0}};
+};
+
+TEST(MeshFile, PlyHoldsNormalsAndTheLabelOfEveryTriangle) {
+  const Parts with;
+  const std::string bytes =
+      written(MeshFormat::ply, {.mesh = kWritten, .normals = with.normals, .parts = with.parts});
+  EXPECT_NE(bytes.find("comment label 7 left lung \"x\"\n"), std::string::npos);
+  const std::string end = "end_header\n";
+  const std::size_t data = bytes.find(end) + end.size();
+  ASSERT_EQ(bytes.size(), data + 4 * 24 + 2 * 17u);
+  EXPECT_EQ(point_in(bytes, data + 3 * 24 + 12), with.normals[3]);
+  std::int32_t label = 0;
+  std::memcpy(&label, bytes.data() + bytes.size() - 4, 4);
+  EXPECT_EQ(label, 300);
+}
+
+TEST(MeshFile, PlyHoldsPairsOfLabelsInPlaceOfParts) {
+  const Parts with;
+  const std::string bytes =
+      written(MeshFormat::ply, {.mesh = kWritten, .pairs = with.pairs, .parts = with.parts});
+  EXPECT_NE(bytes.find("property int inside\nproperty int outside\n"), std::string::npos);
+  EXPECT_EQ(bytes.find("property int label\n"), std::string::npos);
+  std::array<std::int32_t, 2> pair{};
+  std::memcpy(&pair, bytes.data() + bytes.size() - 8, 8);
+  EXPECT_EQ(pair, (std::array<std::int32_t, 2>{300, 0}));
+}
+
+TEST(MeshFile, PlyRejectsALabelThatItCannotHold) {
+  std::vector<MeshPart> parts = {{"", std::int64_t{1} << 40, {}, 0, 2}};
+  EXPECT_THROW(written(MeshFormat::ply, {.mesh = kWritten, .parts = parts}), Error);
+}
+
+TEST(MeshFile, ObjHasAGroupOfOneWordForEachPartOrPair) {
+  const Parts with;
+  const std::string parts =
+      written(MeshFormat::obj, {.mesh = kWritten, .normals = with.normals, .parts = with.parts});
+  EXPECT_NE(parts.find("vn 0 -1 0\ng left_lung_\"x\"\nf 1//1 3//3 2//2\ng label_300\nf 1//1 "
+                       "2//2 4//4\n"),
+            std::string::npos);
+  const std::string pairs = written(MeshFormat::obj, {.mesh = kWritten, .pairs = with.pairs});
+  EXPECT_NE(pairs.find("g label_7_to_300\nf 1 3 2\ng label_300_to_0\nf 1 2 4\n"),
+            std::string::npos);
+}
+
+TEST(MeshFile, CommentsAndReportsAreOneLine) {
+  const std::vector<std::string> comments = {"a\nelement vertex 9"};
+  const MeshDescription described{
+      .mesh = kWritten, .comments = comments, .report = "{\"closed\":true}"};
+  EXPECT_NE(written(MeshFormat::ply, described)
+                .find("comment a element vertex 9\ncomment report {\"closed\":true}\n"),
+            std::string::npos);
+  EXPECT_NE(written(MeshFormat::obj, described)
+                .find("# a element vertex 9\n# report {\"closed\":true}\n"),
+            std::string::npos);
+}
+
 TEST(MeshFile, FormatsAreKnownByTheirEndings) {
   EXPECT_EQ(mesh_format_of("a.b.stl"), MeshFormat::stl);
   EXPECT_EQ(mesh_format_of("a.ply"), MeshFormat::ply);
@@ -89,7 +156,7 @@ TEST(MeshFile, AFailureLeavesNothing) {
   testing::MemoryStorage counted;
   {
     PendingFile file(counted, "mesh.stl");
-    write_mesh(kWritten, MeshFormat::stl, MeshSpace::lps, {}, file);
+    write_mesh({.mesh = kWritten}, MeshFormat::stl, file);
     file.seal();
     file.publish(false);
   }
@@ -98,7 +165,7 @@ TEST(MeshFile, AFailureLeavesNothing) {
     storage.fail_at = call;
     const auto write = [&] {
       PendingFile file(storage, "mesh.stl");
-      write_mesh(kWritten, MeshFormat::stl, MeshSpace::lps, {}, file);
+      write_mesh({.mesh = kWritten}, MeshFormat::stl, file);
       file.seal();
       file.publish(false);
     };

@@ -1,0 +1,43 @@
+#include "octavo/mesh/formats/mesh_bytes.h"
+
+#include <bit>
+
+#include "octavo/core/error.h"
+
+namespace octavo {
+
+static_assert(std::endian::native == std::endian::little, "numbers are written as they are");
+
+void MeshBytes::flush() {
+  if (!buffer_.empty()) file_.append(buffer_);
+  buffer_.clear();
+}
+
+void MeshBytes::raw(const void* data, std::size_t size) {
+  if (buffer_.size() + size > kBytes) flush();
+  const auto* bytes = static_cast<const std::uint8_t*>(data);
+  buffer_.insert(buffer_.end(), bytes, bytes + size);
+}
+
+std::string space_words(MeshSpace space) {
+  return std::string("SPACE=") + (space == MeshSpace::lps ? "LPS" : "RAS") + " UNIT=mm";
+}
+
+std::string line_text(std::string_view text) {
+  std::string line(text);
+  for (char& letter : line) {
+    const auto code = static_cast<unsigned char>(letter);
+    if (code < 0x20 || code == 0x7f) letter = ' ';
+  }
+  return line;
+}
+
+void require_countable(std::uint64_t count, std::uint64_t most, const char* what,
+                       const PendingFile& file) {
+  if (count <= most) return;
+  throw Error(ErrorKind::limit_exceeded,
+              std::to_string(count) + " " + what + "; the format numbers " + std::to_string(most),
+              file.path());
+}
+
+}  // namespace octavo

@@ -1,0 +1,63 @@
+// A file that is written in small pieces, and what the formats of meshes write alike.
+#pragma once
+
+#include <charconv>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "octavo/core/bytes.h"
+#include "octavo/file/storage/pending_file.h"
+#include "octavo/mesh/formats/mesh_description.h"
+
+namespace octavo {
+
+/// Appends small pieces to a file, a megabyte at a time.
+/// Throws  as PendingFile
+class MeshBytes {
+ public:
+  explicit MeshBytes(PendingFile& file) : file_(file) { buffer_.reserve(kBytes); }
+
+  /// As it is in memory, which is little-endian.
+  template <class T>
+  void number(T value) {
+    raw(&value, sizeof value);
+  }
+  void text(std::string_view text) { raw(text.data(), text.size()); }
+  /// The shortest digits that read back as the same number.
+  template <class T>
+  void digits(T value) {
+    char digits[32];
+    const auto end = std::to_chars(digits, digits + sizeof digits, value);
+    raw(digits, static_cast<std::size_t>(end.ptr - digits));
+  }
+  void flush();
+
+ private:
+  static constexpr std::size_t kBytes = 1 << 20;
+
+  void raw(const void* data, std::size_t size);
+
+  PendingFile& file_;
+  Bytes buffer_;
+};
+
+/// A point or a normal in the axes that are asked for.
+inline MeshPoint in_space(const MeshPoint& point, MeshSpace space) {
+  if (space == MeshSpace::lps) return point;
+  // Not the negative, which is -0 for 0.
+  return {0 - point[0], 0 - point[1], point[2]};
+}
+
+/// "SPACE=LPS UNIT=mm", as 3D Slicer writes it.
+std::string space_words(MeshSpace space);
+
+/// Text for one line: spaces in place of control characters.
+std::string line_text(std::string_view text);
+
+/// Throws  Error{limit_exceeded} that names the file where `count` is above `most`
+void require_countable(std::uint64_t count, std::uint64_t most, const char* what,
+                       const PendingFile& file);
+
+}  // namespace octavo

@@ -1,0 +1,22 @@
+// The formats one by one; mesh_file.h chooses among them.
+//
+// Each appends a mesh to a file, in mm, and throws as PendingFile, and Error{limit_exceeded} where
+// it has more points or triangles than the format can number.
+#pragma once
+
+#include "octavo/file/storage/pending_file.h"
+#include "octavo/mesh/formats/mesh_description.h"
+
+namespace octavo {
+
+/// Binary: corners and normals of triangles, and the space in the header.
+void write_stl(const MeshDescription& mesh, PendingFile& file);
+
+/// Binary: points with their normals, triangles with the label of their part, or with a pair of
+/// labels.
+void write_ply(const MeshDescription& mesh, PendingFile& file);
+
+/// Text: points with their normals, a group of triangles for each part or pair of labels.
+void write_obj(const MeshDescription& mesh, PendingFile& file);
+
+}  // namespace octavo
