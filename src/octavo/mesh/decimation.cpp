@@ -73,12 +73,18 @@ class Decimation {
         origin_(place_of_point(full.points.front())),
         tolerances_(full.points.size(), 1),
         is_frozen_(full.points.size()),
-        pieces_(mesh_pieces(full)) {
+        pieces_(mesh_pieces(full)),
+        locked_(options.locked),
+        is_held_(pieces_.count) {
     const auto& [x, y, z] = geometry_.spacing_mm;
     deviation_ = options.max_deviation_mm - kRoundingMargin * std::min({x, y, z});
     tolerance_ = kToleranceShare * options.max_deviation_mm;
     start_.mesh = full;
     volumes_ = piece_volumes(full);
+    for (const std::uint32_t point : locked_) {
+      is_frozen_[point] = true;
+      if (pieces_.of_point[point] != MeshPieces::kNone) is_held_[pieces_.of_point[point]] = true;
+    }
     set_quadrics();
     start_.nearest.resize(full.points.size());
     for (std::size_t i = 0; i < full.triangles.size(); ++i) {
@@ -97,8 +103,11 @@ class Decimation {
       ReducedSurface reduced = start_;
       for (const double shift : {0.0, 0.5}) reduce(reduced, shift);
       if (tighten(reduced, full_tree, round)) continue;
-      if (!is_proven_) return {full_, round + 1, crossing_triangles(full_tree, progress_).size()};
-      return {compacted(reduced.mesh), round + 1, crossing_count_};
+      if (!is_proven_) {
+        return {full_, round + 1, crossing_triangles(full_tree, progress_).size(),
+                {locked_.begin(), locked_.end()}};
+      }
+      return compacted(reduced.mesh, round + 1);
     }
   }
 
@@ -143,7 +152,7 @@ class Decimation {
     std::vector<std::uint32_t> turned;
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
       const std::uint32_t piece = pieces_.of_point[mesh.triangles[i][0]];
-      if ((volumes[piece] > 0) != (volumes_[piece] > 0)) {
+      if (!is_held_[piece] && (volumes[piece] > 0) != (volumes_[piece] > 0)) {
         turned.push_back(static_cast<std::uint32_t>(i));
       }
     }
@@ -346,22 +355,23 @@ class Decimation {
   }
 
   /// Without the points that no triangle has.
-  static TriangleMesh compacted(const TriangleMesh& mesh) {
+  Decimated compacted(const TriangleMesh& mesh, int rounds) const {
     std::vector<std::uint32_t> numbers(mesh.points.size(), kNone);
-    TriangleMesh compact;
-    compact.triangles.reserve(mesh.triangles.size());
-    for (const MeshTriangle& t : mesh.triangles) {
-      MeshTriangle& renumbered = compact.triangles.emplace_back();
-      for (std::size_t k = 0; k < 3; ++k) {
-        std::uint32_t& number = numbers[t[k]];
-        if (number == kNone) {
-          number = static_cast<std::uint32_t>(compact.points.size());
-          compact.points.push_back(mesh.points[t[k]]);
-        }
-        renumbered[k] = number;
+    Decimated result{{}, rounds, crossing_count_, {}};
+    const auto number_of = [&](std::uint32_t point) {
+      std::uint32_t& number = numbers[point];
+      if (number == kNone) {
+        number = static_cast<std::uint32_t>(result.mesh.points.size());
+        result.mesh.points.push_back(mesh.points[point]);
       }
+      return number;
+    };
+    result.mesh.triangles.reserve(mesh.triangles.size());
+    for (const MeshTriangle& t : mesh.triangles) {
+      result.mesh.triangles.push_back({number_of(t[0]), number_of(t[1]), number_of(t[2])});
     }
-    return compact;
+    for (const std::uint32_t point : locked_) result.locked.push_back(number_of(point));
+    return result;
   }
 
   const TriangleMesh& full_;
@@ -378,17 +388,20 @@ class Decimation {
   std::vector<bool> is_frozen_;    // points that stay as they are
   MeshPieces pieces_;              // of the full surface
   std::vector<double> volumes_;    // that they enclose
+  std::span<const std::uint32_t> locked_;
+  std::vector<bool> is_held_;      // pieces with locked points
 };
 
 }  // namespace
 
 Decimated decimate(const TriangleMesh& full, const DecimationOptions& options,
                    Progress& progress) {
-  if (full.triangles.empty()) return {full, 0, 0};
+  const std::vector<std::uint32_t> locked(options.locked.begin(), options.locked.end());
+  if (full.triangles.empty()) return {full, 0, 0, locked};
   require_numbered(full.triangles.size());
   const auto& [x, y, z] = options.geometry.spacing_mm;
   if (options.max_deviation_mm <= 2 * kRoundingMargin * std::min({x, y, z})) {
-    return {full, 0, crossing_triangles(TriangleTree(full), progress).size()};
+    return {full, 0, crossing_triangles(TriangleTree(full), progress).size(), locked};
   }
   return Decimation(full, options, progress).run();
 }

@@ -12,6 +12,8 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "octavo/core/geometry.h"
 #include "octavo/core/progress.h"
@@ -22,6 +24,8 @@ namespace octavo {
 struct DecimationOptions {
   double max_deviation_mm = 0;  ///< above 0
   Geometry geometry;            ///< of the grid that the surface was taken from
+  /// Points of the full surface that stay where they are.
+  std::span<const std::uint32_t> locked = {};
 };
 
 struct Decimated {
@@ -29,9 +33,12 @@ struct Decimated {
   int rounds = 0;  ///< that it took
   /// Triangles that cross others: of a full surface without any, none.
   std::uint64_t crossing_triangles = 0;
+  /// Numbers in the mesh of the locked points, in their order.
+  std::vector<std::uint32_t> locked = {};
 };
 
-/// Requires a closed manifold. Uses the threads of the calling task arena.
+/// Requires a manifold that is closed, or ends at locked points; that no piece is turned inside out
+/// is proven of those without locked points. Uses the threads of the calling task arena.
 /// Throws  Error{cancelled}; as require_numbered
 /// Memory  about 400 bytes per point of the full surface, and a part of it per thread
 Decimated decimate(const TriangleMesh& full, const DecimationOptions& options,

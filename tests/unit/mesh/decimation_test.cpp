@@ -140,6 +140,36 @@ TEST_F(Bodies, AreNotTurnedInsideOut) {
   }
 }
 
+TEST_F(Bodies, KeepTheirRimWhereItIsLocked) {
+  TriangleMesh open;
+  open.points = full_.points;
+  std::vector<int> uses(full_.points.size());
+  for (const MeshTriangle& t : full_.triangles) {
+    for (const std::uint32_t point : t) ++uses[point];
+    if (full_.points[t[0]][2] < 920) open.triangles.push_back(t);
+  }
+  for (const MeshTriangle& t : open.triangles) {
+    for (const std::uint32_t point : t) --uses[point];
+  }
+  std::vector<bool> is_open(open.points.size());
+  for (const MeshTriangle& t : open.triangles) {
+    for (const std::uint32_t point : t) is_open[point] = true;
+  }
+  std::vector<std::uint32_t> rim;
+  for (std::uint32_t point = 0; point < uses.size(); ++point) {
+    if (is_open[point] && uses[point] > 0) rim.push_back(point);
+  }
+  options_.locked = rim;
+  const Decimated reduced = decimate(open, options_, progress_);
+  EXPECT_LT(5 * reduced.mesh.triangles.size(), open.triangles.size());
+  EXPECT_GT(check_mesh(open).open_sides, 100u);
+  EXPECT_EQ(check_mesh(reduced.mesh).open_sides, check_mesh(open).open_sides);
+  ASSERT_EQ(reduced.locked.size(), rim.size());
+  for (std::size_t i = 0; i < rim.size(); ++i) {
+    EXPECT_EQ(reduced.mesh.points[reduced.locked[i]], open.points[rim[i]]);
+  }
+}
+
 TEST_F(Bodies, StopWhenAskedTo) {
   testing::StoppingProgress watching(std::numeric_limits<int>::max());
   const Decimated whole = decimate(full_, options_, watching);
