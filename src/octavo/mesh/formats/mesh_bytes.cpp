@@ -1,6 +1,8 @@
 #include "octavo/mesh/formats/mesh_bytes.h"
 
+#include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "octavo/core/error.h"
 
@@ -8,8 +10,15 @@ namespace octavo {
 
 static_assert(std::endian::native == std::endian::little, "numbers are written as they are");
 
+MeshBytes::MeshBytes(PendingFile& file)
+    : MeshBytes([&file](ByteSpan bytes) { file.append(bytes); }) {}
+
+MeshBytes::MeshBytes(std::function<void(ByteSpan)> take) : take_(std::move(take)) {
+  buffer_.reserve(kBytes);
+}
+
 void MeshBytes::flush() {
-  if (!buffer_.empty()) file_.append(buffer_);
+  if (!buffer_.empty()) take_(buffer_);
   buffer_.clear();
 }
 
@@ -30,6 +39,11 @@ std::string line_text(std::string_view text) {
     if (code < 0x20 || code == 0x7f) letter = ' ';
   }
   return line;
+}
+
+bool has_part_labels(const MeshDescription& mesh) {
+  return !mesh.parts.empty() && std::all_of(mesh.parts.begin(), mesh.parts.end(),
+                                            [](const MeshPart& part) { return part.label; });
 }
 
 void require_countable(std::uint64_t count, std::uint64_t most, const char* what,

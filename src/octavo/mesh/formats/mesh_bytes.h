@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -14,10 +15,12 @@
 namespace octavo {
 
 /// Appends small pieces to a file, a megabyte at a time.
-/// Throws  as PendingFile
+/// Throws  as PendingFile, or as what takes the bytes
 class MeshBytes {
  public:
-  explicit MeshBytes(PendingFile& file) : file_(file) { buffer_.reserve(kBytes); }
+  explicit MeshBytes(PendingFile& file);
+  /// The bytes go to `take` instead.
+  explicit MeshBytes(std::function<void(ByteSpan)> take);
 
   /// As it is in memory, which is little-endian.
   template <class T>
@@ -39,7 +42,7 @@ class MeshBytes {
 
   void raw(const void* data, std::size_t size);
 
-  PendingFile& file_;
+  std::function<void(ByteSpan)> take_;
   Bytes buffer_;
 };
 
@@ -55,6 +58,9 @@ std::string space_words(MeshSpace space);
 
 /// Text for one line: spaces in place of control characters.
 std::string line_text(std::string_view text);
+
+/// Whether every triangle lies in a part that has a label.
+bool has_part_labels(const MeshDescription& mesh);
 
 /// Throws  Error{limit_exceeded} that names the file where `count` is above `most`
 void require_countable(std::uint64_t count, std::uint64_t most, const char* what,

@@ -15,16 +15,18 @@ std::optional<MeshFormat> mesh_format_of(const std::string& path) {
   if (ending == ".stl") return MeshFormat::stl;
   if (ending == ".ply") return MeshFormat::ply;
   if (ending == ".obj") return MeshFormat::obj;
+  if (ending == ".vtp") return MeshFormat::vtp;
   return std::nullopt;
 }
 
-const char* mesh_format_endings() { return ".stl, .ply or .obj"; }
+const char* mesh_format_endings() { return ".stl, .ply, .obj or .vtp"; }
 
 void write_mesh(const MeshDescription& mesh, MeshFormat format, PendingFile& file) {
   switch (format) {
     case MeshFormat::stl: write_stl(mesh, file); break;
     case MeshFormat::ply: write_ply(mesh, file); break;
     case MeshFormat::obj: write_obj(mesh, file); break;
+    case MeshFormat::vtp: write_vtp(mesh, file); break;
   }
 }
 

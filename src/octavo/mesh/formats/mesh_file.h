@@ -9,12 +9,12 @@
 
 namespace octavo {
 
-enum class MeshFormat { stl, ply, obj };
+enum class MeshFormat { stl, ply, obj, vtp };
 
 /// By the ending of a name, in letters of either case.
 std::optional<MeshFormat> mesh_format_of(const std::string& path);
 
-/// ".stl, .ply or .obj"
+/// ".stl, .ply, .obj or .vtp"
 const char* mesh_format_endings();
 
 /// Appends a surface to a file, as mesh_formats.h says of each format.

@@ -19,4 +19,8 @@ void write_ply(const MeshDescription& mesh, PendingFile& file);
 /// Text: points with their normals, a group of triangles for each part or pair of labels.
 void write_obj(const MeshDescription& mesh, PendingFile& file);
 
+/// XML of VTK with raw arrays behind it: points with their normals, triangles with the label of
+/// their part, or with a pair of labels.
+void write_vtp(const MeshDescription& mesh, PendingFile& file);
+
 }  // namespace octavo

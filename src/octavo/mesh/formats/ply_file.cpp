@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -20,8 +19,6 @@ std::int32_t ply_label(std::int64_t label, const PendingFile& file) {
                   std::to_string(kMost),
               file.path());
 }
-
-bool has_label(const MeshPart& part) { return part.label.has_value(); }
 
 std::string ply_header(const MeshDescription& described, bool has_labels) {
   std::string header = "ply\nformat binary_little_endian 1.0\n";
@@ -55,16 +52,14 @@ std::string ply_header(const MeshDescription& described, bool has_labels) {
 void write_ply(const MeshDescription& described, PendingFile& file) {
   const TriangleMesh& mesh = described.mesh;
   require_countable(mesh.points.size(), std::numeric_limits<std::int32_t>::max(), "points", file);
-  const auto& parts = described.parts;
-  const bool has_labels =
-      !parts.empty() && std::all_of(parts.begin(), parts.end(), has_label);
+  const bool has_labels = has_part_labels(described);
   MeshBytes out(file);
   out.text(ply_header(described, has_labels));
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
     out.number(in_space(mesh.points[i], described.space));
     if (!described.normals.empty()) out.number(in_space(described.normals[i], described.space));
   }
-  const auto* part = parts.data();
+  const auto* part = described.parts.data();
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     out.number(std::uint8_t{3});
     out.number(mesh.triangles[i]);

@@ -5,24 +5,14 @@
 #include <cstring>
 
 #include "octavo/core/error.h"
-#include "support/built_file.h"
-#include "support/memory_storage.h"
+#include "unit/mesh/formats/written_mesh.h"
 
 namespace octavo {
 namespace {
 
-const TriangleMesh kWritten = {{{0.5f, -2, 3}, {1, 0, 0.1f}, {0, 1e-7f, 0}, {0, 0, 1}},
-                               {{0, 2, 1}, {0, 1, 3}}};
-
-std::string written(MeshFormat format, MeshDescription described) {
-  testing::MemoryStorage storage;
-  PendingFile file(storage, "mesh");
-  write_mesh(described, format, file);
-  file.seal();
-  file.publish(false);
-  const auto& bytes = *storage.files.at("mesh");
-  return {bytes.begin(), bytes.end()};
-}
+using testing::kWritten;
+using testing::Parts;
+using testing::written;
 
 std::string written(MeshFormat format, MeshSpace space) {
   const std::vector<std::string> comments = {"made of nothing"};
@@ -82,19 +72,11 @@ TEST(MeshFile, ObjTurnedRoundHasNoNegativeZero) {
             std::string::npos);
 }
 
-/// Both triangles of kWritten, an object each, with normals.
-struct Parts {
-  std::vector<MeshPoint> normals = {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}};
-  std::vector<MeshPart> parts = {{"left lung\n\"x\"", 7, LabelColor{1, 2, 3}, 0, 1},
-                                 {"", 300, {}, 1, 2}};
-  std::vector<LabelPair> pairs = {{7, 300}, {300, 0}};
-};
-
 TEST(MeshFile, PlyHoldsNormalsAndTheLabelOfEveryTriangle) {
   const Parts with;
   const std::string bytes =
       written(MeshFormat::ply, {.mesh = kWritten, .normals = with.normals, .parts = with.parts});
-  EXPECT_NE(bytes.find("comment label 7 left lung \"x\"\n"), std::string::npos);
+  EXPECT_NE(bytes.find("comment label 7 left lung \"<&\xc3\xa4>\"\n"), std::string::npos);
   const std::string end = "end_header\n";
   const std::size_t data = bytes.find(end) + end.size();
   ASSERT_EQ(bytes.size(), data + 4 * 24 + 2 * 17u);
@@ -124,7 +106,7 @@ TEST(MeshFile, ObjHasAGroupOfOneWordForEachPartOrPair) {
   const Parts with;
   const std::string parts =
       written(MeshFormat::obj, {.mesh = kWritten, .normals = with.normals, .parts = with.parts});
-  EXPECT_NE(parts.find("vn 0 -1 0\ng left_lung_\"x\"\nf 1//1 3//3 2//2\ng label_300\nf 1//1 "
+  EXPECT_NE(parts.find("vn 0 -1 0\ng left_lung_\"<&\xc3\xa4>\"\nf 1//1 3//3 2//2\ng label_300\nf 1//1 "
                        "2//2 4//4\n"),
             std::string::npos);
   const std::string pairs = written(MeshFormat::obj, {.mesh = kWritten, .pairs = with.pairs});
@@ -149,32 +131,40 @@ TEST(MeshFile, FormatsAreKnownByTheirEndings) {
   EXPECT_EQ(mesh_format_of("a.ply"), MeshFormat::ply);
   EXPECT_EQ(mesh_format_of("A.Ply"), MeshFormat::ply);
   EXPECT_EQ(mesh_format_of("a.obj"), MeshFormat::obj);
+  EXPECT_EQ(mesh_format_of("a.VTP"), MeshFormat::vtp);
   EXPECT_EQ(mesh_format_of("a.off"), std::nullopt);
 }
 
 TEST(MeshFile, AFailureLeavesNothing) {
-  testing::MemoryStorage counted;
-  {
-    PendingFile file(counted, "mesh.stl");
-    write_mesh({.mesh = kWritten}, MeshFormat::stl, file);
-    file.seal();
-    file.publish(false);
-  }
-  for (std::size_t call = 1; call <= counted.calls.size(); ++call) {
-    testing::MemoryStorage storage;
-    storage.fail_at = call;
-    const auto write = [&] {
-      PendingFile file(storage, "mesh.stl");
-      write_mesh({.mesh = kWritten}, MeshFormat::stl, file);
+  for (const MeshFormat format :
+       {MeshFormat::stl, MeshFormat::ply, MeshFormat::obj, MeshFormat::vtp}) {
+    const auto write = [format](testing::MemoryStorage& storage) {
+      PendingFile file(storage, "mesh");
+      write_mesh({.mesh = kWritten}, format, file);
       file.seal();
       file.publish(false);
     };
-    try {
-      write();
-    } catch (const Error&) {
-      EXPECT_TRUE(storage.files.empty()) << "call " << call;
+    testing::MemoryStorage counted;
+    write(counted);
+    for (std::size_t call = 1; call <= counted.calls.size(); ++call) {
+      testing::MemoryStorage storage;
+      storage.fail_at = call;
+      try {
+        write(storage);
+      } catch (const Error&) {
+        EXPECT_TRUE(storage.files.empty()) << "call " << call;
+      }
     }
   }
+}
+
+TEST(MeshFile, NoTrianglesAreAFile) {
+  const TriangleMesh empty;
+  EXPECT_EQ(written(MeshFormat::stl, {.mesh = empty}).size(), 84u);
+  EXPECT_NE(written(MeshFormat::ply, {.mesh = empty}).find("element face 0\n"), std::string::npos);
+  EXPECT_EQ(written(MeshFormat::obj, {.mesh = empty}), "# SPACE=LPS UNIT=mm\n");
+  EXPECT_NE(written(MeshFormat::vtp, {.mesh = empty}).find("NumberOfPolys=\"0\""),
+            std::string::npos);
 }
 
 }  // namespace
