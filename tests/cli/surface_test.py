@@ -36,7 +36,8 @@ def read_stl(path):
 def read_obj(path):
     lines = [line.split() for line in path.read_text().splitlines()]
     points = [tuple(map(float, words[1:])) for words in lines if words[0] == "v"]
-    return [tuple(points[int(n) - 1] for n in words[1:]) for words in lines if words[0] == "f"]
+    return [tuple(points[int(n.split("/")[0]) - 1] for n in words[1:])
+            for words in lines if words[0] == "f"]
 
 
 def volume_of(triangles):
@@ -101,6 +102,7 @@ class Surfaces(cli_test.InFolder):
         header = (self.folder / "m.ply").read_bytes().split(b"end_header\n")[0].decode()
         self.assertIn(report["voxel_digest"], header)
         self.assertIn("element face %d\n" % report["triangles"], header)
+        self.assertIn("property float nx\n", header)
 
     def test_bad_input_is_one_sentence_and_no_file(self):
         before = sorted(path.name for path in self.folder.iterdir())

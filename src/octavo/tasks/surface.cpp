@@ -15,6 +15,7 @@
 #include "octavo/file/storage/pending_file.h"
 #include "octavo/mesh/decimation.h"
 #include "octavo/mesh/extraction.h"
+#include "octavo/mesh/mesh_normals.h"
 #include "octavo/mesh/mesh_pieces.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/value_ranges.h"
@@ -213,9 +214,17 @@ SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context)
                     result.crossing_triangles.value_or(0) == 0;
   if (!result.is_sound && !options.allows_faults) return result;
 
+  std::vector<MeshPoint> normals;
+  if (has_normals(format)) {
+    context.on_threads([&] {
+      normals = gradient_normals(mesh, *reader, options.level, field, context.watcher());
+    });
+  }
   PendingFile file(local_storage(), options.output.path);
   const std::vector<std::string> comments = comments_of(options, *reader);
-  write_mesh({.mesh = mesh, .comments = comments, .space = options.space}, format, file);
+  write_mesh(
+      {.mesh = mesh, .normals = normals, .comments = comments, .space = options.space}, format,
+      file);
   context.stop_if_cancelled();
   file.seal();
   file.publish(options.output.overwrite);

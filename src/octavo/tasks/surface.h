@@ -51,7 +51,8 @@ struct SurfaceResult {
   std::uint64_t file_bytes = 0;
 };
 
-/// Writes the surface of a level: closed, also where the volume ends, triangles outward.
+/// Writes the surface of a level: closed, also where the volume ends, triangles outward; in formats
+/// that have normals those of the grey values at the points that are written.
 /// Throws  as open_volume, require_free, labels_of, extract_surface and write_mesh;
 ///         Error{invalid_argument} where no or every voxel lies inside, for a seed that no surface
 ///         passes within a voxel, when options do not go together or with the volume

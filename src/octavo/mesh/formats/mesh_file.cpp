@@ -21,6 +21,8 @@ std::optional<MeshFormat> mesh_format_of(const std::string& path) {
 
 const char* mesh_format_endings() { return ".stl, .ply, .obj or .vtp"; }
 
+bool has_normals(MeshFormat format) { return format != MeshFormat::stl; }
+
 void write_mesh(const MeshDescription& mesh, MeshFormat format, PendingFile& file) {
   switch (format) {
     case MeshFormat::stl: write_stl(mesh, file); break;

@@ -17,6 +17,9 @@ std::optional<MeshFormat> mesh_format_of(const std::string& path);
 /// ".stl, .ply, .obj or .vtp"
 const char* mesh_format_endings();
 
+/// Whether files of a format have a normal of each point.
+bool has_normals(MeshFormat format);
+
 /// Appends a surface to a file, as mesh_formats.h says of each format.
 /// Throws  as PendingFile; Error{limit_exceeded} for more points or triangles than the format can
 ///         number

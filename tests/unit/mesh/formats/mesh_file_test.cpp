@@ -126,6 +126,12 @@ TEST(MeshFile, CommentsAndReportsAreOneLine) {
             std::string::npos);
 }
 
+TEST(MeshFile, AllFormatsButStlHaveNormals) {
+  EXPECT_FALSE(has_normals(MeshFormat::stl));
+  EXPECT_TRUE(has_normals(MeshFormat::ply));
+  EXPECT_TRUE(has_normals(MeshFormat::obj));
+}
+
 TEST(MeshFile, FormatsAreKnownByTheirEndings) {
   EXPECT_EQ(mesh_format_of("a.b.stl"), MeshFormat::stl);
   EXPECT_EQ(mesh_format_of("a.ply"), MeshFormat::ply);
