@@ -134,8 +134,8 @@ bool has_header_of(const BuildPlan& plan, Storage& storage, const std::string& p
   }
 }
 
-/// Whether the file of a plan stands under its name, from which every mark has been removed. What is
-/// older than a file of the source was made of another state of it.
+/// Whether the file of a plan stands under its name, from which every mark has been removed. What
+/// is older than a file of the source was made of another state of it.
 bool is_joined(const BuildPlan& plan, Storage& storage, const std::string& path) {
   if (!has_header_of(plan, storage, path)) return false;
   if (!storage.list(join_prefix(path) + kSealedEnding).empty()) return false;

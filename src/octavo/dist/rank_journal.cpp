@@ -52,7 +52,9 @@ void require_same_work(const JournalHead& stored, const JournalHead& now,
   const auto difference = difference_of(stored, now);
   if (!difference) return;
   const bool is_other_source = stored.metadata == now.metadata && stored.header == now.header;
-  if (!is_other_source) throw difference->with_path(path).with_field("ranks.interrupted", "discard");
+  if (!is_other_source) {
+    throw difference->with_path(path).with_field("ranks.interrupted", "discard");
+  }
   throw Error(ErrorKind::source_rejected,
               "an interrupted job of it read other files of the source, or the same before they "
               "were changed",

@@ -19,7 +19,7 @@ constexpr std::size_t kAcrossAt = 43;
 constexpr std::size_t kDownAt = 44;
 constexpr std::size_t kEnd = 45;
 
-std::uint64_t number_at(std::span<const std::byte> bytes, std::size_t at) {
+std::uint64_t extent_at(std::span<const std::byte> bytes, std::size_t at) {
   std::uint64_t value = 0;
   for (const std::byte b : bytes.subspan(at, 4)) value = value << 8 | std::to_integer<unsigned>(b);
   return value;
@@ -41,8 +41,8 @@ std::optional<PictureSize> jpeg2000_size(std::span<const std::byte> bytes) {
   const auto across = std::to_integer<std::uint64_t>(head[kAcrossAt]);
   const auto down = std::to_integer<std::uint64_t>(head[kDownAt]);
   if (across == 0 || down == 0) return std::nullopt;
-  return PictureSize{samples_between(number_at(head, kLeftAt), number_at(head, kWidthAt), across),
-                     samples_between(number_at(head, kTopAt), number_at(head, kHeightAt), down)};
+  return PictureSize{samples_between(extent_at(head, kLeftAt), extent_at(head, kWidthAt), across),
+                     samples_between(extent_at(head, kTopAt), extent_at(head, kHeightAt), down)};
 }
 
 }  // namespace octavo

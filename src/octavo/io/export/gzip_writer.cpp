@@ -12,7 +12,7 @@ namespace octavo {
 
 namespace {
 
-constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
+constexpr std::size_t kDeflatedBytes = std::size_t{1} << 20;
 constexpr int kDeflateLevel = 6;
 
 struct DeflatedChunk {
@@ -59,14 +59,14 @@ GzipWriter::GzipWriter(PendingFile& file) : file_(file) {
 
 void GzipWriter::append(std::span<const std::uint8_t> bytes) {
   pending_.insert(pending_.end(), bytes.begin(), bytes.end());
-  deflate_pending(pending_.size() / kChunkBytes * kChunkBytes);
+  deflate_pending(pending_.size() / kDeflatedBytes * kDeflatedBytes);
 }
 
 void GzipWriter::deflate_pending(std::size_t byte_count) {
   const std::span<const std::uint8_t> bytes(pending_.data(), byte_count);
-  std::vector<DeflatedChunk> chunks(byte_count / kChunkBytes);
+  std::vector<DeflatedChunk> chunks(byte_count / kDeflatedBytes);
   tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
-    chunks[i] = deflate_chunk(bytes.subspan(i * kChunkBytes, kChunkBytes), Z_SYNC_FLUSH);
+    chunks[i] = deflate_chunk(bytes.subspan(i * kDeflatedBytes, kDeflatedBytes), Z_SYNC_FLUSH);
   });
   for (const DeflatedChunk& chunk : chunks) {
     file_.append(chunk.bytes);

@@ -14,7 +14,7 @@ namespace octavo {
 
 namespace {
 
-constexpr std::string_view kBlanks = " \t\r\n";
+constexpr std::string_view kXmlBlanks = " \t\r\n";
 constexpr std::size_t kMaxReferenceBytes = 12;
 
 /// A character by its number, in UTF-8; nothing for numbers that are none.
@@ -65,7 +65,7 @@ std::size_t find_element(std::string_view text, std::string_view name, std::size
   for (std::size_t at = text.find(start, from); at != std::string_view::npos;
        at = text.find(start, at + 1)) {
     const std::size_t end = at + start.size();
-    if (end < text.size() && (kBlanks.find(text[end]) != std::string_view::npos ||
+    if (end < text.size() && (kXmlBlanks.find(text[end]) != std::string_view::npos ||
                               text[end] == '>' || text[end] == '/')) {
       return at;
     }
@@ -91,7 +91,7 @@ std::string_view content_at(std::string_view text, std::size_t at, std::string_v
 std::optional<std::string> attribute(std::string_view tag, const std::string& name) {
   for (std::size_t at = tag.find(name); at != std::string_view::npos; at = tag.find(name, at + 1)) {
     const std::size_t from = at + name.size() + 2;
-    if (at == 0 || kBlanks.find(tag[at - 1]) == std::string_view::npos || from > tag.size()) {
+    if (at == 0 || kXmlBlanks.find(tag[at - 1]) == std::string_view::npos || from > tag.size()) {
       continue;
     }
     const char quote = tag[from - 1];

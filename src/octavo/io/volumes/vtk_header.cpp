@@ -17,7 +17,7 @@ namespace octavo {
 
 namespace {
 
-constexpr std::size_t kMaxLineBytes = 4096;
+constexpr std::size_t kMaxVtkLineBytes = 4096;
 constexpr std::size_t kMaxTitleBytes = 256;
 constexpr int kMaxHeaderLines = 64;
 constexpr int kMaxLinesBehind = 1 << 16;
@@ -31,7 +31,7 @@ class Lines {
 
   /// Goes to the next line; false at the end of the file.
   bool next() {
-    std::array<std::byte, kMaxLineBytes> bytes{};
+    std::array<std::byte, kMaxVtkLineBytes> bytes{};
     const std::size_t found = file_.read_some(offset_, bytes);
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), found);
     const std::size_t end = text.find('\n');
@@ -114,12 +114,12 @@ bool starts_array(const std::string& keyword) {
                    "\" where DIMENSIONS, SPACING, ORIGIN, POINT_DATA or SCALARS is expected");
 }
 
-using Fields = std::map<std::string, std::string>;
+using VtkFields = std::map<std::string, std::string>;
 
 /// The lines from DATASET to SCALARS, by keyword; the reader stands at the SCALARS line then.
-Fields read_fields(Lines& lines, const std::string& path) {
+VtkFields read_fields(Lines& lines, const std::string& path) {
   static const std::set<std::string> kKnown = {"dimensions", "spacing", "origin", "point_data"};
-  Fields fields;
+  VtkFields fields;
   while (lines.next_filled()) {
     std::string keyword = lines.keyword();
     if (keyword == "scalars" || keyword == "color_scalars") return fields;
@@ -189,13 +189,13 @@ std::uint64_t voxel_offset(Lines lines) {
                                                                   : behind_scalars;
 }
 
-Point3 three_numbers(const Fields& fields, const std::string& keyword, const std::string& path) {
+Point3 three_numbers(const VtkFields& fields, const std::string& keyword, const std::string& path) {
   const std::vector<double> found = FieldText{path, keyword, fields.at(keyword)}.numbers(3);
   return {found[0], found[1], found[2]};
 }
 
 /// DIMENSIONS, proven against POINT_DATA.
-Size3 read_size(const Fields& fields, const std::string& path) {
+Size3 read_size(const VtkFields& fields, const std::string& path) {
   for (const char* keyword : {"dimensions", "point_data"}) {
     if (fields.contains(keyword)) continue;
     reject(path, std::string("its header has no line \"") + keyword +
@@ -285,7 +285,7 @@ VtkHeader read_vtk_header(const std::string& path) {
   Lines lines(file, 0);
   VtkHeader header;
   read_start(lines, path, header);
-  const Fields fields = read_fields(lines, path);
+  const VtkFields fields = read_fields(lines, path);
   header.size = read_size(fields, path);
   const bool is_color = lines.keyword() == "color_scalars";
   header.type = is_color ? read_color_line(lines, header.is_text, path)

@@ -21,7 +21,7 @@ namespace octavo {
 
 namespace {
 
-constexpr MaskCube kFullCube{kFullWord, 0, 0};
+constexpr MaskCube kFullCubeOfLabel{kFullWord, 0, 0};
 
 // Calls take(code) for the cubes of 64^3 in those children of a cube of `rank` whose bits are set.
 template <class Take>
@@ -63,7 +63,7 @@ class Union {
           if (!is_wanted_[label]) return;
           visit_below(rank, code, bits, [&](std::uint64_t below) {
             MaskPart& part = parts.emplace_back();
-            part.pieces.push_back({below, kFullCube});
+            part.pieces.push_back({below, kFullCubeOfLabel});
             part.below = arrays_below(1);
           });
         });
@@ -153,7 +153,7 @@ class AllMasks {
           visit_below(rank, code, bits, [&](std::uint64_t below) {
             LabelMaskPart& made = parts_.emplace_back();
             made.label = label;
-            made.part.pieces.push_back({below, kFullCube});
+            made.part.pieces.push_back({below, kFullCubeOfLabel});
             made.part.below = arrays_below(1);
           });
         });

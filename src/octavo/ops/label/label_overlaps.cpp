@@ -27,13 +27,13 @@ class PairCounts {
 };
 
 // A cube or a word of a tree: of one label, or stored.
-struct Item {
+struct LabelItem {
   bool is_uniform = true;
   std::uint32_t label = 0;
   std::uint64_t place = 0;
 };
 
-Item root_of(const LabelTree& tree) {
+LabelItem root_of(const LabelTree& tree) {
   if (!tree.root().is_uniform()) return {false, 0, 0};
   return {true, tree.label_of_child(tree.rank_count() - 1, tree.root(), 0), 0};
 }
@@ -41,12 +41,12 @@ Item root_of(const LabelTree& tree) {
 // The children of an item of `rank` as items.
 class Children {
  public:
-  Children(const LabelTree& tree, int rank, const Item& item)
+  Children(const LabelTree& tree, int rank, const LabelItem& item)
       : tree_(tree), rank_(rank), item_(item) {
     if (!item.is_uniform) cube_ = &tree.cubes(rank)[item.place];
   }
 
-  Item at(int bit) const {
+  LabelItem at(int bit) const {
     if (cube_ == nullptr) return item_;
     if ((cube_->mixed >> bit & 1) != 0) return {false, 0, cube_->place_of(bit)};
     return {true, tree_.label_of_child(rank_, *cube_, bit), 0};
@@ -68,7 +68,7 @@ class Children {
  private:
   const LabelTree& tree_;
   int rank_;
-  Item item_;
+  LabelItem item_;
   const LabelCube* cube_ = nullptr;
 };
 
@@ -102,7 +102,7 @@ class Overlaps {
 
  private:
   // The pairs of cubes of rank 1 to work on; what is above them is counted.
-  void collect(int rank, const Item& a, const Item& b, PairCounts& counts) {
+  void collect(int rank, const LabelItem& a, const LabelItem& b, PairCounts& counts) {
     if (rank == 1) {
       places_.emplace_back(a, b);
       return;
@@ -116,7 +116,7 @@ class Overlaps {
     }
   }
 
-  void count_cubes(int rank, const Item& a, const Item& b, PairCounts& counts) const {
+  void count_cubes(int rank, const LabelItem& a, const LabelItem& b, PairCounts& counts) const {
     const Children of_a(a_, rank, a);
     const Children of_b(b_, rank, b);
     count_uniform(rank, of_a, of_b, counts);
@@ -140,7 +140,7 @@ class Overlaps {
     });
   }
 
-  void count_words(const Item& a, const Item& b, PairCounts& counts) const {
+  void count_words(const LabelItem& a, const LabelItem& b, PairCounts& counts) const {
     visit(a_, a, [&](std::uint32_t first, std::uint64_t bits_a) {
       visit(b_, b, [&](std::uint32_t second, std::uint64_t bits_b) {
         const auto both = static_cast<std::uint64_t>(std::popcount(bits_a & bits_b));
@@ -151,7 +151,7 @@ class Overlaps {
 
   // The labels of a word.
   template <class Take>
-  static void visit(const LabelTree& tree, const Item& word, Take&& take) {
+  static void visit(const LabelTree& tree, const LabelItem& word, Take&& take) {
     if (word.is_uniform) {
       take(word.label, kFullWord);
     } else {
@@ -161,7 +161,7 @@ class Overlaps {
 
   const LabelTree& a_;
   const LabelTree& b_;
-  std::vector<std::pair<Item, Item>> places_;
+  std::vector<std::pair<LabelItem, LabelItem>> places_;
 };
 
 }  // namespace

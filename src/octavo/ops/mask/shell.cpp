@@ -21,13 +21,13 @@ constexpr std::array<int, 3> kOctantStep = {16, 8, 32};  // bits from an octant 
 
 /// What stands at one place of the grid of cubes of a rank (-1: words): a stored one, or nothing
 /// but full or empty ones.
-struct Item {
+struct ShellItem {
   const MaskCube* cube = nullptr;  ///< null: `bits` says all
   std::uint64_t bits = 0;          ///< the full children
 };
 
 /// The six neighbors of an item: [axis][0] on the low side, [axis][1] on the high one.
-using Beside = std::array<std::array<Item, 2>, 3>;
+using Beside = std::array<std::array<ShellItem, 2>, 3>;
 
 /// Bits one step towards the low side, those of the next word coming in at 3.
 std::uint64_t from_above(std::uint64_t here, std::uint64_t next, int axis) {
@@ -74,7 +74,7 @@ class Marker {
 
  private:
   // The child of an item at `bit`, an item of `rank` - 1.
-  Item child_of(int rank, const Item& item, int bit) const {
+  ShellItem child_of(int rank, const ShellItem& item, int bit) const {
     if (item.cube != nullptr && (item.cube->mixed >> bit & 1) != 0) {
       const std::uint64_t place = item.cube->place_of(bit);
       if (rank == 0) return {nullptr, mask_.words()[place]};
@@ -84,7 +84,7 @@ class Marker {
     return {nullptr, -(item.bits >> bit & 1)};
   }
 
-  void mark_cube(int rank, std::uint64_t place, const Item& item, const Beside& beside) {
+  void mark_cube(int rank, std::uint64_t place, const ShellItem& item, const Beside& beside) {
     marked_.cubes[static_cast<std::size_t>(rank)][place].full = seen(item.bits, beside);
     const std::uint64_t mixed = item.cube->mixed;
     if (rank >= kSplitRank && (mixed & (mixed - 1)) != 0) {
@@ -98,7 +98,7 @@ class Marker {
     }
   }
 
-  void mark_child(int rank, const Item& item, const Beside& beside, int bit) {
+  void mark_child(int rank, const ShellItem& item, const Beside& beside, int bit) {
     Beside around;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const int low = 1 << kLowPlace[axis];

@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kBlockShift = 4;  // blocks of 16^3 samples
 constexpr std::int64_t kBlockSide = std::int64_t{1} << kBlockShift;
-constexpr std::uint32_t kNothing = 0;  // of a pixel that no face has
+constexpr std::uint32_t kNoFace = 0;  // of a pixel that no face has
 
 // Light from the upper left over the viewer's shoulder, some from the viewer, some from all around.
 constexpr Point3 kLight = {-0.40, 0.64, 0.66};
@@ -195,7 +195,7 @@ class ReliefScene {
 
   /// Draws rows begin .. end - 1 of the view: three numbers of 0 .. 255 per pixel.
   std::vector<float> draw(std::int64_t begin, std::int64_t end) const {
-    PixelRows rows(view_, begin, end, kNothing);
+    PixelRows rows(view_, begin, end, kNoFace);
     std::vector<SeenFace> faces;
     FaceNoter noter(view_, grid_, shapes_, rows, faces);
     CubeTraversal(trees_, view_, TraversalOrder::nearest_first, noter).run();
@@ -252,7 +252,7 @@ class ReliefScene {
     for (std::int64_t y = rows.begin(); y < rows.end(); ++y) {
       const std::uint32_t* const row = rows.row(y);
       for (std::int64_t x = 0; x < view_.width; ++x) {
-        if (row[x] == kNothing) continue;
+        if (row[x] == kNoFace) continue;
         const SeenFace& face = faces[row[x] - 1];
         double depth = 0;
         Point3 corner = grid_.point(static_cast<double>(x * unit + unit / 2),

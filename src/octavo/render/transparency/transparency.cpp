@@ -34,21 +34,21 @@ double finest_mm(const Geometry& geometry) {
 }
 
 // A place on the picture, pixels.
-struct Spot {
+struct ScreenSpot {
   double x = 0;
   double y = 0;
 };
 
 // The lattice of lines on a picture: (u, v) lies at origin + u * across + v * down.
 struct Lattice {
-  Spot origin;
-  Spot across;
-  Spot down;
+  ScreenSpot origin;
+  ScreenSpot across;
+  ScreenSpot down;
 
   double area() const { return across.x * down.y - across.y * down.x; }
 };
 
-Spot spot_of(const View& view, const Place& place, double scale = 1) {
+ScreenSpot spot_of(const View& view, const Place& place, double scale = 1) {
   const double unit = scale / std::ldexp(1, view.fraction_bits);
   return {static_cast<double>(place.x) * unit, static_cast<double>(place.y) * unit};
 }
@@ -68,7 +68,7 @@ Lattice lattice_on(const View& view, const VoxelLines& lines) {
   const auto u0 = static_cast<double>(lines.u_start);
   const auto v0 = static_cast<double>(lines.v_start);
   for (std::size_t a = 0; a < 3; ++a) {
-    const Spot half = spot_of(view, view.axes[a], 0.5);
+    const ScreenSpot half = spot_of(view, view.axes[a], 0.5);
     lattice.origin.x += half.x;
     lattice.origin.y += half.y;
   }
@@ -77,7 +77,7 @@ Lattice lattice_on(const View& view, const VoxelLines& lines) {
   // All voxels of a line must fall on one spot, to half a pixel over the volume.
   const Direction& d = lines.along;
   const Place step = view.axes[0] * d.x + view.axes[1] * d.y + view.axes[2] * d.z;
-  const Spot drift = spot_of(
+  const ScreenSpot drift = spot_of(
       view, step, static_cast<double>(std::max({lines.size.x, lines.size.y, lines.size.z})));
   if (!(std::max(std::abs(drift.x), std::abs(drift.y)) <= 0.5) || lattice.area() == 0) {
     throw Error(ErrorKind::invalid_argument, "the view does not look along lines of voxels");
