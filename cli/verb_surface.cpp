@@ -19,7 +19,7 @@ namespace octavo::cli {
 namespace {
 
 constexpr VerbText kSurfaceText = {
-    "surface", "Make a surface of triangles: STL, PLY, OBJ or VTP.",
+    "surface", "Make a surface of triangles: STL, PLY, OBJ, VTP or 3MF.",
     "Of grey values the surface of what is at or above --isovalue, in real units (HU); of a label\n"
     "map that of --label, or of every voxel but 0. It is closed, also where the volume ends, and\n"
     "manifold, with triangles outward; both are proven before anything is written, and a surface\n"
@@ -156,7 +156,7 @@ void add_surface(CLI::App& app, Context& context) {
   Verb verb = add_verb(app, context, kSurfaceText,
                        [arguments, &context] { return run_surface(*arguments, context); });
   verb.add_input(arguments->input);
-  verb.add_output(arguments->output, "The .stl, .ply, .obj or .vtp file to write");
+  verb.add_output(arguments->output, "The .stl, .ply, .obj, .vtp or .3mf file to write");
   Option isovalue = verb.add_option("--isovalue", arguments->isovalue,
                                     "Of grey values: what is at or above lies inside");
   isovalue->type_name("VALUE");

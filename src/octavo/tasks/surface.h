@@ -22,7 +22,7 @@ struct AskedDeviation {
 
 struct SurfaceOptions {
   std::string input;  ///< an .8vo file or a URL of one
-  Output output;      ///< ends in .stl, .ply, .obj or .vtp
+  Output output;      ///< ends in .stl, .ply, .obj, .vtp or .3mf
   /// Of grey values, in real units: what is at or above it lies inside.
   std::optional<double> isovalue;
   bool is_stored = false;  ///< the isovalue is a stored value instead of a real one

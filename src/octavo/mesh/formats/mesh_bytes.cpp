@@ -41,6 +41,24 @@ std::string line_text(std::string_view text) {
   return line;
 }
 
+std::string shortest_digits(float value) {
+  char digits[32];
+  return {digits, std::to_chars(digits, digits + sizeof digits, value).ptr};
+}
+
+std::vector<MeshPart> objects_of(const MeshDescription& mesh) {
+  const std::size_t count = mesh.mesh.triangles.size();
+  std::vector<MeshPart> objects(mesh.parts.begin(), mesh.parts.end());
+  if (objects.empty()) objects.push_back({.begin = 0, .end = count});
+  std::erase_if(objects, [](const MeshPart& part) { return part.begin == part.end; });
+  return objects;
+}
+
+std::string part_name(const MeshPart& part) {
+  if (!part.name.empty()) return part.name;
+  return part.label ? "label " + std::to_string(*part.label) : "surface";
+}
+
 bool has_part_labels(const MeshDescription& mesh) {
   return !mesh.parts.empty() && std::all_of(mesh.parts.begin(), mesh.parts.end(),
                                             [](const MeshPart& part) { return part.label; });

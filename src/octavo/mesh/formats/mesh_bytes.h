@@ -7,6 +7,7 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "octavo/core/bytes.h"
 #include "octavo/file/storage/pending_file.h"
@@ -58,6 +59,18 @@ std::string space_words(MeshSpace space);
 
 /// Text for one line: spaces in place of control characters.
 std::string line_text(std::string_view text);
+
+/// The shortest digits that read back as the same number.
+std::string shortest_digits(float value);
+
+/// Where no color is given.
+constexpr LabelColor kPlainColor = {230, 225, 210};
+
+/// The parts that have triangles, with names; the whole mesh where none are described.
+std::vector<MeshPart> objects_of(const MeshDescription& mesh);
+
+/// "liver", "label 3" where it has no name, "surface" where it has no label either.
+std::string part_name(const MeshPart& part);
 
 /// Whether every triangle lies in a part that has a label.
 bool has_part_labels(const MeshDescription& mesh);

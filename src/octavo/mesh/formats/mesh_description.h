@@ -22,9 +22,9 @@ using LabelPair = std::array<std::int64_t, 2>;
 
 /// Triangles that are an object of their own: [begin, end).
 struct MeshPart {
-  std::string name;  ///< UTF-8; may come from any file
-  std::optional<std::int64_t> label;
-  std::optional<LabelColor> color;
+  std::string name = {};  ///< UTF-8; may come from any file
+  std::optional<std::int64_t> label = {};
+  std::optional<LabelColor> color = {};
   std::size_t begin = 0;
   std::size_t end = 0;
 };

@@ -16,10 +16,11 @@ std::optional<MeshFormat> mesh_format_of(const std::string& path) {
   if (ending == ".ply") return MeshFormat::ply;
   if (ending == ".obj") return MeshFormat::obj;
   if (ending == ".vtp") return MeshFormat::vtp;
+  if (ending == ".3mf") return MeshFormat::three_mf;
   return std::nullopt;
 }
 
-const char* mesh_format_endings() { return ".stl, .ply, .obj or .vtp"; }
+const char* mesh_format_endings() { return ".stl, .ply, .obj, .vtp or .3mf"; }
 
 bool has_normals(MeshFormat format) { return format != MeshFormat::stl; }
 
@@ -29,6 +30,7 @@ void write_mesh(const MeshDescription& mesh, MeshFormat format, PendingFile& fil
     case MeshFormat::ply: write_ply(mesh, file); break;
     case MeshFormat::obj: write_obj(mesh, file); break;
     case MeshFormat::vtp: write_vtp(mesh, file); break;
+    case MeshFormat::three_mf: write_three_mf(mesh, file); break;
   }
 }
 

@@ -23,4 +23,8 @@ void write_obj(const MeshDescription& mesh, PendingFile& file);
 /// their part, or with a pair of labels.
 void write_vtp(const MeshDescription& mesh, PendingFile& file);
 
+/// Zipped XML for printers: an object with a name and a color for each part, all moved together to
+/// where no coordinate is negative. Minizip compresses it.
+void write_three_mf(const MeshDescription& mesh, PendingFile& file);
+
 }  // namespace octavo

@@ -10,9 +10,7 @@ namespace {
 
 /// A name that is one word: groups are told apart by spaces.
 std::string group_name(const MeshPart& part) {
-  std::string name = line_text(part.name);
-  if (name.empty() && part.label) name = "label " + std::to_string(*part.label);
-  if (name.empty()) name = "surface";
+  std::string name = line_text(part_name(part));
   for (char& letter : name) letter = letter == ' ' ? '_' : letter;
   return name;
 }

@@ -106,8 +106,8 @@ TEST(MeshFile, ObjHasAGroupOfOneWordForEachPartOrPair) {
   const Parts with;
   const std::string parts =
       written(MeshFormat::obj, {.mesh = kWritten, .normals = with.normals, .parts = with.parts});
-  EXPECT_NE(parts.find("vn 0 -1 0\ng left_lung_\"<&\xc3\xa4>\"\nf 1//1 3//3 2//2\ng label_300\nf 1//1 "
-                       "2//2 4//4\n"),
+  EXPECT_NE(parts.find("vn 0 -1 0\ng left_lung_\"<&\xc3\xa4>\"\nf 1//1 3//3 2//2\n"
+                       "g label_300\nf 1//1 2//2 4//4\n"),
             std::string::npos);
   const std::string pairs = written(MeshFormat::obj, {.mesh = kWritten, .pairs = with.pairs});
   EXPECT_NE(pairs.find("g label_7_to_300\nf 1 3 2\ng label_300_to_0\nf 1 2 4\n"),
@@ -138,12 +138,14 @@ TEST(MeshFile, FormatsAreKnownByTheirEndings) {
   EXPECT_EQ(mesh_format_of("A.Ply"), MeshFormat::ply);
   EXPECT_EQ(mesh_format_of("a.obj"), MeshFormat::obj);
   EXPECT_EQ(mesh_format_of("a.VTP"), MeshFormat::vtp);
+  EXPECT_EQ(mesh_format_of("a.3mf"), MeshFormat::three_mf);
   EXPECT_EQ(mesh_format_of("a.off"), std::nullopt);
 }
 
 TEST(MeshFile, AFailureLeavesNothing) {
   for (const MeshFormat format :
-       {MeshFormat::stl, MeshFormat::ply, MeshFormat::obj, MeshFormat::vtp}) {
+       {MeshFormat::stl, MeshFormat::ply, MeshFormat::obj, MeshFormat::vtp,
+        MeshFormat::three_mf}) {
     const auto write = [format](testing::MemoryStorage& storage) {
       PendingFile file(storage, "mesh");
       write_mesh({.mesh = kWritten}, format, file);
