@@ -2,7 +2,6 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "octavo/core/vectors.h"
+#include "octavo/mesh/coincident_points.h"
 #include "octavo/mesh/mesh_pieces.h"
 #include "octavo/mesh/point_distance.h"
 
@@ -50,10 +50,24 @@ class PointCorners {
   std::vector<CornerSides> sides_;
 };
 
-/// What the triangles around one point say.
-void add_point(std::span<const CornerSides> corners, MeshCheck& check) {
+/// Whether the triangles around a point make one fan: from each to the next by the side that they
+/// share, once through all of them. So no two of them begin, or end, with the same side.
+bool is_one_fan(std::span<const CornerSides> corners) {
   std::size_t reached = 0;
-  bool is_fan = !corners.empty();
+  std::uint32_t at = corners[0].to;
+  do {
+    const auto next = std::find_if(corners.begin(), corners.end(),
+                                   [&](const CornerSides& c) { return c.to == at; });
+    if (next == corners.end()) return false;
+    at = next->from;
+    ++reached;
+  } while (at != corners[0].to && reached <= corners.size());
+  return reached == corners.size();
+}
+
+/// Counts the faults at a point whose triangles make no single fan.
+void add_faults(std::span<const CornerSides> corners, MeshCheck& check) {
+  bool are_fans = true;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const auto has_end = [&](const CornerSides& c) { return c.from == corners[i].to; };
     const auto has_start = [&](const CornerSides& c) { return c.to == corners[i].to; };
@@ -64,20 +78,16 @@ void add_point(std::span<const CornerSides> corners, MeshCheck& check) {
     const bool is_first = std::find_if(corners.begin(), corners.end(), has_start) ==
                           corners.begin() + static_cast<std::ptrdiff_t>(i);
     if (is_first) check.repeated_sides += static_cast<std::uint64_t>(starts - 1);
-    is_fan = is_fan && ends == 1 && starts == 1;
+    are_fans = are_fans && ends == 1 && starts == 1;
   }
+  if (are_fans) ++check.pinched_points;
+}
+
+/// What the triangles around one point say.
+void add_point(std::span<const CornerSides> corners, MeshCheck& check) {
   if (corners.empty()) return;
   ++check.euler_number;
-  if (!is_fan) return;
-  // Round the point from triangle to triangle: a fan comes back when all were seen.
-  std::uint32_t at = corners[0].to;
-  do {
-    const auto next = std::find_if(corners.begin(), corners.end(),
-                                   [&](const CornerSides& c) { return c.to == at; });
-    at = next->from;
-    ++reached;
-  } while (at != corners[0].to && reached <= corners.size());
-  if (reached != corners.size()) ++check.pinched_points;
+  if (!is_one_fan(corners)) add_faults(corners, check);
 }
 
 MeshCheck sum_of(const MeshCheck& a, const MeshCheck& b) {
@@ -87,14 +97,6 @@ MeshCheck sum_of(const MeshCheck& a, const MeshCheck& b) {
   sum.pinched_points += b.pinched_points;
   sum.euler_number += b.euler_number;
   return sum;
-}
-
-std::uint64_t coincident_points(const TriangleMesh& mesh) {
-  std::vector<MeshPoint> sorted = mesh.points;
-  tbb::parallel_sort(sorted.begin(), sorted.end());
-  std::uint64_t count = 0;
-  for (std::size_t i = 1; i < sorted.size(); ++i) count += sorted[i] == sorted[i - 1] ? 1u : 0u;
-  return count;
 }
 
 }  // namespace
@@ -110,7 +112,7 @@ MeshCheck check_mesh(const TriangleMesh& mesh) {
       sum_of);
   // Every triangle has three sides, half an edge each.
   check.euler_number -= static_cast<std::int64_t>(mesh.triangles.size() + 1) / 2;
-  check.coincident_points = coincident_points(mesh);
+  check.coincident_points = coincident_points(mesh.points);
   check.components = mesh_pieces(mesh).count;
   return check;
 }
