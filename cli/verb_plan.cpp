@@ -27,6 +27,8 @@ constexpr VerbText kPlanText = {
     "the file of them: byte for byte the one of octavo build with the same options.\n\n"
     "The plan keeps the length and the time of every file of the source. A part is rejected where\n"
     "one of its files was changed since.\n\n"
+    "Where --max-memory holds no group, parts are made in bands of bricks, as by octavo build:\n"
+    "give octavo part the same limit. The bytes are those without it.\n\n"
     "A part has whole groups of slices. --parts says how many parts there are, at most as many as\n"
     "groups; --part-size how many bytes of voxels a part holds at most, 4G unless told otherwise.\n"
     "A source that is compressed as one stream (.nii.gz) is read from its start by every part:\n"
@@ -121,13 +123,16 @@ std::string plan_words(const PlanResult& plan, const std::string& path) {
   if (!plan.can_seek) {
     text += "source    is compressed as one stream: every part reads it from its start\n";
   }
-  text += fmt::format("parts     {} of {}; each needs {} of memory with 1 thread\n",
-                      plan.part_count, groups_of_parts(plan), bytes_text(plan.part_memory_bytes));
+  text += fmt::format("parts     {} of {}; each needs {} of memory with 1 thread{}\n",
+                      plan.part_count, groups_of_parts(plan), bytes_text(plan.part_memory_bytes),
+                      plan.is_in_bands ? ", in bands" : "");
+  const std::string limit =
+      plan.is_in_bands ? fmt::format(" --max-memory {}", plan.part_memory_bytes) : "";
   text += fmt::format(
       "next      sbatch --array=0-{} --mem={}G --wrap {}\n"
       "          octavo join {} parts/ -o {}\n",
       plan.part_count - 1, (plan.part_memory_bytes + kGiB - 1) / kGiB,
-      quoted_words("octavo part " + file + " -j 1 -o parts/"), file,
+      quoted_words("octavo part " + file + " -j 1" + limit + " -o parts/"), file,
       shell_word(stem + ".8vo"));
   return text;
 }
@@ -146,6 +151,7 @@ int run_plan(const PlanArguments& arguments, Context& context) {
                 {"parts", plan.part_count},
                 {"groups_per_part", plan.groups_per_part},
                 {"part_memory_bytes", plan.part_memory_bytes},
+                {"in_bands", plan.is_in_bands},
                 {"thread_bytes", plan.thread_bytes},
                 {"files", plan.file_count},
                 {"reads_from_start", !plan.can_seek},

@@ -34,7 +34,14 @@ std::vector<GroupRun> random_runs(std::int64_t groups, std::mt19937& random) {
   return runs;
 }
 
-/// A volume with its file and its plan; parts are made once, and some of them again.
+/// The bytes of the bands that a part is made in; 0 for one that is made of whole groups.
+std::uint64_t random_band(const SmallVolume& volume, std::mt19937& random) {
+  if (!has_bands(volume) || random() % 2 == 0) return 0;
+  return 1 + random() % (std::uint64_t{1} << 17);
+}
+
+/// A volume with its file and its plan; parts are made once, in bands or without, and some of them
+/// again.
 class Partitioned {
  public:
   explicit Partitioned(SmallVolume volume)
@@ -59,7 +66,8 @@ class Partitioned {
     const bool is_made_again = random() % 16 == 0;
     if (known != parts_.end() && !is_made_again) return known->second;
     MemoryStorage storage;
-    make_part(volume_, plan_, run, storage, "", 1 + static_cast<int>(random() % 3));
+    const auto threads = 1 + static_cast<int>(random() % 3);
+    make_part(volume_, plan_, run, storage, "", threads, random_band(volume_, random));
     const FileBytes bytes = storage.files.at(part_name(run));
     if (known != parts_.end()) {
       EXPECT_TRUE(*bytes == *known->second) << volume_.name;

@@ -75,6 +75,12 @@ inline SmallVolume small_volume(const std::string& name, VoxelType type, Size3 s
   return volume;
 }
 
+/// Whether groups of it can be encoded in bands.
+inline bool has_bands(const SmallVolume& volume) {
+  return is_integer(volume.description.type) && volume.options.max_error == 0 &&
+         volume.options.keep_details == 0;
+}
+
 inline std::vector<std::uint8_t> built(const SmallVolume& volume) {
   MemoryStorage storage;
   NoProgress progress;
@@ -92,10 +98,11 @@ inline std::string part_name(const GroupRun& run) {
 }
 
 inline void make_part(const SmallVolume& volume, const BuildPlan& plan, const GroupRun& run,
-                      Storage& storage, const std::string& folder = "", int threads = 1) {
+                      Storage& storage, const std::string& folder = "", int threads = 1,
+                      std::uint64_t band_bytes = 0) {
   NoProgress progress;
   build_part(plan, *volume.open(), run.first, run.second, storage, folder + part_name(run),
-             {.threads = threads}, progress);
+             {.threads = threads, .band_bytes = band_bytes}, progress);
 }
 
 inline std::vector<std::shared_ptr<PartFile>> open_parts(Storage& storage,

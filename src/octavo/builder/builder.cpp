@@ -8,7 +8,8 @@
 #include <optional>
 #include <span>
 
-#include "octavo/builder/band_reader.h"
+#include "octavo/builder/band_encoder.h"
+#include "octavo/builder/build_memory.h"
 #include "octavo/builder/build_outline.h"
 #include "octavo/builder/build_setup.h"
 #include "octavo/builder/coarse_tiers.h"
@@ -25,10 +26,6 @@
 namespace octavo {
 
 namespace {
-
-constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
-// Training and the file's own buffers.
-constexpr std::uint64_t kFixedBytes = 192 * kMiB;
 
 std::string crc_text(std::uint32_t crc) {
   char text[16];
@@ -67,9 +64,9 @@ class Build {
 
   /// The same of groups that memory does not hold: bands of their bricks, each read while the one
   /// before is being encoded.
-  std::vector<std::byte> encode_bands(PlaneSource& source, std::uint64_t band_bytes,
-                                      Storage& storage, const std::string& path,
-                                      const WriterOptions& options) {
+  std::vector<std::byte> encode_in_bands(PlaneSource& source, std::uint64_t band_bytes,
+                                         Storage& storage, const std::string& path,
+                                         const WriterOptions& options) {
     const std::int64_t planes = group_planes(levels_, description_.type);
     std::unique_ptr<BandReader> bands;  // longer than who encodes its bricks
     std::optional<TierEncoder> encoder;
@@ -82,13 +79,7 @@ class Build {
         model_ = trainer_.train(bands->training_bricks(), description_.type);
       };
       const bool is_kept = is_restored(*encoder, bands->group(), number, train);
-      while (!is_kept && !bands->is_done()) {
-        VoxelBlock block = bands->group();
-        block.band = &bands->next();
-        encoder->finish();
-        encoder->start(model_, block, true, {});
-      }
-      encoder->finish();
+      if (!is_kept) encode_bands(*bands, model_, *encoder);
       band_seconds_ += bands->read_seconds();
     }
     return encoder->take_parents();
@@ -193,37 +184,6 @@ Error with_kept(const Error& error, std::int64_t planes, std::int64_t count,
   return (is_ours ? kept.with_path(path) : kept).with_field("interrupted", "resume");
 }
 
-// What a build takes besides the voxels of groups.
-std::uint64_t base_bytes(int threads) {
-  return static_cast<std::uint64_t>(threads) * kThreadBytes + kFixedBytes;
-}
-
-// The bytes of voxels in a band, or 0 where whole groups have room.
-// Throws Error{limit_exceeded} where bands have none either, or cannot be read.
-std::uint64_t band_bytes_of(const PlaneSource& source, const BuildOutline& outline,
-                            const BuildOptions& options, int threads) {
-  const VolumeDescription& volume = outline.description;
-  const std::uint64_t held = source.resident_bytes();
-  const std::uint64_t whole =
-      checked_add(build_memory_bytes(volume, threads, options.max_error), held, "the memory");
-  const bool fits = options.max_memory_bytes == 0 || whole <= options.max_memory_bytes;
-  if (options.band_bytes == 0 && fits) return 0;
-  const bool is_exact = is_integer(volume.type) && options.max_error == 0 &&
-                        options.keep_details == 0;
-  if (!is_exact || !source.can_seek()) {
-    if (options.band_bytes > 0) throw Error(ErrorKind::invalid_argument, "bands cannot be read");
-    check_build_memory(whole, options.max_memory_bytes,
-                       is_exact ? "; bands of bricks need less, but this source can only be read "
-                                  "from its start on"
-                                : "; bands of bricks need less, but are for integers without loss");
-  }
-  if (options.band_bytes > 0) return options.band_bytes;
-  constexpr std::uint64_t kFewestBytes = 16 * kMiB;
-  const std::uint64_t base = band_memory_bytes(volume, threads, 0) + held;
-  check_build_memory(base + 2 * kFewestBytes, options.max_memory_bytes);
-  return (options.max_memory_bytes - base) / 2;
-}
-
 BuildResult build(PlaneSource& source, Storage& storage, const std::string& path,
                   const BuildOptions& options, Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
@@ -235,7 +195,7 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
   result.raw_bytes =
       checked_mul(static_cast<std::uint64_t>(description.size.voxel_count()),
                   static_cast<std::uint64_t>(bytes_per_voxel(description.type)), "the volume");
-  const std::uint64_t band_bytes = band_bytes_of(source, outline, options, result.threads);
+  const std::uint64_t band_bytes = band_bytes_of(source, options, result.threads);
   result.is_in_bands = band_bytes > 0;
 
   // Whether the name is free
@@ -265,7 +225,7 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
     std::vector<std::byte> parents;
     {
       if (band_bytes > 0) {
-        parents = work.encode_bands(source, band_bytes, storage, path, writing);
+        parents = work.encode_in_bands(source, band_bytes, storage, path, writing);
         result.read_seconds = work.band_seconds();
       } else {
         GroupReader reader(outline.planes(source), outline.levels, progress,
@@ -306,29 +266,6 @@ BuildResult build_file(PlaneSource& source, Storage& storage, const std::string&
     if (error.kind() == ErrorKind::internal) throw error.with_path(path);
     throw;
   }
-}
-
-std::uint64_t build_memory_bytes(const VolumeDescription& description, int threads,
-                                 double max_error) {
-  const Levels levels = levels_of(description);
-  const auto planes = static_cast<std::uint64_t>(group_planes(levels, description.type));
-  const auto plane_bytes = static_cast<std::uint64_t>(description.size.x * description.size.y *
-                                                      bytes_per_voxel(description.type));
-  // float32: the planes read for the coding; with a max error the voxels beside their codes.
-  const std::uint64_t count = is_integer(description.type) ? 2 : max_error > 0 ? 5 : 3;
-  const std::uint64_t groups = checked_mul(count * planes, plane_bytes, "the memory of groups");
-  return checked_add(groups, base_bytes(build_threads(threads)), "the memory of a build");
-}
-
-std::uint64_t band_memory_bytes(const VolumeDescription& description, int threads,
-                                std::uint64_t band_bytes) {
-  constexpr std::uint64_t kBytesPerBrick = 192;
-  const Size3 grid = levels_of(description).brick_grid(0);
-  const auto plane = static_cast<std::uint64_t>(description.size.x * description.size.y *
-                                                bytes_per_voxel(description.type));
-  const auto bricks = static_cast<std::uint64_t>(grid.voxel_count()) * kBytesPerBrick;
-  return checked_add(checked_add(plane + bricks, 2 * band_bytes, "the memory of bands"),
-                     base_bytes(build_threads(threads)), "the memory of bands");
 }
 
 }  // namespace octavo

@@ -87,12 +87,4 @@ struct BuildResult {
 BuildResult build_file(PlaneSource& source, Storage& storage, const std::string& path,
                        const BuildOptions& options, Progress& progress);
 
-/// Memory build_file needs for a volume where groups have room, bytes.
-std::uint64_t build_memory_bytes(const VolumeDescription& description, int threads,
-                                 double max_error = 0);
-
-/// The same with bands of so many bytes in their place.
-std::uint64_t band_memory_bytes(const VolumeDescription& description, int threads,
-                                std::uint64_t band_bytes);
-
 }  // namespace octavo

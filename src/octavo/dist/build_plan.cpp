@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <string_view>
 
+#include "octavo/builder/band_reader.h"
+#include "octavo/builder/build_memory.h"
 #include "octavo/builder/build_setup.h"
 #include "octavo/builder/group_reader.h"
 #include "octavo/builder/group_trainer.h"
@@ -109,9 +111,7 @@ BuildPlan plan_build(PlaneSource& source, const BuildOptions& options, Progress&
                      const std::vector<std::string>& files,
                      const std::optional<SliceStack>& stack) {
   const int threads = build_threads(options.threads);
-  check_build_memory(build_memory_bytes(source.description(), threads, options.max_error) +
-                         source.resident_bytes(),
-                     options.max_memory_bytes);
+  const std::uint64_t band_bytes = band_bytes_of(source, options, threads);
   BuildPlan plan;
   plan.files = stamps_of(files);  // before any plane is read
   BuildOutline outline = outline_build(source.description(), options);
@@ -129,12 +129,18 @@ BuildPlan plan_build(PlaneSource& source, const BuildOptions& options, Progress&
 
   Workers workers(threads);
   GroupTrainer trainer(outline.description, outline.levels, workers, outline.settings);
-  GroupReader reader(outline.planes(source), outline.levels, progress, outline.float_voxels(), 0,
-                     first_planes);
-  const VoxelBlock group = reader.next();
-  plan.content_hash = content_hash_of(group);
   plan.codec_check = codec_check();
-  plan.first_model = trainer.train(group).serialized;
+  if (band_bytes > 0) {
+    BandReader bands(outline.planes(source), outline.levels, 0, first_planes, band_bytes, progress);
+    plan.content_hash = content_hash_of(bands.group());
+    plan.first_model = trainer.train(bands.training_bricks(), bands.group().type).serialized;
+  } else {
+    GroupReader reader(outline.planes(source), outline.levels, progress, outline.float_voxels(), 0,
+                       first_planes);
+    const VoxelBlock group = reader.next();
+    plan.content_hash = content_hash_of(group);
+    plan.first_model = trainer.train(group).serialized;
+  }
   require_unchanged(plan.files);
   plan.id = id_of(plan);
   return plan;

@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "octavo/builder/band_encoder.h"
+#include "octavo/builder/build_memory.h"
 #include "octavo/builder/build_setup.h"
 #include "octavo/builder/coarse_tiers.h"
 #include "octavo/builder/group_reader.h"
@@ -76,6 +78,52 @@ std::int64_t first_layer_of(const BuildPlan& plan, const Levels& levels, std::in
   return first_plane_of(plan, group) / levels.brick_side(0).z;
 }
 
+/// What encodes the groups of a part.
+struct GroupWork {
+  const BuildPlan& plan;
+  const BuildOutline& outline;
+  PlaneSource& planes;
+  Workers& workers;
+  GroupTrainer& trainer;
+  PartWriter& writer;
+  Progress& progress;
+
+  TierEncoder encoder() const {
+    return {outline.levels, 0,        outline.description.codec_type(), workers, writer,
+            progress,       outline.bound};
+  }
+};
+
+/// As in a whole build the next group is read and trained on while one is encoded.
+void encode_groups(const GroupWork& work, std::int64_t first_group, std::int64_t end_group) {
+  GroupReader reader(work.planes, work.outline.levels, work.progress, work.outline.float_voxels(),
+                     first_plane_of(work.plan, first_group), first_plane_of(work.plan, end_group));
+  TierEncoder encoder = work.encoder();
+  for (std::int64_t group = first_group; group < end_group; ++group) {
+    const VoxelBlock block = reader.next();
+    encoder.check();
+    const Model& model = work.trainer.train(block);
+    if (group == 0) require_first_voxels(work.plan, block, model);
+    encoder.start(model, block, true, [&reader] { reader.release(); });
+  }
+  encoder.finish();
+}
+
+void encode_groups_in_bands(const GroupWork& work, std::int64_t first_group,
+                            std::int64_t end_group, std::uint64_t band_bytes) {
+  std::unique_ptr<BandReader> bands;  // longer than who encodes its bricks
+  TierEncoder encoder = work.encoder();
+  for (std::int64_t group = first_group; group < end_group; ++group) {
+    bands = std::make_unique<BandReader>(work.planes, work.outline.levels,
+                                         first_plane_of(work.plan, group),
+                                         first_plane_of(work.plan, group + 1), band_bytes,
+                                         work.progress);
+    const Model& model = work.trainer.train(bands->training_bricks(), bands->group().type);
+    if (group == 0) require_first_voxels(work.plan, bands->group(), model);
+    encode_bands(*bands, model, encoder);
+  }
+}
+
 }  // namespace
 
 void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_group,
@@ -93,9 +141,10 @@ void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_g
   const std::vector<SourceStamp> files = files_of(plan, source, first_plane, end_plane);
   require_unchanged(files);
   const int threads = build_threads(work.threads);
-  check_build_memory(build_memory_bytes(plan.source, threads, plan.options.max_error) +
-                         source.resident_bytes(),
-                     work.max_memory_bytes);
+  BuildOptions limited = plan.options;
+  limited.max_memory_bytes = work.max_memory_bytes;
+  limited.band_bytes = work.band_bytes;
+  const std::uint64_t band_bytes = band_bytes_of(source, limited, threads);
   const ProgressScope scope(progress, "part", 2 * (end_plane - first_plane), "plane passes");
 
   const BuildOutline outline = outline_of(plan, source, progress);
@@ -107,21 +156,9 @@ void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_g
   Workers workers(threads, work.threads_of_all);
   GroupTrainer trainer(outline.description, levels, workers, outline.settings);
   if (first_group > 0) trainer.begin_with(plan.first_model);
-  GroupReader reader(outline.planes(source), levels, progress, outline.float_voxels(), first_plane,
-                     end_plane);
-  {
-    // As in a whole build the next group is read and trained on while one is encoded.
-    TierEncoder encoder(levels, 0, outline.description.codec_type(), workers, writer, progress,
-                        outline.bound);
-    for (std::int64_t group = first_group; group < end_group; ++group) {
-      const VoxelBlock block = reader.next();
-      encoder.check();
-      const Model& model = trainer.train(block);
-      if (group == 0) require_first_voxels(plan, block, model);
-      encoder.start(model, block, true, [&reader] { reader.release(); });
-    }
-    encoder.finish();
-  }
+  const GroupWork groups{plan, outline, outline.planes(source), workers, trainer, writer, progress};
+  if (band_bytes > 0) encode_groups_in_bands(groups, first_group, end_group, band_bytes);
+  else encode_groups(groups, first_group, end_group);
   clipped_of(outline, work.on_clipped);
   // What was changed while it was read is in no part.
   require_unchanged(files);

@@ -27,6 +27,7 @@ struct PartWork {
   std::uint64_t max_memory_bytes = 0;  ///< 0: no limit
   ClippedListener on_clipped = {};     ///< told of floats of a part that only level 0 holds
   int threads_of_all = 0;              ///< of parts that are made side by side in this process
+  std::uint64_t band_bytes = 0;        ///< as BuildOptions
 };
 
 /// Encodes groups first .. end of the plan into a part file at `path`, which replaces what has that
@@ -35,7 +36,7 @@ struct PartWork {
 ///         description, by the voxels of the first group, or by a file that was changed before the
 ///         part was done; Error{invalid_argument} for groups that the plan does not have, and as
 ///         require_codec; as build_file
-/// Memory  as build_file
+/// Memory  as build_file: groups that do not fit the limit are encoded in bands
 void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_group,
                 std::int64_t end_group, Storage& storage, const std::string& path,
                 const PartWork& work, Progress& progress);

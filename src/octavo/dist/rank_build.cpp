@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "octavo/builder/build_memory.h"
 #include "octavo/builder/build_setup.h"
 #include "octavo/builder/group_reader.h"
 #include "octavo/builder/group_trainer.h"

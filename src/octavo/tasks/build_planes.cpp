@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "octavo/builder/build_memory.h"
 #include "octavo/core/text.h"
 
 namespace octavo {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "octavo/builder/build_memory.h"
 #include "octavo/core/error.h"
 #include "octavo/core/levels.h"
 #include "octavo/core/memory_limit.h"

@@ -5,6 +5,7 @@
 
 #include <cstring>
 
+#include "octavo/builder/build_memory.h"
 #include "octavo/builder/builder.h"
 #include "octavo/builder/group_reader.h"
 #include "octavo/core/error.h"

@@ -1,3 +1,4 @@
+#include "octavo/builder/build_memory.h"
 #include "octavo/builder/builder.h"
 
 #include <gtest/gtest.h>

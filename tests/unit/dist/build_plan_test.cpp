@@ -6,6 +6,7 @@
 #include <fstream>
 #include <set>
 
+#include "octavo/builder/build_memory.h"
 #include "octavo/builder/builder.h"
 #include "octavo/builder/group_reader.h"
 #include "octavo/dist/parts.h"

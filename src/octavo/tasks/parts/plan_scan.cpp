@@ -4,6 +4,7 @@
 #include <memory>
 #include <utility>
 
+#include "octavo/builder/build_memory.h"
 #include "octavo/builder/build_setup.h"
 #include "octavo/core/error.h"
 #include "octavo/core/url_text.h"
@@ -43,8 +44,11 @@ void describe_plan(const BuildPlan& plan, const PlaneSource& source, PlanResult&
   result.group_count = plan.group_count;
   result.planes_per_group = plan.planes_per_group;
   result.group_bytes = plane_bytes(volume) * static_cast<std::uint64_t>(plan.planes_per_group);
-  result.part_memory_bytes =
+  const std::uint64_t whole =
       build_memory_bytes(volume, 1, plan.options.max_error) + source.resident_bytes();
+  const std::uint64_t limit = plan.options.max_memory_bytes;
+  result.is_in_bands = limit != 0 && whole > limit;
+  result.part_memory_bytes = result.is_in_bands ? limit : whole;
   result.thread_bytes = kThreadBytes;
   result.can_seek = source.can_seek();
   result.file_count = static_cast<std::int64_t>(plan.files.size());

@@ -33,6 +33,7 @@ struct PlanResult {
   std::int64_t part_count = 0;
   std::int64_t groups_per_part = 0;   ///< of the largest
   std::uint64_t part_memory_bytes = 0;  ///< that a part needs with one thread
+  bool is_in_bands = false;  ///< that is the limit, within which a part encodes groups in bands
   std::uint64_t thread_bytes = 0;       ///< that each further one adds
   bool can_seek = true;  ///< otherwise a part reads the source from its start
   std::int64_t file_count = 0;          ///< of the source

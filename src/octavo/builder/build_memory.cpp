@@ -1,0 +1,68 @@
+#include "octavo/builder/build_memory.h"
+
+#include "octavo/builder/build_setup.h"
+#include "octavo/builder/group_reader.h"
+#include "octavo/core/checked.h"
+#include "octavo/core/error.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
+// Training and the file's own buffers.
+constexpr std::uint64_t kFixedBytes = 192 * kMiB;
+
+// What a build takes besides the voxels of groups.
+std::uint64_t base_bytes(int threads) {
+  return static_cast<std::uint64_t>(build_threads(threads)) * kThreadBytes + kFixedBytes;
+}
+
+}  // namespace
+
+std::uint64_t build_memory_bytes(const VolumeDescription& description, int threads,
+                                 double max_error) {
+  const Levels levels = levels_of(description);
+  const auto planes = static_cast<std::uint64_t>(group_planes(levels, description.type));
+  // float32: the planes read for the coding; with a max error the voxels beside their codes.
+  const std::uint64_t count = is_integer(description.type) ? 2 : max_error > 0 ? 5 : 3;
+  const std::uint64_t groups =
+      checked_mul(count * planes, plane_bytes(description), "the memory of groups");
+  return checked_add(groups, base_bytes(threads), "the memory of a build");
+}
+
+std::uint64_t band_memory_bytes(const VolumeDescription& description, int threads,
+                                std::uint64_t band_bytes) {
+  constexpr std::uint64_t kBytesPerBrick = 192;
+  const Size3 grid = levels_of(description).brick_grid(0);
+  const auto bricks = static_cast<std::uint64_t>(grid.voxel_count()) * kBytesPerBrick;
+  const std::uint64_t bands =
+      checked_add(plane_bytes(description) + bricks, 2 * band_bytes, "the memory of bands");
+  return checked_add(bands, base_bytes(threads), "the memory of bands");
+}
+
+std::uint64_t band_bytes_of(const PlaneSource& source, const BuildOptions& options, int threads) {
+  const VolumeDescription& volume = source.description();
+  const std::uint64_t held = source.resident_bytes();
+  const std::uint64_t whole =
+      checked_add(build_memory_bytes(volume, threads, options.max_error), held, "the memory");
+  const bool fits = options.max_memory_bytes == 0 || whole <= options.max_memory_bytes;
+  if (options.band_bytes == 0 && fits) return 0;
+  const bool is_exact = is_integer(volume.type) && options.max_error == 0 &&
+                        options.keep_details == 0;
+  if (!is_exact || !source.can_seek()) {
+    if (options.band_bytes > 0) throw Error(ErrorKind::invalid_argument, "bands cannot be read");
+    check_build_memory(whole, options.max_memory_bytes,
+                       is_exact ? "; bands of bricks need less, but this source can only be read "
+                                  "from its start on"
+                                : "; bands of bricks need less, but are for integers without loss");
+  }
+  if (options.band_bytes > 0) return options.band_bytes;
+  constexpr std::uint64_t kFewestBytes = 16 * kMiB;
+  const std::uint64_t base =
+      checked_add(band_memory_bytes(volume, threads, 0), held, "the memory of bands");
+  check_build_memory(base + 2 * kFewestBytes, options.max_memory_bytes);
+  return (options.max_memory_bytes - base) / 2;
+}
+
+}  // namespace octavo

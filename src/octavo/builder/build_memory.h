@@ -1,0 +1,26 @@
+// What memory a build takes, and what becomes of groups that are too large for it.
+#pragma once
+
+#include <cstdint>
+
+#include "octavo/builder/builder.h"
+#include "octavo/core/volume.h"
+#include "octavo/planes/plane_source.h"
+
+namespace octavo {
+
+/// Memory build_file needs for a volume where groups have room, bytes.
+std::uint64_t build_memory_bytes(const VolumeDescription& description, int threads,
+                                 double max_error = 0);
+
+/// The same with bands of so many bytes in their place.
+std::uint64_t band_memory_bytes(const VolumeDescription& description, int threads,
+                                std::uint64_t band_bytes);
+
+/// The bytes of voxels in a band of a build of `source`, or 0 where whole groups have room.
+/// options  kind, max error, details left out, max_memory_bytes and band_bytes count
+/// Throws   Error{limit_exceeded} where bands have no room either, or cannot be read;
+///          Error{invalid_argument} where bands that cannot be read are asked for
+std::uint64_t band_bytes_of(const PlaneSource& source, const BuildOptions& options, int threads);
+
+}  // namespace octavo
