@@ -19,15 +19,16 @@ namespace octavo::cli {
 namespace {
 
 constexpr VerbText kSurfaceText = {
-    "surface", "Make a surface of triangles: STL, PLY, OBJ, VTP or 3MF.",
+    "surface", "Make a surface of triangles: STL, PLY, OBJ, GLB, VTP or 3MF.",
     "Of grey values the surface of what is at or above --isovalue, in real units (HU); of a label\n"
     "map that of --label, or of every voxel but 0. It is closed, also where the volume ends, and\n"
     "manifold, with triangles outward; both are proven before anything is written, and a surface\n"
     "that is not gives exit code 1 and the counts. Coordinates are mm in LPS, or with --space ras\n"
     "in RAS. Bricks whose minimum and maximum decide are not decoded. NaN and infinities lie\n"
     "outside. A mask ends at the sides of its voxels; grey values end at the middles of the outer\n"
-    "ones. But for STL, files have normals: of grey values from their gradient. --max-deviation\n"
-    "takes time: about half a minute for the bones of a CT head.\n\n"
+    "ones. But for STL and 3MF, files have normals: of grey values from their gradient. GLB has\n"
+    "axes of its own, y up, and meters. --max-deviation takes time: about half a minute for the\n"
+    "bones of a CT head.\n\n"
     "--max-deviation takes triangles away as far as every point of the surface stays within that\n"
     "distance of the full one, and every point of that one within it of the surface, which is\n"
     "proven: in mm, or as 0.5voxel in shortest sides of a voxel. Pieces and handles stay, and no\n"
@@ -48,6 +49,7 @@ struct SurfaceArguments {
   std::string max_deviation = "0";
   int level = 0;
   bool stored = false;
+  bool plain = false;
   bool allow_open = false;
 };
 
@@ -70,6 +72,7 @@ SurfaceOptions options_of(const SurfaceArguments& arguments, const Context& cont
   if (!arguments.seed.empty()) options.seed = parse_point(arguments.seed, "--seed");
   options.max_deviation = parse_deviation(arguments.max_deviation);
   options.space = arguments.space == "ras" ? MeshSpace::ras : MeshSpace::lps;
+  options.is_plain = arguments.plain;
   options.allows_faults = arguments.allow_open;
   return options;
 }
@@ -156,7 +159,7 @@ void add_surface(CLI::App& app, Context& context) {
   Verb verb = add_verb(app, context, kSurfaceText,
                        [arguments, &context] { return run_surface(*arguments, context); });
   verb.add_input(arguments->input);
-  verb.add_output(arguments->output, "The .stl, .ply, .obj, .vtp or .3mf file to write");
+  verb.add_output(arguments->output, "The .stl, .ply, .obj, .glb, .vtp or .3mf file to write");
   Option isovalue = verb.add_option("--isovalue", arguments->isovalue,
                                     "Of grey values: what is at or above lies inside");
   isovalue->type_name("VALUE");
@@ -176,6 +179,8 @@ void add_surface(CLI::App& app, Context& context) {
       ->check(one_of({"lps", "ras"}))
       ->capture_default_str();
   verb.add_flag("--stored", arguments->stored, "The isovalue is a stored value, not a real one");
+  verb.add_flag("--plain", arguments->plain,
+                "A .glb file without compression and extensions, for programs that lack them");
   verb.add_flag("--allow-open", arguments->allow_open,
                 "Write a surface with faults as well, with exit code 0");
 }

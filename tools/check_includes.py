@@ -92,6 +92,7 @@ LIBRARIES = {
     "libpng": (re.compile(r"png\w*\.h$"), {"io", "render"}),
     "FreeType": (re.compile(r"freetype/"), {"render"}),
     "zlib": (re.compile(r"zlib\.h$"), {"io", "render"}),
+    "meshoptimizer": (re.compile(r"meshoptimizer\.h$"), {"mesh"}),
     "minizip": (re.compile(r"minizip/"), {"mesh"}),
     "libcurl": (re.compile(r"curl/"), {"io"}),
     "libcrypto": (re.compile(r"openssl/"), {"builder"}),

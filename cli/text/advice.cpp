@@ -104,6 +104,8 @@ constexpr Advice kAdvice[] = {
     {kUsage, "label_names", "",
      "leave out --label-names, or give --labels if its numbers are names of regions"},
     {kAny, "surface.output", "", "name it so"},
+    {kUsage, "surface.plain", "", "leave out --plain"},
+    {kUsage, "surface.space", "", "leave out --space"},
     {ErrorKind::limit_exceeded, "level", "", "give a coarser --level"},
     {kUsage, "isovalue", "", "leave out --isovalue, or give --label"},
     {kUsage, "isovalue.missing", "", "give --isovalue VALUE"},

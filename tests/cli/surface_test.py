@@ -120,7 +120,9 @@ class Surfaces(cli_test.InFolder):
                 (2, ["mask.8vo", "--level", "30", "-o", "m.stl"], "level 30"),
                 (2, ["mask.8vo", "--max-deviation", "wide", "-o", "m.stl"], "--max-deviation"),
                 (2, ["mask.8vo", "--max-deviation", "-1", "-o", "m.stl"], "0 or more"),
-                (2, ["mask.8vo", "-o", "m.off"], ".stl, .ply, .obj, .vtp or .3mf"),
+                (2, ["mask.8vo", "-o", "m.off"], ".stl, .ply, .obj, .glb, .vtp or .3mf"),
+                (2, ["mask.8vo", "-o", "m.glb", "--space", "ras"], "leave out --space"),
+                (2, ["mask.8vo", "-o", "m.stl", "--plain"], "leave out --plain"),
                 (5, ["mask.8vo", "-o", "missing/m.stl"], "missing"),
                 (5, ["gone.8vo", "-o", "m.stl"], "gone.8vo")]:
             with self.subTest(words=words):

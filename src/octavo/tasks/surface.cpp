@@ -36,6 +36,13 @@ MeshFormat format_of(const SurfaceOptions& options) {
     reject_mesh(std::string("a surface is written as ") + mesh_format_endings(),
                 options.output.path, "surface.output");
   }
+  if (*format == MeshFormat::glb && options.space != MeshSpace::lps) {
+    reject_mesh("has axes of its own, which every reader knows", options.output.path,
+                "surface.space");
+  }
+  if (*format != MeshFormat::glb && options.is_plain) {
+    reject_mesh("is never compressed, as .glb files are", options.output.path, "surface.plain");
+  }
   require_free(options.output);
   std::error_code none;
   if (std::filesystem::equivalent(options.output.path, options.input, none)) {
@@ -222,9 +229,12 @@ SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context)
   }
   PendingFile file(local_storage(), options.output.path);
   const std::vector<std::string> comments = comments_of(options, *reader);
-  write_mesh(
-      {.mesh = mesh, .normals = normals, .comments = comments, .space = options.space}, format,
-      file);
+  write_mesh({.mesh = mesh,
+              .normals = normals,
+              .comments = comments,
+              .space = options.space,
+              .is_plain = options.is_plain},
+             format, file);
   context.stop_if_cancelled();
   file.seal();
   file.publish(options.output.overwrite);

@@ -22,7 +22,7 @@ struct AskedDeviation {
 
 struct SurfaceOptions {
   std::string input;  ///< an .8vo file or a URL of one
-  Output output;      ///< ends in .stl, .ply, .obj, .vtp or .3mf
+  Output output;      ///< ends in .stl, .ply, .obj, .glb, .vtp or .3mf
   /// Of grey values, in real units: what is at or above it lies inside.
   std::optional<double> isovalue;
   bool is_stored = false;  ///< the isovalue is a stored value instead of a real one
@@ -32,6 +32,7 @@ struct SurfaceOptions {
   std::optional<Point3> seed;
   AskedDeviation max_deviation;
   MeshSpace space = MeshSpace::lps;
+  bool is_plain = false;  ///< a .glb file without compression, for programs that know none
   bool allows_faults = false;  ///< a surface that is not closed or not manifold is written as well
 };
 

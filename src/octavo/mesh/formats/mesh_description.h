@@ -10,6 +10,7 @@
 
 #include "octavo/core/label_names.h"
 #include "octavo/core/triangle_mesh.h"
+#include "octavo/mesh/formats/point_grid.h"
 
 namespace octavo {
 
@@ -38,6 +39,9 @@ struct MeshDescription {
   std::span<const std::string> comments = {};  ///< lines for people
   std::string report = {};                    ///< JSON for programs; empty: none
   MeshSpace space = MeshSpace::lps;
+  /// Points all lie on it; GLB writes 16 bits a coordinate then.
+  std::optional<PointGrid> grid = {};
+  bool is_plain = false;  ///< GLB without compression and without extensions
 };
 
 }  // namespace octavo

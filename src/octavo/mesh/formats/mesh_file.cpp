@@ -16,19 +16,23 @@ std::optional<MeshFormat> mesh_format_of(const std::string& path) {
   if (ending == ".ply") return MeshFormat::ply;
   if (ending == ".obj") return MeshFormat::obj;
   if (ending == ".vtp") return MeshFormat::vtp;
+  if (ending == ".glb") return MeshFormat::glb;
   if (ending == ".3mf") return MeshFormat::three_mf;
   return std::nullopt;
 }
 
-const char* mesh_format_endings() { return ".stl, .ply, .obj, .vtp or .3mf"; }
+const char* mesh_format_endings() { return ".stl, .ply, .obj, .glb, .vtp or .3mf"; }
 
-bool has_normals(MeshFormat format) { return format != MeshFormat::stl; }
+bool has_normals(MeshFormat format) {
+  return format != MeshFormat::stl && format != MeshFormat::three_mf;
+ }
 
 void write_mesh(const MeshDescription& mesh, MeshFormat format, PendingFile& file) {
   switch (format) {
     case MeshFormat::stl: write_stl(mesh, file); break;
     case MeshFormat::ply: write_ply(mesh, file); break;
     case MeshFormat::obj: write_obj(mesh, file); break;
+    case MeshFormat::glb: write_glb(mesh, file); break;
     case MeshFormat::vtp: write_vtp(mesh, file); break;
     case MeshFormat::three_mf: write_three_mf(mesh, file); break;
   }

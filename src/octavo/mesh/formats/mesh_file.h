@@ -9,12 +9,12 @@
 
 namespace octavo {
 
-enum class MeshFormat { stl, ply, obj, vtp, three_mf };
+enum class MeshFormat { stl, ply, obj, glb, vtp, three_mf };
 
 /// By the ending of a name, in letters of either case.
 std::optional<MeshFormat> mesh_format_of(const std::string& path);
 
-/// ".stl, .ply, .obj, .vtp or .3mf"
+/// ".stl, .ply, .obj, .glb, .vtp or .3mf"
 const char* mesh_format_endings();
 
 /// Whether files of a format have a normal of each point.
@@ -23,7 +23,8 @@ bool has_normals(MeshFormat format);
 /// Appends a surface to a file, as mesh_formats.h says of each format.
 /// Throws  as PendingFile; Error{limit_exceeded} for more points or triangles than the format can
 ///         number
-/// Memory  a buffer of a megabyte; 3MF 8 bytes per point
+/// Memory  a buffer of a megabyte; 3MF 8 bytes per point; GLB as much as the file, and
+///         about 100 bytes per point of a part
 void write_mesh(const MeshDescription& mesh, MeshFormat format, PendingFile& file);
 
 }  // namespace octavo

@@ -27,4 +27,9 @@ void write_vtp(const MeshDescription& mesh, PendingFile& file);
 /// where no coordinate is negative. Minizip compresses it.
 void write_three_mf(const MeshDescription& mesh, PendingFile& file);
 
+/// glTF 2.0, compressed by meshoptimizer: a node with a name and a color for each part, under one
+/// that turns mm in LPS into meters with y up and z to the front. The space that is described does
+/// not matter.
+void write_glb(const MeshDescription& mesh, PendingFile& file);
+
 }  // namespace octavo

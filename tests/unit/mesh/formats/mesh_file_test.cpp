@@ -138,13 +138,14 @@ TEST(MeshFile, FormatsAreKnownByTheirEndings) {
   EXPECT_EQ(mesh_format_of("A.Ply"), MeshFormat::ply);
   EXPECT_EQ(mesh_format_of("a.obj"), MeshFormat::obj);
   EXPECT_EQ(mesh_format_of("a.VTP"), MeshFormat::vtp);
+  EXPECT_EQ(mesh_format_of("a.glb"), MeshFormat::glb);
   EXPECT_EQ(mesh_format_of("a.3mf"), MeshFormat::three_mf);
   EXPECT_EQ(mesh_format_of("a.off"), std::nullopt);
 }
 
 TEST(MeshFile, AFailureLeavesNothing) {
   for (const MeshFormat format :
-       {MeshFormat::stl, MeshFormat::ply, MeshFormat::obj, MeshFormat::vtp,
+       {MeshFormat::stl, MeshFormat::ply, MeshFormat::obj, MeshFormat::glb, MeshFormat::vtp,
         MeshFormat::three_mf}) {
     const auto write = [format](testing::MemoryStorage& storage) {
       PendingFile file(storage, "mesh");
