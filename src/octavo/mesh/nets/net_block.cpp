@@ -1,0 +1,255 @@
+#include "octavo/mesh/nets/net_block.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace octavo {
+
+namespace {
+
+constexpr std::array<std::ptrdiff_t, 3> kVoxelSteps = {1, kSurfaceRows,
+                                                       kSurfaceRows* kSurfaceRows};
+
+/// Which of 64 voxels differ.
+template <class T>
+std::uint64_t different_bits(const T* a, const T* b) {
+  if (std::memcmp(a, b, 64 * sizeof(T)) == 0) return 0;
+  std::array<std::uint8_t, 64> is_different;
+  for (std::size_t i = 0; i < 64; ++i) is_different[i] = static_cast<std::uint8_t>(a[i] != b[i]);
+  std::uint64_t bits = 0;
+  for (std::size_t i = 0; i < 8; ++i) {
+    std::uint64_t bytes;
+    std::memcpy(&bytes, is_different.data() + 8 * i, sizeof bytes);
+    // The bits of 8 bytes that are 0 or 1, the first one lowest.
+    bits |= (bytes * 0x0102040810204080u >> 56) << 8 * i;
+  }
+  return bits;
+}
+
+/// Joins corners to quads.
+class QuadJoiner {
+ public:
+  QuadJoiner(const NetBlocksBefore& blocks, bool is_mirrored)
+      : blocks_(blocks), is_mirrored_(is_mirrored) {}
+
+  NetQuad quad(const NetFace& face) const {
+    const std::size_t axis = face.axis;
+    const std::size_t u = (axis + 1) % 3;
+    const std::size_t v = (axis + 2) % 3;
+    const bool is_inside_behind = (face.pair & 1) != 0;
+    // Corners around the face as seen from behind it, or the other way round.
+    constexpr std::array<std::size_t, 4> kRing = {0, 1, 3, 2};
+    const bool is_turned = is_inside_behind != is_mirrored_;
+    NetQuad quad;
+    quad.pair = face.pair >> 1;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::size_t at = kRing[is_turned ? (4 - k) % 4 : k];
+      const std::size_t next = kRing[is_turned ? 3 - k : (k + 1) % 4];
+      std::array<int, 3> place = {face.x, face.y, face.z};
+      place[u] -= static_cast<int>(1 - (at & 1));
+      place[v] -= static_cast<int>(1 - (at >> 1));
+      const NetBlock& block = *block_at(place);
+      const std::uint32_t number = block.number_of(place[0], place[1], place[2]);
+      quad.corners[k] = block.first_point + number;
+      if (!block.is_touching(place[0], place[1], place[2])) continue;
+      const CornerEdge side{(at ^ next) == 1 ? u : v, next > at};
+      add_fans(block.classes_of(number), {axis, 3 - at, is_inside_behind, side}, k, quad);
+    }
+    return quad;
+  }
+
+ private:
+  /// A face as a corner of it sees it.
+  struct SeenFace {
+    std::size_t axis;
+    std::size_t around;  ///< place among the faces of the axis
+    bool is_inside_behind;
+    CornerEdge side;  ///< to the next corner
+  };
+
+  /// The block of a corner, whose place is made one in that block.
+  const NetBlock* block_at(std::array<int, 3>& place) const {
+    std::array<std::size_t, 3> before{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (place[axis] >= 0) continue;
+      before[axis] = 1;
+      place[axis] = kSurfaceSide - 1;
+    }
+    return blocks_[before[2]][before[1]][before[0]];
+  }
+
+  void add_fans(CornerClasses classes, const SeenFace& face, std::size_t k, NetQuad& quad) const {
+    const std::array<std::size_t, 2> voxels = {
+        CornerEdge{face.axis, face.is_inside_behind}.voxel(face.around),
+        CornerEdge{face.axis, !face.is_inside_behind}.voxel(face.around)};
+    const bool is_side_crossed = is_crossed(classes, face.side);
+    if (is_side_crossed) {
+      quad.crossed_sides = static_cast<std::uint8_t>(quad.crossed_sides | 1u << k);
+    }
+    for (std::size_t side = 0; side < 2; ++side) {
+      const unsigned fan =
+          fans_.fan(class_mask(classes, voxels[side]), 4 * face.axis + face.around);
+      quad.corner_fans = static_cast<std::uint16_t>(quad.corner_fans | fan << (4 * k + 2 * side));
+      if (!is_side_crossed) continue;
+      const unsigned side_fan = edge_fan(classes, face.side, voxels[side]);
+      quad.side_fans = static_cast<std::uint8_t>(quad.side_fans | side_fan << (2 * k + side));
+    }
+  }
+
+  const NetBlocksBefore& blocks_;
+  bool is_mirrored_;
+  const CornerFans& fans_ = CornerFans::shared();
+};
+
+}  // namespace
+
+CornerClasses NetBlock::classes_of(std::uint32_t point) const {
+  return std::lower_bound(touching.begin(), touching.end(), point,
+                          [](const TouchingCorner& corner, std::uint32_t number) {
+                            return corner.point < number;
+                          })
+      ->classes;
+}
+
+template <class T>
+std::unique_ptr<NetBlock> NetBlockMaker<T>::make(const Index3& corner) {
+  if (!find_differences()) return nullptr;
+  auto block = std::make_unique<NetBlock>();
+  pair_numbers_.clear();
+  last_pair_ = 0;
+  for (int z = 0; z < kSurfaceSide; ++z) {
+    for (int y = 0; y < kSurfaceSide; ++y) make_row(corner, y, z, *block);
+  }
+  return block;
+}
+
+template <class T>
+bool NetBlockMaker<T>::find_differences() {
+  std::uint64_t any = 0;
+  for (int z = -1; z < kSurfaceSide; ++z) {
+    for (int y = -1; y < kSurfaceSide; ++y) {
+      const T* const row = labels.at(0, y, z);
+      Differences& found = differences_.at(y, z);
+      found = {};
+      found.x = different_bits(row, row - kVoxelSteps[0]);
+      if (y >= 0) {
+        const T* const before = row - kVoxelSteps[1];
+        found.y = different_bits(row, before);
+        found.y_before = row[-1] != before[-1] ? 1 : 0;
+      }
+      if (z >= 0) {
+        const T* const before = row - kVoxelSteps[2];
+        found.z = different_bits(row, before);
+        found.z_before = row[-1] != before[-1] ? 1 : 0;
+      }
+      any |= found.x | found.y | found.z | found.y_before | found.z_before;
+    }
+  }
+  return any != 0;
+}
+
+template <class T>
+void NetBlockMaker<T>::make_row(const Index3& corner, int y, int z, NetBlock& block) {
+  const Differences& last = differences_.at(y, z);
+  const Differences& above = differences_.at(y - 1, z);
+  const Differences& before = differences_.at(y, z - 1);
+  const Differences& first = differences_.at(y - 1, z - 1);
+  NetRow& row = block.rows[static_cast<std::size_t>(z * kSurfaceSide + y)];
+  row.first = static_cast<std::uint32_t>(block.points.size());
+  const std::uint64_t before_y = before.y << 1 | before.y_before;
+  const std::uint64_t above_z = above.z << 1 | above.z_before;
+  row.corners = last.x | above.x | before.x | first.x | last.y | before.y | before_y |
+                (last.y << 1 | last.y_before) | last.z | above.z | above_z |
+                (last.z << 1 | last.z_before);
+  if (row.corners == 0) return;
+
+  // Corners
+  for (std::uint64_t left = row.corners; left != 0; left &= left - 1) {
+    const int x = std::countr_zero(left);
+    bool is_touching = false;
+    const CornerClasses classes = classes_at(x, y, z, is_touching);
+    if (is_touching) {
+      row.touching |= std::uint64_t{1} << x;
+      block.touching.push_back({static_cast<std::uint32_t>(block.points.size()), classes});
+    }
+    block.points.push_back({static_cast<std::int32_t>(corner.x + x),
+                            static_cast<std::int32_t>(corner.y + y),
+                            static_cast<std::int32_t>(corner.z + z)});
+  }
+
+  // Faces whose last corners these are
+  add_faces(first.x, 0, y, z, block);
+  add_faces(before_y, 1, y, z, block);
+  add_faces(above_z, 2, y, z, block);
+}
+
+template <class T>
+void NetBlockMaker<T>::add_faces(std::uint64_t bits, int axis, int y, int z, NetBlock& block) {
+  for (std::uint64_t left = bits; left != 0; left &= left - 1) {
+    const int x = std::countr_zero(left);
+    const T* const below = labels.at(x - 1, y - 1, z - 1);
+    const T lower = *below;
+    const T upper = below[kVoxelSteps[static_cast<std::size_t>(axis)]];
+    const bool is_inside_behind = lower == 0 || (upper != 0 && upper > lower);
+    const std::uint32_t pair = is_inside_behind ? pair_number(upper, lower, block)
+                                                : pair_number(lower, upper, block);
+    block.faces.push_back({static_cast<std::uint8_t>(x), static_cast<std::uint8_t>(y),
+                           static_cast<std::uint8_t>(z), static_cast<std::uint8_t>(axis),
+                           pair << 1 | (is_inside_behind ? 1u : 0u)});
+  }
+}
+
+template <class T>
+CornerClasses NetBlockMaker<T>::classes_at(int x, int y, int z, bool& is_touching) const {
+  const T* const first = labels.at(x - 1, y - 1, z - 1);
+  std::array<T, 8> found;  // labels by class
+  std::array<CornerMask, 8> masks{};
+  CornerClasses classes = 0;
+  std::size_t count = 0;
+  for (std::size_t voxel = 0; voxel < 8; ++voxel) {
+    const T label = first[static_cast<std::ptrdiff_t>(voxel & 1) +
+                          static_cast<std::ptrdiff_t>(voxel >> 1 & 1) * kVoxelSteps[1] +
+                          static_cast<std::ptrdiff_t>(voxel >> 2) * kVoxelSteps[2]];
+    std::size_t own = 0;
+    while (own < count && found[own] != label) ++own;
+    if (own == count) found[count++] = label;
+    masks[own] = static_cast<CornerMask>(masks[own] | 1u << voxel);
+    classes |= static_cast<CornerClasses>(own) << 3 * voxel;
+  }
+  const CornerFans& fans = CornerFans::shared();
+  for (std::size_t i = 0; i < count; ++i) is_touching = is_touching || fans.is_touching(masks[i]);
+  return classes;
+}
+
+template <class T>
+std::uint32_t NetBlockMaker<T>::pair_number(T inside, T outside, NetBlock& block) {
+  const std::uint64_t key = static_cast<std::uint64_t>(static_cast<std::uint32_t>(inside)) << 32 |
+                            static_cast<std::uint32_t>(outside);
+  if (key == last_pair_) return last_number_;
+  const auto [place, is_new] =
+      pair_numbers_.emplace(key, static_cast<std::uint32_t>(block.pairs.size()));
+  if (is_new) {
+    block.pairs.push_back({static_cast<std::int64_t>(inside), static_cast<std::int64_t>(outside)});
+  }
+  last_pair_ = key;
+  last_number_ = place->second;
+  return last_number_;
+}
+
+template class NetBlockMaker<std::int8_t>;
+template class NetBlockMaker<std::uint8_t>;
+template class NetBlockMaker<std::int16_t>;
+template class NetBlockMaker<std::uint16_t>;
+template class NetBlockMaker<std::int32_t>;
+template class NetBlockMaker<std::uint32_t>;
+
+std::vector<NetQuad> joined_quads(const NetBlocksBefore& blocks, bool is_mirrored) {
+  const NetBlock& block = *blocks[0][0][0];
+  const QuadJoiner joiner(blocks, is_mirrored);
+  std::vector<NetQuad> quads;
+  quads.reserve(block.faces.size());
+  for (const NetFace& face : block.faces) quads.push_back(joiner.quad(face));
+  return quads;
+}
+
+}  // namespace octavo
