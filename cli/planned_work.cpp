@@ -14,7 +14,7 @@ namespace octavo::cli {
 
 namespace {
 
-constexpr std::array kComputing = {"threshold", "condense", "transform", "combine"};
+constexpr std::array kComputing = {"threshold", "condense", "transform", "combine", "components"};
 
 template <class Options>
 std::optional<ComputedWork> work_of(const std::any& taken) {
@@ -25,7 +25,7 @@ std::optional<ComputedWork> work_of(const std::any& taken) {
 void require_own_words(const std::vector<std::string>& words) {
   if (words.empty() || std::ranges::find(kComputing, words.front()) == kComputing.end()) {
     throw Error(ErrorKind::invalid_argument,
-                "plan -- is followed by threshold, condense, transform or combine");
+                "plan -- is followed by threshold, condense, transform, combine or components");
   }
   for (const std::string& word : words) {
     if (word != "-o" && !word.starts_with("--output")) continue;
@@ -70,6 +70,7 @@ ComputedWork parse_work(const std::vector<std::string>& words) {
     add_condense(app, context);
     add_transform(app, context);
     add_combine(app, context);
+    add_components(app, context);
   });
   require_no_globals(context);
   try {
@@ -79,8 +80,13 @@ ComputedWork parse_work(const std::vector<std::string>& words) {
   }
   for (const auto& work :
        {work_of<ThresholdOptions>(taken), work_of<CondenseVolumeOptions>(taken),
-        work_of<TransformOptions>(taken), work_of<CombineOptions>(taken)}) {
+        work_of<TransformOptions>(taken), work_of<CombineOptions>(taken),
+        work_of<LabelComponentsOptions>(taken)}) {
     if (work) return *work;
+  }
+  if (words.front() == "components") {
+    throw Error(ErrorKind::invalid_argument,
+                "plan -- components needs --numbers FILE, which components --join writes");
   }
   throw Error(ErrorKind::internal, "the options of " + words.front() + " were not understood");
 }

@@ -14,7 +14,7 @@ namespace octavo::cli {
 std::vector<std::string> without_planned_words(std::vector<std::string> words,
                                                const std::string& verb, Context& context);
 
-/// What `VERB ...` computes: threshold, condense, transform or combine.
+/// What `VERB ...` computes: threshold, condense, transform, combine, or components with numbers.
 /// Throws Error{invalid_argument} for words that are not understood, and for options that belong to
 ///        plan, part or join
 ComputedWork parse_work(const std::vector<std::string>& words);

@@ -6,10 +6,12 @@
 
 #include "common/failure.h"
 #include "common/options.h"
+#include "common/part_options.h"
 #include "common/task_run.h"
 #include "octavo/core/text.h"
 #include "octavo/core/url_text.h"
 #include "octavo/tasks/components.h"
+#include "octavo/tasks/components/components_in_parts.h"
 #include "octavo/tasks/volume_facts.h"
 #include "verbs.h"
 
@@ -21,10 +23,18 @@ constexpr VerbText kComponentsText = {
     "components", "Find the connected parts of a mask.",
     "A mask is every voxel of a label map that is not 0. Parts are numbered from 1, the largest\n"
     "first. The label map written with -o is a mask for other verbs as well.\n\n"
+    "--part I/N finds the components of a part of a large mask, as a task of an array of N does,\n"
+    "and writes what a join needs of them with -o. --join gives the table of all parts, with the\n"
+    "same numbers as components gives in one run; its -o writes those numbers to a file. With it\n"
+    "--numbers makes the label map, here or behind plan --, on many machines. A part holds the\n"
+    "mask of its planes alone in memory: more parts need less.\n\n"
     "Examples:\n"
     "  octavo components bone.8vo\n"
     "  octavo components bone.8vo --keep-largest 1 -o skull.8vo\n"
-    "  octavo components pores.8vo --connectivity 26 --min-mm3 0.5 -o pores-labels.8vo --json"};
+    "  octavo components pores.8vo --connectivity 26 --min-mm3 0.5 -o pores-labels.8vo --json\n"
+    "  octavo components pores.8vo --part 3/8 -o found-3.json\n"
+    "  octavo components pores.8vo --join found-*.json -o pores.numbers\n"
+    "  octavo plan -o labels.plan -- components pores.8vo --numbers pores.numbers"};
 
 struct ComponentsArguments {
   std::string input;
@@ -33,6 +43,8 @@ struct ComponentsArguments {
   std::int64_t keep_largest = 0;
   double min_mm3 = 0;
   std::size_t rows = 20;
+  std::string numbers;
+  PartArguments parts;
 };
 
 ComponentsOptions options_of(const ComponentsArguments& arguments, const Context& context) {
@@ -99,11 +111,68 @@ std::string table_text(const ComponentsArguments& arguments, const ComponentsRes
                             count_text(static_cast<std::int64_t>(left)), result.kept);
 }
 
+int run_components_part(const ComponentsArguments& arguments, Context& context) {
+  PartArguments parts = arguments.parts;
+  parts.output = arguments.output;
+  const ComponentsPartOptions options = {arguments.input,
+                                         static_cast<Connectivity>(arguments.connectivity),
+                                         part_of(parts), part_output(parts, context)};
+  const std::size_t found = run_task(components_of_part, options, context);
+  if (context.json) {
+    print_json({{"output", arguments.output},
+                {"part", {options.part.number, options.part.count}},
+                {"components", found},
+                {"warnings", context.warnings}});
+  } else if (!context.quiet) {
+    print(fmt::format("{}: part {} of {}: {}\n", arguments.output, options.part.number,
+                      options.part.count,
+                      counted_text(static_cast<std::int64_t>(found), "component")));
+  }
+  return kExitDone;
+}
+
+int run_numbered(const ComponentsArguments& arguments, Context& context) {
+  if (arguments.output.empty()) {
+    throw Error(ErrorKind::invalid_argument, "--numbers needs -o FILE for the label map");
+  }
+  const LabelComponentsOptions options = {arguments.input, arguments.numbers,
+                                          {arguments.output, context.force}};
+  const LabeledComponents result = run_task(label_components, options, context);
+  if (context.json) {
+    print_json({{"components", result.found},
+                {"kept", result.kept},
+                {"output", arguments.output},
+                {"file_bytes", result.file_bytes},
+                {"warnings", context.warnings}});
+  } else if (!context.quiet) {
+    print(fmt::format("{}: {}, {} kept in {}\n", public_name(arguments.input),
+                      counted_text(static_cast<std::int64_t>(result.found), "component"),
+                      count_text(static_cast<std::int64_t>(result.kept)), arguments.output));
+  }
+  return kExitDone;
+}
+
+ComponentsResult found_components(const ComponentsArguments& arguments, Context& context) {
+  const ComponentsOptions options = options_of(arguments, context);
+  if (arguments.parts.join.empty()) return run_task(components, options, context);
+  return run_task(join_components, JoinComponentsOptions{options, arguments.parts.join}, context);
+}
+
 int run_components(const ComponentsArguments& arguments, Context& context) {
-  const ComponentsResult result = run_task(components, options_of(arguments, context), context);
+  if (!arguments.parts.part.empty()) return run_components_part(arguments, context);
+  if (!arguments.numbers.empty()) return run_numbered(arguments, context);
+  const ComponentsResult result = found_components(arguments, context);
   if (context.json) print_json(report_json(arguments, result, context));
   else if (!context.quiet) print(table_text(arguments, result));
   return kExitDone;
+}
+
+/// Beside --part and --join.
+Option add_numbers_option(Verb verb, std::string& numbers) {
+  return verb
+      .add_option("--numbers", numbers, "Write the label map with the numbers of a join")
+      ->type_name("FILE")
+      ->group(kPartGroup);
 }
 
 }  // namespace
@@ -113,23 +182,33 @@ void add_components(CLI::App& app, Context& context) {
   Verb verb = add_verb(app, context, kComponentsText,
                             [arguments, &context] { return run_components(*arguments, context); });
   verb.add_option("mask", arguments->input, "A label map, .8vo")->type_name("FILE")->required();
-  verb.add_option("-o,--output", arguments->output, "The .8vo label map to write")
+  verb.add_option("-o,--output", arguments->output,
+                  "The .8vo label map to write; with --part or --join, what is found")
       ->type_name("FILE");
-  verb.add_option("--connectivity", arguments->connectivity,
-                  "Voxels are connected by faces (6), edges (18) or corners (26)")
-      ->type_name("N")
-      ->check(one_of({6, 18, 26}))
-      ->capture_default_str();
-  verb.add_option("--keep-largest", arguments->keep_largest, "Keep only the N largest")
-      ->type_name("N")
-      ->check(whole_within(1));
-  verb.add_option("--min-mm3", arguments->min_mm3, "Keep only those of this volume or more")
-      ->type_name("V")
-      ->check(not_negative());
-  verb.add_option("--rows", arguments->rows, "Rows of the table, at most")
-      ->type_name("N")
-      ->check(whole_within(0))
-      ->capture_default_str();
+  Option connectivity =
+      verb.add_option("--connectivity", arguments->connectivity,
+                      "Voxels are connected by faces (6), edges (18) or corners (26)")
+          ->type_name("N")
+          ->check(one_of({6, 18, 26}))
+          ->capture_default_str();
+  Option largest = verb.add_option("--keep-largest", arguments->keep_largest,
+                                   "Keep only the N largest")
+                       ->type_name("N")
+                       ->check(whole_within(1));
+  Option smallest = verb.add_option("--min-mm3", arguments->min_mm3,
+                                    "Keep only those of this volume or more")
+                        ->type_name("V")
+                        ->check(not_negative());
+  Option rows = verb.add_option("--rows", arguments->rows, "Rows of the table, at most")
+                    ->type_name("N")
+                    ->check(whole_within(0))
+                    ->capture_default_str();
+  const auto [part, join] = add_part_and_join(verb, arguments->parts);
+  Option numbers = add_numbers_option(verb, arguments->numbers);
+  for (Option option : {part, join, connectivity, largest, smallest, rows}) {
+    numbers.excludes(option);
+  }
+  for (Option option : {largest, smallest, rows}) option.excludes(part);
 }
 
 }  // namespace octavo::cli

@@ -6,16 +6,18 @@
 namespace octavo::cli {
 
 void add_part_options(Verb verb, PartArguments& arguments) {
-  const char* const kParts = "Parts, done on many machines or one after another";
-  Option part = verb.add_option("--part", arguments.part, "Do part I of N alone, from 0");
-  part->type_name("I/N")->group(kParts);
+  add_part_and_join(verb, arguments);
   verb.add_option("-o,--output", arguments.output, "Where --part puts what it found")
       ->type_name("FILE")
-      ->group(kParts);
-  verb.add_option("--join", arguments.join, "Say what these parts found together")
-      ->type_name("FILE")
-      ->group(kParts)
-      ->excludes(part);
+      ->group(kPartGroup);
+}
+
+std::pair<Option, Option> add_part_and_join(Verb verb, PartArguments& arguments) {
+  Option part = verb.add_option("--part", arguments.part, "Do part I of N alone, from 0");
+  part->type_name("I/N")->group(kPartGroup);
+  Option join = verb.add_option("--join", arguments.join, "Say what these parts found together");
+  join->type_name("FILE")->group(kPartGroup)->excludes(part);
+  return {part, join};
 }
 
 WorkPart part_of(const PartArguments& arguments) {

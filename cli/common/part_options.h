@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/options.h"
@@ -9,6 +10,9 @@
 #include "octavo/tasks/outputs.h"
 
 namespace octavo::cli {
+
+/// What such options stand under in the help.
+inline constexpr const char* kPartGroup = "Parts, done on many machines or one after another";
 
 struct PartArguments {
   std::string part;
@@ -18,6 +22,9 @@ struct PartArguments {
 
 /// Adds --part, -o and --join.
 void add_part_options(Verb verb, PartArguments& arguments);
+
+/// Adds --part and --join to a verb that has an -o of its own, and returns them in this order.
+std::pair<Option, Option> add_part_and_join(Verb verb, PartArguments& arguments);
 
 /// The part that is asked for, and where to put what it finds. Requires a --part.
 /// Throws Error{invalid_argument}

@@ -206,8 +206,9 @@ class Computed(InParts):
         super().setUp()
         self.expect(0, "build", *self.raw, "-o", "grey.8vo")
 
-    def check(self, *work, parts=2):
-        self.expect(0, *work, "-o", "once.8vo", "-q", "-f")
+    def check(self, *work, parts=2, once=()):
+        """once: other words for the same volume."""
+        self.expect(0, *(once or work), "-o", "once.8vo", "-q", "-f")
         self.expect(0, "plan", "--parts", parts, "-o", "work.plan", "-f", "-q", "--", *work)
         for part in reversed(range(parts)):
             self.expect(0, "part", "work.plan", "--part", part, "-f", "-q")
@@ -226,6 +227,23 @@ class Computed(InParts):
         for operation in ("--union", "--intersect", "--subtract", "--xor"):
             self.check("combine", "a.8vo", "b.8vo", operation)
         self.check("combine", "a.8vo", "--complement")
+        for count in (1, 3):
+            found = [f"found-{i}" for i in range(count)]
+            for i, name in enumerate(found):
+                self.expect(0, "components", "a.8vo", "--part", f"{i}/{count}", "-fqo", name)
+            self.expect(0, "components", "a.8vo", "--join", *found, "-fqo", "all.numbers")
+            self.check("components", "a.8vo", "--numbers", "all.numbers",
+                       once=("components", "a.8vo"))
+
+    def test_numbers_of_components_are_an_input_of_their_plan(self):
+        self.expect(0, "threshold", "grey.8vo", "--range", "300:", "-o", "a.8vo", "-q")
+        self.expect(0, "components", "a.8vo", "--part", "0/1", "-qo", "found")
+        self.expect(0, "components", "a.8vo", "--join", "found", "-qo", "all.numbers")
+        self.expect(0, "plan", "--parts", "2", "-o", "work.plan", "-q", "--", "components",
+                    "a.8vo", "--numbers", "all.numbers")
+        self.expect(0, "components", "a.8vo", "--join", "found", "--keep-largest", "3", "-fqo",
+                    "all.numbers")
+        self.expect_error(7, ["all.numbers", "was changed"], "part", "work.plan", "--part", "0")
 
     def test_options_of_every_verb_stand_before_plan_as_well(self):
         for options in (["-j", "2"], ["--max-memory", "2G", "-q"], ["--quiet"]):
@@ -237,6 +255,7 @@ class Computed(InParts):
             (["copied as they are"], ["--", "transform", "grey.8vo", "--translate", "1,0,0"]),
             (["octrees"], ["--", "combine", "grey.8vo", "grey.8vo", "--union", "--resample"]),
             (["threshold, condense"], ["--", "measure", "grey.8vo"]),
+            (["components --join"], ["--", "components", "grey.8vo"]),
             (["octavo join"], ["--", "threshold", "grey.8vo", "--range", "1:", "-o", "a.8vo"]),
             (["before --"], ["--", "threshold", "grey.8vo", "--range", "1:", "-j", "2"]),
             (["octavo threshold --help"], ["--", "threshold", "grey.8vo", "--rang", "1:"]),

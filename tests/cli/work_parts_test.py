@@ -47,6 +47,61 @@ class WorkInParts(cli_test.InFolder):
                           "x", "--csv")
         self.assertEqual(self.files(), ["good.8vo"])
 
+    def find_parts(self, count, *options):
+        """The names of what so many parts found."""
+        names = [f"found-{i}" for i in range(count)]
+        for i, name in enumerate(names):
+            self.expect(0, "components", "mask.8vo", "--part", f"{i}/{count}", "-o", name, "-fq",
+                        *options)
+        return names
+
+    def noise(self):
+        self.random_raw("noise.raw", (40, 30, 200))
+        self.expect(0, "build", "noise.raw", "--raw", "40,30,200,int16", "--spacing", "1", "-o",
+                    "noise.8vo", "-q")
+        self.expect(0, "threshold", "noise.8vo", "--range", "700:", "-o", "mask.8vo", "-q")
+
+    def test_components_of_parts_are_those_of_one_run(self):
+        self.noise()
+        for options in ([], ["--connectivity", "18"]):
+            found = self.find_parts(3, *options)
+            for kept in ([], ["--keep-largest", "30"], ["--min-mm3", "4"]):
+                asked = ["components", "mask.8vo", *options, *kept]
+                whole = [self.expect(0, *asked, *how).stdout for how in ([], ["--json"])]
+                join = [*asked, "--join", *reversed(found)]
+                self.assertEqual([self.expect(0, *join, *how).stdout for how in ([], ["--json"])],
+                                 whole)
+                self.expect(0, *join, "-o", "all.numbers", "-fq")
+                self.expect(0, *asked, "-o", "once.8vo", "-fq")
+                said = json.loads(self.expect(0, "components", "mask.8vo", "--numbers",
+                                              "all.numbers", "-fo", "labels.8vo", "--json").stdout)
+                self.assertEqual((self.folder / "labels.8vo").read_bytes(),
+                                 (self.folder / "once.8vo").read_bytes())
+                self.assertEqual(said["kept"], json.loads(whole[1])["kept"])
+
+    def test_parts_of_components_that_do_not_fit_are_rejected(self):
+        self.noise()
+        found = self.find_parts(2)
+        self.expect(0, "components", "mask.8vo", "--join", *found, "-o", "all.numbers", "-q")
+        files = self.files()
+        for code, words, arguments in [
+            (2, ["these are missing: 1"], ["--join", "found-0"]),
+            (2, ["connectivity"], ["--join", *found, "--connectivity", "26"]),
+            (2, ["name of a volume"], ["--join", *found, "-o", "x.8vo"]),
+            (2, ["expected I/N"], ["--part", "3", "-o", "x"]),
+            (2, ["-o FILE"], ["--part", "0/2"]),
+            (2, ["--rows", "--part"], ["--part", "0/2", "-o", "x", "--rows", "3"]),
+            (2, ["-o FILE"], ["--numbers", "all.numbers"]),
+            (2, ["--numbers"], ["--numbers", "all.numbers", "-o", "x.8vo", "--min-mm3", "1"]),
+            (4, ["another verb"], ["--numbers", "found-0", "-o", "x.8vo"]),
+            (4, ["no result of a part"], ["--join", "mask.8vo"]),
+        ]:
+            with self.subTest(arguments):
+                self.expect_error(code, words, "components", "mask.8vo", *arguments)
+        self.expect_error(2, ["another mask"], "components", "good.8vo", "--numbers",
+                          "all.numbers", "-o", "x.8vo")
+        self.assertEqual(self.files(), files)
+
 
 if __name__ == "__main__":
     cli_test.OCTAVO = cli_test.os.path.abspath(sys.argv.pop(1))

@@ -21,12 +21,6 @@ namespace octavo {
 
 namespace {
 
-/// Every label but 0.
-std::vector<ValueWindow> any_label() {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  return {{-kInfinity, -1}, {1, kInfinity}};
-}
-
 bool is_same_grid(const VolumeDescription& a, const VolumeDescription& b) {
   return a.size == b.size &&
          largest_shift_mm(a.geometry, b.geometry, a.size) <= shift_tolerance_mm(a.geometry);
@@ -46,6 +40,11 @@ double largest_turn_degrees(const Geometry& a, const Geometry& b) {
 }
 
 }  // namespace
+
+std::vector<ValueWindow> any_label() {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  return {{-kInfinity, -1}, {1, kInfinity}};
+}
 
 MaskTree read_mask(const FileReader& reader, int level, std::span<const ValueWindow> windows,
                    const TaskContext& context) {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "octavo/builder/builder.h"
 #include "octavo/file/reader.h"
@@ -40,6 +41,9 @@ struct MaskOnGrid {
 /// Throws as open_mask
 MaskOnGrid open_mask_on(const VolumeDescription& volume, const std::string& name,
                         const std::string& path, const TaskContext& context);
+
+/// What of a label map is in its mask: every label but 0.
+std::vector<ValueWindow> any_label();
 
 /// mask_of_file with progress, on the threads of `context`.
 MaskTree read_mask(const FileReader& reader, int level, std::span<const ValueWindow> windows,

@@ -8,7 +8,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/sha256.h"
 #include "octavo/core/text.h"
-#include "octavo/tasks/files/part_file.h"
+#include "octavo/tasks/files/part_result.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/masks.h"
 #include "octavo/tasks/region_lines.h"
@@ -201,7 +201,7 @@ std::size_t measure_volume_part(const MeasurePartOptions& options, const TaskCon
   });
   std::vector<JsonObject> lines = lines_of_regions(regions);
   lines.insert(lines.begin(), question_of(work));
-  write_part_file(options.output, kMeasureKind, options.part, lines);
+  write_part_result(options.output, kMeasureKind, options.part, lines);
   return regions.size();
 }
 
@@ -212,7 +212,7 @@ MeasureResult join_measured(const JoinMeasuredOptions& options, const TaskContex
   std::vector<WorkPart> parts;
   std::vector<PartOfRegions> found;
   for (const std::string& path : options.parts) {
-    FoundPart file = read_part_file(path, kMeasureKind);
+    FoundPart file = read_part_result(path, kMeasureKind, context);
     if (file.lines.empty() || file.lines.front().text() != question) {
       throw Error(ErrorKind::invalid_argument,
                   "is part of another measurement: of other files, labels or percentiles", path);

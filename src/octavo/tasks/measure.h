@@ -62,12 +62,12 @@ MeasureResult measure(const MeasureOptions& options, const TaskContext& context)
 
 /// Sums up the regions in the layers of bricks of one part, and writes that. Returns how many
 /// regions it has met.
-/// Throws  as measure, measure_part and write_part_file
+/// Throws  as measure, measure_part and write_part_result
 std::size_t measure_volume_part(const MeasurePartOptions& options, const TaskContext& context);
 
 /// What measure gives, every digit of it, of the parts of one measurement.
-/// Throws  as measure and read_part_file; Error{invalid_argument} for parts that are missing, there
-///         twice, or of other files, labels or percentiles
+/// Throws  as measure and read_part_result; Error{invalid_argument} for parts that are missing,
+///         there twice, or of other files, labels or percentiles
 MeasureResult join_measured(const JoinMeasuredOptions& options, const TaskContext& context);
 
 }  // namespace octavo

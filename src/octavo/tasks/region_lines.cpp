@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "octavo/core/error.h"
-#include "octavo/tasks/files/part_file.h"
+#include "octavo/tasks/files/part_result.h"
 
 namespace octavo {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "octavo/core/error.h"
-#include "octavo/tasks/files/part_file.h"
+#include "octavo/tasks/files/part_result.h"
 
 namespace octavo {
 namespace {

@@ -9,7 +9,7 @@
 #include "octavo/core/error.h"
 #include "octavo/core/json_text.h"
 #include "octavo/file/open_file.h"
-#include "octavo/tasks/files/part_file.h"
+#include "octavo/tasks/files/part_result.h"
 #include "octavo/tasks/inputs.h"
 
 namespace octavo {
@@ -153,7 +153,7 @@ VerifiedPart verify_volume_part(const VerifyPartOptions& options, const TaskCont
       [&](const std::shared_ptr<const ByteSource>& source, const VerifyOptions& verifying) {
         return verify_part(source, options.part, verifying, context.watcher());
       });
-  write_part_file(options.output, kVerifyKind, options.part, lines_of(found));
+  write_part_result(options.output, kVerifyKind, options.part, lines_of(found));
   return found;
 }
 
@@ -163,7 +163,7 @@ VerifyVolumeResult join_verified(const JoinVerifiedOptions& options, const TaskC
   const OpenFile file(source, {});
   const VerifiedFile verified = verified_file_of(*source, file);
   for (const std::string& path : options.parts) {
-    parts.push_back(verified_part_of(read_part_file(path, kVerifyKind)));
+    parts.push_back(verified_part_of(read_part_result(path, kVerifyKind, context)));
     if (parts.back().file == verified) continue;
     throw Error(ErrorKind::invalid_argument,
                 "is of another file than " + options.input + ", or of an earlier state of it",

@@ -18,7 +18,7 @@ struct VerifyPartOptions {
 };
 
 /// Verifies one part, and writes what it found, damage as well.
-/// Throws  as verify_part and write_part_file; as verify_volume, about the field "input.repair"
+/// Throws  as verify_part and write_part_result; as verify_volume, about the field "input.repair"
 VerifiedPart verify_volume_part(const VerifyPartOptions& options, const TaskContext& context);
 
 struct JoinVerifiedOptions {
@@ -27,8 +27,8 @@ struct JoinVerifiedOptions {
 };
 
 /// What verify_volume says of the file.
-/// Throws  as joined_report, read_part_file and for `input` as open_volume; Error{invalid_argument}
-///         for parts of another file
+/// Throws  as joined_report, read_part_result and for `input` as open_volume;
+///         Error{invalid_argument} for parts of another file
 VerifyVolumeResult join_verified(const JoinVerifiedOptions& options, const TaskContext& context);
 
 }  // namespace octavo

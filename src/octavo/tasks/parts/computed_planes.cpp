@@ -20,6 +20,9 @@ std::vector<std::string*> input_places(Work& work) {
         if constexpr (std::is_same_v<Options, TransformOptions>) {
           if (!options.grid_of.empty()) places.push_back(&options.grid_of);
         }
+        if constexpr (std::is_same_v<Options, LabelComponentsOptions>) {
+          places.push_back(&options.numbers);
+        }
       },
       work);
   return places;
@@ -36,6 +39,9 @@ ComputedVolume open_work(const TransformOptions& options, const TaskContext& con
 }
 ComputedVolume open_work(const CombineOptions& options, const TaskContext& context) {
   return combined_planes(options, context);
+}
+ComputedVolume open_work(const LabelComponentsOptions& options, const TaskContext& context) {
+  return labeled_planes(options, context);
 }
 
 }  // namespace

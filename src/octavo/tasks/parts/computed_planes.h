@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "octavo/tasks/combine.h"
+#include "octavo/tasks/components/components_in_parts.h"
 #include "octavo/tasks/files/condense_volume.h"
 #include "octavo/tasks/threshold.h"
 #include "octavo/tasks/transform.h"
@@ -16,7 +17,8 @@ namespace octavo {
 
 /// Outputs are not looked at.
 using ComputedWork =
-    std::variant<ThresholdOptions, CondenseVolumeOptions, TransformOptions, CombineOptions>;
+    std::variant<ThresholdOptions, CondenseVolumeOptions, TransformOptions, CombineOptions,
+                 LabelComponentsOptions>;
 
 /// Understands the words of a work, as whoever has planned it gave them.
 using WorkParser = std::function<ComputedWork(const std::vector<std::string>& words)>;

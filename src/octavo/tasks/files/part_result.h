@@ -17,8 +17,8 @@
 namespace octavo {
 
 /// Writes what `part` of a work on `kind` found; all lines are the caller's.
-/// Throws Error{io} that names the file
-void write_part_file(const Output& output, std::string_view kind, const WorkPart& part,
+/// Throws Error{io} that names the file; Error{limit_exceeded} above 1 GiB
+void write_part_result(const Output& output, std::string_view kind, const WorkPart& part,
                      const std::vector<JsonObject>& lines);
 
 struct FoundPart {
@@ -26,10 +26,12 @@ struct FoundPart {
   std::vector<JsonObject> lines;
 };
 
-/// Reads what write_part_file wrote for that kind of work.
+/// Reads what write_part_result wrote for that kind of work.
 /// Throws Error{io}; Error{corrupt} where it is no such file, or was changed; Error{limit_exceeded}
-///        above 1 GiB
-FoundPart read_part_file(const std::string& path, std::string_view kind);
+///        above 1 GiB and above the memory limit
+/// Memory twice the file
+FoundPart read_part_result(const std::string& path, std::string_view kind,
+                           const TaskContext& context);
 
 /// A member of a line, of a list of integers or of texts, of which all have to be there.
 /// Throws Error{corrupt}

@@ -1,8 +1,9 @@
-#include "octavo/tasks/files/part_file.h"
+#include "octavo/tasks/files/part_result.h"
 
 #include <fmt/format.h>
 
 #include <charconv>
+#include <filesystem>
 #include <span>
 
 #include "octavo/core/crc32c.h"
@@ -16,10 +17,10 @@ namespace octavo {
 
 namespace {
 
-constexpr int kPartFileVersion = 1;
+constexpr int kPartResultVersion = 1;
 constexpr std::size_t kMostPartBytes = std::size_t{1} << 30;
 
-[[noreturn]] void fail_part_file(const std::string& why) {
+[[noreturn]] void fail_part_result(const std::string& why) {
   throw Error(ErrorKind::corrupt, "no result of a part, or damaged: " + why + "; make it anew");
 }
 
@@ -40,29 +41,42 @@ std::string text_of_file(const std::string& path) {
   return {reinterpret_cast<const char*>(head.data()), head.size()};
 }
 
+/// The text and its lines.
+void require_memory_to_read(const std::string& path, const TaskContext& context) {
+  std::error_code unknown;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, unknown);
+  if (!unknown) context.require_memory(2 * bytes, "the result of a part");
+}
+
 }  // namespace
 
-void write_part_file(const Output& output, std::string_view kind, const WorkPart& part,
+void write_part_result(const Output& output, std::string_view kind, const WorkPart& part,
                      const std::vector<JsonObject>& lines) {
   JsonObject first;
-  first.set("octavo_part", kPartFileVersion).set("of", kind);
+  first.set("octavo_part", kPartResultVersion).set("of", kind);
   first.set("part", std::vector<std::int64_t>{part.number, part.count});
   std::string text = first.text() + "\n";
   for (const JsonObject& line : lines) text += line.text() + "\n";
   text += checksum_line(text);
+  if (text.size() > kMostPartBytes) {
+    throw Error(ErrorKind::limit_exceeded,
+                "what the part found takes more than 1 GiB; take more parts", output.path);
+  }
   PendingFile file(local_storage(), output.path);
   file.append(bytes_in(text));
   file.seal();
   file.publish(output.overwrite);
 }
 
-FoundPart read_part_file(const std::string& path, std::string_view kind) {
+FoundPart read_part_result(const std::string& path, std::string_view kind,
+                           const TaskContext& context) {
   try {
+    require_memory_to_read(path, context);
     const std::string text = text_of_file(path);
     const std::size_t proof = text.size() < 2 ? 0 : text.rfind('\n', text.size() - 2) + 1;
     const std::string_view proven = std::string_view(text).substr(0, proof);
     if (proof == 0 || text.substr(proof) != checksum_line(proven)) {
-      fail_part_file("its last line is not the checksum of the others");
+      fail_part_result("its last line is not the checksum of the others");
     }
     FoundPart file;
     for (std::size_t at = 0; at < proof;) {
@@ -72,10 +86,10 @@ FoundPart read_part_file(const std::string& path, std::string_view kind) {
     }
     const JsonObject first = file.lines.front();
     file.lines.erase(file.lines.begin());
-    if (first.json_of("octavo_part") != std::to_string(kPartFileVersion)) {
-      fail_part_file("of another version");
+    if (first.json_of("octavo_part") != std::to_string(kPartResultVersion)) {
+      fail_part_result("of another version");
     }
-    if (text_in(first, "of") != kind) fail_part_file("it holds what another verb found");
+    if (text_in(first, "of") != kind) fail_part_result("it holds what another verb found");
     const auto numbers = integers_in(first, "part", 2);
     file.part = {numbers[0], numbers[1]};
     require_part(file.part);
@@ -93,14 +107,14 @@ std::vector<std::int64_t> integers_in(const JsonObject& line, std::string_view n
     while (in.next() == JsonToken::integer && in.integer()) all.push_back(*in.integer());
   }
   if (all.size() != count || in.token() != JsonToken::end_list) {
-    fail_part_file(fmt::format("'{}' are not {} numbers", name, count));
+    fail_part_result(fmt::format("'{}' are not {} numbers", name, count));
   }
   return all;
 }
 
 std::string text_in(const JsonObject& line, std::string_view name) {
   JsonReader in(line.json_of(name));
-  if (in.next() != JsonToken::string) fail_part_file(fmt::format("'{}' is no text", name));
+  if (in.next() != JsonToken::string) fail_part_result(fmt::format("'{}' is no text", name));
   return in.string();
 }
 
@@ -110,7 +124,7 @@ std::uint64_t bits_of_digits(std::string_view digits) {
   std::uint64_t bits = 0;
   const char* const end = digits.data() + digits.size();
   const auto [stop, failure] = std::from_chars(digits.data(), end, bits, 16);
-  if (failure != std::errc() || stop != end) fail_part_file("digits that are none");
+  if (failure != std::errc() || stop != end) fail_part_result("digits that are none");
   return bits;
 }
 

@@ -1,0 +1,187 @@
+#include "octavo/tasks/components/component_planes.h"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "octavo/builder/build_memory.h"
+#include "octavo/core/error.h"
+#include "octavo/ops/mask/file_mask.h"
+#include "octavo/tasks/components/component_rows.h"
+#include "octavo/tasks/components/components_in_parts.h"
+#include "octavo/tasks/inputs.h"
+#include "octavo/tasks/masks.h"
+
+namespace octavo {
+
+namespace {
+
+// Planes and rows that are filled at once: whole words of the mask.
+constexpr std::int64_t kSlabPlanes = 4;
+constexpr std::int64_t kBandRows = 64;
+
+/// Passes on the wish to stop, and no progress: a build counts its planes itself.
+class CancelledWith final : public Progress {
+ public:
+  explicit CancelledWith(const Progress& other) : other_(other) {}
+  void begin(std::string_view, std::int64_t, std::string_view) override {}
+  void advance(std::int64_t) override {}
+  void end() override {}
+  bool is_cancelled() const override { return other_.is_cancelled(); }
+
+ private:
+  const Progress& other_;
+};
+
+/// What a build leaves of the memory limit, and half of it at the fewest.
+std::uint64_t left_of_limit(const VolumeDescription& description, const TaskContext& context) {
+  const std::uint64_t limit = context.max_memory_bytes;
+  if (limit == 0) return 0;
+  const std::uint64_t build = build_memory_bytes(description, context.thread_count());
+  return std::max(limit / 2, limit - std::min(limit, build));
+}
+
+template <class T>
+void copy_labels(const std::vector<std::uint32_t>& found, std::span<const std::uint32_t> numbers,
+                 const Box& rows, const Size3& size, T* slab) {
+  const auto columns = static_cast<std::size_t>(size.x);
+  const auto band = static_cast<std::size_t>(rows.size().y) * columns;
+  const auto plane = static_cast<std::size_t>(size.y) * columns;
+  for (std::size_t z = 0; z < static_cast<std::size_t>(rows.size().z); ++z) {
+    const std::uint32_t* const from = found.data() + z * band;
+    T* const to = slab + z * plane + static_cast<std::size_t>(rows.lo.y) * columns;
+    for (std::size_t i = 0; i < band; ++i) {
+      to[i] = from[i] == 0 ? T{0} : static_cast<T>(numbers[from[i] - 1]);
+    }
+  }
+}
+
+}  // namespace
+
+MaskOfPart::MaskOfPart(const FileReader& reader, const WorkPart& part, Connectivity connectivity,
+                       std::uint64_t max_bytes, const TaskContext& context) {
+  CancelledWith progress(context.watcher());
+  context.on_threads([&] {
+    mask_ = mask_of_file(reader, 0, any_label(), progress, max_bytes, part);
+    components_.emplace(mask_, connectivity, max_bytes);
+  });
+}
+
+std::uint64_t MaskOfPart::memory_bytes() const {
+  return mask_.memory_bytes() + components_->memory_bytes();
+}
+
+ComponentPlanes::ComponentPlanes(std::shared_ptr<const FileReader> reader,
+                                 VolumeDescription description, ComponentNumbers numbers,
+                                 std::string path, const TaskContext& context)
+    : reader_(std::move(reader)),
+      description_(std::move(description)),
+      numbers_(std::move(numbers)),
+      path_(std::move(path)),
+      context_(context),
+      max_bytes_(left_of_limit(description_, context)),
+      files_(files_of_volume({reader_->source().name(), path_})),
+      cursor_(description_.size.z) {}
+
+std::uint64_t ComponentPlanes::resident_bytes() const {
+  std::uint64_t bytes = slab_.capacity() + (open_ ? open_->memory_bytes() : 0);
+  for (const auto& labels : numbers_.labels) bytes += labels.capacity() * sizeof(std::uint32_t);
+  return bytes;
+}
+
+void ComponentPlanes::read_plane(std::span<std::byte> plane) {
+  const Size3& size = description_.size;
+  const auto bytes = static_cast<std::size_t>(size.x * size.y * bytes_per_voxel(description_.type));
+  if (plane.size() != bytes || cursor_.is_done()) {
+    throw Error(ErrorKind::internal, "a plane of the wrong size or beyond the last was asked for",
+                reader_->source().name());
+  }
+  const std::int64_t z = cursor_.next();
+  if (z < part_begin_ || z >= part_end_) open_part_of(z);
+  if (z < slab_begin_ || z >= slab_end_) fill_slab_of(z);
+  std::memcpy(plane.data(), slab_.data() + static_cast<std::size_t>(z - slab_begin_) * bytes,
+              bytes);
+  cursor_.take();
+}
+
+void ComponentPlanes::open_part_of(std::int64_t z) {
+  open_.reset();
+  slab_end_ = slab_begin_;
+  const auto count = static_cast<std::int64_t>(numbers_.labels.size());
+  for (part_ = 0; part_ < count; ++part_) {
+    const PlanesOfPart planes = planes_of_part(description_.size.z, {part_, count});
+    part_begin_ = planes.first;
+    part_end_ = planes.end;
+    if (z >= part_begin_ && z < part_end_) break;
+  }
+  open_ = std::make_unique<MaskOfPart>(*reader_, WorkPart{part_, count},
+                                       numbers_.options.connectivity, max_bytes_, context_);
+  const std::size_t found = open_->components().components().size();
+  const std::size_t numbered = numbers_.labels[static_cast<std::size_t>(part_)].size();
+  if (found == numbered) return;
+  throw Error(ErrorKind::corrupt,
+              "numbers " + std::to_string(numbered) + " components of part " +
+                  std::to_string(part_) + " of the mask, which has " + std::to_string(found) +
+                  "; join the parts anew",
+              path_);
+}
+
+void ComponentPlanes::fill_slab_of(std::int64_t z) {
+  const Size3& size = description_.size;
+  slab_begin_ = z - z % kSlabPlanes;
+  slab_end_ = std::min(slab_begin_ + kSlabPlanes, size.z);
+  slab_.resize(static_cast<std::size_t>(size.x * size.y * kSlabPlanes *
+                                        bytes_per_voxel(description_.type)));
+  tbb::enumerable_thread_specific<std::vector<std::uint32_t>> labels_of_threads;
+  context_.on_threads([&] {
+    tbb::parallel_for(std::int64_t{0}, (size.y + kBandRows - 1) / kBandRows, [&](std::int64_t i) {
+      const Box rows{{0, i * kBandRows, slab_begin_},
+                     {size.x, std::min((i + 1) * kBandRows, size.y), slab_end_}};
+      std::vector<std::uint32_t>& labels = labels_of_threads.local();
+      labels.resize(static_cast<std::size_t>(rows.size().voxel_count()));
+      open_->components().fill_labels(rows, labels.data());
+      fill_rows(rows, labels);
+    });
+  });
+}
+
+void ComponentPlanes::fill_rows(const Box& rows, const std::vector<std::uint32_t>& labels) {
+  const std::vector<std::uint32_t>& numbers = numbers_.labels[static_cast<std::size_t>(part_)];
+  const Size3& size = description_.size;
+  std::byte* const slab = slab_.data();
+  switch (description_.type) {
+    case VoxelType::uint8:
+      copy_labels(labels, numbers, rows, size, reinterpret_cast<std::uint8_t*>(slab));
+      break;
+    case VoxelType::uint16:
+      copy_labels(labels, numbers, rows, size, reinterpret_cast<std::uint16_t*>(slab));
+      break;
+    default: copy_labels(labels, numbers, rows, size, reinterpret_cast<std::uint32_t*>(slab));
+  }
+}
+
+ComputedVolume labeled_planes(const LabelComponentsOptions& options, const TaskContext& context) {
+  auto mask = open_labels(options.input, context, kAsMask);
+  ComponentNumbers numbers = read_component_numbers(options.numbers, *mask, context);
+  VolumeDescription description =
+      description_of_components(numbers.kept, mask->description(), numbers.options);
+  return {std::make_unique<ComponentPlanes>(std::move(mask), std::move(description),
+                                            std::move(numbers), options.numbers, context),
+          {.kind = VolumeKind::labels, .is_resumable = false}};
+}
+
+LabeledComponents label_components(const LabelComponentsOptions& options,
+                                   const TaskContext& context) {
+  const ComputedVolume labeled = labeled_planes(options, context);
+  require_computed(options.output, {options.input, options.numbers});
+  const auto& planes = static_cast<const ComponentPlanes&>(*labeled.planes);
+  LabeledComponents result{planes.numbers().found, planes.numbers().kept};
+  result.file_bytes = write_labels(*labeled.planes, options.output, "components", context)
+                          .file_bytes;
+  return result;
+}
+
+}  // namespace octavo

@@ -1,0 +1,74 @@
+// The label map of components as planes, of a mask that is read part by part.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "octavo/file/reader.h"
+#include "octavo/ops/mask/components.h"
+#include "octavo/planes/plane_cursor.h"
+#include "octavo/planes/plane_source.h"
+#include "octavo/tasks/components/component_numbers.h"
+#include "octavo/tasks/task_context.h"
+
+namespace octavo {
+
+/// The mask of the planes of one part, and its components.
+class MaskOfPart {
+ public:
+  /// max_bytes  0: no limit
+  /// Throws as mask_of_file and Components; Error{cancelled}
+  MaskOfPart(const FileReader& reader, const WorkPart& part, Connectivity connectivity,
+             std::uint64_t max_bytes, const TaskContext& context);
+
+  const Components& components() const { return *components_; }
+  std::uint64_t memory_bytes() const;
+
+ private:
+  MaskTree mask_;
+  std::optional<Components> components_;
+};
+
+class ComponentPlanes final : public PlaneSource {
+ public:
+  /// description  of the label map
+  /// numbers      read for the mask of `reader`, from the file at `path`
+  ComponentPlanes(std::shared_ptr<const FileReader> reader, VolumeDescription description,
+                  ComponentNumbers numbers, std::string path, const TaskContext& context);
+
+  const VolumeDescription& description() const override { return description_; }
+  const std::vector<Warning>& warnings() const override { return warnings_; }
+  const ComponentNumbers& numbers() const { return numbers_; }
+  /// What is held now, the mask of the part that was read last included.
+  std::uint64_t resident_bytes() const override;
+  const PlaneFiles& files() const override { return files_; }
+  /// Throws  as MaskOfPart; Error{corrupt} where the part has other components than are numbered
+  void read_plane(std::span<std::byte> plane) override;
+  void seek(std::int64_t first, std::int64_t end) override { cursor_.seek(first, end); }
+
+ private:
+  void open_part_of(std::int64_t z);
+  void fill_slab_of(std::int64_t z);
+  void fill_rows(const Box& rows, const std::vector<std::uint32_t>& labels);
+
+  std::shared_ptr<const FileReader> reader_;
+  VolumeDescription description_;
+  ComponentNumbers numbers_;
+  std::string path_;
+  TaskContext context_;
+  std::uint64_t max_bytes_ = 0;  // of the mask of a part; 0: no limit
+  std::vector<Warning> warnings_;
+  PlaneFiles files_;
+  PlaneCursor cursor_;
+  std::int64_t part_ = -1;  // that is open, and its planes
+  std::int64_t part_begin_ = 0;
+  std::int64_t part_end_ = 0;
+  std::unique_ptr<const MaskOfPart> open_;
+  std::vector<std::byte> slab_;  // a few planes, as the file has them
+  std::int64_t slab_begin_ = 0;
+  std::int64_t slab_end_ = 0;
+};
+
+}  // namespace octavo

@@ -1,0 +1,275 @@
+#include "octavo/tasks/components/components_in_parts.h"
+
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <random>
+
+#include "octavo/tasks/components/component_lines.h"
+#include "octavo/tasks/files/part_result.h"
+#include "support/task_files.h"
+
+namespace octavo {
+namespace {
+
+using testing::DenseMask;
+
+class ComponentsInParts : public testing::TaskFiles {
+ protected:
+  /// Single voxels, so that components of many shapes cross the borders of parts.
+  DenseMask noise(const Size3& size, unsigned percent) {
+    DenseMask mask{size, std::vector<std::uint8_t>(static_cast<std::size_t>(size.voxel_count()))};
+    for (auto& voxel : mask.voxels) voxel = static_cast<std::uint8_t>(random_() % 100 < percent);
+    return mask;
+  }
+
+  std::vector<std::string> found_by(std::int64_t count) {
+    std::vector<std::string> paths;
+    for (std::int64_t number = 0; number < count; ++number) {
+      paths.push_back(folder_.file("found-" + std::to_string(number)));
+      components_of_part(
+          {options_.input, options_.connectivity, {number, count}, {paths.back(), true}},
+          context_);
+    }
+    return paths;
+  }
+
+  ComponentsResult joined(std::int64_t count) {
+    JoinComponentsOptions join{options_, found_by(count)};
+    join.components.output = {folder_.file("numbers"), true};
+    return join_components(join, context_);
+  }
+
+  std::string bytes_of(const std::string& path) const {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+
+  /// Table and label map of so many parts are those of one run.
+  void expect_same(std::int64_t count) {
+    SCOPED_TRACE(::testing::Message()
+                 << count << " parts, " << static_cast<int>(options_.connectivity));
+    options_.output = {folder_.file("whole.8vo"), true};
+    const ComponentsResult whole = components(options_, context_);
+    options_.output.reset();
+    const ComponentsResult parts = joined(count);
+    EXPECT_EQ(parts.found, whole.found);
+    EXPECT_EQ(parts.kept, whole.kept);
+    ASSERT_EQ(parts.rows.size(), whole.rows.size());
+    for (std::size_t i = 0; i < whole.rows.size(); ++i) {
+      EXPECT_EQ(parts.rows[i].voxels, whole.rows[i].voxels);
+      EXPECT_EQ(parts.rows[i].centroid, whole.rows[i].centroid);
+      EXPECT_EQ(parts.rows[i].centroid_mm, whole.rows[i].centroid_mm);
+      EXPECT_EQ(parts.rows[i].box, whole.rows[i].box);
+    }
+    const LabeledComponents labeled = label_components(
+        {options_.input, folder_.file("numbers"), {folder_.file("labels.8vo"), true}}, context_);
+    EXPECT_EQ(labeled.found, whole.found);
+    EXPECT_EQ(labeled.kept, whole.kept);
+    EXPECT_EQ(labeled.file_bytes, whole.file_bytes);
+    EXPECT_EQ(bytes_of(folder_.file("labels.8vo")), bytes_of(folder_.file("whole.8vo")));
+  }
+
+  std::mt19937 random_{23};
+  ComponentsOptions options_;
+};
+
+TEST_F(ComponentsInParts, GiveTheTableAndTheLabelMapOfOneRun) {
+  for (const unsigned percent : {9u, 31u}) {
+    options_.input = write("noise.8vo", noise({41, 23, 300}, percent));
+    for (const Connectivity connectivity : testing::kConnectivities) {
+      options_.connectivity = connectivity;
+      for (std::int64_t count = 1; count <= 7; ++count) expect_same(count);
+    }
+  }
+}
+
+TEST_F(ComponentsInParts, KeepWhatOneRunKeeps) {
+  options_.input = write("noise.8vo", noise({30, 30, 200}, 12));
+  options_.keep_largest = 40;
+  expect_same(3);
+  options_.keep_largest = 0;
+  options_.min_mm3 = 1;
+  expect_same(3);
+  options_.min_mm3 = 1e9;
+  expect_same(2);
+}
+
+/// Full cubes, empty planes, more parts than layers of bricks.
+TEST_F(ComponentsInParts, AreThoseOfBoxesAndOfNothing) {
+  for (int turn = 0; turn < 5; ++turn) {
+    options_.input = write("boxes.8vo", testing::random_mask({90, 70, 200}, random_));
+    for (const std::int64_t count : {2, 4, 7}) expect_same(count);
+  }
+  options_.input = write("empty.8vo", noise({20, 20, 130}, 0));
+  expect_same(2);
+}
+
+TEST_F(ComponentsInParts, OfAnotherMaskOrConnectivityAreRejected) {
+  options_.input = write("noise.8vo", noise({20, 20, 130}, 20));
+  const std::vector<std::string> found = found_by(2);
+  const auto expect_rejected = [&](const ComponentsOptions& asked, const std::string& word) {
+    const Failure failure = failure_of([&] { join_components({asked, found}, context_); });
+    EXPECT_EQ(failure.kind, ErrorKind::invalid_argument);
+    EXPECT_NE(failure.detail.find(word), std::string::npos) << failure.detail;
+  };
+  ComponentsOptions other = options_;
+  other.connectivity = Connectivity::corners;
+  expect_rejected(other, "of another mask or connectivity");
+  other = options_;
+  other.input = write("other.8vo", noise({20, 20, 130}, 21));
+  expect_rejected(other, "of another mask or connectivity");
+  joined(2);
+  const Failure failure = failure_of([&] {
+    label_components({other.input, folder_.file("numbers"), {folder_.file("l.8vo")}}, context_);
+  });
+  EXPECT_EQ(failure.kind, ErrorKind::invalid_argument);
+  EXPECT_NE(failure.detail.find("another mask"), std::string::npos) << failure.detail;
+}
+
+TEST_F(ComponentsInParts, ThatAreMissingOrThereTwiceAreRejected) {
+  options_.input = write("noise.8vo", noise({20, 20, 130}, 20));
+  const std::vector<std::string> found = found_by(2);
+  for (const auto& paths : {std::vector{found[0]}, std::vector{found[1], found[1]}}) {
+    EXPECT_EQ(failure_of([&] { join_components({options_, paths}, context_); }).kind,
+              ErrorKind::invalid_argument);
+  }
+}
+
+TEST_F(ComponentsInParts, FilesThatWereChangedAreRejected) {
+  options_.input = write("noise.8vo", noise({20, 20, 130}, 20));
+  joined(2);
+  const std::string part = folder_.file("found-0");
+  const std::string numbers = folder_.file("numbers");
+  const auto expect_corrupt = [&](const std::string& path, auto task) {
+    const std::string whole = bytes_of(path);
+    for (std::size_t at = 0; at < whole.size(); at += whole.size() / 37) {
+      std::string text = whole;
+      text[at] = static_cast<char>(text[at] ^ 1);
+      for (const std::string& changed : {text, whole.substr(0, at)}) {
+        std::ofstream(path, std::ios::binary) << changed;
+        EXPECT_EQ(failure_of(task).kind, ErrorKind::corrupt) << at;
+      }
+    }
+  };
+  expect_corrupt(numbers, [&] {
+    label_components({options_.input, numbers, {folder_.file("l.8vo"), true}}, context_);
+  });
+  expect_corrupt(part, [&] {
+    join_components({options_, {part, folder_.file("found-1")}}, context_);
+  });
+}
+
+TEST_F(ComponentsInParts, StayWithinTheMemoryLimit) {
+  options_.input = write("noise.8vo", noise({60, 60, 260}, 30));
+  const std::vector<std::string> found = found_by(2);
+  joined(2);
+  context_.max_memory_bytes = std::uint64_t{1} << 20;
+  EXPECT_EQ(failure_of([&] { join_components({options_, found}, context_); }).kind,
+            ErrorKind::limit_exceeded);
+  EXPECT_EQ(failure_of([&] {
+              components_of_part({options_.input, {}, {0, 1}, {folder_.file("x")}}, context_);
+            }).kind,
+            ErrorKind::limit_exceeded);
+}
+
+TEST_F(ComponentsInParts, AJoinWritesNumbersAndNoVolume) {
+  options_.input = write("noise.8vo", noise({20, 20, 130}, 20));
+  JoinComponentsOptions join{options_, found_by(1)};
+  join.components.output = {folder_.file("numbers.8vo")};
+  const Failure failure = failure_of([&] { join_components(join, context_); });
+  EXPECT_EQ(failure.kind, ErrorKind::invalid_argument);
+  EXPECT_NE(failure.detail.find("name of a volume"), std::string::npos) << failure.detail;
+}
+
+// --- Lines with a right checksum and wrong numbers
+
+constexpr Size3 kLineSize = {9, 5, 130};
+
+PartOfComponents two_components() {
+  PartOfComponents found;
+  found.part = {0, 2};
+  found.plane_count = 64;
+  found.components = {{7, {{1, 2, 3}, {4, 3, 64}}, {}}, {1, {{8, 4, 0}, {9, 5, 1}}, {}}};
+  found.sums.resize(2);
+  found.sums[0].first_code = 900;
+  found.sums[0].doubled = {static_cast<__int128>(5) << 40, 28, 600};
+  found.sums[1].first_code = 12;
+  found.sums[1].doubled = {16, 8, 0};
+  found.first_plane = {{4, 8, 9, 2}};
+  found.last_plane = {{2, 1, 2, 1}, {2, 3, 4, 1}};
+  return found;
+}
+
+bool are_taken(const std::vector<JsonObject>& lines) {
+  try {
+    components_of_lines(lines, {0, 2}, kLineSize);
+    return true;
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::corrupt) << error.what();
+    return false;
+  }
+}
+
+TEST(ComponentLines, ComponentsAreThoseThatWereWritten) {
+  const PartOfComponents found = two_components();
+  const PartOfComponents again =
+      components_of_lines(lines_of_components(found), {0, 2}, kLineSize);
+  EXPECT_EQ(again.plane_count, found.plane_count);
+  ASSERT_EQ(again.components.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(again.components[i].voxel_count, found.components[i].voxel_count);
+    EXPECT_EQ(again.components[i].box, found.components[i].box);
+    EXPECT_EQ(again.sums[i].first_code, found.sums[i].first_code);
+    EXPECT_EQ(again.sums[i].doubled, found.sums[i].doubled);
+  }
+  EXPECT_EQ(again.first_plane, found.first_plane);
+  EXPECT_EQ(again.last_plane, found.last_plane);
+}
+
+TEST(ComponentLines, NumbersThatNoMaskHasAreRejected) {
+  constexpr std::int64_t kHighest = std::numeric_limits<std::int64_t>::max();
+  const std::vector<JsonObject> good = lines_of_components(two_components());
+  ASSERT_EQ(good.size(), 4u);
+  ASSERT_TRUE(are_taken(good));
+  const auto expect_rejected = [&](std::size_t line, const char* name, std::size_t size,
+                                   std::size_t at, std::initializer_list<std::int64_t> values) {
+    for (const std::int64_t value : values) {
+      std::vector<JsonObject> lines = good;
+      std::vector<std::int64_t> numbers = integers_in(good[line], name, size);
+      numbers[at] = value;
+      lines[line].set(name, numbers);
+      EXPECT_FALSE(are_taken(lines)) << line << " " << name << " " << at << " " << value;
+    }
+  };
+  expect_rejected(0, "planes", 1, 0, {0, 65, -1});
+  expect_rejected(0, "counts", 3, 0, {1, 3, -1, kHighest});
+  expect_rejected(0, "counts", 3, 2, {1, 3, -1});
+  expect_rejected(1, "numbers", 1, 0, {14, 27, -1, kHighest});
+  expect_rejected(1, "all", 28, 0, {0, -7, 184, kHighest});
+  expect_rejected(1, "all", 28, 1, {-1, 4, kHighest});
+  expect_rejected(1, "all", 28, 6, {65, 3, kHighest});
+  expect_rejected(1, "all", 28, 7, {-1});
+  expect_rejected(1, "all", 28, 8, {-1, std::int64_t{1} << 40});
+  expect_rejected(1, "all", 28, 9, {-1, std::int64_t{1} << 32});
+  expect_rejected(2, "all", 4, 0, {-1, 5, kHighest});
+  expect_rejected(2, "all", 4, 1, {-1, 9});
+  expect_rejected(2, "all", 4, 2, {8, 10, kHighest});
+  expect_rejected(2, "all", 4, 3, {0, 3, -1, kHighest});
+  expect_rejected(3, "all", 8, 4, {1});
+  expect_rejected(3, "all", 8, 5, {1});
+}
+
+TEST(ComponentLines, LabelsAreThoseThatWereWritten) {
+  LabelsOfParts labels = {{3, 0, 1}, {}, std::vector<std::uint32_t>(70000, 2)};
+  const std::vector<JsonObject> lines = lines_of_labels(labels);
+  EXPECT_EQ(labels_of_lines(lines, 3, 3), labels);
+  for (const auto& [parts, most] : {std::pair(2, 3u), std::pair(4, 3u), std::pair(3, 2u)}) {
+    EXPECT_THROW(labels_of_lines(lines, parts, most), Error);
+  }
+  EXPECT_THROW(labels_of_lines(std::span(lines).subspan(1), 3, 3), Error);
+  EXPECT_THROW(labels_of_lines(std::span(lines).first(lines.size() - 1), 3, 3), Error);
+}
+
+}  // namespace
+}  // namespace octavo
