@@ -77,8 +77,7 @@ inline SmallVolume small_volume(const std::string& name, VoxelType type, Size3 s
 
 /// Whether groups of it can be encoded in bands.
 inline bool has_bands(const SmallVolume& volume) {
-  return is_integer(volume.description.type) && volume.options.max_error == 0 &&
-         volume.options.keep_details == 0;
+  return volume.options.max_error == 0 && volume.options.keep_details == 0;
 }
 
 inline std::vector<std::uint8_t> built(const SmallVolume& volume) {

@@ -22,8 +22,9 @@ namespace octavo {
 
 class BandReader {
  public:
-  /// Reads planes first .. end, a group, and learns of them what `group` says. `source`, of
-  /// integers and sought here, `levels` and `progress` must outlive it.
+  /// Reads planes first .. end, a group, and learns of them what `group` says. `source`,
+  /// which is sought here and whose planes bricks hold as they are, `levels` and `progress` must
+  /// outlive it.
   /// band_bytes  of voxels that a band may hold; one brick at least
   /// Throws what the source throws; Error{cancelled}
   /// Memory  a plane, two bands, and 192 bytes per brick

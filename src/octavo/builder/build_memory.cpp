@@ -36,8 +36,10 @@ std::uint64_t band_memory_bytes(const VolumeDescription& description, int thread
   constexpr std::uint64_t kBytesPerBrick = 192;
   const Size3 grid = levels_of(description).brick_grid(0);
   const auto bricks = static_cast<std::uint64_t>(grid.voxel_count()) * kBytesPerBrick;
-  const std::uint64_t bands =
-      checked_add(plane_bytes(description) + bricks, 2 * band_bytes, "the memory of bands");
+  // A plane as it is read, of float32 once more as it is given.
+  const std::uint64_t planes = is_integer(description.type) ? 1 : 2;
+  const std::uint64_t bands = checked_add(planes * plane_bytes(description) + bricks,
+                                          2 * band_bytes, "the memory of bands");
   return checked_add(bands, base_bytes(threads), "the memory of bands");
 }
 
@@ -48,14 +50,13 @@ std::uint64_t band_bytes_of(const PlaneSource& source, const BuildOptions& optio
       checked_add(build_memory_bytes(volume, threads, options.max_error), held, "the memory");
   const bool fits = options.max_memory_bytes == 0 || whole <= options.max_memory_bytes;
   if (options.band_bytes == 0 && fits) return 0;
-  const bool is_exact = is_integer(volume.type) && options.max_error == 0 &&
-                        options.keep_details == 0;
+  const bool is_exact = options.max_error == 0 && options.keep_details == 0;
   if (!is_exact || !source.can_seek()) {
     if (options.band_bytes > 0) throw Error(ErrorKind::invalid_argument, "bands cannot be read");
     check_build_memory(whole, options.max_memory_bytes,
                        is_exact ? "; bands of bricks need less, but this source can only be read "
                                   "from its start on"
-                                : "; bands of bricks need less, but are for integers without loss");
+                                : "; bands of bricks need less, but are for voxels without loss");
   }
   if (options.band_bytes > 0) return options.band_bytes;
   constexpr std::uint64_t kFewestBytes = 16 * kMiB;

@@ -152,7 +152,7 @@ BuildOutline outline_build(const VolumeDescription& source, const BuildOptions& 
 }
 
 void choose_bounds(BuildOutline& outline, PlaneSource& source, const BuildOptions& options,
-                   Progress& progress, const FloatChoice* known) {
+                   Progress& progress, const FloatChoice* known, bool keeps_planes) {
   if (is_integer(outline.description.type)) {
     take_bounds(outline, options, {});
     return;
@@ -160,7 +160,8 @@ void choose_bounds(BuildOutline& outline, PlaneSource& source, const BuildOption
   const double max_error =
       options.max_error == 0 ? 0 : options.max_error / std::abs(outline.description.rescale.slope);
   const FloatSettings settings{max_error, options.repair,
-                               group_planes(outline.levels, outline.description.type)};
+                               group_planes(outline.levels, outline.description.type),
+                               keeps_planes};
   outline.floats = known != nullptr
                        ? std::make_unique<FloatPlanes>(source, settings, *known, progress)
                        : std::make_unique<FloatPlanes>(source, settings, progress);

@@ -40,9 +40,11 @@ BuildOutline outline_build(const VolumeDescription& source, const BuildOptions& 
 /// Fills in bound, settings, max error and, for float32, what planes of it decide.
 /// source  read from its start, and outlives the outline
 /// known   what other readers of the source have found; otherwise float planes are read for it
+/// keeps_planes  as FloatSettings
 /// Throws  as FloatPlanes
 void choose_bounds(BuildOutline& outline, PlaneSource& source, const BuildOptions& options,
-                   Progress& progress, const FloatChoice* known = nullptr);
+                   Progress& progress, const FloatChoice* known = nullptr,
+                   bool keeps_planes = true);
 
 /// The same for who reads no planes: without floats.
 /// floats  for a float32 volume what its planes decided

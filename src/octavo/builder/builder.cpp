@@ -76,7 +76,7 @@ class Build {
       bands = std::make_unique<BandReader>(source, levels_, first, end, band_bytes, progress_);
       if (!encoder) create_writer(encoder, bands->group(), storage, path, options);
       const auto train = [&] {
-        model_ = trainer_.train(bands->training_bricks(), description_.type);
+        model_ = trainer_.train(bands->training_bricks(), bands->group().type);
       };
       const bool is_kept = is_restored(*encoder, bands->group(), number, train);
       if (!is_kept) encode_bands(*bands, model_, *encoder);
@@ -209,7 +209,7 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
   const ProgressScope scope(progress, options.progress_name, 2 * description.size.z,
                             "plane passes");
   // The maximum error in codes; floats become integers
-  choose_bounds(outline, source, options, progress);
+  choose_bounds(outline, source, options, progress, nullptr, band_bytes == 0);
   result.max_error = outline.writing.max_error;
   result.coding = description.coding;
 
@@ -225,7 +225,7 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
     std::vector<std::byte> parents;
     {
       if (band_bytes > 0) {
-        parents = work.encode_in_bands(source, band_bytes, storage, path, writing);
+        parents = work.encode_in_bands(outline.planes(source), band_bytes, storage, path, writing);
         result.read_seconds = work.band_seconds();
       } else {
         GroupReader reader(outline.planes(source), outline.levels, progress,

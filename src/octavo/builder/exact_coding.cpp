@@ -63,17 +63,14 @@ FloatExtent value_extent(std::span<const float> values) {
   return extent;
 }
 
-using SampledPlanes = std::deque<std::vector<float>>;
-
 // The floats that many voxels of some planes are, as the fill values of a background.
-std::vector<float> frequent_values(const SampledPlanes& planes) {
+std::vector<float> frequent_values(const FloatStack& planes) {
   constexpr std::size_t kMany = 16;  // one of so many voxels
   constexpr std::size_t kSamples = 1 << 16;
-  std::size_t count = 0;
-  for (const std::vector<float>& plane : planes) count += plane.size();
-  const std::size_t stride = count / kSamples + 1;
+  const std::size_t stride = planes.float_count() / kSamples + 1;
   std::vector<float> samples;
-  for (const std::vector<float>& plane : planes) {
+  for (std::size_t number = 0; number < planes.count(); ++number) {
+    const std::span<const float> plane = planes.plane(number);
     for (std::size_t i = 0; i < plane.size(); i += stride) {
       if (std::isfinite(plane[i])) samples.push_back(plane[i]);
     }
@@ -99,6 +96,7 @@ class Differences {
     before_ = value;
   }
   const std::vector<double>& all() const { return differences_; }
+  bool is_full() const { return differences_.size() == kMost; }
 
  private:
   static constexpr std::size_t kMost = 1 << 20;
@@ -108,16 +106,17 @@ class Differences {
 
 // Differences that tell of noise: between neighbors of which neither is a frequent value; where
 // these are rare, between voxels with frequent ones between them, or between all.
-std::vector<double> differences_between(const SampledPlanes& planes, double bulk) {
+// frequent  values of these planes
+std::vector<double> differences_between(const FloatStack& planes,
+                                        const std::vector<float>& frequent, double bulk) {
   constexpr std::size_t kEnough = 16;
-  const std::vector<float> frequent = frequent_values(planes);
   Differences beside;
   Differences behind;
   Differences of_all;
-  for (const std::vector<float>& plane : planes) {
+  for (std::size_t number = 0; number < planes.count() && !beside.is_full(); ++number) {
     beside.start();
     of_all.start();
-    for (const float voxel : plane) {
+    for (const float voxel : planes.plane(number)) {
       const double value = voxel;
       if (!(std::abs(value) <= bulk)) {  // NaN as well
         beside.start();
@@ -178,13 +177,16 @@ std::vector<std::vector<float>> likely_multiples(const std::vector<float>& value
 
 // A power of two that divides the noise into some steps: what is finer than a step no prediction
 // would save, and bins between powers of two then hold as many floats.
-double noise_step(const FloatSample& sample, const FloatExtent& extent) {
+// frequent  values of the first planes
+double noise_step(const FloatSample& sample, const std::vector<float>& frequent,
+                  const FloatExtent& extent) {
   constexpr int kSmallest = -148;  // half of it is a float
   constexpr double kStepsOfBulk = 1 << 20;
   constexpr double kStepsOfNoise = 8;
   constexpr double kStepsOfReach = 1 << 30;
-  std::vector<double> differences = differences_between(sample.planes, extent.bulk);
-  const std::vector<double> further = differences_between(sample.rows, extent.bulk);
+  std::vector<double> differences = differences_between(sample.planes, frequent, extent.bulk);
+  const std::vector<double> further =
+      differences_between(sample.rows, frequent_values(sample.rows), extent.bulk);
   differences.insert(differences.end(), further.begin(), further.end());
   double noise = 0;
   if (!differences.empty()) {
@@ -207,12 +209,11 @@ bool is_useful(const SampleCoding& coding, std::span<const float> values, double
 }
 
 // The number that all values, or the likely ones among them, are multiples of.
-std::optional<SampleCoding> multiples_in(const FloatSample& sample,
+std::optional<SampleCoding> multiples_in(const std::vector<float>& frequent,
                                          const std::vector<float>& values, double step,
                                          std::span<const SampleCoding> hints) {
   const FloatExtent extent = value_extent(values);
-  for (const std::vector<float>& some :
-       likely_multiples(values, extent.bulk, frequent_values(sample.planes))) {
+  for (const std::vector<float>& some : likely_multiples(values, extent.bulk, frequent)) {
     const auto coding = find_coding(some, hints);
     if (coding && is_useful(*coding, some, step)) return coding;
   }
@@ -230,11 +231,12 @@ bool holds_most(const SampleCoding& coding, std::span<const float> values) {
 
 SampleCoding exact_coding_of(const FloatSample& sample, std::span<const SampleCoding> hints) {
   const FloatExtent extent = value_extent(sample.values);
-  const double step = noise_step(sample, extent);
+  const std::vector<float> frequent = frequent_values(sample.planes);
+  const double step = noise_step(sample, frequent, extent);
   // What holds for those at the start, and for nearly all others; else what holds for all
-  std::optional<SampleCoding> coding = multiples_in(sample, sample.first_values, step, hints);
+  std::optional<SampleCoding> coding = multiples_in(frequent, sample.first_values, step, hints);
   if (!coding || !holds_most(*coding, sample.values)) {
-    const auto of_all = multiples_in(sample, sample.values, step, hints);
+    const auto of_all = multiples_in(frequent, sample.values, step, hints);
     if (of_all) coding = of_all;
   }
   const bool has_codes =

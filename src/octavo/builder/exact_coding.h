@@ -8,22 +8,22 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "octavo/builder/float_stack.h"
 #include "octavo/core/sample_coding.h"
 
 namespace octavo {
 
 /// What is known of a float32 volume before its coding is chosen.
 struct FloatSample {
-  std::deque<std::vector<float>> planes;  ///< its first ones; of one float: all alike
-  std::deque<std::vector<float>> rows;    ///< of planes spread over the rest
-  std::vector<float> first_values;        ///< of the planes: different, finite, ascending
-  std::vector<float> values;              ///< the same of all planes that were looked at
+  FloatStack planes;                ///< its first ones
+  FloatStack rows;                  ///< of planes spread over the rest
+  std::vector<float> first_values;  ///< of the planes: different, finite, ascending
+  std::vector<float> values;        ///< the same of all planes that were looked at
 };
 
 /// hints  codings to try first, in their order

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "octavo/builder/float_grid.h"
 #include "octavo/builder/float_trial.h"
@@ -151,22 +152,35 @@ void FloatPlanes::keep_bits() {
 void FloatPlanes::read_ahead() {
   DistinctValues distinct;
   std::int64_t telling = 0;
-  std::deque<std::vector<float>>& ahead = sample_.planes;
+  FloatStack& ahead = sample_.planes;
+  ahead = FloatStack([this](std::size_t z, std::span<float> voxels) { read_again(z, voxels); });
   while (telling < settings_.first_planes && planes_read_ < description_.size.z) {
     next_voxels();
     distinct.add(plane_);
     const bool is_alike = is_constant(plane_);
     if (!is_alike) ++telling;
-    ahead.push_back(is_alike ? std::vector<float>(1, plane_.front()) : plane_);
+    if (is_alike) ahead.add({plane_.front()});
+    else if (settings_.keeps_planes) ahead.add(plane_);
+    else ahead.add_unkept(plane_.size());
   }
   sample_.first_values = distinct.sorted();
   sample_.values = sample_.first_values;
   look_further();
   if (is_exact()) choose_exact();
   else if (!take_exact()) choose_within(sample_.values);
-  sample_.rows.clear();
-  sample_.values.clear();
-  sample_.first_values.clear();
+  FloatSample used = std::exchange(sample_, {});
+  if (settings_.keeps_planes) sample_.planes = std::move(used.planes);
+  else seek(0, description_.size.z);
+}
+
+// A plane that was read before.
+void FloatPlanes::read_again(std::size_t z, std::span<float> voxels) {
+  if (progress_.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped while reading planes");
+  const auto plane = static_cast<std::int64_t>(z);
+  if (plane != next_again_) source_.seek(plane, planes_read_);
+  source_.read_plane(std::as_writable_bytes(voxels));
+  repair_voxels(voxels, settings_.repair);
+  next_again_ = plane + 1;
 }
 
 // False where the plane cannot be read: that is an error once its turn comes, so that what is whole
@@ -205,7 +219,7 @@ void FloatPlanes::look_further() {
     for (std::int64_t k = 0; k < row_count; ++k) {
       const std::int64_t y = description_.size.y * (2 * k + 1) / (2 * row_count);
       const auto row = plane_.begin() + y * width;
-      sample_.rows.emplace_back(row, row + width);
+      sample_.rows.add({row, row + width});
     }
   }
   source_.seek(planes_read_, description_.size.z);
@@ -217,9 +231,7 @@ void FloatPlanes::look_further() {
 // Takes the floats bit by bit where that needs fewer bytes than the max error.
 bool FloatPlanes::take_exact() {
   const std::vector<float>& values = sample_.values;
-  std::size_t voxels = 0;
-  for (const std::vector<float>& plane : sample_.planes) voxels += plane.size();
-  if (values.size() > kFewValues || voxels < kEnoughVoxels) return false;
+  if (values.size() > kFewValues || sample_.planes.float_count() < kEnoughVoxels) return false;
   choose_within(values);
   const SampleCoding within = coding_;
   const double limit = kLargestCode - static_cast<double>(codec_error_);
@@ -227,7 +239,7 @@ bool FloatPlanes::take_exact() {
     return std::abs((static_cast<double>(v) - within.offset) / within.scale) < limit;
   });
   choose_exact();
-  const FloatStack stack{sample_.planes, description_.size.x, description_.size.y};
+  const TrialStack stack{sample_.planes, description_.size.x, description_.size.y};
   if (!have_codes || !is_smaller_exact(stack, coding_, within, codec_error_)) return false;
   keep_bits();
   return true;
@@ -237,7 +249,7 @@ void FloatPlanes::choose_exact() {
   coding_ = exact_coding_of(sample_, hints_of(source_.description()));
   if (!is_spread_) return;
   const auto few = coding_of_few(sample_, coding_);
-  const FloatStack stack{sample_.planes, description_.size.x, description_.size.y};
+  const TrialStack stack{sample_.planes, description_.size.x, description_.size.y};
   // Two values are as a mask, however few of them some boxes hold.
   if (few && (sample_.values.size() == 2 || is_smaller_coding(stack, *few, coding_))) {
     coding_ = *few;
@@ -344,18 +356,17 @@ void FloatPlanes::read_plane(std::span<std::byte> codes) {
       cursor_.is_done()) {
     throw Error(ErrorKind::invalid_argument, "a plane of another size, or behind the last one");
   }
-  std::deque<std::vector<float>>& ahead = sample_.planes;
-  if (ahead.empty()) {
+  if (sample_.planes.is_empty()) {
     next_voxels();
-  } else if (ahead.front().size() == 1) {
-    std::fill(plane_.begin(), plane_.end(), ahead.front().front());
   } else {
-    plane_ = std::move(ahead.front());
+    std::vector<float> ahead = sample_.planes.take_first();
+    if (ahead.size() == 1) std::fill(plane_.begin(), plane_.end(), ahead.front());
+    else plane_ = std::move(ahead);
   }
-  if (!ahead.empty()) ahead.pop_front();
   const std::int64_t z = cursor_.take();
   if (is_exact()) {
-    count_clipped(coding_, plane_, clipped_);
+    if (z >= counted_end_) count_clipped(coding_, plane_, clipped_);
+    counted_end_ = std::max(counted_end_, z + 1);
     std::memcpy(codes.data(), plane_.data(), codes.size());
     return;
   }
@@ -376,7 +387,7 @@ void FloatPlanes::seek(std::int64_t first, std::int64_t end) {
   cursor_.seek(first, end);
   source_.seek(first, end);
   first_sought_ = first;
-  sample_.planes.clear();
+  sample_.planes = {};
   planes_read_ = first;
 }
 
@@ -389,7 +400,7 @@ double FloatPlanes::largest_left() {
     }
   };
   look_at(plane_);
-  for (const std::vector<float>& plane : sample_.planes) look_at(plane);
+  for (std::size_t i = 0; i < sample_.planes.count(); ++i) look_at(sample_.planes.plane(i));
   const std::vector<float> rejected = plane_;
   for (; planes_read_ < cursor_.end(); ++planes_read_) {
     read_voxels();

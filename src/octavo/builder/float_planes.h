@@ -18,7 +18,6 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -46,6 +45,8 @@ struct FloatSettings {
   double max_error = 0;  ///< in voxel units; 0: bit by bit
   FloatRepair repair = {};
   std::int64_t first_planes = 1;  ///< planes that differ in themselves to find the coding in
+  /// Whether these are kept; otherwise the source, which can seek, is read again for them.
+  bool keeps_planes = true;
 };
 
 /// What the planes that were looked at decide for all of them.
@@ -65,7 +66,7 @@ class FloatPlanes final : public PlaneSource {
   /// others where it can seek, and finds the coding.
   /// Throws Error{source_rejected} when the voxels do not allow what the settings ask for, with the
   ///        place and a max error that would do; Error{cancelled}; what the source throws
-  /// Memory first_planes planes; planes of one value cost nothing
+  /// Memory first_planes planes, where they are kept; planes of one value cost nothing
   FloatPlanes(PlaneSource& source, const FloatSettings& settings, Progress& progress);
   /// Reads nothing yet: others have read planes of the same source.
   FloatPlanes(PlaneSource& source, const FloatSettings& settings, const FloatChoice& known,
@@ -90,7 +91,8 @@ class FloatPlanes final : public PlaneSource {
   /// rounding to float32 takes them beyond this one.
   double roomier_error() const { return roomier_error_; }
 
-  /// Of the planes that were read. None with a max error: what has no code is rejected.
+  /// Of the planes that were read; one that is read again, or before one that was, does not count.
+  /// None with a max error: what has no code is rejected.
   const ClippedVoxels& clipped() const { return clipped_; }
 
   /// The voxels or codes of the next plane. Throws as the constructor does.
@@ -107,6 +109,7 @@ class FloatPlanes final : public PlaneSource {
   bool is_exact() const { return settings_.max_error == 0; }
   void read_ahead();
   void look_further();
+  void read_again(std::size_t z, std::span<float> voxels);
   bool reads_voxels_of(std::int64_t z);
   void choose_exact();
   void keep_bits();
@@ -133,6 +136,8 @@ class FloatPlanes final : public PlaneSource {
   FloatSample sample_;                    // of its planes those that were not given yet
   bool is_spread_ = false;                // the sample is of the whole volume
   ClippedVoxels clipped_;
+  std::int64_t counted_end_ = 0;   // planes whose clipped voxels were counted come before it
+  std::int64_t next_again_ = -1;   // the plane that read_again finds the source at
   PlaneCursor cursor_;
   std::vector<float> plane_;
   std::int64_t planes_read_ = 0;   // from the source

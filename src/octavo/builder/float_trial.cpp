@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <vector>
 
 #include "octavo/codec/brick_codec.h"
 
@@ -15,26 +17,30 @@ constexpr std::int64_t kMostBoxes = 8;
 constexpr double kWorthwhile = 0.95;
 
 /// Boxes spread evenly along the diagonal of the stack, one after another, dense [z][y][x].
-std::vector<float> boxes_of(const FloatStack& stack, const Size3& side, std::int64_t count) {
-  const auto planes = static_cast<std::int64_t>(stack.planes.size());
+std::vector<float> boxes_of(const TrialStack& stack, const Size3& side, std::int64_t count) {
+  const auto planes = static_cast<std::int64_t>(stack.planes.count());
   const auto first = [&](std::int64_t i, std::int64_t size, std::int64_t length) {
     return (size - length) * (2 * i + 1) / (2 * count);
   };
-  std::vector<float> voxels;
-  voxels.reserve(static_cast<std::size_t>(side.voxel_count() * count));
-  for (std::int64_t i = 0; i < count; ++i) {
-    const std::int64_t z = first(i, planes, side.z);
+  std::vector<float> voxels(static_cast<std::size_t>(side.voxel_count() * count));
+  const auto fill = [&](std::span<const float> plane, std::int64_t i, std::int64_t k) {
     // Along another diagonal of the plane every other time
     const std::int64_t y = first(i % 2 == 0 ? i : count - 1 - i, stack.y, side.y);
     const std::int64_t x = first(i, stack.x, side.x);
-    for (std::int64_t k = 0; k < side.z; ++k) {
-      const std::vector<float>& plane = stack.planes[static_cast<std::size_t>(z + k)];
-      for (std::int64_t j = 0; j < side.y; ++j) {
-        for (std::int64_t h = 0; h < side.x; ++h) {
-          const std::int64_t at = (y + j) * stack.x + x + h;
-          voxels.push_back(plane.size() == 1 ? plane.front() : plane[static_cast<std::size_t>(at)]);
-        }
-      }
+    auto out = voxels.begin() + i * side.voxel_count() + k * side.x * side.y;
+    for (std::int64_t j = 0; j < side.y; ++j) {
+      const auto row = plane.begin() + (plane.size() == 1 ? 0 : (y + j) * stack.x + x);
+      out = plane.size() == 1 ? std::fill_n(out, side.x, *row) : std::copy_n(row, side.x, out);
+    }
+  };
+  // Each plane is looked at once.
+  for (std::int64_t z = 0; z < planes; ++z) {
+    std::span<const float> plane;
+    for (std::int64_t i = 0; i < count; ++i) {
+      const std::int64_t k = z - first(i, planes, side.z);
+      if (k < 0 || k >= side.z) continue;
+      if (plane.empty()) plane = stack.planes.plane(static_cast<std::size_t>(z));
+      fill(plane, i, k);
     }
   }
   return voxels;
@@ -70,8 +76,8 @@ struct TrialBoxes {
   std::vector<float> voxels;
 };
 
-TrialBoxes trial_boxes(const FloatStack& stack) {
-  const auto planes = static_cast<std::int64_t>(stack.planes.size());
+TrialBoxes trial_boxes(const TrialStack& stack) {
+  const auto planes = static_cast<std::int64_t>(stack.planes.count());
   TrialBoxes boxes;
   boxes.side = {std::min(stack.x, kTrialSide), std::min(stack.y, kTrialSide),
                 std::min(planes, kTrialSide)};
@@ -100,13 +106,13 @@ bool is_clearly_less(std::size_t bytes, std::size_t than) {
 
 }  // namespace
 
-bool is_smaller_coding(const FloatStack& stack, const SampleCoding& one,
+bool is_smaller_coding(const TrialStack& stack, const SampleCoding& one,
                        const SampleCoding& other) {
   const TrialBoxes boxes = trial_boxes(stack);
   return is_clearly_less(exact_bytes(boxes, one), exact_bytes(boxes, other));
 }
 
-bool is_smaller_exact(const FloatStack& stack, const SampleCoding& exact,
+bool is_smaller_exact(const TrialStack& stack, const SampleCoding& exact,
                       const SampleCoding& within, std::int64_t codec_error) {
   const TrialBoxes boxes = trial_boxes(stack);
   std::vector<std::int32_t> codes;

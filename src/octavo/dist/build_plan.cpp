@@ -117,7 +117,7 @@ BuildPlan plan_build(PlaneSource& source, const BuildOptions& options, Progress&
   BuildOutline outline = outline_build(source.description(), options);
   const std::int64_t first_planes = group_planes(outline.levels, source.description().type);
   const ProgressScope scope(progress, "plan", first_planes, "planes");
-  choose_bounds(outline, source, options, progress);
+  choose_bounds(outline, source, options, progress, nullptr, band_bytes == 0);
 
   plan.options = options;
   if (stack && stack->files.paths == files) plan.stack = stack;

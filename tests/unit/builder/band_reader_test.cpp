@@ -69,6 +69,7 @@ TEST(BandReader, BandsOfAnySizeGiveTheFileOfWholeGroups) {
   };
   for (const Case& one : {Case{VoxelType::uint16, VolumeKind::grey, Preset::small},
                           Case{VoxelType::int32, VolumeKind::grey, Preset::fast},
+                          Case{VoxelType::float32, VolumeKind::grey, Preset::small},
                           Case{VoxelType::uint8, VolumeKind::labels, Preset::small}}) {
     const auto source = source_of(one.type, one.kind);
     const std::vector<std::uint8_t> whole = built(*source, {.preset = one.preset});
@@ -167,7 +168,7 @@ TEST(BandReader, ALimitBelowWholeGroupsMakesBandsOrSaysWhyNot) {
             std::string::npos);
   BuildOptions lossy = enough;
   lossy.max_error = 2;
-  EXPECT_NE(failure_of(*source, lossy).find("are for integers without loss"), std::string::npos);
+  EXPECT_NE(failure_of(*source, lossy).find("are for voxels without loss"), std::string::npos);
 }
 
 TEST(BandReader, AnInterruptedBuildGoesOnInBandsOrWithoutThem) {
