@@ -8,10 +8,11 @@
 #include "common/label_option.h"
 #include "common/options.h"
 #include "common/task_run.h"
-#include "octavo/core/sha256.h"
 #include "octavo/tasks/surface.h"
+#include "octavo/tasks/surfaces/surface_report.h"
 #include "octavo/tasks/volume_facts.h"
 #include "text/quantities.h"
+#include "text/volume_json.h"
 #include "verbs.h"
 
 namespace octavo::cli {
@@ -35,13 +36,15 @@ constexpr VerbText kSurfaceText = {
     "triangles cross.\n\n"
     "Examples:\n"
     "  octavo surface head.8vo --isovalue 226 -o bone.stl\n"
-    "  octavo surface head.8vo --isovalue 226 --max-deviation 0.5voxel -o light.stl\n"
+    "  octavo surface head.8vo --isovalue 226 --max-deviation 0.5voxel -o light.stl \\\n"
+    "    --report light.json\n"
     "  octavo surface head.8vo --isovalue 226 --level 1 --seed 64,20,27 -o skull.ply\n"
     "  octavo surface organs.8vo --label liver -o liver.obj --space ras"};
 
 struct SurfaceArguments {
   std::string input;
   std::string output;
+  std::string report;
   std::optional<double> isovalue;
   std::vector<std::string> labels;
   std::string seed;
@@ -65,6 +68,7 @@ SurfaceOptions options_of(const SurfaceArguments& arguments, const Context& cont
   SurfaceOptions options;
   options.input = arguments.input;
   options.output = {arguments.output, context.force};
+  options.report_path = arguments.report;
   options.isovalue = arguments.isovalue;
   options.is_stored = arguments.stored;
   options.labels = parse_labels(arguments.labels);
@@ -108,46 +112,20 @@ std::string report_text(const SurfaceArguments& arguments, const SurfaceResult& 
   return text;
 }
 
-nlohmann::ordered_json if_spaced(const SurfaceResult& result, double value) {
-  return optional_json(is_spacing_known(result.volume) ? std::optional(value) : std::nullopt);
-}
-
-/// Null where they were not counted.
-nlohmann::ordered_json crossings_json(const SurfaceResult& result) {
-  if (result.crossing_triangles) return *result.crossing_triangles;
-  return nullptr;
-}
-
-nlohmann::ordered_json report_json(const SurfaceArguments& arguments, const SurfaceResult& result,
+nlohmann::ordered_json report_json(const SurfaceOptions& options, const SurfaceResult& result,
                                    const Context& context) {
-  return {{"output", arguments.output},
-          {"is_written", result.is_written},
-          {"file_bytes", result.file_bytes},
-          {"voxel_digest", hex_text(result.voxel_digest)},
-          {"isovalue", optional_json(arguments.isovalue)},
-          {"level", arguments.level},
-          {"space", arguments.space},
-          {"triangles", result.triangle_count},
-          {"full_triangles", result.full_triangle_count},
-          {"points", result.point_count},
-          {"components", result.check.components},
-          {"closed", result.check.is_closed()},
-          {"manifold", result.check.is_manifold()},
-          {"self_intersections", crossings_json(result)},
-          {"max_deviation_mm", if_spaced(result, result.max_deviation_mm)},
-          {"euler_number", result.check.euler_number},
-          {"open_sides", result.check.open_sides},
-          {"repeated_sides", result.check.repeated_sides},
-          {"pinched_points", result.check.pinched_points},
-          {"coincident_points", result.check.coincident_points},
-          {"area_mm2", if_spaced(result, result.measures.area_mm2)},
-          {"volume_mm3", if_spaced(result, result.measures.volume_mm3)},
-          {"warnings", context.warnings}};
+  nlohmann::ordered_json json = {{"output", options.output.path},
+                                 {"is_written", result.is_written},
+                                 {"file_bytes", result.file_bytes}};
+  json.update(json_of(surface_report(options, result)));
+  json["warnings"] = context.warnings;
+  return json;
 }
 
 int run_surface(const SurfaceArguments& arguments, Context& context) {
-  const SurfaceResult result = run_task(surface, options_of(arguments, context), context);
-  if (context.json) print_json(report_json(arguments, result, context));
+  const SurfaceOptions options = options_of(arguments, context);
+  const SurfaceResult result = run_task(surface, options, context);
+  if (context.json) print_json(report_json(options, result, context));
   else if (!context.quiet || !result.is_written) print(report_text(arguments, result));
   return result.is_written ? kExitDone : kExitDifferent;
 }
@@ -174,6 +152,9 @@ void add_surface(CLI::App& app, Context& context) {
                   "Fewer triangles, within this distance of all: mm, or 0.5voxel")
       ->type_name("DISTANCE")
       ->capture_default_str();
+  verb.add_option("--report", arguments->report,
+                  "A file for what is known of the surface, as JSON")
+      ->type_name("FILE");
   verb.add_option("--space", arguments->space, "Axes of the coordinates")
       ->type_name("SPACE")
       ->check(one_of({"lps", "ras"}))

@@ -74,6 +74,10 @@ nlohmann::ordered_json shown_metadata_json(const InfoResult& info) {
 
 }  // namespace
 
+nlohmann::ordered_json json_of(const JsonObject& object) {
+  return nlohmann::ordered_json::parse(object.text());
+}
+
 nlohmann::ordered_json metadata_json(const Metadata& metadata) {
   if (!metadata.is_readable()) return {{"unreadable", metadata.text()}};
   auto object = nlohmann::ordered_json::parse(metadata.text(), nullptr, false);

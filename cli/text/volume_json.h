@@ -5,10 +5,14 @@
 #include <optional>
 #include <string>
 
+#include "octavo/core/json_text.h"
 #include "octavo/tasks/files/info.h"
 #include "octavo/tasks/volume_facts.h"
 
 namespace octavo::cli {
+
+/// What a task says as JSON, for JSON output.
+nlohmann::ordered_json json_of(const JsonObject& object);
 
 /// The metadata for JSON output; an object with the text under "unreadable" when it is none.
 nlohmann::ordered_json metadata_json(const Metadata& metadata);

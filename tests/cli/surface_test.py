@@ -10,6 +10,8 @@ import collections
 import json
 import struct
 import sys
+import zipfile
+from xml.etree import ElementTree
 
 import cli_test
 
@@ -103,6 +105,55 @@ class Surfaces(cli_test.InFolder):
         self.assertIn(report["voxel_digest"], header)
         self.assertIn("element face %d\n" % report["triangles"], header)
         self.assertIn("property float nx\n", header)
+
+    def test_the_report_stands_beside_the_surface_and_in_it(self):
+        for ending in ("stl", "ply", "obj", "glb", "vtp", "3mf"):
+            printed = self.json("surface", "grey.8vo", "--isovalue", "50", "-o", f"m.{ending}",
+                                "--report", "m.json", "-f")
+            report = json.loads((self.folder / "m.json").read_text())
+            self.assertEqual({key: printed[key] for key in report}, report)
+            self.assertEqual(set(printed) - set(report),
+                             {"output", "is_written", "file_bytes", "warnings"})
+            self.assertEqual((report["isovalue"], report["level"], report["space"],
+                              report["max_deviation_mm"], report["self_intersections"]),
+                             (50, 0, "lps", 0, None))
+            for axis in range(3):
+                low, high = (report["bounds_mm"][end][axis] for end in (0, 1))
+                for place, voxel in ((low, BODY[axis][0]), (high, BODY[axis][1])):
+                    self.assertAlmostEqual(place, (voxel - 0.5) * SPACING[axis], delta=0.02)
+            if ending != "stl":
+                self.assertEqual(self.report_in(self.folder / f"m.{ending}"), report)
+
+    def report_in(self, path):
+        """The report that a mesh carries."""
+        data = path.read_bytes()
+        if path.suffix == ".glb":
+            (size,) = struct.unpack_from("<I", data, 12)
+            return json.loads(data[20:20 + size])["asset"]["extras"]["report"]
+        if path.suffix == ".vtp":
+            codes = data.split(b'Name="report"')[1].split(b">")[1].split(b"<")[0].split()
+            return json.loads(bytes(int(code) for code in codes[:-1]))
+        if path.suffix == ".3mf":
+            root = ElementTree.fromstring(zipfile.ZipFile(path).read("3D/3dmodel.model"))
+            texts = [element.text for element in root if element.get("name") == "Description"]
+            return json.loads(texts[0].split("report ")[1])
+        return json.loads(data.split(b"report ")[1].split(b"\n")[0])
+
+    def test_a_report_is_written_with_its_surface_or_not_at_all(self):
+        self.expect(0, "surface", "mask.8vo", "-o", "m.stl", "--report", "m.json", "-q")
+        before = {path.name: path.read_bytes() for path in self.folder.iterdir()}
+        for code, words, expected in [
+                (5, ["--report", "m.json"], "exists"),
+                (2, ["--report", "./n.stl"], "is the surface itself"),
+                (2, ["--report", "mask.8vo", "-f"], "is the input"),
+                (5, ["--report", "missing/n.json"], "missing")]:
+            failure = self.expect(code, "surface", "mask.8vo", "-o", "n.stl", *words)
+            self.assertIn(expected, failure.stderr)
+            self.assertEqual({path.name: path.read_bytes() for path in self.folder.iterdir()},
+                             before)
+        self.expect(0, "surface", "mask.8vo", "--space", "ras", "-o", "m.stl", "--report", "m.json",
+                    "-qf")
+        self.assertEqual(json.loads((self.folder / "m.json").read_text())["space"], "ras")
 
     def test_bad_input_is_one_sentence_and_no_file(self):
         before = sorted(path.name for path in self.folder.iterdir())

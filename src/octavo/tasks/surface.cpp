@@ -12,12 +12,14 @@
 #include "octavo/core/error.h"
 #include "octavo/core/sha256.h"
 #include "octavo/core/text.h"
-#include "octavo/file/storage/pending_file.h"
 #include "octavo/mesh/decimation.h"
 #include "octavo/mesh/extraction.h"
+#include "octavo/mesh/formats/mesh_bytes.h"
 #include "octavo/mesh/mesh_normals.h"
 #include "octavo/mesh/mesh_pieces.h"
 #include "octavo/tasks/inputs.h"
+#include "octavo/tasks/surfaces/surface_file.h"
+#include "octavo/tasks/surfaces/surface_report.h"
 #include "octavo/tasks/value_ranges.h"
 #include "octavo/tasks/volume_facts.h"
 #include "octavo/tasks/volume_parts.h"
@@ -43,10 +45,17 @@ MeshFormat format_of(const SurfaceOptions& options) {
   if (*format != MeshFormat::glb && options.is_plain) {
     reject_mesh("is never compressed, as .glb files are", options.output.path, "surface.plain");
   }
-  require_free(options.output);
-  std::error_code none;
-  if (std::filesystem::equivalent(options.output.path, options.input, none)) {
-    reject_mesh("is the input itself; name another output", options.output.path, "");
+  for (const std::string& path : {options.output.path, options.report_path}) {
+    if (path.empty()) continue;
+    require_free({path, options.output.overwrite});
+    std::error_code none;
+    if (std::filesystem::equivalent(path, options.input, none)) {
+      reject_mesh("is the input itself; name another output", path, "");
+    }
+  }
+  if (std::filesystem::path(options.report_path).lexically_normal() ==
+      std::filesystem::path(options.output.path).lexically_normal()) {
+    reject_mesh("is the surface itself; name another report", options.report_path, "");
   }
   return *format;
 }
@@ -177,6 +186,20 @@ void reduce_mesh(TriangleMesh& mesh, const Geometry& geometry, const TaskContext
   result.crossing_triangles = reduced.crossing_triangles;
 }
 
+/// The smallest and the largest of each coordinate.
+std::array<MeshPoint, 2> bounds_of(const TriangleMesh& mesh, MeshSpace space) {
+  const MeshPoint first = in_space(mesh.points.front(), space);
+  std::array<MeshPoint, 2> bounds = {first, first};
+  for (const MeshPoint& point : mesh.points) {
+    const MeshPoint place = in_space(point, space);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      bounds[0][axis] = std::min(bounds[0][axis], place[axis]);
+      bounds[1][axis] = std::max(bounds[1][axis], place[axis]);
+    }
+  }
+  return bounds;
+}
+
 std::vector<std::string> comments_of(const SurfaceOptions& options, const FileReader& reader) {
   std::vector<std::string> comments = {
       "octavo surface of voxels with SHA-256 " + hex_text(reader.voxel_digest()),
@@ -217,6 +240,7 @@ SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context)
   result.triangle_count = mesh.triangles.size();
   context.on_threads([&] { result.check = check_mesh(mesh); });
   result.measures = measure_mesh(mesh);
+  result.bounds_mm = bounds_of(mesh, options.space);
   result.is_sound = result.check.is_closed() && result.check.is_manifold() &&
                     result.crossing_triangles.value_or(0) == 0;
   if (!result.is_sound && !options.allows_faults) return result;
@@ -227,19 +251,16 @@ SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context)
       normals = gradient_normals(mesh, *reader, options.level, field, context.watcher());
     });
   }
-  PendingFile file(local_storage(), options.output.path);
   const std::vector<std::string> comments = comments_of(options, *reader);
-  write_mesh({.mesh = mesh,
-              .normals = normals,
-              .comments = comments,
-              .space = options.space,
-              .is_plain = options.is_plain},
-             format, file);
-  context.stop_if_cancelled();
-  file.seal();
-  file.publish(options.output.overwrite);
+  const MeshDescription described{.mesh = mesh,
+                                  .normals = normals,
+                                  .comments = comments,
+                                  .report = surface_report(options, result).text(),
+                                  .space = options.space,
+                                  .is_plain = options.is_plain};
+  result.file_bytes =
+      write_surface(described, format, options.output, options.report_path, context);
   result.is_written = true;
-  result.file_bytes = file.size();
   return result;
 }
 

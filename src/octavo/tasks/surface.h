@@ -1,6 +1,7 @@
 // The surface of what lies inside, as a file of triangles.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -23,6 +24,7 @@ struct AskedDeviation {
 struct SurfaceOptions {
   std::string input;  ///< an .8vo file or a URL of one
   Output output;      ///< ends in .stl, .ply, .obj, .glb, .vtp or .3mf
+  std::string report_path;  ///< of a file of JSON beside it; empty: none
   /// Of grey values, in real units: what is at or above it lies inside.
   std::optional<double> isovalue;
   bool is_stored = false;  ///< the isovalue is a stored value instead of a real one
@@ -47,6 +49,7 @@ struct SurfaceResult {
   std::optional<std::uint64_t> crossing_triangles;
   MeshCheck check;
   MeshMeasures measures;         ///< of voxels of 1 mm where the spacing is not known
+  std::array<MeshPoint, 2> bounds_mm{};  ///< in the space that was asked for
   bool is_sound = false;         ///< closed, manifold, and no triangle crosses another
   bool is_written = false;       ///< not where the check found faults that are not allowed
   std::uint64_t file_bytes = 0;

@@ -97,24 +97,27 @@ class VtpWriter {
         vtp_fields(described_) + "<Piece NumberOfPoints=\"" + std::to_string(point_count_) +
         "\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"" +
         std::to_string(triangle_count_) + "\">\n";
+    // In the order of the arrays: each element says where its own begins.
     if (!described_.normals.empty()) {
-      xml += "<PointData Normals=\"normals\">\n" +
-             arrays.element("Float32", "normals", 3, place_bytes) + "</PointData>\n";
+      xml += "<PointData Normals=\"normals\">\n";
+      xml += arrays.element("Float32", "normals", 3, place_bytes);
+      xml += "</PointData>\n";
     }
     if (!described_.pairs.empty()) {
-      xml += "<CellData>\n" +
-             arrays.element("Int64", "inside_outside", 2, sizeof(LabelPair) * triangle_count_) +
-             "</CellData>\n";
+      xml += "<CellData>\n";
+      xml += arrays.element("Int64", "inside_outside", 2, sizeof(LabelPair) * triangle_count_);
+      xml += "</CellData>\n";
     } else if (has_labels_) {
-      xml += "<CellData Scalars=\"label\">\n" +
-             arrays.element("Int64", "label", 1, sizeof(std::int64_t) * triangle_count_) +
-             "</CellData>\n";
+      xml += "<CellData Scalars=\"label\">\n";
+      xml += arrays.element("Int64", "label", 1, sizeof(std::int64_t) * triangle_count_);
+      xml += "</CellData>\n";
     }
-    xml += "<Points>\n" + arrays.element("Float32", "points", 3, place_bytes) +
-           "</Points>\n<Polys>\n" +
-           arrays.element(number, "connectivity", 1, 3 * number_bytes() * triangle_count_) +
-           arrays.element(number, "offsets", 1, number_bytes() * triangle_count_) +
-           "</Polys>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
+    xml += "<Points>\n";
+    xml += arrays.element("Float32", "points", 3, place_bytes);
+    xml += "</Points>\n<Polys>\n";
+    xml += arrays.element(number, "connectivity", 1, 3 * number_bytes() * triangle_count_);
+    xml += arrays.element(number, "offsets", 1, number_bytes() * triangle_count_);
+    xml += "</Polys>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
     out_.text(xml);
   }
 
