@@ -63,6 +63,7 @@ void add_verbs(CLI::App& app, Context& context) {
   add_close(app, context);
   add_shell(app, context);
   add_surface(app, context);
+  add_hexahedra(app, context);
   add_transform(app, context);
   add_phantom(app, context);
   add_completion(app, context);

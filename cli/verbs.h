@@ -26,6 +26,7 @@ void add_open(CLI::App& app, Context& context);
 void add_close(CLI::App& app, Context& context);
 void add_shell(CLI::App& app, Context& context);
 void add_surface(CLI::App& app, Context& context);
+void add_hexahedra(CLI::App& app, Context& context);
 void add_transform(CLI::App& app, Context& context);
 void add_phantom(CLI::App& app, Context& context);
 void add_info(CLI::App& app, Context& context);

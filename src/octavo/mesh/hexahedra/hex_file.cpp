@@ -1,0 +1,55 @@
+#include "octavo/mesh/hexahedra/hex_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <limits>
+
+namespace octavo {
+
+std::optional<HexFormat> hex_format_of(const std::string& path) {
+  std::string ending = std::filesystem::path(path).extension();
+  for (char& letter : ending) {
+    letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  }
+  if (ending == ".vtu") return HexFormat::vtu;
+  if (ending == ".inp") return HexFormat::abaqus;
+  if (ending == ".msh") return HexFormat::gmsh;
+  if (ending == ".mesh") return HexFormat::mfem;
+  return std::nullopt;
+}
+
+const char* hex_format_endings() { return ".vtu, .inp, .msh or .mesh"; }
+
+void write_hex_mesh(const HexMesh& mesh, HexFormat format, const HexFileText& text,
+                    const Progress& watcher, PendingFile& file) {
+  switch (format) {
+    case HexFormat::vtu: write_hex_vtu(mesh, text, watcher, file); break;
+    case HexFormat::abaqus: write_hex_abaqus(mesh, text, watcher, file); break;
+    case HexFormat::gmsh: write_hex_gmsh(mesh, text, watcher, file); break;
+    case HexFormat::mfem: write_hex_mfem(mesh, text, watcher, file); break;
+  }
+}
+
+std::int64_t group_attribute(const HexMesh& mesh, std::size_t group) {
+  const auto fits = [](std::int64_t label) {
+    return label > 0 && label <= std::numeric_limits<std::int32_t>::max();
+  };
+  const bool has_labels =
+      !mesh.has_materials() &&
+      std::all_of(mesh.groups().begin(), mesh.groups().end(),
+                  [&](const HexGroup& one) { return fits(mesh.labels()[one.label]); });
+  if (has_labels) return mesh.labels()[mesh.groups()[group].label];
+  return static_cast<std::int64_t>(group) + 1;
+}
+
+std::string group_name(const HexMesh& mesh, std::size_t group) {
+  const std::int64_t label = mesh.labels()[mesh.groups()[group].label];
+  // Names of sets have no minus.
+  std::string name = label < 0 ? "LABEL_NEG" + std::to_string(label).substr(1)
+                               : "LABEL_" + std::to_string(label);
+  if (mesh.has_materials()) name += "_MATERIAL_" + std::to_string(group + 1);
+  return name;
+}
+
+}  // namespace octavo
