@@ -35,8 +35,8 @@ std::vector<GroupRun> random_runs(std::int64_t groups, std::mt19937& random) {
 }
 
 /// The bytes of the bands that a part is made in; 0 for one that is made of whole groups.
-std::uint64_t random_band(const SmallVolume& volume, std::mt19937& random) {
-  if (!has_bands(volume) || random() % 2 == 0) return 0;
+std::uint64_t random_band(std::mt19937& random) {
+  if (random() % 2 == 0) return 0;
   return 1 + random() % (std::uint64_t{1} << 17);
 }
 
@@ -67,7 +67,7 @@ class Partitioned {
     if (known != parts_.end() && !is_made_again) return known->second;
     MemoryStorage storage;
     const auto threads = 1 + static_cast<int>(random() % 3);
-    make_part(volume_, plan_, run, storage, "", threads, random_band(volume_, random));
+    make_part(volume_, plan_, run, storage, "", threads, random_band(random));
     const FileBytes bytes = storage.files.at(part_name(run));
     if (known != parts_.end()) {
       EXPECT_TRUE(*bytes == *known->second) << volume_.name;

@@ -75,11 +75,6 @@ inline SmallVolume small_volume(const std::string& name, VoxelType type, Size3 s
   return volume;
 }
 
-/// Whether groups of it can be encoded in bands.
-inline bool has_bands(const SmallVolume& volume) {
-  return volume.options.max_error == 0 && volume.options.keep_details == 0;
-}
-
 inline std::vector<std::uint8_t> built(const SmallVolume& volume) {
   MemoryStorage storage;
   NoProgress progress;

@@ -1,8 +1,10 @@
 #include "octavo/builder/band_reader.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstring>
+#include <numeric>
 
 #include "octavo/builder/crypto_hasher.h"
 #include "octavo/builder/training.h"
@@ -20,31 +22,63 @@ bool is_row_of(const std::byte* row, std::size_t row_bytes, const std::byte* val
          std::memcmp(row, row + width, row_bytes - width) == 0;
 }
 
+ByteSpan bytes_of_floats(std::span<const float> floats) {
+  const auto bytes = std::as_bytes(floats);
+  return {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()};
+}
+
+// Copies the voxels of a box that lie in a plane.
+// plane  [y][x], `row_voxels` in a row
+// box    of the brick that starts at `to`, dense [z][y][x]
+void copy_box_plane(const std::byte* plane, std::int64_t row_voxels, std::int64_t width,
+                    const Box& box, std::int64_t z, std::byte* to) {
+  const auto row_bytes = static_cast<std::size_t>(box.size().x * width);
+  to += static_cast<std::size_t>((z - box.lo.z) * box.size().y) * row_bytes;
+  for (std::int64_t y = box.lo.y; y < box.hi.y; ++y, to += row_bytes) {
+    std::memcpy(to, plane + (y * row_voxels + box.lo.x) * width, row_bytes);
+  }
+}
+
 }  // namespace
 
 BandReader::BandReader(PlaneSource& source, const Levels& levels, std::int64_t first,
-                       std::int64_t end, std::uint64_t band_bytes, Progress& progress)
+                       std::int64_t end, const BandCut& cut, Progress& progress)
     : source_(source),
       levels_(levels),
       progress_(progress),
-      band_bytes_(band_bytes),
+      cut_(cut),
       width_(bytes_per_voxel(source.description().type)) {
   const Size3& size = levels.size(0);
   group_.type = source.description().type;
   group_.size = {size.x, size.y, end - first};
   group_.first_plane = first;
   bricks_ = bricks_of(levels, 0, group_);
+  order_.resize(bricks_.size());
+  std::iota(order_.begin(), order_.end(), std::size_t{0});
+  if (cut.is_rows) {
+    std::ranges::sort(order_, {}, [this](std::size_t i) {
+      return std::array{bricks_[i].z, bricks_[i].y, bricks_[i].x};
+    });
+  }
   is_uniform_.assign(bricks_.size(), 1);
   values_.resize(bricks_.size() * static_cast<std::size_t>(width_));
   plane_.resize(static_cast<std::size_t>(size.x * size.y * width_));
   const auto hasher = make_crypto_hasher();
+  if (cut.floats != nullptr) group_.codes_crc = 0;
   source.seek(first, end);
   for (std::int64_t z = first; z < end; ++z) {
     read_plane();
     const ByteSpan bytes(reinterpret_cast<const std::uint8_t*>(plane_.data()), plane_.size());
-    group_.crc = crc32c(bytes, group_.crc);
-    hasher->add(bytes);
-    digests_.push_back(hasher->digest());
+    if (cut.floats != nullptr) {
+      group_.crc = crc32c(bytes_of_floats(cut.floats->voxels()), group_.crc);
+      group_.codes_crc = crc32c(bytes, *group_.codes_crc);
+    } else {
+      group_.crc = crc32c(bytes, group_.crc);
+    }
+    if (!cut.is_rows) {
+      hasher->add(bytes);
+      digests_.push_back(hasher->digest());
+    }
     look_at(z);
     progress.advance(1);
   }
@@ -78,11 +112,15 @@ void BandReader::look_at(std::int64_t z) {
   }
 }
 
-// The voxels of a brick; of a uniform one a single row.
+// Whether a brick takes a single row, as all others are like it. Encoding must not change it then.
+bool BandReader::is_a_row(std::size_t brick) const {
+  return is_uniform_[brick] != 0 && !cut_.is_rows;
+}
+
 std::vector<std::byte> BandReader::room_for(std::size_t brick) const {
   const Size3 size = levels_.brick_box(0, bricks_[brick]).size();
   const auto width = static_cast<std::size_t>(width_);
-  if (is_uniform_[brick] == 0) {
+  if (!is_a_row(brick)) {
     return std::vector<std::byte>(static_cast<std::size_t>(size.voxel_count()) * width);
   }
   std::vector<std::byte> row(static_cast<std::size_t>(size.x) * width);
@@ -97,9 +135,8 @@ BrickView BandReader::view_of_brick(std::size_t brick, const std::vector<std::by
   view.voxels = voxels.data();
   view.type = group_.type;
   view.size = levels_.brick_box(0, bricks_[brick]).size();
-  const bool is_uniform = is_uniform_[brick] != 0;
-  view.row_stride = is_uniform ? 0 : view.size.x;
-  view.plane_stride = is_uniform ? 0 : view.size.x * view.size.y;
+  view.row_stride = is_a_row(brick) ? 0 : view.size.x;
+  view.plane_stride = is_a_row(brick) ? 0 : view.size.x * view.size.y;
   return view;
 }
 
@@ -107,12 +144,26 @@ BrickView BandReader::view_of_brick(std::size_t brick, const std::vector<std::by
 void BandReader::read_bricks(BrickBand& band) {
   band.voxels.clear();
   band.views.clear();
-  std::int64_t first = group_.first_plane + group_.size.z;
-  std::int64_t end = group_.first_plane;
+  band.floats.clear();
+  band.float_views.clear();
   for (const std::size_t brick : band.numbers) {
     band.voxels.push_back(room_for(brick));
     band.views.push_back(view_of_brick(brick, band.voxels.back()));
-    if (is_uniform_[brick] != 0) continue;
+    if (cut_.floats == nullptr) continue;
+    BrickView view = band.views.back();
+    band.floats.emplace_back(static_cast<std::size_t>(view.size.voxel_count()));
+    view.voxels = band.floats.back().data();
+    view.type = VoxelType::float32;
+    band.float_views.push_back(view);
+  }
+  read_planes_of(band);
+}
+
+void BandReader::read_planes_of(BrickBand& band) {
+  std::int64_t first = group_.first_plane + group_.size.z;
+  std::int64_t end = group_.first_plane;
+  for (const std::size_t brick : band.numbers) {
+    if (is_a_row(brick)) continue;
     const Box box = levels_.brick_box(0, bricks_[brick]);
     first = std::min(first, box.lo.z);
     end = std::max(end, box.hi.z);
@@ -121,16 +172,20 @@ void BandReader::read_bricks(BrickBand& band) {
   source_.seek(first, end);
   for (std::int64_t z = first; z < end; ++z) {
     read_plane();
-    for (std::size_t i = 0; i < band.numbers.size(); ++i) {
-      const Box box = levels_.brick_box(0, bricks_[band.numbers[i]]);
-      if (is_uniform_[band.numbers[i]] != 0 || z < box.lo.z || z >= box.hi.z) continue;
-      const auto row_bytes = static_cast<std::size_t>(box.size().x * width_);
-      std::byte* to = band.voxels[i].data() +
-                      static_cast<std::size_t>((z - box.lo.z) * box.size().y) * row_bytes;
-      for (std::int64_t y = box.lo.y; y < box.hi.y; ++y, to += row_bytes) {
-        std::memcpy(to, row_at({box.lo.x, y, z}), row_bytes);
-      }
-    }
+    copy_plane(z, band);
+  }
+}
+
+// What the bricks of a band hold of the plane that was read last.
+void BandReader::copy_plane(std::int64_t z, BrickBand& band) {
+  for (std::size_t i = 0; i < band.numbers.size(); ++i) {
+    const Box box = levels_.brick_box(0, bricks_[band.numbers[i]]);
+    if (is_a_row(band.numbers[i]) || z < box.lo.z || z >= box.hi.z) continue;
+    copy_box_plane(plane_.data(), group_.size.x, width_, box, z, band.voxels[i].data());
+    if (cut_.floats == nullptr) continue;
+    const auto floats = std::as_bytes(cut_.floats->voxels());
+    copy_box_plane(floats.data(), group_.size.x, sizeof(float), box, z,
+                   reinterpret_cast<std::byte*>(band.floats[i].data()));
   }
 }
 
@@ -155,21 +210,37 @@ std::vector<TrainingBrick> BandReader::training_bricks() {
   return chosen;
 }
 
-const BrickBand& BandReader::next() {
+// Behind the bricks that come into a band together: one, or a row of them.
+std::size_t BandReader::end_of_step(std::size_t first) const {
+  const Size3 grid = levels_.brick_grid(0);
+  return first + (cut_.is_rows ? static_cast<std::size_t>(grid.x) : 1);
+}
+
+std::uint64_t BandReader::bytes_of(std::size_t brick) const {
+  if (is_a_row(brick)) return 0;
+  const std::int64_t width =
+      width_ + (cut_.floats != nullptr ? static_cast<std::int64_t>(sizeof(float)) : 0);
+  return static_cast<std::uint64_t>(
+      levels_.brick_box(0, bricks_[brick]).size().voxel_count() * width);
+}
+
+BrickBand& BandReader::next() {
   BrickBand& band = bands_[turn_++ % bands_.size()];
   band.first = next_;
   band.numbers.clear();
   band.bricks.clear();
   band.digests = digests_;
   std::uint64_t bytes = 0;
-  for (; next_ < bricks_.size(); ++next_) {
-    if (is_uniform_[next_] == 0) {
-      bytes += static_cast<std::uint64_t>(
-          levels_.brick_box(0, bricks_[next_]).size().voxel_count() * width_);
+  while (next_ < order_.size()) {
+    const std::size_t end = end_of_step(next_);
+    for (std::size_t i = next_; i < end; ++i) bytes += bytes_of(order_[i]);
+    const bool is_of_next_layer = cut_.is_rows && !band.bricks.empty() &&
+                                  bricks_[order_[next_]].z != band.bricks.front().z;
+    if (!band.numbers.empty() && (bytes > cut_.bytes || is_of_next_layer)) break;
+    for (; next_ < end; ++next_) {
+      band.numbers.push_back(order_[next_]);
+      band.bricks.push_back(bricks_[order_[next_]]);
     }
-    if (bytes > band_bytes_ && !band.numbers.empty()) break;
-    band.numbers.push_back(next_);
-    band.bricks.push_back(bricks_[next_]);
   }
   read_bricks(band);
   return band;

@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "octavo/builder/float_planes.h"
 #include "octavo/builder/voxel_block.h"
 #include "octavo/core/levels.h"
 #include "octavo/core/progress.h"
@@ -20,16 +21,25 @@
 
 namespace octavo {
 
+/// What a band is.
+struct BandCut {
+  std::uint64_t bytes = 1;  ///< of voxels that it may hold; one brick or row of them anyhow
+  /// Whether it holds rows of bricks of a layer, since encoding changes voxels; otherwise a run of
+  /// bricks in file order.
+  bool is_rows = false;
+  /// The source where bricks hold its floats beside their codes; then it holds rows.
+  const FloatPlanes* floats = nullptr;
+};
+
 class BandReader {
  public:
   /// Reads planes first .. end, a group, and learns of them what `group` says. `source`,
   /// which is sought here and whose planes bricks hold as they are, `levels` and `progress` must
   /// outlive it.
-  /// band_bytes  of voxels that a band may hold; one brick at least
   /// Throws what the source throws; Error{cancelled}
-  /// Memory  a plane, two bands, and 192 bytes per brick
+  /// Memory  a plane, two bands (floats beside codes count), and 192 bytes per brick
   BandReader(PlaneSource& source, const Levels& levels, std::int64_t first, std::int64_t end,
-             std::uint64_t band_bytes, Progress& progress);
+             const BandCut& cut, Progress& progress);
 
   /// Time the source took.
   double read_seconds() const { return read_seconds_; }
@@ -41,15 +51,20 @@ class BandReader {
   std::vector<TrainingBrick> training_bricks();
 
   /// True when all bands were given.
-  bool is_done() const { return next_ == bricks_.size(); }
+  bool is_done() const { return next_ == order_.size(); }
 
   /// The next band. It lasts until the one behind the next is read. Throws as the constructor.
-  const BrickBand& next();
+  BrickBand& next();
 
  private:
   void look_at(std::int64_t z);
   void read_plane();
+  bool is_a_row(std::size_t brick) const;
   std::vector<std::byte> room_for(std::size_t brick) const;
+  std::size_t end_of_step(std::size_t first) const;
+  std::uint64_t bytes_of(std::size_t brick) const;
+  void read_planes_of(BrickBand& band);
+  void copy_plane(std::int64_t z, BrickBand& band);
   void read_bricks(BrickBand& band);
   BrickView view_of_brick(std::size_t brick, const std::vector<std::byte>& voxels) const;
   const std::byte* row_at(const Index3& at) const;
@@ -57,18 +72,19 @@ class BandReader {
   PlaneSource& source_;
   const Levels& levels_;
   Progress& progress_;
-  std::uint64_t band_bytes_;
+  BandCut cut_;
   std::int64_t width_;  // bytes of a voxel
   VoxelBlock group_;
   UnsetBytes plane_;
   std::vector<Sha256Digest> digests_;
   std::vector<Index3> bricks_;            // in file order
+  std::vector<std::size_t> order_;        // in which bands hold them
   std::vector<std::uint8_t> is_uniform_;  // by brick
   std::vector<std::byte> values_;         // the first voxel of each brick
   std::array<BrickBand, 2> bands_;
   std::size_t turn_ = 0;
   double read_seconds_ = 0;
-  std::size_t next_ = 0;  // the first brick of the next band
+  std::size_t next_ = 0;  // the first brick of the next band, in their order
 };
 
 }  // namespace octavo

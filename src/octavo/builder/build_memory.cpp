@@ -1,5 +1,7 @@
 #include "octavo/builder/build_memory.h"
 
+#include <algorithm>
+
 #include "octavo/builder/build_setup.h"
 #include "octavo/builder/group_reader.h"
 #include "octavo/core/checked.h"
@@ -16,6 +18,16 @@ constexpr std::uint64_t kFixedBytes = 192 * kMiB;
 // What a build takes besides the voxels of groups.
 std::uint64_t base_bytes(int threads) {
   return static_cast<std::uint64_t>(build_threads(threads)) * kThreadBytes + kFixedBytes;
+}
+
+// Below this a band is hardly worth reading its planes; where voxels change it is a row of bricks.
+std::uint64_t fewest_band_bytes(const VolumeDescription& volume, const BuildOptions& options) {
+  constexpr std::uint64_t kFewestBytes = 16 * kMiB;
+  if (options.max_error == 0 && options.keep_details == 0) return kFewestBytes;
+  const Size3 side = levels_of(volume).brick_side(0);
+  const std::int64_t width = is_integer(volume.type) ? bytes_per_voxel(volume.type) : 8;
+  const auto row = static_cast<std::uint64_t>(volume.size.x * side.y * side.z * width);
+  return std::max(kFewestBytes, row);
 }
 
 }  // namespace
@@ -35,7 +47,9 @@ std::uint64_t band_memory_bytes(const VolumeDescription& description, int thread
                                 std::uint64_t band_bytes) {
   constexpr std::uint64_t kBytesPerBrick = 192;
   const Size3 grid = levels_of(description).brick_grid(0);
-  const auto bricks = static_cast<std::uint64_t>(grid.voxel_count()) * kBytesPerBrick;
+  // Of each brick, and once more of those of a layer that wait in a sorter.
+  const auto bricks =
+      static_cast<std::uint64_t>(grid.voxel_count() + grid.x * grid.y) * kBytesPerBrick;
   // A plane as it is read, of float32 once more as it is given.
   const std::uint64_t planes = is_integer(description.type) ? 1 : 2;
   const std::uint64_t bands = checked_add(planes * plane_bytes(description) + bricks,
@@ -50,19 +64,17 @@ std::uint64_t band_bytes_of(const PlaneSource& source, const BuildOptions& optio
       checked_add(build_memory_bytes(volume, threads, options.max_error), held, "the memory");
   const bool fits = options.max_memory_bytes == 0 || whole <= options.max_memory_bytes;
   if (options.band_bytes == 0 && fits) return 0;
-  const bool is_exact = options.max_error == 0 && options.keep_details == 0;
-  if (!is_exact || !source.can_seek()) {
+  if (!source.can_seek()) {
     if (options.band_bytes > 0) throw Error(ErrorKind::invalid_argument, "bands cannot be read");
     check_build_memory(whole, options.max_memory_bytes,
-                       is_exact ? "; bands of bricks need less, but this source can only be read "
-                                  "from its start on"
-                                : "; bands of bricks need less, but are for voxels without loss");
+                       "; bands of bricks need less, but this source can only be read from its "
+                       "start on");
   }
   if (options.band_bytes > 0) return options.band_bytes;
-  constexpr std::uint64_t kFewestBytes = 16 * kMiB;
+  const std::uint64_t fewest = fewest_band_bytes(volume, options);
   const std::uint64_t base =
       checked_add(band_memory_bytes(volume, threads, 0), held, "the memory of bands");
-  check_build_memory(base + 2 * kFewestBytes, options.max_memory_bytes);
+  check_build_memory(base + 2 * fewest, options.max_memory_bytes);
   return (options.max_memory_bytes - base) / 2;
 }
 

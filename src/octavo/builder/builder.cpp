@@ -52,7 +52,10 @@ class Build {
     std::optional<TierEncoder> encoder;
     for (std::size_t number = 0; !reader.is_done(); ++number) {
       const VoxelBlock group = reader.next();
-      if (!encoder) create_writer(encoder, group, storage, path, options);
+      if (!encoder) {
+        create_writer(group, storage, path, options);
+        encoder.emplace(levels_, 0, group.type, workers_, *writer_, progress_, bound_);
+      }
       encoder->check();
       const auto train = [&] { model_ = trainer_.train(group); };
       if (is_restored(*encoder, group, number, train)) reader.release();
@@ -64,22 +67,26 @@ class Build {
 
   /// The same of groups that memory does not hold: bands of their bricks, each read while the one
   /// before is being encoded.
-  std::vector<std::byte> encode_in_bands(PlaneSource& source, std::uint64_t band_bytes,
-                                         Storage& storage, const std::string& path,
-                                         const WriterOptions& options) {
+  std::vector<std::byte> encode_in_bands(const BuildOutline& outline, PlaneSource& source,
+                                         std::uint64_t band_bytes, Storage& storage,
+                                         const std::string& path, const WriterOptions& options) {
     const std::int64_t planes = group_planes(levels_, description_.type);
-    std::unique_ptr<BandReader> bands;  // longer than who encodes its bricks
-    std::optional<TierEncoder> encoder;
+    const BandCut cut = band_cut(outline, band_bytes);
+    std::optional<BandEncoder> encoder;
     std::size_t number = 0;
     for (std::int64_t first = 0; first < description_.size.z; first += planes, ++number) {
       const std::int64_t end = std::min(first + planes, description_.size.z);
-      bands = std::make_unique<BandReader>(source, levels_, first, end, band_bytes, progress_);
-      if (!encoder) create_writer(encoder, bands->group(), storage, path, options);
+      const auto bands =
+          std::make_shared<BandReader>(source, levels_, first, end, cut, progress_);
+      if (!encoder) {
+        create_writer(bands->group(), storage, path, options);
+        encoder.emplace(outline, workers_, *writer_, storage, folder_of(path), progress_);
+      }
       const auto train = [&] {
         model_ = trainer_.train(bands->training_bricks(), bands->group().type);
       };
       const bool is_kept = is_restored(*encoder, bands->group(), number, train);
-      if (!is_kept) encode_bands(*bands, model_, *encoder);
+      if (!is_kept) encoder->encode(bands, model_);
       band_seconds_ += bands->read_seconds();
     }
     return encoder->take_parents();
@@ -111,17 +118,16 @@ class Build {
   }
 
  private:
-  void create_writer(std::optional<TierEncoder>& encoder, const VoxelBlock& group,
-                     Storage& storage, const std::string& path, const WriterOptions& options) {
+  void create_writer(const VoxelBlock& group, Storage& storage, const std::string& path,
+                     const WriterOptions& options) {
     writer_ = FileWriter::create(storage, path, description_, levels_, content_hash_of(group),
                                  options);
-    encoder.emplace(levels_, 0, group.type, workers_, *writer_, progress_, bound_);
   }
 
   // Has a group that is to be encoded trained on; the first one anyhow. True when an interrupted
   // build has encoded it.
-  template <class Train>
-  bool is_restored(TierEncoder& encoder, const VoxelBlock& group, std::size_t number,
+  template <class Encoder, class Train>
+  bool is_restored(Encoder& encoder, const VoxelBlock& group, std::size_t number,
                    const Train& train) {
     const bool is_encoded = number < writer_->resumed().size();
     if (is_encoded) check_group(group, writer_->resumed()[number]);
@@ -225,7 +231,8 @@ BuildResult build(PlaneSource& source, Storage& storage, const std::string& path
     std::vector<std::byte> parents;
     {
       if (band_bytes > 0) {
-        parents = work.encode_in_bands(outline.planes(source), band_bytes, storage, path, writing);
+        parents = work.encode_in_bands(outline, outline.planes(source), band_bytes, storage,
+                                       path, writing);
         result.read_seconds = work.band_seconds();
       } else {
         GroupReader reader(outline.planes(source), outline.levels, progress,

@@ -47,8 +47,8 @@ struct BuildOptions {
   /// the next build of the file removes what a killed one left.
   bool is_resumable = true;
   int threads = 0;  ///< 0: all cores
-  /// 0: no limit. Where groups of planes do not fit it, voxels without loss are built in bands of
-  /// bricks, for each of which a source that can seek is read again. Error{limit_exceeded} before
+  /// 0: no limit. Where groups of planes do not fit it, they are built in bands of bricks, for each
+  /// of which a source that can seek is read again. Error{limit_exceeded} before
   /// work starts where that does not do.
   std::uint64_t max_memory_bytes = 0;
   std::uint64_t band_bytes = 0;  ///< of voxels in a band, whatever fits; 0: by the limit
@@ -82,7 +82,7 @@ struct BuildResult {
 /// every case nothing but a complete file stands under `path`.
 /// Memory  2 groups (float32: 3, with a max error 5) + 24 MiB per thread + 192 MiB (training,
 ///         buffers) + what the source holds; with bands 2 of these, a plane (float32: 2) and 192
-///         bytes per brick in place of the groups
+///         bytes per brick, and of a layer once more, in place of the groups
 /// Source  thesis 2.4 (Fig. 2.3), 2.6
 BuildResult build_file(PlaneSource& source, Storage& storage, const std::string& path,
                        const BuildOptions& options, Progress& progress);

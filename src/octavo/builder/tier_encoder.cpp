@@ -293,14 +293,17 @@ EncodedBrick TierEncoder::encode_checked(const Work& work, std::size_t place) co
       fail_brick(tier_, brick, " of level " + std::to_string(level));
     }
     // The digests of planes are of voxels as readers will see them.
-    if (tier_ == 0) put_voxels(block, levels_.brick_box(tier_, brick), dense.data());
+    if (block.band != nullptr) std::ranges::copy(dense, block.band->voxels[place].begin());
+    else if (tier_ == 0) put_voxels(block, levels_.brick_box(tier_, brick), dense.data());
   } else if (!is_same(view, dense)) {
     fail_brick(tier_, brick, "");
   }
   encoded.detailed.clear();
-  if (block.floats == nullptr) return encoded;
+  const bool has_band_floats = block.band != nullptr && !block.band->floats.empty();
+  if (block.floats == nullptr && !has_band_floats) return encoded;
 
-  const BrickView floats = float_view_of(block, levels_.brick_box(tier_, brick));
+  const BrickView floats = has_band_floats ? block.band->float_views[place]
+                                           : float_view_of(block, levels_.brick_box(tier_, brick));
   const double found = float_error(floats, dense, *bound_.coding);
   if (!(found <= bound_.voxels)) {
     throw Error(ErrorKind::source_rejected,
@@ -340,6 +343,7 @@ void TierEncoder::add_plane_digests(const Work& work) {
   const Box layer = levels_.brick_box(tier_, work.bricks[work.kept]);
   const std::int64_t first = layer.lo.z - work.block.first_plane;
   if (work.block.band != nullptr) {
+    if (work.block.band->digests.empty()) return;
     sink_.add_plane_digests(work.block.band->digests.subspan(
         static_cast<std::size_t>(first), static_cast<std::size_t>(layer.size().z)));
     return;

@@ -73,7 +73,7 @@ class TierEncoder {
   void restore_parents(std::span<const std::int64_t> parents);
 
   /// Starts to encode the next block of the tier, or of a band its bricks, behind those started
-  /// before. Bands are of tier 0, where no voxel may differ.
+  /// before. Bands are of tier 0; their bricks hold then what they became.
   /// brings_model  gives the model to the writer before the block's first brick, and ends a group
   ///               behind its last
   /// when_done     called once, from any thread, when the block is not looked at any more

@@ -33,6 +33,7 @@ BrickView view_of(const VoxelBlock& block, const Box& box) {
 }
 
 std::uint32_t content_hash_of(const VoxelBlock& block) {
+  if (block.codes_crc) return *block.codes_crc;
   if (block.floats == nullptr) return block.crc;
   const auto bytes =
       static_cast<std::size_t>(block.size.voxel_count() * bytes_per_voxel(block.type));

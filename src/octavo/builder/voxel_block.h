@@ -14,14 +14,17 @@
 
 namespace octavo {
 
-/// A run of bricks of a block whose planes are not in memory.
+/// Bricks of a block whose planes are not in memory: a run of them in file order, or rows of a
+/// layer, x fastest.
 struct BrickBand {
-  std::size_t first = 0;                       ///< its first brick among those of the block
-  std::vector<std::size_t> numbers;            ///< of its bricks among those of the block
-  std::vector<Index3> bricks;                  ///< in file order
+  std::size_t first = 0;                       ///< how many of the block come before them
+  std::vector<std::size_t> numbers;            ///< in file order among those of the block
+  std::vector<Index3> bricks;
   std::vector<BrickView> views;                ///< of each brick
   std::vector<std::vector<std::byte>> voxels;  ///< what the views look at
-  std::span<const Sha256Digest> digests;       ///< of all planes of the block
+  std::vector<BrickView> float_views;          ///< of VoxelBlock::floats, where there are any
+  std::vector<std::vector<float>> floats;
+  std::span<const Sha256Digest> digests;  ///< of all planes of the block; none where voxels change
 };
 
 /// Planes first_plane .. first_plane + size.z - 1 of the finest level of a tier, [z][y][x].
@@ -34,7 +37,8 @@ struct VoxelBlock {
   /// The float voxels that the integers stand for, [z][y][x], where these do not say all of them.
   const float* floats = nullptr;
   std::uint32_t crc = 0;  ///< CRC-32C of the floats if there are any, else of the voxels
-  const BrickBand* band = nullptr;  ///< the bricks that are there, where `voxels` is null
+  BrickBand* band = nullptr;  ///< the bricks that are there, where `voxels` is null
+  std::optional<std::uint32_t> codes_crc = {};  ///< then, where floats stand beside codes
 };
 
 /// The voxels of `box` (in the tier's samples), which lies in the block.

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string_view>
 
-#include "octavo/builder/band_reader.h"
+#include "octavo/builder/band_encoder.h"
 #include "octavo/builder/build_memory.h"
 #include "octavo/builder/build_setup.h"
 #include "octavo/builder/group_reader.h"
@@ -131,7 +131,8 @@ BuildPlan plan_build(PlaneSource& source, const BuildOptions& options, Progress&
   GroupTrainer trainer(outline.description, outline.levels, workers, outline.settings);
   plan.codec_check = codec_check();
   if (band_bytes > 0) {
-    BandReader bands(outline.planes(source), outline.levels, 0, first_planes, band_bytes, progress);
+    BandReader bands(outline.planes(source), outline.levels, 0, first_planes,
+                     band_cut(outline, band_bytes), progress);
     plan.content_hash = content_hash_of(bands.group());
     plan.first_model = trainer.train(bands.training_bricks(), bands.group().type).serialized;
   } else {

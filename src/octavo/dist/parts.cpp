@@ -86,19 +86,18 @@ struct GroupWork {
   Workers& workers;
   GroupTrainer& trainer;
   PartWriter& writer;
+  Storage& storage;
+  std::string folder;  ///< of scratch files
   Progress& progress;
-
-  TierEncoder encoder() const {
-    return {outline.levels, 0,        outline.description.codec_type(), workers, writer,
-            progress,       outline.bound};
-  }
 };
 
 /// As in a whole build the next group is read and trained on while one is encoded.
 void encode_groups(const GroupWork& work, std::int64_t first_group, std::int64_t end_group) {
-  GroupReader reader(work.planes, work.outline.levels, work.progress, work.outline.float_voxels(),
+  const BuildOutline& outline = work.outline;
+  GroupReader reader(work.planes, outline.levels, work.progress, outline.float_voxels(),
                      first_plane_of(work.plan, first_group), first_plane_of(work.plan, end_group));
-  TierEncoder encoder = work.encoder();
+  TierEncoder encoder(outline.levels, 0, outline.description.codec_type(), work.workers,
+                      work.writer, work.progress, outline.bound);
   for (std::int64_t group = first_group; group < end_group; ++group) {
     const VoxelBlock block = reader.next();
     encoder.check();
@@ -111,16 +110,16 @@ void encode_groups(const GroupWork& work, std::int64_t first_group, std::int64_t
 
 void encode_groups_in_bands(const GroupWork& work, std::int64_t first_group,
                             std::int64_t end_group, std::uint64_t band_bytes) {
-  std::unique_ptr<BandReader> bands;  // longer than who encodes its bricks
-  TierEncoder encoder = work.encoder();
+  const BandCut cut = band_cut(work.outline, band_bytes);
+  BandEncoder encoder(work.outline, work.workers, work.writer, work.storage, work.folder,
+                      work.progress);
   for (std::int64_t group = first_group; group < end_group; ++group) {
-    bands = std::make_unique<BandReader>(work.planes, work.outline.levels,
-                                         first_plane_of(work.plan, group),
-                                         first_plane_of(work.plan, group + 1), band_bytes,
-                                         work.progress);
+    const auto bands = std::make_shared<BandReader>(
+        work.planes, work.outline.levels, first_plane_of(work.plan, group),
+        first_plane_of(work.plan, group + 1), cut, work.progress);
     const Model& model = work.trainer.train(bands->training_bricks(), bands->group().type);
     if (group == 0) require_first_voxels(work.plan, bands->group(), model);
-    encode_bands(*bands, model, encoder);
+    encoder.encode(bands, model);
   }
 }
 
@@ -156,7 +155,8 @@ void build_part(const BuildPlan& plan, PlaneSource& source, std::int64_t first_g
   Workers workers(threads, work.threads_of_all);
   GroupTrainer trainer(outline.description, levels, workers, outline.settings);
   if (first_group > 0) trainer.begin_with(plan.first_model);
-  const GroupWork groups{plan, outline, outline.planes(source), workers, trainer, writer, progress};
+  const GroupWork groups{plan,    outline, outline.planes(source), workers, trainer, writer,
+                         storage, folder_of(path), progress};
   if (band_bytes > 0) encode_groups_in_bands(groups, first_group, end_group, band_bytes);
   else encode_groups(groups, first_group, end_group);
   clipped_of(outline, work.on_clipped);
