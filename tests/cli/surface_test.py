@@ -139,6 +139,27 @@ class Surfaces(cli_test.InFolder):
             return json.loads(texts[0].split("report ")[1])
         return json.loads(data.split(b"report ")[1].split(b"\n")[0])
 
+    def test_points_of_glb_have_16_bits_within_the_deviation(self):
+        for words, number, extensions in [
+                ([], 5126, ["KHR_mesh_quantization", "EXT_meshopt_compression"]),
+                (["--max-deviation", "0.1"], 5123,
+                 ["KHR_mesh_quantization", "EXT_meshopt_compression"]),
+                (["--max-deviation", "1e-6"], 5126,
+                 ["KHR_mesh_quantization", "EXT_meshopt_compression"]),
+                (["--max-deviation", "0.1", "--plain"], 5126, None)]:
+            report = self.json("surface", "mask.8vo", "-o", "m.glb", "-f", *words)
+            self.assertEqual(report["max_deviation_mm"], float(words[1]) if words else 0)
+            data = (self.folder / "m.glb").read_bytes()
+            (size,) = struct.unpack_from("<I", data, 12)
+            file = json.loads(data[20:20 + size])
+            (primitive,) = file["meshes"][0]["primitives"]
+            positions = file["accessors"][primitive["attributes"]["POSITION"]]
+            self.assertEqual(positions["componentType"], number)
+            self.assertEqual(positions["count"], report["points"])
+            self.assertEqual(file["accessors"][primitive["indices"]]["count"],
+                             3 * report["triangles"])
+            self.assertEqual(file.get("extensionsRequired"), extensions)
+
     def test_a_report_is_written_with_its_surface_or_not_at_all(self):
         self.expect(0, "surface", "mask.8vo", "-o", "m.stl", "--report", "m.json", "-q")
         before = {path.name: path.read_bytes() for path in self.folder.iterdir()}

@@ -14,6 +14,7 @@
 #include "octavo/core/text.h"
 #include "octavo/mesh/decimation.h"
 #include "octavo/mesh/extraction.h"
+#include "octavo/mesh/formats/grid_mesh.h"
 #include "octavo/mesh/formats/mesh_bytes.h"
 #include "octavo/mesh/mesh_normals.h"
 #include "octavo/mesh/mesh_pieces.h"
@@ -172,18 +173,38 @@ double deviation_mm(const AskedDeviation& asked, const Geometry& geometry) {
   return asked.amount * (asked.is_in_voxels ? std::min({x, y, z}) : 1);
 }
 
-/// Takes triangles away as far as the deviation allows.
-void reduce_mesh(TriangleMesh& mesh, const Geometry& geometry, const TaskContext& context,
-                 SurfaceResult& result) {
+/// A grid for what lies within the deviation of a mesh; nothing where its steps take much of that.
+std::optional<PointGrid> grid_within(const TriangleMesh& mesh, double deviation_mm) {
+  constexpr double kShare = 0.25;
+  const PointGrid grid = PointGrid::around(mesh, deviation_mm);
+  if (grid.largest_move_mm() > kShare * deviation_mm) return std::nullopt;
+  return grid;
+}
+
+/// Takes triangles away as far as the deviation allows, less what moving points to a grid takes.
+/// Returns the grid that the points lie on in the end, if any
+std::optional<PointGrid> reduce_mesh(TriangleMesh& mesh, const Geometry& geometry,
+                                     bool wants_grid, const TaskContext& context,
+                                     SurfaceResult& result) {
   require_numbered(mesh.triangles.size());
   constexpr std::uint64_t kBytesPerPoint = 400;
   context.require_memory(kBytesPerPoint * mesh.points.size(), "the surface");
+  const double deviation = result.max_deviation_mm;
+  std::optional<PointGrid> grid;
+  if (wants_grid) grid = grid_within(mesh, deviation);
+  if (grid) result.max_deviation_mm -= grid->largest_move_mm();
   Decimated reduced;
+  std::optional<TriangleMesh> moved;
   context.on_threads([&] {
     reduced = decimate(mesh, {result.max_deviation_mm, geometry}, context.watcher());
+    if (!grid || reduced.crossing_triangles > 0) return;
+    moved = mesh_on_grid(reduced.mesh, *grid, context.watcher());
   });
-  mesh = std::move(reduced.mesh);
   result.crossing_triangles = reduced.crossing_triangles;
+  if (moved) result.max_deviation_mm = deviation;
+  else grid.reset();
+  mesh = moved ? *std::move(moved) : std::move(reduced.mesh);
+  return grid;
 }
 
 /// The smallest and the largest of each coordinate.
@@ -235,7 +256,11 @@ SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context)
   result.voxel_digest = reader->voxel_digest();
   result.full_triangle_count = mesh.triangles.size();
   result.max_deviation_mm = deviation_mm(options.max_deviation, geometry);
-  if (result.max_deviation_mm > 0) reduce_mesh(mesh, geometry, context, result);
+  std::optional<PointGrid> grid;
+  if (result.max_deviation_mm > 0) {
+    const bool wants_grid = format == MeshFormat::glb && !options.is_plain;
+    grid = reduce_mesh(mesh, geometry, wants_grid, context, result);
+  }
   result.point_count = mesh.points.size();
   result.triangle_count = mesh.triangles.size();
   context.on_threads([&] { result.check = check_mesh(mesh); });
@@ -257,6 +282,7 @@ SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context)
                                   .comments = comments,
                                   .report = surface_report(options, result).text(),
                                   .space = options.space,
+                                  .grid = grid,
                                   .is_plain = options.is_plain};
   result.file_bytes =
       write_surface(described, format, options.output, options.report_path, context);
