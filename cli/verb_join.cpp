@@ -96,6 +96,7 @@ JoinStep step_of(const std::string& name) {
 }
 
 std::string step_words(const JoinStepResult& done, JoinStep step, const std::string& path) {
+  if (done.is_done) return fmt::format("{}: is joined already\n", path);
   if (step == JoinStep::seal) return fmt::format("{}: {}\n", path, bytes_text(done.file_bytes));
   const std::string left = fmt::format("{} of {} to be copied", done.uncopied.size(),
                                        counted_text(done.part_count, "part"));

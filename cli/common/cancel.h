@@ -1,10 +1,10 @@
-// Ctrl-C and SIGTERM: ask running work to stop, so that it can tidy up.
+// Ctrl-C, SIGTERM and SIGHUP: ask running work to stop, so that it can tidy up.
 #pragma once
 
 namespace octavo::cli {
 
-/// Takes over SIGINT and SIGTERM and ignores SIGPIPE and SIGXFSZ, which become errors of the write
-/// that met them. A signal ends the program at once with
+/// Takes over SIGINT, SIGTERM and, unless it is ignored already, SIGHUP; ignores SIGPIPE and
+/// SIGXFSZ, which become errors of the write that met them. A signal ends the program at once with
 /// 128 + signal, except while a CancellableWork lives: then the first one only asks the work to
 /// stop.
 void install_signal_handlers();

@@ -12,7 +12,7 @@ namespace octavo::cli {
 /// the program at once.
 TaskContext brief_task(Context& context);
 
-/// While it lives, SIGINT and SIGTERM ask the task to stop.
+/// While it lives, SIGINT, SIGTERM and SIGHUP ask the task to stop.
 class TaskRun {
  public:
   explicit TaskRun(Context& context);

@@ -567,7 +567,7 @@ class Results(InFolder):
 
 class Stopping(InFolder):
     def test_signals_stop_a_build_and_leave_nothing(self):
-        for number in [signal.SIGTERM, signal.SIGINT]:
+        for number in [signal.SIGTERM, signal.SIGINT, signal.SIGHUP]:
             with self.subTest(number):
                 process = subprocess.Popen(
                     [OCTAVO, "phantom", "--size", "700", "--noise", "30", "-o", "big.8vo",
@@ -578,6 +578,15 @@ class Stopping(InFolder):
                 self.assertEqual(process.returncode, 128 + number, errors)
                 self.assertEqual(errors.count("\n"), 1, errors)
                 self.assertEqual(self.files(), [])
+
+    def test_under_nohup_a_terminal_that_closes_ends_nothing(self):
+        process = subprocess.Popen(
+            [OCTAVO, "phantom", "--size", "300", "--noise", "30", "-o", "big.8vo", "-q"],
+            cwd=self.folder, preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
+        processor_time.let_run(process, 0.2)
+        process.send_signal(signal.SIGHUP)
+        self.assertEqual(process.wait(), 0)
+        self.assertEqual(self.files(), ["big.8vo"])
 
 
 if __name__ == "__main__":

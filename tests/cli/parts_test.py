@@ -147,12 +147,20 @@ class JoinedInOtherWays(InParts):
         self.step(0, "--step", "copy", "--part", "1")
         told = json.loads(self.step(0, "--step", "copy", "--json", PBS_ARRAY_INDEX="2").stdout)
         self.assertEqual((told["copied"], told["uncopied"]), ([2], [0]))
-        self.step(5, "--step", "seal")
+        self.assertIn("1 of 3 parts was not copied: 0", self.step(5, "--step", "seal").stderr)
         self.assertNotIn("scan.8vo", self.files())
         self.step(0, "--step", "copy")
         self.step(0, "--step", "seal")
         self.assertEqual(self.bytes_of("scan.8vo"), self.whole)
         self.step(0, "--step", "seal")
+        self.assertIn("is joined already", self.step(0, "--step", "copy", "--part", "1").stdout)
+        self.assertEqual([name for name in self.files() if name.startswith(".")], [])
+
+    def test_a_join_in_one_leaves_nothing_of_one_in_steps(self):
+        self.step(0, "--step", "layout")
+        self.step(0, "--step", "copy", "--part", "1")
+        self.step(0)
+        self.assertEqual(self.bytes_of("scan.8vo"), self.whole)
         self.assertEqual([name for name in self.files() if name.startswith(".")], [])
 
     def test_a_file_of_an_earlier_state_of_the_source_is_not_taken_for_sealed(self):
@@ -340,6 +348,11 @@ class Rejected(InParts):
         said = self.part(7, "--part", "1")
         self.assertIn("scan.raw: was changed after the build was planned", said.stderr)
         self.assertNotIn("scan.part-0001-of-0003", self.files())
+
+    def test_a_source_that_is_gone_is_not_the_planned_one(self):
+        (self.folder / "scan.raw").unlink()
+        said = self.part(7, "--part", "1")
+        self.assertIn("scan.raw: is missing", said.stderr)
 
     def test_parts_given_one_by_one_may_have_any_name_but_come_once(self):
         self.part(0, "--part", "1", "-q")

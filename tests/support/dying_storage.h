@@ -20,6 +20,9 @@ class DyingStorage final : public Storage {
  public:
   DyingStorage(Storage& storage, std::size_t fail_at) : storage_(storage), fail_at_(fail_at) {}
 
+  /// Of a file system without locks.
+  void lose_locks() { has_locks_ = false; }
+
   std::size_t calls() const { return calls_; }
   bool is_dead() const { return fail_at_ > 0 && calls_ >= fail_at_; }
 
@@ -34,7 +37,11 @@ class DyingStorage final : public Storage {
     return file(storage_.create_replacement(counted(path), target));
   }
   std::unique_ptr<StorageFile> open_update(const std::string& path) override {
+    if (!has_locks_) return nullptr;
     return file(storage_.open_update(counted(path)));
+  }
+  bool has_locks(const std::string& path) override {
+    return has_locks_ && storage_.has_locks(path);
   }
   std::unique_ptr<StorageFile> open_shared(const std::string& path) override {
     return file(storage_.open_shared(counted(path)));
@@ -57,6 +64,8 @@ class DyingStorage final : public Storage {
   void sync_folder(const std::string& folder) override { counted(folder); }
 
  private:
+  bool has_locks_ = true;
+
   class File final : public StorageFile {
    public:
     File(DyingStorage& storage, std::unique_ptr<StorageFile> file)

@@ -136,7 +136,7 @@ bool has_header_of(const BuildPlan& plan, Storage& storage, const std::string& p
 
 /// Whether the file of a plan stands under its name, from which every mark has been removed. What
 /// is older than a file of the source was made of another state of it.
-bool is_joined(const BuildPlan& plan, Storage& storage, const std::string& path) {
+bool is_joined_and_clear(const BuildPlan& plan, Storage& storage, const std::string& path) {
   if (!has_header_of(plan, storage, path)) return false;
   if (!storage.list(join_prefix(path) + kSealedEnding).empty()) return false;
   if (plan.files.empty()) return true;
@@ -210,6 +210,15 @@ std::string joined_name(const std::string& path) { return join_prefix(path); }
 bool is_sealed(const BuildPlan& plan, Storage& storage, const std::string& path) {
   return storage.exists(sealed_name(path, plan)) && !find_layout(plan, storage, path) &&
          has_header_of(plan, storage, path);
+}
+
+bool is_joined(const BuildPlan& plan, Storage& storage, const std::string& path) {
+  return is_sealed(plan, storage, path) || is_joined_and_clear(plan, storage, path);
+}
+
+void discard_steps(const BuildPlan& plan, Storage& storage, const std::string& path) {
+  if (storage.list(joined_name(path)).empty()) return;
+  if (!is_begun_by_another(plan, storage, path)) discard_join(storage, path);
 }
 
 std::vector<PartPlace> parts_of(const JoinLayout& layout) {
@@ -395,10 +404,10 @@ std::uint64_t seal_join(const BuildPlan& plan, Storage& storage, const std::stri
   const std::optional<JoinLayout> layout = find_layout(plan, storage, path);
   if (!layout) {
     // The name was given already, or nothing was begun.
-    if (!is_sealed(plan, storage, path) && !is_joined(plan, storage, path)) {
+    if (!is_joined(plan, storage, path)) {
       throw Error(ErrorKind::io, "nothing is laid out for this plan", path);
     }
-    if (!is_begun_by_another(plan, storage, path)) discard_join(storage, path);
+    discard_steps(plan, storage, path);
     return storage.open_read(path)->size();
   }
   const std::vector<PartPlace> missing = uncopied_parts(*layout, storage, path);

@@ -65,6 +65,16 @@ std::string joined_name(const std::string& path);
 /// Throws Error{io}
 bool is_sealed(const BuildPlan& plan, Storage& storage, const std::string& path);
 
+/// Whether the file of a plan stands under its name: by the mark that it was sealed, or by its
+/// header where it is no older than the files of the source.
+/// Throws Error{io}
+bool is_joined(const BuildPlan& plan, Storage& storage, const std::string& path);
+
+/// Removes what steps of a join have left beside a name, unless a join by another plan has begun
+/// there.
+/// Throws Error{io}
+void discard_steps(const BuildPlan& plan, Storage& storage, const std::string& path);
+
 /// The layout that stands there for a plan; nothing where none does.
 /// Throws Error{io}
 std::optional<JoinLayout> find_layout(const BuildPlan& plan, Storage& storage,
@@ -87,8 +97,7 @@ void copy_part(const BuildPlan& plan, const std::shared_ptr<PartFile>& part, Sto
 std::vector<PartPlace> uncopied_parts(const JoinLayout& layout, Storage& storage,
                                       const std::string& path);
 
-/// Gives the file its name and removes what stood beside it. Where it has its name, nothing is
-/// done: by its mark, or by its header where it is no older than the files of the source.
+/// Gives the file its name and removes what stood beside it. Where it is_joined, nothing is done.
 /// Returns the length of the file
 /// Throws  Error{io} that names the parts that were not copied; as FileWriter
 std::uint64_t seal_join(const BuildPlan& plan, Storage& storage, const std::string& path,

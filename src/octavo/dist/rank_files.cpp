@@ -12,11 +12,13 @@ namespace octavo {
 
 namespace {
 
-// Rank 0 locks the growing file, which nobody else can while the job runs.
+// Rank 0 locks the growing file, which nobody else can while the job runs. Where the file system
+// has no locks nothing tells whether another job works.
 std::unique_ptr<StorageFile> lock_growing(Storage& storage, const std::string& path,
                                           bool discards) {
   const std::string name = ranks_name(path);
   auto file = storage.open_update(name);
+  if (!file && storage.exists(name) && !storage.has_locks(name)) file = storage.open_shared(name);
   if (!file && storage.exists(name)) {
     throw Error(ErrorKind::io,
                 "is being built by another job (" + base_name_of(name) +

@@ -244,6 +244,16 @@ TEST_F(RankBuild, TwoJobsDoNotWorkOnOneFile) {
       {"a.8vo", "another job"});
 }
 
+TEST_F(RankBuild, AJobIsContinuedWhereFilesCannotBeLocked) {
+  undying_.lose_locks();
+  const BuildOptions options = ranked_options(Preset::fast);
+  const OpenSource sound = ranked_texture(VoxelType::int16);
+  failure_of([&] { build(2, torn_source, options); }, ErrorKind::source_rejected);
+  EXPECT_GT(build(3, sound, options).resumed_planes, 0);
+  EXPECT_TRUE(testing::bytes_of_file(path()) == whole(sound, options));
+  EXPECT_EQ(file_count(), 1u);
+}
+
 TEST_F(RankBuild, AnExistingFileStays) {
   const OpenSource open = ranked_texture(VoxelType::int16);
   const BuildOptions options = ranked_options(Preset::fast);

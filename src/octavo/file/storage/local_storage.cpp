@@ -321,6 +321,20 @@ class LocalStorage final : public Storage {
     throw Error(ErrorKind::io, "cannot open: not a regular file", path);
   }
 
+  bool has_locks(const std::string& path) override {
+    LocalFile tried(path);
+    const bool is_open = tried.open(path, O_RDONLY | O_NONBLOCK) ||
+                         tried.open(folder_of(path), O_RDONLY | O_DIRECTORY);
+    if (!is_open) return true;
+    const int result =
+        uninterrupted([&] { return ::flock(tried.descriptor(), LOCK_SH | LOCK_NB); });
+    return result == 0 || errno == EWOULDBLOCK;
+  }
+
+  std::unique_ptr<StorageFile> lock_left(const std::string& path) override {
+    return lock_named(path);
+  }
+
   std::unique_ptr<StorageFile> create_scratch(const std::string& folder) override {
     auto file = std::make_unique<LocalFile>(folder + " (scratch file)");
     if (file->open(folder, O_RDWR | O_TMPFILE, 0600)) return file;

@@ -52,6 +52,10 @@ std::unique_ptr<StorageFile> Storage::create_folder(const std::string& path, con
   throw Error(ErrorKind::io, "cannot make the folder: this storage has none", path);
 }
 
+bool Storage::has_locks(const std::string&) { return true; }
+
+std::unique_ptr<StorageFile> Storage::lock_left(const std::string&) { return nullptr; }
+
 std::unique_ptr<StorageFile> Storage::lock_folder(const std::string&) { return nullptr; }
 
 void Storage::remove_stale(const std::string&) noexcept {}

@@ -58,6 +58,12 @@ class Storage {
   /// The same of a file that another process has locked with whom this one works on it, and that
   /// stays locked by that one alone; Error{io} when there is none, and unless overridden.
   virtual std::unique_ptr<StorageFile> open_shared(const std::string& path);
+  /// Whether files beside `path`, or it itself, can be locked: some network file systems have no
+  /// locks. Unless overridden, true.
+  virtual bool has_locks(const std::string& path);
+  /// Locks what stands at `path`, a file or a folder, while what is returned lives; null where
+  /// somebody has the lock, where the file system has none, and unless overridden.
+  virtual std::unique_ptr<StorageFile> lock_left(const std::string& path);
   /// A nameless scratch file in `folder` that vanishes when closed.
   virtual std::unique_ptr<StorageFile> create_scratch(const std::string& folder) = 0;
   virtual bool exists(const std::string& path) = 0;

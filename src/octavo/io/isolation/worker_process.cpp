@@ -77,7 +77,7 @@ class SpawnPlan {
     sigset_t ignored;
     sigemptyset(&none);
     sigemptyset(&ignored);
-    for (const int number : {SIGPIPE, SIGINT, SIGTERM, SIGABRT, SIGXCPU, SIGXFSZ}) {
+    for (const int number : {SIGPIPE, SIGINT, SIGTERM, SIGHUP, SIGABRT, SIGXCPU, SIGXFSZ}) {
       sigaddset(&ignored, number);
     }
     posix_spawnattr_setsigmask(&attributes_, &none);

@@ -8,6 +8,8 @@
 
 #include "octavo/core/error.h"
 #include "octavo/core/json_text.h"
+#include "octavo/core/url_text.h"
+#include "octavo/dist/source_stamp.h"
 #include "octavo/file/open_file.h"
 #include "octavo/tasks/files/part_result.h"
 #include "octavo/tasks/inputs.h"
@@ -76,9 +78,15 @@ Damage damage_of(const JsonObject& line, int& step) {
   return damage;
 }
 
-std::vector<JsonObject> lines_of(const VerifiedPart& found) {
+/// When a file was written, which a copy that was made later does not share; 0 behind a URL.
+std::int64_t written_ns(const std::string& path) {
+  return is_url(path) ? 0 : stamps_of({path}).front().written_ns;
+}
+
+std::vector<JsonObject> lines_of(const VerifiedPart& found, std::int64_t written) {
   const VerifyReport& report = found.report;
   JsonObject counts;
+  counts.set("written_ns", std::vector<std::int64_t>{written});
   counts.set("build_id", hex_digits(found.file.build_id));
   counts.set("voxel_digest", std::vector<int>(found.file.voxel_digest.begin(),
                                               found.file.voxel_digest.end()));
@@ -148,12 +156,13 @@ VerifiedFile verified_file_of(const ByteSource& source, const OpenFile& file) {
 
 VerifiedPart verify_volume_part(const VerifyPartOptions& options, const TaskContext& context) {
   require_free(options.output);
+  const std::int64_t written = written_ns(options.input);
   VerifiedPart found = with_verify_options(
       options.input, context,
       [&](const std::shared_ptr<const ByteSource>& source, const VerifyOptions& verifying) {
         return verify_part(source, options.part, verifying, context.watcher());
       });
-  write_part_result(options.output, kVerifyKind, options.part, lines_of(found));
+  write_part_result(options.output, kVerifyKind, options.part, lines_of(found, written));
   return found;
 }
 
@@ -162,9 +171,13 @@ VerifyVolumeResult join_verified(const JoinVerifiedOptions& options, const TaskC
   const std::shared_ptr<const ByteSource> source = open_input(options.input, context);
   const OpenFile file(source, {});
   const VerifiedFile verified = verified_file_of(*source, file);
+  const std::int64_t written = written_ns(options.input);
   for (const std::string& path : options.parts) {
-    parts.push_back(verified_part_of(read_part_result(path, kVerifyKind, context)));
-    if (parts.back().file == verified) continue;
+    const FoundPart found = read_part_result(path, kVerifyKind, context);
+    parts.push_back(verified_part_of(found));
+    const bool is_as_written =
+        integers_in(found.lines.front(), "written_ns", 1).front() == written;
+    if (is_as_written && parts.back().file == verified) continue;
     throw Error(ErrorKind::invalid_argument,
                 "is of another file than " + options.input + ", or of an earlier state of it",
                 path);

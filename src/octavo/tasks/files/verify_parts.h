@@ -28,7 +28,8 @@ struct JoinVerifiedOptions {
 
 /// What verify_volume says of the file.
 /// Throws  as joined_report, read_part_result and for `input` as open_volume;
-///         Error{invalid_argument} for parts of another file
+///         Error{invalid_argument} for parts of another file, by what it says of itself and by the
+///         time at which it was written
 VerifyVolumeResult join_verified(const JoinVerifiedOptions& options, const TaskContext& context);
 
 }  // namespace octavo

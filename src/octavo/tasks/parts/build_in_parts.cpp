@@ -1,9 +1,5 @@
 #include "octavo/tasks/parts/build_in_parts.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -29,25 +25,22 @@ namespace {
 
 constexpr const char* kPlanName = "scan.plan";  // that parts have their names from
 
-/// Whether nobody works in a folder of parts any more.
-bool is_left_behind(const std::string& folder) {
-  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-  if (descriptor < 0) return false;
-  bool is_left = ::flock(descriptor, LOCK_EX | LOCK_NB) == 0;
+/// Whether a folder holds parts and nothing else.
+bool holds_parts_alone(const std::string& folder) {
   std::error_code problem;
   for (const auto& entry : std::filesystem::directory_iterator(folder, problem)) {
     const std::string name = entry.path().filename().string();
-    is_left = is_left && name.find("scan.part-") <= 1;  // one that grows begins with a dot
+    if (name.find("scan.part-") > 1) return false;  // one that grows begins with a dot
   }
-  ::close(descriptor);
-  return is_left && !problem;
+  return !problem;
 }
 
-/// Removes what killed builds of `output` left.
+/// Removes what killed builds of `output` left: folders of parts in which nobody works any more.
 void remove_left_parts(const std::string& output) {
   std::error_code none;
   for (const std::string& name : list_temporaries(local_storage(), output)) {
-    if (is_left_behind(name)) std::filesystem::remove_all(name, none);
+    const auto lock = local_storage().lock_left(name);
+    if (lock && holds_parts_alone(name)) std::filesystem::remove_all(name, none);
   }
 }
 

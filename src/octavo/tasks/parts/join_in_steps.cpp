@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "octavo/core/error.h"
+#include "octavo/core/text.h"
 #include "octavo/dist/join_steps.h"
 #include "octavo/dist/parts.h"
 #include "octavo/file/storage/storage.h"
@@ -80,6 +81,19 @@ void copy_numbers(const JoinStepOptions& options, const BuildPlan& plan, const J
   }
 }
 
+/// Says which parts are missing in a file that is laid out.
+void require_all_copied(const BuildPlan& plan, const JoinOptions& options) {
+  const std::string& path = options.output.path;
+  const auto layout = find_layout(plan, local_storage(), path);
+  if (!layout) return;
+  const std::vector<std::int64_t> left = uncopied_numbers(plan, *layout, path);
+  if (left.empty()) return;
+  throw Error(ErrorKind::io,
+              std::to_string(left.size()) + " of " + counted_text(plan.part_count, "part") +
+                  (left.size() == 1 ? " was" : " were") + " not copied: " + part_list_text(left),
+              path);
+}
+
 }  // namespace
 
 JoinStepResult join_step(const JoinStepOptions& options, const TaskContext& context) {
@@ -88,10 +102,17 @@ JoinStepResult join_step(const JoinStepOptions& options, const TaskContext& cont
   JoinStepResult result;
   result.part_count = plan.part_count;
   if (options.step == JoinStep::seal) {
+    require_all_copied(plan, options.join);
     result.file_bytes = seal_join(plan, local_storage(), output.path, output.overwrite);
     return result;
   }
   const bool is_layout = options.step == JoinStep::layout;
+  if (!is_layout && !find_layout(plan, local_storage(), output.path) &&
+      is_joined(plan, local_storage(), output.path)) {
+    result.file_bytes = local_storage().open_read(output.path)->size();
+    result.is_done = true;
+    return result;
+  }
   if (is_layout) require_joined_name(output);
   const JoinLayout layout = is_layout ? laid_out(plan, options.join, context)
                                       : required_layout(plan, output.path);

@@ -27,6 +27,7 @@ struct JoinStepResult {
   std::int64_t part_count = 0;
   std::vector<std::int64_t> copied;    ///< by this step
   std::vector<std::int64_t> uncopied;  ///< that are still to be copied
+  bool is_done = false;  ///< the file had its name before this step, which did nothing
 };
 
 /// One step. Done again it changes nothing.

@@ -80,6 +80,7 @@ BuiltVolume join_planned(const BuildPlan& plan, const std::vector<std::string>& 
   BuiltVolume joined{plan.source, plan.options.kind, {}};
   joined.build = join_parts(plan, std::move(parts), local_storage(), output.path, output.overwrite,
                             {context.threads, context.max_memory_bytes}, context.watcher());
+  discard_steps(plan, local_storage(), output.path);
   return joined;
 }
 

@@ -1,5 +1,6 @@
 #include "octavo/tasks/parts/make_parts.h"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "octavo/builder/build_setup.h"
@@ -58,6 +59,18 @@ bool is_kept(const BuildPlan& plan, std::int64_t part, const std::string& path,
   }
 }
 
+/// Where a file of the plan is gone the source is not the one that was planned.
+Error about_planned(const Error& error, const BuildPlan& plan) {
+  const bool is_planned = std::ranges::find(plan.files, error.path(), &SourceStamp::path) !=
+                          plan.files.end();
+  const bool is_gone = error.kind() == ErrorKind::io && is_planned &&
+                       local_storage().path_type(error.path()) == PathType::missing;
+  if (!is_gone) return about_scan(error, plan.inputs.front());
+  return Error(ErrorKind::source_rejected,
+               "is missing, and was there when the build was planned; restore it, or plan again",
+               error.path());
+}
+
 }  // namespace
 
 MadePart make_part(const BuildPlan& plan, std::int64_t part, const std::string& path,
@@ -72,7 +85,7 @@ MadePart make_part(const BuildPlan& plan, std::int64_t part, const std::string& 
                 threads_of_all},
                context.watcher());
   } catch (const Error& error) {
-    throw about_scan(error, plan.inputs.front());
+    throw about_planned(error, plan);
   }
   return {part, path, local_storage().open_read(path)->size(), false};
 }

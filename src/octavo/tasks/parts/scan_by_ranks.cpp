@@ -29,6 +29,12 @@ BuildPlan plan_for_all(const ScanByRanksOptions& options, Communicator& ranks,
   return parse_plan({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
+/// Said once: nothing else keeps two jobs apart.
+void note_missing_locks(const std::string& path, const TaskContext& context) {
+  if (local_storage().has_locks(folder_of(path))) return;
+  context.note(path + ": its file system has no locks, so no other job may build it meanwhile");
+}
+
 void note_resumed(const BuildPlan& plan, const BuildResult& build, const std::string& path,
                   const TaskContext& context) {
   if (build.resumed_planes == 0) return;
@@ -43,6 +49,7 @@ BuiltByRanks scan_by_ranks(const ScanByRanksOptions& options, Communicator& rank
   const auto start = std::chrono::steady_clock::now();
   const Output& output = options.scan.output;
   const BuildPlan plan = plan_for_all(options, ranks, context);
+  if (ranks.is_first()) note_missing_locks(output.path, context);
   RankBuildOptions by_ranks;
   by_ranks.gather = options.gather;
   by_ranks.overwrite = output.overwrite;

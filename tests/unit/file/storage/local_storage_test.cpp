@@ -231,6 +231,23 @@ TEST_F(LocalStorage, LocksAreWaitedForAndDoneWithout) {
   }
 }
 
+TEST_F(LocalStorage, AFileSystemWithoutLocksIsToldFromAFileThatIsLocked) {
+  write_text("a");
+  EXPECT_TRUE(storage_.has_locks(path("a")));
+  EXPECT_TRUE(storage_.has_locks(folder_));
+  for (const int code : {ENOSYS, ENOTSUP, ENOLCK, EINVAL}) {
+    set_faults({.call = "flock", .code = code, .always = true});
+    EXPECT_FALSE(storage_.has_locks(path("a"))) << code;
+    EXPECT_FALSE(storage_.has_locks(folder_)) << code;
+    EXPECT_EQ(storage_.lock_left(path("a")), nullptr) << code;
+    end_faults();
+  }
+  const auto held = storage_.lock_left(path("a"));
+  ASSERT_NE(held, nullptr);
+  EXPECT_TRUE(storage_.has_locks(path("a")));
+  EXPECT_EQ(storage_.lock_left(path("a")), nullptr);
+}
+
 TEST_F(LocalStorage, EveryFailingCallIsReportedWithItsPath) {
   write_text("a");
   const auto file = new_file("open");

@@ -1,5 +1,7 @@
 #include "octavo/tasks/files/verify_parts.h"
 
+#include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 
@@ -72,6 +74,19 @@ TEST_F(VerifyParts, OfAnotherFileAreRejected) {
   const Failure failure = failure_of([&] { join_verified({other, found}, context_); });
   EXPECT_EQ(failure.kind, ErrorKind::invalid_argument);
   EXPECT_NE(failure.detail.find("is of another file than"), std::string::npos);
+}
+
+/// What was found in a file says nothing of a copy, whose bytes may have come otherwise.
+TEST_F(VerifyParts, OfTheFileThatACopyWasMadeOfAreRejected) {
+  const std::vector<std::string> found = found_by(2);
+  const std::string copy = folder_.file("copy.8vo");
+  std::filesystem::copy_file(input_, copy);
+  std::filesystem::last_write_time(
+      copy, std::filesystem::last_write_time(input_) + std::chrono::seconds(1));
+  damage(copy, brick_offset(copy) + 60, 0x55);
+  const Failure failure = failure_of([&] { join_verified({copy, found}, context_); });
+  EXPECT_EQ(failure.kind, ErrorKind::invalid_argument);
+  EXPECT_NE(failure.detail.find("or of an earlier state"), std::string::npos);
 }
 
 /// Any changed byte, any end that is missing.
