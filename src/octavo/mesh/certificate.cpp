@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include "octavo/core/error.h"
 #include "octavo/mesh/point_distance.h"
@@ -15,7 +16,7 @@ namespace octavo {
 
 namespace {
 
-/// A corner of a part of a triangle, and the triangle of the other surface that is nearest to it.
+/// A corner of a part of a triangle, and a triangle of the other surface that is near to it.
 struct NearCorner {
   Point3 place;
   TriangleTree::Nearest nearest;
@@ -23,47 +24,91 @@ struct NearCorner {
 
 using NearCorners = std::array<NearCorner, 3>;
 
+bool is_found(const NearCorner& corner) { return corner.nearest.triangle != TriangleTree::kNone; }
+
+NearCorners unknown(const TrianglePlaces& places) {
+  return {{{places[0], {}}, {places[1], {}}, {places[2], {}}}};
+}
+
+Point3 middle(const NearCorner& a, const NearCorner& b) {
+  return scaled(sum(a.place, b.place), 0.5);
+}
+
+double squared_side(const NearCorner& a, const NearCorner& b) {
+  const Point3 side = difference(a.place, b.place);
+  return dot(side, side);
+}
+
+/// Proves triangles by what `Finder` finds near places:
+/// bool find(place, corners around it, depth, NearCorner& found).
+template <class Finder>
 class Certificate {
  public:
-  Certificate(const TriangleTree& tree, double distance) : tree_(tree), distance_(distance) {}
+  Certificate(const TriangleMesh& other, double distance, const Finder& finder)
+      : other_(other), distance_(distance), finder_(finder) {}
 
-  /// Whether all corners lie within the distance of one triangle.
-  bool is_near(const TrianglePlaces& corners, std::uint32_t triangle) const {
-    const TriangleMesh& mesh = tree_.mesh();
-    const TrianglePlaces places = places_of(mesh, mesh.triangles[triangle]);
-    return std::all_of(corners.begin(), corners.end(), [&](const Point3& corner) {
-      return squared_distance(corner, places) <= distance_ * distance_;
-    });
-  }
-
-  /// The triangle that `hint` names where it is near enough, else the nearest one.
-  NearCorner corner_at(const Point3& place, std::uint32_t hint) const {
-    if (hint != TriangleTree::kNone) {
-      const double own = distance_to(place, hint);
-      if (own <= kNearEnough * distance_) return {place, {hint, own}};
+  bool proves(const NearCorners& corners, int depth) const {
+    if (is_near_one(corners)) return true;
+    // No point of a triangle is farther from the nearest corner than its longest side / sqrt(3).
+    std::size_t at = 0;  // where the longest side begins
+    double longest = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double squared = squared_side(corners[k], corners[(k + 1) % 3]);
+      if (squared <= longest) continue;
+      longest = squared;
+      at = k;
     }
-    return {place, tree_.nearest(place, distance_)};
-  }
-
-  bool proves(const NearCorners& corners) const {
-    return std::all_of(corners.begin(), corners.end(), is_found) && proves(corners, kDepth);
+    const double farthest = std::max({corners[0].nearest.distance, corners[1].nearest.distance,
+                                      corners[2].nearest.distance});
+    if (farthest + std::sqrt(longest) * 0.57736 <= distance_) return true;
+    if (depth == 0) return false;
+    const NearCorner& a = corners[at];
+    const NearCorner& b = corners[(at + 1) % 3];
+    const NearCorner& c = corners[(at + 2) % 3];
+    NearCorner halfway;
+    if (!finder_.find(middle(a, b), corners, depth, halfway)) return false;
+    return proves({a, halfway, c}, depth - 1) && proves({halfway, b, c}, depth - 1);
   }
 
  private:
-  static constexpr int kDepth = 6;
-  static constexpr int kSearchingDepth = 2;   // from which on the nearest is always sought
-  static constexpr double kNearEnough = 0.6;  // of the distance: no nearer triangle is sought
-
-  static bool is_found(const NearCorner& corner) {
-    return corner.nearest.triangle != TriangleTree::kNone;
+  /// Whether all corners lie within the distance of the triangle that one of them has.
+  bool is_near_one(const NearCorners& corners) const {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t number = corners[k].nearest.triangle;
+      if (k > 0 && number == corners[0].nearest.triangle) continue;
+      if (k > 1 && number == corners[1].nearest.triangle) continue;
+      const TrianglePlaces places = places_of(other_, other_.triangles[number]);
+      bool is_near = true;
+      for (std::size_t i = 0; i < 3 && is_near; ++i) {
+        is_near = corners[i].nearest.triangle == number || is_near_to(corners[i].place, places);
+      }
+      if (is_near) return true;
+    }
+    return false;
   }
 
-  double distance_to(const Point3& place, std::uint32_t triangle) const {
-    const TriangleMesh& mesh = tree_.mesh();
-    return std::sqrt(squared_distance(place, places_of(mesh, mesh.triangles[triangle])));
+  bool is_near_to(const Point3& place, const TrianglePlaces& t) const {
+    // From a corner farther than distance and longest side together, by 2 (x^2 + y^2) >= (x + y)^2.
+    const Point3 from = difference(place, t[0]);
+    const Point3 ab = difference(t[1], t[0]);
+    const Point3 ac = difference(t[2], t[0]);
+    const double squared = distance_ * distance_;
+    if (dot(from, from) > 2 * (squared + std::max(dot(ab, ab), dot(ac, ac)))) return false;
+    return squared_distance(place, t) <= squared;
   }
 
-  /// The corner between two others of a part.
+  const TriangleMesh& other_;
+  double distance_;
+  const Finder& finder_;
+};
+
+constexpr int kDepth = 12;
+
+/// Searches the tree, near the corners of small parts only where these do not do.
+class TreeFinder {
+ public:
+  TreeFinder(const TriangleTree& tree, double distance) : tree_(tree), distance_(distance) {}
+
   bool find(const Point3& place, const NearCorners& corners, int depth, NearCorner& found) const {
     found = {place, {TriangleTree::kNone, kNearEnough * distance_}};
     if (depth > kSearchingDepth) {
@@ -77,75 +122,224 @@ class Certificate {
     return is_found(found);
   }
 
-  bool proves(const NearCorners& corners, int depth) const {
-    const auto& [a, b, c] = corners;
-    const bool have_one = a.nearest.triangle == b.nearest.triangle &&
-                          b.nearest.triangle == c.nearest.triangle;
-    if (have_one) return true;
-    for (const NearCorner& corner : corners) {
-      if (is_near({a.place, b.place, c.place}, corner.nearest.triangle)) return true;
+  /// Whether the triangle with these corners is proven; those that have no triangle near enough
+  /// are given one.
+  bool proves(NearCorners corners) const {
+    for (NearCorner& corner : corners) {
+      if (is_found(corner) && corner.nearest.distance <= kNearEnough * distance_) continue;
+      corner.nearest = tree_.nearest(corner.place, distance_);
+      if (!is_found(corner)) return false;
     }
-    // No point of a triangle is farther from the nearest corner than its longest side / sqrt(3).
-    const double longest = std::sqrt(std::max({squared_side(a, b), squared_side(b, c),
-                                               squared_side(c, a)}));
-    const double farthest = std::max(
-        {a.nearest.distance, b.nearest.distance, c.nearest.distance});
-    if (farthest + longest * 0.57736 <= distance_) return true;
-    if (depth == 0) return false;
-    NearCorner ab;
-    NearCorner bc;
-    NearCorner ca;
-    if (!find(middle(a, b), corners, depth, ab) || !find(middle(b, c), corners, depth, bc) ||
-        !find(middle(c, a), corners, depth, ca)) {
-      return false;
-    }
-    return proves({a, ab, ca}, depth - 1) && proves({ab, b, bc}, depth - 1) &&
-           proves({ca, bc, c}, depth - 1) && proves({ab, bc, ca}, depth - 1);
+    return Certificate(tree_.mesh(), distance_, *this).proves(corners, kDepth);
   }
 
-  static Point3 middle(const NearCorner& a, const NearCorner& b) {
-    return scaled(sum(a.place, b.place), 0.5);
-  }
-  static double squared_side(const NearCorner& a, const NearCorner& b) {
-    const Point3 side = difference(a.place, b.place);
-    return dot(side, side);
+ private:
+  static constexpr int kSearchingDepth = 4;   // from which on the nearest is always sought
+  static constexpr double kNearEnough = 0.6;  // of the distance: no nearer triangle is sought
+
+  double distance_to(const Point3& place, std::uint32_t triangle) const {
+    const TriangleMesh& mesh = tree_.mesh();
+    return std::sqrt(squared_distance(place, places_of(mesh, mesh.triangles[triangle])));
   }
 
   const TriangleTree& tree_;
   double distance_;
 };
 
-}  // namespace
+/// Knows nothing but the triangles of the corners.
+class CornerFinder {
+ public:
+  CornerFinder(const TriangleMesh& other, double distance) : other_(other), distance_(distance) {}
 
-std::vector<std::uint32_t> unproven_triangles(const TriangleMesh& mesh, const TriangleTree& tree,
-                                              double distance, const Progress& progress,
-                                              std::span<const std::uint32_t> hints) {
-  const Certificate certificate(tree, distance);
-  std::vector<std::uint8_t> is_used(mesh.points.size());
-  for (const MeshTriangle& t : mesh.triangles) {
-    for (const std::uint32_t point : t) is_used[point] = 1;
+  static constexpr int kDepth = 4;
+
+  bool find(const Point3& place, const NearCorners& corners, int /*depth*/,
+            NearCorner& found) const {
+    found = {place, {}};
+    double best = distance_ * distance_;
+    for (const NearCorner& corner : corners) {
+      const std::uint32_t number = corner.nearest.triangle;
+      if (number == found.nearest.triangle) continue;
+      const double own = squared_distance(place, places_of(other_, other_.triangles[number]));
+      if (own >= best) continue;
+      best = own;
+      found.nearest.triangle = number;
+    }
+    found.nearest.distance = std::sqrt(best);
+    return is_found(found);
   }
-  std::vector<NearCorner> corners(mesh.points.size());
-  tbb::parallel_for(std::size_t{0}, corners.size(), [&](std::size_t i) {
-    stop_now_and_then(i, progress);
-    if (is_used[i] == 0) return;
-    corners[i] = certificate.corner_at(place_of_point(mesh.points[i]),
-                                       hints.empty() ? TriangleTree::kNone : hints[i]);
-  });
-  tbb::enumerable_thread_specific<std::vector<std::uint32_t>> found;
-  tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(mesh.triangles.size()),
-                    [&](std::uint32_t number) {
-    stop_now_and_then(number, progress);
-    const MeshTriangle& t = mesh.triangles[number];
-    if (certificate.proves({corners[t[0]], corners[t[1]], corners[t[2]]})) return;
-    found.local().push_back(number);
-  });
+
+ private:
+  const TriangleMesh& other_;
+  double distance_;
+};
+
+/// Finds triangles around the nearest of some points; searches the tree where these are too far.
+class PointFinder {
+ public:
+  PointFinder(const TriangleTree& tree, const PointTriangles& fans, double distance)
+      : tree_(tree), other_(tree.mesh()), fans_(fans), distance_(distance) {}
+
+  static constexpr int kDepth = 10;
+
+  /// Takes the points that are attached to a triangle of a mesh and to those around it.
+  void gather(const TriangleMesh& mesh, const MeshTriangle& triangle, const KnownNearby& known) {
+    points_.clear();
+    places_.clear();
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (const std::uint32_t beside : known.mesh_fans.of(triangle[k])) {
+        const MeshTriangle& t = mesh.triangles[beside];
+        const auto end = triangle.begin() + static_cast<std::ptrdiff_t>(k);
+        const bool is_known = std::find_first_of(t.begin(), t.end(), triangle.begin(), end) !=
+                              t.end();
+        if (!is_known) add(known.attached, beside);
+      }
+    }
+  }
+
+  bool find(const Point3& place, const NearCorners& corners, int /*depth*/,
+            NearCorner& found) const {
+    found = {place, {}};
+    double best = kNearEnough * kNearEnough * distance_ * distance_;
+    for (const NearCorner& corner : corners) {
+      const std::uint32_t number = corner.nearest.triangle;
+      if (number == found.nearest.triangle) continue;
+      const double own = squared_distance(place, places_of(other_, other_.triangles[number]));
+      if (own >= best) continue;
+      best = own;
+      found.nearest.triangle = number;
+    }
+    if (is_found(found)) found.nearest.distance = std::sqrt(best);
+    else found.nearest = nearest(place);
+    return is_found(found);
+  }
+
+  TriangleTree::Nearest nearest(const Point3& place) const {
+    const MeshPoint p = {static_cast<float>(place[0]), static_cast<float>(place[1]),
+                         static_cast<float>(place[2])};
+    float lowest = std::numeric_limits<float>::infinity();
+    std::size_t nearest = 0;
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      const float x = places_[i][0] - p[0];
+      const float y = places_[i][1] - p[1];
+      const float z = places_[i][2] - p[2];
+      const float squared = x * x + y * y + z * z;
+      if (squared >= lowest) continue;
+      lowest = squared;
+      nearest = i;
+    }
+    if (places_.empty()) return tree_.nearest(place, distance_);
+    TriangleTree::Nearest found;
+    double best = distance_ * distance_;
+    for (const std::uint32_t number : fans_.of(points_[nearest])) {
+      const double own = squared_distance(place, places_of(other_, other_.triangles[number]));
+      if (own >= best) continue;
+      best = own;
+      found.triangle = number;
+    }
+    if (found.triangle == TriangleTree::kNone) return tree_.nearest(place, distance_);
+    found.distance = std::sqrt(best);
+    return found;
+  }
+
+ private:
+  void add(const AttachedPoints& attached, std::uint32_t triangle) {
+    for (std::uint32_t point = attached.first[triangle]; point != TriangleTree::kNone;
+         point = attached.next[point]) {
+      points_.push_back(point);
+      places_.push_back(other_.points[point]);
+    }
+  }
+
+  static constexpr double kNearEnough = 0.5;  // of the distance: no nearer triangle is sought
+
+  const TriangleTree& tree_;
+  const TriangleMesh& other_;
+  const PointTriangles& fans_;
+  double distance_;
+  std::vector<std::uint32_t> points_;
+  std::vector<MeshPoint> places_;
+};
+
+using FoundTriangles = tbb::enumerable_thread_specific<std::vector<std::uint32_t>>;
+
+std::vector<std::uint32_t> joined(const FoundTriangles& found) {
   std::vector<std::uint32_t> all;
   for (const std::vector<std::uint32_t>& some : found) {
     all.insert(all.end(), some.begin(), some.end());
   }
   std::sort(all.begin(), all.end());
   return all;
+}
+
+/// Of each point of a mesh the triangle of the other surface that its hint names, where that is
+/// near enough.
+std::vector<TriangleTree::Nearest> hinted(const TriangleMesh& mesh, const TriangleMesh& other,
+                                          std::span<const std::uint32_t> hints, double distance) {
+  std::vector<TriangleTree::Nearest> near(hints.size());
+  tbb::parallel_for(std::size_t{0}, hints.size(), [&](std::size_t i) {
+    if (hints[i] == TriangleTree::kNone) return;
+    const double own = std::sqrt(squared_distance(
+        place_of_point(mesh.points[i]), places_of(other, other.triangles[hints[i]])));
+    if (own <= distance) near[i] = {hints[i], own};
+  });
+  return near;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> unproven_triangles(const TriangleMesh& mesh, const TriangleTree& tree,
+                                              double distance, const Progress& progress,
+                                              std::span<const std::uint32_t> hints) {
+  const std::vector<TriangleTree::Nearest> near = hinted(mesh, tree.mesh(), hints, distance);
+  const CornerFinder known(tree.mesh(), distance);
+  const Certificate by_hints(tree.mesh(), distance, known);
+  const TreeFinder searching(tree, distance);
+  FoundTriangles found;
+  tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(mesh.triangles.size()),
+                    [&](std::uint32_t number) {
+    stop_now_and_then(number, progress);
+    NearCorners corners = unknown(places_of(mesh, mesh.triangles[number]));
+    if (!near.empty()) {
+      for (std::size_t k = 0; k < 3; ++k) corners[k].nearest = near[mesh.triangles[number][k]];
+      if (std::all_of(corners.begin(), corners.end(), is_found) &&
+          by_hints.proves(corners, CornerFinder::kDepth)) {
+        return;
+      }
+    }
+    if (!searching.proves(corners)) found.local().push_back(number);
+  });
+  return joined(found);
+}
+
+std::vector<std::uint32_t> unproven_triangles(const TriangleMesh& mesh,
+                                              std::span<const std::uint32_t> triangles,
+                                              const TriangleTree& tree, double distance,
+                                              const KnownNearby& known,
+                                              const Progress& progress) {
+  const TreeFinder searching(tree, distance);
+  constexpr std::size_t kChunk = 64;
+  FoundTriangles found;
+  tbb::parallel_for(std::size_t{0}, (triangles.size() + kChunk - 1) / kChunk,
+                    [&](std::size_t chunk) {
+    if (progress.is_cancelled()) throw Error(ErrorKind::cancelled, "stopped");
+    PointFinder finder(tree, known.other_fans, distance);
+    const Certificate by_points(tree.mesh(), distance, finder);
+    const std::size_t end = std::min((chunk + 1) * kChunk, triangles.size());
+    for (std::size_t i = chunk * kChunk; i < end; ++i) {
+      const MeshTriangle& t = mesh.triangles[triangles[i]];
+      finder.gather(mesh, t, known);
+      const TrianglePlaces places = places_of(mesh, t);
+      NearCorners corners;
+      for (std::size_t k = 0; k < 3; ++k) corners[k] = {places[k], finder.nearest(places[k])};
+      if (std::all_of(corners.begin(), corners.end(), is_found) &&
+          by_points.proves(corners, PointFinder::kDepth)) {
+        continue;
+      }
+      if (!searching.proves(unknown(places))) found.local().push_back(triangles[i]);
+    }
+  });
+  return joined(found);
 }
 
 }  // namespace octavo

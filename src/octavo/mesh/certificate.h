@@ -2,8 +2,11 @@
 //
 // Distance to a triangle is a convex function. So all of a triangle a, b, c lies within a distance
 // of the other surface where one triangle of that lies within it of a, b and c. Where none does, a
-// triangle is cut into four, down to 1/64 of its sides. Nothing is sampled: what is not proven
-// counts as too far.
+// triangle is cut in two at its longest side, up to twelve times. Nothing is sampled: what is not
+// proven counts as too far.
+//
+// Any triangle that is near enough is a proof, not only the nearest. So triangles that are known to
+// be near are tried first, and the tree is searched for what they do not prove.
 #pragma once
 
 #include <cstdint>
@@ -12,6 +15,7 @@
 
 #include "octavo/core/progress.h"
 #include "octavo/core/triangle_mesh.h"
+#include "octavo/mesh/point_triangles.h"
 #include "octavo/mesh/triangle_tree.h"
 
 namespace octavo {
@@ -25,5 +29,24 @@ namespace octavo {
 std::vector<std::uint32_t> unproven_triangles(const TriangleMesh& mesh, const TriangleTree& tree,
                                               double distance, const Progress& progress,
                                               std::span<const std::uint32_t> hints = {});
+
+/// Points of the other surface that lie near triangles of a mesh, as lists.
+struct AttachedPoints {
+  std::vector<std::uint32_t> first;  ///< of each triangle of the mesh; TriangleTree::kNone
+  std::vector<std::uint32_t> next;   ///< of each point of the other surface; TriangleTree::kNone
+};
+
+/// What is known of a mesh and the other surface.
+struct KnownNearby {
+  const AttachedPoints& attached;
+  const PointTriangles& mesh_fans;
+  const PointTriangles& other_fans;
+};
+
+/// The same for some triangles of a mesh, `triangles`, ascending, with points attached to it.
+std::vector<std::uint32_t> unproven_triangles(const TriangleMesh& mesh,
+                                              std::span<const std::uint32_t> triangles,
+                                              const TriangleTree& tree, double distance,
+                                              const KnownNearby& known, const Progress& progress);
 
 }  // namespace octavo

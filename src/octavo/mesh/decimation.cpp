@@ -2,10 +2,12 @@
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -16,6 +18,7 @@
 #include "octavo/mesh/collapse.h"
 #include "octavo/mesh/mesh_pieces.h"
 #include "octavo/mesh/point_distance.h"
+#include "octavo/mesh/point_triangles.h"
 #include "octavo/mesh/triangle_tree.h"
 
 namespace octavo {
@@ -39,14 +42,38 @@ struct ReducedSurface {
 /// The triangles of all parts, one part after the other.
 struct PartTriangles {
   std::vector<std::uint32_t> order;
-  std::vector<std::size_t> ends;  // behind the triangles of each part
-  std::vector<bool> is_locked;    // points that several parts have
+  std::vector<std::size_t> ends;      // behind the triangles of each part
+  std::vector<std::uint8_t> is_seam;  // points that several parts have
+
+  std::span<const std::uint32_t> of(std::size_t part) const {
+    const std::size_t first = part == 0 ? 0 : ends[part - 1];
+    return {order.data() + first, ends[part] - first};
+  }
 };
 
 /// What becomes of a part.
 struct ReducedPart {
   std::vector<MeshTriangle> triangles;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> attached;  // point, place in triangles
+};
+
+/// The triangles of a reduced surface, and which of them are proven.
+struct ProvenTriangles {
+  TriangleMesh mesh;
+  PointTriangles fans;
+  std::vector<std::uint8_t> is_proven;
+
+  /// Whether a triangle of a later surface is one of these.
+  bool has(const TriangleMesh& later, const MeshTriangle& triangle) const {
+    for (const std::uint32_t number : fans.of(triangle[0])) {
+      if (mesh.triangles[number] != triangle) continue;
+      return is_proven[number] != 0 &&
+             std::all_of(triangle.begin(), triangle.end(), [&](std::uint32_t point) {
+               return mesh.points[point] == later.points[point];
+             });
+    }
+    return false;
+  }
 };
 
 /// What a thread works with.
@@ -73,6 +100,7 @@ class Decimation {
         origin_(place_of_point(full.points.front())),
         tolerances_(full.points.size(), 1),
         is_frozen_(full.points.size()),
+        fans_(full),
         pieces_(mesh_pieces(full)),
         locked_(options.locked),
         is_held_(pieces_.count) {
@@ -100,8 +128,8 @@ class Decimation {
       // Two passes, what of the full surface is near, what of the reduced one is
       const ProgressScope scope(progress_, "fewer triangles, round " + std::to_string(round + 1),
                                 4, "steps");
-      ReducedSurface reduced = start_;
-      for (const double shift : {0.0, 0.5}) reduce(reduced, shift);
+      reduce_first();
+      const ReducedSurface reduced = reduce_second();
       if (tighten(reduced, full_tree, round)) continue;
       if (!is_proven_) {
         return {full_, round + 1, crossing_triangles(full_tree, progress_).size(),
@@ -159,22 +187,61 @@ class Decimation {
     return turned;
   }
 
-  /// One pass over all parts, their cubes shifted by a share of their side.
-  void reduce(ReducedSurface& surface, double shift) {
+  /// The first pass, over the parts whose tolerances have changed.
+  void reduce_first() {
     stop_if_cancelled();
-    const PartTriangles parts = cut(surface.mesh, shift);
-    const auto [first_attached, next_attached] = attached_points(surface);
+    if (first_parts_.ends.empty()) prepare_first();
+    tbb::parallel_for(std::size_t{0}, first_parts_.ends.size(), [&](std::size_t i) {
+      if (is_stale_[i] == 0 || progress_.is_cancelled()) return;
+      is_stale_[i] = 0;
+      PartSpace& space = spaces_.local();
+      load(start_, first_parts_, i, start_attached_, space);
+      space.part.run(tolerance_);
+      store(start_, first_parts_, space, first_, first_reduced_[i]);
+    });
+    stop_if_cancelled();
+    join(first_reduced_, first_);
+    progress_.advance(1);
+  }
+
+  void prepare_first() {
+    first_ = start_;
+    first_parts_ = cut(start_.mesh, 0);
+    start_attached_ = attached_points(start_);
+    const std::size_t count = first_parts_.ends.size();
+    first_reduced_.resize(count);
+    is_stale_.assign(count, 1);
+    part_of_.resize(full_.points.size());
+    for (std::size_t part = 0; part < count; ++part) {
+      for (const std::uint32_t triangle : first_parts_.of(part)) {
+        for (std::uint32_t point = start_attached_.first[triangle]; point != kNone;
+             point = start_attached_.next[point]) {
+          part_of_[point] = static_cast<std::uint32_t>(part);
+        }
+      }
+    }
+  }
+
+  /// The second pass, its cubes shifted by half their side.
+  ReducedSurface reduce_second() {
+    stop_if_cancelled();
+    const PartTriangles parts = cut(first_.mesh, 0.5);
+    const AttachedPoints attached = attached_points(first_);
     std::vector<ReducedPart> reduced(parts.ends.size());
+    ReducedSurface surface;
+    surface.mesh.points = first_.mesh.points;
+    surface.nearest.resize(first_.nearest.size());
     tbb::parallel_for(std::size_t{0}, parts.ends.size(), [&](std::size_t i) {
       if (progress_.is_cancelled()) return;
       PartSpace& space = spaces_.local();
-      load(surface, parts, i, first_attached, next_attached, space);
+      load(first_, parts, i, attached, space);
       space.part.run(tolerance_);
-      store(parts, space, surface, reduced[i]);
+      store(first_, parts, space, surface, reduced[i]);
     });
     stop_if_cancelled();
     join(reduced, surface);
     progress_.advance(1);
+    return surface;
   }
 
   /// The triangles by the cubes that their middles lie in.
@@ -191,10 +258,10 @@ class Decimation {
       }
       placed[i].second = static_cast<std::uint32_t>(i);
     });
-    std::sort(placed.begin(), placed.end());
+    tbb::parallel_sort(placed.begin(), placed.end());
     PartTriangles parts;
     parts.order.resize(placed.size());
-    parts.is_locked.assign(is_frozen_.begin(), is_frozen_.end());
+    parts.is_seam.resize(mesh.points.size());
     std::vector<std::uint32_t> part_of(mesh.points.size(), kNone);
     for (std::size_t i = 0; i < placed.size(); ++i) {
       if (i > 0 && placed[i].first != placed[i - 1].first) parts.ends.push_back(i);
@@ -202,22 +269,19 @@ class Decimation {
       const auto part = static_cast<std::uint32_t>(parts.ends.size());
       for (const std::uint32_t point : mesh.triangles[placed[i].second]) {
         if (part_of[point] == kNone) part_of[point] = part;
-        else if (part_of[point] != part) parts.is_locked[point] = true;
+        else if (part_of[point] != part) parts.is_seam[point] = 1;
       }
     }
     parts.ends.push_back(placed.size());
     return parts;
   }
 
-  using PointLists = std::pair<std::vector<std::uint32_t>, std::vector<std::uint32_t>>;
-
-  /// Of each triangle the first point of the full surface attached to it; of each point the next.
-  static PointLists attached_points(const ReducedSurface& surface) {
-    PointLists lists{std::vector<std::uint32_t>(surface.mesh.triangles.size(), kNone),
-                     std::vector<std::uint32_t>(surface.nearest.size(), kNone)};
+  static AttachedPoints attached_points(const ReducedSurface& surface) {
+    AttachedPoints lists{std::vector<std::uint32_t>(surface.mesh.triangles.size(), kNone),
+                         std::vector<std::uint32_t>(surface.nearest.size(), kNone)};
     for (std::size_t point = surface.nearest.size(); point-- > 0;) {
       std::uint32_t& first = lists.first[surface.nearest[point]];
-      lists.second[point] = std::exchange(first, static_cast<std::uint32_t>(point));
+      lists.next[point] = std::exchange(first, static_cast<std::uint32_t>(point));
     }
     return lists;
   }
@@ -237,32 +301,27 @@ class Decimation {
   }
 
   void load(const ReducedSurface& surface, const PartTriangles& parts, std::size_t number,
-            const std::vector<std::uint32_t>& first_attached,
-            const std::vector<std::uint32_t>& next_attached, PartSpace& space) const {
+            const AttachedPoints& attached, PartSpace& space) const {
     CollapsePart& part = space.part;
     part.clear();
     space.points.clear();
     space.attached.clear();
-    const std::size_t first = number == 0 ? 0 : parts.ends[number - 1];
-    find_corners(surface.mesh, {parts.order.begin() + static_cast<std::ptrdiff_t>(first),
-                                parts.order.begin() +
-                                    static_cast<std::ptrdiff_t>(parts.ends[number])},
-                 space);
-    for (std::size_t i = first; i < parts.ends[number]; ++i) {
+    find_corners(surface.mesh, parts.of(number), space);
+    for (const std::uint32_t triangle : parts.of(number)) {
       CollapseTriangle& t = part.triangles.emplace_back();
       for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t point = surface.mesh.triangles[parts.order[i]][k];
+        const std::uint32_t point = surface.mesh.triangles[triangle][k];
         int& vertex = space.vertex_of(point);
         if (vertex < 0) {
           vertex = static_cast<int>(part.vertices.size());
           part.vertices.push_back({place(surface.mesh.points[point]), surface.quadrics[point],
-                                   parts.is_locked[point]});
+                                   parts.is_seam[point] != 0 || is_frozen_[point]});
           space.points.push_back(point);
         }
         t.corners[k] = vertex;
       }
-      for (std::uint32_t point = first_attached[parts.order[i]]; point != kNone;
-           point = next_attached[point]) {
+      for (std::uint32_t point = attached.first[triangle]; point != kNone;
+           point = attached.next[point]) {
         const double tolerance = tolerance_ * static_cast<double>(tolerances_[point]);
         const auto added = static_cast<int>(part.points.size());
         part.points.push_back({place(full_.points[point]), tolerance * tolerance,
@@ -272,18 +331,23 @@ class Decimation {
     }
   }
 
-  /// Points that are not locked belong to one part alone, which moves them.
-  void store(const PartTriangles& parts, const PartSpace& space, ReducedSurface& surface,
-             ReducedPart& reduced) const {
+  /// Writes what became of a part of `from`. Points that are not on a seam belong to one part
+  /// alone.
+  void store(const ReducedSurface& from, const PartTriangles& parts, const PartSpace& space,
+             ReducedSurface& to, ReducedPart& reduced) const {
     const CollapsePart& part = space.part;
     for (std::size_t i = 0; i < part.vertices.size(); ++i) {
       const std::uint32_t point = space.points[i];
-      if (parts.is_locked[point]) continue;
+      if (parts.is_seam[point] != 0) continue;
       const Point3 world = sum(part.vertices[i].place, origin_);
-      surface.mesh.points[point] = {static_cast<float>(world[0]), static_cast<float>(world[1]),
-                                    static_cast<float>(world[2])};
-      surface.quadrics[point] = part.vertices[i].quadric;
+      to.mesh.points[point] = {static_cast<float>(world[0]), static_cast<float>(world[1]),
+                               static_cast<float>(world[2])};
+      if (to.quadrics.empty()) continue;
+      const bool is_frozen = is_frozen_[point];
+      to.quadrics[point] = is_frozen ? from.quadrics[point] : part.vertices[i].quadric;
     }
+    reduced.triangles.clear();
+    reduced.attached.clear();
     for (const CollapseTriangle& t : part.triangles) {
       if (!t.is_left) continue;
       const auto own = static_cast<std::uint32_t>(reduced.triangles.size());
@@ -309,6 +373,30 @@ class Decimation {
     }
   }
 
+  /// Triangles that are not proven to lie near the full surface. Those proven in the round before
+  /// are not proven again.
+  std::vector<std::uint32_t> far_triangles(const ReducedSurface& reduced,
+                                           const TriangleTree& full_tree) {
+    const TriangleMesh& mesh = reduced.mesh;
+    std::vector<std::uint8_t> is_proven(mesh.triangles.size());
+    if (proven_) {
+      tbb::parallel_for(std::size_t{0}, is_proven.size(), [&](std::size_t i) {
+        is_proven[i] = proven_->has(mesh, mesh.triangles[i]) ? 1 : 0;
+      });
+    }
+    std::vector<std::uint32_t> open;
+    for (std::size_t i = 0; i < is_proven.size(); ++i) {
+      if (is_proven[i] == 0) open.push_back(static_cast<std::uint32_t>(i));
+    }
+    PointTriangles fans(mesh);
+    std::vector<std::uint32_t> failed = unproven_triangles(
+        mesh, open, full_tree, deviation_, {attached_points(reduced), fans, fans_}, progress_);
+    is_proven.assign(is_proven.size(), 1);
+    for (const std::uint32_t triangle : failed) is_proven[triangle] = 0;
+    proven_ = ProvenTriangles{mesh, std::move(fans), std::move(is_proven)};
+    return failed;
+  }
+
   /// Makes tolerances smaller where the reduced surface is not proven; false where all of it is, or
   /// where nothing is left that could be made smaller.
   bool tighten(const ReducedSurface& reduced, const TriangleTree& full_tree, int round) {
@@ -317,8 +405,7 @@ class Decimation {
     const std::vector<std::uint32_t> full_failed =
         unproven_triangles(full_, tree, deviation_, progress_, reduced.nearest);
     progress_.advance(1);
-    std::vector<std::uint32_t> failed =
-        unproven_triangles(reduced.mesh, full_tree, deviation_, progress_);
+    std::vector<std::uint32_t> failed = far_triangles(reduced, full_tree);
     const std::vector<std::uint32_t> crossing = crossing_triangles(tree, progress_);
     progress_.advance(1);
     crossing_count_ = crossing.size();
@@ -349,6 +436,7 @@ class Decimation {
       if (!is_failed[reduced.nearest[point]] || is_frozen_[point]) continue;
       tolerances_[point] *= static_cast<float>(kTightened);
       is_frozen_[point] = round >= kLockingRound;
+      is_stale_[part_of_[point]] = 1;
       is_changed = true;
     }
     return is_changed;
@@ -383,9 +471,17 @@ class Decimation {
   std::uint64_t crossing_count_ = 0;
   bool is_proven_ = false;  // all but that no triangles cross
   ReducedSurface start_;
+  AttachedPoints start_attached_;
+  PartTriangles first_parts_;
+  std::vector<ReducedPart> first_reduced_;
+  std::vector<std::uint8_t> is_stale_;    // first parts that are to be reduced again
+  std::vector<std::uint32_t> part_of_;    // of points: the first part they are attached to
+  ReducedSurface first_;                  // behind the first pass
+  std::optional<ProvenTriangles> proven_;  // of the round before
   tbb::enumerable_thread_specific<PartSpace> spaces_;
   std::vector<float> tolerances_;  // of points of the full surface, as shares
   std::vector<bool> is_frozen_;    // points that stay as they are
+  PointTriangles fans_;            // of the full surface
   MeshPieces pieces_;              // of the full surface
   std::vector<double> volumes_;    // that they enclose
   std::span<const std::uint32_t> locked_;

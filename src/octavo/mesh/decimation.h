@@ -5,8 +5,8 @@
 // that parts share stay. A second pass, its cubes shifted by half their side, takes those. Then
 // both distances are proven (certificate.h), and that no triangles cross and no piece is turned
 // inside out. Where that fails the points around get a smaller tolerance, in the end none, and all
-// is done again: since the full surface passes, this ends. Parts depend on nothing but their
-// triangles, so the result does not depend on threads.
+// is done again where it could come out otherwise: since the full surface passes, this ends. Parts
+// depend on nothing but their triangles, so the result does not depend on threads.
 //
 // Components, handles and closedness stay as they are.
 #pragma once
@@ -40,7 +40,7 @@ struct Decimated {
 /// Requires a manifold that is closed, or ends at locked points; that no piece is turned inside out
 /// is proven of those without locked points. Uses the threads of the calling task arena.
 /// Throws  Error{cancelled}; as require_numbered
-/// Memory  about 400 bytes per point of the full surface, and a part of it per thread
+/// Memory  about 500 bytes per point of the full surface, and a part of it per thread
 Decimated decimate(const TriangleMesh& full, const DecimationOptions& options,
                    Progress& progress);
 

@@ -187,7 +187,7 @@ std::optional<PointGrid> reduce_mesh(TriangleMesh& mesh, const Geometry& geometr
                                      bool wants_grid, const TaskContext& context,
                                      SurfaceResult& result) {
   require_numbered(mesh.triangles.size());
-  constexpr std::uint64_t kBytesPerPoint = 400;
+  constexpr std::uint64_t kBytesPerPoint = 500;
   context.require_memory(kBytesPerPoint * mesh.points.size(), "the surface");
   const double deviation = result.max_deviation_mm;
   std::optional<PointGrid> grid;

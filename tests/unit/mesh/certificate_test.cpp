@@ -44,6 +44,39 @@ TEST(Certificate, HintsChangeNoAnswer) {
             fine.triangles.size());
 }
 
+/// Lists with all points of the other surface attached to one triangle; with none of them.
+AttachedPoints attached_points(std::size_t triangles, std::size_t points, bool is_one) {
+  AttachedPoints lists{std::vector<std::uint32_t>(triangles, TriangleTree::kNone),
+                       std::vector<std::uint32_t>(points, TriangleTree::kNone)};
+  if (!is_one) return lists;
+  lists.first[0] = 0;
+  for (std::uint32_t i = 1; i < points; ++i) lists.next[i - 1] = i;
+  return lists;
+}
+
+TEST(Certificate, AttachedPointsChangeNoAnswer) {
+  const TriangleMesh coarse = square(0.5f);
+  const TriangleMesh fine = fine_square(0, false);
+  const TriangleMesh holed = fine_square(0, true);
+  const PointTriangles coarse_fans(coarse);
+  const std::vector<std::uint32_t> both = {0, 1};
+  const std::vector<std::uint32_t> second = {1};
+  for (const bool is_one : {false, true}) {
+    const AttachedPoints attached =
+        attached_points(coarse.triangles.size(), fine.points.size(), is_one);
+    const auto unproven = [&](const TriangleMesh& other, double distance, const auto& some) {
+      const PointTriangles fans(other);
+      return unproven_triangles(coarse, some, TriangleTree(other), distance,
+                                {attached, coarse_fans, fans}, NoProgress());
+    };
+    EXPECT_TRUE(unproven(fine, 0.51, both).empty());
+    EXPECT_EQ(unproven(fine, 0.49, both), both);
+    EXPECT_EQ(unproven(fine, 0.49, second), second);
+    EXPECT_EQ(unproven(holed, 0.51, both), both);
+    EXPECT_TRUE(unproven(holed, 2.2, both).empty());
+  }
+}
+
 TEST(Certificate, StopsWhenAskedTo) {
   const TriangleMesh fine = fine_square(0, false);
   const TriangleTree tree(fine);
