@@ -9,8 +9,10 @@
 #include "common/options.h"
 #include "common/task_run.h"
 #include "octavo/tasks/surface.h"
+#include "octavo/tasks/surfaces/label_surfaces.h"
 #include "octavo/tasks/surfaces/surface_report.h"
 #include "octavo/tasks/volume_facts.h"
+#include "text/label_surface_words.h"
 #include "text/quantities.h"
 #include "text/volume_json.h"
 #include "verbs.h"
@@ -35,12 +37,26 @@ constexpr VerbText kSurfaceText = {
     "distance of the full one, and every point of that one within it of the surface, which is\n"
     "proven: in mm, or as 0.5voxel in shortest sides of a voxel. Pieces and handles stay, and no\n"
     "triangles cross.\n\n"
+    "--parts makes the surface of each label of a map, all from the same triangles between them:\n"
+    "neighbors fit without gaps or overlaps. A folder for -o gets a file for each, named\n"
+    "after the label; --part-format says which. With a .ply, .obj, .glb, .vtp or .3mf file all\n"
+    "go into that one. --interfaces writes each triangle once, with the labels inside and outside\n"
+    "of it, to a .ply, .obj or .vtp file; lines where three labels meet are no manifold. Points\n"
+    "move by half a voxel along each axis at most to be smooth, and less where the volume of a\n"
+    "label would change by more than 1 %; --smooth off keeps the sides of voxels. Where a label\n"
+    "touches itself at an edge or a point, points of its surface stand at one place, and programs\n"
+    "that join them, as of STL, join parts there.\n\n"
     "Examples:\n"
     "  octavo surface head.8vo --isovalue 226 -o bone.stl\n"
     "  octavo surface head.8vo --isovalue 226 --max-deviation 0.5voxel -o light.stl\n"
     "  octavo surface head.8vo --isovalue 226 -o bone.3mf --report bone.json\n"
     "  octavo surface head.8vo --isovalue 226 --level 1 --seed 64,20,27 -o skull.ply\n"
-    "  octavo surface organs.8vo --label liver -o liver.obj --space ras"};
+    "  octavo surface organs.8vo --label liver -o liver.obj --space ras\n"
+    "  octavo surface organs.8vo --parts -o organs\n"
+    "  octavo surface organs.8vo --parts --smooth off --label liver --label spleen -o two.3mf\n"
+    "  octavo surface organs.8vo --interfaces -o organs.vtp"};
+
+constexpr int kSmoothingSteps = 20;
 
 struct SurfaceArguments {
   std::string input;
@@ -55,6 +71,10 @@ struct SurfaceArguments {
   bool stored = false;
   bool plain = false;
   bool allow_open = false;
+  bool parts = false;
+  bool interfaces = false;
+  std::optional<std::string> part_format;
+  std::optional<std::string> smooth;
 };
 
 /// "0.3" in mm, "0.5voxel".
@@ -79,6 +99,53 @@ SurfaceOptions options_of(const SurfaceArguments& arguments, const Context& cont
   options.space = arguments.space == "ras" ? MeshSpace::ras : MeshSpace::lps;
   options.is_plain = arguments.plain;
   options.allows_faults = arguments.allow_open;
+  return options;
+}
+
+[[noreturn]] void reject_option(const std::string& option, const char* field) {
+  throw Error(ErrorKind::invalid_argument, option + " does not go with these").with_field(field);
+}
+
+/// Proves that none is given that the other kind of surface takes.
+void check_label_options(const SurfaceArguments& arguments) {
+  const bool is_of_labels = arguments.parts || arguments.interfaces;
+  if (!is_of_labels) {
+    if (arguments.smooth) reject_option("--smooth", "surface.labels");
+    if (arguments.part_format) reject_option("--part-format", "surface.labels");
+    return;
+  }
+  if (arguments.isovalue) reject_option("--isovalue", "surface.form");
+  if (arguments.stored) reject_option("--stored", "surface.form");
+  if (arguments.plain) reject_option("--plain", "surface.whole");
+  if (arguments.allow_open) reject_option("--allow-open", "surface.whole");
+  if (!arguments.report.empty()) reject_option("--report", "surface.whole");
+  if (!arguments.seed.empty()) reject_option("--seed", "surface.whole");
+  if (parse_deviation(arguments.max_deviation).amount != 0) {
+    reject_option("--max-deviation", "surface.whole");
+  }
+  if (arguments.part_format && (arguments.interfaces || mesh_format_of(arguments.output))) {
+    reject_option("--part-format", "surface.folder");
+  }
+}
+
+LabelSurfacesOptions label_options_of(const SurfaceArguments& arguments, const Context& context) {
+  LabelSurfacesOptions options;
+  options.input = arguments.input;
+  options.output = {arguments.output, context.force};
+  if (arguments.interfaces) options.form = LabelSurfaceForm::interfaces;
+  if (arguments.part_format) {
+    options.part_format = *mesh_format_of("part." + *arguments.part_format);
+  }
+  options.labels = parse_labels(arguments.labels);
+  options.level = arguments.level;
+  const std::string smooth = arguments.smooth.value_or(std::to_string(kSmoothingSteps));
+  constexpr std::int64_t kMostSteps = 1000;
+  const std::int64_t steps = smooth == "off" ? 0 : parse_integer(smooth, "--smooth");
+  if (steps < 0 || steps > kMostSteps) {
+    throw Error(ErrorKind::invalid_argument, "--smooth takes off, or 1 to 1000 steps");
+  }
+  options.smoothing_steps = static_cast<int>(steps);
+  options.space = arguments.space == "ras" ? MeshSpace::ras : MeshSpace::lps;
   return options;
 }
 
@@ -123,7 +190,22 @@ nlohmann::ordered_json report_json(const SurfaceOptions& options, const SurfaceR
   return json;
 }
 
+int run_label_surfaces(const SurfaceArguments& arguments, Context& context) {
+  const LabelSurfacesOptions options = label_options_of(arguments, context);
+  const LabelSurfacesResult result = run_task(label_surfaces, options, context);
+  if (context.json) {
+    nlohmann::ordered_json report = label_surfaces_json(options, result);
+    report["warnings"] = context.warnings;
+    print_json(report);
+  } else if (!context.quiet || !result.is_written) {
+    print(label_surfaces_text(options, result));
+  }
+  return result.is_written ? kExitDone : kExitDifferent;
+}
+
 int run_surface(const SurfaceArguments& arguments, Context& context) {
+  check_label_options(arguments);
+  if (arguments.parts || arguments.interfaces) return run_label_surfaces(arguments, context);
   const SurfaceOptions options = options_of(arguments, context);
   const SurfaceResult result = run_task(surface, options, context);
   if (context.json) print_json(report_json(options, result, context));
@@ -138,7 +220,8 @@ void add_surface(CLI::App& app, Context& context) {
   Verb verb = add_verb(app, context, kSurfaceText,
                        [arguments, &context] { return run_surface(*arguments, context); });
   verb.add_input(arguments->input);
-  verb.add_output(arguments->output, "The .stl, .ply, .obj, .glb, .vtp or .3mf file to write");
+  verb.add_output(arguments->output,
+                  "The .stl, .ply, .obj, .glb, .vtp or .3mf file to write; with --parts a folder");
   Option isovalue = verb.add_option("--isovalue", arguments->isovalue,
                                     "Of grey values: what is at or above lies inside");
   isovalue->type_name("VALUE");
@@ -165,6 +248,18 @@ void add_surface(CLI::App& app, Context& context) {
                 "A .glb file without compression and extensions, for programs that lack them");
   verb.add_flag("--allow-open", arguments->allow_open,
                 "Write a surface with faults as well, with exit code 0");
+  Option parts = verb.add_flag("--parts", arguments->parts,
+                               "Of a label map a closed part for each label, that fit each other");
+  verb.add_flag("--interfaces", arguments->interfaces,
+                "Of a label map all surfaces between labels, with the labels on both sides")
+      ->excludes(parts);
+  verb.add_option("--part-format", arguments->part_format,
+                  "Of the files in a folder (default: stl)")
+      ->type_name("FORMAT")
+      ->check(one_of({"stl", "ply", "obj", "glb", "vtp", "3mf"}));
+  verb.add_option("--smooth", arguments->smooth,
+                  "Of surfaces of labels: steps of smoothing, or off (default: 20)")
+      ->type_name("N|off");
 }
 
 }  // namespace octavo::cli

@@ -1,6 +1,9 @@
 // Where the voxels of a grid lie, for points of a surface.
 #pragma once
 
+#include <array>
+#include <cmath>
+
 #include "octavo/core/box.h"
 #include "octavo/core/geometry.h"
 #include "octavo/core/triangle_mesh.h"
@@ -21,12 +24,10 @@ class SurfaceFrame {
   const Size3& size() const { return size_; }
 
   /// Whether the grid turns the other way round than space: its index axes are left-handed.
-  bool is_mirrored() const {
-    const auto& [x, y, z] = steps_;
-    return x[0] * (y[1] * z[2] - y[2] * z[1]) - x[1] * (y[0] * z[2] - y[2] * z[0]) +
-               x[2] * (y[0] * z[1] - y[1] * z[0]) <
-           0;
-  }
+  bool is_mirrored() const { return signed_volume() < 0; }
+
+  /// Of a voxel, mm3.
+  double voxel_volume() const { return std::abs(signed_volume()); }
 
   /// The world position of a fractional index, rounded to floats.
   MeshPoint point_at(double x, double y, double z) const {
@@ -39,6 +40,12 @@ class SurfaceFrame {
   }
 
  private:
+  double signed_volume() const {
+    const auto& [x, y, z] = steps_;
+    return x[0] * (y[1] * z[2] - y[2] * z[1]) - x[1] * (y[0] * z[2] - y[2] * z[0]) +
+           x[2] * (y[0] * z[1] - y[1] * z[0]);
+  }
+
   Size3 size_;
   Point3 origin_{};
   std::array<Point3, 3> steps_{};  // from a voxel to the next along each axis

@@ -15,7 +15,7 @@ namespace {
 /// Along and against each axis.
 constexpr std::size_t kDirections = 6;
 constexpr float kInwardShare = 0.5f;
-constexpr float kOutwardShare = -0.53f;
+constexpr float kOutwardShare = -0.5f;
 /// Points of different corners stay apart when they are rounded.
 constexpr float kLongest = 0.5f - 1.0f / 256;
 
@@ -78,6 +78,19 @@ NetOffset moved(const NetNeighbors& own, const std::vector<NetOffset>& offsets, 
   return result;
 }
 
+double squared_move(const NetOffset& offset, const Geometry& geometry) {
+  double squared = 0;
+  for (std::size_t row = 0; row < 3; ++row) {
+    double moved = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      moved += geometry.direction[3 * row + axis] * geometry.spacing_mm[axis] *
+               static_cast<double>(offset[axis]);
+    }
+    squared += moved * moved;
+  }
+  return squared;
+}
+
 }  // namespace
 
 std::vector<NetOffset> smoothed_offsets(const SurfaceNet& net, int steps) {
@@ -99,21 +112,23 @@ std::vector<NetOffset> smoothed_offsets(const SurfaceNet& net, int steps) {
   return offsets;
 }
 
-double longest_move_mm(const std::vector<NetOffset>& offsets, const Geometry& geometry) {
-  double longest = 0;
-  for (const NetOffset& offset : offsets) {
-    double squared = 0;
-    for (std::size_t row = 0; row < 3; ++row) {
-      double moved = 0;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        moved += geometry.direction[3 * row + axis] * geometry.spacing_mm[axis] *
-                 static_cast<double>(offset[axis]);
-      }
-      squared += moved * moved;
+std::map<std::int64_t, double> longest_moves_mm(const SurfaceNet& net,
+                                                const std::vector<NetOffset>& offsets,
+                                                const Geometry& geometry) {
+  std::vector<double> of_pair(net.pairs.size());
+  for (const NetQuad& quad : net.quads) {
+    double& longest = of_pair[quad.pair];
+    for (const std::uint32_t point : quad.corners) {
+      longest = std::max(longest, squared_move(offsets[point], geometry));
     }
-    longest = std::max(longest, squared);
   }
-  return std::sqrt(longest);
+  std::map<std::int64_t, double> moves;
+  for (std::size_t i = 0; i < of_pair.size(); ++i) {
+    for (const std::int64_t label : net.pairs[i]) {
+      if (label != 0) moves[label] = std::max(moves[label], std::sqrt(of_pair[i]));
+    }
+  }
+  return moves;
 }
 
 }  // namespace octavo

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <map>
 #include <vector>
 
 #include "octavo/core/geometry.h"
@@ -19,7 +21,9 @@ using NetOffset = std::array<float, 3>;
 /// Source  G. Taubin, A Signal Processing Approach to Fair Surface Design, 1995
 std::vector<NetOffset> smoothed_offsets(const SurfaceNet& net, int steps);
 
-/// The longest way of a point from its corner.
-double longest_move_mm(const std::vector<NetOffset>& offsets, const Geometry& geometry);
+/// Of each label but 0 the longest way of a point of its surface from its corner.
+std::map<std::int64_t, double> longest_moves_mm(const SurfaceNet& net,
+                                                const std::vector<NetOffset>& offsets,
+                                                const Geometry& geometry);
 
 }  // namespace octavo

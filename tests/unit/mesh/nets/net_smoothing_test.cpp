@@ -93,11 +93,21 @@ TEST_F(HalvedBall, DoesNotDependOnThreads) {
   }
 }
 
-TEST_F(HalvedBall, SaysHowFarItMoved) {
-  std::vector<NetOffset> offsets(3);
-  offsets[1] = {0.25f, 0, 0.5f};
+TEST(NetSmoothing, SaysHowFarEachLabelMoved) {
+  const testing::BuiltLabels labels({3, 1, 1}, std::vector<std::uint8_t>{1, 1, 2});
+  NetCollector collector;
+  NoProgress progress;
+  extract_net(labels.reader(), 0, collector, progress);
+  const SurfaceNet net = collector.take();
+  std::vector<NetOffset> offsets(net.points.size());
+  for (std::size_t i = 0; i < offsets.size(); ++i) {
+    if (net.points[i] == NetPoint{0, 0, 0}) offsets[i] = {0.25f, 0, 0.5f};
+  }
   const Geometry geometry{{0, 0, 0}, {2, 1, 0.5}, {0, 1, 0, 1, 0, 0, 0, 0, 1}};
-  EXPECT_NEAR(longest_move_mm(offsets, geometry), std::hypot(0.5, 0.25), 1e-6);
+  const auto moves = longest_moves_mm(net, offsets, geometry);
+  ASSERT_EQ(moves.size(), 2u);
+  EXPECT_NEAR(moves.at(1), std::hypot(0.5, 0.25), 1e-6);
+  EXPECT_EQ(moves.at(2), 0);
 }
 
 }  // namespace

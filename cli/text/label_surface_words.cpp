@@ -1,0 +1,122 @@
+#include "text/label_surface_words.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "common/context.h"
+#include "octavo/core/sha256.h"
+#include "octavo/tasks/volume_facts.h"
+#include "text/label_words.h"
+#include "text/quantities.h"
+
+namespace octavo::cli {
+
+namespace {
+
+const LabelNames& names_in(const LabelSurfacesResult& result) {
+  return result.volume.metadata.facts().labels;
+}
+
+std::string faults_text(const LabelSurfacesOptions& options, const LabelSurfacesResult& result) {
+  std::string text = options.output.path + ": not written\n";
+  for (const LabelSurface& surface : result.labels) {
+    if (surface.is_sound()) continue;
+    const MeshCheck& check = surface.check;
+    text += fmt::format(
+        "label {}{}: {} open sides, {} repeated ones, {} points where parts touch\n",
+        surface.label, name_suffix(names_in(result), surface.label), check.open_sides,
+        check.repeated_sides, check.pinched_points);
+  }
+  return text;
+}
+
+std::string touching_text(const LabelSurfacesResult& result) {
+  std::size_t count = 0;
+  for (const LabelSurface& surface : result.labels) {
+    count += surface.check.coincident_points > 0 ? 1u : 0u;
+  }
+  if (count == 0) return "closed, manifold\n";
+  return fmt::format("closed, manifold; {} of {} labels touch themselves at points or edges\n",
+                     count, result.labels.size());
+}
+
+nlohmann::ordered_json label_json(const LabelSurface& surface, const LabelSurfacesResult& result) {
+  const bool is_spaced = is_spacing_known(result.volume);
+  const auto if_spaced = [&](double value) {
+    return optional_json(is_spaced ? std::optional(value) : std::nullopt);
+  };
+  const MeshCheck& check = surface.check;
+  nlohmann::ordered_json object = {{"label", surface.label},
+                                   {"name", name_json(names_in(result), surface.label)},
+                                   {"output", nullptr},
+                                   {"triangles", surface.triangle_count},
+                                   {"points", surface.point_count},
+                                   {"components", check.components},
+                                   {"closed", check.is_closed()},
+                                   {"manifold", surface.is_sound()},
+                                   {"euler_number", check.euler_number},
+                                   {"open_sides", check.open_sides},
+                                   {"repeated_sides", check.repeated_sides},
+                                   {"pinched_points", check.pinched_points},
+                                   {"coincident_points", check.coincident_points},
+                                   {"voxels", surface.voxel_count},
+                                   {"area_mm2", if_spaced(surface.measures.area_mm2)},
+                                   {"volume_mm3", if_spaced(surface.measures.volume_mm3)},
+                                   {"volume_change", surface.volume_change},
+                                   {"longest_move_mm", if_spaced(surface.longest_move_mm)}};
+  if (!surface.path.empty()) object["output"] = surface.path;
+  return object;
+}
+
+}  // namespace
+
+std::string label_surfaces_text(const LabelSurfacesOptions& options,
+                                const LabelSurfacesResult& result) {
+  if (!result.is_written) return faults_text(options, result);
+  std::string text =
+      fmt::format("{}: {} labels, {} triangles\n", options.output.path, result.labels.size(),
+                  result.triangle_count);
+  text += touching_text(result);
+  std::vector<std::string> all_names;
+  for (const LabelSurface& surface : result.labels) {
+    all_names.push_back(names_in(result).name_of(surface.label));
+  }
+  const NameColumn names(all_names);
+  const bool is_spaced = is_spacing_known(result.volume);
+  text += fmt::format("{:>10}{}  {:>10}  {:>12}  {:>9}", "label", names.head(), "triangles",
+                      "voxels", "volume %");
+  text += is_spaced ? fmt::format("  {:>12}  {:>8}\n", "mm3", "moved mm") : "\n";
+  for (std::size_t i = 0; i < result.labels.size(); ++i) {
+    const LabelSurface& surface = result.labels[i];
+    text += fmt::format("{:>10}{}  {:>10}  {:>12}  {:>+9.2f}", surface.label, names.cell(i),
+                        surface.triangle_count, surface.voxel_count,
+                        100 * surface.volume_change);
+    text += is_spaced ? fmt::format("  {:>12.6g}  {:>8.3g}\n", surface.measures.volume_mm3,
+                                    surface.longest_move_mm)
+                      : "\n";
+  }
+  return text;
+}
+
+nlohmann::ordered_json label_surfaces_json(const LabelSurfacesOptions& options,
+                                           const LabelSurfacesResult& result) {
+  nlohmann::ordered_json labels = nlohmann::ordered_json::array();
+  for (const LabelSurface& surface : result.labels) labels.push_back(label_json(surface, result));
+  return {{"output", options.output.path},
+          {"is_written", result.is_written},
+          {"file_bytes", result.file_bytes},
+          {"voxel_digest", hex_text(result.voxel_digest)},
+          {"level", options.level},
+          {"space", options.space == MeshSpace::ras ? "ras" : "lps"},
+          {"smoothing_steps", options.smoothing_steps},
+          {"triangles", result.triangle_count},
+          {"points", result.point_count},
+          {"pairs", result.pair_count},
+          {"closed_manifold", result.is_sound},
+          {"labels", labels}};
+}
+
+}  // namespace octavo::cli

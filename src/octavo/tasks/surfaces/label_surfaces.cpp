@@ -1,0 +1,337 @@
+#include "octavo/tasks/surfaces/label_surfaces.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+#include "octavo/core/error.h"
+#include "octavo/core/label_color.h"
+#include "octavo/core/sha256.h"
+#include "octavo/file/storage/pending_file.h"
+#include "octavo/mesh/mesh_normals.h"
+#include "octavo/mesh/nets/interface_mesh.h"
+#include "octavo/mesh/nets/net_extraction.h"
+#include "octavo/mesh/nets/smoothed_interfaces.h"
+#include "octavo/tasks/inputs.h"
+#include "octavo/tasks/surfaces/part_names.h"
+#include "octavo/tasks/volume_facts.h"
+#include "octavo/tasks/volume_parts.h"
+
+namespace octavo {
+
+namespace {
+
+constexpr double kMaxVolumeChange = 0.01;
+
+[[noreturn]] void reject_labels(const std::string& text, const std::string& path,
+                                const char* field) {
+  throw Error(ErrorKind::invalid_argument, text, path).with_field(field);
+}
+
+/// A folder that is made when the first file goes into it, and gone again unless kept.
+class PartFolder {
+ public:
+  explicit PartFolder(std::string path) : path_(std::move(path)) {
+    while (path_.size() > 1 && path_.ends_with('/')) path_.pop_back();
+    const PathType type = local_storage().path_type(path_);
+    is_new_ = type == PathType::missing;
+    if (is_new_ || type == PathType::folder) return;
+    throw Error(ErrorKind::io, "exists and is not a folder", path_);
+  }
+  ~PartFolder() {
+    std::error_code ignored;
+    if (is_new_ && !is_kept_) std::filesystem::remove(path_, ignored);
+  }
+  PartFolder(const PartFolder&) = delete;
+  PartFolder& operator=(const PartFolder&) = delete;
+
+  std::string file(const std::string& name) const { return path_ + "/" + name; }
+  void make() {
+    std::error_code problem;
+    std::filesystem::create_directory(path_, problem);
+    if (problem) throw Error(ErrorKind::io, "cannot make the folder: " + problem.message(), path_);
+  }
+  void keep() { is_kept_ = true; }
+
+ private:
+  std::string path_;
+  bool is_new_ = false;
+  bool is_kept_ = false;
+};
+
+/// The ending of files of a format, with its dot.
+std::string ending_of(MeshFormat format) {
+  switch (format) {
+    case MeshFormat::stl: return ".stl";
+    case MeshFormat::ply: return ".ply";
+    case MeshFormat::obj: return ".obj";
+    case MeshFormat::glb: return ".glb";
+    case MeshFormat::vtp: return ".vtp";
+    case MeshFormat::three_mf: return ".3mf";
+  }
+  return "";
+}
+
+/// Makes and writes the surfaces of one file.
+class LabelSurfaceWriter {
+ public:
+  LabelSurfaceWriter(const LabelSurfacesOptions& options, const TaskContext& context)
+      : options_(options), context_(context), format_(mesh_format_of(options.output.path)) {
+    check_output();
+    reader_ = open_labels(options.input, context, kAsLabels);
+    require_level(reader_->levels(), options.level);
+    names_ = &reader_->description().metadata.facts().labels;
+    asked_ = labels_of(options.labels, *names_, options.input);
+    geometry_ = reader_->levels().geometry(reader_->description().geometry, options.level);
+  }
+
+  LabelSurfacesResult write() {
+    if (!is_spacing_known(reader_->description())) {
+      context_.warn(options_.input +
+                    ": its spacing is not known; the surface is written as if voxels were 1 mm");
+    }
+    make();
+    check_asked();
+    LabelParts parts(surfaces_.interfaces);
+    for (const std::int64_t label : parts.labels()) {
+      if (is_asked(label)) result_.labels.push_back(measured(label, parts));
+    }
+    warn_of_volumes();
+    result_.is_sound = std::all_of(result_.labels.begin(), result_.labels.end(),
+                                   [](const LabelSurface& part) { return part.is_sound(); });
+    if (!result_.is_sound) return std::move(result_);
+    if (options_.form == LabelSurfaceForm::interfaces) write_interfaces();
+    else if (format_) write_parts_together(parts);
+    else write_parts_apart(parts);
+    result_.is_written = true;
+    return std::move(result_);
+  }
+
+ private:
+  void check_output() const {
+    if (options_.smoothing_steps < 0) {
+      throw Error(ErrorKind::invalid_argument, "the steps of smoothing must be 0 or more");
+    }
+    const std::string& path = options_.output.path;
+    if (options_.form == LabelSurfaceForm::interfaces) {
+      const bool is_fit = format_ == MeshFormat::ply || format_ == MeshFormat::obj ||
+                          format_ == MeshFormat::vtp;
+      if (!is_fit) {
+        reject_labels("surfaces between labels are written as .ply, .obj or .vtp, which know what "
+                      "lies on both sides",
+                      path, "surface.output");
+      }
+    } else if (format_ == MeshFormat::stl) {
+      reject_labels("an STL file knows no parts; name a folder, or a .ply, .obj, .glb, .vtp or "
+                    ".3mf file",
+                    path, "");
+    }
+    if (format_) require_free(options_.output);
+    std::error_code none;
+    if (std::filesystem::equivalent(path, options_.input, none)) {
+      reject_labels("is the input itself; name another output", path, "");
+    }
+  }
+
+  /// The surfaces between all labels, and what their voxels say.
+  void make() {
+    NetCollector collector(context_.max_memory_bytes);
+    const Size3& size = reader_->levels().size(options_.level);
+    const SurfaceFrame frame(geometry_, size);
+    {
+      const ProgressScope scope(context_.watcher(), "surface", size.z, "planes");
+      context_.on_threads(
+          [&] { extract_net(*reader_, options_.level, collector, context_.watcher()); });
+    }
+    const SurfaceNet net = collector.take();
+    constexpr std::uint64_t kBytesPerQuad = 150;
+    context_.require_memory(kBytesPerQuad * net.quads.size(), "the surface");
+    context_.on_threads([&] {
+      surfaces_ = smoothed_interfaces(net, frame, options_.smoothing_steps, kMaxVolumeChange);
+    });
+    voxel_counts_ = voxel_counts(net, frame.is_mirrored());
+    longest_moves_ = longest_moves_mm(net, surfaces_.offsets, geometry_);
+    voxel_volume_ = frame.voxel_volume();
+    result_.volume = reader_->description();
+    result_.voxel_digest = reader_->voxel_digest();
+    result_.pair_count = net.pairs.size();
+  }
+
+  void check_asked() const {
+    if (voxel_counts_.empty()) {
+      reject_labels(fmt::format("has no surface: no voxel of level {} has a label", options_.level),
+                    options_.input, "");
+    }
+    for (const std::int64_t label : asked_) {
+      if (voxel_counts_.contains(label)) continue;
+      reject_labels(fmt::format("no voxel of level {} has {}", options_.level,
+                                label_words(*names_, label)),
+                    options_.input, "labels.numbers");
+    }
+  }
+
+  bool is_asked(std::int64_t label) const {
+    return asked_.empty() || std::binary_search(asked_.begin(), asked_.end(), label);
+  }
+
+  LabelSurface measured(std::int64_t label, LabelParts& parts) const {
+    context_.stop_if_cancelled();
+    const TriangleMesh mesh = parts.cut(label);
+    LabelSurface surface;
+    surface.label = label;
+    surface.point_count = mesh.points.size();
+    surface.triangle_count = mesh.triangles.size();
+    context_.on_threads([&] { surface.check = check_mesh(mesh); });
+    surface.measures = measure_mesh(mesh);
+    surface.voxel_count = voxel_counts_.at(label);
+    surface.volume_change =
+        surface.measures.volume_mm3 /
+            (static_cast<double>(surface.voxel_count) * voxel_volume_) - 1;
+    surface.longest_move_mm = longest_moves_.at(label);
+    return surface;
+  }
+
+  void warn_of_volumes() const {
+    const auto changes_more = [](const LabelSurface& a, const LabelSurface& b) {
+      return std::abs(a.volume_change) < std::abs(b.volume_change);
+    };
+    const auto most = std::max_element(result_.labels.begin(), result_.labels.end(), changes_more);
+    if (std::abs(most->volume_change) <= kMaxVolumeChange) return;
+    context_.warn(Warning(fmt::format("{}: smoothing changes volumes by more than 1 %; that of {} "
+                                      "by {:+.2g} %",
+                                      options_.input, label_words(*names_, most->label),
+                                      100 * most->volume_change),
+                          "smoothing"));
+  }
+
+  std::vector<std::string> comments() const {
+    return {"octavo surfaces of labels with SHA-256 " + hex_text(reader_->voxel_digest()),
+            fmt::format("level {}, smoothed {} times", options_.level, options_.smoothing_steps)};
+  }
+
+  MeshPart part_of(std::int64_t label, std::size_t begin, std::size_t end) const {
+    return {.name = names_->text_of(label),
+            .label = label,
+            .color = names_->color_of(label, label_color(label)),
+            .begin = begin,
+            .end = end};
+  }
+
+  /// One file with what `mesh` describes, sealed.
+  std::unique_ptr<PendingFile> written(const std::string& path, MeshFormat format,
+                                       const TriangleMesh& mesh,
+                                       const std::vector<MeshPart>& parts,
+                                       const std::vector<LabelPair>& pairs) {
+    const std::vector<std::string> lines = comments();
+    std::vector<MeshPoint> normals;
+    if (has_normals(format) && pairs.empty()) normals = area_normals(mesh);
+    auto file = std::make_unique<PendingFile>(local_storage(), path);
+    write_mesh({.mesh = mesh,
+                .normals = normals,
+                .pairs = pairs,
+                .parts = parts,
+                .comments = lines,
+                .space = options_.space},
+               format, *file);
+    context_.stop_if_cancelled();
+    file->seal();
+    result_.point_count += mesh.points.size();
+    result_.triangle_count += mesh.triangles.size();
+    result_.file_bytes += file->size();
+    return file;
+  }
+
+  /// Those of the labels that are asked for, each once.
+  void write_interfaces() {
+    const InterfaceMesh& all = surfaces_.interfaces;
+    constexpr std::uint32_t kUnused = 0xffffffff;
+    std::vector<std::uint32_t> numbers(all.mesh.points.size(), kUnused);
+    TriangleMesh mesh;
+    std::vector<LabelPair> pairs;
+    for (std::size_t i = 0; i < all.mesh.triangles.size(); ++i) {
+      const LabelPair& pair = all.pairs[all.pair_of[i]];
+      const bool is_wanted = asked_.empty() || std::any_of(pair.begin(), pair.end(), [&](auto l) {
+        return l != 0 && is_asked(l);
+      });
+      if (!is_wanted) continue;
+      MeshTriangle& t = mesh.triangles.emplace_back(all.mesh.triangles[i]);
+      pairs.push_back(pair);
+      for (std::uint32_t& point : t) {
+        std::uint32_t& number = numbers[point];
+        if (number == kUnused) {
+          number = static_cast<std::uint32_t>(mesh.points.size());
+          mesh.points.push_back(all.mesh.points[point]);
+        }
+        point = number;
+      }
+    }
+    written(options_.output.path, *format_, mesh, {}, pairs)->publish(options_.output.overwrite);
+  }
+
+  void write_parts_together(LabelParts& parts) {
+    TriangleMesh all;
+    std::vector<MeshPart> ranges;
+    for (const LabelSurface& surface : result_.labels) {
+      const TriangleMesh part = parts.cut(surface.label);
+      const auto first = static_cast<std::uint32_t>(all.points.size());
+      const std::size_t begin = all.triangles.size();
+      all.points.insert(all.points.end(), part.points.begin(), part.points.end());
+      for (const MeshTriangle& t : part.triangles) {
+        all.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+      }
+      ranges.push_back(part_of(surface.label, begin, all.triangles.size()));
+    }
+    written(options_.output.path, *format_, all, ranges, {})->publish(options_.output.overwrite);
+  }
+
+  void write_parts_apart(LabelParts& parts) {
+    PartFolder folder(options_.output.path);
+    std::vector<std::int64_t> labels;
+    for (const LabelSurface& surface : result_.labels) labels.push_back(surface.label);
+    const std::vector<std::string> names = part_names(labels, *names_);
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      result_.labels[i].path = folder.file(names[i] + ending_of(options_.part_format));
+      require_free({result_.labels[i].path, options_.output.overwrite});
+    }
+    folder.make();
+    std::vector<std::unique_ptr<PendingFile>> files;
+    const ProgressScope scope(context_.watcher(), "parts",
+                              static_cast<std::int64_t>(labels.size()), "labels");
+    for (const LabelSurface& surface : result_.labels) {
+      const TriangleMesh part = parts.cut(surface.label);
+      files.push_back(written(surface.path, options_.part_format, part,
+                              {part_of(surface.label, 0, part.triangles.size())}, {}));
+      context_.watcher().advance(1);
+    }
+    for (const auto& file : files) file->publish(options_.output.overwrite);
+    folder.keep();
+  }
+
+  const LabelSurfacesOptions& options_;
+  const TaskContext& context_;
+  std::optional<MeshFormat> format_;  // none of a folder
+  std::shared_ptr<const FileReader> reader_;
+  const LabelNames* names_ = nullptr;
+  std::vector<std::int64_t> asked_;
+  Geometry geometry_;
+  SmoothedInterfaces surfaces_;
+  std::map<std::int64_t, std::int64_t> voxel_counts_;
+  std::map<std::int64_t, double> longest_moves_;
+  double voxel_volume_ = 0;
+  LabelSurfacesResult result_;
+};
+
+}  // namespace
+
+LabelSurfacesResult label_surfaces(const LabelSurfacesOptions& options,
+                                   const TaskContext& context) {
+  return LabelSurfaceWriter(options, context).write();
+}
+
+}  // namespace octavo

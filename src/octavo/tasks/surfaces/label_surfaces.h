@@ -1,0 +1,76 @@
+// The surfaces of labels: one file of all that lies between them, or a part for each of them that
+// fits its neighbors exactly.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "octavo/core/hasher.h"
+#include "octavo/mesh/formats/mesh_file.h"
+#include "octavo/mesh/mesh_check.h"
+#include "octavo/tasks/asked_labels.h"
+#include "octavo/tasks/outputs.h"
+#include "octavo/tasks/task_context.h"
+
+namespace octavo {
+
+enum class LabelSurfaceForm {
+  interfaces,  ///< all surfaces, each once, with the labels on both sides
+  parts        ///< the closed surface of each label
+};
+
+struct LabelSurfacesOptions {
+  std::string input;  ///< an .8vo file of labels or a URL of one
+  /// Of interfaces a .ply, .obj or .vtp file. Of parts a file of a format that knows parts, all but
+  /// .stl, or else a folder, which gets a file for each.
+  Output output;
+  LabelSurfaceForm form = LabelSurfaceForm::parts;
+  MeshFormat part_format = MeshFormat::stl;  ///< of the files in a folder
+  AskedLabels labels;                        ///< these; with none all but 0
+  int level = 0;
+  int smoothing_steps = 20;  ///< 0: sides of voxels stay as they are
+  MeshSpace space = MeshSpace::lps;
+};
+
+/// The surface of one label.
+struct LabelSurface {
+  std::int64_t label = 0;
+  std::string path;  ///< of its file in the folder; else empty
+  std::uint64_t point_count = 0;
+  std::uint64_t triangle_count = 0;
+  /// Points at one place are no fault: the label touches itself there.
+  MeshCheck check;
+  MeshMeasures measures;        ///< of voxels of 1 mm where the spacing is not known
+  std::int64_t voxel_count = 0;
+  double volume_change = 0;     ///< against that of its voxels, as a share of it
+  double longest_move_mm = 0;   ///< of a point by smoothing
+
+  bool is_sound() const {
+    return check.is_closed() && check.repeated_sides == 0 && check.pinched_points == 0;
+  }
+};
+
+struct LabelSurfacesResult {
+  VolumeDescription volume;
+  Sha256Digest voxel_digest{};
+  std::uint64_t point_count = 0;
+  std::uint64_t triangle_count = 0;
+  std::uint64_t pair_count = 0;      ///< of labels that lie side by side, 0 among them
+  std::vector<LabelSurface> labels;  ///< ascending
+  bool is_sound = false;             ///< those of all labels are closed and manifold
+  bool is_written = false;           ///< not where they are not
+  std::uint64_t file_bytes = 0;
+};
+
+/// Writes surfaces between the labels of a level, where the volume ends as well. All files get
+/// their names when all are complete. Warns where smoothing changes a volume by more than 1 %.
+/// Throws  as open_labels, require_free, labels_of, extract_net and write_mesh;
+///         Error{invalid_argument} where no voxel has a label, for a label that is not there, for
+///         formats that cannot hold what is asked for
+/// Memory  130 bytes per triangle of the surfaces, and twice the part that is written; all parts
+///         where they go into one file
+LabelSurfacesResult label_surfaces(const LabelSurfacesOptions& options,
+                                   const TaskContext& context);
+
+}  // namespace octavo
