@@ -1,3 +1,5 @@
+#include <array>
+#include <charconv>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -30,6 +32,9 @@ class AbaqusLine {
   std::uint64_t count_ = 0;
 };
 
+/// CalculiX reads 20 characters of a number: a sign, a point, an exponent and so many digits.
+constexpr int kAbaqusDigits = 14;
+
 class AbaqusWriter {
  public:
   AbaqusWriter(const HexMesh& mesh, const Progress& watcher, PendingFile& file)
@@ -48,12 +53,22 @@ class AbaqusWriter {
   }
 
  private:
+  void real(double value) {
+    std::array<char, 32> digits;
+    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value,
+                                   std::chars_format::general, kAbaqusDigits);
+    out_.text({digits.data(), static_cast<std::size_t>(end.ptr - digits.data())});
+  }
+
   void nodes() {
     out_.text("*NODE, NSET=ALL_NODES\n");
     std::uint64_t number = 0;
     mesh_.visit_nodes([&](const Point3& place) {
       out_.digits(++number);
-      for (const double value : place) out_.text(", ").digits(value);
+      for (const double value : place) {
+        out_.text(", ");
+        real(value);
+      }
       out_.text("\n");
     });
   }
@@ -144,9 +159,12 @@ class AbaqusWriter {
       const HexMaterial& material = *mesh_.groups()[i].material;
       const std::string number = std::to_string(i + 1);
       out_.text("*MATERIAL, NAME=MATERIAL_").text(number).text("\n*ELASTIC\n");
-      out_.digits(material.modulus_mpa).text(", ").digits(text.poisson_ratio);
+      real(material.modulus_mpa);
+      out_.text(", ");
+      real(text.poisson_ratio);
       if (material.density_g_cm3 > 0) {
-        out_.text("\n*DENSITY\n").digits(material.density_g_cm3 * kTonnePerMm3);
+        out_.text("\n*DENSITY\n");
+        real(material.density_g_cm3 * kTonnePerMm3);
       }
       out_.text("\n*SOLID SECTION, ELSET=").text(group_name(mesh_, i));
       out_.text(", MATERIAL=MATERIAL_").text(number).text("\n");
