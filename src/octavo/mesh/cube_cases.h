@@ -31,6 +31,8 @@ using CubeTriangle = std::array<std::uint8_t, 3>;
 
 class CubeCases {
  public:
+  static constexpr std::size_t kMostTriangles = 6;
+
   /// Takes a few milliseconds.
   CubeCases();
 
@@ -43,8 +45,6 @@ class CubeCases {
   }
 
  private:
-  static constexpr std::size_t kMostTriangles = 6;
-
   std::array<std::array<CubeTriangle, kMostTriangles>, 256> triangles_{};
   std::array<std::uint8_t, 256> counts_{};
 };

@@ -45,6 +45,7 @@ class BlockMaker {
       : reader_(reader),
         level_(level),
         field_(field),
+        inside_(field),
         frame_(reader.levels().geometry(reader.description().geometry, level),
                reader.levels().size(level)),
         brick_side_(brick_side_at(reader.levels(), level)) {}
@@ -125,10 +126,10 @@ class BlockMaker {
       for (auto y = static_cast<int>(part.box.lo.y); y < part.box.hi.y; ++y) {
         SurfaceBits& row = rows.at(y, z);
         if (part.box.lo.x < 0) {
-          row.before = are_all ? 1 : inside_bits(field_, values.at(-1, y, z), 1);
+          row.before = are_all ? 1 : inside_.bits(values.at(-1, y, z), 1);
         }
         if (count == 0) continue;
-        row.bits |= (are_all ? ones : inside_bits(field_, values.at(begin, y, z), count))
+        row.bits |= (are_all ? ones : inside_.bits(values.at(begin, y, z), count))
                     << begin;
       }
     }
@@ -167,6 +168,7 @@ class BlockMaker {
   const FileReader& reader_;
   int level_;
   const SurfaceField& field_;
+  InsideTest<T> inside_;
   SurfaceFrame frame_;
   Size3 brick_side_;
 };
@@ -265,7 +267,10 @@ class Extraction {
           }
         }
       }
-      triangles[i] = joined_triangles(blocks, is_mirrored);
+      MeshRoom<MeshTriangle>& room = rooms_.local();
+      room.clear();
+      join_triangles(blocks, is_mirrored, room);
+      triangles[i].assign(room.all().begin(), room.all().end());
     });
     for (const auto& some : triangles) {
       if (!some.empty()) sink_.add_triangles(some);
@@ -278,6 +283,7 @@ class Extraction {
   Size3 grid_;  // of blocks
   std::uint64_t point_count_ = 0;
   tbb::enumerable_thread_specific<BlockSpace<T>> spaces_;
+  tbb::enumerable_thread_specific<MeshRoom<MeshTriangle>> rooms_;
 };
 
 }  // namespace

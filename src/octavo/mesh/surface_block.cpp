@@ -1,9 +1,10 @@
 #include "octavo/mesh/surface_block.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 
-#include "octavo/mesh/cube_cases.h"
+#include "octavo/mesh/point_row.h"
 
 namespace octavo {
 
@@ -25,58 +26,6 @@ CutEdges cut_edges(const SurfaceRows<SurfaceBits>& bits, int y, int z) {
 std::uint32_t count_of(std::uint64_t bits) {
   return static_cast<std::uint32_t>(std::popcount(bits));
 }
-
-/// Gives the points of a block their places.
-template <class T>
-class PointPlacer {
- public:
-  PointPlacer(const SurfaceField& field, const SurfaceFrame& frame, const Index3& corner,
-              const SurfaceValues<T>& values, std::vector<MeshPoint>& points)
-      : field_(field),
-        frame_(frame),
-        corner_(corner),
-        values_(values),
-        border_(crossing_at_border(field)),
-        points_(points) {}
-
-  void place_row(const CutEdges& cut, int y, int z) {
-    const auto row_y = static_cast<double>(corner_.y + y);
-    const auto row_z = static_cast<double>(corner_.z + z);
-    const auto x_of = [&](int x) { return static_cast<double>(corner_.x + x); };
-    for (std::uint64_t left = cut.x; left != 0; left &= left - 1) {
-      const int x = std::countr_zero(left);
-      points_.push_back(frame_.point_at(x_of(x) - 1 + share(0, x, y, z), row_y, row_z));
-    }
-    for (std::uint64_t left = cut.y; left != 0; left &= left - 1) {
-      const int x = std::countr_zero(left);
-      points_.push_back(frame_.point_at(x_of(x), row_y - 1 + share(1, x, y, z), row_z));
-    }
-    for (std::uint64_t left = cut.z; left != 0; left &= left - 1) {
-      const int x = std::countr_zero(left);
-      points_.push_back(frame_.point_at(x_of(x), row_y, row_z - 1 + share(2, x, y, z)));
-    }
-  }
-
- private:
-  /// How far along the edge that ends at a voxel the surface cuts it.
-  double share(int axis, int x, int y, int z) const {
-    const std::int64_t end = axis == 0 ? corner_.x + x : axis == 1 ? corner_.y + y : corner_.z + z;
-    if (end == 0) return 1 - border_;
-    if (end == frame_.size()[axis]) return border_;
-    const T* const to = values_.at(x, y, z);
-    const T* const from = to - (axis == 0   ? 1
-                                : axis == 1 ? SurfaceValues<T>::kRow
-                                            : SurfaceValues<T>::kPlane);
-    return crossing_between(field_, static_cast<double>(*from), static_cast<double>(*to));
-  }
-
-  const SurfaceField& field_;
-  const SurfaceFrame& frame_;
-  Index3 corner_;
-  const SurfaceValues<T>& values_;
-  double border_;
-  std::vector<MeshPoint>& points_;
-};
 
 /// Numbers of points as the cubes of a block see them: those on edges of its own rows and of rows
 /// before it, and those of the last edges before each row.
@@ -112,72 +61,46 @@ SurfaceRows<JoinedRow> joined_rows(const BlocksBefore& blocks) {
   return rows;
 }
 
-/// Joins the points of one row of cubes.
-class RowJoiner {
- public:
-  RowJoiner(const SurfaceRows<SurfaceBits>& bits, const SurfaceRows<JoinedRow>& rows, int y,
-            int z) {
-    for (std::size_t k = 0; k < 4; ++k) {
-      const int row_y = y - 1 + static_cast<int>(k & 1);
-      const int row_z = z - 1 + static_cast<int>(k >> 1);
-      upper_[k] = bits.at(row_y, row_z).bits;
-      lower_[k] = bits.at(row_y, row_z).shifted();
-      rows_[k] = &rows.at(row_y, row_z);
+/// The words of a row of cubes of a block, and the numbers that its points begin with.
+CubeWords words_of(const SurfaceRows<SurfaceBits>& bits, int y, int z) {
+  CubeWords words;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const SurfaceBits& row = bits.at(y - 1 + static_cast<int>(k & 1),
+                                     z - 1 + static_cast<int>(k >> 1));
+    words.upper[k] = row.bits;
+    words.lower[k] = row.shifted();
+  }
+  return words;
+}
+
+CubeNumbers numbers_of(const SurfaceRows<JoinedRow>& rows, int y, int z) {
+  const std::array<const JoinedRow*, 4> row = {&rows.at(y - 1, z - 1), &rows.at(y, z - 1),
+                                               &rows.at(y - 1, z), &rows.at(y, z)};
+  CubeNumbers numbers;
+  for (std::size_t k = 0; k < 4; ++k) numbers.x[k] = row[k]->x;
+  for (std::size_t k = 0; k < 2; ++k) {
+    numbers.y[k] = row[2 * k + 1]->y;
+    numbers.y_before[k] = row[2 * k + 1]->y_before;
+    numbers.z[k] = row[k + 2]->z;
+    numbers.z_before[k] = row[k + 2]->z_before;
+  }
+  return numbers;
+}
+
+template <bool kIsMirrored>
+void join_block(const SurfaceBlock& block, const SurfaceRows<JoinedRow>& rows,
+                MeshRoom<MeshTriangle>& room) {
+  const CubeCases& cases = CubeCases::shared();
+  for (int z = 0; z < kSurfaceSide; ++z) {
+    for (int y = 0; y < kSurfaceSide; ++y) {
+      const CubeWords words = words_of(block.bits, y, z);
+      const std::uint64_t cut = words.cut_cubes();
+      if (cut == 0) continue;
+      CubeNumbers numbers = numbers_of(rows, y, z);
+      join_cubes<kIsMirrored>(cases, words, cut, numbers, room);
     }
   }
-
-  /// Cubes that the surface goes through; bit x stands for the one whose last voxel is x.
-  std::uint64_t cut_cubes() const {
-    std::uint64_t any = 0;
-    std::uint64_t all = ~std::uint64_t{0};
-    for (std::size_t k = 0; k < 4; ++k) {
-      any |= upper_[k] | lower_[k];
-      all &= upper_[k] & lower_[k];
-    }
-    return any & ~all;
-  }
-
-  void join(int x, bool is_mirrored, std::vector<MeshTriangle>& triangles) const {
-    unsigned inside = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
-      inside |= static_cast<unsigned>((lower_[k] >> x & 1) | (upper_[k] >> x & 1) << 1) << 2 * k;
-    }
-    const auto numbers = points_at(x);
-    for (const CubeTriangle& t : cases_.triangles(static_cast<std::uint8_t>(inside))) {
-      const std::uint32_t second = numbers[t[1]];
-      const std::uint32_t third = numbers[t[2]];
-      triangles.push_back({numbers[t[0]], is_mirrored ? third : second,
-                           is_mirrored ? second : third});
-    }
-  }
-
- private:
-  /// The points on the 12 edges of a cube, numbered as in cube_cases.h. Those on edges that are not
-  /// cut are unset.
-  std::array<std::uint32_t, 12> points_at(int x) const {
-    const std::uint64_t below = (std::uint64_t{1} << x) - 1;
-    std::array<std::uint32_t, 12> numbers;
-    for (std::size_t k = 0; k < 4; ++k) {
-      numbers[k] = rows_[k]->x + count_of((upper_[k] ^ lower_[k]) & below);
-    }
-    for (std::size_t k = 0; k < 2; ++k) {
-      // Along y between rows 2k and 2k + 1, which owns the edge; along z between k and k + 2.
-      const std::uint32_t y = rows_[2 * k + 1]->y +
-                              count_of((upper_[2 * k] ^ upper_[2 * k + 1]) & below);
-      const std::uint32_t z = rows_[k + 2]->z + count_of((upper_[k] ^ upper_[k + 2]) & below);
-      numbers[4 + 2 * k] = x == 0 ? rows_[2 * k + 1]->y_before : y - 1;
-      numbers[5 + 2 * k] = y;
-      numbers[8 + 2 * k] = x == 0 ? rows_[k + 2]->z_before : z - 1;
-      numbers[9 + 2 * k] = z;
-    }
-    return numbers;
-  }
-
-  const CubeCases& cases_ = CubeCases::shared();
-  std::array<std::uint64_t, 4> upper_;  // rows (y-1, z-1), (y, z-1), (y-1, z), (y, z)
-  std::array<std::uint64_t, 4> lower_;  // the same, one voxel before
-  std::array<const JoinedRow*, 4> rows_;
-};
+}
 
 }  // namespace
 
@@ -195,7 +118,7 @@ bool SurfaceBlock::is_cut() const {
 template <class T>
 void place_points(const SurfaceField& field, const SurfaceFrame& frame, const Index3& corner,
                   const SurfaceValues<T>& values, SurfaceBlock& block) {
-  PointPlacer<T> placer(field, frame, corner, values, block.points);
+  // Number them
   std::uint32_t count = 0;
   for (int z = 0; z < kSurfaceSide; ++z) {
     for (int y = 0; y < kSurfaceSide; ++y) {
@@ -204,9 +127,24 @@ void place_points(const SurfaceField& field, const SurfaceFrame& frame, const In
       starts.x = count;
       starts.y = starts.x + count_of(cut.x);
       starts.z = starts.y + count_of(cut.y);
-      starts.end = starts.z + count_of(cut.z);
-      if (starts.end != count) placer.place_row(cut, y, z);
-      count = starts.end;
+      starts.end = count = starts.z + count_of(cut.z);
+    }
+  }
+
+  // Place them
+  const PointRow<T> placer(field, frame);
+  block.points.resize(count);
+  MeshPoint* out = block.points.data();
+  for (int z = 0; z < kSurfaceSide; ++z) {
+    for (int y = 0; y < kSurfaceSide; ++y) {
+      const RowStarts& starts = block.starts.at(y, z);
+      if (starts.end == starts.x) continue;
+      const CutEdges cut = cut_edges(block.bits, y, z);
+      const Index3 first = {corner.x, corner.y + y, corner.z + z};
+      const T* const row = values.at(0, y, z);
+      out = placer.place({0, first, row, 1}, cut.x, out);
+      out = placer.place({1, first, row, SurfaceValues<T>::kRow}, cut.y, out);
+      out = placer.place({2, first, row, SurfaceValues<T>::kPlane}, cut.z, out);
     }
   }
 }
@@ -226,20 +164,10 @@ template void place_points(const SurfaceField&, const SurfaceFrame&, const Index
 template void place_points(const SurfaceField&, const SurfaceFrame&, const Index3&,
                            const SurfaceValues<float>&, SurfaceBlock&);
 
-std::vector<MeshTriangle> joined_triangles(const BlocksBefore& blocks, bool is_mirrored) {
-  const SurfaceBlock& block = *blocks[0][0][0];
+void join_triangles(const BlocksBefore& blocks, bool is_mirrored, MeshRoom<MeshTriangle>& room) {
   const SurfaceRows<JoinedRow> rows = joined_rows(blocks);
-  std::vector<MeshTriangle> triangles;
-  triangles.reserve(2 * block.points.size());
-  for (int z = 0; z < kSurfaceSide; ++z) {
-    for (int y = 0; y < kSurfaceSide; ++y) {
-      const RowJoiner row(block.bits, rows, y, z);
-      for (std::uint64_t left = row.cut_cubes(); left != 0; left &= left - 1) {
-        row.join(std::countr_zero(left), is_mirrored, triangles);
-      }
-    }
-  }
-  return triangles;
+  if (is_mirrored) join_block<true>(*blocks[0][0][0], rows, room);
+  else join_block<false>(*blocks[0][0][0], rows, room);
 }
 
 }  // namespace octavo

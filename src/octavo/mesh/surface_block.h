@@ -21,6 +21,7 @@
 
 #include "octavo/core/box.h"
 #include "octavo/core/triangle_mesh.h"
+#include "octavo/mesh/cube_row.h"
 #include "octavo/mesh/surface_field.h"
 #include "octavo/mesh/surface_frame.h"
 
@@ -99,7 +100,7 @@ template <class T>
 void place_points(const SurfaceField& field, const SurfaceFrame& frame, const Index3& corner,
                   const SurfaceValues<T>& values, SurfaceBlock& block);
 
-/// The triangles of a block. Requires that all numbers are final.
-std::vector<MeshTriangle> joined_triangles(const BlocksBefore& blocks, bool is_mirrored);
+/// Appends the triangles of a block. Requires that all numbers are final.
+void join_triangles(const BlocksBefore& blocks, bool is_mirrored, MeshRoom<MeshTriangle>& room);
 
 }  // namespace octavo

@@ -11,7 +11,6 @@ namespace octavo {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNearest = 1.0 / 256;
 
 /// The bits of 8 bytes that are 0 or 1, the first one lowest.
 std::uint64_t packed(std::uint64_t bytes) { return bytes * 0x0102040810204080u >> 56; }
@@ -42,10 +41,10 @@ TypedRange<T> typed(const InsideRange& range) {
 }
 
 template <class T>
-std::uint64_t bits_of_64(const TypedRange<T>& range, const T* row) {
+std::uint64_t bits_of_64(T lowest, T highest, const T* row) {
   std::array<std::uint8_t, 64> is_inside;
   for (std::size_t i = 0; i < 64; ++i) {
-    is_inside[i] = static_cast<std::uint8_t>((row[i] >= range.lowest) & (row[i] <= range.highest));
+    is_inside[i] = static_cast<std::uint8_t>((row[i] >= lowest) & (row[i] <= highest));
   }
   std::uint64_t bits = 0;
   for (std::size_t i = 0; i < 8; ++i) {
@@ -94,7 +93,15 @@ InsideShare inside_share(const SurfaceField& field, double lowest, double highes
 }
 
 template <class T>
-std::uint64_t inside_bits(const SurfaceField& field, const T* row, int count) {
+InsideTest<T>::InsideTest(const SurfaceField& field) {
+  for (const InsideRange& range : field.inside) {
+    const auto [lowest, highest] = typed<T>(range);
+    ranges_.push_back({lowest, highest});
+  }
+}
+
+template <class T>
+std::uint64_t InsideTest<T>::bits(const T* row, int count) const {
   std::array<T, 64> padded;
   const T* values = row;
   if (count < 64) {
@@ -103,26 +110,20 @@ std::uint64_t inside_bits(const SurfaceField& field, const T* row, int count) {
     values = padded.data();
   }
   std::uint64_t bits = 0;
-  for (const InsideRange& range : field.inside) bits |= bits_of_64(typed<T>(range), values);
+  for (const Range& range : ranges_) bits |= bits_of_64(range.lowest, range.highest, values);
   return count < 64 ? bits & ((std::uint64_t{1} << count) - 1) : bits;
 }
 
-template std::uint64_t inside_bits(const SurfaceField&, const std::int8_t*, int);
-template std::uint64_t inside_bits(const SurfaceField&, const std::uint8_t*, int);
-template std::uint64_t inside_bits(const SurfaceField&, const std::int16_t*, int);
-template std::uint64_t inside_bits(const SurfaceField&, const std::uint16_t*, int);
-template std::uint64_t inside_bits(const SurfaceField&, const std::int32_t*, int);
-template std::uint64_t inside_bits(const SurfaceField&, const std::uint32_t*, int);
-template std::uint64_t inside_bits(const SurfaceField&, const float*, int);
+template class InsideTest<std::int8_t>;
+template class InsideTest<std::uint8_t>;
+template class InsideTest<std::int16_t>;
+template class InsideTest<std::uint16_t>;
+template class InsideTest<std::int32_t>;
+template class InsideTest<std::uint32_t>;
+template class InsideTest<float>;
 
-double crossing_between(const SurfaceField& field, double a, double b) {
-  if (!field.isovalue) return 0.5;
-  const double share = (*field.isovalue - a) / (b - a);
-  // Beside NaN and infinities there is no place to prefer.
-  if (!std::isfinite(a) || !std::isfinite(b)) return 0.5;
-  return std::clamp(share, kNearest, 1 - kNearest);
+double crossing_at_border(const SurfaceField& field) {
+  return field.isovalue ? kNearestCrossing : 0.5;
 }
-
-double crossing_at_border(const SurfaceField& field) { return field.isovalue ? kNearest : 0.5; }
 
 }  // namespace octavo

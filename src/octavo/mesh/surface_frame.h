@@ -29,6 +29,17 @@ class SurfaceFrame {
   /// Of a voxel, mm3.
   double voxel_volume() const { return std::abs(signed_volume()); }
 
+  /// The world position of a voxel; it may lie outside.
+  Point3 place_of(const Index3& voxel) const {
+    Point3 place;
+    for (std::size_t row = 0; row < 3; ++row) {
+      place[row] = origin_[row] + steps_[0][row] * static_cast<double>(voxel.x) +
+                   steps_[1][row] * static_cast<double>(voxel.y) +
+                   steps_[2][row] * static_cast<double>(voxel.z);
+    }
+    return place;
+  }
+
   /// The world position of a fractional index, rounded to floats.
   MeshPoint point_at(double x, double y, double z) const {
     MeshPoint point;
@@ -39,6 +50,9 @@ class SurfaceFrame {
     return point;
   }
 
+  /// From a voxel to the next along an axis.
+  const Point3& step(int axis) const { return steps_[static_cast<std::size_t>(axis)]; }
+
  private:
   double signed_volume() const {
     const auto& [x, y, z] = steps_;
@@ -48,7 +62,7 @@ class SurfaceFrame {
 
   Size3 size_;
   Point3 origin_{};
-  std::array<Point3, 3> steps_{};  // from a voxel to the next along each axis
+  std::array<Point3, 3> steps_{};
 };
 
 }  // namespace octavo

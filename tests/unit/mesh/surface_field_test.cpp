@@ -22,7 +22,7 @@ void expect_bits(const SurfaceField& field, const std::vector<T>& row) {
       }
       if (is_inside) expected |= std::uint64_t{1} << i;
     }
-    ASSERT_EQ(inside_bits(field, row.data(), count), expected);
+    ASSERT_EQ(InsideTest<T>(field).bits(row.data(), count), expected);
   }
 }
 
@@ -63,14 +63,17 @@ TEST(SurfaceFieldShare, OfARangeIsThatOfItsValues) {
 
 TEST(SurfaceFieldCrossing, LiesHalfAStepBeforeWholeValuesAndNeverAtAVoxel) {
   const SurfaceField field = SurfaceField::of_grey(10, false, VoxelType::int16);
-  EXPECT_DOUBLE_EQ(crossing_between(field, 9, 10), 0.5);
-  EXPECT_DOUBLE_EQ(crossing_between(field, 12, 8), 0.625);
-  EXPECT_DOUBLE_EQ(crossing_between(field, -30000, 10), 255.0 / 256);
-  EXPECT_DOUBLE_EQ(crossing_between(field, 10, -30000), 1.0 / 256);
-  EXPECT_DOUBLE_EQ(crossing_between(SurfaceField::of_labels({}), 0, 7), 0.5);
+  const CrossingFinder<std::int16_t> crossing(field);
+  const CrossingFinder<std::uint8_t> of_labels(SurfaceField::of_labels({}));
+  EXPECT_DOUBLE_EQ(crossing.between(9, 10), 0.5);
+  EXPECT_DOUBLE_EQ(crossing.between(12, 8), 0.625);
+  EXPECT_DOUBLE_EQ(crossing.between(-30000, 10), 255.0 / 256);
+  EXPECT_DOUBLE_EQ(crossing.between(10, -30000), 1.0 / 256);
+  EXPECT_DOUBLE_EQ(of_labels.between(0, 7), 0.5);
   const SurfaceField floats = SurfaceField::of_grey(1, false, VoxelType::float32);
-  EXPECT_DOUBLE_EQ(crossing_between(floats, 1, 0), 1.0 / 256);
-  EXPECT_DOUBLE_EQ(crossing_between(floats, 2, std::nan("")), 0.5);
+  const CrossingFinder<float> of_floats(floats);
+  EXPECT_DOUBLE_EQ(of_floats.between(1, 0), 1.0 / 256);
+  EXPECT_DOUBLE_EQ(of_floats.between(2, std::nanf("")), 0.5);
 }
 
 }  // namespace
