@@ -93,7 +93,8 @@ void add_part(CLI::App& app, Context& context) {
                   "The folder for the parts; default: that of the plan")
       ->type_name("FOLDER");
   verb.add_option("--source-root", arguments->options.source_root,
-                  "Where the files of the source stand on this machine")
+                  "Where relative paths of the plan begin on this machine; of a plan "
+                  "without any, the folder of all files of the source")
       ->type_name("FOLDER");
 }
 

@@ -178,7 +178,7 @@ void add_plan(CLI::App& app, Context& context) {
       ->type_name("BYTES")
       ->excludes(parts);
   verb.add_option("--source-root", arguments->source_root,
-                  "Keep paths below this folder relative to it")
+                  "Where relative paths of the plan begin; default: at its folder")
       ->type_name("FOLDER");
 }
 

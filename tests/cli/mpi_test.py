@@ -231,6 +231,20 @@ class LostRanks(ByRanks):
         said = self.lose(3, 1, signal.SIGSTOP, "--silent-limit", "3")
         self.assertIn("rank 1 has been silent for 3 s", said)
 
+    def test_a_rank_whose_work_stands_still_ends_the_job(self):
+        # Training on a group takes several times the time between two looks at the work.
+        job = self.start(2, "build", *SOURCE[:-1], "small", "--stall-limit", "0.01",
+                         "-o", "scan.8vo")
+        _, error = job.communicate()
+        self.assertNotEqual(job.returncode, 0, error)
+        self.assertRegex(error, r"the work of rank [01] has stood still for \d+ s; the job ends")
+        self.assertFalse((self.folder / "scan.8vo").exists())
+
+    def test_without_a_limit_work_may_stand_still(self):
+        expected = self.expected()
+        self.build(2, "--stall-limit", "0")
+        self.assertEqual(self.bytes_built(), expected)
+
     def test_a_signal_ends_the_job(self):
         job = self.start(2, "build", *SOURCE, "-o", "scan.8vo")
         found = self.wait_for_work(job, 2)

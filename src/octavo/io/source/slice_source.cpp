@@ -10,6 +10,11 @@ namespace octavo {
 
 namespace {
 
+/// "2 x + 100".
+std::string rescale_text(const Rescale& rescale) {
+  return number_text(rescale.slope) + " x + " + number_text(rescale.intercept);
+}
+
 class SliceSource final : public PlaneSource {
  public:
   SliceSource(SliceStack stack, const SourceOptions& options, SliceOpener open)
@@ -54,7 +59,14 @@ class SliceSource final : public PlaneSource {
   void require_alike(const VolumeDescription& found, const std::string& path) const {
     const VolumeDescription& stack = stack_.description;
     const Size3 expected = {stack.size.x, stack.size.y, cursor_.end() - cursor_.next()};
-    if (found.size == expected && found.type == stack.type) return;
+    const bool is_alike = found.size == expected && found.type == stack.type;
+    if (is_alike && found.rescale == stack.rescale) return;
+    if (is_alike) {
+      throw Error(ErrorKind::source_rejected,
+                  "the slices from here on have the rescale " + rescale_text(found.rescale) +
+                      ", those of the stack had " + rescale_text(stack.rescale),
+                  path);
+    }
     throw Error(ErrorKind::source_rejected,
                 "the slices from here on hold " + size_text(found.size) + " voxels of " +
                     std::string(voxel_type_name(found.type)) + ", those of the stack were " +

@@ -21,7 +21,7 @@ using SliceOpener = std::function<std::unique_ptr<PlaneSource>(const std::vector
 /// warnings of opening, which the stack gave, are left out.
 /// options  those that the stack was opened with
 /// Throws   when planes are sought or read: what `open` throws, Error{source_rejected} naming a
-///          slice where they are no longer of the stack's type and size
+///          slice where they are no longer of the stack's type, size and rescale
 std::unique_ptr<PlaneSource> make_slice_source(SliceStack stack, const SourceOptions& options,
                                                SliceOpener open);
 

@@ -203,6 +203,25 @@ TEST(SliceSource, SlicesThatBecameOthersAreRejectedByName) {
   EXPECT_EQ(error_of([&] { planes_between(*source, 3, 4); }).kind(), ErrorKind::io);
 }
 
+TEST(SliceSource, SlicesOfAnotherRescaleThanTheStackAreRejected) {
+  const TempFolder folder;
+  write_series(folder, {0, 2, 4, 6});
+  const auto stack = slice_stack_of(*open_source({folder.path()}, {}));
+  ASSERT_TRUE(stack);
+  DicomSample sample;
+  sample.position = "0\\0\\4";
+  sample.voxels = numbers(2000, 12);
+  sample.slope = "2";
+  write_dicom(folder.file("s2.dcm"), sample);
+  const auto source = make_slice_source(*stack, {}, open_source);
+  planes_between(*source, 0, 2);
+  const Error error = error_of([&] { planes_between(*source, 2, 3); });
+  EXPECT_EQ(error.kind(), ErrorKind::source_rejected);
+  EXPECT_TRUE(contains(error, "s2.dcm")) << error.what();
+  EXPECT_TRUE(contains(error, "2 x + -1024")) << error.what();
+  EXPECT_TRUE(contains(error, "1 x + -1024")) << error.what();
+}
+
 TEST(SliceSource, AStackThatNamesOtherSlicesThanThereAreIsRejected) {
   const TempFolder folder;
   write_series(folder, {0, 2, 6, 8});
