@@ -21,7 +21,7 @@ bool is_safe(char c) {
 
 std::string numbered(std::int64_t label) { return "label_" + std::to_string(label); }
 
-std::string part_name(std::int64_t label, const LabelNames& names) {
+std::string name_of_part(std::int64_t label, const LabelNames& names) {
   const std::string text = as_utf8(names.name_of(label));
   std::string name(cut_utf8(text, kMaxPartNameBytes));
   for (char& c : name) {
@@ -45,7 +45,7 @@ std::vector<std::string> part_names(const std::vector<std::int64_t>& labels,
   std::vector<std::string> result;
   std::map<std::string, int> counts;
   for (const std::int64_t label : labels) {
-    result.push_back(part_name(label, names));
+    result.push_back(name_of_part(label, names));
     ++counts[folded(result.back())];
   }
   // What a name with a number is equal to gets one as well.
