@@ -35,6 +35,10 @@ class QuadCutter {
   }
 
   void cut(const NetQuad& quad) {
+    if (quad.crossed_sides == 0) {
+      cut_in_two(quad);
+      return;
+    }
     std::array<PolygonCorner, 8> polygon;
     std::size_t count = 0;
     std::size_t first_middle = polygon.size();
@@ -45,12 +49,10 @@ class QuadCutter {
       polygon[count++] = {middle_of(quad.corners[k], quad.corners[(k + 1) % 4]),
                           quad.side_fan_at(k, 0) | quad.side_fan_at(k, 1) << 2};
     }
-    // From the middle of a side no triangle is flat; of a quad the shorter diagonal is taken.
-    const std::size_t from =
-        count > 4 ? first_middle : is_second_diagonal_shorter(quad) ? std::size_t{1} : 0;
+    // From the middle of a side no triangle is flat
     for (std::size_t k = 1; k + 1 < count; ++k) {
-      add(quad.pair, {polygon[from], polygon[(from + k) % count],
-                      polygon[(from + k + 1) % count]});
+      add(quad.pair, {polygon[first_middle], polygon[(first_middle + k) % count],
+                      polygon[(first_middle + k + 1) % count]});
     }
   }
 
@@ -59,10 +61,28 @@ class QuadCutter {
   Point3 index_place(std::uint32_t point) const {
     Point3 place;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      place[axis] = static_cast<double>(net_.points[point][axis]) - 0.5 +
-                    static_cast<double>(offsets_[point][axis]);
+      place[axis] = static_cast<double>(net_.points[point][axis]) - 0.5;
+      if (!offsets_.empty()) place[axis] += static_cast<double>(offsets_[point][axis]);
     }
     return place;
+  }
+
+  /// At the shorter diagonal.
+  void cut_in_two(const NetQuad& quad) {
+    const std::size_t a = !offsets_.empty() && is_second_diagonal_shorter(quad) ? 1 : 0;
+    const std::size_t c = a + 2;
+    const std::size_t d = (a + 3) % 4;
+    const auto fans_at = [&](std::size_t k) {
+      return static_cast<std::uint32_t>(quad.corner_fans) >> 4 * k & 15;
+    };
+    const auto& p = quad.corners;
+    made_.mesh.triangles.push_back({p[a], p[a + 1], p[c]});
+    made_.mesh.triangles.push_back({p[a], p[c], p[d]});
+    made_.pair_of.insert(made_.pair_of.end(), 2, quad.pair);
+    const std::uint32_t ends = fans_at(a) | fans_at(c) << 4;
+    made_.fans.push_back(static_cast<std::uint16_t>(fans_at(a) | fans_at(a + 1) << 4 |
+                                                    fans_at(c) << 8));
+    made_.fans.push_back(static_cast<std::uint16_t>(ends | fans_at(d) << 8));
   }
 
   std::uint32_t middle_of(std::uint32_t a, std::uint32_t b) {

@@ -34,7 +34,7 @@ struct InterfaceMesh {
 };
 
 /// The triangles of a net; points keep their numbers, those in the middles of sides come behind.
-/// offsets  of the points from their corners
+/// offsets  of the points from their corners; empty: they have not moved
 InterfaceMesh interface_mesh(const SurfaceNet& net, std::span<const NetOffset> offsets,
                              const SurfaceFrame& frame);
 

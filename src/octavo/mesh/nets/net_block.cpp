@@ -1,6 +1,7 @@
 #include "octavo/mesh/nets/net_block.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 
 namespace octavo {
@@ -26,36 +27,32 @@ std::uint64_t different_bits(const T* a, const T* b) {
   return bits;
 }
 
+/// The corners of a row as the quads of a block see them, from x = -1 on.
+struct SeenRow {
+  std::array<std::uint32_t, kSurfaceRows> numbers;  // of those that have points; else unset
+  std::uint64_t touching = 0;
+  std::uint64_t touching_before = 0;  // bit x is that of corner x - 1
+};
+
 /// Joins corners to quads.
 class QuadJoiner {
  public:
   QuadJoiner(const NetBlocksBefore& blocks, bool is_mirrored)
-      : blocks_(blocks), is_mirrored_(is_mirrored) {}
+      : blocks_(blocks), block_(*blocks[0][0][0]), is_mirrored_(is_mirrored) {
+    for (auto& plane : planes_) plane.resize(kSurfaceRows);
+  }
 
-  NetQuad quad(const NetFace& face) const {
-    const std::size_t axis = face.axis;
-    const std::size_t u = (axis + 1) % 3;
-    const std::size_t v = (axis + 2) % 3;
-    const bool is_inside_behind = (face.pair & 1) != 0;
-    // Corners around the face as seen from behind it, or the other way round.
-    constexpr std::array<std::size_t, 4> kRing = {0, 1, 3, 2};
-    const bool is_turned = is_inside_behind != is_mirrored_;
-    NetQuad quad;
-    quad.pair = face.pair >> 1;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const std::size_t at = kRing[is_turned ? (4 - k) % 4 : k];
-      const std::size_t next = kRing[is_turned ? 3 - k : (k + 1) % 4];
-      std::array<int, 3> place = {face.x, face.y, face.z};
-      place[u] -= static_cast<int>(1 - (at & 1));
-      place[v] -= static_cast<int>(1 - (at >> 1));
-      const NetBlock& block = *block_at(place);
-      const std::uint32_t number = block.number_of(place[0], place[1], place[2]);
-      quad.corners[k] = block.first_point + number;
-      if (!block.is_touching(place[0], place[1], place[2])) continue;
-      const CornerEdge side{(at ^ next) == 1 ? u : v, next > at};
-      add_fans(block.classes_of(number), {axis, 3 - at, is_inside_behind, side}, k, quad);
+  std::vector<NetQuad> join() {
+    std::vector<NetQuad> quads(block_.faces.size());
+    see_plane(-1);
+    std::size_t at = 0;
+    for (int z = 0; z < kSurfaceSide; ++z) {
+      see_plane(z);
+      for (; at < quads.size() && block_.faces[at].z == z; ++at) {
+        join(block_.faces[at], quads[at]);
+      }
     }
-    return quad;
+    return quads;
   }
 
  private:
@@ -66,6 +63,93 @@ class QuadJoiner {
     bool is_inside_behind;
     CornerEdge side;  ///< to the next corner
   };
+
+  SeenRow& seen(int y, int z) {
+    return planes_[static_cast<std::size_t>(z & 1)][static_cast<std::size_t>(y + 1)];
+  }
+
+  void see_plane(int z) {
+    for (int y = -1; y < kSurfaceSide; ++y) {
+      const auto& [own, before] = blocks_[z < 0 ? 1u : 0u][y < 0 ? 1u : 0u];
+      const int own_y = y < 0 ? kSurfaceSide - 1 : y;
+      const int own_z = z < 0 ? kSurfaceSide - 1 : z;
+      SeenRow& row = seen(y, z);
+      row.touching = 0;
+      row.touching_before = 0;
+      if (own != nullptr) {
+        const NetRow& own_row = own->row(own_y, own_z);
+        row.touching = own_row.touching;
+        row.touching_before = own_row.touching << 1;
+        std::uint32_t number = own->first_point + own_row.first;
+        for (std::uint64_t left = own_row.corners; left != 0; left &= left - 1) {
+          row.numbers[static_cast<std::size_t>(std::countr_zero(left)) + 1] = number++;
+        }
+      }
+      if (before == nullptr) continue;
+      // The last corner of a row is its last point, where it is one.
+      const NetRow& before_row = before->row(own_y, own_z);
+      row.touching_before |= before_row.touching >> (kSurfaceSide - 1);
+      const auto count = static_cast<std::uint32_t>(std::popcount(before_row.corners));
+      row.numbers[0] = before->first_point + before_row.first + count - 1;
+    }
+  }
+
+  void join(const NetFace& face, NetQuad& quad) {
+    const std::size_t axis = face.axis;
+    const bool is_inside_behind = (face.pair & 1) != 0;
+    quad.pair = block_.pair_numbers[face.pair >> 1];
+    // The four corners, du + 2 dv
+    const auto x = static_cast<std::size_t>(face.x) + 1;
+    const SeenRow& last = seen(face.y, face.z);
+    const SeenRow& above = seen(face.y - 1, face.z);
+    const SeenRow& before = seen(face.y, face.z - 1);
+    const SeenRow& first = seen(face.y - 1, face.z - 1);
+    std::array<std::uint32_t, 4> corners;
+    std::uint64_t touching = 0;
+    switch (axis) {
+      case 0:
+        corners = {first.numbers[x], before.numbers[x], above.numbers[x], last.numbers[x]};
+        touching = first.touching | before.touching | above.touching | last.touching;
+        break;
+      case 1:
+        corners = {before.numbers[x - 1], last.numbers[x - 1], before.numbers[x],
+                   last.numbers[x]};
+        touching = before.touching | before.touching_before | last.touching |
+                   last.touching_before;
+        break;
+      default:
+        corners = {above.numbers[x - 1], above.numbers[x], last.numbers[x - 1], last.numbers[x]};
+        touching = above.touching | above.touching_before | last.touching | last.touching_before;
+    }
+    // Around the face as seen from behind it, or the other way round
+    if (is_inside_behind != is_mirrored_) {
+      quad.corners = {corners[0], corners[2], corners[3], corners[1]};
+    } else {
+      quad.corners = {corners[0], corners[1], corners[3], corners[2]};
+    }
+    if ((touching >> face.x & 1) != 0) add_fans(face, quad);
+  }
+
+  void add_fans(const NetFace& face, NetQuad& quad) const {
+    const std::size_t axis = face.axis;
+    const std::size_t u = (axis + 1) % 3;
+    const std::size_t v = (axis + 2) % 3;
+    const bool is_inside_behind = (face.pair & 1) != 0;
+    constexpr std::array<std::size_t, 4> kRing = {0, 1, 3, 2};
+    const bool is_turned = is_inside_behind != is_mirrored_;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::size_t at = kRing[is_turned ? (4 - k) % 4 : k];
+      const std::size_t next = kRing[is_turned ? 3 - k : (k + 1) % 4];
+      std::array<int, 3> place = {face.x, face.y, face.z};
+      place[u] -= static_cast<int>(1 - (at & 1));
+      place[v] -= static_cast<int>(1 - (at >> 1));
+      const NetBlock& block = *block_at(place);
+      if (!block.is_touching(place[0], place[1], place[2])) continue;
+      const CornerEdge side{(at ^ next) == 1 ? u : v, next > at};
+      add_fans_at(block.classes_of(quad.corners[k] - block.first_point),
+                  {axis, 3 - at, is_inside_behind, side}, k, quad);
+    }
+  }
 
   /// The block of a corner, whose place is made one in that block.
   const NetBlock* block_at(std::array<int, 3>& place) const {
@@ -78,7 +162,8 @@ class QuadJoiner {
     return blocks_[before[2]][before[1]][before[0]];
   }
 
-  void add_fans(CornerClasses classes, const SeenFace& face, std::size_t k, NetQuad& quad) const {
+  void add_fans_at(CornerClasses classes, const SeenFace& face, std::size_t k,
+                   NetQuad& quad) const {
     const std::array<std::size_t, 2> voxels = {
         CornerEdge{face.axis, face.is_inside_behind}.voxel(face.around),
         CornerEdge{face.axis, !face.is_inside_behind}.voxel(face.around)};
@@ -97,7 +182,9 @@ class QuadJoiner {
   }
 
   const NetBlocksBefore& blocks_;
+  const NetBlock& block_;
   bool is_mirrored_;
+  std::array<std::vector<SeenRow>, 2> planes_;  // even z, odd z
   const CornerFans& fans_ = CornerFans::shared();
 };
 
@@ -165,16 +252,21 @@ void NetBlockMaker<T>::make_row(const Index3& corner, int y, int z, NetBlock& bl
 
   // Corners
   for (std::uint64_t left = row.corners; left != 0; left &= left - 1) {
+    block.points.push_back({static_cast<std::int32_t>(corner.x + std::countr_zero(left)),
+                            static_cast<std::int32_t>(corner.y + y),
+                            static_cast<std::int32_t>(corner.z + z)});
+  }
+
+  // Those at which a label touches itself
+  for (std::uint64_t left = candidates(y, z); left != 0; left &= left - 1) {
     const int x = std::countr_zero(left);
     bool is_touching = false;
     const CornerClasses classes = classes_at(x, y, z, is_touching);
-    if (is_touching) {
-      row.touching |= std::uint64_t{1} << x;
-      block.touching.push_back({static_cast<std::uint32_t>(block.points.size()), classes});
-    }
-    block.points.push_back({static_cast<std::int32_t>(corner.x + x),
-                            static_cast<std::int32_t>(corner.y + y),
-                            static_cast<std::int32_t>(corner.z + z)});
+    if (!is_touching) continue;
+    const std::uint64_t below = row.corners & ((std::uint64_t{1} << x) - 1);
+    row.touching |= std::uint64_t{1} << x;
+    block.touching.push_back(
+        {row.first + static_cast<std::uint32_t>(std::popcount(below)), classes});
   }
 
   // Faces whose last corners these are
@@ -197,6 +289,40 @@ void NetBlockMaker<T>::add_faces(std::uint64_t bits, int axis, int y, int z, Net
                            static_cast<std::uint8_t>(z), static_cast<std::uint8_t>(axis),
                            pair << 1 | (is_inside_behind ? 1u : 0u)});
   }
+}
+
+/// Corners of a row at which a label may touch itself: four faces meet at an edge, or six part two
+/// opposite voxels from all others.
+template <class T>
+std::uint64_t NetBlockMaker<T>::candidates(int y, int z) const {
+  // Faces by axis and du + 2 dv, as CornerFans numbers them.
+  const Differences& last = differences_.at(y, z);
+  const Differences& above = differences_.at(y - 1, z);
+  const Differences& before = differences_.at(y, z - 1);
+  const Differences& first = differences_.at(y - 1, z - 1);
+  const std::array<std::uint64_t, 4> across_x = {first.x, before.x, above.x, last.x};
+  const std::array<std::uint64_t, 4> across_y = {
+      before.y << 1 | before.y_before, last.y << 1 | last.y_before, before.y, last.y};
+  const std::array<std::uint64_t, 4> across_z = {
+      above.z << 1 | above.z_before, above.z, last.z << 1 | last.z_before, last.z};
+
+  // Edges along x lie between faces across y and z, upward those of the voxels with dx = 1
+  std::uint64_t found = 0;
+  for (std::size_t d = 0; d < 2; ++d) {
+    found |= across_y[2 * d] & across_y[2 * d + 1] & across_z[d] & across_z[d + 2];
+    found |= across_x[d] & across_x[d + 2] & across_z[2 * d] & across_z[2 * d + 1];
+    found |= across_x[2 * d] & across_x[2 * d + 1] & across_y[d] & across_y[d + 2];
+  }
+  const auto around_voxel = [&](std::size_t voxel) {
+    const std::size_t dx = voxel & 1;
+    const std::size_t dy = voxel >> 1 & 1;
+    const std::size_t dz = voxel >> 2;
+    return across_x[dy + 2 * dz] & across_y[dz + 2 * dx] & across_z[dx + 2 * dy];
+  };
+  for (std::size_t voxel = 0; voxel < 4; ++voxel) {
+    found |= around_voxel(voxel) & around_voxel(7 - voxel);
+  }
+  return found;
 }
 
 template <class T>
@@ -244,12 +370,7 @@ template class NetBlockMaker<std::int32_t>;
 template class NetBlockMaker<std::uint32_t>;
 
 std::vector<NetQuad> joined_quads(const NetBlocksBefore& blocks, bool is_mirrored) {
-  const NetBlock& block = *blocks[0][0][0];
-  const QuadJoiner joiner(blocks, is_mirrored);
-  std::vector<NetQuad> quads;
-  quads.reserve(block.faces.size());
-  for (const NetFace& face : block.faces) quads.push_back(joiner.quad(face));
-  return quads;
+  return QuadJoiner(blocks, is_mirrored).join();
 }
 
 }  // namespace octavo

@@ -5,11 +5,10 @@
 // of a block join belongs to it or to the blocks before it.
 //
 // Points stand row by row; the number of one is that where its row begins, plus the corners before
-// it in the row: a count of bits.
+// it in the row.
 #pragma once
 
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <memory>
 #include <unordered_map>
@@ -50,15 +49,11 @@ struct NetBlock {
   std::vector<TouchingCorner> touching;  ///< ascending
   std::vector<NetFace> faces;
   std::vector<LabelPair> pairs;
-  std::uint32_t first_point = 0;  ///< what is added to all numbers
+  std::uint32_t first_point = 0;            ///< what is added to all numbers
+  std::vector<std::uint32_t> pair_numbers;  ///< of its pairs, among all
 
   const NetRow& row(int y, int z) const {
     return rows[static_cast<std::size_t>(z * kSurfaceSide + y)];
-  }
-  std::uint32_t number_of(int x, int y, int z) const {
-    const NetRow& at = row(y, z);
-    const std::uint64_t before = at.corners & ((std::uint64_t{1} << x) - 1);
-    return at.first + static_cast<std::uint32_t>(std::popcount(before));
   }
   bool is_touching(int x, int y, int z) const { return (row(y, z).touching >> x & 1) != 0; }
   /// Requires a touching corner.
@@ -93,6 +88,7 @@ class NetBlockMaker {
   bool find_differences();
   void make_row(const Index3& corner, int y, int z, NetBlock& block);
   void add_faces(std::uint64_t bits, int axis, int y, int z, NetBlock& block);
+  std::uint64_t candidates(int y, int z) const;
   CornerClasses classes_at(int x, int y, int z, bool& is_touching) const;
   std::uint32_t pair_number(T inside, T outside, NetBlock& block);
 
@@ -102,7 +98,7 @@ class NetBlockMaker {
   std::uint32_t last_number_ = 0;
 };
 
-/// The quads of a block; their pairs are places in its pairs. Requires that all numbers are final.
+/// The quads of a block. Requires that all numbers are final.
 std::vector<NetQuad> joined_quads(const NetBlocksBefore& blocks, bool is_mirrored);
 
 }  // namespace octavo

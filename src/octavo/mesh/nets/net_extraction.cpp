@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -202,7 +203,20 @@ class NetExtraction {
       point_count_ += block->points.size();
       sink_.add_points(block->points);
       std::vector<NetPoint>().swap(block->points);
+      number_pairs(*block);
     }
+  }
+
+  /// Gives the pairs of a block their numbers, and hands out those that are new.
+  void number_pairs(NetBlock& block) {
+    std::vector<LabelPair> added;
+    for (const LabelPair& pair : block.pairs) {
+      const auto next = static_cast<std::uint32_t>(pair_numbers_.size());
+      const auto [place, is_new] = pair_numbers_.emplace(pair, next);
+      if (is_new) added.push_back(pair);
+      block.pair_numbers.push_back(place->second);
+    }
+    if (!added.empty()) sink_.add_pairs(added);
   }
 
   void join(const NetLayer& before, const NetLayer& layer) {
@@ -222,8 +236,8 @@ class NetExtraction {
       quads[i] = joined_quads(blocks, is_mirrored_);
       std::vector<NetFace>().swap(layer[i]->faces);
     });
-    for (std::size_t i = 0; i < layer.size(); ++i) {
-      if (!quads[i].empty()) sink_.add_quads(quads[i], layer[i]->pairs);
+    for (const auto& some : quads) {
+      if (!some.empty()) sink_.add_quads(some);
     }
   }
 
@@ -234,6 +248,7 @@ class NetExtraction {
   Progress& progress_;
   Size3 grid_;  // of blocks
   std::uint64_t point_count_ = 0;
+  std::map<LabelPair, std::uint32_t> pair_numbers_;
   tbb::enumerable_thread_specific<NetSpace<T>> spaces_;
 };
 

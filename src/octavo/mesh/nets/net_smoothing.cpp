@@ -117,6 +117,7 @@ std::map<std::int64_t, double> longest_moves_mm(const SurfaceNet& net,
                                                 const Geometry& geometry) {
   std::vector<double> of_pair(net.pairs.size());
   for (const NetQuad& quad : net.quads) {
+    if (offsets.empty()) break;
     double& longest = of_pair[quad.pair];
     for (const std::uint32_t point : quad.corners) {
       longest = std::max(longest, squared_move(offsets[point], geometry));

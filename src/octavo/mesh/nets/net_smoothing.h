@@ -22,6 +22,7 @@ using NetOffset = std::array<float, 3>;
 std::vector<NetOffset> smoothed_offsets(const SurfaceNet& net, int steps);
 
 /// Of each label but 0 the longest way of a point of its surface from its corner.
+/// offsets  empty: points have not moved
 std::map<std::int64_t, double> longest_moves_mm(const SurfaceNet& net,
                                                 const std::vector<NetOffset>& offsets,
                                                 const Geometry& geometry);

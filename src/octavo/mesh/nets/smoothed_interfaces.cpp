@@ -52,7 +52,7 @@ std::map<std::int64_t, double> enclosed_volumes(const InterfaceMesh& interfaces)
 SmoothedInterfaces smoothed_interfaces(const SurfaceNet& net, const SurfaceFrame& frame, int steps,
                                        double max_volume_change) {
   SmoothedInterfaces result;
-  result.offsets = smoothed_offsets(net, steps);
+  if (steps > 0) result.offsets = smoothed_offsets(net, steps);
   result.interfaces = interface_mesh(net, result.offsets, frame);
   if (steps <= 0) return result;
   std::map<std::int64_t, double> expected;

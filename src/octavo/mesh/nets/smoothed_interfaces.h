@@ -12,7 +12,7 @@ namespace octavo {
 
 struct SmoothedInterfaces {
   InterfaceMesh interfaces;
-  std::vector<NetOffset> offsets;  ///< of the points of the net
+  std::vector<NetOffset> offsets;  ///< of the points of the net; empty where they have not moved
 };
 
 /// The triangles of a net that is smoothed as by smoothed_offsets, but points of labels whose

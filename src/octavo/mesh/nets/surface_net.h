@@ -16,7 +16,6 @@
 
 #include <array>
 #include <cstdint>
-#include <map>
 #include <span>
 #include <vector>
 
@@ -53,9 +52,11 @@ class NetSink {
   virtual ~NetSink() = default;
   /// The next points; they are numbered from 0 in the order in which they come.
   virtual void add_points(std::span<const NetPoint> points) = 0;
-  /// The next quads; their pairs are places in `pairs`. The points that they join have come before,
-  /// at most two layers ago.
-  virtual void add_quads(std::span<const NetQuad> quads, std::span<const LabelPair> pairs) = 0;
+  /// The next pairs of labels, numbered likewise.
+  virtual void add_pairs(std::span<const LabelPair> pairs) = 0;
+  /// The next quads. Their pairs and the points that they join have come before, points at most two
+  /// layers ago.
+  virtual void add_quads(std::span<const NetQuad> quads) = 0;
   /// Called behind each layer of blocks.
   virtual void finish_layer() {}
 };
@@ -78,13 +79,13 @@ class NetCollector final : public NetSink {
   /// max_bytes  of the net; 0: no limit, otherwise Error{limit_exceeded} when it grows beyond it
   explicit NetCollector(std::uint64_t max_bytes = 0) : max_bytes_(max_bytes) {}
   void add_points(std::span<const NetPoint> points) override;
-  void add_quads(std::span<const NetQuad> quads, std::span<const LabelPair> pairs) override;
+  void add_pairs(std::span<const LabelPair> pairs) override;
+  void add_quads(std::span<const NetQuad> quads) override;
   void finish_layer() override;
   SurfaceNet take() { return std::move(net_); }
 
  private:
   SurfaceNet net_;
-  std::map<LabelPair, std::uint32_t> pair_numbers_;
   std::uint64_t max_bytes_;
 };
 
