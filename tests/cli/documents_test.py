@@ -33,7 +33,7 @@ SCANS = {"CT head": "cranium", "micro-CT of bone": "uct_bone",
 
 def tour():
     """The commands of the README."""
-    return COMMAND.findall((ROOT / "README.md").read_text().split("## Nine commands")[1]
+    return COMMAND.findall((ROOT / "README.md").read_text().split("## Ten commands")[1]
                            .split("\n## ")[0])
 
 
@@ -66,7 +66,7 @@ class Documents(cli_test.InFolder):
 
     def test_the_commands_of_the_readme_run(self):
         lines = tour()
-        self.assertEqual(len(lines), 9)
+        self.assertEqual(len(lines), 10)
         for line in lines:
             with self.subTest(line):
                 self.run_line(line)

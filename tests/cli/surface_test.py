@@ -8,6 +8,7 @@ Everything is generated.
 
 import collections
 import json
+import resource
 import struct
 import sys
 import zipfile
@@ -159,6 +160,75 @@ class Surfaces(cli_test.InFolder):
             self.assertEqual(file["accessors"][primitive["indices"]]["count"],
                              3 * report["triangles"])
             self.assertEqual(file.get("extensionsRequired"), extensions)
+
+    def test_the_object_has_the_name_and_the_color_of_its_label(self):
+        name = 'left "lung" <&\u00e4>'
+        (self.folder / "names.txt").write_text(f"7 {name}\n", encoding="utf-8")
+        self.build("named.8vo", 7, "--labels", "--label-names", "names.txt")
+        for ending in ("glb", "3mf", "obj", "ply", "vtp"):
+            self.expect(0, "surface", "named.8vo", "--label", name, "-o", f"m.{ending}", "-q")
+        data = (self.folder / "m.glb").read_bytes()
+        (size,) = struct.unpack_from("<I", data, 12)
+        node = json.loads(data[20:20 + size])["nodes"][1]
+        self.assertEqual((node["name"], node["extras"]["label"]), (name, 7))
+        root = ElementTree.fromstring(
+            zipfile.ZipFile(self.folder / "m.3mf").read("3D/3dmodel.model"))
+        (printed,) = [element for element in root.iter() if element.tag.endswith("}object")]
+        self.assertEqual(printed.get("name"), name)
+        self.assertIn("\ng " + name.replace(" ", "_") + "\n",
+                      (self.folder / "m.obj").read_text(encoding="utf-8"))
+        self.assertIn(f"\ncomment label 7 {name}\n".encode(),
+                      (self.folder / "m.ply").read_bytes())
+        codes = " ".join(map(str, name.encode())) + " 0"
+        self.assertIn(codes.encode(), (self.folder / "m.vtp").read_bytes())
+
+    def test_mirrored_grids_have_triangles_outward(self):
+        (self.folder / "v.raw").write_bytes(voxels(1))
+        for last, space in ((1, "lps"), (-1, "lps"), (-1, "ras")):
+            (self.folder / "v.mhd").write_text(
+                "ObjectType = Image\nNDims = 3\nDimSize = %d %d %d\n" % SIZE
+                + "ElementType = MET_UCHAR\nElementSpacing = %g %g %g\n" % SPACING
+                + f"TransformMatrix = 1 0 0 0 1 0 0 0 {last}\nOffset = 30 20 10\n"
+                + "ElementDataFile = v.raw\n")
+            self.expect(0, "build", "v.mhd", "--labels", "-o", "v.8vo", "-qf")
+            report = self.json("surface", "v.8vo", "-o", "m.stl", "--space", space, "-f")
+            triangles, _ = read_stl(self.folder / "m.stl")
+            self.assertGreater(report["volume_mm3"], 200)
+            self.assertAlmostEqual(volume_of(triangles), report["volume_mm3"], delta=0.1)
+
+    def test_what_floats_cannot_tell_apart_is_not_written(self):
+        (self.folder / "v.raw").write_bytes(voxels(1))
+        (self.folder / "v.mhd").write_text(
+            "ObjectType = Image\nNDims = 3\nDimSize = %d %d %d\n" % SIZE
+            + "ElementType = MET_UCHAR\nElementSpacing = 1 1 1\nOffset = 1e11 0 0\n"
+            + "ElementDataFile = v.raw\n")
+        self.expect(0, "build", "v.mhd", "--labels", "-o", "v.8vo", "-qf")
+        before = sorted(path.name for path in self.folder.iterdir())
+        for ending in ("stl", "ply", "obj", "glb", "vtp", "3mf"):
+            output = self.expect(1, "surface", "v.8vo", "-o", f"m.{ending}", "--report",
+                                 "m.json").stdout
+            self.assertRegex(output, "not written, the surface has .* [1-9][0-9]* points at one")
+            self.assertEqual(sorted(path.name for path in self.folder.iterdir()), before)
+            self.expect(0, "surface", "v.8vo", "-o", f"n.{ending}", "--allow-open", "-q")
+            (self.folder / f"n.{ending}").unlink()
+
+    def test_a_disk_that_is_full_in_the_middle_leaves_what_was_there(self):
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))
+
+        for ending in ("stl", "ply", "obj", "glb", "vtp", "3mf"):
+            words = ["surface", "mask.8vo", "-o", f"m.{ending}", "--report", "m.json"]
+            before = sorted(path.name for path in self.folder.iterdir())
+            failure = self.expect(5, *words, preexec_fn=limit)
+            self.assertIn("File too large", failure.stderr)
+            self.assertEqual(sorted(path.name for path in self.folder.iterdir()), before)
+            self.expect(0, *words, "-q")
+            kept = {path.name: path.read_bytes() for path in self.folder.iterdir()}
+            self.assertGreater(len(kept[f"m.{ending}"]), 3000)
+            self.expect(5, *words, "-f", preexec_fn=limit)
+            self.assertEqual({path.name: path.read_bytes() for path in self.folder.iterdir()},
+                             kept)
+            (self.folder / "m.json").unlink()
 
     def test_a_report_is_written_with_its_surface_or_not_at_all(self):
         self.expect(0, "surface", "mask.8vo", "-o", "m.stl", "--report", "m.json", "-q")

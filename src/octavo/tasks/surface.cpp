@@ -221,6 +221,20 @@ std::array<MeshPoint, 2> bounds_of(const TriangleMesh& mesh, MeshSpace space) {
   return bounds;
 }
 
+/// The whole mesh as one object: a label that was asked for, or what lies inside.
+MeshPart object_of(const SurfaceOptions& options, const VolumeDescription& volume,
+                   const TriangleMesh& mesh) {
+  MeshPart object{.name = inside_words(options, volume), .begin = 0, .end = mesh.triangles.size()};
+  if (volume.kind != VolumeKind::labels) return object;
+  const LabelNames& names = volume.metadata.facts().labels;
+  const std::vector<std::int64_t> labels = labels_of(options.labels, names, options.input);
+  if (labels.size() != 1) return object;
+  object.label = labels.front();
+  object.name = names.text_of(*object.label);
+  if (names.all().contains(*object.label)) object.color = names.all().at(*object.label).color;
+  return object;
+}
+
 std::vector<std::string> comments_of(const SurfaceOptions& options, const FileReader& reader) {
   std::vector<std::string> comments = {
       "octavo surface of voxels with SHA-256 " + hex_text(reader.voxel_digest()),
@@ -277,8 +291,10 @@ SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context)
     });
   }
   const std::vector<std::string> comments = comments_of(options, *reader);
+  const MeshPart object = object_of(options, volume, mesh);
   const MeshDescription described{.mesh = mesh,
                                   .normals = normals,
+                                  .parts = {&object, 1},
                                   .comments = comments,
                                   .report = surface_report(options, result).text(),
                                   .space = options.space,
