@@ -162,7 +162,7 @@ class Surfaces(cli_test.InFolder):
             self.assertEqual(file.get("extensionsRequired"), extensions)
 
     def test_the_object_has_the_name_and_the_color_of_its_label(self):
-        name = 'left "lung" <&\u00e4>'
+        name = "left 'lung' <&\u00e4>"
         (self.folder / "names.txt").write_text(f"7 {name}\n", encoding="utf-8")
         self.build("named.8vo", 7, "--labels", "--label-names", "names.txt")
         for ending in ("glb", "3mf", "obj", "ply", "vtp"):
