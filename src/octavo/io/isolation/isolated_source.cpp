@@ -62,7 +62,10 @@ class IsolatedSource final : public PlaneSource {
 
   const VolumeDescription& description() const override { return report_.description; }
   const std::vector<Warning>& warnings() const override { return report_.warnings; }
-  std::uint64_t resident_bytes() const override { return report_.resident_bytes; }
+  std::uint64_t resident_bytes() const override {
+    constexpr std::uint64_t kPlanes = 2;  // of the worker: one is being decoded, one is being sent
+    return report_.resident_bytes + kPlanes * plane_bytes_;
+  }
   const PlaneFiles& files() const override { return report_.files; }
 
   void read_plane(std::span<std::byte> plane) override {

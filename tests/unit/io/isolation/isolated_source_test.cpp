@@ -104,6 +104,16 @@ TEST(IsolatedSource, PlanesAreTheSameFromAnywhere) {
 }
 
 // Plane 2 ends whoever reads it.
+TEST(IsolatedSource, WhatItHoldsCountsPlanesOfTheWorker) {
+  const TempFolder folder;
+  for (int z = 0; z < 3; ++z) {
+    write_dicom(folder.file("dicom/" + std::to_string(z) + ".dcm"), slice(z));
+  }
+  const auto here = open_source({folder.file("dicom")}, {});
+  EXPECT_EQ(open_apart(folder.file("dicom"))->resident_bytes(),
+            here->resident_bytes() + 2 * plane_bytes(here->description()));
+}
+
 TEST(IsolatedSource, PlanesThatAreNotAskedForAreNotRead) {
   for (const auto& [first, end] :
        std::vector<std::pair<std::int64_t, std::int64_t>>{{3, 6}, {0, 2}, {4, 4}}) {
