@@ -98,8 +98,10 @@ class WorkInParts(cli_test.InFolder):
         ]:
             with self.subTest(arguments):
                 self.expect_error(code, words, "components", "mask.8vo", *arguments)
-        self.expect_error(2, ["another mask"], "components", "good.8vo", "--numbers",
+        self.expect(0, "threshold", "noise.8vo", "--range", "701:", "-o", "other.8vo", "-q")
+        self.expect_error(2, ["another mask"], "components", "other.8vo", "--numbers",
                           "all.numbers", "-o", "x.8vo")
+        (self.folder / "other.8vo").unlink()
         self.assertEqual(self.files(), files)
 
 
