@@ -33,6 +33,8 @@ constexpr VerbText kSurfaceText = {
     "axes of its own, y up, and meters; with --max-deviation its points have 16 bits where that\n"
     "has room for their steps. --max-deviation takes time: about half a minute for the bones of a\n"
     "CT head.\n\n"
+    "--seed follows the piece of the surface there from brick to brick: those that it does not\n"
+    "pass are not decoded, and how many were is said.\n\n"
     "--max-deviation takes triangles away as far as every point of the surface stays within that\n"
     "distance of the full one, and every point of that one within it of the surface, which is\n"
     "proven: in mm, or as 0.5voxel in shortest sides of a voxel. Pieces and handles stay, and no\n"
@@ -173,6 +175,10 @@ std::string report_text(const SurfaceArguments& arguments, const SurfaceResult& 
                             static_cast<double>(result.full_triangle_count),
                         result.full_triangle_count, result.max_deviation_mm);
   }
+  if (result.decoded_bricks) {
+    text += fmt::format("the piece of the seed, out of {} {}\n", *result.decoded_bricks,
+                        *result.decoded_bricks == 1 ? "brick" : "bricks");
+  }
   if (is_spacing_known(result.volume)) {
     text += fmt::format("area {:.6g} mm2, volume {:.6g} mm3\n", result.measures.area_mm2,
                         result.measures.volume_mm3);
@@ -186,6 +192,7 @@ nlohmann::ordered_json report_json(const SurfaceOptions& options, const SurfaceR
                                  {"is_written", result.is_written},
                                  {"file_bytes", result.file_bytes}};
   json.update(json_of(surface_report(options, result)));
+  if (result.decoded_bricks) json["decoded_bricks"] = *result.decoded_bricks;
   json["warnings"] = context.warnings;
   return json;
 }

@@ -81,6 +81,18 @@ class Surfaces(cli_test.InFolder):
         self.expect(0, "surface", "mask.8vo", "-o", "m.obj", "-q")
         self.assertEqual(open_sides(read_obj(self.folder / "m.obj")), [])
 
+    def test_a_seed_takes_its_piece_and_says_what_was_decoded(self):
+        whole = self.json("surface", "mask.8vo", "-o", "whole.stl")
+        self.assertNotIn("decoded_bricks", whole)
+        triangles, _ = read_stl(self.folder / "whole.stl")
+        index = [place / spacing for place, spacing in zip(triangles[0][0], SPACING)]
+        seed = ",".join(map(str, index))
+        piece = self.json("surface", "mask.8vo", "--seed", seed, "-o", "m.stl")
+        self.assertEqual((piece["triangles"], piece["decoded_bricks"]), (len(triangles), 1))
+        self.assertEqual(read_stl(self.folder / "m.stl")[0], triangles)
+        text = self.expect(0, "surface", "mask.8vo", "--seed", seed, "-o", "n.stl").stdout
+        self.assertIn("out of 1 brick\n", text)
+
     def test_fewer_triangles_within_a_deviation(self):
         self.expect(0, "surface", "mask.8vo", "-o", "full.stl", "-q")
         light = self.json("surface", "mask.8vo", "--max-deviation", "0.5voxel", "-o", "m.stl")

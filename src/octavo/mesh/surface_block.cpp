@@ -10,19 +10,6 @@ namespace octavo {
 
 namespace {
 
-/// Edges of a row that the surface cuts; bit x stands for the edge that ends at voxel x.
-struct CutEdges {
-  std::uint64_t x;
-  std::uint64_t y;
-  std::uint64_t z;
-};
-
-CutEdges cut_edges(const SurfaceRows<SurfaceBits>& bits, int y, int z) {
-  const SurfaceBits& row = bits.at(y, z);
-  return {row.bits ^ row.shifted(), row.bits ^ bits.at(y - 1, z).bits,
-          row.bits ^ bits.at(y, z - 1).bits};
-}
-
 std::uint32_t count_of(std::uint64_t bits) {
   return static_cast<std::uint32_t>(std::popcount(bits));
 }
@@ -37,6 +24,11 @@ struct JoinedRow {
   std::uint32_t z_before = 0;
 };
 
+/// Stands for the points of a row of a block that is not there.
+std::uint32_t unmade(std::uint32_t dx, int y, int z) {
+  return kUnmadePoint + ((z < 0 ? 4u : 0u) + (y < 0 ? 2u : 0u) + dx) * kUnmadeBlock;
+}
+
 SurfaceRows<JoinedRow> joined_rows(const BlocksBefore& blocks) {
   SurfaceRows<JoinedRow> rows;
   for (int z = -1; z < kSurfaceSide; ++z) {
@@ -50,11 +42,15 @@ SurfaceRows<JoinedRow> joined_rows(const BlocksBefore& blocks) {
         row.x = block->first_point + starts.x;
         row.y = block->first_point + starts.y;
         row.z = block->first_point + starts.z;
+      } else {
+        row.x = row.y = row.z = unmade(0, y, z);
       }
       if (const SurfaceBlock* const block = in_plane[1]) {
         const RowStarts& starts = block->starts.at(own_y, own_z);
         row.y_before = block->first_point + starts.z - 1;
         row.z_before = block->first_point + starts.end - 1;
+      } else {
+        row.y_before = row.z_before = unmade(1, y, z);
       }
     }
   }

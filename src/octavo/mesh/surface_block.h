@@ -63,6 +63,19 @@ struct RowStarts {
   std::uint32_t end = 0;
 };
 
+/// Edges of a row that the surface cuts; bit x stands for the edge that ends at voxel x.
+struct CutEdges {
+  std::uint64_t x;
+  std::uint64_t y;
+  std::uint64_t z;
+};
+
+inline CutEdges cut_edges(const SurfaceRows<SurfaceBits>& bits, int y, int z) {
+  const SurfaceBits& row = bits.at(y, z);
+  return {row.bits ^ row.shifted(), row.bits ^ bits.at(y - 1, z).bits,
+          row.bits ^ bits.at(y, z - 1).bits};
+}
+
 /// Values of the voxels of a block and those before it; those outside the volume are unset.
 template <class T>
 struct SurfaceValues {
@@ -93,6 +106,11 @@ struct SurfaceBlock {
 /// The blocks that hold the points which triangles of a block join, as far as these are cut;
 /// [1][0][0] is the one before along z, [0][0][0] the block itself.
 using BlocksBefore = std::array<std::array<std::array<const SurfaceBlock*, 2>, 2>, 2>;
+
+/// Numbers from here on stand for points of blocks that are null in BlocksBefore but are cut:
+/// kUnmadePoint + (4 dz + 2 dy + dx) * kUnmadeBlock and more, for the block [dz][dy][dx].
+inline constexpr std::uint32_t kUnmadePoint = 0xc0000000;
+inline constexpr std::uint32_t kUnmadeBlock = 0x01000000;
 
 /// Numbers the points of a block and gives their places.
 /// corner  of the block, in voxels

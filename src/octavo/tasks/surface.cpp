@@ -17,7 +17,7 @@
 #include "octavo/mesh/formats/grid_mesh.h"
 #include "octavo/mesh/formats/mesh_bytes.h"
 #include "octavo/mesh/mesh_normals.h"
-#include "octavo/mesh/mesh_pieces.h"
+#include "octavo/mesh/surface_piece.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/surfaces/surface_file.h"
 #include "octavo/tasks/surfaces/surface_report.h"
@@ -147,8 +147,11 @@ TriangleMesh extracted(const FileReader& reader, const SurfaceField& field,
 }
 
 /// The piece that comes nearest to a seed, which lies within a voxel of it.
-TriangleMesh piece_at_seed(const TriangleMesh& mesh, const Point3& seed, const Geometry& geometry,
-                           const Size3& size, const SurfaceOptions& options) {
+TriangleMesh piece_at_seed(const FileReader& reader, const SurfaceField& field,
+                           const SurfaceOptions& options, const TaskContext& context,
+                           SurfaceResult& result) {
+  const Point3& seed = *options.seed;
+  const Size3 size = reader.levels().size(options.level);
   const std::string place =
       fmt::format("{},{},{}", number_text(seed[0]), number_text(seed[1]), number_text(seed[2]));
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -157,15 +160,17 @@ TriangleMesh piece_at_seed(const TriangleMesh& mesh, const Point3& seed, const G
     reject_mesh(fmt::format("the seed {} lies outside its {} voxels", place, size_text(size)),
                 options.input, "seed");
   }
-  const NearestTriangle nearest = nearest_triangle(mesh, geometry.to_world(seed));
-  const auto& [x, y, z] = geometry.spacing_mm;
-  if (nearest.distance_mm > std::sqrt(x * x + y * y + z * z)) {
-    reject_mesh(fmt::format("no surface passes within a voxel of the seed {}; the nearest is {} mm "
-                            "away",
-                            place, number_text(nearest.distance_mm)),
+  std::optional<SurfacePiece> piece;
+  context.on_threads([&] {
+    piece = surface_piece(reader, options.level, field, seed, context.max_memory_bytes,
+                          context.watcher());
+  });
+  if (!piece) {
+    reject_mesh(fmt::format("no surface passes within a voxel of the seed {}", place),
                 options.input, "seed");
   }
-  return piece_of_point(mesh, mesh.triangles[nearest.triangle][0]);
+  result.decoded_bricks = piece->decoded_bricks;
+  return std::move(piece->mesh);
 }
 
 double deviation_mm(const AskedDeviation& asked, const Geometry& geometry) {
@@ -259,13 +264,10 @@ SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context)
                  ": its spacing is not known; the surface is written as if voxels were 1 mm");
   }
 
-  TriangleMesh mesh = extracted(*reader, field, options, context);
-  const Geometry geometry = reader->levels().geometry(volume.geometry, options.level);
-  if (options.seed) {
-    mesh = piece_at_seed(mesh, *options.seed, geometry, reader->levels().size(options.level),
-                         options);
-  }
   SurfaceResult result;
+  TriangleMesh mesh = options.seed ? piece_at_seed(*reader, field, options, context, result)
+                                   : extracted(*reader, field, options, context);
+  const Geometry geometry = reader->levels().geometry(volume.geometry, options.level);
   result.volume = volume;
   result.voxel_digest = reader->voxel_digest();
   result.full_triangle_count = mesh.triangles.size();

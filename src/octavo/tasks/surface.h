@@ -30,7 +30,8 @@ struct SurfaceOptions {
   bool is_stored = false;  ///< the isovalue is a stored value instead of a real one
   AskedLabels labels;      ///< of a label map these; with none every voxel but 0
   int level = 0;
-  /// Only the piece of the surface that comes nearest to this place, in voxels of the level.
+  /// Only the piece of the surface that comes nearest to this place, in voxels of the level. Bricks
+  /// that it does not pass are not decoded.
   std::optional<Point3> seed;
   AskedDeviation max_deviation;
   MeshSpace space = MeshSpace::lps;
@@ -53,6 +54,8 @@ struct SurfaceResult {
   bool is_sound = false;         ///< closed, manifold, and no triangle crosses another
   bool is_written = false;       ///< not where the check found faults that are not allowed
   std::uint64_t file_bytes = 0;
+  /// That the piece of a seed passes; nothing without one.
+  std::optional<std::uint64_t> decoded_bricks;
 };
 
 /// Writes the surface of a level: closed, also where the volume ends, triangles outward; in formats
@@ -60,8 +63,8 @@ struct SurfaceResult {
 /// Throws  as open_volume, require_free, labels_of, extract_surface and write_mesh;
 ///         Error{invalid_argument} where no or every voxel lies inside, for a seed that no surface
 ///         passes within a voxel, when options do not go together or with the volume
-/// Memory  that of extract_surface, 36 bytes per triangle of the level's surface, and as much again
-///         while it is checked; with a deviation that of decimate
+/// Memory  that of extract_surface or surface_piece, 36 bytes per triangle of the surface, and as
+///         much again while it is checked; with a deviation that of decimate
 SurfaceResult surface(const SurfaceOptions& options, const TaskContext& context);
 
 }  // namespace octavo
