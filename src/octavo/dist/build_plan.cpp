@@ -98,7 +98,7 @@ void require_groups(const BuildPlan& plan) {
 }
 
 void require_codec(const BuildPlan& plan) {
-  const std::uint32_t here = codec_check();
+  const std::uint32_t here = codec_check(plan.source.type, plan.options);
   if (plan.codec_check == here) return;
   char text[32];
   std::snprintf(text, sizeof text, "%08x there, %08x here", plan.codec_check, here);
@@ -129,7 +129,7 @@ BuildPlan plan_build(PlaneSource& source, const BuildOptions& options, Progress&
 
   Workers workers(threads);
   GroupTrainer trainer(outline.description, outline.levels, workers, outline.settings);
-  plan.codec_check = codec_check();
+  plan.codec_check = codec_check(plan.source.type, plan.options);
   if (band_bytes > 0) {
     BandReader bands(outline.planes(source), outline.levels, 0, first_planes,
                      band_cut(outline, band_bytes), progress);

@@ -1,6 +1,9 @@
 #include "octavo/dist/codec_check.h"
 
+#include <map>
+#include <mutex>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "octavo/builder/build_outline.h"
@@ -20,8 +23,6 @@ constexpr Size3 kCheckedSize = {20, 14, 12};
 /// Sums up what a writer would have got.
 class CheckSink final : public BrickSink {
  public:
-  explicit CheckSink(std::uint32_t crc) : crc_(crc) {}
-
   void add_model(const Bytes& model) override { crc_ = crc32c(model, crc_); }
 
   void add_brick(int, const EncodedBrick& brick) override {
@@ -50,12 +51,12 @@ class CheckSink final : public BrickSink {
   std::uint32_t crc() const { return crc_; }
 
  private:
-  std::uint32_t crc_;
+  std::uint32_t crc_ = 0;
 };
 
 /// A slope with a bright ball in it and some noise; of labels regions.
 std::int64_t checked_value(std::int64_t x, std::int64_t y, std::int64_t z, std::uint32_t noise,
-                      VolumeKind kind) {
+                           VolumeKind kind) {
   const std::int64_t dx = x - 10;
   const std::int64_t dy = y - 7;
   const std::int64_t dz = z - 6;
@@ -91,7 +92,7 @@ struct CheckedVolume {
   double max_error = 0;
 };
 
-std::uint32_t check_of(const CheckedVolume& row, std::uint32_t crc) {
+std::uint32_t check_of(const CheckedVolume& row) {
   VolumeDescription description;
   description.type = row.type;
   description.kind = row.kind;
@@ -109,7 +110,7 @@ std::uint32_t check_of(const CheckedVolume& row, std::uint32_t crc) {
   Workers workers(1);
   GroupTrainer trainer(outline.description, outline.levels, workers, outline.settings);
   GroupReader reader(outline.planes(*source), outline.levels, progress, outline.float_voxels());
-  CheckSink sink(crc);
+  CheckSink sink;
   TierEncoder encoder(outline.levels, 0, outline.description.codec_type(), workers, sink, progress,
                       outline.bound);
   while (!reader.is_done()) {
@@ -120,25 +121,30 @@ std::uint32_t check_of(const CheckedVolume& row, std::uint32_t crc) {
   return sink.crc();
 }
 
-std::uint32_t check_of_all() {
-  std::uint32_t crc = 0;
-  for (const CheckedVolume& row :
-       {CheckedVolume{.type = VoxelType::int16, .preset = Preset::small},
-        CheckedVolume{.type = VoxelType::uint16},
-        CheckedVolume{.type = VoxelType::int16, .max_error = 5},
-        CheckedVolume{.type = VoxelType::uint8, .kind = VolumeKind::labels},
-        CheckedVolume{.type = VoxelType::float32},
-        CheckedVolume{.type = VoxelType::float32, .max_error = 0.3}}) {
-    crc = check_of(row, crc);
+/// The volume that is made as the planned one.
+CheckedVolume checked_volume(VoxelType type, const BuildOptions& options) {
+  if (options.kind == VolumeKind::labels) {
+    return {.type = VoxelType::uint8, .kind = VolumeKind::labels, .preset = options.preset};
   }
-  return crc;
+  const bool is_float = type == VoxelType::float32;
+  const double max_error = options.max_error == 0 ? 0 : is_float ? 0.3 : 5;
+  return {.type = is_float ? VoxelType::float32 : VoxelType::int16,
+          .preset = options.preset,
+          .max_error = max_error};
 }
 
 }  // namespace
 
-std::uint32_t codec_check() {
-  static const std::uint32_t check = check_of_all();
-  return check;
+std::uint32_t codec_check(VoxelType type, const BuildOptions& options) {
+  using Kind = std::tuple<VoxelType, VolumeKind, Preset, double>;
+  static std::mutex mutex;
+  static std::map<Kind, std::uint32_t> found;
+  const CheckedVolume volume = checked_volume(type, options);
+  const std::lock_guard lock(mutex);
+  const Kind kind = {volume.type, volume.kind, volume.preset, volume.max_error};
+  const auto known = found.find(kind);
+  if (known != found.end()) return known->second;
+  return found.emplace(kind, check_of(volume)).first->second;
 }
 
 }  // namespace octavo

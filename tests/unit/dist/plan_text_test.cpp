@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <functional>
+#include <set>
 
 #include "octavo/builder/group_reader.h"
 #include "octavo/core/error.h"
@@ -162,12 +163,29 @@ TEST(PlanText, PartsHoldEveryGroupOnceAndDifferByOneAtMost) {
   }
 }
 
+TEST(PlanText, EachKindOfBuildIsCheckedByItself) {
+  BuildOptions fast;
+  fast.preset = Preset::fast;
+  BuildOptions small = fast;
+  small.preset = Preset::small;
+  BuildOptions lossy = fast;
+  lossy.max_error = 2;
+  BuildOptions labels = fast;
+  labels.kind = VolumeKind::labels;
+  const std::set<std::uint32_t> checks = {
+      codec_check(VoxelType::int16, fast),   codec_check(VoxelType::int16, small),
+      codec_check(VoxelType::int16, lossy),  codec_check(VoxelType::uint8, labels),
+      codec_check(VoxelType::float32, fast), codec_check(VoxelType::float32, lossy)};
+  EXPECT_EQ(checks.size(), 6U);
+  EXPECT_EQ(codec_check(VoxelType::int16, fast), codec_check(VoxelType::uint32, fast));
+}
+
 TEST(PlanText, AProgramThatMakesOtherBytesIsRejected) {
   BuildOptions options;
   options.threads = 1;
   const Volume volume = volume_of(VoxelType::uint8);
   BuildPlan other = plan_of(volume, options);
-  EXPECT_EQ(other.codec_check, codec_check());
+  EXPECT_EQ(other.codec_check, codec_check(other.source.type, other.options));
   ++other.codec_check;
   other.id = id_of(other);
   const BuildPlan plan = parse_plan(plan_text(other));
