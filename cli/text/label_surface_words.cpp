@@ -36,7 +36,7 @@ std::string faults_text(const LabelSurfacesOptions& options, const LabelSurfaces
 std::string touching_text(const LabelSurfacesResult& result) {
   std::size_t count = 0;
   for (const LabelSurface& surface : result.labels) {
-    count += surface.check.coincident_points > 0 ? 1u : 0u;
+    count += surface.touching_points > 0 ? 1u : 0u;
   }
   if (count == 0) return "closed, manifold\n";
   return fmt::format("closed, manifold; {} of {} labels touch themselves at points or edges\n",
@@ -62,6 +62,7 @@ nlohmann::ordered_json label_json(const LabelSurface& surface, const LabelSurfac
                                    {"repeated_sides", check.repeated_sides},
                                    {"pinched_points", check.pinched_points},
                                    {"coincident_points", check.coincident_points},
+                                   {"touching_points", surface.touching_points},
                                    {"voxels", surface.voxel_count},
                                    {"area_mm2", if_spaced(surface.measures.area_mm2)},
                                    {"volume_mm3", if_spaced(surface.measures.volume_mm3)},

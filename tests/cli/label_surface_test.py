@@ -89,7 +89,8 @@ class LabelSurfaces(cli_test.InFolder):
             triangles = read_stl(self.folder / row["output"])
             self.assertEqual(len(triangles), row["triangles"])
             sides = sides_of(triangles)
-            self.assertTrue(all(sides[s] == sides[s[::-1]] for s in sides))
+            self.assertEqual(set(sides.values()), {1})
+            self.assertTrue(all(s[::-1] in sides for s in sides))
             self.assertTrue(row["closed"] and row["manifold"])
             self.assertAlmostEqual(volume_of(triangles), row["volume_mm3"], delta=0.001)
             self.assertAlmostEqual(volume_of(triangles) / self.volume_in_voxels(row["label"]),
@@ -101,14 +102,17 @@ class LabelSurfaces(cli_test.InFolder):
         self.assertGreater(sum(1 for count in inner.values() if count == 2), 100)
         self.assertGreater(max(row["longest_move_mm"] for row in report["labels"]), 0.1)
 
-    def test_a_label_that_touches_itself_is_manifold_by_its_numbers(self):
+    def test_a_label_that_touches_itself_is_manifold_by_its_places(self):
         report = self.json("surface", "l.8vo", "--parts", "--label", "3", "--smooth", "off", "-o",
                            "one.obj")
         (row,) = report["labels"]
-        self.assertGreater(row["coincident_points"], 0)
+        self.assertGreater(row["touching_points"], 0)
+        self.assertEqual(row["coincident_points"], 0)
         self.assertEqual(row["components"], 2)
         self.assertEqual(row["longest_move_mm"], 0)
-        self.assertAlmostEqual(row["volume_mm3"], self.volume_in_voxels(3), delta=0.001)
+        # Points that are moved apart take less than a hundredth of a voxel with them.
+        self.assertAlmostEqual(row["volume_mm3"], self.volume_in_voxels(3),
+                               delta=0.01 * row["touching_points"])
         _, groups = read_obj(self.folder / "one.obj")
         ((_, triangles),) = groups.items()
         sides = sides_of(triangles)

@@ -193,6 +193,13 @@ TriangleMesh LabelParts::cut(std::int64_t label) {
     }
     if (side == 1) std::swap(numbers[1], numbers[2]);
   }
+  touching_.clear();
+  for (const auto& [point_and_fan, number] : others) {
+    touching_.push_back(number);
+    if (numbers_[point_and_fan.first] != kNone) touching_.push_back(numbers_[point_and_fan.first]);
+  }
+  std::sort(touching_.begin(), touching_.end());
+  touching_.erase(std::unique(touching_.begin(), touching_.end()), touching_.end());
   for (const std::uint32_t triangle : own) {
     for (const std::uint32_t point : interfaces_.mesh.triangles[triangle]) numbers_[point] = kNone;
   }

@@ -52,6 +52,9 @@ class LabelParts {
   /// points stand at one place. Requires a label that is there.
   TriangleMesh cut(std::int64_t label);
 
+  /// The points of the part cut last that stand at one place with others of it, ascending.
+  const std::vector<std::uint32_t>& touching() const { return touching_; }
+
  private:
   static constexpr std::uint32_t kNone = 0xffffffff;
 
@@ -60,6 +63,7 @@ class LabelParts {
   std::vector<std::size_t> ends_;         // behind the triangles of each label
   std::vector<std::uint32_t> triangles_;  // label after label
   std::vector<std::uint32_t> numbers_;    // of points in the part, of their first fans
+  std::vector<std::uint32_t> touching_;   // of the part cut last
 };
 
 /// How many voxels have each label but 0, counted by the quads around them.

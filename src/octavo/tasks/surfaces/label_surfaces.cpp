@@ -18,6 +18,7 @@
 #include "octavo/mesh/nets/interface_mesh.h"
 #include "octavo/mesh/nets/net_extraction.h"
 #include "octavo/mesh/nets/smoothed_interfaces.h"
+#include "octavo/mesh/nets/touching_points.h"
 #include "octavo/tasks/inputs.h"
 #include "octavo/tasks/surfaces/part_names.h"
 #include "octavo/tasks/volume_facts.h"
@@ -180,10 +181,18 @@ class LabelSurfaceWriter {
     return asked_.empty() || std::binary_search(asked_.begin(), asked_.end(), label);
   }
 
+  /// The closed surface of a label, no two points of it at one place.
+  static TriangleMesh cut_out(std::int64_t label, LabelParts& parts) {
+    TriangleMesh part = parts.cut(label);
+    move_apart(parts.touching(), part);
+    return part;
+  }
+
   LabelSurface measured(std::int64_t label, LabelParts& parts) const {
     context_.stop_if_cancelled();
-    const TriangleMesh mesh = parts.cut(label);
+    const TriangleMesh mesh = cut_out(label, parts);
     LabelSurface surface;
+    surface.touching_points = parts.touching().size();
     surface.label = label;
     surface.point_count = mesh.points.size();
     surface.triangle_count = mesh.triangles.size();
@@ -278,7 +287,7 @@ class LabelSurfaceWriter {
     TriangleMesh all;
     std::vector<MeshPart> ranges;
     for (const LabelSurface& surface : result_.labels) {
-      const TriangleMesh part = parts.cut(surface.label);
+      const TriangleMesh part = cut_out(surface.label, parts);
       const auto first = static_cast<std::uint32_t>(all.points.size());
       const std::size_t begin = all.triangles.size();
       all.points.insert(all.points.end(), part.points.begin(), part.points.end());
@@ -304,7 +313,7 @@ class LabelSurfaceWriter {
     const ProgressScope scope(context_.watcher(), "parts",
                               static_cast<std::int64_t>(labels.size()), "labels");
     for (const LabelSurface& surface : result_.labels) {
-      const TriangleMesh part = parts.cut(surface.label);
+      const TriangleMesh part = cut_out(surface.label, parts);
       files.push_back(written(surface.path, options_.part_format, part,
                               {part_of(surface.label, 0, part.triangles.size())}, {}));
       context_.watcher().advance(1);

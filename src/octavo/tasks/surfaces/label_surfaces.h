@@ -39,8 +39,9 @@ struct LabelSurface {
   std::string path;  ///< of its file in the folder; else empty
   std::uint64_t point_count = 0;
   std::uint64_t triangle_count = 0;
-  /// Points at one place are no fault: the label touches itself there.
+  /// Points at one place are no fault: so far from 0 that they cannot be told apart.
   MeshCheck check;
+  std::uint64_t touching_points = 0;  ///< where the label touches itself: they are moved apart
   MeshMeasures measures;        ///< of voxels of 1 mm where the spacing is not known
   std::int64_t voxel_count = 0;
   double volume_change = 0;     ///< against that of its voxels, as a share of it
