@@ -7,6 +7,7 @@
 
 #include "octavo/io/isolation/isolated_source.h"
 #include "octavo/io/isolation/worker_protocol.h"
+#include "octavo/io/source/prefetch_source.h"
 #include "support/coded_dicom.h"
 #include "support/dicom_samples.h"
 #include "support/image_samples.h"
@@ -109,9 +110,9 @@ TEST(IsolatedSource, WhatItHoldsCountsPlanesOfTheWorker) {
   for (int z = 0; z < 3; ++z) {
     write_dicom(folder.file("dicom/" + std::to_string(z) + ".dcm"), slice(z));
   }
-  const auto here = open_source({folder.file("dicom")}, {});
+  const auto ahead = make_prefetch_source(open_source({folder.file("dicom")}, {}), {});
   EXPECT_EQ(open_apart(folder.file("dicom"))->resident_bytes(),
-            here->resident_bytes() + 2 * plane_bytes(here->description()));
+            ahead->resident_bytes() + 2 * plane_bytes(ahead->description()));
 }
 
 TEST(IsolatedSource, PlanesThatAreNotAskedForAreNotRead) {
